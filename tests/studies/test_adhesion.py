@@ -6,11 +6,15 @@ import numpy as np
 import pytest
 from stiction import Study, half_space, pair, run, self_affine_surface
 from stiction.mechanics.quantities import LOAD_INDEPENDENT_QUANTITIES
-from stiction.studies.assessment import MAX_NEGLECTED_ADHESION, TYPICAL_WORK_OF_ADHESION, estimate_adhesion_load
+from stiction.studies.assessment import (
+    MAX_NEGLECTED_ADHESION_FRACTION,
+    TYPICAL_WORK_OF_ADHESION,
+    estimate_adhesion_load,
+)
 from stiction.studies.contact_picture import coming_and_going
 from stiction.studies.evaluation import at_load
 from stiction.studies.members import load_bodies
-from stiction.studies.point import is_unloaded, points
+from stiction.studies.point import is_unloaded, iterate_points
 from stiction.studies.pull_off import Sticking
 from stiction.views.pull_off import pull_off_text
 from stiction.views.rows import summary_json, summary_table
@@ -291,15 +295,19 @@ def test_estimated_effect_of_adhesion_agrees_with_solutions_of_pairs():
         load = f"{0.01 * modulus * slope * 1e3:.4g} MPa"
         options = {"load": load, "mu0": 0.3, "effective_modulus": modulus, "shifts": 1, "onset": 0, "direction": [0]}
         plain_result, result = pair(*bodies, **options), pair(*bodies, **options, **ADHESION_OPTIONS)
-        point = next(points(plain_result.at_study_loads))
+        point = next(iterate_points(plain_result.at_study_loads))
         estimated_increase = estimate_adhesion_load(point, plain_result.study)
         data = result.dataset.sel(load=float(result.study.friction.load[0]))
         solved_increase = float(data["contact_load"].squeeze() / data["load"]) - 1
-        if (estimated_increase > MAX_NEGLECTED_ADHESION) != (solved_increase > MAX_NEGLECTED_ADHESION):
+        if (estimated_increase > MAX_NEGLECTED_ADHESION_FRACTION) != (
+            solved_increase > MAX_NEGLECTED_ADHESION_FRACTION
+        ):
             misjudged_increases.append(solved_increase)
     assert len(misjudged_increases) <= 4
     assert all(
-        MAX_NEGLECTED_ADHESION / MAX_ESTIMATE_RATIO < increase < MAX_NEGLECTED_ADHESION * MAX_ESTIMATE_RATIO
+        MAX_NEGLECTED_ADHESION_FRACTION / MAX_ESTIMATE_RATIO
+        < increase
+        < MAX_NEGLECTED_ADHESION_FRACTION * MAX_ESTIMATE_RATIO
         for increase in misjudged_increases
     )
 

@@ -8,12 +8,12 @@ from stiction.studies.members import load_bodies
 from stiction.studies.resolution import (
     CUTOFF_STUDY_FOLDER,
     build_cutoff_study,
+    estimate_yield_wavelengths,
     evaluate_cutoffs,
     find_resolution,
     find_resolved_roughness,
     plastic_limit,
     resolution_limits,
-    yield_estimates,
 )
 from stiction.studies.runner import compute_missing
 from stiction.studies.store import open_stored
@@ -120,7 +120,7 @@ def test_yield_estimates_list_the_plastic_wavelength_for_each_hardness(tmp_path)
         tmp_path, spacing="0.1 um", members=2, contact='direction = [0, 180]\nload = ["2 mN"]'
     )
     point = at_load(run(elastic_study), [2.0]).isel(cut_off=0, load=0, mu0=0, tau0=1)
-    table = yield_estimates(point, elastic_study, find_resolved_roughness(elastic_study))
+    table = estimate_yield_wavelengths(point, elastic_study, find_resolved_roughness(elastic_study))
     pressure = float(point["mean_pressure"].sel(statistic="mean"))
     assert [estimate.hardness for estimate in table] == [0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0]
     assert [estimate.friction for estimate in table] == pytest.approx([0.3 + 0.05 / row.hardness for row in table])

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 from stiction.studies.assessment import METAL_YIELD_PRESSURE_RATIO, YIELD_PRESSURE_RATIO, Caveat
-from stiction.studies.point import points
-from stiction.studies.summary import WAVELENGTHS_INPUT, summarize, summarize_point
+from stiction.studies.point import iterate_points
+from stiction.studies.summary import UNATTRIBUTED_WAVELENGTHS_INPUT, summarize, summarize_point
 from stiction.views.point import averaged_directions_text
 from stiction.views.sentence import (
     MIN_STATED_READING_DIFFERENCE,
@@ -212,7 +212,7 @@ def test_missing_coefficient_is_explained_by_the_status_of_the_point():
 def test_caveats_about_inputs_are_listed_after_faults():
     input_caveat = Caveat("a parabola carries the load", "try --level quadratic", "caution")
     dataset = measured_result(share_at_edge=0.6)
-    point = summarize_point(next(points(dataset)), measured_study(), [input_caveat])
+    point = summarize_point(next(iterate_points(dataset)), measured_study(), [input_caveat])
     assert [caveat.severity for caveat in point.caveats] == ["fault", "caution"]
     assert point.caveats[1] == input_caveat
 
@@ -292,10 +292,10 @@ def test_interval_contains_filtered_and_unfiltered_results(is_floor):
         word = "with" if is_floor else "without"
         assert point.caveats[0].text.startswith(f"{caveat.text}; {word} them μ_s is 0.210 [0.206, 0.214]")
         assert [(remaining.words, remaining.lower) for remaining in point.budget] == [
-            (WAVELENGTHS_INPUT, pytest.approx(0.245)),
+            (UNATTRIBUTED_WAVELENGTHS_INPUT, pytest.approx(0.245)),
             ("the hardness", pytest.approx(0.2058)),
         ]
-        assert point.most.words == WAVELENGTHS_INPUT
+        assert point.most.words == UNATTRIBUTED_WAVELENGTHS_INPUT
         assert (point.bracket is None) == (not is_floor)
     summary_of_all = summarize(dataset, measured_study(hardness=2.0))
     assert summary_of_all.headlines == list(summary_of_all.points)

@@ -9,7 +9,7 @@ from stiction._number_format import format_estimate
 from stiction.studies.budget import add_uncertainty
 from stiction.studies.evaluation import at_load
 from stiction.studies.nodes import NodeAxis, interpolate_table, relative_excess_error
-from stiction.studies.point import rules_of
+from stiction.studies.point import list_rules_quoted_first
 from stiction.studies.study import parse_dataset_study
 from stiction.studies.summary import summarize
 from stiction.views.report import report_page
@@ -242,7 +242,7 @@ def test_assessments_in_reports_of_generated_profiles_equal_library_assessments(
             study=parse_dataset_study(dataset).with_changes({"contact.effective_modulus": "50 MPa"}).to_toml()
         )
     study, report_numbers = parse_dataset_study(dataset), ReportNumbers(report_page(dataset))
-    assert report_numbers.facts["quotedRule"] == rules_of(study)[0]
+    assert report_numbers.facts["quotedRule"] == list_rules_quoted_first(study)[0]
     loads = report_numbers.facts["loads"]["values"]
     verdicts = set()
     for mu0, tau0 in itertools.product(study.friction.mu0[:2], study.friction.tau0[:2]):

@@ -22,14 +22,14 @@ from stiction.studies.input_uncertainty import UncertainInput
 from stiction.studies.interfaces import NEGLIGIBLE_GROWTH_EFFECT, VON_MISES_GROWTH, find_interface
 from stiction.studies.point import (
     RuleValue,
-    contact_status_of,
+    adhesion_ranges,
+    effective_modulus_at,
+    find_contact_status,
+    has_limited_pressure,
     has_nominal_area,
-    is_capped,
     is_unloaded,
-    modulus_of,
-    pressure_of,
-    range_of,
-    value_of,
+    mean_contact_pressure,
+    mean_over_directions,
 )
 
 if TYPE_CHECKING:
@@ -62,14 +62,15 @@ MAX_AFFECTED_FRACTION = 0.5
 MAX_INTERPOLATED_FRACTION = 0.02  # A caveat is issued if more than this fraction of the scan points is interpolated.
 MAX_SPACING_RATIO = 3.0  # A caveat is issued if the grid spacings of the two scans differ by more than this factor.
 
-NEARLY_BULK_STRENGTH = 0.7  # ratio of τ0 to H/√α above which an interface counts as nearly as strong as the bulk
+NEARLY_BULK_STRENGTH_RATIO = 0.7  # ratio of τ0 to H/√α above which an interface counts as nearly as strong as the bulk
 # An interval has no upper limit if the interface seizes in more than this fraction of the samples.
 MAX_SEIZING_FRACTION = 0.025
 
 MIN_LOAD_FRACTION_AT_HARDNESS = 0.1
 """Fraction of the load on plastic contacts above which τ0 is compared with the shear strength of the softer body."""
 
-MAX_NEGLECTED_ADHESION = 0.05  # A caveat is issued if adhesion adds more than this fraction of the applied load.
+# A caveat is issued if adhesion adds more than this fraction of the applied load.
+MAX_NEGLECTED_ADHESION_FRACTION = 0.05
 TYPICAL_WORK_OF_ADHESION = 5e-5  # typical work of adhesion of solids in air, in mN/µm (50 mJ/m²)
 RIM_ATTRACTION_FACTOR = 4.3
 """Factor in the estimated attraction around contacts, fitted to 395 computed pairs with E* from 2 MPa to 200 GPa.
@@ -171,7 +172,7 @@ VALUE_CHECKS = (
     Check("half_width", MAX_RELATIVE_HALF_WIDTH, WIDE_INTERVAL_TEXT, "use more members"),
 )
 
-SINGLE_GAP_CHECK = Check(
+SINGLE_POSITION_CHECK = Check(
     "missing_interval", MAX_AFFECTED_FRACTION, "a gap has one position, so the spread between places is unknown",
     "use gaps at other places as well", "caution",
 )  # fmt: skip
@@ -262,31 +263,31 @@ def find_point_caveats(point: xarray.Dataset, study: Study, value: RuleValue, st
         yield NO_COEFFICIENT_CAVEAT
         yield from _find_adhesion_caveats(point, study)
         yield from _find_grid_caveats(point, study)
-        yield from apply_checks(CONTACT_CHECKS, _compute_checked_numbers(point, study, value))
+        yield from find_failed_check_caveats(CONTACT_CHECKS, _compute_checked_numbers(point, study, value))
         return
     if status != friction.STATUS_OK or math.isnan(value.value):
         text, remedy = STATUS_EXPLANATIONS.get(status, STATUS_EXPLANATIONS[""])
         yield Caveat(text, remedy, "fault")
         return
-    members = value_of(point, "members")
+    members = mean_over_directions(point, "members")
     # minimum number of solved members in any sliding direction
     num_solved = float(point["ok"].min()) if "ok" in point else math.nan
     if num_solved < MAX_AFFECTED_FRACTION * members:
         text = f"only {num_solved:.0f} of {members:.0f} members have a coefficient"
         yield Caveat(text, "check the statuses, and try another load", "fault")
     numbers = _compute_checked_numbers(point, study, value)
-    pressures = list_pressure_checks(study, modulus_of(point, study))
-    yield from apply_checks(
-        ([SINGLE_GAP_CHECK] if study.is_gap else VALUE_CHECKS, [STEEP_SURFACE_CHECK], *pressures), numbers
+    pressures = list_pressure_checks(study, effective_modulus_at(point, study))
+    yield from find_failed_check_caveats(
+        ([SINGLE_POSITION_CHECK] if study.is_gap else VALUE_CHECKS, [STEEP_SURFACE_CHECK], *pressures), numbers
     )
     yield from _find_strength_caveats(point, study, value)
     yield from _find_adhesion_caveats(point, study)
     yield from _find_grid_caveats(point, study)
     yield from _find_area_caveats(point, study)
-    yield from apply_checks((CONTACT_COUNT_CHECKS, *CONTACT_CHECKS), numbers)
+    yield from find_failed_check_caveats((CONTACT_COUNT_CHECKS, *CONTACT_CHECKS), numbers)
 
 
-def find_smallest_limit(name: str) -> float | None:
+def find_smallest_check_limit(name: str) -> float | None:
     """Return the smallest limit that contact checks set for a number, or None if no check uses the number."""
     return min(
         (check.limit for group in (CONTACT_COUNT_CHECKS, *CONTACT_CHECKS) for check in group if check.name == name),
@@ -294,7 +295,7 @@ def find_smallest_limit(name: str) -> float | None:
     )
 
 
-def apply_checks(checks: Checks, numbers: Mapping[str, Any]) -> Iterator[Caveat]:
+def find_failed_check_caveats(checks: Checks, numbers: Mapping[str, Any]) -> Iterator[Caveat]:
     """Yield one caveat for each group of checks in which a check fails. The first failed check determines the caveat.
 
     A check passes if its number is missing.
@@ -334,20 +335,20 @@ def compute_value_numbers(
 
 
 def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: RuleValue) -> dict[str, Any]:
-    area, count = value_of(point, "contact_area"), value_of(point, "contact_count")
+    area, count = mean_over_directions(point, "contact_area"), mean_over_directions(point, "contact_count")
     spacings = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)
     # area of a grid cell if the half-space model is applied to maps; otherwise NaN
     cell_area = float(np.prod(spacings)) if spacings.size == 2 and study.uses_half_space else math.nan
     checked = {
-        check.name: value_of(point, check.name)
+        check.name: mean_over_directions(point, check.name)
         for group in ([STEEP_SURFACE_CHECK], CONTACT_COUNT_CHECKS, *CONTACT_CHECKS)
         for check in group
     }
     is_merged = _area_fraction(point, study) > MERGED_AREA_FRACTION
-    members = float(point["ok"].min()) if "ok" in point else value_of(point, "members")
+    members = float(point["ok"].min()) if "ok" in point else mean_over_directions(point, "members")
     numbers = compute_value_numbers(
         value.value, value.lower, value.upper, mu0=float(point["mu0"]), tau0=float(point["tau0"]),
-        pressure=pressure_of(point), contact_count=count, members=members, is_merged=is_merged,
+        pressure=mean_contact_pressure(point), contact_count=count, members=members, is_merged=is_merged,
     )  # fmt: skip
     return (
         checked
@@ -366,7 +367,7 @@ def list_pressure_checks(study: Study, modulus: float) -> Checks:
     the contact model limits the pressure, or if the effective modulus (GPa) is so small that the bodies are probably
     rubber or gels.
     """
-    if is_capped(study):
+    if has_limited_pressure(study):
         return ()
 
     def check(limit: float, text: str, remedy: str, severity: Severity) -> Check:
@@ -430,7 +431,7 @@ def find_verdict(reasons: Iterable[Caveat | Check]) -> str:
 def _find_strength_caveats(point: xarray.Dataset, study: Study, value: RuleValue) -> Iterator[Caveat]:
     """Yield caveats about junction growth, about seizure, and about a friction coefficient that equals mu0."""
     hardness, mu0, tau0 = study.contact.hardness, float(point["mu0"]), float(point["tau0"])
-    if hardness is not None and value_of(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS:
+    if hardness is not None and mean_over_directions(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS:
         growth = find_junction_growth(study)
         coefficient, grown = tabor_friction(float(hardness), mu0, tau0, [0.0, VON_MISES_GROWTH])
         strength = float(hardness) * VON_MISES_GROWTH**-0.5
@@ -460,7 +461,7 @@ def _find_strength_caveats(point: xarray.Dataset, study: Study, value: RuleValue
             if study.contact.adheres:  # in the model, adhesive contacts do not grow under shear
                 remedy = "compare with the pair without --adhesion, whose contacts grow"
             yield Caveat(text, remedy, "caution")
-    yield from apply_checks(([EQUALS_MU0_CHECK],), _compute_checked_numbers(point, study, value))
+    yield from find_failed_check_caveats(([EQUALS_MU0_CHECK],), _compute_checked_numbers(point, study, value))
 
 
 def _find_seizure_caveats(
@@ -468,14 +469,14 @@ def _find_seizure_caveats(
 ) -> Iterator[Caveat]:
     """Yield a caveat if some input samples lead to seizure, or if the interface is nearly as strong as the bulk."""
     strength = hardness * growth.high**-0.5 if growth.high else math.inf
-    seizing = value_of(point, "fraction_seizing")
+    seizing = mean_over_directions(point, "fraction_seizing")
     if seizing > 0:
         text = (
             f"{format_percent(seizing)} of the samples of the inputs seize: τ0 is at least H/√α, and junctions grow "
             "without limit" + ("; the interval has no upper limit" if seizing > MAX_SEIZING_FRACTION else "")
         )
         yield Caveat(text, "measure the hardness and τ0", "fault" if seizing > MAX_SEIZING_FRACTION else "caution")
-    elif tau0 > NEARLY_BULK_STRENGTH * strength:
+    elif tau0 > NEARLY_BULK_STRENGTH_RATIO * strength:
         text = (
             f"the interface is nearly as strong as the bulk: τ0 is {tau0 / strength:.2f} of H/√α at α = {growth.high:g}"
         )
@@ -488,7 +489,8 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
     """Yield caveats about neglected or unresolved adhesion, and about input effects that are not in the interval."""
     if not study.contact.adheres:
         added_load = estimate_adhesion_load(point, study)
-        min_added = MAX_NEGLECTED_ADHESION if study.uses_half_space else 1.0  # the asperity model has no adhesion
+        # the asperity model has no adhesion
+        min_added = MAX_NEGLECTED_ADHESION_FRACTION if study.uses_half_space else 1.0
         if study.is_measured and study.contact.work_of_adhesion is None and added_load > min_added:
             added_text = f"at least {format_percent(added_load)}" if added_load < 1 else "more than 100 %"
             work = f"{1e6 * TYPICAL_WORK_OF_ADHESION:g} mJ/m²"
@@ -496,7 +498,7 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
             options = "" if study.uses_half_space else "--mechanics half-space and "
             yield Caveat(text, f"specify {options}--adhesion ('0 mJ/m^2' if there is none)", "caution")
         return
-    study_range, resolved = range_of(point, study)
+    study_range, resolved = adhesion_ranges(point, study)
     if resolved > study_range:
         ends = (
             f"{format_with_unit(resolved, 'um')}, the smallest on this grid, not {format_with_unit(study_range, 'um')}"
@@ -509,7 +511,9 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
         "young",
         "poisson",
     }
-    if uncertain_inputs and value_of(point, "contact_load") > (1 + MAX_NEGLECTED_ADHESION) * float(point["load"]):
+    if uncertain_inputs and mean_over_directions(point, "contact_load") > (1 + MAX_NEGLECTED_ADHESION_FRACTION) * float(
+        point["load"]
+    ):
         names = (
             "the hardness"
             if uncertain_inputs == {"hardness"}
@@ -530,15 +534,19 @@ def estimate_adhesion_load(point: xarray.Dataset, study: Study) -> float:
     = w/(E* h'² d) and Tabor's parameter μ of asperities of radius d/h', it equals κ μ s^(1/3) (1 + 4.3
     (s^(2/3)/μ)^(2/3)).
     """
-    area, count, slope = (value_of(point, name) for name in ("contact_area", "contact_count", "rms_gradient"))
+    area, count, slope = (
+        mean_over_directions(point, name) for name in ("contact_area", "contact_count", "rms_gradient")
+    )
     if not (area > 0 and count > 0 and slope > 0):
         return math.nan
     spacing = float(np.max(point.attrs.get("spacing_um", 0.0)))
-    attraction_range = max(ADHESION_RANGE, resolved_range(TYPICAL_WORK_OF_ADHESION, spacing, modulus_of(point, study)))
+    attraction_range = max(
+        ADHESION_RANGE, resolved_range(TYPICAL_WORK_OF_ADHESION, spacing, effective_modulus_at(point, study))
+    )
     are_strips = has_nominal_area(point, study) and not study.is_areal  # profiles have a width of 1 µm
     contact_width = area / count if are_strips else math.sqrt(area / count)
     rim_factor = RIM_ATTRACTION_FACTOR * (attraction_range / (slope * contact_width)) ** (2 / 3)
-    return float(TYPICAL_WORK_OF_ADHESION / attraction_range / pressure_of(point) * (1 + rim_factor))
+    return float(TYPICAL_WORK_OF_ADHESION / attraction_range / mean_contact_pressure(point) * (1 + rim_factor))
 
 
 def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
@@ -551,7 +559,7 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
         ratio = format_significant(max(spacings) / min(spacings), 2)
         text = f"the {coarser} scan is {ratio} times coarser than the {finer}, so it lacks short wavelengths"
         yield Caveat(text, "scan both bodies with similar spacings", "caution")
-    mean_contact_area = value_of(point, "contact_area") / value_of(point, "contact_count")
+    mean_contact_area = mean_over_directions(point, "contact_area") / mean_over_directions(point, "contact_count")
     for side in sides:
         fraction, largest_gap = np.asarray(point.attrs.get(f"{side}_filled", (0.0, 0.0))).tolist()
         if fraction > MAX_INTERPOLATED_FRACTION or largest_gap > mean_contact_area:
@@ -575,7 +583,7 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
 
 
 def _find_area_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
-    status = contact_status_of(point, study)
+    status = find_contact_status(point, study)
     if status == COMPLETE_STATUS:
         remedy = (
             "adhesion closes the gap: use stiffer or rougher bodies" if study.contact.adheres else "use a smaller load"
@@ -589,6 +597,6 @@ def _find_area_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
 def _area_fraction(point: xarray.Dataset, study: Study) -> float:
     """Return the ratio of true to nominal area. It is NaN for generated profiles, which have no nominal area."""
     if "contact_area_fraction" in point or study.is_measured or not study.is_areal:
-        return value_of(point, "contact_area_fraction")
+        return mean_over_directions(point, "contact_area_fraction")
     surfaces: Any = study.surfaces
-    return value_of(point, "contact_area") / float(np.prod(surfaces.extents()))
+    return mean_over_directions(point, "contact_area") / float(np.prod(surfaces.extents()))

@@ -12,7 +12,7 @@ import numpy as np
 
 from stiction._number_format import format_percent, format_with_unit
 from stiction.studies.assessment import Caveat, Severity
-from stiction.studies.point import is_capped
+from stiction.studies.point import has_limited_pressure
 from stiction.surfaces.cut_off import MAX_CUTOFF_FRACTION
 from stiction.surfaces.hidden_noise import find_hidden_noise
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
@@ -84,12 +84,12 @@ def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[f
         for of_scan, scan in zip(file.scans, (body, *(other.read() for other in file.scans[1:])), strict=True):
             scan_caveats = [Caveat(each.text, f"{each.remedy} ({each.name})", "caution") for each in of_scan.caveats]
             if isinstance(scan, JoinedSpectrum):
-                scan_caveats += _of_scans(scan)
+                scan_caveats += _find_spectrum_caveats(scan)
             else:
                 scan_caveats += find_scan_caveats(
                     scan, form=not bowed, instrument=not vouched, tip_radius=file.tip,
                     textured=file.texture is not None, has_readings=bool(study.surfaces.both_readings),
-                    elastic=not is_capped(study),
+                    elastic=not has_limited_pressure(study),
                 )  # fmt: skip
             for each in scan_caveats:
                 kinds[_kind(each)] = max(kinds.get(_kind(each), each), each, key=lambda caveat: caveat.cut_off)
@@ -101,7 +101,7 @@ def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[f
         if _kind(each) == _kind(other) and each.severity == other.severity
     ]  # fmt: skip
     alike = {caveat for pair in pairs for caveat in pair}
-    shared = [replace(max(pair, key=lambda each: each.cut_off), text=_joined(*pair)) for pair in pairs]
+    shared = [replace(max(pair, key=lambda each: each.cut_off), text=_merge_caveats(*pair)) for pair in pairs]
     alone = [[each for each in of_body if each not in alike] for of_body in (of_upper, of_lower)]
     named = zip(("both scans", "upper", "lower"), (shared, *alone), strict=True)
     caveats = [replace(each, text=f"{name}: {each.text}") for name, of_body in named for each in of_body]
@@ -144,7 +144,7 @@ def _kind(caveat: Caveat) -> str:
     return _NUMBER_PATTERN.sub("", caveat.text)
 
 
-def _joined(upper: Caveat, lower: Caveat) -> str:
+def _merge_caveats(upper: Caveat, lower: Caveat) -> str:
     """Merge the texts of two caveats of the same kind. Wherever the texts contain different numbers, give both."""
     others = iter(_NUMBER_PATTERN.findall(lower.text))
 
@@ -171,8 +171,8 @@ def find_scan_caveats(
     filtered scan, and `elastic` is true if the study has no hardness.
     """
     return [
-        *_of_body(body, form=form),
-        *(_of_instrument(body, tip_radius, textured, has_readings, elastic) if instrument else ()),
+        *_find_form_caveats(body, form=form),
+        *(_find_instrument_caveats(body, tip_radius, textured, has_readings, elastic) if instrument else ()),
     ]
 
 
@@ -198,22 +198,22 @@ def _extent(body: Body) -> tuple[float, float]:
     return (1.0, body.extent) if isinstance(body, Profile) else body.extent
 
 
-def spectra_differ(joined: JoinedSpectrum) -> bool:
+def have_different_spectra(joined: JoinedSpectrum) -> bool:
     """Return whether the spectrum of any scan differs from the others, significantly and by more than a factor of 2."""
     with np.errstate(invalid="ignore"):
         return bool((np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MAX_SPECTRA_RATIO)).any())
 
 
-def _of_scans(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
+def _find_spectrum_caveats(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
     """Yield a caveat if the spectra of scans disagree, and another if all scans lack some wavelengths."""
-    if spectra_differ(spectrum):
+    if have_different_spectra(spectrum):
         text = "scans of the surface differ by more than a factor of two in power"
         yield Caveat(text, "compare them with characterise --together, and exclude the wrong one", "caution")
     if (spectrum.count == 0).any():
         yield Caveat("no scan contains some of the wavelengths", "scan the missing wavelengths", "caution")
 
 
-def _of_instrument(
+def _find_instrument_caveats(
     body: Profile | Surface, tip_radius: float | None, textured: bool, has_readings: bool, elastic: bool
 ) -> Iterator[Caveat]:
     """Yield caveats about wavelengths that come from the instrument, or that the tip does not resolve."""
@@ -226,7 +226,7 @@ def _of_instrument(
     if shortest:
         is_known = limit.origin == "instrument"
         source = "where" if is_known else "perhaps from the instrument:"
-        text = f"{_waves(limit)}, {source} {LIMIT_REASONS[limit.reason]}"
+        text = f"{_describe_slope_fraction(limit)}, {source} {LIMIT_REASONS[limit.reason]}"
         remedy = f"--cutoff '{format_with_unit(limit.cut_off, 'um')}' removes this fraction"
         if limit.matters:
             remedy += ", --cutoff none keeps it" if is_known else CUTOFF_REMEDY
@@ -243,7 +243,7 @@ def _of_instrument(
         remedy = f"--cutoff '{format_with_unit(hidden.cut_off, 'um')}' removes this fraction, --cutoff none keeps it"
         yield Caveat(text, f"{remedy}; {REPEATED_SCANS_REMEDY}", "caution", hidden.cut_off, has_readings)
     if blunt.reason == "tip" and blunt.slope_fraction > MAX_NOISE_SLOPE_FRACTION:
-        text = f"{_waves(blunt)}, which the tip does not resolve: the surface is steeper"
+        text = f"{_describe_slope_fraction(blunt)}, which the tip does not resolve: the surface is steeper"
         if elastic:
             text += ", and the interval does not include this"
         # Without a hardness, steeper slopes reduce the true area without limit.
@@ -261,7 +261,7 @@ def _of_instrument(
         )
 
 
-def _waves(limit: InstrumentLimit) -> str:
+def _describe_slope_fraction(limit: InstrumentLimit) -> str:
     """Describe the fraction of the mean square slope that comes from unreliable wavelengths."""
     # The fraction is rounded, so that caveats of similar scans are equal.
     fraction = f"{100 * limit.slope_fraction:.0f} %"
@@ -270,7 +270,7 @@ def _waves(limit: InstrumentLimit) -> str:
     return f"{fraction} of the mean square slope comes from wavelengths below {wavelength}{along}"
 
 
-def _of_body(body: Profile | Surface, *, form: bool) -> Iterator[Caveat]:
+def _find_form_caveats(body: Profile | Surface, *, form: bool) -> Iterator[Caveat]:
     height, extent = float(np.ptp(body.heights)), float(np.min(body.extent))
     if height > extent / 2:
         text = f"heights span {format_with_unit(height, 'um')} over {format_with_unit(extent, 'um')}"
@@ -284,10 +284,10 @@ def _of_body(body: Profile | Surface, *, form: bool) -> Iterator[Caveat]:
             percentage = f"{100 * parabola:.0f} %"
             text = f"form (a parabola) contributes {percentage} of the mean square height, and carries the load"
             yield Caveat(text, "try --level quadratic", "caution")
-    yield from _of_spikes(body)
+    yield from _find_spike_caveats(body)
 
 
-def _of_spikes(body: Profile | Surface) -> Iterator[Caveat]:
+def _find_spike_caveats(body: Profile | Surface) -> Iterator[Caveat]:
     """Yield a caveat about spikes, i.e. sharp points of a profile or map points far above or below their neighbours."""
     from scipy.ndimage import median_filter
 

@@ -35,7 +35,7 @@ class RuleValue:
     slopes: float = math.nan  # small-slope estimate (`gentle_friction`); NaN for generated bodies
 
 
-def points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
+def iterate_points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
     """Yield one dataset for each point, i.e. for each combination of roughness or cutoff, load, mu0 and tau0."""
     cells = [name for name in CELL_DIMENSIONS if name in at.dims]
     dims = [*cells, *(name for name in ("load", "mu0", "tau0") if name in at.dims)]
@@ -50,21 +50,21 @@ Under the quoted rule, friction acts at all contacts, because mu0 is measured on
 """
 
 CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions that the cells of a study may have
-MEAN_AND_ENDS = ("mean", "lower", "upper")  # labels of a mean and of the limits of its 95 % interval
+MEAN_AND_LIMITS = ("mean", "lower", "upper")  # labels of a mean and of the limits of its 95 % interval
 
 
-def shape_coordinate(study: Study, dimension: float) -> tuple[str, float]:
+def roughness_exponent(study: Study, dimension: float) -> tuple[str, float]:
     """Return the name and value of the roughness exponent. The name is H for self-affine surfaces, and D otherwise."""
     has_hurst = getattr(study.surfaces, "generator", "") == "self-affine"
     return ("H", round(2 - dimension, 12)) if has_hurst else ("D", dimension)
 
 
-def by_rule(table: Any, rule: str) -> Any:
+def select_sliding_rule(table: Any, rule: str) -> Any:
     """Select the values for a sliding rule. An array without the dimension `sliding` is returned unchanged."""
     return table.sel(sliding=rule) if "sliding" in table.dims else table
 
 
-def value_of(point: xarray.Dataset, name: str) -> float:
+def mean_over_directions(point: xarray.Dataset, name: str) -> float:
     """Return a quantity at a point, averaged over all directions, or NaN if the quantity is missing."""
     if name not in point.variables:
         return math.nan
@@ -75,24 +75,24 @@ def value_of(point: xarray.Dataset, name: str) -> float:
     return float(finite.mean()) if finite.size else math.nan
 
 
-def contact_status_of(point: xarray.Dataset, study: Study) -> str:
+def find_contact_status(point: xarray.Dataset, study: Study) -> str:
     """Return the status of the true area at a point: "ok", "complete", or (asperity model only) "above-nominal"."""
     if "contact_status" in point:
         return str(point["contact_status"].values)
-    above = value_of(point, "contact_area_fraction") > 1
+    above = mean_over_directions(point, "contact_area_fraction") > 1
     return (COMPLETE_STATUS if study.uses_half_space else ABOVE_NOMINAL_STATUS) if above else STATUS_OK
 
 
-def pressure_of(point: xarray.Dataset) -> float:
+def mean_contact_pressure(point: xarray.Dataset) -> float:
     """Return the mean contact pressure (GPa) at a point."""
     if "mean_pressure" in point:
-        return value_of(point, "mean_pressure")
-    area = value_of(point, "contact_area")
-    load = value_of(point, "contact_load") if "contact_load" in point else float(point["load"])
+        return mean_over_directions(point, "mean_pressure")
+    area = mean_over_directions(point, "contact_area")
+    load = mean_over_directions(point, "contact_load") if "contact_load" in point else float(point["load"])
     return load / area if area > 0 else math.nan
 
 
-def rules_of(study: Study) -> list[str]:
+def list_rules_quoted_first(study: Study) -> list[str]:
     """Return the sliding rules of a study, starting with the quoted rule."""
     order = RULE_ORDER if study.is_measured else RULE_ORDER[::-1]
     return sorted(study.contact.rules(), key=order.index)
@@ -105,51 +105,53 @@ def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
     """
     if "nominal_area" not in point.coords:
         return False
-    return study.is_areal or study.uses_half_space or "cylinder" in law_of(study)
+    return study.is_areal or study.uses_half_space or "cylinder" in contact_law_name(study)
 
 
-def law_of(study: Study) -> str:
+def contact_law_name(study: Study) -> str:
     """Return the name of the contact law in lower case, or an empty string for the half-space model."""
     return str(study.contact.law or "").lower()
 
 
-def is_capped(study: Study) -> bool:
+def has_limited_pressure(study: Study) -> bool:
     """Return whether the contact pressure is limited by a hardness or a yield strength."""
-    return study.contact.hardness is not None or "jackson" in law_of(study)
+    return study.contact.hardness is not None or "jackson" in contact_law_name(study)
 
 
-def modulus_of(point: xarray.Dataset, study: Study) -> float:
+def effective_modulus_at(point: xarray.Dataset, study: Study) -> float:
     """Return E* (GPa) at a point."""
     return float(point["effective_modulus"] if "effective_modulus" in point.coords else study.contact.effective_modulus)
 
 
-def range_of(point: xarray.Dataset, study: Study) -> tuple[float, float]:
+def adhesion_ranges(point: xarray.Dataset, study: Study) -> tuple[float, float]:
     """Return the range of adhesion (µm) in the study, and the range used. A coarse grid requires a larger range."""
     contact: Any = study.contact
     given_range = float(contact.adhesion_range or ADHESION_RANGE)
     step = float(np.max(point.attrs.get("spacing_um", 0.0)))
     return given_range, max(
-        given_range, resolved_range(float(contact.work_of_adhesion), step, modulus_of(point, study))
+        given_range, resolved_range(float(contact.work_of_adhesion), step, effective_modulus_at(point, study))
     )
 
 
 def is_unloaded(point: xarray.Dataset) -> bool:
     """Return whether the load at a point is negligible compared with the pull-off force."""
-    return "pull_off" in point and float(point["load"]) < NEGLIGIBLE_LOAD_RATIO * value_of(point, "pull_off")
+    return "pull_off" in point and float(point["load"]) < NEGLIGIBLE_LOAD_RATIO * mean_over_directions(
+        point, "pull_off"
+    )
 
 
-def hardness_of(study: Study) -> float:
+def study_hardness(study: Study) -> float:
     """Return the hardness (GPa) of a study, or NaN if the study has no hardness."""
     hardness = study.contact.hardness
     return math.nan if hardness is None else float(hardness)
 
 
-def plastic_adhesion(point: xarray.Dataset, study: Study) -> float | None:
+def plastic_adhesive_friction(point: xarray.Dataset, study: Study) -> float | None:
     """Return tau0/H', the adhesive part of the friction coefficient for fully plastic contacts.
 
     The value is NaN at seizure, or None without a hardness.
     """
-    hardness = hardness_of(study)
+    hardness = study_hardness(study)
     if math.isnan(hardness) or not study.uses_half_space:
         return None
     mu0, tau0, growth = float(point["mu0"]), float(point["tau0"]), study.contact.junction_growth or 0.0

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from stiction.studies.point import MEAN_AND_ENDS, by_rule
+from stiction.studies.point import MEAN_AND_LIMITS, select_sliding_rule
 
 if TYPE_CHECKING:
     import xarray
 
-STICKING_PRESSURE = 1e-7
+MIN_STICKING_PRESSURE = 1e-7
 """Pull-off pressure (GPa) above which bodies stick.
 
 The value is 100 Pa, the weight per area of a steel plate that is 1.3 mm thick.
@@ -34,14 +34,16 @@ class Sticking:
     def sticks(self) -> Literal["yes", "no", "uncertain"]:
         """Assessment of whether the bodies stick together, which is "yes", "no" or "uncertain".
 
-        The value is "yes" if the interval of the pull-off pressure is above `STICKING_PRESSURE`, "no" if it is below,
-        and "uncertain" if it contains this pressure.
+        The value is "yes" if the interval of the pull-off pressure is above `MIN_STICKING_PRESSURE`, "no" if it is
+        below, and "uncertain" if it contains this pressure.
         """
         value, lower, upper = self.pressure
-        if (lower if np.isfinite(lower) else value) > STICKING_PRESSURE:
+        if (lower if np.isfinite(lower) else value) > MIN_STICKING_PRESSURE:
             return "yes"
         return (
-            "no" if (upper if np.isfinite(upper) else value) < STICKING_PRESSURE and not self.is_bound else "uncertain"
+            "no"
+            if (upper if np.isfinite(upper) else value) < MIN_STICKING_PRESSURE and not self.is_bound
+            else "uncertain"
         )
 
 
@@ -50,12 +52,13 @@ def find_sticking(point: xarray.Dataset, rule: str) -> Sticking | None:
     if "pull_off" not in point or "pull_off_pressure" not in point:
         return None
     force, pressure, friction = (
-        _read_interval(by_rule(point[name], rule)) for name in ("pull_off", "pull_off_pressure", "friction_at_no_load")
+        _read_interval(select_sliding_rule(point[name], rule))
+        for name in ("pull_off", "pull_off_pressure", "friction_at_no_load")
     )
     bound_fraction = float(point["share_of_pull_off_bounds"].sel(statistic="mean"))
     return Sticking(force, pressure, friction, bound_fraction > 0)
 
 
 def _read_interval(table: xarray.DataArray) -> ValueWithInterval:
-    value, lower, upper = (float(table.sel(statistic=statistic)) for statistic in MEAN_AND_ENDS)
+    value, lower, upper = (float(table.sel(statistic=statistic)) for statistic in MEAN_AND_LIMITS)
     return value, lower, upper

@@ -17,14 +17,14 @@ from stiction.mechanics.resolution import TYPICAL_HARDNESSES, spectral_resolutio
 from stiction.studies.evaluation import at_load
 from stiction.studies.members import body_attributes, load_bodies
 from stiction.studies.point import (
-    contact_status_of,
-    hardness_of,
-    modulus_of,
-    plastic_adhesion,
-    points,
-    pressure_of,
-    rules_of,
-    value_of,
+    effective_modulus_at,
+    find_contact_status,
+    iterate_points,
+    list_rules_quoted_first,
+    mean_contact_pressure,
+    mean_over_directions,
+    plastic_adhesive_friction,
+    study_hardness,
 )
 from stiction.studies.result import Result
 from stiction.studies.store import STUDY_FILE, StoredResult, StoreError, open_stored
@@ -44,7 +44,7 @@ NUM_LINE_MEMBERS = 16  # number of members in a cutoff study of profiles
 # Maximum number of cutoffs.
 # The first cutoff is the shortest resolved wavelength, and each further cutoff is twice as long as the previous one.
 MAX_CUTOFFS = 4
-FOUR_DIGIT_ERROR = 5e-4  # largest relative error of a number rounded to four digits
+FOUR_DIGIT_ROUNDING_ERROR = 5e-4  # largest relative error of a number rounded to four digits
 MAX_RELATIVE_CUTOFF = 1 / 30  # maximum ratio of a cutoff to the shortest side of the scans
 
 
@@ -70,7 +70,7 @@ def build_cutoff_study(study: Study) -> Study | None:
     lengths = [
         cutoffs[0],
         *(
-            float(f"{candidate * (1 + FOUR_DIGIT_ERROR):.4g}")
+            float(f"{candidate * (1 + FOUR_DIGIT_ROUNDING_ERROR):.4g}")
             for candidate in candidates
             if candidate <= MAX_RELATIVE_CUTOFF * side
         ),
@@ -197,9 +197,9 @@ def plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, float] | 
     The bound on mu_s, with friction at all contacts, is mu0 + tau0/H'. The bound on the area fraction is p/H, where p
     is the nominal pressure.
     """
-    if (adhesion := plastic_adhesion(point, study)) is None:
+    if (adhesion := plastic_adhesive_friction(point, study)) is None:
         return None
-    area_fraction = float(point["load"]) / (hardness_of(study) * float(point["nominal_area"]))
+    area_fraction = float(point["load"]) / (study_hardness(study) * float(point["nominal_area"]))
     return float(point["mu0"]) + adhesion, area_fraction
 
 
@@ -215,7 +215,7 @@ class YieldEstimate:
 
 
 @dataclass(frozen=True)
-class CutoffPoint:
+class CutoffResult:
     """Values computed at one combination of cutoff, load, mu0 and tau0."""
 
     at: dict[str, float]
@@ -230,7 +230,7 @@ class Resolution:
     Attributes
     ----------
     roughness : ResolvedRoughness, optional
-    cutoffs : tuple of CutoffPoint
+    cutoffs : tuple of CutoffResult
         Means over a few members at several cutoffs; empty without a cutoff study.
     members : float
         Number of members of the cutoff study.
@@ -242,7 +242,7 @@ class Resolution:
     """
 
     roughness: ResolvedRoughness | None
-    cutoffs: tuple[CutoffPoint, ...] = ()
+    cutoffs: tuple[CutoffResult, ...] = ()
     members: float = math.nan
     plastic_limit: tuple[float, float] | None = None
     yielding: tuple[tuple[dict[str, float], tuple[YieldEstimate, ...]], ...] = ()
@@ -258,38 +258,40 @@ def find_resolution(at: xarray.Dataset, study: Study, cutoffs: xarray.Dataset | 
         return None
     yielding: list[tuple[dict[str, float], tuple[YieldEstimate, ...]]] = []
     if roughness is not None and study.uses_half_space and study.contact.hardness is None:
-        for point in points(at.isel(cut_off=[0]) if "cut_off" in at.dims else at):
+        for point in iterate_points(at.isel(cut_off=[0]) if "cut_off" in at.dims else at):
             coordinates = {name: float(point[name]) for name in ("load", "mu0", "tau0")}
-            yielding.append((coordinates, yield_estimates(point, study, roughness)))
+            yielding.append((coordinates, estimate_yield_wavelengths(point, study, roughness)))
     if cutoffs is None:
         return Resolution(roughness, yielding=tuple(yielding))
     first = cutoffs.isel(dict.fromkeys(("load", "mu0", "tau0"), 0))
     return Resolution(
-        roughness=roughness, cutoffs=tuple(_cutoff_point(point, study) for point in points(cutoffs)),
-        members=value_of(cutoffs, "members"),
+        roughness=roughness, cutoffs=tuple(_build_cutoff_result(point, study) for point in iterate_points(cutoffs)),
+        members=mean_over_directions(cutoffs, "members"),
         plastic_limit=plastic_limit(first, study), yielding=tuple(yielding),
     )  # fmt: skip
 
 
-def _cutoff_point(point: xarray.Dataset, study: Study) -> CutoffPoint:
-    values = {name: value_of(point, name) for name in ("rms_gradient", "contact_area_fraction")}
-    values["mean_pressure"] = pressure_of(point)
-    for rule in rules_of(study):
-        values[f"friction_{rule}"] = value_of(point.sel(sliding=rule), "friction_all_round")
+def _build_cutoff_result(point: xarray.Dataset, study: Study) -> CutoffResult:
+    values = {name: mean_over_directions(point, name) for name in ("rms_gradient", "contact_area_fraction")}
+    values["mean_pressure"] = mean_contact_pressure(point)
+    for rule in list_rules_quoted_first(study):
+        values[f"friction_{rule}"] = mean_over_directions(point.sel(sliding=rule), "friction_all_round")
     at = {name: float(point[name]) for name in ("cut_off", "load", "mu0", "tau0")}
-    return CutoffPoint(at, values, contact_status_of(point, study))
+    return CutoffResult(at, values, find_contact_status(point, study))
 
 
-def yield_estimates(point: xarray.Dataset, study: Study, scan: ResolvedRoughness) -> tuple[YieldEstimate, ...]:
+def estimate_yield_wavelengths(
+    point: xarray.Dataset, study: Study, scan: ResolvedRoughness
+) -> tuple[YieldEstimate, ...]:
     """Estimate the wavelengths at which the mean contact pressure would reach typical hardnesses.
 
     At this wavelength λ, the elastic mean pressure E* h'(λ)/κ equals the hardness, where κ is the value for this
     result.
     """
-    modulus, pressure = modulus_of(point, study), pressure_of(point)
+    modulus, pressure = effective_modulus_at(point, study), mean_contact_pressure(point)
     if not pressure > 0:
         return ()
-    count = value_of(point, "contact_count")
+    count = mean_over_directions(point, "contact_count")
     mu0, tau0 = float(point["mu0"]), float(point["tau0"])
     return tuple(
         YieldEstimate(hardness, *scan.find_plastic_wavelength(hardness / pressure, count), mu0 + tau0 / hardness)
@@ -320,10 +322,12 @@ def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
     if limit is not None:
         return table | dict(zip(("friction", "area_fraction"), limit, strict=True))
     area, load = float(dataset["nominal_area"]), float(dataset["load"])
-    fraction = value_of(dataset.isel(cut_off=0), "contact_area_fraction")
+    fraction = mean_over_directions(dataset.isel(cut_off=0), "contact_area_fraction")
     if scan is None or not fraction > 0 or not study.uses_half_space:
         return table
-    wavelengths, gradients, fractions = scan.extrapolate(fraction, value_of(dataset.isel(cut_off=0), "contact_count"))
+    wavelengths, gradients, fractions = scan.extrapolate(
+        fraction, mean_over_directions(dataset.isel(cut_off=0), "contact_count")
+    )
     steepness = gradients[:, :1]
     friction = (
         float(dataset["mu0"])
@@ -340,11 +344,11 @@ def _spectral_estimate(dataset: xarray.Dataset, study: Study) -> xarray.Dataset 
         bodies = [file.read() for file in files if file is not None]
     except (ValueError, OSError):
         return None
-    pressure, hardness = float(dataset["load"]) / float(dataset["nominal_area"]), hardness_of(study)
+    pressure, hardness = float(dataset["load"]) / float(dataset["nominal_area"]), study_hardness(study)
     if not any(isinstance(body, JoinedSpectrum) for body in bodies) or hardness <= pressure:
         return None
     upper, lower = (to_joined_spectrum(body).roughness() for body in bodies)
     return spectral_resolution(
         upper, lower, pressure=pressure, hardness=None if math.isnan(hardness) else hardness, mu0=float(dataset["mu0"]),
-        tau0=float(dataset["tau0"]), effective_modulus=modulus_of(dataset, study),
+        tau0=float(dataset["tau0"]), effective_modulus=effective_modulus_at(dataset, study),
     )  # fmt: skip

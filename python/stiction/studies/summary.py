@@ -20,16 +20,16 @@ from stiction.mechanics.brackets import friction_bracket
 from stiction.studies.assessment import MORE_CONTACTS_REMEDY, Caveat, find_point_caveats, find_verdict
 from stiction.studies.point import (
     CELL_DIMENSIONS,
-    MEAN_AND_ENDS,
+    MEAN_AND_LIMITS,
     RuleValue,
-    by_rule,
-    contact_status_of,
+    find_contact_status,
     is_unloaded,
-    plastic_adhesion,
-    points,
-    rules_of,
-    shape_coordinate,
-    value_of,
+    iterate_points,
+    list_rules_quoted_first,
+    mean_over_directions,
+    plastic_adhesive_friction,
+    roughness_exponent,
+    select_sliding_rule,
 )
 from stiction.studies.pull_off import Sticking, find_sticking
 
@@ -39,9 +39,10 @@ if TYPE_CHECKING:
     from stiction.studies.resolution import Resolution
     from stiction.studies.study import Study
 
-WAVELENGTHS_INPUT = "waves of unknown origin"  # name of the budget entry for wavelengths not attributed to the surface
+# name of the budget entry for wavelengths not attributed to the surface
+UNATTRIBUTED_WAVELENGTHS_INPUT = "waves of unknown origin"
 # An input dominates only if making it exact would narrow the interval by more than this fraction.
-MIN_NAMED_FRACTION = 0.1
+MIN_DOMINANT_INPUT_FRACTION = 0.1
 
 
 @dataclass(frozen=True)
@@ -116,7 +117,7 @@ class PointSummary:
     @property
     def members(self) -> float:
         """Number of members over which the values are averaged."""
-        return value_of(self.values, "members")
+        return mean_over_directions(self.values, "members")
 
     @property
     def scans(self) -> tuple[int, int]:
@@ -136,7 +137,7 @@ class PointSummary:
     @property
     def contact_status(self) -> str:
         """Status of the true contact area: "ok", "complete" or "above-nominal"."""
-        return contact_status_of(self.values, self.study)
+        return find_contact_status(self.values, self.study)
 
     @property
     def unloaded(self) -> bool:
@@ -147,10 +148,10 @@ class PointSummary:
         """Return the mean of a quantity over directions with its 95 % interval, or NaN if the quantity is unknown."""
         if name not in self.values:
             return math.nan, math.nan, math.nan
-        table = by_rule(self.values[name], self.rules[0].rule)
+        table = select_sliding_rule(self.values[name], self.rules[0].rule)
         if "statistic" not in table.dims or table.ndim > 1:
-            return value_of(self.values, name), math.nan, math.nan
-        value, lower, upper = (float(table.sel(statistic=each)) for each in MEAN_AND_ENDS)
+            return mean_over_directions(self.values, name), math.nan, math.nan
+        value, lower, upper = (float(table.sel(statistic=each)) for each in MEAN_AND_LIMITS)
         return value, lower, upper
 
     @property
@@ -172,7 +173,7 @@ class PointSummary:
     def most(self) -> RemainingInterval | None:
         """Input that contributes most to the width of the interval, or None if no input dominates."""
         first, width = self.budget[:1], self.upper - self.lower
-        return first[0] if first and first[0].width < (1 - MIN_NAMED_FRACTION) * width else None
+        return first[0] if first and first[0].width < (1 - MIN_DOMINANT_INPUT_FRACTION) * width else None
 
     @property
     def ageing(self) -> float:
@@ -245,36 +246,41 @@ def summarize(at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Cavea
     **alongside : xarray.Dataset
         `onset` and `over_cut_offs`, if they are stored.
     """
-    summaries = [summarize_point(point, study, input_caveats) for point in points(at)]
-    summaries = _with_both_readings(summaries) if study.surfaces.both_readings else summaries
+    summaries = [summarize_point(point, study, input_caveats) for point in iterate_points(at)]
+    summaries = _merge_cutoff_points(summaries) if study.surfaces.both_readings else summaries
     return Summary(study, at, tuple(summaries), **alongside)
 
 
-def _with_both_readings(points: Sequence[PointSummary]) -> list[PointSummary]:
+def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
     """Extend the intervals at the quoted cutoff to include those at the other cutoff, whose points come last."""
     cut_off = points[0].at["cut_off"]  # the value at the first cutoff is quoted
-    others = {_place(point): point for point in points if point.at["cut_off"] != cut_off}
+    others = {_coordinates_without_cutoff(point): point for point in points if point.at["cut_off"] != cut_off}
     quoted = [point for point in points if point.at["cut_off"] == cut_off]
-    first = [_covering(point, others[_place(point)]) if _place(point) in others else point for point in quoted]
+    first = [
+        _cover_cutoff_point(point, others[_coordinates_without_cutoff(point)])
+        if _coordinates_without_cutoff(point) in others
+        else point
+        for point in quoted
+    ]
     return [*first, *(replace(point, covered=True) for point in others.values())]
 
 
-def _place(point: PointSummary) -> tuple[tuple[str, float], ...]:
+def _coordinates_without_cutoff(point: PointSummary) -> tuple[tuple[str, float], ...]:
     """Return the coordinates of a point except its cutoff."""
     return tuple(item for item in point.at.items() if item[0] != "cut_off")
 
 
-def _covering(point: PointSummary, other_point: PointSummary) -> PointSummary:
+def _cover_cutoff_point(point: PointSummary, other_point: PointSummary) -> PointSummary:
     """Return the quoted point after extending its intervals and caveats to include those at the other cutoff.
 
     Filtering does not improve an assessment, so a fault at the other cutoff is a fault here too.
     """
-    rules = tuple(_over_both(*each) for each in zip(point.rules, other_point.rules, strict=True))
+    rules = tuple(_cover_cutoff_value(*each) for each in zip(point.rules, other_point.rules, strict=True))
     both = {entry.words: entry for entry in other_point.budget}
     # With one or two positions, the width of the interval is infinite or NaN.
     has_interval = math.isfinite(point.upper - point.lower)
     budget = (
-        [RemainingInterval(WAVELENGTHS_INPUT, point.lower, point.upper, point.upper - point.lower)]
+        [RemainingInterval(UNATTRIBUTED_WAVELENGTHS_INPUT, point.lower, point.upper, point.upper - point.lower)]
         if has_interval
         else []
     )
@@ -301,7 +307,7 @@ def _covering(point: PointSummary, other_point: PointSummary) -> PointSummary:
     return replace(point, rules=rules, budget=order, caveats=tuple(caveats), bracket=bracket)
 
 
-def _over_both(value: RuleValue, other_value: RuleValue) -> RuleValue:
+def _cover_cutoff_value(value: RuleValue, other_value: RuleValue) -> RuleValue:
     """Extend the intervals of a value to include the intervals of the same value at another cutoff."""
     lower, upper = float(np.fmin(value.lower, other_value.lower)), float(np.fmax(value.upper, other_value.upper))
     (low, high), (other_low, other_high) = value.next_test, other_value.next_test
@@ -311,8 +317,8 @@ def _over_both(value: RuleValue, other_value: RuleValue) -> RuleValue:
 
 def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence[Caveat] = ()) -> PointSummary:
     """Summarize one point of a dataset that `Result.at` returned, including caveats about the bodies."""
-    rules = tuple(_rule_value(point, rule) for rule in rules_of(study))
-    statuses = np.unique(by_rule(point["status"], rules[0].rule).values)
+    rules = tuple(_rule_value(point, rule) for rule in list_rules_quoted_first(study))
+    statuses = np.unique(select_sliding_rule(point["status"], rules[0].rule).values)
     bad = [str(status) for status in statuses if status != friction.STATUS_OK]
     # A missing coefficient in one direction makes the mean over all directions NaN.
     status = bad[0] if bad and math.isnan(rules[0].value) else friction.STATUS_OK
@@ -327,12 +333,14 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
         rules=rules,
         status=status,
         caveats=tuple(sorted(caveats, key=lambda caveat: caveat.severity != "fault")),
-        at=_place_of(point, study),
-        bracket=None if any(_spoils_bracket(caveat) for caveat in caveats) else _bracket(point, study, mean),
+        at=_point_coordinates(point, study),
+        bracket=None
+        if any(_invalidates_bracket(caveat) for caveat in caveats)
+        else _resolution_bracket(point, study, mean),
         budget=_budget(point, rules[0].rule),
-        parts=_parts(point, rules[0]),
-        from_roughness=_from_roughness(point, study, rules[0]),
-        waited=_waited(point, rules[0].rule),
+        parts=_friction_contributions(point, rules[0]),
+        from_roughness=_roughness_contribution(point, study, rules[0]),
+        waited=_dwell_time_values(point, rules[0].rule),
         sticking=find_sticking(point, rules[0].rule),
     )
 
@@ -341,18 +349,20 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
 
 
 def _rule_value(point: xarray.Dataset, rule: str) -> RuleValue:
-    table = by_rule(point, rule)
+    table = select_sliding_rule(point, rule)
     name = "friction_all_round" if "friction_all_round" in table else "friction_coefficient"
-    value, lower, upper = (table[name].sel(statistic=each).item() for each in MEAN_AND_ENDS)
+    value, lower, upper = (table[name].sel(statistic=each).item() for each in MEAN_AND_LIMITS)
     ends = (max(lower, 0.0) if lower < 0 <= value else lower), upper
-    lower, upper = _ends_of(table, "friction_known") or ends
-    test = _ends_of(table, "friction_next_test") or (math.nan, math.nan)
-    low, high, slopes = (value_of(table, each) for each in ("spread_low", "spread_high", "gentle_friction"))
+    lower, upper = _interval_limits(table, "friction_known") or ends
+    test = _interval_limits(table, "friction_next_test") or (math.nan, math.nan)
+    low, high, slopes = (mean_over_directions(table, each) for each in ("spread_low", "spread_high", "gentle_friction"))
     return RuleValue(rule, value, lower, upper, ends, test, low, high, slopes)
 
 
-def _ends_of(table: xarray.Dataset, name: str) -> tuple[float, float] | None:
-    lower, upper = (float(table[name].sel(statistic=each)) if name in table else math.nan for each in MEAN_AND_ENDS[1:])
+def _interval_limits(table: xarray.Dataset, name: str) -> tuple[float, float] | None:
+    lower, upper = (
+        float(table[name].sel(statistic=each)) if name in table else math.nan for each in MEAN_AND_LIMITS[1:]
+    )
     return (lower, upper) if math.isfinite(lower) and not math.isnan(upper) else None
 
 
@@ -360,64 +370,64 @@ def _budget(point: xarray.Dataset, rule: str) -> tuple[RemainingInterval, ...]:
     """Return the intervals that would remain if one input at a time were exact, sorted by increasing width."""
     if "friction_if_known" not in point:
         return ()
-    budget, intervals = by_rule(point, rule), []
+    budget, intervals = select_sliding_rule(point, rule), []
     for index, label in enumerate(budget["input_words"].values.tolist()):
-        if (ends := _ends_of(budget.isel(input=index), "friction_if_known")) is not None:
+        if (ends := _interval_limits(budget.isel(input=index), "friction_if_known")) is not None:
             intervals.append(RemainingInterval(label, *ends, float(budget["width_if_known"][index])))
     return tuple(sorted(intervals, key=lambda left: left.width))
 
 
-def _waited(point: xarray.Dataset, rule: str) -> tuple[DwellTimeValue, ...]:
+def _dwell_time_values(point: xarray.Dataset, rule: str) -> tuple[DwellTimeValue, ...]:
     if "friction_waited" not in point:
         return ()
-    table = by_rule(point["friction_waited"], rule).transpose("wait", "statistic")
+    table = select_sliding_rule(point["friction_waited"], rule).transpose("wait", "statistic")
     rows = zip(point["wait"].values.tolist(), table.values.tolist(), strict=True)
     return tuple(DwellTimeValue(seconds, *three) for seconds, three in rows)
 
 
-def _parts(point: xarray.Dataset, rule: RuleValue) -> tuple[float, float, float] | None:
+def _friction_contributions(point: xarray.Dataset, rule: RuleValue) -> tuple[float, float, float] | None:
     """Return the contributions of mu0, tau0 and slopes to friction at all contacts, or None for other sliding rules."""
     if rule.rule != "all" or not math.isfinite(rule.value):
         return None
     load = float(point["load"])
     area = "contact_area_at_onset" if "contact_area_at_onset" in point else "contact_area"
-    mu0, adhesion = float(point["mu0"]), float(point["tau0"]) * value_of(point, area) / load
+    mu0, adhesion = float(point["mu0"]), float(point["tau0"]) * mean_over_directions(point, area) / load
     if "contact_load" in point:
-        mu0 *= value_of(point, "contact_load") / load
+        mu0 *= mean_over_directions(point, "contact_load") / load
     return mu0, adhesion, rule.value - mu0 - adhesion
 
 
-def _place_of(point: xarray.Dataset, study: Study) -> dict[str, float]:
+def _point_coordinates(point: xarray.Dataset, study: Study) -> dict[str, float]:
     """Return the coordinates of a point, including the Hurst exponent if the surfaces are self-affine."""
     coordinates = {
         name: float(point[name]) for name in (*CELL_DIMENSIONS, "load", "mu0", "tau0") if name in point.coords
     }
     if (
         "fractal_dimension" in coordinates
-        and (shape := shape_coordinate(study, coordinates["fractal_dimension"]))[0] == "H"
+        and (shape := roughness_exponent(study, coordinates["fractal_dimension"]))[0] == "H"
     ):
         coordinates["hurst_exponent"] = shape[1]
     return coordinates
 
 
-def _from_roughness(point: xarray.Dataset, study: Study, rule: RuleValue) -> float | None:
+def _roughness_contribution(point: xarray.Dataset, study: Study, rule: RuleValue) -> float | None:
     """Return the part of the friction coefficient that depends on the scans, or None if this part is unknown.
 
     Friction acts at all contacts. The contribution of the inputs alone is mu0 and, with a hardness H, tau0/H if all
     contacts yield. With adhesion the result is None, because the load on the contacts also depends on the scans.
     """
-    contributions = _parts(point, rule)
+    contributions = _friction_contributions(point, rule)
     if contributions is None or not study.is_measured or study.contact.adheres:
         return None
-    return rule.value - contributions[0] - (plastic_adhesion(point, study) or 0.0)
+    return rule.value - contributions[0] - (plastic_adhesive_friction(point, study) or 0.0)
 
 
-def _spoils_bracket(caveat: Caveat) -> bool:
+def _invalidates_bracket(caveat: Caveat) -> bool:
     """Return whether a caveat invalidates the bracket. All faults do, except the fault for too few contacts."""
     return caveat.severity == "fault" and caveat.remedy != MORE_CONTACTS_REMEDY
 
 
-def _bracket(point: xarray.Dataset, study: Study, all_rub: RuleValue) -> tuple[float, float] | None:
+def _resolution_bracket(point: xarray.Dataset, study: Study, all_rub: RuleValue) -> tuple[float, float] | None:
     """Return bounds on the friction coefficient that hold for all finer scans to second order in the slope.
 
     The upper bound is the upper limit of the interval, plus an allowance for load that shorter wavelengths shift
@@ -427,9 +437,9 @@ def _bracket(point: xarray.Dataset, study: Study, all_rub: RuleValue) -> tuple[f
     measured = study.is_measured and study.uses_half_space and not study.contact.adheres
     if hardness is None or not measured or all_rub.rule != "all" or not math.isfinite(all_rub.value):
         return None
-    mu0, adhesion = float(point["mu0"]), plastic_adhesion(point, study)
+    mu0, adhesion = float(point["mu0"]), plastic_adhesive_friction(point, study)
     if adhesion is None or math.isnan(adhesion):
         return None
     upper = all_rub.upper if math.isfinite(all_rub.upper) else None
-    contacts = value_of(point, "contact_count") * value_of(point, "members")
+    contacts = mean_over_directions(point, "contact_count") * mean_over_directions(point, "members")
     return friction_bracket(all_rub.value, mu0, adhesion, contacts, upper)

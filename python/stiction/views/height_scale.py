@@ -9,13 +9,13 @@ import numpy as np
 from stiction._number_format import choose_prefix, format_estimate, format_percent, format_significant, format_with_unit
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies.point import (
-    MEAN_AND_ENDS,
-    by_rule,
-    contact_status_of,
+    MEAN_AND_LIMITS,
+    find_contact_status,
     has_nominal_area,
     is_unloaded,
-    points,
-    value_of,
+    iterate_points,
+    mean_over_directions,
+    select_sliding_rule,
 )
 from stiction.views import rows
 from stiction.views.point import RULE_DESCRIPTIONS, load_text
@@ -50,7 +50,7 @@ def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
     rules = [rule for rule in RULE_DESCRIPTIONS if rule in np.atleast_1d(dataset["sliding"].values)]
     is_areal = study.is_areal
     has_rms = "upper_rms" in dataset
-    for point in points(dataset):
+    for point in iterate_points(dataset):
         material = f"μ0 = {float(point['mu0']):g}, τ0 = {format_with_unit(float(point['tau0']), 'GPa')}"
         rms = ["Sq of both" if is_areal else "Pq of both"] if has_rms else []
         headings = {"all": "μ_s all contacts", "opposing": "μ_s opposing contacts"}
@@ -67,23 +67,23 @@ def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
 
 def _row(point: xarray.Dataset, rules: list[str], study: Study) -> list[str]:
     """Return the cells of the table row for one height factor."""
-    cells = [f"{float(point['height_scale']):.4g}", format_significant(value_of(point, "rms_gradient"), 3)]
+    cells = [f"{float(point['height_scale']):.4g}", format_significant(mean_over_directions(point, "rms_gradient"), 3)]
     if "upper_rms" in point:
         heights = [float(point[f"{side}_rms"]) for side in ("upper", "lower")]
         core, unit = choose_prefix(max(heights), "um")
         cells.append(f"{', '.join(f'{height / core:.3g}' for height in heights)} {unit}")
     for rule in rules:
-        combined = by_rule(point["friction_combined"], rule)
-        values = [float(combined.sel(statistic=statistic)) for statistic in MEAN_AND_ENDS]
+        combined = select_sliding_rule(point["friction_combined"], rule)
+        values = [float(combined.sel(statistic=statistic)) for statistic in MEAN_AND_LIMITS]
         cells.append("sticks" if is_unloaded(point) else format_estimate(*values))
     if not has_nominal_area(point, study) or "contact_area_fraction" not in point:
-        cells.append(format_significant(value_of(point, "contact_area"), 3))
-    elif (status := contact_status_of(point, study)) != STATUS_OK:
+        cells.append(format_significant(mean_over_directions(point, "contact_area"), 3))
+    elif (status := find_contact_status(point, study)) != STATUS_OK:
         cells.append(status)
     else:
-        cells.append(format_percent(value_of(point, "contact_area_fraction")))
+        cells.append(format_percent(mean_over_directions(point, "contact_area_fraction")))
     return (
-        [*cells, format_with_unit(value_of(point, "pull_off_pressure"), "GPa")]
+        [*cells, format_with_unit(mean_over_directions(point, "pull_off_pressure"), "GPa")]
         if "pull_off_pressure" in point
         else cells
     )

@@ -16,7 +16,7 @@ from stiction._number_format import (
 )
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.onset import PRESLIDING_MODELS
-from stiction.studies.point import MEAN_AND_ENDS
+from stiction.studies.point import MEAN_AND_LIMITS
 
 if TYPE_CHECKING:
     import xarray
@@ -104,7 +104,7 @@ def onset_record(onset: xarray.Dataset) -> dict[str, Any]:
     """Return the load-displacement curve, its characteristic values and the fitted models as a JSON record (mN, µm)."""
 
     def records(dataset: xarray.Dataset, *names: str) -> dict[str, Any]:
-        return {name: dict(zip(MEAN_AND_ENDS, _interval_ends(dataset[name]), strict=True)) for name in names}
+        return {name: dict(zip(MEAN_AND_LIMITS, _interval_ends(dataset[name]), strict=True)) for name in names}
 
     numbers = records(onset, "sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness")
     curve_names = ("tangential_load", "displacement", "slipped_area", "slipped_load", "energy_lost")
@@ -131,7 +131,7 @@ def onset_record(onset: xarray.Dataset) -> dict[str, Any]:
 
 
 def _interval_ends(table: xarray.DataArray, factor: float = 1.0) -> tuple[float, float, float]:
-    mean, lower, upper = (factor * float(table.sel(statistic=statistic)) for statistic in MEAN_AND_ENDS)
+    mean, lower, upper = (factor * float(table.sel(statistic=statistic)) for statistic in MEAN_AND_LIMITS)
     return mean, lower, upper
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from stiction._number_format import choose_prefix, format_with_interval, format_with_unit
 from stiction.mechanics.quantities import QUANTITIES
-from stiction.studies.pull_off import STICKING_PRESSURE, Sticking, ValueWithInterval
+from stiction.studies.pull_off import MIN_STICKING_PRESSURE, Sticking, ValueWithInterval
 
 
 def pull_off_text(estimate: Sticking, inputs: str = "") -> str:
@@ -17,7 +17,7 @@ def pull_off_text(estimate: Sticking, inputs: str = "") -> str:
     `inputs` describes mu0 and tau0 of the friction if the result has several values of them.
     """
     bound_text = "at least " if estimate.is_bound else ""
-    limit = f"{format_with_unit(STICKING_PRESSURE, 'GPa')}, the weight of 1.3 mm of steel"
+    limit = f"{format_with_unit(MIN_STICKING_PRESSURE, 'GPa')}, the weight of 1.3 mm of steel"
     threshold_text = {"yes": "", "no": f", less than {limit}", "uncertain": f"; the threshold is {limit}"}[
         estimate.sticks
     ]

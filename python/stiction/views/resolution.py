@@ -75,7 +75,7 @@ def cut_off_note(resolution: Resolution) -> str:
 
 
 def yield_rows(estimates: Sequence[YieldEstimate], scan: ResolvedRoughness) -> Rows:
-    """Return a table of `yield_estimates` with headings, or an empty list if there are no estimates."""
+    """Return a table of `estimate_yield_wavelengths` with headings, or an empty list if there are no estimates."""
     rows = []
     for estimate in estimates:
         if math.isnan(estimate.wavelength):

@@ -19,7 +19,7 @@ from stiction._core import __version__
 from stiction._number_format import format_estimate, format_time, to_json
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import QUANTITIES, quantities_shown_in, spreadsheet_column
-from stiction.studies.point import CELL_DIMENSIONS, rules_of
+from stiction.studies.point import CELL_DIMENSIONS, list_rules_quoted_first
 from stiction.studies.summary import PointSummary, Summary
 from stiction.views.onset import onset_record, quantity_label
 from stiction.views.pull_off import pull_off_record
@@ -157,7 +157,8 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
             else _COEFFICIENT_COLUMNS["friction_all_round"]
         )
         selected = selected.assign(
-            motion=motion_column, sliding=selected["sliding"] if "sliding" in selected else rules_of(study)[0]
+            motion=motion_column,
+            sliding=selected["sliding"] if "sliding" in selected else list_rules_quoted_first(study)[0],
         )
         frames.append(selected[[*keys, "sliding", "motion", "status", "value", "lower", "upper"]])
     table = pandas.concat(frames, ignore_index=True)

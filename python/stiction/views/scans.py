@@ -12,7 +12,7 @@ from stiction._number_format import format_percent, format_with_unit
 from stiction.mechanics.closed_forms import effective_modulus
 from stiction.mechanics.materials import material
 from stiction.mechanics.resolution import SMALL_LOAD_KAPPA
-from stiction.studies.input_caveats import MAX_SPECTRA_RATIO, spectra_differ
+from stiction.studies.input_caveats import MAX_SPECTRA_RATIO, have_different_spectra
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.repeated_scans import RepeatedScans
 from stiction.views.spreadsheet import frame_to_csv
@@ -62,7 +62,7 @@ def joined_text(joined: JoinedSpectrum) -> str:
     text = ""
     if (joined.count == 0).any():
         text = "Some wavelengths between the scans are in no scan; a power law fills the gap.\n"
-    if spectra_differ(joined):
+    if have_different_spectra(joined):
         text += (
             "The scans differ by more than a factor of two in power: a height calibration is wrong, or wavelengths are "
             "missing.\n"

@@ -13,7 +13,14 @@ from stiction._number_format import format_estimate, format_percent, format_sign
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.studies.hardness import find_inputs
 from stiction.studies.interfaces import find_interface
-from stiction.studies.point import is_capped, law_of, modulus_of, pressure_of, shape_coordinate, value_of
+from stiction.studies.point import (
+    contact_law_name,
+    effective_modulus_at,
+    has_limited_pressure,
+    mean_contact_pressure,
+    mean_over_directions,
+    roughness_exponent,
+)
 from stiction.studies.summary import PointSummary
 from stiction.surfaces.pairing import SIDES
 from stiction.views.point import RULE_DESCRIPTIONS, adhesion_text, averaged_directions_text, load_text, materials_text
@@ -96,7 +103,7 @@ def inputs_text(point: PointSummary) -> str:
     values, study = point.values, point.study
     items = [load_text(values, study)]
     if "fractal_dimension" in values.coords:
-        name, value = shape_coordinate(study, float(values["fractal_dimension"]))
+        name, value = roughness_exponent(study, float(values["fractal_dimension"]))
         items.append(f"{name} = {value:.3g}")
     if "amplitude" in values.coords:
         items.append(f"amplitude {format_with_unit(float(values['amplitude']), 'um')}")
@@ -107,14 +114,14 @@ def inputs_text(point: PointSummary) -> str:
         items.append(_interface_words(study))
     if materials := materials_text(study):
         items.append(materials)
-    items.append(f"E* = {format_with_unit(modulus_of(values, study), 'GPa')}")
+    items.append(f"E* = {format_with_unit(effective_modulus_at(values, study), 'GPa')}")
     hardness = study.contact.hardness
     if hardness is not None:
         items.append(f"hardness {format_with_unit(float(hardness), 'GPa')}{_hardness_range_text(study)}")
         if alpha := study.contact.junction_growth:
             items.append(f"α = {study.known.junction_growth or f'{alpha:g}'}")
     elif study.is_measured:
-        items.append("yielding by Jackson and Green" if "jackson" in law_of(study) else "elastic")
+        items.append("yielding by Jackson and Green" if "jackson" in contact_law_name(study) else "elastic")
     if study.contact.adheres:
         items.append(adhesion_text(values, study))
     if "spacing_um" in values.attrs:
@@ -171,10 +178,10 @@ def note_text(point: PointSummary) -> str:
         items.append("the mean over both directions")
     elif "direction" in values.coords and (study.is_measured or values["direction"].size > 1):
         items.append(averaged_directions_text(np.atleast_1d(values["direction"].values)).removesuffix(" all round"))
-    if value_of(values, "members") > 1:
+    if mean_over_directions(values, "members") > 1:
         items = [f"{items[0]} and {_averaging_text(point)}"] if items else [f"the mean over {_averaging_text(point)}"]
     items += [_scans_text(study)] if study.is_measured else []
-    difference = value_of(values, "reading_difference")
+    difference = mean_over_directions(values, "reading_difference")
     if difference > MIN_STATED_READING_DIFFERENCE:
         reading = _READING_TEXTS.get(str(values.attrs.get("reading")), "the load has one of three definitions")
         items.append(f"{reading}; with another definition of the load μ_s differs by {format_percent(difference)}")
@@ -198,14 +205,14 @@ def list_assumptions(study: Study) -> tuple[str, ...]:
         return ()
     surfaces, contact, assumptions = study.surfaces, study.contact, []
     if surfaces.press == "lines":
-        is_plane = study.uses_half_space or "cylinder" in law_of(study)
+        is_plane = study.uses_half_space or "cylinder" in contact_law_name(study)
         assumptions.append(
             f"{'parallel grooves across the scans' if is_plane else 'contacts of spheres'} on {STRIP_TEXT}"
         )
     elif surfaces.press == "surrogates":
         assumptions.append("isotropic surfaces")
     assumptions += [] if study.uses_half_space else ["contacts that do not interact"]
-    assumptions += [] if contact.hardness is not None or "jackson" in law_of(study) else ["elastic contact"]
+    assumptions += [] if contact.hardness is not None or "jackson" in contact_law_name(study) else ["elastic contact"]
     assumptions += ["no adhesion"] if contact.work_of_adhesion is None else []
     return tuple(assumptions)
 
@@ -249,8 +256,12 @@ def slopes_text(point: PointSummary) -> str:
     if not rules:
         return ""
     estimates = " and ".join(f"{format_estimate(rule.slopes)} with {RULE_DESCRIPTIONS[rule.rule]}" for rule in rules)
-    hardness_note = " (the hardness is not considered)" if is_capped(study) else ""
-    kappa = value_of(values, "rms_gradient") * modulus_of(values, study) / pressure_of(values)
+    hardness_note = " (the hardness is not considered)" if has_limited_pressure(study) else ""
+    kappa = (
+        mean_over_directions(values, "rms_gradient")
+        * effective_modulus_at(values, study)
+        / mean_contact_pressure(values)
+    )
     if float(values["tau0"]) > 0 and abs(kappa / SLOPE_ESTIMATE_KAPPA - 1) > MIN_STATED_KAPPA_DEVIATION:
         return (
             f"The small-slope estimate does not apply: it assumes A E* h'/F = {SLOPE_ESTIMATE_KAPPA:g}, and this pair "

@@ -28,21 +28,21 @@ from stiction.mechanics.quantities import (
     STIFFNESS_PER_AREA_QUANTITIES,
     quantities_shown_in,
 )
-from stiction.studies.assessment import ASPERITY_CHECKS, VERDICTS, WIDE_INTERVAL_TEXT, Caveat, apply_checks
+from stiction.studies.assessment import ASPERITY_CHECKS, VERDICTS, WIDE_INTERVAL_TEXT, Caveat, find_failed_check_caveats
 from stiction.studies.budget import LOWER_SCANS_INPUT, POSITIONS_INPUT, UNRESOLVED_INPUT, UPPER_SCANS_INPUT
 from stiction.studies.point import (
     CELL_DIMENSIONS,
-    MEAN_AND_ENDS,
-    by_rule,
-    contact_status_of,
+    MEAN_AND_LIMITS,
+    find_contact_status,
     has_nominal_area,
     is_unloaded,
-    points,
-    rules_of,
-    shape_coordinate,
-    value_of,
+    iterate_points,
+    list_rules_quoted_first,
+    mean_over_directions,
+    roughness_exponent,
+    select_sliding_rule,
 )
-from stiction.studies.summary import WAVELENGTHS_INPUT, PointSummary, Summary
+from stiction.studies.summary import UNATTRIBUTED_WAVELENGTHS_INPUT, PointSummary, Summary
 from stiction.views.onset import onset_note, onset_rows, onset_text, quantity_label
 from stiction.views.point import RULE_DESCRIPTIONS, load_text, motion_text
 from stiction.views.pull_off import pull_off_text
@@ -195,7 +195,7 @@ def values_text(
         is_known
         and (
             values := next(
-                (loaded_points for loaded_points in points(first_cell) if not is_unloaded(loaded_points)), None
+                (loaded_points for loaded_points in iterate_points(first_cell) if not is_unloaded(loaded_points)), None
             )
         )
         is not None
@@ -345,7 +345,7 @@ def budget_text(point: PointSummary) -> str:
 
 
 _REMEDY_TEXTS = {
-    WAVELENGTHS_INPUT: "Scanning one place twice",
+    UNATTRIBUTED_WAVELENGTHS_INPUT: "Scanning one place twice",
     POSITIONS_INPUT: "Using more positions",
     UNRESOLVED_INPUT: "A finer scan",
     UPPER_SCANS_INPUT: "Scanning more places of the upper part",
@@ -461,8 +461,8 @@ def _first_cell(headlines: Sequence[PointSummary]) -> str:
 def quantities_text(all_points: xarray.Dataset, study: Study, *, verbose: bool = False, cell: str = "") -> str:
     """Format the means and 95 % intervals of the quoted sliding rule, one row per quantity and one column per load."""
     dataset = all_points.isel({name: 0 for name in ("mu0", "tau0") if name in all_points.dims})
-    dataset = dataset.sel(sliding=rules_of(study)[0]) if "sliding" in dataset.dims else dataset
-    loads = list(points(dataset))
+    dataset = dataset.sel(sliding=list_rules_quoted_first(study)[0]) if "sliding" in dataset.dims else dataset
+    loads = list(iterate_points(dataset))
     has_area_fraction = "contact_area_fraction" in dataset and has_nominal_area(loads[0], study)
     rows: list[list[str]] = []
     in_words = len(loads) == 1 and study.is_measured and not verbose
@@ -480,7 +480,7 @@ def quantities_text(all_points: xarray.Dataset, study: Study, *, verbose: bool =
             )
             rows += _row(name, label, [point[name] for point in loads])
             if name == "contact_area_fraction" and rows:
-                rows[-1] = _with_statuses(rows[-1], [contact_status_of(point, study) for point in loads])
+                rows[-1] = _with_statuses(rows[-1], [find_contact_status(point, study) for point in loads])
     for name, below in _VERBOSE_QUANTILES if verbose else ():
         if name in dataset:
             label = f"{QUANTITIES[name].table_label}, {100 * below:.0f}th percentile"
@@ -552,7 +552,7 @@ def _cell(estimate: xarray.DataArray, factor: float) -> str:
     if estimate.name == "error":
         largest_error = estimate.sel(statistic="mean").item()
         return "none" if math.isnan(largest_error) else format_significant(largest_error, 1)
-    return format_with_interval(*(factor * estimate.sel(statistic=statistic).item() for statistic in MEAN_AND_ENDS))
+    return format_with_interval(*(factor * estimate.sel(statistic=statistic).item() for statistic in MEAN_AND_LIMITS))
 
 
 def axes_text(values: xarray.Dataset, *, verbose: bool = False) -> str:
@@ -561,7 +561,9 @@ def axes_text(values: xarray.Dataset, *, verbose: bool = False) -> str:
         return ""
     table = values["friction_by_axis"]
     lay = lay_text(
-        by_rule(table, next(rule for rule in RULE_DESCRIPTIONS if rule in np.atleast_1d(values["sliding"].values)))
+        select_sliding_rule(
+            table, next(rule for rule in RULE_DESCRIPTIONS if rule in np.atleast_1d(values["sliding"].values))
+        )
     )
     if not verbose:
         return wrap_text(lay) if lay.startswith("Grooves: friction") else ""
@@ -574,7 +576,9 @@ def _rules_table(title: str, table: xarray.DataArray, dimension: str, format_coo
     rows = [[title, *(RULE_TITLES[rule] for rule in rules)]]
     for coordinate in table[dimension].values:
         selected = table.sel({dimension: coordinate})
-        rows.append([format_coordinate(float(coordinate)), *(_cell(by_rule(selected, rule), 1.0) for rule in rules)])
+        rows.append(
+            [format_coordinate(float(coordinate)), *(_cell(select_sliding_rule(selected, rule), 1.0) for rule in rules)]
+        )
     return format_table(rows)
 
 
@@ -584,7 +588,7 @@ def _axis_name(degrees: float) -> str:
 
 def lay_text(table: xarray.DataArray) -> str:
     """Return a sentence about grooves. Grooves are reported if the intervals along two axes do not overlap."""
-    mean, lower, upper = (table.sel(statistic=statistic) for statistic in MEAN_AND_ENDS)
+    mean, lower, upper = (table.sel(statistic=statistic) for statistic in MEAN_AND_LIMITS)
     if not np.isfinite(lower.values).all():
         return "Grooves: unknown, because the coefficients along the axes have no intervals."
     highest_index, lowest_index = (int(choose(mean.values)) for choose in (np.argmax, np.argmin))
@@ -656,12 +660,12 @@ def overview_text(summary: Summary, max_lines: int | None = None, *, complete: s
     tables, has_marks = [], False
     for indices in np.ndindex(*(dataset.sizes[name] for name in remainder)):
         subset = dataset.isel(dict(zip(remainder, indices, strict=True)))
-        labels = [[*(_COORDINATE_LABELS[name] for name in varying), shape_coordinate(study, 1.0)[0]]]
+        labels = [[*(_COORDINATE_LABELS[name] for name in varying), roughness_exponent(study, 1.0)[0]]]
         rows = [[format_with_unit(load, "mN") for load in dataset["load"].values.tolist()]]
         for mu0, tau0, cell in np.ndindex(*(dataset.sizes[name] for name in ("mu0", "tau0", "fractal_dimension"))):
             point = subset.isel(mu0=mu0, tau0=tau0, fractal_dimension=cell)
             values = [_coordinate(name, float(point[name])) for name in varying]
-            labels.append([*values, f"{shape_coordinate(study, float(point['fractal_dimension']))[1]:.4g}"])
+            labels.append([*values, f"{roughness_exponent(study, float(point['fractal_dimension']))[1]:.4g}"])
             rows.append([_overview_cell(point.isel(load=index)) for index in range(dataset.sizes["load"])])
         has_marks = has_marks or any(cell.endswith("*") for row in rows for cell in row)
         sizes = [max(map(len, column)) for column in zip(*labels, strict=True)]
@@ -693,7 +697,7 @@ def _omission_text(dataset: xarray.Dataset, full_dataset: xarray.Dataset, study:
     """Return how many values an overview omits and how to print them, or an empty string if all values are printed."""
     every = study.surfaces.cells()["fractal_dimension"].size
     sizes = {
-        shape_coordinate(study, 1.0)[0]: (dataset.sizes["fractal_dimension"], every),
+        roughness_exponent(study, 1.0)[0]: (dataset.sizes["fractal_dimension"], every),
         "μ0": (dataset.sizes["mu0"], full_dataset.sizes["mu0"]),
         "τ0": (dataset.sizes["tau0"], full_dataset.sizes["tau0"]),
     }
@@ -724,7 +728,7 @@ def _overview_cell(values: xarray.Dataset) -> str:
     if bad_statuses:
         return bad_statuses[0]
     name = "friction_all_round" if "friction_all_round" in values else "friction_coefficient"
-    numbers = {name: value_of(values, name) for name in ("share_beyond_hertz", "share_below_grid")}
-    beyond = apply_checks(ASPERITY_CHECKS, numbers)
-    mean, lower, upper = (float(values[name].sel(statistic=statistic)) for statistic in MEAN_AND_ENDS)
+    numbers = {name: mean_over_directions(values, name) for name in ("share_beyond_hertz", "share_below_grid")}
+    beyond = find_failed_check_caveats(ASPERITY_CHECKS, numbers)
+    mean, lower, upper = (float(values[name].sel(statistic=statistic)) for statistic in MEAN_AND_LIMITS)
     return format_estimate(mean, lower, upper) + "*" * any(beyond)

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from stiction._checks import Floats
 from stiction._drawing import set_log_ticks
 from stiction._number_format import format_with_unit
-from stiction.studies.point import MEAN_AND_ENDS, by_rule
+from stiction.studies.point import MEAN_AND_LIMITS, select_sliding_rule
 from stiction.views.style import (
     RULE_COLOURS,
     RULE_LABELS,
@@ -39,9 +39,9 @@ def compass_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     highest = 0.0
     rules = [rule for rule in RULE_COLOURS if rule in np.atleast_1d(dataset["sliding"].values)]
     for rule in rules:
-        colour, selected = RULE_COLOURS[rule], by_rule(dataset, rule)
+        colour, selected = RULE_COLOURS[rule], select_sliding_rule(dataset, rule)
         values = selected["friction_coefficient"].transpose("statistic", "direction")
-        mean, low, high = (values.sel(statistic=name).values for name in MEAN_AND_ENDS)
+        mean, low, high = (values.sel(statistic=name).values for name in MEAN_AND_LIMITS)
         axes.plot(np.radians(degrees), mean, "o", color=colour, markersize=2.5, label=RULE_LABELS[rule])
         highest = max(highest, float(np.nanmax(mean, initial=0.0)))
         if np.isfinite(mean).all():
@@ -116,7 +116,7 @@ def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title:
     by_offset = _is_single_traverse(values)
     highest = float(np.nanmax(values.values)) if np.isfinite(values.values).any() else 1.0
     for rule in (rule for rule in RULE_COLOURS if rule in np.atleast_1d(values["sliding"].values)):
-        selected = by_rule(values, rule)
+        selected = select_sliding_rule(values, rule)
         finite = selected.values[np.isfinite(selected.values)]
         if by_offset:
             x, y = np.repeat(values["x"].values, values.sizes["direction"]), selected.values.ravel()
@@ -125,8 +125,8 @@ def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title:
         axes.plot(
             x, y, "o", color=RULE_COLOURS[rule], markersize=2.5, markeredgewidth=0, alpha=0.8, label=RULE_LABELS[rule]
         )
-        mean = by_rule(points["friction_all_round"], rule)
-        mean_value, low, high = (float(mean.sel(statistic=name)) for name in MEAN_AND_ENDS)
+        mean = select_sliding_rule(points["friction_all_round"], rule)
+        mean_value, low, high = (float(mean.sel(statistic=name)) for name in MEAN_AND_LIMITS)
         axes.axhspan(low, high, color=RULE_COLOURS[rule], alpha=0.15, linewidth=0)
         axes.axhline(mean_value, color=RULE_COLOURS[rule], linewidth=0.6)
     axes.set(ylim=(0, 1.05 * max(highest, 1e-3)), ylabel=axis_label("friction_coefficient"))

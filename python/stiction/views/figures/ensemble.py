@@ -25,7 +25,7 @@ from stiction._units import exact_quantity
 from stiction.mechanics.friction import STATUS_OK, STATUS_SELF_LOCKED
 from stiction.studies.assessment import MAX_AFFECTED_FRACTION
 from stiction.studies.members import generate_phases, pair_of, unscaled_profile
-from stiction.studies.point import MEAN_AND_ENDS
+from stiction.studies.point import MEAN_AND_LIMITS
 from stiction.studies.result import Result
 from stiction.studies.study import Study
 from stiction.surfaces.fractal import weierstrass_mandelbrot_surface
@@ -226,7 +226,7 @@ def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], m
     """Draw friction curves for the lowest and highest shear strength. They are dotted where the model is invalid."""
     dimension = curves["fractal_dimension"].values
     is_valid = ~(curves["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)  # axes: fractal dimension, shear strength
-    value, lower, upper = (curves["friction_coefficient"].sel(statistic=each).values for each in MEAN_AND_ENDS)
+    value, lower, upper = (curves["friction_coefficient"].sel(statistic=each).values for each in MEAN_AND_LIMITS)
     for index, colour in zip(range(len(strengths)), STRENGTH_COLOURS, strict=False):
         axes.fill_between(dimension, lower[:, index], upper[:, index], color=colour, alpha=0.25, linewidth=0)
         marker = "o" if dimension.size == 1 else None
@@ -445,7 +445,7 @@ def _area_curves(
     """Draw area and area/load for each fractal dimension, with labels at the left ends of the curves."""
     load, dimensions = areas["load"].values, areas["fractal_dimension"].values
     areas = areas.transpose("fractal_dimension", "load", ...)
-    area, lower, upper = (areas["contact_area"].sel(statistic=each).values for each in MEAN_AND_ENDS)
+    area, lower, upper = (areas["contact_area"].sel(statistic=each).values for each in MEAN_AND_LIMITS)
     is_valid = has_no_validity_limit | (areas["share_beyond_hertz"].values <= MAX_AFFECTED_FRACTION)
     positive = area[area > 0]
     for ax, scale in zip(axes, (np.ones(load.size), 1 / load), strict=True):

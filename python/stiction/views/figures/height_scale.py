@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from stiction._drawing import set_log_ticks
 from stiction._number_format import format_with_unit
-from stiction.studies.point import MEAN_AND_ENDS, by_rule, is_unloaded
+from stiction.studies.point import MEAN_AND_LIMITS, is_unloaded, select_sliding_rule
 from stiction.views.figures.loads import plain_log
 from stiction.views.style import (
     AREA_COLOUR,
@@ -36,15 +36,15 @@ def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     figure = new_figure(114)
     friction_axes, area_axes = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
     for rule in (rule for rule in RULE_COLOURS if rule in np.atleast_1d(points["sliding"].values)):
-        combined = by_rule(points["friction_combined"], rule)
-        mean, low, high = (combined.sel(statistic=statistic).where(has_load).values for statistic in MEAN_AND_ENDS)
+        combined = select_sliding_rule(points["friction_combined"], rule)
+        mean, low, high = (combined.sel(statistic=statistic).where(has_load).values for statistic in MEAN_AND_LIMITS)
         friction_axes.fill_between(gradient, low, high, color=RULE_COLOURS[rule], alpha=0.2, linewidth=0)
         friction_axes.plot(
             gradient, mean, "o-", color=RULE_COLOURS[rule], linewidth=1, markersize=2, label=RULE_LABELS[rule]
         )
     has_fraction = "contact_area_fraction" in points
     area = 100 * points["contact_area_fraction"] if has_fraction else points["contact_area"]
-    mean, low, high = (area.sel(statistic=statistic).values for statistic in MEAN_AND_ENDS)
+    mean, low, high = (area.sel(statistic=statistic).values for statistic in MEAN_AND_LIMITS)
     area_axes.fill_between(gradient, low, high, color=AREA_COLOUR, alpha=0.2, linewidth=0)
     area_axes.plot(gradient, mean, "o-", color=AREA_COLOUR, linewidth=1, markersize=2)
     area_axes.set_xscale("log")

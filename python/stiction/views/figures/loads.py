@@ -16,7 +16,7 @@ from stiction._checks import Floats
 from stiction._drawing import set_log_ticks
 from stiction._number_format import choose_prefix
 from stiction.studies.contact_picture import LOADS_PER_PULL_OFF
-from stiction.studies.point import MEAN_AND_ENDS, by_rule
+from stiction.studies.point import MEAN_AND_LIMITS, select_sliding_rule
 from stiction.views.style import (
     ALL_CONTACTS_COLOUR,
     AREA_COLOUR,
@@ -70,7 +70,7 @@ def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     figure = new_figure(100)
     for ax, name in zip(figure.subplots(2, 1, sharex=True), ("closure", "closure_stiffness"), strict=True):
         x = stress * np.asarray(points["load"].values, dtype=np.float64)
-        mean, low, high = (points[name].sel(statistic=statistic).values for statistic in MEAN_AND_ENDS)
+        mean, low, high = (points[name].sel(statistic=statistic).values for statistic in MEAN_AND_LIMITS)
         ax.fill_between(x, low, high, color=AREA_COLOUR, alpha=0.2, linewidth=0)
         ax.plot(x, mean, "o-", color=AREA_COLOUR, linewidth=1, markersize=2)
         ax.set(ylabel=axis_label(name), ylim=(0, None))
@@ -196,18 +196,18 @@ def _draw_against(
     friction_axes, area_axes = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
     has_combined = dimension == "load" and "friction_combined" in points
     for rule in _sliding_rules(points):
-        dataset, colour = by_rule(points, rule), RULE_COLOURS[rule]
-        mean, low, high = (dataset["friction_all_round"].sel(statistic=name).values for name in MEAN_AND_ENDS)
+        dataset, colour = select_sliding_rule(points, rule), RULE_COLOURS[rule]
+        mean, low, high = (dataset["friction_all_round"].sel(statistic=name).values for name in MEAN_AND_LIMITS)
         friction_axes.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
         if has_combined:
-            low, high = (dataset["friction_combined"].sel(statistic=name).values for name in MEAN_AND_ENDS[1:])
+            low, high = (dataset["friction_combined"].sel(statistic=name).values for name in MEAN_AND_LIMITS[1:])
             friction_axes.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
         friction_axes.plot(x, mean, "o-", color=colour, linewidth=1, markersize=2, label=RULE_LABELS[rule])
         _draw_single_directions(friction_axes, dataset, x, colour)
     _mark_incomplete(friction_axes, points, dimension, x)
     has_fraction = "contact_area_fraction" in points
     area = 100 * points["contact_area_fraction"] if has_fraction else points["contact_area"]
-    mean, low, high = (area.sel(statistic=name).values for name in MEAN_AND_ENDS)
+    mean, low, high = (area.sel(statistic=name).values for name in MEAN_AND_LIMITS)
     area_axes.fill_between(x, low, high, color=AREA_COLOUR, alpha=0.2, linewidth=0)
     area_axes.plot(x, mean, "o-", color=AREA_COLOUR, linewidth=1, markersize=2)
     for ax in (friction_axes, area_axes):
@@ -260,7 +260,7 @@ def _mark_incomplete(axes: Axes, points: xarray.Dataset, dimension: str, x: Floa
     is_incomplete = (num_solved > 0).values & (num_solved < points["members"].max()).values
     if not is_incomplete.any():
         return
-    mean = by_rule(points["friction_all_round"], _sliding_rules(points)[0]).sel(statistic="mean").values
+    mean = select_sliding_rule(points["friction_all_round"], _sliding_rules(points)[0]).sel(statistic="mean").values
     axes.plot(
         x[is_incomplete], mean[is_incomplete], "x", color="0.3", markersize=4, label="some members have no result"
     )

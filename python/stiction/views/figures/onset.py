@@ -18,7 +18,7 @@ from stiction._number_format import format_with_unit
 from stiction.studies.assessment import MAX_AFFECTED_FRACTION
 from stiction.studies.contact_picture import MIN_ZOOM_SIZE, ZOOM_DIVISOR
 from stiction.studies.contact_tables import AsperityContactTable
-from stiction.studies.point import MEAN_AND_ENDS
+from stiction.studies.point import MEAN_AND_LIMITS
 from stiction.studies.result import Result
 from stiction.views.figures.contact import draw_frame, draw_heights, map_extent
 from stiction.views.figures.ensemble import (
@@ -78,7 +78,7 @@ def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
         ("slipped_load", "of the normal load", "--", FORCE_COLOUR),
     ):
         mean, low, high = (
-            100 * _with_origin(onset[name].sel(statistic=statistic).values) for statistic in MEAN_AND_ENDS
+            100 * _with_origin(onset[name].sel(statistic=statistic).values) for statistic in MEAN_AND_LIMITS
         )
         if np.isfinite(low).all():
             axes.fill_between(fraction, low, high, color=colour, alpha=0.15, linewidth=0)
@@ -261,7 +261,7 @@ def _draw_curves(axes: Axes, dataset: xarray.Dataset, name: str) -> None:
     for load, colour in zip(dataset["load"].values, LOAD_COLOURS, strict=False):
         dataset_at_load = dataset.sel(load=load)
         mean, lower, upper = (
-            factor * dataset_at_load[name].sel(statistic=statistic).values for statistic in MEAN_AND_ENDS
+            factor * dataset_at_load[name].sel(statistic=statistic).values for statistic in MEAN_AND_LIMITS
         )
         is_valid = ~(dataset_at_load["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)
         axes.fill_between(dimension, lower, upper, color=colour, alpha=0.2, linewidth=0)

@@ -31,7 +31,7 @@ from stiction.studies.assessment import (
     find_verdict,
 )
 from stiction.studies.nodes import InterpolationNodes, NodeAxis
-from stiction.studies.point import rules_of
+from stiction.studies.point import list_rules_quoted_first
 from stiction.studies.result import Result
 from stiction.studies.study import Study, study_names
 from stiction.views.figures.ensemble import COLOUR_QUANTILES
@@ -103,7 +103,7 @@ def _study_facts(head: xarray.Dataset, study: Study, loads: Floats) -> dict[str,
             {"words": motion_text(angle), "directions": [d], "isWhole": True, "angle": angle}
             for d, angle in enumerate(angles)
         ],
-        "quotedRule": rules_of(study)[0],
+        "quotedRule": list_rules_quoted_first(study)[0],
         "start": {"cell": dimensions.size // 2, "load": loads.size // 2},
         "validity": [],
         "statuses": [],
@@ -167,7 +167,7 @@ def _at_nodes(
     tables.add("status", codes.astype(np.int8))
     is_interpolated = np.logical_and.reduce([nodes.is_interpolated(values) for values in quantities.values()])
     tables.add("fine", is_interpolated.astype(np.int8))
-    rule = rules.index(rules_of(study)[0])
+    rule = rules.index(list_rules_quoted_first(study)[0])
     numbers = validity | _checked_numbers(node_values, points, areas[..., 0], contacts, study, members)
     numbers = {name: values[:, :, rule] for name, values in numbers.items()}
     assessments, indices = assess_ensemble(study, status[:, :, rule], numbers)

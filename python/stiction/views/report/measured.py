@@ -15,7 +15,7 @@ from stiction._number_format import format_with_unit
 from stiction._text import printable
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import QUANTITIES, quantities_shown_in
-from stiction.studies.assessment import find_smallest_limit
+from stiction.studies.assessment import find_smallest_check_limit
 from stiction.studies.measured_surfaces import MeasuredFile
 from stiction.studies.nodes import InterpolationNodes
 from stiction.studies.result import Result
@@ -284,7 +284,7 @@ def _quantities(evaluations: Sequence[xarray.Dataset]) -> list[dict[str, Any]]:
         unit = "%" if quantity.percent else _UNIT_LABELS.get(quantity.unit, quantity.unit)
         factor = next((curve["factor"] for curve in _CURVE_PANELS.values() if curve["of"] == name), 1)
         texts = [[[text_with_unit(point, unit) for point in row] for row in table] for table in means.tolist()]
-        limit = find_smallest_limit(name)
+        limit = find_smallest_check_limit(name)
         points = factor * means
         decimals, upper_decimals = decimals_of(*np.moveaxis(points, -1, 0))
         records.append({
