@@ -17,7 +17,7 @@ from measure import seconds
 from stiction import Study
 from stiction.studies import runner
 from stiction.studies.layout import member_bytes, stack_members
-from stiction.studies.member_solution import member_sums
+from stiction.studies.member_solution import compute_member_sums
 from stiction.studies.store import encode_members
 
 STUDY_NAMES = ("figure6", "figure6-areal", "figure6-half-plane")
@@ -43,7 +43,7 @@ class StoredSums:
     def __call__(self, version: str, study: Study, folder: runner.SharedFolder, members: range) -> object:
         if self.path not in _read:
             _read[self.path] = pickle.loads(Path(self.path).read_bytes())
-        runner.member_sums = lambda _, member: _read[self.path][member % NUM_DIFFERENT_MEMBERS]
+        runner.compute_member_sums = lambda _, member: _read[self.path][member % NUM_DIFFERENT_MEMBERS]
         return _task(
             version, study, folder if self.has_shared_folder else runner.SharedFolder(Path("/nowhere"), ""), members
         )
@@ -92,9 +92,9 @@ def measure_rows() -> list[tuple[str, str]]:
             half_plane = name == "figure6-half-plane"  # Each run of this study takes 90 s.
             reduced_study = study.with_changes({"surfaces.fractal_dimension": [1.2]}) if half_plane else study
             dimensions = study.surfaces.fractal_dimensions().size if half_plane else 1
-            sums = member_sums(reduced_study, 0)
+            sums = compute_member_sums(reduced_study, 0)
             cost = dimensions * seconds(
-                lambda reduced_study=reduced_study: member_sums(reduced_study, 1), 1 if half_plane else 3
+                lambda reduced_study=reduced_study: compute_member_sums(reduced_study, 1), 1 if half_plane else 3
             )
             members = randomise({name: values.repeat(dimensions, axis=0) for name, values in sums.items()})
             size = runner.choose_block_size(study)

@@ -2,7 +2,7 @@
 
 from measure import measure_in_units, peak_mebibytes
 from stiction import Study, run
-from stiction.studies.member_solution import member_sums
+from stiction.studies.member_solution import compute_member_sums
 
 BASE_STUDY = Study.named("figure6").with_changes({"ensemble.repetitions": 1})
 
@@ -10,7 +10,7 @@ BASE_STUDY = Study.named("figure6").with_changes({"ensemble.repetitions": 1})
 def measure_cost(changes: dict[str, object], repeats: int = 3) -> float:
     study = BASE_STUDY.with_changes(changes)
     pairs = study.surfaces.fractal_dimensions().size
-    return measure_in_units(lambda: member_sums(study, 0), repeats) / pairs
+    return measure_in_units(lambda: compute_member_sums(study, 0), repeats) / pairs
 
 
 def run_figure6() -> None:
@@ -18,7 +18,7 @@ def run_figure6() -> None:
 
 
 def run_ten_million_points() -> None:
-    member_sums(BASE_STUDY.with_changes(changes_for_points(10_000_000)), 0)
+    compute_member_sums(BASE_STUDY.with_changes(changes_for_points(10_000_000)), 0)
 
 
 def changes_for_points(points: int) -> dict[str, object]:

@@ -54,8 +54,8 @@ def timed(function: Callable[[], object]) -> tuple[object, float]:
 
 def measure_rows() -> list[tuple[str, str]]:
     # Repetitions that take no time are stored in blocks of the maximum size.
-    real = runner.member_sums, runner.estimate_member_time
-    runner.member_sums, runner.estimate_member_time = stand_in(STUDY), lambda _: 0.0
+    real = runner.compute_member_sums, runner.estimate_member_time
+    runner.compute_member_sums, runner.estimate_member_time = stand_in(STUDY), lambda _: 0.0
     try:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "r"
@@ -71,7 +71,7 @@ def measure_rows() -> list[tuple[str, str]]:
             assert longer == NUM_REPETITIONS + NUM_ADDED_REPETITIONS
             _, again = timed(lambda: compute_missing(more, path))
     finally:
-        runner.member_sums, runner.estimate_member_time = real
+        runner.compute_member_sums, runner.estimate_member_time = real
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     return [
         (f"{NUM_REPETITIONS:,} repetitions, 2 pairs of 8 approaches each", f"{result.nbytes / 1e9:.2f} GB"),

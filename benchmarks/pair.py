@@ -5,7 +5,7 @@ from concurrent.futures import Executor, ThreadPoolExecutor
 import numpy as np
 from measure import measure_in_units, measure_unit, seconds
 from stiction import Study, random_phases, run, weierstrass_mandelbrot_family
-from stiction.studies.member_solution import _reuse_array, member_sums
+from stiction.studies.member_solution import _reuse_array, compute_member_sums
 from stiction.studies.members import fill_profiles
 
 # With this large number, the last repetition, which a single thread computes, takes a small fraction of the time.
@@ -69,6 +69,6 @@ def measure_rows() -> list[tuple[str, str]]:
         ):
             changes = {"contact.detection": detection} | ({"contact.approach": approach} if approach else {})
             study = STUDY.with_changes(changes)
-            cost = measure_in_units(lambda study=study: member_sums(study, 0)) / dimensions.size
+            cost = measure_in_units(lambda study=study: compute_member_sums(study, 0)) / dimensions.size
             result.append((f"scaling and contact, {detection}: {what}", f"{cost - generation:.2f} U a pair"))
     return result

@@ -52,13 +52,13 @@ if "storm" in os.environ and "stiction" in " ".join(sys.orig_argv):
     import pathlib, random, time
     from stiction.studies import runner
     runner.BLOCK_TIME = 0.02
-    sums = runner.member_sums
+    sums = runner.compute_member_sums
     def record(study, member):
         with open(os.environ["storm"], "ab", buffering=0) as file:
             file.write(f"{member} {os.getpid()}\\n".encode())
         time.sleep(1e-3)  # slows the computation, so that each file can be checked
         return sums(study, member)
-    runner.member_sums = record
+    runner.compute_member_sums = record
     def add_delays(function, seconds):
         def call_with_delays(*arguments, **options):
             time.sleep(random.expovariate(1 / seconds))
@@ -223,7 +223,7 @@ class KillTest:
     def check_and_describe(self) -> str:
         self.check_blocks()
         for number in self.random.sample(sorted(self.bits), min(MAX_CHECKED_REPETITIONS, len(self.bits))):
-            sums = member_solution.member_sums(STUDY, number)
+            sums = member_solution.compute_member_sums(STUDY, number)
             assert checksum(list(sums.values())) == self.bits[number], f"repetition {number} has other bits"
         for process in self.dask:
             process.kill()

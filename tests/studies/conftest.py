@@ -21,11 +21,11 @@ def uninterrupted_dataset():
 @pytest.fixture
 def computed_repetitions(monkeypatch):
     """Return a list to which each computed repetition is appended."""
-    numbers, sums = [], runner.member_sums
+    numbers, sums = [], runner.compute_member_sums
 
     def record(study, number):
         numbers.append(number)
         return sums(study, number)
 
-    monkeypatch.setattr(runner, "member_sums", record)
+    monkeypatch.setattr(runner, "compute_member_sums", record)
     return numbers

@@ -13,12 +13,12 @@ from stiction.studies.evaluation import at_load
 from stiction.studies.height_scale import (
     MAX_FACTOR,
     MIN_FACTOR,
-    MissingFactorsError,
-    compute_factors,
+    MissingHeightFactorsError,
+    compute_height_factors,
     evaluate_height_scale,
     find_missing_factors,
     open_stored_factors,
-    parse_factors,
+    parse_height_factors,
     scale_study_heights,
 )
 from stiction.studies.store import STUDY_FILE, open_stored
@@ -60,8 +60,8 @@ def bodies():
 def result(bodies):
     """Return the result of a pair, computed also with both surfaces scaled by 0.5 and 2 and the upper scaled by 2."""
     computed = pair(*bodies, **PAIR_OPTIONS | HARDNESS_OPTION)
-    compute_factors(computed.source, [0.5, 2])
-    compute_factors(computed.source, [2], "upper")
+    compute_height_factors(computed.source, [0.5, 2])
+    compute_height_factors(computed.source, [2], "upper")
     return computed
 
 
@@ -196,7 +196,7 @@ def test_pull_off_force_decreases_with_height_scale():
 @pytest.mark.parametrize("hardness", [{}, HARDNESS_OPTION])
 def test_interpolation_between_height_factors_has_at_most_the_stated_error(hardness):
     computed = pair(*smooth_maps(64, rms=0.01), **PAIR_OPTIONS | hardness | {"load": "100 MPa"})
-    compute_factors(computed.source, "0.25..4")
+    compute_height_factors(computed.source, "0.25..4")
     factors = np.array([0.6, 1.7])
     table = computed.at(height_scale=factors)
     for index, factor in enumerate(factors):
@@ -239,10 +239,10 @@ def test_interpolation_next_to_an_unsolved_height_factor_is_nan():
 
 
 def test_height_factors_can_be_given_as_numbers_lists_and_ranges():
-    assert parse_factors("0.5..2").tolist() == [0.5, 0.707107, 1.0, 1.41421, 2.0]
-    assert parse_factors("0.3 .. 0.6").tolist() == [0.3, 0.353553, 0.5, 0.6]
-    assert parse_factors("2,0.5,1").tolist() == parse_factors([2, 0.5, 1]).tolist() == [0.5, 1.0, 2.0]
-    assert parse_factors(1 / 3).tolist() == [0.333333]
+    assert parse_height_factors("0.5..2").tolist() == [0.5, 0.707107, 1.0, 1.41421, 2.0]
+    assert parse_height_factors("0.3 .. 0.6").tolist() == [0.3, 0.353553, 0.5, 0.6]
+    assert parse_height_factors("2,0.5,1").tolist() == parse_height_factors([2, 0.5, 1]).tolist() == [0.5, 1.0, 2.0]
+    assert parse_height_factors(1 / 3).tolist() == [0.333333]
 
 
 @pytest.mark.parametrize(
@@ -269,7 +269,7 @@ def test_height_factors_can_be_given_as_numbers_lists_and_ranges():
 )
 def test_height_factors_outside_the_allowed_range_are_rejected(factors):
     with pytest.raises(ValueError, match="height_scale"):
-        parse_factors(factors)
+        parse_height_factors(factors)
 
 
 def test_height_scale_rejects_unsuitable_results_and_invalid_options(bodies, result):
@@ -290,7 +290,8 @@ def test_height_scale_rejects_unsuitable_results_and_invalid_options(bodies, res
 
 def test_missing_height_factors_raise_an_error_with_the_estimated_time(result):
     with pytest.raises(
-        MissingFactorsError, match=r"^height_scale needs results at .*, about .*; give compute=True to compute them$"
+        MissingHeightFactorsError,
+        match=r"^height_scale needs results at .*, about .*; give compute=True to compute them$",
     ) as caught:
         result.at(height_scale="0.25..4")
     assert caught.value.factors.tolist() == [0.25, 0.353553, 0.707107, 1.41421, 2.82843, 4.0]
@@ -310,10 +311,10 @@ def test_results_at_finished_height_factors_are_preserved_after_an_interrupt(bod
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        compute_factors(computed.source, [0.5, 2, 4], announce=interrupt)
+        compute_height_factors(computed.source, [0.5, 2, 4], announce=interrupt)
     assert announced == ["heights times 0.5 (1 of 3)", "heights times 2 (2 of 3)"]
     assert list(open_stored_factors(computed.source, "both")) == [0.5, 1.0]
-    compute_factors(computed.source, [0.5, 2, 4], announce=announced.append)
+    compute_height_factors(computed.source, [0.5, 2, 4], announce=announced.append)
     assert announced[2:] == ["heights times 2 (1 of 2)", "heights times 4 (2 of 2)"]
     assert open_result(tmp_path).at(height_scale=[0.5, 2, 4]).sizes["height_scale"] == 3
 
@@ -321,7 +322,7 @@ def test_results_at_finished_height_factors_are_preserved_after_an_interrupt(bod
 def test_results_at_stored_height_factors_are_reused_for_new_mu0_but_not_for_new_modulus(bodies, tmp_path):
     kwargs = PAIR_OPTIONS | HARDNESS_OPTION
     first_result = pair(*bodies, directory=tmp_path, **kwargs)
-    compute_factors(first_result.source, [2])
+    compute_height_factors(first_result.source, [2])
     result_at_other_mu0 = pair(*bodies, directory=tmp_path, **kwargs | {"mu0": 0.4})
     table = result_at_other_mu0.at(height_scale=[1, 2])
     assert table["mu0"].values.tolist() == [0.4]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from stiction import Surface, hardness_under_shear, pair, self_affine_surface, tabor_friction
 from stiction.mechanics.hardness import area_per_load
-from stiction.studies.hardness import NodeAreas, SampledAreas, find_places
+from stiction.studies.hardness import NodeAreas, SampledAreas, find_table_positions
 from stiction.studies.interfaces import ShearStrength
 
 TABOR_TOLERANCE = 5e-3
@@ -184,6 +184,6 @@ def test_tabulated_areas_agree_with_exact_areas_inside_and_outside_the_range_of_
     hardness = np.geomspace(0.04, 5.0, 20_000)
     for part, tolerance in ((hardness, 1e-5), (hardness[:50], 1e-12), (3 * hardness, 1e-12)):
         exact = area_per_load(part, nodes, at_nodes, elastic)
-        places = find_places(np.log(part), *areas.limits)
+        places = find_table_positions(np.log(part), *areas.limits)
         assert (places is not None) == (tolerance == 1e-5)
         assert areas(np.log(part), places) == pytest.approx(exact, rel=tolerance)

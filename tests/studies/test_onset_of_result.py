@@ -11,7 +11,7 @@ from stiction import Profile, Study, approach_at_load, contacts, half_space, ope
 from stiction.studies.executors import thread_executor
 from stiction.studies.intervals import sample_mean
 from stiction.studies.members import load_bodies
-from stiction.studies.onset import ONSET_FILE, TRACTION_TOLERANCE, compute_onset, format_backbone, load_onset
+from stiction.studies.onset import ONSET_FILE, TRACTION_TOLERANCE, compute_onset, format_backbone_csv, load_onset
 from stiction.studies.runner import compute_missing
 from stiction.studies.store import export, open_stored
 from stiction.views.onset import onset_record, onset_rows, onset_text
@@ -179,7 +179,7 @@ def test_stored_onset_for_another_mu0_is_ignored(study, onset, tmp_path):
 
 
 def test_csv_table_of_onset_starts_with_a_row_of_zeros(onset):
-    table = pandas.read_csv(io.StringIO(format_backbone(onset)))
+    table = pandas.read_csv(io.StringIO(format_backbone_csv(onset)))
     assert (table.iloc[0] == 0).all()
     np.testing.assert_allclose(table["displacement (um)"][1:], onset["displacement"].sel(statistic="mean"), rtol=1e-8)
 

@@ -90,14 +90,14 @@ def test_workers_write_blocks_to_a_shared_directory_or_return_them(tmp_path, uni
 
 
 def test_blocks_of_other_members_are_stored_if_one_member_fails(tmp_path, monkeypatch):
-    sums = runner.member_sums
+    sums = runner.compute_member_sums
 
     def compute_or_fail(study, number):
         if number == 6:
             raise ValueError("member 6")
         return sums(study, number)
 
-    monkeypatch.setattr(runner, "member_sums", compute_or_fail)
+    monkeypatch.setattr(runner, "compute_member_sums", compute_or_fail)
     with pytest.raises(ValueError, match="member 6"):
         run(TINY_STUDY, store=tmp_path, executor=InlineExecutor())
     assert store.open_stored(tmp_path).finished.tolist() == [*range(4), *range(8, 22)]

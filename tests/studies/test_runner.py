@@ -105,7 +105,7 @@ def test_memory_of_a_task_is_within_the_documented_limit(monkeypatch, points):
         member_solution, "_reuse_array", lambda shape: allocated_arrays.append(np.empty(shape)) or allocated_arrays[-1]
     )
     study = RUNNER_STUDY.with_changes({"surfaces.points": points, "surfaces.fractal_dimension.count": 10})
-    member_solution.member_sums(study, 0)
+    member_solution.compute_member_sums(study, 0)
     (memory,) = allocated_arrays
     assert memory.nbytes <= max(2 * batch_bytes + 2 * 8 * points, 32 * points)
 
@@ -136,7 +136,7 @@ def test_run_of_a_study_with_impossible_gamma_raises_value_error():
 
 
 def test_run_rejects_a_result_larger_than_memory(tmp_path, monkeypatch):
-    monkeypatch.setattr(runner, "member_sums", lambda *_: pytest.fail("computed"))
+    monkeypatch.setattr(runner, "compute_member_sums", lambda *_: pytest.fail("computed"))
     study_of_many_members = RUNNER_STUDY.with_changes({"ensemble.repetitions": 10_000_000})
     with pytest.raises(
         ValueError, match=r"the result would take \d+ GiB of memory, more than the limit of 16 GiB; give a store"
@@ -155,7 +155,7 @@ def test_run_rejects_a_result_larger_than_memory(tmp_path, monkeypatch):
 
 
 def test_interrupt_cancels_tasks_that_are_not_yet_started(monkeypatch):
-    computed_repetitions, sums, interrupted = [], runner.member_sums(with_repetitions(1), 0), threading.Event()
+    computed_repetitions, sums, interrupted = [], runner.compute_member_sums(with_repetitions(1), 0), threading.Event()
 
     def record(study, number):
         computed_repetitions.append(number)
@@ -166,7 +166,7 @@ def test_interrupt_cancels_tasks_that_are_not_yet_started(monkeypatch):
     def interrupt(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(runner, "member_sums", record)
+    monkeypatch.setattr(runner, "compute_member_sums", record)
     monkeypatch.setattr(runner, "progress_bar", lambda *_: contextlib.nullcontext(interrupt))
     monkeypatch.setattr(runner, "SHUTDOWN_TIMEOUT", 0.1)
     interrupt_error = None
@@ -232,8 +232,10 @@ def test_computation_of_missing_members_announces_the_estimated_time_once(tmp_pa
 
 def test_remaining_time_is_estimated_from_the_time_of_the_first_block():
     missing = SimpleNamespace(count=16)
-    text = runner._new_estimate(missing, 1, 480.0, 2, 8.5)
+    text = runner._format_revised_estimate(missing, 1, 480.0, 2, 8.5)
     assert text == "1 of 16 repetitions took 8 min; the rest takes about 56 min more"
-    assert runner._new_estimate(missing, 1, 480.0, 2, 300.0) == ""  # The new estimate is close to the first one.
-    assert runner._new_estimate(missing, 1, 8.0, 2, 1.0) == ""  # Little time remains.
-    assert runner._new_estimate(missing, 4, 480.0, 4, 8.5) == ""  # No repetitions remain.
+    assert (
+        runner._format_revised_estimate(missing, 1, 480.0, 2, 300.0) == ""
+    )  # The new estimate is close to the first one.
+    assert runner._format_revised_estimate(missing, 1, 8.0, 2, 1.0) == ""  # Little time remains.
+    assert runner._format_revised_estimate(missing, 4, 480.0, 4, 8.5) == ""  # No repetitions remain.

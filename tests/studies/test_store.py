@@ -110,7 +110,7 @@ def test_store_preserves_every_bit_of_values(tmp_path, monkeypatch):
         name: np.full(shape, 7 if name.endswith("_count") else 0.0 if name in ("contact_area", "normal_elastic") else x)
         for name, x in zip(TINY_STUDY.sums(), values, strict=False)
     }
-    monkeypatch.setattr(runner, "member_sums", lambda *_: sums)
+    monkeypatch.setattr(runner, "compute_member_sums", lambda *_: sums)
     result = run(with_repetitions(1), store=tmp_path).dataset
     for name in sums:
         assert result[name].values.tobytes() == sums[name].tobytes(), name
@@ -261,7 +261,7 @@ def test_foreign_study_file_without_blocks_is_not_overwritten(tmp_path, uninterr
     assert_same_bits(run(TINY_STUDY, store=tmp_path).dataset, uninterrupted_dataset)
     assert (tmp_path / STUDY_FILE).read_text().startswith("# by hand")
     shutil.rmtree(tmp_path / BLOCKS_FOLDER)
-    (tmp_path / STUDY_FILE).write_text(f"{store.STUDY_FILE_MARK} 0.1.0.\n" + TINY_STUDY.to_toml())
+    (tmp_path / STUDY_FILE).write_text(f"{store.STUDY_FILE_SIGNATURE} 0.1.0.\n" + TINY_STUDY.to_toml())
     assert run(with_repetitions(1).with_changes({"ensemble.seed": 1}), store=tmp_path).dataset.sizes["repetition"] == 1
 
 
@@ -513,7 +513,7 @@ def test_partial_file_removed_by_another_process_is_written_again(tmp_path, unin
 
     compute_missing(with_repetitions(4), tmp_path)
     monkeypatch.setattr(Path, "replace", remove_and_replace)
-    (tmp_path / STUDY_FILE).write_text(f"{store.STUDY_FILE_MARK} 0.1.0.\n" + TINY_STUDY.to_toml())
+    (tmp_path / STUDY_FILE).write_text(f"{store.STUDY_FILE_SIGNATURE} 0.1.0.\n" + TINY_STUDY.to_toml())
     assert_same_bits(run(TINY_STUDY, store=tmp_path).dataset, uninterrupted_dataset)
     assert removed_files
 
@@ -654,7 +654,7 @@ SCRIPT_WITH_INTERRUPT = r"""
 import os, signal, sys, threading
 from stiction import Study
 from stiction.studies import runner
-study, sums, interrupted = Study.from_toml("s.toml"), runner.member_sums, threading.Event()
+study, sums, interrupted = Study.from_toml("s.toml"), runner.compute_member_sums, threading.Event()
 def write_line(word):  # one write for each line: the lines of print() may mix with lines of another thread
     os.write(1, f"{word}\n".encode())
 def sum_or_wait(study, member):
@@ -666,7 +666,7 @@ def interrupt(*of):
     interrupted.set()
     signal.default_int_handler(*of)
 signal.signal(signal.SIGINT, interrupt)
-runner.member_sums = sum_or_wait
+runner.compute_member_sums = sum_or_wait
 runner.choose_block_size = lambda study: 8
 write_line("started")
 try:

@@ -10,7 +10,7 @@ from stiction.studies.contact_picture import load_contact_picture
 from stiction.studies.executors import thread_executor
 from stiction.studies.onset import compute_onset, load_onset
 from stiction.studies.runner import compute_missing
-from stiction.studies.store import CHECKSUM_SEAL, StoreError, export, open_stored, read
+from stiction.studies.store import CHECKSUM_PREFIX, StoreError, export, open_stored, read
 from support.studies_of_files import study_of_files, write_maps
 
 LOADERS = {"picture.nc": load_contact_picture, "onset.nc": load_onset}
@@ -55,9 +55,9 @@ def test_flipped_bit_in_stored_data_is_detected_before_the_file_is_opened(comple
     if name == "result.nc":
         export(complete_result.dataset(), path)
     content = path.read_bytes()
-    assert content[-len(CHECKSUM_SEAL) - 8 : -8] == CHECKSUM_SEAL
+    assert content[-len(CHECKSUM_PREFIX) - 8 : -8] == CHECKSUM_PREFIX
     monkeypatch.setattr(h5py, "File", None)  # Opening a damaged file might never end, so the file must not be opened.
-    sealed = 8 * (len(content) - len(CHECKSUM_SEAL) - 8)
+    sealed = 8 * (len(content) - len(CHECKSUM_PREFIX) - 8)
     for place in [0, sealed - 1, 8 * len(content) - 1, *random.Random(5).sample(range(sealed), 50)]:
         damaged = bytearray(content)
         damaged[place // 8] ^= 1 << place % 8

@@ -148,15 +148,15 @@ def _print_scaled_heights(
 ) -> None:  # fmt: skip
     """Print a result for several height factors. If `compute` is True, first compute the missing results."""
     from stiction.studies.executors import thread_executor
-    from stiction.studies.height_scale import compute_factors, evaluate_height_scale, parse_factors
+    from stiction.studies.height_scale import compute_height_factors, evaluate_height_scale, parse_height_factors
     from stiction.views.height_scale import height_scale_record, height_scale_text
 
     scaled_bodies: Any = scaled
-    factors = parse_factors(text)
+    factors = parse_height_factors(text)
     if compute:
         try:
             with thread_executor(workers) as executor:
-                compute_factors(stored, factors, scaled_bodies, executor, progress=True, announce=show_status)
+                compute_height_factors(stored, factors, scaled_bodies, executor, progress=True, announce=show_status)
         except KeyboardInterrupt:
             raise report_interruption(
                 "; results of finished factors are stored; run the same command again to resume"

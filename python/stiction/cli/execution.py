@@ -16,7 +16,7 @@ from stiction.cli.options import option
 from stiction.studies.executors import thread_executor
 from stiction.studies.pipeline import complete_result
 from stiction.studies.result import Result
-from stiction.studies.store import OtherStudyError, StoreError, open_stored
+from stiction.studies.store import StoreError, StudyMismatchError, open_stored
 from stiction.studies.study import Study
 from stiction.studies.values import StudyError
 
@@ -67,7 +67,7 @@ def check_output_directory(directory: Path) -> None:
         raise StudyError(f"--output must be a directory, got the file name {printable_path(directory)}")
 
 
-def _conflict_advice(error: OtherStudyError, study: Study, *, replaceable: bool) -> str:
+def _conflict_advice(error: StudyMismatchError, study: Study, *, replaceable: bool) -> str:
     """Return advice on what to do if the output directory contains another study."""
     remedies = ["choose another directory with --output DIR"]
     if replaceable:
@@ -96,7 +96,7 @@ def compute_in_folder(
             study, directory, executor, progress=True, print_finished=print_written, print_remark=print_message,
             announce=show_status, **options,
         )  # fmt: skip
-    except OtherStudyError as error:
+    except StudyMismatchError as error:
         raise error.with_remedy(_conflict_advice(error, study, replaceable="replace" in options)) from None
     except KeyboardInterrupt:
         detail = ""

@@ -17,11 +17,11 @@ from stiction.cli.application import command, print_output
 from stiction.cli.execution import Scheduler, Workers
 from stiction.cli.options import option
 from stiction.cli.pair_options import pair_option
-from stiction.studies.store import CHECKSUM_SEAL
+from stiction.studies.store import CHECKSUM_PREFIX
 
 NETCDF_FILE_NAME, CSV_FILE_NAME, LAWS_FILE_NAME = "table.nc", "table.csv", "laws.csv"
 TABLE_OUTPUT_SIGNATURES = {
-    NETCDF_FILE_NAME: CHECKSUM_SEAL,
+    NETCDF_FILE_NAME: CHECKSUM_PREFIX,
     CSV_FILE_NAME: b"stiffness over area (GPa/um)",
     LAWS_FILE_NAME: b"b of k/A0 = b p^c",
 }

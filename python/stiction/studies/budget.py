@@ -30,7 +30,7 @@ from stiction.studies.evaluation import (
 from stiction.studies.hardness import (
     AreaInterpolator,
     compute_relative_modulus,
-    find_creep,
+    find_creep_exponent,
     find_inputs,
     find_junction_growth,
 )
@@ -404,7 +404,7 @@ class _CoefficientSamples:
 
         They are NaN if the nominal pressure reaches the hardness.
         """
-        creep, hardness = find_creep(self.study), self.areas.hardness
+        creep, hardness = find_creep_exponent(self.study), self.areas.hardness
         assert creep is not None, "a study with dwell times has a creep exponent"
         assert hardness is not None, "a study with dwell times has a hardness"
         hardness_left = hardness * wait**-creep.value
@@ -488,7 +488,7 @@ class _CoefficientSamples:
             columns |= {name: np.full(NUM_SAMPLES, quantile) for name, quantile in fixed.items() if name in columns}
             samples = {name: self.inputs[name].quantile(columns[name]) for name in self.inputs}
             hardness = samples.get("hardness", np.full(NUM_SAMPLES, self.areas.hardness or np.nan))
-            if (creep := find_creep(self.study)) is not None:
+            if (creep := find_creep_exponent(self.study)) is not None:
                 hardness = hardness * wait ** -creep.quantile(cube[:, -1])
             scores = {name: ndtri(columns[name]) for name in self.places}
             return columns, scores, samples, hardness, compute_relative_modulus(self.study, samples)

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 PICTURE_FILE = "picture.nc"  # file name in a result folder
 MAX_PICTURE_SIZE = 512  # maximum number of rows or columns of a stored map
-LOADS_PER_PULL_OFF = (0.25, 0.5, 1, 2, 3, 4)  # loads in the adhesion figure, as multiples of the pull-off force
+LOADS_RELATIVE_TO_PULL_OFF = (0.25, 0.5, 1, 2, 3, 4)  # loads in the adhesion figure, as multiples of the pull-off force
 # ratio of the map size to the size of the magnified window around the largest contact
 ZOOM_DIVISOR = 8
 MIN_ZOOM_SIZE = 16
@@ -126,7 +126,7 @@ def coming_and_going(result: Result) -> xarray.Dataset | None:
     try:
         pair = _load_pair(study, index, cell)
         solve: Any = functools.partial(half_space, *pair, **contact.solver_arguments())
-        loads = np.array([0, *LOADS_PER_PULL_OFF]) * solve([0.0]).pull_off
+        loads = np.array([0, *LOADS_RELATIVE_TO_PULL_OFF]) * solve([0.0]).pull_off
         loads = np.append(loads[loads < max_load], max_load)
         loading, unloading = solve(loads), solve(loads[::-1])
         curves = [loading, unloading, unloading.parting]
@@ -239,7 +239,9 @@ def _number_discs(lower: Surface, table: ContactList) -> NDArray[Any]:
 # ---- Data frame -----------------------------------------------------------------------------------------------------
 
 
-def contact_frame(result: Result, loads: ArrayLike, members: int | Sequence[int] | None = None) -> pandas.DataFrame:
+def build_contact_table(
+    result: Result, loads: ArrayLike, members: int | Sequence[int] | None = None
+) -> pandas.DataFrame:
     """Return a table of all contacts in some members at elastic loads (mN). `Result.contacts` describes the columns."""
     import pandas
 

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
     from stiction.studies.result import Result
 
-AREAS_FILE = "hardness.nc"
+HARDNESS_AREAS_FILE = "hardness.nc"
 """Name of the companion file with the true areas of the first members at the nodes."""
 
 NUM_MAP_MEMBERS, NUM_LARGE_MAP_MEMBERS, NUM_PROFILE_MEMBERS = 4, 2, 16
@@ -50,7 +50,7 @@ some contacts yield.
 
 MIN_ERROR_MEMBERS = 2  # minimum number of members from which the error of the interpolated area is estimated
 
-NODE_POSITIONS = {1: (0.0, 0.15, 0.35, 0.65, 0.85, 1.0), 3: (0.0, 0.1, 0.25, 0.4, 0.6, 0.75, 0.9, 1.0)}
+HARDNESS_NODE_POSITIONS = {1: (0.0, 0.15, 0.35, 0.65, 0.85, 1.0), 3: (0.0, 0.1, 0.25, 0.4, 0.6, 0.75, 0.9, 1.0)}
 """Positions of the nodes within the range of ln H, as fractions from 0 to 1, for one or three moduli.
 
 The hardness of the study and infinite hardness (elastic bodies) are additional nodes.
@@ -76,7 +76,7 @@ TABLE_MARGIN = 4.0  # factor by which a table extends beyond the smallest and th
 NODE_QUANTILES = (0.005, 0.995)
 """Quantiles of an input that define the outermost nodes."""
 _MODULUS_LABELS = {"young": "Young's modulus", "poisson": "Poisson's ratio"}
-THREE_DIGIT_ERROR = 0.006  # largest relative error of a number rounded to three digits
+THREE_DIGIT_ROUNDING_ERROR = 0.006  # largest relative error of a number rounded to three digits
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,11 @@ def find_inputs(study: Study) -> dict[str, LabelledInput]:
         label = f"the hardness of the {softer.name}" if softer else "the hardness"
         if table.hardness is not None:
             inputs["hardness"] = LabelledInput(label, parse_input("hardness", table.hardness, "hardness"))
-        elif softer and softer.hardness and abs(float(contact.hardness) / softer.hardness - 1) < THREE_DIGIT_ERROR:
+        elif (
+            softer
+            and softer.hardness
+            and abs(float(contact.hardness) / softer.hardness - 1) < THREE_DIGIT_ROUNDING_ERROR
+        ):
             inputs["hardness"] = LabelledInput(label, find_material_hardness(softer.hardness))
     if (growth := find_junction_growth(study)) is not None:
         inputs["junction_growth"] = LabelledInput("the junction growth α", growth)
@@ -131,7 +135,7 @@ def _parse_junction_growth(text: str | float, central_value: float) -> Uncertain
     return replace(parse_input("junction_growth", text), value=central_value)
 
 
-def find_creep(study: Study) -> UncertainInput | None:
+def find_creep_exponent(study: Study) -> UncertainInput | None:
     """Return the uncertain exponent of indentation creep, or None if the study has no dwell times."""
     return parse_input("creep", study.known.creep) if study.friction.wait and study.known.creep else None
 
@@ -175,7 +179,7 @@ def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
     no hardnesses if the hardness and E* are exact or have narrow ranges, and the study has neither dwell times nor
     junction growth.
     """
-    inputs, creep, hardness = find_inputs(study), find_creep(study), study.contact.hardness
+    inputs, creep, hardness = find_inputs(study), find_creep_exponent(study), study.contact.hardness
     # The half width of the range of ln E* is the root sum of squares of the half widths due to each input.
     steps = [
         np.ptp(np.log(compute_relative_modulus(study, {name: entry.estimate.quantile(NODE_QUANTILES)}))) / 2
@@ -195,7 +199,9 @@ def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
         softening = np.power.outer([1.0, *study.friction.wait], -creep.quantile(NODE_QUANTILES))
         ends = ends * [softening.min(), softening.max()]
     half_width = np.hypot(np.ptp(np.log(ends)) / 2, np.log(moduli[-1]))
-    positions = np.exp(half_width * (2 * np.array(NODE_POSITIONS[moduli.size]) - 1)) if half_width > 0 else np.ones(0)
+    positions = (
+        np.exp(half_width * (2 * np.array(HARDNESS_NODE_POSITIONS[moduli.size]) - 1)) if half_width > 0 else np.ones(0)
+    )
     nodes = np.sqrt(ends.prod()) * positions
     # A node that differs from the hardness of the study only by round-off is removed.
     nodes = nodes[~np.isclose(nodes, float(hardness), rtol=NODE_ROUND_OFF, atol=0.0)]
@@ -295,7 +301,11 @@ def load_areas_over_hardness(result: StoredResult) -> xarray.Dataset | None:
     hardnesses, moduli = choose_area_nodes(study) if study.is_measured else (np.zeros(0), np.ones(1))
     nodes = hardnesses, moduli, np.array([float(load) for load in study.friction.load])
     names = ("hardness", "relative_modulus", "load")
-    stored = read_companion(result.path / AREAS_FILE, (*names, *_list_area_names(study))) if hardnesses.size else None
+    stored = (
+        read_companion(result.path / HARDNESS_AREAS_FILE, (*names, *_list_area_names(study)))
+        if hardnesses.size
+        else None
+    )
     if stored is None:
         return None
     stored_nodes = [stored[name].values for name in names]
@@ -376,7 +386,7 @@ class SampledAreas:
     def __call__(self, log_hardness: Floats, places: Places | None) -> Floats:
         """Return A/F (1/GPa), with shape (..., h), for logarithms of hardnesses (GPa), with shape (h,).
 
-        `places` is the result of `find_places` for the limits of the table.
+        `places` is the result of `find_table_positions` for the limits of the table.
         """
         if places is None:
             return area_per_load(np.exp(log_hardness), *self._arguments)
@@ -384,7 +394,7 @@ class SampledAreas:
         return np.asarray(areas.take(steps, axis=-1) + differences.take(steps, axis=-1) * fractions)
 
 
-def find_places(log_hardness: Floats, first: float, last: float) -> Places | None:
+def find_table_positions(log_hardness: Floats, first: float, last: float) -> Places | None:
     """Find the positions of hardnesses in a table whose ln H extends from `first` to `last`.
 
     The result is None if a hardness is outside the table, or if the hardnesses are too few to justify a table.
@@ -516,7 +526,9 @@ class AreaInterpolator:
         """
 
         def compute_ratio(pressure: Floats) -> Floats:
-            return self._sheared_area(load, rule, pressure, modulus) / self._area_before(load, rule, hardness, modulus)
+            return self._sheared_area(load, rule, pressure, modulus) / self._area_before_shear(
+                load, rule, hardness, modulus
+            )
 
         lowest = self.cached("lowest", (under_shear,), lambda: under_shear.min(initial=np.inf))  # NaN at seizure
         if lowest > self.pressures[load]:
@@ -538,12 +550,12 @@ class AreaInterpolator:
         # Calls for consecutive loads and sliding rules pass the same arrays.
         log_hardness = self.cached("log hardness", (hardness, modulus), lambda: np.log(hardness / modulus))
         places = self.cached(
-            "places", (log_hardness, *table.limits), lambda: find_places(log_hardness.ravel(), *table.limits)
+            "places", (log_hardness, *table.limits), lambda: find_table_positions(log_hardness.ravel(), *table.limits)
         )
         sampled = table(log_hardness.ravel(), places).reshape(-1, *log_hardness.shape)
         return _interpolate_moduli(sampled, self.moduli, modulus)
 
-    def _area_before(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:
+    def _area_before_shear(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:
         """Return the true area of the contacts before shear, in the units of `_sheared_area`."""
 
         def compute() -> Floats:

@@ -25,7 +25,7 @@ from stiction.studies.budget import add_uncertainty
 from stiction.studies.evaluation import ABOVE_NOMINAL_STATUS, at_load, is_unloaded
 from stiction.studies.executors import enter_executor
 from stiction.studies.hardness import (
-    AREAS_FILE,
+    HARDNESS_AREAS_FILE,
     choose_area_nodes,
     compute_areas_over_hardness,
     count_solutions,
@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 HEIGHT_SCALE_FOLDER = "height_scale"
 """Name of the subfolder of a result folder that contains a study for each factor."""
 
-FACTOR_STEP = 0.5
+FACTOR_EXPONENT_STEP = 0.5
 """Largest difference of log2(factor) between neighboring factors that are used for an interpolation."""
 
 FACTOR_DIGITS = 6  # number of significant digits to which a height factor is rounded
@@ -64,7 +64,7 @@ _INTERPOLATED_VARIABLES = (
 """Variables of `at_load` that are interpolated between factors."""
 
 
-class MissingFactorsError(ArgumentError):
+class MissingHeightFactorsError(ArgumentError):
     """Error raised if results are requested at height factors that have not been computed.
 
     Attributes
@@ -85,7 +85,7 @@ class MissingFactorsError(ArgumentError):
         self.factors, self.seconds = factors, seconds
 
 
-def parse_factors(factors: Any) -> Floats:
+def parse_height_factors(factors: Any) -> Floats:
     """Parse height factors, and return them in ascending order, rounded to six significant digits.
 
     Parameters
@@ -130,9 +130,9 @@ def _parse_factor_text(text: str) -> Floats:
 
 
 def _list_enclosing_powers(low: float, high: float) -> Floats:
-    """Return powers of 2 that enclose a range of height factors. Successive exponents differ by `FACTOR_STEP`."""
-    first, last = math.floor(math.log2(low) / FACTOR_STEP), math.ceil(math.log2(high) / FACTOR_STEP)
-    powers = np.exp2(FACTOR_STEP * np.arange(first, last + 1)).clip(MIN_FACTOR, MAX_FACTOR)
+    """Return powers of 2 that enclose a range of height factors, with exponents in steps of `FACTOR_EXPONENT_STEP`."""
+    first, last = math.floor(math.log2(low) / FACTOR_EXPONENT_STEP), math.ceil(math.log2(high) / FACTOR_EXPONENT_STEP)
+    powers = np.exp2(FACTOR_EXPONENT_STEP * np.arange(first, last + 1)).clip(MIN_FACTOR, MAX_FACTOR)
     return np.unique([float(f"{power:.{FACTOR_DIGITS}g}") for power in powers.tolist()])
 
 
@@ -153,7 +153,7 @@ def _find_neighbors(solved: Floats, factor: float) -> tuple[int, int] | None:
     upper = int(np.searchsorted(solved, factor))
     if upper < solved.size and solved[upper] == factor:
         return upper, upper
-    is_close = 0 < upper < solved.size and math.log2(solved[upper] / solved[upper - 1]) < FACTOR_STEP * 1.001
+    is_close = 0 < upper < solved.size and math.log2(solved[upper] / solved[upper - 1]) < FACTOR_EXPONENT_STEP * 1.001
     return (upper - 1, upper) if is_close else None
 
 
@@ -197,7 +197,7 @@ def open_stored_factors(result: StoredResult, scaled: ScaledSides) -> dict[float
             continue
         # The stored blocks are opened with the friction parameters of the given result.
         stored = StoredResult(stored.path, expected, stored.blocks)
-        if stored.count == expected.ensemble.repetitions and not _lacks_hardness(stored):
+        if stored.count == expected.ensemble.repetitions and not _lacks_hardness_areas(stored):
             studies[factor] = stored
     return dict(sorted(studies.items()))
 
@@ -218,7 +218,7 @@ def list_stored_factors(result: StoredResult) -> dict[ScaledSides, list[float]]:
     return {scaled: values for scaled, values in factors.items() if len(values) > 1}
 
 
-def _lacks_hardness(stored: StoredResult) -> bool:
+def _lacks_hardness_areas(stored: StoredResult) -> bool:
     """Return whether a result requires true areas at other hardnesses or moduli that have not been stored."""
     needs_areas = bool(choose_area_nodes(stored.study)[0].size) and not is_unloaded(Result(stored))
     return needs_areas and load_areas_over_hardness(stored) is None
@@ -230,7 +230,7 @@ def estimate_factor_time(study: Study, count: int) -> float:
     return count * (study.ensemble.repetitions * estimate_member_time(study) + time_of_nodes)
 
 
-def compute_factors(
+def compute_height_factors(
     result: StoredResult, factors: Any, scaled: ScaledSides = "both", executor: Executor | None = None, *,
     progress: bool = False, announce: Callable[[str], Any] = lambda _: None,
 ) -> None:  # fmt: skip
@@ -240,7 +240,7 @@ def compute_factors(
     is called with a line of text before each factor. Raises the errors of `evaluate_height_scale` and of
     `compute_missing`.
     """
-    missing = find_missing_factors(parse_factors(factors), np.array(list(open_stored_factors(result, scaled))))
+    missing = find_missing_factors(parse_height_factors(factors), np.array(list(open_stored_factors(result, scaled))))
     with enter_executor(executor) as workers:
         for index, factor in enumerate(missing.tolist(), 1):
             announce(f"heights times {factor:g} ({index} of {missing.size})")
@@ -251,8 +251,11 @@ def compute_factors(
                 remove_result(existing)  # the stored study describes a different pair
             compute_missing(study, folder, executor=workers, progress=progress)
             stored = open_stored(folder)
-            if _lacks_hardness(stored) and (areas := compute_areas_over_hardness(stored.study, workers)) is not None:
-                export(areas, folder / AREAS_FILE, replace=True)
+            if (
+                _lacks_hardness_areas(stored)
+                and (areas := compute_areas_over_hardness(stored.study, workers)) is not None
+            ):
+                export(areas, folder / HARDNESS_AREAS_FILE, replace=True)
 
 
 # ---- Evaluation at a load --------------------------------------------------------------------------------------------
@@ -267,7 +270,7 @@ def evaluate_height_scale(
     ----------
     result : StoredResult
     factors : float, array_like or str
-        Factors from 0.01 to 100, in the form that `parse_factors` accepts; 1 is the pair as measured.
+        Factors from 0.01 to 100, in the form that `parse_height_factors` accepts; 1 is the pair as measured.
     loads : array_like of float, mN
     mu0, tau0 : array_like of float, optional
         By default the values in the study; tau0 in GPa.
@@ -285,7 +288,7 @@ def evaluate_height_scale(
 
     Raises
     ------
-    MissingFactorsError
+    MissingHeightFactorsError
         If a factor was not computed and is not close enough to computed factors for an interpolation.
     ValueError
         If the study does not have two measured surfaces, or is not finished, or if a factor is out of range.
@@ -297,14 +300,14 @@ def evaluate_height_scale(
     """
     import xarray
 
-    factors, study = parse_factors(factors), result.study
+    factors, study = parse_height_factors(factors), result.study
     scale_study_heights(study, 1.0, scaled)
     if result.count < study.ensemble.repetitions:
         raise ArgumentError("{height_scale} needs a finished result")
     studies = open_stored_factors(result, scaled)
     solved = np.array(list(studies))
     if (missing := find_missing_factors(factors, solved)).size:
-        raise MissingFactorsError(missing, estimate_factor_time(study, missing.size))
+        raise MissingHeightFactorsError(missing, estimate_factor_time(study, missing.size))
     neighbors = [places for factor in factors.tolist() if (places := _find_neighbors(solved, factor))]
     points = [
         add_uncertainty(at_load(scaled_result, loads, mu0=mu0, tau0=tau0), scaled_result, budget=False).isel(cut_off=0)

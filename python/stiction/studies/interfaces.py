@@ -33,7 +33,7 @@ from stiction.studies.evaluation import ForcesPerLoad, build_area_interpolator, 
 from stiction.studies.hardness import (
     AreaInterpolator,
     compute_relative_modulus,
-    find_creep,
+    find_creep_exponent,
     find_inputs,
     find_junction_growth,
 )
@@ -222,7 +222,7 @@ class _ResultAreaFactor(_AreaFactor):
         source = getattr(result, "source", result)
         study = parse_dataset_study(getattr(result, "dataset", result))
         known = {name: each.estimate for name, each in find_inputs(study).items() if name not in ("mu0", "tau0")}
-        creep = find_creep(study)
+        creep = find_creep_exponent(study)
         if wait != 1 and creep is None:
             raise ValueError("wait requires a result that was computed with wait and creep")
         if not known and creep is None and find_junction_growth(study) is None:

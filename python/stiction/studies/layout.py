@@ -109,7 +109,7 @@ def member_bytes(study: Study) -> int:
     return sum(spec.size for spec in list_variables(study, [0]).values())
 
 
-def piece_length(size: int) -> int:
+def members_per_piece(size: int) -> int:
     """Return how many members (a power of two) fit in one piece of a result, if each member takes `size` bytes."""
     return 1 << max(0, (MAX_PIECE_BYTES // max(1, size)).bit_length() - 1)
 
@@ -174,7 +174,7 @@ def build_dataset(
 
 # ---- Nondimensional results ------------------------------------------------------------------------------------------
 
-_DIVISORS = {
+_UNIT_DIVISORS = {
     "mN": (1, 2, "(E* L²)"),
     "mN/um": (1, 1, "(E* L)"),
     "mN/GPa": (0, 2, "L²"),
@@ -249,9 +249,9 @@ def nondimensional(
         units = variable.attrs.get("units", "1")
         if units in ("1", "degree"):
             return variable
-        if units not in _DIVISORS:
+        if units not in _UNIT_DIVISORS:
             raise ValueError(f"{name} has the unknown unit {units!r}")
-        modulus_power, length_power, divisor = _DIVISORS[units]
+        modulus_power, length_power, divisor = _UNIT_DIVISORS[units]
         attributes = {
             **variable.attrs,
             "units": "1",

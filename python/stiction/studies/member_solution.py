@@ -62,7 +62,7 @@ from stiction.surfaces.surface import Surface
 STIFFNESS_STEP = 0.02
 """Half width of the finite difference that gives the stiffness of asperities, relative to the approach."""
 
-MPA_OVER_MM = 1e6  # conversion factor from GPa/µm to MPa/mm
+MPA_PER_MM = 1e6  # conversion factor from GPa/µm to MPa/mm
 
 JUMP_DISTANCE = 1e-11
 """Relative distance from a jump of the load to an approach just before the jump.
@@ -71,7 +71,7 @@ The distance exceeds the tolerance of `find_approaches_at_loads`.
 """
 
 
-UNLOADED_MEMBERS, UNLOADED_CUT_OFFS = 4, 2
+NUM_UNLOADED_MEMBERS, NUM_UNLOADED_CUT_OFFS = 4, 2
 """Numbers of members and of cutoffs per member for which the unloading stiffness of plastic bodies is computed."""
 
 
@@ -162,7 +162,7 @@ def _solve_half_space(
         values["status"][load_indices] = STATUSES.index("ok")
         values["normal_stiffness"][load_indices] = curve.stiffness
         values["closure"][load_indices] = curve.closure
-        values["closure_stiffness"][load_indices] = curve.closure_stiffness * MPA_OVER_MM
+        values["closure_stiffness"][load_indices] = curve.closure_stiffness * MPA_PER_MM
         if unloads or curve.hardness is None:
             values["unloading_stiffness"][load_indices] = curve.unloading_stiffness
         values["error"][load_indices] = curve.error
@@ -208,7 +208,7 @@ def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, val
     fractions = [1 - STIFFNESS_STEP, 1 - JUMP_DISTANCE * (first_model.detection == "cell"), 1, 1 + STIFFNESS_STEP]
     steps, index = np.unique(np.outer(fractions, approach[ok]), return_inverse=True)
     low, before, at, high = index.reshape(len(fractions), ok.size)
-    bodies = find_candidates_once(upper, lower, float(steps[-1]), first_model)
+    bodies = precompute_candidates(upper, lower, float(steps[-1]), first_model)
     pressed: Any = functools.partial(press, *bodies)
     listed: Any = functools.partial(contacts, *bodies)
 
@@ -231,14 +231,14 @@ def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, val
     stiffness = (normal[high] - normal[low]) / (steps[high] - steps[low])
     values["approach"][ok] = values["closure"][ok] = approach[ok]
     values["normal_stiffness"][ok] = stiffness
-    values["closure_stiffness"][ok] = stiffness / np.prod(upper.extent) * MPA_OVER_MM
+    values["closure_stiffness"][ok] = stiffness / np.prod(upper.extent) * MPA_PER_MM
     for load in ok:
         table = list_asperity_contacts(listed(float(approach[load]), model=first_model), upper)
         for name, value in (table.compute_statistics() | find_load_on_steep_contacts(table, slopes)).items():
             values[name][load] = value
 
 
-def find_candidates_once(upper: Any, lower: Any, deepest: float, model: ContactModel) -> tuple[Any, ...]:
+def precompute_candidates(upper: Any, lower: Any, deepest: float, model: ContactModel) -> tuple[Any, ...]:
     """Find the contact candidates up to an approach (µm), so that later calls need not search for them again.
 
     Returns both bodies unchanged if contacts are not minima of the gap.
@@ -278,7 +278,7 @@ class PressedPair:
         )
         if status[0] != STATUS_OK:
             return None
-        bodies: Any = find_candidates_once(upper, lower, float(approach[0]), model)
+        bodies: Any = precompute_candidates(upper, lower, float(approach[0]), model)
         pushed: LoadCurve = press(*bodies, approach, model=model)  # type: ignore[call-overload]
         return cls(upper, lower, pushed, model=model)
 
@@ -293,10 +293,10 @@ class PressedPair:
 
 # ---- Members of a study ----------------------------------------------------------------------------------------------
 
-CACHE_LINE = 64  # size of a cache line of the processor in bytes
+CACHE_LINE_BYTES = 64  # size of a cache line of the processor in bytes
 SLIP_LOAD_FRACTION = 0.5  # The normal load on the slipping contact is stored at this fraction of the sliding load.
 
-MEMBER_COSTS = {
+MEMBER_TIME_COEFFICIENTS = {
     "onset": 1e-3, "profile": 1.1e-8, "asperities": 3e-8, "point": 1.35e-7, "area": 2e-3, "line": 3.6e-4,
     "half-space": 1e-3, "half-plane": 8e-4,
 }  # fmt: skip
@@ -307,13 +307,13 @@ profiles, of generated areas, and of measured areas with the asperity model. "ar
 asperities on measured areas and lines. "half-space" and "half-plane" are times per load in addition to the solution.
 """
 
-SOLUTION_COSTS = {False: (6e-8, 1.25), True: (3e-8, 1.15)}
+SOLUTION_TIME_COEFFICIENTS = {False: (6e-8, 1.25), True: (3e-8, 1.15)}
 """Power law of the time (s) of a half-space solution on one core: coefficient and exponent of the number of points.
 
 The keys are False for lines and True for areas.
 """
 
-ITERATION_COSTS = {False: (2.4e-8, 0.97), True: (1.1e-8, 1.1)}
+ITERATION_TIME_COEFFICIENTS = {False: (2.4e-8, 0.97), True: (1.1e-8, 1.1)}
 """Power law of the time (s) of an iteration with adhesion on one core: coefficient and exponent of the points.
 
 The keys are False for lines and True for areas.
@@ -328,10 +328,10 @@ The number is proportional to E* Sq Sdq / (4 w) of the gap, up to a maximum. Bod
 iterations.
 """
 
-_kept = threading.local()
+_reusable_arrays = threading.local()
 
 
-def member_sums(study: Study, index: int) -> Arrays:
+def compute_member_sums(study: Study, index: int) -> Arrays:
     """Compute all variables of one member of a study. The arrays have no member axis.
 
     Measured bodies also have the `MEMBER_COORDINATES`. Values are NaN at loads for which the solver fails. Raises a
@@ -364,29 +364,31 @@ def estimate_member_time(study: Study) -> float:
     if study.uses_half_space and study.contact.adheres:
         softest = PULL_OFF_ITERATIONS[areal] / MAX_PULL_OFF_ITERATIONS
         pull_off = PULL_OFF_ITERATIONS[areal] / max(_estimate_relative_stiffness(study), softest)
-        return cells * ((loads + 1) * estimate_solution_time(study) + pull_off * _cost_of_iteration(study))
+        return cells * ((loads + 1) * estimate_solution_time(study) + pull_off * _estimate_iteration_time(study))
     if study.uses_half_space:
         return cells * loads * estimate_solution_time(study)
     if study.is_measured:
         return cells * (
-            MEMBER_COSTS["area"] * loads + MEMBER_COSTS["point"] * points if areal else MEMBER_COSTS["line"] * loads
+            MEMBER_TIME_COEFFICIENTS["area"] * loads + MEMBER_TIME_COEFFICIENTS["point"] * points
+            if areal
+            else MEMBER_TIME_COEFFICIENTS["line"] * loads
         )
-    onsets = cells * loads * MEMBER_COSTS["onset"] if study.contact.onset else 0.0
-    return cells * points * MEMBER_COSTS["asperities" if study.is_areal else "profile"] + onsets + 1e-4
+    onsets = cells * loads * MEMBER_TIME_COEFFICIENTS["onset"] if study.contact.onset else 0.0
+    return cells * points * MEMBER_TIME_COEFFICIENTS["asperities" if study.is_areal else "profile"] + onsets + 1e-4
 
 
 def estimate_solution_time(study: Study) -> float:
     """Estimate the time (s) for computing a half-space solution at a single load on one core."""
     areal = study.is_areal
-    besides = MEMBER_COSTS["half-space" if areal else "half-plane"]
+    besides = MEMBER_TIME_COEFFICIENTS["half-space" if areal else "half-plane"]
     if study.contact.adheres:
-        return besides + ITERATIONS_PER_LOAD * _cost_of_iteration(study)
-    seconds, power = SOLUTION_COSTS[areal]
+        return besides + ITERATIONS_PER_LOAD * _estimate_iteration_time(study)
+    seconds, power = SOLUTION_TIME_COEFFICIENTS[areal]
     return besides + seconds * math.pow(count_points(study), power)
 
 
-def _cost_of_iteration(study: Study) -> float:
-    seconds, power = ITERATION_COSTS[study.is_areal]
+def _estimate_iteration_time(study: Study) -> float:
+    seconds, power = ITERATION_TIME_COEFFICIENTS[study.is_areal]
     return seconds * math.pow(count_points(study), power)
 
 
@@ -433,7 +435,7 @@ def _solve_generated(study: Study, repetition: int) -> Iterator[tuple[Any, Array
 
 def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> Arrays:
     """Compute the contact sums of a pair with the asperity model, at the approaches given in the study."""
-    steps, models = _steps(study.contact), _models(study.contact)
+    steps, models = _list_loading_steps(study.contact), _list_contact_models(study.contact)
     bodies: Any = upper, lower
     if isinstance(upper, Surface):
         models = tuple(model.for_surfaces() for model in models)
@@ -467,12 +469,12 @@ def _compute_onsets(study: Study, curve: LoadCurve) -> Arrays:
 
 
 @functools.lru_cache(maxsize=4)
-def _models(contact: Any) -> tuple[ContactModel, ...]:
+def _list_contact_models(contact: Any) -> tuple[ContactModel, ...]:
     return tuple(contact.model(rule) for rule in contact.rules())
 
 
 @functools.lru_cache(maxsize=4)
-def _steps(contact: Any) -> Floats:
+def _list_loading_steps(contact: Any) -> Floats:
     return read_only(contact.loading_steps())
 
 
@@ -483,7 +485,7 @@ def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slic
     depend on the motion.
     """
     surfaces: Any = study.surfaces
-    steps, models = _steps(study.contact), _models(study.contact)
+    steps, models = _list_loading_steps(study.contact), _list_contact_models(study.contact)
     dimensions, amplitudes = surfaces.fractal_dimensions(), surfaces.amplitudes()
     members = min(dimensions.size, max(1, MAX_BATCH_BYTES // (8 * surfaces.points)))
     memory = _reuse_array((2 * members + 2, surfaces.points))
@@ -509,11 +511,11 @@ def _reuse_array(shape: tuple[int, ...]) -> Floats:
 
     The array is aligned to cache lines of the processor, so that vector writes do not cross cache lines.
     """
-    memory: Floats | None = getattr(_kept, "memory", None)
+    memory: Floats | None = getattr(_reusable_arrays, "memory", None)
     if memory is None or memory.shape != shape:
-        buffer = np.empty(math.prod(shape) + CACHE_LINE // 8)
-        offset = -buffer.__array_interface__["data"][0] % CACHE_LINE // 8
-        _kept.memory = memory = buffer[offset : offset + math.prod(shape)].reshape(shape)
+        buffer = np.empty(math.prod(shape) + CACHE_LINE_BYTES // 8)
+        offset = -buffer.__array_interface__["data"][0] % CACHE_LINE_BYTES // 8
+        _reusable_arrays.memory = memory = buffer[offset : offset + math.prod(shape)].reshape(shape)
     return memory
 
 
@@ -522,8 +524,8 @@ def _reuse_array(shape: tuple[int, ...]) -> Floats:
 
 def _solve_measured(study: Study, index: int, arrays: Arrays) -> Iterator[tuple[int, Arrays]]:
     """Yield each cutoff's index and the contact sums of the member. Write the member coordinates to `arrays`."""
-    unloads = index - study.surfaces.first_scan_member < UNLOADED_MEMBERS
+    unloads = index - study.surfaces.first_scan_member < NUM_UNLOADED_MEMBERS
     for cell_index, wavelength in enumerate(study.surfaces.cells()["cut_off"]):
         member = load_bodies(study).member(index, float(wavelength))
         arrays |= {name: np.asarray(getattr(member, name)) for name in ("x", "y", "line", "surrogate")}
-        yield cell_index, solve_at_loads(study, *member.pair, unloads=unloads and cell_index < UNLOADED_CUT_OFFS)
+        yield cell_index, solve_at_loads(study, *member.pair, unloads=unloads and cell_index < NUM_UNLOADED_CUT_OFFS)

@@ -43,7 +43,7 @@ def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
     )  # fmt: skip
 
 
-def _equation_arguments(surfaces: Any) -> dict[str, Any]:
+def _weierstrass_keywords(surfaces: Any) -> dict[str, Any]:
     """Return the arguments of Eq. 1 that a study specifies. Phases and grid are not included."""
     return {
         "length_scale": float(surfaces.length_scale), "gamma": surfaces.gamma, "convention": surfaces.convention,
@@ -59,7 +59,7 @@ def fill_profiles(study: Study, heights: Floats, dimensions: Floats, repetition:
     surfaces: Any = study.surfaces
     phases = generate_phases(study, repetition, side)
     return fractal.fill_profiles(
-        heights, phases, dimensions, extent=float(surfaces.extent), **_equation_arguments(surfaces)
+        heights, phases, dimensions, extent=float(surfaces.extent), **_weierstrass_keywords(surfaces)
     )
 
 
@@ -106,7 +106,7 @@ def unscaled_surface(study: Study, repetition: int, side: Side, dimension: float
         )  # fmt: skip
     phases = generate_phases(study, repetition, side)
     return fractal.weierstrass_mandelbrot_surface(
-        phases, dimension, shape=surfaces.shape, extent=surfaces.extents(), **_equation_arguments(surfaces)
+        phases, dimension, shape=surfaces.shape, extent=surfaces.extents(), **_weierstrass_keywords(surfaces)
     )
 
 
@@ -276,11 +276,11 @@ def load_bodies(study: Study) -> LoadedBodies:
     surfaces = study.surfaces
     assert isinstance(surfaces, MeasuredSurfaces)
     stamps = tuple(scan.find_file_stamp() for side in SIDES for scan in getattr(surfaces, side).scans)
-    return _load_cached(surfaces, study.ensemble.seed, stamps)
+    return _load_cached_bodies(surfaces, study.ensemble.seed, stamps)
 
 
 @functools.lru_cache(maxsize=4)
-def _load_cached(surfaces: MeasuredSurfaces, seed: int, _: object) -> LoadedBodies:
+def _load_cached_bodies(surfaces: MeasuredSurfaces, seed: int, _: object) -> LoadedBodies:
     return LoadedBodies(surfaces, seed)
 
 

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 ONSET_FILE = "onset.nc"  # file name in a result folder
 ONSET_TABLE_FILE = "onset.csv"  # file name of the mean onset curve, a table that can be used in a Masing model
-ONSET_TABLE_MARK = b"fraction of the sliding load,"  # first bytes that identify the table
+ONSET_TABLE_SIGNATURE = b"fraction of the sliding load,"  # first bytes that identify the table
 NUM_ONSET_MEMBERS, NUM_AREAL_ONSET_MEMBERS = 16, 4
 """Default numbers of members whose onset is computed: in general (first), and for maps with the half-space (second)."""
 
@@ -50,7 +50,7 @@ _CURVE_TITLES = {
 }
 """Column titles in `ONSET_TABLE_FILE`, by quantity."""
 
-_NUMBER_NAMES = ("sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness")
+_SCALAR_NAMES = ("sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness")
 _STATISTIC_NAMES = ["mean", "lower", "upper"]
 
 
@@ -101,7 +101,7 @@ def compute_member_onset(
     except (RuntimeError, ValueError):  # raised if the solver failed or the contact law has no onset
         return None
     curve: dict[str, Any] = {
-        name: getattr(onset, name) for name in (*_CURVE_TITLES, *_NUMBER_NAMES[:-1]) if name != "energy_lost"
+        name: getattr(onset, name) for name in (*_CURVE_TITLES, *_SCALAR_NAMES[:-1]) if name != "energy_lost"
     }  # fmt: skip
     curve["unloading_stiffness"] = float(np.ravel(getattr(pressed.curve, "unloading_stiffness", np.nan))[0])
     return curve | {
@@ -120,7 +120,7 @@ def _average_members(study: Study, curves: Sequence[dict[str, Any]], attributes:
         study, {name: [curve[name] for curve in curves] for name in ("line", "x", "y", "repetition")}
     )
     variables: dict[str, Any] = {}
-    for name in (*_CURVE_TITLES, *_NUMBER_NAMES):
+    for name in (*_CURVE_TITLES, *_SCALAR_NAMES):
         dims = ("fraction", "statistic") if name in _CURVE_TITLES else ("statistic",)
         values = np.clip(members.mean(np.array([curve[name] for curve in curves])), *QUANTITIES[name].bounds)
         variables[name] = (dims, values, quantity_attributes(name))
@@ -141,7 +141,7 @@ def _average_members(study: Study, curves: Sequence[dict[str, Any]], attributes:
         "poisson_given": int(poisson_ratios is not None),
     }  # fmt: skip
     dataset = xarray.Dataset(variables, coordinates, {"title": "onset of sliding", **attributes})
-    return dataset.assign_attrs(_fit_models(dataset))
+    return dataset.assign_attrs(_fit_presliding_models(dataset))
 
 
 PRESLIDING_MODELS = {
@@ -154,7 +154,7 @@ The parameters are attributes of the dataset, such as "iwan_chi".
 """
 
 
-def _fit_models(onset: xarray.Dataset) -> dict[str, float]:
+def _fit_presliding_models(onset: xarray.Dataset) -> dict[str, float]:
     """Fit the four-parameter Iwan model and the LuGre model to the mean curve, and return their parameters."""
     curve = onset.sel(statistic="mean")
     displacement, load = (np.asarray(curve[name].values) for name in ("displacement", "tangential_load"))
@@ -190,11 +190,11 @@ def load_onset(result: StoredResult) -> xarray.Dataset | None:
         return None
     friction = result.study.friction
     onset = read_companion(
-        Path(result.path) / ONSET_FILE, ("fraction", "statistic", *_NUMBER_NAMES[:-1], *_CURVE_TITLES)
+        Path(result.path) / ONSET_FILE, ("fraction", "statistic", *_SCALAR_NAMES[:-1], *_CURVE_TITLES)
     )
     if (
         onset is None
-        or _NUMBER_NAMES[-1] not in onset
+        or _SCALAR_NAMES[-1] not in onset
         or onset["fraction"].values.tolist() != list(ONSET_LOAD_FRACTIONS)
     ):
         return None
@@ -204,7 +204,7 @@ def load_onset(result: StoredResult) -> xarray.Dataset | None:
     )
 
 
-def format_backbone(onset: xarray.Dataset) -> str:
+def format_backbone_csv(onset: xarray.Dataset) -> str:
     """Format the mean curve, which serves as the backbone curve of a Masing model, as CSV with units."""
     import pandas
 

@@ -17,14 +17,19 @@ from stiction._files import check_replaceable, replaced_file
 from stiction._text import format_duration
 from stiction.studies.contact_picture import PICTURE_FILE, contact_picture
 from stiction.studies.evaluation import is_unloaded
-from stiction.studies.hardness import AREAS_FILE, compute_areas_over_hardness, count_solutions, load_areas_over_hardness
+from stiction.studies.hardness import (
+    HARDNESS_AREAS_FILE,
+    compute_areas_over_hardness,
+    count_solutions,
+    load_areas_over_hardness,
+)
 from stiction.studies.member_solution import estimate_member_time, estimate_solution_time
 from stiction.studies.onset import (
     ONSET_FILE,
     ONSET_TABLE_FILE,
-    ONSET_TABLE_MARK,
+    ONSET_TABLE_SIGNATURE,
     compute_onset,
-    format_backbone,
+    format_backbone_csv,
     load_onset,
 )
 from stiction.studies.resolution import CUTOFF_STUDY_FOLDER, build_cutoff_study
@@ -32,7 +37,7 @@ from stiction.studies.result import Result
 from stiction.studies.runner import complete_blocks, compute_missing, prepare_folder
 from stiction.studies.store import (
     BLOCKS_FOLDER,
-    CHECKSUM_SEAL,
+    CHECKSUM_PREFIX,
     STUDY_FILE,
     StoredResult,
     StoreError,
@@ -46,10 +51,10 @@ LinePrinter = Callable[[str], Any]  # function that prints a line
 MIN_ANNOUNCED_TIME = 20.0  # computing time (s) above which an estimate of the time is always printed
 
 _COMPANION_FILES = {
-    PICTURE_FILE: CHECKSUM_SEAL,
-    AREAS_FILE: CHECKSUM_SEAL,
-    ONSET_FILE: CHECKSUM_SEAL,
-    ONSET_TABLE_FILE: ONSET_TABLE_MARK,
+    PICTURE_FILE: CHECKSUM_PREFIX,
+    HARDNESS_AREAS_FILE: CHECKSUM_PREFIX,
+    ONSET_FILE: CHECKSUM_PREFIX,
+    ONSET_TABLE_FILE: ONSET_TABLE_SIGNATURE,
 }
 """Companion files of a measured pair, each with the first bytes that identify the file."""
 
@@ -105,7 +110,7 @@ def complete_result(
         )
         if seconds > MIN_ANNOUNCED_TIME:
             print_remark(f"at other hardnesses and moduli: about {format_duration(seconds)} of one core")
-        _write_companion(stored, AREAS_FILE, lambda: compute_areas_over_hardness(stored.study, executor))
+        _write_companion(stored, HARDNESS_AREAS_FILE, lambda: compute_areas_over_hardness(stored.study, executor))
     if num_existing < total and (num_existing or not measured):
         print_finished(
             f"wrote {folder}" + (f" ({num_existing} of {total} repetitions already existed)" if num_existing else "")
@@ -157,15 +162,15 @@ def compute_companions(
         return
     if new_onset is not None:
         export(new_onset, stored.path / ONSET_FILE, replace=True)
-        with replaced_file(stored.path / ONSET_TABLE_FILE, ONSET_TABLE_MARK, StoreError) as partial:
-            partial.write_text(format_backbone(new_onset), encoding="utf-8")
+        with replaced_file(stored.path / ONSET_TABLE_FILE, ONSET_TABLE_SIGNATURE, StoreError) as partial:
+            partial.write_text(format_backbone_csv(new_onset), encoding="utf-8")
 
 
 def remove_result(stored: StoredResult) -> None:
     """Remove all files of a result (study, blocks, areas, onset) from a folder, but no other files."""
     for block in stored.blocks:
         (stored.path / BLOCKS_FOLDER / block.name).unlink(missing_ok=True)
-    areas = (AREAS_FILE,) if stored.study.is_measured else ()
+    areas = (HARDNESS_AREAS_FILE,) if stored.study.is_measured else ()
     onset = (ONSET_FILE, ONSET_TABLE_FILE) if (stored.path / ONSET_FILE).exists() else ()
     for name in (STUDY_FILE, *areas, *onset):
         (stored.path / name).unlink(missing_ok=True)

@@ -15,7 +15,7 @@ from stiction._checks import check_bool, check_instance
 from stiction._repr import figure_html, preformatted_html, render_png
 from stiction._units import loads_to_core_units, short_repr, to_core_units
 from stiction.mechanics.quantities import QUANTITIES
-from stiction.studies.layout import piece_length
+from stiction.studies.layout import members_per_piece
 from stiction.studies.store import StoredResult, export, open_stored
 from stiction.studies.study import Study, parse_dataset_study
 
@@ -127,7 +127,7 @@ class Result:
             yield from self.source.pieces(names)
             return
         count = self.source.sizes["repetition"]
-        step = piece_length(sum(each.nbytes for each in self.source.data_vars.values()) // max(1, count))
+        step = members_per_piece(sum(each.nbytes for each in self.source.data_vars.values()) // max(1, count))
         selected = self.source if names is None else self.source[list(names)]
         for first in range(0, count, step):
             yield selected.isel(repetition=slice(first, first + step))
@@ -359,7 +359,7 @@ class Result:
                 raise ValueError(f"quantities must be names in the table of quantities, got {short_repr(unknown[0])}")
         if height_scale is not None:
             return self._at_height_scale(height_scale, load, mu0, tau0, reading, scaled, compute)
-        loads = self.default_loads if load is None else self._loads_of(load)
+        loads = self.default_loads if load is None else self._to_forces(load)
         strengths = to_core_units("tau0", tau0, "pressure")
         if per_member:
             return member_values(self, loads, mu0=mu0, tau0=strengths, reading=reading or "elastic")
@@ -370,18 +370,18 @@ class Result:
     def _at_height_scale(
         self, factors: Any, load: Any, mu0: Any, tau0: Any, reading: Any, scaled: Any, compute: bool
     ) -> xarray.Dataset:
-        from stiction.studies.height_scale import compute_factors, evaluate_height_scale, parse_factors
+        from stiction.studies.height_scale import compute_height_factors, evaluate_height_scale, parse_height_factors
 
         check_bool("compute", compute)
         if reading not in (None, "elastic"):
             raise ValueError(f"reading must be 'elastic' if height_scale is given, got {reading!r}")
         if self.stored is None:
             raise ValueError("height_scale needs a stored result, as returned by `pair` or `open_result`")
-        factors = parse_factors(factors)
-        loads = self.default_loads if load is None else self._loads_of(load)
+        factors = parse_height_factors(factors)
+        loads = self.default_loads if load is None else self._to_forces(load)
         strengths = to_core_units("tau0", tau0, "pressure")
         if compute:
-            compute_factors(self.stored, factors, scaled)
+            compute_height_factors(self.stored, factors, scaled)
         return evaluate_height_scale(self.stored, factors, loads, mu0=mu0, tau0=strengths, scaled=scaled)
 
     @property
@@ -389,7 +389,7 @@ class Result:
         """Nominal area (µm²) of a member of measured bodies, or None for generated bodies."""
         return float(self.head["nominal_area"]) if self.study.is_measured else None
 
-    def _loads_of(self, load: Any) -> Any:
+    def _to_forces(self, load: Any) -> Any:
         """Convert loads to mN. For measured bodies, pressures are multiplied by the nominal area."""
         area = self.nominal_area
         return to_core_units("load", load, "force") if area is None else loads_to_core_units("load", load, area)
@@ -419,10 +419,10 @@ class Result:
         ValueError
             If there is no such member or no contact, or if files of the study are missing.
         """
-        from stiction.studies.contact_picture import contact_frame
+        from stiction.studies.contact_picture import build_contact_table
 
-        loads = self.default_loads[:1] if load is None else self._loads_of(load)
-        return contact_frame(self, loads, members)
+        loads = self.default_loads[:1] if load is None else self._to_forces(load)
+        return build_contact_table(self, loads, members)
 
     # ---- Quoted values -----------------------------------------------------------------------------------------------
 
@@ -521,7 +521,7 @@ class Result:
 
     def figures(self) -> list[str]:
         """Return the names of the figures that `figure` can draw."""
-        return [name for name, _ in self._drawings()]
+        return [name for name, _ in self._drawing_functions()]
 
     def figure(self, name: str) -> Figure:
         """Draw one of the figures with Matplotlib.
@@ -540,15 +540,15 @@ class Result:
 
         from stiction.views.style import MATPLOTLIB_STYLE
 
-        drawings = dict(self._drawings())
-        if name not in drawings:
-            raise ValueError(f"name must be one of {', '.join(map(repr, drawings))}, got {name!r}")
+        drawing_functions = dict(self._drawing_functions())
+        if name not in drawing_functions:
+            raise ValueError(f"name must be one of {', '.join(map(repr, drawing_functions))}, got {name!r}")
         with mpl.rc_context(MATPLOTLIB_STYLE):
-            figure: Figure = drawings[name]()
+            figure: Figure = drawing_functions[name]()
         vars(figure)["_repr_png_"] = partial(render_png, figure)  # allows a notebook to show the figure without pyplot
         return figure
 
-    def _drawings(self) -> Sequence[tuple[str, Any]]:
+    def _drawing_functions(self) -> Sequence[tuple[str, Any]]:
         from stiction.views.figures.standard import select_figures
 
         return list(select_figures(self))

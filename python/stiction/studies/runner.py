@@ -22,7 +22,7 @@ from stiction._files import new_partial_name
 from stiction._text import format_bytes, format_duration, printable_path
 from stiction.studies.executors import WORKER_DIED_MESSAGE, enter_executor, progress_bar, use_idle_threads
 from stiction.studies.layout import MEMBER_COORDINATES, Arrays, build_dataset, member_bytes, stack_members
-from stiction.studies.member_solution import estimate_member_time, member_sums
+from stiction.studies.member_solution import compute_member_sums, estimate_member_time
 from stiction.studies.members import body_attributes, count_points
 from stiction.studies.result import Result
 from stiction.studies.store import BLOCKS_FOLDER, StoredResult, StoreError, create_or_open, write_block
@@ -186,7 +186,7 @@ def _compute_into(
         advance(len(members))
         if is_first and update is not None and workers is not None:
             is_first = False
-            estimate = _new_estimate(
+            estimate = _format_revised_estimate(
                 missing, len(members), time.monotonic() - started, workers, estimate_member_time(stored.study)
             )
             if estimate:
@@ -194,7 +194,7 @@ def _compute_into(
 
     with contextlib.ExitStack() as stack:
         is_local = isinstance(pool, ThreadPoolExecutor)
-        folder = None if is_local else stack.enter_context(_create_token(stored.path))
+        folder = None if is_local else stack.enter_context(_create_run_token(stored.path))
         is_visible = folder is not None and pool.submit(folder.is_visible).result()
         if announce is not None:
             announce(_describe_work(stored, missing, is_local or is_visible, workers or 1))
@@ -203,7 +203,7 @@ def _compute_into(
 
 
 @contextlib.contextmanager
-def _create_token(path: Path) -> Iterator[SharedFolder]:
+def _create_run_token(path: Path) -> Iterator[SharedFolder]:
     """Create a token file that exists as long as the run is active.
 
     If a worker finds the token file, the worker can access the folder, and the run is still active.
@@ -282,7 +282,7 @@ def _describe_work(stored: StoredResult, missing: _MissingMembers, is_visible: b
 MIN_REPORTED_TIME = 60.0  # remaining time (s) above which a new estimate of the run time is printed
 
 
-def _new_estimate(missing: _MissingMembers, members: int, seconds: float, workers: int, cost: float) -> str:
+def _format_revised_estimate(missing: _MissingMembers, members: int, seconds: float, workers: int, cost: float) -> str:
     """Return a line with a better estimate of the run time, based on the first block.
 
     The line is empty if little time remains, or if the first estimate was right.
@@ -392,7 +392,7 @@ def compute_block_arrays(version: str, study: Study, members: range) -> Arrays:
             f"the worker on {socket.gethostname()} has stiction {__version__}, but the study was submitted with "
             f"{version}; install the same version on all machines"
         )
-    return stack_members(study, [member_sums(study, member) for member in members])
+    return stack_members(study, [compute_member_sums(study, member) for member in members])
 
 
 # ---- The first members ----------------------------------------------------------------------------------------------
@@ -408,5 +408,5 @@ def preview_result(study: Study) -> Result:
     The computation takes less than a second with the asperity model, which serves as a preview of a half-space result.
     """
     members = range(min(NUM_PREVIEW_MEMBERS, study.ensemble.repetitions))
-    arrays = stack_members(study, [member_sums(study, member) for member in members])
+    arrays = stack_members(study, [compute_member_sums(study, member) for member in members])
     return Result(build_dataset(study, members, arrays, body_attributes(study)))

@@ -40,7 +40,7 @@ from stiction.studies.layout import (
     list_coordinates,
     list_variables,
     member_bytes,
-    piece_length,
+    members_per_piece,
 )
 from stiction.studies.measured_surfaces import BodyAttributes
 from stiction.studies.members import body_attributes
@@ -60,7 +60,7 @@ if TYPE_CHECKING:
 
 STUDY_FILE = "study.toml"
 BLOCKS_FOLDER = "blocks"
-STUDY_FILE_MARK = "# Written by stiction"  # first words of each study file written by stiction
+STUDY_FILE_SIGNATURE = "# Written by stiction"  # first words of each study file written by stiction
 MAX_RESULT_BYTES = 2**31  # maximum size (bytes) of a result that is read into memory as a whole
 MAX_COMPANION_BYTES = 2**26  # maximum size (bytes) of a companion file that is read
 _BLOCK_NAME_PATTERN = re.compile(r"([0-9]{7,18})-([0-9]{7,18})-([0-9a-f]{8})\.nc")
@@ -135,7 +135,7 @@ class StoredResult:
     @cached_property
     def version(self) -> str:
         """Version of stiction that computed the first block, or the running version if there are no blocks."""
-        return self.first_content.version if self.blocks else __version__
+        return self.first_block_content.version if self.blocks else __version__
 
     @cached_property
     def size(self) -> int:
@@ -152,7 +152,7 @@ class StoredResult:
         return StoredResult(self.path, self.study, _list_blocks(self.path))
 
     @cached_property
-    def first_content(self) -> BlockContent:
+    def first_block_content(self) -> BlockContent:
         """Contents of the first block. The study in this block may differ from the study file in the folder."""
         return self._read(self._block_ranges[0][0] if self._block_ranges else self.blocks[0])
 
@@ -189,7 +189,7 @@ class StoredResult:
     @cached_property
     def _piece_length(self) -> int:
         """Number of members in a piece of the result."""
-        return piece_length(member_bytes(self.study))
+        return members_per_piece(member_bytes(self.study))
 
     @cached_property
     def _single_piece(self) -> xarray.Dataset:
@@ -215,7 +215,7 @@ class StoredResult:
             if first < block_end and block_start < last:
                 low = max(first, block_start) - block_start + block_first
                 high = min(last, block_end) - block_start + block_first
-                content = self.first_content if block is self._block_ranges[0][0] else self._read(block)
+                content = self.first_block_content if block is self._block_ranges[0][0] else self._read(block)
                 if differ := find_member_differences(content.study, self.study):
                     raise _damage_error(
                         self.path, block, f"does not match {STUDY_FILE}: {format_differences(differ[:1])}"
@@ -234,13 +234,13 @@ class StoredResult:
         try:
             written = read_content(self.path / BLOCKS_FOLDER / block.name, MAX_RESULT_BYTES)
             if zlib.crc32(written) != block.checksum:
-                raise DamageError("does not match its checksum")
+                raise DamagedFileError("does not match its checksum")
             content = decode_members(written)
             if not np.array_equal(content.numbers, np.arange(block.first, block.last + 1)):
-                raise DamageError("does not contain the repetitions in its file name")
+                raise DamagedFileError("does not contain the repetitions in its file name")
         except OSError as error:
             raise _damage_error(self.path, block, f"cannot be read: {describe_os_error(error)}") from None
-        except (NotReadableError, DamageError) as error:
+        except (NotReadableError, DamagedFileError) as error:
             raise _damage_error(self.path, block, str(error)) from None
         return content
 
@@ -275,7 +275,7 @@ def read(path: str | Path) -> xarray.Dataset:
     if path.is_file():
         try:
             content = decode_members(read_content(path, MAX_RESULT_BYTES))
-        except (OSError, NotReadableError, DamageError) as error:
+        except (OSError, NotReadableError, DamagedFileError) as error:
             raise StoreError(
                 f"{printable_path(path)}: {describe_os_error(error) if isinstance(error, OSError) else error}"
             ) from None
@@ -310,7 +310,7 @@ def read_companion(path: Path, names: Iterable[str]) -> xarray.Dataset | None:
                 dataset.load()
     except FileNotFoundError:
         return None
-    except (OSError, NotReadableError, DamageError) as error:
+    except (OSError, NotReadableError, DamagedFileError) as error:
         reason = describe_os_error(error) if isinstance(error, OSError) else error
         raise StoreError(
             f"{printable_path(path)}: {reason}; remove the file, and run the study again to recreate it"
@@ -397,7 +397,7 @@ def create_or_open(path: str | Path, study: Study) -> StoredResult:
             _files.remove_stale_partials(folder)
         if not _has_study(path, study):
             _files.write_atomically(
-                path / STUDY_FILE, f"{STUDY_FILE_MARK} {__version__}.\n\n{study.to_toml()}".encode()
+                path / STUDY_FILE, f"{STUDY_FILE_SIGNATURE} {__version__}.\n\n{study.to_toml()}".encode()
             )
     except (OSError, RuntimeError) as error:  # A symbolic link that refers to itself raises a RuntimeError.
         if stored.count < study.ensemble.repetitions:
@@ -408,9 +408,9 @@ def create_or_open(path: str | Path, study: Study) -> StoredResult:
 
 def _check_resumable(stored: StoredResult) -> None:
     """Raise a `StoreError` if the existing blocks prevent the computation of this study from being resumed."""
-    path, content, total = stored.path, stored.first_content, stored.study.ensemble.repetitions
+    path, content, total = stored.path, stored.first_block_content, stored.study.ensemble.repetitions
     if differ := find_member_differences(content.study, stored.study):
-        raise OtherStudyError(path, content.study, differ)
+        raise StudyMismatchError(path, content.study, differ)
     last = max(block.last for block in stored.blocks)
     if last >= total:
         raise StoreError(
@@ -435,7 +435,7 @@ def _check_resumable(stored: StoredResult) -> None:
 def _check_replaceable(path: Path, study: Study) -> None:
     """Raise a `StoreError` unless stiction wrote the study file in a folder and may replace it."""
     try:
-        if read_content(path / STUDY_FILE, MAX_STUDY_BYTES).startswith(STUDY_FILE_MARK.encode()):
+        if read_content(path / STUDY_FILE, MAX_STUDY_BYTES).startswith(STUDY_FILE_SIGNATURE.encode()):
             return
         stored = _study(path)
     except OSError as error:
@@ -444,7 +444,7 @@ def _check_replaceable(path: Path, study: Study) -> None:
         raise StoreError(
             f"{printable_path(path / STUDY_FILE)}: {error}; choose another directory, or remove this file"
         ) from None
-    raise OtherStudyError(path, stored, find_differences(stored, study))
+    raise StudyMismatchError(path, stored, find_differences(stored, study))
 
 
 def _has_study(path: Path, study: Study) -> bool:
@@ -455,7 +455,7 @@ def _has_study(path: Path, study: Study) -> bool:
         return False
 
 
-class OtherStudyError(StoreError):
+class StudyMismatchError(StoreError):
     """Error raised if a folder contains the result of a different study."""
 
     def __init__(self, path: Path, stored: Study, differ: list[StudyDifference], advice: str = "") -> None:
@@ -463,9 +463,9 @@ class OtherStudyError(StoreError):
         super().__init__(f"{printable_path(path)} contains another study; {advice}\n{format_differences(differ)}")
         self.path, self.stored, self.differ = path, stored, differ
 
-    def with_remedy(self, advice: str) -> OtherStudyError:
+    def with_remedy(self, advice: str) -> StudyMismatchError:
         """Return a copy of the error with another remedy in the message."""
-        return OtherStudyError(self.path, self.stored, self.differ, advice)
+        return StudyMismatchError(self.path, self.stored, self.differ, advice)
 
 
 def write_block(path: Path, first: int, written: bytes, count: int) -> None:
@@ -492,7 +492,7 @@ def write_block(path: Path, first: int, written: bytes, count: int) -> None:
 # attributes of a result that do not describe the bodies
 RESULT_ATTRIBUTES = ("title", "study", "stiction_version", "_NCProperties")
 
-CHECKSUM_SEAL = b"stiction crc32 "
+CHECKSUM_PREFIX = b"stiction crc32 "
 """Bytes before the checksum at the end of an exported file. The checksum is verified first, because HDF5 may never
 return from reading a damaged file. HDF5 ignores bytes after its own data, and programs that modify the file remove the
 seal.
@@ -501,7 +501,7 @@ seal.
 _template_lock = threading.Lock()  # lets concurrent threads create only one template
 
 
-class DamageError(Exception):
+class DamagedFileError(Exception):
     """Error raised if a file is not a valid result. The message contains the reason."""
 
 
@@ -525,7 +525,7 @@ def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, ND
     import h5py
 
     with _template_lock:
-        template = _template(study, len(numbers))
+        template = _block_template(study, len(numbers))
     image = io.BytesIO(template)
     with h5py.File(image, "r+") as file:
         file["repetition"][...] = numbers
@@ -535,7 +535,7 @@ def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, ND
 
 
 @functools.lru_cache(maxsize=4)
-def _template(study: Study, count: int) -> bytes:
+def _block_template(study: Study, count: int) -> bytes:
     """Return the bytes of a block file with `count` members, in which all values are 0.
 
     Copying a template is much faster than writing a new file, because names and units take longer to write than values.
@@ -575,21 +575,21 @@ def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
                 written.attrs[attribute] = value
 
 
-def append_seal(file: io.BytesIO) -> None:
+def append_checksum(file: io.BytesIO) -> None:
     """Append a seal, i.e. the checksum of all preceding bytes, to the file."""
     file.seek(0, io.SEEK_END)
-    file.write(CHECKSUM_SEAL + b"%08x" % zlib.crc32(file.getbuffer()))
+    file.write(CHECKSUM_PREFIX + b"%08x" % zlib.crc32(file.getbuffer()))
 
 
 def decode_members(content: bytes) -> BlockContent:
     """Decode the members from the bytes of a block file.
 
-    Raises a `DamageError` if the arrays do not match the study in the file.
+    Raises a `DamagedFileError` if the arrays do not match the study in the file.
     """
     with _open_netcdf(content) as file:
         title, text, version = (file.attrs.get(name) for name in ("title", "study", "stiction_version"))
         if title != RESULT_TITLE or not isinstance(text, str):
-            raise DamageError("has no attribute 'study'")
+            raise DamagedFileError("has no attribute 'study'")
         study = _parse_study(text)
         numbers = _values(file, "repetition")
         arrays = {name: _values(file, name, spec.shape) for name, spec in list_variables(study, numbers).items()}
@@ -612,15 +612,15 @@ def decode_members(content: bytes) -> BlockContent:
 def _open_netcdf(content: bytes) -> Iterator[h5py.File]:
     import h5py
 
-    end = len(content) - len(CHECKSUM_SEAL) - 8
-    if content[end:-8] == CHECKSUM_SEAL and content[-8:] != b"%08x" % zlib.crc32(memoryview(content)[:end]):
-        raise DamageError("does not match its checksum")
+    end = len(content) - len(CHECKSUM_PREFIX) - 8
+    if content[end:-8] == CHECKSUM_PREFIX and content[-8:] != b"%08x" % zlib.crc32(memoryview(content)[:end]):
+        raise DamagedFileError("does not match its checksum")
     try:
         with h5py.File(io.BytesIO(content), "r") as file:
             yield file
     except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError, MemoryError):
         # h5py raises these exceptions for files that are not HDF5.
-        raise DamageError("is not a readable netCDF file") from None
+        raise DamagedFileError("is not a readable netCDF file") from None
 
 
 @functools.lru_cache(maxsize=8)
@@ -628,7 +628,7 @@ def _parse_study(text: str) -> Study:
     try:
         return parse_study(text, "its study")
     except ValueError as error:
-        raise DamageError(f"contains a study that cannot be read: {error}") from None
+        raise DamagedFileError(f"contains a study that cannot be read: {error}") from None
 
 
 def _values(file: h5py.File, name: str, shape: tuple[int, ...] | None = None) -> NDArray[Any]:
@@ -637,11 +637,11 @@ def _values(file: h5py.File, name: str, shape: tuple[int, ...] | None = None) ->
 
     variable = file.get(name) if isinstance(file.get(name, getlink=True), h5py.HardLink) else None
     if not isinstance(variable, h5py.Dataset) or variable.external or variable.is_virtual:
-        raise DamageError(f"has no variable {name}")
+        raise DamagedFileError(f"has no variable {name}")
     if variable.id.get_storage_size() < variable.nbytes:  # a small damaged file may declare a huge size
-        raise DamageError(f"declares {name} but does not store it")
+        raise DamagedFileError(f"declares {name} but does not store it")
     if shape not in (None, variable.shape):
-        raise DamageError(f"has {name} with the shape {variable.shape} instead of {shape}")
+        raise DamagedFileError(f"has {name} with the shape {variable.shape} instead of {shape}")
     return np.asarray(variable.asstr()[...] if h5py.check_string_dtype(variable.dtype) else variable[...])
 
 
@@ -669,8 +669,8 @@ def export(dataset: xarray.Dataset, path: str | Path, *, replace: bool = False) 
         If the file exists or cannot be written.
     """
     path = Path(path)
-    with replaced_file(path, CHECKSUM_SEAL, ExportError) if replace else new_file(path, ExportError) as partial:
+    with replaced_file(path, CHECKSUM_PREFIX, ExportError) if replace else new_file(path, ExportError) as partial:
         content = io.BytesIO()  # The file is written to memory first, because HDF5 may crash if the disk is full.
         write_dataset(dataset, content)
-        append_seal(content)
+        append_checksum(content)
         partial.write_bytes(content.getbuffer())

@@ -11,7 +11,7 @@ BLOCKING_FILE = Path(os.environ.get("STICTION_TEST_HOLD", "/nowhere"))
 if BLOCKING_FILE.exists():
     from stiction.studies import runner
 
-    compute_sums, compute_preview = runner.member_sums, runner.preview_result
+    compute_sums, compute_preview = runner.compute_member_sums, runner.preview_result
 
     def is_blocked(member):
         try:
@@ -19,7 +19,7 @@ if BLOCKING_FILE.exists():
         except FileNotFoundError:  # removed at any moment
             return False
 
-    def member_sums(study, member):
+    def compute_member_sums(study, member):
         """Return the sums of a member once the file no longer blocks it."""
         while is_blocked(member):
             time.sleep(0.02)
@@ -27,10 +27,10 @@ if BLOCKING_FILE.exists():
 
     def preview_result(study):
         """Return the preview, which is never blocked."""
-        runner.member_sums = compute_sums
+        runner.compute_member_sums = compute_sums
         try:
             return compute_preview(study)
         finally:
-            runner.member_sums = member_sums
+            runner.compute_member_sums = compute_member_sums
 
-    runner.member_sums, runner.preview_result = member_sums, preview_result
+    runner.compute_member_sums, runner.preview_result = compute_member_sums, preview_result

@@ -15,7 +15,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocato
 from stiction._checks import Floats
 from stiction._drawing import set_log_ticks
 from stiction._number_format import choose_prefix
-from stiction.studies.contact_picture import LOADS_PER_PULL_OFF
+from stiction.studies.contact_picture import LOADS_RELATIVE_TO_PULL_OFF
 from stiction.studies.point import MEAN_AND_LIMITS, select_sliding_rule
 from stiction.views.style import (
     ALL_CONTACTS_COLOUR,
@@ -87,7 +87,7 @@ def adhesion_figure(branches: xarray.Dataset, *, title: str = "") -> Figure:
     """
     unloading = branches["going"].values
     load, area = branches["load"].values, branches["contact_area"].values
-    is_visible = load <= LOADS_PER_PULL_OFF[-1] * -load.min() * 1.001  # loads within the limits of the figure
+    is_visible = load <= LOADS_RELATIVE_TO_PULL_OFF[-1] * -load.min() * 1.001  # loads within the limits of the figure
     factor, unit = choose_prefix(float(abs(load[is_visible]).max()), "mN")
     figure = new_figure(70)
     abscissas = [(branches["approach"].values * 1000, "approach (nm)")] if branches["approach"].notnull().all() else []
