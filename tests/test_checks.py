@@ -7,7 +7,7 @@ import pytest
 import stiction
 import xarray
 from stiction import effective_modulus, half_space, hertz_sphere, self_affine_surface
-from stiction._checks import check_bool, check_choice, number, whole_number
+from stiction._checks import check_bool, check_choice, validate_number, validate_whole_number
 from stiction.mechanics.model import Sliding
 
 ZEROS = [np.float64, np.float32, np.int32, np.array, xarray.DataArray]
@@ -15,20 +15,20 @@ ZEROS = [np.float64, np.float32, np.int32, np.array, xarray.DataArray]
 
 @pytest.mark.parametrize("of", ZEROS, ids=lambda of: of.__name__)
 def test_number_check_accepts_zero_dimensional_arrays(of):
-    result = number("x", of(3), above=0)
+    result = validate_number("x", of(3), above=0)
     assert (result, type(result)) == (3.0, float)
     with pytest.raises(ValueError, match="x must be a finite number above 5"):
-        number("x", of(3), above=5)
+        validate_number("x", of(3), above=5)
 
 
 @pytest.mark.parametrize("value", [np.array(True), np.array([3.0]), np.array("3"), np.bool_(True), "3", None, 1j])
 def test_number_check_rejects_values_that_are_not_numbers(value):
     with pytest.raises(ValueError, match="x must be a finite number"):
-        number("x", value)
+        validate_number("x", value)
 
 
 def test_integer_and_choice_checks_accept_zero_dimensional_arrays():
-    assert whole_number("n", np.array(3), minimum=1) == 3
+    assert validate_whole_number("n", np.array(3), minimum=1) == 3
     check_bool("t", np.array(True))
     check_choice("sliding", np.array("all"), Sliding)
     for value in ([], {}, np.zeros(3), 1.0, None):

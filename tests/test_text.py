@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 import stiction
 from stiction import _files
-from stiction._files import NotReadableError, new_file, read_content, replaced_file
+from stiction._files import UnreadableFileError, new_file, read_content, replaced_file
 from stiction._text import printable, printable_path
 
 
@@ -31,11 +31,11 @@ def test_long_text_is_shortened_for_printing():
 def test_file_reading_limits_the_size_and_rejects_special_files(tmp_path):
     (tmp_path / "file").write_bytes(b"x" * 100)
     assert read_content(tmp_path / "file", 100) == b"x" * 100
-    with pytest.raises(NotReadableError, match="longer than 99 bytes"):
+    with pytest.raises(UnreadableFileError, match="longer than 99 bytes"):
         read_content(tmp_path / "file", 99)
     os.mkfifo(tmp_path / "pipe")
     for place in (tmp_path / "pipe", _files.Path("/dev/zero")):
-        with pytest.raises(NotReadableError, match="is not a regular file"):
+        with pytest.raises(UnreadableFileError, match="is not a regular file"):
             read_content(place, 100)
     with pytest.raises(IsADirectoryError):
         read_content(tmp_path, 100)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stiction._checks import number
+from stiction._checks import validate_number
 from stiction._errors import ArgumentError
 from stiction._units import Quantity, exact_text, quantity, short_repr, unit_names
 
@@ -33,7 +33,9 @@ def _split_required(name: str, value: Any) -> list[Any]:
 def parse_quantity(name: str, value: Any, kind: str) -> Quantity:
     """Convert a string with a unit, or a number in core units, to a quantity of the given kind."""
     try:
-        return quantity(value if isinstance(value, str) else exact_text(number("", value), _CORE_UNITS[kind]), kind)
+        return quantity(
+            value if isinstance(value, str) else exact_text(validate_number("", value), _CORE_UNITS[kind]), kind
+        )
     except ValueError as error:
         raise ArgumentError(f"{{{name}}} {{why}}", why=str(error).strip()) from None
 
@@ -64,7 +66,9 @@ def parse_numbers(name: str, value: Any, *, integers: bool = False) -> list[floa
     if not integers:
         reject_decimal_commas(name, value)
     try:
-        return [float(item) if isinstance(item, str) else number("", item) for item in _split_required(name, value)]
+        return [
+            float(item) if isinstance(item, str) else validate_number("", item) for item in _split_required(name, value)
+        ]
     except ArgumentError:
         raise
     except ValueError:
@@ -73,18 +77,18 @@ def parse_numbers(name: str, value: Any, *, integers: bool = False) -> list[floa
         ) from None
 
 
-MAX_NUMBER = 1e6
+MAX_INPUT_NUMBER = 1e6
 """Largest accepted coefficient, percentage or range limit. A larger value is treated as an input error."""
 
 
 def parse_coefficients(name: str, value: Any) -> list[float]:
-    """Parse one or more numbers between 0 and `MAX_NUMBER`."""
+    """Parse one or more numbers between 0 and `MAX_INPUT_NUMBER`."""
     numbers = parse_numbers(name, value)
     if any(item < 0 for item in numbers):
         raise ArgumentError(f"{{{name}}} must be at least 0, got {{got}}", got=repr(value))
-    if not all(0 <= item <= MAX_NUMBER for item in numbers):
+    if not all(0 <= item <= MAX_INPUT_NUMBER for item in numbers):
         raise ArgumentError(
-            f"{{{name}}} must be finite and from 0 to {MAX_NUMBER:g}, got {{got}}", got=short_repr(value)
+            f"{{{name}}} must be finite and from 0 to {MAX_INPUT_NUMBER:g}, got {{got}}", got=short_repr(value)
         )
     return numbers
 

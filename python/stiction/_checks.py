@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._units import quantity, short_repr
 
 Floats = NDArray[np.float64]
-_KIND_OF_UNIT = {"µm": "length", "GPa": "pressure", "mN": "force", "s": "time", "mN/µm": "work of adhesion"}
+_QUANTITY_KINDS_BY_UNIT = {"µm": "length", "GPa": "pressure", "mN": "force", "s": "time", "mN/µm": "work of adhesion"}
 """Kind of quantity that each core unit measures."""
 
 _Array = TypeVar("_Array", bound=NDArray[Any])
@@ -53,15 +53,17 @@ def read_only(array: _Array) -> _Array:
     return array
 
 
-def number(name: str, value: Any, *, unit: str = "", above: float = -math.inf, below: float = math.inf) -> float:
+def validate_number(
+    name: str, value: Any, *, unit: str = "", above: float = -math.inf, below: float = math.inf
+) -> float:
     """Check that a value is a finite number strictly between `above` and `below`, and return it as a float.
 
     A zero-dimensional array counts as a number. If a unit is given, a string such as "39 nm" is accepted too.
     """
-    argument, value = value, scalar(value)
-    if isinstance(value, str) and unit in _KIND_OF_UNIT:
+    argument, value = value, unwrap_scalar(value)
+    if isinstance(value, str) and unit in _QUANTITY_KINDS_BY_UNIT:
         try:
-            value = float(quantity(value, _KIND_OF_UNIT[unit]))
+            value = float(quantity(value, _QUANTITY_KINDS_BY_UNIT[unit]))
         except ValueError as error:
             raise ValueError(f"{name} {error}") from None
     try:
@@ -75,23 +77,23 @@ def number(name: str, value: Any, *, unit: str = "", above: float = -math.inf, b
     return result
 
 
-def scalar(value: Any) -> Any:
+def unwrap_scalar(value: Any) -> Any:
     """Return the element of a zero-dimensional array, and any other value unchanged."""
     return value.item() if getattr(value, "ndim", None) == 0 and hasattr(value, "item") else value
 
 
-def fraction(name: str, value: Any) -> float:
+def validate_fraction(name: str, value: Any) -> float:
     """Check that a value is a number from 0 to 1, and return it."""
-    result = number(name, value)
+    result = validate_number(name, value)
     if not 0 <= result <= 1:
         raise ValueError(f"{name} must be from 0 to 1, got {value!r}")
     return result
 
 
-def whole_number(name: str, value: Any, *, minimum: int, maximum: int = 2**63 - 1) -> int:
+def validate_whole_number(name: str, value: Any, *, minimum: int, maximum: int = 2**63 - 1) -> int:
     """Check that a value is an integer from `minimum` to `maximum`, and return it."""
     try:
-        result = operator.index(scalar(value)) if not isinstance(scalar(value), bool) else minimum - 1
+        result = operator.index(unwrap_scalar(value)) if not isinstance(unwrap_scalar(value), bool) else minimum - 1
     except TypeError:
         result = minimum - 1
     if not minimum <= result <= maximum:
@@ -109,7 +111,7 @@ def check_instance(name: str, value: Any, kind: type | tuple[type, ...], words: 
 def check_choice(name: str, value: Any, literal: Any) -> None:
     """Raise a `ValueError` unless the value is one of the strings that a `Literal` type allows."""
     allowed = get_args(literal)
-    value = scalar(value)
+    value = unwrap_scalar(value)
     if not (isinstance(value, str) and value in allowed):
         names = ", ".join(repr(item) for item in allowed)
         raise ValueError(f"{name} must be one of {names}, got {short_repr(value)}")
@@ -117,5 +119,5 @@ def check_choice(name: str, value: Any, literal: Any) -> None:
 
 def check_bool(name: str, value: Any) -> None:
     """Raise a `ValueError` unless the value is True or False. 0 and 1 are rejected."""
-    if not isinstance(scalar(value), bool):
+    if not isinstance(unwrap_scalar(value), bool):
         raise ValueError(f"{name} must be True or False, got {short_repr(value)}")

@@ -14,10 +14,10 @@ if TYPE_CHECKING:
 
     from stiction._checks import Floats
 
-HEIGHT_MAP = "gray"
+HEIGHT_COLOUR_MAP = "gray"
 _MAX_NM_RANGE = 0.5  # range of heights (µm) below which heights are drawn in nm
-_MAX_BAR_FRACTION = 0.25  # maximum length of the scale bar, relative to the width of the map
-PRESSURE_MAP = "inferno"
+_MAX_SCALE_BAR_FRACTION = 0.25  # maximum length of the scale bar, relative to the width of the map
+PRESSURE_COLOUR_MAP = "inferno"
 MAX_LEGEND_LINES = 12  # a legend is drawn only if there are at most this many lines
 
 
@@ -37,7 +37,7 @@ def draw_profile(ax: Axes, x: Floats, heights: Floats) -> Axes:
 def draw_surface(ax: Axes, heights: Floats, spacing: tuple[float, float]) -> Axes:
     """Draw a height map with the y axis pointing upwards. Each point lies at the centre of its pixel."""
     heights, unit = to_readable_unit(heights)
-    image = ax.imshow(heights, extent=map_extent(heights.shape, spacing), origin="lower", cmap=HEIGHT_MAP)
+    image = ax.imshow(heights, extent=map_extent(heights.shape, spacing), origin="lower", cmap=HEIGHT_COLOUR_MAP)
     add_colour_bar(ax, image, f"height ({unit})")
     ax.set(xlabel="x (µm)", ylabel="y (µm)")
     return ax
@@ -84,7 +84,7 @@ def add_scale_bar(ax: Axes, box: tuple[float, float, float, float], **style: Any
     from matplotlib.patheffects import withStroke
 
     left, right, bottom, top = box
-    max_length = _MAX_BAR_FRACTION * (right - left)
+    max_length = _MAX_SCALE_BAR_FRACTION * (right - left)
     power = 10.0 ** math.floor(math.log10(max_length))
     length = max(factor * power for factor in (1, 2, 5) if factor * power <= max_length)
     x, y = right - 0.05 * (right - left) - length, bottom + 0.05 * (top - bottom)
@@ -184,7 +184,9 @@ def draw_contact(ax: Axes, pressure: Floats, heights: Floats, spacing: tuple[flo
     box = map_extent(pressure.shape, spacing)
     ax.imshow(heights, extent=box, origin="lower", cmap="gray")
     positive_pressure = np.where(pressure > 0, pressure, np.nan)
-    image = ax.imshow(positive_pressure, extent=box, origin="lower", cmap=PRESSURE_MAP, vmin=0, interpolation="nearest")
+    image = ax.imshow(
+        positive_pressure, extent=box, origin="lower", cmap=PRESSURE_COLOUR_MAP, vmin=0, interpolation="nearest"
+    )
     add_colour_bar(ax, image, "pressure (GPa)")
     ax.set(xticks=[], yticks=[])
     add_scale_bar(ax, box)

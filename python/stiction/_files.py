@@ -23,7 +23,7 @@ The name contains the machine, the process id, the run and a random number.
 
 MAX_PARTIAL_AGE = 3600.0  # age in seconds above which a partial file left by another machine counts as stale
 _MACHINE_TOKEN = f"{zlib.crc32(platform.node().encode()):08x}"
-_RUN_TOKEN = secrets.token_hex(4)  # random token that identifies this run; a process id may be reused
+_PROCESS_TOKEN = secrets.token_hex(4)  # random token that identifies this run; a process id may be reused
 # The mark that identifies a file is searched in this many bytes at the beginning and at the end of the file.
 _NUM_SEARCHED_BYTES = 2**16
 
@@ -37,7 +37,7 @@ def new_file(path: Path, failure: type[ValueError]) -> Iterator[Path]:
     with _translate_errors(path, failure):
         if os.path.lexists(path):
             raise FileExistsError
-        with _partial(path, os.link) as partial:  # unlike rename, link never replaces a file
+        with _open_partial_file(path, os.link) as partial:  # unlike rename, link never replaces a file
             yield partial
 
 
@@ -48,7 +48,7 @@ def replaced_file(path: Path, mark: bytes, failure: type[ValueError]) -> Iterato
     A file without the bytes `mark` near its start or its end was not written by this package.
     """
     check_replaceable(path, mark, failure)
-    with _translate_errors(path, failure), _partial(path, Path.replace) as partial:
+    with _translate_errors(path, failure), _open_partial_file(path, Path.replace) as partial:
         yield partial
 
 
@@ -58,7 +58,7 @@ def check_replaceable(path: Path, mark: bytes, failure: type[ValueError]) -> Non
     A dangling link counts as existing.
     """
     with _translate_errors(path, failure):
-        if os.path.lexists(path) and not _has_mark(path, mark):
+        if os.path.lexists(path) and not _contains_file_mark(path, mark):
             raise failure(
                 f"{printable_path(path)}: already exists and was not written by stiction; remove it, or choose "
                 "another name"
@@ -67,12 +67,12 @@ def check_replaceable(path: Path, mark: bytes, failure: type[ValueError]) -> Non
 
 def write_atomically(path: Path, content: bytes) -> None:
     """Write a file atomically. It appears under its name, and replaces an older file, only when complete."""
-    with _partial(path, Path.replace) as partial:
+    with _open_partial_file(path, Path.replace) as partial:
         partial.write_bytes(content)
 
 
 @contextmanager
-def _partial(path: Path, move: Callable[[Path, Path], object]) -> Iterator[Path]:
+def _open_partial_file(path: Path, move: Callable[[Path, Path], object]) -> Iterator[Path]:
     """Yield an empty file in the folder of `path`. Rename it to `path` on success, and remove it otherwise."""
     partial = path.parent / new_partial_name()
     try:  # create the file inside `try`, so that it is removed even if Ctrl-C arrives right afterwards
@@ -86,7 +86,7 @@ def _partial(path: Path, move: Callable[[Path, Path], object]) -> Iterator[Path]
 
 def new_partial_name() -> str:
     """Return a new, unused name of fixed length for a partial file."""
-    return f".stiction-{_MACHINE_TOKEN}-{os.getpid()}-{_RUN_TOKEN}-{secrets.token_hex(4)}.partial"
+    return f".stiction-{_MACHINE_TOKEN}-{os.getpid()}-{_PROCESS_TOKEN}-{secrets.token_hex(4)}.partial"
 
 
 def remove_stale_partials(folder: Path) -> None:
@@ -103,7 +103,7 @@ def _is_stale(entry: os.DirEntry[str], machine: str, process: str, run: str) -> 
     if machine != _MACHINE_TOKEN or os.name != "posix":
         return time.time() - entry.stat(follow_symlinks=False).st_mtime > MAX_PARTIAL_AGE
     if int(process) == os.getpid():
-        return run != _RUN_TOKEN
+        return run != _PROCESS_TOKEN
     try:
         os.kill(int(process), 0)
     except (ProcessLookupError, OverflowError):
@@ -123,7 +123,7 @@ def _translate_errors(path: Path, failure: type[ValueError]) -> Iterator[None]:
         raise failure(f"{printable_path(path)}: cannot be written: {describe_os_error(error)}") from None
 
 
-def _has_mark(path: Path, mark: bytes) -> bool:
+def _contains_file_mark(path: Path, mark: bytes) -> bool:
     if not path.is_file():
         return False
     with path.open("rb") as file:
@@ -135,31 +135,31 @@ def _has_mark(path: Path, mark: bytes) -> bool:
 # ---- Reading --------------------------------------------------------------------------------------------------------
 
 
-class NotReadableError(Exception):
+class UnreadableFileError(Exception):
     """Error raised for a file that is not of the expected kind."""
 
 
 def check_is_file(path: Path) -> None:
-    """Raise `NotReadableError` for a directory, a device or a pipe, and `OSError` if the path cannot be examined."""
+    """Raise `UnreadableFileError` for a directory, a device or a pipe, and `OSError` if the path cannot be examined."""
     if not stat.S_ISREG(mode := path.stat().st_mode):
-        raise NotReadableError("is a directory" if stat.S_ISDIR(mode) else "is not a file")
+        raise UnreadableFileError("is a directory" if stat.S_ISDIR(mode) else "is not a file")
 
 
 def read_content(path: Path, max_bytes: int, start: bytes = b"") -> bytes:
     """Return the bytes of a regular file without blocking on devices or pipes.
 
-    Raises `NotReadableError` if it is another kind of file, is longer than `max_bytes` or does not begin with
+    Raises `UnreadableFileError` if it is another kind of file, is longer than `max_bytes` or does not begin with
     `start`, and `OSError` if it cannot be read.
     """
     status = path.stat()
     if not (stat.S_ISREG(status.st_mode) or stat.S_ISDIR(status.st_mode)):
-        raise NotReadableError("is not a regular file")
+        raise UnreadableFileError("is not a regular file")
     if stat.S_ISREG(status.st_mode) and status.st_size > max_bytes:
-        raise NotReadableError(f"is longer than {max_bytes} bytes")
+        raise UnreadableFileError(f"is longer than {max_bytes} bytes")
     with open(path, "rb", opener=_open_nonblocking) as file:
         head = file.read(len(start))
         if head != start:
-            raise NotReadableError(f"does not begin with {start.decode()!r}")
+            raise UnreadableFileError(f"does not begin with {start.decode()!r}")
         return head + file.read()
 
 

@@ -7,7 +7,7 @@ import math
 from typing import Any
 
 MAX_DIGITS = 4  # maximum number of significant digits of a value, however narrow its interval
-UNBOUNDED_END = "\N{INFINITY}"  # text for the upper end of an unbounded interval
+UNBOUNDED_END_TEXT = "\N{INFINITY}"  # text for the upper end of an unbounded interval
 MAX_PRECISE_END_RATIO = 100.0  # an interval end above this multiple of the value is printed with one digit
 
 _PREFIXES = {
@@ -31,7 +31,7 @@ def format_with_interval(mean: float, lower: float, upper: float, *, digits: int
         return f"{format_significant(mean, 3)} no interval"
     if math.isinf(upper):
         decimals = _num_decimals(mean, lower, 2 * mean - lower, digits)
-        return f"{_format_decimals(mean, decimals)} [{_format_decimals(lower, decimals)}, {UNBOUNDED_END})"
+        return f"{_format_decimals(mean, decimals)} [{_format_decimals(lower, decimals)}, {UNBOUNDED_END_TEXT})"
     decimals = _num_decimals(mean, lower, upper, digits)
     ends = [_format_decimals(end, decimals) for end in (lower, upper)]
     if ends[0] == ends[1]:
@@ -53,7 +53,7 @@ def format_estimate(mean: float, lower: float = math.nan, upper: float = math.na
 def format_limits(low: float, high: float) -> str:
     """Format the ends of a range to one digit of the half-width, with at least two digits for the larger end."""
     if math.isinf(high):
-        return f"{format_significant(low)} to {UNBOUNDED_END}"
+        return f"{format_significant(low)} to {UNBOUNDED_END_TEXT}"
     decimals = _num_decimals(max(abs(low), abs(high)), low, high, 1)
     ends = [_format_decimals(end, decimals) for end in (low, high)]
     return ends[0] if ends[0] == ends[1] else " to ".join(ends)

@@ -11,7 +11,7 @@ MAX_WORD_LENGTH = 80  # maximum number of characters of a key, version or name i
 MAX_LINE_LENGTH = 1000  # maximum number of characters of a line that is quoted in a message
 
 # Unicode categories that are escaped: control and format characters, surrogates, line and paragraph separators.
-_UNPRINTABLE = {"Cc", "Cf", "Cs", "Zl", "Zp"}
+_UNPRINTABLE_CATEGORIES = {"Cc", "Cf", "Cs", "Zl", "Zp"}
 
 
 def printable(text: object, max_length: int = MAX_WORD_LENGTH) -> str:
@@ -30,7 +30,9 @@ def printable(text: object, max_length: int = MAX_WORD_LENGTH) -> str:
         result = f"{result[:half]}...{result[-half:]}"
     if result.isprintable():
         return result
-    return "".join(ascii(char)[1:-1] if unicodedata.category(char) in _UNPRINTABLE else char for char in result)
+    return "".join(
+        ascii(char)[1:-1] if unicodedata.category(char) in _UNPRINTABLE_CATEGORIES else char for char in result
+    )
 
 
 def printable_path(path: str | os.PathLike[str]) -> str:

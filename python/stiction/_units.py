@@ -25,12 +25,14 @@ VALID_RANGES = {
 }  # fmt: skip
 """Minimum and maximum magnitude in core units. Values outside these limits usually have a wrong unit."""
 
-_QUANTITY = re.compile(
+_QUANTITY_PATTERN = re.compile(
     r"\s*([+-]?(?:[0-9][0-9_]{0,20}\.?[0-9]{0,20}|\.[0-9]{1,20})(?:[eE][+-]?[0-9]{1,2})?)\s*([^\W0-9_]+(?:/m(?:\^2|²)?)?)\s*"
 )
 
 
-_NUMBER_AND_UNIT = re.compile(r"\s*[+-]?(?:[0-9._]+(?:[eE][+-]?[0-9]+)?|inf|nan)\s*([^\W0-9_]+(?:/m(?:\^2|²)?)?)\s*")
+_NUMBER_WITH_UNIT_PATTERN = re.compile(
+    r"\s*[+-]?(?:[0-9._]+(?:[eE][+-]?[0-9]+)?|inf|nan)\s*([^\W0-9_]+(?:/m(?:\^2|²)?)?)\s*"
+)
 """Pattern of a number and a unit. It allows more digits and larger exponents than a valid quantity can have."""
 
 
@@ -67,10 +69,14 @@ def quantity(text: object, kind: str) -> Quantity:
         raise ValueError(
             f'must be a {kind} with its unit, as in "1 {next(iter(units))}" ({allowed}), got {short_repr(text)}'
         )
-    match = _QUANTITY.fullmatch(text)
+    match = _QUANTITY_PATTERN.fullmatch(text)
     lowest, highest = VALID_RANGES[kind]
     core = next(name for name, factor in units.items() if factor == "1")
-    if match is None and (out_of_range := _NUMBER_AND_UNIT.fullmatch(text)) is not None and out_of_range[1] in units:
+    if (
+        match is None
+        and (out_of_range := _NUMBER_WITH_UNIT_PATTERN.fullmatch(text)) is not None
+        and out_of_range[1] in units
+    ):
         raise ValueError(f"must be from {lowest:g} to {highest:g} {core}, got {short_repr(text)}")
     if match is None:
         raise ValueError(f"must be a number with a unit of {kind} ({allowed}), got {short_repr(text)}")

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from stiction._checks import Floats
-from stiction._drawing import HEIGHT_MAP
+from stiction._drawing import HEIGHT_COLOUR_MAP
 from stiction._number_format import format_with_unit
 from stiction.app.form import replace_option_names
 from stiction.studies.pair_options import split_list
@@ -89,7 +89,7 @@ def render_png(heights: Floats, extent: tuple[float, float]) -> bytes:
         np.linspace(0, count - 1, size).round().astype(int) for count, size in zip(heights.shape, sizes, strict=True)
     )
     file = io.BytesIO()
-    imsave(file, heights[np.ix_(rows, columns)], cmap=HEIGHT_MAP, origin="lower")
+    imsave(file, heights[np.ix_(rows, columns)], cmap=HEIGHT_COLOUR_MAP, origin="lower")
     return file.getvalue()
 
 

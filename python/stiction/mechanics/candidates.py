@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 import stiction._core
 from stiction._caching import cached_property
-from stiction._checks import Floats, check_choice, number, read_only
+from stiction._checks import Floats, check_choice, read_only, validate_number
 from stiction.mechanics.model import (
     ContactModel,
     Curvature,
@@ -152,7 +152,7 @@ def candidates(
         curvature = "signed" if isinstance(upper, Surface) else "convex"
     check_choice("curvature", curvature, Curvature)
     core = stiction._core.candidates(
-        upper.heights, lower.heights, spacing=upper.spacing, deepest=number("deepest", deepest, unit="µm"),
+        upper.heights, lower.heights, spacing=upper.spacing, deepest=validate_number("deepest", deepest, unit="µm"),
         curvature=curvature,
     )  # fmt: skip
     if isinstance(upper, Surface) and len(core) == 0:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import stiction._core
-from stiction._checks import Floats, check_choice, number, read_only
+from stiction._checks import Floats, check_choice, read_only, validate_number
 from stiction._repr import TextRepr
 from stiction._units import to_core_units
 from stiction.mechanics.candidates import Candidates, candidates, candidates_and_model
@@ -153,7 +153,7 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
     points, model = candidates_and_model(upper, lower, contact)
     if points is not None and approach is None:
         approach = lower
-    approach = number("approach", to_core_units("approach", approach, "length"), unit="µm")
+    approach = validate_number("approach", to_core_units("approach", approach, "length"), unit="µm")
     if model.angles().ndim > 0:
         raise ValueError(
             f"direction must be a single direction, got {model.direction!r}, because a contact has only one tangent"

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, float_array, number
+from stiction._checks import Floats, float_array, validate_number
 from stiction._drawing import draw_area, draw_friction
 from stiction._repr import PlotRepr, TextRepr, axes_for
 from stiction._units import short_repr
@@ -273,9 +273,9 @@ def check_shear_strength(tau0: Floats, effective_modulus: float) -> None:
 def check_friction_parameters(mu0: Any, tau0: Any, effective_modulus: Any) -> tuple[float, float]:
     """Check a single mu0 and a single tau0 (GPa), and return them."""
     values = [
-        float(friction_parameter(name, number(name, value, unit=unit)))
+        float(friction_parameter(name, validate_number(name, value, unit=unit)))
         for name, value, unit in (("mu0", mu0, ""), ("tau0", tau0, "GPa"))
     ]
-    modulus = number("effective_modulus", effective_modulus, unit="GPa", above=0)
+    modulus = validate_number("effective_modulus", effective_modulus, unit="GPa", above=0)
     check_shear_strength(np.asarray(values[1]), modulus)
     return values[0], values[1]

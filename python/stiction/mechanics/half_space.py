@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._caching import cached_property
-from stiction._checks import Floats, check_choice, fraction, number, read_only
+from stiction._checks import Floats, check_choice, read_only, validate_fraction, validate_number
 from stiction._repr import PlotRepr, axes_for
 from stiction._units import loads_to_core_units, to_core_units
 from stiction.mechanics.friction import FrictionCurve
@@ -485,16 +485,16 @@ def half_space(
         model.for_profiles()
     check_choice("boundary", boundary, Boundary)
     check_choice("tilt", tilt, Tilt)
-    tolerance = number("tolerance", tolerance, above=0, below=1)
+    tolerance = validate_number("tolerance", tolerance, above=0, below=1)
     if not (progress is None or callable(progress)):
         raise ValueError(f"progress must be a function of three arguments or None, got {progress!r}")
     problem = make_problem(
         upper, lower, float(model.effective_modulus), periodic=boundary == "periodic",
-        compliance_share=fraction("compliance_share", compliance_share),
-        hardness=None if hardness is None else number("hardness", hardness, unit="GPa", above=0),
+        compliance_share=validate_fraction("compliance_share", compliance_share),
+        hardness=None if hardness is None else validate_number("hardness", hardness, unit="GPa", above=0),
     )  # fmt: skip
     work, length = (
-        number(name, to_core_units(name, given, kind), unit=unit, above=above)
+        validate_number(name, to_core_units(name, given, kind), unit=unit, above=above)
         for name, given, kind, unit, above in (
             ("work_of_adhesion", work_of_adhesion, "work of adhesion", "mN/µm", -math.ulp(0)),
             ("adhesion_range", adhesion_range, "length", "µm", 0),

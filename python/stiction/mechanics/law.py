@@ -12,7 +12,7 @@ from dataclasses import MISSING, dataclass, field, fields
 from typing import Any, ClassVar, Literal
 
 import stiction._core
-from stiction._checks import check_choice, number
+from stiction._checks import check_choice, validate_number
 from stiction._units import short_repr
 
 
@@ -36,8 +36,11 @@ class ContactLaw:
 
     def parameters(self, effective_modulus: float) -> dict[str, float]:
         """Return the parameters that the core requires for this law, including E* (GPa)."""
-        parameters = {item.name: number(item.name, getattr(self, item.name)) for item in fields(self)}
-        return {"effective_modulus": number("effective_modulus", effective_modulus, unit="GPa", above=0), **parameters}
+        parameters = {item.name: validate_number(item.name, getattr(self, item.name)) for item in fields(self)}
+        return {
+            "effective_modulus": validate_number("effective_modulus", effective_modulus, unit="GPa", above=0),
+            **parameters,
+        }
 
 
 @dataclass(frozen=True)
@@ -173,6 +176,6 @@ def force_and_area(
     return stiction._core.force_and_area(
         checked_law.name,
         checked_law.parameters(effective_modulus),
-        overlap=number("overlap", overlap, unit="µm", above=0),
-        radius=number("radius", radius, unit="µm", above=0),
+        overlap=validate_number("overlap", overlap, unit="µm", above=0),
+        radius=validate_number("radius", radius, unit="µm", above=0),
     )

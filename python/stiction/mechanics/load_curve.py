@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import stiction._core
-from stiction._checks import Floats, float_array, fraction, read_only
+from stiction._checks import Floats, float_array, read_only, validate_fraction
 from stiction._units import to_core_units
 from stiction.mechanics.candidates import Candidates, candidates, candidates_and_model
 from stiction.mechanics.contact import Contacts, contacts
@@ -131,7 +131,7 @@ class LoadCurve(FrictionCurve, ContactSums):
         approach = float(self.approach[resolve_index(index, self.approach.size, "approaches")])
         tangential_problem = SlidingAsperities(
             self._pressed.at(approach), self._pressed.model, mu0=mu0, tau0=tau0, angle=angle, poisson=poisson,
-            compliance_share=fraction("compliance_share", compliance_share),
+            compliance_share=validate_fraction("compliance_share", compliance_share),
         )  # fmt: skip
         return compute_onset(
             tangential_problem, mu0=mu0, tau0=tau0, direction=angle, steps=steps, displacements=displacements

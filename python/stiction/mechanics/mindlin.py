@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import stiction._core as _core
-from stiction._checks import Floats, number
+from stiction._checks import Floats, validate_number
 from stiction.mechanics.half_space_problem import solver_thread_count
 from stiction.mechanics.law import HertzCylinder, parse_contact_law
 from stiction.mechanics.model import ContactModel
@@ -179,7 +179,7 @@ class SlidingHalfSpace:
         self.sliding_load = float(mu0 * self.normal_load + tau0 * self.area.sum())
         everywhere = self._spread_over_grid(self.bound)
         self.mean_bound = float(everywhere.mean())
-        self.tolerance = number("tolerance", tolerance, above=0, below=1)
+        self.tolerance = validate_number("tolerance", tolerance, above=0, below=1)
         self.everywhere = everywhere
         compliance = self.grids.linear_response(everywhere > 0, threads=solver_thread_count())[1] * self.ratio
         self.stiffness = (self.cell_area / compliance if compliance > 0 else np.inf) if self.moves else np.nan

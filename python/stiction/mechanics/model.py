@@ -13,7 +13,7 @@ import numpy as np
 
 import stiction._core
 from stiction._caching import cached_property
-from stiction._checks import Floats, check_choice, check_instance, number
+from stiction._checks import Floats, check_choice, check_instance, validate_number
 from stiction.mechanics.law import ContactLaw, HertzCylinder, LawName, parse_contact_law
 from stiction.surfaces.profile import MAX_POINTS, Profile, reject_missing
 from stiction.surfaces.surface import Surface, as_body
@@ -90,7 +90,7 @@ class ContactModel:
                 object.__setattr__(self, "direction", tuple(self.direction))  # type: ignore[arg-type]
             if not self._angles:
                 raise ValueError("direction must have at least one element, got none")
-        number("effective_modulus", self.effective_modulus, unit="GPa", above=0)
+        validate_number("effective_modulus", self.effective_modulus, unit="GPa", above=0)
         self.core()
 
     def angles(self) -> Floats:
@@ -159,7 +159,7 @@ def _parse_angle(direction: Any) -> float:
         if direction not in ("+x", "-x"):
             raise ValueError(f'direction must be "+x", "-x" or an angle in degrees, got {direction!r}')
         return 0.0 if direction == "+x" else 180.0
-    return number("direction", direction, unit="degrees") % 360.0
+    return validate_number("direction", direction, unit="degrees") % 360.0
 
 
 def _unit_vector(angle: float) -> tuple[float, float]:
@@ -221,7 +221,7 @@ def modulus_or_default(effective_modulus: Any, *bodies: Profile | Surface) -> fl
     if effective_modulus is None:
         check_modulus({}, *bodies)
         return DEFAULT_EFFECTIVE_MODULUS
-    return number("effective_modulus", effective_modulus, unit="GPa", above=0)
+    return validate_number("effective_modulus", effective_modulus, unit="GPa", above=0)
 
 
 def check_modulus(keywords: Mapping[str, object], *bodies: Profile | Surface) -> None:

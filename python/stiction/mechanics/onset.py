@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, float_array, number, read_only, whole_number
+from stiction._checks import Floats, float_array, read_only, validate_number, validate_whole_number
 from stiction._repr import PlotRepr, axes_for
 from stiction.mechanics.friction import check_friction_parameters
 from stiction.mechanics.model import ContactModel, Direction
@@ -202,7 +202,9 @@ class Onset(PlotRepr):
         ValueError
             As for `energy_lost`.
         """
-        top = self._solve_at_load(float(self._check_amplitudes(number("amplitude", amplitude, unit="mN", above=0))))
+        top = self._solve_at_load(
+            float(self._check_amplitudes(validate_number("amplitude", amplitude, unit="mN", above=0)))
+        )
         below = self.tangential_load < top.load * (1 - LOAD_TOLERANCE)
         load = np.concatenate([[0.0], self.tangential_load[below], [top.load]])
         unloading_path = np.concatenate([[0.0], self.displacement[below], [top.displacement]])
@@ -318,7 +320,7 @@ MIN_RELATIVE_STRENGTH = 1e-9
 def resolve_index(index: Any, count: int, items: str) -> int:
     """Convert an index that may be negative (counted from the end) to an index counted from the beginning."""
     try:
-        checked_index = whole_number("index", index, minimum=-count, maximum=count - 1)
+        checked_index = validate_whole_number("index", index, minimum=-count, maximum=count - 1)
     except ValueError:
         raise ValueError(
             f"index must be at least {-count} and below {count}, the number of {items}, got {index!r}"
@@ -362,7 +364,7 @@ def parse_poisson_ratios(poisson: float | Sequence[float]) -> tuple[float, float
 def parse_load_fractions(steps: int | Sequence[float]) -> Floats:
     """Return fractions of the sliding load. An integer n gives n equal steps up to 1; a sequence is used unchanged."""
     if np.ndim(steps) == 0:
-        count = whole_number("steps", steps, minimum=1, maximum=100_000)
+        count = validate_whole_number("steps", steps, minimum=1, maximum=100_000)
         return np.arange(1, count + 1) / count
     fractions = float_array("steps", steps, ndim=1)
     if not (fractions.size > 0 and (fractions > 0).all() and (np.diff(fractions) > 0).all()):

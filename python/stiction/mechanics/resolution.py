@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stiction._checks import Floats, check_instance, float_array, number
+from stiction._checks import Floats, check_instance, float_array, validate_number
 from stiction.mechanics import brackets
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.friction import LOAD_SUM_NAMES, compute_load, friction_parameter
@@ -149,7 +149,7 @@ def resolution(
     pair = _SolvedPair(upper, lower, boundary)
     lengths = pair.cut_offs(cut_offs)
     if hardness is not None:
-        hardness = number("hardness", hardness, unit="GPa", above=0)
+        hardness = validate_number("hardness", hardness, unit="GPa", above=0)
     parameters = None if mu0 is None else _strengths(mu0, tau0)
     areal = isinstance(upper, Surface)
     if direction is None:
@@ -230,7 +230,9 @@ def resolution_friction(result: xr.Dataset, *, mu0: float, tau0: float = 0.0) ->
 
 
 def _strengths(mu0: Any, tau0: Any) -> tuple[float, float]:
-    mu, tau = (float(friction_parameter(name, number(name, value))) for name, value in (("mu0", mu0), ("tau0", tau0)))
+    mu, tau = (
+        float(friction_parameter(name, validate_number(name, value))) for name, value in (("mu0", mu0), ("tau0", tau0))
+    )
     return mu, tau
 
 
@@ -501,10 +503,10 @@ def spectral_resolution(
     for body in bodies:
         if not isinstance(body, ScaleDependentRoughness) or body.dimensions != 2:
             raise ValueError("upper and lower must be ScaleDependentRoughness objects computed from surfaces")
-    p = number("pressure", pressure, unit="GPa", above=0)
-    limit = np.inf if hardness is None else number("hardness", hardness, unit="GPa", above=p)
-    modulus = number("effective_modulus", effective_modulus, unit="GPa", above=0)
-    factor = number("kappa", kappa, above=0)
+    p = validate_number("pressure", pressure, unit="GPa", above=0)
+    limit = np.inf if hardness is None else validate_number("hardness", hardness, unit="GPa", above=p)
+    modulus = validate_number("effective_modulus", effective_modulus, unit="GPa", above=0)
+    factor = validate_number("kappa", kappa, above=0)
     if wavelengths is None:
         wavelengths = np.concatenate([body.wavelength for body in bodies])
     lengths = np.unique(float_array("wavelengths", wavelengths, ndim=1))[::-1]

@@ -12,8 +12,8 @@ import math
 from collections.abc import Sequence
 from typing import Literal
 
-from stiction._arguments import MAX_NUMBER
-from stiction._checks import check_choice, number
+from stiction._arguments import MAX_INPUT_NUMBER
+from stiction._checks import check_choice, validate_number
 from stiction._units import short_repr, to_core_units
 from stiction.mechanics.model import Sliding
 from stiction.studies.calibration_fit import MIN_VARIATION, CalibrationProblem
@@ -94,7 +94,7 @@ def calibrate(
         raise ValueError(
             "tests must contain at least one test with sliding, because a test without sliding gives only a lower bound"
         )
-    common = number("common", common)
+    common = validate_number("common", common)
     if not 0 <= common < 1:
         raise ValueError(f"common must be at least 0 and below 1, got {common!r}")
     has_no_error = {test.uncertainty is None for test in tests}
@@ -106,8 +106,10 @@ def calibrate(
             "because it cannot be estimated from so few tests"
         )
     known = (
-        None if mu0 is None else number("mu0", mu0, below=MAX_NUMBER),
-        None if tau0 is None else number("tau0", to_core_units("tau0", tau0, "pressure"), below=MAX_NUMBER),
+        None if mu0 is None else validate_number("mu0", mu0, below=MAX_INPUT_NUMBER),
+        None
+        if tau0 is None
+        else validate_number("tau0", to_core_units("tau0", tau0, "pressure"), below=MAX_INPUT_NUMBER),
     )
     if any(value is not None and value < 0 for value in known):
         raise ValueError("mu0 and tau0 must not be negative")

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, float_array, whole_number
+from stiction._checks import Floats, float_array, validate_whole_number
 from stiction._units import short_repr
 from stiction.mechanics.half_space import HalfSpaceCurve, half_space
 from stiction.mechanics.model import PROFILE_WIDTH
@@ -274,7 +274,7 @@ def build_contact_table(
 
 def _check_members(members: int | Sequence[int], available: list[int]) -> list[int]:
     listed = [members] if np.ndim(members) == 0 else list(members)  # type: ignore[arg-type]
-    indices = [whole_number("members", index, minimum=0) for index in listed]
+    indices = [validate_whole_number("members", index, minimum=0) for index in listed]
     if not indices or not set(indices) <= set(available):
         raise ValueError(
             f"members must be indices of the {len(available)} members "

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, float_array, number
+from stiction._checks import Floats, float_array, validate_number
 from stiction._units import exact_quantity, short_repr
 from stiction.mechanics.friction import friction_parameter
 from stiction.mechanics.quantities import quantity_attributes
@@ -99,9 +99,9 @@ def table_study(
         raise ValueError(f"hurst_exponents must be above 0 and at most 1, got {short_repr(hurst_exponents)}")
     lengths = {"extent": extent, "longest_wavelength": longest_wavelength, "shortest_wavelength": shortest_wavelength}
     extent, longest_wavelength, shortest_wavelength = (
-        number(name, value, unit="µm", above=0) for name, value in lengths.items()
+        validate_number(name, value, unit="µm", above=0) for name, value in lengths.items()
     )
-    effective_modulus = number("effective_modulus", effective_modulus, unit="GPa", above=0)
+    effective_modulus = validate_number("effective_modulus", effective_modulus, unit="GPa", above=0)
     area = extent**2
     return validate_table(
         Study,

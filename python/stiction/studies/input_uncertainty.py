@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, ValidationInfo, field_validator
 
-from stiction._arguments import MAX_NUMBER
+from stiction._arguments import MAX_INPUT_NUMBER
 from stiction._checks import Floats, read_only
 from stiction._units import exact_text, quantity, short_repr
 from stiction.studies.values import Table, as_tuple
@@ -126,7 +126,7 @@ def parse_input(name: str, source: Any, kind: InputKind = "") -> UncertainInput:
     Raises
     ------
     ValueError
-        If the input has another form, is negative, or is larger than `MAX_NUMBER`.
+        If the input has another form, is negative, or is larger than `MAX_INPUT_NUMBER`.
     """
     if isinstance(source, UncertainInput):
         return source
@@ -135,8 +135,10 @@ def parse_input(name: str, source: Any, kind: InputKind = "") -> UncertainInput:
         return UncertainInput(value, value, value, "exact", exact_text(value, "GPa") if kind else repr(value))
     text = " ".join(source.split())
     parsed = _parse_text(name, _TEST_LOAD_PATTERN.sub("HV", text) if kind == "hardness" else text, kind)
-    if not parsed.high <= MAX_NUMBER:
-        raise ValueError(f"{name} must be at most {MAX_NUMBER:g}, including its uncertainty, got {short_repr(text)}")
+    if not parsed.high <= MAX_INPUT_NUMBER:
+        raise ValueError(
+            f"{name} must be at most {MAX_INPUT_NUMBER:g}, including its uncertainty, got {short_repr(text)}"
+        )
     if parsed.distribution == "normal" and parsed.high - parsed.low < 2 * Z_95 * MIN_RELATIVE_DEVIATION * parsed.value:
         raise ValueError(f"{name} must be exact or have a larger uncertainty, got {short_repr(text)}")
     return replace(parsed, text=text)
@@ -199,13 +201,13 @@ def _convert_rockwell(low: float, high: float, text: str) -> UncertainInput:
 
 
 def _parse_number(name: str, text: str) -> float:
-    """Parse a number from 0 to `MAX_NUMBER`."""
+    """Parse a number from 0 to `MAX_INPUT_NUMBER`."""
     try:
         value = float(text)
     except ValueError:
         raise ValueError(f"{name} must be a number, got {short_repr(text)}") from None
-    if not 0 <= value <= MAX_NUMBER:
-        raise ValueError(f"{name} must be finite and from 0 to {MAX_NUMBER:g}, got {short_repr(text)}")
+    if not 0 <= value <= MAX_INPUT_NUMBER:
+        raise ValueError(f"{name} must be finite and from 0 to {MAX_INPUT_NUMBER:g}, got {short_repr(text)}")
     return value
 
 

@@ -21,8 +21,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stiction._checks import Floats, check_choice, check_instance, number
-from stiction._files import NotReadableError, describe_os_error, read_content, replaced_file
+from stiction._checks import Floats, check_choice, check_instance, validate_number
+from stiction._files import UnreadableFileError, describe_os_error, read_content, replaced_file
 from stiction._text import printable_path
 from stiction._units import is_pressure, loads_to_core_units, to_core_units
 from stiction.mechanics.closed_forms import hardness_under_shear, hertz_sphere, tabor_friction
@@ -115,7 +115,7 @@ class Ball:
 
     def __post_init__(self) -> None:
         """Convert the radius and the moduli to core units."""
-        radius = number("radius", to_core_units("radius", self.radius, "length"), unit="µm", above=0)
+        radius = validate_number("radius", to_core_units("radius", self.radius, "length"), unit="µm", above=0)
         object.__setattr__(self, "radius", radius)
         elasticity, moduli = parse_elasticity(
             self.effective_modulus, self.young, self.poisson, self.upper_material, self.lower_material
@@ -325,8 +325,10 @@ class FrictionTest:
         entry = (
             to_core_units("load", self.load, "force") if area is None else loads_to_core_units("load", self.load, area)
         )
-        load = number("load", entry, unit="mN", above=0)
-        object.__setattr__(self, "wait", number("wait", to_core_units("wait", self.wait, "time"), unit="s", above=0))
+        load = validate_number("load", entry, unit="mN", above=0)
+        object.__setattr__(
+            self, "wait", validate_number("wait", to_core_units("wait", self.wait, "time"), unit="s", above=0)
+        )
         if (self.coefficient is None) == (self.force is None):
             raise ValueError("either coefficient or force must be given, but not both")
         if self.force is not None:
@@ -335,9 +337,9 @@ class FrictionTest:
                     "coefficient must be given instead of force if the load is a pressure, because the area of the "
                     f"specimen is unknown, got load {self.load!r} and force {self.force!r}"
                 )
-            force = number("force", to_core_units("force", self.force, "force"), unit="mN")
+            force = validate_number("force", to_core_units("force", self.force, "force"), unit="mN")
             object.__setattr__(self, "coefficient", force / load)
-        converted = number("coefficient", self.coefficient, below=1e6)
+        converted = validate_number("coefficient", self.coefficient, below=1e6)
         if not converted >= 0:
             raise ValueError(f"the measured coefficient must not be negative, got {converted:g}")
         object.__setattr__(self, "coefficient", converted)
@@ -358,10 +360,10 @@ class FrictionTest:
                 percentage = float(uncertainty.strip().removesuffix("%"))
             except ValueError:
                 raise ValueError(f"uncertainty must be a percentage, as in '3 %', got {uncertainty!r}") from None
-            return number("uncertainty", 0.01 * percentage * float(self.coefficient or 0.0), above=0)
+            return validate_number("uncertainty", 0.01 * percentage * float(self.coefficient or 0.0), above=0)
         if isinstance(uncertainty, str):
             uncertainty, is_force = to_core_units("uncertainty", uncertainty, "force"), True
-        return number("uncertainty", uncertainty, above=0) / (load if is_force else 1.0)
+        return validate_number("uncertainty", uncertainty, above=0) / (load if is_force else 1.0)
 
     @cached_property
     def area_factor(self) -> _AreaFactor | None:
@@ -772,7 +774,7 @@ def read_interface(path: str | Path) -> Interface:
     check_instance("path", path, (str, Path), "a path")
     try:
         lines = read_content(Path(path), MAX_INTERFACE_BYTES, FILE_HEADER.encode()).decode("utf-8").splitlines()
-    except NotReadableError as error:
+    except UnreadableFileError as error:
         raise ValueError(f"{printable_path(path)} is not an interface file: {error}") from None
     except OSError as error:
         raise ValueError(f"{printable_path(path)} cannot be read as an interface: {describe_os_error(error)}") from None

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction._checks import check_instance, number
+from stiction._checks import check_instance, validate_number
 from stiction._core import __version__
 from stiction.mechanics.friction import STATUSES
 from stiction.mechanics.quantities import (
@@ -242,8 +242,8 @@ def nondimensional(
         raise ValueError("length must be given, because the result has no length scale")
     if effective_modulus is None:
         raise ValueError("effective_modulus must be given, because the result does not contain it")
-    length = number("length", length, unit="µm", above=0)
-    modulus = number("effective_modulus", effective_modulus, unit="GPa", above=0)
+    length = validate_number("length", length, unit="µm", above=0)
+    modulus = validate_number("effective_modulus", effective_modulus, unit="GPa", above=0)
 
     def divide(name: str, variable: xarray.Variable) -> xarray.Variable:
         units = variable.attrs.get("units", "1")

@@ -17,7 +17,7 @@ from pydantic import AfterValidator, ConfigDict, Field, PlainValidator, model_va
 
 from stiction._checks import Floats
 from stiction._errors import ArgumentError
-from stiction._files import NotReadableError, check_is_file, describe_os_error
+from stiction._files import UnreadableFileError, check_is_file, describe_os_error
 from stiction._text import printable_path
 from stiction._units import Quantity, quantity, short_repr
 from stiction.mechanics.model import PROFILE_WIDTH
@@ -345,7 +345,7 @@ class MeasuredFile(Table):
             check_is_file(path)  # reading a device or a pipe may never end
             with path.open("rb") as file:
                 return hashlib.file_digest(file, "sha256").hexdigest()
-        except NotReadableError as error:
+        except UnreadableFileError as error:
             raise ValueError(f"{printable_path(path)}: {error}") from None
         except OSError as error:
             raise ValueError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None

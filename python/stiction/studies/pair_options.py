@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, PlainValidator, SkipValidation, Vali
 from pydantic.fields import FieldInfo
 
 from stiction._arguments import split_values
-from stiction._checks import number, scalar, whole_number
+from stiction._checks import unwrap_scalar, validate_number, validate_whole_number
 from stiction._errors import ArgumentError
 from stiction._units import short_repr
 from stiction.mechanics.half_space import Tilt
@@ -47,7 +47,7 @@ class Topography(Protocol):
 
 
 def _read_value(value: object) -> object:
-    value = scalar(value)
+    value = unwrap_scalar(value)
     if isinstance(value, (list, tuple, range, np.ndarray)):
         raise ValueError(f"must be one value, got {short_repr(value)}")
     if not isinstance(value, (str, int, float)):
@@ -56,7 +56,7 @@ def _read_value(value: object) -> object:
 
 
 def _read_values(value: object) -> object:
-    value = scalar(value)
+    value = unwrap_scalar(value)
     items = value.tolist() if isinstance(value, np.ndarray) else value
     return [_read_value(item) for item in items] if isinstance(items, (list, tuple, range)) else _read_value(value)
 
@@ -65,7 +65,7 @@ def _read_whole_number(value: object, minimum: int) -> int:
     if isinstance(value, str) and value.strip().removeprefix("-").isdecimal():
         value = int(value)
     try:
-        return whole_number("", value, minimum=minimum)
+        return validate_whole_number("", value, minimum=minimum)
     except ValueError as error:
         raise ValueError(str(error).strip()) from None
 
@@ -80,14 +80,14 @@ def _read_non_negative(value: object) -> int:
 
 def _read_degrees(value: object) -> float:
     try:
-        return number("", float(value) if isinstance(value, str) else value)
+        return validate_number("", float(value) if isinstance(value, str) else value)
     except ValueError:
-        raise ValueError(f"must be a finite number of degrees, got {short_repr(scalar(value))}") from None
+        raise ValueError(f"must be a finite number of degrees, got {short_repr(unwrap_scalar(value))}") from None
 
 
 def _read_positions(value: object) -> object:
     """Parse a list of lengths, or a list of (x, y) pairs of lengths, into a flat list."""
-    value = scalar(value)
+    value = unwrap_scalar(value)
     items = value.tolist() if isinstance(value, np.ndarray) else value
     if not isinstance(items, (list, tuple)):
         return _read_values(items)
@@ -96,7 +96,7 @@ def _read_positions(value: object) -> object:
 
 
 def _read_surrogates(value: object) -> object:
-    value = scalar(value)
+    value = unwrap_scalar(value)
     if isinstance(value, bool) or not isinstance(value, (str, int)):
         allowed = ", ".join(get_args(Surrogates))
         raise ValueError(f"must be a number of pairs, or one of {allowed}, got {short_repr(value)}")

@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 
 import stiction._files as _files
 from stiction._core import __version__
-from stiction._files import NotReadableError, describe_os_error, new_file, read_content, replaced_file
+from stiction._files import UnreadableFileError, describe_os_error, new_file, read_content, replaced_file
 from stiction._text import printable, printable_path
 from stiction.studies.layout import (
     MEMBER_COORDINATES,
@@ -240,7 +240,7 @@ class StoredResult:
                 raise DamagedFileError("does not contain the repetitions in its file name")
         except OSError as error:
             raise _damage_error(self.path, block, f"cannot be read: {describe_os_error(error)}") from None
-        except (NotReadableError, DamagedFileError) as error:
+        except (UnreadableFileError, DamagedFileError) as error:
             raise _damage_error(self.path, block, str(error)) from None
         return content
 
@@ -275,7 +275,7 @@ def read(path: str | Path) -> xarray.Dataset:
     if path.is_file():
         try:
             content = decode_members(read_content(path, MAX_RESULT_BYTES))
-        except (OSError, NotReadableError, DamagedFileError) as error:
+        except (OSError, UnreadableFileError, DamagedFileError) as error:
             raise StoreError(
                 f"{printable_path(path)}: {describe_os_error(error) if isinstance(error, OSError) else error}"
             ) from None
@@ -310,7 +310,7 @@ def read_companion(path: Path, names: Iterable[str]) -> xarray.Dataset | None:
                 dataset.load()
     except FileNotFoundError:
         return None
-    except (OSError, NotReadableError, DamagedFileError) as error:
+    except (OSError, UnreadableFileError, DamagedFileError) as error:
         reason = describe_os_error(error) if isinstance(error, OSError) else error
         raise StoreError(
             f"{printable_path(path)}: {reason}; remove the file, and run the study again to recreate it"
@@ -369,7 +369,7 @@ def _list_blocks(path: Path) -> tuple[Block, ...]:
 def _study(path: Path) -> Study:
     try:
         text = read_content(path / STUDY_FILE, MAX_STUDY_BYTES).decode()
-    except (NotReadableError, UnicodeDecodeError) as error:
+    except (UnreadableFileError, UnicodeDecodeError) as error:
         raise StoreError(f"{printable_path(path / STUDY_FILE)} is not a study: {printable(error)}") from None
     return parse_study(text, str(path / STUDY_FILE))
 
@@ -440,7 +440,7 @@ def _check_replaceable(path: Path, study: Study) -> None:
         stored = _study(path)
     except OSError as error:
         raise StoreError(f"{printable_path(path / STUDY_FILE)}: cannot be read: {describe_os_error(error)}") from None
-    except NotReadableError as error:
+    except UnreadableFileError as error:
         raise StoreError(
             f"{printable_path(path / STUDY_FILE)}: {error}; choose another directory, or remove this file"
         ) from None

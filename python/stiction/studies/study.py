@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, get_args
 from pydantic import AfterValidator, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from stiction._files import NotReadableError, describe_os_error, read_content
+from stiction._files import UnreadableFileError, describe_os_error, read_content
 from stiction._text import MAX_PATH_LENGTH, printable, printable_path
 from stiction._units import Quantity, exact_text, quantity, short_repr
 from stiction.mechanics.model import PROFILE_WIDTH
@@ -431,7 +431,7 @@ class Study(Table):
             study = parse_study(raw.decode("utf-8"), str(path))
         except OSError as error:
             raise StudyError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
-        except NotReadableError as error:
+        except UnreadableFileError as error:
             raise StudyError(f"{printable_path(path)}: {error}, so it is not a study") from None
         except UnicodeDecodeError:
             raise StudyError(f"{printable_path(path)} is not a text file, so it is not a study") from None

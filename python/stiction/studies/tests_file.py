@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from stiction._files import NotReadableError, describe_os_error, read_content
+from stiction._files import UnreadableFileError, describe_os_error, read_content
 from stiction._text import printable, printable_path
 from stiction._units import short_repr, unit_names
 from stiction.studies.interfaces import FrictionTest
@@ -54,7 +54,7 @@ def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[F
         text = decode(read_content(Path(path), MAX_TEST_FILE_BYTES)).data.decode()
     except OSError as error:
         raise ValueError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
-    except (ValueError, NotReadableError) as error:
+    except (ValueError, UnreadableFileError) as error:
         raise ValueError(f"{printable_path(path)} is not a table of friction tests: {error}") from None
     lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip() and line[0] != "#"]
     if len(lines) < 2:

@@ -25,7 +25,7 @@ from pydantic import (
 )
 from pydantic_core import ErrorDetails, PydanticCustomError
 
-from stiction._arguments import MAX_NUMBER
+from stiction._arguments import MAX_INPUT_NUMBER
 from stiction._checks import Floats
 from stiction._text import MAX_WORD_LENGTH, printable, printable_path
 from stiction._units import Quantity, quantity, short_repr
@@ -78,7 +78,7 @@ WorkOfAdhesion = Annotated[Quantity, PlainValidator(_make_quantity_reader("work 
 Fraction = Annotated[float, Field(ge=0, le=1)]
 Side = Annotated[int, Field(ge=MIN_POINTS, le=MAX_POINTS)]
 Dimension = Annotated[float, Field(ge=1, lt=2)]
-Coefficient = Annotated[float, Field(ge=0, le=MAX_NUMBER)]
+Coefficient = Annotated[float, Field(ge=0, le=MAX_INPUT_NUMBER)]
 
 
 _Item = TypeVar("_Item")

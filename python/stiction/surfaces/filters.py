@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from stiction._checks import Floats, check_bool, check_choice, number
+from stiction._checks import Floats, check_bool, check_choice, validate_number
 from stiction._errors import ArgumentError
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
@@ -115,7 +115,7 @@ def filtered(
 def check_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: float) -> float:
     """Check a cutoff (µm), and return it. Its limits are half the spacing and `longest` times the shortest side."""
     sides = [points * step for points, step in zip(body.heights.shape, body.spacings, strict=True)]
-    length = number(name, value, unit="µm", above=0)
+    length = validate_number(name, value, unit="µm", above=0)
     low, high = MIN_CUTOFF_POINTS * min(body.spacings), longest * min(sides)
     if not low <= length * ROUND_OFF_FACTOR or not length <= high * ROUND_OFF_FACTOR:
         end = "the shortest side" if longest == 1 else "a third of the shortest side"

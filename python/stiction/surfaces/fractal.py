@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import stiction._core
-from stiction._checks import Floats, check_choice, float_array, number, read_only, whole_number
+from stiction._checks import Floats, check_choice, float_array, read_only, validate_number, validate_whole_number
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS, Profile, Side
 from stiction.surfaces.spectrum import ProfileMoments
 from stiction.surfaces.surface import Surface, parse_lengths, parse_shape
@@ -60,10 +60,10 @@ def random_phases(
     array([[6.07702677, 2.1342465 ]])
     """
     check_choice("side", side, Side)
-    seed = whole_number("seed", seed, minimum=0)
-    repetition = whole_number("repetition", repetition, minimum=0)
-    directions = whole_number("directions", directions, minimum=1)
-    frequencies = whole_number("frequencies", frequencies, minimum=1)
+    seed = validate_whole_number("seed", seed, minimum=0)
+    repetition = validate_whole_number("repetition", repetition, minimum=0)
+    directions = validate_whole_number("directions", directions, minimum=1)
+    frequencies = validate_whole_number("frequencies", frequencies, minimum=1)
     words = np.random.PCG64(np.random.SeedSequence([seed, repetition, SIDE_KEY[side]]))
     bits = words.random_raw(directions * frequencies) >> np.uint64(11)
     phases = bits.astype(np.float64) * (2 * math.pi / 2**53)
@@ -76,7 +76,7 @@ def hurst_exponent(fractal_dimension: float, *, convention: Convention = "paper"
     It is 4 - 2D in the paper's convention and 2 - D in the classical convention.
     """
     check_choice("convention", convention, Convention)
-    dimension = number("fractal_dimension", fractal_dimension)
+    dimension = validate_number("fractal_dimension", fractal_dimension)
     if not 1 <= dimension < 2:
         raise ValueError(f"fractal_dimension must be at least 1 and below 2, got {fractal_dimension!r}")
     return 4 - 2 * dimension if convention == "paper" else 2 - dimension
@@ -137,7 +137,7 @@ def weierstrass_mandelbrot_family(
     >>> weierstrass_mandelbrot_family(random_phases(1), [1.1, 1.3], points=2000).shape
     (2, 2000)
     """
-    points = whole_number("points", points, minimum=MIN_POINTS, maximum=MAX_POINTS)
+    points = validate_whole_number("points", points, minimum=MIN_POINTS, maximum=MAX_POINTS)
     family = np.empty((np.size(fractal_dimensions), points))
     fill_profiles(
         family, phases, fractal_dimensions, length_scale=length_scale, gamma=gamma, extent=extent,
@@ -156,7 +156,7 @@ def fill_profiles(
     """
     phase_array = float_array("phases", phases, ndim=2)
     dimensions = float_array("fractal_dimensions", fractal_dimensions, ndim=1)
-    extent = number("extent", extent, unit="µm", above=0)
+    extent = validate_number("extent", extent, unit="µm", above=0)
     frequencies = phase_array.shape[1]
     scale, gamma = _check_scale_and_ratio(length_scale, gamma, band_limit)
     weights = [_frequency_amplitudes(dimension, frequencies, scale, gamma, convention) for dimension in dimensions]
@@ -169,7 +169,7 @@ def fill_profiles(
 def _check_scale_and_ratio(length_scale: Any, gamma: Any, band_limit: Any) -> tuple[float, float]:
     if band_limit is not None:
         check_choice("band_limit", band_limit, BandLimit)
-    return number("length_scale", length_scale, unit="µm", above=0), number("gamma", gamma, above=1)
+    return validate_number("length_scale", length_scale, unit="µm", above=0), validate_number("gamma", gamma, above=1)
 
 
 def _frequency_amplitudes(
@@ -243,8 +243,8 @@ def weierstrass_mandelbrot(
     (1000, 40.0)
     """
     family = weierstrass_mandelbrot_family(
-        phases, [number("fractal_dimension", fractal_dimension)], length_scale=length_scale, gamma=gamma, extent=extent,
-        points=points, convention=convention, band_limit=band_limit,
+        phases, [validate_number("fractal_dimension", fractal_dimension)], length_scale=length_scale, gamma=gamma,
+        extent=extent, points=points, convention=convention, band_limit=band_limit,
     )  # fmt: skip
     return Profile(read_only(family[0]), spacing=float(extent) / points)
 
@@ -379,10 +379,10 @@ def weierstrass_mandelbrot_moments(
     >>> round(moments.height, 6)  # half the square of one amplitude, ln 1.5
     0.082201
     """
-    directions = whole_number("directions", directions, minimum=1)
-    frequencies = whole_number("frequencies", frequencies, minimum=1)
+    directions = validate_whole_number("directions", directions, minimum=1)
+    frequencies = validate_whole_number("frequencies", frequencies, minimum=1)
     scale, gamma = _check_scale_and_ratio(length_scale, gamma, None)
-    shortest = number("shortest_wavelength", shortest_wavelength, unit="µm")
+    shortest = validate_number("shortest_wavelength", shortest_wavelength, unit="µm")
     weights = _frequency_amplitudes(fractal_dimension, frequencies, scale, gamma, convention)
     m = np.arange(1, directions + 1)
     cosines = np.where(2 * m == directions, 0.0, np.cos(np.pi * m / directions))

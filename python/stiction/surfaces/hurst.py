@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction._checks import Floats, check_bool, number
+from stiction._checks import Floats, check_bool, validate_number
 from stiction._repr import TableRepr
 from stiction.surfaces.floor_fit import BinnedSpectrum, fit_floor
 from stiction.surfaces.preparation import levelled
@@ -262,8 +262,11 @@ def estimate_hurst_exponent(
     else:
         if not isinstance(band, (tuple, list)) or len(band) != 2:
             raise ValueError(f"band must be a pair (shortest, longest) of wavelengths, got {band!r}")
-        shortest = number("band", band[0], unit="µm", above=0)
-        selection, piece = in_band(wave_number, shortest, number("band", band[1], unit="µm", above=shortest)), None
+        shortest = validate_number("band", band[0], unit="µm", above=0)
+        selection, piece = (
+            in_band(wave_number, shortest, validate_number("band", band[1], unit="µm", above=shortest)),
+            None,
+        )
         if (count := int(selection.sum())) < MIN_BAND_HARMONICS:
             raise ValueError(f"band must contain at least {MIN_BAND_HARMONICS} harmonics, got {band!r} µm with {count}")
     q, power = wave_number[selection], power[selection]

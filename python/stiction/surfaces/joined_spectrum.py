@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from stiction._checks import Floats, number, read_only, whole_number
+from stiction._checks import Floats, read_only, validate_number, validate_whole_number
 from stiction._repr import TextRepr
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile, Side
@@ -236,7 +236,7 @@ def joined_spectrum(
     bodies = [as_body("scans", scan) for scan in scans]
     if not bodies:
         raise ValueError("scans must contain at least one profile or surface, got none")
-    per_decade = whole_number("per_decade", per_decade, minimum=4)
+    per_decade = validate_whole_number("per_decade", per_decade, minimum=4)
     if names is not None and len(names) != len(bodies):
         raise ValueError(f"names must have one entry for each of the {len(bodies)} scans, got {len(names)}")
     limits = _check_length("shortest_wavelengths", shortest_wavelengths, len(bodies))
@@ -274,7 +274,7 @@ def _check_length(name: str, values: Sequence[float | None] | None, size: int) -
         return [None] * size
     if len(values) != size:
         raise ValueError(f"{name} must have one entry for each of the {size} scans, got {len(values)}")
-    return [None if value is None else number(name, value, unit="µm", above=0) for value in values]
+    return [None if value is None else validate_number(name, value, unit="µm", above=0) for value in values]
 
 
 def _reliable_band(body: Profile | Surface, limit: float | None, tip: float | None) -> tuple[tuple[float, float], str]:

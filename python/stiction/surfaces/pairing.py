@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from stiction._caching import cached_property
-from stiction._checks import check_choice, number, whole_number
+from stiction._checks import check_choice, validate_number, validate_whole_number
 from stiction.surfaces.cut_off import cut_off
 from stiction.surfaces.joined_spectrum import MAX_WAVELENGTH_FRACTION, JoinedSpectrum, joined_spectrum
 from stiction.surfaces.preparation import (
@@ -108,7 +108,7 @@ class LinePairs:
         if self.travel is None:
             left = max(track - points, track // 2)
         else:
-            left = round(number("travel", self.travel, unit="µm") / spacing)
+            left = round(validate_number("travel", self.travel, unit="µm") / spacing)
         slider = min(points, track - left)
         if left < 0 or 2 * slider < min(points, track) - 1:
             max_travel = (track - min(points, track) // 2) * spacing
@@ -208,7 +208,7 @@ def paired_lines(
     check_choice("surrogates", surrogates, Surrogates)
     if level is not None:
         check_choice("level", level, ProfileTrend)
-    count = whole_number("lines", lines, minimum=1)
+    count = validate_whole_number("lines", lines, minimum=1)
     for name, body in (("upper", upper), ("lower", lower)):
         as_body(name, body)
     max_count = LinePairs(upper, lower, along=along, surrogates=surrogates).max_count()

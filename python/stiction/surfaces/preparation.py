@@ -8,7 +8,7 @@ from typing import Any, Literal, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, check_choice, number
+from stiction._checks import Floats, check_choice, validate_number
 from stiction.surfaces.form import round_form
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS, Profile, index_mask
 from stiction.surfaces.surface import AnyBody, Surface, as_body
@@ -212,8 +212,8 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
 def find_crop_range(along: str, points: int, spacing: float, start: Any, stop: Any) -> tuple[int, int, str]:
     """Return the first point of a range, the point after the last point, and a description of the range."""
     extent = points * spacing
-    start = number("start", start, unit="µm")
-    stop = extent if stop is None else number("stop", stop, unit="µm")
+    start = validate_number("start", start, unit="µm")
+    stop = extent if stop is None else validate_number("stop", stop, unit="µm")
     slack = GRID_TOLERANCE * spacing
     if not -slack <= start < stop <= extent + slack:
         raise ValueError(
@@ -404,7 +404,7 @@ def rotated(surface: Surface, angle: float) -> Surface:
            [5., 2.]])
     """
     surface = as_body("surface", surface, Surface)
-    angle = number("angle", angle)
+    angle = validate_number("angle", angle)
     quarters, rest = divmod(angle, 90.0)
     if rest == 0:
         heights = np.rot90(surface.heights, -int(quarters) % 4)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import stiction._core
-from stiction._checks import Floats, check_choice, float_array, number, read_only
+from stiction._checks import Floats, check_choice, float_array, read_only, validate_number
 from stiction._drawing import draw_profile, draw_surface
 from stiction._repr import PlotRepr, axes_for
 from stiction.surfaces.interchange import describe_body, extract_heights, to_data_array
@@ -159,7 +159,7 @@ class Profile(Body):
         heights = float_array("heights", self.heights, ndim=1)
         if heights.size < MIN_POINTS:
             raise ValueError(f"heights must have at least {MIN_POINTS} points, got {heights.size}")
-        self._store(heights, number("spacing", self.spacing, unit="µm", above=0))
+        self._store(heights, validate_number("spacing", self.spacing, unit="µm", above=0))
 
     def __len__(self) -> int:
         """Return the number of points."""
@@ -222,7 +222,7 @@ def scale_profile(
 ) -> Profile:
     """Scale a profile to a given amplitude, and write its heights into the existing array `scaled`."""
     check_choice("measure", measure, AmplitudeMeasure)
-    amplitude = number("amplitude", amplitude, unit="µm", above=0)
+    amplitude = validate_number("amplitude", amplitude, unit="µm", above=0)
     if not stiction._core.scale_to_amplitude(heights, amplitude, measure, scaled):
         raise ValueError("profile must not be flat, because a flat profile cannot be scaled to an amplitude")
     profile = object.__new__(Profile)

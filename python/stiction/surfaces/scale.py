@@ -10,7 +10,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, check_bool, float_array, number, read_only
+from stiction._checks import Floats, check_bool, float_array, read_only, validate_number
 from stiction._repr import TableRepr, TextRepr
 from stiction.surfaces.filters import MIN_CUTOFF_POINTS, transmission
 from stiction.surfaces.harmonics import MIN_HARMONIC_DISTANCE, density_between_harmonics, find_period
@@ -148,7 +148,7 @@ class ScaleDependentRoughness(TextRepr):
         Returns the longest wavelength if this wavelength alone has the gradient. Returns NaN if the gradient is not
         reached; with a power law, the search extends to a millionth of the scan's shortest wavelength.
         """
-        target = number("gradient", gradient, above=0)
+        target = validate_number("gradient", gradient, above=0)
         finest = self.wavelength[-1] * (1.0 if estimate is None else _MIN_EXTRAPOLATION_RATIO)
         low, high = math.log(finest), math.log(self.wavelength[0])
 
@@ -411,7 +411,7 @@ def instrument_limit(
     >>> instrument_limit(noisy).reason
     'noise floor'
     """
-    radius = None if tip_radius is None else number("tip_radius", tip_radius, unit="µm", above=0)
+    radius = None if tip_radius is None else validate_number("tip_radius", tip_radius, unit="µm", above=0)
     roughness = scale_dependent_roughness(body, periodic=periodic)
     spacing = max(body.spacings)
     spectra = line_spectra(body, periodic)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stiction._checks import Floats, check_bool, check_choice, number, whole_number
+from stiction._checks import Floats, check_bool, check_choice, validate_number, validate_whole_number
 from stiction._repr import format_with_unit
 from stiction.surfaces.filters import gaussian_mean, robust_mean
 from stiction.surfaces.material_ratio import core_parameters, heights_at_ratios
@@ -196,13 +196,13 @@ def section_parameters(
     reject_flat(profile)
     check_choice("derivative", derivative, Derivative)
     check_bool("robust", robust)
-    sections = whole_number("sections", sections, minimum=1)
-    short_cutoff_given = None if ls is None else number("ls", ls, unit="µm")
+    sections = validate_whole_number("sections", sections, minimum=1)
+    short_cutoff_given = None if ls is None else validate_number("ls", ls, unit="µm")
     if short_cutoff_given is not None and short_cutoff_given < 0:
         raise ValueError(f"ls must be 0 or above, got {ls!r}")
     if lc is not None:
         result = _compute_with_cutoff(
-            profile, number("lc", lc, unit="µm", above=0), short_cutoff_given, sections, robust, derivative
+            profile, validate_number("lc", lc, unit="µm", above=0), short_cutoff_given, sections, robust, derivative
         )
         return result
     return _compute_by_class(profile, short_cutoff_given, sections, robust, derivative)

@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from stiction._checks import check_bool, check_choice, number, read_only, whole_number
+from stiction._checks import check_bool, check_choice, read_only, validate_number, validate_whole_number
 from stiction.surfaces.fractal import SIDE_KEY, random_phases
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS, Profile, Side
 from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
@@ -96,13 +96,13 @@ def self_affine(
     check_choice("amplitudes", amplitudes, Amplitudes)
     check_bool("periodic", periodic)
     hurst, rms = _exponent_and_height(hurst_exponent, rms)
-    points = whole_number("points", points, minimum=MIN_POINTS, maximum=MAX_POINTS)
-    spacing = number("spacing", spacing, unit="µm", above=0)
+    points = validate_whole_number("points", points, minimum=MIN_POINTS, maximum=MAX_POINTS)
+    spacing = validate_number("spacing", spacing, unit="µm", above=0)
     extent = points * spacing
     shortest = _check_shortest_wavelength(shortest_wavelength, 2 * spacing, "spacing")
     longest = extent
     if longest_wavelength is not None:
-        longest = number("longest_wavelength", longest_wavelength, unit="µm", above=shortest)
+        longest = validate_number("longest_wavelength", longest_wavelength, unit="µm", above=shortest)
     if periodic and longest > extent * ROUND_OFF_FACTOR:
         raise ValueError(
             f"longest_wavelength of a periodic profile must be at most its extent, {extent:g} µm, "
@@ -130,10 +130,10 @@ def self_affine(
 
 
 def _exponent_and_height(hurst_exponent: Any, rms: Any) -> tuple[float, float]:
-    hurst = number("hurst_exponent", hurst_exponent, above=0)
+    hurst = validate_number("hurst_exponent", hurst_exponent, above=0)
     if hurst > 2:
         raise ValueError(f"hurst_exponent must be above 0 and at most 2, got {hurst_exponent!r}")
-    return hurst, number("rms", rms, unit="µm", above=0)
+    return hurst, validate_number("rms", rms, unit="µm", above=0)
 
 
 def _check_shortest_wavelength(wavelength: Any, finest: float, of: str) -> float:
@@ -141,7 +141,7 @@ def _check_shortest_wavelength(wavelength: Any, finest: float, of: str) -> float
 
     The default is the shortest wavelength of the grid, which is twice the spacing.
     """
-    shortest = finest if wavelength is None else number("shortest_wavelength", wavelength, unit="µm", above=0)
+    shortest = finest if wavelength is None else validate_number("shortest_wavelength", wavelength, unit="µm", above=0)
     if shortest * ROUND_OFF_FACTOR < finest:
         raise ValueError(f"shortest_wavelength must be at least twice the {of}, {finest:g} µm, got {wavelength!r}")
     return shortest
@@ -224,12 +224,12 @@ def self_affine_surface(
     shortest = _check_shortest_wavelength(shortest_wavelength, 2 * max(along_y, along_x), "larger spacing")
     longest = longer
     if longest_wavelength is not None:
-        longest = number("longest_wavelength", longest_wavelength, unit="µm", above=shortest)
+        longest = validate_number("longest_wavelength", longest_wavelength, unit="µm", above=shortest)
         if longest > longer * ROUND_OFF_FACTOR:
             raise ValueError(f"longest_wavelength must be at most the longer side, {longer:g} µm, got {longest!r}")
     check_choice("side", side, Side)
-    seed = whole_number("seed", seed, minimum=0)
-    repetition = whole_number("repetition", repetition, minimum=0)
+    seed = validate_whole_number("seed", seed, minimum=0)
+    repetition = validate_whole_number("repetition", repetition, minimum=0)
 
     along = [
         min((size - 1) // 2, int(extent / shortest * ROUND_OFF_FACTOR))

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction._checks import Floats, check_bool, number, read_only, whole_number
+from stiction._checks import Floats, check_bool, read_only, validate_number, validate_whole_number
 from stiction._drawing import draw_spectrum
 from stiction._repr import PlotRepr, TableRepr, TextRepr, axes_for
 from stiction.surfaces.profile import Profile
@@ -65,7 +65,7 @@ class PowerSpectrum(PlotRepr):
 
         For a binned spectrum the result is exact only for order 0.
         """
-        order = whole_number("order", order, minimum=0)
+        order = validate_whole_number("order", order, minimum=0)
         return float((self.wave_number**order * self.density * self.count).sum() * self.resolution / math.pi)
 
     def in_bins(self, per_decade: int = 10) -> PowerSpectrum:
@@ -78,7 +78,7 @@ class PowerSpectrum(PlotRepr):
         >>> spectrum.in_bins(2).count
         array([  3.,   6.,  22.,  68., 217., 683.,   1.])
         """
-        per_decade = whole_number("per_decade", per_decade, minimum=1)
+        per_decade = validate_whole_number("per_decade", per_decade, minimum=1)
         return PowerSpectrum(*_average_in_bins(per_decade, self.wave_number, self.density, self.count), self.resolution)
 
     def plot(self, ax: Axes | None = None) -> Axes:
@@ -247,7 +247,7 @@ def spectral_moments(
     """
     profile = as_body("profile", profile, Profile)
     reject_flat(profile)
-    shortest = number("shortest_wavelength", shortest_wavelength, unit="µm")
+    shortest = validate_number("shortest_wavelength", shortest_wavelength, unit="µm")
     if not longest_wavelength > shortest:
         raise ValueError(
             f"longest_wavelength must be above shortest_wavelength, {shortest:g} µm, got {longest_wavelength!r}"
@@ -345,7 +345,7 @@ class SurfaceSpectrum(TextRepr):
         `ProfileMoments.nayak_parameter` is that of the profile along the line. Longuet-Higgins, Philosophical
         Transactions A 249 (1957) 321; Nayak, Journal of Lubrication Technology 93 (1971) 398.
         """
-        angle = math.radians(number("direction", direction))
+        angle = math.radians(validate_number("direction", direction))
         along = self.wave_number_x * math.cos(angle) + self.wave_number_y[:, np.newaxis] * math.sin(angle)
         steps = [float(value[1] - value[0]) for value in (self.wave_number_y, self.wave_number_x)]
         square, weight = np.square(along), self.density * (steps[0] * steps[1] / (4 * math.pi**2))
@@ -403,7 +403,7 @@ class SurfaceSpectrum(TextRepr):
         >>> round(spectrum.moments(0).height, 12), round(abs(spectrum.moments(90).slope), 12)
         (0.005, 0.0)
         """
-        per_decade = whole_number("per_decade", per_decade, minimum=1)
+        per_decade = validate_whole_number("per_decade", per_decade, minimum=1)
         q, _, density = self.waves()
         if not q.size:
             raise ValueError(f"surface must have more than {self.density.shape} points for a mean over directions")

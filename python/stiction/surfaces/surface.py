@@ -8,7 +8,7 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 
 import stiction._core as _core
-from stiction._checks import Floats, check_choice, float_array, number, whole_number
+from stiction._checks import Floats, check_choice, float_array, validate_number, validate_whole_number
 from stiction._units import short_repr
 from stiction.surfaces.measured.raw import LENGTH_UNITS
 from stiction.surfaces.profile import MAX_POINTS, Body, Profile, index_mask
@@ -80,12 +80,12 @@ class Surface(Body):
 
     def row(self, index: int) -> Profile:
         """Return one row as a profile along x."""
-        index = whole_number("index", index, minimum=0, maximum=self.heights.shape[0] - 1)
+        index = validate_whole_number("index", index, minimum=0, maximum=self.heights.shape[0] - 1)
         return self._line(index, 1, f"row {index}")
 
     def column(self, index: int) -> Profile:
         """Return one column as a profile along y."""
-        index = whole_number("index", index, minimum=0, maximum=self.heights.shape[1] - 1)
+        index = validate_whole_number("index", index, minimum=0, maximum=self.heights.shape[1] - 1)
         return self._line((slice(None), index), 0, f"column {index}")
 
     def _line(self, index: Any, axis: int, step: str) -> Profile:
@@ -105,7 +105,7 @@ class Surface(Body):
             Highest minus lowest point, mean absolute deviation, or root-mean-square deviation from the mean.
         """
         check_choice("measure", measure, SurfaceAmplitude)
-        amplitude = number("amplitude", amplitude, unit="µm", above=0)
+        amplitude = validate_number("amplitude", amplitude, unit="µm", above=0)
         scaled = np.empty(self.heights.size)
         if not _core.scale_to_amplitude(self.heights.ravel(), amplitude, _CORE_MEASURES[measure], scaled):
             raise ValueError("surface must not be flat, because a flat surface cannot be scaled to an amplitude")
@@ -117,7 +117,7 @@ def parse_lengths(name: str, value: Any) -> tuple[float, float]:
     pair = value if isinstance(value, (tuple, list)) or np.ndim(value) > 0 else (value, value)
     if len(pair) != 2:
         raise ValueError(f"{name} must be a number or a pair (y, x), got {short_repr(value)}")
-    along_y, along_x = (number(name, item, unit="µm", above=0) for item in pair)
+    along_y, along_x = (validate_number(name, item, unit="µm", above=0) for item in pair)
     return along_y, along_x
 
 
@@ -177,7 +177,7 @@ def parse_shape(shape: Any, *, least: int) -> tuple[int, int]:
     """Parse a shape with at least `least` rows and columns and at most MAX_POINTS points."""
     if not isinstance(shape, (tuple, list)) or len(shape) != 2:
         raise ValueError(f"shape must be (rows, columns), got {short_repr(shape)}")
-    rows, columns = (whole_number("shape", size, minimum=least, maximum=MAX_POINTS) for size in shape)
+    rows, columns = (validate_whole_number("shape", size, minimum=least, maximum=MAX_POINTS) for size in shape)
     if rows * columns > MAX_POINTS:
         raise ValueError(f"shape must have at most {MAX_POINTS} points, got {shape!r}")
     return rows, columns

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction._checks import Floats, number, read_only
+from stiction._checks import Floats, read_only, validate_number
 from stiction.surfaces.profile import Profile, reject_missing
 from stiction.surfaces.surface import Surface, as_body
 
@@ -55,7 +55,7 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
     """
     scan = as_body("scan", scan)
     reject_missing(scan, "tip reconstruction")
-    radius = number("radius", radius, unit="µm", above=0, below=1e9)
+    radius = validate_number("radius", radius, unit="µm", above=0, below=1e9)
     recorded, spacing = scan.heights, np.array(scan.spacings)
     deepest = float(np.ptp(recorded))
     eroded = recorded.copy()

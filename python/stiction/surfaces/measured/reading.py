@@ -11,7 +11,7 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from stiction._files import NotReadableError, check_is_file, describe_os_error
+from stiction._files import UnreadableFileError, check_is_file, describe_os_error
 from stiction._repr import format_with_unit
 from stiction._text import printable, printable_path
 from stiction.surfaces.measured.decode import decode, is_text
@@ -396,7 +396,7 @@ def _read_content(path: Path, words: tuple[str, ...]) -> Content:
     suffix = path.suffix.lower()
     try:
         check_is_file(path)
-    except NotReadableError as error:
+    except UnreadableFileError as error:
         raise FormatError(str(error)) from None
     size = path.stat().st_size
     if size == 0:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from stiction._checks import check_instance, read_only
-from stiction._files import NotReadableError, new_file, read_content
+from stiction._files import UnreadableFileError, new_file, read_content
 from stiction._text import printable_path
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, FormatError
@@ -140,7 +140,7 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
         table = pandas.read_csv(io.StringIO(text), comment="#", dtype=str)
     except OSError as error:
         raise FormatError(f"{printable_path(path)}: cannot be read: {error.strerror}") from None
-    except NotReadableError as error:
+    except UnreadableFileError as error:
         raise FormatError(f"{printable_path(path)}: {error}") from None
     except ValueError:  # from pandas
         raise FormatError(f"{printable_path(path)} is not a table with the columns of a spectrum") from None

@@ -14,7 +14,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction._drawing import HEIGHT_MAP, PRESSURE_MAP, add_scale_bar
+from stiction._drawing import HEIGHT_COLOUR_MAP, PRESSURE_COLOUR_MAP, add_scale_bar
 from stiction._number_format import format_with_unit
 from stiction.mechanics.contact import Contacts, contacts
 from stiction.surfaces.profile import Profile
@@ -279,7 +279,7 @@ def _pressure_panel(figure: Figure, axes: Axes, picture: xarray.Dataset, hardnes
     box = map_extent(picture, "zoom")
     axes.imshow(picture["zoom_height"].values, extent=box, origin="lower", cmap="gray", alpha=0.6)
     image = axes.imshow(
-        np.where(pressure > 0, pressure, np.nan), extent=box, origin="lower", cmap=PRESSURE_MAP, vmin=0,
+        np.where(pressure > 0, pressure, np.nan), extent=box, origin="lower", cmap=PRESSURE_COLOUR_MAP, vmin=0,
         vmax=hardness if hardness is not None and float(np.nanmax(pressure)) >= 0.99 * hardness else None,
     )  # fmt: skip
     colour_bar = figure.colorbar(image, ax=axes, shrink=0.8)
@@ -332,7 +332,7 @@ def _draw_contact_map(
         picture[name].transpose("height_y", "height_x").values for name in ("lower_height", "patch")
     )
     image_options: dict[str, Any] = {"extent": map_extent(picture, "height"), "origin": "lower"}
-    axes.imshow(heights, cmap=HEIGHT_MAP, **image_options)
+    axes.imshow(heights, cmap=HEIGHT_COLOUR_MAP, **image_options)
     contact_kinds = np.append(np.nan, is_opposing)[contact_indices]
     axes.imshow(
         contact_kinds,

@@ -19,7 +19,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction._drawing import HEIGHT_MAP, set_log_ticks
+from stiction._drawing import HEIGHT_COLOUR_MAP, set_log_ticks
 from stiction._number_format import format_with_unit
 from stiction._units import exact_quantity
 from stiction.mechanics.friction import STATUS_OK, STATUS_SELF_LOCKED
@@ -529,7 +529,7 @@ def length_scales_figure(study: Study) -> Figure:
         top.plot(profile.x, profile.heights - profile.heights.mean(), color="0.2", linewidth=0.4)
         top.set(title=f"$L$ = {scale:.3g} µm", xlim=(0, extent))
         heights = surface.heights - surface.heights.mean()
-        image = bottom.imshow(heights, extent=(0, extent, 0, extent), origin="lower", cmap=HEIGHT_MAP)
+        image = bottom.imshow(heights, extent=(0, extent, 0, extent), origin="lower", cmap=HEIGHT_COLOUR_MAP)
         bar = figure.colorbar(image, ax=bottom, location="bottom", pad=0.02)
         bar.locator = MaxNLocator(3)
         bar.set_label(axis_label("height"))

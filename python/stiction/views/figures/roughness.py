@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from stiction._checks import Floats
-from stiction._drawing import HEIGHT_MAP, to_wavelength
+from stiction._drawing import HEIGHT_COLOUR_MAP, to_wavelength
 from stiction.surfaces.lines import LineRoughness
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -144,7 +144,7 @@ def _draw_map(figure: Any, axes: Axes, surface: Surface) -> None:
         heights, [0.001, 0.999]
     )  # use quantiles, because single dust grains would otherwise dominate the colour range
     image = axes.imshow(
-        heights, extent=(0, along_x, 0, along_y), origin="lower", cmap=HEIGHT_MAP, vmin=lowest, vmax=highest,
+        heights, extent=(0, along_x, 0, along_y), origin="lower", cmap=HEIGHT_COLOUR_MAP, vmin=lowest, vmax=highest,
         aspect="equal" if 1 / 4 < along_x / along_y < 4 else "auto",
     )  # fmt: skip
     bar = figure.colorbar(image, ax=axes, location="top", extend="both", aspect=30, pad=0.02)
