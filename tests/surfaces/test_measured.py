@@ -27,7 +27,7 @@ from stiction.surfaces.measured import decode as text_files
 from stiction.surfaces.measured import excel, raw
 from stiction.surfaces.measured import npy as npy_files
 from stiction.surfaces.measured import split as split_files
-from stiction.surfaces.measured.raw import Raw
+from stiction.surfaces.measured.raw import RawHeights
 from stiction.surfaces.measured.reading import READERS
 from support import fuzzing
 
@@ -506,7 +506,7 @@ def test_channel_of_an_instrument_file_can_be_selected(measured):
 
 
 def test_registered_reader_reads_files_with_its_suffix(file, monkeypatch):
-    monkeypatch.setitem(READERS, ".dec", lambda data: Raw(np.array(data.split(), dtype=float), unit="um"))
+    monkeypatch.setitem(READERS, ".dec", lambda data: RawHeights(np.array(data.split(), dtype=float), unit="um"))
     assert read_measurement(file("0.5 -0.25 1 0.125 2", "a.DEC"), spacing="1 um").heights.tolist() == HEIGHTS
 
 

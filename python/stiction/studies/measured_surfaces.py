@@ -41,7 +41,7 @@ from stiction.surfaces.filters import check_cutoff
 from stiction.surfaces.interchange import extract_heights
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.measured.interpret import Missing, Outliers
-from stiction.surfaces.measured.plausibility import CAVEATS, Scan, find_caveats
+from stiction.surfaces.measured.plausibility import FILE_CAVEAT_NAMES, Scan, find_caveats
 from stiction.surfaces.measured.raw import LENGTH_UNITS, FileCaveat
 from stiction.surfaces.measured.reading import Reading, load_reading
 from stiction.surfaces.measured.spectrum_file import is_spectrum, read_spectrum, write_spectrum
@@ -99,8 +99,8 @@ def _parse_caveats(value: object) -> tuple[str, ...] | None:
     if value is None:
         return None
     names = [entry.strip() for entry in value.split(",")] if isinstance(value, str) else value
-    if not isinstance(names, (list, tuple)) or not set(names) <= set(CAVEATS):
-        raise ValueError(f"must be one of {', '.join(CAVEATS)}, or a list of these, got {short_repr(value)}")
+    if not isinstance(names, (list, tuple)) or not set(names) <= set(FILE_CAVEAT_NAMES):
+        raise ValueError(f"must be one of {', '.join(FILE_CAVEAT_NAMES)}, or a list of these, got {short_repr(value)}")
     return tuple(names)
 
 

@@ -32,7 +32,7 @@ _ENCODING_HINTS = re.compile(
 )
 """Words by which an encoding is recognised."""
 
-MISSING_WORDS = (
+MISSING_POINT_WORDS = (
     "nan", "-nan", "n/a", "#n/a", "#wert!", "#value!", "null", "none", "bad", "no data", "nodata", "invalid", "void",
     "inf", "-inf", "+inf", "infinity", "-infinity", "1.#qnan", "-1.#ind", "1.#inf", "-1.#inf", "nan(ind)", "-nan(ind)",
 )  # fmt: skip
@@ -43,15 +43,15 @@ Empty cells, asterisks, and two or more dashes mark missing points too.
 
 
 NUMERIC_CHARACTERS = b"0123456789+-.,;|*eE\"' \t\r\n"
-_DIGIT_BIT, _MARK_BIT, _NON_NUMERIC_BIT, _CONTROL_BIT = 1, 2, 4, 8
-_CHARACTER_KINDS = np.full(256, _NON_NUMERIC_BIT, np.uint8)
+_DIGIT_BIT, _MARK_BIT, _NON_NUMBER_CHARACTER_BIT, _CONTROL_BIT = 1, 2, 4, 8
+_CHARACTER_KINDS = np.full(256, _NON_NUMBER_CHARACTER_BIT, np.uint8)
 _CHARACTER_KINDS[list(NUMERIC_CHARACTERS)] = 0
 _CHARACTER_KINDS[list(b"+-.*eE'")] = _MARK_BIT
 _CHARACTER_KINDS[list(b"0123456789")] = _DIGIT_BIT
 _CHARACTER_KINDS[[*range(9), *range(14, 32)]] = _CONTROL_BIT
 
 
-_KIND_TABLE = _CHARACTER_KINDS.tobytes()
+_CHARACTER_KIND_TABLE = _CHARACTER_KINDS.tobytes()
 
 
 @dataclass(frozen=True)
@@ -70,18 +70,18 @@ class Text:
 
     def has_words(self, lines: NDArray[np.int64]) -> bool:
         """Return whether the given lines contain characters that do not occur in numbers, such as letters."""
-        return bool((self.bits[lines] & _NON_NUMERIC_BIT).any())
+        return bool((self.character_bits[lines] & _NON_NUMBER_CHARACTER_BIT).any())
 
     def __len__(self) -> int:
         return self.starts.size - 1
 
-    def raw(self, line_number: int) -> bytes:
+    def raw_line(self, line_number: int) -> bytes:
         """Return a line without its line feed; line numbers count from 0."""
         return self.data[self.starts[line_number] : self.starts[line_number + 1] - 1]
 
     def line(self, line_number: int) -> str:
         """Return a line without its line feed and surrounding blanks; line numbers count from 0."""
-        return self.raw(line_number).decode("utf-8", "replace").strip(" \r")
+        return self.raw_line(line_number).decode("utf-8", "replace").strip(" \r")
 
     def lines(self, first: int, end: int) -> list[str]:
         """Return the non-empty lines in a range of lines."""
@@ -95,7 +95,7 @@ class Text:
         )
 
     @cached_property
-    def head(self) -> tuple[str, ...]:
+    def first_lines(self) -> tuple[str, ...]:
         """First non-empty lines of the text."""
         lines = (
             self.data[start : start + HEAD_WIDTH].partition(b"\n")[0]
@@ -107,30 +107,32 @@ class Text:
     @cached_property
     def missing(self) -> re.Pattern[bytes]:
         """Regular expression for the words that mark a cell as a missing point."""
-        words = sorted({*MISSING_WORDS, *(word.casefold() for word in self.words)}, key=len, reverse=True)
+        words = sorted({*MISSING_POINT_WORDS, *(word.casefold() for word in self.words)}, key=len, reverse=True)
         any_word = "|".join(re.escape(word).replace("\\ ", "[ _]?") for word in words)
         return re.compile(rf'(?i)(?<![^\s;,|"])(?:{any_word})(?![^\s;,|"])'.encode())
 
     @cached_property
-    def bits(self) -> NDArray[np.uint8]:
+    def character_bits(self) -> NDArray[np.uint8]:
         """Bit mask of the character types that occur in each line."""
-        return np.bitwise_or.reduceat(np.frombuffer(self.data.translate(_KIND_TABLE), np.uint8), self.starts[:-1])
+        return np.bitwise_or.reduceat(
+            np.frombuffer(self.data.translate(_CHARACTER_KIND_TABLE), np.uint8), self.starts[:-1]
+        )
 
     @cached_property
-    def kinds(self) -> NDArray[np.uint8]:
+    def line_kinds(self) -> NDArray[np.uint8]:
         """Kind of each line: blank, numbers or text."""
-        bits = self.bits
+        bits = self.character_bits
         kinds = np.full(bits.size, NUMBERS, np.uint8)
-        kinds[bits & (_DIGIT_BIT | _NON_NUMERIC_BIT | _MARK_BIT) == 0] = BLANK
+        kinds[bits & (_DIGIT_BIT | _NON_NUMBER_CHARACTER_BIT | _MARK_BIT) == 0] = BLANK
         kinds[(bits & _DIGIT_BIT == 0) & (bits & _MARK_BIT != 0)] = TEXT
-        for line_number in np.flatnonzero(bits & _NON_NUMERIC_BIT).tolist():
-            remainder, marks = self.missing.subn(b"", self.raw(line_number))
+        for line_number in np.flatnonzero(bits & _NON_NUMBER_CHARACTER_BIT).tolist():
+            remainder, marks = self.missing.subn(b"", self.raw_line(line_number))
             is_row = marks and not remainder.translate(None, NUMERIC_CHARACTERS)
             kinds[line_number] = NUMBERS if is_row else TEXT
         # Lines of asterisks or dashes between rows of numbers are rows of missing points.
         # Other lines of asterisks or dashes are separators.
         filled = np.flatnonzero(kinds != BLANK)
-        is_ruler = (kinds[filled] == TEXT) & (bits[filled] & (_NON_NUMERIC_BIT | _DIGIT_BIT) == 0)
+        is_ruler = (kinds[filled] == TEXT) & (bits[filled] & (_NON_NUMBER_CHARACTER_BIT | _DIGIT_BIT) == 0)
         others = np.flatnonzero(~is_ruler)
         for gap in np.flatnonzero(np.diff(others) > 1).tolist():
             first, last = others[gap : gap + 2].tolist()
@@ -167,7 +169,7 @@ def decode(data: bytes, words: tuple[str, ...] = ()) -> Text:
         raise FormatError(
             f"has {len(decoded)} lines; at most {MAX_LINES} can be read as text; save the heights as .npy"
         )
-    if (control := int(np.count_nonzero(decoded.bits & _CONTROL_BIT))) > 0:
+    if (control := int(np.count_nonzero(decoded.character_bits & _CONTROL_BIT))) > 0:
         raise FormatError(f"is binary, not text (control characters in {control} lines)")
     return decoded
 

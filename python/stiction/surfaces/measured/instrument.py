@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from stiction.surfaces.measured.raw import Channels, FormatError, Raw, Source
+from stiction.surfaces.measured.raw import Channels, FormatError, RawHeights, Source
 from stiction.surfaces.profile import MAX_POINTS
 
 
@@ -55,7 +55,7 @@ def _open_reader(path: Path) -> Iterator[Any]:
         ) from None
 
 
-def _read_channel(path: Path, index: int, name: str) -> Raw:
+def _read_channel(path: Path, index: int, name: str) -> RawHeights:
     with _open_reader(path) as reader:
         channel = reader.channels[index]
         points = int(np.prod(channel.nb_grid_pts))
@@ -73,10 +73,10 @@ def _read_channel(path: Path, index: int, name: str) -> Raw:
         unit = None if body.unit is None else str(body.unit)
         if not body.is_uniform:
             positions = np.array(body.positions(), dtype=np.float64)
-            return Raw(heights, unit=unit, positions=positions, position_unit=unit, source=source)
+            return RawHeights(heights, unit=unit, positions=positions, position_unit=unit, source=source)
         spacing = None
         if has_sizes:
             along_x_first = np.atleast_1d(body.pixel_size)
             spacing = tuple(float(item) for item in reversed(along_x_first))
     # The first axis of a SurfaceTopography array is x.
-    return Raw(np.ascontiguousarray(heights.T), unit=unit, spacing=spacing, position_unit=unit, source=source)
+    return RawHeights(np.ascontiguousarray(heights.T), unit=unit, spacing=spacing, position_unit=unit, source=source)

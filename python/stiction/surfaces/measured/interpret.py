@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats, check_choice, read_only
 from stiction._units import Quantity, quantity
-from stiction.surfaces.measured.plausibility import CAVEATS, Scan, find_caveats
-from stiction.surfaces.measured.raw import LENGTH_UNITS, FileCaveat, FormatError, Raw, StatedLength, length_unit
+from stiction.surfaces.measured.plausibility import FILE_CAVEAT_NAMES, Scan, find_caveats
+from stiction.surfaces.measured.raw import LENGTH_UNITS, FileCaveat, FormatError, RawHeights, StatedLength, length_unit
 from stiction.surfaces.measured.shapes import MAX_UNEVENNESS, Selection
 from stiction.surfaces.missing_data import MIN_OUTLIER_DEVIATIONS, describe_missing, find_outliers, interpolate_missing
 from stiction.surfaces.preparation import find_crop_range
@@ -31,7 +31,7 @@ The spacing then has a relative error of at most 1/1000.
 
 _SPACING_RANGE = (1e-6, 1e6)
 _MAX_LENGTH = 1e9  # maximum value in µm; larger values have a wrong unit or mark missing points
-CODE_TOLERANCE = 1e-6  # relative tolerance for missing-value codes stored in single precision
+MISSING_CODE_TOLERANCE = 1e-6  # relative tolerance for missing-value codes stored in single precision
 _Length = TypeVar("_Length", float, Floats)
 
 
@@ -61,8 +61,8 @@ def read_options(
     """Validate the options for reading a file."""
     codes, words = _parse_codes(missing_value)
     accepted = tuple(part.strip() for part in accept.split(",")) if isinstance(accept, str) else tuple(accept or ())
-    if not set(accepted) <= set(CAVEATS):
-        raise ValueError(f"accept must be one or more of {', '.join(CAVEATS)}, got {accept!r}")
+    if not set(accepted) <= set(FILE_CAVEAT_NAMES):
+        raise ValueError(f"accept must be one or more of {', '.join(FILE_CAVEAT_NAMES)}, got {accept!r}")
     check_choice("missing", missing, Missing)
     check_choice("outliers", outliers, Outliers)
     crop = crop.split(",") if isinstance(crop, str) else crop
@@ -114,7 +114,7 @@ def _parse_codes(given: Any) -> tuple[tuple[float, ...], tuple[str, ...]]:
     return tuple(codes), tuple(words)
 
 
-def _remove_unit_axis(raw: Raw) -> Raw:
+def _remove_unit_axis(raw: RawHeights) -> RawHeights:
     """Convert a matrix with a single row or column to a profile."""
     if raw.heights.ndim == 1 or min(raw.heights.shape) > 1:
         return raw
@@ -135,14 +135,14 @@ class InterpretedScan(Generic[_Body]):
     caveats: tuple[FileCaveat, ...] = ()
 
 
-def to_profile_or_surface(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Profile | Surface]:
+def to_profile_or_surface(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedScan[Profile | Surface]:
     """Convert the content of a file to a profile or a surface, depending on the content."""
     if _remove_unit_axis(raw).heights.ndim == 1:
         return to_profile(raw, name, options)
     return to_surface(raw, name, options)
 
 
-def to_profile(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Profile]:
+def to_profile(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedScan[Profile]:
     """Convert the content of a file to a profile."""
     raw = _remove_unit_axis(raw)
     if raw.heights.ndim != 1:
@@ -164,13 +164,13 @@ def to_profile(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Pro
     if dx < 0:
         heights, dx = heights[::-1], -dx
         steps.append("reversed, because its positions decreased")
-    return _to_body(
+    return _make_profile_or_surface(
         Profile, raw, name, options, heights, (_check_spacing(dx),), [*coded, *steps], unit,
         [*caveats, *spacing_caveats],
     )  # fmt: skip
 
 
-def to_surface(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Surface]:
+def to_surface(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedScan[Surface]:
     """Convert the content of a file to a surface."""
     raw = _remove_unit_axis(raw)
     if raw.heights.ndim != 2:
@@ -183,7 +183,7 @@ def to_surface(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Sur
     elif raw.spacing is not None:
         length = _resolve_unit("positions", raw.position_unit, _position_unit(raw, options))
         dy, dx = (
-            _check_agreement(_to_micrometres(declared, length), given)
+            _check_spacing_agreement(_to_micrometres(declared, length), given)
             for declared, given in zip(raw.spacing, options.spacing, strict=True)
         )
         _compare_with_declarations(raw, (dy, dx))
@@ -197,14 +197,14 @@ def to_surface(raw: Raw, name: str, options: ReadOptions) -> InterpretedScan[Sur
             raise FormatError(f"declares a spacing of {declared:g} µm, but {dy:g} µm and {dx:g} µm are given")
         _compare_with_unitless_spacing(raw, (dy, dx))
     else:
-        raise FormatError(_NO_MAP_SPACING)
-    return _to_body(
+        raise FormatError(_NO_MAP_SPACING_MESSAGE)
+    return _make_profile_or_surface(
         Surface, raw, name, options, heights, (_check_spacing(dy), _check_spacing(dx)), steps, unit, caveats
     )
 
 
-def _to_body(
-    kind: Any, raw: Raw, name: str, options: ReadOptions, heights: Floats, spacing: tuple[float, ...],
+def _make_profile_or_surface(
+    kind: Any, raw: RawHeights, name: str, options: ReadOptions, heights: Floats, spacing: tuple[float, ...],
     steps: Sequence[str], unit: str, caveats: Sequence[FileCaveat],
 ) -> InterpretedScan[Any]:  # fmt: skip
     scan = Scan(
@@ -264,7 +264,7 @@ def _resolve_unit(quantity_name: str, of_file: str | None, of_caller: str | None
     return unit
 
 
-def _position_unit(raw: Raw, options: ReadOptions) -> str | None:
+def _position_unit(raw: RawHeights, options: ReadOptions) -> str | None:
     """Return the given position unit. Return None if only one unit was given and the file has its own position unit."""
     has_own_unit = options.one_unit and raw.position_unit is not None and length_unit(raw.position_unit) is not None
     return None if has_own_unit else options.position_unit
@@ -276,12 +276,12 @@ def _to_micrometres(values: _Length, unit: str) -> _Length:
     return values / round(1 / factor) if factor < 1 else values * factor
 
 
-def _convert_heights(raw: Raw, options: ReadOptions) -> tuple[Floats, str, list[FileCaveat], list[str]]:
+def _convert_heights(raw: RawHeights, options: ReadOptions) -> tuple[Floats, str, list[FileCaveat], list[str]]:
     """Return heights in µm with NaN at missing points, the unit of the heights, caveats, and history entries."""
     unit, caveats, steps = _height_unit(raw, options.height_unit)
     numbers = raw.heights
     for code in (*raw.codes, *options.codes):
-        is_missing = np.abs(numbers - code) <= CODE_TOLERANCE * abs(code)
+        is_missing = np.abs(numbers - code) <= MISSING_CODE_TOLERANCE * abs(code)
         if is_missing.any():
             numbers = np.where(is_missing, np.nan, numbers)
             steps.append(f"{int(is_missing.sum())} points of {code:g} are missing points")
@@ -308,7 +308,7 @@ def _convert_heights(raw: Raw, options: ReadOptions) -> tuple[Floats, str, list[
     return heights, unit, caveats, steps
 
 
-def _height_unit(raw: Raw, given: str | None) -> tuple[str, list[FileCaveat], list[str]]:
+def _height_unit(raw: RawHeights, given: str | None) -> tuple[str, list[FileCaveat], list[str]]:
     """Return the height unit, caveats and history entries. If the file has a factor and a unit, ignore a given unit."""
     if raw.factor is None or given is None or raw.unit is None or length_unit(raw.unit) is None:
         return _resolve_unit("heights", raw.unit, given), [], []
@@ -319,12 +319,12 @@ def _height_unit(raw: Raw, given: str | None) -> tuple[str, list[FileCaveat], li
     return actual, [FileCaveat("unit-not-needed", text, "omit --unit")], []
 
 
-_NO_MAP_SPACING = (
+_NO_MAP_SPACING_MESSAGE = (
     'contains no spacing; give it, as in "0.5 um" (--spacing "0.5 um"), or "2 um" for rows and "0.5 um" for columns'
 )
 
 
-def _require_unit_or_spacing(raw: Raw, options: ReadOptions) -> None:
+def _require_unit_or_spacing(raw: RawHeights, options: ReadOptions) -> None:
     """Raise a single error for a file that contains neither units nor a spacing."""
     lacks_unit = raw.unit is None and options.height_unit is None
     lacks_spacing = options.spacing == (None, None) and all(
@@ -344,7 +344,7 @@ def _require_unit_or_spacing(raw: Raw, options: ReadOptions) -> None:
     )
 
 
-def _compare_with_unitless_spacing(raw: Raw, given: tuple[float, ...]) -> None:
+def _compare_with_unitless_spacing(raw: RawHeights, given: tuple[float, ...]) -> None:
     """Reject a given spacing that contradicts the spacing in the header, whatever unit the header spacing may have."""
     if raw.bare_spacing is None:
         return
@@ -358,7 +358,7 @@ def _compare_with_unitless_spacing(raw: Raw, given: tuple[float, ...]) -> None:
         )
 
 
-def _compare_with_declarations(raw: Raw, spacing: tuple[float, float]) -> None:
+def _compare_with_declarations(raw: RawHeights, spacing: tuple[float, float]) -> None:
     """Reject a grid (spacings in µm) that contradicts the declared spacings or the declared size."""
     for step, declared in zip(spacing, raw.stated_spacings or (), strict=False):
         actual = declared.length * LENGTH_UNITS[declared.unit]
@@ -388,7 +388,9 @@ def _spacings_from_size(
     return (spacings[0], spacings[1]), [f"its size is {width} along x and {height} along y (header)"]
 
 
-def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tuple[float, list[str], list[FileCaveat]]:
+def _profile_spacing(
+    raw: RawHeights, unit: str | None, given: Quantity | None
+) -> tuple[float, list[str], list[FileCaveat]]:
     """Return the spacing of a profile (µm), history entries, and caveats.
 
     The spacing is negative if the positions decrease.
@@ -397,7 +399,7 @@ def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tupl
     if raw.positions is None:
         if raw.spacing is not None:
             own_spacing = _to_micrometres(raw.spacing[0], _resolve_unit("positions", raw.position_unit, unit))
-            return _check_agreement(own_spacing, given), [], []
+            return _check_spacing_agreement(own_spacing, given), [], []
         if declared is not None:
             if given is not None and abs(given - declared[0]) > declared[1]:
                 raise FormatError(f"declares a spacing of {declared[0]:g} µm, but the given spacing is {given.text}")
@@ -421,7 +423,9 @@ def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tupl
         direction = -1.0 if measured < 0 else 1.0
         if given is not None:
             if _worst_printed_deviation(x, direction * given, digit, MAX_UNEVENNESS * given) is not None:
-                _reject_uneven(x, measured, digit)  # the given spacing takes precedence over the measured spacing
+                _reject_uneven_positions(
+                    x, measured, digit
+                )  # the given spacing takes precedence over the measured spacing
                 numbering = "".join(f"; {caveat.remedy}" for caveat in raw.caveats if caveat.name == "numbering")
                 raise FormatError(
                     f"has positions with a spacing of {abs(measured):.7g} µm, but the given spacing is "
@@ -433,7 +437,7 @@ def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tupl
             and _worst_printed_deviation(x, direction * declared[0], digit, 1e-9 * declared[0]) is None
         ):
             return direction * declared[0], [f"spacing {declared[0]:.7g} µm (header and positions agree)"], []
-        _reject_uneven(x, measured, digit)
+        _reject_uneven_positions(x, measured, digit)
     caveats: list[FileCaveat] = []
     step = f"spacing {abs(measured):.7g} µm from its positions"
     if declared is not None:
@@ -450,7 +454,7 @@ def _profile_spacing(raw: Raw, unit: str | None, given: Quantity | None) -> tupl
     return measured, [step], caveats
 
 
-def _declared_spacing(raw: Raw) -> tuple[float, float] | None:
+def _declared_spacing(raw: RawHeights) -> tuple[float, float] | None:
     """Return the declared spacing and its tolerance, µm."""
     if raw.stated is None:
         return None
@@ -461,7 +465,7 @@ def _declared_spacing(raw: Raw) -> tuple[float, float] | None:
 class _PositionDigits:
     """Resolution of printed positions: the length (µm) of one unit in the last digit, computed on first use."""
 
-    def __init__(self, raw: Raw, unit: str) -> None:
+    def __init__(self, raw: RawHeights, unit: str) -> None:
         self._raw, self._unit = raw, unit
 
     @cached_property
@@ -495,7 +499,7 @@ def _worst_deviation(x: Floats, spacing: float, digit: Floats, slack: float) -> 
     return (point, float(deviations[point])) if excess[point] > 0 else None
 
 
-def _reject_uneven(x: Floats, measured: float, digit: _PositionDigits) -> None:
+def _reject_uneven_positions(x: Floats, measured: float, digit: _PositionDigits) -> None:
     """Reject positions that are not uniformly spaced, or that have too few digits for their spacing."""
     if measured == 0:
         raise FormatError("has its first and last point at the same position")
@@ -514,7 +518,7 @@ def _reject_uneven(x: Floats, measured: float, digit: _PositionDigits) -> None:
         )
 
 
-def _check_agreement(actual: float, given: Quantity | None) -> float:
+def _check_spacing_agreement(actual: float, given: Quantity | None) -> float:
     if given is not None and not abs(actual - given) <= MAX_UNEVENNESS * abs(actual):
         raise FormatError(f"has a spacing of {actual:.7g} µm, but the given spacing is {given.text}")
     return actual

@@ -17,7 +17,7 @@ MAX_COUNT = 100_000_000  # maximum number of points or lines that a header may d
 _LEADING_NUMBER = re.compile(r"\s*([+-]?[0-9]{0,40}(?:[.,][0-9]{0,40})?(?:[eE][+-]?[0-9]{1,5})?)(?![0-9.,])")
 
 
-def number(header: Mapping[str, str], name: str, default: float | None = None) -> float:
+def parse_header_number(header: Mapping[str, str], name: str, default: float | None = None) -> float:
     """Return the finite number at the start of a header value. Raises `FormatError` if there is no number."""
     text = header.get(name.casefold())
     if text is None and default is not None:
@@ -34,9 +34,9 @@ def number(header: Mapping[str, str], name: str, default: float | None = None) -
     return value
 
 
-def integer(header: Mapping[str, str], name: str, minimum: int = 1, maximum: int = MAX_COUNT) -> int:
+def parse_header_integer(header: Mapping[str, str], name: str, minimum: int = 1, maximum: int = MAX_COUNT) -> int:
     """Return the integer at the start of a header value. Raises `FormatError` if the integer is out of range."""
-    value = number(header, name)
+    value = parse_header_number(header, name)
     if not (value.is_integer() and minimum <= value <= maximum):
         raise FormatError(f"has {value:g} for {name}, which must be a whole number from {minimum} to {maximum}")
     return int(value)

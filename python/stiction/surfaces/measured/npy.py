@@ -12,23 +12,23 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction._text import printable
-from stiction.surfaces.measured.raw import ColumnTable, FormatError, Raw, Source
+from stiction.surfaces.measured.raw import ColumnTable, FormatError, RawHeights, Source
 from stiction.surfaces.profile import MAX_POINTS
 
-SPACINGS = ("spacing_y_um", "spacing_x_um")
+SPACING_FIELDS = ("spacing_y_um", "spacing_x_um")
 """Fields of the second array in a file of `write_surface`. A file of `write_profile` has only the last field."""
 
-_MAX_HISTORY_LENGTH = 1_000_000  # maximum number of characters of the history (the third array)
+_MAX_STORED_HISTORY_LENGTH = 1_000_000  # maximum number of characters of the history (the third array)
 
 
 def write_npy(file: Any, heights: Floats, spacing: tuple[float, ...], history: tuple[str, ...]) -> None:
     """Write heights, spacings (µm) and history as three successive arrays. `numpy.load` returns the heights."""
     np.save(file, heights)
-    np.save(file, np.array(spacing, dtype=[(name, np.float64) for name in SPACINGS[-len(spacing) :]]))
+    np.save(file, np.array(spacing, dtype=[(name, np.float64) for name in SPACING_FIELDS[-len(spacing) :]]))
     np.save(file, np.array(history, dtype=np.str_))
 
 
-def read_npy(data: bytes) -> ColumnTable | Raw:
+def read_npy(data: bytes) -> ColumnTable | RawHeights:
     """Read an array of heights, and the spacings and history if they follow. Pickled objects are not loaded."""
     file = io.BytesIO(data)
     stored = _read_array(file, data)
@@ -46,7 +46,7 @@ def read_npy(data: bytes) -> ColumnTable | Raw:
     metadata = _read_metadata(file, data)
     if metadata is not None and len(metadata[0]) == heights.ndim:
         spacing, history = metadata
-        return Raw(
+        return RawHeights(
             heights, unit="um", spacing=spacing, position_unit="um", history=history, source=Source("NumPy array")
         )
     values = heights.reshape(-1, 1) if heights.ndim == 1 else heights
@@ -62,9 +62,9 @@ def _read_metadata(file: io.BytesIO, data: bytes) -> tuple[tuple[float, ...], tu
         spacing, history = _read_array(file, data), _read_array(file, data)
     except FormatError:
         return None
-    if spacing.shape != () or spacing.dtype.names not in (SPACINGS, SPACINGS[-1:]):
+    if spacing.shape != () or spacing.dtype.names not in (SPACING_FIELDS, SPACING_FIELDS[-1:]):
         return None
-    if history.ndim != 1 or history.dtype.kind != "U" or history.nbytes > 4 * _MAX_HISTORY_LENGTH:
+    if history.ndim != 1 or history.dtype.kind != "U" or history.nbytes > 4 * _MAX_STORED_HISTORY_LENGTH:
         return None
     return tuple(float(length) for length in spacing.item()), tuple(printable(step, 1000) for step in history.tolist())
 

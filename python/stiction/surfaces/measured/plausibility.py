@@ -17,10 +17,10 @@ from stiction.surfaces.measured.raw import FileCaveat
 # An extreme value may be a code for missing points if at least this many points have this value.
 MIN_REPEATS = 2
 # Minimum distance of a code for missing points from all other heights, relative to the range of the other heights.
-MIN_CODE_DISTANCE = 2.0
+MIN_MISSING_CODE_DISTANCE = 2.0
 # A repeated height counts as a code for missing points only if there are at least this many other heights.
 MIN_DISTINCT_HEIGHTS = 5
-MAX_CODES = 3  # maximum number of codes for missing points in a scan
+MAX_MISSING_CODES = 3  # maximum number of codes for missing points in a scan
 MIN_CHECKED_POINTS = 20  # minimum number of points for a check; smaller arrays are assumed to be examples
 # Limits of spacing and extent in µm: an ångström, a centimetre and a metre.
 MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6
@@ -36,15 +36,15 @@ class Scan:
     from_text: bool = True  # True if the numbers were read from text; integers in text may be counts
 
     @cached_property
-    def known(self) -> Floats:
+    def non_missing_heights(self) -> Floats:
         """Heights that are not missing."""
         absent = np.isnan(self.heights)
         return self.heights[~absent] if absent.any() else self.heights.ravel()
 
     @cached_property
-    def span(self) -> float:
+    def height_range(self) -> float:
         """Range of the heights that are not missing."""
-        return float(self.known.max() - self.known.min())
+        return float(self.non_missing_heights.max() - self.non_missing_heights.min())
 
 
 class PlausibilityCheck(NamedTuple):
@@ -59,12 +59,12 @@ def find_caveats(scan: Scan) -> tuple[FileCaveat, ...]:
     """Apply all checks to a scan, and return the resulting caveats."""
     if scan.heights.size < MIN_CHECKED_POINTS:
         return ()
-    findings = [(check, text) for check in CHECKS[:1] for text in check.find(scan)]
+    findings = [(check, text) for check in PLAUSIBILITY_CHECKS[:1] for text in check.find(scan)]
     codes = [float(text.partition("|")[2]) * scan.factor for _, text in findings]
     if codes:  # the other checks ignore heights that may be codes for missing points
         is_code = np.isclose(scan.heights[..., np.newaxis], codes, rtol=1e-9, atol=0.0).any(axis=-1)
         scan = replace(scan, heights=np.where(is_code, np.nan, scan.heights))
-    findings += [(check, text) for check in CHECKS[1:] for text in check.find(scan)]
+    findings += [(check, text) for check in PLAUSIBILITY_CHECKS[1:] for text in check.find(scan)]
     return tuple(
         FileCaveat(check.name, text.partition("|")[0], check.remedy.replace("{}", text.partition("|")[2]))
         for check, text in findings
@@ -73,9 +73,9 @@ def find_caveats(scan: Scan) -> tuple[FileCaveat, ...]:
 
 def _find_repeated_extremes(scan: Scan) -> Iterator[str]:
     """Find extreme values that repeat exactly and are far from all other heights."""
-    heights = scan.known
-    for _ in range(MAX_CODES):
-        code = _find_code(heights)
+    heights = scan.non_missing_heights
+    for _ in range(MAX_MISSING_CODES):
+        code = _find_missing_code(heights)
         if code is None:
             return
         value, count, distance = code
@@ -87,7 +87,7 @@ def _find_repeated_extremes(scan: Scan) -> Iterator[str]:
         heights = heights[heights != value]
 
 
-def _find_code(heights: Floats) -> tuple[float, int, float] | None:
+def _find_missing_code(heights: Floats) -> tuple[float, int, float] | None:
     """Return a repeated extreme value, its count, and its distance from the other heights.
 
     Returns None if there is no such value.
@@ -103,7 +103,7 @@ def _find_code(heights: Floats) -> tuple[float, int, float] | None:
         low, high = _range_without(heights, is_extreme)
         distance = low - value if sign > 0 else value - high
         if (
-            distance > MIN_CODE_DISTANCE * (high - low)
+            distance > MIN_MISSING_CODE_DISTANCE * (high - low)
             and np.unique(heights[~is_extreme][:1000]).size >= MIN_DISTINCT_HEIGHTS
         ):
             return value, count, distance
@@ -125,7 +125,7 @@ def _find_whole_numbers(scan: Scan) -> Iterator[str]:
     sample = scan.heights.flat[:MIN_CHECKED_POINTS] / scan.factor
     if not np.array_equal(sample[~np.isnan(sample)], np.round(sample[~np.isnan(sample)])):
         return
-    numbers = scan.known / scan.factor
+    numbers = scan.non_missing_heights / scan.factor
     if (
         numbers.size >= MIN_CHECKED_POINTS
         and np.ptp(numbers) >= MIN_DISTINCT_HEIGHTS
@@ -148,11 +148,12 @@ def _find_implausible_sizes(scan: Scan) -> Iterator[str]:
 def _find_tall_scans(scan: Scan) -> Iterator[str]:
     """Find scans whose heights span more than the length of the longest side."""
     length = max(points * step for points, step in zip(scan.heights.shape, scan.spacing, strict=True))
-    if scan.span > length:
-        yield f"heights span {format_with_unit(scan.span, 'µm')} over a scan of {format_with_unit(length, 'µm')}"
+    if scan.height_range > length:
+        height_range = format_with_unit(scan.height_range, "µm")
+        yield f"heights span {height_range} over a scan of {format_with_unit(length, 'µm')}"
 
 
-CHECKS = (
+PLAUSIBILITY_CHECKS = (
     PlausibilityCheck("repeated-extreme", _find_repeated_extremes, "--missing-value {} treats them as missing points"),
     PlausibilityCheck(
         "whole-numbers", _find_whole_numbers, "multiply counts by their height first; see the header and the manual"
@@ -162,7 +163,7 @@ CHECKS = (
 )
 """Checks that are applied to every scan."""
 
-READER_CAVEATS = (
+READER_CAVEAT_NAMES = (
     "x3p-increment",
     "numbering",
     "truncated",
@@ -174,4 +175,4 @@ READER_CAVEATS = (
 )
 """Names of the caveats that the file readers add to the caveats of the checks."""
 
-CAVEATS = (*(check.name for check in CHECKS), *READER_CAVEATS)
+FILE_CAVEAT_NAMES = (*(check.name for check in PLAUSIBILITY_CHECKS), *READER_CAVEAT_NAMES)

@@ -29,9 +29,9 @@ not in words.
 
 MAX_BYTES = 2_000_000_000
 MAX_TEXT_BYTES = 300_000_000  # parsing text needs about ten times its size in memory
-_CHUNK = 1 << 16
+_ARCHIVE_CHUNK_SIZE = 1 << 16
 # compression methods of archives that can be read in pieces of limited size
-_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+_COMPRESSION_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
 class FormatError(ValueError):
@@ -108,7 +108,7 @@ Digits = Callable[[], Floats]
 
 
 @dataclass(frozen=True)
-class Raw:
+class RawHeights:
     """Numbers read from a file before conversion, with their units if known. Missing heights are NaN."""
 
     heights: Floats  # (n,) or (rows, columns)
@@ -188,11 +188,11 @@ class Channels:
     """Several named sets of heights in one file."""
 
     names: tuple[str, ...]
-    read: Callable[[int], Raw | ColumnTable]  # function that returns the content of a channel by index
+    read: Callable[[int], RawHeights | ColumnTable]  # function that returns the content of a channel by index
     default: int | None  # index of the default channel, or None if the caller must choose
 
 
-Content = Raw | ColumnTable | Channels  # result of a reader
+Content = RawHeights | ColumnTable | Channels  # result of a reader
 
 
 def length_unit(text: str) -> str | None:
@@ -218,13 +218,13 @@ def read_chunks(archive: zipfile.ZipFile, name: str, max_bytes: int) -> Iterator
         info = archive.getinfo(name)
     except KeyError:
         raise FormatError(f"lacks {name[:80]!r}, which should contain its data") from None
-    if info.compress_type not in _METHODS:
+    if info.compress_type not in _COMPRESSION_METHODS:
         raise FormatError(f"contains {name[:80]!r} with a compression method other than deflate")
     if info.file_size > max_bytes:
         raise FormatError(f"contains {name[:80]!r} with {info.file_size} bytes; at most {max_bytes} can be read")
     total = 0
     with archive.open(info) as member:
-        while chunk := member.read(_CHUNK):
+        while chunk := member.read(_ARCHIVE_CHUNK_SIZE):
             total += len(chunk)
             if total > max_bytes:
                 raise FormatError(f"contains {name[:80]!r} with more than {max_bytes} bytes")

@@ -35,7 +35,7 @@ from stiction.surfaces.measured.raw import (
     FileCaveat,
     FormatError,
     FormatWarning,
-    Raw,
+    RawHeights,
     Source,
 )
 from stiction.surfaces.measured.shapes import Selection, select_heights
@@ -57,7 +57,7 @@ READERS: dict[str, Callable[[bytes], Content]] = {
 SurfaceTopography reads all other files, and binary files with the ending of a text file.
 """
 
-_SIGNATURES = {
+_FILE_SIGNATURES = {
     b"\x93NUMPY": ((".npy",), "a NumPy array (.npy)"),
     b"PK": ((".x3p", ".xlsx"), "a zip archive, as X3P and workbooks are"),
 }
@@ -354,7 +354,7 @@ def load_reading(path: str | os.PathLike[str], **options: Any) -> Reading[Profil
 def _read_body(
     path: str | os.PathLike[str],
     options: ReadOptions,
-    convert: Callable[[Raw, str, ReadOptions], InterpretedScan[_Body]],
+    convert: Callable[[RawHeights, str, ReadOptions], InterpretedScan[_Body]],
 ) -> _Body:
     """Read a profile or surface from a file, and issue the caveats about the file as warnings."""
     reading = _interpret_file(path, options, convert)
@@ -367,7 +367,7 @@ def _read_body(
 def _interpret_file(
     path: str | os.PathLike[str],
     options: ReadOptions,
-    convert: Callable[[Raw, str, ReadOptions], InterpretedScan[_Body]],
+    convert: Callable[[RawHeights, str, ReadOptions], InterpretedScan[_Body]],
 ) -> Reading[_Body]:
     """Read a file and interpret its content. Every error message contains the complete path."""
     path = Path(path)
@@ -406,7 +406,7 @@ def _read_content(path: Path, words: tuple[str, ...]) -> Content:
     reader = READERS.get(suffix)
     with path.open("rb") as file:
         start = file.read(4096)
-    for signature, (suffixes, name) in _SIGNATURES.items():
+    for signature, (suffixes, name) in _FILE_SIGNATURES.items():
         if reader is not None and start.startswith(signature) != (suffix in suffixes):
             name = name if start.startswith(signature) else f"not {name}"
             raise FormatError(f"is named {suffix or 'without an ending'}, but its content is {name}")

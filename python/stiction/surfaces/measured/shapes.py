@@ -21,7 +21,7 @@ from stiction.surfaces.measured.raw import (
     Content,
     FileCaveat,
     FormatError,
-    Raw,
+    RawHeights,
     length_unit,
 )
 
@@ -54,10 +54,10 @@ _INVALID_NAME_PATTERN = re.compile(r"\W*(?:invalid\w*|ungültig\w*|is[ _]?invali
 # column names that leave open whether 1 marks valid or invalid points
 _FLAG_NAME_PATTERN = re.compile(r"\W*(?:flags?|status|0/1)\b.*|.*[\[(]0/1[\])]", re.I)
 _X, _Y = (re.compile(rf"\W*{axis}(?![a-z0-9]).*|.*\b{axis}[\s_-]*(?:pos|coord).*", re.I) for axis in "xy")
-_Z = re.compile(r"\W*(?:z(?![a-z0-9])|height|höhe|hauteur|altezza|altura|topo).*", re.I)
+_HEIGHT_COLUMN_PATTERN = re.compile(r"\W*(?:z(?![a-z0-9])|height|höhe|hauteur|altezza|altura|topo).*", re.I)
 
 
-def select_heights(content: Content, channel: Selection | None, columns: Sequence[Selection] | None) -> Raw:
+def select_heights(content: Content, channel: Selection | None, columns: Sequence[Selection] | None) -> RawHeights:
     """Return the heights in the selected channel or columns. By default, the shape of the table selects the columns."""
     if isinstance(content, Channels):
         index = _select_channel(content, channel)
@@ -71,7 +71,7 @@ def select_heights(content: Content, channel: Selection | None, columns: Sequenc
     if channel is not None:
         raise FormatError(f"has no channels, but channel {channel!r} was selected")
     if isinstance(content, ColumnTable):
-        table = _apply_flags(_without_words(content, columns), columns)
+        table = _apply_flags(_replace_words_by_missing(content, columns), columns)
         raw = _select_columns(table, columns) if columns is not None else _read_by_shape(table)
         return replace(raw, history=(*table.history, *raw.history), caveats=(*table.caveats, *raw.caveats))
     if columns is not None:
@@ -129,7 +129,7 @@ def _column_numbers(table: ColumnTable) -> Sequence[int]:
     return range(table.values.shape[1]) if table.places is None else table.places
 
 
-def _select_columns(table: ColumnTable, selected: Sequence[Selection]) -> Raw:
+def _select_columns(table: ColumnTable, selected: Sequence[Selection]) -> RawHeights:
     """Return the data of the selected columns: heights only, positions and heights, or x, y and heights."""
     numbers = _column_numbers(table)
     indices = [_find_column(table.names, item, numbers, "column") for item in selected]
@@ -142,7 +142,7 @@ def _select_columns(table: ColumnTable, selected: Sequence[Selection]) -> Raw:
     return replace(raw, history=(step, *raw.history))
 
 
-def _to_raw(table: ColumnTable, heights: Floats, unit: str | None, **changes: Any) -> Raw:
+def _to_raw_heights(table: ColumnTable, heights: Floats, unit: str | None, **changes: Any) -> RawHeights:
     """Return the heights of a table together with all declarations in its header."""
     declared = table.declared
     # counts above the number of heights cannot be numbers of missing points
@@ -152,7 +152,7 @@ def _to_raw(table: ColumnTable, heights: Floats, unit: str | None, **changes: An
         text = f"its header line {printable(declared.scale)!r} is a factor or a range of heights; it is not applied"
         remedy = "accept it if the heights are in their unit; otherwise multiply them by the factor first"
         caveats = (FileCaveat("scale", text, remedy),)
-    raw = Raw(
+    raw = RawHeights(
         heights, unit=unit, factor=declared.factor, codes=(*declared.codes, *counts), stated=declared.spacing,
         size=declared.size, bare_spacing=declared.bare_spacing, source=table.source, caveats=caveats,
         stated_spacings=declared.spacings,
@@ -170,11 +170,11 @@ def _common_unit(table: ColumnTable, units: Sequence[str | None]) -> str | None:
     return declared.unit if declared.unit is not None and (unit is None or declared.factor is not None) else unit
 
 
-def _select_profile(table: ColumnTable, *places: int) -> Raw:
+def _select_profile(table: ColumnTable, *places: int) -> RawHeights:
     """Return the heights of one column, or the positions and heights of rows where both columns contain numbers."""
     heights, declared = table.values[:, places[-1]], table.declared
     layout = "heights, a column" if len(places) == 1 else "positions and heights"
-    raw = _to_raw(
+    raw = _to_raw_heights(
         table, heights, _height_unit(table, places[-1]),
         source=replace(table.source, layout=table.source.layout or layout, column=_describe_column(table, places[-1])),
         stated=declared.spacing or (None if declared.spacings is None else declared.spacings[1]), size=None,
@@ -277,7 +277,7 @@ def _find_numbering_caveat(table: ColumnTable, positions: Floats, place: int) ->
     )
 
 
-def _without_words(table: ColumnTable, columns: Sequence[Selection] | None) -> ColumnTable:
+def _replace_words_by_missing(table: ColumnTable, columns: Sequence[Selection] | None) -> ColumnTable:
     """Remove columns of words. In rows with a word for missing points, replace the heights by NaN.
 
     Raises `FormatError` unless the caller gave such a word for each of these columns, or chose the columns.
@@ -312,7 +312,7 @@ def _mask_heights(values: Floats, missing: NDArray[np.bool_], places: Sequence[i
     """Return values with NaN in the missing rows, except in columns of positions."""
     masked = np.where(missing[:, np.newaxis], np.nan, values)
     for place in places:
-        if counts_evenly(values[:, place]):
+        if has_equal_steps(values[:, place]):
             masked[:, place] = values[:, place]
     return masked
 
@@ -365,21 +365,21 @@ def _select_table_columns(table: ColumnTable, selection: Sequence[int], values: 
 
 
 @dataclass(frozen=True)
-class Shape:
+class TableShape:
     """Shape of a table, with functions that recognise and read it."""
 
     name: str
     recognise: Callable[[ColumnTable], bool]
-    read: Callable[[ColumnTable], Raw]
+    read: Callable[[ColumnTable], RawHeights]
 
 
-def _read_by_shape(table: ColumnTable) -> Raw:
-    """Read the heights of a table with the first `Shape` that recognises the table."""
+def _read_by_shape(table: ColumnTable) -> RawHeights:
+    """Read the heights of a table with the first `TableShape` that recognises the table."""
     table, step = _remove_numbering(table)
     empty = np.isnan(table.values).all(axis=0)
     if table.places is not None and empty.any() and not empty.all():
         table = _select_table_columns(table, np.flatnonzero(~empty).tolist())
-    shape = next(shape for shape in SHAPES if shape.recognise(table))
+    shape = next(shape for shape in TABLE_SHAPES if shape.recognise(table))
     raw = shape.read(table)
     source = replace(raw.source, layout=table.source.layout or shape.name)
     return replace(raw, history=(*step, *raw.history), source=source)
@@ -408,10 +408,10 @@ def _remove_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]
     return table, ()
 
 
-def _read_matrix(table: ColumnTable) -> Raw:
+def _read_matrix(table: ColumnTable) -> RawHeights:
     """Return a matrix of heights. Raises `FormatError` if the first row or column contains positions."""
     table, history = _remove_positions(table)
-    raw = _to_raw(table, table.values, _common_unit(table, _units(table)), history=history)
+    raw = _to_raw_heights(table, table.values, _common_unit(table, _units(table)), history=history)
     if (spacings := table.declared.spacings) is None:
         return raw
     spacing = tuple(stated.length * LENGTH_UNITS[stated.unit] for stated in spacings)
@@ -452,8 +452,8 @@ def _are_positions(lines: Floats, digits: Callable[[], Floats] | None) -> bool:
     """Return whether the first line contains positions. If all lines rise evenly, they belong to a tilted surface."""
     first = lines[0]
     other_lines = [lines[index] for index in {1, lines.shape[0] // 2, lines.shape[0] - 1} if index]
-    if _counts_evenly_as_printed(first, digits):
-        return not all(counts_evenly(other) for other in other_lines)
+    if _has_equal_steps_as_printed(first, digits):
+        return not all(has_equal_steps(other) for other in other_lines)
     if first.size < MIN_JITTERED_POSITIONS or not np.isfinite(first[1:]).all():
         return False
     steps = np.diff(first[1:])
@@ -461,10 +461,10 @@ def _are_positions(lines: Floats, digits: Callable[[], Floats] | None) -> bool:
         return False
     # Measured positions have unequal steps.
     # The heights of a tilted surface may rise in the same way, but then they do so in every line.
-    return any(_correlation(other) < MIN_TILT_CORRELATION for other in other_lines)
+    return any(_correlation_with_index(other) < MIN_TILT_CORRELATION for other in other_lines)
 
 
-def _correlation(values: Floats) -> float:
+def _correlation_with_index(values: Floats) -> float:
     """Return the magnitude of the correlation between values and their index."""
     filled = np.flatnonzero(np.isfinite(values))
     if filled.size < 3 or np.ptp(values[filled]) == 0:
@@ -472,7 +472,7 @@ def _correlation(values: Floats) -> float:
     return abs(float(np.corrcoef(filled, values[filled])[0, 1]))
 
 
-def counts_evenly(values: Floats, slack: float = 0.0) -> bool:
+def has_equal_steps(values: Floats, slack: float = 0.0) -> bool:
     """Return whether values change in equal steps. The first value is ignored, because it may be a table corner."""
     following = values[1:]
     if following.size < 4 or not np.isfinite(following).all():
@@ -487,9 +487,9 @@ def counts_evenly(values: Floats, slack: float = 0.0) -> bool:
     return bool(slack > 0 and deviations.max() <= slack and abs(mean) > MIN_STEP_DIGITS * slack)
 
 
-def _counts_evenly_as_printed(values: Floats, digits: Callable[[], Floats] | None) -> bool:
+def _has_equal_steps_as_printed(values: Floats, digits: Callable[[], Floats] | None) -> bool:
     """Return whether values rise or fall in steps that are equal within the printed digits."""
-    if counts_evenly(values):
+    if has_equal_steps(values):
         return True
     if digits is None or values.size < 5 or not np.isfinite(values[1:]).all():
         return False
@@ -497,7 +497,7 @@ def _counts_evenly_as_printed(values: Floats, digits: Callable[[], Floats] | Non
     mean = steps.mean()
     if mean == 0 or not ((steps > 0).all() or (steps < 0).all()) or np.ptp(steps) > abs(mean):
         return False
-    return counts_evenly(values, float(np.max(digits()[1:])) * (1 + 1e-9))
+    return has_equal_steps(values, float(np.max(digits()[1:])) * (1 + 1e-9))
 
 
 def _is_labelled(table: ColumnTable) -> bool:
@@ -506,16 +506,16 @@ def _is_labelled(table: ColumnTable) -> bool:
     if min(values.shape) < 5 or not np.isnan(values[0, 0]) or table.area:
         return False
     row_digits = table.row_digits
-    return _counts_evenly_as_printed(values[:, 0], table.column_digits(0)) and _counts_evenly_as_printed(
+    return _has_equal_steps_as_printed(values[:, 0], table.column_digits(0)) and _has_equal_steps_as_printed(
         values[0], None if row_digits is None else lambda: row_digits(0)
     )
 
 
-def _read_labelled(table: ColumnTable) -> Raw:
+def _read_labelled(table: ColumnTable) -> RawHeights:
     x, y = table.values[0, 1:], table.values[1:, 0]
     dx, dy = (float(value[-1] - value[0]) / (value.size - 1) for value in (x, y))
     heights = table.values[1:, 1:][:: 1 if dy > 0 else -1, :: 1 if dx > 0 else -1]
-    return _to_raw(
+    return _to_raw_heights(
         table, np.ascontiguousarray(heights), _common_unit(table, _units(table)[1:]),
         spacing=(abs(dy), abs(dx)), position_unit=_units(table)[0],
         history=("the first row and column are positions along x and y",),
@@ -528,7 +528,8 @@ def _find_xyz_columns(table: ColumnTable) -> tuple[int, int, int] | None:
     if not any(table.names):
         return (0, 1, 2) if columns == 3 else None
     x, y, z = (
-        [index for index, name in enumerate(table.names) if axis.fullmatch(name.strip())] for axis in (_X, _Y, _Z)
+        [index for index, name in enumerate(table.names) if axis.fullmatch(name.strip())]
+        for axis in (_X, _Y, _HEIGHT_COLUMN_PATTERN)
     )
     if len(x) != 1 or len(y) != 1:
         return None
@@ -550,7 +551,7 @@ def _are_triplets(table: ColumnTable) -> bool:
     )
 
 
-def _read_triplets(table: ColumnTable, *places: int) -> Raw:
+def _read_triplets(table: ColumnTable, *places: int) -> RawHeights:
     x, y, z = (table.values[:, index] for index in places)
     digits = [table.column_digits(index) for index in places[:2]]
     heights, spacing, step = to_grid(x, y, z, digits)
@@ -559,7 +560,7 @@ def _read_triplets(table: ColumnTable, *places: int) -> Raw:
     if len(lateral) > 1:
         raise FormatError("has x and y in different units; write both in the same unit")
     source = replace(table.source, layout="points x, y, z on a grid", column=_describe_column(table, places[2]))
-    return _to_raw(
+    return _to_raw_heights(
         table, heights, _height_unit(table, places[2]), spacing=spacing, position_unit=next(iter(lateral)),
         history=(step,), source=source,
     )  # fmt: skip
@@ -574,7 +575,7 @@ def _is_line_of_points(table: ColumnTable) -> bool:
     return bool(table.names) and np.unique(y).size == 1 and np.unique(x).size == x.size
 
 
-def _reject_columns(table: ColumnTable) -> Raw:
+def _reject_columns(table: ColumnTable) -> RawHeights:
     columns = table.values.shape[1]
     numbers = _column_numbers(table)
     names = f": {list_names(table.names, numbers)}" if table.names else ", numbered from 0"
@@ -594,7 +595,7 @@ def _describe_missing_information(table: ColumnTable) -> str:
         declared.spacing is None
         and declared.spacings is None
         and not any(
-            counts_evenly(table.values[:, index]) for index in range(min(table.values.shape[1], MAX_LISTED_NAMES))
+            has_equal_steps(table.values[:, index]) for index in range(min(table.values.shape[1], MAX_LISTED_NAMES))
         )
     ):
         requirements.append("the spacing is required for heights without positions (--spacing)")
@@ -606,29 +607,29 @@ def _has_separate_columns(table: ColumnTable) -> bool:
     return not table.area and (columns < MIN_COLUMNS or len(set(_units(table))) > 1 or bool(table.names))
 
 
-SHAPES: tuple[Shape, ...] = (
-    Shape("heights, a column", lambda table: table.values.shape[1] == 1, lambda table: _select_profile(table, 0)),
-    Shape(
+TABLE_SHAPES: tuple[TableShape, ...] = (
+    TableShape("heights, a column", lambda table: table.values.shape[1] == 1, lambda table: _select_profile(table, 0)),
+    TableShape(
         "positions and heights",
         lambda table: (
             table.values.shape[1] == 2
-            and (not table.area or (table.values.shape[0] > 2 and counts_evenly(table.values[:, 0])))
+            and (not table.area or (table.values.shape[0] > 2 and has_equal_steps(table.values[:, 0])))
         ),
         lambda table: _select_profile(table, 0, 1),
     ),
-    Shape(
+    TableShape(
         "points x, y, z on a grid",
         _are_triplets,
         lambda table: _read_triplets(table, *(_find_xyz_columns(table) or ())),
     ),
-    Shape(
+    TableShape(
         "points x, y, z on a line",
         _is_line_of_points,
         lambda table: _select_profile(table, *(_find_xyz_columns(table) or ())[::2]),
     ),
-    Shape("matrix with positions along its sides", _is_labelled, _read_labelled),
-    Shape("columns to choose from", _has_separate_columns, _reject_columns),
-    Shape("matrix", lambda table: True, _read_matrix),
+    TableShape("matrix with positions along its sides", _is_labelled, _read_labelled),
+    TableShape("columns to choose from", _has_separate_columns, _reject_columns),
+    TableShape("matrix", lambda table: True, _read_matrix),
 )
 """Shapes of tables; the first that recognises a table is used:
 - heights, a column: ``0.5`` ``-0.2`` ``1.0``, one number per line

@@ -21,8 +21,10 @@ WAVE_NUMBER, DENSITY, WAVES = "wave number (1/um)", "C2D (um4)", "waves"
 
 # beginnings of the names of the two columns for each scan
 FRACTION, RATIO = "fraction of ", "power over the joined of "
-_SCAN = re.compile(r"# scan: (?P<name>.+), from (?P<shortest>\S+) to (?P<longest>\S+) um, ended by (?P<reason>.+)")
-_HEAD_BYTES = 100_000  # number of bytes at the beginning of a file that are searched for column names
+_SCAN_LINE_PATTERN = re.compile(
+    r"# scan: (?P<name>.+), from (?P<shortest>\S+) to (?P<longest>\S+) um, ended by (?P<reason>.+)"
+)
+_NUM_HEADER_BYTES = 100_000  # number of bytes at the beginning of a file that are searched for column names
 # relative tolerance of the ratio of successive wave numbers, due to rounding of printed numbers
 _RATIO_TOLERANCE = 1e-3
 
@@ -90,7 +92,7 @@ def is_spectrum(path: Path) -> bool:
         return False
     try:
         with path.open("rb") as file:
-            head = file.read(_HEAD_BYTES).decode("utf-8-sig", "replace")
+            head = file.read(_NUM_HEADER_BYTES).decode("utf-8-sig", "replace")
     except OSError:
         return False
     names = next((line for line in head.splitlines() if line.strip() and not line.startswith("#")), "")
@@ -144,7 +146,7 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
         raise FormatError(f"{printable_path(path)}: {error}") from None
     except ValueError:  # from pandas
         raise FormatError(f"{printable_path(path)} is not a table with the columns of a spectrum") from None
-    scans = [match for line in text.splitlines() if (match := _SCAN.fullmatch(line))]
+    scans = [match for line in text.splitlines() if (match := _SCAN_LINE_PATTERN.fullmatch(line))]
     names = [match["name"] for match in scans]
     try:
         q, density = (np.array(table[name], np.float64) for name in (WAVE_NUMBER, DENSITY))

@@ -18,8 +18,8 @@ from stiction.surfaces.measured.raw import FormatError
 
 _SAMPLE_LINES = 60  # maximum number of lines for detecting the separator and the decimal mark
 _SAMPLE_SIZE = 10_000  # maximum number of characters for detecting the separator and the decimal mark
-_LONG_LINE = 200  # cells are counted line by line if the mean line length is above this limit
-MAX_SAMPLED = 20_000  # maximum number of rows from which the printed digits of a column are determined
+_MIN_LONG_LINE_LENGTH = 200  # cells are counted line by line if the mean line length is above this limit
+MAX_SAMPLED_ROWS = 20_000  # maximum number of rows from which the printed digits of a column are determined
 MAX_COUNT_CELLS = 2  # maximum number of cells in a line of counts or sizes above the numbers
 _QUOTED_SEPARATOR = "\x1f"  # separator of cells after quotes have been removed
 _EXPONENT_PATTERN = r"(?:[eE]([+-]?[0-9]{1,3}))?"
@@ -107,15 +107,15 @@ class NumberBlock:
     def digits(self, column: int) -> Floats:
         """Return the value of one unit in the last printed digit of each number in a column.
 
-        The digits are counted in at most `MAX_SAMPLED` rows.
+        The digits are counted in at most `MAX_SAMPLED_ROWS` rows.
         """
         decimals = digits = 0
         max_decimals = -1000
         count = self.lines.size
         sample = np.arange(count)
         # Half of the sampled rows are at the beginning, and the other half is spread over the remaining rows.
-        if count > MAX_SAMPLED:
-            half = MAX_SAMPLED // 2
+        if count > MAX_SAMPLED_ROWS:
+            half = MAX_SAMPLED_ROWS // 2
             sample = np.concatenate([sample[:half], np.linspace(half, count - 1, half).astype(np.int64)])
         for line in sample.tolist():
             row = self.row(line)
@@ -146,7 +146,7 @@ def digit_value(values: Floats, decimals: int, digits: int) -> Floats:
 
 def find_number_runs(text: Text) -> list[tuple[int, int]]:
     """Return the first and the last line of each run of numeric lines. A run may contain blank lines."""
-    kinds = text.kinds
+    kinds = text.line_kinds
     filled = np.flatnonzero(kinds != BLANK)
     numbers = kinds[filled] == NUMBERS
     edges = np.flatnonzero(np.diff(np.concatenate([[False], numbers, [False]]).astype(np.int8)))
@@ -162,7 +162,7 @@ def detect_dialect(text: Text, first: int, last: int) -> Dialect:
         np.concatenate([np.arange(max(first, last + 1 - _SAMPLE_LINES), last + 1), np.arange(first, first + 40)])
     )
     sample_lines = sample_lines[sample_lines <= last]
-    width = max(_LONG_LINE, _SAMPLE_SIZE // sample_lines.size)
+    width = max(_MIN_LONG_LINE_LENGTH, _SAMPLE_SIZE // sample_lines.size)
     sample = [_truncate(text.line(item), width) for item in sample_lines.tolist()]
     sample = [line for line in sample if line.strip("\t")]
     quoted = any('"' in line for line in sample)
@@ -248,7 +248,7 @@ def _reject_ambiguous_commas(text: Text, first: int, last: int, dialect: Dialect
     ambiguous = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")
     example, shown = -1, ""
     for line in range(first, last + 1):
-        if b"," not in text.raw(line):
+        if b"," not in text.raw_line(line):
             continue
         for cell in dialect.cells(text.line(line)):
             if "," in cell:
@@ -339,11 +339,11 @@ def numbers_in(text: Text, first: int, last: int) -> Floats:
 
 def _filled_lines(text: Text, first: int, last: int, dialect: Dialect) -> Lines:
     """Return the lines of a run that are rows of a table, including rows in which all cells are empty."""
-    kinds = text.kinds[first : last + 1]
+    kinds = text.line_kinds[first : last + 1]
     filled = kinds != BLANK
     if dialect.separator is not None and not filled.all():
         for line in np.flatnonzero(~filled).tolist():
-            filled[line] = dialect.separator.encode() in text.raw(first + line)
+            filled[line] = dialect.separator.encode() in text.raw_line(first + line)
     return np.flatnonzero(filled) + first
 
 
@@ -353,7 +353,7 @@ def _to_plain_rows(text: Text, lines: Lines, dialect: Dialect) -> tuple[bytes, b
     if lines.size == last - first + 1:
         blob = text.data[text.starts[first] : text.starts[last + 1] - 1]
     else:
-        blob = b"\n".join(text.raw(int(line)) for line in lines)
+        blob = b"\n".join(text.raw_line(int(line)) for line in lines)
     if text.has_words(lines):
         blob = text.missing.sub(b"nan", blob)
     if b"*" in blob or _has_dashes(blob):
@@ -393,7 +393,7 @@ def _has_dashes(blob: bytes) -> bool:
 
 def _reject_blanks_in_numbers(text: Text, lines: Lines) -> None:
     for line in lines.tolist():
-        if _BLANK_IN_NUMBER_PATTERN.search(text.raw(line)):
+        if _BLANK_IN_NUMBER_PATTERN.search(text.raw_line(line)):
             raise FormatError(
                 f"{text.describe_line(line)} has blanks between digits; separate all cells in the same way"
             )
@@ -403,7 +403,7 @@ def _cells_of_rows(blob: bytes, joint: bytes) -> tuple[Lines, Lines]:
     """Return the byte offset of each row, and the number of cells in each row."""
     codes = np.frombuffer(blob, np.uint8)
     starts = np.concatenate([[0], np.flatnonzero(codes == ord("\n")) + 1])
-    if starts.size * _LONG_LINE < len(blob):
+    if starts.size * _MIN_LONG_LINE_LENGTH < len(blob):
         is_joint, ends = codes == ord(joint), [*starts[1:].tolist(), len(blob)]
         cells = [np.count_nonzero(is_joint[a:b]) + 1 for a, b in zip(starts.tolist(), ends, strict=True)]
         return starts, np.array(cells)

@@ -12,8 +12,8 @@ from stiction._text import printable
 from stiction.surfaces.measured.decode import TEXT, Text, decode
 from stiction.surfaces.measured.header import parse_column_heads, parse_declarations, parse_history
 from stiction.surfaces.measured.layout import Layout
-from stiction.surfaces.measured.raw import Channels, ColumnTable, Content, FormatError, Raw, Source, WordColumn
-from stiction.surfaces.measured.shapes import counts_evenly
+from stiction.surfaces.measured.raw import Channels, ColumnTable, Content, FormatError, RawHeights, Source, WordColumn
+from stiction.surfaces.measured.shapes import has_equal_steps
 from stiction.surfaces.measured.split import (
     Dialect,
     NumberBlock,
@@ -77,9 +77,9 @@ def parse_table(text: Text) -> ColumnTable | Channels:
     if len(equal_runs := _find_equal_runs(text, runs, (first, last), dialect)) > 1:
         return _to_channels(text, equal_runs, dialect, word_columns)
     end = int(block.lines[-1]) + 1
-    below = int((text.kinds[end:] == 1).sum())
+    below = int((text.line_kinds[end:] == 1).sum())
     if below > MAX_FOOTER_FRACTION * block.lines.size + 2:
-        line = end + int(np.argmax(text.kinds[end:] == 1))
+        line = end + int(np.argmax(text.line_kinds[end:] == 1))
         raise FormatError(
             f"{text.describe_line(line)} belongs to another table than lines {first + 1} to {end}; keep only one "
             "table in the file"
@@ -131,7 +131,7 @@ def describe_source(block: NumberBlock) -> Source:
     return Source(
         encoding=text.encoding, separator=str(block.dialect), decimal_mark=point, lines=(first + 1, end),
         lines_above=len(text.lines(0, first)) if first < 10_000 else first,
-        lines_below=int(np.count_nonzero(text.kinds[end:])),
+        lines_below=int(np.count_nonzero(text.line_kinds[end:])),
     )  # fmt: skip
 
 
@@ -153,7 +153,11 @@ def _reject_unreadable(text: Text, dialect: Dialect, width: int, runs: list[tupl
     """
     neighbours = {neighbour for first, last in runs for neighbour in ((first - 1, -1), (last + 1, 1))}
     for line, step in sorted(neighbours):
-        if not 0 <= line < len(text) or text.kinds[line] != TEXT or text.line(line).startswith(("#", "%", "!", "/")):
+        if (
+            not 0 <= line < len(text)
+            or text.line_kinds[line] != TEXT
+            or text.line(line).startswith(("#", "%", "!", "/"))
+        ):
             continue
         cells = dialect.cells(text.line(line))
         kinds = [cell_kind(cell, dialect, text) for cell in cells]
@@ -189,7 +193,7 @@ def _are_labels(cells: list[str], dialect: Dialect) -> bool:
     if len(cells) < 5 or not all(match and (match[2] or match[3]) for match in matches):
         return False
     labels = np.array([np.nan, *(float(cell.replace(dialect.point, ".")) for cell in cells[1:])])
-    return counts_evenly(labels, 0.1 * abs(labels[2] - labels[1]))
+    return has_equal_steps(labels, 0.1 * abs(labels[2] - labels[1]))
 
 
 def _find_equal_runs(
@@ -221,7 +225,7 @@ def _to_channels(
     if len(set(names)) < len(names):
         names = [f"{name}, line {first + 1}" for name, (first, _) in zip(names, runs, strict=True)]
 
-    def read(line: int) -> Raw | ColumnTable:
+    def read(line: int) -> RawHeights | ColumnTable:
         table = _to_table(text, parse_block(text, *runs[line], dialect, ragged=True), begins[line], word_columns)
         return replace(table, source=replace(table.source, column=names[line]))
 

@@ -14,9 +14,9 @@ from stiction.surfaces.measured.decode import BLANK, NUMBERS, TEXT, Text
 from stiction.surfaces.measured.split import Dialect, cell_kind, find_number_runs, split_cells
 
 # The comma is tried last, because it may be the decimal mark in cells with another separator.
-_SEPARATORS = ("\t", ";", "|", None, ",")
+_CELL_SEPARATORS = ("\t", ";", "|", None, ",")
 _NUMBER_CELL = re.compile(r"[+-]?(?:[0-9]{1,40}(?:[.,][0-9]{0,40})?|[.,][0-9]{1,40})(?:[eE][+-]?[0-9]{1,3})?")
-_MISSING = "nan"  # text that replaces each word
+_MISSING_TEXT = "nan"  # text that replaces each word
 _MAX_SEPARATOR_LINES = 400  # number of lines that are examined to find the possible separators
 MIN_ROWS = 4  # columns of words are searched only if there are at least this many rows
 MAX_LISTED_WORDS = 4  # maximum number of words of a column that a message lists
@@ -36,9 +36,9 @@ def replace_word_columns(text: Text) -> tuple[Text, tuple[FoundColumn, ...]]:
     runs = find_number_runs(text)
     if not (text.words or _has_words_at_numbers(text, runs)):
         return text, ()
-    lines = np.flatnonzero(text.kinds != BLANK).tolist()
+    lines = np.flatnonzero(text.line_kinds != BLANK).tolist()
     largest_run = max((last + 1 - first for first, last in runs), default=0)
-    samples = {separator: _find_table(text, lines[:_MAX_SEPARATOR_LINES], separator) for separator in _SEPARATORS}
+    samples = {separator: _find_table(text, lines[:_MAX_SEPARATOR_LINES], separator) for separator in _CELL_SEPARATORS}
     separator = max(samples, key=lambda key: len(samples[key].numeric))  # take the first of equally good separators
     if not samples[separator].words:
         return text, ()
@@ -48,7 +48,7 @@ def replace_word_columns(text: Text) -> tuple[Text, tuple[FoundColumn, ...]]:
     replaced = text.data.decode("utf-8", "replace").split("\n")
     for line, cells in zip(table.lines, table.rows, strict=True):
         replaced[line] = (separator or " ").join(
-            _MISSING if index in table.words else f'"{cell}"' if separator and separator in cell else cell
+            _MISSING_TEXT if index in table.words else f'"{cell}"' if separator and separator in cell else cell
             for index, cell in enumerate(cells)
         )
     columns = (
@@ -71,7 +71,7 @@ def _has_words_at_numbers(text: Text, runs: Sequence[tuple[int, int]]) -> bool:
     """Return whether rows from the line above the first numbers onwards may contain both words and numbers."""
     if not runs:
         return True
-    kinds = text.kinds[text.kinds != BLANK]
+    kinds = text.line_kinds[text.line_kinds != BLANK]
     numbers = np.flatnonzero(kinds == NUMBERS)
     return bool((kinds[numbers[0] :] == TEXT).any()) or (
         numbers[0] > 0 and any(map(_NUMBER_CELL.fullmatch, re.split(r"[\t;|, ]+", text.line(runs[0][0] - 1))))

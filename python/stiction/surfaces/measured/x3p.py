@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, FileCaveat, FormatError, Raw, Source, read_chunks
+from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, FileCaveat, FormatError, RawHeights, Source, read_chunks
 from stiction.surfaces.profile import MAX_POINTS
 
-_TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
+_VALUE_TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
 _MAIN_XML = "main.xml"
 
 _XML_NUMBER = re.compile(r"[+-]?([0-9]{1,400}(\.[0-9]{0,400})?|\.[0-9]{1,400})(e[+-]?[0-9]{1,9})?|[+-]?inf|nan", re.I)
@@ -30,7 +30,7 @@ _MAX_SPARE_BYTES = 64  # maximum number of bytes of the validity mask beyond the
 _MAX_DEPTH = 6
 
 
-def read_x3p(data: bytes) -> Raw:
+def read_x3p(data: bytes) -> RawHeights:
     """Read an X3P file. Lengths in the file are in metres."""
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
@@ -41,7 +41,7 @@ def read_x3p(data: bytes) -> Raw:
         raise FormatError(f"is a damaged X3P file ({type(error).__name__}: {str(error)[:80]})") from None
 
 
-def _read_archive(archive: zipfile.ZipFile) -> Raw:
+def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
     mains = [name for name in archive.namelist() if name.rpartition("/")[2] == _MAIN_XML and name.count("/") <= 1]
     if not mains:
         raise FormatError(f"is a zip archive without {_MAIN_XML}, so it is not an X3P file")
@@ -74,7 +74,7 @@ def _read_archive(archive: zipfile.ZipFile) -> Raw:
     caveats = tuple(caveat for name in absolute for caveat in axes[name].caveats)
     common: dict[str, Any] = {"unit": "m", "position_unit": "m", "caveats": caveats, "source": Source("X3P")}
     if feature == "SUR":
-        return Raw(heights.reshape(shape), spacing=(axes["Y"].increment, axes["X"].increment), **common)
+        return RawHeights(heights.reshape(shape), spacing=(axes["Y"].increment, axes["X"].increment), **common)
     if shape[0] != 1:
         raise FormatError(f"contains {shape[0]} profiles; only one can be read")
     if "Y" in absolute and np.ptp(axes["Y"].lengths(columns["Y"])) > 0:
@@ -85,8 +85,8 @@ def _read_archive(archive: zipfile.ZipFile) -> Raw:
         digit = {
             "<f4": np.spacing(np.abs(positions).astype(np.float32)).astype(np.float64), "<f8": np.zeros(points),
         }.get(axes["X"].stored, np.full(points, increment))  # fmt: skip
-        return Raw(heights, positions=positions, digits=lambda: digit, **common)
-    return Raw(heights, spacing=(axes["X"].increment,), **common)
+        return RawHeights(heights, positions=positions, digits=lambda: digit, **common)
+    return RawHeights(heights, spacing=(axes["X"].increment,), **common)
 
 
 class _MainXml:
@@ -148,13 +148,13 @@ class _StoredAxis:
         path = f"Record1/Axes/C{name}"
         kind = _get_text(root, f"{path}/AxisType", "I" if name != "Z" else "A")
         stored = _get_text(root, f"{path}/DataType", "D")
-        if kind not in ("I", "A") or stored not in _TYPES:
+        if kind not in ("I", "A") or stored not in _VALUE_TYPES:
             raise FormatError(
                 f"has a {name} axis of type {kind!r} stored as {stored!r}; the type must be I or A, stored as I, L, F "
                 "or D"
             )
         self.absolute = kind == "A"
-        self.stored = _TYPES[stored]
+        self.stored = _VALUE_TYPES[stored]
         self.increment = _get_number(root, f"{path}/Increment", math.nan)
         self.caveats: tuple[FileCaveat, ...] = ()
         if self.absolute and stored in ("F", "D"):  # floating-point lengths must not be multiplied by an increment

@@ -16,8 +16,8 @@ from __future__ import annotations
 import numpy as np
 
 from stiction.surfaces.measured.decode import Text
-from stiction.surfaces.measured.layout import Layout, integer, number
-from stiction.surfaces.measured.raw import FormatError, Raw
+from stiction.surfaces.measured.layout import Layout, parse_header_integer, parse_header_number
+from stiction.surfaces.measured.raw import FormatError, RawHeights
 from stiction.surfaces.measured.split import detect_dialect, find_number_runs, parse_block
 from stiction.surfaces.measured.text import describe_source
 
@@ -36,18 +36,18 @@ _HEADER_NAMES = (
 
 
 def _parse_header(text: Text) -> dict[str, str]:
-    words = (line.replace("=", " ").split() for line in text.head[:12])
+    words = (line.replace("=", " ").split() for line in text.first_lines[:12])
     return {row[0].casefold(): " ".join(row[1:]) for row in words if row and row[0].casefold() in _HEADER_NAMES}
 
 
-def _read(text: Text) -> Raw:
+def _read(text: Text) -> RawHeights:
     header = _parse_header(text)
-    values = {key: number(header, key) for key in header}
+    values = {key: parse_header_number(header, key) for key in header}
     runs = find_number_runs(text)
     if not runs:
         raise FormatError("has no heights below its header")
     block = parse_block(text, *runs[0], detect_dialect(text, *runs[0]))
-    shape = (integer(header, "nrows"), integer(header, "ncols"))
+    shape = (parse_header_integer(header, "nrows"), parse_header_integer(header, "ncols"))
     if len(runs) > 1 or block.values.size != shape[0] * shape[1]:
         raise FormatError(
             f"declares {shape[0]} rows of {shape[1]} heights, but contains an array of shape {block.values.shape}"
@@ -55,7 +55,7 @@ def _read(text: Text) -> Raw:
     dx = values.get("cellsize", values.get("dx"))
     dy = values.get("cellsize", values.get("dy"))
     heights = np.ascontiguousarray(block.values.reshape(shape)[::-1])
-    return Raw(
+    return RawHeights(
         heights, bare_spacing=None if dx is None or dy is None else (dy, dx), source=describe_source(block),
         codes=(values["nodata_value"],) if "nodata_value" in values else (),
         history=("rows reversed: the first line has the largest y",),

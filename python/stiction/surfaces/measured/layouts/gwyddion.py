@@ -27,7 +27,7 @@ _COMMENTED_LENGTH = re.compile(
 _COMMENT_LINE = re.compile(r"#\s*[^:=]{1,40}[:=]\s*(\S.{0,80})?")
 
 
-def _head(lines: Sequence[str]) -> list[str]:
+def _parse_channel_comments(lines: Sequence[str]) -> list[str]:
     """Return the header comments of a channel: name, width, height and unit, in the same order in all languages."""
     comments = []
     for line in map(normalise_line, lines):
@@ -37,7 +37,7 @@ def _head(lines: Sequence[str]) -> list[str]:
     return comments[-4:]
 
 
-def _is_head(comments: Sequence[str]) -> bool:
+def _is_channel_comments(comments: Sequence[str]) -> bool:
     lengths = [_COMMENTED_LENGTH.fullmatch(line) for line in comments]
     return (
         len(comments) >= 3
@@ -70,7 +70,7 @@ def _with_header(table: ColumnTable, comments: Sequence[str]) -> ColumnTable:
 def _read(text: Text) -> Content:
     content = parse_table(text)
     if isinstance(content, ColumnTable):
-        return _with_header(content, _head(text.head))
+        return _with_header(content, _parse_channel_comments(text.first_lines))
     assert isinstance(content, Channels)
     read_block = content.read
 
@@ -82,9 +82,11 @@ def _read(text: Text) -> Content:
         header_start = first
         while header_start > 0 and text.line(header_start - 1).startswith("#"):
             header_start -= 1
-        return _with_header(table, _head(text.lines(header_start, first)))
+        return _with_header(table, _parse_channel_comments(text.lines(header_start, first)))
 
     return replace(content, read=channel)
 
 
-LAYOUT = Layout("Gwyddion text", lambda text: _is_head(_head(text.head[:6])), _read)
+LAYOUT = Layout(
+    "Gwyddion text", lambda text: _is_channel_comments(_parse_channel_comments(text.first_lines[:6])), _read
+)

@@ -23,14 +23,14 @@ import numpy as np
 from stiction.surfaces.measured.decode import NUMBERS, Text
 from stiction.surfaces.measured.header import is_unit, normalise_line
 from stiction.surfaces.measured.layout import Layout
-from stiction.surfaces.measured.raw import FileCaveat, FormatError, Raw, length_unit
+from stiction.surfaces.measured.raw import FileCaveat, FormatError, RawHeights, length_unit
 from stiction.surfaces.measured.split import detect_dialect, find_number_runs, parse_block
 from stiction.surfaces.measured.text import describe_source
 
 _UNSIGNED_NUMBER = re.compile(r"[0-9]+(?:[.,][0-9]+)?")
 
 
-def _cells(line: str) -> list[str]:
+def _split_cells(line: str) -> list[str]:
     return [
         cell.strip()
         for cell in re.split('[;\t]|,(?=")|(?<=[^0-9]),|,(?=[^0-9])', line.replace('"', ""))
@@ -38,16 +38,16 @@ def _cells(line: str) -> list[str]:
     ]
 
 
-def _rows(text: Text) -> list[list[str]]:
+def _header_rows(text: Text) -> list[list[str]]:
     """Return the cells of the lines above the heights."""
     rows = []
-    for line in text.head[:60]:
+    for line in text.first_lines[:60]:
         quoted = re.findall(r'"([^"]*)"', line)
-        rows.append([normalise_line(cell).strip() for cell in quoted] if quoted else _cells(normalise_line(line)))
+        rows.append([normalise_line(cell).strip() for cell in quoted] if quoted else _split_cells(normalise_line(line)))
     return rows
 
 
-def _calibration(rows: list[list[str]]) -> int | None:
+def _find_calibration_row(rows: list[list[str]]) -> int | None:
     """Return the index of the calibration row, which consists of a name, a length and its unit."""
     for index, row in enumerate(rows):
         if len(row) == 3 and _UNSIGNED_NUMBER.fullmatch(row[1]) and length_unit(row[2]) is not None:
@@ -56,14 +56,16 @@ def _calibration(rows: list[list[str]]) -> int | None:
 
 
 def _recognise(text: Text) -> bool:
-    if not any("ImageDataCsv" in line for line in text.head[:12]) and "VK-" not in " ".join(text.head[:4]):
+    if not any("ImageDataCsv" in line for line in text.first_lines[:12]) and "VK-" not in " ".join(
+        text.first_lines[:4]
+    ):
         return False
-    return _calibration(_rows(text)) is not None
+    return _find_calibration_row(_header_rows(text)) is not None
 
 
-def _read(text: Text) -> Raw:
-    rows = _rows(text)
-    index = _calibration(rows)
+def _read(text: Text) -> RawHeights:
+    rows = _header_rows(text)
+    index = _find_calibration_row(rows)
     assert index is not None
     _, digits, unit = rows[index]
     spacing = float(digits.replace(",", "."))
@@ -73,7 +75,7 @@ def _read(text: Text) -> Raw:
     runs = find_number_runs(text)
     first, last = max(runs, key=lambda run: int(text.starts[run[1] + 1] - text.starts[run[0]]))
     block = parse_block(text, first, last, detect_dialect(text, first, last))
-    values, caveats = _only_image(text, block.values, last), []
+    values, caveats = _extract_single_image(text, block.values, last), []
     if len(counts) == 2 and values.shape[::-1] != tuple(counts):
         if values.shape[1] != counts[0] or values.shape[0] > counts[1]:
             raise FormatError(
@@ -86,16 +88,16 @@ def _read(text: Text) -> Raw:
                 "export it again, or accept the existing rows",
             )
         )  # fmt: skip
-    return Raw(
+    return RawHeights(
         values, unit=height_unit and (length_unit(height_unit) or height_unit), spacing=(spacing, spacing),
         position_unit=length_unit(unit), source=describe_source(block), caveats=tuple(caveats),
     )  # fmt: skip
 
 
-def _only_image(text: Text, values: np.ndarray, last: int) -> np.ndarray:
+def _extract_single_image(text: Text, values: np.ndarray, last: int) -> np.ndarray:
     """Return the heights of an image. Raises `FormatError` if the file also contains the numbers of another image."""
-    if (text.kinds[last + 1 :] == NUMBERS).any():
-        place = last + 1 + int(np.argmax(text.kinds[last + 1 :] == NUMBERS))
+    if (text.line_kinds[last + 1 :] == NUMBERS).any():
+        place = last + 1 + int(np.argmax(text.line_kinds[last + 1 :] == NUMBERS))
         raise FormatError(
             f"{text.describe_line(place)} contains numbers of another image; export each image to its own file"
         )

@@ -19,8 +19,8 @@ from stiction.surfaces.measured.excel import parse_sheet
 from stiction.surfaces.measured.layout import Sheets, WorkbookLayout
 from stiction.surfaces.measured.raw import ColumnTable, length_unit
 
-_PARAMETER = re.compile(r"\s*[A-Z][\w(). ]{0,12}?\s+[+-]?[0-9.,]+\s*([^\W\d_]{1,3})\s*")
-_CUT_OFF = re.compile(r"\s*[0-9.,]+\s*([^\W\d_]{1,3})\s*")
+_PARAMETER_PATTERN = re.compile(r"\s*[A-Z][\w(). ]{0,12}?\s+[+-]?[0-9.,]+\s*([^\W\d_]{1,3})\s*")
+_CUT_OFF_PATTERN = re.compile(r"\s*[0-9.,]+\s*([^\W\d_]{1,3})\s*")
 
 
 def _recognise(sheets: Sheets) -> bool:
@@ -30,7 +30,8 @@ def _recognise(sheets: Sheets) -> bool:
 def _height_unit(sheets: Sheets) -> str | None:
     cells = (str(row[0]) for row in sheets["DATA"][:40] if row and isinstance(row[0], str))
     return next(
-        (unit for cell in cells if (match := _PARAMETER.fullmatch(cell)) and (unit := length_unit(match[1]))), None
+        (unit for cell in cells if (match := _PARAMETER_PATTERN.fullmatch(cell)) and (unit := length_unit(match[1]))),
+        None,
     )
 
 
@@ -43,7 +44,7 @@ def _cut_offs(sheets: Sheets) -> Iterator[str]:
 
 def _read(sheets: Sheets) -> ColumnTable:
     table = parse_sheet(sheets["DATA"])
-    cut_offs = (match for cell in _cut_offs(sheets) if (match := _CUT_OFF.fullmatch(cell)))
+    cut_offs = (match for cell in _cut_offs(sheets) if (match := _CUT_OFF_PATTERN.fullmatch(cell)))
     lateral = next((unit for match in cut_offs if (unit := length_unit(match[1]))), None)
     if table.values.shape[1] != 2:
         return table

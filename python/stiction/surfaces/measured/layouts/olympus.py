@@ -23,7 +23,7 @@ from stiction.surfaces.measured.layout import Layout
 from stiction.surfaces.measured.raw import ColumnTable, FormatError, length_unit
 from stiction.surfaces.measured.text import parse_table
 
-_Z = re.compile(r"\W*Z\s*Resolution\s*[\[(]\s*([^\])]{1,12}?)\s*[\])].*", re.IGNORECASE)
+_HEIGHT_UNIT_LINE_PATTERN = re.compile(r"\W*Z\s*Resolution\s*[\[(]\s*([^\])]{1,12}?)\s*[\])].*", re.IGNORECASE)
 
 
 def _read(text: Text) -> ColumnTable:
@@ -33,7 +33,14 @@ def _read(text: Text) -> ColumnTable:
     rows = table.values.shape[0]
     if table.values.shape[1] < 3 or not np.array_equal(table.values[:, 0], table.values[0, 0] + np.arange(rows)):
         raise FormatError("has no row numbers in the first column, unlike exports of this microscope")
-    unit = next((length_unit(match[1]) for line in text.head if (match := _Z.fullmatch(normalise_line(line)))), None)
+    unit = next(
+        (
+            length_unit(match[1])
+            for line in text.first_lines
+            if (match := _HEIGHT_UNIT_LINE_PATTERN.fullmatch(normalise_line(line)))
+        ),
+        None,
+    )
     return replace(
         table, values=table.values[:, 1:], names=table.names[1:], units=(unit,) * (table.values.shape[1] - 1),
         area=True, digits=None, row_digits=None,
@@ -42,5 +49,7 @@ def _read(text: Text) -> ColumnTable:
 
 
 LAYOUT = Layout(
-    "Olympus OLS map", lambda text: any(re.match(r"\W*DataLine\W+POS\b", line, re.I) for line in text.head), _read
+    "Olympus OLS map",
+    lambda text: any(re.match(r"\W*DataLine\W+POS\b", line, re.I) for line in text.first_lines),
+    _read,
 )

@@ -20,40 +20,40 @@ from __future__ import annotations
 import re
 
 from stiction.surfaces.measured.decode import Text
-from stiction.surfaces.measured.layout import Layout, integer, number
-from stiction.surfaces.measured.raw import FormatError, Raw, Source
+from stiction.surfaces.measured.layout import Layout, parse_header_integer, parse_header_number
+from stiction.surfaces.measured.raw import FormatError, RawHeights, Source
 from stiction.surfaces.measured.split import numbers_in
 
 _SDF_VERSION = re.compile(r"a(ISO|NPL|BCR|EUNA|GBS)-?\S{0,12}", re.IGNORECASE)
-_DECLARATION = re.compile(r"([A-Za-z]{1,30})\s*=\s*(\S.{0,200})?")
+_DECLARATION_PATTERN = re.compile(r"([A-Za-z]{1,30})\s*=\s*(\S.{0,200})?")
 
 
-def _read(text: Text) -> Raw:
+def _read(text: Text) -> RawHeights:
     header, end = {}, None
     for index in range(1, min(len(text), 200)):
         line = text.line(index)
         if line == "*":
             end = index
             break
-        if (match := _DECLARATION.fullmatch(line)) is not None:
+        if (match := _DECLARATION_PATTERN.fullmatch(line)) is not None:
             header[match[1].casefold()] = (match[2] or "").strip()
     if end is None:
         raise FormatError("lacks the line '*' above its heights")
 
-    columns, rows = integer(header, "NumPoints"), integer(header, "NumProfiles")
+    columns, rows = parse_header_integer(header, "NumPoints"), parse_header_integer(header, "NumProfiles")
     last = next((index for index in range(end + 1, len(text)) if text.line(index) == "*"), len(text)) - 1
     heights = numbers_in(text, end + 1, last)
     if heights.size != rows * columns:
         raise FormatError(f"declares {rows} profiles of {columns} points, but has {heights.size} heights")
-    spacing = [number(header, "Xscale")]
+    spacing = [parse_header_number(header, "Xscale")]
     if rows > 1:
-        heights, spacing = heights.reshape(rows, columns), [number(header, "Yscale"), *spacing]
+        heights, spacing = heights.reshape(rows, columns), [parse_header_number(header, "Yscale"), *spacing]
     if not min(spacing) > 0:
         raise FormatError(f"has a spacing of {min(spacing):g} m, but the spacing must be above 0")
     source = Source(separator="space", decimal_mark=".", lines=(end + 2, last + 1), lines_above=end + 1)
-    return Raw(
-        heights, unit="um", factor=number(header, "Zscale") * 1e6, spacing=tuple(step * 1e6 for step in spacing),
-        position_unit="um", source=source,
+    return RawHeights(
+        heights, unit="um", factor=parse_header_number(header, "Zscale") * 1e6,
+        spacing=tuple(step * 1e6 for step in spacing), position_unit="um", source=source,
     )  # fmt: skip
 
 

@@ -18,8 +18,8 @@ import re
 
 from stiction.surfaces.measured.decode import Text
 from stiction.surfaces.measured.header import normalise_line
-from stiction.surfaces.measured.layout import Layout, integer, number
-from stiction.surfaces.measured.raw import FormatError, Raw, length_unit
+from stiction.surfaces.measured.layout import Layout, parse_header_integer, parse_header_number
+from stiction.surfaces.measured.raw import FormatError, RawHeights, length_unit
 from stiction.surfaces.measured.split import detect_dialect, find_number_runs, parse_block
 from stiction.surfaces.measured.text import describe_source
 
@@ -27,7 +27,7 @@ _HEADER_FIELD = re.compile(r"#?\s*([A-Za-z][\w -]{0,30}?)\s*[=:]\s*(.{1,60}?)\s*
 
 
 def _parse_header(text: Text) -> dict[str, str]:
-    matches = (_HEADER_FIELD.fullmatch(normalise_line(line)) for line in text.head[:100])
+    matches = (_HEADER_FIELD.fullmatch(normalise_line(line)) for line in text.first_lines[:100])
     return {match[1].casefold(): match[2] for match in matches if match}
 
 
@@ -36,14 +36,14 @@ def _recognise(text: Text) -> bool:
     return {"x-pixels", "y-pixels", "x-length", "y-length"} <= header.keys() and text.line(0).startswith("#")
 
 
-def _read(text: Text) -> Raw:
+def _read(text: Text) -> RawHeights:
     header = _parse_header(text)
     runs = find_number_runs(text)
     if not runs:
         raise FormatError("has no heights below its header")
     first, last = max(runs, key=lambda run: int(text.starts[run[1] + 1] - text.starts[run[0]]))
     block = parse_block(text, first, last, detect_dialect(text, first, last))
-    rows, columns = integer(header, "y-pixels"), integer(header, "x-pixels")
+    rows, columns = parse_header_integer(header, "y-pixels"), parse_header_integer(header, "x-pixels")
     if block.values.shape != (rows, columns):
         raise FormatError(
             f"declares {rows} rows of {columns} heights, but contains an array of shape {block.values.shape}"
@@ -53,9 +53,9 @@ def _read(text: Text) -> Raw:
         raise FormatError("has lengths along x and y in different units")
     unit, factor = header.get("z-unit"), None
     if unit is None:
-        unit, factor = "nm", number(header, "bit2nm") if "bit2nm" in header else None
-    spacing = (number(header, "y-length") / rows, number(header, "x-length") / columns)
-    return Raw(
+        unit, factor = "nm", parse_header_number(header, "bit2nm") if "bit2nm" in header else None
+    spacing = (parse_header_number(header, "y-length") / rows, parse_header_number(header, "x-length") / columns)
+    return RawHeights(
         block.values, unit=length_unit(unit) or unit, factor=factor, spacing=spacing, position_unit=units.pop(),
         source=describe_source(block),
     )  # fmt: skip

@@ -26,22 +26,22 @@ from stiction.surfaces.measured.layout import Layout
 from stiction.surfaces.measured.raw import ColumnTable, FormatError
 from stiction.surfaces.measured.text import parse_table
 
-_COUNT = re.compile(r"(?:Number of )?(Points|Traces)\s+([0-9]{1,7})\s*", re.IGNORECASE)
+_COUNT_PATTERN = re.compile(r"(?:Number of )?(Points|Traces)\s+([0-9]{1,7})\s*", re.IGNORECASE)
 
 
-def _counts(text: Text) -> dict[str, int]:
-    matches = (_COUNT.fullmatch(line) for line in text.head[:40])
+def _parse_counts(text: Text) -> dict[str, int]:
+    matches = (_COUNT_PATTERN.fullmatch(line) for line in text.first_lines[:40])
     return {match[1].casefold(): int(match[2]) for match in matches if match}
 
 
 def _recognise(text: Text) -> bool:
-    return {"points", "traces"} <= _counts(text).keys() and any(
-        line.casefold().startswith("x-resolution") for line in text.head[:40]
+    return {"points", "traces"} <= _parse_counts(text).keys() and any(
+        line.casefold().startswith("x-resolution") for line in text.first_lines[:40]
     )
 
 
 def _read(text: Text) -> ColumnTable:
-    counts, table = _counts(text), parse_table(text)
+    counts, table = _parse_counts(text), parse_table(text)
     if not isinstance(table, ColumnTable):
         raise FormatError("contains traces in several blocks; export them in one block with one trace per row")
     values, history = table.values, table.history

@@ -24,8 +24,8 @@ import re
 import numpy as np
 
 from stiction.surfaces.measured.decode import Text
-from stiction.surfaces.measured.layout import Layout, integer, number
-from stiction.surfaces.measured.raw import FormatError, Raw
+from stiction.surfaces.measured.layout import Layout, parse_header_integer, parse_header_number
+from stiction.surfaces.measured.raw import FormatError, RawHeights
 from stiction.surfaces.measured.split import Dialect, parse_block
 from stiction.surfaces.measured.text import describe_source
 
@@ -33,7 +33,7 @@ _HEIGHT_BLOCKS = ("RAW_DATA", "RAW DATA", "OPD", "SAMPLE_DATA")
 _FIRST_LINE = "Wyko ASCII Data File"
 
 
-def _read(text: Text) -> Raw:
+def _read(text: Text) -> RawHeights:
     header = {}
     first = None
     for index in range(min(len(text), 2000)):
@@ -45,7 +45,7 @@ def _read(text: Text) -> Raw:
             header[key.strip().casefold()] = rest[-1].strip()
     if first is None:
         raise FormatError(f"lacks a block of heights ({', '.join(_HEIGHT_BLOCKS)})")
-    columns, rows = integer(header, "X Size"), integer(header, "Y Size")
+    columns, rows = parse_header_integer(header, "X Size"), parse_header_integer(header, "Y Size")
     if first + columns > len(text):
         raise FormatError(f"declares {columns} lines of heights, but ends earlier")
     decimal_comma = "," in "".join(text.line(first + index) for index in range(min(3, columns)))
@@ -57,12 +57,12 @@ def _read(text: Text) -> Raw:
     flags = re.findall(r"[0-9]+", text.line(0).partition("Format")[2])
     factor = None
     if len(flags) < 2 or flags[1] == "0":
-        factor = number(header, "Wavelength") / (number(header, "Mult", 1.0) or math.nan)
+        factor = parse_header_number(header, "Wavelength") / (parse_header_number(header, "Mult", 1.0) or math.nan)
         if not math.isfinite(factor):
             raise FormatError("has a factor Mult of 0")
-    pixel = abs(number(header, "Pixel_size"))
-    spacing = (pixel * number(header, "Aspect", 1.0), pixel)
-    return Raw(
+    pixel = abs(parse_header_number(header, "Pixel_size"))
+    spacing = (pixel * parse_header_number(header, "Aspect", 1.0), pixel)
+    return RawHeights(
         np.ascontiguousarray(block.values.T), unit="nm", factor=factor, spacing=spacing, position_unit="mm",
         source=describe_source(block),
     )  # fmt: skip

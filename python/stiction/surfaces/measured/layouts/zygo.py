@@ -21,7 +21,7 @@ import numpy as np
 
 from stiction.surfaces.measured.decode import Text
 from stiction.surfaces.measured.layout import Layout
-from stiction.surfaces.measured.raw import FormatError, Raw
+from stiction.surfaces.measured.raw import FormatError, RawHeights
 from stiction.surfaces.measured.shapes import MAX_GRID_POINTS
 from stiction.surfaces.measured.split import Dialect, parse_block
 from stiction.surfaces.measured.text import describe_source
@@ -30,7 +30,7 @@ from stiction.surfaces.measured.text import describe_source
 _SIZE, _RESOLUTION = 3, 7
 
 
-def _read(text: Text) -> Raw:
+def _read(text: Text) -> RawHeights:
     if not text.line(0).startswith("Zygo XYZ"):
         raise FormatError("is a Zygo phase file; export it as XYZ (.xyz), X3P or .datx")
     marks = [index for index in range(min(len(text), 60)) if text.line(index) == "#"]
@@ -59,7 +59,7 @@ def _read(text: Text) -> Raw:
     matrix = np.full((rows, columns), np.nan)
     matrix[row.astype(np.int64), column.astype(np.int64)] = heights
     spacing = (pixel, pixel) if pixel > 0 else None
-    return Raw(
+    return RawHeights(
         matrix, unit="um", spacing=spacing, position_unit="m" if spacing else None, source=describe_source(block)
     )
 
