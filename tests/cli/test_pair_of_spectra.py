@@ -20,7 +20,7 @@ from stiction import (
 )
 from stiction.studies.resolution import evaluate_cutoffs, resolution_limits
 from stiction.studies.store import open_stored
-from stiction.surfaces.pairing import SpectrumPairs
+from stiction.surfaces.pairing import SpectralSurfacePairs
 from support.command import assert_rejected, call_stiction, check_stiction
 
 SPACING, POINTS = 0.02, 256
@@ -79,7 +79,7 @@ def spectra_folder(tmp_path_factory, surfaces, spectra):
 
 
 def test_surrogates_have_the_given_spectra_and_equal_phases_at_all_cutoffs(spectra):
-    pairs = SpectrumPairs(*spectra)
+    pairs = SpectralSurfacePairs(*spectra)
     assert pairs.spacing[0] == pytest.approx(min(spectrum.shortest for spectrum in spectra) / 4)
     assert pairs.shape[0] * 4 == pytest.approx(3 * pairs.side / pairs.spacing[0], abs=4)
     gradients = [
@@ -88,7 +88,7 @@ def test_surrogates_have_the_given_spectra_and_equal_phases_at_all_cutoffs(spect
     ]
     expected_gradients = [float(spectrum.roughness().gradient_at(0.3)) for spectrum in spectra]
     assert np.mean(gradients, axis=0) == pytest.approx(expected_gradients, rel=0.1)
-    filtered_pairs = SpectrumPairs(*spectra, cut_off=(0.4, 0.4))
+    filtered_pairs = SpectralSurfacePairs(*spectra, cut_off=(0.4, 0.4))
     assert filtered_pairs.spacing == pairs.spacing
     num_points = round(pairs.side / pairs.spacing[0])
     surrogate = spectra[1].surface(2016, shape=(num_points, num_points), spacing=pairs.spacing, repetition=3)
@@ -96,7 +96,7 @@ def test_surrogates_have_the_given_spectra_and_equal_phases_at_all_cutoffs(spect
     cropped_surrogate = Surface(cut_off(surrogate, 0.4, periodic=True).heights[:rows, :columns], spacing=pairs.spacing)
     assert np.array_equal(filtered_pairs.surrogates(3)[1].heights, levelled(cropped_surrogate, "plane").heights)
     # If all results are filtered, the spacing of the surrogates follows from the smallest cutoff wavelength.
-    assert SpectrumPairs(*spectra, cut_off=(0.4, 0.4), finest=0.4).spacing[0] == pytest.approx(0.1)
+    assert SpectralSurfacePairs(*spectra, cut_off=(0.4, 0.4), finest=0.4).spacing[0] == pytest.approx(0.1)
 
 
 def test_friction_interval_from_joined_spectra_contains_friction_of_full_surfaces(spectra, surfaces):

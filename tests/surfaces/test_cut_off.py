@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from stiction import Profile, Surface, cut_off, surface_spectrum
-from stiction.surfaces.filters import transmission
+from stiction.surfaces.filters import gaussian_transmission
 from support.rough_surfaces import rough_profile, self_affine_map
 
 ROUND_OFF = 1e-12
@@ -60,7 +60,7 @@ def test_low_pass_filter_has_gaussian_transmission_that_is_one_half_at_the_cutof
         amplitude = np.hypot(*np.linalg.lstsq(waves[middle], smooth[middle], rcond=None)[0])
         expected = math.exp(-math.log(2) * (wavelength / length) ** 2)
         assert amplitude == pytest.approx(expected, abs=ROUND_OFF if periodic else TRUNCATION_TOLERANCE)
-        assert transmission(2 * np.pi / length, wavelength) == pytest.approx(expected, rel=ROUND_OFF)
+        assert gaussian_transmission(2 * np.pi / length, wavelength) == pytest.approx(expected, rel=ROUND_OFF)
 
 
 def test_low_pass_filter_of_a_periodic_surface_is_isotropic():
@@ -68,7 +68,7 @@ def test_low_pass_filter_of_a_periodic_surface_is_isotropic():
     smooth = surface_spectrum(cut_off(surface, 4.0, periodic=True), periodic=True)
     own = surface_spectrum(surface, periodic=True)
     q = np.hypot(own.wave_number_y[:, np.newaxis], own.wave_number_x)
-    assert np.allclose(smooth.density, own.density * transmission(q, 4.0) ** 2, rtol=1e-9, atol=1e-12)
+    assert np.allclose(smooth.density, own.density * gaussian_transmission(q, 4.0) ** 2, rtol=1e-9, atol=1e-12)
 
 
 @pytest.mark.parametrize("wavelength", [0.2, 0.3, 1.0, 13.0])

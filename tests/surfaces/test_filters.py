@@ -40,9 +40,9 @@ class TestGaussian:
         # The transmission of the roughness profile is 1 minus that of the mean line.
         wavelength, cutoff = 0.4, 0.4 * ratio
         wave = Profile(np.sin(2 * np.pi * np.arange(800) / 80), spacing=wavelength / 80)
-        transmission = math.exp(-math.pi * (math.sqrt(math.log(2) / math.pi) * ratio) ** 2)
+        gaussian_transmission = math.exp(-math.pi * (math.sqrt(math.log(2) / math.pi) * ratio) ** 2)
         middle = slice(360, 440)  # the middle is at least a wavelength away from the ends, beyond all weights
-        for kind, factor in (("S", transmission), ("L", 1 - transmission)):
+        for kind, factor in (("S", gaussian_transmission), ("L", 1 - gaussian_transmission)):
             result = filtered(wave, cutoff=cutoff, kind=kind).heights[middle]
             assert np.abs(result - factor * wave.heights[middle]).max() < 1e-9
 

@@ -25,7 +25,7 @@ class TestLines:
         body = surface((30, 64))
         pairs = LinePairs(body, body, level=None, several=True)
         assert pairs.max_count() == 30
-        places = [pairs.place(index) for index in range(30)]
+        places = [pairs.position_across_lines(index) for index in range(30)]
         assert np.unique(np.round(places, 9)).size == 30
         for index in (0, 7, 29):
             upper, lower = pairs.pair(index)

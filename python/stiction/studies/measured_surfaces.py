@@ -52,7 +52,7 @@ from stiction.surfaces.pairing import (
     IsotropicPairs,
     LinePairs,
     MapPairs,
-    SpectrumPairs,
+    SpectralSurfacePairs,
     Surrogates,
     piece_below_slider,
     quasi_random_point,
@@ -648,7 +648,9 @@ class LineMembers:
         """Return the member whose slider starts `steps` points after the start of the counterface."""
         offset = steps * slider.spacing
         pair = slider, piece_below_slider(track, offset, slider)
-        return Member(pair, offset, self.pairs.place(line), line=line, surrogate=self.pairs.surrogates != "none")
+        return Member(
+            pair, offset, self.pairs.position_across_lines(line), line=line, surrogate=self.pairs.surrogates != "none"
+        )
 
     def find_shared_properties(self) -> SharedProperties:
         """Return the properties that all members have in common."""
@@ -739,7 +741,7 @@ class MeasuredSurrogates(MeasuredSurfaceKeys):
         if isinstance(first, JoinedSpectrum) or isinstance(second, JoinedSpectrum):
             finest = float(self.cells()["cut_off"].min())
             return AreaMembers(
-                SpectrumPairs(
+                SpectralSurfacePairs(
                     to_joined_spectrum(first), to_joined_spectrum(second), self.level, seed, cut_offs, finest
                 ),
                 scans,
@@ -777,7 +779,7 @@ def build_map_pairs(
 class AreaMembers:
     """Members of a study that presses height maps or surrogates of scans."""
 
-    pairs: MapPairs | IsotropicPairs | SpectrumPairs
+    pairs: MapPairs | IsotropicPairs | SpectralSurfacePairs
     scans: tuple[Body, Body]
     # number of pairs of surrogates, which are the first members; None if all members are surrogates
     surrogates: int | None = None
@@ -799,7 +801,7 @@ class AreaMembers:
         """Return the properties that all members have in common."""
         pairs = self.pairs
         scans: Sequence[Any] = self.scans
-        if isinstance(pairs, SpectrumPairs):  # surrogates have a spacing of half the shortest wavelength
+        if isinstance(pairs, SpectralSurfacePairs):  # surrogates have a spacing of half the shortest wavelength
             wavelengths = (max(body.shortest, pairs.finest) for body in (pairs.upper, pairs.lower))
             scans = [SimpleNamespace(spacing=shortest / 2, extent=pairs.side) for shortest in wavelengths]
         return SharedProperties(pairs.upper, pairs.lower, pairs.area, pairs.shape, pairs.spacing, pairs.used, scans)

@@ -54,7 +54,7 @@ from stiction.studies.study import DEFAULT_SEED, Study
 from stiction.studies.values import StudyError, validate_table
 from stiction.surfaces.hidden_noise import HiddenNoise, find_hidden_noise
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
-from stiction.surfaces.pairing import DEFAULT_LINES, SIDES, Surrogates
+from stiction.surfaces.pairing import DEFAULT_LINE_COUNT, SIDES, Surrogates
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import InstrumentLimit, instrument_limit
 from stiction.surfaces.surface import Surface, as_body
@@ -546,7 +546,7 @@ class Pair:
 
     def _count_positions(self) -> tuple[int, int]:
         """Return the number of line pairs, and the number of relative positions for each line pair."""
-        lines, offsets = self.options.lines or DEFAULT_LINES, self.options.offsets
+        lines, offsets = self.options.lines or DEFAULT_LINE_COUNT, self.options.offsets
         if self.are_profiles and not self.has_surrogates:
             listed = self._listed_positions
             return 1, len(listed) if listed is not None else DEFAULT_NUM_POSITIONS if offsets is None else offsets

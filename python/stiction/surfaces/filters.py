@@ -25,7 +25,7 @@ _MIN_REGRESSION_POINTS = 4.0  # straight lines are fitted near the ends only if 
 _WEIGHT_HALF_WIDTH = 1.6
 # Minimum number of weights on each side of a point.
 # With a cutoff of two or three points, the weights decay slowly, to 1e-5 at this distance.
-_MIN_WEIGHTS = 64
+_MIN_NUM_FILTER_WEIGHTS = 64
 # The mean line is estimated only where at least this fraction of the weights lies on measured points.
 _MIN_COVERAGE = 1e-6
 _MIN_PIVOT = 1e-9  # the normalised local equations count as singular if a pivot is below this limit
@@ -127,7 +127,7 @@ def check_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: flo
     return length
 
 
-def transmission(wave_number: Floats, cutoff: float) -> Floats:
+def gaussian_transmission(wave_number: Floats, cutoff: float) -> Floats:
     """Return the amplitude transmission of a Gaussian filter with a cutoff (µm) at wave numbers (1/µm)."""
     return np.asarray(np.exp(-math.log(2) * np.square(wave_number * cutoff / (2 * math.pi))))
 
@@ -143,7 +143,7 @@ def gaussian_mean(body: Profile | Surface, cutoff: float, *, periodic: bool = Fa
         if measured is not None:
             smooth = _divide_by_weights(smooth, _filter_periodic(measured, lengths), heights)
     elif max(lengths) < _MIN_REGRESSION_POINTS:
-        smooth = _reflected(heights, lengths)
+        smooth = _filter_reflected(heights, lengths)
     elif measured is not None:
         smooth = _fit_polynomials(heights, measured, lengths, _linear_exponents(heights.ndim))
     else:
@@ -181,12 +181,12 @@ def _filter_periodic(heights: Floats, lengths: Sequence[float]) -> Floats:
 
     for axis, length in enumerate(lengths):
         points = heights.shape[axis]
-        factor = _broadcast_along(transmission(2 * math.pi * rfftfreq(points), length), axis, heights.ndim)
+        factor = _broadcast_along(gaussian_transmission(2 * math.pi * rfftfreq(points), length), axis, heights.ndim)
         heights = irfft(rfft(heights, axis=axis) * factor, points, axis=axis)
     return heights
 
 
-def _reflected(heights: Floats, lengths: Sequence[float]) -> Floats:
+def _filter_reflected(heights: Floats, lengths: Sequence[float]) -> Floats:
     """Filter heights that are extended by reflection at their ends. The tilt of the heights is not filtered.
 
     Reflection is used for short cutoffs (in points), whose weights oscillate. A straight line fitted with the weights
@@ -203,7 +203,7 @@ def _reflected(heights: Floats, lengths: Sequence[float]) -> Floats:
         slope = place @ heights.mean(axis=others) / max(float(place @ place), 1.0)
         tilt = tilt + slope * _broadcast_along(place, axis, heights.ndim)
         factors = factors * _broadcast_along(
-            transmission(np.pi * np.arange(points) / points, length), axis, heights.ndim
+            gaussian_transmission(np.pi * np.arange(points) / points, length), axis, heights.ndim
         )
     return np.asarray(tilt + idctn(dctn(heights - tilt, norm="ortho") * factors, norm="ortho"))
 
@@ -235,14 +235,14 @@ class _Kernel:
     def __init__(self, points: int, length: float) -> None:
         from scipy.fft import irfft, next_fast_len, rfftfreq
 
-        reach = min(points - 1, max(math.ceil(_WEIGHT_HALF_WIDTH * length), _MIN_WEIGHTS))
+        reach = min(points - 1, max(math.ceil(_WEIGHT_HALF_WIDTH * length), _MIN_NUM_FILTER_WEIGHTS))
         self.points = points
         self.padded: int = next_fast_len(points + reach, real=True)
         # These weights reproduce the analytic transmission exactly up to the Nyquist wave number.
         transform_length = next_fast_len(max(self.padded, 4 * reach + 2), real=True)
-        self._weights = irfft(transmission(2 * math.pi * rfftfreq(transform_length), length), transform_length)[
-            : reach + 1
-        ]
+        self._weights = irfft(
+            gaussian_transmission(2 * math.pi * rfftfreq(transform_length), length), transform_length
+        )[: reach + 1]
         self._offset = np.arange(reach + 1) / length
 
     def line(self, power: int) -> Floats:

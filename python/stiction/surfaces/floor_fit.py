@@ -12,7 +12,7 @@ from stiction._checks import Floats
 
 MIN_FLOOR_GAIN = 2.0  # minimum log-likelihood gain of a significant noise floor over power laws alone
 # initial level of the fitted floor, as a fraction of the maximum level that the lowest density allows
-_START_LEVEL = 0.3
+_INITIAL_FLOOR_FRACTION = 0.3
 
 
 class BinnedSpectrum(NamedTuple):
@@ -68,7 +68,7 @@ def fit_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float, floa
         start += [float(fraction @ (np.log(density) + exponent * log_q)), exponent]
         bounds += [(None, None), exponents]
     alone = minimize(loss, [*start, 0.0], jac=True, bounds=[*bounds, (0.0, 0.0)], method="L-BFGS-B")
-    first = [*alone.x[:-1], _START_LEVEL]
+    first = [*alone.x[:-1], _INITIAL_FLOOR_FRACTION]
     with_floor = minimize(loss, first, jac=True, bounds=[*bounds, (0.0, None)], method="L-BFGS-B")
     best = with_floor if with_floor.fun < alone.fun else alone
     *laws, level = best.x.tolist()

@@ -16,7 +16,7 @@ from stiction.surfaces.surface import Surface, parse_lengths, parse_shape
 
 Convention = Literal["paper", "classical"]
 BandLimit = Literal["nyquist"]
-SIDE_KEY = {"lower": 0, "upper": 1}
+SIDE_SEED_KEYS = {"lower": 0, "upper": 1}
 
 
 def random_phases(
@@ -64,7 +64,7 @@ def random_phases(
     repetition = validate_whole_number("repetition", repetition, minimum=0)
     directions = validate_whole_number("directions", directions, minimum=1)
     frequencies = validate_whole_number("frequencies", frequencies, minimum=1)
-    words = np.random.PCG64(np.random.SeedSequence([seed, repetition, SIDE_KEY[side]]))
+    words = np.random.PCG64(np.random.SeedSequence([seed, repetition, SIDE_SEED_KEYS[side]]))
     bits = words.random_raw(directions * frequencies) >> np.uint64(11)
     phases = bits.astype(np.float64) * (2 * math.pi / 2**53)
     return phases.reshape(directions, frequencies)

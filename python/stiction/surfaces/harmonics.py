@@ -24,10 +24,10 @@ _MIN_LINE_RATIO = 10.0
 _PEAK_HALF_WIDTH = 2.5  # half width of a harmonic's peak after a Hann window, in bins
 _STEPS_PER_BIN = 16  # number of steps per bin in the refinement of the first harmonic
 # This quantile of the density over one period is unaffected by harmonics, including aliased harmonics.
-_BACKGROUND_QUANTILE = 0.3
+_BACKGROUND_DENSITY_QUANTILE = 0.3
 
 
-def find_period(density: Floats) -> tuple[float, float]:
+def find_texture_harmonics(density: Floats) -> tuple[float, float]:
     """Find the first harmonic of a periodic texture and the distance between harmonics, both as numbers of bins.
 
     Returns NaN if there is no periodic texture.
@@ -78,9 +78,11 @@ def density_between_harmonics(density: Floats, count: Floats, distance: float) -
     from scipy.ndimage import percentile_filter
     from scipy.special import gammaincinv
 
-    low = percentile_filter(density, 100 * _BACKGROUND_QUANTILE, size=2 * math.ceil(distance / 2) + 1, mode="nearest")
+    low = percentile_filter(
+        density, 100 * _BACKGROUND_DENSITY_QUANTILE, size=2 * math.ceil(distance / 2) + 1, mode="nearest"
+    )
     shape = np.maximum(count, 1.0)
-    return np.asarray(low * shape / gammaincinv(shape, _BACKGROUND_QUANTILE))
+    return np.asarray(low * shape / gammaincinv(shape, _BACKGROUND_DENSITY_QUANTILE))
 
 
 def _median_between_harmonics(padded: Floats, harmonics: Floats, distance: float) -> Floats:

@@ -10,7 +10,7 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.surfaces.filters import MIN_CUTOFF_POINTS
 from stiction.surfaces.floor_fit import BinnedSpectrum, fit_floor
-from stiction.surfaces.harmonics import find_period
+from stiction.surfaces.harmonics import find_texture_harmonics
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import (
@@ -27,7 +27,7 @@ MAX_FITTED_POINTS = 16.0  # longest fitted wavelength, in points
 _BINS_PER_OCTAVE = 8
 _MIN_BINS = 8  # minimum number of bins for a fit
 _RELATIVE_MODEL_ERROR = 0.1  # assumed relative deviation of the true spectrum from a power law in each bin
-_EXPONENTS = (1.0, 5.0)  # exponents of line spectra for Hurst exponents 0 and 2
+_LINE_SPECTRUM_EXPONENT_RANGE = (1.0, 5.0)  # exponents of line spectra for Hurst exponents 0 and 2
 # Maximum accepted ratio of the fitted noise of a map to the median density of the map at the shortest wavelengths.
 # The shortest wavelengths are those below four points along both axes.
 _MAX_NOISE_RATIO = 2.0
@@ -56,13 +56,13 @@ def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> Hid
         density at all wave vectors.
     """
     spectra = line_spectra(body, periodic)
-    if any(find_period(density)[0] > 0 for _, density, *_ in spectra):
+    if any(find_texture_harmonics(density)[0] > 0 for _, density, *_ in spectra):
         return None
     binned = [_bin_short_wavelengths(spectrum, periodic) for spectrum in spectra]
     fitted = [spectrum for spectrum in binned if spectrum is not None]
     if not fitted:
         return None
-    fit = fit_floor(fitted, exponents=_EXPONENTS)
+    fit = fit_floor(fitted, exponents=_LINE_SPECTRUM_EXPONENT_RANGE)
     total = sum(float(np.square(q) @ density) * float(q[0]) for q, density, *_ in spectra)
     noise = sum(float(np.square(q).sum()) * float(q[0]) * fit.level * step for q, _, _, step in spectra)
     fraction = noise / total

@@ -14,7 +14,7 @@ from stiction._repr import TableRepr
 from stiction.surfaces.floor_fit import BinnedSpectrum, fit_floor
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.spectrum import HANN_CORRELATION, areal_spectrum, in_band, profile_spectrum
+from stiction.surfaces.spectrum import HANN_CORRELATION, areal_spectrum, is_within_wavelength_band, profile_spectrum
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 
 _NEWTON_STEPS, _HALVINGS = 50, 30
@@ -33,7 +33,7 @@ _MIN_PIECE_BINS = 4  # minimum number of bins in a piece of the spectrum that ha
 # Every measured spectrum deviates from a power law by at least this much.
 _RELATIVE_MODEL_ERROR = 0.1
 # Minimum log-likelihood gain of an additional piece, which has three parameters and begins at one of about 50 bins.
-_PIECE_PENALTY = 10.0
+_SPECTRUM_PIECE_PENALTY = 10.0
 # Largest accepted deviance per bin. Random scatter about a power law causes a deviance of about 1 per bin.
 # A spectrum with a larger deviance consists of separate peaks.
 _MAX_DEVIANCE = 10.0
@@ -264,7 +264,9 @@ def estimate_hurst_exponent(
             raise ValueError(f"band must be a pair (shortest, longest) of wavelengths, got {band!r}")
         shortest = validate_number("band", band[0], unit="µm", above=0)
         selection, piece = (
-            in_band(wave_number, shortest, validate_number("band", band[1], unit="µm", above=shortest)),
+            is_within_wavelength_band(
+                wave_number, shortest, validate_number("band", band[1], unit="µm", above=shortest)
+            ),
             None,
         )
         if (count := int(selection.sum())) < MIN_BAND_HARMONICS:
@@ -430,7 +432,7 @@ def _select_pieces(size: int, starts: NDArray[np.intp], ends: NDArray[np.intp], 
     best, last_piece = np.full(size + 1, np.inf), np.full(size + 1, -1)
     best[0] = 0.0
     for piece in np.argsort(ends, kind="stable"):
-        total = best[starts[piece]] + losses[piece] + _PIECE_PENALTY
+        total = best[starts[piece]] + losses[piece] + _SPECTRUM_PIECE_PENALTY
         if total < best[ends[piece]]:
             best[ends[piece]], last_piece[ends[piece]] = total, piece
     cut, end = [], size

@@ -13,17 +13,17 @@ from stiction.surfaces.hurst import HurstEstimate, estimate_hurst_exponent
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Along, Profile
 from stiction.surfaces.roughness import roughness_parameters
-from stiction.surfaces.spectrum import PowerSpectrum, RadialSpectrum, in_band, power_spectrum
+from stiction.surfaces.spectrum import PowerSpectrum, RadialSpectrum, is_within_wavelength_band, power_spectrum
 from stiction.surfaces.surface import Surface, as_body, reject_flat
 
 # Maximum number of lines whose Hurst exponents are fitted. Neighbouring lines are correlated, so more lines add little.
 MAX_FITTED_LINES = 64
-_BOTH: tuple[Along, Along] = ("x", "y")
-MAX_MISFIT = 1.5  # largest accepted rms factor between a spectrum and the fitted power law
+_BOTH_AXES: tuple[Along, Along] = ("x", "y")
+MAX_POWER_LAW_MISFIT = 1.5  # largest accepted rms factor between a spectrum and the fitted power law
 # Two bands of wavelengths count as equal if their ends differ by at most this factor.
 _MAX_EQUAL_BAND_RATIO = 1.5
 # Variance of ln(density) in a bin due to deviations from a power law. The statistical variance is added.
-_MODEL_VARIANCE = 0.04
+_LOG_MODEL_VARIANCE = 0.04
 _MIN_LINE_POINTS = 7  # minimum number of points for the seven-point slope formula
 
 
@@ -76,7 +76,7 @@ class LineRoughness(TextRepr):
     @property
     def is_straight(self) -> bool:
         """True if the mean spectrum of the lines is close to a power law."""
-        return self.misfit <= MAX_MISFIT
+        return self.misfit <= MAX_POWER_LAW_MISFIT
 
 
 def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] | None = None) -> LineRoughness:
@@ -202,8 +202,8 @@ def lines_along_both(
         if (ends.max(axis=0) < _MAX_EQUAL_BAND_RATIO * ends.min(axis=0)).all():
             if along_x.band != along_y.band:
                 shortest, longest = np.sqrt(ends.prod(axis=0)).tolist()
-                along_x, along_y = (line_roughness(surface, along, band=(shortest, longest)) for along in _BOTH)
-            if not min(along_x.misfit, along_y.misfit) > MAX_MISFIT:
+                along_x, along_y = (line_roughness(surface, along, band=(shortest, longest)) for along in _BOTH_AXES)
+            if not min(along_x.misfit, along_y.misfit) > MAX_POWER_LAW_MISFIT:
                 return along_x, along_y
     try:
         result = estimate_hurst_exponent(surface)
@@ -221,12 +221,12 @@ def power_law_misfit(
 
     `chance` is the variance of ln(density) for a single harmonic.
     """
-    inside = in_band(bins.wave_number, *band) & (bins.density > 0)
+    inside = is_within_wavelength_band(bins.wave_number, *band) & (bins.density > 0)
     if not inside.any():
         return math.nan
     ratio = np.log(bins.density[inside] * bins.wave_number[inside] ** (dimensions + 2 * exponent))
     scatter = chance / bins.count[inside]
-    weight = 1 / (scatter + _MODEL_VARIANCE)
+    weight = 1 / (scatter + _LOG_MODEL_VARIANCE)
     square = np.square(ratio - np.average(ratio, weights=weight)) - scatter
     return math.exp(math.sqrt(max(0.0, float(np.average(square, weights=weight)))))
 

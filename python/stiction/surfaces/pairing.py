@@ -31,16 +31,16 @@ from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
 # Default number of pairs of lines.
 # This number of pairs suffices for an interval, and the computation takes a second or two.
-DEFAULT_LINES = 128
+DEFAULT_LINE_COUNT = 128
 # The largest shift of a map is its length divided by this number.
 # After a shift by a quarter of the length, three quarters of the maps overlap.
-SHIFT_DIVISOR = 4
+MAX_SHIFT_DIVISOR = 4
 MIN_PIECE_POINTS = 16  # minimum number of rows and of columns in a piece of a map
 MAX_SURROGATE_POINTS = 512  # maximum number of rows and of columns of an areal surrogate
 Surrogates = Literal["none", "upper", "lower", "both"]
 SIDES: tuple[Side, Side] = ("upper", "lower")
 _GOLDEN_RATIO = (5**0.5 - 1) / 2
-_PLASTIC_RATIO = 1.324717957244746  # real root of x^3 = x + 1, the base of two-dimensional quasi-random points
+_PLASTIC_NUMBER = 1.324717957244746  # real root of x^3 = x + 1, the base of two-dimensional quasi-random points
 _QUINTIC_ROOT = 1.1673039782614187  # real root of x^5 = x + 1
 GRID_POINTS_PER_WAVELENGTH = 4  # number of grid points per shortest wavelength of generated surfaces
 
@@ -52,7 +52,7 @@ def quasi_random_point(index: int, dimensions: int) -> tuple[float, ...]:
     """
     if dimensions == 1:
         return ((index * _GOLDEN_RATIO) % 1,)
-    base = _PLASTIC_RATIO if dimensions == 2 else _QUINTIC_ROOT
+    base = _PLASTIC_NUMBER if dimensions == 2 else _QUINTIC_ROOT
     return tuple((0.5 + index * base**-power) % 1 for power in range(1, dimensions + 1))
 
 
@@ -80,7 +80,7 @@ class LinePairs:
         widths = [self._line_count(body) for body in (self.upper, self.lower) if isinstance(body, Surface)]
         return min(widths, default=1)
 
-    def place(self, index: int) -> float:
+    def position_across_lines(self, index: int) -> float:
         """Return the position (µm) of the upper line of a pair, measured perpendicular to the lines; 0 for profiles."""
         if not isinstance(self.upper, Surface):
             return 0.0
@@ -152,7 +152,7 @@ def paired_lines(
     *,
     travel: float | None = None,
     level: ProfileTrend | None = "line",
-    lines: int = DEFAULT_LINES,
+    lines: int = DEFAULT_LINE_COUNT,
     along: Along = "x",
     surrogates: Surrogates = "none",
     seed: int = 2016,
@@ -302,7 +302,7 @@ class MapPairs:
             rows, columns = (min(lengths) for lengths in zip(*sizes, strict=True))
         else:
             rows, columns = (
-                (shortest_length := min(lengths)) - shortest_length // SHIFT_DIVISOR
+                (shortest_length := min(lengths)) - shortest_length // MAX_SHIFT_DIVISOR
                 for lengths in zip(*self._points, strict=True)
             )
         if self.shifts is not None and min(rows, columns) < MIN_PIECE_POINTS:
@@ -396,7 +396,7 @@ class SquarePairs:
     @property
     def shape(self) -> tuple[int, int]:
         """Numbers of rows and columns of every piece. Raises a `ValueError` if a piece would be too small."""
-        points = self._num_side_points - self._num_side_points // SHIFT_DIVISOR
+        points = self._num_side_points - self._num_side_points // MAX_SHIFT_DIVISOR
         if points < MIN_PIECE_POINTS:
             raise ValueError(
                 f"at least {MIN_PIECE_POINTS} rows and columns are required, got {points} at a spacing of "
@@ -460,7 +460,7 @@ def to_joined_spectrum(scan: Profile | Surface | JoinedSpectrum) -> JoinedSpectr
 
 
 @dataclass(frozen=True, eq=False)
-class SpectrumPairs(SquarePairs):
+class SpectralSurfacePairs(SquarePairs):
     """Pairs of pieces cut from periodic, isotropic random surfaces, which are generated from two spectra.
 
     The spacing is a quarter of the shortest wavelength, so a longer cutoff wavelength gives a larger surface.

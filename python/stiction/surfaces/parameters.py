@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from stiction._repr import TextRepr, format_number_and_unit, table_html
 
-NOT_LEVELLED = "no"  # value of `levelled` if heights are not levelled
+NOT_LEVELLED_VALUE = "no"  # value of `levelled` if heights are not levelled
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Parameter:
 _HEIGHT, _GRADIENT, _RATIO = "height parameters", "hybrid parameters", "material ratio functions"
 _SECTION, _ELEMENT = "peak heights and pit depths per section", "profile elements"
 
-_PROFILE = {
+_PROFILE_PARAMETER_TEXTS = {
     "a": ("arithmetic mean height", _HEIGHT, r"\frac1l \int |z|\,dx", "µm"),
     "q": ("root-mean-square height", _HEIGHT, r"\left(\frac1l \int z^2\,dx\right)^{1/2}", "µm"),
     "z": ("maximum height per section, mean of the sections", _SECTION, r"\frac1n \sum_i (p_i + v_i)", "µm"),
@@ -64,20 +64,20 @@ _PROFILE = {
 }  # fmt: skip
 """Meaning, clause of the standard, formula and unit of each profile parameter. Keys omit the letter of the profile."""
 
-_OF_PROFILE = {
+_PROFILE_PARAMETER_KEYS = {
     "P": ("a", "q", "t", "sk", "ku", "dq"),
-    "R": tuple(_PROFILE),
+    "R": tuple(_PROFILE_PARAMETER_TEXTS),
     "W": ("a", "q", "t", "sk", "ku", "dq", "Sm", "c"),
 }
-_NEEDS = {"P": "", "R": "one section length", "W": "one section length"}
-_ELEMENTS = "three turns from hill to dale"
+_PROFILE_REQUIREMENTS = {"P": "", "R": "one section length", "W": "one section length"}
+_PROFILE_ELEMENT_REQUIREMENT = "three turns from hill to dale"
 
 
 def _profile_parameters(letter: str) -> tuple[Parameter, ...]:
     result = []
-    for stem in _OF_PROFILE[letter]:
-        meaning, subject, formula, unit = _PROFILE[stem]
-        needs = _ELEMENTS if subject == _ELEMENT else _NEEDS[letter]
+    for stem in _PROFILE_PARAMETER_KEYS[letter]:
+        meaning, subject, formula, unit = _PROFILE_PARAMETER_TEXTS[stem]
+        needs = _PROFILE_ELEMENT_REQUIREMENT if subject == _ELEMENT else _PROFILE_REQUIREMENTS[letter]
         source, fraction = f"ISO 21920-2, {subject}", stem.startswith("mr")
         result.append(Parameter(letter + stem, meaning, source, formula, unit, needs, fraction))
     return tuple(result)
@@ -174,7 +174,7 @@ class ParameterSet(TextRepr):
     """
 
     values: Mapping[str, float]
-    levelled: str = NOT_LEVELLED
+    levelled: str = NOT_LEVELLED_VALUE
 
     def __getattr__(self, name: str) -> float:
         """Return the value of a parameter by name."""

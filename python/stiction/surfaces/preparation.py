@@ -23,9 +23,9 @@ Align = Literal["start", "middle"]  # part of the longer body that is kept: its 
 GRID_TOLERANCE = 1e-9
 LINE_ROUND_OFF = 1e-14  # round-off of a subtracted straight line, relative to the largest height
 _TREND_DEGREES = {"mean": 0, "line": 1, "plane": 1, "quadratic": 2, "cubic": 3, "quartic": 4, "quintic": 5, "sextic": 6}
-_ORDINALS = {2: "second", 3: "third", 4: "fourth", 5: "fifth", 6: "sixth"}
+_DEGREE_ORDINALS = {2: "second", 3: "third", 4: "fourth", 5: "fifth", 6: "sixth"}
 
-_LEVELLED = {
+_LEVELLING_HISTORY_ENTRIES = {
     "mean": "levelled by the mean",
     "line": "levelled by a line",
     "quadratic": "levelled by a parabola",
@@ -34,7 +34,7 @@ _LEVELLED = {
 
 # At this distance from the end of a spline, in points, the end condition no longer affects the spline.
 _SPLINE_MARGIN = 32
-_KEPT = {"start": "first", "middle": "middle"}
+_ALIGNMENT_TEXTS = {"start": "first", "middle": "middle"}
 _NEIGHBOUR_ROUNDING = (np.floor, np.ceil)
 
 
@@ -102,10 +102,16 @@ def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") ->
     axes = [_orthogonal_polynomials(points, degree) for points in scan.heights.shape]
     if isinstance(scan, Profile):
         basis = axes[0]
-        description = _LEVELLED.get(trend, f"levelled by a polynomial of {_ORDINALS.get(degree)} degree")
+        description = _LEVELLING_HISTORY_ENTRIES.get(
+            trend, f"levelled by a polynomial of {_DEGREE_ORDINALS.get(degree)} degree"
+        )
     else:
         basis = [axes[0][j][:, np.newaxis] * axes[1][i] for j in range(degree + 1) for i in range(degree + 1 - j)]
-        description = f"levelled by a polynomial of {_ORDINALS[degree]} degree" if degree > 1 else _LEVELLED[trend]
+        description = (
+            f"levelled by a polynomial of {_DEGREE_ORDINALS[degree]} degree"
+            if degree > 1
+            else _LEVELLING_HISTORY_ENTRIES[trend]
+        )
     return scan.changed(_subtract_fit(scan.heights, basis, scan.missing), description)
 
 
@@ -302,7 +308,7 @@ def _resample_to_grid(body: Any, spacing: tuple[float, ...], shape: tuple[int, .
     is_line, size = len(shape) == 1, " rows of ".join(map(str, shape))
     steps = " and ".join(f"{step:g}" for step in spacing)
     if old_spacings == spacing:
-        step = f"cropped to its {_KEPT[align]} {size} points"
+        step = f"cropped to its {_ALIGNMENT_TEXTS[align]} {size} points"
     else:
         grid = f"from a spacing of {old_spacings[0]:g} to {steps}" if is_line else f"to spacings of {steps}"
         step = f"splined {grid} µm, {size} points{' about its middle' if align == 'middle' else ''}"

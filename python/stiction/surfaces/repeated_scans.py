@@ -11,7 +11,7 @@ import numpy as np
 from stiction._checks import Floats, read_only
 from stiction._drawing import draw_repeated_scans
 from stiction._repr import PlotRepr, axes_for
-from stiction.surfaces.filters import transmission
+from stiction.surfaces.filters import gaussian_transmission
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile, reject_missing
 from stiction.surfaces.scale import mean_square_heights, round_up_wavelength
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 # Largest fraction of the mean square slope that may be noise. The error of h' is then below 5 %.
 MAX_NOISE_FRACTION = 0.1
-MIN_RANGE = 1e-70  # smallest height range of a scan, µm; powers of a smaller range would underflow
+MIN_HEIGHT_RANGE = 1e-70  # smallest height range of a scan, µm; powers of a smaller range would underflow
 MIN_CORRELATION = 0.5  # two scans are assumed to show the same area only if their correlation is at least this large
 # widths (points) of the Gaussian filters in successive stages of the alignment
 _SMOOTHING_WIDTHS = (8.0, 4.0, 2.0, 1.0, 0.0)
@@ -30,7 +30,7 @@ _NEWTON_STEPS = 4  # number of Gauss-Newton steps in each stage of the alignment
 # number of points per independent value of white noise after a Gaussian filter that is one point wide
 _CORRELATED_POINTS = 2 * math.sqrt(math.pi)
 _OVERLAP_MARGIN = 3  # number of points beyond the overlap that spline interpolation requires
-_CANDIDATES = 400  # number of trial cutoffs
+_NUM_TRIAL_CUTOFFS = 400  # number of trial cutoffs
 # a shift counts as an integer if it deviates from the integer by less than this number of points
 _INTEGER_SHIFT_TOLERANCE = 1e-4
 
@@ -162,7 +162,7 @@ def _check_scans(first: Any, second: Any) -> None:
     for name, body in (("first", first), ("second", second)):
         as_body(name, body)
         reject_missing(body, "the comparison of two scans")
-        if not np.ptp(body.heights) > MIN_RANGE:
+        if not np.ptp(body.heights) > MIN_HEIGHT_RANGE:
             raise ValueError(f"{name} must not be flat")
     if type(first) is not type(second) or not np.allclose(first.spacing, second.spacing, rtol=1e-6, atol=0):
         raise ValueError(
@@ -177,8 +177,8 @@ def _find_noise_limit(q: Floats, of_mean: Floats, noise: Floats, shortest: float
     if noise @ q**2 <= MAX_NOISE_FRACTION * (of_mean @ q**2):
         return shortest
     wave: float
-    for wave in np.geomspace(shortest, longest, _CANDIDATES).tolist():
-        selected = np.square(q * transmission(q, wave))
+    for wave in np.geomspace(shortest, longest, _NUM_TRIAL_CUTOFFS).tolist():
+        selected = np.square(q * gaussian_transmission(q, wave))
         if noise @ selected <= MAX_NOISE_FRACTION * (of_mean @ selected):
             return round_up_wavelength(wave)
     return math.nan
@@ -193,7 +193,7 @@ def _align_scans(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
         item, other = (gaussian_filter(value, width) if width else value for value in (a, b))
         other = spline_filter(other, 3)
         for _ in range(_NEWTON_STEPS):
-            above, positions = _overlap(a.shape, b.shape, shift_found)
+            above, positions = _slice_overlap(a.shape, b.shape, shift_found)
             second_heights = map_coordinates(other, np.meshgrid(*positions, indexing="ij"), order=3, prefilter=False)
             slopes = _slopes(second_heights)
             basis = [*(-slope for slope in slopes), np.ones(second_heights.shape), *np.indices(second_heights.shape)]
@@ -210,7 +210,7 @@ def _align_scans(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
         spread *= float(np.sum(residual)) * max(1.0, _CORRELATED_POINTS * width) ** a.ndim
         best = min(best, (spread, shift_found), key=lambda item: item[0])
     shift_found = best[1]
-    above, positions = _overlap(a.shape, b.shape, shift_found)
+    above, positions = _slice_overlap(a.shape, b.shape, shift_found)
     rounded_shift = np.round(shift_found)
     if np.abs(shift_found - rounded_shift).max() < _INTEGER_SHIFT_TOLERANCE:  # an integer shift needs no interpolation
         shift_found, positions = rounded_shift, [np.round(place) for place in positions]
@@ -247,7 +247,7 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
     return np.where(peak < a.shape, peak, peak - shape).astype(np.float64)
 
 
-def _overlap(
+def _slice_overlap(
     shape: tuple[int, ...], other: tuple[int, ...], shift_found: Floats
 ) -> tuple[tuple[slice, ...], list[Floats]]:
     """Return the overlap of two scans at a shift (points): slices of the first scan, and positions in the second."""

@@ -17,13 +17,13 @@ from stiction.surfaces.material_ratio import (
     heights_at_ratios,
     material_volumes,
 )
-from stiction.surfaces.parameters import NOT_LEVELLED, PROFILE_PARAMETERS, SURFACE_PARAMETERS, ParameterSet
+from stiction.surfaces.parameters import NOT_LEVELLED_VALUE, PROFILE_PARAMETERS, SURFACE_PARAMETERS, ParameterSet
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import surface_spectrum
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 
 Derivative = Literal["seven-point", "neighbours"]
-SEVEN_POINTS = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0])
+SEVEN_POINT_WEIGHTS = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0])
 DECAY_LEVEL = 0.2  # autocorrelation that defines the decay lengths: the default of ISO 25178-3
 _NUM_DIRECTIONS = 720  # number of directions along which the autocorrelation is evaluated
 _NUM_SECTORS = 90  # number of angular sectors (two degrees wide) over which the spectral power is summed
@@ -32,7 +32,7 @@ _NUM_SECTORS = 90  # number of angular sectors (two degrees wide) over which the
 def describe_levelling(history: tuple[str, ...]) -> str:
     """Return the form that was subtracted from heights, according to their history."""
     steps = [step.removeprefix("levelled ") for step in history if step.startswith("levelled ")]
-    return steps[-1] if steps else NOT_LEVELLED
+    return steps[-1] if steps else NOT_LEVELLED_VALUE
 
 
 class RoughnessParameters(ParameterSet):
@@ -105,8 +105,8 @@ def roughness_parameters(
     check_choice("derivative", derivative, Derivative)
     reject_flat(profile)
     z = profile.heights
-    if z.size < SEVEN_POINTS.size:
-        raise ValueError(f"profile must have at least {SEVEN_POINTS.size} points, got {z.size}")
+    if z.size < SEVEN_POINT_WEIGHTS.size:
+        raise ValueError(f"profile must have at least {SEVEN_POINT_WEIGHTS.size} points, got {z.size}")
     result = profile_moments(z - z.mean(), profile.spacing, derivative)
     values = {parameter.name: result[parameter.name[1:]] for parameter in PROFILE_PARAMETERS["P"]}
     return RoughnessParameters(values, describe_levelling(profile.history))
@@ -117,7 +117,9 @@ def profile_moments(z: Floats, spacing: float, derivative: Derivative) -> dict[s
     scale = float(np.abs(z).max()) or 1.0
     unit = z / scale  # scaling prevents overflow and underflow of the fourth power
     rms = float(np.sqrt(np.mean(unit**2)))
-    differences = np.correlate(unit, SEVEN_POINTS, mode="valid") / 60 if derivative == "seven-point" else np.diff(unit)
+    differences = (
+        np.correlate(unit, SEVEN_POINT_WEIGHTS, mode="valid") / 60 if derivative == "seven-point" else np.diff(unit)
+    )
     return {
         "a": scale * float(np.mean(np.abs(unit))), "q": scale * rms, "t": float(np.ptp(z)),
         "sk": float(np.mean((unit / rms) ** 3)) if rms else math.nan,
@@ -232,7 +234,7 @@ def surface_parameters(
 def check_roughness(surface: Surface) -> None:
     """Raise a `ValueError` for a surface that is flat, or too small for roughness parameters."""
     reject_flat(surface)
-    least, shape = SEVEN_POINTS.size, surface.heights.shape
+    least, shape = SEVEN_POINT_WEIGHTS.size, surface.heights.shape
     if min(shape) < least:
         raise ValueError(f"surface must have at least {least} rows and {least} columns, got {shape}")
 
@@ -306,9 +308,9 @@ def _slopes_along(heights: Floats, axis: int, derivative: Derivative) -> Floats:
     if derivative == "neighbours":
         return np.diff(heights, axis=axis)
     lines = heights if axis == 1 else heights.T
-    points = lines.shape[1] - SEVEN_POINTS.size + 1
+    points = lines.shape[1] - SEVEN_POINT_WEIGHTS.size + 1
     total = np.zeros((lines.shape[0], points))
-    for index, weight in enumerate(SEVEN_POINTS):
+    for index, weight in enumerate(SEVEN_POINT_WEIGHTS):
         total += weight / 60 * lines[:, index : index + points]
     return total
 

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, check_bool, float_array, read_only, validate_number
 from stiction._repr import TableRepr, TextRepr
-from stiction.surfaces.filters import MIN_CUTOFF_POINTS, transmission
-from stiction.surfaces.harmonics import MIN_HARMONIC_DISTANCE, density_between_harmonics, find_period
+from stiction.surfaces.filters import MIN_CUTOFF_POINTS, gaussian_transmission
+from stiction.surfaces.harmonics import MIN_HARMONIC_DISTANCE, density_between_harmonics, find_texture_harmonics
 from stiction.surfaces.hurst import HurstEstimate
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
@@ -21,13 +21,13 @@ from stiction.surfaces.spectrum import HANN_CORRELATION, ROUND_OFF_FACTOR, power
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 
 # Constant c of `instrument_limit`: a tip of radius R resolves surfaces with an rms curvature below c/R.
-TIP_FACTOR = 0.1
-_PER_DECADE = 48  # number of wave number bins per decade for slope and curvature
-_PER_OCTAVE = 8  # number of wave number bins per octave in the search for instrument noise
+TIP_CURVATURE_FACTOR = 0.1
+_ROUGHNESS_BINS_PER_DECADE = 48  # number of wave number bins per decade for slope and curvature
+_NOISE_BINS_PER_OCTAVE = 8  # number of wave number bins per octave in the search for instrument noise
 _WINDOW_OCTAVES = (1.0, 2.0)  # widths, in octaves, of the windows in which a spectral exponent is fitted
 # Minimum difference between a measured exponent and the exponent for H = 0, in standard deviations.
 # A surface with H = 0 is the roughest self-affine surface.
-_DEVIATIONS = 3.0
+_MIN_EXPONENT_DEVIATIONS = 3.0
 # Largest wavelength, in points, at which a hump in the spectrum is attributed to the instrument.
 # A hump at a longer wavelength is attributed to the surface.
 _MAX_HUMP_POINTS = 24.0
@@ -63,7 +63,7 @@ _MIN_HIDDEN_RATIO = 0.8
 _MIN_NOISE_LINES = 8.0
 # Extrapolations end at this fraction of the shortest wavelength of the scan.
 _MIN_EXTRAPOLATION_RATIO = 1e-6
-_HALVINGS = 60
+_NUM_BISECTION_STEPS = 60
 
 Origin = Literal["instrument", "unknown"]
 Axis = Literal["", "x", "y"]
@@ -158,7 +158,7 @@ class ScaleDependentRoughness(TextRepr):
 
         if value(low) < target:
             return math.nan
-        for _ in range(_HALVINGS):
+        for _ in range(_NUM_BISECTION_STEPS):
             middle = (low + high) / 2
             low, high = (middle, high) if value(middle) >= target else (low, middle)
         return math.exp((low + high) / 2)
@@ -239,7 +239,7 @@ def scale_dependent_roughness(
     reject_flat(body)
     q, weight = mean_square_heights(body, periodic=periodic)
     dimensions, curved = (1, 1.0) if isinstance(body, Profile) else (2, 0.25)
-    index = np.floor(_PER_DECADE * np.log10(q / q.min()) + 1e-9).astype(np.intp)
+    index = np.floor(_ROUGHNESS_BINS_PER_DECADE * np.log10(q / q.min()) + 1e-9).astype(np.intp)
     count = np.bincount(index)
     occupied = count > 0
     finest = np.zeros(count.size)
@@ -442,7 +442,7 @@ def instrument_limit(
         kind = "quantisation"
     noise = round_up_wavelength(noise) if noise > 0 else noise
     limits = {"pixels": 2 * spacing, kind: noise, "tip": math.nan}
-    if radius is not None and (sharp := roughness.curvature > TIP_FACTOR / radius).any():
+    if radius is not None and (sharp := roughness.curvature > TIP_CURVATURE_FACTOR / radius).any():
         limits["tip"] = float(roughness.wavelength[int(np.argmax(sharp))])
     reason = max((name for name in limits if not math.isnan(limits[name])), key=lambda name: limits[name])
     wave, fractions, cut = limits[reason], (0.0, 0.0), 2 * spacing
@@ -470,9 +470,9 @@ def equivalent_cutoff(roughness: ScaleDependentRoughness, fraction: float, upper
     """Return the cutoff between two wavelengths (µm) that removes a given fraction of the mean square slope."""
     q, slope = 2 * math.pi / roughness.wavelength, np.diff(np.square(roughness.gradient), prepend=0.0)
     low, high = math.log(lower), math.log(max(upper, lower))
-    for _ in range(_HALVINGS):
+    for _ in range(_NUM_BISECTION_STEPS):
         middle = (low + high) / 2
-        selected = float(slope @ np.square(transmission(q, math.exp(middle)))) / float(slope.sum())
+        selected = float(slope @ np.square(gaussian_transmission(q, math.exp(middle)))) / float(slope.sum())
         low, high = (middle, high) if selected > 1 - fraction else (low, middle)
     # Rounding to two digits lets repeated scans have the same cutoff.
     return max(lower, float(f"{math.exp(high):.1e}"))
@@ -547,7 +547,7 @@ def _compare_axes(spectra: list[Spectrum], waves: list[float]) -> tuple[bool, fl
     return False, float(np.square(other_q[shorter]) @ noise[shorter]) * float(other_q[0]) / math.pi
 
 
-class _Disturbance(NamedTuple):
+class _ScanDisturbance(NamedTuple):
     """Disturbance of a line spectrum: the wavelengths not attributed to the surface, and the texture period."""
 
     wave: float  # upper limit of the unattributed wavelengths, µm; NaN if there are none
@@ -558,26 +558,26 @@ class _Disturbance(NamedTuple):
 
 def _find_disturbance(
     q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool, textured: bool
-) -> _Disturbance:
+) -> _ScanDisturbance:
     """Remove the harmonics of a texture, and find the wavelengths that are not attributed to the surface."""
-    first, distance = find_period(density)
+    first, distance = find_texture_harmonics(density)
     period = 2 * math.pi / (float(q[0]) * first)
     if first > 0:
         if distance < MIN_HARMONIC_DISTANCE:
-            return _Disturbance(math.nan, "noise floor", 0.0, period)
+            return _ScanDisturbance(math.nan, "noise floor", 0.0, period)
         # Cusps of unequal depth cause a hump near the first harmonic, which is therefore excluded.
         finer = slice(int(first), None)
         density, q, count = density_between_harmonics(density, count, distance)[finer], q[finer], count[finer]
     wave, kind = _find_noise(q, density, count, spacing, periodic=periodic)
     if not wave > 0 or (textured and kind not in INSTRUMENT_REASONS):
-        return _Disturbance(math.nan, kind, 0.0, period)
+        return _ScanDisturbance(math.nan, kind, 0.0, period)
     below = q * wave > 2 * math.pi
     slope = float((np.square(q) * density)[below].sum() * (q[1] - q[0]) / math.pi)
     # a noise floor has the same density at all wave numbers as at the end of the spectrum
     if kind in INSTRUMENT_REASONS:
         level = float(density[q * math.sqrt(2) > q[-1]].mean())
         slope = min(slope, level * float(np.square(q).sum() * (q[1] - q[0])) / math.pi)
-    return _Disturbance(wave, kind, slope, period)
+    return _ScanDisturbance(wave, kind, slope, period)
 
 
 def _find_noise(q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool) -> tuple[float, str]:
@@ -588,19 +588,19 @@ def _find_noise(q: Floats, density: Floats, count: Floats, spacing: float, *, pe
     nothing = math.nan, "noise floor"
     if not periodic:  # exclude the first two harmonics, into which the window leaks longer wavelengths
         q, density, count = q[2:], density[2:], count[2:]
-    if q.size < _PER_OCTAVE:
+    if q.size < _NOISE_BINS_PER_OCTAVE:
         return nothing
-    _, index = np.unique(np.floor(_PER_OCTAVE * np.log2(q / q[0]) + 1e-9), return_inverse=True)
+    _, index = np.unique(np.floor(_NOISE_BINS_PER_OCTAVE * np.log2(q / q[0]) + 1e-9), return_inverse=True)
     number = np.bincount(index, count)
     density = np.bincount(index, count * density) / number
     wave = 2 * math.pi * np.exp(-np.bincount(index, count * np.log(q)) / number)
     density = np.maximum(density, 1e-12 * density.max())
     chance = (1.0 if periodic else HANN_CORRELATION) / number
-    laws = [list(_exponents(-np.log(wave), np.log(density), chance, width)) for width in _WINDOW_OCTAVES]
-    if _slope(-np.log(wave), np.log(density), chance)[0] > -_MAX_FLAT_EXPONENT:
+    laws = [list(_fit_window_exponents(-np.log(wave), np.log(density), chance, width)) for width in _WINDOW_OCTAVES]
+    if _fit_slope(-np.log(wave), np.log(density), chance)[0] > -_MAX_FLAT_EXPONENT:
         return float(wave[0]), "noise floor"
     last = wave <= 2.01 * wave[-1]
-    end, deviation = _slope(-np.log(wave[last]), np.log(density[last]), chance[last])
+    end, deviation = _fit_slope(-np.log(wave[last]), np.log(density[last]), chance[last])
     candidates = [_find_flattening(law, wave / spacing, density, chance) for law in laws]
     candidates.append(_find_rise(wave / spacing, density, chance))
     if end - 2 * deviation > -_MAX_ALIASED_EXPONENT:
@@ -623,7 +623,7 @@ def _find_noise(q: Floats, density: Floats, count: Floats, spacing: float, *, pe
     return limit, "hump"
 
 
-def _slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:
+def _fit_slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:
     """Fit a straight line to values with given variances, and return its slope and standard deviation."""
     weight = 1 / (variance + 0.01)
     deviation = x - np.average(x, weights=weight)
@@ -638,10 +638,10 @@ def _is_floor(wave: Floats, density: Floats, chance: Floats, limit: float) -> bo
         (2.01 * float(wave[-1]), _MAX_FLAT_EXPONENT),
     ):
         selected = wave < max_wave
-        if selected.sum() < _PER_OCTAVE // 2:
+        if selected.sum() < _NOISE_BINS_PER_OCTAVE // 2:
             return False
         x, y, variance = -np.log(wave[selected]), np.log(density[selected]), chance[selected]
-        slope, deviation = _slope(x, y, variance)
+        slope, deviation = _fit_slope(x, y, variance)
         weight = 1 / (variance + 0.01)
         scatter = np.square(y - np.average(y, weights=weight)) - variance
         if (
@@ -652,7 +652,9 @@ def _is_floor(wave: Floats, density: Floats, chance: Floats, limit: float) -> bo
     return True
 
 
-def _exponents(x: Floats, y: Floats, chance: Floats, octaves: float) -> Iterator[tuple[int, int, float, float]]:
+def _fit_window_exponents(
+    x: Floats, y: Floats, chance: Floats, octaves: float
+) -> Iterator[tuple[int, int, float, float]]:
     """Yield the bins, the exponent and its standard deviation for each window that is `octaves` octaves wide.
 
     Bins are given as the first bin and the bin after the last.
@@ -660,8 +662,8 @@ def _exponents(x: Floats, y: Floats, chance: Floats, octaves: float) -> Iterator
     width = octaves * math.log(2)
     for first in range(x.size):
         end = int(np.searchsorted(x, x[first] + width + 1e-6))
-        if end - first >= _PER_OCTAVE // 2 and x[end - 1] - x[first] > 0.85 * width:
-            yield first, end, *_slope(x[first:end], y[first:end], chance[first:end])
+        if end - first >= _NOISE_BINS_PER_OCTAVE // 2 and x[end - 1] - x[first] > 0.85 * width:
+            yield first, end, *_fit_slope(x[first:end], y[first:end], chance[first:end])
 
 
 def _find_flattening(
@@ -673,10 +675,10 @@ def _find_flattening(
     """
     has_fallen = False
     for first, end, exponent, deviation in law:
-        if exponent + _DEVIATIONS * deviation < -1:
+        if exponent + _MIN_EXPONENT_DEVIATIONS * deviation < -1:
             has_fallen = True
-        elif has_fallen and exponent - _DEVIATIONS * deviation > -1:
-            slope = _slope(-np.log(points[first:]), np.log(density[first:]), chance[first:])[0]
+        elif has_fallen and exponent - _MIN_EXPONENT_DEVIATIONS * deviation > -1:
+            slope = _fit_slope(-np.log(points[first:]), np.log(density[first:]), chance[first:])[0]
             if points[first] <= _MAX_HUMP_POINTS or slope > -1:
                 return first + int(np.argmin(density[first:end]))
     return None

@@ -16,12 +16,12 @@ from stiction.surfaces.material_ratio import core_parameters, heights_at_ratios
 from stiction.surfaces.parameters import PROFILE_PARAMETERS, ParameterSet
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.profile_elements import mean_element
-from stiction.surfaces.roughness import SEVEN_POINTS, Derivative, describe_levelling, profile_moments
+from stiction.surfaces.roughness import SEVEN_POINT_WEIGHTS, Derivative, describe_levelling, profile_moments
 from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
 from stiction.surfaces.surface import BodyLike, as_body, reject_flat
 
 DEFAULT_SECTIONS = 5  # default number of section lengths in an evaluation length
-_HEIGHT_DIFFERENCE = 0.2, 0.8  # material ratios whose height difference is Rdc
+_RDC_MATERIAL_RATIOS = 0.2, 0.8  # material ratios whose height difference is Rdc
 
 
 class SettingClass(NamedTuple):
@@ -45,7 +45,7 @@ SETTING_CLASSES = (
 )
 """Setting classes of ISO 21920-3. Limits of Ra and, for periodic profiles, of RSm (as in ISO 4288) select a class."""
 
-_FIRST_CLASS = 2  # index of the class at which the search starts
+_INITIAL_SETTING_CLASS = 2  # index of the class at which the search starts
 
 
 class SectionError(ValueError):
@@ -214,7 +214,7 @@ def _compute_by_class(
     """Compute the parameters with the setting class that matches the resulting Ra and RSm."""
     lengths = [setting.section_length for setting in SETTING_CLASSES]
     if lengths[0] > profile.extent * ROUND_OFF_FACTOR:
-        raise SectionError(_too_short(profile, lengths[0]))
+        raise SectionError(_too_short_message(profile, lengths[0]))
     min_length, max_length = _min_section_length(profile.spacing), profile.extent * ROUND_OFF_FACTOR
     fitting = [
         index
@@ -222,7 +222,7 @@ def _compute_by_class(
         if min_length <= length * ROUND_OFF_FACTOR and length <= max_length
     ]
     if not fitting:
-        raise SectionError(_too_coarse(profile))
+        raise SectionError(_too_coarse_message(profile))
     results_by_class: dict[int, SectionParameters] = {}
 
     def find_matching_class(index: int) -> int:
@@ -235,12 +235,12 @@ def _compute_by_class(
         by_element = next(k for k, item in enumerate(SETTING_CLASSES) if not result.RSm > item.largest_element)
         return max(by_height, by_element)
 
-    index, visited = min(fitting, key=lambda item: abs(item - _FIRST_CLASS)), set[int]()
+    index, visited = min(fitting, key=lambda item: abs(item - _INITIAL_SETTING_CLASS)), set[int]()
     while (targets := find_matching_class(index)) != index and index not in visited:
         visited.add(index)
         following = index + 1 if targets > index else index - 1
         if following not in fitting:
-            remedy = _too_short_remedy(profile) if targets > index else _too_coarse(profile)
+            remedy = _too_short_remedy(profile) if targets > index else _too_coarse_message(profile)
             raise SectionError(
                 f"{_format_reasons(results_by_class[index])} require a section length of "
                 f"{_format_length(lengths[targets])}; {remedy}"
@@ -267,10 +267,10 @@ def _format_length(length: float) -> str:
 
 def _min_section_length(spacing: float) -> float:
     """Return the shortest possible section length (µm) for a given spacing."""
-    return SEVEN_POINTS.size * spacing
+    return SEVEN_POINT_WEIGHTS.size * spacing
 
 
-def _too_short(profile: Profile, length: float) -> str:
+def _too_short_message(profile: Profile, length: float) -> str:
     return f"one section length is {_format_length(length)}, and {_too_short_remedy(profile)}"
 
 
@@ -278,10 +278,10 @@ def _too_short_remedy(profile: Profile) -> str:
     return f"the profile is {_format_length(profile.extent)} long: measure a longer one, or choose a shorter cutoff lc"
 
 
-def _too_coarse(profile: Profile) -> str:
+def _too_coarse_message(profile: Profile) -> str:
     return (
-        f"its points are {_format_length(profile.spacing)} apart, and a section needs at least {SEVEN_POINTS.size}: "
-        "measure more finely, or choose a longer cutoff lc"
+        f"its points are {_format_length(profile.spacing)} apart, and a section needs at least "
+        f"{SEVEN_POINT_WEIGHTS.size}: measure more finely, or choose a longer cutoff lc"
     )
 
 
@@ -291,10 +291,11 @@ def _compute_with_cutoff(
     """Compute the parameters for a given section length (µm)."""
     spacing = profile.spacing
     if lc > profile.extent * ROUND_OFF_FACTOR:
-        raise SectionError(_too_short(profile, lc))
+        raise SectionError(_too_short_message(profile, lc))
     if lc * ROUND_OFF_FACTOR < _min_section_length(spacing):
         raise ValueError(
-            f"lc must be at least {_min_section_length(spacing):g} µm ({SEVEN_POINTS.size} points), got {lc:g} µm"
+            f"lc must be at least {_min_section_length(spacing):g} µm ({SEVEN_POINT_WEIGHTS.size} points), "
+            f"got {lc:g} µm"
         )
     is_ls_given = ls is not None
     if ls is None:
@@ -325,7 +326,7 @@ def _roughness_values(z: Floats, ends: list[int], spacing: float, derivative: De
     pieces = [z[start:stop] for start, stop in itertools.pairwise(ends)]
     peak, pit = (float(np.mean([(sign * piece).max() for piece in pieces])) for sign in (1, -1))
     mean_spacing, tall = mean_element(z, peak, pit)
-    stratified, (upper, lower) = core_parameters(z), heights_at_ratios(z, _HEIGHT_DIFFERENCE).tolist()
+    stratified, (upper, lower) = core_parameters(z), heights_at_ratios(z, _RDC_MATERIAL_RATIOS).tolist()
     values: dict[str, Any] = {
         "z": peak + pit, "p": peak, "v": pit, "Sm": mean_spacing * spacing, "c": tall, "mr": float(np.mean(z > 0)),
         "dc": upper - lower, "k": stratified.height, "pk": stratified.peaks, "vk": stratified.valleys,

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from stiction._checks import check_bool, check_choice, read_only, validate_number, validate_whole_number
-from stiction.surfaces.fractal import SIDE_KEY, random_phases
+from stiction.surfaces.fractal import SIDE_SEED_KEYS, random_phases
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS, Profile, Side
 from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
 from stiction.surfaces.surface import Surface, parse_lengths, parse_shape
@@ -250,7 +250,9 @@ def self_affine_surface(
         count = int(np.flatnonzero(selected)[-1]) + 1 if selected.any() else 0
         if count == 0:
             continue
-        words = np.random.PCG64(np.random.SeedSequence([seed, repetition, SIDE_KEY[side], i])).random_raw(2 * count)
+        words = np.random.PCG64(np.random.SeedSequence([seed, repetition, SIDE_SEED_KEYS[side], i])).random_raw(
+            2 * count
+        )
         uniform = (words >> np.uint64(11)).astype(np.float64).reshape(count, 2) / 2**53
         selected = selected[:count]
         phase, draw = uniform[selected].T

@@ -253,7 +253,7 @@ def spectral_moments(
             f"longest_wavelength must be above shortest_wavelength, {shortest:g} µm, got {longest_wavelength!r}"
         )
     spectrum = power_spectrum(profile, periodic=periodic)
-    selected = in_band(spectrum.wave_number, shortest, longest_wavelength)
+    selected = is_within_wavelength_band(spectrum.wave_number, shortest, longest_wavelength)
     if not selected.any():
         raise ValueError(
             "the band from shortest_wavelength to longest_wavelength must contain a wavelength of the profile "
@@ -265,7 +265,7 @@ def spectral_moments(
     return ProfileMoments(height=part.moment(0), slope=part.moment(2), curvature=part.moment(4))
 
 
-def in_band(wave_number: Floats, shortest: float, longest: float) -> NDArray[np.bool_]:
+def is_within_wavelength_band(wave_number: Floats, shortest: float, longest: float) -> NDArray[np.bool_]:
     """Return a mask of the wave numbers whose wavelengths are within a band.
 
     Wavelengths at the ends of the band are included in spite of round-off.

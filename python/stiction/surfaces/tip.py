@@ -12,7 +12,7 @@ from stiction._checks import Floats, read_only, validate_number
 from stiction.surfaces.profile import Profile, reject_missing
 from stiction.surfaces.surface import Surface, as_body
 
-_TOUCH_TOLERANCE = 1e-9  # the tip counts as touching at distances up to this fraction of the height of the scan
+_TIP_CONTACT_TOLERANCE = 1e-9  # the tip counts as touching at distances up to this fraction of the height of the scan
 
 
 def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile | Surface, NDArray[np.bool_]]:
@@ -62,7 +62,7 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
     for selected, occupied, depth in _tip_heights(recorded.shape, spacing, radius, deepest):
         np.minimum(eroded[selected], recorded[occupied] + depth, out=eroded[selected])
     num_touched, is_certain = np.zeros(recorded.shape, np.int32), np.zeros(recorded.shape, np.bool_)
-    tolerance = _TOUCH_TOLERANCE * max(deepest, float(np.abs(recorded).max()))
+    tolerance = _TIP_CONTACT_TOLERANCE * max(deepest, float(np.abs(recorded).max()))
     _, limit = _tip_reach(recorded.shape, spacing, radius, deepest)
     inside = np.zeros(recorded.shape, np.bool_)
     inside[tuple(slice(reach, points - reach) for reach, points in zip(limit, recorded.shape, strict=True))] = True

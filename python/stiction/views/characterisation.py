@@ -18,7 +18,7 @@ from stiction.studies.contact_statistics import compute_slopes
 from stiction.studies.input_caveats import LIMIT_REASONS, find_scan_caveats
 from stiction.surfaces.filters import check_cutoff, filtered
 from stiction.surfaces.hurst import HurstEstimate, estimate_hurst_exponent
-from stiction.surfaces.lines import MAX_MISFIT, LineRoughness, lines_along_both, power_law_misfit
+from stiction.surfaces.lines import MAX_POWER_LAW_MISFIT, LineRoughness, lines_along_both, power_law_misfit
 from stiction.surfaces.measured.writing import heights_with_nan
 from stiction.surfaces.missing_data import MIN_OUTLIER_DEVIATIONS, find_outliers
 from stiction.surfaces.parameters import PARAMETERS, PROFILE_PARAMETERS, Parameter
@@ -206,7 +206,7 @@ class Characterisation:
     @property
     def law(self) -> HurstEstimate | None:
         """Power law of the spectrum, or None if the spectrum deviates from a power law."""
-        return None if self.misfit > MAX_MISFIT else self.fit
+        return None if self.misfit > MAX_POWER_LAW_MISFIT else self.fit
 
     @cached_property
     def roughness(self) -> ScaleDependentRoughness:
