@@ -31,7 +31,7 @@ MAX_WAITING_JOBS = 8  # maximum number of jobs in the queue
 MAX_OUTPUT_BYTES = 2**25  # maximum number of bytes that a command may print
 JOB_MEMORY_FRACTION = 0.5  # maximum fraction of the machine's memory that the running job may use
 READER_MEMORY_FRACTION = 0.25  # maximum fraction of the machine's memory that each of the two reader processes may use
-SCOPE_TEXT = ", here and in the pictures"
+PICTURE_SCOPE_SUFFIX = ", here and in the pictures"
 END_OF_RECORD = b"\n}\n"  # end of the JSON record that a command prints before it draws figures
 
 
@@ -181,7 +181,7 @@ class JobQueue:
         if response is None:
             return
         job.record, job.files, job.versions = response["answer"], files, job.versions + 1
-        job.scope = scope and scope.format_map(response) + SCOPE_TEXT
+        job.scope = scope and scope.format_map(response) + PICTURE_SCOPE_SUFFIX
         if not source:
             job.finished, job.total = response["finished"], response["total"]
 

@@ -46,23 +46,23 @@ class Connection(H11Protocol):
         """Stop the timer when the head of the request is complete."""
         super().data_received(data)
         if self.cycle is not None:
-            self._leave_idle()
+            self._cancel_idle_timer()
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Stop the timer after the client has closed the connection."""
-        self._leave_idle()
+        self._cancel_idle_timer()
         super().connection_lost(exc)
 
     def _close_oldest(self) -> None:
         if len(self.idle) > MAX_IDLE_CONNECTIONS:
             next(iter(self.idle))._abort()
 
-    def _leave_idle(self) -> None:
+    def _cancel_idle_timer(self) -> None:
         if (timer := self.idle.pop(self, None)) is not None:
             timer.cancel()
 
     def _abort(self) -> None:
-        self._leave_idle()
+        self._cancel_idle_timer()
         self.transport.abort()
 
 

@@ -26,7 +26,7 @@ from starlette.routing import Route
 from stiction._files import replaced_file
 from stiction._units import short_repr
 from stiction.app import sample_surfaces
-from stiction.app.form import FIELDS, READING_FLAGS, fields_html, label_caveats, page_data_json
+from stiction.app.form import FIELDS_BY_FLAG, READING_FLAGS, fields_html, label_caveats, page_data_json
 from stiction.app.jobs import Job, JobQueue, RejectedRequestError, remove_paths
 from stiction.mechanics.materials import materials
 from stiction.studies.store import open_stored
@@ -43,7 +43,7 @@ REQUEST_ERRORS = (ValueError, TypeError, RecursionError, OSError, ClientDisconne
 ACCESS_KEY_HEADER = "x-stiction-key"
 PUBLIC_PATHS = ("/", "/app.js", "/app.css")  # paths that need no key, because they contain no private content
 
-ALLOWED_OPTIONS = {"pair": tuple(FIELDS), "run": ("set",)}
+ALLOWED_OPTIONS = {"pair": tuple(FIELDS_BY_FLAG), "run": ("set",)}
 """Options of each command that the page may set."""
 
 ALLOWED_CHANGE_PATTERN = re.compile(
@@ -161,7 +161,7 @@ class Server:
             return CROSS_ORIGIN_RESPONSE
         token = request.query_params.get("token", "")
         if request.url.path == "/" and request.method == "GET" and token:
-            if self.token is not None and _are_equal(token, self.token):
+            if self.token is not None and _are_secrets_equal(token, self.token):
                 self.token = None
                 response = RedirectResponse(f"/#{self._key}", 303)
                 response.set_cookie(self._cookie, self._secret, httponly=True, samesite="strict", path="/")
@@ -169,8 +169,8 @@ class Server:
         elif headers.get("sec-fetch-site", "none") not in ("same-origin", "none"):
             return CROSS_ORIGIN_RESPONSE
         key = headers.get(ACCESS_KEY_HEADER) or request.query_params.get("key", "")
-        has_access = request.url.path in PUBLIC_PATHS or _are_equal(key, self._key)
-        if not (_are_equal(request.cookies.get(self._cookie, ""), self._secret) and has_access):
+        has_access = request.url.path in PUBLIC_PATHS or _are_secrets_equal(key, self._key)
+        if not (_are_secrets_equal(request.cookies.get(self._cookie, ""), self._secret) and has_access):
             return PlainTextResponse(
                 "Open the address that `stiction app` has printed. It works in one browser.\n", 403
             )
@@ -381,7 +381,7 @@ def _read_file(name: str, package: str = "stiction.app") -> str:
     return (resources.files(package) / name).read_text("utf-8")
 
 
-def _are_equal(first: str, second: str) -> bool:
+def _are_secrets_equal(first: str, second: str) -> bool:
     return secrets.compare_digest(first.encode(), second.encode())
 
 

@@ -189,7 +189,7 @@ class _LazyCommandGroup(TyperGroup):
             return None
         with exit_on_interrupt():
             import_module(f"stiction.cli.{modules[cmd_name]}")
-        result = cast("_PanelCommand", typer.main.get_command(_APPLICATIONS[cmd_name]))
+        result = cast("_PanelCommand", typer.main.get_command(_COMMAND_APPLICATIONS[cmd_name]))
         result.common = _SHORT_HELP_PARAMETERS.get(cmd_name, ())
         return result
 
@@ -225,7 +225,7 @@ app = typer.Typer(
     **(_TYPER_OPTIONS | {"add_completion": True}),
 )
 
-_APPLICATIONS: dict[str, typer.Typer] = {}  # applications by command name
+_COMMAND_APPLICATIONS: dict[str, typer.Typer] = {}  # applications by command name
 _SHORT_HELP_PARAMETERS: dict[str, Collection[str]] = {}  # parameters listed in the short help, by command name
 
 
@@ -234,7 +234,7 @@ def command(name: str, *lines: str, common: Collection[str] = ()) -> Callable[[F
 
     If `common` is given, the short help lists only these parameters.
     """
-    application = _APPLICATIONS[name] = typer.Typer(**_TYPER_OPTIONS)
+    application = _COMMAND_APPLICATIONS[name] = typer.Typer(**_TYPER_OPTIONS)
     _SHORT_HELP_PARAMETERS[name] = common
     return application.command(name, cls=_PanelCommand, epilog=format_epilog(*lines))
 
@@ -261,7 +261,7 @@ def run_command_line() -> int:
     warnings.filterwarnings("ignore", category=RuntimeWarning)
     sys.unraisablehook = _handle_unraisable
     try:
-        with _uncover_interrupts():
+        with _restore_hidden_interrupts():
             return int(app(standalone_mode=False, prog_name="stiction") or 0)
     except TyperException as error:
         if type(error).__name__ == "NoArgsIsHelpError":
@@ -303,7 +303,7 @@ def _suggest_command(message: str) -> str:
 
 
 @contextmanager
-def _uncover_interrupts() -> Iterator[None]:
+def _restore_hidden_interrupts() -> Iterator[None]:
     """Replace an exception that was caused by an interrupt, such as an ImportError, with KeyboardInterrupt."""
     try:
         yield
