@@ -14,7 +14,7 @@ from stiction.studies import budget, hardness
 from stiction.studies.budget import (
     _arrays_over_dims,
     _CoefficientSamples,
-    _ends,
+    _equal_tailed_interval,
     _pressure_and_growth_under_shear,
     add_uncertainty,
 )
@@ -140,10 +140,12 @@ def test_interval_ends_equal_quantiles_of_the_samples(infinite) -> None:
     samples = np.random.default_rng(3).lognormal(size=2**14)
     samples[:infinite] = np.inf
     method = "inverted_cdf" if infinite else "linear"
-    assert _ends(samples) == pytest.approx(np.quantile(samples, [0.025, 0.975], method=method).tolist(), rel=1e-14)
+    assert _equal_tailed_interval(samples) == pytest.approx(
+        np.quantile(samples, [0.025, 0.975], method=method).tolist(), rel=1e-14
+    )
     samples[0] = np.nan
     with pytest.raises(ValueError, match="have no coefficient"):
-        _ends(samples)
+        _equal_tailed_interval(samples)
 
 
 def test_areas_at_other_hardnesses_are_solved_for_only_two_members_of_large_maps(monkeypatch) -> None:
@@ -349,7 +351,7 @@ def test_interval_contains_the_friction_coefficient_for_truncated_distributions_
 
 
 def test_combined_interval_contains_sampling_interval_for_random_statistics(monkeypatch) -> None:
-    monkeypatch.setattr(budget, "MAX_BUDGETS", 0)  # This saves the time for computing budgets.
+    monkeypatch.setattr(budget, "MAX_BUDGETED_COEFFICIENTS", 0)  # This saves the time for computing budgets.
     # Replace values by random statistics. Some have a bracket wider than the interval of the inputs.
     random = np.random.default_rng(5)
     result = pair(

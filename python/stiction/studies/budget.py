@@ -52,10 +52,10 @@ SAMPLING_INPUTS = (UPPER_SCANS_INPUT, LOWER_SCANS_INPUT, POSITIONS_INPUT)
 INTERFACE_INPUT = "interface"  # name of the input that combines mu0 and tau0
 # quantiles at which an input is fixed for the uncertainty budget
 FIXED_INPUT_QUANTILES = (0.1, 0.5, 0.9)
-MAX_BUDGETS = 100  # maximum number of coefficients for which uncertainty budgets are computed
+MAX_BUDGETED_COEFFICIENTS = 100  # maximum number of coefficients for which uncertainty budgets are computed
 # relative difference up to which mu0 or tau0 counts as equal to its value in the study
 SAME_INPUT_TOLERANCE = 1e-3
-MAX_EXPONENT = 50.0  # upper bound on ln(single test / mean), which prevents overflow
+MAX_LOG_RATIO = 50.0  # upper bound on ln(single test / mean), which prevents overflow
 NORMAL_DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 
@@ -147,9 +147,11 @@ def add_uncertainty(
         seizing[position] = samples.fraction_seizing
         test[position] = samples.value, *samples.next_test()
         for index, wait in enumerate(study.friction.wait):
-            waited[(*position, index)] = samples.after(float(wait), pressures[samples.load])
+            waited[(*position, index)] = samples.friction_after_dwell(float(wait), pressures[samples.load])
         quoted = str(at["sliding"].values[indices["sliding"]]) == "all"
-        for index, name in enumerate(order if budget and quoted and np.prod(shape) <= MAX_BUDGETS else ()):
+        for index, name in enumerate(
+            order if budget and quoted and np.prod(shape) <= MAX_BUDGETED_COEFFICIENTS else ()
+        ):
             if name in samples.names:
                 remaining[(index, *position)] = samples.value, *samples.interval({name: 0.5})
                 width[(index, *position)] = samples.remaining_width(name)
@@ -227,7 +229,8 @@ def _zero_coefficient_interval(samples: _CoefficientSamples, point: Floats) -> t
         for column, (name, value) in enumerate((("mu0", samples.mu0), ("tau0", samples.tau0)))
     )
     low, high = extend_interval(
-        _ends(np.broadcast_to(samples.friction.coefficient(mu0, tau0), (NUM_SAMPLES,))), *point.tolist()
+        _equal_tailed_interval(np.broadcast_to(samples.friction.coefficient(mu0, tau0), (NUM_SAMPLES,))),
+        *point.tolist(),
     )
     return max(low, 0.0), high
 
@@ -344,15 +347,20 @@ class _CoefficientSamples:
     def _sampled_interval(self, fixed: Mapping[str, float]) -> tuple[float, float]:
         if self.names == tuple(self.places) and not fixed:
             return max(self.sampling[0], 0.0), self.sampling[1]
-        return self._ends(fixed)
+        return self._scaled_interval(fixed)
 
-    def _ends(self, fixed: Mapping[str, float], wait: float = 1.0, factor: Floats | float = 1.0) -> tuple[float, float]:
+    def _scaled_interval(
+        self, fixed: Mapping[str, float], wait: float = 1.0, factor: Floats | float = 1.0
+    ) -> tuple[float, float]:
         """Multiply the coefficient samples by a factor, and return the limits of their 95 % interval.
 
         The interval is extended to include the samples with mu0 or tau0 at its bound.
         """
         strengths = self.strengths[:1] if INTERFACE_INPUT in fixed else self.strengths
-        ends = [_ends(self._friction_samples(fixed, wait, strength) * factor) for strength in strengths or (None,)]
+        ends = [
+            _equal_tailed_interval(self._friction_samples(fixed, wait, strength) * factor)
+            for strength in strengths or (None,)
+        ]
         return min(low for low, _ in ends), max(high for _, high in ends)
 
     @property
@@ -390,16 +398,16 @@ class _CoefficientSamples:
         """
         from scipy.special import stdtrit
 
-        scores = self.areas.cached(
+        scores = self.areas.get_or_compute(
             ("t", len(self.names), self.freedom),
             (),
             lambda: stdtrit(self.freedom, stratified_points(len(self.names) + 1)[:, -1]),
         )
         scatter = math.sqrt(math.log1p(self.scatter**2))
-        factor = np.exp(np.minimum(scores * scatter, MAX_EXPONENT))
-        return extend_interval(self._ends(dict.fromkeys(self.places, 0.5), factor=factor), self.value)
+        factor = np.exp(np.minimum(scores * scatter, MAX_LOG_RATIO))
+        return extend_interval(self._scaled_interval(dict.fromkeys(self.places, 0.5), factor=factor), self.value)
 
-    def after(self, wait: float, pressure: float) -> tuple[float, float, float]:
+    def friction_after_dwell(self, wait: float, pressure: float) -> tuple[float, float, float]:
         """Return the friction coefficient after a dwell time (s), together with the limits of its 95 % interval.
 
         They are NaN if the nominal pressure reaches the hardness.
@@ -420,7 +428,7 @@ class _CoefficientSamples:
         area = self.areas.area_ratio(self.load, ends[0], 1.0) * area
         initial = self.friction.coefficient(self.mu0, self.tau0, grown)
         value = self.value * self.friction.coefficient(self.mu0, self.tau0, area) / initial
-        return float(value[0]), *extend_interval(self._ends({}, wait), float(value[0]))
+        return float(value[0]), *extend_interval(self._scaled_interval({}, wait), float(value[0]))
 
     def _friction_samples(
         self, fixed: Mapping[str, float], wait: float = 1.0, strength: Strength | None = None
@@ -493,7 +501,7 @@ class _CoefficientSamples:
             scores = {name: ndtri(columns[name]) for name in self.places}
             return columns, scores, samples, hardness, compute_relative_modulus(self.study, samples)
 
-        return self.areas.cached(("inputs", self.names, tuple(fixed.items()), wait), (), compute)  # type: ignore[no-any-return]
+        return self.areas.get_or_compute(("inputs", self.names, tuple(fixed.items()), wait), (), compute)  # type: ignore[no-any-return]
 
     def _area_samples(self, fixed: Mapping[str, float], wait: float) -> Floats:
         """Return samples of the true area before shear, divided by the true area for the central inputs.
@@ -505,7 +513,7 @@ class _CoefficientSamples:
             *_, hardness, modulus = self._input_samples(fixed, wait)
             return self.areas.area_ratio(self.load, None if self.areas.hardness is None else hardness, modulus)
 
-        return self.areas.cached(("area ratio", self.names, tuple(fixed.items()), wait, self.load), (), compute)
+        return self.areas.get_or_compute(("area ratio", self.names, tuple(fixed.items()), wait, self.load), (), compute)
 
     def _pressure_samples(self, fixed: Mapping[str, float], wait: float) -> Floats:
         """Return samples of the contact pressure H' (GPa) under shear, which are cached for reuse at other loads."""
@@ -513,7 +521,9 @@ class _CoefficientSamples:
         _, _, samples, hardness, _ = self._input_samples(fixed, wait)
         central = {"mu0": self.mu0, "tau0": self.tau0, "junction_growth": self.growth.value}
         inputs = [samples.get(name, value) for name, value in central.items()]
-        return self.areas.cached("pressure", (hardness, *inputs), lambda: self._pressure_under_shear(hardness, *inputs))
+        return self.areas.get_or_compute(
+            "pressure", (hardness, *inputs), lambda: self._pressure_under_shear(hardness, *inputs)
+        )
 
 
 def extend_interval(ends: tuple[float, float], *values: float) -> tuple[float, float]:
@@ -526,7 +536,7 @@ def _friction_angle_difference(ends: tuple[float, float]) -> float:
     return math.atan(ends[1]) - math.atan(ends[0])
 
 
-def _ends(values: NDArray[Any]) -> tuple[float, float]:
+def _equal_tailed_interval(values: NDArray[Any]) -> tuple[float, float]:
     """Return the limits of the equal-tailed interval that contains 95 % of the samples.
 
     The upper limit is infinite if more than 2.5 % of the samples are infinite.

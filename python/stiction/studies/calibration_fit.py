@@ -40,7 +40,7 @@ NUM_ROUND_POINTS, MAX_NUISANCE_POINTS = 256, 8192
 # The result starts with the first number of nuisance points.
 # The first number is doubled for each nuisance parameter, up to the second number.
 FINAL_POINTS = 256, 1024
-MAX_SCORE = 5.0  # normal scores of nuisance parameters are clipped to this absolute value
+MAX_NORMAL_SCORE = 5.0  # normal scores of nuisance parameters are clipped to this absolute value
 MAX_PROPOSAL_ROUNDS = 8  # maximum number of rounds of adaptation
 # The adaptation ends when the effective sample size exceeds this fraction of the nuisance points.
 MIN_SAMPLE_FRACTION = 0.4
@@ -165,7 +165,7 @@ class CalibrationProblem:
         from scipy.special import ndtr
 
         cells = () if mu0 is None else mu0.shape[1:]
-        score_of = dict(zip(self.nuisances, np.clip(scores, -MAX_SCORE, MAX_SCORE).T, strict=True))
+        score_of = dict(zip(self.nuisances, np.clip(scores, -MAX_NORMAL_SCORE, MAX_NORMAL_SCORE).T, strict=True))
         shape = len(scores), *(1 for _ in cells)
         probability = {name: ndtr(values).reshape(shape) for name, values in score_of.items()}
         # cached area factors for each equation and, if contacts grow, for each measured coefficient
@@ -385,7 +385,7 @@ class CalibrationProblem:
         scale = best.scale * math.sqrt(chi_squared / freedom) if is_scaled else 1.0
         loads = np.log(self.load[self.slid])
         trend = float(linregress(loads, best.residuals).pvalue) if slid > 2 and np.ptp(loads) > 0 else math.nan
-        mu0, tau0, scores = self._sample(max(scale, 1e-9), freedom if is_scaled else None)
+        mu0, tau0, scores = self._draw_samples(max(scale, 1e-9), freedom if is_scaled else None)
         named = {
             name: scores[:, index]
             for index, name in enumerate(self.nuisances)
@@ -480,7 +480,7 @@ class CalibrationProblem:
         count = 1 if self.known[1] is not None else NUM_TAU0_CELLS
         tau0 = cells.low[:, np.newaxis] + np.multiply.outer(cells.high - cells.low, (np.arange(count) + 0.5) / count)
         start, step = self._mu0_grid_at_tau0(cells, np.arange(len(points))[:, np.newaxis], np.arange(count), tau0)
-        mu0 = start[..., np.newaxis] + step[..., np.newaxis] * (np.arange(self._count) + 0.5)
+        mu0 = start[..., np.newaxis] + step[..., np.newaxis] * (np.arange(self._num_mu0_cells) + 0.5)
         tau0 = tau0[..., np.newaxis]
         rub, stick, right = columns[0], columns[1][..., np.newaxis, np.newaxis], columns[2]
         residuals: Iterable[Floats]
@@ -518,7 +518,7 @@ class CalibrationProblem:
         return _ProbabilityGrid(cells, np.where(np.isfinite(log), log, -np.inf))
 
     @property
-    def _count(self) -> int:
+    def _num_mu0_cells(self) -> int:
         return 1 if self.known[0] is not None else NUM_MU0_CELLS
 
     def _grid_limits_with_growth(
@@ -580,7 +580,7 @@ class CalibrationProblem:
 
     # ---- Nuisance parameters ----------------------------------------------------------------------------------------
 
-    def _sample(self, scale: float, freedom: int | None) -> tuple[Floats, Floats, Floats]:
+    def _draw_samples(self, scale: float, freedom: int | None) -> tuple[Floats, Floats, Floats]:
         """Draw samples of mu0, tau0 (GPa) and the nuisance scores from their joint distribution.
 
         If `freedom` is given, all errors share an unknown factor.

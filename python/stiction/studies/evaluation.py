@@ -609,7 +609,7 @@ def member_sums_at_loads(
     study = result.study
 
     def read(piece: xarray.Dataset) -> xarray.Dataset:
-        sums, crossing = _curves(piece, loads, names)
+        sums, crossing = _find_load_crossings(piece, loads, names)
         dims = (*find_cell_dimensions(piece), "repetition", *MOTION_DIMENSIONS, "load")
         values = np.broadcast_arrays(*map(crossing.at, sums.values()))
         coordinates = {str(name): each for name, each in piece.coords.items() if {*each.dims} <= {*dims} - {"load"}}
@@ -709,7 +709,7 @@ def _evaluate_piece(
     cells, step = find_cell_dimensions(piece), find_step_dimension(piece)
     lead = (*cells, "repetition")
     tables = piece.variables
-    sums, crossing = _curves(piece, loads)
+    sums, crossing = _find_load_crossings(piece, loads)
     motions = [name for name in MOTION_DIMENSIONS if name in piece.dims]
     six = {name: crossing.at(values) for name, values in sums.items()} if reading == "elastic" else {}
     if reading == "elastic":
@@ -787,7 +787,7 @@ def _evaluate_piece(
     return xarray.Dataset(variables, coordinates, piece.attrs)
 
 
-def _curves(
+def _find_load_crossings(
     piece: xarray.Dataset, loads: Floats, names: Sequence[str] = LOAD_SUM_NAMES
 ) -> tuple[dict[str, Floats], LoadCrossings]:
     """Return the members' contact sums, and the points at which the load curves reach the given loads."""

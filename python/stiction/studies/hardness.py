@@ -494,7 +494,7 @@ class AreaInterpolator:
             ratio = np.asarray(hardness / modulus)
             areas = area_per_load(ratio.ravel(), *table).reshape(-1, *(ratio.shape or (1,)))
             own_hardness = np.array([self.hardness])
-            study_areas = self.cached(("own", load), (), lambda: area_per_load(own_hardness, *table))
+            study_areas = self.get_or_compute(("own", load), (), lambda: area_per_load(own_hardness, *table))
         scale = np.power(modulus, -(1.0 + self.growth[load]))
         return np.asarray(scale * _interpolate_moduli(areas, self.moduli, modulus) / study_areas[self.moduli.size // 2])
 
@@ -530,7 +530,8 @@ class AreaInterpolator:
                 load, rule, hardness, modulus
             )
 
-        lowest = self.cached("lowest", (under_shear,), lambda: under_shear.min(initial=np.inf))  # NaN at seizure
+        # the lowest pressure is NaN at seizure
+        lowest = self.get_or_compute("lowest", (under_shear,), lambda: under_shear.min(initial=np.inf))
         if lowest > self.pressures[load]:
             return compute_ratio(under_shear)
         carries_load = under_shear > self.pressures[load]
@@ -548,8 +549,8 @@ class AreaInterpolator:
             self.tables[key] = SampledAreas(self.node_hardnesses, areas, elastic_areas)
         table = self.tables[key]
         # Calls for consecutive loads and sliding rules pass the same arrays.
-        log_hardness = self.cached("log hardness", (hardness, modulus), lambda: np.log(hardness / modulus))
-        places = self.cached(
+        log_hardness = self.get_or_compute("log hardness", (hardness, modulus), lambda: np.log(hardness / modulus))
+        places = self.get_or_compute(
             "places", (log_hardness, *table.limits), lambda: find_table_positions(log_hardness.ravel(), *table.limits)
         )
         sampled = table(log_hardness.ravel(), places).reshape(-1, *log_hardness.shape)
@@ -562,9 +563,13 @@ class AreaInterpolator:
             return self._sheared_area(load, rule, hardness, modulus)
 
         # The same arrays of samples are used for many values of mu0 and tau0.
-        return self.cached(("before", load, rule), (hardness, modulus), compute) if hardness.size > 1 else compute()
+        return (
+            self.get_or_compute(("before", load, rule), (hardness, modulus), compute)
+            if hardness.size > 1
+            else compute()
+        )
 
-    def cached(self, name: Any, inputs: tuple[Any, ...], compute: Callable[[], _Value]) -> _Value:
+    def get_or_compute(self, name: Any, inputs: tuple[Any, ...], compute: Callable[[], _Value]) -> _Value:
         """Return the cached value with the given name. If an input has changed, compute the value again.
 
         Numbers are compared by value, and arrays by identity.

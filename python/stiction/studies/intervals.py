@@ -24,7 +24,7 @@ CHUNK_SIZE = 2**15  # number of values in a batch that fits into the processor c
 MIN_SAMPLE_SIZE = 3  # minimum number of values for which an interval is computed
 MIN_NEIGHBORS = 8  # minimum number of values at neighbouring positions for which an interval is computed
 _CORRELATIONS = np.linspace(0.0, 0.95, 20)
-_MAX_STEPS = 50
+_MAX_NEWTON_STEPS = 50
 _MIN_SKEWNESS = 1e-9  # skewness below which an interval is computed as symmetric
 MAX_DEGREES_OF_FREEDOM = 1e6  # degrees of freedom above which Student's t distribution is practically normal
 
@@ -146,7 +146,7 @@ class MeansAtLoads:
         self._negative = np.zeros(normal.shape[0], np.bool_)
         self._logarithms, self._plain = PowerSums(self._load.shape), PowerSums(self._load.shape)
         self._loads, self._values = _RunningRange(self._load.size), _RunningRange(self._load.size)
-        self.mean = self._over_loads(self._mean)
+        self.mean = self._arrange_over_loads(self._mean)
 
     def add(self, normal: Floats, values: Floats) -> None:
         """Add repetitions. The normal loads and values of these repetitions are arrays of shape (c, k, r)."""
@@ -180,14 +180,14 @@ class MeansAtLoads:
         alone = ~self._loads.keeps_sign_without_any_value(self._load) | (self._carrying < 2)[self._curve]
         lower = np.where(alone, np.nan, np.where(is_symmetric, np.maximum(mean - half_width, lower_bound), ends[0]))
         upper = np.where(alone, np.nan, np.where(is_symmetric, mean + half_width, ends[1]))
-        return self._over_loads(lower), self._over_loads(upper)
+        return self._arrange_over_loads(lower), self._arrange_over_loads(upper)
 
     def _at(self, values: Floats) -> Floats:
         """Interpolate values of shape (c, k, r) at the crossings, and return an array of shape (p, r)."""
         after, before = values[self._curve, self._index], values[self._curve, np.maximum(self._index - 1, 0)]
         return np.asarray(before + self._fraction[:, np.newaxis] * (after - before))
 
-    def _over_loads(self, of_points: Floats) -> Floats:
+    def _arrange_over_loads(self, of_points: Floats) -> Floats:
         """Arrange the values at the crossings in an array of shape (c, l), with NaN at loads that are not reached."""
         result = np.full(self.crossing.reached.shape, np.nan)
         result[self.crossing.reached] = of_points
@@ -367,7 +367,7 @@ def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
 
     # The distribution function is concave above 0, so Newton steps from below do not exceed the quantile.
     high, moves = quantile * errors.min(axis=1), np.ones(mean.shape, bool)
-    for _ in range(_MAX_STEPS):
+    for _ in range(_MAX_NEWTON_STEPS):
         t = high[:, np.newaxis] / errors
         slope = density * (weights * (1 + t * t / (count - 1)) ** (-count / 2) / errors).sum(axis=1)
         step = (0.5 + CONFIDENCE / 2 - (weights * stdtr(count - 1, t)).sum(axis=1)) / slope

@@ -208,7 +208,7 @@ class InterpolationNodes:
         if self.study.is_measured:
             loads = np.unique([*self.loads[[-1]], float(self.study.friction.load[0])])[:NUM_NODE_CHOICE_LOADS]
         else:
-            loads = self._sample
+            loads = self._sampled_loads
         max_nodes = MAX_MEASURED_NODES if self.study.is_measured else MAX_NODES
         return refine_axes(initial_axes(self.study), partial(self._friction, loads), max_nodes)
 
@@ -226,8 +226,8 @@ class InterpolationNodes:
     @cached_property
     def error(self) -> tuple[float, float]:
         """Largest interpolation errors of values and interval limits, evaluated at a few points between nodes."""
-        loads = self.loads if self.study.is_measured else self._sample
-        table = self._table(self.values[0].sel(load=loads))
+        loads = self.loads if self.study.is_measured else self._sampled_loads
+        table = self._coefficient_table(self.values[0].sel(load=loads))
         return largest_errors(self.axes, table, partial(self._friction, loads))
 
     def is_interpolated(self, points: Floats) -> NDArray[np.bool_]:
@@ -235,7 +235,7 @@ class InterpolationNodes:
         return is_interpolated(self.axes, points)
 
     @property
-    def _sample(self) -> Floats:
+    def _sampled_loads(self) -> Floats:
         return self.loads[:: max(1, self.loads.size // NUM_SAMPLED_LOADS)]
 
     def _at(
@@ -255,9 +255,9 @@ class InterpolationNodes:
     def _friction(self, loads: Floats, mu0: Floats, tau0: Floats) -> Floats:
         """Return friction coefficients with their intervals for all combinations of mu0 and tau0."""
         names = ("contact_count",) if self.study.is_measured else ()
-        return self._table(self._at(loads, (NodeAxis(mu0), NodeAxis(tau0)), self.kinds[0], names))
+        return self._coefficient_table(self._at(loads, (NodeAxis(mu0), NodeAxis(tau0)), self.kinds[0], names))
 
-    def _table(self, at: xarray.Dataset) -> Floats:
+    def _coefficient_table(self, at: xarray.Dataset) -> Floats:
         """Return the reported coefficients and their interval limits as an array."""
         name = "friction_combined" if self.study.is_measured else "friction_coefficient"
         return np.asarray(at[name].transpose(..., "load", "mu0", "tau0", "statistic").values)
@@ -276,10 +276,10 @@ def initial_axes(study: Study) -> tuple[NodeAxis, NodeAxis]:
     largest = {"mu0": max(1.0, study_values["mu0"][-1]), "tau0": max(strength, study_values["tau0"][-1])}
     if not study.is_measured and study_values["tau0"].size > 1:
         largest["tau0"] = study_values["tau0"][-1]
-    return tuple(_axis(study_values[name], largest[name], is_ranged=name in ranged) for name in ("mu0", "tau0"))  # type: ignore[return-value]
+    return tuple(_build_axis(study_values[name], largest[name], is_ranged=name in ranged) for name in ("mu0", "tau0"))  # type: ignore[return-value]
 
 
-def _axis(study_values: Floats, largest: float, *, is_ranged: bool) -> NodeAxis:
+def _build_axis(study_values: Floats, largest: float, *, is_ranged: bool) -> NodeAxis:
     if study_values.size > MAX_STUDY_NODES:
         study_values = study_values[
             np.unique(np.linspace(0, study_values.size - 1, MAX_STUDY_NODES).round().astype(int))
