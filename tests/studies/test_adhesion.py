@@ -11,7 +11,7 @@ from stiction.studies.assessment import (
     TYPICAL_WORK_OF_ADHESION,
     estimate_adhesion_load,
 )
-from stiction.studies.contact_picture import coming_and_going
+from stiction.studies.contact_picture import compute_loading_cycle
 from stiction.studies.evaluation import at_load
 from stiction.studies.members import load_bodies
 from stiction.studies.point import is_unloaded, iterate_points
@@ -105,7 +105,7 @@ def test_pull_off_force_is_shown_in_rows_text_report_and_figure(adhesive_result,
     page = adhesive_result.save_report(tmp_path / "page.html").read_text()
     assert "Loading and unloading" in page
     assert "friction at no load" in page
-    loading_cycle = coming_and_going(adhesive_result.source)
+    loading_cycle = compute_loading_cycle(adhesive_result.source)
     unloading = loading_cycle.isel(point=loading_cycle["going"].values)
     assert float(loading_cycle["load"].min()) < 0 < float(loading_cycle["load"].max())
     assert float(unloading["load"][-1]) == float(loading_cycle["load"].min())

@@ -107,7 +107,7 @@ def contact_picture(result: Result | xarray.Dataset, load: float | None = None) 
     return picture.assign_attrs({"member": index, "load_mN": load, "x": member.x, "y": member.y})
 
 
-def coming_and_going(result: Result) -> xarray.Dataset | None:
+def compute_loading_cycle(result: Result) -> xarray.Dataset | None:
     """Compute the load, contact area and approach of a typical adhesive member during loading and unloading.
 
     Returns None for bodies without adhesion, or if the solver fails.

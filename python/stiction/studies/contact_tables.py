@@ -38,7 +38,7 @@ from stiction.studies.values import (
     make_key_error,
     select_key_value,
     to_value_array,
-    written,
+    to_written_form,
 )
 
 DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # default directions of motion for height maps, degrees
@@ -335,7 +335,7 @@ class HalfSpaceContactTable(ContactTable):
         if self.hardness is not None and not strength < float(self.hardness):
             raise make_key_error(
                 "hardness", f"must be above work_of_adhesion / adhesion_range = {strength:g} GPa, at which bodies "
-                f"yield without a load, got {written(self.hardness)!r}",
+                f"yield without a load, got {to_written_form(self.hardness)!r}",
             )  # fmt: skip
         return self
 

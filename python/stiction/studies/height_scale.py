@@ -51,7 +51,7 @@ HEIGHT_SCALE_FOLDER = "height_scale"
 FACTOR_EXPONENT_STEP = 0.5
 """Largest difference of log2(factor) between neighboring factors that are used for an interpolation."""
 
-FACTOR_DIGITS = 6  # number of significant digits to which a height factor is rounded
+NUM_FACTOR_DIGITS = 6  # number of significant digits to which a height factor is rounded
 
 ScaledSides = Literal["both", "upper", "lower"]
 """Surfaces whose heights are scaled."""
@@ -100,7 +100,7 @@ def parse_height_factors(factors: Any) -> Floats:
         If a factor is not a number or out of range, or if the ends of a range are not in ascending order.
     """
     values = _parse_factor_text(factors) if isinstance(factors, str) else float_array("height_scale", factors)
-    values = np.unique([float(f"{factor:.{FACTOR_DIGITS}g}") for factor in np.ravel(values).tolist()])
+    values = np.unique([float(f"{factor:.{NUM_FACTOR_DIGITS}g}") for factor in np.ravel(values).tolist()])
     if not values.size or not ((values >= MIN_FACTOR) & (values <= MAX_FACTOR)).all():
         allowed = f"from {MIN_FACTOR:g} to {MAX_FACTOR:g}"
         raise ArgumentError("{height_scale} must be {allowed}, got {got}", allowed=allowed, got=short_repr(factors))
@@ -133,7 +133,7 @@ def _list_enclosing_powers(low: float, high: float) -> Floats:
     """Return powers of 2 that enclose a range of height factors, with exponents in steps of `FACTOR_EXPONENT_STEP`."""
     first, last = math.floor(math.log2(low) / FACTOR_EXPONENT_STEP), math.ceil(math.log2(high) / FACTOR_EXPONENT_STEP)
     powers = np.exp2(FACTOR_EXPONENT_STEP * np.arange(first, last + 1)).clip(MIN_FACTOR, MAX_FACTOR)
-    return np.unique([float(f"{power:.{FACTOR_DIGITS}g}") for power in powers.tolist()])
+    return np.unique([float(f"{power:.{NUM_FACTOR_DIGITS}g}") for power in powers.tolist()])
 
 
 def find_missing_factors(factors: Floats, solved: Floats) -> Floats:

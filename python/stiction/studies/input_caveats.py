@@ -92,13 +92,15 @@ def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[f
                     elastic=not has_limited_pressure(study),
                 )  # fmt: skip
             for each in scan_caveats:
-                kinds[_kind(each)] = max(kinds.get(_kind(each), each), each, key=lambda caveat: caveat.cut_off)
+                kinds[_caveat_kind(each)] = max(
+                    kinds.get(_caveat_kind(each), each), each, key=lambda caveat: caveat.cut_off
+                )
         return list(kinds.values())
 
     of_upper, of_lower = map(of_part, (getattr(study.surfaces, side) for side in SIDES), (upper, lower))
     pairs = [
         (each, other) for each in of_upper for other in of_lower
-        if _kind(each) == _kind(other) and each.severity == other.severity
+        if _caveat_kind(each) == _caveat_kind(other) and each.severity == other.severity
     ]  # fmt: skip
     alike = {caveat for pair in pairs for caveat in pair}
     shared = [replace(max(pair, key=lambda each: each.cut_off), text=_merge_caveats(*pair)) for pair in pairs]
@@ -111,7 +113,7 @@ def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[f
     if mu0 > MAX_PLAUSIBLE_MU0:
         text = f"μ0 = {mu0:g} is larger than μ0 of any known pair of materials"
         caveats.append(Caveat(text, "specify μ0 as a fraction, not in per cent", "caution"))
-    area = float(np.prod(np.minimum(_extent(upper), _extent(lower))))
+    area = float(np.prod(np.minimum(_axis_extents(upper), _axis_extents(lower))))
     modulus = float(study.contact.effective_modulus)
     for load in loads:
         if load / area > MAX_PRESSURE_OVER_MODULUS * modulus:
@@ -133,13 +135,13 @@ def _without_cutoff(caveat: Caveat, longest: float) -> str:
 
 def _shortest_side(body: Body) -> float:
     """Return the length of a profile, or the length of the shorter side of a height map (µm)."""
-    return body.extent if isinstance(body, Profile) else min(_extent(body))
+    return body.extent if isinstance(body, Profile) else min(_axis_extents(body))
 
 
 _NUMBER_PATTERN = re.compile(r"\d[\d.]*")
 
 
-def _kind(caveat: Caveat) -> str:
+def _caveat_kind(caveat: Caveat) -> str:
     """Return the text of a caveat without numbers, which identifies the kind of caveat."""
     return _NUMBER_PATTERN.sub("", caveat.text)
 
@@ -188,7 +190,7 @@ def find_study_caveats(study: Study) -> tuple[Caveat, ...]:
     return find_input_caveats(upper, lower, study, [float(load) for load in study.friction.load])
 
 
-def _extent(body: Body) -> tuple[float, float]:
+def _axis_extents(body: Body) -> tuple[float, float]:
     """Return the extents (µm) of a body along both axes.
 
     A profile is 1 µm wide, and the extents of a spectrum are infinite.

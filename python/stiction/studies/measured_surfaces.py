@@ -34,7 +34,7 @@ from stiction.studies.values import (
     read_length,
     require_different,
     to_value_array,
-    written,
+    to_written_form,
 )
 from stiction.surfaces.cut_off import MAX_CUTOFF_FRACTION, cut_off
 from stiction.surfaces.filters import check_cutoff
@@ -410,8 +410,8 @@ def _read_body(file: MeasuredFile) -> Body:
 @functools.lru_cache(maxsize=16)
 def _load_reading(file: MeasuredFile) -> Reading[Profile | Surface]:
     return load_reading(
-        file.file, unit=file.unit, spacing=written(file.spacing), missing=file.missing, channel=file.channel,
-        columns=file.columns, outliers=file.outliers, crop=written(file.crop), missing_value=file.missing_value,
+        file.file, unit=file.unit, spacing=to_written_form(file.spacing), missing=file.missing, channel=file.channel,
+        columns=file.columns, outliers=file.outliers, crop=to_written_form(file.crop), missing_value=file.missing_value,
         accept=file.accept,
     )  # fmt: skip
 

@@ -203,9 +203,9 @@ class Result:
 
         The values are computed on first use.
         """
-        from stiction.studies.contact_picture import coming_and_going
+        from stiction.studies.contact_picture import compute_loading_cycle
 
-        return coming_and_going(self)
+        return compute_loading_cycle(self)
 
     def find_touching_profiles(self, load: float) -> tuple[Profile, Profile, float, float] | None:
         """Find the first profiles that touch at a load (mN). Return both profiles, their approach and offset (µm).
@@ -449,28 +449,28 @@ class Result:
         return self.summary_of(self.at_study_loads)
 
     @property
-    def _first(self) -> PointSummary:
+    def _first_headline(self) -> PointSummary:
         return self.summary().first
 
     @property
     def value(self) -> float:
         """Coefficient of static friction at the quoted point, or NaN if the result has no coefficient."""
-        return self._first.value
+        return self._first_headline.value
 
     @property
     def interval(self) -> tuple[float, float]:
         """Limits of the combined 95 % interval of `value`. It includes inputs, positions and unresolved roughness."""
-        return self._first.lower, self._first.upper
+        return self._first_headline.lower, self._first_headline.upper
 
     @property
     def of_positions(self) -> tuple[float, float]:
         """Limits of the 95 % sampling interval of the mean over positions, for inputs at their central values."""
-        return self._first.rules[0].positions
+        return self._first_headline.rules[0].positions
 
     @property
     def next_test(self) -> tuple[float, float]:
         """Limits of the 95 % prediction interval for one test at one position in one direction of motion."""
-        return self._first.rules[0].next_test
+        return self._first_headline.rules[0].next_test
 
     @property
     def budget(self) -> pandas.DataFrame:
@@ -481,7 +481,7 @@ class Result:
         """
         import pandas
 
-        point = self._first
+        point = self._first_headline
         whole = point.upper - point.lower
         rows = [
             (interval.words, interval.lower, interval.upper, interval.width, 1 - interval.width / whole)
@@ -492,7 +492,7 @@ class Result:
     @property
     def verdict(self) -> str:
         """Assessment of `value`: "Quote it", "Quote with care" or "Do not quote"."""
-        return self._first.verdict
+        return self._first_headline.verdict
 
     @property
     def assessment(self) -> str:
@@ -502,14 +502,14 @@ class Result:
     @property
     def caveats(self) -> tuple[Caveat, ...]:
         """Caveats about `value`, each with a remedy. Faults come first."""
-        return self._first.caveats
+        return self._first_headline.caveats
 
     @property
     def sentence(self) -> str:
         """Sentence that contains `value` and all conditions under which it holds."""
         from stiction.views.sentence import sentence_text
 
-        return sentence_text(self._first)
+        return sentence_text(self._first_headline)
 
     # ---- Tables, figures and reports ---------------------------------------------------------------------------------
 
@@ -581,11 +581,11 @@ class Result:
     def __repr__(self) -> str:
         """Return the text that is shown if the result is printed on a terminal."""
         try:
-            return self._text().rstrip()
+            return self._terminal_text().rstrip()
         except ValueError as error:  # raised if there is no contact or no finished member
             return f"no answer: {error}"
 
-    def _text(self) -> str:
+    def _terminal_text(self) -> str:
         from stiction.views import text
 
         summary = self.summary()

@@ -154,7 +154,7 @@ class StoredResult:
     @cached_property
     def first_block_content(self) -> BlockContent:
         """Contents of the first block. The study in this block may differ from the study file in the folder."""
-        return self._read(self._block_ranges[0][0] if self._block_ranges else self.blocks[0])
+        return self._read_block(self._block_ranges[0][0] if self._block_ranges else self.blocks[0])
 
     def dataset(self) -> xarray.Dataset:
         """Return a dataset that contains all finished members.
@@ -215,7 +215,7 @@ class StoredResult:
             if first < block_end and block_start < last:
                 low = max(first, block_start) - block_start + block_first
                 high = min(last, block_end) - block_start + block_first
-                content = self.first_block_content if block is self._block_ranges[0][0] else self._read(block)
+                content = self.first_block_content if block is self._block_ranges[0][0] else self._read_block(block)
                 if differ := find_member_differences(content.study, self.study):
                     raise _damage_error(
                         self.path, block, f"does not match {STUDY_FILE}: {format_differences(differ[:1])}"
@@ -229,7 +229,7 @@ class StoredResult:
             block_start = block_end
         return build_dataset(self.study, numbers, arrays, bodies).assign_attrs(stiction_version=version)
 
-    def _read(self, block: Block) -> BlockContent:
+    def _read_block(self, block: Block) -> BlockContent:
         """Read a block, compare its checksum with the checksum in the file name, and return the contents."""
         try:
             written = read_content(self.path / BLOCKS_FOLDER / block.name, MAX_RESULT_BYTES)
@@ -305,7 +305,7 @@ def read_companion(path: Path, names: Iterable[str]) -> xarray.Dataset | None:
         options: dict[str, Any] = {"engine": "h5netcdf", "decode_cf": False, "phony_dims": "sort"}
         with _open_netcdf(written) as file:
             for name in names:
-                _values(file, name)
+                _read_variable(file, name)
             with xarray.open_dataset(io.BytesIO(written), **options) as dataset:
                 dataset.load()
     except FileNotFoundError:
@@ -332,7 +332,7 @@ def open_stored(path: str | Path) -> StoredResult:
         raise StoreError(f"{printable_path(path)} is a file, but a result is a directory")
     blocks = _list_blocks(path)
     try:
-        study = _study(path)
+        study = _read_study_file(path)
     except FileNotFoundError:
         raise StoreError(f"{printable_path(path)} is not a result, because it contains no {STUDY_FILE}") from None
     except OSError as error:
@@ -366,7 +366,7 @@ def _list_blocks(path: Path) -> tuple[Block, ...]:
     return tuple(block for block in blocks if block.first <= block.last)
 
 
-def _study(path: Path) -> Study:
+def _read_study_file(path: Path) -> Study:
     try:
         text = read_content(path / STUDY_FILE, MAX_STUDY_BYTES).decode()
     except (UnreadableFileError, UnicodeDecodeError) as error:
@@ -437,7 +437,7 @@ def _check_replaceable(path: Path, study: Study) -> None:
     try:
         if read_content(path / STUDY_FILE, MAX_STUDY_BYTES).startswith(STUDY_FILE_SIGNATURE.encode()):
             return
-        stored = _study(path)
+        stored = _read_study_file(path)
     except OSError as error:
         raise StoreError(f"{printable_path(path / STUDY_FILE)}: cannot be read: {describe_os_error(error)}") from None
     except UnreadableFileError as error:
@@ -450,7 +450,7 @@ def _check_replaceable(path: Path, study: Study) -> None:
 def _has_study(path: Path, study: Study) -> bool:
     """Return whether the folder contains the given study."""
     try:
-        return _study(path) == study
+        return _read_study_file(path) == study
     except (OSError, ValueError):
         return False
 
@@ -591,20 +591,21 @@ def decode_members(content: bytes) -> BlockContent:
         if title != RESULT_TITLE or not isinstance(text, str):
             raise DamagedFileError("has no attribute 'study'")
         study = _parse_study(text)
-        numbers = _values(file, "repetition")
-        arrays = {name: _values(file, name, spec.shape) for name, spec in list_variables(study, numbers).items()}
+        numbers = _read_variable(file, "repetition")
+        arrays = {name: _read_variable(file, name, spec.shape) for name, spec in list_variables(study, numbers).items()}
         bodies = BodyAttributes()
         if study.is_measured:
             arrays |= {
-                name: _values(file, name, numbers.shape).astype(dtype) for name, dtype in MEMBER_COORDINATES.items()
+                name: _read_variable(file, name, numbers.shape).astype(dtype)
+                for name, dtype in MEMBER_COORDINATES.items()
             }
             stored = {name: file.attrs[name] for name in file.attrs if name not in RESULT_ATTRIBUTES}
             attributes = {
                 name: value if isinstance(value, str) else np.atleast_1d(value) for name, value in stored.items()
             }
-            bodies = BodyAttributes(float(_values(file, "nominal_area")), attributes)
+            bodies = BodyAttributes(float(_read_variable(file, "nominal_area")), attributes)
         coordinates = {name: pair for name, pair in list_coordinates(study, []).items() if name != "repetition"}
-        is_exact = [np.array_equal(_values(file, name), values) for name, (_, values) in coordinates.items()]
+        is_exact = [np.array_equal(_read_variable(file, name), values) for name, (_, values) in coordinates.items()]
     return BlockContent(study, str(version), numbers, arrays, bodies, all(is_exact))
 
 
@@ -631,7 +632,7 @@ def _parse_study(text: str) -> Study:
         raise DamagedFileError(f"contains a study that cannot be read: {error}") from None
 
 
-def _values(file: h5py.File, name: str, shape: tuple[int, ...] | None = None) -> NDArray[Any]:
+def _read_variable(file: h5py.File, name: str, shape: tuple[int, ...] | None = None) -> NDArray[Any]:
     """Return the values of a variable. The values must be stored in the file itself, not in a linked file."""
     import h5py
 

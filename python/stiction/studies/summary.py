@@ -317,7 +317,7 @@ def _cover_cutoff_value(value: RuleValue, other_value: RuleValue) -> RuleValue:
 
 def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence[Caveat] = ()) -> PointSummary:
     """Summarize one point of a dataset that `Result.at` returned, including caveats about the bodies."""
-    rules = tuple(_rule_value(point, rule) for rule in list_rules_quoted_first(study))
+    rules = tuple(_build_rule_value(point, rule) for rule in list_rules_quoted_first(study))
     statuses = np.unique(select_sliding_rule(point["status"], rules[0].rule).values)
     bad = [str(status) for status in statuses if status != friction.STATUS_OK]
     # A missing coefficient in one direction makes the mean over all directions NaN.
@@ -337,7 +337,7 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
         bracket=None
         if any(_invalidates_bracket(caveat) for caveat in caveats)
         else _resolution_bracket(point, study, mean),
-        budget=_budget(point, rules[0].rule),
+        budget=_remaining_intervals(point, rules[0].rule),
         parts=_friction_contributions(point, rules[0]),
         from_roughness=_roughness_contribution(point, study, rules[0]),
         waited=_dwell_time_values(point, rules[0].rule),
@@ -348,7 +348,7 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
 # ---- Values ----------------------------------------------------------------------------------------------------------
 
 
-def _rule_value(point: xarray.Dataset, rule: str) -> RuleValue:
+def _build_rule_value(point: xarray.Dataset, rule: str) -> RuleValue:
     table = select_sliding_rule(point, rule)
     name = "friction_all_round" if "friction_all_round" in table else "friction_coefficient"
     value, lower, upper = (table[name].sel(statistic=each).item() for each in MEAN_AND_LIMITS)
@@ -366,7 +366,7 @@ def _interval_limits(table: xarray.Dataset, name: str) -> tuple[float, float] | 
     return (lower, upper) if math.isfinite(lower) and not math.isnan(upper) else None
 
 
-def _budget(point: xarray.Dataset, rule: str) -> tuple[RemainingInterval, ...]:
+def _remaining_intervals(point: xarray.Dataset, rule: str) -> tuple[RemainingInterval, ...]:
     """Return the intervals that would remain if one input at a time were exact, sorted by increasing width."""
     if "friction_if_known" not in point:
         return ()

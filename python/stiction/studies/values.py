@@ -50,23 +50,23 @@ def _make_quantity_reader(kind: str, *, zero: bool = False) -> Callable[[object]
 read_length = _make_quantity_reader("length")
 
 
-def written(value: Any) -> Any:
+def to_written_form(value: Any) -> Any:
     """Format quantities and floats as text, including those in tuples. Other values are returned unchanged."""
     if isinstance(value, tuple):
-        return tuple(map(written, value))
+        return tuple(map(to_written_form, value))
     if isinstance(value, Quantity):
         return value.text
     return f"{value:g}" if isinstance(value, float) else value
 
 
-def _increasing(values: tuple[float, ...]) -> tuple[float, ...]:
+def _require_increasing(values: tuple[float, ...]) -> tuple[float, ...]:
     for previous, value in itertools.pairwise(values):
         if not value > previous:
-            raise ValueError(f"must increase, but {written(previous)} is followed by {written(value)}")
+            raise ValueError(f"must increase, but {to_written_form(previous)} is followed by {to_written_form(value)}")
     return values
 
 
-as_written = PlainSerializer(written)
+as_written = PlainSerializer(to_written_form)
 Length = Annotated[Quantity, PlainValidator(read_length), as_written]
 SignedLength = Annotated[Quantity, PlainValidator(lambda text: quantity(text, "length")), as_written]
 LengthOrZero = Annotated[Quantity, PlainValidator(_make_quantity_reader("length", zero=True)), as_written]
@@ -93,8 +93,8 @@ def require_different(values: tuple[_Item, ...]) -> tuple[_Item, ...]:
 
 # TOML lists become tuples, because a study is immutable.
 as_tuple = BeforeValidator(lambda values: tuple(values) if isinstance(values, list) else values)
-_values = (as_tuple, Field(min_length=1, max_length=MAX_VALUES), AfterValidator(_increasing))
-_few_values = (as_tuple, Field(min_length=1, max_length=MAX_SHORT_LIST_LENGTH), AfterValidator(_increasing))
+_values = (as_tuple, Field(min_length=1, max_length=MAX_VALUES), AfterValidator(_require_increasing))
+_few_values = (as_tuple, Field(min_length=1, max_length=MAX_SHORT_LIST_LENGTH), AfterValidator(_require_increasing))
 Dimensions = Annotated[tuple[Dimension, ...], *_values]
 Lengths = Annotated[tuple[Length, ...], *_values]
 Approaches = Annotated[tuple[LengthOrZero, ...], *_values]
@@ -107,7 +107,7 @@ CutOffs = Annotated[
     Field(min_length=1, max_length=MAX_SHORT_LIST_LENGTH),
     AfterValidator(require_different),
 ]
-_none_or_few = (as_tuple, Field(max_length=MAX_SHORT_LIST_LENGTH), AfterValidator(_increasing))
+_none_or_few = (as_tuple, Field(max_length=MAX_SHORT_LIST_LENGTH), AfterValidator(_require_increasing))
 LoadsOfInterest = Annotated[tuple[Force, ...], *_none_or_few]
 Times = Annotated[tuple[Time, ...], *_none_or_few]
 
@@ -206,7 +206,9 @@ class _Range(Table):
         if self.count == 1 and self.start != self.stop:
             raise ValueError("a range with count = 1 must have equal start and stop")
         if self.count > 1 and not self.stop > self.start:
-            raise ValueError(f"must have a stop above its start, got {written(self.start)} to {written(self.stop)}")
+            raise ValueError(
+                f"must have a stop above its start, got {to_written_form(self.start)} to {to_written_form(self.stop)}"
+            )
         return self
 
     def values(self) -> Floats:
