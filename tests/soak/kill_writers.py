@@ -51,7 +51,7 @@ import os, sys
 if "storm" in os.environ and "stiction" in " ".join(sys.orig_argv):
     import pathlib, random, time
     from stiction.studies import runner
-    runner.BLOCK_TIME = 0.02
+    runner.TARGET_BLOCK_TIME = 0.02
     sums = runner.compute_member_sums
     def record(study, member):
         with open(os.environ["storm"], "ab", buffering=0) as file:

@@ -123,7 +123,7 @@ def test_block_size_limits_the_time_and_memory_of_a_block(name):
     for total in (1, 10, 100, 1_000_000):
         size = runner.choose_block_size(with_repetitions(total, study))
         assert 1 <= size <= runner.MAX_BLOCK_MEMBERS
-        assert size == 1 or size * estimate_member_time(study) <= runner.BLOCK_TIME
+        assert size == 1 or size * estimate_member_time(study) <= runner.TARGET_BLOCK_TIME
         assert size == 1 or size * member_bytes(study) <= runner.MAX_BLOCK_BYTES
         assert math.ceil(total / size) >= min(total, 4)
         is_worth_its_file = (size - 1) * estimate_member_time(study) < runner.MIN_BLOCK_TIME

@@ -426,7 +426,9 @@ class AreaInterpolator:
     pressures: Floats  # nominal pressures (loads,), GPa
     opposing_areas: Floats | None = None  # areas per load A/F of contacts that oppose the motion (loads, n)
     tables: dict[Any, SampledAreas] = field(default_factory=dict)  # cached tables of A/F, see `_sheared_area`
-    cache: dict[Any, tuple[tuple[Any, ...], Any]] = field(default_factory=dict)  # inputs and values stored by `cached`
+    cache: dict[Any, tuple[tuple[Any, ...], Any]] = field(
+        default_factory=dict
+    )  # inputs and values stored by `get_or_compute`
 
     @classmethod
     def from_result(

@@ -20,7 +20,7 @@ CONFIDENCE = 0.95
 NUM_SLOPE_FIT_STEPS = 4  # a slope is fitted to this many steps on each side of a crossing
 MAX_LOAD_RATIO = 10.01
 """Largest ratio of two successive computed loads between which values are interpolated."""
-CHUNK_SIZE = 2**15  # number of values in a batch that fits into the processor cache
+NUM_BATCH_VALUES = 2**15  # number of values in a batch that fits into the processor cache
 MIN_SAMPLE_SIZE = 3  # minimum number of values for which an interval is computed
 MIN_NEIGHBORS = 8  # minimum number of values at neighbouring positions for which an interval is computed
 _CORRELATIONS = np.linspace(0.0, 0.95, 20)
@@ -152,7 +152,7 @@ class MeansAtLoads:
         """Add repetitions. The normal loads and values of these repetitions are arrays of shape (c, k, r)."""
         self._carrying += np.count_nonzero(normal.any(axis=1), axis=1)
         self._negative |= (values < 0).any(axis=(1, 2))
-        at_a_time, others = max(1, CHUNK_SIZE // max(1, self._load.size)), self._repetitions - 1
+        at_a_time, others = max(1, NUM_BATCH_VALUES // max(1, self._load.size)), self._repetitions - 1
         mean, mean_load, load, slope = (
             each[:, np.newaxis] for each in (self._mean, self._mean_load, self._load, self._slope)
         )
@@ -331,7 +331,7 @@ def neighbors_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
     mean = rows.mean(axis=1) if count else np.full(rows.shape[0], np.nan)
     lower, upper = np.full((2, mean.size), np.nan)
     if count >= MIN_NEIGHBORS:
-        at_a_time = max(1, CHUNK_SIZE // (4 * count))
+        at_a_time = max(1, NUM_BATCH_VALUES // (4 * count))
         for first in range(0, mean.size, at_a_time):
             chunk = slice(first, first + at_a_time)
             lower[chunk], upper[chunk] = _neighbors_interval(rows[chunk], mean[chunk])

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     import xarray
 
 # Computing time (s) of a block. A crash then loses little work, and writing a block takes a few per cent of this time.
-BLOCK_TIME = 1.5
+TARGET_BLOCK_TIME = 1.5
 MAX_BLOCK_MEMBERS = 4096
 MAX_BLOCK_BYTES = 2**24
 MIN_BLOCKS = 16  # minimum number of blocks, which limits the wait for the last block
@@ -47,7 +47,7 @@ MAX_BYTES_IN_MEMORY = 2**34  # maximum size (bytes) of a result without a store,
 
 def choose_block_size(study: Study) -> int:
     """Return the number of members to store in each block."""
-    by_time = int(min(BLOCK_TIME / max(estimate_member_time(study), 1e-9), MAX_BLOCK_MEMBERS))
+    by_time = int(min(TARGET_BLOCK_TIME / max(estimate_member_time(study), 1e-9), MAX_BLOCK_MEMBERS))
     by_size = MAX_BLOCK_BYTES // member_bytes(study)
     total = study.ensemble.repetitions
     min_size = min(math.ceil(MIN_BLOCK_TIME / max(estimate_member_time(study), 1e-9)), total // 4)

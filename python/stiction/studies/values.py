@@ -194,7 +194,7 @@ def select_key_value(key: str, table: Mapping[str, Any], cases: Mapping[str, Any
     return value
 
 
-class _Range(Table):
+class _RangeTable(Table):
     """Range of equally spaced values, including both limits."""
 
     start: Any
@@ -216,14 +216,14 @@ class _Range(Table):
         return np.linspace(float(self.start), float(self.stop), self.count)
 
 
-class DimensionRange(_Range):
+class DimensionRange(_RangeTable):
     """Range of fractal dimensions."""
 
     start: Dimension
     stop: Dimension
 
 
-class _Steps(_Range):
+class _SteppedRangeTable(_RangeTable):
     """Range of values with equal differences (linear) or equal ratios (geometric)."""
 
     spacing: Literal["linear", "geometric"] = "geometric"
@@ -241,14 +241,14 @@ class _Steps(_Range):
         return np.geomspace(float(self.start), float(self.stop), self.count)
 
 
-class ApproachRange(_Steps):
+class ApproachRange(_SteppedRangeTable):
     """Range of approaches."""
 
     start: LengthOrZero
     stop: LengthOrZero
 
 
-class LoadRange(_Steps):
+class LoadRange(_SteppedRangeTable):
     """Range of normal loads."""
 
     start: Force
@@ -279,7 +279,7 @@ ApproachesOrRange = Annotated[
 LoadsOrRange = Annotated[Annotated[LoadRange, Tag(RANGE_NAME)] | Annotated[Loads, Tag(LIST_NAME)], _range_or_list]
 
 
-def to_value_array(values: _Range | tuple[float, ...]) -> Floats:
+def to_value_array(values: _RangeTable | tuple[float, ...]) -> Floats:
     """Return all values of a range or a list as an array."""
     return np.array(values, dtype=np.float64) if isinstance(values, tuple) else values.values()
 
