@@ -426,9 +426,8 @@ class AreaInterpolator:
     pressures: Floats  # nominal pressures (loads,), GPa
     opposing_areas: Floats | None = None  # areas per load A/F of contacts that oppose the motion (loads, n)
     tables: dict[Any, SampledAreas] = field(default_factory=dict)  # cached tables of A/F, see `_sheared_area`
-    cache: dict[Any, tuple[tuple[Any, ...], Any]] = field(
-        default_factory=dict
-    )  # inputs and values stored by `get_or_compute`
+    # inputs and values stored by `get_or_compute`
+    cache: dict[Any, tuple[tuple[Any, ...], Any]] = field(default_factory=dict)
 
     @classmethod
     def from_result(
