@@ -5,7 +5,7 @@ from pathlib import Path
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
-from stiction.views.style import MATPLOTLIB_STYLE, MILLIMETRE, NOT_OPPOSING_COLOUR, PAGE_WIDTH, save_figure
+from stiction.views.style import INCHES_PER_MILLIMETRE, MATPLOTLIB_STYLE, NOT_OPPOSING_COLOUR, PAGE_WIDTH, save_figure
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 
@@ -60,7 +60,7 @@ def draw() -> None:
     with mpl.rc_context(MATPLOTLIB_STYLE):
         bars = sum(1 + len(group) for group in groups.values())
         height = 3.2 * bars + 5.5 * len(groups) + 11
-        figure = Figure(figsize=(PAGE_WIDTH, height * MILLIMETRE))
+        figure = Figure(figsize=(PAGE_WIDTH, height * INCHES_PER_MILLIMETRE))
         axes = figure.add_axes((0.2, 9 / height, 0.75, 1 - 10 / height))
         place, places, names = 0.0, [], []
         for task, group in groups.items():

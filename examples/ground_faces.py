@@ -6,7 +6,7 @@ matplotlib.use("agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from stiction import Surface, cropped, levelled, on_common_grid, pair, rotated, self_affine_surface
-from stiction.views.style import AREA_COLOUR, MATPLOTLIB_STYLE, STRENGTH_COLOURS
+from stiction.views.style import AREA_COLOUR, MATPLOTLIB_STYLE, SHEAR_STRENGTH_COLOURS
 
 plt.rcParams.update(MATPLOTLIB_STYLE)
 
@@ -40,7 +40,7 @@ for angle in ANGLES:
 
 
 figure, (top, bottom) = plt.subplots(2, 1, figsize=(5.4, 4.8), sharex=True, layout="constrained")
-for tau0, colour in zip((0.0, 0.5), STRENGTH_COLOURS, strict=True):
+for tau0, colour in zip((0.0, 0.5), SHEAR_STRENGTH_COLOURS, strict=True):
     for axis, style, direction_text in ((0.0, "-", "across the lower grooves"), (90.0, "--", "along them")):
         # The results are means over both directions along an axis, which cancel the effect of a tilt.
         selection = {"sliding": "opposing", "tau0": tau0, "axis": axis}

@@ -6,7 +6,7 @@ matplotlib.use("agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from stiction import pair, self_affine_surface
-from stiction.views.style import AREA_COLOUR, MATPLOTLIB_STYLE, STRENGTH_COLOURS
+from stiction.views.style import AREA_COLOUR, MATPLOTLIB_STYLE, SHEAR_STRENGTH_COLOURS
 
 plt.rcParams.update(MATPLOTLIB_STYLE)
 
@@ -29,7 +29,7 @@ lower = create_face("lower", 0.1)
 rows = [pair(create_face("upper", rms), lower, **OPTIONS).at().isel(cut_off=0, load=0, mu0=0) for rms in FINISHES]
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(6.2, 3.3), layout="constrained")
-for tau0, colour in zip((0.0, 0.5), STRENGTH_COLOURS, strict=True):
+for tau0, colour in zip((0.0, 0.5), SHEAR_STRENGTH_COLOURS, strict=True):
     for rule, style, rule_text in (("opposing", "-", "opposing contacts"), ("all", "--", "all contacts")):
         # The results are means over all directions, which cancel the effect of a tilt.
         middle, low, high = np.transpose([table["friction_all_round"].sel(sliding=rule, tau0=tau0) for table in rows])

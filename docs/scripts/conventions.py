@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, Rectangle
 from stiction import Contacts, Profile, asperities, contacts, random_phases, weierstrass_mandelbrot
-from stiction.views.style import MATPLOTLIB_STYLE, MILLIMETRE
+from stiction.views.style import INCHES_PER_MILLIMETRE, MATPLOTLIB_STYLE
 
 IMAGE = Path(__file__).parents[1] / "images/conventions.png"
 
@@ -213,7 +213,7 @@ def draw_forces(ax: Axes, profiles: ContactingProfiles) -> None:
 
 def draw_figure() -> Figure:
     profiles = create_pair()
-    figure = Figure(figsize=(170 * MILLIMETRE, 122 * MILLIMETRE))
+    figure = Figure(figsize=(170 * INCHES_PER_MILLIMETRE, 122 * INCHES_PER_MILLIMETRE))
     for name, x, y in (("(a)", 0.005, 0.94), ("(b)", 0.005, 0.435), ("(c)", 0.54, 0.435)):
         figure.text(x, y, name, weight="bold")
     draw_pair(figure.add_axes((0.0, 0.5, 1.0, 0.5)), profiles)

@@ -9,7 +9,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from stiction import contacts, self_affine_surface
-from stiction.views.style import MATPLOTLIB_STYLE, MILLIMETRE
+from stiction.views.style import INCHES_PER_MILLIMETRE, MATPLOTLIB_STYLE
 
 IMAGE = Path(__file__).parents[1] / "images/conventions_areas.png"
 
@@ -102,7 +102,7 @@ def save_figure(path):
     lower, result = create_pair()
     steepest = int(np.argmax(np.where(result.opposing, np.hypot(result.normal[:, 0], result.normal[:, 1]), -1)))
     with mpl.rc_context(MATPLOTLIB_STYLE):
-        figure = Figure(figsize=(160 * MILLIMETRE, 74 * MILLIMETRE))
+        figure = Figure(figsize=(160 * INCHES_PER_MILLIMETRE, 74 * INCHES_PER_MILLIMETRE))
         draw_overview(figure.add_axes((-0.06, -0.12, 0.7, 1.16), projection="3d", computed_zorder=False), lower, result)
         draw_contact(
             figure.add_axes((0.56, -0.08, 0.44, 1.08), projection="3d"),

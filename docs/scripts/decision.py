@@ -5,7 +5,7 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
-from stiction.views.style import MATPLOTLIB_STYLE, MILLIMETRE
+from stiction.views.style import INCHES_PER_MILLIMETRE, MATPLOTLIB_STYLE
 
 IMAGES = Path(__file__).resolve().parents[1] / "images"
 FIGURE_WIDTH, FIGURE_HEIGHT = 170.0, 84.0  # mm
@@ -41,7 +41,7 @@ def draw(dark: bool) -> Figure:
     """Return the decision tree, for a light or a dark page."""
     colours = DARK_COLOURS if dark else LIGHT_COLOURS
     with mpl.rc_context(MATPLOTLIB_STYLE):
-        figure = Figure(figsize=(FIGURE_WIDTH * MILLIMETRE, FIGURE_HEIGHT * MILLIMETRE))
+        figure = Figure(figsize=(FIGURE_WIDTH * INCHES_PER_MILLIMETRE, FIGURE_HEIGHT * INCHES_PER_MILLIMETRE))
         ax = figure.add_axes((0, 0, 1, 1))
         ax.set(xlim=(0, FIGURE_WIDTH), ylim=(0, FIGURE_HEIGHT))
         ax.axis("off")

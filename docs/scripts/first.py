@@ -11,12 +11,12 @@ import numpy as np
 from matplotlib.figure import Figure
 from stiction import flipped, half_space, levelled, pair, read_profile
 from stiction.views.style import (
+    INCHES_PER_MILLIMETRE,
     LOWER_COLOUR,
     MATPLOTLIB_STYLE,
-    MILLIMETRE,
     NOT_OPPOSING_COLOUR,
     OPPOSING_COLOUR,
-    RULE_COLOURS,
+    SLIDING_RULE_COLOURS,
     UPPER_COLOUR,
     axis_label,
     save_figure,
@@ -56,7 +56,7 @@ def compute_friction():
         )
         computed = result.summary().headlines
         rules = [{item.rule: (item.value, item.lower, item.upper) for item in one.rules} for one in computed]
-        return {rule: np.transpose([one[rule] for one in rules]) for rule in RULE_COLOURS}
+        return {rule: np.transpose([one[rule] for one in rules]) for rule in SLIDING_RULE_COLOURS}
 
 
 def solve_contact():
@@ -68,7 +68,8 @@ def solve_contact():
 
 def draw(curves, dark):
     figure = Figure(
-        figsize=(FIGURE_WIDTH * MILLIMETRE, FIGURE_HEIGHT * MILLIMETRE), facecolor="none" if dark else "white"
+        figsize=(FIGURE_WIDTH * INCHES_PER_MILLIMETRE, FIGURE_HEIGHT * INCHES_PER_MILLIMETRE),
+        facecolor="none" if dark else "white",
     )
     left = figure.add_axes((0.125, 0.2, 0.37, 0.66))
     right = figure.add_axes((0.62, 0.2, 0.36, 0.66))
@@ -95,7 +96,7 @@ def draw(curves, dark):
     left.set(xlabel="x (µm)", ylabel="height (nm)", title="two lapped faces, and where they touch")
 
     for rule, text in (("all", "friction at all contacts"), ("opposing", "at opposing contacts only")):
-        (mean, low, high), colour = curves[rule], RULE_COLOURS[rule] if not dark or rule != "all" else "#a99cf0"
+        (mean, low, high), colour = curves[rule], SLIDING_RULE_COLOURS[rule] if not dark or rule != "all" else "#a99cf0"
         right.fill_between(CURVE_LOADS, low, high, color=colour, alpha=0.3, linewidth=0)
         right.semilogx(CURVE_LOADS, mean, color=colour)
         coefficient = float(np.interp(np.log(MARKED_LOAD), np.log(CURVE_LOADS), mean))

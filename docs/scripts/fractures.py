@@ -17,8 +17,8 @@ from stiction import Surface, half_space, levelled
 from stiction.views.style import (
     ALL_CONTACTS_COLOUR,
     FORCE_COLOUR,
+    INCHES_PER_MILLIMETRE,
     MATPLOTLIB_STYLE,
-    MILLIMETRE,
     PAGE_WIDTH,
     save_figure,
 )
@@ -212,7 +212,7 @@ def combine_variants(bands):
 
 def draw(shown):
     with mpl.rc_context(MATPLOTLIB_STYLE):
-        figure = Figure(figsize=(PAGE_WIDTH, 100 * MILLIMETRE), layout="constrained")
+        figure = Figure(figsize=(PAGE_WIDTH, 100 * INCHES_PER_MILLIMETRE), layout="constrained")
         axes = figure.subplots(2, len(shown), sharex=True, sharey="row", squeeze=False)
         for (upper, lower), (name, (load, stress, back, falling, bands)) in zip(axes.T, shown.items(), strict=True):
             closure, stiffness = combine_variants(bands)

@@ -8,7 +8,13 @@ from matplotlib.figure import Figure
 from stiction import Study, run
 from stiction.mechanics.friction import compute_load
 from stiction.studies.intervals import PowerSums
-from stiction.views.style import MATPLOTLIB_STYLE, MILLIMETRE, PAGE_WIDTH, dimension_colours, save_figure
+from stiction.views.style import (
+    INCHES_PER_MILLIMETRE,
+    MATPLOTLIB_STYLE,
+    PAGE_WIDTH,
+    fractal_dimension_colours,
+    save_figure,
+)
 
 DOCS = Path(__file__).parents[1]
 NUMBERS_OF_POINTS = (37_500, 75_000, 150_000, 300_000, 600_000)
@@ -66,7 +72,7 @@ def main() -> None:
 
 def draw() -> None:
     results = {detection: measure_grids(detection) for detection in ("cell", "gap-minimum")}
-    figure = Figure(figsize=(PAGE_WIDTH, 115 * MILLIMETRE), layout="constrained")
+    figure = Figure(figsize=(PAGE_WIDTH, 115 * INCHES_PER_MILLIMETRE), layout="constrained")
     axes = figure.subplots(2, 3, sharex=True)
     lines = [
         "| D | detection | load (mN), 37 500 points | load (mN), 150 000 points | load (mN), 600 000 points "
@@ -83,7 +89,7 @@ def draw() -> None:
         )
         friction = ratios[2][0]
         for d, (dimension, colour) in enumerate(
-            zip(FRACTAL_DIMENSIONS, dimension_colours(FRACTAL_DIMENSIONS), strict=True)
+            zip(FRACTAL_DIMENSIONS, fractal_dimension_colours(FRACTAL_DIMENSIONS), strict=True)
         ):
             for column, (values, lower, upper) in enumerate(ratios):
                 ax = axes[row, column]

@@ -18,8 +18,8 @@ from scipy.special import erf
 from stiction.views.style import (
     ALL_CONTACTS_COLOUR,
     FORCE_COLOUR,
+    INCHES_PER_MILLIMETRE,
     MATPLOTLIB_STYLE,
-    MILLIMETRE,
     PAGE_WIDTH,
     save_figure,
 )
@@ -47,7 +47,7 @@ def main(path):
     table = pandas.read_csv(path)
     table = table[table["load (mN)"] <= MAX_LOAD].sort_values("load (mN)")
     with mpl.rc_context(MATPLOTLIB_STYLE):
-        figure = Figure(figsize=(PAGE_WIDTH, 66 * MILLIMETRE), layout="constrained")
+        figure = Figure(figsize=(PAGE_WIDTH, 66 * INCHES_PER_MILLIMETRE), layout="constrained")
         left, right = figure.subplots(1, 2)
         for (name, tests), colour in zip(table.groupby("silicone"), (ALL_CONTACTS_COLOUR, FORCE_COLOUR), strict=True):
             load, coefficient = tests["load (mN)"].to_numpy(float), tests["coefficient"].to_numpy()

@@ -8,7 +8,7 @@ import matplotlib as mpl
 from first import INPUTS, ROOT, SCANS
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
-from stiction.views.style import MATPLOTLIB_STYLE, MILLIMETRE
+from stiction.views.style import INCHES_PER_MILLIMETRE, MATPLOTLIB_STYLE
 
 COMMAND_OPTIONS = [text for name, value in (INPUTS | {"load": "50 MPa"}).items() for text in (f"--{name}", str(value))]
 NUM_COLUMNS = 80  # characters in a line of the terminal
@@ -70,7 +70,9 @@ def draw(lines: list[str], dark: bool) -> Figure:
     width = NUM_COLUMNS * CHARACTER_WIDTH + LABEL_WIDTH + 2 * IMAGE_MARGIN
     height = len(lines) * LINE_HEIGHT + 2 * IMAGE_MARGIN
     with mpl.rc_context(MATPLOTLIB_STYLE):
-        figure = Figure(figsize=(width * MILLIMETRE, height * MILLIMETRE), facecolor=colours["paper"])
+        figure = Figure(
+            figsize=(width * INCHES_PER_MILLIMETRE, height * INCHES_PER_MILLIMETRE), facecolor=colours["paper"]
+        )
         ax = figure.add_axes((0, 0, 1, 1))
         ax.set(xlim=(0, width), ylim=(height, 0), aspect="equal")
         ax.axis("off")

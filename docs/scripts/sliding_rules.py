@@ -7,9 +7,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from stiction.views.style import (
+    INCHES_PER_MILLIMETRE,
     LOWER_COLOUR,
     MATPLOTLIB_STYLE,
-    MILLIMETRE,
     NOT_OPPOSING_COLOUR,
     OPPOSING_COLOUR,
     UPPER_COLOUR,
@@ -76,7 +76,7 @@ def draw_pair(ax: Axes, rule: str, text_colour: str) -> None:
 def draw(dark: bool) -> Figure:
     """Return the picture for a light or a dark page."""
     with mpl.rc_context(MATPLOTLIB_STYLE):
-        figure = Figure(figsize=(FIGURE_WIDTH * MILLIMETRE, FIGURE_HEIGHT * MILLIMETRE))
+        figure = Figure(figsize=(FIGURE_WIDTH * INCHES_PER_MILLIMETRE, FIGURE_HEIGHT * INCHES_PER_MILLIMETRE))
         for i, rule in enumerate(RULE_TITLES):
             draw_pair(figure.add_axes((0.01 + 0.5 * i, 0.1, 0.48, 0.84)), rule, "0.92" if dark else "0.1")
         for x, colour, words in (

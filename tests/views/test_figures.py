@@ -15,11 +15,11 @@ from stiction.studies.study import parse_dataset_study
 from stiction.views import style
 from stiction.views.figures import draw_figures
 from stiction.views.figures.contact import contact_figure, contact_map_figure, contacts_figure, find_opposing_contacts
-from stiction.views.figures.ensemble import FADING_LIMITS, _compute_fading, _fade, area_figure, friction_figure
+from stiction.views.figures.ensemble import FADING_LIMITS, _compute_fading, _fade_colours, area_figure, friction_figure
 from stiction.views.figures.standard import select_figures
 from stiction.views.report import report_page
 from stiction.views.rows import summary_json, summary_table
-from stiction.views.style import FORMATS, save_figure, spread_labels
+from stiction.views.style import FIGURE_FORMATS, save_figure, spread_labels
 from support.generated_studies import SMALL_STUDY, empty_dataset
 from support.report_numbers import ReportNumbers
 from support.studies_of_files import run_maps
@@ -101,21 +101,21 @@ def test_figures_table_json_and_report_have_equal_combined_intervals(maps_at_two
 def test_figures_are_written_in_every_format(generated_dataset, tmp_path):
     study = parse_dataset_study(generated_dataset).with_changes({"figures.draw": ["profiles"], "surfaces.points": 2000})
     dataset = generated_dataset.assign_attrs(study=study.to_toml())
-    paths = draw_figures(dataset, tmp_path, formats=FORMATS)
+    paths = draw_figures(dataset, tmp_path, formats=FIGURE_FORMATS)
     assert [path.name for path in paths] == ["profiles.png", "profiles.pdf", "profiles.svg"]
     assert imread(paths[0]).std() > 0.03
     assert imread(paths[0]).shape[1] == pytest.approx(80 / 25.4 * 300, abs=2)
     contents = [path.read_bytes() for path in paths]
     assert contents[1].startswith(b"%PDF")
     assert contents[2].startswith(b"<?xml")
-    assert draw_figures(dataset, tmp_path, formats=FORMATS) == paths
+    assert draw_figures(dataset, tmp_path, formats=FIGURE_FORMATS) == paths
     assert [path.read_bytes() for path in paths] == contents  # Drawing again writes identical files.
 
 
 def test_drawing_figures_rejects_empty_results_and_preserves_files_of_other_programs(tmp_path):
     from matplotlib.figure import Figure
 
-    for ending in FORMATS:
+    for ending in FIGURE_FORMATS:
         foreign_file = tmp_path / f"other.{ending}"
         Figure().savefig(foreign_file)
         content = foreign_file.read_bytes()
@@ -181,7 +181,7 @@ def test_cells_with_wide_intervals_fade_to_grey_of_equal_luminance():
         FADING_LIMITS[2] * (1.0 - FADING_LIMITS[0]) / (FADING_LIMITS[1] - FADING_LIMITS[0])
     )
     purple, luminance = np.array([0.5, 0.1, 0.6]), np.array([0.2126, 0.7152, 0.0722])
-    grey = _fade(purple, np.array(1.0))
+    grey = _fade_colours(purple, np.array(1.0))
     assert grey == pytest.approx([purple @ luminance] * 3)
 
 
@@ -217,10 +217,10 @@ def test_load_figure_draws_the_means_of_the_result(maps_at_two_cutoffs):
     reference = at_load(maps_at_two_cutoffs, maps_at_two_cutoffs["load"].values, mu0=[0.3], tau0=[0.0]).isel(
         cut_off=0, mu0=0, tau0=0
     )
-    for line, rule in zip(friction_axes.lines, style.RULE_COLOURS, strict=False):
+    for line, rule in zip(friction_axes.lines, style.SLIDING_RULE_COLOURS, strict=False):
         expected_values = reference["friction_all_round"].sel(sliding=rule, statistic="mean")
         np.testing.assert_allclose(line.get_ydata(), expected_values.values)
-        assert line.get_color() == style.RULE_COLOURS[rule]
+        assert line.get_color() == style.SLIDING_RULE_COLOURS[rule]
     np.testing.assert_allclose(
         area_axes.lines[0].get_ydata(), 100 * reference["contact_area_fraction"].sel(statistic="mean").values
     )

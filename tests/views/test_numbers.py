@@ -13,7 +13,7 @@ from stiction.studies.point import list_rules_quoted_first
 from stiction.studies.study import parse_dataset_study
 from stiction.studies.summary import summarize
 from stiction.views.report import report_page
-from stiction.views.report.tables import decimals_of
+from stiction.views.report.tables import count_estimate_decimals
 from support.generated_studies import SMALL_STUDY, empty_dataset
 
 pytest.importorskip("py_mini_racer", reason="mini-racer is not installed")
@@ -115,7 +115,7 @@ def test_report_script_prints_numbers_with_the_decimals_of_the_terminal(report_n
     upper[:5] = np.inf
     lower[5:8] = upper[5:8] = np.nan
     upper[8:12] = 300 * value[8:12]
-    decimals, decimals_of_upper = decimals_of(value, lower, upper)
+    decimals, decimals_of_upper = count_estimate_decimals(value, lower, upper)
     texts = report_numbers(
         "(points) => points.map(([value, lower, upper, decimals, upperDecimals]) => quoted({value, lower: lower ?? NaN,"
         " upper: upper === 'inf' ? Infinity : upper ?? NaN, decimals, upperDecimals}))",

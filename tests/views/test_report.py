@@ -39,10 +39,10 @@ def test_report_is_limited_in_size_and_contains_its_licence(generated_dataset):
 
 
 def test_report_rejects_a_result_that_is_too_large(monkeypatch, generated_dataset, maps_dataset):
-    monkeypatch.setattr("stiction.views.report.generated.MAX_GENERATED_COEFFICIENTS", 79)
+    monkeypatch.setattr("stiction.views.report.generated.MAX_GENERATED_REPORT_VALUES", 79)
     with pytest.raises(ReportError, match="at most 79"):
         report_page(generated_dataset)
-    monkeypatch.setattr("stiction.views.report.measured.MAX_MEASURED_COEFFICIENTS", 100)
+    monkeypatch.setattr("stiction.views.report.measured.MAX_MEASURED_REPORT_VALUES", 100)
     with pytest.raises(ReportError, match="at most 100"):
         report_page(maps_dataset)
 

@@ -8,7 +8,7 @@ import re
 from typing import Any, Literal
 
 from stiction.studies.pair_options import PAIR_OPTIONS, FormField, format_command_line_name
-from stiction.views.point import RULE_DESCRIPTIONS
+from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 
 FIELDS_BY_FLAG: dict[str, FormField] = {
     format_command_line_name(name).removeprefix("--"): option.field
@@ -47,7 +47,7 @@ def page_data_json() -> str:
     facts = {
         "units": {flag: f" {field.unit}" for flag, field in FIELDS_BY_FLAG.items() if field.unit},
         "texts": [flag for flag, field in FIELDS_BY_FLAG.items() if field.has_commas],
-        "ruleDescriptions": RULE_DESCRIPTIONS,
+        "ruleDescriptions": SLIDING_RULE_DESCRIPTIONS,
     }
     return html.escape(json.dumps(facts, ensure_ascii=False))
 

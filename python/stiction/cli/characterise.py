@@ -110,7 +110,7 @@ def characterise(
     from stiction.cli.result_output import choose_message_printer
     from stiction.surfaces.cut_off import cut_off
     from stiction.views import characterisation as views
-    from stiction.views.files import new_text
+    from stiction.views.files import write_new_text
     from stiction.views.rows import record_json
     from stiction.views.style import save_figure
 
@@ -159,7 +159,7 @@ def characterise(
         remark = ""
         if len(files) > 1:
             remark = f", {len(files)} files"
-            new_text(path, views.characterisation_csv(named))
+            write_new_text(path, views.characterisation_csv(named))
         elif path.suffix.lower() == ".html":
             from stiction.views.report.reading import reading_table
             from stiction.views.report.surface import surface_page
@@ -210,7 +210,7 @@ def _compare_scans(files: list[Path], scans: list[Characterisation], outputs: li
     from stiction.cli.result_output import choose_message_printer
     from stiction.surfaces.measured.writing import write_profile, write_surface
     from stiction.surfaces.repeated_scans import compare_repeated_scans
-    from stiction.views.files import new_text
+    from stiction.views.files import write_new_text
     from stiction.views.rows import record_json
     from stiction.views.scans import octaves_csv, repeated_figure, repeated_record, repeated_text
     from stiction.views.style import save_figure
@@ -228,7 +228,7 @@ def _compare_scans(files: list[Path], scans: list[Characterisation], outputs: li
             else:
                 write_surface(comparison.scan, path)
         elif path.suffix.lower() == ".csv":
-            new_text(path, octaves_csv(comparison))
+            write_new_text(path, octaves_csv(comparison))
         else:
             save_figure(repeated_figure(comparison), path)
         choose_message_printer(as_json)(f"wrote {printable_path(path)}, {' and '.join(file.name for file in files)}")

@@ -14,8 +14,8 @@ from stiction._number_format import format_percent, format_with_interval, format
 from stiction._repr import render_png
 from stiction.studies.calibration_fit import MIN_VARIATION
 from stiction.studies.interfaces import EXCLUDED_PROBABILITY, UNLIKELY_PROBABILITY, Fit, Interface
-from stiction.views.point import RULE_DESCRIPTIONS
-from stiction.views.rows import entry, record_json
+from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
+from stiction.views.rows import json_entry, record_json
 from stiction.views.style import ALL_CONTACTS_COLOUR, FORCE_COLOUR, MATPLOTLIB_STYLE, PAGE_WIDTH, new_figure
 from stiction.views.text import format_table, wrap_text
 
@@ -30,7 +30,9 @@ MAX_SHOWN_SAMPLES = 800  # maximum number of samples of the joint distribution i
 def calibration_text(interface: Interface) -> str:
     """Format a calibration: the sum mu0 + tau0 A/F, the fits, and mu0 and tau0 if the tests separate them."""
     first_fit = interface.fits[0]
-    condition = f"at the A/F of the tests, {_area_per_load_text(interface)}, {RULE_DESCRIPTIONS[first_fit.sliding]}"
+    condition = (
+        f"at the A/F of the tests, {_area_per_load_text(interface)}, {SLIDING_RULE_DESCRIPTIONS[first_fit.sliding]}"
+    )
     lines = [wrap_text(f"μ0 + τ0 A/F = {format_with_interval(*interface.identified)} {condition}", hang="  ")]
     if interface.separated:
         tau0 = (1e3 * item for item in interface.tau0)
@@ -82,7 +84,7 @@ def _growth_line(interface: Interface) -> str:
 
 
 def _fit_lines(interface: Interface, fit: Fit) -> Iterator[str]:
-    rule = RULE_DESCRIPTIONS[fit.sliding]
+    rule = SLIDING_RULE_DESCRIPTIONS[fit.sliding]
     if not fit.freedom:
         yield f"{rule}: there are as many unknowns as tests, so the fit cannot be judged."
     elif math.isnan(fit.probability):
@@ -108,7 +110,7 @@ def calibration_record(interface: Interface) -> str:
     separate_status = "ok" if interface.separated else "not separated"
     coordinates = {"area_per_load_per_GPa": interface.area_per_load}
     values = [
-        entry(name, value, unit, lower=low, upper=high, coordinates=coordinates, status=status)
+        json_entry(name, value, unit, lower=low, upper=high, coordinates=coordinates, status=status)
         for name, (value, low, high), unit, coordinates, status in (
             ("identified", interface.identified, "1", coordinates, "ok"),
             ("mu0", interface.mu0, "1", {}, separate_status),

@@ -47,11 +47,11 @@ from stiction.surfaces.spectrum import (
     surface_spectrum,
 )
 from stiction.surfaces.surface import Surface
-from stiction.views.rows import entry, record_json
+from stiction.views.rows import json_entry, record_json
 from stiction.views.spreadsheet import frame_to_csv
 from stiction.views.text import wrap_text
 
-PAPER_MU0 = 0.4  # molecular friction coefficient mu0 of the small-slope estimate
+SLOPE_ESTIMATE_MU0 = 0.4  # molecular friction coefficient mu0 of the small-slope estimate
 RADIAL_BINS = 20  # number of bins per decade in the spectrum of a surface
 NUM_OCTAVES = 4  # number of wavelengths for which slopes are printed: 2, 4, 8, ... grid spacings
 # Unreliable wavelengths are ignored if they contribute less than this fraction of the mean square slope.
@@ -67,7 +67,7 @@ _SYMBOLS = {"1": "", "um2": " µm²", "1/um": " 1/µm", "1/um2": " 1/µm²", "de
 _JSON_UNITS = {"": "1"}  # JSON unit of dimensionless parameters; `_unit` converts all other units
 
 
-class Row(NamedTuple):
+class TableRow(NamedTuple):
     """Table row: a label, a text (or one text for x and one for y), and values for JSON and CSV."""
 
     label: str
@@ -167,7 +167,7 @@ class Characterisation:
         return power_spectrum(self.body, periodic=self.periodic) if isinstance(self.body, Profile) else None
 
     @cached_property
-    def _area(self) -> tuple[RadialSpectrum, tuple[ProfileMoments, ...], float]:
+    def _areal_analysis(self) -> tuple[RadialSpectrum, tuple[ProfileMoments, ...], float]:
         """Radial spectrum of a surface, moments along x and y, and the direction of the largest mean square slope."""
         assert isinstance(self.body, Surface)
         spectrum = surface_spectrum(self.body)
@@ -177,7 +177,7 @@ class Characterisation:
     @cached_property
     def binned(self) -> PowerSpectrum | RadialSpectrum:
         """Power spectrum averaged in bins of log q."""
-        return self._area[0] if self.spectrum is None else self.spectrum.in_bins()
+        return self._areal_analysis[0] if self.spectrum is None else self.spectrum.in_bins()
 
     @cached_property
     def lines(self) -> tuple[LineRoughness, ...]:
@@ -227,7 +227,9 @@ class Characterisation:
         # The slopes are reversed, so that the estimate along x comes first.
         squares = [2 * float(np.square(along).mean()) for along in compute_slopes(self.body)][::-1]
         return tuple(
-            float(gentle_friction(PAPER_MU0, rms_gradient=math.sqrt(sum(squares)), rms_slope=math.sqrt(square)))
+            float(
+                gentle_friction(SLOPE_ESTIMATE_MU0, rms_gradient=math.sqrt(sum(squares)), rms_slope=math.sqrt(square))
+            )
             for square in squares
             if min(squares) > 0
         )
@@ -235,40 +237,44 @@ class Characterisation:
     # ---- Table rows --------------------------------------------------------------------------------------------------
 
     @cached_property
-    def rows(self) -> list[Row]:
+    def rows(self) -> list[TableRow]:
         """Table rows for the body as a whole."""
         points, steps = np.shape(self.body.heights)[::-1], np.atleast_1d(self.body.spacing)[::-1]
         rows = [
-            Row("" if index else "history", (step,), is_detail=True) for index, step in enumerate(self.body.history)
+            TableRow("" if index else "history", (step,), is_detail=True)
+            for index, step in enumerate(self.body.history)
         ]
         for index, (count, step) in enumerate(zip(points, steps.tolist(), strict=True)):
             along = f" along {'xy'[index]}" if self.spectrum is None else ""
             text = f"{count}{along}, {length_text(step)} apart, over {length_text(count * step)}"
-            rows.append(Row("" if index else "points", (text,)))
+            rows.append(TableRow("" if index else "points", (text,)))
         if self.body.missing is not None:
-            rows.append(Row("", ("missing heights are interpolated along lines in the following values",)))
+            rows.append(TableRow("", ("missing heights are interpolated along lines in the following values",)))
         count = int(find_outliers(heights_with_nan(self.body)).sum())
         single = f"{count} single points" if count > 1 else "a single point"
         text = f"{single} beyond {MIN_OUTLIER_DEVIATIONS:g} deviations of the neighbours; --outliers mask removes them"
-        rows.append(Row("outliers", (text if count else "none",), (entry("outliers", count),)))
-        rows += [*self._parameter_rows(), Row("friction by slope", (self._friction_text(),))]
+        rows.append(TableRow("outliers", (text if count else "none",), (json_entry("outliers", count),)))
+        rows += [*self._parameter_rows(), TableRow("friction by slope", (self._friction_text(),))]
         if self.spectrum is not None and isinstance(self.body, Profile):
             moments = spectral_moments(self.body, periodic=self.periodic)
             rows += [
                 row._replace(is_detail=True)
                 for row in (
-                    _row("m0", moments.height, "um2"), _row("m2", moments.slope),
-                    _row("m4", moments.curvature, "1/um2"),
-                    _row("nayak_parameter", moments.nayak_parameter, label="Nayak's parameter", words=" (m0 m4 / m2²)"),
+                    _table_row("m0", moments.height, "um2"), _table_row("m2", moments.slope),
+                    _table_row("m4", moments.curvature, "1/um2"),
+                    _table_row(
+                        "nayak_parameter", moments.nayak_parameter, label="Nayak's parameter", words=" (m0 m4 / m2²)"
+                    ),
                 )
             ]  # fmt: skip
             rows += _peak_rows("peak", self.spectrum)
         rows += [*self._scale_rows(), *self._hurst_rows()]
         if self.spectrum is not None:
             window = "without a window, periodic" if self.periodic else "after a Hann window"
-            rows.append(Row("spectrum", (f"{window}; moments over all of its wavelengths",), is_detail=True))
+            rows.append(TableRow("spectrum", (f"{window}; moments over all of its wavelengths",), is_detail=True))
         rows += [
-            Row("" if index else "caveats", (f"{item.text}; {item.remedy}",)) for index, item in enumerate(self.caveats)
+            TableRow("" if index else "caveats", (f"{item.text}; {item.remedy}",))
+            for index, item in enumerate(self.caveats)
         ]
         return rows
 
@@ -277,39 +283,41 @@ class Characterisation:
         """Caveats about the scan: heights, form, spikes, and wavelengths that may be noise."""
         return find_scan_caveats(self.body, tip_radius=self.tip_radius, textured=self.textured)
 
-    def _parameter_rows(self) -> list[Row]:
+    def _parameter_rows(self) -> list[TableRow]:
         rows = self._table_rows(self.parameters.values)
         result = self.sections
         if result is None:
             steps = self.scale_limited.history[len(self.body.history) :]
             no_filters = "none: S-F surface with all wavelengths; --ls and --lc set filters"
             words = ", then ".join(steps) if steps else no_filters
-            return [Row("filters", (words,)), *rows]
+            return [TableRow("filters", (words,)), *rows]
         if isinstance(result, SectionError):
             names = [item.name for letter in "RW" for item in PROFILE_PARAMETERS[letter]]
-            missing = tuple(entry(name, math.nan, _unit(PARAMETERS[name]), status="no-section") for name in names)
+            missing = tuple(json_entry(name, math.nan, _unit(PARAMETERS[name]), status="no-section") for name in names)
             reason = str(result).replace("cutoff lc", "--lc")
-            return [*rows, Row("R and W parameters", (f"none: {reason}",), missing)]
-        rows.append(Row("filters", (_filters_text(result),), _filters_values(result)))
+            return [*rows, TableRow("R and W parameters", (f"none: {reason}",), missing)]
+        rows.append(TableRow("filters", (_filters_text(result),), _filters_values(result)))
         return [*rows, *self._table_rows(result.values)]
 
-    def _table_rows(self, values: Mapping[str, float]) -> list[Row]:
+    def _table_rows(self, values: Mapping[str, float]) -> list[TableRow]:
         rows = []
         for name, value in values.items():
             rows.append(self._parameter_row(PARAMETERS[name], value))
             if name == "Std":
-                steepest = self._area[2]
+                steepest = self._areal_analysis[2]
                 text = f"{steepest:.1f}°, direction in which lines are steepest on average"
-                rows.append(Row("", (text,), (entry("steepest_direction", steepest, "degrees"),), is_detail=True))
+                rows.append(
+                    TableRow("", (text,), (json_entry("steepest_direction", steepest, "degrees"),), is_detail=True)
+                )
         return rows
 
-    def _parameter_row(self, parameter: Parameter, value: float) -> Row:
+    def _parameter_row(self, parameter: Parameter, value: float) -> TableRow:
         name = parameter.name
-        row = _row(name, value, _unit(parameter))._replace(is_detail=name not in HEADLINE_PARAMETERS)
+        row = _table_row(name, value, _unit(parameter))._replace(is_detail=name not in HEADLINE_PARAMETERS)
         if name in ("Pdq", "Sdq"):
-            other = entry(f"{name}_neighbours", self.slope_of_neighbours)
+            other = json_entry(f"{name}_neighbours", self.slope_of_neighbours)
             text = f"{row.texts[0]} (seven points), {other['value']:.4g} (neighbours)"
-            return Row(name, (text,), (*row.values, other))
+            return TableRow(name, (text,), (*row.values, other))
         if name == "Std":
             text = f"{value:.0f}° from +x towards +y, for the strongest wavelengths; the lay is perpendicular"
             return row._replace(texts=(text,))
@@ -340,10 +348,10 @@ class Characterisation:
         values = " ".join(f"{value:.3f}{axis}" for value, axis in zip(self.friction, axes, strict=True))
         return (
             f"{values} for two such surfaces, small-slope estimate; friction only at contacts whose slope opposes "
-            f"the motion (the rule of the paper), μ0 = {PAPER_MU0:g} (gentle_friction)"
+            f"the motion (the rule of the paper), μ0 = {SLOPE_ESTIMATE_MU0:g} (gentle_friction)"
         )
 
-    def _scale_rows(self) -> list[Row]:
+    def _scale_rows(self) -> list[TableRow]:
         result, limit = self.roughness, self.limit
         fraction = float(result.fraction_below(2 * limit.pixels))
         longest = float(result.wavelength[0])
@@ -352,8 +360,8 @@ class Characterisation:
             for wavelength in limit.pixels * 2.0 ** np.arange(NUM_OCTAVES)
             if wavelength < longest
         )
-        shortest = entry("shortest_wave", limit.pixels, "um")
-        octave = entry("slope_in_shortest_octave", fraction)
+        shortest = json_entry("shortest_wave", limit.pixels, "um")
+        octave = json_entry("slope_in_shortest_octave", fraction)
         cutoff = format_with_unit(limit.cut_off, "um")
         wavelength = format_with_unit(limit.wavelength, "um") + (f" along {limit.axis}" if limit.axis else "")
         contribution = f"{format_percent(limit.slope_fraction)} of the mean square slope"
@@ -368,20 +376,20 @@ class Characterisation:
         if self.textured and (limit.reason == "pixels" or limit.origin == "instrument"):
             words += "; no line or hump to attribute to the surface (--texture)"
         below = f"below {format_with_unit(2 * limit.pixels, 'um')}: {format_percent(fraction)} of the mean square slope"
-        limits = entry("noise_floor_below", limit.noise, "um"), entry("tip_follows_down_to", limit.tip, "um")
+        limits = json_entry("noise_floor_below", limit.noise, "um"), json_entry("tip_follows_down_to", limit.tip, "um")
         return [
-            Row(
+            TableRow(
                 "wavelengths",
                 (f"{format_with_unit(limit.pixels, 'um')} (two points) to {length_text(longest)}",),
                 (shortest,),
             ),
-            Row("", (below,), (octave,)),
-            Row("cumulative slope", (slopes,)),
+            TableRow("", (below,), (octave,)),
+            TableRow("cumulative slope", (slopes,)),
             *self._period_rows(),
-            Row("instrument", (words,), limits),
+            TableRow("instrument", (words,), limits),
         ]
 
-    def _period_rows(self) -> list[Row]:
+    def _period_rows(self) -> list[TableRow]:
         period = self.limit.period
         if not period > 0:
             return []
@@ -389,9 +397,9 @@ class Characterisation:
         text = (
             f"period {length_text(period)}{along}, with its harmonics: attributed to the surface, such as a feed mark"
         )
-        return [Row("texture", (text,), (entry("texture_period", period, "um"),))]
+        return [TableRow("texture", (text,), (json_entry("texture_period", period, "um"),))]
 
-    def _hurst_rows(self) -> list[Row]:
+    def _hurst_rows(self) -> list[TableRow]:
         names = ("hurst_exponent", "1"), ("shortest_wavelength", "um"), ("longest_wavelength", "um")
         fit = self.fit
         if fit is None or self.law is None:
@@ -401,10 +409,10 @@ class Characterisation:
                     f"the spectrum is not a power law; the best fit deviates by a factor of {self.misfit:.1f}",
                     "no-line",
                 )
-            missing = tuple(entry(name, math.nan, unit, status=status) for name, unit in names)
+            missing = tuple(json_entry(name, math.nan, unit, status=status) for name, unit in names)
             rows = [
-                Row("Hurst exponent H", (f"none: {reason}",), missing),
-                Row("fractal dimension D", ("none: there is no H",)),
+                TableRow("Hurst exponent H", (f"none: {reason}",), missing),
+                TableRow("fractal dimension D", ("none: there is no H",)),
             ]
         else:
             interval = f"{fit.value:.3f} [{fit.lower:.3f}, {fit.upper:.3f}] (95 %)"
@@ -413,23 +421,29 @@ class Characterisation:
             source = f"{'given' if self.band else 'automatic'}; {fit.harmonics} {wave_name}"
             band = f"{' to '.join(map(length_text, ends))} ({source})"
             classical = f"{fit.fractal_dimension_classical:.3f} (classical, 2 - H)"
-            value = entry(names[0][0], fit.value, lower=fit.lower, upper=fit.upper)
+            value = json_entry(names[0][0], fit.value, lower=fit.lower, upper=fit.upper)
             rows = [
-                Row("Hurst exponent H", (interval,), (value,)),
-                Row("fitted band", (band,), tuple(entry(names[index + 1][0], ends[index], "um") for index in (0, 1))),
-                Row("fractal dimension D", (classical if fit.value <= 1 else "none: 2 - H is below 1",)),
-                Row("", (f"{fit.fractal_dimension_paper:.3f} (paper, (4 - H)/2)",)),
+                TableRow("Hurst exponent H", (interval,), (value,)),
+                TableRow(
+                    "fitted band",
+                    (band,),
+                    tuple(json_entry(names[index + 1][0], ends[index], "um") for index in (0, 1)),
+                ),
+                TableRow("fractal dimension D", (classical if fit.value <= 1 else "none: 2 - H is below 1",)),
+                TableRow("", (f"{fit.fractal_dimension_paper:.3f} (paper, (4 - H)/2)",)),
             ]
             if fit.dispersion > _MAX_DISPERSION:
                 text = f"{math.sqrt(fit.dispersion):.1f} times the expected scatter: see the spectrum"
-                rows.append(Row("scatter", (text,)))
+                rows.append(TableRow("scatter", (text,)))
             if fit.value > 1:
                 text = "H above 1 indicates a smooth surface: form, a filter, a blunt tip or waviness"
-                rows.append(Row("caution", (text,)))
+                rows.append(TableRow("caution", (text,)))
         if fit is not None and (rise := self._peak_ratio(fit.longest_wavelength)) > _MIN_PEAK_RATIO:
             start = f"the band starts on a peak at {length_text(fit.longest_wavelength)}"
             rows.append(
-                Row("caution", (f"{start}, {rise:.1f} times the density at longer wavelengths: waviness or grooves",))
+                TableRow(
+                    "caution", (f"{start}, {rise:.1f} times the density at longer wavelengths: waviness or grooves",)
+                )
             )
         return rows
 
@@ -448,11 +462,11 @@ class Characterisation:
         return float(spectrum.density[begins].mean() / spectrum.density[longer].mean())
 
     @cached_property
-    def line_rows(self) -> list[Row]:
+    def line_rows(self) -> list[TableRow]:
         """Table rows for the lines of a surface along x and along y."""
         if not self.lines:
             return []
-        sides, moments = self.lines, self._area[1]
+        sides, moments = self.lines, self._areal_analysis[1]
         bands = ["none" if line.band is None else " to ".join(map(length_text, line.band)) for line in sides]
         columns: list[tuple[str, list[str]]] = [
             ("number", [f"{line.lines}" for line in sides]),
@@ -469,16 +483,19 @@ class Characterisation:
         ]
         if self.band is None and sides[0].band != sides[1].band:
             columns.append(("band found in", [f"{line.with_band} of {line.fitted} lines" for line in sides]))
-        rows = [Row("lines", ("along x", "along y")), *(Row(f"  {name}", tuple(values)) for name, values in columns)]
+        rows = [
+            TableRow("lines", ("along x", "along y")),
+            *(TableRow(f"  {name}", tuple(values)) for name, values in columns),
+        ]
         for axis, line in zip("xy", sides, strict=True):
             rows += _peak_rows(f"  peak along {axis}", line.spectrum, line.fitted)
         means = [float(line.hurst_exponents.mean()) for line in sides if line.is_straight]
         if self.law is not None and means and not any(self.law.lower < mean < self.law.upper for mean in means):
             text = "H of lines is outside the interval for the map: it depends on the band, see the spectra"
-            rows.append(Row("  caution", (text,)))
+            rows.append(TableRow("  caution", (text,)))
         lines = "a straight line is subtracted from each line; Pq and Pdq: rms over lines; H: mean ± standard deviation"
         spectrum = "m0 to m4: from the spectrum of the map after a Hann window, over all wavelengths"
-        return [*rows, Row("", (lines,)), Row("", (spectrum,))]
+        return [*rows, TableRow("", (lines,)), TableRow("", (spectrum,))]
 
 
 def to_characterisation(body: Profile | Surface | Characterisation, **options: Any) -> Characterisation:
@@ -553,27 +570,27 @@ def _filters_values(result: SectionParameters) -> tuple[dict[str, Any], ...]:
     filters = result.filters
     short = math.nan if filters.ls is None else filters.ls
     cutoffs = (
-        entry("lc", filters.lc, "um"),
-        entry("ls", short, "um", status="none" if filters.ls is None else STATUS_OK),
+        json_entry("lc", filters.lc, "um"),
+        json_entry("ls", short, "um", status="none" if filters.ls is None else STATUS_OK),
     )
-    return *cutoffs, entry("sections", filters.sections)
+    return *cutoffs, json_entry("sections", filters.sections)
 
 
-def _row(name: str, value: float, unit: str = "1", *, label: str = "", words: str = "") -> Row:
+def _table_row(name: str, value: float, unit: str = "1", *, label: str = "", words: str = "") -> TableRow:
     text = length_text(value) if unit == "um" else f"{value:.4g}{_SYMBOLS[unit]}"
     if math.isnan(value):
         text = "none"
     status = "none" if math.isnan(value) else STATUS_OK
-    return Row(label or name, (f"{text}{words}",), (entry(name, value, unit, status=status),))
+    return TableRow(label or name, (f"{text}{words}",), (json_entry(name, value, unit, status=status),))
 
 
-def _peak_rows(label: str, spectrum: PowerSpectrum, lines: int = 1) -> list[Row]:
+def _peak_rows(label: str, spectrum: PowerSpectrum, lines: int = 1) -> list[TableRow]:
     result = find_peak(spectrum, lines=lines)
     if result is None or result[1] < _MIN_PEAK_FRACTION:
         return []
     where, contribution = length_text(result[0]), 100 * result[1]
     return [
-        Row(
+        TableRow(
             label, (f"at {where}, with {contribution:.0f} % of m4: from the instrument or a pattern; see the spectrum",)
         )
     ]
@@ -591,13 +608,13 @@ def _line_hurst(line: LineRoughness) -> str:
 Files = Sequence[tuple[str, Characterisation]]  # pairs of file name and characterisation
 
 
-def _all_values(result: Characterisation) -> list[dict[str, Any]]:
+def _list_values(result: Characterisation) -> list[dict[str, Any]]:
     return [value for row in result.rows for value in row.values]
 
 
 def characterisation_record(files: Files, readings: Sequence[dict[str, Any]] = ()) -> str:
     """Return the characterisations of files as a JSON record, including a description of how each file was read."""
-    values = [value | {"at": {"file": file}} for file, result in files for value in _all_values(result)]
+    values = [value | {"at": {"file": file}} for file, result in files for value in _list_values(result)]
     return record_json(
         "characterise", values, kind="surface", surfaces=[_file_record(*item) for item in files], files=list(readings)
     )
@@ -623,7 +640,7 @@ def characterisation_csv(files: Files) -> str:
         row = {"file": file, "holds": file_record["holds"]}
         for title, key in (("points", "points"), ("spacing (um)", "spacing_um")):
             row[title] = " x ".join(f"{item:.12g}" for item in file_record[key])
-        for value in _all_values(result):
+        for value in _list_values(result):
             name = value["name"]
             row[name if value["unit"] == "1" else f"{name} ({value['unit']})"] = value["value"]
             if name == "hurst_exponent":

@@ -34,7 +34,7 @@ def replace_text(path: Path, text: str, file_mark: bytes) -> None:
         partial.write_text(text, encoding="utf-8")
 
 
-def new_text(path: Path, text: str) -> None:
+def write_new_text(path: Path, text: str) -> None:
     """Write a new text file. Raise a `ValueError` if the file exists or cannot be written."""
     with new_file(path, ValueError) as partial:
         partial.write_text(text, encoding="utf-8")
@@ -47,8 +47,8 @@ def result_csv(result: Result) -> str:
 
 EXPORT_WRITERS: dict[str, tuple[str, Callable[[Result, Path], None]]] = {
     ".nc": ("the whole result", Result.to_netcdf),
-    ".csv": ("a table", lambda result, path: new_text(path, result_csv(result))),
-    ".tex": ("a LaTeX table", lambda result, path: new_text(path, latex_table(result.summary()))),
+    ".csv": ("a table", lambda result, path: write_new_text(path, result_csv(result))),
+    ".tex": ("a LaTeX table", lambda result, path: write_new_text(path, latex_table(result.summary()))),
 }
 """Description and writer of each output format, by the ending of the file name."""
 

@@ -28,15 +28,15 @@ _LAW_QUANTITIES = (*_LAW_PARAMETERS, "area_deviation", "stiffness_deviation")
 
 def friction_table_csv(table: xarray.Dataset) -> str:
     """Return a `friction_table` as CSV. The header contains units, and each combination of inputs has one row."""
-    return _csv(table[list(_LOAD_QUANTITIES)], _COORDINATES)
+    return _law_table_csv(table[list(_LOAD_QUANTITIES)], _COORDINATES)
 
 
 def laws_csv(table: xarray.Dataset) -> str:
     """Return the fitted laws A/A0 = a p and k/A0 = b p^c (p in GPa) as CSV, with one row per H and Sq."""
-    return _csv(table[list(_LAW_QUANTITIES)], _COORDINATES[1:3])
+    return _law_table_csv(table[list(_LAW_QUANTITIES)], _COORDINATES[1:3])
 
 
-def _csv(part: xarray.Dataset, columns_by_name: tuple[str, ...]) -> str:
+def _law_table_csv(part: xarray.Dataset, columns_by_name: tuple[str, ...]) -> str:
     columns: dict[str, Any] = {}
     for name, values in part.data_vars.items():
         title, factor = _TITLES.get(str(name)) or spreadsheet_column(str(name))

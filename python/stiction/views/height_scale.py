@@ -18,7 +18,7 @@ from stiction.studies.point import (
     select_sliding_rule,
 )
 from stiction.views import rows
-from stiction.views.point import RULE_DESCRIPTIONS, load_text
+from stiction.views.point import SLIDING_RULE_DESCRIPTIONS, load_text
 from stiction.views.text import format_table, wrap_text
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
             "gradient of the gap. Intervals: 95 %, combined."
         )
     ]
-    rules = [rule for rule in RULE_DESCRIPTIONS if rule in np.atleast_1d(dataset["sliding"].values)]
+    rules = [rule for rule in SLIDING_RULE_DESCRIPTIONS if rule in np.atleast_1d(dataset["sliding"].values)]
     is_areal = study.is_areal
     has_rms = "upper_rms" in dataset
     for point in iterate_points(dataset):

@@ -10,7 +10,7 @@ from stiction.studies.summary import PointSummary, Summary
 
 _RULE_HEADINGS = {"all": r"$\mu_s$, all contacts", "opposing": r"$\mu_s$, opposing contacts"}
 _COORDINATE_HEADINGS = {"hurst_exponent": "$H$", "fractal_dimension": "$D$", "mu0": r"$\mu_0$"}
-_ESCAPES = str.maketrans({character: f"\\{character}" for character in "&%$#_{}"} | {"∞": r"$\infty$"})
+_LATEX_ESCAPES = str.maketrans({character: f"\\{character}" for character in "&%$#_{}"} | {"∞": r"$\infty$"})
 
 
 def latex_table(summary: Summary) -> str:
@@ -41,12 +41,12 @@ def _point_cells(point: PointSummary, has_area: bool) -> list[str]:
     """Return the table cells of a point: coefficients of all sliding rules, area fraction and assessment."""
     cells = [format_estimate(rule.value, rule.lower, rule.upper) for rule in point.rules]
     cells += [format_percent(point.quantity("contact_area_fraction")[0])] if has_area else []
-    return [cell.translate(_ESCAPES) for cell in (*cells, point.verdict)]
+    return [cell.translate(_LATEX_ESCAPES) for cell in (*cells, point.verdict)]
 
 
 def _column_heading(name: str) -> str:
     """Return the column heading of a coordinate, with its unit."""
-    return _COORDINATE_HEADINGS.get(name, spreadsheet_column(name)[0].translate(_ESCAPES))
+    return _COORDINATE_HEADINGS.get(name, spreadsheet_column(name)[0].translate(_LATEX_ESCAPES))
 
 
 def _coordinate(name: str, point: PointSummary) -> str:

@@ -12,7 +12,7 @@ from stiction.views.text import format_table, wrap_text
 if TYPE_CHECKING:
     from stiction.mechanics.materials import Material, MaterialValue
 
-_PROPERTIES = {"young_modulus": "GPa", "poisson_ratio": "1", "hardness": "GPa"}
+_PROPERTY_UNITS = {"young_modulus": "GPa", "poisson_ratio": "1", "hardness": "GPa"}
 
 
 def materials_text(materials: Sequence[Material]) -> str:
@@ -28,7 +28,7 @@ def materials_text(materials: Sequence[Material]) -> str:
     rows = []
     for kind, group in itertools.groupby(materials, key=lambda material: material.kind):
         rows.append([f"{kind}", "E (GPa)", "ν", "hardness (GPa)"])
-        rows += [[material.name, *(cell(getattr(material, name)) for name in _PROPERTIES)] for material in group]
+        rows += [[material.name, *(cell(getattr(material, name)) for name in _PROPERTY_UNITS)] for material in group]
     alias_lines = [f"{material.name}: {', '.join(material.aliases)}" for material in materials if material.aliases]
     paragraphs = [
         format_table(rows),
@@ -43,7 +43,7 @@ def materials_record(materials: Sequence[Material]) -> str:
     entries: list[dict[str, Any]] = []
     for material in materials:
         entries.append({"name": material.name, "kind": material.kind, "aliases": list(material.aliases)})
-        for name, unit in _PROPERTIES.items():
+        for name, unit in _PROPERTY_UNITS.items():
             value = getattr(material, name)
             entries[-1][name] = value and {
                 "value": float(value),

@@ -31,25 +31,25 @@ def onset_text(onset: xarray.Dataset) -> str:
     """Return a sentence with the pre-sliding displacement, the slipping fraction and the tangential stiffness."""
     phrases, displacement = [], onset["displacement_at_sliding"]
     if math.isfinite(_interval_ends(displacement)[0]):
-        factor, unit = _length_scale(displacement)
+        factor, unit = _length_display_factor(displacement)
         phrases.append(f"pre-sliding displacement {format_estimate(*_interval_ends(displacement, factor))} {unit}")
     slipped = _interval_ends(onset["slipped_area"].sel(fraction=HALF_SLIDING_LOAD))
     phrases.append(f"{format_percent(slipped[0])} of the contact slips at half of the sliding load")
-    factor, unit = _stiffness_scale(onset["stiffness"])
+    factor, unit = _stiffness_display_factor(onset["stiffness"])
     if math.isfinite((ends := _interval_ends(onset["stiffness"], factor))[0]):
         phrases.append(f"initial tangential stiffness {format_estimate(*ends)} {unit}")
     text = "; ".join(phrases)
     return text[0].upper() + text[1:] + "."
 
 
-def _length_scale(table: xarray.DataArray) -> tuple[float, str]:
+def _length_display_factor(table: xarray.DataArray) -> tuple[float, str]:
     """Return the factor that converts µm to the unit in which a mean length has the fewest zeros, and this unit."""
     value = _interval_ends(table)[0]
     factor, unit = choose_prefix(value if math.isfinite(value) else 0.0, "um")
     return 1 / factor, unit
 
 
-def _stiffness_scale(table: xarray.DataArray) -> tuple[float, str]:
+def _stiffness_display_factor(table: xarray.DataArray) -> tuple[float, str]:
     """Return the factor that converts mN/µm to the unit in which a mean stiffness is printed, and this unit."""
     return (1e-3, "N/µm") if _interval_ends(table)[0] >= MIN_STIFFNESS_IN_NEWTON else (1.0, "mN/µm")
 
@@ -60,13 +60,13 @@ MIN_STIFFNESS_IN_NEWTON = 1e4  # stiffness in mN/µm above which stiffnesses are
 def onset_rows(onset: xarray.Dataset) -> list[list[str]]:
     """Return table rows with means and intervals for the onset of sliding; the first row contains the headings."""
     attributes = onset.attrs
-    load, tau0 = format_with_unit(float(attributes["load_mN"]), "mN"), _strength(float(attributes["tau0_GPa"]))
+    load, tau0 = format_with_unit(float(attributes["load_mN"]), "mN"), _strength_text(float(attributes["tau0_GPa"]))
     header = f"{load}, μ0 = {float(attributes['mu0']):g}, τ0 = {tau0}"
     half = onset.sel(fraction=HALF_SLIDING_LOAD)
     (length, length_unit), (rigid, rigid_unit), (normal, normal_unit) = (
-        _length_scale(onset["displacement_at_sliding"]),
-        _stiffness_scale(onset["stiffness"]),
-        _stiffness_scale(onset["unloading_stiffness"]),
+        _length_display_factor(onset["displacement_at_sliding"]),
+        _stiffness_display_factor(onset["stiffness"]),
+        _stiffness_display_factor(onset["unloading_stiffness"]),
     )
     rows = [
         ["sliding load (mN)", _format_cell(onset["sliding_load"])],
@@ -146,8 +146,8 @@ def quantity_label(name: str, study: Study) -> str:
         return f"{text} while loading"
     if onset is None or name not in ("displacement_at_sliding", "fraction_slipped"):
         return text
-    return f"{text} at μ0 = {onset.mu0:g}, τ0 = {_strength(float(onset.tau0))}"
+    return f"{text} at μ0 = {onset.mu0:g}, τ0 = {_strength_text(float(onset.tau0))}"
 
 
-def _strength(tau0: float) -> str:
+def _strength_text(tau0: float) -> str:
     return format_with_unit(tau0, "GPa") if tau0 else "0"

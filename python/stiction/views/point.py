@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-RULE_DESCRIPTIONS = {
+SLIDING_RULE_DESCRIPTIONS = {
     "all": "friction at all contacts",
     "opposing": "friction at opposing contacts only (the paper's rule)",
 }

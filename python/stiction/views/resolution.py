@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from stiction.studies.resolution import Resolution, ResolvedRoughness, YieldEstimate
 
 Rows = list[list[str]]
-RULE_TITLES = {"all": "all contacts", "opposing": "opposing contacts"}
+SLIDING_RULE_TITLES = {"all": "all contacts", "opposing": "opposing contacts"}
 
 
 # ---- Resolved wavelengths --------------------------------------------------------------------------------------------
@@ -38,8 +38,8 @@ def cut_off_rows(resolution: Resolution, hardness: float | None) -> Rows:
     The last row is the plastic limit if there is a hardness (GPa).
     """
     first = resolution.cutoffs[0].at
-    rules = [rule for rule in RULE_TITLES if f"friction_{rule}" in resolution.cutoffs[0].values]
-    rows = [["cutoff", "h'", "A/A0", "mean pressure", *(f"μ_s {RULE_TITLES[rule]}" for rule in rules)]]
+    rules = [rule for rule in SLIDING_RULE_TITLES if f"friction_{rule}" in resolution.cutoffs[0].values]
+    rows = [["cutoff", "h'", "A/A0", "mean pressure", *(f"μ_s {SLIDING_RULE_TITLES[rule]}" for rule in rules)]]
     for point in resolution.cutoffs:
         if any(point.at[name] != first[name] for name in ("load", "mu0", "tau0")):
             continue

@@ -247,7 +247,7 @@ def record_json(command: str, values: list[dict[str, Any]], **fields: Any) -> st
     return to_json(record, ensure_ascii=False, indent=1)
 
 
-def entry(
+def json_entry(
     name: str, value: float, unit: str = "1", *, lower: float = math.nan, upper: float = math.nan,
     interval: str | None = None, coordinates: dict[str, Any] | None = None, status: str = STATUS_OK,
 ) -> dict[str, Any]:  # fmt: skip
@@ -284,7 +284,7 @@ def value_records(rows: pandas.DataFrame) -> list[dict[str, Any]]:
     for row in rows.to_dict("records"):
         selected = {name: row.pop(name) for name in _VALUE_COLUMNS}
         coordinates = {name: value for name, value in row.items() if value == value}  # omit NaN
-        values.append(entry(**selected, coordinates=coordinates))
+        values.append(json_entry(**selected, coordinates=coordinates))
     return values
 
 

@@ -23,7 +23,13 @@ from stiction.studies.point import (
 )
 from stiction.studies.summary import PointSummary
 from stiction.surfaces.pairing import SIDES
-from stiction.views.point import RULE_DESCRIPTIONS, adhesion_text, averaged_directions_text, load_text, materials_text
+from stiction.views.point import (
+    SLIDING_RULE_DESCRIPTIONS,
+    adhesion_text,
+    averaged_directions_text,
+    load_text,
+    materials_text,
+)
 from stiction.views.pull_off import pull_off_text
 
 if TYPE_CHECKING:
@@ -59,9 +65,11 @@ def sentence_text(point: PointSummary) -> str:
         faults = "; ".join(caveat.text for caveat in point.faults)
         return f"There is no coefficient to quote at {inputs_text(point)}: {faults}."
     first, *others = point.rules
-    text = f"μ_s = {format_estimate(first.value, first.lower, first.upper)} with {RULE_DESCRIPTIONS[first.rule]}"
+    text = (
+        f"μ_s = {format_estimate(first.value, first.lower, first.upper)} with {SLIDING_RULE_DESCRIPTIONS[first.rule]}"
+    )
     text += "".join(
-        f", {format_estimate(rule.value, rule.lower, rule.upper)} with {RULE_DESCRIPTIONS[rule.rule]}"
+        f", {format_estimate(rule.value, rule.lower, rule.upper)} with {SLIDING_RULE_DESCRIPTIONS[rule.rule]}"
         for rule in others
     )
     parts = [f"{text}, at {inputs_text(point)}", note_text(point)]
@@ -148,7 +156,7 @@ def _interface_words(study: Study) -> str:
     if interface is None:
         return f"interface {name}, which is missing, so μ0 and τ0 are independent"
     fit, items = interface.fits[0], [interface.about.get("kind", "measured"), interface.about.get("motion", "")]
-    items += [RULE_DESCRIPTIONS[fit.sliding]] if fit.sliding != "all" else []
+    items += [SLIDING_RULE_DESCRIPTIONS[fit.sliding]] if fit.sliding != "all" else []
     items += ["its range is unknown"] if np.ptp(fit.mu0) == np.ptp(fit.tau0) == 0 else []
     return f"interface {name} ({', '.join(filter(None, items))})"
 
@@ -196,7 +204,7 @@ def _averaging_text(point: PointSummary) -> str:
     return f"{point.members:.0f} {kind}"
 
 
-STRIP_TEXT = "a strip 1 µm wide"  # the paper assumes this width for profiles
+PROFILE_STRIP_TEXT = "a strip 1 µm wide"  # the paper assumes this width for profiles
 
 
 def list_assumptions(study: Study) -> tuple[str, ...]:
@@ -207,7 +215,7 @@ def list_assumptions(study: Study) -> tuple[str, ...]:
     if surfaces.press == "lines":
         is_plane = study.uses_half_space or "cylinder" in contact_law_name(study)
         assumptions.append(
-            f"{'parallel grooves across the scans' if is_plane else 'contacts of spheres'} on {STRIP_TEXT}"
+            f"{'parallel grooves across the scans' if is_plane else 'contacts of spheres'} on {PROFILE_STRIP_TEXT}"
         )
     elif surfaces.press == "surrogates":
         assumptions.append("isotropic surfaces")
@@ -255,7 +263,9 @@ def slopes_text(point: PointSummary) -> str:
     rules = [rule for rule in point.rules if math.isfinite(rule.slopes)]
     if not rules:
         return ""
-    estimates = " and ".join(f"{format_estimate(rule.slopes)} with {RULE_DESCRIPTIONS[rule.rule]}" for rule in rules)
+    estimates = " and ".join(
+        f"{format_estimate(rule.slopes)} with {SLIDING_RULE_DESCRIPTIONS[rule.rule]}" for rule in rules
+    )
     hardness_note = " (the hardness is not considered)" if has_limited_pressure(study) else ""
     kappa = (
         mean_over_directions(values, "rms_gradient")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import pandas
 
-FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r")
+FORMULA_START_CHARACTERS = ("=", "+", "-", "@", "\t", "\r")
 """Characters at the start of a cell that make a spreadsheet program interpret it as a formula."""
 
 
@@ -25,4 +25,4 @@ def _is_numeric(kind: Any) -> bool:
 
 
 def _escape_formula(value: Any) -> Any:
-    return f"'{value}" if isinstance(value, str) and value.startswith(FORMULA_STARTS) else value
+    return f"'{value}" if isinstance(value, str) and value.startswith(FORMULA_START_CHARACTERS) else value

@@ -18,7 +18,7 @@ from stiction.studies.measured_surfaces import MeasuredFile
 from stiction.studies.study import FRICTION_CASES, SHARED_FRICTION_TABLES, SURFACE_CASES, Ensemble, Figures
 from stiction.views.text import wrap_text
 
-Row = tuple[str, str, str, str]  # key, default, allowed values and meaning of an entry
+TableRow = tuple[str, str, str, str]  # key, default, allowed values and meaning of an entry
 
 _QUANTITY_RANGES: tuple[tuple[Any, str], ...] = (
     (values.Length, "a length above 0"),
@@ -74,11 +74,11 @@ _KEY_TABLES: tuple[tuple[str, str, tuple[type[values.Table], ...], tuple[type[va
 """Tables of a study file: title, description, model classes, and base classes with shared keys."""
 
 
-def key_tables() -> list[tuple[str, str, list[Row]]]:
+def key_tables() -> list[tuple[str, str, list[TableRow]]]:
     """Return the title, the description and the rows of each table of keys. Each row describes one key."""
     tables = []
     for title, phrases, cases, shared in _KEY_TABLES:
-        owners: dict[Row, list[type[values.Table]]] = {}
+        owners: dict[TableRow, list[type[values.Table]]] = {}
         for case in cases:
             for key, entry in case.model_fields.items():
                 if entry.repr:  # keys without `repr` describe bodies in memory and do not occur in files

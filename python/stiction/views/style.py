@@ -18,9 +18,9 @@ from stiction.mechanics.quantities import QUANTITIES
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-MILLIMETRE = 1 / 25.4
-COLUMN_WIDTH = 80 * MILLIMETRE  # width of one column; at this width, no text is smaller than 6 pt
-PAGE_WIDTH = 170 * MILLIMETRE  # width of two columns
+INCHES_PER_MILLIMETRE = 1 / 25.4
+COLUMN_WIDTH = 80 * INCHES_PER_MILLIMETRE  # width of one column; at this width, no text is smaller than 6 pt
+PAGE_WIDTH = 170 * INCHES_PER_MILLIMETRE  # width of two columns
 
 MATPLOTLIB_STYLE: dict[Any, Any] = {
     **dict.fromkeys(("font.size", "axes.titlesize", "axes.labelsize"), 7),
@@ -41,7 +41,7 @@ MATPLOTLIB_STYLE: dict[Any, Any] = {
 OPPOSING_COLOUR = "#d55e00"
 NOT_OPPOSING_COLOUR = "#0072b2"  # colour of contacts whose slope does not oppose the motion
 ALL_CONTACTS_COLOUR = "#332288"  # colour of the rule with friction at all contacts
-RULE_COLOURS = {
+SLIDING_RULE_COLOURS = {
     "all": ALL_CONTACTS_COLOUR,
     "opposing": OPPOSING_COLOUR,
 }  # colours of the sliding rules, in the order of legends
@@ -50,17 +50,17 @@ FORCE_COLOUR = "#000000"  # elastic forces
 FRICTION_COLOUR = "#cc79a7"  # friction forces
 UPPER_COLOUR = "#c6d9e7"  # the upper body
 LOWER_COLOUR = "#e3d5bb"  # the lower body
-STRENGTH_COLOURS = ("#444444", "#aa4499")  # colours of the lowest and the highest adhesive shear strength
-AXIS_COLOURS = {"x": "#0072b2", "y": "#d55e00"}  # colours of the curves for the x axis and the y axis of a map
+SHEAR_STRENGTH_COLOURS = ("#444444", "#aa4499")  # colours of the lowest and the highest adhesive shear strength
+MAP_AXIS_COLOURS = {"x": "#0072b2", "y": "#d55e00"}  # colours of the curves for the x axis and the y axis of a map
 SELF_LOCKED_COLOUR = "#7a0019"  # self-locking contacts
-FRICTION_MAP = "plasma"
+FRICTION_COLOUR_MAP = "plasma"
 """Colour map of friction coefficients. Fractal dimensions use viridis, heights use grey, and pressures use inferno."""
-SLIP_MAP = "YlOrRd"  # colour map of the tangential load at which a point slips
+SLIP_COLOUR_MAP = "YlOrRd"  # colour map of the tangential load at which a point slips
 
-RULE_LABELS = {"all": "friction at all contacts", "opposing": "at opposing contacts only"}
+SLIDING_RULE_LABELS = {"all": "friction at all contacts", "opposing": "at opposing contacts only"}
 """Legend labels of the sliding rules."""
 
-_LABELS = {
+_AXIS_LABELS = {
     "contact_area_fraction": "true contact area $A/A_0$ (%)",
     "nominal_pressure": "nominal pressure $F_N/A_0$ (MPa)",
     "area_over_load": "area over load $A/F_N$ (µm²/mN)",
@@ -83,19 +83,19 @@ def new_figure(height: float, *, width: float = COLUMN_WIDTH, layout: Any = "con
     """Return an empty figure with the given height (millimetres) and width (inches)."""
     from matplotlib.figure import Figure
 
-    return Figure(figsize=(width, height * MILLIMETRE), layout=layout)
+    return Figure(figsize=(width, height * INCHES_PER_MILLIMETRE), layout=layout)
 
 
 def axis_label(name: str) -> str:
     """Return the axis label of a quantity, with its symbol and unit."""
-    if name in _LABELS:
-        return _LABELS[name]
+    if name in _AXIS_LABELS:
+        return _AXIS_LABELS[name]
     quantity = QUANTITIES[name]
     unit = {"1": "", "um": " (µm)", "um^2": " (µm²)"}.get(quantity.unit, f" ({quantity.unit})")
     return f"{quantity.words} ${quantity.symbol}${unit}"
 
 
-def dimension_colours(dimensions: ArrayLike) -> Floats:
+def fractal_dimension_colours(dimensions: ArrayLike) -> Floats:
     """Return colours for curves of several fractal dimensions: viridis without its yellow end."""
     from matplotlib import colormaps
 
@@ -138,7 +138,7 @@ def evenly_spaced_indices(count: int, max_count: int) -> NDArray[np.intp]:
 
 # ---- Figure files ----------------------------------------------------------------------------------------------------
 
-FORMATS = ("png", "pdf", "svg")  # file formats of figures
+FIGURE_FORMATS = ("png", "pdf", "svg")  # file formats of figures
 
 FIGURE_FILE_MARKS = {".png": b"Software\0stiction", ".pdf": b"(stiction ", ".svg": b"<dc:title>stiction "}
 """Metadata that identify figures of this package, for each ending of the file name."""
@@ -147,8 +147,10 @@ FIGURE_FILE_MARKS = {".png": b"Software\0stiction", ".pdf": b"(stiction ", ".svg
 def parse_formats(formats: Sequence[str]) -> tuple[str, ...]:
     """Return figure formats without duplicates. Raise a `ValueError` for an unknown format or an empty list."""
     result = tuple(dict.fromkeys(str(item).lower().removeprefix(".") for item in formats))
-    if not result or not set(result) <= set(FORMATS):
-        raise ValueError(f"formats must be among {', '.join(FORMATS)}, got {', '.join(map(str, formats)) or 'none'}")
+    if not result or not set(result) <= set(FIGURE_FORMATS):
+        raise ValueError(
+            f"formats must be among {', '.join(FIGURE_FORMATS)}, got {', '.join(map(str, formats)) or 'none'}"
+        )
     return result
 
 

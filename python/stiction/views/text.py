@@ -44,11 +44,11 @@ from stiction.studies.point import (
 )
 from stiction.studies.summary import UNATTRIBUTED_WAVELENGTHS_INPUT, PointSummary, Summary
 from stiction.views.onset import onset_note, onset_rows, onset_text, quantity_label
-from stiction.views.point import RULE_DESCRIPTIONS, load_text, motion_text
+from stiction.views.point import SLIDING_RULE_DESCRIPTIONS, load_text, motion_text
 from stiction.views.pull_off import pull_off_text
 from stiction.views.resolution import (
     ELASTIC_CAVEAT,
-    RULE_TITLES,
+    SLIDING_RULE_TITLES,
     cut_off_note,
     cut_off_rows,
     wavelengths_text,
@@ -77,14 +77,14 @@ def terminal_width() -> int:
 
 def wrap_text(text: str, width: int | None = None, *, indent: str = "", hang: str = "") -> str:
     """Wrap a paragraph to the width of the terminal."""
-    together = _NO_BREAK.sub("\N{NO-BREAK SPACE}", text)
+    together = _NO_BREAK_SPACE_PATTERN.sub("\N{NO-BREAK SPACE}", text)
     return textwrap.fill(
         together, width or terminal_width(), initial_indent=indent, subsequent_indent=indent + hang,
         break_long_words=False, break_on_hyphens=False,
     ).replace("\N{NO-BREAK SPACE}", " ")  # fmt: skip
 
 
-_NO_BREAK = re.compile(r"(?<=[^\s] =) | (?=[=<>] )|(?<=\d) (?=(?:[kmµn]?[NmgL]|[GMk]Pa|%|°)(?!\w))")
+_NO_BREAK_SPACE_PATTERN = re.compile(r"(?<=[^\s] =) | (?=[=<>] )|(?<=\d) (?=(?:[kmµn]?[NmgL]|[GMk]Pa|%|°)(?!\w))")
 """Spaces at which a line must not break: around an equals sign, and between a number and its unit."""
 
 
@@ -223,7 +223,7 @@ def coefficients_text(headlines: Sequence[PointSummary]) -> str:
     """Format the coefficients: one line per rule for a single point, otherwise a table with the varying inputs."""
     if len(headlines) == 1:
         rule_lines = (
-            f"{_coefficient(headlines[0], index)}  {RULE_DESCRIPTIONS[rule.rule]}"
+            f"{_coefficient_text(headlines[0], index)}  {SLIDING_RULE_DESCRIPTIONS[rule.rule]}"
             for index, rule in enumerate(headlines[0].rules)
         )
         lines = [wrap_text(f"{'      ' if i else 'μ_s = '}{line}", hang=" " * 8) for i, line in enumerate(rule_lines)]
@@ -231,10 +231,10 @@ def coefficients_text(headlines: Sequence[PointSummary]) -> str:
     names = [name for name in headlines[0].at if name != "fractal_dimension" or "hurst_exponent" not in headlines[0].at]
     names.sort(key=lambda name: name != "hurst_exponent")
     varying = [name for name in names if len({point.at[name] for point in headlines}) > 1]
-    headings = (f"μ_s {RULE_TITLES[rule.rule]}" for rule in headlines[0].rules)
+    headings = (f"μ_s {SLIDING_RULE_TITLES[rule.rule]}" for rule in headlines[0].rules)
     rows = [[*(_COORDINATE_LABELS.get(name, name) for name in varying), *headings, "assessment"]]
     for point in headlines:
-        values = [_coefficient(point, index) for index in range(len(point.rules))]
+        values = [_coefficient_text(point, index) for index in range(len(point.rules))]
         coordinates = [
             load_text(point.values, point.study) if name == "load" else _coordinate(name, point.at[name])
             for name in varying
@@ -276,7 +276,7 @@ def _thin_points(headlines: Sequence[PointSummary]) -> Sequence[PointSummary]:
 MAX_PRINTED_POINTS = 15  # maximum number of rows in the first table, if there are several points
 
 
-def _coefficient(point: PointSummary, index: int) -> str:
+def _coefficient_text(point: PointSummary, index: int) -> str:
     rule = point.rules[index]
     if math.isfinite(rule.value):
         return format_estimate(rule.value, rule.lower, rule.upper)
@@ -522,14 +522,14 @@ def _row(name: str, label: str, estimates: Sequence[xarray.DataArray]) -> list[l
     """Return the table row of a quantity in a list, or an empty list if the quantity has no value at any load."""
     unit = QUANTITIES[name].unit
     if unit in ("um", "GPa", "mN"):
-        values = [value for value in map(_largest, estimates) if math.isfinite(value)]
+        values = [value for value in map(_largest_mean, estimates) if math.isfinite(value)]
         unit_factor, unit_label = choose_prefix(max(values, default=1.0), unit)
         factor = 1 / unit_factor
     else:
-        largest = max((value for value in map(_largest, estimates) if math.isfinite(value)), default=0.0)
+        largest = max((value for value in map(_largest_mean, estimates) if math.isfinite(value)), default=0.0)
         scales = ((0.0, 100.0, "%"),) if QUANTITIES[name].percent else _UNIT_SCALES.get(unit, ((0.0, 1.0, ""),))
         factor, unit_label = next((factor, name) for min_value, factor, name in scales if largest >= min_value)
-    cells = [_cell(estimate, factor) for estimate in estimates]
+    cells = [_estimate_cell(estimate, factor) for estimate in estimates]
     return [] if set(cells) == {"none"} else [[label, unit_label, *cells]]
 
 
@@ -540,12 +540,12 @@ def _with_statuses(row: list[str], statuses: Sequence[str]) -> list[str]:
     return [label, unit if set(cells) - set(statuses) else "", *cells]
 
 
-def _largest(estimate: xarray.DataArray) -> float:
+def _largest_mean(estimate: xarray.DataArray) -> float:
     means = estimate.sel(statistic="mean") if "statistic" in estimate.dims else estimate
     return float(np.abs(means).max())
 
 
-def _cell(estimate: xarray.DataArray, factor: float) -> str:
+def _estimate_cell(estimate: xarray.DataArray, factor: float) -> str:
     if "statistic" not in estimate.dims:
         value = factor * estimate.item()
         return "none" if math.isnan(value) else format_significant(value)
@@ -562,7 +562,7 @@ def axes_text(values: xarray.Dataset, *, verbose: bool = False) -> str:
     table = values["friction_by_axis"]
     lay = lay_text(
         select_sliding_rule(
-            table, next(rule for rule in RULE_DESCRIPTIONS if rule in np.atleast_1d(values["sliding"].values))
+            table, next(rule for rule in SLIDING_RULE_DESCRIPTIONS if rule in np.atleast_1d(values["sliding"].values))
         )
     )
     if not verbose:
@@ -572,12 +572,15 @@ def axes_text(values: xarray.Dataset, *, verbose: bool = False) -> str:
 
 def _rules_table(title: str, table: xarray.DataArray, dimension: str, format_coordinate: Callable[[float], str]) -> str:
     """Format coefficients as a table with one row per coordinate and one column per sliding rule."""
-    rules = [rule for rule in RULE_DESCRIPTIONS if rule in np.atleast_1d(table["sliding"].values)]
-    rows = [[title, *(RULE_TITLES[rule] for rule in rules)]]
+    rules = [rule for rule in SLIDING_RULE_DESCRIPTIONS if rule in np.atleast_1d(table["sliding"].values)]
+    rows = [[title, *(SLIDING_RULE_TITLES[rule] for rule in rules)]]
     for coordinate in table[dimension].values:
         selected = table.sel({dimension: coordinate})
         rows.append(
-            [format_coordinate(float(coordinate)), *(_cell(select_sliding_rule(selected, rule), 1.0) for rule in rules)]
+            [
+                format_coordinate(float(coordinate)),
+                *(_estimate_cell(select_sliding_rule(selected, rule), 1.0) for rule in rules),
+            ]
         )
     return format_table(rows)
 
@@ -637,9 +640,8 @@ def history_text(dataset: xarray.Dataset, study: Study) -> str:
 def preview_text(summary: Summary) -> str:
     """Return a preview line with the friction coefficient computed from the first members of a study."""
     point = summary.points[0]
-    return (
-        f"preliminary, with asperities: μ_s = {format_estimate(point.value)}  {RULE_DESCRIPTIONS[point.rules[0].rule]}"
-    )
+    rule = SLIDING_RULE_DESCRIPTIONS[point.rules[0].rule]
+    return f"preliminary, with asperities: μ_s = {format_estimate(point.value)}  {rule}"
 
 
 # ---- Overview --------------------------------------------------------------------------------------------------------
@@ -718,7 +720,7 @@ def _overview_title(dataset: xarray.Dataset, varying: Sequence[str]) -> str:
     if "amplitude" in dataset.coords and dataset["amplitude"].ndim == 0:
         conditions.append(f"amplitude {format_with_unit(float(dataset['amplitude']), 'um')}")
     if "sliding" in dataset.coords and dataset["sliding"].ndim == 0:
-        conditions.append(RULE_DESCRIPTIONS[str(dataset["sliding"].values)])
+        conditions.append(SLIDING_RULE_DESCRIPTIONS[str(dataset["sliding"].values)])
     return f"μ_s [95 %] at {', '.join(conditions)}" if conditions else "μ_s [95 %]"
 
 

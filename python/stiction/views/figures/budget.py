@@ -18,13 +18,13 @@ from stiction.views.style import (
 )
 
 MIN_REDUCTION = 0.02  # inputs are not drawn if making them exact would narrow the interval by less than this fraction
-MAX_INPUTS = 5  # maximum number of inputs in the figure
+MAX_DRAWN_INPUTS = 5  # maximum number of inputs in the figure
 
 
 def budget_figure(point: PointSummary, *, title: str = "") -> Figure:
     """Draw the contributions to friction, the combined interval and the uncertainty budget (80 mm wide)."""
     width = point.upper - point.lower
-    remaining = [item for item in point.budget if item.width < (1 - MIN_REDUCTION) * width][:MAX_INPUTS]
+    remaining = [item for item in point.budget if item.width < (1 - MIN_REDUCTION) * width][:MAX_DRAWN_INPUTS]
     test_interval = point.rules[0].next_test
     rows = [("combined", point.lower, point.upper)]
     rows += [(f"{item.words} known", item.lower, item.upper) for item in remaining]

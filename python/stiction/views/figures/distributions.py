@@ -14,10 +14,10 @@ from stiction._drawing import set_log_ticks
 from stiction._number_format import format_with_unit
 from stiction.studies.point import MEAN_AND_LIMITS, select_sliding_rule
 from stiction.views.style import (
-    RULE_COLOURS,
-    RULE_LABELS,
+    SLIDING_RULE_COLOURS,
+    SLIDING_RULE_LABELS,
     axis_label,
-    dimension_colours,
+    fractal_dimension_colours,
     friction_parameters_text,
     new_figure,
 )
@@ -37,12 +37,12 @@ def compass_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     axes: Any = figure.add_subplot(projection="polar")
     fine_degrees = np.linspace(0, 360, 361)
     highest = 0.0
-    rules = [rule for rule in RULE_COLOURS if rule in np.atleast_1d(dataset["sliding"].values)]
+    rules = [rule for rule in SLIDING_RULE_COLOURS if rule in np.atleast_1d(dataset["sliding"].values)]
     for rule in rules:
-        colour, selected = RULE_COLOURS[rule], select_sliding_rule(dataset, rule)
+        colour, selected = SLIDING_RULE_COLOURS[rule], select_sliding_rule(dataset, rule)
         values = selected["friction_coefficient"].transpose("statistic", "direction")
         mean, low, high = (values.sel(statistic=name).values for name in MEAN_AND_LIMITS)
-        axes.plot(np.radians(degrees), mean, "o", color=colour, markersize=2.5, label=RULE_LABELS[rule])
+        axes.plot(np.radians(degrees), mean, "o", color=colour, markersize=2.5, label=SLIDING_RULE_LABELS[rule])
         highest = max(highest, float(np.nanmax(mean, initial=0.0)))
         if np.isfinite(mean).all():
             axes.plot(
@@ -115,7 +115,7 @@ def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title:
     axes = figure.subplots()
     by_offset = _is_single_traverse(values)
     highest = float(np.nanmax(values.values)) if np.isfinite(values.values).any() else 1.0
-    for rule in (rule for rule in RULE_COLOURS if rule in np.atleast_1d(values["sliding"].values)):
+    for rule in (rule for rule in SLIDING_RULE_COLOURS if rule in np.atleast_1d(values["sliding"].values)):
         selected = select_sliding_rule(values, rule)
         finite = selected.values[np.isfinite(selected.values)]
         if by_offset:
@@ -123,12 +123,19 @@ def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title:
         else:
             x, y = np.arange(1, finite.size + 1), np.sort(finite)
         axes.plot(
-            x, y, "o", color=RULE_COLOURS[rule], markersize=2.5, markeredgewidth=0, alpha=0.8, label=RULE_LABELS[rule]
+            x,
+            y,
+            "o",
+            color=SLIDING_RULE_COLOURS[rule],
+            markersize=2.5,
+            markeredgewidth=0,
+            alpha=0.8,
+            label=SLIDING_RULE_LABELS[rule],
         )
         mean = select_sliding_rule(points["friction_all_round"], rule)
         mean_value, low, high = (float(mean.sel(statistic=name)) for name in MEAN_AND_LIMITS)
-        axes.axhspan(low, high, color=RULE_COLOURS[rule], alpha=0.15, linewidth=0)
-        axes.axhline(mean_value, color=RULE_COLOURS[rule], linewidth=0.6)
+        axes.axhspan(low, high, color=SLIDING_RULE_COLOURS[rule], alpha=0.15, linewidth=0)
+        axes.axhline(mean_value, color=SLIDING_RULE_COLOURS[rule], linewidth=0.6)
     axes.set(ylim=(0, 1.05 * max(highest, 1e-3)), ylabel=axis_label("friction_coefficient"))
     axes.set_xlabel("offset of the upper body (µm)" if by_offset else "members and directions, in order")
     parameters = friction_parameters_text(float(points["mu0"]), float(points["tau0"]))
@@ -161,7 +168,7 @@ def sizes_figure(
     axes: Sequence[Any] = figure.subplots(2, 1)
     percent = 100 * points["fraction_below"].values
     loads = np.atleast_1d(points["load"].values)
-    for load, colour in zip(loads, dimension_colours(loads), strict=True):
+    for load, colour in zip(loads, fractal_dimension_colours(loads), strict=True):
         for ax, name in zip(axes, ("patch_area", "pressure"), strict=True):
             for member_values in (
                 members[name].sel(load=load, method="nearest").transpose("repetition", "fraction_below").values

@@ -30,15 +30,15 @@ from stiction.studies.result import Result
 from stiction.studies.study import Study
 from stiction.surfaces.fractal import weierstrass_mandelbrot_surface
 from stiction.views.style import (
-    FRICTION_MAP,
-    MILLIMETRE,
+    FRICTION_COLOUR_MAP,
+    INCHES_PER_MILLIMETRE,
     PAGE_WIDTH,
     SELF_LOCKED_COLOUR,
-    STRENGTH_COLOURS,
+    SHEAR_STRENGTH_COLOURS,
     axis_label,
-    dimension_colours,
     direction_text,
     evenly_spaced_indices,
+    fractal_dimension_colours,
     friction_parameters_text,
     new_figure,
     spread_labels,
@@ -90,7 +90,7 @@ COLOUR_BAR_TICKS = (
 )
 """Round friction coefficients that may be ticks of a colour bar."""
 
-_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # weights of red, green and blue in the luminance
+_LUMINANCE_WEIGHTS = np.array([0.2126, 0.7152, 0.0722])  # weights of red, green and blue in the luminance
 
 
 def iterate_motions(dataset: xarray.Dataset) -> Iterator[tuple[str, xarray.Dataset]]:
@@ -120,7 +120,7 @@ def heading_lines(dataset: xarray.Dataset, study: Study) -> list[str]:
 def draw_heading(figure: Figure, lines: list[str]) -> None:
     """Draw heading lines above all panels."""
     if lines:
-        figure.suptitle("\n".join(lines), fontsize=8, y=1 - MILLIMETRE / figure.get_figheight(), va="top")
+        figure.suptitle("\n".join(lines), fontsize=8, y=1 - INCHES_PER_MILLIMETRE / figure.get_figheight(), va="top")
 
 
 def draw_panel_letter(axes: Axes, number: int) -> None:
@@ -227,7 +227,7 @@ def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], m
     dimension = curves["fractal_dimension"].values
     is_valid = ~(curves["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)  # axes: fractal dimension, shear strength
     value, lower, upper = (curves["friction_coefficient"].sel(statistic=each).values for each in MEAN_AND_LIMITS)
-    for index, colour in zip(range(len(strengths)), STRENGTH_COLOURS, strict=False):
+    for index, colour in zip(range(len(strengths)), SHEAR_STRENGTH_COLOURS, strict=False):
         axes.fill_between(dimension, lower[:, index], upper[:, index], color=colour, alpha=0.25, linewidth=0)
         marker = "o" if dimension.size == 1 else None
         style: dict[str, Any] = {"color": colour, "linewidth": 1, "markersize": 2, "marker": marker}
@@ -247,7 +247,7 @@ def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], m
     axes.text(
         axes.get_xlim()[1] - 0.01 * dimension_range, mu0, r"$\mu_0$", color="0.4", fontsize=6, va="bottom", ha="right"
     )
-    for index, colour in zip(range(len(strengths)), STRENGTH_COLOURS, strict=False):
+    for index, colour in zip(range(len(strengths)), SHEAR_STRENGTH_COLOURS, strict=False):
         indices = np.flatnonzero(np.isfinite(value[:, index]))
         if indices.size:
             start_index = indices[0]
@@ -267,7 +267,9 @@ def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], m
 
 def _colour_bar(figure: Figure, position: tuple[float, float, float, float], norm: Any, mu0: float) -> None:
     axes = figure.add_axes(position, label="<colorbar>")
-    colour_bar = figure.colorbar(ScalarMappable(norm, FRICTION_MAP), cax=axes, orientation="horizontal", extend="both")
+    colour_bar = figure.colorbar(
+        ScalarMappable(norm, FRICTION_COLOUR_MAP), cax=axes, orientation="horizontal", extend="both"
+    )
     ticks = [tick for tick in COLOUR_BAR_TICKS if norm.vmin <= tick * (1 + 1e-9) and tick <= norm.vmax * (1 + 1e-9)]
     if len(ticks) < MIN_COLOUR_BAR_TICKS:
         round_values = MaxNLocator(5, steps=[1, 2, 5]).tick_values(norm.vmin, norm.vmax)
@@ -303,8 +305,8 @@ def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: float) -
     axes.add_patch(_not_reached_patch((0, 0), 1, 1, transform=axes.transAxes))
     finite = np.isfinite(values)
     # A coefficient of 0 has no logarithm, and is drawn in the colour of the lowest value.
-    colours = colormaps[FRICTION_MAP](norm(np.where(finite, np.maximum(values, norm.vmin), norm.vmin)))
-    colours[..., :3] = _fade(colours[..., :3], _compute_fading(friction))
+    colours = colormaps[FRICTION_COLOUR_MAP](norm(np.where(finite, np.maximum(values, norm.vmin), norm.vmin)))
+    colours[..., :3] = _fade_colours(colours[..., :3], _compute_fading(friction))
     colours[..., 3] = finite
     colours[status == STATUS_SELF_LOCKED] = (*to_rgb(SELF_LOCKED_COLOUR), 1)
     axes.pcolormesh(*edges, colours)
@@ -333,12 +335,12 @@ def _hatch_cells(axes: Axes, x: Floats, y: Floats, cells: NDArray[np.bool_]) -> 
     if vertices:
         codes = np.tile([Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY], len(vertices) // 5)
         for colour, width in (("black", 1.3), ("white", 0.5)):  # one of the two colours is visible on any cell
-            patch = PathPatch(Path(vertices, codes), **_HATCH | {"edgecolor": colour})
+            patch = PathPatch(Path(vertices, codes), **_INVALID_CELL_STYLE | {"edgecolor": colour})
             patch.set_hatch_linewidth(width)
             axes.add_artist(patch)  # `add_patch` would also compute the limits of thousands of cells
 
 
-_HATCH: dict[str, Any] = {"facecolor": "none", "edgecolor": "white", "hatch": "\\\\\\\\", "linewidth": 0}
+_INVALID_CELL_STYLE: dict[str, Any] = {"facecolor": "none", "edgecolor": "white", "hatch": "\\\\\\\\", "linewidth": 0}
 """Style of cells in which the model is not valid."""
 
 
@@ -352,9 +354,9 @@ def _compute_fading(friction: Floats) -> Floats:
     return np.asarray(max_fading * np.clip((width - min_width) / (max_width - min_width), 0, 1))
 
 
-def _fade(colours: Floats, fading: Floats) -> Floats:
+def _fade_colours(colours: Floats, fading: Floats) -> Floats:
     """Blend colours with grey of equal luminance, so that no cell gets the colour of another coefficient."""
-    grey = (colours @ _LUMINANCE)[..., np.newaxis]
+    grey = (colours @ _LUMINANCE_WEIGHTS)[..., np.newaxis]
     fraction = np.asarray(fading)[..., np.newaxis]
     return np.asarray((1 - fraction) * colours + fraction * grey)
 
@@ -364,15 +366,18 @@ def _not_reached_patch(*args: Any, **kwargs: Any) -> Any:
 
 
 def _legend_handles(maps: xarray.Dataset, *, asperities: bool) -> list[Any]:
-    example_colour = np.array(colormaps[FRICTION_MAP](0.4)[:3])
+    example_colour = np.array(colormaps[FRICTION_COLOUR_MAP](0.4)[:3])
     handles: list[Any] = []
     if asperities and (maps["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION).any():
         invalid_label = "model not valid (dotted): most load on overlaps $> R/10$"
-        handles.append(Patch(**_HATCH | {"facecolor": tuple(example_colour)}, label=invalid_label))
+        handles.append(Patch(**_INVALID_CELL_STYLE | {"facecolor": tuple(example_colour)}, label=invalid_label))
     fading = _compute_fading(maps["friction_coefficient"].transpose(..., "statistic").values)
     if (fading[~(maps["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)] > 0.1).any():
         handles.append(
-            Patch(facecolor=tuple(_fade(example_colour, np.array(FADING_LIMITS[2]))), label="grey: wide 95 % interval")
+            Patch(
+                facecolor=tuple(_fade_colours(example_colour, np.array(FADING_LIMITS[2]))),
+                label="grey: wide 95 % interval",
+            )
         )
     if (~np.isin(maps["status"].values, (STATUS_OK, STATUS_SELF_LOCKED))).any():
         handles.append(_not_reached_patch((0, 0), 1, 1, label="load not reached"))
@@ -459,7 +464,7 @@ def _area_curves(
         ax.set_ylim(values.min() / MAX_BAND_RATIO, values.max() * MAX_BAND_RATIO)
         set_log_ticks(ax)
         labels, label_heights = [], []
-        for curve, colour in enumerate(dimension_colours(dimensions)):
+        for curve, colour in enumerate(fractal_dimension_colours(dimensions)):
             ax.fill_between(load, scale * lower[curve], scale * upper[curve], color=colour, alpha=0.25, linewidth=0)
             ax.plot(load, scale * area[curve], ":", color=colour, linewidth=0.8)
             ax.plot(load, np.where(is_valid[curve], scale * area[curve], np.nan), color=colour, linewidth=0.8)

@@ -9,11 +9,11 @@ from matplotlib.figure import Figure
 from stiction._drawing import set_log_ticks
 from stiction._number_format import format_with_unit
 from stiction.studies.point import MEAN_AND_LIMITS, is_unloaded, select_sliding_rule
-from stiction.views.figures.loads import plain_log
+from stiction.views.figures.loads import format_log_axis
 from stiction.views.style import (
     AREA_COLOUR,
-    RULE_COLOURS,
-    RULE_LABELS,
+    SLIDING_RULE_COLOURS,
+    SLIDING_RULE_LABELS,
     axis_label,
     friction_parameters_text,
     new_figure,
@@ -35,12 +35,18 @@ def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     has_load = np.array([not is_unloaded(points.isel(height_scale=index)) for index in range(scales.size)])
     figure = new_figure(114)
     friction_axes, area_axes = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
-    for rule in (rule for rule in RULE_COLOURS if rule in np.atleast_1d(points["sliding"].values)):
+    for rule in (rule for rule in SLIDING_RULE_COLOURS if rule in np.atleast_1d(points["sliding"].values)):
         combined = select_sliding_rule(points["friction_combined"], rule)
         mean, low, high = (combined.sel(statistic=statistic).where(has_load).values for statistic in MEAN_AND_LIMITS)
-        friction_axes.fill_between(gradient, low, high, color=RULE_COLOURS[rule], alpha=0.2, linewidth=0)
+        friction_axes.fill_between(gradient, low, high, color=SLIDING_RULE_COLOURS[rule], alpha=0.2, linewidth=0)
         friction_axes.plot(
-            gradient, mean, "o-", color=RULE_COLOURS[rule], linewidth=1, markersize=2, label=RULE_LABELS[rule]
+            gradient,
+            mean,
+            "o-",
+            color=SLIDING_RULE_COLOURS[rule],
+            linewidth=1,
+            markersize=2,
+            label=SLIDING_RULE_LABELS[rule],
         )
     has_fraction = "contact_area_fraction" in points
     area = 100 * points["contact_area_fraction"] if has_fraction else points["contact_area"]
@@ -58,16 +64,16 @@ def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
         xlabel=axis_label("rms_gradient"),
         ylabel=axis_label("contact_area_fraction" if has_fraction else "contact_area"),
     )
-    plain_log(area_axes.xaxis)
+    format_log_axis(area_axes.xaxis)
     low, high = area_axes.get_ylim()
     if area_axes.get_yscale() == "log" and high < 30 * low:
-        plain_log(area_axes.yaxis)
+        format_log_axis(area_axes.yaxis)
     if points.attrs["scaled"] == "both":  # the gradient is proportional to the height factor
         factor_axis = friction_axes.secondary_xaxis(
             "top", functions=(lambda x: x / measured_gradient, lambda x: x * measured_gradient)
         )
         factor_axis.set_xlabel(axis_label("height_scale"))
-        plain_log(factor_axis.xaxis)
+        format_log_axis(factor_axis.xaxis)
     parameters = friction_parameters_text(
         float(points["mu0"]), float(points["tau0"]), float(points["effective_modulus"])
     )

@@ -21,8 +21,8 @@ from stiction.views.style import (
     ALL_CONTACTS_COLOUR,
     AREA_COLOUR,
     OPPOSING_COLOUR,
-    RULE_COLOURS,
-    RULE_LABELS,
+    SLIDING_RULE_COLOURS,
+    SLIDING_RULE_LABELS,
     axis_label,
     direction_text,
     friction_parameters_text,
@@ -50,7 +50,7 @@ def load_figure(points: xarray.Dataset, study_loads: Sequence[float] = (), *, ti
     positions.
     """
     loads = np.asarray(points["load"].values, dtype=np.float64)
-    figure = _draw_against(points, "load", loads, title)
+    figure = _draw_panels_against(points, "load", loads, title)
     friction_axes, area_axes = figure.axes[:2]
     for ax, load in itertools.product((friction_axes, area_axes), study_loads):
         ax.axvline(load, color="0.5", linewidth=0.5, linestyle="--")
@@ -60,7 +60,7 @@ def load_figure(points: xarray.Dataset, study_loads: Sequence[float] = (), *, ti
         pressure_conversions: Any = (lambda load: 1000 * load / area, lambda pressure: pressure * area / 1000)
         pressure_axis = friction_axes.secondary_xaxis("top", functions=pressure_conversions)
         pressure_axis.set_xlabel(axis_label("nominal_pressure"))
-        plain_log(pressure_axis.xaxis)
+        format_log_axis(pressure_axis.xaxis)
     return figure
 
 
@@ -139,7 +139,7 @@ def cut_off_figure(points: xarray.Dataset, *, title: str = "", limits: Mapping[s
     cut_off = np.asarray(points["cut_off"].values, dtype=np.float64)
     shortest_cutoff = cut_off[cut_off > 0].min(initial=2.0)
     positions = np.where(cut_off > 0, cut_off, limits.get("shortest") or shortest_cutoff / UNFILTERED_RATIO)
-    figure = _draw_against(points, "cut_off", positions, title, limits)
+    figure = _draw_panels_against(points, "cut_off", positions, title, limits)
     figure.axes[1].set_xlabel(axis_label("cut_off") + ("; first point: none" if (cut_off == 0).any() else ""))
     return figure
 
@@ -155,13 +155,13 @@ def _draw_limits(friction_axes: Axes, area_axes: Axes, limits: Mapping[str, Any]
     """Draw the plastic limit and the extrapolated values behind the computed curves."""
     if limits.get("friction") is not None:
         friction_axes.axhline(
-            limits["friction"], color=RULE_COLOURS["all"], linewidth=0.8, linestyle=":", label="plastic limit"
+            limits["friction"], color=SLIDING_RULE_COLOURS["all"], linewidth=0.8, linestyle=":", label="plastic limit"
         )
         area_axes.axhline(100 * limits["area_fraction"], color=AREA_COLOUR, linewidth=0.8, linestyle=":")
     wavelengths = np.asarray(limits.get("wavelength", ()))
     is_shown = wavelengths >= MIN_WAVELENGTH_RATIO * x[x > 0].min()
     for axes, name, factor, colour in (
-        (friction_axes, "finer_friction", 1.0, RULE_COLOURS["all"]),
+        (friction_axes, "finer_friction", 1.0, SLIDING_RULE_COLOURS["all"]),
         (area_axes, "finer_area_fraction", 100.0, AREA_COLOUR),
     ):
         if not is_shown.any() or not np.isfinite(limits[name][is_shown, 0]).any():
@@ -179,7 +179,12 @@ def _draw_limits(friction_axes: Axes, area_axes: Axes, limits: Mapping[str, Any]
             curve_label = "estimate from spectra" if rule == "all" else None
             values = spectral.friction_coefficient.sel(sliding=rule)
             friction_axes.plot(
-                spectral.wavelength, values, "-.", color=RULE_COLOURS[str(rule)], linewidth=0.8, label=curve_label
+                spectral.wavelength,
+                values,
+                "-.",
+                color=SLIDING_RULE_COLOURS[str(rule)],
+                linewidth=0.8,
+                label=curve_label,
             )
         area_axes.plot(
             spectral.wavelength, 100 * spectral.contact_area_fraction, "-.", color=AREA_COLOUR, linewidth=0.8
@@ -189,20 +194,20 @@ def _draw_limits(friction_axes: Axes, area_axes: Axes, limits: Mapping[str, Any]
             axes.axvspan(1e-9, 0.97 * limits["shortest"], color="0.9", linewidth=0, zorder=-2, label="not resolved")
 
 
-def _draw_against(
+def _draw_panels_against(
     points: xarray.Dataset, dimension: str, x: Floats, title: str, limits: Mapping[str, Any] | None = None
 ) -> Figure:
     figure = new_figure(114)
     friction_axes, area_axes = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
     has_combined = dimension == "load" and "friction_combined" in points
     for rule in _sliding_rules(points):
-        dataset, colour = select_sliding_rule(points, rule), RULE_COLOURS[rule]
+        dataset, colour = select_sliding_rule(points, rule), SLIDING_RULE_COLOURS[rule]
         mean, low, high = (dataset["friction_all_round"].sel(statistic=name).values for name in MEAN_AND_LIMITS)
         friction_axes.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
         if has_combined:
             low, high = (dataset["friction_combined"].sel(statistic=name).values for name in MEAN_AND_LIMITS[1:])
             friction_axes.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
-        friction_axes.plot(x, mean, "o-", color=colour, linewidth=1, markersize=2, label=RULE_LABELS[rule])
+        friction_axes.plot(x, mean, "o-", color=colour, linewidth=1, markersize=2, label=SLIDING_RULE_LABELS[rule])
         _draw_single_directions(friction_axes, dataset, x, colour)
     _mark_incomplete(friction_axes, points, dimension, x)
     has_fraction = "contact_area_fraction" in points
@@ -226,10 +231,10 @@ def _draw_against(
     area_axes.set_ylabel(axis_label("contact_area_fraction" if has_fraction else "contact_area"))
     for ax in (friction_axes, area_axes):
         set_log_ticks(ax)
-    plain_log(area_axes.xaxis)
+    format_log_axis(area_axes.xaxis)
     low, high = area_axes.get_ylim()
     if area_axes.get_yscale() == "log" and high < 30 * low:
-        plain_log(area_axes.yaxis)
+        format_log_axis(area_axes.yaxis)
     modulus = float(points["effective_modulus"]) if "effective_modulus" in points.coords else None
     parameters = friction_parameters_text(float(points["mu0"]), float(points["tau0"]), modulus)
     figure.suptitle(f"{title}\n{parameters}".strip(), fontsize=6)
@@ -240,11 +245,11 @@ def _draw_against(
 
 def _sliding_rules(points: xarray.Dataset) -> list[str]:
     rules = np.atleast_1d(points["sliding"].values).tolist() if "sliding" in points.coords else ["opposing"]
-    return [rule for rule in RULE_COLOURS if rule in rules]
+    return [rule for rule in SLIDING_RULE_COLOURS if rule in rules]
 
 
 def _draw_single_directions(axes: Axes, dataset: xarray.Dataset, x: Floats, colour: str) -> None:
-    if not 1 < dataset.sizes.get("direction", 1) <= MAX_SINGLE_DIRECTIONS or colour == RULE_COLOURS["all"]:
+    if not 1 < dataset.sizes.get("direction", 1) <= MAX_SINGLE_DIRECTIONS or colour == SLIDING_RULE_COLOURS["all"]:
         return  # with friction at all contacts, both directions have the same results
     for direction, line_style in zip(dataset["direction"].values, ("--", ":"), strict=False):
         mean = dataset["friction_coefficient"].sel(direction=direction, statistic="mean").values
@@ -266,7 +271,7 @@ def _mark_incomplete(axes: Axes, points: xarray.Dataset, dimension: str, x: Floa
     )
 
 
-def plain_log(axis: Any) -> None:
+def format_log_axis(axis: Any) -> None:
     """Label an axis with plain numbers instead of powers of ten, with several labels per decade."""
     low, high = axis.get_view_interval()
     spans_decade = high >= 10 * low

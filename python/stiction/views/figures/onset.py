@@ -34,7 +34,7 @@ from stiction.views.style import (
     AREA_COLOUR,
     FORCE_COLOUR,
     FRICTION_COLOUR,
-    SLIP_MAP,
+    SLIP_COLOUR_MAP,
     axis_label,
     friction_parameters_text,
     new_figure,
@@ -49,7 +49,7 @@ def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
     `onset` is a result of `compute_onset`. A half-plane has no displacement, so only the slipping fractions are drawn.
     """
     curve = onset.sel(statistic="mean")
-    displacement, load = (_with_origin(curve[name].values) for name in ("displacement", "tangential_load"))
+    displacement, load = (_prepend_zero(curve[name].values) for name in ("displacement", "tangential_load"))
     has_displacement = bool(np.isfinite(displacement).all())
     figure = new_figure(114 if has_displacement else 66)
     panels = figure.subplots(
@@ -57,7 +57,7 @@ def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
     )[:, 0]
     if has_displacement:
         axes = panels[0]
-        low, high = (_with_origin(onset["displacement"].sel(statistic=item).values) for item in ("lower", "upper"))
+        low, high = (_prepend_zero(onset["displacement"].sel(statistic=item).values) for item in ("lower", "upper"))
         if np.isfinite(low).all():
             axes.fill_betweenx(load, 1e3 * low, 1e3 * high, color=FORCE_COLOUR, alpha=0.15, linewidth=0)
         for amplitude, colour in zip(CYCLE_AMPLITUDES, CYCLE_COLOURS, strict=True):
@@ -78,7 +78,7 @@ def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
         ("slipped_load", "of the normal load", "--", FORCE_COLOUR),
     ):
         mean, low, high = (
-            100 * _with_origin(onset[name].sel(statistic=statistic).values) for statistic in MEAN_AND_LIMITS
+            100 * _prepend_zero(onset[name].sel(statistic=statistic).values) for statistic in MEAN_AND_LIMITS
         )
         if np.isfinite(low).all():
             axes.fill_between(fraction, low, high, color=colour, alpha=0.15, linewidth=0)
@@ -95,7 +95,7 @@ def _heading(onset: xarray.Dataset, title: str) -> str:
     return f"{title}\n{parameters}, $F_N$ = {format_with_unit(float(a['load_mN']), 'mN')}".strip()
 
 
-def _with_origin(values: Floats) -> Floats:
+def _prepend_zero(values: Floats) -> Floats:
     return np.concatenate([[0.0], np.asarray(values, dtype=np.float64)])
 
 
@@ -123,7 +123,7 @@ def _masing_cycle(displacement: Floats, load: Floats, amplitude: float) -> tuple
 _MAX_MARKER_AREA = 60.0  # area of the largest marker (points²)
 
 
-def has_slip_map(onset: xarray.Dataset) -> bool:
+def contains_slip_map(onset: xarray.Dataset) -> bool:
     """Return whether an onset contains the data for `slip_figure`. Only areal contacts have such data."""
     return bool("slip" in onset or "contact_slip" in onset)
 
@@ -137,14 +137,14 @@ def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
     has_point_map = "slip" in onset
     figure = new_figure(144 if has_point_map else 86)
     panels = figure.subplots(2 if has_point_map else 1, 1, squeeze=False)[:, 0]
-    colours = mpl.colormaps[SLIP_MAP]
+    colours = mpl.colormaps[SLIP_COLOUR_MAP]
     colour_norm = BoundaryNorm([0.0, *onset["fraction"].values], colours.N)
     full_extent = map_extent(onset, "slip")
     draw_heights(figure, panels[0], onset["lower_height"].values, full_extent)
     add_scale_bar(panels[0], full_extent, fontsize=6)
     if has_point_map:
         _draw_slip(panels[0], onset["slip"].values, full_extent, colour_norm)
-        fraction, box = _busiest_window(onset)
+        fraction, box = _densest_window(onset)
         draw_frame(panels[0], box)
         panels[1].imshow(onset["lower_height"].values[fraction], extent=box, origin="lower", cmap="gray", alpha=0.6)
         _draw_slip(panels[1], onset["slip"].values[fraction], box, colour_norm)
@@ -155,7 +155,7 @@ def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
         panels[0].scatter(
             onset["contact_x"], onset["contact_y"],
             s=np.maximum(_MAX_MARKER_AREA * area / area.max(initial=1e-300), 4.0),
-            c=onset["contact_slip"], cmap=SLIP_MAP, norm=colour_norm, edgecolors="white", linewidths=0.4,
+            c=onset["contact_slip"], cmap=SLIP_COLOUR_MAP, norm=colour_norm, edgecolors="white", linewidths=0.4,
         )  # fmt: skip
     colour_bar = figure.colorbar(
         ScalarMappable(colour_norm, colours),
@@ -175,13 +175,13 @@ def _draw_slip(axes: Axes, slip: Floats, box: tuple[float, ...], colour_norm: Bo
     image_options: dict[str, Any] = {
         "origin": "lower",
         "interpolation": "nearest",
-        "cmap": SLIP_MAP,
+        "cmap": SLIP_COLOUR_MAP,
         "norm": colour_norm,
     }
     axes.imshow(slip, extent=(box[0], box[1], box[2], box[3]), **image_options)
 
 
-def _busiest_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice], tuple[float, float, float, float]]:
+def _densest_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice], tuple[float, float, float, float]]:
     """Return the part of the map where contact points are densest: its rows, its columns and its extent (µm)."""
     from scipy.ndimage import gaussian_filter
 
@@ -201,7 +201,7 @@ def _busiest_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice], tuple[f
 # ---- Over fractal dimension -----------------------------------------------------------------------------------------
 
 
-_PANELS = {
+_ONSET_PANELS = {
     "displacement_at_sliding": (1000.0, "pre-sliding displacement (nm)", True),
     "fraction_slipped": (100.0, "slip at half the sliding load (%)", False),
     "tangential_stiffness": (1.0, "tangential stiffness (mN/µm)", True),
@@ -233,7 +233,7 @@ def dimension_onset_figure(dataset: xarray.Dataset) -> Figure:
         amplitudes.size, 42.0, 6.0 + HEADING_HEIGHT * len(lines), 15.0, between=5.0
     )
     for row, amplitude in enumerate(amplitudes):
-        for number, name in enumerate(_PANELS):
+        for number, name in enumerate(_ONSET_PANELS):
             axes = axes_at(13 + 57 * number, row, 40)
             _draw_curves(axes, dataset_at_loads.isel(amplitude=row), name)
             format_dimension_axis(axes, dataset, last=row == amplitudes.size - 1)
@@ -256,7 +256,7 @@ def dimension_onset_figure(dataset: xarray.Dataset) -> Figure:
 
 
 def _draw_curves(axes: Axes, dataset: xarray.Dataset, name: str) -> None:
-    factor, text, is_logarithmic = _PANELS[name]
+    factor, text, is_logarithmic = _ONSET_PANELS[name]
     dimension = dataset["fractal_dimension"].values
     for load, colour in zip(dataset["load"].values, LOAD_COLOURS, strict=False):
         dataset_at_load = dataset.sel(load=load)

@@ -17,7 +17,7 @@ from stiction.surfaces.lines import LineRoughness
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 from stiction.views.characterisation import Characterisation, length_text, to_characterisation
-from stiction.views.style import AXIS_COLOURS, MATPLOTLIB_STYLE, PAGE_WIDTH, new_figure
+from stiction.views.style import MAP_AXIS_COLOURS, MATPLOTLIB_STYLE, PAGE_WIDTH, new_figure
 
 MAX_PROFILE_POINTS = 1500  # maximum number of profile points in the figure; longer profiles are averaged
 NUM_HEIGHT_BINS = 40  # number of bins of the height distribution
@@ -45,7 +45,7 @@ def characterisation_figure(body: Profile | Surface | Characterisation, **option
             axes = first.subplot_mosaic([["heights"], ["distribution"]], height_ratios=[2, 1])
             axes |= second.subplot_mosaic([["spectrum"], ["lines"]])
             _draw_map(first, axes["heights"], result.body)
-            for line, colour in zip(result.lines, AXIS_COLOURS.items(), strict=True):
+            for line, colour in zip(result.lines, MAP_AXIS_COLOURS.items(), strict=True):
                 _draw_line(axes["lines"], line, *colour)
             _finish_spectrum(axes["lines"], "µm³")
         _draw_spectrum(axes["spectrum"], result)

@@ -28,7 +28,7 @@ from stiction.views.figures.ensemble import (
 )
 from stiction.views.figures.height_scale import height_scale_figure
 from stiction.views.figures.loads import adhesion_figure, closure_figure, cut_off_figure, load_figure
-from stiction.views.figures.onset import dimension_onset_figure, has_slip_map, onset_figure, slip_figure
+from stiction.views.figures.onset import contains_slip_map, dimension_onset_figure, onset_figure, slip_figure
 from stiction.views.style import MATPLOTLIB_STYLE, parse_formats, save_figure
 
 if TYPE_CHECKING:
@@ -142,7 +142,7 @@ def _measured_figures(
         yield f"positions{suffix}", partial(draw_positions, result, dataset, title=title)
         if cutoff_dataset is not None:
             dataset = cutoff_dataset.isel(mu0=m, tau0=t).sel(load=first_load, method="nearest")
-            yield f"cut_off{suffix}", partial(_cut_off, dataset, study, title=title)
+            yield f"cut_off{suffix}", partial(_cut_off_figures, dataset, study, title=title)
     for scaled, factors in result.height_factors.items():
         name = "height_scale" if scaled == "both" else f"height_scale_{scaled}"
         for number, indices in enumerate(np.ndindex(points.sizes["mu0"], points.sizes["tau0"]), 1):
@@ -155,13 +155,13 @@ def _measured_figures(
         yield "waiting", lambda: dwell_time_figure(result.summary().first, title=title)
     if onset is not None:
         yield "onset", partial(onset_figure, onset, title=title)
-        if has_slip_map(onset):
+        if contains_slip_map(onset):
             yield "slip", partial(slip_figure, onset, title=title)
     if study.contact.adheres and (branches := result.coming_and_going) is not None:
         yield "adhesion", partial(adhesion_figure, branches, title=title)
     if "patch_area" in points and np.isfinite(points["patch_area"].values).any():
         dataset = unfiltered.isel(mu0=0, tau0=0).sel(load=study_loads, method="nearest")
-        yield "sizes", partial(_sizes, result, dataset, hardness=hardness, title=title)
+        yield "sizes", partial(_size_figure, result, dataset, hardness=hardness, title=title)
     if picture is not None and study.is_areal:
         direction = float(np.atleast_1d(points["direction"].values)[0])
         yield "contacts", partial(contacts_figure, picture, direction=direction, hardness=hardness, title=title)
@@ -171,7 +171,7 @@ def _measured_figures(
         )
 
 
-def _cut_off(dataset: xarray.Dataset, study: Study, *, title: str) -> Figure:
+def _cut_off_figures(dataset: xarray.Dataset, study: Study, *, title: str) -> Figure:
     return cut_off_figure(dataset, title=title, limits=resolution_limits(dataset, study))
 
 
@@ -193,7 +193,7 @@ def draw_positions(result: Result, dataset: xarray.Dataset, *, title: str) -> Fi
     return positions_figure(values.transpose("repetition", "direction", ...), dataset, title=title)
 
 
-def _sizes(result: Result, dataset: xarray.Dataset, **options: Any) -> Figure:
+def _size_figure(result: Result, dataset: xarray.Dataset, **options: Any) -> Figure:
     return sizes_figure(result.dataset[["patch_area", "pressure"]].isel(cut_off=0), dataset, **options)
 
 

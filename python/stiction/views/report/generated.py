@@ -36,20 +36,20 @@ from stiction.studies.result import Result
 from stiction.studies.study import Study, study_names
 from stiction.views.figures.ensemble import COLOUR_QUANTILES
 from stiction.views.point import motion_text
-from stiction.views.report.page import REPORT_AXES, PageResult, ReportError, axes_facts, counted, motions_of
+from stiction.views.report.page import REPORT_AXES, PageResult, ReportError, axes_facts, format_count, study_motions
 from stiction.views.report.pictures import dimension_panel, profiles_panel
-from stiction.views.report.tables import Tables
+from stiction.views.report.tables import PackedTables
 
 # Maximum number of coefficients on a page.
 # The number of coefficients is the product of the numbers of nodes, loads, cells, rules and directions.
-MAX_GENERATED_COEFFICIENTS = 1_000_000
+MAX_GENERATED_REPORT_VALUES = 1_000_000
 # The page warns if the mean of overlap / radius exceeds this value.
 # The limit for quantities that are fractions of the load is `MAX_AFFECTED_FRACTION`.
-MAX_OVERLAP = 0.1
+MAX_OVERLAP_RADIUS_RATIO = 0.1
 SHAPE_DIMENSIONS = ("fractal_dimension", "amplitude")
 
 
-def page_of_generated(result: Result, study: Study, name: str) -> PageResult:
+def generated_result_page(result: Result, study: Study, name: str) -> PageResult:
     """Return the report on a result for generated surfaces. The default title is the name of the study.
 
     Raises a `ReportError` if it is too large for a page or has no members.
@@ -58,7 +58,7 @@ def page_of_generated(result: Result, study: Study, name: str) -> PageResult:
     if not num_members or not (members := result.num_solved):
         raise ReportError("the result must have a member with a solution at every load, got none")
     counts = result.means(["contact_count"])["contact_count"].transpose(*SHAPE_DIMENSIONS, study.step_quantity).values
-    tables, loads = Tables(), result.nodes.loads
+    tables, loads = PackedTables(), result.nodes.loads
     facts = _study_facts(head, study, loads) | {"name": name or _study_name(study), "repetitions": members}
     facts |= {
         "hasIntervals": members > 1,
@@ -68,22 +68,22 @@ def page_of_generated(result: Result, study: Study, name: str) -> PageResult:
         "asked": [],
     }
     if loads.size:
-        facts |= _at_nodes(result.nodes, study, head, members, tables)
+        facts |= _add_values_at_nodes(result.nodes, study, head, members, tables)
     return PageResult(
         study=study,
         name=facts["name"],
-        head=_head(study),
-        pairs=_pairs(study, facts),
+        head=_head_lines(study),
+        pairs=_describe_pairs(study, facts),
         facts=facts,
         tables=tables,
         num_members=num_members,
-        pictures=_pictures(result, study, head, counts),
+        pictures=_draw_pictures(result, study, head, counts),
     )
 
 
 def _study_facts(head: xarray.Dataset, study: Study, loads: Floats) -> dict[str, Any]:
     surfaces: Any = study.surfaces
-    rules, angles = motions_of(study)
+    rules, angles = study_motions(study)
     convention = " (classical)" if surfaces.convention == "classical" else ""
     dimensions, amplitudes = (head[name].values for name in SHAPE_DIMENSIONS)
     return {
@@ -116,16 +116,16 @@ def _study_facts(head: xarray.Dataset, study: Study, loads: Floats) -> dict[str,
     }
 
 
-def _at_nodes(
-    nodes: InterpolationNodes, study: Study, head: xarray.Dataset, members: int, tables: Tables
+def _add_values_at_nodes(
+    nodes: InterpolationNodes, study: Study, head: xarray.Dataset, members: int, tables: PackedTables
 ) -> dict[str, Any]:
     """Add all quantities at the nodes to `tables`. The axes are cell, amplitude, rule, motion, load, mu0 and tau0."""
-    rules, angles = motions_of(study)
+    rules, angles = study_motions(study)
     axes, loads = nodes.axes, nodes.loads
     count = math.prod(head.sizes[name] for name in SHAPE_DIMENSIONS) * loads.size * len(rules) * len(angles)
-    if (size := count * axes[0].values.size * axes[1].values.size) > MAX_GENERATED_COEFFICIENTS:
+    if (size := count * axes[0].values.size * axes[1].values.size) > MAX_GENERATED_REPORT_VALUES:
         raise ReportError(
-            f"the result must have at most {MAX_GENERATED_COEFFICIENTS} coefficients at nodes for a report, got "
+            f"the result must have at most {MAX_GENERATED_REPORT_VALUES} coefficients at nodes for a report, got "
             f"{size}; choose fewer fractal dimensions, amplitudes or directions"
         )
     (node_values,) = nodes.values
@@ -155,7 +155,7 @@ def _at_nodes(
         figures.append(
             {
                 "words": quantity.table_label[0].upper() + quantity.table_label[1:],
-                "limit": MAX_AFFECTED_FRACTION if quantity.percent else MAX_OVERLAP,
+                "limit": MAX_AFFECTED_FRACTION if quantity.percent else MAX_OVERLAP_RADIUS_RATIO,
                 "isDrawn": "hatch" in quantity.shown,
                 "factor": 100 if quantity.percent else 1,
                 "decimals": 0 if quantity.percent else 2,
@@ -163,7 +163,7 @@ def _at_nodes(
             }
         )
     status = np.broadcast_to(to_leading_order(node_values["status"]), shape)
-    statuses, codes = _statuses(status, validity, figures)
+    statuses, codes = _status_records_and_codes(status, validity, figures)
     tables.add("status", codes.astype(np.int8))
     is_interpolated = np.logical_and.reduce([nodes.is_interpolated(values) for values in quantities.values()])
     tables.add("fine", is_interpolated.astype(np.int8))
@@ -191,7 +191,7 @@ def _at_nodes(
         "validity": figures,
         "judgements": judgements,
         "hasStiffness": "stiffness" in quantities,
-        "start": _start(is_valid, points, axes, study),
+        "start": _choose_start(is_valid, points, axes, study),
         "maps": _add_colour_ranges(mapped_quantities, tables),
         "error": nodes.error,
     }
@@ -206,7 +206,7 @@ def to_leading_order(table: xarray.DataArray) -> Floats:
     return np.asarray(table.transpose(*LEADING_DIMENSIONS, ...).values)
 
 
-def _statuses(
+def _status_records_and_codes(
     names: NDArray[Any], validity: dict[str, Floats], figures: Sequence[dict[str, Any]]
 ) -> tuple[list[dict[str, Any]], NDArray[np.intp]]:
     """Return the statuses in the order of their codes, and the code of each point.
@@ -231,7 +231,7 @@ def _relative_width(points: Floats) -> Floats:
         return np.asarray((points[..., 2] - points[..., 1]) / (2 * np.abs(points[..., 0])))
 
 
-def _add_colour_ranges(quantities: dict[str, Floats], tables: Tables) -> list[str]:
+def _add_colour_ranges(quantities: dict[str, Floats], tables: PackedTables) -> list[str]:
     """Add a colour range to the tables for each quantity with positive values. Return the names of these quantities.
 
     The axes of a range are amplitude, rule, motion, mu0 and tau0.
@@ -250,7 +250,9 @@ def _add_colour_ranges(quantities: dict[str, Floats], tables: Tables) -> list[st
     return names
 
 
-def _start(sound: NDArray[np.bool_], points: Floats, axes: tuple[NodeAxis, NodeAxis], study: Study) -> dict[str, int]:
+def _choose_start(
+    sound: NDArray[np.bool_], points: Floats, axes: tuple[NodeAxis, NodeAxis], study: Study
+) -> dict[str, int]:
     """Choose the initial cell and load of a page: those with the smallest relative interval of a valid value."""
     strengths = study.friction.mu0[len(study.friction.mu0) // 2], float(study.friction.tau0[0])
     nodes = [int(np.abs(axis.values - value).argmin()) for axis, value in zip(axes, strengths, strict=True)]
@@ -303,7 +305,7 @@ def _number_format(check: Check) -> dict[str, Any]:
 # ---- Texts and figures -----------------------------------------------------------------------------------------------
 
 
-def _pictures(result: Result, study: Study, head: xarray.Dataset, counts: Floats) -> str:
+def _draw_pictures(result: Result, study: Study, head: xarray.Dataset, counts: Floats) -> str:
     """Draw two of the profiles in contact and, if the study includes it, the onset of sliding."""
     if not (has_contact := (counts > 0).any(axis=(0, 1))).any():
         return ""
@@ -322,8 +324,8 @@ def _study_name(study: Study) -> str:
     return next((name for name in study_names() if Study.named(name).with_changes(changes) == study), "study")
 
 
-def _head(study: Study) -> list[str]:
-    rules, angles = motions_of(study)
+def _head_lines(study: Study) -> list[str]:
+    rules, angles = study_motions(study)
     surfaces: Any = study.surfaces
     contact: Any = study.contact
     lengths = surfaces.extents() if study.is_areal else (float(surfaces.extent),)
@@ -336,10 +338,10 @@ def _head(study: Study) -> list[str]:
     ]
 
 
-def _pairs(study: Study, facts: dict[str, Any]) -> str:
+def _describe_pairs(study: Study, facts: dict[str, Any]) -> str:
     dimensions, amplitudes, steps = len(facts["cells"]["values"]), len(facts["amplitudes"]), facts["steps"]
-    number = counted(facts["repetitions"], "pair of surfaces", "pairs of surfaces")
-    cells = f"{'each of ' if dimensions > 1 else ''}{counted(dimensions, 'fractal dimension')}"
-    cells += f" and {counted(amplitudes, 'amplitude')}" if amplitudes > 1 else ""
-    steps_text = counted(steps, "load") if study.uses_half_space else counted(steps, "approach", "approaches")
+    number = format_count(facts["repetitions"], "pair of surfaces", "pairs of surfaces")
+    cells = f"{'each of ' if dimensions > 1 else ''}{format_count(dimensions, 'fractal dimension')}"
+    cells += f" and {format_count(amplitudes, 'amplitude')}" if amplitudes > 1 else ""
+    steps_text = format_count(steps, "load") if study.uses_half_space else format_count(steps, "approach", "approaches")
     return f"{number} at {cells}, pressed together at {steps_text}"

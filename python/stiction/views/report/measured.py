@@ -31,9 +31,9 @@ from stiction.views.report.page import (
     PageResult,
     ReportError,
     axes_facts,
-    counted,
-    escaped,
-    motions_of,
+    escape_html,
+    format_count,
+    study_motions,
 )
 from stiction.views.report.pictures import (
     adhesion_panel,
@@ -43,19 +43,19 @@ from stiction.views.report.pictures import (
     touching_panel,
 )
 from stiction.views.report.reading import READING_OPTIONS, reading_table
-from stiction.views.report.tables import Tables, decimals_of, text_with_unit
+from stiction.views.report.tables import PackedTables, count_estimate_decimals, estimate_with_unit_text
 from stiction.views.resolution import wavelengths_text
 from stiction.views.sentence import sentence_text, slopes_text
 from stiction.views.text import budget_text, dwell_time_text
 
 # Maximum number of coefficients on a page.
 # The number of coefficients is the product of the numbers of nodes, loads, cutoffs, rules and directions.
-MAX_MEASURED_COEFFICIENTS = 400_000
+MAX_MEASURED_REPORT_VALUES = 400_000
 
 _UNIT_LABELS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # labels of units without an SI prefix
 
 
-def page_of_measured(result: Result, study: Study, name: str, picture: xarray.Dataset | None) -> PageResult:
+def measured_result_page(result: Result, study: Study, name: str, picture: xarray.Dataset | None) -> PageResult:
     """Return the report on a result for measured bodies. The title consists of the file names and, if given, `name`.
 
     `picture` is a result of `contact_picture`; by default the picture stored with the result. Raises a `ReportError` if
@@ -64,7 +64,7 @@ def page_of_measured(result: Result, study: Study, name: str, picture: xarray.Da
     dataset = result.dataset
     files = pair_title(study)
     name = f"{files} ({name})" if name else files
-    tables = Tables()
+    tables = PackedTables()
     facts = _result_facts(dataset, result, study)
     facts |= _friction_at_nodes(result.nodes, study, tables) | {"name": name}
     facts["quantities"] = _quantities(result.nodes.load_quantities)
@@ -74,13 +74,15 @@ def page_of_measured(result: Result, study: Study, name: str, picture: xarray.Da
     resolution = result.summary().resolution
     lines = [] if resolution is None or resolution.roughness is None else [wavelengths_text(resolution.roughness)]
     lines += [] if onset is None else [f"{onset_text(onset)} {onset_note(onset)}"]
-    text = "".join(f"<p>{escaped(line)}</p>" for line in (*lines, *_pull_off_lines(result, study)))
-    details = text + "".join(_history(side, str(dataset.attrs.get(side, "")), study) for side in ("upper", "lower"))
+    text = "".join(f"<p>{escape_html(line)}</p>" for line in (*lines, *_pull_off_lines(result, study)))
+    details = text + "".join(
+        _history_lines(side, str(dataset.attrs.get(side, "")), study) for side in ("upper", "lower")
+    )
     return PageResult(
         study=study,
         name=name,
-        head=_head(study, facts),
-        pairs=f"{counted(members, 'pair')} of pieces of the two surfaces",
+        head=_head_lines(study, facts),
+        pairs=f"{format_count(members, 'pair')} of pieces of the two surfaces",
         facts=facts,
         tables=tables,
         num_members=members,
@@ -132,17 +134,17 @@ _CURVE_PANELS = {
 """Quantity, axis title and unit conversion factor for each additional plot against load."""
 
 
-def _friction_at_nodes(nodes: InterpolationNodes, study: Study, tables: Tables) -> dict[str, Any]:
+def _friction_at_nodes(nodes: InterpolationNodes, study: Study, tables: PackedTables) -> dict[str, Any]:
     """Add friction at the nodes to `tables`. The axes are kind, cutoff, rule, motion, load, mu0 and tau0."""
-    (rules, angles), axes, kinds = motions_of(study), nodes.axes, nodes.kinds
+    (rules, angles), axes, kinds = study_motions(study), nodes.axes, nodes.kinds
     motions: list[dict[str, Any]] = [{"words": motion_text(angle), "directions": [d]} for d, angle in enumerate(angles)]
     if len(angles) > 1:
         motions.insert(0, {"words": averaged_directions_text(angles), "directions": list(range(len(angles)))})
     size = len(kinds) * len(study.surfaces.cells()["cut_off"]) * nodes.loads.size * len(rules) * len(motions)
     size *= axes[0].values.size * axes[1].values.size
-    if size > MAX_MEASURED_COEFFICIENTS:
+    if size > MAX_MEASURED_REPORT_VALUES:
         raise ReportError(
-            f"the result must have at most {MAX_MEASURED_COEFFICIENTS} coefficients for a report, got {size}"
+            f"the result must have at most {MAX_MEASURED_REPORT_VALUES} coefficients for a report, got {size}"
         )
     members: list[int] = []
     arrays: dict[str, list[Any]] = {name: [] for name in ("shown", "sampling", "status", "answered", "slopes")}
@@ -189,7 +191,7 @@ def _friction_at_nodes(nodes: InterpolationNodes, study: Study, tables: Tables) 
         is_combined[0, index] = motion["isWhole"]
     # A value without a combined interval has as many decimals as the mean over all directions.
     mean_friction = displayed[0, :, :, [is_combined[0].argmax()]]
-    mean_decimals = np.moveaxis(decimals_of(*np.moveaxis(mean_friction, -1, 0))[0], 0, 2)
+    mean_decimals = np.moveaxis(count_estimate_decimals(*np.moveaxis(mean_friction, -1, 0))[0], 0, 2)
     displayed[
         np.broadcast_to(~is_combined[:, np.newaxis, np.newaxis, :, None, None, None], displayed.shape[:-1]), 1:
     ] = np.nan
@@ -235,7 +237,7 @@ def _pull_off_lines(result: Result, study: Study) -> list[str]:
     return [] if pull_off_estimate is None else [pull_off_text(pull_off_estimate)]
 
 
-def _head(study: Study, facts: dict[str, Any]) -> list[str]:
+def _head_lines(study: Study, facts: dict[str, Any]) -> list[str]:
     surfaces: Any = study.surfaces
     hardness = study.contact.hardness
     model = "half-space" if study.uses_half_space else "asperity"
@@ -250,15 +252,15 @@ def _head(study: Study, facts: dict[str, Any]) -> list[str]:
     return [f"{materials}{surfaces.pressed}, {size}, pressed with the {model} model; E* = {modulus}{plasticity}."]
 
 
-def _history(side: str, history: str, study: Study) -> str:
-    lines = "".join(f"<li>{escaped(line)}</li>" for line in history.splitlines()[:20])
+def _history_lines(side: str, history: str, study: Study) -> str:
+    lines = "".join(f"<li>{escape_html(line)}</li>" for line in history.splitlines()[:20])
     body_files = getattr(study.surfaces, side)
     readings = "".join(_reading_table(scan) for scan in body_files.scans[:MAX_READINGS])
     num_omitted = len(body_files.scans) - MAX_READINGS
     readings += (
         f"<p>{num_omitted} more scans are in the JSON of <code>stiction pair</code>.</p>" if num_omitted > 0 else ""
     )
-    file_text = f"<p>The {side} body: <code>{escaped(body_files.name)}</code></p>"
+    file_text = f"<p>The {side} body: <code>{escape_html(body_files.name)}</code></p>"
     return file_text + (f"<ul>{lines}</ul>" if lines else "") + readings
 
 
@@ -283,10 +285,10 @@ def _quantities(evaluations: Sequence[xarray.Dataset]) -> list[dict[str, Any]]:
         quantity = QUANTITIES[name]
         unit = "%" if quantity.percent else _UNIT_LABELS.get(quantity.unit, quantity.unit)
         factor = next((curve["factor"] for curve in _CURVE_PANELS.values() if curve["of"] == name), 1)
-        texts = [[[text_with_unit(point, unit) for point in row] for row in table] for table in means.tolist()]
+        texts = [[[estimate_with_unit_text(point, unit) for point in row] for row in table] for table in means.tolist()]
         limit = find_smallest_check_limit(name)
         points = factor * means
-        decimals, upper_decimals = decimals_of(*np.moveaxis(points, -1, 0))
+        decimals, upper_decimals = count_estimate_decimals(*np.moveaxis(points, -1, 0))
         records.append({
             "name": name, "words": quantity.table_label[0].upper() + quantity.table_label[1:], "points": points,
             "decimals": decimals.tolist(), "upperDecimals": upper_decimals.tolist(), "texts": texts,

@@ -3,7 +3,7 @@
 `result.py` and `surface.py` define the content of a page. Markup, style sheet and scripts are in this directory:
 `nodes.js` decodes and interpolates numbers, `plots.js` draws, `common.js` contains controls and file output, and
 `result.js` contains the state and the texts of a result. The scripts read constants of the library from the facts.
-Texts from files are escaped in the markup by `escaped`; the scripts insert them only as text nodes.
+Texts from files are escaped in the markup by `escape_html`; the scripts insert them only as text nodes.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from stiction._number_format import to_json
 from stiction._text import printable
 from stiction.studies.nodes import NodeAxis
 from stiction.studies.study import Study, find_differences
-from stiction.views.report.tables import Tables
+from stiction.views.report.tables import PackedTables
 
 REPORT_MARK = "<!doctype html>\n<!-- A report of stiction -->\n"
 """Start of every report, by which the program recognises reports that it may replace."""
@@ -50,14 +50,16 @@ class Page:
 
     def html(self) -> str:
         """Return the complete page."""
-        return REPORT_MARK + Template(part("page.html")).substitute(
-            name=escaped(self.name),
-            head="".join(f"<p>{escaped(line)}</p>" for line in self.head),
+        return REPORT_MARK + Template(read_page_file("page.html")).substitute(
+            name=escape_html(self.name),
+            head="".join(f"<p>{escape_html(line)}</p>" for line in self.head),
             body=self.body,
-            style=part("page.css"),
+            style=read_page_file("page.css"),
             scripts=self.scripts,
             licence=html.escape(metadata.distribution("stiction").read_text("licenses/LICENSE") or _LICENCE),
-            versions=escaped(f"{self.versions}; page by stiction {__version__}, {datetime.date.today().isoformat()}."),
+            versions=escape_html(
+                f"{self.versions}; page by stiction {__version__}, {datetime.date.today().isoformat()}."
+            ),
         )
 
     def save(self, path: Path) -> None:
@@ -66,18 +68,18 @@ class Page:
             partial.write_bytes(self.html().encode("utf-8", "replace"))
 
 
-def part(name: str) -> str:
+def read_page_file(name: str) -> str:
     """Return the text of a file in this package."""
     return (resources.files(__package__) / name).read_text("utf-8")
 
 
-def scripts(facts: dict[str, Any], numbers: Mapping[str, str]) -> str:
+def script_markup(facts: dict[str, Any], numbers: Mapping[str, str]) -> str:
     """Return markup with the scripts of a page and the data of a result: `facts` as JSON, and packed numbers."""
     # Escaping "<" ensures that the JSON text cannot close its HTML element or open another one.
     facts_json = to_json(facts).replace("<", "\\u003c")
     element = '<script type="application/octet-stream" id="packed-{}">{}</script>\n'
     packed_numbers = "".join(element.format(*item) for item in numbers.items())
-    text = "\n".join(map(part, SCRIPTS))
+    text = "\n".join(map(read_page_file, SCRIPTS))
     return (
         f'<script type="application/json" id="facts">{facts_json}</script>\n{packed_numbers}<script>\n{text}</script>\n'
     )
@@ -86,17 +88,17 @@ def scripts(facts: dict[str, Any], numbers: Mapping[str, str]) -> str:
 MAX_TEXT_LENGTH = 400  # maximum number of shown characters of a line from a file
 
 
-def escaped(text: object) -> str:
+def escape_html(text: object) -> str:
     """Escape text for HTML, as a single line of limited length without control characters."""
     return html.escape(printable(str(text), MAX_TEXT_LENGTH))
 
 
-def counted(count: int, singular: str, plural: str | None = None) -> str:
+def format_count(count: int, singular: str, plural: str | None = None) -> str:
     """Return a number with its noun in the singular or plural."""
     return f"{count} {singular if count == 1 else plural or f'{singular}s'}"
 
 
-def panel(name: str, title: str, description: str, *, more: str, kind: str = "plot") -> str:
+def plot_panel_markup(name: str, title: str, description: str, *, more: str, kind: str = "plot") -> str:
     """Return the markup of a plot: title, description and keyboard help for screen readers, and an empty caption."""
     return (
         f'<section class="panel" aria-labelledby="{name}-title"><h2 id="{name}-title">{title}</h2>'
@@ -124,7 +126,7 @@ class PageResult:
     head: list[str]
     pairs: str
     facts: dict[str, Any]
-    tables: Tables
+    tables: PackedTables
     num_members: int
     details: str = ""
     touching: str = ""
@@ -136,8 +138,10 @@ class PageResult:
         if self.num_members < total:
             notices.append(f"{self.name} is unfinished: {self.num_members} of {total} repetitions.")
         if (unsolved := self.num_members - self.facts["repetitions"]) > 0:
-            notices.append(f"{self.name}: {counted(unsolved, 'repetition')} without a solution at every load left out.")
-        return "".join(f'<p class="notice">{escaped(line)}</p>' for line in notices)
+            notices.append(
+                f"{self.name}: {format_count(unsolved, 'repetition')} without a solution at every load left out."
+            )
+        return "".join(f'<p class="notice">{escape_html(line)}</p>' for line in notices)
 
     def described(self) -> str:
         """Return markup that describes the study: its differences from the defaults, and all its keys."""
@@ -148,7 +152,7 @@ class PageResult:
         if self.study.is_measured:
             return f"<h2>The study</h2>{self.details}{study_file}"
         changes = [f"{key} = {value}" for key, _, value in find_differences(Study(), self.study)]
-        lines = "".join(f"<li><code>{escaped(line)}</code></li>" for line in changes)
+        lines = "".join(f"<li><code>{escape_html(line)}</code></li>" for line in changes)
         summary = f"<p>The defaults, but</p><ul>{lines}</ul>" if changes else "<p>All values are the defaults.</p>"
         return f"<h2>The study</h2>{summary}{study_file}"
 
@@ -163,7 +167,7 @@ def _without_folders(study: Study) -> Study:
     return study.model_copy(update={"surfaces": surfaces.model_copy(update=renamed_files)})
 
 
-def motions_of(study: Study) -> tuple[list[str], list[float]]:
+def study_motions(study: Study) -> tuple[list[str], list[float]]:
     """Return the sliding rules and the directions (degrees) of a study, in the order in which the sums are stored."""
     return list(study.contact.rules()), [float(angle) for angle in study.contact.degrees()]
 

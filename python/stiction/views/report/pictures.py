@@ -20,11 +20,11 @@ from stiction.studies.result import Result
 from stiction.studies.study import Study
 from stiction.views.figures.contact import contact_figure, contact_map_figure, find_opposing_contacts
 from stiction.views.figures.loads import adhesion_figure
-from stiction.views.figures.onset import dimension_onset_figure, has_slip_map, onset_figure, slip_figure
+from stiction.views.figures.onset import contains_slip_map, dimension_onset_figure, onset_figure, slip_figure
 from stiction.views.figures.standard import draw_height_scale, draw_positions
 from stiction.views.height_scale import HEIGHT_SCALE_NOTE, SCALED_SURFACE_TEXTS
 from stiction.views.point import motion_text
-from stiction.views.report.page import counted
+from stiction.views.report.page import format_count
 from stiction.views.style import MATPLOTLIB_STYLE
 
 
@@ -84,7 +84,7 @@ def touching_panel(picture: xarray.Dataset, direction: float) -> str:
     force, is_cut = picture["contact_force"].values, picture["contact_at_edge"].values > 0
     num_opposing = int(find_opposing_contacts(picture, direction).sum())
     text = (
-        f"The position whose true area is nearest to the mean: {counted(force.size, 'contact')} at "
+        f"The position whose true area is nearest to the mean: {format_count(force.size, 'contact')} at "
         f"{format_with_unit(float(picture.attrs['load_mN']), 'mN')}; pushed {motion_text(direction)}, "
         f"{num_opposing} of them {'opposes' if num_opposing == 1 else 'oppose'} the motion."
     )
@@ -117,7 +117,7 @@ def onset_panels(onset: xarray.Dataset, title: str) -> str:
         "figure.",
         lambda: onset_figure(onset, title=title),
     )
-    if not has_slip_map(onset):
+    if not contains_slip_map(onset):
         return curve
     points_text = "light points slip first and dark points last. Contacts slip from their edges inwards."
     contacts_text = (
@@ -149,7 +149,7 @@ def _panel(
     name: str, description: str, caption: str, draw_figure: Callable[[], Figure], *, is_wide: bool = False
 ) -> str:
     with mpl.rc_context(MATPLOTLIB_STYLE):
-        picture = inline(draw_figure(), description)
+        picture = inline_svg(draw_figure(), description)
     kind = "panel wide" if is_wide else "panel"
     caption_html = f'<p class="caption">{caption}</p>'
     return f'<section class="{kind}" aria-label="{name}"><h2>{name}</h2>{picture}{caption_html}</section>'
@@ -168,7 +168,7 @@ _CSS_COLOURS = {
 """Figure colours, and the style sheet variables that replace them on a page, for light and dark mode."""
 
 
-def inline(figure: Figure, description: str) -> str:
+def inline_svg(figure: Figure, description: str) -> str:
     """Return a figure as inline SVG, with a description for screen readers."""
     for axes in figure.axes:
         artists: list[Any] = [*axes.collections, *axes.lines]

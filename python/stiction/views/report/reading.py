@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from stiction.views.report.page import escaped
+from stiction.views.report.page import escape_html
 
 if TYPE_CHECKING:
     from stiction.surfaces.measured.reading import Reading
@@ -17,10 +17,10 @@ READING_OPTIONS = ("unit", "spacing", "columns", "channel", "missing_value", "mi
 def reading_table(reading: Reading[Any], options: Mapping[str, Any]) -> str:
     """Return a table (markup) that shows how a file was read and which reading options were used."""
     rows = "".join(
-        f'<tr><th scope="row">{escaped(name)}</th><td>{escaped(value)}</td></tr>'
+        f'<tr><th scope="row">{escape_html(name)}</th><td>{escape_html(value)}</td></tr>'
         for name, value in reading_rows(reading, options)
     )
-    return f'<table class="texts"><caption>How {escaped(reading.file)} was read</caption>{rows}</table>'
+    return f'<table class="texts"><caption>How {escape_html(reading.file)} was read</caption>{rows}</table>'
 
 
 def reading_rows(reading: Reading[Any], options: Mapping[str, Any]) -> list[tuple[str, str]]:

@@ -17,14 +17,14 @@ from stiction.studies.assessment import STATUS_EXPLANATIONS
 from stiction.studies.intervals import CONFIDENCE
 from stiction.studies.result import Result
 from stiction.views.figures.ensemble import COLOUR_BAR_TICKS
-from stiction.views.point import RULE_DESCRIPTIONS
-from stiction.views.report.generated import page_of_generated
-from stiction.views.report.measured import page_of_measured
-from stiction.views.report.page import Page, ReportError, escaped, panel, part, scripts
+from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
+from stiction.views.report.generated import generated_result_page
+from stiction.views.report.measured import measured_result_page
+from stiction.views.report.page import Page, ReportError, escape_html, plot_panel_markup, read_page_file, script_markup
 from stiction.views.report.tables import FLOAT_BYTES
-from stiction.views.style import RULE_LABELS
+from stiction.views.style import SLIDING_RULE_LABELS
 
-NOT_INTERPOLATED = "between-nodes"
+BETWEEN_NODES_STATUS = "between-nodes"
 """Status of a coefficient that is not interpolated between nodes."""
 
 STATUS_LABELS = {
@@ -32,7 +32,7 @@ STATUS_LABELS = {
     friction.STATUS_BELOW_RANGE: "below the loads computed", friction.STATUS_NO_CONTACT: "no contact",
     friction.STATUS_NOT_SOLVED: "not solved", friction.STATUS_SELF_LOCKED: "self-locked: no load is supported",
     friction.STATUS_SEIZURE: "seizure: junctions grow without limit",
-    NOT_INTERPOLATED: "not resolved between nodes",
+    BETWEEN_NODES_STATUS: "not resolved between nodes",
 }  # fmt: skip
 """Texts for the statuses in the legend of the map; `STATUS_EXPLANATIONS` contains the reasons."""
 
@@ -97,12 +97,12 @@ def _page(result: Result, name: str, picture: xarray.Dataset | None) -> Page:
     except ValueError as error:
         raise ReportError(str(error)) from None
     content = (
-        page_of_measured(result, study, name, picture)
-        if study.is_measured else page_of_generated(result, study, name)
+        measured_result_page(result, study, name, picture)
+        if study.is_measured else generated_result_page(result, study, name)
     )  # fmt: skip
     facts = {
         "percent": f"{100 * CONFIDENCE:g} %", "ticks": COLOUR_BAR_TICKS,
-        "ruleDescriptions": RULE_DESCRIPTIONS, "ruleNames": RULE_LABELS,
+        "ruleDescriptions": SLIDING_RULE_DESCRIPTIONS, "ruleNames": SLIDING_RULE_LABELS,
         "why": {
             name: {"short": short, "why": _status_reason(name)} for name, short in STATUS_LABELS.items()
         },
@@ -112,14 +112,15 @@ def _page(result: Result, name: str, picture: xarray.Dataset | None) -> Page:
     }  # fmt: skip
     main_plots = MAIN_PLOTS[study.is_measured]
     plots = {
-        name: panel(name, title, description, **options) for name, (title, description, options) in PLOT_PANELS.items()
+        name: plot_panel_markup(name, title, description, **options)
+        for name, (title, description, options) in PLOT_PANELS.items()
     }
     return Page(
         name=content.name,
         head=content.head,
-        body=Template(part("result.html")).substitute(
+        body=Template(read_page_file("result.html")).substitute(
             percent=f"{100 * CONFIDENCE:g} %",
-            pairs=escaped(content.pairs),
+            pairs=escape_html(content.pairs),
             unfinished=content.unfinished(),
             touching=content.touching,
             pictures=content.pictures,
@@ -128,12 +129,12 @@ def _page(result: Result, name: str, picture: xarray.Dataset | None) -> Page:
             others="".join(text for name, text in plots.items() if name not in main_plots),
         ),
         versions=f"Computed by stiction {result.version}",
-        scripts=scripts(facts | content.facts, content.tables.packed()),
+        scripts=script_markup(facts | content.facts, content.tables.packed()),
     )
 
 
 def _status_reason(status: str) -> str:
-    return NOT_INTERPOLATED_REASON if status == NOT_INTERPOLATED else STATUS_EXPLANATIONS.get(status, ("",))[0]
+    return NOT_INTERPOLATED_REASON if status == BETWEEN_NODES_STATUS else STATUS_EXPLANATIONS.get(status, ("",))[0]
 
 
 def _error_text(error: tuple[float, float] | None) -> str:

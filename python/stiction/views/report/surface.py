@@ -11,14 +11,14 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 from stiction.views.characterisation import (
     NEGLIGIBLE_SLOPE_FRACTION,
-    PAPER_MU0,
+    SLOPE_ESTIMATE_MU0,
     Characterisation,
-    Row,
+    TableRow,
     to_characterisation,
 )
 from stiction.views.figures.roughness import characterisation_figure
-from stiction.views.report.page import Page, escaped, part
-from stiction.views.report.pictures import inline
+from stiction.views.report.page import Page, escape_html, read_page_file
+from stiction.views.report.pictures import inline_svg
 
 # The report advises a finer scan if the shortest octave contributes more than this fraction of the mean square slope.
 MAX_OCTAVE_FRACTION = 0.1
@@ -37,10 +37,10 @@ def surface_page(
     `options` are the options of `characterisation_text`.
     """
     characterisation = to_characterisation(body, **options)
-    main = Template(part("surface.html")).substitute(
-        meaning=_meaning(characterisation), command=escaped(command),
+    main = Template(read_page_file("surface.html")).substitute(
+        meaning=_meaning(characterisation), command=escape_html(command),
         table=_table([*characterisation.rows, *characterisation.line_rows]),
-        figure=inline(characterisation_figure(characterisation), "Heights, their distribution, and spectra"),
+        figure=inline_svg(characterisation_figure(characterisation), "Heights, their distribution, and spectra"),
         reading=reading and READING_SECTION.substitute(table=reading),
     )  # fmt: skip
     return Page(name, list(characterisation.body.history), main, f"Characterised by stiction {__version__}")
@@ -49,7 +49,7 @@ def surface_page(
 def _meaning(characterisation: Characterisation) -> str:
     """Return markup with caveats, the small-slope estimate, and the effect of a finer scan."""
     caveats = "".join(
-        f"<li>{escaped(f'{caveat.text[0].upper()}{caveat.text[1:]}; {caveat.remedy}.')}</li>"
+        f"<li>{escape_html(f'{caveat.text[0].upper()}{caveat.text[1:]}; {caveat.remedy}.')}</li>"
         for caveat in characterisation.caveats
     )
     values = [f"{value:.2f}" for value in characterisation.friction]
@@ -73,25 +73,25 @@ def _meaning(characterisation: Characterisation) -> str:
         )
     paragraphs = [
         f"Small-slope estimate for two such surfaces: μₛ = {' and '.join(values)}{axes}, for elastic contact without "
-        f"adhesion and μ0 = {PAPER_MU0:g}."
+        f"adhesion and μ0 = {SLOPE_ESTIMATE_MU0:g}."
         if values
         else "The surface is flat, and so has no small-slope estimate.",
         finer,
         "For friction at a given load, compute a pair of surfaces; stiction pair --help shows examples.",
     ]
     return (f'<ul class="caveats">{caveats}</ul>' if caveats else "") + "".join(
-        f"<p>{escaped(line)}</p>" for line in paragraphs
+        f"<p>{escape_html(line)}</p>" for line in paragraphs
     )
 
 
-def _table(rows: list[Row]) -> str:
+def _table(rows: list[TableRow]) -> str:
     """Return table rows as markup. A row without a label continues the previous row."""
     lines: list[tuple[str, list[str]]] = []
     for row in rows:
         label, texts = row.label, row.texts
-        cells = [escaped(text) for text in texts]
+        cells = [escape_html(text) for text in texts]
         if label or len(lines[-1][1]) > 1:
-            lines.append((f'<th scope="row">{escaped(label.strip())}</th>' if label else "<td></td>", cells))
+            lines.append((f'<th scope="row">{escape_html(label.strip())}</th>' if label else "<td></td>", cells))
         else:
             lines[-1][1][0] += f"<br>{cells[0]}"
     attributes = {1: " colspan=2", 2: ""}

@@ -22,7 +22,7 @@ MAX_DECIMALS = 100  # maximum number of decimals, and maximum number of rounded 
 _COMPRESSION = 7  # zlib level; compression takes a sixth as long as at level 9 and gives 0.5 % more bytes
 
 
-def packed(values: ArrayLike, leading: int) -> str:
+def encode_doubles(values: ArrayLike, leading: int) -> str:
     """Encode doubles, rounded to their leading bytes, as text: all first bytes, then all second bytes, and so on.
 
     Bytes at the same position are similar, especially signs and exponents, so this order compresses best.
@@ -35,13 +35,13 @@ def packed(values: ArrayLike, leading: int) -> str:
     return base64.b64encode(zlib.compress(planes.tobytes(), _COMPRESSION)).decode("ascii")
 
 
-def packed_bytes(values: NDArray[np.int8]) -> str:
+def encode_small_integers(values: NDArray[np.int8]) -> str:
     """Encode whole numbers from -128 to 127 as text."""
     return base64.b64encode(zlib.compress(values.tobytes(), _COMPRESSION)).decode("ascii")
 
 
 @dataclass
-class Tables:
+class PackedTables:
     """Concatenated arrays of a page. The dictionary `offsets` maps the name of each array to the start of the array."""
 
     offsets: dict[str, int] = field(default_factory=dict)
@@ -62,7 +62,7 @@ class Tables:
         """
         for index, end in enumerate(("value", "lower", "upper")):
             self.add(f"{name}_{end}", points[..., index])
-        value_decimals, upper_decimals = decimals_of(*np.moveaxis(points, -1, 0))
+        value_decimals, upper_decimals = count_estimate_decimals(*np.moveaxis(points, -1, 0))
         if decimals is not None:
             value_decimals = np.where(np.isnan(points[..., 1]), decimals, value_decimals)
         self.add(f"{name}_decimals", value_decimals)
@@ -72,10 +72,10 @@ class Tables:
         """Return all numbers, encoded as text."""
         floats = np.concatenate(self.floats) if self.floats else np.zeros(0)
         small = np.concatenate(self.small) if self.small else np.zeros(0, np.int8)
-        return {"floats": packed(floats, FLOAT_BYTES), "small": packed_bytes(small)}
+        return {"floats": encode_doubles(floats, FLOAT_BYTES), "small": encode_small_integers(small)}
 
 
-def decimals_of(mean: Floats, lower: Floats, upper: Floats) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
+def count_estimate_decimals(mean: Floats, lower: Floats, upper: Floats) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
     """Return how many decimals `format_estimate` prints: one number for mean and lower end, and one for the upper end.
 
     Decimals are negative for numbers that are rounded to tens or more. The decimals of the upper end are `NO_INTERVAL`
@@ -94,7 +94,7 @@ def decimals_of(mean: Floats, lower: Floats, upper: Floats) -> tuple[NDArray[np.
         has_no_interval = np.isnan(lower) | np.isnan(upper)
         decimals = np.where(has_no_interval, value_decimals + 1, decimals)
         is_huge = np.isfinite(upper) & (upper > MAX_PRECISE_END_RATIO * np.abs(mean)) & (mean != 0)
-        upper_decimals = np.where(is_huge, -_rounded_exponent(upper), decimals)
+        upper_decimals = np.where(is_huge, -_rounded_decimal_exponents(upper), decimals)
         scale = 10.0 ** np.clip(decimals, -MAX_DECIMALS, MAX_DECIMALS)
         is_equal = (
             ~has_no_interval & np.isfinite(upper) & (np.abs(np.round(lower * scale) - np.round(upper * scale)) < 1)
@@ -111,13 +111,13 @@ def decimals_of(mean: Floats, lower: Floats, upper: Floats) -> tuple[NDArray[np.
     return decimals.astype(np.int8), upper_decimals.astype(np.int8)
 
 
-def _rounded_exponent(values: Floats) -> Floats:
+def _rounded_decimal_exponents(values: Floats) -> Floats:
     """Return the decimal exponents of positive values after rounding to one digit."""
     exponent = np.floor(np.log10(values))
     return np.asarray(np.where(np.round(values / 10.0**exponent) >= 10, exponent + 1, exponent))
 
 
-def text_with_unit(point: Sequence[float], unit: str) -> str:
+def estimate_with_unit_text(point: Sequence[float], unit: str) -> str:
     """Return a value with its interval and unit, as in "12.1 [11.0, 13.3] µm²"; fractions are given in %."""
     value, lower, upper = point
     if np.isnan(value):
