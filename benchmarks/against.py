@@ -11,7 +11,7 @@ SUM_NAMES = ("contact_count", "contact_area", "normal_elastic", "tangential_elas
         "tangential_frictional", "normal_adhesive", "tangential_adhesive")  # fmt: skip
 
 
-def compare_plain_program() -> list[tuple[str, str]]:
+def compare_with_plain_program() -> list[tuple[str, str]]:
     study = Study.named("figure6").with_changes({"ensemble.repetitions": 1})
     approaches = study.contact.loading_steps()
     our_time = seconds(lambda: compute_member_sums(study, 0), 5) / 50
@@ -48,7 +48,7 @@ def check_finite(values: np.ndarray) -> None:
     assert np.isfinite(values).all()
 
 
-def compare_generators() -> list[tuple[str, str]]:
+def compare_profile_generators() -> list[tuple[str, str]]:
     phases = random_phases(2016)
     dimensions = Study.named("figure6").surfaces.fractal_dimensions()
     family = weierstrass_mandelbrot_family(phases, dimensions)
@@ -85,7 +85,7 @@ def compare_generators() -> list[tuple[str, str]]:
     return result
 
 
-def compare_boundary_elements() -> list[tuple[str, str]]:
+def compare_with_boundary_elements() -> list[tuple[str, str]]:
     import tamaas
 
     tamaas.set_log_level(tamaas.LogLevel.error)
@@ -122,4 +122,4 @@ def compare_boundary_elements() -> list[tuple[str, str]]:
 
 
 def measure_rows() -> list[tuple[str, str]]:
-    return compare_plain_program() + compare_generators() + compare_boundary_elements()
+    return compare_with_plain_program() + compare_profile_generators() + compare_with_boundary_elements()

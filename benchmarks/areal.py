@@ -95,11 +95,11 @@ def measure_rows() -> list[tuple[str, str]]:
     return [
         *result,
         ("speed-up by a second thread, pairs of 512 x 512", f"{max(gains):.2f}"),
-        *compare_boundary_elements(),
+        *compare_with_boundary_elements(),
     ]
 
 
-def compare_boundary_elements() -> list[tuple[str, str]]:
+def compare_with_boundary_elements() -> list[tuple[str, str]]:
     """Compare with tamaas for a periodic map at one load (1 % of the area in contact) and a mean error of 1e-6."""
     import tamaas
 

@@ -17,7 +17,7 @@ import numpy as np
 _FFT_INPUT = np.random.default_rng(0).random(150_000)
 
 
-def keep_memory() -> None:
+def retain_freed_memory() -> None:
     """Free a large block, so that the C library keeps blocks of up to this size."""
     block = np.ones(3 << 20)  # 24 MiB
     del block
@@ -35,7 +35,7 @@ def seconds(call: Callable[[], object], repeats: int = 5) -> float:
 
 def measure_unit(repeats: int = 40) -> float:
     """Return the unit U in seconds."""
-    keep_memory()
+    retain_freed_memory()
     return seconds(lambda: np.fft.rfft(_FFT_INPUT), repeats)
 
 

@@ -31,7 +31,7 @@ NUM_DIFFERENT_MEMBERS = 4099
 """Number of different repetitions. It is a prime, so that all blocks differ."""
 
 
-def stand_in(study: Study) -> Callable[[Study, int], dict]:
+def synthetic_sums(study: Study) -> Callable[[Study, int], dict]:
     """Return synthetic sums: powers of the approach (Hertz's law) times a random factor for each repetition."""
     random = np.random.default_rng(study.ensemble.seed)
     step = np.arange(1.0, 1 + study.contact.loading_steps().size)
@@ -55,7 +55,7 @@ def timed(function: Callable[[], object]) -> tuple[object, float]:
 def measure_rows() -> list[tuple[str, str]]:
     # Repetitions that take no time are stored in blocks of the maximum size.
     real = runner.compute_member_sums, runner.estimate_member_time
-    runner.compute_member_sums, runner.estimate_member_time = stand_in(STUDY), lambda _: 0.0
+    runner.compute_member_sums, runner.estimate_member_time = synthetic_sums(STUDY), lambda _: 0.0
     try:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "r"

@@ -12,8 +12,8 @@ from stiction.studies.members import fill_profiles
 NUM_REPETITIONS = 60
 STUDY = Study.named("figure6").with_changes({"ensemble.repetitions": NUM_REPETITIONS})
 NUM_PAIRS = NUM_REPETITIONS * 50
-NUM_TURNS = 10
-NUM_NEW_TURNS = 3
+NUM_TIMING_ROUNDS = 10
+NUM_NEW_THREAD_ROUNDS = 3
 FFT_INPUT = np.random.default_rng(0).random(150_000)
 
 
@@ -39,17 +39,19 @@ def measure_rows() -> list[tuple[str, str]]:
         with ThreadPoolExecutor(1) as one, ThreadPoolExecutor(2) as two:
             measure_speedup(study, one, two)  # The first run only allocates memory.
             cost = measure_in_units(lambda study=study, one=one: run(study, executor=one), 3) / NUM_PAIRS
-            median = float(np.median([measure_speedup(study, one, two) for _ in range(NUM_TURNS)]))
+            median = float(np.median([measure_speedup(study, one, two) for _ in range(NUM_TIMING_ROUNDS)]))
         share = 2 / median - 1  # Amdahl's law gives this serial fraction of the run time.
         four = 1 / (share + (1 - share) / 4)
         result += [
             (f"a pair of figure6, {detection}, one thread", f"{cost:.2f} U"),
-            (f"speed-up by a second thread, {detection}, median of {NUM_TURNS}", f"{median:.2f}"),
+            (f"speed-up by a second thread, {detection}, median of {NUM_TIMING_ROUNDS}", f"{median:.2f}"),
             (f"speed-up by four threads, {detection}, estimated by Amdahl's law", f"{four:.1f}"),
         ]
-    new = np.median([time_with_new_threads(STUDY, 1) / time_with_new_threads(STUDY, 2) for _ in range(NUM_NEW_TURNS)])
+    new = np.median(
+        [time_with_new_threads(STUDY, 1) / time_with_new_threads(STUDY, 2) for _ in range(NUM_NEW_THREAD_ROUNDS)]
+    )
     result.append(
-        (f"speed-up by a second thread, cell, new threads and memory, median of {NUM_NEW_TURNS}", f"{new:.2f}")
+        (f"speed-up by a second thread, cell, new threads and memory, median of {NUM_NEW_THREAD_ROUNDS}", f"{new:.2f}")
     )
 
     dimensions = STUDY.surfaces.fractal_dimensions()

@@ -16,7 +16,7 @@ from stiction.studies.resolution import CUTOFF_STUDY_FOLDER
 from stiction.studies.store import open_stored
 from stiction.studies.study import Study
 
-NUM_TURNS = 3
+NUM_TIMING_ROUNDS = 3
 COMMAND_ARGUMENTS = [
     "pair", "upper.npy", "lower.npy", "--effective-modulus", "100 GPa", "--hardness", "5 GPa", "--mu0", "0.2",
     "--tau0", "50 MPa", "--load", "1 MPa", "--load", "3 MPa", "--load", "10 MPa",
@@ -85,7 +85,7 @@ def measure_rows() -> list[tuple[str, str]]:
         # Do not measure the first solution, which imports modules and computes kernels.
         half_space(*load_bodies(study).member(0, 0.0).pair, [0.1], effective_modulus=100.0)
         solved = []
-        for turn in range(NUM_TURNS):
+        for turn in range(NUM_TIMING_ROUNDS):
             solved.append([seconds(task) for task in tasks])
             commands.append(measure_command(folder, str(turn + 1)))
     command_time, wall_time = (statistics.median(column) for column in zip(*commands[1:], strict=True))

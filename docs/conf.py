@@ -160,7 +160,7 @@ def check_comments(app: Sphinx, page: str, source: list[str]) -> None:
 # ---- Links ----------------------------------------------------------------------------------------------------------
 
 
-LINK_TARGETS = reference.link_targets(ROOT / "docs")
+LINK_TARGETS = reference.find_link_targets(ROOT / "docs")
 
 
 class PublicNameLinks(SphinxPostTransform):

@@ -17,8 +17,18 @@ pytestmark = pytest.mark.docs
 _SPEC = importlib.util.spec_from_file_location("claims", SCRIPT)
 claims = sys.modules["claims"] = importlib.util.module_from_spec(_SPEC)
 _SPEC.loader.exec_module(claims)
-CLAIMS, PARTS, Outcome, Part, judge = claims.CLAIMS, claims.PARTS, claims.Outcome, claims.Part, claims.judge
-claims_markdown, variants_markdown, verdict_of = claims.claims_markdown, claims.variants_markdown, claims.verdict_of
+CLAIMS, CLAIM_PARTS, Outcome, Part, judge_claims = (
+    claims.CLAIMS,
+    claims.CLAIM_PARTS,
+    claims.Outcome,
+    claims.Part,
+    claims.judge_claims,
+)
+claims_markdown, variants_markdown, claim_verdict = (
+    claims.claims_markdown,
+    claims.variants_markdown,
+    claims.claim_verdict,
+)
 
 SMALL_CLAIMS_STUDY = claims.claims_study().with_changes(
     {
@@ -46,7 +56,7 @@ def test_studies_used_to_judge_claims_have_the_settings_of_the_paper():
     assert study.surfaces.fractal_dimensions().size == 50
     assert study.ensemble.repetitions == 100
     assert study.with_changes({"surfaces.amplitude": ["0.1 um"]}).surfaces == Study().surfaces
-    for name, changes in claims.VARIANTS.items():
+    for name, changes in claims.STUDY_VARIANTS.items():
         variant = claims.variant_study(name)
         assert (variant.surfaces.fractal_dimensions().size, variant.ensemble.repetitions) == (15, 100)
         assert (variant == claims.variant_study("default")) == (not changes)
@@ -109,7 +119,7 @@ def test_verdict_on_a_part_of_a_claim_is_derived_from_its_interval():
 def test_verdict_on_a_claim_is_derived_from_verdicts_on_its_parts():
     def verdicts(*names):
         part = Part("4a", "", 0, 1, lambda _: np.zeros(1))
-        return verdict_of(4, [Outcome(part, 0, 0, 0, name, ()) for name in names])
+        return claim_verdict(4, [Outcome(part, 0, 0, 0, name, ()) for name in names])
 
     assert verdicts("true", "true") == "true"
     assert verdicts("true", "undecided") == "undecided"
@@ -118,9 +128,9 @@ def test_verdict_on_a_claim_is_derived_from_verdicts_on_its_parts():
 
 
 def test_parts_of_claims_have_unique_names():
-    assert {part.claim for part in PARTS} == set(CLAIMS)
-    assert len({part.name for part in PARTS}) == len(PARTS)
-    assert all(part.least < part.most for part in PARTS)
+    assert {part.claim for part in CLAIM_PARTS} == set(CLAIMS)
+    assert len({part.name for part in CLAIM_PARTS}) == len(CLAIM_PARTS)
+    assert all(part.least < part.most for part in CLAIM_PARTS)
 
 
 def create_result(**worlds):
@@ -144,7 +154,7 @@ def create_result(**worlds):
 
 def judge_part(name, result, **options):
     """Return the outcome of one part."""
-    (part,) = (part for part in PARTS if part.name == name)
+    (part,) = (part for part in CLAIM_PARTS if part.name == name)
     return Outcome.of(part, claims.Resampled(result, 0.1, **options))
 
 
@@ -217,7 +227,7 @@ def test_value_computed_for_a_part_of_a_claim_equals_the_known_value():
 
 
 def test_true_and_false_test_data_exist_for_every_part_of_a_claim():
-    assert list(TRUE_AND_FALSE_DATA) == [part.name for part in PARTS]
+    assert list(TRUE_AND_FALSE_DATA) == [part.name for part in CLAIM_PARTS]
 
 
 def test_confidence_bands_of_a_minimum_of_noisy_data_are_wider_than_percentiles():
@@ -256,19 +266,19 @@ def test_claims_are_judged_with_the_sliding_rule_and_mechanics_of_their_column()
     for rule, share in (("opposing", 0.2), ("all", 0.4)):
         result["tangential_elastic"].loc[{"sliding": rule}] = share * load
     for rule, share in (("opposing", 0.2), ("all", 0.4)):
-        computed = {item.part.name: item for item in judge(result, sliding=rule, ruling="bands")}
+        computed = {item.part.name: item for item in judge_claims(result, sliding=rule, ruling="bands")}
         # F_N at mu0 = 0.4 is 0.96 of the load.
         assert computed["6"].value == pytest.approx(share / 0.96 / 0.4, rel=1e-9)
         assert computed["1b"].value == pytest.approx(0.9, rel=1e-9)
         # F_N = c L and L = δ^1.5, so dF_N/dδ at equal F_N is proportional to c^(2/3), up to interpolation errors.
         assert computed["8c"].value == pytest.approx(1 - (0.9 / 0.99) ** (2 / 3), abs=0.01)
     with pytest.raises(ValueError, match="sliding"):
-        judge(create_result(), sliding="all")
+        judge_claims(create_result(), sliding="all")
 
 
 def test_part_of_a_claim_is_undefined_if_its_range_has_only_one_fractal_dimension():
     result = create_result().sel(fractal_dimension=slice(1.0, 1.501))
-    computed = {judge_values.part.name: judge_values.verdict for judge_values in judge(result)}
+    computed = {judge_values.part.name: judge_values.verdict for judge_values in judge_claims(result)}
     assert {name for name, verdict in computed.items() if verdict == "undefined"} == {"2b", "3b", "4b", "5", "7c"}
     # Friction that decreases up to the last D has no minimum.
     result = create_result(**sums_with_adhesion(lambda d, a, f: 3 - d)).sel(fractal_dimension=slice(1.0, 1.501))
@@ -279,13 +289,13 @@ def test_verdict_from_confidence_bands_is_undefined_if_most_fractal_dimensions_a
     # Above D = 1.6, only one dimension is not self-locked.
     assert judge_part("3b", create_result(), ruling="bands").verdict == "undefined"
     with pytest.raises(ValueError, match="ruling"):
-        judge(create_result(), ruling="means")
+        judge_claims(create_result(), ruling="means")
 
 
 def test_part_of_a_claim_is_undefined_if_most_of_its_range_has_no_values():
     # Friction is self-locked where the normal load is negative, which is at all D above 1.45.
     world = {"normal_frictional": lambda d, a, f: np.where(d > 1.45, -5.0, 0.0) * f}
-    computed = {judge_values.part.name: judge_values for judge_values in judge(create_result(**world))}
+    computed = {judge_values.part.name: judge_values for judge_values in judge_claims(create_result(**world))}
     assert computed["5"].verdict == "undefined"
     assert computed["2a"].left_out == pytest.approx((1.5,))
     assert computed["2a"].verdict != "undefined"
@@ -302,9 +312,9 @@ def test_judging_claims_rejects_studies_with_too_few_values():
 
 
 def test_tables_of_claims_contain_every_part(result):
-    outcomes = judge(result)
+    outcomes = judge_claims(result)
     for text in (claims_markdown(outcomes), variants_markdown({"one": outcomes})):
-        for part in PARTS:
+        for part in CLAIM_PARTS:
             assert f"{part.name} " in text
     rows = [line for line in claims_markdown(outcomes).splitlines() if line.startswith("|")]
     assert {line.replace("\\|", "").count("|") for line in rows} == {6}
@@ -312,7 +322,7 @@ def test_tables_of_claims_contain_every_part(result):
 
 def test_judging_claims_rejects_a_study_without_the_required_amplitude(result):
     with pytest.raises(ValueError, match=r"no amplitude of 0\.3 µm"):
-        judge(result, amplitude=0.3)
+        judge_claims(result, amplitude=0.3)
 
 
 def test_tables_of_claims_are_written_from_stored_results(tmp_path):

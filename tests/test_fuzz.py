@@ -23,7 +23,7 @@ def test_random_study_files_run_or_are_rejected_in_one_message(tmp_path):
 @pytest.fixture(scope="module")
 def stored_result(tmp_path_factory):
     folder = tmp_path_factory.mktemp("pristine")
-    run(fuzzing.small_study(), store=folder)
+    run(fuzzing.small_fuzz_study(), store=folder)
     return folder
 
 

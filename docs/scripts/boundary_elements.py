@@ -159,7 +159,7 @@ def draw_kappa(results: dict) -> None:
     figure.savefig(DOCS / "images/boundary_elements_kappa.png")
 
 
-def load_rows(results: dict) -> list[str]:
+def render_load_rows(results: dict) -> list[str]:
     rows = [
         "| longest / shortest wavelength | H | p̄ / (E* h') | A/A0 | contacts: boundary elements, asperity model "
         "| asperity model: area | asperity model: stiffness | with interaction: area | with interaction: stiffness |",
@@ -184,7 +184,7 @@ def load_rows(results: dict) -> list[str]:
     return rows
 
 
-def count_rows(results: dict) -> list[str]:
+def render_count_rows(results: dict) -> list[str]:
     """Return a table of area ratios by the number of contacts; each repetition counts once in a row."""
     groups = ((1, 1), (1.5, 2), (2.5, 4), (4.5, 8), (8.5, 16), (16.5, 32), (32.5, 64), (64.5, 1000))
     rows = [
@@ -212,7 +212,7 @@ def count_rows(results: dict) -> list[str]:
     return rows
 
 
-def check_rows(results: dict, checks: dict) -> list[str]:
+def render_check_rows(results: dict, checks: dict) -> list[str]:
     rows = [
         "| longest / shortest wavelength | points per shortest wavelength | area, at any load | area, from 0.02 on "
         "| stiffness, at any load | area and stiffness, tolerance 1e-10 to 1e-12 |",
@@ -269,7 +269,7 @@ def main() -> None:
         log=True,
     )
     draw_kappa(results)
-    tables = (load_rows(results), count_rows(results), check_rows(results, checks))
+    tables = (render_load_rows(results), render_count_rows(results), render_check_rows(results, checks))
     headings = (
         "Area and stiffness of the asperity model, without and with interaction, divided by those of the boundary "
         "elements, with 95 % intervals. A/A0 is the result of the boundary elements. The numbers of contacts are for a "

@@ -72,7 +72,7 @@ CLAIMS = {
     8: "mu0 and tau0 hardly change the area at a load, and the normal stiffness.",
 }
 
-VARIANTS: Mapping[str, Mapping[str, Any]] = {
+STUDY_VARIANTS: Mapping[str, Mapping[str, Any]] = {
     "default": {},
     "Ra": {"surfaces.amplitude_measure": "Ra"},
     "signed": {"contact.curvature": "signed"},
@@ -171,7 +171,7 @@ def claims_study() -> Study:
 
 def variant_study(name: str) -> Study:
     """Return the study of a variant, at 15 fractal dimensions."""
-    return claims_study().with_changes({"surfaces.fractal_dimension.count": 15, **VARIANTS[name]})
+    return claims_study().with_changes({"surfaces.fractal_dimension.count": 15, **STUDY_VARIANTS[name]})
 
 
 # ---- Resampled ensembles ---------------------------------------------------------------------------------------------
@@ -225,7 +225,7 @@ class Resampled:
         self.left_out: set[float] = set()
         lowest, highest = self._reached([amplitude])
         self.light, self.middle, self.heavy = (
-            between(lowest.max(), highest.min(), part).item() for part in (0.1, 0.5, 0.9)
+            load_between(lowest.max(), highest.min(), part).item() for part in (0.1, 0.5, 0.9)
         )
 
     def _reached(self, amplitudes: ArrayLike) -> tuple[Floats, Floats]:
@@ -248,9 +248,9 @@ class Resampled:
         """
         if not has_amplitudes(self._amplitudes):
             return None
-        return between(*self._reached(self._amplitudes), 0.5)
+        return load_between(*self._reached(self._amplitudes), 0.5)
 
-    def usable(self, values: Floats, where: Any) -> Any:
+    def has_finite_values(self, values: Floats, where: Any) -> Any:
         """Return a mask of the fractal dimensions with a value (resample, D); the excluded ones are recorded.
 
         The mask is empty if fewer than half have a value, or if the range has only one: the rest would not represent
@@ -290,12 +290,12 @@ class Resampled:
             result[:, d] = np.where(crossing.reached, crossing.at(values[:, d]), np.nan)[:, 0]
         return result / loads if what == "friction" else result
 
-    def within(self, start: float, stop: float) -> Any:
+    def is_dimension_within(self, start: float, stop: float) -> Any:
         """Return a mask of the fractal dimensions in a range, both ends included."""
         return (self.dimensions > start - 1e-9) & (self.dimensions < stop + 1e-9)
 
 
-def between(lowest: Any, highest: Any, part: float) -> Floats:
+def load_between(lowest: Any, highest: Any, part: float) -> Floats:
     """Return the load at a fraction of the logarithmic range from lowest to highest, or NaN."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where((lowest > 0) & (lowest < highest), lowest * (highest / lowest) ** part, np.nan)
@@ -332,15 +332,15 @@ class Part:
         return int(self.name.rstrip("abcd"))
 
 
-def _mean(r: Resampled, values: Floats, start: float, stop: float) -> Floats:
+def _mean_over_dimensions(r: Resampled, values: Floats, start: float, stop: float) -> Floats:
     """Return the mean over fractal dimensions in a range."""
-    stored = values[:, r.usable(values, r.within(start, stop))]
+    stored = values[:, r.has_finite_values(values, r.is_dimension_within(start, stop))]
     return np.asarray(np.nansum(stored, axis=1) / np.isfinite(stored).sum(axis=1))
 
 
-def _extreme(r: Resampled, arrays: list[Floats], pick: np.ufunc) -> Floats | Band:
+def _extreme_over_dimensions(r: Resampled, arrays: list[Floats], pick: np.ufunc) -> Floats | Band:
     """Return the largest (fmax) or smallest (fmin) value over the D at which all quantities have a value."""
-    usable = r.usable(np.sum(arrays, axis=0), r.within(*_ALL_DIMENSIONS))
+    usable = r.has_finite_values(np.sum(arrays, axis=0), r.is_dimension_within(*_ALL_DIMENSIONS))
     stored = np.concatenate([values[:, usable] for values in arrays], axis=1)
     if r.ruling == "percentiles" or not stored.size:
         return np.asarray(pick.reduce(stored, axis=1, initial=np.nan))
@@ -354,9 +354,9 @@ def _extreme(r: Resampled, arrays: list[Floats], pick: np.ufunc) -> Floats | Ban
     return Band(float(pick.reduce(stored[0])), max(ends[0], least), ends[1])
 
 
-def _slope(r: Resampled, values: Floats, start: float, stop: float) -> Floats:
+def _slope_over_dimensions(r: Resampled, values: Floats, start: float, stop: float) -> Floats:
     """Return the least-squares slope over fractal dimensions in a range."""
-    stored = r.usable(values, r.within(start, stop))
+    stored = r.has_finite_values(values, r.is_dimension_within(start, stop))
     if stored.sum() < 2:
         return np.full(values.shape[0], np.nan)
     x = r.dimensions[stored] - r.dimensions[stored].mean()
@@ -374,20 +374,22 @@ _ALL_DIMENSIONS = (1.0, 1.7)
 _MINIMUM_DIMENSIONS = (1.25, 1.55)
 
 
-def _linearity(r: Resampled) -> Floats | Band:
+def _load_linearity(r: Resampled) -> Floats | Band:
     load, area = r.sums("normal_elastic", r.amplitude), r.sums("contact_area", r.amplitude)
     factor = (area * load).sum(axis=2, keepdims=True) / (load * load).sum(axis=2, keepdims=True)
     residual = ((area - factor * load) ** 2).sum(axis=2)
-    return _extreme(r, [1 - residual / ((area - area.mean(axis=2, keepdims=True)) ** 2).sum(axis=2)], np.fmin)
+    return _extreme_over_dimensions(
+        r, [1 - residual / ((area - area.mean(axis=2, keepdims=True)) ** 2).sum(axis=2)], np.fmin
+    )
 
 
-def _exponent(r: Resampled) -> Floats:
+def _area_exponent(r: Resampled) -> Floats:
     load, area = np.log(r.sums("normal_elastic", r.amplitude)), np.log(r.sums("contact_area", r.amplitude))
     known = np.isfinite(load + area)
     load, area = np.where(known, load, 0.0), np.where(known, area, 0.0)
     load -= np.where(known, load.sum(axis=2, keepdims=True) / known.sum(axis=2, keepdims=True), 0.0)
     exponents = (area * load).sum(axis=2) / (load * load).sum(axis=2)
-    stored = exponents[:, r.usable(exponents, r.within(*_ALL_DIMENSIONS))]
+    stored = exponents[:, r.has_finite_values(exponents, r.is_dimension_within(*_ALL_DIMENSIONS))]
     if not stored.size:
         return np.full(exponents.shape[0], np.nan)
     return np.asarray(stored[:, np.argmax(np.abs(stored[0] - 1))])  # the least linear D of the ensemble
@@ -395,56 +397,62 @@ def _exponent(r: Resampled) -> Floats:
 
 def _friction_ratio_of_dimensions(r: Resampled) -> Floats:
     logarithm = np.log(r.at("friction", r.middle))
-    return np.exp(_mean(r, logarithm, *_UPPER_DIMENSIONS) - _mean(r, logarithm, *_LOW_DIMENSIONS))
+    return np.exp(
+        _mean_over_dimensions(r, logarithm, *_UPPER_DIMENSIONS) - _mean_over_dimensions(r, logarithm, *_LOW_DIMENSIONS)
+    )
 
 
 def _slope_difference(r: Resampled) -> Floats:
     logarithm = np.log(r.at("friction", r.middle))
-    return _slope(r, logarithm, 1.5, 1.7) - _slope(r, logarithm, 1.0, 1.5)
+    return _slope_over_dimensions(r, logarithm, 1.5, 1.7) - _slope_over_dimensions(r, logarithm, 1.0, 1.5)
 
 
 def _rise_by_mu0(r: Resampled) -> Floats:
     gained = r.at("friction", r.middle, mu0=1.0) - r.at("friction", r.middle, mu0=0.1)
-    return _mean(r, gained, *_UPPER_DIMENSIONS) - _mean(r, gained, *_LOW_DIMENSIONS)
+    return _mean_over_dimensions(r, gained, *_UPPER_DIMENSIONS) - _mean_over_dimensions(r, gained, *_LOW_DIMENSIONS)
 
 
 def _friction_added_by_adhesion(r: Resampled, load: float | Floats, amplitude: float | None = None) -> Floats:
     return r.at("friction", load, tau0=0.2, amplitude=amplitude) - r.at("friction", load, amplitude=amplitude)
 
 
-def _ratios(r: Resampled, tau0: float) -> list[Floats]:
+def _adhesion_friction_ratios(r: Resampled, tau0: float) -> list[Floats]:
     """Return friction with adhesion over friction without it, at three loads."""
     return [r.at("friction", load, tau0=tau0) / r.at("friction", load) for load in (r.light, r.middle, r.heavy)]
 
 
 def _smallest_rise(r: Resampled) -> Floats | Band:
-    return _extreme(r, _ratios(r, 0.2), np.fmin)
+    return _extreme_over_dimensions(r, _adhesion_friction_ratios(r, 0.2), np.fmin)
 
 
 def _rise_at_low_dimensions(r: Resampled) -> Floats:
     raised = _friction_added_by_adhesion(r, r.middle)
-    return _mean(r, raised, *_LOW_DIMENSIONS) - _mean(r, raised, *_HIGH_DIMENSIONS)
+    return _mean_over_dimensions(r, raised, *_LOW_DIMENSIONS) - _mean_over_dimensions(r, raised, *_HIGH_DIMENSIONS)
 
 
 def _rise_at_low_load(r: Resampled) -> Floats:
-    return _mean(r, _friction_added_by_adhesion(r, r.light) - _friction_added_by_adhesion(r, r.heavy), *_ALL_DIMENSIONS)
+    return _mean_over_dimensions(
+        r, _friction_added_by_adhesion(r, r.light) - _friction_added_by_adhesion(r, r.heavy), *_ALL_DIMENSIONS
+    )
 
 
 def _largest_change_by_weak_adhesion(r: Resampled) -> Floats | Band:
-    return _extreme(r, [np.abs(ratio - 1) for ratio in _ratios(r, 0.001)], np.fmax)
+    return _extreme_over_dimensions(r, [np.abs(ratio - 1) for ratio in _adhesion_friction_ratios(r, 0.001)], np.fmax)
 
 
 def _measure_dip(start: float, stop: float) -> Measure:
     def measure(r: Resampled) -> Floats:
         logarithm = np.log(r.at("friction", r.middle, tau0=0.2))
-        return np.exp(_mean(r, logarithm, start, stop) - _mean(r, logarithm, *_MIDDLE_DIMENSIONS))
+        return np.exp(
+            _mean_over_dimensions(r, logarithm, start, stop) - _mean_over_dimensions(r, logarithm, *_MIDDLE_DIMENSIONS)
+        )
 
     return measure
 
 
 def _dimension_of_minimum(r: Resampled) -> Floats:
     values = r.at("friction", r.middle, tau0=0.2)
-    stored = r.usable(values, r.within(*_ALL_DIMENSIONS))
+    stored = r.has_finite_values(values, r.is_dimension_within(*_ALL_DIMENSIONS))
     if not stored.any():
         return np.full(values.shape[0], np.nan)
     least = np.argmin(np.where(np.isfinite(values[:, stored]), values[:, stored], np.inf), axis=1)
@@ -456,11 +464,11 @@ def _dimension_of_minimum(r: Resampled) -> Floats:
 
 def _ratio_of_light_to_heavy_load(r: Resampled) -> Floats:
     logarithm = np.log(r.at("friction", r.light) / r.at("friction", r.heavy))
-    return np.exp(_mean(r, logarithm, 1.5, 1.7))
+    return np.exp(_mean_over_dimensions(r, logarithm, 1.5, 1.7))
 
 
 def _smallest_ratio_to_mu0(r: Resampled) -> Floats | Band:
-    return _extreme(r, [r.at("friction", r.middle) / 0.4], np.fmin)
+    return _extreme_over_dimensions(r, [r.at("friction", r.middle) / 0.4], np.fmin)
 
 
 def _measure_ratio_of_amplitudes(what: Quantity, tau0: float) -> Measure:
@@ -469,7 +477,7 @@ def _measure_ratio_of_amplitudes(what: Quantity, tau0: float) -> Measure:
         if loads is None:
             return np.array([math.nan])
         steeper, flatter = (r.at(what, loads, tau0=tau0, amplitude=a) for a in (STEEPER, FLATTER))
-        return np.exp(_mean(r, np.log(steeper / flatter), *_ALL_DIMENSIONS))
+        return np.exp(_mean_over_dimensions(r, np.log(steeper / flatter), *_ALL_DIMENSIONS))
 
     return measure
 
@@ -479,14 +487,14 @@ def _rise_ratio_of_amplitudes(r: Resampled) -> Floats:
     if loads is None:
         return np.array([math.nan])
     ratio = np.log(r.at("friction", loads, amplitude=FLATTER) / r.at("friction", loads, amplitude=STEEPER))
-    return np.exp(_mean(r, ratio, 1.5, 1.6) - _mean(r, ratio, *_LOW_DIMENSIONS))
+    return np.exp(_mean_over_dimensions(r, ratio, 1.5, 1.6) - _mean_over_dimensions(r, ratio, *_LOW_DIMENSIONS))
 
 
 def _adhesion_difference_of_amplitudes(r: Resampled) -> Floats:
     loads = r.middle_of_all_amplitudes()
     if loads is None:
         return np.array([math.nan])
-    return _mean(
+    return _mean_over_dimensions(
         r,
         _friction_added_by_adhesion(r, loads, FLATTER) - _friction_added_by_adhesion(r, loads, STEEPER),
         *_LOW_DIMENSIONS,
@@ -495,7 +503,9 @@ def _adhesion_difference_of_amplitudes(r: Resampled) -> Floats:
 
 def _measure_change(what: Quantity, one: dict[str, float], other: dict[str, float]) -> Measure:
     def measure(r: Resampled) -> Floats | Band:
-        return _extreme(r, [np.abs(r.at(what, r.middle, **one) / r.at(what, r.middle, **other) - 1)], np.fmax)
+        return _extreme_over_dimensions(
+            r, [np.abs(r.at(what, r.middle, **one) / r.at(what, r.middle, **other) - 1)], np.fmax
+        )
 
     return measure
 
@@ -504,9 +514,9 @@ _MU0_CHANGE = ({"mu0": 1.0}, {"mu0": 0.1})
 _TAU0_CHANGE = ({"tau0": 0.2}, {"tau0": 0.0})
 _LARGEST_CHANGE = "largest relative change of the"
 
-PARTS = (
-    Part("1a", "smallest R² for any D of a straight line A = c F_N", 0.95, math.inf, _linearity),
-    Part("1b", "exponent p of A ∝ F_N^p at the D with the largest deviation from 1", 0.9, 1.1, _exponent),
+CLAIM_PARTS = (
+    Part("1a", "smallest R² for any D of a straight line A = c F_N", 0.95, math.inf, _load_linearity),
+    Part("1b", "exponent p of A ∝ F_N^p at the D with the largest deviation from 1", 0.9, 1.1, _area_exponent),
     Part("2a", "mu_s at D = 1.4 to 1.5 divided by mu_s at D = 1 to 1.2", 1.0, math.inf, _friction_ratio_of_dimensions),
     Part("2b", "slope of ln mu_s with D above D = 1.5 minus slope below", 0.0, math.inf, _slope_difference),
     Part(
@@ -655,7 +665,7 @@ class Outcome:
         return cls(part, value, lower, upper, "true" if inside else "false" if outside else "undecided", left_out)
 
 
-def judge(
+def judge_claims(
     dataset: xarray.Dataset, *, amplitude: float = 0.1, sliding: Sliding | None = None, ruling: Ruling = "percentiles"
 ) -> list[Outcome]:
     """Measure every part of every claim on a result.
@@ -680,10 +690,10 @@ def judge(
     if ruling not in ("percentiles", "bands"):
         raise ValueError(f"ruling must be percentiles or bands, got {ruling!r}")
     resampled = Resampled(dataset, amplitude, sliding=sliding, ruling=ruling)
-    return [Outcome.of(part, resampled) for part in PARTS]
+    return [Outcome.of(part, resampled) for part in CLAIM_PARTS]
 
 
-def verdict_of(claim: int, outcomes: list[Outcome]) -> Verdict:
+def claim_verdict(claim: int, outcomes: list[Outcome]) -> Verdict:
     """Return "true" if all parts are true, else "false", "undefined" or "undecided" if any part is."""
     verdicts = {outcome.verdict for outcome in outcomes if outcome.part.claim == claim}
     for verdict in ("false", "undefined", "undecided"):
@@ -702,12 +712,12 @@ def claims_markdown(outcomes: list[Outcome]) -> str:
         "|---|---|---|---|---|",
     ]
     for claim, statement in CLAIMS.items():
-        lines.append(f"| **{claim}** | {_verdict_badge(verdict_of(claim, outcomes))} | **{statement}** | | |")
+        lines.append(f"| **{claim}** | {_verdict_badge(claim_verdict(claim, outcomes))} | **{statement}** | | |")
         for outcome in _outcomes_of_claim(claim, outcomes):
             part = outcome.part
             lines.append(
-                f"| {part.name} | {outcome.verdict} | {part.statement}{_exclusions(outcome)} | {_format(outcome)} "
-                f"| {_format_range(part)} |"
+                f"| {part.name} | {outcome.verdict} | {part.statement}{_exclusion_text(outcome)} | "
+                f"{_format_outcome(outcome)} | {_format_range(part)} |"
             )
     return _replace_symbols("\n".join(lines) + "\n")
 
@@ -738,7 +748,7 @@ def columns_markdown(columns: Mapping[str, list[Outcome]]) -> str:
         if not math.isfinite(outcome.value):
             return "not applicable"
         star = r"\*" if outcome.left_out else ""
-        return f"{_format(outcome)}{star} {outcome.verdict}"
+        return f"{_format_outcome(outcome)}{star} {outcome.verdict}"
 
     return _render_side_by_side(columns, lambda part: f"{part.name} {part.statement}; {_format_range(part)}", cell)
 
@@ -749,7 +759,7 @@ def _render_side_by_side(
     first = next(iter(columns.values()))
     lines = [f"| claim or test | {' | '.join(columns)} |", "|" + "---|" * (len(columns) + 1)]
     for claim in CLAIMS:
-        verdicts = [f"**{verdict_of(claim, outcomes)}**" for outcomes in columns.values()]
+        verdicts = [f"**{claim_verdict(claim, outcomes)}**" for outcomes in columns.values()]
         lines.append(f"| **{claim}** | {' | '.join(verdicts)} |")
         for row in [index for index, outcome in enumerate(first) if outcome in _outcomes_of_claim(claim, first)]:
             cells = [cell(outcomes[row]) for outcomes in columns.values()]
@@ -769,7 +779,7 @@ def _format_number_with_star(outcome: Outcome) -> str:
     return _format_number(outcome.value) + (r"\*" if outcome.left_out else "")
 
 
-def _format(outcome: Outcome) -> str:
+def _format_outcome(outcome: Outcome) -> str:
     if not math.isfinite(outcome.value):
         return "none"
     return f"{_format_number(outcome.value)} [{_format_number(outcome.lower)}, {_format_number(outcome.upper)}]"
@@ -781,7 +791,7 @@ def _format_range(part: Part) -> str:
     return f"below {part.most:g}" if math.isinf(part.least) else f"{part.least:g} to {part.most:g}"
 
 
-def _exclusions(outcome: Outcome) -> str:
+def _exclusion_text(outcome: Outcome) -> str:
     if not outcome.left_out:
         return ""
     return f" (without D = {', '.join(f'{dimension:.2f}' for dimension in outcome.left_out)})"
@@ -811,13 +821,13 @@ def write_tables(
         return open_result(results / folder).dataset
 
     result = result_of(claims_study(), "figure7")
-    outcomes = judge(result)
+    outcomes = judge_claims(result)
     outcomes_by_variant = {}
-    for name in VARIANTS:
+    for name in STUDY_VARIANTS:
         dataset = result_of(variant_study(name), f"variants/{name}")
-        outcomes_by_variant[name] = judge(dataset)
+        outcomes_by_variant[name] = judge_claims(dataset)
         if name == "default":
-            outcomes_by_variant["amplitude 0.05 µm"] = judge(dataset, amplitude=FLATTER)
+            outcomes_by_variant["amplitude 0.05 µm"] = judge_claims(dataset, amplitude=FLATTER)
     (tables / "claims.md").write_text(claims_markdown(outcomes), encoding="utf-8")
     (tables / "variants.md").write_text(variants_markdown(outcomes_by_variant), encoding="utf-8")
     if not columns:
@@ -826,12 +836,12 @@ def write_tables(
     max_repetitions = repetitions or result.sizes["repetition"]
     if repetitions is not None:
         result = result_of(claims_study().with_changes({"ensemble.repetitions": max_repetitions}), "columns/lines")
-        outcomes_by_column[f"profiles, {max_repetitions} repetitions"] = judge(result)
-    outcomes_by_column[f"profiles, {max_repetitions} repetitions, by bands"] = judge(result, ruling="bands")
+        outcomes_by_column[f"profiles, {max_repetitions} repetitions"] = judge_claims(result)
+    outcomes_by_column[f"profiles, {max_repetitions} repetitions, by bands"] = judge_claims(result, ruling="bands")
     for name, title in column_titles(max_repetitions).items():
         column = COLUMNS[name]
         dataset = result_of(column.to_study(max_repetitions), f"columns/{column.directory}")
-        outcomes_by_column[title] = judge(dataset, sliding=column.sliding, ruling="bands")
+        outcomes_by_column[title] = judge_claims(dataset, sliding=column.sliding, ruling="bands")
     (tables / "columns.md").write_text(columns_markdown(outcomes_by_column), encoding="utf-8")
 
 

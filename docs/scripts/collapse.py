@@ -50,7 +50,7 @@ MU0 = 0.4
 TAU0 = {"0": 0.0, "2": 0.02 * MODULUS}
 """Adhesive shear strength in GPa, by its percentage of E*."""
 RULES = ("opposing", "all")
-LIGHT_PRESSURE = 0.01
+LOW_PRESSURE = 0.01
 """Mean pressure in units of E* h', for a contact fraction of about 0.02."""
 PRESSURES = (0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 2.0)
 NUM_POINTS, EXTENT = 256, 10.0
@@ -83,7 +83,7 @@ def list_cases() -> Iterator[dict]:
     band = {"longest": 5.0, "shortest": 0.3125}
     for hurst, gradient, load in product((0.5, 0.8), (0.1, 0.4), PRESSURES):
         yield {"family": "load", "H": hurst, **band, "h": gradient, "load": load}
-    for ratio, share, load in product((1.0, 2.0, 4.0, None), (0.0, 0.5, 1.0), (LIGHT_PRESSURE, 0.1)):
+    for ratio, share, load in product((1.0, 2.0, 4.0, None), (0.0, 0.5, 1.0), (LOW_PRESSURE, 0.1)):
         yield {"family": "unequal", "H": 0.8, **band, "h": 0.3, "ratio": ratio, "share": share, "load": load}
     for hursts, share in product(((0.3, 0.9), (0.9, 0.3)), (0.0, 0.5, 1.0)):
         yield {"family": "other spectra", "H": hursts[0], "H_lower": hursts[1], **band, "h": 0.3, "share": share}
@@ -212,7 +212,7 @@ def measure_pair(case: dict, upper, lower, boundary: str) -> dict:
     second = np.mean([np.square(item).mean() for item in along])
     bodies = [gradient(body.heights, spacing, periodic=periodic) for body in (upper, lower)]
     nominal = float(np.prod(spacing)) * heights.size  # profiles have a thickness of 1 µm
-    load = case.get("load", LIGHT_PRESSURE) * MODULUS * steep * nominal
+    load = case.get("load", LOW_PRESSURE) * MODULUS * steep * nominal
     row = {
         "rms_gradient": steep,
         "rms_slope": float(np.sqrt(np.square(forward).mean())),
@@ -354,7 +354,7 @@ def summarise_case(row: dict) -> dict:
     return result
 
 
-def per_cent(points: list[dict], name: str) -> str:
+def residuals_in_percent(points: list[dict], name: str) -> str:
     """Return mean and largest residual in per cent."""
     residuals = np.array([100 * (point[f"{name} over form"] - 1) for point in points if f"{name} over form" in point])
     residuals = residuals[np.isfinite(residuals)]
@@ -363,7 +363,7 @@ def per_cent(points: list[dict], name: str) -> str:
     return f"{residuals.mean():+.1f} ({residuals[np.abs(residuals).argmax()]:+.1f})"
 
 
-def family_rows(points: list[dict]) -> list[str]:
+def render_family_rows(points: list[dict]) -> list[str]:
     rows = [
         "| surfaces | h' | ensembles | κ | contacts | by points, τ0 = 0 | by points, τ0 = 2 % of E* "
         "| by patches, τ0 = 0 | by patches, τ0 = 2 % of E* | all contacts, τ0 = 0 | all contacts, τ0 = 2 % of E* | "
@@ -381,15 +381,15 @@ def family_rows(points: list[dict]) -> list[str]:
             cells = [
                 words, f"{low:g} to {high:g}", f"{len(some)}", f"{min(kappas):.2f} to {max(kappas):.2f}",
                 f"{min(counts):.0f} to {max(counts):.0f}",
-                *(per_cent(some, f"mu {rule} {key}") for rule, key in product(RULE_TITLES, TAU0)),
-                *(per_cent(some, f"{model} opposing {key}") for key in TAU0),
+                *(residuals_in_percent(some, f"mu {rule} {key}") for rule, key in product(RULE_TITLES, TAU0)),
+                *(residuals_in_percent(some, f"{model} opposing {key}") for key in TAU0),
                 f"{100 * np.mean([each['mu points 0 error'] for each in some]):.1f}",
             ]  # fmt: skip
             rows.append(f"| {' | '.join(cells)} |")
     return rows
 
 
-def limit_rows(points: list[dict]) -> list[str]:
+def render_limit_rows(points: list[dict]) -> list[str]:
     """Render the limits of the curve: a row for each secondary case."""
     rows = [
         "| bodies | h' | p̄/(E* h') | true area | κ | by points | by patches | friction at all contacts |",
@@ -406,8 +406,9 @@ def limit_rows(points: list[dict]) -> list[str]:
         elif family == "other spectra":
             words += f" on H = {case['H_lower']:g}, c_l = {case['share']:g}"
         cells = [
-            words, f"{point['rms_gradient']:.2g}", f"{case.get('load', LIGHT_PRESSURE):g}", f"{point['fraction']:.2g}",
-            f"{point['kappa']:.2f}", *(per_cent([point], f"mu {rule} 0").split(" ")[0] for rule in RULE_TITLES),
+            words, f"{point['rms_gradient']:.2g}", f"{case.get('load', LOW_PRESSURE):g}", f"{point['fraction']:.2g}",
+            f"{point['kappa']:.2f}",
+            *(residuals_in_percent([point], f"mu {rule} 0").split(" ")[0] for rule in RULE_TITLES),
         ]  # fmt: skip
         rows.append(f"| {' | '.join(cells)} |")
     return rows
@@ -547,12 +548,12 @@ def main() -> None:
         f"largest deviation. The closed form uses the κ of each pair, and nothing is fitted. There are {main_points} "
         f"ensembles here and {len(points) - main_points} in the next table, with {pressed} pairs in total. μ0 is 0.4. "
         "The "
-        f"mean pressure is {LIGHT_PRESSURE:g} E* h', except for measured surfaces, for which it is 0.003 and 0.02 E* "
+        f"mean pressure is {LOW_PRESSURE:g} E* h', except for measured surfaces, for which it is 0.003 and 0.02 E* "
         "h'.",
-        "\n".join(family_rows(points)),
+        "\n".join(render_family_rows(points)),
         "Limits of the closed form, with τ0 = 0: deviations in per cent for loads up to full contact, for bodies of "
         "different roughness, stiffness and spectra, and for steep slopes.",
-        "\n".join(limit_rows(points)),
+        "\n".join(render_limit_rows(points)),
     ]
     (DOCS / "generated/collapse.md").write_text("\n\n".join(text) + "\n", encoding="utf-8")
 

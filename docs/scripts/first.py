@@ -27,12 +27,12 @@ SCANS = ROOT / "examples/scans"
 INPUTS = {"upper": "steel", "lower": "brass", "hardness": "120 HV ± 10 %", "mu0": 0.2, "tau0": "50 MPa"}
 """Options of `pair` in the example of README, without the load."""
 CURVE_LOADS = np.geomspace(1.0, 100.0, 9)
-HALF_WIDTH = 20.0
+PROFILE_HALF_WIDTH = 20.0
 """Half of the width of the left plot, µm."""
 MARKED_LOAD = 10.0
 FIGURE_WIDTH, FIGURE_HEIGHT = 124.0, 56.0
 """Size in mm; the width is 470 px at 96 dots per inch."""
-MAX_DISTANCE = 150.0
+MAX_MARKER_DISTANCE = 150.0
 """Largest distance of the shown contacts from the middle of the profile, µm."""
 DARK_STYLE = {
     "text.color": "0.9",
@@ -80,7 +80,7 @@ def draw(curves, dark):
     in_contact = contact.pressure > 0
     # Show the opposing contact that is nearest to another contact.
     opposing_x, assisting_x = (
-        x[in_contact & is_selected & (np.abs(x - x.mean()) < MAX_DISTANCE)]
+        x[in_contact & is_selected & (np.abs(x - x.mean()) < MAX_MARKER_DISTANCE)]
         for is_selected in (contact.opposing, ~contact.opposing)
     )
     distances = np.abs(np.subtract.outer(opposing_x, assisting_x))
@@ -90,9 +90,11 @@ def draw(curves, dark):
     for is_selected, colour in ((contact.opposing, OPPOSING_COLOUR), (~contact.opposing, NOT_OPPOSING_COLOUR)):
         selected_points = in_contact & is_selected
         left.plot(x[selected_points], 1000 * lower[selected_points], "o", markersize=2.5, color=colour)
-    inside = np.abs(x - middle) < HALF_WIDTH
+    inside = np.abs(x - middle) < PROFILE_HALF_WIDTH
     heights = 1000 * lower[inside]
-    left.set(xlim=(middle - HALF_WIDTH, middle + HALF_WIDTH), ylim=(heights.min() - 10, heights.max() + 130))
+    left.set(
+        xlim=(middle - PROFILE_HALF_WIDTH, middle + PROFILE_HALF_WIDTH), ylim=(heights.min() - 10, heights.max() + 130)
+    )
     left.set(xlabel="x (µm)", ylabel="height (nm)", title="two lapped faces, and where they touch")
 
     for rule, text in (("all", "friction at all contacts"), ("opposing", "at opposing contacts only")):

@@ -24,7 +24,7 @@ from stiction.views.style import (
 )
 
 IMAGE = Path(__file__).resolve().parents[1] / "images/fractures.png"
-DIAMETER = 122e3  # µm
+DISC_DIAMETER = 122e3  # µm
 YOUNG, POISSON = 11.0, 0.33  # Young's modulus in GPa (measured: 10 to 12) and Poisson's ratio (assumed by the authors)
 LOW_STRESSES, HIGH_STRESSES = (1.0, 2.0), (5.0, 10.0)  # MPa; stresses between which the secant stiffness is computed
 DIGITISING_STEP = 4.0  # µm; resolution of the digitised heights
@@ -36,13 +36,13 @@ def load_gap(folder, name, *, square=True):
     """Return the gap (µm) in the largest square of the disc, or in the whole disc with missing points outside."""
     with np.load(folder / f"{name}.npz") as stored:
         heights, spacing = stored["gap_um"].astype(float), float(stored["spacing_um"])
-    side = int(DIAMETER / (np.sqrt(2) if square else 1) / spacing)
+    side = int(DISC_DIAMETER / (np.sqrt(2) if square else 1) / spacing)
     first = [(count - side) // 2 for count in heights.shape]
     inside = heights[first[0] : first[0] + side, first[1] : first[1] + side]
     if square:
         return Surface(inside, spacing=spacing)
     distance = np.hypot(*(np.indices(inside.shape) - (side - 1) / 2)) * spacing
-    return Surface(inside, spacing=spacing, missing=distance > DIAMETER / 2)
+    return Surface(inside, spacing=spacing, missing=distance > DISC_DIAMETER / 2)
 
 
 def load_test(folder, name):
@@ -119,7 +119,7 @@ def change_heights(gap, change):
     return Surface(change(gap.heights), spacing=gap.spacing)
 
 
-def list_variants(folder, name):
+def list_gap_variants(folder, name):
     """Return the variants: label, kind of uncertainty or None, gap, and arguments of `compute_closure`."""
     gap, random = load_gap(folder, name), np.random.default_rng(1)
     yield "frozen settings", "", gap, {}
@@ -168,7 +168,7 @@ def main(folder, names):
         print(f"| measured, unloading | {returned[0]:.0f} | | {returned[1]:.0f} | | |")
         steps = np.unique(np.concatenate([stress, LOW_STRESSES, HIGH_STRESSES]))
         bands = {}
-        for label, kind, gap, options in list_variants(folder, name):
+        for label, kind, gap, options in list_gap_variants(folder, name):
             closure, curve = compute_closure(gap, steps, **options)
             computed_stiffness = [
                 secant_stiffness(closure, steps, between) for between in (LOW_STRESSES, HIGH_STRESSES)

@@ -16,7 +16,7 @@ STUDY_OPTIONS = {
 }  # fmt: skip
 
 
-def select_values(dataset):
+def select_area_and_friction(dataset):
     """Return A/A0, and mu_s to +x by both rules, over members or statistics."""
     friction = dataset["friction_coefficient"].isel(cut_off=0, direction=0, load=0, mu0=0, tau0=0)
     area = dataset["contact_area_fraction"].isel(cut_off=0, load=0)
@@ -43,12 +43,12 @@ def main():
         }
         result = run(study_from_options(read_options(options)))
         loads = result.default_loads
-        populations.append(np.nanmean(select_values(member_values(result, loads, of="shifts")), axis=-1))
+        populations.append(np.nanmean(select_area_and_friction(member_values(result, loads, of="shifts")), axis=-1))
         sample = Result(
             result.dataset.isel(repetition=slice(2 * SAMPLE_SIZE))
         )  # all surrogates, and an equal number of shifts
         for kind, computed in intervals.items():
-            computed.append(select_values(at_load(sample, loads, of=kind)))
+            computed.append(select_area_and_friction(at_load(sample, loads, of=kind)))
         if pair:
             TABLE_FILE.write_text(format_table(np.array(populations), intervals), encoding="utf-8")
 

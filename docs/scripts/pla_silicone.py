@@ -28,7 +28,7 @@ IMAGE = Path(__file__).resolve().parents[1] / "images/pla_silicone.png"
 TABLE_LOADS = (10, 20, 30, 50, 100, 150, 200, 300, 400, 500, 600, 700)
 MIN_FITTED_LOAD = 50.0  # mN, lowest load of both fits
 MAX_LOAD = 700.0  # mN; values jump above this load, as after a change of range
-COMMON_ERROR = 0.02  # relative standard error of the force cell
+COMMON_RELATIVE_ERROR = 0.02  # relative standard error of the force cell
 
 
 def fit_laws(load, coefficient, error):
@@ -54,7 +54,7 @@ def main(path):
             scatter = tests["standard deviation"].to_numpy()
             left.plot(load, coefficient * load, ".", color=colour, markersize=3, label=name)
             right.errorbar(load, coefficient, scatter, fmt=".", color=colour, markersize=3, linewidth=0.5)
-            error = np.hypot(scatter / np.sqrt(tests["cycles"].to_numpy()), COMMON_ERROR * coefficient)
+            error = np.hypot(scatter / np.sqrt(tests["cycles"].to_numpy()), COMMON_RELATIVE_ERROR * coefficient)
             is_fitted = load >= MIN_FITTED_LOAD
             flat, flat_residuals, rough, rough_residuals = fit_laws(
                 load[is_fitted], coefficient[is_fitted], error[is_fitted]

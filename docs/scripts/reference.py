@@ -29,10 +29,10 @@ COLUMN_TITLES = (
 def generate_pages(docs: Path) -> dict[str, str]:
     """Return the text of each page by its file name."""
     return {
-        "names.md": name_tables(docs),
-        "commands.md": command_sections(),
-        "built_in.md": built_in_table(),
-        "parameters.md": parameter_tables(),
+        "names.md": render_api_tables(docs),
+        "commands.md": render_command_sections(),
+        "built_in.md": render_study_table(),
+        "parameters.md": render_parameter_tables(),
         "claims.md": verdict_table(docs / "generated/claims.md", VERDICT_TITLES),
         "columns.md": verdict_table(docs / "generated/columns.md", COLUMN_TITLES),
     }
@@ -63,7 +63,7 @@ PAGE_GROUPS = ("surfaces", "roughness", "mechanics", "closed_forms", "studies", 
 """Groups of the Python reference, with a page ``docs/reference/api_GROUP.md`` for each."""
 
 
-def name_tables(docs: Path) -> str:
+def render_api_tables(docs: Path) -> str:
     """Return a table for each group: names with the first line of their docstrings."""
     lines = []
     for group in PAGE_GROUPS:
@@ -76,7 +76,7 @@ def name_tables(docs: Path) -> str:
     return "\n".join(lines)
 
 
-def link_targets(docs: Path) -> dict[str, str]:
+def find_link_targets(docs: Path) -> dict[str, str]:
     """Return the link target of each public name."""
     result = (
         name
@@ -103,7 +103,7 @@ def _summary(name: str) -> str:
 # ---- Commands -------------------------------------------------------------------------------------------------------
 
 
-def command_sections() -> str:
+def render_command_sections() -> str:
     """Return the section of every command: usage, arguments, options and epilogue."""
     known: Any = typer.main.get_command(app)
     lines = []
@@ -111,7 +111,7 @@ def command_sections() -> str:
         command = known.get_command(known.context_class(known), name)
         context = command.context_class(command, info_name=f"stiction {name}")
         usage = command.get_usage(context).partition(":")[2].strip()
-        lines += [f"## `stiction {name}`", "", *_paragraphs(command.help or ""), "", "```text", usage, "```", ""]
+        lines += [f"## `stiction {name}`", "", *_split_paragraphs(command.help or ""), "", "```text", usage, "```", ""]
         for kind in ("argument", "option"):
             rows = [_parameter(param) for param in command.get_params(context) if param.param_type_name == kind]
             if rows:
@@ -121,7 +121,7 @@ def command_sections() -> str:
     return "\n".join(lines)
 
 
-def _paragraphs(text: str) -> list[str]:
+def _split_paragraphs(text: str) -> list[str]:
     return [" ".join(part.split()) + "\n" for part in text.split("\n\n")]
 
 
@@ -129,13 +129,13 @@ def _parameter(parameter: Any) -> str:
     shown = parameter.metavar or ""
     if parameter.param_type_name == "argument":
         return _row(f"`{shown}`", "" if parameter.required else "none", parameter.help or "")
-    name_tables = ", ".join(f"`{each}`" for each in sorted(parameter.opts, key=len, reverse=True))
+    render_api_tables = ", ".join(f"`{each}`" for each in sorted(parameter.opts, key=len, reverse=True))
     value = "" if parameter.is_flag else f" `{shown}`"
     default = parameter.show_default if isinstance(parameter.show_default, str) else parameter.default
     if parameter.name == "help" or parameter.is_flag:
         default = ""
     words = "required" if parameter.required else "none" if default in (None, False) else str(default)
-    return _row(name_tables + value, words, parameter.help or "")
+    return _row(render_api_tables + value, words, parameter.help or "")
 
 
 # ---- Roughness parameters -------------------------------------------------------------------------------------------
@@ -143,7 +143,7 @@ def _parameter(parameter: Any) -> str:
 _PROFILE_TITLES = {"P": "primary profile", "R": "roughness profile", "W": "waviness profile"}
 
 
-def parameter_tables() -> str:
+def render_parameter_tables() -> str:
     """Return a table of the parameters of each kind of profile, and of surfaces."""
     tables = {f"Parameters of the {name}": PROFILE_PARAMETERS[letter] for letter, name in _PROFILE_TITLES.items()}
     lines = []
@@ -159,7 +159,7 @@ def parameter_tables() -> str:
 # ---- Built-in studies -----------------------------------------------------------------------------------------------
 
 
-def built_in_table() -> str:
+def render_study_table() -> str:
     """Return a table of the built-in studies."""
     return "\n".join(
         ["| study | description |", "|---|---|", *(_row(f"`{name}`", study_summary(name)) for name in study_names())]

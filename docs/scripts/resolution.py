@@ -102,7 +102,7 @@ def measure_pair(bodies, seen, hardness, name):
     return {name: answer, "limit": limit}
 
 
-def coarsen(body, shortest, step):
+def simulate_coarser_scan(body, shortest, step):
     """Return a low-pass filtered surface (cutoff in points) on every `step`-th point."""
     waves = np.fft.fft2(body.heights)
     k = np.hypot(*np.meshgrid(*(np.fft.fftfreq(SMALL_MAP_POINTS),) * 2, indexing="ij"))
@@ -119,7 +119,7 @@ def compute_extrapolations():
     for hurst in HURST_EXPONENTS:
         for index in range(NUM_EXTRAPOLATED_PAIRS):
             fine = create_pair(hurst, 1000 + index, SMALL_MAP_POINTS, SMALL_MAP_POINTS)
-            coarse = [coarsen(body, 32, 4) for body in fine]
+            coarse = [simulate_coarser_scan(body, 32, 4) for body in fine]
             # The mean elastic contact pressure reaches this hardness at about 10 points.
             hardness = MODULUS * GAP_GRADIENTS[hurst] / 2.2 * (4 / 10) ** (1 - hurst)
             options = {"mu0": MU0, "tau0": TAU0, "effective_modulus": MODULUS, "boundary": "periodic", "cut_offs": []}
@@ -216,7 +216,7 @@ def load_results(name):
     return json.loads((RESULTS / f"{name}.json").read_text(encoding="utf-8"))
 
 
-def settling_rows(rows):
+def render_settling_rows(rows):
     """Return the table of one Hurst exponent: differences of results at coarser cutoffs from the finest."""
 
     def mean(model, name, factor=1.0, digits=3):
@@ -244,7 +244,7 @@ def settling_rows(rows):
     return lines
 
 
-def count_inside(rows, name, limit, most):
+def count_pairs_inside_brackets(rows, name, limit, most):
     """Count pairs whose finer results are all between the limit and the end of a coarser bracket."""
     count = 0
     for row in rows:
@@ -262,7 +262,7 @@ def bracket_widths(rows, name, limit, most):
     return ", ".join(f"{100 * (each - 1):.1f}" for each in np.median(over, axis=0)[1:])
 
 
-def bracket_rows(groups):
+def render_bracket_rows(groups):
     """Return the fractions of pairs inside their brackets and narrower ones, and the widths of the brackets."""
     lines = [
         "| bracket: from the plastic limit to | A/A0: pairs inside | A/A0: upper bound above the plastic limit (%) "
@@ -275,7 +275,7 @@ def bracket_rows(groups):
                 item
                 for limit, name in enumerate(("area", "all"))
                 for item in (
-                    count_inside(rows, name, limit, prefix + name),
+                    count_pairs_inside_brackets(rows, name, limit, prefix + name),
                     bracket_widths(rows, name, limit, prefix + name),
                 )
             ]
@@ -283,7 +283,7 @@ def bracket_rows(groups):
     return lines
 
 
-def yield_rows(by_hurst):
+def render_yield_deviation_rows(by_hurst):
     """Return deviations of the coarsest result from the finest at elastic pressures of one and two hardnesses."""
     lines = [
         f"| μ_s, friction at all contacts, at {CUTOFFS[-1]} points | elastic mean pressure / hardness "
@@ -301,14 +301,14 @@ def yield_rows(by_hurst):
     return lines
 
 
-def count_covered(rows, name):
+def count_covered_pairs(rows, name):
     """Count pairs whose predicted interval contains the true value; a missing value counts as 0."""
     ends = np.nan_to_num([row[f"said_{name}"][1:] for row in rows])
     truth = np.array([row[name] for row in rows])
     return f"{int(((ends[:, 0] <= truth) & (truth <= ends[:, 1])).sum())} of {len(rows)}"
 
 
-def extrapolation_rows(ahead):
+def render_extrapolation_rows(ahead):
     groups = [[row for row in ahead if row["hurst"] == hurst] for hurst in HURST_EXPONENTS]
     known = [[row for row in rows if row["exponent"] is not None] for rows in groups]
 
@@ -322,14 +322,14 @@ def extrapolation_rows(ahead):
         "elastic μ_s at the scan's 32 points": [f"{median(rows, 'at_scan'):.4f}" for rows in known],
         "elastic μ_s at 4 points, solved": [f"{median(rows, 'friction'):.4f}" for rows in known],
         "estimated from the scan": ["{:.4f} [{:.4f}, {:.4f}]".format(*median(rows, "said_friction")) for rows in known],
-        "in its interval": [count_covered(rows, "friction") for rows in known],
+        "in its interval": [count_covered_pairs(rows, "friction") for rows in known],
         "wavelength at which plasticity reaches, solved (nm)": [
             f"{1e3 * median(rows, 'wavelength'):.0f}" for rows in known
         ],
         "estimated from the scan (nm)": [
             "{:.0f} [{:.0f}, {:.0f}]".format(*1e3 * median(rows, "said_wavelength")) for rows in known
         ],
-        "in its interval ": [count_covered(rows, "wavelength") for rows in known],
+        "in its interval ": [count_covered_pairs(rows, "wavelength") for rows in known],
     }
     titles = " | ".join(f"Hurst {exponent}" for exponent in HURST_EXPONENTS)
     head = f"| medians; {SMALL_MAP_POINTS}² points, {1e3 * HIGH_PRESSURE:g} MPa | {titles} |"
@@ -340,7 +340,7 @@ def extrapolation_rows(ahead):
     ]
 
 
-def spectrum_rows(together):
+def render_spectrum_rows(together):
     wanted = list(dict.fromkeys(together["names"]))
     lines = [
         "| wavelength (µm) | averaged values of the spectrum | combined / true spectrum | estimated / true h' of "
@@ -380,25 +380,25 @@ def write_page():
     by_hurst = {hurst: [row for row in settled if row["hurst"] == hurst] for hurst in HURST_EXPONENTS}
     lines = []
     for rows in by_hurst.values():
-        lines += [*settling_rows(rows), ""]
+        lines += [*render_settling_rows(rows), ""]
     lines += [
         f"Means over pairs of maps of {LARGE_MAP_POINTS}² points with wavelengths from 4 points to a quarter of the "
         "side, "
         f"filtered at the cutoff wavelength of each column. E\\* is {MODULUS:g} GPa, the nominal pressure "
         f"{1e3 * PRESSURE:g} MPa, μ0 {MU0:g} and τ0 {1e3 * TAU0:g} MPa.",
         "",
-        *yield_rows(by_hurst),
+        *render_yield_deviation_rows(by_hurst),
         "",
-        *bracket_rows(
+        *render_bracket_rows(
             {f"{LARGE_MAP_POINTS}², 4 to 64 points": settled, f"{LARGE_MAP_POINTS // 4}², 4 to 16 points": bracketed}
         ),
         "",
         "A pair is inside the bracket if all finer results are inside, apart from a factor of 1 + h'²/8 for their "
         "slopes. Upper bounds are medians, one for each cutoff except the first.",
         "",
-        *extrapolation_rows(ahead),
+        *render_extrapolation_rows(ahead),
         "",
-        *spectrum_rows(together),
+        *render_spectrum_rows(together),
     ]
     (DOCS / "generated/resolution.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
     draw_figure(by_hurst, together)

@@ -17,7 +17,7 @@ from stiction.views.style import (
 
 IMAGES = Path(__file__).resolve().parents[1] / "images"
 FIGURE_WIDTH, FIGURE_HEIGHT = 170.0, 44.0  # mm
-RADIUS = 1.0  # asperity radius, the unit of all lengths
+ASPERITY_RADIUS = 1.0  # asperity radius, the unit of all lengths
 UPPER_OFFSETS = np.array(
     [-0.5, 0.6, -0.6, 0.5]
 )  # along the sliding direction, of each upper asperity from its lower asperity
@@ -30,7 +30,7 @@ RULE_TITLES = {"all": "friction at all contacts", "opposing": "friction at oppos
 
 def asperity_heights(x: np.ndarray, centres: np.ndarray) -> np.ndarray:
     """Return the height of a row of circular asperities above their centres."""
-    heights = np.sqrt(np.clip(RADIUS**2 - np.subtract.outer(x, centres) ** 2, 0.0, None))
+    heights = np.sqrt(np.clip(ASPERITY_RADIUS**2 - np.subtract.outer(x, centres) ** 2, 0.0, None))
     return np.maximum(heights.max(axis=1), FLAT_HEIGHT)
 
 
@@ -39,7 +39,7 @@ def draw_pair(ax: Axes, rule: str, text_colour: str) -> None:
     lower_centres = SPACING * np.arange(len(UPPER_OFFSETS))
     upper_centres = lower_centres + UPPER_OFFSETS
     # Lower asperities with larger offsets are higher, so that every pair is in contact.
-    rise = np.sqrt((2 * RADIUS) ** 2 - UPPER_OFFSETS**2)
+    rise = np.sqrt((2 * ASPERITY_RADIUS) ** 2 - UPPER_OFFSETS**2)
     distance = rise.max()
     x = np.linspace(-2.2, lower_centres[-1] + 2.2, NUM_POINTS)
     lower = np.full_like(x, FLAT_HEIGHT)
@@ -54,7 +54,7 @@ def draw_pair(ax: Axes, rule: str, text_colour: str) -> None:
         point = np.array([centre + offset / 2, drop + height / 2])
         ax.plot(*point, "o", markersize=5, color=colour, zorder=4)
         if opposes or rule == "all":
-            tangent = np.array([height, -offset]) / (2 * RADIUS)
+            tangent = np.array([height, -offset]) / (2 * ASPERITY_RADIUS)
             ax.annotate(
                 "",
                 point - ARROW_LENGTH * tangent,

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 
-ALPHA = math.sqrt(math.log(2) / math.pi)
+GAUSSIAN_FILTER_ALPHA = math.sqrt(math.log(2) / math.pi)
 
 
 def gaussian_weight(distance, cutoff):
-    return math.exp(-math.pi * (distance / (ALPHA * cutoff)) ** 2)
+    return math.exp(-math.pi * (distance / (GAUSSIAN_FILTER_ALPHA * cutoff)) ** 2)
 
 
 def mean_line(heights, spacing, cutoff, *, degree=1, weights=None):
@@ -42,7 +42,7 @@ def mean_surface(heights, spacing, cutoff, terms, weights=None):
     for j in range(rows):
         for i in range(columns):
             v, u = (y - y[j]) / cutoff, (x - x[i]) / cutoff
-            root = np.sqrt(weights * np.exp(-math.pi * (u**2 + v**2) / ALPHA**2)).ravel()
+            root = np.sqrt(weights * np.exp(-math.pi * (u**2 + v**2) / GAUSSIAN_FILTER_ALPHA**2)).ravel()
             design = np.stack([(v**a * u**b).ravel() for a, b in terms], axis=1)
             smoothed[j, i] = np.linalg.lstsq(design * root[:, np.newaxis], heights.ravel() * root, rcond=None)[0][0]
     return smoothed

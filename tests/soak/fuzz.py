@@ -38,7 +38,7 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder, stored_result = Path(name), Path(name) / "pristine"
         stored_result.mkdir()
-        run(fuzzing.small_study(), store=stored_result)
+        run(fuzzing.small_fuzz_study(), store=stored_result)
         findings = fuzz("arrays", options.count, options.seed, fuzzing.fuzz_arrays)
         findings += fuzz("stores", options.count, options.seed, lambda r: fuzzing.fuzz_store(r, stored_result, folder))
         findings += fuzz("study files", options.count, options.seed, lambda r: fuzzing.fuzz_study_file(r, folder))

@@ -49,7 +49,7 @@ def open_page(driver, path, width=1280, height=900):
     wait_until_drawn(driver)
 
 
-def open_more(driver):
+def open_more_section(driver):
     """Open the section "More" of a report."""
     driver.execute_async_script(
         "const more = document.getElementById('more'); if (!more || more.open) arguments[0]();"
@@ -120,7 +120,7 @@ def press_keys(driver, name, keys):
     wait_for_drawing(driver)
 
 
-def foreign_requests(driver, path):
+def list_foreign_requests(driver, path):
     """Return the addresses of all requests since a file was opened, without the address of the file."""
     messages = [json.loads(entry["message"])["message"] for entry in driver.get_log("performance")]
     sent = [

@@ -106,7 +106,7 @@ def fuzz_study_file(random, folder):
 # ---- Stores ---------------------------------------------------------------------------------------------------------
 
 
-def small_study():
+def small_fuzz_study():
     """Return a study that takes a few milliseconds to run."""
     return Study().with_changes({key: _parse_value(value) for key, value in _SMALL_STUDY_CHANGES.items()})
 
@@ -184,7 +184,7 @@ def fuzz_measured(random, name, original, folder):
     """Read a damaged file as a profile and as a surface; return "read" if one reader accepts it, else "refused"."""
     data = bytearray(original)
     if name.endswith(("x3p", "xlsx")) and random.random() < 0.7:
-        data = _damage_archive(random, original)
+        data = damage_zip_archive(random, original)
     else:
         scramble_bytes(random, data)
     path = folder / name
@@ -231,7 +231,7 @@ def scramble_bytes(random, data):
                 data[position:position] = data[position : position + int(random.integers(1, 60))]
 
 
-def _damage_archive(random, original):
+def damage_zip_archive(random, original):
     """Return a valid ZIP archive in which one file is damaged."""
     stream = io.BytesIO()
     with zipfile.ZipFile(io.BytesIO(original)) as old, zipfile.ZipFile(stream, "w") as new:

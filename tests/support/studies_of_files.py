@@ -67,7 +67,7 @@ repetitions = {members}
 RESULT_CHANGES = {"contact.effective_modulus": "10 GPa", "friction.mu0": [0.3, 0.5]}
 
 
-def run_maps(folder, cut_off='["0 um"]'):
+def run_pair_of_maps(folder, cut_off='["0 um"]'):
     """Return the result of two maps at four shifts, four directions and three loads, two of them requested."""
     write_heights(
         folder, self_affine_surface, "-maps", 4, rms=0.02, shape=(48, 48), spacing=0.1, shortest_wavelength=0.8
@@ -78,7 +78,7 @@ def run_maps(folder, cut_off='["0 um"]'):
     return run(study.with_changes(RESULT_CHANGES | {"friction.load": ["0.1 mN", "0.5 mN"]})).dataset
 
 
-def run_lines(folder):
+def run_pair_of_profiles(folder):
     """Return the result of two profiles with the asperity model."""
     write_heights(folder, self_affine, "-lines", 4, rms=0.02, points=600, spacing=0.1)
     contact = 'load = ["1 uN", "10 uN", "100 uN"]'

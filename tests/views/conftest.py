@@ -2,7 +2,7 @@
 
 import pytest
 from support import browser
-from support.studies_of_files import run_lines, run_maps
+from support.studies_of_files import run_pair_of_maps, run_pair_of_profiles
 
 
 @pytest.fixture(scope="session")
@@ -12,12 +12,12 @@ def generated_dataset(small_result):
 
 @pytest.fixture(scope="session")
 def maps_dataset(tmp_path_factory):
-    return run_maps(tmp_path_factory.mktemp("maps"))
+    return run_pair_of_maps(tmp_path_factory.mktemp("maps"))
 
 
 @pytest.fixture(scope="session")
 def profiles_dataset(tmp_path_factory):
-    return run_lines(tmp_path_factory.mktemp("lines"))
+    return run_pair_of_profiles(tmp_path_factory.mktemp("lines"))
 
 
 @pytest.fixture(scope="module")

@@ -22,12 +22,12 @@ from stiction.views.rows import summary_json, summary_table
 from stiction.views.style import FIGURE_FORMATS, save_figure, spread_labels
 from support.generated_studies import SMALL_STUDY, empty_dataset
 from support.report_numbers import ReportNumbers
-from support.studies_of_files import run_maps
+from support.studies_of_files import run_pair_of_maps
 
 
 @pytest.fixture(scope="module")
 def maps_at_two_cutoffs(tmp_path_factory):
-    return run_maps(tmp_path_factory.mktemp("maps"), cut_off='["0 um", "1 um"]')
+    return run_pair_of_maps(tmp_path_factory.mktemp("maps"), cut_off='["0 um", "1 um"]')
 
 
 # ---- Selection of figures -------------------------------------------------------------------------------------------

@@ -174,7 +174,7 @@ def test_plot_zooms_and_pans_by_mouse_keyboard_and_touch(driver, pages, page_nam
     from selenium.webdriver.common.keys import Keys
 
     browser.open_page(driver, pages[page_name])
-    browser.open_more(driver)
+    browser.open_more_section(driver)
     initial_limits = scaled_axis_limits(driver, plot)
     span = initial_limits[:, 1] - initial_limits[:, 0]
     zoom_by_wheel(driver, plot)
@@ -505,9 +505,9 @@ def test_report_is_accessible_and_sends_no_requests(driver, pages, scheme):
         browser.open_page(driver, path)
         if page_name in PLOTS_WITH_AXES:
             type_number(driver, "tau0-number", 50)
-            browser.open_more(driver)
+            browser.open_more_section(driver)
         assert browser.find_accessibility_faults(driver, axe) == []
-        assert browser.foreign_requests(driver, path) == set()
+        assert browser.list_foreign_requests(driver, path) == set()
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
 
 
