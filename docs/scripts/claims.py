@@ -729,8 +729,8 @@ def _verdict_badge(verdict: str) -> str:
 
 def _replace_symbols(text: str) -> str:
     """Return a text with mu0, tau0 and F_N as mathematical symbols."""
-    for plain, letters in (("mu_s", "μ_s"), ("mu0", "μ0"), ("tau0", "τ0")):
-        text = text.replace(plain, letters)
+    for plain, symbol in (("mu_s", "μ_s"), ("mu0", "μ0"), ("tau0", "τ0")):
+        text = text.replace(plain, symbol)
     return text
 
 
