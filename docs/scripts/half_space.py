@@ -20,7 +20,7 @@ MODULUS = 10.0
 RMS_SLOPE = 0.1
 """Root-mean-square slope of each body, along the profile or in all directions."""
 MU0 = 0.4
-TAU0_OVER_PRESSURE = (0.0, 0.02)
+TAU0_OVER_MODULUS = (0.0, 0.02)
 """tau0 in units of E*."""
 PRESSURES = (0.002, 0.02, 0.1)
 """Mean pressures in units of E* times the rms slope of the gap."""
@@ -40,7 +40,7 @@ AREA_COLUMN, STIFFNESS_COLUMN, FRICTION_COLUMN = 0, 1, 2
 COLUMN_NAMES = [
     "area",
     "stiffness",
-    *(f"{rule}, {strength:g}" for rule, strength in product(SLIDING_RULES, TAU0_OVER_PRESSURE)),
+    *(f"{rule}, {strength:g}" for rule, strength in product(SLIDING_RULES, TAU0_OVER_MODULUS)),
 ]
 
 
@@ -81,7 +81,7 @@ def solve_half_space(upper, lower, loads: np.ndarray) -> np.ndarray:
         both = [curve.with_sliding(rule) for curve in curves]
         columns += [
             np.mean([one.friction_coefficient(mu0=MU0, tau0=strength * MODULUS) for one in both], axis=0)
-            for strength in TAU0_OVER_PRESSURE
+            for strength in TAU0_OVER_MODULUS
         ]
     return np.array(columns).T
 
@@ -104,7 +104,7 @@ def solve_asperities(upper, lower, loads: np.ndarray, deepest: float) -> np.ndar
 
         if not columns:
             columns = [between(both[0].contact_area), between(np.gradient(load, approaches))]
-        for strength in TAU0_OVER_PRESSURE:
+        for strength in TAU0_OVER_MODULUS:
             each = [
                 friction_coefficient({name: between(getattr(one, name)) for name in names}, strength) for one in both
             ]

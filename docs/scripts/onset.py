@@ -23,7 +23,7 @@ DOCS = Path(__file__).parents[1]
 MODULUS = 10.0
 MU0 = 0.3
 POISSON = 0.3
-TAU0_OVER_PRESSURE = (0.0, 0.02)
+TAU0_OVER_MODULUS = (0.0, 0.02)
 """tau0 in units of E*, at an rms gradient of the gap of 0.14."""
 BANDWIDTHS = (8, 16, 32)
 """Longest over shortest wavelength."""
@@ -97,7 +97,7 @@ def compare_asperities() -> list[str]:
             for k in range(len(PRESSURES)):
                 onsets = [
                     [one.onset(k, mu0=MU0, tau0=tau0 * MODULUS, steps=[0.5, 1.0]) for one in (curve, exact)]
-                    for tau0 in TAU0_OVER_PRESSURE
+                    for tau0 in TAU0_OVER_MODULUS
                 ]
                 result[k][0].append(onsets[0][0].stiffness / onsets[0][1].stiffness)
                 for s in range(2):
@@ -209,7 +209,7 @@ def compare_models() -> list[str]:
     for boundary in ("periodic", "free"):
         loads = np.multiply(PRESSURES, unit)
         curve = half_space(upper, lower, loads, effective_modulus=MODULUS, boundary=boundary)
-        for k, tau0 in product(range(len(PRESSURES)), TAU0_OVER_PRESSURE):
+        for k, tau0 in product(range(len(PRESSURES)), TAU0_OVER_MODULUS):
             onset = curve.onset(k, mu0=MU0, tau0=tau0 * MODULUS)
             iwan, lugre = onset.iwan(), onset.lugre()
             lost = onset.energy_lost(onset.tangential_load[4:])

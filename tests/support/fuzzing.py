@@ -184,7 +184,7 @@ def fuzz_measured(random, name, original, folder):
     """Read a damaged file as a profile and as a surface; return "read" if one reader accepts it, else "refused"."""
     data = bytearray(original)
     if name.endswith(("x3p", "xlsx")) and random.random() < 0.7:
-        data = damage_zip_archive(random, original)
+        data = _damage_zip_archive(random, original)
     else:
         scramble_bytes(random, data)
     path = folder / name
@@ -231,7 +231,7 @@ def scramble_bytes(random, data):
                 data[position:position] = data[position : position + int(random.integers(1, 60))]
 
 
-def damage_zip_archive(random, original):
+def _damage_zip_archive(random, original):
     """Return a valid ZIP archive in which one file is damaged."""
     stream = io.BytesIO()
     with zipfile.ZipFile(io.BytesIO(original)) as old, zipfile.ZipFile(stream, "w") as new:
