@@ -335,6 +335,14 @@ def test_drawings_of_conventions_match_their_scripts(tmp_path, name):
     assert difference is None, f"{difference}; run docs/scripts/{name}.py and check the new drawing"
 
 
+def test_constants_in_the_guide_for_extensions_exist():
+    folders = ("python", "tests", "docs/scripts")
+    sources = "".join(path.read_text("utf-8") for folder in folders for path in (ROOT / folder).rglob("*.py"))
+    constants = re.findall(r"`([A-Z][A-Z_]+)`", (ROOT / "docs/howto/extending.md").read_text("utf-8"))
+    assert len(constants) > 5
+    assert [name for name in constants if not re.search(rf"^{name}\b", sources, re.MULTILINE)] == []
+
+
 def test_reference_documentation_lists_every_key_option_and_study():
     reference = script("reference")
     pages = reference.generate_pages(ROOT / "docs")
