@@ -25,7 +25,9 @@ def test_fracture_script_reads_gap_and_test_files_of_the_experiment(tmp_path):
     (tmp_path / "a-closure.csv").write_text("Number,Disp,sigmaZ\n[-],[mm],[MPa]\n1,0,1\n2,0.1,3\n3,0.02,1\n")
     square, disc = (FRACTURES_SCRIPT["load_gap"](tmp_path, "a", square=square) for square in (True, False))
     assert np.hypot(*square.extent) <= FRACTURES_SCRIPT["DISC_DIAMETER"] < np.hypot(*square.extent) + 3 * spacing
-    assert (~disc.missing).sum() * spacing**2 == pytest.approx(np.pi / 4 * FRACTURES_SCRIPT["DISC_DIAMETER"] ** 2, rel=0.02)
+    assert (~disc.missing).sum() * spacing**2 == pytest.approx(
+        np.pi / 4 * FRACTURES_SCRIPT["DISC_DIAMETER"] ** 2, rel=0.02
+    )
     (load, stress), (back, falling) = FRACTURES_SCRIPT["load_test"](tmp_path, "a")
     assert FRACTURES_SCRIPT["secant_stiffness"](load, stress, (1.0, 3.0)) == pytest.approx(20)
     assert [*back, *falling] == [0.1, 0.02, 3, 1]

@@ -228,7 +228,7 @@ def test_caveats_about_inputs_are_listed_after_faults():
         (list(range(0, 180, 30)), "the mean over 0°, 30°, 60°, 90°, 120° and 150°"),
     ],
 )
-def test_averaged_directions_text_describes_single_opposite_and_evenly_spaced_directions(directions, description):
+def test_text_on_averaged_directions_describes_one_two_or_evenly_spaced_directions(directions, description):
     assert averaged_directions_text(directions) == description
 
 

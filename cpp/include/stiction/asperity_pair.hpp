@@ -86,7 +86,7 @@ using AsperityPair = std::variant<SpherePair, SphereOnFlat>;
 /// The effective radius must be positive and finite, and the curvature rule must allow both curvatures.
 std::optional<SpherePair> sphere_pair(const Asperity& upper, const Asperity& lower, double gap, Curvature allowed);
 
-/// Return the asperity pair of a sphere and a flat, or nothing if the sphere is not convex.
+/// Return the asperity pair of a sphere and a flat, or nothing if the radius of the sphere is not positive and finite.
 std::optional<SphereOnFlat> sphere_on_flat(const Asperity& sphere, Side sphere_side, const Asperity& flat, double gap);
 
 /// Return the principal radii of the relative curvature of an asperity pair.

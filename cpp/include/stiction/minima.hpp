@@ -37,7 +37,7 @@ struct CellRange {
 /// The search is exhaustive. Each cell is subdivided until the signs of the Bernstein coefficients classify every part.
 /// The signs of the coefficients either exclude a minimum in a part or show that the spline is convex in this part.
 /// In a convex part, Newton's method finds the only possible minimum.
-/// Parts of 1/64 of a cell may remain undecided, for example where a minimum is about to vanish.
+/// Subcells with a side of 1/64 of a cell may remain undecided, for example where a minimum is about to vanish.
 /// In undecided parts, Newton's method shows whether there is a minimum.
 std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& range, double max_value,
                             const CancellationCheck& check_cancellation = {});

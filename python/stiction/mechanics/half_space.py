@@ -233,7 +233,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def stiffness(self) -> Floats:
-        """Stiffness dF/dδ (mN/µm, shape (k,)) for unchanged contact points. It is infinite for a closed periodic gap.
+        """Stiffness dF/dδ (mN/µm, shape (k,)) for fixed contact points. It is infinite for a closed periodic gap.
 
         The stiffness is NaN on a free half-plane, and if the pressure equals the hardness everywhere in contact. It is
         computed on first use.

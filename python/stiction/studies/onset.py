@@ -1,4 +1,4 @@
-"""Onset of sliding of a measured pair. The mean curve of some members is stored with the result."""
+"""Onset of sliding of a measured pair. The result stores the mean onset curve over a subset of its members."""
 
 from __future__ import annotations
 

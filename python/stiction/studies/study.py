@@ -157,7 +157,7 @@ SHARED_FRICTION_TABLES: tuple[type[TableVariant], ...] = (
 
 
 def select_friction_case(surfaces: type[Surfaces], mechanics: str) -> type[Friction]:
-    """Return the class for the table `[friction]` that matches the surfaces and the contact model."""
+    """Return the class of the table `[friction]` for the given surfaces and contact model."""
     if issubclass(surfaces, get_args(MeasuredSurfaces)):
         return MeasuredFrictionTable
     return HalfSpaceFrictionTable if mechanics == "half-space" else AsperityFrictionTable

@@ -318,5 +318,7 @@ def _average_in_bins(
         if level > 0:
             result[int(bin_)] = float(waves[selected].sum()), level
     if not result:
-        raise ValueError(f"scans must have power in the reliable band, got a scan without power above {band[0]:g} µm")
+        raise ValueError(
+            f"scans must have power in the reliable band, got a scan without power at wavelengths above {band[0]:g} µm"
+        )
     return result

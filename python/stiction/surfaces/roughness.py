@@ -145,7 +145,7 @@ class SurfaceParameters(ParameterSet):
 def surface_parameters(
     surface: BodyLike, *, derivative: Derivative = "seven-point", spacing: Any = None, unit: str = "um"
 ) -> SurfaceParameters:
-    r"""Compute the parameters of a surface about its mean (ISO 25178-2).
+    r"""Compute the ISO 25178-2 parameters of a surface, with heights measured from their mean.
 
     Parameters
     ----------
