@@ -182,7 +182,7 @@ def test_table_of_quantities_has_the_names_of_core_sums_and_validity_fields():
 def test_fields_of_a_quantity_in_the_table_are_consistent_with_each_other(name):
     quantity = QUANTITIES[name]
     assert quantity.words
-    assert len(quantity.short) <= len(quantity.words)
+    assert len(quantity.table_label) <= len(quantity.words)
     for part in filter(None, (quantity.numerator, *quantity.denominator, quantity.bound_fraction)):
         assert part in QUANTITIES
     if quantity.percent:
@@ -199,7 +199,7 @@ def test_csv_columns_are_in_the_order_of_the_table_of_quantities(at_loads):
     columns = list(summary_table(summarize(at, parse_dataset_study(at))).columns)
     shown = [name for name in quantities_shown_in("csv") if name in at and "direction" not in at[name].dims]
     places = [
-        next(i for i, column in enumerate(columns) if column.startswith(QUANTITIES[name].short)) for name in shown
+        next(i for i, column in enumerate(columns) if column.startswith(QUANTITIES[name].table_label)) for name in shown
     ]
     assert places == sorted(places)
 

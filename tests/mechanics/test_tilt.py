@@ -71,7 +71,7 @@ def test_approach_and_moments_caused_by_tilt_agree_with_a_dense_matrix_calculati
     from stiction.mechanics.half_space_problem import TiltResponse, lever_arms
 
     one = half_space(*make_pair(3, (24, 32)), [1.0]).at(0)
-    problem, free = one.problem, one.on_grid(one.free)
+    problem, free = one.problem, one.on_grid(one.below_hardness)
     result, points = TiltResponse.solve(problem, free), np.flatnonzero(free)
     unit = np.eye(free.size).reshape(-1, *free.shape)
     kernel = np.array([problem.grids.displacement(unit[point]).ravel()[points] for point in points])
