@@ -97,8 +97,8 @@ def test_bracket_at_each_cutoff_contains_results_of_finer_scans(resolved_pair):
     assert result.bracket_area_fraction[:, 0, 1].values == pytest.approx(
         least + above * kappa_uncertainty_factor(count) ** 2
     )
-    assert float(max_area(100.0, 1000)) == pytest.approx(100 * math.exp(0.1))
-    assert float(max_area(0.9, 1000)) == 1.0
+    assert float(max_area(100.0, 1.0, 1000)) == pytest.approx(100 * math.exp(0.1))
+    assert float(max_area(0.9, 1.0, 1000)) == 1.0
 
 
 def test_max_friction_of_a_sample_equals_the_upper_end_of_its_bracket():

@@ -106,16 +106,17 @@ def transverse_slope_factor(gradient: Floats, dimensions: int) -> Floats:
     return np.asarray(1 + np.square(gradient) / 16 if dimensions == 2 else np.ones(np.shape(gradient)))
 
 
-def max_area(area: ArrayLike, contact_count: ArrayLike) -> Floats:
-    """Return the largest real contact area, in units of F/H, that finer scans of a yielding pair can give.
+def max_area(area: ArrayLike, plastic_area: ArrayLike, contact_count: ArrayLike) -> Floats:
+    """Return the largest real contact area that finer scans of a yielding pair can give.
 
-    Shorter wavelengths redistribute the load between contacts, so the elastic rims of yielding contacts may grow. The
-    limit does not apply to a scan without yielding, which is limited only by κ. None of 300 pairs of 256² points with 2
-    to 40 contacts exceeded the limit.
+    `area` is the area of this scan, and `plastic_area` is F/H in the same unit. Shorter wavelengths redistribute the
+    load between contacts, so the elastic rims of yielding contacts may grow. The limit does not apply to a scan without
+    yielding, which is limited only by κ. None of 300 pairs of 256² points with 2 to 40 contacts exceeded the limit.
     """
-    area_ratio = np.maximum(np.asarray(area, dtype=np.float64), 1.0)
-    spread = kappa_uncertainty_factor(np.asarray(contact_count, dtype=np.float64))
-    return np.asarray(np.minimum(area_ratio * spread, 1 + (area_ratio - 1) * np.square(spread)))
+    plastic = np.asarray(plastic_area, dtype=np.float64)
+    current = np.maximum(area, plastic)
+    factor = kappa_uncertainty_factor(np.asarray(contact_count, dtype=np.float64))
+    return np.asarray(np.minimum(current * factor, plastic + (current - plastic) * np.square(factor)))
 
 
 def friction_bracket(
@@ -132,10 +133,10 @@ def friction_bracket(
 
 def max_friction(value: Floats | float, mu0: Floats | float, adhesion: Floats | float, contacts: float) -> Floats:
     """Return the largest mu_s that finer scans of a yielding pair can give. Arguments are numbers or samples."""
-    strength, stuck = np.asarray(adhesion), np.asarray(value - mu0)
-    area_ratio = stuck / np.where(strength > 0, strength, 1.0)
-    increase = strength * max_area(area_ratio, contacts) - np.maximum(stuck, strength)
-    return np.asarray(value + np.where(strength > 0, increase, 0.0))
+    # The part of the friction that is due to tau0 is proportional to the area.
+    adhesive = np.asarray(value - mu0)
+    increase = max_area(adhesive, adhesion, contacts) - np.maximum(adhesive, adhesion)
+    return np.asarray(np.where(np.asarray(adhesion) > 0, value + increase, value))
 
 
 def add_finer_scan_brackets(result: xr.Dataset, hardness: float, parameters: tuple[float, float] | None) -> xr.Dataset:
@@ -143,7 +144,7 @@ def add_finer_scan_brackets(result: xr.Dataset, hardness: float, parameters: tup
     loads, area = result.normal_load.values, result.contact_area.values
     nominal = result.attrs["nominal_area_um2"]
     plastic_area = loads / hardness
-    largest_area = plastic_area * max_area(area / plastic_area, result.contact_count.values)
+    largest_area = max_area(area, plastic_area, result.contact_count.values)
     dimensions = ("cut_off", "normal_load", "end")
     variables: dict[str, tuple[tuple[str, ...], Floats, str, str]] = {
         "plastic_area": (dimensions[1:2], plastic_area, "µm²", "smallest real contact area, F/H"),

@@ -430,11 +430,17 @@ class MemberAverage:
         if self.order is None or self.lines is None:
             return np.stack(intervals.sample_mean(values), axis=-1)
         flat = values[self.order].reshape(values.shape[0], -1)
-        # Columns with the same missing members are evaluated together to save time.
-        masks, group = np.unique(np.isfinite(flat).T, axis=0, return_inverse=True)
+        # Columns with the same missing members are evaluated together to save time. Most columns lack no member.
+        finite = np.isfinite(flat)
+        is_incomplete = ~finite.all(axis=0)
+        masks, group = [np.ones(len(flat), bool)], np.zeros(flat.shape[1], np.intp)
+        if is_incomplete.any():
+            other_masks, other_group = np.unique(finite[:, is_incomplete].T, axis=0, return_inverse=True)
+            masks += list(other_masks)
+            group[is_incomplete] = 1 + other_group.ravel()
         ends = np.empty((flat.shape[1], 3))
-        for number, mask in enumerate(masks):
-            columns = group.ravel() == number
+        for number in np.unique(group):
+            columns, mask = group == number, masks[number]
             ends[columns] = np.stack(intervals.positions_mean(flat[mask][:, columns], self.lines[mask]), axis=-1)
         return ends.reshape(*values.shape[1:], 3)
 

@@ -351,15 +351,14 @@ def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
     differ = (spread > 0) & (values != values[:, :1]).any(axis=1)
     y, rho = deviations / np.where(differ, spread, 1.0)[:, np.newaxis], _CORRELATIONS
     y[~differ] = np.linspace(-1.0, 1.0, count)
-    # Closed forms for an autoregressive process give 1' R^-1 1, the weighted mean and the weighted sum of squares.
+    # For an autoregressive process, 1' R^-1 1, 1' R^-1 y and y' R^-1 y are closed forms in these sums.
     ones, inflation, quantile, density = _mixture_constants(count)
-    inner = y[:, 1:-1].sum(axis=1)[:, np.newaxis]
-    centre = (y[:, :1] + y[:, -1:] + (1 - rho) * inner) / (1 + rho) / ones  # shape (c, rho)
-    squares = np.empty_like(centre)
-    for index, correlation in enumerate(rho):
-        deviation = y - centre[:, index, np.newaxis]
-        innovations = deviation[:, 1:] - correlation * deviation[:, :-1]
-        squares[:, index] = deviation[:, 0] ** 2 + np.square(innovations).sum(axis=1) / (1 - correlation**2)
+    ends = y[:, [0, -1]]
+    inner, end_squares = y[:, 1:-1].sum(axis=1)[:, np.newaxis], np.square(ends).sum(axis=1)[:, np.newaxis]
+    products = (y[:, 1:] * y[:, :-1]).sum(axis=1)[:, np.newaxis]
+    centre = (ends.sum(axis=1)[:, np.newaxis] + (1 - rho) * inner) / (1 + rho) / ones  # shape (c, rho)
+    own_squares = (1 + rho**2) * (np.square(y).sum(axis=1)[:, np.newaxis]) - rho**2 * end_squares - 2 * rho * products
+    squares = own_squares / (1 - rho**2) - ones * centre**2
     weights = (count - 1) * (np.log(1 - rho**2) + np.log(squares)) + np.log(ones) - np.log(1 - rho)
     weights = np.exp(-0.5 * (weights - weights.min(axis=1, keepdims=True)))
     weights /= weights.sum(axis=1, keepdims=True)
