@@ -70,8 +70,8 @@ SHEAR_NODE_STEP, NUM_SHEAR_NODES = 0.6, 3
 Below these nodes, all contacts are assumed to be plastic, with an area proportional to 1/H.
 """
 
-NUM_TABLE_STEPS = 2**14  # number of steps of ln H in a table of areas
-TABLE_MARGIN = 4.0  # factor by which a table extends beyond the smallest and the largest node
+NUM_TABLE_STEPS = 2**15  # number of steps of ln H in a table of areas
+TABLE_MARGINS = 1e3, 4.0  # factors by which a table extends below the smallest and above the largest node
 
 NODE_QUANTILES = (0.005, 0.995)
 """Quantiles of an input that define the outermost nodes."""
@@ -375,7 +375,7 @@ class SampledAreas:
     def __init__(self, nodes: Floats, at_nodes: Floats, elastic: Floats) -> None:
         self._arguments = nodes, at_nodes, elastic
         # limits of ln H in the table
-        self.limits = math.log(nodes[0] / TABLE_MARGIN), math.log(nodes[-1] * TABLE_MARGIN)
+        self.limits = math.log(nodes[0] / TABLE_MARGINS[0]), math.log(nodes[-1] * TABLE_MARGINS[1])
 
     @cached_property
     def _table(self) -> tuple[Floats, Floats]:
@@ -399,7 +399,7 @@ def find_table_positions(log_hardness: Floats, first: float, last: float) -> Pla
 
     The result is None if a hardness is outside the table, or if the hardnesses are too few to justify a table.
     """
-    is_large = log_hardness.size > NUM_TABLE_STEPS // 4
+    is_large = log_hardness.size > NUM_TABLE_STEPS // 8
     if not (is_large and first < log_hardness.min() and log_hardness.max() < last):
         return None
     position = (log_hardness - first) * (NUM_TABLE_STEPS / (last - first))
@@ -533,10 +533,15 @@ class AreaInterpolator:
 
         # the lowest pressure is NaN at seizure
         lowest = self.get_or_compute("lowest", (under_shear,), lambda: under_shear.min(initial=np.inf))
-        if lowest > self.pressures[load]:
+        if lowest > self.pressures.max():
             return compute_ratio(under_shear)
-        carries_load = under_shear > self.pressures[load]
-        return np.where(carries_load, compute_ratio(np.where(carries_load, under_shear, hardness)), np.inf)
+        # Pressures at which no load is carried are replaced by H. All loads share this array and its table positions.
+        carrying = self.get_or_compute(
+            "carrying",
+            (under_shear, hardness),
+            lambda: np.where(under_shear > self.pressures.min(), under_shear, hardness),
+        )
+        return np.where(under_shear > self.pressures[load], compute_ratio(carrying), np.inf)
 
     def _sheared_area(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:
         """Return the true area of the contacts under shear, in arbitrary units."""
@@ -577,14 +582,16 @@ class AreaInterpolator:
         """
         if name in self.cache:
             old_inputs, value = self.cache[name]
-            if all(
-                old is new or (np.ndim(old) == np.ndim(new) == 0 and old == new)
-                for old, new in zip(old_inputs, inputs, strict=True)
-            ):
+            if all(map(_is_same_input, old_inputs, inputs)):
                 return value  # type: ignore[no-any-return]
         value = compute()
         self.cache[name] = inputs, value
         return value
+
+
+def _is_same_input(first: Any, second: Any) -> bool:
+    """Return whether two inputs are the same object or equal numbers."""
+    return first is second or (isinstance(first, float) and isinstance(second, float) and first == second)
 
 
 def _estimate_node_errors(solved: xarray.Dataset, hardness: float | None) -> Floats:
