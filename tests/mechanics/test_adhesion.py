@@ -360,6 +360,13 @@ def test_maugis_dugdale_solution_tends_to_jkr_and_dmt_solutions():
         assert np.isnan(law(-1.0, 1.0, 1.0, **work)[0])
 
 
+def test_maugis_dugdale_contact_radius_ends_at_the_pull_off_force():
+    adhesive = {"work_of_adhesion": 5e-5, "adhesion_range": 5e-4}
+    pull_off = float(maugis_dugdale(0.0, 3.0, 80.0, **adhesive)[1])
+    radius, _ = maugis_dugdale([-1.001 * pull_off, -0.999 * pull_off], 3.0, 80.0, **adhesive)
+    assert np.isnan(radius).tolist() == [True, False]
+
+
 def test_fuller_tabor_pull_off_force_equals_the_sum_over_summit_heights():
     radius, modulus, work = 2.0, 1.3, 1e-3
     a = np.geomspace(1e-3, 3.0, 200_000)

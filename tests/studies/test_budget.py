@@ -393,6 +393,16 @@ def test_equally_uncertain_inputs_have_equal_fractions_in_the_budget() -> None:
     assert shares.min() >= 0
 
 
+def test_exact_positions_and_known_fine_roughness_each_narrow_the_interval_of_a_yielding_pair() -> None:
+    result = pair(
+        *rough_surfaces(), load="20 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", hardness="1 GPa",
+        **PAIR_OPTIONS,
+    )  # fmt: skip
+    fractions = result.budget.set_index("input")["share"]
+    assert set(fractions.index) == {"positions", "unresolved roughness"}
+    assert fractions.min() > 0.05
+
+
 IN_SIX_DIRECTIONS = PAIR_OPTIONS | {
     "load": "20 MPa", "effective_modulus": "80 GPa", "cutoff": "none", "shifts": 8,
     "direction": list(range(0, 360, 60)),
