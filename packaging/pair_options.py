@@ -18,8 +18,8 @@ from stiction.studies.pair_options import (
     DEFAULT_UNITS,
     OPTION_GROUPS,
     PAIR_OPTIONS,
+    FileReadingOptions,
     PairOptions,
-    ReadingOptions,
     format_python_name,
     list_choices,
 )
@@ -139,7 +139,7 @@ def command_parameters() -> str:
 def reader_parameters() -> str:
     """Return the file-reading parameters of the command `characterise`."""
     lines = []
-    for name in ReadingOptions.model_fields:
+    for name in FileReadingOptions.model_fields:
         once = ", repeatable=False" if PAIR_OPTIONS[name].is_repeatable else ""
         lines.append(f'    {name}: Annotated[str | None, pair_option("{name}"{once})] = None,\n')
     return "".join(lines)

@@ -15,12 +15,12 @@ from stiction.app.form import (
     replace_option_names,
 )
 from stiction.app.preview import preview_scan
-from stiction.studies.pair_options import PAIR_OPTIONS, ReadingOptions, list_choices
+from stiction.studies.pair_options import PAIR_OPTIONS, FileReadingOptions, list_choices
 
 
 def test_form_fields_for_reading_files_have_the_names_of_reader_options():
     names = {flag.replace("-", "_") for flag in READING_FLAGS}
-    assert names < set(ReadingOptions.model_fields)
+    assert names < set(FileReadingOptions.model_fields)
 
 
 @pytest.mark.parametrize("flag", FIELDS_BY_FLAG)

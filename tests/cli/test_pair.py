@@ -21,7 +21,7 @@ from stiction.studies.evaluation import at_load
 from stiction.studies.input_caveats import find_input_caveats
 from stiction.studies.member_solution import solve_at_loads
 from stiction.studies.members import load_bodies
-from stiction.studies.pair import Pair
+from stiction.studies.pair import MeasuredPair
 from stiction.studies.pair_options import read_options
 from stiction.studies.store import export
 from stiction.studies.values import StudyError
@@ -79,7 +79,7 @@ def parse_pair(scans_folder, *arguments):
         contextlib.chdir(scans_folder),
         command.make_context("pair", [str(argument) for argument in arguments]) as context,
     ):
-        return Pair(read_options(read_given_options(context)))
+        return MeasuredPair(read_options(read_given_options(context)))
 
 
 def parse_study(scans_folder, *arguments):
@@ -707,7 +707,7 @@ def test_concurrent_pair_commands_can_write_the_same_files(scans_folder, monkeyp
         return compute_and_write
 
     for module, name, file_name in (
-        (contact_picture, "contact_picture", contact_picture.PICTURE_FILE),
+        (contact_picture, "contact_picture", contact_picture.CONTACT_PICTURE_FILE),
         (onset, "compute_onset", onset.ONSET_FILE),
     ):
         monkeypatch.setattr(module, name, write_twice(getattr(module, name), file_name))
@@ -838,7 +838,7 @@ def test_pair_with_a_noisy_scan_is_solved_both_unfiltered_and_filtered(tmp_path)
     noisy = stiction.Profile(clean.heights + 1.3e-4 * noise / noise.std(), spacing=0.0167)
     options = {"load": "10 MPa", "mu0": 0.2, "effective_modulus": "80 GPa"}
     studies = {
-        name: Pair.from_values(upper=profile, lower=profile, **options, **cutoff_option).study
+        name: MeasuredPair.from_values(upper=profile, lower=profile, **options, **cutoff_option).study
         for name, profile, cutoff_option in (
             ("clean", clean, {}), ("noisy", noisy, {}), ("vouched", noisy, {"cutoff": "none"}),
             ("cut", noisy, {"cutoff": "0.3 um"}),
@@ -863,7 +863,7 @@ def test_noise_floor_is_filtered_from_the_noisy_scan_only():
     limit = stiction.instrument_limit(noisy)
     assert (limit.origin, limit.matters) == ("instrument", True)
     options = {"load": "10 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "offsets": 8}
-    study = Pair.from_values(upper=noisy, lower=clean, **options).study
+    study = MeasuredPair.from_values(upper=noisy, lower=clean, **options).study
     assert [float(item) for item in study.surfaces.cut_off] == [limit.cut_off, 0.0]
     assert study.surfaces.both_readings
     assert [float(item.max_cut_off) for item in (study.surfaces.upper, study.surfaces.lower)] == [limit.cut_off, 0.0]
@@ -885,10 +885,12 @@ def test_declared_texture_prevents_filtering_and_unknown_texture_is_rejected():
     _, clean = create_noisy_and_clean_profiles()
     profile_with_line = stiction.Profile(clean.heights + 2e-4 * np.sin(2 * np.pi * np.arange(1500) / 8), spacing=0.0167)
     options = {"load": "10 MPa", "mu0": 0.2, "effective_modulus": "80 GPa"}
-    study = Pair.from_values(upper=profile_with_line, lower=clean, **options).study
+    study = MeasuredPair.from_values(upper=profile_with_line, lower=clean, **options).study
     assert float(study.surfaces.cut_off[0]) == 0.0
     assert study.surfaces.both_readings
-    study_with_texture = Pair.from_values(upper=profile_with_line, lower=clean, texture="ground", **options).study
+    study_with_texture = MeasuredPair.from_values(
+        upper=profile_with_line, lower=clean, texture="ground", **options
+    ).study
     assert [float(item) for item in study_with_texture.surfaces.cut_off] == [0.0]
     assert [study_with_texture.surfaces.upper.texture, study_with_texture.surfaces.lower.texture] == [
         "ground",

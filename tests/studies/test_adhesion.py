@@ -15,7 +15,7 @@ from stiction.studies.contact_picture import compute_loading_cycle
 from stiction.studies.evaluation import at_load
 from stiction.studies.members import load_bodies
 from stiction.studies.point import is_unloaded, iterate_points
-from stiction.studies.pull_off import Sticking
+from stiction.studies.pull_off import PullOffValues
 from stiction.views.pull_off import pull_off_text
 from stiction.views.rows import summary_json, summary_table
 from stiction.views.spreadsheet import frame_to_csv
@@ -191,7 +191,9 @@ def test_loads_between_zero_and_the_first_solved_load_have_status_not_reached(ad
     ],
 )
 def test_assessment_of_sticking_agrees_with_interval_of_pull_off_pressure(pressure, is_bound, sticks):
-    sticking = Sticking(pull_off=(1e-6, 1e-6, 1e-6), pressure=pressure, friction=(1e-6, 1e-6, 1e-6), is_bound=is_bound)
+    sticking = PullOffValues(
+        pull_off=(1e-6, 1e-6, 1e-6), pressure=pressure, friction=(1e-6, 1e-6, 1e-6), is_bound=is_bound
+    )
     assert sticking.sticks == sticks
 
 

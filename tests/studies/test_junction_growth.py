@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from stiction import Surface, hardness_under_shear, pair, self_affine_surface, tabor_friction
 from stiction.mechanics.hardness import area_per_load
-from stiction.studies.hardness import NodeAreas, SampledAreas, find_table_positions
-from stiction.studies.interfaces import ShearStrength
+from stiction.studies.hardness import AreasAtNodes, TabulatedAreaFunction, find_table_positions
+from stiction.studies.interfaces import StrengthSamples
 
 TABOR_TOLERANCE = 5e-3
 """Relative difference of the friction of a fully plastic pair from Tabor's closed form."""
@@ -165,7 +165,7 @@ def test_pair_rejects_invalid_values_of_junction_growth(arguments, term):
 
 def test_contact_area_between_solved_loads_is_interpolated_as_a_power_of_the_load():
     loads, areas = np.array([1.0, 4.0, 100.0]), np.array([3.0, 6.0, np.nan])
-    solved = NodeAreas(loads, np.ones(1), np.ones(1), areas[:, np.newaxis, np.newaxis], None, np.zeros((3, 1)))
+    solved = AreasAtNodes(loads, np.ones(1), np.ones(1), areas[:, np.newaxis, np.newaxis], None, np.zeros((3, 1)))
     interpolated = solved.interpolate_loads(solved.areas, np.array([0.1, 1.0, 2.0, 4.0]))
     assert interpolated.ravel() == pytest.approx([3.0, 3.0, 3.0 * 2**0.5, 6.0])
 
@@ -173,14 +173,14 @@ def test_contact_area_between_solved_loads_is_interpolated_as_a_power_of_the_loa
 @pytest.mark.parametrize("alpha", [0.0, 9.0, 27.0])
 def test_pressure_under_shear_satisfies_the_yield_condition(alpha):
     hardness, mu = np.array([0.5, 2.0]), np.array([0.2, 0.6])
-    pressure = ShearStrength("all", mu).under_shear(hardness, alpha)
+    pressure = StrengthSamples("all", mu).under_shear(hardness, alpha)
     assert pressure**2 + alpha * (mu * pressure) ** 2 == pytest.approx(hardness**2, rel=1e-12)
 
 
 def test_tabulated_areas_agree_with_exact_areas_inside_and_outside_the_range_of_nodes():
     nodes, at_nodes = np.array([0.15, 0.5, 1.3]), np.array([[6.5, 2.1, 0.95], [7.0, 2.3, 1.1]])
     elastic = np.array([0.4, 0.5])
-    areas = SampledAreas(nodes, at_nodes, elastic)
+    areas = TabulatedAreaFunction(nodes, at_nodes, elastic)
     hardness = np.geomspace(0.04, 5.0, 20_000)
     for part, tolerance in ((hardness, 1e-5), (hardness[:50], 1e-12), (3 * hardness, 1e-12)):
         exact = area_per_load(part, nodes, at_nodes, elastic)

@@ -18,7 +18,7 @@ from stiction import (
     surrogate,
 )
 from stiction.mechanics.patches import grid_slopes
-from stiction.studies.contact_statistics import STORED_PROBABILITIES
+from stiction.studies.contact_statistics import QUANTILE_PROBABILITIES
 from stiction.studies.evaluation import at_load, member_values
 from stiction.surfaces.pairing import MIN_PIECE_POINTS, MapPairs
 from support.rough_surfaces import rough_maps
@@ -212,7 +212,7 @@ def test_contact_statistics_equal_direct_computation(mechanics):
     # A projected area is smaller than the true area by the cosine of the slope.
     assert area.sum() == pytest.approx(float(member["contact_area"]), rel=0.02)
     assert float(member["share_on_largest"]) == pytest.approx(force.max() / force.sum(), rel=1e-6)
-    assert member["patch_area"].values == pytest.approx(np.quantile(area, STORED_PROBABILITIES), rel=1e-6)
+    assert member["patch_area"].values == pytest.approx(np.quantile(area, QUANTILE_PROBABILITIES), rel=1e-6)
     middle = float(member["pressure"].sel(fraction_below=0.5, method="nearest"))
     assert 0 < middle < float(member["pressure"].sel(fraction_below=0.9, method="nearest"))
     mean = 0.1 / float(member["contact_area"])

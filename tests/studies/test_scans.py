@@ -10,7 +10,7 @@ from stiction import Profile, Study, Surface, open_result, pair, self_affine_sur
 from stiction.studies.input_caveats import find_study_caveats
 from stiction.studies.intervals import scans_mean, student_quantile
 from stiction.studies.measured_surfaces import MeasuredFile
-from stiction.studies.pair import Pair
+from stiction.studies.pair import MeasuredPair
 from stiction.surfaces.measured.writing import write_surface
 from stiction.views.sentence import note_text
 
@@ -222,7 +222,7 @@ def test_repeated_extreme_value_causes_a_caveat_unless_accepted_or_declared_miss
 
     def find_repeated_extremes(**options):
         arguments = {"load": "1 mN", "mu0": "0.3", "effective_modulus": "10 GPa", "missing": "interpolate", **options}
-        study = Pair.from_values(upper="codes.csv", lower="codes.csv", **arguments).study
+        study = MeasuredPair.from_values(upper="codes.csv", lower="codes.csv", **arguments).study
         return [item for item in find_study_caveats(study) if "(repeated-extreme)" in item.remedy]
 
     (caveat,) = find_repeated_extremes()

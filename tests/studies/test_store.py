@@ -22,7 +22,7 @@ import xarray
 from stiction import Result, _files, run
 from stiction.studies import layout, runner, store
 from stiction.studies.runner import compute_missing
-from stiction.studies.store import BLOCKS_FOLDER, STUDY_FILE, Block, ExportError, StoreError, export
+from stiction.studies.store import BLOCKS_FOLDER, STUDY_FILE, BlockFile, ExportError, StoreError, export
 from support.generated_studies import TINY_STUDY, InlineExecutor, assert_same_bits, rewrite_variable, with_repetitions
 
 pytestmark = pytest.mark.usefixtures("blocks_of_four")
@@ -57,7 +57,7 @@ def replace_block(file, content):
     """Replace the file of a block by other content, and name the new file by the checksum of the content."""
     first, last, _ = file.stem.split("-")
     file.unlink()
-    path = file.with_name(Block(int(first), int(last), zlib.crc32(content)).name)
+    path = file.with_name(BlockFile(int(first), int(last), zlib.crc32(content)).name)
     path.write_bytes(content)
     return path
 

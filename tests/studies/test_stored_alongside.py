@@ -29,7 +29,7 @@ def result_and_datasets(tmp_path_factory):
             "picture.nc": contact_picture.contact_picture(complete_result),
             "onset.nc": compute_onset(study, executor),
         }
-    assert set(datasets) == {contact_picture.PICTURE_FILE, onset.ONSET_FILE}
+    assert set(datasets) == {contact_picture.CONTACT_PICTURE_FILE, onset.ONSET_FILE}
     return complete_result, datasets
 
 

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 from stiction import HertzCylinder, HertzSphere, JacksonGreen, Study
-from stiction.studies.contact_tables import CONTACT_CASES, HertzCylinderTable, JacksonGreenTable
+from stiction.studies.contact_tables import CONTACT_SETTINGS_CLASSES, HertzCylinderSettings, JacksonGreenSettings
 from stiction.studies.store import STUDY_FILE
-from stiction.studies.study import FRICTION_CASES, parse_study
+from stiction.studies.study import FRICTION_SETTINGS_CLASSES, parse_study
 from stiction.studies.values import StudyError
 
 STORED_STUDIES = {
@@ -37,13 +37,13 @@ def test_stored_study_with_key_of_another_contact_model_is_rejected():
 
 
 def test_contact_models_have_separate_classes_of_contact_tables():
-    cases = [case for cases in CONTACT_CASES.values() for case in cases.values()]
+    cases = [case for cases in CONTACT_SETTINGS_CLASSES.values() for case in cases.values()]
     assert len(set(cases)) == len({case.place for case in cases}) == 8
-    for bodies, by_model in CONTACT_CASES.items():
+    for bodies, by_model in CONTACT_SETTINGS_CLASSES.items():
         for model, case in by_model.items():
             assert case.model_fields["mechanics"].default == model
             assert case.place.endswith(bodies)
-    assert len({case.place for case in FRICTION_CASES}) == len(FRICTION_CASES)
+    assert len({case.place for case in FRICTION_SETTINGS_CLASSES}) == len(FRICTION_SETTINGS_CLASSES)
 
 
 @pytest.mark.parametrize(
@@ -75,8 +75,11 @@ def test_error_about_a_key_of_another_kind_of_study_names_that_kind(changes, key
     ("law", "entry"),
     [
         (HertzSphere(), "hertz-sphere"),
-        (HertzCylinder(width=2.0), HertzCylinderTable(name="hertz-cylinder", width="2 um")),
-        (JacksonGreen(0.5, 0.3), JacksonGreenTable(name="jackson-green", yield_strength="0.5 GPa", poisson_ratio=0.3)),
+        (HertzCylinder(width=2.0), HertzCylinderSettings(name="hertz-cylinder", width="2 um")),
+        (
+            JacksonGreen(0.5, 0.3),
+            JacksonGreenSettings(name="jackson-green", yield_strength="0.5 GPa", poisson_ratio=0.3),
+        ),
     ],
 )
 def test_contact_law_is_stored_as_a_table_in_a_study(law, entry):
@@ -84,6 +87,6 @@ def test_contact_law_is_stored_as_a_table_in_a_study(law, entry):
     assert study.contact.law == entry
     assert type(study.contact.model().law) in (str, type(law))
     if not isinstance(entry, str):
-        assert isinstance(entry, (HertzCylinderTable, JacksonGreenTable))
+        assert isinstance(entry, (HertzCylinderSettings, JacksonGreenSettings))
         assert entry.law() == law
         assert pickle.loads(pickle.dumps(entry)) == entry

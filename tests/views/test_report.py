@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 from stiction import Profile, Study, levelled, pair, run, self_affine
-from stiction.studies.nodes import MAX_NODES, NUM_LOAD_STEPS
+from stiction.studies.nodes import MAX_NODES, NUM_REPORT_LOADS
 from stiction.studies.study import parse_dataset_study
 from stiction.views.report import ReportError, report_page, save_report
 from stiction.views.report.page import REPORT_MARK
@@ -35,7 +35,7 @@ def test_report_is_limited_in_size_and_contains_its_licence(generated_dataset):
     for words in ("GNU GENERAL PUBLIC LICENSE", "How to Apply These Terms to Your New Programs"):
         assert words in text
     num_cells = generated_dataset.sizes["fractal_dimension"] * len(SMALL_STUDY.surfaces.amplitudes())
-    assert len(text.encode()) < 250_000 + 6 * 20 * num_cells * NUM_LOAD_STEPS * MAX_NODES**2
+    assert len(text.encode()) < 250_000 + 6 * 20 * num_cells * NUM_REPORT_LOADS * MAX_NODES**2
 
 
 def test_report_rejects_a_result_that_is_too_large(monkeypatch, generated_dataset, maps_dataset):

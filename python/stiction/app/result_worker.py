@@ -10,7 +10,7 @@ from typing import Any
 from stiction._number_format import to_json
 from stiction.app.form import label_caveats
 from stiction.app.jobs import REPORTED_ERRORS, remove_paths
-from stiction.studies.pair import Pair
+from stiction.studies.pair import MeasuredPair
 from stiction.studies.pair_options import PAIR_OPTIONS, format_command_line_name
 from stiction.studies.result import Result, open_result
 from stiction.studies.runner import preview_result
@@ -27,7 +27,7 @@ def load_preview_study(files: list[Path], options: list[tuple[str, str]]) -> Stu
     for flag, text in options:
         values.setdefault(fields[f"--{flag}"], []).append(text)
     arguments = {name: texts if PAIR_OPTIONS[name].is_repeatable else texts[0] for name, texts in values.items()}
-    return Pair.from_values(upper=files[0], lower=files[1], **arguments).preview_study
+    return MeasuredPair.from_values(upper=files[0], lower=files[1], **arguments).preview_study
 
 
 def main() -> None:

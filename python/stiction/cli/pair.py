@@ -24,7 +24,7 @@ from stiction.cli.execution import (
 )
 from stiction.cli.options import Json, Verbose, option, show_reader_import
 from stiction.cli.pair_options import COMMON_PARAMETERS, HelpAll, pair_argument, pair_option, read_given_options
-from stiction.studies.pair import Pair
+from stiction.studies.pair import MeasuredPair
 from stiction.studies.pair_options import read_options
 from stiction.studies.result import Result
 from stiction.studies.store import STUDY_FILE
@@ -126,7 +126,7 @@ def pair(
     part_number, print_written = parse_part(part), choose_message_printer(as_json)
     check_output_directory(output)
     check_files(output, OUTPUT_FILE_MARKS)
-    bodies = Pair(read_options(read_given_options(context)))
+    bodies = MeasuredPair(read_options(read_given_options(context)))
     for file in bodies.files:
         show_reader_import(Path(file.file))
     studies = bodies.studies

@@ -21,7 +21,7 @@ from stiction.studies.hardness import find_inputs, find_junction_growth, find_ma
 from stiction.studies.input_uncertainty import UncertainInput
 from stiction.studies.interfaces import NEGLIGIBLE_GROWTH_EFFECT, VON_MISES_GROWTH, find_interface
 from stiction.studies.point import (
-    RuleValue,
+    RuleCoefficient,
     adhesion_ranges,
     effective_modulus_at,
     find_contact_status,
@@ -102,7 +102,7 @@ class Caveat:
     """Limit that the number exceeds."""
 
 
-class Check(NamedTuple):
+class LimitCheck(NamedTuple):
     """Upper limit for a number, and the caveat that is issued if the number exceeds this limit.
 
     The placeholder {} in the text stands for the number `about`.
@@ -136,7 +136,7 @@ class Check(NamedTuple):
         )  # fmt: skip
 
 
-Checks = Sequence[Sequence[Check]]  # groups of checks; each group reports only its first failed check
+CheckGroups = Sequence[Sequence[LimitCheck]]  # groups of checks; each group reports only its first failed check
 
 VERDICTS = {"fault": "Do not quote", "caution": "Quote with care", "": "Quote it"}
 """Text of the assessment, by the worst severity of all caveats."""
@@ -162,22 +162,22 @@ STATUS_EXPLANATIONS = {
 WIDE_INTERVAL_TEXT = f"the interval is wider than ±{100 * MAX_RELATIVE_HALF_WIDTH:.0f} %"
 
 VALUE_CHECKS = (
-    Check("deficit", 0.0, "the mean is below 0", "check the units of heights and spacing"),
-    Check(
+    LimitCheck("deficit", 0.0, "the mean is below 0", "check the units of heights and spacing"),
+    LimitCheck(
         "missing_interval",
         MAX_AFFECTED_FRACTION,
         "there is no interval",
         "an interval requires at least 8 different members",
     ),
-    Check("half_width", MAX_RELATIVE_HALF_WIDTH, WIDE_INTERVAL_TEXT, "use more members"),
+    LimitCheck("half_width", MAX_RELATIVE_HALF_WIDTH, WIDE_INTERVAL_TEXT, "use more members"),
 )
 
-SINGLE_POSITION_CHECK = Check(
+SINGLE_POSITION_CHECK = LimitCheck(
     "missing_interval", MAX_AFFECTED_FRACTION, "a gap has one position, so the spread between places is unknown",
     "use gaps at other places as well", "caution",
 )  # fmt: skip
 
-STEEP_SURFACE_CHECK = Check(
+STEEP_SURFACE_CHECK = LimitCheck(
     "rms_gradient", 1.0, "the gap has a root-mean-square gradient of {}, too steep for any contact model here",
     "check the units of heights and spacing, or filter the scan",
 )  # fmt: skip
@@ -185,11 +185,11 @@ STEEP_SURFACE_CHECK = Check(
 
 def _fraction_check(
     name: str, text: str, remedy: str, severity: Severity = "fault", limit: float = MAX_AFFECTED_FRACTION
-) -> Check:
-    return Check(name, limit, text, remedy, severity, "percent")
+) -> LimitCheck:
+    return LimitCheck(name, limit, text, remedy, severity, "percent")
 
 
-ASPERITY_CHECKS: Checks = (
+ASPERITY_CHECKS: CheckGroups = (
     [_fraction_check(
         "share_beyond_hertz", "{} of the load is beyond Hertz (overlap above a tenth of the radius)",
         "use a smaller load, or the half-space",
@@ -206,40 +206,40 @@ _OVERLAP_CHECK = _fraction_check(
 _EDGE_CHECK = _fraction_check(
     "share_at_edge", "{} of the load is on contacts at the edge", "use larger maps or a smaller load"
 )
-LARGEST_CONTACT_TEXT = "one contact carries {} of the load"
+LARGEST_CONTACT_LOAD_TEXT = "one contact carries {} of the load"
 MORE_CONTACTS_REMEDY = "use larger scans or a higher load"
 _FINER_SCAN_REMEDY = "scan more finely, or filter the scan"
 
-EQUALS_MU0_CHECK = Check(
+EQUALS_MU0_CHECK = LimitCheck(
     "share_of_mu0", 1 - MAX_DEVIATION_FROM_MU0, "τ0 is 0, so the coefficient is the given μ0; the surfaces add {}",
     "give --tau0, or determine both with stiction calibrate", "caution", "digit", "beyond_mu0",
 )  # fmt: skip
 
 CONTACT_COUNT_CHECKS = (
-    Check("contacts_missing_of_all", 0.0,
+    LimitCheck("contacts_missing_of_all", 0.0,
           f"all members together have fewer than {MIN_TOTAL_CONTACTS} contacts, on average {{}}",
           "use a higher load, larger surfaces or more members", about="contact_count"),
-    Check("contacts_missing", 0.0, "too few contacts, {} on average",
+    LimitCheck("contacts_missing", 0.0, "too few contacts, {} on average",
           MORE_CONTACTS_REMEDY, about="contact_count"),
     _fraction_check(
-        "share_on_separate", LARGEST_CONTACT_TEXT, MORE_CONTACTS_REMEDY, "fault", MAX_LOAD_FRACTION_ON_CONTACT
+        "share_on_separate", LARGEST_CONTACT_LOAD_TEXT, MORE_CONTACTS_REMEDY, "fault", MAX_LOAD_FRACTION_ON_CONTACT
     ),
-    Check("contacts_wanting", 0.0, "few contacts, {} on average",
+    LimitCheck("contacts_wanting", 0.0, "few contacts, {} on average",
           MORE_CONTACTS_REMEDY, "caution", about="contact_count"),
     _fraction_check(
-        "share_on_largest", LARGEST_CONTACT_TEXT, MORE_CONTACTS_REMEDY, "caution", CAUTION_LOAD_FRACTION_ON_CONTACT
+        "share_on_largest", LARGEST_CONTACT_LOAD_TEXT, MORE_CONTACTS_REMEDY, "caution", CAUTION_LOAD_FRACTION_ON_CONTACT
     ),
 )  # fmt: skip
 """Checks for too few contacts; only the first check that fails is reported."""
 
-CONTACT_CHECKS: Checks = (
+CONTACT_CHECKS: CheckGroups = (
     [_fraction_check(
         "share_of_pull_off_bounds", "the pull-off force is a lower bound: {} of the members have only a bound",
         "call half_space to see the reason as a warning", "caution", 0.0,
     )],
     [_EDGE_CHECK, _EDGE_CHECK._replace(limit=CAUTION_LOAD_FRACTION_AT_EDGE, severity="caution")],
     [
-        Check("single_cells", MAX_AFFECTED_FRACTION, "contacts are single grid points", _FINER_SCAN_REMEDY),
+        LimitCheck("single_cells", MAX_AFFECTED_FRACTION, "contacts are single grid points", _FINER_SCAN_REMEDY),
         _fraction_check(
             "fraction_on_small",
             "{} of the load is on contacts of at most 4 points: a finer scan would give another result",
@@ -257,7 +257,7 @@ NO_COEFFICIENT_CAVEAT = Caveat(
 )  # fmt: skip
 
 
-def find_point_caveats(point: xarray.Dataset, study: Study, value: RuleValue, status: str) -> Iterator[Caveat]:
+def find_point_caveats(point: xarray.Dataset, study: Study, value: RuleCoefficient, status: str) -> Iterator[Caveat]:
     """Yield the caveats about one point of a result. They depend on the numbers and the status of the point."""
     if is_unloaded(point):
         yield NO_COEFFICIENT_CAVEAT
@@ -295,7 +295,7 @@ def find_smallest_check_limit(name: str) -> float | None:
     )
 
 
-def find_failed_check_caveats(checks: Checks, numbers: Mapping[str, Any]) -> Iterator[Caveat]:
+def find_failed_check_caveats(checks: CheckGroups, numbers: Mapping[str, Any]) -> Iterator[Caveat]:
     """Yield one caveat for each group of checks in which a check fails. The first failed check determines the caveat.
 
     A check passes if its number is missing.
@@ -334,7 +334,7 @@ def compute_value_numbers(
     }
 
 
-def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: RuleValue) -> dict[str, Any]:
+def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: RuleCoefficient) -> dict[str, Any]:
     area, count = mean_over_directions(point, "contact_area"), mean_over_directions(point, "contact_count")
     spacings = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)
     # area of a grid cell if the half-space model is applied to maps; otherwise NaN
@@ -360,7 +360,7 @@ def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: RuleVal
     )
 
 
-def list_pressure_checks(study: Study, modulus: float) -> Checks:
+def list_pressure_checks(study: Study, modulus: float) -> CheckGroups:
     """Return checks that compare the mean contact pressure with the pressures at which the bodies would yield.
 
     The limits are the hardness of the softer body or, if it is unknown, typical fractions of E*. Returns no checks if
@@ -370,8 +370,8 @@ def list_pressure_checks(study: Study, modulus: float) -> Checks:
     if has_limited_pressure(study):
         return ()
 
-    def check(limit: float, text: str, remedy: str, severity: Severity) -> Check:
-        return Check("mean_pressure", limit, text, remedy, severity, "GPa")
+    def check(limit: float, text: str, remedy: str, severity: Severity) -> LimitCheck:
+        return LimitCheck("mean_pressure", limit, text, remedy, severity, "GPa")
 
     softer = softer_material(*find_materials(study))
     if softer is not None and softer.hardness is not None:
@@ -394,13 +394,13 @@ def list_pressure_checks(study: Study, modulus: float) -> Checks:
 
 def assess_ensemble(
     study: Study, status: NDArray[Any], numbers: Mapping[str, Any]
-) -> tuple[list[list[Caveat | Check]], NDArray[np.intp]]:
+) -> tuple[list[list[Caveat | LimitCheck]], NDArray[np.intp]]:
     """Assess each point of a result for generated bodies, using the status and the checks of the point.
 
     The arrays have equal shapes. Returns the distinct lists of reasons, with faults first, and for each point the index
     of its list. A reason is a failed check, or a caveat about a status.
     """
-    reasons: list[Caveat | Check] = []
+    reasons: list[Caveat | LimitCheck] = []
     failed = []
     is_ok = (status == friction.STATUS_OK) & np.isfinite(numbers["deficit"])
     for name in np.unique(np.where(is_ok, friction.STATUS_OK, status)).tolist():
@@ -422,13 +422,13 @@ def assess_ensemble(
     return [sorted(row, key=lambda reason: reason.severity != "fault") for row in lists], places.reshape(status.shape)
 
 
-def find_verdict(reasons: Iterable[Caveat | Check]) -> str:
+def find_verdict(reasons: Iterable[Caveat | LimitCheck]) -> str:
     """Return the assessment that follows from the most severe of the given caveats or failed checks."""
     severities = {reason.severity for reason in reasons}
     return VERDICTS["fault" if "fault" in severities else "caution" if severities else ""]
 
 
-def _find_strength_caveats(point: xarray.Dataset, study: Study, value: RuleValue) -> Iterator[Caveat]:
+def _find_strength_caveats(point: xarray.Dataset, study: Study, value: RuleCoefficient) -> Iterator[Caveat]:
     """Yield caveats about junction growth, about seizure, and about a friction coefficient that equals mu0."""
     hardness, mu0, tau0 = study.contact.hardness, float(point["mu0"]), float(point["tau0"])
     if hardness is not None and mean_over_directions(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS:

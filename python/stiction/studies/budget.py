@@ -34,9 +34,9 @@ from stiction.studies.hardness import (
     find_inputs,
     find_junction_growth,
 )
-from stiction.studies.input_uncertainty import NUM_SAMPLES, Z_95, UncertainInput, stratified_points
+from stiction.studies.input_uncertainty import NUM_INPUT_SAMPLES, Z_95, UncertainInput, stratified_points
 from stiction.studies.interfaces import HARDNESS_ENTRY, find_interface
-from stiction.studies.intervals import MAX_DEGREES_OF_FREEDOM, ScansMean, scans_mean
+from stiction.studies.intervals import MAX_DEGREES_OF_FREEDOM, ScanPairMean, scans_mean
 from stiction.studies.result import Result
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-POSITIONS_INPUT, UNRESOLVED_INPUT = "positions", "unresolved roughness"
+POSITIONS_INPUT, UNRESOLVED_ROUGHNESS_INPUT = "positions", "unresolved roughness"
 UPPER_SCANS_INPUT, LOWER_SCANS_INPUT = "which piece of the upper part", "which piece of the lower part"
 SAMPLING_INPUTS = (UPPER_SCANS_INPUT, LOWER_SCANS_INPUT, POSITIONS_INPUT)
 """Sources of uncertainty that are not inputs of the study: the choice of scans and of positions."""
@@ -55,16 +55,16 @@ FIXED_INPUT_QUANTILES = (0.1, 0.5, 0.9)
 MAX_BUDGETED_COEFFICIENTS = 100  # maximum number of coefficients for which uncertainty budgets are computed
 # relative difference up to which mu0 or tau0 counts as equal to its value in the study
 SAME_INPUT_TOLERANCE = 1e-3
-MAX_LOG_RATIO = 50.0  # upper bound on ln(single test / mean), which prevents overflow
+MAX_LOG_COEFFICIENT_RATIO = 50.0  # upper bound on ln(single test / mean), which prevents overflow
 NORMAL_DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 
-_NEEDED_VARIABLES = (
+_INTERVAL_VARIABLES = (
     "friction_all_round", "spread_low", "spread_high", "ok", "members", "contact_count", "mu0", "tau0", "sliding",
 )  # fmt: skip
 """Variables that determine the interval of a coefficient."""
 
-Strength = tuple[Floats, Floats, Floats | None, Floats | None]
+StrengthArrays = tuple[Floats, Floats, Floats | None, Floats | None]
 """Samples of mu0, tau0 (GPa), hardness (GPa) and α of junction growth; None if the interface lacks the last two."""
 
 
@@ -105,7 +105,7 @@ def add_uncertainty(
         inputs = {name: each for name, each in inputs.items() if name not in gone}
     dims = tuple(str(dim) for dim in at["friction_all_round"].dims if dim != "statistic")
     shape = tuple(at.sizes[dim] for dim in dims)
-    scatters: dict[tuple[int, ...], ScansMean | None] = {}
+    scatters: dict[tuple[int, ...], ScanPairMean | None] = {}
     surfaces: Any = study.surfaces
     if math.prod(surfaces.scan_counts) > 1:  # split the variance of each coefficient by source (scans, positions)
         members = member_values(result, at["load"].values, mu0=at["mu0"].values, tau0=at["tau0"].values)
@@ -116,13 +116,13 @@ def add_uncertainty(
         *([INTERFACE_INPUT] if strengths else []),
         *inputs,
         *(SAMPLING_INPUTS if scatters else (POSITIONS_INPUT,)),
-        UNRESOLVED_INPUT,
+        UNRESOLVED_ROUGHNESS_INPUT,
     ]
     whole, test = np.full((*shape, 3), np.nan), np.full((*shape, 3), np.nan)
     remaining, width = np.full((len(order), *shape, 3), np.nan), np.full((len(order), *shape), np.nan)
     waited, seizing = np.full((*shape, len(study.friction.wait), 3), np.nan), np.zeros(shape)
     areas = build_area_interpolator(at, result)
-    needed = {name: at.variables[name] for name in _NEEDED_VARIABLES if name in at.variables}
+    needed = {name: at.variables[name] for name in _INTERVAL_VARIABLES if name in at.variables}
     read = _arrays_over_dims(needed | _pressure_and_growth_under_shear(at, study, areas), at, dims)
     six = member_sums_at_loads(result, at["load"].values).mean(("repetition", "direction"))
     sums = _arrays_over_dims({name: six.variables[name] for name in LOAD_SUM_NAMES}, at, dims)
@@ -229,7 +229,7 @@ def _zero_coefficient_interval(samples: _CoefficientSamples, point: Floats) -> t
         for column, (name, value) in enumerate((("mu0", samples.mu0), ("tau0", samples.tau0)))
     )
     low, high = extend_interval(
-        _equal_tailed_interval(np.broadcast_to(samples.friction.coefficient(mu0, tau0), (NUM_SAMPLES,))),
+        _equal_tailed_interval(np.broadcast_to(samples.friction.coefficient(mu0, tau0), (NUM_INPUT_SAMPLES,))),
         *point.tolist(),
     )
     return max(low, 0.0), high
@@ -267,7 +267,7 @@ class _CoefficientSamples:
 
     def __init__(
         self, point: Any, where: Mapping[str, int], study: Study, inputs: Any, friction: ForcesPerLoad,
-        areas: AreaInterpolator, strengths: Sequence[Strength] = (), of_parts: ScansMean | None = None,
+        areas: AreaInterpolator, strengths: Sequence[StrengthArrays] = (), of_parts: ScanPairMean | None = None,
     ) -> None:  # fmt: skip
         self.study, self.friction, self.areas, self.load = study, friction, areas, where.get("load", 0)
         self.mu0, self.tau0 = float(point["mu0"]), float(point["tau0"])
@@ -316,7 +316,7 @@ class _CoefficientSamples:
             }
             self.scatter, self.freedom = of_parts.test / value, min(of_parts.test_freedom, MAX_DEGREES_OF_FREEDOM)
         self.places = {name: each for name, each in places.items() if each > 0}
-        finer = (UNRESOLVED_INPUT,) if self.finest is not None and self.finest[1] > self.finest[0] else ()
+        finer = (UNRESOLVED_ROUGHNESS_INPUT,) if self.finest is not None and self.finest[1] > self.finest[0] else ()
         self.names = (*self.inputs, *((INTERFACE_INPUT,) if strengths else ()), *self.places, *finer)
 
     def interval(self, fixed: Mapping[str, float] | None = None) -> tuple[float, float]:
@@ -329,7 +329,7 @@ class _CoefficientSamples:
         values = [self.value]
         if not set(fixed) & set(SAMPLING_INPUTS):
             values += self.sampling
-        if UNRESOLVED_INPUT not in fixed and self.finest is not None and self.bracket is not None:
+        if UNRESOLVED_ROUGHNESS_INPUT not in fixed and self.finest is not None and self.bracket is not None:
             values += self.finest if set(fixed) & set(SAMPLING_INPUTS) else self.bracket
         return extend_interval(self._sampled_interval(fixed), *values)
 
@@ -404,7 +404,7 @@ class _CoefficientSamples:
             lambda: stdtrit(self.freedom, stratified_points(len(self.names) + 1)[:, -1]),
         )
         scatter = math.sqrt(math.log1p(self.scatter**2))
-        factor = np.exp(np.minimum(scores * scatter, MAX_LOG_RATIO))
+        factor = np.exp(np.minimum(scores * scatter, MAX_LOG_COEFFICIENT_RATIO))
         return extend_interval(self._scaled_interval(dict.fromkeys(self.places, 0.5), factor=factor), self.value)
 
     def friction_after_dwell(self, wait: float, pressure: float) -> tuple[float, float, float]:
@@ -431,7 +431,7 @@ class _CoefficientSamples:
         return float(value[0]), *extend_interval(self._scaled_interval({}, wait), float(value[0]))
 
     def _friction_samples(
-        self, fixed: Mapping[str, float], wait: float = 1.0, strength: Strength | None = None
+        self, fixed: Mapping[str, float], wait: float = 1.0, strength: StrengthArrays | None = None
     ) -> Floats:
         columns, scores, samples, hardness, modulus = self._input_samples(fixed, wait)
         area = self._area_samples(fixed, wait)
@@ -467,15 +467,15 @@ class _CoefficientSamples:
         middle = self.friction.coefficient(self.mu0, self.tau0, self.own_growth)
         with np.errstate(invalid="ignore"):
             coefficients = np.broadcast_to(
-                self.value * self.friction.coefficient(mu0, tau0, area) / middle, (NUM_SAMPLES,)
+                self.value * self.friction.coefficient(mu0, tau0, area) / middle, (NUM_INPUT_SAMPLES,)
             )
-        seizes = np.broadcast_to(np.isinf(area), (NUM_SAMPLES,))
+        seizes = np.broadcast_to(np.isinf(area), (NUM_INPUT_SAMPLES,))
         if is_seizing := bool(seizes.any()):
             coefficients, hardness = np.where(seizes, 1.0, coefficients), np.where(seizes, np.inf, hardness)
-        if UNRESOLVED_INPUT in columns and self.finest is not None:
+        if UNRESOLVED_ROUGHNESS_INPUT in columns and self.finest is not None:
             lowest = np.minimum(mu0 + tau0 / hardness, coefficients)
             highest = np.maximum(max_friction(coefficients, mu0, tau0 / hardness, self.contacts), lowest)
-            coefficients = lowest + columns[UNRESOLVED_INPUT] * (highest - lowest)
+            coefficients = lowest + columns[UNRESOLVED_ROUGHNESS_INPUT] * (highest - lowest)
         if self.places:
             coefficients = coefficients * np.exp(sum(error * scores[name] for name, error in self.places.items()))
         coefficients = np.maximum(coefficients, 0.0)
@@ -493,9 +493,11 @@ class _CoefficientSamples:
         def compute() -> Any:
             cube = stratified_points(len(self.names) + 1)
             columns = dict(zip(self.names, cube.T, strict=False))
-            columns |= {name: np.full(NUM_SAMPLES, quantile) for name, quantile in fixed.items() if name in columns}
+            columns |= {
+                name: np.full(NUM_INPUT_SAMPLES, quantile) for name, quantile in fixed.items() if name in columns
+            }
             samples = {name: self.inputs[name].quantile(columns[name]) for name in self.inputs}
-            hardness = samples.get("hardness", np.full(NUM_SAMPLES, self.areas.hardness or np.nan))
+            hardness = samples.get("hardness", np.full(NUM_INPUT_SAMPLES, self.areas.hardness or np.nan))
             if (creep := find_creep_exponent(self.study)) is not None:
                 hardness = hardness * wait ** -creep.quantile(cube[:, -1])
             scores = {name: ndtri(columns[name]) for name in self.places}

@@ -16,20 +16,20 @@ from stiction._arguments import MAX_INPUT_NUMBER
 from stiction._checks import check_choice, validate_number
 from stiction._units import short_repr, to_core_units
 from stiction.mechanics.model import Sliding
-from stiction.studies.calibration_fit import MIN_VARIATION, CalibrationProblem
+from stiction.studies.calibration_fit import MIN_AREA_VARIATION, CalibrationProblem
 from stiction.studies.interfaces import (
-    EXCLUDED_PROBABILITY,
+    ERROR_SCALING_PROBABILITY,
+    EXCLUSION_PROBABILITY,
     GROWTH_ENTRY,
     HARDNESS_ENTRY,
     SLIDING_RULES,
-    UNLIKELY_PROBABILITY,
     Ball,
     FrictionTest,
     Interface,
     list_sliding_rules,
 )
 
-MIN_TESTS = 3  # minimum number of tests with sliding from which the errors can be estimated
+MIN_SLIDING_TESTS = 3  # minimum number of tests with sliding from which the errors can be estimated
 
 
 def calibrate(
@@ -100,9 +100,9 @@ def calibrate(
     has_no_error = {test.uncertainty is None for test in tests}
     if len(has_no_error) > 1:
         raise ValueError("uncertainty must be given for all tests or for none")
-    if True in has_no_error and sum(test.slid for test in tests) < MIN_TESTS:
+    if True in has_no_error and sum(test.slid for test in tests) < MIN_SLIDING_TESTS:
         raise ValueError(
-            f"uncertainty must be given if there are fewer than {MIN_TESTS} tests with sliding, "
+            f"uncertainty must be given if there are fewer than {MIN_SLIDING_TESTS} tests with sliding, "
             "because it cannot be estimated from so few tests"
         )
     known = (
@@ -124,10 +124,14 @@ def calibrate(
         )
     problems = [CalibrationProblem(tests, rule, common, known, outliers=outliers) for rule in rules]
     fits = [problem.fit() for problem in problems]
-    if len(fits) == 2 and fits[0].probability < EXCLUDED_PROBABILITY and fits[1].probability > UNLIKELY_PROBABILITY:
+    if (
+        len(fits) == 2
+        and fits[0].probability < EXCLUSION_PROBABILITY
+        and fits[1].probability > ERROR_SCALING_PROBABILITY
+    ):
         fits, problems = fits[::-1], problems[::-1]
     first = problems[0]
-    separated = any(value is not None for value in known) or (len(tests) > 2 and first.variation >= MIN_VARIATION)
+    separated = any(value is not None for value in known) or (len(tests) > 2 and first.variation >= MIN_AREA_VARIATION)
     points = [
         (float(ratio), float(test.coefficient or 0.0), float(test.uncertainty or math.nan), test.slid)
         for ratio, test in zip(first.ratio, tests, strict=True)

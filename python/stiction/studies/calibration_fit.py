@@ -24,26 +24,26 @@ from stiction.mechanics.model import Sliding
 from stiction.studies.calibration_growth import find_best_mu0, find_tau0_range
 from stiction.studies.input_uncertainty import UncertainInput, parse_input, sobol_points
 from stiction.studies.interfaces import (
-    UNLIKELY_PROBABILITY,
-    Fit,
+    ERROR_SCALING_PROBABILITY,
     FrictionTest,
-    ShearStrength,
+    StrengthFit,
+    StrengthSamples,
     depends_on_growth,
     evaluate_friction,
 )
 
 # Smallest relative standard deviation of A/F between the tests at which both mu0 and tau0 are fitted.
-MIN_VARIATION = 0.1
+MIN_AREA_VARIATION = 0.1
 # Number of nuisance points in each round of adaptation, and maximum number of nuisance points in the result.
 # A nuisance point is a set of values of the nuisance parameters.
-NUM_ROUND_POINTS, MAX_NUISANCE_POINTS = 256, 8192
+NUM_POINTS_PER_ROUND, MAX_NUISANCE_POINTS = 256, 8192
 # The result starts with the first number of nuisance points.
 # The first number is doubled for each nuisance parameter, up to the second number.
-FINAL_POINTS = 256, 1024
+FINAL_POINT_COUNTS = 256, 1024
 MAX_NORMAL_SCORE = 5.0  # normal scores of nuisance parameters are clipped to this absolute value
 MAX_PROPOSAL_ROUNDS = 8  # maximum number of rounds of adaptation
 # The adaptation ends when the effective sample size exceeds this fraction of the nuisance points.
-MIN_SAMPLE_FRACTION = 0.4
+MIN_EFFECTIVE_SAMPLE_FRACTION = 0.4
 # nuisance points are added to the result until the effective sample size exceeds this value
 MIN_EFFECTIVE_SAMPLES = 300.0
 NUM_TAU0_CELLS, NUM_MU0_CELLS = 41, 31  # numbers of grid cells along tau0 and along mu0
@@ -54,8 +54,8 @@ PROPOSAL_DEGREES_OF_FREEDOM = 5.0  # degrees of freedom of the proposal distribu
 OUTLIER_DEGREES_OF_FREEDOM = 4.0  # degrees of freedom of Student's t for tests that may have outliers
 MEDIAN_RUN_SPREAD = 0.10  # median of the half-Cauchy prior for the relative standard deviation between runs
 
-MAX_GRID_POINTS = 256  # maximum number of nuisance points in a batch if contacts grow under shear
-GAIN_NUISANCE, SPREAD_NUISANCE = "gain", "spread between runs"  # names of nuisance parameters
+MAX_GROWTH_BATCH_POINTS = 256  # maximum number of nuisance points in a batch if contacts grow under shear
+GAIN_NUISANCE, RUN_SPREAD_NUISANCE = "gain", "spread between runs"  # names of nuisance parameters
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,7 @@ class CalibrationProblem:
         self._members = _run_members(tests)
         self.nuisances: list[Hashable] = [
             *([GAIN_NUISANCE] if common > 0 else []), *scatters, *dict.fromkeys(inputs),
-            *([SPREAD_NUISANCE] if len(self._members) else []),
+            *([RUN_SPREAD_NUISANCE] if len(self._members) else []),
         ]  # fmt: skip
         """Names of the nuisance parameters. Each parameter is expressed as a standard normal score."""
         middle = self._equation_coefficients(np.zeros((1, len(self.nuisances))))
@@ -181,7 +181,7 @@ class CalibrationProblem:
                 )
                 if key not in areas:
                     sheared = (self.measured[test], None) if mu0 is None or tau0 is None else (mu0, tau0)
-                    areas[key] = equation.area_factor.area(probability, ShearStrength(self.sliding, *sheared))
+                    areas[key] = equation.area_factor.area(probability, StrengthSamples(self.sliding, *sheared))
                 factor = factor * areas[key]
             if equation.scatter > 0:
                 factor = factor * np.exp(self._scatters[equation.surfaces] * score_of[equation.surfaces]).reshape(shape)
@@ -243,9 +243,9 @@ class CalibrationProblem:
         """Compute the relative standard deviation between runs for each nuisance point."""
         from scipy.special import ndtr
 
-        if SPREAD_NUISANCE not in self.nuisances:
+        if RUN_SPREAD_NUISANCE not in self.nuisances:
             return np.zeros(len(scores))
-        probability = np.minimum(ndtr(scores[:, self.nuisances.index(SPREAD_NUISANCE)]), 1 - 1e-9)
+        probability = np.minimum(ndtr(scores[:, self.nuisances.index(RUN_SPREAD_NUISANCE)]), 1 - 1e-9)
         return np.asarray(MEDIAN_RUN_SPREAD * np.tan(0.5 * math.pi * probability))
 
     def _weighted_rows(self, columns: tuple[Floats, ...], scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
@@ -302,7 +302,7 @@ class CalibrationProblem:
         from scipy.optimize import least_squares
 
         free = [index for index, value in enumerate(self.known) if value is None]
-        moved = [index for index, name in enumerate(self.nuisances) if name != SPREAD_NUISANCE]
+        moved = [index for index, name in enumerate(self.nuisances) if name != RUN_SPREAD_NUISANCE]
         robust, scale = np.ones(len(self.slid)), 1.0
 
         def to_scores(moves: Floats) -> Floats:
@@ -370,7 +370,7 @@ class CalibrationProblem:
         mu0, tau0 = values(x)
         return _BestFit(float(mu0), float(tau0), scores, misfit, slope, robust, scale)
 
-    def fit(self) -> Fit:
+    def fit(self) -> StrengthFit:
         """Compute the joint distribution of mu0 and tau0, and the quality of the fit."""
         from scipy.stats import chi2, linregress
 
@@ -378,10 +378,12 @@ class CalibrationProblem:
         chi_squared = float((best.residuals**2).sum() + (best.scores**2).sum())
         slid = int(self.slid.sum())
         # If A/F is equal in all tests, only one combination of mu0 and tau0 can be fitted.
-        fitted = min(sum(value is None for value in self.known), 1 if self.variation < MIN_VARIATION else 2)
+        fitted = min(sum(value is None for value in self.known), 1 if self.variation < MIN_AREA_VARIATION else 2)
         freedom = max(0, slid - fitted - max(0, len(self._offsets) - 1))
         probability = float(chi2.sf(chi_squared, freedom)) if self.has_errors and freedom else math.nan
-        is_scaled = freedom > 0 and (not self.has_errors or (probability < UNLIKELY_PROBABILITY and not self.outliers))
+        is_scaled = freedom > 0 and (
+            not self.has_errors or (probability < ERROR_SCALING_PROBABILITY and not self.outliers)
+        )
         scale = best.scale * math.sqrt(chi_squared / freedom) if is_scaled else 1.0
         loads = np.log(self.load[self.slid])
         trend = float(linregress(loads, best.residuals).pvalue) if slid > 2 and np.ptp(loads) > 0 else math.nan
@@ -389,9 +391,9 @@ class CalibrationProblem:
         named = {
             name: scores[:, index]
             for index, name in enumerate(self.nuisances)
-            if name not in (GAIN_NUISANCE, SPREAD_NUISANCE)
+            if name not in (GAIN_NUISANCE, RUN_SPREAD_NUISANCE)
         }
-        return Fit(
+        return StrengthFit(
             self.sliding, chi_squared, freedom, probability, scale if self.has_errors else 1.0, trend, mu0, tau0,
             self._sample_hardness(named), self._sample_growth(named),
             self._sample_mean_area_per_load(scores, mu0, tau0), named,
@@ -456,8 +458,8 @@ class CalibrationProblem:
         """
         from scipy.special import log_ndtr
 
-        if self.grows and len(points) > MAX_GRID_POINTS:
-            parts = np.array_split(points, math.ceil(len(points) / MAX_GRID_POINTS))
+        if self.grows and len(points) > MAX_GROWTH_BATCH_POINTS:
+            parts = np.array_split(points, math.ceil(len(points) / MAX_GROWTH_BATCH_POINTS))
             return _concatenate_grids([self._evaluate_grid(part) for part in parts])
         scores, scale = points[:, : len(self.nuisances)], np.exp(points[:, len(self.nuisances)])
         columns, spread = self._equation_coefficients(scores), self._run_deviation(scores)
@@ -589,24 +591,24 @@ class CalibrationProblem:
         active = [*range(count), *([count] if freedom is not None else [])]
         mean, covariance = self._first_proposal(scale, freedom)
         points, grid, log_weight = self._draw_nuisance_points(
-            mean, covariance, active, NUM_ROUND_POINTS if active else 1
+            mean, covariance, active, NUM_POINTS_PER_ROUND if active else 1
         )
         for seed in range(1, MAX_PROPOSAL_ROUNDS if active else 0):
-            if _effective_sample_size(log_weight) > MIN_SAMPLE_FRACTION * NUM_ROUND_POINTS:
+            if _effective_sample_size(log_weight) > MIN_EFFECTIVE_SAMPLE_FRACTION * NUM_POINTS_PER_ROUND:
                 break
             power = 1.0  # a power below 1 reduces the dominance of a few points
-            while power > 1e-3 and _effective_sample_size(power * log_weight) < 0.15 * NUM_ROUND_POINTS:
+            while power > 1e-3 and _effective_sample_size(power * log_weight) < 0.15 * NUM_POINTS_PER_ROUND:
                 power *= 0.7
             weight = np.exp(power * (log_weight - log_weight.max()))
             mean = np.average(points[:, active], axis=0, weights=weight)
             covariance = np.cov(points[:, active].T, aweights=weight, ddof=0).reshape(len(active), -1)
             covariance = covariance + 1e-6 * np.eye(len(active))
-            points, grid, log_weight = self._draw_nuisance_points(mean, covariance, active, NUM_ROUND_POINTS, seed)
-        size = min(FINAL_POINTS[0] << len(active), FINAL_POINTS[1])
+            points, grid, log_weight = self._draw_nuisance_points(mean, covariance, active, NUM_POINTS_PER_ROUND, seed)
+        size = min(FINAL_POINT_COUNTS[0] << len(active), FINAL_POINT_COUNTS[1])
         while active:
             points, grid, log_weight = self._draw_nuisance_points(mean, covariance, active, size, MAX_PROPOSAL_ROUNDS)
             if (
-                _effective_sample_size(log_weight) > min(MIN_EFFECTIVE_SAMPLES, MIN_SAMPLE_FRACTION * size)
+                _effective_sample_size(log_weight) > min(MIN_EFFECTIVE_SAMPLES, MIN_EFFECTIVE_SAMPLE_FRACTION * size)
                 or size >= MAX_NUISANCE_POINTS
             ):
                 break
@@ -615,7 +617,7 @@ class CalibrationProblem:
 
     def _first_proposal(self, scale: float, freedom: int | None) -> tuple[Floats, Floats]:
         """Return the mean and covariance of the first proposal distribution for nuisance scores and log error scale."""
-        moved = [index for index, name in enumerate(self.nuisances) if name != SPREAD_NUISANCE]
+        moved = [index for index, name in enumerate(self.nuisances) if name != RUN_SPREAD_NUISANCE]
         size = len(self.nuisances) + (freedom is not None)
         mean, covariance = np.zeros(size), np.eye(size)
         mean[: len(self.nuisances)] = self.best_fit.scores

@@ -11,16 +11,16 @@ from stiction._checks import Floats
 # number of tau0 values in a search, and number of successively finer searches
 NUM_TAU0_SEARCH_POINTS, NUM_TAU0_SEARCHES = 13, 3
 NUM_NEWTON_STEPS = 3  # number of Gauss-Newton steps for the best mu0 at a given tau0
-DERIVATIVE_STEP = 1e-4  # step of mu0 for the numerical derivative, relative to 0.1 + mu0
+MU0_DERIVATIVE_STEP = 1e-4  # step of mu0 for the numerical derivative, relative to 0.1 + mu0
 
-Residuals = Callable[[Floats, Floats], Floats]
+ResidualFunction = Callable[[Floats, Floats], Floats]
 """Function from mu0 and tau0 in GPa (points, ...) to residuals in units of the errors (points, tests, ...).
 
 Residuals are infinite at seizure.
 """
 
 
-def find_best_mu0(residuals: Residuals, start: Floats, tau0: Floats) -> tuple[Floats, Floats, Floats]:
+def find_best_mu0(residuals: ResidualFunction, start: Floats, tau0: Floats) -> tuple[Floats, Floats, Floats]:
     """Use the Gauss-Newton method to compute the nonnegative mu0 that fits the tests best at each tau0.
 
     Parameters
@@ -38,7 +38,7 @@ def find_best_mu0(residuals: Residuals, start: Floats, tau0: Floats) -> tuple[Fl
     """
     mu0 = start
     for step in range(NUM_NEWTON_STEPS + 1):
-        size = DERIVATIVE_STEP * (0.1 + mu0)
+        size = MU0_DERIVATIVE_STEP * (0.1 + mu0)
         pair_of_steps = residuals(np.stack([mu0, mu0 + size], axis=-1), np.stack([tau0, tau0], axis=-1))
         with np.errstate(invalid="ignore", divide="ignore"):
             derivative = (pair_of_steps[..., 1] - pair_of_steps[..., 0]) / size[:, np.newaxis]

@@ -19,10 +19,10 @@ from stiction.mechanics.half_space import HalfSpaceCurve, half_space
 from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.mechanics.quantities import quantity_attributes
 from stiction.studies.contact_statistics import ContactList
-from stiction.studies.contact_tables import HalfSpaceContactTable
+from stiction.studies.contact_tables import HalfSpaceSettings
 from stiction.studies.evaluation import member_values
 from stiction.studies.maps import find_cell_dimensions
-from stiction.studies.measured_surfaces import MeasuredSurfaces
+from stiction.studies.measured_surfaces import MeasuredSurfaceSettings
 from stiction.studies.member_solution import PressedPair
 from stiction.studies.members import load_bodies, pair_of
 from stiction.studies.result import Result
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-PICTURE_FILE = "picture.nc"  # file name in a result folder
+CONTACT_PICTURE_FILE = "picture.nc"  # file name in a result folder
 MAX_PICTURE_SIZE = 512  # maximum number of rows or columns of a stored map
 LOADS_RELATIVE_TO_PULL_OFF = (0.25, 0.5, 1, 2, 3, 4)  # loads in the adhesion figure, as multiples of the pull-off force
 # ratio of the map size to the size of the magnified window around the largest contact
@@ -87,7 +87,7 @@ def contact_picture(result: Result | xarray.Dataset, load: float | None = None) 
     """
     result = Result.of(result)
     study = result.study
-    if not isinstance(study.surfaces, MeasuredSurfaces):
+    if not isinstance(study.surfaces, MeasuredSurfaceSettings):
         return None
     load = float(study.friction.load[0]) if load is None else load
     cut_off = study.surfaces.quoted_cut_off()
@@ -116,7 +116,7 @@ def compute_loading_cycle(result: Result) -> xarray.Dataset | None:
 
     study = result.study
     contact = study.contact
-    if not isinstance(contact, HalfSpaceContactTable) or not contact.adheres:
+    if not isinstance(contact, HalfSpaceSettings) or not contact.adheres:
         return None
     max_load, first_cell = float(contact.loading_steps()[-1]), dict.fromkeys(study.surfaces.cells(), 0)
     areas = member_values(result, [max_load])["contact_area"].isel(first_cell)
@@ -146,7 +146,7 @@ def load_contact_picture(result: StoredResult) -> xarray.Dataset | None:
     """
     zoom = ("zoom_pressure", "zoom_height") if result.study.uses_half_space else ()
     body_variables = ("upper_height", "patch", *zoom) if result.study.is_areal else ("gap",)
-    return read_companion(result.path / PICTURE_FILE, (*_CONTACT_VARIABLES, "lower_height", *body_variables))
+    return read_companion(result.path / CONTACT_PICTURE_FILE, (*_CONTACT_VARIABLES, "lower_height", *body_variables))
 
 
 def find_touching_profiles(result: Result, load: float) -> tuple[Profile, Profile, float, float] | None:

@@ -18,9 +18,9 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     from stiction.mechanics.half_space_problem import ContactSolution
 
-STEEPEST_FRACTION = 0.1  # fraction of the grid points of a body that count as steep
+STEEP_POINT_FRACTION = 0.1  # fraction of the grid points of a body that count as steep
 
-STORED_PROBABILITIES = tuple(round(0.05 * step, 2) for step in range(1, 20))
+QUANTILE_PROBABILITIES = tuple(round(0.05 * step, 2) for step in range(1, 20))
 """Probabilities of the stored quantiles of contact area, and of pressure weighted by true contact area."""
 
 MAX_CELLS_OF_SMALL_CONTACT = 4  # Contacts with at most this number of grid cells count as barely resolved.
@@ -45,7 +45,9 @@ class PairSlopes:
         }
         missing = combine_missing(upper, lower)
         measured = ... if missing is None else ~missing
-        limits = {side: float(np.quantile(slope[measured], 1 - STEEPEST_FRACTION)) for side, slope in magnitude.items()}
+        limits = {
+            side: float(np.quantile(slope[measured], 1 - STEEP_POINT_FRACTION)) for side, slope in magnitude.items()
+        }
         steep = {side: magnitude[side] > limit for side, limit in limits.items()}
         return cls(slopes_by_side["upper"], slopes_by_side["lower"], steep, limits, measured)
 
@@ -91,9 +93,9 @@ class ContactList:
         order = np.argsort(self.pressure, kind="stable")
         below = np.cumsum(self.weight[order])
         return {name: formula(self) for name, formula in LOAD_FRACTION_FORMULAS.items()} | {
-            "patch_area": sample_quantiles(self.area, STORED_PROBABILITIES),
+            "patch_area": sample_quantiles(self.area, QUANTILE_PROBABILITIES),
             "pressure": np.interp(
-                STORED_PROBABILITIES, (below - self.weight[order] / 2) / below[-1], self.pressure[order]
+                QUANTILE_PROBABILITIES, (below - self.weight[order] / 2) / below[-1], self.pressure[order]
             ),
         }  # fmt: skip
 

@@ -15,9 +15,9 @@ from stiction._units import VALID_RANGES, quantity, short_repr
 from stiction.mechanics.half_space import ADHESION_RANGE, Boundary, Tilt
 from stiction.mechanics.law import CONTACT_LAWS_BY_NAME, HertzCylinder, JacksonGreen, LawName, parse_contact_law
 from stiction.mechanics.model import PROFILE_WIDTH, ContactModel, Curvature, Detection, Direction, Shear, Sliding
-from stiction.studies.generated_surfaces import GeneratedProfiles, GeneratedSurfaces
+from stiction.studies.generated_surfaces import GeneratedProfileSettings, GeneratedSurfaceSettings
 from stiction.studies.input_uncertainty import MAX_JUNCTION_GROWTH
-from stiction.studies.measured_surfaces import MeasuredSurfaces
+from stiction.studies.measured_surfaces import MeasuredSurfaceSettings
 from stiction.studies.values import (
     ApproachesOrRange,
     ApproachRange,
@@ -27,10 +27,10 @@ from stiction.studies.values import (
     LoadRange,
     LoadsOrRange,
     Modulus,
-    Rules,
-    Strength,
-    Table,
-    TableVariant,
+    PressureOrZero,
+    SlidingRules,
+    StudyTable,
+    StudyTableVariant,
     WorkOfAdhesion,
     as_tuple,
     check_keys,
@@ -44,8 +44,8 @@ from stiction.studies.values import (
 DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # default directions of motion for height maps, degrees
 MAX_DIRECTIONS = 360  # maximum number of directions of motion for height maps
 # In the asperity model, the load curve of two profiles extends below and above the given loads by this factor.
-LINE_LOAD_MARGIN = 30.0
-NUM_LINE_LOADS = 25
+ASPERITY_LOAD_MARGIN = 30.0
+NUM_ASPERITY_LOADS = 25
 # In the half-plane model, the load curve of two profiles extends below and above the given loads by this factor.
 HALF_PLANE_LOAD_MARGIN = 10.0
 NUM_HALF_PLANE_LOADS = 7
@@ -55,7 +55,7 @@ MAX_AREAL_LOAD_RATIO = 10**0.5  # maximum ratio of successive loads at which the
 # ---- Laws -----------------------------------------------------------------------------------------------------------
 
 
-class HertzCylinderTable(Table):
+class HertzCylinderSettings(StudyTable):
     """Table for the contact law of elastic cylinders. It contains the width of the cylinders."""
 
     name: Literal["hertz-cylinder"]
@@ -66,7 +66,7 @@ class HertzCylinderTable(Table):
         return HertzCylinder(width=float(self.width))
 
 
-class JacksonGreenTable(Table):
+class JacksonGreenSettings(StudyTable):
     """Table for the Jackson-Green contact law, with the yield strength and Poisson's ratio of the softer body."""
 
     name: Literal["jackson-green"]
@@ -78,44 +78,47 @@ class JacksonGreenTable(Table):
         return JacksonGreen(yield_strength=float(self.yield_strength), poisson_ratio=self.poisson_ratio)
 
 
-LawTable = HertzCylinderTable | JacksonGreenTable
-LAW_TABLES: dict[str, type[LawTable]] = {"hertz-cylinder": HertzCylinderTable, "jackson-green": JacksonGreenTable}
+LawSettings = HertzCylinderSettings | JacksonGreenSettings
+LAW_SETTINGS: dict[str, type[LawSettings]] = {
+    "hertz-cylinder": HertzCylinderSettings,
+    "jackson-green": JacksonGreenSettings,
+}
 """Tables of contact laws with parameters, by the value of the key `name`."""
 
 
-def _read_law(value: object) -> LawName | LawTable:
+def _read_law(value: object) -> LawName | LawSettings:
     """Parse a contact law, given as a name or as a table of parameters."""
     for name in CONTACT_LAWS_BY_NAME:
         if value == name:
             return name  # type: ignore[return-value]
-    if isinstance(value, LawTable):
+    if isinstance(value, LawSettings):
         return value
-    table = LAW_TABLES.get(str(value.get("name"))) if isinstance(value, Mapping) else None
+    table = LAW_SETTINGS.get(str(value.get("name"))) if isinstance(value, Mapping) else None
     if table is None:
         names = " or ".join(f'"{name}"' for name in CONTACT_LAWS_BY_NAME)
         tables = " or ".join(
-            f'"{name}" ({", ".join(list(table.model_fields)[1:])})' for name, table in LAW_TABLES.items()
+            f'"{name}" ({", ".join(list(table.model_fields)[1:])})' for name, table in LAW_SETTINGS.items()
         )
         raise ValueError(f"must be {names}, or a table with the name {tables}, got {short_repr(value)}")
     return table.model_validate(value)
 
 
-def _write_law(law: LawName | LawTable) -> object:
+def _write_law(law: LawName | LawSettings) -> object:
     return law if isinstance(law, str) else law.model_dump()
 
 
-LawEntry = Annotated[LawName | LawTable, PlainValidator(_read_law), PlainSerializer(_write_law)]
+LawEntry = Annotated[LawName | LawSettings, PlainValidator(_read_law), PlainSerializer(_write_law)]
 
 
 # ---- Contacts -------------------------------------------------------------------------------------------------------
 
 _MaterialName = Annotated[str, Field(min_length=1, max_length=80)]
 _PoissonRatio = Annotated[float, Field(gt=-1, le=0.5)]
-DetectionKey = Annotated[
+DetectionSetting = Annotated[
     Detection,
     Field(description="Criterion for a contact: as in the paper, or minima of the gap (the only criterion for areas)."),
 ]
-CurvatureKey = Annotated[
+CurvatureSetting = Annotated[
     Curvature, Field(description="Convexity required at a contact: of both bodies, or only of their gap.")
 ]
 MaterialNames = Annotated[tuple[_MaterialName, _MaterialName], as_tuple]
@@ -123,18 +126,18 @@ MaterialNames = Annotated[tuple[_MaterialName, _MaterialName], as_tuple]
 PoissonRatios = Annotated[tuple[_PoissonRatio, _PoissonRatio], as_tuple]
 
 
-class OnsetTable(Table):
+class OnsetSettings(StudyTable):
     """Friction parameters used to compute the onset of sliding. Friction is assumed to act at all contacts.
 
     The result stores the onset for these parameters only.
     """
 
     mu0: float = Field(default=0.4, ge=0, description="Molecular friction coefficient.")
-    tau0: Strength = Field(default=quantity("0 MPa", "pressure"), description="Adhesive shear strength.")
+    tau0: PressureOrZero = Field(default=quantity("0 MPa", "pressure"), description="Adhesive shear strength.")
     poisson_ratio: float = Field(default=0.3, gt=-1, le=0.5, description="Poisson's ratio of both bodies.")
 
     @model_validator(mode="after")
-    def _resists_sliding(self) -> OnsetTable:
+    def _resists_sliding(self) -> OnsetSettings:
         if self.mu0 == 0 and float(self.tau0) == 0:
             raise ValueError("mu0 and tau0 must not both be 0, because the bodies would slide without friction")
         return self
@@ -147,7 +150,7 @@ DIRECTION_DESCRIPTION = (
 LOAD_DESCRIPTION = "Elastic normal loads; measured bodies use loads around `friction.load` by default."
 
 
-class ContactTable(TableVariant):
+class CommonContactSettings(StudyTableVariant):
     """Keys of the table `[contact]` that are common to all contact models and all kinds of surfaces."""
 
     effective_modulus: Modulus = Field(
@@ -183,7 +186,7 @@ class ContactTable(TableVariant):
 # ---- Keys by the kind of surfaces -----------------------------------------------------------------------------------
 
 
-class GeneratedContactTable(ContactTable):
+class GeneratedContactSettings(CommonContactSettings):
     """Keys of the contact table that specify the motion of generated surfaces."""
 
     place: ClassVar[str] = "generated surfaces"
@@ -192,7 +195,7 @@ class GeneratedContactTable(ContactTable):
 
     shear: Shear = Field(default="+x", description="Direction of motion of the upper body along a profile.")
     direction: Directions = Field(default=None, description=DIRECTION_DESCRIPTION)
-    sliding: Rules = Field(
+    sliding: SlidingRules = Field(
         default="opposing",
         description="Contacts with friction: only contacts that oppose the motion, as in the paper, or all contacts; "
         "or a list of both rules.",
@@ -219,7 +222,7 @@ class GeneratedContactTable(ContactTable):
         return {name: values for name, values in super().motions().items() if is_list[name]}
 
 
-class GeneratedLoadTable(GeneratedContactTable):
+class GeneratedLoadSettings(GeneratedContactSettings):
     """Keys of the contact table that specify the loads on generated surfaces."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
@@ -234,7 +237,7 @@ class GeneratedLoadTable(GeneratedContactTable):
         return to_value_array(self.load)
 
 
-class MeasuredContactTable(ContactTable):
+class MeasuredContactSettings(CommonContactSettings):
     """Keys of the contact table for measured surfaces at given loads. Results are computed for both sliding rules."""
 
     place: ClassVar[str] = "measured surfaces"
@@ -257,7 +260,7 @@ class MeasuredContactTable(ContactTable):
         return "all", "opposing"
 
 
-class MeasuredLineContactTable(MeasuredContactTable):
+class MeasuredLineContactSettings(MeasuredContactSettings):
     """Keys of the contact table for measured lines (profiles or lines of maps), which slide in both directions."""
 
     place: ClassVar[str] = "measured lines"
@@ -267,7 +270,7 @@ class MeasuredLineContactTable(MeasuredContactTable):
         return "+x", "-x"
 
 
-class MeasuredMapContactTable(MeasuredContactTable):
+class MeasuredMapContactSettings(MeasuredContactSettings):
     """Keys of the contact table for measured areas, which can slide in one or several directions."""
 
     place: ClassVar[str] = "measured areas"
@@ -280,7 +283,7 @@ class MeasuredMapContactTable(MeasuredContactTable):
         return self.direction if isinstance(self.direction, tuple) else (self.direction,)
 
 
-class HalfSpaceContactTable(ContactTable):
+class HalfSpaceSettings(CommonContactSettings):
     """Keys of the contact table for the half-space model."""
 
     place: ClassVar[str] = "the half-space"
@@ -315,7 +318,7 @@ class HalfSpaceContactTable(ContactTable):
     )
 
     @model_validator(mode="after")
-    def _has_consistent_growth(self) -> HalfSpaceContactTable:
+    def _has_consistent_growth(self) -> HalfSpaceSettings:
         if self.junction_growth and self.hardness is None:
             raise make_key_error(
                 "junction_growth", "must not be given without a hardness, because elastic contacts do not grow"
@@ -328,7 +331,7 @@ class HalfSpaceContactTable(ContactTable):
         return self
 
     @model_validator(mode="after")
-    def _has_consistent_adhesion(self) -> HalfSpaceContactTable:
+    def _has_consistent_adhesion(self) -> HalfSpaceSettings:
         if self.adhesion_range is not None and not self.adheres:
             raise make_key_error("adhesion_range", "must not be given unless work_of_adhesion is above 0")
         strength = float(self.work_of_adhesion or 0) / float(self.adhesion_range or ADHESION_RANGE)
@@ -345,7 +348,7 @@ class HalfSpaceContactTable(ContactTable):
         return bool(self.work_of_adhesion)
 
     @model_validator(mode="after")
-    def _has_consistent_tilt(self) -> HalfSpaceContactTable:
+    def _has_consistent_tilt(self) -> HalfSpaceSettings:
         if self.tilt == "free" and (self.adheres or self.boundary == "periodic"):
             raise make_key_error(
                 "tilt", 'must be "fixed" if the boundaries are periodic or the bodies adhere, got "free"'
@@ -365,7 +368,7 @@ class HalfSpaceContactTable(ContactTable):
         }
 
 
-class AsperityContactTable(ContactTable):
+class AsperitySettings(CommonContactSettings):
     """Keys of the contact table for the asperity model, which neglects interaction between contacts."""
 
     place: ClassVar[str] = "asperities"
@@ -381,8 +384,8 @@ class AsperityContactTable(ContactTable):
         default="hertz-sphere",
         description='Contact law; `{ name = "jackson-green", yield_strength = ..., poisson_ratio = ... }`.',
     )
-    detection: DetectionKey = "gap-minimum"
-    curvature: CurvatureKey = "convex"
+    detection: DetectionSetting = "gap-minimum"
+    curvature: CurvatureSetting = "convex"
 
     def direction_keywords(self) -> dict[str, Any]:
         """Return the contact-model arguments for the direction of motion, or an empty dict if none are needed."""
@@ -400,7 +403,7 @@ class AsperityContactTable(ContactTable):
 # ---- Combinations of contact model and kind of surfaces --------------------------------------------------------------
 
 
-class GeneratedAsperityTable(AsperityContactTable, GeneratedContactTable):
+class GeneratedAsperitySettings(AsperitySettings, GeneratedContactSettings):
     """Keys of the contact table for generated surfaces and the asperity model. They prescribe approaches."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
@@ -409,7 +412,7 @@ class GeneratedAsperityTable(AsperityContactTable, GeneratedContactTable):
         default=ApproachRange(start=quantity("0.1 nm", "length"), stop=quantity("40 nm", "length"), count=40),
         description="Approaches of the bodies from first contact.",
     )
-    onset: OnsetTable | None = Field(
+    onset: OnsetSettings | None = Field(
         default=None,
         description="Friction parameters for which the onset of sliding of each pair is stored, as in `{ mu0 = 0.4 }`.",
     )
@@ -436,124 +439,129 @@ class GeneratedAsperityTable(AsperityContactTable, GeneratedContactTable):
         return {"shear": self.shear, "direction": self.direction}
 
 
-class GeneratedProfileAsperityTable(GeneratedAsperityTable):
+class GeneratedProfileAsperitySettings(GeneratedAsperitySettings):
     """Contact table of the asperity model for generated profiles."""
 
     place: ClassVar[str] = "asperities of generated lines"
 
-    detection: DetectionKey = "cell"
+    detection: DetectionSetting = "cell"
 
 
-class GeneratedMapAsperityTable(GeneratedAsperityTable):
+class GeneratedMapAsperitySettings(GeneratedAsperitySettings):
     """Contact table of the asperity model for generated height maps."""
 
     place: ClassVar[str] = "asperities of generated areas"
 
-    curvature: CurvatureKey = "signed"
+    curvature: CurvatureSetting = "signed"
 
 
-class MeasuredLineAsperityTable(AsperityContactTable, MeasuredLineContactTable):
+class MeasuredLineAsperitySettings(AsperitySettings, MeasuredLineContactSettings):
     """Contact table of the asperity model for measured lines."""
 
     place: ClassVar[str] = "asperities of measured lines"
     onset: ClassVar[None] = None
 
 
-class MeasuredMapAsperityTable(AsperityContactTable, MeasuredMapContactTable):
+class MeasuredMapAsperitySettings(AsperitySettings, MeasuredMapContactSettings):
     """Contact table of the asperity model for measured height maps."""
 
     place: ClassVar[str] = "asperities of measured areas"
     onset: ClassVar[None] = None
 
-    curvature: CurvatureKey = "signed"
+    curvature: CurvatureSetting = "signed"
 
 
-class GeneratedProfileHalfSpaceTable(HalfSpaceContactTable, GeneratedLoadTable):
+class GeneratedProfileHalfSpaceSettings(HalfSpaceSettings, GeneratedLoadSettings):
     """Contact table of the half-plane model for generated profiles."""
 
     place: ClassVar[str] = "the half-space of generated lines"
 
 
-class GeneratedMapHalfSpaceTable(HalfSpaceContactTable, GeneratedLoadTable):
+class GeneratedMapHalfSpaceSettings(HalfSpaceSettings, GeneratedLoadSettings):
     """Contact table of the half-space model for generated height maps."""
 
     place: ClassVar[str] = "the half-space of generated areas"
 
 
-class MeasuredLineHalfSpaceTable(HalfSpaceContactTable, MeasuredLineContactTable):
+class MeasuredLineHalfSpaceSettings(HalfSpaceSettings, MeasuredLineContactSettings):
     """Contact table of the half-plane model for measured lines."""
 
     place: ClassVar[str] = "the half-space of measured lines"
 
 
-class MeasuredMapHalfSpaceTable(HalfSpaceContactTable, MeasuredMapContactTable):
+class MeasuredMapHalfSpaceSettings(HalfSpaceSettings, MeasuredMapContactSettings):
     """Contact table of the half-space model for measured height maps."""
 
     place: ClassVar[str] = "the half-space of measured areas"
 
 
-Contact = (
-    GeneratedProfileAsperityTable
-    | GeneratedMapAsperityTable
-    | MeasuredLineAsperityTable
-    | MeasuredMapAsperityTable
-    | GeneratedProfileHalfSpaceTable
-    | GeneratedMapHalfSpaceTable
-    | MeasuredLineHalfSpaceTable
-    | MeasuredMapHalfSpaceTable
+ContactSettings = (
+    GeneratedProfileAsperitySettings
+    | GeneratedMapAsperitySettings
+    | MeasuredLineAsperitySettings
+    | MeasuredMapAsperitySettings
+    | GeneratedProfileHalfSpaceSettings
+    | GeneratedMapHalfSpaceSettings
+    | MeasuredLineHalfSpaceSettings
+    | MeasuredMapHalfSpaceSettings
 )
 """Table `[contact]` of a study."""
 
-CONTACT_CASES: dict[str, dict[str, type[Contact]]] = {
-    "generated lines": {"asperities": GeneratedProfileAsperityTable, "half-space": GeneratedProfileHalfSpaceTable},
-    "generated areas": {"asperities": GeneratedMapAsperityTable, "half-space": GeneratedMapHalfSpaceTable},
-    "measured lines": {"asperities": MeasuredLineAsperityTable, "half-space": MeasuredLineHalfSpaceTable},
-    "measured areas": {"half-space": MeasuredMapHalfSpaceTable, "asperities": MeasuredMapAsperityTable},
+CONTACT_SETTINGS_CLASSES: dict[str, dict[str, type[ContactSettings]]] = {
+    "generated lines": {
+        "asperities": GeneratedProfileAsperitySettings,
+        "half-space": GeneratedProfileHalfSpaceSettings,
+    },
+    "generated areas": {"asperities": GeneratedMapAsperitySettings, "half-space": GeneratedMapHalfSpaceSettings},
+    "measured lines": {"asperities": MeasuredLineAsperitySettings, "half-space": MeasuredLineHalfSpaceSettings},
+    "measured areas": {"half-space": MeasuredMapHalfSpaceSettings, "asperities": MeasuredMapAsperitySettings},
 }
 """Classes of the table by kind of bodies and value of `mechanics`; the first class of each kind is the default."""
 
-SHARED_CONTACT_TABLES: tuple[type[ContactTable], ...] = (
-    AsperityContactTable, GeneratedAsperityTable, MeasuredContactTable, GeneratedContactTable, MeasuredMapContactTable,
-    HalfSpaceContactTable, GeneratedLoadTable,
+SHARED_CONTACT_SETTINGS: tuple[type[CommonContactSettings], ...] = (
+    AsperitySettings, GeneratedAsperitySettings, MeasuredContactSettings, GeneratedContactSettings,
+    MeasuredMapContactSettings, HalfSpaceSettings, GeneratedLoadSettings,
 )  # fmt: skip
 """Base classes whose keys several tables share; error messages about misplaced keys name these classes."""
 
 
 def select_contact_case(
-    surfaces: type[GeneratedSurfaces | MeasuredSurfaces], table: Mapping[str, Any]
-) -> type[Contact]:
+    surfaces: type[GeneratedSurfaceSettings | MeasuredSurfaceSettings], table: Mapping[str, Any]
+) -> type[ContactSettings]:
     """Return the contact-table class that matches the kind of surfaces and the key `mechanics`."""
-    cases = CONTACT_CASES[surfaces.bodies]
+    cases = CONTACT_SETTINGS_CLASSES[surfaces.bodies]
     return cases[select_key_value("mechanics", table, cases)]
 
 
-def read_contact(value: Mapping[str, Any], surfaces: GeneratedSurfaces | MeasuredSurfaces) -> Contact:
+def read_contact(
+    value: Mapping[str, Any], surfaces: GeneratedSurfaceSettings | MeasuredSurfaceSettings
+) -> ContactSettings:
     """Parse a contact table and check that it is consistent with the surfaces."""
     case = select_contact_case(type(surfaces), value)
-    check_keys(value, case, SHARED_CONTACT_TABLES)
+    check_keys(value, case, SHARED_CONTACT_SETTINGS)
     contact = case.model_validate(value)
-    if isinstance(contact, MeasuredMapContactTable):
+    if isinstance(contact, MeasuredMapContactSettings):
         direction = contact.direction
         if direction is None or len(contact.directions_of_motion()) > MAX_DIRECTIONS:
             raise make_key_error("direction", f"must be 1 to {MAX_DIRECTIONS} directions, got {short_repr(direction)}")
         contact = contact.model_copy(update={"direction": tuple(contact.degrees().tolist())})
-    is_profile = isinstance(surfaces, GeneratedProfiles)
-    if is_profile and isinstance(contact, GeneratedContactTable) and contact.direction not in (None, "+x", "-x"):
+    is_profile = isinstance(surfaces, GeneratedProfileSettings)
+    if is_profile and isinstance(contact, GeneratedContactSettings) and contact.direction not in (None, "+x", "-x"):
         raise make_key_error("direction", f'must be "+x" or "-x" for profiles, got {short_repr(contact.direction)}')
-    if isinstance(contact, AsperityContactTable) and surfaces.is_areal:
+    if isinstance(contact, AsperitySettings) and surfaces.is_areal:
         try:
             contact.model().for_surfaces()
         except ValueError as error:
             key, _, reason = str(error).partition(" ")
             raise make_key_error(key, reason) from None
     if (
-        isinstance(contact, HalfSpaceContactTable)
+        isinstance(contact, HalfSpaceSettings)
         and contact.hardness is not None
-        and not isinstance(surfaces, MeasuredSurfaces)
+        and not isinstance(surfaces, MeasuredSurfaceSettings)
     ):
         area = (
             float(surfaces.extent) * PROFILE_WIDTH
-            if isinstance(surfaces, GeneratedProfiles)
+            if isinstance(surfaces, GeneratedProfileSettings)
             else math.prod(surfaces.extents())
         )
         if not contact.loading_steps()[-1] < (max_load := float(contact.hardness) * area):
@@ -594,7 +602,7 @@ def choose_load_steps(
     if not requested.size or not (requested > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {short_repr(loads)}")
     if press == "lines" and mechanics == "asperities":
-        steps = _extend_loads(requested, LINE_LOAD_MARGIN, NUM_LINE_LOADS)
+        steps = _extend_loads(requested, ASPERITY_LOAD_MARGIN, NUM_ASPERITY_LOADS)
     elif press == "lines":
         steps = _extend_loads(requested, HALF_PLANE_LOAD_MARGIN, NUM_HALF_PLANE_LOADS)
     else:

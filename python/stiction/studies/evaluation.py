@@ -79,7 +79,7 @@ The sum of areas exceeds the nominal area if asperities overlap.
 
 def at_load(
     result: Result | xarray.Dataset, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None,
-    reading: Reading | None = None, of: Kind | None = None, names: Collection[str] | None = None,
+    reading: LoadDefinition | None = None, of: MemberKind | None = None, names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
     """Evaluate friction, true area and contact statistics at given loads, and compute their 95 % intervals.
 
@@ -122,7 +122,7 @@ def at_load(
     study = result.study
     measured = study.is_measured
     reading = reading or ("elastic" if measured else "mean")
-    check_choice("reading", reading, Reading)
+    check_choice("reading", reading, LoadDefinition)
     values = np.unique(np.atleast_1d(float_array("loads", loads)))
     if study.contact.adheres and 0 in values:
         values = np.unique(np.where(values == 0, negligible_load(result), values))
@@ -146,7 +146,7 @@ def at_load(
             point = point.assign(small_slope_estimate(cells, gradient.values, along, rules, *material, modulus))
     if measured and _is_requested("reading_difference", names):
         # `reading_difference` compares the coefficients at equal elastic load with those at equal normal load.
-        other_reading: Reading = "normal" if reading == "elastic" else "elastic"
+        other_reading: LoadDefinition = "normal" if reading == "elastic" else "elastic"
         members = _members_before_growth(result, values, *material, other_reading, of, names)
         if areas is not None:
             members = _apply_junction_growth(members, study, areas, ())
@@ -285,7 +285,7 @@ def reached_loads(result: Result | xarray.Dataset, steps: int = 80) -> Floats:
     return np.asarray(np.geomspace(lowest, highest, steps))
 
 
-DEFAULT_LOADS = 3  # number of loads at which results are shown if the study specifies no loads
+NUM_DEFAULT_LOADS = 3  # number of loads at which results are shown if the study specifies no loads
 
 
 def default_loads(result: Result) -> Floats:
@@ -297,7 +297,7 @@ def default_loads(result: Result) -> Floats:
     if friction.load:
         return np.array([float(load) for load in friction.load])
     ends = np.log10(reached_loads(result, 2))
-    loads = 10 ** (ends[0] + (ends[1] - ends[0]) * np.linspace(0.2, 0.8, DEFAULT_LOADS))
+    loads = 10 ** (ends[0] + (ends[1] - ends[0]) * np.linspace(0.2, 0.8, NUM_DEFAULT_LOADS))
     return np.unique([float(f"{load:.0e}") for load in loads])
 
 
@@ -321,7 +321,7 @@ def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Datase
 def _average_members(study: Study, members: xarray.Dataset, names: Collection[str] | None) -> xarray.Dataset:
     import xarray
 
-    order = MemberAverage.of(study, members)
+    order = MemberAveraging.of(study, members)
     several = members.sizes["direction"] > 1
     tables = members.variables
     dims = [str(dim) for dim in tables["friction_coefficient"].dims if dim != "repetition"]
@@ -396,7 +396,7 @@ def _contact_status(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray
 
 
 @dataclass(frozen=True, eq=False)
-class MemberAverage:
+class MemberAveraging:
     """Statistical dependence between members: none, between neighbours on a line, or through shared scans."""
 
     order: NDArray[np.intp] | None = None
@@ -404,7 +404,7 @@ class MemberAverage:
     scans: tuple[Any, Any] | None = None
 
     @classmethod
-    def of(cls, study: Study, places: Mapping[Any, Any]) -> MemberAverage:
+    def of(cls, study: Study, places: Mapping[Any, Any]) -> MemberAveraging:
         """Determine the dependence between members from their positions.
 
         Members on adjacent lines, or at adjacent positions of a line, are neighbours.
@@ -445,7 +445,7 @@ class MemberAverage:
         return ends.reshape(*values.shape[1:], 3)
 
 
-def _mean_and_interval(values: Floats, found: intervals.ScansMean | None) -> tuple[float, float, float]:
+def _mean_and_interval(values: Floats, found: intervals.ScanPairMean | None) -> tuple[float, float, float]:
     """Return the mean of the values and its interval limits. The limits are above 0 if no value is negative."""
     if found is None:
         finite = values[np.isfinite(values)]
@@ -456,13 +456,13 @@ def _mean_and_interval(values: Floats, found: intervals.ScansMean | None) -> tup
 
 # ---- Values of each member -------------------------------------------------------------------------------------------
 
-Reading = Literal["mean", "elastic", "normal"]
-Kind = Literal["shifts", "surrogates"]
+LoadDefinition = Literal["mean", "elastic", "normal"]
+MemberKind = Literal["shifts", "surrogates"]
 
 
 def member_values(
     result: Result | xarray.Dataset, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None,
-    reading: Reading = "elastic", of: Kind | None = None,
+    reading: LoadDefinition = "elastic", of: MemberKind | None = None,
 ) -> xarray.Dataset:  # fmt: skip
     """Evaluate friction and contact quantities at given loads for each member of a result.
 
@@ -498,7 +498,7 @@ def member_values(
 
 
 def _members_before_growth(
-    result: Result, loads: Floats, mu0: Floats, tau0: Floats, reading: Reading, of: Kind | None,
+    result: Result, loads: Floats, mu0: Floats, tau0: Floats, reading: LoadDefinition, of: MemberKind | None,
     names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
     """Evaluate each member of a result at given loads, without the effect of junction growth.
@@ -603,7 +603,11 @@ def _apply_junction_growth(
 
 
 def member_sums_at_loads(
-    result: Result | xarray.Dataset, loads: Floats, names: Sequence[str] = LOAD_SUM_NAMES, *, of: Kind | None = None
+    result: Result | xarray.Dataset,
+    loads: Floats,
+    names: Sequence[str] = LOAD_SUM_NAMES,
+    *,
+    of: MemberKind | None = None,
 ) -> xarray.Dataset:
     """Return contact sums of all members at elastic loads (mN). The default is the six sums that determine friction.
 
@@ -679,7 +683,7 @@ class ForcesPerLoad:
 
 
 def _evaluate_pieces(
-    result: Result, of: Kind | None, read: Callable[[xarray.Dataset], xarray.Dataset]
+    result: Result, of: MemberKind | None, read: Callable[[xarray.Dataset], xarray.Dataset]
 ) -> xarray.Dataset:
     import xarray
 
@@ -692,23 +696,30 @@ def _evaluate_pieces(
     is_surrogate = whole["surrogate"].values.astype(bool)
     is_wanted = bool(is_surrogate.all()) if of is None else of == "surrogates"
     if not (is_surrogate == is_wanted).any():
-        other: Kind = "shifts" if is_wanted else "surrogates"
+        other: MemberKind = "shifts" if is_wanted else "surrogates"
         raise ValueError(f"of must be {other!r} for this result, got {of!r}")
     return whole.isel(repetition=np.flatnonzero(is_surrogate == is_wanted))
 
 
-_FRICTION = ("friction_coefficient", "normal_load", "tangential_load", "status", "contact_area", *GAP_QUANTITIES)
+_FRICTION_VARIABLES = (
+    "friction_coefficient",
+    "normal_load",
+    "tangential_load",
+    "status",
+    "contact_area",
+    *GAP_QUANTITIES,
+)
 """Quantities that are always evaluated, because intervals of friction need the true area and the slopes of the gap."""
 
 
 def _evaluate_piece(
-    piece: xarray.Dataset, study: Study, loads: Floats, mu0: Floats, tau0: Floats, reading: Reading,
+    piece: xarray.Dataset, study: Study, loads: Floats, mu0: Floats, tau0: Floats, reading: LoadDefinition,
     names: Collection[str] | None,
 ) -> xarray.Dataset:  # fmt: skip
     """Evaluate one piece (group of members) of a result at given loads.
 
     If the steps are loads, values are interpolated over the logarithm of the load. `names` lists quantities to evaluate
-    besides `_FRICTION`; None stands for all.
+    besides `_FRICTION_VARIABLES`; None stands for all.
     """
     import xarray
 
@@ -751,7 +762,7 @@ def _evaluate_piece(
             # The denominator is the sum of F |t·s|, which equals the load to first order in the slopes.
             opposing = rubbing_by_rule[0] / rubbing_by_rule[1]
         variables["share_opposing"] = ((*lead, "direction", "load"), opposing, quantity_attributes("share_opposing"))
-    requested = None if names is None else {*_FRICTION, *names}
+    requested = None if names is None else {*_FRICTION_VARIABLES, *names}
     for name in INTERPOLATED_QUANTITIES:
         if name != "normal_elastic" and not _is_requested(name, requested):
             continue

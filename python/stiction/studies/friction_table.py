@@ -22,11 +22,11 @@ from stiction.studies.values import validate_table
 if TYPE_CHECKING:
     import xarray
 
-TABLE_TITLE = "stiction table"  # `title` attribute of a friction table
+FRICTION_TABLE_TITLE = "stiction table"  # `title` attribute of a friction table
 MIN_STIFFNESS_PRESSURES = 3  # minimum number of pressures needed to compute a stiffness
 # The surfaces are isotropic, so coefficients are averaged over these directions of motion (degrees).
 AVERAGED_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
-MAX_FITTED_AREA = 0.1  # maximum true area fraction of the results to which the laws are fitted
+MAX_FITTED_AREA_FRACTION = 0.1  # maximum true area fraction of the results to which the laws are fitted
 MAX_LAW_DEVIATION = 0.1  # A caveat is issued if the means deviate from a fitted law by more than this fraction.
 _DIMENSION_ORDER = ("repetition", "fractal_dimension", "amplitude", "load")
 
@@ -209,7 +209,7 @@ def friction_table(
     approach, touching, stiffness = (values[..., indices] for values in (approach, touching, stiffness))
     pairs = {"contact_area_fraction": touching / area, "normal_stiffness": stiffness, "approach": approach}
     means = {name: np.stack(intervals.sample_mean(values), axis=-1) for name, values in pairs.items()}
-    light = means["contact_area_fraction"][..., 0] <= MAX_FITTED_AREA
+    light = means["contact_area_fraction"][..., 0] <= MAX_FITTED_AREA_FRACTION
     light[light.sum(axis=-1) < 2] = True
     coefficient = ensemble_friction(dataset, dataset["load"].values, *material)
     laws = _fit_laws(pressure, light, pairs)
@@ -239,7 +239,10 @@ def friction_table(
         "rms": dataset["amplitude"].values, "pressure": pressure, "mu0": material[0], "tau0": material[1],
     }  # fmt: skip
     coordinates = {name: (name, values, quantity_attributes(name)) for name, values in coordinate_values.items()}
-    attributes = {"title": TABLE_TITLE, **{name: dataset.attrs[name] for name in ("study", "stiction_version")}}
+    attributes = {
+        "title": FRICTION_TABLE_TITLE,
+        **{name: dataset.attrs[name] for name in ("study", "stiction_version")},
+    }
     table = xarray.Dataset(variables, coordinates | {"statistic": ["mean", "lower", "upper"]}, attributes)
     table["pressure"].attrs["long_name"] = "normal load over nominal area"
     table["normal_stiffness"].attrs = {"units": "GPa/um", "long_name": "normal stiffness of each nominal area"}

@@ -12,11 +12,11 @@ from stiction._units import exact_text, quantity, short_repr
 from stiction.studies.values import (
     MAX_VALUES,
     DimensionRange,
-    DimensionsOrRange,
+    FractalDimensionsOrRange,
     Length,
     Lengths,
-    Side,
-    TableVariant,
+    NumGridPoints,
+    StudyTableVariant,
     as_tuple,
     make_key_error,
     read_length,
@@ -37,12 +37,14 @@ BandLimit = Annotated[
     Literal["none", "nyquist"],
     Field(description="Treatment of wavelengths below two grid points: aliased, as in the paper, or omitted."),
 ]
-ConventionOfEquation = Annotated[
+DimensionConvention = Annotated[
     Convention, Field(description="Definition of D: that of the paper, H = 4 - 2D, or the classical one, H = 2 - D.")
 ]
-AreaExtent = Annotated[tuple[Length, Length], as_tuple, Field(description="Lengths of a surface along y and x.")]
-GridShape = Annotated[tuple[Side, Side], as_tuple, Field(description="Rows and columns of a surface.")]
-AreaAmplitude = Annotated[
+MapExtents = Annotated[tuple[Length, Length], as_tuple, Field(description="Lengths of a surface along y and x.")]
+GridShape = Annotated[
+    tuple[NumGridPoints, NumGridPoints], as_tuple, Field(description="Rows and columns of a surface.")
+]
+AmplitudeDefinition = Annotated[
     SurfaceAmplitude, Field(description="Measure of the amplitude: total height, mean (Sa) or root mean square (Sq).")
 ]
 
@@ -51,7 +53,7 @@ AreaAmplitude = Annotated[
 MAX_HARMONICS = 1_000_000
 
 
-class GeneratedSurfaceKeys(TableVariant):
+class CommonGeneratedSettings(StudyTableVariant):
     """Keys of `[surfaces]` that all generated surfaces share, i.e. fractal dimension and amplitude."""
 
     bodies: ClassVar[str] = "generated areas"  # term for the bodies in error messages
@@ -66,7 +68,7 @@ class GeneratedSurfaceKeys(TableVariant):
     first_scan_member: ClassVar[int] = 0
     scan_counts: ClassVar[tuple[int, int]] = (1, 1)
 
-    fractal_dimension: DimensionsOrRange = Field(
+    fractal_dimension: FractalDimensionsOrRange = Field(
         default=DimensionRange(start=1.0, stop=1.7, count=50),
         description="D, as defined by `convention`; for surfaces, D of a section.",
     )
@@ -101,7 +103,7 @@ class GeneratedSurfaceKeys(TableVariant):
         return {"fractal_dimension": self.fractal_dimensions(), "amplitude": self.amplitudes()}
 
 
-class GeneratedProfiles(GeneratedSurfaceKeys):
+class GeneratedProfileSettings(CommonGeneratedSettings):
     """Keys of `[surfaces]` for pairs of fractal profiles that are generated with Eq. 1 of the paper."""
 
     place: ClassVar[str] = "fractal profiles"
@@ -121,7 +123,7 @@ class GeneratedProfiles(GeneratedSurfaceKeys):
     gamma: Gamma = 1.5
     directions: NumWaveDirections = 40
     frequencies: NumFrequencies = 40
-    convention: ConventionOfEquation = "paper"
+    convention: DimensionConvention = "paper"
     band_limit: BandLimit = "none"
 
     @property
@@ -130,15 +132,15 @@ class GeneratedProfiles(GeneratedSurfaceKeys):
         return float(self.extent) / self.points
 
 
-class GeneratedAreas(GeneratedSurfaceKeys):
+class GeneratedMapSettings(CommonGeneratedSettings):
     """Keys of `[surfaces]` that all generated height maps share: side lengths and shape of the grid."""
 
     kind: Literal["surface"] = Field(default="surface", description="Kind of surfaces: lines or areas.")
-    extent: AreaExtent = (quantity("10 um", "length"), quantity("10 um", "length"))
+    extent: MapExtents = (quantity("10 um", "length"), quantity("10 um", "length"))
     shape: GridShape = (512, 512)
 
     @model_validator(mode="after")
-    def _check_points(self) -> GeneratedAreas:
+    def _check_points(self) -> GeneratedMapSettings:
         if self.shape[0] * self.shape[1] > MAX_POINTS:
             raise make_key_error("shape", f"must have at most {MAX_POINTS} points, got {list(self.shape)}")
         return self
@@ -154,7 +156,7 @@ class GeneratedAreas(GeneratedSurfaceKeys):
         return along_y / rows, along_x / columns
 
 
-class WeierstrassMandelbrotSurfaces(GeneratedAreas):
+class WeierstrassMandelbrotSettings(GeneratedMapSettings):
     """Keys of `[surfaces]` for pairs of fractal height maps that are generated with Eq. 1 of the paper."""
 
     place: ClassVar[str] = "Weierstrass-Mandelbrot surfaces"
@@ -162,12 +164,12 @@ class WeierstrassMandelbrotSurfaces(GeneratedAreas):
     generator: Literal["weierstrass-mandelbrot"] = Field(
         default="weierstrass-mandelbrot", description="Generator: Eq. 1 of the paper over an area."
     )
-    amplitude_measure: AreaAmplitude = "height"
+    amplitude_measure: AmplitudeDefinition = "height"
     length_scale: LengthScale = quantity("1 um", "length")
     gamma: Gamma = 1.5
     directions: NumWaveDirections = 40
     frequencies: NumFrequencies = 40
-    convention: ConventionOfEquation = "paper"
+    convention: DimensionConvention = "paper"
     band_limit: BandLimit = "none"
 
 
@@ -185,7 +187,7 @@ def _to_fractal_dimensions(exponents: Any) -> Any:
         ) from None
 
 
-class SelfAffineSurfaces(GeneratedAreas):
+class SelfAffineSettings(GeneratedMapSettings):
     """Keys of `[surfaces]` for pairs of height maps with Gaussian heights and a power-law spectrum."""
 
     place: ClassVar[str] = "self-affine surfaces"
@@ -193,7 +195,7 @@ class SelfAffineSurfaces(GeneratedAreas):
     generator: Literal["self-affine"] = Field(
         default="self-affine", description="Generator: Gaussian roughness with a power-law spectrum."
     )
-    amplitude_measure: AreaAmplitude = "height"
+    amplitude_measure: AmplitudeDefinition = "height"
     longest_wavelength: Length | None = Field(
         default=None, description="Roll-off wavelength of the spectrum; by default the longer side."
     )
@@ -243,7 +245,7 @@ class SelfAffineSurfaces(GeneratedAreas):
         return table
 
     @model_validator(mode="after")
-    def _check_wavelengths(self) -> SelfAffineSurfaces:
+    def _check_wavelengths(self) -> SelfAffineSettings:
         side, finest, longest = max(self.extents()), 2 * max(self.spacings()), self.max_wavelength()
         shortest = finest if self.shortest_wavelength is None else float(self.shortest_wavelength)
         if longest > side * ROUND_OFF_FACTOR:
@@ -265,5 +267,5 @@ class SelfAffineSurfaces(GeneratedAreas):
         return max(self.extents()) if self.longest_wavelength is None else float(self.longest_wavelength)
 
 
-GeneratedSurfaces = GeneratedProfiles | WeierstrassMandelbrotSurfaces | SelfAffineSurfaces
+GeneratedSurfaceSettings = GeneratedProfileSettings | WeierstrassMandelbrotSettings | SelfAffineSettings
 """Table `[surfaces]` of a generated ensemble."""

@@ -22,7 +22,7 @@ from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solve_sepa
 from stiction.mechanics.hardness import area_per_load
 from stiction.mechanics.materials import Material, material, softer_material
 from stiction.mechanics.resolution import SMALL_LOAD_KAPPA
-from stiction.studies.contact_tables import HalfSpaceContactTable
+from stiction.studies.contact_tables import HalfSpaceSettings
 from stiction.studies.input_uncertainty import UncertainInput, parse_input, parse_study_input
 from stiction.studies.members import count_points, load_bodies
 from stiction.studies.moduli import Moduli, find_material_hardness, find_material_moduli
@@ -62,16 +62,18 @@ MAX_NARROW_HALF_RANGE = 0.2
 The area at another modulus is then derived from the dependence of the area on the load.
 """
 
-NODE_ROUND_OFF = 1e-9  # nodes count as equal if they differ by at most this relative amount, to allow for round-off
+EQUAL_NODE_TOLERANCE = (
+    1e-9  # nodes count as equal if they differ by at most this relative amount, to allow for round-off
+)
 
-SHEAR_NODE_STEP, NUM_SHEAR_NODES = 0.6, 3
+SHEAR_NODE_SPACING, NUM_SHEAR_NODES = 0.6, 3
 """Spacing in ln H and number of additional nodes below the hardness range for junction growth.
 
 Below these nodes, all contacts are assumed to be plastic, with an area proportional to 1/H.
 """
 
-NUM_TABLE_STEPS = 2**15  # number of steps of ln H in a table of areas
-TABLE_MARGINS = 1e3, 4.0  # factors by which a table extends below the smallest and above the largest node
+NUM_AREA_TABLE_STEPS = 2**15  # number of steps of ln H in a table of areas
+AREA_TABLE_MARGINS = 1e3, 4.0  # factors by which a table extends below the smallest and above the largest node
 
 NODE_QUANTILES = (0.005, 0.995)
 """Quantiles of an input that define the outermost nodes."""
@@ -204,7 +206,7 @@ def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
     )
     nodes = np.sqrt(ends.prod()) * positions
     # A node that differs from the hardness of the study only by round-off is removed.
-    nodes = nodes[~np.isclose(nodes, float(hardness), rtol=NODE_ROUND_OFF, atol=0.0)]
+    nodes = nodes[~np.isclose(nodes, float(hardness), rtol=EQUAL_NODE_TOLERANCE, atol=0.0)]
     nodes = np.unique([*nodes, float(hardness), np.inf])
     return np.unique([*_choose_shear_nodes(study, float(nodes[0])), *nodes]), moduli
 
@@ -213,7 +215,7 @@ def _choose_shear_nodes(study: Study, softest: float) -> Floats:
     """Return hardness nodes (GPa) below the smallest hardness. Junction growth requires these additional nodes."""
     if find_junction_growth(study) is None:
         return np.zeros(0)
-    return np.asarray(softest * np.exp(-SHEAR_NODE_STEP * np.arange(1, NUM_SHEAR_NODES + 1)))
+    return np.asarray(softest * np.exp(-SHEAR_NODE_SPACING * np.arange(1, NUM_SHEAR_NODES + 1)))
 
 
 def compute_areas_over_hardness(study: Study, executor: Executor) -> xarray.Dataset | None:
@@ -267,7 +269,7 @@ def _solve_member_areas(study: Study, loads: Floats, task: tuple[int, float, flo
     bodies, contact, hardness = load_bodies(study), study.contact, modulus * ratio
     surfaces: Any = study.surfaces
     upper, lower = bodies.member(index, surfaces.quoted_cut_off()).pair
-    assert isinstance(contact, HalfSpaceContactTable), "the mechanics must be half-space"
+    assert isinstance(contact, HalfSpaceSettings), "the mechanics must be half-space"
     modulus *= float(contact.effective_modulus)
     solid = contact.solver_arguments() | {
         "hardness": hardness if np.isfinite(hardness) else None,
@@ -320,7 +322,7 @@ _Value = TypeVar("_Value")
 
 
 @dataclass(frozen=True, eq=False)
-class NodeAreas:
+class AreasAtNodes:
     """Member-averaged true areas at the loads of the study, for several hardnesses and relative moduli."""
 
     loads: Floats  # loads of the study (l,), mN
@@ -329,10 +331,12 @@ class NodeAreas:
     areas: Floats  # areas per load times relative modulus, e A/F, at the nodes (l, m, n), 1/GPa
     opposing_areas: Floats | None  # areas per load A/F of contacts that oppose the motion (l, n), 1/GPa
     errors: Floats  # standard errors of the area at each node, relative to the area in the study (l, n)
-    tables: dict[Any, SampledAreas] = field(default_factory=dict)  # cached tables of A/F, shared by interpolators
+    tables: dict[Any, TabulatedAreaFunction] = field(
+        default_factory=dict
+    )  # cached tables of A/F, shared by interpolators
 
     @classmethod
-    def load(cls, result: StoredResult) -> NodeAreas | None:
+    def load(cls, result: StoredResult) -> AreasAtNodes | None:
         """Load the true areas stored with a result, or return None if none are stored for the current nodes."""
         if (solved := load_areas_over_hardness(result)) is None:
             return None
@@ -361,29 +365,29 @@ class NodeAreas:
         return np.asarray(self.errors[np.abs(self.loads - loads[:, np.newaxis]).argmin(axis=1)])
 
 
-Places = tuple[NDArray[np.intp], Floats]
+TablePositions = tuple[NDArray[np.intp], Floats]
 """Steps of a table below given hardnesses, and positions of the hardnesses between the steps as fractions."""
 
 
-class SampledAreas:
+class TabulatedAreaFunction:
     """Function that computes A/F from ln H. For many hardnesses, it is several times faster than `area_per_load`.
 
-    Areas at many hardnesses are interpolated linearly in a table of A/F with `NUM_TABLE_STEPS` equal steps of ln H,
-    with a relative error below 1e-5. Areas at few hardnesses, or outside the table, are computed exactly.
+    Areas at many hardnesses are interpolated linearly in a table of A/F with `NUM_AREA_TABLE_STEPS` equal steps of ln
+    H, with a relative error below 1e-5. Areas at few hardnesses, or outside the table, are computed exactly.
     """
 
     def __init__(self, nodes: Floats, at_nodes: Floats, elastic: Floats) -> None:
         self._arguments = nodes, at_nodes, elastic
         # limits of ln H in the table
-        self.limits = math.log(nodes[0] / TABLE_MARGINS[0]), math.log(nodes[-1] * TABLE_MARGINS[1])
+        self.limits = math.log(nodes[0] / AREA_TABLE_MARGINS[0]), math.log(nodes[-1] * AREA_TABLE_MARGINS[1])
 
     @cached_property
     def _table(self) -> tuple[Floats, Floats]:
         """Values of A/F at equal steps of ln H, and the differences between successive values."""
-        areas = area_per_load(np.exp(np.linspace(*self.limits, NUM_TABLE_STEPS + 1)), *self._arguments)
+        areas = area_per_load(np.exp(np.linspace(*self.limits, NUM_AREA_TABLE_STEPS + 1)), *self._arguments)
         return areas, np.diff(areas, axis=-1)
 
-    def __call__(self, log_hardness: Floats, places: Places | None) -> Floats:
+    def __call__(self, log_hardness: Floats, places: TablePositions | None) -> Floats:
         """Return A/F (1/GPa), with shape (..., h), for logarithms of hardnesses (GPa), with shape (h,).
 
         `places` is the result of `find_table_positions` for the limits of the table.
@@ -394,15 +398,15 @@ class SampledAreas:
         return np.asarray(areas.take(steps, axis=-1) + differences.take(steps, axis=-1) * fractions)
 
 
-def find_table_positions(log_hardness: Floats, first: float, last: float) -> Places | None:
+def find_table_positions(log_hardness: Floats, first: float, last: float) -> TablePositions | None:
     """Find the positions of hardnesses in a table whose ln H extends from `first` to `last`.
 
     The result is None if a hardness is outside the table, or if the hardnesses are too few to justify a table.
     """
-    is_large = log_hardness.size > NUM_TABLE_STEPS // 8
+    is_large = log_hardness.size > NUM_AREA_TABLE_STEPS // 8
     if not (is_large and first < log_hardness.min() and log_hardness.max() < last):
         return None
-    position = (log_hardness - first) * (NUM_TABLE_STEPS / (last - first))
+    position = (log_hardness - first) * (NUM_AREA_TABLE_STEPS / (last - first))
     steps = position.astype(np.intp)
     return steps, position - steps
 
@@ -425,7 +429,7 @@ class AreaInterpolator:
     errors: Floats  # standard errors of the area at each node, relative to the area in the study (loads, n)
     pressures: Floats  # nominal pressures (loads,), GPa
     opposing_areas: Floats | None = None  # areas per load A/F of contacts that oppose the motion (loads, n)
-    tables: dict[Any, SampledAreas] = field(default_factory=dict)  # cached tables of A/F, see `_sheared_area`
+    tables: dict[Any, TabulatedAreaFunction] = field(default_factory=dict)  # cached tables of A/F, see `_sheared_area`
     # inputs and values stored by `get_or_compute`
     cache: dict[Any, tuple[tuple[Any, ...], Any]] = field(default_factory=dict)
 
@@ -449,7 +453,7 @@ class AreaInterpolator:
         """
         own_hardness = None if study.contact.hardness is None else float(study.contact.hardness)
         pressures = loads / float(result.head["nominal_area"])
-        solved = result.alongside(NodeAreas.load)
+        solved = result.alongside(AreasAtNodes.load)
         # With junction growth, friction at all loads depends on the areas at the nodes.
         grows = bool(study.contact.junction_growth)
         if solved is not None and (grows or set(loads.tolist()) <= set(solved.loads.tolist())):
@@ -552,7 +556,7 @@ class AreaInterpolator:
             if rule == "opposing" and self.opposing_areas is not None:
                 elastic_areas = elastic_areas[[middle]] * self.opposing_areas[load, -1] / areas[middle, -1]
                 areas = self.opposing_areas[[load]]
-            self.tables[key] = SampledAreas(self.node_hardnesses, areas, elastic_areas)
+            self.tables[key] = TabulatedAreaFunction(self.node_hardnesses, areas, elastic_areas)
         table = self.tables[key]
         # Calls for consecutive loads and sliding rules pass the same arrays.
         log_hardness = self.get_or_compute("log hardness", (hardness, modulus), lambda: np.log(hardness / modulus))

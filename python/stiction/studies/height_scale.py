@@ -48,12 +48,12 @@ if TYPE_CHECKING:
 HEIGHT_SCALE_FOLDER = "height_scale"
 """Name of the subfolder of a result folder that contains a study for each factor."""
 
-FACTOR_EXPONENT_STEP = 0.5
+HEIGHT_FACTOR_EXPONENT_STEP = 0.5
 """Largest difference of log2(factor) between neighboring factors that are used for an interpolation."""
 
 NUM_FACTOR_DIGITS = 6  # number of significant digits to which a height factor is rounded
 
-ScaledSides = Literal["both", "upper", "lower"]
+ScaledBodies = Literal["both", "upper", "lower"]
 """Surfaces whose heights are scaled."""
 
 _INTERPOLATED_VARIABLES = (
@@ -130,9 +130,12 @@ def _parse_factor_text(text: str) -> Floats:
 
 
 def _list_enclosing_powers(low: float, high: float) -> Floats:
-    """Return powers of 2 that enclose a range of height factors, with exponents in steps of `FACTOR_EXPONENT_STEP`."""
-    first, last = math.floor(math.log2(low) / FACTOR_EXPONENT_STEP), math.ceil(math.log2(high) / FACTOR_EXPONENT_STEP)
-    powers = np.exp2(FACTOR_EXPONENT_STEP * np.arange(first, last + 1)).clip(MIN_FACTOR, MAX_FACTOR)
+    """Return powers of 2 that enclose a range of factors, with exponents in steps of `HEIGHT_FACTOR_EXPONENT_STEP`."""
+    first, last = (
+        math.floor(math.log2(low) / HEIGHT_FACTOR_EXPONENT_STEP),
+        math.ceil(math.log2(high) / HEIGHT_FACTOR_EXPONENT_STEP),
+    )
+    powers = np.exp2(HEIGHT_FACTOR_EXPONENT_STEP * np.arange(first, last + 1)).clip(MIN_FACTOR, MAX_FACTOR)
     return np.unique([float(f"{power:.{NUM_FACTOR_DIGITS}g}") for power in powers.tolist()])
 
 
@@ -153,11 +156,13 @@ def _find_neighbors(solved: Floats, factor: float) -> tuple[int, int] | None:
     upper = int(np.searchsorted(solved, factor))
     if upper < solved.size and solved[upper] == factor:
         return upper, upper
-    is_close = 0 < upper < solved.size and math.log2(solved[upper] / solved[upper - 1]) < FACTOR_EXPONENT_STEP * 1.001
+    is_close = (
+        0 < upper < solved.size and math.log2(solved[upper] / solved[upper - 1]) < HEIGHT_FACTOR_EXPONENT_STEP * 1.001
+    )
     return (upper - 1, upper) if is_close else None
 
 
-def scale_study_heights(study: Study, factor: float, scaled: ScaledSides) -> Study:
+def scale_study_heights(study: Study, factor: float, scaled: ScaledBodies) -> Study:
     """Return a copy of a study in which the heights of the measured bodies are multiplied by a factor.
 
     Raises
@@ -168,19 +173,19 @@ def scale_study_heights(study: Study, factor: float, scaled: ScaledSides) -> Stu
     if not study.is_measured or study.is_gap:
         kind = "the gap of one body" if study.is_measured else "generated surfaces"
         raise ArgumentError("{height_scale} needs two measured surfaces, got {kind}", kind=kind)
-    check_choice("scaled", scaled, ScaledSides)
+    check_choice("scaled", scaled, ScaledBodies)
     sides = SIDES if scaled == "both" else (scaled,)
     surfaces: Any = study.surfaces
     changed = surfaces.with_files(lambda file, side: file.with_height_factor(factor) if side in sides else file)
     return study.model_copy(update={"surfaces": changed})
 
 
-def find_factor_folder(path: Path, factor: float, scaled: ScaledSides) -> Path:
+def find_factor_folder(path: Path, factor: float, scaled: ScaledBodies) -> Path:
     """Return the subfolder of a result folder that contains the results for a height factor."""
     return path / HEIGHT_SCALE_FOLDER / f"{scaled}-{factor:.6g}"
 
 
-def open_stored_factors(result: StoredResult, scaled: ScaledSides) -> dict[float, StoredResult]:
+def open_stored_factors(result: StoredResult, scaled: ScaledBodies) -> dict[float, StoredResult]:
     """Open all finished results that are stored for height factors, and sort them by factor.
 
     The given result is included as factor 1. All results are opened with its friction parameters.
@@ -202,7 +207,7 @@ def open_stored_factors(result: StoredResult, scaled: ScaledSides) -> dict[float
     return dict(sorted(studies.items()))
 
 
-def list_stored_factors(result: StoredResult) -> dict[ScaledSides, list[float]]:
+def list_stored_factors(result: StoredResult) -> dict[ScaledBodies, list[float]]:
     """List the stored height factors that scale both bodies, only the upper body, or only the lower body.
 
     The dict is empty if factor 1 is the only factor.
@@ -212,8 +217,8 @@ def list_stored_factors(result: StoredResult) -> dict[ScaledSides, list[float]]:
         return {}
     if not (result.path / HEIGHT_SCALE_FOLDER).is_dir():
         return {}
-    factors: dict[ScaledSides, list[float]] = {
-        scaled: list(open_stored_factors(result, scaled)) for scaled in get_args(ScaledSides)
+    factors: dict[ScaledBodies, list[float]] = {
+        scaled: list(open_stored_factors(result, scaled)) for scaled in get_args(ScaledBodies)
     }
     return {scaled: values for scaled, values in factors.items() if len(values) > 1}
 
@@ -231,7 +236,7 @@ def estimate_factor_time(study: Study, count: int) -> float:
 
 
 def compute_height_factors(
-    result: StoredResult, factors: Any, scaled: ScaledSides = "both", executor: Executor | None = None, *,
+    result: StoredResult, factors: Any, scaled: ScaledBodies = "both", executor: Executor | None = None, *,
     progress: bool = False, announce: Callable[[str], Any] = lambda _: None,
 ) -> None:  # fmt: skip
     """Compute the missing results that are required to evaluate a pair at the given height factors.
@@ -262,7 +267,7 @@ def compute_height_factors(
 
 
 def evaluate_height_scale(
-    result: StoredResult, factors: Any, loads: Any, *, mu0: Any = None, tau0: Any = None, scaled: ScaledSides = "both"
+    result: StoredResult, factors: Any, loads: Any, *, mu0: Any = None, tau0: Any = None, scaled: ScaledBodies = "both"
 ) -> xarray.Dataset:
     """Evaluate friction, true area and stiffness of a measured pair whose heights are multiplied by given factors.
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from stiction.studies.measured_surfaces import Body, MeasuredFile
     from stiction.studies.study import Study
 
-LIMIT_REASONS = {
+INSTRUMENT_LIMIT_REASONS = {
     "noise floor": "the spectrum is flat, as for noise",
     "quantisation": "the spectrum is flat, as for quantised heights",
     "line": "the spectrum has a line",
@@ -62,7 +62,7 @@ for white noise.
 # A caveat is issued if the instrument contributes more than this fraction of the mean square slope.
 MAX_NOISE_SLOPE_FRACTION = 0.01
 # A caveat is issued if a peak contributes at least this fraction of the fourth spectral moment.
-MAX_PEAK_FRACTION = 0.1
+MAX_SPECTRAL_PEAK_FRACTION = 0.1
 REPEATED_SCANS_REMEDY = "two scans of one place show which (stiction characterise --repeated)"
 CUTOFF_REMEDY = (
     " if they come from the instrument; use --texture turned, milled, ground, ... or --cutoff none if they belong to "
@@ -228,7 +228,7 @@ def _find_instrument_caveats(
     if shortest:
         is_known = limit.origin == "instrument"
         source = "where" if is_known else "perhaps from the instrument:"
-        text = f"{_describe_slope_fraction(limit)}, {source} {LIMIT_REASONS[limit.reason]}"
+        text = f"{_describe_slope_fraction(limit)}, {source} {INSTRUMENT_LIMIT_REASONS[limit.reason]}"
         remedy = f"--cutoff '{format_with_unit(limit.cut_off, 'um')}' removes this fraction"
         if limit.matters:
             remedy += ", --cutoff none keeps it" if is_known else CUTOFF_REMEDY
@@ -255,7 +255,7 @@ def _find_instrument_caveats(
     if not isinstance(body, Profile):
         return
     peak = find_peak(power_spectrum(levelled(body, "line")))
-    if peak is not None and peak[1] >= MAX_PEAK_FRACTION and peak[0] > shortest:
+    if peak is not None and peak[1] >= MAX_SPECTRAL_PEAK_FRACTION and peak[0] > shortest:
         fraction, wave = format_percent(peak[1]), format_with_unit(peak[0], "um")
         text = f"a peak at {wave}, perhaps from the instrument, contributes {fraction} of the curvature"
         yield Caveat(

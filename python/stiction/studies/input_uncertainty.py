@@ -22,12 +22,12 @@ from pydantic import Field, ValidationInfo, field_validator
 from stiction._arguments import MAX_INPUT_NUMBER
 from stiction._checks import Floats, read_only
 from stiction._units import exact_text, quantity, short_repr
-from stiction.studies.values import Table, as_tuple
+from stiction.studies.values import StudyTable, as_tuple
 
-Distribution = Literal["exact", "normal", "log-normal", "uniform"]
+InputDistribution = Literal["exact", "normal", "log-normal", "uniform"]
 Z_95 = 1.959963984540054  # half width of the 95 % interval of a normal distribution, in standard deviations
 # With this many samples, the budget fractions of two inputs that contribute equally differ by less than 0.01.
-NUM_SAMPLES = 2**14
+NUM_INPUT_SAMPLES = 2**14
 MIN_RELATIVE_DEVIATION = 1e-9  # smallest relative standard uncertainty that is accepted
 UNCERTAINTY_PATTERN = re.compile(r"\.\.|±|\+/?-|(?<![^\W\d_])(HV|HRC)(?![^\W\d_])")
 """Pattern that matches a string with a range, an uncertainty or a hardness scale, but not a plain quantity."""
@@ -49,7 +49,7 @@ _VICKERS_BY_ROCKWELL = {
 
 # Relative half width of the range of a hardness converted from HRC. It represents an error of 10 to 20 HV.
 ROCKWELL_CONVERSION_ERROR = 0.05
-_VICKERS_PRESSURE = 9.80665e-3 / 0.9272
+_GPA_PER_VICKERS = 9.80665e-3 / 0.9272
 """Mean pressure (GPa) at 1 HV, which is 1 kgf per mm² of indentation surface.
 
 The projected area is 0.9272 of this surface.
@@ -77,7 +77,7 @@ class UncertainInput:
     value: float  # central value: the number, or the middle of the range (geometric mean if log-normal)
     low: float  # lower limit of the 95 % interval, or of a uniform distribution
     high: float  # upper limit of the 95 % interval, or of a uniform distribution
-    distribution: Distribution
+    distribution: InputDistribution
     text: str  # input as written by the user
     maximum: float = math.inf  # upper bound of the samples
 
@@ -225,7 +225,7 @@ def _parse_value(name: str, source: Any, kind: str) -> float:
             number = math.exp(
                 float(np.interp(number, list(_VICKERS_BY_ROCKWELL), np.log(list(_VICKERS_BY_ROCKWELL.values()))))
             )
-        return number * _VICKERS_PRESSURE
+        return number * _GPA_PER_VICKERS
     scales = "; HV and HRC are also accepted" if kind == "hardness" else ""
     kind = "pressure" if kind else ""
     try:
@@ -251,7 +251,7 @@ def _complete_units(first_text: str, last_text: str) -> tuple[str, str]:
 
 
 @functools.lru_cache(maxsize=32)
-def sobol_points(dimensions: int, count: int = NUM_SAMPLES, *, seed: int = 0) -> Floats:
+def sobol_points(dimensions: int, count: int = NUM_INPUT_SAMPLES, *, seed: int = 0) -> Floats:
     """Return points of a scrambled Sobol sequence in the unit cube, as an array of shape (count, dimensions).
 
     `count` must be a power of two.
@@ -263,12 +263,12 @@ def sobol_points(dimensions: int, count: int = NUM_SAMPLES, *, seed: int = 0) ->
 
 
 def stratified_points(dimensions: int) -> Floats:
-    """Return `NUM_SAMPLES` points of a Sobol sequence, as an array of shape (NUM_SAMPLES, dimensions)."""
-    return sobol_points(dimensions, NUM_SAMPLES, seed=2016)
+    """Return `NUM_INPUT_SAMPLES` points of a Sobol sequence, as an array of shape (NUM_INPUT_SAMPLES, dimensions)."""
+    return sobol_points(dimensions, NUM_INPUT_SAMPLES, seed=2016)
 
 
 def draw_samples(inputs: Mapping[str, UncertainInput]) -> dict[str, Floats]:
-    """Draw `NUM_SAMPLES` samples of each input."""
+    """Draw `NUM_INPUT_SAMPLES` samples of each input."""
     points = stratified_points(len(inputs))
     return {name: value.quantile(points[:, column]) for column, (name, value) in enumerate(inputs.items())}
 
@@ -304,7 +304,7 @@ _InputText = Annotated[str, Field(min_length=1, max_length=80)]
 _BodyInputTexts = Annotated[tuple[_InputText, ...], as_tuple, Field(min_length=1, max_length=2)]
 
 
-class UncertainInputsTable(Table):
+class UncertainInputSettings(StudyTable):
     """Ranges and uncertainties of the study inputs. Contacts are computed with the central values of these inputs."""
 
     mu0: _InputText | None = Field(

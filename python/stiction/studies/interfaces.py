@@ -44,12 +44,18 @@ from stiction.studies.study import Study, parse_dataset_study
 if TYPE_CHECKING:
     import pandas
 
-FILE_HEADER = "# stiction interface"  # first line of an interface file
-FILE_COLUMNS = ("mu0", "tau0 (GPa)", "hardness (GPa)", "junction growth", "area per load of the tests (1/GPa)")
+INTERFACE_FILE_HEADER = "# stiction interface"  # first line of an interface file
+INTERFACE_FILE_COLUMNS = (
+    "mu0",
+    "tau0 (GPa)",
+    "hardness (GPa)",
+    "junction growth",
+    "area per load of the tests (1/GPa)",
+)
 MAX_INTERFACE_BYTES = 50_000_000  # maximum size of an interface file in bytes
-_NUMBER_ENTRIES = ("area_per_load", "variation")
+_NUMERIC_ENTRIES = ("area_per_load", "variation")
 
-EXCLUDED_PROBABILITY, UNLIKELY_PROBABILITY = 0.01, 0.05
+EXCLUSION_PROBABILITY, ERROR_SCALING_PROBABILITY = 0.01, 0.05
 """Probabilities of the residuals: below the first, a sliding rule is excluded; below the second, errors are scaled."""
 
 # A lower limit that is this close to the bound is set to the bound. The distance is relative to the interval width.
@@ -77,7 +83,7 @@ increase of the coefficient due to junction growth. A coefficient depends on α 
 
 _AREA_ERROR_NAME = "area over hardness"
 
-Interval = tuple[float, float, float]  # value, lower limit and upper limit of the 95 % interval
+ValueWithLimits = tuple[float, float, float]  # value, lower limit and upper limit of the 95 % interval
 
 
 @dataclass(frozen=True)
@@ -133,7 +139,7 @@ class Ball:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _TestForces(ForcesPerLoad):
+class _FrictionTestForces(ForcesPerLoad):
     """Normal and tangential forces per load in a friction test, as functions of mu0 and tau0."""
 
     scatter: float = 0.0  # relative standard error of the adhesive sum `stick`
@@ -143,7 +149,7 @@ class _TestForces(ForcesPerLoad):
 
 
 @dataclass(frozen=True)
-class ShearStrength:
+class StrengthSamples:
     """Samples of mu0 and tau0 (GPa), or samples of a friction coefficient, that define the strength of an interface."""
 
     sliding: Sliding
@@ -183,11 +189,11 @@ class _AreaFactor:
         """Junction growth α, or None if contacts do not grow."""
         return None
 
-    def area(self, columns: Mapping[Any, Floats], strength: ShearStrength | None = None) -> Floats:
+    def area(self, columns: Mapping[Any, Floats], strength: StrengthSamples | None = None) -> Floats:
         """Compute the ratio of true area to computed area from cumulative probabilities of nuisance parameters."""
         return self.factor_for_inputs(self.values(columns), strength)
 
-    def factor_for_inputs(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
+    def factor_for_inputs(self, samples: Mapping[str, Floats], strength: StrengthSamples | None = None) -> Floats:
         """Return the ratio of the true area to the computed area for given values of the inputs.
 
         If a strength is given, the true area is the area at the onset of sliding with junction growth, which is
@@ -202,7 +208,7 @@ class _BallAreaFactor(_AreaFactor):
 
     moduli: Moduli
 
-    def factor_for_inputs(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
+    def factor_for_inputs(self, samples: Mapping[str, Floats], strength: StrengthSamples | None = None) -> Floats:
         """Return the true area divided by the true area for the central moduli. The interface strength is ignored."""
         return np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3)
 
@@ -253,7 +259,7 @@ class _ResultAreaFactor(_AreaFactor):
         """Junction growth α, or None if contacts do not grow."""
         return find_junction_growth(self.study)
 
-    def factor_for_inputs(self, samples: Mapping[str, Floats], strength: ShearStrength | None = None) -> Floats:
+    def factor_for_inputs(self, samples: Mapping[str, Floats], strength: StrengthSamples | None = None) -> Floats:
         """Return the ratio of the true area to the computed area for given values of the inputs.
 
         If a strength is given, the true area is the area at the onset of sliding with junction growth, which is
@@ -374,7 +380,7 @@ class FrictionTest:
 
 
 @dataclass(frozen=True)
-class Fit:
+class StrengthFit:
     """Joint distribution of mu0 and tau0 fitted with one sliding rule, and the quality of the fit."""
 
     sliding: Sliding
@@ -397,7 +403,7 @@ class Interface:
 
     Attributes
     ----------
-    fits : tuple of Fit
+    fits : tuple of StrengthFit
         Fits for the requested sliding rules, in order of preference.
     area_per_load : float, 1/GPa
         True area per load (A/F) of the tests, at which mu0 + tau0 A/F is identified.
@@ -422,7 +428,7 @@ class Interface:
     (True, 0.0248)
     """
 
-    fits: tuple[Fit, ...]
+    fits: tuple[StrengthFit, ...]
     area_per_load: float
     variation: float
     separated: bool
@@ -443,7 +449,7 @@ class Interface:
         return "\n".join(["Interface", *rows, *(f"  {key:<14}  {text}" for key, text in self.about.items())])
 
     @property
-    def identified(self) -> Interval:
+    def identified(self) -> ValueWithLimits:
         """Sum mu0 + tau0 A/F with its 95 % interval, evaluated at the A/F of the tests."""
         ratio = self.fits[0].area_per_load
         if not np.isfinite(ratio).all():
@@ -451,17 +457,17 @@ class Interface:
         return self.interval_of(lambda mu0, tau0: mu0 + tau0 * ratio)
 
     @property
-    def mu0(self) -> Interval:
+    def mu0(self) -> ValueWithLimits:
         """Molecular friction coefficient mu0 with its interval, or NaN if the tests do not separate mu0 and tau0."""
         return self.strength_intervals[0] if self.separated else (math.nan,) * 3
 
     @property
-    def tau0(self) -> Interval:
+    def tau0(self) -> ValueWithLimits:
         """Adhesive shear strength tau0 (GPa) with its interval, or NaN if the tests do not separate mu0 and tau0."""
         return self.strength_intervals[1] if self.separated else (math.nan,) * 3
 
     @cached_property
-    def strength_intervals(self) -> tuple[Interval, Interval]:
+    def strength_intervals(self) -> tuple[ValueWithLimits, ValueWithLimits]:
         """Intervals of mu0 and tau0 (GPa), computed even if the tests do not separate mu0 and tau0."""
         return self.interval_of(lambda mu0, tau0: mu0), self.interval_of(lambda mu0, tau0: tau0)
 
@@ -482,7 +488,7 @@ class Interface:
             strengths.append((fit.mu0 + fit.tau0 * ratio, zero))
         return tuple(strengths)
 
-    def interval_of(self, coefficient: Callable[[Floats, Floats], Floats]) -> Interval:
+    def interval_of(self, coefficient: Callable[[Floats, Floats], Floats]) -> ValueWithLimits:
         """Return the median and the 95 % interval of a coefficient, given as a function of mu0 and tau0 (GPa).
 
         The interval also covers the intervals for mu0 = 0 and for tau0 = 0, unless the tests exclude these values.
@@ -494,15 +500,15 @@ class Interface:
             low, high = min(low, low_at_bound), max(high, high_at_bound)
         return value, low, high
 
-    def at(self, area_per_load: float) -> Interval:
+    def at(self, area_per_load: float) -> ValueWithLimits:
         """Return the sum mu0 + tau0 A/F with its 95 % interval, evaluated at a given A/F (1/GPa)."""
         return self.interval_of(lambda mu0, tau0: mu0 + tau0 * area_per_load)
 
     @property
     def excluded(self) -> tuple[Sliding, ...]:
         """Sliding rules that the tests exclude. The tuple is empty if no sliding rule fits the tests."""
-        likely = [fit.sliding for fit in self.fits if fit.probability > UNLIKELY_PROBABILITY]
-        return tuple(fit.sliding for fit in self.fits if fit.probability < EXCLUDED_PROBABILITY and likely)
+        likely = [fit.sliding for fit in self.fits if fit.probability > ERROR_SCALING_PROBABILITY]
+        return tuple(fit.sliding for fit in self.fits if fit.probability < EXCLUSION_PROBABILITY and likely)
 
     @cached_property
     def draws(self) -> pandas.DataFrame:
@@ -515,7 +521,7 @@ class Interface:
         fit = self.fits[0]
         return pandas.DataFrame({"mu0": fit.mu0, "tau0": fit.tau0, "hardness": fit.hardness})
 
-    def predict(self, result: Any, load: float | str) -> Interval:
+    def predict(self, result: Any, load: float | str) -> ValueWithLimits:
         """Predict the friction coefficient of other surfaces at a load, with its 95 % interval.
 
         Parameters
@@ -567,7 +573,7 @@ class Interface:
             )
 
         def coefficient(mu0: Floats, tau0: Floats) -> Floats:
-            strength = ShearStrength(fit.sliding, mu0, tau0)
+            strength = StrengthSamples(fit.sliding, mu0, tau0)
             total_area = area if area_factor is None else area * area_factor.factor_for_inputs(samples, strength)
             values = friction.coefficient(mu0, tau0, np.where(tau0 > 0, total_area, 1.0))
             return np.where(np.isfinite(values), values, np.inf)
@@ -592,7 +598,7 @@ class Interface:
         )
 
 
-def credible_interval(values: Floats, bound: float = -math.inf) -> Interval:
+def credible_interval(values: Floats, bound: float = -math.inf) -> ValueWithLimits:
     """Return the median of the samples, and the limits of the interval that contains 95 % of them.
 
     The interval has equal tails, unless the shortest interval with 95 % of the samples starts at the bound. Then this
@@ -610,7 +616,7 @@ def credible_interval(values: Floats, bound: float = -math.inf) -> Interval:
     return float(np.median(ordered)), low, high
 
 
-def depends_on_growth(friction: _TestForces, mu0: float, tau0: float) -> bool:
+def depends_on_growth(friction: _FrictionTestForces, mu0: float, tau0: float) -> bool:
     """Return whether junction growth with α = 27 (von Mises) would noticeably change the friction coefficient."""
     if not friction.stick * friction.hardness > MIN_PLASTIC_AREA_RATIO:
         return False
@@ -627,19 +633,19 @@ def list_sliding_rules(result: Any) -> tuple[str, ...]:
     return tuple(parse_dataset_study(getattr(result, "dataset", result)).contact.rules())
 
 
-def evaluate_friction(test: FrictionTest, sliding: Sliding) -> _TestForces:
+def evaluate_friction(test: FrictionTest, sliding: Sliding) -> _FrictionTestForces:
     """Evaluate the forces per load in a friction test for a given sliding rule."""
     result, load = test.result, float(test.load)
     if isinstance(result, (Ball, FrictionCurve)) and test.wait != 1:
         raise ValueError("wait requires a result of `pair` with a creep exponent")
     if isinstance(result, Ball):
-        return _TestForces(stick=result.area_per_load(load), area_factor=test.area_factor)
+        return _FrictionTestForces(stick=result.area_per_load(load), area_factor=test.area_factor)
     if isinstance(result, FrictionCurve):
         return _evaluate_curve(result, load)
     return replace(_evaluate_members(result, load, sliding), area_factor=test.area_factor)
 
 
-def _evaluate_curve(curve: FrictionCurve, load: float) -> _TestForces:
+def _evaluate_curve(curve: FrictionCurve, load: float) -> _FrictionTestForces:
     """Interpolate a load curve to a given load, and return the forces per load."""
     loads = np.asarray(curve.normal_elastic)
     if not loads.min() <= load * (1 + 1e-9) or not load * (1 - 1e-9) <= loads.max():
@@ -652,12 +658,12 @@ def _evaluate_curve(curve: FrictionCurve, load: float) -> _TestForces:
         values = values.reshape(-1, values.shape[-1])[0] / loads
         return float(np.interp(math.log(load), np.log(loads[order]), values[order]))
 
-    return _TestForces.of(
+    return _FrictionTestForces.of(
         {name: at(name) for name in LOAD_SUM_NAMES}, hardness=float(getattr(curve, "hardness", None) or math.nan)
     )
 
 
-def _evaluate_members(result: Any, load: float, sliding: Sliding) -> _TestForces:
+def _evaluate_members(result: Any, load: float, sliding: Sliding) -> _FrictionTestForces:
     """Average the forces per load over the members and directions of a result at a given load."""
     dataset = getattr(result, "dataset", result)
     sums = (
@@ -679,7 +685,7 @@ def _evaluate_members(result: Any, load: float, sliding: Sliding) -> _TestForces
     spread = float(stick.std(ddof=1) / stick.mean() / math.sqrt(len(stick))) if len(stick) > 1 else 0.0
     means = {name: values[is_reached].mean() for name, values in six_sums.items()}
     surfaces = dataset.attrs["study"]
-    return _TestForces.of(
+    return _FrictionTestForces.of(
         means,
         scatter=spread,
         surfaces=surfaces,
@@ -732,12 +738,19 @@ def write_interface(interface: Interface, path: str | Path, about: Mapping[str, 
     }
     text = io.StringIO()
     text.write(
-        "\n".join([FILE_HEADER, *(f"# {key}: {value}" for key, value in head.items()), ",".join(FILE_COLUMNS)]) + "\n"
+        "\n".join(
+            [
+                INTERFACE_FILE_HEADER,
+                *(f"# {key}: {value}" for key, value in head.items()),
+                ",".join(INTERFACE_FILE_COLUMNS),
+            ]
+        )
+        + "\n"
     )
     fit = interface.fits[0]
     columns = [fit.mu0, fit.tau0, fit.hardness, fit.junction_growth, fit.area_per_load]
     np.savetxt(text, np.stack(columns, axis=1), fmt="%.9g", delimiter=",")
-    with replaced_file(Path(path), FILE_HEADER.encode(), ValueError) as file:
+    with replaced_file(Path(path), INTERFACE_FILE_HEADER.encode(), ValueError) as file:
         file.write_text(text.getvalue(), encoding="utf-8")
 
 
@@ -773,7 +786,9 @@ def read_interface(path: str | Path) -> Interface:
     """
     check_instance("path", path, (str, Path), "a path")
     try:
-        lines = read_content(Path(path), MAX_INTERFACE_BYTES, FILE_HEADER.encode()).decode("utf-8").splitlines()
+        lines = (
+            read_content(Path(path), MAX_INTERFACE_BYTES, INTERFACE_FILE_HEADER.encode()).decode("utf-8").splitlines()
+        )
     except UnreadableFileError as error:
         raise ValueError(f"{printable_path(path)} is not an interface file: {error}") from None
     except OSError as error:
@@ -783,10 +798,10 @@ def read_interface(path: str | Path) -> Interface:
     head = dict(line[2:].partition(": ")[::2] for line in lines[1:] if line.startswith("# "))
     rows = [line for line in lines if line and not line.startswith("#")]
     try:
-        if lines[0] != FILE_HEADER or tuple(next(csv.reader(rows))) != FILE_COLUMNS:
+        if lines[0] != INTERFACE_FILE_HEADER or tuple(next(csv.reader(rows))) != INTERFACE_FILE_COLUMNS:
             raise ValueError
         table = np.array([[float(cell) for cell in row] for row in csv.reader(rows[1:])])
-        ratio, variation = (float(head.pop(name)) for name in _NUMBER_ENTRIES)
+        ratio, variation = (float(head.pop(name)) for name in _NUMERIC_ENTRIES)
         sliding, separated = head.pop("sliding"), head.pop("separated") == "yes"
         check_choice("sliding", sliding, Sliding)
         parse_study_input("junction_growth", head.get(GROWTH_ENTRY, "0"))
@@ -795,7 +810,7 @@ def read_interface(path: str | Path) -> Interface:
         raise ValueError(f"{printable_path(path)} is a damaged interface file ({reason})") from None
     if (
         table.ndim != 2
-        or table.shape[1] != len(FILE_COLUMNS)
+        or table.shape[1] != len(INTERFACE_FILE_COLUMNS)
         or not (np.isfinite(table[:, :2]) & (table[:, :2] >= 0)).all()
     ):
         raise ValueError(f"{printable_path(path)} is a damaged interface file (mu0 and tau0 must be at least 0)")
@@ -803,8 +818,8 @@ def read_interface(path: str | Path) -> Interface:
     return Interface((fit,), ratio, variation, separated, about=head)
 
 
-def _build_fit(sliding: Any, mu0: Any, tau0: Any, *more: Any) -> Fit:
-    return Fit(sliding, math.nan, 0, math.nan, 1.0, math.nan, mu0, tau0, *more)
+def _build_fit(sliding: Any, mu0: Any, tau0: Any, *more: Any) -> StrengthFit:
+    return StrengthFit(sliding, math.nan, 0, math.nan, 1.0, math.nan, mu0, tau0, *more)
 
 
 @cache

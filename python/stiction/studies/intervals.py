@@ -16,24 +16,24 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
 
-CONFIDENCE = 0.95
+CONFIDENCE_LEVEL = 0.95
 NUM_SLOPE_FIT_STEPS = 4  # a slope is fitted to this many steps on each side of a crossing
 MAX_LOAD_RATIO = 10.01
 """Largest ratio of two successive computed loads between which values are interpolated."""
 NUM_BATCH_VALUES = 2**15  # number of values in a batch that fits into the processor cache
 MIN_SAMPLE_SIZE = 3  # minimum number of values for which an interval is computed
 MIN_NEIGHBORS = 8  # minimum number of values at neighbouring positions for which an interval is computed
-_CORRELATIONS = np.linspace(0.0, 0.95, 20)
+_NEIGHBOR_CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_NEWTON_STEPS = 50
 _MIN_SKEWNESS = 1e-9  # skewness below which an interval is computed as symmetric
 MAX_DEGREES_OF_FREEDOM = 1e6  # degrees of freedom above which Student's t distribution is practically normal
 
 
 def student_quantile(freedom: ArrayLike) -> Floats:
-    """Return the quantile of Student's t distribution that gives a two-sided interval with probability `CONFIDENCE`."""
+    """Return the quantile of Student's t distribution for a two-sided interval with probability `CONFIDENCE_LEVEL`."""
     from scipy.special import stdtrit
 
-    return np.asarray(stdtrit(freedom, 0.5 + CONFIDENCE / 2))
+    return np.asarray(stdtrit(freedom, 0.5 + CONFIDENCE_LEVEL / 2))
 
 
 @dataclass(frozen=True)
@@ -145,7 +145,7 @@ class MeansAtLoads:
         self._carrying = np.zeros(normal.shape[0], np.intp)
         self._negative = np.zeros(normal.shape[0], np.bool_)
         self._logarithms, self._plain = PowerSums(self._load.shape), PowerSums(self._load.shape)
-        self._loads, self._values = _RunningRange(self._load.size), _RunningRange(self._load.size)
+        self._loads, self._values = _RunningExtremes(self._load.size), _RunningExtremes(self._load.size)
         self.mean = self._arrange_over_loads(self._mean)
 
     def add(self, normal: Floats, values: Floats) -> None:
@@ -194,7 +194,7 @@ class MeansAtLoads:
         return result
 
 
-class _RunningRange:
+class _RunningExtremes:
     """Running sum, minimum and maximum over the second axis of arrays of shape (p, r)."""
 
     def __init__(self, size: int) -> None:
@@ -311,7 +311,7 @@ def sample_quantiles(values: Floats, probabilities: Sequence[float]) -> Floats:
 @lru_cache(maxsize=32)
 def _mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
     """Return the constants 1' R^-1 1, variance inflation, t quantile and t density of the autoregressive models."""
-    rho, lags = _CORRELATIONS, np.arange(1, count)
+    rho, lags = _NEIGHBOR_CORRELATIONS, np.arange(1, count)
     ones = (count - (count - 2) * rho) / (1 + rho)
     inflation = (count + 2 * ((count - lags) * rho[:, np.newaxis] ** lags).sum(axis=1)) / count**2
     density = math.exp(math.lgamma(count / 2) - math.lgamma((count - 1) / 2)) / math.sqrt(math.pi * (count - 1))
@@ -349,7 +349,7 @@ def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
     count, deviations = values.shape[1], values - mean[:, np.newaxis]
     spread = np.sqrt(np.square(deviations).sum(axis=1) / (count - 1))
     differ = (spread > 0) & (values != values[:, :1]).any(axis=1)
-    y, rho = deviations / np.where(differ, spread, 1.0)[:, np.newaxis], _CORRELATIONS
+    y, rho = deviations / np.where(differ, spread, 1.0)[:, np.newaxis], _NEIGHBOR_CORRELATIONS
     y[~differ] = np.linspace(-1.0, 1.0, count)
     # For an autoregressive process, 1' R^-1 1, 1' R^-1 y and y' R^-1 y are closed forms in these sums.
     ones, inflation, quantile, density = _mixture_constants(count)
@@ -369,7 +369,7 @@ def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
     for _ in range(_MAX_NEWTON_STEPS):
         t = high[:, np.newaxis] / errors
         slope = density * (weights * (1 + t * t / (count - 1)) ** (-count / 2) / errors).sum(axis=1)
-        step = (0.5 + CONFIDENCE / 2 - (weights * stdtr(count - 1, t)).sum(axis=1)) / slope
+        step = (0.5 + CONFIDENCE_LEVEL / 2 - (weights * stdtr(count - 1, t)).sum(axis=1)) / slope
         high = high + np.where(moves, step, 0.0)
         moves &= step > 1e-15 * high
         if not moves.any():
@@ -405,7 +405,7 @@ def positions_mean(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Flo
 
 
 @dataclass(frozen=True)
-class ScansMean:
+class ScanPairMean:
     """Mean of a quantity over all pairs of scans, and the variance components of this mean."""
 
     mean: float
@@ -421,7 +421,7 @@ class ScansMean:
         return float(student_quantile(min(self.freedom, MAX_DEGREES_OF_FREEDOM))) * math.sqrt(sum(self.variances))
 
 
-def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp]) -> ScansMean | None:
+def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp]) -> ScanPairMean | None:
     """Return the mean over all pairs of scans and its variance components, or None if there are fewer than two pairs.
 
     The values have the shape (r, ...). The model has two-way random effects (Searle, Casella & McCulloch, Variance
@@ -454,7 +454,7 @@ def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp])
     inside = max(within.size - count, 1)
     between = shares[:2] / sizes[::-1]
     test = np.append(between * (1 + 1 / sizes), float(within @ within) / inside + residual * (1 + 1 / count))
-    return ScansMean(
+    return ScanPairMean(
         mean, tuple(shares / count), _satterthwaite(shares.sum(), weights, each), math.sqrt(test.sum()),
         _test_degrees_of_freedom(test, np.append(each[:2], inside)),
     )  # fmt: skip
@@ -477,7 +477,7 @@ def _test_degrees_of_freedom(components: Floats, freedoms: Floats) -> float:
     widest = float((student_quantile(freedoms) * np.sqrt(components / variance)).max())
     if widest <= student_quantile(common):
         return common
-    return float(stdtridf(0.5 + CONFIDENCE / 2, widest))
+    return float(stdtridf(0.5 + CONFIDENCE_LEVEL / 2, widest))
 
 
 def _satterthwaite(variance: float, components: Floats, freedoms: Floats) -> float:

@@ -25,7 +25,7 @@ from stiction.mechanics.quantities import (
     STATISTIC_QUANTITIES,
     quantity_attributes,
 )
-from stiction.studies.contact_statistics import STORED_PROBABILITIES
+from stiction.studies.contact_statistics import QUANTILE_PROBABILITIES
 from stiction.studies.measured_surfaces import BodyAttributes
 from stiction.studies.study import Study
 
@@ -41,7 +41,7 @@ MEMBER_COORDINATES: dict[str, np.dtype[Any]] = {
 }  # fmt: skip
 """Data types of the coordinates that describe the members of measured bodies."""
 
-Arrays = dict[str, NDArray[Any]]
+ArraysByName = dict[str, NDArray[Any]]
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ def list_coordinates(
         study.step_quantity: study.contact.loading_steps(),
     }
     if study.is_measured:
-        values["fraction_below"] = np.array(STORED_PROBABILITIES)
+        values["fraction_below"] = np.array(QUANTILE_PROBABILITIES)
     extra_attributes: dict[str, dict[str, str]] = {
         "load": {"long_name": "normal load of the elastic contact, without friction"}
     }
@@ -132,7 +132,7 @@ def _list_dims(study: Study, name: str) -> tuple[str, ...]:
     return (*study.surfaces.cells(), "repetition", *(dims[axis] for axis in QUANTITIES[name].along if axis in dims))
 
 
-def stack_members(study: Study, members: Sequence[Arrays]) -> Arrays:
+def stack_members(study: Study, members: Sequence[ArraysByName]) -> ArraysByName:
     """Stack the arrays of several members along a new axis, placed after axes such as fractal dimension or cutoff."""
     axis = len(study.surfaces.cells())
     return {
@@ -228,11 +228,11 @@ def nondimensional(
 
     check_instance("result", result, xarray.Dataset, "an xarray.Dataset")
     if "study" in result.attrs:
-        from stiction.studies.generated_surfaces import GeneratedSurfaces
+        from stiction.studies.generated_surfaces import GeneratedSurfaceSettings
         from stiction.studies.study import parse_dataset_study
 
         study = parse_dataset_study(result)
-        if length is None and isinstance(study.surfaces, GeneratedSurfaces):
+        if length is None and isinstance(study.surfaces, GeneratedSurfaceSettings):
             length = study.surfaces.max_wavelength()
         result_modulus: Any = float(study.contact.effective_modulus)
     else:

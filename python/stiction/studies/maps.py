@@ -26,7 +26,7 @@ from stiction.studies.study import find_step_dimension
 if TYPE_CHECKING:
     import xarray
 
-Change: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
+DatasetTransformation: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
 # maximum number of curve values of one map cell that are in memory at the same time
 NUM_VALUES_IN_MEMORY = 2**20
 # dimensions that a result may have besides members and steps
@@ -199,7 +199,7 @@ def move_repetitions_last(array: xarray.DataArray, dims: Sequence[str]) -> NDArr
 
 
 def solved_pieces(
-    result: Result, names: Iterable[str] | None = None, change: Change | None = None
+    result: Result, names: Iterable[str] | None = None, change: DatasetTransformation | None = None
 ) -> Iterator[xarray.Dataset]:
     """Yield the pieces of a result, omitting members for which the solver failed at any load."""
     for piece in result.pieces(names):
@@ -214,7 +214,7 @@ def solved_pieces(
 
 def ensemble_map(
     result: Result, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, what: str,
-    change: Change | None = None,
+    change: DatasetTransformation | None = None,
 ) -> xarray.Dataset:  # fmt: skip
     """Apply `change` to each piece of the result, and evaluate an ensemble quantity at given mean normal loads."""
     load_values = np.atleast_1d(friction.friction_parameter("loads", loads))

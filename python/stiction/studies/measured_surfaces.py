@@ -26,8 +26,8 @@ from stiction.studies.values import (
     Length,
     LengthOrZero,
     SignedLength,
-    Table,
-    TableVariant,
+    StudyTable,
+    StudyTableVariant,
     as_tuple,
     as_written,
     make_key_error,
@@ -67,7 +67,7 @@ Body = Profile | Surface | JoinedSpectrum  # kinds of bodies in a file
 MAX_FILE_NAME_LENGTH = 4096  # maximum length of a file name in characters
 MachiningProcess = Literal["turned", "milled", "ground", "honed", "lapped", "sanded", "blasted", "eroded"]
 MACHINING_PROCESSES: tuple[str, ...] = get_args(MachiningProcess)
-Pair = tuple[Profile, Profile] | tuple[Surface, Surface]
+BodyPair = tuple[Profile, Profile] | tuple[Surface, Surface]
 CutoffPair = tuple[float, float]  # cutoffs of the upper and the lower scan, µm
 
 
@@ -140,7 +140,7 @@ class BodyInMemory:
         self.body = body
 
 
-class MeasuredFile(Table):
+class MeasuredFile(StudyTable):
     """Entry for a measured profile, surface or joined spectrum. The data are in a file or in memory."""
 
     model_config = ConfigDict(arbitrary_types_allowed=True)
@@ -417,10 +417,10 @@ def _load_reading(file: MeasuredFile) -> Reading[Profile | Surface]:
 
 
 @dataclass(frozen=True)
-class Member:
+class EnsembleMember:
     """Two measured bodies that form a member, with their shift (µm), line index and surrogate flag."""
 
-    pair: Pair
+    pair: BodyPair
     x: float
     y: float
     line: int = 0
@@ -428,7 +428,7 @@ class Member:
 
 
 @dataclass(frozen=True)
-class SharedProperties:
+class SharedMemberProperties:
     """Properties that all members of a study have in common.
 
     Lengths are in µm, one per axis: (x,) for profiles, (y, x) for surfaces.
@@ -451,20 +451,20 @@ class BodyAttributes:
     attributes: dict[str, Any] = field(default_factory=dict)
 
 
-class Members(Protocol):
+class MemberSource(Protocol):
     """Members of a study of two bodies. Each member index identifies one pair of bodies."""
 
-    def member(self, index: int) -> Member:
+    def member(self, index: int) -> EnsembleMember:
         """Return the member with the given index.
 
         Raises a `ValueError` if there are fewer members.
         """
 
-    def find_shared_properties(self) -> SharedProperties:
+    def find_shared_properties(self) -> SharedMemberProperties:
         """Return the properties that all members have in common."""
 
 
-class MeasuredSurfaceKeys(TableVariant):
+class CommonMeasuredSettings(StudyTableVariant):
     """Keys of `[surfaces]` that all studies of measured surfaces share."""
 
     bodies: ClassVar[str] = "measured areas"  # term for the bodies in error messages
@@ -525,7 +525,7 @@ class MeasuredSurfaceKeys(TableVariant):
         cell = members % (upper * lower)
         return cell % upper, (cell + cell // math.lcm(upper, lower)) % lower
 
-    def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> Members:
+    def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> MemberSource:
         """Low-pass filter each scan at its own cutoff (µm, 0 for no filter), and form members from the filtered scans.
 
         Raises a `ValueError` if there are no members.
@@ -547,10 +547,10 @@ class MeasuredSurfaceKeys(TableVariant):
 
 DEFAULT_NUM_SHIFTS = 16  # default number of relative positions of two height maps
 DEFAULT_NUM_SURROGATES = 16  # default number of pairs of surrogate profiles
-MAX_OFFSETS = 100_000  # maximum number of positions for a pair of lines or maps
+MAX_RELATIVE_POSITIONS = 100_000  # maximum number of positions for a pair of lines or maps
 
 
-class MeasuredLines(MeasuredSurfaceKeys):
+class MeasuredLineSettings(CommonMeasuredSettings):
     """Keys of `[surfaces]` for lines from two measured files. Each upper line slides along a lower line."""
 
     place: ClassVar[str] = "lines of measured files"
@@ -566,7 +566,7 @@ class MeasuredLines(MeasuredSurfaceKeys):
     )
     along: Along = Field(default="x", description="Direction of the lines in a map: rows or columns.")
     offsets: int = Field(
-        default=1, ge=1, le=MAX_OFFSETS,
+        default=1, ge=1, le=MAX_RELATIVE_POSITIONS,
         description="Number of positions on each pair of lines. For two profiles without surrogates, each member is "
         "one position.",
     )  # fmt: skip
@@ -580,7 +580,7 @@ class MeasuredLines(MeasuredSurfaceKeys):
 
     positions: (
         Annotated[
-            tuple[LengthOrZero, ...], as_tuple, Field(min_length=1, max_length=MAX_OFFSETS),
+            tuple[LengthOrZero, ...], as_tuple, Field(min_length=1, max_length=MAX_RELATIVE_POSITIONS),
             AfterValidator(require_different),
         ]
         | None
@@ -596,7 +596,7 @@ class MeasuredLines(MeasuredSurfaceKeys):
             raise make_key_error("positions", "must not be given with offsets or travel")
         return self
 
-    def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> LineMembers:
+    def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> LineMemberSource:
         """Return members that consist of lines from both scans or from their surrogates, at several positions."""
         upper, lower = self.filtered(scans, cut_offs)
         level: ProfileTrend | None = None if self.level == "none" else self.level
@@ -604,11 +604,11 @@ class MeasuredLines(MeasuredSurfaceKeys):
         travel = max(positions) if positions else None if self.travel is None else float(self.travel)
         has_several_pairs = self.replace != "none" or isinstance(upper, Surface) or isinstance(lower, Surface)
         pairs = LinePairs(upper, lower, travel, level, self.along, self.replace, seed, several=has_several_pairs)
-        return LineMembers(pairs, scans, self.offsets, positions)
+        return LineMemberSource(pairs, scans, self.offsets, positions)
 
 
 @dataclass(frozen=True, eq=False)
-class LineMembers:
+class LineMemberSource:
     """Members of a study that presses profiles or lines of height maps."""
 
     pairs: LinePairs
@@ -617,7 +617,7 @@ class LineMembers:
     offsets: int = 1
     positions: tuple[float, ...] | None = None  # positions (µm) on each pair, or None for a quasi-random sequence
 
-    def member(self, index: int) -> Member:
+    def member(self, index: int) -> EnsembleMember:
         """Return a member, which consists of a slider and the section of the counterface below the slider."""
         pairs, offsets = self.pairs, self.offsets if self.positions is None else len(self.positions)
         line, position = divmod(index, offsets) if pairs.several else (0, index)
@@ -644,32 +644,32 @@ class LineMembers:
             steps = 1 + min(int(quasi_random_point(position + 1, 1)[0] * max_steps), max_steps - 1)
         return self._member_at(slider, track, steps, line)
 
-    def _member_at(self, slider: Profile, track: Profile, steps: int, line: int) -> Member:
+    def _member_at(self, slider: Profile, track: Profile, steps: int, line: int) -> EnsembleMember:
         """Return the member whose slider starts `steps` points after the start of the counterface."""
         offset = steps * slider.spacing
         pair = slider, piece_below_slider(track, offset, slider)
-        return Member(
+        return EnsembleMember(
             pair, offset, self.pairs.position_across_lines(line), line=line, surrogate=self.pairs.surrogates != "none"
         )
 
-    def find_shared_properties(self) -> SharedProperties:
+    def find_shared_properties(self) -> SharedMemberProperties:
         """Return the properties that all members have in common."""
         slider, track = self.pairs.pair(0)
         return _describe_lines(slider, track, len(slider) / len(track), self.scans)
 
 
-def _describe_lines(slider: Profile, track: Profile, used: float, scans: tuple[Any, Any]) -> SharedProperties:
+def _describe_lines(slider: Profile, track: Profile, used: float, scans: tuple[Any, Any]) -> SharedMemberProperties:
     """Return the properties shared by all members of a study of lines.
 
     `used` is the fraction of the upper scan that the slider covers.
     """
-    return SharedProperties(
+    return SharedMemberProperties(
         slider, track, slider.extent * PROFILE_WIDTH, [len(slider)], [slider.spacing], [used, len(slider) / len(track)],
         scans,
     )  # fmt: skip
 
 
-class MeasuredAreas(MeasuredSurfaceKeys):
+class MeasuredMapSettings(CommonMeasuredSettings):
     """Keys of `[surfaces]` for two measured height maps at several relative positions."""
 
     place: ClassVar[str] = "areas of measured maps"
@@ -692,7 +692,7 @@ class MeasuredAreas(MeasuredSurfaceKeys):
     positions: (
         Annotated[
             tuple[Annotated[tuple[SignedLength, SignedLength], as_tuple], ...], as_tuple,
-            Field(min_length=1, max_length=MAX_OFFSETS), AfterValidator(require_different),
+            Field(min_length=1, max_length=MAX_RELATIVE_POSITIONS), AfterValidator(require_different),
         ]
         | None
     ) = Field(
@@ -706,7 +706,7 @@ class MeasuredAreas(MeasuredSurfaceKeys):
         """Index of the first member that consists of pieces of the measured maps. Earlier members are surrogates."""
         return self.surrogates
 
-    def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> AreaMembers | GapMembers:
+    def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> MapMemberSource | GapMemberSource:
         """Return the members, which are surrogates followed by pairs of map pieces, or a single measured gap."""
         upper, lower = self.filtered(scans, cut_offs)
         if not (isinstance(upper, Surface) and isinstance(lower, Surface)):
@@ -716,13 +716,13 @@ class MeasuredAreas(MeasuredSurfaceKeys):
             grid: dict[str, Any] = {"spacing": gap.spacing, "missing": gap.missing}
             flat = Surface(np.zeros_like(gap.heights), history=("a flat face",), **grid)
             rough = Surface(0.0 - gap.heights, history=(*gap.history, "a gap, below a flat face"), **grid)
-            return GapMembers(flat, rough)
+            return GapMemberSource(flat, rough)
         shifts = None if self.positions is None else tuple((float(x), float(y)) for x, y in self.positions)
         pairs = build_map_pairs(upper, lower, self.level, seed, rotation=self.rotate, shifts=shifts)
-        return AreaMembers(pairs, scans, self.surrogates)
+        return MapMemberSource(pairs, scans, self.surrogates)
 
 
-class MeasuredSurrogates(MeasuredSurfaceKeys):
+class SurrogateSettings(CommonMeasuredSettings):
     """Keys of `[surfaces]` for surrogates, which are random height maps with the spectra of two scans."""
 
     place: ClassVar[str] = "surrogates of measured files"
@@ -735,12 +735,12 @@ class MeasuredSurrogates(MeasuredSurfaceKeys):
         default="plane", description="Form to remove from each file; a plane is a straight line for a profile."
     )
 
-    def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> AreaMembers:
+    def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> MapMemberSource:
         """Return the members. Each is a pair of random height maps with the spectra of two scans."""
         first, second = scans
         if isinstance(first, JoinedSpectrum) or isinstance(second, JoinedSpectrum):
             finest = float(self.cells()["cut_off"].min())
-            return AreaMembers(
+            return MapMemberSource(
                 SpectralSurfacePairs(
                     to_joined_spectrum(first), to_joined_spectrum(second), self.level, seed, cut_offs, finest
                 ),
@@ -748,11 +748,11 @@ class MeasuredSurrogates(MeasuredSurfaceKeys):
             )
         upper, lower = self.filtered(scans, cut_offs)
         if isinstance(upper, Surface) and isinstance(lower, Surface):
-            return AreaMembers(build_map_pairs(upper, lower, self.level, seed), scans)
+            return MapMemberSource(build_map_pairs(upper, lower, self.level, seed), scans)
         if not (isinstance(upper, Profile) and isinstance(lower, Profile)):
             raise ValueError('surfaces.press = "surrogates" needs two maps or two profiles, got a map and a profile')
         trend: ProfileTrend = "line" if self.level == "plane" else self.level
-        return AreaMembers(
+        return MapMemberSource(
             IsotropicPairs(flipped(levelled(upper, trend)), levelled(lower, trend), "plane", seed), scans
         )
 
@@ -776,7 +776,7 @@ def build_map_pairs(
 
 
 @dataclass(frozen=True, eq=False)
-class AreaMembers:
+class MapMemberSource:
     """Members of a study that presses height maps or surrogates of scans."""
 
     pairs: MapPairs | IsotropicPairs | SpectralSurfacePairs
@@ -784,49 +784,51 @@ class AreaMembers:
     # number of pairs of surrogates, which are the first members; None if all members are surrogates
     surrogates: int | None = None
 
-    def member(self, index: int) -> Member:
+    def member(self, index: int) -> EnsembleMember:
         """Return a member, which is a pair of surrogates or a pair of overlapping map pieces."""
         pairs, count = self.pairs, self.surrogates
         if count is None or index < count:
-            return Member(pairs.surrogates(index), np.nan, np.nan, surrogate=True)
+            return EnsembleMember(pairs.surrogates(index), np.nan, np.nan, surrogate=True)
         assert isinstance(pairs, MapPairs)
         shift = index - count
         if shift >= pairs.max_count():
             raise ValueError(
                 f"the maps have {pairs.max_count()} relative positions, but member {index} needs position {shift + 1}"
             )
-        return Member(pairs.pair(shift), *pairs.map_shift(shift))
+        return EnsembleMember(pairs.pair(shift), *pairs.map_shift(shift))
 
-    def find_shared_properties(self) -> SharedProperties:
+    def find_shared_properties(self) -> SharedMemberProperties:
         """Return the properties that all members have in common."""
         pairs = self.pairs
         scans: Sequence[Any] = self.scans
         if isinstance(pairs, SpectralSurfacePairs):  # surrogates have a spacing of half the shortest wavelength
             wavelengths = (max(body.shortest, pairs.finest) for body in (pairs.upper, pairs.lower))
             scans = [SimpleNamespace(spacing=shortest / 2, extent=pairs.side) for shortest in wavelengths]
-        return SharedProperties(pairs.upper, pairs.lower, pairs.area, pairs.shape, pairs.spacing, pairs.used, scans)
+        return SharedMemberProperties(
+            pairs.upper, pairs.lower, pairs.area, pairs.shape, pairs.spacing, pairs.used, scans
+        )
 
 
 @dataclass(frozen=True, eq=False)
-class GapMembers:
+class GapMemberSource:
     """The only member of a study of a measured gap. It has a flat face and a rough face, separated by the gap."""
 
     flat: Surface
     rough: Surface
 
-    def member(self, index: int) -> Member:
+    def member(self, index: int) -> EnsembleMember:
         """Return the flat face and the rough face as a member."""
         if index > 0:
             raise ValueError(f"a gap has only member 0, got member {index}")
-        return Member((self.flat, self.rough), 0.0, 0.0)
+        return EnsembleMember((self.flat, self.rough), 0.0, 0.0)
 
-    def find_shared_properties(self) -> SharedProperties:
+    def find_shared_properties(self) -> SharedMemberProperties:
         """Return the properties that all members have in common."""
         faces = self.flat, self.rough
-        return SharedProperties(
+        return SharedMemberProperties(
             *faces, float(np.prod(self.rough.extent)), self.rough.heights.shape, self.rough.spacing, [1.0, 1.0], faces
         )  # fmt: skip
 
 
-MeasuredSurfaces = MeasuredAreas | MeasuredLines | MeasuredSurrogates
+MeasuredSurfaceSettings = MeasuredMapSettings | MeasuredLineSettings | SurrogateSettings
 """Table `[surfaces]` of a study of measured files, with a class for each kind of members."""

@@ -34,7 +34,7 @@ from stiction.mechanics.quantities import (
     ZERO_LOAD_SUM_QUANTITIES,
 )
 from stiction.studies.contact_statistics import (
-    STORED_PROBABILITIES,
+    QUANTILE_PROBABILITIES,
     ContactList,
     PairSlopes,
     find_load_on_steep_contacts,
@@ -42,8 +42,8 @@ from stiction.studies.contact_statistics import (
     list_asperity_contacts,
     list_contact_patches,
 )
-from stiction.studies.contact_tables import AsperityContactTable, ContactTable, HalfSpaceContactTable
-from stiction.studies.layout import Arrays, list_variables, variable_names
+from stiction.studies.contact_tables import AsperitySettings, CommonContactSettings, HalfSpaceSettings
+from stiction.studies.layout import ArraysByName, list_variables, variable_names
 from stiction.studies.members import (
     MAX_BATCH_BYTES,
     count_points,
@@ -59,25 +59,25 @@ from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-STIFFNESS_STEP = 0.02
+STIFFNESS_DIFFERENCE_STEP = 0.02
 """Half width of the finite difference that gives the stiffness of asperities, relative to the approach."""
 
-MPA_PER_MM = 1e6  # conversion factor from GPa/µm to MPa/mm
+STIFFNESS_UNIT_FACTOR = 1e6  # conversion factor from GPa/µm to MPa/mm
 
-JUMP_DISTANCE = 1e-11
+LOAD_JUMP_DISTANCE = 1e-11
 """Relative distance from a jump of the load to an approach just before the jump.
 
 The distance exceeds the tolerance of `find_approaches_at_loads`.
 """
 
 
-NUM_UNLOADED_MEMBERS, NUM_UNLOADED_CUT_OFFS = 4, 2
+NUM_UNLOADING_MEMBERS, NUM_UNLOADING_CUT_OFFS = 4, 2
 """Numbers of members and of cutoffs per member for which the unloading stiffness of plastic bodies is computed."""
 
 
 def solve_at_loads(
     study: Study, upper: Profile | Surface, lower: Profile | Surface, *, unloads: bool = False
-) -> Arrays:
+) -> ArraysByName:
     """Compute the contact sums of a pair at the loads of its study. For measured bodies, add contact statistics.
 
     Arrays that depend on the motion have the shape (rules, directions, loads); all others have the shape (loads,). At
@@ -92,7 +92,7 @@ def solve_at_loads(
         if name not in GAP_QUANTITIES
     }
     slopes = PairSlopes.from_pair(upper, lower) if study.is_measured else None
-    if isinstance(contact, HalfSpaceContactTable):
+    if isinstance(contact, HalfSpaceSettings):
         _solve_half_space(contact, upper, lower, values, slopes, unloads=unloads)
     else:
         _solve_asperities(contact, upper, lower, values, slopes)
@@ -104,20 +104,31 @@ def solve_at_loads(
 
 def _build_unsolved_values(name: str, motions: tuple[int, int], loads: int) -> NDArray[Any]:
     """Return placeholder values for loads at which the solver failed: NaN, 0 contacts, or the status "not-solved"."""
-    sizes = {"sliding": motions[0], "direction": motions[1], "step": loads, "fraction_below": len(STORED_PROBABILITIES)}
+    sizes = {
+        "sliding": motions[0],
+        "direction": motions[1],
+        "step": loads,
+        "fraction_below": len(QUANTILE_PROBABILITIES),
+    }
     shape = tuple(sizes[dimension] for dimension in QUANTITIES[name].along)
     if name == "status":
         return np.full(shape, STATUSES.index("not-solved"))
     return np.zeros(shape, np.int64) if QUANTITIES[name].dtype is int else np.full(shape, np.nan)
 
 
-def _list_profile_directions(contact: ContactTable) -> list[Shear]:
+def _list_profile_directions(contact: CommonContactSettings) -> list[Shear]:
     """Return the directions of motion along profiles, i.e. "+x", "-x" or both."""
     return ["+x" if math.cos(math.radians(angle)) > 0 else "-x" for angle in contact.degrees()]
 
 
 def _solve_half_space(
-    contact: HalfSpaceContactTable, upper: Any, lower: Any, values: Arrays, slopes: PairSlopes | None, *, unloads: bool
+    contact: HalfSpaceSettings,
+    upper: Any,
+    lower: Any,
+    values: ArraysByName,
+    slopes: PairSlopes | None,
+    *,
+    unloads: bool,
 ) -> None:
     """Compute the contact at all loads with the half-space model.
 
@@ -162,7 +173,7 @@ def _solve_half_space(
         values["status"][load_indices] = STATUSES.index("ok")
         values["normal_stiffness"][load_indices] = curve.stiffness
         values["closure"][load_indices] = curve.closure
-        values["closure_stiffness"][load_indices] = curve.closure_stiffness * MPA_PER_MM
+        values["closure_stiffness"][load_indices] = curve.closure_stiffness * STIFFNESS_UNIT_FACTOR
         if unloads or curve.hardness is None:
             values["unloading_stiffness"][load_indices] = curve.unloading_stiffness
         values["error"][load_indices] = curve.error
@@ -181,7 +192,7 @@ def _solve_half_space(
             values[name][...] = of_motions(curves, QUANTITIES[name].numerator)[..., 0]
 
 
-def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, values: Arrays, slopes: Any) -> None:
+def _solve_asperities(contact: AsperitySettings, upper: Any, lower: Any, values: ArraysByName, slopes: Any) -> None:
     """Compute independent Hertzian contacts at the approaches that give the elastic loads of the study.
 
     With the detection criterion "cell", the load jumps at some approaches. Sums at a load within a jump are
@@ -205,7 +216,12 @@ def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, val
     if not ok.size:
         return
     # Contacts at minima of the gap start with zero load, so the load has no jumps.
-    fractions = [1 - STIFFNESS_STEP, 1 - JUMP_DISTANCE * (first_model.detection == "cell"), 1, 1 + STIFFNESS_STEP]
+    fractions = [
+        1 - STIFFNESS_DIFFERENCE_STEP,
+        1 - LOAD_JUMP_DISTANCE * (first_model.detection == "cell"),
+        1,
+        1 + STIFFNESS_DIFFERENCE_STEP,
+    ]
     steps, index = np.unique(np.outer(fractions, approach[ok]), return_inverse=True)
     low, before, at, high = index.reshape(len(fractions), ok.size)
     bodies = precompute_candidates(upper, lower, float(steps[-1]), first_model)
@@ -231,7 +247,7 @@ def _solve_asperities(contact: AsperityContactTable, upper: Any, lower: Any, val
     stiffness = (normal[high] - normal[low]) / (steps[high] - steps[low])
     values["approach"][ok] = values["closure"][ok] = approach[ok]
     values["normal_stiffness"][ok] = stiffness
-    values["closure_stiffness"][ok] = stiffness / np.prod(upper.extent) * MPA_PER_MM
+    values["closure_stiffness"][ok] = stiffness / np.prod(upper.extent) * STIFFNESS_UNIT_FACTOR
     for load in ok:
         table = list_asperity_contacts(listed(float(approach[load]), model=first_model), upper)
         for name, value in (table.compute_statistics() | find_load_on_steep_contacts(table, slopes)).items():
@@ -265,7 +281,7 @@ class PressedPair:
         """Compute the contact between both bodies at a load (mN), or return None if the solver fails."""
         upper, lower = pair
         contact = study.contact
-        if isinstance(contact, HalfSpaceContactTable):
+        if isinstance(contact, HalfSpaceSettings):
             try:
                 curve = half_space(upper, lower, [load], **contact.solver_arguments(), sliding="all")
             except RuntimeError:
@@ -321,7 +337,7 @@ The keys are False for lines and True for areas.
 
 ITERATIONS_PER_LOAD = 15
 MAX_PULL_OFF_ITERATIONS = 12_000
-PULL_OFF_ITERATIONS = {False: 100_000, True: 5000}
+PULL_OFF_ITERATION_FACTORS = {False: 100_000, True: 5000}
 """Factor in the number of iterations with adhesion, fitted to 62 pairs with 64 to 256² points.
 
 The number is proportional to E* Sq Sdq / (4 w) of the gap, up to a maximum. Bodies near complete contact need the most
@@ -331,13 +347,13 @@ iterations.
 _reusable_arrays = threading.local()
 
 
-def compute_member_sums(study: Study, index: int) -> Arrays:
+def compute_member_sums(study: Study, index: int) -> ArraysByName:
     """Compute all variables of one member of a study. The arrays have no member axis.
 
     Measured bodies also have the `MEMBER_COORDINATES`. Values are NaN at loads for which the solver fails. Raises a
     `ValueError` if the bodies cannot be loaded.
     """
-    arrays: Arrays = {name: np.empty(shape, dtype) for name, (shape, dtype) in describe_arrays(study).items()}
+    arrays: ArraysByName = {name: np.empty(shape, dtype) for name, (shape, dtype) in describe_arrays(study).items()}
     for cell_index, part in (
         _solve_measured(study, index, arrays) if study.is_measured else _solve_generated(study, index)
     ):
@@ -362,8 +378,8 @@ def estimate_member_time(study: Study) -> float:
     loads = study.contact.loading_steps().size
     points, areal = count_points(study), study.is_areal
     if study.uses_half_space and study.contact.adheres:
-        softest = PULL_OFF_ITERATIONS[areal] / MAX_PULL_OFF_ITERATIONS
-        pull_off = PULL_OFF_ITERATIONS[areal] / max(_estimate_relative_stiffness(study), softest)
+        softest = PULL_OFF_ITERATION_FACTORS[areal] / MAX_PULL_OFF_ITERATIONS
+        pull_off = PULL_OFF_ITERATION_FACTORS[areal] / max(_estimate_relative_stiffness(study), softest)
         return cells * ((loads + 1) * estimate_solution_time(study) + pull_off * _estimate_iteration_time(study))
     if study.uses_half_space:
         return cells * loads * estimate_solution_time(study)
@@ -414,7 +430,7 @@ def _estimate_relative_stiffness(study: Study) -> float:
 # ---- Generated bodies ------------------------------------------------------------------------------------------------
 
 
-def _solve_generated(study: Study, repetition: int) -> Iterator[tuple[Any, Arrays]]:
+def _solve_generated(study: Study, repetition: int) -> Iterator[tuple[Any, ArraysByName]]:
     """Yield the contact sums of one repetition, with their indices, for each fractal dimension and amplitude."""
     if not (study.is_areal or study.uses_half_space or study.contact.onset):
         yield from _solve_profile_batches(study, repetition)
@@ -433,7 +449,7 @@ def _solve_generated(study: Study, repetition: int) -> Iterator[tuple[Any, Array
             yield (d, a), press_pair(study, *(scaled_surface(study, body, amplitude) for body in (upper, lower)))
 
 
-def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> Arrays:
+def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> ArraysByName:
     """Compute the contact sums of a pair with the asperity model, at the approaches given in the study."""
     steps, models = _list_loading_steps(study.contact), _list_contact_models(study.contact)
     bodies: Any = upper, lower
@@ -451,10 +467,10 @@ def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile 
     return sums | _compute_onsets(study, curves[0]) if study.contact.onset else sums
 
 
-def _compute_onsets(study: Study, curve: LoadCurve) -> Arrays:
+def _compute_onsets(study: Study, curve: LoadCurve) -> ArraysByName:
     """Compute the onset of sliding at each approach, for motion along the first direction."""
     contact = study.contact
-    assert isinstance(contact, AsperityContactTable)
+    assert isinstance(contact, AsperitySettings)
     assert contact.onset is not None
     onsets = {name: np.zeros(curve.approach.size) for name in ONSET_QUANTITIES}
     for index in np.flatnonzero(curve.normal_elastic > 0).tolist():
@@ -478,7 +494,7 @@ def _list_loading_steps(contact: Any) -> Floats:
     return read_only(contact.loading_steps())
 
 
-def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slice, Arrays]]:
+def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slice, ArraysByName]]:
     """Compute contact sums of profiles with the asperity model. Several fractal dimensions are computed together.
 
     The arrays have the shape (dimensions, amplitudes, rules, steps), with a single rule for quantities that do not
@@ -522,10 +538,10 @@ def _reuse_array(shape: tuple[int, ...]) -> Floats:
 # ---- Measured bodies -------------------------------------------------------------------------------------------------
 
 
-def _solve_measured(study: Study, index: int, arrays: Arrays) -> Iterator[tuple[int, Arrays]]:
+def _solve_measured(study: Study, index: int, arrays: ArraysByName) -> Iterator[tuple[int, ArraysByName]]:
     """Yield each cutoff's index and the contact sums of the member. Write the member coordinates to `arrays`."""
-    unloads = index - study.surfaces.first_scan_member < NUM_UNLOADED_MEMBERS
+    unloads = index - study.surfaces.first_scan_member < NUM_UNLOADING_MEMBERS
     for cell_index, wavelength in enumerate(study.surfaces.cells()["cut_off"]):
         member = load_bodies(study).member(index, float(wavelength))
         arrays |= {name: np.asarray(getattr(member, name)) for name in ("x", "y", "line", "surrogate")}
-        yield cell_index, solve_at_loads(study, *member.pair, unloads=unloads and cell_index < NUM_UNLOADED_CUT_OFFS)
+        yield cell_index, solve_at_loads(study, *member.pair, unloads=unloads and cell_index < NUM_UNLOADING_CUT_OFFS)

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from stiction._checks import Floats, check_instance
-from stiction.studies.generated_surfaces import SelfAffineSurfaces
-from stiction.studies.measured_surfaces import BodyAttributes, MeasuredSurfaces, Member, Members
+from stiction.studies.generated_surfaces import SelfAffineSettings
+from stiction.studies.measured_surfaces import BodyAttributes, EnsembleMember, MeasuredSurfaceSettings, MemberSource
 from stiction.studies.study import Study
 from stiction.surfaces import fractal
 from stiction.surfaces.pairing import SIDES
@@ -96,7 +96,7 @@ def generate_pairs(
 def unscaled_surface(study: Study, repetition: int, side: Side, dimension: float) -> Surface:
     """Generate a surface of given fractal dimension without scaling it to an amplitude."""
     surfaces: Any = study.surfaces
-    if isinstance(surfaces, SelfAffineSurfaces):
+    if isinstance(surfaces, SelfAffineSettings):
         longest, shortest = surfaces.longest_wavelength, surfaces.shortest_wavelength
         return self_affine_surface(
             study.ensemble.seed, hurst_exponent=fractal.hurst_exponent(dimension, convention="classical"), rms=1.0,
@@ -181,7 +181,7 @@ class LoadedBodies:
     Each file is read only once. The constructor raises a `ValueError` if a file has changed.
     """
 
-    def __init__(self, surfaces: MeasuredSurfaces, seed: int) -> None:
+    def __init__(self, surfaces: MeasuredSurfaceSettings, seed: int) -> None:
         self._surfaces, self._seed = surfaces, seed
         self._parts = [[scan.read() for scan in getattr(surfaces, side).scans] for side in SIDES]
         for side, scans in zip(SIDES, self._parts, strict=True):
@@ -196,7 +196,7 @@ class LoadedBodies:
             raise ValueError("surfaces.surrogates: must be 0 if a part has several scans")
         self.members = functools.lru_cache(MAX_CACHED_PAIRS)(self._prepare_members)
 
-    def _prepare_members(self, wavelength: float, upper: int = 0, lower: int = 0) -> Members:
+    def _prepare_members(self, wavelength: float, upper: int = 0, lower: int = 0) -> MemberSource:
         """Low-pass filter two scans at a cutoff (µm, 0 for no filter), and form members from the filtered scans.
 
         Raises a `ValueError` if the scans have no members.
@@ -207,7 +207,7 @@ class LoadedBodies:
         upper_cutoff, lower_cutoff = (file.cut_off_at(wavelength) for file in files)
         return surfaces.members(scans, (upper_cutoff, lower_cutoff), self._seed)
 
-    def member(self, index: int, wavelength: float) -> Member:
+    def member(self, index: int, wavelength: float) -> EnsembleMember:
         """Return the member with a given index. Its scans are filtered at a cutoff (µm, 0 for no filter)."""
         surfaces = self._surfaces
         # Members are numbered from 0 for each pair of scans.
@@ -274,13 +274,13 @@ def load_bodies(study: Study) -> LoadedBodies:
     The bodies are cached, and are read again only if a file changes.
     """
     surfaces = study.surfaces
-    assert isinstance(surfaces, MeasuredSurfaces)
+    assert isinstance(surfaces, MeasuredSurfaceSettings)
     stamps = tuple(scan.find_file_stamp() for side in SIDES for scan in getattr(surfaces, side).scans)
     return _load_cached_bodies(surfaces, study.ensemble.seed, stamps)
 
 
 @functools.lru_cache(maxsize=4)
-def _load_cached_bodies(surfaces: MeasuredSurfaces, seed: int, _: object) -> LoadedBodies:
+def _load_cached_bodies(surfaces: MeasuredSurfaceSettings, seed: int, _: object) -> LoadedBodies:
     return LoadedBodies(surfaces, seed)
 
 

@@ -14,7 +14,7 @@ from stiction.studies.elasticity import Elasticity, find_elasticity
 from stiction.studies.input_uncertainty import (
     MAX_POISSON_RATIO,
     UNCERTAINTY_PATTERN,
-    Distribution,
+    InputDistribution,
     UncertainInput,
     parse_study_input,
 )
@@ -80,7 +80,7 @@ def find_material_moduli(body: Material) -> dict[str, UncertainInput]:
     return {"young": _input_from_range(body.young_modulus, "log-normal"), "poisson": poisson}
 
 
-def _input_from_range(value: MaterialValue, distribution: Distribution) -> UncertainInput:
+def _input_from_range(value: MaterialValue, distribution: InputDistribution) -> UncertainInput:
     low, high = float(value.low), float(value.high)
     return UncertainInput(float(value), low, high, distribution if low < high else "exact", f"{low:g}..{high:g}")
 

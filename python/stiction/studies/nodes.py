@@ -23,7 +23,7 @@ from stiction.studies.hardness import find_inputs
 if TYPE_CHECKING:
     import xarray
 
-    from stiction.studies.evaluation import Kind
+    from stiction.studies.evaluation import MemberKind
     from stiction.studies.result import Result
     from stiction.studies.study import Study
 
@@ -42,7 +42,7 @@ MAX_NODES, MAX_MEASURED_NODES = 7, 10
 Reports of generated surfaces have more loads and therefore fewer nodes.
 """
 
-NUM_LOAD_STEPS = 40  # number of loads in a report of generated surfaces
+NUM_REPORT_LOADS = 40  # number of loads in a report of generated surfaces
 # number of loads at which nodes are chosen and errors are measured (generated surfaces)
 NUM_SAMPLED_LOADS = 4
 NUM_NODE_CHOICE_LOADS = 2  # number of loads at which nodes are chosen (measured surfaces)
@@ -54,7 +54,7 @@ MAX_AXIS_REFINEMENTS = 4  # maximum number of refinements of an axis
 MIN_NODE_DISTANCE = 0.35
 """Smallest distance between an initial node and a value in the study, relative to the node spacing."""
 
-CHECKED_FRACTIONS = (np.array([0.07, 0.23, 0.61]), np.array([0.04, 0.31]))
+CHECKED_PANEL_FRACTIONS = (np.array([0.07, 0.23, 0.61]), np.array([0.04, 0.31]))
 """Positions at which errors are measured, as fractions of the ranges of mu0 (first) and tau0 (second)."""
 
 # A value counts as a node if its distance from the node is below this fraction of the axis length.
@@ -166,7 +166,7 @@ class InterpolationNodes:
     axes : pair of NodeAxis
         Nodes of mu0 and tau0, chosen for the tolerances.
     loads : ndarray of float, mN
-        Loads in a report: the loads of the study for measured bodies, and `NUM_LOAD_STEPS` loads in equal ratios for
+        Loads in a report: the loads of the study for measured bodies, and `NUM_REPORT_LOADS` loads in equal ratios for
         generated bodies.
     kinds : list of str or None
         Kinds of members of measured bodies, starting with the quoted kind. None stands for all members.
@@ -191,10 +191,10 @@ class InterpolationNodes:
             low, high = (float(f"{load:.3g}") for load in reached_loads(self.result, 2))
         except ValueError:
             return np.zeros(0)
-        return np.array([float(f"{load:.5g}") for load in np.geomspace(low, high, NUM_LOAD_STEPS)])
+        return np.array([float(f"{load:.5g}") for load in np.geomspace(low, high, NUM_REPORT_LOADS)])
 
     @cached_property
-    def kinds(self) -> list[Kind | None]:
+    def kinds(self) -> list[MemberKind | None]:
         """Kinds of members ("shifts", "surrogates"). The quoted friction is that of the first kind."""
         head = self.result.head
         if "surrogate" not in head.coords:
@@ -239,7 +239,7 @@ class InterpolationNodes:
         return self.loads[:: max(1, self.loads.size // NUM_SAMPLED_LOADS)]
 
     def _at(
-        self, loads: Floats, axes: tuple[NodeAxis, NodeAxis], kind: Kind | None, names: Collection[str] | None
+        self, loads: Floats, axes: tuple[NodeAxis, NodeAxis], kind: MemberKind | None, names: Collection[str] | None
     ) -> xarray.Dataset:
         """Evaluate the result at the nodes. For measured bodies, the intervals are combined intervals.
 
@@ -364,7 +364,7 @@ def largest_errors(
     """
     mu0, tau0 = (
         axis.rising[0] + np.ptp(axis.rising) * fractions
-        for axis, fractions in zip(axes, CHECKED_FRACTIONS, strict=True)
+        for axis, fractions in zip(axes, CHECKED_PANEL_FRACTIONS, strict=True)
     )
     fine = is_interpolated(axes, table)
     exact = evaluate(mu0, tau0)

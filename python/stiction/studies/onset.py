@@ -15,7 +15,7 @@ from stiction.mechanics.half_space import HalfSpaceCurve
 from stiction.mechanics.presliding import fit_iwan, fit_lugre
 from stiction.mechanics.quantities import QUANTITIES, quantity_attributes
 from stiction.studies.contact_picture import MAX_PICTURE_SIZE
-from stiction.studies.evaluation import MemberAverage
+from stiction.studies.evaluation import MemberAveraging
 from stiction.studies.executors import use_idle_threads
 from stiction.studies.member_solution import PressedPair
 from stiction.studies.members import count_points, load_bodies
@@ -50,7 +50,7 @@ _CURVE_TITLES = {
 }
 """Column titles in `ONSET_TABLE_FILE`, by quantity."""
 
-_SCALAR_NAMES = ("sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness")
+_ONSET_SCALAR_NAMES = ("sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness")
 _STATISTIC_NAMES = ["mean", "lower", "upper"]
 
 
@@ -101,7 +101,7 @@ def compute_member_onset(
     except (RuntimeError, ValueError):  # raised if the solver failed or the contact law has no onset
         return None
     curve: dict[str, Any] = {
-        name: getattr(onset, name) for name in (*_CURVE_TITLES, *_SCALAR_NAMES[:-1]) if name != "energy_lost"
+        name: getattr(onset, name) for name in (*_CURVE_TITLES, *_ONSET_SCALAR_NAMES[:-1]) if name != "energy_lost"
     }  # fmt: skip
     curve["unloading_stiffness"] = float(np.ravel(getattr(pressed.curve, "unloading_stiffness", np.nan))[0])
     return curve | {
@@ -116,11 +116,11 @@ def compute_member_onset(
 def _average_members(study: Study, curves: Sequence[dict[str, Any]], attributes: dict[str, Any]) -> xarray.Dataset:
     import xarray
 
-    members = MemberAverage.of(
+    members = MemberAveraging.of(
         study, {name: [curve[name] for curve in curves] for name in ("line", "x", "y", "repetition")}
     )
     variables: dict[str, Any] = {}
-    for name in (*_CURVE_TITLES, *_SCALAR_NAMES):
+    for name in (*_CURVE_TITLES, *_ONSET_SCALAR_NAMES):
         dims = ("fraction", "statistic") if name in _CURVE_TITLES else ("statistic",)
         values = np.clip(members.mean(np.array([curve[name] for curve in curves])), *QUANTITIES[name].bounds)
         variables[name] = (dims, values, quantity_attributes(name))
@@ -144,7 +144,7 @@ def _average_members(study: Study, curves: Sequence[dict[str, Any]], attributes:
     return dataset.assign_attrs(_fit_presliding_models(dataset))
 
 
-PRESLIDING_MODELS = {
+PRESLIDING_PARAMETERS = {
     "iwan": ("sliding_load_mN", "stiffness_mN_per_um", "chi", "beta", "largest_residual"),
     "lugre": ("sigma0_mN_per_um", "largest_residual"),
 }
@@ -171,7 +171,7 @@ def _fit_presliding_models(onset: xarray.Dataset) -> dict[str, float]:
     }
     return {
         f"{model}_{name}": value
-        for model, names in PRESLIDING_MODELS.items()
+        for model, names in PRESLIDING_PARAMETERS.items()
         for name, value in zip(names, values[model], strict=True)
     }
 
@@ -190,11 +190,11 @@ def load_onset(result: StoredResult) -> xarray.Dataset | None:
         return None
     friction = result.study.friction
     onset = read_companion(
-        Path(result.path) / ONSET_FILE, ("fraction", "statistic", *_SCALAR_NAMES[:-1], *_CURVE_TITLES)
+        Path(result.path) / ONSET_FILE, ("fraction", "statistic", *_ONSET_SCALAR_NAMES[:-1], *_CURVE_TITLES)
     )
     if (
         onset is None
-        or _SCALAR_NAMES[-1] not in onset
+        or _ONSET_SCALAR_NAMES[-1] not in onset
         or onset["fraction"].values.tolist() != list(ONSET_LOAD_FRACTIONS)
     ):
         return None
@@ -221,11 +221,11 @@ def format_backbone_csv(onset: xarray.Dataset) -> str:
 # ---- Slip map --------------------------------------------------------------------------------------------------------
 
 
-Variables = dict[str, tuple[Any, ...]]
+DatasetVariables = dict[str, tuple[Any, ...]]
 _LENGTH_ATTRIBUTES = {"units": "um"}
 
 
-def build_slip_map(pressed: PressedPair, onset: Onset) -> Variables:
+def build_slip_map(pressed: PressedPair, onset: Onset) -> DatasetVariables:
     """Return the fraction of the sliding load at which slip starts, for each grid point or asperity contact.
 
     The dataset includes the heights of the lower body. In large maps, each block of neighbouring points is represented
@@ -236,7 +236,7 @@ def build_slip_map(pressed: PressedPair, onset: Onset) -> Variables:
         return {}
     (rows, columns), (dy, dx) = lower.heights.shape, lower.spacing
     step = -(-max(rows, columns) // MAX_PICTURE_SIZE)
-    variables: Variables = {
+    variables: DatasetVariables = {
         "slip_y": ("slip_y", np.arange(0, rows, step) * dy, _LENGTH_ATTRIBUTES),
         "slip_x": ("slip_x", np.arange(0, columns, step) * dx, _LENGTH_ATTRIBUTES),
         "lower_height": (("slip_y", "slip_x"), lower.heights[::step, ::step].astype(np.float32), _LENGTH_ATTRIBUTES),

@@ -62,8 +62,8 @@ from stiction.surfaces.surface import Surface, as_body
 # default number of positions of a pair of profiles (a few seconds of computing time)
 DEFAULT_NUM_POSITIONS = 64
 NUM_ADHESION_LOADS = 4  # number of additional loads, over two decades below the requested loads, for adhesive contacts
-PRELOAD_FRACTION = 1e-3  # load that replaces a load of zero, relative to the attraction on a grid cell
-DEFAULT_LAW = "hertz-sphere"  # default contact law of the asperity model
+ZERO_LOAD_REPLACEMENT = 1e-3  # load that replaces a load of zero, relative to the attraction on a grid cell
+DEFAULT_CONTACT_LAW = "hertz-sphere"  # default contact law of the asperity model
 HARDNESS_TO_YIELD_RATIO = 2.84  # ratio of hardness to yield strength in the law of Jackson and Green
 
 GAP_REMARK = (
@@ -72,7 +72,7 @@ GAP_REMARK = (
 )
 
 
-class Pair:
+class MeasuredPair:
     """Pair of measured bodies, with contact options converted to core units (µm, mN, GPa).
 
     Invalid options raise an `ArgumentError`.
@@ -98,7 +98,7 @@ class Pair:
                     )
 
     @classmethod
-    def from_values(cls, **values: object) -> Pair:
+    def from_values(cls, **values: object) -> MeasuredPair:
         """Validate the values of options, and create a pair from them.
 
         The keywords are field names of `PairOptions`.
@@ -264,7 +264,7 @@ class Pair:
     @property
     def contact_law(self) -> str:
         """Name of the contact law used by the asperity model."""
-        return self.options.law or ("hertz-cylinder" if self.options.lay == "grooves" else DEFAULT_LAW)
+        return self.options.law or ("hertz-cylinder" if self.options.lay == "grooves" else DEFAULT_CONTACT_LAW)
 
     @property
     def has_surrogates(self) -> bool:
@@ -359,7 +359,7 @@ class Pair:
         # Zero load is replaced by a small fraction of the attraction on a grid cell.
         # This attraction is a lower bound on the pull-off force.
         if 0.0 in forces:
-            forces = {force or float(f"{PRELOAD_FRACTION * self._cell_attraction:.3g}") for force in forces}
+            forces = {force or float(f"{ZERO_LOAD_REPLACEMENT * self._cell_attraction:.3g}") for force in forces}
         return [quantity(exact_text(force, "mN"), "force") for force in sorted(forces)]
 
     @property
@@ -741,7 +741,7 @@ def study_from_options(options: PairOptions) -> Study:
 
     Raises a `ValueError` if the contact of the bodies cannot be computed.
     """
-    study = Pair(options).study
+    study = MeasuredPair(options).study
     body_attributes(study)
     return study
 

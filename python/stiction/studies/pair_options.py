@@ -135,7 +135,7 @@ Level = Literal["mean", "line", "plane", "quadratic", "none"]
 # ---- Conditions of options -------------------------------------------------------------------------------------------
 
 
-class PairFacts(Protocol):
+class PairProperties(Protocol):
     """Properties of a pair that determine which options are applicable."""
 
     @property
@@ -180,198 +180,198 @@ class PairFacts(Protocol):
 
 
 @dataclass(frozen=True)
-class Condition:
+class OptionCondition:
     """Condition for using an option, and the message of the error raised if the condition is not met."""
 
-    holds: Callable[[PairFacts], bool]
+    holds: Callable[[PairProperties], bool]
     message: str  # text after the option name; {name} stands for another option
 
 
-def make_condition(message: str) -> Callable[[Callable[[PairFacts], bool]], Condition]:
+def make_condition(message: str) -> Callable[[Callable[[PairProperties], bool]], OptionCondition]:
     """Return a decorator that turns a function into a condition with the given error message."""
 
-    def decorate(holds: Callable[[PairFacts], bool]) -> Condition:
-        return Condition(holds, message)
+    def decorate(holds: Callable[[PairProperties], bool]) -> OptionCondition:
+        return OptionCondition(holds, message)
 
     return decorate
 
 
 @make_condition("must be one map")
-def is_one_map(pair: PairFacts) -> bool:
+def is_one_map(pair: PairProperties) -> bool:
     """Return whether a single height map of the gap is given."""
     return pair.are_maps and pair.scan_counts == (1, 1)
 
 
 @make_condition("must not be combined with {gap}, because the relative position of the two faces is fixed")
-def has_two_bodies(pair: PairFacts) -> bool:
+def has_two_bodies(pair: PairProperties) -> bool:
     """Return whether two bodies are given instead of the gap between them."""
     return pair.options.gap is None
 
 
 @make_condition("is for two profiles; a map contains its lay")
-def has_two_profiles(pair: PairFacts) -> bool:
+def has_two_profiles(pair: PairProperties) -> bool:
     """Return whether both bodies are profiles."""
     return pair.are_profiles
 
 
 @make_condition("is for two profiles that are pressed as lines; other bodies have a nominal area")
-def presses_profiles_as_lines(pair: PairFacts) -> bool:
+def presses_profiles_as_lines(pair: PairProperties) -> bool:
     """Return whether both bodies are profiles and are pressed as lines."""
     return pair.are_profiles and pair.press == "lines"
 
 
 @make_condition("generates surfaces from a spectrum and needs scans without masked points")
-def has_whole_scans_for_surrogates(pair: PairFacts) -> bool:
+def has_whole_scans_for_surrogates(pair: PairProperties) -> bool:
     """Return True unless surrogates are requested for a scan that has masked points."""
     return not (pair.has_missing and pair.has_surrogates)
 
 
 @make_condition("uses the asperity model and needs scans without masked points")
-def has_whole_scans_for_asperities(pair: PairFacts) -> bool:
+def has_whole_scans_for_asperities(pair: PairProperties) -> bool:
     """Return True unless the asperity model is used for a scan that has masked points."""
     return not pair.has_missing or "asperities" not in pair.contact_models
 
 
 @make_condition("needs scans without masked points; {missing} interpolate fills them, and {crop} excludes them")
-def has_whole_scans(pair: PairFacts) -> bool:
+def has_whole_scans(pair: PairProperties) -> bool:
     """Return whether the scans have no masked points."""
     return not pair.has_missing
 
 
 @make_condition("must not be combined with a spectrum, because its surfaces are generated")
-def has_no_spectrum(pair: PairFacts) -> bool:
+def has_no_spectrum(pair: PairProperties) -> bool:
     """Return True unless one of the bodies is a spectrum that joins several scans."""
     return not pair.has_spectrum
 
 
 @make_condition("is for surfaces and surrogates; two profiles are one pair")
-def has_several_line_pairs(pair: PairFacts) -> bool:
+def has_several_line_pairs(pair: PairProperties) -> bool:
     """Return whether several pairs of lines can be formed, either from maps or from surrogates of profiles."""
     return not pair.are_profiles or (pair.press == "lines" and pair.has_surrogates)
 
 
 @make_condition("is for lines; for maps give {lines} as well")
-def presses_lines(pair: PairFacts) -> bool:
+def presses_lines(pair: PairProperties) -> bool:
     """Return whether lines are pressed, rather than areas."""
     return pair.press == "lines"
 
 
 @make_condition("is for lines of surfaces")
-def presses_lines_of_maps(pair: PairFacts) -> bool:
+def presses_lines_of_maps(pair: PairProperties) -> bool:
     """Return whether the pressed bodies are lines of height maps."""
     return pair.press == "lines" and not pair.are_profiles
 
 
 @make_condition("is for the areas of two maps, without {lines}")
-def presses_areas(pair: PairFacts) -> bool:
+def presses_areas(pair: PairProperties) -> bool:
     """Return whether two height maps are pressed as areas."""
     return pair.press == "areas"
 
 
 @make_condition("is for areas; lines are always moved in both directions")
-def presses_maps_or_surrogates(pair: PairFacts) -> bool:
+def presses_maps_or_surrogates(pair: PairProperties) -> bool:
     """Return whether areas of height maps or of surrogates are pressed."""
     return pair.press != "lines"
 
 
 @make_condition("is for lines, or for the areas of two maps")
-def presses_scans(pair: PairFacts) -> bool:
+def presses_scans(pair: PairProperties) -> bool:
     """Return whether `press` is "lines" or "areas", rather than "surrogates"."""
     return pair.press != "surrogates"
 
 
 @make_condition("must not be given with {positions}")
-def has_no_positions(pair: PairFacts) -> bool:
+def has_no_positions(pair: PairProperties) -> bool:
     """Return True unless the user has listed the relative positions of the bodies."""
     return pair.options.positions is None
 
 
 @make_condition("is for {surrogates}")
-def presses_surrogates(pair: PairFacts) -> bool:
+def presses_surrogates(pair: PairProperties) -> bool:
     """Return whether at least some members are surrogates of the scans."""
     return pair.has_surrogates
 
 
 @make_condition("must not be combined with {check}, which uses both contact models")
-def uses_one_contact_model(pair: PairFacts) -> bool:
+def uses_one_contact_model(pair: PairProperties) -> bool:
     """Return whether the options select a single contact model."""
     return not pair.options.check
 
 
 @make_condition("is for {mechanics} half-space")
-def uses_half_space_model(pair: PairFacts) -> bool:
+def uses_half_space_model(pair: PairProperties) -> bool:
     """Return whether the half-space model is used, for the result or for a check."""
     return "half-space" in pair.contact_models
 
 
 @make_condition("is for {mechanics} half-space")
-def has_half_space_result(pair: PairFacts) -> bool:
+def has_half_space_result(pair: PairProperties) -> bool:
     """Return whether the result is computed with the half-space model."""
     return pair.contact_models[0] == "half-space"
 
 
 @make_condition("is for {mechanics} half-space alone")
-def uses_only_half_space_model(pair: PairFacts) -> bool:
+def uses_only_half_space_model(pair: PairProperties) -> bool:
     """Return whether the half-space model is used without a check by the asperity model."""
     return pair.contact_models == ("half-space",)
 
 
 @make_condition("is for {mechanics} asperities")
-def uses_asperity_model(pair: PairFacts) -> bool:
+def uses_asperity_model(pair: PairProperties) -> bool:
     """Return whether the asperity model is used, for the result or for a check."""
     return "asperities" in pair.contact_models
 
 
 @make_condition("must not be combined with {lay} grooves, which needs the law of cylinders")
-def has_law_for_lay(pair: PairFacts) -> bool:
+def has_law_for_lay(pair: PairProperties) -> bool:
     """Return whether the contact law suits the lay. For grooves, the law for elastic cylinders is required."""
     return pair.options.lay != "grooves" or pair.contact_law == "hertz-cylinder"
 
 
 @make_condition("is for {law} jackson-green")
-def has_law_with_yield(pair: PairFacts) -> bool:
+def has_law_with_yield(pair: PairProperties) -> bool:
     """Return whether the Jackson-Green contact law is used, which requires a yield strength."""
     return pair.contact_law == JacksonGreen.name
 
 
 @make_condition("must not be combined with {hardness}, which determines it")
-def has_no_hardness_for_asperities(pair: PairFacts) -> bool:
+def has_no_hardness_for_asperities(pair: PairProperties) -> bool:
     """Return True unless a given hardness determines the yield strength of the asperities."""
     return pair.options.hardness is None or "half-space" in pair.contact_models
 
 
 @make_condition("is for {mechanics} half-space, and for {law} jackson-green")
-def has_plastic_contacts(pair: PairFacts) -> bool:
+def has_plastic_contacts(pair: PairProperties) -> bool:
     """Return whether one of the selected contact models can use a hardness."""
     return "half-space" in pair.contact_models or pair.contact_law == JacksonGreen.name
 
 
 @make_condition("needs {creep}, the exponent of indentation creep")
-def has_creep(pair: PairFacts) -> bool:
+def has_creep(pair: PairProperties) -> bool:
     """Return whether a creep exponent is given."""
     return pair.options.creep is not None
 
 
 @make_condition("is for {wait}")
-def has_dwell_times(pair: PairFacts) -> bool:
+def has_dwell_times(pair: PairProperties) -> bool:
     """Return whether dwell times are given."""
     return pair.options.wait is not None
 
 
 @make_condition("is for {work_of_adhesion}")
-def has_work_of_adhesion(pair: PairFacts) -> bool:
+def has_work_of_adhesion(pair: PairProperties) -> bool:
     """Return whether a work of adhesion is given."""
     return pair.options.work_of_adhesion is not None
 
 
 @make_condition("must not be combined with {interface}, which contains mu0 and tau0")
-def has_no_interface(pair: PairFacts) -> bool:
+def has_no_interface(pair: PairProperties) -> bool:
     """Return True unless an interface determines mu0 and tau0."""
     return pair.options.interface is None
 
 
 @make_condition("is for {young} and {law} jackson-green")
-def needs_poisson_ratio(pair: PairFacts) -> bool:
+def needs_poisson_ratio(pair: PairProperties) -> bool:
     """Return whether Young's modulus or the Jackson-Green contact law requires Poisson's ratio."""
     return pair.options.young is not None or pair.contact_law == JacksonGreen.name
 
@@ -401,7 +401,7 @@ class FormField:
 
 
 @dataclass(frozen=True)
-class Option:
+class PairOption:
     """Declaration of a pair option, shared by the command line, the Python interface, study files and the app."""
 
     value: str  # placeholder for the value on the command line, such as PRESSURE; empty for a switch
@@ -412,7 +412,7 @@ class Option:
     argument: str = ""  # name in Python, if it differs from the field name
     key: str = ""  # study-file key that the option sets
     field: FormField | None = None
-    applies: tuple[Condition, ...] = ()
+    applies: tuple[OptionCondition, ...] = ()
     is_common: bool = False  # True if the short help lists the option
     is_repeatable: bool = False  # True if the option may be repeated on the command line
     is_list: bool = False  # True if several values for one file may be separated by commas
@@ -435,18 +435,18 @@ class SurfaceOptions(OptionGroup):
 
     title: ClassVar[str] = "Surfaces"
 
-    upper: Annotated[Part | None, Option(
+    upper: Annotated[Part | None, PairOption(
         "UPPER", "The slider: a measured profile or surface. Several scans of one part are given as a list, a folder, "
         "or names separated by commas.", flag="UPPER", argument="first",
     )] = None  # fmt: skip
-    lower: Annotated[Part | None, Option(
+    lower: Annotated[Part | None, PairOption(
         "LOWER", "The counterface; both may be the same file.", flag="LOWER", argument="second",
     )] = None  # fmt: skip
-    gap: Annotated[Gap | None, Option(
+    gap: Annotated[Gap | None, PairOption(
         "FILE", "A map of the gap between two faces, for example of a fracture, instead of {upper} and {lower}.",
         applies=(is_one_map,),
     )] = None  # fmt: skip
-    lay: Annotated[Lay | None, Option(
+    lay: Annotated[Lay | None, PairOption(
         "grooves|isotropic", "Lay of two profiles: measured across grooves, or on isotropic surfaces, which are then "
         "pressed as areas.", usual="pressed as lines",
         applies=(has_two_profiles, has_whole_scans_for_surrogates),
@@ -455,40 +455,40 @@ class SurfaceOptions(OptionGroup):
             choices=(("grooves", "across grooves"), ("isotropic", "none, isotropic")),
         ),
     )] = None  # fmt: skip
-    lines: Annotated[Count | None, Option(
+    lines: Annotated[Count | None, PairOption(
         "N", "Press this many pairs of lines of two maps instead of their areas; for surrogates of profiles, the "
         "number of surrogates.", usual="128 of surrogates, and of a map and a profile",
         applies=(has_no_spectrum, has_several_line_pairs, has_two_bodies),
     )] = None  # fmt: skip
-    along: Annotated[Along | None, Option(
+    along: Annotated[Along | None, PairOption(
         "x|y", "Direction of the lines of maps.", usual="x", key="surfaces.along", applies=(presses_lines_of_maps,),
     )] = None  # fmt: skip
-    level: Annotated[Level | None, Option(
+    level: Annotated[Level | None, PairOption(
         "TREND", "Trend to subtract from each line (mean, line, quadratic or none) or map (mean, plane or "
         "quadratic).", usual="line for profiles, plane for maps", key="surfaces.level",
         field=FormField(
             label="level", empty="plane or line", choices=(("quadratic", "quadratic"), ("mean", "mean")),
         ),
     )] = None  # fmt: skip
-    cutoff: Annotated[Values | None, Option(
+    cutoff: Annotated[Values | None, PairOption(
         "LENGTHS", 'Cutoff wavelength of a Gaussian low-pass filter, "0.1 um". Several cutoffs give several results; '
         '"none" attributes all wavelengths to the surfaces.', kind="length",
         usual="unfiltered; also filtered if some wavelengths may not belong to the surface",
         key="surfaces.cut_off", field=FormField(label="cutoff wavelength", has_commas=True, example="0.5 um, or none"),
     )] = None  # fmt: skip
-    rotate: Annotated[Degrees | None, Option(
+    rotate: Annotated[Degrees | None, PairOption(
         "DEGREES", "Rotate the upper map in its plane.", usual="0", key="surfaces.rotate",
         applies=(has_two_bodies, presses_areas),
         field=FormField(label="turn upper, °", keyboard="decimal", example="0"),
     )] = None  # fmt: skip
 
 
-class ReadingOptions(OptionGroup):
+class FileReadingOptions(OptionGroup):
     """Options for reading files. Each option has one value for both files, or one value per file."""
 
     title: ClassVar[str] = "Reading files"
 
-    unit: Annotated[Values | None, Option(
+    unit: Annotated[Values | None, PairOption(
         "UNIT", 'Unit of the lengths in the file, "um", or of positions and heights, "mm,um". Required if the file '
         "has no unit.", is_repeatable=True, is_common=True, is_list=True,
         field=FormField(
@@ -498,12 +498,12 @@ class ReadingOptions(OptionGroup):
             ),
         ),
     )] = None  # fmt: skip
-    spacing: Annotated[Values | None, Option(
+    spacing: Annotated[Values | None, PairOption(
         "LENGTH", 'Distance between points, "0.5 um", or between rows and columns, "2 um,0.5 um". Required if the '
         "file has no spacing.", kind="length", is_repeatable=True, is_common=True, is_list=True,
         field=FormField(label="spacing", place="scan", has_commas=True, example="0.5 um", size=7),
     )] = None  # fmt: skip
-    missing: Annotated[Missing | None, Option(
+    missing: Annotated[Missing | None, PairOption(
         "error|mask|interpolate", "Points without a height: reject the file, press only the measured points, or "
         "interpolate.",
         usual="error", is_common=True,
@@ -512,39 +512,39 @@ class ReadingOptions(OptionGroup):
             choices=(("mask", "leave them out"), ("interpolate", "interpolate")),
         ),
     )] = None  # fmt: skip
-    missing_value: Annotated[Values | None, Option(
+    missing_value: Annotated[Values | None, PairOption(
         "NUMBERS|WORDS", 'Numbers or words that mark points without a height, "-9999".', is_repeatable=True,
         is_list=True,
         field=FormField(label="missing value", place="scan", has_commas=True, example="-9999", size=9),
     )] = None  # fmt: skip
-    outliers: Annotated[Outliers | None, Option(
+    outliers: Annotated[Outliers | None, PairOption(
         "keep|mask", "Treat up to 4 adjacent points beyond 6 robust deviations of their neighbors as missing.",
         usual="keep",
     )] = None  # fmt: skip
-    crop: Annotated[Values | None, Option(
+    crop: Annotated[Values | None, PairOption(
         "X0,X1[,Y0,Y1]", 'Region of the file to read: "10 um,60 um"; for a map, first along x, then along y.',
         kind="length", is_repeatable=True,
     )] = None  # fmt: skip
-    channel: Annotated[Values | None, Option(
+    channel: Annotated[Values | None, PairOption(
         "NAME|NUMBER", "Channel or sheet to read, by its name or number from 0.", usual="the first of heights",
         is_repeatable=True,
         field=FormField(label="channel", place="scan", has_commas=True, example="name or number", size=9),
     )] = None  # fmt: skip
-    columns: Annotated[Values | None, Option(
+    columns: Annotated[Values | None, PairOption(
         "Z|X,Z|X,Y,Z", "Columns of a table, names or numbers from 0: of heights, or of positions and heights.",
         is_repeatable=True, is_list=True,
         field=FormField(label="columns", place="scan", has_commas=True, example="0,1 or names", size=9),
     )] = None  # fmt: skip
-    accept: Annotated[Values | None, Option(
+    accept: Annotated[Values | None, PairOption(
         "NAMES", 'Names of caveats about a file that you have checked and accept, "whole-numbers".', is_repeatable=True,
         is_list=True,
         field=FormField(label="settled caveats", place="scan", has_commas=True, example="whole-numbers", size=9),
     )] = None  # fmt: skip
-    texture: Annotated[Values | None, Option(
+    texture: Annotated[Values | None, PairOption(
         "PROCESS", "Machining process (turned, milled, ground, ...): lines and humps of the spectrum are then "
         "attributed to the surface.", is_repeatable=True,
     )] = None  # fmt: skip
-    tip: Annotated[Values | None, Option(
+    tip: Annotated[Values | None, PairOption(
         "RADIUS", 'Radius of the stylus or probe, "10 nm", which limits the curvature that it can follow.',
         kind="length", is_repeatable=True, field=FormField(label="tip radius", example="10 nm"),
     )] = None  # fmt: skip
@@ -558,56 +558,56 @@ class MaterialOptions(OptionGroup):
 
     title: ClassVar[str] = "Materials"
 
-    upper_material: Annotated[str | None, Option(
+    upper_material: Annotated[str | None, PairOption(
         "MATERIAL", "Material of the slider by name, as in steel; or give {young} and {poisson}.", flag="--upper",
         argument="upper", is_common=True, key="contact.materials", field=FormField(label="upper", place="body"),
     )] = None  # fmt: skip
-    lower_material: Annotated[str | None, Option(
+    lower_material: Annotated[str | None, PairOption(
         "MATERIAL", "Material of the counterface; the same as {upper_material} by default.", flag="--lower",
         argument="lower", is_common=True, field=FormField(label="lower", place="body"),
     )] = None  # fmt: skip
-    effective_modulus: Annotated[Value | None, Option(
+    effective_modulus: Annotated[Value | None, PairOption(
         "PRESSURE", 'Effective modulus E*, "10 GPa", instead of materials.', kind="pressure",
         key="contact.effective_modulus",
     )] = None  # fmt: skip
-    young: Annotated[Values | None, Option(
+    young: Annotated[Values | None, PairOption(
         "PRESSURES", 'Young\'s modulus of both bodies, or of the slider and the counterface, "200 GPa,70 GPa".',
         kind="pressure", is_common=True, field=FormField(label="E", place="body", unit="GPa"),
     )] = None  # fmt: skip
-    poisson: Annotated[Values | None, Option(
+    poisson: Annotated[Values | None, PairOption(
         "NUMBERS", 'Poisson\'s ratios, "0.3" or "0.3,0.33".', is_common=True, key="contact.poisson_ratio",
         applies=(needs_poisson_ratio,), field=FormField(label="ν", place="body"),
     )] = None  # fmt: skip
-    hardness: Annotated[Value | None, Option(
+    hardness: Annotated[Value | None, PairOption(
         "PRESSURE", 'Hardness of the softer body, the largest contact pressure: "2 GPa", "150 HV" or "150 HV ± 10 %".',
         kind="pressure", usual="the material's hardness", is_common=True, key="contact.hardness",
         applies=(has_plastic_contacts,), field=FormField(label="hardness, GPa", place="body", unit="GPa"),
     )] = None  # fmt: skip
-    yield_strength: Annotated[Value | None, Option(
+    yield_strength: Annotated[Value | None, PairOption(
         "PRESSURE", "Yield strength of the softer body, for {law} jackson-green.", kind="pressure",
         usual="the hardness divided by 2.84",
         applies=(uses_asperity_model, has_law_with_yield, has_no_hardness_for_asperities),
     )] = None  # fmt: skip
-    junction_growth: Annotated[Value | None, Option(
+    junction_growth: Annotated[Value | None, PairOption(
         "NUMBER", 'α of p² + α s² = H², by which plastic contacts grow under shear, "9" or "0..27"; 0 for none.',
         usual="0..27 for metals by name", key="contact.junction_growth", applies=(uses_half_space_model,),
     )] = None  # fmt: skip
-    wait: Annotated[Values | None, Option(
+    wait: Annotated[Values | None, PairOption(
         "TIMES", 'Dwell times under load before sliding, "1 min,1 h". The given hardness applies after 1 s.',
         kind="time",
         key="friction.wait", applies=(has_creep, has_half_space_result),
     )] = None  # fmt: skip
-    creep: Annotated[Value | None, Option(
+    creep: Annotated[Value | None, PairOption(
         "NUMBER", 'Exponent m of indentation creep, "0.03" or "0.02..0.05": the hardness falls as (t/1 s)^-m.',
         key="known.creep", applies=(has_dwell_times,),
     )] = None  # fmt: skip
-    work_of_adhesion: Annotated[Value | None, Option(
+    work_of_adhesion: Annotated[Value | None, PairOption(
         "ENERGY", 'Work of adhesion, "50 mJ/m^2"; "0 mJ/m^2" declares that there is none.', kind="work of adhesion",
         usual="taken as 0", flag="--adhesion", key="contact.work_of_adhesion",
         applies=(has_whole_scans, uses_only_half_space_model),
         field=FormField(label="work of adhesion, mJ/m²", example="0, or 50", unit="mJ/m^2"),
     )] = None  # fmt: skip
-    adhesion_range: Annotated[Value | None, Option(
+    adhesion_range: Annotated[Value | None, PairOption(
         "LENGTH", "Gap over which the attraction decays to 1/e.", kind="length", usual="0.5 nm",
         key="contact.adhesion_range", applies=(uses_only_half_space_model, has_work_of_adhesion),
     )] = None  # fmt: skip
@@ -618,31 +618,31 @@ class FrictionOptions(OptionGroup):
 
     title: ClassVar[str] = "Load and friction"
 
-    load: Annotated[Values, Option(
+    load: Annotated[Values, PairOption(
         "PRESSURE", 'Normal load over the nominal area, "10 MPa", or a force, "0.1 mN".', kind="force",
         key="friction.load", is_common=True, is_repeatable=True,
         field=FormField(label="load", place="load"),
     )]  # fmt: skip
-    width: Annotated[Value | None, Option(
+    width: Annotated[Value | None, PairOption(
         "LENGTH", "Width across two profiles on which a force acts.", kind="length", usual="1 um",
         applies=(presses_profiles_as_lines,), field=FormField(label="width of profiles", example="1 mm"),
     )] = None  # fmt: skip
-    mu0: Annotated[Values | None, Option(
+    mu0: Annotated[Values | None, PairOption(
         "NUMBERS", 'Molecular friction coefficients, "0.3,0.4", or one with its uncertainty, "0.30±0.02" or '
         '"0.2..0.4".', key="friction.mu0", is_common=True,
         applies=(has_no_interface,), field=FormField(label="μ0", place="load"),
     )] = None  # fmt: skip
-    tau0: Annotated[Values | None, Option(
+    tau0: Annotated[Values | None, PairOption(
         "PRESSURES", 'Adhesive shear strengths, "0 MPa,50 MPa", or one with its uncertainty, "30..80 MPa".',
         kind="pressure", usual="0 MPa", key="friction.tau0", is_common=True, applies=(has_no_interface,),
         field=FormField(label="τ0, MPa", place="load", unit="MPa"),
     )] = None  # fmt: skip
-    interface: Annotated[InterfaceName | None, Option(
+    interface: Annotated[InterfaceName | None, PairOption(
         "NAME|FILE", "Joint values of {mu0} and {tau0}: a file from stiction calibrate, or a name listed by stiction "
         "interfaces.",
         key="known.interface", is_common=True,
     )] = None  # fmt: skip
-    direction: Annotated[Values | None, Option(
+    direction: Annotated[Values | None, PairOption(
         "DEGREES", 'Directions of motion of the upper body, from +x towards +y, "0,90".', usual="every 30 degrees",
         key="contact.direction", applies=(presses_maps_or_surrogates,),
     )] = None  # fmt: skip
@@ -653,11 +653,11 @@ class ContactOptions(OptionGroup):
 
     title: ClassVar[str] = "Contact model"
 
-    check: Annotated[bool, Option(
+    check: Annotated[bool, PairOption(
         "", "Also press with the other contact model, with results in DIR/NAME.", is_in_python=False,
         applies=(has_whole_scans_for_asperities,),
     )] = False  # fmt: skip
-    mechanics: Annotated[Mechanics | None, Option(
+    mechanics: Annotated[Mechanics | None, PairOption(
         "half-space|asperities", "The elastic half-space (half-plane for lines), or isolated asperities (fast).",
         usual="asperities for lines, except two profiles of metals", key="contact.mechanics",
         applies=(has_whole_scans_for_asperities, uses_one_contact_model),
@@ -666,20 +666,20 @@ class ContactOptions(OptionGroup):
             choices=(("half-space", "half-space (exact)"), ("asperities", "asperities (fast)")),
         ),
     )] = None  # fmt: skip
-    tilt: Annotated[Tilt | None, Option(
+    tilt: Annotated[Tilt | None, PairOption(
         "fixed|free", "Orientation of the slider: fixed, or tilted until the load is centred, as on a ball joint.",
         usual="fixed", key="contact.tilt", applies=(uses_half_space_model,),
     )] = None  # fmt: skip
-    law: Annotated[LawChoice | None, Option(
+    law: Annotated[LawChoice | None, PairOption(
         "hertz-sphere|hertz-cylinder|jackson-green", "Contact law of asperities.", usual="hertz-sphere",
         key="contact.law", applies=(uses_asperity_model, has_law_for_lay),
     )] = None  # fmt: skip
-    detection: Annotated[Detection | None, Option(
+    detection: Annotated[Detection | None, PairOption(
         "gap-minimum|cell", "Criterion that detects contacts of asperities.", usual="gap-minimum",
         key="contact.detection",
         applies=(uses_asperity_model,),
     )] = None  # fmt: skip
-    curvature: Annotated[Curvature | None, Option(
+    curvature: Annotated[Curvature | None, PairOption(
         "convex|signed", "Contact points to count: convex only, or concave ones too.",
         usual="convex for lines, signed for areas", key="contact.curvature", applies=(uses_asperity_model,),
     )] = None  # fmt: skip
@@ -690,47 +690,53 @@ class EnsembleOptions(OptionGroup):
 
     title: ClassVar[str] = "Ensemble"
 
-    shifts: Annotated[Count | None, Option(
+    shifts: Annotated[Count | None, PairOption(
         "N", "Relative positions of two maps.", usual="16", key="ensemble.repetitions",
         applies=(has_two_bodies, presses_areas, has_no_positions),
         field=FormField(label="positions", keyboard="numeric", example="16"),
     )] = None  # fmt: skip
-    offsets: Annotated[Count | None, Option(
+    offsets: Annotated[Count | None, PairOption(
         "N", "Positions along the lower profile.", usual="64, or 1 for several lines", key="surfaces.offsets",
         applies=(presses_lines, has_no_positions),
     )] = None  # fmt: skip
-    travel: Annotated[Value | None, Option(
+    travel: Annotated[Value | None, PairOption(
         "LENGTH", "The largest offset.", kind="length", usual="half the length", key="surfaces.travel",
         applies=(presses_lines, has_no_positions),
     )] = None  # fmt: skip
-    positions: Annotated[Positions | None, Option(
+    positions: Annotated[Positions | None, PairOption(
         "LENGTHS", 'Positions of the slider on the counterface, "0 um,5 um"; for maps, x and y of each position.',
         kind="length",
         usual="spread evenly", key="surfaces.positions", applies=(has_two_bodies, presses_scans),
     )] = None  # fmt: skip
-    surrogates: Annotated[SurrogateChoice | None, Option(
+    surrogates: Annotated[SurrogateChoice | None, PairOption(
         "N|none|upper|lower|both", "For areas: number of additional pairs of random surfaces with equal spectra. For "
         "lines: body to replace by random surfaces.", usual="none", key="surfaces.replace",
         applies=(has_whole_scans_for_surrogates, has_two_bodies),
     )] = None  # fmt: skip
-    seed: Annotated[Seed | None, Option(
+    seed: Annotated[Seed | None, PairOption(
         "N", "Seed of the random phases of surrogates.", usual="2016", key="ensemble.seed",
         applies=(presses_surrogates,),
     )] = None  # fmt: skip
 
 
-class ComputingOptions(OptionGroup):
+class ComputationOptions(OptionGroup):
     """Options that request additional computations."""
 
     title: ClassVar[str] = "Computing"
 
-    onset: Annotated[Seed | None, Option(
+    onset: Annotated[Seed | None, PairOption(
         "N", "Members whose onset of sliding is computed; 0 for none.", usual="16, or 4 for areas with the half-space",
     )] = None  # fmt: skip
 
 
 class PairOptions(
-    SurfaceOptions, ReadingOptions, MaterialOptions, FrictionOptions, ContactOptions, EnsembleOptions, ComputingOptions
+    SurfaceOptions,
+    FileReadingOptions,
+    MaterialOptions,
+    FrictionOptions,
+    ContactOptions,
+    EnsembleOptions,
+    ComputationOptions,
 ):
     """All options for a pair of two measured bodies."""
 
@@ -743,22 +749,23 @@ class PairOptions(
 
 
 OPTION_GROUPS: tuple[type[OptionGroup], ...] = (
-    FrictionOptions, MaterialOptions, ContactOptions, SurfaceOptions, EnsembleOptions, ReadingOptions, ComputingOptions,
+    FrictionOptions, MaterialOptions, ContactOptions, SurfaceOptions, EnsembleOptions,
+    FileReadingOptions, ComputationOptions,
 )  # fmt: skip
 """Groups of options in the order of the help."""
 
 
-def _find_declaration(field: FieldInfo) -> Option:
-    return next(item for item in field.metadata if isinstance(item, Option))
+def _find_declaration(field: FieldInfo) -> PairOption:
+    return next(item for item in field.metadata if isinstance(item, PairOption))
 
 
-PAIR_OPTIONS: dict[str, Option] = {
+PAIR_OPTIONS: dict[str, PairOption] = {
     name: _find_declaration(field) for group in OPTION_GROUPS for name, field in group.model_fields.items()
 }  # fmt: skip
 """All options by field name."""
 
 READING_OPTION_NAMES: tuple[str, ...] = tuple(
-    name for name in ReadingOptions.model_fields if name not in ("texture", "tip")
+    name for name in FileReadingOptions.model_fields if name not in ("texture", "tip")
 )
 """Names of the options that are passed to `read_measurement`."""
 

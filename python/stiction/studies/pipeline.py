@@ -15,7 +15,7 @@ from typing import Any
 from stiction._core import __version__
 from stiction._files import check_replaceable, replaced_file
 from stiction._text import format_duration
-from stiction.studies.contact_picture import PICTURE_FILE, contact_picture
+from stiction.studies.contact_picture import CONTACT_PICTURE_FILE, contact_picture
 from stiction.studies.evaluation import is_unloaded
 from stiction.studies.hardness import (
     HARDNESS_AREAS_FILE,
@@ -46,12 +46,12 @@ from stiction.studies.store import (
 )
 from stiction.studies.study import Study, find_differences, find_member_differences, format_differences
 
-LinePrinter = Callable[[str], Any]  # function that prints a line
+LinePrintFunction = Callable[[str], Any]  # function that prints a line
 
 MIN_ANNOUNCED_TIME = 20.0  # computing time (s) above which an estimate of the time is always printed
 
 _COMPANION_FILES = {
-    PICTURE_FILE: CHECKSUM_PREFIX,
+    CONTACT_PICTURE_FILE: CHECKSUM_PREFIX,
     HARDNESS_AREAS_FILE: CHECKSUM_PREFIX,
     ONSET_FILE: CHECKSUM_PREFIX,
     ONSET_TABLE_FILE: ONSET_TABLE_SIGNATURE,
@@ -65,8 +65,8 @@ def _ignore_line(_: str) -> None:
 
 def complete_result(
     study: Study, folder: Path, executor: Executor, *, part: tuple[int, int] | None = None, replace: bool = False,
-    onset: int | None = None, progress: bool = False, print_finished: LinePrinter = _ignore_line,
-    print_remark: LinePrinter = _ignore_line, announce: LinePrinter = _ignore_line,
+    onset: int | None = None, progress: bool = False, print_finished: LinePrintFunction = _ignore_line,
+    print_remark: LinePrintFunction = _ignore_line, announce: LinePrintFunction = _ignore_line,
     show_result: Callable[[Result], Any] = lambda _: None,
 ) -> Result:  # fmt: skip
     """Compute the missing blocks of a study, or of one part of the study if `part` is given.
@@ -119,8 +119,8 @@ def complete_result(
         version_text = "" if stored.version == __version__ else f", computed by stiction {stored.version}"
         print_finished(f"{folder} already contains this study{version_text}")
     show_result(result)
-    if measured and (num_existing < total or not (stored.path / PICTURE_FILE).exists()):
-        _write_companion(stored, PICTURE_FILE, lambda: contact_picture(result))
+    if measured and (num_existing < total or not (stored.path / CONTACT_PICTURE_FILE).exists()):
+        _write_companion(stored, CONTACT_PICTURE_FILE, lambda: contact_picture(result))
     compute_companions(result, executor, onset, progress=progress, announce=announce, print_remark=print_remark)
     return result
 
@@ -134,7 +134,7 @@ def _write_companion(stored: StoredResult, name: str, compute: Callable[[], Any]
 
 def compute_companions(
     result: Result, executor: Executor, onset: int | None = None, *, progress: bool = False,
-    announce: LinePrinter = _ignore_line, print_remark: LinePrinter = _ignore_line,
+    announce: LinePrintFunction = _ignore_line, print_remark: LinePrintFunction = _ignore_line,
 ) -> None:  # fmt: skip
     """Compute the cutoff study and the onset of sliding of a measured pair unless they are already stored."""
     stored = result.stored

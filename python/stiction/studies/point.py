@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class RuleValue:
+class RuleCoefficient:
     """Coefficient of static friction at a point under one sliding rule."""
 
     rule: str  # "all" or "opposing"
@@ -43,7 +43,7 @@ def iterate_points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
         yield at.isel(dict(zip(dims, indices, strict=True)))
 
 
-RULE_ORDER = ("all", "opposing")
+SLIDING_RULE_ORDER = ("all", "opposing")
 """Sliding rules, starting with the quoted rule for measured bodies.
 
 Under the quoted rule, friction acts at all contacts, because mu0 is measured on smooth faces.
@@ -94,7 +94,7 @@ def mean_contact_pressure(point: xarray.Dataset) -> float:
 
 def list_rules_quoted_first(study: Study) -> list[str]:
     """Return the sliding rules of a study, starting with the quoted rule."""
-    order = RULE_ORDER if study.is_measured else RULE_ORDER[::-1]
+    order = SLIDING_RULE_ORDER if study.is_measured else SLIDING_RULE_ORDER[::-1]
     return sorted(study.contact.rules(), key=order.index)
 
 

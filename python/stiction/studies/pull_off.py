@@ -22,7 +22,7 @@ ValueWithInterval = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class Sticking:
+class PullOffValues:
     """Pull-off force (mN), pull-off pressure (GPa) and friction force at zero load (mN), with 95 % intervals."""
 
     pull_off: ValueWithInterval
@@ -47,7 +47,7 @@ class Sticking:
         )
 
 
-def find_sticking(point: xarray.Dataset, rule: str) -> Sticking | None:
+def find_sticking(point: xarray.Dataset, rule: str) -> PullOffValues | None:
     """Return pull-off force, pull-off pressure and friction at zero load, or None if the point has no such values."""
     if "pull_off" not in point or "pull_off_pressure" not in point:
         return None
@@ -56,7 +56,7 @@ def find_sticking(point: xarray.Dataset, rule: str) -> Sticking | None:
         for name in ("pull_off", "pull_off_pressure", "friction_at_no_load")
     )
     bound_fraction = float(point["share_of_pull_off_bounds"].sel(statistic="mean"))
-    return Sticking(force, pressure, friction, bound_fraction > 0)
+    return PullOffValues(force, pressure, friction, bound_fraction > 0)
 
 
 def _read_interval(table: xarray.DataArray) -> ValueWithInterval:

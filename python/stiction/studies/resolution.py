@@ -204,7 +204,7 @@ def plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, float] | 
 
 
 @dataclass(frozen=True)
-class YieldEstimate:
+class YieldWavelengthEstimate:
     """Estimates for a hardness H (GPa): the wavelength (µm) at which the pressure reaches H, and mu0 + tau0/H."""
 
     hardness: float
@@ -224,7 +224,7 @@ class CutoffResult:
 
 
 @dataclass(frozen=True, eq=False)
-class Resolution:
+class ResolutionEffect:
     """Effect of the scan resolution on a result.
 
     Attributes
@@ -237,7 +237,7 @@ class Resolution:
     plastic_limit : (float, float), optional
         Lower bounds for finer scans, at the first load, mu0 and tau0: coefficient with friction at all contacts, and
         area fraction. None without a hardness.
-    yielding : tuple of (dict, tuple of YieldEstimate)
+    yielding : tuple of (dict, tuple of YieldWavelengthEstimate)
         Estimates for typical hardnesses at the load, mu0 and tau0 of each point; empty with a hardness.
     """
 
@@ -245,10 +245,10 @@ class Resolution:
     cutoffs: tuple[CutoffResult, ...] = ()
     members: float = math.nan
     plastic_limit: tuple[float, float] | None = None
-    yielding: tuple[tuple[dict[str, float], tuple[YieldEstimate, ...]], ...] = ()
+    yielding: tuple[tuple[dict[str, float], tuple[YieldWavelengthEstimate, ...]], ...] = ()
 
 
-def find_resolution(at: xarray.Dataset, study: Study, cutoffs: xarray.Dataset | None) -> Resolution | None:
+def find_resolution(at: xarray.Dataset, study: Study, cutoffs: xarray.Dataset | None) -> ResolutionEffect | None:
     """Return the effect of the scan resolution, or None if roughness and results at cutoffs are both unavailable.
 
     `cutoffs` is a result of `evaluate_cutoffs`, or a dataset of `Result.at` at several cutoffs.
@@ -256,15 +256,15 @@ def find_resolution(at: xarray.Dataset, study: Study, cutoffs: xarray.Dataset | 
     roughness = find_resolved_roughness(study)
     if roughness is None and cutoffs is None:
         return None
-    yielding: list[tuple[dict[str, float], tuple[YieldEstimate, ...]]] = []
+    yielding: list[tuple[dict[str, float], tuple[YieldWavelengthEstimate, ...]]] = []
     if roughness is not None and study.uses_half_space and study.contact.hardness is None:
         for point in iterate_points(at.isel(cut_off=[0]) if "cut_off" in at.dims else at):
             coordinates = {name: float(point[name]) for name in ("load", "mu0", "tau0")}
             yielding.append((coordinates, estimate_yield_wavelengths(point, study, roughness)))
     if cutoffs is None:
-        return Resolution(roughness, yielding=tuple(yielding))
+        return ResolutionEffect(roughness, yielding=tuple(yielding))
     first = cutoffs.isel(dict.fromkeys(("load", "mu0", "tau0"), 0))
-    return Resolution(
+    return ResolutionEffect(
         roughness=roughness, cutoffs=tuple(_build_cutoff_result(point, study) for point in iterate_points(cutoffs)),
         members=mean_over_directions(cutoffs, "members"),
         plastic_limit=plastic_limit(first, study), yielding=tuple(yielding),
@@ -282,7 +282,7 @@ def _build_cutoff_result(point: xarray.Dataset, study: Study) -> CutoffResult:
 
 def estimate_yield_wavelengths(
     point: xarray.Dataset, study: Study, scan: ResolvedRoughness
-) -> tuple[YieldEstimate, ...]:
+) -> tuple[YieldWavelengthEstimate, ...]:
     """Estimate the wavelengths at which the mean contact pressure would reach typical hardnesses.
 
     At this wavelength λ, the elastic mean pressure E* h'(λ)/κ equals the hardness, where κ is the value for this
@@ -294,7 +294,9 @@ def estimate_yield_wavelengths(
     count = mean_over_directions(point, "contact_count")
     mu0, tau0 = float(point["mu0"]), float(point["tau0"])
     return tuple(
-        YieldEstimate(hardness, *scan.find_plastic_wavelength(hardness / pressure, count), mu0 + tau0 / hardness)
+        YieldWavelengthEstimate(
+            hardness, *scan.find_plastic_wavelength(hardness / pressure, count), mu0 + tau0 / hardness
+        )
         for hardness in TYPICAL_HARDNESSES
         if hardness < modulus / 2
     )

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from stiction.studies.assessment import Caveat
-    from stiction.studies.height_scale import ScaledSides
+    from stiction.studies.height_scale import ScaledBodies
     from stiction.studies.nodes import InterpolationNodes
     from stiction.studies.summary import PointSummary, Summary
     from stiction.surfaces.profile import Profile
@@ -217,7 +217,7 @@ class Result:
         return find_touching_profiles(self, load)
 
     @property
-    def height_factors(self) -> dict[ScaledSides, list[float]]:
+    def height_factors(self) -> dict[ScaledBodies, list[float]]:
         """Lists of the stored height factors that scale both bodies, only the upper body, or only the lower body."""
         from stiction.studies.height_scale import list_stored_factors
 

@@ -21,7 +21,7 @@ from stiction._core import __version__
 from stiction._files import new_partial_name
 from stiction._text import format_bytes, format_duration, printable_path
 from stiction.studies.executors import WORKER_DIED_MESSAGE, enter_executor, progress_bar, use_idle_threads
-from stiction.studies.layout import MEMBER_COORDINATES, Arrays, build_dataset, member_bytes, stack_members
+from stiction.studies.layout import MEMBER_COORDINATES, ArraysByName, build_dataset, member_bytes, stack_members
 from stiction.studies.member_solution import compute_member_sums, estimate_member_time
 from stiction.studies.members import body_attributes, count_points
 from stiction.studies.result import Result
@@ -237,9 +237,9 @@ def _count_finished_on_error(stored: StoredResult) -> Iterator[None]:
 def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> xarray.Dataset:
     missing = _MissingMembers(StoredResult(Path(), study, ()), None)
     axis = len(study.surfaces.cells())
-    arrays: Arrays = {}
+    arrays: ArraysByName = {}
 
-    def accept(members: range, sums: Arrays) -> None:
+    def accept(members: range, sums: ArraysByName) -> None:
         for name, values in sums.items():
             position = 0 if name in MEMBER_COORDINATES else axis
             if name not in arrays:
@@ -382,7 +382,7 @@ def compute_block(version: str, study: Study, folder: SharedFolder | None, membe
     return None
 
 
-def compute_block_arrays(version: str, study: Study, members: range) -> Arrays:
+def compute_block_arrays(version: str, study: Study, members: range) -> ArraysByName:
     """Compute the arrays of values for a block of members.
 
     Raises a `StudyError` if `version` is not the version of this process.

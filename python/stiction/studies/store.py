@@ -35,7 +35,7 @@ from stiction._text import printable, printable_path
 from stiction.studies.layout import (
     MEMBER_COORDINATES,
     RESULT_TITLE,
-    Arrays,
+    ArraysByName,
     build_dataset,
     list_coordinates,
     list_variables,
@@ -64,7 +64,7 @@ STUDY_FILE_SIGNATURE = "# Written by stiction"  # first words of each study file
 MAX_RESULT_BYTES = 2**31  # maximum size (bytes) of a result that is read into memory as a whole
 MAX_COMPANION_BYTES = 2**26  # maximum size (bytes) of a companion file that is read
 _BLOCK_NAME_PATTERN = re.compile(r"([0-9]{7,18})-([0-9]{7,18})-([0-9a-f]{8})\.nc")
-MAX_RELOADS = 3
+MAX_WRITE_ATTEMPTS = 3
 
 
 class StoreError(ValueError):
@@ -72,7 +72,7 @@ class StoreError(ValueError):
 
 
 @dataclass(frozen=True)
-class Block:
+class BlockFile:
     """Block of members. Its file name consists of the range of members and a checksum."""
 
     first: int
@@ -104,10 +104,10 @@ class StoredResult:
 
     path: Path
     study: Study
-    blocks: tuple[Block, ...]
+    blocks: tuple[BlockFile, ...]
 
     @cached_property
-    def _block_ranges(self) -> list[tuple[Block, int, int]]:
+    def _block_ranges(self) -> list[tuple[BlockFile, int, int]]:
         """List of blocks, each with the range of members to be read from it.
 
         The ranges do not overlap, even if the blocks do.
@@ -152,7 +152,7 @@ class StoredResult:
         return StoredResult(self.path, self.study, _list_blocks(self.path))
 
     @cached_property
-    def first_block_content(self) -> BlockContent:
+    def first_block_content(self) -> BlockFileContent:
         """Contents of the first block. The study in this block may differ from the study file in the folder."""
         return self._read_block(self._block_ranges[0][0] if self._block_ranges else self.blocks[0])
 
@@ -203,7 +203,7 @@ class StoredResult:
         """Return a dataset of the finished members `self.finished[first:last]`, in ascending order."""
         version, numbers = self.version, self.finished[first:last]
         axis = len(self.study.surfaces.cells())
-        arrays: Arrays = {
+        arrays: ArraysByName = {
             name: np.empty(spec.shape, spec.dtype) for name, spec in list_variables(self.study, numbers).items()
         }
         if self.study.is_measured:
@@ -229,7 +229,7 @@ class StoredResult:
             block_start = block_end
         return build_dataset(self.study, numbers, arrays, bodies).assign_attrs(stiction_version=version)
 
-    def _read_block(self, block: Block) -> BlockContent:
+    def _read_block(self, block: BlockFile) -> BlockFileContent:
         """Read a block, compare its checksum with the checksum in the file name, and return the contents."""
         try:
             written = read_content(self.path / BLOCKS_FOLDER / block.name, MAX_RESULT_BYTES)
@@ -245,7 +245,7 @@ class StoredResult:
         return content
 
 
-def _damage_error(path: Path, block: Block, reason: str) -> StoreError:
+def _damage_error(path: Path, block: BlockFile, reason: str) -> StoreError:
     return StoreError(
         f"{printable_path(path / BLOCKS_FOLDER / block.name)}: {reason}; remove that file and run the study again to "
         f"recompute repetitions {block.first} to {block.last}"
@@ -352,7 +352,7 @@ def info(path: str | Path) -> StoreInfo:
     return StoreInfo(stored.study, stored.count, stored.size, {"stiction": printable(stored.version)})
 
 
-def _list_blocks(path: Path) -> tuple[Block, ...]:
+def _list_blocks(path: Path) -> tuple[BlockFile, ...]:
     try:
         names = sorted(os.listdir(path / BLOCKS_FOLDER))
     except (FileNotFoundError, NotADirectoryError):
@@ -362,7 +362,7 @@ def _list_blocks(path: Path) -> tuple[Block, ...]:
             f"{printable_path(path / BLOCKS_FOLDER)}: cannot be read: {describe_os_error(error)}"
         ) from None
     matches = (_BLOCK_NAME_PATTERN.fullmatch(name) for name in names)
-    blocks = (Block(int(match[1]), int(match[2]), int(match[3], 16)) for match in matches if match)
+    blocks = (BlockFile(int(match[1]), int(match[2]), int(match[3], 16)) for match in matches if match)
     return tuple(block for block in blocks if block.first <= block.last)
 
 
@@ -473,13 +473,13 @@ def write_block(path: Path, first: int, written: bytes, count: int) -> None:
 
     Raises a `StoreError` if the file cannot be written.
     """
-    block = Block(first, first + count - 1, zlib.crc32(written))
-    for attempt in range(1, MAX_RELOADS + 1):
+    block = BlockFile(first, first + count - 1, zlib.crc32(written))
+    for attempt in range(1, MAX_WRITE_ATTEMPTS + 1):
         try:
             _files.write_atomically(path / BLOCKS_FOLDER / block.name, written)
             return
         except FileNotFoundError:  # another process removed the partial file
-            if attempt == MAX_RELOADS or not (path / BLOCKS_FOLDER).is_dir():
+            if attempt == MAX_WRITE_ATTEMPTS or not (path / BLOCKS_FOLDER).is_dir():
                 raise StoreError(f"{printable_path(path)} was removed or replaced while it was being written") from None
         except OSError as error:
             raise StoreError(f"{printable_path(path)}: cannot be written: {describe_os_error(error)}") from None
@@ -506,13 +506,13 @@ class DamagedFileError(Exception):
 
 
 @dataclass(frozen=True)
-class BlockContent:
+class BlockFileContent:
     """Contents of a block file, which stores some members of a result."""
 
     study: Study
     version: str  # version of stiction that computed the members
     numbers: NDArray[np.int64]
-    arrays: Arrays
+    arrays: ArraysByName
     bodies: BodyAttributes
     is_exact: bool  # True if the coordinates are bitwise equal to the coordinates in the study
 
@@ -581,7 +581,7 @@ def append_checksum(file: io.BytesIO) -> None:
     file.write(CHECKSUM_PREFIX + b"%08x" % zlib.crc32(file.getbuffer()))
 
 
-def decode_members(content: bytes) -> BlockContent:
+def decode_members(content: bytes) -> BlockFileContent:
     """Decode the members from the bytes of a block file.
 
     Raises a `DamagedFileError` if the arrays do not match the study in the file.
@@ -606,7 +606,7 @@ def decode_members(content: bytes) -> BlockContent:
             bodies = BodyAttributes(float(_read_variable(file, "nominal_area")), attributes)
         coordinates = {name: pair for name, pair in list_coordinates(study, []).items() if name != "repetition"}
         is_exact = [np.array_equal(_read_variable(file, name), values) for name, (_, values) in coordinates.items()]
-    return BlockContent(study, str(version), numbers, arrays, bodies, all(is_exact))
+    return BlockFileContent(study, str(version), numbers, arrays, bodies, all(is_exact))
 
 
 @contextmanager

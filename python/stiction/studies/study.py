@@ -24,27 +24,27 @@ from stiction.mechanics.quantities import (
 )
 from stiction.studies.contact_tables import (
     MAX_AREAL_LOAD_RATIO,
-    Contact,
-    MeasuredMapContactTable,
+    ContactSettings,
+    MeasuredMapContactSettings,
     choose_load_steps,
     read_contact,
     select_contact_case,
 )
 from stiction.studies.generated_surfaces import (
-    GeneratedProfiles,
-    GeneratedSurfaces,
-    SelfAffineSurfaces,
-    WeierstrassMandelbrotSurfaces,
+    GeneratedProfileSettings,
+    GeneratedSurfaceSettings,
+    SelfAffineSettings,
+    WeierstrassMandelbrotSettings,
 )
-from stiction.studies.input_uncertainty import UncertainInputsTable
-from stiction.studies.measured_surfaces import MeasuredFile, MeasuredSurfaces
+from stiction.studies.input_uncertainty import UncertainInputSettings
+from stiction.studies.measured_surfaces import MeasuredFile, MeasuredSurfaceSettings
 from stiction.studies.values import (
-    Coefficients,
+    FrictionCoefficients,
     LoadsOfInterest,
-    Strengths,
+    ShearStrengths,
     StudyError,
-    Table,
-    TableVariant,
+    StudyTable,
+    StudyTableVariant,
     Times,
     as_toml,
     as_tuple,
@@ -75,18 +75,20 @@ DEFAULT_SEED = 2016  # default seed of the random number generator
 StudyDifference = tuple[str, str, str]  # dotted key, with its TOML values in the first and the second study
 MAX_LISTED_DIFFERENCES = 4  # maximum number of differences in a message
 
-Surfaces = GeneratedSurfaces | MeasuredSurfaces  # table `[surfaces]` of a study
-SURFACE_CASES: tuple[type[Surfaces], ...] = get_args(Surfaces)  # all classes that can represent the table `[surfaces]`
+SurfaceSettings = GeneratedSurfaceSettings | MeasuredSurfaceSettings  # table `[surfaces]` of a study
+SURFACE_SETTINGS_CLASSES: tuple[type[SurfaceSettings], ...] = get_args(
+    SurfaceSettings
+)  # all classes that can represent the table `[surfaces]`
 
 
-def _list_cases(key: str, *cases: type[Surfaces]) -> tuple[str, dict[str, type[Surfaces]]]:
+def _list_cases(key: str, *cases: type[SurfaceSettings]) -> tuple[str, dict[str, type[SurfaceSettings]]]:
     return key, {case.model_fields[key].default: case for case in cases}
 
 
-_SURFACE_CASES = {
-    "profile": _list_cases("kind", GeneratedProfiles),
-    "surface": _list_cases("generator", WeierstrassMandelbrotSurfaces, SelfAffineSurfaces),
-    "measured": _list_cases("press", *get_args(MeasuredSurfaces)),
+_SURFACE_CLASSES_BY_KIND = {
+    "profile": _list_cases("kind", GeneratedProfileSettings),
+    "surface": _list_cases("generator", WeierstrassMandelbrotSettings, SelfAffineSettings),
+    "measured": _list_cases("press", *get_args(MeasuredSurfaceSettings)),
 }
 """Key that selects the class of a surfaces table, and the classes, for each value of `kind`.
 
@@ -94,9 +96,9 @@ The first class is the default.
 """
 
 
-def select_surface_case(table: Mapping[str, Any]) -> type[Surfaces]:
+def select_surface_case(table: Mapping[str, Any]) -> type[SurfaceSettings]:
     """Return the class for the table `[surfaces]`, as selected by its keys `kind`, `generator` and `press`."""
-    key, cases = _SURFACE_CASES[select_key_value("kind", table, _SURFACE_CASES)]
+    key, cases = _SURFACE_CLASSES_BY_KIND[select_key_value("kind", table, _SURFACE_CLASSES_BY_KIND)]
     return cases[select_key_value(key, table, cases)]
 
 
@@ -107,24 +109,24 @@ TAU0_DESCRIPTION = "Adhesive shear strengths."
 LOADS_DESCRIPTION = "Normal loads of the results; `contact.load` contains these and the other loads of the curve."
 
 
-class GeneratedFrictionTable(TableVariant):
+class GeneratedFrictionSettings(StudyTableVariant):
     """Table `[friction]` for generated surfaces. It contains the interface strengths to plot."""
 
     place: ClassVar[str] = "generated surfaces"
     wait: ClassVar[tuple[Quantity, ...]] = ()
 
-    mu0: Coefficients = Field(default=(0.1, 0.4, 1.0), description=MU0_DESCRIPTION)
-    tau0: Strengths = Field(default=PAPER_SHEAR_STRENGTHS, description=TAU0_DESCRIPTION)
+    mu0: FrictionCoefficients = Field(default=(0.1, 0.4, 1.0), description=MU0_DESCRIPTION)
+    tau0: ShearStrengths = Field(default=PAPER_SHEAR_STRENGTHS, description=TAU0_DESCRIPTION)
 
 
-class AsperityFrictionTable(GeneratedFrictionTable):
+class AsperityFrictionSettings(GeneratedFrictionSettings):
     """Table `[friction]` for generated surfaces in the asperity model. It contains the interface strengths to plot."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
     load: ClassVar[tuple[Quantity, ...]] = ()
 
 
-class HalfSpaceFrictionTable(GeneratedFrictionTable):
+class HalfSpaceFrictionSettings(GeneratedFrictionSettings):
     """Table `[friction]` for half-spaces with generated surfaces. It contains the strengths and loads to plot."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
@@ -132,38 +134,38 @@ class HalfSpaceFrictionTable(GeneratedFrictionTable):
     load: LoadsOfInterest = Field(default=(), description=LOADS_DESCRIPTION)
 
 
-class MeasuredFrictionTable(TableVariant):
+class MeasuredFrictionSettings(StudyTableVariant):
     """Table `[friction]` for measured surfaces. It contains interface strengths, loads and dwell times."""
 
     place: ClassVar[str] = "measured surfaces"
 
-    mu0: Coefficients = Field(description=MU0_DESCRIPTION)
-    tau0: Strengths = Field(default=(ZERO_SHEAR_STRENGTH,), description=TAU0_DESCRIPTION)
+    mu0: FrictionCoefficients = Field(description=MU0_DESCRIPTION)
+    tau0: ShearStrengths = Field(default=(ZERO_SHEAR_STRENGTH,), description=TAU0_DESCRIPTION)
     load: LoadsOfInterest = Field(description=LOADS_DESCRIPTION)
     wait: Times = Field(
         default=(), description="Dwell times under load before sliding; `contact.hardness` is the hardness after 1 s."
     )
 
 
-Friction = AsperityFrictionTable | HalfSpaceFrictionTable | MeasuredFrictionTable
+FrictionSettings = AsperityFrictionSettings | HalfSpaceFrictionSettings | MeasuredFrictionSettings
 """Table `[friction]` of a study."""
-FRICTION_CASES: tuple[type[Friction], ...] = get_args(Friction)
-SHARED_FRICTION_TABLES: tuple[type[TableVariant], ...] = (
-    MeasuredFrictionTable,
-    GeneratedFrictionTable,
-    HalfSpaceFrictionTable,
+FRICTION_SETTINGS_CLASSES: tuple[type[FrictionSettings], ...] = get_args(FrictionSettings)
+SHARED_FRICTION_SETTINGS: tuple[type[StudyTableVariant], ...] = (
+    MeasuredFrictionSettings,
+    GeneratedFrictionSettings,
+    HalfSpaceFrictionSettings,
 )
 """Base classes whose keys several friction tables share."""
 
 
-def select_friction_case(surfaces: type[Surfaces], mechanics: str) -> type[Friction]:
+def select_friction_case(surfaces: type[SurfaceSettings], mechanics: str) -> type[FrictionSettings]:
     """Return the class of the table `[friction]` for the given surfaces and contact model."""
-    if issubclass(surfaces, get_args(MeasuredSurfaces)):
-        return MeasuredFrictionTable
-    return HalfSpaceFrictionTable if mechanics == "half-space" else AsperityFrictionTable
+    if issubclass(surfaces, get_args(MeasuredSurfaceSettings)):
+        return MeasuredFrictionSettings
+    return HalfSpaceFrictionSettings if mechanics == "half-space" else AsperityFrictionSettings
 
 
-class Ensemble(Table):
+class EnsembleSettings(StudyTable):
     """Number of members in the ensemble, and seed for the random numbers."""
 
     repetitions: int = Field(
@@ -187,7 +189,7 @@ def _check_distinct(names: tuple[str, ...]) -> tuple[str, ...]:
     return names
 
 
-class Figures(Table):
+class FigureSettings(StudyTable):
     """Figures to draw for a result of generated surfaces."""
 
     draw: Annotated[tuple[FigureName, ...], as_tuple, AfterValidator(_check_distinct)] = Field(
@@ -241,7 +243,7 @@ def _empty_table() -> Any:
     return {}
 
 
-class Study(Table):
+class Study(StudyTable):
     """Complete description of a computation, including surface pairs, contact model and parameters.
 
     Missing tables and keys have the values of Fig. 6 of the paper. In files, a quantity is text with a unit, as in
@@ -256,12 +258,12 @@ class Study(Table):
     (10, 40.0)
     """
 
-    surfaces: Surfaces = GeneratedProfiles()
-    contact: Contact = Field(default_factory=_empty_table)
-    friction: Friction = Field(default_factory=_empty_table)
-    ensemble: Ensemble = Ensemble()
-    figures: Figures = Figures()
-    known: UncertainInputsTable = UncertainInputsTable()
+    surfaces: SurfaceSettings = GeneratedProfileSettings()
+    contact: ContactSettings = Field(default_factory=_empty_table)
+    friction: FrictionSettings = Field(default_factory=_empty_table)
+    ensemble: EnsembleSettings = EnsembleSettings()
+    figures: FigureSettings = FigureSettings()
+    known: UncertainInputSettings = UncertainInputSettings()
 
     @model_validator(mode="before")
     @classmethod
@@ -289,14 +291,14 @@ class Study(Table):
 
     @field_validator("surfaces", mode="before")
     @classmethod
-    def _read_surfaces(cls, value: object) -> Surfaces:
+    def _read_surfaces(cls, value: object) -> SurfaceSettings:
         """Validate the table `[surfaces]` with the class that its keys select."""
-        if isinstance(value, SURFACE_CASES):
+        if isinstance(value, SURFACE_SETTINGS_CLASSES):
             return value
         if not isinstance(value, Mapping):
             raise ValueError(f"must be a table, got {short_repr(value)}")
         case = select_surface_case(value)
-        check_keys(value, case, SURFACE_CASES)
+        check_keys(value, case, SURFACE_SETTINGS_CLASSES)
         return case.model_validate(value)
 
     @field_validator("contact", "friction", mode="before")
@@ -305,18 +307,18 @@ class Study(Table):
         """Validate a table with the class that matches the surfaces, or return an empty table for invalid surfaces."""
         surfaces = info.data.get("surfaces")
         if surfaces is None:
-            surfaces, value = GeneratedProfiles(), {}
+            surfaces, value = GeneratedProfileSettings(), {}
         if not isinstance(value, Mapping):
             raise ValueError(f"must be a table, got {short_repr(value)}")
         if info.field_name == "contact":
             return read_contact(value, surfaces)
-        if value.get("load") == [] and isinstance(surfaces, MeasuredSurfaces):
+        if value.get("load") == [] and isinstance(surfaces, MeasuredSurfaceSettings):
             raise make_key_error("load", "must have at least one load, got []")
         # if the contact is None, only the error of its table is reported
         contact = info.data.get("contact")
         mechanics = "half-space" if contact is None else contact.mechanics
         case = select_friction_case(type(surfaces), mechanics)
-        check_keys(value, case, SHARED_FRICTION_TABLES)
+        check_keys(value, case, SHARED_FRICTION_SETTINGS)
         return case.model_validate(value)
 
     @model_validator(mode="after")
@@ -333,7 +335,7 @@ class Study(Table):
             if "onset" in draw and self.contact.onset is None:
                 raise ValueError('figures.draw: "onset" needs contact.onset, which specifies the strengths')
             return self
-        if self.figures != Figures():
+        if self.figures != FigureSettings():
             raise ValueError("figures.draw: applies only to generated surfaces; measured surfaces have all figures")
         if friction.wait and (self.contact.hardness is None or self.known.creep is None):
             missing = "known.creep" if self.contact.hardness else "contact.hardness"
@@ -390,7 +392,7 @@ class Study(Table):
         Bodies in memory are written to the folder, if a folder is given. Raises a `ValueError` if a file cannot be
         read.
         """
-        if not isinstance(self.surfaces, MeasuredSurfaces):
+        if not isinstance(self.surfaces, MeasuredSurfaceSettings):
             return self
 
         def known(file: MeasuredFile, side: str) -> MeasuredFile:
@@ -435,7 +437,7 @@ class Study(Table):
             raise StudyError(f"{printable_path(path)}: {error}, so it is not a study") from None
         except UnicodeDecodeError:
             raise StudyError(f"{printable_path(path)} is not a text file, so it is not a study") from None
-        if not isinstance(study.surfaces, MeasuredSurfaces):
+        if not isinstance(study.surfaces, MeasuredSurfaceSettings):
             return study
         folder = Path(path).absolute().parent
         surfaces = study.surfaces.with_files(lambda file, _: file.with_absolute_paths(folder))
@@ -491,7 +493,7 @@ class Study(Table):
             return data
         data["surfaces"] = _convert_table(self.surfaces, surfaces)
         data["contact"] = _convert_table(self.contact, contact)
-        if not issubclass(surfaces, get_args(MeasuredSurfaces)):
+        if not issubclass(surfaces, get_args(MeasuredSurfaceSettings)):
             friction = select_friction_case(surfaces, contact.model_fields["mechanics"].default)
             self._reset_loads(data, changes, is_allowed="load" in friction.model_fields)
         return data
@@ -508,7 +510,7 @@ class Study(Table):
         return {name: list_written_keys(getattr(self, name)) for name in names}
 
 
-def _convert_table(table: Table, case: type[Table]) -> dict[str, Any]:
+def _convert_table(table: StudyTable, case: type[StudyTable]) -> dict[str, Any]:
     """Convert a table to another class. Values that differ from the defaults of the original class are kept."""
     table_class = type(table)
     changed = {key for key, value in table if value != table_class.model_fields[key].default}
@@ -517,11 +519,11 @@ def _convert_table(table: Table, case: type[Table]) -> dict[str, Any]:
     return list_written_keys(case.model_construct(**values))
 
 
-def list_written_keys(table: Table) -> dict[str, Any]:
+def list_written_keys(table: StudyTable) -> dict[str, Any]:
     """Return the entries of a table that are not None, in the order used in study files."""
     data = table.model_dump(exclude_none=True)
     order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
-    if isinstance(table, MeasuredMapContactTable):
+    if isinstance(table, MeasuredMapContactSettings):
         order["direction"] = 1  # written last
     return dict(sorted(data.items(), key=lambda item: order.get(item[0], 0)))
 
@@ -568,7 +570,7 @@ def find_step_dimension(dataset: xarray.Dataset) -> str:
     return "load" if "load" in dataset.dims else "approach"
 
 
-def find_differences(first: Table, second: Table, prefix: str = "") -> list[StudyDifference]:
+def find_differences(first: StudyTable, second: StudyTable, prefix: str = "") -> list[StudyDifference]:
     """List the differences between two tables, in the order of keys in study files."""
     texts, result = (first.model_dump(), second.model_dump()), []
     for name in dict.fromkeys((*type(first).model_fields, *type(second).model_fields)):
@@ -578,7 +580,7 @@ def find_differences(first: Table, second: Table, prefix: str = "") -> list[Stud
         values = getattr(first, name, None), getattr(second, name, None)
         if values[0] == values[1]:
             continue
-        if isinstance(values[0], Table) and isinstance(values[1], Table):
+        if isinstance(values[0], StudyTable) and isinstance(values[1], StudyTable):
             result += find_differences(values[0], values[1], f"{prefix}{name}.")
         else:
             result.append((f"{prefix}{name}", as_toml(texts[0].get(name)), as_toml(texts[1].get(name))))

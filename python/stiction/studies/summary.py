@@ -21,7 +21,7 @@ from stiction.studies.assessment import MORE_CONTACTS_REMEDY, Caveat, find_point
 from stiction.studies.point import (
     CELL_DIMENSIONS,
     MEAN_AND_LIMITS,
-    RuleValue,
+    RuleCoefficient,
     find_contact_status,
     is_unloaded,
     iterate_points,
@@ -31,12 +31,12 @@ from stiction.studies.point import (
     roughness_exponent,
     select_sliding_rule,
 )
-from stiction.studies.pull_off import Sticking, find_sticking
+from stiction.studies.pull_off import PullOffValues, find_sticking
 
 if TYPE_CHECKING:
     import xarray
 
-    from stiction.studies.resolution import Resolution
+    from stiction.studies.resolution import ResolutionEffect
     from stiction.studies.study import Study
 
 # name of the budget entry for wavelengths not attributed to the surface
@@ -56,7 +56,7 @@ class RemainingInterval:
 
 
 @dataclass(frozen=True)
-class DwellTimeValue:
+class DwellTimeCoefficient:
     """Friction coefficient after a dwell time under load, and its combined 95 % interval."""
 
     seconds: float
@@ -74,7 +74,7 @@ class PointSummary:
     study : Study
     values : xarray.Dataset
         All quantities at the point, with their intervals, as returned by `Result.at`.
-    rules : tuple of RuleValue
+    rules : tuple of RuleCoefficient
         Coefficients of static friction by sliding rule, starting with the quoted rule.
     status : str
         "ok", or the reason why there is no coefficient.
@@ -92,17 +92,17 @@ class PointSummary:
         Intervals that would remain if an input were exact, starting with the most important input.
     parts : (float, float, float), optional
         Contributions to the coefficient: mu0, tau0 on the true area, and slopes.
-    waited : tuple of DwellTimeValue
+    waited : tuple of DwellTimeCoefficient
         Coefficients after each dwell time of the study.
     covered : bool
         True if the interval of another point, at another cutoff, covers this point.
-    sticking : Sticking, optional
+    sticking : PullOffValues, optional
         Pull-off force, and friction without a load, of adhesive bodies.
     """
 
     study: Study
     values: xarray.Dataset
-    rules: tuple[RuleValue, ...]
+    rules: tuple[RuleCoefficient, ...]
     status: str
     caveats: tuple[Caveat, ...] = ()
     at: dict[str, Any] = field(default_factory=dict)
@@ -110,9 +110,9 @@ class PointSummary:
     from_roughness: float | None = None
     budget: tuple[RemainingInterval, ...] = ()
     parts: tuple[float, float, float] | None = None
-    waited: tuple[DwellTimeValue, ...] = ()
+    waited: tuple[DwellTimeCoefficient, ...] = ()
     covered: bool = False
-    sticking: Sticking | None = None
+    sticking: PullOffValues | None = None
 
     @property
     def members(self) -> float:
@@ -178,7 +178,7 @@ class PointSummary:
     @property
     def ageing(self) -> float:
         """Increase of the coefficient per unit increase of ln(dwell time), or NaN if there are no dwell times."""
-        last = self.waited[-1] if self.waited else DwellTimeValue(1.0, self.value, self.lower, self.upper)
+        last = self.waited[-1] if self.waited else DwellTimeCoefficient(1.0, self.value, self.lower, self.upper)
         return (last.value - self.value) / math.log(last.seconds) if last.seconds != 1 else math.nan
 
     @property
@@ -216,7 +216,7 @@ class Summary:
     over_cut_offs: xarray.Dataset | None = None
 
     @cached_property
-    def resolution(self) -> Resolution | None:
+    def resolution(self) -> ResolutionEffect | None:
         """Effect of the scan resolution, or None if the surfaces are generated or if files are missing."""
         from stiction.studies.resolution import find_resolution
 
@@ -307,7 +307,7 @@ def _cover_cutoff_point(point: PointSummary, other_point: PointSummary) -> Point
     return replace(point, rules=rules, budget=order, caveats=tuple(caveats), bracket=bracket)
 
 
-def _cover_cutoff_value(value: RuleValue, other_value: RuleValue) -> RuleValue:
+def _cover_cutoff_value(value: RuleCoefficient, other_value: RuleCoefficient) -> RuleCoefficient:
     """Extend the intervals of a value to include the intervals of the same value at another cutoff."""
     lower, upper = float(np.fmin(value.lower, other_value.lower)), float(np.fmax(value.upper, other_value.upper))
     (low, high), (other_low, other_high) = value.next_test, other_value.next_test
@@ -348,7 +348,7 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
 # ---- Values ----------------------------------------------------------------------------------------------------------
 
 
-def _build_rule_value(point: xarray.Dataset, rule: str) -> RuleValue:
+def _build_rule_value(point: xarray.Dataset, rule: str) -> RuleCoefficient:
     table = select_sliding_rule(point, rule)
     name = "friction_all_round" if "friction_all_round" in table else "friction_coefficient"
     value, lower, upper = (table[name].sel(statistic=each).item() for each in MEAN_AND_LIMITS)
@@ -356,7 +356,7 @@ def _build_rule_value(point: xarray.Dataset, rule: str) -> RuleValue:
     lower, upper = _interval_limits(table, "friction_known") or ends
     test = _interval_limits(table, "friction_next_test") or (math.nan, math.nan)
     low, high, slopes = (mean_over_directions(table, each) for each in ("spread_low", "spread_high", "gentle_friction"))
-    return RuleValue(rule, value, lower, upper, ends, test, low, high, slopes)
+    return RuleCoefficient(rule, value, lower, upper, ends, test, low, high, slopes)
 
 
 def _interval_limits(table: xarray.Dataset, name: str) -> tuple[float, float] | None:
@@ -377,15 +377,15 @@ def _remaining_intervals(point: xarray.Dataset, rule: str) -> tuple[RemainingInt
     return tuple(sorted(intervals, key=lambda left: left.width))
 
 
-def _dwell_time_values(point: xarray.Dataset, rule: str) -> tuple[DwellTimeValue, ...]:
+def _dwell_time_values(point: xarray.Dataset, rule: str) -> tuple[DwellTimeCoefficient, ...]:
     if "friction_waited" not in point:
         return ()
     table = select_sliding_rule(point["friction_waited"], rule).transpose("wait", "statistic")
     rows = zip(point["wait"].values.tolist(), table.values.tolist(), strict=True)
-    return tuple(DwellTimeValue(seconds, *three) for seconds, three in rows)
+    return tuple(DwellTimeCoefficient(seconds, *three) for seconds, three in rows)
 
 
-def _friction_contributions(point: xarray.Dataset, rule: RuleValue) -> tuple[float, float, float] | None:
+def _friction_contributions(point: xarray.Dataset, rule: RuleCoefficient) -> tuple[float, float, float] | None:
     """Return the contributions of mu0, tau0 and slopes to friction at all contacts, or None for other sliding rules."""
     if rule.rule != "all" or not math.isfinite(rule.value):
         return None
@@ -410,7 +410,7 @@ def _point_coordinates(point: xarray.Dataset, study: Study) -> dict[str, float]:
     return coordinates
 
 
-def _roughness_contribution(point: xarray.Dataset, study: Study, rule: RuleValue) -> float | None:
+def _roughness_contribution(point: xarray.Dataset, study: Study, rule: RuleCoefficient) -> float | None:
     """Return the part of the friction coefficient that depends on the scans, or None if this part is unknown.
 
     Friction acts at all contacts. The contribution of the inputs alone is mu0 and, with a hardness H, tau0/H if all
@@ -427,7 +427,7 @@ def _invalidates_bracket(caveat: Caveat) -> bool:
     return caveat.severity == "fault" and caveat.remedy != MORE_CONTACTS_REMEDY
 
 
-def _resolution_bracket(point: xarray.Dataset, study: Study, all_rub: RuleValue) -> tuple[float, float] | None:
+def _resolution_bracket(point: xarray.Dataset, study: Study, all_rub: RuleCoefficient) -> tuple[float, float] | None:
     """Return bounds on the friction coefficient that hold for all finer scans to second order in the slope.
 
     The upper bound is the upper limit of the interval, plus an allowance for load that shorter wavelengths shift

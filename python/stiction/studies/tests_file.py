@@ -34,9 +34,9 @@ _COLUMN_UNITS = {
 }  # fmt: skip
 """Accepted units by column. Other columns have no unit."""
 
-_TITLE_EXAMPLES = {"load": "load (mN)", "force": "force (mN)", "wait": "wait (s)"}
+_COLUMN_TITLE_EXAMPLES = {"load": "load (mN)", "force": "force (mN)", "wait": "wait (s)"}
 MAX_TEST_FILE_BYTES = 10_000_000
-_TITLE_PATTERN = re.compile(
+_COLUMN_TITLE_PATTERN = re.compile(
     r"\s*(.*?)\s*(?:[(\[<{]\s*([^()\[\]<>{}]*?)\s*[)\]>}]|(?:/|\s+in\s)\s*([^\W\d_]{1,4}|%))?\s*"
 )
 _THOUSANDS_PATTERN = re.compile(r"[+-]?[1-9][0-9]{0,2}(,[0-9]{3})+")
@@ -68,7 +68,7 @@ def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[F
         for row in reader:  # cells in quotation marks may contain line breaks
             rows.append(row)
             numbers.append(lines[reader.line_num - 1][0])
-        table = _TestTable(_parse_titles(rows[0]), numbers[1:], rows[1:], bodies, separator)
+        table = _FrictionTestTable(_parse_titles(rows[0]), numbers[1:], rows[1:], bodies, separator)
         return tuple(table.parse_rows())
     except (ValueError, csv.Error) as error:
         raise ValueError(f"{printable_path(path)}: {error}") from None
@@ -78,7 +78,7 @@ def _parse_titles(head: list[str]) -> dict[str, tuple[int, str]]:
     """Return the index and unit of each column, keyed by the standard name of the column."""
     columns: dict[str, tuple[int, str]] = {}
     for index, cell in enumerate(head):
-        match = _TITLE_PATTERN.fullmatch(cell)
+        match = _COLUMN_TITLE_PATTERN.fullmatch(cell)
         name = " ".join(match[1].lower().split()) if match else ""
         name, unit = _COLUMN_ALIASES.get(name, name), (match[2] or match[3] or "") if match else ""
         if name not in TEST_COLUMNS:
@@ -117,8 +117,8 @@ def _parse_titles(head: list[str]) -> dict[str, tuple[int, str]]:
 
 
 def _describe_unit_error(name: str, cell: str, allowed: list[str]) -> str:
-    if name in _TITLE_EXAMPLES and _TITLE_PATTERN.fullmatch(cell)[2] is None:  # type: ignore[index]
-        return f'the column {name} needs its unit, as in "{_TITLE_EXAMPLES[name]}"'
+    if name in _COLUMN_TITLE_EXAMPLES and _COLUMN_TITLE_PATTERN.fullmatch(cell)[2] is None:  # type: ignore[index]
+        return f'the column {name} needs its unit, as in "{_COLUMN_TITLE_EXAMPLES[name]}"'
     if name == "coefficient":
         return (
             f'has the column {_quote_cell(cell)}, but a coefficient has no unit; name a column of forces "force (mN)"'
@@ -133,7 +133,7 @@ def _quote_cell(cell: str) -> str:
 
 
 @dataclass(frozen=True)
-class _TestTable:
+class _FrictionTestTable:
     titles: Mapping[str, tuple[int, str]]
     lines: list[int]
     rows: list[list[str]]

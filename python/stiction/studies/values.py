@@ -71,14 +71,14 @@ Length = Annotated[Quantity, PlainValidator(read_length), as_written]
 SignedLength = Annotated[Quantity, PlainValidator(lambda text: quantity(text, "length")), as_written]
 LengthOrZero = Annotated[Quantity, PlainValidator(_make_quantity_reader("length", zero=True)), as_written]
 Modulus = Annotated[Quantity, PlainValidator(_make_quantity_reader("pressure")), as_written]
-Strength = Annotated[Quantity, PlainValidator(_make_quantity_reader("pressure", zero=True)), as_written]
+PressureOrZero = Annotated[Quantity, PlainValidator(_make_quantity_reader("pressure", zero=True)), as_written]
 Force = Annotated[Quantity, PlainValidator(_make_quantity_reader("force")), as_written]
 Time = Annotated[Quantity, PlainValidator(_make_quantity_reader("time")), as_written]
 WorkOfAdhesion = Annotated[Quantity, PlainValidator(_make_quantity_reader("work of adhesion", zero=True)), as_written]
 Fraction = Annotated[float, Field(ge=0, le=1)]
-Side = Annotated[int, Field(ge=MIN_POINTS, le=MAX_POINTS)]
-Dimension = Annotated[float, Field(ge=1, lt=2)]
-Coefficient = Annotated[float, Field(ge=0, le=MAX_INPUT_NUMBER)]
+NumGridPoints = Annotated[int, Field(ge=MIN_POINTS, le=MAX_POINTS)]
+FractalDimension = Annotated[float, Field(ge=1, lt=2)]
+FrictionCoefficient = Annotated[float, Field(ge=0, le=MAX_INPUT_NUMBER)]
 
 
 _Item = TypeVar("_Item")
@@ -93,23 +93,23 @@ def require_different(values: tuple[_Item, ...]) -> tuple[_Item, ...]:
 
 # TOML lists become tuples, because a study is immutable.
 as_tuple = BeforeValidator(lambda values: tuple(values) if isinstance(values, list) else values)
-_values = (as_tuple, Field(min_length=1, max_length=MAX_VALUES), AfterValidator(_require_increasing))
-_few_values = (as_tuple, Field(min_length=1, max_length=MAX_SHORT_LIST_LENGTH), AfterValidator(_require_increasing))
-Dimensions = Annotated[tuple[Dimension, ...], *_values]
-Lengths = Annotated[tuple[Length, ...], *_values]
-Approaches = Annotated[tuple[LengthOrZero, ...], *_values]
-Loads = Annotated[tuple[Force, ...], *_values]
-Strengths = Annotated[tuple[Strength, ...], *_few_values]
-Coefficients = Annotated[tuple[Coefficient, ...], *_few_values]
+_long_list = (as_tuple, Field(min_length=1, max_length=MAX_VALUES), AfterValidator(_require_increasing))
+_short_list = (as_tuple, Field(min_length=1, max_length=MAX_SHORT_LIST_LENGTH), AfterValidator(_require_increasing))
+FractalDimensions = Annotated[tuple[FractalDimension, ...], *_long_list]
+Lengths = Annotated[tuple[Length, ...], *_long_list]
+Approaches = Annotated[tuple[LengthOrZero, ...], *_long_list]
+Loads = Annotated[tuple[Force, ...], *_long_list]
+ShearStrengths = Annotated[tuple[PressureOrZero, ...], *_short_list]
+FrictionCoefficients = Annotated[tuple[FrictionCoefficient, ...], *_short_list]
 CutOffs = Annotated[
     tuple[LengthOrZero, ...],
     as_tuple,
     Field(min_length=1, max_length=MAX_SHORT_LIST_LENGTH),
     AfterValidator(require_different),
 ]
-_none_or_few = (as_tuple, Field(max_length=MAX_SHORT_LIST_LENGTH), AfterValidator(_require_increasing))
-LoadsOfInterest = Annotated[tuple[Force, ...], *_none_or_few]
-Times = Annotated[tuple[Time, ...], *_none_or_few]
+_optional_short_list = (as_tuple, Field(max_length=MAX_SHORT_LIST_LENGTH), AfterValidator(_require_increasing))
+LoadsOfInterest = Annotated[tuple[Force, ...], *_optional_short_list]
+Times = Annotated[tuple[Time, ...], *_optional_short_list]
 
 
 def _one_or_tuple(name: str, read: Callable[[object], Any], identity: Callable[[Any], Any]) -> PlainValidator:
@@ -154,16 +154,16 @@ Directions = (
     Annotated[Direction | tuple[Direction, ...], _one_or_tuple("direction", _read_direction, direction_to_degrees)]
     | None
 )
-Rules = Annotated[Sliding | tuple[Sliding, ...], _one_or_tuple("rule", _read_sliding, str)]
+SlidingRules = Annotated[Sliding | tuple[Sliding, ...], _one_or_tuple("rule", _read_sliding, str)]
 
 
-class Table(BaseModel):
+class StudyTable(BaseModel):
     """Base class for the tables of a study file. Tables are immutable, and have declared keys with strict types."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, validate_default=True)
 
 
-class TableVariant(Table):
+class StudyTableVariant(StudyTable):
     """Base class for study-file tables with several variants. Each variant is a class with different keys."""
 
     place: ClassVar[str]  # name of the class in messages
@@ -194,7 +194,7 @@ def select_key_value(key: str, table: Mapping[str, Any], cases: Mapping[str, Any
     return value
 
 
-class _RangeTable(Table):
+class _ValueRange(StudyTable):
     """Range of equally spaced values, including both limits."""
 
     start: Any
@@ -216,14 +216,14 @@ class _RangeTable(Table):
         return np.linspace(float(self.start), float(self.stop), self.count)
 
 
-class DimensionRange(_RangeTable):
+class DimensionRange(_ValueRange):
     """Range of fractal dimensions."""
 
-    start: Dimension
-    stop: Dimension
+    start: FractalDimension
+    stop: FractalDimension
 
 
-class _SteppedRangeTable(_RangeTable):
+class _SteppedValueRange(_ValueRange):
     """Range of values with equal differences (linear) or equal ratios (geometric)."""
 
     spacing: Literal["linear", "geometric"] = "geometric"
@@ -241,14 +241,14 @@ class _SteppedRangeTable(_RangeTable):
         return np.geomspace(float(self.start), float(self.stop), self.count)
 
 
-class ApproachRange(_SteppedRangeTable):
+class ApproachRange(_SteppedValueRange):
     """Range of approaches."""
 
     start: LengthOrZero
     stop: LengthOrZero
 
 
-class LoadRange(_SteppedRangeTable):
+class LoadRange(_SteppedValueRange):
     """Range of normal loads."""
 
     start: Force
@@ -256,13 +256,13 @@ class LoadRange(_SteppedRangeTable):
 
 
 # Values are tagged as a range or a list before validation, so that messages refer to a single type.
-RANGE_NAME, LIST_NAME = "a range", "a list"
+RANGE_TAG, LIST_TAG = "a range", "a list"
 
 
 def _kind_of_values(value: object) -> str | None:
-    if isinstance(value, (Mapping, Table)):
-        return RANGE_NAME
-    return LIST_NAME if isinstance(value, (list, tuple)) else None
+    if isinstance(value, (Mapping, StudyTable)):
+        return RANGE_TAG
+    return LIST_TAG if isinstance(value, (list, tuple)) else None
 
 
 _range_or_list = Discriminator(
@@ -270,16 +270,16 @@ _range_or_list = Discriminator(
     custom_error_type="range_or_list",
     custom_error_message="must be a list, or a table with start, stop and count",
 )
-DimensionsOrRange = Annotated[
-    Annotated[DimensionRange, Tag(RANGE_NAME)] | Annotated[Dimensions, Tag(LIST_NAME)], _range_or_list
+FractalDimensionsOrRange = Annotated[
+    Annotated[DimensionRange, Tag(RANGE_TAG)] | Annotated[FractalDimensions, Tag(LIST_TAG)], _range_or_list
 ]
 ApproachesOrRange = Annotated[
-    Annotated[ApproachRange, Tag(RANGE_NAME)] | Annotated[Approaches, Tag(LIST_NAME)], _range_or_list
+    Annotated[ApproachRange, Tag(RANGE_TAG)] | Annotated[Approaches, Tag(LIST_TAG)], _range_or_list
 ]
-LoadsOrRange = Annotated[Annotated[LoadRange, Tag(RANGE_NAME)] | Annotated[Loads, Tag(LIST_NAME)], _range_or_list]
+LoadsOrRange = Annotated[Annotated[LoadRange, Tag(RANGE_TAG)] | Annotated[Loads, Tag(LIST_TAG)], _range_or_list]
 
 
-def to_value_array(values: _RangeTable | tuple[float, ...]) -> Floats:
+def to_value_array(values: _ValueRange | tuple[float, ...]) -> Floats:
     """Return all values of a range or a list as an array."""
     return np.array(values, dtype=np.float64) if isinstance(values, tuple) else values.values()
 
@@ -287,7 +287,9 @@ def to_value_array(values: _RangeTable | tuple[float, ...]) -> Floats:
 # ---- Keys that exist only in some classes of a table ----------------------------------------------------------------
 
 
-def check_keys(table: Mapping[Any, Any], case: type[TableVariant], shared: Sequence[type[TableVariant]]) -> None:
+def check_keys(
+    table: Mapping[Any, Any], case: type[StudyTableVariant], shared: Sequence[type[StudyTableVariant]]
+) -> None:
     """Raise an error if a key belongs to another class of this table, or if a required key is missing.
 
     `shared` lists base classes whose keys several classes have. Messages refer to these classes by `place`.
@@ -309,7 +311,7 @@ def check_keys(table: Mapping[Any, Any], case: type[TableVariant], shared: Seque
             raise make_key_error(key, f"must be given for {case.place}")
 
 
-_Kind = TypeVar("_Kind", bound=Table)
+_TableClass = TypeVar("_TableClass", bound=StudyTable)
 
 
 MAX_LISTED_FAULTS = 5  # maximum number of errors in a message about a study
@@ -362,7 +364,7 @@ def toml(text: str) -> dict[str, Any]:
         raise ValueError("is nested too deeply") from None
 
 
-def validate_table(kind: type[_Kind], data: Mapping[str, Any], source: str) -> _Kind:
+def validate_table(kind: type[_TableClass], data: Mapping[str, Any], source: str) -> _TableClass:
     """Validate a table and return it as an instance of the given class.
 
     Error messages start with the name of the source of the table.
@@ -394,9 +396,9 @@ _ERROR_MESSAGES = {
 """Messages that replace messages of pydantic, by error type."""
 
 
-def _convert_validation_error(kind: type[Table], fault: ErrorDetails) -> tuple[str, str]:
+def _convert_validation_error(kind: type[StudyTable], fault: ErrorDetails) -> tuple[str, str]:
     """Convert a pydantic error to a message and the key that caused the error."""
-    location = [key_part for key_part in fault["loc"] if key_part not in (RANGE_NAME, LIST_NAME)]
+    location = [key_part for key_part in fault["loc"] if key_part not in (RANGE_TAG, LIST_TAG)]
     key = "".join(
         f"[{key_part}]" if isinstance(key_part, int) else f".{key_part}" for key_part in location
     ).removeprefix(".")
@@ -422,7 +424,7 @@ def _convert_validation_error(kind: type[Table], fault: ErrorDetails) -> tuple[s
 MAX_SUGGESTIONS = 3  # maximum number of suggestions for an unknown key
 
 
-def _suggest_keys(kind: type[Table], location: list[int | str]) -> str:
+def _suggest_keys(kind: type[StudyTable], location: list[int | str]) -> str:
     """Return a hint that names similar keys of the table, or the command that lists all keys."""
     tables = [kind]
     for parent_key in location[:-1]:
@@ -436,8 +438,8 @@ def _suggest_keys(kind: type[Table], location: list[int | str]) -> str:
     return f"; is it {names}?" if names else "; stiction studies --keys lists all"
 
 
-def list_table_classes(annotation: Any) -> list[type[Table]]:
+def list_table_classes(annotation: Any) -> list[type[StudyTable]]:
     """Return the table classes that a field with the given annotation accepts."""
     if isinstance(annotation, type):
-        return [annotation] if issubclass(annotation, Table) else []
+        return [annotation] if issubclass(annotation, StudyTable) else []
     return [table for argument in get_args(annotation) for table in list_table_classes(argument)]

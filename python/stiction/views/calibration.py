@@ -12,8 +12,8 @@ import numpy as np
 from stiction._checks import check_instance
 from stiction._number_format import format_percent, format_with_interval, format_with_unit
 from stiction._repr import render_png
-from stiction.studies.calibration_fit import MIN_VARIATION
-from stiction.studies.interfaces import EXCLUDED_PROBABILITY, UNLIKELY_PROBABILITY, Fit, Interface
+from stiction.studies.calibration_fit import MIN_AREA_VARIATION
+from stiction.studies.interfaces import ERROR_SCALING_PROBABILITY, EXCLUSION_PROBABILITY, Interface, StrengthFit
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 from stiction.views.rows import json_entry, record_json
 from stiction.views.style import ALL_CONTACTS_COLOUR, FORCE_COLOUR, MATPLOTLIB_STYLE, PAGE_WIDTH, new_figure
@@ -65,7 +65,7 @@ def _not_separated_lines(interface: Interface) -> Iterator[str]:
         f"A/F varies by {format_percent(interface.variation)} among {count} tests" if count > 1 else "there is one test"
     )
     requirement = (
-        f", and {MIN_VARIATION:.0%} are required".replace("%", " %") if count > 2 else ", and three are needed"
+        f", and {MIN_AREA_VARIATION:.0%} are required".replace("%", " %") if count > 2 else ", and three are needed"
     )
     yield f"Only μ0 + τ0 A/F is determined: {shortage}{requirement} to determine either one."
     tau0 = format_with_unit(value / ratio, "GPa")
@@ -83,7 +83,7 @@ def _growth_line(interface: Interface) -> str:
     return f"{text}. A pair with this interface uses the same range."
 
 
-def _fit_lines(interface: Interface, fit: Fit) -> Iterator[str]:
+def _fit_lines(interface: Interface, fit: StrengthFit) -> Iterator[str]:
     rule = SLIDING_RULE_DESCRIPTIONS[fit.sliding]
     if not fit.freedom:
         yield f"{rule}: there are as many unknowns as tests, so the fit cannot be judged."
@@ -97,11 +97,11 @@ def _fit_lines(interface: Interface, fit: Fit) -> Iterator[str]:
             yield (
                 f"{text}: residuals are larger than the errors allow, so the errors were multiplied by {fit.scale:.2g}."
             )
-        elif fit.probability < UNLIKELY_PROBABILITY:
+        elif fit.probability < ERROR_SCALING_PROBABILITY:
             yield f"{text}: a poor fit."
         else:
             yield f"{text}."
-    if fit.trend < EXCLUDED_PROBABILITY:
+    if fit.trend < EXCLUSION_PROBABILITY:
         yield f"{rule}: residuals vary with the load (probability {fit.trend:.1g}), so the law does not fit."
 
 

@@ -15,7 +15,7 @@ from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies.assessment import Caveat
 from stiction.studies.contact_statistics import compute_slopes
-from stiction.studies.input_caveats import LIMIT_REASONS, find_scan_caveats
+from stiction.studies.input_caveats import INSTRUMENT_LIMIT_REASONS, find_scan_caveats
 from stiction.surfaces.filters import check_cutoff, filtered
 from stiction.surfaces.hurst import HurstEstimate, estimate_hurst_exponent
 from stiction.surfaces.lines import MAX_POWER_LAW_MISFIT, LineRoughness, lines_along_both, power_law_misfit
@@ -368,10 +368,10 @@ class Characterisation:
         if limit.reason == "pixels":
             words = f"only the grid spacing{'' if self.tip_radius is None else '; the tip follows all wavelengths'}"
         elif limit.slope_fraction < NEGLIGIBLE_SLOPE_FRACTION:
-            words = f"below {wavelength} {LIMIT_REASONS[limit.reason]}: negligible, {contribution}"
+            words = f"below {wavelength} {INSTRUMENT_LIMIT_REASONS[limit.reason]}: negligible, {contribution}"
         else:
             assessment = "unreliable" if limit.origin == "instrument" else "perhaps not from the surface"
-            reason = f"{LIMIT_REASONS[limit.reason]}, {contribution}"
+            reason = f"{INSTRUMENT_LIMIT_REASONS[limit.reason]}, {contribution}"
             words = f"{assessment} below {wavelength}: {reason}; --cutoff '{cutoff}' removes this fraction"
         if self.textured and (limit.reason == "pixels" or limit.origin == "instrument"):
             words += "; no line or hump to attribute to the surface (--texture)"

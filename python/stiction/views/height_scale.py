@@ -24,10 +24,10 @@ from stiction.views.text import format_table, wrap_text
 if TYPE_CHECKING:
     import xarray
 
-    from stiction.studies.height_scale import ScaledSides
+    from stiction.studies.height_scale import ScaledBodies
     from stiction.studies.study import Study
 
-SCALED_SURFACE_TEXTS: dict[ScaledSides, str] = {
+SCALED_SURFACE_TEXTS: dict[ScaledBodies, str] = {
     "both": "both surfaces",
     "upper": "the upper surface",
     "lower": "the lower surface",

@@ -15,7 +15,7 @@ from stiction._number_format import (
     format_with_unit,
 )
 from stiction.mechanics.quantities import QUANTITIES
-from stiction.studies.onset import PRESLIDING_MODELS
+from stiction.studies.onset import PRESLIDING_PARAMETERS
 from stiction.studies.point import MEAN_AND_LIMITS
 
 if TYPE_CHECKING:
@@ -115,7 +115,7 @@ def onset_record(onset: xarray.Dataset) -> dict[str, Any]:
     attributes = {str(name): value for name, value in onset.attrs.items()}
     models = {
         model: {name: float(attributes[f"{model}_{name}"]) for name in names if f"{model}_{name}" in attributes}
-        for model, names in PRESLIDING_MODELS.items()
+        for model, names in PRESLIDING_PARAMETERS.items()
     }
     return {
         "sentence": onset_text(onset),

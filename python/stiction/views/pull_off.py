@@ -8,10 +8,10 @@ import numpy as np
 
 from stiction._number_format import choose_prefix, format_with_interval, format_with_unit
 from stiction.mechanics.quantities import QUANTITIES
-from stiction.studies.pull_off import MIN_STICKING_PRESSURE, Sticking, ValueWithInterval
+from stiction.studies.pull_off import MIN_STICKING_PRESSURE, PullOffValues, ValueWithInterval
 
 
-def pull_off_text(estimate: Sticking, inputs: str = "") -> str:
+def pull_off_text(estimate: PullOffValues, inputs: str = "") -> str:
     """Return a sentence about adhesion at zero load: pull-off force, pull-off pressure and friction.
 
     `inputs` describes mu0 and tau0 of the friction if the result has several values of them.
@@ -29,7 +29,7 @@ def pull_off_text(estimate: Sticking, inputs: str = "") -> str:
     )
 
 
-def pull_off_record(estimate: Sticking) -> dict[str, Any]:
+def pull_off_record(estimate: PullOffValues) -> dict[str, Any]:
     """Return the pull-off force (mN), the pull-off pressure (GPa) and the friction at zero load (mN) as JSON fields."""
     intervals = {
         "pull_off": estimate.pull_off,

@@ -10,7 +10,7 @@ from stiction._number_format import format_estimate, format_percent, format_with
 from stiction.mechanics.friction import STATUS_OK
 
 if TYPE_CHECKING:
-    from stiction.studies.resolution import Resolution, ResolvedRoughness, YieldEstimate
+    from stiction.studies.resolution import ResolutionEffect, ResolvedRoughness, YieldWavelengthEstimate
 
 Rows = list[list[str]]
 SLIDING_RULE_TITLES = {"all": "all contacts", "opposing": "opposing contacts"}
@@ -32,7 +32,7 @@ def wavelengths_text(scan: ResolvedRoughness) -> str:
 # ---- Cutoffs ---------------------------------------------------------------------------------------------------------
 
 
-def cut_off_rows(resolution: Resolution, hardness: float | None) -> Rows:
+def cut_off_rows(resolution: ResolutionEffect, hardness: float | None) -> Rows:
     """Return a table with headings and a row per cutoff, evaluated at the first load, first mu0 and first tau0.
 
     The last row is the plastic limit if there is a hardness (GPa).
@@ -63,7 +63,7 @@ def _coefficient(value: float) -> str:
     return f"{value:.3f}" if math.isfinite(value) else "none"
 
 
-def cut_off_note(resolution: Resolution) -> str:
+def cut_off_note(resolution: ResolutionEffect) -> str:
     """Return the note below the table of cutoffs."""
     text = f"Both surfaces are low-pass filtered at the cutoff; means over {resolution.members:.0f} members."
     if resolution.plastic_limit is not None:
@@ -74,7 +74,7 @@ def cut_off_note(resolution: Resolution) -> str:
 # ---- Yield estimates for studies without a hardness ------------------------------------------------------------------
 
 
-def yield_rows(estimates: Sequence[YieldEstimate], scan: ResolvedRoughness) -> Rows:
+def yield_rows(estimates: Sequence[YieldWavelengthEstimate], scan: ResolvedRoughness) -> Rows:
     """Return a table of `estimate_yield_wavelengths` with headings, or an empty list if there are no estimates."""
     rows = []
     for estimate in estimates:
@@ -98,7 +98,7 @@ ELASTIC_CAVEAT = (
 # ---- JSON record -----------------------------------------------------------------------------------------------------
 
 
-def resolution_record(resolution: Resolution) -> dict[str, Any]:
+def resolution_record(resolution: ResolutionEffect) -> dict[str, Any]:
     """Return a JSON record of resolved wavelengths, the cutoff study and, if no hardness is given, yield estimates."""
     record: dict[str, Any] = {}
     if (scan := resolution.roughness) is not None:

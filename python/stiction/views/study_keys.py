@@ -11,11 +11,17 @@ from pydantic_core import PydanticUndefined
 from stiction._units import Quantity
 from stiction.mechanics.law import CONTACT_LAWS_BY_NAME
 from stiction.studies import values
-from stiction.studies.contact_tables import CONTACT_CASES, LAW_TABLES, SHARED_CONTACT_TABLES
-from stiction.studies.generated_surfaces import SelfAffineSurfaces
-from stiction.studies.input_uncertainty import UncertainInputsTable
+from stiction.studies.contact_tables import CONTACT_SETTINGS_CLASSES, LAW_SETTINGS, SHARED_CONTACT_SETTINGS
+from stiction.studies.generated_surfaces import SelfAffineSettings
+from stiction.studies.input_uncertainty import UncertainInputSettings
 from stiction.studies.measured_surfaces import MeasuredFile
-from stiction.studies.study import FRICTION_CASES, SHARED_FRICTION_TABLES, SURFACE_CASES, Ensemble, Figures
+from stiction.studies.study import (
+    FRICTION_SETTINGS_CLASSES,
+    SHARED_FRICTION_SETTINGS,
+    SURFACE_SETTINGS_CLASSES,
+    EnsembleSettings,
+    FigureSettings,
+)
 from stiction.views.text import wrap_text
 
 TableRow = tuple[str, str, str, str]  # key, default, allowed values and meaning of an entry
@@ -24,7 +30,7 @@ _QUANTITY_RANGES: tuple[tuple[Any, str], ...] = (
     (values.Length, "a length above 0"),
     (values.LengthOrZero, "a length, at least 0"),
     (values.Modulus, "a pressure above 0"),
-    (values.Strength, "a pressure, at least 0"),
+    (values.PressureOrZero, "a pressure, at least 0"),
     (values.Force, "a force above 0"),
     (values.Time, "a time above 0"),
     (values.WorkOfAdhesion, "an energy per area, at least 0"),
@@ -36,7 +42,7 @@ _ALLOWED_VALUES = {
     "law": " or ".join(
         [
             *(f'`"{name}"`' for name in CONTACT_LAWS_BY_NAME),
-            *(f'a table with the name `"{name}"`' for name in LAW_TABLES),
+            *(f'a table with the name `"{name}"`' for name in LAW_SETTINGS),
         ]
     ),
     "sliding": '`"opposing"`, `"all"` or a list of both',
@@ -53,23 +59,34 @@ _ALLOWED_VALUES = {
 
 _UNCERTAIN_VALUE_TEXT = 'a value with its uncertainty or a range, as text: `"0.2±0.02"`, `"20..80 MPa"`'
 _UNCERTAIN_TYPES = {
-    UncertainInputsTable.model_fields["mu0"].annotation: _UNCERTAIN_VALUE_TEXT,
-    UncertainInputsTable.model_fields["young"].annotation: f"a list of one or two such values: {_UNCERTAIN_VALUE_TEXT}",
+    UncertainInputSettings.model_fields["mu0"].annotation: _UNCERTAIN_VALUE_TEXT,
+    UncertainInputSettings.model_fields[
+        "young"
+    ].annotation: f"a list of one or two such values: {_UNCERTAIN_VALUE_TEXT}",
 }
 """Descriptions of the allowed values in the table `[known]`, by type."""
 
 _CONTACT_DESCRIPTION = "Contact model of each pair. The default for measured areas is the half-space."
 _FRICTION_DESCRIPTION = "Loads and friction parameters of measured surfaces, or of the figures of generated surfaces."
-_ALL_CONTACT_CASES = tuple(dict.fromkeys(case for cases in CONTACT_CASES.values() for case in cases.values()))
-_KEY_TABLES: tuple[tuple[str, str, tuple[type[values.Table], ...], tuple[type[values.TableVariant], ...]], ...] = (
-    ("`[surfaces]`, generated", "Fractal profiles, or two kinds of areal surfaces.", SURFACE_CASES[:3], ()),
-    ("`[surfaces]`, measured", "Two measured files and their combination into pairs.", SURFACE_CASES[3:], ()),
+_ALL_CONTACT_CASES = tuple(
+    dict.fromkeys(case for cases in CONTACT_SETTINGS_CLASSES.values() for case in cases.values())
+)
+_KEY_TABLES: tuple[
+    tuple[str, str, tuple[type[values.StudyTable], ...], tuple[type[values.StudyTableVariant], ...]], ...
+] = (
+    ("`[surfaces]`, generated", "Fractal profiles, or two kinds of areal surfaces.", SURFACE_SETTINGS_CLASSES[:3], ()),
+    (
+        "`[surfaces]`, measured",
+        "Two measured files and their combination into pairs.",
+        SURFACE_SETTINGS_CLASSES[3:],
+        (),
+    ),
     ("`upper` and `lower` of measured surfaces", f"{MeasuredFile.__doc__}", (MeasuredFile,), ()),
-    ("`[contact]`", _CONTACT_DESCRIPTION, _ALL_CONTACT_CASES, SHARED_CONTACT_TABLES),
-    ("`[friction]`", _FRICTION_DESCRIPTION, FRICTION_CASES, SHARED_FRICTION_TABLES),
-    ("`[known]`", f"{UncertainInputsTable.__doc__}", (UncertainInputsTable,), ()),
-    ("`[ensemble]`", f"{Ensemble.__doc__}", (Ensemble,), ()),
-    ("`[figures]` of generated surfaces", f"{Figures.__doc__}", (Figures,), ()),
+    ("`[contact]`", _CONTACT_DESCRIPTION, _ALL_CONTACT_CASES, SHARED_CONTACT_SETTINGS),
+    ("`[friction]`", _FRICTION_DESCRIPTION, FRICTION_SETTINGS_CLASSES, SHARED_FRICTION_SETTINGS),
+    ("`[known]`", f"{UncertainInputSettings.__doc__}", (UncertainInputSettings,), ()),
+    ("`[ensemble]`", f"{EnsembleSettings.__doc__}", (EnsembleSettings,), ()),
+    ("`[figures]` of generated surfaces", f"{FigureSettings.__doc__}", (FigureSettings,), ()),
 )
 """Tables of a study file: title, description, model classes, and base classes with shared keys."""
 
@@ -78,7 +95,7 @@ def key_tables() -> list[tuple[str, str, list[TableRow]]]:
     """Return the title, the description and the rows of each table of keys. Each row describes one key."""
     tables = []
     for title, phrases, cases, shared in _KEY_TABLES:
-        owners: dict[TableRow, list[type[values.Table]]] = {}
+        owners: dict[TableRow, list[type[values.StudyTable]]] = {}
         for case in cases:
             for key, entry in case.model_fields.items():
                 if entry.repr:  # keys without `repr` describe bodies in memory and do not occur in files
@@ -95,7 +112,7 @@ def key_tables() -> list[tuple[str, str, list[TableRow]]]:
             )
             rows.append((key, default, allowed, meaning + text))
         for case in cases:
-            if issubclass(case, SelfAffineSurfaces):
+            if issubclass(case, SelfAffineSettings):
                 others = case.other_keys.items()
                 rows += [
                     (f"`{key}`", "none", allowed, f"{text} Only for {case.place}.") for key, (allowed, text) in others
@@ -105,9 +122,9 @@ def key_tables() -> list[tuple[str, str, list[TableRow]]]:
 
 
 def _case_names(
-    owners: Sequence[type[values.Table]],
-    cases: Sequence[type[values.Table]],
-    shared: Sequence[type[values.TableVariant]],
+    owners: Sequence[type[values.StudyTable]],
+    cases: Sequence[type[values.StudyTable]],
+    shared: Sequence[type[values.StudyTableVariant]],
 ) -> list[str]:
     """Return the names of the models that have a key. A base class replaces its models if all of them have the key."""
     members = {item: {case for case in cases if issubclass(case, item)} for item in shared}
@@ -116,7 +133,7 @@ def _case_names(
         if members[item] <= remaining:
             places.append(item.place)
             remaining -= members[item]
-    return places + [case.place for case in cases if case in remaining and issubclass(case, values.TableVariant)]
+    return places + [case.place for case in cases if case in remaining and issubclass(case, values.StudyTableVariant)]
 
 
 def study_keys() -> str:
@@ -181,7 +198,7 @@ def _allowed_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]
         return ["a length"]
     if get_origin(annotation) is Literal:
         return [f"`{_toml_text(value)}`" for value in get_args(annotation)]
-    if isinstance(annotation, type) and issubclass(annotation, values.Table):
+    if isinstance(annotation, type) and issubclass(annotation, values.StudyTable):
         if "start" in annotation.model_fields:
             spacing = ", spacing" if "spacing" in annotation.model_fields else ""
             return [f"a range `{{ start, stop, count{spacing} }}`"]
@@ -240,7 +257,7 @@ def _toml_text(value: Any) -> str:
         return f'"{value.text}"'
     if isinstance(value, tuple):
         return f"[{', '.join(map(_toml_text, value))}]"
-    if isinstance(value, values.Table):
+    if isinstance(value, values.StudyTable):
         entries = ((name, _toml_text(getattr(value, name))) for name in type(value).model_fields)
         return f"{{ {', '.join(f'{name} = {text}' for name, text in entries)} }}"
     if isinstance(value, bool):

@@ -29,7 +29,7 @@ from stiction.mechanics.quantities import (
     quantities_shown_in,
 )
 from stiction.studies.assessment import ASPERITY_CHECKS, VERDICTS, WIDE_INTERVAL_TEXT, Caveat, find_failed_check_caveats
-from stiction.studies.budget import LOWER_SCANS_INPUT, POSITIONS_INPUT, UNRESOLVED_INPUT, UPPER_SCANS_INPUT
+from stiction.studies.budget import LOWER_SCANS_INPUT, POSITIONS_INPUT, UNRESOLVED_ROUGHNESS_INPUT, UPPER_SCANS_INPUT
 from stiction.studies.point import (
     CELL_DIMENSIONS,
     MEAN_AND_LIMITS,
@@ -347,7 +347,7 @@ def budget_text(point: PointSummary) -> str:
 _REMEDY_TEXTS = {
     UNATTRIBUTED_WAVELENGTHS_INPUT: "Scanning one place twice",
     POSITIONS_INPUT: "Using more positions",
-    UNRESOLVED_INPUT: "A finer scan",
+    UNRESOLVED_ROUGHNESS_INPUT: "A finer scan",
     UPPER_SCANS_INPUT: "Scanning more places of the upper part",
     LOWER_SCANS_INPUT: "Scanning more places of the lower part",
 }  # fmt: skip

@@ -17,7 +17,7 @@ from stiction._drawing import add_scale_bar
 from stiction._number_format import format_with_unit
 from stiction.studies.assessment import MAX_AFFECTED_FRACTION
 from stiction.studies.contact_picture import MIN_ZOOM_SIZE, ZOOM_DIVISOR
-from stiction.studies.contact_tables import AsperityContactTable
+from stiction.studies.contact_tables import AsperitySettings
 from stiction.studies.point import MEAN_AND_LIMITS
 from stiction.studies.result import Result
 from stiction.views.figures.contact import draw_frame, draw_heights, map_extent
@@ -221,7 +221,7 @@ def dimension_onset_figure(dataset: xarray.Dataset) -> Figure:
     """
     result = Result.of(dataset)
     study = result.study
-    assert isinstance(study.contact, AsperityContactTable)
+    assert isinstance(study.contact, AsperitySettings)
     settings = study.contact.onset
     assert settings is not None
     ends = np.log(result.reached_loads(2))

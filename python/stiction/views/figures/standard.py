@@ -32,7 +32,7 @@ from stiction.views.figures.onset import contains_slip_map, dimension_onset_figu
 from stiction.views.style import MATPLOTLIB_STYLE, parse_formats, save_figure
 
 if TYPE_CHECKING:
-    from stiction.studies.height_scale import ScaledSides
+    from stiction.studies.height_scale import ScaledBodies
 
 
 def draw_figures(
@@ -176,7 +176,7 @@ def _cut_off_figures(dataset: xarray.Dataset, study: Study, *, title: str) -> Fi
 
 
 def draw_height_scale(
-    result: Result, scaled: ScaledSides, factors: list[float], indices: tuple[int, ...] = (0, 0), *, title: str
+    result: Result, scaled: ScaledBodies, factors: list[float], indices: tuple[int, ...] = (0, 0), *, title: str
 ) -> Figure:
     """Draw friction against the height factors stored in a result, for the first load and one pair of mu0 and tau0."""
     friction = result.study.friction

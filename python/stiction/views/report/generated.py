@@ -25,7 +25,7 @@ from stiction.studies.assessment import (
     MAX_AFFECTED_FRACTION,
     MERGED_AREA_FRACTION,
     Caveat,
-    Check,
+    LimitCheck,
     assess_ensemble,
     compute_value_numbers,
     find_verdict,
@@ -176,7 +176,7 @@ def _add_values_at_nodes(
         {"verdict": find_verdict(reasons), "caveats": [_reason_record(reason) for reason in reasons]}
         for reasons in assessments
     ]
-    checks = {reason for reasons in assessments for reason in reasons if isinstance(reason, Check)}
+    checks = {reason for reasons in assessments for reason in reasons if isinstance(reason, LimitCheck)}
     for name in sorted({check.shown_name for check in checks if "{}" in check.text}):
         tables.add(f"number_{name}", numbers[name])
     is_valid = codes == 0
@@ -284,13 +284,13 @@ def _checked_numbers(
     )  # fmt: skip
 
 
-def _reason_record(reason: Caveat | Check) -> dict[str, Any]:
+def _reason_record(reason: Caveat | LimitCheck) -> dict[str, Any]:
     """Return a caveat or check as a record: text, remedy, severity, and the format of the number in the text."""
-    number = _number_format(reason) if isinstance(reason, Check) and "{}" in reason.text else None
+    number = _number_format(reason) if isinstance(reason, LimitCheck) and "{}" in reason.text else None
     return {"text": reason.text, "remedy": reason.remedy, "severity": reason.severity, "number": number}
 
 
-def _number_format(check: Check) -> dict[str, Any]:
+def _number_format(check: LimitCheck) -> dict[str, Any]:
     """Return how a page formats the number in the text of a check: source table, factor, decimals and unit."""
     name, format_name = check.shown_name, check.shown
     if format_name == "percent":

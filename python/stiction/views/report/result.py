@@ -14,7 +14,7 @@ import xarray
 from stiction._number_format import format_percent, format_with_unit
 from stiction.mechanics import friction
 from stiction.studies.assessment import STATUS_EXPLANATIONS
-from stiction.studies.intervals import CONFIDENCE
+from stiction.studies.intervals import CONFIDENCE_LEVEL
 from stiction.studies.result import Result
 from stiction.views.figures.ensemble import COLOUR_BAR_TICKS
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
@@ -101,7 +101,7 @@ def _page(result: Result, name: str, picture: xarray.Dataset | None) -> Page:
         if study.is_measured else generated_result_page(result, study, name)
     )  # fmt: skip
     facts = {
-        "percent": f"{100 * CONFIDENCE:g} %", "ticks": COLOUR_BAR_TICKS,
+        "percent": f"{100 * CONFIDENCE_LEVEL:g} %", "ticks": COLOUR_BAR_TICKS,
         "ruleDescriptions": SLIDING_RULE_DESCRIPTIONS, "ruleNames": SLIDING_RULE_LABELS,
         "why": {
             name: {"short": short, "why": _status_reason(name)} for name, short in STATUS_LABELS.items()
@@ -119,7 +119,7 @@ def _page(result: Result, name: str, picture: xarray.Dataset | None) -> Page:
         name=content.name,
         head=content.head,
         body=Template(read_page_file("result.html")).substitute(
-            percent=f"{100 * CONFIDENCE:g} %",
+            percent=f"{100 * CONFIDENCE_LEVEL:g} %",
             pairs=escape_html(content.pairs),
             unfinished=content.unfinished(),
             touching=content.touching,
