@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from stiction import Study, area_map, friction_map, stiffness_map
 from stiction.studies import runner, store
-from stiction.studies.member_solution import describe_arrays
+from stiction.studies.member_solution import array_shapes_and_types
 from stiction.studies.runner import compute_missing
 
 NUM_REPETITIONS = 1_000_000
@@ -39,7 +39,7 @@ def synthetic_sums(study: Study) -> Callable[[Study, int], dict]:
     for _ in range(NUM_DIFFERENT_MEMBERS):
         factor = random.lognormal(0, 1, (study.surfaces.fractal_dimensions().size, 1, 1))
         sums = {}
-        for index, (name, (shape, dtype)) in enumerate(describe_arrays(study).items()):
+        for index, (name, (shape, dtype)) in enumerate(array_shapes_and_types(study).items()):
             values = factor * (index + step) ** 1.5 * (1 + 0.1 * random.random(shape))
             sums[name] = values.astype(dtype)
         bank.append(sums)

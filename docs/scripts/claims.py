@@ -151,7 +151,7 @@ def column_titles(repetitions: int) -> dict[str, str]:
 
 def check(study: Study) -> None:
     """Raise a `ValueError`, before anything is computed, if claims cannot be judged on a study's result."""
-    if "direction" in study.motions():
+    if "direction" in study.motion_coordinates():
         raise ValueError("claims are judged on motion in one direction, and contact.direction is a list")
     if study.ensemble.repetitions < MIN_REPETITIONS:
         raise ValueError(

@@ -123,14 +123,14 @@ def test_roughness_contribution_is_none_for_adhesive_pairs(adhesive_result):
 def test_pair_at_zero_load_assesses_whether_the_surfaces_stick(adhesive_result):
     unloaded_result, two_load_result = (run_pair(load=load, **ADHESION_OPTIONS) for load in (0, ["0", "20 MPa"]))
     (unloaded_point,) = unloaded_result.summary().points
-    assert unloaded_point.unloaded
+    assert unloaded_point.is_unloaded
     assert "at no load" in unloaded_result.sentence
-    assert unloaded_point.sticking.sticks == "yes"
+    assert unloaded_point.sticking.sticking_assessment == "yes"
     assert unloaded_point.sticking.pull_off == pytest.approx(
         adhesive_result.summary().points[0].sticking.pull_off, rel=LOAD_PATH_TOLERANCE
     )
     assert unloaded_result.dataset["load"].values.max() < 0.01 * float(unloaded_result.dataset["pull_off"].mean())
-    assert [point.unloaded for point in two_load_result.summary().points] == [True, False]
+    assert [point.is_unloaded for point in two_load_result.summary().points] == [True, False]
     assert two_load_result.summary().points[1].value == pytest.approx(
         adhesive_result.summary().points[1].value, rel=LOAD_PATH_TOLERANCE
     )
@@ -194,7 +194,7 @@ def test_assessment_of_sticking_agrees_with_interval_of_pull_off_pressure(pressu
     sticking = PullOffValues(
         pull_off=(1e-6, 1e-6, 1e-6), pressure=pressure, friction=(1e-6, 1e-6, 1e-6), is_bound=is_bound
     )
-    assert sticking.sticks == sticks
+    assert sticking.sticking_assessment == sticks
 
 
 def test_explicit_zero_adhesion_leaves_values_unchanged_and_adds_no_caveat(adhesive_result):

@@ -12,15 +12,15 @@ from stiction import Study, Surface, cut_off, pair, self_affine_surface
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies import budget, hardness
 from stiction.studies.budget import (
-    _arrays_over_dims,
     _CoefficientSamples,
     _equal_tailed_interval,
+    _get_arrays_over_dims,
     _pressure_and_growth_under_shear,
     add_uncertainty,
 )
 from stiction.studies.evaluation import ForcesPerLoad, at_load, build_area_interpolator, member_sums_at_loads
-from stiction.studies.executors import thread_executor
-from stiction.studies.hardness import choose_area_nodes, compute_areas_over_hardness, find_inputs
+from stiction.studies.executors import thread_pool_executor
+from stiction.studies.hardness import choose_area_nodes, compute_areas_at_nodes, find_uncertain_inputs
 from stiction.studies.input_uncertainty import Z_95, parse_input
 from stiction.studies.summary import summarize
 from stiction.studies.values import StudyError
@@ -101,7 +101,7 @@ def test_replacing_a_result_also_replaces_its_solutions_at_other_hardnesses(tmp_
 def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solutions(rms, modulus) -> None:
     kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", **THREE_POSITIONS)
     result = pair(*rough_surfaces(rms=rms), hardness="0.3..1.5 GPa", effective_modulus=modulus, **kwargs)
-    inputs = find_inputs(result.study)
+    inputs = find_uncertain_inputs(result.study)
     assert sorted(inputs) == ["effective_modulus", "hardness"]
     assert choose_area_nodes(result.study)[1].size == (3 if modulus.startswith("48") else 1)
     table = result.at_study_loads
@@ -112,7 +112,9 @@ def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solution
     )
     friction = ForcesPerLoad.of(sums.sel(sliding="all").mean())
     variables = dict(table.variables) | _pressure_and_growth_under_shear(table, result.study, areas)
-    numbers = {name: values[0, 0, 0, 0, 0] for name, values in _arrays_over_dims(variables, table, point_index).items()}
+    numbers = {
+        name: values[0, 0, 0, 0, 0] for name, values in _get_arrays_over_dims(variables, table, point_index).items()
+    }
     samples = _CoefficientSamples(numbers, point_index, result.study, inputs, friction, areas)
     samples.names, samples.places = tuple(inputs), {}  # The samples must not contain errors of the mean over positions.
     for probability in (0.03, 0.7):
@@ -151,10 +153,10 @@ def test_interval_ends_equal_quantiles_of_the_samples(infinite) -> None:
 def test_areas_at_other_hardnesses_are_solved_for_only_two_members_of_large_maps(monkeypatch) -> None:
     options = {"mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "hardness": "1..3 GPa", "shifts": 4}
     study = pair_study(*rough_surfaces(), load="2 MPa", mechanics="half-space", direction=[0.0, 180.0], **options)
-    with thread_executor(1) as executor:
-        areas_of_small_maps = compute_areas_over_hardness(study, executor)
+    with thread_pool_executor(1) as executor:
+        areas_of_small_maps = compute_areas_at_nodes(study, executor)
         monkeypatch.setattr(hardness, "MIN_LARGE_MAP_POINTS", 1)
-        areas_of_large_maps = compute_areas_over_hardness(study, executor)
+        areas_of_large_maps = compute_areas_at_nodes(study, executor)
     assert (areas_of_small_maps.sizes["repetition"], areas_of_large_maps.sizes["repetition"]) == (4, 2)
     np.testing.assert_array_equal(areas_of_large_maps["contact_area"], areas_of_small_maps["contact_area"][:2])
 
@@ -287,7 +289,7 @@ def test_pair_rejects_invalid_ranges_of_inputs(options, pattern) -> None:
 def test_stored_study_preserves_uncertain_inputs() -> None:
     result = pair(*rough_surfaces(), load="2 MPa", mu0="0.1..0.3", effective_modulus="80 GPa", **PAIR_OPTIONS)
     stored_study = Study.from_toml(result.path / "study.toml")
-    assert find_inputs(stored_study)["mu0"].estimate == parse_input("mu0", "0.1..0.3")
+    assert find_uncertain_inputs(stored_study)["mu0"].estimate == parse_input("mu0", "0.1..0.3")
     with pytest.raises(StudyError, match=r"known.tau0.*unit"):
         stored_study.with_changes({"known.tau0": "20..80"})
 
@@ -313,7 +315,7 @@ def test_combined_interval_covers_true_friction_for_random_inputs(truths) -> Non
         scans = [Surface(surface.heights[::refinement, ::refinement], spacing=0.05) for surface in filtered_surfaces]
         options = dict(load="4 MPa", **PAIR_OPTIONS)
         predicted = pair(*scans, **ranges, **options)
-        inputs = find_inputs(predicted.study)
+        inputs = find_uncertain_inputs(predicted.study)
         true_inputs = {name: float(inputs[name].estimate.quantile(rng.random())) for name in ranges}
         truth = pair(*true_surfaces, **true_inputs, **(options | {"shifts": 40}))
         covered += predicted.interval[0] <= truth.value <= predicted.interval[1]

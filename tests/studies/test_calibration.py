@@ -21,7 +21,7 @@ from stiction import (
     read_interface,
     write_interface,
 )
-from stiction.studies.hardness import find_inputs, load_areas_over_hardness
+from stiction.studies.hardness import find_uncertain_inputs, load_areas_at_nodes
 from stiction.studies.interfaces import GROWTH_ENTRY, HARDNESS_ENTRY, credible_interval
 from stiction.views.calibration import calibration_text
 from support.rough_surfaces import rough_maps
@@ -158,7 +158,7 @@ def test_friction_test_accepts_a_result_of_the_pair_function() -> None:
     interface = calibrate(tests)
     assert [fit.sliding for fit in interface.fits] == ["all", "opposing"]
     assert interface.predict(result, "80 MPa")[0] == pytest.approx(truth, rel=0.02)
-    hardness_of_brass = find_inputs(result.study)["hardness"].estimate
+    hardness_of_brass = find_uncertain_inputs(result.study)["hardness"].estimate
     assert interface.about[HARDNESS_ENTRY] == hardness_of_brass.text
     assert interface.draws["hardness"].median() == pytest.approx(hardness_of_brass.value, rel=0.1)
 
@@ -265,7 +265,7 @@ def test_prediction_interval_includes_samples_with_mu0_at_its_bound(tmp_path) ->
     tests = simulate_ball_tests(mu0=0.0, seed=11)
     interface = calibrate(tests, common=0.0, sliding="all")
     assert interface.mu0[1] == 0.0
-    (tau0_at_bound,) = [tau0 for mu0, tau0 in interface.at_bounds if not mu0.any()]
+    (tau0_at_bound,) = [tau0 for mu0, tau0 in interface.samples_at_bounds if not mu0.any()]
     # If mu0 is 0, only tau0 is unknown; its estimate is a weighted mean with a normal error.
     ratio = np.array([BALL.area_per_load(float(test.load)) / test.uncertainty for test in tests])
     scaled = np.array([test.coefficient / test.uncertainty for test in tests])
@@ -281,7 +281,7 @@ def test_prediction_interval_includes_samples_with_mu0_at_its_bound(tmp_path) ->
 
 def test_calibration_with_mu0_fixed_at_zero_reports_no_samples_at_bounds() -> None:
     interface = calibrate(simulate_ball_tests(mu0=0.0), common=0.0, mu0=0.0, sliding="all")
-    assert interface.at_bounds == ()
+    assert interface.samples_at_bounds == ()
 
 
 def test_error_of_area_ratio_between_hardnesses_is_the_standard_error_over_members() -> None:
@@ -290,7 +290,7 @@ def test_error_of_area_ratio_between_hardnesses_is_the_standard_error_over_membe
     yielding = test.area_factor
     assert yielding is not None
     assert yielding.error in yielding.names
-    solved = load_areas_over_hardness(tested_pair.source)["contact_area"].isel(load=0, relative_modulus=0).to_pandas()
+    solved = load_areas_at_nodes(tested_pair.source)["contact_area"].isel(load=0, relative_modulus=0).to_pandas()
     relative = np.log(solved.div(solved[float(tested_pair.study.contact.hardness)], axis=0))
     expected = relative.sem(axis=0)
     for hardness in expected.index[:-1]:

@@ -17,7 +17,7 @@ from stiction.studies.height_scale import (
     compute_height_factors,
     evaluate_height_scale,
     find_missing_factors,
-    open_stored_factors,
+    open_results_by_factor,
     parse_height_factors,
     scale_study_heights,
 )
@@ -313,7 +313,7 @@ def test_results_at_finished_height_factors_are_preserved_after_an_interrupt(bod
     with pytest.raises(KeyboardInterrupt):
         compute_height_factors(computed.source, [0.5, 2, 4], announce=interrupt)
     assert announced == ["heights times 0.5 (1 of 3)", "heights times 2 (2 of 3)"]
-    assert list(open_stored_factors(computed.source, "both")) == [0.5, 1.0]
+    assert list(open_results_by_factor(computed.source, "both")) == [0.5, 1.0]
     compute_height_factors(computed.source, [0.5, 2, 4], announce=announced.append)
     assert announced[2:] == ["heights times 2 (1 of 2)", "heights times 4 (2 of 2)"]
     assert open_result(tmp_path).at(height_scale=[0.5, 2, 4]).sizes["height_scale"] == 3
@@ -328,7 +328,7 @@ def test_results_at_stored_height_factors_are_reused_for_new_mu0_but_not_for_new
     assert table["mu0"].values.tolist() == [0.4]
     assert (mean_values(table["friction_all_round"]) > 0.4).all()
     stiffer = pair(*bodies, directory=tmp_path, replace=True, **kwargs | {"effective_modulus": "160 GPa"})
-    assert list(open_stored_factors(stiffer.source, "both")) == [1.0]
+    assert list(open_results_by_factor(stiffer.source, "both")) == [1.0]
     table = stiffer.at(height_scale=2, compute=True)
     exact = pair(*scale_heights(bodies, 2), **kwargs | {"effective_modulus": "160 GPa"}).at()
     assert mean_values(table["contact_area"]) == pytest.approx(

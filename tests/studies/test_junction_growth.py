@@ -173,7 +173,7 @@ def test_contact_area_between_solved_loads_is_interpolated_as_a_power_of_the_loa
 @pytest.mark.parametrize("alpha", [0.0, 9.0, 27.0])
 def test_pressure_under_shear_satisfies_the_yield_condition(alpha):
     hardness, mu = np.array([0.5, 2.0]), np.array([0.2, 0.6])
-    pressure = StrengthSamples("all", mu).under_shear(hardness, alpha)
+    pressure = StrengthSamples("all", mu).pressure_under_shear(hardness, alpha)
     assert pressure**2 + alpha * (mu * pressure) ** 2 == pytest.approx(hardness**2, rel=1e-12)
 
 

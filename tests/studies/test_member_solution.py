@@ -5,7 +5,7 @@ import pytest
 from stiction import Profile, approach_at_load, flipped, half_space, levelled, press
 from stiction.mechanics.friction import STATUSES
 from stiction.studies import member_solution
-from stiction.studies.layout import MEMBER_COORDINATES, build_dataset, list_variables, stack_members, variable_names
+from stiction.studies.layout import MEMBER_COORDINATES, build_dataset, stack_members, variable_names, variable_specs
 from stiction.studies.member_solution import compute_member_sums, estimate_member_time
 from stiction.studies.members import body_attributes, load_bodies
 from support.studies_of_files import study_of_files, write_maps, write_profiles
@@ -16,7 +16,7 @@ ROUND_OFF = 1e-9
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
 def test_values_of_an_areal_member_equal_direct_computation(tmp_path, mechanics):
     study = study_of_files(tmp_path, mechanics=mechanics, spacing=write_maps(tmp_path))
-    loads, angles = study.contact.loading_steps(), study.contact.degrees()
+    loads, angles = study.contact.loading_steps(), study.contact.direction_angles()
     values = compute_member_sums(study, 2)
     upper, lower = load_bodies(study).member(2, 0.0).pair
     for rule, sliding in enumerate(study.contact.rules()):
@@ -83,7 +83,7 @@ def test_built_dataset_has_the_variables_declared_by_its_study(tmp_path):
     parts = [compute_member_sums(study, index) for index in range(3)]
     dataset = build_dataset(study, range(3), stack_members(study, parts), body_attributes(study))
     assert set(dataset.data_vars) == set(variable_names(study))
-    for name, item in list_variables(study).items():
+    for name, item in variable_specs(study).items():
         assert dataset[name].dims == item.dims
         assert dataset[name].shape == item.shape
         assert "long_name" in dataset[name].attrs

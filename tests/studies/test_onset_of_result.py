@@ -8,7 +8,7 @@ import pandas
 import pytest
 import xarray
 from stiction import Profile, Study, approach_at_load, contacts, half_space, open_result, self_affine
-from stiction.studies.executors import thread_executor
+from stiction.studies.executors import thread_pool_executor
 from stiction.studies.intervals import sample_mean
 from stiction.studies.members import load_bodies
 from stiction.studies.onset import ONSET_FILE, TRACTION_TOLERANCE, compute_onset, format_backbone_csv, load_onset
@@ -20,7 +20,7 @@ from support.studies_of_files import pair_study, study_of_files, write_maps, wri
 
 
 def compute_study_onset(study, **options):
-    with thread_executor(1) as executor:
+    with thread_pool_executor(1) as executor:
         return compute_onset(study, executor, **options)
 
 

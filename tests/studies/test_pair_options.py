@@ -20,7 +20,7 @@ from stiction.studies.pair_options import (
     format_python_name,
     read_options,
 )
-from stiction.studies.values import list_table_classes
+from stiction.studies.values import find_table_classes
 
 ROOT = Path(__file__).parent.parent.parent
 
@@ -65,7 +65,7 @@ def test_pair_option_refers_to_an_existing_study_key(name):
     for key_part in PAIR_OPTIONS[name].key.split("."):
         fields = [table.model_fields[key_part] for table in tables if key_part in table.model_fields]
         assert fields, PAIR_OPTIONS[name].key
-        tables = [table for field in fields for table in list_table_classes(field.annotation)]
+        tables = [table for field in fields for table in find_table_classes(field.annotation)]
 
 
 def test_placeholders_in_option_texts_are_option_names():
@@ -104,7 +104,7 @@ def test_error_about_a_wrong_value_names_the_command_line_option(values, message
 
 def test_pair_options_with_value_none_or_false_are_treated_as_not_given():
     options = read_options({"load": 1.0, "shifts": None, "check": False})
-    assert all(options.given(name) is None for name in PAIR_OPTIONS if name != "load")
+    assert all(options.option_value(name) is None for name in PAIR_OPTIONS if name != "load")
 
 
 def test_short_help_of_pair_command_lists_thirteen_options_but_not_cutoff(monkeypatch):

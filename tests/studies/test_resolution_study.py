@@ -10,7 +10,7 @@ from stiction.studies.resolution import (
     build_cutoff_study,
     estimate_yield_wavelengths,
     evaluate_cutoffs,
-    find_resolution,
+    find_resolution_effect,
     find_resolved_roughness,
     plastic_limit,
     resolution_limits,
@@ -69,7 +69,7 @@ def test_resolution_stored_for_another_hardness_is_ignored(study, tmp_path):
     expected = at_load(run(cutoff_study), [2.0])
     np.testing.assert_array_equal(result["friction_all_round"].values, expected["friction_all_round"].values)
     point = result.isel(load=0, mu0=0, tau0=1)
-    rows = cut_off_rows(find_resolution(result, small_study, result.isel(tau0=[1])), 4.0)
+    rows = cut_off_rows(find_resolution_effect(result, small_study, result.isel(tau0=[1])), 4.0)
     assert [row[0] for row in rows[1:]] == ["none", "200 nm", "400 nm", "plastic limit"]
     assert rows[-1][-1] == f"{0.3 + 0.05 / 4:.3f}"
     min_friction, min_area_fraction = plastic_limit(point, small_study)
@@ -106,9 +106,9 @@ def test_resolved_wavelengths_begin_at_the_cutoff(study):
 
 def test_plastic_wavelength_decreases_with_pressure(study):
     result = find_resolved_roughness(study)
-    plastic_wavelengths = [result.find_plastic_wavelength(ratio, 100.0)[0] for ratio in (0.5, 0.8, 0.95)]
+    plastic_wavelengths = [result.find_yield_wavelength(ratio, 100.0)[0] for ratio in (0.5, 0.8, 0.95)]
     assert np.all(np.diff(plastic_wavelengths) < 0)
-    value, lower, upper = result.find_plastic_wavelength(0.8, 100.0)
+    value, lower, upper = result.find_yield_wavelength(0.8, 100.0)
     assert lower < value < upper
 
 

@@ -115,7 +115,7 @@ def test_pair_has_equally_many_members_for_each_combination_of_scans() -> None:
     )
     members = np.arange(result.study.ensemble.repetitions)
     assert members.size == 16
-    upper, lower = result.study.surfaces.scans_of(members)
+    upper, lower = result.study.surfaces.scan_indices_of_members(members)
     assert np.bincount(4 * upper + lower).tolist() == [2] * 8
     assert np.bincount(upper[:4]).tolist() == [2, 2], "the first four members use each scan equally often"
     assert open_result(result.path).interval == result.interval

@@ -7,7 +7,7 @@ import pytest
 import xarray
 from stiction.studies import contact_picture, onset
 from stiction.studies.contact_picture import load_contact_picture
-from stiction.studies.executors import thread_executor
+from stiction.studies.executors import thread_pool_executor
 from stiction.studies.onset import compute_onset, load_onset
 from stiction.studies.runner import compute_missing
 from stiction.studies.store import CHECKSUM_PREFIX, StoreError, export, open_stored, read
@@ -24,7 +24,7 @@ def result_and_datasets(tmp_path_factory):
     study = study_of_files(folder, spacing=write_maps(folder, shape=(32, 32)), members=2, contact=contact_keys)
     compute_missing(study, folder / "r")
     complete_result = open_stored(folder / "r")
-    with thread_executor(1) as executor:
+    with thread_pool_executor(1) as executor:
         datasets = {
             "picture.nc": contact_picture.contact_picture(complete_result),
             "onset.nc": compute_onset(study, executor),

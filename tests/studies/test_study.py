@@ -313,12 +313,12 @@ class TestMeasuredStudies:
     """Test studies of measured surfaces."""
 
     def test_measured_study_has_both_sliding_rules_and_all_directions(self):
-        assert AREA_STUDY.motions() == {
+        assert AREA_STUDY.motion_coordinates() == {
             "sliding": ["all", "opposing"],
             "direction": [30.0 * step for step in range(12)],
         }
-        assert LINE_STUDY.motions() == {"sliding": ["all", "opposing"], "direction": [0.0, 180.0]}
-        assert AREA_STUDY.with_changes({"contact.direction": -330}).motions()["direction"] == [30.0]
+        assert LINE_STUDY.motion_coordinates() == {"sliding": ["all", "opposing"], "direction": [0.0, 180.0]}
+        assert AREA_STUDY.with_changes({"contact.direction": -330}).motion_coordinates()["direction"] == [30.0]
 
     def test_solved_loads_extend_below_and_above_requested_loads(self):
         assert AREA_STUDY.contact.loading_steps() == pytest.approx([10**-0.5, 1, 10**0.5, 10, 10**1.5])
@@ -388,7 +388,7 @@ def test_randomly_mutated_study_file_is_either_read_or_rejected(seed):
         num_accepted += 1
         assert parse_study(study.to_toml(), "itself") == study
         assert study.contact.loading_steps().size
-        assert set(study.motions()) <= {"sliding", "direction"}
+        assert set(study.motion_coordinates()) <= {"sliding", "direction"}
     assert num_accepted
 
 

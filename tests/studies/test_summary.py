@@ -69,7 +69,7 @@ def test_result_caches_its_summary_including_onset_and_resolution(surface_folder
     first, second = result.summary(), result.summary()
     assert first.points is second.points
     assert first.onset is second.onset is not None
-    assert first.over_cut_offs.sizes["cut_off"] > 1
+    assert first.values_at_cutoffs.sizes["cut_off"] > 1
 
 
 def test_summary_for_explicitly_given_study_values_equals_the_default_summary(surface_folder, call_counts):

@@ -5,7 +5,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 import numpy as np
 import xarray
 from stiction import Study
-from stiction.studies.layout import MEMBER_COORDINATES, build_dataset, list_variables
+from stiction.studies.layout import MEMBER_COORDINATES, build_dataset, variable_specs
 from stiction.studies.measured_surfaces import BodyAttributes
 
 # Study with several fractal dimensions, amplitudes, repetitions and approaches; it runs in about a second.
@@ -40,7 +40,7 @@ def empty_dataset(study):
     """Return the dataset of a study with all values zero, and with units, names and attributes."""
     numbers = np.arange(study.ensemble.repetitions)
     arrays = {
-        name: np.zeros(variable.shape, variable.dtype) for name, variable in list_variables(study, numbers).items()
+        name: np.zeros(variable.shape, variable.dtype) for name, variable in variable_specs(study, numbers).items()
     }
     if study.is_measured:
         arrays |= {name: np.zeros(numbers.size, dtype) for name, dtype in MEMBER_COORDINATES.items()}

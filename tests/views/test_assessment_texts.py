@@ -295,7 +295,7 @@ def test_interval_contains_filtered_and_unfiltered_results(is_floor):
             (UNATTRIBUTED_WAVELENGTHS_INPUT, pytest.approx(0.245)),
             ("the hardness", pytest.approx(0.2058)),
         ]
-        assert point.most.words == UNATTRIBUTED_WAVELENGTHS_INPUT
+        assert point.dominant_input.words == UNATTRIBUTED_WAVELENGTHS_INPUT
         assert (point.bracket is None) == (not is_floor)
     summary_of_all = summarize(dataset, measured_study(hardness=2.0))
     assert summary_of_all.headlines == list(summary_of_all.points)

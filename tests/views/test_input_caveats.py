@@ -225,8 +225,8 @@ class TestNoiseUnderRoughSurface:
         assert limits[0].origin == "instrument"
         study = pair_study(rough_map, smooth_map, **self.options)
         assert study.surfaces.cells()["cut_off"].tolist() == [max(limit.cut_off for limit in limits), 0.0]
-        assert study.surfaces.upper.cut_off_at(np.inf) == pytest.approx(limits[1].cut_off, rel=1e-12)
-        assert study.surfaces.lower.cut_off_at(np.inf) == pytest.approx(limits[0].cut_off, rel=1e-12)
+        assert study.surfaces.upper.limited_cut_off(np.inf) == pytest.approx(limits[1].cut_off, rel=1e-12)
+        assert study.surfaces.lower.limited_cut_off(np.inf) == pytest.approx(limits[0].cut_off, rel=1e-12)
 
     def test_maps_without_noise_have_only_an_unfiltered_result(self):
         study = pair_study(*self.maps(0.0), **self.options)

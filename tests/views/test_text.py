@@ -110,7 +110,7 @@ def test_remedy_is_listed_only_if_it_changes_printed_digits():
     point = summarize(measured_result(), measured_study()).points[0]
     for ends, is_listed in (((0.205, 0.215), True), ((point.lower, point.upper - 1e-6), False)):
         point_with_budget = replace(point, budget=(RemainingInterval("unresolved roughness", *ends, 0.0),))
-        assert point_with_budget.most is not None
+        assert point_with_budget.dominant_input is not None
         assert ("would give" in assessment_text([point_with_budget])) == is_listed
 
 

@@ -133,7 +133,7 @@ def at(
     values = _select_nearest_cells(values, dimensions, None if length is None else [length])
     if direction is not None:
         values = _select_direction(values, direction)
-    summary = result.summary_of(values)
+    summary = result.summarize_dataset(values)
     if as_json:
         print_output(rows.summary_json("at", summary))
     else:
@@ -147,7 +147,7 @@ def _print_scaled_heights(
     workers: int | None, as_json: bool,
 ) -> None:  # fmt: skip
     """Print a result for several height factors. If `compute` is True, first compute the missing results."""
-    from stiction.studies.executors import thread_executor
+    from stiction.studies.executors import thread_pool_executor
     from stiction.studies.height_scale import compute_height_factors, evaluate_height_scale, parse_height_factors
     from stiction.views.height_scale import height_scale_record, height_scale_text
 
@@ -155,7 +155,7 @@ def _print_scaled_heights(
     factors = parse_height_factors(text)
     if compute:
         try:
-            with thread_executor(workers) as executor:
+            with thread_pool_executor(workers) as executor:
                 compute_height_factors(stored, factors, scaled_bodies, executor, progress=True, announce=show_status)
         except KeyboardInterrupt:
             raise report_interruption(

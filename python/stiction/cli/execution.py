@@ -13,7 +13,7 @@ from stiction._text import printable_path
 from stiction._units import short_repr
 from stiction.cli.application import print_message, print_output, report_interruption, show_status
 from stiction.cli.options import option
-from stiction.studies.executors import thread_executor
+from stiction.studies.executors import thread_pool_executor
 from stiction.studies.pipeline import complete_result
 from stiction.studies.result import Result
 from stiction.studies.store import StoreError, StudyMismatchError, open_stored
@@ -39,7 +39,7 @@ _FILE_ENDINGS = (".nc", ".csv", ".pdf", ".png", ".svg", ".txt", ".html", ".json"
 def open_executor(workers: int | None, scheduler: str | None) -> contextlib.AbstractContextManager[Executor]:
     """Return an executor with the given number of threads, or an executor that uses the workers of a Dask scheduler."""
     if scheduler is None:
-        return thread_executor(workers)
+        return thread_pool_executor(workers)
     if workers is not None:
         raise StudyError("--workers must not be combined with --scheduler")
     from stiction.studies.executors import connect_cluster

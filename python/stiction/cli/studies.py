@@ -13,7 +13,7 @@ from stiction.cli.application import command, print_output
 from stiction.cli.execution import Part, Scheduler, Workers
 from stiction.cli.options import Verbose, option
 from stiction.studies.study import Study, study_names, study_summary
-from stiction.studies.values import MAX_LISTED_FAULTS, StudyError, toml
+from stiction.studies.values import MAX_LISTED_FAULTS, StudyError, parse_toml
 
 Changes = Annotated[
     list[str] | None, option("--set KEY=VALUE", "Change a value, such as ensemble.repetitions=10. Repeatable.")
@@ -118,7 +118,7 @@ def parse_changes(assignments: list[str]) -> dict[str, Any]:
 def _parse_value(text: str) -> Any:
     """Parse a TOML value. Other text is returned as a string, so that quantities need no quotes."""
     try:
-        parsed = toml(f"value = {text}")
+        parsed = parse_toml(f"value = {text}")
     except ValueError:
         return text
     return parsed["value"] if len(parsed) == 1 else text

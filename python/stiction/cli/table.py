@@ -62,13 +62,13 @@ def table_command(
     Further values of mu0 and tau0 need no new contact computation.
     """
     from stiction.cli.execution import compute_in_folder, open_executor
-    from stiction.studies.elasticity import find_elasticity
+    from stiction.studies.elasticity import determine_elasticity
     from stiction.studies.friction_table import friction_table, table_study
     from stiction.studies.store import export
     from stiction.views.files import check_files, replace_text
     from stiction.views.friction_table import friction_table_csv, friction_table_text, laws_csv
 
-    modulus = find_elasticity(effective_modulus, young, poisson).effective_modulus
+    modulus = determine_elasticity(effective_modulus, young, poisson).effective_modulus
     lengths = parse_quantities("wavelengths", wavelengths, "length")
     if len(lengths) != 2:
         raise ValueError(f'--wavelengths must be two lengths, such as "0.3 um,2.5 um", got {wavelengths!r}')

@@ -165,7 +165,7 @@ def resolution(
     answers = []
     for num_done, length in enumerate(lengths):
         report(num_done, count)
-        answers.append(_solve(*pair.cut_off_at(length), steps, directions, hardness=hardness, **options))
+        answers.append(_solve(*pair.limited_cut_off(length), steps, directions, hardness=hardness, **options))
     elastic = answers[0]
     if hardness is not None:
         report(len(lengths), count)
@@ -277,7 +277,7 @@ class _SolvedPair:
             )
         return sorted({0.0, *lengths})
 
-    def cut_off_at(self, length: float) -> tuple[Any, Any]:
+    def limited_cut_off(self, length: float) -> tuple[Any, Any]:
         if length == 0:
             return self.upper, self.lower
         return tuple(
@@ -316,7 +316,7 @@ def _cutoff_dataset(
     """Return areas, pressures and contact sums as functions of the cutoff. Values without a solution are NaN."""
     import xarray as xr
 
-    gaps = [pair.gap(*pair.cut_off_at(length)) for length in lengths]
+    gaps = [pair.gap(*pair.limited_cut_off(length)) for length in lengths]
     gradient = np.array([brackets.rms_gradient(gap, periodic=pair.periodic) for gap in gaps])
     values = {name: np.array([answer[name] for answer in answers]) for name in (*_CURVE_FIELDS, *LOAD_SUM_NAMES)}
     area = values["contact_area"]

@@ -17,7 +17,7 @@ from stiction.mechanics.closed_forms import tabor_friction
 from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
 from stiction.mechanics.materials import softer_material
 from stiction.studies.evaluation import ABOVE_NOMINAL_STATUS, COMPLETE_STATUS
-from stiction.studies.hardness import find_inputs, find_junction_growth, find_materials
+from stiction.studies.hardness import find_junction_growth, find_materials, find_uncertain_inputs
 from stiction.studies.input_uncertainty import UncertainInput
 from stiction.studies.interfaces import NEGLIGIBLE_GROWTH_EFFECT, VON_MISES_GROWTH, find_interface
 from stiction.studies.point import (
@@ -280,7 +280,7 @@ def find_point_caveats(point: xarray.Dataset, study: Study, value: RuleCoefficie
     yield from find_failed_check_caveats(
         ([SINGLE_POSITION_CHECK] if study.is_gap else VALUE_CHECKS, [STEEP_SURFACE_CHECK], *pressures), numbers
     )
-    yield from _find_strength_caveats(point, study, value)
+    yield from _find_growth_and_mu0_caveats(point, study, value)
     yield from _find_adhesion_caveats(point, study)
     yield from _find_grid_caveats(point, study)
     yield from _find_area_caveats(point, study)
@@ -422,13 +422,13 @@ def assess_ensemble(
     return [sorted(row, key=lambda reason: reason.severity != "fault") for row in lists], places.reshape(status.shape)
 
 
-def find_verdict(reasons: Iterable[Caveat | LimitCheck]) -> str:
+def verdict_from_caveats(reasons: Iterable[Caveat | LimitCheck]) -> str:
     """Return the assessment that follows from the most severe of the given caveats or failed checks."""
     severities = {reason.severity for reason in reasons}
     return VERDICTS["fault" if "fault" in severities else "caution" if severities else ""]
 
 
-def _find_strength_caveats(point: xarray.Dataset, study: Study, value: RuleCoefficient) -> Iterator[Caveat]:
+def _find_growth_and_mu0_caveats(point: xarray.Dataset, study: Study, value: RuleCoefficient) -> Iterator[Caveat]:
     """Yield caveats about junction growth, about seizure, and about a friction coefficient that equals mu0."""
     hardness, mu0, tau0 = study.contact.hardness, float(point["mu0"]), float(point["tau0"])
     if hardness is not None and mean_over_directions(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS:
@@ -505,7 +505,7 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
         )
         text = f"the range of adhesion is {ends}"
         yield Caveat(text, "the pull-off force is affected little; use a finer scan for other results", "caution")
-    uncertain_inputs = {name.split("_")[0] for name in find_inputs(study)} & {
+    uncertain_inputs = {name.split("_")[0] for name in find_uncertain_inputs(study)} & {
         "hardness",
         "effective",
         "young",

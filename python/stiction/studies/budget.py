@@ -31,8 +31,8 @@ from stiction.studies.hardness import (
     AreaInterpolator,
     compute_relative_modulus,
     find_creep_exponent,
-    find_inputs,
     find_junction_growth,
+    find_uncertain_inputs,
 )
 from stiction.studies.input_uncertainty import NUM_INPUT_SAMPLES, Z_95, UncertainInput, stratified_points
 from stiction.studies.interfaces import HARDNESS_ENTRY, find_interface
@@ -77,7 +77,7 @@ def add_uncertainty(
     combined interval or, without one, the sampling interval. If scans are evaluated at two cutoffs, the interval at the
     first cutoff covers the results at both. `friction_next_test` contains the prediction interval of a test at one
     position in one direction, and `friction_waited` the interval after each dwell time. With `budget`, which takes most
-    of the time, the dataset also has the dimension `input` (inputs of `find_inputs`, positions and unresolved
+    of the time, the dataset also has the dimension `input` (inputs of `find_uncertain_inputs`, positions and unresolved
     roughness) and the variables `friction_if_known` and `width_if_known`: the interval that would remain if the input
     were exact, and its width. Without `tests`, only `friction_combined` is added. Results of generated bodies are
     returned unchanged.
@@ -94,13 +94,13 @@ def add_uncertainty(
             for mask in (is_own, ~is_own)
         ]
         return _merge_load_datasets(parts)
-    inputs, strengths = find_inputs(study), []
+    inputs, strengths = find_uncertain_inputs(study), []
     if (known := find_interface(study)) is not None:
         fit, hardness = known.fits[0], inputs.get("hardness")
-        joint = hardness is not None and hardness.estimate.agrees_with(known.about.get(HARDNESS_ENTRY, ""))
+        joint = hardness is not None and hardness.estimate.describes_same_hardness(known.about.get(HARDNESS_ENTRY, ""))
         growth = fit.junction_growth if known.has_growth(find_junction_growth(study)) else None
         more = fit.hardness if joint else None, growth
-        strengths = [(*each, *more) for each in ((fit.mu0, fit.tau0), *known.at_bounds)]
+        strengths = [(*each, *more) for each in ((fit.mu0, fit.tau0), *known.samples_at_bounds)]
         gone = ("mu0", "tau0", *(("hardness",) if joint else ()), *(("junction_growth",) if growth is not None else ()))
         inputs = {name: each for name, each in inputs.items() if name not in gone}
     dims = tuple(str(dim) for dim in at["friction_all_round"].dims if dim != "statistic")
@@ -110,7 +110,7 @@ def add_uncertainty(
     if math.prod(surfaces.scan_counts) > 1:  # split the variance of each coefficient by source (scans, positions)
         members = member_values(result, at["load"].values, mu0=at["mu0"].values, tau0=at["tau0"].values)
         table = members["friction_coefficient"].transpose(*dims, "repetition", "direction")
-        scans = surfaces.scans_of(table["repetition"].values)
+        scans = surfaces.scan_indices_of_members(table["repetition"].values)
         scatters = {position: scans_mean(table.values[position], *scans) for position in np.ndindex(*shape)}
     order = [
         *([INTERFACE_INPUT] if strengths else []),
@@ -123,9 +123,9 @@ def add_uncertainty(
     waited, seizing = np.full((*shape, len(study.friction.wait), 3), np.nan), np.zeros(shape)
     areas = build_area_interpolator(at, result)
     needed = {name: at.variables[name] for name in _INTERVAL_VARIABLES if name in at.variables}
-    read = _arrays_over_dims(needed | _pressure_and_growth_under_shear(at, study, areas), at, dims)
+    read = _get_arrays_over_dims(needed | _pressure_and_growth_under_shear(at, study, areas), at, dims)
     six = member_sums_at_loads(result, at["load"].values).mean(("repetition", "direction"))
-    sums = _arrays_over_dims({name: six.variables[name] for name in LOAD_SUM_NAMES}, at, dims)
+    sums = _get_arrays_over_dims({name: six.variables[name] for name in LOAD_SUM_NAMES}, at, dims)
     pressures = at["load"].values / float(at["nominal_area"])
     # Consecutive coefficients have the same mu0 and tau0 and therefore share samples.
     interface = [dims.index(name) for name in ("mu0", "tau0")]
@@ -144,7 +144,7 @@ def add_uncertainty(
         whole[position] = samples.value, *samples.interval()
         if not tests:
             continue
-        seizing[position] = samples.fraction_seizing
+        seizing[position] = samples.seizing_fraction
         test[position] = samples.value, *samples.next_test()
         for index, wait in enumerate(study.friction.wait):
             waited[(*position, index)] = samples.friction_after_dwell(float(wait), pressures[samples.load])
@@ -206,7 +206,9 @@ def _pressure_and_growth_under_shear(
     }
 
 
-def _arrays_over_dims(variables: Mapping[str, Any], at: xarray.Dataset, dims: Sequence[str]) -> dict[str, NDArray[Any]]:
+def _get_arrays_over_dims(
+    variables: Mapping[str, Any], at: xarray.Dataset, dims: Sequence[str]
+) -> dict[str, NDArray[Any]]:
     """Return variables of a dataset as arrays whose first axes are the given dimensions.
 
     Variables that lack a dimension are constant along it. The arrays are much faster to index than variables.
@@ -364,7 +366,7 @@ class _CoefficientSamples:
         return min(low for low, _ in ends), max(high for _, high in ends)
 
     @property
-    def fraction_seizing(self) -> float:
+    def seizing_fraction(self) -> float:
         """Fraction of input samples for which the contacts seize."""
         if self.growth is None:
             return 0.0

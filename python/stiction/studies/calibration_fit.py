@@ -29,7 +29,7 @@ from stiction.studies.interfaces import (
     StrengthFit,
     StrengthSamples,
     depends_on_growth,
-    evaluate_friction,
+    evaluate_test_forces,
 )
 
 # Smallest relative standard deviation of A/F between the tests at which both mu0 and tau0 are fitted.
@@ -121,7 +121,7 @@ class CalibrationProblem:
     ) -> None:
         self.sliding, self.common, self.known, self.outliers = sliding, common, known, outliers
         alike = {(id(test.result), test.load, test.wait): test for test in tests}
-        friction = {key: evaluate_friction(test, sliding) for key, test in alike.items()}
+        friction = {key: evaluate_test_forces(test, sliding) for key, test in alike.items()}
         self._friction = [friction[id(test.result), test.load, test.wait] for test in tests]
         self.slid = np.array([test.slid for test in tests])
         self.load = np.array([float(test.load) for test in tests])
@@ -140,7 +140,7 @@ class CalibrationProblem:
             equation.area_factor is not None and equation.area_factor.growth is not None for equation in self._friction
         )
         inputs = [name for equation in self._friction if equation.area_factor for name in equation.area_factor.names]
-        self._members = _run_members(tests)
+        self._members = _run_membership_matrix(tests)
         self.nuisances: list[Hashable] = [
             *([GAIN_NUISANCE] if common > 0 else []), *scatters, *dict.fromkeys(inputs),
             *([RUN_SPREAD_NUISANCE] if len(self._members) else []),
@@ -709,7 +709,7 @@ def _concatenate_grids(grids: Sequence[_ProbabilityGrid]) -> _ProbabilityGrid:
     return _ProbabilityGrid(replace(cells[0], **joined), np.concatenate([grid.log_probability for grid in grids]))
 
 
-def _run_members(tests: Sequence[FrictionTest]) -> Floats:
+def _run_membership_matrix(tests: Sequence[FrictionTest]) -> Floats:
     """Return a matrix of shape (runs, tests) whose elements are 1 if a test belongs to a run, and 0 otherwise.
 
     The matrix has no rows unless there are at least two runs, one of which has at least two tests.

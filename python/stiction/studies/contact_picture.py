@@ -95,7 +95,7 @@ def contact_picture(result: Result | xarray.Dataset, load: float | None = None) 
     area = members["contact_area"].values
     if not np.isfinite(area).any():
         return None
-    index = int(members["repetition"].values[find_typical_index(area)])
+    index = int(members["repetition"].values[index_nearest_to_mean(area)])
     member = load_bodies(study).member(index, cut_off)
     solution = PressedPair.of(study, member.pair, load)
     if solution is None:
@@ -121,7 +121,7 @@ def compute_loading_cycle(result: Result) -> xarray.Dataset | None:
     max_load, first_cell = float(contact.loading_steps()[-1]), dict.fromkeys(study.surfaces.cells(), 0)
     areas = member_values(result, [max_load])["contact_area"].isel(first_cell)
     area, members = areas.values[:, 0], areas["repetition"].values
-    index = int(members[find_typical_index(area)]) if np.isfinite(area).any() else 0
+    index = int(members[index_nearest_to_mean(area)]) if np.isfinite(area).any() else 0
     cell = {name: float(values[0]) for name, values in study.surfaces.cells().items()}
     try:
         pair = _load_pair(study, index, cell)
@@ -165,7 +165,7 @@ def find_touching_profiles(result: Result, load: float) -> tuple[Profile, Profil
     return upper, lower, float(first["approach"]), member.x
 
 
-def find_typical_index(area: Floats) -> int:
+def index_nearest_to_mean(area: Floats) -> int:
     """Return the index of the area that is nearest to the mean of the areas, ignoring NaN."""
     return int(np.nanargmin(np.abs(area - np.nanmean(area))))
 
@@ -194,7 +194,7 @@ def _build_map_picture(solution: PressedPair, table: ContactList) -> xarray.Data
         solved = solution.curve.at(0)
         pressure, patch = solved.on_grid(solved.values), solved.on_grid(solved.patch)
     else:
-        patch = _number_discs(lower, table)
+        patch = _build_disc_map(lower, table)
     (rows, columns), (dy, dx) = lower.heights.shape, lower.spacing
     step = -(-max(rows, columns) // MAX_PICTURE_SIZE)
     length = {"units": "um"}
@@ -222,7 +222,7 @@ def _build_map_picture(solution: PressedPair, table: ContactList) -> xarray.Data
     return xarray.Dataset(variables, coordinates)
 
 
-def _number_discs(lower: Surface, table: ContactList) -> NDArray[Any]:
+def _build_disc_map(lower: Surface, table: ContactList) -> NDArray[Any]:
     """Return a map of contact numbers in which each asperity contact is drawn as a disc of the same area."""
     numbers, (dy, dx) = np.zeros(lower.heights.shape, np.int32), lower.spacing
     for number, (x, y, radius) in enumerate(zip(table.x, table.y, np.sqrt(table.area / np.pi), strict=True), 1):
@@ -250,7 +250,7 @@ def build_contact_table(
     if not unique_loads.size or not (unique_loads > 0).all():
         raise ValueError(f"load must be above 0 mN, got {short_repr(loads)}")
     areas = member_values(result, unique_loads)["contact_area"]
-    indices = None if members is None else _check_members(members, areas["repetition"].values.tolist())
+    indices = None if members is None else _validate_member_indices(members, areas["repetition"].values.tolist())
     cells = find_cell_dimensions(areas.to_dataset())
     frames = []
     for cell_index in np.ndindex(*(areas.sizes[name] for name in cells)):
@@ -272,7 +272,7 @@ def build_contact_table(
     return pandas.concat(frames, ignore_index=True)
 
 
-def _check_members(members: int | Sequence[int], available: list[int]) -> list[int]:
+def _validate_member_indices(members: int | Sequence[int], available: list[int]) -> list[int]:
     listed = [members] if np.ndim(members) == 0 else list(members)  # type: ignore[arg-type]
     indices = [validate_whole_number("members", index, minimum=0) for index in listed]
     if not indices or not set(indices) <= set(available):
@@ -291,7 +291,7 @@ def _select_members(areas: xarray.DataArray, loads: Floats, indices: list[int] |
             continue
         area = areas.sel(load=load).values
         if np.isfinite(area).any():
-            yield load, int(areas["repetition"].values[find_typical_index(area)])
+            yield load, int(areas["repetition"].values[index_nearest_to_mean(area)])
 
 
 def _load_pair(study: Study, index: int, cell: dict[str, float]) -> Any:

@@ -108,7 +108,7 @@ LOAD_FRACTION_FORMULAS: dict[str, Callable[[ContactList], float]] = {
 """Formula of each contact statistic, by its name in `QUANTITIES`."""
 
 
-def list_contact_patches(solution: ContactSolution) -> ContactList:
+def tabulate_contact_patches(solution: ContactSolution) -> ContactList:
     """Create the table of contacts from a half-space solution."""
     problem, pressure, patch = solution.problem, solution.values, solution.patch - 1
     total = np.bincount(patch, weights=pressure)
@@ -133,7 +133,7 @@ def list_contact_patches(solution: ContactSolution) -> ContactList:
     )  # fmt: skip
 
 
-def list_asperity_contacts(contacts: Contacts, body: Profile | Surface) -> ContactList:
+def tabulate_asperity_contacts(contacts: Contacts, body: Profile | Surface) -> ContactList:
     """Create the table of contacts from an asperity-model solution for two bodies that share a grid."""
     spacing, extent = body.spacings, np.atleast_1d(body.extent)
     normal = contacts.normal
@@ -155,7 +155,7 @@ def list_asperity_contacts(contacts: Contacts, body: Profile | Surface) -> Conta
     )  # fmt: skip
 
 
-def find_load_on_steep_contacts(table: ContactList, slopes: PairSlopes) -> dict[str, float]:
+def compute_steep_contact_load(table: ContactList, slopes: PairSlopes) -> dict[str, float]:
     """Compute, for each body, the load fraction on contacts that are steeper than 90 % of the body's grid points."""
     magnitude = np.hypot(table.slope_x, table.slope_y)
     total = table.force.sum()
@@ -165,7 +165,7 @@ def find_load_on_steep_contacts(table: ContactList, slopes: PairSlopes) -> dict[
     }
 
 
-def find_load_on_steep_points(solution: ContactSolution, slopes: PairSlopes) -> dict[str, float]:
+def compute_steep_point_load(solution: ContactSolution, slopes: PairSlopes) -> dict[str, float]:
     """Compute the load fraction on each body's steepest 10 % of grid points from a half-space solution."""
     total = solution.values.sum()
     return {

@@ -137,7 +137,7 @@ class OnsetSettings(StudyTable):
     poisson_ratio: float = Field(default=0.3, gt=-1, le=0.5, description="Poisson's ratio of both bodies.")
 
     @model_validator(mode="after")
-    def _resists_sliding(self) -> OnsetSettings:
+    def _require_resistance(self) -> OnsetSettings:
         if self.mu0 == 0 and float(self.tau0) == 0:
             raise ValueError("mu0 and tau0 must not both be 0, because the bodies would slide without friction")
         return self
@@ -174,13 +174,13 @@ class CommonContactSettings(StudyTableVariant):
         """Return all directions of motion, as given by the key `shear` or `direction`."""
         raise NotImplementedError
 
-    def degrees(self) -> Floats:
+    def direction_angles(self) -> Floats:
         """Return all directions of motion, in degrees from +x towards +y."""
         return np.array([direction_to_degrees(direction) for direction in self.directions_of_motion()])
 
-    def motions(self) -> dict[str, list[Any]]:
+    def motion_coordinates(self) -> dict[str, list[Any]]:
         """Return the sliding rules and directions (degrees) that form dimensions of a result."""
-        return {"sliding": list(self.rules()), "direction": self.degrees().tolist()}
+        return {"sliding": list(self.rules()), "direction": self.direction_angles().tolist()}
 
 
 # ---- Keys by the kind of surfaces -----------------------------------------------------------------------------------
@@ -202,7 +202,7 @@ class GeneratedContactSettings(CommonContactSettings):
     )
 
     @model_validator(mode="after")
-    def _has_one_direction_of_motion(self) -> Self:
+    def _require_one_direction(self) -> Self:
         if self.direction is not None and self.shear != "+x":
             raise make_key_error("direction", f'must not be given together with shear = "{self.shear}"')
         return self
@@ -216,10 +216,10 @@ class GeneratedContactSettings(CommonContactSettings):
         chosen = self.shear if self.direction is None else self.direction
         return chosen if isinstance(chosen, tuple) else (chosen,)
 
-    def motions(self) -> dict[str, list[Any]]:
+    def motion_coordinates(self) -> dict[str, list[Any]]:
         """Return the sliding rules and directions (degrees) that are given as lists. Single values are omitted."""
         is_list = {"sliding": isinstance(self.sliding, tuple), "direction": isinstance(self.direction, tuple)}
-        return {name: values for name, values in super().motions().items() if is_list[name]}
+        return {name: values for name, values in super().motion_coordinates().items() if is_list[name]}
 
 
 class GeneratedLoadSettings(GeneratedContactSettings):
@@ -318,7 +318,7 @@ class HalfSpaceSettings(CommonContactSettings):
     )
 
     @model_validator(mode="after")
-    def _has_consistent_growth(self) -> HalfSpaceSettings:
+    def _require_consistent_growth(self) -> HalfSpaceSettings:
         if self.junction_growth and self.hardness is None:
             raise make_key_error(
                 "junction_growth", "must not be given without a hardness, because elastic contacts do not grow"
@@ -331,7 +331,7 @@ class HalfSpaceSettings(CommonContactSettings):
         return self
 
     @model_validator(mode="after")
-    def _has_consistent_adhesion(self) -> HalfSpaceSettings:
+    def _require_consistent_adhesion(self) -> HalfSpaceSettings:
         if self.adhesion_range is not None and not self.adheres:
             raise make_key_error("adhesion_range", "must not be given unless work_of_adhesion is above 0")
         strength = float(self.work_of_adhesion or 0) / float(self.adhesion_range or ADHESION_RANGE)
@@ -348,7 +348,7 @@ class HalfSpaceSettings(CommonContactSettings):
         return bool(self.work_of_adhesion)
 
     @model_validator(mode="after")
-    def _has_consistent_tilt(self) -> HalfSpaceSettings:
+    def _require_consistent_tilt(self) -> HalfSpaceSettings:
         if self.tilt == "free" and (self.adheres or self.boundary == "periodic"):
             raise make_key_error(
                 "tilt", 'must be "fixed" if the boundaries are periodic or the bodies adhere, got "free"'
@@ -418,7 +418,7 @@ class GeneratedAsperitySettings(AsperitySettings, GeneratedContactSettings):
     )
 
     @model_validator(mode="after")
-    def _has_valid_onset(self) -> Self:
+    def _require_valid_onset(self) -> Self:
         if self.onset is not None and isinstance(parse_contact_law(self.model().law), HertzCylinder):
             raise make_key_error(
                 "onset", "must not be given with cylinders, because the displacement under a line load is unbounded"
@@ -525,7 +525,7 @@ SHARED_CONTACT_SETTINGS: tuple[type[CommonContactSettings], ...] = (
 """Base classes whose keys several tables share; error messages about misplaced keys name these classes."""
 
 
-def select_contact_case(
+def select_contact_class(
     surfaces: type[GeneratedSurfaceSettings | MeasuredSurfaceSettings], table: Mapping[str, Any]
 ) -> type[ContactSettings]:
     """Return the contact-table class that matches the kind of surfaces and the key `mechanics`."""
@@ -537,14 +537,14 @@ def read_contact(
     value: Mapping[str, Any], surfaces: GeneratedSurfaceSettings | MeasuredSurfaceSettings
 ) -> ContactSettings:
     """Parse a contact table and check that it is consistent with the surfaces."""
-    case = select_contact_case(type(surfaces), value)
+    case = select_contact_class(type(surfaces), value)
     check_keys(value, case, SHARED_CONTACT_SETTINGS)
     contact = case.model_validate(value)
     if isinstance(contact, MeasuredMapContactSettings):
         direction = contact.direction
         if direction is None or len(contact.directions_of_motion()) > MAX_DIRECTIONS:
             raise make_key_error("direction", f"must be 1 to {MAX_DIRECTIONS} directions, got {short_repr(direction)}")
-        contact = contact.model_copy(update={"direction": tuple(contact.degrees().tolist())})
+        contact = contact.model_copy(update={"direction": tuple(contact.direction_angles().tolist())})
     is_profile = isinstance(surfaces, GeneratedProfileSettings)
     if is_profile and isinstance(contact, GeneratedContactSettings) and contact.direction not in (None, "+x", "-x"):
         raise make_key_error("direction", f'must be "+x" or "-x" for profiles, got {short_repr(contact.direction)}')

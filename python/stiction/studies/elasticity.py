@@ -29,7 +29,7 @@ class Elasticity:
     alias_note: str = ""  # note about alternative material names
 
 
-def find_elasticity(
+def determine_elasticity(
     effective_modulus: Any = None, young: Any = None, poisson: Any = None, upper_material: str | None = None,
     lower_material: str | None = None,
 ) -> Elasticity:  # fmt: skip

@@ -162,17 +162,17 @@ def is_unloaded(result: Result) -> bool:
     study = result.study
     if not (study.contact.adheres and study.friction.load):
         return False
-    return float(study.friction.load[-1]) < NEGLIGIBLE_LOAD_RATIO * max(_pull_off_by_piece(result))
+    return float(study.friction.load[-1]) < NEGLIGIBLE_LOAD_RATIO * max(_mean_pull_offs_by_piece(result))
 
 
 def negligible_load(result: Result) -> float:
     """Return a load (mN) that is negligible compared with the pull-off force, if possible the smallest load step."""
-    negligible = NEGLIGIBLE_LOAD_RATIO * min(_pull_off_by_piece(result))
+    negligible = NEGLIGIBLE_LOAD_RATIO * min(_mean_pull_offs_by_piece(result))
     lowest = float(result.study.contact.loading_steps()[0])
     return lowest if lowest < negligible else 0.1 * negligible
 
 
-def _pull_off_by_piece(result: Result) -> list[float]:
+def _mean_pull_offs_by_piece(result: Result) -> list[float]:
     """Return the mean pull-off force (mN) in each piece (group of members) of a result."""
     return [float(np.nanmean(piece["pull_off"].values)) for piece in result.pieces(["pull_off"])]
 
@@ -411,7 +411,7 @@ class MemberAveraging:
         """
         surfaces: Any = study.surfaces
         if math.prod(surfaces.scan_counts) > 1:
-            return cls(scans=surfaces.scans_of(np.asarray(places["repetition"])))
+            return cls(scans=surfaces.scan_indices_of_members(np.asarray(places["repetition"])))
         if not study.is_measured or study.is_areal:
             return cls()
         lines, x, y = (np.asarray(places[name]) for name in ("line", "x", "y"))
@@ -820,7 +820,7 @@ def _find_load_crossings(
 
 def _motion_coordinates(piece: xarray.Dataset, study: Study) -> dict[str, Any]:
     """Return coordinates for the sliding rule and the direction unless these are dimensions of the result."""
-    values = {"sliding": list(study.contact.rules()), "direction": list(study.contact.degrees())}
+    values = {"sliding": list(study.contact.rules()), "direction": list(study.contact.direction_angles())}
     return {
         name: ((name,), values[name][:1], quantity_attributes(name))
         for name in MOTION_DIMENSIONS

@@ -24,7 +24,7 @@ CONNECTION_TIMEOUT = "15s"
 
 
 @contextlib.contextmanager
-def enter_executor(executor: Executor | None) -> Iterator[Executor]:
+def executor_or_thread_pool(executor: Executor | None) -> Iterator[Executor]:
     """Enter the given executor, or create a thread pool that is shut down at the end.
 
     Raises a `StudyError` if a worker process ends.
@@ -33,14 +33,14 @@ def enter_executor(executor: Executor | None) -> Iterator[Executor]:
         if executor is not None:
             yield executor
         else:
-            with thread_executor() as pool:
+            with thread_pool_executor() as pool:
                 yield pool
     except BrokenExecutor:
         raise StudyError(WORKER_DIED_MESSAGE) from None
 
 
 @contextlib.contextmanager
-def thread_executor(workers: int | None = None) -> Iterator[Executor]:
+def thread_pool_executor(workers: int | None = None) -> Iterator[Executor]:
     """Enter a thread pool, which has one thread per core by default.
 
     Raises a `RuntimeError` if no thread can start.

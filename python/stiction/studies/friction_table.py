@@ -94,7 +94,7 @@ def table_study(
     >>> table_study(rms=[0.02]).surfaces.amplitudes()
     array([0.02])
     """
-    exponents = _checked_values("hurst_exponents", hurst_exponents)
+    exponents = _require_positive_values("hurst_exponents", hurst_exponents)
     if not all(exponent <= 1 for exponent in exponents):
         raise ValueError(f"hurst_exponents must be above 0 and at most 1, got {short_repr(hurst_exponents)}")
     lengths = {"extent": extent, "longest_wavelength": longest_wavelength, "shortest_wavelength": shortest_wavelength}
@@ -109,7 +109,7 @@ def table_study(
             "surfaces": {
                 "kind": "surface", "generator": "self-affine",
                 "fractal_dimension": sorted(2 - exponent for exponent in exponents),
-                "amplitude": [exact_quantity(height, "um") for height in _checked_values("rms", rms)],
+                "amplitude": [exact_quantity(height, "um") for height in _require_positive_values("rms", rms)],
                 "amplitude_measure": "Sq",
                 "longest_wavelength": exact_quantity(longest_wavelength, "um"),
                 "shortest_wavelength": exact_quantity(shortest_wavelength, "um"), "shape": [points, points],
@@ -121,7 +121,7 @@ def table_study(
                 "direction": list(AVERAGED_DIRECTIONS), "sliding": ["opposing", "all"],
                 "load": [
                     exact_quantity(pressure * area, "mN")
-                    for pressure in sorted(_checked_values("pressures", pressures))
+                    for pressure in sorted(_require_positive_values("pressures", pressures))
                 ],
             },
             "friction": {
@@ -134,7 +134,7 @@ def table_study(
     )  # fmt: skip
 
 
-def _checked_values(name: str, values: ArrayLike) -> list[float]:
+def _require_positive_values(name: str, values: ArrayLike) -> list[float]:
     """Return the values as a list of numbers, after checking that each of them is above 0."""
     array = np.atleast_1d(float_array(name, values))
     if array.ndim != 1 or not array.size or not (array > 0).all():

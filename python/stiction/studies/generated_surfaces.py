@@ -65,7 +65,7 @@ class CommonGeneratedSettings(StudyTableVariant):
     cut_off: ClassVar[tuple[float, ...]] = ()
     vouched: ClassVar[None] = None
     both_readings: ClassVar[None] = None
-    first_scan_member: ClassVar[int] = 0
+    first_scan_member_index: ClassVar[int] = 0
     scan_counts: ClassVar[tuple[int, int]] = (1, 1)
 
     fractal_dimension: FractalDimensionsOrRange = Field(
@@ -78,7 +78,7 @@ class CommonGeneratedSettings(StudyTableVariant):
     )
 
     @model_validator(mode="after")
-    def _check_harmonics(self) -> Self:
+    def _require_harmonics_below_limit(self) -> Self:
         product = getattr(self, "directions", 0) * getattr(self, "frequencies", 0)
         if product > MAX_HARMONICS:
             raise make_key_error(
@@ -140,7 +140,7 @@ class GeneratedMapSettings(CommonGeneratedSettings):
     shape: GridShape = (512, 512)
 
     @model_validator(mode="after")
-    def _check_points(self) -> GeneratedMapSettings:
+    def _require_points_below_limit(self) -> GeneratedMapSettings:
         if self.shape[0] * self.shape[1] > MAX_POINTS:
             raise make_key_error("shape", f"must have at most {MAX_POINTS} points, got {list(self.shape)}")
         return self
@@ -220,7 +220,7 @@ class SelfAffineSettings(GeneratedMapSettings):
 
     @model_validator(mode="before")
     @classmethod
-    def _translate_argument_names(cls, keys: Any) -> Any:
+    def _translate_alternative_keys(cls, keys: Any) -> Any:
         """Replace alternative keys such as `rms` with the standard keys."""
         if not isinstance(keys, Mapping) or not cls.other_keys.keys() & keys.keys():
             return keys
@@ -245,7 +245,7 @@ class SelfAffineSettings(GeneratedMapSettings):
         return table
 
     @model_validator(mode="after")
-    def _check_wavelengths(self) -> SelfAffineSettings:
+    def _require_valid_wavelengths(self) -> SelfAffineSettings:
         side, finest, longest = max(self.extents()), 2 * max(self.spacings()), self.max_wavelength()
         shortest = finest if self.shortest_wavelength is None else float(self.shortest_wavelength)
         if longest > side * ROUND_OFF_FACTOR:

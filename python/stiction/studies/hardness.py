@@ -89,7 +89,7 @@ class LabelledInput:
     estimate: UncertainInput
 
 
-def find_inputs(study: Study) -> dict[str, LabelledInput]:
+def find_uncertain_inputs(study: Study) -> dict[str, LabelledInput]:
     """Return the uncertain inputs of a study by name, or an empty dict for generated surfaces."""
     if not study.is_measured:
         return {}
@@ -181,7 +181,7 @@ def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
     no hardnesses if the hardness and E* are exact or have narrow ranges, and the study has neither dwell times nor
     junction growth.
     """
-    inputs, creep, hardness = find_inputs(study), find_creep_exponent(study), study.contact.hardness
+    inputs, creep, hardness = find_uncertain_inputs(study), find_creep_exponent(study), study.contact.hardness
     # The half width of the range of ln E* is the root sum of squares of the half widths due to each input.
     steps = [
         np.ptp(np.log(compute_relative_modulus(study, {name: entry.estimate.quantile(NODE_QUANTILES)}))) / 2
@@ -218,7 +218,7 @@ def _choose_shear_nodes(study: Study, softest: float) -> Floats:
     return np.asarray(softest * np.exp(-SHEAR_NODE_SPACING * np.arange(1, NUM_SHEAR_NODES + 1)))
 
 
-def compute_areas_over_hardness(study: Study, executor: Executor) -> xarray.Dataset | None:
+def compute_areas_at_nodes(study: Study, executor: Executor) -> xarray.Dataset | None:
     """Compute true areas (µm²) of the first members at all nodes and loads. Return None if there are no nodes."""
     import xarray
 
@@ -226,7 +226,7 @@ def compute_areas_over_hardness(study: Study, executor: Executor) -> xarray.Data
     if not hardnesses.size:
         return None
     loads = np.array([float(load) for load in study.friction.load])
-    members = _count_members(study)
+    members = _count_area_members(study)
     tasks = list(product(range(members), moduli.tolist(), hardnesses.tolist()))
     solutions = np.array(list(executor.map(partial(_solve_member_areas, study, loads), tasks)))
     areas = solutions.reshape(members, moduli.size, hardnesses.size, -1, loads.size)
@@ -242,13 +242,15 @@ def compute_areas_over_hardness(study: Study, executor: Executor) -> xarray.Data
     )  # fmt: skip
 
 
-def count_solutions(study: Study) -> int:
-    """Return the number of contact problems that `compute_areas_over_hardness` solves."""
+def count_area_solutions(study: Study) -> int:
+    """Return the number of contact problems that `compute_areas_at_nodes` solves."""
     hardnesses, moduli = choose_area_nodes(study)
-    return hardnesses.size * moduli.size * _count_members(study) * len(study.friction.load) if hardnesses.size else 0
+    return (
+        hardnesses.size * moduli.size * _count_area_members(study) * len(study.friction.load) if hardnesses.size else 0
+    )
 
 
-def _count_members(study: Study) -> int:
+def _count_area_members(study: Study) -> int:
     num_map_members = NUM_LARGE_MAP_MEMBERS if count_points(study) >= MIN_LARGE_MAP_POINTS else NUM_MAP_MEMBERS
     return min(num_map_members if study.is_areal else NUM_PROFILE_MEMBERS, study.ensemble.repetitions)
 
@@ -277,7 +279,7 @@ def _solve_member_areas(study: Study, loads: Floats, task: tuple[int, float, flo
     }
     carried = np.flatnonzero(loads < hardness * float(bodies.attributes().nominal_area or 0.0))
     areas = np.full((len(_list_area_names(study)), loads.size), np.nan)
-    solid |= {"direction": contact.degrees().tolist()} if study.is_areal and len(areas) > 1 else {}
+    solid |= {"direction": contact.direction_angles().tolist()} if study.is_areal and len(areas) > 1 else {}
     for indices, curve in (
         solve_separately(partial(half_space, upper, lower, **solid, sliding="all"), loads[carried])
         if carried.size
@@ -297,7 +299,7 @@ def _compute_opposing_area(curve: HalfSpaceCurve, *, is_areal: bool) -> Floats:
     return np.asarray(sums.reshape(-1, sums.shape[-1]).mean(axis=0))
 
 
-def load_areas_over_hardness(result: StoredResult) -> xarray.Dataset | None:
+def load_areas_at_nodes(result: StoredResult) -> xarray.Dataset | None:
     """Load the true areas stored with a result. Return None if they are missing or were computed at other nodes."""
     study = result.study
     hardnesses, moduli = choose_area_nodes(study) if study.is_measured else (np.zeros(0), np.ones(1))
@@ -338,7 +340,7 @@ class AreasAtNodes:
     @classmethod
     def load(cls, result: StoredResult) -> AreasAtNodes | None:
         """Load the true areas stored with a result, or return None if none are stored for the current nodes."""
-        if (solved := load_areas_over_hardness(result)) is None:
+        if (solved := load_areas_at_nodes(result)) is None:
             return None
         means = solved.mean("repetition")
         means = (means * means["relative_modulus"] / means["load"]).transpose("load", "relative_modulus", "hardness")
@@ -360,7 +362,7 @@ class AreasAtNodes:
         # At a load of the study, the areas at the next load may be NaN and must not be used.
         return np.asarray(areas[below] ** (1 - weight) * areas[np.ceil(position).astype(int)] ** weight)
 
-    def nearest_errors(self, loads: Floats) -> Floats:
+    def errors_at_nearest_load(self, loads: Floats) -> Floats:
         """Return the errors at the study load that is nearest to each given load."""
         return np.asarray(self.errors[np.abs(self.loads - loads[:, np.newaxis]).argmin(axis=1)])
 
@@ -453,7 +455,7 @@ class AreaInterpolator:
         """
         own_hardness = None if study.contact.hardness is None else float(study.contact.hardness)
         pressures = loads / float(result.head["nominal_area"])
-        solved = result.alongside(AreasAtNodes.load)
+        solved = result.load_companion(AreasAtNodes.load)
         # With junction growth, friction at all loads depends on the areas at the nodes.
         grows = bool(study.contact.junction_growth)
         if solved is not None and (grows or set(loads.tolist()) <= set(solved.loads.tolist())):
@@ -467,7 +469,7 @@ class AreaInterpolator:
                 return cls(
                     own_hardness, hardnesses[finite], areas[..., finite], areas[..., -1], solved.moduli,
                     growth if solved.moduli.size == 1 else np.zeros(loads.size),
-                    solved.nearest_errors(loads)[:, finite], pressures, opposing_areas, solved.tables,
+                    solved.errors_at_nearest_load(loads)[:, finite], pressures, opposing_areas, solved.tables,
                 )  # fmt: skip
         column = ratio[:, np.newaxis]
         if own_hardness is None:
@@ -508,7 +510,7 @@ class AreaInterpolator:
         return np.asarray(np.interp(np.log(hardness), np.log(self.node_hardnesses), self.errors[load]))
 
     def growth_ratio(
-        self, load: int, rule: str, hardness: Floats, under_shear: Floats, modulus: Floats | float = 1.0
+        self, load: int, rule: str, hardness: Floats, pressure_under_shear: Floats, modulus: Floats | float = 1.0
     ) -> Floats:
         """Return the ratio of the true contact area at the onset of sliding to the true contact area before shear.
 
@@ -519,7 +521,7 @@ class AreaInterpolator:
         rule : {"all", "opposing"}
             With "opposing", only contacts that oppose the motion are sheared. The result is then an upper bound,
             because H' is also applied to the other contacts.
-        hardness, under_shear : array of float, GPa
+        hardness, pressure_under_shear : array of float, GPa
             H, and H' from `hardness_under_shear`; H' is NaN at seizure.
         modulus : array_like of float
             Ratio of E* to the E* in the study.
@@ -536,16 +538,18 @@ class AreaInterpolator:
             )
 
         # the lowest pressure is NaN at seizure
-        lowest = self.get_or_compute("lowest", (under_shear,), lambda: under_shear.min(initial=np.inf))
+        lowest = self.get_or_compute(
+            "lowest", (pressure_under_shear,), lambda: pressure_under_shear.min(initial=np.inf)
+        )
         if lowest > self.pressures.max():
-            return compute_ratio(under_shear)
+            return compute_ratio(pressure_under_shear)
         # Pressures at which no load is carried are replaced by H. All loads share this array and its table positions.
         carrying = self.get_or_compute(
             "carrying",
-            (under_shear, hardness),
-            lambda: np.where(under_shear > self.pressures.min(), under_shear, hardness),
+            (pressure_under_shear, hardness),
+            lambda: np.where(pressure_under_shear > self.pressures.min(), pressure_under_shear, hardness),
         )
-        return np.where(under_shear > self.pressures[load], compute_ratio(carrying), np.inf)
+        return np.where(pressure_under_shear > self.pressures[load], compute_ratio(carrying), np.inf)
 
     def _sheared_area(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:
         """Return the true area of the contacts under shear, in arbitrary units."""

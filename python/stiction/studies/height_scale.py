@@ -23,13 +23,13 @@ from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import quantity_attributes
 from stiction.studies.budget import add_uncertainty
 from stiction.studies.evaluation import ABOVE_NOMINAL_STATUS, at_load, is_unloaded
-from stiction.studies.executors import enter_executor
+from stiction.studies.executors import executor_or_thread_pool
 from stiction.studies.hardness import (
     HARDNESS_AREAS_FILE,
     choose_area_nodes,
-    compute_areas_over_hardness,
-    count_solutions,
-    load_areas_over_hardness,
+    compute_areas_at_nodes,
+    count_area_solutions,
+    load_areas_at_nodes,
 )
 from stiction.studies.measured_surfaces import MAX_HEIGHT_FACTOR as MAX_FACTOR
 from stiction.studies.measured_surfaces import MIN_HEIGHT_FACTOR as MIN_FACTOR
@@ -125,11 +125,11 @@ def _parse_factor_text(text: str) -> Floats:
             '{most:g}, as in "0.25..4", got {got}',
             least=MIN_FACTOR, most=MAX_FACTOR, got=short_repr(text),
         ) from None  # fmt: skip
-    nodes = _list_enclosing_powers(low, high)
+    nodes = _enclosing_powers_of_two(low, high)
     return np.array([low, *nodes[(nodes > low) & (nodes < high)], high])
 
 
-def _list_enclosing_powers(low: float, high: float) -> Floats:
+def _enclosing_powers_of_two(low: float, high: float) -> Floats:
     """Return powers of 2 that enclose a range of factors, with exponents in steps of `HEIGHT_FACTOR_EXPONENT_STEP`."""
     first, last = (
         math.floor(math.log2(low) / HEIGHT_FACTOR_EXPONENT_STEP),
@@ -144,7 +144,7 @@ def find_missing_factors(factors: Floats, solved: Floats) -> Floats:
     missing = np.array([factor for factor in factors.tolist() if _find_neighbors(solved, factor) is None])
     if not missing.size:
         return missing
-    nodes = np.setdiff1d(_list_enclosing_powers(missing[0], missing[-1]), solved)
+    nodes = np.setdiff1d(_enclosing_powers_of_two(missing[0], missing[-1]), solved)
     return nodes if nodes.size < missing.size else missing
 
 
@@ -185,7 +185,7 @@ def find_factor_folder(path: Path, factor: float, scaled: ScaledBodies) -> Path:
     return path / HEIGHT_SCALE_FOLDER / f"{scaled}-{factor:.6g}"
 
 
-def open_stored_factors(result: StoredResult, scaled: ScaledBodies) -> dict[float, StoredResult]:
+def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[float, StoredResult]:
     """Open all finished results that are stored for height factors, and sort them by factor.
 
     The given result is included as factor 1. All results are opened with its friction parameters.
@@ -207,7 +207,7 @@ def open_stored_factors(result: StoredResult, scaled: ScaledBodies) -> dict[floa
     return dict(sorted(studies.items()))
 
 
-def list_stored_factors(result: StoredResult) -> dict[ScaledBodies, list[float]]:
+def group_stored_factors(result: StoredResult) -> dict[ScaledBodies, list[float]]:
     """List the stored height factors that scale both bodies, only the upper body, or only the lower body.
 
     The dict is empty if factor 1 is the only factor.
@@ -218,7 +218,7 @@ def list_stored_factors(result: StoredResult) -> dict[ScaledBodies, list[float]]
     if not (result.path / HEIGHT_SCALE_FOLDER).is_dir():
         return {}
     factors: dict[ScaledBodies, list[float]] = {
-        scaled: list(open_stored_factors(result, scaled)) for scaled in get_args(ScaledBodies)
+        scaled: list(open_results_by_factor(result, scaled)) for scaled in get_args(ScaledBodies)
     }
     return {scaled: values for scaled, values in factors.items() if len(values) > 1}
 
@@ -226,12 +226,12 @@ def list_stored_factors(result: StoredResult) -> dict[ScaledBodies, list[float]]
 def _lacks_hardness_areas(stored: StoredResult) -> bool:
     """Return whether a result requires true areas at other hardnesses or moduli that have not been stored."""
     needs_areas = bool(choose_area_nodes(stored.study)[0].size) and not is_unloaded(Result(stored))
-    return needs_areas and load_areas_over_hardness(stored) is None
+    return needs_areas and load_areas_at_nodes(stored) is None
 
 
 def estimate_factor_time(study: Study, count: int) -> float:
     """Estimate the time (s) that one core needs to compute the results for a given number of height factors."""
-    time_of_nodes = count_solutions(study) * estimate_solution_time(study) if study.uses_half_space else 0.0
+    time_of_nodes = count_area_solutions(study) * estimate_solution_time(study) if study.uses_half_space else 0.0
     return count * (study.ensemble.repetitions * estimate_member_time(study) + time_of_nodes)
 
 
@@ -245,8 +245,10 @@ def compute_height_factors(
     is called with a line of text before each factor. Raises the errors of `evaluate_height_scale` and of
     `compute_missing`.
     """
-    missing = find_missing_factors(parse_height_factors(factors), np.array(list(open_stored_factors(result, scaled))))
-    with enter_executor(executor) as workers:
+    missing = find_missing_factors(
+        parse_height_factors(factors), np.array(list(open_results_by_factor(result, scaled)))
+    )
+    with executor_or_thread_pool(executor) as workers:
         for index, factor in enumerate(missing.tolist(), 1):
             announce(f"heights times {factor:g} ({index} of {missing.size})")
             study = scale_study_heights(result.study, factor, scaled)
@@ -256,10 +258,7 @@ def compute_height_factors(
                 remove_result(existing)  # the stored study describes a different pair
             compute_missing(study, folder, executor=workers, progress=progress)
             stored = open_stored(folder)
-            if (
-                _lacks_hardness_areas(stored)
-                and (areas := compute_areas_over_hardness(stored.study, workers)) is not None
-            ):
+            if _lacks_hardness_areas(stored) and (areas := compute_areas_at_nodes(stored.study, workers)) is not None:
                 export(areas, folder / HARDNESS_AREAS_FILE, replace=True)
 
 
@@ -309,7 +308,7 @@ def evaluate_height_scale(
     scale_study_heights(study, 1.0, scaled)
     if result.count < study.ensemble.repetitions:
         raise ArgumentError("{height_scale} needs a finished result")
-    studies = open_stored_factors(result, scaled)
+    studies = open_results_by_factor(result, scaled)
     solved = np.array(list(studies))
     if (missing := find_missing_factors(factors, solved)).size:
         raise MissingHeightFactorsError(missing, estimate_factor_time(study, missing.size))

@@ -91,7 +91,7 @@ class UncertainInput:
         """Short text of the input: a number with up to six digits, or a range as the user wrote it."""
         return f"{self.value:g}" if self.is_exact else self.text
 
-    def agrees_with(self, text: str) -> bool:
+    def describes_same_hardness(self, text: str) -> bool:
         """Return whether a string describes the same hardness distribution, possibly in another unit."""
         try:
             other_input = self if text == self.text else parse_input("", text, "hardness")

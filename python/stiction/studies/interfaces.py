@@ -34,8 +34,8 @@ from stiction.studies.hardness import (
     AreaInterpolator,
     compute_relative_modulus,
     find_creep_exponent,
-    find_inputs,
     find_junction_growth,
+    find_uncertain_inputs,
 )
 from stiction.studies.input_uncertainty import UncertainInput, draw_samples, parse_input, parse_study_input
 from stiction.studies.moduli import Moduli, parse_elasticity
@@ -157,7 +157,7 @@ class StrengthSamples:
     # None if `mu0` is the ratio T/F in sliding contacts
     tau0: Floats | None = None
 
-    def under_shear(self, hardness: Floats, alpha: Floats | float) -> Floats:
+    def pressure_under_shear(self, hardness: Floats, alpha: Floats | float) -> Floats:
         """Return the pressure H' (GPa) in plastic contacts under shear, computed from the hardness H (GPa)."""
         if self.tau0 is None:  # p² + α s² = H² with s = (T/F) p
             return np.asarray(hardness / np.sqrt(1 + alpha * self.mu0**2))
@@ -227,7 +227,9 @@ class _ResultAreaFactor(_AreaFactor):
         """Return the area factor of a result, or None if no uncertain input, creep or growth affects the area."""
         source = getattr(result, "source", result)
         study = parse_dataset_study(getattr(result, "dataset", result))
-        known = {name: each.estimate for name, each in find_inputs(study).items() if name not in ("mu0", "tau0")}
+        known = {
+            name: each.estimate for name, each in find_uncertain_inputs(study).items() if name not in ("mu0", "tau0")
+        }
         creep = find_creep_exponent(study)
         if wait != 1 and creep is None:
             raise ValueError("wait requires a result that was computed with wait and creep")
@@ -270,7 +272,7 @@ class _ResultAreaFactor(_AreaFactor):
         modulus = compute_relative_modulus(self.study, samples)
         factor = self.areas.area_ratio(0, None if self.areas.hardness is None else hardness, modulus)
         if self.growth is not None and strength is not None:
-            pressure = strength.under_shear(hardness, samples.get("junction_growth", self.growth.value))
+            pressure = strength.pressure_under_shear(hardness, samples.get("junction_growth", self.growth.value))
             if strength.tau0 is None:  # keeps the pressure above the nominal pressure, so that the area is finite
                 pressure = np.maximum(pressure, MIN_RELATIVE_PRESSURE * self.areas.pressures[0])
             factor = factor * self.areas.growth_ratio(0, strength.sliding, hardness, pressure, modulus)
@@ -472,7 +474,7 @@ class Interface:
         return self.interval_of(lambda mu0, tau0: mu0), self.interval_of(lambda mu0, tau0: tau0)
 
     @cached_property
-    def at_bounds(self) -> tuple[tuple[Floats, Floats], ...]:
+    def samples_at_bounds(self) -> tuple[tuple[Floats, Floats], ...]:
         """Pairs of mu0 and tau0 samples (GPa). In each pair, a parameter whose interval includes 0 is set to 0.
 
         The shift does not change the sum mu0 + tau0 A/F at the A/F of the tests.
@@ -495,7 +497,7 @@ class Interface:
         """
         fit = self.fits[0]
         value, low, high = credible_interval(coefficient(fit.mu0, fit.tau0), 0.0)
-        for strength in self.at_bounds:
+        for strength in self.samples_at_bounds:
             _, low_at_bound, high_at_bound = credible_interval(coefficient(*strength), 0.0)
             low, high = min(low, low_at_bound), max(high, high_at_bound)
         return value, low, high
@@ -545,7 +547,7 @@ class Interface:
         from scipy.special import ndtr
 
         fit, random = self.fits[0], np.random.default_rng(1)
-        friction = evaluate_friction(FrictionTest(result, load, coefficient=0.0), fit.sliding)
+        friction = evaluate_test_forces(FrictionTest(result, load, coefficient=0.0), fit.sliding)
 
         def scores(name: Hashable) -> Floats:
             # Inputs that also occur in the tests keep their samples from the fit.
@@ -554,7 +556,9 @@ class Interface:
         area = np.exp(friction.scatter * scores(friction.surfaces))
         if (area_factor := friction.area_factor) is not None:
             samples = area_factor.values({name: ndtr(scores(name)) for name in area_factor.names})
-            if "hardness" in samples and area_factor.known["hardness"].agrees_with(self.about.get(HARDNESS_ENTRY, "")):
+            if "hardness" in samples and area_factor.known["hardness"].describes_same_hardness(
+                self.about.get(HARDNESS_ENTRY, "")
+            ):
                 samples["hardness"] = fit.hardness
             if "junction_growth" in samples and self.has_growth(area_factor.known["junction_growth"]):
                 samples["junction_growth"] = fit.junction_growth
@@ -633,7 +637,7 @@ def list_sliding_rules(result: Any) -> tuple[str, ...]:
     return tuple(parse_dataset_study(getattr(result, "dataset", result)).contact.rules())
 
 
-def evaluate_friction(test: FrictionTest, sliding: Sliding) -> _FrictionTestForces:
+def evaluate_test_forces(test: FrictionTest, sliding: Sliding) -> _FrictionTestForces:
     """Evaluate the forces per load in a friction test for a given sliding rule."""
     result, load = test.result, float(test.load)
     if isinstance(result, (Ball, FrictionCurve)) and test.wait != 1:

@@ -456,11 +456,11 @@ def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp])
     test = np.append(between * (1 + 1 / sizes), float(within @ within) / inside + residual * (1 + 1 / count))
     return ScanPairMean(
         mean, tuple(shares / count), _satterthwaite(shares.sum(), weights, each), math.sqrt(test.sum()),
-        _test_degrees_of_freedom(test, np.append(each[:2], inside)),
+        _single_test_freedom(test, np.append(each[:2], inside)),
     )  # fmt: skip
 
 
-def _test_degrees_of_freedom(components: Floats, freedoms: Floats) -> float:
+def _single_test_freedom(components: Floats, freedoms: Floats) -> float:
     """Return the degrees of freedom of the variance of a single test. This variance is a sum of components.
 
     The degrees of freedom are limited, so that the interval is at least as wide as the interval from each component

@@ -59,7 +59,7 @@ class ArraySpec:
         return self.dtype.itemsize * math.prod(self.shape)
 
 
-def list_coordinates(
+def coordinate_specs_and_values(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp] | None = None
 ) -> dict[str, tuple[ArraySpec, NDArray[Any]]]:
     """Return the coordinates of a result in the order of its dimensions, for all or some repetitions.
@@ -69,7 +69,7 @@ def list_coordinates(
     values: dict[str, NDArray[Any]] = {
         **study.surfaces.cells(),
         "repetition": np.arange(study.ensemble.repetitions) if repetitions is None else np.array(repetitions, np.int64),
-        **{name: np.array(entries) for name, entries in study.motions().items()},
+        **{name: np.array(entries) for name, entries in study.motion_coordinates().items()},
         study.step_quantity: study.contact.loading_steps(),
     }
     if study.is_measured:
@@ -90,9 +90,9 @@ def list_coordinates(
     }
 
 
-def list_variables(study: Study, repetitions: Sequence[int] | NDArray[np.intp] | None = None) -> dict[str, ArraySpec]:
+def variable_specs(study: Study, repetitions: Sequence[int] | NDArray[np.intp] | None = None) -> dict[str, ArraySpec]:
     """Return the array specifications of all variables of a result, for all or some repetitions."""
-    sizes = {name: values.size for name, (_, values) in list_coordinates(study, repetitions).items()}
+    sizes = {name: values.size for name, (_, values) in coordinate_specs_and_values(study, repetitions).items()}
     variables = {}
     for name in variable_names(study):
         dims = _list_dims(study, name)
@@ -106,7 +106,7 @@ def list_variables(study: Study, repetitions: Sequence[int] | NDArray[np.intp] |
 
 def member_bytes(study: Study) -> int:
     """Return the total size in bytes of all arrays of one member."""
-    return sum(spec.size for spec in list_variables(study, [0]).values())
+    return sum(spec.size for spec in variable_specs(study, [0]).values())
 
 
 def members_per_piece(size: int) -> int:
@@ -127,7 +127,7 @@ def _list_dims(study: Study, name: str) -> tuple[str, ...]:
     Sliding rules and directions are dimensions only if the study has lists of them.
     """
     dims = {"step": study.step_quantity, "fraction_below": "fraction_below"} | {
-        motion: motion for motion in study.motions()
+        motion: motion for motion in study.motion_coordinates()
     }
     return (*study.surfaces.cells(), "repetition", *(dims[axis] for axis in QUANTITIES[name].along if axis in dims))
 
@@ -148,13 +148,13 @@ def build_dataset(
     """Build a dataset of some repetitions from the arrays of `stack_members`, after checking the array shapes."""
     import xarray
 
-    variables = list_variables(study, repetitions)
+    variables = variable_specs(study, repetitions)
     for name, spec in variables.items():
         if name not in arrays or arrays[name].shape != spec.shape:
             raise ValueError(f"{name} of the result must have the shape {spec.shape}")
     coordinates: dict[str, Any] = {
         name: xarray.Variable(spec.dims, values, spec.attributes)
-        for name, (spec, values) in list_coordinates(study, repetitions).items()
+        for name, (spec, values) in coordinate_specs_and_values(study, repetitions).items()
     }
     bodies = bodies or BodyAttributes()
     if study.is_measured:

@@ -19,7 +19,7 @@ from stiction.mechanics import friction
 from stiction.mechanics.friction import STATUS_DTYPE, ContactSums, Validity
 from stiction.mechanics.quantities import QUANTITIES, SUM_QUANTITIES, VALIDITY_QUANTITIES, quantity_attributes
 from stiction.studies import intervals
-from stiction.studies.executors import enter_executor
+from stiction.studies.executors import executor_or_thread_pool
 from stiction.studies.result import Result
 from stiction.studies.study import find_step_dimension
 
@@ -41,7 +41,7 @@ _VARIABLES_BY_QUANTITY = {
 """Contact sums that each derived quantity requires. All other quantities are stored directly."""
 
 
-def _list_needed_variables(quantity: str) -> tuple[str, ...]:
+def _needed_variable_names(quantity: str) -> tuple[str, ...]:
     """Return the names of the stored variables from which a quantity is computed."""
     return _VARIABLES_BY_QUANTITY.get(quantity, tuple(dict.fromkeys((*_LOAD_VARIABLES, quantity))))
 
@@ -228,7 +228,7 @@ def ensemble_map(
     missing += [name for name in MAP_CELL_DIMENSIONS if name in dataset.dims and not dataset.sizes[name]]
     if missing or not find_cell_dimensions(dataset):
         raise ValueError(f"the dataset has no dimension {(missing or ['fractal_dimension'])[0]!r}")
-    for name in _list_needed_variables(what):
+    for name in _needed_variable_names(what):
         if name not in dataset:
             raise ValueError(f"the dataset has no variable {name!r}")
     quantity = _EnsembleQuantity(dataset if change is None else change(dataset), what, load_values, *material)
@@ -247,7 +247,7 @@ def ensemble_map(
         1,
         NUM_VALUES_IN_MEMORY // max(1, quantity.mu0.size * quantity.tau0.size * dataset.sizes[quantity.step_dimension]),
     )
-    with enter_executor(None) as pool:
+    with executor_or_thread_pool(None) as pool:
         for piece in solved_pieces(result, quantity.names(), change):
             sums_by_cell = [_compute_sums(piece, what, quantity.step_dimension)] * len(means_by_cell)
 
@@ -273,7 +273,7 @@ class _EnsembleQuantity:
 
     def names(self) -> tuple[str, ...]:
         """Return the names of the variables that must be read from the result."""
-        variables = _list_needed_variables(self.what)
+        variables = _needed_variable_names(self.what)
         if self.what == "normal_stiffness" and self.step_dimension == "load":
             variables = (*variables, "approach")  # the stiffness is a derivative with respect to the approach
         return (*variables, *(name for name in SUM_QUANTITIES if self.judged and name not in variables))

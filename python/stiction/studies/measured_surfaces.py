@@ -302,11 +302,11 @@ class MeasuredFile(StudyTable):
         """Scans of the body that are profiles or surfaces. Spectra are omitted."""
         return [body for scan in self.scans if isinstance(body := scan.read(), (Profile, Surface))]
 
-    def cut_off_at(self, wavelength: float) -> float:
+    def limited_cut_off(self, wavelength: float) -> float:
         """Return the cutoff wavelength (µm) of the pair, limited to the largest cutoff allowed for this scan."""
         return wavelength if self.max_cut_off is None else min(wavelength, float(self.max_cut_off))
 
-    def find_interpolated(self) -> Floats:
+    def interpolation_extent(self) -> Floats:
         """Return the fraction of points that were interpolated, and the size of the largest data gap.
 
         The size is an area (µm²) for height maps, and a length (µm) for profiles.
@@ -350,7 +350,7 @@ class MeasuredFile(StudyTable):
         except OSError as error:
             raise ValueError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
 
-    def find_file_stamp(self) -> tuple[int, int] | None:
+    def file_stamp(self) -> tuple[int, int] | None:
         """Return the modification time (ns) and the size of the file, or None if the file does not exist."""
         try:
             status = None if self.body else Path(self.file).stat()
@@ -507,7 +507,7 @@ class CommonMeasuredSettings(StudyTableVariant):
         return self.model_copy(update={side: change(getattr(self, side), side) for side in SIDES})
 
     @property
-    def first_scan_member(self) -> int:
+    def first_scan_member_index(self) -> int:
         """Index of the first member that consists of scans rather than surrogates."""
         return 0
 
@@ -516,7 +516,7 @@ class CommonMeasuredSettings(StudyTableVariant):
         """Number of scans of each body, as a pair (upper, lower)."""
         return len(self.upper.scans), len(self.lower.scans)
 
-    def scans_of(self, members: Any) -> tuple[Any, Any]:
+    def scan_indices_of_members(self, members: Any) -> tuple[Any, Any]:
         """Return, for each member, the index of its upper scan and the index of its lower scan.
 
         Successive members use all pairs of scans in turn.
@@ -591,7 +591,7 @@ class MeasuredLineSettings(CommonMeasuredSettings):
     )  # fmt: skip
 
     @model_validator(mode="after")
-    def _has_one_source_of_positions(self) -> Self:
+    def _require_one_position_key(self) -> Self:
         if self.positions is not None and (self.offsets > 1 or self.travel is not None):
             raise make_key_error("positions", "must not be given with offsets or travel")
         return self
@@ -655,10 +655,12 @@ class LineMemberSource:
     def find_shared_properties(self) -> SharedMemberProperties:
         """Return the properties that all members have in common."""
         slider, track = self.pairs.pair(0)
-        return _describe_lines(slider, track, len(slider) / len(track), self.scans)
+        return _shared_line_properties(slider, track, len(slider) / len(track), self.scans)
 
 
-def _describe_lines(slider: Profile, track: Profile, used: float, scans: tuple[Any, Any]) -> SharedMemberProperties:
+def _shared_line_properties(
+    slider: Profile, track: Profile, used: float, scans: tuple[Any, Any]
+) -> SharedMemberProperties:
     """Return the properties shared by all members of a study of lines.
 
     `used` is the fraction of the upper scan that the slider covers.
@@ -702,7 +704,7 @@ class MeasuredMapSettings(CommonMeasuredSettings):
     )  # fmt: skip
 
     @property
-    def first_scan_member(self) -> int:
+    def first_scan_member_index(self) -> int:
         """Index of the first member that consists of pieces of the measured maps. Earlier members are surrogates."""
         return self.surrogates
 

@@ -37,13 +37,13 @@ from stiction.studies.contact_statistics import (
     QUANTILE_PROBABILITIES,
     ContactList,
     PairSlopes,
-    find_load_on_steep_contacts,
-    find_load_on_steep_points,
-    list_asperity_contacts,
-    list_contact_patches,
+    compute_steep_contact_load,
+    compute_steep_point_load,
+    tabulate_asperity_contacts,
+    tabulate_contact_patches,
 )
 from stiction.studies.contact_tables import AsperitySettings, CommonContactSettings, HalfSpaceSettings
-from stiction.studies.layout import ArraysByName, list_variables, variable_names
+from stiction.studies.layout import ArraysByName, variable_names, variable_specs
 from stiction.studies.members import (
     MAX_BATCH_BYTES,
     count_points,
@@ -85,7 +85,7 @@ def solve_at_loads(
     about a third of the time.
     """
     contact = study.contact
-    loads, motions = contact.loading_steps().size, (len(contact.rules()), contact.degrees().size)
+    loads, motions = contact.loading_steps().size, (len(contact.rules()), contact.direction_angles().size)
     values = {
         name: _build_unsolved_values(name, motions, loads)
         for name in variable_names(study)
@@ -97,7 +97,7 @@ def solve_at_loads(
     else:
         _solve_asperities(contact, upper, lower, values, slopes)
     if slopes is not None:
-        gradient, slope = slopes.compute_gap_slopes(contact.degrees())
+        gradient, slope = slopes.compute_gap_slopes(contact.direction_angles())
         values |= {"rms_gradient": np.asarray(gradient), "rms_slope": slope}
     return values
 
@@ -118,7 +118,7 @@ def _build_unsolved_values(name: str, motions: tuple[int, int], loads: int) -> N
 
 def _list_profile_directions(contact: CommonContactSettings) -> list[Shear]:
     """Return the directions of motion along profiles, i.e. "+x", "-x" or both."""
-    return ["+x" if math.cos(math.radians(angle)) > 0 else "-x" for angle in contact.degrees()]
+    return ["+x" if math.cos(math.radians(angle)) > 0 else "-x" for angle in contact.direction_angles()]
 
 
 def _solve_half_space(
@@ -135,7 +135,7 @@ def _solve_half_space(
     A failure at one load does not affect the other loads.
     """
     areal = isinstance(upper, Surface)
-    first: list[float] | Literal["+x"] = contact.degrees().tolist() if areal else "+x"
+    first: list[float] | Literal["+x"] = contact.direction_angles().tolist() if areal else "+x"
     solve = functools.partial(
         half_space, upper, lower, **contact.solver_arguments(), direction=first, sliding=contact.rules()[0]
     )
@@ -180,7 +180,7 @@ def _solve_half_space(
         for index, load in enumerate(load_indices):
             pressed = curve.at(index)
             for name, value in (
-                list_contact_patches(pressed).compute_statistics() | find_load_on_steep_points(pressed, slopes)
+                tabulate_contact_patches(pressed).compute_statistics() | compute_steep_point_load(pressed, slopes)
             ).items():
                 values[name][load] = value
     if contact.adheres:
@@ -200,7 +200,7 @@ def _solve_asperities(contact: AsperitySettings, upper: Any, lower: Any, values:
     """
     model, areal = contact.model(), isinstance(upper, Surface)
     if areal:  # A map needs one load curve for all directions, but a profile needs one for each direction.
-        models = [replace(model, direction=contact.degrees().tolist(), shear="+x").for_surfaces()]
+        models = [replace(model, direction=contact.direction_angles().tolist(), shear="+x").for_surfaces()]
     else:
         models = [
             replace(model, shear=direction, direction=None).for_profiles()
@@ -249,8 +249,8 @@ def _solve_asperities(contact: AsperitySettings, upper: Any, lower: Any, values:
     values["normal_stiffness"][ok] = stiffness
     values["closure_stiffness"][ok] = stiffness / np.prod(upper.extent) * STIFFNESS_UNIT_FACTOR
     for load in ok:
-        table = list_asperity_contacts(listed(float(approach[load]), model=first_model), upper)
-        for name, value in (table.compute_statistics() | find_load_on_steep_contacts(table, slopes)).items():
+        table = tabulate_asperity_contacts(listed(float(approach[load]), model=first_model), upper)
+        for name, value in (table.compute_statistics() | compute_steep_contact_load(table, slopes)).items():
             values[name][load] = value
 
 
@@ -301,10 +301,10 @@ class PressedPair:
     def table(self) -> ContactList:
         """Return a table of the contacts between the two bodies."""
         if isinstance(self.curve, HalfSpaceCurve):
-            return list_contact_patches(self.curve.at(0))
+            return tabulate_contact_patches(self.curve.at(0))
         assert self.model is not None
         touching = contacts(self.upper, self.lower, float(self.curve.approach[0]), model=self.model)
-        return list_asperity_contacts(touching, self.lower)
+        return tabulate_asperity_contacts(touching, self.lower)
 
 
 # ---- Members of a study ----------------------------------------------------------------------------------------------
@@ -353,7 +353,9 @@ def compute_member_sums(study: Study, index: int) -> ArraysByName:
     Measured bodies also have the `MEMBER_COORDINATES`. Values are NaN at loads for which the solver fails. Raises a
     `ValueError` if the bodies cannot be loaded.
     """
-    arrays: ArraysByName = {name: np.empty(shape, dtype) for name, (shape, dtype) in describe_arrays(study).items()}
+    arrays: ArraysByName = {
+        name: np.empty(shape, dtype) for name, (shape, dtype) in array_shapes_and_types(study).items()
+    }
     for cell_index, part in (
         _solve_measured(study, index, arrays) if study.is_measured else _solve_generated(study, index)
     ):
@@ -363,12 +365,12 @@ def compute_member_sums(study: Study, index: int) -> ArraysByName:
 
 
 @functools.lru_cache(maxsize=4)
-def describe_arrays(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
+def array_shapes_and_types(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
     """Return the shape and data type of each variable, for a single member."""
     cells = len(study.surfaces.cells())
     return {
         name: ((*spec.shape[:cells], *spec.shape[cells + 1 :]), spec.dtype)
-        for name, spec in list_variables(study, [0]).items()
+        for name, spec in variable_specs(study, [0]).items()
     }
 
 
@@ -540,7 +542,7 @@ def _reuse_array(shape: tuple[int, ...]) -> Floats:
 
 def _solve_measured(study: Study, index: int, arrays: ArraysByName) -> Iterator[tuple[int, ArraysByName]]:
     """Yield each cutoff's index and the contact sums of the member. Write the member coordinates to `arrays`."""
-    unloads = index - study.surfaces.first_scan_member < NUM_UNLOADING_MEMBERS
+    unloads = index - study.surfaces.first_scan_member_index < NUM_UNLOADING_MEMBERS
     for cell_index, wavelength in enumerate(study.surfaces.cells()["cut_off"]):
         member = load_bodies(study).member(index, float(wavelength))
         arrays |= {name: np.asarray(getattr(member, name)) for name in ("x", "y", "line", "surrogate")}

@@ -166,7 +166,7 @@ def pair_of(
 # ---- Measured bodies -------------------------------------------------------------------------------------------------
 
 
-def _describe_grid(body: Any) -> tuple[Any, ...]:
+def _grid_properties(body: Any) -> tuple[Any, ...]:
     """Return the type, shape and spacing of a scan, for comparison with other scans.
 
     The spacing is rounded, because positions in a file are subject to round-off.
@@ -185,14 +185,14 @@ class LoadedBodies:
         self._surfaces, self._seed = surfaces, seed
         self._parts = [[scan.read() for scan in getattr(surfaces, side).scans] for side in SIDES]
         for side, scans in zip(SIDES, self._parts, strict=True):
-            if len(scans) > 1 and len({_describe_grid(scan) for scan in scans}) > 1:
+            if len(scans) > 1 and len({_grid_properties(scan) for scan in scans}) > 1:
                 raise ValueError(
                     f"surfaces.{side}: the scans of a part must have the same number of points and the same spacing"
                 )
             heights = [scan.heights.tobytes() for scan in scans if isinstance(scan, Profile | Surface)]
             if len(set(heights)) < len(heights):
                 raise ValueError(f"surfaces.{side}: two scans of a part are identical; give each scan only once")
-        if surfaces.first_scan_member and math.prod(surfaces.scan_counts) > 1:
+        if surfaces.first_scan_member_index and math.prod(surfaces.scan_counts) > 1:
             raise ValueError("surfaces.surrogates: must be 0 if a part has several scans")
         self.members = functools.lru_cache(MAX_CACHED_PAIRS)(self._prepare_members)
 
@@ -204,7 +204,7 @@ class LoadedBodies:
         surfaces, indices = self._surfaces, (upper, lower)
         scans = self._parts[0][upper], self._parts[1][lower]
         files = (getattr(surfaces, side).scans[index] for side, index in zip(SIDES, indices, strict=True))
-        upper_cutoff, lower_cutoff = (file.cut_off_at(wavelength) for file in files)
+        upper_cutoff, lower_cutoff = (file.limited_cut_off(wavelength) for file in files)
         return surfaces.members(scans, (upper_cutoff, lower_cutoff), self._seed)
 
     def member(self, index: int, wavelength: float) -> EnsembleMember:
@@ -214,7 +214,7 @@ class LoadedBodies:
         # Surrogates use the index in the study as their random seed.
         has_surrogates = surfaces.press == "surrogates" or getattr(surfaces, "replace", "none") != "none"
         member_of_pair = index if has_surrogates else index // math.prod(surfaces.scan_counts)
-        return self.members(wavelength, *surfaces.scans_of(index)).member(member_of_pair)
+        return self.members(wavelength, *surfaces.scan_indices_of_members(index)).member(member_of_pair)
 
     def attributes(self) -> BodyAttributes:
         """Return the body attributes that a result stores, namely nominal area, history, grid and missing data."""
@@ -231,7 +231,7 @@ class LoadedBodies:
         for side, scan in zip(SIDES, properties.scans, strict=True):
             attributes[f"{side}_spacing_um"] = np.atleast_1d(np.asarray(scan.spacing, np.float64))
             attributes[f"{side}_extent_um"] = np.atleast_1d(np.asarray(scan.extent, np.float64))
-            if (interpolated := getattr(self._surfaces, side).find_interpolated()).any():
+            if (interpolated := getattr(self._surfaces, side).interpolation_extent()).any():
                 attributes[f"{side}_filled"] = interpolated
         return BodyAttributes(
             nominal_area=float(properties.area) * self._find_measured_fraction(), attributes=attributes
@@ -275,7 +275,7 @@ def load_bodies(study: Study) -> LoadedBodies:
     """
     surfaces = study.surfaces
     assert isinstance(surfaces, MeasuredSurfaceSettings)
-    stamps = tuple(scan.find_file_stamp() for side in SIDES for scan in getattr(surfaces, side).scans)
+    stamps = tuple(scan.file_stamp() for side in SIDES for scan in getattr(surfaces, side).scans)
     return _load_cached_bodies(surfaces, study.ensemble.seed, stamps)
 
 

@@ -10,7 +10,7 @@ from stiction._arguments import split_values
 from stiction._checks import Floats
 from stiction._errors import ArgumentError
 from stiction.mechanics.materials import Material, MaterialValue, material
-from stiction.studies.elasticity import Elasticity, find_elasticity
+from stiction.studies.elasticity import Elasticity, determine_elasticity
 from stiction.studies.input_uncertainty import (
     MAX_POISSON_RATIO,
     UNCERTAINTY_PATTERN,
@@ -96,7 +96,7 @@ def parse_elasticity(
 ) -> tuple[Elasticity, Moduli]:  # fmt: skip
     """Return the elasticity for the central argument values, and the moduli with their uncertainties.
 
-    The arguments have the meanings of `find_elasticity`, but may be ranges or have an uncertainty. Raises a
+    The arguments have the meanings of `determine_elasticity`, but may be ranges or have an uncertainty. Raises a
     `ValueError` if arguments are missing, contradictory or invalid.
     """
     arguments = {"effective_modulus": effective_modulus, "young": young, "poisson": poisson}
@@ -110,7 +110,7 @@ def parse_elasticity(
     numbers = {
         name: values[0] if isinstance(values, list) and len(values) == 1 else values for name, values in middle.items()
     }
-    elasticity = find_elasticity(**numbers, upper_material=upper_material, lower_material=lower_material)
+    elasticity = determine_elasticity(**numbers, upper_material=upper_material, lower_material=lower_material)
     value = elasticity.effective_modulus
     if "effective_modulus" in inputs:
         return elasticity, Moduli(value, inputs["effective_modulus"][0])

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction.studies.budget import SAME_INPUT_TOLERANCE, add_uncertainty
 from stiction.studies.evaluation import at_load, reached_loads
-from stiction.studies.hardness import find_inputs
+from stiction.studies.hardness import find_uncertain_inputs
 
 if TYPE_CHECKING:
     import xarray
@@ -128,7 +128,7 @@ class NodeAxis:
         first, number = (min(max(before - 1, 0), last - 3), 4) if cubic and last >= 3 else (before, 2)
         return self._lagrange_weights(value, np.arange(first, first + number))
 
-    def corrections(self, value: float, *, cubic: bool = True) -> list[Floats]:
+    def weight_corrections(self, value: float, *, cubic: bool = True) -> list[Floats]:
         """Return the changes in the weights if the interpolation also uses the preceding or the following node.
 
         A change is 0 at a node, and NaN if there is no such node.
@@ -194,7 +194,7 @@ class InterpolationNodes:
         return np.array([float(f"{load:.5g}") for load in np.geomspace(low, high, NUM_REPORT_LOADS)])
 
     @cached_property
-    def kinds(self) -> list[MemberKind | None]:
+    def member_kinds(self) -> list[MemberKind | None]:
         """Kinds of members ("shifts", "surrogates"). The quoted friction is that of the first kind."""
         head = self.result.head
         if "surrogate" not in head.coords:
@@ -216,12 +216,12 @@ class InterpolationNodes:
     def values(self) -> tuple[xarray.Dataset, ...]:
         """Values and intervals for each kind of members, at all loads and nodes."""
         names = LOAD_ONLY_VARIABLES if self.study.is_measured else None
-        return tuple(self._at(self.loads, self.axes, kind, names) for kind in self.kinds)
+        return tuple(self._at(self.loads, self.axes, kind, names) for kind in self.member_kinds)
 
     @cached_property
     def load_quantities(self) -> tuple[xarray.Dataset, ...]:
         """Quantities of measured bodies that depend only on the load, for each kind of members."""
-        return tuple(at_load(self.result, self.loads, mu0=[0.0], tau0=[0.0], of=kind) for kind in self.kinds)
+        return tuple(at_load(self.result, self.loads, mu0=[0.0], tau0=[0.0], of=kind) for kind in self.member_kinds)
 
     @cached_property
     def error(self) -> tuple[float, float]:
@@ -255,7 +255,7 @@ class InterpolationNodes:
     def _friction(self, loads: Floats, mu0: Floats, tau0: Floats) -> Floats:
         """Return friction coefficients with their intervals for all combinations of mu0 and tau0."""
         names = ("contact_count",) if self.study.is_measured else ()
-        return self._coefficient_table(self._at(loads, (NodeAxis(mu0), NodeAxis(tau0)), self.kinds[0], names))
+        return self._coefficient_table(self._at(loads, (NodeAxis(mu0), NodeAxis(tau0)), self.member_kinds[0], names))
 
     def _coefficient_table(self, at: xarray.Dataset) -> Floats:
         """Return the reported coefficients and their interval limits as an array."""
@@ -265,7 +265,7 @@ class InterpolationNodes:
 
 def initial_axes(study: Study) -> tuple[NodeAxis, NodeAxis]:
     """Return the initial nodes of mu0 and tau0 (GPa), from 0 to the largest value that a report shows."""
-    ranged = set(find_inputs(study)) | ({"mu0", "tau0"} if study.known.interface else set())
+    ranged = set(find_uncertain_inputs(study)) | ({"mu0", "tau0"} if study.known.interface else set())
     modulus, hardness = float(study.contact.effective_modulus), study.contact.hardness
     strength = MAX_TAU0_OVER_MODULUS * modulus
     strength = strength if hardness is None else min(strength, MAX_TAU0_OVER_HARDNESS * float(hardness))
@@ -326,7 +326,7 @@ def refine_axes(
             with np.errstate(invalid="ignore"):
                 estimated = np.stack([np.tensordot(axis.weights(middle), nodes, axes=1) for middle in middles])
                 changes = [
-                    np.tensordot(np.stack([axis.corrections(middle)[side] for middle in middles]), nodes, axes=1)
+                    np.tensordot(np.stack([axis.weight_corrections(middle)[side] for middle in middles]), nodes, axes=1)
                     for side in range(2)
                 ]
             estimate = (
@@ -432,7 +432,7 @@ def _interpolate_at_midpoints(axes: tuple[NodeAxis, NodeAxis], table: Floats, *,
         np.stack([axis.weights(value, cubic=cubic) for value in axis.panel_middles]) for axis in axes
     )
     by_mu0, by_tau0 = (
-        np.stack([axis.corrections(value, cubic=cubic) for value in axis.panel_middles], axis=1) for axis in axes
+        np.stack([axis.weight_corrections(value, cubic=cubic) for value in axis.panel_middles], axis=1) for axis in axes
     )
     along_mu0 = _estimated_error(*(_weighted_sums(table, change, over_tau0) for change in by_mu0))
     along_tau0 = _estimated_error(*(_weighted_sums(table, over_mu0, change) for change in by_tau0))

@@ -70,7 +70,7 @@ def compute_onset(
         return None
     load = float(study.friction.load[0]) if load is None else load
     surfaces: Any = study.surfaces
-    first = surfaces.first_scan_member
+    first = surfaces.first_scan_member_index
     first = first if first < study.ensemble.repetitions else 0
     is_slow = surfaces.is_areal and study.uses_half_space
     num_members = (NUM_AREAL_ONSET_MEMBERS if is_slow else NUM_ONSET_MEMBERS) if members is None else members

@@ -27,7 +27,7 @@ from stiction.mechanics.law import JacksonGreen
 from stiction.mechanics.materials import material, softer_material
 from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.studies.contact_tables import choose_load_steps
-from stiction.studies.elasticity import Elasticity, find_elasticity
+from stiction.studies.elasticity import Elasticity, determine_elasticity
 from stiction.studies.input_uncertainty import INPUT_KINDS, UNCERTAINTY_PATTERN, UncertainInput, parse_study_input
 from stiction.studies.interfaces import Interface, interface, interfaces, round_median_strength
 from stiction.studies.measured_surfaces import (
@@ -88,7 +88,7 @@ class MeasuredPair:
         if options.mu0 is None and options.interface is None:
             raise ArgumentError("give {mu0} or {interface}")
         for name in OPTION_CHECK_ORDER:
-            if (value := options.given(name)) is None:
+            if (value := options.option_value(name)) is None:
                 continue
             for condition in PAIR_OPTIONS[name].applies:
                 if not condition.holds(self):
@@ -124,7 +124,7 @@ class MeasuredPair:
         """Study entries for the files of both bodies, including the reading options."""
         files = []
         for index, side in enumerate(SIDES):
-            scans = self.options.given(side) if self.options.gap is None else self.options.gap
+            scans = self.options.option_value(side) if self.options.gap is None else self.options.gap
             name = side if self.options.gap is None else "gap"
             first_scan, *other_scans = (self._build_file_entry(side, index, scan) for scan in _list_scans(name, scans))
             files.append(first_scan.model_copy(update={"others": tuple(other_scans) or None}))
@@ -144,7 +144,7 @@ class MeasuredPair:
             for name in READING_OPTION_NAMES:
                 if is_array and name in ("unit", "spacing"):
                     continue
-                if options.given(name) not in (None, "error", "keep"):
+                if options.option_value(name) not in (None, "error", "keep"):
                     raise ArgumentError(
                         f"{{{name}}} must not be given for a body in memory, got {{{name}}}; "
                         "if the option is for the other file, read that file into memory first"
@@ -167,7 +167,7 @@ class MeasuredPair:
 
     def _select_value(self, name: str, index: int) -> Any:
         """Return the value of an option for one body. A single value applies to both bodies."""
-        option = self.options.given(name)
+        option = self.options.option_value(name)
         values = option if isinstance(option, list) else [option]
         if len(values) > 2:
             raise ArgumentError(
@@ -275,14 +275,14 @@ class MeasuredPair:
     def elasticity(self) -> Elasticity:
         """Elasticity of both bodies. Uncertain inputs enter with their central values."""
         modulus, young, poisson = (self._nominal_value(name) for name in ("effective_modulus", "young", "poisson"))
-        return find_elasticity(modulus, young, poisson, self.options.upper_material, self.options.lower_material)
+        return determine_elasticity(modulus, young, poisson, self.options.upper_material, self.options.lower_material)
 
     @cached_property
     def uncertain_inputs(self) -> dict[str, list[UncertainInput]]:
         """Inputs that are given as a range or with an uncertainty, by name."""
         inputs: dict[str, list[UncertainInput]] = {}
         for name in INPUT_KINDS:
-            texts = [text for text in split_values(self.options.given(name)) if text is not None]
+            texts = [text for text in split_values(self.options.option_value(name)) if text is not None]
             if not any(isinstance(text, str) and UNCERTAINTY_PATTERN.search(text) for text in texts):
                 continue
             if len(texts) > (2 if name in ("young", "poisson") else 1):
@@ -295,7 +295,9 @@ class MeasuredPair:
     def _parse_inputs(self, name: str) -> list[UncertainInput]:
         try:
             return [
-                parse_study_input(name, text) for text in split_values(self.options.given(name)) if text is not None
+                parse_study_input(name, text)
+                for text in split_values(self.options.option_value(name))
+                if text is not None
             ]
         except ValueError as error:
             raise ArgumentError(f"{{{name}}} {{why}}", why=str(error).strip()) from None
@@ -319,7 +321,7 @@ class MeasuredPair:
         if name == "tau0" and self.options.tau0 is None:
             return 0.0
         if name not in self.uncertain_inputs:
-            return self.options.given(name)
+            return self.options.option_value(name)
         central = [float(f"{item.value:.4g}") for item in self.uncertain_inputs[name]]
         return central if len(central) > 1 else central[0]
 
@@ -327,7 +329,7 @@ class MeasuredPair:
     def _uncertainty_table(self) -> dict[str, Any]:
         """Table `known` of the study. It contains the uncertain inputs and, if any modulus is uncertain, all moduli."""
         names = set(self.uncertain_inputs) | {
-            name for name in ("hardness", "creep") if self.options.given(name) is not None
+            name for name in ("hardness", "creep") if self.options.option_value(name) is not None
         }
         if names & {"young", "poisson"} and self.options.young is not None and self.options.poisson is not None:
             names |= {"young", "poisson"}
@@ -603,7 +605,7 @@ class MeasuredPair:
         """
         quantities = {}
         for name in ("work_of_adhesion", "adhesion_range"):
-            if (value := self.options.given(name)) is None:
+            if (value := self.options.option_value(name)) is None:
                 continue
             if isinstance(value, str) and UNCERTAINTY_PATTERN.search(value):
                 message = f"{{{name}}} must be one value, got {{got}}; compute both limits of a range separately"

@@ -197,7 +197,7 @@ def make_condition(message: str) -> Callable[[Callable[[PairProperties], bool]],
 
 
 @make_condition("must be one map")
-def is_one_map(pair: PairProperties) -> bool:
+def is_gap_map(pair: PairProperties) -> bool:
     """Return whether a single height map of the gap is given."""
     return pair.are_maps and pair.scan_counts == (1, 1)
 
@@ -221,19 +221,19 @@ def presses_profiles_as_lines(pair: PairProperties) -> bool:
 
 
 @make_condition("generates surfaces from a spectrum and needs scans without masked points")
-def has_whole_scans_for_surrogates(pair: PairProperties) -> bool:
+def has_complete_scans_for_surrogates(pair: PairProperties) -> bool:
     """Return True unless surrogates are requested for a scan that has masked points."""
     return not (pair.has_missing and pair.has_surrogates)
 
 
 @make_condition("uses the asperity model and needs scans without masked points")
-def has_whole_scans_for_asperities(pair: PairProperties) -> bool:
+def has_complete_scans_for_asperities(pair: PairProperties) -> bool:
     """Return True unless the asperity model is used for a scan that has masked points."""
     return not pair.has_missing or "asperities" not in pair.contact_models
 
 
 @make_condition("needs scans without masked points; {missing} interpolate fills them, and {crop} excludes them")
-def has_whole_scans(pair: PairProperties) -> bool:
+def has_complete_scans(pair: PairProperties) -> bool:
     """Return whether the scans have no masked points."""
     return not pair.has_missing
 
@@ -444,12 +444,12 @@ class SurfaceOptions(OptionGroup):
     )] = None  # fmt: skip
     gap: Annotated[Gap | None, PairOption(
         "FILE", "A map of the gap between two faces, for example of a fracture, instead of {upper} and {lower}.",
-        applies=(is_one_map,),
+        applies=(is_gap_map,),
     )] = None  # fmt: skip
     lay: Annotated[Lay | None, PairOption(
         "grooves|isotropic", "Lay of two profiles: measured across grooves, or on isotropic surfaces, which are then "
         "pressed as areas.", usual="pressed as lines",
-        applies=(has_two_profiles, has_whole_scans_for_surrogates),
+        applies=(has_two_profiles, has_complete_scans_for_surrogates),
         field=FormField(
             label="lay of profiles", empty="not given",
             choices=(("grooves", "across grooves"), ("isotropic", "none, isotropic")),
@@ -604,7 +604,7 @@ class MaterialOptions(OptionGroup):
     work_of_adhesion: Annotated[Value | None, PairOption(
         "ENERGY", 'Work of adhesion, "50 mJ/m^2"; "0 mJ/m^2" declares that there is none.', kind="work of adhesion",
         usual="taken as 0", flag="--adhesion", key="contact.work_of_adhesion",
-        applies=(has_whole_scans, uses_only_half_space_model),
+        applies=(has_complete_scans, uses_only_half_space_model),
         field=FormField(label="work of adhesion, mJ/m²", example="0, or 50", unit="mJ/m^2"),
     )] = None  # fmt: skip
     adhesion_range: Annotated[Value | None, PairOption(
@@ -655,12 +655,12 @@ class ContactOptions(OptionGroup):
 
     check: Annotated[bool, PairOption(
         "", "Also press with the other contact model, with results in DIR/NAME.", is_in_python=False,
-        applies=(has_whole_scans_for_asperities,),
+        applies=(has_complete_scans_for_asperities,),
     )] = False  # fmt: skip
     mechanics: Annotated[Mechanics | None, PairOption(
         "half-space|asperities", "The elastic half-space (half-plane for lines), or isolated asperities (fast).",
         usual="asperities for lines, except two profiles of metals", key="contact.mechanics",
-        applies=(has_whole_scans_for_asperities, uses_one_contact_model),
+        applies=(has_complete_scans_for_asperities, uses_one_contact_model),
         field=FormField(
             label="contact model", empty="the usual one",
             choices=(("half-space", "half-space (exact)"), ("asperities", "asperities (fast)")),
@@ -711,7 +711,7 @@ class EnsembleOptions(OptionGroup):
     surrogates: Annotated[SurrogateChoice | None, PairOption(
         "N|none|upper|lower|both", "For areas: number of additional pairs of random surfaces with equal spectra. For "
         "lines: body to replace by random surfaces.", usual="none", key="surfaces.replace",
-        applies=(has_whole_scans_for_surrogates, has_two_bodies),
+        applies=(has_complete_scans_for_surrogates, has_two_bodies),
     )] = None  # fmt: skip
     seed: Annotated[Seed | None, PairOption(
         "N", "Seed of the random phases of surrogates.", usual="2016", key="ensemble.seed",
@@ -742,7 +742,7 @@ class PairOptions(
 
     title: ClassVar[str] = "Options of a pair"
 
-    def given(self, name: str) -> object:
+    def option_value(self, name: str) -> object:
         """Return the value of an option, or None if the option was not given."""
         value: object = getattr(self, name)
         return None if value is False else value
@@ -812,7 +812,7 @@ def format_python_name(name: str) -> str:
 
 
 @contextmanager
-def argument_errors() -> Iterator[None]:
+def convert_validation_errors() -> Iterator[None]:
     """Convert the first error in a pydantic validation error to an `ArgumentError`."""
     try:
         yield
@@ -844,5 +844,5 @@ def read_options(values: dict[str, object]) -> PairOptions:
 
     Raises an `ArgumentError` if a value is invalid.
     """
-    with argument_errors():
+    with convert_validation_errors():
         return PairOptions.model_validate(values)

@@ -19,9 +19,9 @@ from stiction.studies.contact_picture import CONTACT_PICTURE_FILE, contact_pictu
 from stiction.studies.evaluation import is_unloaded
 from stiction.studies.hardness import (
     HARDNESS_AREAS_FILE,
-    compute_areas_over_hardness,
-    count_solutions,
-    load_areas_over_hardness,
+    compute_areas_at_nodes,
+    count_area_solutions,
+    load_areas_at_nodes,
 )
 from stiction.studies.member_solution import estimate_member_time, estimate_solution_time
 from stiction.studies.onset import (
@@ -101,16 +101,16 @@ def complete_result(
         print_finished(f"part {part[0]}/{part[1]} is finished; {stored.count} of {total} repetitions are in {folder}")
         return Result(stored)
     result = Result(stored)
-    if measured and load_areas_over_hardness(stored) is None and not is_unloaded(result):
+    if measured and load_areas_at_nodes(stored) is None and not is_unloaded(result):
         # If hardness or moduli are ranges, some members are also computed at values other than the nominal values.
         seconds = (
-            count_solutions(stored.study) * estimate_solution_time(stored.study)
+            count_area_solutions(stored.study) * estimate_solution_time(stored.study)
             if stored.study.uses_half_space
             else 0.0
         )
         if seconds > MIN_ANNOUNCED_TIME:
             print_remark(f"at other hardnesses and moduli: about {format_duration(seconds)} of one core")
-        _write_companion(stored, HARDNESS_AREAS_FILE, lambda: compute_areas_over_hardness(stored.study, executor))
+        _write_companion(stored, HARDNESS_AREAS_FILE, lambda: compute_areas_at_nodes(stored.study, executor))
     if num_existing < total and (num_existing or not measured):
         print_finished(
             f"wrote {folder}" + (f" ({num_existing} of {total} repetitions already existed)" if num_existing else "")

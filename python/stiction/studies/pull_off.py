@@ -31,7 +31,7 @@ class PullOffValues:
     is_bound: bool  # True if the pull-off force of some members is only a lower bound
 
     @property
-    def sticks(self) -> Literal["yes", "no", "uncertain"]:
+    def sticking_assessment(self) -> Literal["yes", "no", "uncertain"]:
         """Assessment of whether the bodies stick together, which is "yes", "no" or "uncertain".
 
         The value is "yes" if the interval of the pull-off pressure is above `MIN_STICKING_PRESSURE`, "no" if it is
@@ -47,7 +47,7 @@ class PullOffValues:
         )
 
 
-def find_sticking(point: xarray.Dataset, rule: str) -> PullOffValues | None:
+def find_pull_off_values(point: xarray.Dataset, rule: str) -> PullOffValues | None:
     """Return pull-off force, pull-off pressure and friction at zero load, or None if the point has no such values."""
     if "pull_off" not in point or "pull_off_pressure" not in point:
         return None

@@ -84,7 +84,7 @@ def build_cutoff_study(study: Study) -> Study | None:
             study.ensemble.repetitions, NUM_AREAL_MEMBERS if study.is_areal else NUM_LINE_MEMBERS
         ),
     }  # fmt: skip
-    if study.surfaces.first_scan_member:
+    if study.surfaces.first_scan_member_index:
         changes["surfaces.surrogates"] = 0
     return study.with_changes(changes)
 
@@ -132,7 +132,7 @@ class ResolvedRoughness:
         """Return the fraction of the gap's mean square gradient that comes from wavelengths below a limit (µm)."""
         return float(self.roughness.fraction_below(wavelength))
 
-    def find_plastic_wavelength(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
+    def find_yield_wavelength(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
         """Return the cutoff (µm) at which the elastic pressure is `ratio` times the pressure at the scan resolution.
 
         `ratio` is the multiple. The cutoff is returned with its interval.
@@ -174,7 +174,7 @@ def _find_resolved_roughness(study: Study) -> ResolvedRoughness:
     bodies = load_bodies(study)
     wavelength = surfaces.quoted_cut_off()
     # The gap is computed for the first member that consists of pieces of the scans, or otherwise for a surrogate.
-    first = surfaces.first_scan_member
+    first = surfaces.first_scan_member_index
     index = first if first < study.ensemble.repetitions else 0
     upper, lower = bodies.member(index, wavelength).pair
     gap = replace(upper, heights=upper.heights - lower.heights, history=(), missing=None)
@@ -248,7 +248,7 @@ class ResolutionEffect:
     yielding: tuple[tuple[dict[str, float], tuple[YieldWavelengthEstimate, ...]], ...] = ()
 
 
-def find_resolution(at: xarray.Dataset, study: Study, cutoffs: xarray.Dataset | None) -> ResolutionEffect | None:
+def find_resolution_effect(at: xarray.Dataset, study: Study, cutoffs: xarray.Dataset | None) -> ResolutionEffect | None:
     """Return the effect of the scan resolution, or None if roughness and results at cutoffs are both unavailable.
 
     `cutoffs` is a result of `evaluate_cutoffs`, or a dataset of `Result.at` at several cutoffs.
@@ -295,7 +295,7 @@ def estimate_yield_wavelengths(
     mu0, tau0 = float(point["mu0"]), float(point["tau0"])
     return tuple(
         YieldWavelengthEstimate(
-            hardness, *scan.find_plastic_wavelength(hardness / pressure, count), mu0 + tau0 / hardness
+            hardness, *scan.find_yield_wavelength(hardness / pressure, count), mu0 + tau0 / hardness
         )
         for hardness in TYPICAL_HARDNESSES
         if hardness < modulus / 2

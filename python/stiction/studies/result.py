@@ -157,7 +157,7 @@ class Result:
 
         return sum(piece.sizes["repetition"] for piece in solved_pieces(self, ["normal_elastic"]))
 
-    def alongside(self, read: Callable[[StoredResult], _Read | None]) -> _Read | None:
+    def load_companion(self, read: Callable[[StoredResult], _Read | None]) -> _Read | None:
         """Read data stored alongside the result by calling `read`, and cache the data.
 
         Returns None for results in memory.
@@ -181,24 +181,24 @@ class Result:
         """
         from stiction.studies.onset import load_onset
 
-        return self.alongside(load_onset)
+        return self.load_companion(load_onset)
 
     @property
-    def over_cut_offs(self) -> xarray.Dataset | None:
+    def values_at_cutoffs(self) -> xarray.Dataset | None:
         """Values of a few members at several cutoff wavelengths, or None if no cutoff study is stored."""
         from stiction.studies.resolution import evaluate_cutoffs
 
-        return self.alongside(evaluate_cutoffs)
+        return self.load_companion(evaluate_cutoffs)
 
     @property
     def contact_picture(self) -> xarray.Dataset | None:
         """Heights, contacts and pressures of a typical member, or None if no contact picture is stored."""
         from stiction.studies.contact_picture import load_contact_picture
 
-        return self.alongside(load_contact_picture)
+        return self.load_companion(load_contact_picture)
 
     @cached_property
-    def coming_and_going(self) -> xarray.Dataset | None:
+    def loading_cycle(self) -> xarray.Dataset | None:
         """Load, contact area and approach of a typical adhesive member during loading and unloading.
 
         The values are computed on first use.
@@ -219,9 +219,9 @@ class Result:
     @property
     def height_factors(self) -> dict[ScaledBodies, list[float]]:
         """Lists of the stored height factors that scale both bodies, only the upper body, or only the lower body."""
-        from stiction.studies.height_scale import list_stored_factors
+        from stiction.studies.height_scale import group_stored_factors
 
-        return {} if self.stored is None else list_stored_factors(self.stored)
+        return {} if self.stored is None else group_stored_factors(self.stored)
 
     @cached_property
     def nodes(self) -> InterpolationNodes:
@@ -435,42 +435,42 @@ class Result:
         The default summary is computed only once.
         """
         if load is None and mu0 is None and tau0 is None:
-            return replace(self._own_summary, onset=self.onset, over_cut_offs=self.over_cut_offs)
-        return self.summary_of(self.at(load, mu0=mu0, tau0=tau0, budget=True))
+            return replace(self._study_summary, onset=self.onset, values_at_cutoffs=self.values_at_cutoffs)
+        return self.summarize_dataset(self.at(load, mu0=mu0, tau0=tau0, budget=True))
 
-    def summary_of(self, at: xarray.Dataset) -> Summary:
+    def summarize_dataset(self, at: xarray.Dataset) -> Summary:
         """Summarize a dataset returned by `at` with `budget=True`, or a selection from such a dataset."""
         from stiction.studies.summary import summarize
 
         return summarize(at, self.study, input_caveats=self.input_caveats)
 
     @cached_property
-    def _own_summary(self) -> Summary:
-        return self.summary_of(self.at_study_loads)
+    def _study_summary(self) -> Summary:
+        return self.summarize_dataset(self.at_study_loads)
 
     @property
-    def _first_headline(self) -> PointSummary:
+    def _first_quoted_point(self) -> PointSummary:
         return self.summary().first
 
     @property
     def value(self) -> float:
         """Coefficient of static friction at the quoted point, or NaN if the result has no coefficient."""
-        return self._first_headline.value
+        return self._first_quoted_point.value
 
     @property
     def interval(self) -> tuple[float, float]:
         """Limits of the combined 95 % interval of `value`. It includes inputs, positions and unresolved roughness."""
-        return self._first_headline.lower, self._first_headline.upper
+        return self._first_quoted_point.lower, self._first_quoted_point.upper
 
     @property
     def of_positions(self) -> tuple[float, float]:
         """Limits of the 95 % sampling interval of the mean over positions, for inputs at their central values."""
-        return self._first_headline.rules[0].positions
+        return self._first_quoted_point.rules[0].positions
 
     @property
     def next_test(self) -> tuple[float, float]:
         """Limits of the 95 % prediction interval for one test at one position in one direction of motion."""
-        return self._first_headline.rules[0].next_test
+        return self._first_quoted_point.rules[0].next_test
 
     @property
     def budget(self) -> pandas.DataFrame:
@@ -481,7 +481,7 @@ class Result:
         """
         import pandas
 
-        point = self._first_headline
+        point = self._first_quoted_point
         whole = point.upper - point.lower
         rows = [
             (interval.words, interval.lower, interval.upper, interval.width, 1 - interval.width / whole)
@@ -492,7 +492,7 @@ class Result:
     @property
     def verdict(self) -> str:
         """Assessment of `value`: "Quote it", "Quote with care" or "Do not quote"."""
-        return self._first_headline.verdict
+        return self._first_quoted_point.verdict
 
     @property
     def assessment(self) -> str:
@@ -502,14 +502,14 @@ class Result:
     @property
     def caveats(self) -> tuple[Caveat, ...]:
         """Caveats about `value`, each with a remedy. Faults come first."""
-        return self._first_headline.caveats
+        return self._first_quoted_point.caveats
 
     @property
     def sentence(self) -> str:
         """Sentence that contains `value` and all conditions under which it holds."""
         from stiction.views.sentence import sentence_text
 
-        return sentence_text(self._first_headline)
+        return sentence_text(self._first_quoted_point)
 
     # ---- Tables, figures and reports ---------------------------------------------------------------------------------
 

@@ -20,7 +20,7 @@ import numpy as np
 from stiction._core import __version__
 from stiction._files import new_partial_name
 from stiction._text import format_bytes, format_duration, printable_path
-from stiction.studies.executors import WORKER_DIED_MESSAGE, enter_executor, progress_bar, use_idle_threads
+from stiction.studies.executors import WORKER_DIED_MESSAGE, executor_or_thread_pool, progress_bar, use_idle_threads
 from stiction.studies.layout import MEMBER_COORDINATES, ArraysByName, build_dataset, member_bytes, stack_members
 from stiction.studies.member_solution import compute_member_sums, estimate_member_time
 from stiction.studies.members import body_attributes, count_points
@@ -155,20 +155,20 @@ def complete_blocks(
     """
     missing = _MissingMembers(stored, part)
     with contextlib.ExitStack() as stack:
-        pool = stack.enter_context(enter_executor(executor))
+        pool = stack.enter_context(executor_or_thread_pool(executor))
         advance = stack.enter_context(
             progress_bar("repetitions", missing.total, missing.total - missing.count, progress)
         )
         if missing.count:
             stack.enter_context(_count_finished_on_error(stored))
-            _compute_into(stored, missing, pool, advance, announce, update)
+            _compute_blocks(stored, missing, pool, advance, announce, update)
     stored = stored.reload()
     if _MissingMembers(stored, part).count:
         raise StoreError(f"{printable_path(stored.path)} was removed or replaced while it was being written")
     return stored
 
 
-def _compute_into(
+def _compute_blocks(
     stored: StoredResult, missing: _MissingMembers, pool: Executor, advance: Callable[[int], None],
     announce: Callable[[str], None] | None, update: Callable[[str], None] | None,
 ) -> None:  # fmt: skip
@@ -249,7 +249,7 @@ def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> x
         advance(len(members))
 
     with contextlib.ExitStack() as stack:
-        pool = stack.enter_context(enter_executor(executor))
+        pool = stack.enter_context(executor_or_thread_pool(executor))
         advance = stack.enter_context(progress_bar("repetitions", missing.total, 0, progress))
         _compute_ranges(missing, pool, MAX_SUBMITTED_TASKS, accept, compute_block_arrays, __version__, study)
     return build_dataset(study, range(missing.total), arrays, body_attributes(study))

@@ -37,10 +37,10 @@ from stiction.studies.layout import (
     RESULT_TITLE,
     ArraysByName,
     build_dataset,
-    list_coordinates,
-    list_variables,
+    coordinate_specs_and_values,
     member_bytes,
     members_per_piece,
+    variable_specs,
 )
 from stiction.studies.measured_surfaces import BodyAttributes
 from stiction.studies.members import body_attributes
@@ -204,7 +204,7 @@ class StoredResult:
         version, numbers = self.version, self.finished[first:last]
         axis = len(self.study.surfaces.cells())
         arrays: ArraysByName = {
-            name: np.empty(spec.shape, spec.dtype) for name, spec in list_variables(self.study, numbers).items()
+            name: np.empty(spec.shape, spec.dtype) for name, spec in variable_specs(self.study, numbers).items()
         }
         if self.study.is_measured:
             arrays |= {name: np.empty(numbers.size, dtype) for name, dtype in MEMBER_COORDINATES.items()}
@@ -217,7 +217,7 @@ class StoredResult:
                 high = min(last, block_end) - block_start + block_first
                 content = self.first_block_content if block is self._block_ranges[0][0] else self._read_block(block)
                 if differ := find_member_differences(content.study, self.study):
-                    raise _damage_error(
+                    raise _build_damage_error(
                         self.path, block, f"does not match {STUDY_FILE}: {format_differences(differ[:1])}"
                     )
                 bodies = bodies or content.bodies
@@ -239,13 +239,13 @@ class StoredResult:
             if not np.array_equal(content.numbers, np.arange(block.first, block.last + 1)):
                 raise DamagedFileError("does not contain the repetitions in its file name")
         except OSError as error:
-            raise _damage_error(self.path, block, f"cannot be read: {describe_os_error(error)}") from None
+            raise _build_damage_error(self.path, block, f"cannot be read: {describe_os_error(error)}") from None
         except (UnreadableFileError, DamagedFileError) as error:
-            raise _damage_error(self.path, block, str(error)) from None
+            raise _build_damage_error(self.path, block, str(error)) from None
         return content
 
 
-def _damage_error(path: Path, block: BlockFile, reason: str) -> StoreError:
+def _build_damage_error(path: Path, block: BlockFile, reason: str) -> StoreError:
     return StoreError(
         f"{printable_path(path / BLOCKS_FOLDER / block.name)}: {reason}; remove that file and run the study again to "
         f"recompute repetitions {block.first} to {block.last}"
@@ -541,7 +541,7 @@ def _block_template(study: Study, count: int) -> bytes:
     Copying a template is much faster than writing a new file, because names and units take longer to write than values.
     """
     numbers = range(count)
-    arrays = {name: np.zeros(spec.shape, spec.dtype) for name, spec in list_variables(study, numbers).items()}
+    arrays = {name: np.zeros(spec.shape, spec.dtype) for name, spec in variable_specs(study, numbers).items()}
     if study.is_measured:
         arrays |= {name: np.zeros(count, dtype) for name, dtype in MEMBER_COORDINATES.items()}
     image = io.BytesIO()
@@ -592,7 +592,7 @@ def decode_members(content: bytes) -> BlockFileContent:
             raise DamagedFileError("has no attribute 'study'")
         study = _parse_study(text)
         numbers = _read_variable(file, "repetition")
-        arrays = {name: _read_variable(file, name, spec.shape) for name, spec in list_variables(study, numbers).items()}
+        arrays = {name: _read_variable(file, name, spec.shape) for name, spec in variable_specs(study, numbers).items()}
         bodies = BodyAttributes()
         if study.is_measured:
             arrays |= {
@@ -604,7 +604,9 @@ def decode_members(content: bytes) -> BlockFileContent:
                 name: value if isinstance(value, str) else np.atleast_1d(value) for name, value in stored.items()
             }
             bodies = BodyAttributes(float(_read_variable(file, "nominal_area")), attributes)
-        coordinates = {name: pair for name, pair in list_coordinates(study, []).items() if name != "repetition"}
+        coordinates = {
+            name: pair for name, pair in coordinate_specs_and_values(study, []).items() if name != "repetition"
+        }
         is_exact = [np.array_equal(_read_variable(file, name), values) for name, (_, values) in coordinates.items()]
     return BlockFileContent(study, str(version), numbers, arrays, bodies, all(is_exact))
 

@@ -28,7 +28,7 @@ from stiction.studies.contact_tables import (
     MeasuredMapContactSettings,
     choose_load_steps,
     read_contact,
-    select_contact_case,
+    select_contact_class,
 )
 from stiction.studies.generated_surfaces import (
     GeneratedProfileSettings,
@@ -46,12 +46,12 @@ from stiction.studies.values import (
     StudyTable,
     StudyTableVariant,
     Times,
-    as_toml,
     as_tuple,
     check_keys,
+    format_toml_value,
     make_key_error,
+    parse_toml,
     select_key_value,
-    toml,
     validate_table,
 )
 
@@ -81,14 +81,14 @@ SURFACE_SETTINGS_CLASSES: tuple[type[SurfaceSettings], ...] = get_args(
 )  # all classes that can represent the table `[surfaces]`
 
 
-def _list_cases(key: str, *cases: type[SurfaceSettings]) -> tuple[str, dict[str, type[SurfaceSettings]]]:
+def _classes_by_key(key: str, *cases: type[SurfaceSettings]) -> tuple[str, dict[str, type[SurfaceSettings]]]:
     return key, {case.model_fields[key].default: case for case in cases}
 
 
 _SURFACE_CLASSES_BY_KIND = {
-    "profile": _list_cases("kind", GeneratedProfileSettings),
-    "surface": _list_cases("generator", WeierstrassMandelbrotSettings, SelfAffineSettings),
-    "measured": _list_cases("press", *get_args(MeasuredSurfaceSettings)),
+    "profile": _classes_by_key("kind", GeneratedProfileSettings),
+    "surface": _classes_by_key("generator", WeierstrassMandelbrotSettings, SelfAffineSettings),
+    "measured": _classes_by_key("press", *get_args(MeasuredSurfaceSettings)),
 }
 """Key that selects the class of a surfaces table, and the classes, for each value of `kind`.
 
@@ -96,7 +96,7 @@ The first class is the default.
 """
 
 
-def select_surface_case(table: Mapping[str, Any]) -> type[SurfaceSettings]:
+def select_surface_class(table: Mapping[str, Any]) -> type[SurfaceSettings]:
     """Return the class for the table `[surfaces]`, as selected by its keys `kind`, `generator` and `press`."""
     key, cases = _SURFACE_CLASSES_BY_KIND[select_key_value("kind", table, _SURFACE_CLASSES_BY_KIND)]
     return cases[select_key_value(key, table, cases)]
@@ -158,7 +158,7 @@ SHARED_FRICTION_SETTINGS: tuple[type[StudyTableVariant], ...] = (
 """Base classes whose keys several friction tables share."""
 
 
-def select_friction_case(surfaces: type[SurfaceSettings], mechanics: str) -> type[FrictionSettings]:
+def select_friction_class(surfaces: type[SurfaceSettings], mechanics: str) -> type[FrictionSettings]:
     """Return the class of the table `[friction]` for the given surfaces and contact model."""
     if issubclass(surfaces, get_args(MeasuredSurfaceSettings)):
         return MeasuredFrictionSettings
@@ -182,7 +182,7 @@ class EnsembleSettings(StudyTable):
 FigureName = Literal["profiles", "length-scales", "friction", "area", "onset"]
 
 
-def _check_distinct(names: tuple[str, ...]) -> tuple[str, ...]:
+def _require_distinct_names(names: tuple[str, ...]) -> tuple[str, ...]:
     for name in names:
         if names.count(name) > 1:
             raise ValueError(f"must contain each figure once, got {name!r} {names.count(name)} times")
@@ -192,7 +192,7 @@ def _check_distinct(names: tuple[str, ...]) -> tuple[str, ...]:
 class FigureSettings(StudyTable):
     """Figures to draw for a result of generated surfaces."""
 
-    draw: Annotated[tuple[FigureName, ...], as_tuple, AfterValidator(_check_distinct)] = Field(
+    draw: Annotated[tuple[FigureName, ...], as_tuple, AfterValidator(_require_distinct_names)] = Field(
         default=("friction", "area"), description="Figures that `run` and `plot` draw."
     )
 
@@ -234,7 +234,7 @@ def _add_bracketing_loads(
 
 def _nominal_area(surfaces: Mapping[str, Any]) -> float:
     """Return the nominal area (µm²) of generated surfaces from the table that describes them."""
-    table: Any = select_surface_case(surfaces).model_validate(surfaces)
+    table: Any = select_surface_class(surfaces).model_validate(surfaces)
     return math.prod(table.extents()) if table.is_areal else float(table.extent) * PROFILE_WIDTH
 
 
@@ -282,7 +282,7 @@ class Study(StudyTable):
         if not tables or "load" in contact or "load" not in friction:
             return given
         try:
-            mechanics = select_contact_case(select_surface_case(surfaces), contact).model_fields["mechanics"].default
+            mechanics = select_contact_class(select_surface_class(surfaces), contact).model_fields["mechanics"].default
             loads = [float(quantity(load, "force")) for load in friction["load"]]
             around = choose_load_steps(loads, press=surfaces.get("press", "areas"), mechanics=mechanics)
         except (ValueError, TypeError):  # the validation of the key reports the error
@@ -297,7 +297,7 @@ class Study(StudyTable):
             return value
         if not isinstance(value, Mapping):
             raise ValueError(f"must be a table, got {short_repr(value)}")
-        case = select_surface_case(value)
+        case = select_surface_class(value)
         check_keys(value, case, SURFACE_SETTINGS_CLASSES)
         return case.model_validate(value)
 
@@ -317,12 +317,12 @@ class Study(StudyTable):
         # if the contact is None, only the error of its table is reported
         contact = info.data.get("contact")
         mechanics = "half-space" if contact is None else contact.mechanics
-        case = select_friction_case(type(surfaces), mechanics)
+        case = select_friction_class(type(surfaces), mechanics)
         check_keys(value, case, SHARED_FRICTION_SETTINGS)
         return case.model_validate(value)
 
     @model_validator(mode="after")
-    def _check_consistency(self) -> Study:
+    def _require_consistent_tables(self) -> Study:
         draw, friction, steps = self.figures.draw, self.friction, self.contact.loading_steps()
         if friction.load and not steps[0] <= float(friction.load[0]) <= float(friction.load[-1]) <= steps[-1]:
             raise ValueError(
@@ -382,9 +382,9 @@ class Study(StudyTable):
         onset = ONSET_QUANTITIES if self.contact.onset is not None else ()
         return SUM_QUANTITIES + (AREAL_SUM_QUANTITIES if self.is_areal else ()) + approach + onset
 
-    def motions(self) -> dict[str, list[Any]]:
+    def motion_coordinates(self) -> dict[str, list[Any]]:
         """Return the sliding rules and directions (degrees) that are dimensions of a result."""
-        return self.contact.motions()
+        return self.contact.motion_coordinates()
 
     def with_checksums(self, folder: Path | None = None) -> Study:
         """Return a copy of the study with absolute paths and with checksums of all files.
@@ -475,7 +475,7 @@ class Study(StudyTable):
         for name, table in self._to_tables().items():
             if not table:
                 continue
-            lines = [f"{key} = {as_toml(value)}" for key, value in table.items()]
+            lines = [f"{key} = {format_toml_value(value)}" for key, value in table.items()]
             tables.append("\n".join([f"[{name}]", *lines]) + "\n")
         return "\n".join(tables)
 
@@ -487,14 +487,14 @@ class Study(StudyTable):
         }
         selectors = {key: value for key, value in selectors.items() if value is not None}
         try:
-            surfaces = select_surface_case(selectors)
-            contact = select_contact_case(surfaces, selectors)
+            surfaces = select_surface_class(selectors)
+            contact = select_contact_class(surfaces, selectors)
         except PydanticCustomError:  # the validation of the key reports the error
             return data
         data["surfaces"] = _convert_table(self.surfaces, surfaces)
         data["contact"] = _convert_table(self.contact, contact)
         if not issubclass(surfaces, get_args(MeasuredSurfaceSettings)):
-            friction = select_friction_case(surfaces, contact.model_fields["mechanics"].default)
+            friction = select_friction_class(surfaces, contact.model_fields["mechanics"].default)
             self._reset_loads(data, changes, is_allowed="load" in friction.model_fields)
         return data
 
@@ -507,7 +507,7 @@ class Study(StudyTable):
 
     def _to_tables(self) -> dict[str, dict[str, Any]]:
         names = [name for name in type(self).model_fields if name != "figures" or not self.is_measured]
-        return {name: list_written_keys(getattr(self, name)) for name in names}
+        return {name: written_entries(getattr(self, name)) for name in names}
 
 
 def _convert_table(table: StudyTable, case: type[StudyTable]) -> dict[str, Any]:
@@ -516,10 +516,10 @@ def _convert_table(table: StudyTable, case: type[StudyTable]) -> dict[str, Any]:
     changed = {key for key, value in table if value != table_class.model_fields[key].default}
     keys = [key for key, field in case.model_fields.items() if key in changed or not field.is_required()]
     values = {key: getattr(table, key) if key in changed else case.model_fields[key].default for key in keys}
-    return list_written_keys(case.model_construct(**values))
+    return written_entries(case.model_construct(**values))
 
 
-def list_written_keys(table: StudyTable) -> dict[str, Any]:
+def written_entries(table: StudyTable) -> dict[str, Any]:
     """Return the entries of a table that are not None, in the order used in study files."""
     data = table.model_dump(exclude_none=True)
     order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
@@ -583,7 +583,9 @@ def find_differences(first: StudyTable, second: StudyTable, prefix: str = "") ->
         if isinstance(values[0], StudyTable) and isinstance(values[1], StudyTable):
             result += find_differences(values[0], values[1], f"{prefix}{name}.")
         else:
-            result.append((f"{prefix}{name}", as_toml(texts[0].get(name)), as_toml(texts[1].get(name))))
+            result.append(
+                (f"{prefix}{name}", format_toml_value(texts[0].get(name)), format_toml_value(texts[1].get(name)))
+            )
     return result
 
 
@@ -617,7 +619,7 @@ def parse_study(text: str, source: str) -> Study:
     Error messages start with the name of the source.
     """
     try:
-        data = toml(text)
+        data = parse_toml(text)
     except ValueError as error:
         raise StudyError(
             f"{printable_path(source)}: the text is not valid TOML: {printable(error, MAX_PATH_LENGTH)}"

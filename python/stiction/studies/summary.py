@@ -17,7 +17,7 @@ import numpy as np
 from stiction._number_format import format_estimate
 from stiction.mechanics import friction
 from stiction.mechanics.brackets import friction_bracket
-from stiction.studies.assessment import MORE_CONTACTS_REMEDY, Caveat, find_point_caveats, find_verdict
+from stiction.studies.assessment import MORE_CONTACTS_REMEDY, Caveat, find_point_caveats, verdict_from_caveats
 from stiction.studies.point import (
     CELL_DIMENSIONS,
     MEAN_AND_LIMITS,
@@ -31,7 +31,7 @@ from stiction.studies.point import (
     roughness_exponent,
     select_sliding_rule,
 )
-from stiction.studies.pull_off import PullOffValues, find_sticking
+from stiction.studies.pull_off import PullOffValues, find_pull_off_values
 
 if TYPE_CHECKING:
     import xarray
@@ -130,7 +130,7 @@ class PointSummary:
         return None if self.study.contact.hardness is None else float(self.study.contact.hardness)
 
     @property
-    def grows(self) -> bool:
+    def has_junction_growth(self) -> bool:
         """True if plastic contacts grow under shear."""
         return bool(self.study.contact.junction_growth)
 
@@ -140,7 +140,7 @@ class PointSummary:
         return find_contact_status(self.values, self.study)
 
     @property
-    def unloaded(self) -> bool:
+    def is_unloaded(self) -> bool:
         """True if the load is negligible compared with the pull-off force."""
         return is_unloaded(self.values)
 
@@ -170,7 +170,7 @@ class PointSummary:
         return self.rules[0].upper
 
     @property
-    def most(self) -> RemainingInterval | None:
+    def dominant_input(self) -> RemainingInterval | None:
         """Input that contributes most to the width of the interval, or None if no input dominates."""
         first, width = self.budget[:1], self.upper - self.lower
         return first[0] if first and first[0].width < (1 - MIN_DOMINANT_INPUT_FRACTION) * width else None
@@ -189,7 +189,7 @@ class PointSummary:
     @property
     def verdict(self) -> str:
         """Assessment of `value`: "Quote it", "Quote with care" or "Do not quote"."""
-        return find_verdict(self.caveats)
+        return verdict_from_caveats(self.caveats)
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,7 +205,7 @@ class Summary:
         A point for each cell, load, mu0 and tau0, starting with quoted points.
     onset : xarray.Dataset, optional
         Onset of sliding at the first load, mu0 and tau0 of the study.
-    over_cut_offs : xarray.Dataset, optional
+    values_at_cutoffs : xarray.Dataset, optional
         Values of a few members at several cutoff wavelengths.
     """
 
@@ -213,15 +213,15 @@ class Summary:
     at: xarray.Dataset
     points: tuple[PointSummary, ...]
     onset: xarray.Dataset | None = None
-    over_cut_offs: xarray.Dataset | None = None
+    values_at_cutoffs: xarray.Dataset | None = None
 
     @cached_property
     def resolution(self) -> ResolutionEffect | None:
         """Effect of the scan resolution, or None if the surfaces are generated or if files are missing."""
-        from stiction.studies.resolution import find_resolution
+        from stiction.studies.resolution import find_resolution_effect
 
-        has_cutoffs = self.over_cut_offs is None and self.at.sizes.get("cut_off", 0) > 1
-        return find_resolution(self.at, self.study, self.at if has_cutoffs else self.over_cut_offs)
+        has_cutoffs = self.values_at_cutoffs is None and self.at.sizes.get("cut_off", 0) > 1
+        return find_resolution_effect(self.at, self.study, self.at if has_cutoffs else self.values_at_cutoffs)
 
     @property
     def headlines(self) -> list[PointSummary]:
@@ -244,7 +244,7 @@ def summarize(at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Cavea
     input_caveats : sequence of Caveat
         Caveats about the bodies, as returned by `find_input_caveats`.
     **alongside : xarray.Dataset
-        `onset` and `over_cut_offs`, if they are stored.
+        `onset` and `values_at_cutoffs`, if they are stored.
     """
     summaries = [summarize_point(point, study, input_caveats) for point in iterate_points(at)]
     summaries = _merge_cutoff_points(summaries) if study.surfaces.both_readings else summaries
@@ -257,7 +257,7 @@ def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
     others = {_coordinates_without_cutoff(point): point for point in points if point.at["cut_off"] != cut_off}
     quoted = [point for point in points if point.at["cut_off"] == cut_off]
     first = [
-        _cover_cutoff_point(point, others[_coordinates_without_cutoff(point)])
+        _include_cutoff_point(point, others[_coordinates_without_cutoff(point)])
         if _coordinates_without_cutoff(point) in others
         else point
         for point in quoted
@@ -270,12 +270,12 @@ def _coordinates_without_cutoff(point: PointSummary) -> tuple[tuple[str, float],
     return tuple(item for item in point.at.items() if item[0] != "cut_off")
 
 
-def _cover_cutoff_point(point: PointSummary, other_point: PointSummary) -> PointSummary:
+def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> PointSummary:
     """Return the quoted point after extending its intervals and caveats to include those at the other cutoff.
 
     Filtering does not improve an assessment, so a fault at the other cutoff is a fault here too.
     """
-    rules = tuple(_cover_cutoff_value(*each) for each in zip(point.rules, other_point.rules, strict=True))
+    rules = tuple(_include_cutoff_value(*each) for each in zip(point.rules, other_point.rules, strict=True))
     both = {entry.words: entry for entry in other_point.budget}
     # With one or two positions, the width of the interval is infinite or NaN.
     has_interval = math.isfinite(point.upper - point.lower)
@@ -307,7 +307,7 @@ def _cover_cutoff_point(point: PointSummary, other_point: PointSummary) -> Point
     return replace(point, rules=rules, budget=order, caveats=tuple(caveats), bracket=bracket)
 
 
-def _cover_cutoff_value(value: RuleCoefficient, other_value: RuleCoefficient) -> RuleCoefficient:
+def _include_cutoff_value(value: RuleCoefficient, other_value: RuleCoefficient) -> RuleCoefficient:
     """Extend the intervals of a value to include the intervals of the same value at another cutoff."""
     lower, upper = float(np.fmin(value.lower, other_value.lower)), float(np.fmax(value.upper, other_value.upper))
     (low, high), (other_low, other_high) = value.next_test, other_value.next_test
@@ -335,13 +335,13 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
         caveats=tuple(sorted(caveats, key=lambda caveat: caveat.severity != "fault")),
         at=_point_coordinates(point, study),
         bracket=None
-        if any(_invalidates_bracket(caveat) for caveat in caveats)
+        if any(_is_invalid_bracket_caveat(caveat) for caveat in caveats)
         else _resolution_bracket(point, study, mean),
         budget=_remaining_intervals(point, rules[0].rule),
         parts=_friction_contributions(point, rules[0]),
         from_roughness=_roughness_contribution(point, study, rules[0]),
         waited=_dwell_time_values(point, rules[0].rule),
-        sticking=find_sticking(point, rules[0].rule),
+        sticking=find_pull_off_values(point, rules[0].rule),
     )
 
 
@@ -422,7 +422,7 @@ def _roughness_contribution(point: xarray.Dataset, study: Study, rule: RuleCoeff
     return rule.value - contributions[0] - (plastic_adhesive_friction(point, study) or 0.0)
 
 
-def _invalidates_bracket(caveat: Caveat) -> bool:
+def _is_invalid_bracket_caveat(caveat: Caveat) -> bool:
     """Return whether a caveat invalidates the bracket. All faults do, except the fault for too few contacts."""
     return caveat.severity == "fault" and caveat.remedy != MORE_CONTACTS_REMEDY
 

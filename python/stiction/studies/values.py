@@ -202,7 +202,7 @@ class _ValueRange(StudyTable):
     count: int = Field(ge=1, le=MAX_VALUES)
 
     @model_validator(mode="after")
-    def _is_a_range(self) -> Self:
+    def _require_valid_range(self) -> Self:
         if self.count == 1 and self.start != self.stop:
             raise ValueError("a range with count = 1 must have equal start and stop")
         if self.count > 1 and not self.stop > self.start:
@@ -229,7 +229,7 @@ class _SteppedValueRange(_ValueRange):
     spacing: Literal["linear", "geometric"] = "geometric"
 
     @model_validator(mode="after")
-    def _has_ratios(self) -> Self:
+    def _require_positive_start(self) -> Self:
         if self.spacing == "geometric" and float(self.start) == 0:
             raise ValueError("a geometric range cannot start at 0")
         return self
@@ -259,14 +259,14 @@ class LoadRange(_SteppedValueRange):
 RANGE_TAG, LIST_TAG = "a range", "a list"
 
 
-def _kind_of_values(value: object) -> str | None:
+def _range_or_list_tag(value: object) -> str | None:
     if isinstance(value, (Mapping, StudyTable)):
         return RANGE_TAG
     return LIST_TAG if isinstance(value, (list, tuple)) else None
 
 
 _range_or_list = Discriminator(
-    _kind_of_values,
+    _range_or_list_tag,
     custom_error_type="range_or_list",
     custom_error_message="must be a list, or a table with start, stop and count",
 )
@@ -303,7 +303,7 @@ def check_keys(
             places = " and ".join(dict.fromkeys(kind.place for kind in bases))
             selectors = [kind.selectors().items() - case.selectors().items() for kind in bases]
             common = sorted(set.intersection(*selectors))
-            remedy = " and ".join(f"{name} = {as_toml(value)}" for name, value in common)
+            remedy = " and ".join(f"{name} = {format_toml_value(value)}" for name, value in common)
             reason = f"belongs to {places}, not to {case.place}"
             raise make_key_error(str(key), f"{reason}; it requires {remedy}" if remedy else reason)
     for key, field in case.model_fields.items():
@@ -331,7 +331,7 @@ class StudyError(ValueError):
         self.faults = faults or (("", message),)
 
 
-def as_toml(value: Any) -> str:
+def format_toml_value(value: Any) -> str:
     """Format a value as TOML text."""
     match value:
         case None:
@@ -346,14 +346,14 @@ def as_toml(value: Any) -> str:
             return repr(value)
         case dict():
             items = [
-                f"{key} = {as_toml(item)}" for key, item in value.items() if key != "body"
+                f"{key} = {format_toml_value(item)}" for key, item in value.items() if key != "body"
             ]  # a body in memory has no TOML representation
             return "{ " + ", ".join(items) + " }"
         case _:
-            return "[" + ", ".join(as_toml(item) for item in value) + "]"
+            return "[" + ", ".join(format_toml_value(item) for item in value) + "]"
 
 
-def toml(text: str) -> dict[str, Any]:
+def parse_toml(text: str) -> dict[str, Any]:
     """Parse TOML text.
 
     Raises a `ValueError` if the text is invalid or nested too deeply.
@@ -429,7 +429,7 @@ def _suggest_keys(kind: type[StudyTable], location: list[int | str]) -> str:
     tables = [kind]
     for parent_key in location[:-1]:
         fields = [table.model_fields[str(parent_key)] for table in tables if str(parent_key) in table.model_fields]
-        tables = [table for field in fields for table in list_table_classes(field.annotation)]
+        tables = [table for field in fields for table in find_table_classes(field.annotation)]
     keys = dict.fromkeys(name for table in tables for name in table.model_fields)
     keys |= dict.fromkeys(name for table in tables for name in getattr(table, "other_keys", ()))
     word = str(location[-1])[:MAX_WORD_LENGTH]
@@ -438,8 +438,8 @@ def _suggest_keys(kind: type[StudyTable], location: list[int | str]) -> str:
     return f"; is it {names}?" if names else "; stiction studies --keys lists all"
 
 
-def list_table_classes(annotation: Any) -> list[type[StudyTable]]:
+def find_table_classes(annotation: Any) -> list[type[StudyTable]]:
     """Return the table classes that a field with the given annotation accepts."""
     if isinstance(annotation, type):
         return [annotation] if issubclass(annotation, StudyTable) else []
-    return [table for argument in get_args(annotation) for table in list_table_classes(argument)]
+    return [table for argument in get_args(annotation) for table in find_table_classes(argument)]

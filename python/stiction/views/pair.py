@@ -31,7 +31,7 @@ from stiction.studies.pair_options import (
     SurrogateChoice,
     Value,
     Values,
-    argument_errors,
+    convert_validation_errors,
     format_python_name,
 )
 from stiction.surfaces.measured.interpret import Missing, Outliers
@@ -246,7 +246,7 @@ def pair(
     >>> result.verdict in ("Quote it", "Quote with care", "Do not quote")
     True
     """
-    from stiction.studies.executors import enter_executor
+    from stiction.studies.executors import executor_or_thread_pool
     from stiction.studies.pipeline import complete_result
 
     for name, body in (("first", first), ("second", second)):
@@ -260,7 +260,7 @@ def pair(
     if directory is None:  # the temporary directory is removed when Python exits
         atexit.register(shutil.rmtree, folder, ignore_errors=True)
     try:
-        with argument_errors():
+        with convert_validation_errors():
             options = PairOptions(
                 load=load,
                 width=width,
@@ -318,7 +318,7 @@ def pair(
             write_interface(interface, folder / "interface.csv")
             options = options.model_copy(update={"interface": folder / "interface.csv"})
         study = study_from_options(options)
-        with enter_executor(executor) as workers:
+        with executor_or_thread_pool(executor) as workers:
             return complete_result(study, folder, workers, replace=replace, onset=onset, progress=progress)
     except ArgumentError as error:
         raise ValueError(error.with_names(format_python_name)) from None

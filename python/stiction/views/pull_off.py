@@ -19,10 +19,10 @@ def pull_off_text(estimate: PullOffValues, inputs: str = "") -> str:
     bound_text = "at least " if estimate.is_bound else ""
     limit = f"{format_with_unit(MIN_STICKING_PRESSURE, 'GPa')}, the weight of 1.3 mm of steel"
     threshold_text = {"yes": "", "no": f", less than {limit}", "uncertain": f"; the threshold is {limit}"}[
-        estimate.sticks
+        estimate.sticking_assessment
     ]
     return (
-        f"Sticks without a load: {estimate.sticks}. Pull-off force {bound_text}"
+        f"Sticks without a load: {estimate.sticking_assessment}. Pull-off force {bound_text}"
         f"{_format_interval(estimate.pull_off, 'pull_off')}, "
         f"{_format_interval(estimate.pressure, 'pull_off_pressure')} on the nominal area{threshold_text}; friction at "
         f"no load {_format_interval(estimate.friction, 'friction_at_no_load')}{inputs and f' with {inputs}'}."
@@ -38,7 +38,7 @@ def pull_off_record(estimate: PullOffValues) -> dict[str, Any]:
     }
     names = ("value", "lower", "upper")
     values = {key: dict(zip(names, interval, strict=True)) for key, interval in intervals.items()}
-    return {"sticks": estimate.sticks, "pull_off_is_bound": estimate.is_bound, **values}
+    return {"sticks": estimate.sticking_assessment, "pull_off_is_bound": estimate.is_bound, **values}
 
 
 def _format_interval(interval: ValueWithInterval, name: str) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 
 from stiction._number_format import format_estimate, format_percent, format_significant, format_with_unit
 from stiction.mechanics.closed_forms import gentle_friction
-from stiction.studies.hardness import find_inputs
+from stiction.studies.hardness import find_uncertain_inputs
 from stiction.studies.interfaces import find_interface
 from stiction.studies.point import (
     contact_law_name,
@@ -51,14 +51,14 @@ def finer_text(point: PointSummary) -> str:
     if point.bracket is None or point.hardness is None:
         return ""
     low, high = (f"{end:.3f}" for end in point.bracket)
-    ends = f"{low} (μ0 + τ0/{'H′' if point.grows else 'H'})" + (f" to {high}" if low != high else "")
+    ends = f"{low} (μ0 + τ0/{'H′' if point.has_junction_growth else 'H'})" + (f" to {high}" if low != high else "")
     return f"with H = {format_with_unit(point.hardness, 'GPa')} a finer scan would give {ends}"
 
 
 def sentence_text(point: PointSummary) -> str:
     """Return the sentence to quote, including the inputs, or the reason why the result must not be quoted."""
     assumed = list_all_assumptions(point)
-    if point.unloaded and point.sticking is not None:
+    if point.is_unloaded and point.sticking is not None:
         parts = [f"{pull_off_text(point.sticking).removesuffix('.')}, at {inputs_text(point)}", note_text(point)]
         return "; ".join([*parts, f"assumed: {', '.join(assumed)}"]) + "."
     if point.verdict == "Do not quote":
@@ -163,7 +163,7 @@ def _interface_words(study: Study) -> str:
 
 def _hardness_range_text(study: Study) -> str:
     """Return the range of the hardness, or an empty string if the hardness has no range."""
-    interface = find_inputs(study).get("hardness")
+    interface = find_uncertain_inputs(study).get("hardness")
     if interface is None:
         return ""
     if study.known.hardness is not None:

@@ -170,7 +170,7 @@ def values_text(
     first_cell = dataset.sel({name: headlines[0].at[name] for name in CELL_DIMENSIONS if name in dataset.dims})
     first_cell = first_cell.sel(load=sorted({point.at["load"] for point in printed_points}))
     paragraphs = [history_text(dataset, study)] if verbose else []
-    loaded_points = [point for point in headlines if not point.unloaded]
+    loaded_points = [point for point in headlines if not point.is_unloaded]
     pull_off_estimate = headlines[0].sticking
     varying = [name for name in ("mu0", "tau0") if len({point.at[name] for point in headlines}) > 1]
     inputs = ", ".join(f"{_COORDINATE_LABELS[name]} = {_coordinate(name, headlines[0].at[name])}" for name in varying)
@@ -184,7 +184,7 @@ def values_text(
         lines.append(wrap_text(f"Shown: {len(printed_points)} of {len(headlines)} points; {complete} shows all."))
     limits = {} if verbose else {"max_lines": max_lines, "max_groups": MAX_CAVEATS}
     paragraphs.append("\n".join([*lines, assessment_text(headlines, complete=complete, **limits)]))
-    is_known = any(math.isfinite(point.value) or point.unloaded for point in headlines)
+    is_known = any(math.isfinite(point.value) or point.is_unloaded for point in headlines)
     quantities = quantities_text(first_cell, study, verbose=verbose, cell=_first_cell(headlines)) if is_known else ""
     details = _conditions_text(headlines[0]) if len(headlines) == 1 else ""
     if verbose:
@@ -294,7 +294,7 @@ def _coordinate(name: str, value: float) -> str:
 
 
 def _conditions_text(point: PointSummary) -> str:
-    lines = [] if point.unloaded else [contributions_text(point), single_test_text(point), dwell_time_text(point)]
+    lines = [] if point.is_unloaded else [contributions_text(point), single_test_text(point), dwell_time_text(point)]
     if finer_scans := finer_text(point):
         lines.append(f"{finer_scans[0].upper()}{finer_scans[1:]}.")
     assumptions = list_assumptions(point.study)
@@ -332,7 +332,7 @@ def contributions_text(point: PointSummary) -> str:
 
 def budget_text(point: PointSummary) -> str:
     """Return text that names the measurement that would reduce the uncertainty most, and the resulting interval."""
-    largest = point.most
+    largest = point.dominant_input
     if largest is None or any(fault.text != WIDE_INTERVAL_TEXT for fault in point.faults):
         return ""
     current, reduced = (
@@ -396,8 +396,10 @@ def assessment_text(
         faults = sum(caveat.severity == "fault" for caveat in caveats)
         lines = [_caveat_line(caveat) for caveat in caveats]
         num_shown = len(lines) if max_lines is None else max(_count_within(lines, max_lines), faults, 1)
-        suffix = f". {budget}" if len(headlines) == 1 and not point.unloaded and (budget := budget_text(point)) else ""
-        suffix = suffix or (" a coefficient" if point.unloaded else "")
+        suffix = (
+            f". {budget}" if len(headlines) == 1 and not point.is_unloaded and (budget := budget_text(point)) else ""
+        )
+        suffix = suffix or (" a coefficient" if point.is_unloaded else "")
         first_line = wrap_text(f"{point.verdict}{suffix}", hang="  ")
     else:
         groups: dict[tuple[str, str], list[Caveat]] = {}

@@ -106,7 +106,7 @@ def heading_lines(dataset: xarray.Dataset, study: Study) -> list[str]:
     """Return heading lines for the model and motion, if they differ from the paper, and for an unfinished ensemble."""
     contact = study.contact
     rule = dataset["sliding"].item() if "sliding" in dataset.coords else contact.rules()[0]
-    angle = dataset["direction"].item() if "direction" in dataset.coords else float(contact.degrees()[0])
+    angle = dataset["direction"].item() if "direction" in dataset.coords else float(contact.direction_angles()[0])
     lines = []
     if study.is_areal or study.uses_half_space or rule != "opposing":
         mechanics = "half-space, " if study.uses_half_space else ""

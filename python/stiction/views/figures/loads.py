@@ -83,7 +83,7 @@ def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
 def adhesion_figure(branches: xarray.Dataset, *, title: str = "") -> Figure:
     """Draw load against approach (if known) and against true contact area, for loading and unloading (80 mm wide).
 
-    `branches` is a result of `coming_and_going`. The pull-off force is marked.
+    `branches` is a result of `loading_cycle`. The pull-off force is marked.
     """
     unloading = branches["going"].values
     load, area = branches["load"].values, branches["contact_area"].values

@@ -131,7 +131,7 @@ def _measured_figures(
     points = result.at(loads)
     unfiltered, title, hardness = points.isel(cut_off=0), format_print_title(study), study.contact.hardness
     first_load = study_loads[0]
-    cutoff_dataset, onset = points if points.sizes["cut_off"] > 1 else result.over_cut_offs, result.onset
+    cutoff_dataset, onset = points if points.sizes["cut_off"] > 1 else result.values_at_cutoffs, result.onset
     for number, (m, t) in enumerate(np.ndindex(points.sizes["mu0"], points.sizes["tau0"]), 1):
         suffix = "" if number == 1 else f"-{number}"
         selection = unfiltered.isel(mu0=m, tau0=t)
@@ -157,7 +157,7 @@ def _measured_figures(
         yield "onset", partial(onset_figure, onset, title=title)
         if contains_slip_map(onset):
             yield "slip", partial(slip_figure, onset, title=title)
-    if study.contact.adheres and (branches := result.coming_and_going) is not None:
+    if study.contact.adheres and (branches := result.loading_cycle) is not None:
         yield "adhesion", partial(adhesion_figure, branches, title=title)
     if "patch_area" in points and np.isfinite(points["patch_area"].values).any():
         dataset = unfiltered.isel(mu0=0, tau0=0).sel(load=study_loads, method="nearest")

@@ -28,7 +28,7 @@ from stiction.studies.assessment import (
     LimitCheck,
     assess_ensemble,
     compute_value_numbers,
-    find_verdict,
+    verdict_from_caveats,
 )
 from stiction.studies.nodes import InterpolationNodes, NodeAxis
 from stiction.studies.point import list_rules_quoted_first
@@ -173,7 +173,7 @@ def _add_values_at_nodes(
     assessments, indices = assess_ensemble(study, status[:, :, rule], numbers)
     tables.add("judgement", indices.astype(float))
     judgements = [
-        {"verdict": find_verdict(reasons), "caveats": [_reason_record(reason) for reason in reasons]}
+        {"verdict": verdict_from_caveats(reasons), "caveats": [_reason_record(reason) for reason in reasons]}
         for reasons in assessments
     ]
     checks = {reason for reasons in assessments for reason in reasons if isinstance(reason, LimitCheck)}

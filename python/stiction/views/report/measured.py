@@ -91,7 +91,7 @@ def measured_result_page(result: Result, study: Study, name: str, picture: xarra
         pictures=(positions_panel(result, facts["asked"][0], format_print_title(study)) if members > 1 else "")
         + ("" if onset is None else onset_panels(onset, format_print_title(study)))
         + height_scale_panels(result, format_print_title(study))
-        + adhesion_panel(result.coming_and_going, format_print_title(study)),
+        + adhesion_panel(result.loading_cycle, format_print_title(study)),
     )
 
 
@@ -112,7 +112,7 @@ def _result_facts(dataset: xarray.Dataset, result: Result, study: Study) -> dict
             "texts": [f"cutoff {format_with_unit(value, 'um')}" if value > 0 else "no cutoff" for value in cut_offs],
         },
         "amplitudes": [], "repetitions": int(dataset.sizes["repetition"]), "asked": study_loads,
-        "kinds": [_KIND_WORDS[kind] for kind in result.nodes.kinds],
+        "kinds": [_KIND_WORDS[kind] for kind in result.nodes.member_kinds],
         "loads": {
             "values": loads,
             "texts": [f"{format_with_unit(load, 'mN')} ({format_with_unit(load / area, 'GPa')})" for load in loads],
@@ -136,7 +136,7 @@ _CURVE_PANELS = {
 
 def _friction_at_nodes(nodes: InterpolationNodes, study: Study, tables: PackedTables) -> dict[str, Any]:
     """Add friction at the nodes to `tables`. The axes are kind, cutoff, rule, motion, load, mu0 and tau0."""
-    (rules, angles), axes, kinds = study_motions(study), nodes.axes, nodes.kinds
+    (rules, angles), axes, kinds = study_motions(study), nodes.axes, nodes.member_kinds
     motions: list[dict[str, Any]] = [{"words": motion_text(angle), "directions": [d]} for d, angle in enumerate(angles)]
     if len(angles) > 1:
         motions.insert(0, {"words": averaged_directions_text(angles), "directions": list(range(len(angles)))})

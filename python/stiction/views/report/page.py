@@ -169,7 +169,7 @@ def _without_folders(study: Study) -> Study:
 
 def study_motions(study: Study) -> tuple[list[str], list[float]]:
     """Return the sliding rules and the directions (degrees) of a study, in the order in which the sums are stored."""
-    return list(study.contact.rules()), [float(angle) for angle in study.contact.degrees()]
+    return list(study.contact.rules()), [float(angle) for angle in study.contact.direction_angles()]
 
 
 def axes_facts(axes: tuple[NodeAxis, NodeAxis], study: Study) -> dict[str, Any]:
