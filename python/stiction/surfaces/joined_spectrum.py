@@ -76,15 +76,15 @@ class JoinedSpectrum(TextRepr):
     @property
     def shortest(self) -> float:
         """Shortest wavelength of the spectrum (µm), at the edge of the last bin."""
-        return float(2 * math.pi / (self.wave_number[-1] * self._half_width))
+        return float(2 * math.pi / (self.wave_number[-1] * self._edge_ratio))
 
     @property
     def longest(self) -> float:
         """Longest wavelength of the spectrum, µm."""
-        return float(2 * math.pi / (self.wave_number[0] / self._half_width))
+        return float(2 * math.pi / (self.wave_number[0] / self._edge_ratio))
 
     @property
-    def _half_width(self) -> float:
+    def _edge_ratio(self) -> float:
         """Ratio of the wave number at the upper edge of a bin to the wave number at the centre."""
         return math.sqrt(self.wave_number[1] / self.wave_number[0])
 
@@ -165,7 +165,7 @@ class JoinedSpectrum(TextRepr):
         steps = parse_lengths("spacing", spacing)
         q_y, q_x = (2 * math.pi * np.fft.fftfreq(size, step) for size, step in zip((rows, columns), steps, strict=True))
         q = np.hypot(q_y[:, np.newaxis], q_x)
-        inside = (q >= self.wave_number[0] / self._half_width) & (q <= self.wave_number[-1] * self._half_width)
+        inside = (q >= self.wave_number[0] / self._edge_ratio) & (q <= self.wave_number[-1] * self._edge_ratio)
         with np.errstate(divide="ignore"):
             density = np.exp(np.interp(np.log(q), np.log(self.wave_number), np.log(self.density)))
         power = np.where(inside, density, 0.0) * (rows * columns / (steps[0] * steps[1]))
