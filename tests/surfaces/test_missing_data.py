@@ -18,7 +18,7 @@ from stiction import (
     write_profile,
     write_surface,
 )
-from stiction.studies.pair import Pair
+from stiction.studies.pair import MeasuredPair
 from stiction.surfaces.missing_data import find_outliers
 from support.machined_surfaces import MACHINED_SURFACES, filtered_noise
 
@@ -193,7 +193,7 @@ def test_nominal_area_excludes_missing_points_and_interpolation_adds_a_caveat(co
         options = READ_OPTIONS | PAIR_OPTIONS | refused
         options.pop("onset")
         with pytest.raises(ValueError, match=why):  # the error is raised before any computation
-            Pair.from_values(upper=scan_path, lower=scan_path, missing="mask", **options)
+            MeasuredPair.from_values(upper=scan_path, lower=scan_path, missing="mask", **options)
 
 
 @pytest.mark.parametrize("mask", [np.ones(4, bool), np.zeros(5, bool), np.zeros(4)])
