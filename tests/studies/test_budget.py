@@ -116,7 +116,8 @@ def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solution
         name: values[0, 0, 0, 0, 0] for name, values in _get_arrays_over_dims(variables, table, point_index).items()
     }
     samples = _CoefficientSamples(numbers, point_index, result.study, inputs, friction, areas)
-    samples.names, samples.places = tuple(inputs), {}  # The samples must not contain errors of the mean over positions.
+    # The samples must not contain errors of the mean over positions.
+    samples.names, samples.standard_errors = tuple(inputs), {}
     for probability in (0.03, 0.7):
         hardness = float(inputs["hardness"].estimate.quantile(probability))
         effective_modulus = float(inputs["effective_modulus"].estimate.quantile(probability))

@@ -123,7 +123,7 @@ class LimitCheck(NamedTuple):
 
     def to_caveat(self, numbers: Mapping[str, Any]) -> Caveat:
         """Create the caveat for a point that fails the check. The text contains the numbers of the point."""
-        value, checked = (float(numbers[name]) for name in (self.shown_name, self.name))
+        value, checked_number = (float(numbers[name]) for name in (self.shown_name, self.name))
         if self.shown in ("digits", "digit"):
             number_text = format_significant(value * ROUND_UP_FACTOR, 2 if self.shown == "digits" else 1).replace(
                 "-", "\N{MINUS SIGN}"
@@ -131,7 +131,7 @@ class LimitCheck(NamedTuple):
         else:
             number_text = format_percent(value) if self.shown == "percent" else format_with_unit(value, self.shown)
         return Caveat(
-            self.text.replace("{}", number_text), self.remedy, self.severity, name=self.name, value=checked,
+            self.text.replace("{}", number_text), self.remedy, self.severity, name=self.name, value=checked_number,
             limit=self.limit,
         )  # fmt: skip
 
@@ -269,16 +269,16 @@ def find_point_caveats(point: xarray.Dataset, study: Study, value: RuleCoefficie
         text, remedy = STATUS_EXPLANATIONS.get(status, STATUS_EXPLANATIONS[""])
         yield Caveat(text, remedy, "fault")
         return
-    members = mean_over_directions(point, "members")
+    num_members = mean_over_directions(point, "members")
     # minimum number of solved members in any sliding direction
     num_solved = float(point["ok"].min()) if "ok" in point else math.nan
-    if num_solved < MAX_AFFECTED_FRACTION * members:
-        text = f"only {num_solved:.0f} of {members:.0f} members have a coefficient"
+    if num_solved < MAX_AFFECTED_FRACTION * num_members:
+        text = f"only {num_solved:.0f} of {num_members:.0f} members have a coefficient"
         yield Caveat(text, "check the statuses, and try another load", "fault")
     numbers = _compute_checked_numbers(point, study, value)
-    pressures = list_pressure_checks(study, effective_modulus_at(point, study))
+    pressure_checks = list_pressure_checks(study, effective_modulus_at(point, study))
     yield from find_failed_check_caveats(
-        ([SINGLE_POSITION_CHECK] if study.is_gap else VALUE_CHECKS, [STEEP_SURFACE_CHECK], *pressures), numbers
+        ([SINGLE_POSITION_CHECK] if study.is_gap else VALUE_CHECKS, [STEEP_SURFACE_CHECK], *pressure_checks), numbers
     )
     yield from _find_growth_and_mu0_caveats(point, study, value)
     yield from _find_adhesion_caveats(point, study)
@@ -315,7 +315,7 @@ def compute_value_numbers(
     merged contact averages over many asperities.
     """
     value, lower, upper, mu0, count = (np.asarray(array, float) for array in (value, lower, upper, mu0, contact_count))
-    separate = np.where(is_merged, np.nan, count)
+    separate_contacts = np.where(is_merged, np.nan, count)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio_to_mu0 = np.where(value == mu0, 1.0, np.where(mu0 > 0, value / mu0, np.nan))
         ratio_to_mu0 = np.where(np.asarray(tau0) == 0, ratio_to_mu0, np.nan)
@@ -327,8 +327,8 @@ def compute_value_numbers(
         "mean_pressure": pressure,
         "contact_count": count,
         "contacts_missing_of_all": MIN_TOTAL_CONTACTS - count * members,
-        "contacts_missing": MIN_CONTACTS_PER_MEMBER - separate,
-        "contacts_wanting": CAUTION_CONTACTS_PER_MEMBER - separate,
+        "contacts_missing": MIN_CONTACTS_PER_MEMBER - separate_contacts,
+        "contacts_wanting": CAUTION_CONTACTS_PER_MEMBER - separate_contacts,
         "share_of_mu0": 1 - np.abs(ratio_to_mu0 - 1),
         "beyond_mu0": value - mu0,
     }
@@ -339,22 +339,22 @@ def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: RuleCoe
     spacings = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)
     # area of a grid cell if the half-space model is applied to maps; otherwise NaN
     cell_area = float(np.prod(spacings)) if spacings.size == 2 and study.uses_half_space else math.nan
-    checked = {
+    quantities = {
         check.name: mean_over_directions(point, check.name)
         for group in ([STEEP_SURFACE_CHECK], CONTACT_COUNT_CHECKS, *CONTACT_CHECKS)
         for check in group
     }
     is_merged = _area_fraction(point, study) > MERGED_AREA_FRACTION
-    members = float(point["ok"].min()) if "ok" in point else mean_over_directions(point, "members")
+    num_members = float(point["ok"].min()) if "ok" in point else mean_over_directions(point, "members")
     numbers = compute_value_numbers(
         value.value, value.lower, value.upper, mu0=float(point["mu0"]), tau0=float(point["tau0"]),
-        pressure=mean_contact_pressure(point), contact_count=count, members=members, is_merged=is_merged,
+        pressure=mean_contact_pressure(point), contact_count=count, members=num_members, is_merged=is_merged,
     )  # fmt: skip
     return (
-        checked
+        quantities
         | numbers
         | {
-            "share_on_separate": math.nan if is_merged else checked["share_on_largest"],
+            "share_on_separate": math.nan if is_merged else quantities["share_on_largest"],
             "single_cells": float(count > 0 and area / count <= cell_area),
         }
     )
@@ -370,26 +370,31 @@ def list_pressure_checks(study: Study, modulus: float) -> CheckGroups:
     if has_limited_pressure(study):
         return ()
 
-    def check(limit: float, text: str, remedy: str, severity: Severity) -> LimitCheck:
+    def build_check(limit: float, text: str, remedy: str, severity: Severity) -> LimitCheck:
         return LimitCheck("mean_pressure", limit, text, remedy, severity, "GPa")
 
     softer = softer_material(*find_materials(study))
     if softer is not None and softer.hardness is not None:
         low, high = softer.hardness.low, softer.hardness.high
-        ends = " to ".join(dict.fromkeys(format_with_unit(end, "GPa") for end in (low, high)))
-        text = f"the mean pressure in contact is {{}}, and {softer.name} yields at {ends}"
+        range_text = " to ".join(dict.fromkeys(format_with_unit(end, "GPa") for end in (low, high)))
+        text = f"the mean pressure in contact is {{}}, and {softer.name} yields at {range_text}"
         remedy = "use --mechanics half-space or --law jackson-green"
-        return ((check(high, text, remedy, "fault"), check(low, text, remedy, "caution")),)
+        return ((build_check(high, text, remedy, "fault"), build_check(low, text, remedy, "caution")),)
     if modulus < MAX_RUBBER_MODULUS:
         return ()
-    highest, high = YIELD_PRESSURE_RATIO * modulus, METAL_YIELD_PRESSURE_RATIO * modulus
+    yield_limit, high = YIELD_PRESSURE_RATIO * modulus, METAL_YIELD_PRESSURE_RATIO * modulus
     if study.is_measured:
-        yielded = "the mean pressure in contact is {}, at which nearly every material has yielded"
-        harder = "the result is valid only if the softer body is harder than {}, the mean pressure in contact"
+        yielded_text = "the mean pressure in contact is {}, at which nearly every material has yielded"
+        hardness_text = "the result is valid only if the softer body is harder than {}, the mean pressure in contact"
         remedy = "give the hardness of the softer body"
-        return ((check(highest, yielded, remedy, "fault"), check(high, harder, "give its hardness", "caution")),)
+        return (
+            (
+                build_check(yield_limit, yielded_text, remedy, "fault"),
+                build_check(high, hardness_text, "give its hardness", "caution"),
+            ),
+        )
     text = "the mean pressure in contact is {}, at which almost no material is still elastic"
-    return ((check(highest, text, "use lower heights, a lower D, or a hardness", "caution"),),)
+    return ((build_check(yield_limit, text, "use lower heights, a lower D, or a hardness", "caution"),),)
 
 
 def assess_ensemble(
@@ -401,25 +406,29 @@ def assess_ensemble(
     of its list. A reason is a failed check, or a caveat about a status.
     """
     reasons: list[Caveat | LimitCheck] = []
-    failed = []
+    reason_numbers = []
     is_ok = (status == friction.STATUS_OK) & np.isfinite(numbers["deficit"])
     for name in np.unique(np.where(is_ok, friction.STATUS_OK, status)).tolist():
         mask = ~is_ok & (status == name)
         if mask.any():
             reasons.append(Caveat(*STATUS_EXPLANATIONS.get(name, STATUS_EXPLANATIONS[""]), "fault"))
-            failed.append(np.where(mask, len(reasons), 0))
-    pressures = list_pressure_checks(study, float(study.contact.effective_modulus))
-    for group in (VALUE_CHECKS, *pressures, [EQUALS_MU0_CHECK], CONTACT_COUNT_CHECKS, *CONTACT_CHECKS):
+            reason_numbers.append(np.where(mask, len(reasons), 0))
+    pressure_checks = list_pressure_checks(study, float(study.contact.effective_modulus))
+    for group in (VALUE_CHECKS, *pressure_checks, [EQUALS_MU0_CHECK], CONTACT_COUNT_CHECKS, *CONTACT_CHECKS):
         indices = np.zeros(status.shape, np.intp)
         for check in (check for check in group if check.name in numbers):
             mask = is_ok & (indices == 0) & (numbers[check.name] > check.limit)
             if mask.any():
                 reasons.append(check)
                 indices[mask] = len(reasons)
-        failed.append(indices)
-    rows, places = np.unique(np.stack(failed).reshape(len(failed), -1), axis=1, return_inverse=True)
-    lists = [[reasons[index - 1] for index in row if index] for row in rows.T.tolist()]
-    return [sorted(row, key=lambda reason: reason.severity != "fault") for row in lists], places.reshape(status.shape)
+        reason_numbers.append(indices)
+    rows, set_indices = np.unique(
+        np.stack(reason_numbers).reshape(len(reason_numbers), -1), axis=1, return_inverse=True
+    )
+    reason_sets = [[reasons[index - 1] for index in row if index] for row in rows.T.tolist()]
+    return [sorted(row, key=lambda reason: reason.severity != "fault") for row in reason_sets], set_indices.reshape(
+        status.shape
+    )
 
 
 def verdict_from_caveats(reasons: Iterable[Caveat | LimitCheck]) -> str:
@@ -433,8 +442,8 @@ def _find_growth_and_mu0_caveats(point: xarray.Dataset, study: Study, value: Rul
     hardness, mu0, tau0 = study.contact.hardness, float(point["mu0"]), float(point["tau0"])
     if hardness is not None and mean_over_directions(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS:
         growth = find_junction_growth(study)
-        coefficient, grown = tabor_friction(float(hardness), mu0, tau0, [0.0, VON_MISES_GROWTH])
-        strength = float(hardness) * VON_MISES_GROWTH**-0.5
+        coefficient, coefficient_with_growth = tabor_friction(float(hardness), mu0, tau0, [0.0, VON_MISES_GROWTH])
+        shear_strength = float(hardness) * VON_MISES_GROWTH**-0.5
         interface = find_interface(study)
         if interface is not None and interface.growth is not None and not interface.has_growth(growth):
             alpha, test_alpha = (
@@ -446,16 +455,19 @@ def _find_growth_and_mu0_caveats(point: xarray.Dataset, study: Study, value: Rul
             yield Caveat(text, "give the calibration and the pair the same --junction-growth", "caution")
         if growth is not None:
             yield from _find_seizure_caveats(point, float(hardness), tau0, growth)
-        elif study.contact.junction_growth is None and not grown <= (1 + NEGLIGIBLE_GROWTH_EFFECT) * coefficient:
+        elif (
+            study.contact.junction_growth is None
+            and not coefficient_with_growth <= (1 + NEGLIGIBLE_GROWTH_EFFECT) * coefficient
+        ):
             increase_text = (
-                f"by up to {format_percent(grown / coefficient - 1)}"
-                if math.isfinite(grown)
+                f"by up to {format_percent(coefficient_with_growth / coefficient - 1)}"
+                if math.isfinite(coefficient_with_growth)
                 else "without limit (seizure)"
             )
             text = (
-                f"τ0 is {format_percent(tau0 / strength)} of the shear strength of the softer body, "
-                f"{format_with_unit(strength, 'GPa')}; junction growth, which is taken as 0, would raise the friction "
-                f"of a ductile body {increase_text}"
+                f"τ0 is {format_percent(tau0 / shear_strength)} of the shear strength of the softer body, "
+                f"{format_with_unit(shear_strength, 'GPa')}; junction growth, which is taken as 0, would raise the "
+                f"friction of a ductile body {increase_text}"
             )
             remedy = "give --junction-growth '0..27' if it is ductile, 0 if it is not"
             if study.contact.adheres:  # in the model, adhesive contacts do not grow under shear
@@ -468,17 +480,21 @@ def _find_seizure_caveats(
     point: xarray.Dataset, hardness: float, tau0: float, growth: UncertainInput
 ) -> Iterator[Caveat]:
     """Yield a caveat if some input samples lead to seizure, or if the interface is nearly as strong as the bulk."""
-    strength = hardness * growth.high**-0.5 if growth.high else math.inf
-    seizing = mean_over_directions(point, "fraction_seizing")
-    if seizing > 0:
+    shear_strength = hardness * growth.high**-0.5 if growth.high else math.inf
+    seizing_fraction = mean_over_directions(point, "fraction_seizing")
+    if seizing_fraction > 0:
         text = (
-            f"{format_percent(seizing)} of the samples of the inputs seize: τ0 is at least H/√α, and junctions grow "
-            "without limit" + ("; the interval has no upper limit" if seizing > MAX_SEIZING_FRACTION else "")
+            f"{format_percent(seizing_fraction)} of the samples of the inputs seize: τ0 is at least H/√α, and "
+            "junctions grow without limit"
+            + ("; the interval has no upper limit" if seizing_fraction > MAX_SEIZING_FRACTION else "")
         )
-        yield Caveat(text, "measure the hardness and τ0", "fault" if seizing > MAX_SEIZING_FRACTION else "caution")
-    elif tau0 > NEARLY_BULK_STRENGTH_RATIO * strength:
+        yield Caveat(
+            text, "measure the hardness and τ0", "fault" if seizing_fraction > MAX_SEIZING_FRACTION else "caution"
+        )
+    elif tau0 > NEARLY_BULK_STRENGTH_RATIO * shear_strength:
         text = (
-            f"the interface is nearly as strong as the bulk: τ0 is {tau0 / strength:.2f} of H/√α at α = {growth.high:g}"
+            f"the interface is nearly as strong as the bulk: τ0 is {tau0 / shear_strength:.2f} of H/√α "
+            f"at α = {growth.high:g}"
         )
         yield Caveat(
             text, "friction rises without limit as this ratio approaches 1; measure the hardness and τ0", "caution"
@@ -490,20 +506,20 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
     if not study.contact.adheres:
         added_load = estimate_adhesion_load(point, study)
         # the asperity model has no adhesion
-        min_added = MAX_NEGLECTED_ADHESION_FRACTION if study.uses_half_space else 1.0
-        if study.is_measured and study.contact.work_of_adhesion is None and added_load > min_added:
+        min_added_load = MAX_NEGLECTED_ADHESION_FRACTION if study.uses_half_space else 1.0
+        if study.is_measured and study.contact.work_of_adhesion is None and added_load > min_added_load:
             added_text = f"at least {format_percent(added_load)}" if added_load < 1 else "more than 100 %"
-            work = f"{1e6 * TYPICAL_WORK_OF_ADHESION:g} mJ/m²"
-            text = f"adhesion of {work} would increase the load on the contacts by {added_text}"
-            options = "" if study.uses_half_space else "--mechanics half-space and "
-            yield Caveat(text, f"specify {options}--adhesion ('0 mJ/m^2' if there is none)", "caution")
+            work_text = f"{1e6 * TYPICAL_WORK_OF_ADHESION:g} mJ/m²"
+            text = f"adhesion of {work_text} would increase the load on the contacts by {added_text}"
+            option_text = "" if study.uses_half_space else "--mechanics half-space and "
+            yield Caveat(text, f"specify {option_text}--adhesion ('0 mJ/m^2' if there is none)", "caution")
         return
-    study_range, resolved = adhesion_ranges(point, study)
-    if resolved > study_range:
-        ends = (
-            f"{format_with_unit(resolved, 'um')}, the smallest on this grid, not {format_with_unit(study_range, 'um')}"
+    study_range, used_range = adhesion_ranges(point, study)
+    if used_range > study_range:
+        text = (
+            f"the range of adhesion is {format_with_unit(used_range, 'um')}, the smallest on this grid, "
+            f"not {format_with_unit(study_range, 'um')}"
         )
-        text = f"the range of adhesion is {ends}"
         yield Caveat(text, "the pull-off force is affected little; use a finer scan for other results", "caution")
     uncertain_inputs = {name.split("_")[0] for name in find_uncertain_inputs(study)} & {
         "hardness",
@@ -514,14 +530,14 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
     if uncertain_inputs and mean_over_directions(point, "contact_load") > (1 + MAX_NEGLECTED_ADHESION_FRACTION) * float(
         point["load"]
     ):
-        names = (
+        input_text = (
             "the hardness"
             if uncertain_inputs == {"hardness"}
             else "E*"
             if "hardness" not in uncertain_inputs
             else "E* and the hardness"
         )
-        text = f"the interval does not include the effect of {names} on the attraction"
+        text = f"the interval does not include the effect of {input_text} on the attraction"
         yield Caveat(text, "compute both limits of the ranges", "caution")
 
 
@@ -554,16 +570,16 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
     if not all(f"{side}_spacing_um" in point.attrs for side in sides):
         return
     spacings = [float(np.max(point.attrs[f"{side}_spacing_um"])) for side in sides]
-    coarser, finer = (sides[spacings.index(select(spacings))] for select in (max, min))
+    coarser_body, finer_body = (sides[spacings.index(select(spacings))] for select in (max, min))
     if max(spacings) > MAX_SPACING_RATIO * min(spacings):
         ratio = format_significant(max(spacings) / min(spacings), 2)
-        text = f"the {coarser} scan is {ratio} times coarser than the {finer}, so it lacks short wavelengths"
+        text = f"the {coarser_body} scan is {ratio} times coarser than the {finer_body}, so it lacks short wavelengths"
         yield Caveat(text, "scan both bodies with similar spacings", "caution")
     mean_contact_area = mean_over_directions(point, "contact_area") / mean_over_directions(point, "contact_count")
     for side in sides:
-        fraction, largest_gap = np.asarray(point.attrs.get(f"{side}_filled", (0.0, 0.0))).tolist()
-        if fraction > MAX_INTERPOLATED_FRACTION or largest_gap > mean_contact_area:
-            text = f"{side}: {format_percent(fraction)} of the points are interpolated"
+        interpolated_fraction, largest_gap = np.asarray(point.attrs.get(f"{side}_filled", (0.0, 0.0))).tolist()
+        if interpolated_fraction > MAX_INTERPOLATED_FRACTION or largest_gap > mean_contact_area:
+            text = f"{side}: {format_percent(interpolated_fraction)} of the points are interpolated"
             if largest_gap > mean_contact_area:
                 text += (
                     f", in gaps larger than the contacts, up to {largest_gap:.3g} {'µm²' if study.is_areal else 'µm'}"

@@ -87,95 +87,115 @@ def add_uncertainty(
     if not study.is_measured or at.attrs.get("reading") != "elastic":
         return at
     # The loads of the study are evaluated separately, because other loads must not change the intervals at these loads.
-    is_own = np.isin(at["load"].values, [float(load) for load in study.friction.load])
-    if is_own.any() and not is_own.all():
+    is_study_load = np.isin(at["load"].values, [float(load) for load in study.friction.load])
+    if is_study_load.any() and not is_study_load.all():
         parts = [
             add_uncertainty(at.isel(load=np.flatnonzero(mask)), result, budget=budget, tests=tests)
-            for mask in (is_own, ~is_own)
+            for mask in (is_study_load, ~is_study_load)
         ]
         return _merge_load_datasets(parts)
     inputs, strengths = find_uncertain_inputs(study), []
-    if (known := find_interface(study)) is not None:
-        fit, hardness = known.fits[0], inputs.get("hardness")
-        joint = hardness is not None and hardness.estimate.describes_same_hardness(known.about.get(HARDNESS_ENTRY, ""))
-        growth = fit.junction_growth if known.has_growth(find_junction_growth(study)) else None
-        more = fit.hardness if joint else None, growth
-        strengths = [(*each, *more) for each in ((fit.mu0, fit.tau0), *known.samples_at_bounds)]
-        gone = ("mu0", "tau0", *(("hardness",) if joint else ()), *(("junction_growth",) if growth is not None else ()))
-        inputs = {name: each for name, each in inputs.items() if name not in gone}
+    if (study_interface := find_interface(study)) is not None:
+        fit, hardness = study_interface.fits[0], inputs.get("hardness")
+        has_joint_hardness = hardness is not None and hardness.estimate.describes_same_hardness(
+            study_interface.about.get(HARDNESS_ENTRY, "")
+        )
+        growth = fit.junction_growth if study_interface.has_growth(find_junction_growth(study)) else None
+        hardness_and_growth = fit.hardness if has_joint_hardness else None, growth
+        strengths = [
+            (*each, *hardness_and_growth) for each in ((fit.mu0, fit.tau0), *study_interface.samples_at_bounds)
+        ]
+        replaced_names = (
+            "mu0",
+            "tau0",
+            *(("hardness",) if has_joint_hardness else ()),
+            *(("junction_growth",) if growth is not None else ()),
+        )
+        inputs = {name: each for name, each in inputs.items() if name not in replaced_names}
     dims = tuple(str(dim) for dim in at["friction_all_round"].dims if dim != "statistic")
     shape = tuple(at.sizes[dim] for dim in dims)
-    scatters: dict[tuple[int, ...], ScanPairMean | None] = {}
+    scan_means: dict[tuple[int, ...], ScanPairMean | None] = {}
     surfaces: Any = study.surfaces
     if math.prod(surfaces.scan_counts) > 1:  # split the variance of each coefficient by source (scans, positions)
         members = member_values(result, at["load"].values, mu0=at["mu0"].values, tau0=at["tau0"].values)
         table = members["friction_coefficient"].transpose(*dims, "repetition", "direction")
         scans = surfaces.scan_indices_of_members(table["repetition"].values)
-        scatters = {position: scans_mean(table.values[position], *scans) for position in np.ndindex(*shape)}
-    order = [
+        scan_means = {position: scans_mean(table.values[position], *scans) for position in np.ndindex(*shape)}
+    input_names = [
         *([INTERFACE_INPUT] if strengths else []),
         *inputs,
-        *(SAMPLING_INPUTS if scatters else (POSITIONS_INPUT,)),
+        *(SAMPLING_INPUTS if scan_means else (POSITIONS_INPUT,)),
         UNRESOLVED_ROUGHNESS_INPUT,
     ]
-    whole, test = np.full((*shape, 3), np.nan), np.full((*shape, 3), np.nan)
-    remaining, width = np.full((len(order), *shape, 3), np.nan), np.full((len(order), *shape), np.nan)
-    waited, seizing = np.full((*shape, len(study.friction.wait), 3), np.nan), np.zeros(shape)
+    coefficient_intervals, test_intervals = np.full((*shape, 3), np.nan), np.full((*shape, 3), np.nan)
+    remaining_intervals, remaining_widths = (
+        np.full((len(input_names), *shape, 3), np.nan),
+        np.full((len(input_names), *shape), np.nan),
+    )
+    dwell_intervals, seizing_fractions = np.full((*shape, len(study.friction.wait), 3), np.nan), np.zeros(shape)
     areas = build_area_interpolator(at, result)
-    needed = {name: at.variables[name] for name in _INTERVAL_VARIABLES if name in at.variables}
-    read = _get_arrays_over_dims(needed | _pressure_and_growth_under_shear(at, study, areas), at, dims)
-    six = member_sums_at_loads(result, at["load"].values).mean(("repetition", "direction"))
-    sums = _get_arrays_over_dims({name: six.variables[name] for name in LOAD_SUM_NAMES}, at, dims)
+    interval_variables = {name: at.variables[name] for name in _INTERVAL_VARIABLES if name in at.variables}
+    values_by_name = _get_arrays_over_dims(
+        interval_variables | _pressure_and_growth_under_shear(at, study, areas), at, dims
+    )
+    contact_sums = member_sums_at_loads(result, at["load"].values).mean(("repetition", "direction"))
+    sums_by_name = _get_arrays_over_dims({name: contact_sums.variables[name] for name in LOAD_SUM_NAMES}, at, dims)
     pressures = at["load"].values / float(at["nominal_area"])
     # Consecutive coefficients have the same mu0 and tau0 and therefore share samples.
-    interface = [dims.index(name) for name in ("mu0", "tau0")]
-    for position in sorted(np.ndindex(*shape), key=lambda position: [position[index] for index in interface]):
+    interface_axes = [dims.index(name) for name in ("mu0", "tau0")]
+    for position in sorted(np.ndindex(*shape), key=lambda position: [position[index] for index in interface_axes]):
         indices = dict(zip(dims, position, strict=True))
-        numbers = {name: values[position] for name, values in read.items()}
-        per_load = ForcesPerLoad.of({name: values[position] for name, values in sums.items()})
+        numbers = {name: values[position] for name, values in values_by_name.items()}
+        forces_per_load = ForcesPerLoad.of({name: values[position] for name, values in sums_by_name.items()})
         samples = _CoefficientSamples(
-            numbers, indices, study, inputs, per_load, areas, strengths, scatters.get(position)
+            numbers, indices, study, inputs, forces_per_load, areas, strengths, scan_means.get(position)
         )
         if not samples.names:
             point = numbers["friction_all_round"]
             if (np.abs(point) < NEGLIGIBLE_COEFFICIENT).all() and {"mu0", "tau0"} & samples.inputs.keys():
-                whole[position] = point[0], *_zero_coefficient_interval(samples, point)
+                coefficient_intervals[position] = point[0], *_zero_coefficient_interval(samples, point)
             continue
-        whole[position] = samples.value, *samples.interval()
+        coefficient_intervals[position] = samples.value, *samples.interval()
         if not tests:
             continue
-        seizing[position] = samples.seizing_fraction
-        test[position] = samples.value, *samples.next_test()
+        seizing_fractions[position] = samples.seizing_fraction
+        test_intervals[position] = samples.value, *samples.next_test()
         for index, wait in enumerate(study.friction.wait):
-            waited[(*position, index)] = samples.friction_after_dwell(float(wait), pressures[samples.load])
-        quoted = str(at["sliding"].values[indices["sliding"]]) == "all"
+            dwell_intervals[(*position, index)] = samples.friction_after_dwell(float(wait), pressures[samples.load])
+        is_quoted = str(at["sliding"].values[indices["sliding"]]) == "all"
         for index, name in enumerate(
-            order if budget and quoted and np.prod(shape) <= MAX_BUDGETED_COEFFICIENTS else ()
+            input_names if budget and is_quoted and np.prod(shape) <= MAX_BUDGETED_COEFFICIENTS else ()
         ):
             if name in samples.names:
-                remaining[(index, *position)] = samples.value, *samples.interval({name: 0.5})
-                width[(index, *position)] = samples.remaining_width(name)
-    over = (*dims, "statistic")
-    combined = _combined_coefficients(at, study, dims, whole)
+                remaining_intervals[(index, *position)] = samples.value, *samples.interval({name: 0.5})
+                remaining_widths[(index, *position)] = samples.remaining_width(name)
+    interval_dims = (*dims, "statistic")
+    combined_intervals = _combined_coefficients(at, study, dims, coefficient_intervals)
     if not tests:
-        return at.assign(friction_combined=(over, combined, quantity_attributes("friction_combined")))
+        return at.assign(
+            friction_combined=(interval_dims, combined_intervals, quantity_attributes("friction_combined"))
+        )
     tables: dict[str, tuple[tuple[str, ...], Floats]] = {
-        "friction_combined": (over, combined),
-        "friction_known": (over, whole),
-        "friction_next_test": (over, test),
+        "friction_combined": (interval_dims, combined_intervals),
+        "friction_known": (interval_dims, coefficient_intervals),
+        "friction_next_test": (interval_dims, test_intervals),
     }
     if budget:
-        tables |= {"friction_if_known": (("input", *over), remaining), "width_if_known": (("input", *dims), width)}
+        tables |= {
+            "friction_if_known": (("input", *interval_dims), remaining_intervals),
+            "width_if_known": (("input", *dims), remaining_widths),
+        }
     if find_junction_growth(study) is not None:
-        tables["fraction_seizing"] = dims, seizing
+        tables["fraction_seizing"] = dims, seizing_fractions
     labels = [
-        inputs[name].label if name in inputs else {INTERFACE_INPUT: "the interface"}.get(name, name) for name in order
+        inputs[name].label if name in inputs else {INTERFACE_INPUT: "the interface"}.get(name, name)
+        for name in input_names
     ]
-    coordinates = {"input": ("input", order), "input_words": ("input", labels)} if budget else {}
+    coordinates = {"input": ("input", input_names), "input_words": ("input", labels)} if budget else {}
     if study.friction.wait:
-        tables["friction_waited"] = (*dims, "wait", "statistic"), waited
+        tables["friction_waited"] = (*dims, "wait", "statistic"), dwell_intervals
         coordinates["wait"] = ("wait", np.array(study.friction.wait, float), {"units": "s"})  # type: ignore[assignment]
-    variables = {name: (own, values, quantity_attributes(name)) for name, (own, values) in tables.items()}
+    variables = {name: (own_dims, values, quantity_attributes(name)) for name, (own_dims, values) in tables.items()}
     return at.assign(variables).assign_coords(coordinates)
 
 
@@ -193,16 +213,16 @@ def _pressure_and_growth_under_shear(
         return {}
     mu0, tau0 = at["mu0"].values, at["tau0"].values
     pressure = np.full((mu0.size, tau0.size), hardness)
-    grown = np.ones((at.sizes["sliding"], at.sizes["load"], *pressure.shape))
+    growth_ratios = np.ones((at.sizes["sliding"], at.sizes["load"], *pressure.shape))
     if (growth := find_junction_growth(study)) is not None:
         pressure = hardness_under_shear(hardness, mu0[:, np.newaxis], tau0, growth.value)
         rules = at["sliding"].values.tolist()
-        grown = np.stack([area_growth_ratio(areas, study, rule, mu0, tau0) for rule in rules])
-        grown[..., tau0 == 0] = 1.0
+        growth_ratios = np.stack([area_growth_ratio(areas, study, rule, mu0, tau0) for rule in rules])
+        growth_ratios[..., tau0 == 0] = 1.0
     dims = ("mu0", "tau0")
     return {
         "sheared_pressure": xarray.Variable(dims, pressure),
-        "area_growth": xarray.Variable(("sliding", "load", *dims), grown),
+        "area_growth": xarray.Variable(("sliding", "load", *dims), growth_ratios),
     }
 
 
@@ -241,22 +261,25 @@ def _merge_load_datasets(parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
     """Merge datasets evaluated at different loads into one dataset with the loads in ascending order."""
     import xarray
 
-    whole = xarray.concat(
+    merged = xarray.concat(
         parts, "load", data_vars="minimal", coords="minimal", compat="override", combine_attrs="override"
     )
-    return whole.sortby("load").transpose(*parts[0].dims)
+    return merged.sortby("load").transpose(*parts[0].dims)
 
 
 def _combined_coefficients(at: xarray.Dataset, study: Study, dims: Sequence[str], known_intervals: Floats) -> Floats:
     """Return the reported coefficients and their interval limits as an array of shape (*dims, statistic)."""
     combined = at["friction_all_round"].transpose(*dims, "statistic").values.copy()
-    low = combined[..., 1]
-    combined[..., 1] = np.where((low < 0) & (combined[..., 0] >= 0), 0.0, low)
+    lower_limits = combined[..., 1]
+    combined[..., 1] = np.where((lower_limits < 0) & (combined[..., 0] >= 0), 0.0, lower_limits)
     is_known = ~np.isnan(known_intervals).any(axis=-1)  # an interval with an infinite upper limit is also known
     combined[is_known] = known_intervals[is_known]
     if study.surfaces.both_readings and "cut_off" in dims:  # the quoted first cutoff gets the interval of all cutoffs
-        over = np.moveaxis(combined, dims.index("cut_off"), 0)
-        over[0, ..., 1], over[0, ..., 2] = np.fmin.reduce(over[..., 1]), np.fmax.reduce(over[..., 2])
+        by_cutoff = np.moveaxis(combined, dims.index("cut_off"), 0)
+        by_cutoff[0, ..., 1], by_cutoff[0, ..., 2] = (
+            np.fmin.reduce(by_cutoff[..., 1]),
+            np.fmax.reduce(by_cutoff[..., 2]),
+        )
     return combined
 
 
@@ -277,9 +300,11 @@ class _CoefficientSamples:
         self.inputs: dict[str, UncertainInput] = {name: each.estimate for name, each in inputs.items()}
         # The range of mu0 or tau0 in the study does not apply to other values of mu0 or tau0.
         for name, study_value in (("mu0", self.mu0), ("tau0", self.tau0)):
-            of_interface = float(getattr(study.friction, name)[0]) if study.known.interface else None
-            middle = self.inputs[name].value if name in self.inputs and of_interface is None else of_interface
-            if middle is not None and abs(middle - study_value) > SAME_INPUT_TOLERANCE * study_value:
+            interface_value = float(getattr(study.friction, name)[0]) if study.known.interface else None
+            central_value = (
+                self.inputs[name].value if name in self.inputs and interface_value is None else interface_value
+            )
+            if central_value is not None and abs(central_value - study_value) > SAME_INPUT_TOLERANCE * study_value:
                 self.inputs.pop(name, None)
                 strengths = ()
         value, lower, upper = point["friction_all_round"].tolist()
@@ -298,28 +323,36 @@ class _CoefficientSamples:
         self.own_growth = float(point.get("area_growth", 1.0))
         hardness = study.contact.hardness
         self.finest: tuple[float, float] | None = None  # range of coefficients that finer scans could give
-        free = study.uses_half_space and not study.contact.adheres
-        if hardness is not None and free and self.rule == "all":
+        is_nonadhesive_half_space = study.uses_half_space and not study.contact.adheres
+        if hardness is not None and is_nonadhesive_half_space and self.rule == "all":
             self.contacts = float(point["contact_count"][0]) * float(point["members"])
-            limits = self.mu0, self.tau0 / float(point["sheared_pressure"]), self.contacts
-            self.finest = friction_bracket(value, *limits)
-            self.bracket = friction_bracket(value, *limits, upper)
-        width = math.log(upper / lower) if lower > 0 else (upper - lower) / value
-        error, members = width / (2 * Z_95), int(point["ok"].min())
+            bracket_inputs = self.mu0, self.tau0 / float(point["sheared_pressure"]), self.contacts
+            self.finest = friction_bracket(value, *bracket_inputs)
+            self.bracket = friction_bracket(value, *bracket_inputs, upper)
+        relative_width = math.log(upper / lower) if lower > 0 else (upper - lower) / value
+        relative_error, members = relative_width / (2 * Z_95), int(point["ok"].min())
         spread = 0.0 if study.is_gap else float(point["spread_high"]) - float(point["spread_low"])
         # relative standard deviation of single members in a single direction about the mean over members
         self.scatter = spread / (NORMAL_DECILE_RANGE * value) * math.sqrt(1 + 1 / max(members, 1))
         self.freedom = float(max(members - 1, 1))
-        places = {POSITIONS_INPUT: error}  # relative standard error of the mean due to each source
+        relative_errors = {POSITIONS_INPUT: relative_error}  # relative standard error of the mean due to each source
         if of_parts is not None:
-            whole = math.sqrt(sum(of_parts.variances)) or 1.0
-            places = {
-                n: error * math.sqrt(each) / whole for n, each in zip(SAMPLING_INPUTS, of_parts.variances, strict=True)
+            total_deviation = math.sqrt(sum(of_parts.variances)) or 1.0
+            relative_errors = {
+                n: relative_error * math.sqrt(each) / total_deviation
+                for n, each in zip(SAMPLING_INPUTS, of_parts.variances, strict=True)
             }
             self.scatter, self.freedom = of_parts.test / value, min(of_parts.test_freedom, MAX_DEGREES_OF_FREEDOM)
-        self.places = {name: each for name, each in places.items() if each > 0}
-        finer = (UNRESOLVED_ROUGHNESS_INPUT,) if self.finest is not None and self.finest[1] > self.finest[0] else ()
-        self.names = (*self.inputs, *((INTERFACE_INPUT,) if strengths else ()), *self.places, *finer)
+        self.standard_errors = {name: each for name, each in relative_errors.items() if each > 0}
+        unresolved_inputs = (
+            (UNRESOLVED_ROUGHNESS_INPUT,) if self.finest is not None and self.finest[1] > self.finest[0] else ()
+        )
+        self.names = (
+            *self.inputs,
+            *((INTERFACE_INPUT,) if strengths else ()),
+            *self.standard_errors,
+            *unresolved_inputs,
+        )
 
     def interval(self, fixed: Mapping[str, float] | None = None) -> tuple[float, float]:
         """Return the 95 % interval of the coefficient with some inputs fixed at the given quantiles.
@@ -343,11 +376,11 @@ class _CoefficientSamples:
         angles = [
             _friction_angle_difference(self._sampled_interval({name: quantile})) for quantile in FIXED_INPUT_QUANTILES
         ]
-        (low, high), sampled = self.interval(), _friction_angle_difference(self._sampled_interval({}))
-        return min(float(np.mean(angles)) / sampled, 1.0) * (high - low) if sampled > 0 else high - low
+        (low, high), sampled_width = self.interval(), _friction_angle_difference(self._sampled_interval({}))
+        return min(float(np.mean(angles)) / sampled_width, 1.0) * (high - low) if sampled_width > 0 else high - low
 
     def _sampled_interval(self, fixed: Mapping[str, float]) -> tuple[float, float]:
-        if self.names == tuple(self.places) and not fixed:
+        if self.names == tuple(self.standard_errors) and not fixed:
             return max(self.sampling[0], 0.0), self.sampling[1]
         return self._scaled_interval(fixed)
 
@@ -359,11 +392,11 @@ class _CoefficientSamples:
         The interval is extended to include the samples with mu0 or tau0 at its bound.
         """
         strengths = self.strengths[:1] if INTERFACE_INPUT in fixed else self.strengths
-        ends = [
+        intervals = [
             _equal_tailed_interval(self._friction_samples(fixed, wait, strength) * factor)
             for strength in strengths or (None,)
         ]
-        return min(low for low, _ in ends), max(high for _, high in ends)
+        return min(low for low, _ in intervals), max(high for _, high in intervals)
 
     @property
     def seizing_fraction(self) -> float:
@@ -407,7 +440,9 @@ class _CoefficientSamples:
         )
         scatter = math.sqrt(math.log1p(self.scatter**2))
         factor = np.exp(np.minimum(scores * scatter, MAX_LOG_COEFFICIENT_RATIO))
-        return extend_interval(self._scaled_interval(dict.fromkeys(self.places, 0.5), factor=factor), self.value)
+        return extend_interval(
+            self._scaled_interval(dict.fromkeys(self.standard_errors, 0.5), factor=factor), self.value
+        )
 
     def friction_after_dwell(self, wait: float, pressure: float) -> tuple[float, float, float]:
         """Return the friction coefficient after a dwell time (s), together with the limits of its 95 % interval.
@@ -417,19 +452,19 @@ class _CoefficientSamples:
         creep, hardness = find_creep_exponent(self.study), self.areas.hardness
         assert creep is not None, "a study with dwell times has a creep exponent"
         assert hardness is not None, "a study with dwell times has a hardness"
-        hardness_left = hardness * wait**-creep.value
-        if pressure >= hardness_left:
+        final_hardness = hardness * wait**-creep.value
+        if pressure >= final_hardness:
             return math.nan, math.nan, math.nan
-        ends = np.array([hardness_left]), np.array([hardness])
-        area, grown = (
+        hardnesses = np.array([final_hardness]), np.array([hardness])
+        area, initial_growth = (
             self._area_growth_under_shear(end, self.tau0, self._pressure_under_shear(end, self.mu0, self.tau0))
-            for end in ends
+            for end in hardnesses
         )
         if not np.isfinite(area).all():
             return math.nan, math.nan, math.nan
-        area = self.areas.area_ratio(self.load, ends[0], 1.0) * area
-        initial = self.friction.coefficient(self.mu0, self.tau0, grown)
-        value = self.value * self.friction.coefficient(self.mu0, self.tau0, area) / initial
+        area = self.areas.area_ratio(self.load, hardnesses[0], 1.0) * area
+        initial_coefficient = self.friction.coefficient(self.mu0, self.tau0, initial_growth)
+        value = self.value * self.friction.coefficient(self.mu0, self.tau0, area) / initial_coefficient
         return float(value[0]), *extend_interval(self._scaled_interval({}, wait), float(value[0]))
 
     def _friction_samples(
@@ -442,16 +477,18 @@ class _CoefficientSamples:
         # The interface samples are sorted by coefficient, so quantiles of the samples are quantiles of the coefficient.
         if strength is not None:
             hardness_samples, growth = strength[2:]
-            with_own = 1.0 if hardness_samples is None else self.areas.area_ratio(self.load, hardness_samples, 1.0)
-            softness = (
+            interface_areas = (
+                1.0 if hardness_samples is None else self.areas.area_ratio(self.load, hardness_samples, 1.0)
+            )
+            interface_hardness = (
                 np.full(strength[0].shape, self.areas.hardness or np.nan)
                 if hardness_samples is None
                 else hardness_samples
             )
-            pressure = self._pressure_under_shear(softness, *strength[:2], growth)
-            with_own = with_own * self._area_growth_under_shear(softness, strength[1], pressure)
+            pressure = self._pressure_under_shear(interface_hardness, *strength[:2], growth)
+            interface_areas = interface_areas * self._area_growth_under_shear(interface_hardness, strength[1], pressure)
             with np.errstate(invalid="ignore"):
-                order = np.argsort(self.friction.coefficient(*strength[:2], with_own))
+                order = np.argsort(self.friction.coefficient(*strength[:2], interface_areas))
             indices = order[(columns[INTERFACE_INPUT] * order.size).astype(int)]
             mu0, tau0 = strength[0][indices], strength[1][indices]
             growth = None if growth is None else growth[indices]
@@ -466,20 +503,26 @@ class _CoefficientSamples:
                 pressure = self._pressure_under_shear(hardness, mu0, tau0, alpha)
             area = area * self._area_growth_under_shear(hardness, tau0, pressure, modulus)
             hardness = pressure
-        middle = self.friction.coefficient(self.mu0, self.tau0, self.own_growth)
+        central_coefficient = self.friction.coefficient(self.mu0, self.tau0, self.own_growth)
         with np.errstate(invalid="ignore"):
             coefficients = np.broadcast_to(
-                self.value * self.friction.coefficient(mu0, tau0, area) / middle, (NUM_INPUT_SAMPLES,)
+                self.value * self.friction.coefficient(mu0, tau0, area) / central_coefficient, (NUM_INPUT_SAMPLES,)
             )
         seizes = np.broadcast_to(np.isinf(area), (NUM_INPUT_SAMPLES,))
         if is_seizing := bool(seizes.any()):
             coefficients, hardness = np.where(seizes, 1.0, coefficients), np.where(seizes, np.inf, hardness)
         if UNRESOLVED_ROUGHNESS_INPUT in columns and self.finest is not None:
-            lowest = np.minimum(mu0 + tau0 / hardness, coefficients)
-            highest = np.maximum(max_friction(coefficients, mu0, tau0 / hardness, self.contacts), lowest)
-            coefficients = lowest + columns[UNRESOLVED_ROUGHNESS_INPUT] * (highest - lowest)
-        if self.places:
-            coefficients = coefficients * np.exp(sum(error * scores[name] for name, error in self.places.items()))
+            lowest_coefficients = np.minimum(mu0 + tau0 / hardness, coefficients)
+            highest_coefficients = np.maximum(
+                max_friction(coefficients, mu0, tau0 / hardness, self.contacts), lowest_coefficients
+            )
+            coefficients = lowest_coefficients + columns[UNRESOLVED_ROUGHNESS_INPUT] * (
+                highest_coefficients - lowest_coefficients
+            )
+        if self.standard_errors:
+            coefficients = coefficients * np.exp(
+                sum(error * scores[name] for name, error in self.standard_errors.items())
+            )
         coefficients = np.maximum(coefficients, 0.0)
         return np.where(seizes, np.inf, coefficients) if is_seizing else coefficients
 
@@ -502,7 +545,7 @@ class _CoefficientSamples:
             hardness = samples.get("hardness", np.full(NUM_INPUT_SAMPLES, self.areas.hardness or np.nan))
             if (creep := find_creep_exponent(self.study)) is not None:
                 hardness = hardness * wait ** -creep.quantile(cube[:, -1])
-            scores = {name: ndtri(columns[name]) for name in self.places}
+            scores = {name: ndtri(columns[name]) for name in self.standard_errors}
             return columns, scores, samples, hardness, compute_relative_modulus(self.study, samples)
 
         return self.areas.get_or_compute(("inputs", self.names, tuple(fixed.items()), wait), (), compute)  # type: ignore[no-any-return]
@@ -551,19 +594,19 @@ def _equal_tailed_interval(values: NDArray[Any]) -> tuple[float, float]:
         If a sample has no coefficient.
     """
     if np.isnan(values).any():
-        count = int(np.count_nonzero(np.isnan(values)))
+        num_undefined = int(np.count_nonzero(np.isnan(values)))
         raise ValueError(
-            f"the inputs are too uncertain, because {count} of {values.size} samples have no coefficient; "
+            f"the inputs are too uncertain, because {num_undefined} of {values.size} samples have no coefficient; "
             "specify narrower ranges"
         )
     # Partitioning takes a tenth of the time of sorting all samples.
     probabilities = np.array([0.025, 0.975])
     if np.isinf(values).any():  # quantiles are not interpolated if samples are infinite
-        steps = np.maximum(np.ceil(probabilities * values.size).astype(int) - 1, 0)
-        low, high = np.partition(values, steps)[steps]
+        ranks = np.maximum(np.ceil(probabilities * values.size).astype(int) - 1, 0)
+        low, high = np.partition(values, ranks)[ranks]
     else:
         positions = probabilities * (values.size - 1)
-        below = np.minimum(positions.astype(int), values.size - 2)
-        ordered = np.partition(values, np.unique([below, below + 1]))
-        low, high = ordered[below] + (positions - below) * (ordered[below + 1] - ordered[below])
+        lower_ranks = np.minimum(positions.astype(int), values.size - 2)
+        ordered = np.partition(values, np.unique([lower_ranks, lower_ranks + 1]))
+        low, high = ordered[lower_ranks] + (positions - lower_ranks) * (ordered[lower_ranks + 1] - ordered[lower_ranks])
     return float(low), float(high)

@@ -105,24 +105,24 @@ def calibrate(
             f"uncertainty must be given if there are fewer than {MIN_SLIDING_TESTS} tests with sliding, "
             "because it cannot be estimated from so few tests"
         )
-    known = (
+    known_strengths = (
         None if mu0 is None else validate_number("mu0", mu0, below=MAX_INPUT_NUMBER),
         None
         if tau0 is None
         else validate_number("tau0", to_core_units("tau0", tau0, "pressure"), below=MAX_INPUT_NUMBER),
     )
-    if any(value is not None and value < 0 for value in known):
+    if any(value is not None and value < 0 for value in known_strengths):
         raise ValueError("mu0 and tau0 must not be negative")
-    available = [rule for rule in SLIDING_RULES if all(rule in list_sliding_rules(test.result) for test in tests)]
+    available_rules = [rule for rule in SLIDING_RULES if all(rule in list_sliding_rules(test.result) for test in tests)]
     if all(isinstance(test.result, Ball) for test in tests) and sliding == "both":
-        available = available[:1]  # both rules give the same friction for a ball
-    rules = available if sliding == "both" else [sliding]
-    if not rules or not set(rules) <= set(available):
+        available_rules = available_rules[:1]  # both rules give the same friction for a ball
+    rules = available_rules if sliding == "both" else [sliding]
+    if not rules or not set(rules) <= set(available_rules):
         raise ValueError(
             f"sliding must be a rule for which every result has coefficients "
-            f"({', '.join(available) or 'none exists'}), got {sliding!r}"
+            f"({', '.join(available_rules) or 'none exists'}), got {sliding!r}"
         )
-    problems = [CalibrationProblem(tests, rule, common, known, outliers=outliers) for rule in rules]
+    problems = [CalibrationProblem(tests, rule, common, known_strengths, outliers=outliers) for rule in rules]
     fits = [problem.fit() for problem in problems]
     if (
         len(fits) == 2
@@ -130,13 +130,25 @@ def calibrate(
         and fits[1].probability > ERROR_SCALING_PROBABILITY
     ):
         fits, problems = fits[::-1], problems[::-1]
-    first = problems[0]
-    separated = any(value is not None for value in known) or (len(tests) > 2 and first.variation >= MIN_AREA_VARIATION)
-    points = [
+    first_problem = problems[0]
+    is_separated = any(value is not None for value in known_strengths) or (
+        len(tests) > 2 and first_problem.variation >= MIN_AREA_VARIATION
+    )
+    test_points = [
         (float(ratio), float(test.coefficient or 0.0), float(test.uncertainty or math.nan), test.slid)
-        for ratio, test in zip(first.ratio, tests, strict=True)
+        for ratio, test in zip(first_problem.ratio, tests, strict=True)
     ]
-    advice = () if separated else first.suggest_tests()
-    entries = {"kind": "measured"} | ({HARDNESS_ENTRY: first.shared_hardness.text} if first.shared_hardness else {})
-    entries |= {GROWTH_ENTRY: first.growth.short_text} if first.growth is not None else {}
-    return Interface(tuple(fits), first.mean_area_per_load, first.variation, separated, advice, tuple(points), entries)
+    advice = () if is_separated else first_problem.suggest_tests()
+    entries = {"kind": "measured"} | (
+        {HARDNESS_ENTRY: first_problem.shared_hardness.text} if first_problem.shared_hardness else {}
+    )
+    entries |= {GROWTH_ENTRY: first_problem.growth.short_text} if first_problem.growth is not None else {}
+    return Interface(
+        tuple(fits),
+        first_problem.mean_area_per_load,
+        first_problem.variation,
+        is_separated,
+        advice,
+        tuple(test_points),
+        entries,
+    )

@@ -120,9 +120,9 @@ class CalibrationProblem:
         outliers: bool,
     ) -> None:
         self.sliding, self.common, self.known, self.outliers = sliding, common, known, outliers
-        alike = {(id(test.result), test.load, test.wait): test for test in tests}
-        friction = {key: evaluate_test_forces(test, sliding) for key, test in alike.items()}
-        self._friction = [friction[id(test.result), test.load, test.wait] for test in tests]
+        tests_by_key = {(id(test.result), test.load, test.wait): test for test in tests}
+        forces_by_key = {key: evaluate_test_forces(test, sliding) for key, test in tests_by_key.items()}
+        self._friction = [forces_by_key[id(test.result), test.load, test.wait] for test in tests]
         self.slid = np.array([test.slid for test in tests])
         self.load = np.array([float(test.load) for test in tests])
         self.measured = np.array([float(test.coefficient or 0.0) for test in tests])
@@ -131,25 +131,29 @@ class CalibrationProblem:
             self.error = np.array([test.uncertainty for test in tests], float)
         else:  # if no errors are given, errors are proportional to the coefficients
             self.error = np.maximum(self.measured, 1e-6 * self.measured.max())
-        scatters: dict[Hashable, float] = {}
+        scatter_by_surfaces: dict[Hashable, float] = {}
         for equation in self._friction:
             if equation.scatter > 0:
-                scatters[equation.surfaces] = max(scatters.get(equation.surfaces, 0.0), equation.scatter)
-        self._scatters = scatters
-        self.grows = any(
+                scatter_by_surfaces[equation.surfaces] = max(
+                    scatter_by_surfaces.get(equation.surfaces, 0.0), equation.scatter
+                )
+        self._scatter_by_surfaces = scatter_by_surfaces
+        self.has_growth = any(
             equation.area_factor is not None and equation.area_factor.growth is not None for equation in self._friction
         )
-        inputs = [name for equation in self._friction if equation.area_factor for name in equation.area_factor.names]
-        self._members = _run_membership_matrix(tests)
+        input_names = [
+            name for equation in self._friction if equation.area_factor for name in equation.area_factor.names
+        ]
+        self._run_membership = _run_membership_matrix(tests)
         self.nuisances: list[Hashable] = [
-            *([GAIN_NUISANCE] if common > 0 else []), *scatters, *dict.fromkeys(inputs),
-            *([RUN_SPREAD_NUISANCE] if len(self._members) else []),
+            *([GAIN_NUISANCE] if common > 0 else []), *scatter_by_surfaces, *dict.fromkeys(input_names),
+            *([RUN_SPREAD_NUISANCE] if len(self._run_membership) else []),
         ]  # fmt: skip
         """Names of the nuisance parameters. Each parameter is expressed as a standard normal score."""
-        middle = self._equation_coefficients(np.zeros((1, len(self.nuisances))))
-        self.ratio = middle[1][0] / middle[0][0]
+        central_coefficients = self._equation_coefficients(np.zeros((1, len(self.nuisances))))
+        self.ratio = central_coefficients[1][0] / central_coefficients[0][0]
         """A/F (1/GPa) of each test at zero scores. If contacts grow, A is the area at the measured coefficient."""
-        self._offsets, self._offset_sizes = self._run_offsets(middle)
+        self._offsets, self._offset_sizes = self._run_offsets(central_coefficients)
 
     # ---- Equations --------------------------------------------------------------------------------------------------
 
@@ -164,14 +168,14 @@ class CalibrationProblem:
         """
         from scipy.special import ndtr
 
-        cells = () if mu0 is None else mu0.shape[1:]
-        score_of = dict(zip(self.nuisances, np.clip(scores, -MAX_NORMAL_SCORE, MAX_NORMAL_SCORE).T, strict=True))
-        shape = len(scores), *(1 for _ in cells)
-        probability = {name: ndtr(values).reshape(shape) for name, values in score_of.items()}
+        grid_shape = () if mu0 is None else mu0.shape[1:]
+        scores_by_name = dict(zip(self.nuisances, np.clip(scores, -MAX_NORMAL_SCORE, MAX_NORMAL_SCORE).T, strict=True))
+        shape = len(scores), *(1 for _ in grid_shape)
+        probability = {name: ndtr(values).reshape(shape) for name, values in scores_by_name.items()}
         # cached area factors for each equation and, if contacts grow, for each measured coefficient
-        areas: dict[Hashable, Floats] = {}
+        cached_factors: dict[Hashable, Floats] = {}
 
-        def area(test: int) -> Floats:
+        def area_factors_of_test(test: int) -> Floats:
             equation, factor = self._friction[test], np.ones(shape)
             if equation.area_factor is not None:
                 is_measured = mu0 is None or tau0 is None
@@ -179,30 +183,34 @@ class CalibrationProblem:
                     id(equation),
                     self.measured[test] if is_measured and equation.area_factor.growth is not None else None,
                 )
-                if key not in areas:
-                    sheared = (self.measured[test], None) if mu0 is None or tau0 is None else (mu0, tau0)
-                    areas[key] = equation.area_factor.area(probability, StrengthSamples(self.sliding, *sheared))
-                factor = factor * areas[key]
+                if key not in cached_factors:
+                    strength_arrays = (self.measured[test], None) if mu0 is None or tau0 is None else (mu0, tau0)
+                    cached_factors[key] = equation.area_factor.area(
+                        probability, StrengthSamples(self.sliding, *strength_arrays)
+                    )
+                factor = factor * cached_factors[key]
             if equation.scatter > 0:
-                factor = factor * np.exp(self._scatters[equation.surfaces] * score_of[equation.surfaces]).reshape(shape)
-            return np.broadcast_to(factor, (len(scores), *cells))
+                factor = factor * np.exp(
+                    self._scatter_by_surfaces[equation.surfaces] * scores_by_name[equation.surfaces]
+                ).reshape(shape)
+            return np.broadcast_to(factor, (len(scores), *grid_shape))
 
-        def column(name: str) -> Floats:
+        def test_column(name: str) -> Floats:
             return np.array([getattr(equation, name) for equation in self._friction])
 
         gain = (
-            np.exp(self.common * score_of[GAIN_NUISANCE])[:, np.newaxis]
-            if GAIN_NUISANCE in score_of
+            np.exp(self.common * scores_by_name[GAIN_NUISANCE])[:, np.newaxis]
+            if GAIN_NUISANCE in scores_by_name
             else np.ones((len(scores), 1))
         )
         # The measured coefficient is the gain times the true coefficient. Errors refer to the measured coefficient.
-        rub = gain * column("rub") - self.measured * column("rub_normal")
-        stick = gain * column("stick") - self.measured * column("stick_normal")
-        right = self.measured - gain * column("elastic")
-        factors = np.stack([area(test) for test in range(len(self._friction))], axis=1)
-        return rub, stick.reshape(*stick.shape, *(1 for _ in cells)) * factors, right
+        rub = gain * test_column("rub") - self.measured * test_column("rub_normal")
+        stick = gain * test_column("stick") - self.measured * test_column("stick_normal")
+        right = self.measured - gain * test_column("elastic")
+        factors = np.stack([area_factors_of_test(test) for test in range(len(self._friction))], axis=1)
+        return rub, stick.reshape(*stick.shape, *(1 for _ in grid_shape)) * factors, right
 
-    def _run_offsets(self, middle: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
+    def _run_offsets(self, central_coefficients: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
         """Return the residual changes caused by an offset common to the tests of a run, as unit vectors and norms.
 
         The directions are unit vectors with shape (runs, tests), and the norms, with shape (runs,), are in units of the
@@ -210,11 +218,11 @@ class CalibrationProblem:
         bias the fit low.
         """
         self._run_errors = np.zeros(len(self.slid))
-        if not len(self._members):
+        if not len(self._run_membership):
             return np.zeros((0, len(self.slid))), np.zeros(0)
-        rub, stick, right = (column[0] for column in middle)
+        rub, stick, right = (column[0] for column in central_coefficients)
         mu0, tau0 = _solve_nonnegative(np.stack([rub, stick, right], axis=1), self._weight, self.known)
-        shifts = self._members * (rub * mu0 + stick * tau0) / self.error
+        shifts = self._run_membership * (rub * mu0 + stick * tau0) / self.error
         # For a standard deviation of 1 between runs, these are the errors of all tests, with or without sliding.
         self._run_errors = (shifts * self.error).sum(axis=0)
         shifts = np.where(self.slid, shifts, 0.0)
@@ -264,11 +272,11 @@ class CalibrationProblem:
         """
         norm = -np.count_nonzero(self.slid) * np.log(scale)
         if len(self._offsets):
-            unit = self._offsets[:, self.slid]
+            run_directions = self._offsets[:, self.slid]
             ratio = 1 + np.square(np.multiply.outer(spread / scale, self._offset_sizes))
             norm = norm - 0.5 * np.log(ratio).sum(axis=1)
-            along = np.einsum("rn,pnk->prk", unit, rows) * (1 - 1 / np.sqrt(ratio))[..., np.newaxis]
-            rows = rows - np.einsum("rn,prk->pnk", unit, along)
+            run_components = np.einsum("rn,pnk->prk", run_directions, rows) * (1 - 1 / np.sqrt(ratio))[..., np.newaxis]
+            rows = rows - np.einsum("rn,prk->pnk", run_directions, run_components)
         return rows, np.asarray(norm, dtype=np.float64)
 
     def _residuals(
@@ -280,12 +288,12 @@ class CalibrationProblem:
         include junction growth. mu0 and tau0 (GPa) have the shape (points, ...).
         """
         columns = self._equation_coefficients(scores, mu0, tau0)
-        cells = tuple(1 for _ in mu0.shape[1:])
-        rub, right = (column.reshape(*column.shape, *cells) for column in (columns[0], columns[2]))
+        grid_axes = tuple(1 for _ in mu0.shape[1:])
+        rub, right = (column.reshape(*column.shape, *grid_axes) for column in (columns[0], columns[2]))
         with np.errstate(invalid="ignore"):
             misfit = right - rub * mu0[:, np.newaxis] - columns[1] * tau0[:, np.newaxis]
-            misfit = misfit[:, self.slid] / self.error[self.slid].reshape(-1, *cells)
-            misfit = misfit / scale.reshape(-1, 1, *cells)
+            misfit = misfit[:, self.slid] / self.error[self.slid].reshape(-1, *grid_axes)
+            misfit = misfit / scale.reshape(-1, 1, *grid_axes)
             rows = self._decorrelate_runs(misfit.reshape(*misfit.shape[:2], -1), scale, spread)[0]
         rows = np.where(np.isfinite(rows), rows, np.inf)
         return rows.reshape(misfit.shape), columns
@@ -301,74 +309,95 @@ class CalibrationProblem:
         """
         from scipy.optimize import least_squares
 
-        free = [index for index, value in enumerate(self.known) if value is None]
-        moved = [index for index, name in enumerate(self.nuisances) if name != RUN_SPREAD_NUISANCE]
-        robust, scale = np.ones(len(self.slid)), 1.0
+        free_indices = [index for index, value in enumerate(self.known) if value is None]
+        score_indices = [index for index, name in enumerate(self.nuisances) if name != RUN_SPREAD_NUISANCE]
+        robust_factors, scale = np.ones(len(self.slid)), 1.0
 
-        def to_scores(moves: Floats) -> Floats:
-            scores = np.zeros((len(moves), len(self.nuisances)))
-            scores[:, moved] = moves
+        def to_scores(free_scores: Floats) -> Floats:
+            scores = np.zeros((len(free_scores), len(self.nuisances)))
+            scores[:, score_indices] = free_scores
             return scores
 
-        def equations(moves: Floats) -> Floats:
-            columns = self._equation_coefficients(to_scores(moves))
-            rows = self._weighted_rows(columns, np.full(len(moves), scale), np.full(len(moves), 1e6 * scale))[0]
-            return np.asarray(rows * robust[self.slid, np.newaxis])
+        def equations(free_scores: Floats) -> Floats:
+            columns = self._equation_coefficients(to_scores(free_scores))
+            rows = self._weighted_rows(
+                columns, np.full(len(free_scores), scale), np.full(len(free_scores), 1e6 * scale)
+            )[0]
+            return np.asarray(rows * robust_factors[self.slid, np.newaxis])
 
-        at_middle = equations(np.zeros((1, len(moved))))[0]
-        size = np.maximum(np.linalg.norm(at_middle[:, :2], axis=0), 1e-300)
+        central_equations = equations(np.zeros((1, len(score_indices))))[0]
+        column_norms = np.maximum(np.linalg.norm(central_equations[:, :2], axis=0), 1e-300)
 
-        def values(x: Floats) -> Floats:
+        def to_strengths(x: Floats) -> Floats:
             strength = np.array([0.0 if value is None else value for value in self.known])
-            strength[free] = x[: len(free)] / size[free]
+            strength[free_indices] = x[: len(free_indices)] / column_norms[free_indices]
             return strength
 
-        def grown(points: Floats) -> Floats:
+        def growth_residuals(points: Floats) -> Floats:
             """Return residuals that include junction growth. The array has the shape (points, tests with sliding)."""
-            mu0, tau0 = np.transpose([values(x) for x in points])
+            mu0, tau0 = np.transpose([to_strengths(x) for x in points])
             scales = np.full(len(points), scale)
-            misfit, _ = self._residuals(to_scores(points[:, len(free) :]), scales, 1e6 * scales, mu0, tau0)
-            return np.asarray(misfit * robust[self.slid])
+            misfit, _ = self._residuals(to_scores(points[:, len(free_indices) :]), scales, 1e6 * scales, mu0, tau0)
+            return np.asarray(misfit * robust_factors[self.slid])
 
         def residuals(x: Floats) -> Floats:
-            if self.grows:
-                return np.concatenate([grown(x[np.newaxis])[0], x[len(free) :]])
-            rows = equations(x[np.newaxis, len(free) :])[0]
-            return np.concatenate([rows[:, 2] - rows[:, :2] @ values(x), x[len(free) :]])
+            if self.has_growth:
+                return np.concatenate([growth_residuals(x[np.newaxis])[0], x[len(free_indices) :]])
+            rows = equations(x[np.newaxis, len(free_indices) :])[0]
+            return np.concatenate([rows[:, 2] - rows[:, :2] @ to_strengths(x), x[len(free_indices) :]])
 
         def jacobian(x: Floats) -> Floats:
             step = 1e-5
-            if self.grows:
-                data = grown(x + step * np.concatenate([np.zeros((1, x.size)), np.eye(x.size)]))
-                top = np.nan_to_num((data[1:] - data[0]).T / step)
+            if self.has_growth:
+                step_residuals = growth_residuals(x + step * np.concatenate([np.zeros((1, x.size)), np.eye(x.size)]))
+                test_rows = np.nan_to_num((step_residuals[1:] - step_residuals[0]).T / step)
             else:
-                moves = x[len(free) :] + step * np.concatenate([np.zeros((1, len(moved))), np.eye(len(moved))])
-                rows = equations(moves)
-                data = rows[..., 2] - rows[..., :2] @ values(x)
-                top = np.concatenate([-rows[0][:, free] / size[free], (data[1:] - data[0]).T / step], axis=1)
-            prior = np.concatenate([np.zeros((len(moved), len(free))), np.eye(len(moved))], axis=1)
-            return np.concatenate([top, prior])
+                free_scores = x[len(free_indices) :] + step * np.concatenate(
+                    [np.zeros((1, len(score_indices))), np.eye(len(score_indices))]
+                )
+                rows = equations(free_scores)
+                step_residuals = rows[..., 2] - rows[..., :2] @ to_strengths(x)
+                test_rows = np.concatenate(
+                    [
+                        -rows[0][:, free_indices] / column_norms[free_indices],
+                        (step_residuals[1:] - step_residuals[0]).T / step,
+                    ],
+                    axis=1,
+                )
+            prior_rows = np.concatenate(
+                [np.zeros((len(score_indices), len(free_indices))), np.eye(len(score_indices))], axis=1
+            )
+            return np.concatenate([test_rows, prior_rows])
 
-        lower = np.concatenate([np.zeros(len(free)), np.full(len(moved), -np.inf)])
-        x = np.zeros(len(free) + len(moved))
+        lower = np.concatenate([np.zeros(len(free_indices)), np.full(len(score_indices), -np.inf)])
+        x = np.zeros(len(free_indices) + len(score_indices))
         for _ in range(1 if self.has_errors and not self.outliers else 4):
-            start = _solve_nonnegative(equations(x[np.newaxis, len(free) :])[0], np.ones(len(at_middle)), self.known)
-            x[: len(free)] = np.array(start)[free] * size[free] + 1e-9
-            while self.grows and free and not np.isfinite(residuals(x)).all() and x[: len(free)].max() > 1e-9:
-                x[: len(free)] /= 2  # halve the strengths while the interface seizes
+            linear_strengths = _solve_nonnegative(
+                equations(x[np.newaxis, len(free_indices) :])[0], np.ones(len(central_equations)), self.known
+            )
+            x[: len(free_indices)] = np.array(linear_strengths)[free_indices] * column_norms[free_indices] + 1e-9
+            while (
+                self.has_growth
+                and free_indices
+                and not np.isfinite(residuals(x)).all()
+                and x[: len(free_indices)].max() > 1e-9
+            ):
+                x[: len(free_indices)] /= 2  # halve the strengths while the interface seizes
             if x.size:
                 x = least_squares(residuals, x, jacobian, bounds=(lower, np.inf), xtol=1e-9, ftol=1e-9).x
-            misfit = residuals(x)[: len(at_middle)] / robust[self.slid]
+            misfit = residuals(x)[: len(central_equations)] / robust_factors[self.slid]
             slope = jacobian(x) if x.size else np.zeros((len(misfit), 0))
             if not self.has_errors:
-                middle = np.median(np.abs(misfit)) / 0.6745 if self.outliers else np.sqrt((misfit**2).mean())
-                scale, misfit = scale * max(float(middle), 1e-9), misfit / max(float(middle), 1e-9)
+                residual_scale = np.median(np.abs(misfit)) / 0.6745 if self.outliers else np.sqrt((misfit**2).mean())
+                scale, misfit = scale * max(float(residual_scale), 1e-9), misfit / max(float(residual_scale), 1e-9)
             if self.outliers:
-                robust[self.slid] = np.sqrt((OUTLIER_DEGREES_OF_FREEDOM + 1) / (OUTLIER_DEGREES_OF_FREEDOM + misfit**2))
+                robust_factors[self.slid] = np.sqrt(
+                    (OUTLIER_DEGREES_OF_FREEDOM + 1) / (OUTLIER_DEGREES_OF_FREEDOM + misfit**2)
+                )
         scores = np.zeros(len(self.nuisances))
-        scores[moved] = x[len(free) :]
-        mu0, tau0 = values(x)
-        return _BestFit(float(mu0), float(tau0), scores, misfit, slope, robust, scale)
+        scores[score_indices] = x[len(free_indices) :]
+        mu0, tau0 = to_strengths(x)
+        return _BestFit(float(mu0), float(tau0), scores, misfit, slope, robust_factors, scale)
 
     def fit(self) -> StrengthFit:
         """Compute the joint distribution of mu0 and tau0, and the quality of the fit."""
@@ -376,27 +405,29 @@ class CalibrationProblem:
 
         best = self.best_fit
         chi_squared = float((best.residuals**2).sum() + (best.scores**2).sum())
-        slid = int(self.slid.sum())
+        num_slid = int(self.slid.sum())
         # If A/F is equal in all tests, only one combination of mu0 and tau0 can be fitted.
-        fitted = min(sum(value is None for value in self.known), 1 if self.variation < MIN_AREA_VARIATION else 2)
-        freedom = max(0, slid - fitted - max(0, len(self._offsets) - 1))
+        num_fitted = min(sum(value is None for value in self.known), 1 if self.variation < MIN_AREA_VARIATION else 2)
+        freedom = max(0, num_slid - num_fitted - max(0, len(self._offsets) - 1))
         probability = float(chi2.sf(chi_squared, freedom)) if self.has_errors and freedom else math.nan
         is_scaled = freedom > 0 and (
             not self.has_errors or (probability < ERROR_SCALING_PROBABILITY and not self.outliers)
         )
         scale = best.scale * math.sqrt(chi_squared / freedom) if is_scaled else 1.0
         loads = np.log(self.load[self.slid])
-        trend = float(linregress(loads, best.residuals).pvalue) if slid > 2 and np.ptp(loads) > 0 else math.nan
+        trend_probability = (
+            float(linregress(loads, best.residuals).pvalue) if num_slid > 2 and np.ptp(loads) > 0 else math.nan
+        )
         mu0, tau0, scores = self._draw_samples(max(scale, 1e-9), freedom if is_scaled else None)
-        named = {
+        scores_by_name = {
             name: scores[:, index]
             for index, name in enumerate(self.nuisances)
             if name not in (GAIN_NUISANCE, RUN_SPREAD_NUISANCE)
         }
         return StrengthFit(
-            self.sliding, chi_squared, freedom, probability, scale if self.has_errors else 1.0, trend, mu0, tau0,
-            self._sample_hardness(named), self._sample_growth(named),
-            self._sample_mean_area_per_load(scores, mu0, tau0), named,
+            self.sliding, chi_squared, freedom, probability, scale if self.has_errors else 1.0, trend_probability,
+            mu0, tau0, self._sample_hardness(scores_by_name), self._sample_growth(scores_by_name),
+            self._sample_mean_area_per_load(scores, mu0, tau0), scores_by_name,
         )  # fmt: skip
 
     def _sample_mean_area_per_load(self, scores: Floats, mu0: Floats, tau0: Floats) -> Floats:
@@ -408,15 +439,17 @@ class CalibrationProblem:
     @cached_property
     def growth(self) -> UncertainInput | None:
         """Junction growth α common to all tests, or None if α differs between tests or does not affect them."""
-        grown = [
+        growths = [
             equation.area_factor.growth
             for equation in self._friction
             if equation.area_factor and equation.area_factor.growth
         ]
-        if grown:
-            return grown[0] if len({growth.text for growth in grown}) == 1 else None
-        depend = [depends_on_growth(equation, self.best_fit.mu0, self.best_fit.tau0) for equation in self._friction]
-        return parse_input("junction_growth", 0.0) if any(depend) else None
+        if growths:
+            return growths[0] if len({growth.text for growth in growths}) == 1 else None
+        depend_on_growth = [
+            depends_on_growth(equation, self.best_fit.mu0, self.best_fit.tau0) for equation in self._friction
+        ]
+        return parse_input("junction_growth", 0.0) if any(depend_on_growth) else None
 
     def _sample_growth(self, scores: Mapping[Hashable, Floats]) -> Floats:
         """Return samples of the shared junction growth α, or NaN if α differs between tests or does not affect them."""
@@ -458,26 +491,26 @@ class CalibrationProblem:
         """
         from scipy.special import log_ndtr
 
-        if self.grows and len(points) > MAX_GROWTH_BATCH_POINTS:
-            parts = np.array_split(points, math.ceil(len(points) / MAX_GROWTH_BATCH_POINTS))
-            return _concatenate_grids([self._evaluate_grid(part) for part in parts])
+        if self.has_growth and len(points) > MAX_GROWTH_BATCH_POINTS:
+            batches = np.array_split(points, math.ceil(len(points) / MAX_GROWTH_BATCH_POINTS))
+            return _concatenate_grids([self._evaluate_grid(batch) for batch in batches])
         scores, scale = points[:, : len(self.nuisances)], np.exp(points[:, len(self.nuisances)])
         columns, spread = self._equation_coefficients(scores), self._run_deviation(scores)
         rows, norm = self._weighted_rows(columns, scale, spread)
         triangle = _triangular_factors(rows)
         if self.outliers:
-            chosen = _triangular_factors(rows * self.best_fit.robust[self.slid, np.newaxis])
+            robust_triangle = _triangular_factors(rows * self.best_fit.robust[self.slid, np.newaxis])
         else:
-            rows = chosen = triangle
+            rows = robust_triangle = triangle
         depth = MAX_GRID_DEVIANCE * (1.0 if self.slid.all() and not self.outliers else 4.0)
         if self.known[1] is not None:
             low = high = np.full(len(points), self.known[1])
         elif self.known[0] is not None:
-            low, high = _tau0_range_at_mu0(self.known[0], chosen, depth)
+            low, high = _tau0_range_at_mu0(self.known[0], robust_triangle, depth)
         else:
-            low, high = _tau0_range(chosen, depth)
-        cells = _GridLimits(chosen, depth, low, high)
-        if self.grows:
+            low, high = _tau0_range(robust_triangle, depth)
+        cells = _GridLimits(robust_triangle, depth, low, high)
+        if self.has_growth:
             cells = self._grid_limits_with_growth(cells, scores, scale, spread, columns)
         count = 1 if self.known[1] is not None else NUM_TAU0_CELLS
         tau0 = cells.low[:, np.newaxis] + np.multiply.outer(cells.high - cells.low, (np.arange(count) + 0.5) / count)
@@ -486,38 +519,44 @@ class CalibrationProblem:
         tau0 = tau0[..., np.newaxis]
         rub, stick, right = columns[0], columns[1][..., np.newaxis, np.newaxis], columns[2]
         residuals: Iterable[Floats]
-        if self.grows:
+        if self.has_growth:
             misfit, (rub, stick, right) = self._residuals(scores, scale, spread, mu0, np.broadcast_to(tau0, mu0.shape))
             residuals = np.moveaxis(misfit, 1, 0)
         else:
-            each_row = np.moveaxis(rows, 1, 0)[..., np.newaxis, np.newaxis]
-            residuals = (row[:, 2] - row[:, 1] * tau0 - row[:, 0] * mu0 for row in each_row)
-        log = np.zeros(mu0.shape)
+            test_rows = np.moveaxis(rows, 1, 0)[..., np.newaxis, np.newaxis]
+            residuals = (row[:, 2] - row[:, 1] * tau0 - row[:, 0] * mu0 for row in test_rows)
+        log_probability = np.zeros(mu0.shape)
         for residual in residuals:
             if self.outliers:
-                log -= 0.5 * (OUTLIER_DEGREES_OF_FREEDOM + 1) * np.log1p(residual**2 / OUTLIER_DEGREES_OF_FREEDOM)
+                log_probability -= (
+                    0.5 * (OUTLIER_DEGREES_OF_FREEDOM + 1) * np.log1p(residual**2 / OUTLIER_DEGREES_OF_FREEDOM)
+                )
             else:
-                log -= 0.5 * residual**2
+                log_probability -= 0.5 * residual**2
         for test in np.flatnonzero(~self.slid):
             error = scale * self.error[test]
-            if len(self._members):
+            if len(self._run_membership):
                 error = np.hypot(error, spread * self._run_errors[test])
-            rubbing, lacking = (column[:, test, np.newaxis, np.newaxis] for column in (rub, right))
-            log += log_ndtr((rubbing * mu0 + stick[:, test] * tau0 - lacking) / error[:, np.newaxis, np.newaxis])
+            rub_of_test, right_of_test = (column[:, test, np.newaxis, np.newaxis] for column in (rub, right))
+            log_probability += log_ndtr(
+                (rub_of_test * mu0 + stick[:, test] * tau0 - right_of_test) / error[:, np.newaxis, np.newaxis]
+            )
         # The prior is uniform in mu0 and in tau0 A/F for all values of the nuisance parameters.
-        best = log.reshape(len(points), -1).argmax(axis=1) if self.grows else np.zeros(len(points), int)
-        sticking = stick.reshape(*stick.shape[:2], -1)[np.arange(len(points)), :, best]
+        best_cell = (
+            log_probability.reshape(len(points), -1).argmax(axis=1) if self.has_growth else np.zeros(len(points), int)
+        )
+        stick_at_best = stick.reshape(*stick.shape[:2], -1)[np.arange(len(points)), :, best_cell]
         with np.errstate(divide="ignore", invalid="ignore"):
-            volume = sum(
+            log_volume = sum(
                 np.log(np.abs(column[:, self.slid]).mean(axis=1))
-                for column, value in zip((rub, sticking), self.known, strict=True) if value is None
+                for column, value in zip((rub, stick_at_best), self.known, strict=True) if value is None
             )  # fmt: skip
         if self.known[1] is None:
-            volume = volume + np.log((cells.high - cells.low) / count)
-        volume = np.where(np.isfinite(volume), volume, 0.0)  # avoids NaN if the interface seizes everywhere
-        width = np.log(step) if self.known[0] is None else np.zeros(step.shape)
-        log += (norm + volume)[:, np.newaxis, np.newaxis] + width[..., np.newaxis]
-        return _ProbabilityGrid(cells, np.where(np.isfinite(log), log, -np.inf))
+            log_volume = log_volume + np.log((cells.high - cells.low) / count)
+        log_volume = np.where(np.isfinite(log_volume), log_volume, 0.0)  # avoids NaN if the interface seizes everywhere
+        log_mu0_step = np.log(step) if self.known[0] is None else np.zeros(step.shape)
+        log_probability += (norm + log_volume)[:, np.newaxis, np.newaxis] + log_mu0_step[..., np.newaxis]
+        return _ProbabilityGrid(cells, np.where(np.isfinite(log_probability), log_probability, -np.inf))
 
     @property
     def _num_mu0_cells(self) -> int:
@@ -530,11 +569,11 @@ class CalibrationProblem:
 
         `columns` contains the coefficients of the equations for the junction growth at the measured coefficients.
         """
-        robust = self.best_fit.robust[self.slid] if self.outliers else np.ones(int(self.slid.sum()))
+        robust_factors = self.best_fit.robust[self.slid] if self.outliers else np.ones(int(self.slid.sum()))
 
         def residuals(mu0: Floats, tau0: Floats) -> Floats:
             misfit, _ = self._residuals(scores, scale, spread, mu0, tau0)
-            return np.asarray(misfit * robust.reshape(-1, *(1 for _ in mu0.shape[1:])))
+            return np.asarray(misfit * robust_factors.reshape(-1, *(1 for _ in mu0.shape[1:])))
 
         def best_at(tau0: Floats) -> tuple[Floats, Floats, Floats]:
             if self.known[0] is not None:
@@ -547,10 +586,12 @@ class CalibrationProblem:
         if self.known[1] is None:
             # Each test gives an upper bound on tau0, computed for mu0 = 0 and the area at the measured coefficient.
             error = np.hypot(scale[:, np.newaxis] * self.error, spread[:, np.newaxis] * self._run_errors)
-            margin = 2 * (math.sqrt(cells.depth) + math.sqrt(robust.size)) * error[:, self.slid] / robust
+            margin = (
+                2 * (math.sqrt(cells.depth) + math.sqrt(robust_factors.size)) * error[:, self.slid] / robust_factors
+            )
             with np.errstate(divide="ignore"):
-                highest = (columns[2][:, self.slid] + margin) / np.maximum(columns[1][:, self.slid], 0.0)
-            low, high = find_tau0_range(lambda tau0: best_at(tau0)[2], highest.min(axis=1), cells.depth)
+                max_tau0 = (columns[2][:, self.slid] + margin) / np.maximum(columns[1][:, self.slid], 0.0)
+            low, high = find_tau0_range(lambda tau0: best_at(tau0)[2], max_tau0.min(axis=1), cells.depth)
             cells = replace(cells, low=low, high=high)
         count = 1 if self.known[1] is not None else NUM_TAU0_CELLS
         tau0 = cells.low[:, np.newaxis] + np.multiply.outer(cells.high - cells.low, (np.arange(count) + 0.5) / count)
@@ -573,8 +614,8 @@ class CalibrationProblem:
             count = cells.best.shape[1]
             slope = np.gradient(cells.best, axis=1) if count > 1 else np.zeros(cells.best.shape)
             width = (cells.high - cells.low)[point] / count
-            beyond = (tau0 - cells.low[point]) / np.where(width > 0, width, 1.0) - row - 0.5
-            best = cells.best[point, row] + slope[point, row] * np.where(width > 0, beyond, 0.0)
+            cell_offset = (tau0 - cells.low[point]) / np.where(width > 0, width, 1.0) - row - 0.5
+            best = cells.best[point, row] + slope[point, row] * np.where(width > 0, cell_offset, 0.0)
             below, above = cells.below[point, row], cells.above[point, row]
         low = np.maximum(best - below, 0.0)
         high = np.maximum(best + above, low + above)
@@ -588,44 +629,51 @@ class CalibrationProblem:
         If `freedom` is given, all errors share an unknown factor.
         """
         count = len(self.nuisances)
-        active = [*range(count), *([count] if freedom is not None else [])]
+        active_indices = [*range(count), *([count] if freedom is not None else [])]
         mean, covariance = self._first_proposal(scale, freedom)
         points, grid, log_weight = self._draw_nuisance_points(
-            mean, covariance, active, NUM_POINTS_PER_ROUND if active else 1
+            mean, covariance, active_indices, NUM_POINTS_PER_ROUND if active_indices else 1
         )
-        for seed in range(1, MAX_PROPOSAL_ROUNDS if active else 0):
+        for seed in range(1, MAX_PROPOSAL_ROUNDS if active_indices else 0):
             if _effective_sample_size(log_weight) > MIN_EFFECTIVE_SAMPLE_FRACTION * NUM_POINTS_PER_ROUND:
                 break
             power = 1.0  # a power below 1 reduces the dominance of a few points
             while power > 1e-3 and _effective_sample_size(power * log_weight) < 0.15 * NUM_POINTS_PER_ROUND:
                 power *= 0.7
             weight = np.exp(power * (log_weight - log_weight.max()))
-            mean = np.average(points[:, active], axis=0, weights=weight)
-            covariance = np.cov(points[:, active].T, aweights=weight, ddof=0).reshape(len(active), -1)
-            covariance = covariance + 1e-6 * np.eye(len(active))
-            points, grid, log_weight = self._draw_nuisance_points(mean, covariance, active, NUM_POINTS_PER_ROUND, seed)
-        size = min(FINAL_POINT_COUNTS[0] << len(active), FINAL_POINT_COUNTS[1])
-        while active:
-            points, grid, log_weight = self._draw_nuisance_points(mean, covariance, active, size, MAX_PROPOSAL_ROUNDS)
+            mean = np.average(points[:, active_indices], axis=0, weights=weight)
+            covariance = np.cov(points[:, active_indices].T, aweights=weight, ddof=0).reshape(len(active_indices), -1)
+            covariance = covariance + 1e-6 * np.eye(len(active_indices))
+            points, grid, log_weight = self._draw_nuisance_points(
+                mean, covariance, active_indices, NUM_POINTS_PER_ROUND, seed
+            )
+        num_points = min(FINAL_POINT_COUNTS[0] << len(active_indices), FINAL_POINT_COUNTS[1])
+        while active_indices:
+            points, grid, log_weight = self._draw_nuisance_points(
+                mean, covariance, active_indices, num_points, MAX_PROPOSAL_ROUNDS
+            )
             if (
-                _effective_sample_size(log_weight) > min(MIN_EFFECTIVE_SAMPLES, MIN_EFFECTIVE_SAMPLE_FRACTION * size)
-                or size >= MAX_NUISANCE_POINTS
+                _effective_sample_size(log_weight)
+                > min(MIN_EFFECTIVE_SAMPLES, MIN_EFFECTIVE_SAMPLE_FRACTION * num_points)
+                or num_points >= MAX_NUISANCE_POINTS
             ):
                 break
-            size *= 2
+            num_points *= 2
         return self._resample(points, grid, log_weight)
 
     def _first_proposal(self, scale: float, freedom: int | None) -> tuple[Floats, Floats]:
         """Return the mean and covariance of the first proposal distribution for nuisance scores and log error scale."""
-        moved = [index for index, name in enumerate(self.nuisances) if name != RUN_SPREAD_NUISANCE]
+        score_indices = [index for index, name in enumerate(self.nuisances) if name != RUN_SPREAD_NUISANCE]
         size = len(self.nuisances) + (freedom is not None)
         mean, covariance = np.zeros(size), np.eye(size)
         mean[: len(self.nuisances)] = self.best_fit.scores
-        if moved:
-            data, slope = len(self.best_fit.residuals), self.best_fit.slope
-            weighed = np.concatenate([slope[:data] * self.best_fit.scale / scale, slope[data:]])
-            inverse = np.linalg.pinv(weighed.T @ weighed, rcond=1e-12, hermitian=True)[-len(moved) :, -len(moved) :]
-            covariance[np.ix_(moved, moved)] = 1.2 * inverse
+        if score_indices:
+            num_residuals, slope = len(self.best_fit.residuals), self.best_fit.slope
+            scaled_slope = np.concatenate([slope[:num_residuals] * self.best_fit.scale / scale, slope[num_residuals:]])
+            inverse_hessian = np.linalg.pinv(scaled_slope.T @ scaled_slope, rcond=1e-12, hermitian=True)[
+                -len(score_indices) :, -len(score_indices) :
+            ]
+            covariance[np.ix_(score_indices, score_indices)] = 1.2 * inverse_hessian
         if freedom is not None:
             mean[-1], covariance[-1, -1] = math.log(scale), 1.0 / freedom
         return mean, covariance
@@ -637,38 +685,40 @@ class CalibrationProblem:
         from scipy.special import gammaincinv, ndtri
 
         points = np.zeros((count, len(self.nuisances) + 1))
-        log = np.zeros(count)
+        log_weight = np.zeros(count)
         if active:
-            unit = sobol_points(len(active) + 1, count, seed=seed)
-            normal = ndtri(unit[:, :-1])
-            stretch = PROPOSAL_DEGREES_OF_FREEDOM / (2 * gammaincinv(PROPOSAL_DEGREES_OF_FREEDOM / 2, unit[:, -1]))
-            normal = normal * np.sqrt(stretch)[:, np.newaxis]
-            points[:, active] = mean + normal @ np.linalg.cholesky(covariance).T
+            unit_points = sobol_points(len(active) + 1, count, seed=seed)
+            deviates = ndtri(unit_points[:, :-1])
+            chi_squared_ratio = PROPOSAL_DEGREES_OF_FREEDOM / (
+                2 * gammaincinv(PROPOSAL_DEGREES_OF_FREEDOM / 2, unit_points[:, -1])
+            )
+            deviates = deviates * np.sqrt(chi_squared_ratio)[:, np.newaxis]
+            points[:, active] = mean + deviates @ np.linalg.cholesky(covariance).T
             power = 0.5 * (PROPOSAL_DEGREES_OF_FREEDOM + len(active))
-            log = power * np.log1p((normal**2).sum(axis=1) / PROPOSAL_DEGREES_OF_FREEDOM)
+            log_weight = power * np.log1p((deviates**2).sum(axis=1) / PROPOSAL_DEGREES_OF_FREEDOM)
         grid = self._evaluate_grid(points)
-        evidence = np.logaddexp.reduce(grid.log_probability.reshape(count, -1), axis=1)
-        log = log + evidence - 0.5 * (points[:, : len(self.nuisances)] ** 2).sum(axis=1)
-        return points, grid, np.where(np.isfinite(log), log, -np.inf)
+        log_evidence = np.logaddexp.reduce(grid.log_probability.reshape(count, -1), axis=1)
+        log_weight = log_weight + log_evidence - 0.5 * (points[:, : len(self.nuisances)] ** 2).sum(axis=1)
+        return points, grid, np.where(np.isfinite(log_weight), log_weight, -np.inf)
 
     def _resample(self, points: Floats, grid: _ProbabilityGrid, log_weight: Floats) -> tuple[Floats, Floats, Floats]:
         """Draw samples of mu0, tau0 (GPa) and nuisance scores. Grid cells are drawn in proportion to their weights."""
-        random = np.random.default_rng(0)
-        inside = grid.log_probability.reshape(len(points), -1)
+        generator = np.random.default_rng(0)
+        log_cell_probability = grid.log_probability.reshape(len(points), -1)
         with np.errstate(invalid="ignore"):
-            excess = log_weight - np.logaddexp.reduce(inside, axis=1)
-        excess = np.where(np.isfinite(log_weight), excess, 0.0)  # avoids NaN if the interface seizes everywhere
-        log = inside + excess[:, np.newaxis]
-        total = np.cumsum(np.exp(log - log.max()))
+            log_excess = log_weight - np.logaddexp.reduce(log_cell_probability, axis=1)
+        log_excess = np.where(np.isfinite(log_weight), log_excess, 0.0)  # avoids NaN if the interface seizes everywhere
+        log_cell_weight = log_cell_probability + log_excess[:, np.newaxis]
+        cumulative_weight = np.cumsum(np.exp(log_cell_weight - log_cell_weight.max()))
         # Systematic resampling draws each cell in proportion to its weight.
-        targets = (np.arange(NUM_STRENGTH_PAIRS) + random.random()) / NUM_STRENGTH_PAIRS * total[-1]
-        indices = np.minimum(np.searchsorted(total, targets), total.size - 1)
-        indices = random.permutation(indices)
+        targets = (np.arange(NUM_STRENGTH_PAIRS) + generator.random()) / NUM_STRENGTH_PAIRS * cumulative_weight[-1]
+        indices = np.minimum(np.searchsorted(cumulative_weight, targets), cumulative_weight.size - 1)
+        indices = generator.permutation(indices)
         point, row, column = np.unravel_index(indices, grid.log_probability.shape)
         low, high = grid.cells.low[point], grid.cells.high[point]
-        tau0 = low + (high - low) * (row + random.random(NUM_STRENGTH_PAIRS)) / grid.log_probability.shape[1]
+        tau0 = low + (high - low) * (row + generator.random(NUM_STRENGTH_PAIRS)) / grid.log_probability.shape[1]
         start, step = self._mu0_grid_at_tau0(grid.cells, point, row, tau0)
-        mu0 = start + step * (column + random.random(NUM_STRENGTH_PAIRS))
+        mu0 = start + step * (column + generator.random(NUM_STRENGTH_PAIRS))
         return mu0, tau0, points[point, : len(self.nuisances)]
 
     # ---- Advice -----------------------------------------------------------------------------------------------------
@@ -681,21 +731,26 @@ class CalibrationProblem:
         mu0, tau0 = self.best_fit.mu0, self.best_fit.tau0
         at = self.best_fit.scores[np.newaxis], np.array([mu0]), np.array([tau0])
         rub, stick, _ = (column[0] for column in self._equation_coefficients(*at))
-        predicted = rub * mu0 + stick * tau0
-        relative = float(np.median(self.error / np.maximum(predicted, 1e-12))) if self.has_errors else 0.05
-        ratio, count = self.mean_area_per_load, len(self.error)
+        predicted_coefficients = rub * mu0 + stick * tau0
+        relative_error = (
+            float(np.median(self.error / np.maximum(predicted_coefficients, 1e-12))) if self.has_errors else 0.05
+        )
+        area_per_load, count = self.mean_area_per_load, len(self.error)
         # For Hertzian contact, A/F is proportional to F^(-1/3). The loads cover a factor of 100.
         ball_ratio = 10 ** (1 / 3)
         plans = (
-            ("a smooth ball below yield, two decades of load", ratio * np.geomspace(1 / ball_ratio, ball_ratio, count)),
-            ("as many tests on a second finish, elastic, three times as rough", np.full(count, ratio / 3)),
-            ("as many tests with the same film on a body twice as hard", np.full(count, ratio / 2)),
+            (
+                "a smooth ball below yield, two decades of load",
+                area_per_load * np.geomspace(1 / ball_ratio, ball_ratio, count),
+            ),
+            ("as many tests on a second finish, elastic, three times as rough", np.full(count, area_per_load / 3)),
+            ("as many tests with the same film on a body twice as hard", np.full(count, area_per_load / 2)),
         )
         plans_with_errors = []
-        for plan, further_ratios in plans:
-            ratios = np.concatenate([np.full(count, ratio), further_ratios])
-            errors = relative * np.maximum(mu0 + tau0 * ratios, 1e-12)
-            matrix = np.stack([1 / errors, ratios / errors], axis=1)
+        for plan, further_areas_per_load in plans:
+            areas_per_load = np.concatenate([np.full(count, area_per_load), further_areas_per_load])
+            errors = relative_error * np.maximum(mu0 + tau0 * areas_per_load, 1e-12)
+            matrix = np.stack([1 / errors, areas_per_load / errors], axis=1)
             covariance = np.linalg.inv(matrix.T @ matrix)
             plans_with_errors.append((plan, math.sqrt(covariance[0, 0]), math.sqrt(covariance[1, 1])))
         return tuple(plans_with_errors)
@@ -725,14 +780,16 @@ def _solve_nonnegative(rows: Floats, weight: Floats, known: Sequence[float | Non
     """Solve weighted equations of shape (tests, 3) for nonnegative mu0 and tau0 (GPa) by least squares."""
     from scipy.optimize import lsq_linear
 
-    free = [value is None for value in known]
+    is_free = [value is None for value in known]
     values = np.array([0.0 if value is None else value for value in known])
-    if any(free):
-        root = np.sqrt(weight)[:, np.newaxis]
-        right = rows[:, 2] - rows[:, :2] @ values
-        columns = rows[:, :2][:, free]
+    if any(is_free):
+        root_weight = np.sqrt(weight)[:, np.newaxis]
+        right_side = rows[:, 2] - rows[:, :2] @ values
+        columns = rows[:, :2][:, is_free]
         scale = np.maximum(np.abs(columns).max(axis=0), 1e-300)
-        values[free] = lsq_linear(columns / scale * root, right * root[:, 0], (0.0, np.inf)).x / scale
+        values[is_free] = (
+            lsq_linear(columns / scale * root_weight, right_side * root_weight[:, 0], (0.0, np.inf)).x / scale
+        )
     return float(values[0]), float(values[1])
 
 
@@ -745,9 +802,9 @@ def _triangular_factors(rows: Floats) -> Floats:
         rows = np.concatenate([rows, np.zeros((len(rows), 3 - rows.shape[1], 3))], axis=1)
     factor: Floats = np.asarray(np.linalg.qr(rows, mode="r"))
     factor = factor * np.where(np.einsum("pii->pi", factor) < 0, -1.0, 1.0)[..., np.newaxis]
-    tiny = 1e-12 * np.abs(factor[:, :2, :2]).max(axis=(1, 2))
+    min_diagonal = 1e-12 * np.abs(factor[:, :2, :2]).max(axis=(1, 2))
     for column in (0, 1):
-        factor[:, column, column] = np.maximum(factor[:, column, column], np.maximum(tiny, 1e-150))
+        factor[:, column, column] = np.maximum(factor[:, column, column], np.maximum(min_diagonal, 1e-150))
     return np.asarray(factor)
 
 
@@ -755,26 +812,37 @@ def _tau0_range(triangle: Floats, depth: float) -> tuple[Floats, Floats]:
     """Return the range of tau0 (GPa) in which -2 ln(density) at the best mu0 is at most `depth` above its minimum."""
     first, second = triangle[:, 0], triangle[:, 1]
     curvature = second[:, 1] ** 2 + first[:, 1] ** 2  # coefficient of tau0² in -2 ln(density) at mu0 = 0
-    centre, at_bound = (
+    unbounded_best, best_at_bound = (
         second[:, 2] / second[:, 1],
         (second[:, 1] * second[:, 2] + first[:, 1] * first[:, 2]) / curvature,
     )
     corner = first[:, 2] / np.where(first[:, 1] == 0, 1e-300, first[:, 1])
 
-    def of(tau0: Floats) -> Floats:
+    def deviance(tau0: Floats) -> Floats:
         mu0 = first[:, 2] - first[:, 1] * tau0  # best mu0 times a positive factor
         return np.asarray((second[:, 2] - second[:, 1] * tau0) ** 2 + np.minimum(mu0, 0.0) ** 2)
 
-    lowest = np.min([of(np.maximum(each, 0.0)) for each in (centre, at_bound, corner, np.zeros(len(centre)))], axis=0)
-    top = lowest + depth
-    at_least = (second[:, 2] - second[:, 1] * at_bound) ** 2 + (first[:, 2] - first[:, 1] * at_bound) ** 2
-    half, half_bound = np.sqrt(top) / second[:, 1], np.sqrt(np.maximum(top - at_least, 0.0) / curvature)
+    min_deviance = np.min(
+        [
+            deviance(np.maximum(each, 0.0))
+            for each in (unbounded_best, best_at_bound, corner, np.zeros(len(unbounded_best)))
+        ],
+        axis=0,
+    )
+    max_deviance = min_deviance + depth
+    deviance_at_bound = (second[:, 2] - second[:, 1] * best_at_bound) ** 2 + (
+        first[:, 2] - first[:, 1] * best_at_bound
+    ) ** 2
+    half_width, half_width_at_bound = (
+        np.sqrt(max_deviance) / second[:, 1],
+        np.sqrt(np.maximum(max_deviance - deviance_at_bound, 0.0) / curvature),
+    )
     ends = []
     for sign in (-1.0, 1.0):
-        end = centre + sign * half
-        ends.append(np.where(first[:, 2] - first[:, 1] * end >= 0, end, at_bound + sign * half_bound))
+        end = unbounded_best + sign * half_width
+        ends.append(np.where(first[:, 2] - first[:, 1] * end >= 0, end, best_at_bound + sign * half_width_at_bound))
     low = np.maximum(ends[0], 0.0)
-    return low, np.maximum(ends[1], low + 1e-9 * np.abs(half_bound) + 1e-300)
+    return low, np.maximum(ends[1], low + 1e-9 * np.abs(half_width_at_bound) + 1e-300)
 
 
 def _tau0_range_at_mu0(mu0: float, triangle: Floats, depth: float) -> tuple[Floats, Floats]:
@@ -782,9 +850,9 @@ def _tau0_range_at_mu0(mu0: float, triangle: Floats, depth: float) -> tuple[Floa
     first, second = triangle[:, 0], triangle[:, 1]
     curvature = second[:, 1] ** 2 + first[:, 1] ** 2
     centre = (second[:, 1] * second[:, 2] + first[:, 1] * (first[:, 2] - first[:, 0] * mu0)) / curvature
-    half = np.sqrt(depth / curvature)
-    low = np.maximum(centre - half, 0.0)
-    return low, np.maximum(centre + half, low + half)
+    half_width = np.sqrt(depth / curvature)
+    low = np.maximum(centre - half_width, 0.0)
+    return low, np.maximum(centre + half_width, low + half_width)
 
 
 def _effective_sample_size(log_weight: Floats) -> float:

@@ -38,10 +38,10 @@ def find_best_mu0(residuals: ResidualFunction, start: Floats, tau0: Floats) -> t
     """
     mu0 = start
     for step in range(NUM_NEWTON_STEPS + 1):
-        size = MU0_DERIVATIVE_STEP * (0.1 + mu0)
-        pair_of_steps = residuals(np.stack([mu0, mu0 + size], axis=-1), np.stack([tau0, tau0], axis=-1))
+        mu0_step = MU0_DERIVATIVE_STEP * (0.1 + mu0)
+        pair_of_steps = residuals(np.stack([mu0, mu0 + mu0_step], axis=-1), np.stack([tau0, tau0], axis=-1))
         with np.errstate(invalid="ignore", divide="ignore"):
-            derivative = (pair_of_steps[..., 1] - pair_of_steps[..., 0]) / size[:, np.newaxis]
+            derivative = (pair_of_steps[..., 1] - pair_of_steps[..., 0]) / mu0_step[:, np.newaxis]
             curvature = (derivative**2).sum(axis=1)
             new_mu0 = mu0 - (derivative * pair_of_steps[..., 0]).sum(axis=1) / curvature
         if step < NUM_NEWTON_STEPS:
@@ -65,8 +65,8 @@ def find_tau0_range(squares: Callable[[Floats], Floats], highest: Floats, depth:
     rows = np.arange(highest.size)
     for _ in range(NUM_TAU0_SEARCHES):
         tau0 = low[:, np.newaxis] + np.multiply.outer(high - low, fractions)
-        values = squares(tau0)
-        within = values <= values.min(axis=1, keepdims=True) + depth
-        first, last = within.argmax(axis=1), NUM_TAU0_SEARCH_POINTS - 1 - within[:, ::-1].argmax(axis=1)
+        deviances = squares(tau0)
+        is_within = deviances <= deviances.min(axis=1, keepdims=True) + depth
+        first, last = is_within.argmax(axis=1), NUM_TAU0_SEARCH_POINTS - 1 - is_within[:, ::-1].argmax(axis=1)
         low, high = tau0[rows, np.maximum(first - 1, 0)], tau0[rows, np.minimum(last + 1, NUM_TAU0_SEARCH_POINTS - 1)]
     return low, high

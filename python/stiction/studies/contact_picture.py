@@ -92,10 +92,10 @@ def contact_picture(result: Result | xarray.Dataset, load: float | None = None) 
     load = float(study.friction.load[0]) if load is None else load
     cut_off = study.surfaces.quoted_cut_off()
     members = member_values(result, [load]).isel(load=0).sel(cut_off=cut_off)
-    area = members["contact_area"].values
-    if not np.isfinite(area).any():
+    areas = members["contact_area"].values
+    if not np.isfinite(areas).any():
         return None
-    index = int(members["repetition"].values[index_nearest_to_mean(area)])
+    index = int(members["repetition"].values[index_nearest_to_mean(areas)])
     member = load_bodies(study).member(index, cut_off)
     solution = PressedPair.of(study, member.pair, load)
     if solution is None:
@@ -120,8 +120,8 @@ def compute_loading_cycle(result: Result) -> xarray.Dataset | None:
         return None
     max_load, first_cell = float(contact.loading_steps()[-1]), dict.fromkeys(study.surfaces.cells(), 0)
     areas = member_values(result, [max_load])["contact_area"].isel(first_cell)
-    area, members = areas.values[:, 0], areas["repetition"].values
-    index = int(members[index_nearest_to_mean(area)]) if np.isfinite(area).any() else 0
+    cell_areas, members = areas.values[:, 0], areas["repetition"].values
+    index = int(members[index_nearest_to_mean(cell_areas)]) if np.isfinite(cell_areas).any() else 0
     cell = {name: float(values[0]) for name, values in study.surfaces.cells().items()}
     try:
         pair = _load_pair(study, index, cell)
@@ -135,8 +135,8 @@ def compute_loading_cycle(result: Result) -> xarray.Dataset | None:
     names = ("load", "contact_load", "contact_area", "approach")
     table = {name: ("point", np.concatenate([getattr(curve, name) for curve in curves])) for name in names}
     table["going"] = ("point", np.repeat([False, True, True], [curve.load.size for curve in curves]))
-    nominal = pair[1].extent * PROFILE_WIDTH if isinstance(pair[1], Profile) else math.prod(pair[1].extent)
-    return xarray.Dataset(table, attrs={"nominal_area": nominal, "member": index})
+    nominal_area = pair[1].extent * PROFILE_WIDTH if isinstance(pair[1], Profile) else math.prod(pair[1].extent)
+    return xarray.Dataset(table, attrs={"nominal_area": nominal_area, "member": index})
 
 
 def load_contact_picture(result: StoredResult) -> xarray.Dataset | None:
@@ -144,8 +144,8 @@ def load_contact_picture(result: StoredResult) -> xarray.Dataset | None:
 
     Raises a `StoreError` if the file is damaged.
     """
-    zoom = ("zoom_pressure", "zoom_height") if result.study.uses_half_space else ()
-    body_variables = ("upper_height", "patch", *zoom) if result.study.is_areal else ("gap",)
+    zoom_variables = ("zoom_pressure", "zoom_height") if result.study.uses_half_space else ()
+    body_variables = ("upper_height", "patch", *zoom_variables) if result.study.is_areal else ("gap",)
     return read_companion(result.path / CONTACT_PICTURE_FILE, (*_CONTACT_VARIABLES, "lower_height", *body_variables))
 
 
@@ -179,10 +179,10 @@ def _build_line_picture(solution: PressedPair) -> xarray.Dataset:
     else:
         gap = upper.heights - lower.heights
         gap = gap - gap.min() - solution.curve.approach[0]
-    length = {"units": "um"}
+    length_attributes = {"units": "um"}
     return xarray.Dataset(
-        {"lower_height": ("height_x", lower.heights, length), "gap": ("height_x", gap, length)},
-        {"height_x": ("height_x", lower.x - lower.x[0], length)},
+        {"lower_height": ("height_x", lower.heights, length_attributes), "gap": ("height_x", gap, length_attributes)},
+        {"height_x": ("height_x", lower.x - lower.x[0], length_attributes)},
     )
 
 
@@ -197,26 +197,26 @@ def _build_map_picture(solution: PressedPair, table: ContactList) -> xarray.Data
         patch = _build_disc_map(lower, table)
     (rows, columns), (dy, dx) = lower.heights.shape, lower.spacing
     step = -(-max(rows, columns) // MAX_PICTURE_SIZE)
-    length = {"units": "um"}
+    length_attributes = {"units": "um"}
     variables: dict[str, Any] = {
-        f"{side}_height": (("height_y", "height_x"), body.heights[::step, ::step], length)
+        f"{side}_height": (("height_y", "height_x"), body.heights[::step, ::step], length_attributes)
         for side, body in (("upper", upper), ("lower", lower))
     }
     variables["patch"] = (("height_y", "height_x"), patch[::step, ::step].astype(np.int32), {"units": "1"})
     coordinates: dict[str, Any] = {
-        "height_y": ("height_y", np.arange(0, rows, step) * dy, length),
-        "height_x": ("height_x", np.arange(0, columns, step) * dx, length),
+        "height_y": ("height_y", np.arange(0, rows, step) * dy, length_attributes),
+        "height_x": ("height_x", np.arange(0, columns, step) * dx, length_attributes),
     }
     if pressure is not None:
         is_interior = ~table.at_edge if (~table.at_edge).any() else np.ones(table.force.size, dtype=bool)
-        largest = int(np.argmax(np.where(is_interior, table.force, -1.0)))
+        largest_contact = int(np.argmax(np.where(is_interior, table.force, -1.0)))
         slices = []
-        for centre, size in ((table.y[largest] / dy, rows), (table.x[largest] / dx, columns)):
-            width = min(max(size // ZOOM_DIVISOR, MIN_ZOOM_SIZE), size)
-            first = int(np.clip(centre - width / 2, 0, size - width))
-            slices.append(slice(first, first + width))
+        for centre, size in ((table.y[largest_contact] / dy, rows), (table.x[largest_contact] / dx, columns)):
+            window_size = min(max(size // ZOOM_DIVISOR, MIN_ZOOM_SIZE), size)
+            first_index = int(np.clip(centre - window_size / 2, 0, size - window_size))
+            slices.append(slice(first_index, first_index + window_size))
         variables["zoom_pressure"] = (("zoom_y", "zoom_x"), pressure[*slices], {"units": "GPa"})
-        variables["zoom_height"] = (("zoom_y", "zoom_x"), lower.heights[*slices], length)
+        variables["zoom_height"] = (("zoom_y", "zoom_x"), lower.heights[*slices], length_attributes)
         for name, window, spacing in zip(("zoom_y", "zoom_x"), slices, (dy, dx), strict=True):
             coordinates[name] = (name, np.arange(window.start, window.stop) * spacing, quantity_attributes(name[-1]))
     return xarray.Dataset(variables, coordinates)
@@ -224,16 +224,16 @@ def _build_map_picture(solution: PressedPair, table: ContactList) -> xarray.Data
 
 def _build_disc_map(lower: Surface, table: ContactList) -> NDArray[Any]:
     """Return a map of contact numbers in which each asperity contact is drawn as a disc of the same area."""
-    numbers, (dy, dx) = np.zeros(lower.heights.shape, np.int32), lower.spacing
+    contact_numbers, (dy, dx) = np.zeros(lower.heights.shape, np.int32), lower.spacing
     for number, (x, y, radius) in enumerate(zip(table.x, table.y, np.sqrt(table.area / np.pi), strict=True), 1):
         low, high = (
             np.maximum([(y + sign * radius) / dy, (x + sign * radius) / dx], 0).round().astype(int) for sign in (-1, 1)
         )
         rows, columns = (np.arange(first, last + 1) for first, last in zip(low, high, strict=True))
         is_in_disc = np.hypot(rows[:, np.newaxis] * dy - y, columns * dx - x) <= radius + min(dx, dy) / 2
-        window = numbers[low[0] : high[0] + 1, low[1] : high[1] + 1]
+        window = contact_numbers[low[0] : high[0] + 1, low[1] : high[1] + 1]
         window[is_in_disc[: window.shape[0], : window.shape[1]]] = number
-    return numbers
+    return contact_numbers
 
 
 # ---- Data frame -----------------------------------------------------------------------------------------------------
@@ -251,11 +251,11 @@ def build_contact_table(
         raise ValueError(f"load must be above 0 mN, got {short_repr(loads)}")
     areas = member_values(result, unique_loads)["contact_area"]
     indices = None if members is None else _validate_member_indices(members, areas["repetition"].values.tolist())
-    cells = find_cell_dimensions(areas.to_dataset())
+    cell_dimensions = find_cell_dimensions(areas.to_dataset())
     frames = []
-    for cell_index in np.ndindex(*(areas.sizes[name] for name in cells)):
-        cell_areas = areas.isel(dict(zip(cells, cell_index, strict=True)))
-        cell = {name: float(cell_areas[name]) for name in cells}
+    for cell_index in np.ndindex(*(areas.sizes[name] for name in cell_dimensions)):
+        cell_areas = areas.isel(dict(zip(cell_dimensions, cell_index, strict=True)))
+        cell = {name: float(cell_areas[name]) for name in cell_dimensions}
         for load, index in _select_members(cell_areas, unique_loads, indices):
             solution = PressedPair.of(study, _load_pair(study, index, cell), load)
             if solution is not None:
@@ -273,8 +273,8 @@ def build_contact_table(
 
 
 def _validate_member_indices(members: int | Sequence[int], available: list[int]) -> list[int]:
-    listed = [members] if np.ndim(members) == 0 else list(members)  # type: ignore[arg-type]
-    indices = [validate_whole_number("members", index, minimum=0) for index in listed]
+    member_list = [members] if np.ndim(members) == 0 else list(members)  # type: ignore[arg-type]
+    indices = [validate_whole_number("members", index, minimum=0) for index in member_list]
     if not indices or not set(indices) <= set(available):
         raise ValueError(
             f"members must be indices of the {len(available)} members "

@@ -43,8 +43,8 @@ class PairSlopes:
         magnitude = {
             side: np.sqrt(sum(np.square(slope) for slope in slopes)) for side, slopes in slopes_by_side.items()
         }
-        missing = combine_missing(upper, lower)
-        measured = ... if missing is None else ~missing
+        missing_mask = combine_missing(upper, lower)
+        measured = ... if missing_mask is None else ~missing_mask
         limits = {
             side: float(np.quantile(slope[measured], 1 - STEEP_POINT_FRACTION)) for side, slope in magnitude.items()
         }
@@ -91,11 +91,12 @@ class ContactList:
     def compute_statistics(self) -> dict[str, Any]:
         """Compute the stored contact statistics: load fractions, and quantiles of contact area and contact pressure."""
         order = np.argsort(self.pressure, kind="stable")
-        below = np.cumsum(self.weight[order])
+        cumulative_weight = np.cumsum(self.weight[order])
         return {name: formula(self) for name, formula in LOAD_FRACTION_FORMULAS.items()} | {
             "patch_area": sample_quantiles(self.area, QUANTILE_PROBABILITIES),
             "pressure": np.interp(
-                QUANTILE_PROBABILITIES, (below - self.weight[order] / 2) / below[-1], self.pressure[order]
+                QUANTILE_PROBABILITIES, (cumulative_weight - self.weight[order] / 2) / cumulative_weight[-1],
+                self.pressure[order],
             ),
         }  # fmt: skip
 
@@ -111,10 +112,10 @@ LOAD_FRACTION_FORMULAS: dict[str, Callable[[ContactList], float]] = {
 def tabulate_contact_patches(solution: ContactSolution) -> ContactList:
     """Create the table of contacts from a half-space solution."""
     problem, pressure, patch = solution.problem, solution.values, solution.patch - 1
-    total = np.bincount(patch, weights=pressure)
+    pressure_sums = np.bincount(patch, weights=pressure)
 
-    def mean(values: Floats) -> Floats:
-        return np.asarray(np.bincount(patch, weights=pressure * values) / total, np.float64)
+    def mean_over_patches(values: Floats) -> Floats:
+        return np.asarray(np.bincount(patch, weights=pressure * values) / pressure_sums, np.float64)
 
     indices = np.unravel_index(solution.points, problem.gap.shape)
     positions = [(index * step).astype(np.float64) for index, step in zip(indices, problem.spacing, strict=True)]
@@ -124,10 +125,11 @@ def tabulate_contact_patches(solution: ContactSolution) -> ContactList:
     for index, size in zip(indices, problem.gap.shape, strict=True):
         is_at_edge |= (index == 0) | (index == size - 1)
     return ContactList(
-        x=mean(positions[-1]), y=mean(positions[0] if len(positions) == 2 else zeros),
-        force=np.asarray(problem.cell_area * total, np.float64),
+        x=mean_over_patches(positions[-1]), y=mean_over_patches(positions[0] if len(positions) == 2 else zeros),
+        force=np.asarray(problem.cell_area * pressure_sums, np.float64),
         area=np.asarray(problem.cell_area * np.bincount(patch, weights=solution.share), np.float64),
-        slope_x=mean(slope_components[-1]), slope_y=mean(slope_components[0] if len(slope_components) == 2 else zeros),
+        slope_x=mean_over_patches(slope_components[-1]),
+        slope_y=mean_over_patches(slope_components[0] if len(slope_components) == 2 else zeros),
         cells=np.bincount(patch).astype(np.float64),
         at_edge=np.bincount(patch, weights=is_at_edge) > 0, pressure=pressure, weight=np.ones(pressure.size),
     )  # fmt: skip
@@ -158,17 +160,17 @@ def tabulate_asperity_contacts(contacts: Contacts, body: Profile | Surface) -> C
 def compute_steep_contact_load(table: ContactList, slopes: PairSlopes) -> dict[str, float]:
     """Compute, for each body, the load fraction on contacts that are steeper than 90 % of the body's grid points."""
     magnitude = np.hypot(table.slope_x, table.slope_y)
-    total = table.force.sum()
+    total_load = table.force.sum()
     return {
-        f"share_on_steepest_{side}": float(table.force[magnitude > limit].sum() / total)
+        f"share_on_steepest_{side}": float(table.force[magnitude > limit].sum() / total_load)
         for side, limit in slopes.limits.items()
     }
 
 
 def compute_steep_point_load(solution: ContactSolution, slopes: PairSlopes) -> dict[str, float]:
     """Compute the load fraction on each body's steepest 10 % of grid points from a half-space solution."""
-    total = solution.values.sum()
+    total_pressure = solution.values.sum()
     return {
-        f"share_on_steepest_{side}": float(solution.values[mask.ravel()[solution.points]].sum() / total)
+        f"share_on_steepest_{side}": float(solution.values[mask.ravel()[solution.points]].sum() / total_pressure)
         for side, mask in slopes.steep.items()
     }

@@ -213,8 +213,8 @@ class GeneratedContactSettings(CommonContactSettings):
 
     def directions_of_motion(self) -> tuple[Direction, ...]:
         """Return all directions of motion, as given by the key `shear` or `direction`."""
-        chosen = self.shear if self.direction is None else self.direction
-        return chosen if isinstance(chosen, tuple) else (chosen,)
+        direction_value = self.shear if self.direction is None else self.direction
+        return direction_value if isinstance(direction_value, tuple) else (direction_value,)
 
     def motion_coordinates(self) -> dict[str, list[Any]]:
         """Return the sliding rules and directions (degrees) that are given as lists. Single values are omitted."""
@@ -334,11 +334,11 @@ class HalfSpaceSettings(CommonContactSettings):
     def _require_consistent_adhesion(self) -> HalfSpaceSettings:
         if self.adhesion_range is not None and not self.adheres:
             raise make_key_error("adhesion_range", "must not be given unless work_of_adhesion is above 0")
-        strength = float(self.work_of_adhesion or 0) / float(self.adhesion_range or ADHESION_RANGE)
-        if self.hardness is not None and not strength < float(self.hardness):
+        max_attraction = float(self.work_of_adhesion or 0) / float(self.adhesion_range or ADHESION_RANGE)
+        if self.hardness is not None and not max_attraction < float(self.hardness):
             raise make_key_error(
-                "hardness", f"must be above work_of_adhesion / adhesion_range = {strength:g} GPa, at which bodies "
-                f"yield without a load, got {to_written_form(self.hardness)!r}",
+                "hardness", f"must be above work_of_adhesion / adhesion_range = {max_attraction:g} GPa, at which "
+                f"bodies yield without a load, got {to_written_form(self.hardness)!r}",
             )  # fmt: skip
         return self
 
@@ -559,12 +559,12 @@ def read_contact(
         and contact.hardness is not None
         and not isinstance(surfaces, MeasuredSurfaceSettings)
     ):
-        area = (
+        nominal_area = (
             float(surfaces.extent) * PROFILE_WIDTH
             if isinstance(surfaces, GeneratedProfileSettings)
             else math.prod(surfaces.extents())
         )
-        if not contact.loading_steps()[-1] < (max_load := float(contact.hardness) * area):
+        if not contact.loading_steps()[-1] < (max_load := float(contact.hardness) * nominal_area):
             raise make_key_error(
                 "load", f"must be below hardness times area ({max_load:g} mN), got {contact.loading_steps()[-1]:g} mN"
             )
@@ -573,19 +573,19 @@ def read_contact(
 
 def _extend_loads(requested: Floats, ratio: float, steps: int) -> Floats:
     """Add loads (mN) from a geometric series that extends below and above the given loads."""
-    curve = np.geomspace(requested.min() / ratio, requested.max() * ratio, steps)
+    load_series = np.geomspace(requested.min() / ratio, requested.max() * ratio, steps)
     # Loads of the series that nearly equal a given load are omitted.
-    is_new = np.abs(curve[:, np.newaxis] / requested - 1).min(axis=1) > 1e-6
-    return np.unique(np.concatenate([requested, curve[is_new]]))
+    is_new = np.abs(load_series[:, np.newaxis] / requested - 1).min(axis=1) > 1e-6
+    return np.unique(np.concatenate([requested, load_series[is_new]]))
 
 
 def _insert_intermediate_loads(requested: Floats) -> Floats:
     """Insert loads (mN) until the ratio of successive loads is at most about `MAX_AREAL_LOAD_RATIO`."""
     requested = np.unique(requested)
-    steps = np.ceil(np.log(requested[1:] / requested[:-1]) / np.log(1.01 * MAX_AREAL_LOAD_RATIO)).astype(int)
+    step_counts = np.ceil(np.log(requested[1:] / requested[:-1]) / np.log(1.01 * MAX_AREAL_LOAD_RATIO)).astype(int)
     loads_between = [
         np.geomspace(low, high, count, endpoint=False)[1:]
-        for low, high, count in zip(requested[:-1], requested[1:], steps, strict=True)
+        for low, high, count in zip(requested[:-1], requested[1:], step_counts, strict=True)
     ]
     return np.concatenate([requested, *loads_between])
 
@@ -606,13 +606,15 @@ def choose_load_steps(
     elif press == "lines":
         steps = _extend_loads(requested, HALF_PLANE_LOAD_MARGIN, NUM_HALF_PLANE_LOADS)
     else:
-        below = requested.min() / MAX_AREAL_LOAD_RATIO ** np.arange(1, num_smaller + 1)
+        smaller_loads = requested.min() / MAX_AREAL_LOAD_RATIO ** np.arange(1, num_smaller + 1)
         steps = np.unique(
-            np.concatenate([_insert_intermediate_loads(requested), below, [requested.max() * MAX_AREAL_LOAD_RATIO]])
+            np.concatenate(
+                [_insert_intermediate_loads(requested), smaller_loads, [requested.max() * MAX_AREAL_LOAD_RATIO]]
+            )
         )
     # The given loads remain exact, and the additional loads are rounded to six digits.
-    exact = set(requested.tolist())
-    rounded = np.array([load if load in exact else float(f"{load:.6g}") for load in steps.tolist()])
+    requested_loads = set(requested.tolist())
+    rounded = np.array([load if load in requested_loads else float(f"{load:.6g}") for load in steps.tolist()])
     lowest, highest = VALID_RANGES["force"]
     rounded = rounded[(lowest <= rounded) & (rounded <= highest)]
     return rounded if max_load is None else rounded[rounded < max_load]

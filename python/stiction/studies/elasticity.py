@@ -59,11 +59,13 @@ def determine_elasticity(
                 f"{{poisson}} must not be given together with {materials_text}, which define Poisson's ratios"
             )
         return _combine_materials(str(upper or lower), str(lower or upper))
-    ratios = None if poisson is None else parse_numbers("poisson", poisson)
-    if ratios is not None and (len(ratios) > 2 or not all(0 <= ratio <= 0.5 for ratio in ratios)):
+    poisson_ratios = None if poisson is None else parse_numbers("poisson", poisson)
+    if poisson_ratios is not None and (
+        len(poisson_ratios) > 2 or not all(0 <= ratio <= 0.5 for ratio in poisson_ratios)
+    ):
         raise ArgumentError("{poisson} must be one or two numbers from 0 to 0.5, got {got}", got=repr(poisson))
     if modulus is not None:
-        if ratios is not None and len(ratios) > 1:
+        if poisson_ratios is not None and len(poisson_ratios) > 1:
             raise ArgumentError(
                 "{poisson} must be a single number (for the softer body) if {effective_modulus} is given, got {got}",
                 got=repr(poisson),
@@ -71,40 +73,41 @@ def determine_elasticity(
         value = float(parse_quantity("effective_modulus", modulus, "pressure"))
         if not value > 0:
             raise ArgumentError("{effective_modulus} must be above 0, got {got}", got=repr(modulus))
-        return Elasticity(value, poisson_ratio=None if ratios is None else ratios[0])
+        return Elasticity(value, poisson_ratio=None if poisson_ratios is None else poisson_ratios[0])
     moduli = [float(value) for value in parse_quantities("young", young, "pressure")]
     if len(moduli) > 2:
         raise ArgumentError("{young} must be one or two moduli, got {got}", got=repr(young))
-    if ratios is None:
+    if poisson_ratios is None:
         raise ArgumentError(
             "{young} needs {poisson}: one value for both bodies, or the values of the upper and the lower body"
         )
-    (upper_modulus, lower_modulus), (upper_ratio, lower_ratio) = (2 * moduli)[:2], (2 * ratios)[:2]
+    (upper_modulus, lower_modulus), (upper_ratio, lower_ratio) = (2 * moduli)[:2], (2 * poisson_ratios)[:2]
     return _combine_moduli(upper_modulus, upper_ratio, lower_modulus, lower_ratio)
 
 
 def _combine_material_with_moduli(upper: str | None, lower: str | None, young: Any, poisson: Any) -> Elasticity:
     moduli = [float(value) for value in parse_quantities("young", young, "pressure")]
-    ratios = [] if poisson is None else parse_numbers("poisson", poisson)
-    if len(moduli) != 1 or len(ratios) != 1 or not 0 <= ratios[0] <= 0.5:
+    poisson_ratios = [] if poisson is None else parse_numbers("poisson", poisson)
+    if len(moduli) != 1 or len(poisson_ratios) != 1 or not 0 <= poisson_ratios[0] <= 0.5:
         side, other_side = ("upper", "lower") if upper else ("lower", "upper")
         raise ArgumentError(
             f"{{{side}_material}} determines the elastic constants of the {side} body, so {{young}} and {{poisson}} "
             f'must be single values for the {other_side} body, as in "3 MPa" and "0.5"; or omit {{{side}_material}}'
         )
     name = "upper_material" if upper else "lower_material"
-    body = _load_material(name, str(upper or lower))
-    bodies = [
-        (_round_to_three_digits(body.young_modulus), _round_to_three_digits(body.poisson_ratio)),
-        (moduli[0], ratios[0]),
+    known_material = _load_material(name, str(upper or lower))
+    moduli_and_ratios = [
+        (_round_to_three_digits(known_material.young_modulus), _round_to_three_digits(known_material.poisson_ratio)),
+        (moduli[0], poisson_ratios[0]),
     ]
-    (upper_modulus, upper_ratio), (lower_modulus, lower_ratio) = bodies if upper else bodies[::-1]
-    is_softer = body.hardness is not None and body.young_modulus <= moduli[0]
+    (upper_modulus, upper_ratio), (lower_modulus, lower_ratio) = moduli_and_ratios if upper else moduli_and_ratios[::-1]
+    is_softer = known_material.hardness is not None and known_material.young_modulus <= moduli[0]
     return replace(
         _combine_moduli(upper_modulus, upper_ratio, lower_modulus, lower_ratio),
-        hardness=_round_to_three_digits(body.hardness) if is_softer else None,
-        source=f"{body.name}: E {bodies[0][0]:g} GPa, ν {bodies[0][1]:g}",
-        hardness_source=f"hardness {_round_to_three_digits(body.hardness):g} GPa ({body.hardness.source})"
+        hardness=_round_to_three_digits(known_material.hardness) if is_softer else None,
+        source=f"{known_material.name}: E {moduli_and_ratios[0][0]:g} GPa, ν {moduli_and_ratios[0][1]:g}",
+        hardness_source=f"hardness {_round_to_three_digits(known_material.hardness):g} GPa "
+        f"({known_material.hardness.source})"
         if is_softer else "the other body's hardness is not known",
     )  # fmt: skip
 
@@ -126,8 +129,8 @@ def _combine_materials(upper: str, lower: str) -> Elasticity:
     )
     hardness, hardness_source = softer.hardness, f"{softer.name} does not yield"
     if hardness is not None:
-        limits = "" if hardness.low == hardness.high else f", of {hardness.low:g} to {hardness.high:g} GPa"
-        hardness_source = f"hardness {_round_to_three_digits(hardness):g} GPa{limits} ({hardness.source})"
+        range_text = "" if hardness.low == hardness.high else f", of {hardness.low:g} to {hardness.high:g} GPa"
+        hardness_source = f"hardness {_round_to_three_digits(hardness):g} GPa{range_text} ({hardness.source})"
     return Elasticity(
         modulus, compliance_share=_round_to_three_digits(compliance_fraction(upper_body, lower_body)),
         poisson_ratio=float(softer.poisson_ratio),
@@ -141,9 +144,11 @@ def _combine_materials(upper: str, lower: str) -> Elasticity:
     )  # fmt: skip
 
 
-def _format_alias_note(names: Iterable[tuple[str, str]]) -> str:
+def _format_alias_note(name_pairs: Iterable[tuple[str, str]]) -> str:
     """Return a note that lists the standard names of materials that were entered under alternative names."""
-    aliases = [f'"{alternative}"{{}} as {name}' for alternative, name in names if not names_match(alternative, name)]
+    aliases = [
+        f'"{alternative}"{{}} as {name}' for alternative, name in name_pairs if not names_match(alternative, name)
+    ]
     text = ", ".join(alias.format("" if index else " is taken") for index, alias in enumerate(aliases))
     return f"{text} (stiction materials lists others)" if len(aliases) == 1 else text
 

@@ -128,12 +128,12 @@ def at_load(
         values = np.unique(np.where(values == 0, negligible_load(result), values))
     if not values.size or not (values > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {short_repr(loads)}")
-    material = choose_strengths(result, mu0, tau0)
+    strengths = choose_strengths(result, mu0, tau0)
     areas = None
     if reading == "mean":
-        point = _evaluate_ensemble(result, values, *material, names)
+        point = _evaluate_ensemble(result, values, *strengths, names)
     else:
-        members = _members_before_growth(result, values, *material, reading, of, names)
+        members = _members_before_growth(result, values, *strengths, reading, of, names)
         if study.contact.junction_growth:
             areas = _build_member_area_interpolator(members, result)
             members = _apply_junction_growth(members, study, areas, names)
@@ -141,19 +141,21 @@ def at_load(
         if measured:
             gradient, slope = (point[name].sel(statistic="mean") for name in ("rms_gradient", "rms_slope"))
             cells = [str(dim) for dim in gradient.dims]
-            along = slope.transpose(*cells, "direction").values
+            directional_slope = slope.transpose(*cells, "direction").values
             modulus, rules = float(study.contact.effective_modulus), point["sliding"].values
-            point = point.assign(small_slope_estimate(cells, gradient.values, along, rules, *material, modulus))
+            point = point.assign(
+                small_slope_estimate(cells, gradient.values, directional_slope, rules, *strengths, modulus)
+            )
     if measured and _is_requested("reading_difference", names):
         # `reading_difference` compares the coefficients at equal elastic load with those at equal normal load.
         other_reading: LoadDefinition = "normal" if reading == "elastic" else "elastic"
-        members = _members_before_growth(result, values, *material, other_reading, of, names)
+        members = _members_before_growth(result, values, *strengths, other_reading, of, names)
         if areas is not None:
             members = _apply_junction_growth(members, study, areas, ())
-        other_mean = members["friction_coefficient"].mean(("repetition", "direction"))
-        mean = point["friction_all_round"].sel(statistic="mean")
-        other_dims = [str(dim) for dim in mean.dims if dim not in (*MAP_CELL_DIMENSIONS, "load")]
-        point["reading_difference"] = abs(other_mean / mean - 1).max(other_dims).variable
+        other_coefficient = members["friction_coefficient"].mean(("repetition", "direction"))
+        coefficient = point["friction_all_round"].sel(statistic="mean")
+        other_dims = [str(dim) for dim in coefficient.dims if dim not in (*MAP_CELL_DIMENSIONS, "load")]
+        point["reading_difference"] = abs(other_coefficient / coefficient - 1).max(other_dims).variable
     return point.assign_attrs(reading=reading)
 
 
@@ -168,8 +170,8 @@ def is_unloaded(result: Result) -> bool:
 def negligible_load(result: Result) -> float:
     """Return a load (mN) that is negligible compared with the pull-off force, if possible the smallest load step."""
     negligible = NEGLIGIBLE_LOAD_RATIO * min(_mean_pull_offs_by_piece(result))
-    lowest = float(result.study.contact.loading_steps()[0])
-    return lowest if lowest < negligible else 0.1 * negligible
+    smallest_step = float(result.study.contact.loading_steps()[0])
+    return smallest_step if smallest_step < negligible else 0.1 * negligible
 
 
 def _mean_pull_offs_by_piece(result: Result) -> list[float]:
@@ -186,14 +188,14 @@ def find_opposite_axes(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
     The indices have the shape (axes, 2).
     """
     angles = np.mod(directions, 360.0)
-    axes, places = [], []
+    axes, direction_pairs = [], []
     for index, angle in enumerate(angles):
         opposite = np.flatnonzero(np.abs(np.mod(angles - angle - 180.0 + 1e-6, 360.0)) < 2e-6)
         if angle < 180.0 and opposite.size:
             axes.append(float(angle))
-            places.append((index, int(opposite[0])))
+            direction_pairs.append((index, int(opposite[0])))
     order = np.argsort(axes)
-    return np.array(axes)[order], np.array(places, np.intp).reshape(-1, 2)[order]
+    return np.array(axes)[order], np.array(direction_pairs, np.intp).reshape(-1, 2)[order]
 
 
 def _is_requested(name: str, names: Collection[str] | None) -> bool:
@@ -210,7 +212,7 @@ def _evaluate_ensemble(
     """Compute ensemble means at given mean loads. The dimension `statistic` contains means and interval limits."""
     import xarray
 
-    def read(name: str, groups: NDArray[np.intp] | None = None) -> xarray.Dataset:
+    def evaluate_groups(name: str, groups: NDArray[np.intp] | None = None) -> xarray.Dataset:
         """Evaluate a quantity at the given mean normal loads, after averaging over each group of directions."""
 
         def average_groups(piece: xarray.Dataset) -> xarray.Dataset:
@@ -221,28 +223,32 @@ def _evaluate_ensemble(
         return ensemble_map(result, loads, mu0, tau0, name, None if groups is None else average_groups)
 
     head = result.head
-    first = read("friction_coefficient")
-    variables: dict[str, Any] = {"friction_coefficient": _add_statistic_dimension(first, "friction_coefficient")}
+    coefficient_table = evaluate_groups("friction_coefficient")
+    variables: dict[str, Any] = {
+        "friction_coefficient": _add_statistic_dimension(coefficient_table, "friction_coefficient")
+    }
     # Area and stiffness depend slightly on mu0 and tau0, because friction changes the normal load.
-    variables["status"] = first["status"].variable
-    all_directions, round_means = None, first
+    variables["status"] = coefficient_table["status"].variable
+    all_directions, round_means = None, coefficient_table
     if "direction" in head.dims:
         all_directions = np.arange(head.sizes["direction"])[np.newaxis]
-        round_means = read("friction_coefficient", all_directions).isel(direction=0)
+        round_means = evaluate_groups("friction_coefficient", all_directions).isel(direction=0)
         variables["friction_all_round"] = _add_statistic_dimension(round_means, "friction_coefficient")
-        axes, places = find_opposite_axes(head["direction"].values)
+        axes, direction_pairs = find_opposite_axes(head["direction"].values)
         if axes.size:
-            along = _add_statistic_dimension(read("friction_coefficient", places), "friction_coefficient")
-            dims = ["axis" if each == "direction" else each for each in along.dims]
-            variables["friction_by_axis"] = xarray.Variable(dims, along.values, along.attrs)
-            first = first.assign_coords(axis=("axis", axes, quantity_attributes("axis")))
-    others = [name for name in (*ONSET_QUANTITIES, "contact_load") if name in head]
-    quantities = ("contact_area", "contact_count", "normal_stiffness", *others)
+            axis_means = _add_statistic_dimension(
+                evaluate_groups("friction_coefficient", direction_pairs), "friction_coefficient"
+            )
+            dims = ["axis" if each == "direction" else each for each in axis_means.dims]
+            variables["friction_by_axis"] = xarray.Variable(dims, axis_means.values, axis_means.attrs)
+            coefficient_table = coefficient_table.assign_coords(axis=("axis", axes, quantity_attributes("axis")))
+    other_quantities = [name for name in (*ONSET_QUANTITIES, "contact_load") if name in head]
+    quantities = ("contact_area", "contact_count", "normal_stiffness", *other_quantities)
     for quantity in [name for name in quantities if _is_requested(name, names)]:
         if quantity == "normal_stiffness" and head.sizes[find_step_dimension(head)] < MIN_STIFFNESS_STEPS:
             continue
         try:
-            evaluated = read(quantity, all_directions)
+            evaluated = evaluate_groups(quantity, all_directions)
         except ValueError:
             if quantity != "normal_stiffness":  # the stiffness of a half-plane is undefined
                 raise
@@ -251,9 +257,9 @@ def _evaluate_ensemble(
             evaluated if all_directions is None else evaluated.isel(direction=0), quantity
         )
     if result.study.contact.adheres and _is_requested("pull_off", names):
-        unloaded = member_values(result, loads[:1], mu0=mu0, tau0=tau0)
+        unloaded_members = member_values(result, loads[:1], mu0=mu0, tau0=tau0)
         for name in ("pull_off", "share_of_pull_off_bounds", "friction_at_no_load"):
-            unloaded_values = unloaded[name].transpose("repetition", ...)
+            unloaded_values = unloaded_members[name].transpose("repetition", ...)
             mean = np.stack(intervals.sample_mean(unloaded_values.values), axis=-1)
             first_rule = {dim: 0 for dim in unloaded_values.dims if dim == "sliding" and dim not in head.dims}
             variables[name] = xarray.Variable(
@@ -261,16 +267,18 @@ def _evaluate_ensemble(
             ).isel(first_rule)
     variables |= {name: round_means[name].variable for name in VALIDITY_QUANTITIES}
     variables |= {"members": ((), result.members.size, {"units": "1", "long_name": "members"})}
-    dataset = xarray.Dataset(variables, first.coords, first.attrs).assign_coords(statistic=INTERVAL_STATISTICS)
+    dataset = xarray.Dataset(variables, coefficient_table.coords, coefficient_table.attrs).assign_coords(
+        statistic=INTERVAL_STATISTICS
+    )
     return dataset.transpose(*find_cell_dimensions(dataset), ...)
 
 
 def _add_statistic_dimension(table: xarray.Dataset, name: str) -> xarray.Variable:
     import xarray
 
-    first = table[name]
+    variable = table[name]
     values = np.stack([table[each].values for each in (name, "lower", "upper")], axis=-1)
-    return xarray.Variable((*first.dims, "statistic"), values, first.attrs)
+    return xarray.Variable((*variable.dims, "statistic"), values, variable.attrs)
 
 
 def reached_loads(result: Result | xarray.Dataset, steps: int = 80) -> Floats:
@@ -293,11 +301,11 @@ def default_loads(result: Result) -> Floats:
 
     Raises a `ValueError` if there is no contact.
     """
-    friction = result.study.friction
-    if friction.load:
-        return np.array([float(load) for load in friction.load])
-    ends = np.log10(reached_loads(result, 2))
-    loads = 10 ** (ends[0] + (ends[1] - ends[0]) * np.linspace(0.2, 0.8, NUM_DEFAULT_LOADS))
+    settings = result.study.friction
+    if settings.load:
+        return np.array([float(load) for load in settings.load])
+    log_limits = np.log10(reached_loads(result, 2))
+    loads = 10 ** (log_limits[0] + (log_limits[1] - log_limits[0]) * np.linspace(0.2, 0.8, NUM_DEFAULT_LOADS))
     return np.unique([float(f"{load:.0e}") for load in loads])
 
 
@@ -321,8 +329,8 @@ def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Datase
 def _average_members(study: Study, members: xarray.Dataset, names: Collection[str] | None) -> xarray.Dataset:
     import xarray
 
-    order = MemberAveraging.of(study, members)
-    several = members.sizes["direction"] > 1
+    averaging = MemberAveraging.of(study, members)
+    has_several_directions = members.sizes["direction"] > 1
     tables = members.variables
     dims = [str(dim) for dim in tables["friction_coefficient"].dims if dim != "repetition"]
     variables: dict[str, Any] = {}
@@ -332,7 +340,7 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
         values = tables[name]
         if values.dtype.kind == "f" and "repetition" in values.dims:
             own = [dim for dim in values.dims if dim != "repetition"]
-            means = order.mean(values.transpose("repetition", *own).values)
+            means = averaging.mean(values.transpose("repetition", *own).values)
             limit = QUANTITIES[str(name)].bounds[1]
             means = np.where(means > limit, np.maximum(limit, means[..., :1]), means)
             variables[str(name)] = ((*own, "statistic"), means, values.attrs)
@@ -347,26 +355,26 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
     ok = status == friction.STATUS_OK
     counts = np.stack([(status == each).sum(axis=0) for each in STATUSES])
     # Points at which no member has a coefficient get the most frequent status.
-    frequent = np.array(STATUSES, STATUS_DTYPE)[counts.argmax(axis=0)]
-    common = np.where(ok.any(axis=0), np.array("ok", STATUS_DTYPE), frequent)
+    most_frequent_status = np.array(STATUSES, STATUS_DTYPE)[counts.argmax(axis=0)]
+    common_status = np.where(ok.any(axis=0), np.array("ok", STATUS_DTYPE), most_frequent_status)
     other_dims = [dim for dim in dims if dim != "direction"]
     coordinates: dict[str, Any] = {
         str(name): each for name, each in members.coords.items() if "repetition" not in each.dims
     }
     round_mean = coefficient.mean(axis=direction_axis)
     variables["friction_all_round"] = (
-        (*other_dims, "statistic"), _remove_round_off(order.mean(round_mean), other_dims, members),
+        (*other_dims, "statistic"), _remove_round_off(averaging.mean(round_mean), other_dims, members),
         quantity_attributes("friction_all_round"),
     )  # fmt: skip
-    axes, places = find_opposite_axes(members["direction"].values)
-    if several and axes.size and _is_requested("friction_by_axis", names):
+    axes, direction_pairs = find_opposite_axes(members["direction"].values)
+    if has_several_directions and axes.size and _is_requested("friction_by_axis", names):
         by_axis = np.stack(
-            [np.take(coefficient, pair, axis=direction_axis).mean(axis=direction_axis) for pair in places],
+            [np.take(coefficient, pair, axis=direction_axis).mean(axis=direction_axis) for pair in direction_pairs],
             axis=direction_axis,
         )
-        named = ["axis" if dim == "direction" else dim for dim in dims]
+        axis_dims = ["axis" if dim == "direction" else dim for dim in dims]
         variables["friction_by_axis"] = (
-            (*named, "statistic"), _remove_round_off(order.mean(by_axis), named, members),
+            (*axis_dims, "statistic"), _remove_round_off(averaging.mean(by_axis), axis_dims, members),
             quantity_attributes("friction_by_axis"),
         )  # fmt: skip
         coordinates["axis"] = ("axis", axes, quantity_attributes("axis"))
@@ -377,7 +385,7 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
     variables |= {
         "spread_low": (other_dims, low, quantity_attributes("spread_low")),
         "spread_high": (other_dims, high, quantity_attributes("spread_high")),
-        "status": (dims, common, quantity_attributes("status")),
+        "status": (dims, common_status, quantity_attributes("status")),
         "ok": (dims, ok.sum(axis=0), quantity_attributes("ok")),
         "members": ((), coefficient.shape[0], {"units": "1", "long_name": "members"}),
     }  # fmt: skip
@@ -389,10 +397,14 @@ def _contact_status(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray
 
     The fractions have the shape (..., 3). In the asperity model, fractions above 1 become NaN instead.
     """
-    above = fraction[..., 0] > 1
-    status = np.where(above, COMPLETE_STATUS if uses_half_space else ABOVE_NOMINAL_STATUS, friction.STATUS_OK)
-    limited = np.minimum(fraction, 1.0) if uses_half_space else np.where(above[..., np.newaxis], np.nan, fraction)
-    return status, limited
+    is_above_nominal = fraction[..., 0] > 1
+    status = np.where(
+        is_above_nominal, COMPLETE_STATUS if uses_half_space else ABOVE_NOMINAL_STATUS, friction.STATUS_OK
+    )
+    limited_fraction = (
+        np.minimum(fraction, 1.0) if uses_half_space else np.where(is_above_nominal[..., np.newaxis], np.nan, fraction)
+    )
+    return status, limited_fraction
 
 
 @dataclass(frozen=True, eq=False)
@@ -404,17 +416,17 @@ class MemberAveraging:
     scans: tuple[Any, Any] | None = None
 
     @classmethod
-    def of(cls, study: Study, places: Mapping[Any, Any]) -> MemberAveraging:
+    def of(cls, study: Study, coordinates: Mapping[Any, Any]) -> MemberAveraging:
         """Determine the dependence between members from their positions.
 
         Members on adjacent lines, or at adjacent positions of a line, are neighbours.
         """
         surfaces: Any = study.surfaces
         if math.prod(surfaces.scan_counts) > 1:
-            return cls(scans=surfaces.scan_indices_of_members(np.asarray(places["repetition"])))
+            return cls(scans=surfaces.scan_indices_of_members(np.asarray(coordinates["repetition"])))
         if not study.is_measured or study.is_areal:
             return cls()
-        lines, x, y = (np.asarray(places[name]) for name in ("line", "x", "y"))
+        lines, x, y = (np.asarray(coordinates[name]) for name in ("line", "x", "y"))
         order = np.lexsort((x, lines, y))
         return cls(order, lines[order])
 
@@ -424,8 +436,8 @@ class MemberAveraging:
         The values have the shape (members, ...), and the result has the shape (..., 3).
         """
         if self.scans is not None:
-            columns = values.reshape(values.shape[0], -1).T
-            rows = [_mean_and_interval(column, intervals.scans_mean(column, *self.scans)) for column in columns]
+            is_in_group = values.reshape(values.shape[0], -1).T
+            rows = [_mean_and_interval(column, intervals.scans_mean(column, *self.scans)) for column in is_in_group]
             return np.array(rows).reshape(*values.shape[1:], 3)
         if self.order is None or self.lines is None:
             return np.stack(intervals.sample_mean(values), axis=-1)
@@ -433,25 +445,27 @@ class MemberAveraging:
         # Columns with the same missing members are evaluated together to save time. Most columns lack no member.
         finite = np.isfinite(flat)
         is_incomplete = ~finite.all(axis=0)
-        masks, group = [np.ones(len(flat), bool)], np.zeros(flat.shape[1], np.intp)
+        masks, mask_indices = [np.ones(len(flat), bool)], np.zeros(flat.shape[1], np.intp)
         if is_incomplete.any():
             other_masks, other_group = np.unique(finite[:, is_incomplete].T, axis=0, return_inverse=True)
             masks += list(other_masks)
-            group[is_incomplete] = 1 + other_group.ravel()
-        ends = np.empty((flat.shape[1], 3))
-        for number in np.unique(group):
-            columns, mask = group == number, masks[number]
-            ends[columns] = np.stack(intervals.positions_mean(flat[mask][:, columns], self.lines[mask]), axis=-1)
-        return ends.reshape(*values.shape[1:], 3)
+            mask_indices[is_incomplete] = 1 + other_group.ravel()
+        means_and_limits = np.empty((flat.shape[1], 3))
+        for mask_index in np.unique(mask_indices):
+            is_in_group, mask = mask_indices == mask_index, masks[mask_index]
+            means_and_limits[is_in_group] = np.stack(
+                intervals.positions_mean(flat[mask][:, is_in_group], self.lines[mask]), axis=-1
+            )
+        return means_and_limits.reshape(*values.shape[1:], 3)
 
 
-def _mean_and_interval(values: Floats, found: intervals.ScanPairMean | None) -> tuple[float, float, float]:
+def _mean_and_interval(values: Floats, scan_mean: intervals.ScanPairMean | None) -> tuple[float, float, float]:
     """Return the mean of the values and its interval limits. The limits are above 0 if no value is negative."""
-    if found is None:
+    if scan_mean is None:
         finite = values[np.isfinite(values)]
         return float(finite.mean()) if finite.size else np.nan, np.nan, np.nan
-    ends = intervals.mean_interval(found.mean, found.half_width, np.nanmin(values) < 0)
-    return found.mean, float(ends[0]), float(ends[1])
+    limits = intervals.mean_interval(scan_mean.mean, scan_mean.half_width, np.nanmin(values) < 0)
+    return scan_mean.mean, float(limits[0]), float(limits[1])
 
 
 # ---- Values of each member -------------------------------------------------------------------------------------------
@@ -484,14 +498,14 @@ def member_values(
         raise ValueError("reading must be 'elastic' or 'normal', because a single member has no mean load")
     result = Result.of(result)
     values = np.unique(np.atleast_1d(float_array("loads", loads)))
-    material = choose_strengths(result, mu0, tau0)
-    members = _members_before_growth(result, values, *material, reading, of)
+    strengths = choose_strengths(result, mu0, tau0)
+    members = _members_before_growth(result, values, *strengths, reading, of)
     if result.study.contact.junction_growth:
         members = _apply_junction_growth(members, result.study, _build_member_area_interpolator(members, result))
     if reading == "elastic" and set(LATERAL_SUMS) <= set(result.head.data_vars):
         sums = member_sums_at_loads(result, values, LATERAL_SUMS, of=of)
-        parts = {name: sums[name].values[..., np.newaxis, np.newaxis] for name in LATERAL_SUMS}
-        lateral = compute_load("lateral", parts, material[0][:, np.newaxis], material[1])
+        lateral_sums = {name: sums[name].values[..., np.newaxis, np.newaxis] for name in LATERAL_SUMS}
+        lateral = compute_load("lateral", lateral_sums, strengths[0][:, np.newaxis], strengths[1])
         dims = (*sums[LATERAL_SUMS[0]].dims, "mu0", "tau0")
         members = members.assign(lateral_load=(dims, lateral, quantity_attributes("lateral_load")))
     return members
@@ -506,10 +520,10 @@ def _members_before_growth(
     If the contacts of the study grow, the dataset also contains the sums that `_apply_junction_growth` requires.
     """
 
-    def read(piece: xarray.Dataset) -> xarray.Dataset:
+    def evaluate_piece(piece: xarray.Dataset) -> xarray.Dataset:
         return _evaluate_piece(piece, result.study, loads, mu0, tau0, reading, names)
 
-    return _evaluate_pieces(result, of, read)
+    return _evaluate_pieces(result, of, evaluate_piece)
 
 
 # ---- Junction growth -------------------------------------------------------------------------------------------------
@@ -520,17 +534,21 @@ def build_area_interpolator(dataset: xarray.Dataset, result: Result | xarray.Dat
     result = Result.of(result)
     study, loads = result.study, dataset["load"].values
     area = dataset["contact_area"].sel(statistic="mean")
-    ratio = area.mean([dim for dim in area.dims if dim != "load"]).values / loads
+    area_per_load = area.mean([dim for dim in area.dims if dim != "load"]).values / loads
     gradient = float(dataset["rms_gradient"].sel(statistic="mean").mean())
-    return AreaInterpolator.from_result(loads, ratio, gradient, area_load_exponent(result, loads), study, result)
+    return AreaInterpolator.from_result(
+        loads, area_per_load, gradient, area_load_exponent(result, loads), study, result
+    )
 
 
 def _build_member_area_interpolator(members: xarray.Dataset, result: Result) -> AreaInterpolator:
     """Create an interpolator that returns true areas for a given hardness at the loads of the member values."""
     loads, area, gradient = members["load"].values, members["contact_area"], members["rms_gradient"]
-    ratio = np.asarray(area.mean([dim for dim in area.dims if dim != "load"]).values) / loads
+    area_per_load = np.asarray(area.mean([dim for dim in area.dims if dim != "load"]).values) / loads
     study = result.study
-    return AreaInterpolator.from_result(loads, ratio, float(gradient.mean()), np.zeros(loads.size), study, result)
+    return AreaInterpolator.from_result(
+        loads, area_per_load, float(gradient.mean()), np.zeros(loads.size), study, result
+    )
 
 
 def mean_areas(result: Result) -> Floats:
@@ -547,11 +565,11 @@ def area_load_exponent(result: Result, loads: Floats) -> Floats:
     """Return d ln(A/F) / d ln F at the given loads F (mN), where A is the mean true area."""
     steps = result.study.contact.loading_steps()
     if steps.size > 1:
-        ratio = result.mean_areas / steps
-        is_known = np.isfinite(ratio) & (ratio > 0)
+        area_per_load = result.mean_areas / steps
+        is_known = np.isfinite(area_per_load) & (area_per_load > 0)
         if is_known.sum() > 1:
-            slope = np.gradient(np.log(ratio[is_known]), np.log(steps[is_known]))
-            return np.asarray(np.interp(np.log(loads), np.log(steps[is_known]), slope))
+            exponent = np.gradient(np.log(area_per_load[is_known]), np.log(steps[is_known]))
+            return np.asarray(np.interp(np.log(loads), np.log(steps[is_known]), exponent))
     return np.zeros(loads.size)
 
 
@@ -563,8 +581,8 @@ def area_growth_ratio(areas: AreaInterpolator, study: Study, rule: str, mu0: Flo
     assert areas.hardness is not None, "contacts that do not yield do not grow"
     pressure = hardness_under_shear(areas.hardness, mu0[:, np.newaxis], tau0, float(study.contact.junction_growth or 0))
     hardness = np.full(pressure.size, areas.hardness)
-    grown = [areas.growth_ratio(load, rule, hardness, pressure.ravel()) for load in range(areas.pressures.size)]
-    return np.array(grown).reshape(-1, *pressure.shape)
+    growth_ratios = [areas.growth_ratio(load, rule, hardness, pressure.ravel()) for load in range(areas.pressures.size)]
+    return np.array(growth_ratios).reshape(-1, *pressure.shape)
 
 
 def _apply_junction_growth(
@@ -573,10 +591,12 @@ def _apply_junction_growth(
     """Recompute member values after junction growth. The adhesive forces then act on the grown contact area."""
     mu0, tau0 = members["mu0"].values, members["tau0"].values
     rules = members["sliding"].values.tolist()
-    grown = {rule: area_growth_ratio(areas, study, rule, mu0, tau0) for rule in ("all", *rules)}
+    growth_ratios = {rule: area_growth_ratio(areas, study, rule, mu0, tau0) for rule in ("all", *rules)}
     with np.errstate(invalid="ignore"):
-        factor = np.stack([grown[rule] for rule in rules])[:, np.newaxis]  # shape (sliding, 1, load, mu0, tau0)
-        added_strength = np.where(tau0 > 0, tau0 * (factor - 1), 0.0)
+        growth_factor = np.stack([growth_ratios[rule] for rule in rules])[
+            :, np.newaxis
+        ]  # shape (sliding, 1, load, mu0, tau0)
+        added_strength = np.where(tau0 > 0, tau0 * (growth_factor - 1), 0.0)
     dims = (*find_cell_dimensions(members), "repetition", *MOTION_DIMENSIONS, "load", "mu0", "tau0")
     with np.errstate(invalid="ignore"):
         normal, tangential = (
@@ -593,13 +613,13 @@ def _apply_junction_growth(
     values = {
         "friction_coefficient": coefficient, "normal_load": normal, "tangential_load": tangential, "status": status
     }  # fmt: skip
-    changed: dict[str, Any] = {name: (dims, each, members[name].attrs) for name, each in values.items()}
+    grown_variables: dict[str, Any] = {name: (dims, each, members[name].attrs) for name, each in values.items()}
     if _is_requested("contact_area_at_onset", names):
-        onset = np.where(np.isfinite(grown["all"]), grown["all"], np.nan)
+        growth_at_onset = np.where(np.isfinite(growth_ratios["all"]), growth_ratios["all"], np.nan)
         area_dims = tuple(dim for dim in dims if dim not in MOTION_DIMENSIONS)
-        area = members["contact_area"].transpose(*area_dims[:-2]).values[..., np.newaxis, np.newaxis] * onset
-        changed["contact_area_at_onset"] = (area_dims, area, quantity_attributes("contact_area_at_onset"))
-    return members.drop_vars(ADHESIVE_SUMS).assign(changed)
+        area = members["contact_area"].transpose(*area_dims[:-2]).values[..., np.newaxis, np.newaxis] * growth_at_onset
+        grown_variables["contact_area_at_onset"] = (area_dims, area, quantity_attributes("contact_area_at_onset"))
+    return members.drop_vars(ADHESIVE_SUMS).assign(grown_variables)
 
 
 def member_sums_at_loads(
@@ -618,7 +638,7 @@ def member_sums_at_loads(
     result = Result.of(result)
     study = result.study
 
-    def read(piece: xarray.Dataset) -> xarray.Dataset:
+    def evaluate_piece(piece: xarray.Dataset) -> xarray.Dataset:
         sums, crossing = _find_load_crossings(piece, loads, names)
         dims = (*find_cell_dimensions(piece), "repetition", *MOTION_DIMENSIONS, "load")
         values = np.broadcast_arrays(*map(crossing.at, sums.values()))
@@ -628,7 +648,7 @@ def member_sums_at_loads(
             _motion_coordinates(piece, study) | coordinates,
         )
 
-    return _evaluate_pieces(result, of, read)
+    return _evaluate_pieces(result, of, evaluate_piece)
 
 
 def ensemble_friction(result: Result | xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats) -> xarray.DataArray:
@@ -640,19 +660,21 @@ def ensemble_friction(result: Result | xarray.Dataset, loads: Floats, mu0: Float
     """
     import xarray
 
-    six = member_sums_at_loads(result, loads).mean("direction")
-    dims = [str(dim) for dim in six[LOAD_SUM_NAMES[0]].dims if dim != "repetition"]
-    sums = {name: six[name].transpose("repetition", *dims).values for name in LOAD_SUM_NAMES}
+    contact_sums = member_sums_at_loads(result, loads).mean("direction")
+    dims = [str(dim) for dim in contact_sums[LOAD_SUM_NAMES[0]].dims if dim != "repetition"]
+    sums = {name: contact_sums[name].transpose("repetition", *dims).values for name in LOAD_SUM_NAMES}
     members = np.stack(compute_loads(sums, mu0, tau0))  # shape (2, members, ..., mu0, tau0)
-    total = members.sum(axis=1)
+    load_sums = members.sum(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        mean = np.where(total[0] > 0, total[1] / total[0], np.nan)
-        others = total[:, np.newaxis] - members
-        moved = others[1] / others[0] - mean
-    left_out = intervals.PowerSums(mean.shape)
-    left_out.add(np.moveaxis(moved, 0, -1))
-    half = left_out.half_width() if six.sizes["repetition"] >= intervals.MIN_SAMPLE_SIZE else np.nan
-    values = np.stack([mean, np.maximum(mean - half, 0.0), mean + half], axis=-1)
+        mean = np.where(load_sums[0] > 0, load_sums[1] / load_sums[0], np.nan)
+        sums_without_member = load_sums[:, np.newaxis] - members
+        jackknife_changes = sums_without_member[1] / sums_without_member[0] - mean
+    jackknife_sums = intervals.PowerSums(mean.shape)
+    jackknife_sums.add(np.moveaxis(jackknife_changes, 0, -1))
+    half_width = (
+        jackknife_sums.half_width() if contact_sums.sizes["repetition"] >= intervals.MIN_SAMPLE_SIZE else np.nan
+    )
+    values = np.stack([mean, np.maximum(mean - half_width, 0.0), mean + half_width], axis=-1)
     attributes = quantity_attributes("friction_coefficient")
     return xarray.DataArray(values, dims=(*dims, "mu0", "tau0", "statistic"), attrs=attributes)
 
@@ -668,12 +690,13 @@ class ForcesPerLoad:
     stick_normal: float = 0.0
 
     @classmethod
-    def of(cls, six: Mapping[str, Any], **more: Any) -> Self:
+    def of(cls, contact_sums: Mapping[str, Any], **more: Any) -> Self:
         """Create the linear functions from the six mean contact sums, which are divided by the elastic load."""
-        per = {name: float(six[name] / six["normal_elastic"]) for name in LOAD_SUM_NAMES}
+        sums_per_load = {name: float(contact_sums[name] / contact_sums["normal_elastic"]) for name in LOAD_SUM_NAMES}
         return cls(
-            elastic=per["tangential_elastic"], rub=per["tangential_frictional"], stick=per["tangential_adhesive"],
-            rub_normal=per["normal_frictional"], stick_normal=per["normal_adhesive"], **more,
+            elastic=sums_per_load["tangential_elastic"], rub=sums_per_load["tangential_frictional"],
+            stick=sums_per_load["tangential_adhesive"], rub_normal=sums_per_load["normal_frictional"],
+            stick_normal=sums_per_load["normal_adhesive"], **more,
         )  # fmt: skip
 
     def coefficient(self, mu0: Any, tau0: Any, area: Any = 1.0) -> Any:
@@ -683,22 +706,22 @@ class ForcesPerLoad:
 
 
 def _evaluate_pieces(
-    result: Result, of: MemberKind | None, read: Callable[[xarray.Dataset], xarray.Dataset]
+    result: Result, member_kind: MemberKind | None, evaluate: Callable[[xarray.Dataset], xarray.Dataset]
 ) -> xarray.Dataset:
     import xarray
 
-    pieces = [read(piece) for piece in result.pieces() if piece.sizes["repetition"]]
-    whole = pieces[0] if len(pieces) == 1 else xarray.concat(
+    pieces = [evaluate(piece) for piece in result.pieces() if piece.sizes["repetition"]]
+    values = pieces[0] if len(pieces) == 1 else xarray.concat(
         pieces, "repetition", data_vars="minimal", coords="minimal", compat="override", combine_attrs="override"
     )  # fmt: skip
-    if "surrogate" not in whole.coords:
-        return whole
-    is_surrogate = whole["surrogate"].values.astype(bool)
-    is_wanted = bool(is_surrogate.all()) if of is None else of == "surrogates"
+    if "surrogate" not in values.coords:
+        return values
+    is_surrogate = values["surrogate"].values.astype(bool)
+    is_wanted = bool(is_surrogate.all()) if member_kind is None else member_kind == "surrogates"
     if not (is_surrogate == is_wanted).any():
-        other: MemberKind = "shifts" if is_wanted else "surrogates"
-        raise ValueError(f"of must be {other!r} for this result, got {of!r}")
-    return whole.isel(repetition=np.flatnonzero(is_surrogate == is_wanted))
+        other_kind: MemberKind = "shifts" if is_wanted else "surrogates"
+        raise ValueError(f"of must be {other_kind!r} for this result, got {member_kind!r}")
+    return values.isel(repetition=np.flatnonzero(is_surrogate == is_wanted))
 
 
 _FRICTION_VARIABLES = (
@@ -724,13 +747,13 @@ def _evaluate_piece(
     import xarray
 
     cells, step = find_cell_dimensions(piece), find_step_dimension(piece)
-    lead = (*cells, "repetition")
+    member_dims = (*cells, "repetition")
     tables = piece.variables
     sums, crossing = _find_load_crossings(piece, loads)
     motions = [name for name in MOTION_DIMENSIONS if name in piece.dims]
-    six = {name: crossing.at(values) for name, values in sums.items()} if reading == "elastic" else {}
+    contact_sums = {name: crossing.at(values) for name, values in sums.items()} if reading == "elastic" else {}
     if reading == "elastic":
-        normal, tangential = compute_loads(six, mu0, tau0)
+        normal, tangential = compute_loads(contact_sums, mu0, tau0)
         reached, below = (
             crossing.reached[..., None, None, :, None, None],
             crossing.below[..., None, None, :, None, None],
@@ -740,14 +763,16 @@ def _evaluate_piece(
         normal, tangential = (np.moveaxis(each, -3, -1) for each in compute_loads(sums, mu0, tau0))
         normal = np.broadcast_to(normal, tangential.shape)
         with np.errstate(invalid="ignore"):
-            carried = np.where(normal > 0, normal, np.nan) if step == "load" else normal
-        own_crossing = LoadCrossings.of(carried, loads, ratio=step == "load").without_gap_crossings(normal, loads)
-        reached, below = (np.moveaxis(each, -1, -3) for each in (own_crossing.reached, own_crossing.below))
-        normal, tangential = (np.moveaxis(own_crossing.at(each), -1, -3) for each in (normal, tangential))
+            positive_normal = np.where(normal > 0, normal, np.nan) if step == "load" else normal
+        normal_crossing = LoadCrossings.of(positive_normal, loads, ratio=step == "load").without_gap_crossings(
+            normal, loads
+        )
+        reached, below = (np.moveaxis(each, -1, -3) for each in (normal_crossing.reached, normal_crossing.below))
+        normal, tangential = (np.moveaxis(normal_crossing.at(each), -1, -3) for each in (normal, tangential))
     status = _member_status(piece, loads, normal, reached, below)
     with np.errstate(divide="ignore", invalid="ignore"):
         coefficient = np.where(status == friction.STATUS_OK, tangential / normal, np.nan)
-    dims = (*lead, "sliding", "direction", "load", "mu0", "tau0")
+    dims = (*member_dims, "sliding", "direction", "load", "mu0", "tau0")
     variables: dict[str, Any] = {
         "friction_coefficient": (dims, coefficient, quantity_attributes("friction_coefficient")),
         "normal_load": (dims, normal, quantity_attributes("normal_load")),
@@ -755,38 +780,50 @@ def _evaluate_piece(
         "status": (dims, status, quantity_attributes("status")),
     }
     rules = [str(each) for each in piece["sliding"].values] if "sliding" in motions else []
-    if six and {"opposing", "all"} <= set(rules):
-        rubbing = six["tangential_frictional"]
-        rubbing_by_rule = [np.take(rubbing, rules.index(rule), axis=len(lead)) for rule in ("opposing", "all")]
+    if contact_sums and {"opposing", "all"} <= set(rules):
+        frictional_sums = contact_sums["tangential_frictional"]
+        sums_by_rule = [
+            np.take(frictional_sums, rules.index(rule), axis=len(member_dims)) for rule in ("opposing", "all")
+        ]
         with np.errstate(divide="ignore", invalid="ignore"):
             # The denominator is the sum of F |t·s|, which equals the load to first order in the slopes.
-            opposing = rubbing_by_rule[0] / rubbing_by_rule[1]
-        variables["share_opposing"] = ((*lead, "direction", "load"), opposing, quantity_attributes("share_opposing"))
+            opposing_fraction = sums_by_rule[0] / sums_by_rule[1]
+        variables["share_opposing"] = (
+            (*member_dims, "direction", "load"),
+            opposing_fraction,
+            quantity_attributes("share_opposing"),
+        )
     requested = None if names is None else {*_FRICTION_VARIABLES, *names}
     for name in INTERPOLATED_QUANTITIES:
         if name != "normal_elastic" and not _is_requested(name, requested):
             continue
         if name in tables and step in tables[name].dims:
-            read = crossing.at(_to_float_array(tables[name], (*lead, step)), sums=QUANTITIES[name].proportional)
-            variables[name] = ((*lead, "load"), read, tables[name].attrs)
+            interpolated = crossing.at(
+                _to_float_array(tables[name], (*member_dims, step)), sums=QUANTITIES[name].proportional
+            )
+            variables[name] = ((*member_dims, "load"), interpolated, tables[name].attrs)
     for name in DISTRIBUTION_QUANTITIES:
         if name in tables and _is_requested(name, requested):
-            read = crossing.at(_to_float_array(tables[name], (*lead, "fraction_below", step)), sums=False)
-            variables[name] = ((*lead, "fraction_below", "load"), read, tables[name].attrs)
+            interpolated = crossing.at(
+                _to_float_array(tables[name], (*member_dims, "fraction_below", step)), sums=False
+            )
+            variables[name] = ((*member_dims, "fraction_below", "load"), interpolated, tables[name].attrs)
     for name in (*GAP_QUANTITIES, "pull_off"):
         if name in tables:
             variables[name] = tables[name]
     if "pull_off" in tables:
         # An element is 1 if the pull-off force of the member is only a lower bound, and 0 otherwise.
-        bounds = (_to_float_array(tables["pull_off_is_bound"], lead) != 0).astype(np.float64)
-        variables["share_of_pull_off_bounds"] = (lead, bounds, quantity_attributes("share_of_pull_off_bounds"))
-        parts = {
-            name: _to_float_array(tables[name], (*lead, *MOTION_DIMENSIONS), missing=True)[..., None, None]
+        bounds = (_to_float_array(tables["pull_off_is_bound"], member_dims) != 0).astype(np.float64)
+        variables["share_of_pull_off_bounds"] = (member_dims, bounds, quantity_attributes("share_of_pull_off_bounds"))
+        zero_load_sums = {
+            name: _to_float_array(tables[name], (*member_dims, *MOTION_DIMENSIONS), missing=True)[..., None, None]
             for name in ZERO_LOAD_SUM_QUANTITIES
         }
-        unloaded = compute_load("unloaded", parts, mu0[:, np.newaxis], tau0).mean(axis=len(lead) + 1)
+        friction_at_no_load = compute_load("unloaded", zero_load_sums, mu0[:, np.newaxis], tau0).mean(
+            axis=len(member_dims) + 1
+        )
         variables["friction_at_no_load"] = (
-            (*lead, "sliding", "mu0", "tau0"), unloaded, quantity_attributes("friction_at_no_load"),
+            (*member_dims, "sliding", "mu0", "tau0"), friction_at_no_load, quantity_attributes("friction_at_no_load"),
         )  # fmt: skip
     coordinates: dict[str, Any] = {
         str(name): each.variable for name, each in piece.coords.items() if name not in (step, "mu0", "tau0")
@@ -799,8 +836,8 @@ def _evaluate_piece(
     variables = {name: each for name, each in variables.items() if _is_requested(name, requested)}
     if study.contact.junction_growth:
         for name in ADHESIVE_SUMS:
-            adhesive = six[name] if six else crossing.at(sums[name])
-            variables[name] = dims[:-2], np.broadcast_to(adhesive, tangential.shape[:-2])
+            adhesive_sums = contact_sums[name] if contact_sums else crossing.at(sums[name])
+            variables[name] = dims[:-2], np.broadcast_to(adhesive_sums, tangential.shape[:-2])
     return xarray.Dataset(variables, coordinates, piece.attrs)
 
 
@@ -809,12 +846,14 @@ def _find_load_crossings(
 ) -> tuple[dict[str, Floats], LoadCrossings]:
     """Return the members' contact sums, and the points at which the load curves reach the given loads."""
     step = find_step_dimension(piece)
-    lead = (*find_cell_dimensions(piece), "repetition")
+    member_dims = (*find_cell_dimensions(piece), "repetition")
     # Access to variables without coordinates is much faster than to arrays with coordinates.
     tables = piece.variables
-    elastic = _to_float_array(tables["normal_elastic"], (*lead, step))
+    elastic = _to_float_array(tables["normal_elastic"], (*member_dims, step))
     curve = elastic if step == "approach" else np.where(np.isfinite(elastic), piece[step].values, np.nan)
-    sums = {name: _to_float_array(tables[name], (*lead, *MOTION_DIMENSIONS, step), missing=True) for name in names}
+    sums = {
+        name: _to_float_array(tables[name], (*member_dims, *MOTION_DIMENSIONS, step), missing=True) for name in names
+    }
     return sums, LoadCrossings.of(curve, loads, ratio=step == "load").without_gap_crossings(curve, loads)
 
 
@@ -844,14 +883,16 @@ def _add_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
             if (stiffness := QUANTITIES[name].numerator) in variables:
                 ratios[name] = 1e3 * variables[stiffness][1] / area  # converts mN/µm³ to GPa/mm
     with np.errstate(divide="ignore", invalid="ignore"):
-        carried = variables["contact_load"][1] if "contact_load" in variables else elastic
-        ratios["mean_pressure"] = carried / variables["contact_area"][1]
+        carried_load = variables["contact_load"][1] if "contact_load" in variables else elastic
+        ratios["mean_pressure"] = carried_load / variables["contact_area"][1]
     sums = {name: each[1] for name, each in variables.items() if isinstance(each, tuple)}
     for name, (numerator, _) in VALIDITY_RATIOS.items():
         if numerator in sums and name not in sums:
             ratios[name] = validity_ratio(name, sums)
-    shown = {name: each for name, each in variables.items() if QUANTITIES[name].shown or name not in RATIO_PARTS}
-    return shown | {name: (dims, values, quantity_attributes(name)) for name, values in ratios.items()}
+    shown_variables = {
+        name: each for name, each in variables.items() if QUANTITIES[name].shown or name not in RATIO_PARTS
+    }
+    return shown_variables | {name: (dims, values, quantity_attributes(name)) for name, values in ratios.items()}
 
 
 def _to_float_array(array: xarray.Variable, dims: tuple[str, ...], *, missing: bool = False) -> Floats:
@@ -869,8 +910,10 @@ def _to_float_array(array: xarray.Variable, dims: tuple[str, ...], *, missing: b
 def _member_status(piece: xarray.Dataset, loads: Floats, normal: Floats, reached: Any, below: Any) -> NDArray[Any]:
     """Return the status of each member as an array of shape (..., sliding, direction, load, mu0, tau0)."""
     is_known = np.isfinite(normal)
-    locked = is_known & (normal <= 0)
-    status = friction.combine_statuses(touched=True, reached=is_known & reached & ~locked, locked=locked, below=below)
+    is_locked = is_known & (normal <= 0)
+    status = friction.combine_statuses(
+        touched=True, reached=is_known & reached & ~is_locked, locked=is_locked, below=below
+    )
     status = np.array(np.broadcast_to(status, normal.shape), STATUS_DTYPE)
     step = find_step_dimension(piece)
     if "status" in piece:
@@ -878,12 +921,12 @@ def _member_status(piece: xarray.Dataset, loads: Floats, normal: Floats, reached
         codes = _to_float_array(piece.variables["status"], (*find_cell_dimensions(piece), "repetition", step)).astype(
             int
         )
-        ladder = piece[step].values
-        step_index = np.minimum(np.searchsorted(ladder, loads), ladder.size - 1)
+        step_values = piece[step].values
+        step_index = np.minimum(np.searchsorted(step_values, loads), step_values.size - 1)
         step_status = np.array(STATUSES)[codes[..., step_index]][..., None, None, :, None, None]
         step_status = np.broadcast_to(step_status, status.shape)
-        replace = (status != friction.STATUS_OK) & (step_status != friction.STATUS_OK)
-        status[replace] = step_status[replace]
+        is_replaced = (status != friction.STATUS_OK) & (step_status != friction.STATUS_OK)
+        status[is_replaced] = step_status[is_replaced]
     return status
 
 
@@ -895,10 +938,12 @@ def small_slope_estimate(
     The rms gradients have the shape (...), and the rms slopes have the shape (..., direction).
     """
     has_slopes = (gradient[..., np.newaxis] > 0) & (slope > 0)
-    steep, along = (np.where(has_slopes, each, 1.0)[..., None, None] for each in (gradient[..., np.newaxis], slope))
+    gradients, slopes = (
+        np.where(has_slopes, each, 1.0)[..., None, None] for each in (gradient[..., np.newaxis], slope)
+    )
     estimates = [
         gentle_friction(
-            mu0[:, np.newaxis], tau0, rms_gradient=steep, rms_slope=along, effective_modulus=modulus, sliding=rule
+            mu0[:, np.newaxis], tau0, rms_gradient=gradients, rms_slope=slopes, effective_modulus=modulus, sliding=rule
         )
         for rule in rules
     ]

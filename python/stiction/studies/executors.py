@@ -110,13 +110,13 @@ class ClusterError(ValueError):
 def _without_disconnect_log() -> Iterator[None]:
     """Suppress Dask's log messages about a lost scheduler, because a `ClusterError` already reports the loss."""
     loggers = [logging.getLogger(name) for name in ("distributed.client", "distributed.core", "tornado.application")]
-    levels = [logger.level for logger in loggers]
+    log_levels = [logger.level for logger in loggers]
     try:
         for logger in loggers:
             logger.setLevel(logging.CRITICAL)
         yield
     finally:
-        for logger, level in zip(loggers, levels, strict=True):
+        for logger, level in zip(loggers, log_levels, strict=True):
             logger.setLevel(level)
 
 

@@ -194,49 +194,54 @@ def friction_table(
     dataset, study = result.dataset, result.study
     if "load" not in dataset.dims or study.surfaces.kind != "surface":
         raise ValueError("result must be from a study of generated height maps with the half-space model")
-    material = choose_strengths(result, mu0, tau0)
+    strengths = choose_strengths(result, mu0, tau0)
     area = float(np.prod(study.surfaces.extents()))
-    steps = dataset["load"].values / area
-    approach, touching = (dataset[name].transpose(*_DIMENSION_ORDER).values for name in ("approach", "contact_area"))
+    pressure_steps = dataset["load"].values / area
+    approach, touching_area = (
+        dataset[name].transpose(*_DIMENSION_ORDER).values for name in ("approach", "contact_area")
+    )
     stiffness = np.full(approach.shape, np.nan)
-    if steps.size >= MIN_STIFFNESS_PRESSURES:
+    if pressure_steps.size >= MIN_STIFFNESS_PRESSURES:
         # The approach is nearly linear in ln(load), so the derivative with respect to ln(load) is accurate.
-        stiffness = steps / np.gradient(approach, np.log(steps), axis=-1, edge_order=2)
+        stiffness = pressure_steps / np.gradient(approach, np.log(pressure_steps), axis=-1, edge_order=2)
     # Only results at the requested loads are reported.
     requested = [float(load) for load in study.friction.load] or dataset["load"].values
     indices = np.flatnonzero(np.isin(dataset["load"].values, requested))
-    dataset, pressure = dataset.isel(load=indices), steps[indices]
-    approach, touching, stiffness = (values[..., indices] for values in (approach, touching, stiffness))
-    pairs = {"contact_area_fraction": touching / area, "normal_stiffness": stiffness, "approach": approach}
+    dataset, pressure = dataset.isel(load=indices), pressure_steps[indices]
+    approach, touching_area, stiffness = (values[..., indices] for values in (approach, touching_area, stiffness))
+    pairs = {"contact_area_fraction": touching_area / area, "normal_stiffness": stiffness, "approach": approach}
     means = {name: np.stack(intervals.sample_mean(values), axis=-1) for name, values in pairs.items()}
-    light = means["contact_area_fraction"][..., 0] <= MAX_FITTED_AREA_FRACTION
-    light[light.sum(axis=-1) < 2] = True
-    coefficient = ensemble_friction(dataset, dataset["load"].values, *material)
-    laws = _fit_laws(pressure, light, pairs)
-    factor, prefactor, exponent = (values[..., :1] for values in laws.values())
-    fits = {
-        "area": (factor * pressure, "contact_area_fraction"),
-        "stiffness": (prefactor * pressure**exponent, "normal_stiffness"),
+    is_light_load = means["contact_area_fraction"][..., 0] <= MAX_FITTED_AREA_FRACTION
+    is_light_load[is_light_load.sum(axis=-1) < 2] = True
+    coefficient = ensemble_friction(dataset, dataset["load"].values, *strengths)
+    laws = _fit_laws(pressure, is_light_load, pairs)
+    area_factor, stiffness_factor, exponent = (values[..., :1] for values in laws.values())
+    fitted_laws = {
+        "area": (area_factor * pressure, "contact_area_fraction"),
+        "stiffness": (stiffness_factor * pressure**exponent, "normal_stiffness"),
     }
-    places = ("hurst_exponent", "rms")
+    coordinate_names = ("hurst_exponent", "rms")
     variables: dict[str, Any] = {
         **{
-            name: ((*places, "pressure", "statistic"), values, quantity_attributes(name))
+            name: ((*coordinate_names, "pressure", "statistic"), values, quantity_attributes(name))
             for name, values in means.items()
         },
         "friction_coefficient": (
-            ("sliding", *places, "pressure", "mu0", "tau0", "statistic"),
+            ("sliding", *coordinate_names, "pressure", "mu0", "tau0", "statistic"),
             coefficient.transpose("sliding", *_DIMENSION_ORDER[1:], "mu0", "tau0", "statistic").values,
             coefficient.attrs,
         ),
-        **{name: ((*places, "statistic"), values, quantity_attributes(name)) for name, values in laws.items()},
+        **{
+            name: ((*coordinate_names, "statistic"), values, quantity_attributes(name))
+            for name, values in laws.items()
+        },
     }  # fmt: skip
-    for name, (law, variable) in fits.items():
-        deviation = np.where(light, np.abs(means[variable][..., 0] / law - 1), 0.0).max(axis=-1)
-        variables[f"{name}_deviation"] = (places, deviation, quantity_attributes(f"{name}_deviation"))
+    for name, (law, variable) in fitted_laws.items():
+        deviation = np.where(is_light_load, np.abs(means[variable][..., 0] / law - 1), 0.0).max(axis=-1)
+        variables[f"{name}_deviation"] = (coordinate_names, deviation, quantity_attributes(f"{name}_deviation"))
     coordinate_values = {
         "sliding": list(study.contact.rules()), "hurst_exponent": 2 - dataset["fractal_dimension"].values,
-        "rms": dataset["amplitude"].values, "pressure": pressure, "mu0": material[0], "tau0": material[1],
+        "rms": dataset["amplitude"].values, "pressure": pressure, "mu0": strengths[0], "tau0": strengths[1],
     }  # fmt: skip
     coordinates = {name: (name, values, quantity_attributes(name)) for name, values in coordinate_values.items()}
     attributes = {
@@ -249,7 +254,7 @@ def friction_table(
     return table.sortby("hurst_exponent")
 
 
-def _fit_laws(pressure: Floats, light: NDArray[np.bool_], pairs: dict[str, Floats]) -> dict[str, Floats]:
+def _fit_laws(pressure: Floats, is_light_load: NDArray[np.bool_], pairs: dict[str, Floats]) -> dict[str, Floats]:
     """Fit the laws A/A0 = a p and k/A0 = b p^c, and return a, b and c with their 95 % intervals.
 
     Each parameter has the shape (fractal dimension, amplitude, 3). The parameters are NaN if a pair of surfaces has no
@@ -257,18 +262,22 @@ def _fit_laws(pressure: Floats, light: NDArray[np.bool_], pairs: dict[str, Float
     """
     names = ("area_factor", "stiffness_factor", "stiffness_exponent")
     parameters = {name: np.full(pairs["approach"].shape[:-1], np.nan) for name in names}
-    for cell in np.ndindex(*light.shape[:2]):
-        columns = (slice(None), *cell)
-        p = pressure[light[cell]]
-        shares, stiff = (pairs[name][columns][:, light[cell]] for name in ("contact_area_fraction", "normal_stiffness"))
+    for cell in np.ndindex(*is_light_load.shape[:2]):
+        cell_index = (slice(None), *cell)
+        p = pressure[is_light_load[cell]]
+        area_fractions, stiffnesses = (
+            pairs[name][cell_index][:, is_light_load[cell]] for name in ("contact_area_fraction", "normal_stiffness")
+        )
         with np.errstate(divide="ignore", invalid="ignore"):
-            parameters["area_factor"][columns] = np.exp(np.mean(np.log(shares / p), axis=1))
-            logarithms = np.log(np.where(stiff > 0, stiff, np.nan))
+            parameters["area_factor"][cell_index] = np.exp(np.mean(np.log(area_fractions / p), axis=1))
+            log_stiffness = np.log(np.where(stiffnesses > 0, stiffnesses, np.nan))
         if p.size >= 2:
-            offset = np.log(p) - np.log(p).mean()
-            exponent = logarithms @ offset / (offset @ offset)
-            parameters["stiffness_exponent"][columns] = exponent
-            parameters["stiffness_factor"][columns] = np.exp(logarithms.mean(axis=1) - exponent * np.log(p).mean())
+            centred_logarithms = np.log(p) - np.log(p).mean()
+            exponent = log_stiffness @ centred_logarithms / (centred_logarithms @ centred_logarithms)
+            parameters["stiffness_exponent"][cell_index] = exponent
+            parameters["stiffness_factor"][cell_index] = np.exp(
+                log_stiffness.mean(axis=1) - exponent * np.log(p).mean()
+            )
     laws = {name: np.stack(intervals.sample_mean(values), axis=-1) for name, values in parameters.items()}
     for name in names[1:]:
         laws[name][~np.isfinite(parameters["stiffness_exponent"]).all(axis=0)] = np.nan

@@ -246,15 +246,16 @@ class SelfAffineSettings(GeneratedMapSettings):
 
     @model_validator(mode="after")
     def _require_valid_wavelengths(self) -> SelfAffineSettings:
-        side, finest, longest = max(self.extents()), 2 * max(self.spacings()), self.max_wavelength()
-        shortest = finest if self.shortest_wavelength is None else float(self.shortest_wavelength)
-        if longest > side * ROUND_OFF_FACTOR:
+        longest_side, nyquist_wavelength, longest = max(self.extents()), 2 * max(self.spacings()), self.max_wavelength()
+        shortest = nyquist_wavelength if self.shortest_wavelength is None else float(self.shortest_wavelength)
+        if longest > longest_side * ROUND_OFF_FACTOR:
             raise make_key_error(
-                "longest_wavelength", f"must be at most the longer side ({side:g} um), got {longest:g} um"
+                "longest_wavelength", f"must be at most the longer side ({longest_side:g} um), got {longest:g} um"
             )
-        if shortest * ROUND_OFF_FACTOR < finest:
+        if shortest * ROUND_OFF_FACTOR < nyquist_wavelength:
             raise make_key_error(
-                "shortest_wavelength", f"must be at least twice the larger spacing ({finest:g} um), got {shortest:g} um"
+                "shortest_wavelength",
+                f"must be at least twice the larger spacing ({nyquist_wavelength:g} um), got {shortest:g} um",
             )
         if not shortest < longest:
             raise make_key_error(

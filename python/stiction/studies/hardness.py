@@ -93,11 +93,11 @@ def find_uncertain_inputs(study: Study) -> dict[str, LabelledInput]:
     """Return the uncertain inputs of a study by name, or an empty dict for generated surfaces."""
     if not study.is_measured:
         return {}
-    table, contact = study.known, study.contact
+    uncertainty_settings, contact = study.known, study.contact
     bodies = find_materials(study)
     inputs: dict[str, LabelledInput] = {}
     for name, label, kind in (("mu0", "μ0", ""), ("tau0", "τ0", "pressure")):
-        if (text := getattr(table, name)) is not None:
+        if (text := getattr(uncertainty_settings, name)) is not None:
             inputs[name] = LabelledInput(label, parse_input(name, text, kind))  # type: ignore[arg-type]
     moduli = find_moduli(study).inputs
     if "effective_modulus" in moduli:
@@ -105,8 +105,10 @@ def find_uncertain_inputs(study: Study) -> dict[str, LabelledInput]:
     if contact.hardness is not None:
         softer = softer_material(*bodies)
         label = f"the hardness of the {softer.name}" if softer else "the hardness"
-        if table.hardness is not None:
-            inputs["hardness"] = LabelledInput(label, parse_input("hardness", table.hardness, "hardness"))
+        if uncertainty_settings.hardness is not None:
+            inputs["hardness"] = LabelledInput(
+                label, parse_input("hardness", uncertainty_settings.hardness, "hardness")
+            )
         elif (
             softer
             and softer.hardness
@@ -144,18 +146,32 @@ def find_creep_exponent(study: Study) -> UncertainInput | None:
 
 def find_moduli(study: Study) -> Moduli:
     """Return the elastic moduli of a study, with their uncertainties."""
-    table, materials, middle = study.known, find_materials(study), float(study.contact.effective_modulus)
-    if table.effective_modulus is not None:
-        return Moduli(middle, parse_input("effective_modulus", table.effective_modulus, "modulus"))
-    if table.young is not None and table.poisson is not None:
-        pairs = [(table.young[i % len(table.young)], table.poisson[i % len(table.poisson)]) for i in range(2)]
+    uncertainty_settings, materials, central_modulus = (
+        study.known,
+        find_materials(study),
+        float(study.contact.effective_modulus),
+    )
+    if uncertainty_settings.effective_modulus is not None:
+        return Moduli(
+            central_modulus, parse_input("effective_modulus", uncertainty_settings.effective_modulus, "modulus")
+        )
+    if uncertainty_settings.young is not None and uncertainty_settings.poisson is not None:
+        pairs = [
+            (
+                uncertainty_settings.young[i % len(uncertainty_settings.young)],
+                uncertainty_settings.poisson[i % len(uncertainty_settings.poisson)],
+            )
+            for i in range(2)
+        ]
         bodies = [
             {"young": parse_input("young", e, "modulus"), "poisson": parse_study_input("poisson", nu)}
             for e, nu in pairs
         ]
-        return Moduli(middle, bodies=tuple(bodies))
+        return Moduli(central_modulus, bodies=tuple(bodies))
     bodies = [find_material_moduli(body) for body in materials]
-    return Moduli(middle, bodies=tuple(bodies), is_one_material=bool(materials) and materials[0] == materials[1])
+    return Moduli(
+        central_modulus, bodies=tuple(bodies), is_one_material=bool(materials) and materials[0] == materials[1]
+    )
 
 
 def find_materials(study: Study) -> tuple[Material, ...]:
@@ -183,28 +199,28 @@ def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
     """
     inputs, creep, hardness = find_uncertain_inputs(study), find_creep_exponent(study), study.contact.hardness
     # The half width of the range of ln E* is the root sum of squares of the half widths due to each input.
-    steps = [
+    log_half_widths = [
         np.ptp(np.log(compute_relative_modulus(study, {name: entry.estimate.quantile(NODE_QUANTILES)}))) / 2
         for name, entry in inputs.items()
         if name not in ("mu0", "tau0", "hardness", "junction_growth")
     ]
-    half_range = float(np.hypot.reduce([0.0, *steps]))
+    half_range = float(np.hypot.reduce([0.0, *log_half_widths]))
     moduli = np.exp([-half_range, 0.0, half_range]) if half_range > MAX_NARROW_HALF_RANGE else np.ones(1)
     if hardness is None:
         return np.array([np.inf] if moduli.size > 1 else []), moduli
     if "hardness" not in inputs and creep is None and moduli.size == 1 and find_junction_growth(study) is None:
         return np.zeros(0), moduli
-    ends = (
+    hardness_range = (
         inputs["hardness"].estimate.quantile(NODE_QUANTILES) if "hardness" in inputs else np.repeat(float(hardness), 2)
     )
     if creep is not None:
         softening = np.power.outer([1.0, *study.friction.wait], -creep.quantile(NODE_QUANTILES))
-        ends = ends * [softening.min(), softening.max()]
-    half_width = np.hypot(np.ptp(np.log(ends)) / 2, np.log(moduli[-1]))
+        hardness_range = hardness_range * [softening.min(), softening.max()]
+    half_width = np.hypot(np.ptp(np.log(hardness_range)) / 2, np.log(moduli[-1]))
     positions = (
         np.exp(half_width * (2 * np.array(HARDNESS_NODE_POSITIONS[moduli.size]) - 1)) if half_width > 0 else np.ones(0)
     )
-    nodes = np.sqrt(ends.prod()) * positions
+    nodes = np.sqrt(hardness_range.prod()) * positions
     # A node that differs from the hardness of the study only by round-off is removed.
     nodes = nodes[~np.isclose(nodes, float(hardness), rtol=EQUAL_NODE_TOLERANCE, atol=0.0)]
     nodes = np.unique([*nodes, float(hardness), np.inf])
@@ -267,27 +283,27 @@ def _solve_member_areas(study: Study, loads: Floats, task: tuple[int, float, flo
     With junction growth, the second area is the area of contacts that oppose the motion, weighted by slope factors and
     averaged over directions. Areas are NaN at loads that the member cannot carry.
     """
-    index, modulus, ratio = task
-    bodies, contact, hardness = load_bodies(study), study.contact, modulus * ratio
+    index, modulus, hardness_over_modulus = task
+    bodies, contact, hardness = load_bodies(study), study.contact, modulus * hardness_over_modulus
     surfaces: Any = study.surfaces
     upper, lower = bodies.member(index, surfaces.quoted_cut_off()).pair
     assert isinstance(contact, HalfSpaceSettings), "the mechanics must be half-space"
     modulus *= float(contact.effective_modulus)
-    solid = contact.solver_arguments() | {
+    solver_arguments = contact.solver_arguments() | {
         "hardness": hardness if np.isfinite(hardness) else None,
         "effective_modulus": modulus,
     }
-    carried = np.flatnonzero(loads < hardness * float(bodies.attributes().nominal_area or 0.0))
+    carried_indices = np.flatnonzero(loads < hardness * float(bodies.attributes().nominal_area or 0.0))
     areas = np.full((len(_list_area_names(study)), loads.size), np.nan)
-    solid |= {"direction": contact.direction_angles().tolist()} if study.is_areal and len(areas) > 1 else {}
+    solver_arguments |= {"direction": contact.direction_angles().tolist()} if study.is_areal and len(areas) > 1 else {}
     for indices, curve in (
-        solve_separately(partial(half_space, upper, lower, **solid, sliding="all"), loads[carried])
-        if carried.size
+        solve_separately(partial(half_space, upper, lower, **solver_arguments, sliding="all"), loads[carried_indices])
+        if carried_indices.size
         else ()
     ):
-        areas[0, carried[indices]] = curve.contact_area
+        areas[0, carried_indices[indices]] = curve.contact_area
         if len(areas) > 1:
-            areas[1, carried[indices]] = _compute_opposing_area(curve, is_areal=study.is_areal)
+            areas[1, carried_indices[indices]] = _compute_opposing_area(curve, is_areal=study.is_areal)
     return areas
 
 
@@ -303,7 +319,7 @@ def load_areas_at_nodes(result: StoredResult) -> xarray.Dataset | None:
     """Load the true areas stored with a result. Return None if they are missing or were computed at other nodes."""
     study = result.study
     hardnesses, moduli = choose_area_nodes(study) if study.is_measured else (np.zeros(0), np.ones(1))
-    nodes = hardnesses, moduli, np.array([float(load) for load in study.friction.load])
+    expected_nodes = hardnesses, moduli, np.array([float(load) for load in study.friction.load])
     names = ("hardness", "relative_modulus", "load")
     stored = (
         read_companion(result.path / HARDNESS_AREAS_FILE, (*names, *_list_area_names(study)))
@@ -315,7 +331,7 @@ def load_areas_at_nodes(result: StoredResult) -> xarray.Dataset | None:
     stored_nodes = [stored[name].values for name in names]
     is_equal = all(
         first.shape == second.shape and np.allclose(first, second, rtol=1e-9)
-        for first, second in zip(stored_nodes, nodes, strict=True)
+        for first, second in zip(stored_nodes, expected_nodes, strict=True)
     )
     return stored if is_equal else None
 
@@ -340,15 +356,15 @@ class AreasAtNodes:
     @classmethod
     def load(cls, result: StoredResult) -> AreasAtNodes | None:
         """Load the true areas stored with a result, or return None if none are stored for the current nodes."""
-        if (solved := load_areas_at_nodes(result)) is None:
+        if (stored_areas := load_areas_at_nodes(result)) is None:
             return None
-        means = solved.mean("repetition")
+        means = stored_areas.mean("repetition")
         means = (means * means["relative_modulus"] / means["load"]).transpose("load", "relative_modulus", "hardness")
-        moduli, hardness = solved["relative_modulus"].values, result.study.contact.hardness
+        moduli, hardness = stored_areas["relative_modulus"].values, result.study.contact.hardness
         return cls(
-            solved["load"].values, solved["hardness"].values, moduli, means["contact_area"].values,
+            stored_areas["load"].values, stored_areas["hardness"].values, moduli, means["contact_area"].values,
             means["opposing_area"].values[:, moduli.size // 2] if "opposing_area" in means else None,
-            _estimate_node_errors(solved, None if hardness is None else float(hardness)),
+            _estimate_node_errors(stored_areas, None if hardness is None else float(hardness)),
         )  # fmt: skip
 
     def interpolate_loads(self, areas: Floats, loads: Floats) -> Floats:
@@ -357,10 +373,10 @@ class AreasAtNodes:
         Areas are constant outside the loads of the study.
         """
         position = np.interp(np.log(loads), np.log(self.loads), np.arange(self.loads.size))
-        below = np.floor(position).astype(int)
-        weight = (position - below).reshape(-1, *[1] * (areas.ndim - 1))
+        lower_indices = np.floor(position).astype(int)
+        weight = (position - lower_indices).reshape(-1, *[1] * (areas.ndim - 1))
         # At a load of the study, the areas at the next load may be NaN and must not be used.
-        return np.asarray(areas[below] ** (1 - weight) * areas[np.ceil(position).astype(int)] ** weight)
+        return np.asarray(areas[lower_indices] ** (1 - weight) * areas[np.ceil(position).astype(int)] ** weight)
 
     def errors_at_nearest_load(self, loads: Floats) -> Floats:
         """Return the errors at the study load that is nearest to each given load."""
@@ -455,37 +471,40 @@ class AreaInterpolator:
         """
         own_hardness = None if study.contact.hardness is None else float(study.contact.hardness)
         pressures = loads / float(result.head["nominal_area"])
-        solved = result.load_companion(AreasAtNodes.load)
+        areas_at_nodes = result.load_companion(AreasAtNodes.load)
         # With junction growth, friction at all loads depends on the areas at the nodes.
-        grows = bool(study.contact.junction_growth)
-        if solved is not None and (grows or set(loads.tolist()) <= set(solved.loads.tolist())):
-            areas, hardnesses = solved.interpolate_loads(solved.areas, loads), solved.hardnesses
-            borne = np.asarray(np.isfinite(areas).all(axis=(0, 1)))
-            if borne[-1] and (own_hardness is None or borne.sum() > 1):
-                finite = borne & np.isfinite(hardnesses)
-                opposing_areas = solved.opposing_areas
+        has_growth = bool(study.contact.junction_growth)
+        if areas_at_nodes is not None and (has_growth or set(loads.tolist()) <= set(areas_at_nodes.loads.tolist())):
+            areas, hardnesses = areas_at_nodes.interpolate_loads(areas_at_nodes.areas, loads), areas_at_nodes.hardnesses
+            is_carried = np.asarray(np.isfinite(areas).all(axis=(0, 1)))
+            if is_carried[-1] and (own_hardness is None or is_carried.sum() > 1):
+                is_finite = is_carried & np.isfinite(hardnesses)
+                opposing_areas = areas_at_nodes.opposing_areas
                 if opposing_areas is not None:
-                    opposing_areas = solved.interpolate_loads(opposing_areas[:, finite], loads)
+                    opposing_areas = areas_at_nodes.interpolate_loads(opposing_areas[:, is_finite], loads)
                 return cls(
-                    own_hardness, hardnesses[finite], areas[..., finite], areas[..., -1], solved.moduli,
-                    growth if solved.moduli.size == 1 else np.zeros(loads.size),
-                    solved.errors_at_nearest_load(loads)[:, finite], pressures, opposing_areas, solved.tables,
+                    own_hardness, hardnesses[is_finite], areas[..., is_finite], areas[..., -1], areas_at_nodes.moduli,
+                    growth if areas_at_nodes.moduli.size == 1 else np.zeros(loads.size),
+                    areas_at_nodes.errors_at_nearest_load(loads)[:, is_finite], pressures, opposing_areas,
+                    areas_at_nodes.tables,
                 )  # fmt: skip
-        column = ratio[:, np.newaxis]
+        elastic_ratio = ratio[:, np.newaxis]
         if own_hardness is None:
-            none = np.zeros((loads.size, 0))
-            return cls(None, np.zeros(0), none[:, np.newaxis], column, np.ones(1), growth, none, pressures)
+            no_areas = np.zeros((loads.size, 0))
+            return cls(
+                None, np.zeros(0), no_areas[:, np.newaxis], elastic_ratio, np.ones(1), growth, no_areas, pressures
+            )
         # Without nodes, the model `area_per_load` is scaled to the area at the hardness of the study.
         elastic_areas = np.full((loads.size, 1), SMALL_LOAD_KAPPA / (float(study.contact.effective_modulus) * gradient))
-        none = np.zeros((loads.size, 1))
+        no_areas = np.zeros((loads.size, 1))
         return cls(
             own_hardness,
             np.array([own_hardness]),
-            column[..., np.newaxis],
+            elastic_ratio[..., np.newaxis],
             elastic_areas,
             np.ones(1),
             growth,
-            none,
+            no_areas,
             pressures,
         )
 
@@ -502,8 +521,10 @@ class AreaInterpolator:
             areas = area_per_load(ratio.ravel(), *table).reshape(-1, *(ratio.shape or (1,)))
             own_hardness = np.array([self.hardness])
             study_areas = self.get_or_compute(("own", load), (), lambda: area_per_load(own_hardness, *table))
-        scale = np.power(modulus, -(1.0 + self.growth[load]))
-        return np.asarray(scale * _interpolate_moduli(areas, self.moduli, modulus) / study_areas[self.moduli.size // 2])
+        modulus_factor = np.power(modulus, -(1.0 + self.growth[load]))
+        return np.asarray(
+            modulus_factor * _interpolate_moduli(areas, self.moduli, modulus) / study_areas[self.moduli.size // 2]
+        )
 
     def area_ratio_error(self, load: int, hardness: Floats) -> Floats:
         """Return the relative standard error of `area_ratio` for given H/e (GPa), where e is the relative modulus."""
@@ -538,36 +559,38 @@ class AreaInterpolator:
             )
 
         # the lowest pressure is NaN at seizure
-        lowest = self.get_or_compute(
+        min_pressure = self.get_or_compute(
             "lowest", (pressure_under_shear,), lambda: pressure_under_shear.min(initial=np.inf)
         )
-        if lowest > self.pressures.max():
+        if min_pressure > self.pressures.max():
             return compute_ratio(pressure_under_shear)
         # Pressures at which no load is carried are replaced by H. All loads share this array and its table positions.
-        carrying = self.get_or_compute(
+        replaced_pressure = self.get_or_compute(
             "carrying",
             (pressure_under_shear, hardness),
             lambda: np.where(pressure_under_shear > self.pressures.min(), pressure_under_shear, hardness),
         )
-        return np.where(pressure_under_shear > self.pressures[load], compute_ratio(carrying), np.inf)
+        return np.where(pressure_under_shear > self.pressures[load], compute_ratio(replaced_pressure), np.inf)
 
     def _sheared_area(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:
         """Return the true area of the contacts under shear, in arbitrary units."""
         key = float(self.pressures[load]), rule, float(self.node_hardnesses[0])
         if key not in self.tables:
-            areas, elastic_areas, middle = self.node_areas[load], self.elastic_areas[load], self.moduli.size // 2
+            areas, elastic_areas, central_index = self.node_areas[load], self.elastic_areas[load], self.moduli.size // 2
             # `opposing_areas` contains areas only for the E* of the study.
             if rule == "opposing" and self.opposing_areas is not None:
-                elastic_areas = elastic_areas[[middle]] * self.opposing_areas[load, -1] / areas[middle, -1]
+                elastic_areas = (
+                    elastic_areas[[central_index]] * self.opposing_areas[load, -1] / areas[central_index, -1]
+                )
                 areas = self.opposing_areas[[load]]
             self.tables[key] = TabulatedAreaFunction(self.node_hardnesses, areas, elastic_areas)
         table = self.tables[key]
         # Calls for consecutive loads and sliding rules pass the same arrays.
         log_hardness = self.get_or_compute("log hardness", (hardness, modulus), lambda: np.log(hardness / modulus))
-        places = self.get_or_compute(
+        table_positions = self.get_or_compute(
             "places", (log_hardness, *table.limits), lambda: find_table_positions(log_hardness.ravel(), *table.limits)
         )
-        sampled = table(log_hardness.ravel(), places).reshape(-1, *log_hardness.shape)
+        sampled = table(log_hardness.ravel(), table_positions).reshape(-1, *log_hardness.shape)
         return _interpolate_moduli(sampled, self.moduli, modulus)
 
     def _area_before_shear(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:
@@ -589,12 +612,12 @@ class AreaInterpolator:
         Numbers are compared by value, and arrays by identity.
         """
         if name in self.cache:
-            old_inputs, value = self.cache[name]
+            old_inputs, cached_value = self.cache[name]
             if all(map(_is_same_input, old_inputs, inputs)):
-                return value  # type: ignore[no-any-return]
-        value = compute()
-        self.cache[name] = inputs, value
-        return value
+                return cached_value  # type: ignore[no-any-return]
+        cached_value = compute()
+        self.cache[name] = inputs, cached_value
+        return cached_value
 
 
 def _is_same_input(first: Any, second: Any) -> bool:
@@ -614,8 +637,8 @@ def _estimate_node_errors(solved: xarray.Dataset, hardness: float | None) -> Flo
     count = area.sizes["repetition"]
     if hardness is None or count < MIN_ERROR_MEMBERS:
         return np.zeros(area.shape[:2])
-    relative = np.log((area / area.sel(hardness=hardness, method="nearest")).values)
-    return np.asarray(relative.std(axis=-1, ddof=1) / np.sqrt(count))
+    log_area_ratio = np.log((area / area.sel(hardness=hardness, method="nearest")).values)
+    return np.asarray(log_area_ratio.std(axis=-1, ddof=1) / np.sqrt(count))
 
 
 def _interpolate_moduli(values: Floats, moduli: Floats, modulus: Floats | float) -> Floats:
@@ -625,8 +648,12 @@ def _interpolate_moduli(values: Floats, moduli: Floats, modulus: Floats | float)
     """
     if len(values) == 1:
         return np.asarray(values[0])
-    softer, middle, stiffer = np.log(values)
+    log_at_softer, log_at_central, log_at_stiffer = np.log(values)
     position = np.log(modulus) / np.log(moduli[-1])
     return np.asarray(
-        np.exp(middle + position * (stiffer - softer) / 2 + position**2 * (stiffer + softer - 2 * middle) / 2)
+        np.exp(
+            log_at_central
+            + position * (log_at_stiffer - log_at_softer) / 2
+            + position**2 * (log_at_stiffer + log_at_softer - 2 * log_at_central) / 2
+        )
     )

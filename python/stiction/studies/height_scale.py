@@ -171,12 +171,12 @@ def scale_study_heights(study: Study, factor: float, scaled: ScaledBodies) -> St
         If the study does not have two measured bodies.
     """
     if not study.is_measured or study.is_gap:
-        kind = "the gap of one body" if study.is_measured else "generated surfaces"
-        raise ArgumentError("{height_scale} needs two measured surfaces, got {kind}", kind=kind)
+        unsupported_bodies = "the gap of one body" if study.is_measured else "generated surfaces"
+        raise ArgumentError("{height_scale} needs two measured surfaces, got {kind}", kind=unsupported_bodies)
     check_choice("scaled", scaled, ScaledBodies)
-    sides = SIDES if scaled == "both" else (scaled,)
+    scaled_sides = SIDES if scaled == "both" else (scaled,)
     surfaces: Any = study.surfaces
-    changed = surfaces.with_files(lambda file, side: file.with_height_factor(factor) if side in sides else file)
+    changed = surfaces.with_files(lambda file, side: file.with_height_factor(factor) if side in scaled_sides else file)
     return study.model_copy(update={"surfaces": changed})
 
 
@@ -190,7 +190,7 @@ def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[f
 
     The given result is included as factor 1. All results are opened with its friction parameters.
     """
-    studies = {1.0: result}
+    results = {1.0: result}
     for folder in (result.path / HEIGHT_SCALE_FOLDER).glob(f"{scaled}-*"):
         try:
             factor = float(folder.name.removeprefix(f"{scaled}-"))
@@ -203,8 +203,8 @@ def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[f
         # The stored blocks are opened with the friction parameters of the given result.
         stored = StoredResult(stored.path, expected, stored.blocks)
         if stored.count == expected.ensemble.repetitions and not _lacks_hardness_areas(stored):
-            studies[factor] = stored
-    return dict(sorted(studies.items()))
+            results[factor] = stored
+    return dict(sorted(results.items()))
 
 
 def group_stored_factors(result: StoredResult) -> dict[ScaledBodies, list[float]]:
@@ -223,10 +223,10 @@ def group_stored_factors(result: StoredResult) -> dict[ScaledBodies, list[float]
     return {scaled: values for scaled, values in factors.items() if len(values) > 1}
 
 
-def _lacks_hardness_areas(stored: StoredResult) -> bool:
+def _lacks_hardness_areas(stored_result: StoredResult) -> bool:
     """Return whether a result requires true areas at other hardnesses or moduli that have not been stored."""
-    needs_areas = bool(choose_area_nodes(stored.study)[0].size) and not is_unloaded(Result(stored))
-    return needs_areas and load_areas_at_nodes(stored) is None
+    needs_areas = bool(choose_area_nodes(stored_result.study)[0].size) and not is_unloaded(Result(stored_result))
+    return needs_areas and load_areas_at_nodes(stored_result) is None
 
 
 def estimate_factor_time(study: Study, count: int) -> float:
@@ -253,9 +253,9 @@ def compute_height_factors(
             announce(f"heights times {factor:g} ({index} of {missing.size})")
             study = scale_study_heights(result.study, factor, scaled)
             folder = find_factor_folder(result.path, factor, scaled)
-            existing = open_stored(folder) if (folder / STUDY_FILE).exists() else None
-            if existing and find_member_differences(existing.study, study):
-                remove_result(existing)  # the stored study describes a different pair
+            existing_result = open_stored(folder) if (folder / STUDY_FILE).exists() else None
+            if existing_result and find_member_differences(existing_result.study, study):
+                remove_result(existing_result)  # the stored study describes a different pair
             compute_missing(study, folder, executor=workers, progress=progress)
             stored = open_stored(folder)
             if _lacks_hardness_areas(stored) and (areas := compute_areas_at_nodes(stored.study, workers)) is not None:
@@ -308,44 +308,48 @@ def evaluate_height_scale(
     scale_study_heights(study, 1.0, scaled)
     if result.count < study.ensemble.repetitions:
         raise ArgumentError("{height_scale} needs a finished result")
-    studies = open_results_by_factor(result, scaled)
-    solved = np.array(list(studies))
-    if (missing := find_missing_factors(factors, solved)).size:
+    stored_results = open_results_by_factor(result, scaled)
+    solved_factors = np.array(list(stored_results))
+    if (missing := find_missing_factors(factors, solved_factors)).size:
         raise MissingHeightFactorsError(missing, estimate_factor_time(study, missing.size))
-    neighbors = [places for factor in factors.tolist() if (places := _find_neighbors(solved, factor))]
-    points = [
-        add_uncertainty(at_load(scaled_result, loads, mu0=mu0, tau0=tau0), scaled_result, budget=False).isel(cut_off=0)
-        for scaled_result in map(Result, studies.values())
+    neighbor_pairs = [
+        neighbor_indices for factor in factors.tolist() if (neighbor_indices := _find_neighbors(solved_factors, factor))
     ]
-    first = points[list(studies).index(1.0)]
+    points_by_factor = [
+        add_uncertainty(at_load(scaled_result, loads, mu0=mu0, tau0=tau0), scaled_result, budget=False).isel(cut_off=0)
+        for scaled_result in map(Result, stored_results.values())
+    ]
+    unscaled_point = points_by_factor[list(stored_results).index(1.0)]
     variables: dict[str, Any] = {}
-    for name in (name for name in _INTERPOLATED_VARIABLES if all(name in point for point in points)):
-        values = np.stack([point[name].transpose(*first[name].dims).values for point in points])
+    for name in (name for name in _INTERPOLATED_VARIABLES if all(name in point for point in points_by_factor)):
+        values = np.stack([point[name].transpose(*unscaled_point[name].dims).values for point in points_by_factor])
         interpolated = np.stack(
             [
-                _interpolate_factors(values, solved, factor, indices)
-                for factor, indices in zip(factors, neighbors, strict=True)
+                _interpolate_factors(values, solved_factors, factor, indices)
+                for factor, indices in zip(factors, neighbor_pairs, strict=True)
             ]
         )
-        if "statistic" in first[name].dims:  # the last dimension is always `statistic`
+        if "statistic" in unscaled_point[name].dims:  # the last dimension is always `statistic`
             interpolated[..., 1] = np.minimum(interpolated[..., 1], interpolated[..., 0])
             interpolated[..., 2] = np.maximum(interpolated[..., 2], interpolated[..., 0])
-        variables[name] = (("height_scale", *first[name].dims), interpolated, first[name].attrs)
-    if all("contact_status" in point for point in points):
-        dims = first["contact_status"].dims
-        statuses = np.stack([point["contact_status"].transpose(*dims).values for point in points])
+        variables[name] = (("height_scale", *unscaled_point[name].dims), interpolated, unscaled_point[name].attrs)
+    if all("contact_status" in point for point in points_by_factor):
+        dims = unscaled_point["contact_status"].dims
+        statuses = np.stack([point["contact_status"].transpose(*dims).values for point in points_by_factor])
         other_status = STATUS_OK if study.uses_half_space else ABOVE_NOMINAL_STATUS
-        interpolated = np.stack([np.where(statuses[i] == statuses[j], statuses[i], other_status) for i, j in neighbors])
-        variables["contact_status"] = (("height_scale", *dims), interpolated, first["contact_status"].attrs)
+        interpolated = np.stack(
+            [np.where(statuses[i] == statuses[j], statuses[i], other_status) for i, j in neighbor_pairs]
+        )
+        variables["contact_status"] = (("height_scale", *dims), interpolated, unscaled_point["contact_status"].attrs)
     for side, rms in _compute_rms_heights(study).items():
         scaled_rms = rms * (factors if scaled in ("both", side) else np.ones(factors.size))
         variables[f"{side}_rms"] = ("height_scale", scaled_rms, quantity_attributes(f"{side}_rms"))
     used_dims = set(np.concatenate([np.ravel(dims) for dims, *_ in variables.values()]).tolist())
     coordinates: dict[str, Any] = {
-        str(name): values for name, values in first.coords.items() if set(values.dims) <= used_dims
+        str(name): values for name, values in unscaled_point.coords.items() if set(values.dims) <= used_dims
     }
     coordinates["height_scale"] = ("height_scale", factors, quantity_attributes("height_scale"))
-    return xarray.Dataset(variables, coordinates, first.attrs | {"scaled": scaled, "solved": solved})
+    return xarray.Dataset(variables, coordinates, unscaled_point.attrs | {"scaled": scaled, "solved": solved_factors})
 
 
 def _compute_rms_heights(study: Study) -> dict[str, float]:
@@ -363,16 +367,21 @@ def _interpolate_factors(values: Floats, solved: Floats, factor: float, neighbor
     lower, upper = neighbors
     if lower == upper:
         return np.asarray(values[lower])
-    flat = values.reshape(solved.size, -1)
-    finite = np.isfinite(flat)
-    interpolated = np.full(flat.shape[1], np.nan)
+    flat_values = values.reshape(solved.size, -1)
+    finite = np.isfinite(flat_values)
+    interpolated = np.full(flat_values.shape[1], np.nan)
     is_available = finite[lower] & finite[upper]
     log_factors = np.log(solved)
     for is_finite in np.unique(finite[:, is_available], axis=1).T:
         mask = is_available & (finite == is_finite[:, np.newaxis]).all(axis=0)
-        positive = mask & (flat[is_finite] > 0).all(axis=0)
-        for selected, transform, inverse in ((positive, np.log, np.exp), (mask & ~positive, np.asarray, np.asarray)):
-            if selected.any():
-                curve = PchipInterpolator(log_factors[is_finite], transform(flat[np.ix_(is_finite, selected)]))
-                interpolated[selected] = inverse(curve(math.log(factor)))
+        is_positive = mask & (flat_values[is_finite] > 0).all(axis=0)
+        for is_selected, transform, inverse in (
+            (is_positive, np.log, np.exp),
+            (mask & ~is_positive, np.asarray, np.asarray),
+        ):
+            if is_selected.any():
+                curve = PchipInterpolator(
+                    log_factors[is_finite], transform(flat_values[np.ix_(is_finite, is_selected)])
+                )
+                interpolated[is_selected] = inverse(curve(math.log(factor)))
     return interpolated.reshape(values.shape[1:])

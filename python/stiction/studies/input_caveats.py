@@ -75,40 +75,46 @@ MAX_PRESSURE_OVER_MODULUS = 0.1
 
 def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[float] = ()) -> tuple[Caveat, ...]:
     """Return caveats about two bodies that were read from files, about their study, and about the given loads (mN)."""
-    bowed = study.surfaces.level == "quadratic"  # No caveat about form is issued if form is subtracted.
-    vouched = bool(study.surfaces.vouched)
+    is_form_subtracted = study.surfaces.level == "quadratic"  # No caveat about form is issued if form is subtracted.
+    is_vouched = bool(study.surfaces.vouched)
 
-    def of_part(file: MeasuredFile, body: Body) -> list[Caveat]:
+    def find_body_caveats(file: MeasuredFile, body: Body) -> list[Caveat]:
         """Return the caveats about the scans of a body. For each kind, keep only the caveat with the longest cutoff."""
-        kinds: dict[str, Caveat] = {}
-        for of_scan, scan in zip(file.scans, (body, *(other.read() for other in file.scans[1:])), strict=True):
-            scan_caveats = [Caveat(each.text, f"{each.remedy} ({each.name})", "caution") for each in of_scan.caveats]
+        caveats_by_kind: dict[str, Caveat] = {}
+        for scan_entry, scan in zip(file.scans, (body, *(other.read() for other in file.scans[1:])), strict=True):
+            scan_caveats = [Caveat(each.text, f"{each.remedy} ({each.name})", "caution") for each in scan_entry.caveats]
             if isinstance(scan, JoinedSpectrum):
                 scan_caveats += _find_spectrum_caveats(scan)
             else:
                 scan_caveats += find_scan_caveats(
-                    scan, form=not bowed, instrument=not vouched, tip_radius=file.tip,
+                    scan, form=not is_form_subtracted, instrument=not is_vouched, tip_radius=file.tip,
                     textured=file.texture is not None, has_readings=bool(study.surfaces.both_readings),
                     elastic=not has_limited_pressure(study),
                 )  # fmt: skip
             for each in scan_caveats:
-                kinds[_caveat_kind(each)] = max(
-                    kinds.get(_caveat_kind(each), each), each, key=lambda caveat: caveat.cut_off
+                caveats_by_kind[_caveat_kind(each)] = max(
+                    caveats_by_kind.get(_caveat_kind(each), each), each, key=lambda caveat: caveat.cut_off
                 )
-        return list(kinds.values())
+        return list(caveats_by_kind.values())
 
-    of_upper, of_lower = map(of_part, (getattr(study.surfaces, side) for side in SIDES), (upper, lower))
+    upper_caveats, lower_caveats = map(
+        find_body_caveats, (getattr(study.surfaces, side) for side in SIDES), (upper, lower)
+    )
     pairs = [
-        (each, other) for each in of_upper for other in of_lower
+        (each, other) for each in upper_caveats for other in lower_caveats
         if _caveat_kind(each) == _caveat_kind(other) and each.severity == other.severity
     ]  # fmt: skip
-    alike = {caveat for pair in pairs for caveat in pair}
-    shared = [replace(max(pair, key=lambda each: each.cut_off), text=_merge_caveats(*pair)) for pair in pairs]
-    alone = [[each for each in of_body if each not in alike] for of_body in (of_upper, of_lower)]
-    named = zip(("both scans", "upper", "lower"), (shared, *alone), strict=True)
-    caveats = [replace(each, text=f"{name}: {each.text}") for name, of_body in named for each in of_body]
-    longest = MAX_CUTOFF_FRACTION * min(_shortest_side(body) for body in (upper, lower))
-    caveats = [replace(each, remedy=_without_cutoff(each, longest)) for each in caveats]
+    paired_caveats = {caveat for pair in pairs for caveat in pair}
+    merged_caveats = [replace(max(pair, key=lambda each: each.cut_off), text=_merge_caveats(*pair)) for pair in pairs]
+    unpaired_caveats = [
+        [each for each in body_caveats if each not in paired_caveats] for body_caveats in (upper_caveats, lower_caveats)
+    ]
+    named_caveats = zip(("both scans", "upper", "lower"), (merged_caveats, *unpaired_caveats), strict=True)
+    caveats = [
+        replace(each, text=f"{name}: {each.text}") for name, body_caveats in named_caveats for each in body_caveats
+    ]
+    longest_cutoff = MAX_CUTOFF_FRACTION * min(_shortest_side(body) for body in (upper, lower))
+    caveats = [replace(each, remedy=_without_cutoff(each, longest_cutoff)) for each in caveats]
     mu0 = max(float(each) for each in study.friction.mu0)
     if mu0 > MAX_PLAUSIBLE_MU0:
         text = f"μ0 = {mu0:g} is larger than μ0 of any known pair of materials"
@@ -148,13 +154,13 @@ def _caveat_kind(caveat: Caveat) -> str:
 
 def _merge_caveats(upper: Caveat, lower: Caveat) -> str:
     """Merge the texts of two caveats of the same kind. Wherever the texts contain different numbers, give both."""
-    others = iter(_NUMBER_PATTERN.findall(lower.text))
+    other_numbers = iter(_NUMBER_PATTERN.findall(lower.text))
 
-    def number(own: re.Match[str]) -> str:
-        other_number = next(others)
-        return own[0] if own[0] == other_number else f"{own[0]} and {other_number}"
+    def merge_number(own_number: re.Match[str]) -> str:
+        other_number = next(other_numbers)
+        return own_number[0] if own_number[0] == other_number else f"{own_number[0]} and {other_number}"
 
-    return _NUMBER_PATTERN.sub(number, upper.text)
+    return _NUMBER_PATTERN.sub(merge_number, upper.text)
 
 
 def find_scan_caveats(
@@ -221,11 +227,13 @@ def _find_instrument_caveats(
     """Yield caveats about wavelengths that come from the instrument, or that the tip does not resolve."""
     try:
         limit = instrument_limit(body, texture=textured)
-        blunt = limit if tip_radius is None else instrument_limit(body, tip_radius=tip_radius, texture=textured)
+        limit_with_tip = (
+            limit if tip_radius is None else instrument_limit(body, tip_radius=tip_radius, texture=textured)
+        )
     except ValueError:  # The body is flat.
         return
-    shortest = limit.wavelength if limit.slope_fraction > MAX_NOISE_SLOPE_FRACTION else 0.0
-    if shortest:
+    shortest_resolved = limit.wavelength if limit.slope_fraction > MAX_NOISE_SLOPE_FRACTION else 0.0
+    if shortest_resolved:
         is_known = limit.origin == "instrument"
         source = "where" if is_known else "perhaps from the instrument:"
         text = f"{_describe_slope_fraction(limit)}, {source} {INSTRUMENT_LIMIT_REASONS[limit.reason]}"
@@ -236,28 +244,30 @@ def _find_instrument_caveats(
                 remedy += "; --texture concerns lines and humps only"
         severity: Severity = "fault" if limit.matters and not (is_known and has_readings) else "caution"
         yield Caveat(text, remedy, severity, limit.cut_off, has_readings and limit.matters)
-    hidden = None if limit.matters or textured else find_hidden_noise(body)
-    if hidden is not None:
+    hidden_noise = None if limit.matters or textured else find_hidden_noise(body)
+    if hidden_noise is not None:
         text = (
-            f"noise or aliasing may contribute {100 * hidden.slope_fraction:.0f} % of the mean square slope: the "
+            f"noise or aliasing may contribute {100 * hidden_noise.slope_fraction:.0f} % of the mean square slope: the "
             "spectrum flattens at short wavelengths"
         )
-        remedy = f"--cutoff '{format_with_unit(hidden.cut_off, 'um')}' removes this fraction, --cutoff none keeps it"
-        yield Caveat(text, f"{remedy}; {REPEATED_SCANS_REMEDY}", "caution", hidden.cut_off, has_readings)
-    if blunt.reason == "tip" and blunt.slope_fraction > MAX_NOISE_SLOPE_FRACTION:
-        text = f"{_describe_slope_fraction(blunt)}, which the tip does not resolve: the surface is steeper"
+        remedy = (
+            f"--cutoff '{format_with_unit(hidden_noise.cut_off, 'um')}' removes this fraction, --cutoff none keeps it"
+        )
+        yield Caveat(text, f"{remedy}; {REPEATED_SCANS_REMEDY}", "caution", hidden_noise.cut_off, has_readings)
+    if limit_with_tip.reason == "tip" and limit_with_tip.slope_fraction > MAX_NOISE_SLOPE_FRACTION:
+        text = f"{_describe_slope_fraction(limit_with_tip)}, which the tip does not resolve: the surface is steeper"
         if elastic:
             text += ", and the interval does not include this"
         # Without a hardness, steeper slopes reduce the true area without limit.
-        how: Severity = "fault" if elastic and blunt.matters else "caution"
+        peak_severity: Severity = "fault" if elastic and limit_with_tip.matters else "caution"
         remedy = "use a sharper tip" + (", or specify a hardness" if elastic else "")
-        yield Caveat(text, remedy, how, blunt.cut_off)
+        yield Caveat(text, remedy, peak_severity, limit_with_tip.cut_off)
     if not isinstance(body, Profile):
         return
     peak = find_peak(power_spectrum(levelled(body, "line")))
-    if peak is not None and peak[1] >= MAX_SPECTRAL_PEAK_FRACTION and peak[0] > shortest:
-        fraction, wave = format_percent(peak[1]), format_with_unit(peak[0], "um")
-        text = f"a peak at {wave}, perhaps from the instrument, contributes {fraction} of the curvature"
+    if peak is not None and peak[1] >= MAX_SPECTRAL_PEAK_FRACTION and peak[0] > shortest_resolved:
+        fraction_text, wavelength_text = format_percent(peak[1]), format_with_unit(peak[0], "um")
+        text = f"a peak at {wavelength_text}, perhaps from the instrument, contributes {fraction_text} of the curvature"
         yield Caveat(
             text, f"--cutoff '{format_with_unit(CUTOFF_MARGIN * peak[0], 'um')}' removes it", "caution", peak[0]
         )
@@ -266,10 +276,10 @@ def _find_instrument_caveats(
 def _describe_slope_fraction(limit: InstrumentLimit) -> str:
     """Describe the fraction of the mean square slope that comes from unreliable wavelengths."""
     # The fraction is rounded, so that caveats of similar scans are equal.
-    fraction = f"{100 * limit.slope_fraction:.0f} %"
-    along = f" along {limit.axis}" if limit.axis else ""
-    wavelength = format_with_unit(limit.wavelength, "um")
-    return f"{fraction} of the mean square slope comes from wavelengths below {wavelength}{along}"
+    fraction_text = f"{100 * limit.slope_fraction:.0f} %"
+    axis_text = f" along {limit.axis}" if limit.axis else ""
+    wavelength_text = format_with_unit(limit.wavelength, "um")
+    return f"{fraction_text} of the mean square slope comes from wavelengths below {wavelength_text}{axis_text}"
 
 
 def _find_form_caveats(body: Profile | Surface, *, form: bool) -> Iterator[Caveat]:
@@ -280,10 +290,14 @@ def _find_form_caveats(body: Profile | Surface, *, form: bool) -> Iterator[Cavea
             text, "check the unit of heights", "fault" if height > MAX_HEIGHT_OVER_EXTENT * extent else "caution"
         )
     if form and isinstance(body, Profile):
-        level = levelled(body, "line").heights
-        parabola = 1 - levelled(body, "quadratic").heights.var() / level.var() if np.ptp(level) > 0 else 0.0
-        if parabola > MAX_FORM_FRACTION:
-            percentage = f"{100 * parabola:.0f} %"
+        levelled_heights = levelled(body, "line").heights
+        parabola_fraction = (
+            1 - levelled(body, "quadratic").heights.var() / levelled_heights.var()
+            if np.ptp(levelled_heights) > 0
+            else 0.0
+        )
+        if parabola_fraction > MAX_FORM_FRACTION:
+            percentage = f"{100 * parabola_fraction:.0f} %"
             text = f"form (a parabola) contributes {percentage} of the mean square height, and carries the load"
             yield Caveat(text, "try --level quadratic", "caution")
     yield from _find_spike_caveats(body)
@@ -294,15 +308,18 @@ def _find_spike_caveats(body: Profile | Surface) -> Iterator[Caveat]:
     from scipy.ndimage import median_filter
 
     if isinstance(body, Profile):
-        distances = typical = np.abs(np.diff(body.heights, 2))
-        limit, description = MAX_SPIKE_RATIO, f"more than {MAX_SPIKE_RATIO:g} times as sharp as usual"
+        distances = typical_distances = np.abs(np.diff(body.heights, 2))
+        max_ratio, description = MAX_SPIKE_RATIO, f"more than {MAX_SPIKE_RATIO:g} times as sharp as usual"
     else:
         heights = levelled(body, "plane").heights
-        distances, typical = np.abs(heights - median_filter(heights, size=3)), np.abs(heights - np.median(heights))
-        limit, description = MAX_SPIKE_HEIGHT, f"more than {MAX_SPIKE_HEIGHT:g} rms heights from their neighbours"
-    usual = float(np.median(typical)) / 0.6745
-    spikes = int(np.count_nonzero(distances > limit * usual)) if usual > 0 else 0
-    if spikes:
-        points = "1 point is" if spikes == 1 else f"{spikes} points are"
-        text = f"{points} {description}, and would come into contact first"
+        distances, typical_distances = (
+            np.abs(heights - median_filter(heights, size=3)),
+            np.abs(heights - np.median(heights)),
+        )
+        max_ratio, description = MAX_SPIKE_HEIGHT, f"more than {MAX_SPIKE_HEIGHT:g} rms heights from their neighbours"
+    usual_distance = float(np.median(typical_distances)) / 0.6745
+    num_spikes = int(np.count_nonzero(distances > max_ratio * usual_distance)) if usual_distance > 0 else 0
+    if num_spikes:
+        points_text = "1 point is" if num_spikes == 1 else f"{num_spikes} points are"
+        text = f"{points_text} {description}, and would come into contact first"
         yield Caveat(text, "if they are instrument spikes, remove them (--outliers mask)", "caution")

@@ -116,8 +116,12 @@ class UncertainInput:
         if self.distribution == "log-normal":
             return np.asarray(self.value * np.exp(ndtri(probability) / Z_95 * 0.5 * math.log(self.high / self.low)))
         deviation = (self.high - self.low) / (2 * Z_95)
-        truncated = ndtr(-self.value / deviation)  # probability of values below 0, which are excluded
-        return np.asarray(np.maximum(self.value + deviation * ndtri(truncated + probability * (1 - truncated)), 0.0))
+        probability_below_zero = ndtr(-self.value / deviation)  # probability of values below 0, which are excluded
+        return np.asarray(
+            np.maximum(
+                self.value + deviation * ndtri(probability_below_zero + probability * (1 - probability_below_zero)), 0.0
+            )
+        )
 
 
 def parse_input(name: str, source: Any, kind: InputKind = "") -> UncertainInput:
@@ -168,14 +172,16 @@ def _parse_text(name: str, text: str, kind: InputKind) -> UncertainInput:
             deviation = value * _parse_value(name, percent[1], "") / 100
             deviation = math.hypot(deviation, ROCKWELL_CONVERSION_ERROR * value / Z_95) if is_rockwell else deviation
         elif is_rockwell:
-            middle, steps = (
+            central_value, standard_uncertainty = (
                 _parse_number(name, _TRAILING_UNIT_PATTERN.sub("", text_part).strip()) for text_part in (first, last)
             )
-            ends = (middle - Z_95 * steps, middle + Z_95 * steps)
-            if not min(_VICKERS_BY_ROCKWELL) <= ends[0] <= ends[1] <= max(_VICKERS_BY_ROCKWELL):
-                limits = f"{min(_VICKERS_BY_ROCKWELL)} to {max(_VICKERS_BY_ROCKWELL)} HRC"
-                raise ValueError(f"{name} must be from {limits}, including its uncertainty, got {short_repr(text)}")
-            low, high = (_parse_value(name, f"{end:g} HRC", kind) for end in ends)
+            limits = (central_value - Z_95 * standard_uncertainty, central_value + Z_95 * standard_uncertainty)
+            if not min(_VICKERS_BY_ROCKWELL) <= limits[0] <= limits[1] <= max(_VICKERS_BY_ROCKWELL):
+                hardness_limits = f"{min(_VICKERS_BY_ROCKWELL)} to {max(_VICKERS_BY_ROCKWELL)} HRC"
+                raise ValueError(
+                    f"{name} must be from {hardness_limits}, including its uncertainty, got {short_repr(text)}"
+                )
+            low, high = (_parse_value(name, f"{end:g} HRC", kind) for end in limits)
             return _convert_rockwell(low, high, text)
         else:
             value, deviation = (_parse_value(name, text_part, kind) for text_part in _complete_units(first, last))
@@ -215,24 +221,26 @@ def _parse_value(name: str, source: Any, kind: str) -> float:
     """Parse a nonnegative number, or a quantity with a unit if `kind` is given."""
     if isinstance(source, str) and not kind:
         return _parse_number(name, source)
-    scale = _TRAILING_UNIT_PATTERN.search(source) if kind == "hardness" and isinstance(source, str) else None
-    if scale and scale[0] in ("HV", "HRC"):
-        number = _parse_number(name, source[: scale.start()].strip())
-        if scale[0] == "HRC":
+    unit_match = _TRAILING_UNIT_PATTERN.search(source) if kind == "hardness" and isinstance(source, str) else None
+    if unit_match and unit_match[0] in ("HV", "HRC"):
+        number = _parse_number(name, source[: unit_match.start()].strip())
+        if unit_match[0] == "HRC":
             if not min(_VICKERS_BY_ROCKWELL) <= number <= max(_VICKERS_BY_ROCKWELL):
-                limits = f"{min(_VICKERS_BY_ROCKWELL)} to {max(_VICKERS_BY_ROCKWELL)} HRC"
-                raise ValueError(f"{name} must be from {limits}, got {short_repr(source)}")
+                hardness_limits = f"{min(_VICKERS_BY_ROCKWELL)} to {max(_VICKERS_BY_ROCKWELL)} HRC"
+                raise ValueError(f"{name} must be from {hardness_limits}, got {short_repr(source)}")
             number = math.exp(
                 float(np.interp(number, list(_VICKERS_BY_ROCKWELL), np.log(list(_VICKERS_BY_ROCKWELL.values()))))
             )
         return number * _GPA_PER_VICKERS
-    scales = "; HV and HRC are also accepted" if kind == "hardness" else ""
+    scale_hint = "; HV and HRC are also accepted" if kind == "hardness" else ""
     kind = "pressure" if kind else ""
     try:
         value = float(quantity(source, kind)) if kind and isinstance(source, str) else float(source)
     except (TypeError, ValueError, OverflowError) as error:
         reason = (
-            f"{error}{scales}" if kind and isinstance(source, str) else f"must be a number, got {short_repr(source)}"
+            f"{error}{scale_hint}"
+            if kind and isinstance(source, str)
+            else f"must be a number, got {short_repr(source)}"
         )
         raise ValueError(f"{name} {reason}") from None
     if not (math.isfinite(value) and value >= 0):

@@ -227,19 +227,19 @@ class _ResultAreaFactor(_AreaFactor):
         """Return the area factor of a result, or None if no uncertain input, creep or growth affects the area."""
         source = getattr(result, "source", result)
         study = parse_dataset_study(getattr(result, "dataset", result))
-        known = {
+        uncertain_inputs = {
             name: each.estimate for name, each in find_uncertain_inputs(study).items() if name not in ("mu0", "tau0")
         }
         creep = find_creep_exponent(study)
         if wait != 1 and creep is None:
             raise ValueError("wait requires a result that was computed with wait and creep")
-        if not known and creep is None and find_junction_growth(study) is None:
+        if not uncertain_inputs and creep is None and find_junction_growth(study) is None:
             return None
         members = member_values(source, [load], mu0=[0.0], tau0=[0.0])
         means = members[["contact_area", "rms_gradient"]].mean("repetition").expand_dims(statistic=["mean"])
         areas, dataset = build_area_interpolator(means, source), getattr(result, "dataset", result)
-        error = f"{_AREA_ERROR_NAME} after {wait:g} s, {dataset.attrs['study']}" if areas.errors.any() else None
-        return cls(known | ({} if creep is None else {"creep": creep}), areas, study, wait, error)
+        error_name = f"{_AREA_ERROR_NAME} after {wait:g} s, {dataset.attrs['study']}" if areas.errors.any() else None
+        return cls(uncertain_inputs | ({} if creep is None else {"creep": creep}), areas, study, wait, error_name)
 
     @property
     def names(self) -> list[str]:
@@ -329,11 +329,13 @@ class FrictionTest:
 
     def __post_init__(self) -> None:
         """Convert the load, the coefficient and the uncertainty to numbers."""
-        area = getattr(self.result, "nominal_area", None)
-        entry = (
-            to_core_units("load", self.load, "force") if area is None else loads_to_core_units("load", self.load, area)
+        nominal_area = getattr(self.result, "nominal_area", None)
+        load_value = (
+            to_core_units("load", self.load, "force")
+            if nominal_area is None
+            else loads_to_core_units("load", self.load, nominal_area)
         )
-        load = validate_number("load", entry, unit="mN", above=0)
+        load = validate_number("load", load_value, unit="mN", above=0)
         object.__setattr__(
             self, "wait", validate_number("wait", to_core_units("wait", self.wait, "time"), unit="s", above=0)
         )
@@ -365,10 +367,10 @@ class FrictionTest:
         uncertainty, is_force = self.uncertainty, self.force is not None
         if isinstance(uncertainty, str) and uncertainty.strip().endswith("%"):
             try:
-                percentage = float(uncertainty.strip().removesuffix("%"))
+                percent_value = float(uncertainty.strip().removesuffix("%"))
             except ValueError:
                 raise ValueError(f"uncertainty must be a percentage, as in '3 %', got {uncertainty!r}") from None
-            return validate_number("uncertainty", 0.01 * percentage * float(self.coefficient or 0.0), above=0)
+            return validate_number("uncertainty", 0.01 * percent_value * float(self.coefficient or 0.0), above=0)
         if isinstance(uncertainty, str):
             uncertainty, is_force = to_core_units("uncertainty", uncertainty, "force"), True
         return validate_number("uncertainty", uncertainty, above=0) / (load if is_force else 1.0)
@@ -453,10 +455,10 @@ class Interface:
     @property
     def identified(self) -> ValueWithLimits:
         """Sum mu0 + tau0 A/F with its 95 % interval, evaluated at the A/F of the tests."""
-        ratio = self.fits[0].area_per_load
-        if not np.isfinite(ratio).all():
+        area_per_load = self.fits[0].area_per_load
+        if not np.isfinite(area_per_load).all():
             return self.at(self.area_per_load)
-        return self.interval_of(lambda mu0, tau0: mu0 + tau0 * ratio)
+        return self.interval_of(lambda mu0, tau0: mu0 + tau0 * area_per_load)
 
     @property
     def mu0(self) -> ValueWithLimits:
@@ -480,14 +482,14 @@ class Interface:
         The shift does not change the sum mu0 + tau0 A/F at the A/F of the tests.
         """
         fit = self.fits[0]
-        ratio = fit.area_per_load
-        is_joint = np.isfinite(ratio).all() and np.ptp(fit.mu0) > 0 and np.ptp(fit.tau0) > 0
+        area_per_load = fit.area_per_load
+        is_joint = np.isfinite(area_per_load).all() and np.ptp(fit.mu0) > 0 and np.ptp(fit.tau0) > 0
         zero = np.zeros(fit.mu0.size)
         strengths = []
         if is_joint and credible_interval(fit.mu0, 0.0)[1] == 0:
-            strengths.append((zero, fit.tau0 + fit.mu0 / ratio))
+            strengths.append((zero, fit.tau0 + fit.mu0 / area_per_load))
         if is_joint and credible_interval(fit.tau0, 0.0)[1] == 0:
-            strengths.append((fit.mu0 + fit.tau0 * ratio, zero))
+            strengths.append((fit.mu0 + fit.tau0 * area_per_load, zero))
         return tuple(strengths)
 
     def interval_of(self, coefficient: Callable[[Floats, Floats], Floats]) -> ValueWithLimits:
@@ -509,8 +511,8 @@ class Interface:
     @property
     def excluded(self) -> tuple[Sliding, ...]:
         """Sliding rules that the tests exclude. The tuple is empty if no sliding rule fits the tests."""
-        likely = [fit.sliding for fit in self.fits if fit.probability > ERROR_SCALING_PROBABILITY]
-        return tuple(fit.sliding for fit in self.fits if fit.probability < EXCLUSION_PROBABILITY and likely)
+        accepted_rules = [fit.sliding for fit in self.fits if fit.probability > ERROR_SCALING_PROBABILITY]
+        return tuple(fit.sliding for fit in self.fits if fit.probability < EXCLUSION_PROBABILITY and accepted_rules)
 
     @cached_property
     def draws(self) -> pandas.DataFrame:
@@ -546,16 +548,16 @@ class Interface:
             raise ValueError(f"result must be a Result, a curve or a Ball, got {type(result).__name__}")
         from scipy.special import ndtr
 
-        fit, random = self.fits[0], np.random.default_rng(1)
-        friction = evaluate_test_forces(FrictionTest(result, load, coefficient=0.0), fit.sliding)
+        fit, generator = self.fits[0], np.random.default_rng(1)
+        test_forces = evaluate_test_forces(FrictionTest(result, load, coefficient=0.0), fit.sliding)
 
-        def scores(name: Hashable) -> Floats:
+        def draw_scores(name: Hashable) -> Floats:
             # Inputs that also occur in the tests keep their samples from the fit.
-            return fit.scores[name] if name in fit.scores else random.standard_normal(len(fit.mu0))
+            return fit.scores[name] if name in fit.scores else generator.standard_normal(len(fit.mu0))
 
-        area = np.exp(friction.scatter * scores(friction.surfaces))
-        if (area_factor := friction.area_factor) is not None:
-            samples = area_factor.values({name: ndtr(scores(name)) for name in area_factor.names})
+        area_samples = np.exp(test_forces.scatter * draw_scores(test_forces.surfaces))
+        if (area_factor := test_forces.area_factor) is not None:
+            samples = area_factor.values({name: ndtr(draw_scores(name)) for name in area_factor.names})
             if "hardness" in samples and area_factor.known["hardness"].describes_same_hardness(
                 self.about.get(HARDNESS_ENTRY, "")
             ):
@@ -563,10 +565,10 @@ class Interface:
             if "junction_growth" in samples and self.has_growth(area_factor.known["junction_growth"]):
                 samples["junction_growth"] = fit.junction_growth
         growth = None if area_factor is None else area_factor.growth
-        is_affected = growth is not None or depends_on_growth(
-            friction, float(np.median(fit.mu0)), float(np.median(fit.tau0))
+        depends_on_alpha = growth is not None or depends_on_growth(
+            test_forces, float(np.median(fit.mu0)), float(np.median(fit.tau0))
         )
-        if is_affected and self.growth is not None and not self.has_growth(growth):
+        if depends_on_alpha and self.growth is not None and not self.has_growth(growth):
             test_alpha, result_alpha = (
                 estimate.short_text if estimate is not None else "0" for estimate in (self.growth, growth)
             )
@@ -578,8 +580,10 @@ class Interface:
 
         def coefficient(mu0: Floats, tau0: Floats) -> Floats:
             strength = StrengthSamples(fit.sliding, mu0, tau0)
-            total_area = area if area_factor is None else area * area_factor.factor_for_inputs(samples, strength)
-            values = friction.coefficient(mu0, tau0, np.where(tau0 > 0, total_area, 1.0))
+            total_area = (
+                area_samples if area_factor is None else area_samples * area_factor.factor_for_inputs(samples, strength)
+            )
+            values = test_forces.coefficient(mu0, tau0, np.where(tau0 > 0, total_area, 1.0))
             return np.where(np.isfinite(values), values, np.inf)
 
         return self.interval_of(coefficient)
@@ -608,16 +612,18 @@ def credible_interval(values: Floats, bound: float = -math.inf) -> ValueWithLimi
     The interval has equal tails, unless the shortest interval with 95 % of the samples starts at the bound. Then this
     shortest interval is returned.
     """
-    ordered = np.sort(values)
-    num_inside = math.ceil(INTERVAL_COVERAGE * len(ordered)) - 1
-    start = int((ordered[num_inside:] - ordered[: len(ordered) - num_inside]).argmin())
-    if ordered[start] - bound < BOUND_TOLERANCE * (ordered[start + num_inside] - ordered[start]):
-        low, high = bound, float(ordered[num_inside])
+    sorted_values = np.sort(values)
+    num_inside = math.ceil(INTERVAL_COVERAGE * len(sorted_values)) - 1
+    start_index = int((sorted_values[num_inside:] - sorted_values[: len(sorted_values) - num_inside]).argmin())
+    if sorted_values[start_index] - bound < BOUND_TOLERANCE * (
+        sorted_values[start_index + num_inside] - sorted_values[start_index]
+    ):
+        low, high = bound, float(sorted_values[num_inside])
     else:
         low, high = (
-            float(end) for end in np.quantile(ordered, [(1 - INTERVAL_COVERAGE) / 2, (1 + INTERVAL_COVERAGE) / 2])
+            float(end) for end in np.quantile(sorted_values, [(1 - INTERVAL_COVERAGE) / 2, (1 + INTERVAL_COVERAGE) / 2])
         )
-    return float(np.median(ordered)), low, high
+    return float(np.median(sorted_values)), low, high
 
 
 def depends_on_growth(friction: _FrictionTestForces, mu0: float, tau0: float) -> bool:
@@ -653,17 +659,18 @@ def _evaluate_curve(curve: FrictionCurve, load: float) -> _FrictionTestForces:
     """Interpolate a load curve to a given load, and return the forces per load."""
     loads = np.asarray(curve.normal_elastic)
     if not loads.min() <= load * (1 + 1e-9) or not load * (1 - 1e-9) <= loads.max():
-        limits = f"{loads.min():g} to {loads.max():g} mN"
-        raise ValueError(f"load must be within the range of the curve ({limits}), got {load:g}")
+        range_text = f"{loads.min():g} to {loads.max():g} mN"
+        raise ValueError(f"load must be within the range of the curve ({range_text}), got {load:g}")
     order = np.argsort(loads)
 
-    def at(name: str) -> float:
+    def interpolate_sum(name: str) -> float:
         values = np.asarray(getattr(curve, name))
         values = values.reshape(-1, values.shape[-1])[0] / loads
         return float(np.interp(math.log(load), np.log(loads[order]), values[order]))
 
     return _FrictionTestForces.of(
-        {name: at(name) for name in LOAD_SUM_NAMES}, hardness=float(getattr(curve, "hardness", None) or math.nan)
+        {name: interpolate_sum(name) for name in LOAD_SUM_NAMES},
+        hardness=float(getattr(curve, "hardness", None) or math.nan),
     )
 
 
@@ -675,8 +682,8 @@ def _evaluate_members(result: Any, load: float, sliding: Sliding) -> _FrictionTe
         .sel(sliding=sliding)
         .isel(cut_off=0, load=0, missing_dims="ignore")
     )
-    six_sums = {str(name): values.mean("direction").values.reshape(-1) for name, values in sums.data_vars.items()}
-    is_reached = np.isfinite(list(six_sums.values())).all(axis=0)
+    contact_sums = {str(name): values.mean("direction").values.reshape(-1) for name, values in sums.data_vars.items()}
+    is_reached = np.isfinite(list(contact_sums.values())).all(axis=0)
     if not is_reached.any():
         area = getattr(result, "nominal_area", None)
         hint = (
@@ -685,13 +692,17 @@ def _evaluate_members(result: Any, load: float, sliding: Sliding) -> _FrictionTe
             else ""
         )
         raise ValueError(f"load must be within the range of the result, got {load:g} mN{hint}")
-    stick = six_sums["tangential_adhesive"][is_reached]
-    spread = float(stick.std(ddof=1) / stick.mean() / math.sqrt(len(stick))) if len(stick) > 1 else 0.0
-    means = {name: values[is_reached].mean() for name, values in six_sums.items()}
+    adhesive_sums = contact_sums["tangential_adhesive"][is_reached]
+    relative_error = (
+        float(adhesive_sums.std(ddof=1) / adhesive_sums.mean() / math.sqrt(len(adhesive_sums)))
+        if len(adhesive_sums) > 1
+        else 0.0
+    )
+    means = {name: values[is_reached].mean() for name, values in contact_sums.items()}
     surfaces = dataset.attrs["study"]
     return _FrictionTestForces.of(
         means,
-        scatter=spread,
+        scatter=relative_error,
         surfaces=surfaces,
         hardness=float(parse_dataset_study(dataset).contact.hardness or math.nan),
     )
@@ -733,19 +744,19 @@ def write_interface(interface: Interface, path: str | Path, about: Mapping[str, 
     'A. B.'
     """
     check_instance("interface", interface, Interface, "an Interface from calibrate()")
-    head = {
+    header = {
         "sliding": interface.fits[0].sliding,
         "area_per_load": repr(interface.area_per_load),
         "variation": repr(interface.variation),
         "separated": "yes" if interface.separated else "no",
         **{key: " ".join(str(value).split()) for key, value in {**interface.about, **(about or {})}.items()},
     }
-    text = io.StringIO()
-    text.write(
+    file_text = io.StringIO()
+    file_text.write(
         "\n".join(
             [
                 INTERFACE_FILE_HEADER,
-                *(f"# {key}: {value}" for key, value in head.items()),
+                *(f"# {key}: {value}" for key, value in header.items()),
                 ",".join(INTERFACE_FILE_COLUMNS),
             ]
         )
@@ -753,9 +764,9 @@ def write_interface(interface: Interface, path: str | Path, about: Mapping[str, 
     )
     fit = interface.fits[0]
     columns = [fit.mu0, fit.tau0, fit.hardness, fit.junction_growth, fit.area_per_load]
-    np.savetxt(text, np.stack(columns, axis=1), fmt="%.9g", delimiter=",")
+    np.savetxt(file_text, np.stack(columns, axis=1), fmt="%.9g", delimiter=",")
     with replaced_file(Path(path), INTERFACE_FILE_HEADER.encode(), ValueError) as file:
-        file.write_text(text.getvalue(), encoding="utf-8")
+        file.write_text(file_text.getvalue(), encoding="utf-8")
 
 
 def read_interface(path: str | Path) -> Interface:
@@ -799,16 +810,16 @@ def read_interface(path: str | Path) -> Interface:
         raise ValueError(f"{printable_path(path)} cannot be read as an interface: {describe_os_error(error)}") from None
     except UnicodeDecodeError:
         raise ValueError(f"{printable_path(path)} is not an interface file, because it is not a text file") from None
-    head = dict(line[2:].partition(": ")[::2] for line in lines[1:] if line.startswith("# "))
+    header = dict(line[2:].partition(": ")[::2] for line in lines[1:] if line.startswith("# "))
     rows = [line for line in lines if line and not line.startswith("#")]
     try:
         if lines[0] != INTERFACE_FILE_HEADER or tuple(next(csv.reader(rows))) != INTERFACE_FILE_COLUMNS:
             raise ValueError
         table = np.array([[float(cell) for cell in row] for row in csv.reader(rows[1:])])
-        ratio, variation = (float(head.pop(name)) for name in _NUMERIC_ENTRIES)
-        sliding, separated = head.pop("sliding"), head.pop("separated") == "yes"
+        area_per_load, variation = (float(header.pop(name)) for name in _NUMERIC_ENTRIES)
+        sliding, separated = header.pop("sliding"), header.pop("separated") == "yes"
         check_choice("sliding", sliding, Sliding)
-        parse_study_input("junction_growth", head.get(GROWTH_ENTRY, "0"))
+        parse_study_input("junction_growth", header.get(GROWTH_ENTRY, "0"))
     except (ValueError, KeyError, csv.Error, StopIteration):
         reason = "an entry of the header is missing or unknown, or a row does not have five numbers"
         raise ValueError(f"{printable_path(path)} is a damaged interface file ({reason})") from None
@@ -819,7 +830,7 @@ def read_interface(path: str | Path) -> Interface:
     ):
         raise ValueError(f"{printable_path(path)} is a damaged interface file (mu0 and tau0 must be at least 0)")
     fit = _build_fit(sliding, *table.T)
-    return Interface((fit,), ratio, variation, separated, about=head)
+    return Interface((fit,), area_per_load, variation, separated, about=header)
 
 
 def _build_fit(sliding: Any, mu0: Any, tau0: Any, *more: Any) -> StrengthFit:
@@ -857,7 +868,9 @@ def read_interfaces(path: str | Path) -> dict[str, dict[str, str]]:
     entries, path = {}, Path(path)
     is_single_file = path.is_file()
     try:
-        files = [path] if is_single_file else sorted(item for item in path.iterdir() if item.is_file())
+        files = (
+            [path] if is_single_file else sorted(folder_item for folder_item in path.iterdir() if folder_item.is_file())
+        )
     except OSError as error:
         raise ValueError(f"{printable_path(path)} cannot be listed: {describe_os_error(error)}") from None
     for file in files:
@@ -901,30 +914,32 @@ def interface(name_or_path: str | Path) -> Interface:
     'kinetic'
     """
     check_instance("interface", name_or_path, (str, Path), "a name or a path")
-    table = interfaces().get(str(name_or_path))
-    if table is None:
+    published_entry = interfaces().get(str(name_or_path))
+    if published_entry is None:
         if Path(name_or_path).is_file():
             return read_interface(name_or_path)
-        names = "; ".join(interfaces())
-        raise ValueError(f"interface must be a file or one of {names}, got {str(name_or_path)!r}")
+        known_names = "; ".join(interfaces())
+        raise ValueError(f"interface must be a file or one of {known_names}, got {str(name_or_path)!r}")
     ranges: dict[str, UncertainInput] = {
-        "mu0": parse_input("mu0", table["mu0"]),
-        "tau0": parse_input("tau0", table["tau0"], "pressure"),
+        "mu0": parse_input("mu0", published_entry["mu0"]),
+        "tau0": parse_input("tau0", published_entry["tau0"], "pressure"),
     }
     values = draw_samples(ranges)
-    unknown = np.full(values["mu0"].size, math.nan)
-    fit = _build_fit("all", values["mu0"], values["tau0"], unknown, unknown, unknown)
-    about = {key: text for key, text in table.items() if key not in ranges}
-    return Interface((fit,), math.nan, math.nan, separated=True, about={"name": str(name_or_path), **about})
+    unknown_samples = np.full(values["mu0"].size, math.nan)
+    fit = _build_fit("all", values["mu0"], values["tau0"], unknown_samples, unknown_samples, unknown_samples)
+    description = {key: text for key, text in published_entry.items() if key not in ranges}
+    return Interface((fit,), math.nan, math.nan, separated=True, about={"name": str(name_or_path), **description})
 
 
 def find_interface(study: Study) -> Interface | None:
     """Return the interface of a study. Return None if no interface is given, or if its file is missing or changed."""
-    text = study.known.interface
-    if text is None:
+    interface_name = study.known.interface
+    if interface_name is None:
         return None
     try:
-        study_interface = _read_cached_interface(text, 0 if text in interfaces() else Path(text).stat().st_mtime_ns)
+        study_interface = _read_cached_interface(
+            interface_name, 0 if interface_name in interfaces() else Path(interface_name).stat().st_mtime_ns
+        )
     except (ValueError, OSError):
         return None
     mu0, tau0 = round_median_strength(study_interface)

@@ -60,19 +60,27 @@ class LoadCrossings:
         """
         if ratio:
             with np.errstate(divide="ignore", invalid="ignore"):
-                straight = cls.of(np.log(curve), np.log(loads))
-                below, above = straight._bracketing_values(curve)
-                near = ~(above > MAX_LOAD_RATIO * below) | (above == loads)
-            return cls(straight.index, straight.fraction, straight.reached & near, straight.below, (curve, loads))
-        at_least = curve[..., np.newaxis] >= loads  # shape (..., k, l)
-        first = curve[..., :1, np.newaxis] == loads
-        reaches = np.concatenate([first, ~at_least[..., :-1, :] & at_least[..., 1:, :]], axis=-2)
+                log_crossings = cls.of(np.log(curve), np.log(loads))
+                below, above = log_crossings._bracketing_values(curve)
+                is_close = ~(above > MAX_LOAD_RATIO * below) | (above == loads)
+            return cls(
+                log_crossings.index,
+                log_crossings.fraction,
+                log_crossings.reached & is_close,
+                log_crossings.below,
+                (curve, loads),
+            )
+        is_at_least_load = curve[..., np.newaxis] >= loads  # shape (..., k, l)
+        starts_at_load = curve[..., :1, np.newaxis] == loads
+        reaches = np.concatenate(
+            [starts_at_load, ~is_at_least_load[..., :-1, :] & is_at_least_load[..., 1:, :]], axis=-2
+        )
         reached: NDArray[np.bool_] = np.any(reaches, axis=-2)
         index = reaches.argmax(axis=-2)
         before = np.take_along_axis(curve, np.maximum(index - 1, 0), axis=-1)
-        step = np.take_along_axis(curve, index, axis=-1) - before
-        fraction = np.divide(loads - before, step, out=np.ones_like(before), where=step > 0)
-        return cls(index, fraction, reached, ~reached & at_least[..., 0, :])
+        step_difference = np.take_along_axis(curve, index, axis=-1) - before
+        fraction = np.divide(loads - before, step_difference, out=np.ones_like(before), where=step_difference > 0)
+        return cls(index, fraction, reached, ~reached & is_at_least_load[..., 0, :])
 
     def without_gap_crossings(self, curve: Floats, loads: Floats) -> LoadCrossings:
         """Remove each crossing between two loading steps if the curve is NaN at the first of these steps."""
@@ -142,44 +150,53 @@ class MeansAtLoads:
         self._load = loads[load]
         self._mean_load, self._mean = (self._at(each[..., np.newaxis])[:, 0] for each in (normal, values))
         self._slope = _fit_slopes(values[self._curve], normal[self._curve], self._index)
-        self._carrying = np.zeros(normal.shape[0], np.intp)
-        self._negative = np.zeros(normal.shape[0], np.bool_)
-        self._logarithms, self._plain = PowerSums(self._load.shape), PowerSums(self._load.shape)
+        self._num_carrying = np.zeros(normal.shape[0], np.intp)
+        self._has_negative_values = np.zeros(normal.shape[0], np.bool_)
+        self._logarithms, self._differences = PowerSums(self._load.shape), PowerSums(self._load.shape)
         self._loads, self._values = _RunningExtremes(self._load.size), _RunningExtremes(self._load.size)
         self.mean = self._arrange_over_loads(self._mean)
 
     def add(self, normal: Floats, values: Floats) -> None:
         """Add repetitions. The normal loads and values of these repetitions are arrays of shape (c, k, r)."""
-        self._carrying += np.count_nonzero(normal.any(axis=1), axis=1)
-        self._negative |= (values < 0).any(axis=(1, 2))
-        at_a_time, others = max(1, NUM_BATCH_VALUES // max(1, self._load.size)), self._repetitions - 1
+        self._num_carrying += np.count_nonzero(normal.any(axis=1), axis=1)
+        self._has_negative_values |= (values < 0).any(axis=(1, 2))
+        batch_size, num_others = max(1, NUM_BATCH_VALUES // max(1, self._load.size)), self._repetitions - 1
         mean, mean_load, load, slope = (
             each[:, np.newaxis] for each in (self._mean, self._mean_load, self._load, self._slope)
         )
-        for first in range(0, normal.shape[2], at_a_time):
+        for first in range(0, normal.shape[2], batch_size):
             # Loads and values of each repetition have the shape (p, r).
-            # `by_load` and `by_value` are the changes of the means if a repetition is omitted.
-            own_load, own_value = (self._at(each[..., first : first + at_a_time]) for each in (normal, values))
-            self._loads.add(own_load)
-            self._values.add(own_value)
+            # `load_change` and `mean_change` are the changes of the means if a repetition is omitted.
+            repetition_load, repetition_mean = (
+                self._at(each[..., first : first + batch_size]) for each in (normal, values)
+            )
+            self._loads.add(repetition_load)
+            self._values.add(repetition_mean)
             with np.errstate(divide="ignore", invalid="ignore"):
-                by_load, by_value = (mean_load - own_load) / others, (mean - own_value) / others
-                moved = np.log1p((mean_load - load + by_load) / load)
-                self._logarithms.add(np.log1p(by_value / mean) - slope * load / mean * moved)
-                self._plain.add(by_value - slope * by_load)
+                load_change, mean_change = (
+                    (mean_load - repetition_load) / num_others,
+                    (mean - repetition_mean) / num_others,
+                )
+                log_load_change = np.log1p((mean_load - load + load_change) / load)
+                self._logarithms.add(np.log1p(mean_change / mean) - slope * load / mean * log_load_change)
+                self._differences.add(mean_change - slope * load_change)
 
     def interval(self) -> tuple[Floats, Floats]:
         """Return the limits of the intervals, with shape (c, l). All repetitions must have been added before."""
         mean = self._mean
         half_width = self._logarithms.half_width()
         with np.errstate(invalid="ignore", over="ignore"):
-            ends = np.sort([mean * np.exp(-half_width), mean * np.exp(half_width)], axis=0)
+            logarithmic_limits = np.sort([mean * np.exp(-half_width), mean * np.exp(half_width)], axis=0)
         is_symmetric = ~self._values.keeps_sign_without_any_value(mean) | ~self._logarithms.is_finite()
-        half_width = self._plain.half_width()
-        lower_bound = np.where(self._negative, -np.inf, 0.0)[self._curve]
-        alone = ~self._loads.keeps_sign_without_any_value(self._load) | (self._carrying < 2)[self._curve]
-        lower = np.where(alone, np.nan, np.where(is_symmetric, np.maximum(mean - half_width, lower_bound), ends[0]))
-        upper = np.where(alone, np.nan, np.where(is_symmetric, mean + half_width, ends[1]))
+        half_width = self._differences.half_width()
+        lower_bound = np.where(self._has_negative_values, -np.inf, 0.0)[self._curve]
+        is_undetermined = ~self._loads.keeps_sign_without_any_value(self._load) | (self._num_carrying < 2)[self._curve]
+        lower = np.where(
+            is_undetermined,
+            np.nan,
+            np.where(is_symmetric, np.maximum(mean - half_width, lower_bound), logarithmic_limits[0]),
+        )
+        upper = np.where(is_undetermined, np.nan, np.where(is_symmetric, mean + half_width, logarithmic_limits[1]))
         return self._arrange_over_loads(lower), self._arrange_over_loads(upper)
 
     def _at(self, values: Floats) -> Floats:
@@ -251,11 +268,11 @@ def _fit_slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floa
     first = np.maximum(index - 1 - NUM_SLOPE_FIT_STEPS, 0)[:, np.newaxis]
     last = np.minimum(index + NUM_SLOPE_FIT_STEPS, normal.shape[1] - 1)[:, np.newaxis]
     window_indices = first + np.arange(2 * NUM_SLOPE_FIT_STEPS + 2)
-    inside = window_indices <= last
+    is_inside = window_indices <= last
     window_indices = np.minimum(window_indices, last)
-    count = inside.sum(axis=1, keepdims=True)
-    x, y = (np.where(inside, np.take_along_axis(each, window_indices, axis=1), 0.0) for each in (normal, values))
-    x, y = (np.where(inside, each - each.sum(axis=1, keepdims=True) / count, 0.0) for each in (x, y))
+    count = is_inside.sum(axis=1, keepdims=True)
+    x, y = (np.where(is_inside, np.take_along_axis(each, window_indices, axis=1), 0.0) for each in (normal, values))
+    x, y = (np.where(is_inside, each - each.sum(axis=1, keepdims=True) / count, 0.0) for each in (x, y))
     squares = (x * x).sum(axis=1)
     return np.asarray(np.divide((x * y).sum(axis=1), squares, out=np.zeros_like(squares), where=squares > 0))
 
@@ -297,11 +314,14 @@ def sample_quantiles(values: Floats, probabilities: Sequence[float]) -> Floats:
 
     The quantiles equal those of `numpy.nanquantile`, which loops over columns and takes ten times as long.
     """
-    ordered, last = np.sort(values, axis=0), np.maximum((~np.isnan(values)).sum(axis=0) - 1, 0)
+    sorted_values, last = np.sort(values, axis=0), np.maximum((~np.isnan(values)).sum(axis=0) - 1, 0)
     position = np.multiply.outer(np.array(probabilities), last)
-    below = position.astype(np.intp)
-    low, high = (np.take_along_axis(ordered, index, axis=0) for index in (below, np.minimum(below + 1, last)))
-    weight = position - below
+    lower_indices = position.astype(np.intp)
+    low, high = (
+        np.take_along_axis(sorted_values, index, axis=0)
+        for index in (lower_indices, np.minimum(lower_indices + 1, last))
+    )
+    weight = position - lower_indices
     return np.asarray(np.where(weight < 0.5, low + (high - low) * weight, high - (high - low) * (1 - weight)))
 
 
@@ -312,10 +332,10 @@ def sample_quantiles(values: Floats, probabilities: Sequence[float]) -> Floats:
 def _mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
     """Return the constants 1' R^-1 1, variance inflation, t quantile and t density of the autoregressive models."""
     rho, lags = _NEIGHBOR_CORRELATIONS, np.arange(1, count)
-    ones = (count - (count - 2) * rho) / (1 + rho)
+    weight_sums = (count - (count - 2) * rho) / (1 + rho)
     inflation = (count + 2 * ((count - lags) * rho[:, np.newaxis] ** lags).sum(axis=1)) / count**2
     density = math.exp(math.lgamma(count / 2) - math.lgamma((count - 1) / 2)) / math.sqrt(math.pi * (count - 1))
-    return ones, inflation, float(student_quantile(count - 1)), density
+    return weight_sums, inflation, float(student_quantile(count - 1)), density
 
 
 def neighbors_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
@@ -331,9 +351,9 @@ def neighbors_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
     mean = rows.mean(axis=1) if count else np.full(rows.shape[0], np.nan)
     lower, upper = np.full((2, mean.size), np.nan)
     if count >= MIN_NEIGHBORS:
-        at_a_time = max(1, NUM_BATCH_VALUES // (4 * count))
-        for first in range(0, mean.size, at_a_time):
-            chunk = slice(first, first + at_a_time)
+        batch_size = max(1, NUM_BATCH_VALUES // (4 * count))
+        for first in range(0, mean.size, batch_size):
+            chunk = slice(first, first + batch_size)
             lower[chunk], upper[chunk] = _neighbors_interval(rows[chunk], mean[chunk])
     return tuple(each.reshape(values.shape[1:]) for each in (mean, lower, upper))  # type: ignore[return-value]
 
@@ -348,55 +368,57 @@ def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
     # Values are divided by their standard deviation to avoid overflow.
     count, deviations = values.shape[1], values - mean[:, np.newaxis]
     spread = np.sqrt(np.square(deviations).sum(axis=1) / (count - 1))
-    differ = (spread > 0) & (values != values[:, :1]).any(axis=1)
-    y, rho = deviations / np.where(differ, spread, 1.0)[:, np.newaxis], _NEIGHBOR_CORRELATIONS
-    y[~differ] = np.linspace(-1.0, 1.0, count)
+    has_spread = (spread > 0) & (values != values[:, :1]).any(axis=1)
+    y, rho = deviations / np.where(has_spread, spread, 1.0)[:, np.newaxis], _NEIGHBOR_CORRELATIONS
+    y[~has_spread] = np.linspace(-1.0, 1.0, count)
     # For an autoregressive process, 1' R^-1 1, 1' R^-1 y and y' R^-1 y are closed forms in these sums.
-    ones, inflation, quantile, density = _mixture_constants(count)
-    ends = y[:, [0, -1]]
-    inner, end_squares = y[:, 1:-1].sum(axis=1)[:, np.newaxis], np.square(ends).sum(axis=1)[:, np.newaxis]
+    weight_sums, inflation, quantile, density = _mixture_constants(count)
+    end_values = y[:, [0, -1]]
+    inner_sums, end_squares = y[:, 1:-1].sum(axis=1)[:, np.newaxis], np.square(end_values).sum(axis=1)[:, np.newaxis]
     products = (y[:, 1:] * y[:, :-1]).sum(axis=1)[:, np.newaxis]
-    centre = (ends.sum(axis=1)[:, np.newaxis] + (1 - rho) * inner) / (1 + rho) / ones  # shape (c, rho)
-    own_squares = (1 + rho**2) * (np.square(y).sum(axis=1)[:, np.newaxis]) - rho**2 * end_squares - 2 * rho * products
-    squares = own_squares / (1 - rho**2) - ones * centre**2
-    weights = (count - 1) * (np.log(1 - rho**2) + np.log(squares)) + np.log(ones) - np.log(1 - rho)
+    centre = (
+        (end_values.sum(axis=1)[:, np.newaxis] + (1 - rho) * inner_sums) / (1 + rho) / weight_sums
+    )  # shape (c, rho)
+    total_squares = (1 + rho**2) * (np.square(y).sum(axis=1)[:, np.newaxis]) - rho**2 * end_squares - 2 * rho * products
+    squares = total_squares / (1 - rho**2) - weight_sums * centre**2
+    weights = (count - 1) * (np.log(1 - rho**2) + np.log(squares)) + np.log(weight_sums) - np.log(1 - rho)
     weights = np.exp(-0.5 * (weights - weights.min(axis=1, keepdims=True)))
     weights /= weights.sum(axis=1, keepdims=True)
     errors = np.sqrt(squares / (count - 1) * inflation)
 
     # The distribution function is concave above 0, so Newton steps from below do not exceed the quantile.
-    high, moves = quantile * errors.min(axis=1), np.ones(mean.shape, bool)
+    quantile_estimate, is_moving = quantile * errors.min(axis=1), np.ones(mean.shape, bool)
     for _ in range(_MAX_NEWTON_STEPS):
-        t = high[:, np.newaxis] / errors
+        t = quantile_estimate[:, np.newaxis] / errors
         slope = density * (weights * (1 + t * t / (count - 1)) ** (-count / 2) / errors).sum(axis=1)
         step = (0.5 + CONFIDENCE_LEVEL / 2 - (weights * stdtr(count - 1, t)).sum(axis=1)) / slope
-        high = high + np.where(moves, step, 0.0)
-        moves &= step > 1e-15 * high
-        if not moves.any():
+        quantile_estimate = quantile_estimate + np.where(is_moving, step, 0.0)
+        is_moving &= step > 1e-15 * quantile_estimate
+        if not is_moving.any():
             break
-    bend = (y**3).mean(axis=1) / (y**2).mean(axis=1) ** 1.5 / 3
-    is_straight = np.abs(bend) <= _MIN_SKEWNESS
-    bend = np.where(is_straight, 1.0, bend)
-    below = np.where(is_straight, high, -np.expm1(-bend * high) / bend)
-    above = np.where(is_straight, high, np.expm1(bend * high) / bend)
-    lower = np.maximum(mean - spread * below, values.min(axis=1))
-    upper = np.minimum(mean + spread * above, values.max(axis=1))
-    return np.where(differ, lower, np.nan), np.where(differ, upper, np.nan)
+    skewness = (y**3).mean(axis=1) / (y**2).mean(axis=1) ** 1.5 / 3
+    is_symmetric = np.abs(skewness) <= _MIN_SKEWNESS
+    skewness = np.where(is_symmetric, 1.0, skewness)
+    lower_width = np.where(is_symmetric, quantile_estimate, -np.expm1(-skewness * quantile_estimate) / skewness)
+    upper_width = np.where(is_symmetric, quantile_estimate, np.expm1(skewness * quantile_estimate) / skewness)
+    lower = np.maximum(mean - spread * lower_width, values.min(axis=1))
+    upper = np.minimum(mean + spread * upper_width, values.max(axis=1))
+    return np.where(has_spread, lower, np.nan), np.where(has_spread, upper, np.nan)
 
 
 def positions_mean(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Floats, Floats]:
     """Average values along each line, and return the mean of the line averages with its 95 % interval."""
     if not values.shape[0]:
         return tuple(np.full(values.shape[1:], np.nan) for _ in range(3))  # type: ignore[return-value]
-    _, first, index = np.unique(lines, return_index=True, return_inverse=True)
+    _, first_indices, index = np.unique(lines, return_index=True, return_inverse=True)
     line_means = values
-    if first.size > 1:
+    if first_indices.size > 1:
         # Each line gives one value. The mean of these values equals the mean of all values.
         counts = np.bincount(index).reshape(-1, *(1,) * (values.ndim - 1))
-        sums = np.zeros((first.size, *values.shape[1:]))
+        sums = np.zeros((first_indices.size, *values.shape[1:]))
         np.add.at(sums, index, values)
-        whole = np.ascontiguousarray(np.moveaxis(sums, 0, -1)).sum(axis=-1) / counts.sum()
-        line_means = (whole + (sums - counts * whole) / counts.mean())[np.argsort(first)]
+        overall_mean = np.ascontiguousarray(np.moveaxis(sums, 0, -1)).sum(axis=-1) / counts.sum()
+        line_means = (overall_mean + (sums - counts * overall_mean) / counts.mean())[np.argsort(first_indices)]
     mean, lower, upper = neighbors_mean(line_means)
     return mean, np.maximum(lower, values.min(axis=0)), np.minimum(upper, values.max(axis=0))
 
@@ -432,31 +454,35 @@ def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp])
     for pair in set(zip(upper.tolist(), lower.tolist(), strict=True)):
         pair_values = flat[(upper == pair[0]) & (lower == pair[1])]
         pair_means[pair] = pair_values[np.isfinite(pair_values)].mean() if np.isfinite(pair_values).any() else np.nan
-    cells = pair_means[np.ix_(np.isfinite(pair_means).any(axis=1), np.isfinite(pair_means).any(axis=0))]
-    sizes = np.array(cells.shape)
+    scan_means = pair_means[np.ix_(np.isfinite(pair_means).any(axis=1), np.isfinite(pair_means).any(axis=0))]
+    sizes = np.array(scan_means.shape)
     count = int(sizes.prod())
     if count < 2:
         return None
-    rows, columns, mean = np.nanmean(cells, axis=1), np.nanmean(cells, axis=0), float(np.nanmean(cells))
-    residual_sum = np.nansum((cells - rows[:, np.newaxis] - columns + mean) ** 2)
+    rows, columns, mean = np.nanmean(scan_means, axis=1), np.nanmean(scan_means, axis=0), float(np.nanmean(scan_means))
+    residual_sum = np.nansum((scan_means - rows[:, np.newaxis] - columns + mean) ** 2)
     freedoms = np.array([*(sizes - 1), (sizes - 1).prod()], float)
     sums = np.array([sizes[1] * np.square(rows - mean).sum(), sizes[0] * np.square(columns - mean).sum(), residual_sum])
     squares = sums / np.maximum(freedoms, 1)
-    apart = (freedoms > 0) & (squares > squares[2]) & [True, True, False]
-    freedom = float(freedoms[~apart].sum())
-    residual = float(sums[~apart].sum()) / max(freedom, 1.0)
-    shares = np.append(np.where(apart, squares - residual, 0.0)[:2], residual)
+    is_separate = (freedoms > 0) & (squares > squares[2]) & [True, True, False]
+    freedom = float(freedoms[~is_separate].sum())
+    residual = float(sums[~is_separate].sum()) / max(freedom, 1.0)
+    variance_components = np.append(np.where(is_separate, squares - residual, 0.0)[:2], residual)
     # The residual mean square is subtracted once for each mean square that is not pooled.
-    weights = np.append(np.where(apart, squares, 0.0)[:2], (1 - apart.sum()) * residual)
-    each = np.maximum([*freedoms[:2], freedom], 1.0)
-    within = (flat - pair_means[upper, lower][:, np.newaxis]).ravel()
-    within = within[np.isfinite(within)]
-    inside = max(within.size - count, 1)
-    between = shares[:2] / sizes[::-1]
-    test = np.append(between * (1 + 1 / sizes), float(within @ within) / inside + residual * (1 + 1 / count))
+    weights = np.append(np.where(is_separate, squares, 0.0)[:2], (1 - is_separate.sum()) * residual)
+    component_freedoms = np.maximum([*freedoms[:2], freedom], 1.0)
+    deviations_in_pairs = (flat - pair_means[upper, lower][:, np.newaxis]).ravel()
+    deviations_in_pairs = deviations_in_pairs[np.isfinite(deviations_in_pairs)]
+    freedom_in_pairs = max(deviations_in_pairs.size - count, 1)
+    scan_components = variance_components[:2] / sizes[::-1]
+    test_components = np.append(
+        scan_components * (1 + 1 / sizes),
+        float(deviations_in_pairs @ deviations_in_pairs) / freedom_in_pairs + residual * (1 + 1 / count),
+    )
     return ScanPairMean(
-        mean, tuple(shares / count), _satterthwaite(shares.sum(), weights, each), math.sqrt(test.sum()),
-        _single_test_freedom(test, np.append(each[:2], inside)),
+        mean, tuple(variance_components / count),
+        _satterthwaite(variance_components.sum(), weights, component_freedoms), math.sqrt(test_components.sum()),
+        _single_test_freedom(test_components, np.append(component_freedoms[:2], freedom_in_pairs)),
     )  # fmt: skip
 
 
@@ -471,13 +497,13 @@ def _single_test_freedom(components: Floats, freedoms: Floats) -> float:
     from scipy.special import stdtridf
 
     variance = float(components.sum())
-    common = min(_satterthwaite(variance, components, freedoms), MAX_DEGREES_OF_FREEDOM)
+    approximate_freedom = min(_satterthwaite(variance, components, freedoms), MAX_DEGREES_OF_FREEDOM)
     if not variance > 0:
-        return common
-    widest = float((student_quantile(freedoms) * np.sqrt(components / variance)).max())
-    if widest <= student_quantile(common):
-        return common
-    return float(stdtridf(0.5 + CONFIDENCE_LEVEL / 2, widest))
+        return approximate_freedom
+    max_component_width = float((student_quantile(freedoms) * np.sqrt(components / variance)).max())
+    if max_component_width <= student_quantile(approximate_freedom):
+        return approximate_freedom
+    return float(stdtridf(0.5 + CONFIDENCE_LEVEL / 2, max_component_width))
 
 
 def _satterthwaite(variance: float, components: Floats, freedoms: Floats) -> float:

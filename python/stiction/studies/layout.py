@@ -66,14 +66,14 @@ def coordinate_specs_and_values(
 
     Each entry is a pair of the description of an array and its values.
     """
-    values: dict[str, NDArray[Any]] = {
+    values_by_name: dict[str, NDArray[Any]] = {
         **study.surfaces.cells(),
         "repetition": np.arange(study.ensemble.repetitions) if repetitions is None else np.array(repetitions, np.int64),
         **{name: np.array(entries) for name, entries in study.motion_coordinates().items()},
         study.step_quantity: study.contact.loading_steps(),
     }
     if study.is_measured:
-        values["fraction_below"] = np.array(QUANTILE_PROBABILITIES)
+        values_by_name["fraction_below"] = np.array(QUANTILE_PROBABILITIES)
     extra_attributes: dict[str, dict[str, str]] = {
         "load": {"long_name": "normal load of the elastic contact, without friction"}
     }
@@ -86,7 +86,7 @@ def coordinate_specs_and_values(
             ArraySpec((name,), array.shape, array.dtype, quantity_attributes(name) | extra_attributes.get(name, {})),
             array,
         )
-        for name, array in values.items()
+        for name, array in values_by_name.items()
     }
 
 
@@ -243,7 +243,7 @@ def nondimensional(
     if effective_modulus is None:
         raise ValueError("effective_modulus must be given, because the result does not contain it")
     length = validate_number("length", length, unit="µm", above=0)
-    modulus = validate_number("effective_modulus", effective_modulus, unit="GPa", above=0)
+    modulus_value = validate_number("effective_modulus", effective_modulus, unit="GPa", above=0)
 
     def divide(name: str, variable: xarray.Variable) -> xarray.Variable:
         units = variable.attrs.get("units", "1")
@@ -258,7 +258,7 @@ def nondimensional(
             "long_name": f"{variable.attrs.get('long_name', name)} / {divisor}",
         }
         return xarray.Variable(
-            variable.dims, variable.values / (modulus**modulus_power * length**length_power), attributes
+            variable.dims, variable.values / (modulus_value**modulus_power * length**length_power), attributes
         )
 
     return xarray.Dataset(
@@ -266,5 +266,5 @@ def nondimensional(
         {str(name): divide(str(name), array.variable) for name, array in result.coords.items()},
         # The attribute `study` is omitted, because it contains values with units.
         {name: value for name, value in result.attrs.items() if name != "study"}
-        | {"length_um": length, "effective_modulus_GPa": modulus},
+        | {"length_um": length, "effective_modulus_GPa": modulus_value},
     )

@@ -181,8 +181,8 @@ def stiffness_map(
     head = result.head
     step = find_step_dimension(head)
     if head.sizes.get(step, 0) < 3:
-        kind = "approaches" if step == "approach" else "loads"
-        raise ValueError(f"at least 3 {kind} are required to compute a stiffness, got {head.sizes.get(step, 0)}")
+        step_name = "approaches" if step == "approach" else "loads"
+        raise ValueError(f"at least 3 {step_name} are required to compute a stiffness, got {head.sizes.get(step, 0)}")
     if step == "load" and any(piece["approach"].isnull().any() for piece in result.pieces(["approach"])):
         raise ValueError("a free half-plane has no approach and therefore no stiffness; use periodic boundaries")
     return ensemble_map(result, loads, mu0, tau0, "normal_stiffness")
@@ -208,8 +208,8 @@ def solved_pieces(
             move_repetitions_last(elastic, [str(dim) for dim in elastic.dims if dim != "repetition"])
         )
         is_solved = is_solved.reshape(-1, is_solved.shape[-1]).all(axis=0)
-        solved = piece if is_solved.all() else piece.isel(repetition=np.flatnonzero(is_solved))
-        yield solved if change is None else change(solved)
+        solved_piece = piece if is_solved.all() else piece.isel(repetition=np.flatnonzero(is_solved))
+        yield solved_piece if change is None else change(solved_piece)
 
 
 def ensemble_map(
@@ -223,7 +223,7 @@ def ensemble_map(
     if not load_values.size or not (load_values > 0).all():
         raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
     dataset = result.head
-    material = choose_strengths(result, mu0, tau0)
+    strengths = choose_strengths(result, mu0, tau0)
     missing = [name for name in ("repetition", find_step_dimension(dataset)) if not dataset.sizes.get(name)]
     missing += [name for name in MAP_CELL_DIMENSIONS if name in dataset.dims and not dataset.sizes[name]]
     if missing or not find_cell_dimensions(dataset):
@@ -231,19 +231,19 @@ def ensemble_map(
     for name in _needed_variable_names(what):
         if name not in dataset:
             raise ValueError(f"the dataset has no variable {name!r}")
-    quantity = _EnsembleQuantity(dataset if change is None else change(dataset), what, load_values, *material)
+    quantity = _EnsembleQuantity(dataset if change is None else change(dataset), what, load_values, *strengths)
     # The first pass finds the steps at which the mean loads are reached.
     # The second pass computes the intervals at these steps.
-    averages, others, count = _average_sums(
+    averages, quantity_sums, count = _average_sums(
         lambda: solved_pieces(result, quantity.names(), change), what, quantity.step_dimension
     )
     if not count:
         raise ValueError("no member of the result could be computed at all loads")
     means_by_cell = {}
-    for cell in np.ndindex(quantity.cells):
-        normal, values = (each[..., 0] for each in quantity.curves(cell, averages, others))
-        means_by_cell[cell] = intervals.MeansAtLoads(normal, values, count, load_values)
-    at_a_time = max(
+    for cell_index in np.ndindex(quantity.cells):
+        normal, values = (each[..., 0] for each in quantity.curves(cell_index, averages, quantity_sums))
+        means_by_cell[cell_index] = intervals.MeansAtLoads(normal, values, count, load_values)
+    batch_size = max(
         1,
         NUM_VALUES_IN_MEMORY // max(1, quantity.mu0.size * quantity.tau0.size * dataset.sizes[quantity.step_dimension]),
     )
@@ -251,47 +251,54 @@ def ensemble_map(
         for piece in solved_pieces(result, quantity.names(), change):
             sums_by_cell = [_compute_sums(piece, what, quantity.step_dimension)] * len(means_by_cell)
 
-            def add(cell: tuple[int, ...], sums: tuple[ContactSums, ContactSums]) -> None:
-                for first in range(0, sums[0].contact_count.shape[-1], at_a_time):
-                    means_by_cell[cell].add(*quantity.curves(cell, *sums, slice(first, first + at_a_time)))
+            def add(cell_index: tuple[int, ...], sums: tuple[ContactSums, ContactSums]) -> None:
+                for first in range(0, sums[0].contact_count.shape[-1], batch_size):
+                    means_by_cell[cell_index].add(*quantity.curves(cell_index, *sums, slice(first, first + batch_size)))
 
             list(pool.map(add, means_by_cell, sums_by_cell))
-    return quantity.build_dataset(means_by_cell, averages, others)
+    return quantity.build_dataset(means_by_cell, averages, quantity_sums)
 
 
 class _EnsembleQuantity:
     """Ensemble quantity at given loads (mN), for all combinations of mu0 and tau0 (GPa)."""
 
     def __init__(self, head: xarray.Dataset, what: str, loads: Floats, mu0: Floats, tau0: Floats) -> None:
-        self.head, self.what, self.loads, self.mu0, self.tau0 = head, what, loads, mu0, tau0
+        self.head, self.quantity, self.loads, self.mu0, self.tau0 = head, what, loads, mu0, tau0
         self.step_dimension = find_step_dimension(head)
         self.dims = [*(motion for motion in MOTION_DIMENSIONS if motion in head.dims), *find_cell_dimensions(head)]
         self.cells = tuple(head.sizes[dim] for dim in self.dims)
         self.shape = (*self.cells, loads.size, mu0.size, tau0.size)
         # The validity of the model is known only if the dataset contains all contact sums.
-        self.judged = all(name in head for name in SUM_QUANTITIES)
+        self.has_all_sums = all(name in head for name in SUM_QUANTITIES)
 
     def names(self) -> tuple[str, ...]:
         """Return the names of the variables that must be read from the result."""
-        variables = _needed_variable_names(self.what)
-        if self.what == "normal_stiffness" and self.step_dimension == "load":
+        variables = _needed_variable_names(self.quantity)
+        if self.quantity == "normal_stiffness" and self.step_dimension == "load":
             variables = (*variables, "approach")  # the stiffness is a derivative with respect to the approach
-        return (*variables, *(name for name in SUM_QUANTITIES if self.judged and name not in variables))
+        return (*variables, *(name for name in SUM_QUANTITIES if self.has_all_sums and name not in variables))
 
     def curves(
-        self, cell: tuple[int, ...], sums: ContactSums, others: ContactSums, selected_members: slice = slice(None)
+        self,
+        cell: tuple[int, ...],
+        sums: ContactSums,
+        quantity_sums: ContactSums,
+        selected_members: slice = slice(None),
     ) -> tuple[Floats, Floats]:
         """Return the normal loads and values of some members. The first axis runs over all pairs of mu0 and tau0."""
-        pair, other_sums = (
-            item.apply(operator.itemgetter((*cell, slice(None), selected_members))) for item in (sums, others)
+        cell_sums, cell_quantity_sums = (
+            array.apply(operator.itemgetter((*cell, slice(None), selected_members))) for array in (sums, quantity_sums)
         )
-        material = self.mu0[:, np.newaxis, np.newaxis, np.newaxis], self.tau0[:, np.newaxis, np.newaxis]
-        normal = friction.compute_load("normal", pair, *material)
-        values = np.broadcast_to(_compute_values(other_sums, self.what, *material), normal.shape)
-        return tuple(item.reshape(-1, *normal.shape[2:]) for item in (normal, values))  # type: ignore[return-value]
+        strengths = self.mu0[:, np.newaxis, np.newaxis, np.newaxis], self.tau0[:, np.newaxis, np.newaxis]
+        normal = friction.compute_load("normal", cell_sums, *strengths)
+        values = np.broadcast_to(_compute_values(cell_quantity_sums, self.quantity, *strengths), normal.shape)
+        return tuple(array.reshape(-1, *normal.shape[2:]) for array in (normal, values))  # type: ignore[return-value]
 
     def build_dataset(
-        self, means_by_cell: dict[tuple[int, ...], intervals.MeansAtLoads], averages: ContactSums, others: ContactSums
+        self,
+        means_by_cell: dict[tuple[int, ...], intervals.MeansAtLoads],
+        averages: ContactSums,
+        quantity_sums: ContactSums,
     ) -> xarray.Dataset:
         """Build a dataset from the means and intervals computed for all cells."""
         import xarray
@@ -302,45 +309,47 @@ class _EnsembleQuantity:
         for cell, means in means_by_cell.items():
             for array, curve_values in zip((mean, lower, upper), (means.mean, *means.interval()), strict=True):
                 array[cell] = _reshape_curves(curve_values, self.shape)
-            pair = averages.apply(operator.itemgetter((*cell, slice(None), 0)))
-            normal = self.curves(cell, averages, others)[0][..., 0]
+            cell_averages = averages.apply(operator.itemgetter((*cell, slice(None), 0)))
+            normal = self.curves(cell, averages, quantity_sums)[0][..., 0]
             # True if the pair is self-locked at the largest approach.
-            locked = (pair.contact_count[-1] > 0) & (normal[:, -1:] <= 0)
+            is_locked = (cell_averages.contact_count[-1] > 0) & (normal[:, -1:] <= 0)
             cell_status = friction.combine_statuses(
-                touched=bool(pair.contact_count.any()), reached=means.crossing.reached, below=means.crossing.below,
-                locked=locked,
+                touched=bool(cell_averages.contact_count.any()), reached=means.crossing.reached,
+                below=means.crossing.below, locked=is_locked,
             )  # fmt: skip
             status[cell] = _reshape_curves(cell_status, self.shape)
-            if self.judged:
+            if self.has_all_sums:
                 sums_at_loads = {
-                    name: means.crossing.at(np.tile(getattr(pair, name), (normal.shape[0], 1)))
+                    name: means.crossing.at(np.tile(getattr(cell_averages, name), (normal.shape[0], 1)))
                     for name in SUM_QUANTITIES
                 }
-                for name, figure in vars(Validity.from_sums(ContactSums(**sums_at_loads))).items():
-                    validity[name][cell] = _reshape_curves(np.where(means.crossing.reached, figure, np.nan), self.shape)
-        if self.what == "friction_coefficient" or QUANTITIES[self.what].weighted:
+                for name, validity_value in vars(Validity.from_sums(ContactSums(**sums_at_loads))).items():
+                    validity[name][cell] = _reshape_curves(
+                        np.where(means.crossing.reached, validity_value, np.nan), self.shape
+                    )
+        if self.quantity == "friction_coefficient" or QUANTITIES[self.quantity].weighted:
             for array in (mean, lower, upper):
                 array /= self.loads[:, np.newaxis, np.newaxis]
         coordinates: dict[str, Any] = {name: self.head[name].variable for name in self.dims}
         dimensions = (("load", self.loads), ("mu0", self.mu0), ("tau0", self.tau0))
         coordinates |= {name: (name, axis, quantity_attributes(name)) for name, axis in dimensions}
         dims = tuple(coordinates)
-        of_one = [motion for motion in MOTION_DIMENSIONS if motion in self.head.coords]
-        unit, title = QUANTITIES[self.what].unit, QUANTITIES[self.what].words
+        scalar_motions = [motion for motion in MOTION_DIMENSIONS if motion in self.head.coords]
+        unit, title = QUANTITIES[self.quantity].unit, QUANTITIES[self.quantity].words
         variables: dict[str, Any] = {
-            self.what: (dims, mean, {"units": unit, "long_name": title}),
+            self.quantity: (dims, mean, {"units": unit, "long_name": title}),
             "lower": (dims, lower, {"units": unit, "long_name": f"lower limit of the 95 % interval of the {title}"}),
             "upper": (dims, upper, {"units": unit, "long_name": f"upper limit of the 95 % interval of the {title}"}),
             "status": (dims, status, quantity_attributes("status")),
             **{name: (dims, values, quantity_attributes(name)) for name, values in validity.items()},
         }
-        coordinates |= {motion: self.head[motion].variable for motion in of_one}
+        coordinates |= {motion: self.head[motion].variable for motion in scalar_motions}
         return xarray.Dataset(variables, coordinates, dict(self.head.attrs))
 
 
-def _reshape_curves(of_curves: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
+def _reshape_curves(curve_table: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
     """Reshape a table with one row per curve and one column per load. The new axes are load, mu0 and tau0."""
-    return np.moveaxis(of_curves.reshape(*shape[-2:], shape[-3]), -1, 0)
+    return np.moveaxis(curve_table.reshape(*shape[-2:], shape[-3]), -1, 0)
 
 
 def _compute_sums(data: xarray.Dataset, quantity: str, step: str) -> tuple[ContactSums, ContactSums]:
@@ -353,28 +362,28 @@ def _compute_sums(data: xarray.Dataset, quantity: str, step: str) -> tuple[Conta
     ]
     shape = [data.sizes[dim] for dim in dims]
 
-    def values_of(name: str) -> NDArray[Any]:
+    def get_values(name: str) -> NDArray[Any]:
         if name not in data:
             return np.broadcast_to(np.nan, shape)
         own_dims = [dim for dim in dims if dim in data[name].dims]
         values = move_repetitions_last(data[name], own_dims[:-1])
         return np.broadcast_to(values.reshape([data.sizes[dim] if dim in own_dims else 1 for dim in dims]), shape)
 
-    columns = {name: values_of(name) for name in SUM_QUANTITIES}
+    columns = {name: get_values(name) for name in SUM_QUANTITIES}
     sums = ContactSums.from_columns(columns)
     if QUANTITIES[quantity].weighted:
         return sums, ContactSums.from_columns(
-            columns | {name: columns[name] * values_of(quantity) for name in _LOAD_VARIABLES[1:]}
+            columns | {name: columns[name] * get_values(quantity) for name in _LOAD_VARIABLES[1:]}
         )
     if quantity not in _VARIABLES_BY_QUANTITY:
-        return sums, ContactSums.from_columns(columns | {"contact_area": values_of(quantity)})
+        return sums, ContactSums.from_columns(columns | {"contact_area": get_values(quantity)})
     if quantity != "normal_stiffness":
         return sums, sums
 
     def derivative(values: NDArray[Any]) -> Floats:
         return np.asarray(np.gradient(values, data[step].values, axis=-2, edge_order=2))
 
-    approach_step = derivative(values_of("approach")) if step == "load" else 1.0
+    approach_step = derivative(get_values("approach")) if step == "load" else 1.0
     return sums, ContactSums.from_columns(
         columns | {name: derivative(columns[name]) / approach_step for name in _LOAD_VARIABLES[1:]}
     )
@@ -387,23 +396,23 @@ def _compute_values(sums: ContactSums, quantity: str, mu0: Floats, tau0: Floats)
 
 
 def _average_sums(
-    solved: Callable[[], Iterator[xarray.Dataset]], quantity: str, step: str
+    solved_members: Callable[[], Iterator[xarray.Dataset]], quantity: str, step: str
 ) -> tuple[ContactSums, ContactSums, int]:
     """Average both sets of sums from `_compute_sums` over the members. Also return the number of members."""
     total: list[ContactSums] = []
     count = 0
-    for piece in solved():
+    for piece in solved_members():
         count += piece.sizes["repetition"]
-        added = [
+        piece_sums = [
             sums.apply(lambda values: values.sum(axis=-1, keepdims=True))
             for sums in _compute_sums(piece, quantity, step)
         ]
         total = [
             ContactSums(**{name: getattr(first, name) + getattr(second, name) for name in SUM_QUANTITIES})
-            for first, second in zip(total, added, strict=True)
-        ] if total else added  # fmt: skip
-    sums, others = (each.apply(lambda values: values / max(count, 1)) for each in total)
-    return sums, others, count
+            for first, second in zip(total, piece_sums, strict=True)
+        ] if total else piece_sums  # fmt: skip
+    sums, quantity_sums = (each.apply(lambda values: values / max(count, 1)) for each in total)
+    return sums, quantity_sums, count
 
 
 def choose_strengths(result: Result, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:

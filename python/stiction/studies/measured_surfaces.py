@@ -87,11 +87,13 @@ def _parse_missing_values(value: object) -> tuple[float | str, ...] | None:
     """Parse the numbers and words that mark missing points in a file."""
     if value is None:
         return None
-    parts: Any = value.split(",") if isinstance(value, str) else value
-    parts = parts if isinstance(parts, (list, tuple)) else [parts]
-    if not parts or not all(isinstance(entry, (str, int, float)) and not isinstance(entry, bool) for entry in parts):
+    entries: Any = value.split(",") if isinstance(value, str) else value
+    entries = entries if isinstance(entries, (list, tuple)) else [entries]
+    if not entries or not all(
+        isinstance(entry, (str, int, float)) and not isinstance(entry, bool) for entry in entries
+    ):
         raise ValueError(f"must be a number, a word, or a list of numbers and words, got {short_repr(value)}")
-    return tuple(entry.strip() if isinstance(entry, str) else entry for entry in parts)
+    return tuple(entry.strip() if isinstance(entry, str) else entry for entry in entries)
 
 
 def _parse_caveats(value: object) -> tuple[str, ...] | None:
@@ -240,10 +242,10 @@ class MeasuredFile(StudyTable):
                 heights, spacing, history, missing = extract_heights(name, body)
             except ValueError as error:
                 raise ArgumentError(f"{{{name}}}{{why}}", why=str(error).removeprefix(name)) from None
-            kind: Any = Profile if heights.ndim == 1 else Surface
-            body = kind(
-                heights, spacing=spacing[0] if kind is Profile else parse_lengths("spacing", spacing), history=history,
-                missing=missing,
+            body_class: Any = Profile if heights.ndim == 1 else Surface
+            body = body_class(
+                heights, spacing=spacing[0] if body_class is Profile else parse_lengths("spacing", spacing),
+                history=history, missing=missing,
             )  # fmt: skip
         return cls(file=name, sha256=_compute_checksum(body), body=BodyInMemory(body))
 
@@ -256,14 +258,18 @@ class MeasuredFile(StudyTable):
             return self
         assert self.sha256 is not None
         body = self.body.body
-        ending = "csv" if isinstance(body, JoinedSpectrum) else "npy"
-        path = (folder / "bodies" / self.sha256[:12] / f"{side}.{ending}").absolute()
+        file_extension = "csv" if isinstance(body, JoinedSpectrum) else "npy"
+        path = (folder / "bodies" / self.sha256[:12] / f"{side}.{file_extension}").absolute()
         if not path.exists():
             path.parent.mkdir(parents=True, exist_ok=True)
-            write: Any = (
-                write_spectrum if ending == "csv" else write_profile if body.heights.ndim == 1 else write_surface
+            write_body: Any = (
+                write_spectrum
+                if file_extension == "csv"
+                else write_profile
+                if body.heights.ndim == 1
+                else write_surface
             )
-            write(body, path)
+            write_body(body, path)
         has_missing = not isinstance(body, JoinedSpectrum) and body.missing is not None
         options = {name: getattr(self, name) for name in ("tip", "texture", "max_cut_off", "height_factor")}
         return MeasuredFile(file=str(path), missing="mask" if has_missing else "error", **options).with_checksums()
@@ -291,10 +297,10 @@ class MeasuredFile(StudyTable):
 
         Raises a `ValueError` if the product with the existing factor is out of range.
         """
-        total = factor * self.height_factor
-        if not MIN_HEIGHT_FACTOR <= total <= MAX_HEIGHT_FACTOR:
+        total_factor = factor * self.height_factor
+        if not MIN_HEIGHT_FACTOR <= total_factor <= MAX_HEIGHT_FACTOR:
             limits = f"from {MIN_HEIGHT_FACTOR:g} to {MAX_HEIGHT_FACTOR:g}"
-            raise ValueError(f"height_factor must be {limits}, got {total:g} for {self.name}")
+            raise ValueError(f"height_factor must be {limits}, got {total_factor:g} for {self.name}")
         return self._map_scans(lambda scan: scan.model_copy(update={"height_factor": factor * scan.height_factor}))
 
     @property
@@ -353,10 +359,10 @@ class MeasuredFile(StudyTable):
     def file_stamp(self) -> tuple[int, int] | None:
         """Return the modification time (ns) and the size of the file, or None if the file does not exist."""
         try:
-            status = None if self.body else Path(self.file).stat()
+            file_status = None if self.body else Path(self.file).stat()
         except OSError:
             return None
-        return status and (status.st_mtime_ns, status.st_size)
+        return file_status and (file_status.st_mtime_ns, file_status.st_size)
 
     def with_absolute_paths(self, directory: Path) -> MeasuredFile:
         """Return a copy of the entry with absolute paths. Relative paths are resolved against `directory`."""
@@ -439,7 +445,7 @@ class SharedMemberProperties:
     area: float
     shape: Sequence[int]
     spacing: Sequence[float]
-    used: Sequence[float]
+    used_fractions: Sequence[float]
     scans: Sequence[Any]  # scans before they are cut into members
 
 
@@ -522,8 +528,8 @@ class CommonMeasuredSettings(StudyTableVariant):
         Successive members use all pairs of scans in turn.
         """
         upper, lower = self.scan_counts
-        cell = members % (upper * lower)
-        return cell % upper, (cell + cell // math.lcm(upper, lower)) % lower
+        pair_index = members % (upper * lower)
+        return pair_index % upper, (pair_index + pair_index // math.lcm(upper, lower)) % lower
 
     def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> MemberSource:
         """Low-pass filter each scan at its own cutoff (µm, 0 for no filter), and form members from the filtered scans.
@@ -637,12 +643,12 @@ class LineMemberSource:
         # Offset 0 is excluded for a single pair, because the two lines may be identical.
         is_unshifted = pairs.several and offsets == 1 and pairs.travel is None
         if is_unshifted or max_steps == 0:
-            steps = 0
+            offset_steps = 0
         elif offsets == 1 and pairs.travel is not None and position == 0:
-            steps = max_steps  # a single position is placed at the end of the travel
+            offset_steps = max_steps  # a single position is placed at the end of the travel
         else:
-            steps = 1 + min(int(quasi_random_point(position + 1, 1)[0] * max_steps), max_steps - 1)
-        return self._member_at(slider, track, steps, line)
+            offset_steps = 1 + min(int(quasi_random_point(position + 1, 1)[0] * max_steps), max_steps - 1)
+        return self._member_at(slider, track, offset_steps, line)
 
     def _member_at(self, slider: Profile, track: Profile, steps: int, line: int) -> EnsembleMember:
         """Return the member whose slider starts `steps` points after the start of the counterface."""
@@ -659,15 +665,15 @@ class LineMemberSource:
 
 
 def _shared_line_properties(
-    slider: Profile, track: Profile, used: float, scans: tuple[Any, Any]
+    slider: Profile, track: Profile, used_fraction: float, scans: tuple[Any, Any]
 ) -> SharedMemberProperties:
     """Return the properties shared by all members of a study of lines.
 
-    `used` is the fraction of the upper scan that the slider covers.
+    `used_fraction` is the fraction of the upper scan that the slider covers.
     """
     return SharedMemberProperties(
-        slider, track, slider.extent * PROFILE_WIDTH, [len(slider)], [slider.spacing], [used, len(slider) / len(track)],
-        scans,
+        slider, track, slider.extent * PROFILE_WIDTH, [len(slider)], [slider.spacing],
+        [used_fraction, len(slider) / len(track)], scans,
     )  # fmt: skip
 
 
@@ -715,10 +721,12 @@ class MeasuredMapSettings(CommonMeasuredSettings):
             raise ValueError('surfaces.press must be "lines" or "surrogates" for a profile, got "areas"')
         if self.gap:
             gap = levelled(lower, self.level)
-            grid: dict[str, Any] = {"spacing": gap.spacing, "missing": gap.missing}
-            flat = Surface(np.zeros_like(gap.heights), history=("a flat face",), **grid)
-            rough = Surface(0.0 - gap.heights, history=(*gap.history, "a gap, below a flat face"), **grid)
-            return GapMemberSource(flat, rough)
+            grid_arguments: dict[str, Any] = {"spacing": gap.spacing, "missing": gap.missing}
+            flat_face = Surface(np.zeros_like(gap.heights), history=("a flat face",), **grid_arguments)
+            rough_face = Surface(
+                0.0 - gap.heights, history=(*gap.history, "a gap, below a flat face"), **grid_arguments
+            )
+            return GapMemberSource(flat_face, rough_face)
         shifts = None if self.positions is None else tuple((float(x), float(y)) for x, y in self.positions)
         pairs = build_map_pairs(upper, lower, self.level, seed, rotation=self.rotate, shifts=shifts)
         return MapMemberSource(pairs, scans, self.surrogates)
@@ -741,10 +749,10 @@ class SurrogateSettings(CommonMeasuredSettings):
         """Return the members. Each is a pair of random height maps with the spectra of two scans."""
         first, second = scans
         if isinstance(first, JoinedSpectrum) or isinstance(second, JoinedSpectrum):
-            finest = float(self.cells()["cut_off"].min())
+            shortest_cutoff = float(self.cells()["cut_off"].min())
             return MapMemberSource(
                 SpectralSurfacePairs(
-                    to_joined_spectrum(first), to_joined_spectrum(second), self.level, seed, cut_offs, finest
+                    to_joined_spectrum(first), to_joined_spectrum(second), self.level, seed, cut_offs, shortest_cutoff
                 ),
                 scans,
             )
@@ -788,16 +796,17 @@ class MapMemberSource:
 
     def member(self, index: int) -> EnsembleMember:
         """Return a member, which is a pair of surrogates or a pair of overlapping map pieces."""
-        pairs, count = self.pairs, self.surrogates
-        if count is None or index < count:
+        pairs, num_surrogates = self.pairs, self.surrogates
+        if num_surrogates is None or index < num_surrogates:
             return EnsembleMember(pairs.surrogates(index), np.nan, np.nan, surrogate=True)
         assert isinstance(pairs, MapPairs)
-        shift = index - count
-        if shift >= pairs.max_count():
+        shift_index = index - num_surrogates
+        if shift_index >= pairs.max_count():
             raise ValueError(
-                f"the maps have {pairs.max_count()} relative positions, but member {index} needs position {shift + 1}"
+                f"the maps have {pairs.max_count()} relative positions, but member {index} needs position "
+                f"{shift_index + 1}"
             )
-        return EnsembleMember(pairs.pair(shift), *pairs.map_shift(shift))
+        return EnsembleMember(pairs.pair(shift_index), *pairs.map_shift(shift_index))
 
     def find_shared_properties(self) -> SharedMemberProperties:
         """Return the properties that all members have in common."""

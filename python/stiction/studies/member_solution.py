@@ -85,9 +85,9 @@ def solve_at_loads(
     about a third of the time.
     """
     contact = study.contact
-    loads, motions = contact.loading_steps().size, (len(contact.rules()), contact.direction_angles().size)
+    num_loads, motion_shape = contact.loading_steps().size, (len(contact.rules()), contact.direction_angles().size)
     values = {
-        name: _build_unsolved_values(name, motions, loads)
+        name: _build_unsolved_values(name, motion_shape, num_loads)
         for name in variable_names(study)
         if name not in GAP_QUANTITIES
     }
@@ -97,17 +97,17 @@ def solve_at_loads(
     else:
         _solve_asperities(contact, upper, lower, values, slopes)
     if slopes is not None:
-        gradient, slope = slopes.compute_gap_slopes(contact.direction_angles())
-        values |= {"rms_gradient": np.asarray(gradient), "rms_slope": slope}
+        rms_gradient, rms_slopes = slopes.compute_gap_slopes(contact.direction_angles())
+        values |= {"rms_gradient": np.asarray(rms_gradient), "rms_slope": rms_slopes}
     return values
 
 
-def _build_unsolved_values(name: str, motions: tuple[int, int], loads: int) -> NDArray[Any]:
+def _build_unsolved_values(name: str, motion_shape: tuple[int, int], num_loads: int) -> NDArray[Any]:
     """Return placeholder values for loads at which the solver failed: NaN, 0 contacts, or the status "not-solved"."""
     sizes = {
-        "sliding": motions[0],
-        "direction": motions[1],
-        "step": loads,
+        "sliding": motion_shape[0],
+        "direction": motion_shape[1],
+        "step": num_loads,
         "fraction_below": len(QUANTILE_PROBABILITIES),
     }
     shape = tuple(sizes[dimension] for dimension in QUANTITIES[name].along)
@@ -134,18 +134,18 @@ def _solve_half_space(
 
     A failure at one load does not affect the other loads.
     """
-    areal = isinstance(upper, Surface)
-    first: list[float] | Literal["+x"] = contact.direction_angles().tolist() if areal else "+x"
+    is_areal = isinstance(upper, Surface)
+    first_direction: list[float] | Literal["+x"] = contact.direction_angles().tolist() if is_areal else "+x"
     solve = functools.partial(
-        half_space, upper, lower, **contact.solver_arguments(), direction=first, sliding=contact.rules()[0]
+        half_space, upper, lower, **contact.solver_arguments(), direction=first_direction, sliding=contact.rules()[0]
     )
-    sums = (*HALF_SPACE_SUM_QUANTITIES, *(ADHESION_QUANTITIES[:1] if contact.adheres else ()))
+    sum_names = (*HALF_SPACE_SUM_QUANTITIES, *(ADHESION_QUANTITIES[:1] if contact.adheres else ()))
 
-    def by_motion(curve: HalfSpaceCurve) -> list[list[HalfSpaceCurve]]:
+    def derive_motion_curves(curve: HalfSpaceCurve) -> list[list[HalfSpaceCurve]]:
         """Derive load curves for all sliding rules and directions from one computed load curve."""
-        ways = (
+        direction_curves = (
             [curve]
-            if areal
+            if is_areal
             else [
                 curve if direction == "+x" else curve.with_direction(direction)
                 for direction in _list_profile_directions(contact)
@@ -153,20 +153,23 @@ def _solve_half_space(
         )
         rules = enumerate(contact.rules())
         return [
-            [direction if rule == 0 else direction.with_sliding(sliding) for direction in ways]
+            [direction if rule == 0 else direction.with_sliding(sliding) for direction in direction_curves]
             for rule, sliding in rules
         ]
 
-    def of_motions(curves: list[list[HalfSpaceCurve]], name: str) -> Floats:
+    def stack_over_motions(curves: list[list[HalfSpaceCurve]], name: str) -> Floats:
         return np.stack(
-            [np.concatenate([np.atleast_2d(getattr(direction, name)) for direction in ways]) for ways in curves]
+            [
+                np.concatenate([np.atleast_2d(getattr(direction, name)) for direction in direction_curves])
+                for direction_curves in curves
+            ]
         )
 
     for load_indices, curve in solve_separately(solve, contact.loading_steps()):
-        curves = by_motion(curve)
-        for name in sums:
+        curves = derive_motion_curves(curve)
+        for name in sum_names:
             values[name][..., load_indices] = (
-                of_motions(curves, name) if name in DIRECTED_SUM_QUANTITIES else getattr(curve, name)
+                stack_over_motions(curves, name) if name in DIRECTED_SUM_QUANTITIES else getattr(curve, name)
             )
         if slopes is None:
             continue
@@ -178,18 +181,19 @@ def _solve_half_space(
             values["unloading_stiffness"][load_indices] = curve.unloading_stiffness
         values["error"][load_indices] = curve.error
         for index, load in enumerate(load_indices):
-            pressed = curve.at(index)
+            load_solution = curve.at(index)
             for name, value in (
-                tabulate_contact_patches(pressed).compute_statistics() | compute_steep_point_load(pressed, slopes)
+                tabulate_contact_patches(load_solution).compute_statistics()
+                | compute_steep_point_load(load_solution, slopes)
             ).items():
                 values[name][load] = value
     if contact.adheres:
-        held = solve_at_no_load(solve)
-        if held is not None:
-            values["pull_off"][...], values["pull_off_is_bound"][...] = held.pull_off_bound
-        curves = [] if held is None else by_motion(held)
+        solution_at_no_load = solve_at_no_load(solve)
+        if solution_at_no_load is not None:
+            values["pull_off"][...], values["pull_off_is_bound"][...] = solution_at_no_load.pull_off_bound
+        curves = [] if solution_at_no_load is None else derive_motion_curves(solution_at_no_load)
         for name in ZERO_LOAD_SUM_QUANTITIES if curves else ():
-            values[name][...] = of_motions(curves, QUANTITIES[name].numerator)[..., 0]
+            values[name][...] = stack_over_motions(curves, QUANTITIES[name].numerator)[..., 0]
 
 
 def _solve_asperities(contact: AsperitySettings, upper: Any, lower: Any, values: ArraysByName, slopes: Any) -> None:
@@ -198,58 +202,67 @@ def _solve_asperities(contact: AsperitySettings, upper: Any, lower: Any, values:
     With the detection criterion "cell", the load jumps at some approaches. Sums at a load within a jump are
     interpolated between the states just before and just after the jump.
     """
-    model, areal = contact.model(), isinstance(upper, Surface)
-    if areal:  # A map needs one load curve for all directions, but a profile needs one for each direction.
+    model, is_areal = contact.model(), isinstance(upper, Surface)
+    if is_areal:  # A map needs one load curve for all directions, but a profile needs one for each direction.
         models = [replace(model, direction=contact.direction_angles().tolist(), shear="+x").for_surfaces()]
     else:
         models = [
             replace(model, shear=direction, direction=None).for_profiles()
             for direction in _list_profile_directions(contact)
         ]
-    first_model = replace(models[0], direction=0.0) if areal else models[0]
+    first_model = replace(models[0], direction=0.0) if is_areal else models[0]
     # Without friction, the normal force equals the elastic load.
     approach, status = find_approaches_at_loads(
         SurfacePair(upper, lower), contact.loading_steps(), mu0=0.0, tau0=0.0, model=first_model
     )
     values["status"][:] = [STATUSES.index(item) for item in status.tolist()]
-    ok = np.flatnonzero(status == STATUS_OK)
-    if not ok.size:
+    solved_loads = np.flatnonzero(status == STATUS_OK)
+    if not solved_loads.size:
         return
     # Contacts at minima of the gap start with zero load, so the load has no jumps.
-    fractions = [
+    approach_fractions = [
         1 - STIFFNESS_DIFFERENCE_STEP,
         1 - LOAD_JUMP_DISTANCE * (first_model.detection == "cell"),
         1,
         1 + STIFFNESS_DIFFERENCE_STEP,
     ]
-    steps, index = np.unique(np.outer(fractions, approach[ok]), return_inverse=True)
-    low, before, at, high = index.reshape(len(fractions), ok.size)
-    bodies = precompute_candidates(upper, lower, float(steps[-1]), first_model)
-    pressed: Any = functools.partial(press, *bodies)
-    listed: Any = functools.partial(contacts, *bodies)
+    approaches, index = np.unique(np.outer(approach_fractions, approach[solved_loads]), return_inverse=True)
+    lower_index, index_before_jump, load_index, upper_index = index.reshape(len(approach_fractions), solved_loads.size)
+    bodies = precompute_candidates(upper, lower, float(approaches[-1]), first_model)
+    press_bodies: Any = functools.partial(press, *bodies)
+    list_contacts: Any = functools.partial(contacts, *bodies)
 
-    def read(name: str, curve: Any) -> Floats:
+    def interpolate_at_jump(name: str, curve: Any) -> Floats:
         normal, sums = curve.normal_elastic, getattr(curve, name)
-        jump, rise = normal[at] - normal[before], contact.loading_steps()[ok] - normal[before]
-        share = np.clip(np.divide(rise, jump, out=np.ones(ok.size), where=jump > 0), 0, 1)
-        interpolated = sums[..., before] + share * (sums[..., at] - sums[..., before])
+        load_jump, load_rise = (
+            normal[load_index] - normal[index_before_jump],
+            contact.loading_steps()[solved_loads] - normal[index_before_jump],
+        )
+        load_fraction = np.clip(
+            np.divide(load_rise, load_jump, out=np.ones(solved_loads.size), where=load_jump > 0), 0, 1
+        )
+        interpolated = sums[..., index_before_jump] + load_fraction * (
+            sums[..., load_index] - sums[..., index_before_jump]
+        )
         return np.asarray(np.rint(interpolated) if QUANTITIES[name].dtype is int else interpolated)
 
     names = [name for name in (*SUM_QUANTITIES, *AREAL_SUM_QUANTITIES) if name in values]
     for rule, sliding in enumerate(contact.rules()):
-        curves: list[Any] = [pressed(steps, model=replace(item, sliding=sliding)) for item in models]
+        curves: list[Any] = [press_bodies(approaches, model=replace(item, sliding=sliding)) for item in models]
         for name in names:
             if name not in DIRECTED_SUM_QUANTITIES:
-                values[name][ok] = read(name, curves[0])
+                values[name][solved_loads] = interpolate_at_jump(name, curves[0])
             else:
-                values[name][rule][..., ok] = np.concatenate([np.atleast_2d(read(name, curve)) for curve in curves])
+                values[name][rule][..., solved_loads] = np.concatenate(
+                    [np.atleast_2d(interpolate_at_jump(name, curve)) for curve in curves]
+                )
     normal = curves[0].normal_elastic
-    stiffness = (normal[high] - normal[low]) / (steps[high] - steps[low])
-    values["approach"][ok] = values["closure"][ok] = approach[ok]
-    values["normal_stiffness"][ok] = stiffness
-    values["closure_stiffness"][ok] = stiffness / np.prod(upper.extent) * STIFFNESS_UNIT_FACTOR
-    for load in ok:
-        table = tabulate_asperity_contacts(listed(float(approach[load]), model=first_model), upper)
+    stiffness = (normal[upper_index] - normal[lower_index]) / (approaches[upper_index] - approaches[lower_index])
+    values["approach"][solved_loads] = values["closure"][solved_loads] = approach[solved_loads]
+    values["normal_stiffness"][solved_loads] = stiffness
+    values["closure_stiffness"][solved_loads] = stiffness / np.prod(upper.extent) * STIFFNESS_UNIT_FACTOR
+    for load in solved_loads:
+        table = tabulate_asperity_contacts(list_contacts(float(approach[load]), model=first_model), upper)
         for name, value in (table.compute_statistics() | compute_steep_contact_load(table, slopes)).items():
             values[name][load] = value
 
@@ -295,8 +308,8 @@ class PressedPair:
         if status[0] != STATUS_OK:
             return None
         bodies: Any = precompute_candidates(upper, lower, float(approach[0]), model)
-        pushed: LoadCurve = press(*bodies, approach, model=model)  # type: ignore[call-overload]
-        return cls(upper, lower, pushed, model=model)
+        load_curve: LoadCurve = press(*bodies, approach, model=model)  # type: ignore[call-overload]
+        return cls(upper, lower, load_curve, model=model)
 
     def table(self) -> ContactList:
         """Return a table of the contacts between the two bodies."""
@@ -367,47 +380,55 @@ def compute_member_sums(study: Study, index: int) -> ArraysByName:
 @functools.lru_cache(maxsize=4)
 def array_shapes_and_types(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
     """Return the shape and data type of each variable, for a single member."""
-    cells = len(study.surfaces.cells())
+    num_cell_dims = len(study.surfaces.cells())
     return {
-        name: ((*spec.shape[:cells], *spec.shape[cells + 1 :]), spec.dtype)
+        name: ((*spec.shape[:num_cell_dims], *spec.shape[num_cell_dims + 1 :]), spec.dtype)
         for name, spec in variable_specs(study, [0]).items()
     }
 
 
 def estimate_member_time(study: Study) -> float:
     """Estimate the time (s) for computing one member on one core."""
-    cells = math.prod(values.size for values in study.surfaces.cells().values())
-    loads = study.contact.loading_steps().size
-    points, areal = count_points(study), study.is_areal
+    num_cells = math.prod(values.size for values in study.surfaces.cells().values())
+    num_loads = study.contact.loading_steps().size
+    num_points, is_areal = count_points(study), study.is_areal
     if study.uses_half_space and study.contact.adheres:
-        softest = PULL_OFF_ITERATION_FACTORS[areal] / MAX_PULL_OFF_ITERATIONS
-        pull_off = PULL_OFF_ITERATION_FACTORS[areal] / max(_estimate_relative_stiffness(study), softest)
-        return cells * ((loads + 1) * estimate_solution_time(study) + pull_off * _estimate_iteration_time(study))
-    if study.uses_half_space:
-        return cells * loads * estimate_solution_time(study)
-    if study.is_measured:
-        return cells * (
-            MEMBER_TIME_COEFFICIENTS["area"] * loads + MEMBER_TIME_COEFFICIENTS["point"] * points
-            if areal
-            else MEMBER_TIME_COEFFICIENTS["line"] * loads
+        min_stiffness = PULL_OFF_ITERATION_FACTORS[is_areal] / MAX_PULL_OFF_ITERATIONS
+        num_pull_off_iterations = PULL_OFF_ITERATION_FACTORS[is_areal] / max(
+            _estimate_relative_stiffness(study), min_stiffness
         )
-    onsets = cells * loads * MEMBER_TIME_COEFFICIENTS["onset"] if study.contact.onset else 0.0
-    return cells * points * MEMBER_TIME_COEFFICIENTS["asperities" if study.is_areal else "profile"] + onsets + 1e-4
+        return num_cells * (
+            (num_loads + 1) * estimate_solution_time(study) + num_pull_off_iterations * _estimate_iteration_time(study)
+        )
+    if study.uses_half_space:
+        return num_cells * num_loads * estimate_solution_time(study)
+    if study.is_measured:
+        return num_cells * (
+            MEMBER_TIME_COEFFICIENTS["area"] * num_loads + MEMBER_TIME_COEFFICIENTS["point"] * num_points
+            if is_areal
+            else MEMBER_TIME_COEFFICIENTS["line"] * num_loads
+        )
+    onset_time = num_cells * num_loads * MEMBER_TIME_COEFFICIENTS["onset"] if study.contact.onset else 0.0
+    return (
+        num_cells * num_points * MEMBER_TIME_COEFFICIENTS["asperities" if study.is_areal else "profile"]
+        + onset_time
+        + 1e-4
+    )
 
 
 def estimate_solution_time(study: Study) -> float:
     """Estimate the time (s) for computing a half-space solution at a single load on one core."""
-    areal = study.is_areal
-    besides = MEMBER_TIME_COEFFICIENTS["half-space" if areal else "half-plane"]
+    is_areal = study.is_areal
+    additional_time = MEMBER_TIME_COEFFICIENTS["half-space" if is_areal else "half-plane"]
     if study.contact.adheres:
-        return besides + ITERATIONS_PER_LOAD * _estimate_iteration_time(study)
-    seconds, power = SOLUTION_TIME_COEFFICIENTS[areal]
-    return besides + seconds * math.pow(count_points(study), power)
+        return additional_time + ITERATIONS_PER_LOAD * _estimate_iteration_time(study)
+    seconds, exponent = SOLUTION_TIME_COEFFICIENTS[is_areal]
+    return additional_time + seconds * math.pow(count_points(study), exponent)
 
 
 def _estimate_iteration_time(study: Study) -> float:
-    seconds, power = ITERATION_TIME_COEFFICIENTS[study.is_areal]
-    return seconds * math.pow(count_points(study), power)
+    seconds, exponent = ITERATION_TIME_COEFFICIENTS[study.is_areal]
+    return seconds * math.pow(count_points(study), exponent)
 
 
 @functools.lru_cache(maxsize=16)
@@ -505,21 +526,24 @@ def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slic
     surfaces: Any = study.surfaces
     steps, models = _list_loading_steps(study.contact), _list_contact_models(study.contact)
     dimensions, amplitudes = surfaces.fractal_dimensions(), surfaces.amplitudes()
-    members = min(dimensions.size, max(1, MAX_BATCH_BYTES // (8 * surfaces.points)))
-    memory = _reuse_array((2 * members + 2, surfaces.points))
-    for first in range(0, dimensions.size, members):
-        family = dimensions[first : first + members]
-        uppers, lowers = memory[: family.size], memory[members : members + family.size]
+    batch_size = min(dimensions.size, max(1, MAX_BATCH_BYTES // (8 * surfaces.points)))
+    height_buffer = _reuse_array((2 * batch_size + 2, surfaces.points))
+    for first in range(0, dimensions.size, batch_size):
+        batch_dimensions = dimensions[first : first + batch_size]
+        upper_heights, lower_heights = (
+            height_buffer[: batch_dimensions.size],
+            height_buffer[batch_size : batch_size + batch_dimensions.size],
+        )
         columns = _core.press_profile_batches(
-            uppers, fill_profiles(study, uppers, family, repetition, "upper"), lowers,
-            fill_profiles(study, lowers, family, repetition, "lower"), spacing=surfaces.spacing, amplitudes=amplitudes,
-            measure=surfaces.amplitude_measure, approaches=steps, scratch=memory[-2:],
+            upper_heights, fill_profiles(study, upper_heights, batch_dimensions, repetition, "upper"), lower_heights,
+            fill_profiles(study, lower_heights, batch_dimensions, repetition, "lower"), spacing=surfaces.spacing,
+            amplitudes=amplitudes, measure=surfaces.amplitude_measure, approaches=steps, scratch=height_buffer[-2:],
             models=[model.for_profiles().core() for model in models],
         )  # fmt: skip
-        shape = family.size, amplitudes.size, len(models), steps.size
+        shape = batch_dimensions.size, amplitudes.size, len(models), steps.size
         tables = {name: columns[name].reshape(shape) for name in study.sums()}
         yield (
-            slice(first, first + family.size),
+            slice(first, first + batch_dimensions.size),
             {name: table if name in DIRECTED_SUM_QUANTITIES else table[:, :, :1] for name, table in tables.items()},
         )
 

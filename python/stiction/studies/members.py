@@ -81,11 +81,11 @@ def generate_pairs(
     surfaces: Any = study.surfaces
     batch_size = max(1, MAX_BATCH_BYTES // (8 * surfaces.points))
     for first in range(0, dimensions.size, batch_size):
-        batch = dimensions[first : first + batch_size]
-        bodies = [np.empty((batch.size, surfaces.points)) for _ in SIDES]
-        for side, heights in zip(SIDES, bodies, strict=True):
-            fill_profiles(study, heights, batch, repetition, side)
-        for pair in zip(*bodies, strict=True):
+        batch_dimensions = dimensions[first : first + batch_size]
+        body_heights = [np.empty((batch_dimensions.size, surfaces.points)) for _ in SIDES]
+        for side, heights in zip(SIDES, body_heights, strict=True):
+            fill_profiles(study, heights, batch_dimensions, repetition, side)
+        for pair in zip(*body_heights, strict=True):
             upper, lower = (
                 scale_profile(heights, surfaces.spacing, amplitude, surfaces.amplitude_measure, np.empty_like(heights))
                 for heights in pair
@@ -202,10 +202,10 @@ class LoadedBodies:
         Raises a `ValueError` if the scans have no members.
         """
         surfaces, indices = self._surfaces, (upper, lower)
-        scans = self._parts[0][upper], self._parts[1][lower]
+        scan_pair = self._parts[0][upper], self._parts[1][lower]
         files = (getattr(surfaces, side).scans[index] for side, index in zip(SIDES, indices, strict=True))
         upper_cutoff, lower_cutoff = (file.limited_cut_off(wavelength) for file in files)
-        return surfaces.members(scans, (upper_cutoff, lower_cutoff), self._seed)
+        return surfaces.members(scan_pair, (upper_cutoff, lower_cutoff), self._seed)
 
     def member(self, index: int, wavelength: float) -> EnsembleMember:
         """Return the member with a given index. Its scans are filtered at a cutoff (µm, 0 for no filter)."""
@@ -213,8 +213,8 @@ class LoadedBodies:
         # Members are numbered from 0 for each pair of scans.
         # Surrogates use the index in the study as their random seed.
         has_surrogates = surfaces.press == "surrogates" or getattr(surfaces, "replace", "none") != "none"
-        member_of_pair = index if has_surrogates else index // math.prod(surfaces.scan_counts)
-        return self.members(wavelength, *surfaces.scan_indices_of_members(index)).member(member_of_pair)
+        index_within_pair = index if has_surrogates else index // math.prod(surfaces.scan_counts)
+        return self.members(wavelength, *surfaces.scan_indices_of_members(index)).member(index_within_pair)
 
     def attributes(self) -> BodyAttributes:
         """Return the body attributes that a result stores, namely nominal area, history, grid and missing data."""
@@ -226,7 +226,7 @@ class LoadedBodies:
         attributes |= {
             "shape": np.array(properties.shape, np.int64),
             "spacing_um": np.array(properties.spacing, np.float64),
-            "fraction_used": np.array(properties.used, np.float64),
+            "fraction_used": np.array(properties.used_fractions, np.float64),
         }
         for side, scan in zip(SIDES, properties.scans, strict=True):
             attributes[f"{side}_spacing_um"] = np.atleast_1d(np.asarray(scan.spacing, np.float64))
@@ -251,9 +251,9 @@ class LoadedBodies:
 
 def count_points(study: Study) -> int:
     """Return the number of grid points of a member. If the scan files are missing, return a typical number."""
-    surfaces: Any = study.surfaces
+    settings: Any = study.surfaces
     if not study.is_measured:
-        return math.prod(surfaces.shape) if study.is_areal else int(surfaces.points)
+        return math.prod(settings.shape) if study.is_areal else int(settings.points)
     with contextlib.suppress(ValueError, OSError):
         return int(np.prod(body_attributes(study).attributes["shape"]))
     return TYPICAL_SCAN_POINTS[study.is_areal]

@@ -62,12 +62,12 @@ class Moduli:
         if "effective_modulus" in samples:
             return samples["effective_modulus"] / self.middle
         sides = [SIDES[0]] * 2 if self.is_one_material else SIDES
-        middle = [_compute_compliance(body["young"].value, body["poisson"].value) for body in self.bodies]
-        sampled = [
+        central_compliances = [_compute_compliance(body["young"].value, body["poisson"].value) for body in self.bodies]
+        sampled_compliances = [
             _compute_compliance(*(samples.get(f"{name}_{side}", body[name].value) for name in MODULUS_NAMES))
             for side, body in zip(sides, self.bodies, strict=False)
         ]
-        return sum(middle) / sum(sampled) if self.bodies else 1.0
+        return sum(central_compliances) / sum(sampled_compliances) if self.bodies else 1.0
 
 
 def _compute_compliance(young: Any, poisson: Any) -> Any:
@@ -101,16 +101,19 @@ def parse_elasticity(
     """
     arguments = {"effective_modulus": effective_modulus, "young": young, "poisson": poisson}
     inputs = {name: _parse_inputs(name, value) for name, value in arguments.items() if value is not None}
-    middle = {
+    central_values = {
         name: [item.value for item in values]
         if any(UNCERTAINTY_PATTERN.search(item.text) for item in values)
         else arguments[name]
         for name, values in inputs.items()
     }
-    numbers = {
-        name: values[0] if isinstance(values, list) and len(values) == 1 else values for name, values in middle.items()
+    elasticity_arguments = {
+        name: values[0] if isinstance(values, list) and len(values) == 1 else values
+        for name, values in central_values.items()
     }
-    elasticity = determine_elasticity(**numbers, upper_material=upper_material, lower_material=lower_material)
+    elasticity = determine_elasticity(
+        **elasticity_arguments, upper_material=upper_material, lower_material=lower_material
+    )
     value = elasticity.effective_modulus
     if "effective_modulus" in inputs:
         return elasticity, Moduli(value, inputs["effective_modulus"][0])

@@ -93,8 +93,8 @@ class NodeAxis:
 
     def split_candidates(self) -> Floats:
         """Return the midpoint of each panel between rising nodes, shifted if it would be too close to a ranged node."""
-        middles = (self.rising[1:] + self.rising[:-1]) / 2
-        return np.where(self._is_ranged(middles), 0.5 * (middles + self.rising[1:]), middles)
+        midpoints = (self.rising[1:] + self.rising[:-1]) / 2
+        return np.where(self._is_ranged(midpoints), 0.5 * (midpoints + self.rising[1:]), midpoints)
 
     @property
     def panel_middles(self) -> Floats:
@@ -119,14 +119,16 @@ class NodeAxis:
             if low <= value <= high:
                 weights[self.rising.size + index] = 1.0
                 return weights
-        near = np.abs(self.rising - value)
-        if near.min() <= NODE_TOLERANCE * self.rising[-1]:
-            weights[near.argmin()] = 1.0
+        distances = np.abs(self.rising - value)
+        if distances.min() <= NODE_TOLERANCE * self.rising[-1]:
+            weights[distances.argmin()] = 1.0
             return weights
-        last = self.rising.size - 1
-        before = int(np.clip(np.searchsorted(self.rising, value, side="right") - 1, 0, last - 1))
-        first, number = (min(max(before - 1, 0), last - 3), 4) if cubic and last >= 3 else (before, 2)
-        return self._lagrange_weights(value, np.arange(first, first + number))
+        last_index = self.rising.size - 1
+        panel_start = int(np.clip(np.searchsorted(self.rising, value, side="right") - 1, 0, last_index - 1))
+        first_node, num_nodes = (
+            (min(max(panel_start - 1, 0), last_index - 3), 4) if cubic and last_index >= 3 else (panel_start, 2)
+        )
+        return self._lagrange_weights(value, np.arange(first_node, first_node + num_nodes))
 
     def weight_corrections(self, value: float, *, cubic: bool = True) -> list[Floats]:
         """Return the changes in the weights if the interpolation also uses the preceding or the following node.
@@ -134,14 +136,14 @@ class NodeAxis:
         A change is 0 at a node, and NaN if there is no such node.
         """
         weights = self.weights(value, cubic=cubic)
-        (used,) = np.nonzero(weights)
-        if used.size == 1:
+        (used_indices,) = np.nonzero(weights)
+        if used_indices.size == 1:
             return [np.zeros(weights.size)] * 2
         return [
-            self._lagrange_weights(value, np.append(used, node)) - weights
+            self._lagrange_weights(value, np.append(used_indices, node)) - weights
             if 0 <= node < self.rising.size
             else np.full(weights.size, np.nan)
-            for node in (used[0] - 1, used[-1] + 1)
+            for node in (used_indices[0] - 1, used_indices[-1] + 1)
         ]
 
     def _lagrange_weights(self, value: float, indices: NDArray[np.intp]) -> Floats:
@@ -265,18 +267,21 @@ class InterpolationNodes:
 
 def initial_axes(study: Study) -> tuple[NodeAxis, NodeAxis]:
     """Return the initial nodes of mu0 and tau0 (GPa), from 0 to the largest value that a report shows."""
-    ranged = set(find_uncertain_inputs(study)) | ({"mu0", "tau0"} if study.known.interface else set())
+    ranged_names = set(find_uncertain_inputs(study)) | ({"mu0", "tau0"} if study.known.interface else set())
     modulus, hardness = float(study.contact.effective_modulus), study.contact.hardness
-    strength = MAX_TAU0_OVER_MODULUS * modulus
-    strength = strength if hardness is None else min(strength, MAX_TAU0_OVER_HARDNESS * float(hardness))
+    max_tau0 = MAX_TAU0_OVER_MODULUS * modulus
+    max_tau0 = max_tau0 if hardness is None else min(max_tau0, MAX_TAU0_OVER_HARDNESS * float(hardness))
     study_values = {
         "mu0": np.array(study.friction.mu0),
         "tau0": np.array([float(each) for each in study.friction.tau0]),
     }
-    largest = {"mu0": max(1.0, study_values["mu0"][-1]), "tau0": max(strength, study_values["tau0"][-1])}
+    largest_values = {"mu0": max(1.0, study_values["mu0"][-1]), "tau0": max(max_tau0, study_values["tau0"][-1])}
     if not study.is_measured and study_values["tau0"].size > 1:
-        largest["tau0"] = study_values["tau0"][-1]
-    return tuple(_build_axis(study_values[name], largest[name], is_ranged=name in ranged) for name in ("mu0", "tau0"))  # type: ignore[return-value]
+        largest_values["tau0"] = study_values["tau0"][-1]
+    return tuple(
+        _build_axis(study_values[name], largest_values[name], is_ranged=name in ranged_names)
+        for name in ("mu0", "tau0")
+    )  # type: ignore[return-value]
 
 
 def _build_axis(study_values: Floats, largest: float, *, is_ranged: bool) -> NodeAxis:
@@ -285,15 +290,18 @@ def _build_axis(study_values: Floats, largest: float, *, is_ranged: bool) -> Nod
             np.unique(np.linspace(0, study_values.size - 1, MAX_STUDY_NODES).round().astype(int))
         ]
     # The nodes are closer together near 0, where interval limits have the largest curvature.
-    first = largest * np.linspace(0.0, 1.0, MIN_NODES) ** 2
+    default_nodes = largest * np.linspace(0.0, 1.0, MIN_NODES) ** 2
     if is_ranged:
-        axis = NodeAxis(first, study_values[study_values > 0])
-        return NodeAxis(np.where(axis._is_ranged(first), first * (1 + 5 * SAME_INPUT_TOLERANCE), first), axis.ranged)
-    steps = np.diff(first)
-    room = MIN_NODE_DISTANCE * np.minimum(np.append(steps[0], steps), np.append(steps, steps[-1]))
-    is_kept = np.abs(first[:, np.newaxis] - study_values).min(axis=1) > room
+        axis = NodeAxis(default_nodes, study_values[study_values > 0])
+        return NodeAxis(
+            np.where(axis._is_ranged(default_nodes), default_nodes * (1 + 5 * SAME_INPUT_TOLERANCE), default_nodes),
+            axis.ranged,
+        )
+    steps = np.diff(default_nodes)
+    min_distance = MIN_NODE_DISTANCE * np.minimum(np.append(steps[0], steps), np.append(steps, steps[-1]))
+    is_kept = np.abs(default_nodes[:, np.newaxis] - study_values).min(axis=1) > min_distance
     is_kept[[0, -1]] = True
-    return NodeAxis(np.unique([*first[is_kept], *study_values]))
+    return NodeAxis(np.unique([*default_nodes[is_kept], *study_values]))
 
 
 def refine_axes(
@@ -313,30 +321,42 @@ def refine_axes(
     refined_axes = list(axes)
     for index in range(2):
         other_nodes = refined_axes[1 - index].rising
-        across = other_nodes[[min(1, other_nodes.size - 1), max(other_nodes.size - 2, 0)]]
-        rows: dict[float, Floats] = {}  # cached values with their interval limits, by position on the axis
+        cross_nodes = other_nodes[[min(1, other_nodes.size - 1), max(other_nodes.size - 2, 0)]]
+        values_by_node: dict[float, Floats] = {}  # cached values with their interval limits, by position on the axis
         for _ in range(MAX_AXIS_REFINEMENTS):
             axis = refined_axes[index]
-            middles = axis.split_candidates()
-            along = np.concatenate([axis.values, middles])
-            if (new := np.array([value for value in along.tolist() if value not in rows])).size:
-                table = evaluate(new, across) if index == 0 else np.swapaxes(evaluate(across, new), -2, -3)
-                rows |= zip(new.tolist(), np.moveaxis(table, -3, 0), strict=True)
-            nodes, exact = (np.stack([rows[value] for value in values.tolist()]) for values in (axis.values, middles))
+            midpoints = axis.split_candidates()
+            axis_values = np.concatenate([axis.values, midpoints])
+            if (new_values := np.array([value for value in axis_values.tolist() if value not in values_by_node])).size:
+                table = (
+                    evaluate(new_values, cross_nodes)
+                    if index == 0
+                    else np.swapaxes(evaluate(cross_nodes, new_values), -2, -3)
+                )
+                values_by_node |= zip(new_values.tolist(), np.moveaxis(table, -3, 0), strict=True)
+            nodes, exact_values = (
+                np.stack([values_by_node[value] for value in values.tolist()]) for values in (axis.values, midpoints)
+            )
             with np.errstate(invalid="ignore"):
-                estimated = np.stack([np.tensordot(axis.weights(middle), nodes, axes=1) for middle in middles])
-                changes = [
-                    np.tensordot(np.stack([axis.weight_corrections(middle)[side] for middle in middles]), nodes, axes=1)
-                    for side in range(2)
+                interpolated = np.stack([np.tensordot(axis.weights(midpoint), nodes, axes=1) for midpoint in midpoints])
+                value_changes = [
+                    np.tensordot(
+                        np.stack([axis.weight_corrections(midpoint)[neighbor] for midpoint in midpoints]), nodes, axes=1
+                    )
+                    for neighbor in range(2)
                 ]
-            estimate = (
-                relative_excess_error(exact + _estimated_error(*changes), exact)
+            estimated_excess = (
+                relative_excess_error(exact_values + _estimated_error(*value_changes), exact_values)
                 * INTERVAL_TOLERANCE
                 / PRINTED_TOLERANCE
             )
-            errors = np.maximum(relative_excess_error(estimated, exact), estimate).reshape(middles.size, -1).max(axis=1)
-            order = np.argsort(-errors)[: max(max_nodes - axis.rising.size, 0)]
-            new_nodes = middles[order[errors[order] > max(1.0, errors.max() / 4)]]
+            errors = (
+                np.maximum(relative_excess_error(interpolated, exact_values), estimated_excess)
+                .reshape(midpoints.size, -1)
+                .max(axis=1)
+            )
+            candidate_order = np.argsort(-errors)[: max(max_nodes - axis.rising.size, 0)]
+            new_nodes = midpoints[candidate_order[errors[candidate_order] > max(1.0, errors.max() / 4)]]
             if not new_nodes.size:
                 break
             refined_axes[index] = axis.with_nodes(new_nodes.tolist())
@@ -348,9 +368,11 @@ def relative_excess_error(estimated: Floats, exact: Floats) -> Floats:
     value, width = np.abs(exact[..., 0]), exact[..., 2] - exact[..., 1]
     with np.errstate(divide="ignore", invalid="ignore"):
         error = np.abs(estimated - exact)
-        ends = error[..., 1:].max(axis=-1) / np.maximum(INTERVAL_TOLERANCE * width, VALUE_TOLERANCE * value)
-        values = error[..., 0] / (VALUE_TOLERANCE * value)
-    return np.maximum(np.where(np.isfinite(ends), ends, 0.0), np.where(np.isfinite(values), values, 0.0))
+        limit_excess = error[..., 1:].max(axis=-1) / np.maximum(INTERVAL_TOLERANCE * width, VALUE_TOLERANCE * value)
+        value_excess = error[..., 0] / (VALUE_TOLERANCE * value)
+    return np.maximum(
+        np.where(np.isfinite(limit_excess), limit_excess, 0.0), np.where(np.isfinite(value_excess), value_excess, 0.0)
+    )
 
 
 def largest_errors(
@@ -366,24 +388,26 @@ def largest_errors(
         axis.rising[0] + np.ptp(axis.rising) * fractions
         for axis, fractions in zip(axes, CHECKED_PANEL_FRACTIONS, strict=True)
     )
-    fine = is_interpolated(axes, table)
+    can_interpolate = is_interpolated(axes, table)
     exact = evaluate(mu0, tau0)
-    values, ends = [0.0], [0.0]
+    value_errors, limit_errors = [0.0], [0.0]
     for row, column in np.ndindex(mu0.size, tau0.size):
         at = mu0[row], tau0[column]
-        panel = [int(np.searchsorted(axis.rising, each, side="right") - 1) for axis, each in zip(axes, at, strict=True)]
-        estimated = interpolate_table(axes, np.moveaxis(table, -1, 0), *at)
+        panel_indices = [
+            int(np.searchsorted(axis.rising, each, side="right") - 1) for axis, each in zip(axes, at, strict=True)
+        ]
+        interpolated = interpolate_table(axes, np.moveaxis(table, -1, 0), *at)
         exact_point = np.moveaxis(exact[..., row, column, :], -1, 0)
         width = exact_point[2] - exact_point[1]
         with np.errstate(divide="ignore", invalid="ignore"):
-            value = np.abs(estimated[0] / exact_point[0] - 1)
-            end = np.abs(estimated[1:] - exact_point[1:]).max(axis=0) / np.maximum(
+            value_error = np.abs(interpolated[0] / exact_point[0] - 1)
+            limit_error = np.abs(interpolated[1:] - exact_point[1:]).max(axis=0) / np.maximum(
                 width, VALUE_TOLERANCE / INTERVAL_TOLERANCE * np.abs(exact_point[0])
             )
-        for errors, error in ((values, value), (ends, end)):
-            error = error[fine[..., panel[0], panel[1]] & np.isfinite(error)]
+        for errors, error in ((value_errors, value_error), (limit_errors, limit_error)):
+            error = error[can_interpolate[..., panel_indices[0], panel_indices[1]] & np.isfinite(error)]
             errors.append(float(error.max(initial=0.0)))
-    return max(values), max(ends)
+    return max(value_errors), max(limit_errors)
 
 
 def interpolate_table(axes: tuple[NodeAxis, NodeAxis], table: Floats, mu0: float, tau0: float) -> Floats:
@@ -428,15 +452,15 @@ def is_interpolated(axes: tuple[NodeAxis, NodeAxis], points: Floats) -> NDArray[
 
 def _interpolate_at_midpoints(axes: tuple[NodeAxis, NodeAxis], table: Floats, *, cubic: bool) -> tuple[Floats, Floats]:
     """Return interpolated values at the midpoints of the panels, and the estimated errors. Undefined values are NaN."""
-    over_mu0, over_tau0 = (
+    mu0_weights, tau0_weights = (
         np.stack([axis.weights(value, cubic=cubic) for value in axis.panel_middles]) for axis in axes
     )
-    by_mu0, by_tau0 = (
+    mu0_corrections, tau0_corrections = (
         np.stack([axis.weight_corrections(value, cubic=cubic) for value in axis.panel_middles], axis=1) for axis in axes
     )
-    along_mu0 = _estimated_error(*(_weighted_sums(table, change, over_tau0) for change in by_mu0))
-    along_tau0 = _estimated_error(*(_weighted_sums(table, over_mu0, change) for change in by_tau0))
-    return _weighted_sums(table, over_mu0, over_tau0), along_mu0 + along_tau0
+    mu0_error = _estimated_error(*(_weighted_sums(table, change, tau0_weights) for change in mu0_corrections))
+    tau0_error = _estimated_error(*(_weighted_sums(table, mu0_weights, change) for change in tau0_corrections))
+    return _weighted_sums(table, mu0_weights, tau0_weights), mu0_error + tau0_error
 
 
 def _estimated_error(by_node_before: Floats, by_node_after: Floats) -> Floats:
@@ -444,8 +468,12 @@ def _estimated_error(by_node_before: Floats, by_node_after: Floats) -> Floats:
 
     The error is the geometric mean of the two changes, or one change if the other is NaN.
     """
-    before, after = np.abs(by_node_before), np.abs(by_node_after)
-    return np.where(np.isnan(before), after, np.where(np.isnan(after), before, np.sqrt(before * after)))
+    change_before, change_after = np.abs(by_node_before), np.abs(by_node_after)
+    return np.where(
+        np.isnan(change_before),
+        change_after,
+        np.where(np.isnan(change_after), change_before, np.sqrt(change_before * change_after)),
+    )
 
 
 def _weighted_sums(table: NDArray[Any], over_mu0: Floats, over_tau0: Floats) -> Floats:

@@ -70,20 +70,20 @@ def compute_onset(
         return None
     load = float(study.friction.load[0]) if load is None else load
     surfaces: Any = study.surfaces
-    first = surfaces.first_scan_member_index
-    first = first if first < study.ensemble.repetitions else 0
+    first_index = surfaces.first_scan_member_index
+    first_index = first_index if first_index < study.ensemble.repetitions else 0
     is_slow = surfaces.is_areal and study.uses_half_space
     num_members = (NUM_AREAL_ONSET_MEMBERS if is_slow else NUM_ONSET_MEMBERS) if members is None else members
-    indices = range(first, min(first + num_members, study.ensemble.repetitions))
-    compute: Any = partial(
+    indices = range(first_index, min(first_index + num_members, study.ensemble.repetitions))
+    compute_curve: Any = partial(
         compute_member_onset, study, load=load, mu0=mu0, tau0=tau0, cut_off=surfaces.quoted_cut_off()
     )
-    compute = use_idle_threads(compute, executor, len(indices), count_points(study))
-    onsets = [curve for curve in executor.map(compute, indices) if curve]
-    if not onsets:
+    compute_curve = use_idle_threads(compute_curve, executor, len(indices), count_points(study))
+    curves = [curve for curve in executor.map(compute_curve, indices) if curve]
+    if not curves:
         return None
-    onset = _average_members(study, onsets, {"load_mN": load, "mu0": mu0, "tau0_GPa": tau0})
-    return onset.assign(onsets[0]["map"])
+    onset = _average_members(study, curves, {"load_mN": load, "mu0": mu0, "tau0_GPa": tau0})
+    return onset.assign(curves[0]["map"])
 
 
 def compute_member_onset(
@@ -116,13 +116,13 @@ def compute_member_onset(
 def _average_members(study: Study, curves: Sequence[dict[str, Any]], attributes: dict[str, Any]) -> xarray.Dataset:
     import xarray
 
-    members = MemberAveraging.of(
+    averaging = MemberAveraging.of(
         study, {name: [curve[name] for curve in curves] for name in ("line", "x", "y", "repetition")}
     )
     variables: dict[str, Any] = {}
     for name in (*_CURVE_TITLES, *_ONSET_SCALAR_NAMES):
         dims = ("fraction", "statistic") if name in _CURVE_TITLES else ("statistic",)
-        values = np.clip(members.mean(np.array([curve[name] for curve in curves])), *QUANTITIES[name].bounds)
+        values = np.clip(averaging.mean(np.array([curve[name] for curve in curves])), *QUANTITIES[name].bounds)
         variables[name] = (dims, values, quantity_attributes(name))
     # The default long name refers to the onset of sliding, but the curve also contains smaller loads.
     variables["tangential_load"][2]["long_name"] = "tangential load"
@@ -158,16 +158,16 @@ def _fit_presliding_models(onset: xarray.Dataset) -> dict[str, float]:
     """Fit the four-parameter Iwan model and the LuGre model to the mean curve, and return their parameters."""
     curve = onset.sel(statistic="mean")
     displacement, load = (np.asarray(curve[name].values) for name in ("displacement", "tangential_load"))
-    sliding = float(curve["sliding_load"])
+    sliding_load = float(curve["sliding_load"])
     try:
-        iwan = fit_iwan(displacement, load, sliding_load=sliding, stiffness=float(curve["stiffness"]))
-        lugre = fit_lugre(displacement, load, sliding_load=sliding)
+        iwan = fit_iwan(displacement, load, sliding_load=sliding_load, stiffness=float(curve["stiffness"]))
+        lugre = fit_lugre(displacement, load, sliding_load=sliding_load)
     except ValueError:  # raised because the curve of a free half-plane has no displacements
         return {}
     chi = round(iwan.chi, 12) + 0.0  # adding 0.0 changes -0 to 0
     values = {
-        "iwan": (sliding, iwan.stiffness, chi, iwan.beta, float(np.abs(iwan.residual).max() / sliding)),
-        "lugre": (lugre.stiffness, float(np.abs(lugre.residual).max() / sliding)),
+        "iwan": (sliding_load, iwan.stiffness, chi, iwan.beta, float(np.abs(iwan.residual).max() / sliding_load)),
+        "lugre": (lugre.stiffness, float(np.abs(lugre.residual).max() / sliding_load)),
     }
     return {
         f"{model}_{name}": value
@@ -188,7 +188,7 @@ def load_onset(result: StoredResult) -> xarray.Dataset | None:
     """
     if not result.study.is_measured:
         return None
-    friction = result.study.friction
+    settings = result.study.friction
     onset = read_companion(
         Path(result.path) / ONSET_FILE, ("fraction", "statistic", *_ONSET_SCALAR_NAMES[:-1], *_CURVE_TITLES)
     )
@@ -200,7 +200,7 @@ def load_onset(result: StoredResult) -> xarray.Dataset | None:
         return None
     conditions = [float(onset.attrs[name]) for name in ("load_mN", "mu0", "tau0_GPa")]
     return (
-        onset if conditions == [float(values[0]) for values in (friction.load, friction.mu0, friction.tau0)] else None
+        onset if conditions == [float(values[0]) for values in (settings.load, settings.mu0, settings.tau0)] else None
     )
 
 
@@ -241,14 +241,14 @@ def build_slip_map(pressed: PressedPair, onset: Onset) -> DatasetVariables:
         "slip_x": ("slip_x", np.arange(0, columns, step) * dx, _LENGTH_ATTRIBUTES),
         "lower_height": (("slip_y", "slip_x"), lower.heights[::step, ::step].astype(np.float32), _LENGTH_ATTRIBUTES),
     }
-    fraction = onset.slip_load() / onset.sliding_load
+    slip_fraction = onset.slip_load() / onset.sliding_load
     if isinstance(pressed.curve, HalfSpaceCurve):
         attributes = {"units": "1", "long_name": "ratio of tangential to sliding load at which a point slips"}
-        first = _find_block_minima(fraction.reshape(rows, columns), step)
-        return variables | {"slip": (("slip_y", "slip_x"), first.astype(np.float32), attributes)}
+        slip_start = _find_block_minima(slip_fraction.reshape(rows, columns), step)
+        return variables | {"slip": (("slip_y", "slip_x"), slip_start.astype(np.float32), attributes)}
     table = pressed.table()
     contact_variables = {
-        "slip": (fraction, "1", "ratio of tangential to sliding load at which a contact slides as a whole"),
+        "slip": (slip_fraction, "1", "ratio of tangential to sliding load at which a contact slides as a whole"),
         "x": (table.x, "um", "middle of a contact along x"),
         "y": (table.y, "um", "middle of a contact along y"),
         "area": (table.area, "um^2", "area of a contact"),

@@ -122,21 +122,21 @@ class MeasuredPair:
     @cached_property
     def files(self) -> tuple[MeasuredFile, MeasuredFile]:
         """Study entries for the files of both bodies, including the reading options."""
-        files = []
+        entries = []
         for index, side in enumerate(SIDES):
             scans = self.options.option_value(side) if self.options.gap is None else self.options.gap
             name = side if self.options.gap is None else "gap"
             first_scan, *other_scans = (self._build_file_entry(side, index, scan) for scan in _list_scans(name, scans))
-            files.append(first_scan.model_copy(update={"others": tuple(other_scans) or None}))
-        return files[0], files[1]
+            entries.append(first_scan.model_copy(update={"others": tuple(other_scans) or None}))
+        return entries[0], entries[1]
 
     def _build_file_entry(self, side: str, index: int, body: Any) -> MeasuredFile:
         """Create the study entry for a body. The body is a file with reading options, or an object in memory."""
         options = self.options
         properties: dict[str, Any] = {}
         if options.tip is not None:
-            radii = self._parse_quantities("tip", options.tip)
-            properties["tip"] = radii[index % len(radii)]
+            tip_radii = self._parse_quantities("tip", options.tip)
+            properties["tip"] = tip_radii[index % len(tip_radii)]
         if processes := split_values(options.texture or ()):
             properties["texture"] = self._check_process(processes[index % len(processes)])
         is_array = isinstance(body, np.ndarray)
@@ -151,14 +151,14 @@ class MeasuredPair:
                     )
             body = self._body_from_array(side, index, body) if is_array else body
             return MeasuredFile.from_body(body, side).model_copy(update=properties)
-        table = properties | {"file": str(body)}
+        settings = properties | {"file": str(body)}
         for name in READING_OPTION_NAMES:
             if (value := self._select_value(name, index)) in (None, ""):
                 continue
             text = value if isinstance(value, str) else exact_text(value, "um") if name == "spacing" else str(value)
-            table[name] = split_list(name, text)
+            settings[name] = split_list(name, text)
         try:
-            return validate_table(MeasuredFile, table, f"pair: {side}")
+            return validate_table(MeasuredFile, settings, f"pair: {side}")
         except StudyError as error:
             key, reason = error.faults[0]
             if key not in PAIR_OPTIONS:
@@ -167,8 +167,8 @@ class MeasuredPair:
 
     def _select_value(self, name: str, index: int) -> Any:
         """Return the value of an option for one body. A single value applies to both bodies."""
-        option = self.options.option_value(name)
-        values = option if isinstance(option, list) else [option]
+        option_values = self.options.option_value(name)
+        values = option_values if isinstance(option_values, list) else [option_values]
         if len(values) > 2:
             raise ArgumentError(
                 f"{{{name}}} must be given once for both files, or once for each file, got {len(values)} values"
@@ -322,8 +322,8 @@ class MeasuredPair:
             return 0.0
         if name not in self.uncertain_inputs:
             return self.options.option_value(name)
-        central = [float(f"{item.value:.4g}") for item in self.uncertain_inputs[name]]
-        return central if len(central) > 1 else central[0]
+        central_values = [float(f"{item.value:.4g}") for item in self.uncertain_inputs[name]]
+        return central_values if len(central_values) > 1 else central_values[0]
 
     @property
     def _uncertainty_table(self) -> dict[str, Any]:
@@ -333,20 +333,20 @@ class MeasuredPair:
         }
         if names & {"young", "poisson"} and self.options.young is not None and self.options.poisson is not None:
             names |= {"young", "poisson"}
-        table: dict[str, Any] = {}
+        settings: dict[str, Any] = {}
         for name in sorted(names):
             inputs = self.uncertain_inputs.get(name) or self._parse_inputs(name)
-            table[name] = [item.text for item in inputs] if name in ("young", "poisson") else inputs[0].text
+            settings[name] = [item.text for item in inputs] if name in ("young", "poisson") else inputs[0].text
         if self.contact_models[0] == "half-space" and (growth := self._growth) is not None and not growth.is_exact:
-            table["junction_growth"] = growth.text
+            settings["junction_growth"] = growth.text
         if self.strength is not None:
             name = str(self.options.interface)
-            table["interface"] = name if name in interfaces() else str(Path(name).resolve())
+            settings["interface"] = name if name in interfaces() else str(Path(name).resolve())
             mu0, tau0 = self.strength.strength_intervals
             for name, interval, scale, unit in (("mu0", mu0, 1.0, ""), ("tau0", tau0, 1e3, " MPa")):
                 low, high = (f"{scale * end:.4g}" for end in interval[1:])
-                table |= {name: f"{low}..{high}{unit}"} if float(low) < float(high) else {}
-        return table
+                settings |= {name: f"{low}..{high}{unit}"} if float(low) < float(high) else {}
+        return settings
 
     @cached_property
     def loads(self) -> list[Quantity]:
@@ -371,11 +371,13 @@ class MeasuredPair:
     @property
     def _cell_attraction(self) -> float:
         """Largest adhesive force (mN) on a grid cell, i.e. w/ρ times cell area (w: work, ρ: range of adhesion)."""
-        points = int(np.prod(self._body_attributes.attributes["shape"]))
-        steps = np.atleast_1d(np.asarray(self._body_attributes.attributes["spacing_um"], float))
-        work, study_range = (float(self._adhesion.get(name) or 0.0) for name in ("work_of_adhesion", "adhesion_range"))
-        min_range = resolved_range(work, float(steps.max()), self.elasticity.effective_modulus)
-        return work / max(study_range or ADHESION_RANGE, min_range) * self._nominal_area / points
+        num_points = int(np.prod(self._body_attributes.attributes["shape"]))
+        spacings = np.atleast_1d(np.asarray(self._body_attributes.attributes["spacing_um"], float))
+        work_of_adhesion, study_range = (
+            float(self._adhesion.get(name) or 0.0) for name in ("work_of_adhesion", "adhesion_range")
+        )
+        min_range = resolved_range(work_of_adhesion, float(spacings.max()), self.elasticity.effective_modulus)
+        return work_of_adhesion / max(study_range or ADHESION_RANGE, min_range) * self._nominal_area / num_points
 
     @property
     def _width(self) -> float:
@@ -407,9 +409,9 @@ class MeasuredPair:
     @cached_property
     def studies(self) -> list[Study]:
         """Study of the result. If a check was requested, a study with the other contact model follows."""
-        contacts = [self._build_contact_table(mechanics) for mechanics in self.contact_models]
-        loads = [exact_text(load, "mN") for load in self._load_steps(contacts).tolist()]
-        return [self._build_study(contact | {"load": loads}) for contact in contacts]
+        contact_tables = [self._build_contact_table(mechanics) for mechanics in self.contact_models]
+        load_texts = [exact_text(load, "mN") for load in self._load_steps(contact_tables).tolist()]
+        return [self._build_study(contact | {"load": load_texts}) for contact in contact_tables]
 
     @property
     def preview_study(self) -> Study | None:
@@ -444,12 +446,12 @@ class MeasuredPair:
             if self._hardness is None:
                 raise ArgumentError("{wait} needs {hardness}, because elastic contacts do not creep")
             friction["wait"] = _sort_unique(self._parse_quantities("wait", self.options.wait))
-        data = {
+        tables = {
             "surfaces": self._build_surfaces_table(), "contact": contact, "friction": friction,
             "ensemble": self._build_ensemble_table(),
             "known": self._uncertainty_table,
         }  # fmt: skip
-        return _validate_study(data).with_checksums()
+        return _validate_study(tables).with_checksums()
 
     def _build_surfaces_table(self) -> dict[str, Any]:
         press, level = self.press, self.options.level
@@ -491,19 +493,19 @@ class MeasuredPair:
         come first and give the quoted result if the spectrum of one scan ends in the noise floor of an instrument, and
         if wavelengths in the other scans may be noise as well. The dictionary is empty if no scan needs a filter.
         """
-        limits = [[_find_noise_wavelengths(scan) for scan in file.scans] for file in self.files]
-        present_limits = [limit for part_limits in limits for limit in part_limits if limit is not None]
+        limits_by_file = [[_find_noise_wavelengths(scan) for scan in file.scans] for file in self.files]
+        present_limits = [limit for file_limits in limits_by_file for limit in file_limits if limit is not None]
         extents = [float(np.min(body.extent)) for file in self.files for body in file.bodies]
         longest_cutoff = max((limit.cut_off for limit in present_limits), default=0.0)
         if not 0 < longest_cutoff < min(extents, default=0.0) / 4:
             return {}
         filtered_files = []
-        for file, part_limits in zip(self.files, limits, strict=True):
-            first, *others = (
+        for file, file_limits in zip(self.files, limits_by_file, strict=True):
+            first_file, *other_files = (
                 scan.model_copy(update={"max_cut_off": _to_length(0.0 if limit is None else limit.cut_off)})
-                for scan, limit in zip(file.scans, part_limits, strict=True)
+                for scan, limit in zip(file.scans, file_limits, strict=True)
             )
-            filtered_files.append(first.model_copy(update={"others": tuple(others) or None}))
+            filtered_files.append(first_file.model_copy(update={"others": tuple(other_files) or None}))
         certain_limits = [limit for limit in present_limits if isinstance(limit, InstrumentLimit)]
         are_noise_floors = bool(certain_limits) and all(limit.origin == "instrument" for limit in certain_limits)
         cut_offs = ["0 um", exact_text(longest_cutoff, "um")]
@@ -514,20 +516,20 @@ class MeasuredPair:
 
     def _build_ensemble_table(self) -> dict[str, Any]:
         if self.press == "lines":
-            lines, offsets = self._count_positions()
-            repetitions = lines * offsets
+            num_lines, num_offsets = self._count_positions()
+            num_members = num_lines * num_offsets
         elif self.press == "surrogates":
-            repetitions = self._parse_num_surrogates(DEFAULT_NUM_SURROGATES)
+            num_members = self._parse_num_surrogates(DEFAULT_NUM_SURROGATES)
         else:
-            shifts = 1 if self.options.gap is not None else self.options.shifts or DEFAULT_NUM_SHIFTS
-            listed = self._listed_positions
-            repetitions = (shifts if listed is None else len(listed)) + self._parse_num_surrogates(0)
+            num_shifts = 1 if self.options.gap is not None else self.options.shifts or DEFAULT_NUM_SHIFTS
+            positions = self._listed_positions
+            num_members = (num_shifts if positions is None else len(positions)) + self._parse_num_surrogates(0)
         # All pairs of scans have the same number of members, so the number of members is rounded up.
-        pairs = 1 if self.options.gap is not None else math.prod(len(file.scans) for file in self.files)
+        num_scan_pairs = 1 if self.options.gap is not None else math.prod(len(file.scans) for file in self.files)
         if self._listed_positions is not None:
-            repetitions *= pairs
+            num_members *= num_scan_pairs
         return {
-            "repetitions": -(-repetitions // pairs) * pairs,
+            "repetitions": -(-num_members // num_scan_pairs) * num_scan_pairs,
             "seed": DEFAULT_SEED if self.options.seed is None else self.options.seed,
         }
 
@@ -548,20 +550,23 @@ class MeasuredPair:
 
     def _count_positions(self) -> tuple[int, int]:
         """Return the number of line pairs, and the number of relative positions for each line pair."""
-        lines, offsets = self.options.lines or DEFAULT_LINE_COUNT, self.options.offsets
+        num_lines, num_offsets = self.options.lines or DEFAULT_LINE_COUNT, self.options.offsets
         if self.are_profiles and not self.has_surrogates:
-            listed = self._listed_positions
-            return 1, len(listed) if listed is not None else DEFAULT_NUM_POSITIONS if offsets is None else offsets
+            positions = self._listed_positions
+            return 1, len(
+                positions
+            ) if positions is not None else DEFAULT_NUM_POSITIONS if num_offsets is None else num_offsets
         if not self.has_surrogates:
             axis = 1 if self.options.along == "y" else 0
-            lines = min(lines, *(scan.heights.shape[axis] for scan in self.bodies if isinstance(scan, Surface)))
+            num_lines = min(num_lines, *(scan.heights.shape[axis] for scan in self.bodies if isinstance(scan, Surface)))
         if self._listed_positions is not None:
-            offsets = len(self._listed_positions)
-        elif (offsets or 1) > 1 and self.options.travel is None:
+            num_offsets = len(self._listed_positions)
+        elif (num_offsets or 1) > 1 and self.options.travel is None:
             raise ArgumentError(
-                f"{{offsets}} {offsets} needs {{travel}} LENGTH, by which the slider is shorter than the counterface"
+                f"{{offsets}} {num_offsets} needs {{travel}} LENGTH, by which the slider is shorter than the "
+                "counterface"
             )
-        return lines, offsets or 1
+        return num_lines, num_offsets or 1
 
     def _parse_num_surrogates(self, default: int) -> int:
         text = "none" if self.options.surrogates is None else str(self.options.surrogates)
@@ -679,10 +684,13 @@ class MeasuredPair:
                 raise ArgumentError("{load} must be below the hardness ({hardest:.4g} GPa)", hardest=float(hardness))
             max_load = float(hardness) * self._nominal_area
             if not self.loads[-1] < max_load:
-                strip = self.are_profiles and self.press == "lines"
+                is_line_pair = self.are_profiles and self.press == "lines"
                 raise ArgumentError(
                     "{load} must be below {max_load:.4g} mN, the hardness times the nominal area of {area:.4g} µm²"
-                    + ("; this is for a width of 1 µm: give a pressure, or a force and its {width}" if strip else ""),
+                    + (
+                        "; this is for a width of 1 µm: give a pressure, or a force and its {width}"
+                        if is_line_pair else ""
+                    ),
                     area=self._nominal_area, max_load=max_load,
                 )  # fmt: skip
         loads = self.loads
@@ -699,13 +707,13 @@ class MeasuredPair:
 
     @cached_property
     def _body_attributes(self) -> BodyAttributes:
-        placeholder = {"mu0": [0.0], "load": ["1 mN"]}
-        data = {
+        placeholder_friction = {"mu0": [0.0], "load": ["1 mN"]}
+        tables = {
             "surfaces": self._build_surfaces_table(),
             "ensemble": self._build_ensemble_table(),
-            "friction": placeholder,
+            "friction": placeholder_friction,
         }
-        return body_attributes(_validate_study(data))
+        return body_attributes(_validate_study(tables))
 
     @property
     def _nominal_area(self) -> float:
@@ -732,9 +740,10 @@ def _validate_study(data: dict[str, Any]) -> Study:
 def _find_option(key: str) -> str | None:
     """Return the option that sets a study key such as "friction.mu0[0]", or None if no option sets it."""
     key = key.partition("[")[0]
-    last = key.rpartition(".")[2]
+    last_part = key.rpartition(".")[2]
     return next(
-        (name for name, option in PAIR_OPTIONS.items() if option.key == key), last if last in PAIR_OPTIONS else None
+        (name for name, option in PAIR_OPTIONS.items() if option.key == key),
+        last_part if last_part in PAIR_OPTIONS else None,
     )
 
 

@@ -786,8 +786,8 @@ OPTION_CHECK_ORDER: tuple[str, ...] = tuple(
 def list_choices(name: str) -> tuple[str, ...]:
     """Return the words that an option accepts, or an empty tuple if its values are not a fixed list of words."""
     annotation = PairOptions.model_fields[name].annotation
-    literal = next((argument for argument in get_args(annotation) if get_args(argument)), annotation)
-    return tuple(argument for argument in get_args(literal) if isinstance(argument, str))
+    literal_type = next((argument for argument in get_args(annotation) if get_args(argument)), annotation)
+    return tuple(argument for argument in get_args(literal_type) if isinstance(argument, str))
 
 
 # ---- Names of options on the command line and in Python --------------------------------------------------------------
@@ -821,10 +821,10 @@ def convert_validation_errors() -> Iterator[None]:
         name, value = str(first_error["loc"][0]) if first_error["loc"] else "", first_error["input"]
         match first_error["type"]:
             case "literal_error":
-                allowed = list_choices(name)
-                suggestions = difflib.get_close_matches(str(value), allowed, n=1)
+                choices = list_choices(name)
+                suggestions = difflib.get_close_matches(str(value), choices, n=1)
                 hint = f"; did you mean {suggestions[0]}?" if suggestions else ""
-                reason = f"must be {' or '.join(allowed)}, got {short_repr(value)}{hint}"
+                reason = f"must be {' or '.join(choices)}, got {short_repr(value)}{hint}"
             case "string_type":
                 reason = f"must be a string, got {short_repr(value)}"
             case "bool_type":

@@ -78,30 +78,32 @@ def complete_result(
     `announce` receives lines about the work ahead. `show_result` receives the result as soon as all blocks are
     complete.
     """
-    for name, mark in (_COMPANION_FILES if study.is_measured and part is None else {}).items():
-        check_replaceable(folder / name, mark, StoreError)
-    existing = open_stored(folder) if (folder / STUDY_FILE).exists() else None
-    if replace and existing:
-        remove_result(existing)
-    stored, total = prepare_folder(study, folder, part), study.ensemble.repetitions
+    for name, signature in (_COMPANION_FILES if study.is_measured and part is None else {}).items():
+        check_replaceable(folder / name, signature, StoreError)
+    existing_result = open_stored(folder) if (folder / STUDY_FILE).exists() else None
+    if replace and existing_result:
+        remove_result(existing_result)
+    stored, num_members = prepare_folder(study, folder, part), study.ensemble.repetitions
     num_existing = stored.count
-    changes = find_differences(existing.study, stored.study) if existing and num_existing else []
-    if friction := [change for change in changes if change[0].startswith("friction.")]:
+    differences = find_differences(existing_result.study, stored.study) if existing_result and num_existing else []
+    if friction_differences := [difference for difference in differences if difference[0].startswith("friction.")]:
         print_remark(
             f"{folder} has results for other friction; its {num_existing} repetitions are kept, and its table, report "
-            f"and figures are replaced\n{format_differences(friction)}"
+            f"and figures are replaced\n{format_differences(friction_differences)}"
         )
-    measured = stored.study.is_measured
-    seconds = (total - num_existing) * estimate_member_time(stored.study)
-    announce_blocks = print_finished if not measured else print_remark if seconds > MIN_ANNOUNCED_TIME else announce
+    is_measured = stored.study.is_measured
+    seconds = (num_members - num_existing) * estimate_member_time(stored.study)
+    announce_blocks = print_finished if not is_measured else print_remark if seconds > MIN_ANNOUNCED_TIME else announce
     stored = complete_blocks(
         stored, part=part, executor=executor, progress=progress, announce=announce_blocks, update=print_remark
     )
     if part is not None:
-        print_finished(f"part {part[0]}/{part[1]} is finished; {stored.count} of {total} repetitions are in {folder}")
+        print_finished(
+            f"part {part[0]}/{part[1]} is finished; {stored.count} of {num_members} repetitions are in {folder}"
+        )
         return Result(stored)
     result = Result(stored)
-    if measured and load_areas_at_nodes(stored) is None and not is_unloaded(result):
+    if is_measured and load_areas_at_nodes(stored) is None and not is_unloaded(result):
         # If hardness or moduli are ranges, some members are also computed at values other than the nominal values.
         seconds = (
             count_area_solutions(stored.study) * estimate_solution_time(stored.study)
@@ -111,15 +113,16 @@ def complete_result(
         if seconds > MIN_ANNOUNCED_TIME:
             print_remark(f"at other hardnesses and moduli: about {format_duration(seconds)} of one core")
         _write_companion(stored, HARDNESS_AREAS_FILE, lambda: compute_areas_at_nodes(stored.study, executor))
-    if num_existing < total and (num_existing or not measured):
+    if num_existing < num_members and (num_existing or not is_measured):
         print_finished(
-            f"wrote {folder}" + (f" ({num_existing} of {total} repetitions already existed)" if num_existing else "")
+            f"wrote {folder}"
+            + (f" ({num_existing} of {num_members} repetitions already existed)" if num_existing else "")
         )
-    elif num_existing == total:
+    elif num_existing == num_members:
         version_text = "" if stored.version == __version__ else f", computed by stiction {stored.version}"
         print_finished(f"{folder} already contains this study{version_text}")
     show_result(result)
-    if measured and (num_existing < total or not (stored.path / CONTACT_PICTURE_FILE).exists()):
+    if is_measured and (num_existing < num_members or not (stored.path / CONTACT_PICTURE_FILE).exists()):
         _write_companion(stored, CONTACT_PICTURE_FILE, lambda: contact_picture(result))
     compute_companions(result, executor, onset, progress=progress, announce=announce, print_remark=print_remark)
     return result
@@ -144,9 +147,11 @@ def compute_companions(
         cutoff_study = None if is_unloaded(result) else build_cutoff_study(stored.study)
         if cutoff_study is not None:
             folder = stored.path / CUTOFF_STUDY_FOLDER
-            existing = open_stored(folder) if (folder / STUDY_FILE).exists() else None
-            if existing and find_member_differences(existing.study, cutoff_study):
-                remove_result(existing)  # the stored members differ from the cutoff study, for example in their loads
+            existing_result = open_stored(folder) if (folder / STUDY_FILE).exists() else None
+            if existing_result and find_member_differences(existing_result.study, cutoff_study):
+                remove_result(
+                    existing_result
+                )  # the stored members differ from the cutoff study, for example in their loads
             seconds = cutoff_study.ensemble.repetitions * estimate_member_time(cutoff_study)
             (print_remark if seconds > MIN_ANNOUNCED_TIME else announce)(
                 f"cutoff study: about {format_duration(seconds)} of one core"
@@ -162,15 +167,15 @@ def compute_companions(
         return
     if new_onset is not None:
         export(new_onset, stored.path / ONSET_FILE, replace=True)
-        with replaced_file(stored.path / ONSET_TABLE_FILE, ONSET_TABLE_SIGNATURE, StoreError) as partial:
-            partial.write_text(format_backbone_csv(new_onset), encoding="utf-8")
+        with replaced_file(stored.path / ONSET_TABLE_FILE, ONSET_TABLE_SIGNATURE, StoreError) as partial_path:
+            partial_path.write_text(format_backbone_csv(new_onset), encoding="utf-8")
 
 
 def remove_result(stored: StoredResult) -> None:
     """Remove all files of a result (study, blocks, areas, onset) from a folder, but no other files."""
     for block in stored.blocks:
         (stored.path / BLOCKS_FOLDER / block.name).unlink(missing_ok=True)
-    areas = (HARDNESS_AREAS_FILE,) if stored.study.is_measured else ()
-    onset = (ONSET_FILE, ONSET_TABLE_FILE) if (stored.path / ONSET_FILE).exists() else ()
-    for name in (STUDY_FILE, *areas, *onset):
+    area_files = (HARDNESS_AREAS_FILE,) if stored.study.is_measured else ()
+    onset_files = (ONSET_FILE, ONSET_TABLE_FILE) if (stored.path / ONSET_FILE).exists() else ()
+    for name in (STUDY_FILE, *area_files, *onset_files):
         (stored.path / name).unlink(missing_ok=True)

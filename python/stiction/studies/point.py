@@ -94,8 +94,8 @@ def mean_contact_pressure(point: xarray.Dataset) -> float:
 
 def list_rules_quoted_first(study: Study) -> list[str]:
     """Return the sliding rules of a study, starting with the quoted rule."""
-    order = SLIDING_RULE_ORDER if study.is_measured else SLIDING_RULE_ORDER[::-1]
-    return sorted(study.contact.rules(), key=order.index)
+    rules = SLIDING_RULE_ORDER if study.is_measured else SLIDING_RULE_ORDER[::-1]
+    return sorted(study.contact.rules(), key=rules.index)
 
 
 def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:

@@ -59,15 +59,17 @@ def build_cutoff_study(study: Study) -> Study | None:
         return None
     cutoffs = study.surfaces.cells()["cut_off"].tolist()
     attributes = body_attributes(study).attributes
-    step = max(float(np.max(attributes[f"{side}_spacing_um"])) for side in ("upper", "lower"))
+    max_spacing = max(float(np.max(attributes[f"{side}_spacing_um"])) for side in ("upper", "lower"))
     side = min(float(np.min(attributes[f"{side}_extent_um"])) for side in ("upper", "lower"))
     if len(cutoffs) > 1:
         return None
     candidates = (
-        2 * step * 2.0 ** np.arange(MAX_CUTOFFS) if cutoffs[0] == 0 else cutoffs[0] * 2.0 ** np.arange(1, MAX_CUTOFFS)
+        2 * max_spacing * 2.0 ** np.arange(MAX_CUTOFFS)
+        if cutoffs[0] == 0
+        else cutoffs[0] * 2.0 ** np.arange(1, MAX_CUTOFFS)
     )
     # Lengths are rounded up, because the grid has no wavelengths below two points.
-    lengths = [
+    cutoff_texts = [
         cutoffs[0],
         *(
             float(f"{candidate * (1 + FOUR_DIGIT_ROUNDING_ERROR):.4g}")
@@ -75,10 +77,10 @@ def build_cutoff_study(study: Study) -> Study | None:
             if candidate <= MAX_RELATIVE_CUTOFF * side
         ),
     ]
-    if len(lengths) < 2:
+    if len(cutoff_texts) < 2:
         return None
     changes: dict[str, Any] = {
-        "surfaces.cut_off": [exact_text(candidate, "um") for candidate in lengths],
+        "surfaces.cut_off": [exact_text(candidate, "um") for candidate in cutoff_texts],
         "contact.load": [load.text for load in study.friction.load],
         "ensemble.repetitions": min(
             study.ensemble.repetitions, NUM_AREAL_MEMBERS if study.is_areal else NUM_LINE_MEMBERS
@@ -104,14 +106,21 @@ def evaluate_cutoffs(result: StoredResult) -> xarray.Dataset | None:
     if not (folder / STUDY_FILE).exists():
         return None
     try:
-        stored = open_stored(folder)
-        expected = build_cutoff_study(study)
+        stored_result = open_stored(folder)
+        expected_study = build_cutoff_study(study)
     except (StoreError, ValueError):
         return None
-    if not stored.finished.size or expected is None or find_member_differences(stored.study, expected):
+    if (
+        not stored_result.finished.size
+        or expected_study is None
+        or find_member_differences(stored_result.study, expected_study)
+    ):
         return None
     return at_load(
-        Result(stored), loads, mu0=list(study.friction.mu0), tau0=[float(strength) for strength in study.friction.tau0]
+        Result(stored_result),
+        loads,
+        mu0=list(study.friction.mu0),
+        tau0=[float(strength) for strength in study.friction.tau0],
     )
 
 
@@ -138,8 +147,8 @@ class ResolvedRoughness:
         `ratio` is the multiple. The cutoff is returned with its interval.
         """
         gradient = ratio * float(self.roughness.gradient_at(self.shortest))
-        spread = float(brackets.kappa_uncertainty_factor(np.array(contact_count)))
-        return brackets.plastic_wavelength(self.roughness, self.estimate, gradient, spread)
+        kappa_factor = float(brackets.kappa_uncertainty_factor(np.array(contact_count)))
+        return brackets.plastic_wavelength(self.roughness, self.estimate, gradient, kappa_factor)
 
     def extrapolate(self, area_fraction: float, contact_count: float) -> tuple[Floats, Floats, Floats]:
         """Extrapolate the gap gradient and the area fraction to finer scans, assuming elastic bodies.
@@ -172,17 +181,17 @@ def find_resolved_roughness(study: Study) -> ResolvedRoughness | None:
 def _find_resolved_roughness(study: Study) -> ResolvedRoughness:
     surfaces: Any = study.surfaces
     bodies = load_bodies(study)
-    wavelength = surfaces.quoted_cut_off()
+    cut_off = surfaces.quoted_cut_off()
     # The gap is computed for the first member that consists of pieces of the scans, or otherwise for a surrogate.
-    first = surfaces.first_scan_member_index
-    index = first if first < study.ensemble.repetitions else 0
-    upper, lower = bodies.member(index, wavelength).pair
+    first_scan_index = surfaces.first_scan_member_index
+    index = first_scan_index if first_scan_index < study.ensemble.repetitions else 0
+    upper, lower = bodies.member(index, cut_off).pair
     gap = replace(upper, heights=upper.heights - lower.heights, history=(), missing=None)
     attributes = bodies.attributes().attributes
-    steps = [*gap.spacings, *(float(np.max(attributes[f"{side}_spacing_um"])) for side in ("upper", "lower"))]
+    spacings = [*gap.spacings, *(float(np.max(attributes[f"{side}_spacing_um"])) for side in ("upper", "lower"))]
     roughness = scale_dependent_roughness(gap)
     return ResolvedRoughness(
-        shortest=max(2 * max(steps), wavelength), longest=float(np.max(gap.extent)),
+        shortest=max(2 * max(spacings), cut_off), longest=float(np.max(gap.extent)),
         gradient=brackets.rms_gradient(gap, periodic=False), roughness=roughness,
         estimate=brackets.estimate_gap_hurst_exponent(gap, periodic=False),
     )  # fmt: skip
@@ -197,10 +206,10 @@ def plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, float] | 
     The bound on mu_s, with friction at all contacts, is mu0 + tau0/H'. The bound on the area fraction is p/H, where p
     is the nominal pressure.
     """
-    if (adhesion := plastic_adhesive_friction(point, study)) is None:
+    if (adhesive_friction := plastic_adhesive_friction(point, study)) is None:
         return None
     area_fraction = float(point["load"]) / (study_hardness(study) * float(point["nominal_area"]))
-    return float(point["mu0"]) + adhesion, area_fraction
+    return float(point["mu0"]) + adhesive_friction, area_fraction
 
 
 @dataclass(frozen=True)
@@ -256,18 +265,18 @@ def find_resolution_effect(at: xarray.Dataset, study: Study, cutoffs: xarray.Dat
     roughness = find_resolved_roughness(study)
     if roughness is None and cutoffs is None:
         return None
-    yielding: list[tuple[dict[str, float], tuple[YieldWavelengthEstimate, ...]]] = []
+    yield_estimates: list[tuple[dict[str, float], tuple[YieldWavelengthEstimate, ...]]] = []
     if roughness is not None and study.uses_half_space and study.contact.hardness is None:
         for point in iterate_points(at.isel(cut_off=[0]) if "cut_off" in at.dims else at):
             coordinates = {name: float(point[name]) for name in ("load", "mu0", "tau0")}
-            yielding.append((coordinates, estimate_yield_wavelengths(point, study, roughness)))
+            yield_estimates.append((coordinates, estimate_yield_wavelengths(point, study, roughness)))
     if cutoffs is None:
-        return ResolutionEffect(roughness, yielding=tuple(yielding))
-    first = cutoffs.isel(dict.fromkeys(("load", "mu0", "tau0"), 0))
+        return ResolutionEffect(roughness, yielding=tuple(yield_estimates))
+    first_loads = cutoffs.isel(dict.fromkeys(("load", "mu0", "tau0"), 0))
     return ResolutionEffect(
         roughness=roughness, cutoffs=tuple(_build_cutoff_result(point, study) for point in iterate_points(cutoffs)),
         members=mean_over_directions(cutoffs, "members"),
-        plastic_limit=plastic_limit(first, study), yielding=tuple(yielding),
+        plastic_limit=plastic_limit(first_loads, study), yielding=tuple(yield_estimates),
     )  # fmt: skip
 
 
@@ -311,7 +320,7 @@ def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
     lower and upper end of the elastic result, extrapolated with the Hurst exponent (empty with a hardness);
     ``spectral``, the result of `spectral_resolution` for joined spectra of several scans (None for single scans).
     """
-    limit, scan = plastic_limit(dataset, study), find_resolved_roughness(study)
+    plastic_bounds, scan = plastic_limit(dataset, study), find_resolved_roughness(study)
     table: dict[str, Any] = {
         "friction": None,
         "area_fraction": None,
@@ -321,8 +330,8 @@ def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
         "finer_friction": np.empty((0, 3)),
         "spectral": _spectral_estimate(dataset, study),
     }
-    if limit is not None:
-        return table | dict(zip(("friction", "area_fraction"), limit, strict=True))
+    if plastic_bounds is not None:
+        return table | dict(zip(("friction", "area_fraction"), plastic_bounds, strict=True))
     area, load = float(dataset["nominal_area"]), float(dataset["load"])
     fraction = mean_over_directions(dataset.isel(cut_off=0), "contact_area_fraction")
     if scan is None or not fraction > 0 or not study.uses_half_space:
@@ -330,12 +339,12 @@ def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
     wavelengths, gradients, fractions = scan.extrapolate(
         fraction, mean_over_directions(dataset.isel(cut_off=0), "contact_count")
     )
-    steepness = gradients[:, :1]
+    relative_gradients = gradients[:, :1]
     friction = (
         float(dataset["mu0"])
-        + float(dataset["tau0"]) * fractions / brackets.interface_area_ratio(steepness) * area / load
+        + float(dataset["tau0"]) * fractions / brackets.interface_area_ratio(relative_gradients) * area / load
     )
-    friction *= brackets.transverse_slope_factor(steepness, scan.roughness.dimensions)
+    friction *= brackets.transverse_slope_factor(relative_gradients, scan.roughness.dimensions)
     return table | {"wavelength": wavelengths, "finer_area_fraction": fractions, "finer_friction": friction}
 
 

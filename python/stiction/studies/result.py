@@ -127,27 +127,27 @@ class Result:
             yield from self.source.pieces(names)
             return
         count = self.source.sizes["repetition"]
-        step = members_per_piece(sum(each.nbytes for each in self.source.data_vars.values()) // max(1, count))
+        piece_size = members_per_piece(sum(each.nbytes for each in self.source.data_vars.values()) // max(1, count))
         selected = self.source if names is None else self.source[list(names)]
-        for first in range(0, count, step):
-            yield selected.isel(repetition=slice(first, first + step))
+        for first in range(0, count, piece_size):
+            yield selected.isel(repetition=slice(first, first + piece_size))
 
     def means(self, names: Iterable[str]) -> xarray.Dataset:
         """Average variables over all members. Only one piece of the result is held in memory at a time."""
         import xarray
 
-        names, total, count = list(names), dict[str, xarray.Variable](), 0
+        names, sums, count = list(names), dict[str, xarray.Variable](), 0
         for piece in self.pieces(names):
             count += piece.sizes["repetition"]
             for name in names:
                 dims = [str(dim) for dim in piece[name].dims if dim != "repetition"]
                 # Sums are fast if the repetitions are contiguous in memory.
                 values = np.ascontiguousarray(piece[name].transpose(*dims, "repetition").values)
-                added = xarray.Variable(dims, values.sum(axis=-1))
-                total[name] = added if name not in total else total[name] + added
+                piece_sum = xarray.Variable(dims, values.sum(axis=-1))
+                sums[name] = piece_sum if name not in sums else sums[name] + piece_sum
         head = self.head
         coordinates = {name: variable for name, variable in head.coords.items() if "repetition" not in variable.dims}
-        variables = {name: (value.dims, value.values / count, head[name].attrs) for name, value in total.items()}
+        variables = {name: (value.dims, value.values / count, head[name].attrs) for name, value in sums.items()}
         return xarray.Dataset(variables, coordinates, head.attrs)
 
     @cached_property
@@ -274,16 +274,18 @@ class Result:
 
         If the study has a range of fractal dimensions, only `NUM_OVERVIEW_DIMENSIONS` values are evaluated.
         """
-        selection = self.at(budget=True)
+        values = self.at(budget=True)
         if self.study.is_measured:
-            return selection
+            return values
         surfaces: Any = self.study.surfaces
         if isinstance(surfaces.fractal_dimension, tuple):
-            return selection
+            return values
         # A few values of a range suffice for a curve, but all values of a list are needed.
-        number = selection.sizes["fractal_dimension"]
-        shown = np.unique(np.linspace(0, number - 1, min(NUM_OVERVIEW_DIMENSIONS, number)).round().astype(int))
-        return selection.isel(fractal_dimension=shown)
+        num_dimensions = values.sizes["fractal_dimension"]
+        shown_indices = np.unique(
+            np.linspace(0, num_dimensions - 1, min(NUM_OVERVIEW_DIMENSIONS, num_dimensions)).round().astype(int)
+        )
+        return values.isel(fractal_dimension=shown_indices)
 
     def at(
         self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None,
@@ -482,9 +484,9 @@ class Result:
         import pandas
 
         point = self._first_quoted_point
-        whole = point.upper - point.lower
+        total_width = point.upper - point.lower
         rows = [
-            (interval.words, interval.lower, interval.upper, interval.width, 1 - interval.width / whole)
+            (interval.words, interval.lower, interval.upper, interval.width, 1 - interval.width / total_width)
             for interval in point.budget
         ]
         return pandas.DataFrame(rows, columns=["input", "lower", "upper", "width", "share"])
@@ -593,9 +595,11 @@ class Result:
 
     def _repr_html_(self) -> str:
         """Return HTML that contains a figure and the text that is shown on a terminal."""
-        names = self.figures()
-        name = next((each for each in ("contacts", "friction", *names) if each in names), None)
-        return f"<div>{preformatted_html(repr(self))}{figure_html(self.figure(name)) if name else ''}</div>"
+        figure_names = self.figures()
+        figure_name = next((each for each in ("contacts", "friction", *figure_names) if each in figure_names), None)
+        return (
+            f"<div>{preformatted_html(repr(self))}{figure_html(self.figure(figure_name)) if figure_name else ''}</div>"
+        )
 
 
 def open_result(directory: str | Path) -> Result:

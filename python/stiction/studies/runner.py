@@ -47,11 +47,11 @@ MAX_BYTES_IN_MEMORY = 2**34  # maximum size (bytes) of a result without a store,
 
 def choose_block_size(study: Study) -> int:
     """Return the number of members to store in each block."""
-    by_time = int(min(TARGET_BLOCK_TIME / max(estimate_member_time(study), 1e-9), MAX_BLOCK_MEMBERS))
-    by_size = MAX_BLOCK_BYTES // member_bytes(study)
-    total = study.ensemble.repetitions
-    min_size = min(math.ceil(MIN_BLOCK_TIME / max(estimate_member_time(study), 1e-9)), total // 4)
-    return max(1, min(by_time, by_size, max(total // MIN_BLOCKS, min_size)))
+    size_by_time = int(min(TARGET_BLOCK_TIME / max(estimate_member_time(study), 1e-9), MAX_BLOCK_MEMBERS))
+    size_by_bytes = MAX_BLOCK_BYTES // member_bytes(study)
+    num_members = study.ensemble.repetitions
+    min_size = min(math.ceil(MIN_BLOCK_TIME / max(estimate_member_time(study), 1e-9)), num_members // 4)
+    return max(1, min(size_by_time, size_by_bytes, max(num_members // MIN_BLOCKS, min_size)))
 
 
 # ---- Runs -----------------------------------------------------------------------------------------------------------
@@ -177,7 +177,7 @@ def _compute_blocks(
     Workers that can access the folder write the block files.
     """
     workers = getattr(pool, "_max_workers", None)  # number of workers; None for a cluster, where it varies
-    started, is_first = time.monotonic(), update is not None and workers is not None
+    start_time, is_first = time.monotonic(), update is not None and workers is not None
 
     def accept(members: range, content: bytes | None) -> None:
         nonlocal is_first
@@ -187,7 +187,7 @@ def _compute_blocks(
         if is_first and update is not None and workers is not None:
             is_first = False
             estimate = _format_revised_estimate(
-                missing, len(members), time.monotonic() - started, workers, estimate_member_time(stored.study)
+                missing, len(members), time.monotonic() - start_time, workers, estimate_member_time(stored.study)
             )
             if estimate:
                 update(estimate)
@@ -209,16 +209,16 @@ def _create_run_token(path: Path) -> Iterator[SharedFolder]:
     If a worker finds the token file, the worker can access the folder, and the run is still active.
     """
     folder = SharedFolder(path.resolve(), new_partial_name())
-    token = folder.path / BLOCKS_FOLDER / folder.token
+    token_file = folder.path / BLOCKS_FOLDER / folder.token
     try:
         try:
-            token.touch(exist_ok=False)
+            token_file.touch(exist_ok=False)
         except OSError as error:
             raise StoreError(f"{printable_path(path)}: cannot be written: {error.strerror}") from None
         yield folder
     finally:
         with contextlib.suppress(OSError):
-            token.unlink(missing_ok=True)
+            token_file.unlink(missing_ok=True)
 
 
 @contextlib.contextmanager
@@ -261,21 +261,23 @@ LONG_RUN_TIME = 600.0  # estimated time (s) on all threads above which advice on
 def _describe_work(stored: StoredResult, missing: _MissingMembers, is_visible: bool, workers: int) -> str:
     """Describe the remaining work in one line: run time, number and size of files, and whether disk space is short."""
     study = stored.study
-    free = shutil.disk_usage(stored.path).free
-    files = sum(1 for _ in missing)
+    free_bytes = shutil.disk_usage(stored.path).free
+    num_files = sum(1 for _ in missing)
     size = missing.count * member_bytes(study)
-    space = f", with {format_bytes(free)} free" if size > free / 2 else ""
-    writer = "" if is_visible else "; the workers cannot reach the folder, so this process writes the files"
+    space_text = f", with {format_bytes(free_bytes)} free" if size > free_bytes / 2 else ""
+    writer_text = "" if is_visible else "; the workers cannot reach the folder, so this process writes the files"
     seconds = missing.count * estimate_member_time(study)
-    elapsed = seconds / min(workers, missing.count)
+    elapsed_time = seconds / min(workers, missing.count)
     time_text = f"about {format_duration(seconds)} of one core"
     time_text += (
-        f", {format_duration(elapsed)} on {workers} threads" if workers > 1 and elapsed > MIN_REPORTED_TIME else ""
+        f", {format_duration(elapsed_time)} on {workers} threads"
+        if workers > 1 and elapsed_time > MIN_REPORTED_TIME
+        else ""
     )
-    advice = "; fewer repetitions or smaller scans reduce the time" if elapsed > LONG_RUN_TIME else ""
+    advice = "; fewer repetitions or smaller scans reduce the time" if elapsed_time > LONG_RUN_TIME else ""
     return (
-        f"computing {missing.count} repetitions: {time_text}, {format_bytes(size)} in {files} "
-        f"{'file' if files == 1 else 'files'}{space}{writer}{advice}"
+        f"computing {missing.count} repetitions: {time_text}, {format_bytes(size)} in {num_files} "
+        f"{'file' if num_files == 1 else 'files'}{space_text}{writer_text}{advice}"
     )
 
 
@@ -287,11 +289,11 @@ def _format_revised_estimate(missing: _MissingMembers, members: int, seconds: fl
 
     The line is empty if little time remains, or if the first estimate was right.
     """
-    remaining = seconds * (missing.count / (members * workers) - 1)
-    if remaining < MIN_REPORTED_TIME or seconds < 2 * members * cost:
+    remaining_time = seconds * (missing.count / (members * workers) - 1)
+    if remaining_time < MIN_REPORTED_TIME or seconds < 2 * members * cost:
         return ""
-    progress = f"{members} of {missing.count} repetitions took {format_duration(seconds)}"
-    return f"{progress}; the rest takes about {format_duration(remaining)} more"
+    progress_text = f"{members} of {missing.count} repetitions took {format_duration(seconds)}"
+    return f"{progress_text}; the rest takes about {format_duration(remaining_time)} more"
 
 
 class _MissingMembers:
@@ -304,9 +306,9 @@ class _MissingMembers:
         self._blocks = range(first - 1, -(-members // self.block), step)
         self._is_finished = np.zeros(members, np.bool_)
         self._is_finished[stored.finished] = True
-        flags = [self._is_finished[block * self.block : (block + 1) * self.block] for block in self._blocks]
-        self.total = sum(map(len, flags))
-        self.count = self.total - int(sum(np.count_nonzero(flag) for flag in flags))
+        finished_by_block = [self._is_finished[block * self.block : (block + 1) * self.block] for block in self._blocks]
+        self.total = sum(map(len, finished_by_block))
+        self.count = self.total - int(sum(np.count_nonzero(is_finished) for is_finished in finished_by_block))
 
     def __iter__(self) -> Iterator[range]:
         """Yield ranges of consecutive missing members, one block after the other."""
@@ -329,30 +331,30 @@ def _compute_ranges(
     """
     ranges = iter(missing)
     task = use_idle_threads(task, pool, sum(1 for _ in missing), count_points(arguments[1]))
-    pending: dict[Future[Any], range] = {}
+    pending_members: dict[Future[Any], range] = {}
     # `concurrent.futures.wait` would lock all futures, and would leave some of them locked if it were interrupted.
-    done: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
+    finished_futures: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
 
     def submit(count: int) -> None:
         for members in itertools.islice(ranges, count):
             future = pool.submit(task, *arguments, members)
-            pending[future] = members
-            future.add_done_callback(done.put)
+            pending_members[future] = members
+            future.add_done_callback(finished_futures.put)
 
     try:
         submit(max_tasks)
-        while pending:
-            future = done.get()
-            accept(pending[future], future.result())
-            del pending[future]
-            submit(max_tasks - len(pending))
+        while pending_members:
+            future = finished_futures.get()
+            accept(pending_members[future], future.result())
+            del pending_members[future]
+            submit(max_tasks - len(pending_members))
     finally:
-        for future in pending:
+        for future in pending_members:
             future.cancel()
-        for future in wait(pending, SHUTDOWN_TIMEOUT).done:
+        for future in wait(pending_members, SHUTDOWN_TIMEOUT).done:
             if not future.cancelled() and future.exception() is None:
                 with contextlib.suppress(StoreError):
-                    accept(pending[future], future.result())
+                    accept(pending_members[future], future.result())
 
 
 # ---- Tasks ----------------------------------------------------------------------------------------------------------

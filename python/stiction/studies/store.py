@@ -112,13 +112,13 @@ class StoredResult:
 
         The ranges do not overlap, even if the blocks do.
         """
-        ranges, covered = [], 0
+        block_ranges, next_member = [], 0
         for block in sorted(self.blocks, key=lambda block: (block.first, -block.last, block.checksum)):
-            first, last = max(block.first, covered), min(block.last + 1, self.study.ensemble.repetitions)
+            first, last = max(block.first, next_member), min(block.last + 1, self.study.ensemble.repetitions)
             if first < last:
-                ranges.append((block, first, last))
-                covered = last
-        return ranges
+                block_ranges.append((block, first, last))
+                next_member = last
+        return block_ranges
 
     @property
     def count(self) -> int:
@@ -208,34 +208,36 @@ class StoredResult:
         }
         if self.study.is_measured:
             arrays |= {name: np.empty(numbers.size, dtype) for name, dtype in MEMBER_COORDINATES.items()}
-        block_start = copied = 0
+        block_start = num_copied = 0
         bodies = None
         for block, block_first, block_last in self._block_ranges:
             block_end = block_start + block_last - block_first
             if first < block_end and block_start < last:
-                low = max(first, block_start) - block_start + block_first
-                high = min(last, block_end) - block_start + block_first
+                first_in_block = max(first, block_start) - block_start + block_first
+                end_in_block = min(last, block_end) - block_start + block_first
                 content = self.first_block_content if block is self._block_ranges[0][0] else self._read_block(block)
-                if differ := find_member_differences(content.study, self.study):
+                if differences := find_member_differences(content.study, self.study):
                     raise _build_damage_error(
-                        self.path, block, f"does not match {STUDY_FILE}: {format_differences(differ[:1])}"
+                        self.path, block, f"does not match {STUDY_FILE}: {format_differences(differences[:1])}"
                     )
                 bodies = bodies or content.bodies
                 for name, values in arrays.items():
-                    lead = (slice(None),) * (0 if name in MEMBER_COORDINATES else axis)
-                    source = slice(low - block.first, high - block.first)
-                    values[(*lead, slice(copied, copied + high - low))] = content.arrays[name][(*lead, source)]
-                copied += high - low
+                    leading_slices = (slice(None),) * (0 if name in MEMBER_COORDINATES else axis)
+                    source_slice = slice(first_in_block - block.first, end_in_block - block.first)
+                    values[(*leading_slices, slice(num_copied, num_copied + end_in_block - first_in_block))] = (
+                        content.arrays[name][(*leading_slices, source_slice)]
+                    )
+                num_copied += end_in_block - first_in_block
             block_start = block_end
         return build_dataset(self.study, numbers, arrays, bodies).assign_attrs(stiction_version=version)
 
     def _read_block(self, block: BlockFile) -> BlockFileContent:
         """Read a block, compare its checksum with the checksum in the file name, and return the contents."""
         try:
-            written = read_content(self.path / BLOCKS_FOLDER / block.name, MAX_RESULT_BYTES)
-            if zlib.crc32(written) != block.checksum:
+            file_content = read_content(self.path / BLOCKS_FOLDER / block.name, MAX_RESULT_BYTES)
+            if zlib.crc32(file_content) != block.checksum:
                 raise DamagedFileError("does not match its checksum")
-            content = decode_members(written)
+            content = decode_members(file_content)
             if not np.array_equal(content.numbers, np.arange(block.first, block.last + 1)):
                 raise DamagedFileError("does not contain the repetitions in its file name")
         except OSError as error:
@@ -279,15 +281,15 @@ def read(path: str | Path) -> xarray.Dataset:
             raise StoreError(
                 f"{printable_path(path)}: {describe_os_error(error) if isinstance(error, OSError) else error}"
             ) from None
-        exported = build_dataset(content.study, content.numbers, content.arrays, content.bodies)
-        return exported.assign_attrs(stiction_version=content.version)
+        dataset = build_dataset(content.study, content.numbers, content.arrays, content.bodies)
+        return dataset.assign_attrs(stiction_version=content.version)
     stored = open_stored(path)
     result = stored.dataset()
-    total = stored.study.ensemble.repetitions
-    if stored.count < total:
+    num_members = stored.study.ensemble.repetitions
+    if stored.count < num_members:
         warnings.warn(
-            f"{printable_path(path)}: {stored.count} of {total} repetitions are finished; the result contains only "
-            "these",
+            f"{printable_path(path)}: {stored.count} of {num_members} repetitions are finished; the result contains "
+            "only these",
             stacklevel=2,
         )
     return result
@@ -301,12 +303,12 @@ def read_companion(path: Path, names: Iterable[str]) -> xarray.Dataset | None:
     import xarray
 
     try:
-        written = read_content(path, MAX_COMPANION_BYTES)
+        file_content = read_content(path, MAX_COMPANION_BYTES)
         options: dict[str, Any] = {"engine": "h5netcdf", "decode_cf": False, "phony_dims": "sort"}
-        with _open_netcdf(written) as file:
+        with _open_netcdf(file_content) as file:
             for name in names:
                 _read_variable(file, name)
-            with xarray.open_dataset(io.BytesIO(written), **options) as dataset:
+            with xarray.open_dataset(io.BytesIO(file_content), **options) as dataset:
                 dataset.load()
     except FileNotFoundError:
         return None
@@ -408,16 +410,16 @@ def create_or_open(path: str | Path, study: Study) -> StoredResult:
 
 def _check_resumable(stored: StoredResult) -> None:
     """Raise a `StoreError` if the existing blocks prevent the computation of this study from being resumed."""
-    path, content, total = stored.path, stored.first_block_content, stored.study.ensemble.repetitions
-    if differ := find_member_differences(content.study, stored.study):
-        raise StudyMismatchError(path, content.study, differ)
-    last = max(block.last for block in stored.blocks)
-    if last >= total:
+    path, content, num_members = stored.path, stored.first_block_content, stored.study.ensemble.repetitions
+    if differences := find_member_differences(content.study, stored.study):
+        raise StudyMismatchError(path, content.study, differences)
+    last_member = max(block.last for block in stored.blocks)
+    if last_member >= num_members:
         raise StoreError(
-            f"{printable_path(path)}: repetition {last} is finished, and ensemble.repetitions = {total} would discard "
-            f"it; set it to at least {last + 1}, or choose another directory"
+            f"{printable_path(path)}: repetition {last_member} is finished, and ensemble.repetitions = {num_members} "
+            f"would discard it; set it to at least {last_member + 1}, or choose another directory"
         )
-    if stored.count == total:
+    if stored.count == num_members:
         return
     if content.version != __version__:
         version = printable(content.version)
@@ -437,14 +439,14 @@ def _check_replaceable(path: Path, study: Study) -> None:
     try:
         if read_content(path / STUDY_FILE, MAX_STUDY_BYTES).startswith(STUDY_FILE_SIGNATURE.encode()):
             return
-        stored = _read_study_file(path)
+        stored_study = _read_study_file(path)
     except OSError as error:
         raise StoreError(f"{printable_path(path / STUDY_FILE)}: cannot be read: {describe_os_error(error)}") from None
     except UnreadableFileError as error:
         raise StoreError(
             f"{printable_path(path / STUDY_FILE)}: {error}; choose another directory, or remove this file"
         ) from None
-    raise StudyMismatchError(path, stored, find_differences(stored, study))
+    raise StudyMismatchError(path, stored_study, find_differences(stored_study, study))
 
 
 def _has_study(path: Path, study: Study) -> bool:
@@ -526,12 +528,12 @@ def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, ND
 
     with _template_lock:
         template = _block_template(study, len(numbers))
-    image = io.BytesIO(template)
-    with h5py.File(image, "r+") as file:
+    file_image = io.BytesIO(template)
+    with h5py.File(file_image, "r+") as file:
         file["repetition"][...] = numbers
         for name, values in arrays.items():
             file[name][...] = values
-    return image.getvalue()
+    return file_image.getvalue()
 
 
 @functools.lru_cache(maxsize=4)
@@ -544,9 +546,9 @@ def _block_template(study: Study, count: int) -> bytes:
     arrays = {name: np.zeros(spec.shape, spec.dtype) for name, spec in variable_specs(study, numbers).items()}
     if study.is_measured:
         arrays |= {name: np.zeros(count, dtype) for name, dtype in MEMBER_COORDINATES.items()}
-    image = io.BytesIO()
-    write_dataset(build_dataset(study, numbers, arrays, body_attributes(study)), image)
-    return image.getvalue()
+    file_image = io.BytesIO()
+    write_dataset(build_dataset(study, numbers, arrays, body_attributes(study)), file_image)
+    return file_image.getvalue()
 
 
 def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
@@ -569,10 +571,10 @@ def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
         for name, variable in variables.items():
             values = variable.values
             dtype = h5py.string_dtype() if values.dtype.kind in "UO" else values.dtype
-            data = values.astype(object) if values.dtype.kind == "U" else values
-            written = output.create_variable(str(name), variable.dims, dtype, data=data)
+            encoded_values = values.astype(object) if values.dtype.kind == "U" else values
+            netcdf_variable = output.create_variable(str(name), variable.dims, dtype, data=encoded_values)
             for attribute, value in variable.attrs.items():
-                written.attrs[attribute] = value
+                netcdf_variable.attrs[attribute] = value
 
 
 def append_checksum(file: io.BytesIO) -> None:
@@ -599,13 +601,16 @@ def decode_members(content: bytes) -> BlockFileContent:
                 name: _read_variable(file, name, numbers.shape).astype(dtype)
                 for name, dtype in MEMBER_COORDINATES.items()
             }
-            stored = {name: file.attrs[name] for name in file.attrs if name not in RESULT_ATTRIBUTES}
+            stored_attributes = {name: file.attrs[name] for name in file.attrs if name not in RESULT_ATTRIBUTES}
             attributes = {
-                name: value if isinstance(value, str) else np.atleast_1d(value) for name, value in stored.items()
+                name: value if isinstance(value, str) else np.atleast_1d(value)
+                for name, value in stored_attributes.items()
             }
             bodies = BodyAttributes(float(_read_variable(file, "nominal_area")), attributes)
         coordinates = {
-            name: pair for name, pair in coordinate_specs_and_values(study, []).items() if name != "repetition"
+            name: spec_and_values
+            for name, spec_and_values in coordinate_specs_and_values(study, []).items()
+            if name != "repetition"
         }
         is_exact = [np.array_equal(_read_variable(file, name), values) for name, (_, values) in coordinates.items()]
     return BlockFileContent(study, str(version), numbers, arrays, bodies, all(is_exact))
@@ -615,8 +620,10 @@ def decode_members(content: bytes) -> BlockFileContent:
 def _open_netcdf(content: bytes) -> Iterator[h5py.File]:
     import h5py
 
-    end = len(content) - len(CHECKSUM_PREFIX) - 8
-    if content[end:-8] == CHECKSUM_PREFIX and content[-8:] != b"%08x" % zlib.crc32(memoryview(content)[:end]):
+    content_length = len(content) - len(CHECKSUM_PREFIX) - 8
+    if content[content_length:-8] == CHECKSUM_PREFIX and content[-8:] != b"%08x" % zlib.crc32(
+        memoryview(content)[:content_length]
+    ):
         raise DamagedFileError("does not match its checksum")
     try:
         with h5py.File(io.BytesIO(content), "r") as file:

@@ -208,26 +208,28 @@ def _add_bracketing_loads(
     requested = friction.get("load") or (
         contact.get("load") if isinstance(contact.get("load"), (list, tuple)) else None
     )
-    is_curve = bool(friction.get("load")) and "load" in contact
+    has_curve_loads = bool(friction.get("load")) and "load" in contact
     if (
         contact.get("mechanics") != "half-space"
         or not isinstance(requested, (list, tuple))
         or not requested
-        or is_curve
+        or has_curve_loads
     ):
         return {}
     try:
         loads = [float(quantity(load, "force")) for load in requested]
-        upper = max(loads) * MAX_AREAL_LOAD_RATIO
+        upper_load = max(loads) * MAX_AREAL_LOAD_RATIO
         if contact.get("hardness") is not None:
             max_load = float(quantity(contact["hardness"], "pressure")) * _nominal_area(surfaces)
             # If the upper load is too large, the validation reports an error.
-            upper = min(upper, max(loads) * max(math.sqrt(max_load / max(loads)), 1.001))
+            upper_load = min(upper_load, max(loads) * max(math.sqrt(max_load / max(loads)), 1.001))
     except (ValueError, TypeError, AttributeError):  # the validation of the key reports the error
         return {}
-    around = [exact_text(float(f"{load:.6g}"), "mN") for load in (min(loads) / MAX_AREAL_LOAD_RATIO, upper)]
+    bracketing_loads = [
+        exact_text(float(f"{load:.6g}"), "mN") for load in (min(loads) / MAX_AREAL_LOAD_RATIO, upper_load)
+    ]
     return {
-        "contact": {**contact, "load": [around[0], *requested, around[1]]},
+        "contact": {**contact, "load": [bracketing_loads[0], *requested, bracketing_loads[1]]},
         "friction": {**friction, "load": [*requested]},
     }
 
@@ -267,27 +269,27 @@ class Study(StudyTable):
 
     @model_validator(mode="before")
     @classmethod
-    def _add_curve_loads(cls, given: Any) -> Any:
+    def _add_curve_loads(cls, data: Any) -> Any:
         """Add loads below and above the requested loads, so that results can be interpolated at all requested loads.
 
         The requested loads are `friction.load`. For generated surfaces with the half-space, a list `contact.load` is
         used if `friction.load` is missing.
         """
-        if not isinstance(given, Mapping):
-            return given
-        surfaces, contact, friction = (given.get(name, {}) for name in ("surfaces", "contact", "friction"))
-        tables = all(isinstance(table, Mapping) for table in (surfaces, contact, friction))
-        if tables and surfaces.get("kind") != "measured":
-            return {**given, **_add_bracketing_loads(surfaces, contact, friction)}
-        if not tables or "load" in contact or "load" not in friction:
-            return given
+        if not isinstance(data, Mapping):
+            return data
+        surfaces, contact, friction = (data.get(name, {}) for name in ("surfaces", "contact", "friction"))
+        are_tables = all(isinstance(table, Mapping) for table in (surfaces, contact, friction))
+        if are_tables and surfaces.get("kind") != "measured":
+            return {**data, **_add_bracketing_loads(surfaces, contact, friction)}
+        if not are_tables or "load" in contact or "load" not in friction:
+            return data
         try:
             mechanics = select_contact_class(select_surface_class(surfaces), contact).model_fields["mechanics"].default
             loads = [float(quantity(load, "force")) for load in friction["load"]]
-            around = choose_load_steps(loads, press=surfaces.get("press", "areas"), mechanics=mechanics)
+            curve_loads = choose_load_steps(loads, press=surfaces.get("press", "areas"), mechanics=mechanics)
         except (ValueError, TypeError):  # the validation of the key reports the error
-            return given
-        return {**given, "contact": {**contact, "load": [exact_text(load, "mN") for load in around.tolist()]}}
+            return data
+        return {**data, "contact": {**contact, "load": [exact_text(load, "mN") for load in curve_loads.tolist()]}}
 
     @field_validator("surfaces", mode="before")
     @classmethod
@@ -323,29 +325,32 @@ class Study(StudyTable):
 
     @model_validator(mode="after")
     def _require_consistent_tables(self) -> Study:
-        draw, friction, steps = self.figures.draw, self.friction, self.contact.loading_steps()
+        figure_names, friction, steps = self.figures.draw, self.friction, self.contact.loading_steps()
         if friction.load and not steps[0] <= float(friction.load[0]) <= float(friction.load[-1]) <= steps[-1]:
             raise ValueError(
                 f"friction.load: must be from {steps[0]:g} to {steps[-1]:g} mN, the limits of contact.load; omit "
                 "contact.load to choose its loads around friction.load"
             )
         if not self.is_measured:
-            if self.is_areal and (profile_figures := [name for name in draw if name in ("profiles", "length-scales")]):
+            if self.is_areal and (
+                profile_figures := [name for name in figure_names if name in ("profiles", "length-scales")]
+            ):
                 raise ValueError(f'figures.draw: "{profile_figures[0]}" needs profiles, but surfaces.kind is "surface"')
-            if "onset" in draw and self.contact.onset is None:
+            if "onset" in figure_names and self.contact.onset is None:
                 raise ValueError('figures.draw: "onset" needs contact.onset, which specifies the strengths')
             return self
         if self.figures != FigureSettings():
             raise ValueError("figures.draw: applies only to generated surfaces; measured surfaces have all figures")
         if friction.wait and (self.contact.hardness is None or self.known.creep is None):
-            missing = "known.creep" if self.contact.hardness else "contact.hardness"
+            missing_key = "known.creep" if self.contact.hardness else "contact.hardness"
             raise ValueError(
-                f"friction.wait: needs contact.hardness and known.creep, the creep exponent; add {missing}"
+                f"friction.wait: needs contact.hardness and known.creep, the creep exponent; add {missing_key}"
             )
-        count = len(friction.load) * len(friction.mu0) * len(friction.tau0)
-        if count > MAX_COMBINATIONS:
+        num_combinations = len(friction.load) * len(friction.mu0) * len(friction.tau0)
+        if num_combinations > MAX_COMBINATIONS:
             raise ValueError(
-                f"friction: must have at most {MAX_COMBINATIONS} combinations of load, mu0 and tau0, got {count}"
+                f"friction: must have at most {MAX_COMBINATIONS} combinations of load, mu0 and tau0, "
+                f"got {num_combinations}"
             )
         return self
 
@@ -429,8 +434,8 @@ class Study(StudyTable):
             If the file cannot be read, is not TOML, or has unknown keys, wrong units or impossible values.
         """
         try:
-            raw = read_content(Path(path), MAX_STUDY_BYTES)
-            study = parse_study(raw.decode("utf-8"), str(path))
+            content = read_content(Path(path), MAX_STUDY_BYTES)
+            study = parse_study(content.decode("utf-8"), str(path))
         except OSError as error:
             raise StudyError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
         except UnreadableFileError as error:
@@ -461,12 +466,12 @@ class Study(StudyTable):
             table: Any = data
             if not isinstance(key, str):
                 raise StudyError(f"{short_repr(key)}: unknown key")
-            *path, last = key.split(".")
+            *path, last_key = key.split(".")
             for section in path:
                 table = table.setdefault(section, {}) if isinstance(table, dict) else None
             if not isinstance(table, dict):
                 raise StudyError(f"{printable(key)}: unknown key")
-            table[last] = value
+            table[last_key] = value
         return validate_table(Study, data, "changes")
 
     def to_toml(self) -> str:
@@ -481,22 +486,22 @@ class Study(StudyTable):
 
     def _base_tables(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
         """Return the tables of the study before any changes, converted to the classes that the changes require."""
-        data = self._to_tables()
+        tables = self._to_tables()
         selectors = {
-            key: changes.get(f"{section}.{key}", data[section].get(key)) for section, key in _DISCRIMINATOR_KEYS
+            key: changes.get(f"{section}.{key}", tables[section].get(key)) for section, key in _DISCRIMINATOR_KEYS
         }
         selectors = {key: value for key, value in selectors.items() if value is not None}
         try:
             surfaces = select_surface_class(selectors)
             contact = select_contact_class(surfaces, selectors)
         except PydanticCustomError:  # the validation of the key reports the error
-            return data
-        data["surfaces"] = _convert_table(self.surfaces, surfaces)
-        data["contact"] = _convert_table(self.contact, contact)
+            return tables
+        tables["surfaces"] = _convert_table(self.surfaces, surfaces)
+        tables["contact"] = _convert_table(self.contact, contact)
         if not issubclass(surfaces, get_args(MeasuredSurfaceSettings)):
             friction = select_friction_class(surfaces, contact.model_fields["mechanics"].default)
-            self._reset_loads(data, changes, is_allowed="load" in friction.model_fields)
-        return data
+            self._reset_loads(tables, changes, is_allowed="load" in friction.model_fields)
+        return tables
 
     def _reset_loads(self, data: dict[str, dict[str, Any]], changes: Mapping[str, Any], *, is_allowed: bool) -> None:
         """For generated surfaces, remove loads that the changes make invalid or that depend on changed loads."""
@@ -572,7 +577,7 @@ def find_step_dimension(dataset: xarray.Dataset) -> str:
 
 def find_differences(first: StudyTable, second: StudyTable, prefix: str = "") -> list[StudyDifference]:
     """List the differences between two tables, in the order of keys in study files."""
-    texts, result = (first.model_dump(), second.model_dump()), []
+    serialized, differences = (first.model_dump(), second.model_dump()), []
     for name in dict.fromkeys((*type(first).model_fields, *type(second).model_fields)):
         field = type(first).model_fields.get(name) or type(second).model_fields[name]
         if not field.repr:  # bodies in memory are compared by checksum
@@ -581,12 +586,16 @@ def find_differences(first: StudyTable, second: StudyTable, prefix: str = "") ->
         if values[0] == values[1]:
             continue
         if isinstance(values[0], StudyTable) and isinstance(values[1], StudyTable):
-            result += find_differences(values[0], values[1], f"{prefix}{name}.")
+            differences += find_differences(values[0], values[1], f"{prefix}{name}.")
         else:
-            result.append(
-                (f"{prefix}{name}", format_toml_value(texts[0].get(name)), format_toml_value(texts[1].get(name)))
+            differences.append(
+                (
+                    f"{prefix}{name}",
+                    format_toml_value(serialized[0].get(name)),
+                    format_toml_value(serialized[1].get(name)),
+                )
             )
-    return result
+    return differences
 
 
 def find_member_differences(first: Study, second: Study) -> list[StudyDifference]:
@@ -605,8 +614,8 @@ def find_member_differences(first: Study, second: Study) -> list[StudyDifference
 def format_differences(differ: list[StudyDifference]) -> str:
     """Format the first few differences between two studies as lines for a message."""
     lines = [
-        f"{key} = {short_repr(stored)} there, {short_repr(new)} here"
-        for key, stored, new in differ[:MAX_LISTED_DIFFERENCES]
+        f"{key} = {short_repr(stored)} there, {short_repr(changed)} here"
+        for key, stored, changed in differ[:MAX_LISTED_DIFFERENCES]
     ]
     if len(differ) > MAX_LISTED_DIFFERENCES:
         lines.append(f"... and {len(differ) - MAX_LISTED_DIFFERENCES} more")

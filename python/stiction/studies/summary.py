@@ -172,14 +172,22 @@ class PointSummary:
     @property
     def dominant_input(self) -> RemainingInterval | None:
         """Input that contributes most to the width of the interval, or None if no input dominates."""
-        first, width = self.budget[:1], self.upper - self.lower
-        return first[0] if first and first[0].width < (1 - MIN_DOMINANT_INPUT_FRACTION) * width else None
+        largest_entry, width = self.budget[:1], self.upper - self.lower
+        return (
+            largest_entry[0]
+            if largest_entry and largest_entry[0].width < (1 - MIN_DOMINANT_INPUT_FRACTION) * width
+            else None
+        )
 
     @property
     def ageing(self) -> float:
         """Increase of the coefficient per unit increase of ln(dwell time), or NaN if there are no dwell times."""
-        last = self.waited[-1] if self.waited else DwellTimeCoefficient(1.0, self.value, self.lower, self.upper)
-        return (last.value - self.value) / math.log(last.seconds) if last.seconds != 1 else math.nan
+        longest_wait = self.waited[-1] if self.waited else DwellTimeCoefficient(1.0, self.value, self.lower, self.upper)
+        return (
+            (longest_wait.value - self.value) / math.log(longest_wait.seconds)
+            if longest_wait.seconds != 1
+            else math.nan
+        )
 
     @property
     def faults(self) -> tuple[Caveat, ...]:
@@ -254,15 +262,17 @@ def summarize(at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Cavea
 def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
     """Extend the intervals at the quoted cutoff to include those at the other cutoff, whose points come last."""
     cut_off = points[0].at["cut_off"]  # the value at the first cutoff is quoted
-    others = {_coordinates_without_cutoff(point): point for point in points if point.at["cut_off"] != cut_off}
-    quoted = [point for point in points if point.at["cut_off"] == cut_off]
-    first = [
-        _include_cutoff_point(point, others[_coordinates_without_cutoff(point)])
-        if _coordinates_without_cutoff(point) in others
+    points_at_other_cutoff = {
+        _coordinates_without_cutoff(point): point for point in points if point.at["cut_off"] != cut_off
+    }
+    quoted_points = [point for point in points if point.at["cut_off"] == cut_off]
+    covering_points = [
+        _include_cutoff_point(point, points_at_other_cutoff[_coordinates_without_cutoff(point)])
+        if _coordinates_without_cutoff(point) in points_at_other_cutoff
         else point
-        for point in quoted
+        for point in quoted_points
     ]
-    return [*first, *(replace(point, covered=True) for point in others.values())]
+    return [*covering_points, *(replace(point, covered=True) for point in points_at_other_cutoff.values())]
 
 
 def _coordinates_without_cutoff(point: PointSummary) -> tuple[tuple[str, float], ...]:
@@ -276,7 +286,7 @@ def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> Poi
     Filtering does not improve an assessment, so a fault at the other cutoff is a fault here too.
     """
     rules = tuple(_include_cutoff_value(*each) for each in zip(point.rules, other_point.rules, strict=True))
-    both = {entry.words: entry for entry in other_point.budget}
+    other_budget = {entry.words: entry for entry in other_point.budget}
     # With one or two positions, the width of the interval is infinite or NaN.
     has_interval = math.isfinite(point.upper - point.lower)
     budget = (
@@ -285,8 +295,8 @@ def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> Poi
         else []
     )
     for entry in point.budget:
-        same = both.get(entry.words, entry)
-        low, high = min(entry.lower, same.lower), max(entry.upper, same.upper)
+        other_entry = other_budget.get(entry.words, entry)
+        low, high = min(entry.lower, other_entry.lower), max(entry.upper, other_entry.upper)
         budget.append(RemainingInterval(entry.words, low, high, high - low))
     value = other_point.rules[0]
     is_measured = point.at["cut_off"] == 0
@@ -295,16 +305,16 @@ def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> Poi
     )
     text = text if math.isfinite(value.value) else ""
     own_caveats = [replace(each, text=each.text + text) if each.has_readings else each for each in point.caveats]
-    texts = {each.text for each in point.caveats}
-    beyond = [
+    caveat_texts = {each.text for each in point.caveats}
+    other_caveats = [
         replace(each, text=f"as measured: {each.text}")
         for each in other_point.faults
-        if not (is_measured or each.has_readings or each.text in texts)
+        if not (is_measured or each.has_readings or each.text in caveat_texts)
     ]
-    caveats = sorted([*own_caveats, *beyond], key=lambda caveat: caveat.severity != "fault")
-    order = tuple(sorted(budget, key=lambda entry: entry.width))
+    caveats = sorted([*own_caveats, *other_caveats], key=lambda caveat: caveat.severity != "fault")
+    sorted_budget = tuple(sorted(budget, key=lambda entry: entry.width))
     bracket = None if any(each.severity == "fault" for each in caveats) else point.bracket
-    return replace(point, rules=rules, budget=order, caveats=tuple(caveats), bracket=bracket)
+    return replace(point, rules=rules, budget=sorted_budget, caveats=tuple(caveats), bracket=bracket)
 
 
 def _include_cutoff_value(value: RuleCoefficient, other_value: RuleCoefficient) -> RuleCoefficient:
@@ -319,14 +329,14 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
     """Summarize one point of a dataset that `Result.at` returned, including caveats about the bodies."""
     rules = tuple(_build_rule_value(point, rule) for rule in list_rules_quoted_first(study))
     statuses = np.unique(select_sliding_rule(point["status"], rules[0].rule).values)
-    bad = [str(status) for status in statuses if status != friction.STATUS_OK]
+    failed_statuses = [str(status) for status in statuses if status != friction.STATUS_OK]
     # A missing coefficient in one direction makes the mean over all directions NaN.
-    status = bad[0] if bad and math.isnan(rules[0].value) else friction.STATUS_OK
+    status = failed_statuses[0] if failed_statuses and math.isnan(rules[0].value) else friction.STATUS_OK
     cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
-    mean = replace(rules[0], lower=rules[0].positions[0], upper=rules[0].positions[1])
+    rule_with_sampling_interval = replace(rules[0], lower=rules[0].positions[0], upper=rules[0].positions[1])
     # Only a cutoff that the user requested removes caveats.
     kept_caveats = [each for each in input_caveats if study.surfaces.both_readings or cut_off < each.cut_off]
-    caveats = [*kept_caveats, *find_point_caveats(point, study, mean, status)]
+    caveats = [*kept_caveats, *find_point_caveats(point, study, rule_with_sampling_interval, status)]
     return PointSummary(
         study=study,
         values=point,
@@ -336,7 +346,7 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
         at=_point_coordinates(point, study),
         bracket=None
         if any(_is_invalid_bracket_caveat(caveat) for caveat in caveats)
-        else _resolution_bracket(point, study, mean),
+        else _resolution_bracket(point, study, rule_with_sampling_interval),
         budget=_remaining_intervals(point, rules[0].rule),
         parts=_friction_contributions(point, rules[0]),
         from_roughness=_roughness_contribution(point, study, rules[0]),
@@ -352,11 +362,11 @@ def _build_rule_value(point: xarray.Dataset, rule: str) -> RuleCoefficient:
     table = select_sliding_rule(point, rule)
     name = "friction_all_round" if "friction_all_round" in table else "friction_coefficient"
     value, lower, upper = (table[name].sel(statistic=each).item() for each in MEAN_AND_LIMITS)
-    ends = (max(lower, 0.0) if lower < 0 <= value else lower), upper
-    lower, upper = _interval_limits(table, "friction_known") or ends
-    test = _interval_limits(table, "friction_next_test") or (math.nan, math.nan)
+    limits = (max(lower, 0.0) if lower < 0 <= value else lower), upper
+    lower, upper = _interval_limits(table, "friction_known") or limits
+    next_test = _interval_limits(table, "friction_next_test") or (math.nan, math.nan)
     low, high, slopes = (mean_over_directions(table, each) for each in ("spread_low", "spread_high", "gentle_friction"))
-    return RuleCoefficient(rule, value, lower, upper, ends, test, low, high, slopes)
+    return RuleCoefficient(rule, value, lower, upper, limits, next_test, low, high, slopes)
 
 
 def _interval_limits(table: xarray.Dataset, name: str) -> tuple[float, float] | None:
@@ -372,8 +382,8 @@ def _remaining_intervals(point: xarray.Dataset, rule: str) -> tuple[RemainingInt
         return ()
     budget, intervals = select_sliding_rule(point, rule), []
     for index, label in enumerate(budget["input_words"].values.tolist()):
-        if (ends := _interval_limits(budget.isel(input=index), "friction_if_known")) is not None:
-            intervals.append(RemainingInterval(label, *ends, float(budget["width_if_known"][index])))
+        if (limits := _interval_limits(budget.isel(input=index), "friction_if_known")) is not None:
+            intervals.append(RemainingInterval(label, *limits, float(budget["width_if_known"][index])))
     return tuple(sorted(intervals, key=lambda left: left.width))
 
 
@@ -381,8 +391,8 @@ def _dwell_time_values(point: xarray.Dataset, rule: str) -> tuple[DwellTimeCoeff
     if "friction_waited" not in point:
         return ()
     table = select_sliding_rule(point["friction_waited"], rule).transpose("wait", "statistic")
-    rows = zip(point["wait"].values.tolist(), table.values.tolist(), strict=True)
-    return tuple(DwellTimeCoefficient(seconds, *three) for seconds, three in rows)
+    seconds_and_values = zip(point["wait"].values.tolist(), table.values.tolist(), strict=True)
+    return tuple(DwellTimeCoefficient(seconds, *value_and_limits) for seconds, value_and_limits in seconds_and_values)
 
 
 def _friction_contributions(point: xarray.Dataset, rule: RuleCoefficient) -> tuple[float, float, float] | None:
@@ -390,11 +400,11 @@ def _friction_contributions(point: xarray.Dataset, rule: RuleCoefficient) -> tup
     if rule.rule != "all" or not math.isfinite(rule.value):
         return None
     load = float(point["load"])
-    area = "contact_area_at_onset" if "contact_area_at_onset" in point else "contact_area"
-    mu0, adhesion = float(point["mu0"]), float(point["tau0"]) * mean_over_directions(point, area) / load
+    area_name = "contact_area_at_onset" if "contact_area_at_onset" in point else "contact_area"
+    mu0, adhesive_part = float(point["mu0"]), float(point["tau0"]) * mean_over_directions(point, area_name) / load
     if "contact_load" in point:
         mu0 *= mean_over_directions(point, "contact_load") / load
-    return mu0, adhesion, rule.value - mu0 - adhesion
+    return mu0, adhesive_part, rule.value - mu0 - adhesive_part
 
 
 def _point_coordinates(point: xarray.Dataset, study: Study) -> dict[str, float]:
@@ -404,9 +414,9 @@ def _point_coordinates(point: xarray.Dataset, study: Study) -> dict[str, float]:
     }
     if (
         "fractal_dimension" in coordinates
-        and (shape := roughness_exponent(study, coordinates["fractal_dimension"]))[0] == "H"
+        and (roughness := roughness_exponent(study, coordinates["fractal_dimension"]))[0] == "H"
     ):
-        coordinates["hurst_exponent"] = shape[1]
+        coordinates["hurst_exponent"] = roughness[1]
     return coordinates
 
 
@@ -434,12 +444,12 @@ def _resolution_bracket(point: xarray.Dataset, study: Study, all_rub: RuleCoeffi
     between contacts of different members. The bounds may be equal.
     """
     hardness = study.contact.hardness
-    measured = study.is_measured and study.uses_half_space and not study.contact.adheres
-    if hardness is None or not measured or all_rub.rule != "all" or not math.isfinite(all_rub.value):
+    has_bracket = study.is_measured and study.uses_half_space and not study.contact.adheres
+    if hardness is None or not has_bracket or all_rub.rule != "all" or not math.isfinite(all_rub.value):
         return None
-    mu0, adhesion = float(point["mu0"]), plastic_adhesive_friction(point, study)
-    if adhesion is None or math.isnan(adhesion):
+    mu0, adhesive_friction = float(point["mu0"]), plastic_adhesive_friction(point, study)
+    if adhesive_friction is None or math.isnan(adhesive_friction):
         return None
     upper = all_rub.upper if math.isfinite(all_rub.upper) else None
-    contacts = mean_over_directions(point, "contact_count") * mean_over_directions(point, "members")
-    return friction_bracket(all_rub.value, mu0, adhesion, contacts, upper)
+    num_contacts = mean_over_directions(point, "contact_count") * mean_over_directions(point, "members")
+    return friction_bracket(all_rub.value, mu0, adhesive_friction, num_contacts, upper)

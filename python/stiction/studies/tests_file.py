@@ -64,20 +64,20 @@ def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[F
     separator = next((character for character in "\t;" if character in lines[0][1]), ",")
     try:
         reader = csv.reader((f"{line}\n" for _, line in lines), delimiter=separator)
-        rows, numbers = [], []
+        rows, line_numbers = [], []
         for row in reader:  # cells in quotation marks may contain line breaks
             rows.append(row)
-            numbers.append(lines[reader.line_num - 1][0])
-        table = _FrictionTestTable(_parse_titles(rows[0]), numbers[1:], rows[1:], bodies, separator)
+            line_numbers.append(lines[reader.line_num - 1][0])
+        table = _FrictionTestTable(_parse_titles(rows[0]), line_numbers[1:], rows[1:], bodies, separator)
         return tuple(table.parse_rows())
     except (ValueError, csv.Error) as error:
         raise ValueError(f"{printable_path(path)}: {error}") from None
 
 
-def _parse_titles(head: list[str]) -> dict[str, tuple[int, str]]:
+def _parse_titles(title_row: list[str]) -> dict[str, tuple[int, str]]:
     """Return the index and unit of each column, keyed by the standard name of the column."""
     columns: dict[str, tuple[int, str]] = {}
-    for index, cell in enumerate(head):
+    for index, cell in enumerate(title_row):
         match = _COLUMN_TITLE_PATTERN.fullmatch(cell)
         name = " ".join(match[1].lower().split()) if match else ""
         name, unit = _COLUMN_ALIASES.get(name, name), (match[2] or match[3] or "") if match else ""

@@ -297,13 +297,17 @@ def check_keys(
     for key in table:
         if key in case.model_fields:
             continue
-        owners = [kind for kind in shared if key in kind.model_fields]
-        bases = [kind for kind in owners if not any(kind is not base and issubclass(kind, base) for base in owners)]
-        if bases:
-            places = " and ".join(dict.fromkeys(kind.place for kind in bases))
-            selectors = [kind.selectors().items() - case.selectors().items() for kind in bases]
-            common = sorted(set.intersection(*selectors))
-            remedy = " and ".join(f"{name} = {format_toml_value(value)}" for name, value in common)
+        table_classes = [kind for kind in shared if key in kind.model_fields]
+        base_classes = [
+            kind
+            for kind in table_classes
+            if not any(kind is not base and issubclass(kind, base) for base in table_classes)
+        ]
+        if base_classes:
+            places = " and ".join(dict.fromkeys(kind.place for kind in base_classes))
+            selectors = [kind.selectors().items() - case.selectors().items() for kind in base_classes]
+            common_keys = sorted(set.intersection(*selectors))
+            remedy = " and ".join(f"{name} = {format_toml_value(value)}" for name, value in common_keys)
             reason = f"belongs to {places}, not to {case.place}"
             raise make_key_error(str(key), f"{reason}; it requires {remedy}" if remedy else reason)
     for key, field in case.model_fields.items():
@@ -364,15 +368,15 @@ def parse_toml(text: str) -> dict[str, Any]:
         raise ValueError("is nested too deeply") from None
 
 
-def validate_table(kind: type[_TableClass], data: Mapping[str, Any], source: str) -> _TableClass:
+def validate_table(table_class: type[_TableClass], data: Mapping[str, Any], source: str) -> _TableClass:
     """Validate a table and return it as an instance of the given class.
 
     Error messages start with the name of the source of the table.
     """
     try:
-        return kind.model_validate(data)
+        return table_class.model_validate(data)
     except ValidationError as error:
-        faults = [_convert_validation_error(kind, fault) for fault in error.errors(include_url=False)]
+        faults = [_convert_validation_error(table_class, fault) for fault in error.errors(include_url=False)]
         lines = [
             f"{printable_path(source)}: {key}: {reason}" if key else f"{printable_path(source)}: {reason}"
             for key, reason in faults[:MAX_LISTED_FAULTS]
@@ -396,7 +400,7 @@ _ERROR_MESSAGES = {
 """Messages that replace messages of pydantic, by error type."""
 
 
-def _convert_validation_error(kind: type[StudyTable], fault: ErrorDetails) -> tuple[str, str]:
+def _convert_validation_error(table_class: type[StudyTable], fault: ErrorDetails) -> tuple[str, str]:
     """Convert a pydantic error to a message and the key that caused the error."""
     location = [key_part for key_part in fault["loc"] if key_part not in (RANGE_TAG, LIST_TAG)]
     key = "".join(
@@ -406,7 +410,7 @@ def _convert_validation_error(kind: type[StudyTable], fault: ErrorDetails) -> tu
         key += f".{fault['ctx']['key']}"
     key = printable(key)
     if fault["type"] == "extra_forbidden":
-        return key, f"unknown key{_suggest_keys(kind, location)}"
+        return key, f"unknown key{_suggest_keys(table_class, location)}"
     message = fault["msg"].removeprefix("Value error, ")
     if fault["type"] == "model_type":
         message = "must be a table"
@@ -424,17 +428,17 @@ def _convert_validation_error(kind: type[StudyTable], fault: ErrorDetails) -> tu
 MAX_SUGGESTIONS = 3  # maximum number of suggestions for an unknown key
 
 
-def _suggest_keys(kind: type[StudyTable], location: list[int | str]) -> str:
+def _suggest_keys(table_class: type[StudyTable], location: list[int | str]) -> str:
     """Return a hint that names similar keys of the table, or the command that lists all keys."""
-    tables = [kind]
+    tables = [table_class]
     for parent_key in location[:-1]:
         fields = [table.model_fields[str(parent_key)] for table in tables if str(parent_key) in table.model_fields]
         tables = [table for field in fields for table in find_table_classes(field.annotation)]
     keys = dict.fromkeys(name for table in tables for name in table.model_fields)
     keys |= dict.fromkeys(name for table in tables for name in getattr(table, "other_keys", ()))
     word = str(location[-1])[:MAX_WORD_LENGTH]
-    similar = [*difflib.get_close_matches(word, keys, n=3), *(name for name in keys if word in name)]
-    names = " or ".join(map(repr, list(dict.fromkeys(similar))[:MAX_SUGGESTIONS]))
+    similar_keys = [*difflib.get_close_matches(word, keys, n=3), *(name for name in keys if word in name)]
+    names = " or ".join(map(repr, list(dict.fromkeys(similar_keys))[:MAX_SUGGESTIONS]))
     return f"; is it {names}?" if names else "; stiction studies --keys lists all"
 
 
