@@ -121,5 +121,5 @@ def compare_with_boundary_elements() -> list[tuple[str, str]]:
     ]
 
 
-def measure_rows() -> list[tuple[str, str]]:
+def benchmark_rows() -> list[tuple[str, str]]:
     return compare_with_plain_program() + compare_profile_generators() + compare_with_boundary_elements()

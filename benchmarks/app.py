@@ -27,7 +27,7 @@ def wait_for_script(driver, script: str) -> float:
     return time.perf_counter() - start
 
 
-def measure_rows() -> list[tuple[str, str]]:
+def benchmark_rows() -> list[tuple[str, str]]:
     with tempfile.TemporaryDirectory() as folder, browser.start_browser(f"{folder}/profile") as driver:
         start = time.perf_counter()
         server = subprocess.Popen(

@@ -57,7 +57,7 @@ def create_large_pair() -> None:
     create_pair(2048)
 
 
-def measure_rows() -> list[tuple[str, str]]:
+def benchmark_rows() -> list[tuple[str, str]]:
     small, rough, large_pair = create_pair(512), create_pair(512, shortest=None), create_pair(2048)
     transform, pair_time, candidate_time, fine_pair_time, large_transform, large_pair_time = median_times(
         lambda: rfft2(small[0].heights, workers=1),

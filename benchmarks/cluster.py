@@ -84,7 +84,7 @@ def measure_storage(
             runner.compute_block = _task
 
 
-def measure_rows() -> list[tuple[str, str]]:
+def benchmark_rows() -> list[tuple[str, str]]:
     results = []
     with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as executor:
         for name in STUDY_NAMES:

@@ -29,7 +29,7 @@ def changes_for_points(points: int) -> dict[str, object]:
     }
 
 
-def measure_rows() -> list[tuple[str, str]]:
+def benchmark_rows() -> list[tuple[str, str]]:
     points = (10_000, 150_000, 1_000_000, 10_000_000)
     dimensions = (1, 5, 20, 50, 200)
     approaches = (1, 10, 40, 100, 400)

@@ -86,7 +86,7 @@ def measure_solver(solve: Callable[..., Any], heights: np.ndarray, load: float) 
     return took, measure_error(heights, answer.contact(0).pressure if isinstance(answer, HalfSpaceCurve) else answer)
 
 
-def measure_rows(sides: tuple[int, ...] = (512, 1024)) -> list[tuple[str, str]]:
+def benchmark_rows(sides: tuple[int, ...] = (512, 1024)) -> list[tuple[str, str]]:
     # Each solver measures its error differently. These tolerances give about the same common error for all solvers.
     others = {"tamaas": tamaas_solver(STICTION_TOLERANCE)}
     if importlib.util.find_spec("aspher"):
@@ -193,5 +193,5 @@ def measure_profile(points: int = 131_072) -> tuple[str, str]:
 
 
 if __name__ == "__main__":
-    for question, answer in measure_rows():
+    for question, answer in benchmark_rows():
         print(f"{question:75s} {answer}", flush=True)

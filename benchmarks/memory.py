@@ -61,7 +61,7 @@ def resident_memory(pid: int) -> int:
     return 0
 
 
-def measure_rows() -> list[tuple[str, str]]:
+def benchmark_rows() -> list[tuple[str, str]]:
     values = []
     for study_title, (name, *changes) in STUDY_ARGUMENTS.items():
         with tempfile.TemporaryDirectory() as folder:

@@ -52,7 +52,7 @@ def timed(function: Callable[[], object]) -> tuple[object, float]:
     return result, time.perf_counter() - start
 
 
-def measure_rows() -> list[tuple[str, str]]:
+def benchmark_rows() -> list[tuple[str, str]]:
     # Repetitions that take no time are stored in blocks of the maximum size.
     real = runner.compute_member_sums, runner.estimate_member_time
     runner.compute_member_sums, runner.estimate_member_time = synthetic_sums(STUDY), lambda _: 0.0

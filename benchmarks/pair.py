@@ -28,7 +28,7 @@ def measure_speedup(study: Study, one: Executor, two: Executor) -> float:
     return seconds(lambda: run(study, executor=one), 1) / seconds(lambda: run(study, executor=two), 1)
 
 
-def measure_rows() -> list[tuple[str, str]]:
+def benchmark_rows() -> list[tuple[str, str]]:
     fresh = seconds(lambda: np.fft.rfft(FFT_INPUT), 40)  # No large memory block has been freed before this measurement.
     result = [
         ("U", f"{1e3 * measure_unit():.2f} ms"),

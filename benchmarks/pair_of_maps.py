@@ -75,7 +75,7 @@ def seconds(task: Callable[[], None]) -> float:
     return time.process_time() - start
 
 
-def measure_rows() -> list[tuple[str, str]]:
+def benchmark_rows() -> list[tuple[str, str]]:
     with tempfile.TemporaryDirectory() as created:
         folder = Path(created)
         write_scans(folder)
@@ -102,5 +102,5 @@ def measure_rows() -> list[tuple[str, str]]:
 
 
 if __name__ == "__main__":
-    for question, answer in measure_rows():
+    for question, answer in benchmark_rows():
         print(f"{question:75s} {answer}", flush=True)

@@ -68,7 +68,7 @@ def measure_interpolation_error(driver, dataset: xarray.Dataset) -> float:
     return float(np.median(errors))
 
 
-def measure_rows() -> list[tuple[str, str]]:
+def benchmark_rows() -> list[tuple[str, str]]:
     dataset = run(Study.named("figure6"), store=BENCHMARK_FOLDER.parent / "build/figure6").dataset
     with tempfile.TemporaryDirectory() as folder, browser.start_browser(f"{folder}/profile") as driver:
         page = Path(folder) / "report.html"

@@ -18,7 +18,7 @@ def main() -> None:
     for name in names or BENCHMARKS:
         module = import_module(name)
         lines += [f"**{(module.__doc__ or '').splitlines()[0]}**", "", "| quantity | result |", "|---|---|"]
-        for question, answer in module.measure_rows():
+        for question, answer in module.benchmark_rows():
             print(f"{question:75s} {answer}", flush=True)
             lines.append(f"| {question} | {answer} |")
         lines.append("")

@@ -105,13 +105,13 @@ def parameter_descriptions() -> str:
         kind = f"{{{choices}}}" if choices and declared != "InterfaceName" else DOCSTRING_TYPES[declared]
         unit = f", {DEFAULT_UNITS[option.kind]}" if option.kind else ""
         optional = "" if PairOptions.model_fields[name].is_required() or name in BODIES else ", optional"
-        text = option.help.format_map(PythonNames()) + (f" By default {option.usual}." if option.usual else "")
+        text = option.help.format_map(PythonOptionNames()) + (f" By default {option.usual}." if option.usual else "")
         lines.append(f"    {format_python_name(name)} : {kind}{unit}{optional}")
         lines += textwrap.wrap(text, LINE_LENGTH, initial_indent=" " * 8, subsequent_indent=" " * 8)
     return "\n".join(lines) + "\n"
 
 
-class PythonNames(dict[str, str]):
+class PythonOptionNames(dict[str, str]):
     """Python names of options, which replace the placeholders of a help line."""
 
     def __missing__(self, name: str) -> str:
@@ -154,7 +154,7 @@ def replace_section(text: str, start: str, end: str, new: str) -> str:
     return head + start + new + end + tail
 
 
-def generate_files() -> dict[Path, str]:
+def generated_texts() -> dict[Path, str]:
     """Return the generated text of each file."""
     function = FUNCTION_FILE.read_text("utf-8")
     function = replace_section(function, "def pair(\n", "    directory: str", function_parameters())
@@ -181,11 +181,11 @@ def format_code(text: str) -> str:
 
 def main() -> None:
     """Write the files, or with --check compare them with the generated text."""
-    differing = [path for path, text in generate_files().items() if path.read_text("utf-8") != text]
+    differing = [path for path, text in generated_texts().items() if path.read_text("utf-8") != text]
     if "--check" in sys.argv:
         names = ", ".join(str(path.relative_to(ROOT)) for path in differing)
         sys.exit(f"{names}: run packaging/pair_options.py" if differing else 0)
-    for path, text in generate_files().items():
+    for path, text in generated_texts().items():
         path.write_text(text, "utf-8")
 
 

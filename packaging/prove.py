@@ -39,7 +39,7 @@ COMPILER = re.compile(r"([\w-]+-)?(cc|c\+\+|gcc|g\+\+|clang|clang\+\+|cpp|ld|as|
 SYSTEM_PATH = [Path(folder) for folder in ("/usr/local/sbin", "/usr/local/bin", "/usr/sbin", "/usr/bin")]
 
 # Print the visible compilers, Eigen, GSL and FFTW. The script runs inside the environment and, once, outside.
-INSPECTION = """
+INSPECTION_SCRIPT = """
 import os, shutil, sys
 path = os.environ["PATH"] + os.pathsep + sys.argv[1]
 for name in ("cc", "c++", "gcc", "g++", "clang++", "cmake"):
@@ -225,13 +225,13 @@ class IsolatedEnvironment:
         """Check that everything visible outside the environment is hidden inside."""
         system = os.pathsep.join(map(str, SYSTEM_PATH))
         if self.mounts:
-            seen_outside = call(sys.executable, "-c", INSPECTION, system, "/usr").splitlines()
+            seen_outside = call(sys.executable, "-c", INSPECTION_SCRIPT, system, "/usr").splitlines()
             for part in ("c++", "cmake", "libgsl.a", "gsl_version.h", "libfftw3.a", "fftw3.h", "Eigen/Core"):
                 if not any(path.endswith(part) for path in seen_outside):
                     fail(f"no {part} was found here, so that hiding it shows nothing")
-            seen = self.call(self.bin / "python", "-I", "-c", INSPECTION, system, "/usr", "/opt", ROOT)
+            seen = self.call(self.bin / "python", "-I", "-c", INSPECTION_SCRIPT, system, "/usr", "/opt", ROOT)
         else:
-            seen = self.call(self.bin / "python", "-I", "-c", INSPECTION, "")
+            seen = self.call(self.bin / "python", "-I", "-c", INSPECTION_SCRIPT, "")
         if seen:
             fail(f"these are not hidden: {', '.join(seen.split())}")
 

@@ -14,7 +14,7 @@ import tomllib
 from collections.abc import Callable, Iterator
 
 from prove import PROJECT, ROOT, call, fail
-from wheel import DIST_FOLDER, RECORD_FILE, describe_commit
+from wheel import DIST_FOLDER, VERIFIED_COMMITS_FILE, describe_commit
 
 VERSION = PROJECT["version"]
 RELEASE_VERSION = VERSION.removesuffix(".dev0")
@@ -121,7 +121,7 @@ def tree_is_clean() -> str | None:
 
 @register_check("source distribution and wheels of this commit are built and proven, with the tests")
 def wheels_are_proven() -> str | None:
-    record = RECORD_FILE.read_text(encoding="utf-8") if RECORD_FILE.exists() else ""
+    record = VERIFIED_COMMITS_FILE.read_text(encoding="utf-8") if VERIFIED_COMMITS_FILE.exists() else ""
     if record != f"{describe_commit()} with the tests\n":
         return f"./dev wheel, for {record.strip() or 'nothing'} was proven"
     return None if list(DIST_FOLDER.glob("*.whl")) else f"{DIST_FOLDER.relative_to(ROOT)} is empty"

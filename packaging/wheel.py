@@ -18,14 +18,14 @@ from prove import ARCHIVE_STEM, PYPROJECT, ROOT, call, compare, fail, print_mess
 
 DIST_FOLDER = ROOT / "build/wheel/dist"
 UNPROVEN_FOLDER = ROOT / "build/wheel/unproven"
-RECORD_FILE = ROOT / "build/wheel/proven.txt"
+VERIFIED_COMMITS_FILE = ROOT / "build/wheel/proven.txt"
 """File that contains the last commit whose wheels were verified; packaging/release.py reads it."""
 
 MIN_PYTHON_MINOR = 11
 MAX_PYTHON_MINOR = 14
 
 # Check that an interpreter is Python 3.N, and can create environments and build extensions.
-INTERPRETER_CHECK = """
+INTERPRETER_CHECK_SCRIPT = """
 import os, sys, sysconfig, ensurepip
 header = os.path.join(sysconfig.get_path("include"), "Python.h")
 sys.exit(sys.version_info[:2] != (3, int(sys.argv[1])) or not os.path.exists(header))
@@ -47,7 +47,7 @@ def find_interpreters() -> dict[str, Path]:
 
 
 def can_build(python: Path, minor: int) -> bool:
-    completed = subprocess.run([python, "-c", INTERPRETER_CHECK, str(minor)], check=False, capture_output=True)
+    completed = subprocess.run([python, "-c", INTERPRETER_CHECK_SCRIPT, str(minor)], check=False, capture_output=True)
     return completed.returncode == 0
 
 
@@ -109,7 +109,7 @@ def main() -> None:
     options = parser.parse_args()
     # Files in the archives have the time of the commit, so that builds are reproducible.
     os.environ["SOURCE_DATE_EPOCH"] = call("git", "log", "-1", "--format=%ct").strip()
-    RECORD_FILE.unlink(missing_ok=True)
+    VERIFIED_COMMITS_FILE.unlink(missing_ok=True)
     for folder in (DIST_FOLDER, UNPROVEN_FOLDER):
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
@@ -142,7 +142,7 @@ def main() -> None:
         print_message(f"{archive.relative_to(ROOT)}")
     if failed:
         fail(f"not proven, and left in {UNPROVEN_FOLDER.relative_to(ROOT)}: {', '.join(failed)}")
-    RECORD_FILE.write_text(
+    VERIFIED_COMMITS_FILE.write_text(
         f"{describe_commit()} {'without' if options.quick else 'with'} the tests\n", encoding="utf-8"
     )
 

@@ -163,7 +163,7 @@ def commit_subjects(files: Files) -> Iterator[Item]:
         yield commit, subject
 
 
-SENTENCES: dict[str, Callable[[Files], Iterator[Item]]] = dict(
+SENTENCE_SOURCES: dict[str, Callable[[Files], Iterator[Item]]] = dict(
     zip(SENTENCE_KINDS, (docstrings, comments, messages, documentation, commit_subjects), strict=True)
 )
 
@@ -228,7 +228,7 @@ def sample(seed: int, number: int, functions: int) -> None:
     if functions:
         print(*draw_functions(files, functions, generator), sep="\n")
         return
-    for items_by_kind in ({kind: list(find(files)) for kind, find in SENTENCES.items()}, names(files)):
+    for items_by_kind in ({kind: list(find(files)) for kind, find in SENTENCE_SOURCES.items()}, names(files)):
         print(", ".join(f"{len(items)} of kind {kind}" for kind, items in items_by_kind.items()), end="\n\n")
         print(*draw(items_by_kind, number, generator), "", sep="\n")
 

@@ -430,7 +430,7 @@ def _rise_at_low_dimensions(r: Resampled) -> Floats:
     return _mean_over_dimensions(r, raised, *_LOW_DIMENSIONS) - _mean_over_dimensions(r, raised, *_HIGH_DIMENSIONS)
 
 
-def _rise_at_low_load(r: Resampled) -> Floats:
+def _adhesion_rise_at_low_load(r: Resampled) -> Floats:
     return _mean_over_dimensions(
         r, _friction_added_by_adhesion(r, r.light) - _friction_added_by_adhesion(r, r.heavy), *_ALL_DIMENSIONS
     )
@@ -537,7 +537,11 @@ CLAIM_PARTS = (
         "3b", "increase of mu_s by tau0 = 200 MPa at D ≤ 1.2, minus at D ≥ 1.6", 0.0, math.inf, _rise_at_low_dimensions
     ),
     Part(
-        "3c", "increase of mu_s by tau0 = 200 MPa at light load, minus at heavy load", 0.0, math.inf, _rise_at_low_load
+        "3c",
+        "increase of mu_s by tau0 = 200 MPa at light load, minus at heavy load",
+        0.0,
+        math.inf,
+        _adhesion_rise_at_low_load,
     ),
     Part(
         "3d",

@@ -49,7 +49,7 @@ SEED = 13
 MU0 = 0.4
 TAU0 = {"0": 0.0, "2": 0.02 * MODULUS}
 """Adhesive shear strength in GPa, by its percentage of E*."""
-RULES = ("opposing", "all")
+SLIDING_RULES = ("opposing", "all")
 LOW_PRESSURE = 0.01
 """Mean pressure in units of E* h', for a contact fraction of about 0.02."""
 PRESSURES = (0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 2.0)
@@ -238,7 +238,7 @@ def measure_pair(case: dict, upper, lower, boundary: str) -> dict:
     row["kappa"] = on_ground * MODULUS * steep / load
     row["fraction"] = on_ground / nominal
     row["contacts"] = int(curves[0].contact_count[0])
-    for rule, (name, tau0) in product(RULES, TAU0.items()):
+    for rule, (name, tau0) in product(SLIDING_RULES, TAU0.items()):
         values = [
             item.friction_coefficient(mu0=MU0, tau0=tau0) for item in (curve.with_sliding(rule) for curve in curves)
         ]
@@ -268,7 +268,7 @@ def solve_asperities(upper, lower, load: float, ways, name: str, keywords: dict,
     common = {"effective_modulus": MODULUS, **keywords}
     approach = approach_at_load(upper, lower, [load], mu0=0.0, **common)
     row = {}
-    for rule in RULES:
+    for rule in SLIDING_RULES:
         if not np.isfinite(approach).all():
             continue
         curves = [press(upper, lower, approach, sliding=rule, direction=way, **common) for way in ways]
@@ -341,7 +341,7 @@ def summarise_case(row: dict) -> dict:
     result |= {"family": row["case"]["family"], "case": row["case"], "pairs": len(together)}
     result["kappa_error"] = float(np.std([pair["kappa"] for pair in together], ddof=1) / np.sqrt(len(together)))
     models = {f"mu {rule}": rule for rule in RULE_TITLES} | {
-        f"{name} {rule}": rule for name in ("asperities", "cylinders", "spheres") for rule in RULES
+        f"{name} {rule}": rule for name in ("asperities", "cylinders", "spheres") for rule in SLIDING_RULES
     }
     for (model, rule), (key, tau0) in product(models.items(), TAU0.items()):
         values = np.array([pair.get(f"{model} {key}", np.nan) for pair in together])

@@ -9,7 +9,7 @@ from stiction.studies.point import iterate_points
 from stiction.studies.summary import UNATTRIBUTED_WAVELENGTHS_INPUT, summarize, summarize_point
 from stiction.views.point import averaged_directions_text
 from stiction.views.sentence import (
-    MIN_STATED_READING_DIFFERENCE,
+    MIN_STATED_LOAD_DEFINITION_EFFECT,
     SLOPE_ESTIMATE_KAPPA,
     finer_text,
     inputs_text,
@@ -244,7 +244,10 @@ def test_sentence_about_profiles_states_directions_and_nominal_pressure():
 
 
 def test_sentence_states_the_definition_of_load_if_it_changes_the_coefficient_noticeably():
-    for difference, is_given in ((2 * MIN_STATED_READING_DIFFERENCE, True), (MIN_STATED_READING_DIFFERENCE / 2, False)):
+    for difference, is_given in (
+        (2 * MIN_STATED_LOAD_DEFINITION_EFFECT, True),
+        (MIN_STATED_LOAD_DEFINITION_EFFECT / 2, False),
+    ):
         sentence = sentence_text(only_point(measured_result(reading_difference=difference), measured_study()))
         assert ("the load is the elastic contact force" in sentence) == is_given
         assert ("with another definition of the load μ_s differs by 2 %" in sentence) == is_given

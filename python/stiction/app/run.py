@@ -22,7 +22,7 @@ WORKING_DIRECTORY_PREFIX = "stiction-app-"
 MAX_WINDOW_ABSENCE = 90.0
 """Seconds without a request after which the server exits; browsers limit hidden windows to one request per minute."""
 
-MAX_WAIT_FIRST_WINDOW = 600.0  # time in seconds within which the first window must be opened
+MAX_FIRST_WINDOW_WAIT = 600.0  # time in seconds within which the first window must be opened
 
 MAX_IDLE_TIME = 20.0  # time in seconds within which a connection must send its request headers
 MAX_IDLE_CONNECTIONS = 64
@@ -117,4 +117,4 @@ async def _serve(
 
 def is_abandoned(server: Server, now: float) -> bool:
     """Return whether all windows have been closed for too long, or whether no window was opened in time."""
-    return now - server.last_request_time > (MAX_WINDOW_ABSENCE if server.has_window else MAX_WAIT_FIRST_WINDOW)
+    return now - server.last_request_time > (MAX_WINDOW_ABSENCE if server.has_window else MAX_FIRST_WINDOW_WAIT)

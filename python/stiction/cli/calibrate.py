@@ -115,7 +115,7 @@ def calibrate(
     print_output(calibration_record(interface) if as_json else calibration_text(interface))
     if ball is not None and (elasticity := bodies["ball"].elasticity).hardness is not None:
         ratio = min(bodies["ball"].area_per_load(test.load) for test in tests if test.result is bodies["ball"])
-        if 1 / ratio > YIELD_PRESSURE_RATIO * elasticity.hardness:
+        if 1 / ratio > BALL_YIELD_PRESSURE_RATIO * elasticity.hardness:
             print_message(
                 f"the mean pressure under the ball, {1e3 / ratio:.3g} MPa, may exceed the onset of yield; "
                 "A/F is computed for elastic contact"
@@ -128,7 +128,7 @@ def calibrate(
         print_written(f"wrote {output}, for stiction pair --interface, and {figure}")
 
 
-YIELD_PRESSURE_RATIO = 0.39
+BALL_YIELD_PRESSURE_RATIO = 0.39
 """Ratio of mean pressure to hardness at which a ball begins to yield: 1.1/2.84 (Johnson 1985, ch. 6)."""
 
 

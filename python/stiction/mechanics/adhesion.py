@@ -29,7 +29,7 @@ from stiction.mechanics.half_space_problem import (
 )
 
 # Number of plain steps between two extrapolated steps. Plain steps damp the modes that extrapolated steps overshoot.
-NUM_PLAIN_STEPS = 2
+NUM_UNACCELERATED_STEPS = 2
 MAX_EXTRAPOLATION_FACTOR = 10.0  # maximum extrapolated step, as a multiple of the plain step
 MAX_SOLUTIONS_PER_LOAD = (
     2000  # maximum number of contact solutions for one external load, including solutions during jumps
@@ -141,9 +141,9 @@ class AdhesionSolver:
     ) -> Iterator[tuple[AdhesionState, float]]:
         """Yield the state and the relative change of the attraction after each iteration, until the bodies separate.
 
-        The contact load (GPa) is a function of the mean attraction. After `NUM_PLAIN_STEPS` plain steps, a step is
-        extrapolated as a geometric series with the ratio of the last two changes, limited to `longest` times the last
-        change.
+        The contact load (GPa) is a function of the mean attraction. After `NUM_UNACCELERATED_STEPS` plain steps, a step
+        is extrapolated as a geometric series with the ratio of the last two changes, limited to `longest` times the
+        last change.
         """
         grids, gap = self.problem.grids, self.problem.gap
         attraction = np.zeros_like(gap) if near is None else near.attraction
@@ -184,7 +184,7 @@ class AdhesionSolver:
             ratio = residual / before if before else 0.0
             length = 1 / (1 - ratio) if ratio < 1 - 1 / longest else longest
             following, plain_attraction = np.clip(attraction + change, 0.0, self.max_attraction), None
-            if count % (NUM_PLAIN_STEPS + 1) == NUM_PLAIN_STEPS and longest > 1:
+            if count % (NUM_UNACCELERATED_STEPS + 1) == NUM_UNACCELERATED_STEPS and longest > 1:
                 plain_attraction, following = following, np.clip(attraction + length * change, 0.0, self.max_attraction)
             attraction = following
 

@@ -186,7 +186,7 @@ class HalfSpaceCurve(FrictionCurve):
         """
         force, is_bound = self.pull_off_bound
         if is_bound:
-            warnings.warn(f"the pull-off force is at least {force:.4g} mN: {self._apart[1]}", stacklevel=2)
+            warnings.warn(f"the pull-off force is at least {force:.4g} mN: {self._separation[1]}", stacklevel=2)
         return force
 
     @property
@@ -199,7 +199,7 @@ class HalfSpaceCurve(FrictionCurve):
         """Values of `pull_off` (mN) and `pull_off_is_bound`. Unlike `pull_off`, this property issues no warning."""
         if self.work_of_adhesion == 0:
             return 0.0, False
-        return -self._apart[0][-1].load, bool(self._apart[1])
+        return -self._separation[0][-1].load, bool(self._separation[1])
 
     @property
     def parting(self) -> HalfSpaceCurve:
@@ -209,10 +209,10 @@ class HalfSpaceCurve(FrictionCurve):
         """
         if self.work_of_adhesion == 0:
             raise ValueError("parting requires adhesion; call half_space with a work_of_adhesion above 0")
-        return _make_curve(self._problem, self._model, self._apart[0], self._tolerance)
+        return _make_curve(self._problem, self._model, self._separation[0], self._tolerance)
 
     @cached_property
-    def _apart(self) -> tuple[list[ContactSolution], str]:
+    def _separation(self) -> tuple[list[ContactSolution], str]:
         """Contacts during separation, and the reason why the largest tension is uncertain ("" if it is certain)."""
         from stiction.mechanics.adhesion import pull_apart
 
@@ -352,12 +352,14 @@ class HalfSpaceCurve(FrictionCurve):
         RuntimeError
             If the error of a step exceeds the tolerance.
         """
-        from stiction.mechanics.mindlin import SlidingHalfSpace
+        from stiction.mechanics.mindlin import HalfSpaceTangentialProblem
 
         mu0, tau0 = check_nonzero_strengths(mu0, tau0, self.effective_modulus)
         angle = parse_direction(direction, line=self._problem.gap.ndim == 1)
         pressed = self._pressed[resolve_index(index, self.load.size, "loads")]
-        tangential_problem = SlidingHalfSpace(pressed, mu0=mu0, tau0=tau0, poisson=poisson, tolerance=tolerance)
+        tangential_problem = HalfSpaceTangentialProblem(
+            pressed, mu0=mu0, tau0=tau0, poisson=poisson, tolerance=tolerance
+        )
         return compute_onset(
             tangential_problem, mu0=mu0, tau0=tau0, direction=angle, steps=steps, displacements=displacements
         )

@@ -124,12 +124,12 @@ class LoadCurve(FrictionCurve, ContactSums):
             If an argument is outside its range, mu0 and tau0 are both 0, there is no contact, or the law is
             HertzCylinder.
         """
-        from stiction.mechanics.mindlin import SlidingAsperities
+        from stiction.mechanics.mindlin import AsperityTangentialProblem
 
         mu0, tau0 = check_nonzero_strengths(mu0, tau0, self.effective_modulus)
         angle = parse_direction(direction, line=not isinstance(self, SurfaceLoadCurve))
         approach = float(self.approach[resolve_index(index, self.approach.size, "approaches")])
-        tangential_problem = SlidingAsperities(
+        tangential_problem = AsperityTangentialProblem(
             self._pressed.at(approach), self._pressed.model, mu0=mu0, tau0=tau0, angle=angle, poisson=poisson,
             compliance_share=validate_fraction("compliance_share", compliance_share),
         )  # fmt: skip

@@ -65,7 +65,7 @@ def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
     return np.asarray(along * np.sin(angle) ** 2 + (1 - along) * np.cos(angle) ** 2)
 
 
-class SlidingAsperities:
+class AsperityTangentialProblem:
     """Tangential problem of asperity contacts that act in parallel. `angle` is the direction of motion in degrees.
 
     frictional, adhesive : (c,) ndarray, mN
@@ -158,7 +158,7 @@ class SlidingAsperities:
         return np.asarray(self.frictional * by_friction + self.adhesive * by_adhesion)
 
 
-class SlidingHalfSpace:
+class HalfSpaceTangentialProblem:
     """Tangential problem of a half-space contact at one normal load."""
 
     def __init__(

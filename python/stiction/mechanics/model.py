@@ -170,8 +170,8 @@ def _unit_vector(angle: float) -> tuple[float, float]:
 
 
 _DEFAULT_MODEL = ContactModel()
-_PROFILE_DEFAULT = _DEFAULT_MODEL.for_profiles()
-_SURFACE_DEFAULT = _DEFAULT_MODEL.for_surfaces()
+_DEFAULT_PROFILE_MODEL = _DEFAULT_MODEL.for_profiles()
+_DEFAULT_SURFACE_MODEL = _DEFAULT_MODEL.for_surfaces()
 
 
 class ContactKeywords(TypedDict, total=False):
@@ -209,8 +209,8 @@ def make_pair_model(upper: Any, lower: Any, keywords: Mapping[str, object]) -> C
     check_pair(upper, lower)
     check_modulus(keywords, upper, lower)
     if isinstance(upper, Surface):
-        return make_model(keywords, _SURFACE_DEFAULT).for_surfaces()
-    return make_model(keywords, _PROFILE_DEFAULT).for_profiles()
+        return make_model(keywords, _DEFAULT_SURFACE_MODEL).for_surfaces()
+    return make_model(keywords, _DEFAULT_PROFILE_MODEL).for_profiles()
 
 
 def modulus_or_default(effective_modulus: Any, *bodies: Profile | Surface) -> float:

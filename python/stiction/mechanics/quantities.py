@@ -498,7 +498,7 @@ STIFFNESS_PER_AREA_QUANTITIES = select_quantities(lambda each: each.kind == "rat
 UNCERTAINTY_QUANTITIES = select_quantities(lambda each: each.kind == "uncertainty" and each.is_directed)
 """Uncertainties of the mean over all directions."""
 
-RATIO_PARTS = frozenset(
+RATIO_OPERANDS = frozenset(
     part
     for each in QUANTITIES.values()
     if each.kind == "validity" and each.shown
@@ -509,7 +509,7 @@ RATIO_PARTS = frozenset(
 INTERPOLATED_QUANTITIES = tuple(
     name
     for name, each in QUANTITIES.items()
-    if each.stored and each.along == _STEP_AXIS and (each.shown or name in RATIO_PARTS)
+    if each.stored and each.along == _STEP_AXIS and (each.shown or name in RATIO_OPERANDS)
 )
 """Stored quantities that `at_load` interpolates to a load. Friction and quantiles are not included."""
 

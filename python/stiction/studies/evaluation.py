@@ -35,7 +35,7 @@ from stiction.mechanics.quantities import (
     INTERPOLATED_QUANTITIES,
     ONSET_QUANTITIES,
     QUANTITIES,
-    RATIO_PARTS,
+    RATIO_OPERANDS,
     STIFFNESS_PER_AREA_QUANTITIES,
     VALIDITY_QUANTITIES,
     ZERO_LOAD_SUM_QUANTITIES,
@@ -890,7 +890,7 @@ def _add_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
         if numerator in sums and name not in sums:
             ratios[name] = validity_ratio(name, sums)
     shown_variables = {
-        name: each for name, each in variables.items() if QUANTITIES[name].shown or name not in RATIO_PARTS
+        name: each for name, each in variables.items() if QUANTITIES[name].shown or name not in RATIO_OPERANDS
     }
     return shown_variables | {name: (dims, values, quantity_attributes(name)) for name, values in ratios.items()}
 

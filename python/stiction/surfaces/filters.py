@@ -229,7 +229,7 @@ def _quadratic_exponents(ndim: int) -> list[Powers]:
     return [powers for powers in product(range(3), repeat=ndim) if sum(powers) <= 2]
 
 
-class _Kernel:
+class _FilterKernel:
     """Gaussian weights for convolution along one axis, multiplied by powers of the offset and padded with zeros."""
 
     def __init__(self, points: int, length: float) -> None:
@@ -259,7 +259,7 @@ def _fit_lines_along(heights: Floats, axis: int, length: float) -> Floats:
     """Fit a line around each point along an axis, with Gaussian weights. Return the fitted value at each point."""
     from scipy.fft import irfft, rfft
 
-    kernel = _Kernel(heights.shape[axis], length)
+    kernel = _FilterKernel(heights.shape[axis], length)
     powers = [_broadcast_along(rfft(kernel.line(power)), axis, heights.ndim) for power in range(3)]
     inside = tuple(slice(kernel.points) if index == axis else slice(None) for index in range(heights.ndim))
     transform = rfft(heights, kernel.padded, axis=axis)
@@ -273,7 +273,7 @@ def _fit_polynomials(heights: Floats, weights: Floats, lengths: Sequence[float],
     """Fit a polynomial around each point, with Gaussian weights times `weights`. Return its value at the point."""
     from scipy.fft import irfftn, rfft, rfftn
 
-    kernels = [_Kernel(*pair) for pair in zip(heights.shape, lengths, strict=True)]
+    kernels = [_FilterKernel(*pair) for pair in zip(heights.shape, lengths, strict=True)]
     padded = [kernel.padded for kernel in kernels]
     inside = tuple(slice(points) for points in heights.shape)
     # The last axis has a half transform, and all other axes have full complex transforms, as in rfftn.

@@ -17,7 +17,7 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import HANN_CORRELATION, areal_spectrum, is_within_wavelength_band, profile_spectrum
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 
-_NEWTON_STEPS, _HALVINGS = 50, 30
+_NUM_NEWTON_STEPS, _NUM_HALVINGS = 50, 30
 MAX_INTERVAL_WIDTH = 0.5  # the estimate of H is informative only if its 95 % interval is not wider than this limit
 MIN_BAND_HARMONICS = 8  # minimum number of harmonics in a band
 _NO_BAND_MESSAGE = "the spectrum has no self-affine band of half a decade or more (0 < H < 2); specify one with band"
@@ -56,7 +56,7 @@ class PowerLaw:
         self._largest = float(power.max())
         self._power = fraction * power / self._largest
         self.exponent = 0.0
-        for _ in range(_NEWTON_STEPS):  # The loss is a convex log-sum-exp function, so Newton's method converges.
+        for _ in range(_NUM_NEWTON_STEPS):  # The loss is a convex log-sum-exp function, so Newton's method converges.
             scaled = self._power * np.exp(self.exponent * self._log_q)
             scaled /= scaled.sum()
             gradient = float(scaled @ self._log_q)
@@ -85,7 +85,7 @@ class PowerLaw:
             near, far = 0.0, 0.1
             while self.loss(self.exponent + side * far) < max_loss:
                 near, far = far, 2 * far
-            for _ in range(_HALVINGS):
+            for _ in range(_NUM_HALVINGS):
                 middle = (near + far) / 2
                 near, far = (middle, far) if self.loss(self.exponent + side * middle) < max_loss else (near, middle)
             ends.append(self.exponent + side * far)

@@ -39,28 +39,28 @@ class Parameter:
     is_fraction: bool = False
 
 
-_HEIGHT, _GRADIENT, _RATIO = "height parameters", "hybrid parameters", "material ratio functions"
-_SECTION, _ELEMENT = "peak heights and pit depths per section", "profile elements"
+_HEIGHT_CLAUSE, _HYBRID_CLAUSE, _RATIO_CLAUSE = ("height parameters", "hybrid parameters", "material ratio functions")
+_SECTION_CLAUSE, _ELEMENT_CLAUSE = "peak heights and pit depths per section", "profile elements"
 
 _PROFILE_PARAMETER_TEXTS = {
-    "a": ("arithmetic mean height", _HEIGHT, r"\frac1l \int |z|\,dx", "µm"),
-    "q": ("root-mean-square height", _HEIGHT, r"\left(\frac1l \int z^2\,dx\right)^{1/2}", "µm"),
-    "z": ("maximum height per section, mean of the sections", _SECTION, r"\frac1n \sum_i (p_i + v_i)", "µm"),
-    "p": ("peak height per section, mean of the sections", _SECTION, r"\frac1n \sum_i p_i,\ p_i = \max_i z", "µm"),
-    "v": ("pit depth per section, mean of the sections", _SECTION, r"\frac1n \sum_i v_i,\ v_i = -\min_i z", "µm"),
-    "t": ("total height", _HEIGHT, r"\max z - \min z", "µm"),
-    "sk": ("skewness", _HEIGHT, r"\frac{1}{q^3} \frac1l \int z^3\,dx", ""),
-    "ku": ("kurtosis", _HEIGHT, r"\frac{1}{q^4} \frac1l \int z^4\,dx", ""),
-    "dq": ("root-mean-square slope", _GRADIENT, r"\left(\frac1l \int (dz/dx)^2\,dx\right)^{1/2}", ""),
-    "Sm": ("mean spacing of the profile elements", _ELEMENT, r"\frac1m \sum_i X_i", "µm"),
-    "c": ("mean height of the profile elements", _ELEMENT, r"\frac1m \sum_i Z_i", "µm"),
-    "mr": ("material ratio at the mean line, (c) = 0", _RATIO, r"\frac1l\,|\{x: z > c\}|", ""),
-    "dc": ("height difference of material ratios 20 % and 80 %", _RATIO, r"c(20\,\%) - c(80\,\%)", "µm"),
-    "k": ("core height", _RATIO, r"\text{fall of the core line from 0 to 100 \%}", "µm"),
-    "pk": ("reduced peak height", _RATIO, r"2 A_1/mrk_1", "µm"),
-    "vk": ("reduced pit depth", _RATIO, r"2 A_2/(1 - mrk_2)", "µm"),
-    "mrk1": ("material ratio at the upper end of the core", _RATIO, r"mr(\text{core line at 0})", ""),
-    "mrk2": ("material ratio at the lower end of the core", _RATIO, r"mr(\text{core line at 100 \%})", ""),
+    "a": ("arithmetic mean height", _HEIGHT_CLAUSE, r"\frac1l \int |z|\,dx", "µm"),
+    "q": ("root-mean-square height", _HEIGHT_CLAUSE, r"\left(\frac1l \int z^2\,dx\right)^{1/2}", "µm"),
+    "z": ("maximum height per section, mean of the sections", _SECTION_CLAUSE, r"\frac1n \sum_i (p_i + v_i)", "µm"),
+    "p": ("peak height per section, mean of the sections", _SECTION_CLAUSE, r"\frac1n \sum_i p_i,\ p_i = \max_i z", "µm"),
+    "v": ("pit depth per section, mean of the sections", _SECTION_CLAUSE, r"\frac1n \sum_i v_i,\ v_i = -\min_i z", "µm"),
+    "t": ("total height", _HEIGHT_CLAUSE, r"\max z - \min z", "µm"),
+    "sk": ("skewness", _HEIGHT_CLAUSE, r"\frac{1}{q^3} \frac1l \int z^3\,dx", ""),
+    "ku": ("kurtosis", _HEIGHT_CLAUSE, r"\frac{1}{q^4} \frac1l \int z^4\,dx", ""),
+    "dq": ("root-mean-square slope", _HYBRID_CLAUSE, r"\left(\frac1l \int (dz/dx)^2\,dx\right)^{1/2}", ""),
+    "Sm": ("mean spacing of the profile elements", _ELEMENT_CLAUSE, r"\frac1m \sum_i X_i", "µm"),
+    "c": ("mean height of the profile elements", _ELEMENT_CLAUSE, r"\frac1m \sum_i Z_i", "µm"),
+    "mr": ("material ratio at the mean line, (c) = 0", _RATIO_CLAUSE, r"\frac1l\,|\{x: z > c\}|", ""),
+    "dc": ("height difference of material ratios 20 % and 80 %", _RATIO_CLAUSE, r"c(20\,\%) - c(80\,\%)", "µm"),
+    "k": ("core height", _RATIO_CLAUSE, r"\text{fall of the core line from 0 to 100 \%}", "µm"),
+    "pk": ("reduced peak height", _RATIO_CLAUSE, r"2 A_1/mrk_1", "µm"),
+    "vk": ("reduced pit depth", _RATIO_CLAUSE, r"2 A_2/(1 - mrk_2)", "µm"),
+    "mrk1": ("material ratio at the upper end of the core", _RATIO_CLAUSE, r"mr(\text{core line at 0})", ""),
+    "mrk2": ("material ratio at the lower end of the core", _RATIO_CLAUSE, r"mr(\text{core line at 100 \%})", ""),
 }  # fmt: skip
 """Meaning, clause of the standard, formula and unit of each profile parameter. Keys omit the letter of the profile."""
 
@@ -77,7 +77,7 @@ def _profile_parameters(letter: str) -> tuple[Parameter, ...]:
     result = []
     for stem in _PROFILE_PARAMETER_KEYS[letter]:
         meaning, subject, formula, unit = _PROFILE_PARAMETER_TEXTS[stem]
-        needs = _PROFILE_ELEMENT_REQUIREMENT if subject == _ELEMENT else _PROFILE_REQUIREMENTS[letter]
+        needs = _PROFILE_ELEMENT_REQUIREMENT if subject == _ELEMENT_CLAUSE else _PROFILE_REQUIREMENTS[letter]
         source, fraction = f"ISO 21920-2, {subject}", stem.startswith("mr")
         result.append(Parameter(letter + stem, meaning, source, formula, unit, needs, fraction))
     return tuple(result)
@@ -86,71 +86,71 @@ def _profile_parameters(letter: str) -> tuple[Parameter, ...]:
 PROFILE_PARAMETERS = {letter: _profile_parameters(letter) for letter in "PRW"}
 """Parameters of the primary profile (key P), the roughness profile (R) and the waviness profile (W)."""
 
-_AREAL, _PEAKS = "ISO 25178-2", "five peaks"
+_ISO_25178, _FIVE_PEAKS = "ISO 25178-2", "five peaks"
 SURFACE_PARAMETERS = (
-    Parameter("Sq", "root-mean-square height", f"{_AREAL}, 4.2 height", r"\left(\frac1A \int z^2\,dA\right)^{1/2}"),
-    Parameter("Sa", "arithmetic mean height", f"{_AREAL}, 4.2 height", r"\frac1A \int |z|\,dA"),
-    Parameter("Sp", "maximum peak height", f"{_AREAL}, 4.2 height", r"\max z"),
-    Parameter("Sv", "maximum pit depth", f"{_AREAL}, 4.2 height", r"-\min z"),
-    Parameter("Sz", "maximum height", f"{_AREAL}, 4.2 height", "Sp + Sv"),
-    Parameter("Ssk", "skewness", f"{_AREAL}, 4.2 height", r"\frac{1}{Sq^3} \frac1A \int z^3\,dA", ""),
-    Parameter("Sku", "kurtosis", f"{_AREAL}, 4.2 height", r"\frac{1}{Sq^4} \frac1A \int z^4\,dA", ""),
+    Parameter("Sq", "root-mean-square height", f"{_ISO_25178}, 4.2 height", r"\left(\frac1A \int z^2\,dA\right)^{1/2}"),
+    Parameter("Sa", "arithmetic mean height", f"{_ISO_25178}, 4.2 height", r"\frac1A \int |z|\,dA"),
+    Parameter("Sp", "maximum peak height", f"{_ISO_25178}, 4.2 height", r"\max z"),
+    Parameter("Sv", "maximum pit depth", f"{_ISO_25178}, 4.2 height", r"-\min z"),
+    Parameter("Sz", "maximum height", f"{_ISO_25178}, 4.2 height", "Sp + Sv"),
+    Parameter("Ssk", "skewness", f"{_ISO_25178}, 4.2 height", r"\frac{1}{Sq^3} \frac1A \int z^3\,dA", ""),
+    Parameter("Sku", "kurtosis", f"{_ISO_25178}, 4.2 height", r"\frac{1}{Sq^4} \frac1A \int z^4\,dA", ""),
     Parameter(
-        "Sdq", "root-mean-square gradient", f"{_AREAL}, 4.4 hybrid",
+        "Sdq", "root-mean-square gradient", f"{_ISO_25178}, 4.4 hybrid",
         r"\left(\frac1A \int |\nabla z|^2\,dA\right)^{1/2}", "",
     ),
     Parameter(
-        "Sdr", "developed interfacial area ratio", f"{_AREAL}, 4.4 hybrid",
+        "Sdr", "developed interfacial area ratio", f"{_ISO_25178}, 4.4 hybrid",
         r"\frac1A \int \sqrt{1 + |\nabla z|^2}\,dA - 1", "", is_fraction=True,
     ),
     Parameter(
-        "Sal", "autocorrelation length", f"{_AREAL}, 4.3 spatial", r"\min \{r: f_{ACF}(r) \le 0.2\}",
+        "Sal", "autocorrelation length", f"{_ISO_25178}, 4.3 spatial", r"\min \{r: f_{ACF}(r) \le 0.2\}",
         needs="a decay to 0.2 within half the map",
     ),
     Parameter(
-        "Str", "texture aspect ratio", f"{_AREAL}, 4.3 spatial", r"Sal/\max \{r: f_{ACF}(r) \le 0.2\}", "",
+        "Str", "texture aspect ratio", f"{_ISO_25178}, 4.3 spatial", r"Sal/\max \{r: f_{ACF}(r) \le 0.2\}", "",
         "a decay to 0.2 within half the map in all directions",
     ),
-    Parameter("Std", "texture direction", f"{_AREAL}, 4.3 spatial", r"\argmax f_{APS}(s)", "degrees"),
-    Parameter("Ssw", "dominant spatial wavelength", f"{_AREAL}, 4.3 spatial", r"2π/|q|,\ q = \argmax |\hat z(q)|"),
+    Parameter("Std", "texture direction", f"{_ISO_25178}, 4.3 spatial", r"\argmax f_{APS}(s)", "degrees"),
+    Parameter("Ssw", "dominant spatial wavelength", f"{_ISO_25178}, 4.3 spatial", r"2π/|q|,\ q = \argmax |\hat z(q)|"),
     Parameter(
-        "Smr", "material ratio at the mean plane, (c) = 0", f"{_AREAL}, 4.5 material ratio",
+        "Smr", "material ratio at the mean plane, (c) = 0", f"{_ISO_25178}, 4.5 material ratio",
         r"\frac1A\,|\{z > c\}|", "", is_fraction=True,
     ),
     Parameter(
-        "Sdc", "height difference of material ratios 10 % and 80 %", f"{_AREAL}, 4.5 material ratio",
+        "Sdc", "height difference of material ratios 10 % and 80 %", f"{_ISO_25178}, 4.5 material ratio",
         r"Smc(10\,\%) - Smc(80\,\%)",
     ),
     Parameter(
-        "Sxp", "extreme peak height", f"{_AREAL}, 4.5 material ratio", r"Smc(2.5\,\%) - Smc(50\,\%)",
+        "Sxp", "extreme peak height", f"{_ISO_25178}, 4.5 material ratio", r"Smc(2.5\,\%) - Smc(50\,\%)",
     ),
     Parameter(
-        "Sk", "core height", f"{_AREAL}, 4.5 material ratio", r"\text{fall of the core line from 0 to 100 \%}",
+        "Sk", "core height", f"{_ISO_25178}, 4.5 material ratio", r"\text{fall of the core line from 0 to 100 \%}",
     ),
-    Parameter("Spk", "reduced peak height", f"{_AREAL}, 4.5 material ratio", r"2 A_1/Smr_1"),
-    Parameter("Svk", "reduced pit depth", f"{_AREAL}, 4.5 material ratio", r"2 A_2/(1 - Smr_2)"),
+    Parameter("Spk", "reduced peak height", f"{_ISO_25178}, 4.5 material ratio", r"2 A_1/Smr_1"),
+    Parameter("Svk", "reduced pit depth", f"{_ISO_25178}, 4.5 material ratio", r"2 A_2/(1 - Smr_2)"),
     Parameter(
-        "Smr1", "material ratio at the upper end of the core", f"{_AREAL}, 4.5 material ratio",
+        "Smr1", "material ratio at the upper end of the core", f"{_ISO_25178}, 4.5 material ratio",
         r"Smr(\text{core line at 0})", "", is_fraction=True,
     ),
     Parameter(
-        "Smr2", "material ratio at the lower end of the core", f"{_AREAL}, 4.5 material ratio",
+        "Smr2", "material ratio at the lower end of the core", f"{_ISO_25178}, 4.5 material ratio",
         r"Smr(\text{core line at 100 \%})", "", is_fraction=True,
     ),
-    Parameter("Vmp", "peak material volume, 1 µm³/µm² = 1 ml/m²", f"{_AREAL}, 4.5 volume", r"Vm(10\,\%)"),
-    Parameter("Vmc", "core material volume", f"{_AREAL}, 4.5 volume", r"Vm(80\,\%) - Vm(10\,\%)"),
-    Parameter("Vvc", "core void volume", f"{_AREAL}, 4.5 volume", r"Vv(10\,\%) - Vv(80\,\%)"),
-    Parameter("Vvv", "pit void volume", f"{_AREAL}, 4.5 volume", r"Vv(80\,\%)"),
-    Parameter("Spd", "density of peaks", f"{_AREAL}, 5.8 feature", r"n/A", "1/µm²"),
+    Parameter("Vmp", "peak material volume, 1 µm³/µm² = 1 ml/m²", f"{_ISO_25178}, 4.5 volume", r"Vm(10\,\%)"),
+    Parameter("Vmc", "core material volume", f"{_ISO_25178}, 4.5 volume", r"Vm(80\,\%) - Vm(10\,\%)"),
+    Parameter("Vvc", "core void volume", f"{_ISO_25178}, 4.5 volume", r"Vv(10\,\%) - Vv(80\,\%)"),
+    Parameter("Vvv", "pit void volume", f"{_ISO_25178}, 4.5 volume", r"Vv(80\,\%)"),
+    Parameter("Spd", "density of peaks", f"{_ISO_25178}, 5.8 feature", r"n/A", "1/µm²"),
     Parameter(
-        "Spc", "arithmetic mean peak curvature", f"{_AREAL}, 5.8 feature",
+        "Spc", "arithmetic mean peak curvature", f"{_ISO_25178}, 5.8 feature",
         r"-\frac12 \frac1n \sum_i (∂_x^2 z + ∂_y^2 z)_i", "1/µm", "a peak in the interior of the map",
     ),
-    Parameter("S5p", "five-point peak height", f"{_AREAL}, 5.8 feature", r"\frac15 \sum_{i=1}^5 z_{p,i}", needs=_PEAKS),
+    Parameter("S5p", "five-point peak height", f"{_ISO_25178}, 5.8 feature", r"\frac15 \sum_{i=1}^5 z_{p,i}", needs=_FIVE_PEAKS),
     Parameter(
-        "S5v", "five-point pit depth", f"{_AREAL}, 5.8 feature", r"-\frac15 \sum_{i=1}^5 z_{v,i}", needs="five pits"
+        "S5v", "five-point pit depth", f"{_ISO_25178}, 5.8 feature", r"-\frac15 \sum_{i=1}^5 z_{v,i}", needs="five pits"
     ),
-    Parameter("S10z", "ten-point height", f"{_AREAL}, 5.8 feature", "S5p + S5v", needs="five peaks and five pits"),
+    Parameter("S10z", "ten-point height", f"{_ISO_25178}, 5.8 feature", "S5p + S5v", needs="five peaks and five pits"),
 )  # fmt: skip
 """Parameters of a surface, in the order in which they are presented."""
 

@@ -26,7 +26,7 @@ MIN_HEIGHT_RANGE = 1e-70  # smallest height range of a scan, µm; powers of a sm
 MIN_CORRELATION = 0.5  # two scans are assumed to show the same area only if their correlation is at least this large
 # widths (points) of the Gaussian filters in successive stages of the alignment
 _SMOOTHING_WIDTHS = (8.0, 4.0, 2.0, 1.0, 0.0)
-_NEWTON_STEPS = 4  # number of Gauss-Newton steps in each stage of the alignment
+_NUM_REFINEMENT_STEPS = 4  # number of Gauss-Newton steps in each stage of the alignment
 # number of points per independent value of white noise after a Gaussian filter that is one point wide
 _CORRELATED_POINTS = 2 * math.sqrt(math.pi)
 _OVERLAP_MARGIN = 3  # number of points beyond the overlap that spline interpolation requires
@@ -192,7 +192,7 @@ def _align_scans(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
     for width in _SMOOTHING_WIDTHS:
         item, other = (gaussian_filter(value, width) if width else value for value in (a, b))
         other = spline_filter(other, 3)
-        for _ in range(_NEWTON_STEPS):
+        for _ in range(_NUM_REFINEMENT_STEPS):
             above, positions = _slice_overlap(a.shape, b.shape, shift_found)
             second_heights = map_coordinates(other, np.meshgrid(*positions, indexing="ij"), order=3, prefilter=False)
             slopes = _slopes(second_heights)

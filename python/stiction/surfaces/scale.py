@@ -138,7 +138,7 @@ class ScaleDependentRoughness(TextRepr):
         shortest = estimate.shortest_wavelength
         measured = self.gradient_at(np.maximum(wavelengths, shortest))
         finer = np.minimum(wavelengths, shortest)
-        return np.asarray(np.sqrt(np.square(measured) + extrapolated_slope(estimate, finer)))
+        return np.asarray(np.sqrt(np.square(measured) + extrapolated_mean_square_slope(estimate, finer)))
 
     def wavelength_of(self, gradient: float, estimate: HurstEstimate | None = None) -> float:
         """Find the wavelength (µm) at which the rms gradient of all longer wavelengths reaches a given value.
@@ -177,7 +177,7 @@ def interval_power_laws(estimate: HurstEstimate) -> tuple[HurstEstimate, HurstEs
     return estimate, lower, upper
 
 
-def extrapolated_slope(estimate: HurstEstimate, wavelength: Floats) -> Floats:
+def extrapolated_mean_square_slope(estimate: HurstEstimate, wavelength: Floats) -> Floats:
     """Return the mean square slope that a power law contributes between a wavelength (µm) and the fitted band."""
     exponent = 2 - 2 * estimate.value
     start, end = 2 * math.pi / estimate.shortest_wavelength, 2 * math.pi / np.asarray(wavelength)

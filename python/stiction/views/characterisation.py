@@ -52,7 +52,7 @@ from stiction.views.spreadsheet import frame_to_csv
 from stiction.views.text import wrap_text
 
 SLOPE_ESTIMATE_MU0 = 0.4  # molecular friction coefficient mu0 of the small-slope estimate
-RADIAL_BINS = 20  # number of bins per decade in the spectrum of a surface
+NUM_RADIAL_BINS = 20  # number of bins per decade in the spectrum of a surface
 NUM_OCTAVES = 4  # number of wavelengths for which slopes are printed: 2, 4, 8, ... grid spacings
 # Unreliable wavelengths are ignored if they contribute less than this fraction of the mean square slope.
 NEGLIGIBLE_SLOPE_FRACTION = 0.01
@@ -63,7 +63,13 @@ _MAX_DISPERSION = 2.0  # the scatter is reported if the dispersion of the spectr
 # Variance of the logarithmic density in a bin of a Hann-windowed spectrum, multiplied by the number of harmonics.
 _HANN_VARIANCE = 2.0
 
-_SYMBOLS = {"1": "", "um2": " µm²", "1/um": " 1/µm", "1/um2": " 1/µm²", "degrees": "°"}  # printed units by JSON unit
+_UNIT_SYMBOLS = {
+    "1": "",
+    "um2": " µm²",
+    "1/um": " 1/µm",
+    "1/um2": " 1/µm²",
+    "degrees": "°",
+}  # printed units by JSON unit
 _JSON_UNITS = {"": "1"}  # JSON unit of dimensionless parameters; `_unit` converts all other units
 
 
@@ -172,7 +178,7 @@ class Characterisation:
         assert isinstance(self.body, Surface)
         spectrum = surface_spectrum(self.body)
         moments = tuple(spectrum.moments(direction) for direction in (0, 90))
-        return spectrum.radial(RADIAL_BINS), moments, spectrum.steepest_direction()
+        return spectrum.radial(NUM_RADIAL_BINS), moments, spectrum.steepest_direction()
 
     @cached_property
     def binned(self) -> PowerSpectrum | RadialSpectrum:
@@ -577,7 +583,7 @@ def _filters_values(result: SectionParameters) -> tuple[dict[str, Any], ...]:
 
 
 def _table_row(name: str, value: float, unit: str = "1", *, label: str = "", words: str = "") -> TableRow:
-    text = length_text(value) if unit == "um" else f"{value:.4g}{_SYMBOLS[unit]}"
+    text = length_text(value) if unit == "um" else f"{value:.4g}{_UNIT_SYMBOLS[unit]}"
     if math.isnan(value):
         text = "none"
     status = "none" if math.isnan(value) else STATUS_OK

@@ -13,33 +13,33 @@ from stiction.studies.friction_table import MAX_LAW_DEVIATION
 from stiction.views.spreadsheet import frame_to_csv
 from stiction.views.text import format_table, wrap_text
 
-_TITLES = {
+_COLUMN_TITLES = {
     "friction_coefficient": ("mu_s", 1.0), "contact_area_fraction": ("A/A0 (%)", 100.0),
     "normal_stiffness": ("stiffness over area (GPa/um)", 1.0), "approach": ("approach (um)", 1.0),
     "stiffness_factor": ("b of k/A0 = b p^c (GPa/um at 1 GPa)", 1.0),
 }  # fmt: skip
 """Titles that replace those of `spreadsheet_column`, each with the factor that converts values to its unit."""
 
-_LOAD_QUANTITIES = tuple(_TITLES)[:4]
+_LOAD_QUANTITIES = tuple(_COLUMN_TITLES)[:4]
 _LAW_PARAMETERS = ("area_factor", "stiffness_factor", "stiffness_exponent")
-_COORDINATES = ("sliding", "hurst_exponent", "rms", "pressure", "mu0", "tau0")
+_COORDINATE_COLUMNS = ("sliding", "hurst_exponent", "rms", "pressure", "mu0", "tau0")
 _LAW_QUANTITIES = (*_LAW_PARAMETERS, "area_deviation", "stiffness_deviation")
 
 
 def friction_table_csv(table: xarray.Dataset) -> str:
     """Return a `friction_table` as CSV. The header contains units, and each combination of inputs has one row."""
-    return _law_table_csv(table[list(_LOAD_QUANTITIES)], _COORDINATES)
+    return _law_table_csv(table[list(_LOAD_QUANTITIES)], _COORDINATE_COLUMNS)
 
 
 def laws_csv(table: xarray.Dataset) -> str:
     """Return the fitted laws A/A0 = a p and k/A0 = b p^c (p in GPa) as CSV, with one row per H and Sq."""
-    return _law_table_csv(table[list(_LAW_QUANTITIES)], _COORDINATES[1:3])
+    return _law_table_csv(table[list(_LAW_QUANTITIES)], _COORDINATE_COLUMNS[1:3])
 
 
 def _law_table_csv(part: xarray.Dataset, columns_by_name: tuple[str, ...]) -> str:
     columns: dict[str, Any] = {}
     for name, values in part.data_vars.items():
-        title, factor = _TITLES.get(str(name)) or spreadsheet_column(str(name))
+        title, factor = _COLUMN_TITLES.get(str(name)) or spreadsheet_column(str(name))
         if "statistic" not in values.dims:
             columns[title] = values * factor
             continue

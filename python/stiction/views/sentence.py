@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from stiction.studies.study import Study
 
 # The sentence states the definition of the load if this definition changes the coefficient by more than this fraction.
-MIN_STATED_READING_DIFFERENCE = 0.01
+MIN_STATED_LOAD_DEFINITION_EFFECT = 0.01
 MIN_STATED_KAPPA_DEVIATION = 0.2
 """Relative difference of A E* h'/F from its usual value above which the small-slope estimate does not apply."""
 
@@ -171,7 +171,7 @@ def _hardness_range_text(study: Study) -> str:
     return f" ({format_with_unit(interface.estimate.low, 'GPa')} to {format_with_unit(interface.estimate.high, 'GPa')})"
 
 
-_READING_TEXTS = {
+_LOAD_DEFINITION_TEXTS = {
     "mean": "the load is the mean normal load of all members",
     "elastic": "the load is the elastic contact force, without the contribution of friction on slopes",
     "normal": "the load is the normal load of each member",
@@ -190,8 +190,8 @@ def note_text(point: PointSummary) -> str:
         items = [f"{items[0]} and {_averaging_text(point)}"] if items else [f"the mean over {_averaging_text(point)}"]
     items += [_scans_text(study)] if study.is_measured else []
     difference = mean_over_directions(values, "reading_difference")
-    if difference > MIN_STATED_READING_DIFFERENCE:
-        reading = _READING_TEXTS.get(str(values.attrs.get("reading")), "the load has one of three definitions")
+    if difference > MIN_STATED_LOAD_DEFINITION_EFFECT:
+        reading = _LOAD_DEFINITION_TEXTS.get(str(values.attrs.get("reading")), "the load has one of three definitions")
         items.append(f"{reading}; with another definition of the load μ_s differs by {format_percent(difference)}")
     return "; ".join(items)
 

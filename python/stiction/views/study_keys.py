@@ -58,7 +58,7 @@ _ALLOWED_VALUES = {
 """Descriptions of the allowed values of keys that have their own parsers."""
 
 _UNCERTAIN_VALUE_TEXT = 'a value with its uncertainty or a range, as text: `"0.2±0.02"`, `"20..80 MPa"`'
-_UNCERTAIN_TYPES = {
+_UNCERTAIN_INPUT_TEXTS = {
     UncertainInputSettings.model_fields["mu0"].annotation: _UNCERTAIN_VALUE_TEXT,
     UncertainInputSettings.model_fields[
         "young"
@@ -172,8 +172,8 @@ def _key_row(key: str, default_value: Any, entry: Any, cases: tuple[Any, ...]) -
 
 
 def _allowed_text(key: str, entry: Any) -> str:
-    if entry.annotation in _UNCERTAIN_TYPES:
-        return _UNCERTAIN_TYPES[entry.annotation]
+    if entry.annotation in _UNCERTAIN_INPUT_TEXTS:
+        return _UNCERTAIN_INPUT_TEXTS[entry.annotation]
     if key == "direction":
         singular = f'`"+x"`, `"-x"` or {_DEGREES_TEXT}'
         return f"{singular}, or a list of these"

@@ -15,11 +15,11 @@ MAX_LINES, MAX_CELLS = 25_000_000, 4_000_000
 """Maximum number of lines of a text, and maximum number of cells of a line."""
 
 # maximum number of lines that are searched for a layout, and maximum number of characters per line
-HEAD_LINES, HEAD_WIDTH = 200, 1000
+MAX_HEAD_LINES, MAX_HEAD_LINE_LENGTH = 200, 1000
 _MAX_SHOWN_LENGTH = 60  # maximum number of characters of a line that is quoted in a message
 
-BLANK, NUMBERS, TEXT = 0, 1, 2
-"""Kinds of lines. A NUMBERS line contains only numbers, separators and marks of missing points."""
+BLANK_LINE, NUMBER_LINE, TEXT_LINE = 0, 1, 2
+"""Kinds of lines. A number line contains only numbers, separators and marks of missing points."""
 
 _LEGACY_ENCODINGS = ("cp1252", "cp932", "gb18030", "euc-kr", "cp437", "latin-1")
 """Encodings that are tried, most likely first, for text that is not UTF-8 and has no byte order mark.
@@ -98,8 +98,8 @@ class Text:
     def first_lines(self) -> tuple[str, ...]:
         """First non-empty lines of the text."""
         lines = (
-            self.data[start : start + HEAD_WIDTH].partition(b"\n")[0]
-            for start in self.starts[:-1][:HEAD_LINES].tolist()
+            self.data[start : start + MAX_HEAD_LINE_LENGTH].partition(b"\n")[0]
+            for start in self.starts[:-1][:MAX_HEAD_LINES].tolist()
         )
         texts = (line.decode("utf-8", "replace").strip(" \r") for line in lines)
         return tuple(text for text in texts if text.strip("\t"))
@@ -122,22 +122,22 @@ class Text:
     def line_kinds(self) -> NDArray[np.uint8]:
         """Kind of each line: blank, numbers or text."""
         bits = self.character_bits
-        kinds = np.full(bits.size, NUMBERS, np.uint8)
-        kinds[bits & (_DIGIT_BIT | _NON_NUMBER_CHARACTER_BIT | _MARK_BIT) == 0] = BLANK
-        kinds[(bits & _DIGIT_BIT == 0) & (bits & _MARK_BIT != 0)] = TEXT
+        kinds = np.full(bits.size, NUMBER_LINE, np.uint8)
+        kinds[bits & (_DIGIT_BIT | _NON_NUMBER_CHARACTER_BIT | _MARK_BIT) == 0] = BLANK_LINE
+        kinds[(bits & _DIGIT_BIT == 0) & (bits & _MARK_BIT != 0)] = TEXT_LINE
         for line_number in np.flatnonzero(bits & _NON_NUMBER_CHARACTER_BIT).tolist():
             remainder, marks = self.missing.subn(b"", self.raw_line(line_number))
             is_row = marks and not remainder.translate(None, NUMERIC_CHARACTERS)
-            kinds[line_number] = NUMBERS if is_row else TEXT
+            kinds[line_number] = NUMBER_LINE if is_row else TEXT_LINE
         # Lines of asterisks or dashes between rows of numbers are rows of missing points.
         # Other lines of asterisks or dashes are separators.
-        filled = np.flatnonzero(kinds != BLANK)
-        is_ruler = (kinds[filled] == TEXT) & (bits[filled] & (_NON_NUMBER_CHARACTER_BIT | _DIGIT_BIT) == 0)
+        filled = np.flatnonzero(kinds != BLANK_LINE)
+        is_ruler = (kinds[filled] == TEXT_LINE) & (bits[filled] & (_NON_NUMBER_CHARACTER_BIT | _DIGIT_BIT) == 0)
         others = np.flatnonzero(~is_ruler)
         for gap in np.flatnonzero(np.diff(others) > 1).tolist():
             first, last = others[gap : gap + 2].tolist()
-            if kinds[filled[first]] == NUMBERS == kinds[filled[last]]:
-                kinds[filled[first + 1 : last]] = NUMBERS
+            if kinds[filled[first]] == NUMBER_LINE == kinds[filled[last]]:
+                kinds[filled[first + 1 : last]] = NUMBER_LINE
         return kinds
 
 

@@ -14,7 +14,7 @@ from dataclasses import replace
 from typing import Any
 
 from stiction.surfaces.measured.decode import decode
-from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, Channels, ColumnTable, FormatError, read_chunks
+from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, ColumnTable, FormatError, HeightChannels, read_chunks
 from stiction.surfaces.measured.text import parse_table
 
 # Maximum number of XML tags in a workbook. A number takes four tags, so this allows 2.5 million heights.
@@ -25,7 +25,7 @@ MAX_TAGS_PER_ROW = 8 * 16_384
 _ROW_TAG = re.compile(rb"<(?:[\w.-]{1,40}:)?row[\s/>]")
 
 
-def read_excel(data: bytes, words: tuple[str, ...] = ()) -> Channels:
+def read_excel(data: bytes, words: tuple[str, ...] = ()) -> HeightChannels:
     """Return the sheets of a workbook as channels. `words` are additional words that mark missing points."""
     try:
         with warnings.catch_warnings(action="ignore"):  # openpyxl warns about the styles of workbooks
@@ -51,11 +51,11 @@ def read_excel(data: bytes, words: tuple[str, ...] = ()) -> Channels:
     if layout is not None:
         content = layout.read(sheets)
         assert isinstance(content, ColumnTable)
-        return Channels(("DATA",), lambda _: _set_layout(content, layout.name), 0)
+        return HeightChannels(("DATA",), lambda _: _set_layout(content, layout.name), 0)
     filled = [name for name, rows in sheets.items() if _find_numeric_columns(rows)]
     if not filled:
         raise FormatError("is a workbook without a column of numbers")
-    return Channels(
+    return HeightChannels(
         tuple(filled), lambda index: parse_sheet(sheets[filled[index]], words), 0 if len(filled) == 1 else None
     )
 

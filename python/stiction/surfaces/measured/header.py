@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from stiction.surfaces.measured.raw import LENGTH_UNITS, Declarations, StatedLength, length_unit
+from stiction.surfaces.measured.raw import LENGTH_UNITS, HeaderDeclarations, StatedLength, length_unit
 from stiction.surfaces.measured.split import Dialect
 
 _T = TypeVar("_T")
@@ -129,7 +129,7 @@ def normalise_line(line: str) -> str:
     return unicodedata.normalize("NFKC", line).replace('"', "").replace("\u03bc", "µ")
 
 
-def parse_declarations(header: Sequence[str], *, below: Sequence[str] = ()) -> Declarations:
+def parse_declarations(header: Sequence[str], *, below: Sequence[str] = ()) -> HeaderDeclarations:
     """Parse the declarations above and below the numbers. The first match of each kind is used."""
     lines = [normalise_line(line) for line in (*header, *below)]
     pixel = _find_first_match(
@@ -171,7 +171,7 @@ def parse_declarations(header: Sequence[str], *, below: Sequence[str] = ()) -> D
     ]
     points = next((int(match[1]) for line in lines if (match := _POINT_COUNT_PATTERN.fullmatch(line))), None)
     unitless = tuple(value for value in bare if value is not None)
-    return Declarations(
+    return HeaderDeclarations(
         spacing=_find_first_match(_SPACING_PATTERN, lines, _parse_spacing),
         spacings=spacings,
         size=_complete_pair([_find_first_match(pattern, lines, _parse_bracketed_length) for pattern in _SIZE_PATTERNS]),

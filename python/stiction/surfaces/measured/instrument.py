@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from stiction.surfaces.measured.raw import Channels, FormatError, RawHeights, Source
+from stiction.surfaces.measured.raw import FormatError, HeightChannels, RawHeights, Source
 from stiction.surfaces.profile import MAX_POINTS
 
 
@@ -20,7 +20,7 @@ def is_available() -> bool:
     return find_spec("SurfaceTopography") is not None
 
 
-def read_instrument(path: Path) -> Channels:
+def read_instrument(path: Path) -> HeightChannels:
     """Read a file with SurfaceTopography, which supports about forty instrument formats."""
     try:
         with warnings.catch_warnings(action="ignore"):  # SurfaceTopography warns about optional dependencies
@@ -33,7 +33,7 @@ def read_instrument(path: Path) -> Channels:
     with _open_reader(path) as reader:
         names = tuple(str(channel.name)[:80] for channel in reader.channels)
         default = int(reader.default_channel.index)
-    return Channels(names, lambda index: _read_channel(path, index, names[index]), default)
+    return HeightChannels(names, lambda index: _read_channel(path, index, names[index]), default)
 
 
 @contextmanager

@@ -150,7 +150,7 @@ class ColumnTable:
     digits: Callable[[int], Floats] | None = None
     # function that returns the place value of the last printed digit of each number in a row, (columns,)
     row_digits: Callable[[int], Floats] | None = None
-    declared: Declarations = field(default_factory=lambda: Declarations())
+    declared: HeaderDeclarations = field(default_factory=lambda: HeaderDeclarations())
     history: tuple[str, ...] = ()  # processing steps applied before the heights were written
     # True for a NumPy array. Two columns are positions and heights only if the first column has equal steps.
     area: bool = False
@@ -166,7 +166,7 @@ class ColumnTable:
 
 
 @dataclass(frozen=True)
-class Declarations:
+class HeaderDeclarations:
     """Declarations in the header of a table."""
 
     spacing: StatedLength | None = None  # spacing of a profile, or along one axis of a map
@@ -184,7 +184,7 @@ class Declarations:
 
 
 @dataclass(frozen=True)
-class Channels:
+class HeightChannels:
     """Several named sets of heights in one file."""
 
     names: tuple[str, ...]
@@ -192,7 +192,7 @@ class Channels:
     default: int | None  # index of the default channel, or None if the caller must choose
 
 
-Content = RawHeights | ColumnTable | Channels  # result of a reader
+Content = RawHeights | ColumnTable | HeightChannels  # result of a reader
 
 
 def length_unit(text: str) -> str | None:

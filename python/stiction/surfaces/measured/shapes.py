@@ -16,11 +16,11 @@ from stiction.surfaces.measured.grid import to_grid
 from stiction.surfaces.measured.header import NON_HEIGHT_NAME_PATTERN
 from stiction.surfaces.measured.raw import (
     LENGTH_UNITS,
-    Channels,
     ColumnTable,
     Content,
     FileCaveat,
     FormatError,
+    HeightChannels,
     RawHeights,
     length_unit,
 )
@@ -32,7 +32,7 @@ Such a deviation has no visible effect on the heights. It occurs in positions th
 """
 
 MIN_COLUMNS = 4  # minimum number of columns of a height matrix in a text file
-MAX_GRID_POINTS = 100_000_000  # maximum number of points of a map
+MAX_TABLE_GRID_POINTS = 100_000_000  # maximum number of points of a map
 MAX_LISTED_NAMES = 12  # maximum number of names in a message
 MAX_PROFILE_COLUMNS = 3  # maximum number of columns that a caller can choose: x, y and z
 MIN_JITTERED_POSITIONS = 8  # slightly uneven positions count as measured only if there are at least this many
@@ -59,7 +59,7 @@ _HEIGHT_COLUMN_PATTERN = re.compile(r"\W*(?:z(?![a-z0-9])|height|höhe|hauteur|a
 
 def select_heights(content: Content, channel: Selection | None, columns: Sequence[Selection] | None) -> RawHeights:
     """Return the heights in the selected channel or columns. By default, the shape of the table selects the columns."""
-    if isinstance(content, Channels):
+    if isinstance(content, HeightChannels):
         index = _select_channel(content, channel)
         raw = select_heights(content.read(index), None, columns)
         if len(content.names) == 1:
@@ -79,7 +79,7 @@ def select_heights(content: Content, channel: Selection | None, columns: Sequenc
     return content
 
 
-def _select_channel(channels: Channels, selected: Selection | None) -> int:
+def _select_channel(channels: HeightChannels, selected: Selection | None) -> int:
     if selected is not None:
         return _find_column(channels.names, selected, range(len(channels.names)), "channel")
     if channels.default is None:

@@ -16,11 +16,11 @@ from stiction._text import printable_path
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, FormatError
 
-WAVE_NUMBER, DENSITY, WAVES = "wave number (1/um)", "C2D (um4)", "waves"
+WAVE_NUMBER_COLUMN, DENSITY_COLUMN, WAVE_COUNT_COLUMN = "wave number (1/um)", "C2D (um4)", "waves"
 """Columns of a spectrum file. Tables from other programs lack the last column."""
 
 # beginnings of the names of the two columns for each scan
-FRACTION, RATIO = "fraction of ", "power over the joined of "
+FRACTION_COLUMN_PREFIX, RATIO_COLUMN_PREFIX = "fraction of ", "power over the joined of "
 _SCAN_LINE_PATTERN = re.compile(
     r"# scan: (?P<name>.+), from (?P<shortest>\S+) to (?P<longest>\S+) um, ended by (?P<reason>.+)"
 )
@@ -72,10 +72,10 @@ def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> No
     roughness = spectrum.roughness()
     columns: dict[str, Any] = {
         "wavelength (um)": roughness.wavelength, "rms gradient down to this wavelength": roughness.gradient,
-        "rms curvature down to this wavelength (1/um)": roughness.curvature, WAVE_NUMBER: spectrum.wave_number,
-        DENSITY: spectrum.density, WAVES: spectrum.count,
+        "rms curvature down to this wavelength (1/um)": roughness.curvature, WAVE_NUMBER_COLUMN: spectrum.wave_number,
+        DENSITY_COLUMN: spectrum.density, WAVE_COUNT_COLUMN: spectrum.count,
     }  # fmt: skip
-    for prefix, rows in ((FRACTION, spectrum.contribution), (RATIO, spectrum.ratio)):
+    for prefix, rows in ((FRACTION_COLUMN_PREFIX, spectrum.contribution), (RATIO_COLUMN_PREFIX, spectrum.ratio)):
         columns |= {f"{prefix}{name}": row for name, row in zip(names, rows, strict=True)}
     scans = [
         f"# scan: {name}, from {shortest!r} to {longest!r} um, ended by {reason}\n"
@@ -96,7 +96,7 @@ def is_spectrum(path: Path) -> bool:
     except OSError:
         return False
     names = next((line for line in head.splitlines() if line.strip() and not line.startswith("#")), "")
-    return DENSITY in names
+    return DENSITY_COLUMN in names
 
 
 def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
@@ -149,11 +149,11 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
     scans = [match for line in text.splitlines() if (match := _SCAN_LINE_PATTERN.fullmatch(line))]
     names = [match["name"] for match in scans]
     try:
-        q, density = (np.array(table[name], np.float64) for name in (WAVE_NUMBER, DENSITY))
-        count = np.array(table[WAVES], np.float64) if WAVES in table else np.ones(q.size)
+        q, density = (np.array(table[name], np.float64) for name in (WAVE_NUMBER_COLUMN, DENSITY_COLUMN))
+        count = np.array(table[WAVE_COUNT_COLUMN], np.float64) if WAVE_COUNT_COLUMN in table else np.ones(q.size)
         contribution, ratio = (
             np.array([table[f"{prefix}{name}"] for name in names], np.float64).reshape(len(names), q.size)
-            for prefix in (FRACTION, RATIO)
+            for prefix in (FRACTION_COLUMN_PREFIX, RATIO_COLUMN_PREFIX)
         )
         bands = tuple((float(match["shortest"]), float(match["longest"])) for match in scans)
     except KeyError as error:
@@ -167,10 +167,13 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
     steps = np.diff(np.log(q)) if (q > 0).all() and np.isfinite(q).all() else np.empty(0)
     if not steps.size or not (steps > 0).all() or np.ptp(steps) > _RATIO_TOLERANCE * steps.mean() + 1e-12:
         raise FormatError(
-            f"{printable_path(path)} is not a spectrum, because {WAVE_NUMBER!r} is not an increasing geometric sequence"
+            f"{printable_path(path)} is not a spectrum, because {WAVE_NUMBER_COLUMN!r} is not an increasing geometric "
+            "sequence"
         )
     if not (density > 0).all() or not np.isfinite(density).all():
-        raise FormatError(f"{printable_path(path)} is not a spectrum, because a value of {DENSITY!r} is not above 0")
+        raise FormatError(
+            f"{printable_path(path)} is not a spectrum, because a value of {DENSITY_COLUMN!r} is not above 0"
+        )
     return JoinedSpectrum(
         wave_number=read_only(q), density=read_only(density), count=read_only(count),
         contribution=read_only(contribution), ratio=read_only(ratio), bands=bands,

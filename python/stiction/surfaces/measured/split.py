@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction.surfaces.measured.decode import BLANK, MAX_CELLS, NUMBERS, NUMERIC_CHARACTERS, Text
+from stiction.surfaces.measured.decode import BLANK_LINE, MAX_CELLS, NUMBER_LINE, NUMERIC_CHARACTERS, Text
 from stiction.surfaces.measured.raw import FormatError
 
 _SAMPLE_LINES = 60  # maximum number of lines for detecting the separator and the decimal mark
@@ -147,8 +147,8 @@ def digit_value(values: Floats, decimals: int, digits: int) -> Floats:
 def find_number_runs(text: Text) -> list[tuple[int, int]]:
     """Return the first and the last line of each run of numeric lines. A run may contain blank lines."""
     kinds = text.line_kinds
-    filled = np.flatnonzero(kinds != BLANK)
-    numbers = kinds[filled] == NUMBERS
+    filled = np.flatnonzero(kinds != BLANK_LINE)
+    numbers = kinds[filled] == NUMBER_LINE
     edges = np.flatnonzero(np.diff(np.concatenate([[False], numbers, [False]]).astype(np.int8)))
     return [(int(filled[a]), int(filled[b - 1])) for a, b in edges.reshape(-1, 2).tolist()]
 
@@ -340,7 +340,7 @@ def numbers_in(text: Text, first: int, last: int) -> Floats:
 def _filled_lines(text: Text, first: int, last: int, dialect: Dialect) -> Lines:
     """Return the lines of a run that are rows of a table, including rows in which all cells are empty."""
     kinds = text.line_kinds[first : last + 1]
-    filled = kinds != BLANK
+    filled = kinds != BLANK_LINE
     if dialect.separator is not None and not filled.all():
         for line in np.flatnonzero(~filled).tolist():
             filled[line] = dialect.separator.encode() in text.raw_line(first + line)

@@ -9,10 +9,18 @@ from dataclasses import replace
 import numpy as np
 
 from stiction._text import printable
-from stiction.surfaces.measured.decode import TEXT, Text, decode
+from stiction.surfaces.measured.decode import TEXT_LINE, Text, decode
 from stiction.surfaces.measured.header import parse_column_heads, parse_declarations, parse_history
 from stiction.surfaces.measured.layout import Layout
-from stiction.surfaces.measured.raw import Channels, ColumnTable, Content, FormatError, RawHeights, Source, WordColumn
+from stiction.surfaces.measured.raw import (
+    ColumnTable,
+    Content,
+    FormatError,
+    HeightChannels,
+    RawHeights,
+    Source,
+    WordColumn,
+)
 from stiction.surfaces.measured.shapes import has_equal_steps
 from stiction.surfaces.measured.split import (
     Dialect,
@@ -52,13 +60,13 @@ def find_layout(text: Text) -> Layout | None:
 
 def with_source(content: Content, text: Text, layout: str) -> Content:
     """Record the layout and the encoding of a text in the source of its content, and return the content."""
-    if isinstance(content, Channels):
+    if isinstance(content, HeightChannels):
         read_channel = content.read
         return replace(content, read=lambda line: with_source(read_channel(line), text, layout))  # type: ignore[arg-type, return-value]
     return replace(content, source=replace(content.source, layout=layout, encoding=text.encoding))
 
 
-def parse_table(text: Text) -> ColumnTable | Channels:
+def parse_table(text: Text) -> ColumnTable | HeightChannels:
     """Parse the largest run of numeric lines and its header as a table. Runs of equal size become channels."""
     text, word_columns = replace_word_columns(text)
     runs = find_number_runs(text)
@@ -155,7 +163,7 @@ def _reject_unreadable(text: Text, dialect: Dialect, width: int, runs: list[tupl
     for line, step in sorted(neighbours):
         if (
             not 0 <= line < len(text)
-            or text.line_kinds[line] != TEXT
+            or text.line_kinds[line] != TEXT_LINE
             or text.line(line).startswith(("#", "%", "!", "/"))
         ):
             continue
@@ -214,7 +222,7 @@ def _find_equal_runs(
 
 def _to_channels(
     text: Text, runs: list[tuple[int, int]], dialect: Dialect, word_columns: Sequence[FoundColumn] = ()
-) -> Channels:
+) -> HeightChannels:
     """Convert blocks with the same number of columns to channels. Each channel has a separate header."""
     begins = [0, *(last + 1 for _, last in runs)]
     names = []
@@ -229,4 +237,4 @@ def _to_channels(
         table = _to_table(text, parse_block(text, *runs[line], dialect, ragged=True), begins[line], word_columns)
         return replace(table, source=replace(table.source, column=names[line]))
 
-    return Channels(tuple(names), read, None)
+    return HeightChannels(tuple(names), read, None)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from stiction._text import printable
-from stiction.surfaces.measured.decode import BLANK, NUMBERS, TEXT, Text
+from stiction.surfaces.measured.decode import BLANK_LINE, NUMBER_LINE, TEXT_LINE, Text
 from stiction.surfaces.measured.split import Dialect, cell_kind, find_number_runs, split_cells
 
 # The comma is tried last, because it may be the decimal mark in cells with another separator.
@@ -36,7 +36,7 @@ def replace_word_columns(text: Text) -> tuple[Text, tuple[FoundColumn, ...]]:
     runs = find_number_runs(text)
     if not (text.words or _has_words_at_numbers(text, runs)):
         return text, ()
-    lines = np.flatnonzero(text.line_kinds != BLANK).tolist()
+    lines = np.flatnonzero(text.line_kinds != BLANK_LINE).tolist()
     largest_run = max((last + 1 - first for first, last in runs), default=0)
     samples = {separator: _find_table(text, lines[:_MAX_SEPARATOR_LINES], separator) for separator in _CELL_SEPARATORS}
     separator = max(samples, key=lambda key: len(samples[key].numeric))  # take the first of equally good separators
@@ -71,9 +71,9 @@ def _has_words_at_numbers(text: Text, runs: Sequence[tuple[int, int]]) -> bool:
     """Return whether rows from the line above the first numbers onwards may contain both words and numbers."""
     if not runs:
         return True
-    kinds = text.line_kinds[text.line_kinds != BLANK]
-    numbers = np.flatnonzero(kinds == NUMBERS)
-    return bool((kinds[numbers[0] :] == TEXT).any()) or (
+    kinds = text.line_kinds[text.line_kinds != BLANK_LINE]
+    numbers = np.flatnonzero(kinds == NUMBER_LINE)
+    return bool((kinds[numbers[0] :] == TEXT_LINE).any()) or (
         numbers[0] > 0 and any(map(_NUMBER_CELL.fullmatch, re.split(r"[\t;|, ]+", text.line(runs[0][0] - 1))))
     )
 

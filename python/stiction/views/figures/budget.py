@@ -17,14 +17,16 @@ from stiction.views.style import (
     new_figure,
 )
 
-MIN_REDUCTION = 0.02  # inputs are not drawn if making them exact would narrow the interval by less than this fraction
+MIN_DRAWN_REDUCTION = (
+    0.02  # inputs are not drawn if making them exact would narrow the interval by less than this fraction
+)
 MAX_DRAWN_INPUTS = 5  # maximum number of inputs in the figure
 
 
 def budget_figure(point: PointSummary, *, title: str = "") -> Figure:
     """Draw the contributions to friction, the combined interval and the uncertainty budget (80 mm wide)."""
     width = point.upper - point.lower
-    remaining = [item for item in point.budget if item.width < (1 - MIN_REDUCTION) * width][:MAX_DRAWN_INPUTS]
+    remaining = [item for item in point.budget if item.width < (1 - MIN_DRAWN_REDUCTION) * width][:MAX_DRAWN_INPUTS]
     test_interval = point.rules[0].next_test
     rows = [("combined", point.lower, point.upper)]
     rows += [(f"{item.words} known", item.lower, item.upper) for item in remaining]

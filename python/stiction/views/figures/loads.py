@@ -138,13 +138,13 @@ def cut_off_figure(points: xarray.Dataset, *, title: str = "", limits: Mapping[s
     limits = limits or {}
     cut_off = np.asarray(points["cut_off"].values, dtype=np.float64)
     shortest_cutoff = cut_off[cut_off > 0].min(initial=2.0)
-    positions = np.where(cut_off > 0, cut_off, limits.get("shortest") or shortest_cutoff / UNFILTERED_RATIO)
+    positions = np.where(cut_off > 0, cut_off, limits.get("shortest") or shortest_cutoff / UNFILTERED_POSITION_RATIO)
     figure = _draw_panels_against(points, "cut_off", positions, title, limits)
     figure.axes[1].set_xlabel(axis_label("cut_off") + ("; first point: none" if (cut_off == 0).any() else ""))
     return figure
 
 
-UNFILTERED_RATIO = 1.5
+UNFILTERED_POSITION_RATIO = 1.5
 """Ratio of the shortest cutoff to the position at which unfiltered scans are drawn if their wavelength is unknown."""
 
 MAX_SPECTRAL_CUTOFF_RATIO = 8.0  # longest wavelength of the closed-form estimate, relative to the longest cutoff

@@ -37,7 +37,7 @@ from stiction.views.report.page import (
 )
 from stiction.views.report.pictures import (
     adhesion_panel,
-    height_scale_panels,
+    height_factor_panels,
     onset_panels,
     positions_panel,
     touching_panel,
@@ -90,7 +90,7 @@ def measured_result_page(result: Result, study: Study, name: str, picture: xarra
         touching="" if picture is None else touching_panel(picture, facts["directions"][0]),
         pictures=(positions_panel(result, facts["asked"][0], format_print_title(study)) if members > 1 else "")
         + ("" if onset is None else onset_panels(onset, format_print_title(study)))
-        + height_scale_panels(result, format_print_title(study))
+        + height_factor_panels(result, format_print_title(study))
         + adhesion_panel(result.loading_cycle, format_print_title(study)),
     )
 

@@ -30,8 +30,8 @@ from stiction.views.report.tables import PackedTables
 REPORT_MARK = "<!doctype html>\n<!-- A report of stiction -->\n"
 """Start of every report, by which the program recognises reports that it may replace."""
 
-_LICENCE = "https://www.gnu.org/licenses/gpl-3.0.txt"
-SCRIPTS = ("nodes.js", "plots.js", "common.js", "result.js")
+_LICENCE_URL = "https://www.gnu.org/licenses/gpl-3.0.txt"
+SCRIPT_FILES = ("nodes.js", "plots.js", "common.js", "result.js")
 
 
 class ReportError(ValueError):
@@ -56,7 +56,7 @@ class Page:
             body=self.body,
             style=read_page_file("page.css"),
             scripts=self.scripts,
-            licence=html.escape(metadata.distribution("stiction").read_text("licenses/LICENSE") or _LICENCE),
+            licence=html.escape(metadata.distribution("stiction").read_text("licenses/LICENSE") or _LICENCE_URL),
             versions=escape_html(
                 f"{self.versions}; page by stiction {__version__}, {datetime.date.today().isoformat()}."
             ),
@@ -79,7 +79,7 @@ def script_markup(facts: dict[str, Any], numbers: Mapping[str, str]) -> str:
     facts_json = to_json(facts).replace("<", "\\u003c")
     element = '<script type="application/octet-stream" id="packed-{}">{}</script>\n'
     packed_numbers = "".join(element.format(*item) for item in numbers.items())
-    text = "\n".join(map(read_page_file, SCRIPTS))
+    text = "\n".join(map(read_page_file, SCRIPT_FILES))
     return (
         f'<script type="application/json" id="facts">{facts_json}</script>\n{packed_numbers}<script>\n{text}</script>\n'
     )

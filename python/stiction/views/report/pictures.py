@@ -61,7 +61,7 @@ def adhesion_panel(branches: xarray.Dataset | None, title: str) -> str:
     )
 
 
-def height_scale_panels(result: Result, title: str) -> str:
+def height_factor_panels(result: Result, title: str) -> str:
     """Return panels (markup) that show the results for all stored height factors, or "" if there are none.
 
     The panels show the first load, mu0 and tau0.
@@ -155,7 +155,7 @@ def _panel(
     return f'<section class="{kind}" aria-label="{name}"><h2>{name}</h2>{picture}{caption_html}</section>'
 
 
-MAX_VERTICES = 1000  # maximum number of vertices in vector graphics; artists with more vertices are rasterized
+MAX_SVG_VERTICES = 1000  # maximum number of vertices in vector graphics; artists with more vertices are rasterized
 RASTER_DPI = 200  # resolution of rasterized artists
 
 _CSS_COLOURS = {
@@ -174,7 +174,7 @@ def inline_svg(figure: Figure, description: str) -> str:
         artists: list[Any] = [*axes.collections, *axes.lines]
         for artist in artists:
             paths = artist.get_paths() if hasattr(artist, "get_paths") else [artist.get_path()]
-            artist.set_rasterized(sum(len(path.vertices) for path in paths) > MAX_VERTICES)
+            artist.set_rasterized(sum(len(path.vertices) for path in paths) > MAX_SVG_VERTICES)
     if (layout := figure.get_layout_engine()) is not None:  # with a layout engine, `savefig` would draw twice
         layout.execute(figure)
         figure.set_layout_engine("none")

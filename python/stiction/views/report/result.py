@@ -40,15 +40,15 @@ NOT_INTERPOLATED_REASON = (
     "the coefficient or its interval changes too much between the values of μ0 and τ0 at which the library evaluated it"
 )
 
-_KEYS_TEXT = "arrow keys move {}, plus and minus zoom"
+_ARROW_KEYS_HELP = "arrow keys move {}, plus and minus zoom"
 PLOT_PANELS: dict[str, tuple[str, str, dict[str, str]]] = {
     "compass": (
         "Friction by direction", "Friction coefficient in every direction",
         {"kind": "plot square crosshair", "more": "arrow keys change the direction"},
     ),
-    "over": ("", "Friction coefficient at the picked load", {"more": _KEYS_TEXT.format("along it")}),
+    "over": ("", "Friction coefficient at the picked load", {"more": _ARROW_KEYS_HELP.format("along it")}),
     **{
-        name: (f"{words} against load", f"{words} against normal load", {"more": _KEYS_TEXT.format("the load")})
+        name: (f"{words} against load", f"{words} against normal load", {"more": _ARROW_KEYS_HELP.format("the load")})
         for name, words in (
             ("friction", "Friction coefficient"), ("area", "True contact area"), ("stiffness", "Normal stiffness"),
             ("unloading", "Normal stiffness during unloading (ultrasonic),"),

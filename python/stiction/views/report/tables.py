@@ -19,7 +19,7 @@ NO_INTERVAL = -128  # value stored instead of the number of decimals of the uppe
 MAX_DECIMALS = 100  # maximum number of decimals, and maximum number of rounded digits before the decimal point
 
 
-_COMPRESSION = 7  # zlib level; compression takes a sixth as long as at level 9 and gives 0.5 % more bytes
+_COMPRESSION_LEVEL = 7  # zlib level; compression takes a sixth as long as at level 9 and gives 0.5 % more bytes
 
 
 def encode_doubles(values: ArrayLike, leading: int) -> str:
@@ -32,12 +32,12 @@ def encode_doubles(values: ArrayLike, leading: int) -> str:
     if dropped:
         bits = bits + np.uint64(1 << (dropped - 1))
     planes = bits.astype(">u8").view(np.uint8).reshape(-1, 8)[:, :leading].T
-    return base64.b64encode(zlib.compress(planes.tobytes(), _COMPRESSION)).decode("ascii")
+    return base64.b64encode(zlib.compress(planes.tobytes(), _COMPRESSION_LEVEL)).decode("ascii")
 
 
 def encode_small_integers(values: NDArray[np.int8]) -> str:
     """Encode whole numbers from -128 to 127 as text."""
-    return base64.b64encode(zlib.compress(values.tobytes(), _COMPRESSION)).decode("ascii")
+    return base64.b64encode(zlib.compress(values.tobytes(), _COMPRESSION_LEVEL)).decode("ascii")
 
 
 @dataclass

@@ -18,7 +18,7 @@ from dataclasses import replace
 from stiction.surfaces.measured.decode import Text
 from stiction.surfaces.measured.header import normalise_line, parse_length
 from stiction.surfaces.measured.layout import Layout
-from stiction.surfaces.measured.raw import Channels, ColumnTable, Content, length_unit
+from stiction.surfaces.measured.raw import ColumnTable, Content, HeightChannels, length_unit
 from stiction.surfaces.measured.text import parse_table
 
 _COMMENTED_LENGTH = re.compile(
@@ -71,7 +71,7 @@ def _read(text: Text) -> Content:
     content = parse_table(text)
     if isinstance(content, ColumnTable):
         return _with_header(content, _parse_channel_comments(text.first_lines))
-    assert isinstance(content, Channels)
+    assert isinstance(content, HeightChannels)
     read_block = content.read
 
     def channel(index: int) -> ColumnTable:

@@ -20,7 +20,7 @@ import re
 
 import numpy as np
 
-from stiction.surfaces.measured.decode import NUMBERS, Text
+from stiction.surfaces.measured.decode import NUMBER_LINE, Text
 from stiction.surfaces.measured.header import is_unit, normalise_line
 from stiction.surfaces.measured.layout import Layout
 from stiction.surfaces.measured.raw import FileCaveat, FormatError, RawHeights, length_unit
@@ -96,8 +96,8 @@ def _read(text: Text) -> RawHeights:
 
 def _extract_single_image(text: Text, values: np.ndarray, last: int) -> np.ndarray:
     """Return the heights of an image. Raises `FormatError` if the file also contains the numbers of another image."""
-    if (text.line_kinds[last + 1 :] == NUMBERS).any():
-        place = last + 1 + int(np.argmax(text.line_kinds[last + 1 :] == NUMBERS))
+    if (text.line_kinds[last + 1 :] == NUMBER_LINE).any():
+        place = last + 1 + int(np.argmax(text.line_kinds[last + 1 :] == NUMBER_LINE))
         raise FormatError(
             f"{text.describe_line(place)} contains numbers of another image; export each image to its own file"
         )

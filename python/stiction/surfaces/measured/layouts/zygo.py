@@ -22,12 +22,12 @@ import numpy as np
 from stiction.surfaces.measured.decode import Text
 from stiction.surfaces.measured.layout import Layout
 from stiction.surfaces.measured.raw import FormatError, RawHeights
-from stiction.surfaces.measured.shapes import MAX_GRID_POINTS
+from stiction.surfaces.measured.shapes import MAX_TABLE_GRID_POINTS
 from stiction.surfaces.measured.split import Dialect, parse_block
 from stiction.surfaces.measured.text import describe_source
 
 # Zero-based indices of the header lines with the origin and size of the map, and with the pixel size.
-_SIZE, _RESOLUTION = 3, 7
+_SIZE_LINE, _RESOLUTION_LINE = 3, 7
 
 
 def _read(text: Text) -> RawHeights:
@@ -39,13 +39,14 @@ def _read(text: Text) -> RawHeights:
     first = marks[0] + 1
     last = next((index - 1 for index in range(len(text) - 1, first, -1) if text.line(index) == "#"), len(text) - 1)
     try:
-        x0, y0, columns, rows = (int(word) for word in text.line(_SIZE).split()[:4])
-        pixel = float(text.line(_RESOLUTION).split()[6])
+        x0, y0, columns, rows = (int(word) for word in text.line(_SIZE_LINE).split()[:4])
+        pixel = float(text.line(_RESOLUTION_LINE).split()[6])
     except (ValueError, IndexError):
         raise FormatError("lacks the map size in line 4, or the pixel size in line 8") from None
-    if not (columns > 0 and rows > 0 and rows * columns <= MAX_GRID_POINTS):
+    if not (columns > 0 and rows > 0 and rows * columns <= MAX_TABLE_GRID_POINTS):
         raise FormatError(
-            f"declares a map of {rows} rows of {columns} points; a map must have from 1 to {MAX_GRID_POINTS} points"
+            f"declares a map of {rows} rows of {columns} points; a map must have from 1 to "
+            f"{MAX_TABLE_GRID_POINTS} points"
         )
     block = parse_block(text, first, last, Dialect(None, "."))
     if block.values.shape[1] != 3:
