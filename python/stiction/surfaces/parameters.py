@@ -40,14 +40,14 @@ class Parameter:
 
 
 _HEIGHT_CLAUSE, _HYBRID_CLAUSE, _RATIO_CLAUSE = ("height parameters", "hybrid parameters", "material ratio functions")
-_SECTION_CLAUSE, _ELEMENT_CLAUSE = "peak heights and pit depths per section", "profile elements"
+_PEAK_CLAUSE, _ELEMENT_CLAUSE = "peak heights and pit depths per section", "profile elements"
 
 _PROFILE_PARAMETER_TEXTS = {
     "a": ("arithmetic mean height", _HEIGHT_CLAUSE, r"\frac1l \int |z|\,dx", "µm"),
     "q": ("root-mean-square height", _HEIGHT_CLAUSE, r"\left(\frac1l \int z^2\,dx\right)^{1/2}", "µm"),
-    "z": ("maximum height per section, mean of the sections", _SECTION_CLAUSE, r"\frac1n \sum_i (p_i + v_i)", "µm"),
-    "p": ("peak height per section, mean of the sections", _SECTION_CLAUSE, r"\frac1n \sum_i p_i,\ p_i = \max_i z", "µm"),
-    "v": ("pit depth per section, mean of the sections", _SECTION_CLAUSE, r"\frac1n \sum_i v_i,\ v_i = -\min_i z", "µm"),
+    "z": ("maximum height per section, mean of the sections", _PEAK_CLAUSE, r"\frac1n \sum_i (p_i + v_i)", "µm"),
+    "p": ("peak height per section, mean of the sections", _PEAK_CLAUSE, r"\frac1n \sum_i p_i,\ p_i = \max_i z", "µm"),
+    "v": ("pit depth per section, mean of the sections", _PEAK_CLAUSE, r"\frac1n \sum_i v_i,\ v_i = -\min_i z", "µm"),
     "t": ("total height", _HEIGHT_CLAUSE, r"\max z - \min z", "µm"),
     "sk": ("skewness", _HEIGHT_CLAUSE, r"\frac{1}{q^3} \frac1l \int z^3\,dx", ""),
     "ku": ("kurtosis", _HEIGHT_CLAUSE, r"\frac{1}{q^4} \frac1l \int z^4\,dx", ""),
@@ -146,7 +146,10 @@ SURFACE_PARAMETERS = (
         "Spc", "arithmetic mean peak curvature", f"{_ISO_25178}, 5.8 feature",
         r"-\frac12 \frac1n \sum_i (∂_x^2 z + ∂_y^2 z)_i", "1/µm", "a peak in the interior of the map",
     ),
-    Parameter("S5p", "five-point peak height", f"{_ISO_25178}, 5.8 feature", r"\frac15 \sum_{i=1}^5 z_{p,i}", needs=_FIVE_PEAKS),
+    Parameter(
+        "S5p", "five-point peak height", f"{_ISO_25178}, 5.8 feature", r"\frac15 \sum_{i=1}^5 z_{p,i}",
+        needs=_FIVE_PEAKS,
+    ),
     Parameter(
         "S5v", "five-point pit depth", f"{_ISO_25178}, 5.8 feature", r"-\frac15 \sum_{i=1}^5 z_{v,i}", needs="five pits"
     ),
