@@ -8,7 +8,7 @@ from stiction._caching import cached_property
 def test_computing_a_cached_property_does_not_block_other_objects():
     begun, end = threading.Event(), threading.Event()
 
-    class SlowObject:
+    class ObjectWithSlowProperty:
         waits = False
 
         @cached_property
@@ -18,7 +18,7 @@ def test_computing_a_cached_property_does_not_block_other_objects():
                 assert end.wait(60)
             return object()
 
-    slow, quick = SlowObject(), SlowObject()
+    slow, quick = ObjectWithSlowProperty(), ObjectWithSlowProperty()
     slow.waits = True
     other = threading.Thread(target=lambda: slow.value)
     other.start()
@@ -31,4 +31,4 @@ def test_computing_a_cached_property_does_not_block_other_objects():
     end.set()
     other.join()
     assert slow.value is slow.value
-    assert isinstance(SlowObject.value, cached_property)
+    assert isinstance(ObjectWithSlowProperty.value, cached_property)

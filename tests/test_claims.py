@@ -17,11 +17,11 @@ pytestmark = pytest.mark.docs
 _SPEC = importlib.util.spec_from_file_location("claims", SCRIPT)
 claims = sys.modules["claims"] = importlib.util.module_from_spec(_SPEC)
 _SPEC.loader.exec_module(claims)
-CLAIMS, CLAIM_PARTS, Outcome, Part, judge_claims = (
+CLAIMS, CLAIM_PARTS, PartOutcome, ClaimPart, judge_claims = (
     claims.CLAIMS,
     claims.CLAIM_PARTS,
-    claims.Outcome,
-    claims.Part,
+    claims.PartOutcome,
+    claims.ClaimPart,
     claims.judge_claims,
 )
 claims_markdown, variants_markdown, claim_verdict = (
@@ -48,7 +48,7 @@ def result():
 
 @pytest.fixture(scope="module")
 def resampled(result):
-    return claims.Resampled(result, 0.1)
+    return claims.ResampledMeans(result, 0.1)
 
 
 def test_studies_used_to_judge_claims_have_the_settings_of_the_paper():
@@ -95,12 +95,12 @@ def test_loads_used_for_claims_are_reached_at_every_fractal_dimension(result, re
 
 
 def judge_values(values, least, most):
-    class ResampledStandIn(claims.Resampled):
+    class ResampledMeansStandIn(claims.ResampledMeans):
         def __init__(self):
             self.left_out = set()
 
-    return Outcome.of(
-        Part("1a", "a number", least, most, lambda _: np.asarray(values, dtype=float)), ResampledStandIn()
+    return PartOutcome.of(
+        ClaimPart("1a", "a number", least, most, lambda _: np.asarray(values, dtype=float)), ResampledMeansStandIn()
     )
 
 
@@ -118,8 +118,8 @@ def test_verdict_on_a_part_of_a_claim_is_derived_from_its_interval():
 
 def test_verdict_on_a_claim_is_derived_from_verdicts_on_its_parts():
     def verdicts(*names):
-        part = Part("4a", "", 0, 1, lambda _: np.zeros(1))
-        return claim_verdict(4, [Outcome(part, 0, 0, 0, name, ()) for name in names])
+        part = ClaimPart("4a", "", 0, 1, lambda _: np.zeros(1))
+        return claim_verdict(4, [PartOutcome(part, 0, 0, 0, name, ()) for name in names])
 
     assert verdicts("true", "true") == "true"
     assert verdicts("true", "undecided") == "undecided"
@@ -155,7 +155,7 @@ def create_result(**worlds):
 def judge_part(name, result, **options):
     """Return the outcome of one part."""
     (part,) = (part for part in CLAIM_PARTS if part.name == name)
-    return Outcome.of(part, claims.Resampled(result, 0.1, **options))
+    return PartOutcome.of(part, claims.ResampledMeans(result, 0.1, **options))
 
 
 def sums_with_friction(coefficient):

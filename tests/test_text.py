@@ -42,7 +42,7 @@ def test_file_reading_limits_the_size_and_rejects_special_files(tmp_path):
 
 
 @pytest.mark.parametrize("writer", [new_file, lambda path, failure: replaced_file(path, b"mark", failure)])
-class TestWriting:
+class TestFileWriting:
     def test_file_writing_uses_unpredictable_temporary_names(self, tmp_path, writer):
         names = []
         for each in range(2):

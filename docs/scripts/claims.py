@@ -83,7 +83,7 @@ STUDY_VARIANTS: Mapping[str, Mapping[str, Any]] = {
 
 
 @dataclass(frozen=True)
-class Column:
+class ClaimsTableColumn:
     """Column of the table: other surfaces or mechanics, as a built-in study with changes and a sliding rule.
 
     Attributes
@@ -127,19 +127,23 @@ _HALF_SPACE_CHANGES = {
 _GAP_MINIMUM_CHANGES = {"contact.detection": "gap-minimum"}
 _ALL_CONTACTS = {**_GAP_MINIMUM_CHANGES, "contact.sliding": "all", "surfaces.fractal_dimension.count": 15}
 
-COLUMNS: Mapping[str, Column] = {
-    "profiles, gap-minimum detection": Column("figure7", _GAP_MINIMUM_CHANGES, "opposing", 20, "gap-minima"),
-    "profiles, gap-minimum detection, friction at all contacts": Column(
+COLUMNS: Mapping[str, ClaimsTableColumn] = {
+    "profiles, gap-minimum detection": ClaimsTableColumn("figure7", _GAP_MINIMUM_CHANGES, "opposing", 20, "gap-minima"),
+    "profiles, gap-minimum detection, friction at all contacts": ClaimsTableColumn(
         "figure7", _ALL_CONTACTS, "all", 20, "gap-minima-all"
     ),
-    "height maps, asperities": Column("figure6-areal", _AREA_CHANGES, "opposing", 80, "areas"),
-    "height maps, asperities, friction at all contacts": Column("figure6-areal", _AREA_CHANGES, "all", 80, "areas"),
-    "half-planes": Column("figure6-half-plane", _HALF_PLANE_CHANGES, "opposing", 100, "half-planes"),
-    "half-planes, friction at all contacts": Column(
+    "height maps, asperities": ClaimsTableColumn("figure6-areal", _AREA_CHANGES, "opposing", 80, "areas"),
+    "height maps, asperities, friction at all contacts": ClaimsTableColumn(
+        "figure6-areal", _AREA_CHANGES, "all", 80, "areas"
+    ),
+    "half-planes": ClaimsTableColumn("figure6-half-plane", _HALF_PLANE_CHANGES, "opposing", 100, "half-planes"),
+    "half-planes, friction at all contacts": ClaimsTableColumn(
         "figure6-half-plane", _HALF_PLANE_CHANGES, "all", 100, "half-planes"
     ),
-    "half-spaces": Column("figure6-areal", _HALF_SPACE_CHANGES, "opposing", 66, "half-spaces"),
-    "half-spaces, friction at all contacts": Column("figure6-areal", _HALF_SPACE_CHANGES, "all", 66, "half-spaces"),
+    "half-spaces": ClaimsTableColumn("figure6-areal", _HALF_SPACE_CHANGES, "opposing", 66, "half-spaces"),
+    "half-spaces, friction at all contacts": ClaimsTableColumn(
+        "figure6-areal", _HALF_SPACE_CHANGES, "all", 66, "half-spaces"
+    ),
 }
 """Columns by title."""
 
@@ -182,7 +186,7 @@ def has_amplitudes(amplitudes: Floats) -> bool:
     return all(bool(np.isclose(amplitudes, item, rtol=1e-9).any()) for item in (FLATTER, STEEPER))
 
 
-class Resampled:
+class ResampledMeans:
     """Ensemble means of a result and of its bootstrap resamples, arrays (resample, D) for one amplitude at a time.
 
     Resample 0 is the ensemble itself.
@@ -305,7 +309,7 @@ def load_between(lowest: Any, highest: Any, part: float) -> Floats:
 
 
 @dataclass(frozen=True)
-class Band:
+class SimultaneousInterval:
     """Number with its interval from simultaneous bands."""
 
     value: float
@@ -313,11 +317,11 @@ class Band:
     upper: float
 
 
-Measure = Callable[[Resampled], "Floats | Band"]
+Measure = Callable[[ResampledMeans], "Floats | SimultaneousInterval"]
 
 
 @dataclass(frozen=True)
-class Part:
+class ClaimPart:
     """Number of a claim, and the range in which the claim is true."""
 
     name: str
@@ -332,13 +336,13 @@ class Part:
         return int(self.name.rstrip("abcd"))
 
 
-def _mean_over_dimensions(r: Resampled, values: Floats, start: float, stop: float) -> Floats:
+def _mean_over_dimensions(r: ResampledMeans, values: Floats, start: float, stop: float) -> Floats:
     """Return the mean over fractal dimensions in a range."""
     stored = values[:, r.has_finite_values(values, r.is_dimension_within(start, stop))]
     return np.asarray(np.nansum(stored, axis=1) / np.isfinite(stored).sum(axis=1))
 
 
-def _extreme_over_dimensions(r: Resampled, arrays: list[Floats], pick: np.ufunc) -> Floats | Band:
+def _extreme_over_dimensions(r: ResampledMeans, arrays: list[Floats], pick: np.ufunc) -> Floats | SimultaneousInterval:
     """Return the largest (fmax) or smallest (fmin) value over the D at which all quantities have a value."""
     usable = r.has_finite_values(np.sum(arrays, axis=0), r.is_dimension_within(*_ALL_DIMENSIONS))
     stored = np.concatenate([values[:, usable] for values in arrays], axis=1)
@@ -351,10 +355,10 @@ def _extreme_over_dimensions(r: Resampled, arrays: list[Floats], pick: np.ufunc)
     half_band = float(np.quantile(np.fmax.reduce(deviations, axis=1, initial=0.0), 0.95)) * spread
     least = 0.0 if (stored[0] >= 0).all() else -math.inf
     ends = [float(pick.reduce(stored[0] + side * half_band)) for side in (-1, 1)]
-    return Band(float(pick.reduce(stored[0])), max(ends[0], least), ends[1])
+    return SimultaneousInterval(float(pick.reduce(stored[0])), max(ends[0], least), ends[1])
 
 
-def _slope_over_dimensions(r: Resampled, values: Floats, start: float, stop: float) -> Floats:
+def _slope_over_dimensions(r: ResampledMeans, values: Floats, start: float, stop: float) -> Floats:
     """Return the least-squares slope over fractal dimensions in a range."""
     stored = r.has_finite_values(values, r.is_dimension_within(start, stop))
     if stored.sum() < 2:
@@ -374,7 +378,7 @@ _ALL_DIMENSIONS = (1.0, 1.7)
 _MINIMUM_DIMENSIONS = (1.25, 1.55)
 
 
-def _load_linearity(r: Resampled) -> Floats | Band:
+def _load_linearity(r: ResampledMeans) -> Floats | SimultaneousInterval:
     load, area = r.sums("normal_elastic", r.amplitude), r.sums("contact_area", r.amplitude)
     factor = (area * load).sum(axis=2, keepdims=True) / (load * load).sum(axis=2, keepdims=True)
     residual = ((area - factor * load) ** 2).sum(axis=2)
@@ -383,7 +387,7 @@ def _load_linearity(r: Resampled) -> Floats | Band:
     )
 
 
-def _area_exponent(r: Resampled) -> Floats:
+def _area_exponent(r: ResampledMeans) -> Floats:
     load, area = np.log(r.sums("normal_elastic", r.amplitude)), np.log(r.sums("contact_area", r.amplitude))
     known = np.isfinite(load + area)
     load, area = np.where(known, load, 0.0), np.where(known, area, 0.0)
@@ -395,53 +399,53 @@ def _area_exponent(r: Resampled) -> Floats:
     return np.asarray(stored[:, np.argmax(np.abs(stored[0] - 1))])  # the least linear D of the ensemble
 
 
-def _friction_ratio_of_dimensions(r: Resampled) -> Floats:
+def _friction_ratio_of_dimensions(r: ResampledMeans) -> Floats:
     logarithm = np.log(r.at("friction", r.middle))
     return np.exp(
         _mean_over_dimensions(r, logarithm, *_UPPER_DIMENSIONS) - _mean_over_dimensions(r, logarithm, *_LOW_DIMENSIONS)
     )
 
 
-def _slope_difference(r: Resampled) -> Floats:
+def _slope_difference(r: ResampledMeans) -> Floats:
     logarithm = np.log(r.at("friction", r.middle))
     return _slope_over_dimensions(r, logarithm, 1.5, 1.7) - _slope_over_dimensions(r, logarithm, 1.0, 1.5)
 
 
-def _rise_by_mu0(r: Resampled) -> Floats:
+def _rise_by_mu0(r: ResampledMeans) -> Floats:
     gained = r.at("friction", r.middle, mu0=1.0) - r.at("friction", r.middle, mu0=0.1)
     return _mean_over_dimensions(r, gained, *_UPPER_DIMENSIONS) - _mean_over_dimensions(r, gained, *_LOW_DIMENSIONS)
 
 
-def _friction_added_by_adhesion(r: Resampled, load: float | Floats, amplitude: float | None = None) -> Floats:
+def _friction_added_by_adhesion(r: ResampledMeans, load: float | Floats, amplitude: float | None = None) -> Floats:
     return r.at("friction", load, tau0=0.2, amplitude=amplitude) - r.at("friction", load, amplitude=amplitude)
 
 
-def _adhesion_friction_ratios(r: Resampled, tau0: float) -> list[Floats]:
+def _adhesion_friction_ratios(r: ResampledMeans, tau0: float) -> list[Floats]:
     """Return friction with adhesion over friction without it, at three loads."""
     return [r.at("friction", load, tau0=tau0) / r.at("friction", load) for load in (r.light, r.middle, r.heavy)]
 
 
-def _smallest_rise(r: Resampled) -> Floats | Band:
+def _smallest_rise(r: ResampledMeans) -> Floats | SimultaneousInterval:
     return _extreme_over_dimensions(r, _adhesion_friction_ratios(r, 0.2), np.fmin)
 
 
-def _rise_at_low_dimensions(r: Resampled) -> Floats:
+def _rise_at_low_dimensions(r: ResampledMeans) -> Floats:
     raised = _friction_added_by_adhesion(r, r.middle)
     return _mean_over_dimensions(r, raised, *_LOW_DIMENSIONS) - _mean_over_dimensions(r, raised, *_HIGH_DIMENSIONS)
 
 
-def _adhesion_rise_at_low_load(r: Resampled) -> Floats:
+def _adhesion_rise_at_low_load(r: ResampledMeans) -> Floats:
     return _mean_over_dimensions(
         r, _friction_added_by_adhesion(r, r.light) - _friction_added_by_adhesion(r, r.heavy), *_ALL_DIMENSIONS
     )
 
 
-def _largest_change_by_weak_adhesion(r: Resampled) -> Floats | Band:
+def _largest_change_by_weak_adhesion(r: ResampledMeans) -> Floats | SimultaneousInterval:
     return _extreme_over_dimensions(r, [np.abs(ratio - 1) for ratio in _adhesion_friction_ratios(r, 0.001)], np.fmax)
 
 
 def _measure_dip(start: float, stop: float) -> Measure:
-    def measure(r: Resampled) -> Floats:
+    def measure(r: ResampledMeans) -> Floats:
         logarithm = np.log(r.at("friction", r.middle, tau0=0.2))
         return np.exp(
             _mean_over_dimensions(r, logarithm, start, stop) - _mean_over_dimensions(r, logarithm, *_MIDDLE_DIMENSIONS)
@@ -450,7 +454,7 @@ def _measure_dip(start: float, stop: float) -> Measure:
     return measure
 
 
-def _dimension_of_minimum(r: Resampled) -> Floats:
+def _dimension_of_minimum(r: ResampledMeans) -> Floats:
     values = r.at("friction", r.middle, tau0=0.2)
     stored = r.has_finite_values(values, r.is_dimension_within(*_ALL_DIMENSIONS))
     if not stored.any():
@@ -462,17 +466,17 @@ def _dimension_of_minimum(r: Resampled) -> Floats:
     return np.full(result.shape, np.nan) if result[0] == end < _MINIMUM_DIMENSIONS[1] else result
 
 
-def _ratio_of_light_to_heavy_load(r: Resampled) -> Floats:
+def _ratio_of_light_to_heavy_load(r: ResampledMeans) -> Floats:
     logarithm = np.log(r.at("friction", r.light) / r.at("friction", r.heavy))
     return np.exp(_mean_over_dimensions(r, logarithm, 1.5, 1.7))
 
 
-def _smallest_ratio_to_mu0(r: Resampled) -> Floats | Band:
+def _smallest_ratio_to_mu0(r: ResampledMeans) -> Floats | SimultaneousInterval:
     return _extreme_over_dimensions(r, [r.at("friction", r.middle) / 0.4], np.fmin)
 
 
 def _measure_ratio_of_amplitudes(what: Quantity, tau0: float) -> Measure:
-    def measure(r: Resampled) -> Floats:
+    def measure(r: ResampledMeans) -> Floats:
         loads = r.middle_of_all_amplitudes()
         if loads is None:
             return np.array([math.nan])
@@ -482,7 +486,7 @@ def _measure_ratio_of_amplitudes(what: Quantity, tau0: float) -> Measure:
     return measure
 
 
-def _rise_ratio_of_amplitudes(r: Resampled) -> Floats:
+def _rise_ratio_of_amplitudes(r: ResampledMeans) -> Floats:
     loads = r.middle_of_all_amplitudes()
     if loads is None:
         return np.array([math.nan])
@@ -490,7 +494,7 @@ def _rise_ratio_of_amplitudes(r: Resampled) -> Floats:
     return np.exp(_mean_over_dimensions(r, ratio, 1.5, 1.6) - _mean_over_dimensions(r, ratio, *_LOW_DIMENSIONS))
 
 
-def _adhesion_difference_of_amplitudes(r: Resampled) -> Floats:
+def _adhesion_difference_of_amplitudes(r: ResampledMeans) -> Floats:
     loads = r.middle_of_all_amplitudes()
     if loads is None:
         return np.array([math.nan])
@@ -502,7 +506,7 @@ def _adhesion_difference_of_amplitudes(r: Resampled) -> Floats:
 
 
 def _measure_change(what: Quantity, one: dict[str, float], other: dict[str, float]) -> Measure:
-    def measure(r: Resampled) -> Floats | Band:
+    def measure(r: ResampledMeans) -> Floats | SimultaneousInterval:
         return _extreme_over_dimensions(
             r, [np.abs(r.at(what, r.middle, **one) / r.at(what, r.middle, **other) - 1)], np.fmax
         )
@@ -515,106 +519,108 @@ _TAU0_CHANGE = ({"tau0": 0.2}, {"tau0": 0.0})
 _LARGEST_CHANGE = "largest relative change of the"
 
 CLAIM_PARTS = (
-    Part("1a", "smallest R² for any D of a straight line A = c F_N", 0.95, math.inf, _load_linearity),
-    Part("1b", "exponent p of A ∝ F_N^p at the D with the largest deviation from 1", 0.9, 1.1, _area_exponent),
-    Part("2a", "mu_s at D = 1.4 to 1.5 divided by mu_s at D = 1 to 1.2", 1.0, math.inf, _friction_ratio_of_dimensions),
-    Part("2b", "slope of ln mu_s with D above D = 1.5 minus slope below", 0.0, math.inf, _slope_difference),
-    Part(
+    ClaimPart("1a", "smallest R² for any D of a straight line A = c F_N", 0.95, math.inf, _load_linearity),
+    ClaimPart("1b", "exponent p of A ∝ F_N^p at the D with the largest deviation from 1", 0.9, 1.1, _area_exponent),
+    ClaimPart(
+        "2a", "mu_s at D = 1.4 to 1.5 divided by mu_s at D = 1 to 1.2", 1.0, math.inf, _friction_ratio_of_dimensions
+    ),
+    ClaimPart("2b", "slope of ln mu_s with D above D = 1.5 minus slope below", 0.0, math.inf, _slope_difference),
+    ClaimPart(
         "2c",
         "increase of mu_s from D ≤ 1.2 to D = 1.4 to 1.5, at mu0 = 1 minus at mu0 = 0.1",
         0.0,
         math.inf,
         _rise_by_mu0,
     ),
-    Part(
+    ClaimPart(
         "3a",
         "smallest ratio of mu_s at tau0 = 200 MPa to mu_s at 0, for all D and three loads",
         1.0,
         math.inf,
         _smallest_rise,
     ),
-    Part(
+    ClaimPart(
         "3b", "increase of mu_s by tau0 = 200 MPa at D ≤ 1.2, minus at D ≥ 1.6", 0.0, math.inf, _rise_at_low_dimensions
     ),
-    Part(
+    ClaimPart(
         "3c",
         "increase of mu_s by tau0 = 200 MPa at light load, minus at heavy load",
         0.0,
         math.inf,
         _adhesion_rise_at_low_load,
     ),
-    Part(
+    ClaimPart(
         "3d",
         "largest relative change of mu_s by tau0 = 1 MPa, for all D and three loads",
         -math.inf,
         0.05,
         _largest_change_by_weak_adhesion,
     ),
-    Part(
+    ClaimPart(
         "4a",
         "mu_s at tau0 = 200 MPa, D = 1 to 1.2, divided by mu_s at D = 1.3 to 1.5",
         1.0,
         math.inf,
         _measure_dip(*_LOW_DIMENSIONS),
     ),
-    Part(
+    ClaimPart(
         "4b",
         "mu_s at tau0 = 200 MPa, D = 1.6 to 1.7, divided by mu_s at D = 1.3 to 1.5",
         1.0,
         math.inf,
         _measure_dip(*_HIGH_DIMENSIONS),
     ),
-    Part("4c", "D with the smallest mu_s at tau0 = 200 MPa", *_MINIMUM_DIMENSIONS, _dimension_of_minimum),
-    Part(
+    ClaimPart("4c", "D with the smallest mu_s at tau0 = 200 MPa", *_MINIMUM_DIMENSIONS, _dimension_of_minimum),
+    ClaimPart(
         "5", "mu_s at light load divided by mu_s at heavy load, D ≥ 1.5", 1.0, math.inf, _ratio_of_light_to_heavy_load
     ),
-    Part("6", "smallest mu_s/mu0 for any D, mu0 = 0.4", -math.inf, 1.0, _smallest_ratio_to_mu0),
-    Part(
+    ClaimPart("6", "smallest mu_s/mu0 for any D, mu0 = 0.4", -math.inf, 1.0, _smallest_ratio_to_mu0),
+    ClaimPart(
         "7a", "A/F_N at 0.2 µm divided by A/F_N at 0.05 µm", -math.inf, 1.0, _measure_ratio_of_amplitudes("area", 0.0)
     ),
-    Part(
+    ClaimPart(
         "7b",
         "mu_s at tau0 = 200 MPa, 0.2 µm, divided by mu_s at 0.05 µm",
         -math.inf,
         1.0,
         _measure_ratio_of_amplitudes("friction", 0.2),
     ),
-    Part(
+    ClaimPart(
         "7c",
         "increase of mu_s up to D = 1.5 to 1.6 at 0.05 µm divided by increase at 0.2 µm",
         -math.inf,
         1.0,
         _rise_ratio_of_amplitudes,
     ),
-    Part(
+    ClaimPart(
         "7d",
         "increase of mu_s by tau0 = 200 MPa at D ≤ 1.2, at 0.05 µm minus at 0.2 µm",
         0.0,
         math.inf,
         _adhesion_difference_of_amplitudes,
     ),
-    Part(
+    ClaimPart(
         "8a",
         f"{_LARGEST_CHANGE} area for any D if mu0 changes from 0.1 to 1",
         -math.inf,
         0.1,
         _measure_change("area", *_MU0_CHANGE),
     ),
-    Part(
+    ClaimPart(
         "8b",
         f"{_LARGEST_CHANGE} area for any D if tau0 changes from 0 to 200 MPa",
         -math.inf,
         0.1,
         _measure_change("area", *_TAU0_CHANGE),
     ),
-    Part(
+    ClaimPart(
         "8c",
         f"{_LARGEST_CHANGE} stiffness for any D if mu0 changes from 0.1 to 1",
         -math.inf,
         0.1,
         _measure_change("stiffness", *_MU0_CHANGE),
     ),
-    Part(
+    ClaimPart(
         "8d",
         f"{_LARGEST_CHANGE} stiffness for any D if tau0 changes from 0 to 200 MPa",
         -math.inf,
@@ -629,12 +635,12 @@ CLAIM_PARTS = (
 
 
 @dataclass(frozen=True)
-class Outcome:
+class PartOutcome:
     """Measured number of a part, and its verdict.
 
     Attributes
     ----------
-    part : Part
+    part : ClaimPart
     value, lower, upper : float
         The number and its 95 % interval; NaN if undefined.
     verdict : {"true", "false", "undecided", "undefined"}
@@ -642,7 +648,7 @@ class Outcome:
         Fractal dimensions without a value.
     """
 
-    part: Part
+    part: ClaimPart
     value: float
     lower: float
     upper: float
@@ -650,13 +656,13 @@ class Outcome:
     left_out: tuple[float, ...]
 
     @classmethod
-    def of(cls, part: Part, resampled: Resampled) -> "Outcome":
+    def of(cls, part: ClaimPart, resampled: ResampledMeans) -> "PartOutcome":
         """Measure a part; the verdict is "undefined" if the ensemble itself has no number."""
         resampled.left_out.clear()
         with np.errstate(divide="ignore", invalid="ignore"):
             values = part.measure(resampled)
         left_out = tuple(sorted(resampled.left_out))
-        if isinstance(values, Band):
+        if isinstance(values, SimultaneousInterval):
             value, lower, upper = values.value, values.lower, values.upper
         else:
             value, lower, upper = float(values[0]), math.nan, math.nan
@@ -671,7 +677,7 @@ class Outcome:
 
 def judge_claims(
     dataset: xarray.Dataset, *, amplitude: float = 0.1, sliding: Sliding | None = None, ruling: Ruling = "percentiles"
-) -> list[Outcome]:
+) -> list[PartOutcome]:
     """Measure every part of every claim on a result.
 
     Parameters
@@ -693,11 +699,11 @@ def judge_claims(
     check(parse_dataset_study(dataset))
     if ruling not in ("percentiles", "bands"):
         raise ValueError(f"ruling must be percentiles or bands, got {ruling!r}")
-    resampled = Resampled(dataset, amplitude, sliding=sliding, ruling=ruling)
-    return [Outcome.of(part, resampled) for part in CLAIM_PARTS]
+    resampled = ResampledMeans(dataset, amplitude, sliding=sliding, ruling=ruling)
+    return [PartOutcome.of(part, resampled) for part in CLAIM_PARTS]
 
 
-def claim_verdict(claim: int, outcomes: list[Outcome]) -> Verdict:
+def claim_verdict(claim: int, outcomes: list[PartOutcome]) -> Verdict:
     """Return "true" if all parts are true, else "false", "undefined" or "undecided" if any part is."""
     verdicts = {outcome.verdict for outcome in outcomes if outcome.part.claim == claim}
     for verdict in ("false", "undefined", "undecided"):
@@ -709,7 +715,7 @@ def claim_verdict(claim: int, outcomes: list[Outcome]) -> Verdict:
 # ---- Tables ----------------------------------------------------------------------------------------------------------
 
 
-def claims_markdown(outcomes: list[Outcome]) -> str:
+def claims_markdown(outcomes: list[PartOutcome]) -> str:
     """Render a table with a row for each part."""
     lines = [
         "| claim or test | verdict | statement, and its test numbers | value [95 %] | criterion |",
@@ -738,17 +744,17 @@ def _replace_symbols(text: str) -> str:
     return text
 
 
-def variants_markdown(variants: Mapping[str, list[Outcome]]) -> str:
+def variants_markdown(variants: Mapping[str, list[PartOutcome]]) -> str:
     """Render a table of parts by variants; a star marks numbers that exclude some D."""
     return _render_side_by_side(
         variants, lambda part: part.name, lambda outcome: f"{_format_number_with_star(outcome)}, {outcome.verdict}"
     )
 
 
-def columns_markdown(columns: Mapping[str, list[Outcome]]) -> str:
+def columns_markdown(columns: Mapping[str, list[PartOutcome]]) -> str:
     """Render the table of columns with descriptions of the parts and intervals."""
 
-    def cell(outcome: Outcome) -> str:
+    def cell(outcome: PartOutcome) -> str:
         if not math.isfinite(outcome.value):
             return "not applicable"
         star = r"\*" if outcome.left_out else ""
@@ -758,7 +764,7 @@ def columns_markdown(columns: Mapping[str, list[Outcome]]) -> str:
 
 
 def _render_side_by_side(
-    columns: Mapping[str, list[Outcome]], head: Callable[[Part], str], cell: Callable[[Outcome], str]
+    columns: Mapping[str, list[PartOutcome]], head: Callable[[ClaimPart], str], cell: Callable[[PartOutcome], str]
 ) -> str:
     first = next(iter(columns.values()))
     lines = [f"| claim or test | {' | '.join(columns)} |", "|" + "---|" * (len(columns) + 1)]
@@ -771,7 +777,7 @@ def _render_side_by_side(
     return "\n".join(lines) + "\n"
 
 
-def _outcomes_of_claim(claim: int, outcomes: list[Outcome]) -> list[Outcome]:
+def _outcomes_of_claim(claim: int, outcomes: list[PartOutcome]) -> list[PartOutcome]:
     return [outcome for outcome in outcomes if outcome.part.claim == claim]
 
 
@@ -779,23 +785,23 @@ def _format_number(value: float) -> str:
     return f"{value:.3g}" if math.isfinite(value) else "none"
 
 
-def _format_number_with_star(outcome: Outcome) -> str:
+def _format_number_with_star(outcome: PartOutcome) -> str:
     return _format_number(outcome.value) + (r"\*" if outcome.left_out else "")
 
 
-def _format_outcome(outcome: Outcome) -> str:
+def _format_outcome(outcome: PartOutcome) -> str:
     if not math.isfinite(outcome.value):
         return "none"
     return f"{_format_number(outcome.value)} [{_format_number(outcome.lower)}, {_format_number(outcome.upper)}]"
 
 
-def _format_range(part: Part) -> str:
+def _format_range(part: ClaimPart) -> str:
     if math.isinf(part.most):
         return f"above {part.least:g}"
     return f"below {part.most:g}" if math.isinf(part.least) else f"{part.least:g} to {part.most:g}"
 
 
-def _exclusion_text(outcome: Outcome) -> str:
+def _exclusion_text(outcome: PartOutcome) -> str:
     if not outcome.left_out:
         return ""
     return f" (without D = {', '.join(f'{dimension:.2f}' for dimension in outcome.left_out)})"

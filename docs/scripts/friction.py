@@ -6,7 +6,7 @@ It reads build/claims/columns, which `./dev claims --repetitions 2000 --columns`
 from pathlib import Path
 
 import numpy as np
-from claims import FLATTER, STEEPER, Resampled
+from claims import FLATTER, STEEPER, ResampledMeans
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from stiction import gentle_friction, random_phases, weierstrass_mandelbrot_moments, weierstrass_mandelbrot_surface
@@ -41,7 +41,7 @@ def gap_gradients(dimensions: np.ndarray) -> np.ndarray:
     return np.array(values)
 
 
-def draw_curve(ax: Axes, result: Resampled, values: np.ndarray, name: str, *, hollow: bool = False) -> None:
+def draw_curve(ax: Axes, result: ResampledMeans, values: np.ndarray, name: str, *, hollow: bool = False) -> None:
     """Draw the values of the ensemble over D, with a 95 % band where the resamples have values."""
     colour, marker, label = CURVE_STYLES[name]
     known = np.isfinite(values).mean(axis=0) > 0.975
@@ -54,7 +54,7 @@ def draw_curve(ax: Axes, result: Resampled, values: np.ndarray, name: str, *, ho
     )  # fmt: skip
 
 
-def area_exponents(result: Resampled) -> np.ndarray:
+def area_exponents(result: ResampledMeans) -> np.ndarray:
     """Return exponents of the area as a function of load, (resample, D)."""
     load = np.log(result.sums("normal_elastic", AMPLITUDE))
     area = np.log(result.sums("contact_area", AMPLITUDE))
@@ -62,7 +62,7 @@ def area_exponents(result: Resampled) -> np.ndarray:
     return np.asarray((area * load).sum(axis=2) / (load * load).sum(axis=2))
 
 
-def draw_panels(axes: np.ndarray, result: Resampled, name: str) -> None:
+def draw_panels(axes: np.ndarray, result: ResampledMeans, name: str) -> None:
     friction, adhesive_friction = (result.at("friction", result.middle, tau0=tau0) for tau0 in (0.0, TAU0))
     loads = result.middle_of_all_amplitudes()
     steeper, flatter = (result.at("friction", loads, tau0=TAU0, amplitude=a) for a in (STEEPER, FLATTER))
@@ -86,10 +86,10 @@ def main() -> None:
         data = store.read(RESULTS / name)
         sliding = "opposing" if "sliding" in data.dims else None
         with np.errstate(divide="ignore", invalid="ignore"):
-            result = Resampled(data, AMPLITUDE, sliding=sliding)
+            result = ResampledMeans(data, AMPLITUDE, sliding=sliding)
             draw_panels(axes, result, name)
             if name == "half-spaces":
-                result = Resampled(data, AMPLITUDE, sliding="all")
+                result = ResampledMeans(data, AMPLITUDE, sliding="all")
                 draw_curve(axes[5], result, result.at("friction", result.middle) / MU0, name, hollow=True)
                 draw_curve(axes[3], result, result.at("friction", result.middle, tau0=TAU0), name, hollow=True)
         del data

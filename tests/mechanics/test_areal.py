@@ -68,7 +68,7 @@ def assert_sums_close(one, other, tolerance, names=DIRECTION_FREE_SUMS + DIRECTI
         assert np.all(np.abs(actual - expected) <= tolerance * size), (name, actual, expected)
 
 
-class TestArealReference:
+class TestSurfacesAgainstReference:
     @pytest.mark.parametrize("sliding", ["opposing", "all"])
     @pytest.mark.parametrize("curvature", ["signed", "convex"])
     def test_areal_load_sums_equal_those_of_the_reference_implementation(self, sliding, curvature):
@@ -147,7 +147,7 @@ def hertz_contact(k, longer, overlap, modulus):
     return 2 / 3 * math.pi * a * overlap * modulus / first, math.pi * k * a**2, (a, k * a), longer * ratio
 
 
-class TestArealExact:
+class TestSurfacesAgainstExactSolutions:
     @pytest.mark.parametrize(("k", "angle"), [(1.0, 0.0), (0.5, 25.0), (0.02, 25.0)])
     def test_contact_of_an_ellipsoid_on_a_flat_equals_hertz_solution(self, k, angle):
         modulus, overlap = 7.0, 1e-5
@@ -254,7 +254,7 @@ class TestArealExact:
         assert_close(every.friction_coefficient(mu0=0.4, tau0=0.2), np.broadcast_to(expected, (2, 2)), ROUND_OFF)
 
 
-class TestArealIdentities:
+class TestSurfaceIdentities:
     APPROACHES = (0.03, 0.08, 0.15)
 
     def press_all(self, upper, lower, angles=ANGLES, approaches=APPROACHES, **contact):
@@ -319,7 +319,7 @@ class TestArealIdentities:
         assert np.ptp(points.radii[np.abs(points.position[:, :2] / 0.1 - 150).max(axis=1) < 100]) < 1e-9
 
 
-class TestLaws:
+class TestContactLawsOnMaps:
     def test_elastic_plastic_law_uses_the_geometric_mean_of_the_radii(self):
         upper, lower = rough_pair()
         # A bowl shape keeps contacts away from the edge.
@@ -343,7 +343,7 @@ class TestLaws:
                 press(*rough_pair(), [0.1], law=law)
 
 
-class TestValidity:
+class TestValidityIndicators:
     def test_fraction_of_overlapping_ellipses_agrees_with_sampled_points(self):
         upper, lower = rough_pair(6)
         approaches = np.linspace(0.05, 0.25, 9)
@@ -415,7 +415,7 @@ class TestValidity:
                 assert (np.diff(values) >= -ROUND_OFF * values[1:]).all(), name
 
 
-class TestLoading:
+class TestApproachAtLoad:
     def test_load_at_the_computed_approach_equals_the_requested_load(self):
         upper, lower = rough_pair()
         loads = np.array([0.01, 0.1, 0.3])
@@ -446,7 +446,7 @@ class TestLoading:
             press(points, [0.1], curvature="convex")
 
 
-class TestProfiles:
+class TestSlidingRulesOnProfiles:
     """Tests of the sliding rules on profiles."""
 
     def test_profile_loads_equal_the_sums_over_contacts_if_friction_acts_at_all_contacts(self):
@@ -517,7 +517,7 @@ class TestBadInput:
         assert ContactModel(direction=[0, 90]) == ContactModel(direction=(0, 90))
 
 
-class TestGrid:
+class TestGridRefinement:
     def test_areal_load_sums_converge_as_the_grid_is_refined(self):
         # All grids sample the same heights.
         # First contact is defined by grid points, so approaches on two grids differ by an offset.
@@ -552,7 +552,7 @@ class TestGrid:
                 assert_close(getattr(one, name), getattr(finest, name), digits)
 
 
-class TestGentleSurfaces:
+class TestSmallSlopeSurfaces:
     def test_areal_friction_agrees_with_the_closed_form_for_each_sliding_rule(self):
         pairs, mu0, tau0 = 16, 0.4, 0.1
         loads = {rule: np.zeros((2, pairs)) for rule in ("opposing", "all")}

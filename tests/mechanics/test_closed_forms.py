@@ -66,7 +66,7 @@ def reference():
         return [pytest.importorskip(f"ContactMechanics.ReferenceSolutions.{n}", exc_type=ImportError) for n in names]
 
 
-class TestAgainstContactMechanics:
+class TestAgainstContactMechanicsPackage:
     @settings(max_examples=50)
     @given(overlap=lengths, radius=lengths, modulus=moduli)
     def test_hertz_solution_of_a_sphere_agrees_with_the_contact_mechanics_package(

@@ -45,7 +45,7 @@ def assert_close(actual, expected, tolerance):
     assert np.all(np.abs(actual - expected) <= tolerance * np.abs(expected)), (actual, expected)
 
 
-class TestProfileReference:
+class TestProfilesAgainstReference:
     @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
     @pytest.mark.parametrize("curvature", ["convex", "signed"])
     @pytest.mark.parametrize("bodies", ["rough on rough", "flat on rough", "rough on flat"])
@@ -85,7 +85,7 @@ class TestProfileReference:
         assert_close(all_sums(press(raised, lower, [0.01])), all_sums(press(upper, lower, [0.01])), 1e-5)
 
 
-class TestProfileExact:
+class TestProfilesAgainstExactSolutions:
     def test_contact_of_two_circles_equals_hertz_solution(self, circular_arc):
         spacing, points, modulus = 0.002, 1000, 7.0
         for apexes, radii in (
@@ -344,7 +344,7 @@ class TestProfileIdentities:
             assert 0 <= validity.share_crossed[1] <= 1
 
 
-class TestGapMinimum:
+class TestGapMinimumDetection:
     """Tests of results that do not depend on the grid with detection="gap-minimum", unlike with detection="cell"."""
 
     POINT_COUNTS = (37_500, 75_000, 150_000, 300_000, 600_000)
@@ -406,7 +406,7 @@ class TestGapMinimum:
         assert differences[-1] < differences[0]
 
 
-class TestInterface:
+class TestProfileFunctionArguments:
     def test_axes_of_friction_parameters_precede_the_axis_of_approaches(self, rough_pair):
         curve = press(*rough_pair(1.2), [0.005, 0.01, 0.02])
         assert curve.normal_load(mu0=0.1).shape == (3,)

@@ -230,7 +230,7 @@ def test_load_fraction_on_steepest_slopes_equals_its_definition():
     assert 0 <= float(result["share_on_steepest_lower"][0, 0]) < 0.5
 
 
-class TestSurrogates:
+class TestSurrogatePairs:
     def test_adding_surrogates_leaves_shifted_positions_unchanged(self):
         upper, lower = surface_pair()
         options = {"direction": [0, 30, 90, 180], "mechanics": "asperities"}

@@ -9,7 +9,7 @@ from importlib import resources
 import numpy as np
 
 
-class ReportNumbers:
+class ReportEvaluator:
     """Facts and tables of one report, to which the functions of `nodes.js` are applied."""
 
     def __init__(self, page):

@@ -19,7 +19,7 @@ def total_height(body):
     return float(np.ptp(body.heights))
 
 
-class TestGaussian:
+class TestGaussianFilter:
     @pytest.mark.parametrize("cutoff", [0.15, 0.6, 2.0])
     def test_s_filter_equals_weighted_least_squares_at_each_point(self, cutoff):
         profile = rough_profile(points=200)  # 2 µm long
@@ -88,7 +88,7 @@ class TestMissingPoints:
         assert periodic[200] == pytest.approx(profile.heights[200], rel=1e-9)
 
 
-class TestRobust:
+class TestRobustFilter:
     def test_robust_profile_filter_equals_iterated_least_squares(self):
         profile = rough_profile(points=120)
         heights = profile.heights.copy()

@@ -20,7 +20,7 @@ def hurst_of_dimension(dimension, convention):
     return 4 - 2 * dimension if convention == "paper" else 2 - dimension
 
 
-class TestPhases:
+class TestRandomPhases:
     def test_random_phases_equal_recorded_values(self):
         # The values are recorded. NumPy guarantees raw PCG64 words across versions.
         phases = random_phases(2016, repetition=7, side="upper", directions=2, frequencies=2)
@@ -50,7 +50,7 @@ class TestPhases:
 RECORDED_PHASES = [[5.314689153886981, 0.4447781159997328], [3.286748312852867, 5.168936610054548]]
 
 
-class TestProfile:
+class TestFractalProfile:
     @pytest.mark.parametrize("band_limit", [None, "nyquist"])
     @pytest.mark.parametrize("convention", ["paper", "classical"])
     @pytest.mark.parametrize("dimension", [1.0, 1.35, 1.7])
@@ -129,7 +129,7 @@ class TestProfile:
             weierstrass_mandelbrot(np.zeros((0, 5)), 1.5, points=100)
 
 
-class TestSurface:
+class TestFractalSurface:
     SHAPE, EXTENT = (60, 90), (3.0, 2.0)
 
     @pytest.mark.parametrize("band_limit", [None, "nyquist"])

@@ -20,7 +20,7 @@ def test_quasi_random_points_are_evenly_spread(dimensions):
             assert boxes.min() > 0.4 * count / 8
 
 
-class TestLines:
+class TestLinePairs:
     def test_line_pairs_use_every_line_before_any_line_is_repeated(self):
         body = surface((30, 64))
         pairs = LinePairs(body, body, level=None, several=True)
@@ -42,7 +42,7 @@ class TestLines:
             np.testing.assert_array_equal(one.heights, other.heights)
 
 
-class TestMaps:
+class TestMapPairs:
     def test_map_paired_with_itself_is_always_shifted(self):
         body = surface()
         pairs = MapPairs(flipped(body), body)

@@ -21,7 +21,7 @@ from support.rough_surfaces import AMPLITUDE, WAVELENGTH, rough_profile, sinusoi
 ROUND_OFF = 1e-12
 
 
-class TestParameters:
+class TestRoughnessParameters:
     def test_roughness_parameters_of_a_sinusoid_equal_closed_forms(self):
         # Even moments over whole periods are exact. The mean of |sin| at n points per period is below 2/π by π²/3n².
         n = 512
@@ -75,7 +75,7 @@ class TestParameters:
 
 # SurfaceTopography issues warnings about its own names and imports.
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
-class TestAgainstSurfaceTopography:
+class TestAgainstSurfaceTopographyPackage:
     TRANSFORM_TOLERANCE = 1e-9  # relative round-off of two successive Fourier transforms
 
     @pytest.fixture

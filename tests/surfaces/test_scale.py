@@ -127,7 +127,7 @@ def test_extrapolation_is_continuous_at_a_hurst_exponent_of_1():
     assert recorded.continued(1e-4, estimate) == pytest.approx(recorded.continued(1e-4, near), rel=1e-6)
 
 
-class TestInstrument:
+class TestInstrumentLimit:
     def test_instrument_limit_of_the_smallest_surface_is_set_by_pixels(self):
         small = Surface([[0.0, 1.0], [2.0, 0.0]], spacing=1.0)
         assert instrument_limit(small).reason == "pixels"
@@ -232,7 +232,7 @@ def make_body(heights, spacing=0.1):
     return (Profile if heights.ndim == 1 else Surface)(0.02 * scale_to_unit_rms(heights), spacing=spacing)
 
 
-class TestTexture:
+class TestMachinedTexture:
     @pytest.mark.parametrize("dimensions", [1, 2])
     @pytest.mark.parametrize("kind", MACHINED_SURFACES)
     def test_clean_surface_has_no_wavelengths_attributed_to_the_instrument(self, kind, dimensions):

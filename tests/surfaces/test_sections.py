@@ -24,7 +24,7 @@ def ground_profile(seed=1, points=4500, spacing=0.5):
     return levelled(Profile(fine.heights + 0.5 * np.cos(2 * np.pi * x / 1000), spacing=spacing), "line")
 
 
-class TestSinusoid:
+class TestSectionsOfSinusoid:
     @pytest.mark.parametrize("ratio", [0.1, 0.25, 1.0])
     def test_roughness_parameters_of_a_sinusoid_equal_closed_forms(self, ratio):
         # After the L-filter the amplitude is A (1 - t) with the transmission t = exp(-π (α λc/λ)²).
@@ -75,7 +75,7 @@ def found(profile):
     return section_parameters(profile, lc=80, ls=4)
 
 
-class TestDefinitions:
+class TestSectionParameterDefinitions:
     def test_evaluation_length_is_five_sections_in_the_middle_of_the_profile(self, found):
         assert (found.filters.start, found.filters.stop, found.filters.sections) == (50, 850, 5)
 

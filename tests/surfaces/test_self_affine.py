@@ -186,7 +186,7 @@ def test_self_affine_surface_rejects_invalid_arguments(changes, match):
         surface(**changes)
 
 
-class TestAmplitude:
+class TestScalingToAmplitude:
     def test_surface_scaled_to_an_amplitude_has_that_amplitude_and_zero_mean(self):
         created = surface()
         raised = Surface(created.heights + 5.0, spacing=created.spacing, history=("made",))

@@ -28,7 +28,7 @@ AREA_ROUND_OFF = 1e-11
 LAY_TOLERANCE = 10.0
 
 
-class TestSpectrum:
+class TestPowerSpectrum:
     def test_spectrum_of_a_sinusoid_is_a_single_line(self):
         profile = sinusoid(16)
         spectrum = power_spectrum(profile, periodic=True)

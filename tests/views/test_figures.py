@@ -21,7 +21,7 @@ from stiction.views.report import report_page
 from stiction.views.rows import summary_json, summary_table
 from stiction.views.style import FIGURE_FORMATS, save_figure, spread_labels
 from support.generated_studies import SMALL_STUDY, empty_dataset
-from support.report_numbers import ReportNumbers
+from support.report_numbers import ReportEvaluator
 from support.studies_of_files import run_pair_of_maps
 
 
@@ -70,7 +70,7 @@ def test_figures_table_json_and_report_have_equal_combined_intervals(maps_at_two
     rows = table[table["upper body to (degree)"] == "all directions"].set_index(
         ["headline", "normal load (mN)", "mu0", "tau0 (MPa)", "sliding"]
     )
-    report = ReportNumbers(report_page(dataset))
+    report = ReportEvaluator(report_page(dataset))
     rules, loads = report.facts["rules"], report.facts["loads"]["values"]
     points = summary.headlines
     assert len(points) == 8

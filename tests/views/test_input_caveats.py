@@ -184,7 +184,7 @@ def test_wavelengths_that_the_tip_does_not_resolve_cause_a_caveat():
         pair_study(scan, scan, tip="20", **options)
 
 
-class TestNoiseUnderRoughSurface:
+class TestNoiseHiddenByRoughness:
     """White noise of maps whose spectra have no flat end."""
 
     options: ClassVar[dict[str, str]] = {"load": "10 MPa", "mu0": "0.2", "effective_modulus": "80 GPa"}

@@ -18,7 +18,7 @@ from support.generated_studies import SMALL_STUDY, empty_dataset
 
 pytest.importorskip("py_mini_racer", reason="mini-racer is not installed")
 
-from support.report_numbers import ReportNumbers
+from support.report_numbers import ReportEvaluator
 
 MAX_PACKING_ERROR = 1e-6  # relative
 MAX_RELATIVE_ERROR = 3.0  # largest error of an interpolated value as a multiple of the tolerance for its nodes
@@ -58,7 +58,7 @@ def create_arbitrary_sums(tangential_factor):
 
 @pytest.fixture(scope="module")
 def report_numbers(generated_dataset):
-    return ReportNumbers(report_page(generated_dataset))
+    return ReportEvaluator(report_page(generated_dataset))
 
 
 # ---- Interpolation and text ------------------------------------------------------------------------------------------
@@ -186,7 +186,7 @@ def random_settings(report_numbers, count, seed):
 def test_friction_in_reports_of_generated_profiles_equals_library_values(generated_dataset, report_numbers, case_name):
     if case_name == "half-planes":
         generated_dataset = run(Study.named("quick").with_changes(HALF_PLANE_CHANGES)).dataset
-        report_numbers = ReportNumbers(report_page(generated_dataset))
+        report_numbers = ReportEvaluator(report_page(generated_dataset))
     statuses, errors = compare_friction(generated_dataset, report_numbers, random_settings(report_numbers, 60, 5))
     expected_statuses = {"ok", "not-reached", "self-locked", "below-range", "between-nodes"}
     assert np.mean([status in expected_statuses for status in statuses]) > 0.9
@@ -197,7 +197,7 @@ def test_friction_in_reports_of_generated_profiles_equals_library_values(generat
 @pytest.mark.parametrize("tangential_factor", [0.0, 1.0])
 def test_friction_in_reports_of_arbitrary_load_sums_equals_library_values_at_nodes(tangential_factor):
     dataset = create_arbitrary_sums(tangential_factor)
-    report_numbers = ReportNumbers(report_page(dataset))
+    report_numbers = ReportEvaluator(report_page(dataset))
     axes = report_numbers.facts["axes"]
     random = np.random.default_rng(3)
     settings = [
@@ -219,7 +219,7 @@ def test_friction_in_reports_of_arbitrary_load_sums_equals_library_values_at_nod
 def test_report_ignores_members_without_a_solution(generated_dataset):
     dataset = generated_dataset.copy(deep=True)
     dataset["normal_elastic"].loc[{"repetition": 3, "approach": dataset["approach"][-1]}] = np.nan
-    report_numbers = ReportNumbers(report_page(dataset))
+    report_numbers = ReportEvaluator(report_page(dataset))
     assert report_numbers.facts["repetitions"] == dataset.sizes["repetition"] - 1
     friction = parse_dataset_study(dataset).friction
     statuses, errors = compare_friction(
@@ -231,7 +231,7 @@ def test_report_ignores_members_without_a_solution(generated_dataset):
 
 def test_report_of_profiles_without_contact_has_no_loads():
     dataset = empty_dataset(SMALL_STUDY.with_changes({"contact.approach": ["0 nm"]}))
-    assert ReportNumbers(report_page(dataset)).facts["loads"]["values"] == []
+    assert ReportEvaluator(report_page(dataset)).facts["loads"]["values"] == []
 
 
 @pytest.mark.parametrize("case_name", ["asperities", "soft", "invented"])
@@ -241,7 +241,7 @@ def test_assessments_in_reports_of_generated_profiles_equal_library_assessments(
         dataset = dataset.assign_attrs(
             study=parse_dataset_study(dataset).with_changes({"contact.effective_modulus": "50 MPa"}).to_toml()
         )
-    study, report_numbers = parse_dataset_study(dataset), ReportNumbers(report_page(dataset))
+    study, report_numbers = parse_dataset_study(dataset), ReportEvaluator(report_page(dataset))
     assert report_numbers.facts["quotedRule"] == list_rules_quoted_first(study)[0]
     loads = report_numbers.facts["loads"]["values"]
     verdicts = set()
@@ -269,7 +269,7 @@ def test_assessments_in_reports_of_generated_profiles_equal_library_assessments(
 def measured_report(request):
     """Dataset of measured surfaces, and the numbers of its report."""
     dataset = request.getfixturevalue(request.param)
-    return dataset, ReportNumbers(report_page(dataset))
+    return dataset, ReportEvaluator(report_page(dataset))
 
 
 def test_friction_in_reports_of_measured_surfaces_equals_library_values(measured_report):
