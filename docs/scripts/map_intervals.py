@@ -43,12 +43,14 @@ def main():
         }
         result = run(study_from_options(read_options(options)))
         loads = result.default_loads
-        populations.append(np.nanmean(select_area_and_friction(member_values(result, loads, of="shifts")), axis=-1))
+        populations.append(
+            np.nanmean(select_area_and_friction(member_values(result, loads, member_kind="shifts")), axis=-1)
+        )
         sample = Result(
             result.dataset.isel(repetition=slice(2 * SAMPLE_SIZE))
         )  # all surrogates, and an equal number of shifts
         for kind, computed in intervals.items():
-            computed.append(select_area_and_friction(at_load(sample, loads, of=kind)))
+            computed.append(select_area_and_friction(at_load(sample, loads, member_kind=kind)))
         if pair:
             TABLE_FILE.write_text(format_table(np.array(populations), intervals), encoding="utf-8")
 

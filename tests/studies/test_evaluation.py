@@ -187,7 +187,8 @@ def test_evaluation_at_a_load_rejects_invalid_input(areal_contact):
     _, result = areal_contact
     for changes, pattern in (
         ({"loads": [0.0]}, "loads must be above 0"), ({"mu0": -1.0}, "mu0 must not be negative"),
-        ({"reading": "median"}, "reading must be one of"), ({"of": "surrogates"}, "of must be .shifts."),
+        ({"reading": "median"}, "reading must be one of"),
+        ({"member_kind": "surrogates"}, "member_kind must be .shifts."),
     ):  # fmt: skip
         with pytest.raises(ValueError, match=pattern):
             at_load(result, **({"loads": [2.0]} | changes))

@@ -48,7 +48,7 @@ def run_pair(upper, lower, loads=(0.1,), **options):
 
 
 def read_members(result, of=None):
-    return member_values(result, result.default_loads, of=of).isel(cut_off=0)
+    return member_values(result, result.default_loads, member_kind=of).isel(cut_off=0)
 
 
 def cut_pieces(upper, lower):
@@ -248,14 +248,14 @@ class TestSurrogatePairs:
             approaches = approach_at_load(*bodies, LOADS, mu0=0.0)
             area = press(*bodies, approaches).contact_area
             assert surrogate_members["contact_area"].values[index] == pytest.approx(area, rel=ROOT_TOLERANCE)
-        means = [at_load(result, LOADS, of=kind) for kind in ("shifts", "surrogates")]
+        means = [at_load(result, LOADS, member_kind=kind) for kind in ("shifts", "surrogates")]
         assert float(means[1]["contact_area"][0, 0, 0]) == pytest.approx(
             float(surrogate_members["contact_area"][:, 0].mean())
         )
         assert [int(mean["members"]) for mean in means] == [3, 4]
         assert at_load(result, LOADS).equals(means[0])
-        with pytest.raises(ValueError, match=r"of must be '(shifts|surrogates)' for this result"):
-            at_load(result_of_shifts, LOADS, of="surrogates")
+        with pytest.raises(ValueError, match=r"member_kind must be '(shifts|surrogates)' for this result"):
+            at_load(result_of_shifts, LOADS, member_kind="surrogates")
 
     def test_surrogates_of_profiles_are_pressed_as_isotropic_surfaces(self):
         bodies = [rough_surface(side, shape=(64, 512)).row(5) for side in ("upper", "lower")]

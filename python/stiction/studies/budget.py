@@ -245,9 +245,9 @@ def _zero_coefficient_interval(samples: _CoefficientSamples, point: Floats) -> t
 
     The interval contains the coefficient and its sampling interval, and is not below 0.
     """
-    cube = stratified_points(2)
+    unit_points = stratified_points(2)
     mu0, tau0 = (
-        samples.inputs[name].quantile(cube[:, column]) if name in samples.inputs else value
+        samples.inputs[name].quantile(unit_points[:, column]) if name in samples.inputs else value
         for column, (name, value) in enumerate((("mu0", samples.mu0), ("tau0", samples.tau0)))
     )
     low, high = extend_interval(
@@ -536,15 +536,15 @@ class _CoefficientSamples:
         from scipy.special import ndtri
 
         def compute() -> Any:
-            cube = stratified_points(len(self.names) + 1)
-            columns = dict(zip(self.names, cube.T, strict=False))
+            unit_points = stratified_points(len(self.names) + 1)
+            columns = dict(zip(self.names, unit_points.T, strict=False))
             columns |= {
                 name: np.full(NUM_INPUT_SAMPLES, quantile) for name, quantile in fixed.items() if name in columns
             }
             samples = {name: self.inputs[name].quantile(columns[name]) for name in self.inputs}
             hardness = samples.get("hardness", np.full(NUM_INPUT_SAMPLES, self.areas.hardness or np.nan))
             if (creep := find_creep_exponent(self.study)) is not None:
-                hardness = hardness * wait ** -creep.quantile(cube[:, -1])
+                hardness = hardness * wait ** -creep.quantile(unit_points[:, -1])
             scores = {name: ndtri(columns[name]) for name in self.standard_errors}
             return columns, scores, samples, hardness, compute_relative_modulus(self.study, samples)
 
@@ -566,8 +566,8 @@ class _CoefficientSamples:
         """Return samples of the contact pressure H' (GPa) under shear, which are cached for reuse at other loads."""
         assert self.growth is not None, "contacts grow under shear"
         _, _, samples, hardness, _ = self._input_samples(fixed, wait)
-        central = {"mu0": self.mu0, "tau0": self.tau0, "junction_growth": self.growth.value}
-        inputs = [samples.get(name, value) for name, value in central.items()]
+        central_values = {"mu0": self.mu0, "tau0": self.tau0, "junction_growth": self.growth.value}
+        inputs = [samples.get(name, value) for name, value in central_values.items()]
         return self.areas.get_or_compute(
             "pressure", (hardness, *inputs), lambda: self._pressure_under_shear(hardness, *inputs)
         )

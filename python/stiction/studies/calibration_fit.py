@@ -66,8 +66,8 @@ class _BestFit:
     tau0: float  # best tau0 (GPa)
     scores: Floats  # normal scores of the nuisance parameters (nuisances,)
     residuals: Floats  # residuals of the tests with sliding (tests,), in units of the errors
-    slope: Floats  # Jacobian of the weighted residuals and the scores with respect to the free parameters
-    robust: Floats  # square roots of the test weights (tests,); outliers have smaller weights
+    jacobian: Floats  # Jacobian of the weighted residuals and the scores with respect to the free parameters
+    robust_factors: Floats  # square roots of the test weights (tests,); outliers have smaller weights
     scale: float  # factor that multiplies the assumed errors if no errors are given
 
 
@@ -75,22 +75,22 @@ class _BestFit:
 class _GridLimits:
     """Limits of the mu0-tau0 grids. Each nuisance point (a set of nuisance-parameter values) has its own grid."""
 
-    triangle: Floats  # triangular QR factors of the equations (points, 3, 3)
-    depth: float
+    triangular_factors: Floats  # triangular QR factors of the equations (points, 3, 3)
+    deviance_range: float
     # lower and upper limits of tau0 in GPa (points,)
-    low: Floats
-    high: Floats
+    min_tau0: Floats
+    max_tau0: Floats
     # best-fit mu0 with junction growth (points, tau0); None if no test has growing contacts
-    best: Floats | None = None
-    below: Any = None  # widths of the mu0 range below and above the best-fit value (points, tau0)
-    above: Any = None
+    best_mu0: Floats | None = None
+    width_below: Any = None  # widths of the mu0 range below and above the best-fit value (points, tau0)
+    width_above: Any = None
 
 
 @dataclass(frozen=True)
 class _ProbabilityGrid:
     """Grids of mu0 and tau0, with the log probability of each cell. Each nuisance point has its own grid."""
 
-    cells: _GridLimits
+    limits: _GridLimits
     # logarithms of the probabilities (points, tau0, mu0), excluding the prior of the nuisance parameters
     log_probability: Floats
 
@@ -142,7 +142,7 @@ class CalibrationProblem:
             equation.area_factor is not None and equation.area_factor.growth is not None for equation in self._friction
         )
         input_names = [
-            name for equation in self._friction if equation.area_factor for name in equation.area_factor.names
+            name for equation in self._friction if equation.area_factor for name in equation.area_factor.nuisance_names
         ]
         self._run_membership = _run_membership_matrix(tests)
         self.nuisances: list[Hashable] = [
@@ -151,7 +151,7 @@ class CalibrationProblem:
         ]  # fmt: skip
         """Names of the nuisance parameters. Each parameter is expressed as a standard normal score."""
         central_coefficients = self._equation_coefficients(np.zeros((1, len(self.nuisances))))
-        self.ratio = central_coefficients[1][0] / central_coefficients[0][0]
+        self.area_per_load = central_coefficients[1][0] / central_coefficients[0][0]
         """A/F (1/GPa) of each test at zero scores. If contacts grow, A is the area at the measured coefficient."""
         self._offsets, self._offset_sizes = self._run_offsets(central_coefficients)
 
@@ -185,7 +185,7 @@ class CalibrationProblem:
                 )
                 if key not in cached_factors:
                     strength_arrays = (self.measured[test], None) if mu0 is None or tau0 is None else (mu0, tau0)
-                    cached_factors[key] = equation.area_factor.area(
+                    cached_factors[key] = equation.area_factor.factor_for_probabilities(
                         probability, StrengthSamples(self.sliding, *strength_arrays)
                     )
                 factor = factor * cached_factors[key]
@@ -222,13 +222,13 @@ class CalibrationProblem:
             return np.zeros((0, len(self.slid))), np.zeros(0)
         rub, stick, right = (column[0] for column in central_coefficients)
         mu0, tau0 = _solve_nonnegative(np.stack([rub, stick, right], axis=1), self._weight, self.known)
-        shifts = self._run_membership * (rub * mu0 + stick * tau0) / self.error
+        residual_shifts = self._run_membership * (rub * mu0 + stick * tau0) / self.error
         # For a standard deviation of 1 between runs, these are the errors of all tests, with or without sliding.
-        self._run_errors = (shifts * self.error).sum(axis=0)
-        shifts = np.where(self.slid, shifts, 0.0)
-        sizes = np.linalg.norm(shifts, axis=1)
-        is_used = sizes > 0
-        return shifts[is_used] / sizes[is_used, np.newaxis], sizes[is_used]
+        self._run_errors = (residual_shifts * self.error).sum(axis=0)
+        residual_shifts = np.where(self.slid, residual_shifts, 0.0)
+        shift_norms = np.linalg.norm(residual_shifts, axis=1)
+        is_used = shift_norms > 0
+        return residual_shifts[is_used] / shift_norms[is_used, np.newaxis], shift_norms[is_used]
 
     @cached_property
     def _weight(self) -> Floats:
@@ -237,13 +237,13 @@ class CalibrationProblem:
     @property
     def mean_area_per_load(self) -> float:
         """Weighted mean of A/F (true area per load, 1/GPa). Only tests with sliding are included."""
-        return float(np.average(self.ratio, weights=self._weight))
+        return float(np.average(self.area_per_load, weights=self._weight))
 
     @property
     def variation(self) -> float:
         """Weighted relative standard deviation of A/F (true area per load) among the tests with sliding."""
         return float(
-            np.sqrt(np.average((self.ratio - self.mean_area_per_load) ** 2, weights=self._weight))
+            np.sqrt(np.average((self.area_per_load - self.mean_area_per_load) ** 2, weights=self._weight))
             / self.mean_area_per_load
         )
 
@@ -458,7 +458,7 @@ class CalibrationProblem:
         if self.growth is None or self.growth.is_exact:
             return np.full(NUM_STRENGTH_PAIRS, math.nan if self.growth is None else self.growth.value)
         keys = [
-            equation.area_factor.key("junction_growth")
+            equation.area_factor.nuisance_name("junction_growth")
             for equation in self._friction
             if equation.area_factor and equation.area_factor.growth
         ]
@@ -467,10 +467,17 @@ class CalibrationProblem:
     @cached_property
     def shared_hardness(self) -> Any:
         """Uncertain hardness that all tests share, or None if there is no such hardness."""
-        first = self._friction[0].area_factor
+        first_area_factor = self._friction[0].area_factor
         area_factors = [equation.area_factor for equation in self._friction]
-        names = {law.key("hardness") if law and "hardness" in law.known else "" for law in area_factors}
-        return first.known["hardness"] if first is not None and len(names) == 1 and all(names) else None
+        names = {
+            area_factor.nuisance_name("hardness") if area_factor and "hardness" in area_factor.known else ""
+            for area_factor in area_factors
+        }
+        return (
+            first_area_factor.known["hardness"]
+            if first_area_factor is not None and len(names) == 1 and all(names)
+            else None
+        )
 
     def _sample_hardness(self, scores: Mapping[Hashable, Floats]) -> Floats:
         """Return samples of the hardness (GPa) that all tests share, or NaN if there is no such hardness."""
@@ -478,7 +485,7 @@ class CalibrationProblem:
 
         first = self._friction[0]
         if self.shared_hardness is not None and first.area_factor is not None:
-            return np.asarray(self.shared_hardness.quantile(ndtr(scores[first.area_factor.key("hardness")])))
+            return np.asarray(self.shared_hardness.quantile(ndtr(scores[first.area_factor.nuisance_name("hardness")])))
         hardnesses = {equation.hardness for equation in self._friction}
         return np.full(NUM_STRENGTH_PAIRS, first.hardness if len(hardnesses) == 1 else math.nan)
 
@@ -497,11 +504,11 @@ class CalibrationProblem:
         scores, scale = points[:, : len(self.nuisances)], np.exp(points[:, len(self.nuisances)])
         columns, spread = self._equation_coefficients(scores), self._run_deviation(scores)
         rows, norm = self._weighted_rows(columns, scale, spread)
-        triangle = _triangular_factors(rows)
+        triangular_factors = _triangular_factors(rows)
         if self.outliers:
-            robust_triangle = _triangular_factors(rows * self.best_fit.robust[self.slid, np.newaxis])
+            robust_triangle = _triangular_factors(rows * self.best_fit.robust_factors[self.slid, np.newaxis])
         else:
-            rows = robust_triangle = triangle
+            rows = robust_triangle = triangular_factors
         depth = MAX_GRID_DEVIANCE * (1.0 if self.slid.all() and not self.outliers else 4.0)
         if self.known[1] is not None:
             low = high = np.full(len(points), self.known[1])
@@ -509,12 +516,14 @@ class CalibrationProblem:
             low, high = _tau0_range_at_mu0(self.known[0], robust_triangle, depth)
         else:
             low, high = _tau0_range(robust_triangle, depth)
-        cells = _GridLimits(robust_triangle, depth, low, high)
+        limits = _GridLimits(robust_triangle, depth, low, high)
         if self.has_growth:
-            cells = self._grid_limits_with_growth(cells, scores, scale, spread, columns)
+            limits = self._grid_limits_with_growth(limits, scores, scale, spread, columns)
         count = 1 if self.known[1] is not None else NUM_TAU0_CELLS
-        tau0 = cells.low[:, np.newaxis] + np.multiply.outer(cells.high - cells.low, (np.arange(count) + 0.5) / count)
-        start, step = self._mu0_grid_at_tau0(cells, np.arange(len(points))[:, np.newaxis], np.arange(count), tau0)
+        tau0 = limits.min_tau0[:, np.newaxis] + np.multiply.outer(
+            limits.max_tau0 - limits.min_tau0, (np.arange(count) + 0.5) / count
+        )
+        start, step = self._mu0_grid_at_tau0(limits, np.arange(len(points))[:, np.newaxis], np.arange(count), tau0)
         mu0 = start[..., np.newaxis] + step[..., np.newaxis] * (np.arange(self._num_mu0_cells) + 0.5)
         tau0 = tau0[..., np.newaxis]
         rub, stick, right = columns[0], columns[1][..., np.newaxis, np.newaxis], columns[2]
@@ -552,24 +561,24 @@ class CalibrationProblem:
                 for column, value in zip((rub, stick_at_best), self.known, strict=True) if value is None
             )  # fmt: skip
         if self.known[1] is None:
-            log_volume = log_volume + np.log((cells.high - cells.low) / count)
+            log_volume = log_volume + np.log((limits.max_tau0 - limits.min_tau0) / count)
         log_volume = np.where(np.isfinite(log_volume), log_volume, 0.0)  # avoids NaN if the interface seizes everywhere
         log_mu0_step = np.log(step) if self.known[0] is None else np.zeros(step.shape)
         log_probability += (norm + log_volume)[:, np.newaxis, np.newaxis] + log_mu0_step[..., np.newaxis]
-        return _ProbabilityGrid(cells, np.where(np.isfinite(log_probability), log_probability, -np.inf))
+        return _ProbabilityGrid(limits, np.where(np.isfinite(log_probability), log_probability, -np.inf))
 
     @property
     def _num_mu0_cells(self) -> int:
         return 1 if self.known[0] is not None else NUM_MU0_CELLS
 
     def _grid_limits_with_growth(
-        self, cells: _GridLimits, scores: Floats, scale: Floats, spread: Floats, columns: tuple[Floats, Floats, Floats]
+        self, limits: _GridLimits, scores: Floats, scale: Floats, spread: Floats, columns: tuple[Floats, Floats, Floats]
     ) -> _GridLimits:
         """Return grid limits around the best-fit mu0, taking junction growth into account.
 
         `columns` contains the coefficients of the equations for the junction growth at the measured coefficients.
         """
-        robust_factors = self.best_fit.robust[self.slid] if self.outliers else np.ones(int(self.slid.sum()))
+        robust_factors = self.best_fit.robust_factors[self.slid] if self.outliers else np.ones(int(self.slid.sum()))
 
         def residuals(mu0: Floats, tau0: Floats) -> Floats:
             misfit, _ = self._residuals(scores, scale, spread, mu0, tau0)
@@ -579,7 +588,7 @@ class CalibrationProblem:
             if self.known[0] is not None:
                 start = np.full(tau0.shape, self.known[0])
                 return start, np.ones(tau0.shape), (residuals(start, tau0) ** 2).sum(axis=1)
-            row = cells.triangle[:, 0, :, np.newaxis]
+            row = limits.triangular_factors[:, 0, :, np.newaxis]
             start = np.maximum((row[:, 2] - row[:, 1] * tau0) / row[:, 0], 0.0)
             return find_best_mu0(residuals, start, tau0)
 
@@ -587,36 +596,43 @@ class CalibrationProblem:
             # Each test gives an upper bound on tau0, computed for mu0 = 0 and the area at the measured coefficient.
             error = np.hypot(scale[:, np.newaxis] * self.error, spread[:, np.newaxis] * self._run_errors)
             margin = (
-                2 * (math.sqrt(cells.depth) + math.sqrt(robust_factors.size)) * error[:, self.slid] / robust_factors
+                2
+                * (math.sqrt(limits.deviance_range) + math.sqrt(robust_factors.size))
+                * error[:, self.slid]
+                / robust_factors
             )
             with np.errstate(divide="ignore"):
                 max_tau0 = (columns[2][:, self.slid] + margin) / np.maximum(columns[1][:, self.slid], 0.0)
-            low, high = find_tau0_range(lambda tau0: best_at(tau0)[2], max_tau0.min(axis=1), cells.depth)
-            cells = replace(cells, low=low, high=high)
+            low, high = find_tau0_range(lambda tau0: best_at(tau0)[2], max_tau0.min(axis=1), limits.deviance_range)
+            limits = replace(limits, min_tau0=low, max_tau0=high)
         count = 1 if self.known[1] is not None else NUM_TAU0_CELLS
-        tau0 = cells.low[:, np.newaxis] + np.multiply.outer(cells.high - cells.low, (np.arange(count) + 0.5) / count)
+        tau0 = limits.min_tau0[:, np.newaxis] + np.multiply.outer(
+            limits.max_tau0 - limits.min_tau0, (np.arange(count) + 0.5) / count
+        )
         best, slope, _ = best_at(tau0)
-        above = math.sqrt(cells.depth) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
+        above = math.sqrt(limits.deviance_range) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
         # Below the best mu0, residuals change less with mu0 than above it.
         # Residuals change at least as much as without junction growth.
-        below = np.maximum(above, math.sqrt(cells.depth) / cells.triangle[:, :1, 0])
-        return replace(cells, best=best, below=below, above=above)
+        below = np.maximum(above, math.sqrt(limits.deviance_range) / limits.triangular_factors[:, :1, 0])
+        return replace(limits, best_mu0=best, width_below=below, width_above=above)
 
-    def _mu0_grid_at_tau0(self, cells: _GridLimits, point: Any, row: Any, tau0: Floats) -> tuple[Floats, Floats]:
+    def _mu0_grid_at_tau0(self, limits: _GridLimits, point: Any, row: Any, tau0: Floats) -> tuple[Floats, Floats]:
         """Return the lower limit and the cell width of the mu0 grid at each given tau0."""
         if self.known[0] is not None:
             return np.full(tau0.shape, self.known[0]), np.zeros(tau0.shape)
-        if cells.best is None:
-            triangle = cells.triangle[point]
-            best = (triangle[..., 0, 2] - triangle[..., 0, 1] * tau0) / triangle[..., 0, 0]
-            below = above = math.sqrt(cells.depth) / triangle[..., 0, 0]
+        if limits.best_mu0 is None:
+            triangular_factors = limits.triangular_factors[point]
+            best = (triangular_factors[..., 0, 2] - triangular_factors[..., 0, 1] * tau0) / triangular_factors[
+                ..., 0, 0
+            ]
+            below = above = math.sqrt(limits.deviance_range) / triangular_factors[..., 0, 0]
         else:
-            count = cells.best.shape[1]
-            slope = np.gradient(cells.best, axis=1) if count > 1 else np.zeros(cells.best.shape)
-            width = (cells.high - cells.low)[point] / count
-            cell_offset = (tau0 - cells.low[point]) / np.where(width > 0, width, 1.0) - row - 0.5
-            best = cells.best[point, row] + slope[point, row] * np.where(width > 0, cell_offset, 0.0)
-            below, above = cells.below[point, row], cells.above[point, row]
+            count = limits.best_mu0.shape[1]
+            slope = np.gradient(limits.best_mu0, axis=1) if count > 1 else np.zeros(limits.best_mu0.shape)
+            width = (limits.max_tau0 - limits.min_tau0)[point] / count
+            cell_offset = (tau0 - limits.min_tau0[point]) / np.where(width > 0, width, 1.0) - row - 0.5
+            best = limits.best_mu0[point, row] + slope[point, row] * np.where(width > 0, cell_offset, 0.0)
+            below, above = limits.width_below[point, row], limits.width_above[point, row]
         low = np.maximum(best - below, 0.0)
         high = np.maximum(best + above, low + above)
         return low, (high - low) / NUM_MU0_CELLS
@@ -664,11 +680,11 @@ class CalibrationProblem:
     def _first_proposal(self, scale: float, freedom: int | None) -> tuple[Floats, Floats]:
         """Return the mean and covariance of the first proposal distribution for nuisance scores and log error scale."""
         score_indices = [index for index, name in enumerate(self.nuisances) if name != RUN_SPREAD_NUISANCE]
-        size = len(self.nuisances) + (freedom is not None)
-        mean, covariance = np.zeros(size), np.eye(size)
+        num_parameters = len(self.nuisances) + (freedom is not None)
+        mean, covariance = np.zeros(num_parameters), np.eye(num_parameters)
         mean[: len(self.nuisances)] = self.best_fit.scores
         if score_indices:
-            num_residuals, slope = len(self.best_fit.residuals), self.best_fit.slope
+            num_residuals, slope = len(self.best_fit.residuals), self.best_fit.jacobian
             scaled_slope = np.concatenate([slope[:num_residuals] * self.best_fit.scale / scale, slope[num_residuals:]])
             inverse_hessian = np.linalg.pinv(scaled_slope.T @ scaled_slope, rcond=1e-12, hermitian=True)[
                 -len(score_indices) :, -len(score_indices) :
@@ -711,13 +727,15 @@ class CalibrationProblem:
         log_cell_weight = log_cell_probability + log_excess[:, np.newaxis]
         cumulative_weight = np.cumsum(np.exp(log_cell_weight - log_cell_weight.max()))
         # Systematic resampling draws each cell in proportion to its weight.
-        targets = (np.arange(NUM_STRENGTH_PAIRS) + generator.random()) / NUM_STRENGTH_PAIRS * cumulative_weight[-1]
-        indices = np.minimum(np.searchsorted(cumulative_weight, targets), cumulative_weight.size - 1)
+        target_weights = (
+            (np.arange(NUM_STRENGTH_PAIRS) + generator.random()) / NUM_STRENGTH_PAIRS * cumulative_weight[-1]
+        )
+        indices = np.minimum(np.searchsorted(cumulative_weight, target_weights), cumulative_weight.size - 1)
         indices = generator.permutation(indices)
         point, row, column = np.unravel_index(indices, grid.log_probability.shape)
-        low, high = grid.cells.low[point], grid.cells.high[point]
+        low, high = grid.limits.min_tau0[point], grid.limits.max_tau0[point]
         tau0 = low + (high - low) * (row + generator.random(NUM_STRENGTH_PAIRS)) / grid.log_probability.shape[1]
-        start, step = self._mu0_grid_at_tau0(grid.cells, point, row, tau0)
+        start, step = self._mu0_grid_at_tau0(grid.limits, point, row, tau0)
         mu0 = start + step * (column + generator.random(NUM_STRENGTH_PAIRS))
         return mu0, tau0, points[point, : len(self.nuisances)]
 
@@ -758,10 +776,19 @@ class CalibrationProblem:
 
 def _concatenate_grids(grids: Sequence[_ProbabilityGrid]) -> _ProbabilityGrid:
     """Concatenate grids that were computed for several batches of nuisance points."""
-    cells = [grid.cells for grid in grids]
-    names = ("triangle", "low", "high", *(("best", "below", "above") if cells[0].best is not None else ()))
-    joined: dict[str, Any] = {name: np.concatenate([getattr(part, name) for part in cells]) for name in names}
-    return _ProbabilityGrid(replace(cells[0], **joined), np.concatenate([grid.log_probability for grid in grids]))
+    limits = [grid.limits for grid in grids]
+    names = (
+        "triangular_factors",
+        "min_tau0",
+        "max_tau0",
+        *(("best_mu0", "width_below", "width_above") if limits[0].best_mu0 is not None else ()),
+    )
+    concatenated: dict[str, Any] = {
+        name: np.concatenate([getattr(grid_limits, name) for grid_limits in limits]) for name in names
+    }
+    return _ProbabilityGrid(
+        replace(limits[0], **concatenated), np.concatenate([grid.log_probability for grid in grids])
+    )
 
 
 def _run_membership_matrix(tests: Sequence[FrictionTest]) -> Floats:
@@ -816,7 +843,7 @@ def _tau0_range(triangle: Floats, depth: float) -> tuple[Floats, Floats]:
         second[:, 2] / second[:, 1],
         (second[:, 1] * second[:, 2] + first[:, 1] * first[:, 2]) / curvature,
     )
-    corner = first[:, 2] / np.where(first[:, 1] == 0, 1e-300, first[:, 1])
+    tau0_at_zero_mu0 = first[:, 2] / np.where(first[:, 1] == 0, 1e-300, first[:, 1])
 
     def deviance(tau0: Floats) -> Floats:
         mu0 = first[:, 2] - first[:, 1] * tau0  # best mu0 times a positive factor
@@ -825,7 +852,7 @@ def _tau0_range(triangle: Floats, depth: float) -> tuple[Floats, Floats]:
     min_deviance = np.min(
         [
             deviance(np.maximum(each, 0.0))
-            for each in (unbounded_best, best_at_bound, corner, np.zeros(len(unbounded_best)))
+            for each in (unbounded_best, best_at_bound, tau0_at_zero_mu0, np.zeros(len(unbounded_best)))
         ],
         axis=0,
     )
@@ -837,12 +864,12 @@ def _tau0_range(triangle: Floats, depth: float) -> tuple[Floats, Floats]:
         np.sqrt(max_deviance) / second[:, 1],
         np.sqrt(np.maximum(max_deviance - deviance_at_bound, 0.0) / curvature),
     )
-    ends = []
+    limits = []
     for sign in (-1.0, 1.0):
         end = unbounded_best + sign * half_width
-        ends.append(np.where(first[:, 2] - first[:, 1] * end >= 0, end, best_at_bound + sign * half_width_at_bound))
-    low = np.maximum(ends[0], 0.0)
-    return low, np.maximum(ends[1], low + 1e-9 * np.abs(half_width_at_bound) + 1e-300)
+        limits.append(np.where(first[:, 2] - first[:, 1] * end >= 0, end, best_at_bound + sign * half_width_at_bound))
+    low = np.maximum(limits[0], 0.0)
+    return low, np.maximum(limits[1], low + 1e-9 * np.abs(half_width_at_bound) + 1e-300)
 
 
 def _tau0_range_at_mu0(mu0: float, triangle: Floats, depth: float) -> tuple[Floats, Floats]:

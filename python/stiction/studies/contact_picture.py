@@ -91,11 +91,11 @@ def contact_picture(result: Result | xarray.Dataset, load: float | None = None) 
         return None
     load = float(study.friction.load[0]) if load is None else load
     cut_off = study.surfaces.quoted_cut_off()
-    members = member_values(result, [load]).isel(load=0).sel(cut_off=cut_off)
-    areas = members["contact_area"].values
+    member_table = member_values(result, [load]).isel(load=0).sel(cut_off=cut_off)
+    areas = member_table["contact_area"].values
     if not np.isfinite(areas).any():
         return None
-    index = int(members["repetition"].values[index_nearest_to_mean(areas)])
+    index = int(member_table["repetition"].values[index_nearest_to_mean(areas)])
     member = load_bodies(study).member(index, cut_off)
     solution = PressedPair.of(study, member.pair, load)
     if solution is None:
@@ -155,14 +155,14 @@ def find_touching_profiles(result: Result, load: float) -> tuple[Profile, Profil
     Returns None if no pair touches.
     """
     members = result.dataset.isel(cut_off=0).sel(load=load, method="nearest")
-    touching = np.flatnonzero(np.isfinite(members["approach"].values) & (members["contact_count"].values > 0))
-    if not touching.size:
+    touching_indices = np.flatnonzero(np.isfinite(members["approach"].values) & (members["contact_count"].values > 0))
+    if not touching_indices.size:
         return None
-    first = members.isel(repetition=touching[0])
-    member = load_bodies(result.study).member(int(first["repetition"]), float(first["cut_off"]))
+    first_member = members.isel(repetition=touching_indices[0])
+    member = load_bodies(result.study).member(int(first_member["repetition"]), float(first_member["cut_off"]))
     upper, lower = member.pair
     assert isinstance(upper, Profile) and isinstance(lower, Profile)  # noqa: PT018
-    return upper, lower, float(first["approach"]), member.x
+    return upper, lower, float(first_member["approach"]), member.x
 
 
 def index_nearest_to_mean(area: Floats) -> int:
@@ -191,33 +191,36 @@ def _build_map_picture(solution: PressedPair, table: ContactList) -> xarray.Data
 
     upper, lower, pressure = solution.upper, solution.lower, None
     if isinstance(solution.curve, HalfSpaceCurve):
-        solved = solution.curve.at(0)
-        pressure, patch = solved.on_grid(solved.values), solved.on_grid(solved.patch)
+        solution_at_load = solution.curve.at(0)
+        pressure, patch = (
+            solution_at_load.on_grid(solution_at_load.values),
+            solution_at_load.on_grid(solution_at_load.patch),
+        )
     else:
         patch = _build_disc_map(lower, table)
     (rows, columns), (dy, dx) = lower.heights.shape, lower.spacing
-    step = -(-max(rows, columns) // MAX_PICTURE_SIZE)
+    stride = -(-max(rows, columns) // MAX_PICTURE_SIZE)
     length_attributes = {"units": "um"}
     variables: dict[str, Any] = {
-        f"{side}_height": (("height_y", "height_x"), body.heights[::step, ::step], length_attributes)
+        f"{side}_height": (("height_y", "height_x"), body.heights[::stride, ::stride], length_attributes)
         for side, body in (("upper", upper), ("lower", lower))
     }
-    variables["patch"] = (("height_y", "height_x"), patch[::step, ::step].astype(np.int32), {"units": "1"})
+    variables["patch"] = (("height_y", "height_x"), patch[::stride, ::stride].astype(np.int32), {"units": "1"})
     coordinates: dict[str, Any] = {
-        "height_y": ("height_y", np.arange(0, rows, step) * dy, length_attributes),
-        "height_x": ("height_x", np.arange(0, columns, step) * dx, length_attributes),
+        "height_y": ("height_y", np.arange(0, rows, stride) * dy, length_attributes),
+        "height_x": ("height_x", np.arange(0, columns, stride) * dx, length_attributes),
     }
     if pressure is not None:
         is_interior = ~table.at_edge if (~table.at_edge).any() else np.ones(table.force.size, dtype=bool)
         largest_contact = int(np.argmax(np.where(is_interior, table.force, -1.0)))
-        slices = []
+        window_slices = []
         for centre, size in ((table.y[largest_contact] / dy, rows), (table.x[largest_contact] / dx, columns)):
             window_size = min(max(size // ZOOM_DIVISOR, MIN_ZOOM_SIZE), size)
             first_index = int(np.clip(centre - window_size / 2, 0, size - window_size))
-            slices.append(slice(first_index, first_index + window_size))
-        variables["zoom_pressure"] = (("zoom_y", "zoom_x"), pressure[*slices], {"units": "GPa"})
-        variables["zoom_height"] = (("zoom_y", "zoom_x"), lower.heights[*slices], length_attributes)
-        for name, window, spacing in zip(("zoom_y", "zoom_x"), slices, (dy, dx), strict=True):
+            window_slices.append(slice(first_index, first_index + window_size))
+        variables["zoom_pressure"] = (("zoom_y", "zoom_x"), pressure[*window_slices], {"units": "GPa"})
+        variables["zoom_height"] = (("zoom_y", "zoom_x"), lower.heights[*window_slices], length_attributes)
+        for name, window, spacing in zip(("zoom_y", "zoom_x"), window_slices, (dy, dx), strict=True):
             coordinates[name] = (name, np.arange(window.start, window.stop) * spacing, quantity_attributes(name[-1]))
     return xarray.Dataset(variables, coordinates)
 

@@ -32,36 +32,36 @@ class PairSlopes:
 
     upper: list[Floats]
     lower: list[Floats]
-    steep: dict[str, NDArray[np.bool_]]  # masks of the steep points of each body
-    limits: dict[str, float]  # smallest slope at the steep points of each body
-    measured: Any = ...  # mask of the points that are measured on both bodies
+    steep_masks: dict[str, NDArray[np.bool_]]  # masks of the steep points of each body
+    steepness_limits: dict[str, float]  # smallest slope at the steep points of each body
+    measured_mask: Any = ...  # mask of the points that are measured on both bodies
 
     @classmethod
     def from_pair(cls, upper: Profile | Surface, lower: Profile | Surface) -> PairSlopes:
         """Compute the slopes of two bodies that share a grid, using natural cubic splines."""
         slopes_by_side = {side: compute_slopes(body) for side, body in (("upper", upper), ("lower", lower))}
-        magnitude = {
+        magnitudes = {
             side: np.sqrt(sum(np.square(slope) for slope in slopes)) for side, slopes in slopes_by_side.items()
         }
         missing_mask = combine_missing(upper, lower)
-        measured = ... if missing_mask is None else ~missing_mask
-        limits = {
-            side: float(np.quantile(slope[measured], 1 - STEEP_POINT_FRACTION)) for side, slope in magnitude.items()
+        is_measured = ... if missing_mask is None else ~missing_mask
+        steepness_limits = {
+            side: float(np.quantile(slope[is_measured], 1 - STEEP_POINT_FRACTION)) for side, slope in magnitudes.items()
         }
-        steep = {side: magnitude[side] > limit for side, limit in limits.items()}
-        return cls(slopes_by_side["upper"], slopes_by_side["lower"], steep, limits, measured)
+        steep_masks = {side: magnitudes[side] > limit for side, limit in steepness_limits.items()}
+        return cls(slopes_by_side["upper"], slopes_by_side["lower"], steep_masks, steepness_limits, is_measured)
 
     def compute_gap_slopes(self, angles: Floats) -> tuple[float, Floats]:
         """Compute the rms gradient of the gap, and the rms slopes of the gap along the given directions (degrees)."""
-        gap = [(above - below)[self.measured] for above, below in zip(self.upper, self.lower, strict=True)]
-        squares = [float(np.square(slope).mean()) for slope in gap]
-        if len(gap) == 1:
+        gap_slopes = [(above - below)[self.measured_mask] for above, below in zip(self.upper, self.lower, strict=True)]
+        squares = [float(np.square(slope).mean()) for slope in gap_slopes]
+        if len(gap_slopes) == 1:
             return float(np.sqrt(squares[0])), np.full(angles.size, np.sqrt(squares[0]))
         radians = np.radians(angles)
         squares_by_direction = (
             squares[1] * np.cos(radians) ** 2
             + squares[0] * np.sin(radians) ** 2
-            + float((gap[0] * gap[1]).mean()) * np.sin(2 * radians)
+            + float((gap_slopes[0] * gap_slopes[1]).mean()) * np.sin(2 * radians)
         )
         return float(np.sqrt(sum(squares))), np.sqrt(np.maximum(squares_by_direction, 0.0))
 
@@ -163,7 +163,7 @@ def compute_steep_contact_load(table: ContactList, slopes: PairSlopes) -> dict[s
     total_load = table.force.sum()
     return {
         f"share_on_steepest_{side}": float(table.force[magnitude > limit].sum() / total_load)
-        for side, limit in slopes.limits.items()
+        for side, limit in slopes.steepness_limits.items()
     }
 
 
@@ -171,6 +171,6 @@ def compute_steep_point_load(solution: ContactSolution, slopes: PairSlopes) -> d
     """Compute the load fraction on each body's steepest 10 % of grid points from a half-space solution."""
     total_pressure = solution.values.sum()
     return {
-        f"share_on_steepest_{side}": float(solution.values[mask.ravel()[solution.points]].sum() / total_pressure)
-        for side, mask in slopes.steep.items()
+        f"share_on_steepest_{side}": float(solution.values[is_steep.ravel()[solution.points]].sum() / total_pressure)
+        for side, is_steep in slopes.steep_masks.items()
     }

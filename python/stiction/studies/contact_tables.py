@@ -571,23 +571,23 @@ def read_contact(
     return contact
 
 
-def _extend_loads(requested: Floats, ratio: float, steps: int) -> Floats:
+def _extend_loads(given_loads: Floats, ratio: float, steps: int) -> Floats:
     """Add loads (mN) from a geometric series that extends below and above the given loads."""
-    load_series = np.geomspace(requested.min() / ratio, requested.max() * ratio, steps)
+    load_series = np.geomspace(given_loads.min() / ratio, given_loads.max() * ratio, steps)
     # Loads of the series that nearly equal a given load are omitted.
-    is_new = np.abs(load_series[:, np.newaxis] / requested - 1).min(axis=1) > 1e-6
-    return np.unique(np.concatenate([requested, load_series[is_new]]))
+    is_new = np.abs(load_series[:, np.newaxis] / given_loads - 1).min(axis=1) > 1e-6
+    return np.unique(np.concatenate([given_loads, load_series[is_new]]))
 
 
-def _insert_intermediate_loads(requested: Floats) -> Floats:
+def _insert_intermediate_loads(given_loads: Floats) -> Floats:
     """Insert loads (mN) until the ratio of successive loads is at most about `MAX_AREAL_LOAD_RATIO`."""
-    requested = np.unique(requested)
-    step_counts = np.ceil(np.log(requested[1:] / requested[:-1]) / np.log(1.01 * MAX_AREAL_LOAD_RATIO)).astype(int)
+    given_loads = np.unique(given_loads)
+    step_counts = np.ceil(np.log(given_loads[1:] / given_loads[:-1]) / np.log(1.01 * MAX_AREAL_LOAD_RATIO)).astype(int)
     loads_between = [
         np.geomspace(low, high, count, endpoint=False)[1:]
-        for low, high, count in zip(requested[:-1], requested[1:], step_counts, strict=True)
+        for low, high, count in zip(given_loads[:-1], given_loads[1:], step_counts, strict=True)
     ]
-    return np.concatenate([requested, *loads_between])
+    return np.concatenate([given_loads, *loads_between])
 
 
 def choose_load_steps(
@@ -598,23 +598,23 @@ def choose_load_steps(
     All loads are below `max_load` (mN). For areas, `num_smaller` loads are below the given loads, and the ratio of
     successive loads is at most `MAX_AREAL_LOAD_RATIO`.
     """
-    requested = np.atleast_1d(float_array("loads", loads))
-    if not requested.size or not (requested > 0).all():
+    given_loads = np.atleast_1d(float_array("loads", loads))
+    if not given_loads.size or not (given_loads > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {short_repr(loads)}")
     if press == "lines" and mechanics == "asperities":
-        steps = _extend_loads(requested, ASPERITY_LOAD_MARGIN, NUM_ASPERITY_LOADS)
+        load_steps = _extend_loads(given_loads, ASPERITY_LOAD_MARGIN, NUM_ASPERITY_LOADS)
     elif press == "lines":
-        steps = _extend_loads(requested, HALF_PLANE_LOAD_MARGIN, NUM_HALF_PLANE_LOADS)
+        load_steps = _extend_loads(given_loads, HALF_PLANE_LOAD_MARGIN, NUM_HALF_PLANE_LOADS)
     else:
-        smaller_loads = requested.min() / MAX_AREAL_LOAD_RATIO ** np.arange(1, num_smaller + 1)
-        steps = np.unique(
+        smaller_loads = given_loads.min() / MAX_AREAL_LOAD_RATIO ** np.arange(1, num_smaller + 1)
+        load_steps = np.unique(
             np.concatenate(
-                [_insert_intermediate_loads(requested), smaller_loads, [requested.max() * MAX_AREAL_LOAD_RATIO]]
+                [_insert_intermediate_loads(given_loads), smaller_loads, [given_loads.max() * MAX_AREAL_LOAD_RATIO]]
             )
         )
     # The given loads remain exact, and the additional loads are rounded to six digits.
-    requested_loads = set(requested.tolist())
-    rounded = np.array([load if load in requested_loads else float(f"{load:.6g}") for load in steps.tolist()])
-    lowest, highest = VALID_RANGES["force"]
-    rounded = rounded[(lowest <= rounded) & (rounded <= highest)]
+    requested_loads = set(given_loads.tolist())
+    rounded = np.array([load if load in requested_loads else float(f"{load:.6g}") for load in load_steps.tolist()])
+    min_load, max_valid_load = VALID_RANGES["force"]
+    rounded = rounded[(min_load <= rounded) & (rounded <= max_valid_load)]
     return rounded if max_load is None else rounded[rounded < max_load]

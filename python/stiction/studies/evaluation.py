@@ -79,7 +79,7 @@ The sum of areas exceeds the nominal area if asperities overlap.
 
 def at_load(
     result: Result | xarray.Dataset, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None,
-    reading: LoadDefinition | None = None, of: MemberKind | None = None, names: Collection[str] | None = None,
+    reading: LoadDefinition | None = None, member_kind: MemberKind | None = None, names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
     """Evaluate friction, true area and contact statistics at given loads, and compute their 95 % intervals.
 
@@ -93,7 +93,7 @@ def at_load(
         By default the values in the study. Other values need no new computation of contacts.
     reading : {"mean", "elastic", "normal"}, optional
         Definition of the load; by default "mean" for generated bodies and "elastic" for measured bodies.
-    of : {"shifts", "surrogates"}, optional
+    member_kind : {"shifts", "surrogates"}, optional
         Members of measured areas to evaluate: pairs at relative positions of the two maps (the default if there are
         any), or pairs of surrogates.
     names : collection of str, optional
@@ -120,8 +120,8 @@ def at_load(
     """
     result = Result.of(result)
     study = result.study
-    measured = study.is_measured
-    reading = reading or ("elastic" if measured else "mean")
+    is_measured = study.is_measured
+    reading = reading or ("elastic" if is_measured else "mean")
     check_choice("reading", reading, LoadDefinition)
     values = np.unique(np.atleast_1d(float_array("loads", loads)))
     if study.contact.adheres and 0 in values:
@@ -133,12 +133,12 @@ def at_load(
     if reading == "mean":
         point = _evaluate_ensemble(result, values, *strengths, names)
     else:
-        members = _members_before_growth(result, values, *strengths, reading, of, names)
+        members = _members_before_growth(result, values, *strengths, reading, member_kind, names)
         if study.contact.junction_growth:
             areas = _build_member_area_interpolator(members, result)
             members = _apply_junction_growth(members, study, areas, names)
         point = _average_members(study, members, names)
-        if measured:
+        if is_measured:
             gradient, slope = (point[name].sel(statistic="mean") for name in ("rms_gradient", "rms_slope"))
             cells = [str(dim) for dim in gradient.dims]
             directional_slope = slope.transpose(*cells, "direction").values
@@ -146,10 +146,10 @@ def at_load(
             point = point.assign(
                 small_slope_estimate(cells, gradient.values, directional_slope, rules, *strengths, modulus)
             )
-    if measured and _is_requested("reading_difference", names):
+    if is_measured and _is_requested("reading_difference", names):
         # `reading_difference` compares the coefficients at equal elastic load with those at equal normal load.
         other_reading: LoadDefinition = "normal" if reading == "elastic" else "elastic"
-        members = _members_before_growth(result, values, *strengths, other_reading, of, names)
+        members = _members_before_growth(result, values, *strengths, other_reading, member_kind, names)
         if areas is not None:
             members = _apply_junction_growth(members, study, areas, ())
         other_coefficient = members["friction_coefficient"].mean(("repetition", "direction"))
@@ -216,9 +216,11 @@ def _evaluate_ensemble(
         """Evaluate a quantity at the given mean normal loads, after averaging over each group of directions."""
 
         def average_groups(piece: xarray.Dataset) -> xarray.Dataset:
-            grouped = piece.isel(direction=xarray.DataArray(groups, dims=("group", "way")))
-            grouped = grouped.mean("way", skipna=False, keep_attrs=True).rename(group="direction")
-            return grouped.assign_coords(direction=("direction", np.arange(grouped.sizes["direction"], dtype=float)))
+            grouped_piece = piece.isel(direction=xarray.DataArray(groups, dims=("group", "way")))
+            grouped_piece = grouped_piece.mean("way", skipna=False, keep_attrs=True).rename(group="direction")
+            return grouped_piece.assign_coords(
+                direction=("direction", np.arange(grouped_piece.sizes["direction"], dtype=float))
+            )
 
         return ensemble_map(result, loads, mu0, tau0, name, None if groups is None else average_groups)
 
@@ -248,13 +250,13 @@ def _evaluate_ensemble(
         if quantity == "normal_stiffness" and head.sizes[find_step_dimension(head)] < MIN_STIFFNESS_STEPS:
             continue
         try:
-            evaluated = evaluate_groups(quantity, all_directions)
+            group_means = evaluate_groups(quantity, all_directions)
         except ValueError:
             if quantity != "normal_stiffness":  # the stiffness of a half-plane is undefined
                 raise
             continue
         variables[quantity] = _add_statistic_dimension(
-            evaluated if all_directions is None else evaluated.isel(direction=0), quantity
+            group_means if all_directions is None else group_means.isel(direction=0), quantity
         )
     if result.study.contact.adheres and _is_requested("pull_off", names):
         unloaded_members = member_values(result, loads[:1], mu0=mu0, tau0=tau0)
@@ -283,11 +285,11 @@ def _add_statistic_dimension(table: xarray.Dataset, name: str) -> xarray.Variabl
 
 def reached_loads(result: Result | xarray.Dataset, steps: int = 80) -> Floats:
     """Return loads (mN) in a geometric series that covers the load range of a result."""
-    elastic = Result.of(result).means(["normal_elastic"])["normal_elastic"]
-    highest = float(elastic.max())
+    elastic_loads = Result.of(result).means(["normal_elastic"])["normal_elastic"]
+    highest = float(elastic_loads.max())
     if not highest > 0:
         raise ValueError("no pair of this result is in contact at any step, so there is nothing to draw")
-    lowest = float(elastic.isel({find_step_dimension(elastic.to_dataset(name="load_of_step")): 0}).max())
+    lowest = float(elastic_loads.isel({find_step_dimension(elastic_loads.to_dataset(name="load_of_step")): 0}).max())
     if not 1e-6 * highest < lowest < 0.5 * highest:
         lowest = 1e-6 * highest if lowest < highest / 2 else highest / 10
     return np.asarray(np.geomspace(lowest, highest, steps))
@@ -441,20 +443,20 @@ class MemberAveraging:
             return np.array(rows).reshape(*values.shape[1:], 3)
         if self.order is None or self.lines is None:
             return np.stack(intervals.sample_mean(values), axis=-1)
-        flat = values[self.order].reshape(values.shape[0], -1)
+        flat_values = values[self.order].reshape(values.shape[0], -1)
         # Columns with the same missing members are evaluated together to save time. Most columns lack no member.
-        finite = np.isfinite(flat)
-        is_incomplete = ~finite.all(axis=0)
-        masks, mask_indices = [np.ones(len(flat), bool)], np.zeros(flat.shape[1], np.intp)
+        is_finite = np.isfinite(flat_values)
+        is_incomplete = ~is_finite.all(axis=0)
+        masks, mask_indices = [np.ones(len(flat_values), bool)], np.zeros(flat_values.shape[1], np.intp)
         if is_incomplete.any():
-            other_masks, other_group = np.unique(finite[:, is_incomplete].T, axis=0, return_inverse=True)
+            other_masks, other_group = np.unique(is_finite[:, is_incomplete].T, axis=0, return_inverse=True)
             masks += list(other_masks)
             mask_indices[is_incomplete] = 1 + other_group.ravel()
-        means_and_limits = np.empty((flat.shape[1], 3))
+        means_and_limits = np.empty((flat_values.shape[1], 3))
         for mask_index in np.unique(mask_indices):
             is_in_group, mask = mask_indices == mask_index, masks[mask_index]
             means_and_limits[is_in_group] = np.stack(
-                intervals.positions_mean(flat[mask][:, is_in_group], self.lines[mask]), axis=-1
+                intervals.positions_mean(flat_values[mask][:, is_in_group], self.lines[mask]), axis=-1
             )
         return means_and_limits.reshape(*values.shape[1:], 3)
 
@@ -462,8 +464,8 @@ class MemberAveraging:
 def _mean_and_interval(values: Floats, scan_mean: intervals.ScanPairMean | None) -> tuple[float, float, float]:
     """Return the mean of the values and its interval limits. The limits are above 0 if no value is negative."""
     if scan_mean is None:
-        finite = values[np.isfinite(values)]
-        return float(finite.mean()) if finite.size else np.nan, np.nan, np.nan
+        finite_values = values[np.isfinite(values)]
+        return float(finite_values.mean()) if finite_values.size else np.nan, np.nan, np.nan
     limits = intervals.mean_interval(scan_mean.mean, scan_mean.half_width, np.nanmin(values) < 0)
     return scan_mean.mean, float(limits[0]), float(limits[1])
 
@@ -476,7 +478,7 @@ MemberKind = Literal["shifts", "surrogates"]
 
 def member_values(
     result: Result | xarray.Dataset, loads: ArrayLike, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None,
-    reading: LoadDefinition = "elastic", of: MemberKind | None = None,
+    reading: LoadDefinition = "elastic", member_kind: MemberKind | None = None,
 ) -> xarray.Dataset:  # fmt: skip
     """Evaluate friction and contact quantities at given loads for each member of a result.
 
@@ -499,11 +501,11 @@ def member_values(
     result = Result.of(result)
     values = np.unique(np.atleast_1d(float_array("loads", loads)))
     strengths = choose_strengths(result, mu0, tau0)
-    members = _members_before_growth(result, values, *strengths, reading, of)
+    members = _members_before_growth(result, values, *strengths, reading, member_kind)
     if result.study.contact.junction_growth:
         members = _apply_junction_growth(members, result.study, _build_member_area_interpolator(members, result))
     if reading == "elastic" and set(LATERAL_SUMS) <= set(result.head.data_vars):
-        sums = member_sums_at_loads(result, values, LATERAL_SUMS, of=of)
+        sums = member_sums_at_loads(result, values, LATERAL_SUMS, member_kind=member_kind)
         lateral_sums = {name: sums[name].values[..., np.newaxis, np.newaxis] for name in LATERAL_SUMS}
         lateral = compute_load("lateral", lateral_sums, strengths[0][:, np.newaxis], strengths[1])
         dims = (*sums[LATERAL_SUMS[0]].dims, "mu0", "tau0")
@@ -512,7 +514,7 @@ def member_values(
 
 
 def _members_before_growth(
-    result: Result, loads: Floats, mu0: Floats, tau0: Floats, reading: LoadDefinition, of: MemberKind | None,
+    result: Result, loads: Floats, mu0: Floats, tau0: Floats, reading: LoadDefinition, member_kind: MemberKind | None,
     names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
     """Evaluate each member of a result at given loads, without the effect of junction growth.
@@ -523,7 +525,7 @@ def _members_before_growth(
     def evaluate_piece(piece: xarray.Dataset) -> xarray.Dataset:
         return _evaluate_piece(piece, result.study, loads, mu0, tau0, reading, names)
 
-    return _evaluate_pieces(result, of, evaluate_piece)
+    return _evaluate_pieces(result, member_kind, evaluate_piece)
 
 
 # ---- Junction growth -------------------------------------------------------------------------------------------------
@@ -563,13 +565,13 @@ def mean_areas(result: Result) -> Floats:
 
 def area_load_exponent(result: Result, loads: Floats) -> Floats:
     """Return d ln(A/F) / d ln F at the given loads F (mN), where A is the mean true area."""
-    steps = result.study.contact.loading_steps()
-    if steps.size > 1:
-        area_per_load = result.mean_areas / steps
+    step_loads = result.study.contact.loading_steps()
+    if step_loads.size > 1:
+        area_per_load = result.mean_areas / step_loads
         is_known = np.isfinite(area_per_load) & (area_per_load > 0)
         if is_known.sum() > 1:
-            exponent = np.gradient(np.log(area_per_load[is_known]), np.log(steps[is_known]))
-            return np.asarray(np.interp(np.log(loads), np.log(steps[is_known]), exponent))
+            exponent = np.gradient(np.log(area_per_load[is_known]), np.log(step_loads[is_known]))
+            return np.asarray(np.interp(np.log(loads), np.log(step_loads[is_known]), exponent))
     return np.zeros(loads.size)
 
 
@@ -627,7 +629,7 @@ def member_sums_at_loads(
     loads: Floats,
     names: Sequence[str] = LOAD_SUM_NAMES,
     *,
-    of: MemberKind | None = None,
+    member_kind: MemberKind | None = None,
 ) -> xarray.Dataset:
     """Return contact sums of all members at elastic loads (mN). The default is the six sums that determine friction.
 
@@ -639,16 +641,16 @@ def member_sums_at_loads(
     study = result.study
 
     def evaluate_piece(piece: xarray.Dataset) -> xarray.Dataset:
-        sums, crossing = _find_load_crossings(piece, loads, names)
+        sums, load_crossings = _find_load_crossings(piece, loads, names)
         dims = (*find_cell_dimensions(piece), "repetition", *MOTION_DIMENSIONS, "load")
-        values = np.broadcast_arrays(*map(crossing.at, sums.values()))
+        values = np.broadcast_arrays(*map(load_crossings.at, sums.values()))
         coordinates = {str(name): each for name, each in piece.coords.items() if {*each.dims} <= {*dims} - {"load"}}
         return xarray.Dataset(
             {name: (dims, each) for name, each in zip(sums, values, strict=True)},
             _motion_coordinates(piece, study) | coordinates,
         )
 
-    return _evaluate_pieces(result, of, evaluate_piece)
+    return _evaluate_pieces(result, member_kind, evaluate_piece)
 
 
 def ensemble_friction(result: Result | xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats) -> xarray.DataArray:
@@ -720,7 +722,7 @@ def _evaluate_pieces(
     is_wanted = bool(is_surrogate.all()) if member_kind is None else member_kind == "surrogates"
     if not (is_surrogate == is_wanted).any():
         other_kind: MemberKind = "shifts" if is_wanted else "surrogates"
-        raise ValueError(f"of must be {other_kind!r} for this result, got {member_kind!r}")
+        raise ValueError(f"member_kind must be {other_kind!r} for this result, got {member_kind!r}")
     return values.isel(repetition=np.flatnonzero(is_surrogate == is_wanted))
 
 
@@ -746,30 +748,32 @@ def _evaluate_piece(
     """
     import xarray
 
-    cells, step = find_cell_dimensions(piece), find_step_dimension(piece)
+    cells, step_dimension = find_cell_dimensions(piece), find_step_dimension(piece)
     member_dims = (*cells, "repetition")
     tables = piece.variables
-    sums, crossing = _find_load_crossings(piece, loads)
+    sums_at_steps, load_crossings = _find_load_crossings(piece, loads)
     motions = [name for name in MOTION_DIMENSIONS if name in piece.dims]
-    contact_sums = {name: crossing.at(values) for name, values in sums.items()} if reading == "elastic" else {}
+    contact_sums = (
+        {name: load_crossings.at(values) for name, values in sums_at_steps.items()} if reading == "elastic" else {}
+    )
     if reading == "elastic":
         normal, tangential = compute_loads(contact_sums, mu0, tau0)
-        reached, below = (
-            crossing.reached[..., None, None, :, None, None],
-            crossing.below[..., None, None, :, None, None],
+        is_reached, is_below = (
+            load_crossings.reached[..., None, None, :, None, None],
+            load_crossings.below[..., None, None, :, None, None],
         )
     else:
         # Values are interpolated to the given normal loads, and have the shape (..., load, mu0, tau0).
-        normal, tangential = (np.moveaxis(each, -3, -1) for each in compute_loads(sums, mu0, tau0))
+        normal, tangential = (np.moveaxis(each, -3, -1) for each in compute_loads(sums_at_steps, mu0, tau0))
         normal = np.broadcast_to(normal, tangential.shape)
         with np.errstate(invalid="ignore"):
-            positive_normal = np.where(normal > 0, normal, np.nan) if step == "load" else normal
-        normal_crossing = LoadCrossings.of(positive_normal, loads, ratio=step == "load").without_gap_crossings(
-            normal, loads
-        )
-        reached, below = (np.moveaxis(each, -1, -3) for each in (normal_crossing.reached, normal_crossing.below))
+            positive_normal = np.where(normal > 0, normal, np.nan) if step_dimension == "load" else normal
+        normal_crossing = LoadCrossings.of(
+            positive_normal, loads, ratio=step_dimension == "load"
+        ).without_gap_crossings(normal, loads)
+        is_reached, is_below = (np.moveaxis(each, -1, -3) for each in (normal_crossing.reached, normal_crossing.below))
         normal, tangential = (np.moveaxis(normal_crossing.at(each), -1, -3) for each in (normal, tangential))
-    status = _member_status(piece, loads, normal, reached, below)
+    status = _member_status(piece, loads, normal, is_reached, is_below)
     with np.errstate(divide="ignore", invalid="ignore"):
         coefficient = np.where(status == friction.STATUS_OK, tangential / normal, np.nan)
     dims = (*member_dims, "sliding", "direction", "load", "mu0", "tau0")
@@ -793,19 +797,19 @@ def _evaluate_piece(
             opposing_fraction,
             quantity_attributes("share_opposing"),
         )
-    requested = None if names is None else {*_FRICTION_VARIABLES, *names}
+    requested_names = None if names is None else {*_FRICTION_VARIABLES, *names}
     for name in INTERPOLATED_QUANTITIES:
-        if name != "normal_elastic" and not _is_requested(name, requested):
+        if name != "normal_elastic" and not _is_requested(name, requested_names):
             continue
-        if name in tables and step in tables[name].dims:
-            interpolated = crossing.at(
-                _to_float_array(tables[name], (*member_dims, step)), sums=QUANTITIES[name].proportional
+        if name in tables and step_dimension in tables[name].dims:
+            interpolated = load_crossings.at(
+                _to_float_array(tables[name], (*member_dims, step_dimension)), sums=QUANTITIES[name].proportional
             )
             variables[name] = ((*member_dims, "load"), interpolated, tables[name].attrs)
     for name in DISTRIBUTION_QUANTITIES:
-        if name in tables and _is_requested(name, requested):
-            interpolated = crossing.at(
-                _to_float_array(tables[name], (*member_dims, "fraction_below", step)), sums=False
+        if name in tables and _is_requested(name, requested_names):
+            interpolated = load_crossings.at(
+                _to_float_array(tables[name], (*member_dims, "fraction_below", step_dimension)), sums=False
             )
             variables[name] = ((*member_dims, "fraction_below", "load"), interpolated, tables[name].attrs)
     for name in (*GAP_QUANTITIES, "pull_off"):
@@ -826,17 +830,17 @@ def _evaluate_piece(
             (*member_dims, "sliding", "mu0", "tau0"), friction_at_no_load, quantity_attributes("friction_at_no_load"),
         )  # fmt: skip
     coordinates: dict[str, Any] = {
-        str(name): each.variable for name, each in piece.coords.items() if name not in (step, "mu0", "tau0")
+        str(name): each.variable for name, each in piece.coords.items() if name not in (step_dimension, "mu0", "tau0")
     }
     parameters = {"load": loads, "mu0": mu0, "tau0": tau0}
     coordinates |= _motion_coordinates(piece, study) | {
         name: (name, each, quantity_attributes(name)) for name, each in parameters.items()
     }
     variables = _add_ratios(variables, piece.coords.get("nominal_area"))
-    variables = {name: each for name, each in variables.items() if _is_requested(name, requested)}
+    variables = {name: each for name, each in variables.items() if _is_requested(name, requested_names)}
     if study.contact.junction_growth:
         for name in ADHESIVE_SUMS:
-            adhesive_sums = contact_sums[name] if contact_sums else crossing.at(sums[name])
+            adhesive_sums = contact_sums[name] if contact_sums else load_crossings.at(sums_at_steps[name])
             variables[name] = dims[:-2], np.broadcast_to(adhesive_sums, tangential.shape[:-2])
     return xarray.Dataset(variables, coordinates, piece.attrs)
 
@@ -845,16 +849,21 @@ def _find_load_crossings(
     piece: xarray.Dataset, loads: Floats, names: Sequence[str] = LOAD_SUM_NAMES
 ) -> tuple[dict[str, Floats], LoadCrossings]:
     """Return the members' contact sums, and the points at which the load curves reach the given loads."""
-    step = find_step_dimension(piece)
+    step_dimension = find_step_dimension(piece)
     member_dims = (*find_cell_dimensions(piece), "repetition")
     # Access to variables without coordinates is much faster than to arrays with coordinates.
     tables = piece.variables
-    elastic = _to_float_array(tables["normal_elastic"], (*member_dims, step))
-    curve = elastic if step == "approach" else np.where(np.isfinite(elastic), piece[step].values, np.nan)
+    elastic_loads = _to_float_array(tables["normal_elastic"], (*member_dims, step_dimension))
+    curve = (
+        elastic_loads
+        if step_dimension == "approach"
+        else np.where(np.isfinite(elastic_loads), piece[step_dimension].values, np.nan)
+    )
     sums = {
-        name: _to_float_array(tables[name], (*member_dims, *MOTION_DIMENSIONS, step), missing=True) for name in names
+        name: _to_float_array(tables[name], (*member_dims, *MOTION_DIMENSIONS, step_dimension), missing=True)
+        for name in names
     }
-    return sums, LoadCrossings.of(curve, loads, ratio=step == "load").without_gap_crossings(curve, loads)
+    return sums, LoadCrossings.of(curve, loads, ratio=step_dimension == "load").without_gap_crossings(curve, loads)
 
 
 def _motion_coordinates(piece: xarray.Dataset, study: Study) -> dict[str, Any]:
@@ -915,15 +924,15 @@ def _member_status(piece: xarray.Dataset, loads: Floats, normal: Floats, reached
         touched=True, reached=is_known & reached & ~is_locked, locked=is_locked, below=below
     )
     status = np.array(np.broadcast_to(status, normal.shape), STATUS_DTYPE)
-    step = find_step_dimension(piece)
+    step_dimension = find_step_dimension(piece)
     if "status" in piece:
         # A member without a coefficient gets the status of the first step at or above the load, except "ok".
-        codes = _to_float_array(piece.variables["status"], (*find_cell_dimensions(piece), "repetition", step)).astype(
-            int
-        )
-        step_values = piece[step].values
+        status_codes = _to_float_array(
+            piece.variables["status"], (*find_cell_dimensions(piece), "repetition", step_dimension)
+        ).astype(int)
+        step_values = piece[step_dimension].values
         step_index = np.minimum(np.searchsorted(step_values, loads), step_values.size - 1)
-        step_status = np.array(STATUSES)[codes[..., step_index]][..., None, None, :, None, None]
+        step_status = np.array(STATUSES)[status_codes[..., step_index]][..., None, None, :, None, None]
         step_status = np.broadcast_to(step_status, status.shape)
         is_replaced = (status != friction.STATUS_OK) & (step_status != friction.STATUS_OK)
         status[is_replaced] = step_status[is_replaced]

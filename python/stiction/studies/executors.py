@@ -45,8 +45,8 @@ def thread_pool_executor(workers: int | None = None) -> Iterator[Executor]:
 
     Raises a `RuntimeError` if no thread can start.
     """
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    pool = ThreadPoolExecutor(workers or cores or 1, thread_name_prefix="stiction")
+    num_cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    pool = ThreadPoolExecutor(workers or num_cores or 1, thread_name_prefix="stiction")
     pool.submit(int)
     try:
         yield pool
@@ -64,8 +64,8 @@ def use_idle_threads(
     Several threads compute each FFT if there are fewer tasks than threads and the grid is large. `tasks` is the number
     of tasks, and `points` is the number of grid points of each task.
     """
-    workers = executor._max_workers if isinstance(executor, ThreadPoolExecutor) else 1
-    threads_per_task = workers // max(tasks, 1)
+    num_workers = executor._max_workers if isinstance(executor, ThreadPoolExecutor) else 1
+    threads_per_task = num_workers // max(tasks, 1)
     if points < MIN_THREADED_POINTS or threads_per_task < 2:
         return function
 
@@ -97,9 +97,11 @@ def progress_bar(label: str, total: int, finished: int, enabled: bool) -> Iterat
     # Without ipywidgets, rich shows no bar in a notebook but prints one line of text at the end.
     console = Console(stderr=True, force_jupyter=None if find_spec("ipywidgets") else False)
     is_hidden = not (console.is_terminal or is_notebook)
-    with progress.Progress(*columns, console=console, transient=console.is_terminal, disable=is_hidden) as bar:
-        task = bar.add_task("", total=total, completed=finished)
-        yield lambda count=1: bar.advance(task, count)
+    with progress.Progress(
+        *columns, console=console, transient=console.is_terminal, disable=is_hidden
+    ) as progress_display:
+        task = progress_display.add_task("", total=total, completed=finished)
+        yield lambda count=1: progress_display.advance(task, count)
 
 
 class ClusterError(ValueError):

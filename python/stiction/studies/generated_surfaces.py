@@ -79,10 +79,10 @@ class CommonGeneratedSettings(StudyTableVariant):
 
     @model_validator(mode="after")
     def _require_harmonics_below_limit(self) -> Self:
-        product = getattr(self, "directions", 0) * getattr(self, "frequencies", 0)
-        if product > MAX_HARMONICS:
+        num_harmonics = getattr(self, "directions", 0) * getattr(self, "frequencies", 0)
+        if num_harmonics > MAX_HARMONICS:
             raise make_key_error(
-                "directions", f"multiplied by frequencies must be at most {MAX_HARMONICS}, got {product}"
+                "directions", f"multiplied by frequencies must be at most {MAX_HARMONICS}, got {num_harmonics}"
             )
         return self
 
@@ -236,30 +236,40 @@ class SelfAffineSettings(GeneratedMapSettings):
             if len(spacings) != 2 or len(shape) != 2:
                 raise make_key_error("spacing", f"must be a length or a list of two lengths, got {short_repr(spacing)}")
             try:
-                steps = [float(read_length(text)) for text in spacings]
+                spacing_values = [float(read_length(text)) for text in spacings]
             except ValueError as error:
                 raise make_key_error("spacing", str(error)) from None
             table["extent"] = [
-                exact_text(float(f"{step * n:.12g}"), "um") for step, n in zip(steps, shape, strict=True)
+                exact_text(float(f"{spacing_value * n:.12g}"), "um")
+                for spacing_value, n in zip(spacing_values, shape, strict=True)
             ]
         return table
 
     @model_validator(mode="after")
     def _require_valid_wavelengths(self) -> SelfAffineSettings:
-        longest_side, nyquist_wavelength, longest = max(self.extents()), 2 * max(self.spacings()), self.max_wavelength()
-        shortest = nyquist_wavelength if self.shortest_wavelength is None else float(self.shortest_wavelength)
-        if longest > longest_side * ROUND_OFF_FACTOR:
+        longest_side, nyquist_wavelength, longest_wavelength = (
+            max(self.extents()),
+            2 * max(self.spacings()),
+            self.max_wavelength(),
+        )
+        shortest_wavelength = (
+            nyquist_wavelength if self.shortest_wavelength is None else float(self.shortest_wavelength)
+        )
+        if longest_wavelength > longest_side * ROUND_OFF_FACTOR:
             raise make_key_error(
-                "longest_wavelength", f"must be at most the longer side ({longest_side:g} um), got {longest:g} um"
+                "longest_wavelength",
+                f"must be at most the longer side ({longest_side:g} um), got {longest_wavelength:g} um",
             )
-        if shortest * ROUND_OFF_FACTOR < nyquist_wavelength:
+        if shortest_wavelength * ROUND_OFF_FACTOR < nyquist_wavelength:
             raise make_key_error(
                 "shortest_wavelength",
-                f"must be at least twice the larger spacing ({nyquist_wavelength:g} um), got {shortest:g} um",
+                f"must be at least twice the larger spacing ({nyquist_wavelength:g} um), "
+                f"got {shortest_wavelength:g} um",
             )
-        if not shortest < longest:
+        if not shortest_wavelength < longest_wavelength:
             raise make_key_error(
-                "shortest_wavelength", f"must be below the longest wavelength ({longest:g} um), got {shortest:g} um"
+                "shortest_wavelength",
+                f"must be below the longest wavelength ({longest_wavelength:g} um), got {shortest_wavelength:g} um",
             )
         return self
 

@@ -214,8 +214,8 @@ def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
         inputs["hardness"].estimate.quantile(NODE_QUANTILES) if "hardness" in inputs else np.repeat(float(hardness), 2)
     )
     if creep is not None:
-        softening = np.power.outer([1.0, *study.friction.wait], -creep.quantile(NODE_QUANTILES))
-        hardness_range = hardness_range * [softening.min(), softening.max()]
+        hardness_factors = np.power.outer([1.0, *study.friction.wait], -creep.quantile(NODE_QUANTILES))
+        hardness_range = hardness_range * [hardness_factors.min(), hardness_factors.max()]
     half_width = np.hypot(np.ptp(np.log(hardness_range)) / 2, np.log(moduli[-1]))
     positions = (
         np.exp(half_width * (2 * np.array(HARDNESS_NODE_POSITIONS[moduli.size]) - 1)) if half_width > 0 else np.ones(0)
@@ -309,9 +309,9 @@ def _solve_member_areas(study: Study, loads: Floats, task: tuple[int, float, flo
 
 def _compute_opposing_area(curve: HalfSpaceCurve, *, is_areal: bool) -> Floats:
     """Return, for each load, the slope-weighted area (µm²) of the contacts that oppose the motion."""
-    opposing = curve.with_sliding("opposing")
-    directions = [opposing] if is_areal else [opposing, opposing.with_direction("-x")]
-    sums = np.mean([direction.tangential_adhesive for direction in directions], axis=0)
+    opposing_curve = curve.with_sliding("opposing")
+    direction_curves = [opposing_curve] if is_areal else [opposing_curve, opposing_curve.with_direction("-x")]
+    sums = np.mean([direction.tangential_adhesive for direction in direction_curves], axis=0)
     return np.asarray(sums.reshape(-1, sums.shape[-1]).mean(axis=0))
 
 
@@ -321,19 +321,19 @@ def load_areas_at_nodes(result: StoredResult) -> xarray.Dataset | None:
     hardnesses, moduli = choose_area_nodes(study) if study.is_measured else (np.zeros(0), np.ones(1))
     expected_nodes = hardnesses, moduli, np.array([float(load) for load in study.friction.load])
     names = ("hardness", "relative_modulus", "load")
-    stored = (
+    stored_dataset = (
         read_companion(result.path / HARDNESS_AREAS_FILE, (*names, *_list_area_names(study)))
         if hardnesses.size
         else None
     )
-    if stored is None:
+    if stored_dataset is None:
         return None
-    stored_nodes = [stored[name].values for name in names]
+    stored_nodes = [stored_dataset[name].values for name in names]
     is_equal = all(
         first.shape == second.shape and np.allclose(first, second, rtol=1e-9)
         for first, second in zip(stored_nodes, expected_nodes, strict=True)
     )
-    return stored if is_equal else None
+    return stored_dataset if is_equal else None
 
 
 _Value = TypeVar("_Value")
@@ -412,8 +412,8 @@ class TabulatedAreaFunction:
         """
         if places is None:
             return area_per_load(np.exp(log_hardness), *self._arguments)
-        (steps, fractions), (areas, differences) = places, self._table
-        return np.asarray(areas.take(steps, axis=-1) + differences.take(steps, axis=-1) * fractions)
+        (step_indices, fractions), (areas, differences) = places, self._table
+        return np.asarray(areas.take(step_indices, axis=-1) + differences.take(step_indices, axis=-1) * fractions)
 
 
 def find_table_positions(log_hardness: Floats, first: float, last: float) -> TablePositions | None:
@@ -425,8 +425,8 @@ def find_table_positions(log_hardness: Floats, first: float, last: float) -> Tab
     if not (is_large and first < log_hardness.min() and log_hardness.max() < last):
         return None
     position = (log_hardness - first) * (NUM_AREA_TABLE_STEPS / (last - first))
-    steps = position.astype(np.intp)
-    return steps, position - steps
+    step_indices = position.astype(np.intp)
+    return step_indices, position - step_indices
 
 
 @dataclass(frozen=True)
@@ -590,8 +590,8 @@ class AreaInterpolator:
         table_positions = self.get_or_compute(
             "places", (log_hardness, *table.limits), lambda: find_table_positions(log_hardness.ravel(), *table.limits)
         )
-        sampled = table(log_hardness.ravel(), table_positions).reshape(-1, *log_hardness.shape)
-        return _interpolate_moduli(sampled, self.moduli, modulus)
+        sampled_areas = table(log_hardness.ravel(), table_positions).reshape(-1, *log_hardness.shape)
+        return _interpolate_moduli(sampled_areas, self.moduli, modulus)
 
     def _area_before_shear(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:
         """Return the true area of the contacts before shear, in the units of `_sheared_area`."""

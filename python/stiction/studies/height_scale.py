@@ -141,11 +141,11 @@ def _enclosing_powers_of_two(low: float, high: float) -> Floats:
 
 def find_missing_factors(factors: Floats, solved: Floats) -> Floats:
     """Return the height factors that must be computed before results can be interpolated to the given factors."""
-    missing = np.array([factor for factor in factors.tolist() if _find_neighbors(solved, factor) is None])
-    if not missing.size:
-        return missing
-    nodes = np.setdiff1d(_enclosing_powers_of_two(missing[0], missing[-1]), solved)
-    return nodes if nodes.size < missing.size else missing
+    missing_factors = np.array([factor for factor in factors.tolist() if _find_neighbors(solved, factor) is None])
+    if not missing_factors.size:
+        return missing_factors
+    nodes = np.setdiff1d(_enclosing_powers_of_two(missing_factors[0], missing_factors[-1]), solved)
+    return nodes if nodes.size < missing_factors.size else missing_factors
 
 
 def _find_neighbors(solved: Floats, factor: float) -> tuple[int, int] | None:
@@ -194,16 +194,16 @@ def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[f
     for folder in (result.path / HEIGHT_SCALE_FOLDER).glob(f"{scaled}-*"):
         try:
             factor = float(folder.name.removeprefix(f"{scaled}-"))
-            stored = open_stored(folder)
+            stored_result = open_stored(folder)
         except (StoreError, ValueError):
             continue
-        expected = scale_study_heights(result.study, factor, scaled)
-        if find_member_differences(stored.study, expected):
+        expected_study = scale_study_heights(result.study, factor, scaled)
+        if find_member_differences(stored_result.study, expected_study):
             continue
         # The stored blocks are opened with the friction parameters of the given result.
-        stored = StoredResult(stored.path, expected, stored.blocks)
-        if stored.count == expected.ensemble.repetitions and not _lacks_hardness_areas(stored):
-            results[factor] = stored
+        stored_result = StoredResult(stored_result.path, expected_study, stored_result.blocks)
+        if stored_result.count == expected_study.ensemble.repetitions and not _lacks_hardness_areas(stored_result):
+            results[factor] = stored_result
     return dict(sorted(results.items()))
 
 
@@ -245,20 +245,23 @@ def compute_height_factors(
     is called with a line of text before each factor. Raises the errors of `evaluate_height_scale` and of
     `compute_missing`.
     """
-    missing = find_missing_factors(
+    missing_factors = find_missing_factors(
         parse_height_factors(factors), np.array(list(open_results_by_factor(result, scaled)))
     )
-    with executor_or_thread_pool(executor) as workers:
-        for index, factor in enumerate(missing.tolist(), 1):
-            announce(f"heights times {factor:g} ({index} of {missing.size})")
+    with executor_or_thread_pool(executor) as pool:
+        for index, factor in enumerate(missing_factors.tolist(), 1):
+            announce(f"heights times {factor:g} ({index} of {missing_factors.size})")
             study = scale_study_heights(result.study, factor, scaled)
             folder = find_factor_folder(result.path, factor, scaled)
             existing_result = open_stored(folder) if (folder / STUDY_FILE).exists() else None
             if existing_result and find_member_differences(existing_result.study, study):
                 remove_result(existing_result)  # the stored study describes a different pair
-            compute_missing(study, folder, executor=workers, progress=progress)
-            stored = open_stored(folder)
-            if _lacks_hardness_areas(stored) and (areas := compute_areas_at_nodes(stored.study, workers)) is not None:
+            compute_missing(study, folder, executor=pool, progress=progress)
+            stored_result = open_stored(folder)
+            if (
+                _lacks_hardness_areas(stored_result)
+                and (areas := compute_areas_at_nodes(stored_result.study, pool)) is not None
+            ):
                 export(areas, folder / HARDNESS_AREAS_FILE, replace=True)
 
 
@@ -310,8 +313,8 @@ def evaluate_height_scale(
         raise ArgumentError("{height_scale} needs a finished result")
     stored_results = open_results_by_factor(result, scaled)
     solved_factors = np.array(list(stored_results))
-    if (missing := find_missing_factors(factors, solved_factors)).size:
-        raise MissingHeightFactorsError(missing, estimate_factor_time(study, missing.size))
+    if (missing_factors := find_missing_factors(factors, solved_factors)).size:
+        raise MissingHeightFactorsError(missing_factors, estimate_factor_time(study, missing_factors.size))
     neighbor_pairs = [
         neighbor_indices for factor in factors.tolist() if (neighbor_indices := _find_neighbors(solved_factors, factor))
     ]

@@ -171,27 +171,29 @@ class _AreaFactor:
     # uncertain inputs by name: hardness, creep exponent, moduli and α of junction growth
     known: Mapping[str, UncertainInput]
 
-    def key(self, name: str) -> str:
+    def nuisance_name(self, name: str) -> str:
         """Return the name of the nuisance parameter for an input. Tests with equal inputs share this parameter."""
         return f"{name} {self.known[name].text}"
 
     @property
-    def names(self) -> list[str]:
+    def nuisance_names(self) -> list[str]:
         """Names of all nuisance parameters."""
-        return [self.key(name) for name in self.known]
+        return [self.nuisance_name(name) for name in self.known]
 
-    def values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
+    def input_values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
         """Convert cumulative probabilities of the nuisance parameters to input values."""
-        return {name: each.quantile(columns[self.key(name)]) for name, each in self.known.items()}
+        return {name: each.quantile(columns[self.nuisance_name(name)]) for name, each in self.known.items()}
 
     @property
     def growth(self) -> UncertainInput | None:
         """Junction growth α, or None if contacts do not grow."""
         return None
 
-    def area(self, columns: Mapping[Any, Floats], strength: StrengthSamples | None = None) -> Floats:
+    def factor_for_probabilities(
+        self, columns: Mapping[Any, Floats], strength: StrengthSamples | None = None
+    ) -> Floats:
         """Compute the ratio of true area to computed area from cumulative probabilities of nuisance parameters."""
-        return self.factor_for_inputs(self.values(columns), strength)
+        return self.factor_for_inputs(self.input_values(columns), strength)
 
     def factor_for_inputs(self, samples: Mapping[str, Floats], strength: StrengthSamples | None = None) -> Floats:
         """Return the ratio of the true area to the computed area for given values of the inputs.
@@ -242,19 +244,19 @@ class _ResultAreaFactor(_AreaFactor):
         return cls(uncertain_inputs | ({} if creep is None else {"creep": creep}), areas, study, wait, error_name)
 
     @property
-    def names(self) -> list[str]:
+    def nuisance_names(self) -> list[str]:
         """Names of all nuisance parameters.
 
         Tests with the same dwell time share the error of the interpolated area.
         """
-        return [*super().names, *([] if self.error is None else [self.error])]
+        return [*super().nuisance_names, *([] if self.error is None else [self.error])]
 
-    def values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
+    def input_values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
         """Return the input values, and the standard normal score that sets the interpolation error of the area."""
         from scipy.special import ndtri
 
         scores = {} if self.error is None else {_AREA_ERROR_NAME: ndtri(columns[self.error])}
-        return super().values(columns) | scores
+        return super().input_values(columns) | scores
 
     @property
     def growth(self) -> UncertainInput | None:
@@ -349,18 +351,19 @@ class FrictionTest:
                 )
             force = validate_number("force", to_core_units("force", self.force, "force"), unit="mN")
             object.__setattr__(self, "coefficient", force / load)
-        converted = validate_number("coefficient", self.coefficient, below=1e6)
-        if not converted >= 0:
-            raise ValueError(f"the measured coefficient must not be negative, got {converted:g}")
-        object.__setattr__(self, "coefficient", converted)
+        coefficient = validate_number("coefficient", self.coefficient, below=1e6)
+        if not coefficient >= 0:
+            raise ValueError(f"the measured coefficient must not be negative, got {coefficient:g}")
+        object.__setattr__(self, "coefficient", coefficient)
         object.__setattr__(self, "load", load)
         if self.uncertainty is not None:
-            converted = self._uncertainty_of_coefficient(load)
-            if not converted >= MIN_COEFFICIENT_UNCERTAINTY:
+            uncertainty = self._uncertainty_of_coefficient(load)
+            if not uncertainty >= MIN_COEFFICIENT_UNCERTAINTY:
                 raise ValueError(
-                    f"uncertainty of a coefficient must be at least {MIN_COEFFICIENT_UNCERTAINTY:g}, got {converted:g}"
+                    "uncertainty of a coefficient must be at least "
+                    f"{MIN_COEFFICIENT_UNCERTAINTY:g}, got {uncertainty:g}"
                 )
-            object.__setattr__(self, "uncertainty", converted)
+            object.__setattr__(self, "uncertainty", uncertainty)
 
     def _uncertainty_of_coefficient(self, load: float) -> float:
         """Convert the given uncertainty to the standard uncertainty of the coefficient at a load (mN)."""
@@ -484,12 +487,12 @@ class Interface:
         fit = self.fits[0]
         area_per_load = fit.area_per_load
         is_joint = np.isfinite(area_per_load).all() and np.ptp(fit.mu0) > 0 and np.ptp(fit.tau0) > 0
-        zero = np.zeros(fit.mu0.size)
+        zeros = np.zeros(fit.mu0.size)
         strengths = []
         if is_joint and credible_interval(fit.mu0, 0.0)[1] == 0:
-            strengths.append((zero, fit.tau0 + fit.mu0 / area_per_load))
+            strengths.append((zeros, fit.tau0 + fit.mu0 / area_per_load))
         if is_joint and credible_interval(fit.tau0, 0.0)[1] == 0:
-            strengths.append((fit.mu0 + fit.tau0 * area_per_load, zero))
+            strengths.append((fit.mu0 + fit.tau0 * area_per_load, zeros))
         return tuple(strengths)
 
     def interval_of(self, coefficient: Callable[[Floats, Floats], Floats]) -> ValueWithLimits:
@@ -557,7 +560,7 @@ class Interface:
 
         area_samples = np.exp(test_forces.scatter * draw_scores(test_forces.surfaces))
         if (area_factor := test_forces.area_factor) is not None:
-            samples = area_factor.values({name: ndtr(draw_scores(name)) for name in area_factor.names})
+            samples = area_factor.input_values({name: ndtr(draw_scores(name)) for name in area_factor.nuisance_names})
             if "hardness" in samples and area_factor.known["hardness"].describes_same_hardness(
                 self.about.get(HARDNESS_ENTRY, "")
             ):

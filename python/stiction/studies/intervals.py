@@ -72,11 +72,11 @@ class LoadCrossings:
             )
         is_at_least_load = curve[..., np.newaxis] >= loads  # shape (..., k, l)
         starts_at_load = curve[..., :1, np.newaxis] == loads
-        reaches = np.concatenate(
+        is_crossing = np.concatenate(
             [starts_at_load, ~is_at_least_load[..., :-1, :] & is_at_least_load[..., 1:, :]], axis=-2
         )
-        reached: NDArray[np.bool_] = np.any(reaches, axis=-2)
-        index = reaches.argmax(axis=-2)
+        reached: NDArray[np.bool_] = np.any(is_crossing, axis=-2)
+        index = is_crossing.argmax(axis=-2)
         before = np.take_along_axis(curve, np.maximum(index - 1, 0), axis=-1)
         step_difference = np.take_along_axis(curve, index, axis=-1) - before
         fraction = np.divide(loads - before, step_difference, out=np.ones_like(before), where=step_difference > 0)
@@ -121,11 +121,11 @@ class LoadCrossings:
     def slope(self, values: Floats, over: Floats) -> Floats:
         """Return the slope of one quantity with respect to another at each crossing, with shape (..., l)."""
         index = np.maximum(self.index, 1)
-        rise, run = (
+        value_change, over_change = (
             np.take_along_axis(each, index, axis=-1) - np.take_along_axis(each, index - 1, axis=-1)
             for each in (values, over)
         )
-        return np.asarray(rise / run)
+        return np.asarray(value_change / over_change)
 
 
 # ---- Means over repetitions ------------------------------------------------------------------------------------------
@@ -367,9 +367,9 @@ def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
 
     # Values are divided by their standard deviation to avoid overflow.
     count, deviations = values.shape[1], values - mean[:, np.newaxis]
-    spread = np.sqrt(np.square(deviations).sum(axis=1) / (count - 1))
-    has_spread = (spread > 0) & (values != values[:, :1]).any(axis=1)
-    y, rho = deviations / np.where(has_spread, spread, 1.0)[:, np.newaxis], _NEIGHBOR_CORRELATIONS
+    deviation = np.sqrt(np.square(deviations).sum(axis=1) / (count - 1))
+    has_spread = (deviation > 0) & (values != values[:, :1]).any(axis=1)
+    y, rho = deviations / np.where(has_spread, deviation, 1.0)[:, np.newaxis], _NEIGHBOR_CORRELATIONS
     y[~has_spread] = np.linspace(-1.0, 1.0, count)
     # For an autoregressive process, 1' R^-1 1, 1' R^-1 y and y' R^-1 y are closed forms in these sums.
     weight_sums, inflation, quantile, density = _mixture_constants(count)
@@ -401,8 +401,8 @@ def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
     skewness = np.where(is_symmetric, 1.0, skewness)
     lower_width = np.where(is_symmetric, quantile_estimate, -np.expm1(-skewness * quantile_estimate) / skewness)
     upper_width = np.where(is_symmetric, quantile_estimate, np.expm1(skewness * quantile_estimate) / skewness)
-    lower = np.maximum(mean - spread * lower_width, values.min(axis=1))
-    upper = np.minimum(mean + spread * upper_width, values.max(axis=1))
+    lower = np.maximum(mean - deviation * lower_width, values.min(axis=1))
+    upper = np.minimum(mean + deviation * upper_width, values.max(axis=1))
     return np.where(has_spread, lower, np.nan), np.where(has_spread, upper, np.nan)
 
 
@@ -449,20 +449,28 @@ def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp])
     The values have the shape (r, ...). The model has two-way random effects (Searle, Casella & McCulloch, Variance
     Components, 1992, chapter 4). Mean squares that do not exceed the residual mean square are pooled with the residual.
     """
-    flat = values.reshape(values.shape[0], -1)
+    flat_values = values.reshape(values.shape[0], -1)
     pair_means = np.full((int(upper.max()) + 1, int(lower.max()) + 1), np.nan)
-    for pair in set(zip(upper.tolist(), lower.tolist(), strict=True)):
-        pair_values = flat[(upper == pair[0]) & (lower == pair[1])]
-        pair_means[pair] = pair_values[np.isfinite(pair_values)].mean() if np.isfinite(pair_values).any() else np.nan
+    for scan_pair in set(zip(upper.tolist(), lower.tolist(), strict=True)):
+        pair_values = flat_values[(upper == scan_pair[0]) & (lower == scan_pair[1])]
+        pair_means[scan_pair] = (
+            pair_values[np.isfinite(pair_values)].mean() if np.isfinite(pair_values).any() else np.nan
+        )
     scan_means = pair_means[np.ix_(np.isfinite(pair_means).any(axis=1), np.isfinite(pair_means).any(axis=0))]
     sizes = np.array(scan_means.shape)
     count = int(sizes.prod())
     if count < 2:
         return None
-    rows, columns, mean = np.nanmean(scan_means, axis=1), np.nanmean(scan_means, axis=0), float(np.nanmean(scan_means))
-    residual_sum = np.nansum((scan_means - rows[:, np.newaxis] - columns + mean) ** 2)
+    row_means, column_means, mean = (
+        np.nanmean(scan_means, axis=1),
+        np.nanmean(scan_means, axis=0),
+        float(np.nanmean(scan_means)),
+    )
+    residual_sum = np.nansum((scan_means - row_means[:, np.newaxis] - column_means + mean) ** 2)
     freedoms = np.array([*(sizes - 1), (sizes - 1).prod()], float)
-    sums = np.array([sizes[1] * np.square(rows - mean).sum(), sizes[0] * np.square(columns - mean).sum(), residual_sum])
+    sums = np.array(
+        [sizes[1] * np.square(row_means - mean).sum(), sizes[0] * np.square(column_means - mean).sum(), residual_sum]
+    )
     squares = sums / np.maximum(freedoms, 1)
     is_separate = (freedoms > 0) & (squares > squares[2]) & [True, True, False]
     freedom = float(freedoms[~is_separate].sum())
@@ -471,7 +479,7 @@ def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp])
     # The residual mean square is subtracted once for each mean square that is not pooled.
     weights = np.append(np.where(is_separate, squares, 0.0)[:2], (1 - is_separate.sum()) * residual)
     component_freedoms = np.maximum([*freedoms[:2], freedom], 1.0)
-    deviations_in_pairs = (flat - pair_means[upper, lower][:, np.newaxis]).ravel()
+    deviations_in_pairs = (flat_values - pair_means[upper, lower][:, np.newaxis]).ravel()
     deviations_in_pairs = deviations_in_pairs[np.isfinite(deviations_in_pairs)]
     freedom_in_pairs = max(deviations_in_pairs.size - count, 1)
     scan_components = variance_components[:2] / sizes[::-1]

@@ -179,11 +179,13 @@ def stiffness_map(
     """
     result = Result.of(result)
     head = result.head
-    step = find_step_dimension(head)
-    if head.sizes.get(step, 0) < 3:
-        step_name = "approaches" if step == "approach" else "loads"
-        raise ValueError(f"at least 3 {step_name} are required to compute a stiffness, got {head.sizes.get(step, 0)}")
-    if step == "load" and any(piece["approach"].isnull().any() for piece in result.pieces(["approach"])):
+    step_dimension = find_step_dimension(head)
+    if head.sizes.get(step_dimension, 0) < 3:
+        step_name = "approaches" if step_dimension == "approach" else "loads"
+        raise ValueError(
+            f"at least 3 {step_name} are required to compute a stiffness, got {head.sizes.get(step_dimension, 0)}"
+        )
+    if step_dimension == "load" and any(piece["approach"].isnull().any() for piece in result.pieces(["approach"])):
         raise ValueError("a free half-plane has no approach and therefore no stiffness; use periodic boundaries")
     return ensemble_map(result, loads, mu0, tau0, "normal_stiffness")
 
@@ -203,9 +205,9 @@ def solved_pieces(
 ) -> Iterator[xarray.Dataset]:
     """Yield the pieces of a result, omitting members for which the solver failed at any load."""
     for piece in result.pieces(names):
-        elastic = piece["normal_elastic"]
+        elastic_loads = piece["normal_elastic"]
         is_solved = np.isfinite(
-            move_repetitions_last(elastic, [str(dim) for dim in elastic.dims if dim != "repetition"])
+            move_repetitions_last(elastic_loads, [str(dim) for dim in elastic_loads.dims if dim != "repetition"])
         )
         is_solved = is_solved.reshape(-1, is_solved.shape[-1]).all(axis=0)
         solved_piece = piece if is_solved.all() else piece.isel(repetition=np.flatnonzero(is_solved))
@@ -399,7 +401,7 @@ def _average_sums(
     solved_members: Callable[[], Iterator[xarray.Dataset]], quantity: str, step: str
 ) -> tuple[ContactSums, ContactSums, int]:
     """Average both sets of sums from `_compute_sums` over the members. Also return the number of members."""
-    total: list[ContactSums] = []
+    total_sums: list[ContactSums] = []
     count = 0
     for piece in solved_members():
         count += piece.sizes["repetition"]
@@ -407,11 +409,11 @@ def _average_sums(
             sums.apply(lambda values: values.sum(axis=-1, keepdims=True))
             for sums in _compute_sums(piece, quantity, step)
         ]
-        total = [
+        total_sums = [
             ContactSums(**{name: getattr(first, name) + getattr(second, name) for name in SUM_QUANTITIES})
-            for first, second in zip(total, piece_sums, strict=True)
-        ] if total else piece_sums  # fmt: skip
-    sums, quantity_sums = (each.apply(lambda values: values / max(count, 1)) for each in total)
+            for first, second in zip(total_sums, piece_sums, strict=True)
+        ] if total_sums else piece_sums  # fmt: skip
+    sums, quantity_sums = (each.apply(lambda values: values / max(count, 1)) for each in total_sums)
     return sums, quantity_sums, count
 
 
@@ -423,6 +425,6 @@ def choose_strengths(result: Result, mu0: ArrayLike | None, tau0: ArrayLike | No
         tau0 = [float(value) for value in study.friction.tau0] if tau0 is None else tau0
         friction.check_shear_strength(friction.friction_parameter("tau0", tau0), float(study.contact.effective_modulus))
     return tuple(
-        np.atleast_1d(friction.friction_parameter(name, values)).ravel()
-        for name, values in (("mu0", mu0), ("tau0", tau0))
+        np.atleast_1d(friction.friction_parameter(name, strengths)).ravel()
+        for name, strengths in (("mu0", mu0), ("tau0", tau0))
     )  # type: ignore[return-value]

@@ -630,14 +630,14 @@ class LineMemberSource:
         count = pairs.max_count()
         if count is not None and line >= count:
             raise ValueError(f"the surfaces have {count} pairs of lines, but member {index} needs pair {line + 1}")
-        slider, track = pairs.pair(line)
-        max_steps = len(track) - len(slider)
+        slider, counterface = pairs.pair(line)
+        max_steps = len(counterface) - len(slider)
         if self.positions is not None:
             if position >= offsets:
                 raise ValueError(
                     f"surfaces.positions has {offsets} positions, but member {index} needs position {position + 1}"
                 )
-            return self._member_at(slider, track, round(self.positions[position] / slider.spacing), line)
+            return self._member_at(slider, counterface, round(self.positions[position] / slider.spacing), line)
         if max_steps == 0 and position > 0:
             raise ValueError("several positions require a slider that is shorter than its counterface; give a travel")
         # Offset 0 is excluded for a single pair, because the two lines may be identical.
@@ -648,32 +648,32 @@ class LineMemberSource:
             offset_steps = max_steps  # a single position is placed at the end of the travel
         else:
             offset_steps = 1 + min(int(quasi_random_point(position + 1, 1)[0] * max_steps), max_steps - 1)
-        return self._member_at(slider, track, offset_steps, line)
+        return self._member_at(slider, counterface, offset_steps, line)
 
-    def _member_at(self, slider: Profile, track: Profile, steps: int, line: int) -> EnsembleMember:
+    def _member_at(self, slider: Profile, counterface: Profile, steps: int, line: int) -> EnsembleMember:
         """Return the member whose slider starts `steps` points after the start of the counterface."""
         offset = steps * slider.spacing
-        pair = slider, piece_below_slider(track, offset, slider)
+        pair = slider, piece_below_slider(counterface, offset, slider)
         return EnsembleMember(
             pair, offset, self.pairs.position_across_lines(line), line=line, surrogate=self.pairs.surrogates != "none"
         )
 
     def find_shared_properties(self) -> SharedMemberProperties:
         """Return the properties that all members have in common."""
-        slider, track = self.pairs.pair(0)
-        return _shared_line_properties(slider, track, len(slider) / len(track), self.scans)
+        slider, counterface = self.pairs.pair(0)
+        return _shared_line_properties(slider, counterface, len(slider) / len(counterface), self.scans)
 
 
 def _shared_line_properties(
-    slider: Profile, track: Profile, used_fraction: float, scans: tuple[Any, Any]
+    slider: Profile, counterface: Profile, used_fraction: float, scans: tuple[Any, Any]
 ) -> SharedMemberProperties:
     """Return the properties shared by all members of a study of lines.
 
     `used_fraction` is the fraction of the upper scan that the slider covers.
     """
     return SharedMemberProperties(
-        slider, track, slider.extent * PROFILE_WIDTH, [len(slider)], [slider.spacing],
-        [used_fraction, len(slider) / len(track)], scans,
+        slider, counterface, slider.extent * PROFILE_WIDTH, [len(slider)], [slider.spacing],
+        [used_fraction, len(slider) / len(counterface)], scans,
     )  # fmt: skip
 
 

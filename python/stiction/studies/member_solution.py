@@ -316,8 +316,8 @@ class PressedPair:
         if isinstance(self.curve, HalfSpaceCurve):
             return tabulate_contact_patches(self.curve.at(0))
         assert self.model is not None
-        touching = contacts(self.upper, self.lower, float(self.curve.approach[0]), model=self.model)
-        return tabulate_asperity_contacts(touching, self.lower)
+        contacts_at_approach = contacts(self.upper, self.lower, float(self.curve.approach[0]), model=self.model)
+        return tabulate_asperity_contacts(contacts_at_approach, self.lower)
 
 
 # ---- Members of a study ----------------------------------------------------------------------------------------------
@@ -422,13 +422,13 @@ def estimate_solution_time(study: Study) -> float:
     additional_time = MEMBER_TIME_COEFFICIENTS["half-space" if is_areal else "half-plane"]
     if study.contact.adheres:
         return additional_time + ITERATIONS_PER_LOAD * _estimate_iteration_time(study)
-    seconds, exponent = SOLUTION_TIME_COEFFICIENTS[is_areal]
-    return additional_time + seconds * math.pow(count_points(study), exponent)
+    coefficient, exponent = SOLUTION_TIME_COEFFICIENTS[is_areal]
+    return additional_time + coefficient * math.pow(count_points(study), exponent)
 
 
 def _estimate_iteration_time(study: Study) -> float:
-    seconds, exponent = ITERATION_TIME_COEFFICIENTS[study.is_areal]
-    return seconds * math.pow(count_points(study), exponent)
+    coefficient, exponent = ITERATION_TIME_COEFFICIENTS[study.is_areal]
+    return coefficient * math.pow(count_points(study), exponent)
 
 
 @functools.lru_cache(maxsize=16)
@@ -444,8 +444,8 @@ def _estimate_relative_stiffness(study: Study) -> float:
         gap = np.asarray(upper.heights - lower.heights)
     if not gap.size:
         return 0.0
-    steps = np.broadcast_to(upper.spacing, gap.ndim)
-    slopes = [np.diff(gap, axis=axis) / step for axis, step in enumerate(steps)]
+    spacings = np.broadcast_to(upper.spacing, gap.ndim)
+    slopes = [np.diff(gap, axis=axis) / spacing for axis, spacing in enumerate(spacings)]
     gradient = math.sqrt(sum(float(np.mean(np.square(slope))) for slope in slopes))
     return float(contact.effective_modulus) * float(gap.std()) * gradient / (4 * float(contact.work_of_adhesion or 0))
 
@@ -553,12 +553,12 @@ def _reuse_array(shape: tuple[int, ...]) -> Floats:
 
     The array is aligned to cache lines of the processor, so that vector writes do not cross cache lines.
     """
-    memory: Floats | None = getattr(_reusable_arrays, "memory", None)
-    if memory is None or memory.shape != shape:
+    reusable_array: Floats | None = getattr(_reusable_arrays, "memory", None)
+    if reusable_array is None or reusable_array.shape != shape:
         buffer = np.empty(math.prod(shape) + CACHE_LINE_BYTES // 8)
         offset = -buffer.__array_interface__["data"][0] % CACHE_LINE_BYTES // 8
-        _reusable_arrays.memory = memory = buffer[offset : offset + math.prod(shape)].reshape(shape)
-    return memory
+        _reusable_arrays.memory = reusable_array = buffer[offset : offset + math.prod(shape)].reshape(shape)
+    return reusable_array
 
 
 # ---- Measured bodies -------------------------------------------------------------------------------------------------

@@ -97,12 +97,13 @@ def unscaled_surface(study: Study, repetition: int, side: Side, dimension: float
     """Generate a surface of given fractal dimension without scaling it to an amplitude."""
     surfaces: Any = study.surfaces
     if isinstance(surfaces, SelfAffineSettings):
-        longest, shortest = surfaces.longest_wavelength, surfaces.shortest_wavelength
+        longest_wavelength, shortest_wavelength = surfaces.longest_wavelength, surfaces.shortest_wavelength
         return self_affine_surface(
             study.ensemble.seed, hurst_exponent=fractal.hurst_exponent(dimension, convention="classical"), rms=1.0,
             shape=surfaces.shape, spacing=surfaces.spacings(),
-            longest_wavelength=None if longest is None else float(longest),
-            shortest_wavelength=None if shortest is None else float(shortest), repetition=repetition, side=side,
+            longest_wavelength=None if longest_wavelength is None else float(longest_wavelength),
+            shortest_wavelength=None if shortest_wavelength is None else float(shortest_wavelength),
+            repetition=repetition, side=side,
         )  # fmt: skip
     phases = generate_phases(study, repetition, side)
     return fractal.weierstrass_mandelbrot_surface(
@@ -171,8 +172,8 @@ def _grid_properties(body: Any) -> tuple[Any, ...]:
 
     The spacing is rounded, because positions in a file are subject to round-off.
     """
-    steps = [f"{step:.5g}" for step in np.atleast_1d(getattr(body, "spacing", 0.0))]
-    return type(body), np.shape(getattr(body, "heights", body)), *steps
+    spacing_texts = [f"{step:.5g}" for step in np.atleast_1d(getattr(body, "spacing", 0.0))]
+    return type(body), np.shape(getattr(body, "heights", body)), *spacing_texts
 
 
 class LoadedBodies:

@@ -223,7 +223,9 @@ class InterpolationNodes:
     @cached_property
     def load_quantities(self) -> tuple[xarray.Dataset, ...]:
         """Quantities of measured bodies that depend only on the load, for each kind of members."""
-        return tuple(at_load(self.result, self.loads, mu0=[0.0], tau0=[0.0], of=kind) for kind in self.member_kinds)
+        return tuple(
+            at_load(self.result, self.loads, mu0=[0.0], tau0=[0.0], member_kind=kind) for kind in self.member_kinds
+        )
 
     @cached_property
     def error(self) -> tuple[float, float]:
@@ -251,7 +253,7 @@ class InterpolationNodes:
         with warnings.catch_warnings():
             # the report marks values of tau0 that are large relative to E*
             warnings.simplefilter("ignore", UserWarning)
-            at = at_load(self.result, loads, mu0=mu0, tau0=tau0, of=kind, names=names)
+            at = at_load(self.result, loads, mu0=mu0, tau0=tau0, member_kind=kind, names=names)
         return at if kind == "surrogates" else add_uncertainty(at, self.result, budget=False, tests=False)
 
     def _friction(self, loads: Floats, mu0: Floats, tau0: Floats) -> Floats:
@@ -297,8 +299,10 @@ def _build_axis(study_values: Floats, largest: float, *, is_ranged: bool) -> Nod
             np.where(axis._is_ranged(default_nodes), default_nodes * (1 + 5 * SAME_INPUT_TOLERANCE), default_nodes),
             axis.ranged,
         )
-    steps = np.diff(default_nodes)
-    min_distance = MIN_NODE_DISTANCE * np.minimum(np.append(steps[0], steps), np.append(steps, steps[-1]))
+    node_distances = np.diff(default_nodes)
+    min_distance = MIN_NODE_DISTANCE * np.minimum(
+        np.append(node_distances[0], node_distances), np.append(node_distances, node_distances[-1])
+    )
     is_kept = np.abs(default_nodes[:, np.newaxis] - study_values).min(axis=1) > min_distance
     is_kept[[0, -1]] = True
     return NodeAxis(np.unique([*default_nodes[is_kept], *study_values]))

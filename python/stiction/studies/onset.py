@@ -235,16 +235,20 @@ def build_slip_map(pressed: PressedPair, onset: Onset) -> DatasetVariables:
     if not isinstance(lower, Surface):
         return {}
     (rows, columns), (dy, dx) = lower.heights.shape, lower.spacing
-    step = -(-max(rows, columns) // MAX_PICTURE_SIZE)
+    stride = -(-max(rows, columns) // MAX_PICTURE_SIZE)
     variables: DatasetVariables = {
-        "slip_y": ("slip_y", np.arange(0, rows, step) * dy, _LENGTH_ATTRIBUTES),
-        "slip_x": ("slip_x", np.arange(0, columns, step) * dx, _LENGTH_ATTRIBUTES),
-        "lower_height": (("slip_y", "slip_x"), lower.heights[::step, ::step].astype(np.float32), _LENGTH_ATTRIBUTES),
+        "slip_y": ("slip_y", np.arange(0, rows, stride) * dy, _LENGTH_ATTRIBUTES),
+        "slip_x": ("slip_x", np.arange(0, columns, stride) * dx, _LENGTH_ATTRIBUTES),
+        "lower_height": (
+            ("slip_y", "slip_x"),
+            lower.heights[::stride, ::stride].astype(np.float32),
+            _LENGTH_ATTRIBUTES,
+        ),
     }
     slip_fraction = onset.slip_load() / onset.sliding_load
     if isinstance(pressed.curve, HalfSpaceCurve):
         attributes = {"units": "1", "long_name": "ratio of tangential to sliding load at which a point slips"}
-        slip_start = _find_block_minima(slip_fraction.reshape(rows, columns), step)
+        slip_start = _find_block_minima(slip_fraction.reshape(rows, columns), stride)
         return variables | {"slip": (("slip_y", "slip_x"), slip_start.astype(np.float32), attributes)}
     table = pressed.table()
     contact_variables = {
@@ -259,10 +263,10 @@ def build_slip_map(pressed: PressedPair, onset: Onset) -> DatasetVariables:
     }
 
 
-def _find_block_minima(values: Floats, step: int) -> Floats:
-    """Return the minimum of each block of `step` rows and columns. It is NaN if all values in the block are NaN."""
-    rows, columns = (-(-size // step) * step for size in values.shape)
+def _find_block_minima(values: Floats, block_size: int) -> Floats:
+    """Return the minimum of each block of `block_size` rows and columns. It is NaN if all values are NaN."""
+    rows, columns = (-(-size // block_size) * block_size for size in values.shape)
     padded = np.full((rows, columns), np.inf)
     padded[: values.shape[0], : values.shape[1]] = np.where(np.isnan(values), np.inf, values)
-    minima = padded.reshape(rows // step, step, columns // step, step).min(axis=(1, 3))
+    minima = padded.reshape(rows // block_size, block_size, columns // block_size, block_size).min(axis=(1, 3))
     return np.where(np.isinf(minima), np.nan, minima)

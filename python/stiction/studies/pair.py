@@ -541,12 +541,14 @@ class MeasuredPair:
         """
         if self.options.positions is None:
             return None
-        values = self._parse_quantities("positions", self.options.positions)
+        lengths = self._parse_quantities("positions", self.options.positions)
         if self.press == "lines":
-            return list(reject_negative("positions", values, self.options.positions))
-        if len(values) % 2:
-            raise ArgumentError("{positions} must be pairs of x and y for maps, got {got} values", got=str(len(values)))
-        return [list(pair) for pair in zip(values[::2], values[1::2], strict=True)]
+            return list(reject_negative("positions", lengths, self.options.positions))
+        if len(lengths) % 2:
+            raise ArgumentError(
+                "{positions} must be pairs of x and y for maps, got {got} values", got=str(len(lengths))
+            )
+        return [list(pair) for pair in zip(lengths[::2], lengths[1::2], strict=True)]
 
     def _count_positions(self) -> tuple[int, int]:
         """Return the number of line pairs, and the number of relative positions for each line pair."""

@@ -83,56 +83,60 @@ def complete_result(
     existing_result = open_stored(folder) if (folder / STUDY_FILE).exists() else None
     if replace and existing_result:
         remove_result(existing_result)
-    stored, num_members = prepare_folder(study, folder, part), study.ensemble.repetitions
-    num_existing = stored.count
-    differences = find_differences(existing_result.study, stored.study) if existing_result and num_existing else []
+    stored_result, num_members = prepare_folder(study, folder, part), study.ensemble.repetitions
+    num_existing = stored_result.count
+    differences = (
+        find_differences(existing_result.study, stored_result.study) if existing_result and num_existing else []
+    )
     if friction_differences := [difference for difference in differences if difference[0].startswith("friction.")]:
         print_remark(
             f"{folder} has results for other friction; its {num_existing} repetitions are kept, and its table, report "
             f"and figures are replaced\n{format_differences(friction_differences)}"
         )
-    is_measured = stored.study.is_measured
-    seconds = (num_members - num_existing) * estimate_member_time(stored.study)
+    is_measured = stored_result.study.is_measured
+    seconds = (num_members - num_existing) * estimate_member_time(stored_result.study)
     announce_blocks = print_finished if not is_measured else print_remark if seconds > MIN_ANNOUNCED_TIME else announce
-    stored = complete_blocks(
-        stored, part=part, executor=executor, progress=progress, announce=announce_blocks, update=print_remark
+    stored_result = complete_blocks(
+        stored_result, part=part, executor=executor, progress=progress, announce=announce_blocks, update=print_remark
     )
     if part is not None:
         print_finished(
-            f"part {part[0]}/{part[1]} is finished; {stored.count} of {num_members} repetitions are in {folder}"
+            f"part {part[0]}/{part[1]} is finished; {stored_result.count} of {num_members} repetitions are in {folder}"
         )
-        return Result(stored)
-    result = Result(stored)
-    if is_measured and load_areas_at_nodes(stored) is None and not is_unloaded(result):
+        return Result(stored_result)
+    result = Result(stored_result)
+    if is_measured and load_areas_at_nodes(stored_result) is None and not is_unloaded(result):
         # If hardness or moduli are ranges, some members are also computed at values other than the nominal values.
         seconds = (
-            count_area_solutions(stored.study) * estimate_solution_time(stored.study)
-            if stored.study.uses_half_space
+            count_area_solutions(stored_result.study) * estimate_solution_time(stored_result.study)
+            if stored_result.study.uses_half_space
             else 0.0
         )
         if seconds > MIN_ANNOUNCED_TIME:
             print_remark(f"at other hardnesses and moduli: about {format_duration(seconds)} of one core")
-        _write_companion(stored, HARDNESS_AREAS_FILE, lambda: compute_areas_at_nodes(stored.study, executor))
+        _write_companion(
+            stored_result, HARDNESS_AREAS_FILE, lambda: compute_areas_at_nodes(stored_result.study, executor)
+        )
     if num_existing < num_members and (num_existing or not is_measured):
         print_finished(
             f"wrote {folder}"
             + (f" ({num_existing} of {num_members} repetitions already existed)" if num_existing else "")
         )
     elif num_existing == num_members:
-        version_text = "" if stored.version == __version__ else f", computed by stiction {stored.version}"
+        version_text = "" if stored_result.version == __version__ else f", computed by stiction {stored_result.version}"
         print_finished(f"{folder} already contains this study{version_text}")
     show_result(result)
-    if is_measured and (num_existing < num_members or not (stored.path / CONTACT_PICTURE_FILE).exists()):
-        _write_companion(stored, CONTACT_PICTURE_FILE, lambda: contact_picture(result))
+    if is_measured and (num_existing < num_members or not (stored_result.path / CONTACT_PICTURE_FILE).exists()):
+        _write_companion(stored_result, CONTACT_PICTURE_FILE, lambda: contact_picture(result))
     compute_companions(result, executor, onset, progress=progress, announce=announce, print_remark=print_remark)
     return result
 
 
-def _write_companion(stored: StoredResult, name: str, compute: Callable[[], Any]) -> None:
+def _write_companion(stored_result: StoredResult, name: str, compute: Callable[[], Any]) -> None:
     """Compute and write a companion file. Do nothing if there are no data, or if body files are missing."""
     with contextlib.suppress(ValueError):
         if (dataset := compute()) is not None:
-            export(dataset, stored.path / name, replace=True)
+            export(dataset, stored_result.path / name, replace=True)
 
 
 def compute_companions(
@@ -140,13 +144,13 @@ def compute_companions(
     announce: LinePrintFunction = _ignore_line, print_remark: LinePrintFunction = _ignore_line,
 ) -> None:  # fmt: skip
     """Compute the cutoff study and the onset of sliding of a measured pair unless they are already stored."""
-    stored = result.stored
-    if stored is None or not stored.study.is_measured:
+    stored_result = result.stored
+    if stored_result is None or not stored_result.study.is_measured:
         return
     try:
-        cutoff_study = None if is_unloaded(result) else build_cutoff_study(stored.study)
+        cutoff_study = None if is_unloaded(result) else build_cutoff_study(stored_result.study)
         if cutoff_study is not None:
-            folder = stored.path / CUTOFF_STUDY_FOLDER
+            folder = stored_result.path / CUTOFF_STUDY_FOLDER
             existing_result = open_stored(folder) if (folder / STUDY_FILE).exists() else None
             if existing_result and find_member_differences(existing_result.study, cutoff_study):
                 remove_result(
@@ -157,25 +161,25 @@ def compute_companions(
                 f"cutoff study: about {format_duration(seconds)} of one core"
             )
             compute_missing(cutoff_study, folder, executor=executor, progress=progress)
-        stored_onset = load_onset(stored)
+        stored_onset = load_onset(stored_result)
         if onset == 0 or (stored_onset is not None and onset in (None, int(stored_onset.attrs["members"]))):
             return
         announce("onset of sliding")
-        new_onset = compute_onset(stored.study, executor, members=onset)
+        new_onset = compute_onset(stored_result.study, executor, members=onset)
     except ValueError as error:  # raised if the files of the bodies are missing
         print_remark(f"cutoff study and onset are not computed: {error}")
         return
     if new_onset is not None:
-        export(new_onset, stored.path / ONSET_FILE, replace=True)
-        with replaced_file(stored.path / ONSET_TABLE_FILE, ONSET_TABLE_SIGNATURE, StoreError) as partial_path:
+        export(new_onset, stored_result.path / ONSET_FILE, replace=True)
+        with replaced_file(stored_result.path / ONSET_TABLE_FILE, ONSET_TABLE_SIGNATURE, StoreError) as partial_path:
             partial_path.write_text(format_backbone_csv(new_onset), encoding="utf-8")
 
 
-def remove_result(stored: StoredResult) -> None:
+def remove_result(stored_result: StoredResult) -> None:
     """Remove all files of a result (study, blocks, areas, onset) from a folder, but no other files."""
-    for block in stored.blocks:
-        (stored.path / BLOCKS_FOLDER / block.name).unlink(missing_ok=True)
-    area_files = (HARDNESS_AREAS_FILE,) if stored.study.is_measured else ()
-    onset_files = (ONSET_FILE, ONSET_TABLE_FILE) if (stored.path / ONSET_FILE).exists() else ()
+    for block in stored_result.blocks:
+        (stored_result.path / BLOCKS_FOLDER / block.name).unlink(missing_ok=True)
+    area_files = (HARDNESS_AREAS_FILE,) if stored_result.study.is_measured else ()
+    onset_files = (ONSET_FILE, ONSET_TABLE_FILE) if (stored_result.path / ONSET_FILE).exists() else ()
     for name in (STUDY_FILE, *area_files, *onset_files):
-        (stored.path / name).unlink(missing_ok=True)
+        (stored_result.path / name).unlink(missing_ok=True)

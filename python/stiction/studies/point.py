@@ -71,8 +71,8 @@ def mean_over_directions(point: xarray.Dataset, name: str) -> float:
     table = point[name]
     if "statistic" in table.dims:
         table = table.sel(statistic="mean")
-    finite = table.values[np.isfinite(table.values)]
-    return float(finite.mean()) if finite.size else math.nan
+    finite_values = table.values[np.isfinite(table.values)]
+    return float(finite_values.mean()) if finite_values.size else math.nan
 
 
 def find_contact_status(point: xarray.Dataset, study: Study) -> str:
@@ -127,9 +127,9 @@ def adhesion_ranges(point: xarray.Dataset, study: Study) -> tuple[float, float]:
     """Return the range of adhesion (µm) in the study, and the range used. A coarse grid requires a larger range."""
     contact: Any = study.contact
     given_range = float(contact.adhesion_range or ADHESION_RANGE)
-    step = float(np.max(point.attrs.get("spacing_um", 0.0)))
+    grid_spacing = float(np.max(point.attrs.get("spacing_um", 0.0)))
     return given_range, max(
-        given_range, resolved_range(float(contact.work_of_adhesion), step, effective_modulus_at(point, study))
+        given_range, resolved_range(float(contact.work_of_adhesion), grid_spacing, effective_modulus_at(point, study))
     )
 
 

@@ -340,12 +340,12 @@ def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
         fraction, mean_over_directions(dataset.isel(cut_off=0), "contact_count")
     )
     relative_gradients = gradients[:, :1]
-    friction = (
+    coefficients = (
         float(dataset["mu0"])
         + float(dataset["tau0"]) * fractions / brackets.interface_area_ratio(relative_gradients) * area / load
     )
-    friction *= brackets.transverse_slope_factor(relative_gradients, scan.roughness.dimensions)
-    return table | {"wavelength": wavelengths, "finer_area_fraction": fractions, "finer_friction": friction}
+    coefficients *= brackets.transverse_slope_factor(relative_gradients, scan.roughness.dimensions)
+    return table | {"wavelength": wavelengths, "finer_area_fraction": fractions, "finer_friction": coefficients}
 
 
 def _spectral_estimate(dataset: xarray.Dataset, study: Study) -> xarray.Dataset | None:

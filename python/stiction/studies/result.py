@@ -357,8 +357,10 @@ class Result:
             if per_member or budget or height_scale is not None:
                 raise ValueError("quantities must be None if per_member, budget or height_scale is given")
             quantities = [quantities] if isinstance(quantities, str) else list(quantities)
-            if unknown := [name for name in quantities if name not in QUANTITIES]:
-                raise ValueError(f"quantities must be names in the table of quantities, got {short_repr(unknown[0])}")
+            if unknown_names := [name for name in quantities if name not in QUANTITIES]:
+                raise ValueError(
+                    f"quantities must be names in the table of quantities, got {short_repr(unknown_names[0])}"
+                )
         if height_scale is not None:
             return self._at_height_scale(height_scale, load, mu0, tau0, reading, scaled, compute)
         loads = self.default_loads if load is None else self._to_forces(load)

@@ -176,18 +176,18 @@ def _compute_blocks(
 
     Workers that can access the folder write the block files.
     """
-    workers = getattr(pool, "_max_workers", None)  # number of workers; None for a cluster, where it varies
-    start_time, is_first = time.monotonic(), update is not None and workers is not None
+    num_workers = getattr(pool, "_max_workers", None)  # number of workers; None for a cluster, where it varies
+    start_time, is_first = time.monotonic(), update is not None and num_workers is not None
 
     def accept(members: range, content: bytes | None) -> None:
         nonlocal is_first
         if content is not None:
             write_block(stored.path, members[0], content, len(members))
         advance(len(members))
-        if is_first and update is not None and workers is not None:
+        if is_first and update is not None and num_workers is not None:
             is_first = False
             estimate = _format_revised_estimate(
-                missing, len(members), time.monotonic() - start_time, workers, estimate_member_time(stored.study)
+                missing, len(members), time.monotonic() - start_time, num_workers, estimate_member_time(stored.study)
             )
             if estimate:
                 update(estimate)
@@ -197,7 +197,7 @@ def _compute_blocks(
         folder = None if is_local else stack.enter_context(_create_run_token(stored.path))
         is_visible = folder is not None and pool.submit(folder.is_visible).result()
         if announce is not None:
-            announce(_describe_work(stored, missing, is_local or is_visible, workers or 1))
+            announce(_describe_work(stored, missing, is_local or is_visible, num_workers or 1))
         max_tasks = MAX_SUBMITTED_TASKS if is_visible else MAX_RETURNED_TASKS
         _compute_ranges(missing, pool, max_tasks, accept, compute_block, __version__, stored.study, folder)
 
@@ -301,20 +301,22 @@ class _MissingMembers:
 
     def __init__(self, stored: StoredResult, part: tuple[int, int] | None) -> None:
         members = stored.study.ensemble.repetitions
-        self.block = choose_block_size(stored.study)
+        self.block_size = choose_block_size(stored.study)
         first, step = (1, 1) if part is None else part
-        self._blocks = range(first - 1, -(-members // self.block), step)
+        self._blocks = range(first - 1, -(-members // self.block_size), step)
         self._is_finished = np.zeros(members, np.bool_)
         self._is_finished[stored.finished] = True
-        finished_by_block = [self._is_finished[block * self.block : (block + 1) * self.block] for block in self._blocks]
+        finished_by_block = [
+            self._is_finished[block * self.block_size : (block + 1) * self.block_size] for block in self._blocks
+        ]
         self.total = sum(map(len, finished_by_block))
         self.count = self.total - int(sum(np.count_nonzero(is_finished) for is_finished in finished_by_block))
 
     def __iter__(self) -> Iterator[range]:
         """Yield ranges of consecutive missing members, one block after the other."""
         for block in self._blocks:
-            first = block * self.block
-            is_finished = self._is_finished[first : first + self.block]
+            first = block * self.block_size
+            is_finished = self._is_finished[first : first + self.block_size]
             # start and end (exclusive) of each range of missing members
             edges = np.flatnonzero(np.diff(np.concatenate([[True], is_finished, [True]]).astype(np.int8)))
             for start, end in edges.reshape(-1, 2).tolist():

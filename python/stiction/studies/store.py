@@ -162,9 +162,9 @@ class StoredResult:
         Raises a `StoreError` if the dataset exceeds 2 GiB, or if the result has no finished members, is damaged, or
         does not match its study.
         """
-        total = self.study.ensemble.repetitions
+        num_members = self.study.ensemble.repetitions
         if not self.count:
-            raise StoreError(f"{printable_path(self.path)}: none of the {total} repetitions is finished yet")
+            raise StoreError(f"{printable_path(self.path)}: none of the {num_members} repetitions is finished yet")
         if self.nbytes > MAX_RESULT_BYTES:
             raise StoreError(
                 f"{printable_path(self.path)}: the result takes {self.nbytes / 2**30:.1f} GiB of memory, more than "
@@ -283,13 +283,13 @@ def read(path: str | Path) -> xarray.Dataset:
             ) from None
         dataset = build_dataset(content.study, content.numbers, content.arrays, content.bodies)
         return dataset.assign_attrs(stiction_version=content.version)
-    stored = open_stored(path)
-    result = stored.dataset()
-    num_members = stored.study.ensemble.repetitions
-    if stored.count < num_members:
+    stored_result = open_stored(path)
+    result = stored_result.dataset()
+    num_members = stored_result.study.ensemble.repetitions
+    if stored_result.count < num_members:
         warnings.warn(
-            f"{printable_path(path)}: {stored.count} of {num_members} repetitions are finished; the result contains "
-            "only these",
+            f"{printable_path(path)}: {stored_result.count} of {num_members} repetitions are finished; the result "
+            "contains only these",
             stacklevel=2,
         )
     return result
@@ -350,8 +350,10 @@ def info(path: str | Path) -> StoreInfo:
     StoreError
         If there is no result at that path, or it is damaged.
     """
-    stored = open_stored(path)
-    return StoreInfo(stored.study, stored.count, stored.size, {"stiction": printable(stored.version)})
+    stored_result = open_stored(path)
+    return StoreInfo(
+        stored_result.study, stored_result.count, stored_result.size, {"stiction": printable(stored_result.version)}
+    )
 
 
 def _list_blocks(path: Path) -> tuple[BlockFile, ...]:
@@ -388,9 +390,9 @@ def create_or_open(path: str | Path, study: Study) -> StoredResult:
     path = Path(path)
     if path.is_file():
         raise StoreError(f"{printable_path(path)} is a file; give a directory for the results")
-    stored = StoredResult(path, study, _list_blocks(path))
-    if stored.blocks:
-        _check_resumable(stored)
+    stored_result = StoredResult(path, study, _list_blocks(path))
+    if stored_result.blocks:
+        _check_resumable(stored_result)
     if os.path.lexists(path / STUDY_FILE) and not _has_study(path, study):
         _check_replaceable(path, study)
     try:
@@ -402,24 +404,28 @@ def create_or_open(path: str | Path, study: Study) -> StoredResult:
                 path / STUDY_FILE, f"{STUDY_FILE_SIGNATURE} {__version__}.\n\n{study.to_toml()}".encode()
             )
     except (OSError, RuntimeError) as error:  # A symbolic link that refers to itself raises a RuntimeError.
-        if stored.count < study.ensemble.repetitions:
+        if stored_result.count < study.ensemble.repetitions:
             reason = describe_os_error(error) if isinstance(error, OSError) else error
             raise StoreError(f"{printable_path(path)}: cannot be written: {reason}") from None
-    return stored
+    return stored_result
 
 
-def _check_resumable(stored: StoredResult) -> None:
+def _check_resumable(stored_result: StoredResult) -> None:
     """Raise a `StoreError` if the existing blocks prevent the computation of this study from being resumed."""
-    path, content, num_members = stored.path, stored.first_block_content, stored.study.ensemble.repetitions
-    if differences := find_member_differences(content.study, stored.study):
+    path, content, num_members = (
+        stored_result.path,
+        stored_result.first_block_content,
+        stored_result.study.ensemble.repetitions,
+    )
+    if differences := find_member_differences(content.study, stored_result.study):
         raise StudyMismatchError(path, content.study, differences)
-    last_member = max(block.last for block in stored.blocks)
+    last_member = max(block.last for block in stored_result.blocks)
     if last_member >= num_members:
         raise StoreError(
             f"{printable_path(path)}: repetition {last_member} is finished, and ensemble.repetitions = {num_members} "
             f"would discard it; set it to at least {last_member + 1}, or choose another directory"
         )
-    if stored.count == num_members:
+    if stored_result.count == num_members:
         return
     if content.version != __version__:
         version = printable(content.version)
@@ -460,25 +466,25 @@ def _has_study(path: Path, study: Study) -> bool:
 class StudyMismatchError(StoreError):
     """Error raised if a folder contains the result of a different study."""
 
-    def __init__(self, path: Path, stored: Study, differ: list[StudyDifference], advice: str = "") -> None:
+    def __init__(self, path: Path, stored: Study, differences: list[StudyDifference], advice: str = "") -> None:
         advice = advice or "give another directory, or replace the stored result"
-        super().__init__(f"{printable_path(path)} contains another study; {advice}\n{format_differences(differ)}")
-        self.path, self.stored, self.differ = path, stored, differ
+        super().__init__(f"{printable_path(path)} contains another study; {advice}\n{format_differences(differences)}")
+        self.path, self.stored, self.differences = path, stored, differences
 
     def with_remedy(self, advice: str) -> StudyMismatchError:
         """Return a copy of the error with another remedy in the message."""
-        return StudyMismatchError(self.path, self.stored, self.differ, advice)
+        return StudyMismatchError(self.path, self.stored, self.differences, advice)
 
 
-def write_block(path: Path, first: int, written: bytes, count: int) -> None:
-    """Write a block file that contains `count` members. The first member has the index `first`.
+def write_block(path: Path, first_member: int, content: bytes, num_members: int) -> None:
+    """Write a block file that contains `num_members` members, starting with the index `first_member`.
 
     Raises a `StoreError` if the file cannot be written.
     """
-    block = BlockFile(first, first + count - 1, zlib.crc32(written))
+    block = BlockFile(first_member, first_member + num_members - 1, zlib.crc32(content))
     for attempt in range(1, MAX_WRITE_ATTEMPTS + 1):
         try:
-            _files.write_atomically(path / BLOCKS_FOLDER / block.name, written)
+            _files.write_atomically(path / BLOCKS_FOLDER / block.name, content)
             return
         except FileNotFoundError:  # another process removed the partial file
             if attempt == MAX_WRITE_ATTEMPTS or not (path / BLOCKS_FOLDER).is_dir():

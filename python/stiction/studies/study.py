@@ -582,11 +582,11 @@ def find_differences(first: StudyTable, second: StudyTable, prefix: str = "") ->
         field = type(first).model_fields.get(name) or type(second).model_fields[name]
         if not field.repr:  # bodies in memory are compared by checksum
             continue
-        values = getattr(first, name, None), getattr(second, name, None)
-        if values[0] == values[1]:
+        table_values = getattr(first, name, None), getattr(second, name, None)
+        if table_values[0] == table_values[1]:
             continue
-        if isinstance(values[0], StudyTable) and isinstance(values[1], StudyTable):
-            differences += find_differences(values[0], values[1], f"{prefix}{name}.")
+        if isinstance(table_values[0], StudyTable) and isinstance(table_values[1], StudyTable):
+            differences += find_differences(table_values[0], table_values[1], f"{prefix}{name}.")
         else:
             differences.append(
                 (
@@ -611,14 +611,14 @@ def find_member_differences(first: Study, second: Study) -> list[StudyDifference
     ]
 
 
-def format_differences(differ: list[StudyDifference]) -> str:
+def format_differences(differences: list[StudyDifference]) -> str:
     """Format the first few differences between two studies as lines for a message."""
     lines = [
-        f"{key} = {short_repr(stored)} there, {short_repr(changed)} here"
-        for key, stored, changed in differ[:MAX_LISTED_DIFFERENCES]
+        f"{key} = {short_repr(stored)} there, {short_repr(other)} here"
+        for key, stored, other in differences[:MAX_LISTED_DIFFERENCES]
     ]
-    if len(differ) > MAX_LISTED_DIFFERENCES:
-        lines.append(f"... and {len(differ) - MAX_LISTED_DIFFERENCES} more")
+    if len(differences) > MAX_LISTED_DIFFERENCES:
+        lines.append(f"... and {len(differences) - MAX_LISTED_DIFFERENCES} more")
     return "\n".join(lines)
 
 

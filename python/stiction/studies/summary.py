@@ -328,8 +328,8 @@ def _include_cutoff_value(value: RuleCoefficient, other_value: RuleCoefficient) 
 def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence[Caveat] = ()) -> PointSummary:
     """Summarize one point of a dataset that `Result.at` returned, including caveats about the bodies."""
     rules = tuple(_build_rule_value(point, rule) for rule in list_rules_quoted_first(study))
-    statuses = np.unique(select_sliding_rule(point["status"], rules[0].rule).values)
-    failed_statuses = [str(status) for status in statuses if status != friction.STATUS_OK]
+    rule_statuses = np.unique(select_sliding_rule(point["status"], rules[0].rule).values)
+    failed_statuses = [str(status) for status in rule_statuses if status != friction.STATUS_OK]
     # A missing coefficient in one direction makes the mean over all directions NaN.
     status = failed_statuses[0] if failed_statuses and math.isnan(rules[0].value) else friction.STATUS_OK
     cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0

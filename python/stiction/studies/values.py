@@ -436,8 +436,8 @@ def _suggest_keys(table_class: type[StudyTable], location: list[int | str]) -> s
         tables = [table for field in fields for table in find_table_classes(field.annotation)]
     keys = dict.fromkeys(name for table in tables for name in table.model_fields)
     keys |= dict.fromkeys(name for table in tables for name in getattr(table, "other_keys", ()))
-    word = str(location[-1])[:MAX_WORD_LENGTH]
-    similar_keys = [*difflib.get_close_matches(word, keys, n=3), *(name for name in keys if word in name)]
+    unknown_key = str(location[-1])[:MAX_WORD_LENGTH]
+    similar_keys = [*difflib.get_close_matches(unknown_key, keys, n=3), *(name for name in keys if unknown_key in name)]
     names = " or ".join(map(repr, list(dict.fromkeys(similar_keys))[:MAX_SUGGESTIONS]))
     return f"; is it {names}?" if names else "; stiction studies --keys lists all"
 
