@@ -170,7 +170,7 @@ def test_unsolved_load_is_reported_instead_of_interpolated(areal_contact, readin
 
 def test_load_between_load_steps_that_are_far_apart_has_status_not_reached():
     curve, values = np.array([1e-3, 1.0, 10.0]), np.array([2e-3, 1.5, 12.0])
-    crossing = intervals.LoadCrossings.of(curve, np.array([1e-3, 0.1, 1.0, 3.0]), ratio=True)
+    crossing = intervals.LoadCrossings.of(curve, np.array([1e-3, 0.1, 1.0, 3.0]), interpolates_ratio=True)
     assert crossing.reached.tolist() == [True, False, True, True]
     assert np.isnan(crossing.at(values)).tolist() == [False, True, False, False]
 

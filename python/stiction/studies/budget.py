@@ -291,10 +291,10 @@ class _CoefficientSamples:
     """
 
     def __init__(
-        self, point: Any, where: Mapping[str, int], study: Study, inputs: Any, friction: ForcesPerLoad,
-        areas: AreaInterpolator, strengths: Sequence[StrengthArrays] = (), of_parts: ScanPairMean | None = None,
+        self, point: Any, indices: Mapping[str, int], study: Study, inputs: Any, friction: ForcesPerLoad,
+        areas: AreaInterpolator, strengths: Sequence[StrengthArrays] = (), scan_mean: ScanPairMean | None = None,
     ) -> None:  # fmt: skip
-        self.study, self.friction, self.areas, self.load = study, friction, areas, where.get("load", 0)
+        self.study, self.friction, self.areas, self.load = study, friction, areas, indices.get("load", 0)
         self.mu0, self.tau0 = float(point["mu0"]), float(point["tau0"])
         self.names: tuple[str, ...] = ()
         self.inputs: dict[str, UncertainInput] = {name: each.estimate for name, each in inputs.items()}
@@ -336,13 +336,13 @@ class _CoefficientSamples:
         self.scatter = spread / (NORMAL_DECILE_RANGE * value) * math.sqrt(1 + 1 / max(members, 1))
         self.freedom = float(max(members - 1, 1))
         relative_errors = {POSITIONS_INPUT: relative_error}  # relative standard error of the mean due to each source
-        if of_parts is not None:
-            total_deviation = math.sqrt(sum(of_parts.variances)) or 1.0
+        if scan_mean is not None:
+            total_deviation = math.sqrt(sum(scan_mean.variances)) or 1.0
             relative_errors = {
                 n: relative_error * math.sqrt(each) / total_deviation
-                for n, each in zip(SAMPLING_INPUTS, of_parts.variances, strict=True)
+                for n, each in zip(SAMPLING_INPUTS, scan_mean.variances, strict=True)
             }
-            self.scatter, self.freedom = of_parts.test / value, min(of_parts.test_freedom, MAX_DEGREES_OF_FREEDOM)
+            self.scatter, self.freedom = scan_mean.test / value, min(scan_mean.test_freedom, MAX_DEGREES_OF_FREEDOM)
         self.standard_errors = {name: each for name, each in relative_errors.items() if each > 0}
         unresolved_inputs = (
             (UNRESOLVED_ROUGHNESS_INPUT,) if self.finest is not None and self.finest[1] > self.finest[0] else ()

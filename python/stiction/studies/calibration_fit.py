@@ -695,22 +695,22 @@ class CalibrationProblem:
         return mean, covariance
 
     def _draw_nuisance_points(
-        self, mean: Floats, covariance: Floats, active: list[int], count: int, seed: int = 0
+        self, mean: Floats, covariance: Floats, active_indices: list[int], count: int, seed: int = 0
     ) -> tuple[Floats, _ProbabilityGrid, Floats]:
         """Draw nuisance points from the proposal distribution, and return their coordinates, grids and log weights."""
         from scipy.special import gammaincinv, ndtri
 
         points = np.zeros((count, len(self.nuisances) + 1))
         log_weight = np.zeros(count)
-        if active:
-            unit_points = sobol_points(len(active) + 1, count, seed=seed)
+        if active_indices:
+            unit_points = sobol_points(len(active_indices) + 1, count, seed=seed)
             deviates = ndtri(unit_points[:, :-1])
             chi_squared_ratio = PROPOSAL_DEGREES_OF_FREEDOM / (
                 2 * gammaincinv(PROPOSAL_DEGREES_OF_FREEDOM / 2, unit_points[:, -1])
             )
             deviates = deviates * np.sqrt(chi_squared_ratio)[:, np.newaxis]
-            points[:, active] = mean + deviates @ np.linalg.cholesky(covariance).T
-            power = 0.5 * (PROPOSAL_DEGREES_OF_FREEDOM + len(active))
+            points[:, active_indices] = mean + deviates @ np.linalg.cholesky(covariance).T
+            power = 0.5 * (PROPOSAL_DEGREES_OF_FREEDOM + len(active_indices))
             log_weight = power * np.log1p((deviates**2).sum(axis=1) / PROPOSAL_DEGREES_OF_FREEDOM)
         grid = self._evaluate_grid(points)
         log_evidence = np.logaddexp.reduce(grid.log_probability.reshape(count, -1), axis=1)
@@ -835,9 +835,9 @@ def _triangular_factors(rows: Floats) -> Floats:
     return np.asarray(factor)
 
 
-def _tau0_range(triangle: Floats, depth: float) -> tuple[Floats, Floats]:
-    """Return the range of tau0 (GPa) in which -2 ln(density) at the best mu0 is at most `depth` above its minimum."""
-    first, second = triangle[:, 0], triangle[:, 1]
+def _tau0_range(triangular_factors: Floats, deviance_range: float) -> tuple[Floats, Floats]:
+    """Return the range of tau0 (GPa) where -2 ln(density) at the best mu0 is within `deviance_range` of the minimum."""
+    first, second = triangular_factors[:, 0], triangular_factors[:, 1]
     curvature = second[:, 1] ** 2 + first[:, 1] ** 2  # coefficient of tau0² in -2 ln(density) at mu0 = 0
     unbounded_best, best_at_bound = (
         second[:, 2] / second[:, 1],
@@ -856,7 +856,7 @@ def _tau0_range(triangle: Floats, depth: float) -> tuple[Floats, Floats]:
         ],
         axis=0,
     )
-    max_deviance = min_deviance + depth
+    max_deviance = min_deviance + deviance_range
     deviance_at_bound = (second[:, 2] - second[:, 1] * best_at_bound) ** 2 + (
         first[:, 2] - first[:, 1] * best_at_bound
     ) ** 2
@@ -872,12 +872,12 @@ def _tau0_range(triangle: Floats, depth: float) -> tuple[Floats, Floats]:
     return low, np.maximum(limits[1], low + 1e-9 * np.abs(half_width_at_bound) + 1e-300)
 
 
-def _tau0_range_at_mu0(mu0: float, triangle: Floats, depth: float) -> tuple[Floats, Floats]:
-    """Return the range of tau0 (GPa) in which -2 ln(density) at a fixed mu0 is at most `depth` above its minimum."""
-    first, second = triangle[:, 0], triangle[:, 1]
+def _tau0_range_at_mu0(mu0: float, triangular_factors: Floats, deviance_range: float) -> tuple[Floats, Floats]:
+    """Return the range of tau0 (GPa) where -2 ln(density) at a fixed mu0 is within `deviance_range` of its minimum."""
+    first, second = triangular_factors[:, 0], triangular_factors[:, 1]
     curvature = second[:, 1] ** 2 + first[:, 1] ** 2
     centre = (second[:, 1] * second[:, 2] + first[:, 1] * (first[:, 2] - first[:, 0] * mu0)) / curvature
-    half_width = np.sqrt(depth / curvature)
+    half_width = np.sqrt(deviance_range / curvature)
     low = np.maximum(centre - half_width, 0.0)
     return low, np.maximum(centre + half_width, low + half_width)
 

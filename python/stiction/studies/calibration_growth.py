@@ -49,8 +49,10 @@ def find_best_mu0(residuals: ResidualFunction, start: Floats, tau0: Floats) -> t
     return mu0, np.sqrt(curvature), (pair_of_steps[..., 0] ** 2).sum(axis=1)
 
 
-def find_tau0_range(squares: Callable[[Floats], Floats], highest: Floats, depth: float) -> tuple[Floats, Floats]:
-    """Return the range of tau0 (GPa) in which the sum of squared residuals is at most `depth` above its minimum.
+def find_tau0_range(
+    sum_of_squares: Callable[[Floats], Floats], max_tau0: Floats, deviance_range: float
+) -> tuple[Floats, Floats]:
+    """Return the range of tau0 (GPa) in which the sum of squared residuals is within `deviance_range` of its minimum.
 
     Parameters
     ----------
@@ -60,13 +62,13 @@ def find_tau0_range(squares: Callable[[Floats], Floats], highest: Floats, depth:
         Upper bound on tau0.
     depth : float
     """
-    low, high = np.zeros(highest.shape), highest
+    low, high = np.zeros(max_tau0.shape), max_tau0
     fractions = np.linspace(0.0, 1.0, NUM_TAU0_SEARCH_POINTS)
-    rows = np.arange(highest.size)
+    rows = np.arange(max_tau0.size)
     for _ in range(NUM_TAU0_SEARCHES):
         tau0 = low[:, np.newaxis] + np.multiply.outer(high - low, fractions)
-        deviances = squares(tau0)
-        is_within = deviances <= deviances.min(axis=1, keepdims=True) + depth
+        deviances = sum_of_squares(tau0)
+        is_within = deviances <= deviances.min(axis=1, keepdims=True) + deviance_range
         first, last = is_within.argmax(axis=1), NUM_TAU0_SEARCH_POINTS - 1 - is_within[:, ::-1].argmax(axis=1)
         low, high = tau0[rows, np.maximum(first - 1, 0)], tau0[rows, np.minimum(last + 1, NUM_TAU0_SEARCH_POINTS - 1)]
     return low, high

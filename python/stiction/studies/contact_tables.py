@@ -571,9 +571,9 @@ def read_contact(
     return contact
 
 
-def _extend_loads(given_loads: Floats, ratio: float, steps: int) -> Floats:
+def _extend_loads(given_loads: Floats, margin: float, num_loads: int) -> Floats:
     """Add loads (mN) from a geometric series that extends below and above the given loads."""
-    load_series = np.geomspace(given_loads.min() / ratio, given_loads.max() * ratio, steps)
+    load_series = np.geomspace(given_loads.min() / margin, given_loads.max() * margin, num_loads)
     # Loads of the series that nearly equal a given load are omitted.
     is_new = np.abs(load_series[:, np.newaxis] / given_loads - 1).min(axis=1) > 1e-6
     return np.unique(np.concatenate([given_loads, load_series[is_new]]))

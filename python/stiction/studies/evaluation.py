@@ -769,7 +769,7 @@ def _evaluate_piece(
         with np.errstate(invalid="ignore"):
             positive_normal = np.where(normal > 0, normal, np.nan) if step_dimension == "load" else normal
         normal_crossing = LoadCrossings.of(
-            positive_normal, loads, ratio=step_dimension == "load"
+            positive_normal, loads, interpolates_ratio=step_dimension == "load"
         ).without_gap_crossings(normal, loads)
         is_reached, is_below = (np.moveaxis(each, -1, -3) for each in (normal_crossing.reached, normal_crossing.below))
         normal, tangential = (np.moveaxis(normal_crossing.at(each), -1, -3) for each in (normal, tangential))
@@ -803,13 +803,13 @@ def _evaluate_piece(
             continue
         if name in tables and step_dimension in tables[name].dims:
             interpolated = load_crossings.at(
-                _to_float_array(tables[name], (*member_dims, step_dimension)), sums=QUANTITIES[name].proportional
+                _to_float_array(tables[name], (*member_dims, step_dimension)), are_sums=QUANTITIES[name].proportional
             )
             variables[name] = ((*member_dims, "load"), interpolated, tables[name].attrs)
     for name in DISTRIBUTION_QUANTITIES:
         if name in tables and _is_requested(name, requested_names):
             interpolated = load_crossings.at(
-                _to_float_array(tables[name], (*member_dims, "fraction_below", step_dimension)), sums=False
+                _to_float_array(tables[name], (*member_dims, "fraction_below", step_dimension)), are_sums=False
             )
             variables[name] = ((*member_dims, "fraction_below", "load"), interpolated, tables[name].attrs)
     for name in (*GAP_QUANTITIES, "pull_off"):
@@ -863,7 +863,9 @@ def _find_load_crossings(
         name: _to_float_array(tables[name], (*member_dims, *MOTION_DIMENSIONS, step_dimension), missing=True)
         for name in names
     }
-    return sums, LoadCrossings.of(curve, loads, ratio=step_dimension == "load").without_gap_crossings(curve, loads)
+    return sums, LoadCrossings.of(curve, loads, interpolates_ratio=step_dimension == "load").without_gap_crossings(
+        curve, loads
+    )
 
 
 def _motion_coordinates(piece: xarray.Dataset, study: Study) -> dict[str, Any]:
@@ -916,12 +918,14 @@ def _to_float_array(array: xarray.Variable, dims: tuple[str, ...], *, missing: b
     return np.asarray(values[tuple(slice(None) if dim in own_dims else np.newaxis for dim in dims)])
 
 
-def _member_status(piece: xarray.Dataset, loads: Floats, normal: Floats, reached: Any, below: Any) -> NDArray[Any]:
+def _member_status(
+    piece: xarray.Dataset, loads: Floats, normal: Floats, is_reached: Any, is_below: Any
+) -> NDArray[Any]:
     """Return the status of each member as an array of shape (..., sliding, direction, load, mu0, tau0)."""
     is_known = np.isfinite(normal)
     is_locked = is_known & (normal <= 0)
     status = friction.combine_statuses(
-        touched=True, reached=is_known & reached & ~is_locked, locked=is_locked, below=below
+        touched=True, reached=is_known & is_reached & ~is_locked, locked=is_locked, below=is_below
     )
     status = np.array(np.broadcast_to(status, normal.shape), STATUS_DTYPE)
     step_dimension = find_step_dimension(piece)

@@ -227,11 +227,11 @@ def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
     return np.unique([*_choose_shear_nodes(study, float(nodes[0])), *nodes]), moduli
 
 
-def _choose_shear_nodes(study: Study, softest: float) -> Floats:
+def _choose_shear_nodes(study: Study, min_hardness: float) -> Floats:
     """Return hardness nodes (GPa) below the smallest hardness. Junction growth requires these additional nodes."""
     if find_junction_growth(study) is None:
         return np.zeros(0)
-    return np.asarray(softest * np.exp(-SHEAR_NODE_SPACING * np.arange(1, NUM_SHEAR_NODES + 1)))
+    return np.asarray(min_hardness * np.exp(-SHEAR_NODE_SPACING * np.arange(1, NUM_SHEAR_NODES + 1)))
 
 
 def compute_areas_at_nodes(study: Study, executor: Executor) -> xarray.Dataset | None:
@@ -405,14 +405,14 @@ class TabulatedAreaFunction:
         areas = area_per_load(np.exp(np.linspace(*self.limits, NUM_AREA_TABLE_STEPS + 1)), *self._arguments)
         return areas, np.diff(areas, axis=-1)
 
-    def __call__(self, log_hardness: Floats, places: TablePositions | None) -> Floats:
+    def __call__(self, log_hardness: Floats, table_positions: TablePositions | None) -> Floats:
         """Return A/F (1/GPa), with shape (..., h), for logarithms of hardnesses (GPa), with shape (h,).
 
-        `places` is the result of `find_table_positions` for the limits of the table.
+        `table_positions` is the result of `find_table_positions` for the limits of the table.
         """
-        if places is None:
+        if table_positions is None:
             return area_per_load(np.exp(log_hardness), *self._arguments)
-        (step_indices, fractions), (areas, differences) = places, self._table
+        (step_indices, fractions), (areas, differences) = table_positions, self._table
         return np.asarray(areas.take(step_indices, axis=-1) + differences.take(step_indices, axis=-1) * fractions)
 
 

@@ -139,25 +139,28 @@ def _enclosing_powers_of_two(low: float, high: float) -> Floats:
     return np.unique([float(f"{power:.{NUM_FACTOR_DIGITS}g}") for power in powers.tolist()])
 
 
-def find_missing_factors(factors: Floats, solved: Floats) -> Floats:
+def find_missing_factors(factors: Floats, solved_factors: Floats) -> Floats:
     """Return the height factors that must be computed before results can be interpolated to the given factors."""
-    missing_factors = np.array([factor for factor in factors.tolist() if _find_neighbors(solved, factor) is None])
+    missing_factors = np.array(
+        [factor for factor in factors.tolist() if _find_neighbors(solved_factors, factor) is None]
+    )
     if not missing_factors.size:
         return missing_factors
-    nodes = np.setdiff1d(_enclosing_powers_of_two(missing_factors[0], missing_factors[-1]), solved)
+    nodes = np.setdiff1d(_enclosing_powers_of_two(missing_factors[0], missing_factors[-1]), solved_factors)
     return nodes if nodes.size < missing_factors.size else missing_factors
 
 
-def _find_neighbors(solved: Floats, factor: float) -> tuple[int, int] | None:
+def _find_neighbors(solved_factors: Floats, factor: float) -> tuple[int, int] | None:
     """Return the indices of the computed factors just below and just above the given factor.
 
     Both indices are equal if the factor itself was computed. Returns None if the neighboring factors are too far apart.
     """
-    upper = int(np.searchsorted(solved, factor))
-    if upper < solved.size and solved[upper] == factor:
+    upper = int(np.searchsorted(solved_factors, factor))
+    if upper < solved_factors.size and solved_factors[upper] == factor:
         return upper, upper
     is_close = (
-        0 < upper < solved.size and math.log2(solved[upper] / solved[upper - 1]) < HEIGHT_FACTOR_EXPONENT_STEP * 1.001
+        0 < upper < solved_factors.size
+        and math.log2(solved_factors[upper] / solved_factors[upper - 1]) < HEIGHT_FACTOR_EXPONENT_STEP * 1.001
     )
     return (upper - 1, upper) if is_close else None
 
@@ -363,18 +366,18 @@ def _compute_rms_heights(study: Study) -> dict[str, float]:
         return {}
 
 
-def _interpolate_factors(values: Floats, solved: Floats, factor: float, neighbors: tuple[int, int]) -> Floats:
+def _interpolate_factors(values: Floats, solved_factors: Floats, factor: float, neighbors: tuple[int, int]) -> Floats:
     """Interpolate values along the first axis between computed height factors. NaN spreads to adjacent intervals."""
     from scipy.interpolate import PchipInterpolator
 
     lower, upper = neighbors
     if lower == upper:
         return np.asarray(values[lower])
-    flat_values = values.reshape(solved.size, -1)
+    flat_values = values.reshape(solved_factors.size, -1)
     finite = np.isfinite(flat_values)
     interpolated = np.full(flat_values.shape[1], np.nan)
     is_available = finite[lower] & finite[upper]
-    log_factors = np.log(solved)
+    log_factors = np.log(solved_factors)
     for is_finite in np.unique(finite[:, is_available], axis=1).T:
         mask = is_available & (finite == is_finite[:, np.newaxis]).all(axis=0)
         is_positive = mask & (flat_values[is_finite] > 0).all(axis=0)

@@ -51,14 +51,14 @@ class LoadCrossings:
     scale: tuple[Floats, Floats] | None = None
 
     @classmethod
-    def of(cls, curve: Floats, loads: Floats, *, ratio: bool = False) -> LoadCrossings:
+    def of(cls, curve: Floats, loads: Floats, *, interpolates_ratio: bool = False) -> LoadCrossings:
         """Find where curves first rise through the given loads, by linear interpolation between loading steps.
 
-        The curves have the shape (..., k), and the loads have the shape (l,). With `ratio`, the ratio of value to load
-        is interpolated over the logarithm of the load. A load between two steps is then reached only if the ratio of
-        the loads at these steps is at most `MAX_LOAD_RATIO`.
+        The curves have the shape (..., k), and the loads have the shape (l,). With `interpolates_ratio`, the ratio of
+        value to load is interpolated over the logarithm of the load. A load between two steps is then reached only if
+        the ratio of the loads at these steps is at most `MAX_LOAD_RATIO`.
         """
-        if ratio:
+        if interpolates_ratio:
             with np.errstate(divide="ignore", invalid="ignore"):
                 log_crossings = cls.of(np.log(curve), np.log(loads))
                 below, above = log_crossings._bracketing_values(curve)
@@ -94,16 +94,17 @@ class LoadCrossings:
         )
         return before, after
 
-    def at(self, values: Floats, *, sums: bool = True) -> Floats:
+    def at(self, values: Floats, *, are_sums: bool = True) -> Floats:
         """Interpolate values at the given loads. At loads that are not reached, the result is NaN.
 
         The values have the shape (..., more, k), and the result has the shape (..., more, l).
-        With `sums`, the ratio of value to load is interpolated if the crossings were found with `ratio`.
+        With `are_sums`, the ratio of value to load is interpolated if the crossings were found with
+        `interpolates_ratio`.
         """
         num_dims = self.index.ndim - 1
         broadcast_shape = (*self.index.shape[:-1], *(1,) * (values.ndim - 1 - num_dims), -1)
         index, fraction, reached = (each.reshape(broadcast_shape) for each in (self.index, self.fraction, self.reached))
-        if sums and self.scale is not None:
+        if are_sums and self.scale is not None:
             with np.errstate(divide="ignore", invalid="ignore"):
                 values = values / self.scale[0].reshape(broadcast_shape)
         shape = np.broadcast_shapes(values.shape[:-1], index.shape[:-1])
@@ -114,7 +115,7 @@ class LoadCrossings:
         # For a crossing exactly at a step, the value at the previous step may be NaN.
         with np.errstate(invalid="ignore"):  # Values may be infinite, such as the stiffness of complete contact.
             interpolated = np.where(fraction == 1, after, before + fraction * (after - before))
-        if sums and self.scale is not None:
+        if are_sums and self.scale is not None:
             interpolated = interpolated * self.scale[1]
         return np.where(reached, interpolated, np.nan)
 

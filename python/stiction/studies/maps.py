@@ -201,7 +201,7 @@ def move_repetitions_last(array: xarray.DataArray, dims: Sequence[str]) -> NDArr
 
 
 def solved_pieces(
-    result: Result, names: Iterable[str] | None = None, change: DatasetTransformation | None = None
+    result: Result, names: Iterable[str] | None = None, transform: DatasetTransformation | None = None
 ) -> Iterator[xarray.Dataset]:
     """Yield the pieces of a result, omitting members for which the solver failed at any load."""
     for piece in result.pieces(names):
@@ -211,14 +211,14 @@ def solved_pieces(
         )
         is_solved = is_solved.reshape(-1, is_solved.shape[-1]).all(axis=0)
         solved_piece = piece if is_solved.all() else piece.isel(repetition=np.flatnonzero(is_solved))
-        yield solved_piece if change is None else change(solved_piece)
+        yield solved_piece if transform is None else transform(solved_piece)
 
 
 def ensemble_map(
-    result: Result, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, what: str,
-    change: DatasetTransformation | None = None,
+    result: Result, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, quantity_name: str,
+    transform: DatasetTransformation | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Apply `change` to each piece of the result, and evaluate an ensemble quantity at given mean normal loads."""
+    """Apply `transform` to each piece of the result, and evaluate an ensemble quantity at given mean normal loads."""
     load_values = np.atleast_1d(friction.friction_parameter("loads", loads))
     if load_values.ndim != 1:
         raise ValueError(f"loads must be a number or a list of numbers, got shape {load_values.shape}")
@@ -230,42 +230,52 @@ def ensemble_map(
     missing += [name for name in MAP_CELL_DIMENSIONS if name in dataset.dims and not dataset.sizes[name]]
     if missing or not find_cell_dimensions(dataset):
         raise ValueError(f"the dataset has no dimension {(missing or ['fractal_dimension'])[0]!r}")
-    for name in _needed_variable_names(what):
+    for name in _needed_variable_names(quantity_name):
         if name not in dataset:
             raise ValueError(f"the dataset has no variable {name!r}")
-    quantity = _EnsembleQuantity(dataset if change is None else change(dataset), what, load_values, *strengths)
+    ensemble_quantity = _EnsembleQuantity(
+        dataset if transform is None else transform(dataset), quantity_name, load_values, *strengths
+    )
     # The first pass finds the steps at which the mean loads are reached.
     # The second pass computes the intervals at these steps.
     averages, quantity_sums, count = _average_sums(
-        lambda: solved_pieces(result, quantity.names(), change), what, quantity.step_dimension
+        lambda: solved_pieces(result, ensemble_quantity.names(), transform),
+        quantity_name,
+        ensemble_quantity.step_dimension,
     )
     if not count:
         raise ValueError("no member of the result could be computed at all loads")
     means_by_cell = {}
-    for cell_index in np.ndindex(quantity.cells):
-        normal, values = (each[..., 0] for each in quantity.curves(cell_index, averages, quantity_sums))
+    for cell_index in np.ndindex(ensemble_quantity.cells):
+        normal, values = (each[..., 0] for each in ensemble_quantity.curves(cell_index, averages, quantity_sums))
         means_by_cell[cell_index] = intervals.MeansAtLoads(normal, values, count, load_values)
     batch_size = max(
         1,
-        NUM_VALUES_IN_MEMORY // max(1, quantity.mu0.size * quantity.tau0.size * dataset.sizes[quantity.step_dimension]),
+        NUM_VALUES_IN_MEMORY
+        // max(
+            1,
+            ensemble_quantity.mu0.size * ensemble_quantity.tau0.size * dataset.sizes[ensemble_quantity.step_dimension],
+        ),
     )
     with executor_or_thread_pool(None) as pool:
-        for piece in solved_pieces(result, quantity.names(), change):
-            sums_by_cell = [_compute_sums(piece, what, quantity.step_dimension)] * len(means_by_cell)
+        for piece in solved_pieces(result, ensemble_quantity.names(), transform):
+            sums_by_cell = [_compute_sums(piece, quantity_name, ensemble_quantity.step_dimension)] * len(means_by_cell)
 
             def add(cell_index: tuple[int, ...], sums: tuple[ContactSums, ContactSums]) -> None:
                 for first in range(0, sums[0].contact_count.shape[-1], batch_size):
-                    means_by_cell[cell_index].add(*quantity.curves(cell_index, *sums, slice(first, first + batch_size)))
+                    means_by_cell[cell_index].add(
+                        *ensemble_quantity.curves(cell_index, *sums, slice(first, first + batch_size))
+                    )
 
             list(pool.map(add, means_by_cell, sums_by_cell))
-    return quantity.build_dataset(means_by_cell, averages, quantity_sums)
+    return ensemble_quantity.build_dataset(means_by_cell, averages, quantity_sums)
 
 
 class _EnsembleQuantity:
     """Ensemble quantity at given loads (mN), for all combinations of mu0 and tau0 (GPa)."""
 
-    def __init__(self, head: xarray.Dataset, what: str, loads: Floats, mu0: Floats, tau0: Floats) -> None:
-        self.head, self.quantity, self.loads, self.mu0, self.tau0 = head, what, loads, mu0, tau0
+    def __init__(self, head: xarray.Dataset, quantity: str, loads: Floats, mu0: Floats, tau0: Floats) -> None:
+        self.head, self.quantity, self.loads, self.mu0, self.tau0 = head, quantity, loads, mu0, tau0
         self.step_dimension = find_step_dimension(head)
         self.dims = [*(motion for motion in MOTION_DIMENSIONS if motion in head.dims), *find_cell_dimensions(head)]
         self.cells = tuple(head.sizes[dim] for dim in self.dims)
@@ -354,22 +364,22 @@ def _reshape_curves(curve_table: NDArray[Any], shape: tuple[int, ...]) -> NDArra
     return np.moveaxis(curve_table.reshape(*shape[-2:], shape[-3]), -1, 0)
 
 
-def _compute_sums(data: xarray.Dataset, quantity: str, step: str) -> tuple[ContactSums, ContactSums]:
+def _compute_sums(dataset: xarray.Dataset, quantity: str, step_dimension: str) -> tuple[ContactSums, ContactSums]:
     """Return the contact sums, and the sums from which a quantity is computed. The first axes describe the motion."""
     dims = [
-        *(motion for motion in MOTION_DIMENSIONS if motion in data.dims),
-        *find_cell_dimensions(data),
-        step,
+        *(motion for motion in MOTION_DIMENSIONS if motion in dataset.dims),
+        *find_cell_dimensions(dataset),
+        step_dimension,
         "repetition",
     ]
-    shape = [data.sizes[dim] for dim in dims]
+    shape = [dataset.sizes[dim] for dim in dims]
 
     def get_values(name: str) -> NDArray[Any]:
-        if name not in data:
+        if name not in dataset:
             return np.broadcast_to(np.nan, shape)
-        own_dims = [dim for dim in dims if dim in data[name].dims]
-        values = move_repetitions_last(data[name], own_dims[:-1])
-        return np.broadcast_to(values.reshape([data.sizes[dim] if dim in own_dims else 1 for dim in dims]), shape)
+        own_dims = [dim for dim in dims if dim in dataset[name].dims]
+        values = move_repetitions_last(dataset[name], own_dims[:-1])
+        return np.broadcast_to(values.reshape([dataset.sizes[dim] if dim in own_dims else 1 for dim in dims]), shape)
 
     columns = {name: get_values(name) for name in SUM_QUANTITIES}
     sums = ContactSums.from_columns(columns)
@@ -383,9 +393,9 @@ def _compute_sums(data: xarray.Dataset, quantity: str, step: str) -> tuple[Conta
         return sums, sums
 
     def derivative(values: NDArray[Any]) -> Floats:
-        return np.asarray(np.gradient(values, data[step].values, axis=-2, edge_order=2))
+        return np.asarray(np.gradient(values, dataset[step_dimension].values, axis=-2, edge_order=2))
 
-    approach_step = derivative(get_values("approach")) if step == "load" else 1.0
+    approach_step = derivative(get_values("approach")) if step_dimension == "load" else 1.0
     return sums, ContactSums.from_columns(
         columns | {name: derivative(columns[name]) / approach_step for name in _LOAD_VARIABLES[1:]}
     )
@@ -398,7 +408,7 @@ def _compute_values(sums: ContactSums, quantity: str, mu0: Floats, tau0: Floats)
 
 
 def _average_sums(
-    solved_members: Callable[[], Iterator[xarray.Dataset]], quantity: str, step: str
+    solved_members: Callable[[], Iterator[xarray.Dataset]], quantity: str, step_dimension: str
 ) -> tuple[ContactSums, ContactSums, int]:
     """Average both sets of sums from `_compute_sums` over the members. Also return the number of members."""
     total_sums: list[ContactSums] = []
@@ -407,7 +417,7 @@ def _average_sums(
         count += piece.sizes["repetition"]
         piece_sums = [
             sums.apply(lambda values: values.sum(axis=-1, keepdims=True))
-            for sums in _compute_sums(piece, quantity, step)
+            for sums in _compute_sums(piece, quantity, step_dimension)
         ]
         total_sums = [
             ContactSums(**{name: getattr(first, name) + getattr(second, name) for name in SUM_QUANTITIES})

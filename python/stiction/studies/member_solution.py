@@ -76,7 +76,7 @@ NUM_UNLOADING_MEMBERS, NUM_UNLOADING_CUT_OFFS = 4, 2
 
 
 def solve_at_loads(
-    study: Study, upper: Profile | Surface, lower: Profile | Surface, *, unloads: bool = False
+    study: Study, upper: Profile | Surface, lower: Profile | Surface, *, computes_unloading: bool = False
 ) -> ArraysByName:
     """Compute the contact sums of a pair at the loads of its study. For measured bodies, add contact statistics.
 
@@ -93,7 +93,7 @@ def solve_at_loads(
     }
     slopes = PairSlopes.from_pair(upper, lower) if study.is_measured else None
     if isinstance(contact, HalfSpaceSettings):
-        _solve_half_space(contact, upper, lower, values, slopes, unloads=unloads)
+        _solve_half_space(contact, upper, lower, values, slopes, computes_unloading=computes_unloading)
     else:
         _solve_asperities(contact, upper, lower, values, slopes)
     if slopes is not None:
@@ -128,7 +128,7 @@ def _solve_half_space(
     values: ArraysByName,
     slopes: PairSlopes | None,
     *,
-    unloads: bool,
+    computes_unloading: bool,
 ) -> None:
     """Compute the contact at all loads with the half-space model.
 
@@ -177,7 +177,7 @@ def _solve_half_space(
         values["normal_stiffness"][load_indices] = curve.stiffness
         values["closure"][load_indices] = curve.closure
         values["closure_stiffness"][load_indices] = curve.closure_stiffness * STIFFNESS_UNIT_FACTOR
-        if unloads or curve.hardness is None:
+        if computes_unloading or curve.hardness is None:
             values["unloading_stiffness"][load_indices] = curve.unloading_stiffness
         values["error"][load_indices] = curve.error
         for index, load in enumerate(load_indices):
@@ -267,14 +267,14 @@ def _solve_asperities(contact: AsperitySettings, upper: Any, lower: Any, values:
             values[name][load] = value
 
 
-def precompute_candidates(upper: Any, lower: Any, deepest: float, model: ContactModel) -> tuple[Any, ...]:
+def precompute_candidates(upper: Any, lower: Any, max_approach: float, model: ContactModel) -> tuple[Any, ...]:
     """Find the contact candidates up to an approach (µm), so that later calls need not search for them again.
 
     Returns both bodies unchanged if contacts are not minima of the gap.
     """
     if model.detection != "gap-minimum":
         return upper, lower
-    return (candidates(upper, lower, deepest=deepest, curvature=model.curvature),)
+    return (candidates(upper, lower, deepest=max_approach, curvature=model.curvature),)
 
 
 # ---- Contact at a single load ----------------------------------------------------------------------------------------
@@ -566,8 +566,13 @@ def _reuse_array(shape: tuple[int, ...]) -> Floats:
 
 def _solve_measured(study: Study, index: int, arrays: ArraysByName) -> Iterator[tuple[int, ArraysByName]]:
     """Yield each cutoff's index and the contact sums of the member. Write the member coordinates to `arrays`."""
-    unloads = index - study.surfaces.first_scan_member_index < NUM_UNLOADING_MEMBERS
+    computes_unloading = index - study.surfaces.first_scan_member_index < NUM_UNLOADING_MEMBERS
     for cell_index, wavelength in enumerate(study.surfaces.cells()["cut_off"]):
         member = load_bodies(study).member(index, float(wavelength))
         arrays |= {name: np.asarray(getattr(member, name)) for name in ("x", "y", "line", "surrogate")}
-        yield cell_index, solve_at_loads(study, *member.pair, unloads=unloads and cell_index < NUM_UNLOADING_CUT_OFFS)
+        yield (
+            cell_index,
+            solve_at_loads(
+                study, *member.pair, computes_unloading=computes_unloading and cell_index < NUM_UNLOADING_CUT_OFFS
+            ),
+        )

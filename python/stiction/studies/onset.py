@@ -93,20 +93,22 @@ def compute_member_onset(
     member = load_bodies(study).member(index, cut_off)
     poisson = study.contact.poisson_ratio or (DEFAULT_POISSON_RATIO, DEFAULT_POISSON_RATIO)
     try:
-        pressed = PressedPair.of(study, member.pair, load)
-        if pressed is None:
+        pressed_pair = PressedPair.of(study, member.pair, load)
+        if pressed_pair is None:
             return None
-        options: dict[str, Any] = {"tolerance": TRACTION_TOLERANCE} if isinstance(pressed.curve, HalfSpaceCurve) else {}
-        onset = pressed.curve.onset(0, mu0=mu0, tau0=tau0, steps=ONSET_LOAD_FRACTIONS, poisson=poisson, **options)
+        options: dict[str, Any] = (
+            {"tolerance": TRACTION_TOLERANCE} if isinstance(pressed_pair.curve, HalfSpaceCurve) else {}
+        )
+        onset = pressed_pair.curve.onset(0, mu0=mu0, tau0=tau0, steps=ONSET_LOAD_FRACTIONS, poisson=poisson, **options)
     except (RuntimeError, ValueError):  # raised if the solver failed or the contact law has no onset
         return None
     curve: dict[str, Any] = {
         name: getattr(onset, name) for name in (*_CURVE_TITLES, *_ONSET_SCALAR_NAMES[:-1]) if name != "energy_lost"
     }  # fmt: skip
-    curve["unloading_stiffness"] = float(np.ravel(getattr(pressed.curve, "unloading_stiffness", np.nan))[0])
+    curve["unloading_stiffness"] = float(np.ravel(getattr(pressed_pair.curve, "unloading_stiffness", np.nan))[0])
     return curve | {
         "energy_lost": onset.energy_lost(onset.tangential_load), "line": member.line, "x": member.x, "y": member.y,
-        "repetition": index, "map": build_slip_map(pressed, onset),
+        "repetition": index, "map": build_slip_map(pressed_pair, onset),
     }  # fmt: skip
 
 
@@ -225,13 +227,13 @@ DatasetVariables = dict[str, tuple[Any, ...]]
 _LENGTH_ATTRIBUTES = {"units": "um"}
 
 
-def build_slip_map(pressed: PressedPair, onset: Onset) -> DatasetVariables:
+def build_slip_map(pressed_pair: PressedPair, onset: Onset) -> DatasetVariables:
     """Return the fraction of the sliding load at which slip starts, for each grid point or asperity contact.
 
     The dataset includes the heights of the lower body. In large maps, each block of neighbouring points is represented
     by the point that slips first. The dataset is empty for profiles.
     """
-    lower = pressed.lower
+    lower = pressed_pair.lower
     if not isinstance(lower, Surface):
         return {}
     (rows, columns), (dy, dx) = lower.heights.shape, lower.spacing
@@ -246,11 +248,11 @@ def build_slip_map(pressed: PressedPair, onset: Onset) -> DatasetVariables:
         ),
     }
     slip_fraction = onset.slip_load() / onset.sliding_load
-    if isinstance(pressed.curve, HalfSpaceCurve):
+    if isinstance(pressed_pair.curve, HalfSpaceCurve):
         attributes = {"units": "1", "long_name": "ratio of tangential to sliding load at which a point slips"}
         slip_start = _find_block_minima(slip_fraction.reshape(rows, columns), stride)
         return variables | {"slip": (("slip_y", "slip_x"), slip_start.astype(np.float32), attributes)}
-    table = pressed.table()
+    table = pressed_pair.table()
     contact_variables = {
         "slip": (slip_fraction, "1", "ratio of tangential to sliding load at which a contact slides as a whole"),
         "x": (table.x, "um", "middle of a contact along x"),

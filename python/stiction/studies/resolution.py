@@ -290,7 +290,7 @@ def _build_cutoff_result(point: xarray.Dataset, study: Study) -> CutoffResult:
 
 
 def estimate_yield_wavelengths(
-    point: xarray.Dataset, study: Study, scan: ResolvedRoughness
+    point: xarray.Dataset, study: Study, resolved_roughness: ResolvedRoughness
 ) -> tuple[YieldWavelengthEstimate, ...]:
     """Estimate the wavelengths at which the mean contact pressure would reach typical hardnesses.
 
@@ -304,7 +304,7 @@ def estimate_yield_wavelengths(
     mu0, tau0 = float(point["mu0"]), float(point["tau0"])
     return tuple(
         YieldWavelengthEstimate(
-            hardness, *scan.find_yield_wavelength(hardness / pressure, count), mu0 + tau0 / hardness
+            hardness, *resolved_roughness.find_yield_wavelength(hardness / pressure, count), mu0 + tau0 / hardness
         )
         for hardness in TYPICAL_HARDNESSES
         if hardness < modulus / 2
@@ -320,11 +320,11 @@ def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
     lower and upper end of the elastic result, extrapolated with the Hurst exponent (empty with a hardness);
     ``spectral``, the result of `spectral_resolution` for joined spectra of several scans (None for single scans).
     """
-    plastic_bounds, scan = plastic_limit(dataset, study), find_resolved_roughness(study)
+    plastic_bounds, resolved_roughness = plastic_limit(dataset, study), find_resolved_roughness(study)
     table: dict[str, Any] = {
         "friction": None,
         "area_fraction": None,
-        "shortest": None if scan is None else scan.shortest,
+        "shortest": None if resolved_roughness is None else resolved_roughness.shortest,
         "wavelength": np.empty(0),
         "finer_area_fraction": np.empty((0, 3)),
         "finer_friction": np.empty((0, 3)),
@@ -334,9 +334,9 @@ def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
         return table | dict(zip(("friction", "area_fraction"), plastic_bounds, strict=True))
     area, load = float(dataset["nominal_area"]), float(dataset["load"])
     fraction = mean_over_directions(dataset.isel(cut_off=0), "contact_area_fraction")
-    if scan is None or not fraction > 0 or not study.uses_half_space:
+    if resolved_roughness is None or not fraction > 0 or not study.uses_half_space:
         return table
-    wavelengths, gradients, fractions = scan.extrapolate(
+    wavelengths, gradients, fractions = resolved_roughness.extrapolate(
         fraction, mean_over_directions(dataset.isel(cut_off=0), "contact_count")
     )
     relative_gradients = gradients[:, :1]
@@ -344,7 +344,7 @@ def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
         float(dataset["mu0"])
         + float(dataset["tau0"]) * fractions / brackets.interface_area_ratio(relative_gradients) * area / load
     )
-    coefficients *= brackets.transverse_slope_factor(relative_gradients, scan.roughness.dimensions)
+    coefficients *= brackets.transverse_slope_factor(relative_gradients, resolved_roughness.roughness.dimensions)
     return table | {"wavelength": wavelengths, "finer_area_fraction": fractions, "finer_friction": coefficients}
 
 

@@ -121,9 +121,9 @@ def compute_missing(
     `announce` receives a line about the work ahead. Returns the number of finished repetitions of the study, or of the
     part. Raises the errors of `run`.
     """
-    stored = prepare_folder(study, folder, part)
-    stored = complete_blocks(stored, part=part, executor=executor, progress=progress, announce=announce)
-    missing = _MissingMembers(stored, part)
+    stored_result = prepare_folder(study, folder, part)
+    stored_result = complete_blocks(stored_result, part=part, executor=executor, progress=progress, announce=announce)
+    missing = _MissingMembers(stored_result, part)
     return missing.total - missing.count
 
 
@@ -145,7 +145,7 @@ def prepare_folder(study: Study, folder: str | Path, part: tuple[int, int] | Non
 
 
 def complete_blocks(
-    stored: StoredResult, *, part: tuple[int, int] | None = None, executor: Executor | None = None,
+    stored_result: StoredResult, *, part: tuple[int, int] | None = None, executor: Executor | None = None,
     progress: bool = False, announce: Callable[[str], None] | None = None, update: Callable[[str], None] | None = None,
 ) -> StoredResult:  # fmt: skip
     """Compute the blocks that are missing in a stored result, and return the complete result.
@@ -153,23 +153,23 @@ def complete_blocks(
     `update` receives a new estimate of the run time after the first block, if much time remains and the first estimate
     was too low. Raises the errors of `compute_missing`.
     """
-    missing = _MissingMembers(stored, part)
+    missing = _MissingMembers(stored_result, part)
     with contextlib.ExitStack() as stack:
         pool = stack.enter_context(executor_or_thread_pool(executor))
         advance = stack.enter_context(
             progress_bar("repetitions", missing.total, missing.total - missing.count, progress)
         )
         if missing.count:
-            stack.enter_context(_count_finished_on_error(stored))
-            _compute_blocks(stored, missing, pool, advance, announce, update)
-    stored = stored.reload()
-    if _MissingMembers(stored, part).count:
-        raise StoreError(f"{printable_path(stored.path)} was removed or replaced while it was being written")
-    return stored
+            stack.enter_context(_count_finished_on_error(stored_result))
+            _compute_blocks(stored_result, missing, pool, advance, announce, update)
+    stored_result = stored_result.reload()
+    if _MissingMembers(stored_result, part).count:
+        raise StoreError(f"{printable_path(stored_result.path)} was removed or replaced while it was being written")
+    return stored_result
 
 
 def _compute_blocks(
-    stored: StoredResult, missing: _MissingMembers, pool: Executor, advance: Callable[[int], None],
+    stored_result: StoredResult, missing: _MissingMembers, pool: Executor, advance: Callable[[int], None],
     announce: Callable[[str], None] | None, update: Callable[[str], None] | None,
 ) -> None:  # fmt: skip
     """Compute the blocks that are missing in a stored result, and write them to files.
@@ -182,24 +182,28 @@ def _compute_blocks(
     def accept(members: range, content: bytes | None) -> None:
         nonlocal is_first
         if content is not None:
-            write_block(stored.path, members[0], content, len(members))
+            write_block(stored_result.path, members[0], content, len(members))
         advance(len(members))
         if is_first and update is not None and num_workers is not None:
             is_first = False
             estimate = _format_revised_estimate(
-                missing, len(members), time.monotonic() - start_time, num_workers, estimate_member_time(stored.study)
+                missing,
+                len(members),
+                time.monotonic() - start_time,
+                num_workers,
+                estimate_member_time(stored_result.study),
             )
             if estimate:
                 update(estimate)
 
     with contextlib.ExitStack() as stack:
         is_local = isinstance(pool, ThreadPoolExecutor)
-        folder = None if is_local else stack.enter_context(_create_run_token(stored.path))
+        folder = None if is_local else stack.enter_context(_create_run_token(stored_result.path))
         is_visible = folder is not None and pool.submit(folder.is_visible).result()
         if announce is not None:
-            announce(_describe_work(stored, missing, is_local or is_visible, num_workers or 1))
+            announce(_describe_work(stored_result, missing, is_local or is_visible, num_workers or 1))
         max_tasks = MAX_SUBMITTED_TASKS if is_visible else MAX_RETURNED_TASKS
-        _compute_ranges(missing, pool, max_tasks, accept, compute_block, __version__, stored.study, folder)
+        _compute_ranges(missing, pool, max_tasks, accept, compute_block, __version__, stored_result.study, folder)
 
 
 @contextlib.contextmanager
@@ -222,15 +226,15 @@ def _create_run_token(path: Path) -> Iterator[SharedFolder]:
 
 
 @contextlib.contextmanager
-def _count_finished_on_error(stored: StoredResult) -> Iterator[None]:
+def _count_finished_on_error(stored_result: StoredResult) -> Iterator[None]:
     """Add the number of finished members to the messages of storage errors and of errors about dead workers."""
     try:
         yield
     except (StoreError, BrokenExecutor) as error:
         reason = WORKER_DIED_MESSAGE if isinstance(error, BrokenExecutor) else error
         raise StoreError(
-            f"{reason}\n{stored.reload().count} of {stored.study.ensemble.repetitions} repetitions are finished and "
-            "kept; run the study in the same folder again to resume"
+            f"{reason}\n{stored_result.reload().count} of {stored_result.study.ensemble.repetitions} repetitions are "
+            "finished and kept; run the study in the same folder again to resume"
         ) from None
 
 
@@ -258,10 +262,10 @@ def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> x
 LONG_RUN_TIME = 600.0  # estimated time (s) on all threads above which advice on shortening the run is printed
 
 
-def _describe_work(stored: StoredResult, missing: _MissingMembers, is_visible: bool, workers: int) -> str:
+def _describe_work(stored_result: StoredResult, missing: _MissingMembers, is_visible: bool, workers: int) -> str:
     """Describe the remaining work in one line: run time, number and size of files, and whether disk space is short."""
-    study = stored.study
-    free_bytes = shutil.disk_usage(stored.path).free
+    study = stored_result.study
+    free_bytes = shutil.disk_usage(stored_result.path).free
     num_files = sum(1 for _ in missing)
     size = missing.count * member_bytes(study)
     space_text = f", with {format_bytes(free_bytes)} free" if size > free_bytes / 2 else ""
@@ -299,13 +303,13 @@ def _format_revised_estimate(missing: _MissingMembers, members: int, seconds: fl
 class _MissingMembers:
     """Unfinished members of a study or of one part of it. Each range of members lies within one block."""
 
-    def __init__(self, stored: StoredResult, part: tuple[int, int] | None) -> None:
-        members = stored.study.ensemble.repetitions
-        self.block_size = choose_block_size(stored.study)
+    def __init__(self, stored_result: StoredResult, part: tuple[int, int] | None) -> None:
+        members = stored_result.study.ensemble.repetitions
+        self.block_size = choose_block_size(stored_result.study)
         first, step = (1, 1) if part is None else part
         self._blocks = range(first - 1, -(-members // self.block_size), step)
         self._is_finished = np.zeros(members, np.bool_)
-        self._is_finished[stored.finished] = True
+        self._is_finished[stored_result.finished] = True
         finished_by_block = [
             self._is_finished[block * self.block_size : (block + 1) * self.block_size] for block in self._blocks
         ]

@@ -37,11 +37,11 @@ MAX_SHORT_LIST_LENGTH = 100  # maximum number of entries in a list of mu0, tau0,
 MAX_DEGREES = 360  # maximum absolute value of a direction in degrees
 
 
-def _make_quantity_reader(kind: str, *, zero: bool = False) -> Callable[[object], Quantity]:
+def _make_quantity_reader(kind: str, *, allows_zero: bool = False) -> Callable[[object], Quantity]:
     def read(text: object) -> Quantity:
         value = quantity(text, kind)
-        if not (value > 0 or (zero and float(value) == 0)):
-            raise ValueError(f"must be {'at least' if zero else 'above'} 0, got {value.text!r}")
+        if not (value > 0 or (allows_zero and float(value) == 0)):
+            raise ValueError(f"must be {'at least' if allows_zero else 'above'} 0, got {value.text!r}")
         return value
 
     return read
@@ -69,12 +69,14 @@ def _require_increasing(values: tuple[float, ...]) -> tuple[float, ...]:
 as_written = PlainSerializer(to_written_form)
 Length = Annotated[Quantity, PlainValidator(read_length), as_written]
 SignedLength = Annotated[Quantity, PlainValidator(lambda text: quantity(text, "length")), as_written]
-LengthOrZero = Annotated[Quantity, PlainValidator(_make_quantity_reader("length", zero=True)), as_written]
+LengthOrZero = Annotated[Quantity, PlainValidator(_make_quantity_reader("length", allows_zero=True)), as_written]
 Modulus = Annotated[Quantity, PlainValidator(_make_quantity_reader("pressure")), as_written]
-PressureOrZero = Annotated[Quantity, PlainValidator(_make_quantity_reader("pressure", zero=True)), as_written]
+PressureOrZero = Annotated[Quantity, PlainValidator(_make_quantity_reader("pressure", allows_zero=True)), as_written]
 Force = Annotated[Quantity, PlainValidator(_make_quantity_reader("force")), as_written]
 Time = Annotated[Quantity, PlainValidator(_make_quantity_reader("time")), as_written]
-WorkOfAdhesion = Annotated[Quantity, PlainValidator(_make_quantity_reader("work of adhesion", zero=True)), as_written]
+WorkOfAdhesion = Annotated[
+    Quantity, PlainValidator(_make_quantity_reader("work of adhesion", allows_zero=True)), as_written
+]
 Fraction = Annotated[float, Field(ge=0, le=1)]
 NumGridPoints = Annotated[int, Field(ge=MIN_POINTS, le=MAX_POINTS)]
 FractalDimension = Annotated[float, Field(ge=1, lt=2)]
