@@ -20,7 +20,7 @@ rough, fine = (
 )  # fmt: skip
 worn = levelled(Surface(np.minimum(rough.heights, 0.01 + fine.heights), spacing=rough.spacing), "plane")
 surrogate_body = surrogate(worn, 2016)
-OPTIONS = {
+PAIR_OPTIONS = {
     "load": "3 MPa,10 MPa,30 MPa", "effective_modulus": "10 GPa", "mu0": 0.3, "tau0": "50 MPa", "shifts": 8,
     "direction": [0, 90, 180, 270], "cutoff": "none", "onset": 0,
 }  # fmt: skip
@@ -29,7 +29,7 @@ figure, axes = plt.subplots(1, 2, figsize=(6.0, 2.8), layout="constrained")
 for name, body, colour in (("worn", worn, "0.0"), ("surrogate", surrogate_body, "0.55")):
     axes[0].hist(1000 * body.heights.ravel(), 80, histtype="step", density=True, color=colour, label=name)
     parameters = surface_parameters(body)
-    table = pair(body, body, **OPTIONS).at().isel(cut_off=0, mu0=0, tau0=0)
+    table = pair(body, body, **PAIR_OPTIONS).at().isel(cut_off=0, mu0=0, tau0=0)
     area = 100 * table["contact_area_fraction"].values
     axes[1].fill_between([3, 10, 30], area[:, 1], area[:, 2], color=colour, alpha=0.2, linewidth=0)
     axes[1].plot([3, 10, 30], area[:, 0], "o-", markersize=3, color=colour, label=f"{name} on itself")

@@ -11,8 +11,8 @@ from stiction.views.style import AREA_COLOUR, MATPLOTLIB_STYLE, SHEAR_STRENGTH_C
 plt.rcParams.update(MATPLOTLIB_STYLE)
 
 ANGLES = np.array([0.0, 15.0, 30.0, 45.0, 60.0, 90.0])
-SIDE = 38.4  # µm
-OPTIONS = {
+MAP_SIDE_LENGTH = 38.4  # µm
+PAIR_OPTIONS = {
     "load": "20 MPa", "mu0": 0.2, "tau0": "0 MPa,500 MPa", "effective_modulus": "115 GPa", "shifts": 12,
     "direction": [0, 90, 180, 270], "cutoff": "none", "onset": 0,
 }  # fmt: skip
@@ -33,10 +33,10 @@ upper, lower = create_ground_face("upper"), create_ground_face("lower")
 rows = []
 for angle in ANGLES:
     rotated_upper = rotated(upper, angle)
-    corner = tuple((extent - SIDE) / 2 for extent in rotated_upper.extent)
-    upper_piece = cropped(rotated_upper, corner, tuple(start + SIDE for start in corner))
-    faces = on_common_grid(upper_piece, cropped(lower, (0.0, 0.0), (SIDE, SIDE)))
-    rows.append(pair(*faces, **OPTIONS).at().isel(cut_off=0, load=0, mu0=0))
+    corner = tuple((extent - MAP_SIDE_LENGTH) / 2 for extent in rotated_upper.extent)
+    upper_piece = cropped(rotated_upper, corner, tuple(start + MAP_SIDE_LENGTH for start in corner))
+    faces = on_common_grid(upper_piece, cropped(lower, (0.0, 0.0), (MAP_SIDE_LENGTH, MAP_SIDE_LENGTH)))
+    rows.append(pair(*faces, **PAIR_OPTIONS).at().isel(cut_off=0, load=0, mu0=0))
 
 
 figure, (top, bottom) = plt.subplots(2, 1, figsize=(5.4, 4.8), sharex=True, layout="constrained")

@@ -11,7 +11,7 @@ from stiction.views.style import AREA_COLOUR, MATPLOTLIB_STYLE, SHEAR_STRENGTH_C
 plt.rcParams.update(MATPLOTLIB_STYLE)
 
 FINISHES = (0.1, 0.05, 0.02, 0.01)  # Sq of the upper face in µm; Sq of the lower face is 0.1 µm
-OPTIONS = {
+PAIR_OPTIONS = {
     "load": "20 MPa", "mu0": 0.2, "tau0": "0 MPa,500 MPa", "effective_modulus": "115 GPa", "shifts": 6,
     "cutoff": "none", "onset": 0,
 }  # fmt: skip
@@ -26,7 +26,7 @@ def create_face(side, rms):
 
 
 lower = create_face("lower", 0.1)
-rows = [pair(create_face("upper", rms), lower, **OPTIONS).at().isel(cut_off=0, load=0, mu0=0) for rms in FINISHES]
+rows = [pair(create_face("upper", rms), lower, **PAIR_OPTIONS).at().isel(cut_off=0, load=0, mu0=0) for rms in FINISHES]
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(6.2, 3.3), layout="constrained")
 for tau0, colour in zip((0.0, 0.5), SHEAR_STRENGTH_COLOURS, strict=True):

@@ -12,8 +12,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.stats import t as student
 
-DOCS = Path(__file__).parents[1]
-sys.path.insert(0, str(DOCS.parent / "tests"))
+DOCS_FOLDER = Path(__file__).parents[1]
+sys.path.insert(0, str(DOCS_FOLDER.parent / "tests"))
 
 from reference.boundary_elements import (  # noqa: E402  also used by tests
     EFFECTIVE_MODULUS,
@@ -124,7 +124,7 @@ def draw_ratios(results: dict, quantity: int, label: str, name: str, solution, *
         columnspacing=1,
         handlelength=2.2,
     )
-    figure.savefig(DOCS / "images" / name)
+    figure.savefig(DOCS_FOLDER / "images" / name)
 
 
 def draw_kappa(results: dict) -> None:
@@ -156,7 +156,7 @@ def draw_kappa(results: dict) -> None:
         frameon=False,
         columnspacing=1,
     )
-    figure.savefig(DOCS / "images/boundary_elements_kappa.png")
+    figure.savefig(DOCS_FOLDER / "images/boundary_elements_kappa.png")
 
 
 def render_load_rows(results: dict) -> list[str]:
@@ -279,7 +279,7 @@ def main() -> None:
         f"Effect of the grid and the solver: largest change of the mean ratio of {NUM_CHECKS} profiles, over all H.",
     )
     text = "\n\n".join(f"{heading}\n\n" + "\n".join(rows) for heading, rows in zip(headings, tables, strict=True))
-    (DOCS / "generated/boundary_elements.md").write_text(text + "\n", encoding="utf-8")
+    (DOCS_FOLDER / "generated/boundary_elements.md").write_text(text + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

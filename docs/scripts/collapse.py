@@ -39,9 +39,9 @@ from stiction._core import patches_of
 from stiction.mechanics.friction import compute_load
 from stiction.mechanics.patches import grid_slopes, patch_sums
 
-DOCS = Path(__file__).parents[1]
-RESULTS_FILE = DOCS.parent / "build/collapse.jsonl"
-DATA_FOLDER = Path(os.environ.get("STICTION_TEST_DATA", DOCS.parents[1] / "shared/data"))
+DOCS_FOLDER = Path(__file__).parents[1]
+RESULTS_FILE = DOCS_FOLDER.parent / "build/collapse.jsonl"
+DATA_FOLDER = Path(os.environ.get("STICTION_TEST_DATA", DOCS_FOLDER.parents[1] / "shared/data"))
 """Directory of measured maps; cases without their file are left out."""
 
 MODULUS = 10.0
@@ -472,7 +472,7 @@ def draw(points: list[dict]) -> None:
     for ax in axes[2:]:
         ax.axhline(0, color="0.1", lw=0.8, zorder=0)
     figure.legend(loc="outside lower center", ncols=4, fontsize=6.5, frameon=False)
-    figure.savefig(DOCS / "images/collapse.png")
+    figure.savefig(DOCS_FOLDER / "images/collapse.png")
 
 
 def draw_limits(points: list[dict]) -> None:
@@ -518,14 +518,14 @@ def draw_limits(points: list[dict]) -> None:
         ax.xaxis.label.set_fontsize(8)
         ax.yaxis.label.set_fontsize(8)
         ax.legend(fontsize=5.5, frameon=False)
-    figure.savefig(DOCS / "images/collapse_limits.png")
+    figure.savefig(DOCS_FOLDER / "images/collapse_limits.png")
 
 
 def write_numbers(points: list[dict]) -> None:
     """Write the means over the pairs of every case."""
     keys = sorted({key for point in points for key in point if key not in ("case", "together")})
     keys = ["family", "of", *(key for key in keys if key != "family")]
-    with (DOCS / "generated/collapse.csv").open("w", encoding="utf-8", newline="") as file:
+    with (DOCS_FOLDER / "generated/collapse.csv").open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, keys, lineterminator="\n")
         writer.writeheader()
         for point in points:
@@ -555,7 +555,7 @@ def main() -> None:
         "different roughness, stiffness and spectra, and for steep slopes.",
         "\n".join(render_limit_rows(points)),
     ]
-    (DOCS / "generated/collapse.md").write_text("\n\n".join(text) + "\n", encoding="utf-8")
+    (DOCS_FOLDER / "generated/collapse.md").write_text("\n\n".join(text) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

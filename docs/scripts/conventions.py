@@ -15,7 +15,7 @@ from matplotlib.patches import Arc, Circle, Rectangle
 from stiction import Contacts, Profile, asperities, contacts, random_phases, weierstrass_mandelbrot
 from stiction.views.style import INCHES_PER_MILLIMETRE, MATPLOTLIB_STYLE
 
-IMAGE = Path(__file__).parents[1] / "images/conventions.png"
+IMAGE_FILE = Path(__file__).parents[1] / "images/conventions.png"
 
 APPROACH = 0.15  # µm
 MU0 = 0.4
@@ -228,4 +228,4 @@ def save_figure(path: Path) -> None:
 
 
 if __name__ == "__main__":
-    save_figure(IMAGE)
+    save_figure(IMAGE_FILE)

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from stiction import contacts, self_affine_surface
 from stiction.views.style import INCHES_PER_MILLIMETRE, MATPLOTLIB_STYLE
 
-IMAGE = Path(__file__).parents[1] / "images/conventions_areas.png"
+IMAGE_FILE = Path(__file__).parents[1] / "images/conventions_areas.png"
 
 DIRECTION = 30.0  # degrees from +x towards +y
 APPROACH = 0.9  # µm
@@ -113,4 +113,4 @@ def save_figure(path):
 
 
 if __name__ == "__main__":
-    save_figure(IMAGE)
+    save_figure(IMAGE_FILE)

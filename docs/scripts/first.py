@@ -23,7 +23,7 @@ from stiction.views.style import (
 )
 
 ROOT = Path(__file__).resolve().parents[2]
-SCANS = ROOT / "examples/scans"
+SCANS_FOLDER = ROOT / "examples/scans"
 INPUTS = {"upper": "steel", "lower": "brass", "hardness": "120 HV ± 10 %", "mu0": 0.2, "tau0": "50 MPa"}
 """Options of `pair` in the example of README, without the load."""
 CURVE_LOADS = np.geomspace(1.0, 100.0, 9)
@@ -47,8 +47,8 @@ def compute_friction():
     """Return value and ends of the combined interval at every load, by sliding rule."""
     with tempfile.TemporaryDirectory() as folder:
         result = pair(
-            SCANS / "lapped_upper.csv",
-            SCANS / "lapped_lower.csv",
+            SCANS_FOLDER / "lapped_upper.csv",
+            SCANS_FOLDER / "lapped_lower.csv",
             load=CURVE_LOADS.tolist(),
             onset=0,
             directory=folder,
@@ -61,7 +61,7 @@ def compute_friction():
 
 def solve_contact():
     """Return x and heights of the lower profile, and the contact of one pair under MARKED_LOAD."""
-    upper, lower = (levelled(read_profile(SCANS / f"lapped_{side}.csv"), "line") for side in ("upper", "lower"))
+    upper, lower = (levelled(read_profile(SCANS_FOLDER / f"lapped_{side}.csv"), "line") for side in ("upper", "lower"))
     curve = half_space(flipped(upper), lower, [MARKED_LOAD], effective_modulus=78.7, hardness=1.27, boundary="free")
     return lower.x, lower.heights, curve.contact(0)
 

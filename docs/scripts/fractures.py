@@ -23,9 +23,12 @@ from stiction.views.style import (
     save_figure,
 )
 
-IMAGE = Path(__file__).resolve().parents[1] / "images/fractures.png"
+IMAGE_FILE = Path(__file__).resolve().parents[1] / "images/fractures.png"
 DISC_DIAMETER = 122e3  # µm
-YOUNG, POISSON = 11.0, 0.33  # Young's modulus in GPa (measured: 10 to 12) and Poisson's ratio (assumed by the authors)
+YOUNG_MODULUS, POISSON_RATIO = (
+    11.0,
+    0.33,
+)  # Young's modulus in GPa (measured: 10 to 12) and Poisson's ratio (assumed by the authors)
 LOW_STRESSES, HIGH_STRESSES = (1.0, 2.0), (5.0, 10.0)  # MPa; stresses between which the secant stiffness is computed
 DIGITISING_STEP = 4.0  # µm; resolution of the digitised heights
 FIT_WAVELENGTHS = 1e3, 10e3  # µm; range of wavelengths for the fit of the Hurst exponent
@@ -53,7 +56,9 @@ def load_test(folder, name):
     return (displacement[: top + 1], stress[: top + 1]), (displacement[top:], stress[top:])
 
 
-def compute_closure(gap, stress, *, young=YOUNG, poisson=POISSON, boundary="free", tilt="free", hardness=None):
+def compute_closure(
+    gap, stress, *, young=YOUNG_MODULUS, poisson=POISSON_RATIO, boundary="free", tilt="free", hardness=None
+):
     """Return the closure (mm) since first contact at stresses (MPa), and the load curve."""
     flat = Surface(np.zeros(gap.heights.shape), spacing=gap.spacing)
     rough = Surface(-gap.heights, spacing=gap.spacing, missing=gap.missing)
@@ -235,7 +240,7 @@ def draw(shown):
         axes[0, 0].set(ylabel=f"closure since {MIN_STRESS + 0.06:.2f} MPa (mm)", ylim=(0, None))
         axes[1, 0].set(ylabel="stiffness (MPa/mm)")
         figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
-        save_figure(figure, IMAGE)
+        save_figure(figure, IMAGE_FILE)
 
 
 if __name__ == "__main__":

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from stiction import gentle_friction, random_phases, weierstrass_mandelbrot_moments, weierstrass_mandelbrot_surface
 from stiction.studies import store
 
-DOCS = Path(__file__).parents[1]
-RESULTS = DOCS.parent / "build/claims/columns"
+DOCS_FOLDER = Path(__file__).parents[1]
+RESULTS_FOLDER = DOCS_FOLDER.parent / "build/claims/columns"
 MU0, TAU0, AMPLITUDE = 0.4, 0.2, 0.1
 MAP_SIZE, EXTENT = 256, 10.0
 CURVE_STYLES = {
@@ -83,7 +83,7 @@ def main() -> None:
     figure = Figure(figsize=(7.2, 4.1), dpi=200, layout="constrained")
     axes = figure.subplots(2, 4, sharex=True).ravel()
     for name in CURVE_STYLES:
-        data = store.read(RESULTS / name)
+        data = store.read(RESULTS_FOLDER / name)
         sliding = "opposing" if "sliding" in data.dims else None
         with np.errstate(divide="ignore", invalid="ignore"):
             result = ResampledMeans(data, AMPLITUDE, sliding=sliding)
@@ -119,7 +119,7 @@ def main() -> None:
     for ax in axes[4:]:
         ax.set_xlabel("D", fontsize=7.5)
     axes[1].legend(fontsize=5.6, frameon=False, loc="upper left", handlelength=1.4, borderaxespad=0.2)
-    figure.savefig(DOCS / "images/friction.png")
+    figure.savefig(DOCS_FOLDER / "images/friction.png")
 
 
 if __name__ == "__main__":

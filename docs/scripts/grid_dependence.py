@@ -16,8 +16,8 @@ from stiction.views.style import (
     save_figure,
 )
 
-DOCS = Path(__file__).parents[1]
-NUMBERS_OF_POINTS = (37_500, 75_000, 150_000, 300_000, 600_000)
+DOCS_FOLDER = Path(__file__).parents[1]
+POINT_COUNTS = (37_500, 75_000, 150_000, 300_000, 600_000)
 FRACTAL_DIMENSIONS = [1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7]
 MU0 = 0.4
 
@@ -25,7 +25,7 @@ MU0 = 0.4
 def measure_grids(detection: str) -> dict[str, np.ndarray]:
     """Return loads (mN) and area (µm²) at an approach of 10 nm, (dimension, points, repetition)."""
     columns: dict[str, list[np.ndarray]] = {"load": [], "normal": [], "tangential": [], "area": [], "below": []}
-    for points in NUMBERS_OF_POINTS:
+    for points in POINT_COUNTS:
         study = Study().with_changes(
             {
                 "surfaces.fractal_dimension": FRACTAL_DIMENSIONS,
@@ -93,8 +93,8 @@ def draw() -> None:
         ):
             for column, (values, lower, upper) in enumerate(ratios):
                 ax = axes[row, column]
-                ax.fill_between(NUMBERS_OF_POINTS, lower[d], upper[d], color=colour, alpha=0.18, linewidth=0)
-                ax.plot(NUMBERS_OF_POINTS, values[d], "o-", ms=2, lw=0.9, color=colour, label=f"{dimension:.1f}")
+                ax.fill_between(POINT_COUNTS, lower[d], upper[d], color=colour, alpha=0.18, linewidth=0)
+                ax.plot(POINT_COUNTS, values[d], "o-", ms=2, lw=0.9, color=colour, label=f"{dimension:.1f}")
             shown = [f"{load[d, k]:.3g}" for k in (0, 2, 4)] + [
                 f"{friction[d, k]:.3f}" if normal[d, k] > 0 else "locked" for k in (0, 2, 4)
             ]
@@ -106,7 +106,7 @@ def draw() -> None:
     for ax in axes.flat:
         ax.set_xscale("log")
         ax.set_yscale("log")
-        ax.xaxis.set_ticks(NUMBERS_OF_POINTS, labels=["37.5", "75", "150", "300", "600"])
+        ax.xaxis.set_ticks(POINT_COUNTS, labels=["37.5", "75", "150", "300", "600"])
         ax.minorticks_off()
     for ax in axes[:, :2].flat:
         ticks = (0.5, 1, 2, 5, 10, 30, 100)
@@ -120,8 +120,8 @@ def draw() -> None:
     for ax in axes[-1]:
         ax.set_xlabel("points (thousands)")
     figure.legend(*axes[0, 0].get_legend_handles_labels(), title="$D$\nbands: 95 %", loc="outside right center")
-    save_figure(figure, DOCS / "images/grid_dependence.png")
-    (DOCS / "generated/grid_dependence.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    save_figure(figure, DOCS_FOLDER / "images/grid_dependence.png")
+    (DOCS_FOLDER / "generated/grid_dependence.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from stiction import Study, friction_map, run
 from stiction.studies import store
 
-DOCS = Path(__file__).parents[1]
+DOCS_FOLDER = Path(__file__).parents[1]
 
 FIGURE_LOADS = (0.05, 0.25)
 """Loads of the panels, in mN."""
@@ -73,11 +73,11 @@ def main(directory: Path) -> None:
         ax.set_ylabel(r"$\mu_s$", fontsize=8)
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2, fontsize=7.5, frameon=False)
-    figure.savefig(DOCS / "images/half_plane.png")
+    figure.savefig(DOCS_FOLDER / "images/half_plane.png")
     print({name: int(np.size(result["repetition"])) for name, result in computed.items()})
 
 
 if __name__ == "__main__":
     warnings.filterwarnings("ignore", message=".*repetitions are finished.*")
     paths = [Path(each) for each in sys.argv[1:] if not each.startswith("--")]
-    main(paths[0] if paths else DOCS.parent / "build/half_plane")
+    main(paths[0] if paths else DOCS_FOLDER.parent / "build/half_plane")

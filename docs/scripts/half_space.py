@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from scipy.stats import t as student
 from stiction import HertzCylinder, Profile, Surface, half_space, press, self_affine, self_affine_surface
 
-DOCS = Path(__file__).parents[1]
+DOCS_FOLDER = Path(__file__).parents[1]
 
 MODULUS = 10.0
 RMS_SLOPE = 0.1
@@ -177,7 +177,7 @@ def draw(results: dict) -> None:
         marks += ax.plot([], [], ls="", marker=mark, color="0.3", mfc=fill, ms=3, label=f"$H$ = {hurst:g}")
     figure.legend(handles=marks, loc="outside lower center", ncols=3, fontsize=7.5, frameon=False)
     figure.supylabel("asperities / half-space", fontsize=9)
-    figure.savefig(DOCS / "images/half_space.png")
+    figure.savefig(DOCS_FOLDER / "images/half_space.png")
 
 
 def format_tables(results: dict) -> str:
@@ -228,7 +228,7 @@ def main(workers: int = 1) -> None:
         jobs = {key: [pool.submit(measure_pair, *key, k) for k in range(NUM_PAIRS[key[:2]])] for key in keys}
         results = {key: np.array([job.result() for job in item]) for key, item in jobs.items()}
     draw(results)
-    (DOCS / "generated/half_space.md").write_text(format_tables(results), encoding="utf-8")
+    (DOCS_FOLDER / "generated/half_space.md").write_text(format_tables(results), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -7,13 +7,13 @@ import numpy as np
 from scipy.special import stdtrit
 from stiction.studies.intervals import neighbors_mean
 
-DOCS = Path(__file__).parent.parent
-sys.path.insert(0, str(DOCS.parent / "tests"))
+DOCS_FOLDER = Path(__file__).parent.parent
+sys.path.insert(0, str(DOCS_FOLDER.parent / "tests"))
 
 from reference.neighbours import DISTRIBUTION_NAMES, estimate_truth, measure_coverage, simulate_traverses  # noqa: E402
 
 NUM_TRIALS = 2000
-NUMBERS_OF_POSITIONS = (8, 16, 32, 64, 200)
+POSITION_COUNTS = (8, 16, 32, 64, 200)
 CORRELATIONS = (0.0, 0.4, 0.8)
 MIN_COVERAGE, MAX_WIDTH_RATIO = 0.94, 1.5
 """Values outside these limits are printed bold; the standard error of a coverage is 0.005."""
@@ -58,7 +58,7 @@ def main():
         "|" + "---|" * (3 + len(INTERVAL_METHODS)),
     ]
     for quantity in DISTRIBUTION_NAMES:
-        for positions in NUMBERS_OF_POSITIONS:
+        for positions in POSITION_COUNTS:
             for correlation in CORRELATIONS:
                 random = np.random.default_rng([positions, int(10 * correlation), DISTRIBUTION_NAMES.index(quantity)])
                 truth, best = estimate_truth(quantity, positions, correlation, random)
@@ -72,7 +72,7 @@ def main():
                         f"{_format_bold(f'{width:.2f}', width > MAX_WIDTH_RATIO)}"
                     )
                 lines.append(f"| {quantity} | {positions} | {correlation:g} | {' | '.join(cells)} |")
-    (DOCS / "generated/intervals.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    (DOCS_FOLDER / "generated/intervals.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def _format_bold(text, bold):

@@ -18,11 +18,11 @@ from scipy.stats import t as student
 from stiction import Study, Surface, half_space, press, run, self_affine_surface
 from stiction._number_format import format_with_interval
 
-DOCS = Path(__file__).parents[1]
+DOCS_FOLDER = Path(__file__).parents[1]
 
 MODULUS = 10.0
 MU0 = 0.3
-POISSON = 0.3
+POISSON_RATIO = 0.3
 TAU0_OVER_MODULUS = (0.0, 0.02)
 """tau0 in units of E*, at an rms gradient of the gap of 0.14."""
 BANDWIDTHS = (8, 16, 32)
@@ -126,7 +126,7 @@ def compare_kernels() -> list[str]:
         bodies = Surface(gap, spacing=1 / n), Surface(np.zeros(gap.shape), spacing=1 / n)
         curve = half_space(*bodies, [0.02 * unit], effective_modulus=MODULUS, boundary="periodic")
         touching = curve.contact(0).pressure > 0
-        simple = curve.onset(0, mu0=MU0, poisson=POISSON, steps=1).stiffness
+        simple = curve.onset(0, mu0=MU0, poisson=POISSON_RATIO, steps=1).stiffness
         ratios = [_stuck_load(touching, both=both) / simple for both in (False, True)]
         lines.append(f"| {name} | {ratios[0]:.3f} | {ratios[1]:.3f} |")
         print(lines[-1], flush=True)
@@ -140,9 +140,9 @@ def _stuck_load(touching: np.ndarray, *, both: bool) -> float:
     size = np.hypot(*k)
     size[0, 0] = np.inf
     # With G of both bodies in series, E* = 2 G'/(1 - ν): u = 2/(E* (1 - ν) |k|) (1 - ν kx²/k²) q.
-    scale = 2 / (MODULUS * (1 - POISSON) * size)
-    straight = [scale * (1 - POISSON * (k[axis] / size) ** 2) for axis in (1, 0)]
-    crossed = -scale * POISSON * k[0] * k[1] / size**2
+    scale = 2 / (MODULUS * (1 - POISSON_RATIO) * size)
+    straight = [scale * (1 - POISSON_RATIO * (k[axis] / size) ** 2) for axis in (1, 0)]
+    crossed = -scale * POISSON_RATIO * k[0] * k[1] / size**2
     count = int(touching.sum())
 
     def compute_displacement(q: np.ndarray) -> np.ndarray:
@@ -247,7 +247,7 @@ def compute_over_dimension() -> list[str]:
     """Compute the onset of profiles (built-in study) and of maps over D; draw the one of profiles."""
     lines = run(Study.named("presliding"), progress=True)
     figure = lines.figure("onset")
-    figure.savefig(DOCS / "images/onset_dimension.png", dpi=300)
+    figure.savefig(DOCS_FOLDER / "images/onset_dimension.png", dpi=300)
     areas = run(Study.named("presliding").with_changes(AREA_CHANGES), progress=True)
     rows = table_header(
         "D",
@@ -325,7 +325,7 @@ def draw() -> None:
         axes.tick_params(labelsize=6, width=0.4)
         axes.xaxis.label.set_size(7)
         axes.yaxis.label.set_size(7)
-    figure.savefig(DOCS / "images/onset.png")
+    figure.savefig(DOCS_FOLDER / "images/onset.png")
     print(
         f"mu_s {onset.sliding_load / onset.normal_load:.4f}, creep {1e3 * onset.displacement_at_sliding:.3g} nm, "
         f"at half of it {100 * onset.slipped_load[19]:.0f} % of the load slips, stiffness {onset.stiffness:.3g} mN/µm"
@@ -342,7 +342,7 @@ def main(*names: str) -> None:
         "dimension": compute_over_dimension,
     }
     for name in names or tables:
-        target = DOCS / f"generated/onset_{name}.md"
+        target = DOCS_FOLDER / f"generated/onset_{name}.md"
         target.write_text("\n".join(tables[name]()) + "\n", encoding="utf-8")
     if not names:
         draw()

@@ -24,7 +24,7 @@ from stiction.views.style import (
     save_figure,
 )
 
-IMAGE = Path(__file__).resolve().parents[1] / "images/pla_silicone.png"
+IMAGE_FILE = Path(__file__).resolve().parents[1] / "images/pla_silicone.png"
 TABLE_LOADS = (10, 20, 30, 50, 100, 150, 200, 300, 400, 500, 600, 700)
 MIN_FITTED_LOAD = 50.0  # mN, lowest load of both fits
 MAX_LOAD = 700.0  # mN; values jump above this load, as after a change of range
@@ -81,7 +81,7 @@ def main(path):
         right.set(xlabel="normal load (mN)", ylabel="coefficient of kinetic friction", xscale="log", ylim=(0, 4))
         left.legend(loc="upper left")
         right.legend(loc="upper right")
-        save_figure(figure, IMAGE)
+        save_figure(figure, IMAGE_FILE)
 
 
 if __name__ == "__main__":

@@ -20,8 +20,8 @@ from stiction import (
     surface_spectrum,
 )
 
-DOCS = Path(__file__).parent.parent
-RESULTS = Path("resolution")
+DOCS_FOLDER = Path(__file__).parent.parent
+RESULTS_FOLDER = Path("resolution")
 LARGE_MAP_POINTS, SMALL_MAP_POINTS, SPACING = 1024, 512, 0.01  # spacing in µm
 MODULUS, HARDNESS, MU0, TAU0 = 115.0, 4.0, 0.2, 0.2  # GPa
 PRESSURE, HIGH_PRESSURE = 0.02, 0.2  # GPa
@@ -189,7 +189,7 @@ def compute_joined_spectrum():
     )
     first = [scans[name][0] for name in scans]
     one_each = joined_spectrum(first, tip_radii=[None, None, radius], names=list(scans))
-    save_figure(joined_figure(one_each), DOCS / "images/characterise_joined.png")
+    save_figure(joined_figure(one_each), DOCS_FOLDER / "images/characterise_joined.png")
     q, _, density = surface_spectrum(whole, periodic=True).waves()
     half = 10 ** (0.5 / BANDS_PER_DECADE)
     known = []
@@ -208,12 +208,12 @@ def compute_joined_spectrum():
 
 
 def save_results(name, results):
-    RESULTS.mkdir(exist_ok=True)
-    (RESULTS / f"{name}.json").write_text(json.dumps(results), encoding="utf-8")
+    RESULTS_FOLDER.mkdir(exist_ok=True)
+    (RESULTS_FOLDER / f"{name}.json").write_text(json.dumps(results), encoding="utf-8")
 
 
 def load_results(name):
-    return json.loads((RESULTS / f"{name}.json").read_text(encoding="utf-8"))
+    return json.loads((RESULTS_FOLDER / f"{name}.json").read_text(encoding="utf-8"))
 
 
 def render_settling_rows(rows):
@@ -400,7 +400,7 @@ def write_page():
         "",
         *render_spectrum_rows(together),
     ]
-    (DOCS / "generated/resolution.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    (DOCS_FOLDER / "generated/resolution.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
     draw_figure(by_hurst, together)
 
 
@@ -447,7 +447,7 @@ def draw_figure(by_hurst, together):
     )
     axes[2].set_title("One surface, three instruments")
     axes[2].legend(fontsize=7.5)
-    figure.savefig(DOCS / "images/resolution.png", dpi=110)
+    figure.savefig(DOCS_FOLDER / "images/resolution.png", dpi=110)
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ import stiction as st
 from first import INPUTS, ROOT, SCANS
 from stiction.views.report import save_report
 
-IMAGES = ROOT / "docs/images"
+IMAGE_FOLDER = ROOT / "docs/images"
 WINDOW_WIDTH = 1280  # px
 IMAGE_HEIGHTS = {"report": 1180, "app_scans": 900, "app_answer": 1000}  # px
 
@@ -33,7 +33,7 @@ def save_screenshot(driver, name: str, height: int) -> None:
     """Save the upper part of the page, from its top."""
     clip = {"x": 0, "y": 0, "width": WINDOW_WIDTH, "height": height, "scale": 1}
     completed = driver.execute_cdp_cmd("Page.captureScreenshot", {"captureBeyondViewport": True, "clip": clip})
-    (IMAGES / f"{name}.png").write_bytes(base64.b64decode(completed["data"]))
+    (IMAGE_FOLDER / f"{name}.png").write_bytes(base64.b64decode(completed["data"]))
 
 
 def draw_report(driver, folder: Path) -> None:

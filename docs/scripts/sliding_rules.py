@@ -15,7 +15,7 @@ from stiction.views.style import (
     UPPER_COLOUR,
 )
 
-IMAGES = Path(__file__).resolve().parents[1] / "images"
+IMAGE_FOLDER = Path(__file__).resolve().parents[1] / "images"
 FIGURE_WIDTH, FIGURE_HEIGHT = 170.0, 44.0  # mm
 ASPERITY_RADIUS = 1.0  # asperity radius, the unit of all lengths
 UPPER_OFFSETS = np.array(
@@ -90,4 +90,4 @@ def draw(dark: bool) -> Figure:
 
 if __name__ == "__main__":
     for name, dark in (("sliding_rules", False), ("sliding_rules_dark", True)):
-        draw(dark).savefig(IMAGES / f"{name}.png", dpi=200, facecolor="none" if dark else "white")
+        draw(dark).savefig(IMAGE_FOLDER / f"{name}.png", dpi=200, facecolor="none" if dark else "white")

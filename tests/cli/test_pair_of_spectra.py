@@ -23,7 +23,7 @@ from stiction.studies.store import open_stored
 from stiction.surfaces.pairing import SpectralSurfacePairs
 from support.command import assert_rejected, call_stiction, check_stiction
 
-SPACING, POINTS = 0.02, 256
+SPACING, NUM_POINTS = 0.02, 256
 MATERIAL_OPTIONS = {
     "effective_modulus": "100 GPa",
     "hardness": "4 GPa",
@@ -31,7 +31,7 @@ MATERIAL_OPTIONS = {
     "tau0": "200 MPa",
     "load": "20 MPa",
 }
-FEW_STEPS = {"direction": [0.0, 90.0], "onset": 0}
+FEW_DIRECTION_OPTIONS = {"direction": [0.0, 90.0], "onset": 0}
 COMMAND_OPTIONS = [
     "--effective-modulus", "100 GPa", "--hardness", "4 GPa", "--mu0", "0.2", "--tau0", "200 MPa", "--load", "20 MPa",
     "--direction", "0,90", "--onset", "0",
@@ -41,15 +41,15 @@ SIDES = ("upper", "lower")
 
 def create_surface(side):
     return self_affine_surface(
-        11, hurst_exponent=0.8, rms=0.02, shape=(POINTS, POINTS), spacing=SPACING, side=side,
+        11, hurst_exponent=0.8, rms=0.02, shape=(NUM_POINTS, NUM_POINTS), spacing=SPACING, side=side,
         longest_wavelength=1.28, shortest_wavelength=8 * SPACING,
     )  # fmt: skip
 
 
 def create_scans(surface):
     """Return five scans of a surface: one with large pixels, and four of quarters with small pixels."""
-    pixels = surface.heights.reshape(POINTS // 4, 4, POINTS // 4, 4).mean((1, 3))
-    half = POINTS // 2
+    pixels = surface.heights.reshape(NUM_POINTS // 4, 4, NUM_POINTS // 4, 4).mean((1, 3))
+    half = NUM_POINTS // 2
     pieces = [surface.heights[row : row + half, column : column + half] for row in (0, half) for column in (0, half)]
     return [Surface(pixels, spacing=4 * SPACING), *(Surface(piece, spacing=SPACING) for piece in pieces)]
 
@@ -103,10 +103,10 @@ def test_friction_interval_from_joined_spectra_contains_friction_of_full_surface
     elastic_options = {name: value for name, value in MATERIAL_OPTIONS.items() if name != "hardness"} | {
         "load": "200 MPa"
     }
-    result_of_spectra = pair(*spectra, surrogates=8, **elastic_options, **FEW_STEPS)
-    result_of_surfaces = pair(*surfaces, shifts=8, **elastic_options, **FEW_STEPS)
+    result_of_spectra = pair(*spectra, surrogates=8, **elastic_options, **FEW_DIRECTION_OPTIONS)
+    result_of_surfaces = pair(*surfaces, shifts=8, **elastic_options, **FEW_DIRECTION_OPTIONS)
     result_of_coarse_scans = pair(
-        *(create_scans(surface)[0] for surface in surfaces), shifts=8, **elastic_options, **FEW_STEPS
+        *(create_scans(surface)[0] for surface in surfaces), shifts=8, **elastic_options, **FEW_DIRECTION_OPTIONS
     )
     for quantity in ("friction_all_round", "contact_area_fraction"):
         estimates = []
@@ -165,17 +165,17 @@ def test_pair_command_accepts_a_spectrum_with_a_scan_and_detects_changed_spectra
     )
 
 
-REJECTED_OUTPUT = ["--output", "rejected"]
+REJECTED_OUTPUT_OPTION = ["--output", "rejected"]
 
 
 @pytest.mark.parametrize(
     ("arguments", "expected_words"),
     [
-        (["pair", "upper.csv", "lower.csv", *COMMAND_OPTIONS, "--lines", "4", *REJECTED_OUTPUT], "--lines"),
-        (["pair", "upper.csv", "lower.csv", *COMMAND_OPTIONS, "--shifts", "4", *REJECTED_OUTPUT], "--shifts"),
-        (["pair", "upper.csv", "lower.csv", *COMMAND_OPTIONS, "--unit", "um", *REJECTED_OUTPUT], "has no unit"),
+        (["pair", "upper.csv", "lower.csv", *COMMAND_OPTIONS, "--lines", "4", *REJECTED_OUTPUT_OPTION], "--lines"),
+        (["pair", "upper.csv", "lower.csv", *COMMAND_OPTIONS, "--shifts", "4", *REJECTED_OUTPUT_OPTION], "--shifts"),
+        (["pair", "upper.csv", "lower.csv", *COMMAND_OPTIONS, "--unit", "um", *REJECTED_OUTPUT_OPTION], "has no unit"),
         (
-            ["pair", "upper.csv", "lower.csv", *COMMAND_OPTIONS, "--cutoff", "3 um", *REJECTED_OUTPUT],
+            ["pair", "upper.csv", "lower.csv", *COMMAND_OPTIONS, "--cutoff", "3 um", *REJECTED_OUTPUT_OPTION],
             "rows and columns",
         ),
         (["characterise", "upper.csv", "--output", "rejected.html"], "spectrum"),
@@ -217,7 +217,7 @@ def test_pair_accepts_a_spectrum_from_a_plain_table(tmp_path):
     body = spectrum.surface(1, shape=(64, 64), spacing=0.06)
     assert "of waves" in body.history[0]
     elastic_options = MATERIAL_OPTIONS | {"hardness": None, "mechanics": "asperities"}
-    result = pair(spectrum, spectrum, **elastic_options, **FEW_STEPS, surrogates=2)
+    result = pair(spectrum, spectrum, **elastic_options, **FEW_DIRECTION_OPTIONS, surrogates=2)
     assert result.verdict in ("Quote it", "Quote with care", "Do not quote")
 
 

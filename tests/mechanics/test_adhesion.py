@@ -23,7 +23,7 @@ from stiction.mechanics.half_space import resolved_range
 GAP_TOLERANCE = 1e-3
 """Tolerance of gaps as a fraction of the range of adhesion. For soft bodies the energy minimum is flat."""
 
-STABLE = 0.03
+STABILITY_MARGIN = 0.03
 """Relative distance from the pull-off force at which the energy minimum certainly exists or has certainly vanished."""
 
 MEAN_GAP_TOLERANCE = 1e-4
@@ -33,7 +33,7 @@ POINT_FRACTION_TOLERANCE = 1e-3
 """Fraction of the grid points, with almost zero pressure, at which two solvers may differ."""
 
 ROUND_OFF = 1e-12
-MAX_BOUNDS = 2  # At most this number of 200 random pairs may have only a lower bound of the pull-off force.
+MAX_NUM_BOUNDED_FORCES = 2  # At most this number of 200 random pairs may have only a lower bound of the pull-off force.
 
 PERIOD_TOLERANCE = 0.02
 """Relative difference between the pull-off forces of a ball with a period of 20 contact radii and of an isolated
@@ -96,7 +96,7 @@ def test_adhesive_contact_minimizes_energy_up_to_the_pull_off_force(case):
     gap, area = -bodies[1].heights, bodies[0].heights.size * bodies[0].spacing[0] ** 2
     heights = gap - gap.min()
     noise = 0.01 * adhesive["adhesion_range"] * np.random.default_rng(1).random(gap.shape)
-    for part in (0.0, -1 + STABLE):
+    for part in (0.0, -1 + STABILITY_MARGIN):
         load = part * curve.pull_off_bound[0]
         contact = half_space(*bodies, [load], boundary="periodic", **adhesive).contact(0)
         near = np.maximum(contact.gap, 0) + noise
@@ -104,7 +104,7 @@ def test_adhesive_contact_minimizes_energy_up_to_the_pull_off_force(case):
         assert np.abs(gap - contact.gap).max() < GAP_TOLERANCE * adhesive["adhesion_range"] * (1 if part == 0 else 10)
         assert pressure.mean() == pytest.approx(contact.pressure.mean(), rel=GAP_TOLERANCE)
         assert ((gap == 0) != (contact.pressure > 0)).sum() <= 1
-    beyond = (-1 - STABLE) * curve.pull_off_bound[0] / area
+    beyond = (-1 - STABILITY_MARGIN) * curve.pull_off_bound[0] / area
     gap, _ = minimize_energy(heights, bodies[0].spacing[0], beyond, near, **adhesive)
     assert (gap > 0).all()
 
@@ -346,7 +346,7 @@ def test_random_adhesive_problems_converge_and_few_give_only_a_lower_bound_of_pu
             assert curve.normal_elastic == pytest.approx([0, load], abs=1e-4 * curve.contact_load.max())
             assert curve.pull_off > 0
             bounds += curve.pull_off_is_bound
-    assert bounds <= MAX_BOUNDS
+    assert bounds <= MAX_NUM_BOUNDED_FORCES
 
 
 def test_maugis_dugdale_solution_tends_to_jkr_and_dmt_solutions():

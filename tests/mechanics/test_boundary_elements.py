@@ -15,7 +15,7 @@ from stiction import westergaard_contact_fraction
 pytestmark = pytest.mark.docs
 WAVELENGTH, AMPLITUDE = 1.0, 0.01
 # full contact of a sinusoid needs this mean pressure (Westergaard's p*)
-FULL_CONTACT = np.pi * EFFECTIVE_MODULUS * AMPLITUDE / WAVELENGTH
+FULL_CONTACT_PRESSURE = np.pi * EFFECTIVE_MODULUS * AMPLITUDE / WAVELENGTH
 FRACTION_INDEX, COUNT_INDEX, STIFFNESS_INDEX = range(3)
 
 
@@ -37,7 +37,7 @@ def exact_fraction(pressure):
 @pytest.mark.parametrize("relative", [0.02, 0.1, 0.3, 0.5])
 def test_boundary_element_solution_agrees_with_westergaard_solution(relative):
     """Check area, mean gap and stiffness, to detect errors of the modulus, the point count and the sign of the gap."""
-    random, pressure = np.random.default_rng(7), relative * FULL_CONTACT
+    random, pressure = np.random.default_rng(7), relative * FULL_CONTACT_PRESSURE
     solid = [PeriodicHalfSpace(sinusoid(256, shift), WAVELENGTH) for shift in random.random(20)]
     fraction, _, gap = np.mean([one.solve(pressure) for one in solid], axis=0)
     assert fraction == pytest.approx(float(exact_fraction(pressure)), abs=0.2 / 256)  # points
@@ -50,7 +50,7 @@ def test_boundary_element_solution_agrees_with_westergaard_solution(relative):
 @pytest.mark.parametrize("relative", [0.01, 0.3, 0.9])
 def test_asperity_model_of_a_sinusoid_equals_closed_forms(relative):
     """Compare with closed forms: relative to Westergaard, the area is √r / arcsin √r and the stiffness is ln(1/r)/4."""
-    asperities, pressure = PeriodicAsperities(sinusoid(512, 0.303), WAVELENGTH), relative * FULL_CONTACT
+    asperities, pressure = PeriodicAsperities(sinusoid(512, 0.303), WAVELENGTH), relative * FULL_CONTACT_PRESSURE
     fraction, count, stiffness = asperities.measure(pressure)
     assert count == 1
     expected = np.sqrt(relative) / np.arcsin(np.sqrt(relative))

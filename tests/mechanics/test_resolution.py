@@ -21,7 +21,7 @@ from support.rough_surfaces import rough_maps
 
 ROUND_OFF = 1e-12
 EDGE_TOLERANCE = 0.1  # relative error of the area that cells at contact edges cause on a coarse grid
-STEEL = {"hardness": 4.0, "effective_modulus": 115.0, "mu0": 0.2, "tau0": 0.2}
+STEEL_OPTIONS = {"hardness": 4.0, "effective_modulus": 115.0, "mu0": 0.2, "tau0": 0.2}
 
 
 def pair(hurst=0.8, points=128, spacing=0.04, rms=0.03, seed=5, shortest=None):
@@ -35,7 +35,7 @@ def resolved_pair():
     upper, lower = pair()
     load = 0.02 * 128**2 * 0.04**2
     lengths = [0.16, 0.32, 0.64]
-    return upper, lower, load, resolution(upper, lower, [load], cut_offs=lengths, boundary="periodic", **STEEL)
+    return upper, lower, load, resolution(upper, lower, [load], cut_offs=lengths, boundary="periodic", **STEEL_OPTIONS)
 
 
 def test_results_at_each_cutoff_equal_half_space_solutions_of_filtered_surfaces(resolved_pair):
@@ -123,7 +123,7 @@ def test_bracket_of_few_contacts_includes_a_finer_result_with_a_larger_contact_a
     gap = Surface(bodies[0].heights - bodies[1].heights, spacing=0.01)
     factor = 0.25 / float(scale_dependent_roughness(gap, periodic=True).gradient[-1])
     scaled = [Surface(factor * body.heights, spacing=0.01) for body in bodies]
-    result = resolution(*scaled, [0.02 * 2.56**2], cut_offs=[0.08], boundary="periodic", **STEEL)
+    result = resolution(*scaled, [0.02 * 2.56**2], cut_offs=[0.08], boundary="periodic", **STEEL_OPTIONS)
     area = result.contact_area_fraction[:, 0].values
     assert area[0] > 1.02 * area[1]
     assert area[0] < float(result.bracket_area_fraction[1, 0].sel(end="upper"))
@@ -224,9 +224,9 @@ def test_resolution_of_profiles_averages_friction_over_both_directions():
 
 
 def test_resolution_results_scale_with_size():
-    one = resolution(*pair(points=64, spacing=0.08), [0.4], boundary="periodic", **STEEL)
+    one = resolution(*pair(points=64, spacing=0.08), [0.4], boundary="periodic", **STEEL_OPTIONS)
     bodies = [Surface(10 * body.heights, spacing=0.8) for body in pair(points=64, spacing=0.08)]
-    ten = resolution(*bodies, [40.0], boundary="periodic", **STEEL)
+    ten = resolution(*bodies, [40.0], boundary="periodic", **STEEL_OPTIONS)
     for name in ("contact_area_fraction", "friction_coefficient", "rms_gradient", "plastic_area_fraction"):
         assert ten[name].values == pytest.approx(one[name].values, rel=1e-6)
     assert ten.plastic_wavelength.values == pytest.approx(10 * one.plastic_wavelength.values, rel=1e-3)
@@ -260,7 +260,7 @@ def test_resolution_is_nan_at_an_unsolved_load_and_reports_complete_progress(mon
     steps = []
     result = resolution(
         upper, lower, [0.5, 2.0], boundary="periodic", cut_offs=[0.64],
-        progress=lambda done, count: steps.append((done, count)), **STEEL,
+        progress=lambda done, count: steps.append((done, count)), **STEEL_OPTIONS,
     )  # fmt: skip
     assert steps == [(0, 3), (1, 3), (2, 3), (3, 3)]
     assert np.isfinite(result.contact_area[:, 0]).all()

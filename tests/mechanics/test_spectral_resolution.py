@@ -7,7 +7,7 @@ import pytest
 from stiction import Profile, gentle_friction, resolution, scale_dependent_roughness, spectral_resolution
 from support.rough_surfaces import rough_maps
 
-OPTIONS = {"pressure": 0.05, "hardness": 4.0, "mu0": 0.2, "tau0": 0.2, "effective_modulus": 115.0}
+PAIR_OPTIONS = {"pressure": 0.05, "hardness": 4.0, "mu0": 0.2, "tau0": 0.2, "effective_modulus": 115.0}
 
 
 def pair(points=256):
@@ -21,7 +21,7 @@ def both_roughnesses(bodies):
 
 def test_spectral_resolution_limits_the_elastic_pressure_to_the_hardness():
     upper, lower = both_roughnesses(pair())
-    result = spectral_resolution(upper, lower, **OPTIONS)
+    result = spectral_resolution(upper, lower, **PAIR_OPTIONS)
     gradient = np.hypot(upper.gradient_at(result.wavelength), lower.gradient_at(result.wavelength))
     assert result.rms_gradient.values == pytest.approx(gradient)
     pressure = np.minimum(115.0 * gradient / 2.2, 4.0)
@@ -34,7 +34,7 @@ def test_spectral_resolution_limits_the_elastic_pressure_to_the_hardness():
     assert mu[-1] == pytest.approx(0.2 + 0.2 / 4.0)
     at = float(result.plastic_wavelength)
     assert float(result.rms_gradient.sel(wavelength=at)) >= 2.2 * 4.0 / 115.0
-    elastic = spectral_resolution(upper, lower, **OPTIONS | {"hardness": None})
+    elastic = spectral_resolution(upper, lower, **PAIR_OPTIONS | {"hardness": None})
     ratio = np.asarray(upper.gradient_at(result.wavelength) / lower.gradient_at(result.wavelength))
     expected = gentle_friction(0.2, 0.2, rms_gradient=gradient, effective_modulus=115.0, kappa=2.2, slope_ratio=ratio)
     light = elastic.contact_area_fraction.values < 1
@@ -49,7 +49,7 @@ def test_spectral_resolution_agrees_with_half_space_model():
     solved = resolution(
         *bodies, [load], hardness=4.0, mu0=0.2, tau0=0.2, effective_modulus=115.0, boundary="periodic", cut_offs=[]
     )
-    result = spectral_resolution(upper, lower, **OPTIONS, wavelengths=[0.04])
+    result = spectral_resolution(upper, lower, **PAIR_OPTIONS, wavelengths=[0.04])
     assert float(result.contact_area_fraction[0]) == pytest.approx(float(solved.contact_area_fraction[0, 0]), rel=0.15)
     # A contact patch opposes the motion as a whole, with a smaller slope than its points.
     for rule, within in (("all", 0.05), ("opposing", 0.15)):
@@ -59,7 +59,7 @@ def test_spectral_resolution_agrees_with_half_space_model():
 
 def test_spectral_resolution_of_a_surface_on_a_flat_uses_only_slopes_of_the_surface():
     upper = both_roughnesses(pair(64))[0]
-    result = spectral_resolution(upper, None, **OPTIONS)
+    result = spectral_resolution(upper, None, **PAIR_OPTIONS)
     assert result.rms_gradient.values == pytest.approx(upper.gradient_at(result.wavelength))
     # The flat has no slope, so contacts on it are level.
     opposing, everything = (result.friction_coefficient.sel(sliding=rule).values for rule in ("opposing", "all"))
@@ -80,7 +80,7 @@ def test_spectral_resolution_of_a_surface_on_a_flat_uses_only_slopes_of_the_surf
 def test_spectral_resolution_rejects_invalid_arguments(changes, message):
     upper, lower = both_roughnesses(pair(32))
     with pytest.raises(ValueError, match=message):
-        spectral_resolution(upper, lower, **OPTIONS | changes)
+        spectral_resolution(upper, lower, **PAIR_OPTIONS | changes)
     line = scale_dependent_roughness(Profile(np.sin(np.arange(99.0)), spacing=0.1))
     with pytest.raises(ValueError, match="must be ScaleDependentRoughness objects computed from surfaces"):
-        spectral_resolution(line, lower, **OPTIONS)
+        spectral_resolution(line, lower, **PAIR_OPTIONS)

@@ -31,7 +31,7 @@ ENSEMBLE_CHANGES = {
     "friction.tau0": ["0 MPa", "200 MPa"],
     "contact.sliding": ["opposing", "all"],
 }
-SURFACES = Study().with_changes(
+FRACTAL_STUDY = Study().with_changes(
     ENSEMBLE_CHANGES
     | {
         "surfaces.kind": "surface",
@@ -42,7 +42,7 @@ SURFACES = Study().with_changes(
         "contact.approach.count": 5,
     }
 )
-SELF_AFFINE = SURFACES.with_changes(
+SELF_AFFINE_STUDY = FRACTAL_STUDY.with_changes(
     {
         "surfaces.generator": "self-affine",
         "surfaces.shortest_wavelength": "0.25 um",
@@ -50,7 +50,7 @@ SELF_AFFINE = SURFACES.with_changes(
         "surfaces.amplitude": ["10 nm", "20 nm"],
     }
 )
-HALF_SPACES = SURFACES.with_changes(
+HALF_SPACE_STUDY = FRACTAL_STUDY.with_changes(
     {
         "contact.mechanics": "half-space",
         "contact.boundary": "periodic",
@@ -59,7 +59,7 @@ HALF_SPACES = SURFACES.with_changes(
         "contact.load": {"start": "0.001 mN", "stop": "0.1 mN", "count": 4},
     }
 )
-HALF_PLANES = Study().with_changes(
+HALF_PLANE_STUDY = Study().with_changes(
     ENSEMBLE_CHANGES
     | {
         "surfaces.points": 512,
@@ -69,8 +69,11 @@ HALF_PLANES = Study().with_changes(
     }
 )
 STUDIES = {
-    "surfaces": SURFACES, "self-affine": SELF_AFFINE, "half-spaces": HALF_SPACES, "half-planes": HALF_PLANES,
-}  # fmt: skip
+    "surfaces": FRACTAL_STUDY,
+    "self-affine": SELF_AFFINE_STUDY,
+    "half-spaces": HALF_SPACE_STUDY,
+    "half-planes": HALF_PLANE_STUDY,
+}
 
 
 @pytest.fixture(scope="module", params=STUDIES)
@@ -115,13 +118,15 @@ def test_load_sums_of_an_areal_study_equal_sums_of_single_pairs(name):
 
 
 def test_surfaces_of_a_study_member_equal_directly_generated_surfaces():
-    for body, side in zip(pair_of(SURFACES, 7, fractal_dimension=1.3, amplitude=0.1), ("upper", "lower"), strict=True):
+    for body, side in zip(
+        pair_of(FRACTAL_STUDY, 7, fractal_dimension=1.3, amplitude=0.1), ("upper", "lower"), strict=True
+    ):
         generated_surface = weierstrass_mandelbrot_surface(
             random_phases(2016, repetition=7, side=side), 1.3, shape=(24, 32), extent=(1.5, 2.0), band_limit="nyquist"
         ).with_amplitude(0.1)
         assert isinstance(body, Surface)
         assert (body.heights.tobytes(), body.spacing) == (generated_surface.heights.tobytes(), (0.0625, 0.0625))
-    _, lower = pair_of(SELF_AFFINE, 7, fractal_dimension=1.3, amplitude=0.02)
+    _, lower = pair_of(SELF_AFFINE_STUDY, 7, fractal_dimension=1.3, amplitude=0.02)
     generated_surface = self_affine_surface(
         2016, repetition=7, hurst_exponent=2 - 1.3, rms=1.0, shape=(24, 32), spacing=0.0625, shortest_wavelength=0.25
     ).with_amplitude(0.02, "Sq")
@@ -158,8 +163,8 @@ def test_friction_map_with_both_sliding_rules_equals_the_map_with_each_rule(resu
 
 def test_friction_map_of_half_space_study_equals_ratio_of_mean_loads():
     """Compare with the ratio at solved loads; mu0 = tau0 = 0, so that friction does not change the normal load."""
-    dataset = run(HALF_SPACES).dataset
-    loads = HALF_SPACES.contact.loading_steps()
+    dataset = run(HALF_SPACE_STUDY).dataset
+    loads = HALF_SPACE_STUDY.contact.loading_steps()
     maps = friction_map(dataset, loads[1:-1], mu0=[0.0], tau0=[0.0]).squeeze(["mu0", "tau0"])
     expected = dataset["tangential_elastic"].mean("repetition") / dataset["normal_elastic"].mean("repetition")
     # The last solved load is left out: round-off may put a requested load above it.
@@ -169,16 +174,16 @@ def test_friction_map_of_half_space_study_equals_ratio_of_mean_loads():
 
 
 def test_stiffness_map_of_half_space_study_equals_derivative_of_approach():
-    dataset = run(HALF_SPACES.with_changes({"contact.sliding": "all", "contact.direction": 90})).dataset
-    loads = HALF_SPACES.contact.loading_steps()
+    dataset = run(HALF_SPACE_STUDY.with_changes({"contact.sliding": "all", "contact.direction": 90})).dataset
+    loads = HALF_SPACE_STUDY.contact.loading_steps()
     stiffness = stiffness_map(dataset, [loads[1]], mu0=[0.0], tau0=[0.0])["normal_stiffness"].squeeze()
     slopes = np.gradient(dataset["approach"].values, loads, axis=-1, edge_order=2)[..., 1]
     assert np.allclose(stiffness.values, (1 / slopes).mean(axis=-1), rtol=1e-6)
     with pytest.raises(ValueError, match="a free half-plane has no approach"):
-        stiffness_map(run(HALF_PLANES), [0.01])
+        stiffness_map(run(HALF_PLANE_STUDY), [0.01])
 
 
 def test_standard_figures_exist_for_every_sliding_rule_and_direction():
     names = {f"{kind}_{rule}_{angle}" for kind in ("friction_mu0_0.4", "area")
              for rule in ("opposing", "all") for angle in (0, 90)}  # fmt: skip
-    assert {name for name, _ in select_figures(run(SURFACES))} == names
+    assert {name for name, _ in select_figures(run(FRACTAL_STUDY))} == names

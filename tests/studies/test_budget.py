@@ -32,7 +32,9 @@ SAMPLING_ERROR = 0.02  # largest error of an interval end by random samples, rel
 # Largest relative errors of friction that is interpolated between solutions, for a narrow and a wide range of E*.
 INTERPOLATION_ERROR, WIDE_INTERPOLATION_ERROR = 0.005, 0.008
 PAIR_OPTIONS = {"shifts": 4, "direction": [0.0, 180.0], "onset": 0}
-THREE_POSITIONS = PAIR_OPTIONS | {"shifts": 3}  # This number is enough for comparisons of solutions at equal positions.
+THREE_POSITION_OPTIONS = PAIR_OPTIONS | {
+    "shifts": 3
+}  # This number is enough for comparisons of solutions at equal positions.
 
 
 def rough_surfaces(seed: int = 5, rms: float = 0.01, points: int = 64, refinement: int = 1) -> list[Surface]:
@@ -89,7 +91,7 @@ def test_adhesive_friction_at_interval_ends_is_proportional_to_tau0() -> None:
 
 
 def test_replacing_a_result_also_replaces_its_solutions_at_other_hardnesses(tmp_path) -> None:
-    kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", hardness="1..3 GPa", **THREE_POSITIONS)
+    kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", hardness="1..3 GPa", **THREE_POSITION_OPTIONS)
     pair(*rough_surfaces(), effective_modulus="80 GPa", directory=tmp_path, **kwargs)
     softer = pair(*rough_surfaces(), effective_modulus="20 GPa", directory=tmp_path, replace=True, **kwargs)
     assert softer.interval == pair(*rough_surfaces(), effective_modulus="20 GPa", **kwargs).interval
@@ -99,7 +101,7 @@ def test_replacing_a_result_also_replaces_its_solutions_at_other_hardnesses(tmp_
 # The range of E* in the third case is so wide that it needs solutions at other loads.
 @pytest.mark.parametrize(("rms", "modulus"), [(0.03, "70..90 GPa"), (0.003, "70..90 GPa"), (0.003, "48..112 GPa")])
 def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solutions(rms, modulus) -> None:
-    kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", **THREE_POSITIONS)
+    kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", **THREE_POSITION_OPTIONS)
     result = pair(*rough_surfaces(rms=rms), hardness="0.3..1.5 GPa", effective_modulus=modulus, **kwargs)
     inputs = find_uncertain_inputs(result.study)
     assert sorted(inputs) == ["effective_modulus", "hardness"]
@@ -295,11 +297,11 @@ def test_stored_study_preserves_uncertain_inputs() -> None:
         stored_study.with_changes({"known.tau0": "20..80"})
 
 
-NUMBERS_OF_TRUTHS = [pytest.param(2, id="some"), pytest.param(300, marks=pytest.mark.soak, id="all")]
+TRUTH_COUNTS = [pytest.param(2, id="some"), pytest.param(300, marks=pytest.mark.soak, id="all")]
 MIN_COVERAGE = 0.92  # 95 % intervals must contain at least this fraction of 300 true values.
 
 
-@pytest.mark.parametrize("truths", NUMBERS_OF_TRUTHS)
+@pytest.mark.parametrize("truths", TRUTH_COUNTS)
 def test_combined_interval_covers_true_friction_for_random_inputs(truths) -> None:
     ranges = {"mu0": "0.15..0.25", "tau0": "20..80 MPa", "hardness": "0.5..1.5 GPa", "effective_modulus": "70..90 GPa"}
     covered = covered_tests = 0
@@ -406,7 +408,7 @@ def test_exact_positions_and_known_fine_roughness_each_narrow_the_interval_of_a_
     assert fractions.min() > 0.05
 
 
-IN_SIX_DIRECTIONS = PAIR_OPTIONS | {
+SIX_DIRECTION_OPTIONS = PAIR_OPTIONS | {
     "load": "20 MPa", "effective_modulus": "80 GPa", "cutoff": "none", "shifts": 8,
     "direction": list(range(0, 360, 60)),
 }  # fmt: skip
@@ -414,7 +416,7 @@ IN_SIX_DIRECTIONS = PAIR_OPTIONS | {
 
 @pytest.mark.parametrize("seed", [5, 6, 7, 8])
 def test_interval_for_zero_mu0_extends_from_zero_to_a_half_normal_quantile(seed: int) -> None:
-    result = pair(*rough_surfaces(seed, points=24), mu0="0±0.1", **IN_SIX_DIRECTIONS)
+    result = pair(*rough_surfaces(seed, points=24), mu0="0±0.1", **SIX_DIRECTION_OPTIONS)
     assert result.value == 0
     low, high = result.interval
     assert low == 0
@@ -422,7 +424,7 @@ def test_interval_for_zero_mu0_extends_from_zero_to_a_half_normal_quantile(seed:
 
 
 def test_friction_coefficient_is_exactly_zero_if_mu0_and_tau0_are_zero() -> None:
-    result = pair(*rough_surfaces(points=24), mu0=0.0, **IN_SIX_DIRECTIONS)
+    result = pair(*rough_surfaces(points=24), mu0=0.0, **SIX_DIRECTION_OPTIONS)
     assert (result.value, *result.interval) == (0, 0, 0)
     assert not result.at().friction_by_axis.sel(sliding="all").values.any()
     assert "τ0 is 0, so the coefficient is the given μ0; the surfaces add 0" in [each.text for each in result.caveats]

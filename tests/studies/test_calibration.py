@@ -289,7 +289,7 @@ def test_error_of_area_ratio_between_hardnesses_is_the_standard_error_over_membe
     test = FrictionTest(tested_pair, "20 MPa", coefficient=0.25, uncertainty=0.0025)
     yielding = test.area_factor
     assert yielding is not None
-    assert yielding.error in yielding.nuisance_names
+    assert yielding.error in yielding.names
     solved = load_areas_at_nodes(tested_pair.source)["contact_area"].isel(load=0, relative_modulus=0).to_pandas()
     relative = np.log(solved.div(solved[float(tested_pair.study.contact.hardness)], axis=0))
     expected = relative.sem(axis=0)
@@ -555,20 +555,20 @@ def load_ball(ratio: float) -> tuple[Ball, float]:
     return BALL, 100.0 * (BALL.area_per_load(100.0) / ratio) ** 3
 
 
-ROUGH, SMOOTH, SOFT = (0.003, None), (0.001, None), (0.003, 0.1)
+ROUGH_FINISH, SMOOTH_FINISH, SOFT_FINISH = (0.003, None), (0.001, None), (0.003, 0.1)
 TEST_SERIES: dict[str, Any] = {  # bodies and settings of simulated test series
     "ball": ((None,), {}),
     "no adhesion": ((None,), {"tau0": 0.0}),
     "no mu0": ((None,), {"mu0": 0.0}),
-    "one plastic pair": ((SOFT,), {}),
-    "one elastic pair": ((ROUGH,), {}),
-    "two finishes": ((ROUGH, SMOOTH), {}),
-    "ball and pair": ((None, ROUGH), {}),
-    "two finishes, no adhesion": ((ROUGH, SMOOTH), {"tau0": 0.0}),
-    "two finishes, no mu0": ((ROUGH, SMOOTH), {"mu0": 0.0}),
-    "errors understated twice": ((ROUGH, SMOOTH), {"noise": 0.06}),
-    "a tenth outliers": ((ROUGH, SMOOTH), {"outliers": 0.1}),
-    "half without sliding": ((ROUGH, SMOOTH), {"static": 0.5}),
+    "one plastic pair": ((SOFT_FINISH,), {}),
+    "one elastic pair": ((ROUGH_FINISH,), {}),
+    "two finishes": ((ROUGH_FINISH, SMOOTH_FINISH), {}),
+    "ball and pair": ((None, ROUGH_FINISH), {}),
+    "two finishes, no adhesion": ((ROUGH_FINISH, SMOOTH_FINISH), {"tau0": 0.0}),
+    "two finishes, no mu0": ((ROUGH_FINISH, SMOOTH_FINISH), {"mu0": 0.0}),
+    "errors understated twice": ((ROUGH_FINISH, SMOOTH_FINISH), {"noise": 0.06}),
+    "a tenth outliers": ((ROUGH_FINISH, SMOOTH_FINISH), {"outliers": 0.1}),
+    "half without sliding": ((ROUGH_FINISH, SMOOTH_FINISH), {"static": 0.5}),
 }
 
 

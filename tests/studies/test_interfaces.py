@@ -145,7 +145,7 @@ def test_calibrated_interface_is_accepted_by_pair_and_stored_with_the_result(fil
     assert (in_memory.path / "interface.csv").is_file()
 
 
-DAMAGES = {
+FILE_DAMAGES = {
     "a scan": lambda text: "0" * 50_000_001,
     "another first line": lambda text: text.replace("# stiction interface", "# stiction interfaces", 1),
     "an unknown rule": lambda text: text.replace("# sliding: ", "# sliding: sideways "),
@@ -155,9 +155,9 @@ DAMAGES = {
 }
 
 
-@pytest.mark.parametrize("kind", DAMAGES)
+@pytest.mark.parametrize("kind", FILE_DAMAGES)
 def test_damaged_interface_file_is_reported_by_name_and_is_not_listed(film_file, tmp_path, kind) -> None:
-    (tmp_path / "bad").write_text(DAMAGES[kind](film_file.read_text()))
+    (tmp_path / "bad").write_text(FILE_DAMAGES[kind](film_file.read_text()))
     with pytest.raises(ValueError, match=r"bad is (not an|a damaged) interface"):
         read_interface(tmp_path / "bad")
     shutil.copy(film_file, tmp_path / "good")

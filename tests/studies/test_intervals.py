@@ -5,7 +5,7 @@ import scipy.stats
 from reference.neighbours import estimate_truth, measure_coverage, simulate_traverses
 from stiction.studies.intervals import MIN_NEIGHBORS, neighbors_mean, positions_mean, sample_mean, sample_quantiles
 
-TRIALS = 500  # With this number of trials, the measured coverage has a standard error of 1 %.
+NUM_TRIALS = 500  # With this number of trials, the measured coverage has a standard error of 1 %.
 MAX_WIDTH_RATIO = 1.5  # largest ratio of the median width to the width for a known variance, for at least 32 values
 
 MIN_DEFINED_FRACTION = 0.85
@@ -37,7 +37,7 @@ def test_interval_for_correlated_neighboring_values_covers_the_true_mean_and_is_
     random = np.random.default_rng([positions, int(10 * correlation)])
     truth, smallest_width = estimate_truth(quantity, positions, correlation, random)
     coverage, width_ratio, defined_fraction = measure_coverage(
-        neighbors_mean, simulate_traverses(quantity, TRIALS, positions, correlation, random), truth, smallest_width
+        neighbors_mean, simulate_traverses(quantity, NUM_TRIALS, positions, correlation, random), truth, smallest_width
     )
     assert defined_fraction > MIN_DEFINED_FRACTION
     assert coverage >= MIN_COVERAGE[positions, correlation]

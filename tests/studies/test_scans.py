@@ -15,7 +15,7 @@ from stiction.surfaces.measured.writing import write_surface
 from stiction.views.sentence import note_text
 
 PAIR_OPTIONS = {"load": "2 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "direction": [0.0, 180.0]}
-NUMBERS_OF_SCANS = [(3, 3), (3, 6), (4, 5), (6, 6)]  # numbers of scans of the upper and of the lower part
+SCAN_COUNTS = [(3, 3), (3, 6), (4, 5), (6, 6)]  # numbers of scans of the upper and of the lower part
 MIN_COVERAGE, MAX_COVERAGE = 0.92, 0.98  # limits of the coverage of 95 % intervals for 200 simulated parts
 ROUND_OFF = 1e-12
 
@@ -84,7 +84,7 @@ def test_intervals_from_several_scans_cover_the_true_mean_and_a_single_friction_
 
     truth = simulate_coefficient(gradients(200_000), gradients(200_000)).mean()
     covered, covered_tests, times = [], [], 2
-    for upper, lower in NUMBERS_OF_SCANS:
+    for upper, lower in SCAN_COUNTS:
         for _ in range(200):
             upper_scans, lower_scans = scans_of_members(upper, lower, times)
             coefficients = simulate_coefficient(gradients(upper)[upper_scans], gradients(lower)[lower_scans])
@@ -94,7 +94,7 @@ def test_intervals_from_several_scans_cover_the_true_mean_and_a_single_friction_
             covered.append(abs(result.mean - truth) <= result.half_width)
             test = float(simulate_coefficient(gradients(1), gradients(1))[0] * (1 + 0.02 * rng.standard_normal()))
             covered_tests.append(abs(test - result.mean) <= float(student_quantile(result.test_freedom)) * result.test)
-    by_counts = np.reshape(covered, (len(NUMBERS_OF_SCANS), -1)).mean(axis=1)
+    by_counts = np.reshape(covered, (len(SCAN_COUNTS), -1)).mean(axis=1)
     print(
         f"spread {spread}: covers {np.mean(covered):.3f} {by_counts.round(3)}, next test {np.mean(covered_tests):.3f}"
     )

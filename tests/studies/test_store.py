@@ -381,7 +381,7 @@ def leave_unwritten(file):
     file.create_dataset("contact_area", shape, "f8")
 
 
-CHANGES_OF_BLOCK = {
+BLOCK_CHANGES = {
     "no variable": lambda file: file.__delitem__("contact_area"),
     "another shape": change_variable("contact_area", lambda values: values[..., :2]),
     "no study text": lambda file: file.attrs.__delitem__("study"),
@@ -393,7 +393,7 @@ CHANGES_OF_BLOCK = {
 }
 
 
-@pytest.mark.parametrize("change", CHANGES_OF_BLOCK.values(), ids=CHANGES_OF_BLOCK)
+@pytest.mark.parametrize("change", BLOCK_CHANGES.values(), ids=BLOCK_CHANGES)
 def test_block_that_contradicts_its_study_is_reported_in_one_sentence(folder_copy, change):
     file = find_block(folder_copy, 4)
     with h5py.File(file, "r+") as opened:

@@ -13,7 +13,7 @@ from stiction.studies.runner import compute_missing
 from stiction.studies.store import CHECKSUM_PREFIX, StoreError, export, open_stored, read
 from support.studies_of_files import study_of_files, write_maps
 
-LOADERS = {"picture.nc": load_contact_picture, "onset.nc": load_onset}
+COMPANION_LOADERS = {"picture.nc": load_contact_picture, "onset.nc": load_onset}
 
 
 @pytest.fixture(scope="module")
@@ -42,11 +42,11 @@ def complete_result(result_and_datasets):
     return complete_result
 
 
-@pytest.mark.parametrize("name", LOADERS)
+@pytest.mark.parametrize("name", COMPANION_LOADERS)
 def test_data_stored_alongside_a_result_are_none_if_their_file_is_absent(result_and_datasets, complete_result, name):
-    xarray.testing.assert_identical(LOADERS[name](complete_result), result_and_datasets[1][name])
+    xarray.testing.assert_identical(COMPANION_LOADERS[name](complete_result), result_and_datasets[1][name])
     (complete_result.path / name).unlink()
-    assert LOADERS[name](complete_result) is None
+    assert COMPANION_LOADERS[name](complete_result) is None
 
 
 @pytest.mark.parametrize("name", ["picture.nc", "onset.nc", "result.nc"])
@@ -63,7 +63,9 @@ def test_flipped_bit_in_stored_data_is_detected_before_the_file_is_opened(comple
         damaged[place // 8] ^= 1 << place % 8
         path.write_bytes(damaged)
         with pytest.raises(StoreError, match=rf"{name}: does not match its checksum"):
-            LOADERS.get(name, lambda complete_result: read(complete_result.path / "result.nc"))(complete_result)
+            COMPANION_LOADERS.get(name, lambda complete_result: read(complete_result.path / "result.nc"))(
+                complete_result
+            )
     path.unlink()
 
 
@@ -72,7 +74,7 @@ def test_stored_file_that_lacks_a_variable_is_rejected_in_one_sentence(complete_
     with h5py.File(complete_result.path / name, "r+") as file:
         del file[variable]
     with pytest.raises(StoreError, match=rf"{name}: .*remove the file, and run the study again") as caught:
-        LOADERS[name](complete_result)
+        COMPANION_LOADERS[name](complete_result)
     assert len(str(caught.value).splitlines()) == 1
 
 
