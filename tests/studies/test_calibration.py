@@ -289,7 +289,7 @@ def test_error_of_area_ratio_between_hardnesses_is_the_standard_error_over_membe
     test = FrictionTest(tested_pair, "20 MPa", coefficient=0.25, uncertainty=0.0025)
     yielding = test.area_factor
     assert yielding is not None
-    assert yielding.error in yielding.names
+    assert yielding.error in yielding.nuisance_names
     solved = load_areas_at_nodes(tested_pair.source)["contact_area"].isel(load=0, relative_modulus=0).to_pandas()
     relative = np.log(solved.div(solved[float(tested_pair.study.contact.hardness)], axis=0))
     expected = relative.sem(axis=0)
