@@ -2,7 +2,7 @@
 
 import numpy as np
 import plain
-from measure import seconds
+from measure import median_time
 from stiction import HertzCylinder, Profile, Study, press, random_phases, weierstrass_mandelbrot_family
 from stiction.studies.member_solution import compute_member_sums
 
@@ -14,7 +14,7 @@ SUM_NAMES = ("contact_count", "contact_area", "normal_elastic", "tangential_elas
 def compare_with_plain_program() -> list[tuple[str, str]]:
     study = Study.named("figure6").with_changes({"ensemble.repetitions": 1})
     approaches = study.contact.loading_steps()
-    our_time = seconds(lambda: compute_member_sums(study, 0), 5) / 50
+    our_time = median_time(lambda: compute_member_sums(study, 0), 5) / 50
     sums = compute_member_sums(study, 0)
     times, largest_difference = [], 0.0
     for d in (0, 25):  # The fractal dimensions are 1.00 and 1.357.
@@ -22,14 +22,14 @@ def compare_with_plain_program() -> list[tuple[str, str]]:
 
         def compute_pair(dimension=dimension):
             upper, lower = (
-                plain.profile(
+                plain.generate_profile(
                     random_phases(2016, side=side), dimension, extent=PROFILE_LENGTH, points=NUM_POINTS, amplitude=0.1
                 )
                 for side in ("upper", "lower")
             )
             return plain.press(upper, lower, PROFILE_LENGTH / NUM_POINTS, approaches)
 
-        times.append(seconds(lambda compute_pair=compute_pair: check_finite(compute_pair()), 1))
+        times.append(median_time(lambda compute_pair=compute_pair: check_finite(compute_pair()), 1))
         expected = compute_pair()
         our_sums = np.array([sums[name][d, 0] for name in SUM_NAMES])
         assert np.array_equal(our_sums[0], expected[0])
@@ -52,8 +52,13 @@ def compare_profile_generators() -> list[tuple[str, str]]:
     phases = random_phases(2016)
     dimensions = Study.named("figure6").surfaces.fractal_dimensions()
     family = weierstrass_mandelbrot_family(phases, dimensions)
-    ours = seconds(lambda: weierstrass_mandelbrot_family(phases, dimensions), 5)
-    naive = seconds(lambda: plain.profile(phases, 1.3, extent=PROFILE_LENGTH, points=NUM_POINTS, amplitude=0.1), 1) * 50
+    ours = median_time(lambda: weierstrass_mandelbrot_family(phases, dimensions), 5)
+    naive = (
+        median_time(
+            lambda: plain.generate_profile(phases, 1.3, extent=PROFILE_LENGTH, points=NUM_POINTS, amplitude=0.1), 1
+        )
+        * 50
+    )
     result = [("direct sum in NumPy, time relative to the family of 50 profiles", f"{naive / ours:.0f}")]
     import finufft
 
@@ -77,7 +82,7 @@ def compare_profile_generators() -> list[tuple[str, str]]:
     theirs = generate_by_finufft()
     difference = np.abs(theirs - family).max() / np.ptp(family, axis=1).min()
     assert difference < 1e-8, difference
-    took = seconds(generate_by_finufft, 3)
+    took = median_time(generate_by_finufft, 3)
     result.append(
         ("FINUFFT (eps 1e-12, one thread) and a BLAS product, time relative to the same family", f"{took / ours:.0f}")
     )
@@ -111,11 +116,11 @@ def compare_with_boundary_elements() -> list[tuple[str, str]]:
     area = solve()
     # Without interaction between asperities, the area is smaller.
     assert 0.05 < float(curve.contact_area[20]) / area < 1
-    ours = seconds(lambda: press(upper, lower, approaches, law=HertzCylinder(), detection="gap-minimum"), 20)
+    ours = median_time(lambda: press(upper, lower, approaches, law=HertzCylinder(), detection="gap-minimum"), 20)
     return [
         (
             "tamaas, one load of a profile of 8192 points, time relative to a curve of 40 approaches",
-            f"{seconds(solve, 5) / ours:.0f}",
+            f"{median_time(solve, 5) / ours:.0f}",
         ),
         ("our area over tamaas' at that load", f"{float(curve.contact_area[20]) / area:.2f}"),
     ]

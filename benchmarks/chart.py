@@ -7,7 +7,7 @@ import matplotlib as mpl
 from matplotlib.figure import Figure
 from stiction.views.style import INCHES_PER_MILLIMETRE, MATPLOTLIB_STYLE, NOT_OPPOSING_COLOUR, PAGE_WIDTH, save_figure
 
-DOCS = Path(__file__).resolve().parents[1] / "docs"
+DOCS_FOLDER = Path(__file__).resolve().parents[1] / "docs"
 
 BAR_PATTERNS = {
     "Pair of profiles: 150 000 points, 40 approaches": {"NumPy and SciPy": r"plain NumPy/SciPy program.*"},
@@ -56,7 +56,7 @@ def load_ratios(table: str) -> dict[str, dict[str, float]]:
 
 def draw() -> None:
     """Draw a group of bars for each task, with stiction first."""
-    groups = load_ratios((DOCS / "generated/performance.md").read_text(encoding="utf-8"))
+    groups = load_ratios((DOCS_FOLDER / "generated/performance.md").read_text(encoding="utf-8"))
     with mpl.rc_context(MATPLOTLIB_STYLE):
         bars = sum(1 + len(group) for group in groups.values())
         height = 3.2 * bars + 5.5 * len(groups) + 11
@@ -82,7 +82,7 @@ def draw() -> None:
         axes.set_xlabel("run time divided by the run time of stiction (one thread)")
         for side in ("top", "right", "left"):
             axes.spines[side].set_visible(False)
-        save_figure(figure, DOCS / "images/performance.png")
+        save_figure(figure, DOCS_FOLDER / "images/performance.png")
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from concurrent.futures import Executor, ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
-from measure import seconds
+from measure import median_time
 from stiction import Study
 from stiction.studies import runner
 from stiction.studies.layout import member_bytes, stack_members
@@ -30,10 +30,10 @@ NUM_DIFFERENT_MEMBERS = 7
 NUM_RUNS = 3
 """Number of runs with and without a shared folder; the result is their median."""
 
-_task = runner.compute_block
+_compute_real_block = runner.compute_block
 
 
-class StoredSums:
+class StoredSumsTask:
     """Task of an executor that computes nothing and reads stored sums from a file once per process."""
 
     def __init__(self, path: str, has_shared_folder: bool) -> None:
@@ -44,7 +44,7 @@ class StoredSums:
         if self.path not in _read:
             _read[self.path] = pickle.loads(Path(self.path).read_bytes())
         runner.compute_member_sums = lambda _, member: _read[self.path][member % NUM_DIFFERENT_MEMBERS]
-        return _task(
+        return _compute_real_block(
             version, study, folder if self.has_shared_folder else runner.SharedFolder(Path("/nowhere"), ""), members
         )
 
@@ -71,7 +71,7 @@ def measure_storage(
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "sums.pickle"
         file.write_bytes(pickle.dumps(sums))
-        runner.compute_block = StoredSums(str(file), has_shared_folder)
+        runner.compute_block = StoredSumsTask(str(file), has_shared_folder)
         size = runner.choose_block_size(study)
         parts = -(-study.ensemble.repetitions // (size * NUM_BLOCKS))
         try:
@@ -81,7 +81,7 @@ def measure_storage(
             count = runner.compute_missing(study, Path(folder) / "r", part=(1, parts), executor=executor)
             return count / (time.perf_counter() - start), (time.process_time() - driver_start) / count
         finally:
-            runner.compute_block = _task
+            runner.compute_block = _compute_real_block
 
 
 def benchmark_rows() -> list[tuple[str, str]]:
@@ -93,7 +93,7 @@ def benchmark_rows() -> list[tuple[str, str]]:
             reduced_study = study.with_changes({"surfaces.fractal_dimension": [1.2]}) if half_plane else study
             dimensions = study.surfaces.fractal_dimensions().size if half_plane else 1
             sums = compute_member_sums(reduced_study, 0)
-            cost = dimensions * seconds(
+            cost = dimensions * median_time(
                 lambda reduced_study=reduced_study: compute_member_sums(reduced_study, 1), 1 if half_plane else 3
             )
             members = randomise({name: values.repeat(dimensions, axis=0) for name, values in sums.items()})
@@ -101,7 +101,8 @@ def benchmark_rows() -> list[tuple[str, str]]:
             block = stack_members(study, [members[i % NUM_DIFFERENT_MEMBERS] for i in range(size)])
             encode_members(study, range(size), block)
             writing = (
-                seconds(lambda study=study, size=size, block=block: encode_members(study, range(size), block), 5) / size
+                median_time(lambda study=study, size=size, block=block: encode_members(study, range(size), block), 5)
+                / size
             )
             runs = [
                 (

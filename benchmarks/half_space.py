@@ -11,7 +11,7 @@ import scipy.fft
 from stiction import HalfSpaceCurve, Profile, Surface, half_space
 from stiction.mechanics.half_space import Boundary
 
-MODULUS = 10.0
+EFFECTIVE_MODULUS = 10.0
 RMS_SLOPE = 0.1
 STICTION_TOLERANCE = 1e-6
 MEAN_PRESSURES = (0.005, 0.03, 0.1)
@@ -34,7 +34,7 @@ def measure_error(heights: np.ndarray, pressure: np.ndarray) -> float:
     """Return a common error measure, Σ p (v - min v)/(F h): an energy bound divided by load and rms height."""
     n, m = heights.shape
     k = 2 * np.pi * np.hypot(np.fft.fftfreq(n, 1 / n)[:, None], np.fft.rfftfreq(m, 1 / m))
-    compliance = np.divide(2 / MODULUS, k, out=np.zeros_like(k), where=k > 0)
+    compliance = np.divide(2 / EFFECTIVE_MODULUS, k, out=np.zeros_like(k), where=k > 0)
     potential = scipy.fft.irfft2(scipy.fft.rfft2(pressure) * compliance, heights.shape) - heights
     return float((pressure * (potential - potential.min())).sum() / pressure.sum() / heights.std())
 
@@ -42,7 +42,9 @@ def measure_error(heights: np.ndarray, pressure: np.ndarray) -> float:
 def solve_by_stiction(heights: np.ndarray, load: float) -> HalfSpaceCurve:
     body = Surface(heights, spacing=(1 / heights.shape[0], 1 / heights.shape[1]))
     flat = Surface(np.zeros(heights.shape), spacing=body.spacing)
-    return half_space(flat, body, [load], effective_modulus=MODULUS, boundary="periodic", tolerance=STICTION_TOLERANCE)
+    return half_space(
+        flat, body, [load], effective_modulus=EFFECTIVE_MODULUS, boundary="periodic", tolerance=STICTION_TOLERANCE
+    )
 
 
 def tamaas_solver(tolerance: float, *, free: bool = False) -> Callable[[np.ndarray, float], np.ndarray]:
@@ -53,7 +55,7 @@ def tamaas_solver(tolerance: float, *, free: bool = False) -> Callable[[np.ndarr
 
     def solve(heights: np.ndarray, load: float) -> np.ndarray:
         model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], list(heights.shape))
-        model.E, model.nu = MODULUS, 0.0
+        model.E, model.nu = EFFECTIVE_MODULUS, 0.0
         solver = tamaas.PolonskyKeerRey(model, heights.copy(), tolerance)
         if free:
             tamaas.ModelFactory.registerNonPeriodic(model, "dcfft")
@@ -70,7 +72,7 @@ def aspher_solver(tolerance: float) -> Callable[[np.ndarray, float], np.ndarray]
 
     def solve(heights: np.ndarray, load: float) -> np.ndarray:
         result = aspher.solve_nested(
-            grid_size=len(heights), gap=-heights.ravel(), p_nominal=load, E_star=MODULUS, backend="periodic",
+            grid_size=len(heights), gap=-heights.ravel(), p_nominal=load, E_star=EFFECTIVE_MODULUS, backend="periodic",
             tol=tolerance, precision="float_then_double",
         )  # fmt: skip
         return np.array(result.pressure).reshape(heights.shape)
@@ -95,7 +97,7 @@ def benchmark_rows(sides: tuple[int, ...] = (512, 1024)) -> list[tuple[str, str]
     for n in sides:
         heights = create_heights((n, n), 4, n // 16)
         for pressure in MEAN_PRESSURES:
-            load = pressure * MODULUS * RMS_SLOPE
+            load = pressure * EFFECTIVE_MODULUS * RMS_SLOPE
             our_runs = [measure_solver(solve_by_stiction, heights, load)]
             answers = []
             for name, solve in others.items():
@@ -122,9 +124,11 @@ def print_agreement(sides: tuple[int, ...] = (256, 512, 1024)) -> None:
         for free in (False, True):
             solve = tamaas_solver(1e-10, free=free)
             for pressure in (0.002, 0.03, 0.5):
-                load = pressure * MODULUS * RMS_SLOPE
+                load = pressure * EFFECTIVE_MODULUS * RMS_SLOPE
                 boundary: Boundary = "free" if free else "periodic"
-                curve = half_space(flat, body, [load], effective_modulus=MODULUS, boundary=boundary, tolerance=1e-7)
+                curve = half_space(
+                    flat, body, [load], effective_modulus=EFFECTIVE_MODULUS, boundary=boundary, tolerance=1e-7
+                )
                 solve_by_stiction, theirs = curve.contact(0).pressure, solve(heights, load)
                 print(
                     n, boundary, pressure, f"{np.abs(solve_by_stiction - theirs).max() / theirs.max():.0e}", flush=True
@@ -136,10 +140,10 @@ def measure_position(side: int = 384) -> tuple[str, str]:
     heights = create_heights((side, side), 4, side // 16)
     body = Surface(heights, spacing=1 / side)
     flat = Surface(np.zeros(heights.shape), spacing=1 / side)
-    loads = np.array(MEAN_PRESSURES) * MODULUS * RMS_SLOPE
+    loads = np.array(MEAN_PRESSURES) * EFFECTIVE_MODULUS * RMS_SLOPE
 
     def solve_directions(directions: list[float]) -> HalfSpaceCurve:
-        return half_space(flat, body, loads, effective_modulus=MODULUS, direction=directions)
+        return half_space(flat, body, loads, effective_modulus=EFFECTIVE_MODULUS, direction=directions)
 
     def compute_all_values() -> None:
         curve = solve_directions([30.0 * i for i in range(12)])
@@ -167,7 +171,7 @@ def measure_threads(side: int = 1024) -> tuple[str, str]:
         for workers, took in costs.items():
             with scipy.fft.set_workers(workers):
                 start = time.perf_counter()
-                half_space(flat, body, [0.03 * MODULUS * RMS_SLOPE], effective_modulus=MODULUS)
+                half_space(flat, body, [0.03 * EFFECTIVE_MODULUS * RMS_SLOPE], effective_modulus=EFFECTIVE_MODULUS)
                 took.append(time.perf_counter() - start)
     return (
         f"{side} x {side}, free: second thread for the transforms",
@@ -185,7 +189,9 @@ def measure_profile(points: int = 131_072) -> tuple[str, str]:
             scipy.fft.rfft(heights)
         unit = (time.process_time() - start) / 20
         start = time.process_time()
-        half_space(flat, body, [0.02 * MODULUS * RMS_SLOPE], effective_modulus=MODULUS, boundary="periodic")
+        half_space(
+            flat, body, [0.02 * EFFECTIVE_MODULUS * RMS_SLOPE], effective_modulus=EFFECTIVE_MODULUS, boundary="periodic"
+        )
         costs.append((time.process_time() - start) / unit)
     return f"a profile of {points} points, H 0.8, 0.02 E* h', in units of one real FFT of this length", (
         f"{statistics.median(costs):.0f}"

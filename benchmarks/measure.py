@@ -23,7 +23,7 @@ def retain_freed_memory() -> None:
     del block
 
 
-def seconds(call: Callable[[], object], repeats: int = 5) -> float:
+def median_time(call: Callable[[], object], repeats: int = 5) -> float:
     """Return the median time of a call."""
     times = []
     for _ in range(repeats):
@@ -36,7 +36,7 @@ def seconds(call: Callable[[], object], repeats: int = 5) -> float:
 def measure_unit(repeats: int = 40) -> float:
     """Return the unit U in seconds."""
     retain_freed_memory()
-    return seconds(lambda: np.fft.rfft(_FFT_INPUT), repeats)
+    return median_time(lambda: np.fft.rfft(_FFT_INPUT), repeats)
 
 
 def measure_in_units(call: Callable[[], object], repeats: int = 5) -> float:
@@ -44,7 +44,7 @@ def measure_in_units(call: Callable[[], object], repeats: int = 5) -> float:
     ratios = []
     for _ in range(repeats):
         unit_before = measure_unit(10)
-        elapsed = seconds(call, 1)
+        elapsed = median_time(call, 1)
         ratios.append(elapsed / ((unit_before + measure_unit(10)) / 2))
     return statistics.median(ratios)
 

@@ -46,7 +46,7 @@ def synthetic_sums(study: Study) -> Callable[[Study, int], dict]:
     return lambda _, repetition: bank[repetition % NUM_DIFFERENT_MEMBERS]
 
 
-def timed(function: Callable[[], object]) -> tuple[object, float]:
+def call_and_time(function: Callable[[], object]) -> tuple[object, float]:
     start = time.perf_counter()
     result = function()
     return result, time.perf_counter() - start
@@ -59,17 +59,19 @@ def benchmark_rows() -> list[tuple[str, str]]:
     try:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "r"
-            _, writing = timed(lambda: compute_missing(STUDY, path))
+            _, writing = call_and_time(lambda: compute_missing(STUDY, path))
             files = sum(len(files) for _, _, files in os.walk(path))
-            kept, looking = timed(lambda: store.info(path))
-            result, opening = timed(lambda: store.open_stored(path))
+            kept, looking = call_and_time(lambda: store.info(path))
+            result, opening = call_and_time(lambda: store.open_stored(path))
             loads = np.geomspace(20, 60, 20)
-            maps = [timed(lambda each=each: each(result, loads)) for each in (friction_map, area_map, stiffness_map)]
+            maps = [
+                call_and_time(lambda each=each: each(result, loads)) for each in (friction_map, area_map, stiffness_map)
+            ]
             assert (maps[0][0]["status"] == "ok").all()
             more = STUDY.with_changes({"ensemble.repetitions": NUM_REPETITIONS + NUM_ADDED_REPETITIONS})
-            longer, continuing = timed(lambda: compute_missing(more, path))
+            longer, continuing = call_and_time(lambda: compute_missing(more, path))
             assert longer == NUM_REPETITIONS + NUM_ADDED_REPETITIONS
-            _, again = timed(lambda: compute_missing(more, path))
+            _, again = call_and_time(lambda: compute_missing(more, path))
     finally:
         runner.compute_member_sums, runner.estimate_member_time = real
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024

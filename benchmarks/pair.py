@@ -3,7 +3,7 @@
 from concurrent.futures import Executor, ThreadPoolExecutor
 
 import numpy as np
-from measure import measure_in_units, measure_unit, seconds
+from measure import measure_in_units, measure_unit, median_time
 from stiction import Study, random_phases, run, weierstrass_mandelbrot_family
 from stiction.studies.member_solution import _reuse_array, compute_member_sums
 from stiction.studies.members import fill_profiles
@@ -20,16 +20,18 @@ FFT_INPUT = np.random.default_rng(0).random(150_000)
 def time_with_new_threads(study: Study, workers: int) -> float:
     """Return the run time (s) with new threads, which first allocate their memory."""
     with ThreadPoolExecutor(workers) as pool:
-        return seconds(lambda: run(study, executor=pool), 1)
+        return median_time(lambda: run(study, executor=pool), 1)
 
 
 def measure_speedup(study: Study, one: Executor, two: Executor) -> float:
     """Return the speed of two threads relative to one thread."""
-    return seconds(lambda: run(study, executor=one), 1) / seconds(lambda: run(study, executor=two), 1)
+    return median_time(lambda: run(study, executor=one), 1) / median_time(lambda: run(study, executor=two), 1)
 
 
 def benchmark_rows() -> list[tuple[str, str]]:
-    fresh = seconds(lambda: np.fft.rfft(FFT_INPUT), 40)  # No large memory block has been freed before this measurement.
+    fresh = median_time(
+        lambda: np.fft.rfft(FFT_INPUT), 40
+    )  # No large memory block has been freed before this measurement.
     result = [
         ("U", f"{1e3 * measure_unit():.2f} ms"),
         ("the same FFT in a process that has not yet freed a large memory block", f"{1e3 * fresh:.2f} ms"),

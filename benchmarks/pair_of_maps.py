@@ -69,7 +69,7 @@ def compute_onset(study: Study) -> None:
         assert result is not None
 
 
-def seconds(task: Callable[[], None]) -> float:
+def processor_time(task: Callable[[], None]) -> float:
     start = time.process_time()
     task()
     return time.process_time() - start
@@ -86,7 +86,7 @@ def benchmark_rows() -> list[tuple[str, str]]:
         half_space(*load_bodies(study).member(0, 0.0).pair, [0.1], effective_modulus=100.0)
         solved = []
         for turn in range(NUM_TIMING_ROUNDS):
-            solved.append([seconds(task) for task in tasks])
+            solved.append([processor_time(task) for task in tasks])
             commands.append(measure_command(folder, str(turn + 1)))
     command_time, wall_time = (statistics.median(column) for column in zip(*commands[1:], strict=True))
     positions, cut_offs, onset = (statistics.median(column) for column in zip(*solved, strict=True))

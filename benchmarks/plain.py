@@ -4,7 +4,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 
-def profile(phases, dimension, *, extent, points, amplitude, gamma=1.5):
+def generate_profile(phases, dimension, *, extent, points, amplitude, gamma=1.5):
     """Return a profile computed by the double sum of Eq. 1 and scaled to a total height."""
     directions, frequencies = phases.shape
     x = np.arange(points) * (extent / points)

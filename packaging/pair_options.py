@@ -25,11 +25,11 @@ from stiction.studies.pair_options import (
 )
 
 ROOT = Path(__file__).resolve().parents[1]
-FUNCTION_FILE = ROOT / "python/stiction/views/pair.py"
-COMMAND_FILE = ROOT / "python/stiction/cli/pair.py"
-READER_FILE = ROOT / "python/stiction/cli/characterise.py"
+PAIR_FUNCTION_FILE = ROOT / "python/stiction/views/pair.py"
+PAIR_COMMAND_FILE = ROOT / "python/stiction/cli/pair.py"
+CHARACTERISE_COMMAND_FILE = ROOT / "python/stiction/cli/characterise.py"
 LINE_LENGTH = 120
-BODIES = ("upper", "lower")
+BODY_OPTIONS = ("upper", "lower")
 PYTHON_OPTION_NAMES = [name for name, option in PAIR_OPTIONS.items() if option.is_in_python]
 
 DOCSTRING_TYPES = {
@@ -95,7 +95,7 @@ def parameter_descriptions() -> str:
             name
             for group in OPTION_GROUPS
             for name in group.model_fields
-            if name in PYTHON_OPTION_NAMES and name not in BODIES
+            if name in PYTHON_OPTION_NAMES and name not in BODY_OPTIONS
         ),
     ]
     lines = []
@@ -104,7 +104,7 @@ def parameter_descriptions() -> str:
         choices = ", ".join(f'"{choice}"' for choice in list_choices(name))
         kind = f"{{{choices}}}" if choices and declared != "InterfaceName" else DOCSTRING_TYPES[declared]
         unit = f", {DEFAULT_UNITS[option.kind]}" if option.kind else ""
-        optional = "" if PairOptions.model_fields[name].is_required() or name in BODIES else ", optional"
+        optional = "" if PairOptions.model_fields[name].is_required() or name in BODY_OPTIONS else ", optional"
         text = option.help.format_map(PythonOptionNames()) + (f" By default {option.usual}." if option.usual else "")
         lines.append(f"    {format_python_name(name)} : {kind}{unit}{optional}")
         lines += textwrap.wrap(text, LINE_LENGTH, initial_indent=" " * 8, subsequent_indent=" " * 8)
@@ -127,7 +127,7 @@ def command_parameters() -> str:
     """Return the parameters of the command `pair`."""
     lines = []
     for name, option in PAIR_OPTIONS.items():
-        if name in BODIES:
+        if name in BODY_OPTIONS:
             continue
         is_switch = PairOptions.model_fields[name].annotation is bool
         kind = "bool" if is_switch else "list[str]" if option.is_repeatable else "str"
@@ -156,26 +156,28 @@ def replace_section(text: str, start: str, end: str, new: str) -> str:
 
 def generated_texts() -> dict[Path, str]:
     """Return the generated text of each file."""
-    function = FUNCTION_FILE.read_text("utf-8")
+    function = PAIR_FUNCTION_FILE.read_text("utf-8")
     function = replace_section(function, "def pair(\n", "    directory: str", function_parameters())
     function = replace_section(
         function, "    Parameters\n    ----------\n", "    directory : path", parameter_descriptions()
     )
     function = replace_section(function, "options = PairOptions(\n", "            )\n", call_arguments())
-    command = COMMAND_FILE.read_text("utf-8")
-    command = replace_section(command, "    lower: LowerFile = None,\n    *,\n", "    workers:", command_parameters())
-    reader = READER_FILE.read_text("utf-8")
+    command = PAIR_COMMAND_FILE.read_text("utf-8")
+    command = replace_section(
+        command, "    lower: LowerFileArgument = None,\n    *,\n", "    workers:", command_parameters()
+    )
+    reader = CHARACTERISE_COMMAND_FILE.read_text("utf-8")
     reader = replace_section(
         reader, 'help="Measured profiles or surfaces.")],\n    *,\n', "    row:", reader_parameters()
     )
-    texts = {FUNCTION_FILE: function, COMMAND_FILE: command, READER_FILE: reader}
+    texts = {PAIR_FUNCTION_FILE: function, PAIR_COMMAND_FILE: command, CHARACTERISE_COMMAND_FILE: reader}
     return {path: format_code(text) for path, text in texts.items()}
 
 
 def format_code(text: str) -> str:
     """Format a text with ruff."""
     ruff = Path(sys.executable).with_name("ruff")
-    line = [str(ruff), "format", "--stdin-filename", str(FUNCTION_FILE), "-"]
+    line = [str(ruff), "format", "--stdin-filename", str(PAIR_FUNCTION_FILE), "-"]
     return subprocess.run(line, input=text, capture_output=True, text=True, check=True, cwd=ROOT).stdout
 
 

@@ -24,8 +24,8 @@ from typing import NoReturn
 
 ROOT = Path(__file__).resolve().parents[1]
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-PROJECT = PYPROJECT["project"]
-ARCHIVE_STEM = f"{PROJECT['name']}-{PROJECT['version']}"
+PROJECT_METADATA = PYPROJECT["project"]
+ARCHIVE_STEM = f"{PROJECT_METADATA['name']}-{PROJECT_METADATA['version']}"
 
 MAX_GLIBC = (2, 34)
 """Newest glibc version that a wheel may require, as documented in docs/howto/installing.md."""
@@ -34,9 +34,9 @@ MAX_IMPORT_SECONDS = 5.0
 """Largest accepted time of `import stiction`. An idle machine takes 0.3 s."""
 
 # Every Linux system with glibc has these dynamic libraries.
-SYSTEM_LIBRARY = re.compile(r"(libc|libm|libstdc\+\+|libgcc_s|ld-linux[\w-]*)\.so\.\d+")
-COMPILER = re.compile(r"([\w-]+-)?(cc|c\+\+|gcc|g\+\+|clang|clang\+\+|cpp|ld|as|cmake|ninja|g?make)(-[\d.]+)?")
-SYSTEM_PATH = [Path(folder) for folder in ("/usr/local/sbin", "/usr/local/bin", "/usr/sbin", "/usr/bin")]
+SYSTEM_LIBRARY_PATTERN = re.compile(r"(libc|libm|libstdc\+\+|libgcc_s|ld-linux[\w-]*)\.so\.\d+")
+COMPILER_PATTERN = re.compile(r"([\w-]+-)?(cc|c\+\+|gcc|g\+\+|clang|clang\+\+|cpp|ld|as|cmake|ninja|g?make)(-[\d.]+)?")
+SYSTEM_PROGRAM_FOLDERS = [Path(folder) for folder in ("/usr/local/sbin", "/usr/local/bin", "/usr/sbin", "/usr/bin")]
 
 # Print the visible compilers, Eigen, GSL and FFTW. The script runs inside the environment and, once, outside.
 INSPECTION_SCRIPT = """
@@ -109,7 +109,7 @@ def check_wheel(wheel: Path, folder: Path) -> None:
         "WHEEL",
         "RECORD",
         "entry_points.txt",
-        *(f"licenses/{n}" for n in PROJECT["license-files"]),
+        *(f"licenses/{n}" for n in PROJECT_METADATA["license-files"]),
     ]
     with zipfile.ZipFile(wheel) as archive:
         names = {name for name in archive.namelist() if not name.endswith("/")}
@@ -138,8 +138,8 @@ def check_metadata(text: bytes) -> None:
         ("Requires-Python", "requires-python"),
         ("License-Expression", "license"),
     ):
-        if metadata[field] != PROJECT[key]:
-            fail(f"the metadata say {field}: {metadata[field]}, pyproject.toml {PROJECT[key]}")
+        if metadata[field] != PROJECT_METADATA[key]:
+            fail(f"the metadata say {field}: {metadata[field]}, pyproject.toml {PROJECT_METADATA[key]}")
 
 
 def check_floor(wheel: Path) -> None:
@@ -158,7 +158,7 @@ def check_floor(wheel: Path) -> None:
 def check_extension(extension: Path) -> None:
     dynamic = call("readelf", "--wide", "--dynamic", extension)
     needed = re.findall(r"\(NEEDED\).*\[(.*)\]", dynamic)
-    foreign = [library for library in needed if not SYSTEM_LIBRARY.fullmatch(library)]
+    foreign = [library for library in needed if not SYSTEM_LIBRARY_PATTERN.fullmatch(library)]
     if foreign or not needed:
         fail(f"the extension needs {', '.join(foreign) or 'no library at all'}")
     if re.search(r"\((RPATH|RUNPATH)\)", dynamic):
@@ -198,10 +198,10 @@ class IsolatedEnvironment:
         folders = [ROOT, *map(Path, ("/usr/include", "/usr/local/include", "/usr/share/eigen3", "/usr/lib/gcc"))]
         programs = [
             program
-            for place in {*SYSTEM_PATH, *map(Path, os.environ["PATH"].split(os.pathsep))}
+            for place in {*SYSTEM_PROGRAM_FOLDERS, *map(Path, os.environ["PATH"].split(os.pathsep))}
             if place.is_dir()
             for program in place.iterdir()
-            if COMPILER.fullmatch(program.name)
+            if COMPILER_PATTERN.fullmatch(program.name)
         ]
         libraries = [
             path
@@ -223,7 +223,7 @@ class IsolatedEnvironment:
 
     def check_hidden(self) -> None:
         """Check that everything visible outside the environment is hidden inside."""
-        system = os.pathsep.join(map(str, SYSTEM_PATH))
+        system = os.pathsep.join(map(str, SYSTEM_PROGRAM_FOLDERS))
         if self.mounts:
             seen_outside = call(sys.executable, "-c", INSPECTION_SCRIPT, system, "/usr").splitlines()
             for part in ("c++", "cmake", "libgsl.a", "gsl_version.h", "libfftw3.a", "fftw3.h", "Eigen/Core"):
@@ -247,8 +247,8 @@ class IsolatedEnvironment:
         for file in files:
             if self.folder / "environment" not in Path(file).parents:
                 fail(f"{file} is imported, which is not the installed wheel")
-        if version != PROJECT["version"]:
-            fail(f"version {version} is imported, not {PROJECT['version']}")
+        if version != PROJECT_METADATA["version"]:
+            fail(f"version {version} is imported, not {PROJECT_METADATA['version']}")
 
     def measure_import_time(self) -> float:
         """Return the shortest of three import times, each measured in a new interpreter."""

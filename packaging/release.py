@@ -13,29 +13,29 @@ import sys
 import tomllib
 from collections.abc import Callable, Iterator
 
-from prove import PROJECT, ROOT, call, fail
+from prove import PROJECT_METADATA, ROOT, call, fail
 from wheel import DIST_FOLDER, VERIFIED_COMMITS_FILE, describe_commit
 
-VERSION = PROJECT["version"]
+VERSION = PROJECT_METADATA["version"]
 RELEASE_VERSION = VERSION.removesuffix(".dev0")
 """Version of the next release."""
-RELATIVE_LINK = re.compile(r"(?<=\]\()(?!https?:|#)([^)\s]+)(?=\))")
+RELATIVE_LINK_PATTERN = re.compile(r"(?<=\]\()(?!https?:|#)([^)\s]+)(?=\))")
 """Pattern of relative links in Markdown."""
 
 URL_NAMES = ("Source", "Documentation", "Issues", "Changelog")
 
-Check = Callable[[], str | None]
-STEP_CHECKS: list[tuple[str, Check]] = []
+ReleaseCheck = Callable[[], str | None]
+RELEASE_CHECKS: list[tuple[str, ReleaseCheck]] = []
 
 
-def register_check(line: str) -> Callable[[Check], Check]:
+def register_check(line: str) -> Callable[[ReleaseCheck], ReleaseCheck]:
     """Return a decorator that registers a check under a line of the release list.
 
     The check returns a description of the missing step, or None.
     """
 
-    def register(function: Check) -> Check:
-        STEP_CHECKS.append((line, function))
+    def register(function: ReleaseCheck) -> ReleaseCheck:
+        RELEASE_CHECKS.append((line, function))
         return function
 
     return register
@@ -74,13 +74,15 @@ def citation_matches_changelog() -> str | None:
 
 @register_check("the addresses of the project are public ones")
 def urls_are_defined() -> str | None:
-    missing = join_missing("[project.urls] has no", (name for name in URL_NAMES if name not in PROJECT["urls"]))
+    missing = join_missing(
+        "[project.urls] has no", (name for name in URL_NAMES if name not in PROJECT_METADATA["urls"])
+    )
     return missing and f"{missing}: ./dev release --address URL"
 
 
 @register_check("links of README.md work on PyPI")
 def links_are_absolute() -> str | None:
-    relative_links = RELATIVE_LINK.findall(read_file("README.md"))
+    relative_links = RELATIVE_LINK_PATTERN.findall(read_file("README.md"))
     return (
         f"{len(relative_links)} are relative, for example {relative_links[0]}: ./dev release --address URL"
         if relative_links
@@ -98,8 +100,8 @@ def missing_recipe_lines() -> Iterator[str]:
     lines = {line.strip() for line in read_file("packaging/conda/recipe.yaml").splitlines()}
     if f'version: "{RELEASE_VERSION}"' not in lines:
         yield f'version: "{RELEASE_VERSION}"'
-    python = f"python{PROJECT['requires-python']}"
-    for item in (python, *PROJECT["dependencies"]):
+    python = f"python{PROJECT_METADATA['requires-python']}"
+    for item in (python, *PROJECT_METADATA["dependencies"]):
         name, bound = re.fullmatch(r"([\w-]+)(>=.+)", item).groups()  # type: ignore[union-attr]
         expected = f"- {'matplotlib-base' if name == 'matplotlib' else name} {bound}"
         if expected not in lines:
@@ -109,7 +111,7 @@ def missing_recipe_lines() -> Iterator[str]:
 @register_check("packaging/tested.txt has a version of every dependency")
 def tested_versions_are_complete() -> str | None:
     tested = {line.split("==")[0].lower() for line in read_file("packaging/tested.txt").splitlines() if "==" in line}
-    names = [re.split(">=", item)[0].lower() for item in PROJECT["dependencies"]]
+    names = [re.split(">=", item)[0].lower() for item in PROJECT_METADATA["dependencies"]]
     return join_missing("./dev tested, for it lacks", (name for name in names if name not in tested))
 
 
@@ -142,7 +144,7 @@ def run_checks(*, tagged: bool) -> bool:
 
     The workflow of a tag builds and verifies separately, so these lines are left out for a tag.
     """
-    checks = [item for item in STEP_CHECKS if not (tagged and item[1] is wheels_are_proven)]
+    checks = [item for item in RELEASE_CHECKS if not (tagged and item[1] is wheels_are_proven)]
     if tagged:
         checks.append((f"the tag v{VERSION} is on this commit", tag_is_on_commit))
     opened = 0
@@ -175,7 +177,7 @@ def write_address(url: str) -> None:
     citation = read_file("CITATION.cff").replace("type: software\n", f"type: software\nrepository-code: {url}\n", 1)
     (ROOT / "CITATION.cff").write_text(citation, encoding="utf-8")
     readme = re.sub(r"(?<=\]\()(?=[^)\s]+\.png\))(?!https?:)", f"{url}/raw/main/", read_file("README.md"))
-    (ROOT / "README.md").write_text(RELATIVE_LINK.sub(rf"{url}/blob/main/\1", readme), encoding="utf-8")
+    (ROOT / "README.md").write_text(RELATIVE_LINK_PATTERN.sub(rf"{url}/blob/main/\1", readme), encoding="utf-8")
 
 
 def main() -> None:

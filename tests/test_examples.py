@@ -357,7 +357,7 @@ def test_reference_documentation_lists_every_key_option_and_study():
     assert written.read_text("utf-8") == study_keys(), "write stiction.views.study_keys.study_keys() to this file"
     for name in stiction.study_names():
         assert f"| `{name}` | " in pages["built_in.md"]
-    for group in reference.COMMANDS.values():
+    for group in reference.COMMANDS_BY_GROUP.values():
         for name in group:
             assert f"## `stiction {name}`" in pages["commands.md"]
     assert "| `--set` `KEY=VALUE` |" in pages["commands.md"]

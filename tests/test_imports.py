@@ -137,7 +137,7 @@ def test_public_names_are_not_defined_in_command_line_and_app_layers(room):
 
 def test_command_group_lists_every_command_and_finds_its_module():
     group = typer.main.get_command(application.app)
-    listed = {name: module for value in application.COMMANDS.values() for name, (module, _) in value.items()}
+    listed = {name: module for value in application.COMMANDS_BY_GROUP.values() for name, (module, _) in value.items()}
     assert group.list_commands(None) == list(listed)
     for name, module in listed.items():
         command = group.get_command(None, name)

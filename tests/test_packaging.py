@@ -58,7 +58,9 @@ def test_pre_commit_hooks_have_the_versions_of_the_lint_tools():
 
 def test_conda_recipe_has_the_dependencies_of_the_package(release, monkeypatch):
     assert list(release.missing_recipe_lines()) == []
-    monkeypatch.setitem(release.PROJECT, "dependencies", [*release.PROJECT["dependencies"], "numpy>=99"])
+    monkeypatch.setitem(
+        release.PROJECT_METADATA, "dependencies", [*release.PROJECT_METADATA["dependencies"], "numpy>=99"]
+    )
     assert list(release.missing_recipe_lines()) == ["- numpy >=99"]
 
 

@@ -28,7 +28,10 @@ def test_consecutive_lines_of_comments_are_joined(words):
 
 def test_listed_docstrings_include_docstrings_of_constants(words):
     source = '"""Module."""\n\nLIMIT = 3\n"""Largest number of rows."""\n'
-    assert list(words.docstrings({"dev": source})) == [("dev:module", "Module."), ("dev:4", "Largest number of rows.")]
+    assert list(words.docstring_summaries({"dev": source})) == [
+        ("dev:module", "Module."),
+        ("dev:4", "Largest number of rows."),
+    ]
 
 
 def test_names_are_grouped_by_kind_and_counted_once(words):

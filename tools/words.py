@@ -25,7 +25,7 @@ from itertools import chain
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-RULES_FILE = ROOT / "tools/words.toml"
+WORD_RULES_FILE = ROOT / "tools/words.toml"
 SENTENCE_KINDS = ("docstring", "comment", "message", "documentation", "commit subject")
 NAME_KINDS = ("function", "class", "constant", "variable", "test")
 MIN_COMMENT_LENGTH = 25  # minimum length in characters; most shorter comments are units and markers
@@ -38,7 +38,7 @@ IMPORTABLE_FOLDERS = ("python/stiction", "tests/support", "tests/reference", "pa
 
 Files = Mapping[str, str]
 """Texts of files by their path in the tree."""
-Item = tuple[str, str]
+SampledText = tuple[str, str]
 """Place and text of a sentence or name."""
 
 
@@ -68,14 +68,14 @@ def is_python(name: str) -> bool:
     return name == "dev" or name.endswith(".py")
 
 
-def is_in(name: str, folders: tuple[str, ...]) -> bool:
+def is_in_folders(name: str, folders: tuple[str, ...]) -> bool:
     return any(name == folder or name.startswith(f"{folder}/") for folder in folders)
 
 
 def python_nodes(files: Files, folders: tuple[str, ...] = PYTHON_FOLDERS) -> Iterator[tuple[str, ast.AST]]:
     """Yield the path of each Python file with each node of its syntax tree."""
     for name, text in sorted(files.items()):
-        if is_python(name) and is_in(name, folders):
+        if is_python(name) and is_in_folders(name, folders):
             for node in syntax_nodes(text):
                 yield name, node
 
@@ -88,7 +88,7 @@ def syntax_nodes(text: str) -> list[ast.AST]:
 # ---- Sentences ------------------------------------------------------------------------------------------------------
 
 
-def docstrings(files: Files) -> Iterator[Item]:
+def docstring_summaries(files: Files) -> Iterator[SampledText]:
     """Yield the summary of each docstring, including docstrings of constants."""
     for name, node in python_nodes(files):
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
@@ -102,7 +102,7 @@ def docstrings(files: Files) -> Iterator[Item]:
                         yield f"{name}:{second.lineno}", " ".join(value.value.split("\n\n")[0].split())
 
 
-def comments(files: Files) -> Iterator[Item]:
+def comments(files: Files) -> Iterator[SampledText]:
     """Yield the comments of Python, C++ and JavaScript, joining consecutive lines."""
     for name, text in sorted(files.items()):
         lines: list[tuple[int, bool, str]] = []
@@ -126,7 +126,7 @@ def comments(files: Files) -> Iterator[Item]:
                 yield f"{name}:{number}", comment
 
 
-def messages(files: Files) -> Iterator[Item]:
+def exception_messages(files: Files) -> Iterator[SampledText]:
     """Yield the texts of exceptions and warnings in the package."""
     for name, node in python_nodes(files, ("python/stiction",)):
         if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call):
@@ -142,7 +142,7 @@ def messages(files: Files) -> Iterator[Item]:
                 yield f"{name}:{node.lineno}", ast.unparse(argument)
 
 
-def documentation(files: Files) -> Iterator[Item]:
+def documentation_sentences(files: Files) -> Iterator[SampledText]:
     """Yield the sentences of the documentation."""
     for name, text in sorted(files.items()):
         if name.endswith(".md") and "generated" not in name:
@@ -155,7 +155,7 @@ def documentation(files: Files) -> Iterator[Item]:
                             yield name, sentence
 
 
-def commit_subjects(files: Files) -> Iterator[Item]:
+def commit_subjects(files: Files) -> Iterator[SampledText]:
     """Yield the subjects of the newest commits."""
     log = ["git", "log", f"-{MAX_COMMITS}", "--format=%h %s"]
     for line in subprocess.run(log, cwd=ROOT, capture_output=True, check=True, text=True).stdout.splitlines():
@@ -163,8 +163,12 @@ def commit_subjects(files: Files) -> Iterator[Item]:
         yield commit, subject
 
 
-SENTENCE_SOURCES: dict[str, Callable[[Files], Iterator[Item]]] = dict(
-    zip(SENTENCE_KINDS, (docstrings, comments, messages, documentation, commit_subjects), strict=True)
+SENTENCE_SOURCES: dict[str, Callable[[Files], Iterator[SampledText]]] = dict(
+    zip(
+        SENTENCE_KINDS,
+        (docstring_summaries, comments, exception_messages, documentation_sentences, commit_subjects),
+        strict=True,
+    )
 )
 
 
@@ -188,9 +192,9 @@ def is_constant(name: str) -> bool:
     return name.isupper() and len(name.strip("_")) > 1
 
 
-def names(files: Files) -> dict[str, list[Item]]:
+def names_by_kind(files: Files) -> dict[str, list[SampledText]]:
     """Return the place and spelling of each name by kind. A repeated name counts once per file."""
-    unique: dict[str, dict[Item, None]] = {kind: {} for kind in NAME_KINDS}
+    unique: dict[str, dict[SampledText, None]] = {kind: {} for kind in NAME_KINDS}
     for path, node in python_nodes(files):
         for kind, name in bound_names(node):
             if len(name.strip("_")) > 1:
@@ -201,7 +205,7 @@ def names(files: Files) -> dict[str, list[Item]]:
 # ---- Sample ---------------------------------------------------------------------------------------------------------
 
 
-def draw(items_by_kind: Mapping[str, list[Item]], number: int, generator: random.Random) -> Iterator[str]:
+def sample_rows(items_by_kind: Mapping[str, list[SampledText]], number: int, generator: random.Random) -> Iterator[str]:
     """Yield table rows of `number` items, with equal numbers of each kind where possible."""
     yield "| mark | kind | place | text |\n|---|---|---|---|"
     for i, (kind, items) in enumerate(items_by_kind.items()):
@@ -210,7 +214,7 @@ def draw(items_by_kind: Mapping[str, list[Item]], number: int, generator: random
             yield f"|  | {kind} | {place} | {text[:MAX_SAMPLE_LENGTH].replace('|', chr(92) + '|')} |"
 
 
-def draw_functions(files: Files, number: int, generator: random.Random) -> Iterator[str]:
+def sample_functions(files: Files, number: int, generator: random.Random) -> Iterator[str]:
     """Yield the source of `number` functions of the package that have a docstring."""
     functions = []
     for name, node in python_nodes(files, ("python/stiction",)):
@@ -226,11 +230,11 @@ def sample(seed: int, number: int, functions: int) -> None:
     files, generator = read_commit(), random.Random(seed)
     print(f"Seed {seed}. Mark each: C clear, A awkward but understood, X read twice or misunderstood.\n")
     if functions:
-        print(*draw_functions(files, functions, generator), sep="\n")
+        print(*sample_functions(files, functions, generator), sep="\n")
         return
-    for items_by_kind in ({kind: list(find(files)) for kind, find in SENTENCE_SOURCES.items()}, names(files)):
+    for items_by_kind in ({kind: list(find(files)) for kind, find in SENTENCE_SOURCES.items()}, names_by_kind(files)):
         print(", ".join(f"{len(items)} of kind {kind}" for kind, items in items_by_kind.items()), end="\n\n")
-        print(*draw(items_by_kind, number, generator), "", sep="\n")
+        print(*sample_rows(items_by_kind, number, generator), "", sep="\n")
 
 
 # ---- Check ----------------------------------------------------------------------------------------------------------
@@ -239,7 +243,9 @@ def sample(seed: int, number: int, functions: int) -> None:
 def rejected_words(table: Mapping[str, list[str]], path: str) -> set[str]:
     """Return the words that are rejected in a file: those of `all` and of every folder that contains the file."""
     return set(
-        chain.from_iterable(words for folder, words in table.items() if folder == "all" or is_in(path, (folder,)))
+        chain.from_iterable(
+            words for folder, words in table.items() if folder == "all" or is_in_folders(path, (folder,))
+        )
     )
 
 
@@ -260,7 +266,7 @@ def test_name_faults(files: Files, table: Mapping[str, list[str]]) -> Iterator[s
 
 
 def opening_faults(files: Files, table: Mapping[str, list[str]]) -> Iterator[str]:
-    for place, sentence in chain(docstrings(files), comments(files)):
+    for place, sentence in chain(docstring_summaries(files), comments(files)):
         if sentence.split()[0] in rejected_words(table, place.split(":")[0]):
             yield f"{place}: {sentence[:60]!r} does not begin with a verb or with the thing that it describes"
 
@@ -278,7 +284,7 @@ def repeated_constants(files: Files) -> dict[str, set[str]]:
     """Return the modules of each constant that several modules define with different values."""
     modules: dict[str, dict[str, str]] = {}
     for path, text in sorted(files.items()):
-        if not is_python(path) or not is_in(path, IMPORTABLE_FOLDERS):
+        if not is_python(path) or not is_in_folders(path, IMPORTABLE_FOLDERS):
             continue
         for node in ast.parse(text).body:
             if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None:
@@ -294,7 +300,7 @@ def repetition_faults(repeated: Mapping[str, set[str]], accepted: list[str]) -> 
 
 
 def check() -> None:
-    files, rules = read_checkout(), tomllib.loads(RULES_FILE.read_text("utf-8"))
+    files, rules = read_checkout(), tomllib.loads(WORD_RULES_FILE.read_text("utf-8"))
     faults = [
         *name_faults(files, rules["names"]),
         *test_name_faults(files, rules["test_names"]),

@@ -22,7 +22,7 @@ MU0 = 0.4
 ENLARGED_CONTACT = 1
 """Index of the enlarged contact."""
 
-LOWER_COLOUR, UPPER_COLOUR, OVERLAP_COLOUR, INK_COLOUR = "#e3d5bb", "#c6d9e7", "#8a7f95", "0.15"
+LOWER_BODY_COLOUR, UPPER_BODY_COLOUR, OVERLAP_COLOUR, INK_COLOUR = "#e3d5bb", "#c6d9e7", "#8a7f95", "0.15"
 OPPOSING_COLOUR, ASSISTING_COLOUR = "#B84C00", "#0072B2"
 
 
@@ -79,8 +79,8 @@ def draw_label(
 
 def draw_bodies(ax: Axes, profiles: ContactingProfiles, bottom: float, top: float) -> None:
     x, lower, upper = profiles.lower.x, profiles.lower.heights, profiles.upper.heights - profiles.upper_displacement
-    ax.fill_between(x, bottom, lower, color=LOWER_COLOUR, linewidth=0)
-    ax.fill_between(x, upper, top, color=UPPER_COLOUR, linewidth=0)
+    ax.fill_between(x, bottom, lower, color=LOWER_BODY_COLOUR, linewidth=0)
+    ax.fill_between(x, upper, top, color=UPPER_BODY_COLOUR, linewidth=0)
     ax.fill_between(x, upper, lower, where=upper < lower, color=OVERLAP_COLOUR, linewidth=0)
     for heights in (lower, upper):
         ax.plot(x, heights, color=INK_COLOUR, linewidth=0.6)

@@ -12,12 +12,12 @@ from matplotlib.figure import Figure
 from stiction import flipped, half_space, levelled, pair, read_profile
 from stiction.views.style import (
     INCHES_PER_MILLIMETRE,
-    LOWER_COLOUR,
+    LOWER_BODY_COLOUR,
     MATPLOTLIB_STYLE,
     NOT_OPPOSING_COLOUR,
     OPPOSING_COLOUR,
     SLIDING_RULE_COLOURS,
-    UPPER_COLOUR,
+    UPPER_BODY_COLOUR,
     axis_label,
     save_figure,
 )
@@ -85,8 +85,8 @@ def draw(curves, dark):
     )
     distances = np.abs(np.subtract.outer(opposing_x, assisting_x))
     middle = opposing_x[np.unravel_index(distances.argmin(), distances.shape)[0]]
-    left.fill_between(x, 1000 * lower, -1e4, color=LOWER_COLOUR, linewidth=0)
-    left.fill_between(x, 1000 * (lower + contact.gap.clip(0)), 1e4, color=UPPER_COLOUR, linewidth=0)
+    left.fill_between(x, 1000 * lower, -1e4, color=LOWER_BODY_COLOUR, linewidth=0)
+    left.fill_between(x, 1000 * (lower + contact.gap.clip(0)), 1e4, color=UPPER_BODY_COLOUR, linewidth=0)
     for is_selected, colour in ((contact.opposing, OPPOSING_COLOUR), (~contact.opposing, NOT_OPPOSING_COLOUR)):
         selected_points = in_contact & is_selected
         left.plot(x[selected_points], 1000 * lower[selected_points], "o", markersize=2.5, color=colour)

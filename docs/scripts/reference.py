@@ -11,7 +11,7 @@ from typing import Any
 
 import stiction
 import typer
-from stiction.cli.application import COMMANDS, app
+from stiction.cli.application import COMMANDS_BY_GROUP, app
 from stiction.studies.study import study_names, study_summary
 from stiction.surfaces.parameters import PROFILE_PARAMETERS, SURFACE_PARAMETERS
 from stiction.views.study_keys import markdown_row
@@ -107,7 +107,7 @@ def render_command_sections() -> str:
     """Return the section of every command: usage, arguments, options and epilogue."""
     known: Any = typer.main.get_command(app)
     lines = []
-    for name in (name for group in COMMANDS.values() for name in group):
+    for name in (name for group in COMMANDS_BY_GROUP.values() for name in group):
         command = known.get_command(known.context_class(known), name)
         context = command.context_class(command, info_name=f"stiction {name}")
         usage = command.get_usage(context).partition(":")[2].strip()

@@ -8,11 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from stiction.views.style import (
     INCHES_PER_MILLIMETRE,
-    LOWER_COLOUR,
+    LOWER_BODY_COLOUR,
     MATPLOTLIB_STYLE,
     NOT_OPPOSING_COLOUR,
     OPPOSING_COLOUR,
-    UPPER_COLOUR,
+    UPPER_BODY_COLOUR,
 )
 
 IMAGE_FOLDER = Path(__file__).resolve().parents[1] / "images"
@@ -46,8 +46,8 @@ def draw_pair(ax: Axes, rule: str, text_colour: str) -> None:
     for centre, drop in zip(lower_centres, distance - rise, strict=True):
         lower = np.maximum(lower, asperity_heights(x, np.array([centre])) + drop)
     upper = distance - asperity_heights(x, upper_centres)
-    ax.fill_between(x, lower, -0.6, color=LOWER_COLOUR, linewidth=0)
-    ax.fill_between(x, upper, distance + 0.6, color=UPPER_COLOUR, linewidth=0)
+    ax.fill_between(x, lower, -0.6, color=LOWER_BODY_COLOUR, linewidth=0)
+    ax.fill_between(x, upper, distance + 0.6, color=UPPER_BODY_COLOUR, linewidth=0)
     for centre, offset, height, drop in zip(lower_centres, UPPER_OFFSETS, rise, distance - rise, strict=True):
         opposes = offset < 0  # the upper asperity is to the left: it must climb to move to the right
         colour = OPPOSING_COLOUR if opposes else NOT_OPPOSING_COLOUR

@@ -9,7 +9,7 @@ import pytest
 import stiction
 import typer
 from stiction import Study, study_names
-from stiction.cli.application import COMMANDS, app
+from stiction.cli.application import COMMANDS_BY_GROUP, app
 from stiction.studies import store
 from support.command import assert_rejected, call_stiction, check_stiction
 
@@ -114,14 +114,14 @@ def test_version_and_help_options_print_build_and_commands(tmp_path):
     assert all(value in build_line for value in stiction._core.build().values())
     completed = check_stiction("--help", cwd=tmp_path)
     for name, application_and_summary in (
-        command_item for group in COMMANDS.values() for command_item in group.items()
+        command_item for group in COMMANDS_BY_GROUP.values() for command_item in group.items()
     ):
         assert re.search(rf"^  {name} +{re.escape(application_and_summary[1])}$", completed.stdout, re.MULTILINE)
 
 
 # ---- Help ------------------------------------------------------------------------------------------------------------
 
-COMMAND_NAMES = [name for group in COMMANDS.values() for name in group]
+COMMAND_NAMES = [name for group in COMMANDS_BY_GROUP.values() for name in group]
 
 
 @pytest.mark.parametrize("name", COMMAND_NAMES)

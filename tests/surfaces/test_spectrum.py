@@ -22,7 +22,7 @@ from support.rough_surfaces import AMPLITUDE, WAVELENGTH, rough_profile, self_af
 
 # Relative round-off of sums over some thousand points and of transforms.
 ROUND_OFF = 1e-12
-AREA_ROUND_OFF = 1e-11
+MIN_PRINTED_AREA_RANGE = 1e-11
 # Error of the direction in degrees, for maps about ten wavelengths long and stretched by two.
 # The error is below 3 degrees in 90 % of the cases.
 LAY_TOLERANCE = 10.0
@@ -128,7 +128,7 @@ def test_areal_spectrum_equals_its_definition():
 def test_spectral_moments_of_a_surface_are_variances_along_any_direction():
     surface = self_affine_map(2, 0.7)
     spectrum = surface_spectrum(surface, periodic=True)
-    assert spectrum.moments(37).height == pytest.approx(surface.heights.var(), rel=AREA_ROUND_OFF)
+    assert spectrum.moments(37).height == pytest.approx(surface.heights.var(), rel=MIN_PRINTED_AREA_RANGE)
     # Moments along x are those of the rows. The mean of a row is a wavelength of the surface.
     rows = [spectral_moments(surface.row(index), periodic=True) for index in range(128)]
     assert spectrum.moments(0).slope == pytest.approx(np.mean([row.slope for row in rows]), rel=1e-9)
@@ -137,7 +137,9 @@ def test_spectral_moments_of_a_surface_are_variances_along_any_direction():
     assert spectrum.moments(90).slope == pytest.approx(np.mean([column.slope for column in columns]), rel=1e-9)
     # In other directions, m2 is a quadratic form of the direction.
     along, across = spectrum.moments(20).slope, spectrum.moments(110).slope
-    assert along + across == pytest.approx(spectrum.moments(0).slope + spectrum.moments(90).slope, rel=AREA_ROUND_OFF)
+    assert along + across == pytest.approx(
+        spectrum.moments(0).slope + spectrum.moments(90).slope, rel=MIN_PRINTED_AREA_RANGE
+    )
     wave = np.cos(0.25 * np.pi * (surface.x / 0.5) + 0.5 * np.pi * (surface.y[:, np.newaxis] / 0.5))
     result = surface_spectrum(Surface(wave, spacing=0.5), periodic=True).moments(math.degrees(math.atan2(2, 1)))
     assert result.slope == pytest.approx(0.5 * (np.pi / 2) ** 2 * 5, rel=1e-9)
@@ -167,10 +169,10 @@ def test_radial_spectrum_includes_every_coefficient_exactly_once():
     # The ring contains both a coefficient and its conjugate.
     area = (2 * np.pi / 32) * (2 * np.pi / 24.3)
     inside = np.hypot(spectrum.wave_number_y[:, np.newaxis], spectrum.wave_number_x) < np.pi / 0.5 * (1 - 1e-9)
-    assert 2 * density.sum() * area == pytest.approx(spectrum.density[inside].sum() * area, rel=AREA_ROUND_OFF)
+    assert 2 * density.sum() * area == pytest.approx(spectrum.density[inside].sum() * area, rel=MIN_PRINTED_AREA_RANGE)
     radial = spectrum.radial(7)
     assert radial.count.sum() == q.size
-    assert (radial.density * radial.count).sum() == pytest.approx(density.sum(), rel=AREA_ROUND_OFF)
+    assert (radial.density * radial.count).sum() == pytest.approx(density.sum(), rel=MIN_PRINTED_AREA_RANGE)
 
 
 def test_radial_spectrum_agrees_with_the_surface_topography_package():

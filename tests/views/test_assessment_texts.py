@@ -11,10 +11,10 @@ from stiction.views.point import averaged_directions_text
 from stiction.views.sentence import (
     MIN_STATED_LOAD_DEFINITION_EFFECT,
     SLOPE_ESTIMATE_KAPPA,
-    finer_text,
+    finer_scan_text,
     inputs_text,
     sentence_text,
-    slopes_text,
+    slope_estimate_text,
 )
 from stiction.views.text import coefficients_text
 from support.synthetic_results import generated_result, generated_study, measured_result, measured_study
@@ -262,12 +262,12 @@ def test_small_slope_estimate_lists_neglected_effects():
         (measured_result(rms_gradient=gradient, mean_pressure=pressure / 2), None, ["does not apply"]),
     ):
         study = measured_study(hardness=hardness)
-        text = slopes_text(only_point(dataset, study))
+        text = slope_estimate_text(only_point(dataset, study))
         assert "0.21 with friction at all contacts" in text
         for effect_name in ("hardness", "does not apply"):
             assert (effect_name in text) == any(effect_name in effect for effect in effects)
     dataset_without_tau0 = measured_result(rms_gradient=gradient, mean_pressure=pressure / 2, tau0=(0.0,))
-    assert "does not apply" not in slopes_text(only_point(dataset_without_tau0, measured_study()))
+    assert "does not apply" not in slope_estimate_text(only_point(dataset_without_tau0, measured_study()))
 
 
 @pytest.mark.parametrize("is_floor", [True, False])
@@ -432,9 +432,9 @@ def test_roughness_contribution_equals_value_minus_mu0_and_tau0_terms():
 
 
 def test_text_about_finer_scans_states_the_hardness():
-    text = finer_text(only_point(measured_result(), measured_study(hardness=3.0)))
+    text = finer_scan_text(only_point(measured_result(), measured_study(hardness=3.0)))
     assert text.startswith("with H = 3 GPa a finer scan would give 0.21")
-    assert finer_text(only_point(measured_result(), measured_study())) == ""
+    assert finer_scan_text(only_point(measured_result(), measured_study())) == ""
 
 
 def test_few_contacts_and_zero_tau0_of_generated_surfaces_cause_caveats():

@@ -15,7 +15,13 @@ from stiction.studies.study import parse_dataset_study
 from stiction.views import style
 from stiction.views.figures import draw_figures
 from stiction.views.figures.contact import contact_figure, contact_map_figure, contacts_figure, find_opposing_contacts
-from stiction.views.figures.ensemble import FADING_LIMITS, _compute_fading, _fade_colours, area_figure, friction_figure
+from stiction.views.figures.ensemble import (
+    FADING_PARAMETERS,
+    _compute_fading,
+    _fade_colours,
+    area_figure,
+    friction_figure,
+)
 from stiction.views.figures.standard import select_figures
 from stiction.views.report import report_page
 from stiction.views.rows import summary_json, summary_table
@@ -176,9 +182,9 @@ def test_cells_with_wide_intervals_fade_to_grey_of_equal_luminance():
     cells = [(1.0, 0.9, 1.1), (1.0, 0.0, 1.0), (1.0, -3.0, 5.0), (1.0, np.nan, np.nan), (np.nan, np.nan, np.nan)]
     certain, partly_faded, fully_faded, without_interval, without_value = _compute_fading(np.array(cells))
     assert (certain, without_value) == (0, 0)
-    assert fully_faded == without_interval == FADING_LIMITS[2]
+    assert fully_faded == without_interval == FADING_PARAMETERS[2]
     assert partly_faded == pytest.approx(
-        FADING_LIMITS[2] * (1.0 - FADING_LIMITS[0]) / (FADING_LIMITS[1] - FADING_LIMITS[0])
+        FADING_PARAMETERS[2] * (1.0 - FADING_PARAMETERS[0]) / (FADING_PARAMETERS[1] - FADING_PARAMETERS[0])
     )
     purple, luminance = np.array([0.5, 0.1, 0.6]), np.array([0.2126, 0.7152, 0.0722])
     grey = _fade_colours(purple, np.array(1.0))

@@ -355,7 +355,7 @@ class Server:
     async def list_results(self, _: Request) -> Response:
         """Return the results in the current directory with their progress."""
         return JSONResponse(
-            await asyncio.to_thread(lambda: [_describe_result(*item) for item in self._find_results().items()])
+            await asyncio.to_thread(lambda: [_stored_result_record(*item) for item in self._find_results().items()])
         )
 
     async def draw_profiles(self, request: Request) -> Response:
@@ -366,7 +366,7 @@ class Server:
         return Response(await asyncio.to_thread(sample_surfaces.draw_profiles, changes), media_type="image/svg+xml")
 
 
-def _describe_result(name: str, folder: Path) -> dict[str, Any]:
+def _stored_result_record(name: str, folder: Path) -> dict[str, Any]:
     try:
         stored = open_stored(folder)
     except ValueError as error:

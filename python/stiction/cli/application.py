@@ -70,7 +70,7 @@ def print_output(text: str) -> None:
     """Print a result on standard output. A closed pipe does not stop the command."""
     lines = [printable(line, sys.maxsize) for line in text.removesuffix("\n").split("\n")]
     if sys.stdout.isatty():
-        lines = [_BOLD_TEXT.sub(lambda match: typer.style(match[0], bold=True), line) for line in lines]
+        lines = [_BOLD_TEXT_PATTERN.sub(lambda match: typer.style(match[0], bold=True), line) for line in lines]
     try:
         _clear_line()
         typer.echo("\n".join(lines))
@@ -81,7 +81,7 @@ def print_output(text: str) -> None:
             raise
 
 
-_BOLD_TEXT = re.compile("^(μ_s = [^ ]+( \\[.*?\\])?|Quote it|Quote with care|Do not quote)(?![^ ;])")
+_BOLD_TEXT_PATTERN = re.compile("^(μ_s = [^ ]+( \\[.*?\\])?|Quote it|Quote with care|Do not quote)(?![^ ;])")
 """Pattern of the text that is printed in bold on terminals: the friction coefficient and the assessment."""
 
 
@@ -95,7 +95,7 @@ def print_warning(message: Warning | str, *_: Any, **__: Any) -> None:
 _PRINTED_WARNINGS: set[str] = set()
 
 
-COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
+COMMANDS_BY_GROUP: dict[str, dict[str, tuple[str, str]]] = {
     "Measured surfaces": {
         "pair": ("pair", "Static friction of two measured surfaces at given loads."),
         "characterise": ("characterise", "Roughness, spectrum and Hurst exponent of a measured surface."),
@@ -130,9 +130,9 @@ def format_epilog(*lines: str) -> str:
 
 
 # Matches a default value that is specified as text, which typer prints in parentheses.
-_DEFAULT_VALUE = re.compile(r"\[default: \(([^()]*)\)")
-_RANGE_LIMITS = re.compile(r"(; )?\bx[<>]=?[-\d.]+")
-_OPTION_TYPE = re.compile(r" <[\w\[\] ]+>$")  # matches the type that typer appends to an option
+_DEFAULT_VALUE_PATTERN = re.compile(r"\[default: \(([^()]*)\)")
+_RANGE_LIMITS_PATTERN = re.compile(r"(; )?\bx[<>]=?[-\d.]+")
+_OPTION_TYPE_PATTERN = re.compile(r" <[\w\[\] ]+>$")  # matches the type that typer appends to an option
 
 
 SHOW_ALL_KEY = "stiction.show_all"
@@ -170,8 +170,12 @@ class _PanelCommand(TyperCommand):
             title = getattr(parameter, "rich_help_panel", None) or default_title
             is_listed = SHOW_ALL_KEY in ctx.meta or not self.common or parameter.name in (*self.common, "help")
             if is_listed and (record := parameter.get_help_record(ctx)):
-                text = _RANGE_LIMITS.sub("", _DEFAULT_VALUE.sub(r"[default: \1", record[1])).replace("[]", "").rstrip()
-                panels.setdefault(title, []).append((_OPTION_TYPE.sub("", record[0]), text))
+                text = (
+                    _RANGE_LIMITS_PATTERN.sub("", _DEFAULT_VALUE_PATTERN.sub(r"[default: \1", record[1]))
+                    .replace("[]", "")
+                    .rstrip()
+                )
+                panels.setdefault(title, []).append((_OPTION_TYPE_PATTERN.sub("", record[0]), text))
         for title, rows in panels.items():
             with formatter.section(title):
                 formatter.write_dl(rows)
@@ -181,10 +185,10 @@ class _LazyCommandGroup(TyperGroup):
     """Command group that imports the module of a command on demand, because imports are slow."""
 
     def list_commands(self, ctx: Any) -> list[str]:
-        return [name for group in COMMANDS.values() for name in group]
+        return [name for group in COMMANDS_BY_GROUP.values() for name in group]
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        modules = {name: module for group in COMMANDS.values() for name, (module, _) in group.items()}
+        modules = {name: module for group in COMMANDS_BY_GROUP.values() for name, (module, _) in group.items()}
         if cmd_name not in modules:
             return None
         with exit_on_interrupt():
@@ -194,7 +198,7 @@ class _LazyCommandGroup(TyperGroup):
         return result
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        for title, group in COMMANDS.items():
+        for title, group in COMMANDS_BY_GROUP.items():
             with formatter.section(title):
                 formatter.write_dl([(name, description) for name, (_, description) in group.items()])
 
@@ -297,7 +301,7 @@ def run_command_line() -> int:
 def _suggest_command(message: str) -> str:
     """Return the parser's error message. For an unknown command, the message suggests a similar command."""
     unknown = re.match(r"No such command '([^']*)'", message)
-    names = [name for group in COMMANDS.values() for name in group]
+    names = [name for group in COMMANDS_BY_GROUP.values() for name in group]
     suggestions = difflib.get_close_matches(unknown[1], names, n=1) if unknown else []
     return f"no such command '{unknown[1]}'; did you mean {suggestions[0]}?" if unknown and suggestions else message
 

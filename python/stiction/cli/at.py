@@ -21,8 +21,8 @@ from stiction._arguments import (
 )
 from stiction._errors import ArgumentError
 from stiction.cli.application import command, print_output, report_interruption, show_status
-from stiction.cli.execution import Workers
-from stiction.cli.options import Json, Verbose, option, reject_options
+from stiction.cli.execution import WorkersOption
+from stiction.cli.options import JsonOption, VerboseOption, option, reject_options
 from stiction.cli.result_output import VERBOSE_OPTION, open_with_warning
 from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.mechanics.quantities import UNCERTAINTY_QUANTITIES
@@ -34,40 +34,47 @@ if TYPE_CHECKING:
     from stiction.studies.store import StoredResult
 
 
-Loads = Annotated[
+LoadsOption = Annotated[
     list[str] | None,
     option(
         "--load FORCE", 'Normal loads, such as "0.1 mN", or for measured surfaces pressures, such as "10 MPa,20 MPa".',
         "loads of the study",
     ),
 ]  # fmt: skip
-Width = Annotated[str | None, option("--width LENGTH", "Contact width of two profiles, for loads in newtons.", "1 um")]
-Dimension = Annotated[
+WidthOption = Annotated[
+    str | None, option("--width LENGTH", "Contact width of two profiles, for loads in newtons.", "1 um")
+]
+FractalDimensionOption = Annotated[
     str | None,
     option("--d NUMBERS", 'Fractal dimensions of generated surfaces; the nearest are used, "1.1,1.3".', "all"),
 ]
-Hurst = Annotated[
+HurstOption = Annotated[
     str | None, option("--hurst NUMBERS", "Hurst exponents of self-affine surfaces; the nearest are used.", "all")
 ]
-Amplitude = Annotated[
+AmplitudeOption = Annotated[
     str | None, option("--amplitude LENGTH", "Amplitude of generated surfaces; the nearest is used.", "the first")
 ]
-Mu0 = Annotated[
+Mu0Option = Annotated[
     str | None, option("--mu0 NUMBERS", 'Molecular friction coefficients, such as "0.3,0.4".', "mu0 of the study")
 ]
-Tau0 = Annotated[
+Tau0Option = Annotated[
     str | None, option("--tau0 PRESSURES", 'Adhesive shear strengths, such as "0 MPa,50 MPa".', "tau0 of the study")
 ]
-Direction = Annotated[
+DirectionOption = Annotated[
     float | None, option("--direction DEGREES", "Sliding direction of the upper body.", "mean over all directions")
 ]
 
-_height_option = partial(option, panel="Scaled heights")
-ScaleHeights = Annotated[
-    str | None, _height_option("--scale-heights FACTORS", 'Multiply heights by factors, "0.5,1,2" or "0.25..4".', False)
+_scaled_height_option = partial(option, panel="Scaled heights")
+ScaleHeightsOption = Annotated[
+    str | None,
+    _scaled_height_option("--scale-heights FACTORS", 'Multiply heights by factors, "0.5,1,2" or "0.25..4".', False),
 ]
-ScaledSurfaces = Annotated[str, _height_option("--scaled both|upper|lower", "Surfaces whose heights are scaled.")]
-Compute = Annotated[bool, _height_option("--compute", "Compute missing factors, and store them in DIR.", False)]
+ScaledSurfacesOption = Annotated[
+    str, _scaled_height_option("--scaled both|upper|lower", "Surfaces whose heights are scaled.")
+]
+ComputeOption = Annotated[
+    bool, _scaled_height_option("--compute", "Compute missing factors, and store them in DIR.", False)
+]
 
 
 @command(
@@ -81,20 +88,20 @@ Compute = Annotated[bool, _height_option("--compute", "Compute missing factors, 
 def at(
     context: typer.Context,
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="Directory of a result of `pair` or `run`.")],
-    load: Loads = None,
-    width: Width = None,
-    d: Dimension = None,
-    hurst: Hurst = None,
-    amplitude: Amplitude = None,
-    mu0: Mu0 = None,
-    tau0: Tau0 = None,
-    direction: Direction = None,
-    scale_heights: ScaleHeights = None,
-    scaled: ScaledSurfaces = "both",
-    compute: Compute = False,
-    workers: Workers = None,
-    verbose: Verbose = False,
-    as_json: Json = False,
+    load: LoadsOption = None,
+    width: WidthOption = None,
+    d: FractalDimensionOption = None,
+    hurst: HurstOption = None,
+    amplitude: AmplitudeOption = None,
+    mu0: Mu0Option = None,
+    tau0: Tau0Option = None,
+    direction: DirectionOption = None,
+    scale_heights: ScaleHeightsOption = None,
+    scaled: ScaledSurfacesOption = "both",
+    compute: ComputeOption = False,
+    workers: WorkersOption = None,
+    verbose: VerboseOption = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Print the static friction, true contact area and stiffness of a result at given loads, with intervals.
 

@@ -9,7 +9,7 @@ import typer
 
 from stiction._arguments import parse_quantity
 from stiction.cli.application import command, print_message, print_output
-from stiction.cli.options import Json, option, reject_options
+from stiction.cli.options import JsonOption, option, reject_options
 from stiction.cli.pair_options import pair_option
 from stiction.cli.result_output import choose_message_printer, open_with_warning
 
@@ -17,26 +17,28 @@ _TESTS_HELP = (
     'Friction tests, one per row. Columns: "load (mN)", "force (mN)" or coefficient; optional uncertainty, pair, run, '
     "slid and wait."
 )
-Forces = Annotated[Path | None, typer.Argument(metavar="FORCES.csv", help=_TESTS_HELP, show_default=False)]
-Pairs = Annotated[
+TestsFileArgument = Annotated[Path | None, typer.Argument(metavar="FORCES.csv", help=_TESTS_HELP, show_default=False)]
+PairsOption = Annotated[
     list[Path] | None, option("--pair DIR", "Result of `pair` for the tested surfaces. Repeatable.", False)
 ]
-BallRadius = Annotated[
+BallRadiusOption = Annotated[
     str | None, option("--ball RADIUS", 'Smooth elastic ball on a flat, "5 mm", called ball in the column pair.', False)
 ]
-Load = Annotated[str | None, option("--load FORCE", 'Load of a single test, "10 mN", or for a pair "10 MPa".', False)]
-Measured = Annotated[
+LoadOption = Annotated[
+    str | None, option("--load FORCE", 'Load of a single test, "10 mN", or for a pair "10 MPa".', False)
+]
+MeasuredOption = Annotated[
     str | None, option("--measured NUMBER", 'Measured coefficient of a single test, "0.25±0.01".', False)
 ]
-Mu0 = Annotated[float | None, option("--mu0 NUMBER", "Known value of mu0; fit only tau0.", False)]
-Tau0 = Annotated[str | None, option("--tau0 PRESSURE", "Known value of tau0; fit only mu0.", False)]
-Sliding = Annotated[str, option("--sliding all|opposing|both", "Contacts at which friction acts.")]
-Common = Annotated[
+Mu0Option = Annotated[float | None, option("--mu0 NUMBER", "Known value of mu0; fit only tau0.", False)]
+Tau0Option = Annotated[str | None, option("--tau0 PRESSURE", "Known value of tau0; fit only mu0.", False)]
+SlidingOption = Annotated[str, option("--sliding all|opposing|both", "Contacts at which friction acts.")]
+CommonOption = Annotated[
     float, option("--common NUMBER", "Relative uncertainty common to all tests, such as sensor gain and load.")
 ]
-Outliers = Annotated[bool, option("--outliers", "Allow for outliers among the tests.")]
+OutliersOption = Annotated[bool, option("--outliers", "Allow for outliers among the tests.")]
 _BALL_OPTIONS = ("effective_modulus", "young", "poisson", "upper_material", "lower_material")
-Output = Annotated[
+OutputOption = Annotated[
     Path | None,
     option("--output -o NAME", "File for the interface, to use with --interface; also writes NAME.png.", False),
 ]
@@ -50,24 +52,24 @@ Output = Annotated[
 )
 def calibrate(
     context: typer.Context,
-    forces: Forces = None,
+    forces: TestsFileArgument = None,
     *,
-    pair: Pairs = None,
-    ball: BallRadius = None,
-    load: Load = None,
-    measured: Measured = None,
-    mu0: Mu0 = None,
-    tau0: Tau0 = None,
-    sliding: Sliding = "both",
-    common: Common = 0.02,
-    outliers: Outliers = False,
+    pair: PairsOption = None,
+    ball: BallRadiusOption = None,
+    load: LoadOption = None,
+    measured: MeasuredOption = None,
+    mu0: Mu0Option = None,
+    tau0: Tau0Option = None,
+    sliding: SlidingOption = "both",
+    common: CommonOption = 0.02,
+    outliers: OutliersOption = False,
     effective_modulus: Annotated[str | None, pair_option("effective_modulus")] = None,
     young: Annotated[str | None, pair_option("young")] = None,
     poisson: Annotated[str | None, pair_option("poisson")] = None,
     upper_material: Annotated[str | None, pair_option("upper_material")] = None,
     lower_material: Annotated[str | None, pair_option("lower_material")] = None,
-    output: Output = None,
-    as_json: Json = False,
+    output: OutputOption = None,
+    as_json: JsonOption = False,
 ) -> None:
     """Fit mu0 and tau0 of an interface to friction tests on rough surfaces or on a smooth ball.
 
@@ -132,13 +134,13 @@ BALL_YIELD_PRESSURE_RATIO = 0.39
 """Ratio of mean pressure to hardness at which a ball begins to yield: 1.1/2.84 (Johnson 1985, ch. 6)."""
 
 
-InterfacePath = Annotated[
+InterfacePathArgument = Annotated[
     Path | None, typer.Argument(metavar="PATH", help="Calibrated interface, or a directory.", show_default=False)
 ]
 
 
 @command("interfaces", "stiction interfaces", "stiction interfaces .", "stiction interfaces --json")
-def interfaces(path: InterfacePath = None, as_json: Json = False) -> None:
+def interfaces(path: InterfacePathArgument = None, as_json: JsonOption = False) -> None:
     """List the interfaces that `pair --interface` accepts: the published ones, or the calibrated ones at PATH.
 
     "Measured" values come from contacts of known area. "Lumped" values come from friction at a nominal pressure and do

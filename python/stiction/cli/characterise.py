@@ -13,7 +13,7 @@ from stiction._arguments import parse_quantity
 from stiction._files import check_replaceable
 from stiction._text import MAX_PATH_LENGTH, printable, printable_path
 from stiction.cli.application import command, option_was_given, print_message, print_output
-from stiction.cli.options import Json, Verbose, load_measurement, option
+from stiction.cli.options import JsonOption, VerboseOption, load_measurement, option
 from stiction.cli.pair_options import pair_option, read_given_options
 from stiction.studies.measured_surfaces import MACHINING_PROCESSES
 from stiction.studies.pair_options import READING_OPTION_NAMES
@@ -24,34 +24,38 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     from stiction.views.characterisation import Characterisation
 
-Row = Annotated[int | None, option("--row N", "Characterise only this row of a surface, counted from 0.", minimum=0)]
-Column = Annotated[
+RowOption = Annotated[
+    int | None, option("--row N", "Characterise only this row of a surface, counted from 0.", minimum=0)
+]
+ColumnOption = Annotated[
     int | None, option("--column N", "Characterise only this column of a surface, counted from 0.", minimum=0)
 ]
-Level = Annotated[str | None, option(
+LevelOption = Annotated[str | None, option(
     "--level --form FORM",
     "Form to subtract. Profiles: none, mean, line, quadratic, cubic to sextic, or circle. Surfaces: plane instead of "
     "line, and sphere or cylinder instead of circle.", "line, plane",
 )]  # fmt: skip
-LongCutoff = Annotated[
+LongCutoffOption = Annotated[
     str | None, option("--lc LENGTH", "Cutoff λc of R-parameters, and of S-parameters if given.", "by setting class")
 ]
-ShortCutoff = Annotated[
+ShortCutoffOption = Annotated[
     str | None, option("--ls LENGTH", "Cutoff λs of R-parameters, and of S-parameters if given; none for no filter.",
                        "by setting class"),
 ]  # fmt: skip
-Robust = Annotated[bool, option("--robust", "Use the robust Gaussian regression filter for λc.")]
-Band = Annotated[
+RobustOption = Annotated[bool, option("--robust", "Use the robust Gaussian regression filter for λc.")]
+BandOption = Annotated[
     str | None,
     option("--band SHORTEST,LONGEST", 'Wavelengths for the fit of the Hurst exponent, "1 um,100 um".', "automatic"),
 ]
-CutOff = Annotated[
+CutOffOption = Annotated[
     str | None, option("--cutoff LENGTH", 'Cutoff wavelength of a Gaussian low-pass filter, "0.1 um".', "no filter")
 ]
-Together = Annotated[bool, option("--together", "Join several scans of an isotropic surface into one spectrum.")]
-Repeated = Annotated[bool, option("--repeated", "Compare two scans of the same place: common heights, and noise.")]
-DryRun = Annotated[bool, option("--dry-run", "Only show how each file is read.")]
-Output = Annotated[
+TogetherOption = Annotated[bool, option("--together", "Join several scans of an isotropic surface into one spectrum.")]
+RepeatedOption = Annotated[
+    bool, option("--repeated", "Compare two scans of the same place: common heights, and noise.")
+]
+DryRunOption = Annotated[bool, option("--dry-run", "Only show how each file is read.")]
+OutputOption = Annotated[
     Path | None,
     option(
         "--output -o FILE",
@@ -87,20 +91,20 @@ def characterise(
     accept: Annotated[str | None, pair_option("accept", repeatable=False)] = None,
     texture: Annotated[str | None, pair_option("texture", repeatable=False)] = None,
     tip: Annotated[str | None, pair_option("tip", repeatable=False)] = None,
-    row: Row = None,
-    column: Column = None,
-    level: Level = None,
-    lc: LongCutoff = None,
-    ls: ShortCutoff = None,
-    robust: Robust = False,
-    band: Band = None,
-    cutoff: CutOff = None,
-    together: Together = False,
-    repeated: Repeated = False,
-    dry_run: DryRun = False,
-    output: Output = None,
-    verbose: Verbose = False,
-    as_json: Json = False,
+    row: RowOption = None,
+    column: ColumnOption = None,
+    level: LevelOption = None,
+    lc: LongCutoffOption = None,
+    ls: ShortCutoffOption = None,
+    robust: RobustOption = False,
+    band: BandOption = None,
+    cutoff: CutOffOption = None,
+    together: TogetherOption = False,
+    repeated: RepeatedOption = False,
+    dry_run: DryRunOption = False,
+    output: OutputOption = None,
+    verbose: VerboseOption = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Compute roughness parameters, spectrum and Hurst exponent of measured profiles or surfaces.
 
@@ -236,11 +240,11 @@ def _compare_scans(files: list[Path], scans: list[Characterisation], outputs: li
 
 def _choose_outputs(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
     """Return the paths of the files to write. Existing files other than figures and reports are never replaced."""
-    from stiction.views.report.page import REPORT_MARK
+    from stiction.views.report.page import REPORT_FILE_MARK
     from stiction.views.style import FIGURE_FILE_MARKS
 
     paths = _list_output_paths(files, output, together=together, repeated=repeated)
-    marks = {".html": REPORT_MARK.encode(), **FIGURE_FILE_MARKS}
+    marks = {".html": REPORT_FILE_MARK.encode(), **FIGURE_FILE_MARKS}
     for path in paths:
         if (ending := path.suffix.lower()) in marks:
             check_replaceable(path, marks[ending], ValueError)

@@ -20,16 +20,16 @@ from stiction.studies.store import StoreError, StudyMismatchError, open_stored
 from stiction.studies.study import Study
 from stiction.studies.values import StudyError
 
-Workers = Annotated[
+WorkersOption = Annotated[
     int | None, option("--workers -w N", "Number of threads.", "one per core", minimum=1, panel="Computing")
 ]
 
-Scheduler = Annotated[str | None, option(
+SchedulerOption = Annotated[str | None, option(
     "--scheduler ADDRESS",
     "Compute on the workers of a Dask scheduler, such as tcp://host:8786.", False, panel="Computing",
 )]  # fmt: skip
 
-Part = Annotated[
+PartOption = Annotated[
     str | None, option("--part I/N", "Compute only the I-th of N parts, such as 3/16.", False, panel="Computing")
 ]
 

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from stiction.cli.application import command, print_output
-from stiction.cli.options import Json
+from stiction.cli.options import JsonOption
 
 
 @command("materials", "stiction materials", "stiction materials steel brass", "stiction materials --json")
@@ -15,7 +15,7 @@ def materials(
     names: Annotated[
         list[str] | None, typer.Argument(metavar="NAME", help="Materials (default: all).", show_default=False)
     ] = None,
-    as_json: Json = False,
+    as_json: JsonOption = False,
 ) -> None:
     """List the materials that --upper and --lower of `pair` accept, with Young's modulus, Poisson's ratio and hardness.
 

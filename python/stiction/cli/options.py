@@ -35,9 +35,11 @@ def option(
     )
 
 
-_output = partial(option, panel="Output")
-Json = Annotated[bool, _output("--json", "Print JSON on standard output, and messages on standard error.")]
-Verbose = Annotated[bool, _output("--verbose -v", "Show all: inputs, directions, cutoffs, onset, quantities.")]
+_output_option = partial(option, panel="Output")
+JsonOption = Annotated[bool, _output_option("--json", "Print JSON on standard output, and messages on standard error.")]
+VerboseOption = Annotated[
+    bool, _output_option("--verbose -v", "Show all: inputs, directions, cutoffs, onset, quantities.")
+]
 
 
 def load_measurement(file: Path, options: Mapping[str, str | None]) -> Reading[Profile | Surface]:

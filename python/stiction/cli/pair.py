@@ -14,27 +14,33 @@ import typer
 from stiction._text import printable
 from stiction.cli.application import command, has_terminal, print_message, print_output
 from stiction.cli.execution import (
-    Part,
-    Scheduler,
-    Workers,
+    PartOption,
+    SchedulerOption,
+    WorkersOption,
     check_output_directory,
     compute_in_folder,
     open_executor,
     parse_part,
 )
-from stiction.cli.options import Json, Verbose, option, show_reader_import
-from stiction.cli.pair_options import COMMON_PARAMETERS, HelpAll, pair_argument, pair_option, read_given_options
+from stiction.cli.options import JsonOption, VerboseOption, option, show_reader_import
+from stiction.cli.pair_options import (
+    PAIR_SHORT_HELP_PARAMETERS,
+    HelpAllOption,
+    pair_argument,
+    pair_option,
+    read_given_options,
+)
 from stiction.studies.pair import MeasuredPair
 from stiction.studies.pair_options import read_options
 from stiction.studies.result import Result
 from stiction.studies.store import STUDY_FILE
 from stiction.studies.study import Study
 
-UpperFile = Annotated[str | None, pair_argument("upper")]
-LowerFile = Annotated[str | None, pair_argument("lower")]
-_output = partial(option, panel="Output")
-OutputDirectory = Annotated[Path, _output("--output -o DIR", "Directory for the results.")]
-Replace = Annotated[bool, _output("--replace", "Overwrite the results of another pair.")]
+UpperFileArgument = Annotated[str | None, pair_argument("upper")]
+LowerFileArgument = Annotated[str | None, pair_argument("lower")]
+_output_option = partial(option, panel="Output")
+OutputDirectoryOption = Annotated[Path, _output_option("--output -o DIR", "Directory for the results.")]
+ReplaceOption = Annotated[bool, _output_option("--replace", "Overwrite the results of another pair.")]
 
 
 @command(
@@ -46,12 +52,12 @@ Replace = Annotated[bool, _output("--replace", "Overwrite the results of another
     "stiction pair scan.csv scan.csv --surrogates both \\",
     "    --effective-modulus '10 GPa' --mu0 0.3 --load '1 mN' --json",
     "stiction run pair --set ensemble.repetitions=200   # more positions",
-    common=COMMON_PARAMETERS,
+    common=PAIR_SHORT_HELP_PARAMETERS,
 )
 def pair(
     context: typer.Context,
-    upper: UpperFile = None,
-    lower: LowerFile = None,
+    upper: UpperFileArgument = None,
+    lower: LowerFileArgument = None,
     *,
     load: Annotated[list[str], pair_option("load")],
     width: Annotated[str | None, pair_option("width")] = None,
@@ -102,14 +108,14 @@ def pair(
     texture: Annotated[list[str] | None, pair_option("texture")] = None,
     tip: Annotated[list[str] | None, pair_option("tip")] = None,
     onset: Annotated[str | None, pair_option("onset")] = None,
-    workers: Workers = None,
-    scheduler: Scheduler = None,
-    part: Part = None,
-    output: OutputDirectory = Path("pair"),
-    replace: Replace = False,
-    verbose: Verbose = False,
-    as_json: Json = False,
-    help_all: HelpAll = False,
+    workers: WorkersOption = None,
+    scheduler: SchedulerOption = None,
+    part: PartOption = None,
+    output: OutputDirectoryOption = Path("pair"),
+    replace: ReplaceOption = False,
+    verbose: VerboseOption = False,
+    as_json: JsonOption = False,
+    help_all: HelpAllOption = False,
 ) -> None:
     """Compute the static friction of two measured profiles or surfaces at given loads, with intervals.
 

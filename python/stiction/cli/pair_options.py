@@ -11,13 +11,13 @@ from stiction.cli.application import SHOW_ALL_KEY, option_was_given, print_outpu
 from stiction.cli.options import option
 from stiction.studies.pair_options import OPTION_GROUPS, PAIR_OPTIONS, format_command_line_name
 
-COMMON_PARAMETERS = frozenset(name for name, declared in PAIR_OPTIONS.items() if declared.is_common) | {
+PAIR_SHORT_HELP_PARAMETERS = frozenset(name for name, declared in PAIR_OPTIONS.items() if declared.is_common) | {
     "upper", "lower", "output", "help_all",
 }  # fmt: skip
 """Names of the parameters that the short help of `pair` lists."""
 
 
-class _OptionNames(dict[str, str]):
+class _CommandLineNames(dict[str, str]):
     """Mapping from placeholders in help texts to command line option names."""
 
     def __missing__(self, name: str) -> str:
@@ -26,7 +26,7 @@ class _OptionNames(dict[str, str]):
 
 def format_option_help(name: str) -> str:
     """Return the help text of a `pair` option. Placeholders are replaced by command line names."""
-    return PAIR_OPTIONS[name].help.format_map(_OptionNames())
+    return PAIR_OPTIONS[name].help.format_map(_CommandLineNames())
 
 
 def pair_option(name: str, *, repeatable: bool = True) -> Any:
@@ -56,6 +56,6 @@ def _show_all(context: typer.Context, is_requested: bool) -> None:
         raise typer.Exit
 
 
-HelpAll = Annotated[
+HelpAllOption = Annotated[
     bool, typer.Option("--help-all", callback=_show_all, is_eager=True, help="Show all options and exit.")
 ]

@@ -91,7 +91,7 @@ def write_pair_files(result: Result, *, print_written: Callable[[str], None]) ->
     folder = result.path
     assert folder is not None, "the result of the command is stored"
     names: list[str] = []
-    for _ in range(MAX_REWRITES):
+    for _ in range(MAX_OUTPUT_ATTEMPTS):
         stored = open_stored(folder)
         is_current = stored.study.friction == result.study.friction
         if names and is_current:
@@ -101,7 +101,7 @@ def write_pair_files(result: Result, *, print_written: Callable[[str], None]) ->
     print_written(f"wrote {names[0]} (open it), {' and '.join(names[1:])}")
 
 
-MAX_REWRITES = 4  # maximum number of attempts to write files while the study keeps changing
+MAX_OUTPUT_ATTEMPTS = 4  # maximum number of attempts to write files while the study keeps changing
 
 
 def _write_files(result: Result, folder: Path) -> list[str]:

@@ -10,14 +10,14 @@ import typer
 from stiction._arguments import split_values
 from stiction._text import printable_path
 from stiction.cli.application import command, print_output
-from stiction.cli.options import Json, Verbose, option
+from stiction.cli.options import JsonOption, VerboseOption, option
 from stiction.cli.result_output import open_with_warning, print_result, write_figures
 
-Directory = Annotated[Path, typer.Argument(metavar="DIR", help="Directory of a result of `pair` or `run`.")]
+DirectoryArgument = Annotated[Path, typer.Argument(metavar="DIR", help="Directory of a result of `pair` or `run`.")]
 
 
 @command("info", "stiction info figure6", "stiction info pair --verbose", "stiction info figure6 --json")
-def info(directory: Directory, verbose: Verbose = False, as_json: Json = False) -> None:
+def info(directory: DirectoryArgument, verbose: VerboseOption = False, as_json: JsonOption = False) -> None:
     """Show the inputs of a result, its progress, its friction at a few loads, and its reliability."""
     from stiction.studies.result import Result
     from stiction.studies.store import open_stored
@@ -49,7 +49,7 @@ def info(directory: Directory, verbose: Verbose = False, as_json: Json = False) 
 
 @command("plot", "stiction plot figure6", "stiction plot pair --format pdf,svg --output figures")
 def plot(
-    directory: Directory,
+    directory: DirectoryArgument,
     output: Annotated[Path | None, option("--output -o DIR", "Directory for the figures.", "DIR")] = None,
     formats: Annotated[str, option("--format FORMATS", 'Formats of the figures, from "png,pdf,svg".')] = "png",
 ) -> None:
@@ -68,7 +68,7 @@ def plot(
 
 @command("report", "stiction report figure6", "stiction report pair -o mine.html")
 def report(
-    directory: Directory,
+    directory: DirectoryArgument,
     output: Annotated[Path | None, option("--output -o FILE.html", "File to write.", "DIR/report.html")] = None,
 ) -> None:
     """Write an interactive HTML report on a complete or unfinished result."""
@@ -83,7 +83,7 @@ def report(
     "export", "stiction export figure6 figure6.nc", "stiction export pair pair.csv", "stiction export pair pair.tex"
 )
 def export(
-    directory: Directory,
+    directory: DirectoryArgument,
     file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write: .nc, .csv or .tex. It must not exist.")],
 ) -> None:
     """Write the finished repetitions to a netCDF file, or write a table of the values at the loads shown by `info`."""

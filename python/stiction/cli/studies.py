@@ -10,12 +10,12 @@ import typer
 
 from stiction._units import short_repr
 from stiction.cli.application import command, print_output
-from stiction.cli.execution import Part, Scheduler, Workers
-from stiction.cli.options import Verbose, option
+from stiction.cli.execution import PartOption, SchedulerOption, WorkersOption
+from stiction.cli.options import VerboseOption, option
 from stiction.studies.study import Study, study_names, study_summary
 from stiction.studies.values import MAX_LISTED_FAULTS, StudyError, parse_toml
 
-Changes = Annotated[
+ChangesOption = Annotated[
     list[str] | None, option("--set KEY=VALUE", "Change a value, such as ensemble.repetitions=10. Repeatable.")
 ]
 
@@ -33,11 +33,11 @@ def run_command(
         str, typer.Argument(metavar="STUDY", help="Built-in study, study file (TOML), or directory of a result.")
     ],
     output: Annotated[Path | None, option("--output -o DIR", "Directory for the results.", "./NAME")] = None,
-    workers: Workers = None,
-    scheduler: Scheduler = None,
-    part: Part = None,
-    changes: Changes = None,
-    verbose: Verbose = False,
+    workers: WorkersOption = None,
+    scheduler: SchedulerOption = None,
+    part: PartOption = None,
+    changes: ChangesOption = None,
+    verbose: VerboseOption = False,
 ) -> None:
     """Compute a study, draw its figures and print its friction at a few loads.
 

@@ -14,13 +14,13 @@ from stiction._arguments import (
     split_values,
 )
 from stiction.cli.application import command, print_output
-from stiction.cli.execution import Scheduler, Workers
+from stiction.cli.execution import SchedulerOption, WorkersOption
 from stiction.cli.options import option
 from stiction.cli.pair_options import pair_option
 from stiction.studies.store import CHECKSUM_PREFIX
 
 NETCDF_FILE_NAME, CSV_FILE_NAME, LAWS_FILE_NAME = "table.nc", "table.csv", "laws.csv"
-TABLE_OUTPUT_SIGNATURES = {
+TABLE_FILE_MARKS = {
     NETCDF_FILE_NAME: CHECKSUM_PREFIX,
     CSV_FILE_NAME: b"stiffness over area (GPa/um)",
     LAWS_FILE_NAME: b"b of k/A0 = b p^c",
@@ -49,8 +49,8 @@ def table_command(
     points: Annotated[int, option("--points N", "Grid points along each side.", minimum=16)] = 256,
     repetitions: Annotated[int, option("--repetitions N", "Number of pairs of surfaces.", minimum=1)] = 12,
     seed: Annotated[int, option("--seed N", "Seed of the generated surfaces.")] = 2016,
-    workers: Workers = None,
-    scheduler: Scheduler = None,
+    workers: WorkersOption = None,
+    scheduler: SchedulerOption = None,
     output: Annotated[Path, option("--output -o DIR", "Directory for the results.")] = Path("table"),
     effective_modulus: Annotated[str | None, pair_option("effective_modulus")] = None,
     young: Annotated[str | None, pair_option("young")] = None,
@@ -89,14 +89,14 @@ def table_command(
         repetitions=repetitions,
         seed=seed,
     )
-    check_files(output, TABLE_OUTPUT_SIGNATURES)
+    check_files(output, TABLE_FILE_MARKS)
     with open_executor(workers, scheduler) as executor:
         result = compute_in_folder(study, output, executor)
     table = friction_table(result, **friction_parameters)
     print_output(friction_table_text(table))
     export(table, output / NETCDF_FILE_NAME, replace=(output / NETCDF_FILE_NAME).exists())
     for name, text in ((CSV_FILE_NAME, friction_table_csv(table)), (LAWS_FILE_NAME, laws_csv(table))):
-        replace_text(output / name, text, TABLE_OUTPUT_SIGNATURES[name])
+        replace_text(output / name, text, TABLE_FILE_MARKS[name])
     for name in (NETCDF_FILE_NAME, CSV_FILE_NAME, LAWS_FILE_NAME):
         print_output(f"wrote {output / name}")
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-AREA_ROUND_OFF = 1e-6  # relative range of A/F above which the interval of A/F is printed
+MIN_PRINTED_AREA_RANGE = 1e-6  # relative range of A/F above which the interval of A/F is printed
 MAX_SHOWN_SAMPLES = 800  # maximum number of samples of the joint distribution in the figure
 
 
@@ -38,9 +38,9 @@ def calibration_text(interface: Interface) -> str:
         tau0 = (1e3 * item for item in interface.tau0)
         lines += [f"μ0 = {format_with_interval(*interface.mu0)}", f"τ0 = {format_with_interval(*tau0)} MPa"]
     else:
-        lines += [wrap_text(item, hang="  ") for item in _not_separated_lines(interface)]
+        lines += [wrap_text(item, hang="  ") for item in _mu0_tau0_not_separated_lines(interface)]
     if interface.growth is not None:
-        lines += [wrap_text(_growth_line(interface), hang="  ")]
+        lines += [wrap_text(_junction_growth_text(interface), hang="  ")]
     lines += ["", *(wrap_text(item, hang="  ") for fit in interface.fits for item in _fit_lines(interface, fit))]
     if interface.advice:
         table = [["test that would separate them", "± μ0", "± τ0"]]
@@ -52,13 +52,13 @@ def calibration_text(interface: Interface) -> str:
 def _area_per_load_text(interface: Interface) -> str:
     """Format the ratio A/F of the tests, with its interval if the ratio is uncertain."""
     ratio = interface.fits[0].area_per_load
-    if not np.isfinite(ratio).all() or np.ptp(ratio) <= AREA_ROUND_OFF * np.median(ratio):
+    if not np.isfinite(ratio).all() or np.ptp(ratio) <= MIN_PRINTED_AREA_RANGE * np.median(ratio):
         return f"{interface.area_per_load:.3g} /GPa"
     low, high = np.quantile(ratio, [0.025, 0.975])
     return f"{format_with_interval(interface.area_per_load, float(low), float(high))} /GPa"
 
 
-def _not_separated_lines(interface: Interface) -> Iterator[str]:
+def _mu0_tau0_not_separated_lines(interface: Interface) -> Iterator[str]:
     value, ratio = interface.identified[0], interface.area_per_load
     count = len(interface.tests)
     shortage = (
@@ -72,7 +72,7 @@ def _not_separated_lines(interface: Interface) -> Iterator[str]:
     yield f"The tests allow all values from μ0 = {value:.3g}, τ0 = 0, to μ0 = 0, τ0 = {tau0}."
 
 
-def _growth_line(interface: Interface) -> str:
+def _junction_growth_text(interface: Interface) -> str:
     """Return a sentence about the junction growth parameter α, with its fitted interval if α is a range."""
     assert interface.growth is not None, "tests have α"
     text = f"Junction growth: the tests have α = {interface.growth.short_text}"
@@ -143,7 +143,9 @@ def interfaces_text(interfaces: Sequence[Mapping[str, str]]) -> str:
         kind = ", ".join(record[name] for name in ("kind", "motion") if name in record)
         law = f"{kind}: μ0 = {record['mu0']}, τ0 = {record['tau0']}"
         other_entries = {name.replace("_", " "): text for name, text in record.items() if name not in _LAW_KEYS}
-        other_lines = (text if name in _KEYS_WITHOUT_NAME else f"{name} {text}" for name, text in other_entries.items())
+        other_lines = (
+            text if name in _KEYS_PRINTED_WITHOUT_NAME else f"{name} {text}" for name, text in other_entries.items()
+        )
         paragraphs.append(
             "\n".join([record["name"], *(wrap_text(line, indent="  ", hang="  ") for line in (law, *other_lines))])
         )
@@ -151,7 +153,7 @@ def interfaces_text(interfaces: Sequence[Mapping[str, str]]) -> str:
 
 
 _LAW_KEYS = ("name", "kind", "motion", "mu0", "tau0")
-_KEYS_WITHOUT_NAME = ("conditions", "source")
+_KEYS_PRINTED_WITHOUT_NAME = ("conditions", "source")
 """Keys of an interface whose values are printed without the key."""
 
 

@@ -52,8 +52,8 @@ from stiction.views.spreadsheet import frame_to_csv
 from stiction.views.text import wrap_text
 
 SLOPE_ESTIMATE_MU0 = 0.4  # molecular friction coefficient mu0 of the small-slope estimate
-NUM_RADIAL_BINS = 20  # number of bins per decade in the spectrum of a surface
-NUM_OCTAVES = 4  # number of wavelengths for which slopes are printed: 2, 4, 8, ... grid spacings
+RADIAL_BINS_PER_DECADE = 20  # number of bins per decade in the spectrum of a surface
+NUM_SLOPE_WAVELENGTHS = 4  # number of wavelengths for which slopes are printed: 2, 4, 8, ... grid spacings
 # Unreliable wavelengths are ignored if they contribute less than this fraction of the mean square slope.
 NEGLIGIBLE_SLOPE_FRACTION = 0.01
 _MIN_PEAK_RATIO = 3.0  # minimum ratio of the density of a peak to the density at longer wavelengths
@@ -61,7 +61,7 @@ _MIN_LONGER_WAVELENGTHS = 4  # minimum number of longer wavelengths with which a
 _MIN_PEAK_FRACTION = 0.1  # a peak is reported if it contributes at least this fraction of m4
 _MAX_DISPERSION = 2.0  # the scatter is reported if the dispersion of the spectrum about its fit is above this limit
 # Variance of the logarithmic density in a bin of a Hann-windowed spectrum, multiplied by the number of harmonics.
-_HANN_VARIANCE = 2.0
+_HANN_LOG_VARIANCE = 2.0
 
 _UNIT_SYMBOLS = {
     "1": "",
@@ -70,7 +70,7 @@ _UNIT_SYMBOLS = {
     "1/um2": " 1/µm²",
     "degrees": "°",
 }  # printed units by JSON unit
-_JSON_UNITS = {"": "1"}  # JSON unit of dimensionless parameters; `_unit` converts all other units
+_JSON_UNITS = {"": "1"}  # JSON unit of dimensionless parameters; `_json_unit` converts all other units
 
 
 class TableRow(NamedTuple):
@@ -178,7 +178,7 @@ class Characterisation:
         assert isinstance(self.body, Surface)
         spectrum = surface_spectrum(self.body)
         moments = tuple(spectrum.moments(direction) for direction in (0, 90))
-        return spectrum.radial(NUM_RADIAL_BINS), moments, spectrum.steepest_direction()
+        return spectrum.radial(RADIAL_BINS_PER_DECADE), moments, spectrum.steepest_direction()
 
     @cached_property
     def binned(self) -> PowerSpectrum | RadialSpectrum:
@@ -206,7 +206,7 @@ class Characterisation:
         if self.fit is None:
             return math.nan
         ends = self.fit.shortest_wavelength, self.fit.longest_wavelength
-        dimensions, chance = self.fit.dimensions, _HANN_VARIANCE
+        dimensions, chance = self.fit.dimensions, _HANN_LOG_VARIANCE
         return power_law_misfit(self.binned, ends, self.fit.value, dimensions=dimensions, chance=chance)
 
     @property
@@ -266,9 +266,9 @@ class Characterisation:
             rows += [
                 row._replace(is_detail=True)
                 for row in (
-                    _table_row("m0", moments.height, "um2"), _table_row("m2", moments.slope),
-                    _table_row("m4", moments.curvature, "1/um2"),
-                    _table_row(
+                    _parameter_table_row("m0", moments.height, "um2"), _parameter_table_row("m2", moments.slope),
+                    _parameter_table_row("m4", moments.curvature, "1/um2"),
+                    _parameter_table_row(
                         "nayak_parameter", moments.nayak_parameter, label="Nayak's parameter", words=" (m0 m4 / m2²)"
                     ),
                 )
@@ -299,10 +299,12 @@ class Characterisation:
             return [TableRow("filters", (words,)), *rows]
         if isinstance(result, SectionError):
             names = [item.name for letter in "RW" for item in PROFILE_PARAMETERS[letter]]
-            missing = tuple(json_entry(name, math.nan, _unit(PARAMETERS[name]), status="no-section") for name in names)
+            missing = tuple(
+                json_entry(name, math.nan, _json_unit(PARAMETERS[name]), status="no-section") for name in names
+            )
             reason = str(result).replace("cutoff lc", "--lc")
             return [*rows, TableRow("R and W parameters", (f"none: {reason}",), missing)]
-        rows.append(TableRow("filters", (_filters_text(result),), _filters_values(result)))
+        rows.append(TableRow("filters", (_filters_text(result),), _filter_json_entries(result)))
         return [*rows, *self._table_rows(result.values)]
 
     def _table_rows(self, values: Mapping[str, float]) -> list[TableRow]:
@@ -319,7 +321,9 @@ class Characterisation:
 
     def _parameter_row(self, parameter: Parameter, value: float) -> TableRow:
         name = parameter.name
-        row = _table_row(name, value, _unit(parameter))._replace(is_detail=name not in HEADLINE_PARAMETERS)
+        row = _parameter_table_row(name, value, _json_unit(parameter))._replace(
+            is_detail=name not in HEADLINE_PARAMETERS
+        )
         if name in ("Pdq", "Sdq"):
             other = json_entry(f"{name}_neighbours", self.slope_of_neighbours)
             text = f"{row.texts[0]} (seven points), {other['value']:.4g} (neighbours)"
@@ -363,7 +367,7 @@ class Characterisation:
         longest = float(result.wavelength[0])
         slopes = ", ".join(
             f"{float(result.gradient_at(wavelength)):.3g} from {format_with_unit(float(wavelength), 'um')}"
-            for wavelength in limit.pixels * 2.0 ** np.arange(NUM_OCTAVES)
+            for wavelength in limit.pixels * 2.0 ** np.arange(NUM_SLOPE_WAVELENGTHS)
             if wavelength < longest
         )
         shortest = json_entry("shortest_wave", limit.pixels, "um")
@@ -557,7 +561,7 @@ def length_text(value: float) -> str:
     return f"{value / size:.4g} {unit}"
 
 
-def _unit(parameter: Parameter) -> str:
+def _json_unit(parameter: Parameter) -> str:
     """Return the JSON unit of a parameter."""
     return _JSON_UNITS.get(parameter.unit, parameter.unit.replace("µm", "um").replace("²", "2"))
 
@@ -572,7 +576,7 @@ def _filters_text(result: SectionParameters) -> str:
     return f"{kind}, λc {length_text(filters.lc)}, {short} ({filters.reason}); {filters.sections} {section}"
 
 
-def _filters_values(result: SectionParameters) -> tuple[dict[str, Any], ...]:
+def _filter_json_entries(result: SectionParameters) -> tuple[dict[str, Any], ...]:
     filters = result.filters
     short = math.nan if filters.ls is None else filters.ls
     cutoffs = (
@@ -582,7 +586,7 @@ def _filters_values(result: SectionParameters) -> tuple[dict[str, Any], ...]:
     return *cutoffs, json_entry("sections", filters.sections)
 
 
-def _table_row(name: str, value: float, unit: str = "1", *, label: str = "", words: str = "") -> TableRow:
+def _parameter_table_row(name: str, value: float, unit: str = "1", *, label: str = "", words: str = "") -> TableRow:
     text = length_text(value) if unit == "um" else f"{value:.4g}{_UNIT_SYMBOLS[unit]}"
     if math.isnan(value):
         text = "none"
@@ -611,16 +615,16 @@ def _line_hurst(line: LineRoughness) -> str:
 
 # ---- JSON and CSV ----------------------------------------------------------------------------------------------------
 
-Files = Sequence[tuple[str, Characterisation]]  # pairs of file name and characterisation
+CharacterisedFiles = Sequence[tuple[str, Characterisation]]  # pairs of file name and characterisation
 
 
-def _list_values(result: Characterisation) -> list[dict[str, Any]]:
+def _json_values(result: Characterisation) -> list[dict[str, Any]]:
     return [value for row in result.rows for value in row.values]
 
 
-def characterisation_record(files: Files, readings: Sequence[dict[str, Any]] = ()) -> str:
+def characterisation_record(files: CharacterisedFiles, readings: Sequence[dict[str, Any]] = ()) -> str:
     """Return the characterisations of files as a JSON record, including a description of how each file was read."""
-    values = [value | {"at": {"file": file}} for file, result in files for value in _list_values(result)]
+    values = [value | {"at": {"file": file}} for file, result in files for value in _json_values(result)]
     return record_json(
         "characterise", values, kind="surface", surfaces=[_file_record(*item) for item in files], files=list(readings)
     )
@@ -636,7 +640,7 @@ def _file_record(file: str, result: Characterisation) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def characterisation_csv(files: Files) -> str:
+def characterisation_csv(files: CharacterisedFiles) -> str:
     """Return a CSV table with one row per file and one column per value; missing values are empty."""
     import pandas
 
@@ -646,7 +650,7 @@ def characterisation_csv(files: Files) -> str:
         row = {"file": file, "holds": file_record["holds"]}
         for title, key in (("points", "points"), ("spacing (um)", "spacing_um")):
             row[title] = " x ".join(f"{item:.12g}" for item in file_record[key])
-        for value in _list_values(result):
+        for value in _json_values(result):
             name = value["name"]
             row[name if value["unit"] == "1" else f"{name} ({value['unit']})"] = value["value"]
             if name == "hurst_exponent":

@@ -9,14 +9,14 @@ from stiction._files import check_replaceable, new_file, replaced_file
 from stiction._text import printable_path
 from stiction.studies.result import Result
 from stiction.views.latex import latex_table
-from stiction.views.report.page import REPORT_MARK
+from stiction.views.report.page import REPORT_FILE_MARK
 from stiction.views.spreadsheet import frame_to_csv
 from stiction.views.style import FIGURE_FILE_MARKS
 
 RESULT_TABLE_NAME = "result.csv"
 OUTPUT_FILE_MARKS = {
     RESULT_TABLE_NAME: b"coefficient of static friction: lower",
-    "report.html": REPORT_MARK.encode(),
+    "report.html": REPORT_FILE_MARK.encode(),
     "friction.png": FIGURE_FILE_MARKS[".png"],
 }
 """Files that `pair` writes into its directory, each with the bytes that identify it as an output of `pair`."""

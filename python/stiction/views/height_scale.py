@@ -58,14 +58,17 @@ def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
         pull_off_heading = ["pull-off"] if "pull_off_pressure" in point else []
         area = "A/A0" if has_fraction else "A (µm²)"
         table = [["factor", "gradient", *rms, *(headings[rule] for rule in rules), area, *pull_off_heading]]
-        table += [_row(point.isel(height_scale=index), rules, study) for index in range(point.sizes["height_scale"])]
+        table += [
+            _height_factor_row(point.isel(height_scale=index), rules, study)
+            for index in range(point.sizes["height_scale"])
+        ]
         load = load_text(point.drop_vars("pull_off", errors="ignore"), study)
         lines += ["", wrap_text(f"At {load}, {material}:"), format_table(table)]
     lines += ["", wrap_text(HEIGHT_SCALE_NOTE)]
     return "\n".join(lines) + "\n"
 
 
-def _row(point: xarray.Dataset, rules: list[str], study: Study) -> list[str]:
+def _height_factor_row(point: xarray.Dataset, rules: list[str], study: Study) -> list[str]:
     """Return the cells of the table row for one height factor."""
     cells = [f"{float(point['height_scale']):.4g}", format_significant(mean_over_directions(point, "rms_gradient"), 3)]
     if "upper_rms" in point:

@@ -22,7 +22,7 @@ def latex_table(summary: Summary) -> str:
     points = summary.headlines
     names = [name for name in points[0].at if name != "fractal_dimension" or "hurst_exponent" not in points[0].at]
     varying = [name for name in names if len({point.at[name] for point in points}) > 1]
-    shared = [f"{_column_heading(name)} = {_coordinate(name, points[0])}" for name in names if name not in varying]
+    shared = [f"{_column_heading(name)} = {_coordinate_text(name, points[0])}" for name in names if name not in varying]
     has_area = "contact_area_fraction" in summary.at
     rules = [rule.rule for rule in points[0].rules]
     header = [
@@ -31,9 +31,15 @@ def latex_table(summary: Summary) -> str:
         *([r"$A/A_0$"] if has_area else []),
         "assessment",
     ]
-    rows = [[*(_coordinate(name, point) for name in varying), *_point_cells(point, has_area)] for point in points]
+    rows = [[*(_coordinate_text(name, point) for name in varying), *_point_cells(point, has_area)] for point in points]
     lines = [f"% {text}" for text in shared]
-    lines += [rf"\begin{{tabular}}{{{'l' * len(header)}}}", r"\hline", _row(header), r"\hline", *map(_row, rows)]
+    lines += [
+        rf"\begin{{tabular}}{{{'l' * len(header)}}}",
+        r"\hline",
+        _latex_row(header),
+        r"\hline",
+        *map(_latex_row, rows),
+    ]
     return "\n".join([*lines, r"\hline", r"\end{tabular}"]) + "\n"
 
 
@@ -49,10 +55,10 @@ def _column_heading(name: str) -> str:
     return _COORDINATE_HEADINGS.get(name, spreadsheet_column(name)[0].translate(_LATEX_ESCAPES))
 
 
-def _coordinate(name: str, point: PointSummary) -> str:
+def _coordinate_text(name: str, point: PointSummary) -> str:
     factor = 1.0 if name in _COORDINATE_HEADINGS else spreadsheet_column(name)[1]
     return format_significant(factor * point.at[name], 4)
 
 
-def _row(cells: Sequence[str]) -> str:
+def _latex_row(cells: Sequence[str]) -> str:
     return " & ".join(cells) + r" \\"

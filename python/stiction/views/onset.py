@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-HALF_SLIDING_LOAD = 0.5
+HALF_SLIDING_FRACTION = 0.5
 CYCLE_AMPLITUDES = (0.5, 0.9)  # amplitudes of cyclic tangential loading, relative to the sliding load
 
 
@@ -33,7 +33,7 @@ def onset_text(onset: xarray.Dataset) -> str:
     if math.isfinite(_interval_ends(displacement)[0]):
         factor, unit = _length_display_factor(displacement)
         phrases.append(f"pre-sliding displacement {format_estimate(*_interval_ends(displacement, factor))} {unit}")
-    slipped = _interval_ends(onset["slipped_area"].sel(fraction=HALF_SLIDING_LOAD))
+    slipped = _interval_ends(onset["slipped_area"].sel(fraction=HALF_SLIDING_FRACTION))
     phrases.append(f"{format_percent(slipped[0])} of the contact slips at half of the sliding load")
     factor, unit = _stiffness_display_factor(onset["stiffness"])
     if math.isfinite((ends := _interval_ends(onset["stiffness"], factor))[0]):
@@ -51,10 +51,10 @@ def _length_display_factor(table: xarray.DataArray) -> tuple[float, str]:
 
 def _stiffness_display_factor(table: xarray.DataArray) -> tuple[float, str]:
     """Return the factor that converts mN/µm to the unit in which a mean stiffness is printed, and this unit."""
-    return (1e-3, "N/µm") if _interval_ends(table)[0] >= MIN_STIFFNESS_IN_NEWTON else (1.0, "mN/µm")
+    return (1e-3, "N/µm") if _interval_ends(table)[0] >= MIN_STIFFNESS_PRINTED_IN_NEWTON else (1.0, "mN/µm")
 
 
-MIN_STIFFNESS_IN_NEWTON = 1e4  # stiffness in mN/µm above which stiffnesses are printed in N/µm
+MIN_STIFFNESS_PRINTED_IN_NEWTON = 1e4  # stiffness in mN/µm above which stiffnesses are printed in N/µm
 
 
 def onset_rows(onset: xarray.Dataset) -> list[list[str]]:
@@ -62,7 +62,7 @@ def onset_rows(onset: xarray.Dataset) -> list[list[str]]:
     attributes = onset.attrs
     load, tau0 = format_with_unit(float(attributes["load_mN"]), "mN"), _strength_text(float(attributes["tau0_GPa"]))
     header = f"{load}, μ0 = {float(attributes['mu0']):g}, τ0 = {tau0}"
-    half = onset.sel(fraction=HALF_SLIDING_LOAD)
+    half = onset.sel(fraction=HALF_SLIDING_FRACTION)
     (length, length_unit), (rigid, rigid_unit), (normal, normal_unit) = (
         _length_display_factor(onset["displacement_at_sliding"]),
         _stiffness_display_factor(onset["stiffness"]),

@@ -12,7 +12,7 @@ from stiction.mechanics.friction import STATUS_OK
 if TYPE_CHECKING:
     from stiction.studies.resolution import ResolutionEffect, ResolvedRoughness, YieldWavelengthEstimate
 
-Rows = list[list[str]]
+TextRows = list[list[str]]
 SLIDING_RULE_TITLES = {"all": "all contacts", "opposing": "opposing contacts"}
 
 
@@ -32,7 +32,7 @@ def wavelengths_text(scan: ResolvedRoughness) -> str:
 # ---- Cutoffs ---------------------------------------------------------------------------------------------------------
 
 
-def cut_off_rows(resolution: ResolutionEffect, hardness: float | None) -> Rows:
+def cut_off_rows(resolution: ResolutionEffect, hardness: float | None) -> TextRows:
     """Return a table with headings and a row per cutoff, evaluated at the first load, first mu0 and first tau0.
 
     The last row is the plastic limit if there is a hardness (GPa).
@@ -50,7 +50,7 @@ def cut_off_rows(resolution: ResolutionEffect, hardness: float | None) -> Rows:
                 format_estimate(values["rms_gradient"]),
                 format_percent(values["contact_area_fraction"]) if status == STATUS_OK else status,
                 format_with_unit(values["mean_pressure"], "GPa"),
-                *(_coefficient(values[f"friction_{rule}"]) for rule in rules),
+                *(_coefficient_text(values[f"friction_{rule}"]) for rule in rules),
             ]
         )
     if resolution.plastic_limit is not None and hardness is not None:
@@ -59,7 +59,7 @@ def cut_off_rows(resolution: ResolutionEffect, hardness: float | None) -> Rows:
     return rows
 
 
-def _coefficient(value: float) -> str:
+def _coefficient_text(value: float) -> str:
     return f"{value:.3f}" if math.isfinite(value) else "none"
 
 
@@ -74,7 +74,7 @@ def cut_off_note(resolution: ResolutionEffect) -> str:
 # ---- Yield estimates for studies without a hardness ------------------------------------------------------------------
 
 
-def yield_rows(estimates: Sequence[YieldWavelengthEstimate], scan: ResolvedRoughness) -> Rows:
+def yield_rows(estimates: Sequence[YieldWavelengthEstimate], scan: ResolvedRoughness) -> TextRows:
     """Return a table of `estimate_yield_wavelengths` with headings, or an empty list if there are no estimates."""
     rows = []
     for estimate in estimates:

@@ -24,7 +24,7 @@ from stiction.studies.summary import PointSummary, Summary
 from stiction.views.onset import onset_record, quantity_label
 from stiction.views.pull_off import pull_off_record
 from stiction.views.resolution import resolution_record
-from stiction.views.sentence import covers_text, list_assumptions, sentence_text
+from stiction.views.sentence import covered_inputs_text, list_assumptions, sentence_text
 
 if TYPE_CHECKING:
     import pandas
@@ -55,7 +55,7 @@ _COEFFICIENT_COLUMNS = {
 
 _VALUE_COLUMNS = ("name", "value", "unit", "lower", "upper", "interval", "status")
 
-_MOTION_LABELS = {"axis": "along {:g}".format, "direction": "{:g}".format}
+_MOTION_LABEL_FORMATTERS = {"axis": "along {:g}".format, "direction": "{:g}".format}
 
 
 # ---- Data frame ------------------------------------------------------------------------------------------------------
@@ -152,7 +152,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
             continue  # a single direction equals the mean over all directions
         selected = rows[rows["name"] == name]
         motion_column = (
-            selected[motion].map(_MOTION_LABELS[motion])
+            selected[motion].map(_MOTION_LABEL_FORMATTERS[motion])
             if motion in dataset[name].dims
             else _COEFFICIENT_COLUMNS["friction_all_round"]
         )
@@ -324,7 +324,7 @@ def point_record(point: PointSummary) -> dict[str, Any]:
         "sentence": sentence_text(point),
         "from_roughness": point.from_roughness,
         "assumptions": list(list_assumptions(point.study)),
-        "interval_covers": covers_text(point),
+        "interval_covers": covered_inputs_text(point),
         "finer_scans": None
         if point.bracket is None
         else {"from": point.bracket[0], "to": point.bracket[1], "rule": "all", "hardness": point.hardness},

@@ -46,7 +46,7 @@ SLOPE_ESTIMATE_KAPPA = float(signature(gentle_friction).parameters["kappa"].defa
 """Usual value of A E* h'/F, which `gentle_friction` assumes."""
 
 
-def finer_text(point: PointSummary) -> str:
+def finer_scan_text(point: PointSummary) -> str:
     """Return a phrase with the coefficients that a finer scan would give, or an empty string if they are unknown."""
     if point.bracket is None or point.hardness is None:
         return ""
@@ -74,11 +74,13 @@ def sentence_text(point: PointSummary) -> str:
     )
     parts = [f"{text}, at {inputs_text(point)}", note_text(point)]
     parts += [f"assumed: {', '.join(assumed)}"] if assumed else []
-    parts += filter(None, [covers_text(point), roughness_text(point), finer_text(point), assessment_text(point)])
+    parts += filter(
+        None, [covered_inputs_text(point), roughness_text(point), finer_scan_text(point), assessment_text(point)]
+    )
     return "; ".join(parts) + "."
 
 
-def covers_text(point: PointSummary) -> str:
+def covered_inputs_text(point: PointSummary) -> str:
     """Return a phrase that lists the inputs covered by the 95 % interval, or an empty string without an interval."""
     if math.isnan(point.upper - point.lower) or point.members < 2:
         return ""
@@ -257,7 +259,7 @@ def _scans_text(study: Study) -> str:
     )
 
 
-def slopes_text(point: PointSummary) -> str:
+def slope_estimate_text(point: PointSummary) -> str:
     """Return a sentence with the small-slope estimate and, if it does not apply, the reason; "" without an estimate."""
     values, study = point.values, point.study
     rules = [rule for rule in point.rules if math.isfinite(rule.slopes)]

@@ -24,7 +24,7 @@ from stiction.studies.study import (
 )
 from stiction.views.text import wrap_text
 
-TableRow = tuple[str, str, str, str]  # key, default, allowed values and meaning of an entry
+KeyTableRow = tuple[str, str, str, str]  # key, default, allowed values and meaning of an entry
 
 _QUANTITY_RANGES: tuple[tuple[Any, str], ...] = (
     (values.Length, "a length above 0"),
@@ -91,11 +91,11 @@ _KEY_TABLES: tuple[
 """Tables of a study file: title, description, model classes, and base classes with shared keys."""
 
 
-def key_tables() -> list[tuple[str, str, list[TableRow]]]:
+def key_tables() -> list[tuple[str, str, list[KeyTableRow]]]:
     """Return the title, the description and the rows of each table of keys. Each row describes one key."""
     tables = []
     for title, phrases, cases, shared in _KEY_TABLES:
-        owners: dict[TableRow, list[type[values.StudyTable]]] = {}
+        owners: dict[KeyTableRow, list[type[values.StudyTable]]] = {}
         for case in cases:
             for key, entry in case.model_fields.items():
                 if entry.repr:  # keys without `repr` describe bodies in memory and do not occur in files
@@ -206,7 +206,7 @@ def _allowed_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]
     if get_origin(annotation) is tuple:
         items = [item for item in get_args(annotation) if item is not Ellipsis]
         text = _join_with_or(list(dict.fromkeys(phrases for item in items for phrases in _allowed_phrases(item))))
-        for singular, plural in _NUMBER_LISTS:
+        for singular, plural in _NUMBER_LIST_TEXTS:
             text = text.replace(singular, plural)
         return [f"a list of {text}" if Ellipsis in get_args(annotation) else f"a list of {len(items)} {text}"]
     if hasattr(annotation, "__metadata__"):  # an alias of `Annotated`
@@ -224,7 +224,7 @@ def _allowed_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]
     return [" ".join([kind_name, *(f"{_BOUND_WORDS[name]} {_format_bound(end)}" for name, end in ends.items())])]
 
 
-_NUMBER_LISTS = tuple(
+_NUMBER_LIST_TEXTS = tuple(
     (f"a {singular}", f"{singular}s")
     for singular in ("length", "pressure", "force", "time", "number", "whole number", "name")
 )

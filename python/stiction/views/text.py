@@ -54,7 +54,7 @@ from stiction.views.resolution import (
     wavelengths_text,
     yield_rows,
 )
-from stiction.views.sentence import finer_text, inputs_text, list_assumptions, note_text, slopes_text
+from stiction.views.sentence import finer_scan_text, inputs_text, list_assumptions, note_text, slope_estimate_text
 from stiction.views.sentence import roughness_text as contribution_text
 
 if TYPE_CHECKING:
@@ -62,9 +62,9 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-COMPLETE_OUTPUT = "summary()"  # method of a result that prints all points and caveats
+COMPLETE_OUTPUT_METHOD = "summary()"  # method of a result that prints all points and caveats
 MIN_TERMINAL_WIDTH = 40  # minimum text width in characters, also used if the terminal is narrower
-Rows = Sequence[Sequence[str]]
+TextRows = Sequence[Sequence[str]]
 
 
 # ---- Layout ----------------------------------------------------------------------------------------------------------
@@ -88,7 +88,7 @@ _NO_BREAK_SPACE_PATTERN = re.compile(r"(?<=[^\s] =) | (?=[=<>] )|(?<=\d) (?=(?:[
 """Spaces at which a line must not break: around an equals sign, and between a number and its unit."""
 
 
-def format_table(rows: Rows, width: int | None = None, *, labels: int = 1) -> str:
+def format_table(rows: TextRows, width: int | None = None, *, labels: int = 1) -> str:
     """Format rows as a table with aligned columns, by default within the width of the terminal.
 
     Rows may have different lengths. Columns that do not fit are moved to further tables, which repeat the first
@@ -130,7 +130,7 @@ def _join_cells(cells: Sequence[str], sizes: Sequence[int]) -> str:
 
 
 def result_text(
-    summary: Summary, *, verbose: bool = False, max_lines: int | None = None, complete: str = COMPLETE_OUTPUT
+    summary: Summary, *, verbose: bool = False, max_lines: int | None = None, complete: str = COMPLETE_OUTPUT_METHOD
 ) -> str:
     """Return a summary as terminal text: values, assessment and a table.
 
@@ -157,12 +157,14 @@ def default_values_text(study: Study, *, mu0: bool, tau0: bool) -> str:
     if mu0 and len(friction.mu0) > 1:
         assignments.append(f"μ0 = {', '.join(f'{value:g}' for value in friction.mu0)} (--mu0)")
     if tau0 and len(friction.tau0) > 1:
-        assignments.append(f"τ0 = {', '.join(_coordinate('tau0', float(value)) for value in friction.tau0)} (--tau0)")
+        assignments.append(
+            f"τ0 = {', '.join(_coordinate_text('tau0', float(value)) for value in friction.tau0)} (--tau0)"
+        )
     return wrap_text(f"Values of the study by default: {'; '.join(assignments)}.") if assignments else ""
 
 
 def values_text(
-    summary: Summary, *, verbose: bool = False, max_lines: int | None = None, complete: str = COMPLETE_OUTPUT
+    summary: Summary, *, verbose: bool = False, max_lines: int | None = None, complete: str = COMPLETE_OUTPUT_METHOD
 ) -> str:
     """Return `result_text` without the cutoff study and the onset of sliding."""
     dataset, study, headlines = summary.at, summary.study, summary.headlines
@@ -173,7 +175,9 @@ def values_text(
     loaded_points = [point for point in headlines if not point.is_unloaded]
     pull_off_estimate = headlines[0].sticking
     varying = [name for name in ("mu0", "tau0") if len({point.at[name] for point in headlines}) > 1]
-    inputs = ", ".join(f"{_COORDINATE_LABELS[name]} = {_coordinate(name, headlines[0].at[name])}" for name in varying)
+    inputs = ", ".join(
+        f"{_COORDINATE_LABELS[name]} = {_coordinate_text(name, headlines[0].at[name])}" for name in varying
+    )
     lines = (
         [wrap_text(pull_off_text(pull_off_estimate, inputs))]
         if pull_off_estimate is not None and pull_off_estimate.pull_off[0] > 0
@@ -182,13 +186,15 @@ def values_text(
     lines += [coefficients_text(printed_points)] if loaded_points else []
     if len(printed_points) < len(headlines):
         lines.append(wrap_text(f"Shown: {len(printed_points)} of {len(headlines)} points; {complete} shows all."))
-    limits = {} if verbose else {"max_lines": max_lines, "max_groups": MAX_CAVEATS}
+    limits = {} if verbose else {"max_lines": max_lines, "max_groups": MAX_CAVEAT_GROUPS}
     paragraphs.append("\n".join([*lines, assessment_text(headlines, complete=complete, **limits)]))
     is_known = any(math.isfinite(point.value) or point.is_unloaded for point in headlines)
-    quantities = quantities_text(first_cell, study, verbose=verbose, cell=_first_cell(headlines)) if is_known else ""
+    quantities = (
+        quantities_text(first_cell, study, verbose=verbose, cell=_first_cell_text(headlines)) if is_known else ""
+    )
     details = _conditions_text(headlines[0]) if len(headlines) == 1 else ""
     if verbose:
-        paragraphs += [details, wrap_text(slopes_text(headlines[0])), quantities]
+        paragraphs += [details, wrap_text(slope_estimate_text(headlines[0])), quantities]
     else:
         paragraphs.append("\n".join(filter(None, (details, quantities))))
     if (
@@ -236,7 +242,7 @@ def coefficients_text(headlines: Sequence[PointSummary]) -> str:
     for point in headlines:
         values = [_coefficient_text(point, index) for index in range(len(point.rules))]
         coordinates = [
-            load_text(point.values, point.study) if name == "load" else _coordinate(name, point.at[name])
+            load_text(point.values, point.study) if name == "load" else _coordinate_text(name, point.at[name])
             for name in varying
         ]
         rows.append([*coordinates, *values, point.verdict])
@@ -287,7 +293,7 @@ _COORDINATE_LABELS = {"fractal_dimension": "D", "hurst_exponent": "H", "mu0": "�
 _COORDINATE_UNITS = {"load": "mN", "tau0": "GPa", "amplitude": "um", "cut_off": "um"}
 
 
-def _coordinate(name: str, value: float) -> str:
+def _coordinate_text(name: str, value: float) -> str:
     if name == "cut_off" and value == 0:
         return "none"
     return format_with_unit(value, _COORDINATE_UNITS[name]) if name in _COORDINATE_UNITS and value else f"{value:.4g}"
@@ -295,7 +301,7 @@ def _coordinate(name: str, value: float) -> str:
 
 def _conditions_text(point: PointSummary) -> str:
     lines = [] if point.is_unloaded else [contributions_text(point), single_test_text(point), dwell_time_text(point)]
-    if finer_scans := finer_text(point):
+    if finer_scans := finer_scan_text(point):
         lines.append(f"{finer_scans[0].upper()}{finer_scans[1:]}.")
     assumptions = list_assumptions(point.study)
     assumptions_note = f" Assumes {', '.join(assumptions)}." if assumptions else ""
@@ -304,7 +310,9 @@ def _conditions_text(point: PointSummary) -> str:
     )
 
 
-NEGLIGIBLE_FRACTION = 0.05  # roughness that contributes less than this fraction of the coefficient is negligible
+NEGLIGIBLE_ROUGHNESS_FRACTION = (
+    0.05  # roughness that contributes less than this fraction of the coefficient is negligible
+)
 
 
 def roughness_text(point: PointSummary) -> str:
@@ -315,7 +323,7 @@ def roughness_text(point: PointSummary) -> str:
     if point.from_roughness is None:
         return ""
     inputs = "the hardness, μ0 and τ0" if point.hardness is not None and point.at["tau0"] > 0 else "μ0"
-    is_negligible = abs(point.from_roughness) <= NEGLIGIBLE_FRACTION * point.value
+    is_negligible = abs(point.from_roughness) <= NEGLIGIBLE_ROUGHNESS_FRACTION * point.value
     remainder = f"{inputs} determine{'s' * (inputs == 'μ0')} it" if is_negligible else f"the rest is from {inputs}"
     return f"R{contribution_text(point)[1:]}; {remainder}."
 
@@ -384,7 +392,7 @@ def dwell_time_text(point: PointSummary) -> str:
 
 def assessment_text(
     headlines: Sequence[PointSummary], max_lines: int | None = None, *, max_groups: int | None = None,
-    complete: str = COMPLETE_OUTPUT,
+    complete: str = COMPLETE_OUTPUT_METHOD,
 ) -> str:  # fmt: skip
     """Format the assessment, the most useful measurement, and the caveats with their remedies.
 
@@ -395,7 +403,7 @@ def assessment_text(
         point, caveats = headlines[0], headlines[0].caveats
         faults = sum(caveat.severity == "fault" for caveat in caveats)
         lines = [_caveat_line(caveat) for caveat in caveats]
-        num_shown = len(lines) if max_lines is None else max(_count_within(lines, max_lines), faults, 1)
+        num_shown = len(lines) if max_lines is None else max(_count_texts_within(lines, max_lines), faults, 1)
         suffix = (
             f". {budget}" if len(headlines) == 1 and not point.is_unloaded and (budget := budget_text(point)) else ""
         )
@@ -404,13 +412,13 @@ def assessment_text(
     else:
         groups: dict[tuple[str, str], list[Caveat]] = {}
         for caveat in (caveat for point in headlines for caveat in point.caveats):
-            groups.setdefault((caveat.severity, _NUMBER_WITH_UNIT.sub("", caveat.text)), []).append(caveat)
+            groups.setdefault((caveat.severity, _CAVEAT_NUMBER_PATTERN.sub("", caveat.text)), []).append(caveat)
         lines = [
             _caveat_line(group[0], f" ({len(group)} of {len(headlines)})")
             for group in sorted(groups.values(), key=lambda group: group[0].severity != "fault")
         ]
         num_shown = len(lines) if max_groups is None else max_groups
-        num_shown = num_shown if max_lines is None else max(_count_within(lines, max_lines), 1)
+        num_shown = num_shown if max_lines is None else max(_count_texts_within(lines, max_lines), 1)
         counts = [(verdict, sum(point.verdict == verdict for point in headlines)) for verdict in VERDICTS.values()]
         assessed = ", ".join(f"{verdict} ({count} of {len(headlines)})" for verdict, count in counts if count)
         first_line = wrap_text(f"{assessed}.")
@@ -420,16 +428,16 @@ def assessment_text(
     )
 
 
-_NUMBER_WITH_UNIT = re.compile(r"\d[\d.]* ?(?:%|(?:[kMGmµn]?(?:Pa|N|m|m²)\b))?")
+_CAVEAT_NUMBER_PATTERN = re.compile(r"\d[\d.]* ?(?:%|(?:[kMGmµn]?(?:Pa|N|m|m²)\b))?")
 """Pattern of a number with its unit. Caveats that differ only in numbers are grouped."""
 
 
-def _count_within(texts: Sequence[str], lines: int) -> int:
+def _count_texts_within(texts: Sequence[str], lines: int) -> int:
     """Return how many of the first texts fit on a given number of lines."""
     return int(np.searchsorted(np.cumsum([text.count("\n") + 1 for text in texts]), lines, side="right"))
 
 
-MAX_CAVEATS = 6  # maximum number of printed groups of caveats, if there are several points
+MAX_CAVEAT_GROUPS = 6  # maximum number of printed groups of caveats, if there are several points
 
 
 def _caveat_line(caveat: Caveat, suffix: str = "") -> str:
@@ -449,14 +457,14 @@ _UNIT_SCALES: dict[str, tuple[tuple[float, float, str], ...]] = {
 """Units in which values without SI prefixes are printed: minimum value, factor and unit name."""
 
 
-def _first_cell(headlines: Sequence[PointSummary]) -> str:
+def _first_cell_text(headlines: Sequence[PointSummary]) -> str:
     """Return the coordinates of the first cell as text, as in "H = 0.9", or "" if there is only one cell."""
     hidden = {"load", "mu0", "tau0", *(["fractal_dimension"] if "hurst_exponent" in headlines[0].at else [])}
     names = [
         name for name in headlines[0].at if name not in hidden and len({point.at[name] for point in headlines}) > 1
     ]
     return ", ".join(
-        f"{_COORDINATE_LABELS.get(name, name)} = {_coordinate(name, headlines[0].at[name])}" for name in names
+        f"{_COORDINATE_LABELS.get(name, name)} = {_coordinate_text(name, headlines[0].at[name])}" for name in names
     )
 
 
@@ -480,15 +488,19 @@ def quantities_text(all_points: xarray.Dataset, study: Study, *, verbose: bool =
             label = quantity_label(name, study) + (
                 " at least" if name in LOAD_INDEPENDENT_QUANTITIES and is_bound_on_pull_off(name, dataset) else ""
             )
-            rows += _row(name, label, [point[name] for point in loads])
+            rows += _quantity_row(name, label, [point[name] for point in loads])
             if name == "contact_area_fraction" and rows:
                 rows[-1] = _with_statuses(rows[-1], [find_contact_status(point, study) for point in loads])
     for name, below in _VERBOSE_QUANTILES if verbose else ():
         if name in dataset:
             label = f"{QUANTITIES[name].table_label}, {100 * below:.0f}th percentile"
-            rows += _row(name, label, [point[name].sel(fraction_below=below, method="nearest") for point in loads])
+            rows += _quantity_row(
+                name, label, [point[name].sel(fraction_below=below, method="nearest") for point in loads]
+            )
     if verbose and "rms_gradient" in dataset:
-        rows += _row("rms_gradient", QUANTITIES["rms_gradient"].table_label, [point["rms_gradient"] for point in loads])
+        rows += _quantity_row(
+            "rms_gradient", QUANTITIES["rms_gradient"].table_label, [point["rms_gradient"] for point in loads]
+        )
     if in_words:
         label = "; ".join(f"{name} {value.removesuffix(' no interval')} {unit}".rstrip() for name, unit, value in rows)
         return wrap_text(f"{label[:1].upper()}{label[1:]}.")
@@ -505,7 +517,7 @@ def quantities_text(all_points: xarray.Dataset, study: Study, *, verbose: bool =
     )
 
 
-def _stack_headings(headings: Sequence[str]) -> Rows:
+def _stack_headings(headings: Sequence[str]) -> TextRows:
     """Wrap column headings into several rows, so that columns are as narrow as their cells."""
     lines = [textwrap.wrap(heading, MAX_HEADING_WIDTH, break_long_words=False) for heading in headings]
     return list(itertools.zip_longest(*lines, fillvalue=""))
@@ -520,15 +532,15 @@ def is_bound_on_pull_off(name: str, dataset: xarray.Dataset) -> bool:
     return bool(bound_fraction) and float(dataset[bound_fraction].sel(statistic="mean").max()) > 0
 
 
-def _row(name: str, label: str, estimates: Sequence[xarray.DataArray]) -> list[list[str]]:
+def _quantity_row(name: str, label: str, estimates: Sequence[xarray.DataArray]) -> list[list[str]]:
     """Return the table row of a quantity in a list, or an empty list if the quantity has no value at any load."""
     unit = QUANTITIES[name].unit
     if unit in ("um", "GPa", "mN"):
-        values = [value for value in map(_largest_mean, estimates) if math.isfinite(value)]
+        values = [value for value in map(_largest_absolute_mean, estimates) if math.isfinite(value)]
         unit_factor, unit_label = choose_prefix(max(values, default=1.0), unit)
         factor = 1 / unit_factor
     else:
-        largest = max((value for value in map(_largest_mean, estimates) if math.isfinite(value)), default=0.0)
+        largest = max((value for value in map(_largest_absolute_mean, estimates) if math.isfinite(value)), default=0.0)
         scales = ((0.0, 100.0, "%"),) if QUANTITIES[name].percent else _UNIT_SCALES.get(unit, ((0.0, 1.0, ""),))
         factor, unit_label = next((factor, name) for min_value, factor, name in scales if largest >= min_value)
     cells = [_estimate_cell(estimate, factor) for estimate in estimates]
@@ -542,7 +554,7 @@ def _with_statuses(row: list[str], statuses: Sequence[str]) -> list[str]:
     return [label, unit if set(cells) - set(statuses) else "", *cells]
 
 
-def _largest_mean(estimate: xarray.DataArray) -> float:
+def _largest_absolute_mean(estimate: xarray.DataArray) -> float:
     means = estimate.sel(statistic="mean") if "statistic" in estimate.dims else estimate
     return float(np.abs(means).max())
 
@@ -649,7 +661,7 @@ def preview_text(summary: Summary) -> str:
 # ---- Overview --------------------------------------------------------------------------------------------------------
 
 
-def overview_text(summary: Summary, max_lines: int | None = None, *, complete: str = COMPLETE_OUTPUT) -> str:
+def overview_text(summary: Summary, max_lines: int | None = None, *, complete: str = COMPLETE_OUTPUT_METHOD) -> str:
     """Format the mu_s values of generated surfaces as tables, one per sliding rule and amplitude.
 
     A table has one row per cell of the study and one column per load, and columns for mu0 and tau0 if the study has
@@ -657,7 +669,7 @@ def overview_text(summary: Summary, max_lines: int | None = None, *, complete: s
     others.
     """
     dataset, study, headlines = summary.at, summary.study, summary.headlines
-    reduced_dataset = dataset if _count_rows(dataset) <= MAX_OVERVIEW_ROWS else _ends_and_middle(dataset)
+    reduced_dataset = dataset if _count_rows(dataset) <= MAX_OVERVIEW_ROWS else _select_ends_and_middle(dataset)
     full_dataset, dataset = dataset, reduced_dataset
     remainder = [name for name in ("amplitude", "sliding") if name in dataset.dims]
     varying = [name for name in ("mu0", "tau0") if dataset.sizes[name] > 1]
@@ -668,7 +680,7 @@ def overview_text(summary: Summary, max_lines: int | None = None, *, complete: s
         rows = [[format_with_unit(load, "mN") for load in dataset["load"].values.tolist()]]
         for mu0, tau0, cell in np.ndindex(*(dataset.sizes[name] for name in ("mu0", "tau0", "fractal_dimension"))):
             point = subset.isel(mu0=mu0, tau0=tau0, fractal_dimension=cell)
-            values = [_coordinate(name, float(point[name])) for name in varying]
+            values = [_coordinate_text(name, float(point[name])) for name in varying]
             labels.append([*values, f"{roughness_exponent(study, float(point['fractal_dimension']))[1]:.4g}"])
             rows.append([_overview_cell(point.isel(load=index)) for index in range(dataset.sizes["load"])])
         has_marks = has_marks or any(cell.endswith("*") for row in rows for cell in row)
@@ -692,7 +704,7 @@ def _count_rows(dataset: xarray.Dataset) -> int:
     return math.prod(dataset.sizes.get(name, 1) for name in ("mu0", "tau0", *CELL_DIMENSIONS))
 
 
-def _ends_and_middle(dataset: xarray.Dataset) -> xarray.Dataset:
+def _select_ends_and_middle(dataset: xarray.Dataset) -> xarray.Dataset:
     """Select the middle mu0 and the first and last tau0 of a dataset."""
     return dataset.isel(mu0=[dataset.sizes["mu0"] // 2], tau0=sorted({0, dataset.sizes["tau0"] - 1}))
 
@@ -716,7 +728,7 @@ def _omission_text(dataset: xarray.Dataset, full_dataset: xarray.Dataset, study:
 def _overview_title(dataset: xarray.Dataset, varying: Sequence[str]) -> str:
     assignments = {
         "mu0": f"μ0 = {float(dataset['mu0'][0]):g}",
-        "tau0": f"τ0 = {_coordinate('tau0', float(dataset['tau0'][0]))}",
+        "tau0": f"τ0 = {_coordinate_text('tau0', float(dataset['tau0'][0]))}",
     }
     conditions = [text for name, text in assignments.items() if name not in varying]
     if "amplitude" in dataset.coords and dataset["amplitude"].ndim == 0:

@@ -21,10 +21,10 @@ from stiction.surfaces.profile import Profile
 from stiction.views.style import (
     FORCE_COLOUR,
     FRICTION_COLOUR,
-    LOWER_COLOUR,
+    LOWER_BODY_COLOUR,
     NOT_OPPOSING_COLOUR,
     OPPOSING_COLOUR,
-    UPPER_COLOUR,
+    UPPER_BODY_COLOUR,
     axis_label,
     direction_text,
     new_figure,
@@ -123,8 +123,8 @@ def draw_bodies(axes: Axes, x: Floats, upper: Floats, lower: Floats) -> None:
     """Draw two profiles as the surfaces of solid bodies."""
     top, bottom = max(float(upper.max()), float(lower.max())), min(float(upper.min()), float(lower.min()))
     margin = 0.08 * (top - bottom or 1.0)
-    axes.fill_between(x, upper, top + margin, color=UPPER_COLOUR, linewidth=0)
-    axes.fill_between(x, bottom - margin, lower, color=LOWER_COLOUR, linewidth=0)
+    axes.fill_between(x, upper, top + margin, color=UPPER_BODY_COLOUR, linewidth=0)
+    axes.fill_between(x, bottom - margin, lower, color=LOWER_BODY_COLOUR, linewidth=0)
     axes.plot(x, upper, color="#3f6f93", linewidth=0.5)
     axes.plot(x, lower, color="#7d6a3c", linewidth=0.5)
     axes.set_ylim(bottom - margin, top + margin)
@@ -142,7 +142,7 @@ def _reserve_arrow_length(axes: Axes, highest: float) -> float:
     new_upper_limit = lower_limit + (highest - lower_limit) / (1 - 1.15 * arrow_length / extent_in_inches.height)
     if new_upper_limit > upper_limit:
         axes.set_ylim(lower_limit, new_upper_limit)
-        axes.axhspan(upper_limit, new_upper_limit, color=UPPER_COLOUR, linewidth=0)
+        axes.axhspan(upper_limit, new_upper_limit, color=UPPER_BODY_COLOUR, linewidth=0)
     return float(arrow_length)
 
 

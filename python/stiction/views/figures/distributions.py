@@ -156,7 +156,7 @@ def _is_single_traverse(values: xarray.DataArray) -> bool:
     return bool(lines.size == 1 and offsets.size == values.sizes["repetition"] > 1 and not values["y"].values.any())
 
 
-def sizes_figure(
+def contact_sizes_figure(
     members: xarray.Dataset, points: xarray.Dataset, *, hardness: float | None = None, title: str = ""
 ) -> Figure:
     """Draw the size distribution of contacts, and the pressure distribution over the contact area (80 mm wide).

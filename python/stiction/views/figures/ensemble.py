@@ -45,7 +45,7 @@ from stiction.views.style import (
 )
 
 LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)  # multiples of the length scale that are compared in a figure
-AREAL_POINTS = 400  # number of rows and number of columns of a surface in a figure
+SURFACE_PICTURE_POINTS = 400  # number of rows and number of columns of a surface in a figure
 MAX_PROFILES = 5
 MAX_CURVES = 8
 
@@ -54,11 +54,13 @@ COLOUR_QUANTILES = (0.01, 0.95)
 
 MAX_DRAWN_STRENGTHS = 2  # maximum number of adhesive shear strengths in a figure (the lowest and the highest)
 
-FADING_LIMITS = (0.3, 1.2, 0.85)
+FADING_PARAMETERS = (0.3, 1.2, 0.85)
 """Relative interval widths at which the fading of a cell starts and reaches its maximum, and this maximum."""
 
-LINE_HEIGHT = 2.4  # distance between curve labels, mm
-MAX_BAND_RATIO = 2.0  # factor between the axis limits and the extreme means; bands that extend further are cut off
+CURVE_LABEL_SPACING = 2.4  # distance between curve labels, mm
+MAX_DRAWN_BAND_RATIO = (
+    2.0  # factor between the axis limits and the extreme means; bands that extend further are cut off
+)
 HEADING_HEIGHT = 4.0  # height of a heading line above a figure, mm
 MAX_LEGEND_COLUMNS = 4  # maximum number of legend columns
 
@@ -128,7 +130,7 @@ def draw_panel_letter(axes: Axes, number: int) -> None:
     axes.text(0, 1.02, chr(ord("a") + number), transform=axes.transAxes, fontsize=8, fontweight="bold", va="bottom")
 
 
-def create_axes_rows(
+def create_figure_with_axes_rows(
     rows: int, height: float, above: float, below: float, *, between: float
 ) -> tuple[Figure, float, Callable[[float, int, float], Axes]]:
     """Return a figure (170 mm wide), its height in mm, and a function that adds axes to a given row."""
@@ -166,7 +168,7 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
     handles = _legend_handles(maps, asperities=not study.uses_half_space)
     above, below = 15.0 + HEADING_HEIGHT * len(lines), 16.0 + (3.0 if len(handles) > MAX_LEGEND_COLUMNS else 0.0)
     height = 42.0 if amplitudes.size == 1 else 34.0
-    figure, total, axes_at = create_axes_rows(amplitudes.size, height, above, below, between=4.0)
+    figure, total, axes_at = create_figure_with_axes_rows(amplitudes.size, height, above, below, between=4.0)
     norm = _colour_norm(maps)
     for row, amplitude in enumerate(amplitudes):
         last = row == amplitudes.size - 1
@@ -349,7 +351,7 @@ def _compute_fading(friction: Floats) -> Floats:
     values, lower, upper = np.moveaxis(friction, -1, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         width = (upper - lower) / values
-    min_width, max_width, max_fading = FADING_LIMITS
+    min_width, max_width, max_fading = FADING_PARAMETERS
     width = np.where(np.isfinite(values), np.nan_to_num(width, nan=max_width, posinf=max_width), min_width)
     return np.asarray(max_fading * np.clip((width - min_width) / (max_width - min_width), 0, 1))
 
@@ -375,7 +377,7 @@ def _legend_handles(maps: xarray.Dataset, *, asperities: bool) -> list[Any]:
     if (fading[~(maps["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)] > 0.1).any():
         handles.append(
             Patch(
-                facecolor=tuple(_fade_colours(example_colour, np.array(FADING_LIMITS[2]))),
+                facecolor=tuple(_fade_colours(example_colour, np.array(FADING_PARAMETERS[2]))),
                 label="grey: wide 95 % interval",
             )
         )
@@ -409,7 +411,7 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
     lines = heading_lines(dataset, study)
     height = 50.0 if amplitudes.size == 1 else 38.0
     has_no_validity_limit = study.uses_half_space
-    figure, figure_height, axes_at = create_axes_rows(
+    figure, figure_height, axes_at = create_figure_with_axes_rows(
         amplitudes.size, height, 4.0 + HEADING_HEIGHT * len(lines), 15.0, between=4.0
     )
     for row, amplitude in enumerate(amplitudes):
@@ -418,7 +420,7 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
             row_axes,
             areas.isel(amplitude=row),
             has_no_validity_limit=has_no_validity_limit,
-            label_distance=LINE_HEIGHT / height,
+            label_distance=CURVE_LABEL_SPACING / height,
         )
         for number, ax in enumerate(row_axes):
             if row == 0:
@@ -461,7 +463,7 @@ def _area_curves(
         ax.set_yscale("log")
         # The axis limits depend on the means only, so that very wide bands may be cut off.
         values = (scale * area)[area > 0]
-        ax.set_ylim(values.min() / MAX_BAND_RATIO, values.max() * MAX_BAND_RATIO)
+        ax.set_ylim(values.min() / MAX_DRAWN_BAND_RATIO, values.max() * MAX_DRAWN_BAND_RATIO)
         set_log_ticks(ax)
         labels, label_heights = [], []
         for curve, colour in enumerate(fractal_dimension_colours(dimensions)):
@@ -513,7 +515,7 @@ def length_scales_figure(study: Study) -> Figure:
     surfaces: Any = study.surfaces
     dimension = surfaces.fractal_dimensions()[0]
     extent = float(surfaces.extent)
-    pixels = int(min(AREAL_POINTS, surfaces.points))
+    pixels = int(min(SURFACE_PICTURE_POINTS, surfaces.points))
     scales = [factor * float(surfaces.length_scale) for factor in LENGTH_SCALE_FACTORS]
     figure = new_figure(66)
     axes = figure.subplots(2, len(scales), height_ratios=[1, 1.2], sharex=True)

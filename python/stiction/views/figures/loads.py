@@ -29,13 +29,13 @@ from stiction.views.style import (
     new_figure,
 )
 
-MAX_AXIS_RATIO = 4.0
+MAX_FRICTION_AXIS_RATIO = 4.0
 """Maximum ratio of the friction axis limit to the highest mean; wide intervals from few members are cut off."""
 
 MAX_SINGLE_DIRECTIONS = 2  # maximum number of directions drawn individually, in addition to their mean
 
 
-BAND_LEGENDS = {
+INTERVAL_BAND_LEGENDS = {
     True: "light bands: 95 %, combined uncertainty\ndark bands and area: 95 %, sampling of positions",
     False: "bands: 95 %, sampling of positions",
 }
@@ -75,7 +75,7 @@ def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
         ax.plot(x, mean, "o-", color=AREA_COLOUR, linewidth=1, markersize=2)
         ax.set(ylabel=axis_label(name), ylim=(0, None))
     figure.axes[1].set(xlabel=axis_label("nominal_pressure"), xlim=(0, None))
-    bands = BAND_LEGENDS[False] if np.isfinite(low).any() else ""
+    bands = INTERVAL_BAND_LEGENDS[False] if np.isfinite(low).any() else ""
     figure.suptitle("\n".join(filter(None, (title, bands))), fontsize=6)
     return figure
 
@@ -222,7 +222,9 @@ def _draw_panels_against(
     highest = max(
         line.get_ydata().max(initial=0.0, where=np.isfinite(line.get_ydata())) for line in friction_axes.lines
     )
-    friction_axes.set_ylim(0, min(friction_axes.get_ylim()[1], MAX_AXIS_RATIO * highest) if highest > 0 else None)
+    friction_axes.set_ylim(
+        0, min(friction_axes.get_ylim()[1], MAX_FRICTION_AXIS_RATIO * highest) if highest > 0 else None
+    )
     if limits:
         left = min([*x, *(value for value in limits["wavelength"] if value >= MIN_WAVELENGTH_RATIO * x.min())])
         _draw_limits(friction_axes, area_axes, limits, x)
@@ -239,7 +241,7 @@ def _draw_panels_against(
     parameters = friction_parameters_text(float(points["mu0"]), float(points["tau0"]), modulus)
     figure.suptitle(f"{title}\n{parameters}".strip(), fontsize=6)
     handles = friction_axes.get_legend_handles_labels()
-    figure.legend(*handles, title=BAND_LEGENDS[has_combined], loc="outside lower center", ncols=2)
+    figure.legend(*handles, title=INTERVAL_BAND_LEGENDS[has_combined], loc="outside lower center", ncols=2)
     return figure
 
 

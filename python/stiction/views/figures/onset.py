@@ -23,7 +23,7 @@ from stiction.studies.result import Result
 from stiction.views.figures.contact import draw_frame, draw_heights, map_extent
 from stiction.views.figures.ensemble import (
     HEADING_HEIGHT,
-    create_axes_rows,
+    create_figure_with_axes_rows,
     draw_heading,
     draw_panel_letter,
     format_dimension_axis,
@@ -229,7 +229,7 @@ def dimension_onset_figure(dataset: xarray.Dataset) -> Figure:
     dataset_at_loads = result.at(loads, mu0=settings.mu0, tau0=float(settings.tau0)).isel(mu0=0, tau0=0)
     amplitudes = dataset["amplitude"].values
     lines = heading_lines(dataset, study)
-    figure, height, axes_at = create_axes_rows(
+    figure, height, axes_at = create_figure_with_axes_rows(
         amplitudes.size, 42.0, 6.0 + HEADING_HEIGHT * len(lines), 15.0, between=5.0
     )
     for row, amplitude in enumerate(amplitudes):

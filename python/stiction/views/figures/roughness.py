@@ -47,7 +47,7 @@ def characterisation_figure(body: Profile | Surface | Characterisation, **option
             _draw_map(first, axes["heights"], result.body)
             for line, colour in zip(result.lines, MAP_AXIS_COLOURS.items(), strict=True):
                 _draw_line(axes["lines"], line, *colour)
-            _finish_spectrum(axes["lines"], "µm³")
+            _format_spectrum_axes(axes["lines"], "µm³")
         _draw_spectrum(axes["spectrum"], result)
         _draw_distribution(axes["distribution"], result.body.heights)
     return figure
@@ -109,7 +109,7 @@ def _draw_spectrum(axes: Axes, result: Characterisation) -> None:
         classical = f"{law.fractal_dimension_classical:.2f} (classical), " if law.value <= 1 else ""
         note = f"$D$ = {classical}{law.fractal_dimension_paper:.2f} (paper)"
     axes.plot([], [], " ", label=note)
-    _finish_spectrum(axes, "µm³" if is_profile else "µm⁴", result.binned.density)
+    _format_spectrum_axes(axes, "µm³" if is_profile else "µm⁴", result.binned.density)
 
 
 def _draw_line(axes: Axes, line: LineRoughness, axis: str, colour: str) -> None:
@@ -127,7 +127,7 @@ def _draw_line(axes: Axes, line: LineRoughness, axis: str, colour: str) -> None:
         axes.plot(q, np.exp(level) * q ** (-1 - 2 * exponent), "--", color=colour, linewidth=1.2, label=name)
 
 
-def _finish_spectrum(axes: Axes, unit: str, density: Floats | None = None) -> None:
+def _format_spectrum_axes(axes: Axes, unit: str, density: Floats | None = None) -> None:
     """Set the scales and limits of a spectrum plot, and add a wavelength axis and a legend."""
     axes.set(xscale="log", yscale="log", xlabel="wave number $q$ (1/µm)", ylabel=f"density $C$ ({unit})")
     axes.secondary_xaxis("top", functions=(to_wavelength, to_wavelength)).set_xlabel(r"wavelength $\lambda$ (µm)")

@@ -18,7 +18,7 @@ from stiction.studies.result import Result
 from stiction.studies.study import Study
 from stiction.views.figures.budget import budget_figure, dwell_time_figure
 from stiction.views.figures.contact import contact_figure, contacts_figure
-from stiction.views.figures.distributions import MIN_DIRECTIONS, compass_figure, positions_figure, sizes_figure
+from stiction.views.figures.distributions import MIN_DIRECTIONS, compass_figure, contact_sizes_figure, positions_figure
 from stiction.views.figures.ensemble import (
     area_figure,
     friction_figure,
@@ -147,7 +147,7 @@ def _measured_figures(
         name = "height_scale" if scaled == "both" else f"height_scale_{scaled}"
         for number, indices in enumerate(np.ndindex(points.sizes["mu0"], points.sizes["tau0"]), 1):
             suffix = "" if number == 1 else f"-{number}"
-            yield name + suffix, partial(draw_height_scale, result, scaled, factors, indices, title=title)
+            yield name + suffix, partial(draw_height_factor_figure, result, scaled, factors, indices, title=title)
     if study.is_areal:
         yield "closure", partial(closure_figure, unfiltered.sel(load=slice(max(study_loads))), title=title)
     yield "budget", lambda: budget_figure(result.summary().first, title=title)
@@ -161,7 +161,7 @@ def _measured_figures(
         yield "adhesion", partial(adhesion_figure, branches, title=title)
     if "patch_area" in points and np.isfinite(points["patch_area"].values).any():
         dataset = unfiltered.isel(mu0=0, tau0=0).sel(load=study_loads, method="nearest")
-        yield "sizes", partial(_size_figure, result, dataset, hardness=hardness, title=title)
+        yield "sizes", partial(_contact_sizes_figure, result, dataset, hardness=hardness, title=title)
     if picture is not None and study.is_areal:
         direction = float(np.atleast_1d(points["direction"].values)[0])
         yield "contacts", partial(contacts_figure, picture, direction=direction, hardness=hardness, title=title)
@@ -175,7 +175,7 @@ def _cut_off_figures(dataset: xarray.Dataset, study: Study, *, title: str) -> Fi
     return cut_off_figure(dataset, title=title, limits=resolution_limits(dataset, study))
 
 
-def draw_height_scale(
+def draw_height_factor_figure(
     result: Result, scaled: ScaledBodies, factors: list[float], indices: tuple[int, ...] = (0, 0), *, title: str
 ) -> Figure:
     """Draw friction against the height factors stored in a result, for the first load and one pair of mu0 and tau0."""
@@ -193,8 +193,8 @@ def draw_positions(result: Result, dataset: xarray.Dataset, *, title: str) -> Fi
     return positions_figure(values.transpose("repetition", "direction", ...), dataset, title=title)
 
 
-def _size_figure(result: Result, dataset: xarray.Dataset, **options: Any) -> Figure:
-    return sizes_figure(result.dataset[["patch_area", "pressure"]].isel(cut_off=0), dataset, **options)
+def _contact_sizes_figure(result: Result, dataset: xarray.Dataset, **options: Any) -> Figure:
+    return contact_sizes_figure(result.dataset[["patch_area", "pressure"]].isel(cut_off=0), dataset, **options)
 
 
 def _profile_figures(

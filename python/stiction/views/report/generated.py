@@ -36,9 +36,16 @@ from stiction.studies.result import Result
 from stiction.studies.study import Study, study_names
 from stiction.views.figures.ensemble import COLOUR_QUANTILES
 from stiction.views.point import motion_text
-from stiction.views.report.page import REPORT_AXES, PageResult, ReportError, axes_facts, format_count, study_motions
+from stiction.views.report.page import (
+    CELL_AXIS_LABELS,
+    ReportContent,
+    ReportError,
+    format_count,
+    slider_facts,
+    study_motions,
+)
 from stiction.views.report.pictures import dimension_panel, profiles_panel
-from stiction.views.report.tables import PackedTables
+from stiction.views.report.tables import PackedArrays
 
 # Maximum number of coefficients on a page.
 # The number of coefficients is the product of the numbers of nodes, loads, cells, rules and directions.
@@ -46,10 +53,10 @@ MAX_GENERATED_REPORT_VALUES = 1_000_000
 # The page warns if the mean of overlap / radius exceeds this value.
 # The limit for quantities that are fractions of the load is `MAX_AFFECTED_FRACTION`.
 MAX_OVERLAP_RADIUS_RATIO = 0.1
-SHAPE_DIMENSIONS = ("fractal_dimension", "amplitude")
+SURFACE_PARAMETER_DIMENSIONS = ("fractal_dimension", "amplitude")
 
 
-def generated_result_page(result: Result, study: Study, name: str) -> PageResult:
+def generated_result_page(result: Result, study: Study, name: str) -> ReportContent:
     """Return the report on a result for generated surfaces. The default title is the name of the study.
 
     Raises a `ReportError` if it is too large for a page or has no members.
@@ -57,8 +64,12 @@ def generated_result_page(result: Result, study: Study, name: str) -> PageResult
     head, num_members = result.head, result.members.size
     if not num_members or not (members := result.num_solved):
         raise ReportError("the result must have a member with a solution at every load, got none")
-    counts = result.means(["contact_count"])["contact_count"].transpose(*SHAPE_DIMENSIONS, study.step_quantity).values
-    tables, loads = PackedTables(), result.nodes.loads
+    counts = (
+        result.means(["contact_count"])["contact_count"]
+        .transpose(*SURFACE_PARAMETER_DIMENSIONS, study.step_quantity)
+        .values
+    )
+    packed_arrays, loads = PackedArrays(), result.nodes.loads
     facts = _study_facts(head, study, loads) | {"name": name or _study_name(study), "repetitions": members}
     facts |= {
         "hasIntervals": members > 1,
@@ -68,16 +79,16 @@ def generated_result_page(result: Result, study: Study, name: str) -> PageResult
         "asked": [],
     }
     if loads.size:
-        facts |= _add_values_at_nodes(result.nodes, study, head, members, tables)
-    return PageResult(
+        facts |= _add_values_at_nodes(result.nodes, study, head, members, packed_arrays)
+    return ReportContent(
         study=study,
         name=facts["name"],
         head=_head_lines(study),
-        pairs=_describe_pairs(study, facts),
+        pairs_text=_describe_pairs(study, facts),
         facts=facts,
-        tables=tables,
+        packed_arrays=packed_arrays,
         num_members=num_members,
-        pictures=_draw_pictures(result, study, head, counts),
+        pictures_markup=_draw_pictures(result, study, head, counts),
     )
 
 
@@ -85,14 +96,14 @@ def _study_facts(head: xarray.Dataset, study: Study, loads: Floats) -> dict[str,
     surfaces: Any = study.surfaces
     rules, angles = study_motions(study)
     convention = " (classical)" if surfaces.convention == "classical" else ""
-    dimensions, amplitudes = (head[name].values for name in SHAPE_DIMENSIONS)
+    dimensions, amplitudes = (head[name].values for name in SURFACE_PARAMETER_DIMENSIONS)
     return {
         "isMeasured": False,
         "rules": rules,
         "directions": angles,
-        "cell": REPORT_AXES["fractal_dimension"]
+        "cell": CELL_AXIS_LABELS["fractal_dimension"]
         | {
-            "title": f"{REPORT_AXES['fractal_dimension']['title']}{convention}",
+            "title": f"{CELL_AXIS_LABELS['fractal_dimension']['title']}{convention}",
             "label": f"Fractal dimension D{convention}",
         },
         "cells": {"values": dimensions.tolist(), "texts": [f"D = {dimension:.3f}" for dimension in dimensions]},
@@ -117,12 +128,12 @@ def _study_facts(head: xarray.Dataset, study: Study, loads: Floats) -> dict[str,
 
 
 def _add_values_at_nodes(
-    nodes: InterpolationNodes, study: Study, head: xarray.Dataset, members: int, tables: PackedTables
+    nodes: InterpolationNodes, study: Study, head: xarray.Dataset, members: int, packed_arrays: PackedArrays
 ) -> dict[str, Any]:
-    """Add all quantities at the nodes to `tables`. The axes are cell, amplitude, rule, motion, load, mu0 and tau0."""
+    """Add all quantities at the nodes. The axes are cell, amplitude, rule, motion, load, mu0 and tau0."""
     rules, angles = study_motions(study)
     axes, loads = nodes.axes, nodes.loads
-    count = math.prod(head.sizes[name] for name in SHAPE_DIMENSIONS) * loads.size * len(rules) * len(angles)
+    count = math.prod(head.sizes[name] for name in SURFACE_PARAMETER_DIMENSIONS) * loads.size * len(rules) * len(angles)
     if (size := count * axes[0].values.size * axes[1].values.size) > MAX_GENERATED_REPORT_VALUES:
         raise ReportError(
             f"the result must have at most {MAX_GENERATED_REPORT_VALUES} coefficients at nodes for a report, got "
@@ -137,7 +148,7 @@ def _add_values_at_nodes(
     if "normal_stiffness" in node_values and bool(node_values["normal_stiffness"].notnull().any()):
         quantities["stiffness"] = np.broadcast_to(to_leading_order(node_values["normal_stiffness"]), points.shape)
     for name, values in quantities.items():
-        tables.add_points(name, values)
+        packed_arrays.add_points(name, values)
     validity: dict[str, Floats] = {}
     figures: list[dict[str, Any]] = []
     for name in (
@@ -151,7 +162,7 @@ def _add_values_at_nodes(
             continue
         quantity = QUANTITIES[name]
         validity[name] = values
-        tables.add(f"validity_{len(figures)}", values)
+        packed_arrays.add(f"validity_{len(figures)}", values)
         figures.append(
             {
                 "words": quantity.table_label[0].upper() + quantity.table_label[1:],
@@ -164,21 +175,21 @@ def _add_values_at_nodes(
         )
     status = np.broadcast_to(to_leading_order(node_values["status"]), shape)
     statuses, codes = _status_records_and_codes(status, validity, figures)
-    tables.add("status", codes.astype(np.int8))
+    packed_arrays.add("status", codes.astype(np.int8))
     is_interpolated = np.logical_and.reduce([nodes.is_interpolated(values) for values in quantities.values()])
-    tables.add("fine", is_interpolated.astype(np.int8))
+    packed_arrays.add("fine", is_interpolated.astype(np.int8))
     rule = rules.index(list_rules_quoted_first(study)[0])
     numbers = validity | _checked_numbers(node_values, points, areas[..., 0], contacts, study, members)
     numbers = {name: values[:, :, rule] for name, values in numbers.items()}
     assessments, indices = assess_ensemble(study, status[:, :, rule], numbers)
-    tables.add("judgement", indices.astype(float))
+    packed_arrays.add("judgement", indices.astype(float))
     judgements = [
         {"verdict": verdict_from_caveats(reasons), "caveats": [_reason_record(reason) for reason in reasons]}
         for reasons in assessments
     ]
     checks = {reason for reasons in assessments for reason in reasons if isinstance(reason, LimitCheck)}
     for name in sorted({check.shown_name for check in checks if "{}" in check.text}):
-        tables.add(f"number_{name}", numbers[name])
+        packed_arrays.add(f"number_{name}", numbers[name])
     is_valid = codes == 0
     for figure, values in zip(figures, validity.values(), strict=True):
         is_valid = is_valid & ~(values > figure["limit"])
@@ -186,18 +197,18 @@ def _add_values_at_nodes(
         "width": _relative_width(points)
     }
     return {
-        "axes": axes_facts(axes, study),
+        "axes": slider_facts(axes, study),
         "statuses": statuses,
         "validity": figures,
         "judgements": judgements,
         "hasStiffness": "stiffness" in quantities,
         "start": _choose_start(is_valid, points, axes, study),
-        "maps": _add_colour_ranges(mapped_quantities, tables),
+        "maps": _add_colour_ranges(mapped_quantities, packed_arrays),
         "error": nodes.error,
     }
 
 
-LEADING_DIMENSIONS = (*SHAPE_DIMENSIONS, "sliding", "direction", "load", "mu0", "tau0")
+LEADING_DIMENSIONS = (*SURFACE_PARAMETER_DIMENSIONS, "sliding", "direction", "load", "mu0", "tau0")
 
 
 def to_leading_order(table: xarray.DataArray) -> Floats:
@@ -231,8 +242,8 @@ def _relative_width(points: Floats) -> Floats:
         return np.asarray((points[..., 2] - points[..., 1]) / (2 * np.abs(points[..., 0])))
 
 
-def _add_colour_ranges(quantities: dict[str, Floats], tables: PackedTables) -> list[str]:
-    """Add a colour range to the tables for each quantity with positive values. Return the names of these quantities.
+def _add_colour_ranges(quantities: dict[str, Floats], packed_arrays: PackedArrays) -> list[str]:
+    """Add a colour range for each quantity with positive values. Return the names of these quantities.
 
     The axes of a range are amplitude, rule, motion, mu0 and tau0.
     """
@@ -244,8 +255,8 @@ def _add_colour_ranges(quantities: dict[str, Floats], tables: PackedTables) -> l
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)  # some nodes have no value
             low, high = np.nanquantile(positive, COLOUR_QUANTILES, axis=(0, 4))
-        tables.add(f"colours_{name}_low", low)
-        tables.add(f"colours_{name}_high", np.maximum(high, 1.05 * low))
+        packed_arrays.add(f"colours_{name}_low", low)
+        packed_arrays.add(f"colours_{name}_high", np.maximum(high, 1.05 * low))
         names.append(name)
     return names
 

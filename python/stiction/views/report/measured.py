@@ -26,26 +26,26 @@ from stiction.views.onset import onset_note, onset_text
 from stiction.views.point import averaged_directions_text, materials_text, motion_text
 from stiction.views.pull_off import pull_off_text
 from stiction.views.report.page import (
+    CELL_AXIS_LABELS,
     MAX_TEXT_LENGTH,
-    REPORT_AXES,
-    PageResult,
+    ReportContent,
     ReportError,
-    axes_facts,
     escape_html,
     format_count,
+    slider_facts,
     study_motions,
 )
 from stiction.views.report.pictures import (
     adhesion_panel,
+    contact_panel,
     height_factor_panels,
     onset_panels,
     positions_panel,
-    touching_panel,
 )
 from stiction.views.report.reading import READING_OPTIONS, reading_table
-from stiction.views.report.tables import PackedTables, count_estimate_decimals, estimate_with_unit_text
+from stiction.views.report.tables import PackedArrays, count_estimate_decimals, estimate_with_unit_text
 from stiction.views.resolution import wavelengths_text
-from stiction.views.sentence import sentence_text, slopes_text
+from stiction.views.sentence import sentence_text, slope_estimate_text
 from stiction.views.text import budget_text, dwell_time_text
 
 # Maximum number of coefficients on a page.
@@ -55,7 +55,7 @@ MAX_MEASURED_REPORT_VALUES = 400_000
 _UNIT_LABELS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # labels of units without an SI prefix
 
 
-def measured_result_page(result: Result, study: Study, name: str, picture: xarray.Dataset | None) -> PageResult:
+def measured_result_page(result: Result, study: Study, name: str, picture: xarray.Dataset | None) -> ReportContent:
     """Return the report on a result for measured bodies. The title consists of the file names and, if given, `name`.
 
     `picture` is a result of `contact_picture`; by default the picture stored with the result. Raises a `ReportError` if
@@ -64,9 +64,9 @@ def measured_result_page(result: Result, study: Study, name: str, picture: xarra
     dataset = result.dataset
     files = pair_title(study)
     name = f"{files} ({name})" if name else files
-    tables = PackedTables()
+    packed_arrays = PackedArrays()
     facts = _result_facts(dataset, result, study)
-    facts |= _friction_at_nodes(result.nodes, study, tables) | {"name": name}
+    facts |= _friction_at_nodes(result.nodes, study, packed_arrays) | {"name": name}
     facts["quantities"] = _quantities(result.nodes.load_quantities)
     picture = result.contact_picture if picture is None else picture
     members = int(facts["repetitions"])
@@ -78,24 +78,24 @@ def measured_result_page(result: Result, study: Study, name: str, picture: xarra
     details = text + "".join(
         _history_lines(side, str(dataset.attrs.get(side, "")), study) for side in ("upper", "lower")
     )
-    return PageResult(
+    return ReportContent(
         study=study,
         name=name,
         head=_head_lines(study, facts),
-        pairs=f"{format_count(members, 'pair')} of pieces of the two surfaces",
+        pairs_text=f"{format_count(members, 'pair')} of pieces of the two surfaces",
         facts=facts,
-        tables=tables,
+        packed_arrays=packed_arrays,
         num_members=members,
-        details=details,
-        touching="" if picture is None else touching_panel(picture, facts["directions"][0]),
-        pictures=(positions_panel(result, facts["asked"][0], format_print_title(study)) if members > 1 else "")
+        details_markup=details,
+        contact_markup="" if picture is None else contact_panel(picture, facts["directions"][0]),
+        pictures_markup=(positions_panel(result, facts["asked"][0], format_print_title(study)) if members > 1 else "")
         + ("" if onset is None else onset_panels(onset, format_print_title(study)))
         + height_factor_panels(result, format_print_title(study))
         + adhesion_panel(result.loading_cycle, format_print_title(study)),
     )
 
 
-_KIND_WORDS = {None: "pairs", "shifts": "positions of the two surfaces", "surrogates": "pairs of surrogates"}
+_MEMBER_KIND_TEXTS = {None: "pairs", "shifts": "positions of the two surfaces", "surrogates": "pairs of surrogates"}
 
 
 def _result_facts(dataset: xarray.Dataset, result: Result, study: Study) -> dict[str, Any]:
@@ -106,13 +106,13 @@ def _result_facts(dataset: xarray.Dataset, result: Result, study: Study) -> dict
     quoted_cell = next(quoted, cut_offs[0])
     study_loads = [float(load) for load in study.friction.load]
     return {
-        "isMeasured": True, "cell": REPORT_AXES["cut_off"],
+        "isMeasured": True, "cell": CELL_AXIS_LABELS["cut_off"],
         "cells": {
             "values": cut_offs,
             "texts": [f"cutoff {format_with_unit(value, 'um')}" if value > 0 else "no cutoff" for value in cut_offs],
         },
         "amplitudes": [], "repetitions": int(dataset.sizes["repetition"]), "asked": study_loads,
-        "kinds": [_KIND_WORDS[kind] for kind in result.nodes.member_kinds],
+        "kinds": [_MEMBER_KIND_TEXTS[kind] for kind in result.nodes.member_kinds],
         "loads": {
             "values": loads,
             "texts": [f"{format_with_unit(load, 'mN')} ({format_with_unit(load / area, 'GPa')})" for load in loads],
@@ -134,8 +134,8 @@ _CURVE_PANELS = {
 """Quantity, axis title and unit conversion factor for each additional plot against load."""
 
 
-def _friction_at_nodes(nodes: InterpolationNodes, study: Study, tables: PackedTables) -> dict[str, Any]:
-    """Add friction at the nodes to `tables`. The axes are kind, cutoff, rule, motion, load, mu0 and tau0."""
+def _friction_at_nodes(nodes: InterpolationNodes, study: Study, packed_arrays: PackedArrays) -> dict[str, Any]:
+    """Add friction at the nodes to `packed_arrays`. The axes are kind, cutoff, rule, motion, load, mu0 and tau0."""
     (rules, angles), axes, kinds = study_motions(study), nodes.axes, nodes.member_kinds
     motions: list[dict[str, Any]] = [{"words": motion_text(angle), "directions": [d]} for d, angle in enumerate(angles)]
     if len(angles) > 1:
@@ -147,7 +147,7 @@ def _friction_at_nodes(nodes: InterpolationNodes, study: Study, tables: PackedTa
             f"the result must have at most {MAX_MEASURED_REPORT_VALUES} coefficients for a report, got {size}"
         )
     members: list[int] = []
-    arrays: dict[str, list[Any]] = {name: [] for name in ("shown", "sampling", "status", "answered", "slopes")}
+    arrays_by_name: dict[str, list[Any]] = {name: [] for name in ("shown", "sampling", "status", "answered", "slopes")}
     for node_values in nodes.values:
         members.append(int(node_values["members"]))
         dimensions = ("cut_off", "sliding", "direction", "load", "mu0", "tau0")
@@ -180,9 +180,9 @@ def _friction_at_nodes(nodes: InterpolationNodes, study: Study, tables: PackedTa
                     slopes[:, :, directions].mean(axis=2),
                 )
             )
-        for name, values in zip(arrays, zip(*motion_arrays, strict=True), strict=True):
-            arrays[name].append(np.stack(values, axis=2))
-    stacked = {name: np.stack(values) for name, values in arrays.items()}
+        for name, values in zip(arrays_by_name, zip(*motion_arrays, strict=True), strict=True):
+            arrays_by_name[name].append(np.stack(values, axis=2))
+    stacked = {name: np.stack(values) for name, values in arrays_by_name.items()}
     is_interpolated = nodes.is_interpolated(stacked["shown"])
     displayed, is_combined = stacked["shown"], np.zeros((len(kinds), len(motions)), bool)
     for index, motion in enumerate(motions):
@@ -195,18 +195,18 @@ def _friction_at_nodes(nodes: InterpolationNodes, study: Study, tables: PackedTa
     displayed[
         np.broadcast_to(~is_combined[:, np.newaxis, np.newaxis, :, None, None, None], displayed.shape[:-1]), 1:
     ] = np.nan
-    tables.add_points("friction", displayed, decimals=np.broadcast_to(mean_decimals, displayed.shape[:-1]))
-    tables.add_points("sampling", stacked["sampling"])
-    tables.add("status", stacked["status"].astype(np.int8))
-    tables.add("fine", is_interpolated.astype(np.int8))
-    tables.add("answered", stacked["answered"].astype(float))
+    packed_arrays.add_points("friction", displayed, decimals=np.broadcast_to(mean_decimals, displayed.shape[:-1]))
+    packed_arrays.add_points("sampling", stacked["sampling"])
+    packed_arrays.add("status", stacked["status"].astype(np.int8))
+    packed_arrays.add("fine", is_interpolated.astype(np.int8))
+    packed_arrays.add("answered", stacked["answered"].astype(float))
     slopes = stacked["slopes"]
-    tables.add_points("slopes", np.stack([slopes, *(np.full(slopes.shape, np.nan),) * 2], axis=-1))
+    packed_arrays.add_points("slopes", np.stack([slopes, *(np.full(slopes.shape, np.nan),) * 2], axis=-1))
     return {
         "ways": motions,
         "rules": rules,
         "directions": angles,
-        "axes": axes_facts(axes, study),
+        "axes": slider_facts(axes, study),
         "error": nodes.error,
         "statuses": [
             {"name": name, "isOk": name == friction.STATUS_OK, "isTrusted": True} for name in ORDERED_STATUSES
@@ -255,8 +255,8 @@ def _head_lines(study: Study, facts: dict[str, Any]) -> list[str]:
 def _history_lines(side: str, history: str, study: Study) -> str:
     lines = "".join(f"<li>{escape_html(line)}</li>" for line in history.splitlines()[:20])
     body_files = getattr(study.surfaces, side)
-    readings = "".join(_reading_table(scan) for scan in body_files.scans[:MAX_READINGS])
-    num_omitted = len(body_files.scans) - MAX_READINGS
+    readings = "".join(_reading_table(scan) for scan in body_files.scans[:MAX_READING_TABLES])
+    num_omitted = len(body_files.scans) - MAX_READING_TABLES
     readings += (
         f"<p>{num_omitted} more scans are in the JSON of <code>stiction pair</code>.</p>" if num_omitted > 0 else ""
     )
@@ -264,7 +264,7 @@ def _history_lines(side: str, history: str, study: Study) -> str:
     return file_text + (f"<ul>{lines}</ul>" if lines else "") + readings
 
 
-MAX_READINGS = 4  # maximum number of scans per part for which the report shows how their files were read
+MAX_READING_TABLES = 4  # maximum number of scans per part for which the report shows how their files were read
 
 
 def _reading_table(scan: MeasuredFile) -> str:
@@ -307,7 +307,7 @@ def _assessments(result: Result) -> list[dict[str, Any]]:
                 {name: printable(getattr(caveat, name), MAX_TEXT_LENGTH) for name in ("text", "remedy", "severity")}
                 for caveat in answer.caveats
             ],
-            "slopes": slopes_text(answer),
+            "slopes": slope_estimate_text(answer),
             "bar": _contributions(answer),
             "most": " ".join(filter(None, (budget_text(answer), dwell_time_text(answer)))) or None,
         }

@@ -25,9 +25,9 @@ from stiction._number_format import to_json
 from stiction._text import printable
 from stiction.studies.nodes import NodeAxis
 from stiction.studies.study import Study, find_differences
-from stiction.views.report.tables import PackedTables
+from stiction.views.report.tables import PackedArrays
 
-REPORT_MARK = "<!doctype html>\n<!-- A report of stiction -->\n"
+REPORT_FILE_MARK = "<!doctype html>\n<!-- A report of stiction -->\n"
 """Start of every report, by which the program recognises reports that it may replace."""
 
 _LICENCE_URL = "https://www.gnu.org/licenses/gpl-3.0.txt"
@@ -50,7 +50,7 @@ class Page:
 
     def html(self) -> str:
         """Return the complete page."""
-        return REPORT_MARK + Template(read_page_file("page.html")).substitute(
+        return REPORT_FILE_MARK + Template(read_page_file("page.html")).substitute(
             name=escape_html(self.name),
             head="".join(f"<p>{escape_html(line)}</p>" for line in self.head),
             body=self.body,
@@ -64,7 +64,7 @@ class Page:
 
     def save(self, path: Path) -> None:
         """Write the page. Replace an existing file only if it is a report; otherwise raise a `ReportError`."""
-        with replaced_file(path, REPORT_MARK.encode(), ReportError) as partial:
+        with replaced_file(path, REPORT_FILE_MARK.encode(), ReportError) as partial:
             partial.write_bytes(self.html().encode("utf-8", "replace"))
 
 
@@ -110,7 +110,7 @@ def plot_panel_markup(name: str, title: str, description: str, *, more: str, kin
 # ---- Content of a page ----------------------------------------------------------------------------------------------
 
 
-REPORT_AXES = {
+CELL_AXIS_LABELS = {
     "fractal_dimension": {"title": "fractal dimension _D_", "name": "D"},
     "cut_off": {"title": "cutoff wavelength (µm)", "name": "cutoff"},
 }
@@ -118,21 +118,21 @@ REPORT_AXES = {
 
 
 @dataclass(frozen=True, eq=False)
-class PageResult:
-    """Content of a page. `details`, `touching` and `pictures` are markup that describes the study or shows figures."""
+class ReportContent:
+    """Content of a page. The markup describes the study or shows figures."""
 
     study: Study
     name: str
     head: list[str]
-    pairs: str
+    pairs_text: str
     facts: dict[str, Any]
-    tables: PackedTables
+    packed_arrays: PackedArrays
     num_members: int
-    details: str = ""
-    touching: str = ""
-    pictures: str = ""
+    details_markup: str = ""
+    contact_markup: str = ""
+    pictures_markup: str = ""
 
-    def unfinished(self) -> str:
+    def incomplete_notices(self) -> str:
         """Return markup with notices about missing and unsolved members, or an empty string for a complete result."""
         total, notices = self.study.ensemble.repetitions, []
         if self.num_members < total:
@@ -143,14 +143,14 @@ class PageResult:
             )
         return "".join(f'<p class="notice">{escape_html(line)}</p>' for line in notices)
 
-    def described(self) -> str:
+    def study_description(self) -> str:
         """Return markup that describes the study: its differences from the defaults, and all its keys."""
         study_file = (
             "<details><summary>The whole study file (TOML)</summary>"
             f'<pre tabindex="0">{html.escape(_without_folders(self.study).to_toml())}</pre></details>'
         )
         if self.study.is_measured:
-            return f"<h2>The study</h2>{self.details}{study_file}"
+            return f"<h2>The study</h2>{self.details_markup}{study_file}"
         changes = [f"{key} = {value}" for key, _, value in find_differences(Study(), self.study)]
         lines = "".join(f"<li><code>{escape_html(line)}</code></li>" for line in changes)
         summary = f"<p>The defaults, but</p><ul>{lines}</ul>" if changes else "<p>All values are the defaults.</p>"
@@ -172,7 +172,7 @@ def study_motions(study: Study) -> tuple[list[str], list[float]]:
     return list(study.contact.rules()), [float(angle) for angle in study.contact.direction_angles()]
 
 
-def axes_facts(axes: tuple[NodeAxis, NodeAxis], study: Study) -> dict[str, Any]:
+def slider_facts(axes: tuple[NodeAxis, NodeAxis], study: Study) -> dict[str, Any]:
     """Return the nodes of mu0 and tau0 (MPa) for a page, with the step and the initial value of each slider."""
     initial = (
         study.friction.mu0[0 if study.is_measured else len(study.friction.mu0) // 2],

@@ -21,7 +21,7 @@ from stiction.studies.study import Study
 from stiction.views.figures.contact import contact_figure, contact_map_figure, find_opposing_contacts
 from stiction.views.figures.loads import adhesion_figure
 from stiction.views.figures.onset import contains_slip_map, dimension_onset_figure, onset_figure, slip_figure
-from stiction.views.figures.standard import draw_height_scale, draw_positions
+from stiction.views.figures.standard import draw_height_factor_figure, draw_positions
 from stiction.views.height_scale import HEIGHT_SCALE_NOTE, SCALED_SURFACE_TEXTS
 from stiction.views.point import motion_text
 from stiction.views.report.page import format_count
@@ -40,7 +40,7 @@ def profiles_panel(study: Study, approach: float) -> str:
         "title": f"$D$ = {middle_dimension[0]:.3g}, amplitude {format_with_unit(amplitude, 'um')}",
         "model": contact.model(),
     }
-    return _panel(
+    return _panel_markup(
         "Two of the profiles in contact",
         "Two profiles, and the contact with the largest load with the forces on the upper body.",
         "The first pair of profiles, at the middle fractal dimension and approach of the study.",
@@ -52,7 +52,7 @@ def adhesion_panel(branches: xarray.Dataset | None, title: str) -> str:
     """Return the panel (markup) that shows loading and unloading, or an empty string if the bodies do not adhere."""
     if branches is None:
         return ""
-    return _panel(
+    return _panel_markup(
         "Loading and unloading",
         "Load against approach and true area of a typical pair, pressed together and pulled apart.",
         "Bodies that adhere are in contact without a load, have a contact load above the applied load, and separate "
@@ -74,12 +74,12 @@ def height_factor_panels(result: Result, title: str) -> str:
             "sliders do not change this figure."
         )
         description = "Friction coefficient and true contact area over the rms gradient of the gap."
-        draw = partial(draw_height_scale, result, scaled, factors, title=title)
-        panels.append(_panel(f"Another finish of {SCALED_SURFACE_TEXTS[scaled]}", description, caption, draw))
+        draw = partial(draw_height_factor_figure, result, scaled, factors, title=title)
+        panels.append(_panel_markup(f"Another finish of {SCALED_SURFACE_TEXTS[scaled]}", description, caption, draw))
     return "".join(panels)
 
 
-def touching_panel(picture: xarray.Dataset, direction: float) -> str:
+def contact_panel(picture: xarray.Dataset, direction: float) -> str:
     """Return the panel (markup) that shows the contacts for a direction of motion (degrees)."""
     force, is_cut = picture["contact_force"].values, picture["contact_at_edge"].values > 0
     num_opposing = int(find_opposing_contacts(picture, direction).sum())
@@ -93,13 +93,13 @@ def touching_panel(picture: xarray.Dataset, direction: float) -> str:
     offset = " and ".join(f"{float(picture.attrs[axis]):.3g}" for axis in "xy").replace("-", "\N{MINUS SIGN}")
     position = "profile is shown in the pressed position" if "gap" in picture else f"map is moved by {offset} µm"
     description, caption = "The two bodies with their true contacts.", f"{text} The upper {position}."
-    return _panel("Contacts", description, caption, lambda: contact_map_figure(picture, direction=direction))
+    return _panel_markup("Contacts", description, caption, lambda: contact_map_figure(picture, direction=direction))
 
 
 def positions_panel(result: Result, load: float, title: str) -> str:
     """Return the panel (markup) that shows the friction at single positions under a load (mN)."""
     values = result.at_study_loads.isel(cut_off=0, mu0=0, tau0=0).sel(load=load, method="nearest")
-    return _panel(
+    return _panel_markup(
         "Single positions",
         "Friction coefficient of each pair in each direction.",
         "At the first load, μ0 and τ0 of the study; the sliders do not change this figure.",
@@ -109,7 +109,7 @@ def positions_panel(result: Result, load: float, title: str) -> str:
 
 def onset_panels(onset: xarray.Dataset, title: str) -> str:
     """Return the panel (markup) with the onset curve. For maps, add the panel with the map of slip."""
-    curve = _panel(
+    curve = _panel_markup(
         "Onset of sliding",
         "Tangential load against displacement of the upper body, with load cycles, and the slipping fraction.",
         "Weak contacts slip below the sliding load, so that the upper body moves before it slides, and each load "
@@ -123,7 +123,7 @@ def onset_panels(onset: xarray.Dataset, title: str) -> str:
     contacts_text = (
         "light contacts slide first and dark contacts last. Each contact slips at its edge before it slides."
     )
-    return curve + _panel(
+    return curve + _panel_markup(
         "Order of slip",
         "Contacts on a map of the lower body, coloured by the tangential load at which they slip.",
         f"For one of the pairs: {points_text if 'slip' in onset else contacts_text}",
@@ -133,7 +133,7 @@ def onset_panels(onset: xarray.Dataset, title: str) -> str:
 
 def dimension_panel(dataset: xarray.Dataset) -> str:
     """Return the panel (markup) that shows the onset of sliding of generated pairs."""
-    return _panel(
+    return _panel_markup(
         "How the pairs begin to slide",
         "Pre-sliding displacement, fraction slipped at half of the sliding load, and tangential stiffness over fractal "
         "dimension.",
@@ -145,7 +145,7 @@ def dimension_panel(dataset: xarray.Dataset) -> str:
     )
 
 
-def _panel(
+def _panel_markup(
     name: str, description: str, caption: str, draw_figure: Callable[[], Figure], *, is_wide: bool = False
 ) -> str:
     with mpl.rc_context(MATPLOTLIB_STYLE):

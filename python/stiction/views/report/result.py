@@ -21,7 +21,7 @@ from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 from stiction.views.report.generated import generated_result_page
 from stiction.views.report.measured import measured_result_page
 from stiction.views.report.page import Page, ReportError, escape_html, plot_panel_markup, read_page_file, script_markup
-from stiction.views.report.tables import FLOAT_BYTES
+from stiction.views.report.tables import STORED_FLOAT_BYTES
 from stiction.views.style import SLIDING_RULE_LABELS
 
 BETWEEN_NODES_STATUS = "between-nodes"
@@ -78,7 +78,7 @@ def save_report(
     ReportError
         As for `report_page`; also if the path is a file that is not a report, or cannot be written.
     """
-    _page(Result.of(result), name, picture).save(Path(path))
+    _report_page_of_result(Result.of(result), name, picture).save(Path(path))
 
 
 def report_page(result: Result | xarray.Dataset, *, name: str = "", picture: xarray.Dataset | None = None) -> str:
@@ -88,10 +88,10 @@ def report_page(result: Result | xarray.Dataset, *, name: str = "", picture: xar
     of `contact_picture`; by default the picture stored with the result. Raises a `ReportError` if the dataset is not a
     result, is too large for a page, or has no members.
     """
-    return _page(Result.of(result), name, picture).html()
+    return _report_page_of_result(Result.of(result), name, picture).html()
 
 
-def _page(result: Result, name: str, picture: xarray.Dataset | None) -> Page:
+def _report_page_of_result(result: Result, name: str, picture: xarray.Dataset | None) -> Page:
     try:
         study = result.study
     except ValueError as error:
@@ -108,7 +108,8 @@ def _page(result: Result, name: str, picture: xarray.Dataset | None) -> Page:
         },
         "tau0Sane": 1000 * friction.SHEAR_STRENGTH_LIMIT * float(study.contact.effective_modulus),
         "saneText": format_with_unit(friction.SHEAR_STRENGTH_LIMIT * float(study.contact.effective_modulus), "GPa"),
-        "tables": content.tables.offsets, "leading": FLOAT_BYTES, "errorText": _error_text(content.facts.get("error")),
+        "tables": content.packed_arrays.offsets, "leading": STORED_FLOAT_BYTES,
+        "errorText": _interpolation_error_text(content.facts.get("error")),
     }  # fmt: skip
     main_plots = MAIN_PLOTS[study.is_measured]
     plots = {
@@ -120,16 +121,16 @@ def _page(result: Result, name: str, picture: xarray.Dataset | None) -> Page:
         head=content.head,
         body=Template(read_page_file("result.html")).substitute(
             percent=f"{100 * CONFIDENCE_LEVEL:g} %",
-            pairs=escape_html(content.pairs),
-            unfinished=content.unfinished(),
-            touching=content.touching,
-            pictures=content.pictures,
-            study=content.described(),
+            pairs=escape_html(content.pairs_text),
+            unfinished=content.incomplete_notices(),
+            touching=content.contact_markup,
+            pictures=content.pictures_markup,
+            study=content.study_description(),
             panels="".join(plots[name] for name in main_plots),
             others="".join(text for name, text in plots.items() if name not in main_plots),
         ),
         versions=f"Computed by stiction {result.version}",
-        scripts=script_markup(facts | content.facts, content.tables.packed()),
+        scripts=script_markup(facts | content.facts, content.packed_arrays.packed()),
     )
 
 
@@ -137,7 +138,7 @@ def _status_reason(status: str) -> str:
     return NOT_INTERPOLATED_REASON if status == BETWEEN_NODES_STATUS else STATUS_EXPLANATIONS.get(status, ("",))[0]
 
 
-def _error_text(error: tuple[float, float] | None) -> str:
+def _interpolation_error_text(error: tuple[float, float] | None) -> str:
     """Return a clause that states the measured interpolation error, or an empty string if there is none."""
     if error is None:
         return ""

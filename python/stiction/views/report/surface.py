@@ -21,9 +21,9 @@ from stiction.views.report.page import Page, escape_html, read_page_file
 from stiction.views.report.pictures import inline_svg
 
 # The report advises a finer scan if the shortest octave contributes more than this fraction of the mean square slope.
-MAX_OCTAVE_FRACTION = 0.1
+MAX_SHORTEST_OCTAVE_FRACTION = 0.1
 
-READING_SECTION = Template(
+READING_SECTION_TEMPLATE = Template(
     '<section class="panel wide" aria-label="How the file was read">'
     '<div class="scroll" tabindex="0" role="region" aria-label="Table of the file">${table}</div></section>'
 )
@@ -38,15 +38,15 @@ def surface_page(
     """
     characterisation = to_characterisation(body, **options)
     main = Template(read_page_file("surface.html")).substitute(
-        meaning=_meaning(characterisation), command=escape_html(command),
-        table=_table([*characterisation.rows, *characterisation.line_rows]),
+        meaning=_interpretation_markup(characterisation), command=escape_html(command),
+        table=_table_markup([*characterisation.rows, *characterisation.line_rows]),
         figure=inline_svg(characterisation_figure(characterisation), "Heights, their distribution, and spectra"),
-        reading=reading and READING_SECTION.substitute(table=reading),
+        reading=reading and READING_SECTION_TEMPLATE.substitute(table=reading),
     )  # fmt: skip
     return Page(name, list(characterisation.body.history), main, f"Characterised by stiction {__version__}")
 
 
-def _meaning(characterisation: Characterisation) -> str:
+def _interpretation_markup(characterisation: Characterisation) -> str:
     """Return markup with caveats, the small-slope estimate, and the effect of a finer scan."""
     caveats = "".join(
         f"<li>{escape_html(f'{caveat.text[0].upper()}{caveat.text[1:]}; {caveat.remedy}.')}</li>"
@@ -58,7 +58,7 @@ def _meaning(characterisation: Characterisation) -> str:
     fraction = float(characterisation.roughness.fraction_below(2 * shortest))
     change = (
         "finds steeper slopes, more friction and less true area"
-        if fraction > MAX_OCTAVE_FRACTION
+        if fraction > MAX_SHORTEST_OCTAVE_FRACTION
         else "would change little"
     )
     finer = (
@@ -84,7 +84,7 @@ def _meaning(characterisation: Characterisation) -> str:
     )
 
 
-def _table(rows: list[TableRow]) -> str:
+def _table_markup(rows: list[TableRow]) -> str:
     """Return table rows as markup. A row without a label continues the previous row."""
     lines: list[tuple[str, list[str]]] = []
     for row in rows:

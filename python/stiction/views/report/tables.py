@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 from stiction._number_format import MAX_DIGITS, MAX_PRECISE_END_RATIO, choose_prefix, format_estimate
 
-FLOAT_BYTES = 4  # number of leading bytes of a double that a page stores; they give a relative precision of 5e-7
-NO_INTERVAL = -128  # value stored instead of the number of decimals of the upper end if no interval is printed
+STORED_FLOAT_BYTES = 4  # number of leading bytes of a double that a page stores; they give a relative precision of 5e-7
+NO_INTERVAL_CODE = -128  # value stored instead of the number of decimals of the upper end if no interval is printed
 MAX_DECIMALS = 100  # maximum number of decimals, and maximum number of rounded digits before the decimal point
 
 
@@ -41,17 +41,17 @@ def encode_small_integers(values: NDArray[np.int8]) -> str:
 
 
 @dataclass
-class PackedTables:
+class PackedArrays:
     """Concatenated arrays of a page. The dictionary `offsets` maps the name of each array to the start of the array."""
 
     offsets: dict[str, int] = field(default_factory=dict)
     floats: list[Floats] = field(default_factory=list)
-    small: list[NDArray[np.int8]] = field(default_factory=list)
+    small_integers: list[NDArray[np.int8]] = field(default_factory=list)
 
     def add(self, name: str, values: ArrayLike) -> None:
         """Append floating-point numbers, or whole numbers from -128 to 127."""
         array = np.asarray(values)
-        arrays: list[Any] = self.floats if array.dtype.kind == "f" else self.small
+        arrays: list[Any] = self.floats if array.dtype.kind == "f" else self.small_integers
         self.offsets[name] = sum(item.size for item in arrays)
         arrays.append(array.ravel() if array.dtype.kind == "f" else array.astype(np.int8).ravel())
 
@@ -71,15 +71,15 @@ class PackedTables:
     def packed(self) -> dict[str, str]:
         """Return all numbers, encoded as text."""
         floats = np.concatenate(self.floats) if self.floats else np.zeros(0)
-        small = np.concatenate(self.small) if self.small else np.zeros(0, np.int8)
-        return {"floats": encode_doubles(floats, FLOAT_BYTES), "small": encode_small_integers(small)}
+        small = np.concatenate(self.small_integers) if self.small_integers else np.zeros(0, np.int8)
+        return {"floats": encode_doubles(floats, STORED_FLOAT_BYTES), "small": encode_small_integers(small)}
 
 
 def count_estimate_decimals(mean: Floats, lower: Floats, upper: Floats) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
     """Return how many decimals `format_estimate` prints: one number for mean and lower end, and one for the upper end.
 
-    Decimals are negative for numbers that are rounded to tens or more. The decimals of the upper end are `NO_INTERVAL`
-    if `format_estimate` prints no interval.
+    Decimals are negative for numbers that are rounded to tens or more. The decimals of the upper end are
+    `NO_INTERVAL_CODE` if `format_estimate` prints no interval.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         value_decimals = np.where(mean != 0, -np.floor(np.log10(np.abs(mean))), 0.0)
@@ -102,12 +102,12 @@ def count_estimate_decimals(mean: Floats, lower: Floats, upper: Floats) -> tuple
     decimals, upper_decimals = (
         np.nan_to_num(np.clip(array, -MAX_DECIMALS, MAX_DECIMALS)) for array in (decimals, upper_decimals)
     )
-    upper_decimals = np.where(has_no_interval, NO_INTERVAL, upper_decimals)
+    upper_decimals = np.where(has_no_interval, NO_INTERVAL_CODE, upper_decimals)
     # If both ends have the same printed digits, only the value is printed, without trailing zeros.
     for index in zip(*np.nonzero(is_equal), strict=True):
         text = format_estimate(float(mean[index]), float(lower[index]), float(upper[index]))
         if "[" not in text:
-            decimals[index], upper_decimals[index] = len(text.partition(".")[2]), NO_INTERVAL
+            decimals[index], upper_decimals[index] = len(text.partition(".")[2]), NO_INTERVAL_CODE
     return decimals.astype(np.int8), upper_decimals.astype(np.int8)
 
 
