@@ -60,14 +60,16 @@ def _area_per_load_text(interface: Interface) -> str:
 
 def _mu0_tau0_not_separated_lines(interface: Interface) -> Iterator[str]:
     value, ratio = interface.identified[0], interface.area_per_load
-    count = len(interface.tests)
-    shortage = (
-        f"A/F varies by {format_percent(interface.variation)} among {count} tests" if count > 1 else "there is one test"
+    num_tests = len(interface.tests)
+    shortage_text = (
+        f"A/F varies by {format_percent(interface.variation)} among {num_tests} tests"
+        if num_tests > 1
+        else "there is one test"
     )
-    requirement = (
-        f", and {MIN_AREA_VARIATION:.0%} are required".replace("%", " %") if count > 2 else ", and three are needed"
+    requirement_text = (
+        f", and {MIN_AREA_VARIATION:.0%} are required".replace("%", " %") if num_tests > 2 else ", and three are needed"
     )
-    yield f"Only μ0 + τ0 A/F is determined: {shortage}{requirement} to determine either one."
+    yield f"Only μ0 + τ0 A/F is determined: {shortage_text}{requirement_text} to determine either one."
     tau0 = format_with_unit(value / ratio, "GPa")
     yield f"The tests allow all values from μ0 = {value:.3g}, τ0 = 0, to μ0 = 0, τ0 = {tau0}."
 
@@ -141,13 +143,13 @@ def interfaces_text(interfaces: Sequence[Mapping[str, str]]) -> str:
     paragraphs = []
     for record in interfaces:
         kind = ", ".join(record[name] for name in ("kind", "motion") if name in record)
-        law = f"{kind}: μ0 = {record['mu0']}, τ0 = {record['tau0']}"
+        law_text = f"{kind}: μ0 = {record['mu0']}, τ0 = {record['tau0']}"
         other_entries = {name.replace("_", " "): text for name, text in record.items() if name not in _LAW_KEYS}
         other_lines = (
             text if name in _KEYS_PRINTED_WITHOUT_NAME else f"{name} {text}" for name, text in other_entries.items()
         )
         paragraphs.append(
-            "\n".join([record["name"], *(wrap_text(line, indent="  ", hang="  ") for line in (law, *other_lines))])
+            "\n".join([record["name"], *(wrap_text(line, indent="  ", hang="  ") for line in (law_text, *other_lines))])
         )
     return "\n\n".join(paragraphs)
 
@@ -187,10 +189,10 @@ def calibration_figure(interface: Interface) -> Figure:
     check_instance("interface", interface, Interface, "an Interface, as returned by calibrate()")
     with mpl.rc_context(MATPLOTLIB_STYLE):
         figure = new_figure(66, width=PAGE_WIDTH)
-        data, joint = figure.subplots(1, 2)
-        _tests_panel(data, interface)
+        tests_axes, distribution_axes = figure.subplots(1, 2)
+        _tests_panel(tests_axes, interface)
         fit = interface.fits[0]
-        joint.plot(
+        distribution_axes.plot(
             1e3 * fit.tau0[:MAX_SHOWN_SAMPLES],
             fit.mu0[:MAX_SHOWN_SAMPLES],
             ".",
@@ -198,33 +200,37 @@ def calibration_figure(interface: Interface) -> Figure:
             markersize=2,
             alpha=0.3,
         )
-        joint.set(xlabel="adhesive shear strength $\\tau_0$ (MPa)", ylabel="molecular friction coefficient $\\mu_0$")
-        joint.set(xlim=(0, None), ylim=(0, None))
-        joint.set_title("both are determined" if interface.separated else "only their combination is determined")
+        distribution_axes.set(
+            xlabel="adhesive shear strength $\\tau_0$ (MPa)", ylabel="molecular friction coefficient $\\mu_0$"
+        )
+        distribution_axes.set(xlim=(0, None), ylim=(0, None))
+        distribution_axes.set_title(
+            "both are determined" if interface.separated else "only their combination is determined"
+        )
     vars(figure)["_repr_png_"] = partial(render_png, figure)
     return figure
 
 
 def _tests_panel(axes: Axes, interface: Interface) -> None:
-    points = np.array(interface.tests, dtype=float).reshape(-1, 4)
-    largest = 1.15 * max(points[:, 0].max(initial=0.0), interface.area_per_load)
-    ratio = np.linspace(0.0, largest, 60)
+    tests = np.array(interface.tests, dtype=float).reshape(-1, 4)
+    max_ratio = 1.15 * max(tests[:, 0].max(initial=0.0), interface.area_per_load)
+    ratio = np.linspace(0.0, max_ratio, 60)
     band = np.array([interface.at(item) for item in ratio])
     axes.fill_between(ratio, band[:, 1], band[:, 2], color=ALL_CONTACTS_COLOUR, alpha=0.15, linewidth=0, label="95 %")
     axes.plot(ratio, band[:, 0], color=ALL_CONTACTS_COLOUR, linewidth=1, label="$\\mu_0 + \\tau_0 A/F$")
-    slid = points[:, 3] > 0
+    is_slid = tests[:, 3] > 0
     axes.errorbar(
-        points[slid, 0],
-        points[slid, 1],
-        2 * np.nan_to_num(points[slid, 2]),
+        tests[is_slid, 0],
+        tests[is_slid, 1],
+        2 * np.nan_to_num(tests[is_slid, 2]),
         fmt="o",
         color=FORCE_COLOUR,
         markersize=2.5,
         linewidth=0.6,
         label="tests, ±2 standard errors",
     )
-    if not slid.all():
-        axes.plot(points[~slid, 0], points[~slid, 1], "^", color=FORCE_COLOUR, markersize=3, label="did not slide")
-    axes.set(xlim=(0, largest), ylim=(0, 1.3 * max(points[:, 1].max(initial=0.0), band[-1, 0])))
+    if not is_slid.all():
+        axes.plot(tests[~is_slid, 0], tests[~is_slid, 1], "^", color=FORCE_COLOUR, markersize=3, label="did not slide")
+    axes.set(xlim=(0, max_ratio), ylim=(0, 1.3 * max(tests[:, 1].max(initial=0.0), band[-1, 0])))
     axes.set(xlabel="true contact area over load $A/F$ (1/GPa)", ylabel="coefficient of static friction")
     axes.legend(loc="lower right")

@@ -205,9 +205,9 @@ class Characterisation:
         """Factor by which the spectrum deviates from its power law, or NaN if no power law was fitted."""
         if self.fit is None:
             return math.nan
-        ends = self.fit.shortest_wavelength, self.fit.longest_wavelength
-        dimensions, chance = self.fit.dimensions, _HANN_LOG_VARIANCE
-        return power_law_misfit(self.binned, ends, self.fit.value, dimensions=dimensions, chance=chance)
+        band = self.fit.shortest_wavelength, self.fit.longest_wavelength
+        dimensions, log_variance = self.fit.dimensions, _HANN_LOG_VARIANCE
+        return power_law_misfit(self.binned, band, self.fit.value, dimensions=dimensions, chance=log_variance)
 
     @property
     def law(self) -> HurstEstimate | None:
@@ -231,13 +231,17 @@ class Characterisation:
         """Small-slope friction estimates for two bodies like this one, along x (and along y); empty for a flat body."""
         # The mean square slope of the gap between two such bodies is twice the mean square slope of one body.
         # The slopes are reversed, so that the estimate along x comes first.
-        squares = [2 * float(np.square(along).mean()) for along in compute_slopes(self.body)][::-1]
+        mean_square_slopes = [2 * float(np.square(slopes).mean()) for slopes in compute_slopes(self.body)][::-1]
         return tuple(
             float(
-                gentle_friction(SLOPE_ESTIMATE_MU0, rms_gradient=math.sqrt(sum(squares)), rms_slope=math.sqrt(square))
+                gentle_friction(
+                    SLOPE_ESTIMATE_MU0,
+                    rms_gradient=math.sqrt(sum(mean_square_slopes)),
+                    rms_slope=math.sqrt(mean_square_slope),
+                )
             )
-            for square in squares
-            if min(squares) > 0
+            for mean_square_slope in mean_square_slopes
+            if min(mean_square_slopes) > 0
         )
 
     # ---- Table rows --------------------------------------------------------------------------------------------------
@@ -245,20 +249,23 @@ class Characterisation:
     @cached_property
     def rows(self) -> list[TableRow]:
         """Table rows for the body as a whole."""
-        points, steps = np.shape(self.body.heights)[::-1], np.atleast_1d(self.body.spacing)[::-1]
+        points, spacings = np.shape(self.body.heights)[::-1], np.atleast_1d(self.body.spacing)[::-1]
         rows = [
             TableRow("" if index else "history", (step,), is_detail=True)
             for index, step in enumerate(self.body.history)
         ]
-        for index, (count, step) in enumerate(zip(points, steps.tolist(), strict=True)):
-            along = f" along {'xy'[index]}" if self.spectrum is None else ""
-            text = f"{count}{along}, {length_text(step)} apart, over {length_text(count * step)}"
+        for index, (count, step) in enumerate(zip(points, spacings.tolist(), strict=True)):
+            direction_text = f" along {'xy'[index]}" if self.spectrum is None else ""
+            text = f"{count}{direction_text}, {length_text(step)} apart, over {length_text(count * step)}"
             rows.append(TableRow("" if index else "points", (text,)))
         if self.body.missing is not None:
             rows.append(TableRow("", ("missing heights are interpolated along lines in the following values",)))
         count = int(find_outliers(heights_with_nan(self.body)).sum())
-        single = f"{count} single points" if count > 1 else "a single point"
-        text = f"{single} beyond {MIN_OUTLIER_DEVIATIONS:g} deviations of the neighbours; --outliers mask removes them"
+        outliers_text = f"{count} single points" if count > 1 else "a single point"
+        text = (
+            f"{outliers_text} beyond {MIN_OUTLIER_DEVIATIONS:g} deviations of the neighbours; "
+            "--outliers mask removes them"
+        )
         rows.append(TableRow("outliers", (text if count else "none",), (json_entry("outliers", count),)))
         rows += [*self._parameter_rows(), TableRow("friction by slope", (self._friction_text(),))]
         if self.spectrum is not None and isinstance(self.body, Profile):
@@ -276,8 +283,8 @@ class Characterisation:
             rows += _peak_rows("peak", self.spectrum)
         rows += [*self._scale_rows(), *self._hurst_rows()]
         if self.spectrum is not None:
-            window = "without a window, periodic" if self.periodic else "after a Hann window"
-            rows.append(TableRow("spectrum", (f"{window}; moments over all of its wavelengths",), is_detail=True))
+            window_text = "without a window, periodic" if self.periodic else "after a Hann window"
+            rows.append(TableRow("spectrum", (f"{window_text}; moments over all of its wavelengths",), is_detail=True))
         rows += [
             TableRow("" if index else "caveats", (f"{item.text}; {item.remedy}",))
             for index, item in enumerate(self.caveats)
@@ -293,17 +300,17 @@ class Characterisation:
         rows = self._table_rows(self.parameters.values)
         result = self.sections
         if result is None:
-            steps = self.scale_limited.history[len(self.body.history) :]
+            filter_steps = self.scale_limited.history[len(self.body.history) :]
             no_filters = "none: S-F surface with all wavelengths; --ls and --lc set filters"
-            words = ", then ".join(steps) if steps else no_filters
-            return [TableRow("filters", (words,)), *rows]
+            filters_text = ", then ".join(filter_steps) if filter_steps else no_filters
+            return [TableRow("filters", (filters_text,)), *rows]
         if isinstance(result, SectionError):
             names = [item.name for letter in "RW" for item in PROFILE_PARAMETERS[letter]]
-            missing = tuple(
+            missing_entries = tuple(
                 json_entry(name, math.nan, _json_unit(PARAMETERS[name]), status="no-section") for name in names
             )
             reason = str(result).replace("cutoff lc", "--lc")
-            return [*rows, TableRow("R and W parameters", (f"none: {reason}",), missing)]
+            return [*rows, TableRow("R and W parameters", (f"none: {reason}",), missing_entries)]
         rows.append(TableRow("filters", (_filters_text(result),), _filter_json_entries(result)))
         return [*rows, *self._table_rows(result.values)]
 
@@ -312,10 +319,12 @@ class Characterisation:
         for name, value in values.items():
             rows.append(self._parameter_row(PARAMETERS[name], value))
             if name == "Std":
-                steepest = self._areal_analysis[2]
-                text = f"{steepest:.1f}°, direction in which lines are steepest on average"
+                steepest_direction = self._areal_analysis[2]
+                text = f"{steepest_direction:.1f}°, direction in which lines are steepest on average"
                 rows.append(
-                    TableRow("", (text,), (json_entry("steepest_direction", steepest, "degrees"),), is_detail=True)
+                    TableRow(
+                        "", (text,), (json_entry("steepest_direction", steepest_direction, "degrees"),), is_detail=True
+                    )
                 )
         return rows
 
@@ -325,9 +334,9 @@ class Characterisation:
             is_detail=name not in HEADLINE_PARAMETERS
         )
         if name in ("Pdq", "Sdq"):
-            other = json_entry(f"{name}_neighbours", self.slope_of_neighbours)
-            text = f"{row.texts[0]} (seven points), {other['value']:.4g} (neighbours)"
-            return TableRow(name, (text,), (*row.values, other))
+            neighbours_entry = json_entry(f"{name}_neighbours", self.slope_of_neighbours)
+            text = f"{row.texts[0]} (seven points), {neighbours_entry['value']:.4g} (neighbours)"
+            return TableRow(name, (text,), (*row.values, neighbours_entry))
         if name == "Std":
             text = f"{value:.0f}° from +x towards +y, for the strongest wavelengths; the lay is perpendicular"
             return row._replace(texts=(text,))
@@ -341,12 +350,12 @@ class Characterisation:
 
     def _decay_text(self, name: str) -> str:
         """Return the text for an autocorrelation parameter (Sal or Str) that requires a larger map."""
-        shortest = getattr(self.parameters, "Sal", math.nan)
+        autocorrelation_length = getattr(self.parameters, "Sal", math.nan)
         if name == "Sal":
             return "none: no decay to 0.2 within half the map"
-        if math.isnan(shortest):
+        if math.isnan(autocorrelation_length):
             return "none, without Sal"
-        max_ratio = shortest / (np.min(self.body.extent) / 2)
+        max_ratio = autocorrelation_length / (np.min(self.body.extent) / 2)
         return f"below {max_ratio:.2g}: no decay to 0.2 along the lay within half the map"
 
     def _friction_text(self) -> str:
@@ -364,48 +373,56 @@ class Characterisation:
     def _scale_rows(self) -> list[TableRow]:
         result, limit = self.roughness, self.limit
         fraction = float(result.fraction_below(2 * limit.pixels))
-        longest = float(result.wavelength[0])
+        longest_wavelength = float(result.wavelength[0])
         slopes = ", ".join(
             f"{float(result.gradient_at(wavelength)):.3g} from {format_with_unit(float(wavelength), 'um')}"
             for wavelength in limit.pixels * 2.0 ** np.arange(NUM_SLOPE_WAVELENGTHS)
-            if wavelength < longest
+            if wavelength < longest_wavelength
         )
-        shortest = json_entry("shortest_wave", limit.pixels, "um")
-        octave = json_entry("slope_in_shortest_octave", fraction)
-        cutoff = format_with_unit(limit.cut_off, "um")
+        shortest_entry = json_entry("shortest_wave", limit.pixels, "um")
+        octave_entry = json_entry("slope_in_shortest_octave", fraction)
+        cutoff_text = format_with_unit(limit.cut_off, "um")
         wavelength = format_with_unit(limit.wavelength, "um") + (f" along {limit.axis}" if limit.axis else "")
-        contribution = f"{format_percent(limit.slope_fraction)} of the mean square slope"
+        contribution_text = f"{format_percent(limit.slope_fraction)} of the mean square slope"
         if limit.reason == "pixels":
-            words = f"only the grid spacing{'' if self.tip_radius is None else '; the tip follows all wavelengths'}"
+            limit_text = (
+                f"only the grid spacing{'' if self.tip_radius is None else '; the tip follows all wavelengths'}"
+            )
         elif limit.slope_fraction < NEGLIGIBLE_SLOPE_FRACTION:
-            words = f"below {wavelength} {INSTRUMENT_LIMIT_REASONS[limit.reason]}: negligible, {contribution}"
+            limit_text = f"below {wavelength} {INSTRUMENT_LIMIT_REASONS[limit.reason]}: negligible, {contribution_text}"
         else:
             assessment = "unreliable" if limit.origin == "instrument" else "perhaps not from the surface"
-            reason = f"{INSTRUMENT_LIMIT_REASONS[limit.reason]}, {contribution}"
-            words = f"{assessment} below {wavelength}: {reason}; --cutoff '{cutoff}' removes this fraction"
+            reason = f"{INSTRUMENT_LIMIT_REASONS[limit.reason]}, {contribution_text}"
+            limit_text = f"{assessment} below {wavelength}: {reason}; --cutoff '{cutoff_text}' removes this fraction"
         if self.textured and (limit.reason == "pixels" or limit.origin == "instrument"):
-            words += "; no line or hump to attribute to the surface (--texture)"
-        below = f"below {format_with_unit(2 * limit.pixels, 'um')}: {format_percent(fraction)} of the mean square slope"
-        limits = json_entry("noise_floor_below", limit.noise, "um"), json_entry("tip_follows_down_to", limit.tip, "um")
+            limit_text += "; no line or hump to attribute to the surface (--texture)"
+        shortest_octave_text = (
+            f"below {format_with_unit(2 * limit.pixels, 'um')}: {format_percent(fraction)} of the mean square slope"
+        )
+        limit_entries = (
+            json_entry("noise_floor_below", limit.noise, "um"),
+            json_entry("tip_follows_down_to", limit.tip, "um"),
+        )
         return [
             TableRow(
                 "wavelengths",
-                (f"{format_with_unit(limit.pixels, 'um')} (two points) to {length_text(longest)}",),
-                (shortest,),
+                (f"{format_with_unit(limit.pixels, 'um')} (two points) to {length_text(longest_wavelength)}",),
+                (shortest_entry,),
             ),
-            TableRow("", (below,), (octave,)),
+            TableRow("", (shortest_octave_text,), (octave_entry,)),
             TableRow("cumulative slope", (slopes,)),
             *self._period_rows(),
-            TableRow("instrument", (words,), limits),
+            TableRow("instrument", (limit_text,), limit_entries),
         ]
 
     def _period_rows(self) -> list[TableRow]:
         period = self.limit.period
         if not period > 0:
             return []
-        along = "" if isinstance(self.body, Profile) else ", along x or y"
+        direction_text = "" if isinstance(self.body, Profile) else ", along x or y"
         text = (
-            f"period {length_text(period)}{along}, with its harmonics: attributed to the surface, such as a feed mark"
+            f"period {length_text(period)}{direction_text}, with its harmonics: "
+            "attributed to the surface, such as a feed mark"
         )
         return [TableRow("texture", (text,), (json_entry("texture_period", period, "um"),))]
 
@@ -419,27 +436,27 @@ class Characterisation:
                     f"the spectrum is not a power law; the best fit deviates by a factor of {self.misfit:.1f}",
                     "no-line",
                 )
-            missing = tuple(json_entry(name, math.nan, unit, status=status) for name, unit in names)
+            missing_entries = tuple(json_entry(name, math.nan, unit, status=status) for name, unit in names)
             rows = [
-                TableRow("Hurst exponent H", (f"none: {reason}",), missing),
+                TableRow("Hurst exponent H", (f"none: {reason}",), missing_entries),
                 TableRow("fractal dimension D", ("none: there is no H",)),
             ]
         else:
-            interval = f"{fit.value:.3f} [{fit.lower:.3f}, {fit.upper:.3f}] (95 %)"
+            interval_text = f"{fit.value:.3f} [{fit.lower:.3f}, {fit.upper:.3f}] (95 %)"
             wave_name = "harmonics" if fit.dimensions == 1 else "wavelengths"
-            ends = fit.shortest_wavelength, fit.longest_wavelength
+            band_limits = fit.shortest_wavelength, fit.longest_wavelength
             source = f"{'given' if self.band else 'automatic'}; {fit.harmonics} {wave_name}"
-            band = f"{' to '.join(map(length_text, ends))} ({source})"
-            classical = f"{fit.fractal_dimension_classical:.3f} (classical, 2 - H)"
+            band_text = f"{' to '.join(map(length_text, band_limits))} ({source})"
+            classical_text = f"{fit.fractal_dimension_classical:.3f} (classical, 2 - H)"
             value = json_entry(names[0][0], fit.value, lower=fit.lower, upper=fit.upper)
             rows = [
-                TableRow("Hurst exponent H", (interval,), (value,)),
+                TableRow("Hurst exponent H", (interval_text,), (value,)),
                 TableRow(
                     "fitted band",
-                    (band,),
-                    tuple(json_entry(names[index + 1][0], ends[index], "um") for index in (0, 1)),
+                    (band_text,),
+                    tuple(json_entry(names[index + 1][0], band_limits[index], "um") for index in (0, 1)),
                 ),
-                TableRow("fractal dimension D", (classical if fit.value <= 1 else "none: 2 - H is below 1",)),
+                TableRow("fractal dimension D", (classical_text if fit.value <= 1 else "none: 2 - H is below 1",)),
                 TableRow("", (f"{fit.fractal_dimension_paper:.3f} (paper, (4 - H)/2)",)),
             ]
             if fit.dispersion > _MAX_DISPERSION:
@@ -448,11 +465,12 @@ class Characterisation:
             if fit.value > 1:
                 text = "H above 1 indicates a smooth surface: form, a filter, a blunt tip or waviness"
                 rows.append(TableRow("caution", (text,)))
-        if fit is not None and (rise := self._peak_ratio(fit.longest_wavelength)) > _MIN_PEAK_RATIO:
-            start = f"the band starts on a peak at {length_text(fit.longest_wavelength)}"
+        if fit is not None and (peak_ratio := self._peak_ratio(fit.longest_wavelength)) > _MIN_PEAK_RATIO:
+            peak_text = f"the band starts on a peak at {length_text(fit.longest_wavelength)}"
             rows.append(
                 TableRow(
-                    "caution", (f"{start}, {rise:.1f} times the density at longer wavelengths: waviness or grooves",)
+                    "caution",
+                    (f"{peak_text}, {peak_ratio:.1f} times the density at longer wavelengths: waviness or grooves",),
                 )
             )
         return rows
@@ -463,49 +481,60 @@ class Characterisation:
         The ratio is 0 if the spectrum has too few longer wavelengths.
         """
         spectrum = self.binned if self.spectrum is None else self.spectrum
-        q, start = spectrum.wave_number, 2 * math.pi / longest
+        q, band_start = spectrum.wave_number, 2 * math.pi / longest
         # exclude wavelengths that are affected by the window and by levelling
-        longer = (q > 2.5 * q[0]) & (q < start / 1.5)
-        begins = (q >= start / 1.2) & (q < start * 1.2)
-        if longer.sum() < _MIN_LONGER_WAVELENGTHS or not begins.any():
+        is_longer = (q > 2.5 * q[0]) & (q < band_start / 1.5)
+        is_at_start = (q >= band_start / 1.2) & (q < band_start * 1.2)
+        if is_longer.sum() < _MIN_LONGER_WAVELENGTHS or not is_at_start.any():
             return 0.0
-        return float(spectrum.density[begins].mean() / spectrum.density[longer].mean())
+        return float(spectrum.density[is_at_start].mean() / spectrum.density[is_longer].mean())
 
     @cached_property
     def line_rows(self) -> list[TableRow]:
         """Table rows for the lines of a surface along x and along y."""
         if not self.lines:
             return []
-        sides, moments = self.lines, self._areal_analysis[1]
-        bands = ["none" if line.band is None else " to ".join(map(length_text, line.band)) for line in sides]
+        line_directions, moments = self.lines, self._areal_analysis[1]
+        band_texts = [
+            "none" if line.band is None else " to ".join(map(length_text, line.band)) for line in line_directions
+        ]
         columns: list[tuple[str, list[str]]] = [
-            ("number", [f"{line.lines}" for line in sides]),
-            ("Pq", [length_text(line.Pq) for line in sides]),
-            ("Pdq, seven points", [f"{line.Pdq:.4g}" for line in sides]),
-            ("Pdq, neighbours", [f"{line.Pdq_neighbours:.4g}" for line in sides]),
+            ("number", [f"{line.lines}" for line in line_directions]),
+            ("Pq", [length_text(line.Pq) for line in line_directions]),
+            ("Pdq, seven points", [f"{line.Pdq:.4g}" for line in line_directions]),
+            ("Pdq, neighbours", [f"{line.Pdq_neighbours:.4g}" for line in line_directions]),
             ("m0", [f"{moment.height:.4g} µm²" for moment in moments]),
             ("m2", [f"{moment.slope:.4g}" for moment in moments]),
             ("m4", [f"{moment.curvature:.4g} 1/µm²" for moment in moments]),
             ("Nayak's parameter", [f"{moment.nayak_parameter:.4g}" for moment in moments]),
-            ("Hurst exponent H", [_line_hurst(line) for line in sides]),
-            ("fitted band", bands),
-            ("misfit", ["none" if math.isnan(line.misfit) else f"factor {line.misfit:.2f}" for line in sides]),
+            ("Hurst exponent H", [_line_hurst(line) for line in line_directions]),
+            ("fitted band", band_texts),
+            (
+                "misfit",
+                ["none" if math.isnan(line.misfit) else f"factor {line.misfit:.2f}" for line in line_directions],
+            ),
         ]
-        if self.band is None and sides[0].band != sides[1].band:
-            columns.append(("band found in", [f"{line.with_band} of {line.fitted} lines" for line in sides]))
+        if self.band is None and line_directions[0].band != line_directions[1].band:
+            columns.append(("band found in", [f"{line.with_band} of {line.fitted} lines" for line in line_directions]))
         rows = [
             TableRow("lines", ("along x", "along y")),
             *(TableRow(f"  {name}", tuple(values)) for name, values in columns),
         ]
-        for axis, line in zip("xy", sides, strict=True):
+        for axis, line in zip("xy", line_directions, strict=True):
             rows += _peak_rows(f"  peak along {axis}", line.spectrum, line.fitted)
-        means = [float(line.hurst_exponents.mean()) for line in sides if line.is_straight]
-        if self.law is not None and means and not any(self.law.lower < mean < self.law.upper for mean in means):
+        mean_exponents = [float(line.hurst_exponents.mean()) for line in line_directions if line.is_straight]
+        if (
+            self.law is not None
+            and mean_exponents
+            and not any(self.law.lower < mean_exponent < self.law.upper for mean_exponent in mean_exponents)
+        ):
             text = "H of lines is outside the interval for the map: it depends on the band, see the spectra"
             rows.append(TableRow("  caution", (text,)))
-        lines = "a straight line is subtracted from each line; Pq and Pdq: rms over lines; H: mean ± standard deviation"
-        spectrum = "m0 to m4: from the spectrum of the map after a Hann window, over all wavelengths"
-        return [*rows, TableRow("", (lines,)), TableRow("", (spectrum,))]
+        lines_note = (
+            "a straight line is subtracted from each line; Pq and Pdq: rms over lines; H: mean ± standard deviation"
+        )
+        spectrum_note = "m0 to m4: from the spectrum of the map after a Hann window, over all wavelengths"
+        return [*rows, TableRow("", (lines_note,)), TableRow("", (spectrum_note,))]
 
 
 def to_characterisation(body: Profile | Surface | Characterisation, **options: Any) -> Characterisation:
@@ -569,19 +598,20 @@ def _json_unit(parameter: Parameter) -> str:
 def _filters_text(result: SectionParameters) -> str:
     """Return a description of the filters and the evaluation length."""
     filters = result.filters
-    short = "no λs" if filters.ls is None else f"λs {length_text(filters.ls)}"
-    kind = "robust Gaussian regression" if filters.robust else "Gaussian"
-    fewer = "" if filters.sections == DEFAULT_SECTIONS else f" instead of {DEFAULT_SECTIONS}"
-    section = f"section{'s' * (filters.sections != 1)}{fewer} of {length_text(filters.lc)}"
-    return f"{kind}, λc {length_text(filters.lc)}, {short} ({filters.reason}); {filters.sections} {section}"
+    short_cutoff_text = "no λs" if filters.ls is None else f"λs {length_text(filters.ls)}"
+    filter_kind = "robust Gaussian regression" if filters.robust else "Gaussian"
+    fewer_sections_text = "" if filters.sections == DEFAULT_SECTIONS else f" instead of {DEFAULT_SECTIONS}"
+    sections_text = f"section{'s' * (filters.sections != 1)}{fewer_sections_text} of {length_text(filters.lc)}"
+    cutoffs_text = f"λc {length_text(filters.lc)}, {short_cutoff_text}"
+    return f"{filter_kind}, {cutoffs_text} ({filters.reason}); {filters.sections} {sections_text}"
 
 
 def _filter_json_entries(result: SectionParameters) -> tuple[dict[str, Any], ...]:
     filters = result.filters
-    short = math.nan if filters.ls is None else filters.ls
+    short_cutoff = math.nan if filters.ls is None else filters.ls
     cutoffs = (
         json_entry("lc", filters.lc, "um"),
-        json_entry("ls", short, "um", status="none" if filters.ls is None else STATUS_OK),
+        json_entry("ls", short_cutoff, "um", status="none" if filters.ls is None else STATUS_OK),
     )
     return *cutoffs, json_entry("sections", filters.sections)
 
@@ -598,10 +628,14 @@ def _peak_rows(label: str, spectrum: PowerSpectrum, lines: int = 1) -> list[Tabl
     result = find_peak(spectrum, lines=lines)
     if result is None or result[1] < _MIN_PEAK_FRACTION:
         return []
-    where, contribution = length_text(result[0]), 100 * result[1]
+    wavelength_text, contribution = length_text(result[0]), 100 * result[1]
     return [
         TableRow(
-            label, (f"at {where}, with {contribution:.0f} % of m4: from the instrument or a pattern; see the spectrum",)
+            label,
+            (
+                f"at {wavelength_text}, with {contribution:.0f} % of m4: from the instrument or a pattern; "
+                "see the spectrum",
+            ),
         )
     ]
 
@@ -654,6 +688,6 @@ def characterisation_csv(files: CharacterisedFiles) -> str:
             name = value["name"]
             row[name if value["unit"] == "1" else f"{name} ({value['unit']})"] = value["value"]
             if name == "hurst_exponent":
-                row |= {f"{name} {end}": value[end] for end in ("lower", "upper")}
+                row |= {f"{name} {interval_end}": value[interval_end] for interval_end in ("lower", "upper")}
         rows.append(row)
     return frame_to_csv(pandas.DataFrame(rows))

@@ -30,14 +30,14 @@ def check_files(folder: Path, file_marks: Mapping[str, bytes]) -> None:
 
 def replace_text(path: Path, text: str, file_mark: bytes) -> None:
     """Write a text file. Replace an existing file only if it contains `file_mark`; otherwise raise a `ValueError`."""
-    with replaced_file(path, file_mark, ValueError) as partial:
-        partial.write_text(text, encoding="utf-8")
+    with replaced_file(path, file_mark, ValueError) as partial_path:
+        partial_path.write_text(text, encoding="utf-8")
 
 
 def write_new_text(path: Path, text: str) -> None:
     """Write a new text file. Raise a `ValueError` if the file exists or cannot be written."""
-    with new_file(path, ValueError) as partial:
-        partial.write_text(text, encoding="utf-8")
+    with new_file(path, ValueError) as partial_path:
+        partial_path.write_text(text, encoding="utf-8")
 
 
 def result_csv(result: Result) -> str:
@@ -59,6 +59,8 @@ def write_result(result: Result, path: Path) -> None:
     Raises a `ValueError` if the file exists, if it cannot be written, or if its ending is not in `EXPORT_WRITERS`.
     """
     if path.suffix.lower() not in EXPORT_WRITERS:
-        endings = " or ".join(f"{ending} ({description})" for ending, (description, _) in EXPORT_WRITERS.items())
-        raise ValueError(f"{printable_path(path)}: the file name must end in {endings}")
+        allowed_extensions = " or ".join(
+            f"{ending} ({description})" for ending, (description, _) in EXPORT_WRITERS.items()
+        )
+        raise ValueError(f"{printable_path(path)}: the file name must end in {allowed_extensions}")
     EXPORT_WRITERS[path.suffix.lower()][1](result, path)

@@ -36,15 +36,15 @@ def laws_csv(table: xarray.Dataset) -> str:
     return _law_table_csv(table[list(_LAW_QUANTITIES)], _COORDINATE_COLUMNS[1:3])
 
 
-def _law_table_csv(part: xarray.Dataset, columns_by_name: tuple[str, ...]) -> str:
+def _law_table_csv(law_table: xarray.Dataset, columns_by_name: tuple[str, ...]) -> str:
     columns: dict[str, Any] = {}
-    for name, values in part.data_vars.items():
+    for name, values in law_table.data_vars.items():
         title, factor = _COLUMN_TITLES.get(str(name)) or spreadsheet_column(str(name))
         if "statistic" not in values.dims:
             columns[title] = values * factor
             continue
-        for end, statistic in (("", "mean"), (": lower", "lower"), (": upper", "upper")):
-            columns[f"{title}{end}"] = values.sel(statistic=statistic, drop=True) * factor
+        for suffix, statistic in (("", "mean"), (": lower", "lower"), (": upper", "upper")):
+            columns[f"{title}{suffix}"] = values.sel(statistic=statistic, drop=True) * factor
     frame = xarray.Dataset(columns).to_dataframe(dim_order=list(columns_by_name)).reset_index()
     for name in columns_by_name:
         if (factor := spreadsheet_column(name)[1]) != 1:
@@ -55,19 +55,20 @@ def _law_table_csv(part: xarray.Dataset, columns_by_name: tuple[str, ...]) -> st
 
 def friction_table_text(table: xarray.Dataset) -> str:
     """Format the fitted laws for each roughness, and the range of the friction coefficients."""
-    ends = " to ".join(format_with_unit(float(table["pressure"][i]), "GPa") for i in (0, -1))
-    laws = "A/A0 = a p and k/A0 = b p^c with p in GPa; 95 % intervals over the pairs"
-    lines = [wrap_text(f"Pressures of {ends}; {laws}"), ""]
+    pressure_range = " to ".join(format_with_unit(float(table["pressure"][i]), "GPa") for i in (0, -1))
+    laws_text = "A/A0 = a p and k/A0 = b p^c with p in GPa; 95 % intervals over the pairs"
+    lines = [wrap_text(f"Pressures of {pressure_range}; {laws_text}"), ""]
     rows = [["H, Sq", "a (1/GPa)", "b (GPa/µm)", "c", "μ_s all contacts", "μ_s opposing contacts", "largest deviation"]]
     for indices in np.ndindex(table.sizes["hurst_exponent"], table.sizes["rms"]):
-        roughness = table.isel(hurst_exponent=indices[0], rms=indices[1])
-        deviations = [float(roughness[f"{name}_deviation"]) for name in ("area", "stiffness")]
-        coefficients = roughness["friction_coefficient"].sel(statistic="mean")
+        roughness_table = table.isel(hurst_exponent=indices[0], rms=indices[1])
+        deviations = [float(roughness_table[f"{name}_deviation"]) for name in ("area", "stiffness")]
+        coefficients = roughness_table["friction_coefficient"].sel(statistic="mean")
         rows.append(
             [
-                f"{float(roughness['hurst_exponent']):.3g}, {format_with_unit(float(roughness['rms']), 'um')}",
+                f"{float(roughness_table['hurst_exponent']):.3g}, "
+                f"{format_with_unit(float(roughness_table['rms']), 'um')}",
                 *(
-                    format_with_interval(*roughness[name].values.tolist()).replace(" no interval", "")
+                    format_with_interval(*roughness_table[name].values.tolist()).replace(" no interval", "")
                     for name in _LAW_PARAMETERS
                 ),
                 *(_range_text(coefficients.sel(sliding=rule)) for rule in ("all", "opposing")),

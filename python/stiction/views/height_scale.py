@@ -51,19 +51,19 @@ def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
     is_areal = study.is_areal
     has_rms = "upper_rms" in dataset
     for point in iterate_points(dataset):
-        material = f"μ0 = {float(point['mu0']):g}, τ0 = {format_with_unit(float(point['tau0']), 'GPa')}"
-        rms = ["Sq of both" if is_areal else "Pq of both"] if has_rms else []
+        material_text = f"μ0 = {float(point['mu0']):g}, τ0 = {format_with_unit(float(point['tau0']), 'GPa')}"
+        rms_headings = ["Sq of both" if is_areal else "Pq of both"] if has_rms else []
         headings = {"all": "μ_s all contacts", "opposing": "μ_s opposing contacts"}
         has_fraction = has_nominal_area(point, study) and "contact_area_fraction" in point
         pull_off_heading = ["pull-off"] if "pull_off_pressure" in point else []
         area = "A/A0" if has_fraction else "A (µm²)"
-        table = [["factor", "gradient", *rms, *(headings[rule] for rule in rules), area, *pull_off_heading]]
+        table = [["factor", "gradient", *rms_headings, *(headings[rule] for rule in rules), area, *pull_off_heading]]
         table += [
             _height_factor_row(point.isel(height_scale=index), rules, study)
             for index in range(point.sizes["height_scale"])
         ]
         load = load_text(point.drop_vars("pull_off", errors="ignore"), study)
-        lines += ["", wrap_text(f"At {load}, {material}:"), format_table(table)]
+        lines += ["", wrap_text(f"At {load}, {material_text}:"), format_table(table)]
     lines += ["", wrap_text(HEIGHT_SCALE_NOTE)]
     return "\n".join(lines) + "\n"
 
@@ -72,9 +72,9 @@ def _height_factor_row(point: xarray.Dataset, rules: list[str], study: Study) ->
     """Return the cells of the table row for one height factor."""
     cells = [f"{float(point['height_scale']):.4g}", format_significant(mean_over_directions(point, "rms_gradient"), 3)]
     if "upper_rms" in point:
-        heights = [float(point[f"{side}_rms"]) for side in ("upper", "lower")]
-        core, unit = choose_prefix(max(heights), "um")
-        cells.append(f"{', '.join(f'{height / core:.3g}' for height in heights)} {unit}")
+        rms_heights = [float(point[f"{side}_rms"]) for side in ("upper", "lower")]
+        height_unit, unit = choose_prefix(max(rms_heights), "um")
+        cells.append(f"{', '.join(f'{height / height_unit:.3g}' for height in rms_heights)} {unit}")
     for rule in rules:
         combined = select_sliding_rule(point["friction_combined"], rule)
         values = [float(combined.sel(statistic=statistic)) for statistic in MEAN_AND_LIMITS]

@@ -20,19 +20,27 @@ def latex_table(summary: Summary) -> str:
     same digits as on the terminal.
     """
     points = summary.headlines
-    names = [name for name in points[0].at if name != "fractal_dimension" or "hurst_exponent" not in points[0].at]
-    varying = [name for name in names if len({point.at[name] for point in points}) > 1]
-    shared = [f"{_column_heading(name)} = {_coordinate_text(name, points[0])}" for name in names if name not in varying]
+    coordinate_names = [
+        name for name in points[0].at if name != "fractal_dimension" or "hurst_exponent" not in points[0].at
+    ]
+    varying_names = [name for name in coordinate_names if len({point.at[name] for point in points}) > 1]
+    shared_texts = [
+        f"{_column_heading(name)} = {_coordinate_text(name, points[0])}"
+        for name in coordinate_names
+        if name not in varying_names
+    ]
     has_area = "contact_area_fraction" in summary.at
     rules = [rule.rule for rule in points[0].rules]
     header = [
-        *map(_column_heading, varying),
+        *map(_column_heading, varying_names),
         *(_RULE_HEADINGS[rule] for rule in rules),
         *([r"$A/A_0$"] if has_area else []),
         "assessment",
     ]
-    rows = [[*(_coordinate_text(name, point) for name in varying), *_point_cells(point, has_area)] for point in points]
-    lines = [f"% {text}" for text in shared]
+    rows = [
+        [*(_coordinate_text(name, point) for name in varying_names), *_point_cells(point, has_area)] for point in points
+    ]
+    lines = [f"% {text}" for text in shared_texts]
     lines += [
         rf"\begin{{tabular}}{{{'l' * len(header)}}}",
         r"\hline",
@@ -45,9 +53,9 @@ def latex_table(summary: Summary) -> str:
 
 def _point_cells(point: PointSummary, has_area: bool) -> list[str]:
     """Return the table cells of a point: coefficients of all sliding rules, area fraction and assessment."""
-    cells = [format_estimate(rule.value, rule.lower, rule.upper) for rule in point.rules]
-    cells += [format_percent(point.quantity("contact_area_fraction")[0])] if has_area else []
-    return [cell.translate(_LATEX_ESCAPES) for cell in (*cells, point.verdict)]
+    texts = [format_estimate(rule.value, rule.lower, rule.upper) for rule in point.rules]
+    texts += [format_percent(point.quantity("contact_area_fraction")[0])] if has_area else []
+    return [cell.translate(_LATEX_ESCAPES) for cell in (*texts, point.verdict)]
 
 
 def _column_heading(name: str) -> str:

@@ -26,9 +26,12 @@ def materials_text(materials: Sequence[Material]) -> str:
         return f"{text} [{sources.setdefault(value.source, len(sources) + 1)}]"
 
     rows = []
-    for kind, group in itertools.groupby(materials, key=lambda material: material.kind):
-        rows.append([f"{kind}", "E (GPa)", "ν", "hardness (GPa)"])
-        rows += [[material.name, *(cell(getattr(material, name)) for name in _PROPERTY_UNITS)] for material in group]
+    for material_kind, materials_of_kind in itertools.groupby(materials, key=lambda material: material.kind):
+        rows.append([f"{material_kind}", "E (GPa)", "ν", "hardness (GPa)"])
+        rows += [
+            [material.name, *(cell(getattr(material, name)) for name in _PROPERTY_UNITS)]
+            for material in materials_of_kind
+        ]
     alias_lines = [f"{material.name}: {', '.join(material.aliases)}" for material in materials if material.aliases]
     paragraphs = [
         format_table(rows),

@@ -29,16 +29,18 @@ CYCLE_AMPLITUDES = (0.5, 0.9)  # amplitudes of cyclic tangential loading, relati
 
 def onset_text(onset: xarray.Dataset) -> str:
     """Return a sentence with the pre-sliding displacement, the slipping fraction and the tangential stiffness."""
-    phrases, displacement = [], onset["displacement_at_sliding"]
+    displacement_phrases, displacement = [], onset["displacement_at_sliding"]
     if math.isfinite(_interval_ends(displacement)[0]):
         factor, unit = _length_display_factor(displacement)
-        phrases.append(f"pre-sliding displacement {format_estimate(*_interval_ends(displacement, factor))} {unit}")
-    slipped = _interval_ends(onset["slipped_area"].sel(fraction=HALF_SLIDING_FRACTION))
-    phrases.append(f"{format_percent(slipped[0])} of the contact slips at half of the sliding load")
+        displacement_phrases.append(
+            f"pre-sliding displacement {format_estimate(*_interval_ends(displacement, factor))} {unit}"
+        )
+    slipped_area = _interval_ends(onset["slipped_area"].sel(fraction=HALF_SLIDING_FRACTION))
+    displacement_phrases.append(f"{format_percent(slipped_area[0])} of the contact slips at half of the sliding load")
     factor, unit = _stiffness_display_factor(onset["stiffness"])
-    if math.isfinite((ends := _interval_ends(onset["stiffness"], factor))[0]):
-        phrases.append(f"initial tangential stiffness {format_estimate(*ends)} {unit}")
-    text = "; ".join(phrases)
+    if math.isfinite((stiffness_interval := _interval_ends(onset["stiffness"], factor))[0]):
+        displacement_phrases.append(f"initial tangential stiffness {format_estimate(*stiffness_interval)} {unit}")
+    text = "; ".join(displacement_phrases)
     return text[0].upper() + text[1:] + "."
 
 
@@ -62,22 +64,22 @@ def onset_rows(onset: xarray.Dataset) -> list[list[str]]:
     attributes = onset.attrs
     load, tau0 = format_with_unit(float(attributes["load_mN"]), "mN"), _strength_text(float(attributes["tau0_GPa"]))
     header = f"{load}, μ0 = {float(attributes['mu0']):g}, τ0 = {tau0}"
-    half = onset.sel(fraction=HALF_SLIDING_FRACTION)
-    (length, length_unit), (rigid, rigid_unit), (normal, normal_unit) = (
+    half_load_onset = onset.sel(fraction=HALF_SLIDING_FRACTION)
+    (length_factor, length_unit), (stiffness_factor, stiffness_unit), (unloading_factor, unloading_unit) = (
         _length_display_factor(onset["displacement_at_sliding"]),
         _stiffness_display_factor(onset["stiffness"]),
         _stiffness_display_factor(onset["unloading_stiffness"]),
     )
     rows = [
         ["sliding load (mN)", _format_cell(onset["sliding_load"])],
-        [f"pre-sliding displacement ({length_unit})", _format_cell(onset["displacement_at_sliding"], length)],
-        [f"tangential stiffness ({rigid_unit})", _format_cell(onset["stiffness"], rigid)],
+        [f"pre-sliding displacement ({length_unit})", _format_cell(onset["displacement_at_sliding"], length_factor)],
+        [f"tangential stiffness ({stiffness_unit})", _format_cell(onset["stiffness"], stiffness_factor)],
         [
-            f"normal stiffness during unloading, as measured by ultrasound ({normal_unit})",
-            _format_cell(onset["unloading_stiffness"], normal),
+            f"normal stiffness during unloading, as measured by ultrasound ({unloading_unit})",
+            _format_cell(onset["unloading_stiffness"], unloading_factor),
         ],
-        ["contact that slips at half of the sliding load (%)", _format_cell(half["slipped_area"], 100.0)],
-        ["load on the slipping contact (%)", _format_cell(half["slipped_load"], 100.0)],
+        ["contact that slips at half of the sliding load (%)", _format_cell(half_load_onset["slipped_area"], 100.0)],
+        ["load on the slipping contact (%)", _format_cell(half_load_onset["slipped_load"], 100.0)],
         *(
             [
                 f"energy dissipated in a cycle of {amplitude:g} times the sliding load (pJ)",
@@ -106,14 +108,16 @@ def onset_record(onset: xarray.Dataset) -> dict[str, Any]:
     def records(dataset: xarray.Dataset, *names: str) -> dict[str, Any]:
         return {name: dict(zip(MEAN_AND_LIMITS, _interval_ends(dataset[name]), strict=True)) for name in names}
 
-    numbers = records(onset, "sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness")
+    characteristic_values = records(
+        onset, "sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness"
+    )
     curve_names = ("tangential_load", "displacement", "slipped_area", "slipped_load", "energy_lost")
     curve = [
         {"fraction": float(fraction), **records(onset.sel(fraction=fraction), *curve_names)}
         for fraction in onset["fraction"].values
     ]
     attributes = {str(name): value for name, value in onset.attrs.items()}
-    models = {
+    model_records = {
         model: {name: float(attributes[f"{model}_{name}"]) for name in names if f"{model}_{name}" in attributes}
         for model, names in PRESLIDING_PARAMETERS.items()
     }
@@ -124,8 +128,8 @@ def onset_record(onset: xarray.Dataset) -> dict[str, Any]:
         "tau0": float(attributes["tau0_GPa"]),
         "members": int(attributes["members"]),
         "poisson_ratio": np.ravel(attributes["poisson_ratio"]).astype(float).tolist(),
-        **numbers,
-        **{model: parameters or None for model, parameters in models.items()},
+        **characteristic_values,
+        **{model: parameters or None for model, parameters in model_records.items()},
         "curve": curve,
     }
 

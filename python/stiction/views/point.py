@@ -23,14 +23,14 @@ SLIDING_RULE_DESCRIPTIONS = {
 
 def materials_text(study: Study) -> str:
     """Return the material names, as in "mild steel on brass", or an empty string if there are no names."""
-    names = study.contact.materials
-    return "" if names is None else " on ".join(names)
+    material_names = study.contact.materials
+    return "" if material_names is None else " on ".join(material_names)
 
 
 def adhesion_text(point: xarray.Dataset, study: Study) -> str:
     """Return the work of adhesion and the range of the attraction, as in "adhesion 50 mJ/m² over 0.5 nm"."""
-    work = 1e6 * float(study.contact.work_of_adhesion or 0.0)
-    return f"adhesion {work:.3g} mJ/m² over {format_with_unit(adhesion_ranges(point, study)[1], 'um')}"
+    work_of_adhesion = 1e6 * float(study.contact.work_of_adhesion or 0.0)
+    return f"adhesion {work_of_adhesion:.3g} mJ/m² over {format_with_unit(adhesion_ranges(point, study)[1], 'um')}"
 
 
 def load_text(point: xarray.Dataset, study: Study) -> str:
@@ -48,14 +48,14 @@ def averaged_directions_text(directions: Any) -> str:
     degrees = np.sort(np.asarray(directions, dtype=float) % 360)
     if degrees.size == 1:
         return f"the upper body moves {motion_text(float(degrees[0]))}"
-    gaps = np.diff(np.append(degrees, degrees[0] + 360))
-    if np.allclose(gaps, 360 / degrees.size):
+    angular_gaps = np.diff(np.append(degrees, degrees[0] + 360))
+    if np.allclose(angular_gaps, 360 / degrees.size):
         if degrees.size == 2:
             axis = {0.0: "x", 90.0: "y"}.get(float(degrees[0]), f"{degrees[0]:g}°")
             return f"the mean over both directions along {axis}"
         return f"the mean over {degrees.size} directions all round"
-    named = [f"{angle:g}°" for angle in degrees]
-    return f"the mean over {', '.join(named[:-1])} and {named[-1]}"
+    direction_texts = [f"{angle:g}°" for angle in degrees]
+    return f"the mean over {', '.join(direction_texts[:-1])} and {direction_texts[-1]}"
 
 
 def motion_text(direction: float) -> str:

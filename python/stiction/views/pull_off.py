@@ -17,10 +17,12 @@ def pull_off_text(estimate: PullOffValues, inputs: str = "") -> str:
     `inputs` describes mu0 and tau0 of the friction if the result has several values of them.
     """
     bound_text = "at least " if estimate.is_bound else ""
-    limit = f"{format_with_unit(MIN_STICKING_PRESSURE, 'GPa')}, the weight of 1.3 mm of steel"
-    threshold_text = {"yes": "", "no": f", less than {limit}", "uncertain": f"; the threshold is {limit}"}[
-        estimate.sticking_assessment
-    ]
+    threshold_value_text = f"{format_with_unit(MIN_STICKING_PRESSURE, 'GPa')}, the weight of 1.3 mm of steel"
+    threshold_text = {
+        "yes": "",
+        "no": f", less than {threshold_value_text}",
+        "uncertain": f"; the threshold is {threshold_value_text}",
+    }[estimate.sticking_assessment]
     return (
         f"Sticks without a load: {estimate.sticking_assessment}. Pull-off force {bound_text}"
         f"{_format_interval(estimate.pull_off, 'pull_off')}, "

@@ -37,11 +37,11 @@ def cut_off_rows(resolution: ResolutionEffect, hardness: float | None) -> TextRo
 
     The last row is the plastic limit if there is a hardness (GPa).
     """
-    first = resolution.cutoffs[0].at
+    first_values = resolution.cutoffs[0].at
     rules = [rule for rule in SLIDING_RULE_TITLES if f"friction_{rule}" in resolution.cutoffs[0].values]
     rows = [["cutoff", "h'", "A/A0", "mean pressure", *(f"μ_s {SLIDING_RULE_TITLES[rule]}" for rule in rules)]]
     for point in resolution.cutoffs:
-        if any(point.at[name] != first[name] for name in ("load", "mu0", "tau0")):
+        if any(point.at[name] != first_values[name] for name in ("load", "mu0", "tau0")):
             continue
         values, cut_off, status = point.values, point.at["cut_off"], point.contact_status
         rows.append(
@@ -54,8 +54,16 @@ def cut_off_rows(resolution: ResolutionEffect, hardness: float | None) -> TextRo
             ]
         )
     if resolution.plastic_limit is not None and hardness is not None:
-        limit, area = resolution.plastic_limit
-        rows.append(["plastic limit", "", format_percent(area), format_with_unit(hardness, "GPa"), f"{limit:.3f}"])
+        friction_limit, area_limit = resolution.plastic_limit
+        rows.append(
+            [
+                "plastic limit",
+                "",
+                format_percent(area_limit),
+                format_with_unit(hardness, "GPa"),
+                f"{friction_limit:.3f}",
+            ]
+        )
     return rows
 
 
@@ -79,13 +87,15 @@ def yield_rows(estimates: Sequence[YieldWavelengthEstimate], scan: ResolvedRough
     rows = []
     for estimate in estimates:
         if math.isnan(estimate.wavelength):
-            reached = "never, for these slopes"
+            wavelength_text = "never, for these slopes"
         elif estimate.wavelength > scan.shortest:
-            reached = "this scan already"
+            wavelength_text = "this scan already"
         else:
-            ends = (format_with_unit(end, "um") for end in (estimate.lower, min(estimate.upper, scan.shortest)))
-            reached = f"{format_with_unit(estimate.wavelength, 'um')} [{', '.join(ends)}]"
-        rows.append([format_with_unit(estimate.hardness, "GPa"), reached, f"{estimate.friction:.3f}"])
+            interval_texts = (
+                format_with_unit(end, "um") for end in (estimate.lower, min(estimate.upper, scan.shortest))
+            )
+            wavelength_text = f"{format_with_unit(estimate.wavelength, 'um')} [{', '.join(interval_texts)}]"
+        rows.append([format_with_unit(estimate.hardness, "GPa"), wavelength_text, f"{estimate.friction:.3f}"])
     return [["if the hardness is", "it yields at a wavelength of", "μ_s all contacts, at least"], *rows] if rows else []
 
 

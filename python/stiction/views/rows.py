@@ -79,11 +79,14 @@ def values_frame(dataset: xarray.Dataset) -> pandas.DataFrame:
     import pandas
 
     names = [str(name) for name, table in dataset.data_vars.items() if table.dtype.kind in "if"]
-    order = {name: position for position, name in enumerate(QUANTITIES)}
-    frames = [_quantity_rows(dataset, name) for name in sorted(names, key=lambda name: order.get(name, len(order)))]
-    complete = pandas.concat(frames, ignore_index=True)
-    coordinates = [name for name in COORDINATE_ORDER if name in complete]
-    return complete[[*_VALUE_COLUMNS, *coordinates]]
+    quantity_order = {name: position for position, name in enumerate(QUANTITIES)}
+    frames = [
+        _quantity_rows(dataset, name)
+        for name in sorted(names, key=lambda name: quantity_order.get(name, len(quantity_order)))
+    ]
+    complete_frame = pandas.concat(frames, ignore_index=True)
+    coordinates = [name for name in COORDINATE_ORDER if name in complete_frame]
+    return complete_frame[[*_VALUE_COLUMNS, *coordinates]]
 
 
 def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
@@ -121,11 +124,11 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
         columns["status"] = broadcast_to_rows(dataset.variables["status"])
     else:
         columns["status"] = np.where(np.isfinite(columns["value"]), STATUS_OK, "no-mean")
-    directed = name in QUANTITIES and QUANTITIES[name].is_directed
+    is_directed = name in QUANTITIES and QUANTITIES[name].is_directed
     for coordinate in COORDINATE_ORDER:
         # A single sliding rule or direction is a scalar coordinate, but it becomes a column too.
         is_scalar = coordinate in dataset.coords and not dataset.coords[coordinate].ndim
-        if coordinate in dims or (is_scalar and (directed or coordinate not in ("sliding", "direction"))):
+        if coordinate in dims or (is_scalar and (is_directed or coordinate not in ("sliding", "direction"))):
             columns[coordinate] = broadcast_to_rows(dataset.variables[coordinate])
     return pandas.DataFrame(columns)
 
@@ -145,29 +148,33 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
 
     dataset, study = summary.at, summary.study
     rows = values_frame(dataset)
-    keys = [name for name in _POINT_COORDINATES if name in rows]
+    coordinate_names = [name for name in _POINT_COORDINATES if name in rows]
     frames: list[pandas.DataFrame] = []
-    for name, motion in _COEFFICIENT_COLUMNS.items():
-        if name not in dataset or (name != "friction_all_round" and frames and motion not in dataset[name].dims):
+    for name, motion_label in _COEFFICIENT_COLUMNS.items():
+        if name not in dataset or (name != "friction_all_round" and frames and motion_label not in dataset[name].dims):
             continue  # a single direction equals the mean over all directions
         selected = rows[rows["name"] == name]
         motion_column = (
-            selected[motion].map(_MOTION_LABEL_FORMATTERS[motion])
-            if motion in dataset[name].dims
+            selected[motion_label].map(_MOTION_LABEL_FORMATTERS[motion_label])
+            if motion_label in dataset[name].dims
             else _COEFFICIENT_COLUMNS["friction_all_round"]
         )
         selected = selected.assign(
             motion=motion_column,
             sliding=selected["sliding"] if "sliding" in selected else list_rules_quoted_first(study)[0],
         )
-        frames.append(selected[[*keys, "sliding", "motion", "status", "value", "lower", "upper"]])
+        frames.append(selected[[*coordinate_names, "sliding", "motion", "status", "value", "lower", "upper"]])
     table = pandas.concat(frames, ignore_index=True)
     title = "coefficient of static friction"
-    ends = {f"{title}: {end}": f"{title}: sampling {end}" for end in ("lower", "upper")}
-    table = table.rename(columns={"value": title} | dict(zip(("lower", "upper"), ends.values(), strict=True)))
+    interval_titles = {f"{title}: {end}": f"{title}: sampling {end}" for end in ("lower", "upper")}
+    table = table.rename(
+        columns={"value": title} | dict(zip(("lower", "upper"), interval_titles.values(), strict=True))
+    )
     for name in _load_quantities(dataset):
         selected = rows[rows["name"] == name]
-        keys_of_quantity = [key for key in (*keys, "sliding") if key in selected and selected[key].notna().all()]
+        keys_of_quantity = [
+            key for key in (*coordinate_names, "sliding") if key in selected and selected[key].notna().all()
+        ]
         label = quantity_label(name, study).replace("μ", "mu").replace("τ", "tau")
         unit = "" if selected["unit"].iloc[0] == "1" else f" ({selected['unit'].iloc[0]})"
         columns = {"value": f"{label}{unit}", "lower": f"{label}{unit}: lower", "upper": f"{label}{unit}: upper"}
@@ -175,16 +182,18 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
             selected[[*keys_of_quantity, *columns]].rename(columns=columns), on=keys_of_quantity, how="left"
         )
     coefficients = _mean_coefficients(summary.points)
-    assessments = _assessment_table(summary.points, keys, coefficients)
-    table = table.merge(assessments, on=[*keys, "sliding"], how="left")
-    table.loc[table["motion"] != _COEFFICIENT_COLUMNS["friction_all_round"], [*ends, *coefficients]] = math.nan
-    other_columns = [str(name) for name in table if name not in ends]
-    position = other_columns.index(title) + 1
-    table = table[[*other_columns[:position], *ends, *other_columns[position:]]]
-    for key in keys:
+    assessments = _assessment_table(summary.points, coordinate_names, coefficients)
+    table = table.merge(assessments, on=[*coordinate_names, "sliding"], how="left")
+    table.loc[table["motion"] != _COEFFICIENT_COLUMNS["friction_all_round"], [*interval_titles, *coefficients]] = (
+        math.nan
+    )
+    other_columns = [str(name) for name in table if name not in interval_titles]
+    column_index = other_columns.index(title) + 1
+    table = table[[*other_columns[:column_index], *interval_titles, *other_columns[column_index:]]]
+    for key in coordinate_names:
         table[key] *= spreadsheet_column(key)[1]
     return table.rename(
-        columns={key: spreadsheet_column(key)[0] for key in keys} | {"motion": "upper body to (degree)"}
+        columns={key: spreadsheet_column(key)[0] for key in coordinate_names} | {"motion": "upper body to (degree)"}
     )
 
 
@@ -201,17 +210,17 @@ def _mean_coefficients(points: Sequence[PointSummary]) -> dict[str, list[float]]
     Each column has one value per rule and point. Values for rules other than the quoted rule are NaN.
     """
     rows = [(point, rule is point.rules[0]) for point in points for rule in point.rules]
-    waited = {
-        f"mu_s after {format_time(aged.seconds)}{end}": [
+    coefficients_after_dwell = {
+        f"mu_s after {format_time(aged_estimate.seconds)}{end}": [
             getattr(point.waited[index], field) if is_quoted else math.nan for point, is_quoted in rows
         ]
-        for index, aged in enumerate(points[0].waited if points else ())
+        for index, aged_estimate in enumerate(points[0].waited if points else ())
         for field, end in (("value", ""), ("lower", ": lower"), ("upper", ": upper"))
     }
-    roughness = [
+    roughness_contributions = [
         math.nan if point.from_roughness is None or not is_quoted else point.from_roughness for point, is_quoted in rows
     ]
-    return {**waited, "mu_s from roughness": roughness}
+    return {**coefficients_after_dwell, "mu_s from roughness": roughness_contributions}
 
 
 def _assessment_table(

@@ -46,19 +46,21 @@ MAX_LABEL_LENGTH = 24  # maximum number of characters of a scan name that a figu
 def joined_text(joined: JoinedSpectrum) -> str:
     """Format the wavelengths that each scan contributes, its deviation from the other scans, and cumulative slopes."""
     rows = [["scan", "wavelengths used", "limited by", "compared with the others"]]
-    for name, (shortest, longest), reason, ratio, chance in zip(
+    for name, (shortest, longest), reason, ratio, expected_deviation in zip(
         joined.names, joined.bands, joined.reasons, joined.disagreement, joined.chance, strict=True
     ):
         deviation = "no overlap" if math.isnan(ratio) else f"{ratio:.2f} times as much power"
-        deviation += ", from few wavelengths" if 2 * chance > math.log(MAX_SPECTRA_RATIO) else ""
+        deviation += ", from few wavelengths" if 2 * expected_deviation > math.log(MAX_SPECTRA_RATIO) else ""
         rows.append(
             [name, f"{format_with_unit(shortest, 'um')} to {format_with_unit(longest, 'um')}", reason, deviation]
         )
     roughness = joined.roughness()
-    slopes = [["wavelengths above", "h'", "h'' (1/µm)"]]
+    slope_table = [["wavelengths above", "h'", "h'' (1/µm)"]]
     for wavelength in roughness.wavelength[:: max(1, roughness.wavelength.size // MAX_SLOPE_ROWS)]:
-        numbers = (roughness.gradient_at(wavelength), roughness.curvature_at(wavelength))
-        slopes.append([format_with_unit(float(wavelength), "um"), *(f"{float(number):.3g}" for number in numbers)])
+        slope_and_curvature = (roughness.gradient_at(wavelength), roughness.curvature_at(wavelength))
+        slope_table.append(
+            [format_with_unit(float(wavelength), "um"), *(f"{float(number):.3g}" for number in slope_and_curvature)]
+        )
     text = ""
     if (joined.count == 0).any():
         text = "Some wavelengths between the scans are in no scan; a power law fills the gap.\n"
@@ -67,7 +69,9 @@ def joined_text(joined: JoinedSpectrum) -> str:
             "The scans differ by more than a factor of two in power: a height calibration is wrong, or wavelengths are "
             "missing.\n"
         )
-    return "\n\n".join([format_table(rows), format_table(slopes)]) + "\n" + (wrap_text(text) + "\n" if text else "")
+    return (
+        "\n\n".join([format_table(rows), format_table(slope_table)]) + "\n" + (wrap_text(text) + "\n" if text else "")
+    )
 
 
 def joined_record(joined: JoinedSpectrum) -> dict[str, Any]:
@@ -106,18 +110,20 @@ def joined_figure(joined: JoinedSpectrum) -> Figure:
 
     with mpl.rc_context(MATPLOTLIB_STYLE):
         figure = new_figure(66, width=PAGE_WIDTH)
-        spectra, slopes, pressure = figure.subplots(1, 3)
-        _spectra_panel(spectra, joined)
+        spectra_axes, slopes_axes, pressure_axes = figure.subplots(1, 3)
+        _spectra_panel(spectra_axes, joined)
         roughness = joined.roughness()
-        slopes.plot(
+        slopes_axes.plot(
             roughness.wavelength, roughness.gradient, color=ALL_CONTACTS_COLOUR, linewidth=1, label="slope $h'$"
         )
-        words = "curvature $h''$ (1/µm)"
-        slopes.plot(roughness.wavelength, roughness.curvature, "--", color=OPPOSING_COLOUR, linewidth=1, label=words)
-        slopes.set_title("cumulative, down to this wavelength", pad=2)
-        slopes.legend(loc="upper left")
-        _pressure_panel(pressure, joined)
-        for axes in (spectra, slopes, pressure):
+        axis_text = "curvature $h''$ (1/µm)"
+        slopes_axes.plot(
+            roughness.wavelength, roughness.curvature, "--", color=OPPOSING_COLOUR, linewidth=1, label=axis_text
+        )
+        slopes_axes.set_title("cumulative, down to this wavelength", pad=2)
+        slopes_axes.legend(loc="upper left")
+        _pressure_panel(pressure_axes, joined)
+        for axes in (spectra_axes, slopes_axes, pressure_axes):
             axes.set(xscale="log", yscale="log", xlabel="wavelength (µm)")
             axes.set_xlim(1.15 * joined.longest, joined.shortest / 1.15)
             set_log_ticks(axes)
@@ -125,21 +131,21 @@ def joined_figure(joined: JoinedSpectrum) -> Figure:
 
 
 def _spectra_panel(axes: Axes, joined: JoinedSpectrum) -> None:
-    lengths = 2 * math.pi / joined.wave_number
+    wavelengths = 2 * math.pi / joined.wave_number
     for scan, (name, ratio) in enumerate(zip(joined.names, joined.ratio, strict=True)):
         label = name if len(name) <= MAX_LABEL_LENGTH else f"…{name[1 - MAX_LABEL_LENGTH :]}"
         axes.plot(
-            lengths,
+            wavelengths,
             ratio * joined.density,
             "o",
             color=SCAN_COLOURS[scan % len(SCAN_COLOURS)],
             markersize=2.5,
             label=label,
         )
-    axes.plot(lengths, joined.density, color="black", linewidth=0.8, label="joined")
-    gap = joined.count == 0
-    if gap.any():
-        axes.plot(lengths[gap], joined.density[gap], "x", color="black", markersize=3, label="no scan")
+    axes.plot(wavelengths, joined.density, color="black", linewidth=0.8, label="joined")
+    is_gap = joined.count == 0
+    if is_gap.any():
+        axes.plot(wavelengths[is_gap], joined.density[is_gap], "x", color="black", markersize=3, label="no scan")
     axes.set_ylabel("$C^{2D}$ (µm$^4$)")
     axes.set_title("spectrum", pad=2)
     axes.legend(loc="lower left", handlelength=1.2)
@@ -147,20 +153,26 @@ def _spectra_panel(axes: Axes, joined: JoinedSpectrum) -> None:
 
 def _pressure_panel(axes: Axes, joined: JoinedSpectrum) -> None:
     roughness = joined.roughness()
-    elastic = math.sqrt(2) * roughness.gradient / SMALL_LOAD_KAPPA
-    axes.plot(roughness.wavelength, elastic, color="black", linewidth=1)
+    elastic_pressure = math.sqrt(2) * roughness.gradient / SMALL_LOAD_KAPPA
+    axes.plot(roughness.wavelength, elastic_pressure, color="black", linewidth=1)
     for index, name in enumerate(COMPARED_MATERIALS):
-        body = material(name)
-        young, ratio = float(body.young_modulus), float(body.poisson_ratio)
-        limit = float(body.hardness or 0.0) / float(effective_modulus(young, ratio, young, ratio))
-        if not elastic[0] < limit < elastic[-1]:
+        body_material = material(name)
+        young_modulus, poisson_ratio = float(body_material.young_modulus), float(body_material.poisson_ratio)
+        relative_hardness = float(body_material.hardness or 0.0) / float(
+            effective_modulus(young_modulus, poisson_ratio, young_modulus, poisson_ratio)
+        )
+        if not elastic_pressure[0] < relative_hardness < elastic_pressure[-1]:
             continue
-        start = np.exp(np.interp(math.log(limit), np.log(elastic), np.log(roughness.wavelength)))
+        limit_wavelength = np.exp(
+            np.interp(math.log(relative_hardness), np.log(elastic_pressure), np.log(roughness.wavelength))
+        )
         colour = SCAN_COLOURS[index % len(SCAN_COLOURS)]
-        axes.plot([start, joined.shortest], [limit, limit], color=colour, linewidth=0.8)
+        axes.plot(
+            [limit_wavelength, joined.shortest], [relative_hardness, relative_hardness], color=colour, linewidth=0.8
+        )
         axes.annotate(
             f"{name} yields",
-            (joined.shortest, limit),
+            (joined.shortest, relative_hardness),
             (0, -1),
             textcoords="offset points",
             ha="right",
@@ -178,18 +190,25 @@ def _pressure_panel(axes: Axes, joined: JoinedSpectrum) -> None:
 def repeated_text(comparison: RepeatedScans) -> str:
     """Format the noise of two scans in each octave, their shift, and the usable wavelengths of the mean scan."""
     rows = [["wavelengths", "in both", "noise of one scan", "noise fraction of the mean square"]]
-    for wavelength, common, noise in np.transpose(
+    for wavelength, common_height, noise_height in np.transpose(
         [comparison.wavelength, comparison.common, comparison.noise]
     ).tolist():
-        fraction = noise**2 / (noise**2 + common**2) if noise or common else 0.0
-        waves = f"{format_with_unit(wavelength, 'um')} to {format_with_unit(2 * wavelength, 'um')}"
-        rows.append([waves, format_with_unit(common, "um"), format_with_unit(noise, "um"), format_percent(fraction)])
-    shift = ", ".join(
+        fraction = noise_height**2 / (noise_height**2 + common_height**2) if noise_height or common_height else 0.0
+        octave_text = f"{format_with_unit(wavelength, 'um')} to {format_with_unit(2 * wavelength, 'um')}"
+        rows.append(
+            [
+                octave_text,
+                format_with_unit(common_height, "um"),
+                format_with_unit(noise_height, "um"),
+                format_percent(fraction),
+            ]
+        )
+    shift_text = ", ".join(
         f"{axis} = {format_with_unit(item, 'um')}" for axis, item in zip("xy", comparison.shift[::-1], strict=False)
     )
     text = (
-        f"The second scan starts at {shift} of the first scan. The correlation is {comparison.correlation:.4g}, the "
-        f"noise of a single scan {format_with_unit(comparison.noise_rms, 'um')}."
+        f"The second scan starts at {shift_text} of the first scan. The correlation is {comparison.correlation:.4g}, "
+        f"the noise of a single scan {format_with_unit(comparison.noise_rms, 'um')}."
     )
     return f"{format_table(rows)}\n\n{wrap_text(text)}\n{wrap_text(limit_text(comparison))}\n"
 

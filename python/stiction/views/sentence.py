@@ -51,33 +51,37 @@ def finer_scan_text(point: PointSummary) -> str:
     if point.bracket is None or point.hardness is None:
         return ""
     low, high = (f"{end:.3f}" for end in point.bracket)
-    ends = f"{low} (μ0 + τ0/{'H′' if point.has_junction_growth else 'H'})" + (f" to {high}" if low != high else "")
-    return f"with H = {format_with_unit(point.hardness, 'GPa')} a finer scan would give {ends}"
+    bounds_text = f"{low} (μ0 + τ0/{'H′' if point.has_junction_growth else 'H'})" + (
+        f" to {high}" if low != high else ""
+    )
+    return f"with H = {format_with_unit(point.hardness, 'GPa')} a finer scan would give {bounds_text}"
 
 
 def sentence_text(point: PointSummary) -> str:
     """Return the sentence to quote, including the inputs, or the reason why the result must not be quoted."""
-    assumed = list_all_assumptions(point)
+    assumptions = list_all_assumptions(point)
     if point.is_unloaded and point.sticking is not None:
-        parts = [f"{pull_off_text(point.sticking).removesuffix('.')}, at {inputs_text(point)}", note_text(point)]
-        return "; ".join([*parts, f"assumed: {', '.join(assumed)}"]) + "."
+        sentence_parts = [
+            f"{pull_off_text(point.sticking).removesuffix('.')}, at {inputs_text(point)}",
+            note_text(point),
+        ]
+        return "; ".join([*sentence_parts, f"assumed: {', '.join(assumptions)}"]) + "."
     if point.verdict == "Do not quote":
-        faults = "; ".join(caveat.text for caveat in point.faults)
-        return f"There is no coefficient to quote at {inputs_text(point)}: {faults}."
-    first, *others = point.rules
-    text = (
-        f"μ_s = {format_estimate(first.value, first.lower, first.upper)} with {SLIDING_RULE_DESCRIPTIONS[first.rule]}"
-    )
+        fault_texts = "; ".join(caveat.text for caveat in point.faults)
+        return f"There is no coefficient to quote at {inputs_text(point)}: {fault_texts}."
+    first_estimate, *other_estimates = point.rules
+    value = format_estimate(first_estimate.value, first_estimate.lower, first_estimate.upper)
+    text = f"μ_s = {value} with {SLIDING_RULE_DESCRIPTIONS[first_estimate.rule]}"
     text += "".join(
         f", {format_estimate(rule.value, rule.lower, rule.upper)} with {SLIDING_RULE_DESCRIPTIONS[rule.rule]}"
-        for rule in others
+        for rule in other_estimates
     )
-    parts = [f"{text}, at {inputs_text(point)}", note_text(point)]
-    parts += [f"assumed: {', '.join(assumed)}"] if assumed else []
-    parts += filter(
+    sentence_parts = [f"{text}, at {inputs_text(point)}", note_text(point)]
+    sentence_parts += [f"assumed: {', '.join(assumptions)}"] if assumptions else []
+    sentence_parts += filter(
         None, [covered_inputs_text(point), roughness_text(point), finer_scan_text(point), assessment_text(point)]
     )
-    return "; ".join(parts) + "."
+    return "; ".join(sentence_parts) + "."
 
 
 def covered_inputs_text(point: PointSummary) -> str:
@@ -118,8 +122,8 @@ def inputs_text(point: PointSummary) -> str:
     if "amplitude" in values.coords:
         items.append(f"amplitude {format_with_unit(float(values['amplitude']), 'um')}")
     items.append(f"μ0 = {float(values['mu0']):g}{_input_range_text(values, study, 'mu0')}")
-    adhesion = format_with_unit(float(values["tau0"]), "GPa") if float(values["tau0"]) else "0"
-    items.append(f"τ0 = {adhesion}{_input_range_text(values, study, 'tau0')}")
+    tau0_text = format_with_unit(float(values["tau0"]), "GPa") if float(values["tau0"]) else "0"
+    items.append(f"τ0 = {tau0_text}{_input_range_text(values, study, 'tau0')}")
     if study.known.interface is not None and all(_is_central_value(values, study, name) for name in ("mu0", "tau0")):
         items.append(_interface_words(study))
     if materials := materials_text(study):
@@ -135,8 +139,8 @@ def inputs_text(point: PointSummary) -> str:
     if study.contact.adheres:
         items.append(adhesion_text(values, study))
     if "spacing_um" in values.attrs:
-        steps = np.unique(np.atleast_1d(values.attrs["spacing_um"]).astype(float)).tolist()
-        items.append(f"points {' and '.join(format_with_unit(step, 'um') for step in steps)} apart")
+        spacings = np.unique(np.atleast_1d(values.attrs["spacing_um"]).astype(float)).tolist()
+        items.append(f"points {' and '.join(format_with_unit(spacing, 'um') for spacing in spacings)} apart")
     if "cut_off" in values.coords and float(values["cut_off"]) > 0:
         items.append(f"low-pass filtered at {format_with_unit(float(values['cut_off']), 'um')}")
     return ", ".join(items)
@@ -191,19 +195,23 @@ def note_text(point: PointSummary) -> str:
     if mean_over_directions(values, "members") > 1:
         items = [f"{items[0]} and {_averaging_text(point)}"] if items else [f"the mean over {_averaging_text(point)}"]
     items += [_scans_text(study)] if study.is_measured else []
-    difference = mean_over_directions(values, "reading_difference")
-    if difference > MIN_STATED_LOAD_DEFINITION_EFFECT:
-        reading = _LOAD_DEFINITION_TEXTS.get(str(values.attrs.get("reading")), "the load has one of three definitions")
-        items.append(f"{reading}; with another definition of the load μ_s differs by {format_percent(difference)}")
+    definition_effect = mean_over_directions(values, "reading_difference")
+    if definition_effect > MIN_STATED_LOAD_DEFINITION_EFFECT:
+        definition_text = _LOAD_DEFINITION_TEXTS.get(
+            str(values.attrs.get("reading")), "the load has one of three definitions"
+        )
+        items.append(
+            f"{definition_text}; with another definition of the load μ_s differs by {format_percent(definition_effect)}"
+        )
     return "; ".join(items)
 
 
 def _averaging_text(point: PointSummary) -> str:
     """Return text that counts the averaged members, as in "8 positions"."""
     study = point.study
-    kind = "pairs" if not study.is_measured else "positions"
-    kind = "pairs of random surfaces with these spectra" if study.surfaces.press == "surrogates" else kind
-    return f"{point.members:.0f} {kind}"
+    member_name = "pairs" if not study.is_measured else "positions"
+    member_name = "pairs of random surfaces with these spectra" if study.surfaces.press == "surrogates" else member_name
+    return f"{point.members:.0f} {member_name}"
 
 
 PROFILE_STRIP_TEXT = "a strip 1 µm wide"  # the paper assumes this width for profiles
@@ -247,15 +255,15 @@ def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
 
 def _scans_text(study: Study) -> str:
     """Return text with the number of scans per body. If only one body has a single scan, a remark is added."""
-    counts = study.surfaces.scan_counts
+    scan_counts = study.surfaces.scan_counts
     if study.is_gap:
         return "one gap at its only position"
-    if counts == (1, 1):
+    if scan_counts == (1, 1):
         return "one scan of each part"
-    text = f"{counts[0]} × {counts[1]} scans of both parts"
-    single_sides = [side for side, count in zip(SIDES, counts, strict=True) if count == 1]
+    text = f"{scan_counts[0]} × {scan_counts[1]} scans of both parts"
+    single_scan_sides = [side for side, count in zip(SIDES, scan_counts, strict=True) if count == 1]
     return text + "".join(
-        f", but only one of the {side}, so the spread between its places is not included" for side in single_sides
+        f", but only one of the {side}, so the spread between its places is not included" for side in single_scan_sides
     )
 
 

@@ -14,7 +14,7 @@ FORMULA_START_CHARACTERS = ("=", "+", "-", "@", "\t", "\r")
 def frame_to_csv(frame: pandas.DataFrame, *, float_format: str = "%.9g") -> str:
     """Return a table as CSV. Cells that a spreadsheet program would evaluate as formulas get an apostrophe."""
     frame = frame.rename(columns=_escape_formula)
-    for name in frame.columns[[not _is_numeric(kind) for kind in frame.dtypes]]:
+    for name in frame.columns[[not _is_numeric(dtype) for dtype in frame.dtypes]]:
         frame[name] = frame[name].map(_escape_formula)
     text: str = frame.to_csv(index=False, float_format=float_format)
     return text

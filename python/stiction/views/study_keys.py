@@ -94,28 +94,29 @@ _KEY_TABLES: tuple[
 def key_tables() -> list[tuple[str, str, list[KeyTableRow]]]:
     """Return the title, the description and the rows of each table of keys. Each row describes one key."""
     tables = []
-    for title, phrases, cases, shared in _KEY_TABLES:
-        owners: dict[KeyTableRow, list[type[values.StudyTable]]] = {}
-        for case in cases:
-            for key, entry in case.model_fields.items():
-                if entry.repr:  # keys without `repr` describe bodies in memory and do not occur in files
-                    default = PydanticUndefined if entry.is_required() else entry.default
-                    owners.setdefault(_key_row(key, default, entry, cases), []).append(case)
-        keys, rows = list(dict.fromkeys(row[0] for row in owners)), []
-        for (key, default, allowed, meaning), owning_cases in sorted(
-            owners.items(), key=lambda item: keys.index(item[0][0])
+    for title, phrases, table_classes, base_classes in _KEY_TABLES:
+        classes_by_row: dict[KeyTableRow, list[type[values.StudyTable]]] = {}
+        for table_class in table_classes:
+            for key, field in table_class.model_fields.items():
+                if field.repr:  # keys without `repr` describe bodies in memory and do not occur in files
+                    default = PydanticUndefined if field.is_required() else field.default
+                    classes_by_row.setdefault(_key_row(key, default, field, table_classes), []).append(table_class)
+        keys, rows = list(dict.fromkeys(row[0] for row in classes_by_row)), []
+        for (key, default, allowed, meaning), key_owners in sorted(
+            classes_by_row.items(), key=lambda item: keys.index(item[0][0])
         ):
             text = (
                 ""
-                if len(owning_cases) == len(cases)
-                else f" Only for {_join_with_and(_case_names(owning_cases, cases, shared))}."
+                if len(key_owners) == len(table_classes)
+                else f" Only for {_join_with_and(_case_names(key_owners, table_classes, base_classes))}."
             )
             rows.append((key, default, allowed, meaning + text))
-        for case in cases:
-            if issubclass(case, SelfAffineSettings):
-                others = case.other_keys.items()
+        for table_class in table_classes:
+            if issubclass(table_class, SelfAffineSettings):
+                other_keys = table_class.other_keys.items()
                 rows += [
-                    (f"`{key}`", "none", allowed, f"{text} Only for {case.place}.") for key, (allowed, text) in others
+                    (f"`{key}`", "none", allowed, f"{text} Only for {table_class.place}.")
+                    for key, (allowed, text) in other_keys
                 ]
         tables.append((title, phrases, rows))
     return tables
@@ -123,17 +124,23 @@ def key_tables() -> list[tuple[str, str, list[KeyTableRow]]]:
 
 def _case_names(
     owners: Sequence[type[values.StudyTable]],
-    cases: Sequence[type[values.StudyTable]],
-    shared: Sequence[type[values.StudyTableVariant]],
+    table_classes: Sequence[type[values.StudyTable]],
+    base_classes: Sequence[type[values.StudyTableVariant]],
 ) -> list[str]:
     """Return the names of the models that have a key. A base class replaces its models if all of them have the key."""
-    members = {item: {case for case in cases if issubclass(case, item)} for item in shared}
-    remaining, places = set(owners), []
-    for item in sorted(shared, key=lambda item: -len(members[item])):
+    members = {
+        item: {table_class for table_class in table_classes if issubclass(table_class, item)} for item in base_classes
+    }
+    remaining, class_names = set(owners), []
+    for item in sorted(base_classes, key=lambda item: -len(members[item])):
         if members[item] <= remaining:
-            places.append(item.place)
+            class_names.append(item.place)
             remaining -= members[item]
-    return places + [case.place for case in cases if case in remaining and issubclass(case, values.StudyTableVariant)]
+    return class_names + [
+        table_class.place
+        for table_class in table_classes
+        if table_class in remaining and issubclass(table_class, values.StudyTableVariant)
+    ]
 
 
 def study_keys() -> str:
@@ -157,7 +164,7 @@ def study_keys_text() -> str:
     return "\n\n".join(blocks) + "\n"
 
 
-def _key_row(key: str, default_value: Any, entry: Any, cases: tuple[Any, ...]) -> tuple[str, str, str, str]:
+def _key_row(key: str, default_value: Any, entry: Any, table_classes: tuple[Any, ...]) -> tuple[str, str, str, str]:
     """Return the table row of a key in study files: key, default, allowed values and meaning.
 
     A key that selects a model class has a single row for all classes.
@@ -165,7 +172,7 @@ def _key_row(key: str, default_value: Any, entry: Any, cases: tuple[Any, ...]) -
     default = "required" if default_value is PydanticUndefined else _toml_default(default_value)
     if key not in ("generator", "press", "mechanics"):
         return f"`{key}`", default, _allowed_text(key, entry), str(entry.description)
-    fields = [case.model_fields[key] for case in cases if key in case.model_fields]
+    fields = [table_class.model_fields[key] for table_class in table_classes if key in table_class.model_fields]
     meanings = dict.fromkeys(f'`"{field.default}"`: {str(field.description).removesuffix(".")}' for field in fields)
     allowed = list(dict.fromkeys(f'`"{field.default}"`' for field in fields))
     return f"`{key}`", _toml_default(fields[0].default), _join_with_or(allowed), "; ".join(meanings) + "."

@@ -114,20 +114,20 @@ def friction_parameters_text(mu0: float, tau0: float, effective_modulus: float |
     return rf"{modulus}$\mu_0$ = {mu0:g}, $\tau_0$ = {1000 * tau0:.9g} MPa"
 
 
-def spread_labels(places: ArrayLike, min_distance: float) -> Floats:
+def spread_labels(label_positions: ArrayLike, min_distance: float) -> Floats:
     """Return label positions in the given order, with a minimum distance between neighbours."""
-    targets = np.asarray(places, dtype=np.float64)
-    order = np.argsort(targets)
-    spread_places = targets[order].copy()
+    target_positions = np.asarray(label_positions, dtype=np.float64)
+    order = np.argsort(target_positions)
+    spread_positions = target_positions[order].copy()
     for _ in range(200):
-        short = min_distance - np.diff(spread_places)
-        if not (short > 1e-9 * min_distance).any():
+        missing_distances = min_distance - np.diff(spread_positions)
+        if not (missing_distances > 1e-9 * min_distance).any():
             break
-        push = np.maximum(short, 0) / 2
-        spread_places[:-1] -= push
-        spread_places[1:] += push
-    result = np.empty_like(spread_places)
-    result[order] = spread_places
+        shifts = np.maximum(missing_distances, 0) / 2
+        spread_positions[:-1] -= shifts
+        spread_positions[1:] += shifts
+    result = np.empty_like(spread_positions)
+    result[order] = spread_positions
     return result
 
 

@@ -77,9 +77,9 @@ def terminal_width() -> int:
 
 def wrap_text(text: str, width: int | None = None, *, indent: str = "", hang: str = "") -> str:
     """Wrap a paragraph to the width of the terminal."""
-    together = _NO_BREAK_SPACE_PATTERN.sub("\N{NO-BREAK SPACE}", text)
+    unbreakable_text = _NO_BREAK_SPACE_PATTERN.sub("\N{NO-BREAK SPACE}", text)
     return textwrap.fill(
-        together, width or terminal_width(), initial_indent=indent, subsequent_indent=indent + hang,
+        unbreakable_text, width or terminal_width(), initial_indent=indent, subsequent_indent=indent + hang,
         break_long_words=False, break_on_hyphens=False,
     ).replace("\N{NO-BREAK SPACE}", " ")  # fmt: skip
 
@@ -98,17 +98,24 @@ def format_table(rows: TextRows, width: int | None = None, *, labels: int = 1) -
     columns = max(map(len, rows), default=0)
     other_widths = max((len(cell) for row in rows for cell in row[1:]), default=0)
     rows = [line for row in rows for line in _wrap_label(row, max(available_width - other_widths - 2, MIN_LABEL_WIDTH))]
-    sizes = [max(len(row[c]) if c < len(row) else 0 for row in rows) for c in range(columns)]
+    column_widths = [max(len(row[column]) if column < len(row) else 0 for row in rows) for column in range(columns)]
     blocks, first_column = [], labels
     while first_column < max(columns, labels + 1):
         last_column = first_column + 1
         while (
             last_column < columns
-            and sum(2 + size for size in sizes[:labels] + sizes[first_column : last_column + 1]) - 2 <= available_width
+            and sum(
+                2 + column_width
+                for column_width in column_widths[:labels] + column_widths[first_column : last_column + 1]
+            )
+            - 2
+            <= available_width
         ):
             last_column += 1
-        block = sizes[:labels] + sizes[first_column:last_column]
-        blocks.append("\n".join(_join_cells([*row[:labels], *row[first_column:last_column]], block) for row in rows))
+        block_widths = column_widths[:labels] + column_widths[first_column:last_column]
+        blocks.append(
+            "\n".join(_join_cells([*row[:labels], *row[first_column:last_column]], block_widths) for row in rows)
+        )
         first_column = last_column
     return "\n".join(blocks)
 
@@ -122,8 +129,10 @@ def _wrap_label(row: Sequence[str], width: int) -> list[Sequence[str]]:
     return [[lines[0].rstrip(), *row[1:]], *([line.rstrip()] for line in lines[1:])] if lines else [row]
 
 
-def _join_cells(cells: Sequence[str], sizes: Sequence[int]) -> str:
-    return "  ".join(cell.ljust(size) for cell, size in zip(cells, sizes, strict=False)).rstrip()
+def _join_cells(cells: Sequence[str], column_widths: Sequence[int]) -> str:
+    return "  ".join(
+        cell.ljust(column_width) for cell, column_width in zip(cells, column_widths, strict=False)
+    ).rstrip()
 
 
 # ---- Text of a result ------------------------------------------------------------------------------------------------
@@ -153,30 +162,30 @@ def result_text(
 def default_values_text(study: Study, *, mu0: bool, tau0: bool) -> str:
     """Return a line with the mu0 and tau0 of the study if there are several values, or an empty string."""
     friction = study.friction
-    assignments = []
+    assignment_texts = []
     if mu0 and len(friction.mu0) > 1:
-        assignments.append(f"μ0 = {', '.join(f'{value:g}' for value in friction.mu0)} (--mu0)")
+        assignment_texts.append(f"μ0 = {', '.join(f'{value:g}' for value in friction.mu0)} (--mu0)")
     if tau0 and len(friction.tau0) > 1:
-        assignments.append(
+        assignment_texts.append(
             f"τ0 = {', '.join(_coordinate_text('tau0', float(value)) for value in friction.tau0)} (--tau0)"
         )
-    return wrap_text(f"Values of the study by default: {'; '.join(assignments)}.") if assignments else ""
+    return wrap_text(f"Values of the study by default: {'; '.join(assignment_texts)}.") if assignment_texts else ""
 
 
 def values_text(
     summary: Summary, *, verbose: bool = False, max_lines: int | None = None, complete: str = COMPLETE_OUTPUT_METHOD
 ) -> str:
     """Return `result_text` without the cutoff study and the onset of sliding."""
-    dataset, study, headlines = summary.at, summary.study, summary.headlines
-    printed_points = headlines if verbose else _thin_points(headlines)
-    first_cell = dataset.sel({name: headlines[0].at[name] for name in CELL_DIMENSIONS if name in dataset.dims})
+    dataset, study, quoted_points = summary.at, summary.study, summary.headlines
+    printed_points = quoted_points if verbose else _thin_points(quoted_points)
+    first_cell = dataset.sel({name: quoted_points[0].at[name] for name in CELL_DIMENSIONS if name in dataset.dims})
     first_cell = first_cell.sel(load=sorted({point.at["load"] for point in printed_points}))
     paragraphs = [history_text(dataset, study)] if verbose else []
-    loaded_points = [point for point in headlines if not point.is_unloaded]
-    pull_off_estimate = headlines[0].sticking
-    varying = [name for name in ("mu0", "tau0") if len({point.at[name] for point in headlines}) > 1]
+    loaded_points = [point for point in quoted_points if not point.is_unloaded]
+    pull_off_estimate = quoted_points[0].sticking
+    varying_names = [name for name in ("mu0", "tau0") if len({point.at[name] for point in quoted_points}) > 1]
     inputs = ", ".join(
-        f"{_COORDINATE_LABELS[name]} = {_coordinate_text(name, headlines[0].at[name])}" for name in varying
+        f"{_COORDINATE_LABELS[name]} = {_coordinate_text(name, quoted_points[0].at[name])}" for name in varying_names
     )
     lines = (
         [wrap_text(pull_off_text(pull_off_estimate, inputs))]
@@ -184,21 +193,21 @@ def values_text(
         else []
     )
     lines += [coefficients_text(printed_points)] if loaded_points else []
-    if len(printed_points) < len(headlines):
-        lines.append(wrap_text(f"Shown: {len(printed_points)} of {len(headlines)} points; {complete} shows all."))
-    limits = {} if verbose else {"max_lines": max_lines, "max_groups": MAX_CAVEAT_GROUPS}
-    paragraphs.append("\n".join([*lines, assessment_text(headlines, complete=complete, **limits)]))
-    is_known = any(math.isfinite(point.value) or point.is_unloaded for point in headlines)
-    quantities = (
-        quantities_text(first_cell, study, verbose=verbose, cell=_first_cell_text(headlines)) if is_known else ""
+    if len(printed_points) < len(quoted_points):
+        lines.append(wrap_text(f"Shown: {len(printed_points)} of {len(quoted_points)} points; {complete} shows all."))
+    caveat_limits = {} if verbose else {"max_lines": max_lines, "max_groups": MAX_CAVEAT_GROUPS}
+    paragraphs.append("\n".join([*lines, assessment_text(quoted_points, complete=complete, **caveat_limits)]))
+    has_values = any(math.isfinite(point.value) or point.is_unloaded for point in quoted_points)
+    quantities_paragraph = (
+        quantities_text(first_cell, study, verbose=verbose, cell=_first_cell_text(quoted_points)) if has_values else ""
     )
-    details = _conditions_text(headlines[0]) if len(headlines) == 1 else ""
+    conditions_paragraph = _conditions_text(quoted_points[0]) if len(quoted_points) == 1 else ""
     if verbose:
-        paragraphs += [details, wrap_text(slope_estimate_text(headlines[0])), quantities]
+        paragraphs += [conditions_paragraph, wrap_text(slope_estimate_text(quoted_points[0])), quantities_paragraph]
     else:
-        paragraphs.append("\n".join(filter(None, (details, quantities))))
+        paragraphs.append("\n".join(filter(None, (conditions_paragraph, quantities_paragraph))))
     if (
-        is_known
+        has_values
         and (
             values := next(
                 (loaded_points for loaded_points in iterate_points(first_cell) if not is_unloaded(loaded_points)), None
@@ -234,16 +243,18 @@ def coefficients_text(headlines: Sequence[PointSummary]) -> str:
         )
         lines = [wrap_text(f"{'      ' if i else 'μ_s = '}{line}", hang=" " * 8) for i, line in enumerate(rule_lines)]
         return "\n".join(filter(None, [*lines, wrap_text(roughness_text(headlines[0]))]))
-    names = [name for name in headlines[0].at if name != "fractal_dimension" or "hurst_exponent" not in headlines[0].at]
-    names.sort(key=lambda name: name != "hurst_exponent")
-    varying = [name for name in names if len({point.at[name] for point in headlines}) > 1]
+    coordinate_names = [
+        name for name in headlines[0].at if name != "fractal_dimension" or "hurst_exponent" not in headlines[0].at
+    ]
+    coordinate_names.sort(key=lambda name: name != "hurst_exponent")
+    varying_names = [name for name in coordinate_names if len({point.at[name] for point in headlines}) > 1]
     headings = (f"μ_s {SLIDING_RULE_TITLES[rule.rule]}" for rule in headlines[0].rules)
-    rows = [[*(_COORDINATE_LABELS.get(name, name) for name in varying), *headings, "assessment"]]
+    rows = [[*(_COORDINATE_LABELS.get(name, name) for name in varying_names), *headings, "assessment"]]
     for point in headlines:
         values = [_coefficient_text(point, index) for index in range(len(point.rules))]
         coordinates = [
             load_text(point.values, point.study) if name == "load" else _coordinate_text(name, point.at[name])
-            for name in varying
+            for name in varying_names
         ]
         rows.append([*coordinates, *values, point.verdict])
     inputs = [inputs_text(point).split(", ") for point in headlines]
@@ -254,7 +265,7 @@ def coefficients_text(headlines: Sequence[PointSummary]) -> str:
     assumptions = list_assumptions(headlines[0].study)
     assumptions_note = f"; assuming {', '.join(assumptions)}" if assumptions else ""
     return (
-        format_table(rows, labels=len(varying))
+        format_table(rows, labels=len(varying_names))
         + "\n"
         + wrap_text(f"{common_inputs_note}{note_text(headlines[0])}{assumptions_note}", indent="  ")
     )
@@ -332,24 +343,27 @@ def contributions_text(point: PointSummary) -> str:
     """Return text with the contributions of mu0, adhesion and slopes to the coefficient, or "" if they are unknown."""
     if point.parts is None:
         return ""
-    mu0, adhesion, slopes = (round(contribution, 3) + 0.0 for contribution in point.parts)
-    sign = "\N{MINUS SIGN}" if slopes < 0 else "+"
-    qualifier = "" if math.isclose(mu0, point.at["mu0"], abs_tol=1e-3) else " on the load of the contacts"
-    return f"{mu0:.3f} (μ0{qualifier}) + {adhesion:.3f} (τ0 on the true area) {sign} {abs(slopes):.3f} (slopes)"
+    mu0, adhesion_part, slopes_part = (round(contribution, 3) + 0.0 for contribution in point.parts)
+    sign = "\N{MINUS SIGN}" if slopes_part < 0 else "+"
+    load_note = "" if math.isclose(mu0, point.at["mu0"], abs_tol=1e-3) else " on the load of the contacts"
+    return (
+        f"{mu0:.3f} (μ0{load_note}) + {adhesion_part:.3f} (τ0 on the true area) {sign} {abs(slopes_part):.3f} (slopes)"
+    )
 
 
 def budget_text(point: PointSummary) -> str:
     """Return text that names the measurement that would reduce the uncertainty most, and the resulting interval."""
-    largest = point.dominant_input
-    if largest is None or any(fault.text != WIDE_INTERVAL_TEXT for fault in point.faults):
+    dominant_input = point.dominant_input
+    if dominant_input is None or any(fault.text != WIDE_INTERVAL_TEXT for fault in point.faults):
         return ""
-    current, reduced = (
-        format_limits(low, high) for low, high in ((point.lower, point.upper), (largest.lower, largest.upper))
+    current_limits, reduced_limits = (
+        format_limits(low, high)
+        for low, high in ((point.lower, point.upper), (dominant_input.lower, dominant_input.upper))
     )
-    if current == reduced:
+    if current_limits == reduced_limits:
         return ""
-    action = _REMEDY_TEXTS.get(largest.words, f"Measuring {largest.words}")
-    return f"{action} would give [{reduced.replace(' to ', ', ')}]."
+    action = _REMEDY_TEXTS.get(dominant_input.words, f"Measuring {dominant_input.words}")
+    return f"{action} would give [{reduced_limits.replace(' to ', ', ')}]."
 
 
 _REMEDY_TEXTS = {
@@ -378,16 +392,16 @@ def single_test_text(point: PointSummary) -> str:
 
 def dwell_time_text(point: PointSummary) -> str:
     """Return text with the coefficients after the dwell times of the study, or an empty string without dwell times."""
-    entries = [
+    estimate_texts = [
         f"{format_time(aged.seconds)} {format_estimate(aged.value, aged.lower, aged.upper)}" for aged in point.waited
     ]
-    reason = (
+    ageing_reason = (
         "; none if the hardness falls below the pressure"
-        if any(math.isnan(aged.value) for aged in point.waited)
+        if any(math.isnan(aged_estimate.value) for aged_estimate in point.waited)
         else ""
     )
-    rate = f"; {format_significant(point.ageing)} for each factor e of time" if math.isfinite(point.ageing) else ""
-    return f"After a dwell time: {', '.join(entries)}{reason}{rate}." if entries else ""
+    rate_text = f"; {format_significant(point.ageing)} for each factor e of time" if math.isfinite(point.ageing) else ""
+    return f"After a dwell time: {', '.join(estimate_texts)}{ageing_reason}{rate_text}." if estimate_texts else ""
 
 
 def assessment_text(
@@ -401,27 +415,35 @@ def assessment_text(
     """
     if len({(point.verdict, point.caveats) for point in headlines}) == 1:
         point, caveats = headlines[0], headlines[0].caveats
-        faults = sum(caveat.severity == "fault" for caveat in caveats)
+        num_faults = sum(caveat.severity == "fault" for caveat in caveats)
         lines = [_caveat_line(caveat) for caveat in caveats]
-        num_shown = len(lines) if max_lines is None else max(_count_texts_within(lines, max_lines), faults, 1)
+        num_shown = len(lines) if max_lines is None else max(_count_texts_within(lines, max_lines), num_faults, 1)
         suffix = (
-            f". {budget}" if len(headlines) == 1 and not point.is_unloaded and (budget := budget_text(point)) else ""
+            f". {budget_sentence}"
+            if len(headlines) == 1 and not point.is_unloaded and (budget_sentence := budget_text(point))
+            else ""
         )
         suffix = suffix or (" a coefficient" if point.is_unloaded else "")
         first_line = wrap_text(f"{point.verdict}{suffix}", hang="  ")
     else:
-        groups: dict[tuple[str, str], list[Caveat]] = {}
+        caveat_groups: dict[tuple[str, str], list[Caveat]] = {}
         for caveat in (caveat for point in headlines for caveat in point.caveats):
-            groups.setdefault((caveat.severity, _CAVEAT_NUMBER_PATTERN.sub("", caveat.text)), []).append(caveat)
+            caveat_groups.setdefault((caveat.severity, _CAVEAT_NUMBER_PATTERN.sub("", caveat.text)), []).append(caveat)
         lines = [
-            _caveat_line(group[0], f" ({len(group)} of {len(headlines)})")
-            for group in sorted(groups.values(), key=lambda group: group[0].severity != "fault")
+            _caveat_line(caveat_group[0], f" ({len(caveat_group)} of {len(headlines)})")
+            for caveat_group in sorted(
+                caveat_groups.values(), key=lambda caveat_group: caveat_group[0].severity != "fault"
+            )
         ]
         num_shown = len(lines) if max_groups is None else max_groups
         num_shown = num_shown if max_lines is None else max(_count_texts_within(lines, max_lines), 1)
-        counts = [(verdict, sum(point.verdict == verdict for point in headlines)) for verdict in VERDICTS.values()]
-        assessed = ", ".join(f"{verdict} ({count} of {len(headlines)})" for verdict, count in counts if count)
-        first_line = wrap_text(f"{assessed}.")
+        verdict_counts = [
+            (verdict, sum(point.verdict == verdict for point in headlines)) for verdict in VERDICTS.values()
+        ]
+        assessments_text = ", ".join(
+            f"{verdict} ({count} of {len(headlines)})" for verdict, count in verdict_counts if count
+        )
+        first_line = wrap_text(f"{assessments_text}.")
     num_omitted = len(lines) - num_shown
     return "\n".join(
         [first_line, *lines[:num_shown], *([f"  {num_omitted} more: {complete} shows all"] if num_omitted > 0 else [])]
@@ -475,10 +497,10 @@ def quantities_text(all_points: xarray.Dataset, study: Study, *, verbose: bool =
     loads = list(iterate_points(dataset))
     has_area_fraction = "contact_area_fraction" in dataset and has_nominal_area(loads[0], study)
     rows: list[list[str]] = []
-    in_words = len(loads) == 1 and study.is_measured and not verbose
+    is_in_words = len(loads) == 1 and study.is_measured and not verbose
     for name in (*quantities_shown_in("table"), *(quantities_shown_in("verbose") if verbose else ())):
         is_hidden = {
-            "mean_pressure": in_words,  # hidden, because the printed load and area give the mean pressure
+            "mean_pressure": is_in_words,  # hidden, because the printed load and area give the mean pressure
             "contact_area": has_area_fraction and not verbose, "contact_area_fraction": not has_area_fraction,
             **dict.fromkeys(("closure", "closure_stiffness"), not (verbose or study.is_gap)),
             **dict.fromkeys(LOAD_INDEPENDENT_QUANTITIES, not verbose),
@@ -491,17 +513,17 @@ def quantities_text(all_points: xarray.Dataset, study: Study, *, verbose: bool =
             rows += _quantity_row(name, label, [point[name] for point in loads])
             if name == "contact_area_fraction" and rows:
                 rows[-1] = _with_statuses(rows[-1], [find_contact_status(point, study) for point in loads])
-    for name, below in _VERBOSE_QUANTILES if verbose else ():
+    for name, probability in _VERBOSE_QUANTILES if verbose else ():
         if name in dataset:
-            label = f"{QUANTITIES[name].table_label}, {100 * below:.0f}th percentile"
+            label = f"{QUANTITIES[name].table_label}, {100 * probability:.0f}th percentile"
             rows += _quantity_row(
-                name, label, [point[name].sel(fraction_below=below, method="nearest") for point in loads]
+                name, label, [point[name].sel(fraction_below=probability, method="nearest") for point in loads]
             )
     if verbose and "rms_gradient" in dataset:
         rows += _quantity_row(
             "rms_gradient", QUANTITIES["rms_gradient"].table_label, [point["rms_gradient"] for point in loads]
         )
-    if in_words:
+    if is_in_words:
         label = "; ".join(f"{name} {value.removesuffix(' no interval')} {unit}".rstrip() for name, unit, value in rows)
         return wrap_text(f"{label[:1].upper()}{label[1:]}.")
     first_heading = f"{cell}, mean [95 %]" if cell else "mean [95 %]"
@@ -541,8 +563,8 @@ def _quantity_row(name: str, label: str, estimates: Sequence[xarray.DataArray]) 
         factor = 1 / unit_factor
     else:
         largest = max((value for value in map(_largest_absolute_mean, estimates) if math.isfinite(value)), default=0.0)
-        scales = ((0.0, 100.0, "%"),) if QUANTITIES[name].percent else _UNIT_SCALES.get(unit, ((0.0, 1.0, ""),))
-        factor, unit_label = next((factor, name) for min_value, factor, name in scales if largest >= min_value)
+        unit_scales = ((0.0, 100.0, "%"),) if QUANTITIES[name].percent else _UNIT_SCALES.get(unit, ((0.0, 1.0, ""),))
+        factor, unit_label = next((factor, name) for min_value, factor, name in unit_scales if largest >= min_value)
     cells = [_estimate_cell(estimate, factor) for estimate in estimates]
     return [] if set(cells) == {"none"} else [[label, unit_label, *cells]]
 
@@ -608,7 +630,9 @@ def lay_text(table: xarray.DataArray) -> str:
     mean, lower, upper = (table.sel(statistic=statistic) for statistic in MEAN_AND_LIMITS)
     if not np.isfinite(lower.values).all():
         return "Grooves: unknown, because the coefficients along the axes have no intervals."
-    highest_index, lowest_index = (int(choose(mean.values)) for choose in (np.argmax, np.argmin))
+    highest_index, lowest_index = (
+        int(find_extreme_index(mean.values)) for find_extreme_index in (np.argmax, np.argmin)
+    )
     names = [_axis_name(float(table["axis"][index])) for index in (highest_index, lowest_index)]
     if float(lower[highest_index]) > float(upper[lowest_index]):
         increase = 100 * (float(mean[highest_index]) / float(mean[lowest_index]) - 1)
@@ -640,15 +664,17 @@ def resolution_text(summary: Summary) -> str:
 
 def history_text(dataset: xarray.Dataset, study: Study) -> str:
     """Return text that describes the preparation of the surfaces and the contact model."""
-    steps = {name: str(dataset.attrs[name]).replace("\n", "; ") for name in ("upper", "lower") if name in dataset.attrs}
-    mechanics = {"half-space": "the elastic half-space", "asperities": "asperities without interaction"}
-    model = [mechanics[study.contact.mechanics]]
+    preparation_steps = {
+        name: str(dataset.attrs[name]).replace("\n", "; ") for name in ("upper", "lower") if name in dataset.attrs
+    }
+    mechanics_texts = {"half-space": "the elastic half-space", "asperities": "asperities without interaction"}
+    model_texts = [mechanics_texts[study.contact.mechanics]]
     if "nominal_area" in dataset.coords:
-        model.append(f"on a nominal area of {float(dataset['nominal_area']):.4g} µm²")
+        model_texts.append(f"on a nominal area of {float(dataset['nominal_area']):.4g} µm²")
     if study.contact.mechanics == "asperities" and study.surfaces.kind != "surface":
-        model += [str(getattr(study.contact, name)) for name in ("law", "detection", "curvature")]
-    steps["model"] = ", ".join(model)
-    return "\n".join(wrap_text(f"{name:<9}{text}", hang=" " * 9) for name, text in steps.items())
+        model_texts += [str(getattr(study.contact, name)) for name in ("law", "detection", "curvature")]
+    preparation_steps["model"] = ", ".join(model_texts)
+    return "\n".join(wrap_text(f"{name:<9}{text}", hang=" " * 9) for name, text in preparation_steps.items())
 
 
 def preview_text(summary: Summary) -> str:
@@ -671,28 +697,33 @@ def overview_text(summary: Summary, max_lines: int | None = None, *, complete: s
     dataset, study, headlines = summary.at, summary.study, summary.headlines
     reduced_dataset = dataset if _count_rows(dataset) <= MAX_OVERVIEW_ROWS else _select_ends_and_middle(dataset)
     full_dataset, dataset = dataset, reduced_dataset
-    remainder = [name for name in ("amplitude", "sliding") if name in dataset.dims]
-    varying = [name for name in ("mu0", "tau0") if dataset.sizes[name] > 1]
+    outer_dimensions = [name for name in ("amplitude", "sliding") if name in dataset.dims]
+    varying_names = [name for name in ("mu0", "tau0") if dataset.sizes[name] > 1]
     tables, has_marks = [], False
-    for indices in np.ndindex(*(dataset.sizes[name] for name in remainder)):
-        subset = dataset.isel(dict(zip(remainder, indices, strict=True)))
-        labels = [[*(_COORDINATE_LABELS[name] for name in varying), roughness_exponent(study, 1.0)[0]]]
+    for indices in np.ndindex(*(dataset.sizes[name] for name in outer_dimensions)):
+        subset = dataset.isel(dict(zip(outer_dimensions, indices, strict=True)))
+        labels = [[*(_COORDINATE_LABELS[name] for name in varying_names), roughness_exponent(study, 1.0)[0]]]
         rows = [[format_with_unit(load, "mN") for load in dataset["load"].values.tolist()]]
-        for mu0, tau0, cell in np.ndindex(*(dataset.sizes[name] for name in ("mu0", "tau0", "fractal_dimension"))):
-            point = subset.isel(mu0=mu0, tau0=tau0, fractal_dimension=cell)
-            values = [_coordinate_text(name, float(point[name])) for name in varying]
+        for mu0, tau0, dimension_index in np.ndindex(
+            *(dataset.sizes[name] for name in ("mu0", "tau0", "fractal_dimension"))
+        ):
+            point = subset.isel(mu0=mu0, tau0=tau0, fractal_dimension=dimension_index)
+            values = [_coordinate_text(name, float(point[name])) for name in varying_names]
             labels.append([*values, f"{roughness_exponent(study, float(point['fractal_dimension']))[1]:.4g}"])
             rows.append([_overview_cell(point.isel(load=index)) for index in range(dataset.sizes["load"])])
         has_marks = has_marks or any(cell.endswith("*") for row in rows for cell in row)
-        sizes = [max(map(len, column)) for column in zip(*labels, strict=True)]
-        names = ["  ".join(text.ljust(size) for text, size in zip(row, sizes, strict=True)) for row in labels]
+        column_widths = [max(map(len, column)) for column in zip(*labels, strict=True)]
+        names = [
+            "  ".join(text.ljust(column_width) for text, column_width in zip(row, column_widths, strict=True))
+            for row in labels
+        ]
         table = format_table([[name, *cells] for name, cells in zip(names, rows, strict=True)])
-        tables.append(f"{wrap_text(_overview_title(subset, varying))}\n{table}")
+        tables.append(f"{wrap_text(_overview_title(subset, varying_names))}\n{table}")
     if has_marks:
         note = "* outside the model: more than half of the load is on overlaps > R/10, or on radii < spacing"
         tables.append(wrap_text(note))
-    if omission := _omission_text(dataset, full_dataset, study):
-        tables.append(wrap_text(omission))
+    if omission_note := _omission_text(dataset, full_dataset, study):
+        tables.append(wrap_text(omission_note))
     return "\n".join(tables) + f"\n\n{assessment_text(headlines, max_lines, complete=complete)}"
 
 
@@ -711,31 +742,31 @@ def _select_ends_and_middle(dataset: xarray.Dataset) -> xarray.Dataset:
 
 def _omission_text(dataset: xarray.Dataset, full_dataset: xarray.Dataset, study: Study) -> str:
     """Return how many values an overview omits and how to print them, or an empty string if all values are printed."""
-    every = study.surfaces.cells()["fractal_dimension"].size
-    sizes = {
-        roughness_exponent(study, 1.0)[0]: (dataset.sizes["fractal_dimension"], every),
+    num_dimensions = study.surfaces.cells()["fractal_dimension"].size
+    shown_and_available = {
+        roughness_exponent(study, 1.0)[0]: (dataset.sizes["fractal_dimension"], num_dimensions),
         "μ0": (dataset.sizes["mu0"], full_dataset.sizes["mu0"]),
         "τ0": (dataset.sizes["tau0"], full_dataset.sizes["tau0"]),
     }
-    counts = [
+    count_texts = [
         f"{num_shown} of {num_available} values of {name}"
-        for name, (num_shown, num_available) in sizes.items()
+        for name, (num_shown, num_available) in shown_and_available.items()
         if num_shown < num_available
     ]
-    return f"Shown: {', '.join(counts)}; use stiction at for all." if counts else ""
+    return f"Shown: {', '.join(count_texts)}; use stiction at for all." if count_texts else ""
 
 
 def _overview_title(dataset: xarray.Dataset, varying: Sequence[str]) -> str:
-    assignments = {
+    assignment_texts = {
         "mu0": f"μ0 = {float(dataset['mu0'][0]):g}",
         "tau0": f"τ0 = {_coordinate_text('tau0', float(dataset['tau0'][0]))}",
     }
-    conditions = [text for name, text in assignments.items() if name not in varying]
+    shared_conditions = [text for name, text in assignment_texts.items() if name not in varying]
     if "amplitude" in dataset.coords and dataset["amplitude"].ndim == 0:
-        conditions.append(f"amplitude {format_with_unit(float(dataset['amplitude']), 'um')}")
+        shared_conditions.append(f"amplitude {format_with_unit(float(dataset['amplitude']), 'um')}")
     if "sliding" in dataset.coords and dataset["sliding"].ndim == 0:
-        conditions.append(SLIDING_RULE_DESCRIPTIONS[str(dataset["sliding"].values)])
-    return f"μ_s [95 %] at {', '.join(conditions)}" if conditions else "μ_s [95 %]"
+        shared_conditions.append(SLIDING_RULE_DESCRIPTIONS[str(dataset["sliding"].values)])
+    return f"μ_s [95 %] at {', '.join(shared_conditions)}" if shared_conditions else "μ_s [95 %]"
 
 
 def _overview_cell(values: xarray.Dataset) -> str:
@@ -745,6 +776,6 @@ def _overview_cell(values: xarray.Dataset) -> str:
         return bad_statuses[0]
     name = "friction_all_round" if "friction_all_round" in values else "friction_coefficient"
     numbers = {name: mean_over_directions(values, name) for name in ("share_beyond_hertz", "share_below_grid")}
-    beyond = find_failed_check_caveats(ASPERITY_CHECKS, numbers)
+    failed_checks = find_failed_check_caveats(ASPERITY_CHECKS, numbers)
     mean, lower, upper = (float(values[name].sel(statistic=statistic)) for statistic in MEAN_AND_LIMITS)
-    return format_estimate(mean, lower, upper) + "*" * any(beyond)
+    return format_estimate(mean, lower, upper) + "*" * any(failed_checks)

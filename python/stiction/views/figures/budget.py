@@ -26,21 +26,25 @@ MAX_DRAWN_INPUTS = 5  # maximum number of inputs in the figure
 def budget_figure(point: PointSummary, *, title: str = "") -> Figure:
     """Draw the contributions to friction, the combined interval and the uncertainty budget (80 mm wide)."""
     width = point.upper - point.lower
-    remaining = [item for item in point.budget if item.width < (1 - MIN_DRAWN_REDUCTION) * width][:MAX_DRAWN_INPUTS]
+    remaining_inputs = [item for item in point.budget if item.width < (1 - MIN_DRAWN_REDUCTION) * width][
+        :MAX_DRAWN_INPUTS
+    ]
     test_interval = point.rules[0].next_test
     rows = [("combined", point.lower, point.upper)]
-    rows += [(f"{item.words} known", item.lower, item.upper) for item in remaining]
+    rows += [(f"{item.words} known", item.lower, item.upper) for item in remaining_inputs]
     figure = new_figure(34 + 5 * len(rows))
     axes: Any = figure.subplots()
-    start = 0.0
+    contribution_start = 0.0
     labels = (r"$\mu_0$", r"$\tau_0$ on the true area", "slopes")
     for contribution, colour, label in zip(
         point.parts or (point.value,), (NOT_OPPOSING_COLOUR, AREA_COLOUR, OPPOSING_COLOUR), labels, strict=False
     ):
-        axes.barh(0, contribution, left=start, height=0.6, color=colour, label=label if point.parts else None)
-        start += contribution
-    ends = [[point.value - point.lower], [point.upper - point.value]]
-    axes.errorbar([point.value], [0], xerr=ends, color="black", capsize=3, linewidth=1.2)
+        axes.barh(
+            0, contribution, left=contribution_start, height=0.6, color=colour, label=label if point.parts else None
+        )
+        contribution_start += contribution
+    interval_distances = [[point.value - point.lower], [point.upper - point.value]]
+    axes.errorbar([point.value], [0], xerr=interval_distances, color="black", capsize=3, linewidth=1.2)
     axes.plot(test_interval, [0.45, 0.45], color=FRICTION_COLOUR, linewidth=2, label="next test, 95 %")
     for row, (_, low, high) in enumerate(rows, 1):
         axes.plot([low, high], [row, row], color="black", linewidth=3 if row == 1 else 1.5, solid_capstyle="butt")

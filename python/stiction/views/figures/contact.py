@@ -70,9 +70,9 @@ def contact_figure(
     )
     overview_axes.set_xlim(x[0], x[-1])
     contact_count = f"{len(contact_points)} {'contact' if len(contact_points) == 1 else 'contacts'}"
-    caption = [] if load is None else [f"$F_N$ = {format_with_unit(load, 'mN')}"]
-    caption += [] if offset is None else [f"upper profile moved by {offset:.4g} µm"]
-    title_lines = (title, f"{contact_count} at an approach of {1000 * approach:.4g} nm", ", ".join(caption))
+    load_captions = [] if load is None else [f"$F_N$ = {format_with_unit(load, 'mN')}"]
+    load_captions += [] if offset is None else [f"upper profile moved by {offset:.4g} µm"]
+    title_lines = (title, f"{contact_count} at an approach of {1000 * approach:.4g} nm", ", ".join(load_captions))
     overview_axes.set_title("\n".join(filter(None, title_lines)), loc="left", fontsize=6, pad=3)
     is_in_zoom: NDArray[np.bool_] = np.zeros(len(contact_points), np.bool_)
     if len(contact_points):
@@ -93,12 +93,14 @@ def contact_figure(
     for ax in (overview_axes, zoomed_axes):
         ax.set(ylabel=axis_label("height_nm" if in_nanometres else "height"), xlabel=axis_label("x"))
     friction_forces = np.where(contact_points.opposing, mu0 * contact_points.force + tau0 * contact_points.area, 0.0)
-    style: dict[str, Any] = {"linestyle": "none", "markersize": 5}
+    marker_style: dict[str, Any] = {"linestyle": "none", "markersize": 5}
     handles = [
-        Line2D([], [], color=FORCE_COLOUR, marker=r"$\uparrow$", label="elastic force on the upper body", **style)
+        Line2D(
+            [], [], color=FORCE_COLOUR, marker=r"$\uparrow$", label="elastic force on the upper body", **marker_style
+        )
     ]
     if (friction_forces[is_in_zoom] > 0).any():
-        handles.append(Line2D([], [], color=FRICTION_COLOUR, marker=r"$\leftarrow$", label="friction", **style))
+        handles.append(Line2D([], [], color=FRICTION_COLOUR, marker=r"$\leftarrow$", label="friction", **marker_style))
     figure.legend(
         handles=handles,
         title="arrows are normal and tangential to the surfaces as drawn",
@@ -223,9 +225,9 @@ def contacts_figure(
     ):
         percent = 100 * force[mask].sum() / (force.sum() or 1.0)
         text = f"{int(mask.sum())} {caption}, with {percent:.0f} % of the load"
-        style: dict[str, Any] = {"facecolors": "none", "marker": marker}
-        axes.scatter(x[mask], y[mask], s=sizes[mask], edgecolors="white", linewidths=2.0, **style)
-        axes.scatter(x[mask], y[mask], s=sizes[mask], edgecolors=colour, linewidths=1.2, label=text, **style)
+        marker_style: dict[str, Any] = {"facecolors": "none", "marker": marker}
+        axes.scatter(x[mask], y[mask], s=sizes[mask], edgecolors="white", linewidths=2.0, **marker_style)
+        axes.scatter(x[mask], y[mask], s=sizes[mask], edgecolors=colour, linewidths=1.2, label=text, **marker_style)
     displacement = [float(picture.attrs[name]) for name in ("x", "y")]
     displacement_texts = [f"{item:.3g} µm".replace("-", "\N{MINUS SIGN}") for item in displacement]
     displacement_caption = (
@@ -267,11 +269,11 @@ def draw_frame(axes: Axes, box: tuple[float, float, float, float]) -> None:
 
 def map_extent(picture: xarray.Dataset, name: str) -> tuple[float, float, float, float]:
     """Return the extent of a map (left, right, bottom, top) in µm."""
-    ends: list[float] = []
+    extent: list[float] = []
     for axis in ("x", "y"):
         values = picture[f"{name}_{axis}"].values
-        ends += [float(values[0]), float(2 * values[-1] - values[-2])]
-    return ends[0], ends[1], ends[2], ends[3]
+        extent += [float(values[0]), float(2 * values[-1] - values[-2])]
+    return extent[0], extent[1], extent[2], extent[3]
 
 
 def _pressure_panel(figure: Figure, axes: Axes, picture: xarray.Dataset, hardness: float | None) -> None:

@@ -49,17 +49,21 @@ def compass_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
                 np.radians(fine_degrees), _interpolate_periodic(degrees, mean, fine_degrees), color=colour, linewidth=1
             )
         if np.isfinite(low).all() and np.isfinite(high).all():
-            ends = (_interpolate_periodic(degrees, interval_end, fine_degrees) for interval_end in (low, high))
-            axes.fill_between(np.radians(fine_degrees), *ends, color=colour, alpha=0.2, linewidth=0)
+            interval_limits = (
+                _interpolate_periodic(degrees, interval_end, fine_degrees) for interval_end in (low, high)
+            )
+            axes.fill_between(np.radians(fine_degrees), *interval_limits, color=colour, alpha=0.2, linewidth=0)
             highest = max(highest, min(float(high.max()), 2 * highest))
         if "gentle_friction" in selected:
-            estimate = selected["gentle_friction"]
-            estimate = estimate.sel(statistic="mean") if "statistic" in estimate.dims else estimate
-            if np.isfinite(estimate.values).all():
+            slope_estimate = selected["gentle_friction"]
+            slope_estimate = (
+                slope_estimate.sel(statistic="mean") if "statistic" in slope_estimate.dims else slope_estimate
+            )
+            if np.isfinite(slope_estimate.values).all():
                 estimate_label = "small-slope estimate" if rule == rules[0] else None
                 axes.plot(
                     np.radians(fine_degrees),
-                    _interpolate_periodic(degrees, estimate.values, fine_degrees),
+                    _interpolate_periodic(degrees, slope_estimate.values, fine_degrees),
                     ":",
                     color="0.2",
                     linewidth=0.8,

@@ -111,8 +111,8 @@ def heading_lines(dataset: xarray.Dataset, study: Study) -> list[str]:
     angle = dataset["direction"].item() if "direction" in dataset.coords else float(contact.direction_angles()[0])
     lines = []
     if study.is_areal or study.uses_half_space or rule != "opposing":
-        mechanics = "half-space, " if study.uses_half_space else ""
-        lines.append(f"{mechanics}sliding: {rule}, along {direction_text(angle)}")
+        mechanics_text = "half-space, " if study.uses_half_space else ""
+        lines.append(f"{mechanics_text}sliding: {rule}, along {direction_text(angle)}")
     finished, total = dataset.sizes["repetition"], study.ensemble.repetitions
     if finished < total:
         lines.append(f"unfinished: {finished} of {total} repetitions")
@@ -134,14 +134,14 @@ def create_figure_with_axes_rows(
     rows: int, height: float, above: float, below: float, *, between: float
 ) -> tuple[Figure, float, Callable[[float, int, float], Axes]]:
     """Return a figure (170 mm wide), its height in mm, and a function that adds axes to a given row."""
-    total = above + below + rows * (height + between) - between
-    figure = new_figure(total, width=PAGE_WIDTH, layout=None)
+    total_height = above + below + rows * (height + between) - between
+    figure = new_figure(total_height, width=PAGE_WIDTH, layout=None)
 
     def axes_at(left: float, row: int, width: float) -> Axes:
         bottom = below + (rows - 1 - row) * (height + between)
-        return figure.add_axes((left / 170, bottom / total, width / 170, height / total))
+        return figure.add_axes((left / 170, bottom / total_height, width / 170, height / total_height))
 
-    return figure, total, axes_at
+    return figure, total_height, axes_at
 
 
 # ---- Friction coefficient over fractal dimension and load -----------------------------------------------------------
@@ -168,10 +168,10 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
     handles = _legend_handles(maps, asperities=not study.uses_half_space)
     above, below = 15.0 + HEADING_HEIGHT * len(lines), 16.0 + (3.0 if len(handles) > MAX_LEGEND_COLUMNS else 0.0)
     height = 42.0 if amplitudes.size == 1 else 34.0
-    figure, total, axes_at = create_figure_with_axes_rows(amplitudes.size, height, above, below, between=4.0)
+    figure, total_height, axes_at = create_figure_with_axes_rows(amplitudes.size, height, above, below, between=4.0)
     norm = _colour_norm(maps)
     for row, amplitude in enumerate(amplitudes):
-        last = row == amplitudes.size - 1
+        is_last_row = row == amplitudes.size - 1
         width = (99 - 4 * (len(strengths) - 1)) / len(strengths)
         for column, strength in enumerate(strengths):
             ax = axes_at(13 + column * (width + 4), row, width)
@@ -183,7 +183,7 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
             if row == 0:
                 ax.set_title(rf"$\tau_0$ = {strength.text}", pad=2)
                 draw_panel_letter(ax, column)
-            format_dimension_axis(ax, dataset, last=last)
+            format_dimension_axis(ax, dataset, last=is_last_row)
             if amplitudes.size > 1:
                 ax.text(
                     0.96, 0.96, f"$a$ = {1000 * amplitude:g} nm", transform=ax.transAxes, fontsize=6, ha="right",
@@ -196,8 +196,8 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
         if row == 0:
             ax.set_title(f"at $F_N$ = {format_with_unit(load, 'mN')}", pad=2)
             draw_panel_letter(ax, len(strengths))
-        format_dimension_axis(ax, dataset, last=last)
-    _colour_bar(figure, (13 / 170, 1 - (above - 5.5) / total, 99 / 170, 2.2 / total), norm, mu0)
+        format_dimension_axis(ax, dataset, last=is_last_row)
+    _colour_bar(figure, (13 / 170, 1 - (above - 5.5) / total_height, 99 / 170, 2.2 / total_height), norm, mu0)
     draw_heading(figure, lines)
     figure.legend(
         handles=handles, loc="lower center", ncols=len(handles) if len(handles) <= MAX_LEGEND_COLUMNS else 3,
@@ -208,18 +208,18 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
 
 def _common_load(result: Result, lowest: float) -> float:
     """Return a load (mN) that nine of ten ensembles reach. Powers of ten from `lowest` upwards are preferred."""
-    elastic = result.means(["normal_elastic"])["normal_elastic"].max(result.study.step_quantity).values
-    common = float(np.quantile(elastic[elastic > 0], 0.1))
-    power = 10.0 ** np.floor(np.log10(0.9 * common))
-    return float(power if power >= lowest else max(common, lowest))
+    elastic_loads = result.means(["normal_elastic"])["normal_elastic"].max(result.study.step_quantity).values
+    common_load = float(np.quantile(elastic_loads[elastic_loads > 0], 0.1))
+    power = 10.0 ** np.floor(np.log10(0.9 * common_load))
+    return float(power if power >= lowest else max(common_load, lowest))
 
 
 def format_dimension_axis(axes: Axes, dataset: xarray.Dataset, *, last: bool) -> None:
     """Format the axis of the fractal dimension, with a label below the last row of panels."""
     axes.locator_params("x", nbins=4, steps=[1, 2, 5, 10])
     if last:
-        classical = dataset["fractal_dimension"].attrs.get("convention") == "classical"
-        axes.set_xlabel(axis_label("fractal_dimension") + (" (classical)" if classical else ""))
+        is_classical = dataset["fractal_dimension"].attrs.get("convention") == "classical"
+        axes.set_xlabel(axis_label("fractal_dimension") + (" (classical)" if is_classical else ""))
     else:
         axes.tick_params(labelbottom=False)
 
@@ -290,8 +290,8 @@ def _colour_norm(maps: xarray.Dataset) -> Any:
     values = maps["friction_coefficient"].sel(statistic="mean").values
     finite = np.isfinite(values) & (values > 0)
     is_valid = finite & ~(maps["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)
-    positive = values[is_valid if is_valid.sum() > 0.1 * finite.sum() else finite]
-    low, high = np.quantile(positive, COLOUR_QUANTILES) if positive.size else (0.1, 1.0)
+    positive_values = values[is_valid if is_valid.sum() > 0.1 * finite.sum() else finite]
+    low, high = np.quantile(positive_values, COLOUR_QUANTILES) if positive_values.size else (0.1, 1.0)
     step = 10.0 ** np.floor(np.log10(low)) / 2  # the limits of the scale are multiples of this step
     low, high = max(np.floor(low / step) * step, step), np.ceil(high / step) * step
     return LogNorm(low, max(high, low + step))
@@ -315,12 +315,12 @@ def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: float) -
     fraction = panel["share_beyond_hertz"].values
     _hatch_cells(axes, *edges, finite & (fraction > MAX_AFFECTED_FRACTION))
     if min(values.shape) > 1:
-        masked = np.ma.masked_invalid(fraction)
-        if masked.count() and masked.min() < MAX_AFFECTED_FRACTION < masked.max():
+        masked_fractions = np.ma.masked_invalid(fraction)
+        if masked_fractions.count() and masked_fractions.min() < MAX_AFFECTED_FRACTION < masked_fractions.max():
             axes.contour(
                 panel["fractal_dimension"].values,
                 panel["load"].values,
-                masked,
+                masked_fractions,
                 levels=[MAX_AFFECTED_FRACTION],
                 colors="0.1",
                 linewidths=0.7,
@@ -328,10 +328,10 @@ def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: float) -
     axes.axhline(load, color="black", linewidth=0.5)
 
 
-def _hatch_cells(axes: Axes, x: Floats, y: Floats, cells: NDArray[np.bool_]) -> None:
+def _hatch_cells(axes: Axes, x: Floats, y: Floats, is_hatched: NDArray[np.bool_]) -> None:
     """Hatch the cells that are True in a mask, without changing the colours of the cells."""
     vertices: list[tuple[float, float]] = []
-    for row, column in np.argwhere(cells):
+    for row, column in np.argwhere(is_hatched):
         left, right, bottom, top = x[column], x[column + 1], y[row], y[row + 1]
         vertices += [(left, bottom), (right, bottom), (right, top), (left, top), (left, bottom)]
     if vertices:
@@ -346,9 +346,9 @@ _INVALID_CELL_STYLE: dict[str, Any] = {"facecolor": "none", "edgecolor": "white"
 """Style of cells in which the model is not valid."""
 
 
-def _compute_fading(friction: Floats) -> Floats:
+def _compute_fading(friction_with_limits: Floats) -> Floats:
     """Return the fading of each cell, which increases with the relative width of the cell's interval."""
-    values, lower, upper = np.moveaxis(friction, -1, 0)
+    values, lower, upper = np.moveaxis(friction_with_limits, -1, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         width = (upper - lower) / values
     min_width, max_width, max_fading = FADING_PARAMETERS
@@ -392,8 +392,8 @@ def _legend_handles(maps: xarray.Dataset, *, asperities: bool) -> list[Any]:
 def _cell_edges(centres: Floats) -> Floats:
     if centres.size == 1:
         return np.array([centres[0] - 0.5, centres[0] + 0.5])
-    middles = (centres[1:] + centres[:-1]) / 2
-    return np.concatenate([[2 * centres[0] - middles[0]], middles, [2 * centres[-1] - middles[-1]]])
+    midpoints = (centres[1:] + centres[:-1]) / 2
+    return np.concatenate([[2 * centres[0] - midpoints[0]], midpoints, [2 * centres[-1] - midpoints[-1]]])
 
 
 # ---- Area against load ----------------------------------------------------------------------------------------------
@@ -405,8 +405,8 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
     study, loads = result.study, result.reached_loads()
     mu0, tau0 = study.friction.mu0[0], float(study.friction.tau0[0])
     indices = evenly_spaced_indices(dataset.sizes["fractal_dimension"], MAX_CURVES)
-    drawn = Result(dataset.isel(fractal_dimension=indices))
-    areas = drawn.at(loads, mu0=mu0, tau0=tau0, quantities=["contact_area"]).isel(mu0=0, tau0=0)
+    drawn_result = Result(dataset.isel(fractal_dimension=indices))
+    areas = drawn_result.at(loads, mu0=mu0, tau0=tau0, quantities=["contact_area"]).isel(mu0=0, tau0=0)
     amplitudes = areas["amplitude"].values
     lines = heading_lines(dataset, study)
     height = 50.0 if amplitudes.size == 1 else 38.0
@@ -455,31 +455,43 @@ def _area_curves(
     area, lower, upper = (areas["contact_area"].sel(statistic=each).values for each in MEAN_AND_LIMITS)
     is_valid = has_no_validity_limit | (areas["share_beyond_hertz"].values <= MAX_AFFECTED_FRACTION)
     positive = area[area > 0]
-    for ax, scale in zip(axes, (np.ones(load.size), 1 / load), strict=True):
+    for ax, area_factor in zip(axes, (np.ones(load.size), 1 / load), strict=True):
         ax.set(xscale="log", xlim=(load[0] / (load[-1] / load[0]) ** 0.24, load[-1] * 1.2))
         if not positive.size:
             ax.text(0.5, 0.5, "no load reached", transform=ax.transAxes, ha="center")
             continue
         ax.set_yscale("log")
         # The axis limits depend on the means only, so that very wide bands may be cut off.
-        values = (scale * area)[area > 0]
+        values = (area_factor * area)[area > 0]
         ax.set_ylim(values.min() / MAX_DRAWN_BAND_RATIO, values.max() * MAX_DRAWN_BAND_RATIO)
         set_log_ticks(ax)
         labels, label_heights = [], []
-        for curve, colour in enumerate(fractal_dimension_colours(dimensions)):
-            ax.fill_between(load, scale * lower[curve], scale * upper[curve], color=colour, alpha=0.25, linewidth=0)
-            ax.plot(load, scale * area[curve], ":", color=colour, linewidth=0.8)
-            ax.plot(load, np.where(is_valid[curve], scale * area[curve], np.nan), color=colour, linewidth=0.8)
-            indices = np.flatnonzero(area[curve] > 0)
+        for curve_index, colour in enumerate(fractal_dimension_colours(dimensions)):
+            ax.fill_between(
+                load,
+                area_factor * lower[curve_index],
+                area_factor * upper[curve_index],
+                color=colour,
+                alpha=0.25,
+                linewidth=0,
+            )
+            ax.plot(load, area_factor * area[curve_index], ":", color=colour, linewidth=0.8)
+            ax.plot(
+                load,
+                np.where(is_valid[curve_index], area_factor * area[curve_index], np.nan),
+                color=colour,
+                linewidth=0.8,
+            )
+            indices = np.flatnonzero(area[curve_index] > 0)
             if indices.size:
-                labels.append((load[indices[0]], dimensions[curve], colour))
-                label_heights.append(np.log(scale[indices[0]] * area[curve, indices[0]]))
+                labels.append((load[indices[0]], dimensions[curve_index], colour))
+                label_heights.append(np.log(area_factor[indices[0]] * area[curve_index, indices[0]]))
         low, high = np.log(ax.get_ylim())
         spread_heights = spread_labels(label_heights, label_distance * (high - low))
         spread_heights += max(0, low + label_distance * (high - low) - spread_heights.min(initial=high))
-        for (start, dimension, colour), place in zip(labels, spread_heights, strict=True):
+        for (curve_start, dimension, colour), label_height in zip(labels, spread_heights, strict=True):
             text = f"{dimension:.2f}" if dimension != dimensions[0] else f"$D$ = {dimension:.2f}"
-            ax.text(start / 1.12, np.exp(place), text, color=colour, fontsize=6, ha="right", va="center")
+            ax.text(curve_start / 1.12, np.exp(label_height), text, color=colour, fontsize=6, ha="right", va="center")
 
 
 # ---- Surfaces -------------------------------------------------------------------------------------------------------
@@ -496,13 +508,13 @@ def profiles_figure(study: Study) -> Figure:
     axes = figure.subplots(dimensions.size, 2, squeeze=False, sharex="col", sharey=True)
     for row, dimension in enumerate(dimensions):
         _, profile = pair_of(study, 0, fractal_dimension=dimension, amplitude=amplitude)
-        for ax, end in zip(axes[row], (profile.extent, window), strict=True):
-            is_shown = profile.x <= end
+        for ax, x_limit in zip(axes[row], (profile.extent, window), strict=True):
+            is_shown = profile.x <= x_limit
             ax.fill_between(
                 profile.x[is_shown], profile.heights[is_shown], profile.heights.min(), color="0.85", linewidth=0
             )
             ax.plot(profile.x[is_shown], profile.heights[is_shown], color="0.2", linewidth=0.4)
-            ax.set_xlim(0, end)
+            ax.set_xlim(0, x_limit)
         axes[row, 0].set_title(f"$D$ = {dimension:.3g}", loc="left", pad=2)
     for ax in axes[-1]:
         ax.set_xlabel(axis_label("x"))
@@ -515,35 +527,35 @@ def length_scales_figure(study: Study) -> Figure:
     surfaces: Any = study.surfaces
     dimension = surfaces.fractal_dimensions()[0]
     extent = float(surfaces.extent)
-    pixels = int(min(SURFACE_PICTURE_POINTS, surfaces.points))
-    scales = [factor * float(surfaces.length_scale) for factor in LENGTH_SCALE_FACTORS]
+    num_points = int(min(SURFACE_PICTURE_POINTS, surfaces.points))
+    length_scales = [factor * float(surfaces.length_scale) for factor in LENGTH_SCALE_FACTORS]
     figure = new_figure(66)
-    axes = figure.subplots(2, len(scales), height_ratios=[1, 1.2], sharex=True)
-    for column, scale in enumerate(scales):
-        study_of_scale = study.with_changes({"surfaces.length_scale": exact_quantity(scale, "um")})
-        profile = unscaled_profile(study_of_scale, 0, "lower", dimension)
+    axes = figure.subplots(2, len(length_scales), height_ratios=[1, 1.2], sharex=True)
+    for column, length_scale in enumerate(length_scales):
+        scaled_study = study.with_changes({"surfaces.length_scale": exact_quantity(length_scale, "um")})
+        profile = unscaled_profile(scaled_study, 0, "lower", dimension)
         surface = weierstrass_mandelbrot_surface(
             generate_phases(study, 0, "lower"),
             dimension,
-            shape=(pixels, pixels),
+            shape=(num_points, num_points),
             extent=extent,
-            length_scale=scale,
+            length_scale=length_scale,
             gamma=surfaces.gamma,
             convention=surfaces.convention,
             band_limit="nyquist",
         )
-        top, bottom = axes[:, column]
-        top.plot(profile.x, profile.heights - profile.heights.mean(), color="0.2", linewidth=0.4)
-        top.set(title=f"$L$ = {scale:.3g} µm", xlim=(0, extent))
+        profile_axes, surface_axes = axes[:, column]
+        profile_axes.plot(profile.x, profile.heights - profile.heights.mean(), color="0.2", linewidth=0.4)
+        profile_axes.set(title=f"$L$ = {length_scale:.3g} µm", xlim=(0, extent))
         heights = surface.heights - surface.heights.mean()
-        image = bottom.imshow(heights, extent=(0, extent, 0, extent), origin="lower", cmap=HEIGHT_COLOUR_MAP)
-        bar = figure.colorbar(image, ax=bottom, location="bottom", pad=0.02)
-        bar.locator = MaxNLocator(3)
-        bar.set_label(axis_label("height"))
-        bottom.set_xlabel(axis_label("x"))
-        bottom.tick_params(axis="x", labelbottom=True)
+        image = surface_axes.imshow(heights, extent=(0, extent, 0, extent), origin="lower", cmap=HEIGHT_COLOUR_MAP)
+        colour_bar = figure.colorbar(image, ax=surface_axes, location="bottom", pad=0.02)
+        colour_bar.locator = MaxNLocator(3)
+        colour_bar.set_label(axis_label("height"))
+        surface_axes.set_xlabel(axis_label("x"))
+        surface_axes.tick_params(axis="x", labelbottom=True)
         if column > 0:
-            bottom.tick_params(labelleft=False)
+            surface_axes.tick_params(labelleft=False)
     axes[0, 0].set_ylabel(axis_label("height"))
     axes[1, 0].set_ylabel(axis_label("y"))
     return figure

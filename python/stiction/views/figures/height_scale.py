@@ -29,18 +29,18 @@ def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
         Result of `evaluate_height_scale` at one load, mu0 and tau0.
     title : str
     """
-    scales = np.asarray(points["height_scale"].values, dtype=np.float64)
-    gradient = points["rms_gradient"].sel(statistic="mean").values
-    measured_gradient = np.interp(1.0, scales, gradient)
-    has_load = np.array([not is_unloaded(points.isel(height_scale=index)) for index in range(scales.size)])
+    height_factors = np.asarray(points["height_scale"].values, dtype=np.float64)
+    rms_gradient = points["rms_gradient"].sel(statistic="mean").values
+    measured_gradient = np.interp(1.0, height_factors, rms_gradient)
+    has_load = np.array([not is_unloaded(points.isel(height_scale=index)) for index in range(height_factors.size)])
     figure = new_figure(114)
     friction_axes, area_axes = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
     for rule in (rule for rule in SLIDING_RULE_COLOURS if rule in np.atleast_1d(points["sliding"].values)):
         combined = select_sliding_rule(points["friction_combined"], rule)
         mean, low, high = (combined.sel(statistic=statistic).where(has_load).values for statistic in MEAN_AND_LIMITS)
-        friction_axes.fill_between(gradient, low, high, color=SLIDING_RULE_COLOURS[rule], alpha=0.2, linewidth=0)
+        friction_axes.fill_between(rms_gradient, low, high, color=SLIDING_RULE_COLOURS[rule], alpha=0.2, linewidth=0)
         friction_axes.plot(
-            gradient,
+            rms_gradient,
             mean,
             "o-",
             color=SLIDING_RULE_COLOURS[rule],
@@ -51,8 +51,8 @@ def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     has_fraction = "contact_area_fraction" in points
     area = 100 * points["contact_area_fraction"] if has_fraction else points["contact_area"]
     mean, low, high = (area.sel(statistic=statistic).values for statistic in MEAN_AND_LIMITS)
-    area_axes.fill_between(gradient, low, high, color=AREA_COLOUR, alpha=0.2, linewidth=0)
-    area_axes.plot(gradient, mean, "o-", color=AREA_COLOUR, linewidth=1, markersize=2)
+    area_axes.fill_between(rms_gradient, low, high, color=AREA_COLOUR, alpha=0.2, linewidth=0)
+    area_axes.plot(rms_gradient, mean, "o-", color=AREA_COLOUR, linewidth=1, markersize=2)
     area_axes.set_xscale("log")
     if (mean > 0).any():
         area_axes.set_yscale("log")

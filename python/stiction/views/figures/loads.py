@@ -66,17 +66,17 @@ def load_figure(points: xarray.Dataset, study_loads: Sequence[float] = (), *, ti
 
 def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     """Draw closure and closure stiffness against nominal pressure for a dataset from `at_load` (80 mm wide)."""
-    stress = 1000 / float(points["nominal_area"])  # nominal pressure per load, MPa/mN
+    pressure_per_load = 1000 / float(points["nominal_area"])  # nominal pressure per load, MPa/mN
     figure = new_figure(100)
     for ax, name in zip(figure.subplots(2, 1, sharex=True), ("closure", "closure_stiffness"), strict=True):
-        x = stress * np.asarray(points["load"].values, dtype=np.float64)
+        x = pressure_per_load * np.asarray(points["load"].values, dtype=np.float64)
         mean, low, high = (points[name].sel(statistic=statistic).values for statistic in MEAN_AND_LIMITS)
         ax.fill_between(x, low, high, color=AREA_COLOUR, alpha=0.2, linewidth=0)
         ax.plot(x, mean, "o-", color=AREA_COLOUR, linewidth=1, markersize=2)
         ax.set(ylabel=axis_label(name), ylim=(0, None))
     figure.axes[1].set(xlabel=axis_label("nominal_pressure"), xlim=(0, None))
-    bands = INTERVAL_BAND_LEGENDS[False] if np.isfinite(low).any() else ""
-    figure.suptitle("\n".join(filter(None, (title, bands))), fontsize=6)
+    bands_label = INTERVAL_BAND_LEGENDS[False] if np.isfinite(low).any() else ""
+    figure.suptitle("\n".join(filter(None, (title, bands_label))), fontsize=6)
     return figure
 
 
@@ -85,27 +85,29 @@ def adhesion_figure(branches: xarray.Dataset, *, title: str = "") -> Figure:
 
     `branches` is a result of `loading_cycle`. The pull-off force is marked.
     """
-    unloading = branches["going"].values
+    is_unloading = branches["going"].values
     load, area = branches["load"].values, branches["contact_area"].values
     is_visible = load <= LOADS_RELATIVE_TO_PULL_OFF[-1] * -load.min() * 1.001  # loads within the limits of the figure
     factor, unit = choose_prefix(float(abs(load[is_visible]).max()), "mN")
     figure = new_figure(70)
     abscissas = [(branches["approach"].values * 1000, "approach (nm)")] if branches["approach"].notnull().all() else []
     panels: Any = figure.subplots(1, len(abscissas) + 1, sharey=True, squeeze=False)[0]
-    nominal = float(branches.attrs["nominal_area"])
-    abscissas.append((100 * area / nominal, axis_label("contact_area_fraction")))
+    nominal_area = float(branches.attrs["nominal_area"])
+    abscissas.append((100 * area / nominal_area, axis_label("contact_area_fraction")))
     for axes, (x, x_label) in zip(panels, abscissas, strict=True):
         axes.axhline(0, color="0.6", linewidth=0.5)
         axes.plot(
-            x[~unloading],
-            load[~unloading] / factor,
+            x[~is_unloading],
+            load[~is_unloading] / factor,
             "o-",
             color=ALL_CONTACTS_COLOUR,
             markersize=3,
             linewidth=1,
             label="loading",
         )
-        axes.plot(x[unloading], load[unloading] / factor, "--", color=OPPOSING_COLOUR, linewidth=1.2, label="unloading")
+        axes.plot(
+            x[is_unloading], load[is_unloading] / factor, "--", color=OPPOSING_COLOUR, linewidth=1.2, label="unloading"
+        )
         pull_off_index = int(load.argmin())
         axes.plot(
             x[pull_off_index],
@@ -172,14 +174,16 @@ def _draw_limits(friction_axes: Axes, area_axes: Axes, limits: Mapping[str, Any]
         axes.plot(wavelengths[is_shown], mean, "--", color=colour, linewidth=0.8, label=curve_label)
         if axes is friction_axes:
             axes.set_ylim(0, max(axes.get_ylim()[1], 1.05 * float(np.nanmax(mean))))
-    spectral = limits.get("spectral")
-    if spectral is not None:
-        spectral = spectral.isel(wavelength=spectral.wavelength <= MAX_SPECTRAL_CUTOFF_RATIO * x.max())
-        for rule in spectral.sliding.values:
+    spectral_estimate = limits.get("spectral")
+    if spectral_estimate is not None:
+        spectral_estimate = spectral_estimate.isel(
+            wavelength=spectral_estimate.wavelength <= MAX_SPECTRAL_CUTOFF_RATIO * x.max()
+        )
+        for rule in spectral_estimate.sliding.values:
             curve_label = "estimate from spectra" if rule == "all" else None
-            values = spectral.friction_coefficient.sel(sliding=rule)
+            values = spectral_estimate.friction_coefficient.sel(sliding=rule)
             friction_axes.plot(
-                spectral.wavelength,
+                spectral_estimate.wavelength,
                 values,
                 "-.",
                 color=SLIDING_RULE_COLOURS[str(rule)],
@@ -187,7 +191,11 @@ def _draw_limits(friction_axes: Axes, area_axes: Axes, limits: Mapping[str, Any]
                 label=curve_label,
             )
         area_axes.plot(
-            spectral.wavelength, 100 * spectral.contact_area_fraction, "-.", color=AREA_COLOUR, linewidth=0.8
+            spectral_estimate.wavelength,
+            100 * spectral_estimate.contact_area_fraction,
+            "-.",
+            color=AREA_COLOUR,
+            linewidth=0.8,
         )
     if limits.get("shortest"):
         for axes in (friction_axes, area_axes):

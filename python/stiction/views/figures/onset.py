@@ -48,8 +48,8 @@ def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
 
     `onset` is a result of `compute_onset`. A half-plane has no displacement, so only the slipping fractions are drawn.
     """
-    curve = onset.sel(statistic="mean")
-    displacement, load = (_prepend_zero(curve[name].values) for name in ("displacement", "tangential_load"))
+    mean_onset = onset.sel(statistic="mean")
+    displacement, load = (_prepend_zero(mean_onset[name].values) for name in ("displacement", "tangential_load"))
     has_displacement = bool(np.isfinite(displacement).all())
     figure = new_figure(114 if has_displacement else 66)
     panels = figure.subplots(
@@ -61,10 +61,10 @@ def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
         if np.isfinite(low).all():
             axes.fill_betweenx(load, 1e3 * low, 1e3 * high, color=FORCE_COLOUR, alpha=0.15, linewidth=0)
         for amplitude, colour in zip(CYCLE_AMPLITUDES, CYCLE_COLOURS, strict=True):
-            cycle = _masing_cycle(displacement, load, float(curve["tangential_load"].sel(fraction=amplitude)))
-            energy_loss = 1e3 * float(curve["energy_lost"].sel(fraction=amplitude))
+            load_cycle = _masing_cycle(displacement, load, float(mean_onset["tangential_load"].sel(fraction=amplitude)))
+            energy_loss = 1e3 * float(mean_onset["energy_lost"].sel(fraction=amplitude))
             text = f"cycle of {amplitude:g}: {format_with_unit(energy_loss, 'pJ')}"
-            axes.plot(1e3 * cycle[0], cycle[1], color=colour, linewidth=0.8, label=text)
+            axes.plot(1e3 * load_cycle[0], load_cycle[1], color=colour, linewidth=0.8, label=text)
         loading_curve = _interpolate_loading(displacement, load, float(load[-1]))
         axes.plot(1e3 * loading_curve[0], loading_curve[1], color=FORCE_COLOUR, linewidth=1.2, label="first loading")
         axes.axhline(0, color="0.7", linewidth=0.4)
@@ -90,9 +90,9 @@ def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
 
 
 def _heading(onset: xarray.Dataset, title: str) -> str:
-    a = onset.attrs
-    parameters = friction_parameters_text(float(a["mu0"]), float(a["tau0_GPa"]))
-    return f"{title}\n{parameters}, $F_N$ = {format_with_unit(float(a['load_mN']), 'mN')}".strip()
+    attributes = onset.attrs
+    parameters = friction_parameters_text(float(attributes["mu0"]), float(attributes["tau0_GPa"]))
+    return f"{title}\n{parameters}, $F_N$ = {format_with_unit(float(attributes['load_mN']), 'mN')}".strip()
 
 
 def _prepend_zero(values: Floats) -> Floats:
@@ -190,10 +190,10 @@ def _densest_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice], tuple[f
     contact_density = gaussian_filter(
         is_contact.astype(np.float64), [width / 4 for width in window_shape], mode="constant"
     )
-    peak = np.unravel_index(int(contact_density.argmax()), contact_density.shape)
+    densest_index = np.unravel_index(int(contact_density.argmax()), contact_density.shape)
     rows, columns = (
         slice(start := int(np.clip(centre - width // 2, 0, length - width)), start + width)
-        for centre, width, length in zip(peak, window_shape, is_contact.shape, strict=True)
+        for centre, width, length in zip(densest_index, window_shape, is_contact.shape, strict=True)
     )
     return (rows, columns), map_extent(onset.isel(slip_y=rows, slip_x=columns), "slip")
 
@@ -224,8 +224,13 @@ def dimension_onset_figure(dataset: xarray.Dataset) -> Figure:
     assert isinstance(study.contact, AsperitySettings)
     settings = study.contact.onset
     assert settings is not None
-    ends = np.log(result.reached_loads(2))
-    loads = np.unique([float(f"{np.exp(ends[0] + fraction * (ends[1] - ends[0])):.0e}") for fraction in LOAD_FRACTIONS])
+    log_load_range = np.log(result.reached_loads(2))
+    loads = np.unique(
+        [
+            float(f"{np.exp(log_load_range[0] + fraction * (log_load_range[1] - log_load_range[0])):.0e}")
+            for fraction in LOAD_FRACTIONS
+        ]
+    )
     dataset_at_loads = result.at(loads, mu0=settings.mu0, tau0=float(settings.tau0)).isel(mu0=0, tau0=0)
     amplitudes = dataset["amplitude"].values
     lines = heading_lines(dataset, study)
@@ -269,10 +274,10 @@ def _draw_curves(axes: Axes, dataset: xarray.Dataset, name: str) -> None:
         style: dict[str, Any] = {"color": colour, "linewidth": 1, "marker": marker, "markersize": 2}
         axes.plot(dimension, mean, ":", **style)
         axes.plot(dimension, np.where(is_valid, mean, np.nan), label=f"$F_N$ = {format_with_unit(load, 'mN')}", **style)
-    positive = dataset[name].sel(statistic="mean").values
-    positive = factor * positive[np.isfinite(positive) & (positive > 0)]
-    if is_logarithmic and positive.size:
-        axes.set(yscale="log", ylim=(positive.min() / 2, positive.max() * 2))
+    mean_values = dataset[name].sel(statistic="mean").values
+    mean_values = factor * mean_values[np.isfinite(mean_values) & (mean_values > 0)]
+    if is_logarithmic and mean_values.size:
+        axes.set(yscale="log", ylim=(mean_values.min() / 2, mean_values.max() * 2))
     elif not is_logarithmic:
         axes.set_ylim(0, 50)
     axes.set_ylabel(text)

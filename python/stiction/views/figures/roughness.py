@@ -35,16 +35,16 @@ def characterisation_figure(body: Profile | Surface | Characterisation, **option
     with mpl.rc_context(MATPLOTLIB_STYLE):
         if isinstance(result.body, Profile):
             figure = new_figure(88)
-            first, second = figure.subfigures(2, 1, squeeze=False, height_ratios=[1, 1.7])[:, 0]
-            axes = first.subplot_mosaic([["heights", "distribution"]], width_ratios=[1.7, 1])
-            axes |= second.subplot_mosaic([["spectrum"]])
+            upper_subfigure, lower_subfigure = figure.subfigures(2, 1, squeeze=False, height_ratios=[1, 1.7])[:, 0]
+            axes = upper_subfigure.subplot_mosaic([["heights", "distribution"]], width_ratios=[1.7, 1])
+            axes |= lower_subfigure.subplot_mosaic([["spectrum"]])
             _draw_heights(axes["heights"], result.body)
         else:
             figure = new_figure(112, width=PAGE_WIDTH)
-            first, second = figure.subfigures(1, 2, squeeze=False, width_ratios=[1, 1.1])[0]
-            axes = first.subplot_mosaic([["heights"], ["distribution"]], height_ratios=[2, 1])
-            axes |= second.subplot_mosaic([["spectrum"], ["lines"]])
-            _draw_map(first, axes["heights"], result.body)
+            upper_subfigure, lower_subfigure = figure.subfigures(1, 2, squeeze=False, width_ratios=[1, 1.1])[0]
+            axes = upper_subfigure.subplot_mosaic([["heights"], ["distribution"]], height_ratios=[2, 1])
+            axes |= lower_subfigure.subplot_mosaic([["spectrum"], ["lines"]])
+            _draw_map(upper_subfigure, axes["heights"], result.body)
             for line, colour in zip(result.lines, MAP_AXIS_COLOURS.items(), strict=True):
                 _draw_line(axes["lines"], line, *colour)
             _format_spectrum_axes(axes["lines"], "µm³")
@@ -57,25 +57,25 @@ def _draw_heights(axes: Axes, profile: Profile) -> None:
     """Draw heights along a profile. Long profiles show means and ranges of neighbouring points."""
     group_size = -(-len(profile) // MAX_PROFILE_POINTS)
     heights = profile.heights - profile.heights.min()
-    groups = np.pad(1000 * heights, (0, -len(profile) % group_size), mode="edge").reshape(-1, group_size)
-    x = profile.spacing * (group_size * np.arange(len(groups)) + (group_size - 1) / 2)
-    unit, size = ("mm", 1000) if x[-1] >= MIN_MILLIMETRE_LENGTH else ("µm", 1)
-    axes.plot(x / size, groups.mean(axis=1), color=MEASURED_COLOUR, linewidth=0.7)
+    height_groups = np.pad(1000 * heights, (0, -len(profile) % group_size), mode="edge").reshape(-1, group_size)
+    x = profile.spacing * (group_size * np.arange(len(height_groups)) + (group_size - 1) / 2)
+    unit, unit_length = ("mm", 1000) if x[-1] >= MIN_MILLIMETRE_LENGTH else ("µm", 1)
+    axes.plot(x / unit_length, height_groups.mean(axis=1), color=MEASURED_COLOUR, linewidth=0.7)
     if group_size > 1:
-        ends = groups.min(axis=1), groups.max(axis=1)
-        axes.fill_between(x / size, *ends, color=MEASURED_COLOUR, alpha=0.4, linewidth=0)
+        height_ranges = height_groups.min(axis=1), height_groups.max(axis=1)
+        axes.fill_between(x / unit_length, *height_ranges, color=MEASURED_COLOUR, alpha=0.4, linewidth=0)
     axes.set(xlabel=f"position $x$ ({unit})", ylabel="height (nm)")
     axes.locator_params(nbins=4, steps=TICK_STEPS)
 
 
 def _draw_distribution(axes: Axes, heights: Floats) -> None:
     deviations = 1000 * (heights - heights.mean()).ravel()
-    rms = float(deviations.std())
-    density, edges = np.histogram(deviations, NUM_HEIGHT_BINS, density=True)
-    x = (edges[1:] + edges[:-1]) / 2
+    rms_height = float(deviations.std())
+    density, bin_edges = np.histogram(deviations, NUM_HEIGHT_BINS, density=True)
+    x = (bin_edges[1:] + bin_edges[:-1]) / 2
     axes.plot(x, density, color=MEASURED_COLOUR, linewidth=0.7)
-    normal = np.exp(-((x / rms) ** 2) / 2) / (rms * math.sqrt(2 * math.pi))
-    axes.plot(x, normal, "--", color=FITTED_COLOUR, linewidth=1.2)
+    normal_density = np.exp(-((x / rms_height) ** 2) / 2) / (rms_height * math.sqrt(2 * math.pi))
+    axes.plot(x, normal_density, "--", color=FITTED_COLOUR, linewidth=1.2)
     axes.set(xlabel="height (nm)", ylabel="density (1/nm)")
     axes.set_title("dashed: Gaussian", fontsize=6, pad=2)
     axes.locator_params(nbins=4, steps=TICK_STEPS)
@@ -83,15 +83,15 @@ def _draw_distribution(axes: Axes, heights: Floats) -> None:
 
 def _draw_spectrum(axes: Axes, result: Characterisation) -> None:
     if result.spectrum is not None:
-        shown = result.spectrum.density > 0
+        has_power = result.spectrum.density > 0
         axes.plot(
-            result.spectrum.wave_number[shown], result.spectrum.density[shown], ".", color="0.8", markersize=1,
+            result.spectrum.wave_number[has_power], result.spectrum.density[has_power], ".", color="0.8", markersize=1,
             markeredgewidth=0, rasterized=True, label="harmonics",
         )  # fmt: skip
-    shown = result.binned.density > 0
+    has_power = result.binned.density > 0
     axes.plot(
-        result.binned.wave_number[shown],
-        result.binned.density[shown],
+        result.binned.wave_number[has_power],
+        result.binned.density[has_power],
         color=MEASURED_COLOUR,
         linewidth=0.6,
         marker="o",
@@ -106,25 +106,29 @@ def _draw_spectrum(axes: Axes, result: Characterisation) -> None:
         name = f"$q^{{-{2 - is_profile}-2H}}$, $H$ = {law.value:.2f} [{law.lower:.2f}, {law.upper:.2f}]"
         axes.plot(q, law.density(q), "--", color=FITTED_COLOUR, linewidth=1.2, label=name)
         axes.axvspan(q[0], q[-1], color=FITTED_COLOUR, alpha=0.12, linewidth=0, label="fitted band")
-        classical = f"{law.fractal_dimension_classical:.2f} (classical), " if law.value <= 1 else ""
-        note = f"$D$ = {classical}{law.fractal_dimension_paper:.2f} (paper)"
+        classical_text = f"{law.fractal_dimension_classical:.2f} (classical), " if law.value <= 1 else ""
+        note = f"$D$ = {classical_text}{law.fractal_dimension_paper:.2f} (paper)"
     axes.plot([], [], " ", label=note)
     _format_spectrum_axes(axes, "µm³" if is_profile else "µm⁴", result.binned.density)
 
 
 def _draw_line(axes: Axes, line: LineRoughness, axis: str, colour: str) -> None:
     spectrum = line.spectrum.in_bins()
-    shown = spectrum.density > 0
-    axes.plot(spectrum.wave_number[shown], spectrum.density[shown], color=colour, linewidth=0.7, label=f"along {axis}")
+    has_power = spectrum.density > 0
+    axes.plot(
+        spectrum.wave_number[has_power], spectrum.density[has_power], color=colour, linewidth=0.7, label=f"along {axis}"
+    )
     if line.is_straight and line.band is not None:
         exponent, scatter = float(line.hurst_exponents.mean()), float(line.hurst_exponents.std())
-        first, last = (2 * math.pi / end for end in line.band[::-1])
-        inside = shown & (spectrum.wave_number >= first) & (spectrum.wave_number <= last)
+        min_wave_number, max_wave_number = (2 * math.pi / end for end in line.band[::-1])
+        is_in_band = has_power & (spectrum.wave_number >= min_wave_number) & (spectrum.wave_number <= max_wave_number)
         # The fitted line is drawn at the mean level of the spectrum in the band.
-        level = np.log(spectrum.wave_number[inside] ** (1 + 2 * exponent) * spectrum.density[inside]).mean()
-        q = np.geomspace(first, last, 40)
+        mean_log_factor = np.log(
+            spectrum.wave_number[is_in_band] ** (1 + 2 * exponent) * spectrum.density[is_in_band]
+        ).mean()
+        q = np.geomspace(min_wave_number, max_wave_number, 40)
         name = f"$q^{{-1-2H}}$, $H$ = {exponent:.2f} ± {scatter:.2f}"
-        axes.plot(q, np.exp(level) * q ** (-1 - 2 * exponent), "--", color=colour, linewidth=1.2, label=name)
+        axes.plot(q, np.exp(mean_log_factor) * q ** (-1 - 2 * exponent), "--", color=colour, linewidth=1.2, label=name)
 
 
 def _format_spectrum_axes(axes: Axes, unit: str, density: Floats | None = None) -> None:
@@ -137,9 +141,9 @@ def _format_spectrum_axes(axes: Axes, unit: str, density: Floats | None = None) 
 
 
 def _draw_map(figure: Any, axes: Axes, surface: Surface) -> None:
-    unit, size = ("mm", 1e3) if max(surface.extent) >= MIN_MILLIMETRE_LENGTH else ("µm", 1.0)
+    unit, unit_length = ("mm", 1e3) if max(surface.extent) >= MIN_MILLIMETRE_LENGTH else ("µm", 1.0)
     heights = 1000 * (surface.heights - surface.heights.mean())
-    along_y, along_x = (length / size for length in surface.extent)
+    along_y, along_x = (length / unit_length for length in surface.extent)
     lowest, highest = np.quantile(
         heights, [0.001, 0.999]
     )  # use quantiles, because single dust grains would otherwise dominate the colour range
@@ -147,7 +151,7 @@ def _draw_map(figure: Any, axes: Axes, surface: Surface) -> None:
         heights, extent=(0, along_x, 0, along_y), origin="lower", cmap=HEIGHT_COLOUR_MAP, vmin=lowest, vmax=highest,
         aspect="equal" if 1 / 4 < along_x / along_y < 4 else "auto",
     )  # fmt: skip
-    bar = figure.colorbar(image, ax=axes, location="top", extend="both", aspect=30, pad=0.02)
-    bar.locator = MaxNLocator(5)
-    bar.set_label(f"height (nm), $Sq$ = {length_text(float(surface.heights.std()))}")
+    colour_bar = figure.colorbar(image, ax=axes, location="top", extend="both", aspect=30, pad=0.02)
+    colour_bar.locator = MaxNLocator(5)
+    colour_bar.set_label(f"height (nm), $Sq$ = {length_text(float(surface.heights.std()))}")
     axes.set(xlabel=f"$x$ ({unit})", ylabel=f"$y$ ({unit})")

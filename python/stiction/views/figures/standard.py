@@ -64,15 +64,19 @@ def draw_figures(
     ValueError
         If a format is unknown, there is nothing to draw, or a file cannot be written.
     """
-    endings = parse_formats(formats)
+    file_extensions = parse_formats(formats)
     paths: list[Path] = []
     for name, draw_figure in select_figures(result, picture):
-        if first and paths and not any((Path(directory) / f"{name}.{ending}").exists() for ending in endings):
+        if (
+            first
+            and paths
+            and not any((Path(directory) / f"{name}.{file_extension}").exists() for file_extension in file_extensions)
+        ):
             continue
         with mpl.rc_context(MATPLOTLIB_STYLE):
             figure = draw_figure()
-            for ending in endings:
-                paths.append(Path(directory) / f"{name}.{ending}")
+            for file_extension in file_extensions:
+                paths.append(Path(directory) / f"{name}.{file_extension}")
                 save_figure(figure, paths[-1])
     return paths
 
@@ -132,22 +136,25 @@ def _measured_figures(
     unfiltered, title, hardness = points.isel(cut_off=0), format_print_title(study), study.contact.hardness
     first_load = study_loads[0]
     cutoff_dataset, onset = points if points.sizes["cut_off"] > 1 else result.values_at_cutoffs, result.onset
-    for number, (m, t) in enumerate(np.ndindex(points.sizes["mu0"], points.sizes["tau0"]), 1):
+    for number, (mu0_index, tau0_index) in enumerate(np.ndindex(points.sizes["mu0"], points.sizes["tau0"]), 1):
         suffix = "" if number == 1 else f"-{number}"
-        selection = unfiltered.isel(mu0=m, tau0=t)
+        selection = unfiltered.isel(mu0=mu0_index, tau0=tau0_index)
         dataset = selection.sel(load=first_load, method="nearest")
         yield f"friction{suffix}", partial(load_figure, selection, study_loads, title=title)
         if points.sizes.get("direction", 1) >= MIN_DIRECTIONS:
             yield f"compass{suffix}", partial(compass_figure, dataset, title=title)
         yield f"positions{suffix}", partial(draw_positions, result, dataset, title=title)
         if cutoff_dataset is not None:
-            dataset = cutoff_dataset.isel(mu0=m, tau0=t).sel(load=first_load, method="nearest")
+            dataset = cutoff_dataset.isel(mu0=mu0_index, tau0=tau0_index).sel(load=first_load, method="nearest")
             yield f"cut_off{suffix}", partial(_cut_off_figures, dataset, study, title=title)
-    for scaled, factors in result.height_factors.items():
-        name = "height_scale" if scaled == "both" else f"height_scale_{scaled}"
+    for scaled_bodies, height_factors in result.height_factors.items():
+        name = "height_scale" if scaled_bodies == "both" else f"height_scale_{scaled_bodies}"
         for number, indices in enumerate(np.ndindex(points.sizes["mu0"], points.sizes["tau0"]), 1):
             suffix = "" if number == 1 else f"-{number}"
-            yield name + suffix, partial(draw_height_factor_figure, result, scaled, factors, indices, title=title)
+            yield (
+                name + suffix,
+                partial(draw_height_factor_figure, result, scaled_bodies, height_factors, indices, title=title),
+            )
     if study.is_areal:
         yield "closure", partial(closure_figure, unfiltered.sel(load=slice(max(study_loads))), title=title)
     yield "budget", lambda: budget_figure(result.summary().first, title=title)
@@ -157,8 +164,8 @@ def _measured_figures(
         yield "onset", partial(onset_figure, onset, title=title)
         if contains_slip_map(onset):
             yield "slip", partial(slip_figure, onset, title=title)
-    if study.contact.adheres and (branches := result.loading_cycle) is not None:
-        yield "adhesion", partial(adhesion_figure, branches, title=title)
+    if study.contact.adheres and (loading_cycle := result.loading_cycle) is not None:
+        yield "adhesion", partial(adhesion_figure, loading_cycle, title=title)
     if "patch_area" in points and np.isfinite(points["patch_area"].values).any():
         dataset = unfiltered.isel(mu0=0, tau0=0).sel(load=study_loads, method="nearest")
         yield "sizes", partial(_contact_sizes_figure, result, dataset, hardness=hardness, title=title)
@@ -176,12 +183,17 @@ def _cut_off_figures(dataset: xarray.Dataset, study: Study, *, title: str) -> Fi
 
 
 def draw_height_factor_figure(
-    result: Result, scaled: ScaledBodies, factors: list[float], indices: tuple[int, ...] = (0, 0), *, title: str
+    result: Result,
+    scaled_bodies: ScaledBodies,
+    height_factors: list[float],
+    indices: tuple[int, ...] = (0, 0),
+    *,
+    title: str,
 ) -> Figure:
     """Draw friction against the height factors stored in a result, for the first load and one pair of mu0 and tau0."""
     friction = result.study.friction
     mu0, tau0 = friction.mu0[indices[0]], float(friction.tau0[indices[1]])
-    dataset = result.at(float(friction.load[0]), mu0=mu0, tau0=tau0, height_scale=factors, scaled=scaled)
+    dataset = result.at(float(friction.load[0]), mu0=mu0, tau0=tau0, height_scale=height_factors, scaled=scaled_bodies)
     return height_scale_figure(dataset.isel(load=0, mu0=0, tau0=0), title=title)
 
 
@@ -202,9 +214,9 @@ def _profile_figures(
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
     """Yield the figure of the first pair of profiles that supports a load."""
     contact: Any = study.contact
-    if (touching := result.find_touching_profiles(load)) is None:
+    if (touching_profiles := result.find_touching_profiles(load)) is None:
         return
-    upper, lower, approach, offset = touching
+    upper, lower, approach, offset = touching_profiles
     mu0, tau0 = float(point["mu0"]), float(point["tau0"])
     options: dict[str, Any] = {"mu0": mu0, "tau0": tau0, "load": load, "offset": offset}
     options |= {"title": format_print_title(study), "model": contact.model(contact.rules()[0])}

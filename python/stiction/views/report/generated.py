@@ -64,7 +64,7 @@ def generated_result_page(result: Result, study: Study, name: str) -> ReportCont
     head, num_members = result.head, result.members.size
     if not num_members or not (members := result.num_solved):
         raise ReportError("the result must have a member with a solution at every load, got none")
-    counts = (
+    contact_counts = (
         result.means(["contact_count"])["contact_count"]
         .transpose(*SURFACE_PARAMETER_DIMENSIONS, study.step_quantity)
         .values
@@ -88,7 +88,7 @@ def generated_result_page(result: Result, study: Study, name: str) -> ReportCont
         facts=facts,
         packed_arrays=packed_arrays,
         num_members=num_members,
-        pictures_markup=_draw_pictures(result, study, head, counts),
+        pictures_markup=_draw_pictures(result, study, head, contact_counts),
     )
 
 
@@ -111,8 +111,8 @@ def _study_facts(head: xarray.Dataset, study: Study, loads: Floats) -> dict[str,
         "measure": "total height" if surfaces.amplitude_measure == "height" else surfaces.amplitude_measure,
         "loads": {"values": loads.tolist(), "texts": [format_with_unit(load, "mN") for load in loads], "unit": ""},
         "ways": [
-            {"words": motion_text(angle), "directions": [d], "isWhole": True, "angle": angle}
-            for d, angle in enumerate(angles)
+            {"words": motion_text(angle), "directions": [direction_index], "isWhole": True, "angle": angle}
+            for direction_index, angle in enumerate(angles)
         ],
         "quotedRule": list_rules_quoted_first(study)[0],
         "start": {"cell": dimensions.size // 2, "load": loads.size // 2},
@@ -133,24 +133,26 @@ def _add_values_at_nodes(
     """Add all quantities at the nodes. The axes are cell, amplitude, rule, motion, load, mu0 and tau0."""
     rules, angles = study_motions(study)
     axes, loads = nodes.axes, nodes.loads
-    count = math.prod(head.sizes[name] for name in SURFACE_PARAMETER_DIMENSIONS) * loads.size * len(rules) * len(angles)
-    if (size := count * axes[0].values.size * axes[1].values.size) > MAX_GENERATED_REPORT_VALUES:
+    num_curves = (
+        math.prod(head.sizes[name] for name in SURFACE_PARAMETER_DIMENSIONS) * loads.size * len(rules) * len(angles)
+    )
+    if (num_values := num_curves * axes[0].values.size * axes[1].values.size) > MAX_GENERATED_REPORT_VALUES:
         raise ReportError(
             f"the result must have at most {MAX_GENERATED_REPORT_VALUES} coefficients at nodes for a report, got "
-            f"{size}; choose fewer fractal dimensions, amplitudes or directions"
+            f"{num_values}; choose fewer fractal dimensions, amplitudes or directions"
         )
     (node_values,) = nodes.values
     points, areas = to_leading_order(node_values["friction_coefficient"]), to_leading_order(node_values["contact_area"])
     shape: tuple[int, ...] = points.shape[:-1]
     areas = np.broadcast_to(areas, points.shape)
-    contacts = np.broadcast_to(to_leading_order(node_values["contact_count"])[..., 0], shape)
+    contact_counts = np.broadcast_to(to_leading_order(node_values["contact_count"])[..., 0], shape)
     quantities: dict[str, Floats] = {"friction": points, "area": areas}
     if "normal_stiffness" in node_values and bool(node_values["normal_stiffness"].notnull().any()):
         quantities["stiffness"] = np.broadcast_to(to_leading_order(node_values["normal_stiffness"]), points.shape)
     for name, values in quantities.items():
         packed_arrays.add_points(name, values)
-    validity: dict[str, Floats] = {}
-    figures: list[dict[str, Any]] = []
+    validity_numbers: dict[str, Floats] = {}
+    validity_records: list[dict[str, Any]] = []
     for name in (
         name
         for name in (*VALIDITY_QUANTITIES, *AREAL_VALIDITY_QUANTITIES, *AT_HARDNESS_QUANTITIES)
@@ -161,9 +163,9 @@ def _add_values_at_nodes(
         if not np.isfinite(values).any() or (name in AT_HARDNESS_QUANTITIES and not np.nan_to_num(values).any()):
             continue
         quantity = QUANTITIES[name]
-        validity[name] = values
-        packed_arrays.add(f"validity_{len(figures)}", values)
-        figures.append(
+        validity_numbers[name] = values
+        packed_arrays.add(f"validity_{len(validity_records)}", values)
+        validity_records.append(
             {
                 "words": quantity.table_label[0].upper() + quantity.table_label[1:],
                 "limit": MAX_AFFECTED_FRACTION if quantity.percent else MAX_OVERLAP_RADIUS_RATIO,
@@ -174,32 +176,34 @@ def _add_values_at_nodes(
             }
         )
     status = np.broadcast_to(to_leading_order(node_values["status"]), shape)
-    statuses, codes = _status_records_and_codes(status, validity, figures)
+    statuses, codes = _status_records_and_codes(status, validity_numbers, validity_records)
     packed_arrays.add("status", codes.astype(np.int8))
     is_interpolated = np.logical_and.reduce([nodes.is_interpolated(values) for values in quantities.values()])
     packed_arrays.add("fine", is_interpolated.astype(np.int8))
-    rule = rules.index(list_rules_quoted_first(study)[0])
-    numbers = validity | _checked_numbers(node_values, points, areas[..., 0], contacts, study, members)
-    numbers = {name: values[:, :, rule] for name, values in numbers.items()}
-    assessments, indices = assess_ensemble(study, status[:, :, rule], numbers)
-    packed_arrays.add("judgement", indices.astype(float))
+    rule_index = rules.index(list_rules_quoted_first(study)[0])
+    checked_numbers = validity_numbers | _checked_numbers(
+        node_values, points, areas[..., 0], contact_counts, study, members
+    )
+    checked_numbers = {name: values[:, :, rule_index] for name, values in checked_numbers.items()}
+    assessments, assessment_indices = assess_ensemble(study, status[:, :, rule_index], checked_numbers)
+    packed_arrays.add("judgement", assessment_indices.astype(float))
     judgements = [
         {"verdict": verdict_from_caveats(reasons), "caveats": [_reason_record(reason) for reason in reasons]}
         for reasons in assessments
     ]
-    checks = {reason for reasons in assessments for reason in reasons if isinstance(reason, LimitCheck)}
-    for name in sorted({check.shown_name for check in checks if "{}" in check.text}):
-        packed_arrays.add(f"number_{name}", numbers[name])
+    limit_checks = {reason for reasons in assessments for reason in reasons if isinstance(reason, LimitCheck)}
+    for name in sorted({limit_check.shown_name for limit_check in limit_checks if "{}" in limit_check.text}):
+        packed_arrays.add(f"number_{name}", checked_numbers[name])
     is_valid = codes == 0
-    for figure, values in zip(figures, validity.values(), strict=True):
-        is_valid = is_valid & ~(values > figure["limit"])
+    for validity_record, values in zip(validity_records, validity_numbers.values(), strict=True):
+        is_valid = is_valid & ~(values > validity_record["limit"])
     mapped_quantities = {name: values[..., 0] for name, values in quantities.items()} | {
         "width": _relative_width(points)
     }
     return {
         "axes": slider_facts(axes, study),
         "statuses": statuses,
-        "validity": figures,
+        "validity": validity_records,
         "judgements": judgements,
         "hasStiffness": "stiffness" in quantities,
         "start": _choose_start(is_valid, points, axes, study),
@@ -218,7 +222,7 @@ def to_leading_order(table: xarray.DataArray) -> Floats:
 
 
 def _status_records_and_codes(
-    names: NDArray[Any], validity: dict[str, Floats], figures: Sequence[dict[str, Any]]
+    names: NDArray[Any], validity_numbers: dict[str, Floats], validity_records: Sequence[dict[str, Any]]
 ) -> tuple[list[dict[str, Any]], NDArray[np.intp]]:
     """Return the statuses in the order of their codes, and the code of each point.
 
@@ -226,9 +230,9 @@ def _status_records_and_codes(
     """
     statuses = [{"name": friction.STATUS_OK, "isOk": True, "isTrusted": is_trusted} for is_trusted in (True, False)]
     is_invalid = np.zeros(names.shape, bool)
-    for figure, values in zip(figures, validity.values(), strict=True):
-        if figure["isDrawn"]:
-            is_invalid |= values > figure["limit"]
+    for validity_record, values in zip(validity_records, validity_numbers.values(), strict=True):
+        if validity_record["isDrawn"]:
+            is_invalid |= values > validity_record["limit"]
     codes = np.where(is_invalid, 1, 0)
     for name in (status for status in friction.STATUSES if status != friction.STATUS_OK):
         codes[names == name] = len(statuses)
@@ -262,15 +266,15 @@ def _add_colour_ranges(quantities: dict[str, Floats], packed_arrays: PackedArray
 
 
 def _choose_start(
-    sound: NDArray[np.bool_], points: Floats, axes: tuple[NodeAxis, NodeAxis], study: Study
+    is_sound: NDArray[np.bool_], points: Floats, axes: tuple[NodeAxis, NodeAxis], study: Study
 ) -> dict[str, int]:
     """Choose the initial cell and load of a page: those with the smallest relative interval of a valid value."""
     strengths = study.friction.mu0[len(study.friction.mu0) // 2], float(study.friction.tau0[0])
     nodes = [int(np.abs(axis.values - value).argmin()) for axis, value in zip(axes, strengths, strict=True)]
     index: tuple[Any, ...] = (slice(None), 0, 0, 0, slice(None), *nodes)
-    width = np.where(sound[index] & (points[(*index, 0)] > 0), _relative_width(points)[index], np.nan)
+    width = np.where(is_sound[index] & (points[(*index, 0)] > 0), _relative_width(points)[index], np.nan)
     if not np.isfinite(width).any():
-        return {"cell": sound.shape[0] // 2, "load": sound.shape[4] // 2}
+        return {"cell": is_sound.shape[0] // 2, "load": is_sound.shape[4] // 2}
     cell, load = np.unravel_index(np.nanargmin(width), width.shape)
     return {"cell": int(cell), "load": int(load)}
 
@@ -283,11 +287,11 @@ def _checked_numbers(
 ) -> dict[str, Any]:
     """Compute, for every node, the numbers that the assessment of generated surfaces compares with limits."""
     load, mu0, tau0 = (to_leading_order(node_values[name]) for name in ("load", "mu0", "tau0"))
-    carried = to_leading_order(node_values["contact_load"])[..., 0] if "contact_load" in node_values else load
+    contact_load = to_leading_order(node_values["contact_load"])[..., 0] if "contact_load" in node_values else load
     surfaces: Any = study.surfaces
     nominal_area = float(np.prod(surfaces.extents())) if study.is_areal else math.inf
     with np.errstate(divide="ignore", invalid="ignore"):
-        pressure = np.where(area > 0, carried / area, np.nan)
+        pressure = np.where(area > 0, contact_load / area, np.nan)
     value, lower, upper = np.moveaxis(points, -1, 0)
     return compute_value_numbers(
         value, lower, upper, mu0=mu0, tau0=tau0, pressure=pressure, contact_count=contacts, members=members,
@@ -322,8 +326,8 @@ def _draw_pictures(result: Result, study: Study, head: xarray.Dataset, counts: F
         return ""
     panels = []
     if not (study.is_areal or study.uses_half_space):
-        steps = head["approach"].values[has_contact]
-        panels.append(profiles_panel(study, float(steps[steps.size // 2])))
+        approaches = head["approach"].values[has_contact]
+        panels.append(profiles_panel(study, float(approaches[approaches.size // 2])))
     if set(ONSET_QUANTITIES) & set(study.sums()):
         panels.append(dimension_panel(result.dataset))
     return "".join(panels)
@@ -340,19 +344,22 @@ def _head_lines(study: Study) -> list[str]:
     surfaces: Any = study.surfaces
     contact: Any = study.contact
     lengths = surfaces.extents() if study.is_areal else (float(surfaces.extent),)
-    model = "half-space" if study.uses_half_space else "asperity"
-    law = "" if study.uses_half_space else f", law {contact.model(rules[0]).law}"
+    model_name = "half-space" if study.uses_half_space else "asperity"
+    law_text = "" if study.uses_half_space else f", law {contact.model(rules[0]).law}"
     return [
         f"{surfaces.place[0].upper()}{surfaces.place[1:]}, {' x '.join(f'{length:g}' for length in lengths)} µm, "
-        f"pressed with the {model} model{law}; E* = {format_with_unit(float(contact.effective_modulus), 'GPa')}; "
+        f"pressed with the {model_name} model{law_text}; "
+        f"E* = {format_with_unit(float(contact.effective_modulus), 'GPa')}; "
         f"contacts with friction: {' and '.join(rules)}; motion {', '.join(map(motion_text, angles))}."
     ]
 
 
 def _describe_pairs(study: Study, facts: dict[str, Any]) -> str:
-    dimensions, amplitudes, steps = len(facts["cells"]["values"]), len(facts["amplitudes"]), facts["steps"]
+    num_dimensions, num_amplitudes, num_steps = len(facts["cells"]["values"]), len(facts["amplitudes"]), facts["steps"]
     number = format_count(facts["repetitions"], "pair of surfaces", "pairs of surfaces")
-    cells = f"{'each of ' if dimensions > 1 else ''}{format_count(dimensions, 'fractal dimension')}"
-    cells += f" and {format_count(amplitudes, 'amplitude')}" if amplitudes > 1 else ""
-    steps_text = format_count(steps, "load") if study.uses_half_space else format_count(steps, "approach", "approaches")
-    return f"{number} at {cells}, pressed together at {steps_text}"
+    cells_text = f"{'each of ' if num_dimensions > 1 else ''}{format_count(num_dimensions, 'fractal dimension')}"
+    cells_text += f" and {format_count(num_amplitudes, 'amplitude')}" if num_amplitudes > 1 else ""
+    steps_text = (
+        format_count(num_steps, "load") if study.uses_half_space else format_count(num_steps, "approach", "approaches")
+    )
+    return f"{number} at {cells_text}, pressed together at {steps_text}"

@@ -69,12 +69,12 @@ def measured_result_page(result: Result, study: Study, name: str, picture: xarra
     facts |= _friction_at_nodes(result.nodes, study, packed_arrays) | {"name": name}
     facts["quantities"] = _quantities(result.nodes.load_quantities)
     picture = result.contact_picture if picture is None else picture
-    members = int(facts["repetitions"])
+    num_members = int(facts["repetitions"])
     onset = result.onset
     resolution = result.summary().resolution
-    lines = [] if resolution is None or resolution.roughness is None else [wavelengths_text(resolution.roughness)]
-    lines += [] if onset is None else [f"{onset_text(onset)} {onset_note(onset)}"]
-    text = "".join(f"<p>{escape_html(line)}</p>" for line in (*lines, *_pull_off_lines(result, study)))
+    study_lines = [] if resolution is None or resolution.roughness is None else [wavelengths_text(resolution.roughness)]
+    study_lines += [] if onset is None else [f"{onset_text(onset)} {onset_note(onset)}"]
+    text = "".join(f"<p>{escape_html(line)}</p>" for line in (*study_lines, *_pull_off_lines(result, study)))
     details = text + "".join(
         _history_lines(side, str(dataset.attrs.get(side, "")), study) for side in ("upper", "lower")
     )
@@ -82,13 +82,15 @@ def measured_result_page(result: Result, study: Study, name: str, picture: xarra
         study=study,
         name=name,
         head=_head_lines(study, facts),
-        pairs_text=f"{format_count(members, 'pair')} of pieces of the two surfaces",
+        pairs_text=f"{format_count(num_members, 'pair')} of pieces of the two surfaces",
         facts=facts,
         packed_arrays=packed_arrays,
-        num_members=members,
+        num_members=num_members,
         details_markup=details,
         contact_markup="" if picture is None else contact_panel(picture, facts["directions"][0]),
-        pictures_markup=(positions_panel(result, facts["asked"][0], format_print_title(study)) if members > 1 else "")
+        pictures_markup=(
+            positions_panel(result, facts["asked"][0], format_print_title(study)) if num_members > 1 else ""
+        )
         + ("" if onset is None else onset_panels(onset, format_print_title(study)))
         + height_factor_panels(result, format_print_title(study))
         + adhesion_panel(result.loading_cycle, format_print_title(study)),
@@ -101,9 +103,11 @@ _MEMBER_KIND_TEXTS = {None: "pairs", "shifts": "positions of the two surfaces", 
 def _result_facts(dataset: xarray.Dataset, result: Result, study: Study) -> dict[str, Any]:
     area, loads = float(dataset["nominal_area"]), study.contact.loading_steps().tolist()
     cut_offs = dataset["cut_off"].values.tolist()
-    answers = _assessments(result)
-    quoted = (answer["at"].get("cut_off", cut_offs[0]) for answer in answers if not answer["covered"])
-    quoted_cell = next(quoted, cut_offs[0])
+    assessments = _assessments(result)
+    quoted_cutoffs = (
+        assessment["at"].get("cut_off", cut_offs[0]) for assessment in assessments if not assessment["covered"]
+    )
+    quoted_cutoff = next(quoted_cutoffs, cut_offs[0])
     study_loads = [float(load) for load in study.friction.load]
     return {
         "isMeasured": True, "cell": CELL_AXIS_LABELS["cut_off"],
@@ -119,9 +123,9 @@ def _result_facts(dataset: xarray.Dataset, result: Result, study: Study) -> dict
             "unit": f"; 1 mN is {1000 / area:.4g} MPa",
         },
         "start": {
-            "cell": cut_offs.index(quoted_cell), "load": int(np.argmin(np.abs(np.array(loads) - study_loads[0]))),
+            "cell": cut_offs.index(quoted_cutoff), "load": int(np.argmin(np.abs(np.array(loads) - study_loads[0]))),
         },
-        "answers": answers, "validity": [], "curves": _CURVE_PANELS,
+        "answers": assessments, "validity": [], "curves": _CURVE_PANELS,
         "modulus": float(dataset["effective_modulus"]), "area": area,
     }  # fmt: skip
 
@@ -136,20 +140,24 @@ _CURVE_PANELS = {
 
 def _friction_at_nodes(nodes: InterpolationNodes, study: Study, packed_arrays: PackedArrays) -> dict[str, Any]:
     """Add friction at the nodes to `packed_arrays`. The axes are kind, cutoff, rule, motion, load, mu0 and tau0."""
-    (rules, angles), axes, kinds = study_motions(study), nodes.axes, nodes.member_kinds
-    motions: list[dict[str, Any]] = [{"words": motion_text(angle), "directions": [d]} for d, angle in enumerate(angles)]
+    (rules, angles), axes, member_kinds = study_motions(study), nodes.axes, nodes.member_kinds
+    motions: list[dict[str, Any]] = [
+        {"words": motion_text(angle), "directions": [direction_index]} for direction_index, angle in enumerate(angles)
+    ]
     if len(angles) > 1:
         motions.insert(0, {"words": averaged_directions_text(angles), "directions": list(range(len(angles)))})
-    size = len(kinds) * len(study.surfaces.cells()["cut_off"]) * nodes.loads.size * len(rules) * len(motions)
-    size *= axes[0].values.size * axes[1].values.size
-    if size > MAX_MEASURED_REPORT_VALUES:
+    num_values = (
+        len(member_kinds) * len(study.surfaces.cells()["cut_off"]) * nodes.loads.size * len(rules) * len(motions)
+    )
+    num_values *= axes[0].values.size * axes[1].values.size
+    if num_values > MAX_MEASURED_REPORT_VALUES:
         raise ReportError(
-            f"the result must have at most {MAX_MEASURED_REPORT_VALUES} coefficients for a report, got {size}"
+            f"the result must have at most {MAX_MEASURED_REPORT_VALUES} coefficients for a report, got {num_values}"
         )
-    members: list[int] = []
+    member_counts: list[int] = []
     arrays_by_name: dict[str, list[Any]] = {name: [] for name in ("shown", "sampling", "status", "answered", "slopes")}
     for node_values in nodes.values:
-        members.append(int(node_values["members"]))
+        member_counts.append(int(node_values["members"]))
         dimensions = ("cut_off", "sliding", "direction", "load", "mu0", "tau0")
         friction_by_direction = node_values["friction_coefficient"].transpose(*dimensions, "statistic").values
         mean_friction = (
@@ -161,30 +169,32 @@ def _friction_at_nodes(nodes: InterpolationNodes, study: Study, packed_arrays: P
         if "friction_combined" in node_values:
             combined = (
                 node_values["friction_combined"]
-                .transpose(*(d for d in dimensions if d != "direction"), "statistic")
+                .transpose(*(dim for dim in dimensions if dim != "direction"), "statistic")
                 .values
             )
         status, num_solved = (node_values[name].transpose(*dimensions).values for name in ("status", "ok"))
         slopes = node_values["gentle_friction"].transpose("cut_off", "sliding", "direction", "mu0", "tau0").values
         motion_arrays = []
         for motion in motions:
-            is_whole = len(motion["directions"]) == len(angles)
-            sampling = mean_friction if is_whole else friction_by_direction[:, :, motion["directions"][0]]
+            is_mean_of_directions = len(motion["directions"]) == len(angles)
+            sampled_friction = (
+                mean_friction if is_mean_of_directions else friction_by_direction[:, :, motion["directions"][0]]
+            )
             directions = sorted(motion["directions"])
             motion_arrays.append(
                 (
-                    combined if is_whole else sampling,
-                    sampling,
-                    _status_codes(status[:, :, directions], sampling[..., 0]),
+                    combined if is_mean_of_directions else sampled_friction,
+                    sampled_friction,
+                    _status_codes(status[:, :, directions], sampled_friction[..., 0]),
                     num_solved[:, :, directions].min(axis=2),
                     slopes[:, :, directions].mean(axis=2),
                 )
             )
         for name, values in zip(arrays_by_name, zip(*motion_arrays, strict=True), strict=True):
             arrays_by_name[name].append(np.stack(values, axis=2))
-    stacked = {name: np.stack(values) for name, values in arrays_by_name.items()}
-    is_interpolated = nodes.is_interpolated(stacked["shown"])
-    displayed, is_combined = stacked["shown"], np.zeros((len(kinds), len(motions)), bool)
+    stacked_arrays = {name: np.stack(values) for name, values in arrays_by_name.items()}
+    is_interpolated = nodes.is_interpolated(stacked_arrays["shown"])
+    displayed, is_combined = stacked_arrays["shown"], np.zeros((len(member_kinds), len(motions)), bool)
     for index, motion in enumerate(motions):
         motion["isWhole"] = len(motion["directions"]) == len(angles)
         motion["angle"] = None if len(motion["directions"]) > 1 else angles[motion["directions"][0]]
@@ -196,11 +206,11 @@ def _friction_at_nodes(nodes: InterpolationNodes, study: Study, packed_arrays: P
         np.broadcast_to(~is_combined[:, np.newaxis, np.newaxis, :, None, None, None], displayed.shape[:-1]), 1:
     ] = np.nan
     packed_arrays.add_points("friction", displayed, decimals=np.broadcast_to(mean_decimals, displayed.shape[:-1]))
-    packed_arrays.add_points("sampling", stacked["sampling"])
-    packed_arrays.add("status", stacked["status"].astype(np.int8))
+    packed_arrays.add_points("sampling", stacked_arrays["sampling"])
+    packed_arrays.add("status", stacked_arrays["status"].astype(np.int8))
     packed_arrays.add("fine", is_interpolated.astype(np.int8))
-    packed_arrays.add("answered", stacked["answered"].astype(float))
-    slopes = stacked["slopes"]
+    packed_arrays.add("answered", stacked_arrays["answered"].astype(float))
+    slopes = stacked_arrays["slopes"]
     packed_arrays.add_points("slopes", np.stack([slopes, *(np.full(slopes.shape, np.nan),) * 2], axis=-1))
     return {
         "ways": motions,
@@ -211,8 +221,8 @@ def _friction_at_nodes(nodes: InterpolationNodes, study: Study, packed_arrays: P
         "statuses": [
             {"name": name, "isOk": name == friction.STATUS_OK, "isTrusted": True} for name in ORDERED_STATUSES
         ],
-        "combined": [kind != "surrogates" for kind in kinds],
-        "memberCounts": members,
+        "combined": [member_kind != "surrogates" for member_kind in member_kinds],
+        "memberCounts": member_counts,
         "ranged": bool(axes[0].ranged.size or axes[1].ranged.size),
     }
 
@@ -224,9 +234,11 @@ ORDERED_STATUSES = (friction.STATUS_OK, *sorted(name for name in friction.STATUS
 def _status_codes(statuses: Any, values: Floats) -> Any:
     """Return the status code of each mean over directions. The axes are cutoff, sliding rule, load, mu0 and tau0."""
     codes = np.select([statuses == name for name in ORDERED_STATUSES], range(len(ORDERED_STATUSES)))
-    bad = np.where(codes == 0, len(ORDERED_STATUSES), codes).min(axis=2)
-    not_solved = ORDERED_STATUSES.index(friction.STATUS_NOT_SOLVED)
-    return np.where(np.isfinite(values), 0, np.where(bad == len(ORDERED_STATUSES), not_solved, bad))
+    lowest_codes = np.where(codes == 0, len(ORDERED_STATUSES), codes).min(axis=2)
+    not_solved_code = ORDERED_STATUSES.index(friction.STATUS_NOT_SOLVED)
+    return np.where(
+        np.isfinite(values), 0, np.where(lowest_codes == len(ORDERED_STATUSES), not_solved_code, lowest_codes)
+    )
 
 
 def _pull_off_lines(result: Result, study: Study) -> list[str]:
@@ -240,16 +252,21 @@ def _pull_off_lines(result: Result, study: Study) -> list[str]:
 def _head_lines(study: Study, facts: dict[str, Any]) -> list[str]:
     surfaces: Any = study.surfaces
     hardness = study.contact.hardness
-    model = "half-space" if study.uses_half_space else "asperity"
-    plasticity = "" if hardness is None else f", hardness {format_with_unit(hardness, 'GPa')}"
+    model_name = "half-space" if study.uses_half_space else "asperity"
+    plasticity_text = "" if hardness is None else f", hardness {format_with_unit(hardness, 'GPa')}"
     if study.contact.junction_growth:
-        plasticity += (
+        plasticity_text += (
             f", junction growth α = {study.known.junction_growth or format(study.contact.junction_growth, 'g')}"
         )
-    modulus = format_with_unit(facts["modulus"], "GPa")
+    modulus_text = format_with_unit(facts["modulus"], "GPa")
     materials = f"{materials_text(study).capitalize()}. " if materials_text(study) else ""
-    size = f"nominal area {facts['area']:.4g} µm²" if study.is_areal else f"length {facts['area']:.4g} µm, width 1 µm"
-    return [f"{materials}{surfaces.pressed}, {size}, pressed with the {model} model; E* = {modulus}{plasticity}."]
+    size_text = (
+        f"nominal area {facts['area']:.4g} µm²" if study.is_areal else f"length {facts['area']:.4g} µm, width 1 µm"
+    )
+    return [
+        f"{materials}{surfaces.pressed}, {size_text}, pressed with the {model_name} model; "
+        f"E* = {modulus_text}{plasticity_text}."
+    ]
 
 
 def _history_lines(side: str, history: str, study: Study) -> str:
@@ -279,20 +296,25 @@ def _quantities(evaluations: Sequence[xarray.Dataset]) -> list[dict[str, Any]]:
     """Return a record for each quantity except friction, with its values, interval ends, decimals and texts."""
     records = []
     for name in (name for name in quantities_shown_in("report") if name in evaluations[0]):
-        means = np.stack([values[name].transpose("cut_off", "load", "statistic").values for values in evaluations])
-        if not np.isfinite(means[0]).any() or (name == "load_share_at_hardness" and not np.nan_to_num(means[0]).any()):
+        estimates = np.stack([values[name].transpose("cut_off", "load", "statistic").values for values in evaluations])
+        if not np.isfinite(estimates[0]).any() or (
+            name == "load_share_at_hardness" and not np.nan_to_num(estimates[0]).any()
+        ):
             continue
         quantity = QUANTITIES[name]
         unit = "%" if quantity.percent else _UNIT_LABELS.get(quantity.unit, quantity.unit)
-        factor = next((curve["factor"] for curve in _CURVE_PANELS.values() if curve["of"] == name), 1)
-        texts = [[[estimate_with_unit_text(point, unit) for point in row] for row in table] for table in means.tolist()]
+        factor = next((curve_panel["factor"] for curve_panel in _CURVE_PANELS.values() if curve_panel["of"] == name), 1)
+        texts = [
+            [[estimate_with_unit_text(point, unit) for point in row] for row in load_rows]
+            for load_rows in estimates.tolist()
+        ]
         limit = find_smallest_check_limit(name)
-        points = factor * means
+        points = factor * estimates
         decimals, upper_decimals = count_estimate_decimals(*np.moveaxis(points, -1, 0))
         records.append({
             "name": name, "words": quantity.table_label[0].upper() + quantity.table_label[1:], "points": points,
             "decimals": decimals.tolist(), "upperDecimals": upper_decimals.tolist(), "texts": texts,
-            "isBeyond": (means[..., 0] > (np.inf if limit is None else limit)).tolist(),
+            "isBeyond": (estimates[..., 0] > (np.inf if limit is None else limit)).tolist(),
         })  # fmt: skip
     return records
 
@@ -320,11 +342,16 @@ _CONTRIBUTION_LABELS = ("μ0", "τ0 on the true area", "slopes")
 
 def _contributions(answer: PointSummary) -> dict[str, Any] | None:
     """Return the coefficient for friction at all contacts, its interval, and its contributions as numbers and text."""
-    estimate = next((rule for rule in answer.rules if rule.rule == "all"), None)
-    if answer.parts is None or estimate is None or not math.isfinite(estimate.value):
+    rule_estimate = next((rule for rule in answer.rules if rule.rule == "all"), None)
+    if answer.parts is None or rule_estimate is None or not math.isfinite(rule_estimate.value):
         return None
-    texts = []
+    contribution_texts = []
     for index, (contribution, label) in enumerate(zip(answer.parts, _CONTRIBUTION_LABELS, strict=True)):
         sign = (" \N{MINUS SIGN} " if contribution <= -0.0005 else " + ") if index else ""
-        texts.append(f"{sign}{abs(contribution):.3f} ({label})")
-    return {"parts": answer.parts, "ends": [estimate.lower, estimate.upper], "value": estimate.value, "texts": texts}
+        contribution_texts.append(f"{sign}{abs(contribution):.3f} ({label})")
+    return {
+        "parts": answer.parts,
+        "ends": [rule_estimate.lower, rule_estimate.upper],
+        "value": rule_estimate.value,
+        "texts": contribution_texts,
+    }

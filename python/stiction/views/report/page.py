@@ -73,12 +73,12 @@ def read_page_file(name: str) -> str:
     return (resources.files(__package__) / name).read_text("utf-8")
 
 
-def script_markup(facts: dict[str, Any], numbers: Mapping[str, str]) -> str:
+def script_markup(facts: dict[str, Any], packed_arrays: Mapping[str, str]) -> str:
     """Return markup with the scripts of a page and the data of a result: `facts` as JSON, and packed numbers."""
     # Escaping "<" ensures that the JSON text cannot close its HTML element or open another one.
     facts_json = to_json(facts).replace("<", "\\u003c")
-    element = '<script type="application/octet-stream" id="packed-{}">{}</script>\n'
-    packed_numbers = "".join(element.format(*item) for item in numbers.items())
+    script_template = '<script type="application/octet-stream" id="packed-{}">{}</script>\n'
+    packed_numbers = "".join(script_template.format(*item) for item in packed_arrays.items())
     text = "\n".join(map(read_page_file, SCRIPT_FILES))
     return (
         f'<script type="application/json" id="facts">{facts_json}</script>\n{packed_numbers}<script>\n{text}</script>\n'
@@ -134,12 +134,12 @@ class ReportContent:
 
     def incomplete_notices(self) -> str:
         """Return markup with notices about missing and unsolved members, or an empty string for a complete result."""
-        total, notices = self.study.ensemble.repetitions, []
-        if self.num_members < total:
-            notices.append(f"{self.name} is unfinished: {self.num_members} of {total} repetitions.")
-        if (unsolved := self.num_members - self.facts["repetitions"]) > 0:
+        num_repetitions, notices = self.study.ensemble.repetitions, []
+        if self.num_members < num_repetitions:
+            notices.append(f"{self.name} is unfinished: {self.num_members} of {num_repetitions} repetitions.")
+        if (num_unsolved := self.num_members - self.facts["repetitions"]) > 0:
             notices.append(
-                f"{self.name}: {format_count(unsolved, 'repetition')} without a solution at every load left out."
+                f"{self.name}: {format_count(num_unsolved, 'repetition')} without a solution at every load left out."
             )
         return "".join(f'<p class="notice">{escape_html(line)}</p>' for line in notices)
 
@@ -174,16 +174,16 @@ def study_motions(study: Study) -> tuple[list[str], list[float]]:
 
 def slider_facts(axes: tuple[NodeAxis, NodeAxis], study: Study) -> dict[str, Any]:
     """Return the nodes of mu0 and tau0 (MPa) for a page, with the step and the initial value of each slider."""
-    initial = (
+    initial_values = (
         study.friction.mu0[0 if study.is_measured else len(study.friction.mu0) // 2],
         float(study.friction.tau0[0]),
     )
     facts = {}
-    for name, axis, start, unit in zip(("mu0", "tau0"), axes, initial, (1.0, 1e3), strict=True):
-        maximum = unit * float(axis.rising[-1])
+    for name, axis, initial_value, unit in zip(("mu0", "tau0"), axes, initial_values, (1.0, 1e3), strict=True):
+        max_value = unit * float(axis.rising[-1])
         facts[name] = {
             "rising": (unit * axis.rising).tolist(), "bounds": (unit * np.array(axis.bounds)).reshape(-1, 2).tolist(),
-            "most": maximum, "step": 0.01 if name == "mu0" else float(f"{maximum / 200:.0e}"),
-            "start": float(f"{unit * float(start):.12g}"),
+            "most": max_value, "step": 0.01 if name == "mu0" else float(f"{max_value / 200:.0e}"),
+            "start": float(f"{unit * float(initial_value):.12g}"),
         }  # fmt: skip
     return facts

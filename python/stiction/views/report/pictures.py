@@ -48,16 +48,16 @@ def profiles_panel(study: Study, approach: float) -> str:
     )
 
 
-def adhesion_panel(branches: xarray.Dataset | None, title: str) -> str:
+def adhesion_panel(loading_cycle: xarray.Dataset | None, title: str) -> str:
     """Return the panel (markup) that shows loading and unloading, or an empty string if the bodies do not adhere."""
-    if branches is None:
+    if loading_cycle is None:
         return ""
     return _panel_markup(
         "Loading and unloading",
         "Load against approach and true area of a typical pair, pressed together and pulled apart.",
         "Bodies that adhere are in contact without a load, have a contact load above the applied load, and separate "
         "at the pull-off force.",
-        lambda: adhesion_figure(branches, title=title),
+        lambda: adhesion_figure(loading_cycle, title=title),
     )
 
 
@@ -67,15 +67,18 @@ def height_factor_panels(result: Result, title: str) -> str:
     The panels show the first load, mu0 and tau0.
     """
     panels = []
-    for scaled, factors in result.height_factors.items():
+    for scaled_bodies, height_factors in result.height_factors.items():
         caption = (
-            f"Heights of {SCALED_SURFACE_TEXTS[scaled]} times {factors[0]:g} to {factors[-1]:g}, each solved again; "
-            f"dashed: as measured. {HEIGHT_SCALE_NOTE} The load, μ0 and τ0 are the first values of the study; the "
+            f"Heights of {SCALED_SURFACE_TEXTS[scaled_bodies]} times {height_factors[0]:g} to {height_factors[-1]:g}, "
+            f"each solved again; dashed: as measured. {HEIGHT_SCALE_NOTE} "
+            "The load, μ0 and τ0 are the first values of the study; the "
             "sliders do not change this figure."
         )
         description = "Friction coefficient and true contact area over the rms gradient of the gap."
-        draw = partial(draw_height_factor_figure, result, scaled, factors, title=title)
-        panels.append(_panel_markup(f"Another finish of {SCALED_SURFACE_TEXTS[scaled]}", description, caption, draw))
+        draw_figure = partial(draw_height_factor_figure, result, scaled_bodies, height_factors, title=title)
+        panels.append(
+            _panel_markup(f"Another finish of {SCALED_SURFACE_TEXTS[scaled_bodies]}", description, caption, draw_figure)
+        )
     return "".join(panels)
 
 
@@ -109,7 +112,7 @@ def positions_panel(result: Result, load: float, title: str) -> str:
 
 def onset_panels(onset: xarray.Dataset, title: str) -> str:
     """Return the panel (markup) with the onset curve. For maps, add the panel with the map of slip."""
-    curve = _panel_markup(
+    curve_panel = _panel_markup(
         "Onset of sliding",
         "Tangential load against displacement of the upper body, with load cycles, and the slipping fraction.",
         "Weak contacts slip below the sliding load, so that the upper body moves before it slides, and each load "
@@ -118,12 +121,12 @@ def onset_panels(onset: xarray.Dataset, title: str) -> str:
         lambda: onset_figure(onset, title=title),
     )
     if not contains_slip_map(onset):
-        return curve
+        return curve_panel
     points_text = "light points slip first and dark points last. Contacts slip from their edges inwards."
     contacts_text = (
         "light contacts slide first and dark contacts last. Each contact slips at its edge before it slides."
     )
-    return curve + _panel_markup(
+    return curve_panel + _panel_markup(
         "Order of slip",
         "Contacts on a map of the lower body, coloured by the tangential load at which they slip.",
         f"For one of the pairs: {points_text if 'slip' in onset else contacts_text}",
@@ -149,10 +152,10 @@ def _panel_markup(
     name: str, description: str, caption: str, draw_figure: Callable[[], Figure], *, is_wide: bool = False
 ) -> str:
     with mpl.rc_context(MATPLOTLIB_STYLE):
-        picture = inline_svg(draw_figure(), description)
-    kind = "panel wide" if is_wide else "panel"
+        svg = inline_svg(draw_figure(), description)
+    css_class = "panel wide" if is_wide else "panel"
     caption_html = f'<p class="caption">{caption}</p>'
-    return f'<section class="{kind}" aria-label="{name}"><h2>{name}</h2>{picture}{caption_html}</section>'
+    return f'<section class="{css_class}" aria-label="{name}"><h2>{name}</h2>{svg}{caption_html}</section>'
 
 
 MAX_SVG_VERTICES = 1000  # maximum number of vertices in vector graphics; artists with more vertices are rasterized

@@ -26,26 +26,26 @@ def reading_table(reading: Reading[Any], options: Mapping[str, Any]) -> str:
 def reading_rows(reading: Reading[Any], options: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Return table rows (name and value) that contain the detected layout of a file and the reading options."""
     source, body = reading.source, reading.body
-    steps = [f"{step:.6g} µm along {axis}" for axis, step in zip("xy", body.spacings[::-1], strict=False)]
-    specified = {name: options.get(name) for name in READING_OPTIONS}
-    specified = {name: value for name, value in specified.items() if value and value not in ("error", "keep")}
+    spacing_texts = [f"{spacing:.6g} µm along {axis}" for axis, spacing in zip("xy", body.spacings[::-1], strict=False)]
+    given_options = {name: options.get(name) for name in READING_OPTIONS}
+    given_options = {name: value for name, value in given_options.items() if value and value not in ("error", "keep")}
     rows = [
         ("layout", source.layout or "not named"),
         ("points", " × ".join(map(str, body.heights.shape))),
-        ("spacing", ", ".join(steps)),
+        ("spacing", ", ".join(spacing_texts)),
         ("column or channel of heights", source.column or "the only one"),
         ("unit of heights in the file", reading.unit),
         ("missing points", f"{reading.missing} of {reading.points}"),
     ]
     if source.lines is not None:
         text = [source.encoding, source.separator, f"decimal {'comma' if source.decimal_mark == ',' else 'point'}"]
-        skipped = f"{source.lines_above} above and {source.lines_below} below skipped"
+        skipped_lines_text = f"{source.lines_above} above and {source.lines_below} below skipped"
         rows += [
             ("text", ", ".join(word for word in text if word)),
-            ("lines", f"{source.lines[0]} to {source.lines[1]}; {skipped}"),
+            ("lines", f"{source.lines[0]} to {source.lines[1]}; {skipped_lines_text}"),
         ]
     rows.append(
-        ("given, not read from the file", ", ".join(_option_text(*item) for item in specified.items()) or "nothing")
+        ("given, not read from the file", ", ".join(_option_text(*item) for item in given_options.items()) or "nothing")
     )
     rows += [("caveat", f"{caveat.text}; {caveat.remedy}") for caveat in reading.caveats]
     return rows

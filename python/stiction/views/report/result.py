@@ -104,7 +104,7 @@ def _report_page_of_result(result: Result, name: str, picture: xarray.Dataset | 
         "percent": f"{100 * CONFIDENCE_LEVEL:g} %", "ticks": COLOUR_BAR_TICKS,
         "ruleDescriptions": SLIDING_RULE_DESCRIPTIONS, "ruleNames": SLIDING_RULE_LABELS,
         "why": {
-            name: {"short": short, "why": _status_reason(name)} for name, short in STATUS_LABELS.items()
+            name: {"short": short_label, "why": _status_reason(name)} for name, short_label in STATUS_LABELS.items()
         },
         "tau0Sane": 1000 * friction.SHEAR_STRENGTH_LIMIT * float(study.contact.effective_modulus),
         "saneText": format_with_unit(friction.SHEAR_STRENGTH_LIMIT * float(study.contact.effective_modulus), "GPa"),
@@ -142,8 +142,8 @@ def _interpolation_error_text(error: tuple[float, float] | None) -> str:
     """Return a clause that states the measured interpolation error, or an empty string if there is none."""
     if error is None:
         return ""
-    values, ends = (format_percent(item) for item in error)
+    value_error, end_error = (format_percent(item) for item in error)
     return (
-        f"at other values that were evaluated, coefficients differ by up to {values}, and ends of intervals by up to "
-        f"{ends} of the interval."
+        f"at other values that were evaluated, coefficients differ by up to {value_error}, and ends of intervals by "
+        f"up to {end_error} of the interval."
     )

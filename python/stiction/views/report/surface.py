@@ -37,36 +37,36 @@ def surface_page(
     `options` are the options of `characterisation_text`.
     """
     characterisation = to_characterisation(body, **options)
-    main = Template(read_page_file("surface.html")).substitute(
+    main_markup = Template(read_page_file("surface.html")).substitute(
         meaning=_interpretation_markup(characterisation), command=escape_html(command),
         table=_table_markup([*characterisation.rows, *characterisation.line_rows]),
         figure=inline_svg(characterisation_figure(characterisation), "Heights, their distribution, and spectra"),
         reading=reading and READING_SECTION_TEMPLATE.substitute(table=reading),
     )  # fmt: skip
-    return Page(name, list(characterisation.body.history), main, f"Characterised by stiction {__version__}")
+    return Page(name, list(characterisation.body.history), main_markup, f"Characterised by stiction {__version__}")
 
 
 def _interpretation_markup(characterisation: Characterisation) -> str:
     """Return markup with caveats, the small-slope estimate, and the effect of a finer scan."""
-    caveats = "".join(
+    caveats_markup = "".join(
         f"<li>{escape_html(f'{caveat.text[0].upper()}{caveat.text[1:]}; {caveat.remedy}.')}</li>"
         for caveat in characterisation.caveats
     )
     values = [f"{value:.2f}" for value in characterisation.friction]
     axes = " along x and y" if len(values) == 2 else ""
-    shortest = characterisation.limit.pixels
-    fraction = float(characterisation.roughness.fraction_below(2 * shortest))
-    change = (
+    grid_wavelength = characterisation.limit.pixels
+    fraction = float(characterisation.roughness.fraction_below(2 * grid_wavelength))
+    change_text = (
         "finds steeper slopes, more friction and less true area"
         if fraction > MAX_SHORTEST_OCTAVE_FRACTION
         else "would change little"
     )
-    finer = (
-        f"Wavelengths below {format_with_unit(2 * shortest, 'um')} (four points) contribute "
-        f"{format_percent(fraction)} of the mean square slope: a finer scan {change}."
+    finer_scan_text = (
+        f"Wavelengths below {format_with_unit(2 * grid_wavelength, 'um')} (four points) contribute "
+        f"{format_percent(fraction)} of the mean square slope: a finer scan {change_text}."
     )
     if characterisation.limit.slope_fraction >= NEGLIGIBLE_SLOPE_FRACTION:
-        finer = (
+        finer_scan_text = (
             f"Wavelengths below {format_with_unit(characterisation.limit.wavelength, 'um')} may be noise and "
             f"contribute {format_percent(characterisation.limit.slope_fraction)} of the mean square slope: filter the "
             "scan before you quote a number."
@@ -76,10 +76,10 @@ def _interpretation_markup(characterisation: Characterisation) -> str:
         f"adhesion and μ0 = {SLOPE_ESTIMATE_MU0:g}."
         if values
         else "The surface is flat, and so has no small-slope estimate.",
-        finer,
+        finer_scan_text,
         "For friction at a given load, compute a pair of surfaces; stiction pair --help shows examples.",
     ]
-    return (f'<ul class="caveats">{caveats}</ul>' if caveats else "") + "".join(
+    return (f'<ul class="caveats">{caveats_markup}</ul>' if caveats_markup else "") + "".join(
         f"<p>{escape_html(line)}</p>" for line in paragraphs
     )
 
@@ -94,8 +94,8 @@ def _table_markup(rows: list[TableRow]) -> str:
             lines.append((f'<th scope="row">{escape_html(label.strip())}</th>' if label else "<td></td>", cells))
         else:
             lines[-1][1][0] += f"<br>{cells[0]}"
-    attributes = {1: " colspan=2", 2: ""}
+    cell_attributes = {1: " colspan=2", 2: ""}
     return "".join(
-        f"<tr>{heading}{''.join(f'<td{attributes[len(cells)]}>{cell}</td>' for cell in cells)}</tr>"
+        f"<tr>{heading}{''.join(f'<td{cell_attributes[len(cells)]}>{cell}</td>' for cell in cells)}</tr>"
         for heading, cells in lines
     )

@@ -22,17 +22,17 @@ MAX_DECIMALS = 100  # maximum number of decimals, and maximum number of rounded 
 _COMPRESSION_LEVEL = 7  # zlib level; compression takes a sixth as long as at level 9 and gives 0.5 % more bytes
 
 
-def encode_doubles(values: ArrayLike, leading: int) -> str:
+def encode_doubles(values: ArrayLike, num_leading_bytes: int) -> str:
     """Encode doubles, rounded to their leading bytes, as text: all first bytes, then all second bytes, and so on.
 
     Bytes at the same position are similar, especially signs and exponents, so this order compresses best.
     """
     bits = np.ascontiguousarray(values, np.float64).ravel().view(np.uint64)
-    dropped = 8 * (8 - leading)
-    if dropped:
-        bits = bits + np.uint64(1 << (dropped - 1))
-    planes = bits.astype(">u8").view(np.uint8).reshape(-1, 8)[:, :leading].T
-    return base64.b64encode(zlib.compress(planes.tobytes(), _COMPRESSION_LEVEL)).decode("ascii")
+    num_dropped_bits = 8 * (8 - num_leading_bytes)
+    if num_dropped_bits:
+        bits = bits + np.uint64(1 << (num_dropped_bits - 1))
+    byte_planes = bits.astype(">u8").view(np.uint8).reshape(-1, 8)[:, :num_leading_bytes].T
+    return base64.b64encode(zlib.compress(byte_planes.tobytes(), _COMPRESSION_LEVEL)).decode("ascii")
 
 
 def encode_small_integers(values: NDArray[np.int8]) -> str:
@@ -51,9 +51,9 @@ class PackedArrays:
     def add(self, name: str, values: ArrayLike) -> None:
         """Append floating-point numbers, or whole numbers from -128 to 127."""
         array = np.asarray(values)
-        arrays: list[Any] = self.floats if array.dtype.kind == "f" else self.small_integers
-        self.offsets[name] = sum(item.size for item in arrays)
-        arrays.append(array.ravel() if array.dtype.kind == "f" else array.astype(np.int8).ravel())
+        target: list[Any] = self.floats if array.dtype.kind == "f" else self.small_integers
+        self.offsets[name] = sum(item.size for item in target)
+        target.append(array.ravel() if array.dtype.kind == "f" else array.astype(np.int8).ravel())
 
     def add_points(self, name: str, points: Floats, *, decimals: Any = None) -> None:
         """Append values, lower ends and upper ends (last axis of `points`), and the numbers of decimals to print.
@@ -71,8 +71,8 @@ class PackedArrays:
     def packed(self) -> dict[str, str]:
         """Return all numbers, encoded as text."""
         floats = np.concatenate(self.floats) if self.floats else np.zeros(0)
-        small = np.concatenate(self.small_integers) if self.small_integers else np.zeros(0, np.int8)
-        return {"floats": encode_doubles(floats, STORED_FLOAT_BYTES), "small": encode_small_integers(small)}
+        small_integers = np.concatenate(self.small_integers) if self.small_integers else np.zeros(0, np.int8)
+        return {"floats": encode_doubles(floats, STORED_FLOAT_BYTES), "small": encode_small_integers(small_integers)}
 
 
 def count_estimate_decimals(mean: Floats, lower: Floats, upper: Floats) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
@@ -96,7 +96,7 @@ def count_estimate_decimals(mean: Floats, lower: Floats, upper: Floats) -> tuple
         is_huge = np.isfinite(upper) & (upper > MAX_PRECISE_END_RATIO * np.abs(mean)) & (mean != 0)
         upper_decimals = np.where(is_huge, -_rounded_decimal_exponents(upper), decimals)
         scale = 10.0 ** np.clip(decimals, -MAX_DECIMALS, MAX_DECIMALS)
-        is_equal = (
+        is_upper_equal = (
             ~has_no_interval & np.isfinite(upper) & (np.abs(np.round(lower * scale) - np.round(upper * scale)) < 1)
         )
     decimals, upper_decimals = (
@@ -104,7 +104,7 @@ def count_estimate_decimals(mean: Floats, lower: Floats, upper: Floats) -> tuple
     )
     upper_decimals = np.where(has_no_interval, NO_INTERVAL_CODE, upper_decimals)
     # If both ends have the same printed digits, only the value is printed, without trailing zeros.
-    for index in zip(*np.nonzero(is_equal), strict=True):
+    for index in zip(*np.nonzero(is_upper_equal), strict=True):
         text = format_estimate(float(mean[index]), float(lower[index]), float(upper[index]))
         if "[" not in text:
             decimals[index], upper_decimals[index] = len(text.partition(".")[2]), NO_INTERVAL_CODE
