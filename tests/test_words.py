@@ -36,7 +36,7 @@ def test_listed_docstrings_include_docstrings_of_constants(words):
 
 def test_names_are_grouped_by_kind_and_counted_once(words):
     source = "LIMIT = 1\n\nclass Row:\n    def read(self, file):\n        size = 1\n        size = 2\n"
-    spellings = {kind: {name for _, name in items} for kind, items in words.names({"dev": source}).items()}
+    spellings = {kind: {name for _, name in items} for kind, items in words.names_by_kind({"dev": source}).items()}
     assert spellings.pop("variable") == {"self", "file", "size"}
     assert spellings == {"function": {"read"}, "class": {"Row"}, "constant": {"LIMIT"}, "test": set()}
 
