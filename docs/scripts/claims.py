@@ -505,7 +505,7 @@ def _adhesion_difference_of_amplitudes(r: ResampledMeans) -> Floats:
     )
 
 
-def _measure_change(what: Quantity, one: dict[str, float], other: dict[str, float]) -> Measure:
+def _relative_change_measure(what: Quantity, one: dict[str, float], other: dict[str, float]) -> Measure:
     def measure(r: ResampledMeans) -> Floats | SimultaneousInterval:
         return _extreme_over_dimensions(
             r, [np.abs(r.at(what, r.middle, **one) / r.at(what, r.middle, **other) - 1)], np.fmax
@@ -604,28 +604,28 @@ CLAIM_PARTS = (
         f"{_LARGEST_CHANGE} area for any D if mu0 changes from 0.1 to 1",
         -math.inf,
         0.1,
-        _measure_change("area", *_MU0_CHANGE),
+        _relative_change_measure("area", *_MU0_CHANGE),
     ),
     ClaimPart(
         "8b",
         f"{_LARGEST_CHANGE} area for any D if tau0 changes from 0 to 200 MPa",
         -math.inf,
         0.1,
-        _measure_change("area", *_TAU0_CHANGE),
+        _relative_change_measure("area", *_TAU0_CHANGE),
     ),
     ClaimPart(
         "8c",
         f"{_LARGEST_CHANGE} stiffness for any D if mu0 changes from 0.1 to 1",
         -math.inf,
         0.1,
-        _measure_change("stiffness", *_MU0_CHANGE),
+        _relative_change_measure("stiffness", *_MU0_CHANGE),
     ),
     ClaimPart(
         "8d",
         f"{_LARGEST_CHANGE} stiffness for any D if tau0 changes from 0 to 200 MPa",
         -math.inf,
         0.1,
-        _measure_change("stiffness", *_TAU0_CHANGE),
+        _relative_change_measure("stiffness", *_TAU0_CHANGE),
     ),
 )
 """Parts of all claims, at mu0 = 0.4, tau0 = 0 and the middle load unless stated otherwise."""

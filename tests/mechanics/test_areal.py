@@ -571,8 +571,8 @@ class TestSmallSlopeSurfaces:
                 sums[0, repetition] = curve.tangential_load(mu0=mu0, tau0=tau0).sum()
                 sums[1, repetition] = curve.normal_load(mu0=mu0, tau0=tau0).sum()
             area, force = area + curve.contact_area[0], force + curve.normal_elastic[0]
-        m, steep = mu0 + tau0 * area / force, math.sqrt(slope) / (2 * math.sqrt(2 * math.pi))
-        expected = {"opposing": (m / 2 + steep) / (1 - m * steep), "all": m}
+        m, slope_term = mu0 + tau0 * area / force, math.sqrt(slope) / (2 * math.sqrt(2 * math.pi))
+        expected = {"opposing": (m / 2 + slope_term) / (1 - m * slope_term), "all": m}
         for rule, (tangential, normal) in loads.items():
             mean = tangential.sum() / normal.sum()
             left_out = (tangential.sum() - tangential) / (normal.sum() - normal)

@@ -260,7 +260,7 @@ MODEL_OPTIONS = st.fixed_dictionaries(
     }
 )
 RANDOM_PAIRS = given(pair=pairs(), approach=st.floats(1e-3, 0.05), choices=MODEL_OPTIONS)
-IDENTITY_SETTINGS = settings(max_examples=25, derandomize=True)
+IDENTITY_TEST_SETTINGS = settings(max_examples=25, derandomize=True)
 OPPOSITE_DIRECTION = {"+x": "-x", "-x": "+x"}
 
 
@@ -282,7 +282,7 @@ class TestProfileIdentities:
         ("other", "tolerance"), [(mirrored_pair, MIRROR_TOLERANCE), (exchanged_pair, EXCHANGE_TOLERANCE)]
     )
     @RANDOM_PAIRS
-    @IDENTITY_SETTINGS
+    @IDENTITY_TEST_SETTINGS
     def test_load_sums_are_invariant_under_mirroring_and_exchange_of_bodies(
         self, law, pair, approach, choices, other, tolerance
     ):
@@ -291,7 +291,7 @@ class TestProfileIdentities:
         assert_close(turned_sums, all_sums(press(*pair, [approach], law=law, **choices)), tolerance)
 
     @RANDOM_PAIRS
-    @IDENTITY_SETTINGS
+    @IDENTITY_TEST_SETTINGS
     def test_load_sums_scale_with_size(self, law, pair, approach, choices):
         """Forces and areas of spheres scale with size squared, those of cylinders of equal width with size."""
         assume(is_robust(*pair, approach, choices))
@@ -305,7 +305,7 @@ class TestProfileIdentities:
         )
 
     @RANDOM_PAIRS
-    @IDENTITY_SETTINGS
+    @IDENTITY_TEST_SETTINGS
     def test_load_sums_scale_with_modulus(self, law, pair, approach, choices):
         """If all strengths scale with the modulus, so do forces, and friction depends only on tau0/E*."""
         soft_law, hard_law = law, law
@@ -322,7 +322,7 @@ class TestProfileIdentities:
         )  # nearly self-locking contacts magnify errors of mu_s
 
     @RANDOM_PAIRS
-    @IDENTITY_SETTINGS
+    @IDENTITY_TEST_SETTINGS
     def test_load_sums_equal_sums_over_the_table_of_contacts(self, law, pair, approach, choices):
         table = contacts(*pair, approach, law=law, **choices)
         curve = press(*pair, [approach / 2, approach], law=law, **choices)

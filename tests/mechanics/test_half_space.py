@@ -31,7 +31,7 @@ from support.rough_surfaces import flat_like
 from support.rough_surfaces import periodic_body as rough
 
 MODULUS = 10.0
-DENSE_TOLERANCE = 1e-8  # relative to the highest pressure; both solutions have a tolerance of 1e-11
+DENSE_SOLUTION_TOLERANCE = 1e-8  # relative to the highest pressure; both solutions have a tolerance of 1e-11
 MINDLIN_TOLERANCE = 1e-3  # relative to the displacement of a sphere whose contact radius is 50 points
 ROUND_OFF = 1e-12
 # Relative error of the true area with about 15 points per contact. The mean error over several grids is below 0.015.
@@ -75,12 +75,12 @@ def test_half_space_pressure_agrees_with_a_dense_matrix_calculation(shape, bound
     gap = lower.heights.max() - lower.heights
     approach = float(np.mean((matrix @ result.pressure.ravel() + gap.ravel())[result.pressure.ravel() > 0]))
     if boundary == "periodic" or len(shape) == 2:
-        np.testing.assert_allclose(curve.approach, approach, rtol=DENSE_TOLERANCE)
+        np.testing.assert_allclose(curve.approach, approach, rtol=DENSE_SOLUTION_TOLERANCE)
     exact = dense_half_space.solve_pressure(
         matrix, gap, approach, total=result.pressure.sum() if boundary == "periodic" else None
     )
-    np.testing.assert_allclose(result.pressure.ravel(), exact, rtol=0, atol=DENSE_TOLERANCE * exact.max())
-    np.testing.assert_allclose(exact.sum() * np.prod(spacing), load, rtol=DENSE_TOLERANCE)
+    np.testing.assert_allclose(result.pressure.ravel(), exact, rtol=0, atol=DENSE_SOLUTION_TOLERANCE * exact.max())
+    np.testing.assert_allclose(exact.sum() * np.prod(spacing), load, rtol=DENSE_SOLUTION_TOLERANCE)
 
 
 @pytest.mark.parametrize("shape", [(64,), (12, 15)])
@@ -105,7 +105,7 @@ def test_missing_points_have_neither_pressure_nor_gap(shape, boundary, hardness,
     approach = float(np.mean((matrix @ result.pressure.ravel() + gap.ravel())[between]))
     total = result.pressure.sum() if boundary == "periodic" else None
     exact = dense_half_space.solve_pressure(matrix, gap, approach, total=total, bound=bound)
-    np.testing.assert_allclose(result.pressure.ravel(), exact, rtol=0, atol=DENSE_TOLERANCE * exact.max())
+    np.testing.assert_allclose(result.pressure.ravel(), exact, rtol=0, atol=DENSE_SOLUTION_TOLERANCE * exact.max())
     by_pressure = half_space(flat_like(lower), lower, "1 MPa", boundary=boundary).load
     np.testing.assert_allclose(by_pressure, 1e-3 * (1 - missing.mean()), rtol=ROUND_OFF)
     with pytest.raises(ValueError, match="every model except half_space requires complete scans"):
@@ -132,8 +132,8 @@ def test_bounded_pressures_agree_with_a_dense_matrix_calculation(shape, boundary
         exact = dense_half_space.solve_pressure(
             matrix, gap, result.approach, total=result.pressure.sum() if periodic else None, bound=bound
         )
-        np.testing.assert_allclose(result.pressure, exact, rtol=0, atol=DENSE_TOLERANCE * exact.max())
-        np.testing.assert_allclose(exact.mean(), mean, rtol=DENSE_TOLERANCE)
+        np.testing.assert_allclose(result.pressure, exact, rtol=0, atol=DENSE_SOLUTION_TOLERANCE * exact.max())
+        np.testing.assert_allclose(exact.mean(), mean, rtol=DENSE_SOLUTION_TOLERANCE)
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])

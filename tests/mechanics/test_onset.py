@@ -24,7 +24,9 @@ from support.rough_surfaces import flat_like, periodic_body, rough_maps
 
 MODULUS = 10.0
 ROUND_OFF = 1e-12
-DENSE_TOLERANCE = 1e-6  # relative to the largest value, compared with dense matrices at a solver tolerance of 1e-6
+DENSE_SOLUTION_TOLERANCE = (
+    1e-6  # relative to the largest value, compared with dense matrices at a solver tolerance of 1e-6
+)
 MINDLIN_TOLERANCE = 1e-3  # relative to the displacement of a ball whose contact radius is 24 points
 PRINCIPLE_TOLERANCE = 0.01  # relative difference from the independent Ciavarella-Jäger principle for rough bodies
 LOAD_FRACTIONS = [0.05, 0.1, 0.3, 0.6, 0.9, 0.99]
@@ -177,16 +179,18 @@ def test_onset_of_sliding_agrees_with_active_set_solver(shape, boundary, mu0, ta
     for i, part in enumerate(parts):
         q, way = dense_onset.solve_traction(compliance, bound, part * bound.sum())
         if len(shape) == 2 or periodic:
-            assert onset.displacement[i] == pytest.approx(way, rel=DENSE_TOLERANCE)
+            assert onset.displacement[i] == pytest.approx(way, rel=DENSE_SOLUTION_TOLERANCE)
         everywhere = np.zeros(shape)
         everywhere[tuple(points.T)] = q
-        assert np.abs(exact.traction(i) - everywhere.ravel()).max() < DENSE_TOLERANCE * bound.max()
+        assert np.abs(exact.traction(i) - everywhere.ravel()).max() < DENSE_SOLUTION_TOLERANCE * bound.max()
         slips = q == bound
         assert exact.slipped_area[i] == pytest.approx(fraction[slips].sum() / fraction.sum(), abs=1e-7)
         assert exact.slipped_load[i] == pytest.approx(pressure[slips].sum() / pressure.sum(), abs=1e-7)
         lost = 4 * bound @ (way - compliance @ q) * np.prod(spacing)
         assert exact.energy_lost(onset.tangential_load[i]) == pytest.approx(
-            lost, rel=DENSE_TOLERANCE, abs=DENSE_TOLERANCE * abs(part * bound.sum() * way * np.prod(spacing))
+            lost,
+            rel=DENSE_SOLUTION_TOLERANCE,
+            abs=DENSE_SOLUTION_TOLERANCE * abs(part * bound.sum() * way * np.prod(spacing)),
         )
 
 
@@ -508,12 +512,12 @@ def test_iwan_and_lugre_fits_recover_their_parameters():
         # The expected energy is the sum over Segalman's springs.
         # Each slipping spring dissipates four times the product of its strength and its slip per cycle.
         edges = np.linspace(0, 1, 200_001) ** 3 * end
-        slips, spring = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges ** (chi + 1))
-        spring *= 3.0 / (1 + beta) / spring.sum()
-        slips, spring = np.append(slips, end), np.append(spring, 3.0 * beta / (1 + beta))
+        slips, strengths = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges ** (chi + 1))
+        strengths *= 3.0 / (1 + beta) / strengths.sum()
+        slips, strengths = np.append(slips, end), np.append(strengths, 3.0 * beta / (1 + beta))
         for u in (0.3 * end, 0.8 * end, 1.5 * end):
-            assert true.load(u) == pytest.approx(np.minimum(u, slips) @ spring, rel=1e-4)
-            lost = 4 * (spring * slips) @ np.maximum(u - slips, 0)
+            assert true.load(u) == pytest.approx(np.minimum(u, slips) @ strengths, rel=1e-4)
+            lost = 4 * (strengths * slips) @ np.maximum(u - slips, 0)
             assert true.energy_lost(u) == pytest.approx(lost, rel=1e-4)
     bristles = -2.0 * np.expm1(-3.0 * way / 2.0)
     result = fit_lugre(way, bristles, sliding_load=2.0)

@@ -6,7 +6,7 @@ from support.rough_surfaces import rough_maps
 MAX_OFFSET = 1e-4  # residual distance of the resultant force from the centre, relative to the length
 # Relative error of a stiffness from two loads that differ by ±2 %. Some points come into contact between these loads.
 STIFFNESS_TOLERANCE = 0.03
-DENSE_TOLERANCE = 1e-5  # relative difference of results from those of dense matrices
+DENSE_SOLUTION_TOLERANCE = 1e-5  # relative difference of results from those of dense matrices
 BALL_TOLERANCE = 1e-3  # relative error of the tilt of a ball whose summit moves to the middle
 
 
@@ -80,9 +80,11 @@ def test_approach_and_moments_caused_by_tilt_agree_with_a_dense_matrix_calculati
     level = np.linalg.solve(whole, np.r_[np.zeros(points.size), free.size])
     turned = [np.linalg.solve(whole, np.r_[-arm, 0.0])[:-1] for arm in arms]
     turning = [[item @ arm / free.size for arm in arms] for item in turned]
-    assert result.approach == pytest.approx(level[-1], rel=DENSE_TOLERANCE)
-    np.testing.assert_allclose(result.moments, [level[:-1] @ arm / free.size for arm in arms], rtol=DENSE_TOLERANCE)
-    np.testing.assert_allclose(result.turning, turning, rtol=100 * DENSE_TOLERANCE)
+    assert result.approach == pytest.approx(level[-1], rel=DENSE_SOLUTION_TOLERANCE)
+    np.testing.assert_allclose(
+        result.moments, [level[:-1] @ arm / free.size for arm in arms], rtol=DENSE_SOLUTION_TOLERANCE
+    )
+    np.testing.assert_allclose(result.turning, turning, rtol=100 * DENSE_SOLUTION_TOLERANCE)
 
 
 @pytest.mark.parametrize("areal", [True, False])

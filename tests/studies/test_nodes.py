@@ -172,8 +172,8 @@ def test_panels_with_a_jump_or_an_undefined_node_are_not_interpolated():
 
 def test_interpolation_corrections_vanish_for_cubic_polynomials():
     axis = AXES[0]
-    before, after = axis.weight_corrections(0.7)
+    before, after = axis.weight_changes_with_extra_node(0.7)
     assert np.isnan(after).all()  # There is no node above 1.
     assert before @ axis.values**3 == pytest.approx(0, abs=1e-12)
     assert (axis.weights(0.7) + before) @ axis.values**4 == pytest.approx(0.7**4)
-    assert [change.any() for change in axis.weight_corrections(0.6)] == [False, False]  # 0.6 is a node.
+    assert [change.any() for change in axis.weight_changes_with_extra_node(0.6)] == [False, False]  # 0.6 is a node.

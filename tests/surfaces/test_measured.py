@@ -416,23 +416,23 @@ def workbook_bytes(*sheets, **changes):
     return stream.getvalue()
 
 
-SHEET_HEAD = [["points", 5], ["made by", "a gauge"], [], [None, "x (um)", "z (um)"]]
-SHEET_HEAD += [[None, x, z, None, "a note"] for x, z in zip(X, HEIGHTS, strict=True)]
+SHEET_ROWS = [["points", 5], ["made by", "a gauge"], [], [None, "x (um)", "z (um)"]]
+SHEET_ROWS += [[None, x, z, None, "a note"] for x, z in zip(X, HEIGHTS, strict=True)]
 
 
 def test_profiles_and_surfaces_are_read_from_workbooks(file):
-    profile = read_profile(file(workbook_bytes(("one", SHEET_HEAD), ("empty", [])), "a.xlsx"))
+    profile = read_profile(file(workbook_bytes(("one", SHEET_ROWS), ("empty", [])), "a.xlsx"))
     assert profile.heights.tolist() == HEIGHTS
     assert profile.spacing == pytest.approx(0.1)
     assert profile.history[0] == "read from a.xlsx"
-    two = file(workbook_bytes(("raw", SHEET_HEAD), ("Filtered", [[*row[1:3], 5] for row in SHEET_HEAD])), "b.xlsx")
+    two = file(workbook_bytes(("raw", SHEET_ROWS), ("Filtered", [[*row[1:3], 5] for row in SHEET_ROWS])), "b.xlsx")
     assert "contains the channels 0 (raw), 1 (Filtered); choose one with channel" in error_message(two)
     assert read_profile(two, channel="raw").history[1] == "channel 0 (raw) of 0 (raw), 1 (Filtered)"
     assert "has no channel named 'rough'; the file has 0 (raw), 1 (Filtered)" in error_message(two, channel="rough")
     heights = np.random.default_rng(3).normal(size=(6, 9))
     area = read_surface(file(workbook_bytes(("map", heights.tolist())), "c.xlsx"), unit="um", spacing="1 um")
     assert np.allclose(area.heights, heights, rtol=1e-15, atol=0)  # openpyxl writes only 16 digits
-    gaps = [row if at != 6 else [None, row[1], None] for at, row in enumerate(SHEET_HEAD)]
+    gaps = [row if at != 6 else [None, row[1], None] for at, row in enumerate(SHEET_ROWS)]
     assert "lacks 1 of 5 heights, the first at point 2, counted from 0" in error_message(
         file(workbook_bytes(("one", gaps)), "d.xlsx")
     )
@@ -472,7 +472,7 @@ def test_workbook_columns_are_numbered_as_in_the_sheet(file):
 
 
 def test_damaged_and_oversized_workbooks_are_rejected(file, monkeypatch):
-    data = workbook_bytes(("one", SHEET_HEAD))
+    data = workbook_bytes(("one", SHEET_ROWS))
     assert "is a workbook without a column of numbers" in error_message(file(workbook_bytes(("one", [])), "a.xlsx"))
     assert "is a damaged workbook" in error_message(file(data[:-60], "a.xlsx"))
     assert "is a damaged workbook" in error_message(file(x3p_bytes(HEIGHTS_IN_METRES), "a.xlsx"))
@@ -860,7 +860,7 @@ def test_randomly_damaged_files_are_either_read_or_rejected_in_one_sentence(tmp_
         "d.x3p": x3p_bytes(HEIGHTS_IN_METRES[0]),
         "e.x3p": x3p_bytes(HEIGHTS_IN_METRES[0], listed=True),
         "f.x3p": x3p_bytes(HEIGHTS_IN_METRES[0], positions=1e-6 * np.arange(9)),
-        "g.xlsx": workbook_bytes(("one", SHEET_HEAD)),
+        "g.xlsx": workbook_bytes(("one", SHEET_ROWS)),
     }  # fmt: skip
     outcomes = Counter()
     for index in range(count):

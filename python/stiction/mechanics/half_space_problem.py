@@ -349,7 +349,9 @@ class TiltResponse:
     approach: float  # approach under the load, µm
     moments: Floats  # (n,) moments of the pressure under the load, GPa µm
     slope_pressures: list[Floats]  # response of the pressure (GPa) to a unit slope along each axis, at constant load
-    turning: Floats  # (n, n) change of the moments per unit slope; negative definite unless only one point is free
+    moments_per_slope: (
+        Floats  # (n, n) change of the moments per unit slope; negative definite unless only one point is free
+    )
 
     @classmethod
     def solve(cls, problem: HalfSpaceProblem, free: NDArray[np.bool_]) -> TiltResponse:
@@ -371,12 +373,12 @@ class TiltResponse:
         for arm in arms:
             small = TILT_DISPLACEMENT_RATIO * mean_displacement / float(np.abs(arm).max())
             slope_pressures.append((respond(small * np.broadcast_to(arm, problem.gap.shape).copy())[0] - level) / small)
-        turning = np.array([mean_moments(field_, arms) for field_ in slope_pressures])
-        return cls(level, approach, moments, slope_pressures, (turning + turning.T) / 2)
+        moments_per_slope = np.array([mean_moments(field_, arms) for field_ in slope_pressures])
+        return cls(level, approach, moments, slope_pressures, (moments_per_slope + moments_per_slope.T) / 2)
 
     def to_load(self) -> tuple[Floats, float]:
         """Return pressures (sum: 1 GPa) whose resultant force acts at the centre, and the resulting approach (µm)."""
-        slopes = -np.linalg.lstsq(self.turning, self.moments, rcond=None)[0]
+        slopes = -np.linalg.lstsq(self.moments_per_slope, self.moments, rcond=None)[0]
         pressure = self.pressure + sum(
             slope * turned_gradient for slope, turned_gradient in zip(slopes, self.slope_pressures, strict=True)
         )

@@ -61,8 +61,10 @@ def solve_with_balanced_tilt(
         num_tried = 0
         while float(np.abs(moments / (mean * lengths)).max()) > MAX_RELATIVE_FORCE_OFFSET:
             near = pressed.on_grid(pressed.values).ravel()
-            turning = TiltResponse.solve(problem, pressed.on_grid(pressed.below_hardness)).turning
-            step = np.linalg.solve(np.diag(MIN_MOMENT_RESPONSE * mean * lengths**2 / height) - turning, moments)
+            moments_per_slope = TiltResponse.solve(problem, pressed.on_grid(pressed.below_hardness)).moments_per_slope
+            step = np.linalg.solve(
+                np.diag(MIN_MOMENT_RESPONSE * mean * lengths**2 / height) - moments_per_slope, moments
+            )
             step *= min(1.0, MAX_EDGE_DISPLACEMENT_STEP * height / float(np.abs(step * lengths / 2).max()))
             # The energy is a concave function of the slopes.
             # The moments change sign beyond the maximum of the energy along the step.

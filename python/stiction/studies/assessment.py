@@ -305,7 +305,7 @@ def find_failed_check_caveats(checks: CheckGroups, numbers: Mapping[str, Any]) -
         yield from (check.to_caveat(numbers) for check in itertools.islice(failed, 1))
 
 
-def compute_value_numbers(
+def compute_checked_quantities(
     value: ArrayLike, lower: ArrayLike, upper: ArrayLike, *, mu0: ArrayLike, tau0: ArrayLike, pressure: ArrayLike,
     contact_count: ArrayLike, members: float, is_merged: ArrayLike,
 ) -> dict[str, Any]:  # fmt: skip
@@ -346,7 +346,7 @@ def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: RuleCoe
     }
     is_merged = _area_fraction(point, study) > MERGED_AREA_FRACTION
     num_members = float(point["ok"].min()) if "ok" in point else mean_over_directions(point, "members")
-    numbers = compute_value_numbers(
+    numbers = compute_checked_quantities(
         value.value, value.lower, value.upper, mu0=float(point["mu0"]), tau0=float(point["tau0"]),
         pressure=mean_contact_pressure(point), contact_count=count, members=num_members, is_merged=is_merged,
     )  # fmt: skip

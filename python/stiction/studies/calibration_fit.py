@@ -438,7 +438,10 @@ class CalibrationProblem:
 
     @cached_property
     def growth(self) -> UncertainInput | None:
-        """Junction growth α common to all tests, or None if α differs between tests or does not affect them."""
+        """Junction growth α common to all tests, or None if α differs between tests or does not affect them.
+
+        The value is 0 if no test has junction growth although it would affect at least one of them.
+        """
         growths = [
             equation.area_factor.growth
             for equation in self._friction

@@ -186,7 +186,7 @@ class CommonContactSettings(StudyTableVariant):
 # ---- Keys by the kind of surfaces -----------------------------------------------------------------------------------
 
 
-class GeneratedContactSettings(CommonContactSettings):
+class GeneratedSurfaceContactSettings(CommonContactSettings):
     """Keys of the contact table that specify the motion of generated surfaces."""
 
     place: ClassVar[str] = "generated surfaces"
@@ -222,7 +222,7 @@ class GeneratedContactSettings(CommonContactSettings):
         return {name: values for name, values in super().motion_coordinates().items() if is_list[name]}
 
 
-class GeneratedLoadSettings(GeneratedContactSettings):
+class GeneratedLoadSettings(GeneratedSurfaceContactSettings):
     """Keys of the contact table that specify the loads on generated surfaces."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
@@ -403,7 +403,7 @@ class AsperitySettings(CommonContactSettings):
 # ---- Combinations of contact model and kind of surfaces --------------------------------------------------------------
 
 
-class GeneratedAsperitySettings(AsperitySettings, GeneratedContactSettings):
+class GeneratedAsperitySettings(AsperitySettings, GeneratedSurfaceContactSettings):
     """Keys of the contact table for generated surfaces and the asperity model. They prescribe approaches."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
@@ -519,7 +519,7 @@ CONTACT_SETTINGS_CLASSES: dict[str, dict[str, type[ContactSettings]]] = {
 """Classes of the table by kind of bodies and value of `mechanics`; the first class of each kind is the default."""
 
 SHARED_CONTACT_SETTINGS: tuple[type[CommonContactSettings], ...] = (
-    AsperitySettings, GeneratedAsperitySettings, MeasuredContactSettings, GeneratedContactSettings,
+    AsperitySettings, GeneratedAsperitySettings, MeasuredContactSettings, GeneratedSurfaceContactSettings,
     MeasuredMapContactSettings, HalfSpaceSettings, GeneratedLoadSettings,
 )  # fmt: skip
 """Base classes whose keys several tables share; error messages about misplaced keys name these classes."""
@@ -546,7 +546,11 @@ def read_contact(
             raise make_key_error("direction", f"must be 1 to {MAX_DIRECTIONS} directions, got {short_repr(direction)}")
         contact = contact.model_copy(update={"direction": tuple(contact.direction_angles().tolist())})
     is_profile = isinstance(surfaces, GeneratedProfileSettings)
-    if is_profile and isinstance(contact, GeneratedContactSettings) and contact.direction not in (None, "+x", "-x"):
+    if (
+        is_profile
+        and isinstance(contact, GeneratedSurfaceContactSettings)
+        and contact.direction not in (None, "+x", "-x")
+    ):
         raise make_key_error("direction", f'must be "+x" or "-x" for profiles, got {short_repr(contact.direction)}')
     if isinstance(contact, AsperitySettings) and surfaces.is_areal:
         try:

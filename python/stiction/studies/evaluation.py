@@ -331,7 +331,7 @@ def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Datase
 def _average_members(study: Study, members: xarray.Dataset, names: Collection[str] | None) -> xarray.Dataset:
     import xarray
 
-    averaging = MemberAveraging.of(study, members)
+    averaging = MemberDependence.of(study, members)
     has_several_directions = members.sizes["direction"] > 1
     tables = members.variables
     dims = [str(dim) for dim in tables["friction_coefficient"].dims if dim != "repetition"]
@@ -410,7 +410,7 @@ def _contact_status(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray
 
 
 @dataclass(frozen=True, eq=False)
-class MemberAveraging:
+class MemberDependence:
     """Statistical dependence between members: none, between neighbours on a line, or through shared scans."""
 
     order: NDArray[np.intp] | None = None
@@ -418,7 +418,7 @@ class MemberAveraging:
     scans: tuple[Any, Any] | None = None
 
     @classmethod
-    def of(cls, study: Study, coordinates: Mapping[Any, Any]) -> MemberAveraging:
+    def of(cls, study: Study, coordinates: Mapping[Any, Any]) -> MemberDependence:
         """Determine the dependence between members from their positions.
 
         Members on adjacent lines, or at adjacent positions of a line, are neighbours.

@@ -11,7 +11,7 @@ from stiction._checks import Floats
 from stiction._units import exact_text, quantity, short_repr
 from stiction.studies.values import (
     MAX_VALUES,
-    DimensionRange,
+    FractalDimensionRange,
     FractalDimensionsOrRange,
     Length,
     Lengths,
@@ -53,7 +53,7 @@ AmplitudeDefinition = Annotated[
 MAX_HARMONICS = 1_000_000
 
 
-class CommonGeneratedSettings(StudyTableVariant):
+class CommonGeneratedSurfaceSettings(StudyTableVariant):
     """Keys of `[surfaces]` that all generated surfaces share, i.e. fractal dimension and amplitude."""
 
     bodies: ClassVar[str] = "generated areas"  # term for the bodies in error messages
@@ -69,7 +69,7 @@ class CommonGeneratedSettings(StudyTableVariant):
     scan_counts: ClassVar[tuple[int, int]] = (1, 1)
 
     fractal_dimension: FractalDimensionsOrRange = Field(
-        default=DimensionRange(start=1.0, stop=1.7, count=50),
+        default=FractalDimensionRange(start=1.0, stop=1.7, count=50),
         description="D, as defined by `convention`; for surfaces, D of a section.",
     )
     amplitude: Lengths = Field(
@@ -103,7 +103,7 @@ class CommonGeneratedSettings(StudyTableVariant):
         return {"fractal_dimension": self.fractal_dimensions(), "amplitude": self.amplitudes()}
 
 
-class GeneratedProfileSettings(CommonGeneratedSettings):
+class GeneratedProfileSettings(CommonGeneratedSurfaceSettings):
     """Keys of `[surfaces]` for pairs of fractal profiles that are generated with Eq. 1 of the paper."""
 
     place: ClassVar[str] = "fractal profiles"
@@ -132,7 +132,7 @@ class GeneratedProfileSettings(CommonGeneratedSettings):
         return float(self.extent) / self.points
 
 
-class GeneratedMapSettings(CommonGeneratedSettings):
+class GeneratedMapSettings(CommonGeneratedSurfaceSettings):
     """Keys of `[surfaces]` that all generated height maps share: side lengths and shape of the grid."""
 
     kind: Literal["surface"] = Field(default="surface", description="Kind of surfaces: lines or areas.")

@@ -130,7 +130,7 @@ class NodeAxis:
         )
         return self._lagrange_weights(value, np.arange(first_node, first_node + num_nodes))
 
-    def weight_corrections(self, value: float, *, cubic: bool = True) -> list[Floats]:
+    def weight_changes_with_extra_node(self, value: float, *, cubic: bool = True) -> list[Floats]:
         """Return the changes in the weights if the interpolation also uses the preceding or the following node.
 
         A change is 0 at a node, and NaN if there is no such node.
@@ -345,7 +345,9 @@ def refine_axes(
                 interpolated = np.stack([np.tensordot(axis.weights(midpoint), nodes, axes=1) for midpoint in midpoints])
                 value_changes = [
                     np.tensordot(
-                        np.stack([axis.weight_corrections(midpoint)[neighbor] for midpoint in midpoints]), nodes, axes=1
+                        np.stack([axis.weight_changes_with_extra_node(midpoint)[neighbor] for midpoint in midpoints]),
+                        nodes,
+                        axes=1,
                     )
                     for neighbor in range(2)
                 ]
@@ -460,7 +462,8 @@ def _interpolate_at_midpoints(axes: tuple[NodeAxis, NodeAxis], table: Floats, *,
         np.stack([axis.weights(value, cubic=cubic) for value in axis.panel_middles]) for axis in axes
     )
     mu0_corrections, tau0_corrections = (
-        np.stack([axis.weight_corrections(value, cubic=cubic) for value in axis.panel_middles], axis=1) for axis in axes
+        np.stack([axis.weight_changes_with_extra_node(value, cubic=cubic) for value in axis.panel_middles], axis=1)
+        for axis in axes
     )
     mu0_error = _estimated_error(*(_weighted_sums(table, change, tau0_weights) for change in mu0_corrections))
     tau0_error = _estimated_error(*(_weighted_sums(table, mu0_weights, change) for change in tau0_corrections))

@@ -15,7 +15,7 @@ from stiction.mechanics.half_space import HalfSpaceCurve
 from stiction.mechanics.presliding import fit_iwan, fit_lugre
 from stiction.mechanics.quantities import QUANTITIES, quantity_attributes
 from stiction.studies.contact_picture import MAX_PICTURE_SIZE
-from stiction.studies.evaluation import MemberAveraging
+from stiction.studies.evaluation import MemberDependence
 from stiction.studies.executors import use_idle_threads
 from stiction.studies.member_solution import PressedPair
 from stiction.studies.members import count_points, load_bodies
@@ -118,7 +118,7 @@ def compute_member_onset(
 def _average_members(study: Study, curves: Sequence[dict[str, Any]], attributes: dict[str, Any]) -> xarray.Dataset:
     import xarray
 
-    averaging = MemberAveraging.of(
+    averaging = MemberDependence.of(
         study, {name: [curve[name] for curve in curves] for name in ("line", "x", "y", "repetition")}
     )
     variables: dict[str, Any] = {}

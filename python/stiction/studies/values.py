@@ -218,7 +218,7 @@ class _ValueRange(StudyTable):
         return np.linspace(float(self.start), float(self.stop), self.count)
 
 
-class DimensionRange(_ValueRange):
+class FractalDimensionRange(_ValueRange):
     """Range of fractal dimensions."""
 
     start: FractalDimension
@@ -273,7 +273,7 @@ _range_or_list = Discriminator(
     custom_error_message="must be a list, or a table with start, stop and count",
 )
 FractalDimensionsOrRange = Annotated[
-    Annotated[DimensionRange, Tag(RANGE_TAG)] | Annotated[FractalDimensions, Tag(LIST_TAG)], _range_or_list
+    Annotated[FractalDimensionRange, Tag(RANGE_TAG)] | Annotated[FractalDimensions, Tag(LIST_TAG)], _range_or_list
 ]
 ApproachesOrRange = Annotated[
     Annotated[ApproachRange, Tag(RANGE_TAG)] | Annotated[Approaches, Tag(LIST_TAG)], _range_or_list

@@ -34,7 +34,7 @@ Such a deviation has no visible effect on the heights. It occurs in positions th
 MIN_COLUMNS = 4  # minimum number of columns of a height matrix in a text file
 MAX_TABLE_GRID_POINTS = 100_000_000  # maximum number of points of a map
 MAX_LISTED_NAMES = 12  # maximum number of names in a message
-MAX_PROFILE_COLUMNS = 3  # maximum number of columns that a caller can choose: x, y and z
+MAX_SELECTED_PROFILE_COLUMNS = 3  # maximum number of columns that a caller can choose: x, y and z
 MIN_JITTERED_POSITIONS = 8  # slightly uneven positions count as measured only if there are at least this many
 MAX_JITTER = 0.5  # largest range of the steps between measured positions, relative to the mean step
 # a surface counts as tilted if the correlation between heights and point index exceeds this limit
@@ -296,7 +296,7 @@ def _replace_words_by_missing(table: ColumnTable, columns: Sequence[Selection] |
                 for place in others
                 if not (table.names and _NUMBERING_NAME_PATTERN.fullmatch(table.names[place]))
             ]
-            example = ",".join(map(str, chosen[:MAX_PROFILE_COLUMNS]))
+            example = ",".join(map(str, chosen[:MAX_SELECTED_PROFILE_COLUMNS]))
             raise FormatError(
                 f"has words in {text}: {column.words}; choose columns of numbers with columns (--columns {example}) to "
                 "ignore the words, or specify the word for missing points with missing_value "

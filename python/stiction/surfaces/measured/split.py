@@ -144,7 +144,7 @@ def digit_value(values: Floats, decimals: int, digits: int) -> Floats:
     return np.asarray(10.0 ** np.clip(np.maximum(-decimals, by_digits), -300, 300))
 
 
-def find_number_runs(text: Text) -> list[tuple[int, int]]:
+def find_numeric_line_runs(text: Text) -> list[tuple[int, int]]:
     """Return the first and the last line of each run of numeric lines. A run may contain blank lines."""
     kinds = text.line_kinds
     filled = np.flatnonzero(kinds != BLANK_LINE)

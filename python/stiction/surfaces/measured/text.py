@@ -27,7 +27,7 @@ from stiction.surfaces.measured.split import (
     NumberBlock,
     cell_kind,
     detect_dialect,
-    find_number_runs,
+    find_numeric_line_runs,
     parse_block,
 )
 from stiction.surfaces.measured.word_columns import FoundColumn, describe_words, replace_word_columns
@@ -69,7 +69,7 @@ def with_source(content: Content, text: Text, layout: str) -> Content:
 def parse_table(text: Text) -> ColumnTable | HeightChannels:
     """Parse the largest run of numeric lines and its header as a table. Runs of equal size become channels."""
     text, word_columns = replace_word_columns(text)
-    runs = find_number_runs(text)
+    runs = find_numeric_line_runs(text)
     if not runs:
         raise FormatError(
             f"no numbers were found in {len(text)} lines, of which the first is {text.describe_line(0)}; numbers must "

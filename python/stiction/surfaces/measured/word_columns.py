@@ -11,7 +11,7 @@ import numpy as np
 
 from stiction._text import printable
 from stiction.surfaces.measured.decode import BLANK_LINE, NUMBER_LINE, TEXT_LINE, Text
-from stiction.surfaces.measured.split import Dialect, cell_kind, find_number_runs, split_cells
+from stiction.surfaces.measured.split import Dialect, cell_kind, find_numeric_line_runs, split_cells
 
 # The comma is tried last, because it may be the decimal mark in cells with another separator.
 _CELL_SEPARATORS = ("\t", ";", "|", None, ",")
@@ -33,7 +33,7 @@ class FoundColumn:
 
 def replace_word_columns(text: Text) -> tuple[Text, tuple[FoundColumn, ...]]:
     """Replace the words in columns without numbers by ``nan``. Return the new text and the replaced columns."""
-    runs = find_number_runs(text)
+    runs = find_numeric_line_runs(text)
     if not (text.words or _has_words_at_numbers(text, runs)):
         return text, ()
     lines = np.flatnonzero(text.line_kinds != BLANK_LINE).tolist()

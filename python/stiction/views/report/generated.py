@@ -27,7 +27,7 @@ from stiction.studies.assessment import (
     Caveat,
     LimitCheck,
     assess_ensemble,
-    compute_value_numbers,
+    compute_checked_quantities,
     verdict_from_caveats,
 )
 from stiction.studies.nodes import InterpolationNodes, NodeAxis
@@ -293,7 +293,7 @@ def _checked_numbers(
     with np.errstate(divide="ignore", invalid="ignore"):
         pressure = np.where(area > 0, contact_load / area, np.nan)
     value, lower, upper = np.moveaxis(points, -1, 0)
-    return compute_value_numbers(
+    return compute_checked_quantities(
         value, lower, upper, mu0=mu0, tau0=tau0, pressure=pressure, contact_count=contacts, members=members,
         is_merged=area / nominal_area > MERGED_AREA_FRACTION,
     )  # fmt: skip

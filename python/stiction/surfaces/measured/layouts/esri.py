@@ -18,7 +18,7 @@ import numpy as np
 from stiction.surfaces.measured.decode import Text
 from stiction.surfaces.measured.layout import Layout, parse_header_integer, parse_header_number
 from stiction.surfaces.measured.raw import FormatError, RawHeights
-from stiction.surfaces.measured.split import detect_dialect, find_number_runs, parse_block
+from stiction.surfaces.measured.split import detect_dialect, find_numeric_line_runs, parse_block
 from stiction.surfaces.measured.text import describe_source
 
 _HEADER_NAMES = (
@@ -43,7 +43,7 @@ def _parse_header(text: Text) -> dict[str, str]:
 def _read(text: Text) -> RawHeights:
     header = _parse_header(text)
     values = {key: parse_header_number(header, key) for key in header}
-    runs = find_number_runs(text)
+    runs = find_numeric_line_runs(text)
     if not runs:
         raise FormatError("has no heights below its header")
     block = parse_block(text, *runs[0], detect_dialect(text, *runs[0]))

@@ -24,7 +24,7 @@ from stiction.surfaces.measured.decode import NUMBER_LINE, Text
 from stiction.surfaces.measured.header import is_unit, normalise_line
 from stiction.surfaces.measured.layout import Layout
 from stiction.surfaces.measured.raw import FileCaveat, FormatError, RawHeights, length_unit
-from stiction.surfaces.measured.split import detect_dialect, find_number_runs, parse_block
+from stiction.surfaces.measured.split import detect_dialect, find_numeric_line_runs, parse_block
 from stiction.surfaces.measured.text import describe_source
 
 _UNSIGNED_NUMBER = re.compile(r"[0-9]+(?:[.,][0-9]+)?")
@@ -72,7 +72,7 @@ def _read(text: Text) -> RawHeights:
     pairs = [row for row in rows[index + 1 :] if len(row) == 2]
     counts = [int(row[1]) for row in pairs if re.fullmatch("[0-9]{1,6}", row[1])][:2]
     height_unit = next((row[1] for row in pairs if is_unit(row[1]) and not _UNSIGNED_NUMBER.fullmatch(row[1])), None)
-    runs = find_number_runs(text)
+    runs = find_numeric_line_runs(text)
     first, last = max(runs, key=lambda run: int(text.starts[run[1] + 1] - text.starts[run[0]]))
     block = parse_block(text, first, last, detect_dialect(text, first, last))
     values, caveats = _extract_single_image(text, block.values, last), []

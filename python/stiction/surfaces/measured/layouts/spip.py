@@ -20,7 +20,7 @@ from stiction.surfaces.measured.decode import Text
 from stiction.surfaces.measured.header import normalise_line
 from stiction.surfaces.measured.layout import Layout, parse_header_integer, parse_header_number
 from stiction.surfaces.measured.raw import FormatError, RawHeights, length_unit
-from stiction.surfaces.measured.split import detect_dialect, find_number_runs, parse_block
+from stiction.surfaces.measured.split import detect_dialect, find_numeric_line_runs, parse_block
 from stiction.surfaces.measured.text import describe_source
 
 _HEADER_FIELD = re.compile(r"#?\s*([A-Za-z][\w -]{0,30}?)\s*[=:]\s*(.{1,60}?)\s*")
@@ -38,7 +38,7 @@ def _recognise(text: Text) -> bool:
 
 def _read(text: Text) -> RawHeights:
     header = _parse_header(text)
-    runs = find_number_runs(text)
+    runs = find_numeric_line_runs(text)
     if not runs:
         raise FormatError("has no heights below its header")
     first, last = max(runs, key=lambda run: int(text.starts[run[1] + 1] - text.starts[run[0]]))
