@@ -79,12 +79,12 @@ def test_approach_and_moments_caused_by_tilt_agree_with_a_dense_matrix_calculati
     arms = [np.broadcast_to(arm, free.shape).ravel()[points] for arm in lever_arms(problem)]
     level = np.linalg.solve(whole, np.r_[np.zeros(points.size), free.size])
     turned = [np.linalg.solve(whole, np.r_[-arm, 0.0])[:-1] for arm in arms]
-    turning = [[item @ arm / free.size for arm in arms] for item in turned]
+    moments_per_slope = [[item @ arm / free.size for arm in arms] for item in turned]
     assert result.approach == pytest.approx(level[-1], rel=DENSE_SOLUTION_TOLERANCE)
     np.testing.assert_allclose(
         result.moments, [level[:-1] @ arm / free.size for arm in arms], rtol=DENSE_SOLUTION_TOLERANCE
     )
-    np.testing.assert_allclose(result.turning, turning, rtol=100 * DENSE_SOLUTION_TOLERANCE)
+    np.testing.assert_allclose(result.moments_per_slope, moments_per_slope, rtol=100 * DENSE_SOLUTION_TOLERANCE)
 
 
 @pytest.mark.parametrize("areal", [True, False])
