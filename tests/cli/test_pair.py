@@ -188,7 +188,7 @@ def test_gap_map_is_levelled_as_requested_and_pressed_on_a_flat(scans_folder):
 def test_closure_stiffness_exceeds_contact_stiffness_only_in_the_half_space_model(scans_folder, mechanics):
     study = parse_study(scans_folder, *MAP_ARGUMENTS, *MATERIAL_OPTIONS, *LOAD_OPTION, "--mechanics", mechanics)
     upper, lower = load_bodies(study).member(0, 0.0).pair
-    result = solve_at_loads(study, upper, lower, unloads=True)
+    result = solve_at_loads(study, upper, lower, computes_unloading=True)
     stiffness_per_area = 1e6 * result["normal_stiffness"] / np.prod(upper.extent)  # MPa/mm
     if mechanics == "asperities":
         np.testing.assert_allclose(result["closure"], result["approach"])
