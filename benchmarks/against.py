@@ -17,8 +17,8 @@ def compare_with_plain_program() -> list[tuple[str, str]]:
     our_time = median_time(lambda: compute_member_sums(study, 0), 5) / 50
     sums = compute_member_sums(study, 0)
     times, largest_difference = [], 0.0
-    for d in (0, 25):  # The fractal dimensions are 1.00 and 1.357.
-        dimension = study.surfaces.fractal_dimensions()[d]
+    for dimension_index in (0, 25):  # The fractal dimensions are 1.00 and 1.357.
+        dimension = study.surfaces.fractal_dimensions()[dimension_index]
 
         def compute_pair(dimension=dimension):
             upper, lower = (
@@ -30,11 +30,11 @@ def compare_with_plain_program() -> list[tuple[str, str]]:
             return plain.press(upper, lower, PROFILE_LENGTH / NUM_POINTS, approaches)
 
         times.append(median_time(lambda compute_pair=compute_pair: check_finite(compute_pair()), 1))
-        expected = compute_pair()
-        our_sums = np.array([sums[name][d, 0] for name in SUM_NAMES])
-        assert np.array_equal(our_sums[0], expected[0])
+        plain_sums = compute_pair()
+        our_sums = np.array([sums[name][dimension_index, 0] for name in SUM_NAMES])
+        assert np.array_equal(our_sums[0], plain_sums[0])
         largest_difference = max(
-            largest_difference, float((np.abs(our_sums - expected) / np.maximum(np.abs(expected), 1e-300)).max())
+            largest_difference, float((np.abs(our_sums - plain_sums) / np.maximum(np.abs(plain_sums), 1e-300)).max())
         )
     # The plain program has phase errors of 4e-7 rad at the highest frequency, due to round-off.
     assert largest_difference < 1e-3, largest_difference
@@ -51,15 +51,15 @@ def check_finite(values: np.ndarray) -> None:
 def compare_profile_generators() -> list[tuple[str, str]]:
     phases = random_phases(2016)
     dimensions = Study.named("figure6").surfaces.fractal_dimensions()
-    family = weierstrass_mandelbrot_family(phases, dimensions)
-    ours = median_time(lambda: weierstrass_mandelbrot_family(phases, dimensions), 5)
-    naive = (
+    profiles = weierstrass_mandelbrot_family(phases, dimensions)
+    stiction_time = median_time(lambda: weierstrass_mandelbrot_family(phases, dimensions), 5)
+    plain_time = (
         median_time(
             lambda: plain.generate_profile(phases, 1.3, extent=PROFILE_LENGTH, points=NUM_POINTS, amplitude=0.1), 1
         )
         * 50
     )
-    result = [("direct sum in NumPy, time relative to the family of 50 profiles", f"{naive / ours:.0f}")]
+    result = [("direct sum in NumPy, time relative to the family of 50 profiles", f"{plain_time / stiction_time:.0f}")]
     import finufft
 
     # One non-uniform transform per frequency group (40 wavelengths, 150 000 points), then the matrix product.
@@ -72,19 +72,22 @@ def compare_profile_generators() -> list[tuple[str, str]]:
         groups = np.empty((40, NUM_POINTS))
         for k in range(40):
             # Modes start at -N/2; the strengths include the phase of the first point.
-            strengths = np.exp(1j * (phases[:, k] + angle[:, k] * (NUM_POINTS // 2)))
+            amplitudes = np.exp(1j * (phases[:, k] + angle[:, k] * (NUM_POINTS // 2)))
             sums = finufft.nufft1d1(
-                np.ascontiguousarray(angle[:, k]), strengths, NUM_POINTS, eps=1e-12, isign=1, nthreads=1
+                np.ascontiguousarray(angle[:, k]), amplitudes, NUM_POINTS, eps=1e-12, isign=1, nthreads=1
             )
             groups[k] = np.cos(phases[:, k]).sum() - sums.real
         return weights @ groups
 
-    theirs = generate_by_finufft()
-    difference = np.abs(theirs - family).max() / np.ptp(family, axis=1).min()
+    finufft_profiles = generate_by_finufft()
+    difference = np.abs(finufft_profiles - profiles).max() / np.ptp(profiles, axis=1).min()
     assert difference < 1e-8, difference
-    took = median_time(generate_by_finufft, 3)
+    finufft_time = median_time(generate_by_finufft, 3)
     result.append(
-        ("FINUFFT (eps 1e-12, one thread) and a BLAS product, time relative to the same family", f"{took / ours:.0f}")
+        (
+            "FINUFFT (eps 1e-12, one thread) and a BLAS product, time relative to the same family",
+            f"{finufft_time / stiction_time:.0f}",
+        )
     )
     result.append(("largest difference of the profiles, relative to their height", f"{difference:.0e}"))
     return result
@@ -96,10 +99,10 @@ def compare_with_boundary_elements() -> list[tuple[str, str]]:
     tamaas.set_log_level(tamaas.LogLevel.error)
     points, modulus = 8192, 10.0
     x = np.arange(points) / points
-    random = np.random.default_rng(5)
+    generator = np.random.default_rng(5)
     heights = np.zeros(points)
     for q in range(1, 257):  # The profile is periodic and self-affine with H = 0.8.
-        heights += q**-1.3 * np.cos(2 * np.pi * (q * x + random.random()))
+        heights += q**-1.3 * np.cos(2 * np.pi * (q * x + generator.random()))
     heights *= 0.01 / np.ptp(heights)
     lower, upper = Profile(heights, spacing=1 / points), Profile(np.zeros(points), spacing=1 / points)
     approaches = np.linspace(1e-5, 3e-3, 40)
@@ -116,11 +119,13 @@ def compare_with_boundary_elements() -> list[tuple[str, str]]:
     area = solve()
     # Without interaction between asperities, the area is smaller.
     assert 0.05 < float(curve.contact_area[20]) / area < 1
-    ours = median_time(lambda: press(upper, lower, approaches, law=HertzCylinder(), detection="gap-minimum"), 20)
+    stiction_time = median_time(
+        lambda: press(upper, lower, approaches, law=HertzCylinder(), detection="gap-minimum"), 20
+    )
     return [
         (
             "tamaas, one load of a profile of 8192 points, time relative to a curve of 40 approaches",
-            f"{median_time(solve, 5) / ours:.0f}",
+            f"{median_time(solve, 5) / stiction_time:.0f}",
         ),
         ("our area over tamaas' at that load", f"{float(curve.contact_area[20]) / area:.2f}"),
     ]

@@ -58,43 +58,46 @@ def create_large_pair() -> None:
 
 
 def benchmark_rows() -> list[tuple[str, str]]:
-    small, rough, large_pair = create_pair(512), create_pair(512, shortest=None), create_pair(2048)
-    transform, pair_time, candidate_time, fine_pair_time, large_transform, large_pair_time = median_times(
-        lambda: rfft2(small[0].heights, workers=1),
-        lambda: press_with_both_rules(*small),
-        lambda: candidates(*small, deepest=MAX_APPROACH),
-        lambda: press_with_both_rules(*rough),
+    small_pair, rough_pair, large_pair = create_pair(512), create_pair(512, shortest=None), create_pair(2048)
+    transform_time, pair_time, candidate_time, fine_pair_time, large_transform_time, large_pair_time = median_times(
+        lambda: rfft2(small_pair[0].heights, workers=1),
+        lambda: press_with_both_rules(*small_pair),
+        lambda: candidates(*small_pair, deepest=MAX_APPROACH),
+        lambda: press_with_both_rules(*rough_pair),
         lambda: rfft2(large_pair[0].heights, workers=1),
         lambda: press_with_both_rules(*large_pair),
     )
-    curve, rough_curve = press_with_both_rules(*small)[0], press_with_both_rules(*rough)[0]
+    curve, rough_curve = press_with_both_rules(*small_pair)[0], press_with_both_rules(*rough_pair)[0]
     count = f"{curve.contact_count[-1]} contacts"
     result = [
-        ("T: scipy.fft.rfft2 of one map of 512 x 512", f"{1e3 * transform:.2f} ms"),
-        (f"pair of 512 x 512, 40 approaches, 36 directions, both rules, {count}", f"{pair_time / transform:.1f} T"),
-        ("search for the candidates alone", f"{candidate_time / transform:.1f} T"),
+        ("T: scipy.fft.rfft2 of one map of 512 x 512", f"{1e3 * transform_time:.2f} ms"),
+        (
+            f"pair of 512 x 512, 40 approaches, 36 directions, both rules, {count}",
+            f"{pair_time / transform_time:.1f} T",
+        ),
+        ("search for the candidates alone", f"{candidate_time / transform_time:.1f} T"),
         (
             f"the same pair with roughness down to the grid spacing, {rough_curve.contact_count[-1]} contacts",
-            f"{fine_pair_time / transform:.1f} T",
+            f"{fine_pair_time / transform_time:.1f} T",
         ),
         ("pair of 2048 x 2048, time per point relative to 512 x 512", f"{large_pair_time / pair_time / 16:.2f}"),
-        ("pair of 2048 x 2048, in units of one FFT of this map", f"{large_pair_time / large_transform:.1f}"),
+        ("pair of 2048 x 2048, in units of one FFT of this map", f"{large_pair_time / large_transform_time:.1f}"),
         ("peak memory, 2048 x 2048", f"{peak_mebibytes(press_large_pair):.0f} MiB"),
         ("peak memory without the contact calculation", f"{peak_mebibytes(create_large_pair):.0f} MiB"),
     ]
     pairs = [create_pair(512, repetition=repetition) for repetition in range(8)]
-    gains = []
+    speedups = []
     for _ in range(3):
-        walls = []
+        wall_times = []
         for workers in (1, 2):
             start = time.perf_counter()
             with ThreadPoolExecutor(workers) as pool:
                 list(pool.map(lambda pair: [press_with_both_rules(*pair) for _ in range(8)], pairs))
-            walls.append(time.perf_counter() - start)
-        gains.append(walls[0] / walls[1])
+            wall_times.append(time.perf_counter() - start)
+        speedups.append(wall_times[0] / wall_times[1])
     return [
         *result,
-        ("speed-up by a second thread, pairs of 512 x 512", f"{max(gains):.2f}"),
+        ("speed-up by a second thread, pairs of 512 x 512", f"{max(speedups):.2f}"),
         *compare_with_boundary_elements(),
     ]
 
@@ -106,28 +109,28 @@ def compare_with_boundary_elements() -> list[tuple[str, str]]:
     points = 1024
     upper, lower = create_pair(points)
     gap = upper.heights - lower.heights
-    ours = median_times(lambda: press_with_both_rules(upper, lower), repeats=5)[0]
+    stiction_time = median_times(lambda: press_with_both_rules(upper, lower), repeats=5)[0]
     curve = press_with_both_rules(upper, lower)[0]
-    step = int(np.searchsorted(curve.contact_area, 0.01 * MAP_LENGTH**2))
+    approach_index = int(np.searchsorted(curve.contact_area, 0.01 * MAP_LENGTH**2))
     tamaas.initialize(1)
     tamaas.set_log_level(tamaas.LogLevel.error)
     model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [MAP_LENGTH, MAP_LENGTH], [points, points])
     model.E, model.nu = 10.0, 0.0
-    pressure = curve.normal_elastic[step] / MAP_LENGTH**2
+    pressure = curve.normal_elastic[approach_index] / MAP_LENGTH**2
     solver = tamaas.PolonskyKeerRey(model, np.ascontiguousarray(-gap), 1e-6)
     solver.max_iter = 5000
     start = time.thread_time()
     error = solver.solve(pressure)
-    theirs = time.thread_time() - start
+    tamaas_time = time.thread_time() - start
     assert error < 1e-6, error
-    touching = model.traction > 0
-    perimeter = sum(int((touching != np.roll(touching, 1, axis)).sum()) for axis in (0, 1))
+    is_contact = model.traction > 0
+    perimeter = sum(int((is_contact != np.roll(is_contact, 1, axis)).sum()) for axis in (0, 1))
     fraction = tamaas.Statistics2D.contact(model.traction, perimeter)
     return [
-        ("tamaas, one load at 1024 x 1024, time relative to 40 approaches", f"{theirs / ours:.0f}"),
-        ("the same ratio for each load", f"{40 * theirs / ours:.0f}"),
+        ("tamaas, one load at 1024 x 1024, time relative to 40 approaches", f"{tamaas_time / stiction_time:.0f}"),
+        ("the same ratio for each load", f"{40 * tamaas_time / stiction_time:.0f}"),
         (
             f"our area over tamaas' at that load, {100 * fraction:.2g} % of the nominal one",
-            f"{curve.contact_area[step] / MAP_LENGTH**2 / fraction:.2f}",
+            f"{curve.contact_area[approach_index] / MAP_LENGTH**2 / fraction:.2f}",
         ),
     ]

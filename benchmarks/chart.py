@@ -34,21 +34,23 @@ def parse_table(table: str) -> dict[str, str]:
     return {question.removeprefix("the "): answer for question, answer in rows}
 
 
-def relative_time(answer: str, name: str) -> float | None:
+def relative_time(time_text: str, name: str) -> float | None:
     """Return the run time of the whole task, or of a part, relative to stiction."""
-    if ";" in answer or " s, " in answer:
-        result = re.search(rf"{name.split()[0]} .*?: ([0-9.]+) times", answer)
+    if ";" in time_text or " s, " in time_text:
+        result = re.search(rf"{name.split()[0]} .*?: ([0-9.]+) times", time_text)
         return float(result[1]) if result else None
-    return float(answer)
+    return float(time_text)
 
 
 def load_ratios(table: str) -> dict[str, dict[str, float]]:
-    answers = parse_table(table)
+    texts_by_question = parse_table(table)
     result: dict[str, dict[str, float]] = {}
     for task, patterns in BAR_PATTERNS.items():
         for name, pattern in patterns.items():
-            answer = next((answers[item] for item in answers if re.fullmatch(pattern, item)), None)
-            ratio = None if answer is None else relative_time(answer, name)
+            time_text = next(
+                (texts_by_question[item] for item in texts_by_question if re.fullmatch(pattern, item)), None
+            )
+            ratio = None if time_text is None else relative_time(time_text, name)
             if ratio is not None:
                 result.setdefault(task, {})[name] = ratio
     return result
@@ -56,28 +58,28 @@ def load_ratios(table: str) -> dict[str, dict[str, float]]:
 
 def draw() -> None:
     """Draw a group of bars for each task, with stiction first."""
-    groups = load_ratios((DOCS_FOLDER / "generated/performance.md").read_text(encoding="utf-8"))
+    ratios_by_task = load_ratios((DOCS_FOLDER / "generated/performance.md").read_text(encoding="utf-8"))
     with mpl.rc_context(MATPLOTLIB_STYLE):
-        bars = sum(1 + len(group) for group in groups.values())
-        height = 3.2 * bars + 5.5 * len(groups) + 11
+        bars = sum(1 + len(group) for group in ratios_by_task.values())
+        height = 3.2 * bars + 5.5 * len(ratios_by_task) + 11
         figure = Figure(figsize=(PAGE_WIDTH, height * INCHES_PER_MILLIMETRE))
         axes = figure.add_axes((0.2, 9 / height, 0.75, 1 - 10 / height))
-        place, places, names = 0.0, [], []
-        for task, group in groups.items():
-            axes.text(0.7, place, task, va="center", fontsize=7, fontweight="bold")
+        position, positions, names = 0.0, [], []
+        for task, group in ratios_by_task.items():
+            axes.text(0.7, position, task, va="center", fontsize=7, fontweight="bold")
             for name, ratio in {"stiction": 1.0, **group}.items():
-                place -= 1
-                places.append(place)
+                position -= 1
+                positions.append(position)
                 names.append(name)
                 colour = NOT_OPPOSING_COLOUR if name == "stiction" else "0.65"
-                axes.barh(place, ratio - 0.7, left=0.7, color=colour, height=0.75)
+                axes.barh(position, ratio - 0.7, left=0.7, color=colour, height=0.75)
                 text = f"{ratio:.2g} ×" if ratio < 100 else f"{ratio:.0f} ×"
-                axes.text(1.1 * ratio, place, text, va="center", fontsize=6)
-            place -= 1.7
+                axes.text(1.1 * ratio, position, text, va="center", fontsize=6)
+            position -= 1.7
         axes.set_xscale("log")
-        axes.set_xlim(0.7, 3 * max(ratio for group in groups.values() for ratio in group.values()))
-        axes.set_ylim(place + 1.2, 0.9)
-        axes.set_yticks(places, labels=names)
+        axes.set_xlim(0.7, 3 * max(ratio for group in ratios_by_task.values() for ratio in group.values()))
+        axes.set_ylim(position + 1.2, 0.9)
+        axes.set_yticks(positions, labels=names)
         axes.tick_params(axis="y", length=0)
         axes.set_xlabel("run time divided by the run time of stiction (one thread)")
         for side in ("top", "right", "left"):

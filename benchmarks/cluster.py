@@ -54,12 +54,12 @@ _read: dict[str, list[dict]] = {}
 
 def randomise(sums: dict) -> list[dict]:
     """Return the sums of a repetition with random digits, so that they compress like real sums. Zeros are kept."""
-    random = np.random.default_rng(0)
+    generator = np.random.default_rng(0)
 
     def change_digits(values: np.ndarray) -> np.ndarray:
         if values.dtype.kind == "i":
-            return values + (values > 0) * random.integers(0, 9, values.shape)
-        return values * random.lognormal(0, 0.5, values.shape)
+            return values + (values > 0) * generator.integers(0, 9, values.shape)
+        return values * generator.lognormal(0, 0.5, values.shape)
 
     return [{name: change_digits(values) for name, values in sums.items()} for _ in range(NUM_DIFFERENT_MEMBERS)]
 
@@ -72,13 +72,13 @@ def measure_storage(
         file = Path(folder) / "sums.pickle"
         file.write_bytes(pickle.dumps(sums))
         runner.compute_block = StoredSumsTask(str(file), has_shared_folder)
-        size = runner.choose_block_size(study)
-        parts = -(-study.ensemble.repetitions // (size * NUM_BLOCKS))
+        block_size = runner.choose_block_size(study)
+        num_parts = -(-study.ensemble.repetitions // (block_size * NUM_BLOCKS))
         try:
             # Do not measure the first run, which loads all modules.
-            runner.compute_missing(study, Path(folder) / "r", part=(2, parts), executor=executor)
+            runner.compute_missing(study, Path(folder) / "r", part=(2, num_parts), executor=executor)
             start, driver_start = time.perf_counter(), time.process_time()
-            count = runner.compute_missing(study, Path(folder) / "r", part=(1, parts), executor=executor)
+            count = runner.compute_missing(study, Path(folder) / "r", part=(1, num_parts), executor=executor)
             return count / (time.perf_counter() - start), (time.process_time() - driver_start) / count
         finally:
             runner.compute_block = _compute_real_block
@@ -89,20 +89,25 @@ def benchmark_rows() -> list[tuple[str, str]]:
     with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as executor:
         for name in STUDY_NAMES:
             study = Study.named(name).with_changes({"ensemble.repetitions": 1_000_000})
-            half_plane = name == "figure6-half-plane"  # Each run of this study takes 90 s.
-            reduced_study = study.with_changes({"surfaces.fractal_dimension": [1.2]}) if half_plane else study
-            dimensions = study.surfaces.fractal_dimensions().size if half_plane else 1
+            is_half_plane = name == "figure6-half-plane"  # Each run of this study takes 90 s.
+            reduced_study = study.with_changes({"surfaces.fractal_dimension": [1.2]}) if is_half_plane else study
+            num_dimensions = study.surfaces.fractal_dimensions().size if is_half_plane else 1
             sums = compute_member_sums(reduced_study, 0)
-            cost = dimensions * median_time(
-                lambda reduced_study=reduced_study: compute_member_sums(reduced_study, 1), 1 if half_plane else 3
+            member_time = num_dimensions * median_time(
+                lambda reduced_study=reduced_study: compute_member_sums(reduced_study, 1), 1 if is_half_plane else 3
             )
-            members = randomise({name: values.repeat(dimensions, axis=0) for name, values in sums.items()})
-            size = runner.choose_block_size(study)
-            block = stack_members(study, [members[i % NUM_DIFFERENT_MEMBERS] for i in range(size)])
-            encode_members(study, range(size), block)
-            writing = (
-                median_time(lambda study=study, size=size, block=block: encode_members(study, range(size), block), 5)
-                / size
+            members = randomise({name: values.repeat(num_dimensions, axis=0) for name, values in sums.items()})
+            block_size = runner.choose_block_size(study)
+            block = stack_members(study, [members[i % NUM_DIFFERENT_MEMBERS] for i in range(block_size)])
+            encode_members(study, range(block_size), block)
+            writing_time = (
+                median_time(
+                    lambda study=study, block_size=block_size, block=block: encode_members(
+                        study, range(block_size), block
+                    ),
+                    5,
+                )
+                / block_size
             )
             runs = [
                 (
@@ -111,19 +116,19 @@ def benchmark_rows() -> list[tuple[str, str]]:
                 )
                 for _ in range(NUM_RUNS)
             ]
-            rate, driver = (statistics.median(by_workers[i] for by_workers, _ in runs) for i in range(2))
-            sent = statistics.median(by_driver[0] for _, by_driver in runs)
+            rate, driver_time = (statistics.median(by_workers[i] for by_workers, _ in runs) for i in range(2))
+            sent_rate = statistics.median(by_driver[0] for _, by_driver in runs)
             results += [
-                (f"repetition of {name}: time on one core", f"{cost:.3g} s"),
+                (f"repetition of {name}: time on one core", f"{member_time:.3g} s"),
                 ("... size of the stored sums", f"{member_bytes(study) / 1e3:.0f} kB"),
-                ("... repetitions in a block", f"{size}"),
+                ("... repetitions in a block", f"{block_size}"),
                 (
                     "... time to encode the sums, and fraction of the computing time",
-                    f"{1e3 * writing:.2g} ms, {writing / cost:.2%}",
+                    f"{1e3 * writing_time:.2g} ms, {writing_time / member_time:.2%}",
                 ),
                 ("... repetitions per second that two idle workers store", f"{rate:.0f}"),
-                ("... repetitions per second that the driver stores for two workers", f"{sent:.0f}"),
-                ("... processor time of the driver per repetition", f"{1e6 * driver:.0f} µs"),
-                ("... number of workers that one driver supports", f"{cost / driver:,.0f}"),
+                ("... repetitions per second that the driver stores for two workers", f"{sent_rate:.0f}"),
+                ("... processor time of the driver per repetition", f"{1e6 * driver_time:.0f} µs"),
+                ("... number of workers that one driver supports", f"{member_time / driver_time:,.0f}"),
             ]
     return results

@@ -9,8 +9,8 @@ BASE_STUDY = Study.named("figure6").with_changes({"ensemble.repetitions": 1})
 
 def measure_cost(changes: dict[str, object], repeats: int = 3) -> float:
     study = BASE_STUDY.with_changes(changes)
-    pairs = study.surfaces.fractal_dimensions().size
-    return measure_in_units(lambda: compute_member_sums(study, 0), repeats) / pairs
+    num_pairs = study.surfaces.fractal_dimensions().size
+    return measure_in_units(lambda: compute_member_sums(study, 0), repeats) / num_pairs
 
 
 def run_figure6() -> None:
@@ -32,24 +32,25 @@ def changes_for_points(points: int) -> dict[str, object]:
 def benchmark_rows() -> list[tuple[str, str]]:
     points = (10_000, 150_000, 1_000_000, 10_000_000)
     dimensions = (1, 5, 20, 50, 200)
-    approaches = (1, 10, 40, 100, 400)
-    by_points = [measure_cost(changes_for_points(n), 5 if n < 1e6 else 3) / n * 150_000 for n in points]
-    spread = {"start": 1.0, "stop": 1.7}
-    by_dimensions = [
-        measure_cost({"surfaces.fractal_dimension": [1.3] if n == 1 else spread | {"count": n}}) for n in dimensions
+    approach_counts = (1, 10, 40, 100, 400)
+    costs_by_points = [measure_cost(changes_for_points(n), 5 if n < 1e6 else 3) / n * 150_000 for n in points]
+    dimension_range = {"start": 1.0, "stop": 1.7}
+    costs_by_dimensions = [
+        measure_cost({"surfaces.fractal_dimension": [1.3] if n == 1 else dimension_range | {"count": n}})
+        for n in dimensions
     ]
-    by_approaches = [
+    costs_by_approaches = [
         measure_cost({"contact.approach": {"start": "40 nm" if n == 1 else "0.1 nm", "stop": "40 nm", "count": n}})
-        for n in approaches
+        for n in approach_counts
     ]
     join = "; ".join
     return [
         ("cost of a single pair by number of points, U per 150 000 points",
-         join(f"{n:.0e}: {c:.1f}" for n, c in zip(points, by_points, strict=True))),
+         join(f"{n:.0e}: {cost:.1f}" for n, cost in zip(points, costs_by_points, strict=True))),
         ("cost of a pair by number of dimensions, U",
-         join(f"{n}: {c:.1f}" for n, c in zip(dimensions, by_dimensions, strict=True))),
+         join(f"{n}: {cost:.1f}" for n, cost in zip(dimensions, costs_by_dimensions, strict=True))),
         ("cost of a pair by number of approaches, U",
-         join(f"{n}: {c:.1f}" for n, c in zip(approaches, by_approaches, strict=True))),
+         join(f"{n}: {cost:.1f}" for n, cost in zip(approach_counts, costs_by_approaches, strict=True))),
         ("peak memory of figure6 on two threads", f"{peak_mebibytes(run_figure6):.0f} MiB"),
         ("peak memory of a pair of profiles with ten million points each",
          f"{peak_mebibytes(run_ten_million_points):.0f} MiB"),

@@ -20,14 +20,16 @@ MEAN_PRESSURES = (0.005, 0.03, 0.1)
 
 def create_heights(shape: tuple[int, ...], longest: int, shortest: int, hurst: float = 0.8) -> np.ndarray:
     """Return a self-affine surface of unit length with H = 0.8, rms slope 0.1, and a given range of wavenumbers."""
-    random = np.random.default_rng(1)
-    waves = [np.fft.fftfreq(n, 1 / n) for n in shape[:-1]] + [np.fft.rfftfreq(shape[-1], 1 / shape[-1])]
-    k = np.sqrt(sum(np.square(axis) for axis in np.meshgrid(*waves, indexing="ij")))
-    inside = (k >= longest) & (k <= shortest)
-    amplitude = np.where(inside, np.where(inside, k, 1.0) ** (-hurst - len(shape) / 2), 0.0)
-    heights = scipy.fft.irfftn(amplitude * np.exp(2j * np.pi * random.random(k.shape)), shape)
-    step = [np.diff(heights, axis=axis, append=np.take(heights, [0], axis)) * n for axis, n in enumerate(shape)]
-    return heights * RMS_SLOPE / np.sqrt(sum(np.mean(np.square(differences)) for differences in step))
+    generator = np.random.default_rng(1)
+    axis_wave_numbers = [np.fft.fftfreq(n, 1 / n) for n in shape[:-1]] + [np.fft.rfftfreq(shape[-1], 1 / shape[-1])]
+    k = np.sqrt(sum(np.square(axis) for axis in np.meshgrid(*axis_wave_numbers, indexing="ij")))
+    is_in_band = (k >= longest) & (k <= shortest)
+    amplitude = np.where(is_in_band, np.where(is_in_band, k, 1.0) ** (-hurst - len(shape) / 2), 0.0)
+    heights = scipy.fft.irfftn(amplitude * np.exp(2j * np.pi * generator.random(k.shape)), shape)
+    differences_by_axis = [
+        np.diff(heights, axis=axis, append=np.take(heights, [0], axis)) * n for axis, n in enumerate(shape)
+    ]
+    return heights * RMS_SLOPE / np.sqrt(sum(np.mean(np.square(differences)) for differences in differences_by_axis))
 
 
 def measure_error(heights: np.ndarray, pressure: np.ndarray) -> float:
@@ -83,16 +85,18 @@ def aspher_solver(tolerance: float) -> Callable[[np.ndarray, float], np.ndarray]
 def measure_solver(solve: Callable[..., Any], heights: np.ndarray, load: float) -> tuple[float, float]:
     """Return processor time and error of a solution."""
     start = time.process_time()
-    answer = solve(heights, load)
-    took = time.process_time() - start
-    return took, measure_error(heights, answer.contact(0).pressure if isinstance(answer, HalfSpaceCurve) else answer)
+    solution = solve(heights, load)
+    elapsed = time.process_time() - start
+    return elapsed, measure_error(
+        heights, solution.contact(0).pressure if isinstance(solution, HalfSpaceCurve) else solution
+    )
 
 
 def benchmark_rows(sides: tuple[int, ...] = (512, 1024)) -> list[tuple[str, str]]:
     # Each solver measures its error differently. These tolerances give about the same common error for all solvers.
-    others = {"tamaas": tamaas_solver(STICTION_TOLERANCE)}
+    solvers = {"tamaas": tamaas_solver(STICTION_TOLERANCE)}
     if importlib.util.find_spec("aspher"):
-        others["aspher"] = aspher_solver(1.5e-7)
+        solvers["aspher"] = aspher_solver(1.5e-7)
     result = []
     for n in sides:
         heights = create_heights((n, n), 4, n // 16)
@@ -100,14 +104,15 @@ def benchmark_rows(sides: tuple[int, ...] = (512, 1024)) -> list[tuple[str, str]
             load = pressure * EFFECTIVE_MODULUS * RMS_SLOPE
             our_runs = [measure_solver(solve_by_stiction, heights, load)]
             answers = []
-            for name, solve in others.items():
-                took, error = measure_solver(solve, heights, load)
+            for name, solve in solvers.items():
+                elapsed, error = measure_solver(solve, heights, load)
                 our_runs.append(measure_solver(solve_by_stiction, heights, load))
-                answers.append((name, took, error))
+                answers.append((name, elapsed, error))
             seconds = statistics.median(run[0] for run in our_runs)
             assert our_runs[0][1] < 1.1 * STICTION_TOLERANCE, our_runs
             text = f"{seconds:.2f} s, {our_runs[0][1]:.0e}" + "".join(
-                f"; {name} {took:.2f} s, {error:.0e}: {took / seconds:.1f} times" for name, took, error in answers
+                f"; {name} {elapsed:.2f} s, {error:.0e}: {elapsed / seconds:.1f} times"
+                for name, elapsed, error in answers
             )
             result.append((f"{n} x {n}, mean pressure {pressure} E* h': time and error", text))
             print(*result[-1], flush=True)
@@ -129,9 +134,13 @@ def print_agreement(sides: tuple[int, ...] = (256, 512, 1024)) -> None:
                 curve = half_space(
                     flat, body, [load], effective_modulus=EFFECTIVE_MODULUS, boundary=boundary, tolerance=1e-7
                 )
-                solve_by_stiction, theirs = curve.contact(0).pressure, solve(heights, load)
+                stiction_pressure, tamaas_pressure = curve.contact(0).pressure, solve(heights, load)
                 print(
-                    n, boundary, pressure, f"{np.abs(solve_by_stiction - theirs).max() / theirs.max():.0e}", flush=True
+                    n,
+                    boundary,
+                    pressure,
+                    f"{np.abs(stiction_pressure - tamaas_pressure).max() / tamaas_pressure.max():.0e}",
+                    flush=True,
                 )
 
 
@@ -149,13 +158,13 @@ def measure_position(side: int = 384) -> tuple[str, str]:
         curve = solve_directions([30.0 * i for i in range(12)])
         assert (curve.with_sliding("all").stiffness > 0).all()
 
-    costs = []
+    times = []
     for _ in range(5):
         for task in (lambda: solve_directions([0.0]), compute_all_values):
             start = time.process_time()
             task()
-            costs.append(time.process_time() - start)
-    solution_time, total_time = statistics.median(costs[::2]), statistics.median(costs[1::2])
+            times.append(time.process_time() - start)
+    solution_time, total_time = statistics.median(times[::2]), statistics.median(times[1::2])
     return f"{side} x {side}, free, three loads: 12 directions, both rules and stiffness", (
         f"{total_time:.2f} s, {total_time / solution_time:.2f} times the time of the solutions"
     )
@@ -166,23 +175,23 @@ def measure_threads(side: int = 1024) -> tuple[str, str]:
     heights = create_heights((side, side), 4, side // 16)
     body = Surface(heights, spacing=1 / side)
     flat = Surface(np.zeros(heights.shape), spacing=1 / side)
-    costs: dict[int, list[float]] = {1: [], 2: []}
+    times: dict[int, list[float]] = {1: [], 2: []}
     for _ in range(3):
-        for workers, took in costs.items():
+        for workers, worker_times in times.items():
             with scipy.fft.set_workers(workers):
                 start = time.perf_counter()
                 half_space(flat, body, [0.03 * EFFECTIVE_MODULUS * RMS_SLOPE], effective_modulus=EFFECTIVE_MODULUS)
-                took.append(time.perf_counter() - start)
+                worker_times.append(time.perf_counter() - start)
     return (
         f"{side} x {side}, free: second thread for the transforms",
-        f"{min(costs[1]) / min(costs[2]):.2f} times as fast",
+        f"{min(times[1]) / min(times[2]):.2f} times as fast",
     )
 
 
 def measure_profile(points: int = 131_072) -> tuple[str, str]:
     heights = create_heights((points,), 10, points // 32)
     body, flat = Profile(heights, spacing=1 / points), Profile(np.zeros(points), spacing=1 / points)
-    costs = []
+    times = []
     for _ in range(5):
         start = time.process_time()
         for _ in range(20):
@@ -192,9 +201,9 @@ def measure_profile(points: int = 131_072) -> tuple[str, str]:
         half_space(
             flat, body, [0.02 * EFFECTIVE_MODULUS * RMS_SLOPE], effective_modulus=EFFECTIVE_MODULUS, boundary="periodic"
         )
-        costs.append((time.process_time() - start) / unit)
+        times.append((time.process_time() - start) / unit)
     return f"a profile of {points} points, H 0.8, 0.02 E* h', in units of one real FFT of this length", (
-        f"{statistics.median(costs):.0f}"
+        f"{statistics.median(times):.0f}"
     )
 
 

@@ -55,9 +55,9 @@ def peak_mebibytes(call: Callable[[], object]) -> float:
     queue = context.Queue()
     process = context.Process(target=_report_peak, args=(call, queue))
     process.start()
-    peak = queue.get()
+    peak_memory = queue.get()
     process.join()
-    return float(peak)
+    return float(peak_memory)
 
 
 def _report_peak(call: Callable[[], object], queue: "multiprocessing.Queue[float]") -> None:

@@ -33,20 +33,20 @@ COMMAND_ARGUMENTS = {
 def measure_peak_memory(folder: str, arguments: list[str]) -> float:
     """Return the peak memory (MiB) of a process together with its children."""
     process = subprocess.Popen([sys.executable, *arguments], cwd=folder, stdout=subprocess.DEVNULL)
-    most = 0.0
+    peak_memory = 0.0
     while process.poll() is None:
-        most = max(most, sum(map(resident_memory, find_processes(process.pid))))
+        peak_memory = max(peak_memory, sum(map(resident_memory, find_processes(process.pid))))
         time.sleep(0.02)
     assert process.returncode == 0, arguments
-    return most / 1024
+    return peak_memory / 1024
 
 
 def find_processes(pid: int) -> list[int]:
     """Return a process and all its descendants."""
     parents = {}
-    for stat in Path("/proc").glob("[0-9]*/stat"):
+    for stat_file in Path("/proc").glob("[0-9]*/stat"):
         with contextlib.suppress(OSError):
-            parents[int(stat.parent.name)] = int(stat.read_text().rpartition(")")[2].split()[1])
+            parents[int(stat_file.parent.name)] = int(stat_file.read_text().rpartition(")")[2].split()[1])
     result = [pid]
     for item in result:
         result += [child for child, parent in parents.items() if parent == item]
@@ -65,10 +65,10 @@ def benchmark_rows() -> list[tuple[str, str]]:
     values = []
     for study_title, (name, *changes) in STUDY_ARGUMENTS.items():
         with tempfile.TemporaryDirectory() as folder:
-            sets = [word for change in changes for word in ("--set", change)]
+            set_options = [argument for change in changes for argument in ("--set", change)]
             for command, arguments in COMMAND_ARGUMENTS.items():
                 if command == "run":
-                    command_line = ["-m", "stiction", "run", name, "--output", "out", *sets]
+                    command_line = ["-m", "stiction", "run", name, "--output", "out", *set_options]
                 elif command.endswith("map"):
                     command_line = ["-c", *arguments]
                 else:

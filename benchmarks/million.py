@@ -33,17 +33,17 @@ NUM_DIFFERENT_MEMBERS = 4099
 
 def synthetic_sums(study: Study) -> Callable[[Study, int], dict]:
     """Return synthetic sums: powers of the approach (Hertz's law) times a random factor for each repetition."""
-    random = np.random.default_rng(study.ensemble.seed)
-    step = np.arange(1.0, 1 + study.contact.loading_steps().size)
-    bank = []
+    generator = np.random.default_rng(study.ensemble.seed)
+    approach_numbers = np.arange(1.0, 1 + study.contact.loading_steps().size)
+    stored_members = []
     for _ in range(NUM_DIFFERENT_MEMBERS):
-        factor = random.lognormal(0, 1, (study.surfaces.fractal_dimensions().size, 1, 1))
+        factor = generator.lognormal(0, 1, (study.surfaces.fractal_dimensions().size, 1, 1))
         sums = {}
         for index, (name, (shape, dtype)) in enumerate(array_shapes_and_types(study).items()):
-            values = factor * (index + step) ** 1.5 * (1 + 0.1 * random.random(shape))
+            values = factor * (index + approach_numbers) ** 1.5 * (1 + 0.1 * generator.random(shape))
             sums[name] = values.astype(dtype)
-        bank.append(sums)
-    return lambda _, repetition: bank[repetition % NUM_DIFFERENT_MEMBERS]
+        stored_members.append(sums)
+    return lambda _, repetition: stored_members[repetition % NUM_DIFFERENT_MEMBERS]
 
 
 def call_and_time(function: Callable[[], object]) -> tuple[object, float]:
@@ -54,33 +54,40 @@ def call_and_time(function: Callable[[], object]) -> tuple[object, float]:
 
 def benchmark_rows() -> list[tuple[str, str]]:
     # Repetitions that take no time are stored in blocks of the maximum size.
-    real = runner.compute_member_sums, runner.estimate_member_time
+    original_functions = runner.compute_member_sums, runner.estimate_member_time
     runner.compute_member_sums, runner.estimate_member_time = synthetic_sums(STUDY), lambda _: 0.0
     try:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "r"
-            _, writing = call_and_time(lambda: compute_missing(STUDY, path))
+            _, writing_time = call_and_time(lambda: compute_missing(STUDY, path))
             files = sum(len(files) for _, _, files in os.walk(path))
-            kept, looking = call_and_time(lambda: store.info(path))
-            result, opening = call_and_time(lambda: store.open_stored(path))
+            stored_info, info_time = call_and_time(lambda: store.info(path))
+            result, opening_time = call_and_time(lambda: store.open_stored(path))
             loads = np.geomspace(20, 60, 20)
-            maps = [
-                call_and_time(lambda each=each: each(result, loads)) for each in (friction_map, area_map, stiffness_map)
+            maps_and_times = [
+                call_and_time(lambda compute_map=compute_map: compute_map(result, loads))
+                for compute_map in (friction_map, area_map, stiffness_map)
             ]
-            assert (maps[0][0]["status"] == "ok").all()
-            more = STUDY.with_changes({"ensemble.repetitions": NUM_REPETITIONS + NUM_ADDED_REPETITIONS})
-            longer, continuing = call_and_time(lambda: compute_missing(more, path))
-            assert longer == NUM_REPETITIONS + NUM_ADDED_REPETITIONS
-            _, again = call_and_time(lambda: compute_missing(more, path))
+            assert (maps_and_times[0][0]["status"] == "ok").all()
+            longer_study = STUDY.with_changes({"ensemble.repetitions": NUM_REPETITIONS + NUM_ADDED_REPETITIONS})
+            num_stored, continuation_time = call_and_time(lambda: compute_missing(longer_study, path))
+            assert num_stored == NUM_REPETITIONS + NUM_ADDED_REPETITIONS
+            _, recheck_time = call_and_time(lambda: compute_missing(longer_study, path))
     finally:
-        runner.compute_member_sums, runner.estimate_member_time = real
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        runner.compute_member_sums, runner.estimate_member_time = original_functions
+    peak_memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     return [
         (f"{NUM_REPETITIONS:,} repetitions, 2 pairs of 8 approaches each", f"{result.nbytes / 1e9:.2f} GB"),
-        ("compute synthetic sums, and store them", f"{writing:.0f} s"),
-        ("number of files, and size on disk", f"{files}, {kept.size / 1e9:.2f} GB"),
-        ("read the progress, open the result", f"{looking:.1f} s, {opening:.1f} s"),
-        ("maps of friction, area, stiffness at 20 loads", ", ".join(f"{each:.1f}" for _, each in maps) + " s"),
-        (f"add {NUM_ADDED_REPETITIONS} repetitions; find no missing repetitions", f"{continuing:.1f} s, {again:.1f} s"),
-        ("peak memory of all steps", f"{peak:.0f} MiB"),
+        ("compute synthetic sums, and store them", f"{writing_time:.0f} s"),
+        ("number of files, and size on disk", f"{files}, {stored_info.size / 1e9:.2f} GB"),
+        ("read the progress, open the result", f"{info_time:.1f} s, {opening_time:.1f} s"),
+        (
+            "maps of friction, area, stiffness at 20 loads",
+            ", ".join(f"{compute_map:.1f}" for _, compute_map in maps_and_times) + " s",
+        ),
+        (
+            f"add {NUM_ADDED_REPETITIONS} repetitions; find no missing repetitions",
+            f"{continuation_time:.1f} s, {recheck_time:.1f} s",
+        ),
+        ("peak memory of all steps", f"{peak_memory:.0f} MiB"),
     ]

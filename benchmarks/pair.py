@@ -23,56 +23,68 @@ def time_with_new_threads(study: Study, workers: int) -> float:
         return median_time(lambda: run(study, executor=pool), 1)
 
 
-def measure_speedup(study: Study, one: Executor, two: Executor) -> float:
+def measure_speedup(study: Study, one_thread: Executor, two_threads: Executor) -> float:
     """Return the speed of two threads relative to one thread."""
-    return median_time(lambda: run(study, executor=one), 1) / median_time(lambda: run(study, executor=two), 1)
+    return median_time(lambda: run(study, executor=one_thread), 1) / median_time(
+        lambda: run(study, executor=two_threads), 1
+    )
 
 
 def benchmark_rows() -> list[tuple[str, str]]:
-    fresh = median_time(
+    unfreed_fft_time = median_time(
         lambda: np.fft.rfft(FFT_INPUT), 40
     )  # No large memory block has been freed before this measurement.
     result = [
         ("U", f"{1e3 * measure_unit():.2f} ms"),
-        ("the same FFT in a process that has not yet freed a large memory block", f"{1e3 * fresh:.2f} ms"),
+        ("the same FFT in a process that has not yet freed a large memory block", f"{1e3 * unfreed_fft_time:.2f} ms"),
     ]
     for detection in ("cell", "gap-minimum"):
         study = STUDY.with_changes({"contact.detection": detection})
-        with ThreadPoolExecutor(1) as one, ThreadPoolExecutor(2) as two:
-            measure_speedup(study, one, two)  # The first run only allocates memory.
-            cost = measure_in_units(lambda study=study, one=one: run(study, executor=one), 3) / NUM_PAIRS
-            median = float(np.median([measure_speedup(study, one, two) for _ in range(NUM_TIMING_ROUNDS)]))
-        share = 2 / median - 1  # Amdahl's law gives this serial fraction of the run time.
-        four = 1 / (share + (1 - share) / 4)
+        with ThreadPoolExecutor(1) as one_thread, ThreadPoolExecutor(2) as two_threads:
+            measure_speedup(study, one_thread, two_threads)  # The first run only allocates memory.
+            pair_time = (
+                measure_in_units(lambda study=study, one_thread=one_thread: run(study, executor=one_thread), 3)
+                / NUM_PAIRS
+            )
+            median_speedup = float(
+                np.median([measure_speedup(study, one_thread, two_threads) for _ in range(NUM_TIMING_ROUNDS)])
+            )
+        serial_fraction = 2 / median_speedup - 1  # Amdahl's law gives this serial fraction of the run time.
+        four_thread_speedup = 1 / (serial_fraction + (1 - serial_fraction) / 4)
         result += [
-            (f"a pair of figure6, {detection}, one thread", f"{cost:.2f} U"),
-            (f"speed-up by a second thread, {detection}, median of {NUM_TIMING_ROUNDS}", f"{median:.2f}"),
-            (f"speed-up by four threads, {detection}, estimated by Amdahl's law", f"{four:.1f}"),
+            (f"a pair of figure6, {detection}, one thread", f"{pair_time:.2f} U"),
+            (f"speed-up by a second thread, {detection}, median of {NUM_TIMING_ROUNDS}", f"{median_speedup:.2f}"),
+            (f"speed-up by four threads, {detection}, estimated by Amdahl's law", f"{four_thread_speedup:.1f}"),
         ]
-    new = np.median(
+    new_thread_speedup = np.median(
         [time_with_new_threads(STUDY, 1) / time_with_new_threads(STUDY, 2) for _ in range(NUM_NEW_THREAD_ROUNDS)]
     )
     result.append(
-        (f"speed-up by a second thread, cell, new threads and memory, median of {NUM_NEW_THREAD_ROUNDS}", f"{new:.2f}")
+        (
+            f"speed-up by a second thread, cell, new threads and memory, median of {NUM_NEW_THREAD_ROUNDS}",
+            f"{new_thread_speedup:.2f}",
+        )
     )
 
     dimensions = STUDY.surfaces.fractal_dimensions()
     phases = random_phases(2016)
-    one_profile = measure_in_units(lambda: weierstrass_mandelbrot_family(phases, dimensions[:1]))
-    memory = _reuse_array((dimensions.size, 150_000))
-    generation = 2 * measure_in_units(lambda: fill_profiles(STUDY, memory, dimensions, 0, "upper")) / dimensions.size
+    one_profile_time = measure_in_units(lambda: weierstrass_mandelbrot_family(phases, dimensions[:1]))
+    profile_buffer = _reuse_array((dimensions.size, 150_000))
+    generation_time = (
+        2 * measure_in_units(lambda: fill_profiles(STUDY, profile_buffer, dimensions, 0, "upper")) / dimensions.size
+    )
     result += [
-        ("generation: both bodies, 50 dimensions together", f"{generation:.2f} U a pair"),
-        ("generation: one profile of one dimension", f"{one_profile:.1f} U"),
+        ("generation: both bodies, 50 dimensions together", f"{generation_time:.2f} U a pair"),
+        ("generation: one profile of one dimension", f"{one_profile_time:.1f} U"),
     ]
     for detection in ("cell", "gap-minimum"):
-        for what, approach in (
+        for task, approach in (
             ("scaling and first contact only", ["0 nm"]),
             ("40 nm only", ["40 nm"]),
             ("40 approaches", None),
         ):
             changes = {"contact.detection": detection} | ({"contact.approach": approach} if approach else {})
             study = STUDY.with_changes(changes)
-            cost = measure_in_units(lambda study=study: compute_member_sums(study, 0)) / dimensions.size
-            result.append((f"scaling and contact, {detection}: {what}", f"{cost - generation:.2f} U a pair"))
+            pair_time = measure_in_units(lambda study=study: compute_member_sums(study, 0)) / dimensions.size
+            result.append((f"scaling and contact, {detection}: {task}", f"{pair_time - generation_time:.2f} U a pair"))
     return result

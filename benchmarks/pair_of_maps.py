@@ -34,11 +34,11 @@ def write_scans(folder: Path) -> None:
 
 def measure_command(folder: Path, output: str) -> tuple[float, float]:
     """Return processor time and wall time of the command."""
-    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+    usage_before, wall_start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     command = Path(sys.executable).with_name("stiction")
     subprocess.run([command, *COMMAND_ARGUMENTS, "--output", output], cwd=folder, check=True, capture_output=True)
-    wall_time, after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, wall_time
+    wall_time, usage_after = time.perf_counter() - wall_start, resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage_after.ru_utime + usage_after.ru_stime - usage_before.ru_utime - usage_before.ru_stime, wall_time
 
 
 def prepare_solutions(study: Study) -> Callable[[], None]:
@@ -76,27 +76,29 @@ def processor_time(task: Callable[[], None]) -> float:
 
 
 def benchmark_rows() -> list[tuple[str, str]]:
-    with tempfile.TemporaryDirectory() as created:
-        folder = Path(created)
+    with tempfile.TemporaryDirectory() as temporary_folder:
+        folder = Path(temporary_folder)
         write_scans(folder)
         commands = [measure_command(folder, "0")]
-        study, cutoff_study = (open_stored(folder / "0" / sub).study for sub in ("", CUTOFF_STUDY_FOLDER))
+        study, cutoff_study = (open_stored(folder / "0" / subfolder).study for subfolder in ("", CUTOFF_STUDY_FOLDER))
         tasks = prepare_solutions(study), prepare_solutions(cutoff_study), lambda: compute_onset(study)
         # Do not measure the first solution, which imports modules and computes kernels.
         half_space(*load_bodies(study).member(0, 0.0).pair, [0.1], effective_modulus=100.0)
-        solved = []
+        processor_times = []
         for turn in range(NUM_TIMING_ROUNDS):
-            solved.append([processor_time(task) for task in tasks])
+            processor_times.append([processor_time(task) for task in tasks])
             commands.append(measure_command(folder, str(turn + 1)))
     command_time, wall_time = (statistics.median(column) for column in zip(*commands[1:], strict=True))
-    positions, cut_offs, onset = (statistics.median(column) for column in zip(*solved, strict=True))
+    position_time, cutoff_time, onset_time = (
+        statistics.median(column) for column in zip(*processor_times, strict=True)
+    )
     return [
         ("stiction pair, two maps of 512 x 512: processor time, wall time", f"{command_time:.1f} s, {wall_time:.1f} s"),
-        ("half-space solutions alone: positions, cutoffs", f"{positions:.1f} s, {cut_offs:.1f} s"),
-        (f"onset of sliding of {NUM_AREAL_ONSET_MEMBERS} members", f"{onset:.1f} s"),
+        ("half-space solutions alone: positions, cutoffs", f"{position_time:.1f} s, {cutoff_time:.1f} s"),
+        (f"onset of sliding of {NUM_AREAL_ONSET_MEMBERS} members", f"{onset_time:.1f} s"),
         (
             "time of the command relative to its solutions and onsets",
-            f"{command_time / (positions + cut_offs + onset):.2f}",
+            f"{command_time / (position_time + cutoff_time + onset_time):.2f}",
         ),
     ]
 

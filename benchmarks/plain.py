@@ -35,10 +35,10 @@ def press(upper, lower, spacing, approaches, modulus=10.0):
     for approach in approaches:
         i = np.flatnonzero((gap <= approach) & (r_u > 0) & (r_l > 0) & np.isfinite(r_u) & np.isfinite(r_l))
         o_l = -r_l[i, None] * n_l[i]
-        X = np.column_stack([np.zeros(i.size), gap[i] - approach]) - r_u[i, None] * n_u[i] - o_l
-        distance = np.hypot(X[:, 0], X[:, 1])
-        n = X / distance[:, None]
-        centre = o_l[:, 0] + X[:, 0] / 2 - (r_u[i] - r_l[i]) / 2 * n[:, 0]
+        separation = np.column_stack([np.zeros(i.size), gap[i] - approach]) - r_u[i, None] * n_u[i] - o_l
+        distance = np.hypot(separation[:, 0], separation[:, 1])
+        n = separation / distance[:, None]
+        centre = o_l[:, 0] + separation[:, 0] / 2 - (r_u[i] - r_l[i]) / 2 * n[:, 0]
         overlap = r_u[i] + r_l[i] - distance
         ok = (centre >= -spacing / 2) & (centre < spacing / 2) & (overlap > 0) & (n[:, 1] > 0)
         n, overlap = n[ok], overlap[ok]

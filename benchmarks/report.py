@@ -33,8 +33,8 @@ for (const slider of document.querySelectorAll("input[type=range]"))
 def measure_key_press(driver, slider: str) -> float:
     """Return the median time (ms) of a key press on a slider."""
     # Start in the middle, so that the slider does not reach its ends.
-    middle = "const e = arguments[0]; e.value = (Number(e.min) + Number(e.max)) / 2"
-    driver.execute_script(middle + "; times.length = 0", driver.find_element("id", slider))
+    set_middle_script = "const e = arguments[0]; e.value = (Number(e.min) + Number(e.max)) / 2"
+    driver.execute_script(set_middle_script + "; times.length = 0", driver.find_element("id", slider))
     for i in range(NUM_KEY_PRESSES):
         driver.find_element("id", slider).send_keys(
             "\ue014" if i // 10 % 2 == 0 else "\ue012"
@@ -47,20 +47,22 @@ def measure_key_press(driver, slider: str) -> float:
 
 def measure_interpolation_error(driver, dataset: xarray.Dataset) -> float:
     """Return the median error of values and interval ends at random points, relative to the node tolerances."""
-    random = np.random.default_rng(1)
+    generator = np.random.default_rng(1)
     errors = []
     loads, axes = driver.execute_script("return [loads, nodeAxes]")
-    most = [axes["mu0"]["most"], axes["tau0"]["most"]]
+    max_values = [axes["mu0"]["most"], axes["tau0"]["most"]]
     for _ in range(NUM_RANDOM_POINTS):
-        d, load = int(random.integers(50)), int(random.integers(len(loads)))
-        mu0, tau0 = random.uniform([0, 0], most).tolist()
+        dimension_index, load = int(generator.integers(50)), int(generator.integers(len(loads)))
+        mu0, tau0 = generator.uniform([0, 0], max_values).tolist()
         script = (
             "const [d, load, mu0, tau0] = arguments;"
             "const at = frictionAt(facts.rules[0], d, load, placeAt(nodeAxes, mu0, tau0), 0);"
             "return [at.status, at.value, at.lower, at.upper]"
         )
-        status, *result = driver.execute_script(script, d, load, mu0, tau0)
-        reference = friction_map(dataset.isel(fractal_dimension=[d]), [loads[load]], mu0=[mu0], tau0=[tau0 / 1000])
+        status, *result = driver.execute_script(script, dimension_index, load, mu0, tau0)
+        reference = friction_map(
+            dataset.isel(fractal_dimension=[dimension_index]), [loads[load]], mu0=[mu0], tau0=[tau0 / 1000]
+        )
         reference = reference.squeeze()
         if status == "ok" and str(reference["status"].values) == "ok":
             expected = np.array([float(reference[name]) for name in ("friction_coefficient", "lower", "upper")])

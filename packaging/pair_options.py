@@ -56,16 +56,16 @@ def declared_types() -> dict[str, str]:
     for node in ast.parse(inspect.getsource(pair_options)).body:
         if not isinstance(node, ast.ClassDef) or node.name not in groups:
             continue
-        for entry in node.body:
+        for statement in node.body:
             if (
-                isinstance(entry, ast.AnnAssign)
-                and isinstance(entry.target, ast.Name)
-                and entry.target.id in PAIR_OPTIONS
+                isinstance(statement, ast.AnnAssign)
+                and isinstance(statement.target, ast.Name)
+                and statement.target.id in PAIR_OPTIONS
             ):
-                declared = entry.annotation
-                assert isinstance(declared, ast.Subscript)
-                assert isinstance(declared.slice, ast.Tuple)
-                types[entry.target.id] = ast.unparse(declared.slice.elts[0])
+                annotation = statement.annotation
+                assert isinstance(annotation, ast.Subscript)
+                assert isinstance(annotation.slice, ast.Tuple)
+                types[statement.target.id] = ast.unparse(annotation.slice.elts[0])
     return types
 
 
@@ -88,7 +88,7 @@ def function_parameters() -> str:
 def parameter_descriptions() -> str:
     """Return the entries of the docstring: the two bodies first, then the options group by group."""
     types = declared_types()
-    order = [
+    ordered_names = [
         "upper",
         "lower",
         *(
@@ -99,14 +99,14 @@ def parameter_descriptions() -> str:
         ),
     ]
     lines = []
-    for name in order:
+    for name in ordered_names:
         option, declared = PAIR_OPTIONS[name], types[name].removesuffix(" | None")
         choices = ", ".join(f'"{choice}"' for choice in list_choices(name))
-        kind = f"{{{choices}}}" if choices and declared != "InterfaceName" else DOCSTRING_TYPES[declared]
+        type_text = f"{{{choices}}}" if choices and declared != "InterfaceName" else DOCSTRING_TYPES[declared]
         unit = f", {DEFAULT_UNITS[option.kind]}" if option.kind else ""
         optional = "" if PairOptions.model_fields[name].is_required() or name in BODY_OPTIONS else ", optional"
         text = option.help.format_map(PythonOptionNames()) + (f" By default {option.usual}." if option.usual else "")
-        lines.append(f"    {format_python_name(name)} : {kind}{unit}{optional}")
+        lines.append(f"    {format_python_name(name)} : {type_text}{unit}{optional}")
         lines += textwrap.wrap(text, LINE_LENGTH, initial_indent=" " * 8, subsequent_indent=" " * 8)
     return "\n".join(lines) + "\n"
 
@@ -130,9 +130,9 @@ def command_parameters() -> str:
         if name in BODY_OPTIONS:
             continue
         is_switch = PairOptions.model_fields[name].annotation is bool
-        kind = "bool" if is_switch else "list[str]" if option.is_repeatable else "str"
-        kind += "" if is_switch or not default_assignment(name) else " | None"
-        lines.append(f'    {name}: Annotated[{kind}, pair_option("{name}")]{default_assignment(name)},\n')
+        value_type = "bool" if is_switch else "list[str]" if option.is_repeatable else "str"
+        value_type += "" if is_switch or not default_assignment(name) else " | None"
+        lines.append(f'    {name}: Annotated[{value_type}, pair_option("{name}")]{default_assignment(name)},\n')
     return "".join(lines)
 
 
@@ -140,37 +140,43 @@ def reader_parameters() -> str:
     """Return the file-reading parameters of the command `characterise`."""
     lines = []
     for name in FileReadingOptions.model_fields:
-        once = ", repeatable=False" if PAIR_OPTIONS[name].is_repeatable else ""
-        lines.append(f'    {name}: Annotated[str | None, pair_option("{name}"{once})] = None,\n')
+        repeatable_argument = ", repeatable=False" if PAIR_OPTIONS[name].is_repeatable else ""
+        lines.append(f'    {name}: Annotated[str | None, pair_option("{name}"{repeatable_argument})] = None,\n')
     return "".join(lines)
 
 
 def replace_section(text: str, start: str, end: str, new: str) -> str:
     """Replace the section of a text between `start` and `end`."""
     head, result, rest = text.partition(start)
-    _, closed, tail = rest.partition(end)
+    _, found_end, tail = rest.partition(end)
     assert result, start
-    assert closed, end
+    assert found_end, end
     return head + start + new + end + tail
 
 
 def generated_texts() -> dict[Path, str]:
     """Return the generated text of each file."""
-    function = PAIR_FUNCTION_FILE.read_text("utf-8")
-    function = replace_section(function, "def pair(\n", "    directory: str", function_parameters())
-    function = replace_section(
-        function, "    Parameters\n    ----------\n", "    directory : path", parameter_descriptions()
+    pair_function_text = PAIR_FUNCTION_FILE.read_text("utf-8")
+    pair_function_text = replace_section(pair_function_text, "def pair(\n", "    directory: str", function_parameters())
+    pair_function_text = replace_section(
+        pair_function_text, "    Parameters\n    ----------\n", "    directory : path", parameter_descriptions()
     )
-    function = replace_section(function, "options = PairOptions(\n", "            )\n", call_arguments())
-    command = PAIR_COMMAND_FILE.read_text("utf-8")
-    command = replace_section(
-        command, "    lower: LowerFileArgument = None,\n    *,\n", "    workers:", command_parameters()
+    pair_function_text = replace_section(
+        pair_function_text, "options = PairOptions(\n", "            )\n", call_arguments()
     )
-    reader = CHARACTERISE_COMMAND_FILE.read_text("utf-8")
-    reader = replace_section(
-        reader, 'help="Measured profiles or surfaces.")],\n    *,\n', "    row:", reader_parameters()
+    pair_command_text = PAIR_COMMAND_FILE.read_text("utf-8")
+    pair_command_text = replace_section(
+        pair_command_text, "    lower: LowerFileArgument = None,\n    *,\n", "    workers:", command_parameters()
     )
-    texts = {PAIR_FUNCTION_FILE: function, PAIR_COMMAND_FILE: command, CHARACTERISE_COMMAND_FILE: reader}
+    characterise_text = CHARACTERISE_COMMAND_FILE.read_text("utf-8")
+    characterise_text = replace_section(
+        characterise_text, 'help="Measured profiles or surfaces.")],\n    *,\n', "    row:", reader_parameters()
+    )
+    texts = {
+        PAIR_FUNCTION_FILE: pair_function_text,
+        PAIR_COMMAND_FILE: pair_command_text,
+        CHARACTERISE_COMMAND_FILE: characterise_text,
+    }
     return {path: format_code(text) for path, text in texts.items()}
 
 
@@ -183,10 +189,10 @@ def format_code(text: str) -> str:
 
 def main() -> None:
     """Write the files, or with --check compare them with the generated text."""
-    differing = [path for path, text in generated_texts().items() if path.read_text("utf-8") != text]
+    outdated_files = [path for path, text in generated_texts().items() if path.read_text("utf-8") != text]
     if "--check" in sys.argv:
-        names = ", ".join(str(path.relative_to(ROOT)) for path in differing)
-        sys.exit(f"{names}: run packaging/pair_options.py" if differing else 0)
+        names = ", ".join(str(path.relative_to(ROOT)) for path in outdated_files)
+        sys.exit(f"{names}: run packaging/pair_options.py" if outdated_files else 0)
     for path, text in generated_texts().items():
         path.write_text(text, "utf-8")
 

@@ -57,41 +57,41 @@ for root in sys.argv[2:]:
 """
 
 
-def print_message(what: str) -> None:
-    print(f"wheel: {what}", flush=True)
+def print_message(message: str) -> None:
+    print(f"wheel: {message}", flush=True)
 
 
-def fail(what: str) -> NoReturn:
-    print(f"wheel: {what}", file=sys.stderr)
+def exit_with_error(message: str) -> NoReturn:
+    print(f"wheel: {message}", file=sys.stderr)
     sys.exit(1)
 
 
-def call(
+def run_command(
     *command: str | Path,
     cwd: Path = ROOT,
     env: Mapping[str, str] = os.environ,
     quiet: bool = True,
-    within: Iterable[str] = (),
+    wrapper_command: Iterable[str] = (),
 ) -> str:
     """Run a command, optionally in another command, and return its output. If it fails, exit with the output."""
-    full_command = [*within, *map(str, command)]
+    full_command = [*wrapper_command, *map(str, command)]
     message = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT} if quiet else {}
     completed = subprocess.run(  # type: ignore[call-overload]
         full_command, check=False, cwd=cwd, env=env, text=True, **message
     )
     if completed.returncode != 0:
         text = f"{(completed.stdout or '').strip()}\n{shlex.join(map(str, command))} ended with {completed.returncode}"
-        fail(text.strip())
+        exit_with_error(text.strip())
     return completed.stdout or ""
 
 
-def compare(what: str, actual: Iterable[str], expected: Iterable[str]) -> None:
-    """Exit with the difference if two sets of names differ. The message describes the names by `what`."""
+def check_equal_names(description: str, actual: Iterable[str], expected: Iterable[str]) -> None:
+    """Exit with the difference if two sets of names differ. The message describes the names by `description`."""
     extra, missing = sorted(set(actual) - set(expected)), sorted(set(expected) - set(actual))
     if extra:
-        fail(f"{what}: there is also {', '.join(extra)}")
+        exit_with_error(f"{description}: there is also {', '.join(extra)}")
     if missing:
-        fail(f"{what}: missing {', '.join(missing)}")
+        exit_with_error(f"{description}: missing {', '.join(missing)}")
 
 
 # ---- Contents -------------------------------------------------------------------------------------------------------
@@ -115,10 +115,10 @@ def check_wheel(wheel: Path, folder: Path) -> None:
         names = {name for name in archive.namelist() if not name.endswith("/")}
         extensions = [name for name in names if re.fullmatch(r"stiction/_core\.cpython-[\w-]+\.so", name)]
         if len(extensions) != 1:
-            fail(f"{wheel.name} holds {len(extensions)} extensions, not one")
+            exit_with_error(f"{wheel.name} holds {len(extensions)} extensions, not one")
         # auditwheel adds a bill of materials; here it lists no bundled libraries.
         message = {name for name in names if name.startswith(f"{ARCHIVE_STEM}.dist-info/sboms/")}
-        compare(
+        check_equal_names(
             "the wheel, of the package and its licences",
             names - message,
             [*package, *extensions, *(f"{ARCHIVE_STEM}.dist-info/{name}" for name in metadata_files)],
@@ -126,7 +126,7 @@ def check_wheel(wheel: Path, folder: Path) -> None:
         check_metadata(archive.read(f"{ARCHIVE_STEM}.dist-info/METADATA"))
         extension = Path(archive.extract(extensions[0], folder))
     if sys.platform == "linux":
-        check_floor(wheel)
+        check_min_glibc(wheel)
         check_extension(extension)
 
 
@@ -139,32 +139,34 @@ def check_metadata(text: bytes) -> None:
         ("License-Expression", "license"),
     ):
         if metadata[field] != PROJECT_METADATA[key]:
-            fail(f"the metadata say {field}: {metadata[field]}, pyproject.toml {PROJECT_METADATA[key]}")
+            exit_with_error(f"the metadata say {field}: {metadata[field]}, pyproject.toml {PROJECT_METADATA[key]}")
 
 
-def check_floor(wheel: Path) -> None:
+def check_min_glibc(wheel: Path) -> None:
     """Check that the wheel runs with the documented minimum version of glibc."""
-    floors = [(int(major), int(minor)) for major, minor in re.findall(r"manylinux_(\d+)_(\d+)_", wheel.name)]
-    if not floors:
-        fail(f"{wheel.name}: not the name of a manylinux wheel")
-    if min(floors) > MAX_GLIBC:
-        fail(f"{wheel.name} needs a newer glibc than the {MAX_GLIBC[0]}.{MAX_GLIBC[1]} that is promised")
-    promise = f"glibc {MAX_GLIBC[0]}.{MAX_GLIBC[1]} or newer"
-    page = ROOT / "docs/howto/installing.md"
-    if page.exists() and promise not in page.read_text(encoding="utf-8"):
-        fail(f"docs/howto/installing.md does not say {promise!r}")
+    glibc_versions = [(int(major), int(minor)) for major, minor in re.findall(r"manylinux_(\d+)_(\d+)_", wheel.name)]
+    if not glibc_versions:
+        exit_with_error(f"{wheel.name}: not the name of a manylinux wheel")
+    if min(glibc_versions) > MAX_GLIBC:
+        exit_with_error(f"{wheel.name} needs a newer glibc than the {MAX_GLIBC[0]}.{MAX_GLIBC[1]} that is promised")
+    requirement_text = f"glibc {MAX_GLIBC[0]}.{MAX_GLIBC[1]} or newer"
+    installation_page = ROOT / "docs/howto/installing.md"
+    if installation_page.exists() and requirement_text not in installation_page.read_text(encoding="utf-8"):
+        exit_with_error(f"docs/howto/installing.md does not say {requirement_text!r}")
 
 
 def check_extension(extension: Path) -> None:
-    dynamic = call("readelf", "--wide", "--dynamic", extension)
-    needed = re.findall(r"\(NEEDED\).*\[(.*)\]", dynamic)
-    foreign = [library for library in needed if not SYSTEM_LIBRARY_PATTERN.fullmatch(library)]
-    if foreign or not needed:
-        fail(f"the extension needs {', '.join(foreign) or 'no library at all'}")
-    if re.search(r"\((RPATH|RUNPATH)\)", dynamic):
-        fail("the extension looks for libraries in a folder of its own")
-    exported = [line.split()[0] for line in call("nm", "-D", "--defined-only", "-P", extension).splitlines()]
-    compare("symbols that the extension exports", exported, ["PyInit__core"])
+    dynamic_section = run_command("readelf", "--wide", "--dynamic", extension)
+    needed_libraries = re.findall(r"\(NEEDED\).*\[(.*)\]", dynamic_section)
+    foreign_libraries = [library for library in needed_libraries if not SYSTEM_LIBRARY_PATTERN.fullmatch(library)]
+    if foreign_libraries or not needed_libraries:
+        exit_with_error(f"the extension needs {', '.join(foreign_libraries) or 'no library at all'}")
+    if re.search(r"\((RPATH|RUNPATH)\)", dynamic_section):
+        exit_with_error("the extension looks for libraries in a folder of its own")
+    exported_symbols = [
+        line.split()[0] for line in run_command("nm", "-D", "--defined-only", "-P", extension).splitlines()
+    ]
+    check_equal_names("symbols that the extension exports", exported_symbols, ["PyInit__core"])
 
 
 # ---- Environment ----------------------------------------------------------------------------------------------------
@@ -176,38 +178,43 @@ class IsolatedEnvironment:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.bin = folder / "environment/bin"
-        tools = folder / "tools"
-        tools.mkdir()
+        tools_folder = folder / "tools"
+        tools_folder.mkdir()
         for name in ("sh", "bash", "cat", "setsid", "mount", "umount"):  # The tests need these programs.
             if result := shutil.which(name):
-                (tools / name).symlink_to(result)
-        stored = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))}
-        self.environment = stored | {"PATH": f"{self.bin}{os.pathsep}{tools}"}
+                (tools_folder / name).symlink_to(result)
+        inherited_variables = {
+            name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))
+        }
+        self.environment = inherited_variables | {"PATH": f"{self.bin}{os.pathsep}{tools_folder}"}
         self.mounts = self.can_hide_folders()
-        call(sys.executable, "-m", "venv", folder / "environment")
+        run_command(sys.executable, "-m", "venv", folder / "environment")
         # The option for dependency groups requires pip 25.1.
         self.pip("pip>=25.1")
 
     def can_hide_folders(self) -> bool:
         """Return whether mounts can hide directories. This needs root and affects no other process."""
-        able = sys.platform == "linux" and os.geteuid() == 0 and shutil.which("unshare") is not None
-        return able and subprocess.run(["unshare", "--mount", "true"], check=False, capture_output=True).returncode == 0
+        may_mount = sys.platform == "linux" and os.geteuid() == 0 and shutil.which("unshare") is not None
+        return (
+            may_mount
+            and subprocess.run(["unshare", "--mount", "true"], check=False, capture_output=True).returncode == 0
+        )
 
     def hiding_script(self) -> str:
         """Return shell commands that hide directories behind empty ones, and files behind /dev/null."""
         folders = [ROOT, *map(Path, ("/usr/include", "/usr/local/include", "/usr/share/eigen3", "/usr/lib/gcc"))]
         programs = [
             program
-            for place in {*SYSTEM_PROGRAM_FOLDERS, *map(Path, os.environ["PATH"].split(os.pathsep))}
-            if place.is_dir()
-            for program in place.iterdir()
+            for folder in {*SYSTEM_PROGRAM_FOLDERS, *map(Path, os.environ["PATH"].split(os.pathsep))}
+            if folder.is_dir()
+            for program in folder.iterdir()
             if COMPILER_PATTERN.fullmatch(program.name)
         ]
         libraries = [
             path
-            for place in ("/usr/lib", "/usr/local/lib")
+            for folder in ("/usr/lib", "/usr/local/lib")
             for name in ("libgsl*", "libfftw3*")
-            for path in Path(place).rglob(name)
+            for path in Path(folder).rglob(name)
         ]
         files = {path.resolve() for path in (*programs, *libraries) if path.is_file()}
         mount = shutil.which("mount")
@@ -217,23 +224,27 @@ class IsolatedEnvironment:
 
     def call(self, *command: str | Path, cwd: Path | None = None, quiet: bool = True) -> str:
         unshare, shell = shutil.which("unshare") or "", shutil.which("sh") or ""
-        hidden = (unshare, "--mount", "--propagation", "private", shell, "-c", self.hiding_script(), shell)
-        within = hidden if self.mounts else ()
-        return call(*command, cwd=cwd or self.folder, env=self.environment, quiet=quiet, within=within)
+        hiding_command = (unshare, "--mount", "--propagation", "private", shell, "-c", self.hiding_script(), shell)
+        wrapper_command = hiding_command if self.mounts else ()
+        return run_command(
+            *command, cwd=cwd or self.folder, env=self.environment, quiet=quiet, wrapper_command=wrapper_command
+        )
 
     def check_hidden(self) -> None:
         """Check that everything visible outside the environment is hidden inside."""
-        system = os.pathsep.join(map(str, SYSTEM_PROGRAM_FOLDERS))
+        system_folders = os.pathsep.join(map(str, SYSTEM_PROGRAM_FOLDERS))
         if self.mounts:
-            seen_outside = call(sys.executable, "-c", INSPECTION_SCRIPT, system, "/usr").splitlines()
-            for part in ("c++", "cmake", "libgsl.a", "gsl_version.h", "libfftw3.a", "fftw3.h", "Eigen/Core"):
-                if not any(path.endswith(part) for path in seen_outside):
-                    fail(f"no {part} was found here, so that hiding it shows nothing")
-            seen = self.call(self.bin / "python", "-I", "-c", INSPECTION_SCRIPT, system, "/usr", "/opt", ROOT)
+            visible_outside = run_command(sys.executable, "-c", INSPECTION_SCRIPT, system_folders, "/usr").splitlines()
+            for file_name in ("c++", "cmake", "libgsl.a", "gsl_version.h", "libfftw3.a", "fftw3.h", "Eigen/Core"):
+                if not any(path.endswith(file_name) for path in visible_outside):
+                    exit_with_error(f"no {file_name} was found here, so that hiding it shows nothing")
+            visible_files = self.call(
+                self.bin / "python", "-I", "-c", INSPECTION_SCRIPT, system_folders, "/usr", "/opt", ROOT
+            )
         else:
-            seen = self.call(self.bin / "python", "-I", "-c", INSPECTION_SCRIPT, "")
-        if seen:
-            fail(f"these are not hidden: {', '.join(seen.split())}")
+            visible_files = self.call(self.bin / "python", "-I", "-c", INSPECTION_SCRIPT, "")
+        if visible_files:
+            exit_with_error(f"these are not hidden: {', '.join(visible_files.split())}")
 
     def pip(self, *wanted: str | Path) -> None:
         """Install packages from wheels only, so that nothing is compiled."""
@@ -246,9 +257,9 @@ class IsolatedEnvironment:
         version, *files = self.call(self.bin / "python", "-I", "-c", code).split()
         for file in files:
             if self.folder / "environment" not in Path(file).parents:
-                fail(f"{file} is imported, which is not the installed wheel")
+                exit_with_error(f"{file} is imported, which is not the installed wheel")
         if version != PROJECT_METADATA["version"]:
-            fail(f"version {version} is imported, not {PROJECT_METADATA['version']}")
+            exit_with_error(f"version {version} is imported, not {PROJECT_METADATA['version']}")
 
     def measure_import_time(self) -> float:
         """Return the shortest of three import times, each measured in a new interpreter."""
@@ -259,27 +270,27 @@ class IsolatedEnvironment:
         self.call(self.bin / "stiction", "run", "quick", "--output", "quick")
         for name in ("study.toml", "area.png"):
             if not (self.folder / "quick" / name).exists():
-                fail(f"stiction run quick wrote no {name}")
+                exit_with_error(f"stiction run quick wrote no {name}")
 
     def press_samples(self) -> None:
         """Compute the friction of the sample scans from text files and from files in an instrument format."""
         shutil.copytree(ROOT / "examples/scans", self.folder / "scans")
-        for kind, ending, softer in (("lapped", "csv", []), ("ground", "x3p", ["--hardness", "2 GPa"])):
-            scans = [f"scans/{kind}_{side}.{ending}" for side in ("upper", "lower")]
+        for finish, extension, hardness_options in (("lapped", "csv", []), ("ground", "x3p", ["--hardness", "2 GPa"])):
+            scans = [f"scans/{finish}_{side}.{extension}" for side in ("upper", "lower")]
             output = self.call(
                 self.bin / "stiction", "pair", *scans, "--young", "210 GPa", "--poisson", "0.3", "--mu0", "0.2",
-                "--tau0", "50 MPa", *softer, "--load", "20 mN", "--output", kind,
+                "--tau0", "50 MPa", *hardness_options, "--load", "20 mN", "--output", finish,
             )  # fmt: skip
             if not re.search(r"μ_s = 0\.\d+ \[0\.\d+, 0\.\d+\]", output):
-                fail(f"stiction pair of the {kind} scans gave no coefficient:\n{output}")
+                exit_with_error(f"stiction pair of the {finish} scans gave no coefficient:\n{output}")
 
     def run_tests(self, wanted: Iterable[str]) -> None:
         """Run the tests from a copy of the tree without the sources of the package."""
         tests = self.folder / "tests"
-        left_out = shutil.ignore_patterns("build", ".*", "__pycache__")
-        shutil.copytree(ROOT, tests, ignore=left_out)
-        for part in ("python", "cpp"):
-            shutil.rmtree(tests / part)
+        ignored_names = shutil.ignore_patterns("build", ".*", "__pycache__")
+        shutil.copytree(ROOT, tests, ignore=ignored_names)
+        for source_folder in ("python", "cpp"):
+            shutil.rmtree(tests / source_folder)
         self.pip("--group", f"{tests / 'pyproject.toml'}:test")
         self.check_installed()
         self.call(
@@ -288,30 +299,32 @@ class IsolatedEnvironment:
         )  # fmt: skip
 
 
-def prove(wheel: Path, *, with_tests: bool, wanted: Iterable[str] = ()) -> None:
-    began = time.perf_counter()
-    with tempfile.TemporaryDirectory(prefix="stiction-proof-") as temporary:
-        folder = Path(temporary).resolve()
+def prove_wheel(wheel: Path, *, with_tests: bool, wanted: Iterable[str] = ()) -> None:
+    start_time = time.perf_counter()
+    with tempfile.TemporaryDirectory(prefix="stiction-proof-") as temporary_folder:
+        folder = Path(temporary_folder).resolve()
         check_wheel(wheel, folder)
         print_message(
             f"{wheel.name}: the package alone, {wheel.stat().st_size / 1000:.0f} kB; no foreign library or symbol"
         )
         environment = IsolatedEnvironment(folder)
         environment.check_hidden()
-        by = "a mount namespace and PATH" if environment.mounts else "PATH alone"
-        print_message(f"installing it where neither compilers nor Eigen, GSL and FFTW are seen, hidden by {by}")
-        stored = shutil.copy(wheel, folder)  # Copy the wheel first, because this tree will be hidden.
-        environment.pip(stored)
+        hiding_method = "a mount namespace and PATH" if environment.mounts else "PATH alone"
+        print_message(
+            f"installing it where neither compilers nor Eigen, GSL and FFTW are seen, hidden by {hiding_method}"
+        )
+        copied_wheel = shutil.copy(wheel, folder)  # Copy the wheel first, because this tree will be hidden.
+        environment.pip(copied_wheel)
         environment.check_installed()
         if (seconds := environment.measure_import_time()) > MAX_IMPORT_SECONDS:
-            fail(f"import stiction takes {seconds:.1f} s")
+            exit_with_error(f"import stiction takes {seconds:.1f} s")
         environment.run_quick()
         environment.press_samples()
         print_message(f"import {seconds:.2f} s; run quick, pair of four sample scans: all right")
         if with_tests:
             print_message("the tests")
             environment.run_tests(wanted)
-    print_message(f"proven in {time.perf_counter() - began:.0f} s{'' if with_tests else ', without the tests'}")
+    print_message(f"proven in {time.perf_counter() - start_time:.0f} s{'' if with_tests else ', without the tests'}")
 
 
 def main() -> None:
@@ -320,7 +333,7 @@ def main() -> None:
     parser.add_argument("wheel", type=Path)
     parser.add_argument("tests", nargs="*", help="instead of all of them")
     options = parser.parse_args()
-    prove(options.wheel.resolve(), with_tests=not options.quick, wanted=options.tests)
+    prove_wheel(options.wheel.resolve(), with_tests=not options.quick, wanted=options.tests)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ import sys
 import tomllib
 from collections.abc import Callable, Iterator
 
-from prove import PROJECT_METADATA, ROOT, call, fail
+from prove import PROJECT_METADATA, ROOT, exit_with_error, run_command
 from wheel import DIST_FOLDER, VERIFIED_COMMITS_FILE, describe_commit
 
 VERSION = PROJECT_METADATA["version"]
@@ -63,10 +63,12 @@ def changelog_is_dated() -> str | None:
 @register_check("CITATION.cff has the version, the date and the address")
 def citation_matches_changelog() -> str | None:
     message = read_file("CITATION.cff")
-    dated = re.search(rf"^## {re.escape(RELEASE_VERSION)} \((\d.*)\)$", read_file("CHANGELOG.md"), re.MULTILINE)
+    version_heading = re.search(
+        rf"^## {re.escape(RELEASE_VERSION)} \((\d.*)\)$", read_file("CHANGELOG.md"), re.MULTILINE
+    )
     expected = [
         f"version: {RELEASE_VERSION}",
-        f"date-released: {dated[1] if dated else 'YYYY-MM-DD'}",
+        f"date-released: {version_heading[1] if version_heading else 'YYYY-MM-DD'}",
         "repository-code: http",
     ]
     return join_missing("CITATION.cff has no", (line for line in expected if line not in message))
@@ -117,7 +119,7 @@ def tested_versions_are_complete() -> str | None:
 
 @register_check("nothing is uncommitted")
 def tree_is_clean() -> str | None:
-    changed = call("git", "status", "--porcelain").splitlines()
+    changed = run_command("git", "status", "--porcelain").splitlines()
     return f"{len(changed)} files are changed or new" if changed else None
 
 
@@ -130,7 +132,7 @@ def wheels_are_proven() -> str | None:
 
 
 def tag_is_on_commit() -> str | None:
-    tags = call("git", "tag", "--points-at", "HEAD").split()
+    tags = run_command("git", "tag", "--points-at", "HEAD").split()
     return None if f"v{VERSION}" in tags else f"git tag v{VERSION}; this commit has {', '.join(tags) or 'none'}"
 
 
@@ -147,31 +149,35 @@ def run_checks(*, tagged: bool) -> bool:
     checks = [item for item in RELEASE_CHECKS if not (tagged and item[1] is wheels_are_proven)]
     if tagged:
         checks.append((f"the tag v{VERSION} is on this commit", tag_is_on_commit))
-    opened = 0
+    num_open = 0
     for line, function in checks:
         problem = function()
-        opened += problem is not None
+        num_open += problem is not None
         print(f"[{' ' if problem else 'x'}] {line}{f': {problem}' if problem else ''}")
     if not tagged:
-        print(f"then: git tag --sign v{VERSION}; git push origin v{VERSION}" if not opened else f"{opened} are open")
-    return opened == 0
+        print(
+            f"then: git tag --sign v{VERSION}; git push origin v{VERSION}" if not num_open else f"{num_open} are open"
+        )
+    return num_open == 0
 
 
 def write_address(url: str) -> None:
     """Write the repository address into pyproject.toml, CITATION.cff and the links of README.md."""
     if not re.fullmatch(r"https://[\w.-]+/[\w.-]+/[\w.-]+", url):
-        fail(f"--address must be that of a repository, https://HOST/OWNER/NAME, got {url!r}")
+        exit_with_error(f"--address must be that of a repository, https://HOST/OWNER/NAME, got {url!r}")
     name = url.rpartition("/")[2]
     lines = [
         f'Source = "{url}"', f'Documentation = "https://{name}.readthedocs.io"', f'Issues = "{url}/issues"',
         f'Changelog = "{url}/blob/main/CHANGELOG.md"',
     ]  # fmt: skip
     project_text = read_file("pyproject.toml")
-    head = re.search(r"^\[project\.urls\]\n(?:Paper = .*\n)?", project_text, re.MULTILINE)
-    if head is None or tomllib.loads(project_text)["project"]["urls"].keys() & set(URL_NAMES):
-        fail("pyproject.toml has addresses already")
+    urls_heading = re.search(r"^\[project\.urls\]\n(?:Paper = .*\n)?", project_text, re.MULTILINE)
+    if urls_heading is None or tomllib.loads(project_text)["project"]["urls"].keys() & set(URL_NAMES):
+        exit_with_error("pyproject.toml has addresses already")
     (ROOT / "pyproject.toml").write_text(
-        project_text[: head.end()] + "".join(f"{line}\n" for line in lines) + project_text[head.end() :],
+        project_text[: urls_heading.end()]
+        + "".join(f"{line}\n" for line in lines)
+        + project_text[urls_heading.end() :],
         encoding="utf-8",
     )
     citation = read_file("CITATION.cff").replace("type: software\n", f"type: software\nrepository-code: {url}\n", 1)

@@ -14,7 +14,7 @@ import tarfile
 import tempfile
 from pathlib import Path
 
-from prove import ARCHIVE_STEM, PYPROJECT, ROOT, call, compare, fail, print_message
+from prove import ARCHIVE_STEM, PYPROJECT, ROOT, check_equal_names, exit_with_error, print_message, run_command
 
 DIST_FOLDER = ROOT / "build/wheel/dist"
 UNPROVEN_FOLDER = ROOT / "build/wheel/unproven"
@@ -37,9 +37,12 @@ def find_interpreters() -> dict[str, Path]:
     result = {}
     pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
     for minor in range(MIN_PYTHON_MINOR, MAX_PYTHON_MINOR + 1):
-        current = [Path(sys.executable)] if sys.version_info[:2] == (3, minor) else []
-        installed = [*sorted(pyenv.glob(f"3.{minor}.*/bin/python")), Path(shutil.which(f"python3.{minor}") or "/none")]
-        for python in (*current, *installed):
+        running_interpreter = [Path(sys.executable)] if sys.version_info[:2] == (3, minor) else []
+        installed_interpreters = [
+            *sorted(pyenv.glob(f"3.{minor}.*/bin/python")),
+            Path(shutil.which(f"python3.{minor}") or "/none"),
+        ]
+        for python in (*running_interpreter, *installed_interpreters):
             if python.exists() and can_build(python, minor):
                 result[f"3.{minor}"] = python
                 break
@@ -53,11 +56,11 @@ def can_build(python: Path, minor: int) -> bool:
 
 def describe_commit() -> str:
     """Return the current commit, marked if there are uncommitted changes."""
-    return call("git", "describe", "--always", "--dirty", "--abbrev=40", "--match", "nothing").strip()
+    return run_command("git", "describe", "--always", "--dirty", "--abbrev=40", "--match", "nothing").strip()
 
 
 def build_sdist(folder: Path) -> Path:
-    call(sys.executable, "-m", "build", "--sdist", "--outdir", folder, ROOT)
+    run_command(sys.executable, "-m", "build", "--sdist", "--outdir", folder, ROOT)
     return folder / f"{ARCHIVE_STEM}.tar.gz"
 
 
@@ -66,34 +69,44 @@ def check_sdist(sdist: Path) -> int:
     patterns = [
         f":(top,glob){pattern.lstrip('/')}" for pattern in PYPROJECT["tool"]["scikit-build"]["sdist"]["include"]
     ]
-    tracked = call("git", "ls-files", "-z", "--", *patterns).split("\0")[:-1]
+    tracked = run_command("git", "ls-files", "-z", "--", *patterns).split("\0")[:-1]
     with tarfile.open(sdist) as archive:
         names = [name.removeprefix(f"{ARCHIVE_STEM}/") for name in archive.getnames()]
-    compare("the source distribution, of the tracked files in sdist.include", names, [*tracked, "PKG-INFO"])
+    check_equal_names("the source distribution, of the tracked files in sdist.include", names, [*tracked, "PKG-INFO"])
     return len(tracked)
 
 
 def build_wheel(sdist: Path, python: Path, folder: Path) -> Path:
     """Build a wheel from the unpacked source distribution, in a directory whose name has a space."""
-    sources, built = folder / "the sources", folder / "built"
+    sources, wheel_folder = folder / "the sources", folder / "built"
     shutil.unpack_archive(sdist, sources)
     environment = folder / "building"
-    call(python, "-m", "venv", environment)
-    call(
+    run_command(python, "-m", "venv", environment)
+    run_command(
         environment / "bin/python", "-m", "pip", "wheel", "--quiet", "--disable-pip-version-check", "--no-deps",
-        "--wheel-dir", built, sources / ARCHIVE_STEM, cwd=folder,
+        "--wheel-dir", wheel_folder, sources / ARCHIVE_STEM, cwd=folder,
     )  # fmt: skip
-    (wheel,) = built.glob("*.whl")
+    (wheel,) = wheel_folder.glob("*.whl")
     return wheel
 
 
 def repair(built: Path, folder: Path) -> Path:
     """Add the oldest manylinux tag that the symbols of the wheel allow; fail if a library would be bundled."""
-    tools = os.environ | {"PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
-    call(sys.executable, "-m", "auditwheel", "repair", "--wheel-dir", folder / "repaired", built, cwd=folder, env=tools)
+    environment = os.environ | {"PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+    run_command(
+        sys.executable,
+        "-m",
+        "auditwheel",
+        "repair",
+        "--wheel-dir",
+        folder / "repaired",
+        built,
+        cwd=folder,
+        env=environment,
+    )
     (wheel,) = (folder / "repaired").glob("*.whl")
     if not re.fullmatch(rf"{ARCHIVE_STEM}-cp(\d+)-cp\1-(manylinux\w+\.?)+\.whl", wheel.name):
-        fail(f"{wheel.name}: not the name of a manylinux wheel for one Python")
+        exit_with_error(f"{wheel.name}: not the name of a manylinux wheel for one Python")
     return wheel
 
 
@@ -108,19 +121,19 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="without the tests")
     options = parser.parse_args()
     # Files in the archives have the time of the commit, so that builds are reproducible.
-    os.environ["SOURCE_DATE_EPOCH"] = call("git", "log", "-1", "--format=%ct").strip()
+    os.environ["SOURCE_DATE_EPOCH"] = run_command("git", "log", "-1", "--format=%ct").strip()
     VERIFIED_COMMITS_FILE.unlink(missing_ok=True)
     for folder in (DIST_FOLDER, UNPROVEN_FOLDER):
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
     interpreters = find_interpreters()
     print_message(f"for Python {', '.join(interpreters)}; {describe_missing(interpreters)}")
-    failed = []
-    with tempfile.TemporaryDirectory(prefix="stiction-wheel-") as temporary:
-        folder = Path(temporary).resolve()
+    failed_versions = []
+    with tempfile.TemporaryDirectory(prefix="stiction-wheel-") as temporary_folder:
+        folder = Path(temporary_folder).resolve()
         sdist = build_sdist(folder)
         count = check_sdist(sdist)
-        call(sys.executable, "-m", "twine", "check", "--strict", sdist)
+        run_command(sys.executable, "-m", "twine", "check", "--strict", sdist)
         print_message(
             f"{sdist.name}: the {count} tracked files that it should hold, {sdist.stat().st_size / 1000:.0f} kB"
         )
@@ -129,27 +142,29 @@ def main() -> None:
             version_folder.mkdir()
             print_message(f"building the wheel for Python {version} from it")
             wheel = repair(build_wheel(sdist, python, version_folder), version_folder)
-            call(sys.executable, "-m", "twine", "check", "--strict", wheel)
+            run_command(sys.executable, "-m", "twine", "check", "--strict", wheel)
             # The wheel is kept even if the verification fails, because building it takes a long time.
-            stored = Path(shutil.copy(wheel, UNPROVEN_FOLDER))
+            unproven_wheel = Path(shutil.copy(wheel, UNPROVEN_FOLDER))
             with_tests = not options.quick and python == Path(sys.executable)
-            if verify_wheel(stored, python, with_tests=with_tests):
-                shutil.move(stored, DIST_FOLDER)
+            if verify_wheel(unproven_wheel, python, with_tests=with_tests):
+                shutil.move(unproven_wheel, DIST_FOLDER)
             else:
-                failed.append(stored.name)
+                failed_versions.append(unproven_wheel.name)
         shutil.copy(sdist, DIST_FOLDER)
     for archive in sorted(DIST_FOLDER.iterdir()):
         print_message(f"{archive.relative_to(ROOT)}")
-    if failed:
-        fail(f"not proven, and left in {UNPROVEN_FOLDER.relative_to(ROOT)}: {', '.join(failed)}")
+    if failed_versions:
+        exit_with_error(f"not proven, and left in {UNPROVEN_FOLDER.relative_to(ROOT)}: {', '.join(failed_versions)}")
     VERIFIED_COMMITS_FILE.write_text(
         f"{describe_commit()} {'without' if options.quick else 'with'} the tests\n", encoding="utf-8"
     )
 
 
-def describe_missing(found: dict[str, Path]) -> str:
-    absent = [f"3.{minor}" for minor in range(MIN_PYTHON_MINOR, MAX_PYTHON_MINOR + 1) if f"3.{minor}" not in found]
-    return f"missing: {', '.join(absent)}" if absent else "all supported versions"
+def describe_missing(interpreters: dict[str, Path]) -> str:
+    missing_versions = [
+        f"3.{minor}" for minor in range(MIN_PYTHON_MINOR, MAX_PYTHON_MINOR + 1) if f"3.{minor}" not in interpreters
+    ]
+    return f"missing: {', '.join(missing_versions)}" if missing_versions else "all supported versions"
 
 
 if __name__ == "__main__":

@@ -60,8 +60,12 @@ def read_commit() -> Files:
 
 def read_checkout() -> Files:
     """Return the Python files of the working tree."""
-    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, check=True, text=True).stdout.split()
-    return {name: (ROOT / name).read_text("utf-8") for name in listed if is_python(name) and (ROOT / name).exists()}
+    tracked_files = subprocess.run(
+        ["git", "ls-files"], cwd=ROOT, capture_output=True, check=True, text=True
+    ).stdout.split()
+    return {
+        name: (ROOT / name).read_text("utf-8") for name in tracked_files if is_python(name) and (ROOT / name).exists()
+    }
 
 
 def is_python(name: str) -> bool:
@@ -109,19 +113,19 @@ def comments(files: Files) -> Iterator[SampledText]:
         if is_python(name):
             for token in tokenize.generate_tokens(io.StringIO(text).readline):
                 if token.type == tokenize.COMMENT:
-                    whole = token.line.lstrip().startswith("#")
-                    lines.append((token.start[0], whole, token.string.lstrip("#! ")))
+                    is_whole_line = token.line.lstrip().startswith("#")
+                    lines.append((token.start[0], is_whole_line, token.string.lstrip("#! ")))
         elif name.endswith((".cpp", ".hpp", ".js")):
             for number, line in enumerate(text.splitlines(), 1):
                 if match := re.search(r"(?:^|[;{},]) *///? ?(.+)", line):
                     lines.append((number, line.lstrip().startswith("//"), match[1]))
-        joined: list[tuple[int, int, str]] = []
-        for number, whole, comment in lines:
-            if whole and joined and joined[-1][1] == number - 1:
-                joined[-1] = (joined[-1][0], number, f"{joined[-1][2]} {comment}")
+        joined_comments: list[tuple[int, int, str]] = []
+        for number, is_whole_line, comment in lines:
+            if is_whole_line and joined_comments and joined_comments[-1][1] == number - 1:
+                joined_comments[-1] = (joined_comments[-1][0], number, f"{joined_comments[-1][2]} {comment}")
             else:
-                joined.append((number, number if whole else 0, comment))
-        for number, _, comment in joined:
+                joined_comments.append((number, number if is_whole_line else 0, comment))
+        for number, _, comment in joined_comments:
             if len(comment) >= MIN_COMMENT_LENGTH and not re.search(r"----|^(type|fmt|noqa|ruff): ?|NOLINT", comment):
                 yield f"{name}:{number}", comment
 
@@ -219,9 +223,9 @@ def sample_functions(files: Files, number: int, generator: random.Random) -> Ite
     functions = []
     for name, node in python_nodes(files, ("python/stiction",)):
         if isinstance(node, ast.FunctionDef) and ast.get_docstring(node):
-            end = node.end_lineno or node.lineno
-            if end - node.lineno <= MAX_FUNCTION_LINES:
-                functions.append((name, "\n".join(files[name].splitlines()[node.lineno - 1 : end])))
+            end_line = node.end_lineno or node.lineno
+            if end_line - node.lineno <= MAX_FUNCTION_LINES:
+                functions.append((name, "\n".join(files[name].splitlines()[node.lineno - 1 : end_line])))
     for name, source in generator.sample(functions, number):
         yield f"## {name}\n\n```python\n{source}\n```\n"
 
@@ -232,7 +236,10 @@ def sample(seed: int, number: int, functions: int) -> None:
     if functions:
         print(*sample_functions(files, functions, generator), sep="\n")
         return
-    for items_by_kind in ({kind: list(find(files)) for kind, find in SENTENCE_SOURCES.items()}, names_by_kind(files)):
+    for items_by_kind in (
+        {kind: list(find_items(files)) for kind, find_items in SENTENCE_SOURCES.items()},
+        names_by_kind(files),
+    ):
         print(", ".join(f"{len(items)} of kind {kind}" for kind, items in items_by_kind.items()), end="\n\n")
         print(*sample_rows(items_by_kind, number, generator), "", sep="\n")
 
@@ -240,34 +247,34 @@ def sample(seed: int, number: int, functions: int) -> None:
 # ---- Check ----------------------------------------------------------------------------------------------------------
 
 
-def rejected_words(table: Mapping[str, list[str]], path: str) -> set[str]:
+def rejected_words(words_by_folder: Mapping[str, list[str]], path: str) -> set[str]:
     """Return the words that are rejected in a file: those of `all` and of every folder that contains the file."""
     return set(
         chain.from_iterable(
-            words for folder, words in table.items() if folder == "all" or is_in_folders(path, (folder,))
+            words for folder, words in words_by_folder.items() if folder == "all" or is_in_folders(path, (folder,))
         )
     )
 
 
-def name_faults(files: Files, table: Mapping[str, list[str]]) -> Iterator[str]:
+def name_faults(files: Files, words_by_folder: Mapping[str, list[str]]) -> Iterator[str]:
     for path, node in python_nodes(files):
-        rejected = rejected_words(table, path)
+        words_not_allowed = rejected_words(words_by_folder, path)
         for kind, name in bound_names(node):
-            if name.strip("_").lower() in rejected:
+            if name.strip("_").lower() in words_not_allowed:
                 yield f"{path}:{getattr(node, 'lineno', 1)}: {name} is no noun of the field, for a {kind}"
 
 
-def test_name_faults(files: Files, table: Mapping[str, list[str]]) -> Iterator[str]:
+def test_name_faults(files: Files, words_by_folder: Mapping[str, list[str]]) -> Iterator[str]:
     for path, node in python_nodes(files, ("tests",)):
         if isinstance(node, ast.FunctionDef) and node.name.startswith("test_"):
             first_word = node.name.split("_")[1]
-            if first_word in rejected_words(table, path):
+            if first_word in rejected_words(words_by_folder, path):
                 yield f"{path}:{node.lineno}: {node.name} does not begin with the unit that is tested"
 
 
-def opening_faults(files: Files, table: Mapping[str, list[str]]) -> Iterator[str]:
+def opening_faults(files: Files, words_by_folder: Mapping[str, list[str]]) -> Iterator[str]:
     for place, sentence in chain(docstring_summaries(files), comments(files)):
-        if sentence.split()[0] in rejected_words(table, place.split(":")[0]):
+        if sentence.split()[0] in rejected_words(words_by_folder, place.split(":")[0]):
             yield f"{place}: {sentence[:60]!r} does not begin with a verb or with the thing that it describes"
 
 
@@ -321,11 +328,11 @@ def main() -> None:
     options.add_argument("--seed", type=int, default=random.randrange(10**6))
     options.add_argument("--number", type=int, default=150, metavar="N", help="sentences, and names")
     options.add_argument("--functions", type=int, default=0, metavar="N")
-    chosen = vars(parser.parse_args())
-    if chosen.pop("command") == "check":
+    arguments = vars(parser.parse_args())
+    if arguments.pop("command") == "check":
         check()
     else:
-        sample(**chosen)
+        sample(**arguments)
 
 
 if __name__ == "__main__":

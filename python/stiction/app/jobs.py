@@ -71,8 +71,8 @@ class Job:
 
     def page_data(self) -> dict[str, Any]:
         """Return a dict of the job data that the server sends to the page."""
-        names = ("number", "title", "state", "finished", "total", "versions")
-        return {name: getattr(self, name) for name in names} | {
+        field_names = ("number", "title", "state", "finished", "total", "versions")
+        return {name: getattr(self, name) for name in field_names} | {
             "words": self.activity, "by": self.scope, "answer": self.record, "error": replace_option_names(self.error),
             "command": shlex.join(["stiction", *self.arguments]), "option": find_first_option(self.error),
         }  # fmt: skip
@@ -99,8 +99,8 @@ class JobQueue:
         """Add a command to the queue. If a result of the same command is stored, its computation is resumed."""
         if sum(job.state == "waiting" for job in self.all.values()) >= MAX_WAITING_JOBS:
             raise RejectedRequestError(f"{MAX_WAITING_JOBS} jobs are already waiting; stop one of these jobs first")
-        stored_arguments = [item for item in arguments if not re.match("--(mu0|tau0)=", item)]
-        digest = hashlib.sha256("\0".join(stored_arguments).encode()).hexdigest()[:12]
+        identifying_arguments = [item for item in arguments if not re.match("--(mu0|tau0)=", item)]
+        digest = hashlib.sha256("\0".join(identifying_arguments).encode()).hexdigest()[:12]
         folder = folder or self.root / "results" / digest / arguments[0]
         job = self.all[len(self.all) + 1] = Job(len(self.all) + 1, title, arguments, folder, preview)
         job.task = asyncio.create_task(self._run_job(job))
@@ -146,8 +146,8 @@ class JobQueue:
             job.activity = "computing"
             monitor = asyncio.create_task(self._monitor(job))
             try:
-                output = "--json" if job.arguments[0] == "pair" else "--part=1/1"
-                arguments = ["stiction", *job.arguments, output, f"--output={job.folder}"]
+                output_option = "--json" if job.arguments[0] == "pair" else "--part=1/1"
+                arguments = ["stiction", *job.arguments, output_option, f"--output={job.folder}"]
                 await run_module(arguments, grace_time=MAX_SHUTDOWN_TIME, memory=JOB_MEMORY_FRACTION)
             finally:
                 monitor.cancel()
@@ -161,8 +161,8 @@ class JobQueue:
         while True:
             await asyncio.sleep(POLL_INTERVAL)
             with suppress(*REPORTED_ERRORS):  # raised if there is no result yet or the surfaces do not touch
-                stored = await asyncio.to_thread(open_stored, job.folder)
-                job.finished, job.total = stored.count, stored.study.ensemble.repetitions
+                stored_result = await asyncio.to_thread(open_stored, job.folder)
+                job.finished, job.total = stored_result.count, stored_result.study.ensemble.repetitions
                 if job.total > job.finished >= 2 * num_reported:
                     num_reported = job.finished
                     await self._read_result(job, "so far, at {finished} of {total} positions")
@@ -204,10 +204,10 @@ def memory_limit_prefix(memory: float) -> list[str]:
         return []
     import resource
 
-    allowed = int(memory * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    max_bytes = int(memory * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     limits = resource.getrlimit(resource.RLIMIT_DATA)
-    allowed = min([allowed, *(limit for limit in limits if limit != resource.RLIM_INFINITY)])
-    return ["setpriv", "--pdeathsig=KILL", "prlimit", f"--data={allowed}"]
+    max_bytes = min([max_bytes, *(limit for limit in limits if limit != resource.RLIM_INFINITY)])
+    return ["setpriv", "--pdeathsig=KILL", "prlimit", f"--data={max_bytes}"]
 
 
 async def run_module(arguments: list[str], *, memory: float, grace_time: float = 0.0) -> str:

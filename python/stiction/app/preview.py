@@ -32,8 +32,8 @@ LINE_COLOURS = ("#7a8490", "#8a63c7")
 
 def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
     """Return a summary of a scan with a small image, or the reason why the scan cannot be read."""
-    texts = {name.replace("-", "_"): text for name, text in reading.items() if text}
-    options: dict[str, Any] = {name: split_list(name, text) for name, text in texts.items()}
+    option_texts = {name.replace("-", "_"): text for name, text in reading.items() if text}
+    options: dict[str, Any] = {name: split_list(name, text) for name, text in option_texts.items()}
     with warnings.catch_warnings(record=True) as caught_warnings:
         warnings.simplefilter("always")
         try:
@@ -53,19 +53,19 @@ def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
     size = " × ".join(format_with_unit(item, "um") for item in np.atleast_1d(body.extent)[::-1])
     points = " × ".join(f"{item}" for item in np.shape(body.heights)[::-1])
     if isinstance(levelled_body, Profile):
-        kind, image = (
+        image_type, image = (
             "svg+xml",
             draw_svg(levelled_body.heights[:: -(-len(levelled_body) // (3 * MAX_DRAWN_POINTS))]).encode(),
         )
     else:
-        kind, image = "png", render_png(levelled_body.heights, levelled_body.extent)
+        image_type, image = "png", render_png(levelled_body.heights, levelled_body.extent)
     warning_texts = [*scan.caveats, *(item.message for item in caught_warnings)]
     return {
         "holds": "profile" if is_profile else "surface", names[0]: height, names[1]: slope,
         "words": f"{size}, {points} points; {names[0]} {format_with_unit(height, 'um')}, slope {names[1]} {slope:.3g}",
         "points": int(np.size(body.heights)), "reading": str(scan),
         "warning": replace_option_names("; ".join(map(str, warning_texts))),
-        "picture": f"data:image/{kind};base64,{base64.b64encode(image).decode()}",
+        "picture": f"data:image/{image_type};base64,{base64.b64encode(image).decode()}",
     }  # fmt: skip
 
 
@@ -84,9 +84,10 @@ def render_png(heights: Floats, extent: tuple[float, float]) -> bytes:
     """Render a height map as a PNG image with square pixels and the first row at the bottom."""
     from matplotlib.image import imsave
 
-    sizes = [max(2, round(MAX_DRAWN_POINTS * length / max(extent))) for length in extent]
+    pixel_counts = [max(2, round(MAX_DRAWN_POINTS * length / max(extent))) for length in extent]
     rows, columns = (
-        np.linspace(0, count - 1, size).round().astype(int) for count, size in zip(heights.shape, sizes, strict=True)
+        np.linspace(0, count - 1, pixel_count).round().astype(int)
+        for count, pixel_count in zip(heights.shape, pixel_counts, strict=True)
     )
     file = io.BytesIO()
     imsave(file, heights[np.ix_(rows, columns)], cmap=HEIGHT_COLOUR_MAP, origin="lower")

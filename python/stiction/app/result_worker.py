@@ -22,10 +22,10 @@ from stiction.views.rows import point_record, summary_json
 
 def load_preview_study(files: list[Path], options: list[tuple[str, str]]) -> Study | None:
     """Return the study for the asperity-model preview of a `pair` command with the given files and options."""
-    fields = {format_command_line_name(name): name for name in PAIR_OPTIONS}
+    option_names = {format_command_line_name(name): name for name in PAIR_OPTIONS}
     values: dict[str, list[str]] = {}
     for flag, text in options:
-        values.setdefault(fields[f"--{flag}"], []).append(text)
+        values.setdefault(option_names[f"--{flag}"], []).append(text)
     arguments = {name: texts if PAIR_OPTIONS[name].is_repeatable else texts[0] for name, texts in values.items()}
     return MeasuredPair.from_values(upper=files[0], lower=files[1], **arguments).preview_study
 
@@ -53,16 +53,16 @@ def main() -> None:
 def _write_files(result: Result, request: dict[str, Any]) -> dict[str, Any]:
     command = request["command"]
     record = label_caveats(point_record(result.summary().first))
-    texts = {"page.html": report_page(result, name=request["name"])}
+    text_by_file_name = {"page.html": report_page(result, name=request["name"])}
     if result.path is not None and command:
-        texts |= {
+        text_by_file_name |= {
             "result.json": summary_json(command, result.summary()),
             "result.csv": result_csv(result),
             "study.toml": (result.path / "study.toml").read_text("utf-8"),
         }
     files = Path(request["files"])
     files.mkdir(parents=True)
-    for name, text in texts.items():
+    for name, text in text_by_file_name.items():
         (files / name).write_text(remove_paths(text, request["root"]), "utf-8", "replace")
     return {"answer": record, "finished": int(result.members.size), "total": result.study.ensemble.repetitions}
 

@@ -98,12 +98,12 @@ async def _serve(
 ) -> None:
     loop = asyncio.get_running_loop()
 
-    def end() -> None:
+    def request_shutdown() -> None:
         server.shut_down()
         http_server.should_exit = True
 
     for number in (signal.SIGHUP, signal.SIGTERM, signal.SIGINT):
-        loop.add_signal_handler(number, end)
+        loop.add_signal_handler(number, request_shutdown)
     # The signal handlers of uvicorn would raise the signal again, which would prevent the removal of the directory.
     http_server.capture_signals = suppress  # type: ignore[method-assign,assignment]
     server.last_request_time = loop.time()
@@ -112,7 +112,7 @@ async def _serve(
     while not task.done():
         await asyncio.wait([task], timeout=0.5)
         if not keep and is_abandoned(server, loop.time()):
-            end()
+            request_shutdown()
 
 
 def is_abandoned(server: Server, now: float) -> bool:

@@ -180,15 +180,15 @@ class Server:
 
     async def get_page(self, _: Request) -> Response:
         """Return the page of the app."""
-        entries = "".join(
+        material_options = "".join(
             f'<option value="{material.name}" data-young="{float(material.young_modulus):.4g}" '
             f'data-poisson="{float(material.poisson_ratio):.3g}">{material.name}</option>'
             for material in sorted(materials(), key=lambda material: material.name)
         )
-        demo, menu = "demo" if self.has_demo else "", "" if sys.platform == "linux" else "hidden"
+        demo_attribute, menu_attribute = "demo" if self.has_demo else "", "" if sys.platform == "linux" else "hidden"
         text = Template(_read_file("app.html")).substitute(
-            materials=entries, demo=demo, menu=menu, max_bytes=MAX_SCAN_BYTES, reading=fields_html("scan"),
-            more=fields_html("more"), facts=page_data_json(),
+            materials=material_options, demo=demo_attribute, menu=menu_attribute, max_bytes=MAX_SCAN_BYTES,
+            reading=fields_html("scan"), more=fields_html("more"), facts=page_data_json(),
         )  # fmt: skip
         return Response(text, media_type="text/html")
 
@@ -205,44 +205,44 @@ class Server:
         """Add the app to the applications menu of the desktop, so that it starts without a terminal."""
         if re.search(r'["`$\\%\n]', f"{sys.executable}{self.working_directory}"):
             raise RejectedRequestError(f"{sys.executable}: a menu entry cannot contain this path")
-        data = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local/share") / "applications"
-        data.mkdir(parents=True, exist_ok=True)
-        with replaced_file(data / "stiction.desktop", b"Name=stiction\n", ValueError) as partial:
-            partial.write_text(
+        applications_folder = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local/share") / "applications"
+        applications_folder.mkdir(parents=True, exist_ok=True)
+        with replaced_file(applications_folder / "stiction.desktop", b"Name=stiction\n", ValueError) as partial_path:
+            partial_path.write_text(
                 "[Desktop Entry]\nType=Application\nName=stiction\nComment=Static friction of two surfaces\n"
                 f'Exec="{sys.executable}" -P -m stiction app\nPath={self.working_directory}\nCategories=Science;\n',
                 "utf-8",
             )
-        return JSONResponse({"file": str(data / "stiction.desktop")})
+        return JSONResponse({"file": str(applications_folder / "stiction.desktop")})
 
     # ---- Scans ------------------------------------------------------------------------------------------------------
 
     async def store_scan(self, request: Request) -> Response:
         """Store an uploaded scan under the last part of its name, without special characters."""
         num_stored_bytes = sum(path.stat().st_size for path in self.scans.values())
-        length = _body_length(
+        num_bytes = _body_length(
             request, min(MAX_SCAN_BYTES, MAX_TOTAL_BYTES - num_stored_bytes - self.num_arriving_bytes)
         )
         name = re.sub(r"[^\w.() -]", "_", re.split(r"[/\\]", request.query_params.get("name", ""))[-1]).strip(". ")
-        stem, dot, ending = name.rpartition(".")
+        stem, separator, extension = name.rpartition(".")
         name = (
-            f"{(stem or 'scan')[: MAX_NAME_LENGTH - 10]}{dot}{ending[:9]}"
-            if dot
+            f"{(stem or 'scan')[: MAX_NAME_LENGTH - 10]}{separator}{extension[:9]}"
+            if separator
             else (name or "scan")[:MAX_NAME_LENGTH]
         )
-        partial = self.root / f"{secrets.token_hex(4)}.partial"
+        partial_path = self.root / f"{secrets.token_hex(4)}.partial"
         digest = hashlib.sha256(name.encode())
-        self.num_arriving_bytes += length
+        self.num_arriving_bytes += num_bytes
         try:
-            with partial.open("wb") as file:
+            with partial_path.open("wb") as file:
                 async for chunk in request.stream():
                     digest.update(chunk)
                     await asyncio.to_thread(file.write, chunk)
-            scan = digest.hexdigest()[:16]  # identical scans get the same identifier
-            path = self.root / "files" / scan / name
+            scan_identifier = digest.hexdigest()[:16]  # identical scans get the same identifier
+            path = self.root / "files" / scan_identifier / name
             path.parent.mkdir(parents=True, exist_ok=True)
-            partial.rename(path)
-            self.scans[scan] = path
+            partial_path.rename(path)
+            self.scans[scan_identifier] = path
         except OSError as error:
             with suppress(RuntimeError):  # the request is complete
                 # The rest of the upload is read, because otherwise the browser would not receive the error.
@@ -250,9 +250,9 @@ class Server:
                     pass
             raise RejectedRequestError(f"the scan cannot be stored: {error.strerror}") from None
         finally:
-            self.num_arriving_bytes -= length
-            partial.unlink(missing_ok=True)
-        return JSONResponse({"scan": scan})
+            self.num_arriving_bytes -= num_bytes
+            partial_path.unlink(missing_ok=True)
+        return JSONResponse({"scan": scan_identifier})
 
     async def add_sample_surfaces(self, _: Request) -> Response:
         """Store two sample surfaces in the same way as uploaded scans."""
@@ -273,8 +273,8 @@ class Server:
     async def preview_scan(self, request: Request) -> Response:
         """Return the preview of a scan."""
         scan, query = request.path_params["scan"], request.query_params
-        reading = json.dumps({name: query.get(name, "")[:80] for name in READING_FLAGS})
-        output = await self.jobs.run_reader(["stiction.app.preview", str(self._find_scan(scan)), reading])
+        reading_options = json.dumps({name: query.get(name, "")[:80] for name in READING_FLAGS})
+        output = await self.jobs.run_reader(["stiction.app.preview", str(self._find_scan(scan)), reading_options])
         self.points[scan] = json.loads(output).get("points", 0)
         return Response(output, media_type="application/json")
 
@@ -289,11 +289,11 @@ class Server:
     async def add_job(self, request: Request) -> Response:
         """Add a command to the queue: `pair` for two scans, `run` for generated surfaces, or an existing result."""
         _body_length(request, MAX_REQUEST_BYTES)
-        if not isinstance(body := await request.json(), dict):
+        if not isinstance(request_data := await request.json(), dict):
             raise HTTPException(400)
-        command, options = body.get("command"), body.get("options")
+        command, options = request_data.get("command"), request_data.get("options")
         if command == "open":
-            name = body.get("name", "")
+            name = request_data.get("name", "")
             folder = self._find_results().get(name) or _raise_not_found("this result no longer exists")
             return JSONResponse({"job": self.jobs.add(name, ["info", name], folder=folder).number})
         if command not in ALLOWED_OPTIONS or not isinstance(options, list):
@@ -306,10 +306,12 @@ class Server:
         arguments = [f"--{name}={value}" for name, value in options]
         if command == "run":
             return JSONResponse({"job": self.jobs.add("Generated profiles", ["run", "quick", *arguments]).number})
-        scans = [body.get(side) for side in ("upper", "lower")]
-        files = [self._find_scan(scan) for scan in scans]
-        is_small = all(0 < self.points.get(str(scan), 0) <= MAX_PREVIEW_POINTS for scan in scans)
-        preview = ([str(file) for file in files], options) if is_small else None
+        scan_identifiers = [request_data.get(side) for side in ("upper", "lower")]
+        files = [self._find_scan(scan_identifier) for scan_identifier in scan_identifiers]
+        is_preview_possible = all(
+            0 < self.points.get(str(scan_identifier), 0) <= MAX_PREVIEW_POINTS for scan_identifier in scan_identifiers
+        )
+        preview = ([str(file) for file in files], options) if is_preview_possible else None
         title = " on ".join(file.name for file in files)
         return JSONResponse(
             {"job": self.jobs.add(title, ["pair", *map(str, files), *arguments], preview=preview).number}
@@ -368,12 +370,12 @@ class Server:
 
 def _stored_result_record(name: str, folder: Path) -> dict[str, Any]:
     try:
-        stored = open_stored(folder)
+        stored_result = open_stored(folder)
     except ValueError as error:
         return {"name": name, "error": str(error)}
     return {
-        "name": name, "finished": stored.count, "total": stored.study.ensemble.repetitions,
-        "kind": stored.study.surfaces.kind,
+        "name": name, "finished": stored_result.count, "total": stored_result.study.ensemble.repetitions,
+        "kind": stored_result.study.surfaces.kind,
     }  # fmt: skip
 
 

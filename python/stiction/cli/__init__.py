@@ -20,10 +20,11 @@ MIN_ADDRESS_SPACE = 2**30
 def main() -> None:
     """Run the command and exit with status 0, status 2 after a message for bad input, or status 130 after Ctrl-C."""
     _open_closed_streams()
-    if (limit := _address_space_limit()) < MIN_ADDRESS_SPACE:
-        minimum = MIN_ADDRESS_SPACE // 10**6
+    if (address_space := _address_space_limit()) < MIN_ADDRESS_SPACE:
+        min_megabytes = MIN_ADDRESS_SPACE // 10**6
         print(
-            f"stiction: the memory is limited to {limit // 10**6} MB (ulimit -v); at least {minimum} MB are needed",
+            f"stiction: the memory is limited to {address_space // 10**6} MB (ulimit -v); "
+            f"at least {min_megabytes} MB are needed",
             file=sys.stderr,
         )
         sys.exit(EXIT_BAD_INPUT)
@@ -66,8 +67,8 @@ def _open_closed_streams() -> None:
         try:
             os.fstat(number)
         except OSError:
-            null = os.open(os.devnull, os.O_RDWR)  # `open` returns the lowest free descriptor
-            setattr(sys, name, os.fdopen(null, "w" if number else "r"))
+            null_device = os.open(os.devnull, os.O_RDWR)  # `open` returns the lowest free descriptor
+            setattr(sys, name, os.fdopen(null_device, "w" if number else "r"))
 
 
 def _address_space_limit() -> float:

@@ -141,8 +141,8 @@ SHOW_ALL_KEY = "stiction.show_all"
 
 def option_was_given(context: typer.Context, name: str) -> bool:
     """Return whether the command line contains an option or argument, even if the value equals the default."""
-    source = context.get_parameter_source(name)
-    return source is not None and source.name != "DEFAULT"
+    parameter_source = context.get_parameter_source(name)
+    return parameter_source is not None and parameter_source.name != "DEFAULT"
 
 
 class _PanelCommand(TyperCommand):
@@ -300,10 +300,14 @@ def run_command_line() -> int:
 
 def _suggest_command(message: str) -> str:
     """Return the parser's error message. For an unknown command, the message suggests a similar command."""
-    unknown = re.match(r"No such command '([^']*)'", message)
+    unknown_command = re.match(r"No such command '([^']*)'", message)
     names = [name for group in COMMANDS_BY_GROUP.values() for name in group]
-    suggestions = difflib.get_close_matches(unknown[1], names, n=1) if unknown else []
-    return f"no such command '{unknown[1]}'; did you mean {suggestions[0]}?" if unknown and suggestions else message
+    suggestions = difflib.get_close_matches(unknown_command[1], names, n=1) if unknown_command else []
+    return (
+        f"no such command '{unknown_command[1]}'; did you mean {suggestions[0]}?"
+        if unknown_command and suggestions
+        else message
+    )
 
 
 @contextmanager

@@ -127,7 +127,7 @@ def at(
             as_json=as_json,
         )  # fmt: skip
         return
-    length = None if amplitude is None else parse_quantity("amplitude", amplitude, "length")
+    amplitude_length = None if amplitude is None else parse_quantity("amplitude", amplitude, "length")
     values = result.at(_parse_loads(result, load, width), mu0=mu0_values, tau0=tau0_values, budget=True)
     dimensions = None if d is None else parse_numbers("d", d)
     if hurst is not None:
@@ -137,7 +137,7 @@ def at(
                 got=repr(hurst),
             )
         dimensions = [2 - exponent for exponent in parse_numbers("hurst", hurst)]
-    values = _select_nearest_cells(values, dimensions, None if length is None else [length])
+    values = _select_nearest_cells(values, dimensions, None if amplitude_length is None else [amplitude_length])
     if direction is not None:
         values = _select_direction(values, direction)
     summary = result.summarize_dataset(values)
@@ -159,16 +159,18 @@ def _print_scaled_heights(
     from stiction.views.height_scale import height_scale_record, height_scale_text
 
     scaled_bodies: Any = scaled
-    factors = parse_height_factors(text)
+    height_factors = parse_height_factors(text)
     if compute:
         try:
             with thread_pool_executor(workers) as executor:
-                compute_height_factors(stored, factors, scaled_bodies, executor, progress=True, announce=show_status)
+                compute_height_factors(
+                    stored, height_factors, scaled_bodies, executor, progress=True, announce=show_status
+                )
         except KeyboardInterrupt:
             raise report_interruption(
                 "; results of finished factors are stored; run the same command again to resume"
             ) from None
-    values = evaluate_height_scale(stored, factors, loads, mu0=mu0, tau0=tau0, scaled=scaled_bodies)
+    values = evaluate_height_scale(stored, height_factors, loads, mu0=mu0, tau0=tau0, scaled=scaled_bodies)
     print_output((height_scale_record if as_json else height_scale_text)(values, stored.study))
 
 
@@ -185,10 +187,10 @@ def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> 
         return [float(load) for load in result.study.friction.load]
     reject_decimal_commas("load", texts)
     loads = set()
-    for value in (part for text in texts for part in split_values(text)):
-        amount, per_area = parse_load("load", value, or_zero=result.study.contact.adheres)
-        force = float(amount) * (1.0 if per_area else width_factor)
-        if per_area:
+    for value in (load_text for text in texts for load_text in split_values(text)):
+        amount, is_per_area = parse_load("load", value, or_zero=result.study.contact.adheres)
+        force = float(amount) * (1.0 if is_per_area else width_factor)
+        if is_per_area:
             coordinates = result.head.coords
             if "nominal_area" not in coordinates:
                 raise ValueError(f"--load must be a force if the result has no nominal area, got {value!r}")
@@ -220,8 +222,10 @@ def _select_nearest_cells(
 def _select_direction(dataset: xarray.Dataset, direction: float) -> xarray.Dataset:
     directions = dataset["direction"].values.reshape(-1).tolist() if "direction" in dataset.coords else []
     if direction % 360 not in directions:
-        listed = ", ".join(f"{value:g}" for value in directions) or "none"
-        raise ValueError(f"--direction must be one of the directions in the result ({listed}), got {direction:g}")
+        directions_text = ", ".join(f"{value:g}" for value in directions) or "none"
+        raise ValueError(
+            f"--direction must be one of the directions in the result ({directions_text}), got {direction:g}"
+        )
     selected = dataset.drop_vars(["friction_all_round", "friction_by_axis"], errors="ignore")
     if "direction" not in selected.dims:
         return selected

@@ -89,9 +89,9 @@ def calibrate(
             "directories of --pair must have different names, because they identify the pairs in the column 'pair'"
         )
     if ball is not None:
-        radius = parse_quantity("ball", ball, "length")
+        ball_radius = parse_quantity("ball", ball, "length")
         bodies["ball"] = Ball(
-            float(radius),
+            float(ball_radius),
             effective_modulus,
             young=young,
             poisson=poisson,
@@ -116,18 +116,20 @@ def calibrate(
     interface = fit_interface(tests, common=common, sliding=sliding, mu0=mu0, tau0=tau0, outliers=outliers)  # type: ignore[arg-type]
     print_output(calibration_record(interface) if as_json else calibration_text(interface))
     if ball is not None and (elasticity := bodies["ball"].elasticity).hardness is not None:
-        ratio = min(bodies["ball"].area_per_load(test.load) for test in tests if test.result is bodies["ball"])
-        if 1 / ratio > BALL_YIELD_PRESSURE_RATIO * elasticity.hardness:
+        min_area_per_load = min(
+            bodies["ball"].area_per_load(test.load) for test in tests if test.result is bodies["ball"]
+        )
+        if 1 / min_area_per_load > BALL_YIELD_PRESSURE_RATIO * elasticity.hardness:
             print_message(
-                f"the mean pressure under the ball, {1e3 / ratio:.3g} MPa, may exceed the onset of yield; "
+                f"the mean pressure under the ball, {1e3 / min_area_per_load:.3g} MPa, may exceed the onset of yield; "
                 "A/F is computed for elastic contact"
             )
     if output is not None:
-        print_written, figure = choose_message_printer(as_json), Path(f"{output}.png")
+        print_written, figure_path = choose_message_printer(as_json), Path(f"{output}.png")
         description = {"tests": "one" if forces is None else forces.name, "surfaces": ", ".join(bodies)}
         write_interface(interface, output, description)
-        save_figure(calibration_figure(interface), figure)
-        print_written(f"wrote {output}, for stiction pair --interface, and {figure}")
+        save_figure(calibration_figure(interface), figure_path)
+        print_written(f"wrote {output}, for stiction pair --interface, and {figure_path}")
 
 
 BALL_YIELD_PRESSURE_RATIO = 0.39
@@ -155,5 +157,7 @@ def interfaces(path: InterfacePathArgument = None, as_json: JsonOption = False) 
     if not (values_by_name or as_json):
         print_output(f"{path} contains no interfaces; stiction calibrate with --output NAME writes one")
         return
-    listed = [{**values, "name": name} for name, values in values_by_name.items()]
-    print_output(record_json("interfaces", [], interfaces=listed) if as_json else interfaces_text(listed))
+    interface_records = [{**values, "name": name} for name, values in values_by_name.items()]
+    print_output(
+        record_json("interfaces", [], interfaces=interface_records) if as_json else interfaces_text(interface_records)
+    )

@@ -118,8 +118,10 @@ def characterise(
     from stiction.views.rows import record_json
     from stiction.views.style import save_figure
 
-    reading = {name: str(text) for name, text in read_given_options(context).items() if name in READING_OPTION_NAMES}
-    outputs = (
+    reading_options = {
+        name: str(text) for name, text in read_given_options(context).items() if name in READING_OPTION_NAMES
+    }
+    output_paths = (
         []
         if dry_run or (as_json and output is None)
         else _choose_outputs(files, output, together=together, repeated=repeated)
@@ -129,10 +131,10 @@ def characterise(
     filters = _parse_filters(lc, ls, robust=robust, joined=together or repeated)
     if texture is not None and texture not in MACHINING_PROCESSES:
         raise ValueError(f"--texture must be one of {', '.join(MACHINING_PROCESSES)}, got {texture!r}")
-    radius = None if tip is None else parse_quantity("tip", tip, "length")
+    tip_radius = None if tip is None else parse_quantity("tip", tip, "length")
     characterisations, readings = [], []
     for file in files:
-        scan = load_measurement(file, reading)
+        scan = load_measurement(file, reading_options)
         readings.append(scan)
         if not as_json:
             print_output(f"{printable(file.name)}: {scan}")
@@ -143,32 +145,34 @@ def characterise(
         body = _level_body(_select_row_or_column(scan.body, row, column), level)
         body = body if cutoff_wavelength is None else cut_off(body, cutoff_wavelength)
         characterisations.append(
-            views.Characterisation(body, band=hurst_band, tip_radius=radius, textured=texture is not None, **filters)
+            views.Characterisation(
+                body, band=hurst_band, tip_radius=tip_radius, textured=texture is not None, **filters
+            )
         )
     if dry_run:
         if as_json:
             print_output(record_json("characterise", [], kind="files", files=[scan.record() for scan in readings]))
         return
     if together or repeated:
-        (_join_scans if together else _compare_scans)(files, characterisations, outputs, as_json=as_json)
+        (_join_scans if together else _compare_scans)(files, characterisations, output_paths, as_json=as_json)
         return
-    named = [
+    characterised_files = [
         (printable(str(file), MAX_PATH_LENGTH), result) for file, result in zip(files, characterisations, strict=True)
     ]
     if as_json:
-        print_output(views.characterisation_record(named, readings=[scan.record() for scan in readings]))
+        print_output(views.characterisation_record(characterised_files, readings=[scan.record() for scan in readings]))
     elif len(files) == 1:
         print_output(views.characterisation_text(characterisations[0], headline_only=not verbose))
-    for path in outputs:
+    for path in output_paths:
         remark = ""
         if len(files) > 1:
             remark = f", {len(files)} files"
-            write_new_text(path, views.characterisation_csv(named))
+            write_new_text(path, views.characterisation_csv(characterised_files))
         elif path.suffix.lower() == ".html":
             from stiction.views.report.reading import reading_table
             from stiction.views.report.surface import surface_page
 
-            remark = ", without a figure" if len(outputs) == 1 else ""
+            remark = ", without a figure" if len(output_paths) == 1 else ""
             # The command that the report shows omits directories and --output.
             arguments = ["stiction", "characterise", files[0].name]
             for parameter in context.command.params:
@@ -176,9 +180,11 @@ def characterise(
                     context, parameter.name
                 ):
                     arguments += [parameter.opts[0], str(context.params[parameter.name])]
-            table = reading_table(readings[0], reading)
+            reading_table_html = reading_table(readings[0], reading_options)
             name = printable(files[0].name)
-            surface_page(characterisations[0], name=name, command=shlex.join(arguments), reading=table).save(path)
+            surface_page(
+                characterisations[0], name=name, command=shlex.join(arguments), reading=reading_table_html
+            ).save(path)
         else:
             from stiction.views.figures.roughness import characterisation_figure
 
@@ -197,15 +203,19 @@ def _join_scans(files: list[Path], scans: list[Characterisation], outputs: list[
 
     names = [file.name for file in files]
     names = names if len(set(names)) == len(names) else list(map(str, files))
-    joined = joined_spectrum([scan.body for scan in scans], tip_radii=[scan.tip_radius for scan in scans], names=names)
+    joined_scans = joined_spectrum(
+        [scan.body for scan in scans], tip_radii=[scan.tip_radius for scan in scans], names=names
+    )
     print_output(
-        record_json("characterise", [], kind="joined", **joined_record(joined)) if as_json else joined_text(joined)
+        record_json("characterise", [], kind="joined", **joined_record(joined_scans))
+        if as_json
+        else joined_text(joined_scans)
     )
     for path in outputs:
         if path.suffix.lower() == ".csv":
-            write_spectrum(joined, path)
+            write_spectrum(joined_scans, path)
         else:
-            save_figure(joined_figure(joined), path)
+            save_figure(joined_figure(joined_scans), path)
         choose_message_printer(as_json)(f"wrote {printable_path(path)}, {len(files)} scans")
 
 
@@ -244,10 +254,10 @@ def _choose_outputs(files: list[Path], output: Path | None, *, together: bool, r
     from stiction.views.style import FIGURE_FILE_MARKS
 
     paths = _list_output_paths(files, output, together=together, repeated=repeated)
-    marks = {".html": REPORT_FILE_MARK.encode(), **FIGURE_FILE_MARKS}
+    file_marks = {".html": REPORT_FILE_MARK.encode(), **FIGURE_FILE_MARKS}
     for path in paths:
-        if (ending := path.suffix.lower()) in marks:
-            check_replaceable(path, marks[ending], ValueError)
+        if (file_extension := path.suffix.lower()) in file_marks:
+            check_replaceable(path, file_marks[file_extension], ValueError)
         elif os.path.lexists(path):
             raise ValueError(f"{printable_path(path)}: already exists; move it, or choose another name with --output")
     return paths
@@ -260,29 +270,34 @@ def _list_output_paths(files: list[Path], output: Path | None, *, together: bool
         raise ValueError(f"--repeated requires two scans of the same place, got {len(files)}")
     if together and len(files) < 2:
         raise ValueError("--together requires at least 2 scans of one surface, got 1")
-    images = [".png", ".pdf", ".svg"]
-    endings = [".csv", *images] if together else [".csv"] if len(files) > 1 else [".html", *images]
-    endings = [".npy", ".csv", *images] if repeated else endings
+    image_extensions = [".png", ".pdf", ".svg"]
+    file_extensions = (
+        [".csv", *image_extensions] if together else [".csv"] if len(files) > 1 else [".html", *image_extensions]
+    )
+    file_extensions = [".npy", ".csv", *image_extensions] if repeated else file_extensions
     if output is None and repeated:
         return [Path("repeated.npy"), Path("noise.csv"), Path("noise.png")]
     if output is None:
         stem, count = ("joined", 2) if together else ("characterised", 1) if len(files) > 1 else (files[0].stem, 2)
-        return [Path(f"{stem}{ending}") for ending in endings[:count]]
-    if output.suffix.lower() not in endings:
-        allowed = " or ".join([", ".join(endings[:-1]), endings[-1]] if len(endings) > 1 else endings)
-        raise ValueError(f"--output must end in {allowed}, got {printable_path(output)}")
-    has_several = together or len(files) > 1
-    return [output] if has_several or output.suffix.lower() == ".html" else [output.with_suffix(".html"), output]
+        return [Path(f"{stem}{file_extension}") for file_extension in file_extensions[:count]]
+    if output.suffix.lower() not in file_extensions:
+        allowed_extensions = " or ".join(
+            [", ".join(file_extensions[:-1]), file_extensions[-1]] if len(file_extensions) > 1 else file_extensions
+        )
+        raise ValueError(f"--output must end in {allowed_extensions}, got {printable_path(output)}")
+    has_several_files = together or len(files) > 1
+    return [output] if has_several_files or output.suffix.lower() == ".html" else [output.with_suffix(".html"), output]
 
 
 def _select_row_or_column(body: Profile | Surface, row: int | None, column: int | None) -> Profile | Surface:
     """Return a row or a column of a surface, or the body unchanged if no index is given."""
-    for name, index, other in (("row", row, column), ("column", column, row)):
+    for name, index, other_index in (("row", row, column), ("column", column, row)):
         if index is None:
             continue
-        if isinstance(body, Profile) or other is not None:
+        if isinstance(body, Profile) or other_index is not None:
             raise ValueError(
-                f"--{name} " + ("applies only to surfaces" if other is None else "cannot be combined with --column")
+                f"--{name} "
+                + ("applies only to surfaces" if other_index is None else "cannot be combined with --column")
             )
         count = body.heights.shape[name == "column"]
         if index >= count:
@@ -297,9 +312,9 @@ def _level_body(body: Profile | Surface, level: Any) -> Profile | Surface:
         return body
     is_profile = isinstance(body, Profile)
     level = ("line" if is_profile else "plane") if level is None else level
-    allowed = "none", *get_args(ProfileForm if is_profile else SurfaceForm)
-    if level not in allowed:
-        raise ValueError(f"--level must be one of {', '.join(map(repr, allowed))}, got {level!r}")
+    allowed_forms = "none", *get_args(ProfileForm if is_profile else SurfaceForm)
+    if level not in allowed_forms:
+        raise ValueError(f"--level must be one of {', '.join(map(repr, allowed_forms))}, got {level!r}")
     return levelled(body, level)
 
 
@@ -316,10 +331,10 @@ def _parse_band(text: str | None) -> tuple[float, float] | None:
     """Parse the shortest and the longest wavelength (µm) of the band used for a fit."""
     if text is None:
         return None
-    parts = text.split(",")
-    if len(parts) != 2:
+    limit_texts = text.split(",")
+    if len(limit_texts) != 2:
         raise ValueError(f'--band must be two wavelengths, such as "1 um,100 um", got {text!r}')
-    shortest, longest = (parse_quantity("band", part.strip(), "length") for part in parts)
+    shortest, longest = (parse_quantity("band", limit_text.strip(), "length") for limit_text in limit_texts)
     if not shortest < longest:
         raise ValueError(f"--band must start with the shortest wavelength, got {text!r}")
     return shortest, longest

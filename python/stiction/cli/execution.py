@@ -72,9 +72,9 @@ def _conflict_advice(error: StudyMismatchError, study: Study, *, replaceable: bo
     remedies = ["choose another directory with --output DIR"]
     if replaceable:
         remedies.append("overwrite the stored result with --replace")
-    steps, loads = error.stored.contact.loading_steps(), [float(load) for load in study.friction.load]
+    loading_steps, loads = error.stored.contact.loading_steps(), [float(load) for load in study.friction.load]
     only_loads = all(key == "contact.load" for key, *_ in error.differences)
-    if only_loads and loads and steps[0] <= min(loads) and max(loads) <= steps[-1]:
+    if only_loads and loads and loading_steps[0] <= min(loads) and max(loads) <= loading_steps[-1]:
         options = " ".join(f"--load '{load.text}'" for load in study.friction.load)
         remedies.append(
             f"evaluate the stored result at these loads: stiction at {printable_path(error.path)} {options}"

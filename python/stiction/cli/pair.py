@@ -132,17 +132,17 @@ def pair(
     part_number, print_written = parse_part(part), choose_message_printer(as_json)
     check_output_directory(output)
     check_files(output, OUTPUT_FILE_MARKS)
-    bodies = MeasuredPair(read_options(read_given_options(context)))
-    for file in bodies.files:
+    measured_pair = MeasuredPair(read_options(read_given_options(context)))
+    for file in measured_pair.files:
         show_reader_import(Path(file.file))
-    studies = bodies.studies
+    studies = measured_pair.studies
     body_attributes(studies[0])  # check the surfaces before any file is written
     # Omit the first remark if it states the source of the elasticity, because the result also shows this source.
-    first_remark = 0 if verbose else bool(bodies.elasticity.source)
-    for remark in bodies.remarks[first_remark:]:
+    first_remark = 0 if verbose else bool(measured_pair.elasticity.source)
+    for remark in measured_pair.remarks[first_remark:]:
         print_message(remark)
     if verbose and not as_json:
-        for file in bodies.files:
+        for file in measured_pair.files:
             for scan in file.scans:
                 if scan.reading is not None:
                     print_output(f"{printable(scan.name)}: {scan.reading}")
@@ -158,7 +158,7 @@ def pair(
     with open_executor(workers, scheduler) as executor:
         results: list[Result] = []
         if replace or not (output / STUDY_FILE).exists():
-            submit_preview(bodies.preview_study, executor)
+            submit_preview(measured_pair.preview_study, executor)
         for study in studies:
             folder = output / study.contact.mechanics if results else output
             result = compute_in_folder(
@@ -168,7 +168,7 @@ def pair(
                 print_written=print_written,
                 part=part_number,
                 replace=replace,
-                onset=bodies.options.onset,
+                onset=measured_pair.options.onset,
                 show_result=print_finished,
             )
             for print_remainder in remainder_printers[len(results) :]:
@@ -177,10 +177,15 @@ def pair(
     if part_number is not None:
         return
     if as_json:
-        checks = [json.loads(summary_json("pair", result.summary())) for result in results[1:]]
-        readings = [scan.reading for file in bodies.files for scan in file.scans]
+        check_records = [json.loads(summary_json("pair", result.summary())) for result in results[1:]]
+        readings = [scan.reading for file in measured_pair.files for scan in file.scans]
         fields: dict[str, Any] = {"files": [reading.record() for reading in readings if reading is not None]}
-        print_result(results[0], command="pair", as_json=True, fields=fields | ({"check": checks} if checks else {}))
+        print_result(
+            results[0],
+            command="pair",
+            as_json=True,
+            fields=fields | ({"check": check_records} if check_records else {}),
+        )
     for result in results:
         write_pair_files(result, print_written=print_written)
 

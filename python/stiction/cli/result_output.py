@@ -24,13 +24,13 @@ def open_with_warning(directory: Path) -> Result:
     from stiction.studies.result import Result
     from stiction.studies.store import StoreError, open_stored
 
-    stored = open_stored(directory)
-    total = stored.study.ensemble.repetitions
-    if not stored.count:
-        raise StoreError(f"{directory}: none of the {total} repetitions is finished yet")
-    if stored.count < total:
-        print_warning(f"{directory}: only {stored.count} of {total} repetitions are finished")
-    return Result(stored)
+    stored_result = open_stored(directory)
+    num_repetitions = stored_result.study.ensemble.repetitions
+    if not stored_result.count:
+        raise StoreError(f"{directory}: none of the {num_repetitions} repetitions is finished yet")
+    if stored_result.count < num_repetitions:
+        print_warning(f"{directory}: only {stored_result.count} of {num_repetitions} repetitions are finished")
+    return Result(stored_result)
 
 
 def print_result(result: Result, **options: Any) -> None:
@@ -90,15 +90,15 @@ def write_pair_files(result: Result, *, print_written: Callable[[str], None]) ->
 
     folder = result.path
     assert folder is not None, "the result of the command is stored"
-    names: list[str] = []
+    file_names: list[str] = []
     for _ in range(MAX_OUTPUT_ATTEMPTS):
-        stored = open_stored(folder)
-        is_current = stored.study.friction == result.study.friction
-        if names and is_current:
+        stored_result = open_stored(folder)
+        is_current = stored_result.study.friction == result.study.friction
+        if file_names and is_current:
             break
-        result = result if is_current else Result(stored)
-        names = _write_files(result, folder)
-    print_written(f"wrote {names[0]} (open it), {' and '.join(names[1:])}")
+        result = result if is_current else Result(stored_result)
+        file_names = _write_files(result, folder)
+    print_written(f"wrote {file_names[0]} (open it), {' and '.join(file_names[1:])}")
 
 
 MAX_OUTPUT_ATTEMPTS = 4  # maximum number of attempts to write files while the study keeps changing
@@ -111,10 +111,10 @@ def _write_files(result: Result, folder: Path) -> list[str]:
 
     replace_text(folder / RESULT_TABLE_NAME, result_csv(result), OUTPUT_FILE_MARKS[RESULT_TABLE_NAME])
     show_status("drawing")
-    drawings = draw_figures(result, folder, first=True)
-    report = folder / "report.html"
-    save_report(result, report, name=folder.resolve().name)
-    return [str(report), RESULT_TABLE_NAME, *(drawing.name for drawing in drawings)]
+    figure_paths = draw_figures(result, folder, first=True)
+    report_path = folder / "report.html"
+    save_report(result, report_path, name=folder.resolve().name)
+    return [str(report_path), RESULT_TABLE_NAME, *(figure_path.name for figure_path in figure_paths)]
 
 
 def write_figures(result: Result, directory: Path, *, formats: Sequence[str] = ("png",)) -> None:

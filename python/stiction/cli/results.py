@@ -25,10 +25,10 @@ def info(directory: DirectoryArgument, verbose: VerboseOption = False, as_json: 
     from stiction.views.text import wrap_text
 
     stored = open_stored(directory)
-    study, finished = stored.study, stored.count
+    study, num_finished = stored.study, stored.count
     if as_json:
         fields = {
-            "study": study.to_toml(), "finished": finished, "repetitions": study.ensemble.repetitions,
+            "study": study.to_toml(), "finished": num_finished, "repetitions": study.ensemble.repetitions,
             "bytes": stored.size, "versions": {"stiction": stored.version},
         }  # fmt: skip
         print_result(Result(stored), command="info", as_json=True, fields=fields)
@@ -40,9 +40,9 @@ def info(directory: DirectoryArgument, verbose: VerboseOption = False, as_json: 
             print_output(wrap_text(f"{'' if index else 'study':<13}{line}", hang=" " * 15))
     elif verbose:
         print_output(study.to_toml())
-    print_output(f"repetitions  {finished} of {study.ensemble.repetitions} finished")
+    print_output(f"repetitions  {num_finished} of {study.ensemble.repetitions} finished")
     print_output(f"size         {stored.size / 2**20:.1f} MiB, computed by stiction {stored.version}")
-    if finished:
+    if num_finished:
         print_output("")
         print_result(Result(stored), command="info", verbose=verbose)
 
@@ -58,12 +58,12 @@ def plot(
 
     chosen_formats = parse_formats(split_values(formats))
     result = open_with_warning(directory)
-    target = directory if output is None else output
+    figure_directory = directory if output is None else output
     try:
-        target.mkdir(parents=True, exist_ok=True)
+        figure_directory.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise ValueError(f"{printable_path(target)}: cannot be written: {error.strerror or error}") from None
-    write_figures(result, target, formats=chosen_formats)
+        raise ValueError(f"{printable_path(figure_directory)}: cannot be written: {error.strerror or error}") from None
+    write_figures(result, figure_directory, formats=chosen_formats)
 
 
 @command("report", "stiction report figure6", "stiction report pair -o mine.html")

@@ -118,7 +118,7 @@ def parse_changes(assignments: list[str]) -> dict[str, Any]:
 def _parse_value(text: str) -> Any:
     """Parse a TOML value. Other text is returned as a string, so that quantities need no quotes."""
     try:
-        parsed = parse_toml(f"value = {text}")
+        parsed_value = parse_toml(f"value = {text}")
     except ValueError:
         return text
-    return parsed["value"] if len(parsed) == 1 else text
+    return parsed_value["value"] if len(parsed_value) == 1 else text

@@ -69,10 +69,10 @@ def table_command(
     from stiction.views.friction_table import friction_table_csv, friction_table_text, laws_csv
 
     modulus = determine_elasticity(effective_modulus, young, poisson).effective_modulus
-    lengths = parse_quantities("wavelengths", wavelengths, "length")
-    if len(lengths) != 2:
+    wavelength_limits = parse_quantities("wavelengths", wavelengths, "length")
+    if len(wavelength_limits) != 2:
         raise ValueError(f'--wavelengths must be two lengths, such as "0.3 um,2.5 um", got {wavelengths!r}')
-    shortest, longest = map(float, lengths)
+    shortest, longest = map(float, wavelength_limits)
     friction_parameters: dict[str, Any] = {
         "mu0": parse_coefficients("mu0", mu0),
         "tau0": parse_quantities("tau0", tau0, "pressure"),
@@ -102,7 +102,7 @@ def table_command(
 
 
 def _parse_pressure(text: str) -> float:
-    amount, per_area = parse_load("load", text)
-    if not per_area:
+    amount, is_per_area = parse_load("load", text)
+    if not is_per_area:
         raise ValueError(f'--load must be a pressure, such as "10 MPa", got {text!r}')
     return float(amount)
