@@ -106,13 +106,21 @@ def improve_accessibility(app: Sphinx, exception: Exception | None) -> None:
         page.write_text(text, encoding="utf-8")
 
 
-SCANS = ROOT / "examples/scans"
-STEEL_ON_BRASS = {"upper": "steel", "lower": "brass", "mu0": 0.2, "tau0": "50 MPa", "mechanics": "half-space"}
-STEEL_ON_STEEL = STEEL_ON_BRASS | {"lower": "steel", "mu0": "0.2±0.01", "tau0": "20±2 MPa", "hardness": "2±0.1 GPa"}
+SCANS_FOLDER = ROOT / "examples/scans"
+STEEL_ON_BRASS_OPTIONS = {"upper": "steel", "lower": "brass", "mu0": 0.2, "tau0": "50 MPa", "mechanics": "half-space"}
+STEEL_ON_STEEL_OPTIONS = STEEL_ON_BRASS_OPTIONS | {
+    "lower": "steel",
+    "mu0": "0.2±0.01",
+    "tau0": "20±2 MPa",
+    "hardness": "2±0.1 GPa",
+}
 EXAMPLE_REPORTS: dict[str, tuple[str, dict[str, Any]]] = {
-    "quoted": ("honed_{}.csv", STEEL_ON_STEEL | {"work_of_adhesion": "0 mJ/m^2", "load": "20 mN", "lay": "grooves"}),
-    "maps": ("ground_{}.x3p", STEEL_ON_BRASS | {"load": "50 MPa"}),
-    "lines": ("lapped_{}.csv", STEEL_ON_BRASS | {"load": "10 mN", "lay": "grooves"}),
+    "quoted": (
+        "honed_{}.csv",
+        STEEL_ON_STEEL_OPTIONS | {"work_of_adhesion": "0 mJ/m^2", "load": "20 mN", "lay": "grooves"},
+    ),
+    "maps": ("ground_{}.x3p", STEEL_ON_BRASS_OPTIONS | {"load": "50 MPa"}),
+    "lines": ("lapped_{}.csv", STEEL_ON_BRASS_OPTIONS | {"load": "10 mN", "lay": "grooves"}),
 }
 """Scan files and pair options of the interactive example reports, by report name."""
 
@@ -128,10 +136,10 @@ def write_example_reports(app: Sphinx, exception: Exception | None) -> None:
     folder.mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory() as folder_of_results:
         for name, (files, options) in EXAMPLE_REPORTS.items():
-            scans = (SCANS / files.format(side) for side in ("upper", "lower"))
+            scans = (SCANS_FOLDER / files.format(side) for side in ("upper", "lower"))
             pair(*scans, **options, directory=Path(folder_of_results) / name).save_report(folder / f"{name}.html")
     save_report(run(Study.named("quick")), folder / "study.html", name="quick")
-    command = ["stiction", "characterise", SCANS / "lapped_upper.csv", "--output", folder / "surface.html"]
+    command = ["stiction", "characterise", SCANS_FOLDER / "lapped_upper.csv", "--output", folder / "surface.html"]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
 
 
@@ -163,7 +171,7 @@ def check_comments(app: Sphinx, page: str, source: list[str]) -> None:
 LINK_TARGETS = reference.find_link_targets(ROOT / "docs")
 
 
-class PublicNameLinks(SphinxPostTransform):
+class PublicNameLinkTransform(SphinxPostTransform):
     """Transform that links public names in code font to their reference entry."""
 
     default_priority = 5
@@ -184,7 +192,7 @@ class PublicNameLinks(SphinxPostTransform):
             link += literal
 
 
-class CommandPrompts(SphinxPostTransform):
+class CommandPromptTransform(SphinxPostTransform):
     """Transform that shows commands of cells with a prompt, and written files under their name."""
 
     default_priority = 4
@@ -264,7 +272,7 @@ def visit_formula(translator: HTML5Translator, node: nodes.math | nodes.math_blo
 _SYMBOL_NAMES = {"μ0": "mu0", "τ0": "tau0", "μ_s": "mu_s"}
 
 
-class SymbolSearch(SearchEnglish):
+class EnglishSymbolSearch(SearchEnglish):
     """English search in which a symbol and its ASCII name are the same word."""
 
     def split(self, input: str) -> list[str]:  # noqa: A002  (name of the argument in Sphinx)
@@ -275,10 +283,10 @@ class SymbolSearch(SearchEnglish):
 
 
 def setup(app: Sphinx) -> None:
-    sphinx.search.languages["en"] = SymbolSearch
+    sphinx.search.languages["en"] = EnglishSymbolSearch
     app.add_html_math_renderer("mathml", (visit_formula, None), (visit_formula, None))
-    app.add_post_transform(PublicNameLinks)
-    app.add_post_transform(CommandPrompts)
+    app.add_post_transform(PublicNameLinkTransform)
+    app.add_post_transform(CommandPromptTransform)
     app.connect("builder-inited", write_reference)
     app.connect("builder-inited", write_font)
     app.connect("html-page-context", add_description)

@@ -17,10 +17,10 @@ pytestmark = pytest.mark.docs
 _SPEC = importlib.util.spec_from_file_location("claims", SCRIPT)
 claims = sys.modules["claims"] = importlib.util.module_from_spec(_SPEC)
 _SPEC.loader.exec_module(claims)
-CLAIMS, CLAIM_PARTS, PartOutcome, ClaimPart, judge_claims = (
+CLAIMS, CLAIM_PARTS, ClaimPartOutcome, ClaimPart, judge_claims = (
     claims.CLAIMS,
     claims.CLAIM_PARTS,
-    claims.PartOutcome,
+    claims.ClaimPartOutcome,
     claims.ClaimPart,
     claims.judge_claims,
 )
@@ -97,9 +97,9 @@ def test_loads_used_for_claims_are_reached_at_every_fractal_dimension(result, re
 def judge_values(values, least, most):
     class ResampledMeansStandIn(claims.ResampledMeans):
         def __init__(self):
-            self.left_out = set()
+            self.excluded_dimensions = set()
 
-    return PartOutcome.of(
+    return ClaimPartOutcome.of(
         ClaimPart("1a", "a number", least, most, lambda _: np.asarray(values, dtype=float)), ResampledMeansStandIn()
     )
 
@@ -119,7 +119,7 @@ def test_verdict_on_a_part_of_a_claim_is_derived_from_its_interval():
 def test_verdict_on_a_claim_is_derived_from_verdicts_on_its_parts():
     def verdicts(*names):
         part = ClaimPart("4a", "", 0, 1, lambda _: np.zeros(1))
-        return claim_verdict(4, [PartOutcome(part, 0, 0, 0, name, ()) for name in names])
+        return claim_verdict(4, [ClaimPartOutcome(part, 0, 0, 0, name, ()) for name in names])
 
     assert verdicts("true", "true") == "true"
     assert verdicts("true", "undecided") == "undecided"
@@ -155,7 +155,7 @@ def create_result(**worlds):
 def judge_part(name, result, **options):
     """Return the outcome of one part."""
     (part,) = (part for part in CLAIM_PARTS if part.name == name)
-    return PartOutcome.of(part, claims.ResampledMeans(result, 0.1, **options))
+    return ClaimPartOutcome.of(part, claims.ResampledMeans(result, 0.1, **options))
 
 
 def sums_with_friction(coefficient):
@@ -209,7 +209,10 @@ TRUE_AND_FALSE_DATA = {
 @pytest.mark.parametrize("name", TRUE_AND_FALSE_DATA)
 def test_verdict_on_a_part_of_a_claim_is_true_only_if_the_data_support_it(name):
     computed = [judge_part(name, create_result(**world)) for world in TRUE_AND_FALSE_DATA[name]]
-    assert [(judge_values.verdict, judge_values.left_out) for judge_values in computed] == [("true", ()), ("false", ())]
+    assert [(judge_values.verdict, judge_values.excluded_dimensions) for judge_values in computed] == [
+        ("true", ()),
+        ("false", ()),
+    ]
 
 
 def test_value_computed_for_a_part_of_a_claim_equals_the_known_value():
@@ -234,7 +237,9 @@ def test_confidence_bands_of_a_minimum_of_noisy_data_are_wider_than_percentiles(
     # The friction is independent of D except for noise, which lowers the smallest value over D.
     noise = np.random.default_rng(1).lognormal(0, 0.5, size=(8, 1, 40, 1))
     result = create_result(**sums_with_friction(lambda d, a, f: 0.2 * noise))
-    bands, percentiles = (judge_part("6", result, ruling=ruling) for ruling in ("bands", "percentiles"))
+    bands, percentiles = (
+        judge_part("6", result, interval_method=interval_method) for interval_method in ("bands", "percentiles")
+    )
     assert bands.lower < bands.value < bands.upper
     assert percentiles.upper - percentiles.value < 0.5 * (bands.upper - bands.value)
 
@@ -242,18 +247,18 @@ def test_confidence_bands_of_a_minimum_of_noisy_data_are_wider_than_percentiles(
 def test_generated_table_of_claims_has_all_columns():
     table = SCRIPT.parents[1] / "generated/columns.md"
     headings = [cell.strip() for cell in table.read_text("utf-8").splitlines()[0].split("|")[1:-1]]
-    assert headings[-len(claims.COLUMNS) :] == list(claims.column_titles(2000).values())
+    assert headings[-len(claims.CLAIMS_TABLE_COLUMNS) :] == list(claims.column_titles(2000).values())
 
 
 def test_claims_are_judged_with_the_sliding_rule_and_mechanics_of_their_column():
-    assert {column.to_study(2000).contact.mechanics for column in claims.COLUMNS.values()} == {
+    assert {column.to_study(2000).contact.mechanics for column in claims.CLAIMS_TABLE_COLUMNS.values()} == {
         "asperities",
         "half-space",
     }
-    column = claims.COLUMNS["half-spaces"]
+    column = claims.CLAIMS_TABLE_COLUMNS["half-spaces"]
     study = column.to_study(100)
     assert study.ensemble.repetitions == claims.MIN_REPETITIONS
-    assert study.surfaces == claims.COLUMNS["half-spaces, friction at all contacts"].to_study(100).surfaces
+    assert study.surfaces == claims.CLAIMS_TABLE_COLUMNS["half-spaces, friction at all contacts"].to_study(100).surfaces
     result = empty_dataset(study)
     load = study.contact.loading_steps()
     for name, values in {
@@ -266,7 +271,7 @@ def test_claims_are_judged_with_the_sliding_rule_and_mechanics_of_their_column()
     for rule, share in (("opposing", 0.2), ("all", 0.4)):
         result["tangential_elastic"].loc[{"sliding": rule}] = share * load
     for rule, share in (("opposing", 0.2), ("all", 0.4)):
-        computed = {item.part.name: item for item in judge_claims(result, sliding=rule, ruling="bands")}
+        computed = {item.part.name: item for item in judge_claims(result, sliding=rule, interval_method="bands")}
         # F_N at mu0 = 0.4 is 0.96 of the load.
         assert computed["6"].value == pytest.approx(share / 0.96 / 0.4, rel=1e-9)
         assert computed["1b"].value == pytest.approx(0.9, rel=1e-9)
@@ -287,9 +292,9 @@ def test_part_of_a_claim_is_undefined_if_its_range_has_only_one_fractal_dimensio
 
 def test_verdict_from_confidence_bands_is_undefined_if_most_fractal_dimensions_are_self_locked():
     # Above D = 1.6, only one dimension is not self-locked.
-    assert judge_part("3b", create_result(), ruling="bands").verdict == "undefined"
-    with pytest.raises(ValueError, match="ruling"):
-        judge_claims(create_result(), ruling="means")
+    assert judge_part("3b", create_result(), interval_method="bands").verdict == "undefined"
+    with pytest.raises(ValueError, match="interval_method"):
+        judge_claims(create_result(), interval_method="means")
 
 
 def test_part_of_a_claim_is_undefined_if_most_of_its_range_has_no_values():
@@ -297,7 +302,7 @@ def test_part_of_a_claim_is_undefined_if_most_of_its_range_has_no_values():
     world = {"normal_frictional": lambda d, a, f: np.where(d > 1.45, -5.0, 0.0) * f}
     computed = {judge_values.part.name: judge_values for judge_values in judge_claims(create_result(**world))}
     assert computed["5"].verdict == "undefined"
-    assert computed["2a"].left_out == pytest.approx((1.5,))
+    assert computed["2a"].excluded_dimensions == pytest.approx((1.5,))
     assert computed["2a"].verdict != "undefined"
 
 

@@ -28,7 +28,7 @@ from reference.boundary_elements import (  # noqa: E402  also used by tests
 HURST_EXPONENTS = (0.5, 0.75, 1.0)
 BANDWIDTHS = {8: (64, 24), 32: (32, 24), 128: (16, 12)}
 """Points per shortest wavelength and number of repetitions, by bandwidth."""
-LOADS = np.geomspace(0.002, 0.2, 9)
+RELATIVE_LOADS = np.geomspace(0.002, 0.2, 9)
 """Mean pressures in units of E* times the rms slope."""
 TABLE_LOAD_INDICES = (0, 4, 8)
 SEED = 2016
@@ -39,7 +39,7 @@ FRACTION_COLUMN, COUNT_COLUMN, STIFFNESS_COLUMN = range(3)
 KAPPA_OF_THEORIES = {"Bush–Gibson–Thomas": np.sqrt(2 * np.pi), "Persson": np.sqrt(8 / np.pi)}
 
 
-def measure_profile(
+def compute_profile_results(
     bandwidth: int, hurst: float, repetition: int, finer: int = 1, tolerance: float = SOLVER_TOLERANCE
 ) -> np.ndarray:
     """Return contact fraction, count and stiffness (GPa/µm): (load, boundary elements | model | interacting, 3)."""
@@ -47,7 +47,7 @@ def measure_profile(
     random = np.random.default_rng([SEED, repetition])
     heights = band_limited_profile(random, hurst, bandwidth, finer * points)
     solid, asperities = PeriodicHalfSpace(heights, PERIOD, tolerance=tolerance), PeriodicAsperities(heights, PERIOD)
-    pressures = LOADS * EFFECTIVE_MODULUS * RMS_SLOPE
+    pressures = RELATIVE_LOADS * EFFECTIVE_MODULUS * RMS_SLOPE
     return np.array(
         [(solid.measure(p), asperities.measure(p), asperities.measure_with_interaction(p)) for p in pressures]
     )
@@ -71,7 +71,7 @@ def draw_curve(ax, h: int, values: np.ndarray, style: str, *, filled: bool) -> N
     """Draw means over profiles with error bars at each load; only the filled curve is labelled."""
     mean, low, high = mean_with_interval(values)
     ax.errorbar(
-        LOADS * 1.06 ** (h - 1),
+        RELATIVE_LOADS * 1.06 ** (h - 1),
         mean,
         (mean - low, high - mean),
         ls=style,
@@ -95,7 +95,7 @@ def draw_ratios(results: dict, quantity: int, label: str, name: str, solution, *
             for way, style in ((1, "-"), (2, ":")):
                 ratios = values[:, :, way, quantity] / values[:, :, 0, quantity]
                 draw_curve(ax, h, ratios, style, filled=way == 1)
-        fine = np.geomspace(LOADS[0] / 1.1, LOADS[-1] * 1.1, 100)
+        fine = np.geomspace(RELATIVE_LOADS[0] / 1.1, RELATIVE_LOADS[-1] * 1.1, 100)
         ax.plot(fine, solution(fine * np.sqrt(2)), color="0.35", lw=0.9, ls="--", label="sinusoid, exact")
         ax.axhline(1, color="0.7", lw=0.6, zorder=0)
         ax.set_title(f"longest / shortest wavelength {bandwidth}", fontsize=7, pad=2)
@@ -133,7 +133,13 @@ def draw_kappa(results: dict) -> None:
     for ax, bandwidth in zip(axes, BANDWIDTHS, strict=True):
         for h, hurst in enumerate(HURST_EXPONENTS):
             for way, style in ((0, "--"), (1, "-")):
-                draw_curve(ax, h, results[bandwidth, hurst][:, :, way, FRACTION_COLUMN] / LOADS, style, filled=way == 1)
+                draw_curve(
+                    ax,
+                    h,
+                    results[bandwidth, hurst][:, :, way, FRACTION_COLUMN] / RELATIVE_LOADS,
+                    style,
+                    filled=way == 1,
+                )
         for (theory, value), style in zip(KAPPA_OF_THEORIES.items(), ("-", "-."), strict=True):
             ax.axhline(value, color="0.5", lw=0.7, ls=style, zorder=0, label=f"2-D: {theory}")
         ax.set_title(f"longest / shortest wavelength {bandwidth}", fontsize=7, pad=2)
@@ -171,7 +177,7 @@ def render_load_rows(results: dict) -> list[str]:
             cells = [
                 f"{bandwidth}",
                 f"{hurst:g}",
-                f"{LOADS[k]:g}",
+                f"{RELATIVE_LOADS[k]:g}",
                 f"{solid[:, FRACTION_COLUMN].mean():.3f}",
                 f"{solid[:, COUNT_COLUMN].mean():.3g}, {model[:, COUNT_COLUMN].mean():.3g}",
                 *(
@@ -219,7 +225,7 @@ def render_check_rows(results: dict, checks: dict) -> list[str]:
         "|---|---|---|---|---|---|",
     ]
     for bandwidth, (points, _) in BANDWIDTHS.items():
-        finer, tighter = np.zeros((LOADS.size, 3)), np.zeros((LOADS.size, 3))
+        finer, tighter = np.zeros((RELATIVE_LOADS.size, 3)), np.zeros((RELATIVE_LOADS.size, 3))
         for name, changes in (("finer", finer), ("tighter", tighter)):
             for hurst in HURST_EXPONENTS:
                 pair = results[bandwidth, hurst][:NUM_CHECKS], checks[name, bandwidth, hurst]
@@ -239,13 +245,13 @@ def main() -> None:
     with ProcessPoolExecutor(2) as pool:
         jobs = {
             (bandwidth, hurst): [
-                pool.submit(measure_profile, bandwidth, hurst, k) for k in range(BANDWIDTHS[bandwidth][1])
+                pool.submit(compute_profile_results, bandwidth, hurst, k) for k in range(BANDWIDTHS[bandwidth][1])
             ]
             for bandwidth, hurst in reversed(pairs)
         }
         options = {"finer": {"finer": 2}, "tighter": {"tolerance": 1e-12}}
         check_jobs = {
-            (check, *pair): [pool.submit(measure_profile, *pair, k, **arguments) for k in range(NUM_CHECKS)]
+            (check, *pair): [pool.submit(compute_profile_results, *pair, k, **arguments) for k in range(NUM_CHECKS)]
             for check, arguments in options.items()
             for pair in pairs
         }

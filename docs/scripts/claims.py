@@ -13,9 +13,9 @@ dimensions are excluded if the quantity has no value, or has none in more than o
 friction is self-locking or the load is not reached. The outcome lists them.
 
 This rule has two faults. The largest of many noisy values grows with the noise, so that its interval may exclude the
-value itself; and above D = 1.65 a few pairs that are nearly self-locking dominate a mean. A second rule (`Ruling`
-"bands") avoids both: the interval of an extreme over D follows from simultaneous bands for all values, and for profiles
-with asperities D is at most 1.65.
+value itself; and above D = 1.65 a few pairs that are nearly self-locking dominate a mean. A second rule
+(`IntervalMethod` "bands") avoids both: the interval of an extreme over D follows from simultaneous bands for all
+values, and for profiles with asperities D is at most 1.65.
 """
 
 import argparse
@@ -37,7 +37,7 @@ from stiction.studies.study import parse_dataset_study
 Floats = NDArray[np.float64]
 Sliding = Literal["opposing", "all"]
 Quantity = Literal["friction", "area", "stiffness"]
-Ruling = Literal["percentiles", "bands"]
+IntervalMethod = Literal["percentiles", "bands"]
 """Source of the interval of an extreme over D: extremes of resampled ensembles, or simultaneous bands."""
 
 Verdict = Literal["true", "false", "undecided", "undefined"]
@@ -52,7 +52,7 @@ MAX_BAND_DIMENSION = 1.65
 
 NUM_RESAMPLES = 400
 
-FLATTER, STEEPER = 0.05, 0.2
+LOW_AMPLITUDE, HIGH_AMPLITUDE = 0.05, 0.2
 """Amplitudes (µm) of the claim about amplitudes."""
 
 _SUM_NAMES = (
@@ -125,12 +125,12 @@ _HALF_SPACE_CHANGES = {
     "contact.load": {"start": "0.1 mN", "stop": "3 mN", "count": 5, "spacing": "geometric"},
 }
 _GAP_MINIMUM_CHANGES = {"contact.detection": "gap-minimum"}
-_ALL_CONTACTS = {**_GAP_MINIMUM_CHANGES, "contact.sliding": "all", "surfaces.fractal_dimension.count": 15}
+_ALL_CONTACTS_CHANGES = {**_GAP_MINIMUM_CHANGES, "contact.sliding": "all", "surfaces.fractal_dimension.count": 15}
 
-COLUMNS: Mapping[str, ClaimsTableColumn] = {
+CLAIMS_TABLE_COLUMNS: Mapping[str, ClaimsTableColumn] = {
     "profiles, gap-minimum detection": ClaimsTableColumn("figure7", _GAP_MINIMUM_CHANGES, "opposing", 20, "gap-minima"),
     "profiles, gap-minimum detection, friction at all contacts": ClaimsTableColumn(
-        "figure7", _ALL_CONTACTS, "all", 20, "gap-minima-all"
+        "figure7", _ALL_CONTACTS_CHANGES, "all", 20, "gap-minima-all"
     ),
     "height maps, asperities": ClaimsTableColumn("figure6-areal", _AREA_CHANGES, "opposing", 80, "areas"),
     "height maps, asperities, friction at all contacts": ClaimsTableColumn(
@@ -150,10 +150,13 @@ COLUMNS: Mapping[str, ClaimsTableColumn] = {
 
 def column_titles(repetitions: int) -> dict[str, str]:
     """Return the heading of each column, which is its title with its number of repetitions, by title."""
-    return {name: f"{name}, {column.to_study(repetitions).ensemble.repetitions}" for name, column in COLUMNS.items()}
+    return {
+        name: f"{name}, {column.to_study(repetitions).ensemble.repetitions}"
+        for name, column in CLAIMS_TABLE_COLUMNS.items()
+    }
 
 
-def check(study: Study) -> None:
+def check_study(study: Study) -> None:
     """Raise a `ValueError`, before anything is computed, if claims cannot be judged on a study's result."""
     if "direction" in study.motion_coordinates():
         raise ValueError("claims are judged on motion in one direction, and contact.direction is a list")
@@ -165,7 +168,9 @@ def check(study: Study) -> None:
     if steps.size < 3:
         raise ValueError(f"claims need at least 3 values of contact.{study.contact.step_quantity}, got {steps.size}")
     if study.contact.mechanics == "asperities" and not has_amplitudes(study.surfaces.amplitudes()):
-        raise ValueError(f"claims need amplitudes of {FLATTER:g} and {STEEPER:g} µm among surfaces.amplitude")
+        raise ValueError(
+            f"claims need amplitudes of {LOW_AMPLITUDE:g} and {HIGH_AMPLITUDE:g} µm among surfaces.amplitude"
+        )
 
 
 def claims_study() -> Study:
@@ -183,7 +188,7 @@ def variant_study(name: str) -> Study:
 
 def has_amplitudes(amplitudes: Floats) -> bool:
     """Return whether the amplitudes of claim 7 are among those of a result."""
-    return all(bool(np.isclose(amplitudes, item, rtol=1e-9).any()) for item in (FLATTER, STEEPER))
+    return all(bool(np.isclose(amplitudes, item, rtol=1e-9).any()) for item in (LOW_AMPLITUDE, HIGH_AMPLITUDE))
 
 
 class ResampledMeans:
@@ -198,7 +203,7 @@ class ResampledMeans:
         amplitude: float,
         *,
         sliding: Sliding | None = None,
-        ruling: Ruling = "percentiles",
+        interval_method: IntervalMethod = "percentiles",
     ) -> None:
         study = parse_dataset_study(dataset)
         self._step = study.contact.step_quantity
@@ -206,9 +211,9 @@ class ResampledMeans:
         if (sliding or rules[0]) not in rules:
             raise ValueError(f"the result has no sliding rule {sliding!r}, it has {', '.join(rules)}")
         data = dataset.sel(sliding=sliding or rules[0]) if "sliding" in dataset.dims else dataset
-        if ruling == "bands" and study.surfaces.kind == "profile" and study.contact.mechanics == "asperities":
+        if interval_method == "bands" and study.surfaces.kind == "profile" and study.contact.mechanics == "asperities":
             data = data.sel(fractal_dimension=data["fractal_dimension"] <= MAX_BAND_DIMENSION)
-        self.ruling = ruling
+        self.interval_method = interval_method
         repetitions = data.sizes["repetition"]
         random = np.random.default_rng(study.ensemble.seed)
         even = np.full(repetitions, 1 / repetitions)
@@ -226,13 +231,13 @@ class ResampledMeans:
         self._steps = data[self._step].values
         self._amplitudes = data["amplitude"].values
         self.amplitude = amplitude
-        self.left_out: set[float] = set()
-        lowest, highest = self._reached([amplitude])
+        self.excluded_dimensions: set[float] = set()
+        lowest, highest = self._reached_load_range([amplitude])
         self.light, self.middle, self.heavy = (
-            load_between(lowest.max(), highest.min(), part).item() for part in (0.1, 0.5, 0.9)
+            load_within_range(lowest.max(), highest.min(), part).item() for part in (0.1, 0.5, 0.9)
         )
 
-    def _reached(self, amplitudes: ArrayLike) -> tuple[Floats, Floats]:
+    def _reached_load_range(self, amplitudes: ArrayLike) -> tuple[Floats, Floats]:
         """Return the ends (D,) of the range of elastic loads that 99 % of the resamples reach at all amplitudes."""
         elastic = np.stack([self.sums("normal_elastic", amplitude) for amplitude in np.atleast_1d(amplitudes)])
         lowest = np.quantile(elastic[..., 0], 0.99, axis=1).max(axis=0)
@@ -252,16 +257,16 @@ class ResampledMeans:
         """
         if not has_amplitudes(self._amplitudes):
             return None
-        return load_between(*self._reached(self._amplitudes), 0.5)
+        return load_within_range(*self._reached_load_range(self._amplitudes), 0.5)
 
-    def has_finite_values(self, values: Floats, where: Any) -> Any:
+    def finite_value_mask(self, values: Floats, where: Any) -> Any:
         """Return a mask of the fractal dimensions with a value (resample, D); the excluded ones are recorded.
 
         The mask is empty if fewer than half have a value, or if the range has only one: the rest would not represent
         the range.
         """
         usable = where & np.isfinite(values[0]) & (np.isfinite(values).mean(axis=0) > 1 - 1 / 40)
-        self.left_out.update(float(dimension) for dimension in self.dimensions[where & ~usable])
+        self.excluded_dimensions.update(float(dimension) for dimension in self.dimensions[where & ~usable])
         enough = where.sum() > 1 and 2 * usable.sum() >= where.sum()
         return usable if enough else np.zeros_like(usable)
 
@@ -294,12 +299,12 @@ class ResampledMeans:
             result[:, d] = np.where(crossing.reached, crossing.at(values[:, d]), np.nan)[:, 0]
         return result / loads if what == "friction" else result
 
-    def is_dimension_within(self, start: float, stop: float) -> Any:
+    def dimension_range_mask(self, start: float, stop: float) -> Any:
         """Return a mask of the fractal dimensions in a range, both ends included."""
         return (self.dimensions > start - 1e-9) & (self.dimensions < stop + 1e-9)
 
 
-def load_between(lowest: Any, highest: Any, part: float) -> Floats:
+def load_within_range(lowest: Any, highest: Any, part: float) -> Floats:
     """Return the load at a fraction of the logarithmic range from lowest to highest, or NaN."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where((lowest > 0) & (lowest < highest), lowest * (highest / lowest) ** part, np.nan)
@@ -338,15 +343,15 @@ class ClaimPart:
 
 def _mean_over_dimensions(r: ResampledMeans, values: Floats, start: float, stop: float) -> Floats:
     """Return the mean over fractal dimensions in a range."""
-    stored = values[:, r.has_finite_values(values, r.is_dimension_within(start, stop))]
+    stored = values[:, r.finite_value_mask(values, r.dimension_range_mask(start, stop))]
     return np.asarray(np.nansum(stored, axis=1) / np.isfinite(stored).sum(axis=1))
 
 
 def _extreme_over_dimensions(r: ResampledMeans, arrays: list[Floats], pick: np.ufunc) -> Floats | SimultaneousInterval:
     """Return the largest (fmax) or smallest (fmin) value over the D at which all quantities have a value."""
-    usable = r.has_finite_values(np.sum(arrays, axis=0), r.is_dimension_within(*_ALL_DIMENSIONS))
+    usable = r.finite_value_mask(np.sum(arrays, axis=0), r.dimension_range_mask(*_ALL_DIMENSIONS))
     stored = np.concatenate([values[:, usable] for values in arrays], axis=1)
-    if r.ruling == "percentiles" or not stored.size:
+    if r.interval_method == "percentiles" or not stored.size:
         return np.asarray(pick.reduce(stored, axis=1, initial=np.nan))
     # Simultaneous 95 % band: the number of standard deviations that contain all values in 95 % of the resamples.
     spread = np.nanstd(stored[1:], axis=0)
@@ -360,7 +365,7 @@ def _extreme_over_dimensions(r: ResampledMeans, arrays: list[Floats], pick: np.u
 
 def _slope_over_dimensions(r: ResampledMeans, values: Floats, start: float, stop: float) -> Floats:
     """Return the least-squares slope over fractal dimensions in a range."""
-    stored = r.has_finite_values(values, r.is_dimension_within(start, stop))
+    stored = r.finite_value_mask(values, r.dimension_range_mask(start, stop))
     if stored.sum() < 2:
         return np.full(values.shape[0], np.nan)
     x = r.dimensions[stored] - r.dimensions[stored].mean()
@@ -393,7 +398,7 @@ def _area_exponent(r: ResampledMeans) -> Floats:
     load, area = np.where(known, load, 0.0), np.where(known, area, 0.0)
     load -= np.where(known, load.sum(axis=2, keepdims=True) / known.sum(axis=2, keepdims=True), 0.0)
     exponents = (area * load).sum(axis=2) / (load * load).sum(axis=2)
-    stored = exponents[:, r.has_finite_values(exponents, r.is_dimension_within(*_ALL_DIMENSIONS))]
+    stored = exponents[:, r.finite_value_mask(exponents, r.dimension_range_mask(*_ALL_DIMENSIONS))]
     if not stored.size:
         return np.full(exponents.shape[0], np.nan)
     return np.asarray(stored[:, np.argmax(np.abs(stored[0] - 1))])  # the least linear D of the ensemble
@@ -444,7 +449,7 @@ def _largest_change_by_weak_adhesion(r: ResampledMeans) -> Floats | Simultaneous
     return _extreme_over_dimensions(r, [np.abs(ratio - 1) for ratio in _adhesion_friction_ratios(r, 0.001)], np.fmax)
 
 
-def _measure_dip(start: float, stop: float) -> Measure:
+def _dip_measure(start: float, stop: float) -> Measure:
     def measure(r: ResampledMeans) -> Floats:
         logarithm = np.log(r.at("friction", r.middle, tau0=0.2))
         return np.exp(
@@ -456,7 +461,7 @@ def _measure_dip(start: float, stop: float) -> Measure:
 
 def _dimension_of_minimum(r: ResampledMeans) -> Floats:
     values = r.at("friction", r.middle, tau0=0.2)
-    stored = r.has_finite_values(values, r.is_dimension_within(*_ALL_DIMENSIONS))
+    stored = r.finite_value_mask(values, r.dimension_range_mask(*_ALL_DIMENSIONS))
     if not stored.any():
         return np.full(values.shape[0], np.nan)
     least = np.argmin(np.where(np.isfinite(values[:, stored]), values[:, stored], np.inf), axis=1)
@@ -475,12 +480,12 @@ def _smallest_ratio_to_mu0(r: ResampledMeans) -> Floats | SimultaneousInterval:
     return _extreme_over_dimensions(r, [r.at("friction", r.middle) / 0.4], np.fmin)
 
 
-def _measure_ratio_of_amplitudes(what: Quantity, tau0: float) -> Measure:
+def _amplitude_ratio_measure(what: Quantity, tau0: float) -> Measure:
     def measure(r: ResampledMeans) -> Floats:
         loads = r.middle_of_all_amplitudes()
         if loads is None:
             return np.array([math.nan])
-        steeper, flatter = (r.at(what, loads, tau0=tau0, amplitude=a) for a in (STEEPER, FLATTER))
+        steeper, flatter = (r.at(what, loads, tau0=tau0, amplitude=a) for a in (HIGH_AMPLITUDE, LOW_AMPLITUDE))
         return np.exp(_mean_over_dimensions(r, np.log(steeper / flatter), *_ALL_DIMENSIONS))
 
     return measure
@@ -490,7 +495,7 @@ def _rise_ratio_of_amplitudes(r: ResampledMeans) -> Floats:
     loads = r.middle_of_all_amplitudes()
     if loads is None:
         return np.array([math.nan])
-    ratio = np.log(r.at("friction", loads, amplitude=FLATTER) / r.at("friction", loads, amplitude=STEEPER))
+    ratio = np.log(r.at("friction", loads, amplitude=LOW_AMPLITUDE) / r.at("friction", loads, amplitude=HIGH_AMPLITUDE))
     return np.exp(_mean_over_dimensions(r, ratio, 1.5, 1.6) - _mean_over_dimensions(r, ratio, *_LOW_DIMENSIONS))
 
 
@@ -500,7 +505,7 @@ def _adhesion_difference_of_amplitudes(r: ResampledMeans) -> Floats:
         return np.array([math.nan])
     return _mean_over_dimensions(
         r,
-        _friction_added_by_adhesion(r, loads, FLATTER) - _friction_added_by_adhesion(r, loads, STEEPER),
+        _friction_added_by_adhesion(r, loads, LOW_AMPLITUDE) - _friction_added_by_adhesion(r, loads, HIGH_AMPLITUDE),
         *_LOW_DIMENSIONS,
     )
 
@@ -516,7 +521,7 @@ def _relative_change_measure(what: Quantity, one: dict[str, float], other: dict[
 
 _MU0_CHANGE = ({"mu0": 1.0}, {"mu0": 0.1})
 _TAU0_CHANGE = ({"tau0": 0.2}, {"tau0": 0.0})
-_LARGEST_CHANGE = "largest relative change of the"
+_LARGEST_CHANGE_TEXT = "largest relative change of the"
 
 CLAIM_PARTS = (
     ClaimPart("1a", "smallest R² for any D of a straight line A = c F_N", 0.95, math.inf, _load_linearity),
@@ -561,14 +566,14 @@ CLAIM_PARTS = (
         "mu_s at tau0 = 200 MPa, D = 1 to 1.2, divided by mu_s at D = 1.3 to 1.5",
         1.0,
         math.inf,
-        _measure_dip(*_LOW_DIMENSIONS),
+        _dip_measure(*_LOW_DIMENSIONS),
     ),
     ClaimPart(
         "4b",
         "mu_s at tau0 = 200 MPa, D = 1.6 to 1.7, divided by mu_s at D = 1.3 to 1.5",
         1.0,
         math.inf,
-        _measure_dip(*_HIGH_DIMENSIONS),
+        _dip_measure(*_HIGH_DIMENSIONS),
     ),
     ClaimPart("4c", "D with the smallest mu_s at tau0 = 200 MPa", *_MINIMUM_DIMENSIONS, _dimension_of_minimum),
     ClaimPart(
@@ -576,14 +581,14 @@ CLAIM_PARTS = (
     ),
     ClaimPart("6", "smallest mu_s/mu0 for any D, mu0 = 0.4", -math.inf, 1.0, _smallest_ratio_to_mu0),
     ClaimPart(
-        "7a", "A/F_N at 0.2 µm divided by A/F_N at 0.05 µm", -math.inf, 1.0, _measure_ratio_of_amplitudes("area", 0.0)
+        "7a", "A/F_N at 0.2 µm divided by A/F_N at 0.05 µm", -math.inf, 1.0, _amplitude_ratio_measure("area", 0.0)
     ),
     ClaimPart(
         "7b",
         "mu_s at tau0 = 200 MPa, 0.2 µm, divided by mu_s at 0.05 µm",
         -math.inf,
         1.0,
-        _measure_ratio_of_amplitudes("friction", 0.2),
+        _amplitude_ratio_measure("friction", 0.2),
     ),
     ClaimPart(
         "7c",
@@ -601,28 +606,28 @@ CLAIM_PARTS = (
     ),
     ClaimPart(
         "8a",
-        f"{_LARGEST_CHANGE} area for any D if mu0 changes from 0.1 to 1",
+        f"{_LARGEST_CHANGE_TEXT} area for any D if mu0 changes from 0.1 to 1",
         -math.inf,
         0.1,
         _relative_change_measure("area", *_MU0_CHANGE),
     ),
     ClaimPart(
         "8b",
-        f"{_LARGEST_CHANGE} area for any D if tau0 changes from 0 to 200 MPa",
+        f"{_LARGEST_CHANGE_TEXT} area for any D if tau0 changes from 0 to 200 MPa",
         -math.inf,
         0.1,
         _relative_change_measure("area", *_TAU0_CHANGE),
     ),
     ClaimPart(
         "8c",
-        f"{_LARGEST_CHANGE} stiffness for any D if mu0 changes from 0.1 to 1",
+        f"{_LARGEST_CHANGE_TEXT} stiffness for any D if mu0 changes from 0.1 to 1",
         -math.inf,
         0.1,
         _relative_change_measure("stiffness", *_MU0_CHANGE),
     ),
     ClaimPart(
         "8d",
-        f"{_LARGEST_CHANGE} stiffness for any D if tau0 changes from 0 to 200 MPa",
+        f"{_LARGEST_CHANGE_TEXT} stiffness for any D if tau0 changes from 0 to 200 MPa",
         -math.inf,
         0.1,
         _relative_change_measure("stiffness", *_TAU0_CHANGE),
@@ -635,7 +640,7 @@ CLAIM_PARTS = (
 
 
 @dataclass(frozen=True)
-class PartOutcome:
+class ClaimPartOutcome:
     """Measured number of a part, and its verdict.
 
     Attributes
@@ -644,7 +649,7 @@ class PartOutcome:
     value, lower, upper : float
         The number and its 95 % interval; NaN if undefined.
     verdict : {"true", "false", "undecided", "undefined"}
-    left_out : tuple of float
+    excluded_dimensions : tuple of float
         Fractal dimensions without a value.
     """
 
@@ -653,15 +658,15 @@ class PartOutcome:
     lower: float
     upper: float
     verdict: Verdict
-    left_out: tuple[float, ...]
+    excluded_dimensions: tuple[float, ...]
 
     @classmethod
-    def of(cls, part: ClaimPart, resampled: ResampledMeans) -> "PartOutcome":
+    def of(cls, part: ClaimPart, resampled: ResampledMeans) -> "ClaimPartOutcome":
         """Measure a part; the verdict is "undefined" if the ensemble itself has no number."""
-        resampled.left_out.clear()
+        resampled.excluded_dimensions.clear()
         with np.errstate(divide="ignore", invalid="ignore"):
             values = part.measure(resampled)
-        left_out = tuple(sorted(resampled.left_out))
+        excluded_dimensions = tuple(sorted(resampled.excluded_dimensions))
         if isinstance(values, SimultaneousInterval):
             value, lower, upper = values.value, values.lower, values.upper
         else:
@@ -669,15 +674,21 @@ class PartOutcome:
             if math.isfinite(value):
                 lower, upper = (float(end) for end in np.nanquantile(values[1:], [0.025, 0.975]))
         if not math.isfinite(value):
-            return cls(part, math.nan, math.nan, math.nan, "undefined", left_out)
+            return cls(part, math.nan, math.nan, math.nan, "undefined", excluded_dimensions)
         inside = part.least < lower and upper < part.most
         outside = upper < part.least or lower > part.most
-        return cls(part, value, lower, upper, "true" if inside else "false" if outside else "undecided", left_out)
+        return cls(
+            part, value, lower, upper, "true" if inside else "false" if outside else "undecided", excluded_dimensions
+        )
 
 
 def judge_claims(
-    dataset: xarray.Dataset, *, amplitude: float = 0.1, sliding: Sliding | None = None, ruling: Ruling = "percentiles"
-) -> list[PartOutcome]:
+    dataset: xarray.Dataset,
+    *,
+    amplitude: float = 0.1,
+    sliding: Sliding | None = None,
+    interval_method: IntervalMethod = "percentiles",
+) -> list[ClaimPartOutcome]:
     """Measure every part of every claim on a result.
 
     Parameters
@@ -688,7 +699,7 @@ def judge_claims(
         Amplitude for all claims but claim 7.
     sliding : {"opposing", "all"}, optional
         Sliding rule of the result; the first by default.
-    ruling : {"percentiles", "bands"}
+    interval_method : {"percentiles", "bands"}
         Rule for extremes over D, see above.
 
     Raises
@@ -696,14 +707,14 @@ def judge_claims(
     ValueError
         If the result lacks an amplitude that is needed, or has fewer than 20 repetitions or 3 approaches.
     """
-    check(parse_dataset_study(dataset))
-    if ruling not in ("percentiles", "bands"):
-        raise ValueError(f"ruling must be percentiles or bands, got {ruling!r}")
-    resampled = ResampledMeans(dataset, amplitude, sliding=sliding, ruling=ruling)
-    return [PartOutcome.of(part, resampled) for part in CLAIM_PARTS]
+    check_study(parse_dataset_study(dataset))
+    if interval_method not in ("percentiles", "bands"):
+        raise ValueError(f"interval_method must be percentiles or bands, got {interval_method!r}")
+    resampled = ResampledMeans(dataset, amplitude, sliding=sliding, interval_method=interval_method)
+    return [ClaimPartOutcome.of(part, resampled) for part in CLAIM_PARTS]
 
 
-def claim_verdict(claim: int, outcomes: list[PartOutcome]) -> Verdict:
+def claim_verdict(claim: int, outcomes: list[ClaimPartOutcome]) -> Verdict:
     """Return "true" if all parts are true, else "false", "undefined" or "undecided" if any part is."""
     verdicts = {outcome.verdict for outcome in outcomes if outcome.part.claim == claim}
     for verdict in ("false", "undefined", "undecided"):
@@ -715,7 +726,7 @@ def claim_verdict(claim: int, outcomes: list[PartOutcome]) -> Verdict:
 # ---- Tables ----------------------------------------------------------------------------------------------------------
 
 
-def claims_markdown(outcomes: list[PartOutcome]) -> str:
+def claims_markdown(outcomes: list[ClaimPartOutcome]) -> str:
     """Render a table with a row for each part."""
     lines = [
         "| claim or test | verdict | statement, and its test numbers | value [95 %] | criterion |",
@@ -744,27 +755,29 @@ def _replace_symbols(text: str) -> str:
     return text
 
 
-def variants_markdown(variants: Mapping[str, list[PartOutcome]]) -> str:
+def variants_markdown(variants: Mapping[str, list[ClaimPartOutcome]]) -> str:
     """Render a table of parts by variants; a star marks numbers that exclude some D."""
     return _render_side_by_side(
         variants, lambda part: part.name, lambda outcome: f"{_format_number_with_star(outcome)}, {outcome.verdict}"
     )
 
 
-def columns_markdown(columns: Mapping[str, list[PartOutcome]]) -> str:
+def columns_markdown(columns: Mapping[str, list[ClaimPartOutcome]]) -> str:
     """Render the table of columns with descriptions of the parts and intervals."""
 
-    def cell(outcome: PartOutcome) -> str:
+    def cell(outcome: ClaimPartOutcome) -> str:
         if not math.isfinite(outcome.value):
             return "not applicable"
-        star = r"\*" if outcome.left_out else ""
+        star = r"\*" if outcome.excluded_dimensions else ""
         return f"{_format_outcome(outcome)}{star} {outcome.verdict}"
 
     return _render_side_by_side(columns, lambda part: f"{part.name} {part.statement}; {_format_range(part)}", cell)
 
 
 def _render_side_by_side(
-    columns: Mapping[str, list[PartOutcome]], head: Callable[[ClaimPart], str], cell: Callable[[PartOutcome], str]
+    columns: Mapping[str, list[ClaimPartOutcome]],
+    head: Callable[[ClaimPart], str],
+    cell: Callable[[ClaimPartOutcome], str],
 ) -> str:
     first = next(iter(columns.values()))
     lines = [f"| claim or test | {' | '.join(columns)} |", "|" + "---|" * (len(columns) + 1)]
@@ -777,7 +790,7 @@ def _render_side_by_side(
     return "\n".join(lines) + "\n"
 
 
-def _outcomes_of_claim(claim: int, outcomes: list[PartOutcome]) -> list[PartOutcome]:
+def _outcomes_of_claim(claim: int, outcomes: list[ClaimPartOutcome]) -> list[ClaimPartOutcome]:
     return [outcome for outcome in outcomes if outcome.part.claim == claim]
 
 
@@ -785,11 +798,11 @@ def _format_number(value: float) -> str:
     return f"{value:.3g}" if math.isfinite(value) else "none"
 
 
-def _format_number_with_star(outcome: PartOutcome) -> str:
-    return _format_number(outcome.value) + (r"\*" if outcome.left_out else "")
+def _format_number_with_star(outcome: ClaimPartOutcome) -> str:
+    return _format_number(outcome.value) + (r"\*" if outcome.excluded_dimensions else "")
 
 
-def _format_outcome(outcome: PartOutcome) -> str:
+def _format_outcome(outcome: ClaimPartOutcome) -> str:
     if not math.isfinite(outcome.value):
         return "none"
     return f"{_format_number(outcome.value)} [{_format_number(outcome.lower)}, {_format_number(outcome.upper)}]"
@@ -801,10 +814,10 @@ def _format_range(part: ClaimPart) -> str:
     return f"below {part.most:g}" if math.isinf(part.least) else f"{part.least:g} to {part.most:g}"
 
 
-def _exclusion_text(outcome: PartOutcome) -> str:
-    if not outcome.left_out:
+def _exclusion_text(outcome: ClaimPartOutcome) -> str:
+    if not outcome.excluded_dimensions:
         return ""
-    return f" (without D = {', '.join(f'{dimension:.2f}' for dimension in outcome.left_out)})"
+    return f" (without D = {', '.join(f'{dimension:.2f}' for dimension in outcome.excluded_dimensions)})"
 
 
 # ---- Tables of the documentation ------------------------------------------------------------------------------------
@@ -825,19 +838,19 @@ def write_tables(
     """Write the tables of claims, variants and, optionally, columns, from the results in a directory."""
     changes = dict(changes)
 
-    def result_of(study: Study, folder: str) -> xarray.Dataset:
+    def load_or_compute_result(study: Study, folder: str) -> xarray.Dataset:
         if not (results / folder / "study.toml").exists():
             return run(study.with_changes(changes), store=results / folder).dataset
         return open_result(results / folder).dataset
 
-    result = result_of(claims_study(), "figure7")
+    result = load_or_compute_result(claims_study(), "figure7")
     outcomes = judge_claims(result)
     outcomes_by_variant = {}
     for name in STUDY_VARIANTS:
-        dataset = result_of(variant_study(name), f"variants/{name}")
+        dataset = load_or_compute_result(variant_study(name), f"variants/{name}")
         outcomes_by_variant[name] = judge_claims(dataset)
         if name == "default":
-            outcomes_by_variant["amplitude 0.05 µm"] = judge_claims(dataset, amplitude=FLATTER)
+            outcomes_by_variant["amplitude 0.05 µm"] = judge_claims(dataset, amplitude=LOW_AMPLITUDE)
     (tables / "claims.md").write_text(claims_markdown(outcomes), encoding="utf-8")
     (tables / "variants.md").write_text(variants_markdown(outcomes_by_variant), encoding="utf-8")
     if not columns:
@@ -845,13 +858,17 @@ def write_tables(
     outcomes_by_column = {f"profiles, {result.sizes['repetition']} repetitions": outcomes}
     max_repetitions = repetitions or result.sizes["repetition"]
     if repetitions is not None:
-        result = result_of(claims_study().with_changes({"ensemble.repetitions": max_repetitions}), "columns/lines")
+        result = load_or_compute_result(
+            claims_study().with_changes({"ensemble.repetitions": max_repetitions}), "columns/lines"
+        )
         outcomes_by_column[f"profiles, {max_repetitions} repetitions"] = judge_claims(result)
-    outcomes_by_column[f"profiles, {max_repetitions} repetitions, by bands"] = judge_claims(result, ruling="bands")
+    outcomes_by_column[f"profiles, {max_repetitions} repetitions, by bands"] = judge_claims(
+        result, interval_method="bands"
+    )
     for name, title in column_titles(max_repetitions).items():
-        column = COLUMNS[name]
-        dataset = result_of(column.to_study(max_repetitions), f"columns/{column.directory}")
-        outcomes_by_column[title] = judge_claims(dataset, sliding=column.sliding, ruling="bands")
+        column = CLAIMS_TABLE_COLUMNS[name]
+        dataset = load_or_compute_result(column.to_study(max_repetitions), f"columns/{column.directory}")
+        outcomes_by_column[title] = judge_claims(dataset, sliding=column.sliding, interval_method="bands")
     (tables / "columns.md").write_text(columns_markdown(outcomes_by_column), encoding="utf-8")
 
 

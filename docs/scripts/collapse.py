@@ -44,15 +44,15 @@ RESULTS_FILE = DOCS_FOLDER.parent / "build/collapse.jsonl"
 DATA_FOLDER = Path(os.environ.get("STICTION_TEST_DATA", DOCS_FOLDER.parents[1] / "shared/data"))
 """Directory of measured maps; cases without their file are left out."""
 
-MODULUS = 10.0
+EFFECTIVE_MODULUS = 10.0
 SEED = 13
 MU0 = 0.4
-TAU0 = {"0": 0.0, "2": 0.02 * MODULUS}
+TAU0_BY_LABEL = {"0": 0.0, "2": 0.02 * EFFECTIVE_MODULUS}
 """Adhesive shear strength in GPa, by its percentage of E*."""
 SLIDING_RULES = ("opposing", "all")
 LOW_PRESSURE = 0.01
 """Mean pressure in units of E* h', for a contact fraction of about 0.02."""
-PRESSURES = (0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 2.0)
+RELATIVE_PRESSURES = (0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 2.0)
 NUM_POINTS, EXTENT = 256, 10.0
 
 Pair = tuple[Surface, Surface] | tuple[Profile, Profile]
@@ -81,7 +81,7 @@ def list_cases() -> Iterator[dict]:
     for hurst, shortest, gradient in product((0.3, 0.5, 0.7, 0.9), (0.16, 0.04), (0.05, 0.15, 0.4, 0.8)):
         yield {"family": "self-affine line", "H": hurst, "longest": 5.0, "shortest": shortest, "h": gradient}
     band = {"longest": 5.0, "shortest": 0.3125}
-    for hurst, gradient, load in product((0.5, 0.8), (0.1, 0.4), PRESSURES):
+    for hurst, gradient, load in product((0.5, 0.8), (0.1, 0.4), RELATIVE_PRESSURES):
         yield {"family": "load", "H": hurst, **band, "h": gradient, "load": load}
     for ratio, share, load in product((1.0, 2.0, 4.0, None), (0.0, 0.5, 1.0), (LOW_PRESSURE, 0.1)):
         yield {"family": "unequal", "H": 0.8, **band, "h": 0.3, "ratio": ratio, "share": share, "load": load}
@@ -146,11 +146,11 @@ def generate_self_affine_pair(case: dict, repetition: int) -> Pair:
     spacing = bodies[0].spacing
     if stretch := case.get("stretch"):
         spacing = (spacing[0] * stretch, spacing[1])
-    steepness = [gradient(body.heights, spacing, periodic=True) for body in bodies]
+    steepness = [rms_gradient(body.heights, spacing, periodic=True) for body in bodies]
     ratio = case.get("ratio", 1.0)
     shares = (1.0, 0.0) if ratio is None else (ratio / np.hypot(1, ratio), 1 / np.hypot(1, ratio))
     heights = [body.heights * share / item for body, share, item in zip(bodies, shares, steepness, strict=True)]
-    factor = case["h"] / gradient(heights[0] - heights[1], spacing, periodic=True)
+    factor = case["h"] / rms_gradient(heights[0] - heights[1], spacing, periodic=True)
     return tuple(type(bodies[0])(factor * height, spacing=spacing) for height in heights)
 
 
@@ -161,7 +161,7 @@ class LoadSums:
         vars(self).update(columns)
 
 
-def gradient(heights: np.ndarray, spacing, *, periodic: bool) -> float:
+def rms_gradient(heights: np.ndarray, spacing, *, periodic: bool) -> float:
     steps = spacing if isinstance(spacing, tuple) else (spacing,)
     return float(np.sqrt(sum(np.square(slope).mean() for slope in grid_slopes(heights, steps, periodic=periodic))))
 
@@ -189,13 +189,13 @@ def load_line_pairs(case: dict) -> list[Pair]:
 # ---- Measuring -------------------------------------------------------------------------------------------------------
 
 
-def measure_pairs(case: dict) -> dict:
+def compute_case_results(case: dict) -> dict:
     """Return slopes, κ, contact counts and friction of each pair by both models, averaged over both directions."""
     together, boundary = generate_pairs(case)
-    return {"case": case, "pairs": [measure_pair(case, *pair, boundary) for pair in together]}
+    return {"case": case, "pairs": [compute_pair_results(case, *pair, boundary) for pair in together]}
 
 
-def measure_pair(case: dict, upper, lower, boundary: str) -> dict:
+def compute_pair_results(case: dict, upper, lower, boundary: str) -> dict:
     periodic = boundary == "periodic"
     spacing = upper.spacing if isinstance(upper, Surface) else (upper.spacing,)
     heights = upper.heights - lower.heights
@@ -210,9 +210,9 @@ def measure_pair(case: dict, upper, lower, boundary: str) -> dict:
     steep = float(np.sqrt(sum(np.square(item).mean() for item in along)))
     fourth = np.mean([np.square(item).mean() for item in curved])
     second = np.mean([np.square(item).mean() for item in along])
-    bodies = [gradient(body.heights, spacing, periodic=periodic) for body in (upper, lower)]
+    bodies = [rms_gradient(body.heights, spacing, periodic=periodic) for body in (upper, lower)]
     nominal = float(np.prod(spacing)) * heights.size  # profiles have a thickness of 1 µm
-    load = case.get("load", LOW_PRESSURE) * MODULUS * steep * nominal
+    load = case.get("load", LOW_PRESSURE) * EFFECTIVE_MODULUS * steep * nominal
     row = {
         "rms_gradient": steep,
         "rms_slope": float(np.sqrt(np.square(forward).mean())),
@@ -224,7 +224,13 @@ def measure_pair(case: dict, upper, lower, boundary: str) -> dict:
     ways = ("+x", "-x") if len(along) == 1 else (case.get("angle", 0.0), case.get("angle", 0.0) + 180.0)
     curves = [
         half_space(
-            upper, lower, [load], effective_modulus=MODULUS, boundary=boundary, compliance_share=share, direction=way
+            upper,
+            lower,
+            [load],
+            effective_modulus=EFFECTIVE_MODULUS,
+            boundary=boundary,
+            compliance_share=share,
+            direction=way,
         )
         for way in (ways if len(along) == 1 else [ways])
     ]
@@ -235,10 +241,10 @@ def measure_pair(case: dict, upper, lower, boundary: str) -> dict:
     cell = float(np.prod(spacing))
     area = patches_of(pressure, periodic=periodic, hardness=np.inf)[2] * cell
     on_ground = float(area.sum())
-    row["kappa"] = on_ground * MODULUS * steep / load
+    row["kappa"] = on_ground * EFFECTIVE_MODULUS * steep / load
     row["fraction"] = on_ground / nominal
     row["contacts"] = int(curves[0].contact_count[0])
-    for rule, (name, tau0) in product(SLIDING_RULES, TAU0.items()):
+    for rule, (name, tau0) in product(SLIDING_RULES, TAU0_BY_LABEL.items()):
         values = [
             item.friction_coefficient(mu0=MU0, tau0=tau0) for item in (curve.with_sliding(rule) for curve in curves)
         ]
@@ -247,7 +253,7 @@ def measure_pair(case: dict, upper, lower, boundary: str) -> dict:
     senses = np.array([[np.cos(angle), np.sin(angle)], [-np.cos(angle), -np.sin(angle)]])
     alone = np.arange(1, area.size + 1, dtype=np.int32)
     each = LoadSums(patch_sums(pressure[touching] * cell, area, leaning, alone, senses).total("opposing"))
-    for name, tau0 in TAU0.items():
+    for name, tau0 in TAU0_BY_LABEL.items():
         row[f"mu points {name}"] = float(
             np.mean(compute_load("tangential", each, MU0, tau0) / compute_load("normal", each, MU0, tau0))
         )
@@ -265,15 +271,17 @@ def asperity_models(upper) -> list[tuple[str, dict]]:
 
 
 def solve_asperities(upper, lower, load: float, ways, name: str, keywords: dict, steep: float) -> dict:
-    common = {"effective_modulus": MODULUS, **keywords}
+    common = {"effective_modulus": EFFECTIVE_MODULUS, **keywords}
     approach = approach_at_load(upper, lower, [load], mu0=0.0, **common)
     row = {}
     for rule in SLIDING_RULES:
         if not np.isfinite(approach).all():
             continue
         curves = [press(upper, lower, approach, sliding=rule, direction=way, **common) for way in ways]
-        row[f"{name} kappa"] = float(curves[0].contact_area[0] * MODULUS * steep / curves[0].normal_elastic[0])
-        for key, tau0 in TAU0.items():
+        row[f"{name} kappa"] = float(
+            curves[0].contact_area[0] * EFFECTIVE_MODULUS * steep / curves[0].normal_elastic[0]
+        )
+        for key, tau0 in TAU0_BY_LABEL.items():
             values = [curve.friction_coefficient(mu0=MU0, tau0=tau0) for curve in curves]
             row[f"{name} {rule} {key}"] = float(np.mean(values))
     return row
@@ -297,7 +305,7 @@ def compute_cases() -> list[dict]:
     everything = [case for case in list_cases() if "file" not in case or (DATA_FOLDER / case["file"]).exists()]
     missing = [case for case in everything if json.dumps(case) not in completed]
     with RESULTS_FILE.open("a", encoding="utf-8") as file, ProcessPoolExecutor(2) as pool:
-        for index, row in enumerate(pool.map(measure_pairs, missing), start=1):
+        for index, row in enumerate(pool.map(compute_case_results, missing), start=1):
             completed[json.dumps(row["case"])] = row
             file.write(json.dumps(row) + "\n")
             file.flush()
@@ -322,12 +330,12 @@ RULE_TITLES = {
 }
 
 
-def closed_form(pair: dict, rule: str, tau0: float, *, order: int = 2, kappa: float | None = None) -> float:
+def closed_form_friction(pair: dict, rule: str, tau0: float, *, order: int = 2, kappa: float | None = None) -> float:
     """Return the closed form with the slopes and κ of the pair."""
     return float(
         gentle_friction(
             MU0, tau0, rms_gradient=pair["rms_gradient"], rms_slope=min(pair["rms_slope"], pair["rms_gradient"]),
-            slope_ratio=pair["slope_ratio"], effective_modulus=MODULUS, kappa=kappa or pair["kappa"],
+            slope_ratio=pair["slope_ratio"], effective_modulus=EFFECTIVE_MODULUS, kappa=kappa or pair["kappa"],
             sliding="all" if rule == "all" else "opposing", order=order,
         )
     )  # fmt: skip
@@ -343,10 +351,10 @@ def summarise_case(row: dict) -> dict:
     models = {f"mu {rule}": rule for rule in RULE_TITLES} | {
         f"{name} {rule}": rule for name in ("asperities", "cylinders", "spheres") for rule in SLIDING_RULES
     }
-    for (model, rule), (key, tau0) in product(models.items(), TAU0.items()):
+    for (model, rule), (key, tau0) in product(models.items(), TAU0_BY_LABEL.items()):
         values = np.array([pair.get(f"{model} {key}", np.nan) for pair in together])
         if np.isfinite(values).all():
-            form = np.array([closed_form(pair, rule, tau0) for pair in together])
+            form = np.array([closed_form_friction(pair, rule, tau0) for pair in together])
             result[f"{model} {key}"] = float(values.mean())
             result[f"{model} {key} over form"] = float(values.mean() / form.mean()) if form.any() else np.nan
             spread = np.std(values - form * values.mean() / form.mean(), ddof=1) if form.any() else np.nan
@@ -381,8 +389,8 @@ def render_family_rows(points: list[dict]) -> list[str]:
             cells = [
                 words, f"{low:g} to {high:g}", f"{len(some)}", f"{min(kappas):.2f} to {max(kappas):.2f}",
                 f"{min(counts):.0f} to {max(counts):.0f}",
-                *(residuals_in_percent(some, f"mu {rule} {key}") for rule, key in product(RULE_TITLES, TAU0)),
-                *(residuals_in_percent(some, f"{model} opposing {key}") for key in TAU0),
+                *(residuals_in_percent(some, f"mu {rule} {key}") for rule, key in product(RULE_TITLES, TAU0_BY_LABEL)),
+                *(residuals_in_percent(some, f"{model} opposing {key}") for key in TAU0_BY_LABEL),
                 f"{100 * np.mean([each['mu points 0 error'] for each in some]):.1f}",
             ]  # fmt: skip
             rows.append(f"| {' | '.join(cells)} |")
@@ -437,15 +445,17 @@ def draw(points: list[dict]) -> None:
         axes[2].plot(gradient, 100 * (get("mu points 0 over form") - 1), **mark)
         axes[2].plot(gradient, 100 * (get("mu opposing 0 over form") - 1), **mark | {"mfc": "white", "ms": 2.2})
         axes[3].plot(gradient, 100 * (get("mu all 0 over form") - 1), **mark)
-        first = [np.mean([closed_form(pair, "all", 0.0, order=1) for pair in item["together"]]) for item in some]
+        first = [
+            np.mean([closed_form_friction(pair, "all", 0.0, order=1) for pair in item["together"]]) for item in some
+        ]
         axes[3].plot(gradient, 100 * (get("mu all 0") / first - 1), **mark | {"mfc": "white", "ms": 2.2})
     s = slope / (4 * np.sqrt(np.pi))
     axes[0].plot(s, gentle_friction(MU0, rms_gradient=slope), color="0.1", lw=1, label="closed form")
     axes[0].plot(s, gentle_friction(MU0, rms_gradient=slope, order=2), color="0.1", lw=1, ls="--")
-    curve = {"rms_gradient": slope, "effective_modulus": MODULUS}
-    axes[1].plot(slope, gentle_friction(MU0, TAU0["2"], **curve), color="0.1", lw=1)
-    axes[1].plot(slope, gentle_friction(MU0, TAU0["2"], **curve, order=2), color="0.1", lw=1, ls="--")
-    least = np.sqrt(2 * np.sqrt(np.pi) * 2.2 * TAU0["2"] / MODULUS)
+    curve = {"rms_gradient": slope, "effective_modulus": EFFECTIVE_MODULUS}
+    axes[1].plot(slope, gentle_friction(MU0, TAU0_BY_LABEL["2"], **curve), color="0.1", lw=1)
+    axes[1].plot(slope, gentle_friction(MU0, TAU0_BY_LABEL["2"], **curve, order=2), color="0.1", lw=1, ls="--")
+    least = np.sqrt(2 * np.sqrt(np.pi) * 2.2 * TAU0_BY_LABEL["2"] / EFFECTIVE_MODULUS)
     axes[1].axvline(least, color="0.6", lw=0.7, ls=":")
     axes[0].set(xlabel="mean slope $S = g_s / 2\\sqrt{2\\pi}$", ylabel="$\\mu_s$")
     axes[0].set(title="opposing contacts, $\\tau_0$ = 0")
@@ -497,7 +507,7 @@ def draw_limits(points: list[dict]) -> None:
                 load, [item["kappa"] for item in some], [item["kappa_error"] for item in some],
                 **mark | {"label": f"H = {hurst:g}"},
             )  # fmt: skip
-    fine = np.geomspace(PRESSURES[0], PRESSURES[-1], 200)
+    fine = np.geomspace(RELATIVE_PRESSURES[0], RELATIVE_PRESSURES[-1], 200)
     kappas.axhline(np.sqrt(2 * np.pi), color="0.5", lw=0.8, ls="-.", label="Bush-Gibson-Thomas")
     kappas.plot(fine, erf(np.sqrt(2) * fine) / fine, color="0.3", lw=0.9, ls="--", label="Persson")
     kappas.plot(fine, np.minimum(1 / fine, 3), color="0.8", lw=0.7, zorder=0)
@@ -521,7 +531,7 @@ def draw_limits(points: list[dict]) -> None:
     figure.savefig(DOCS_FOLDER / "images/collapse_limits.png")
 
 
-def write_numbers(points: list[dict]) -> None:
+def write_case_means(points: list[dict]) -> None:
     """Write the means over the pairs of every case."""
     keys = sorted({key for point in points for key in point if key not in ("case", "together")})
     keys = ["family", "of", *(key for key in keys if key != "family")]
@@ -539,7 +549,7 @@ def main() -> None:
     points = [summarise_case(row) | {"together": row["pairs"]} for row in rows]
     draw(points)
     draw_limits(points)
-    write_numbers(points)
+    write_case_means(points)
     main_points = sum(point["family"] in FAMILY_TITLES for point in points)
     pressed = sum(point["pairs"] for point in points)
     text = [

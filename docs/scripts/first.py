@@ -24,7 +24,7 @@ from stiction.views.style import (
 
 ROOT = Path(__file__).resolve().parents[2]
 SCANS_FOLDER = ROOT / "examples/scans"
-INPUTS = {"upper": "steel", "lower": "brass", "hardness": "120 HV ± 10 %", "mu0": 0.2, "tau0": "50 MPa"}
+EXAMPLE_INPUTS = {"upper": "steel", "lower": "brass", "hardness": "120 HV ± 10 %", "mu0": 0.2, "tau0": "50 MPa"}
 """Options of `pair` in the example of README, without the load."""
 CURVE_LOADS = np.geomspace(1.0, 100.0, 9)
 PROFILE_HALF_WIDTH = 20.0
@@ -52,7 +52,7 @@ def compute_friction():
             load=CURVE_LOADS.tolist(),
             onset=0,
             directory=folder,
-            **INPUTS,
+            **EXAMPLE_INPUTS,
         )
         computed = result.summary().headlines
         rules = [{item.rule: (item.value, item.lower, item.upper) for item in one.rules} for one in computed]

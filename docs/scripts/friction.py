@@ -6,7 +6,7 @@ It reads build/claims/columns, which `./dev claims --repetitions 2000 --columns`
 from pathlib import Path
 
 import numpy as np
-from claims import FLATTER, STEEPER, ResampledMeans
+from claims import HIGH_AMPLITUDE, LOW_AMPLITUDE, ResampledMeans
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from stiction import gentle_friction, random_phases, weierstrass_mandelbrot_moments, weierstrass_mandelbrot_surface
@@ -65,7 +65,7 @@ def area_exponents(result: ResampledMeans) -> np.ndarray:
 def draw_panels(axes: np.ndarray, result: ResampledMeans, name: str) -> None:
     friction, adhesive_friction = (result.at("friction", result.middle, tau0=tau0) for tau0 in (0.0, TAU0))
     loads = result.middle_of_all_amplitudes()
-    steeper, flatter = (result.at("friction", loads, tau0=TAU0, amplitude=a) for a in (STEEPER, FLATTER))
+    steeper, flatter = (result.at("friction", loads, tau0=TAU0, amplitude=a) for a in (HIGH_AMPLITUDE, LOW_AMPLITUDE))
     area_at_high_mu0, area_at_low_mu0 = (result.at("area", result.middle, mu0=mu0) for mu0 in (1.0, 0.1))
     for ax, values in zip(
         axes,

@@ -22,7 +22,7 @@ FRACTAL_DIMENSIONS = [1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7]
 MU0 = 0.4
 
 
-def measure_grids(detection: str) -> dict[str, np.ndarray]:
+def compute_grid_results(detection: str) -> dict[str, np.ndarray]:
     """Return loads (mN) and area (µm²) at an approach of 10 nm, (dimension, points, repetition)."""
     columns: dict[str, list[np.ndarray]] = {"load": [], "normal": [], "tangential": [], "area": [], "below": []}
     for points in POINT_COUNTS:
@@ -49,12 +49,12 @@ def ratio_of_means(above: np.ndarray, below: np.ndarray) -> tuple[np.ndarray, np
     above, below = np.broadcast_arrays(above, below)
     repetitions = above.shape[-1]
 
-    def without(each: np.ndarray) -> np.ndarray:
+    def leave_one_out_means(each: np.ndarray) -> np.ndarray:
         return (each.sum(axis=-1, keepdims=True) - each) / (repetitions - 1)
 
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.where(below.mean(axis=-1) > 0, above.mean(axis=-1) / below.mean(axis=-1), np.nan)
-        left_out = np.log(without(above) / without(below))
+        left_out = np.log(leave_one_out_means(above) / leave_one_out_means(below))
         flat = left_out.reshape(-1, repetitions).T
         known = np.isfinite(flat).all(axis=0)
         half = np.full(flat.shape[1], np.nan)
@@ -71,7 +71,7 @@ def main() -> None:
 
 
 def draw() -> None:
-    results = {detection: measure_grids(detection) for detection in ("cell", "gap-minimum")}
+    results = {detection: compute_grid_results(detection) for detection in ("cell", "gap-minimum")}
     figure = Figure(figsize=(PAGE_WIDTH, 115 * INCHES_PER_MILLIMETRE), layout="constrained")
     axes = figure.subplots(2, 3, sharex=True)
     lines = [

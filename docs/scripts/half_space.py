@@ -16,13 +16,13 @@ from stiction import HertzCylinder, Profile, Surface, half_space, press, self_af
 
 DOCS_FOLDER = Path(__file__).parents[1]
 
-MODULUS = 10.0
+EFFECTIVE_MODULUS = 10.0
 RMS_SLOPE = 0.1
 """Root-mean-square slope of each body, along the profile or in all directions."""
 MU0 = 0.4
 TAU0_OVER_MODULUS = (0.0, 0.02)
 """tau0 in units of E*."""
-PRESSURES = (0.002, 0.02, 0.1)
+RELATIVE_PRESSURES = (0.002, 0.02, 0.1)
 """Mean pressures in units of E* times the rms slope of the gap."""
 HURST_EXPONENTS = (0.5, 0.8)
 NUM_PAIRS = {("lines", 8): 24, ("lines", 32): 24, ("lines", 128): 16, ("surfaces", 8): 12, ("surfaces", 32): 6}
@@ -67,7 +67,9 @@ def create_body(kind: str, hurst: float, band: int, repetition: int, side: str) 
 
 def friction_coefficient(sums: dict[str, np.ndarray], strength: float) -> np.ndarray:
     tangential, normal = (
-        sums[f"{way}_elastic"] + MU0 * sums[f"{way}_frictional"] + strength * MODULUS * sums[f"{way}_adhesive"]
+        sums[f"{way}_elastic"]
+        + MU0 * sums[f"{way}_frictional"]
+        + strength * EFFECTIVE_MODULUS * sums[f"{way}_adhesive"]
         for way in ("tangential", "normal")
     )
     return tangential / normal
@@ -80,7 +82,7 @@ def solve_half_space(upper, lower, loads: np.ndarray) -> np.ndarray:
     for rule in SLIDING_RULES:
         both = [curve.with_sliding(rule) for curve in curves]
         columns += [
-            np.mean([one.friction_coefficient(mu0=MU0, tau0=strength * MODULUS) for one in both], axis=0)
+            np.mean([one.friction_coefficient(mu0=MU0, tau0=strength * EFFECTIVE_MODULUS) for one in both], axis=0)
             for strength in TAU0_OVER_MODULUS
         ]
     return np.array(columns).T
@@ -99,24 +101,25 @@ def solve_asperities(upper, lower, loads: np.ndarray, deepest: float) -> np.ndar
         assert (load[first] >= loads).all(), "a load is not reached"
         part = (loads - load[first - 1]) / (load[first] - load[first - 1])
 
-        def between(values, first=first, part=part):
+        def interpolate_between(values, first=first, part=part):
             return values[first - 1] + part * (values[first] - values[first - 1])
 
         if not columns:
-            columns = [between(both[0].contact_area), between(np.gradient(load, approaches))]
+            columns = [interpolate_between(both[0].contact_area), interpolate_between(np.gradient(load, approaches))]
         for strength in TAU0_OVER_MODULUS:
             each = [
-                friction_coefficient({name: between(getattr(one, name)) for name in names}, strength) for one in both
+                friction_coefficient({name: interpolate_between(getattr(one, name)) for name in names}, strength)
+                for one in both
             ]
             columns.append(np.mean(each, axis=0))
     return np.array(columns).T
 
 
-def measure_pair(kind: str, band: int, hurst: float, repetition: int) -> np.ndarray:
+def compute_pair_results(kind: str, band: int, hurst: float, repetition: int) -> np.ndarray:
     """Return results (load, model, column) of a pair: half-space, asperities."""
     upper, lower = (create_body(kind, hurst, band, repetition, side) for side in ("upper", "lower"))
     slope = RMS_SLOPE * math.sqrt(2)
-    loads = np.array(PRESSURES) * MODULUS * slope  # mN on 1 µm²
+    loads = np.array(RELATIVE_PRESSURES) * EFFECTIVE_MODULUS * slope  # mN on 1 µm²
     gap = upper.heights - lower.heights
     return np.stack(
         [solve_half_space(upper, lower, loads), solve_asperities(upper, lower, loads, float(np.ptp(gap)))], axis=1
@@ -152,8 +155,8 @@ def draw(results: dict) -> None:
             ):
                 mean, low, high = ratio_with_interval(results[body_kind, band, hurst], column)
                 ax.errorbar(
-                    np.array(PRESSURES) * 1.05 ** (k - 2), mean, (mean - low, high - mean), lw=0.9, elinewidth=0.7,
-                    marker=MARKERS[hurst], ms=3, color=COLOURS[band], mfc="white" if hurst == 0.5 else COLOURS[band],
+                    np.array(RELATIVE_PRESSURES) * 1.05 ** (k - 2), mean, (mean - low, high - mean), lw=0.9,
+                    elinewidth=0.7, marker=MARKERS[hurst], ms=3, color=COLOURS[band], mfc="white" if hurst == 0.5 else COLOURS[band],
                 )  # fmt: skip
             ax.axhline(1, color="0.6", lw=0.6, zorder=0)
             ax.set_xscale("log")
@@ -168,7 +171,7 @@ def draw(results: dict) -> None:
     axes[1, 0].yaxis.set_ticks((0.3, 0.5, 1, 2), labels=["0.3", "0.5", "1", "2"])
     axes[1, 0].yaxis.minorticks_off()
     for ax in axes[-1]:
-        ax.xaxis.set_ticks(PRESSURES, labels=[f"{load:g}" for load in PRESSURES])
+        ax.xaxis.set_ticks(RELATIVE_PRESSURES, labels=[f"{load:g}" for load in RELATIVE_PRESSURES])
         ax.set_xlabel(r"$\bar p\,/\,E^* h'$", fontsize=8)
     ax = axes[0, 0]
     marks = [ax.plot([], [], color=c, label=f"longest / shortest wavelength {band}")[0] for band, c in COLOURS.items()]
@@ -197,7 +200,7 @@ def format_tables(results: dict) -> str:
         "|---|---|---|---|---|---|---|---|",
     ]
     for (kind, band, hurst), values in results.items():
-        for load, pressure in enumerate(PRESSURES):
+        for load, pressure in enumerate(RELATIVE_PRESSURES):
             start = f"| {kind} | {band} | {hurst:g} | {pressure:g} |"
             share = values[:, load, 0, AREA_COLUMN].mean()
             first.append(
@@ -225,7 +228,7 @@ def format_tables(results: dict) -> str:
 def main(workers: int = 1) -> None:
     keys = [(kind, band, hurst) for (kind, band), hurst in product(NUM_PAIRS, HURST_EXPONENTS)]
     with ProcessPoolExecutor(workers) as pool:
-        jobs = {key: [pool.submit(measure_pair, *key, k) for k in range(NUM_PAIRS[key[:2]])] for key in keys}
+        jobs = {key: [pool.submit(compute_pair_results, *key, k) for k in range(NUM_PAIRS[key[:2]])] for key in keys}
         results = {key: np.array([job.result() for job in item]) for key, item in jobs.items()}
     draw(results)
     (DOCS_FOLDER / "generated/half_space.md").write_text(format_tables(results), encoding="utf-8")

@@ -13,7 +13,7 @@ MU0, TAU0 = 0.4, 0.1  # GPa, 1 % of E*
 PRESSURE = 0.02  # GPa
 
 
-def make_map(side, hurst, stretch):
+def create_map(side, hurst, stretch):
     """Return a map of rms gradient 0.15 with wavelengths of 0.8 to 6.4 µm, longer by `stretch` along y."""
     body = self_affine_surface(
         11,
@@ -30,7 +30,7 @@ def make_map(side, hurst, stretch):
     return Surface(heights, spacing=(stretch * SPACING, SPACING))
 
 
-def measure_pair(upper, lower):
+def compute_pair_results(upper, lower):
     """Return A/A0 (%) and mu_s (opposing rule, mean over four directions) without tau0 and with tau0."""
     area = np.prod(upper.extent)
     curve = half_space(upper, lower, [PRESSURE * area], direction=[0.0, 90.0, 180.0, 270.0])
@@ -67,13 +67,13 @@ def main():
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for hurst, stretch in [(0.4, 1), (0.5, 1), (0.6, 1), (0.7, 1), (0.8, 1), (0.9, 1), (0.8, 2), (0.8, 4)]:
-        bodies = [make_map(side, hurst, stretch) for side in ("upper", "lower")]
+        bodies = [create_map(side, hurst, stretch) for side in ("upper", "lower")]
         kinds = {"the map": list(cut_pieces(*bodies)), "sections along x": list(generate_surrogates(*bodies, "row"))}
         if stretch > 1:
             kinds["sections along y"] = list(generate_surrogates(*bodies, "column"))
         map_mean = None
         for kind, pairs in kinds.items():
-            result = np.array([measure_pair(*pair) for pair in pairs])
+            result = np.array([compute_pair_results(*pair) for pair in pairs])
             mean, error = result.mean(axis=0), result.std(axis=0, ddof=1) / np.sqrt(NUM_PAIRS)
             map_mean = mean if map_mean is None else map_mean
             cells = []

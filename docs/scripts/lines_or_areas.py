@@ -23,7 +23,7 @@ def generate_surfaces(repetition):
     )  # fmt: skip
 
 
-def measure_pair(upper, lower):
+def compute_pair_results(upper, lower):
     """Return A/A0 (%) and mu_s of each contact model."""
     area = (NUM_POINTS * SPACING) ** 2
     load = [PRESSURE * area]
@@ -56,7 +56,7 @@ def measure_pair(upper, lower):
 
 def main():
     tamaas.set_log_level(tamaas.LogLevel.error)
-    results = [measure_pair(*generate_surfaces(repetition)) for repetition in range(NUM_PAIRS)]
+    results = [compute_pair_results(*generate_surfaces(repetition)) for repetition in range(NUM_PAIRS)]
     lines = ["| method | A/A0 (%) | μ_s, friction at opposing contacts |", "|---|---|---|"]
     for name in results[0]:
         values = np.array([item[name] for item in results]) * [100, 1]

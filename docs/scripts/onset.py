@@ -20,17 +20,17 @@ from stiction._number_format import format_with_interval
 
 DOCS_FOLDER = Path(__file__).parents[1]
 
-MODULUS = 10.0
+EFFECTIVE_MODULUS = 10.0
 MU0 = 0.3
 POISSON_RATIO = 0.3
 TAU0_OVER_MODULUS = (0.0, 0.02)
 """tau0 in units of E*, at an rms gradient of the gap of 0.14."""
 BANDWIDTHS = (8, 16, 32)
 """Longest over shortest wavelength."""
-PRESSURES = (0.002, 0.02, 0.1)
+RELATIVE_PRESSURES = (0.002, 0.02, 0.1)
 """Mean pressure in units of E* h'."""
 NUM_PAIRS = 6
-AREA_CHANGES = {
+MAP_STUDY_CHANGES = {
     "surfaces.kind": "surface", "surfaces.shape": [256, 256], "surfaces.extent": ["10 um", "10 um"],
     "surfaces.band_limit": "nyquist", "surfaces.fractal_dimension": [1.0, 1.2, 1.4, 1.6], "ensemble.repetitions": 30,
 }  # fmt: skip
@@ -56,7 +56,7 @@ def rms_gradient(heights: np.ndarray) -> float:
 def create_pair(band: int, repetition: int, **surface_options: float) -> tuple[Surface, Surface, float]:
     """Return upper and lower surface, and the load for a mean pressure of E* h'."""
     upper, lower = (create_surface(band, repetition, side, **surface_options) for side in ("upper", "lower"))
-    return upper, lower, MODULUS * rms_gradient(upper.heights - lower.heights)
+    return upper, lower, EFFECTIVE_MODULUS * rms_gradient(upper.heights - lower.heights)
 
 
 def table_header(*names: str) -> list[str]:
@@ -83,20 +83,24 @@ def compare_asperities() -> list[str]:
         "fraction of the load that slips at half of the sliding load: half-space, asperities",
     )
     for band in BANDWIDTHS:
-        result = [[[] for _ in range(6)] for _ in PRESSURES]
+        result = [[[] for _ in range(6)] for _ in RELATIVE_PRESSURES]
         for repetition in range(NUM_PAIRS):
             upper, lower, unit = create_pair(band, repetition)
             exact = half_space(
-                upper, lower, np.multiply(PRESSURES, unit), effective_modulus=MODULUS, boundary="periodic"
+                upper,
+                lower,
+                np.multiply(RELATIVE_PRESSURES, unit),
+                effective_modulus=EFFECTIVE_MODULUS,
+                boundary="periodic",
             )
             span = np.ptp(upper.heights - lower.heights)
             ladder = np.geomspace(1e-3, 1, 300) * span
-            curve = press(upper, lower, ladder, effective_modulus=MODULUS)
+            curve = press(upper, lower, ladder, effective_modulus=EFFECTIVE_MODULUS)
             approaches = np.interp(exact.load, np.maximum.accumulate(curve.normal_elastic), ladder)
-            curve = press(upper, lower, approaches, effective_modulus=MODULUS)
-            for k in range(len(PRESSURES)):
+            curve = press(upper, lower, approaches, effective_modulus=EFFECTIVE_MODULUS)
+            for k in range(len(RELATIVE_PRESSURES)):
                 onsets = [
-                    [one.onset(k, mu0=MU0, tau0=tau0 * MODULUS, steps=[0.5, 1.0]) for one in (curve, exact)]
+                    [one.onset(k, mu0=MU0, tau0=tau0 * EFFECTIVE_MODULUS, steps=[0.5, 1.0]) for one in (curve, exact)]
                     for tau0 in TAU0_OVER_MODULUS
                 ]
                 result[k][0].append(onsets[0][0].stiffness / onsets[0][1].stiffness)
@@ -105,7 +109,7 @@ def compare_asperities() -> list[str]:
                 result[k][3].append(onsets[1][0].sliding_load / onsets[1][1].sliding_load)
                 result[k][4].append(onsets[0][1].slipped_load[0])
                 result[k][5].append(onsets[0][0].slipped_load[0])
-        for load, columns in zip(PRESSURES, result, strict=True):
+        for load, columns in zip(RELATIVE_PRESSURES, result, strict=True):
             ratios = " | ".join(format_ratio_interval(column) for column in columns[:4])
             slips = ", ".join(f"{100 * np.mean(column):.0f} %" for column in columns[4:])
             lines.append(f"| {band} | {load:g} | {ratios} | {slips} |")
@@ -124,23 +128,23 @@ def compare_kernels() -> list[str]:
         if axis is not None:
             gap = np.concatenate([np.take(upper.heights - lower.heights, np.arange(0, n, 4), axis)] * 4, axis)
         bodies = Surface(gap, spacing=1 / n), Surface(np.zeros(gap.shape), spacing=1 / n)
-        curve = half_space(*bodies, [0.02 * unit], effective_modulus=MODULUS, boundary="periodic")
+        curve = half_space(*bodies, [0.02 * unit], effective_modulus=EFFECTIVE_MODULUS, boundary="periodic")
         touching = curve.contact(0).pressure > 0
         simple = curve.onset(0, mu0=MU0, poisson=POISSON_RATIO, steps=1).stiffness
-        ratios = [_stuck_load(touching, both=both) / simple for both in (False, True)]
+        ratios = [_sticking_load(touching, both=both) / simple for both in (False, True)]
         lines.append(f"| {name} | {ratios[0]:.3f} | {ratios[1]:.3f} |")
         print(lines[-1], flush=True)
     return lines
 
 
-def _stuck_load(touching: np.ndarray, *, both: bool) -> float:
+def _sticking_load(touching: np.ndarray, *, both: bool) -> float:
     """Return the load that displaces all contact points by 1 along x; `both` also prevents displacement along y."""
     n = touching.shape[0]
     k = 2 * np.pi * np.stack(np.meshgrid(scipy.fft.fftfreq(n, 1 / n), scipy.fft.rfftfreq(n, 1 / n), indexing="ij"))
     size = np.hypot(*k)
     size[0, 0] = np.inf
     # With G of both bodies in series, E* = 2 G'/(1 - ν): u = 2/(E* (1 - ν) |k|) (1 - ν kx²/k²) q.
-    scale = 2 / (MODULUS * (1 - POISSON_RATIO) * size)
+    scale = 2 / (EFFECTIVE_MODULUS * (1 - POISSON_RATIO) * size)
     straight = [scale * (1 - POISSON_RATIO * (k[axis] / size) ** 2) for axis in (1, 0)]
     crossed = -scale * POISSON_RATIO * k[0] * k[1] / size**2
     count = int(touching.sum())
@@ -160,7 +164,7 @@ def _stuck_load(touching: np.ndarray, *, both: bool) -> float:
     expected = np.zeros(size_of)
     expected[:count] = 1.0
     # The kernel has no mean; a constant makes it positive definite, and is subtracted from the result.
-    lift = 10.0 / MODULUS
+    lift = 10.0 / EFFECTIVE_MODULUS
 
     def compute_lifted_displacement(q: np.ndarray) -> np.ndarray:
         result = compute_displacement(q)
@@ -175,7 +179,7 @@ def _stuck_load(touching: np.ndarray, *, both: bool) -> float:
     return float(1 / (1 / load - lift))
 
 
-def measure_times() -> list[str]:
+def measure_solution_times() -> list[str]:
     lines = table_header(
         "boundary, mean pressure",
         "time of the normal load",
@@ -184,12 +188,12 @@ def measure_times() -> list[str]:
     )
     upper, lower, unit = create_pair(32, 0)
     for boundary, pressure in product(("periodic", "free"), (0.02, 0.1)):
-        half_space(upper, lower, [0.01 * unit], effective_modulus=MODULUS, boundary=boundary)
+        half_space(upper, lower, [0.01 * unit], effective_modulus=EFFECTIVE_MODULUS, boundary=boundary)
         start = time.process_time()
-        curve = half_space(upper, lower, [pressure * unit], effective_modulus=MODULUS, boundary=boundary)
+        curve = half_space(upper, lower, [pressure * unit], effective_modulus=EFFECTIVE_MODULUS, boundary=boundary)
         normal = time.process_time() - start
         start = time.process_time()
-        curve.onset(0, mu0=MU0, tau0=0.02 * MODULUS)
+        curve.onset(0, mu0=MU0, tau0=0.02 * EFFECTIVE_MODULUS)
         onset_time = time.process_time() - start
         lines.append(
             f"| {boundary}, {pressure:g} E\\* h' | {normal:.2f} s | {onset_time:.1f} s "
@@ -207,18 +211,18 @@ def compare_models() -> list[str]:
     )  # fmt: skip
     upper, lower, unit = create_pair(16, 0)
     for boundary in ("periodic", "free"):
-        loads = np.multiply(PRESSURES, unit)
-        curve = half_space(upper, lower, loads, effective_modulus=MODULUS, boundary=boundary)
-        for k, tau0 in product(range(len(PRESSURES)), TAU0_OVER_MODULUS):
-            onset = curve.onset(k, mu0=MU0, tau0=tau0 * MODULUS)
+        loads = np.multiply(RELATIVE_PRESSURES, unit)
+        curve = half_space(upper, lower, loads, effective_modulus=EFFECTIVE_MODULUS, boundary=boundary)
+        for k, tau0 in product(range(len(RELATIVE_PRESSURES)), TAU0_OVER_MODULUS):
+            onset = curve.onset(k, mu0=MU0, tau0=tau0 * EFFECTIVE_MODULUS)
             iwan, lugre = onset.iwan(), onset.lugre()
             lost = onset.energy_lost(onset.tangential_load[4:])
             energy_error = math.sqrt(np.mean((iwan.energy_lost(onset.displacement[4:]) / lost - 1) ** 2))
             residuals = [math.sqrt(np.mean(one.residual**2)) / onset.sliding_load for one in (iwan, lugre)]
             errors = [f"{100 * one:.1f} %" for one in residuals]
             lines.append(
-                f"| {boundary} | {PRESSURES[k]:g} | {tau0:g} | {iwan.chi:.2f}, {iwan.beta:.2f} | {errors[0]} | "
-                f"{100 * energy_error:.0f} % | {lugre.stiffness / onset.stiffness:.2f} | {errors[1]} |"
+                f"| {boundary} | {RELATIVE_PRESSURES[k]:g} | {tau0:g} | {iwan.chi:.2f}, {iwan.beta:.2f} | "
+                f"{errors[0]} | {100 * energy_error:.0f} % | {lugre.stiffness / onset.stiffness:.2f} | {errors[1]} |"
             )
             print(lines[-1], flush=True)
     return lines
@@ -232,7 +236,7 @@ def compare_slopes() -> list[str]:
             upper,
             lower,
             [0.02 * unit],
-            effective_modulus=MODULUS,
+            effective_modulus=EFFECTIVE_MODULUS,
             boundary="periodic",
             sliding="all",
             direction=[0, 180],
@@ -243,12 +247,12 @@ def compare_slopes() -> list[str]:
     return lines
 
 
-def compute_over_dimension() -> list[str]:
+def compute_onset_over_dimension() -> list[str]:
     """Compute the onset of profiles (built-in study) and of maps over D; draw the one of profiles."""
     lines = run(Study.named("presliding"), progress=True)
     figure = lines.figure("onset")
     figure.savefig(DOCS_FOLDER / "images/onset_dimension.png", dpi=300)
-    areas = run(Study.named("presliding").with_changes(AREA_CHANGES), progress=True)
+    areas = run(Study.named("presliding").with_changes(MAP_STUDY_CHANGES), progress=True)
     rows = table_header(
         "D",
         *(
@@ -338,8 +342,8 @@ def main(*names: str) -> None:
         "kernel": compare_kernels,
         "slopes": compare_slopes,
         "fits": compare_models,
-        "costs": measure_times,
-        "dimension": compute_over_dimension,
+        "costs": measure_solution_times,
+        "dimension": compute_onset_over_dimension,
     }
     for name in names or tables:
         target = DOCS_FOLDER / f"generated/onset_{name}.md"

@@ -38,7 +38,7 @@ def generate_pages(docs: Path) -> dict[str, str]:
     }
 
 
-def _row(*cells: str) -> str:
+def _markdown_row(*cells: str) -> str:
     return markdown_row(cells)
 
 
@@ -50,7 +50,10 @@ def verdict_table(table: Path, titles: Sequence[str]) -> str:
     columns = [head.index(title) for title in titles]
     head = [cell.split(", and its")[0].removesuffix(" or test") for cell in head]
     claims = [row for row in rows if row[0].startswith("**")]
-    return "\n".join(_row(*(_verdict_badge(row[column]) for column in columns)) for row in (head, rule, *claims)) + "\n"
+    return (
+        "\n".join(_markdown_row(*(_verdict_badge(row[column]) for column in columns)) for row in (head, rule, *claims))
+        + "\n"
+    )
 
 
 def _verdict_badge(cell: str) -> str:
@@ -71,7 +74,9 @@ def render_api_tables(docs: Path) -> str:
         title = re.search(r"^# (.*)$", text, re.MULTILINE)
         assert title is not None
         lines += [f"## [{title[1]}](api_{group}.md)", "", "| name | description |", "|---|---|"]
-        lines += [_row(f"`{name.split('.')[-1]}`", _summary(name)) for name in ENTRY_PATTERN.findall(text)]
+        lines += [
+            _markdown_row(f"`{name.split('.')[-1]}`", _docstring_summary(name)) for name in ENTRY_PATTERN.findall(text)
+        ]
         lines.append("")
     return "\n".join(lines)
 
@@ -86,7 +91,7 @@ def find_link_targets(docs: Path) -> dict[str, str]:
     return {name.split(".")[-1]: name if name.startswith("stiction.") else f"stiction.{name}" for name in result}
 
 
-def _summary(name: str) -> str:
+def _docstring_summary(name: str) -> str:
     """Return the first paragraph of a docstring."""
     result: object = stiction
     parts = name.removeprefix("stiction.").split(".")
@@ -113,7 +118,7 @@ def render_command_sections() -> str:
         usage = command.get_usage(context).partition(":")[2].strip()
         lines += [f"## `stiction {name}`", "", *_split_paragraphs(command.help or ""), "", "```text", usage, "```", ""]
         for kind in ("argument", "option"):
-            rows = [_parameter(param) for param in command.get_params(context) if param.param_type_name == kind]
+            rows = [_parameter_row(param) for param in command.get_params(context) if param.param_type_name == kind]
             if rows:
                 lines += [f"| {kind} | default | meaning |", "|---|---|---|", *rows, ""]
         shown = re.findall(r"^  (stiction (?:.*\\\n)*.*)$", command.epilog or "", re.MULTILINE)
@@ -125,17 +130,17 @@ def _split_paragraphs(text: str) -> list[str]:
     return [" ".join(part.split()) + "\n" for part in text.split("\n\n")]
 
 
-def _parameter(parameter: Any) -> str:
+def _parameter_row(parameter: Any) -> str:
     shown = parameter.metavar or ""
     if parameter.param_type_name == "argument":
-        return _row(f"`{shown}`", "" if parameter.required else "none", parameter.help or "")
+        return _markdown_row(f"`{shown}`", "" if parameter.required else "none", parameter.help or "")
     render_api_tables = ", ".join(f"`{each}`" for each in sorted(parameter.opts, key=len, reverse=True))
     value = "" if parameter.is_flag else f" `{shown}`"
     default = parameter.show_default if isinstance(parameter.show_default, str) else parameter.default
     if parameter.name == "help" or parameter.is_flag:
         default = ""
     words = "required" if parameter.required else "none" if default in (None, False) else str(default)
-    return _row(render_api_tables + value, words, parameter.help or "")
+    return _markdown_row(render_api_tables + value, words, parameter.help or "")
 
 
 # ---- Roughness parameters -------------------------------------------------------------------------------------------
@@ -148,10 +153,17 @@ def render_parameter_tables() -> str:
     tables = {f"Parameters of the {name}": PROFILE_PARAMETERS[letter] for letter, name in _PROFILE_TITLES.items()}
     lines = []
     for title, result in (tables | {"Parameters of a surface": SURFACE_PARAMETERS}).items():
-        lines += [f"## {title}", "", _row("name", "meaning", "formula", "unit", "needs", "source"), f"|{6 * '---|'}"]
+        lines += [
+            f"## {title}",
+            "",
+            _markdown_row("name", "meaning", "formula", "unit", "needs", "source"),
+            f"|{6 * '---|'}",
+        ]
         for each in result:
             formula = f"${each.formula}$".replace("|", r"\vert ")
-            lines.append(_row(f"*{each.name}*", each.meaning, formula, each.unit or "1", each.needs, each.source))
+            lines.append(
+                _markdown_row(f"*{each.name}*", each.meaning, formula, each.unit or "1", each.needs, each.source)
+            )
         lines.append("")
     return "\n".join(lines)
 
@@ -162,5 +174,9 @@ def render_parameter_tables() -> str:
 def render_study_table() -> str:
     """Return a table of the built-in studies."""
     return "\n".join(
-        ["| study | description |", "|---|---|", *(_row(f"`{name}`", study_summary(name)) for name in study_names())]
+        [
+            "| study | description |",
+            "|---|---|",
+            *(_markdown_row(f"`{name}`", study_summary(name)) for name in study_names()),
+        ]
     )

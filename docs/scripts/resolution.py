@@ -23,7 +23,7 @@ from stiction import (
 DOCS_FOLDER = Path(__file__).parent.parent
 RESULTS_FOLDER = Path("resolution")
 LARGE_MAP_POINTS, SMALL_MAP_POINTS, SPACING = 1024, 512, 0.01  # spacing in µm
-MODULUS, HARDNESS, MU0, TAU0 = 115.0, 4.0, 0.2, 0.2  # GPa
+EFFECTIVE_MODULUS, HARDNESS, MU0, TAU0 = 115.0, 4.0, 0.2, 0.2  # GPa
 PRESSURE, HIGH_PRESSURE = 0.02, 0.2  # GPa
 HURST_EXPONENTS = (0.4, 0.8)
 GAP_GRADIENTS = {0.4: 0.6, 0.8: 0.25}
@@ -53,15 +53,15 @@ def create_pair(hurst, index, points, longest):
     return [Surface(factor * body.heights, spacing=SPACING) for body in bodies]
 
 
-def compute_settling():
+def compute_coarser_cutoffs():
     """Compute pairs at their own and coarser resolutions, with and without a hardness."""
     results = []
     for hurst in HURST_EXPONENTS:
         for index in range(NUM_PAIRS):
             bodies = create_pair(hurst, index, LARGE_MAP_POINTS, LARGE_MAP_POINTS // 4)
-            results.append({"hurst": hurst, **measure_pair(bodies, CUTOFFS, HARDNESS, "plastic")})
-            results[-1] |= measure_pair(bodies, CUTOFFS, None, "elastic")
-            results[-1] |= {"softer": measure_pair(bodies, CUTOFFS[-1:], HARDNESS / 2, "plastic")["plastic"]}
+            results.append({"hurst": hurst, **compute_pair_results(bodies, CUTOFFS, HARDNESS, "plastic")})
+            results[-1] |= compute_pair_results(bodies, CUTOFFS, None, "elastic")
+            results[-1] |= {"softer": compute_pair_results(bodies, CUTOFFS[-1:], HARDNESS / 2, "plastic")["plastic"]}
             print(hurst, index, results[-1]["plastic"]["area"], results[-1]["plastic"]["all"], flush=True)
             save_results("settling", results)
 
@@ -72,16 +72,16 @@ def compute_brackets():
     for hurst in HURST_EXPONENTS:
         for index in range(NUM_BRACKETED_PAIRS):
             bodies = create_pair(hurst, 2000 + index, LARGE_MAP_POINTS // 4, LARGE_MAP_POINTS // 16)
-            results.append({"hurst": hurst, **measure_pair(bodies, CUTOFFS[:2], HARDNESS, "plastic")})
+            results.append({"hurst": hurst, **compute_pair_results(bodies, CUTOFFS[:2], HARDNESS, "plastic")})
             print(hurst, index, results[-1]["plastic"]["area"], flush=True)
             save_results("bracketing", results)
 
 
-def measure_pair(bodies, seen, hardness, name):
+def compute_pair_results(bodies, seen, hardness, name):
     load = PRESSURE * math.prod(bodies[0].extent)
     result = resolution(
         *bodies, [load], hardness=hardness, cut_offs=[item * SPACING for item in seen], mu0=MU0, tau0=TAU0,
-        effective_modulus=MODULUS, boundary="periodic",
+        effective_modulus=EFFECTIVE_MODULUS, boundary="periodic",
     )  # fmt: skip
     by_rule = result.friction_coefficient[..., 0]
     answer = {
@@ -121,20 +121,28 @@ def compute_extrapolations():
             fine = create_pair(hurst, 1000 + index, SMALL_MAP_POINTS, SMALL_MAP_POINTS)
             coarse = [simulate_coarser_scan(body, 32, 4) for body in fine]
             # The mean elastic contact pressure reaches this hardness at about 10 points.
-            hardness = MODULUS * GAP_GRADIENTS[hurst] / 2.2 * (4 / 10) ** (1 - hurst)
-            options = {"mu0": MU0, "tau0": TAU0, "effective_modulus": MODULUS, "boundary": "periodic", "cut_offs": []}
+            hardness = EFFECTIVE_MODULUS * GAP_GRADIENTS[hurst] / 2.2 * (4 / 10) ** (1 - hurst)
+            options = {
+                "mu0": MU0,
+                "tau0": TAU0,
+                "effective_modulus": EFFECTIVE_MODULUS,
+                "boundary": "periodic",
+                "cut_offs": [],
+            }
             coarse_result = resolution(*coarse, [load], hardness=hardness, **options)
             fine_curve = half_space(
-                *fine, [load], effective_modulus=MODULUS, boundary="periodic", sliding="all",
+                *fine, [load], effective_modulus=EFFECTIVE_MODULUS, boundary="periodic", sliding="all",
                 direction=[0.0, 90.0, 180.0, 270.0],
             )  # fmt: skip
             friction = float(
                 fine_curve.tangential_load(mu0=MU0, tau0=TAU0).mean()
                 / fine_curve.normal_load(mu0=MU0, tau0=TAU0).mean()
             )
-            kappa = float(fine_curve.contact_area[0]) * MODULUS * gap_gradient(fine) / load
+            kappa = float(fine_curve.contact_area[0]) * EFFECTIVE_MODULUS * gap_gradient(fine) / load
             gap = Surface(fine[0].heights - fine[1].heights, spacing=SPACING)
-            plastic_wavelength = scale_dependent_roughness(gap, periodic=True).wavelength_of(kappa * hardness / MODULUS)
+            plastic_wavelength = scale_dependent_roughness(gap, periodic=True).wavelength_of(
+                kappa * hardness / EFFECTIVE_MODULUS
+            )
             extrapolated = coarse_result.sel(finer_wavelength=4 * SPACING, method="nearest")
             coarse_gap = Surface(coarse[0].heights - coarse[1].heights, spacing=4 * SPACING)
             estimate = estimate_gap_hurst_exponent(coarse_gap, True)
@@ -216,7 +224,7 @@ def load_results(name):
     return json.loads((RESULTS_FOLDER / f"{name}.json").read_text(encoding="utf-8"))
 
 
-def render_settling_rows(rows):
+def render_coarser_cutoff_rows(rows):
     """Return the table of one Hurst exponent: differences of results at coarser cutoffs from the finest."""
 
     def mean(model, name, factor=1.0, digits=3):
@@ -380,11 +388,11 @@ def write_page():
     by_hurst = {hurst: [row for row in settled if row["hurst"] == hurst] for hurst in HURST_EXPONENTS}
     lines = []
     for rows in by_hurst.values():
-        lines += [*render_settling_rows(rows), ""]
+        lines += [*render_coarser_cutoff_rows(rows), ""]
     lines += [
         f"Means over pairs of maps of {LARGE_MAP_POINTS}² points with wavelengths from 4 points to a quarter of the "
         "side, "
-        f"filtered at the cutoff wavelength of each column. E\\* is {MODULUS:g} GPa, the nominal pressure "
+        f"filtered at the cutoff wavelength of each column. E\\* is {EFFECTIVE_MODULUS:g} GPa, the nominal pressure "
         f"{1e3 * PRESSURE:g} MPa, μ0 {MU0:g} and τ0 {1e3 * TAU0:g} MPa.",
         "",
         *render_yield_deviation_rows(by_hurst),
@@ -452,7 +460,7 @@ def draw_figure(by_hurst, together):
 
 if __name__ == "__main__":
     parts = {
-        "settling": compute_settling,
+        "settling": compute_coarser_cutoffs,
         "bracketing": compute_brackets,
         "continuing": compute_extrapolations,
         "joining": compute_joined_spectrum,

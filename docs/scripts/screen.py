@@ -5,12 +5,14 @@ import sys
 import tempfile
 
 import matplotlib as mpl
-from first import INPUTS, ROOT, SCANS
+from first import EXAMPLE_INPUTS, ROOT, SCANS_FOLDER
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from stiction.views.style import INCHES_PER_MILLIMETRE, MATPLOTLIB_STYLE
 
-COMMAND_OPTIONS = [text for name, value in (INPUTS | {"load": "50 MPa"}).items() for text in (f"--{name}", str(value))]
+COMMAND_OPTIONS = [
+    text for name, value in (EXAMPLE_INPUTS | {"load": "50 MPa"}).items() for text in (f"--{name}", str(value))
+]
 NUM_COLUMNS = 80  # characters in a line of the terminal
 LINE_HEIGHT, CHARACTER_WIDTH = 4.2, 1.98  # mm
 IMAGE_MARGIN, LABEL_WIDTH, DISC_RADIUS = 3.0, 7.0, 1.75  # mm
@@ -38,7 +40,14 @@ PART_TEXTS = [
 def run_example() -> list[str]:
     """Return the lines that README's example prints."""
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "stiction", "pair", SCANS / "lapped_upper.csv", SCANS / "lapped_lower.csv"]
+        command = [
+            sys.executable,
+            "-m",
+            "stiction",
+            "pair",
+            SCANS_FOLDER / "lapped_upper.csv",
+            SCANS_FOLDER / "lapped_lower.csv",
+        ]
         completed = subprocess.run(
             [*command, *COMMAND_OPTIONS],
             cwd=folder,

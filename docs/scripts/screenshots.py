@@ -13,7 +13,7 @@ import tempfile
 from pathlib import Path
 
 import stiction as st
-from first import INPUTS, ROOT, SCANS
+from first import EXAMPLE_INPUTS, ROOT, SCANS_FOLDER
 from stiction.views.report import save_report
 
 IMAGE_FOLDER = ROOT / "docs/images"
@@ -39,7 +39,11 @@ def save_screenshot(driver, name: str, height: int) -> None:
 def draw_report(driver, folder: Path) -> None:
     """Draw the report of README's pair, light and dark."""
     result = st.pair(
-        SCANS / "lapped_upper.csv", SCANS / "lapped_lower.csv", directory=folder / "pair", load="50 MPa", **INPUTS
+        SCANS_FOLDER / "lapped_upper.csv",
+        SCANS_FOLDER / "lapped_lower.csv",
+        directory=folder / "pair",
+        load="50 MPa",
+        **EXAMPLE_INPUTS,
     )
     save_report(result, folder / "report.html")
     for suffix, dark in (("", False), ("_dark", True)):
