@@ -44,22 +44,28 @@ def compute_profile_results(
 ) -> np.ndarray:
     """Return contact fraction, count and stiffness (GPa/µm): (load, boundary elements | model | interacting, 3)."""
     points, _ = BANDWIDTHS[bandwidth]
-    random = np.random.default_rng([SEED, repetition])
-    heights = band_limited_profile(random, hurst, bandwidth, finer * points)
-    solid, asperities = PeriodicHalfSpace(heights, PERIOD, tolerance=tolerance), PeriodicAsperities(heights, PERIOD)
+    generator = np.random.default_rng([SEED, repetition])
+    heights = band_limited_profile(generator, hurst, bandwidth, finer * points)
+    half_space_solver, asperity_solver = (
+        PeriodicHalfSpace(heights, PERIOD, tolerance=tolerance),
+        PeriodicAsperities(heights, PERIOD),
+    )
     pressures = RELATIVE_LOADS * EFFECTIVE_MODULUS * RMS_SLOPE
     return np.array(
-        [(solid.measure(p), asperities.measure(p), asperities.measure_with_interaction(p)) for p in pressures]
+        [
+            (half_space_solver.measure(p), asperity_solver.measure(p), asperity_solver.measure_with_interaction(p))
+            for p in pressures
+        ]
     )
 
 
 def mean_with_interval(ratios: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the geometric mean over axis 0, and the ends of its 95 % interval (Student's t); NaNs are ignored."""
-    logs = np.log(ratios)
-    n = np.isfinite(logs).sum(axis=0)
-    mean = np.nanmean(logs, axis=0)
-    half = student.ppf(0.975, n - 1) * np.nanstd(logs, axis=0, ddof=1) / np.sqrt(n)
-    return np.exp(mean), np.exp(mean - half), np.exp(mean + half)
+    log_ratios = np.log(ratios)
+    n = np.isfinite(log_ratios).sum(axis=0)
+    mean = np.nanmean(log_ratios, axis=0)
+    half_width = student.ppf(0.975, n - 1) * np.nanstd(log_ratios, axis=0, ddof=1) / np.sqrt(n)
+    return np.exp(mean), np.exp(mean - half_width), np.exp(mean + half_width)
 
 
 def format_ratios(ratios: np.ndarray) -> str:
@@ -67,22 +73,22 @@ def format_ratios(ratios: np.ndarray) -> str:
     return f"{mean:.2f} ({low:.2f} to {high:.2f})"
 
 
-def draw_curve(ax, h: int, values: np.ndarray, style: str, *, filled: bool) -> None:
+def draw_curve(ax, hurst_index: int, values: np.ndarray, style: str, *, filled: bool) -> None:
     """Draw means over profiles with error bars at each load; only the filled curve is labelled."""
     mean, low, high = mean_with_interval(values)
     ax.errorbar(
-        RELATIVE_LOADS * 1.06 ** (h - 1),
+        RELATIVE_LOADS * 1.06 ** (hurst_index - 1),
         mean,
         (mean - low, high - mean),
         ls=style,
         lw=0.9,
         elinewidth=0.7,
-        marker=MARKERS[h],
+        marker=MARKERS[hurst_index],
         ms=2.8,
-        mfc=COLOURS[h] if filled else "white",
+        mfc=COLOURS[hurst_index] if filled else "white",
         mew=0.6,
-        color=COLOURS[h],
-        label=f"$H$ = {HURST_EXPONENTS[h]:g}" if filled else None,
+        color=COLOURS[hurst_index],
+        label=f"$H$ = {HURST_EXPONENTS[hurst_index]:g}" if filled else None,
     )
 
 
@@ -90,13 +96,13 @@ def draw_ratios(results: dict, quantity: int, label: str, name: str, solution, *
     figure = Figure(figsize=(3.15, 4.7), dpi=300, layout="constrained")
     axes = figure.subplots(3, 1, sharex=True, sharey=True)
     for ax, bandwidth in zip(axes, BANDWIDTHS, strict=True):
-        for h, hurst in enumerate(HURST_EXPONENTS):
+        for hurst_index, hurst in enumerate(HURST_EXPONENTS):
             values = results[bandwidth, hurst]
-            for way, style in ((1, "-"), (2, ":")):
-                ratios = values[:, :, way, quantity] / values[:, :, 0, quantity]
-                draw_curve(ax, h, ratios, style, filled=way == 1)
-        fine = np.geomspace(RELATIVE_LOADS[0] / 1.1, RELATIVE_LOADS[-1] * 1.1, 100)
-        ax.plot(fine, solution(fine * np.sqrt(2)), color="0.35", lw=0.9, ls="--", label="sinusoid, exact")
+            for model_index, style in ((1, "-"), (2, ":")):
+                ratios = values[:, :, model_index, quantity] / values[:, :, 0, quantity]
+                draw_curve(ax, hurst_index, ratios, style, filled=model_index == 1)
+        fine_loads = np.geomspace(RELATIVE_LOADS[0] / 1.1, RELATIVE_LOADS[-1] * 1.1, 100)
+        ax.plot(fine_loads, solution(fine_loads * np.sqrt(2)), color="0.35", lw=0.9, ls="--", label="sinusoid, exact")
         ax.axhline(1, color="0.7", lw=0.6, zorder=0)
         ax.set_title(f"longest / shortest wavelength {bandwidth}", fontsize=7, pad=2)
         ax.set_xscale("log")
@@ -113,9 +119,9 @@ def draw_ratios(results: dict, quantity: int, label: str, name: str, solution, *
     axes[1].set_ylabel(label, fontsize=7)
     ax.set_xlabel(r"$\bar p\,/\,E^* h'_{\mathrm{rms}}$", fontsize=7)
     handles, labels = ax.get_legend_handles_labels()
-    (dotted,) = ax.plot([], [], ":", color="0.2", marker="o", mfc="white", ms=2.8, mew=0.6, lw=0.9)
+    (dotted_line,) = ax.plot([], [], ":", color="0.2", marker="o", mfc="white", ms=2.8, mew=0.6, lw=0.9)
     figure.legend(
-        [*handles[1:], dotted, handles[0]],
+        [*handles[1:], dotted_line, handles[0]],
         [*labels[1:], "with interaction", labels[0]],
         loc="outside lower center",
         ncols=3,
@@ -131,14 +137,14 @@ def draw_kappa(results: dict) -> None:
     figure = Figure(figsize=(3.15, 4.7), dpi=300, layout="constrained")
     axes = figure.subplots(3, 1, sharex=True, sharey=True)
     for ax, bandwidth in zip(axes, BANDWIDTHS, strict=True):
-        for h, hurst in enumerate(HURST_EXPONENTS):
-            for way, style in ((0, "--"), (1, "-")):
+        for hurst_index, hurst in enumerate(HURST_EXPONENTS):
+            for model_index, style in ((0, "--"), (1, "-")):
                 draw_curve(
                     ax,
-                    h,
-                    results[bandwidth, hurst][:, :, way, FRACTION_COLUMN] / RELATIVE_LOADS,
+                    hurst_index,
+                    results[bandwidth, hurst][:, :, model_index, FRACTION_COLUMN] / RELATIVE_LOADS,
                     style,
-                    filled=way == 1,
+                    filled=model_index == 1,
                 )
         for (theory, value), style in zip(KAPPA_OF_THEORIES.items(), ("-", "-."), strict=True):
             ax.axhline(value, color="0.5", lw=0.7, ls=style, zorder=0, label=f"2-D: {theory}")
@@ -152,9 +158,9 @@ def draw_kappa(results: dict) -> None:
     axes[1].set_ylabel(r"$\kappa = (A/A_0)\, E^* h'_{\mathrm{rms}}\,/\,\bar p$", fontsize=7)
     axes[2].set_xlabel(r"$\bar p\,/\,E^* h'_{\mathrm{rms}}$", fontsize=7)
     handles, labels = axes[2].get_legend_handles_labels()
-    (dashed,) = axes[2].plot([], [], "--", color="0.2", marker="o", mfc="white", ms=2.8, mew=0.6, lw=0.9)
+    (dashed_line,) = axes[2].plot([], [], "--", color="0.2", marker="o", mfc="white", ms=2.8, mew=0.6, lw=0.9)
     figure.legend(
-        [*handles[2:], dashed, *handles[:2]],
+        [*handles[2:], dashed_line, *handles[:2]],
         [*labels[2:], "boundary elements", *labels[:2]],
         loc="outside lower center",
         ncols=2,
@@ -173,16 +179,18 @@ def render_load_rows(results: dict) -> list[str]:
     ]
     for (bandwidth, hurst), values in results.items():
         for k in TABLE_LOAD_INDICES:
-            solid, model, interacting = (values[:, k, way] for way in range(3))
+            half_space_values, model_values, interacting_values = (
+                values[:, k, model_index] for model_index in range(3)
+            )
             cells = [
                 f"{bandwidth}",
                 f"{hurst:g}",
                 f"{RELATIVE_LOADS[k]:g}",
-                f"{solid[:, FRACTION_COLUMN].mean():.3f}",
-                f"{solid[:, COUNT_COLUMN].mean():.3g}, {model[:, COUNT_COLUMN].mean():.3g}",
+                f"{half_space_values[:, FRACTION_COLUMN].mean():.3f}",
+                f"{half_space_values[:, COUNT_COLUMN].mean():.3g}, {model_values[:, COUNT_COLUMN].mean():.3g}",
                 *(
-                    format_ratios(way[:, quantity] / solid[:, quantity])
-                    for way in (model, interacting)
+                    format_ratios(compared_values[:, quantity] / half_space_values[:, quantity])
+                    for compared_values in (model_values, interacting_values)
                     for quantity in (FRACTION_COLUMN, STIFFNESS_COLUMN)
                 ),
             ]
@@ -225,37 +233,47 @@ def render_check_rows(results: dict, checks: dict) -> list[str]:
         "|---|---|---|---|---|---|",
     ]
     for bandwidth, (points, _) in BANDWIDTHS.items():
-        finer, tighter = np.zeros((RELATIVE_LOADS.size, 3)), np.zeros((RELATIVE_LOADS.size, 3))
-        for name, changes in (("finer", finer), ("tighter", tighter)):
+        finer_grid_changes, tighter_tolerance_changes = (
+            np.zeros((RELATIVE_LOADS.size, 3)),
+            np.zeros((RELATIVE_LOADS.size, 3)),
+        )
+        for name, changes in (("finer", finer_grid_changes), ("tighter", tighter_tolerance_changes)):
             for hurst in HURST_EXPONENTS:
-                pair = results[bandwidth, hurst][:NUM_CHECKS], checks[name, bandwidth, hurst]
-                before, after = (np.log(values[:, :, 1] / values[:, :, 0]).mean(axis=0) for values in pair)
-                np.maximum(changes, np.abs(after - before), out=changes)
-        heavy = finer[TABLE_LOAD_INDICES[1] :, FRACTION_COLUMN]
+                values_and_check = results[bandwidth, hurst][:NUM_CHECKS], checks[name, bandwidth, hurst]
+                values_before, values_after = (
+                    np.log(values[:, :, 1] / values[:, :, 0]).mean(axis=0) for values in values_and_check
+                )
+                np.maximum(changes, np.abs(values_after - values_before), out=changes)
+        heavy_load_changes = finer_grid_changes[TABLE_LOAD_INDICES[1] :, FRACTION_COLUMN]
         rows.append(
-            f"| {bandwidth} | {points} to {2 * points} | {100 * finer[:, FRACTION_COLUMN].max():.1f} % "
-            f"| {100 * heavy.max():.1f} % | {100 * finer[:, STIFFNESS_COLUMN].max():.1f} % "
-            f"| {100 * tighter[:, [FRACTION_COLUMN, STIFFNESS_COLUMN]].max():.0g} % |"
+            f"| {bandwidth} | {points} to {2 * points} | {100 * finer_grid_changes[:, FRACTION_COLUMN].max():.1f} % "
+            f"| {100 * heavy_load_changes.max():.1f} % | {100 * finer_grid_changes[:, STIFFNESS_COLUMN].max():.1f} % "
+            f"| {100 * tighter_tolerance_changes[:, [FRACTION_COLUMN, STIFFNESS_COLUMN]].max():.0g} % |"
         )
     return rows
 
 
 def main() -> None:
-    pairs = list(product(BANDWIDTHS, HURST_EXPONENTS))
+    bandwidths_and_exponents = list(product(BANDWIDTHS, HURST_EXPONENTS))
     with ProcessPoolExecutor(2) as pool:
         jobs = {
             (bandwidth, hurst): [
                 pool.submit(compute_profile_results, bandwidth, hurst, k) for k in range(BANDWIDTHS[bandwidth][1])
             ]
-            for bandwidth, hurst in reversed(pairs)
+            for bandwidth, hurst in reversed(bandwidths_and_exponents)
         }
         options = {"finer": {"finer": 2}, "tighter": {"tolerance": 1e-12}}
         check_jobs = {
-            (check, *pair): [pool.submit(compute_profile_results, *pair, k, **arguments) for k in range(NUM_CHECKS)]
+            (check, *bandwidth_and_exponent): [
+                pool.submit(compute_profile_results, *bandwidth_and_exponent, k, **arguments) for k in range(NUM_CHECKS)
+            ]
             for check, arguments in options.items()
-            for pair in pairs
+            for bandwidth_and_exponent in bandwidths_and_exponents
         }
-        results = {pair: np.array([job.result() for job in jobs[pair]]) for pair in pairs}
+        results = {
+            bandwidth_and_exponent: np.array([job.result() for job in jobs[bandwidth_and_exponent]])
+            for bandwidth_and_exponent in bandwidths_and_exponents
+        }
         checks = {key: np.array([job.result() for job in values]) for key, values in check_jobs.items()}
     # Westergaard against cylinders, with r = p̄/p* and p* = E* h'rms / √2.
     draw_ratios(

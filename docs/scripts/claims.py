@@ -106,8 +106,8 @@ class ClaimsTableColumn:
 
     def to_study(self, repetitions: int) -> Study:
         """Return the study with its fraction of the repetitions."""
-        reduced = max(MIN_REPETITIONS, repetitions // self.divisor)
-        return Study.named(self.study).with_changes({**self.changes, "ensemble.repetitions": reduced})
+        reduced_repetitions = max(MIN_REPETITIONS, repetitions // self.divisor)
+        return Study.named(self.study).with_changes({**self.changes, "ensemble.repetitions": reduced_repetitions})
 
 
 _AMPLITUDE_CHANGES = {"surfaces.amplitude": ["0.05 um", "0.1 um", "0.2 um"]}
@@ -210,45 +210,47 @@ class ResampledMeans:
         rules = study.contact.rules()
         if (sliding or rules[0]) not in rules:
             raise ValueError(f"the result has no sliding rule {sliding!r}, it has {', '.join(rules)}")
-        data = dataset.sel(sliding=sliding or rules[0]) if "sliding" in dataset.dims else dataset
+        motion_dataset = dataset.sel(sliding=sliding or rules[0]) if "sliding" in dataset.dims else dataset
         if interval_method == "bands" and study.surfaces.kind == "profile" and study.contact.mechanics == "asperities":
-            data = data.sel(fractal_dimension=data["fractal_dimension"] <= MAX_BAND_DIMENSION)
+            motion_dataset = motion_dataset.sel(
+                fractal_dimension=motion_dataset["fractal_dimension"] <= MAX_BAND_DIMENSION
+            )
         self.interval_method = interval_method
-        repetitions = data.sizes["repetition"]
-        random = np.random.default_rng(study.ensemble.seed)
-        even = np.full(repetitions, 1 / repetitions)
+        repetitions = motion_dataset.sizes["repetition"]
+        generator = np.random.default_rng(study.ensemble.seed)
+        equal_weights = np.full(repetitions, 1 / repetitions)
         # The number of times that each repetition occurs in a resample fits in a byte.
-        drawn = np.ones((1 + NUM_RESAMPLES, repetitions), np.uint8)
-        for resample in drawn[1:]:
-            resample[:] = random.multinomial(repetitions, even)
+        draw_counts = np.ones((1 + NUM_RESAMPLES, repetitions), np.uint8)
+        for resample_counts in draw_counts[1:]:
+            resample_counts[:] = generator.multinomial(repetitions, equal_weights)
         dims = ("repetition", "fractal_dimension", "amplitude", self._step)
-        names = (*_SUM_NAMES, "approach") if self._step == "load" else _SUM_NAMES
+        sum_names = (*_SUM_NAMES, "approach") if self._step == "load" else _SUM_NAMES
         self._means: dict[str, Floats] = {}
-        weights = drawn / repetitions
-        for name in names:
-            self._means[name] = np.tensordot(weights, data[name].transpose(*dims).values, axes=1)
-        self.dimensions = data["fractal_dimension"].values
-        self._steps = data[self._step].values
-        self._amplitudes = data["amplitude"].values
+        weights = draw_counts / repetitions
+        for name in sum_names:
+            self._means[name] = np.tensordot(weights, motion_dataset[name].transpose(*dims).values, axes=1)
+        self.dimensions = motion_dataset["fractal_dimension"].values
+        self._steps = motion_dataset[self._step].values
+        self._amplitudes = motion_dataset["amplitude"].values
         self.amplitude = amplitude
         self.excluded_dimensions: set[float] = set()
         lowest, highest = self._reached_load_range([amplitude])
         self.light, self.middle, self.heavy = (
-            load_within_range(lowest.max(), highest.min(), part).item() for part in (0.1, 0.5, 0.9)
+            load_within_range(lowest.max(), highest.min(), range_fraction).item() for range_fraction in (0.1, 0.5, 0.9)
         )
 
     def _reached_load_range(self, amplitudes: ArrayLike) -> tuple[Floats, Floats]:
         """Return the ends (D,) of the range of elastic loads that 99 % of the resamples reach at all amplitudes."""
-        elastic = np.stack([self.sums("normal_elastic", amplitude) for amplitude in np.atleast_1d(amplitudes)])
-        lowest = np.quantile(elastic[..., 0], 0.99, axis=1).max(axis=0)
-        return lowest, np.quantile(elastic.max(axis=-1), 0.01, axis=1).min(axis=0)
+        elastic_loads = np.stack([self.sums("normal_elastic", amplitude) for amplitude in np.atleast_1d(amplitudes)])
+        lowest = np.quantile(elastic_loads[..., 0], 0.99, axis=1).max(axis=0)
+        return lowest, np.quantile(elastic_loads.max(axis=-1), 0.01, axis=1).min(axis=0)
 
     def sums(self, name: str, amplitude: float) -> Floats:
         """Return mean sums, (resample, D, approach)."""
-        at = int(np.argmin(np.abs(self._amplitudes - amplitude)))
-        if not math.isclose(self._amplitudes[at], amplitude, rel_tol=1e-9):
+        amplitude_index = int(np.argmin(np.abs(self._amplitudes - amplitude)))
+        if not math.isclose(self._amplitudes[amplitude_index], amplitude, rel_tol=1e-9):
             raise ValueError(f"the result has no amplitude of {amplitude:g} µm, which a claim needs")
-        return np.asarray(self._means[name][:, :, at])
+        return np.asarray(self._means[name][:, :, amplitude_index])
 
     def middle_of_all_amplitudes(self) -> Floats | None:
         """Return the geometric middle (D,) of the loads that all amplitudes reach.
@@ -259,16 +261,16 @@ class ResampledMeans:
             return None
         return load_within_range(*self._reached_load_range(self._amplitudes), 0.5)
 
-    def finite_value_mask(self, values: Floats, where: Any) -> Any:
+    def finite_value_mask(self, values: Floats, is_requested: Any) -> Any:
         """Return a mask of the fractal dimensions with a value (resample, D); the excluded ones are recorded.
 
         The mask is empty if fewer than half have a value, or if the range has only one: the rest would not represent
         the range.
         """
-        usable = where & np.isfinite(values[0]) & (np.isfinite(values).mean(axis=0) > 1 - 1 / 40)
-        self.excluded_dimensions.update(float(dimension) for dimension in self.dimensions[where & ~usable])
-        enough = where.sum() > 1 and 2 * usable.sum() >= where.sum()
-        return usable if enough else np.zeros_like(usable)
+        is_usable = is_requested & np.isfinite(values[0]) & (np.isfinite(values).mean(axis=0) > 1 - 1 / 40)
+        self.excluded_dimensions.update(float(dimension) for dimension in self.dimensions[is_requested & ~is_usable])
+        has_enough = is_requested.sum() > 1 and 2 * is_usable.sum() >= is_requested.sum()
+        return is_usable if has_enough else np.zeros_like(is_usable)
 
     def at(
         self,
@@ -280,23 +282,29 @@ class ResampledMeans:
         amplitude: float | None = None,
     ) -> Floats:
         """Return a quantity (resample, D) at one load, or at a load for each D; NaN if it is not reached."""
-        pair: Any = SimpleNamespace(**{name: self.sums(name, amplitude or self.amplitude) for name in _SUM_NAMES})
-        normal = friction.compute_load("normal", pair, mu0, tau0)
+        resampled_sums: Any = SimpleNamespace(
+            **{name: self.sums(name, amplitude or self.amplitude) for name in _SUM_NAMES}
+        )
+        normal_load = friction.compute_load("normal", resampled_sums, mu0, tau0)
         match what:
             case "friction":
-                values = friction.compute_load("tangential", pair, mu0, tau0)
+                values = friction.compute_load("tangential", resampled_sums, mu0, tau0)
             case "area":
-                values = pair.contact_area
+                values = resampled_sums.contact_area
             case "stiffness":
-                values = np.gradient(normal, self._steps, axis=-1, edge_order=2)
+                values = np.gradient(normal_load, self._steps, axis=-1, edge_order=2)
                 if self._step == "load":  # The half-space is solved at given loads.
                     approach = self.sums("approach", amplitude or self.amplitude)
                     values = values / np.gradient(approach, self._steps, axis=-1, edge_order=2)
         loads = np.broadcast_to(np.asarray(load, dtype=np.float64), self.dimensions.shape)
-        result = np.full(normal.shape[:2], np.nan)
-        for d in np.flatnonzero(np.isfinite(loads)):
-            crossing = LoadCrossings.of(normal[:, d], loads[d : d + 1])
-            result[:, d] = np.where(crossing.reached, crossing.at(values[:, d]), np.nan)[:, 0]
+        result = np.full(normal_load.shape[:2], np.nan)
+        for dimension_index in np.flatnonzero(np.isfinite(loads)):
+            load_crossing = LoadCrossings.of(
+                normal_load[:, dimension_index], loads[dimension_index : dimension_index + 1]
+            )
+            result[:, dimension_index] = np.where(
+                load_crossing.reached, load_crossing.at(values[:, dimension_index]), np.nan
+            )[:, 0]
         return result / loads if what == "friction" else result
 
     def dimension_range_mask(self, start: float, stop: float) -> Any:
@@ -343,33 +351,37 @@ class ClaimPart:
 
 def _mean_over_dimensions(r: ResampledMeans, values: Floats, start: float, stop: float) -> Floats:
     """Return the mean over fractal dimensions in a range."""
-    stored = values[:, r.finite_value_mask(values, r.dimension_range_mask(start, stop))]
-    return np.asarray(np.nansum(stored, axis=1) / np.isfinite(stored).sum(axis=1))
+    finite_values = values[:, r.finite_value_mask(values, r.dimension_range_mask(start, stop))]
+    return np.asarray(np.nansum(finite_values, axis=1) / np.isfinite(finite_values).sum(axis=1))
 
 
-def _extreme_over_dimensions(r: ResampledMeans, arrays: list[Floats], pick: np.ufunc) -> Floats | SimultaneousInterval:
+def _extreme_over_dimensions(
+    r: ResampledMeans, arrays: list[Floats], extreme_function: np.ufunc
+) -> Floats | SimultaneousInterval:
     """Return the largest (fmax) or smallest (fmin) value over the D at which all quantities have a value."""
-    usable = r.finite_value_mask(np.sum(arrays, axis=0), r.dimension_range_mask(*_ALL_DIMENSIONS))
-    stored = np.concatenate([values[:, usable] for values in arrays], axis=1)
-    if r.interval_method == "percentiles" or not stored.size:
-        return np.asarray(pick.reduce(stored, axis=1, initial=np.nan))
+    is_usable = r.finite_value_mask(np.sum(arrays, axis=0), r.dimension_range_mask(*_ALL_DIMENSIONS))
+    usable_values = np.concatenate([values[:, is_usable] for values in arrays], axis=1)
+    if r.interval_method == "percentiles" or not usable_values.size:
+        return np.asarray(extreme_function.reduce(usable_values, axis=1, initial=np.nan))
     # Simultaneous 95 % band: the number of standard deviations that contain all values in 95 % of the resamples.
-    spread = np.nanstd(stored[1:], axis=0)
+    spread = np.nanstd(usable_values[1:], axis=0)
     has_spread = spread > 0
-    deviations = np.abs(stored[1:, has_spread] - stored[0, has_spread]) / spread[has_spread]
+    deviations = np.abs(usable_values[1:, has_spread] - usable_values[0, has_spread]) / spread[has_spread]
     half_band = float(np.quantile(np.fmax.reduce(deviations, axis=1, initial=0.0), 0.95)) * spread
-    least = 0.0 if (stored[0] >= 0).all() else -math.inf
-    ends = [float(pick.reduce(stored[0] + side * half_band)) for side in (-1, 1)]
-    return SimultaneousInterval(float(pick.reduce(stored[0])), max(ends[0], least), ends[1])
+    lowest_possible = 0.0 if (usable_values[0] >= 0).all() else -math.inf
+    band_ends = [float(extreme_function.reduce(usable_values[0] + side * half_band)) for side in (-1, 1)]
+    return SimultaneousInterval(
+        float(extreme_function.reduce(usable_values[0])), max(band_ends[0], lowest_possible), band_ends[1]
+    )
 
 
 def _slope_over_dimensions(r: ResampledMeans, values: Floats, start: float, stop: float) -> Floats:
     """Return the least-squares slope over fractal dimensions in a range."""
-    stored = r.finite_value_mask(values, r.dimension_range_mask(start, stop))
-    if stored.sum() < 2:
+    is_used = r.finite_value_mask(values, r.dimension_range_mask(start, stop))
+    if is_used.sum() < 2:
         return np.full(values.shape[0], np.nan)
-    x = r.dimensions[stored] - r.dimensions[stored].mean()
-    return np.asarray((values[:, stored] * x).sum(axis=1) / (x * x).sum())
+    x = r.dimensions[is_used] - r.dimensions[is_used].mean()
+    return np.asarray((values[:, is_used] * x).sum(axis=1) / (x * x).sum())
 
 
 # Ranges of fractal dimensions.
@@ -385,8 +397,8 @@ _MINIMUM_DIMENSIONS = (1.25, 1.55)
 
 def _load_linearity(r: ResampledMeans) -> Floats | SimultaneousInterval:
     load, area = r.sums("normal_elastic", r.amplitude), r.sums("contact_area", r.amplitude)
-    factor = (area * load).sum(axis=2, keepdims=True) / (load * load).sum(axis=2, keepdims=True)
-    residual = ((area - factor * load) ** 2).sum(axis=2)
+    proportionality = (area * load).sum(axis=2, keepdims=True) / (load * load).sum(axis=2, keepdims=True)
+    residual = ((area - proportionality * load) ** 2).sum(axis=2)
     return _extreme_over_dimensions(
         r, [1 - residual / ((area - area.mean(axis=2, keepdims=True)) ** 2).sum(axis=2)], np.fmin
     )
@@ -394,31 +406,36 @@ def _load_linearity(r: ResampledMeans) -> Floats | SimultaneousInterval:
 
 def _area_exponent(r: ResampledMeans) -> Floats:
     load, area = np.log(r.sums("normal_elastic", r.amplitude)), np.log(r.sums("contact_area", r.amplitude))
-    known = np.isfinite(load + area)
-    load, area = np.where(known, load, 0.0), np.where(known, area, 0.0)
-    load -= np.where(known, load.sum(axis=2, keepdims=True) / known.sum(axis=2, keepdims=True), 0.0)
+    is_known = np.isfinite(load + area)
+    load, area = np.where(is_known, load, 0.0), np.where(is_known, area, 0.0)
+    load -= np.where(is_known, load.sum(axis=2, keepdims=True) / is_known.sum(axis=2, keepdims=True), 0.0)
     exponents = (area * load).sum(axis=2) / (load * load).sum(axis=2)
-    stored = exponents[:, r.finite_value_mask(exponents, r.dimension_range_mask(*_ALL_DIMENSIONS))]
-    if not stored.size:
+    usable_exponents = exponents[:, r.finite_value_mask(exponents, r.dimension_range_mask(*_ALL_DIMENSIONS))]
+    if not usable_exponents.size:
         return np.full(exponents.shape[0], np.nan)
-    return np.asarray(stored[:, np.argmax(np.abs(stored[0] - 1))])  # the least linear D of the ensemble
+    return np.asarray(
+        usable_exponents[:, np.argmax(np.abs(usable_exponents[0] - 1))]
+    )  # the least linear D of the ensemble
 
 
 def _friction_ratio_of_dimensions(r: ResampledMeans) -> Floats:
-    logarithm = np.log(r.at("friction", r.middle))
+    log_friction = np.log(r.at("friction", r.middle))
     return np.exp(
-        _mean_over_dimensions(r, logarithm, *_UPPER_DIMENSIONS) - _mean_over_dimensions(r, logarithm, *_LOW_DIMENSIONS)
+        _mean_over_dimensions(r, log_friction, *_UPPER_DIMENSIONS)
+        - _mean_over_dimensions(r, log_friction, *_LOW_DIMENSIONS)
     )
 
 
 def _slope_difference(r: ResampledMeans) -> Floats:
-    logarithm = np.log(r.at("friction", r.middle))
-    return _slope_over_dimensions(r, logarithm, 1.5, 1.7) - _slope_over_dimensions(r, logarithm, 1.0, 1.5)
+    log_friction = np.log(r.at("friction", r.middle))
+    return _slope_over_dimensions(r, log_friction, 1.5, 1.7) - _slope_over_dimensions(r, log_friction, 1.0, 1.5)
 
 
 def _rise_by_mu0(r: ResampledMeans) -> Floats:
-    gained = r.at("friction", r.middle, mu0=1.0) - r.at("friction", r.middle, mu0=0.1)
-    return _mean_over_dimensions(r, gained, *_UPPER_DIMENSIONS) - _mean_over_dimensions(r, gained, *_LOW_DIMENSIONS)
+    added_friction = r.at("friction", r.middle, mu0=1.0) - r.at("friction", r.middle, mu0=0.1)
+    return _mean_over_dimensions(r, added_friction, *_UPPER_DIMENSIONS) - _mean_over_dimensions(
+        r, added_friction, *_LOW_DIMENSIONS
+    )
 
 
 def _friction_added_by_adhesion(r: ResampledMeans, load: float | Floats, amplitude: float | None = None) -> Floats:
@@ -435,8 +452,10 @@ def _smallest_rise(r: ResampledMeans) -> Floats | SimultaneousInterval:
 
 
 def _rise_at_low_dimensions(r: ResampledMeans) -> Floats:
-    raised = _friction_added_by_adhesion(r, r.middle)
-    return _mean_over_dimensions(r, raised, *_LOW_DIMENSIONS) - _mean_over_dimensions(r, raised, *_HIGH_DIMENSIONS)
+    added_friction = _friction_added_by_adhesion(r, r.middle)
+    return _mean_over_dimensions(r, added_friction, *_LOW_DIMENSIONS) - _mean_over_dimensions(
+        r, added_friction, *_HIGH_DIMENSIONS
+    )
 
 
 def _adhesion_rise_at_low_load(r: ResampledMeans) -> Floats:
@@ -461,19 +480,19 @@ def _dip_measure(start: float, stop: float) -> Measure:
 
 def _dimension_of_minimum(r: ResampledMeans) -> Floats:
     values = r.at("friction", r.middle, tau0=0.2)
-    stored = r.finite_value_mask(values, r.dimension_range_mask(*_ALL_DIMENSIONS))
-    if not stored.any():
+    is_used = r.finite_value_mask(values, r.dimension_range_mask(*_ALL_DIMENSIONS))
+    if not is_used.any():
         return np.full(values.shape[0], np.nan)
-    least = np.argmin(np.where(np.isfinite(values[:, stored]), values[:, stored], np.inf), axis=1)
-    result = np.asarray(r.dimensions[stored][least])
+    minimum_indices = np.argmin(np.where(np.isfinite(values[:, is_used]), values[:, is_used], np.inf), axis=1)
+    result = np.asarray(r.dimensions[is_used][minimum_indices])
     # A smallest value at the last D is not a minimum: friction may fall further within the range of the claim.
-    end = r.dimensions[stored][-1]
-    return np.full(result.shape, np.nan) if result[0] == end < _MINIMUM_DIMENSIONS[1] else result
+    highest_dimension = r.dimensions[is_used][-1]
+    return np.full(result.shape, np.nan) if result[0] == highest_dimension < _MINIMUM_DIMENSIONS[1] else result
 
 
 def _ratio_of_light_to_heavy_load(r: ResampledMeans) -> Floats:
-    logarithm = np.log(r.at("friction", r.light) / r.at("friction", r.heavy))
-    return np.exp(_mean_over_dimensions(r, logarithm, 1.5, 1.7))
+    log_ratio = np.log(r.at("friction", r.light) / r.at("friction", r.heavy))
+    return np.exp(_mean_over_dimensions(r, log_ratio, 1.5, 1.7))
 
 
 def _smallest_ratio_to_mu0(r: ResampledMeans) -> Floats | SimultaneousInterval:
@@ -485,8 +504,10 @@ def _amplitude_ratio_measure(what: Quantity, tau0: float) -> Measure:
         loads = r.middle_of_all_amplitudes()
         if loads is None:
             return np.array([math.nan])
-        steeper, flatter = (r.at(what, loads, tau0=tau0, amplitude=a) for a in (HIGH_AMPLITUDE, LOW_AMPLITUDE))
-        return np.exp(_mean_over_dimensions(r, np.log(steeper / flatter), *_ALL_DIMENSIONS))
+        high_amplitude_values, low_amplitude_values = (
+            r.at(what, loads, tau0=tau0, amplitude=a) for a in (HIGH_AMPLITUDE, LOW_AMPLITUDE)
+        )
+        return np.exp(_mean_over_dimensions(r, np.log(high_amplitude_values / low_amplitude_values), *_ALL_DIMENSIONS))
 
     return measure
 
@@ -495,8 +516,10 @@ def _rise_ratio_of_amplitudes(r: ResampledMeans) -> Floats:
     loads = r.middle_of_all_amplitudes()
     if loads is None:
         return np.array([math.nan])
-    ratio = np.log(r.at("friction", loads, amplitude=LOW_AMPLITUDE) / r.at("friction", loads, amplitude=HIGH_AMPLITUDE))
-    return np.exp(_mean_over_dimensions(r, ratio, 1.5, 1.6) - _mean_over_dimensions(r, ratio, *_LOW_DIMENSIONS))
+    log_ratio = np.log(
+        r.at("friction", loads, amplitude=LOW_AMPLITUDE) / r.at("friction", loads, amplitude=HIGH_AMPLITUDE)
+    )
+    return np.exp(_mean_over_dimensions(r, log_ratio, 1.5, 1.6) - _mean_over_dimensions(r, log_ratio, *_LOW_DIMENSIONS))
 
 
 def _adhesion_difference_of_amplitudes(r: ResampledMeans) -> Floats:
@@ -675,10 +698,15 @@ class ClaimPartOutcome:
                 lower, upper = (float(end) for end in np.nanquantile(values[1:], [0.025, 0.975]))
         if not math.isfinite(value):
             return cls(part, math.nan, math.nan, math.nan, "undefined", excluded_dimensions)
-        inside = part.least < lower and upper < part.most
-        outside = upper < part.least or lower > part.most
+        is_inside = part.least < lower and upper < part.most
+        is_outside = upper < part.least or lower > part.most
         return cls(
-            part, value, lower, upper, "true" if inside else "false" if outside else "undecided", excluded_dimensions
+            part,
+            value,
+            lower,
+            upper,
+            "true" if is_inside else "false" if is_outside else "undecided",
+            excluded_dimensions,
         )
 
 
@@ -776,17 +804,21 @@ def columns_markdown(columns: Mapping[str, list[ClaimPartOutcome]]) -> str:
 
 def _render_side_by_side(
     columns: Mapping[str, list[ClaimPartOutcome]],
-    head: Callable[[ClaimPart], str],
-    cell: Callable[[ClaimPartOutcome], str],
+    format_head: Callable[[ClaimPart], str],
+    format_cell: Callable[[ClaimPartOutcome], str],
 ) -> str:
-    first = next(iter(columns.values()))
+    first_outcomes = next(iter(columns.values()))
     lines = [f"| claim or test | {' | '.join(columns)} |", "|" + "---|" * (len(columns) + 1)]
     for claim in CLAIMS:
         verdicts = [f"**{claim_verdict(claim, outcomes)}**" for outcomes in columns.values()]
         lines.append(f"| **{claim}** | {' | '.join(verdicts)} |")
-        for row in [index for index, outcome in enumerate(first) if outcome in _outcomes_of_claim(claim, first)]:
-            cells = [cell(outcomes[row]) for outcomes in columns.values()]
-            lines.append(f"| {head(first[row].part)} | {' | '.join(cells)} |")
+        for row in [
+            index
+            for index, outcome in enumerate(first_outcomes)
+            if outcome in _outcomes_of_claim(claim, first_outcomes)
+        ]:
+            cells = [format_cell(outcomes[row]) for outcomes in columns.values()]
+            lines.append(f"| {format_head(first_outcomes[row].part)} | {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 
 

@@ -132,24 +132,29 @@ def generate_self_affine_pair(case: dict, repetition: int) -> Pair:
     line = case["family"] == "self-affine line"
     bodies = []
     for side in ("upper", "lower"):
-        keywords = {
+        surface_options = {
             "hurst_exponent": case["H"] if side == "upper" else case.get("H_lower", case["H"]), "rms": 1.0,
             "longest_wavelength": case["longest"], "shortest_wavelength": case["shortest"],
             "repetition": repetition, "side": side,
         }  # fmt: skip
         if line:
-            bodies.append(self_affine(SEED, points=8192, spacing=20 / 8192, periodic=True, **keywords))
+            bodies.append(self_affine(SEED, points=8192, spacing=20 / 8192, periodic=True, **surface_options))
         else:
             bodies.append(
-                self_affine_surface(SEED, shape=(NUM_POINTS, NUM_POINTS), spacing=EXTENT / NUM_POINTS, **keywords)
+                self_affine_surface(
+                    SEED, shape=(NUM_POINTS, NUM_POINTS), spacing=EXTENT / NUM_POINTS, **surface_options
+                )
             )
     spacing = bodies[0].spacing
     if stretch := case.get("stretch"):
         spacing = (spacing[0] * stretch, spacing[1])
-    steepness = [rms_gradient(body.heights, spacing, periodic=True) for body in bodies]
+    gradients = [rms_gradient(body.heights, spacing, periodic=True) for body in bodies]
     ratio = case.get("ratio", 1.0)
-    shares = (1.0, 0.0) if ratio is None else (ratio / np.hypot(1, ratio), 1 / np.hypot(1, ratio))
-    heights = [body.heights * share / item for body, share, item in zip(bodies, shares, steepness, strict=True)]
+    gradient_shares = (1.0, 0.0) if ratio is None else (ratio / np.hypot(1, ratio), 1 / np.hypot(1, ratio))
+    heights = [
+        body.heights * gradient_share / item
+        for body, gradient_share, item in zip(bodies, gradient_shares, gradients, strict=True)
+    ]
     factor = case["h"] / rms_gradient(heights[0] - heights[1], spacing, periodic=True)
     return tuple(type(bodies[0])(factor * height, spacing=spacing) for height in heights)
 
@@ -169,21 +174,23 @@ def rms_gradient(heights: np.ndarray, spacing, *, periodic: bool) -> float:
 def load_area_pairs(case: dict) -> list[Pair]:
     """Return pairs of quarters of a map; the upper one is flipped."""
     surface = levelled(read_surface(DATA_FOLDER / case["file"]), "plane")
-    half = [size // 2 for size in surface.heights.shape]
-    corners = product((0, half[0]), (0, half[1]))
-    pieces = [
-        Surface(surface.heights[row : row + half[0], column : column + half[1]], spacing=surface.spacing)
+    half_shape = [size // 2 for size in surface.heights.shape]
+    corners = product((0, half_shape[0]), (0, half_shape[1]))
+    quarters = [
+        Surface(surface.heights[row : row + half_shape[0], column : column + half_shape[1]], spacing=surface.spacing)
         for row, column in corners
     ]
-    return [(flipped(one), other) for one, other in permutations(pieces, 2)]
+    return [(flipped(upper), lower) for upper, lower in permutations(quarters, 2)]
 
 
 def load_line_pairs(case: dict) -> list[Pair]:
     """Return pairs of quarters of a profile; the upper one is flipped."""
     line = levelled(read_profile(DATA_FOLDER / case["file"]), "line")
-    length = len(line) // 4
-    pieces = [Profile(line.heights[k * length : (k + 1) * length], spacing=line.spacing) for k in range(4)]
-    return [(flipped(one), other) for one, other in permutations(pieces, 2)]
+    quarter_length = len(line) // 4
+    quarters = [
+        Profile(line.heights[k * quarter_length : (k + 1) * quarter_length], spacing=line.spacing) for k in range(4)
+    ]
+    return [(flipped(upper), lower) for upper, lower in permutations(quarters, 2)]
 
 
 # ---- Measuring -------------------------------------------------------------------------------------------------------
@@ -191,37 +198,39 @@ def load_line_pairs(case: dict) -> list[Pair]:
 
 def compute_case_results(case: dict) -> dict:
     """Return slopes, κ, contact counts and friction of each pair by both models, averaged over both directions."""
-    together, boundary = generate_pairs(case)
-    return {"case": case, "pairs": [compute_pair_results(case, *pair, boundary) for pair in together]}
+    pairs, boundary = generate_pairs(case)
+    return {"case": case, "pairs": [compute_pair_results(case, *pair, boundary) for pair in pairs]}
 
 
 def compute_pair_results(case: dict, upper, lower, boundary: str) -> dict:
-    periodic = boundary == "periodic"
+    is_periodic = boundary == "periodic"
     spacing = upper.spacing if isinstance(upper, Surface) else (upper.spacing,)
     heights = upper.heights - lower.heights
-    along = grid_slopes(heights, spacing, periodic=periodic)
+    gap_slopes = grid_slopes(heights, spacing, periodic=is_periodic)
     angle = np.radians(case.get("angle", 0.0))
-    if len(along) == 2:
-        forward = along[1] * np.cos(angle) + along[0] * np.sin(angle)
-        sideways = along[0] * np.cos(angle) - along[1] * np.sin(angle)
+    if len(gap_slopes) == 2:
+        slope_along_motion = gap_slopes[1] * np.cos(angle) + gap_slopes[0] * np.sin(angle)
+        slope_across_motion = gap_slopes[0] * np.cos(angle) - gap_slopes[1] * np.sin(angle)
     else:
-        forward, sideways = along[0], np.zeros(1)
-    curved = [grid_slopes(item, spacing, periodic=periodic)[axis] for axis, item in enumerate(along)]
-    steep = float(np.sqrt(sum(np.square(item).mean() for item in along)))
-    fourth = np.mean([np.square(item).mean() for item in curved])
-    second = np.mean([np.square(item).mean() for item in along])
-    bodies = [rms_gradient(body.heights, spacing, periodic=periodic) for body in (upper, lower)]
-    nominal = float(np.prod(spacing)) * heights.size  # profiles have a thickness of 1 µm
-    load = case.get("load", LOW_PRESSURE) * EFFECTIVE_MODULUS * steep * nominal
-    row = {
-        "rms_gradient": steep,
-        "rms_slope": float(np.sqrt(np.square(forward).mean())),
-        "rms_across": float(np.sqrt(np.square(sideways).mean())),
-        "nayak": float(heights.var() * fourth / second**2),
-        "slope_ratio": bodies[0] / bodies[1] if min(bodies) > 0 else 0.0,
+        slope_along_motion, slope_across_motion = gap_slopes[0], np.zeros(1)
+    second_derivatives = [
+        grid_slopes(slope, spacing, periodic=is_periodic)[axis] for axis, slope in enumerate(gap_slopes)
+    ]
+    gap_gradient = float(np.sqrt(sum(np.square(slope).mean() for slope in gap_slopes)))
+    mean_square_curvature = np.mean([np.square(slope).mean() for slope in second_derivatives])
+    mean_square_slope = np.mean([np.square(slope).mean() for slope in gap_slopes])
+    body_gradients = [rms_gradient(body.heights, spacing, periodic=is_periodic) for body in (upper, lower)]
+    nominal_area = float(np.prod(spacing)) * heights.size  # profiles have a thickness of 1 µm
+    load = case.get("load", LOW_PRESSURE) * EFFECTIVE_MODULUS * gap_gradient * nominal_area
+    pair_results = {
+        "rms_gradient": gap_gradient,
+        "rms_slope": float(np.sqrt(np.square(slope_along_motion).mean())),
+        "rms_across": float(np.sqrt(np.square(slope_across_motion).mean())),
+        "nayak": float(heights.var() * mean_square_curvature / mean_square_slope**2),
+        "slope_ratio": body_gradients[0] / body_gradients[1] if min(body_gradients) > 0 else 0.0,
     }
-    share = case.get("share", 0.5)
-    ways = ("+x", "-x") if len(along) == 1 else (case.get("angle", 0.0), case.get("angle", 0.0) + 180.0)
+    compliance_share = case.get("share", 0.5)
+    directions = ("+x", "-x") if len(gap_slopes) == 1 else (case.get("angle", 0.0), case.get("angle", 0.0) + 180.0)
     curves = [
         half_space(
             upper,
@@ -229,62 +238,73 @@ def compute_pair_results(case: dict, upper, lower, boundary: str) -> dict:
             [load],
             effective_modulus=EFFECTIVE_MODULUS,
             boundary=boundary,
-            compliance_share=share,
-            direction=way,
+            compliance_share=compliance_share,
+            direction=direction,
         )
-        for way in (ways if len(along) == 1 else [ways])
+        for direction in (directions if len(gap_slopes) == 1 else [directions])
     ]
     pressure = curves[0].contact(0).pressure
-    touching = pressure > 0
-    interface = grid_slopes((1 - share) * lower.heights + share * upper.heights, spacing, periodic=periodic)
-    leaning = [item[touching] for item in interface]
-    cell = float(np.prod(spacing))
-    area = patches_of(pressure, periodic=periodic, hardness=np.inf)[2] * cell
-    on_ground = float(area.sum())
-    row["kappa"] = on_ground * EFFECTIVE_MODULUS * steep / load
-    row["fraction"] = on_ground / nominal
-    row["contacts"] = int(curves[0].contact_count[0])
+    is_contact = pressure > 0
+    interface_slopes = grid_slopes(
+        (1 - compliance_share) * lower.heights + compliance_share * upper.heights, spacing, periodic=is_periodic
+    )
+    contact_slopes = [slope[is_contact] for slope in interface_slopes]
+    point_area = float(np.prod(spacing))
+    contact_areas = patches_of(pressure, periodic=is_periodic, hardness=np.inf)[2] * point_area
+    contact_area = float(contact_areas.sum())
+    pair_results["kappa"] = contact_area * EFFECTIVE_MODULUS * gap_gradient / load
+    pair_results["fraction"] = contact_area / nominal_area
+    pair_results["contacts"] = int(curves[0].contact_count[0])
     for rule, (name, tau0) in product(SLIDING_RULES, TAU0_BY_LABEL.items()):
         values = [
-            item.friction_coefficient(mu0=MU0, tau0=tau0) for item in (curve.with_sliding(rule) for curve in curves)
+            curve_with_rule.friction_coefficient(mu0=MU0, tau0=tau0)
+            for curve_with_rule in (curve.with_sliding(rule) for curve in curves)
         ]
-        row[f"mu {rule} {name}"] = float(np.mean(values))
+        pair_results[f"mu {rule} {name}"] = float(np.mean(values))
     # Repeat with each grid point judged by its own slope, instead of each contact patch.
-    senses = np.array([[np.cos(angle), np.sin(angle)], [-np.cos(angle), -np.sin(angle)]])
-    alone = np.arange(1, area.size + 1, dtype=np.int32)
-    each = LoadSums(patch_sums(pressure[touching] * cell, area, leaning, alone, senses).total("opposing"))
+    motion_vectors = np.array([[np.cos(angle), np.sin(angle)], [-np.cos(angle), -np.sin(angle)]])
+    point_labels = np.arange(1, contact_areas.size + 1, dtype=np.int32)
+    point_sums = LoadSums(
+        patch_sums(
+            pressure[is_contact] * point_area, contact_areas, contact_slopes, point_labels, motion_vectors
+        ).total("opposing")
+    )
     for name, tau0 in TAU0_BY_LABEL.items():
-        row[f"mu points {name}"] = float(
-            np.mean(compute_load("tangential", each, MU0, tau0) / compute_load("normal", each, MU0, tau0))
+        pair_results[f"mu points {name}"] = float(
+            np.mean(compute_load("tangential", point_sums, MU0, tau0) / compute_load("normal", point_sums, MU0, tau0))
         )
-    for name, keywords in asperity_models(upper):
-        row |= solve_asperities(upper, lower, load, ways, name, keywords, steep)
-    return row
+    for name, model_options in asperity_models(upper):
+        pair_results |= solve_asperities(upper, lower, load, directions, name, model_options, gap_gradient)
+    return pair_results
 
 
 def asperity_models(upper) -> list[tuple[str, dict]]:
     """Return the names of the asperity models that apply to a pair."""
     if isinstance(upper, Surface):
         return [("asperities", {})]
-    signed = {"law": "hertz-cylinder", "detection": "gap-minimum", "curvature": "signed"}
-    return [("cylinders", signed), ("spheres", {})]
+    cylinder_options = {"law": "hertz-cylinder", "detection": "gap-minimum", "curvature": "signed"}
+    return [("cylinders", cylinder_options), ("spheres", {})]
 
 
-def solve_asperities(upper, lower, load: float, ways, name: str, keywords: dict, steep: float) -> dict:
-    common = {"effective_modulus": EFFECTIVE_MODULUS, **keywords}
-    approach = approach_at_load(upper, lower, [load], mu0=0.0, **common)
-    row = {}
+def solve_asperities(
+    upper, lower, load: float, directions, name: str, model_options: dict, gap_gradient: float
+) -> dict:
+    options = {"effective_modulus": EFFECTIVE_MODULUS, **model_options}
+    approach = approach_at_load(upper, lower, [load], mu0=0.0, **options)
+    model_results = {}
     for rule in SLIDING_RULES:
         if not np.isfinite(approach).all():
             continue
-        curves = [press(upper, lower, approach, sliding=rule, direction=way, **common) for way in ways]
-        row[f"{name} kappa"] = float(
-            curves[0].contact_area[0] * EFFECTIVE_MODULUS * steep / curves[0].normal_elastic[0]
+        curves = [
+            press(upper, lower, approach, sliding=rule, direction=direction, **options) for direction in directions
+        ]
+        model_results[f"{name} kappa"] = float(
+            curves[0].contact_area[0] * EFFECTIVE_MODULUS * gap_gradient / curves[0].normal_elastic[0]
         )
-        for key, tau0 in TAU0_BY_LABEL.items():
+        for label, tau0 in TAU0_BY_LABEL.items():
             values = [curve.friction_coefficient(mu0=MU0, tau0=tau0) for curve in curves]
-            row[f"{name} {rule} {key}"] = float(np.mean(values))
-    return row
+            model_results[f"{name} {rule} {label}"] = float(np.mean(values))
+    return model_results
 
 
 # ---- Running ---------------------------------------------------------------------------------------------------------
@@ -301,16 +321,16 @@ def load_results() -> dict[str, dict]:
 def compute_cases() -> list[dict]:
     """Return the result of every case whose data exist, from storage or computed."""
     RESULTS_FILE.parent.mkdir(exist_ok=True)
-    completed = load_results()
-    everything = [case for case in list_cases() if "file" not in case or (DATA_FOLDER / case["file"]).exists()]
-    missing = [case for case in everything if json.dumps(case) not in completed]
+    stored_results = load_results()
+    cases = [case for case in list_cases() if "file" not in case or (DATA_FOLDER / case["file"]).exists()]
+    missing_cases = [case for case in cases if json.dumps(case) not in stored_results]
     with RESULTS_FILE.open("a", encoding="utf-8") as file, ProcessPoolExecutor(2) as pool:
-        for index, row in enumerate(pool.map(compute_case_results, missing), start=1):
-            completed[json.dumps(row["case"])] = row
+        for index, row in enumerate(pool.map(compute_case_results, missing_cases), start=1):
+            stored_results[json.dumps(row["case"])] = row
             file.write(json.dumps(row) + "\n")
             file.flush()
-            print(f"\r{index} of {len(missing)} points", end="", file=sys.stderr, flush=True)
-    return [completed[json.dumps(case)] for case in everything]
+            print(f"\r{index} of {len(missing_cases)} points", end="", file=sys.stderr, flush=True)
+    return [stored_results[json.dumps(case)] for case in cases]
 
 
 # ---- Tables and figures ----------------------------------------------------------------------------------------------
@@ -343,22 +363,28 @@ def closed_form_friction(pair: dict, rule: str, tau0: float, *, order: int = 2, 
 
 def summarise_case(row: dict) -> dict:
     """Return means over the pairs of a case, and their ratios to the closed form with standard errors."""
-    together = row["pairs"]
+    pairs = row["pairs"]
     names = ("rms_gradient", "rms_slope", "nayak", "slope_ratio", "fraction", "kappa", "contacts")
-    result = {name: float(np.mean([pair[name] for pair in together])) for name in names}
-    result |= {"family": row["case"]["family"], "case": row["case"], "pairs": len(together)}
-    result["kappa_error"] = float(np.std([pair["kappa"] for pair in together], ddof=1) / np.sqrt(len(together)))
-    models = {f"mu {rule}": rule for rule in RULE_TITLES} | {
+    result = {name: float(np.mean([pair[name] for pair in pairs])) for name in names}
+    result |= {"family": row["case"]["family"], "case": row["case"], "pairs": len(pairs)}
+    result["kappa_error"] = float(np.std([pair["kappa"] for pair in pairs], ddof=1) / np.sqrt(len(pairs)))
+    rule_by_model = {f"mu {rule}": rule for rule in RULE_TITLES} | {
         f"{name} {rule}": rule for name in ("asperities", "cylinders", "spheres") for rule in SLIDING_RULES
     }
-    for (model, rule), (key, tau0) in product(models.items(), TAU0_BY_LABEL.items()):
-        values = np.array([pair.get(f"{model} {key}", np.nan) for pair in together])
+    for (model, rule), (label, tau0) in product(rule_by_model.items(), TAU0_BY_LABEL.items()):
+        values = np.array([pair.get(f"{model} {label}", np.nan) for pair in pairs])
         if np.isfinite(values).all():
-            form = np.array([closed_form_friction(pair, rule, tau0) for pair in together])
-            result[f"{model} {key}"] = float(values.mean())
-            result[f"{model} {key} over form"] = float(values.mean() / form.mean()) if form.any() else np.nan
-            spread = np.std(values - form * values.mean() / form.mean(), ddof=1) if form.any() else np.nan
-            result[f"{model} {key} error"] = float(spread / form.mean() / np.sqrt(len(together)))
+            closed_form_values = np.array([closed_form_friction(pair, rule, tau0) for pair in pairs])
+            result[f"{model} {label}"] = float(values.mean())
+            result[f"{model} {label} over form"] = (
+                float(values.mean() / closed_form_values.mean()) if closed_form_values.any() else np.nan
+            )
+            spread = (
+                np.std(values - closed_form_values * values.mean() / closed_form_values.mean(), ddof=1)
+                if closed_form_values.any()
+                else np.nan
+            )
+            result[f"{model} {label} error"] = float(spread / closed_form_values.mean() / np.sqrt(len(pairs)))
     return result
 
 
@@ -379,19 +405,24 @@ def render_family_rows(points: list[dict]) -> list[str]:
         "| asperity model, τ0 = 2 % of E* | standard error |",
         "|" + "---|" * 14,
     ]
-    for family, words in FAMILY_TITLES.items():
+    for family, family_title in FAMILY_TITLES.items():
         for low, high in pairwise(GRADIENT_BINS):
-            some = [point for point in points if point["family"] == family and low <= point["rms_gradient"] < high]
-            if not some:
+            selected_points = [
+                point for point in points if point["family"] == family and low <= point["rms_gradient"] < high
+            ]
+            if not selected_points:
                 continue
             model = "cylinders" if family.endswith("line") else "asperities"
-            kappas, counts = ([item[name] for item in some] for name in ("kappa", "contacts"))
+            kappas, counts = ([item[name] for item in selected_points] for name in ("kappa", "contacts"))
             cells = [
-                words, f"{low:g} to {high:g}", f"{len(some)}", f"{min(kappas):.2f} to {max(kappas):.2f}",
-                f"{min(counts):.0f} to {max(counts):.0f}",
-                *(residuals_in_percent(some, f"mu {rule} {key}") for rule, key in product(RULE_TITLES, TAU0_BY_LABEL)),
-                *(residuals_in_percent(some, f"{model} opposing {key}") for key in TAU0_BY_LABEL),
-                f"{100 * np.mean([each['mu points 0 error'] for each in some]):.1f}",
+                family_title, f"{low:g} to {high:g}", f"{len(selected_points)}",
+                f"{min(kappas):.2f} to {max(kappas):.2f}", f"{min(counts):.0f} to {max(counts):.0f}",
+                *(
+                    residuals_in_percent(selected_points, f"mu {rule} {key}")
+                    for rule, key in product(RULE_TITLES, TAU0_BY_LABEL)
+                ),
+                *(residuals_in_percent(selected_points, f"{model} opposing {key}") for key in TAU0_BY_LABEL),
+                f"{100 * np.mean([point['mu points 0 error'] for point in selected_points]):.1f}",
             ]  # fmt: skip
             rows.append(f"| {' | '.join(cells)} |")
     return rows
@@ -407,15 +438,15 @@ def render_limit_rows(points: list[dict]) -> list[str]:
         case, family = point["case"], point["family"]
         if family in FAMILY_TITLES:
             continue
-        words = f"H = {case['H']:g}"
+        case_text = f"H = {case['H']:g}"
         if family == "unequal":
-            ratio = "a flat" if case["ratio"] is None else f"ratio of slopes {case['ratio']:g}"
-            words += f", {ratio}, c_l = {case['share']:g}"
+            ratio_text = "a flat" if case["ratio"] is None else f"ratio of slopes {case['ratio']:g}"
+            case_text += f", {ratio_text}, c_l = {case['share']:g}"
         elif family == "other spectra":
-            words += f" on H = {case['H_lower']:g}, c_l = {case['share']:g}"
+            case_text += f" on H = {case['H_lower']:g}, c_l = {case['share']:g}"
         cells = [
-            words, f"{point['rms_gradient']:.2g}", f"{case.get('load', LOW_PRESSURE):g}", f"{point['fraction']:.2g}",
-            f"{point['kappa']:.2f}",
+            case_text, f"{point['rms_gradient']:.2g}", f"{case.get('load', LOW_PRESSURE):g}",
+            f"{point['fraction']:.2g}", f"{point['kappa']:.2f}",
             *(residuals_in_percent([point], f"mu {rule} 0").split(" ")[0] for rule in RULE_TITLES),
         ]  # fmt: skip
         rows.append(f"| {' | '.join(cells)} |")
@@ -427,36 +458,45 @@ def draw(points: list[dict]) -> None:
     axes = figure.subplots(2, 2).ravel()
     slope = np.geomspace(0.01, 3, 200)
     for family, colour in zip(FAMILY_TITLES, COLOURS, strict=True):
-        some = [point for point in points if point["family"] == family]
-        if not some:
+        selected_points = [point for point in points if point["family"] == family]
+        if not selected_points:
             continue
-        line = family.endswith("line")
-        gradient = np.array([item["rms_gradient"] for item in some])
-        mean_slope = np.array([item["rms_slope"] for item in some]) / (2 * np.sqrt(2 * np.pi))
-        mark = {"ls": "", "marker": "s" if line else "o", "ms": 2.6, "color": colour, "mew": 0.5}
-        model = "cylinders" if line else "asperities"
-        get = lambda name: np.array([item.get(name, np.nan) for item in some])  # noqa: E731, B023
-        axes[0].plot(mean_slope, get(f"{model} opposing 0"), ls="", marker="x", ms=2, color="0.75", zorder=0)
-        axes[0].plot(mean_slope, get("mu opposing 0"), **mark | {"mfc": "white", "ms": 2.2})
-        axes[0].plot(mean_slope, get("mu points 0"), **mark, label=FAMILY_TITLES[family])
-        if not line:
-            axes[1].plot(gradient, get(f"{model} opposing 2"), ls="", marker="x", ms=2, color="0.75", zorder=0)
-            axes[1].plot(gradient, get("mu points 2"), **mark)
-        axes[2].plot(gradient, 100 * (get("mu points 0 over form") - 1), **mark)
-        axes[2].plot(gradient, 100 * (get("mu opposing 0 over form") - 1), **mark | {"mfc": "white", "ms": 2.2})
-        axes[3].plot(gradient, 100 * (get("mu all 0 over form") - 1), **mark)
-        first = [
-            np.mean([closed_form_friction(pair, "all", 0.0, order=1) for pair in item["together"]]) for item in some
+        is_line = family.endswith("line")
+        gradient = np.array([item["rms_gradient"] for item in selected_points])
+        mean_slope = np.array([item["rms_slope"] for item in selected_points]) / (2 * np.sqrt(2 * np.pi))
+        marker_style = {"ls": "", "marker": "s" if is_line else "o", "ms": 2.6, "color": colour, "mew": 0.5}
+        model = "cylinders" if is_line else "asperities"
+        values_of = lambda name: np.array([item.get(name, np.nan) for item in selected_points])  # noqa: E731, B023
+        axes[0].plot(mean_slope, values_of(f"{model} opposing 0"), ls="", marker="x", ms=2, color="0.75", zorder=0)
+        axes[0].plot(mean_slope, values_of("mu opposing 0"), **marker_style | {"mfc": "white", "ms": 2.2})
+        axes[0].plot(mean_slope, values_of("mu points 0"), **marker_style, label=FAMILY_TITLES[family])
+        if not is_line:
+            axes[1].plot(gradient, values_of(f"{model} opposing 2"), ls="", marker="x", ms=2, color="0.75", zorder=0)
+            axes[1].plot(gradient, values_of("mu points 2"), **marker_style)
+        axes[2].plot(gradient, 100 * (values_of("mu points 0 over form") - 1), **marker_style)
+        axes[2].plot(
+            gradient, 100 * (values_of("mu opposing 0 over form") - 1), **marker_style | {"mfc": "white", "ms": 2.2}
+        )
+        axes[3].plot(gradient, 100 * (values_of("mu all 0 over form") - 1), **marker_style)
+        first_order_values = [
+            np.mean([closed_form_friction(pair, "all", 0.0, order=1) for pair in item["together"]])
+            for item in selected_points
         ]
-        axes[3].plot(gradient, 100 * (get("mu all 0") / first - 1), **mark | {"mfc": "white", "ms": 2.2})
-    s = slope / (4 * np.sqrt(np.pi))
-    axes[0].plot(s, gentle_friction(MU0, rms_gradient=slope), color="0.1", lw=1, label="closed form")
-    axes[0].plot(s, gentle_friction(MU0, rms_gradient=slope, order=2), color="0.1", lw=1, ls="--")
-    curve = {"rms_gradient": slope, "effective_modulus": EFFECTIVE_MODULUS}
-    axes[1].plot(slope, gentle_friction(MU0, TAU0_BY_LABEL["2"], **curve), color="0.1", lw=1)
-    axes[1].plot(slope, gentle_friction(MU0, TAU0_BY_LABEL["2"], **curve, order=2), color="0.1", lw=1, ls="--")
-    least = np.sqrt(2 * np.sqrt(np.pi) * 2.2 * TAU0_BY_LABEL["2"] / EFFECTIVE_MODULUS)
-    axes[1].axvline(least, color="0.6", lw=0.7, ls=":")
+        axes[3].plot(
+            gradient,
+            100 * (values_of("mu all 0") / first_order_values - 1),
+            **marker_style | {"mfc": "white", "ms": 2.2},
+        )
+    scaled_slope = slope / (4 * np.sqrt(np.pi))
+    axes[0].plot(scaled_slope, gentle_friction(MU0, rms_gradient=slope), color="0.1", lw=1, label="closed form")
+    axes[0].plot(scaled_slope, gentle_friction(MU0, rms_gradient=slope, order=2), color="0.1", lw=1, ls="--")
+    closed_form_options = {"rms_gradient": slope, "effective_modulus": EFFECTIVE_MODULUS}
+    axes[1].plot(slope, gentle_friction(MU0, TAU0_BY_LABEL["2"], **closed_form_options), color="0.1", lw=1)
+    axes[1].plot(
+        slope, gentle_friction(MU0, TAU0_BY_LABEL["2"], **closed_form_options, order=2), color="0.1", lw=1, ls="--"
+    )
+    smallest_slope = np.sqrt(2 * np.sqrt(np.pi) * 2.2 * TAU0_BY_LABEL["2"] / EFFECTIVE_MODULUS)
+    axes[1].axvline(smallest_slope, color="0.6", lw=0.7, ls=":")
     axes[0].set(xlabel="mean slope $S = g_s / 2\\sqrt{2\\pi}$", ylabel="$\\mu_s$")
     axes[0].set(title="opposing contacts, $\\tau_0$ = 0")
     axes[0].set(xscale="log", ylim=(0.18, 0.9))
@@ -487,43 +527,53 @@ def draw(points: list[dict]) -> None:
 
 def draw_limits(points: list[dict]) -> None:
     figure = Figure(figsize=(6.9, 2.7), dpi=200, layout="constrained")
-    by_load, kappas, spectra = figure.subplots(1, 3)
+    load_axes, kappa_axes, spectra_axes = figure.subplots(1, 3)
     style = {(0.5, 0.1): ("#0072B2", "o"), (0.5, 0.4): ("#0072B2", "s"), (0.8, 0.1): ("#D55E00", "o"),
              (0.8, 0.4): ("#D55E00", "s")}  # fmt: skip
     for (hurst, gradient), (colour, marker) in style.items():
-        some = [
+        selected_points = [
             point for point in points if point["family"] == "load" and (point["case"]["H"], point["case"]["h"]) == (
                 hurst, gradient,
             )
         ]  # fmt: skip
-        load = [item["case"]["load"] for item in some]
-        mark = {"color": colour, "marker": marker, "ms": 3, "lw": 0.8, "label": f"H = {hurst:g}, h' = {gradient:g}"}
-        by_load.plot(load, [100 * (item["mu points 0 over form"] - 1) for item in some], **mark)
-        by_load.plot(
-            load, [100 * (item["mu opposing 0 over form"] - 1) for item in some], **mark | {"mfc": "white", "label": ""}
+        load = [item["case"]["load"] for item in selected_points]
+        marker_style = {
+            "color": colour,
+            "marker": marker,
+            "ms": 3,
+            "lw": 0.8,
+            "label": f"H = {hurst:g}, h' = {gradient:g}",
+        }
+        load_axes.plot(load, [100 * (item["mu points 0 over form"] - 1) for item in selected_points], **marker_style)
+        load_axes.plot(
+            load,
+            [100 * (item["mu opposing 0 over form"] - 1) for item in selected_points],
+            **marker_style | {"mfc": "white", "label": ""},
         )
         if gradient == 0.1:
-            kappas.errorbar(
-                load, [item["kappa"] for item in some], [item["kappa_error"] for item in some],
-                **mark | {"label": f"H = {hurst:g}"},
+            kappa_axes.errorbar(
+                load, [item["kappa"] for item in selected_points], [item["kappa_error"] for item in selected_points],
+                **marker_style | {"label": f"H = {hurst:g}"},
             )  # fmt: skip
-    fine = np.geomspace(RELATIVE_PRESSURES[0], RELATIVE_PRESSURES[-1], 200)
-    kappas.axhline(np.sqrt(2 * np.pi), color="0.5", lw=0.8, ls="-.", label="Bush-Gibson-Thomas")
-    kappas.plot(fine, erf(np.sqrt(2) * fine) / fine, color="0.3", lw=0.9, ls="--", label="Persson")
-    kappas.plot(fine, np.minimum(1 / fine, 3), color="0.8", lw=0.7, zorder=0)
+    fine_pressures = np.geomspace(RELATIVE_PRESSURES[0], RELATIVE_PRESSURES[-1], 200)
+    kappa_axes.axhline(np.sqrt(2 * np.pi), color="0.5", lw=0.8, ls="-.", label="Bush-Gibson-Thomas")
+    kappa_axes.plot(
+        fine_pressures, erf(np.sqrt(2) * fine_pressures) / fine_pressures, color="0.3", lw=0.9, ls="--", label="Persson"
+    )
+    kappa_axes.plot(fine_pressures, np.minimum(1 / fine_pressures, 3), color="0.8", lw=0.7, zorder=0)
     for family, colour in list(zip(FAMILY_TITLES, COLOURS, strict=True))[:5]:
-        some = [point for point in points if point["family"] == family]
-        spectra.plot(
-            [item["nayak"] for item in some], [item["kappa"] for item in some], ls="", color=colour, ms=2.4,
-            marker="s" if family.endswith("line") else "o", label=FAMILY_TITLES[family],
+        selected_points = [point for point in points if point["family"] == family]
+        spectra_axes.plot(
+            [item["nayak"] for item in selected_points], [item["kappa"] for item in selected_points], ls="",
+            color=colour, ms=2.4, marker="s" if family.endswith("line") else "o", label=FAMILY_TITLES[family],
         )  # fmt: skip
-    for value, dash in ((np.sqrt(2 * np.pi), "-."), (np.sqrt(8 / np.pi), "--")):
-        spectra.axhline(value, color="0.5", lw=0.8, ls=dash)
-    by_load.set(xscale="log", xlabel="$\\bar p / E^* h'$", ylabel="$\\mu_s$: deviation from the closed form (%)")
-    by_load.axhline(0, color="0.1", lw=0.8, zorder=0)
-    kappas.set(xscale="log", xlabel="$\\bar p / E^* h'$", ylabel="$\\kappa = A E^* h' / F$", ylim=(0, 3))
-    spectra.set(xscale="log", xlabel="Nayak's parameter", ylabel="$\\kappa$", ylim=(0, 4))
-    for ax in (by_load, kappas, spectra):
+    for value, line_style in ((np.sqrt(2 * np.pi), "-."), (np.sqrt(8 / np.pi), "--")):
+        spectra_axes.axhline(value, color="0.5", lw=0.8, ls=line_style)
+    load_axes.set(xscale="log", xlabel="$\\bar p / E^* h'$", ylabel="$\\mu_s$: deviation from the closed form (%)")
+    load_axes.axhline(0, color="0.1", lw=0.8, zorder=0)
+    kappa_axes.set(xscale="log", xlabel="$\\bar p / E^* h'$", ylabel="$\\kappa = A E^* h' / F$", ylim=(0, 3))
+    spectra_axes.set(xscale="log", xlabel="Nayak's parameter", ylabel="$\\kappa$", ylim=(0, 4))
+    for ax in (load_axes, kappa_axes, spectra_axes):
         ax.tick_params(labelsize=7)
         ax.xaxis.label.set_fontsize(8)
         ax.yaxis.label.set_fontsize(8)
@@ -533,15 +583,15 @@ def draw_limits(points: list[dict]) -> None:
 
 def write_case_means(points: list[dict]) -> None:
     """Write the means over the pairs of every case."""
-    keys = sorted({key for point in points for key in point if key not in ("case", "together")})
-    keys = ["family", "of", *(key for key in keys if key != "family")]
+    column_names = sorted({key for point in points for key in point if key not in ("case", "together")})
+    column_names = ["family", "of", *(key for key in column_names if key != "family")]
     with (DOCS_FOLDER / "generated/collapse.csv").open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, keys, lineterminator="\n")
+        writer = csv.DictWriter(file, column_names, lineterminator="\n")
         writer.writeheader()
         for point in points:
             case_text = "; ".join(f"{key} {value}" for key, value in point["case"].items() if key != "family")
-            numbers = {key: f"{value:.5g}" for key, value in point.items() if isinstance(value, float)}
-            writer.writerow({"family": point["family"], "of": case_text, "pairs": point["pairs"], **numbers})
+            number_texts = {key: f"{value:.5g}" for key, value in point.items() if isinstance(value, float)}
+            writer.writerow({"family": point["family"], "of": case_text, "pairs": point["pairs"], **number_texts})
 
 
 def main() -> None:
@@ -550,16 +600,14 @@ def main() -> None:
     draw(points)
     draw_limits(points)
     write_case_means(points)
-    main_points = sum(point["family"] in FAMILY_TITLES for point in points)
-    pressed = sum(point["pairs"] for point in points)
+    num_main_points = sum(point["family"] in FAMILY_TITLES for point in points)
+    num_pairs = sum(point["pairs"] for point in points)
     text = [
         "Relative deviations of friction from the closed form of second order in per cent: mean over the ensembles, "
-        "and the "
-        f"largest deviation. The closed form uses the κ of each pair, and nothing is fitted. There are {main_points} "
-        f"ensembles here and {len(points) - main_points} in the next table, with {pressed} pairs in total. μ0 is 0.4. "
-        "The "
-        f"mean pressure is {LOW_PRESSURE:g} E* h', except for measured surfaces, for which it is 0.003 and 0.02 E* "
-        "h'.",
+        "and the largest deviation. The closed form uses the κ of each pair, and nothing is fitted. "
+        f"There are {num_main_points} ensembles here and {len(points) - num_main_points} in the next table, "
+        f"with {num_pairs} pairs in total. μ0 is 0.4. The mean pressure is {LOW_PRESSURE:g} E* h', except for "
+        "measured surfaces, for which it is 0.003 and 0.02 E* h'.",
         "\n".join(render_family_rows(points)),
         "Limits of the closed form, with τ0 = 0: deviations in per cent for loads up to full contact, for bodies of "
         "different roughness, stiffness and spectra, and for steep slopes.",

@@ -48,13 +48,21 @@ def draw(dark: bool) -> Figure:
         for start, end, text in FLOWCHART_ARROWS:
             x0, y0, *_ = FLOWCHART_BOXES[start]
             x1, y1, *_ = FLOWCHART_BOXES[end]
-            tail, head = (x0, y0 - BOX_HEIGHT / 2), (x1, y1 + BOX_HEIGHT / 2)
+            arrow_start, arrow_end = (x0, y0 - BOX_HEIGHT / 2), (x1, y1 + BOX_HEIGHT / 2)
             ax.add_patch(
-                FancyArrowPatch(tail, head, arrowstyle="-|>", mutation_scale=8, color=colours["line"], linewidth=0.8)
+                FancyArrowPatch(
+                    arrow_start, arrow_end, arrowstyle="-|>", mutation_scale=8, color=colours["line"], linewidth=0.8
+                )
             )
             if text:
-                side = -3.0 if x1 < x0 else 3.0
-                ax.text((x0 + x1) / 2 + side, (tail[1] + head[1]) / 2, text, ha="center", color=colours["text"])
+                label_offset = -3.0 if x1 < x0 else 3.0
+                ax.text(
+                    (x0 + x1) / 2 + label_offset,
+                    (arrow_start[1] + arrow_end[1]) / 2,
+                    text,
+                    ha="center",
+                    color=colours["text"],
+                )
         for x, y, width, text, kind in FLOWCHART_BOXES.values():
             corner = (x - width / 2, y - BOX_HEIGHT / 2)
             style = {"facecolor": colours[kind], "edgecolor": colours["line"], "linewidth": 0.6}

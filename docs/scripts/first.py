@@ -54,9 +54,9 @@ def compute_friction():
             directory=folder,
             **EXAMPLE_INPUTS,
         )
-        computed = result.summary().headlines
-        rules = [{item.rule: (item.value, item.lower, item.upper) for item in one.rules} for one in computed]
-        return {rule: np.transpose([one[rule] for one in rules]) for rule in SLIDING_RULE_COLOURS}
+        quoted_points = result.summary().headlines
+        rules = [{item.rule: (item.value, item.lower, item.upper) for item in point.rules} for point in quoted_points]
+        return {rule: np.transpose([point[rule] for point in rules]) for rule in SLIDING_RULE_COLOURS}
 
 
 def solve_contact():
@@ -77,23 +77,24 @@ def draw(curves, dark):
         ax.set_facecolor("none")
 
     x, lower, contact = solve_contact()
-    in_contact = contact.pressure > 0
+    is_contact = contact.pressure > 0
     # Show the opposing contact that is nearest to another contact.
     opposing_x, assisting_x = (
-        x[in_contact & is_selected & (np.abs(x - x.mean()) < MAX_MARKER_DISTANCE)]
+        x[is_contact & is_selected & (np.abs(x - x.mean()) < MAX_MARKER_DISTANCE)]
         for is_selected in (contact.opposing, ~contact.opposing)
     )
     distances = np.abs(np.subtract.outer(opposing_x, assisting_x))
-    middle = opposing_x[np.unravel_index(distances.argmin(), distances.shape)[0]]
+    middle_x = opposing_x[np.unravel_index(distances.argmin(), distances.shape)[0]]
     left.fill_between(x, 1000 * lower, -1e4, color=LOWER_BODY_COLOUR, linewidth=0)
     left.fill_between(x, 1000 * (lower + contact.gap.clip(0)), 1e4, color=UPPER_BODY_COLOUR, linewidth=0)
     for is_selected, colour in ((contact.opposing, OPPOSING_COLOUR), (~contact.opposing, NOT_OPPOSING_COLOUR)):
-        selected_points = in_contact & is_selected
+        selected_points = is_contact & is_selected
         left.plot(x[selected_points], 1000 * lower[selected_points], "o", markersize=2.5, color=colour)
-    inside = np.abs(x - middle) < PROFILE_HALF_WIDTH
-    heights = 1000 * lower[inside]
+    is_shown = np.abs(x - middle_x) < PROFILE_HALF_WIDTH
+    heights = 1000 * lower[is_shown]
     left.set(
-        xlim=(middle - PROFILE_HALF_WIDTH, middle + PROFILE_HALF_WIDTH), ylim=(heights.min() - 10, heights.max() + 130)
+        xlim=(middle_x - PROFILE_HALF_WIDTH, middle_x + PROFILE_HALF_WIDTH),
+        ylim=(heights.min() - 10, heights.max() + 130),
     )
     left.set(xlabel="x (µm)", ylabel="height (nm)", title="two lapped faces, and where they touch")
 

@@ -37,15 +37,17 @@ MIN_STRESS = 0.2  # MPa; lowest measured stress
 
 def load_gap(folder, name, *, square=True):
     """Return the gap (µm) in the largest square of the disc, or in the whole disc with missing points outside."""
-    with np.load(folder / f"{name}.npz") as stored:
-        heights, spacing = stored["gap_um"].astype(float), float(stored["spacing_um"])
-    side = int(DISC_DIAMETER / (np.sqrt(2) if square else 1) / spacing)
-    first = [(count - side) // 2 for count in heights.shape]
-    inside = heights[first[0] : first[0] + side, first[1] : first[1] + side]
+    with np.load(folder / f"{name}.npz") as archive:
+        heights, spacing = archive["gap_um"].astype(float), float(archive["spacing_um"])
+    side_length = int(DISC_DIAMETER / (np.sqrt(2) if square else 1) / spacing)
+    first_indices = [(count - side_length) // 2 for count in heights.shape]
+    square_heights = heights[
+        first_indices[0] : first_indices[0] + side_length, first_indices[1] : first_indices[1] + side_length
+    ]
     if square:
-        return Surface(inside, spacing=spacing)
-    distance = np.hypot(*(np.indices(inside.shape) - (side - 1) / 2)) * spacing
-    return Surface(inside, spacing=spacing, missing=distance > DISC_DIAMETER / 2)
+        return Surface(square_heights, spacing=spacing)
+    distance = np.hypot(*(np.indices(square_heights.shape) - (side_length - 1) / 2)) * spacing
+    return Surface(square_heights, spacing=spacing, missing=distance > DISC_DIAMETER / 2)
 
 
 def load_test(folder, name):
@@ -60,12 +62,12 @@ def compute_closure(
     gap, stress, *, young=YOUNG_MODULUS, poisson=POISSON_RATIO, boundary="free", tilt="free", hardness=None
 ):
     """Return the closure (mm) since first contact at stresses (MPa), and the load curve."""
-    flat = Surface(np.zeros(gap.heights.shape), spacing=gap.spacing)
-    rough = Surface(-gap.heights, spacing=gap.spacing, missing=gap.missing)
+    flat_surface = Surface(np.zeros(gap.heights.shape), spacing=gap.spacing)
+    rough_surface = Surface(-gap.heights, spacing=gap.spacing, missing=gap.missing)
     area = np.prod(gap.spacing) * (gap.heights.size - (0 if gap.missing is None else gap.missing.sum()))
     curve = half_space(
-        flat,
-        rough,
+        flat_surface,
+        rough_surface,
         stress * area / 1e3,
         effective_modulus=young / (1 - poisson**2) / 2,
         boundary=boundary,
@@ -76,30 +78,30 @@ def compute_closure(
     return curve.closure / 1e3, curve
 
 
-def secant_stiffness(closure, stress, between):
+def secant_stiffness(closure, stress, stress_range):
     """Return the secant stiffness (MPa/mm) between two stresses, by linear interpolation."""
-    return float(np.diff(between)[0] / np.diff(np.interp(between, stress, closure))[0])
+    return float(np.diff(stress_range)[0] / np.diff(np.interp(stress_range, stress, closure))[0])
 
 
 def estimate_spectrum(gap):
     """Return the Hurst exponent of a gap, and its spectral density as a function of the wavenumber (1/µm)."""
     heights = levelled(gap, "plane").heights * np.hanning(gap.heights.shape[0])[:, None]
     heights = heights * np.hanning(gap.heights.shape[1])
-    wave = np.hypot(*np.meshgrid(*(np.fft.fftfreq(n, gap.spacing[0]) for n in gap.heights.shape), indexing="ij"))
+    wave_number = np.hypot(*np.meshgrid(*(np.fft.fftfreq(n, gap.spacing[0]) for n in gap.heights.shape), indexing="ij"))
     power = np.abs(np.fft.fft2(heights)) ** 2 * np.prod(gap.spacing) / heights.size / (9 / 64)
-    present = (wave > 1 / FIT_WAVELENGTHS[1]) & (wave < 1 / FIT_WAVELENGTHS[0])
-    slope, level = np.polyfit(np.log(wave[present]), np.log(power[present]), 1)
+    is_fitted = (wave_number > 1 / FIT_WAVELENGTHS[1]) & (wave_number < 1 / FIT_WAVELENGTHS[0])
+    slope, log_factor = np.polyfit(np.log(wave_number[is_fitted]), np.log(power[is_fitted]), 1)
     return (
         -slope / 2 - 1,
-        lambda wave: np.exp(level + np.euler_gamma) * wave**slope,
+        lambda wave_number: np.exp(log_factor + np.euler_gamma) * wave_number**slope,
     )  # corrects the mean of the logarithm of a power
 
 
 def random_roughness(shape, spacing, density, longest, seed):
     """Return random heights (µm) with a given spectrum at wavelengths below `longest` (µm)."""
-    wave = np.hypot(*np.meshgrid(*(np.fft.fftfreq(n, spacing) for n in shape), indexing="ij"))
-    wave[0, 0] = np.inf
-    amplitude = np.where(wave > 1 / longest, np.sqrt(density(wave) / (np.prod(shape) * spacing**2)), 0.0)
+    wave_number = np.hypot(*np.meshgrid(*(np.fft.fftfreq(n, spacing) for n in shape), indexing="ij"))
+    wave_number[0, 0] = np.inf
+    amplitude = np.where(wave_number > 1 / longest, np.sqrt(density(wave_number) / (np.prod(shape) * spacing**2)), 0.0)
     noise = np.fft.fft2(np.random.default_rng(seed).standard_normal(shape)) / np.sqrt(np.prod(shape))
     return np.fft.ifft2(amplitude * noise).real * np.prod(shape)
 
@@ -108,15 +110,20 @@ def refine_gap(gap, factor, seed=1):
     """Return the gap on a grid refined by a factor, with self-affine roughness at the new wavelengths."""
     _, density = estimate_spectrum(gap)
     spacing = gap.spacing[0] / factor
-    smooth = zoom(gap.heights, factor, order=1)
-    return Surface(smooth + random_roughness(smooth.shape, spacing, density, 2 * gap.spacing[0], seed), spacing=spacing)
+    smooth_heights = zoom(gap.heights, factor, order=1)
+    return Surface(
+        smooth_heights + random_roughness(smooth_heights.shape, spacing, density, 2 * gap.spacing[0], seed),
+        spacing=spacing,
+    )
 
 
-def shift_gap(gap, by, seed=1):
+def shift_gap(gap, displacement, seed=1):
     """Return the gap after one surface moved along x; it is independent and has the spectrum of the gap."""
     _, density = estimate_spectrum(gap)
-    face = random_roughness(gap.heights.shape, gap.spacing[0], density, FIT_WAVELENGTHS[1], seed)
-    return Surface(gap.heights + by * np.gradient(face, gap.spacing[0], axis=1), spacing=gap.spacing)
+    displaced_face = random_roughness(gap.heights.shape, gap.spacing[0], density, FIT_WAVELENGTHS[1], seed)
+    return Surface(
+        gap.heights + displacement * np.gradient(displaced_face, gap.spacing[0], axis=1), spacing=gap.spacing
+    )
 
 
 def change_heights(gap, change):
@@ -156,12 +163,16 @@ def list_gap_variants(folder, name):
 def main(folder, names):
     results = {}
     for name in names:
-        (load, stress), (back, falling) = load_test(folder, name)
-        measured_stiffness = [secant_stiffness(load, stress, between) for between in (LOW_STRESSES, HIGH_STRESSES)]
+        (loading_displacement, stress), (unloading_displacement, unloading_stress) = load_test(folder, name)
+        measured_stiffness = [
+            secant_stiffness(loading_displacement, stress, stress_range)
+            for stress_range in (LOW_STRESSES, HIGH_STRESSES)
+        ]
         hurst, _ = estimate_spectrum(load_gap(folder, name))
-        clipped = float((load_gap(folder, name).heights >= 1e3).mean())
+        clipped_fraction = float((load_gap(folder, name).heights >= 1e3).mean())
         print(
-            f"\n**{name}**: Hurst exponent of the gap {hurst:.2f}, {100 * clipped:.1f} % of its points are clipped.\n"
+            f"\n**{name}**: Hurst exponent of the gap {hurst:.2f}, "
+            f"{100 * clipped_fraction:.1f} % of its points are clipped.\n"
         )
         print(
             "| change | secant stiffness, 1 to 2 MPa (MPa/mm) | difference | secant stiffness, 5 to 10 MPa (MPa/mm) "
@@ -169,17 +180,21 @@ def main(folder, names):
         )
         print("|-|-|-|-|-|-|")
         print(f"| measured, loading | {measured_stiffness[0]:.0f} | | {measured_stiffness[1]:.0f} | | |")
-        returned = [secant_stiffness(back[::-1], falling[::-1], between) for between in (LOW_STRESSES, HIGH_STRESSES)]
-        print(f"| measured, unloading | {returned[0]:.0f} | | {returned[1]:.0f} | | |")
-        steps = np.unique(np.concatenate([stress, LOW_STRESSES, HIGH_STRESSES]))
-        bands = {}
+        unloading_stiffness = [
+            secant_stiffness(unloading_displacement[::-1], unloading_stress[::-1], stress_range)
+            for stress_range in (LOW_STRESSES, HIGH_STRESSES)
+        ]
+        print(f"| measured, unloading | {unloading_stiffness[0]:.0f} | | {unloading_stiffness[1]:.0f} | | |")
+        stresses = np.unique(np.concatenate([stress, LOW_STRESSES, HIGH_STRESSES]))
+        curves_by_kind = {}
         for label, kind, gap, options in list_gap_variants(folder, name):
-            closure, curve = compute_closure(gap, steps, **options)
+            closure, curve = compute_closure(gap, stresses, **options)
             computed_stiffness = [
-                secant_stiffness(closure, steps, between) for between in (LOW_STRESSES, HIGH_STRESSES)
+                secant_stiffness(closure, stresses, stress_range) for stress_range in (LOW_STRESSES, HIGH_STRESSES)
             ]
             deviations = [
-                100 * (value / is_ - 1) for value, is_ in zip(computed_stiffness, measured_stiffness, strict=True)
+                100 * (value / measured - 1)
+                for value, measured in zip(computed_stiffness, measured_stiffness, strict=True)
             ]
             area = 100 * curve.contact_area[-1] * stress[-1] / 1e3 / curve.load[-1]
             cells = (
@@ -190,51 +205,89 @@ def main(folder, names):
                 f"{area:.1f}",
             )
             print(f"| {label} |", " | ".join(cells), "|", flush=True)
-            curves = np.interp(stress, steps, closure), 1e6 * np.interp(stress, steps, curve.closure_stiffness)
-            bands.setdefault(kind, []).append(curves) if kind or label.startswith("frozen") else None
-        results[name] = (load, stress, back, falling, bands)
+            curves = np.interp(stress, stresses, closure), 1e6 * np.interp(stress, stresses, curve.closure_stiffness)
+            curves_by_kind.setdefault(kind, []).append(curves) if kind or label.startswith("frozen") else None
+        results[name] = (loading_displacement, stress, unloading_displacement, unloading_stress, curves_by_kind)
     draw(results)
 
 
-def combine_variants(bands):
+def combine_variants(curves_by_kind):
     """Return the ends of closure and stiffness: root sum of squares of the largest deviation of each kind."""
-    ends = []
-    for quantity in (0, 1):
-        middle = bands[""][0][quantity]
-        middle = middle - middle[0] if quantity == 0 else middle
-        sums = np.zeros((2, middle.size))
-        for kind, result in bands.items():
-            others = (
-                [item[quantity] - (item[quantity][0] if quantity == 0 else 0) - middle for item in result]
+    intervals = []
+    for quantity_index in (0, 1):
+        reference_curve = curves_by_kind[""][0][quantity_index]
+        reference_curve = reference_curve - reference_curve[0] if quantity_index == 0 else reference_curve
+        squared_deviations = np.zeros((2, reference_curve.size))
+        for kind, result in curves_by_kind.items():
+            deviations = (
+                [
+                    item[quantity_index] - (item[quantity_index][0] if quantity_index == 0 else 0) - reference_curve
+                    for item in result
+                ]
                 if kind
                 else []
             )
-            if others:
-                sums += np.square([np.minimum(0, np.min(others, axis=0)), np.maximum(0, np.max(others, axis=0))])
-        ends.append((middle, middle - np.sqrt(sums[0]), middle + np.sqrt(sums[1])))
-    return ends
+            if deviations:
+                squared_deviations += np.square(
+                    [np.minimum(0, np.min(deviations, axis=0)), np.maximum(0, np.max(deviations, axis=0))]
+                )
+        intervals.append(
+            (
+                reference_curve,
+                reference_curve - np.sqrt(squared_deviations[0]),
+                reference_curve + np.sqrt(squared_deviations[1]),
+            )
+        )
+    return intervals
 
 
-def draw(shown):
+def draw(results):
     with mpl.rc_context(MATPLOTLIB_STYLE):
         figure = Figure(figsize=(PAGE_WIDTH, 100 * INCHES_PER_MILLIMETRE), layout="constrained")
-        axes = figure.subplots(2, len(shown), sharex=True, sharey="row", squeeze=False)
-        for (upper, lower), (name, (load, stress, back, falling, bands)) in zip(axes.T, shown.items(), strict=True):
-            closure, stiffness = combine_variants(bands)
+        axes = figure.subplots(2, len(results), sharex=True, sharey="row", squeeze=False)
+        for (upper, lower), (
+            name,
+            (loading_displacement, stress, unloading_displacement, unloading_stress, curves_by_kind),
+        ) in zip(axes.T, results.items(), strict=True):
+            closure, stiffness = combine_variants(curves_by_kind)
             for ax, (middle, low, high) in ((upper, closure), (lower, stiffness)):
                 ax.fill_between(
                     stress, low, high, color=ALL_CONTACTS_COLOUR, alpha=0.2, linewidth=0, label="all uncertainties"
                 )
                 ax.plot(stress, middle, color=ALL_CONTACTS_COLOUR, label="computed, nothing fitted")
-            for _, item in bands["E"][:2]:
+            for _, item in curves_by_kind["E"][:2]:
                 lower.plot(stress, item, color=ALL_CONTACTS_COLOUR, linewidth=0.5, linestyle="--")
-            upper.plot(stress, load - load[0], "o", color=FORCE_COLOUR, markersize=3, label="measured, loading")
-            upper.plot(falling, back - load[0], "x", color=FORCE_COLOUR, markersize=3, label="measured, unloading")
-            at = (stress[1:] + stress[:-1]) / 2
-            lower.plot(at, np.diff(stress) / np.diff(load), "o", color=FORCE_COLOUR, markersize=3)
-            rising = np.diff(back) < 0
-            unloading = np.diff(falling)[rising] / np.diff(back)[rising]
-            lower.plot((falling[1:] + falling[:-1])[rising] / 2, unloading, "x", color=FORCE_COLOUR, markersize=3)
+            upper.plot(
+                stress,
+                loading_displacement - loading_displacement[0],
+                "o",
+                color=FORCE_COLOUR,
+                markersize=3,
+                label="measured, loading",
+            )
+            upper.plot(
+                unloading_stress,
+                unloading_displacement - loading_displacement[0],
+                "x",
+                color=FORCE_COLOUR,
+                markersize=3,
+                label="measured, unloading",
+            )
+            mean_stress = (stress[1:] + stress[:-1]) / 2
+            lower.plot(
+                mean_stress, np.diff(stress) / np.diff(loading_displacement), "o", color=FORCE_COLOUR, markersize=3
+            )
+            is_unloading = np.diff(unloading_displacement) < 0
+            unloading_stiffness = (
+                np.diff(unloading_stress)[is_unloading] / np.diff(unloading_displacement)[is_unloading]
+            )
+            lower.plot(
+                (unloading_stress[1:] + unloading_stress[:-1])[is_unloading] / 2,
+                unloading_stiffness,
+                "x",
+                color=FORCE_COLOUR,
+                markersize=3,
+            )
             upper.set_title(name, fontsize=7)
             lower.set(xlabel="nominal stress (MPa)", xlim=(0, None), ylim=(0, 400))
         axes[0, 0].set(ylabel=f"closure since {MIN_STRESS + 0.06:.2f} MPa (mm)", ylim=(0, None))

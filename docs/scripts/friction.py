@@ -41,16 +41,16 @@ def gap_gradients(dimensions: np.ndarray) -> np.ndarray:
     return np.array(values)
 
 
-def draw_curve(ax: Axes, result: ResampledMeans, values: np.ndarray, name: str, *, hollow: bool = False) -> None:
+def draw_curve(ax: Axes, result: ResampledMeans, values: np.ndarray, name: str, *, is_hollow: bool = False) -> None:
     """Draw the values of the ensemble over D, with a 95 % band where the resamples have values."""
     colour, marker, label = CURVE_STYLES[name]
-    known = np.isfinite(values).mean(axis=0) > 0.975
-    lower, upper = np.nanquantile(values[1:, known], [0.025, 0.975], axis=0)
-    x = result.dimensions[known]
+    has_interval = np.isfinite(values).mean(axis=0) > 0.975
+    lower, upper = np.nanquantile(values[1:, has_interval], [0.025, 0.975], axis=0)
+    x = result.dimensions[has_interval]
     ax.fill_between(x, lower, upper, color=colour, alpha=0.2, lw=0)
     ax.plot(
-        x, values[0, known], color=colour, marker=marker, ms=2 if x.size > 20 else 3, lw=0.9,
-        mfc="white" if hollow else colour, mew=0.6, label=None if hollow else label,
+        x, values[0, has_interval], color=colour, marker=marker, ms=2 if x.size > 20 else 3, lw=0.9,
+        mfc="white" if is_hollow else colour, mew=0.6, label=None if is_hollow else label,
     )  # fmt: skip
 
 
@@ -65,14 +65,17 @@ def area_exponents(result: ResampledMeans) -> np.ndarray:
 def draw_panels(axes: np.ndarray, result: ResampledMeans, name: str) -> None:
     friction, adhesive_friction = (result.at("friction", result.middle, tau0=tau0) for tau0 in (0.0, TAU0))
     loads = result.middle_of_all_amplitudes()
-    steeper, flatter = (result.at("friction", loads, tau0=TAU0, amplitude=a) for a in (HIGH_AMPLITUDE, LOW_AMPLITUDE))
+    high_amplitude_values, low_amplitude_values = (
+        result.at("friction", loads, tau0=TAU0, amplitude=a) for a in (HIGH_AMPLITUDE, LOW_AMPLITUDE)
+    )
     area_at_high_mu0, area_at_low_mu0 = (result.at("area", result.middle, mu0=mu0) for mu0 in (1.0, 0.1))
     for ax, values in zip(
         axes,
         (
             area_exponents(result), friction, adhesive_friction - friction, adhesive_friction,
             result.at("friction", result.light) / result.at("friction", result.heavy),
-            friction / MU0, steeper / flatter, np.abs(area_at_high_mu0 / area_at_low_mu0 - 1),
+            friction / MU0, high_amplitude_values / low_amplitude_values,
+            np.abs(area_at_high_mu0 / area_at_low_mu0 - 1),
         ),
         strict=True,
     ):  # fmt: skip
@@ -83,16 +86,16 @@ def main() -> None:
     figure = Figure(figsize=(7.2, 4.1), dpi=200, layout="constrained")
     axes = figure.subplots(2, 4, sharex=True).ravel()
     for name in CURVE_STYLES:
-        data = store.read(RESULTS_FOLDER / name)
-        sliding = "opposing" if "sliding" in data.dims else None
+        dataset = store.read(RESULTS_FOLDER / name)
+        sliding = "opposing" if "sliding" in dataset.dims else None
         with np.errstate(divide="ignore", invalid="ignore"):
-            result = ResampledMeans(data, AMPLITUDE, sliding=sliding)
+            result = ResampledMeans(dataset, AMPLITUDE, sliding=sliding)
             draw_panels(axes, result, name)
             if name == "half-spaces":
-                result = ResampledMeans(data, AMPLITUDE, sliding="all")
-                draw_curve(axes[5], result, result.at("friction", result.middle) / MU0, name, hollow=True)
-                draw_curve(axes[3], result, result.at("friction", result.middle, tau0=TAU0), name, hollow=True)
-        del data
+                result = ResampledMeans(dataset, AMPLITUDE, sliding="all")
+                draw_curve(axes[5], result, result.at("friction", result.middle) / MU0, name, is_hollow=True)
+                draw_curve(axes[3], result, result.at("friction", result.middle, tau0=TAU0), name, is_hollow=True)
+        del dataset
     slopes = gap_gradients(result.dimensions)
     for ax, tau0 in ((axes[1], 0.0), (axes[3], TAU0)):
         ax.plot(
@@ -105,10 +108,10 @@ def main() -> None:
         "5  $\\mu_s$, light / heavy load", "6  $\\mu_s/\\mu_0$", "7  $\\mu_s$, height 0.2 / 0.05 µm",
         "8  change of area by friction",
     )  # fmt: skip
-    ranges = ((0.6, 1.1), (0.15, 1.0), (-0.1, 0.9), (0.2, 1.2), (0.5, 1.5), (0.4, 2), (0.3, 4), (1e-3, 3))
-    for ax, title, limits in zip(axes, titles, ranges, strict=True):
+    axis_ranges = ((0.6, 1.1), (0.15, 1.0), (-0.1, 0.9), (0.2, 1.2), (0.5, 1.5), (0.4, 2), (0.3, 4), (1e-3, 3))
+    for ax, title, axis_range in zip(axes, titles, axis_ranges, strict=True):
         ax.set_title(title, fontsize=7.5, loc="left")
-        ax.set_ylim(limits)
+        ax.set_ylim(axis_range)
         ax.tick_params(labelsize=6.5)
     axes[6].set_yscale("log")
     axes[6].yaxis.set_ticks((0.3, 0.5, 1, 2, 4), labels=["0.3", "0.5", "1", "2", "4"])

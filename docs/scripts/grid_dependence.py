@@ -35,34 +35,34 @@ def compute_grid_results(detection: str) -> dict[str, np.ndarray]:
                 "ensemble.repetitions": 24,
             }
         )
-        data = run(study).dataset.isel(amplitude=0, approach=0).transpose("fractal_dimension", "repetition")
-        columns["load"].append(data["normal_elastic"].values)
-        columns["normal"].append(compute_load("normal", data, MU0, 0.0))
-        columns["tangential"].append(compute_load("tangential", data, MU0, 0.0))
-        columns["area"].append(data["contact_area"].values)
-        columns["below"].append((data["load_below_grid"] / data["normal_elastic"].sum("repetition")).values)
+        dataset = run(study).dataset.isel(amplitude=0, approach=0).transpose("fractal_dimension", "repetition")
+        columns["load"].append(dataset["normal_elastic"].values)
+        columns["normal"].append(compute_load("normal", dataset, MU0, 0.0))
+        columns["tangential"].append(compute_load("tangential", dataset, MU0, 0.0))
+        columns["area"].append(dataset["contact_area"].values)
+        columns["below"].append((dataset["load_below_grid"] / dataset["normal_elastic"].sum("repetition")).values)
     return {name: np.stack(values, axis=1) for name, values in columns.items()}
 
 
-def ratio_of_means(above: np.ndarray, below: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def ratio_of_means(numerator: np.ndarray, denominator: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the ratio of means over the last axis, and its 95 % interval by the jackknife of its logarithm."""
-    above, below = np.broadcast_arrays(above, below)
-    repetitions = above.shape[-1]
+    numerator, denominator = np.broadcast_arrays(numerator, denominator)
+    repetitions = numerator.shape[-1]
 
     def leave_one_out_means(each: np.ndarray) -> np.ndarray:
         return (each.sum(axis=-1, keepdims=True) - each) / (repetitions - 1)
 
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.where(below.mean(axis=-1) > 0, above.mean(axis=-1) / below.mean(axis=-1), np.nan)
-        left_out = np.log(leave_one_out_means(above) / leave_one_out_means(below))
-        flat = left_out.reshape(-1, repetitions).T
-        known = np.isfinite(flat).all(axis=0)
-        half = np.full(flat.shape[1], np.nan)
-        powers = PowerSums((int(known.sum()),))
-        powers.add((flat - flat.mean(axis=0))[:, known].T)
-        half[known] = powers.half_width()
-    half = half.reshape(ratio.shape)
-    return ratio, ratio * np.exp(-half), ratio * np.exp(half)
+        ratio = np.where(denominator.mean(axis=-1) > 0, numerator.mean(axis=-1) / denominator.mean(axis=-1), np.nan)
+        log_ratios = np.log(leave_one_out_means(numerator) / leave_one_out_means(denominator))
+        log_ratio_columns = log_ratios.reshape(-1, repetitions).T
+        is_known = np.isfinite(log_ratio_columns).all(axis=0)
+        half_width = np.full(log_ratio_columns.shape[1], np.nan)
+        power_sums = PowerSums((int(is_known.sum()),))
+        power_sums.add((log_ratio_columns - log_ratio_columns.mean(axis=0))[:, is_known].T)
+        half_width[is_known] = power_sums.half_width()
+    half_width = half_width.reshape(ratio.shape)
+    return ratio, ratio * np.exp(-half_width), ratio * np.exp(half_width)
 
 
 def main() -> None:
@@ -81,25 +81,30 @@ def draw() -> None:
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for row, (detection, sums) in enumerate(results.items()):
-        load, normal = sums["load"].mean(axis=2), sums["normal"].mean(axis=2)
+        load, normal_load = sums["load"].mean(axis=2), sums["normal"].mean(axis=2)
         ratios = (
             ratio_of_means(sums["load"], sums["load"][:, [-1]]),
             ratio_of_means(sums["area"], sums["area"][:, [-1]]),
             ratio_of_means(sums["tangential"], sums["normal"]),
         )
         friction = ratios[2][0]
-        for d, (dimension, colour) in enumerate(
+        for dimension_index, (dimension, colour) in enumerate(
             zip(FRACTAL_DIMENSIONS, fractal_dimension_colours(FRACTAL_DIMENSIONS), strict=True)
         ):
             for column, (values, lower, upper) in enumerate(ratios):
                 ax = axes[row, column]
-                ax.fill_between(POINT_COUNTS, lower[d], upper[d], color=colour, alpha=0.18, linewidth=0)
-                ax.plot(POINT_COUNTS, values[d], "o-", ms=2, lw=0.9, color=colour, label=f"{dimension:.1f}")
-            shown = [f"{load[d, k]:.3g}" for k in (0, 2, 4)] + [
-                f"{friction[d, k]:.3f}" if normal[d, k] > 0 else "locked" for k in (0, 2, 4)
+                ax.fill_between(
+                    POINT_COUNTS, lower[dimension_index], upper[dimension_index], color=colour, alpha=0.18, linewidth=0
+                )
+                ax.plot(
+                    POINT_COUNTS, values[dimension_index], "o-", ms=2, lw=0.9, color=colour, label=f"{dimension:.1f}"
+                )
+            shown_loads = [f"{load[dimension_index, k]:.3g}" for k in (0, 2, 4)] + [
+                f"{friction[dimension_index, k]:.3f}" if normal_load[dimension_index, k] > 0 else "locked"
+                for k in (0, 2, 4)
             ]
-            below = f"{100 * sums['below'][d, 2].sum():.0f} %"
-            lines.append(f"| {dimension:.1f} | {detection} | {' | '.join(shown)} | {below} |")
+            below_text = f"{100 * sums['below'][dimension_index, 2].sum():.0f} %"
+            lines.append(f"| {dimension:.1f} | {detection} | {' | '.join(shown_loads)} | {below_text} |")
         axes[row, 0].set_ylabel(f"{detection}\n$\\Sigma F n_z$ / that at 600 000 points")
         axes[row, 1].set_ylabel("$A$ / that at 600 000 points")
         axes[row, 2].set_ylabel(r"coefficient of static friction $\mu_s$")

@@ -26,8 +26,8 @@ COLOURS = {0.0: "#0072B2", 0.2: "#D55E00"}  # Okabe & Ito
 
 
 def load_results(directory: Path) -> dict:
-    exact = Study.named("figure6-half-plane")
-    cylinders = Study().with_changes(
+    half_plane_study = Study.named("figure6-half-plane")
+    cylinder_study = Study().with_changes(
         {
             "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.5, "count": 25},
             "surfaces.points": 131_072,
@@ -40,7 +40,7 @@ def load_results(directory: Path) -> dict:
         }
     )
     result = {}
-    for name, study in {"half-plane": exact, "cylinders": cylinders}.items():
+    for name, study in {"half-plane": half_plane_study, "cylinders": cylinder_study}.items():
         path = directory / name
         path.parent.mkdir(parents=True, exist_ok=True)
         result[name] = store.read(path) if "--as-is" in sys.argv and path.exists() else run(study, store=path).dataset
@@ -48,23 +48,25 @@ def load_results(directory: Path) -> dict:
 
 
 def main(directory: Path) -> None:
-    computed = load_results(directory)
+    results = load_results(directory)
     figure = Figure(figsize=(6.7, 4.8), dpi=200, layout="constrained")
     axes = figure.subplots(2, 2, sharex=True, sharey="row")
-    for name, result in computed.items():
+    for name, result in results.items():
         friction = friction_map(result, FIGURE_LOADS, mu0=[MU0], tau0=TAU0_VALUES).squeeze()
         for row, rule in enumerate(("opposing", "all")):
             for ax, load in zip(axes[row], FIGURE_LOADS, strict=True):
                 for strength in TAU0_VALUES:
                     curve = friction.sel(sliding=rule, tau0=strength).sel(load=load, method="nearest")
                     dimension, mean = curve["fractal_dimension"].values, curve["friction_coefficient"].values
-                    exact = name == "half-plane"
+                    is_half_plane = name == "half-plane"
                     ax.plot(
-                        dimension, mean, "-" if exact else "--", lw=1.1, color=COLOURS[strength],
+                        dimension, mean, "-" if is_half_plane else "--", lw=1.1, color=COLOURS[strength],
                         label=f"{name}, $\\tau_0$ = {1000 * strength:g} MPa",
                     )  # fmt: skip
                     low, high = (curve[end].values for end in ("lower", "upper"))
-                    ax.fill_between(dimension, low, high, color=COLOURS[strength], alpha=0.25 if exact else 0.12, lw=0)
+                    ax.fill_between(
+                        dimension, low, high, color=COLOURS[strength], alpha=0.25 if is_half_plane else 0.12, lw=0
+                    )
                 ax.set_title(f"{rule}, $F_N$ = {load:g} mN", fontsize=8)
                 ax.tick_params(labelsize=7)
     for ax in axes[1]:
@@ -74,7 +76,7 @@ def main(directory: Path) -> None:
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2, fontsize=7.5, frameon=False)
     figure.savefig(DOCS_FOLDER / "images/half_plane.png")
-    print({name: int(np.size(result["repetition"])) for name, result in computed.items()})
+    print({name: int(np.size(result["repetition"])) for name, result in results.items()})
 
 
 if __name__ == "__main__":

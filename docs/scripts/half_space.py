@@ -47,42 +47,45 @@ COLUMN_NAMES = [
 def create_body(kind: str, hurst: float, band: int, repetition: int, side: str) -> Profile | Surface:
     """Return one surface of a pair: periodic on unit length, with rms slope RMS_SLOPE."""
     n = NUM_LONGEST_WAVELENGTHS[kind] * band * POINTS_PER_SHORTEST_WAVELENGTH[kind]
-    common = {"hurst_exponent": hurst, "repetition": repetition, "side": side, "rms": 1.0, "spacing": 1 / n}
-    common |= {
+    options = {"hurst_exponent": hurst, "repetition": repetition, "side": side, "rms": 1.0, "spacing": 1 / n}
+    options |= {
         "longest_wavelength": 1 / NUM_LONGEST_WAVELENGTHS[kind],
         "shortest_wavelength": 1 / (NUM_LONGEST_WAVELENGTHS[kind] * band),
     }
     surface = (
-        self_affine(SEED, points=n, periodic=True, **common)
+        self_affine(SEED, points=n, periodic=True, **options)
         if kind == "lines"
-        else self_affine_surface(SEED, shape=(n, n), **common)
+        else self_affine_surface(SEED, shape=(n, n), **options)
     )
-    steps = [
+    differences = [
         np.diff(surface.heights, axis=axis, append=np.take(surface.heights, [0], axis)) * n
         for axis in range(surface.heights.ndim)
     ]
-    scale = RMS_SLOPE / math.sqrt(sum(float(np.mean(step**2)) for step in steps))
+    scale = RMS_SLOPE / math.sqrt(sum(float(np.mean(difference**2)) for difference in differences))
     return type(surface)(surface.heights * scale, spacing=surface.spacing)
 
 
 def friction_coefficient(sums: dict[str, np.ndarray], strength: float) -> np.ndarray:
     tangential, normal = (
-        sums[f"{way}_elastic"]
-        + MU0 * sums[f"{way}_frictional"]
-        + strength * EFFECTIVE_MODULUS * sums[f"{way}_adhesive"]
-        for way in ("tangential", "normal")
+        sums[f"{component}_elastic"]
+        + MU0 * sums[f"{component}_frictional"]
+        + strength * EFFECTIVE_MODULUS * sums[f"{component}_adhesive"]
+        for component in ("tangential", "normal")
     )
     return tangential / normal
 
 
 def solve_half_space(upper, lower, loads: np.ndarray) -> np.ndarray:
     """Return results (load, column) of the half-space; friction is the mean of both directions along x."""
-    curves = [half_space(upper, lower, loads, boundary="periodic", direction=way) for way in ("+x", "-x")]
+    curves = [half_space(upper, lower, loads, boundary="periodic", direction=direction) for direction in ("+x", "-x")]
     columns = [curves[0].contact_area, curves[0].stiffness]
     for rule in SLIDING_RULES:
-        both = [curve.with_sliding(rule) for curve in curves]
+        curves_with_rule = [curve.with_sliding(rule) for curve in curves]
         columns += [
-            np.mean([one.friction_coefficient(mu0=MU0, tau0=strength * EFFECTIVE_MODULUS) for one in both], axis=0)
+            np.mean(
+                [curve.friction_coefficient(mu0=MU0, tau0=strength * EFFECTIVE_MODULUS) for curve in curves_with_rule],
+                axis=0,
+            )
             for strength in TAU0_OVER_MODULUS
         ]
     return np.array(columns).T
@@ -92,26 +95,32 @@ def solve_asperities(upper, lower, loads: np.ndarray, deepest: float) -> np.ndar
     """Return the results of the asperity model where its elastic load first reaches that of the half-space."""
     law = {"law": HertzCylinder(), "detection": "gap-minimum"} if isinstance(upper, Profile) else {}
     approaches = np.geomspace(1e-5, 1.0, 400) * deepest
-    names = [f"{way}_{part}" for way in ("tangential", "normal") for part in ("elastic", "frictional", "adhesive")]
+    names = [
+        f"{component}_{part}"
+        for component in ("tangential", "normal")
+        for part in ("elastic", "frictional", "adhesive")
+    ]
     columns: list[np.ndarray] = []
     for rule in SLIDING_RULES:
-        both = [press(upper, lower, approaches, sliding=rule, direction=way, **law) for way in ("+x", "-x")]
-        load = both[0].normal_elastic
-        first = np.array([int(np.argmax(load >= expected)) for expected in loads])
-        assert (load[first] >= loads).all(), "a load is not reached"
-        part = (loads - load[first - 1]) / (load[first] - load[first - 1])
+        curves = [
+            press(upper, lower, approaches, sliding=rule, direction=direction, **law) for direction in ("+x", "-x")
+        ]
+        load = curves[0].normal_elastic
+        first_indices = np.array([int(np.argmax(load >= expected)) for expected in loads])
+        assert (load[first_indices] >= loads).all(), "a load is not reached"
+        part = (loads - load[first_indices - 1]) / (load[first_indices] - load[first_indices - 1])
 
-        def interpolate_between(values, first=first, part=part):
-            return values[first - 1] + part * (values[first] - values[first - 1])
+        def interpolate_between(values, first_indices=first_indices, part=part):
+            return values[first_indices - 1] + part * (values[first_indices] - values[first_indices - 1])
 
         if not columns:
-            columns = [interpolate_between(both[0].contact_area), interpolate_between(np.gradient(load, approaches))]
+            columns = [interpolate_between(curves[0].contact_area), interpolate_between(np.gradient(load, approaches))]
         for strength in TAU0_OVER_MODULUS:
-            each = [
-                friction_coefficient({name: interpolate_between(getattr(one, name)) for name in names}, strength)
-                for one in both
+            coefficients = [
+                friction_coefficient({name: interpolate_between(getattr(curve, name)) for name in names}, strength)
+                for curve in curves
             ]
-            columns.append(np.mean(each, axis=0))
+            columns.append(np.mean(coefficients, axis=0))
     return np.array(columns).T
 
 
@@ -134,8 +143,8 @@ def mean_and_half_width(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def ratio_with_interval(values: np.ndarray, column: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the geometric mean (load,) of asperities over half-space, and the ends of its interval."""
-    mean, half = mean_and_half_width(np.log(values[:, :, 1, column] / values[:, :, 0, column]))
-    return np.exp(mean), np.exp(mean - half), np.exp(mean + half)
+    mean, half_width = mean_and_half_width(np.log(values[:, :, 1, column] / values[:, :, 0, column]))
+    return np.exp(mean), np.exp(mean - half_width), np.exp(mean + half_width)
 
 
 def draw(results: dict) -> None:
@@ -148,21 +157,22 @@ def draw(results: dict) -> None:
         (FRICTION_COLUMN + 3, r"friction, $\tau_0 = 0.02\,E^*$" + "\nall"),
     ]
     axes = figure.subplots(len(rows), 2, sharex=True, sharey="row")
-    for (column, label), pair in zip(rows, axes, strict=True):
-        for kind, ax in zip(NUM_LONGEST_WAVELENGTHS, pair, strict=True):
+    for (column, label), axes_pair in zip(rows, axes, strict=True):
+        for kind, ax in zip(NUM_LONGEST_WAVELENGTHS, axes_pair, strict=True):
             for k, ((body_kind, band), hurst) in enumerate(
                 (case, h) for case in NUM_PAIRS if case[0] == kind for h in HURST_EXPONENTS
             ):
                 mean, low, high = ratio_with_interval(results[body_kind, band, hurst], column)
                 ax.errorbar(
                     np.array(RELATIVE_PRESSURES) * 1.05 ** (k - 2), mean, (mean - low, high - mean), lw=0.9,
-                    elinewidth=0.7, marker=MARKERS[hurst], ms=3, color=COLOURS[band], mfc="white" if hurst == 0.5 else COLOURS[band],
+                    elinewidth=0.7, marker=MARKERS[hurst], ms=3, color=COLOURS[band],
+                    mfc="white" if hurst == 0.5 else COLOURS[band],
                 )  # fmt: skip
             ax.axhline(1, color="0.6", lw=0.6, zorder=0)
             ax.set_xscale("log")
             ax.xaxis.minorticks_off()
             ax.tick_params(labelsize=7)
-        pair[0].set_ylabel(label, fontsize=8)
+        axes_pair[0].set_ylabel(label, fontsize=8)
     for kind, ax in zip(NUM_LONGEST_WAVELENGTHS, axes[0], strict=True):
         ax.set_title(
             {"lines": "profiles: line contacts", "surfaces": "height maps: elliptical contacts"}[kind], fontsize=9
@@ -174,11 +184,16 @@ def draw(results: dict) -> None:
         ax.xaxis.set_ticks(RELATIVE_PRESSURES, labels=[f"{load:g}" for load in RELATIVE_PRESSURES])
         ax.set_xlabel(r"$\bar p\,/\,E^* h'$", fontsize=8)
     ax = axes[0, 0]
-    marks = [ax.plot([], [], color=c, label=f"longest / shortest wavelength {band}")[0] for band, c in COLOURS.items()]
-    for hurst, mark in MARKERS.items():
-        fill = "white" if hurst == 0.5 else "0.3"
-        marks += ax.plot([], [], ls="", marker=mark, color="0.3", mfc=fill, ms=3, label=f"$H$ = {hurst:g}")
-    figure.legend(handles=marks, loc="outside lower center", ncols=3, fontsize=7.5, frameon=False)
+    legend_handles = [
+        ax.plot([], [], color=colour, label=f"longest / shortest wavelength {band}")[0]
+        for band, colour in COLOURS.items()
+    ]
+    for hurst, marker in MARKERS.items():
+        fill_colour = "white" if hurst == 0.5 else "0.3"
+        legend_handles += ax.plot(
+            [], [], ls="", marker=marker, color="0.3", mfc=fill_colour, ms=3, label=f"$H$ = {hurst:g}"
+        )
+    figure.legend(handles=legend_handles, loc="outside lower center", ncols=3, fontsize=7.5, frameon=False)
     figure.supylabel("asperities / half-space", fontsize=9)
     figure.savefig(DOCS_FOLDER / "images/half_space.png")
 
@@ -189,37 +204,40 @@ def format_tables(results: dict) -> str:
         return f"{mean:.2f} ({low:.2f} to {high:.2f})"
 
     def format_friction(values: np.ndarray, column: int, load: int) -> str:
-        mean, half = mean_and_half_width(values[:, load, :, column])
-        return f"{mean[1]:.3f} ± {half[1]:.3f}, {mean[0]:.3f} ± {half[0]:.3f}"
+        mean, half_width = mean_and_half_width(values[:, load, :, column])
+        return f"{mean[1]:.3f} ± {half_width[1]:.3f}, {mean[0]:.3f} ± {half_width[0]:.3f}"
 
-    head = "| surfaces | longest / shortest wavelength | H | p̄ / (E* h') |"
-    first = [f"{head} A/A0, half-space | ratio of areas | ratio of stiffnesses |", "|---|---|---|---|---|---|---|"]
-    second = [
-        f"{head} opposing contacts, τ0 = 0 | opposing contacts, τ0 = 2 % of E* "
+    header = "| surfaces | longest / shortest wavelength | H | p̄ / (E* h') |"
+    area_rows = [
+        f"{header} A/A0, half-space | ratio of areas | ratio of stiffnesses |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    friction_rows = [
+        f"{header} opposing contacts, τ0 = 0 | opposing contacts, τ0 = 2 % of E* "
         "| all contacts, τ0 = 0 | all contacts, τ0 = 2 % of E* |",
         "|---|---|---|---|---|---|---|---|",
     ]
     for (kind, band, hurst), values in results.items():
         for load, pressure in enumerate(RELATIVE_PRESSURES):
-            start = f"| {kind} | {band} | {hurst:g} | {pressure:g} |"
-            share = values[:, load, 0, AREA_COLUMN].mean()
-            first.append(
-                f"{start} {share:.3f} | {format_ratio(values, AREA_COLUMN, load)} "
+            row_start = f"| {kind} | {band} | {hurst:g} | {pressure:g} |"
+            area_fraction = values[:, load, 0, AREA_COLUMN].mean()
+            area_rows.append(
+                f"{row_start} {area_fraction:.3f} | {format_ratio(values, AREA_COLUMN, load)} "
                 f"| {format_ratio(values, STIFFNESS_COLUMN, load)} |"
             )
-            second.append(
-                f"{start} {' | '.join(format_friction(values, FRICTION_COLUMN + k, load) for k in range(4))} |"
+            friction_rows.append(
+                f"{row_start} {' | '.join(format_friction(values, FRICTION_COLUMN + k, load) for k in range(4))} |"
             )
     return "\n".join(
         [
             "Results of the asperity model divided by results of the half-space model, at equal elastic load: "
             "geometric "
             "means over pairs with 95 % intervals.\n",
-            *first,
+            *area_rows,
             f"\nFriction coefficients for μ0 = {MU0:g}. The first number in a cell is for the asperity model and the "
             "second "
             "for the half-space model: means over pairs ± half of their 95 % intervals.\n",
-            *second,
+            *friction_rows,
             "",
         ]
     )

@@ -30,18 +30,24 @@ def lag_one_interval(values):
     count, deviations = values.size, values - values.mean()
     correlation = deviations[1:] @ deviations[:-1] / (deviations @ deviations) + 1 / count
     correlation = min(max(correlation, 0.0), 1 - 2 / count)
-    wider = (1 + correlation) / (1 - correlation)
-    half_width = stdtrit(max(count / wider - 1, 1), 0.975) * np.sqrt(wider / count) * values.std(ddof=1)
+    variance_factor = (1 + correlation) / (1 - correlation)
+    half_width = (
+        stdtrit(max(count / variance_factor - 1, 1), 0.975) * np.sqrt(variance_factor / count) * values.std(ddof=1)
+    )
     return values.mean(), values.mean() - half_width, values.mean() + half_width
 
 
 def cosine_interval(values):
     """Return Student's interval from the first cosine coefficients, which are nearly independent."""
     count = values.size
-    most = max(4, round(0.41 * count ** (2 / 3)))
-    basis = np.cos(np.pi * np.arange(1, most + 1)[:, np.newaxis] * (np.arange(count) + 0.5) / count)
+    num_coefficients = max(4, round(0.41 * count ** (2 / 3)))
+    basis = np.cos(np.pi * np.arange(1, num_coefficients + 1)[:, np.newaxis] * (np.arange(count) + 0.5) / count)
     error = np.sqrt(2 / count * np.square(basis @ values).mean() / count)
-    return values.mean(), values.mean() - stdtrit(most, 0.975) * error, values.mean() + stdtrit(most, 0.975) * error
+    return (
+        values.mean(),
+        values.mean() - stdtrit(num_coefficients, 0.975) * error,
+        values.mean() + stdtrit(num_coefficients, 0.975) * error,
+    )
 
 
 INTERVAL_METHODS = {
@@ -60,15 +66,17 @@ def main():
     for quantity in DISTRIBUTION_NAMES:
         for positions in POSITION_COUNTS:
             for correlation in CORRELATIONS:
-                random = np.random.default_rng([positions, int(10 * correlation), DISTRIBUTION_NAMES.index(quantity)])
-                truth, best = estimate_truth(quantity, positions, correlation, random)
-                values = simulate_traverses(quantity, NUM_TRIALS, positions, correlation, random)
+                generator = np.random.default_rng(
+                    [positions, int(10 * correlation), DISTRIBUTION_NAMES.index(quantity)]
+                )
+                true_mean, best_width = estimate_truth(quantity, positions, correlation, generator)
+                values = simulate_traverses(quantity, NUM_TRIALS, positions, correlation, generator)
                 values = values[(values != values[:, :1]).any(axis=1)]
                 cells = []
                 for method in INTERVAL_METHODS.values():
-                    covered, width, _ = measure_coverage(method, values, truth, best)
+                    coverage, width, _ = measure_coverage(method, values, true_mean, best_width)
                     cells.append(
-                        f"{_format_bold(f'{covered:.3f}', covered < MIN_COVERAGE)}, "
+                        f"{_format_bold(f'{coverage:.3f}', coverage < MIN_COVERAGE)}, "
                         f"{_format_bold(f'{width:.2f}', width > MAX_WIDTH_RATIO)}"
                     )
                 lines.append(f"| {quantity} | {positions} | {correlation:g} | {' | '.join(cells)} |")

@@ -43,14 +43,14 @@ def cut_pieces(upper, lower):
     count = MAP_POINTS // PIECE_POINTS
     for index in range(NUM_PAIRS):
         j, i = divmod(index, count)
-        cut = np.s_[j * PIECE_POINTS : (j + 1) * PIECE_POINTS, i * PIECE_POINTS : (i + 1) * PIECE_POINTS]
-        yield tuple(levelled(Surface(body.heights[cut], spacing=body.spacing), "plane") for body in (upper, lower))
+        window = np.s_[j * PIECE_POINTS : (j + 1) * PIECE_POINTS, i * PIECE_POINTS : (i + 1) * PIECE_POINTS]
+        yield tuple(levelled(Surface(body.heights[window], spacing=body.spacing), "plane") for body in (upper, lower))
 
 
-def generate_surrogates(upper, lower, line):
+def generate_surrogates(upper, lower, line_method):
     for index in range(NUM_PAIRS):
         line_index = index * MAP_POINTS // NUM_PAIRS
-        sections = [levelled(getattr(body, line)(line_index), "line") for body in (upper, lower)]
+        sections = [levelled(getattr(body, line_method)(line_index), "line") for body in (upper, lower)]
         yield tuple(
             levelled(
                 isotropic_surface(section, 5, shape=(PIECE_POINTS, PIECE_POINTS), repetition=index, side=side), "plane"

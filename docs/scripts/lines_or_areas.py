@@ -27,21 +27,21 @@ def compute_pair_results(upper, lower):
     """Return A/A0 (%) and mu_s of each contact model."""
     area = (NUM_POINTS * SPACING) ** 2
     load = [PRESSURE * area]
-    computed = {}
+    results = {}
     for name, boundary in (
         ("height maps: half-space, periodic", "periodic"),
         ("height maps: half-space, free edges", "free"),
     ):
         curve = half_space(upper, lower, load, boundary=boundary, direction=DIRECTIONS)
-        computed[name] = curve.contact_area[0] / area, curve.friction_coefficient(mu0=MU0).mean()
+        results[name] = curve.contact_area[0] / area, curve.friction_coefficient(mu0=MU0).mean()
     curve = press(upper, lower, approach_at_load(upper, lower, load, mu0=0.0), direction=DIRECTIONS)
-    computed["height maps: asperities"] = curve.contact_area[0] / area, curve.friction_coefficient(mu0=MU0).mean()
+    results["height maps: asperities"] = curve.contact_area[0] / area, curve.friction_coefficient(mu0=MU0).mean()
     model = tamaas.Model(tamaas.model_type.basic_2d, [NUM_POINTS * SPACING] * 2, [NUM_POINTS, NUM_POINTS])
     model.E, model.nu = 10.0, 0.0
     tamaas.PolonskyKeerRey(model, np.ascontiguousarray(lower.heights - upper.heights), 1e-10).solve(PRESSURE)
-    share = patches_of(np.ascontiguousarray(model.traction), periodic=True, hardness=np.inf)[2]
-    computed["tamaas: points under pressure"] = share.size / model.traction.size, np.nan
-    computed["tamaas: corrected for contact edges"] = share.sum() / model.traction.size, np.nan
+    area_fraction = patches_of(np.ascontiguousarray(model.traction), periodic=True, hardness=np.inf)[2]
+    results["tamaas: points under pressure"] = area_fraction.size / model.traction.size, np.nan
+    results["tamaas: corrected for contact edges"] = area_fraction.sum() / model.traction.size, np.nan
     for name, law, curvature in (
         ("32 profiles: spheres on a strip 1 µm thick", "hertz-sphere", "convex"),
         ("32 profiles: cylinders", "hertz-cylinder", "signed"),
@@ -50,8 +50,8 @@ def compute_pair_results(upper, lower):
         options = {"law": law, "curvature": curvature, "lines": NUM_LINES, "cutoff": "none", "onset": 0}
         result = pair(scan, lower, load=f"{PRESSURE} GPa", mu0=MU0, effective_modulus="10 GPa", **options)
         result_values = result.at().sel(statistic="mean", sliding="opposing").squeeze()
-        computed[name] = float(result_values["contact_area_fraction"]), float(result_values["friction_all_round"])
-    return computed
+        results[name] = float(result_values["contact_area_fraction"]), float(result_values["friction_all_round"])
+    return results
 
 
 def main():
@@ -61,7 +61,10 @@ def main():
     for name in results[0]:
         values = np.array([item[name] for item in results]) * [100, 1]
         mean, error = values.mean(axis=0), values.std(axis=0, ddof=1) / np.sqrt(NUM_PAIRS)
-        cells = ["" if np.isnan(one) else f"{one:.3g} ± {off:.2g}" for one, off in zip(mean, error, strict=True)]
+        cells = [
+            "" if np.isnan(value) else f"{value:.3g} ± {standard_error:.2g}"
+            for value, standard_error in zip(mean, error, strict=True)
+        ]
         lines.append(f"| {name} | {' | '.join(cells)} |")
     TABLE_FILE.write_text("\n".join(lines) + "\n", encoding="utf-8")
 

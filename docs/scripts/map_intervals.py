@@ -49,33 +49,33 @@ def main():
         sample = Result(
             result.dataset.isel(repetition=slice(2 * SAMPLE_SIZE))
         )  # all surrogates, and an equal number of shifts
-        for kind, computed in intervals.items():
-            computed.append(select_area_and_friction(at_load(sample, loads, member_kind=kind)))
+        for kind, interval_results in intervals.items():
+            interval_results.append(select_area_and_friction(at_load(sample, loads, member_kind=kind)))
         if pair:
             TABLE_FILE.write_text(format_table(np.array(populations), intervals), encoding="utf-8")
 
 
 def format_table(pair_means, intervals):
     """Return a table of coverage and median width of each interval, for the pairs so far."""
-    pairs, all_pairs = len(pair_means), pair_means.mean(axis=0)
-    overall_mean = np.broadcast_to(all_pairs, pair_means.shape)
+    num_pairs, overall_means = len(pair_means), pair_means.mean(axis=0)
+    overall_mean_by_pair = np.broadcast_to(overall_means, pair_means.shape)
     rows = [
         ("16 shifts", f"mean over all {NUM_SHIFTS} shifts of the same two maps", intervals["shifts"], pair_means),
-        ("16 shifts", f"mean over all {pairs} pairs", intervals["shifts"], overall_mean),
-        ("16 surrogates", f"mean over all {pairs} pairs", intervals["surrogates"], overall_mean),
+        ("16 shifts", f"mean over all {num_pairs} pairs", intervals["shifts"], overall_mean_by_pair),
+        ("16 surrogates", f"mean over all {num_pairs} pairs", intervals["surrogates"], overall_mean_by_pair),
     ]
     lines = [
         "| interval from | true value | A/A0 | μ_s, friction at opposing contacts | μ_s, friction at all contacts |",
         "|---|---|---|---|---|",
     ]
-    for members, truth, result, expected in rows:
+    for members_text, truth_text, result, expected_values in rows:
         mean, low, high = np.moveaxis(np.array(result), -1, 0)
-        inside = (low <= expected) & (expected <= high)
+        is_inside = (low <= expected_values) & (expected_values <= high)
         width = np.median((high - low) / mean, axis=0)
-        cells = [f"{100 * inside[:, k].mean():.0f} %, {100 * width[k]:.1f} %" for k in range(3)]
-        lines.append(f"| {members} | {truth} | {' | '.join(cells)} |")
-    cells = [f"{100 * each:.1f} %" for each in pair_means.std(axis=0, ddof=1) / all_pairs]
-    lines.append(f"| | standard deviation of the {pairs} pairs' own means | {' | '.join(cells)} |")
+        cells = [f"{100 * is_inside[:, k].mean():.0f} %, {100 * width[k]:.1f} %" for k in range(3)]
+        lines.append(f"| {members_text} | {truth_text} | {' | '.join(cells)} |")
+    cells = [f"{100 * each:.1f} %" for each in pair_means.std(axis=0, ddof=1) / overall_means]
+    lines.append(f"| | standard deviation of the {num_pairs} pairs' own means | {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 
 

@@ -66,9 +66,10 @@ def table_header(*names: str) -> list[str]:
 
 def format_ratio_interval(ratios: list[float]) -> str:
     """Return the geometric mean with its 95 % interval."""
-    logs = np.log(ratios)
-    half = student.ppf(0.975, logs.size - 1) * logs.std(ddof=1) / math.sqrt(logs.size)
-    return f"{math.exp(logs.mean()):.2f} [{math.exp(logs.mean() - half):.2f}, {math.exp(logs.mean() + half):.2f}]"
+    log_ratios = np.log(ratios)
+    half_width = student.ppf(0.975, log_ratios.size - 1) * log_ratios.std(ddof=1) / math.sqrt(log_ratios.size)
+    mean = log_ratios.mean()
+    return f"{math.exp(mean):.2f} [{math.exp(mean - half_width):.2f}, {math.exp(mean + half_width):.2f}]"
 
 
 def compare_asperities() -> list[str]:
@@ -86,33 +87,38 @@ def compare_asperities() -> list[str]:
         result = [[[] for _ in range(6)] for _ in RELATIVE_PRESSURES]
         for repetition in range(NUM_PAIRS):
             upper, lower, unit = create_pair(band, repetition)
-            exact = half_space(
+            half_space_curve = half_space(
                 upper,
                 lower,
                 np.multiply(RELATIVE_PRESSURES, unit),
                 effective_modulus=EFFECTIVE_MODULUS,
                 boundary="periodic",
             )
-            span = np.ptp(upper.heights - lower.heights)
-            ladder = np.geomspace(1e-3, 1, 300) * span
-            curve = press(upper, lower, ladder, effective_modulus=EFFECTIVE_MODULUS)
-            approaches = np.interp(exact.load, np.maximum.accumulate(curve.normal_elastic), ladder)
+            height_range = np.ptp(upper.heights - lower.heights)
+            trial_approaches = np.geomspace(1e-3, 1, 300) * height_range
+            curve = press(upper, lower, trial_approaches, effective_modulus=EFFECTIVE_MODULUS)
+            approaches = np.interp(half_space_curve.load, np.maximum.accumulate(curve.normal_elastic), trial_approaches)
             curve = press(upper, lower, approaches, effective_modulus=EFFECTIVE_MODULUS)
             for k in range(len(RELATIVE_PRESSURES)):
                 onsets = [
-                    [one.onset(k, mu0=MU0, tau0=tau0 * EFFECTIVE_MODULUS, steps=[0.5, 1.0]) for one in (curve, exact)]
+                    [
+                        curve_or_half_space.onset(k, mu0=MU0, tau0=tau0 * EFFECTIVE_MODULUS, steps=[0.5, 1.0])
+                        for curve_or_half_space in (curve, half_space_curve)
+                    ]
                     for tau0 in TAU0_OVER_MODULUS
                 ]
                 result[k][0].append(onsets[0][0].stiffness / onsets[0][1].stiffness)
-                for s in range(2):
-                    result[k][1 + s].append(onsets[s][0].displacement_at_sliding / onsets[s][1].displacement_at_sliding)
+                for step_index in range(2):
+                    result[k][1 + step_index].append(
+                        onsets[step_index][0].displacement_at_sliding / onsets[step_index][1].displacement_at_sliding
+                    )
                 result[k][3].append(onsets[1][0].sliding_load / onsets[1][1].sliding_load)
                 result[k][4].append(onsets[0][1].slipped_load[0])
                 result[k][5].append(onsets[0][0].slipped_load[0])
         for load, columns in zip(RELATIVE_PRESSURES, result, strict=True):
             ratios = " | ".join(format_ratio_interval(column) for column in columns[:4])
-            slips = ", ".join(f"{100 * np.mean(column):.0f} %" for column in columns[4:])
-            lines.append(f"| {band} | {load:g} | {ratios} | {slips} |")
+            slip_texts = ", ".join(f"{100 * np.mean(column):.0f} %" for column in columns[4:])
+            lines.append(f"| {band} | {load:g} | {ratios} | {slip_texts} |")
             print(lines[-1], flush=True)
     return lines
 
@@ -123,60 +129,68 @@ def compare_kernels() -> list[str]:
     upper, lower, unit = create_pair(8, 0, points=32)
     gap = upper.heights - lower.heights
     n = gap.shape[0]
-    stretched = (("stretched fourfold along the motion", 0), ("stretched fourfold across the motion", 1))
-    for name, axis in (("isotropic", None), *stretched):
+    stretched_surfaces = (("stretched fourfold along the motion", 0), ("stretched fourfold across the motion", 1))
+    for name, axis in (("isotropic", None), *stretched_surfaces):
         if axis is not None:
             gap = np.concatenate([np.take(upper.heights - lower.heights, np.arange(0, n, 4), axis)] * 4, axis)
         bodies = Surface(gap, spacing=1 / n), Surface(np.zeros(gap.shape), spacing=1 / n)
         curve = half_space(*bodies, [0.02 * unit], effective_modulus=EFFECTIVE_MODULUS, boundary="periodic")
-        touching = curve.contact(0).pressure > 0
-        simple = curve.onset(0, mu0=MU0, poisson=POISSON_RATIO, steps=1).stiffness
-        ratios = [_sticking_load(touching, both=both) / simple for both in (False, True)]
+        is_contact = curve.contact(0).pressure > 0
+        isotropic_stiffness = curve.onset(0, mu0=MU0, poisson=POISSON_RATIO, steps=1).stiffness
+        ratios = [
+            _sticking_load(is_contact, is_fixed_along_y=is_fixed_along_y) / isotropic_stiffness
+            for is_fixed_along_y in (False, True)
+        ]
         lines.append(f"| {name} | {ratios[0]:.3f} | {ratios[1]:.3f} |")
         print(lines[-1], flush=True)
     return lines
 
 
-def _sticking_load(touching: np.ndarray, *, both: bool) -> float:
-    """Return the load that displaces all contact points by 1 along x; `both` also prevents displacement along y."""
-    n = touching.shape[0]
+def _sticking_load(is_contact: np.ndarray, *, is_fixed_along_y: bool) -> float:
+    """Return the load that displaces all contact points by 1 along x, and optionally keeps them in place along y."""
+    n = is_contact.shape[0]
     k = 2 * np.pi * np.stack(np.meshgrid(scipy.fft.fftfreq(n, 1 / n), scipy.fft.rfftfreq(n, 1 / n), indexing="ij"))
-    size = np.hypot(*k)
-    size[0, 0] = np.inf
+    wave_number = np.hypot(*k)
+    wave_number[0, 0] = np.inf
     # With G of both bodies in series, E* = 2 G'/(1 - ν): u = 2/(E* (1 - ν) |k|) (1 - ν kx²/k²) q.
-    scale = 2 / (EFFECTIVE_MODULUS * (1 - POISSON_RATIO) * size)
-    straight = [scale * (1 - POISSON_RATIO * (k[axis] / size) ** 2) for axis in (1, 0)]
-    crossed = -scale * POISSON_RATIO * k[0] * k[1] / size**2
-    count = int(touching.sum())
+    scale = 2 / (EFFECTIVE_MODULUS * (1 - POISSON_RATIO) * wave_number)
+    direct_compliances = [scale * (1 - POISSON_RATIO * (k[axis] / wave_number) ** 2) for axis in (1, 0)]
+    cross_compliance = -scale * POISSON_RATIO * k[0] * k[1] / wave_number**2
+    count = int(is_contact.sum())
 
     def compute_displacement(q: np.ndarray) -> np.ndarray:
         waves = []
-        for part in q.reshape(-1, count):
-            grid = np.zeros(touching.shape)
-            grid[touching] = part
+        for component in q.reshape(-1, count):
+            grid = np.zeros(is_contact.shape)
+            grid[is_contact] = component
             waves.append(scipy.fft.rfft2(grid))
-        ways = [straight[0] * waves[0]]
-        if both:
-            ways = [ways[0] + crossed * waves[1], straight[1] * waves[1] + crossed * waves[0]]
-        return np.concatenate([scipy.fft.irfft2(way, touching.shape)[touching] for way in ways])
+        transforms = [direct_compliances[0] * waves[0]]
+        if is_fixed_along_y:
+            transforms = [
+                transforms[0] + cross_compliance * waves[1],
+                direct_compliances[1] * waves[1] + cross_compliance * waves[0],
+            ]
+        return np.concatenate([scipy.fft.irfft2(transform, is_contact.shape)[is_contact] for transform in transforms])
 
-    size_of = count * (1 + both)
-    expected = np.zeros(size_of)
+    num_unknowns = count * (1 + is_fixed_along_y)
+    expected = np.zeros(num_unknowns)
     expected[:count] = 1.0
     # The kernel has no mean; a constant makes it positive definite, and is subtracted from the result.
-    lift = 10.0 / EFFECTIVE_MODULUS
+    mean_compliance = 10.0 / EFFECTIVE_MODULUS
 
     def compute_lifted_displacement(q: np.ndarray) -> np.ndarray:
         result = compute_displacement(q)
-        for part in range(1 + both):
-            result[part * count : (part + 1) * count] += (
-                lift * q[part * count : (part + 1) * count].mean() * count / n**2
+        for component in range(1 + is_fixed_along_y):
+            result[component * count : (component + 1) * count] += (
+                mean_compliance * q[component * count : (component + 1) * count].mean() * count / n**2
             )
         return result
 
-    q, _ = cg(LinearOperator((size_of, size_of), compute_lifted_displacement), expected, rtol=1e-8, maxiter=5000)
+    q, _ = cg(
+        LinearOperator((num_unknowns, num_unknowns), compute_lifted_displacement), expected, rtol=1e-8, maxiter=5000
+    )
     load = q[:count].sum() / n**2
-    return float(1 / (1 / load - lift))
+    return float(1 / (1 / load - mean_compliance))
 
 
 def measure_solution_times() -> list[str]:
@@ -191,13 +205,13 @@ def measure_solution_times() -> list[str]:
         half_space(upper, lower, [0.01 * unit], effective_modulus=EFFECTIVE_MODULUS, boundary=boundary)
         start = time.process_time()
         curve = half_space(upper, lower, [pressure * unit], effective_modulus=EFFECTIVE_MODULUS, boundary=boundary)
-        normal = time.process_time() - start
+        normal_time = time.process_time() - start
         start = time.process_time()
         curve.onset(0, mu0=MU0, tau0=0.02 * EFFECTIVE_MODULUS)
         onset_time = time.process_time() - start
         lines.append(
-            f"| {boundary}, {pressure:g} E\\* h' | {normal:.2f} s | {onset_time:.1f} s "
-            f"| {onset_time / 20 / normal:.2f} |"
+            f"| {boundary}, {pressure:g} E\\* h' | {normal_time:.2f} s | {onset_time:.1f} s "
+            f"| {onset_time / 20 / normal_time:.2f} |"
         )
         print(lines[-1], flush=True)
     return lines
@@ -215,14 +229,17 @@ def compare_models() -> list[str]:
         curve = half_space(upper, lower, loads, effective_modulus=EFFECTIVE_MODULUS, boundary=boundary)
         for k, tau0 in product(range(len(RELATIVE_PRESSURES)), TAU0_OVER_MODULUS):
             onset = curve.onset(k, mu0=MU0, tau0=tau0 * EFFECTIVE_MODULUS)
-            iwan, lugre = onset.iwan(), onset.lugre()
-            lost = onset.energy_lost(onset.tangential_load[4:])
-            energy_error = math.sqrt(np.mean((iwan.energy_lost(onset.displacement[4:]) / lost - 1) ** 2))
-            residuals = [math.sqrt(np.mean(one.residual**2)) / onset.sliding_load for one in (iwan, lugre)]
-            errors = [f"{100 * one:.1f} %" for one in residuals]
+            iwan_model, lugre_model = onset.iwan(), onset.lugre()
+            lost_energy = onset.energy_lost(onset.tangential_load[4:])
+            energy_error = math.sqrt(np.mean((iwan_model.energy_lost(onset.displacement[4:]) / lost_energy - 1) ** 2))
+            residuals = [
+                math.sqrt(np.mean(model.residual**2)) / onset.sliding_load for model in (iwan_model, lugre_model)
+            ]
+            errors = [f"{100 * residual:.1f} %" for residual in residuals]
             lines.append(
-                f"| {boundary} | {RELATIVE_PRESSURES[k]:g} | {tau0:g} | {iwan.chi:.2f}, {iwan.beta:.2f} | "
-                f"{errors[0]} | {100 * energy_error:.0f} % | {lugre.stiffness / onset.stiffness:.2f} | {errors[1]} |"
+                f"| {boundary} | {RELATIVE_PRESSURES[k]:g} | {tau0:g} | {iwan_model.chi:.2f}, {iwan_model.beta:.2f} | "
+                f"{errors[0]} | {100 * energy_error:.0f} % | {lugre_model.stiffness / onset.stiffness:.2f} "
+                f"| {errors[1]} |"
             )
             print(lines[-1], flush=True)
     return lines
@@ -256,23 +273,23 @@ def compute_onset_over_dimension() -> list[str]:
     rows = table_header(
         "D",
         *(
-            f"{of}: {what}"
-            for of in ("profiles", "height maps")
-            for what in ("pre-sliding displacement (nm)", "slips at half (%)", "k_t (mN/µm)")
+            f"{surface_kind}: {quantity_text}"
+            for surface_kind in ("profiles", "height maps")
+            for quantity_text in ("pre-sliding displacement (nm)", "slips at half (%)", "k_t (mN/µm)")
         ),
     )
-    at = [result.at(load).squeeze() for result, load in ((lines, 4e-3), (areas, 0.1))]
-    for dimension in at[1]["fractal_dimension"].values:
+    datasets = [result.at(load).squeeze() for result, load in ((lines, 4e-3), (areas, 0.1))]
+    for dimension in datasets[1]["fractal_dimension"].values:
         cells = [f"{dimension:.1f}"]
-        for item in at:
-            one = item.sel(fractal_dimension=dimension, method="nearest")
+        for item in datasets:
+            values = item.sel(fractal_dimension=dimension, method="nearest")
             for name, factor in (
                 ("displacement_at_sliding", 1000.0),
                 ("fraction_slipped", 100.0),
                 ("tangential_stiffness", 1.0),
             ):
-                ends = [factor * float(one[name].sel(statistic=end)) for end in ("mean", "lower", "upper")]
-                cells.append(format_with_interval(*ends))
+                estimate = [factor * float(values[name].sel(statistic=end)) for end in ("mean", "lower", "upper")]
+                cells.append(format_with_interval(*estimate))
         rows.append("| " + " | ".join(cells) + " |")
         print(rows[-1], flush=True)
     return rows
@@ -280,7 +297,7 @@ def compute_onset_over_dimension() -> list[str]:
 
 def draw() -> None:
     """Draw the onset of ground steel faces: E* 115 GPa, hardness 5 GPa, 50 MPa, mu0 0.2, tau0 50 MPa."""
-    n, length, shown = 512, 20.0, 128
+    n, length, window_size = 512, 20.0, 128
     upper, lower = (
         self_affine_surface(
             SEED, hurst_exponent=0.8, rms=0.02, shape=(n, n), spacing=length / n, longest_wavelength=length / 4,
@@ -294,36 +311,44 @@ def draw() -> None:
     left, middle, right = figure.subplots(1, 3, width_ratios=[1.15, 1, 1])
     displacement, load = 1e3 * np.append(0, onset.displacement), np.append(0, onset.tangential_load)
     left.plot(displacement, load, color="black", lw=1.2)
-    for part, colour in ((0.5, BLUE), (0.9, ORANGE)):
-        loop = onset.loop(part * onset.sliding_load)
-        left.fill(1e3 * loop[0], loop[1], color=colour, alpha=0.25, lw=0)
-        left.plot(1e3 * np.append(loop[0], loop[0][0]), np.append(loop[1], loop[1][0]), color=colour, lw=0.8)
-        lost = 1e3 * float(onset.energy_lost(part * onset.sliding_load))
+    for amplitude, colour in ((0.5, BLUE), (0.9, ORANGE)):
+        load_loop = onset.loop(amplitude * onset.sliding_load)
+        left.fill(1e3 * load_loop[0], load_loop[1], color=colour, alpha=0.25, lw=0)
+        left.plot(
+            1e3 * np.append(load_loop[0], load_loop[0][0]),
+            np.append(load_loop[1], load_loop[1][0]),
+            color=colour,
+            lw=0.8,
+        )
+        lost_energy = 1e3 * float(onset.energy_lost(amplitude * onset.sliding_load))
         left.annotate(
-            f"{part:g} $T_s$: {lost:.2g} pJ a cycle", (0.97, 0.06 if part > 0.5 else 0.16), xycoords="axes fraction",
-            ha="right", fontsize=6, color=colour,
+            f"{amplitude:g} $T_s$: {lost_energy:.2g} pJ a cycle", (0.97, 0.06 if amplitude > 0.5 else 0.16),
+            xycoords="axes fraction", ha="right", fontsize=6, color=colour,
         )  # fmt: skip
     left.axhline(onset.sliding_load, color=GREY, lw=0.6, ls=":")
     left.set(xlabel="displacement (nm)", ylabel="tangential load (mN)")
-    part = load / onset.sliding_load
-    middle.plot(part, 100 * np.append(0, onset.slipped_load), color=ORANGE, lw=1.2, label="of the load")
-    middle.plot(part, 100 * np.append(0, onset.slipped_area), color=BLUE, lw=1.2, label="of the area")
-    middle.plot(part, 100 * (1 - (1 - part) ** (2 / 3)) ** 1.5, color=ORANGE, lw=0.8, ls="--")
-    middle.plot(part, 100 * (1 - (1 - part) ** (2 / 3)), color=BLUE, lw=0.8, ls="--")
+    load_fraction = load / onset.sliding_load
+    middle.plot(load_fraction, 100 * np.append(0, onset.slipped_load), color=ORANGE, lw=1.2, label="of the load")
+    middle.plot(load_fraction, 100 * np.append(0, onset.slipped_area), color=BLUE, lw=1.2, label="of the area")
+    middle.plot(load_fraction, 100 * (1 - (1 - load_fraction) ** (2 / 3)) ** 1.5, color=ORANGE, lw=0.8, ls="--")
+    middle.plot(load_fraction, 100 * (1 - (1 - load_fraction) ** (2 / 3)), color=BLUE, lw=0.8, ls="--")
     middle.set(xlabel="tangential load / sliding load", ylabel="slips (%)", xlim=(0, 1), ylim=(0, 100))
     middle.legend(frameon=False, fontsize=6, title="dashed: one ball", title_fontsize=6)
     slip_fraction = onset.slip_load().reshape(n, n) / onset.sliding_load
     # Show the window with the largest contact area.
-    touching = curve.contact(0).pressure > 0
-    contact_density = uniform_filter(touching.astype(float), shown)[shown // 2 : -shown // 2, shown // 2 : -shown // 2]
+    is_contact = curve.contact(0).pressure > 0
+    contact_density = uniform_filter(is_contact.astype(float), window_size)[
+        window_size // 2 : -window_size // 2, window_size // 2 : -window_size // 2
+    ]
     row, column = np.unravel_index(contact_density.argmax(), contact_density.shape)
     image = right.imshow(
-        slip_fraction[row : row + shown, column : column + shown], origin="lower", vmin=0, vmax=1, cmap="viridis",
-        interpolation="nearest", extent=(0, shown * length / n, 0, shown * length / n),
+        slip_fraction[row : row + window_size, column : column + window_size], origin="lower",
+        vmin=0, vmax=1, cmap="viridis", interpolation="nearest",
+        extent=(0, window_size * length / n, 0, window_size * length / n),
     )  # fmt: skip
-    bar = figure.colorbar(image, ax=right)
-    bar.set_label("slips at $T/T_s$", size=7)
-    bar.ax.tick_params(labelsize=6, width=0.4)
+    colour_bar = figure.colorbar(image, ax=right)
+    colour_bar.set_label("slips at $T/T_s$", size=7)
+    colour_bar.ax.tick_params(labelsize=6, width=0.4)
     right.set(xlabel="x (µm)", ylabel="y (µm)", facecolor="#f4f4f4")
     for axes in (left, middle, right):
         axes.tick_params(labelsize=6, width=0.4)
@@ -346,8 +371,8 @@ def main(*names: str) -> None:
         "dimension": compute_onset_over_dimension,
     }
     for name in names or tables:
-        target = DOCS_FOLDER / f"generated/onset_{name}.md"
-        target.write_text("\n".join(tables[name]()) + "\n", encoding="utf-8")
+        table_path = DOCS_FOLDER / f"generated/onset_{name}.md"
+        table_path.write_text("\n".join(tables[name]()) + "\n", encoding="utf-8")
     if not names:
         draw()
 

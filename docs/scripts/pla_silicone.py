@@ -34,13 +34,13 @@ COMMON_RELATIVE_ERROR = 0.02  # relative standard error of the force cell
 def fit_laws(load, coefficient, error):
     """Return (mu0, tau0 A0) of a flat, (mu0, tau0 A0, F1) of a rough flat, and residuals over errors; in mN."""
     columns = np.stack([np.ones_like(load), 1 / load], axis=1) / error[:, np.newaxis]
-    flat = np.linalg.lstsq(columns, coefficient / error, rcond=None)[0]
+    flat_law = np.linalg.lstsq(columns, coefficient / error, rcond=None)[0]
 
     def residuals(values):
         return (values[0] + values[1] / load * erf(load / values[2]) - coefficient) / error
 
-    rough = least_squares(residuals, [1.0, 200.0, 100.0], bounds=(0, np.inf))
-    return flat, columns @ flat - coefficient / error, rough.x, rough.fun
+    rough_law = least_squares(residuals, [1.0, 200.0, 100.0], bounds=(0, np.inf))
+    return flat_law, columns @ flat_law - coefficient / error, rough_law.x, rough_law.fun
 
 
 def main(path):
@@ -51,12 +51,14 @@ def main(path):
         left, right = figure.subplots(1, 2)
         for (name, tests), colour in zip(table.groupby("silicone"), (ALL_CONTACTS_COLOUR, FORCE_COLOUR), strict=True):
             load, coefficient = tests["load (mN)"].to_numpy(float), tests["coefficient"].to_numpy()
-            scatter = tests["standard deviation"].to_numpy()
+            standard_deviation = tests["standard deviation"].to_numpy()
             left.plot(load, coefficient * load, ".", color=colour, markersize=3, label=name)
-            right.errorbar(load, coefficient, scatter, fmt=".", color=colour, markersize=3, linewidth=0.5)
-            error = np.hypot(scatter / np.sqrt(tests["cycles"].to_numpy()), COMMON_RELATIVE_ERROR * coefficient)
+            right.errorbar(load, coefficient, standard_deviation, fmt=".", color=colour, markersize=3, linewidth=0.5)
+            error = np.hypot(
+                standard_deviation / np.sqrt(tests["cycles"].to_numpy()), COMMON_RELATIVE_ERROR * coefficient
+            )
             is_fitted = load >= MIN_FITTED_LOAD
-            flat, flat_residuals, rough, rough_residuals = fit_laws(
+            flat_law, flat_residuals, rough_law, rough_residuals = fit_laws(
                 load[is_fitted], coefficient[is_fitted], error[is_fitted]
             )
             coefficient_by_load = dict(zip(load, coefficient, strict=True))
@@ -67,16 +69,19 @@ def main(path):
                 ),
                 "|",
             )
-            for law, values, residuals in (("flat", flat, flat_residuals), ("rough", rough, rough_residuals)):
-                chi = float((residuals**2).sum())
+            for law, values, residuals in (("flat", flat_law, flat_residuals), ("rough", rough_law, rough_residuals)):
+                chi_squared = float((residuals**2).sum())
                 print(
-                    f"  {law}: {np.round(values, 3)} chi2 {chi:.0f} of {is_fitted.sum() - len(values)}", file=sys.stderr
+                    f"  {law}: {np.round(values, 3)} chi2 {chi_squared:.0f} of {is_fitted.sum() - len(values)}",
+                    file=sys.stderr,
                 )
             if name.startswith("Dragon"):
-                fine = np.geomspace(load.min(), load.max(), 200)
-                right.plot(fine, flat[0] + flat[1] / fine, "--", color="black", label="full contact")
-                rough_coefficient = rough[0] + rough[1] / fine * erf(fine / rough[2])
-                right.plot(fine, rough_coefficient, color="black", label="rough contact, closing with load")
+                fine_loads = np.geomspace(load.min(), load.max(), 200)
+                right.plot(
+                    fine_loads, flat_law[0] + flat_law[1] / fine_loads, "--", color="black", label="full contact"
+                )
+                rough_coefficient = rough_law[0] + rough_law[1] / fine_loads * erf(fine_loads / rough_law[2])
+                right.plot(fine_loads, rough_coefficient, color="black", label="rough contact, closing with load")
         left.set(xlabel="normal load (mN)", ylabel="kinetic friction (mN)", xlim=(0, 700), ylim=(0, 1000))
         right.set(xlabel="normal load (mN)", ylabel="coefficient of kinetic friction", xscale="log", ylim=(0, 4))
         left.legend(loc="upper left")

@@ -12,7 +12,7 @@ MEAN_PRESSURES = (0.01, 0.05, 0.1, 0.2, 0.4)  # mean pressure over E* h'
 
 def press_surface(hurst, seed, *, ratio=16, pressures=MEAN_PRESSURES):
     """Return contact fraction, gap over rms height, stiffness times rms height over pressure, Nayak's parameter."""
-    rough = self_affine_surface(
+    rough_surface = self_affine_surface(
         seed,
         hurst_exponent=hurst,
         rms=0.02,
@@ -21,14 +21,14 @@ def press_surface(hurst, seed, *, ratio=16, pressures=MEAN_PRESSURES):
         shortest_wavelength=SHORTEST_WAVELENGTH,
         longest_wavelength=SHORTEST_WAVELENGTH * ratio,
     )
-    spectrum = np.abs(np.fft.fft2(rough.heights)) ** 2
-    wave = 2 * np.pi * np.hypot(*np.meshgrid(*[np.fft.fftfreq(NUM_POINTS)] * 2, indexing="ij"))
-    m0, m2, m4 = ((spectrum * wave**order).sum() / NUM_POINTS**4 for order in (0, 2, 4))
+    spectrum = np.abs(np.fft.fft2(rough_surface.heights)) ** 2
+    wave_number = 2 * np.pi * np.hypot(*np.meshgrid(*[np.fft.fftfreq(NUM_POINTS)] * 2, indexing="ij"))
+    m0, m2, m4 = ((spectrum * wave_number**order).sum() / NUM_POINTS**4 for order in (0, 2, 4))
     loads = np.array(pressures) * 10.0 * np.sqrt(m2) * NUM_POINTS**2
-    flat = Surface(np.zeros((NUM_POINTS, NUM_POINTS)), spacing=1.0)
-    curve = half_space(flat, rough, loads, boundary="periodic", effective_modulus=10.0, tolerance=1e-5)
+    flat_surface = Surface(np.zeros((NUM_POINTS, NUM_POINTS)), spacing=1.0)
+    curve = half_space(flat_surface, rough_surface, loads, boundary="periodic", effective_modulus=10.0, tolerance=1e-5)
     pressure = loads / NUM_POINTS**2
-    gap = (rough.heights.max() - rough.heights.mean() - curve.closure) / np.sqrt(m0)
+    gap = (rough_surface.heights.max() - rough_surface.heights.mean() - curve.closure) / np.sqrt(m0)
     stiffness = curve.closure_stiffness * np.sqrt(m0) / pressure
     # Spectral moments of a profile of an isotropic surface: m2 / 2 and 3 m4 / 8.
     return curve.contact_area / NUM_POINTS**2, gap, stiffness, m0 * (3 * m4 / 8) / (m2 / 2) ** 2

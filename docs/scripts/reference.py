@@ -44,14 +44,16 @@ def _markdown_row(*cells: str) -> str:
 
 def verdict_table(table: Path, titles: Sequence[str]) -> str:
     """Return the columns of a table of claims that have the given titles, with one row for each claim."""
-    head, rule, *rows = (
+    header, separator, *rows = (
         [cell.strip() for cell in row.split("|")[1:-1]] for row in table.read_text("utf-8").splitlines()
     )
-    columns = [head.index(title) for title in titles]
-    head = [cell.split(", and its")[0].removesuffix(" or test") for cell in head]
+    columns = [header.index(title) for title in titles]
+    header = [cell.split(", and its")[0].removesuffix(" or test") for cell in header]
     claims = [row for row in rows if row[0].startswith("**")]
     return (
-        "\n".join(_markdown_row(*(_verdict_badge(row[column]) for column in columns)) for row in (head, rule, *claims))
+        "\n".join(
+            _markdown_row(*(_verdict_badge(row[column]) for column in columns)) for row in (header, separator, *claims)
+        )
         + "\n"
     )
 
@@ -101,8 +103,8 @@ def _docstring_summary(name: str) -> str:
         result = getattr(result, part)
     if isinstance(result, str):
         return "The version of the package."
-    first = (inspect.getdoc(result) or "").split("\n\n")[0]
-    return " ".join(first.split())
+    first_paragraph = (inspect.getdoc(result) or "").split("\n\n")[0]
+    return " ".join(first_paragraph.split())
 
 
 # ---- Commands -------------------------------------------------------------------------------------------------------
@@ -110,10 +112,10 @@ def _docstring_summary(name: str) -> str:
 
 def render_command_sections() -> str:
     """Return the section of every command: usage, arguments, options and epilogue."""
-    known: Any = typer.main.get_command(app)
+    command_group: Any = typer.main.get_command(app)
     lines = []
     for name in (name for group in COMMANDS_BY_GROUP.values() for name in group):
-        command = known.get_command(known.context_class(known), name)
+        command = command_group.get_command(command_group.context_class(command_group), name)
         context = command.context_class(command, info_name=f"stiction {name}")
         usage = command.get_usage(context).partition(":")[2].strip()
         lines += [f"## `stiction {name}`", "", *_split_paragraphs(command.help or ""), "", "```text", usage, "```", ""]
@@ -121,8 +123,8 @@ def render_command_sections() -> str:
             rows = [_parameter_row(param) for param in command.get_params(context) if param.param_type_name == kind]
             if rows:
                 lines += [f"| {kind} | default | meaning |", "|---|---|---|", *rows, ""]
-        shown = re.findall(r"^  (stiction (?:.*\\\n)*.*)$", command.epilog or "", re.MULTILINE)
-        lines += ["```text", *shown, "```", ""]
+        examples = re.findall(r"^  (stiction (?:.*\\\n)*.*)$", command.epilog or "", re.MULTILINE)
+        lines += ["```text", *examples, "```", ""]
     return "\n".join(lines)
 
 
@@ -131,16 +133,16 @@ def _split_paragraphs(text: str) -> list[str]:
 
 
 def _parameter_row(parameter: Any) -> str:
-    shown = parameter.metavar or ""
+    placeholder = parameter.metavar or ""
     if parameter.param_type_name == "argument":
-        return _markdown_row(f"`{shown}`", "" if parameter.required else "none", parameter.help or "")
-    render_api_tables = ", ".join(f"`{each}`" for each in sorted(parameter.opts, key=len, reverse=True))
-    value = "" if parameter.is_flag else f" `{shown}`"
+        return _markdown_row(f"`{placeholder}`", "" if parameter.required else "none", parameter.help or "")
+    flags = ", ".join(f"`{each}`" for each in sorted(parameter.opts, key=len, reverse=True))
+    value = "" if parameter.is_flag else f" `{placeholder}`"
     default = parameter.show_default if isinstance(parameter.show_default, str) else parameter.default
     if parameter.name == "help" or parameter.is_flag:
         default = ""
-    words = "required" if parameter.required else "none" if default in (None, False) else str(default)
-    return _markdown_row(render_api_tables + value, words, parameter.help or "")
+    default_text = "required" if parameter.required else "none" if default in (None, False) else str(default)
+    return _markdown_row(flags + value, default_text, parameter.help or "")
 
 
 # ---- Roughness parameters -------------------------------------------------------------------------------------------

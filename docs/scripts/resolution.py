@@ -77,37 +77,37 @@ def compute_brackets():
             save_results("bracketing", results)
 
 
-def compute_pair_results(bodies, seen, hardness, name):
+def compute_pair_results(bodies, cutoffs, hardness, name):
     load = PRESSURE * math.prod(bodies[0].extent)
     result = resolution(
-        *bodies, [load], hardness=hardness, cut_offs=[item * SPACING for item in seen], mu0=MU0, tau0=TAU0,
+        *bodies, [load], hardness=hardness, cut_offs=[item * SPACING for item in cutoffs], mu0=MU0, tau0=TAU0,
         effective_modulus=EFFECTIVE_MODULUS, boundary="periodic",
     )  # fmt: skip
-    by_rule = result.friction_coefficient[..., 0]
-    answer = {
+    friction_by_rule = result.friction_coefficient[..., 0]
+    model_results = {
         "area": result.contact_area_fraction[:, 0].values.tolist(),
         "pressure": result.mean_pressure[:, 0].values.tolist(),
-        "all": by_rule.sel(sliding="all").values.tolist(),
-        "opposing": by_rule.sel(sliding="opposing").values.tolist(),
+        "all": friction_by_rule.sel(sliding="all").values.tolist(),
+        "opposing": friction_by_rule.sel(sliding="opposing").values.tolist(),
         "capped": result.load_fraction_at_hardness[:, 0].values.tolist(),
         "gradient": result.rms_gradient.values.tolist(),
     }
     if hardness is None:
-        return {name: answer}
-    limit = [float(result.plastic_area_fraction[0]), float(result.plastic_friction_coefficient[0])]
-    answer |= {
-        f"most_{each}": result[f"bracket_{words}"][:, 0].sel(end="upper").values.tolist()
-        for each, words in (("area", "area_fraction"), ("all", "friction_coefficient"))
+        return {name: model_results}
+    plastic_limit = [float(result.plastic_area_fraction[0]), float(result.plastic_friction_coefficient[0])]
+    model_results |= {
+        f"most_{key}": result[f"bracket_{variable}"][:, 0].sel(end="upper").values.tolist()
+        for key, variable in (("area", "area_fraction"), ("all", "friction_coefficient"))
     }
-    return {name: answer, "limit": limit}
+    return {name: model_results, "limit": plastic_limit}
 
 
 def simulate_coarser_scan(body, shortest, step):
     """Return a low-pass filtered surface (cutoff in points) on every `step`-th point."""
-    waves = np.fft.fft2(body.heights)
+    transform = np.fft.fft2(body.heights)
     k = np.hypot(*np.meshgrid(*(np.fft.fftfreq(SMALL_MAP_POINTS),) * 2, indexing="ij"))
-    smooth = np.fft.ifft2(np.where(k * shortest <= 1 + 1e-9, waves, 0)).real
-    return Surface(smooth[::step, ::step], spacing=step * SPACING)
+    filtered_heights = np.fft.ifft2(np.where(k * shortest <= 1 + 1e-9, transform, 0)).real
+    return Surface(filtered_heights[::step, ::step], spacing=step * SPACING)
 
 
 def compute_extrapolations():
@@ -118,8 +118,8 @@ def compute_extrapolations():
     results = []
     for hurst in HURST_EXPONENTS:
         for index in range(NUM_EXTRAPOLATED_PAIRS):
-            fine = create_pair(hurst, 1000 + index, SMALL_MAP_POINTS, SMALL_MAP_POINTS)
-            coarse = [simulate_coarser_scan(body, 32, 4) for body in fine]
+            fine_bodies = create_pair(hurst, 1000 + index, SMALL_MAP_POINTS, SMALL_MAP_POINTS)
+            coarse_bodies = [simulate_coarser_scan(body, 32, 4) for body in fine_bodies]
             # The mean elastic contact pressure reaches this hardness at about 10 points.
             hardness = EFFECTIVE_MODULUS * GAP_GRADIENTS[hurst] / 2.2 * (4 / 10) ** (1 - hurst)
             options = {
@@ -129,29 +129,30 @@ def compute_extrapolations():
                 "boundary": "periodic",
                 "cut_offs": [],
             }
-            coarse_result = resolution(*coarse, [load], hardness=hardness, **options)
+            coarse_result = resolution(*coarse_bodies, [load], hardness=hardness, **options)
             fine_curve = half_space(
-                *fine, [load], effective_modulus=EFFECTIVE_MODULUS, boundary="periodic", sliding="all",
+                *fine_bodies, [load], effective_modulus=EFFECTIVE_MODULUS, boundary="periodic", sliding="all",
                 direction=[0.0, 90.0, 180.0, 270.0],
             )  # fmt: skip
             friction = float(
                 fine_curve.tangential_load(mu0=MU0, tau0=TAU0).mean()
                 / fine_curve.normal_load(mu0=MU0, tau0=TAU0).mean()
             )
-            kappa = float(fine_curve.contact_area[0]) * EFFECTIVE_MODULUS * gap_gradient(fine) / load
-            gap = Surface(fine[0].heights - fine[1].heights, spacing=SPACING)
+            kappa = float(fine_curve.contact_area[0]) * EFFECTIVE_MODULUS * gap_gradient(fine_bodies) / load
+            gap = Surface(fine_bodies[0].heights - fine_bodies[1].heights, spacing=SPACING)
             plastic_wavelength = scale_dependent_roughness(gap, periodic=True).wavelength_of(
                 kappa * hardness / EFFECTIVE_MODULUS
             )
             extrapolated = coarse_result.sel(finer_wavelength=4 * SPACING, method="nearest")
-            coarse_gap = Surface(coarse[0].heights - coarse[1].heights, spacing=4 * SPACING)
+            coarse_gap = Surface(coarse_bodies[0].heights - coarse_bodies[1].heights, spacing=4 * SPACING)
             estimate = estimate_gap_hurst_exponent(coarse_gap, True)
             row = {
                 "hurst": hurst, "index": index, "friction": friction, "wavelength": plastic_wavelength, "kappa": kappa,
                 "said_kappa": float(coarse_result.elastic_kappa[0]),
                 "said_friction": extrapolated.continued_elastic_friction_coefficient[0].values.tolist(),
                 "said_wavelength": coarse_result.plastic_wavelength[0, 0].values.tolist(),
-                "gradient": gap_gradient(fine), "said_gradient": extrapolated.continued_rms_gradient.values.tolist(),
+                "gradient": gap_gradient(fine_bodies),
+                "said_gradient": extrapolated.continued_rms_gradient.values.tolist(),
                 "exponent": None if estimate is None else [estimate.value, estimate.lower, estimate.upper],
                 "at_scan": float(coarse_result.friction_coefficient.sel(sliding="all")[0, 0]),
                 "finer_wavelength": float(extrapolated.finer_wavelength),
@@ -168,49 +169,52 @@ def compute_joined_spectrum():
     from stiction.views.style import save_figure
 
     points, radius = 2048, 0.01  # µm
-    whole = self_affine_surface(
+    surface = self_affine_surface(
         28, hurst_exponent=0.8, rms=0.05, shape=(points, points), spacing=SPACING, longest_wavelength=2.56
     )
-    random = np.random.default_rng(28)
+    generator = np.random.default_rng(28)
 
     def mean(heights, pixel, noise):
         size = heights.shape[0] // pixel
         means = heights.reshape(size, pixel, size, pixel).mean((1, 3))
-        return Surface(means + noise * random.normal(size=means.shape), spacing=pixel * SPACING)
+        return Surface(means + noise * generator.normal(size=means.shape), spacing=pixel * SPACING)
 
-    reach = int(np.ceil(np.sqrt(2 * radius * np.ptp(whole.heights)) / SPACING))
-    y, x = np.mgrid[-reach : reach + 1, -reach : reach + 1] * SPACING
-    tip = -(x**2 + y**2) / (2 * radius)
-    pieces = [whole.heights[row : row + 512, column : column + 512] for row in (0, 1024) for column in (0, 1024)]
+    tip_half_width = int(np.ceil(np.sqrt(2 * radius * np.ptp(surface.heights)) / SPACING))
+    y, x = np.mgrid[-tip_half_width : tip_half_width + 1, -tip_half_width : tip_half_width + 1] * SPACING
+    tip_heights = -(x**2 + y**2) / (2 * radius)
+    fine_maps = [surface.heights[row : row + 512, column : column + 512] for row in (0, 1024) for column in (0, 1024)]
     scans = {
-        "microscope": [mean(whole.heights, 16, 0.5e-3)],
-        "large probe": [mean(whole.heights[:1024, side : side + 1024], 4, 0.1e-3) for side in (0, 1024)],
+        "microscope": [mean(surface.heights, 16, 0.5e-3)],
+        "large probe": [mean(surface.heights[:1024, side : side + 1024], 4, 0.1e-3) for side in (0, 1024)],
         "fine probe": [
-            Surface(grey_dilation(piece, structure=tip, mode="nearest"), spacing=SPACING) for piece in pieces
+            Surface(grey_dilation(fine_map, structure=tip_heights, mode="nearest"), spacing=SPACING)
+            for fine_map in fine_maps
         ],
     }
-    names = [name for name, item in scans.items() for _ in item]
+    scan_names = [name for name, item in scans.items() for _ in item]
     joined = joined_spectrum(
         [scan for value in scans.values() for scan in value],
-        tip_radii=[radius if name == "fine probe" else None for name in names],
+        tip_radii=[radius if name == "fine probe" else None for name in scan_names],
         per_decade=BANDS_PER_DECADE,
     )
-    first = [scans[name][0] for name in scans]
-    one_each = joined_spectrum(first, tip_radii=[None, None, radius], names=list(scans))
-    save_figure(joined_figure(one_each), DOCS_FOLDER / "images/characterise_joined.png")
-    q, _, density = surface_spectrum(whole, periodic=True).waves()
-    half = 10 ** (0.5 / BANDS_PER_DECADE)
-    known = []
-    for middle in joined.wave_number:
-        here = (q >= middle / half) & (q < middle * half)
-        known.append(float((density[here] * (q[here] / middle) ** 3).mean()))
-    slopes = joined.roughness(), scale_dependent_roughness(whole, periodic=True)
-    lengths = 2 * math.pi / joined.wave_number
+    first_scans = [scans[name][0] for name in scans]
+    joined_first_scans = joined_spectrum(first_scans, tip_radii=[None, None, radius], names=list(scans))
+    save_figure(joined_figure(joined_first_scans), DOCS_FOLDER / "images/characterise_joined.png")
+    q, _, density = surface_spectrum(surface, periodic=True).waves()
+    bin_half_width = 10 ** (0.5 / BANDS_PER_DECADE)
+    true_density = []
+    for wave_number in joined.wave_number:
+        is_in_bin = (q >= wave_number / bin_half_width) & (q < wave_number * bin_half_width)
+        true_density.append(float((density[is_in_bin] * (q[is_in_bin] / wave_number) ** 3).mean()))
+    joined_roughness, true_roughness = joined.roughness(), scale_dependent_roughness(surface, periodic=True)
+    wavelengths = 2 * math.pi / joined.wave_number
     result = {
-        "names": names, "wavelength": lengths.tolist(), "density": joined.density.tolist(), "known": known,
+        "names": scan_names, "wavelength": wavelengths.tolist(), "density": joined.density.tolist(),
+        "known": true_density,
         "count": joined.count.tolist(), "contribution": joined.contribution.tolist(), "ratio": joined.ratio.tolist(),
         "bands": joined.bands, "reasons": joined.reasons, "disagreement": joined.disagreement.tolist(),
-        "gradient": slopes[0].gradient.tolist(), "known_gradient": slopes[1].gradient_at(lengths).tolist(),
+        "gradient": joined_roughness.gradient.tolist(),
+        "known_gradient": true_roughness.gradient_at(wavelengths).tolist(),
     }  # fmt: skip
     save_results("joining", result)
 
@@ -243,31 +247,31 @@ def render_coarser_cutoff_rows(rows):
         f"| H = 4 GPa: μ_s, friction at all contacts; limit {rows[0]['limit'][1]:.3f} | {mean('plastic', 'all')} |",
         f"| H = 4 GPa: μ_s, friction at opposing contacts | {mean('plastic', 'opposing')} |",
     ]
-    for name, words in (("all", "μ_s, friction at all contacts"), ("area", "A/A0")):
+    for name, quantity_title in (("all", "μ_s, friction at all contacts"), ("area", "A/A0")):
         values = np.array([row["plastic"][name] for row in rows])
-        off = 100 * np.abs(values / values[:, :1] - 1).max(axis=0)
-        lines.append(
-            f"| {words}: largest difference from the finest (%) | {' | '.join(f'{each:.1f}' for each in off)} |"
-        )
+        largest_differences = 100 * np.abs(values / values[:, :1] - 1).max(axis=0)
+        cells = " | ".join(f"{difference:.1f}" for difference in largest_differences)
+        lines.append(f"| {quantity_title}: largest difference from the finest (%) | {cells} |")
     return lines
 
 
-def count_pairs_inside_brackets(rows, name, limit, most):
+def count_pairs_inside_brackets(rows, name, limit_index, upper_key):
     """Count pairs whose finer results are all between the limit and the end of a coarser bracket."""
     count = 0
     for row in rows:
-        values, ends, steep = (row["plastic"][item] for item in (name, most, "gradient"))
-        pairs = [(fine, coarse) for coarse in range(len(values)) for fine in range(coarse)]
+        values, bracket_ends, gradients = (row["plastic"][item] for item in (name, upper_key, "gradient"))
+        index_pairs = [(fine, coarse) for coarse in range(len(values)) for fine in range(coarse)]
         count += all(
-            row["limit"][limit] <= values[fine] <= ends[coarse] * (1 + steep[fine] ** 2 / 8) for fine, coarse in pairs
+            row["limit"][limit_index] <= values[fine] <= bracket_ends[coarse] * (1 + gradients[fine] ** 2 / 8)
+            for fine, coarse in index_pairs
         )
     return f"{count} of {len(rows)}"
 
 
-def bracket_widths(rows, name, limit, most):
+def bracket_widths(rows, name, limit_index, upper_key):
     """Return the median width of brackets relative to the limit (%), at each cutoff but the finest."""
-    over = np.array([np.array(row["plastic"][most]) / row["limit"][limit] for row in rows])
-    return ", ".join(f"{100 * (each - 1):.1f}" for each in np.median(over, axis=0)[1:])
+    relative_bounds = np.array([np.array(row["plastic"][upper_key]) / row["limit"][limit_index] for row in rows])
+    return ", ".join(f"{100 * (each - 1):.1f}" for each in np.median(relative_bounds, axis=0)[1:])
 
 
 def render_bracket_rows(groups):
@@ -277,17 +281,20 @@ def render_bracket_rows(groups):
         "| μ_s, friction at all contacts: pairs inside | μ_s: upper bound above the plastic limit (%) |",
         "|---|---|---|---|---|",
     ]
-    for words, rows in groups.items():
-        for said, prefix in (("the upper bound of the bracket", "most_"), ("the result at the coarser cutoff", "")):
-            parts = [
+    for group_title, rows in groups.items():
+        for bracket_title, prefix in (
+            ("the upper bound of the bracket", "most_"),
+            ("the result at the coarser cutoff", ""),
+        ):
+            cells = [
                 item
-                for limit, name in enumerate(("area", "all"))
+                for limit_index, name in enumerate(("area", "all"))
                 for item in (
-                    count_pairs_inside_brackets(rows, name, limit, prefix + name),
-                    bracket_widths(rows, name, limit, prefix + name),
+                    count_pairs_inside_brackets(rows, name, limit_index, prefix + name),
+                    bracket_widths(rows, name, limit_index, prefix + name),
                 )
             ]
-            lines.append(f"| {said}; {words} | {' | '.join(parts)} |")
+            lines.append(f"| {bracket_title}; {group_title} | {' | '.join(cells)} |")
     return lines
 
 
@@ -302,90 +309,99 @@ def render_yield_deviation_rows(by_hurst):
         for name, hardness in (("plastic", HARDNESS), ("softer", HARDNESS / 2)):
             ratio = np.mean([row["elastic"]["pressure"][-1] for row in rows]) / hardness
             values = np.array([row[name]["all"] for row in rows])
-            off = 100 * (values[:, -1] / values[:, 0] - 1)
+            differences = 100 * (values[:, -1] / values[:, 0] - 1)
             lines.append(
-                f"| Hurst {hurst}, H = {hardness:g} GPa | {ratio:.1f} | {off.mean():.1f} | {np.abs(off).max():.1f} |"
+                f"| Hurst {hurst}, H = {hardness:g} GPa | {ratio:.1f} "
+                f"| {differences.mean():.1f} | {np.abs(differences).max():.1f} |"
             )
     return lines
 
 
 def count_covered_pairs(rows, name):
     """Count pairs whose predicted interval contains the true value; a missing value counts as 0."""
-    ends = np.nan_to_num([row[f"said_{name}"][1:] for row in rows])
-    truth = np.array([row[name] for row in rows])
-    return f"{int(((ends[:, 0] <= truth) & (truth <= ends[:, 1])).sum())} of {len(rows)}"
+    intervals = np.nan_to_num([row[f"said_{name}"][1:] for row in rows])
+    true_values = np.array([row[name] for row in rows])
+    return f"{int(((intervals[:, 0] <= true_values) & (true_values <= intervals[:, 1])).sum())} of {len(rows)}"
 
 
-def render_extrapolation_rows(ahead):
-    groups = [[row for row in ahead if row["hurst"] == hurst] for hurst in HURST_EXPONENTS]
-    known = [[row for row in rows if row["exponent"] is not None] for rows in groups]
+def render_extrapolation_rows(extrapolations):
+    extrapolations_by_exponent = [[row for row in extrapolations if row["hurst"] == hurst] for hurst in HURST_EXPONENTS]
+    extrapolations_with_exponent = [
+        [row for row in rows if row["exponent"] is not None] for rows in extrapolations_by_exponent
+    ]
 
     def median(rows, name):
         return np.median(np.nan_to_num([row[name] for row in rows]), axis=0)
 
     columns = {
         "pairs; without a self-affine band": [
-            f"{len(a)}; {len(a) - len(b)}" for a, b in zip(groups, known, strict=True)
+            f"{len(a)}; {len(a) - len(b)}"
+            for a, b in zip(extrapolations_by_exponent, extrapolations_with_exponent, strict=True)
         ],
-        "elastic μ_s at the scan's 32 points": [f"{median(rows, 'at_scan'):.4f}" for rows in known],
-        "elastic μ_s at 4 points, solved": [f"{median(rows, 'friction'):.4f}" for rows in known],
-        "estimated from the scan": ["{:.4f} [{:.4f}, {:.4f}]".format(*median(rows, "said_friction")) for rows in known],
-        "in its interval": [count_covered_pairs(rows, "friction") for rows in known],
+        "elastic μ_s at the scan's 32 points": [
+            f"{median(rows, 'at_scan'):.4f}" for rows in extrapolations_with_exponent
+        ],
+        "elastic μ_s at 4 points, solved": [f"{median(rows, 'friction'):.4f}" for rows in extrapolations_with_exponent],
+        "estimated from the scan": [
+            "{:.4f} [{:.4f}, {:.4f}]".format(*median(rows, "said_friction")) for rows in extrapolations_with_exponent
+        ],
+        "in its interval": [count_covered_pairs(rows, "friction") for rows in extrapolations_with_exponent],
         "wavelength at which plasticity reaches, solved (nm)": [
-            f"{1e3 * median(rows, 'wavelength'):.0f}" for rows in known
+            f"{1e3 * median(rows, 'wavelength'):.0f}" for rows in extrapolations_with_exponent
         ],
         "estimated from the scan (nm)": [
-            "{:.0f} [{:.0f}, {:.0f}]".format(*1e3 * median(rows, "said_wavelength")) for rows in known
+            "{:.0f} [{:.0f}, {:.0f}]".format(*1e3 * median(rows, "said_wavelength"))
+            for rows in extrapolations_with_exponent
         ],
-        "in its interval ": [count_covered_pairs(rows, "wavelength") for rows in known],
+        "in its interval ": [count_covered_pairs(rows, "wavelength") for rows in extrapolations_with_exponent],
     }
     titles = " | ".join(f"Hurst {exponent}" for exponent in HURST_EXPONENTS)
-    head = f"| medians; {SMALL_MAP_POINTS}² points, {1e3 * HIGH_PRESSURE:g} MPa | {titles} |"
+    header = f"| medians; {SMALL_MAP_POINTS}² points, {1e3 * HIGH_PRESSURE:g} MPa | {titles} |"
     return [
-        head,
+        header,
         "|---|" + "---|" * len(HURST_EXPONENTS),
         *(f"| {name} | {' | '.join(each)} |" for name, each in columns.items()),
     ]
 
 
-def render_spectrum_rows(together):
-    wanted = list(dict.fromkeys(together["names"]))
+def render_spectrum_rows(joined_results):
+    scan_names = list(dict.fromkeys(joined_results["names"]))
     lines = [
         "| wavelength (µm) | averaged values of the spectrum | combined / true spectrum | estimated / true h' of "
         "longer wavelengths "
-        f"| {' | '.join(wanted)} |",
-        "|---|---|---|---|" + "---|" * len(wanted),
+        f"| {' | '.join(scan_names)} |",
+        "|---|---|---|---|" + "---|" * len(scan_names),
     ]
-    contribution = np.array(together["contribution"])
-    for index, length in enumerate(together["wavelength"]):
-        parts = [
-            sum(contribution[scan, index] for scan, name in enumerate(together["names"]) if name == item)
-            for item in wanted
+    contribution = np.array(joined_results["contribution"])
+    for index, length in enumerate(joined_results["wavelength"]):
+        contributions = [
+            sum(contribution[scan, index] for scan, name in enumerate(joined_results["names"]) if name == item)
+            for item in scan_names
         ]
         lines.append(
-            f"| {length:.3g} | {together['count'][index]:.0f} "
-            f"| {together['density'][index] / together['known'][index]:.3f} "
-            f"| {together['gradient'][index] / together['known_gradient'][index]:.3f} "
-            f"| {' | '.join(f'{100 * part:.0f} %' for part in parts)} |"
+            f"| {length:.3g} | {joined_results['count'][index]:.0f} "
+            f"| {joined_results['density'][index] / joined_results['known'][index]:.3f} "
+            f"| {joined_results['gradient'][index] / joined_results['known_gradient'][index]:.3f} "
+            f"| {' | '.join(f'{100 * part:.0f} %' for part in contributions)} |"
         )
-    firsts = {name: together["names"].index(name) for name in wanted}
-    ends = ", ".join(
-        f"{name} {1e3 * together['bands'][scan][0]:.0f} nm ({together['reasons'][scan]})"
-        for name, scan in firsts.items()
+    first_scan_indices = {name: joined_results["names"].index(name) for name in scan_names}
+    range_texts = ", ".join(
+        f"{name} {1e3 * joined_results['bands'][scan][0]:.0f} nm ({joined_results['reasons'][scan]})"
+        for name, scan in first_scan_indices.items()
     )
     return [
         *lines,
         "",
         "The last columns are the fractions that the scans contribute. The scans are used down to these wavelengths: "
-        f"{ends}.",
+        f"{range_texts}.",
     ]
 
 
 def write_page():
-    settled, bracketed, ahead, together = (
+    coarser_cutoffs, brackets, extrapolations, joined_results = (
         load_results(name) for name in ("settling", "bracketing", "continuing", "joining")
     )
-    by_hurst = {hurst: [row for row in settled if row["hurst"] == hurst] for hurst in HURST_EXPONENTS}
+    by_hurst = {hurst: [row for row in coarser_cutoffs if row["hurst"] == hurst] for hurst in HURST_EXPONENTS}
     lines = []
     for rows in by_hurst.values():
         lines += [*render_coarser_cutoff_rows(rows), ""]
@@ -398,58 +414,64 @@ def write_page():
         *render_yield_deviation_rows(by_hurst),
         "",
         *render_bracket_rows(
-            {f"{LARGE_MAP_POINTS}², 4 to 64 points": settled, f"{LARGE_MAP_POINTS // 4}², 4 to 16 points": bracketed}
+            {
+                f"{LARGE_MAP_POINTS}², 4 to 64 points": coarser_cutoffs,
+                f"{LARGE_MAP_POINTS // 4}², 4 to 16 points": brackets,
+            }
         ),
         "",
         "A pair is inside the bracket if all finer results are inside, apart from a factor of 1 + h'²/8 for their "
         "slopes. Upper bounds are medians, one for each cutoff except the first.",
         "",
-        *render_extrapolation_rows(ahead),
+        *render_extrapolation_rows(extrapolations),
         "",
-        *render_spectrum_rows(together),
+        *render_spectrum_rows(joined_results),
     ]
     (DOCS_FOLDER / "generated/resolution.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    draw_figure(by_hurst, together)
+    draw_figure(by_hurst, joined_results)
 
 
-def draw_figure(by_hurst, together):
+def draw_figure(by_hurst, joined_results):
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots(1, 3, figsize=(12, 3.8), layout="constrained")
     colours = dict(zip(HURST_EXPONENTS, ("#0072b2", "#d55e00"), strict=True))
-    lengths = 1e3 * SPACING * np.array([4, *CUTOFFS])
+    wavelengths = 1e3 * SPACING * np.array([4, *CUTOFFS])
     for hurst, rows in by_hurst.items():
         for axis, name, factor in ((axes[0], "area", 100), (axes[1], "all", 1)):
             for model, line in (("plastic", "-o"), ("elastic", "--s")):
                 values = factor * np.array([row[model][name] for row in rows])
                 label = f"Hurst {hurst}, {'H = 4 GPa' if model == 'plastic' else 'elastic'}"
-                axis.plot(lengths, values.mean(axis=0), line, color=colours[hurst], markersize=4, label=label)
+                axis.plot(wavelengths, values.mean(axis=0), line, color=colours[hurst], markersize=4, label=label)
                 axis.fill_between(
-                    lengths, values.min(axis=0), values.max(axis=0), color=colours[hurst], alpha=0.12, lw=0
+                    wavelengths, values.min(axis=0), values.max(axis=0), color=colours[hurst], alpha=0.12, lw=0
                 )
-    limit = by_hurst[HURST_EXPONENTS[0]][0]["limit"]
-    for axis, value, words in ((axes[0], 100 * limit[0], "F/H"), (axes[1], limit[1], "μ0 + τ0/H")):
+    plastic_limit = by_hurst[HURST_EXPONENTS[0]][0]["limit"]
+    for axis, value, limit_label in (
+        (axes[0], 100 * plastic_limit[0], "F/H"),
+        (axes[1], plastic_limit[1], "μ0 + τ0/H"),
+    ):
         axis.axhline(value, color="black", lw=1)
-        axis.text(lengths[0], value, f"plastic limit {words}", va="top", fontsize=8)
+        axis.text(wavelengths[0], value, f"plastic limit {limit_label}", va="top", fontsize=8)
         axis.set(xscale="log", xlabel="cutoff wavelength (nm)")
-        axis.set_xticks(lengths, [f"{each:g}" for each in lengths])
+        axis.set_xticks(wavelengths, [f"{each:g}" for each in wavelengths])
         axis.set_xticks([], minor=True)
     axes[0].set(yscale="log", ylabel="true contact area A/A0 (%)", title="True area")
     axes[0].set_yticks([0.05, 0.1, 0.2, 0.5], ["0.05", "0.1", "0.2", "0.5"])
     axes[0].set_yticks([], minor=True)
     axes[0].legend(fontsize=7.5, loc="lower right")
     axes[1].set(ylabel="μ_s, friction at all contacts", title="Friction")
-    lengths, q = np.array(together["wavelength"]), 2 * math.pi / np.array(together["wavelength"])
-    axes[2].plot(lengths, q**3.6 * together["known"], color="black", lw=1, label="true")
-    ratio = np.array(together["ratio"], dtype=float)
-    looks = {"microscope": ("o", "#0072b2"), "large probe": ("s", "#009e73"), "fine probe": ("^", "#d55e00")}
-    for name, (marker, colour) in looks.items():
-        scans = [scan for scan, item in enumerate(together["names"]) if item == name]
+    wavelengths, q = np.array(joined_results["wavelength"]), 2 * math.pi / np.array(joined_results["wavelength"])
+    axes[2].plot(wavelengths, q**3.6 * joined_results["known"], color="black", lw=1, label="true")
+    ratio = np.array(joined_results["ratio"], dtype=float)
+    marker_styles = {"microscope": ("o", "#0072b2"), "large probe": ("s", "#009e73"), "fine probe": ("^", "#d55e00")}
+    for name, (marker, colour) in marker_styles.items():
+        scans = [scan for scan, item in enumerate(joined_results["names"]) if item == name]
         for scan in scans:
             label = name if scan == scans[0] else None
-            density = ratio[scan] * together["density"]
-            axes[2].plot(lengths, q**3.6 * density, marker, markersize=4, alpha=0.6, color=colour, label=label)
-    axes[2].plot(lengths, q**3.6 * together["density"], color="#cc79a7", lw=1.5, label="combined")
+            density = ratio[scan] * joined_results["density"]
+            axes[2].plot(wavelengths, q**3.6 * density, marker, markersize=4, alpha=0.6, color=colour, label=label)
+    axes[2].plot(wavelengths, q**3.6 * joined_results["density"], color="#cc79a7", lw=1.5, label="combined")
     axes[2].set(
         xscale="log", yscale="log", xlabel="wavelength (µm)", ylabel="spectrum times $q^{3.6}$ (arbitrary units)"
     )

@@ -63,10 +63,10 @@ def find_first_lines(lines: list[str]) -> list[int]:
     """Return the index of the first line of each part; raise `ValueError` if the output has changed."""
     indices = []
     for part in PART_TEXTS:
-        matching = [i for i, line in enumerate(lines) if part in line]
-        if not matching:
+        matching_indices = [i for i, line in enumerate(lines) if part in line]
+        if not matching_indices:
             raise ValueError(f"no line contains {part!r}: adapt PART_TEXTS, and the list in docs/howto/pair.md")
-        indices.append(matching[0])
+        indices.append(matching_indices[0])
     if indices != sorted(set(indices)):
         raise ValueError("parts of the output are not in the order of PART_TEXTS")
     return indices
@@ -75,7 +75,7 @@ def find_first_lines(lines: list[str]) -> list[int]:
 def draw(lines: list[str], dark: bool) -> Figure:
     """Return a picture of the output, for a light or a dark page."""
     colours = DARK_COLOURS if dark else LIGHT_COLOURS
-    starts = find_first_lines(lines)
+    start_lines = find_first_lines(lines)
     width = NUM_COLUMNS * CHARACTER_WIDTH + LABEL_WIDTH + 2 * IMAGE_MARGIN
     height = len(lines) * LINE_HEIGHT + 2 * IMAGE_MARGIN
     with mpl.rc_context(MATPLOTLIB_STYLE):
@@ -85,8 +85,8 @@ def draw(lines: list[str], dark: bool) -> Figure:
         ax = figure.add_axes((0, 0, 1, 1))
         ax.set(xlim=(0, width), ylim=(height, 0), aspect="equal")
         ax.axis("off")
-        ends = [*starts[1:], len(lines)]
-        for number, (start, end) in enumerate(zip(starts, ends, strict=True), 1):
+        end_lines = [*start_lines[1:], len(lines)]
+        for number, (start, end) in enumerate(zip(start_lines, end_lines, strict=True), 1):
             while not lines[end - 1].strip():
                 end -= 1
             if number % 2:
@@ -112,7 +112,7 @@ def draw(lines: list[str], dark: bool) -> Figure:
             ax.text(
                 IMAGE_MARGIN + LABEL_WIDTH, IMAGE_MARGIN + (i + 0.5) * LINE_HEIGHT, line, va="center_baseline",
                 color=colours["text"], family="DejaVu Sans Mono", fontsize=FONT_SIZE,
-                weight="bold" if i == starts[0] else "normal",
+                weight="bold" if i == start_lines[0] else "normal",
             )  # fmt: skip
     return figure
 

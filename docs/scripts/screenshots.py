@@ -25,14 +25,14 @@ from support import browser  # noqa: E402
 
 
 def set_theme(driver, dark: bool) -> None:
-    features = [{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]
-    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
+    media_features = [{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": media_features})
 
 
 def save_screenshot(driver, name: str, height: int) -> None:
     """Save the upper part of the page, from its top."""
-    clip = {"x": 0, "y": 0, "width": WINDOW_WIDTH, "height": height, "scale": 1}
-    completed = driver.execute_cdp_cmd("Page.captureScreenshot", {"captureBeyondViewport": True, "clip": clip})
+    clip_area = {"x": 0, "y": 0, "width": WINDOW_WIDTH, "height": height, "scale": 1}
+    completed = driver.execute_cdp_cmd("Page.captureScreenshot", {"captureBeyondViewport": True, "clip": clip_area})
     (IMAGE_FOLDER / f"{name}.png").write_bytes(base64.b64decode(completed["data"]))
 
 
@@ -54,7 +54,7 @@ def draw_report(driver, folder: Path) -> None:
 
 def draw_app(driver, folder: Path) -> None:
     """Draw the app with its two sample surfaces: the form, and the result of the half-space model."""
-    until = lambda script: browser.wait_for(driver, lambda driver: driver.execute_script(f"return {script}"))  # noqa: E731
+    wait_until = lambda script: browser.wait_for(driver, lambda driver: driver.execute_script(f"return {script}"))  # noqa: E731
     server = subprocess.Popen(
         [sys.executable, "-m", "stiction", "app", "--demo"], cwd=folder, stderr=subprocess.PIPE, text=True,
         env=os.environ | {"BROWSER": "true", "TMPDIR": f"{folder}"},
@@ -65,12 +65,12 @@ def draw_app(driver, folder: Path) -> None:
         metrics = {"width": WINDOW_WIDTH, "height": IMAGE_HEIGHTS["app_scans"], "deviceScaleFactor": 1, "mobile": False}
         driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
         driver.get(address)
-        until("['upper', 'lower'].every((side) => scans[side]?.holds)")
+        wait_until("['upper', 'lower'].every((side) => scans[side]?.holds)")
         save_screenshot(driver, "app_scans", IMAGE_HEIGHTS["app_scans"])
         driver.execute_script("document.querySelector('#pair .go').click()")
-        until("document.querySelector('#answer .value') !== null")
-        until("document.getElementById('job').dataset.state === 'done'")
-        until("reportDocument().getElementById('main')?.getAttribute('aria-busy') === 'false'")
+        wait_until("document.querySelector('#answer .value') !== null")
+        wait_until("document.getElementById('job').dataset.state === 'done'")
+        wait_until("reportDocument().getElementById('main')?.getAttribute('aria-busy') === 'false'")
         metrics["height"] = IMAGE_HEIGHTS["app_answer"]
         driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
         driver.execute_script("document.activeElement.blur(); document.getElementById('inputs').scrollTo(0, 0)")

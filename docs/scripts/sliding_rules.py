@@ -39,19 +39,21 @@ def draw_pair(ax: Axes, rule: str, text_colour: str) -> None:
     lower_centres = SPACING * np.arange(len(UPPER_OFFSETS))
     upper_centres = lower_centres + UPPER_OFFSETS
     # Lower asperities with larger offsets are higher, so that every pair is in contact.
-    rise = np.sqrt((2 * ASPERITY_RADIUS) ** 2 - UPPER_OFFSETS**2)
-    distance = rise.max()
+    centre_heights = np.sqrt((2 * ASPERITY_RADIUS) ** 2 - UPPER_OFFSETS**2)
+    max_centre_height = centre_heights.max()
     x = np.linspace(-2.2, lower_centres[-1] + 2.2, NUM_POINTS)
     lower = np.full_like(x, FLAT_HEIGHT)
-    for centre, drop in zip(lower_centres, distance - rise, strict=True):
-        lower = np.maximum(lower, asperity_heights(x, np.array([centre])) + drop)
-    upper = distance - asperity_heights(x, upper_centres)
+    for centre, height_difference in zip(lower_centres, max_centre_height - centre_heights, strict=True):
+        lower = np.maximum(lower, asperity_heights(x, np.array([centre])) + height_difference)
+    upper = max_centre_height - asperity_heights(x, upper_centres)
     ax.fill_between(x, lower, -0.6, color=LOWER_BODY_COLOUR, linewidth=0)
-    ax.fill_between(x, upper, distance + 0.6, color=UPPER_BODY_COLOUR, linewidth=0)
-    for centre, offset, height, drop in zip(lower_centres, UPPER_OFFSETS, rise, distance - rise, strict=True):
+    ax.fill_between(x, upper, max_centre_height + 0.6, color=UPPER_BODY_COLOUR, linewidth=0)
+    for centre, offset, height, height_difference in zip(
+        lower_centres, UPPER_OFFSETS, centre_heights, max_centre_height - centre_heights, strict=True
+    ):
         opposes = offset < 0  # the upper asperity is to the left: it must climb to move to the right
         colour = OPPOSING_COLOUR if opposes else NOT_OPPOSING_COLOUR
-        point = np.array([centre + offset / 2, drop + height / 2])
+        point = np.array([centre + offset / 2, height_difference + height / 2])
         ax.plot(*point, "o", markersize=5, color=colour, zorder=4)
         if opposes or rule == "all":
             tangent = np.array([height, -offset]) / (2 * ASPERITY_RADIUS)
@@ -64,11 +66,11 @@ def draw_pair(ax: Axes, rule: str, text_colour: str) -> None:
             )
     middle = lower_centres.mean()
     ax.annotate(
-        "", (middle + 2.2, distance + 1.1), (middle - 2.2, distance + 1.1),
+        "", (middle + 2.2, max_centre_height + 1.1), (middle - 2.2, max_centre_height + 1.1),
         arrowprops={"arrowstyle": "-|>", "color": text_colour, "linewidth": 1.0},
     )  # fmt: skip
-    ax.text(middle, distance + 1.3, "motion of the upper surface", ha="center", va="bottom", color=text_colour)
-    ax.set(xlim=(x[0], x[-1]), ylim=(-0.7, distance + 1.9), aspect="equal")
+    ax.text(middle, max_centre_height + 1.3, "motion of the upper surface", ha="center", va="bottom", color=text_colour)
+    ax.set(xlim=(x[0], x[-1]), ylim=(-0.7, max_centre_height + 1.9), aspect="equal")
     ax.set_title(RULE_TITLES[rule], color=text_colour)
     ax.axis("off")
 
