@@ -313,7 +313,7 @@ def test_judging_claims_rejects_studies_with_too_few_values():
         ({"surfaces.amplitude": ["0.1 um"]}, "amplitudes of 0.05"),
     ):
         with pytest.raises(ValueError, match=match):
-            claims.check(SMALL_CLAIMS_STUDY.with_changes(change))
+            claims.check_study(SMALL_CLAIMS_STUDY.with_changes(change))
 
 
 def test_tables_of_claims_contain_every_part(result):

@@ -331,7 +331,7 @@ def test_drawings_of_conventions_match_their_scripts(tmp_path, name):
         pytest.skip("the folder of pictures is not in this tree")
     drawing = script(name)
     drawing.save_figure(tmp_path / "now.png")
-    difference = compare_images(str(drawing.IMAGE), str(tmp_path / "now.png"), MAX_GREY_DIFFERENCE)
+    difference = compare_images(str(drawing.IMAGE_FILE), str(tmp_path / "now.png"), MAX_GREY_DIFFERENCE)
     assert difference is None, f"{difference}; run docs/scripts/{name}.py and check the new drawing"
 
 
