@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import scipy.fft
 from stiction import HalfSpaceCurve, Profile, Surface, half_space
-from stiction.mechanics.half_space import Boundary
+from stiction.mechanics.half_space import BoundaryCondition
 
 EFFECTIVE_MODULUS = 10.0
 RMS_SLOPE = 0.1
@@ -130,7 +130,7 @@ def print_agreement(sides: tuple[int, ...] = (256, 512, 1024)) -> None:
             solve = tamaas_solver(1e-10, free=free)
             for pressure in (0.002, 0.03, 0.5):
                 load = pressure * EFFECTIVE_MODULUS * RMS_SLOPE
-                boundary: Boundary = "free" if free else "periodic"
+                boundary: BoundaryCondition = "free" if free else "periodic"
                 curve = half_space(
                     flat, body, [load], effective_modulus=EFFECTIVE_MODULUS, boundary=boundary, tolerance=1e-7
                 )

@@ -8,7 +8,7 @@ import stiction
 import xarray
 from stiction import effective_modulus, half_space, hertz_sphere, self_affine_surface
 from stiction._checks import check_bool, check_choice, validate_number, validate_whole_number
-from stiction.mechanics.model import Sliding
+from stiction.mechanics.model import SlidingRule
 
 ZEROS = [np.float64, np.float32, np.int32, np.array, xarray.DataArray]
 
@@ -30,10 +30,10 @@ def test_number_check_rejects_values_that_are_not_numbers(value):
 def test_integer_and_choice_checks_accept_zero_dimensional_arrays():
     assert validate_whole_number("n", np.array(3), minimum=1) == 3
     check_bool("t", np.array(True))
-    check_choice("sliding", np.array("all"), Sliding)
+    check_choice("sliding", np.array("all"), SlidingRule)
     for value in ([], {}, np.zeros(3), 1.0, None):
         with pytest.raises(ValueError, match="sliding must be one of"):
-            check_choice("sliding", value, Sliding)
+            check_choice("sliding", value, SlidingRule)
 
 
 def test_effective_modulus_of_scalars_is_a_float():

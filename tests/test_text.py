@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 import stiction
 from stiction import _files
-from stiction._files import UnreadableFileError, new_file, read_content, replaced_file
+from stiction._files import UnreadableFileError, new_file, read_content, replacement_file
 from stiction._text import printable, printable_path
 
 
@@ -41,13 +41,13 @@ def test_file_reading_limits_the_size_and_rejects_special_files(tmp_path):
         read_content(tmp_path, 100)
 
 
-@pytest.mark.parametrize("writer", [new_file, lambda path, failure: replaced_file(path, b"mark", failure)])
+@pytest.mark.parametrize("writer", [new_file, lambda path, failure: replacement_file(path, b"mark", failure)])
 class TestFileWriting:
     def test_file_writing_uses_unpredictable_temporary_names(self, tmp_path, writer):
         names = []
         for each in range(2):
             with writer(tmp_path / f"f{each}", ValueError) as partial:
-                assert _files.PARTIAL_NAME.fullmatch(partial.name)
+                assert _files.PARTIAL_NAME_PATTERN.fullmatch(partial.name)
                 assert not partial.is_symlink()
                 names.append(partial.name)
                 partial.write_bytes(b"mark")
@@ -81,9 +81,9 @@ class TestFileWriting:
 
 
 def test_concurrent_writers_of_a_file_replace_it_as_a_whole(tmp_path):
-    with replaced_file(tmp_path / "f", b"mark", ValueError) as one:
+    with replacement_file(tmp_path / "f", b"mark", ValueError) as one:
         one.write_bytes(b"mark one")
-        with replaced_file(tmp_path / "f", b"mark", ValueError) as two:
+        with replacement_file(tmp_path / "f", b"mark", ValueError) as two:
             two.write_bytes(b"mark two")
         assert (tmp_path / "f").read_bytes() == b"mark two"
     assert (tmp_path / "f").read_bytes() == b"mark one"

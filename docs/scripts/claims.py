@@ -35,7 +35,7 @@ from stiction.studies.intervals import LoadCrossings
 from stiction.studies.study import parse_dataset_study
 
 Floats = NDArray[np.float64]
-Sliding = Literal["opposing", "all"]
+SlidingRule = Literal["opposing", "all"]
 Quantity = Literal["friction", "area", "stiffness"]
 IntervalMethod = Literal["percentiles", "bands"]
 """Source of the interval of an extreme over D: extremes of resampled ensembles, or simultaneous bands."""
@@ -100,7 +100,7 @@ class ClaimsTableColumn:
 
     study: str
     changes: Mapping[str, Any]
-    sliding: Sliding
+    sliding: SlidingRule
     divisor: int
     directory: str
 
@@ -202,7 +202,7 @@ class ResampledMeans:
         dataset: xarray.Dataset,
         amplitude: float,
         *,
-        sliding: Sliding | None = None,
+        sliding: SlidingRule | None = None,
         interval_method: IntervalMethod = "percentiles",
     ) -> None:
         study = parse_dataset_study(dataset)
@@ -714,7 +714,7 @@ def judge_claims(
     dataset: xarray.Dataset,
     *,
     amplitude: float = 0.1,
-    sliding: Sliding | None = None,
+    sliding: SlidingRule | None = None,
     interval_method: IntervalMethod = "percentiles",
 ) -> list[ClaimPartOutcome]:
     """Measure every part of every claim on a result.

@@ -9,7 +9,7 @@ import numpy as np
 
 from stiction._checks import validate_number
 from stiction._errors import ArgumentError
-from stiction._units import Quantity, exact_text, quantity, short_repr, unit_names
+from stiction._units import Quantity, exact_quantity_text, quantity, short_repr, unit_names
 
 _CORE_UNITS = {"length": "um", "pressure": "GPa", "force": "mN", "time": "s", "work of adhesion": "kJ/m^2"}
 """Core unit of each kind of quantity. A number without a unit is in this unit."""
@@ -23,7 +23,7 @@ def split_values(value: Any) -> list[Any]:
     return [item for element in value for item in split_values(element)] if is_sequence else [value]
 
 
-def _split_required(name: str, value: Any) -> list[Any]:
+def _split_nonempty(name: str, value: Any) -> list[Any]:
     values = split_values(value)
     if not values:
         raise ArgumentError(f"{{{name}}} must have at least one value, got {{got}}", got=repr(value))
@@ -34,7 +34,8 @@ def parse_quantity(name: str, value: Any, kind: str) -> Quantity:
     """Convert a string with a unit, or a number in core units, to a quantity of the given kind."""
     try:
         return quantity(
-            value if isinstance(value, str) else exact_text(validate_number("", value), _CORE_UNITS[kind]), kind
+            value if isinstance(value, str) else exact_quantity_text(validate_number("", value), _CORE_UNITS[kind]),
+            kind,
         )
     except ValueError as error:
         raise ArgumentError(f"{{{name}}} {{why}}", why=str(error).strip()) from None
@@ -43,7 +44,7 @@ def parse_quantity(name: str, value: Any, kind: str) -> Quantity:
 def parse_quantities(name: str, value: Any, kind: str) -> list[Quantity]:
     """Parse one or more quantities of a given kind."""
     reject_decimal_commas(name, value)
-    return [parse_quantity(name, item, kind) for item in _split_required(name, value)]
+    return [parse_quantity(name, item, kind) for item in _split_nonempty(name, value)]
 
 
 _DECIMAL_COMMA = re.compile(r"(?<![\d.])\d+,\d+(?![\d.])")
@@ -67,7 +68,7 @@ def parse_numbers(name: str, value: Any, *, integers: bool = False) -> list[floa
         reject_decimal_commas(name, value)
     try:
         return [
-            float(item) if isinstance(item, str) else validate_number("", item) for item in _split_required(name, value)
+            float(item) if isinstance(item, str) else validate_number("", item) for item in _split_nonempty(name, value)
         ]
     except ArgumentError:
         raise

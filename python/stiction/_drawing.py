@@ -134,7 +134,7 @@ def set_log_ticks(axes: Axes) -> None:
 # ---- Contact ---------------------------------------------------------------------------------------------------------
 
 
-def draw_area(ax: Axes, load: Floats, area: Floats) -> Axes:
+def draw_contact_area(ax: Axes, load: Floats, area: Floats) -> Axes:
     """Draw the true contact area (µm²) against the normal load (mN)."""
     if not ((load > 0) & (area > 0)).any():
         raise ValueError("the surfaces do not touch at any load, so there is nothing to draw")

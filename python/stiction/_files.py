@@ -15,7 +15,7 @@ from pathlib import Path
 
 from stiction._text import printable_path
 
-PARTIAL_NAME = re.compile(r"\.stiction-([0-9a-f]{8})-([0-9]+)-([0-9a-f]{8})-[0-9a-f]{8}\.partial")
+PARTIAL_NAME_PATTERN = re.compile(r"\.stiction-([0-9a-f]{8})-([0-9]+)-([0-9a-f]{8})-[0-9a-f]{8}\.partial")
 """Pattern of the names of partial files. A killed process leaves its partial file behind.
 
 The name contains the machine, the process id, the run and a random number.
@@ -42,7 +42,7 @@ def new_file(path: Path, failure: type[ValueError]) -> Iterator[Path]:
 
 
 @contextmanager
-def replaced_file(path: Path, mark: bytes, failure: type[ValueError]) -> Iterator[Path]:
+def replacement_file(path: Path, mark: bytes, failure: type[ValueError]) -> Iterator[Path]:
     """Yield a temporary file that replaces `path` when complete; raise `failure` if an existing file lacks `mark`.
 
     A file without the bytes `mark` near its start or its end was not written by this package.
@@ -93,7 +93,7 @@ def remove_stale_partials(folder: Path) -> None:
     """Remove partial files left by processes that have died. Errors, such as missing permissions, are ignored."""
     with suppress(OSError):
         for entry in os.scandir(folder):
-            match = PARTIAL_NAME.fullmatch(entry.name)
+            match = PARTIAL_NAME_PATTERN.fullmatch(entry.name)
             if match and entry.is_file(follow_symlinks=False) and _is_stale(entry, *match.groups()):
                 with suppress(OSError):
                     os.unlink(entry)

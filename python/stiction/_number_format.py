@@ -10,7 +10,7 @@ MAX_DIGITS = 4  # maximum number of significant digits of a value, however narro
 UNBOUNDED_END_TEXT = "\N{INFINITY}"  # text for the upper end of an unbounded interval
 MAX_PRECISE_END_RATIO = 100.0  # an interval end above this multiple of the value is printed with one digit
 
-_PREFIXES = {
+_UNIT_PREFIXES = {
     "mN": ((1e6, 1e6, "kN"), (1e3, 1e3, "N"), (0.01, 1.0, "mN"), (1e-5, 1e-3, "µN"), (0.0, 1e-6, "nN")),
     "GPa": ((1.0, 1.0, "GPa"), (1e-3, 1e-3, "MPa"), (1e-6, 1e-6, "kPa"), (0.0, 1e-9, "Pa")),
     "um": ((1e6, 1e6, "m"), (1e3, 1e3, "mm"), (1.0, 1.0, "µm"), (0.0, 1e-3, "nm")),
@@ -96,7 +96,7 @@ def choose_prefix(value: float, unit: str) -> tuple[float, str]:
         return 1.0, unit.replace("um", "µm")
     # Round the value to the printed digits first, so that 0.99996 mN is printed as 1 mN.
     rounded = float(f"{abs(value):.3g}")
-    return next((factor, name) for minimum, factor, name in _PREFIXES[unit] if rounded >= minimum)
+    return next((factor, name) for minimum, factor, name in _UNIT_PREFIXES[unit] if rounded >= minimum)
 
 
 MIN_PERCENT = 0.001  # smallest percentage that is printed as a number; below it, "less than" this number is printed
@@ -128,14 +128,14 @@ def _format_decimals(value: float, digits: int) -> str:
 
 def to_json(record: Any, **options: Any) -> str:
     """Convert a number for JSON. NaN, infinity and None become None."""
-    return json.dumps(_with_null(record), allow_nan=False, **options)
+    return json.dumps(_replace_nonfinite_by_none(record), allow_nan=False, **options)
 
 
-def _with_null(value: Any) -> Any:
+def _replace_nonfinite_by_none(value: Any) -> Any:
     if hasattr(value, "tolist"):
         value = value.tolist()
     if isinstance(value, dict):
-        return {name: _with_null(item) for name, item in value.items()}
+        return {name: _replace_nonfinite_by_none(item) for name, item in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_with_null(item) for item in value]
+        return [_replace_nonfinite_by_none(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 NOTEBOOK_DPI = 110  # resolution of a notebook image in dots per inch
 NOTEBOOK_SIZE = (4.6, 3.2)  # width and height of a notebook image in inches
-MAX_COLUMN_WIDTH = 4.0  # figures up to this width (inches) count as one-column figures and get a higher resolution
+MAX_ONE_COLUMN_WIDTH = 4.0  # figures up to this width (inches) count as one-column figures and get a higher resolution
 # At this zlib level, compression takes half as long as at the default level 6, but map images are 10 % larger.
 PNG_COMPRESSION = 4
 
@@ -165,7 +165,7 @@ def describe_axes(figure: Any) -> str:
 def render_png(figure: Any) -> bytes:
     """Render a Matplotlib figure as PNG, at a higher resolution if it is only one column wide."""
     buffer = io.BytesIO()
-    is_narrow = figure.get_size_inches()[0] <= MAX_COLUMN_WIDTH
+    is_narrow = figure.get_size_inches()[0] <= MAX_ONE_COLUMN_WIDTH
     write_png(figure, buffer, dpi=1.5 * NOTEBOOK_DPI if is_narrow else NOTEBOOK_DPI)
     return buffer.getvalue()
 
@@ -187,7 +187,7 @@ def write_png(figure: Figure, file: Path | BinaryIO, *, dpi: float, metadata: di
         figure.set_canvas(original[0])
 
 
-def axes_for(ax: Axes | None) -> Axes:
+def axes_or_new_axes(ax: Axes | None) -> Axes:
     """Return the given axes, or new pyplot axes that a notebook displays."""
     if ax is not None:
         return ax

@@ -137,14 +137,14 @@ def is_pressure(value: Any) -> bool:
     return True
 
 
-def exact_text(value: float, unit: str) -> str:
+def exact_quantity_text(value: float, unit: str) -> str:
     """Format a number and its unit so that `quantity` parses exactly the same number."""
     return f"{repr(float(value)).removesuffix('.0')} {unit}"
 
 
 def exact_quantity(value: float, unit: str) -> Quantity:
     """Return a number in core units as a quantity without checking its magnitude."""
-    return Quantity(value, exact_text(value, unit))
+    return Quantity(value, exact_quantity_text(value, unit))
 
 
 def short_repr(value: object) -> str:

@@ -81,7 +81,7 @@ def spectra_folder(tmp_path_factory, surfaces, spectra):
 def test_surrogates_have_the_given_spectra_and_equal_phases_at_all_cutoffs(spectra):
     pairs = SpectralSurfacePairs(*spectra)
     assert pairs.spacing[0] == pytest.approx(min(spectrum.shortest for spectrum in spectra) / 4)
-    assert pairs.shape[0] * 4 == pytest.approx(3 * pairs.side / pairs.spacing[0], abs=4)
+    assert pairs.shape[0] * 4 == pytest.approx(3 * pairs.side_length / pairs.spacing[0], abs=4)
     gradients = [
         [float(scale_dependent_roughness(body).gradient_at(0.3)) for body in pairs.surrogates(index)]
         for index in range(6)
@@ -90,13 +90,13 @@ def test_surrogates_have_the_given_spectra_and_equal_phases_at_all_cutoffs(spect
     assert np.mean(gradients, axis=0) == pytest.approx(expected_gradients, rel=0.1)
     filtered_pairs = SpectralSurfacePairs(*spectra, cut_off=(0.4, 0.4))
     assert filtered_pairs.spacing == pairs.spacing
-    num_points = round(pairs.side / pairs.spacing[0])
+    num_points = round(pairs.side_length / pairs.spacing[0])
     surrogate = spectra[1].surface(2016, shape=(num_points, num_points), spacing=pairs.spacing, repetition=3)
     rows, columns = pairs.shape
     cropped_surrogate = Surface(cut_off(surrogate, 0.4, periodic=True).heights[:rows, :columns], spacing=pairs.spacing)
     assert np.array_equal(filtered_pairs.surrogates(3)[1].heights, levelled(cropped_surrogate, "plane").heights)
     # If all results are filtered, the spacing of the surrogates follows from the smallest cutoff wavelength.
-    assert SpectralSurfacePairs(*spectra, cut_off=(0.4, 0.4), finest=0.4).spacing[0] == pytest.approx(0.1)
+    assert SpectralSurfacePairs(*spectra, cut_off=(0.4, 0.4), finest_spacing=0.4).spacing[0] == pytest.approx(0.1)
 
 
 def test_friction_interval_from_joined_spectra_contains_friction_of_full_surfaces(spectra, surfaces):

@@ -18,7 +18,7 @@ from stiction import (
 )
 from stiction.mechanics import adhesion
 from stiction.mechanics.adhesion import AdhesionSolver
-from stiction.mechanics.half_space import resolved_range
+from stiction.mechanics.half_space import min_resolved_adhesion_range
 
 GAP_TOLERANCE = 1e-3
 """Tolerance of gaps as a fraction of the range of adhesion. For soft bodies the energy minimum is flat."""
@@ -46,7 +46,7 @@ range."""
 MAUGIS_TOLERANCE = 0.02
 """Relative difference of pull-off force and contact radius of a ball from Maugis' solution."""
 
-GRID_TOLERANCE = 0.005
+GRID_POSITION_TOLERANCE = 0.005
 """Relative difference of the pull-off force of a ball due to half the spacing, or due to a more distant free edge."""
 
 CLOSED_FORM_TOLERANCE = 0.02
@@ -156,7 +156,7 @@ def test_contact_of_a_sphere_with_dugdale_attraction_agrees_with_maugis_solution
         half_space(*bodies, [0.0], **adhesive).pull_off
         for bodies, adhesive in (ball(tabor, points=n, length=c * length) for n, c in ((64, 1), (128, 1), (96, 1.5)))
     ]
-    assert exponential[1:] == pytest.approx(exponential[:1] * 2, rel=GRID_TOLERANCE)
+    assert exponential[1:] == pytest.approx(exponential[:1] * 2, rel=GRID_POSITION_TOLERANCE)
     edge = 0.05  # The attraction decreases to zero over this fraction of its range.
 
     def ends(self, gap):
@@ -244,7 +244,7 @@ def test_pull_off_force_of_rough_surfaces_is_the_largest_local_maximum_of_tensio
         for side, longest in (("upper", 0.64), ("lower", 0.32))
     ]
     adhesive = {"effective_modulus": 1.72, "work_of_adhesion": 5.85e-5, "boundary": "periodic"}
-    adhesive["adhesion_range"] = 1.001 * resolved_range(5.85e-5, 0.01, 1.72)
+    adhesive["adhesion_range"] = 1.001 * min_resolved_adhesion_range(5.85e-5, 0.01, 1.72)
     curve = half_space(*bodies, [0.0], **adhesive)
     attraction = AdhesionSolver(curve._problem, tolerance=1e-6, report=None)
     states = [attraction.iterate_at_load(None, 0.0)[0]]

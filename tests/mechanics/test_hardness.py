@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from stiction import half_space
-from stiction.mechanics.hardness import MIXING_EXPONENT, MIXING_POWER, area_per_load
+from stiction.mechanics.hardness import MIXING_EXPONENT_FACTOR, MIXING_EXPONENT_POWER, area_per_load
 from stiction.studies.hardness import HARDNESS_NODE_POSITIONS
 from support.rough_surfaces import rough_maps
 
@@ -42,7 +42,7 @@ def test_contact_area_interpolated_over_hardness_equals_its_formula() -> None:
     hardness = random.uniform(0.1, 4.0, 50)
 
     def estimate(pressure: float, area: float) -> float:
-        exponent = MIXING_EXPONENT * (pressure * area) ** MIXING_POWER
+        exponent = MIXING_EXPONENT_FACTOR * (pressure * area) ** MIXING_EXPONENT_POWER
         return float((pressure**-exponent + area**exponent) ** (1 / exponent))
 
     expected = [

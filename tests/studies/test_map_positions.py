@@ -20,7 +20,7 @@ from stiction import (
 from stiction.mechanics.patches import grid_slopes
 from stiction.studies.contact_statistics import QUANTILE_PROBABILITIES
 from stiction.studies.evaluation import at_load, member_values
-from stiction.surfaces.pairing import MIN_PIECE_POINTS, MapPairs
+from stiction.surfaces.pairing import MIN_PIECE_SIDE_POINTS, MapPairs
 from support.rough_surfaces import rough_maps
 from support.studies_of_files import pair_study
 
@@ -302,6 +302,6 @@ def test_pair_rejects_invalid_input_for_maps(changes, pattern):
 
 
 def test_pair_rejects_maps_that_are_too_small():
-    small = Surface(np.zeros((MIN_PIECE_POINTS, 30)), spacing=1.0)
+    small = Surface(np.zeros((MIN_PIECE_SIDE_POINTS, 30)), spacing=1.0)
     with pytest.raises(ValueError, match="overlap in at least 16 rows and columns"):
         pair_study(small, small, load=[0.1], mu0=0.3, effective_modulus=10.0)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from stiction import HertzCylinder, JacksonGreen, Study, friction_map, run, study_names
-from stiction._units import exact_text, quantity
+from stiction._units import exact_quantity_text, quantity
 from stiction.mechanics.quantities import AREAL_SUM_QUANTITIES, HALF_SPACE_SUM_QUANTITIES, SUM_QUANTITIES
 from stiction.studies.study import find_differences, parse_study
 from stiction.studies.values import StudyError
@@ -55,7 +55,7 @@ class TestQuantityConversion:
 
     @given(st.floats(1e-12, 1e12))
     def test_exact_text_of_a_quantity_is_parsed_back_to_the_same_number(self, value):
-        assert quantity(exact_text(value, "mN"), "force") == value
+        assert quantity(exact_quantity_text(value, "mN"), "force") == value
 
     @given(st.text(max_size=30))
     def test_random_quantity_string_is_read_as_a_finite_value_or_rejected(self, text):

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from stiction import Profile, Surface, cut_off, instrument_limit
-from stiction.surfaces.floor_fit import MIN_FLOOR_GAIN, BinnedSpectrum, fit_floor
+from stiction.surfaces.floor_fit import MIN_FLOOR_LIKELIHOOD_GAIN, BinnedSpectrum, fit_floor
 from stiction.surfaces.hidden_noise import find_hidden_noise
 from stiction.surfaces.scale import line_spectra
 from support.machined_surfaces import filtered_noise, turned_surface
@@ -56,7 +56,7 @@ class TestFloorFit:
             return 3.0 * (np.log(model) + spectrum.density / model).sum(axis=-1).min()
 
         assert fit.gain == pytest.approx(loss(0.0) - loss(1.0), rel=0.01)
-        assert fit.is_significant == (fit.gain > MIN_FLOOR_GAIN)
+        assert fit.is_significant == (fit.gain > MIN_FLOOR_LIKELIHOOD_GAIN)
 
 
 @pytest.mark.parametrize("hurst", [0.3, 0.5, 0.8])

@@ -8,7 +8,7 @@ from reference import roughness as slow
 from scipy.stats import norm
 from stiction import Surface, material_ratio, roughness_parameters, section_parameters, surface_parameters
 from stiction.surfaces.material_ratio import core_parameters, heights_at_ratios, material_volumes
-from stiction.surfaces.parameters import PARAMETERS, PROFILE_PARAMETERS, SURFACE_PARAMETERS
+from stiction.surfaces.parameters import PROFILE_PARAMETERS, ROUGHNESS_PARAMETERS, SURFACE_PARAMETERS
 from support.rough_surfaces import rough_profile, self_affine_map
 
 
@@ -90,12 +90,12 @@ def test_parameter_values_scale_with_size_as_their_units_require():
     result = section_parameters(rough_profile(points=4000), lc=8.0)
     assert tuple(result.values) == tuple(parameter.name for letter in "RW" for parameter in PROFILE_PARAMETERS[letter])
     # This sum is equal only if all names are unique.
-    assert len(PARAMETERS) == len(SURFACE_PARAMETERS) + sum(map(len, PROFILE_PARAMETERS.values()))
+    assert len(ROUGHNESS_PARAMETERS) == len(SURFACE_PARAMETERS) + sum(map(len, PROFILE_PARAMETERS.values()))
     # If heights become ten times as large, a parameter changes by a power of this factor that depends on its unit.
     power = {"µm": 1, "1/µm": 1, "": 0, "degrees": 0, "1/µm²": 0}
     lateral = {"Sal": 0, "Ssw": 0, "Sdq": 1, "Sdr": 2}
     large = surface_parameters(Surface(10 * surface.heights, spacing=(500.0, 500.0)))
     small = surface_parameters(Surface(surface.heights, spacing=(500.0, 500.0)))
     for name, value in small.values.items():
-        factor = 10.0 ** lateral.get(name, power[PARAMETERS[name].unit])
+        factor = 10.0 ** lateral.get(name, power[ROUGHNESS_PARAMETERS[name].unit])
         assert large.values[name] == pytest.approx(factor * value, rel=1e-4, nan_ok=True), name

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from stiction import Surface, flipped, self_affine, self_affine_surface
-from stiction.surfaces.pairing import IsotropicPairs, LinePairs, MapPairs, quasi_random_point
+from stiction.surfaces.pairing import IsotropicSurfacePairs, LinePairs, MapPairs, quasi_random_point
 
 
 def surface(shape=(64, 64), spacing=0.1, side="lower", seed=3):
@@ -23,7 +23,7 @@ def test_quasi_random_points_are_evenly_spread(dimensions):
 class TestLinePairs:
     def test_line_pairs_use_every_line_before_any_line_is_repeated(self):
         body = surface((30, 64))
-        pairs = LinePairs(body, body, level=None, several=True)
+        pairs = LinePairs(body, body, level=None, has_several_pairs=True)
         assert pairs.max_count() == 30
         places = [pairs.position_across_lines(index) for index in range(30)]
         assert np.unique(np.round(places, 9)).size == 30
@@ -35,9 +35,9 @@ class TestLinePairs:
 
     def test_line_pair_is_independent_of_pairs_created_earlier(self):
         profile = self_affine(1, hurst_exponent=0.8, rms=0.05, points=400, spacing=0.02)
-        pairs = LinePairs(profile, profile, surrogates="both", several=True)
+        pairs = LinePairs(profile, profile, surrogates="both", has_several_pairs=True)
         assert pairs.max_count() is None
-        first, again = pairs.pair(5), LinePairs(profile, profile, surrogates="both", several=True).pair(5)
+        first, again = pairs.pair(5), LinePairs(profile, profile, surrogates="both", has_several_pairs=True).pair(5)
         for one, other in zip(first, again, strict=True):
             np.testing.assert_array_equal(one.heights, other.heights)
 
@@ -57,13 +57,13 @@ class TestMapPairs:
         for pairs in (MapPairs(small, large), MapPairs(large, small)):
             assert pairs.shape == (24, 24)
             where = 1 if pairs.lower is large else 0
-            firsts = np.array([pairs.origins(index)[where] for index in range(64)])
+            firsts = np.array([pairs.piece_origins(index)[where] for index in range(64)])
             for axis, points in enumerate(large.heights.shape):
                 assert np.histogram(firsts[:, axis], bins=4, range=(0, points - 24))[0].min() >= 8
             for index in range(64):
-                for origin, body in zip(pairs.origins(index), (pairs.upper, pairs.lower), strict=True):
+                for origin, body in zip(pairs.piece_origins(index), (pairs.upper, pairs.lower), strict=True):
                     assert all(o >= 0 and o + 24 <= n for o, n in zip(origin, body.heights.shape, strict=True))
-        assert pairs.used == pytest.approx((24 * 24 / (200 * 120), 24 * 24 / 32**2))
+        assert pairs.used_fractions == pytest.approx((24 * 24 / (200 * 120), 24 * 24 / 32**2))
 
     def test_paired_map_pieces_have_the_finer_spacing_of_both_maps(self):
         fine = surface((64, 64), 0.05)
@@ -72,7 +72,7 @@ class TestMapPairs:
         assert pairs.spacing == (0.05, 0.05)
         upper, lower = pairs.pair(3)
         assert upper.heights.shape == lower.heights.shape == pairs.shape
-        (row, column), _ = pairs.origins(3)[1], None
+        (row, column), _ = pairs.piece_origins(3)[1], None
         # The heights of the coarse points remain on the fine grid, except for the subtracted plane.
         rows, columns = pairs.shape
         y, x = np.arange(row, row + rows), np.arange(column, column + columns)
@@ -87,7 +87,7 @@ class TestMapPairs:
         upper, lower = surface(side="upper"), surface()
         pairs = MapPairs(upper, lower)
         assert pairs.area == pytest.approx(4.8**2)
-        assert pairs.used == pytest.approx((0.5625, 0.5625))
+        assert pairs.used_fractions == pytest.approx((0.5625, 0.5625))
 
     def test_map_pairs_reject_overlaps_with_too_few_points(self):
         with pytest.raises(ValueError, match="overlap in at least 16 rows and columns"):
@@ -99,7 +99,7 @@ def test_isotropic_surface_pairs_have_the_length_of_the_shorter_profile():
         self_affine(1, hurst_exponent=0.8, rms=0.05, points=points, spacing=spacing, side=side)
         for points, spacing, side in ((200, 0.02, "upper"), (300, 0.01, "lower"))
     )
-    pairs = IsotropicPairs(one, other)
+    pairs = IsotropicSurfacePairs(one, other)
     assert pairs.spacing == (0.01, 0.01)
     assert pairs.shape == (225, 225)
     upper, lower = pairs.surrogates(0)

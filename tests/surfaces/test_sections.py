@@ -8,7 +8,7 @@ from reference import roughness as slow
 from reference.gaussian_filters import mean_line
 from stiction import Profile, levelled, section_parameters, self_affine
 from stiction.surfaces.parameters import PROFILE_PARAMETERS
-from stiction.surfaces.profile_elements import mean_element
+from stiction.surfaces.profile_elements import mean_profile_element
 
 
 def sinusoid(wavelength, amplitude=1.0, *, waves=40, points=100, phase=0.3):
@@ -109,21 +109,23 @@ def test_profile_elements_ignore_small_hills_and_dales():
     # A dale with a depth of 5 % between two hills does not end an element.
     wave = np.concatenate([np.sin(np.linspace(0, np.pi, 50)), [-0.05], np.sin(np.linspace(0, np.pi, 50))])
     heights = np.concatenate([wave, -wave] * 4)
-    assert mean_element(heights, 1.0, 1.0)[0] == pytest.approx(202, rel=1e-9)
+    assert mean_profile_element(heights, 1.0, 1.0)[0] == pytest.approx(202, rel=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_profile_elements_are_invariant_under_reversal_and_flip(seed):
     heights = ground_profile(seed).heights
-    own = mean_element(heights, 0.5, 0.7)
-    assert mean_element(heights[::-1], 0.5, 0.7) == pytest.approx(own, rel=1e-9)
-    assert mean_element(-heights, 0.7, 0.5) == pytest.approx(own, rel=1e-9)
+    own = mean_profile_element(heights, 0.5, 0.7)
+    assert mean_profile_element(heights[::-1], 0.5, 0.7) == pytest.approx(own, rel=1e-9)
+    assert mean_profile_element(-heights, 0.7, 0.5) == pytest.approx(own, rel=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_profile_elements_equal_those_counted_point_by_point(seed):
     heights = ground_profile(seed, points=1500).heights
-    assert mean_element(heights, 0.5, 0.7) == pytest.approx(slow.measure_profile_elements(heights, 0.5, 0.7), rel=1e-9)
+    assert mean_profile_element(heights, 0.5, 0.7) == pytest.approx(
+        slow.measure_profile_elements(heights, 0.5, 0.7), rel=1e-9
+    )
 
 
 class TestSettingClass:

@@ -28,7 +28,7 @@ from stiction import (
     surface_parameters,
     surface_spectrum,
 )
-from stiction.surfaces.spectrum import find_peak
+from stiction.surfaces.spectrum import find_spectral_peak
 from stiction.views.characterisation import NEGLIGIBLE_SLOPE_FRACTION, Characterisation, characterisation_text
 from stiction.views.figures.roughness import characterisation_figure
 from stiction.views.scans import joined_figure
@@ -176,7 +176,10 @@ def test_dominant_peak_is_reported_with_its_fraction_of_the_mean_square():
     moment_of_line = 0.003**2 / 2 * (2 * np.pi / 0.06) ** 4
     total_moment = moment_of_line + spectral_moments(rough_profile).curvature
     assert float(match[2]) == pytest.approx(100 * moment_of_line / total_moment, abs=5)
-    assert find_peak(power_spectrum(rough_profile)) is None or find_peak(power_spectrum(rough_profile))[1] < 0.05
+    assert (
+        find_spectral_peak(power_spectrum(rough_profile)) is None
+        or find_spectral_peak(power_spectrum(rough_profile))[1] < 0.05
+    )
 
 
 # ---- Surfaces -------------------------------------------------------------------------------------------------------

@@ -22,7 +22,7 @@ from stiction.studies.pair_options import split_list
 from stiction.surfaces.measured.reading import load_reading
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.roughness import check_roughness, rms_gradient, roughness_parameters
+from stiction.surfaces.roughness import reject_flat_or_small, rms_gradient, roughness_parameters
 
 # Maximum number of rows or columns of a map preview; a profile preview may have three times as many points.
 MAX_DRAWN_POINTS = 160
@@ -44,7 +44,7 @@ def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
                 parameters = roughness_parameters(levelled_body)
                 height, slope = parameters.Pq, parameters.Pdq
             else:
-                check_roughness(levelled_body)
+                reject_flat_or_small(levelled_body)
                 height, slope = float(levelled_body.heights.std()), rms_gradient(levelled_body, "seven-point")
         except (ValueError, ImportError, MemoryError) as error:
             return {"error": replace_option_names(str(error)) or "not enough memory for this scan"}

@@ -23,7 +23,7 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, RedirectResponse, Response
 from starlette.routing import Route
 
-from stiction._files import replaced_file
+from stiction._files import replacement_file
 from stiction._units import short_repr
 from stiction.app import sample_surfaces
 from stiction.app.form import FIELDS_BY_FLAG, READING_FLAGS, fields_html, label_caveats, page_data_json
@@ -207,7 +207,7 @@ class Server:
             raise RejectedRequestError(f"{sys.executable}: a menu entry cannot contain this path")
         applications_folder = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local/share") / "applications"
         applications_folder.mkdir(parents=True, exist_ok=True)
-        with replaced_file(applications_folder / "stiction.desktop", b"Name=stiction\n", ValueError) as partial_path:
+        with replacement_file(applications_folder / "stiction.desktop", b"Name=stiction\n", ValueError) as partial_path:
             partial_path.write_text(
                 "[Desktop Entry]\nType=Application\nName=stiction\nComment=Static friction of two surfaces\n"
                 f'Exec="{sys.executable}" -P -m stiction app\nPath={self.working_directory}\nCategories=Science;\n',

@@ -36,7 +36,9 @@ MAX_SOLUTIONS_PER_LOAD = (
 )
 MAX_SOLUTIONS_PER_CONTACT_LOAD = 60  # maximum number of contact solutions for one contact load
 MAX_STALLED_SOLUTIONS = 20  # maximum number of successive solutions that do not reduce the residual
-RESIDUAL_FACTOR = 10.0  # maximum accepted relative residual of the attraction, as a multiple of the tolerance
+MAX_RESIDUAL_TOLERANCE_RATIO = (
+    10.0  # maximum accepted relative residual of the attraction, as a multiple of the tolerance
+)
 MIN_TOLERANCE = 1e-8  # minimum tolerance of a contact solution; at smaller tolerances, round-off may stall the solver
 INEXACT_TOLERANCE_RATIO = (
     0.05  # tolerance of a contact solution, as a fraction of the residual of the previous solution
@@ -74,7 +76,7 @@ class AdhesionSolver:
             problem,
             report,
             tolerance,
-            RESIDUAL_FACTOR * tolerance,
+            MAX_RESIDUAL_TOLERANCE_RATIO * tolerance,
         )
         # The string `uncertain` explains why the minimum load is uncertain. It is empty if the minimum load is certain.
         self.range, self.uncertain = problem.adhesion_range, ""
@@ -82,7 +84,9 @@ class AdhesionSolver:
         self.bound = np.array([np.inf if problem.hardness is None else problem.hardness])
         # The relative error of the attraction equals the error of the gap divided by the range of the attraction.
         self.relative_range = self.range / float(problem.gap.std() or 1)
-        self.tolerance = max(min(tolerance, RESIDUAL_FACTOR * tolerance * self.relative_range), MIN_TOLERANCE)
+        self.tolerance = max(
+            min(tolerance, MAX_RESIDUAL_TOLERANCE_RATIO * tolerance * self.relative_range), MIN_TOLERANCE
+        )
         self.min_contact = MIN_CONTACT_LOAD_RATIO * float(self.attraction_at_gap(problem.gap).mean())
 
     def attraction_at_gap(self, gap: Floats) -> Floats:
@@ -359,7 +363,7 @@ def solve_with_adhesion(
     return contacts
 
 
-def pull_apart(pressed: ContactSolution, *, tolerance: float) -> tuple[list[ContactSolution], str]:
+def solve_separation(pressed: ContactSolution, *, tolerance: float) -> tuple[list[ContactSolution], str]:
     """Return the contacts during separation, and the reason why the minimum load is uncertain ("" if it is certain)."""
     problem, total_area = pressed.problem, pressed.problem.cell_area * pressed.problem.gap.size
     attraction = AdhesionSolver(problem, tolerance=tolerance, report=None)

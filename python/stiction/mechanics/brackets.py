@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 # Lower limit of the spread of ln κ between two resolutions, where κ = A E* h'/F.
-MIN_LOG_SPREAD = 0.1
+MIN_LOG_KAPPA_SPREAD = 0.1
 # Wavelengths to which gradients are extrapolated, as fractions of the shortest wavelength of the scan.
-WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))
+EXTRAPOLATED_WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))
 
 
 def kappa_uncertainty_factor(contact_count: Floats) -> Floats:
@@ -31,10 +31,10 @@ def kappa_uncertainty_factor(contact_count: Floats) -> Floats:
     Fitted to mean plus two standard deviations of ln κ: 0.6 with 2 contacts, 0.35 with 5, 0.2 with 16 and 0.1 with 40.
     The pairs had Hurst exponents of 0.4 and 0.8, and shortest wavelengths of 32 and of 4 points.
     """
-    return np.asarray(np.exp(np.maximum(1 / np.sqrt(np.maximum(contact_count, 1)), MIN_LOG_SPREAD)))
+    return np.asarray(np.exp(np.maximum(1 / np.sqrt(np.maximum(contact_count, 1)), MIN_LOG_KAPPA_SPREAD)))
 
 
-def rms_gradient(gap: Profile | Surface, *, periodic: bool) -> float:
+def gap_rms_gradient(gap: Profile | Surface, *, periodic: bool) -> float:
     """Compute the rms gradient of a gap from the slopes that the half-space model uses."""
     from stiction.mechanics.patches import grid_slopes
 
@@ -74,7 +74,7 @@ def extrapolated_gradients(
 
     NaN is returned if there is no Hurst exponent.
     """
-    finer = np.array(WAVELENGTH_RATIOS) * shortest
+    finer = np.array(EXTRAPOLATED_WAVELENGTH_RATIOS) * shortest
     if estimate is None:
         return np.full((finer.size, 3), np.nan)
     # Scale the extrapolation so that it continues the gradients of this scan without a jump.

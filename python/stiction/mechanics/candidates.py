@@ -17,7 +17,7 @@ from stiction._caching import cached_property
 from stiction._checks import Floats, check_choice, read_only, validate_number
 from stiction.mechanics.model import (
     ContactModel,
-    Curvature,
+    CurvatureRequirement,
     check_pair,
     make_model,
     make_pair_model,
@@ -66,7 +66,7 @@ class Candidates:
     """
 
     core: stiction._core.Candidates | stiction._core.ArealCandidates
-    curvature: Curvature
+    curvature: CurvatureRequirement
     sources: tuple[str, ...] = ()
 
     def __len__(self) -> int:
@@ -103,7 +103,7 @@ class Candidates:
 
 
 def candidates(
-    upper: Profile | Surface, lower: Profile | Surface, *, deepest: float, curvature: Curvature | None = None
+    upper: Profile | Surface, lower: Profile | Surface, *, deepest: float, curvature: CurvatureRequirement | None = None
 ) -> Candidates:
     """Find the places where two surfaces may touch at any approach up to a given maximum.
 
@@ -150,7 +150,7 @@ def candidates(
     check_pair(upper, lower)
     if curvature is None:
         curvature = "signed" if isinstance(upper, Surface) else "convex"
-    check_choice("curvature", curvature, Curvature)
+    check_choice("curvature", curvature, CurvatureRequirement)
     core = stiction._core.candidates(
         upper.heights, lower.heights, spacing=upper.spacing, deepest=validate_number("deepest", deepest, unit="µm"),
         curvature=curvature,

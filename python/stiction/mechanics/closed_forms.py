@@ -13,15 +13,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, check_choice, float_array
-from stiction.mechanics.friction import check_shear_strength, friction_parameter
+from stiction.mechanics.friction import check_shear_strength, validate_friction_parameter
 from stiction.mechanics.materials import Material
-from stiction.mechanics.model import Sliding
+from stiction.mechanics.model import SlidingRule
 
 # With this number of bisections, the logarithm of an aspect ratio is exact to the last bit.
-_BISECTIONS = 64
+_NUM_BISECTIONS = 64
 _SLOPE_TOLERANCE = 1e-9  # largest relative amount by which the rms slope may exceed the rms gradient
 # If the standard deviation of the slopes is below this limit, two terms of the series are exact to the last bit.
-_SMALL_SLOPE = 1e-3
+_SMALL_SLOPE_LIMIT = 1e-3
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -657,7 +657,7 @@ def hertz_ellipse(
     ratio = smaller / larger  # ratio of the smaller to the larger radius
     # R_D(0, k², 1)/R_D(0, 1, k²) increases with k, and is below k.
     low, high = np.log(ratio), np.zeros(ratio.shape)
-    for _ in range(_BISECTIONS):
+    for _ in range(_NUM_BISECTIONS):
         middle = 0.5 * (low + high)
         square = np.exp(2 * middle)
         above = special.elliprd(0, square, 1) > ratio * special.elliprd(0, 1, square)
@@ -715,7 +715,7 @@ def slope_friction(
     array([0.4  , 0.521,   nan])
     """
     theta = float_array("slope_angle", slope_angle)
-    mu, tau = friction_parameter("mu0", mu0), friction_parameter("tau0", tau0)
+    mu, tau = validate_friction_parameter("mu0", mu0), validate_friction_parameter("tau0", tau0)
     if not ((theta >= 0) & (theta < np.pi / 2)).all():
         raise ValueError(f"slope_angle must be at least 0 and below pi/2 rad, got {slope_angle!r}")
     if mean_pressure is not None:
@@ -770,7 +770,7 @@ def hardness_under_shear(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, a
     array([0.625, 0.094,   nan])
     """
     parameters = {"mu0": mu0, "tau0": tau0, "alpha": alpha}
-    mu, tau, square = (friction_parameter(name, value) for name, value in parameters.items())
+    mu, tau, square = (validate_friction_parameter(name, value) for name, value in parameters.items())
     strength = check_positive(hardness=hardness)[0]
     return np.where(square == 0, strength, solve_yield_condition(strength, mu, tau, square))
 
@@ -819,8 +819,8 @@ def tabor_friction(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, alpha: 
     >>> tabor_friction(0.625, mu0=0.2, tau0=0.05, alpha=[0, 9, 27]).round(3)
     array([0.28 , 0.309, 0.375])
     """
-    ratio = friction_parameter("tau0", tau0) / check_positive(hardness=hardness)[0]
-    mu, square = friction_parameter("mu0", mu0), friction_parameter("alpha", alpha)
+    ratio = validate_friction_parameter("tau0", tau0) / check_positive(hardness=hardness)[0]
+    mu, square = validate_friction_parameter("mu0", mu0), validate_friction_parameter("alpha", alpha)
     left = 1 - square * ratio**2
     with np.errstate(invalid="ignore", divide="ignore"):
         ratio_after_growth = (mu + ratio * np.sqrt(1 + square * (mu**2 - ratio**2))) / left
@@ -836,7 +836,7 @@ def gentle_friction(
     rms_slope: ArrayLike | None = None,
     effective_modulus: ArrayLike = 10.0,
     kappa: ArrayLike = 2.2,
-    sliding: Sliding = "opposing",
+    sliding: SlidingRule = "opposing",
     slope_ratio: ArrayLike = 1.0,
     order: Literal[1, 2] = 1,
 ) -> Floats:
@@ -908,7 +908,7 @@ def gentle_friction(
     >>> gentle_friction(0.4, rms_gradient=[0.041, 0.41], order=2).round(3)
     array([0.206, 0.266])
     """
-    mu, tau = friction_parameter("mu0", mu0), friction_parameter("tau0", tau0)
+    mu, tau = validate_friction_parameter("mu0", mu0), validate_friction_parameter("tau0", tau0)
     gradient, modulus, factor = check_positive(
         rms_gradient=rms_gradient, effective_modulus=effective_modulus, kappa=kappa
     )
@@ -916,7 +916,7 @@ def gentle_friction(
     ratio = float_array("slope_ratio", slope_ratio)
     if not (ratio >= 0).all():
         raise ValueError(f"slope_ratio must not be negative, got {slope_ratio!r}")
-    check_choice("sliding", sliding, Sliding)
+    check_choice("sliding", sliding, SlidingRule)
     if np.ndim(order) or order not in (1, 2):
         raise ValueError(f"order must be 1 or 2, got {order!r}")
     check_shear_strength(tau, float(np.min(modulus, initial=np.inf)))
@@ -928,7 +928,7 @@ def gentle_friction(
         across = gradient**2 - slope**2
         if not (across >= -_SLOPE_TOLERANCE * gradient**2).all():
             raise ValueError(f"rms_slope must be at most rms_gradient, got {rms_slope!r} and {rms_gradient!r}")
-        longer, lower = _mean_stretch(shared * np.sqrt(np.maximum(across, 0)))
+        longer, lower = _mean_secant_and_cosine(shared * np.sqrt(np.maximum(across, 0)))
     if sliding == "all":
         return np.asarray(np.broadcast_arrays(m * longer, mean)[0].copy())
     locking_term = m * lower * mean
@@ -938,12 +938,12 @@ def gentle_friction(
     )
 
 
-def _mean_stretch(deviation: Floats) -> tuple[Floats, Floats]:
+def _mean_secant_and_cosine(deviation: Floats) -> tuple[Floats, Floats]:
     """Return the means of (1 + s²)^(1/2) and (1 + s²)^(-1/2) for a normally distributed slope s."""
     from scipy import special
 
-    is_small = deviation < _SMALL_SLOPE
-    spread = np.maximum(deviation, _SMALL_SLOPE)
+    is_small = deviation < _SMALL_SLOPE_LIMIT
+    spread = np.maximum(deviation, _SMALL_SLOPE_LIMIT)
     x = 1 / (4 * spread**2)
     factor = 1 / (spread * np.sqrt(2 * np.pi))
     zeroth, first = special.kve(0, x), special.kve(1, x)

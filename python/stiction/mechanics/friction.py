@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, float_array, validate_number
-from stiction._drawing import draw_area, draw_friction
-from stiction._repr import PlotRepr, TextRepr, axes_for
+from stiction._drawing import draw_contact_area, draw_friction
+from stiction._repr import PlotRepr, TextRepr, axes_or_new_axes
 from stiction._units import short_repr
 from stiction.mechanics.quantities import QUANTITIES, SUM_QUANTITIES
 
@@ -41,7 +41,7 @@ LOAD_SUM_NAMES = tuple(f"{load}_{part}" for load in ("normal", "tangential") for
 """Names of the contact sums that determine the normal and the tangential load for every mu0 and tau0."""
 
 # If the ratio tau0/E* is above this limit, tau0 was probably meant in MPa instead of GPa.
-SHEAR_STRENGTH_LIMIT = 0.1
+MAX_SHEAR_STRENGTH_RATIO = 0.1
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -213,15 +213,17 @@ class FrictionCurve(PlotRepr):
         mu0 and tau0 (GPa) are as for `normal_load`. Draws into given axes or new ones, and returns them.
         """
         if mu0 is None:
-            return draw_area(axes_for(ax), self.normal_elastic, self.contact_area)
+            return draw_contact_area(axes_or_new_axes(ax), self.normal_elastic, self.contact_area)
         coefficient = self.friction_coefficient(mu0=mu0, tau0=tau0)
         direction = getattr(self, "direction", 0.0)  # profiles have no attribute `direction`
-        return draw_friction(axes_for(ax), self.normal_elastic, coefficient, mu0=mu0, tau0=tau0, direction=direction)
+        return draw_friction(
+            axes_or_new_axes(ax), self.normal_elastic, coefficient, mu0=mu0, tau0=tau0, direction=direction
+        )
 
     def _parameters(self, mu0: ArrayLike, tau0: ArrayLike) -> tuple[Floats, Floats]:
-        strengths = friction_parameter("tau0", tau0)
+        strengths = validate_friction_parameter("tau0", tau0)
         check_shear_strength(strengths, self.effective_modulus)
-        materials = np.broadcast_arrays(friction_parameter("mu0", mu0), strengths)
+        materials = np.broadcast_arrays(validate_friction_parameter("mu0", mu0), strengths)
         # In the result, the axes of mu0 and tau0 precede the axes of the sums (steps, or directions and steps).
         axes = (..., *([np.newaxis] * self.tangential_elastic.ndim))
         return materials[0][axes], materials[1][axes]
@@ -251,7 +253,7 @@ def statuses_of_approaches(contact_count: ArrayLike, normal: Floats) -> NDArray[
     return combine_statuses(touched=np.asarray(contact_count) != 0, reached=normal > 0, locked=True)
 
 
-def friction_parameter(name: str, values: ArrayLike) -> Floats:
+def validate_friction_parameter(name: str, values: ArrayLike) -> Floats:
     """Return mu0 or tau0 as an array of finite, non-negative numbers."""
     array = float_array(name, values)
     if not (array >= 0).all():
@@ -262,7 +264,7 @@ def friction_parameter(name: str, values: ArrayLike) -> Floats:
 def check_shear_strength(tau0: Floats, effective_modulus: float) -> None:
     """Warn if tau0 was probably meant in MPa instead of GPa."""
     highest = float(np.max(tau0, initial=0))
-    if highest > SHEAR_STRENGTH_LIMIT * effective_modulus:
+    if highest > MAX_SHEAR_STRENGTH_RATIO * effective_modulus:
         warnings.warn(
             f"tau0 = {highest:g} GPa is above a tenth of the effective modulus {effective_modulus:g} GPa; was it "
             "meant in MPa?",
@@ -273,7 +275,7 @@ def check_shear_strength(tau0: Floats, effective_modulus: float) -> None:
 def check_friction_parameters(mu0: Any, tau0: Any, effective_modulus: Any) -> tuple[float, float]:
     """Check a single mu0 and a single tau0 (GPa), and return them."""
     values = [
-        float(friction_parameter(name, validate_number(name, value, unit=unit)))
+        float(validate_friction_parameter(name, validate_number(name, value, unit=unit)))
         for name, value, unit in (("mu0", mu0, ""), ("tau0", tau0, "GPa"))
     ]
     modulus = validate_number("effective_modulus", effective_modulus, unit="GPa", above=0)

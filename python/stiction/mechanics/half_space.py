@@ -17,10 +17,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._caching import cached_property
 from stiction._checks import Floats, check_choice, read_only, validate_fraction, validate_number
-from stiction._repr import PlotRepr, axes_for
+from stiction._repr import PlotRepr, axes_or_new_axes
 from stiction._units import loads_to_core_units, to_core_units
 from stiction.mechanics.friction import FrictionCurve
-from stiction.mechanics.model import ContactModel, Direction, Sliding, check_pair, modulus_or_default, warn_if_same_body
+from stiction.mechanics.model import (
+    ContactModel,
+    Direction,
+    SlidingRule,
+    check_pair,
+    modulus_or_default,
+    warn_if_same_body,
+)
 from stiction.mechanics.onset import Onset, check_nonzero_strengths, compute_onset, parse_direction, resolve_index
 from stiction.surfaces.profile import Profile, reject_missing
 from stiction.surfaces.surface import BodyLike, as_bodies
@@ -33,10 +40,10 @@ if TYPE_CHECKING:
 
 # The solver is imported only on demand, because it imports SciPy. This import takes longer than all others.
 
-Boundary = Literal["free", "periodic"]
-Tilt = Literal["fixed", "free"]
+BoundaryCondition = Literal["free", "periodic"]
+TiltMode = Literal["fixed", "free"]
 
-ADHESION_RANGE = 5e-4
+DEFAULT_ADHESION_RANGE = 5e-4
 """Default decay length (µm) of the attraction between solids: one to two atomic distances."""
 
 # Minimum number of grid points in the process zone E* ρ²/w at an edge.
@@ -44,7 +51,7 @@ ADHESION_RANGE = 5e-4
 MIN_PROCESS_ZONE_POINTS = 2.0
 
 
-def resolved_range(work: float, spacing: float, effective_modulus: float) -> float:
+def min_resolved_adhesion_range(work: float, spacing: float, effective_modulus: float) -> float:
     """Return the shortest adhesion range (µm) that a grid resolves, for a work of adhesion (mN/µm) and E* (GPa)."""
     return math.sqrt(MIN_PROCESS_ZONE_POINTS * spacing * work / effective_modulus)
 
@@ -98,7 +105,7 @@ class HalfSpaceContact(PlotRepr):
         """
         from stiction._drawing import draw_contact
 
-        return draw_contact(axes_for(ax), self.pressure, self.heights, self.spacing)
+        return draw_contact(axes_or_new_axes(ax), self.pressure, self.heights, self.spacing)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -214,9 +221,9 @@ class HalfSpaceCurve(FrictionCurve):
     @cached_property
     def _separation(self) -> tuple[list[ContactSolution], str]:
         """Contacts during separation, and the reason why the largest tension is uncertain ("" if it is certain)."""
-        from stiction.mechanics.adhesion import pull_apart
+        from stiction.mechanics.adhesion import solve_separation
 
-        return pull_apart(self._pressed[int(np.argmin(self.load))], tolerance=self._tolerance)
+        return solve_separation(self._pressed[int(np.argmin(self.load))], tolerance=self._tolerance)
 
     @property
     def work_of_adhesion(self) -> float:
@@ -293,7 +300,7 @@ class HalfSpaceCurve(FrictionCurve):
         return self._model.angles()
 
     @property
-    def sliding(self) -> Sliding:
+    def sliding(self) -> SlidingRule:
         """Sliding rule, "opposing" or "all". It determines which patches contribute to friction."""
         return self._model.sliding
 
@@ -302,9 +309,9 @@ class HalfSpaceCurve(FrictionCurve):
         """Largest possible pressure (GPa), or None if the bodies do not yield."""
         return self._problem.hardness
 
-    def with_sliding(self, sliding: Sliding) -> HalfSpaceCurve:
+    def with_sliding(self, sliding: SlidingRule) -> HalfSpaceCurve:
         """Return the curve for another sliding rule, computed from the same contacts without a new solution."""
-        return self._interpolate(replace(self._model, sliding=sliding), self._sums)
+        return self._with_sums(replace(self._model, sliding=sliding), self._sums)
 
     def with_direction(self, direction: Direction | Sequence[Direction]) -> HalfSpaceCurve:
         """Return the curve for other directions of motion, computed from the same contacts without a new solution.
@@ -317,7 +324,7 @@ class HalfSpaceCurve(FrictionCurve):
         model = replace(self._model, direction=direction)
         if self._problem.gap.ndim == 1:
             model = model.for_profiles()
-        return self._interpolate(model, tuple(solution.sums(model.directions()) for solution in self._pressed))
+        return self._with_sums(model, tuple(solution.sums(model.directions()) for solution in self._pressed))
 
     def onset(
         self,
@@ -364,7 +371,7 @@ class HalfSpaceCurve(FrictionCurve):
             tangential_problem, mu0=mu0, tau0=tau0, direction=angle, steps=steps, displacements=displacements
         )
 
-    def _interpolate(self, model: ContactModel, sums: tuple[PatchSums, ...]) -> HalfSpaceCurve:
+    def _with_sums(self, model: ContactModel, sums: tuple[PatchSums, ...]) -> HalfSpaceCurve:
         rows = _sum_patches(model, self._pressed, sums)
         return replace(self, **_stack_columns(rows, model), _model=model, _sums=sums)
 
@@ -378,14 +385,14 @@ def half_space(
     unit: str = "um",
     approaches: ArrayLike | None = None,
     effective_modulus: float | None = None,
-    boundary: Boundary = "free",
+    boundary: BoundaryCondition = "free",
     compliance_share: float = 0.5,
     hardness: float | None = None,
-    tilt: Tilt = "fixed",
+    tilt: TiltMode = "fixed",
     direction: Direction | Sequence[Direction] = "+x",
-    sliding: Sliding = "opposing",
+    sliding: SlidingRule = "opposing",
     work_of_adhesion: float | str = 0.0,
-    adhesion_range: float | str = ADHESION_RANGE,
+    adhesion_range: float | str = DEFAULT_ADHESION_RANGE,
     tolerance: float = 1e-6,
     progress: Callable[[int, int, float], object] | None = None,
 ) -> HalfSpaceCurve:
@@ -485,8 +492,8 @@ def half_space(
     )
     if isinstance(upper, Profile):
         model.for_profiles()
-    check_choice("boundary", boundary, Boundary)
-    check_choice("tilt", tilt, Tilt)
+    check_choice("boundary", boundary, BoundaryCondition)
+    check_choice("tilt", tilt, TiltMode)
     tolerance = validate_number("tolerance", tolerance, above=0, below=1)
     if not (progress is None or callable(progress)):
         raise ValueError(f"progress must be a function of three arguments or None, got {progress!r}")
@@ -505,7 +512,7 @@ def half_space(
     if work > 0:
         for body in (upper, lower):
             reject_missing(body, "work_of_adhesion")
-        problem = _with_adhesion(problem, work, length, float(model.effective_modulus))
+        problem = _add_adhesion(problem, work, length, float(model.effective_modulus))
     if tilt == "free":
         if boundary == "periodic" or work > 0 or approaches is not None:
             raise ValueError(
@@ -525,7 +532,7 @@ def _solve(
     progress: Callable[[int, int, float], object] | None,
 ) -> list[ContactSolution]:  # fmt: skip
     """Solve the contact problem at each load (mN) or at each approach (µm)."""
-    from stiction.mechanics.half_space_problem import Solver, to_contact_solution
+    from stiction.mechanics.half_space_problem import ContactSolver, to_contact_solution
 
     if problem.work_of_adhesion > 0:
         from stiction.mechanics.adhesion import solve_with_adhesion
@@ -537,7 +544,7 @@ def _solve(
         return solve_with_balanced_tilt(problem, steps, tolerance=tolerance, progress=progress)
     contacts: list[ContactSolution] = []
     report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
-    solver = Solver(problem, name, steps[-1], tolerance=tolerance, report=report)
+    solver = ContactSolver(problem, name, steps[-1], tolerance=tolerance, report=report)
     nearby_pressure = None
     for step in steps.tolist():
         solution = solver.at(step, nearby_pressure)
@@ -546,9 +553,9 @@ def _solve(
     return contacts
 
 
-def _with_adhesion(problem: HalfSpaceProblem, work: float, length: float, effective_modulus: float) -> HalfSpaceProblem:
+def _add_adhesion(problem: HalfSpaceProblem, work: float, length: float, effective_modulus: float) -> HalfSpaceProblem:
     """Add a work of adhesion (mN/µm) and its range (µm) to a problem. A range too short for the grid is increased."""
-    smallest = resolved_range(work, max(problem.spacing), effective_modulus)
+    smallest = min_resolved_adhesion_range(work, max(problem.spacing), effective_modulus)
     if smallest > length:
         warnings.warn(
             f"adhesion_range = {length * 1e3:.3g} nm is increased to {smallest * 1e3:.3g} nm: the grid needs "

@@ -41,7 +41,7 @@ MAX_CELL_ASPECT_RATIO = 1e6  # maximum ratio of the longer to the shorter side o
 _grids_by_key: weakref.WeakValueDictionary[tuple[Any, ...], _core.HalfSpaceGrids] = weakref.WeakValueDictionary()
 _key_of_grids: weakref.WeakKeyDictionary[_core.HalfSpaceGrids, tuple[Any, ...]] = weakref.WeakKeyDictionary()
 _last_grids: deque[_core.HalfSpaceGrids] = deque(maxlen=1)
-_uniform: weakref.WeakKeyDictionary[_core.HalfSpaceGrids, Floats] = weakref.WeakKeyDictionary()
+_uniform_displacements: weakref.WeakKeyDictionary[_core.HalfSpaceGrids, Floats] = weakref.WeakKeyDictionary()
 
 
 def get_grids(
@@ -126,8 +126,8 @@ class HalfSpaceProblem:
         """
         if self.missing is not None:
             return np.asarray(self.grids.displacement(self.measured, threads=solver_thread_count()))
-        if (cached := _uniform.get(self.grids)) is None:
-            cached = _uniform[self.grids] = read_only(
+        if (cached := _uniform_displacements.get(self.grids)) is None:
+            cached = _uniform_displacements[self.grids] = read_only(
                 self.grids.displacement(self.measured, threads=solver_thread_count())
             )
         return cached
@@ -244,7 +244,7 @@ class ContactSolution:
         """Return the pressures (sum: 1 GPa) that displace all free points equally, and this displacement (µm)."""
         if not self.problem.turns:
             return self.problem.grids.linear_response(self.on_grid(free), threads=solver_thread_count())
-        return TiltResponse.solve(self.problem, self.on_grid(free)).to_load()
+        return TiltResponse.solve(self.problem, self.on_grid(free)).balanced_response()
 
     def _compute_stiffness(self, free: NDArray[np.bool_]) -> float:
         problem = self.problem
@@ -359,24 +359,26 @@ class TiltResponse:
         bound = np.where(free, MAX_LINEAR_RESPONSE_PRESSURE, 0.0)
         arms = lever_arms(problem)
 
-        def respond(gap: Floats) -> tuple[Floats, float]:
+        def solve_linear_response(gap: Floats) -> tuple[Floats, float]:
             solver = _core.HalfSpaceSolver(
                 gap, problem.grids, bound=bound, tolerance=LINEAR_RESPONSE_TOLERANCE, threads=solver_thread_count()
             )
             result = solver.at(1.0, threads=solver_thread_count())
             return result.pressure.reshape(gap.shape), result.approach
 
-        level, approach = respond(np.zeros_like(problem.gap))
+        level, approach = solve_linear_response(np.zeros_like(problem.gap))
         moments = mean_moments(level, arms)
         mean_displacement = float(np.abs(problem.grids.displacement(level, threads=solver_thread_count())[free]).mean())
         slope_pressures = []
         for arm in arms:
             small = TILT_DISPLACEMENT_RATIO * mean_displacement / float(np.abs(arm).max())
-            slope_pressures.append((respond(small * np.broadcast_to(arm, problem.gap.shape).copy())[0] - level) / small)
+            slope_pressures.append(
+                (solve_linear_response(small * np.broadcast_to(arm, problem.gap.shape).copy())[0] - level) / small
+            )
         moments_per_slope = np.array([mean_moments(field_, arms) for field_ in slope_pressures])
         return cls(level, approach, moments, slope_pressures, (moments_per_slope + moments_per_slope.T) / 2)
 
-    def to_load(self) -> tuple[Floats, float]:
+    def balanced_response(self) -> tuple[Floats, float]:
         """Return pressures (sum: 1 GPa) whose resultant force acts at the centre, and the resulting approach (µm)."""
         slopes = -np.linalg.lstsq(self.moments_per_slope, self.moments, rcond=None)[0]
         pressure = self.pressure + sum(
@@ -390,7 +392,7 @@ def mean_moments(pressure: Floats, arms: list[Floats]) -> Floats:
     return np.array([float((pressure * arm).mean()) for arm in arms])
 
 
-class Solver:
+class ContactSolver:
     """Solver for a contact problem at loads (mN) or approaches (µm) up to a limit. Missing points never touch."""
 
     def __init__(

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from stiction._checks import Floats, float_array
 
-MIXING_EXPONENT, MIXING_POWER = 3.2, 0.28
+MIXING_EXPONENT_FACTOR, MIXING_EXPONENT_POWER = 3.2, 0.28
 """Constants of the exponent m: its value if hardness and elastic pressure are equal, and the power of their ratio."""
 
 
@@ -53,7 +53,7 @@ def _log_estimate(log_hardness: Floats, log_elastic: Floats) -> Floats:
     Using logarithms is several times faster than using powers.
     """
     ratio = log_hardness + log_elastic
-    exponent = MIXING_EXPONENT * np.exp(MIXING_POWER * ratio)
+    exponent = MIXING_EXPONENT_FACTOR * np.exp(MIXING_EXPONENT_POWER * ratio)
     mixed = np.log(1 + np.exp(-exponent * np.abs(ratio))) / exponent
     return np.asarray(np.maximum(-log_hardness, log_elastic) + mixed)
 

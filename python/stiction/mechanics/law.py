@@ -16,7 +16,7 @@ from stiction._checks import check_choice, validate_number
 from stiction._units import short_repr
 
 
-def parameter(unit: str, *, default: Any = MISSING, least: float | None = None, most: float | None = None) -> Any:
+def parameter_field(unit: str, *, default: Any = MISSING, least: float | None = None, most: float | None = None) -> Any:
     """Return a dataclass field for a contact law parameter, with its unit ("µm", "GPa" or "") and its limits.
 
     Parameters without limits must be above 0.
@@ -81,7 +81,7 @@ class HertzCylinder(ContactLaw):
     (0.07854, 0.2)
     """
 
-    width: float = parameter("µm", default=1.0)
+    width: float = parameter_field("µm", default=1.0)
 
 
 @dataclass(frozen=True)
@@ -111,8 +111,8 @@ class JacksonGreen(ContactLaw):
     (0.009971, 0.045495)
     """
 
-    yield_strength: float = parameter("GPa")
-    poisson_ratio: float = parameter("", least=0.0, most=0.5)
+    yield_strength: float = parameter_field("GPa")
+    poisson_ratio: float = parameter_field("", least=0.0, most=0.5)
 
 
 CONTACT_LAWS: tuple[type[ContactLaw], ...] = (HertzSphere, HertzCylinder, JacksonGreen)  # all contact laws

@@ -22,7 +22,7 @@ from stiction.mechanics.model import (
     ContactKeywords,
     ContactModel,
     Direction,
-    Sliding,
+    SlidingRule,
     add_model_keywords_to_signature,
     warn_if_same_body,
 )
@@ -99,7 +99,7 @@ class LoadCurve(FrictionCurve, ContactSums):
 
     approach: Floats = field(metadata={"unit": "µm"})
     effective_modulus: float = field(metadata={"unit": "GPa"})
-    sliding: Sliding = "opposing"
+    sliding: SlidingRule = "opposing"
     _pressed: LoadCurveInputs = field(repr=False)
 
     def onset(

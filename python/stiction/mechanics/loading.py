@@ -29,12 +29,12 @@ from stiction.surfaces.surface import Surface
 _MIN_APPROACH_RATIO = 1e-6
 # Ratio of successive sampled approaches.
 # A load that the curve crosses twice between two samples may be missed.
-_APPROACH_RATIO = 1.1
+_SAMPLED_APPROACH_RATIO = 1.1
 # Number of approaches in a batch.
 # Sampling stops after the batch in which all loads are reached, because larger approaches take longer to sample.
-_CHUNK_STEPS = 16
+_APPROACHES_PER_BATCH = 16
 # Candidates are searched to this multiple of the requested depth.
-_DEPTH_MARGIN = 5.0
+_SEARCH_DEPTH_FACTOR = 5.0
 
 
 @add_model_keywords_to_signature
@@ -141,7 +141,9 @@ class SurfacePair:
         cached = self._found
         if cached is None or cached.deepest < deepest or cached.curvature != model.curvature:
             # Search deeper than requested, because the next request is often deeper.
-            cached = candidates(self.upper, self.lower, deepest=_DEPTH_MARGIN * deepest, curvature=model.curvature)
+            cached = candidates(
+                self.upper, self.lower, deepest=_SEARCH_DEPTH_FACTOR * deepest, curvature=model.curvature
+            )
             self._found = cached
         return function(cached.core, **arguments)
 
@@ -163,12 +165,12 @@ def find_approaches_at_loads(
     touched = bool(curve.contact_count.any())
     # Approaches increase by equal ratios until all points touch. Parallel surfaces have no such range of approaches.
     max_approach = float(np.ptp(bodies.upper.heights - bodies.lower.heights))
-    count = round(-np.log(_MIN_APPROACH_RATIO) / np.log(_APPROACH_RATIO)) + 1 if max_approach > 0 else 0
+    count = round(-np.log(_MIN_APPROACH_RATIO) / np.log(_SAMPLED_APPROACH_RATIO)) + 1 if max_approach > 0 else 0
     sampled = max_approach * np.geomspace(_MIN_APPROACH_RATIO, 1.0, count)
-    for first in range(0, count, _CHUNK_STEPS):
+    for first in range(0, count, _APPROACHES_PER_BATCH):
         if not todo.any():
             break
-        chunk = sampled[first : first + _CHUNK_STEPS]
+        chunk = sampled[first : first + _APPROACHES_PER_BATCH]
         curve = bodies.press(chunk, model)
         steps = np.append(steps[-1], chunk)
         normal = np.append(normal[-1], normal_load(curve))

@@ -167,7 +167,7 @@ def materials() -> tuple[Material, ...]:
     table = tomllib.loads(text)
     works = table["sources"]
 
-    def value(row: dict[str, Any], name: str) -> Any:
+    def parse_value(row: dict[str, Any], name: str) -> Any:
         if name not in row:
             return None
         low, high, source = row[name]
@@ -175,8 +175,9 @@ def materials() -> tuple[Material, ...]:
 
     return tuple(
         Material(
-            row["name"], kind, value(row, "young_modulus"), value(row, "poisson_ratio"), value(row, "hardness"),
-            tuple(row.get("aliases", ())), value(table["junction_growth"], kind),
+            row["name"], kind, parse_value(row, "young_modulus"), parse_value(row, "poisson_ratio"),
+            parse_value(row, "hardness"),
+            tuple(row.get("aliases", ())), parse_value(table["junction_growth"], kind),
         )
         for kind in get_args(MaterialKind)
         for row in sorted(table[kind], key=lambda row: row["name"].casefold())
@@ -250,11 +251,11 @@ def softer_hardness(upper: Material, lower: Material) -> MaterialValue | None:
     >>> float(softer_hardness(material("mild steel"), material("brass"))) == float(material("brass").hardness)
     True
     """
-    softer = softer_material(_check_material("upper", upper), _check_material("lower", lower))
+    softer = softest_material(_check_material("upper", upper), _check_material("lower", lower))
     return None if softer is None else softer.hardness
 
 
-def softer_material(*bodies: Material) -> Material | None:
+def softest_material(*bodies: Material) -> Material | None:
     """Return the material with the lowest hardness, or None if there are no materials or one has no hardness."""
     hardnesses = [(body.hardness, body) for body in bodies if body.hardness is not None]
     return min(hardnesses, key=lambda pair: pair[0])[1] if hardnesses and len(hardnesses) == len(bodies) else None

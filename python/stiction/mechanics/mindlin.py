@@ -201,7 +201,7 @@ class HalfSpaceTangentialProblem:
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
         """Return the slip state of minimum energy among all states whose tractions support a tangential load."""
         if load >= self.sliding_load:
-            return self._slip(self.sliding_load, self.bound, float(self._displacements(self.bound).max()))
+            return self._make_slip_state(self.sliding_load, self.bound, float(self._displacements(self.bound).max()))
         load_fraction = load / self.sliding_load
         start = None if near is None else self._spread_over_grid(near.traction)
         solution = self._solver.at(load_fraction * self.mean_bound, near=start, threads=solver_thread_count())
@@ -210,7 +210,7 @@ class HalfSpaceTangentialProblem:
                 f"no solution at {load:g} mN, {load_fraction:g} of the sliding load: error {solution.error:.2g} after "
                 f"{solution.iterations} iterations, above the tolerance {self.tolerance:g}"
             )
-        return self._slip(load, solution.pressure[self.points], solution.approach * self.ratio)
+        return self._make_slip_state(load, solution.pressure[self.points], solution.approach * self.ratio)
 
     def dissipated_energy(self, slip: SlipState) -> float:
         """Return the energy (mN µm) dissipated by slip: the sum of traction bound times slip over all points.
@@ -223,7 +223,7 @@ class HalfSpaceTangentialProblem:
         stuck_displacement = displacements[sticks].mean() if sticks.any() else displacements[slips].max()
         return float((self.bound[slips] * (stuck_displacement - displacements[slips])).sum() * self.cell_area)
 
-    def _slip(self, load: float, traction: Floats, displacement: float) -> SlipState:
+    def _make_slip_state(self, load: float, traction: Floats, displacement: float) -> SlipState:
         slips = traction >= self.bound
         return SlipState(
             load=load, displacement=max(displacement, 0.0) if self.moves else np.nan,

@@ -19,10 +19,10 @@ from stiction.surfaces.profile import MAX_POINTS, Profile, reject_missing
 from stiction.surfaces.surface import Surface, as_body
 
 Detection = Literal["cell", "gap-minimum"]
-Curvature = Literal["convex", "signed"]
-Shear = Literal["+x", "-x"]
+CurvatureRequirement = Literal["convex", "signed"]
+ShearDirection = Literal["+x", "-x"]
 Direction = Literal["+x", "-x"] | float
-Sliding = Literal["opposing", "all"]
+SlidingRule = Literal["opposing", "all"]
 DEFAULT_EFFECTIVE_MODULUS = 10.0  # effective modulus used in the paper, GPa
 PROFILE_WIDTH = 1.0  # width of a profile, µm
 _Function = TypeVar("_Function", bound=Callable[..., Any])
@@ -71,18 +71,18 @@ class ContactModel:
     effective_modulus: float = DEFAULT_EFFECTIVE_MODULUS
     law: ContactLaw | LawName = "hertz-sphere"
     detection: Detection | None = None
-    curvature: Curvature | None = None
-    shear: Shear = "+x"
+    curvature: CurvatureRequirement | None = None
+    shear: ShearDirection = "+x"
     direction: Direction | Sequence[Direction] | None = None
-    sliding: Sliding = "opposing"
+    sliding: SlidingRule = "opposing"
 
     def __post_init__(self) -> None:
         if self.detection is not None:
             check_choice("detection", self.detection, Detection)
         if self.curvature is not None:
-            check_choice("curvature", self.curvature, Curvature)
-        check_choice("shear", self.shear, Shear)
-        check_choice("sliding", self.sliding, Sliding)
+            check_choice("curvature", self.curvature, CurvatureRequirement)
+        check_choice("shear", self.shear, ShearDirection)
+        check_choice("sliding", self.sliding, SlidingRule)
         if self.direction is not None:
             if self.shear != "+x":
                 raise ValueError(f"shear and direction must not both be given, got {self.shear!r}, {self.direction!r}")
@@ -117,7 +117,7 @@ class ContactModel:
         """Return the model with the defaults for profiles. The direction must be along x."""
         if self._has_many_directions() or self._angles[0] not in (0.0, 180.0):
             raise ValueError(f'direction on profiles must be "+x" or "-x", got {self.direction!r}')
-        return self._with(self.detection or "cell", self.curvature or "convex")
+        return self._with_defaults(self.detection or "cell", self.curvature or "convex")
 
     def for_surfaces(self) -> ContactModel:
         """Return the model with the defaults for surfaces."""
@@ -129,9 +129,9 @@ class ContactModel:
             raise ValueError(
                 "law must not be HertzCylinder on surfaces, because their contacts are ellipses; use HertzSphere"
             )
-        return self._with("gap-minimum", self.curvature or "signed")
+        return self._with_defaults("gap-minimum", self.curvature or "signed")
 
-    def _with(self, detection: Detection, curvature: Curvature) -> ContactModel:
+    def _with_defaults(self, detection: Detection, curvature: CurvatureRequirement) -> ContactModel:
         if (self.detection, self.curvature) == (detection, curvature):
             return self
         return replace(self, detection=detection, curvature=curvature)
@@ -181,10 +181,10 @@ class ContactKeywords(TypedDict, total=False):
     effective_modulus: float
     law: ContactLaw | LawName
     detection: Detection | None
-    curvature: Curvature | None
-    shear: Shear
+    curvature: CurvatureRequirement | None
+    shear: ShearDirection
     direction: Direction | Sequence[Direction] | None
-    sliding: Sliding
+    sliding: SlidingRule
 
 
 def make_model(keywords: Mapping[str, object], default: ContactModel | None = None) -> ContactModel:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, float_array, read_only, validate_number, validate_whole_number
-from stiction._repr import PlotRepr, axes_for
+from stiction._repr import PlotRepr, axes_or_new_axes
 from stiction.mechanics.friction import check_friction_parameters
 from stiction.mechanics.model import ContactModel, Direction
 
@@ -145,7 +145,7 @@ class Onset(PlotRepr):
     mu0: float
     tau0: float = field(metadata={"unit": "GPa"})
     direction: float = field(metadata={"unit": "degrees"})
-    _held: TangentialProblem = field(repr=False)
+    _tangential_problem: TangentialProblem = field(repr=False)
     _slips: tuple[SlipState, ...] = field(repr=False)
 
     def traction(self, index: int) -> Floats:
@@ -166,9 +166,9 @@ class Onset(PlotRepr):
 
         For asperities, the load at which the whole contact slides is returned, (contacts,).
         """
-        first = np.full(self._held.bound.size, np.nan)
+        first = np.full(self._tangential_problem.bound.size, np.nan)
         for slip in reversed(self._slips):
-            first[slip.traction >= self._held.bound] = slip.load
+            first[slip.traction >= self._tangential_problem.bound] = slip.load
         return read_only(self._values_at_all_points(first, np.nan))
 
     def energy_lost(self, amplitude: ArrayLike) -> Floats:
@@ -186,7 +186,7 @@ class Onset(PlotRepr):
         """
         loads = self._check_amplitudes(amplitude)
         losses = [
-            4 * self._held.dissipated_energy(self._solve_at_load(load)) if load > 0 else 0.0
+            4 * self._tangential_problem.dissipated_energy(self._solve_at_load(load)) if load > 0 else 0.0
             for load in loads.ravel().tolist()
         ]
         return np.array(losses).reshape(loads.shape)
@@ -233,7 +233,7 @@ class Onset(PlotRepr):
         from stiction._drawing import draw_onset
 
         of_curve = {"sliding_load": self.sliding_load, "stiffness": self.stiffness}
-        return draw_onset(axes_for(ax), self.tangential_load, self.displacement, self.slipped_area, **of_curve)
+        return draw_onset(axes_or_new_axes(ax), self.tangential_load, self.displacement, self.slipped_area, **of_curve)
 
     def iwan(self) -> FourParameterIwan:
         """Fit Segalman's four-parameter Iwan model to the curve; see `FourParameterIwan`.
@@ -264,8 +264,8 @@ class Onset(PlotRepr):
         return resolve_index(index, len(self._slips), "tangential loads")
 
     def _values_at_all_points(self, values: Floats, elsewhere: float) -> Floats:
-        everywhere = np.full(self._held.size, elsewhere)
-        everywhere[self._held.points] = values
+        everywhere = np.full(self._tangential_problem.size, elsewhere)
+        everywhere[self._tangential_problem.points] = values
         return everywhere
 
     def _check_amplitudes(self, amplitude: ArrayLike) -> Floats:
@@ -279,7 +279,11 @@ class Onset(PlotRepr):
     def _solve_at_load(self, load: float) -> SlipState:
         """Return the slip state at a tangential load, starting from the solved state with the nearest load."""
         near = min(self._slips, key=lambda slip: abs(slip.load - load))
-        return near if abs(near.load - load) <= LOAD_TOLERANCE * self.sliding_load else self._held.at(load, near)
+        return (
+            near
+            if abs(near.load - load) <= LOAD_TOLERANCE * self.sliding_load
+            else self._tangential_problem.at(load, near)
+        )
 
 
 def compute_onset(
@@ -309,7 +313,7 @@ def compute_onset(
         tangential_load=read_only(np.array([slip.load for slip in slips])), **columns,
         normal_load=tangential_problem.normal_load, sliding_load=tangential_problem.sliding_load,
         displacement_at_sliding=at_sliding.displacement, stiffness=tangential_problem.stiffness,
-        mu0=mu0, tau0=tau0, direction=direction, _held=tangential_problem, _slips=tuple(slips),
+        mu0=mu0, tau0=tau0, direction=direction, _tangential_problem=tangential_problem, _slips=tuple(slips),
     )  # fmt: skip
 
 
@@ -401,7 +405,7 @@ def _solve_at_displacement(
     if near is not None:
         states_by_load[near.load / tangential_problem.sliding_load] = near
 
-    def excess(part: float) -> float:
+    def excess_displacement(part: float) -> float:
         if part == 0:
             return -target
         if part not in states_by_load:
@@ -414,6 +418,10 @@ def _solve_at_displacement(
     if target >= far * (1 - DISPLACEMENT_TOLERANCE):
         return at_sliding
     part = brentq(
-        excess, min(states_by_load) if near else 0.0, 1.0, xtol=DISPLACEMENT_TOLERANCE * target / far, rtol=1e-12
+        excess_displacement,
+        min(states_by_load) if near else 0.0,
+        1.0,
+        xtol=DISPLACEMENT_TOLERANCE * target / far,
+        rtol=1e-12,
     )
     return states_by_load[part]

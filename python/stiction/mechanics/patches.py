@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 import stiction._core as _core
 from stiction._checks import Floats
-from stiction.mechanics.model import Sliding
+from stiction.mechanics.model import SlidingRule
 
 MAX_LEVEL_PATCH_SLOPE = 1e-6
 """A patch counts as level if the ratio of its mean slope to the rms slope in contact is below this limit.
@@ -62,7 +62,7 @@ class PatchSums:
         """Mask of the patches whose force on the upper surface opposes the motion, with shape (directions, patches)."""
         return np.asarray(self.leaning > MAX_LEVEL_PATCH_SLOPE * self.steepness * self.force)
 
-    def total(self, sliding: Sliding) -> dict[str, Any]:
+    def total(self, sliding: SlidingRule) -> dict[str, Any]:
         """Return the area and normal force of all patches, and the other sums over patches that contribute to friction.
 
         Sums that depend on the direction have the shape (directions,).

@@ -123,18 +123,18 @@ def fit_iwan(displacement: Floats, load: Floats, *, sliding_load: float, stiffne
 
     _check_curve(displacement, load, MIN_FIT_POINTS)
 
-    def model(values: Floats, residual: Floats) -> FourParameterIwan:
+    def iwan_model(values: Floats, residual: Floats) -> FourParameterIwan:
         chi, beta = map(float, values)
         return FourParameterIwan(sliding_load, stiffness, chi, beta, residual)
 
     def relative_error(values: Floats) -> Floats:
-        return (model(values, load).load(displacement) - load) / sliding_load
+        return (iwan_model(values, load).load(displacement) - load) / sliding_load
 
     limits = [-1 + 1e-6, 0.0], [0.0, np.inf]
     starts = [[chi, beta] for chi in (-0.8, -0.5, -0.1) for beta in (0.01, 1.0)]
     fits = [least_squares(relative_error, start, bounds=limits, xtol=1e-12, ftol=1e-12, gtol=1e-12) for start in starts]
     best_fit = min(fits, key=lambda fit: float(fit.cost))
-    return model(best_fit.x, read_only(best_fit.fun * sliding_load))
+    return iwan_model(best_fit.x, read_only(best_fit.fun * sliding_load))
 
 
 def fit_lugre(displacement: Floats, load: Floats, *, sliding_load: float) -> LuGre:

@@ -13,23 +13,25 @@ from typing import Any, Literal
 
 import stiction._core
 
-Kind = Literal["sum", "statistic", "ratio", "validity", "uncertainty", "coordinate"]
+QuantityKind = Literal["sum", "statistic", "ratio", "validity", "uncertainty", "coordinate"]
 """Kinds of quantities: sum over contacts, statistic of a member, ratio, validity indicator, uncertainty, coordinate."""
 
-Axis = Literal["sliding", "direction", "axis", "step", "mu0", "tau0", "fraction_below", "fraction", "input", "wait"]
+QuantityAxis = Literal[
+    "sliding", "direction", "axis", "step", "mu0", "tau0", "fraction_below", "fraction", "input", "wait"
+]
 """Dimensions that a quantity may have besides cells and members. `step` is the approach or the load."""
 
-Source = Literal["asperities", "areal", "half-space", "adhesion", "onset", "measured"]
+QuantitySource = Literal["asperities", "areal", "half-space", "adhesion", "onset", "measured"]
 """Kinds of studies whose results may store a quantity.
 
 These are studies of asperities, of asperities of surfaces, of the half-space, of adhesive bodies, of generated bodies
 with an onset of sliding, and of measured bodies.
 """
 
-Interval = Literal["sampling", "combined", "prediction", "conditional"]
+IntervalKind = Literal["sampling", "combined", "prediction", "conditional"]
 """Kinds of intervals: of the mean over members, with all uncertain inputs, of one more test, with one exact input."""
 
-View = Literal["table", "verbose", "report", "csv", "hatch"]
+OutputView = Literal["table", "verbose", "report", "csv", "hatch"]
 """Places that show a quantity: table, verbose table, selection list of the report, CSV file, hatching of maps."""
 
 
@@ -41,14 +43,14 @@ class ResultQuantity:
     words: str  # phrase for axis labels and for the `long_name` of a variable
     brief: str = ""  # shorter phrase for tables, if `words` is too long
     symbol: str = ""  # symbol in TeX notation
-    kind: Kind
-    along: tuple[Axis, ...] = ()
+    kind: QuantityKind
+    along: tuple[QuantityAxis, ...] = ()
     dtype: type = float
     # Numerator, if the quantity is a ratio. For a sum at zero load, the corresponding sum under load.
     numerator: str = ""
     denominator: tuple[str, ...] = ()  # quantities whose sum is the denominator of a ratio
     bounds: tuple[float, float] = (-math.inf, math.inf)  # limits that the ends of an interval cannot exceed
-    interval: Interval = "sampling"  # kind of the 95 % interval
+    interval: IntervalKind = "sampling"  # kind of the 95 % interval
     percent: bool = False  # True if tables and reports show the quantity in percent
     column_unit: str = ""  # unit in spreadsheets, if it differs from `unit`
     column_factor: float = 1.0
@@ -57,8 +59,8 @@ class ResultQuantity:
     proportional: bool = False
     weighted: bool = False  # True if the mean over an ensemble is weighted by the load
     bound_fraction: str = ""  # name of the quantity that gives the fraction of members with only a lower bound
-    stored: frozenset[Source] = frozenset()
-    shown: frozenset[View] = frozenset()
+    stored: frozenset[QuantitySource] = frozenset()
+    shown: frozenset[OutputView] = frozenset()
 
     @property
     def table_label(self) -> str:
@@ -75,66 +77,69 @@ CORE_SUMS = {name: (unit, words) for name, unit, words in stiction._core.quantit
 AREAL_CORE_SUMS = {name: (unit, words) for name, unit, words in stiction._core.areal_quantities()}
 """Units and descriptions of the additional sums on surfaces. The core declares them and determines their order."""
 
-_STEP_AXIS: tuple[Axis, ...] = ("step",)
-_MOTION_AXES: tuple[Axis, ...] = ("sliding", "direction")
-_FRICTION_AXES: tuple[Axis, ...] = (*_MOTION_AXES, "step", "mu0", "tau0")
-_MEAN_FRICTION_AXES: tuple[Axis, ...] = ("sliding", "step", "mu0", "tau0")
+_STEP_AXIS: tuple[QuantityAxis, ...] = ("step",)
+_MOTION_AXES: tuple[QuantityAxis, ...] = ("sliding", "direction")
+_FRICTION_AXES: tuple[QuantityAxis, ...] = (*_MOTION_AXES, "step", "mu0", "tau0")
+_MEAN_FRICTION_AXES: tuple[QuantityAxis, ...] = ("sliding", "step", "mu0", "tau0")
 _FRACTION_FIELDS: dict[str, Any] = {"unit": "1", "percent": True, "bounds": (-math.inf, 1.0)}
-_ALL_VIEWS: frozenset[View] = frozenset({"table", "report", "csv"})
-_VERBOSE_VIEWS: frozenset[View] = frozenset({"verbose", "report", "csv"})
-_VERBOSE_TABLE: frozenset[View] = frozenset({"verbose", "csv"})
-_CSV_VIEW: frozenset[View] = frozenset({"csv"})
-_MEASURED_SOURCE: frozenset[Source] = frozenset({"measured"})
+_DEFAULT_VIEWS: frozenset[OutputView] = frozenset({"table", "report", "csv"})
+_VERBOSE_VIEWS: frozenset[OutputView] = frozenset({"verbose", "report", "csv"})
+_VERBOSE_TABLE_VIEWS: frozenset[OutputView] = frozenset({"verbose", "csv"})
+_CSV_VIEW: frozenset[OutputView] = frozenset({"csv"})
+_MEASURED_SOURCE: frozenset[QuantitySource] = frozenset({"measured"})
 
 
-def _sum(name: str, *more: Source, **properties: Any) -> ResultQuantity:
+def _sum_quantity(name: str, *more: QuantitySource, **properties: Any) -> ResultQuantity:
     """Return the table entry of a contact sum, using the unit and the description declared by the core."""
     unit, words = CORE_SUMS[name] if name in CORE_SUMS else AREAL_CORE_SUMS[name]
-    source: Source = "asperities" if name in CORE_SUMS else "areal"
+    source: QuantitySource = "asperities" if name in CORE_SUMS else "areal"
     of_sum: dict[str, Any] = {"kind": "sum", "along": _STEP_AXIS, "stored": frozenset({source, *more})}
     return ResultQuantity(unit=unit, words=words, **of_sum | properties)
 
 
-def _directed_sums() -> dict[str, ResultQuantity]:
+def _directed_sum_quantities() -> dict[str, ResultQuantity]:
     along = (*_MOTION_AXES, "step")
     normal: dict[str, ResultQuantity] = {
-        f"normal_{part}": _sum(f"normal_{part}", "half-space", along=along) for part in ("frictional", "adhesive")
+        f"normal_{part}": _sum_quantity(f"normal_{part}", "half-space", along=along)
+        for part in ("frictional", "adhesive")
     }
     parts = ("elastic", "frictional", "adhesive")
-    tangential = {f"tangential_{part}": _sum(f"tangential_{part}", "half-space", along=along) for part in parts}
-    return normal | tangential | {f"lateral_{part}": _sum(f"lateral_{part}", along=along) for part in parts}
+    tangential = {
+        f"tangential_{part}": _sum_quantity(f"tangential_{part}", "half-space", along=along) for part in parts
+    }
+    return normal | tangential | {f"lateral_{part}": _sum_quantity(f"lateral_{part}", along=along) for part in parts}
 
 
-def _unloaded(part: str, unit: str) -> ResultQuantity:
+def _zero_load_quantity(part: str, unit: str) -> ResultQuantity:
     return ResultQuantity(
         unit=unit, words=f"{part} part of the tangential load without a normal load", kind="sum", along=_MOTION_AXES,
         numerator=f"tangential_{part}", stored=frozenset({"adhesion"}),
     )  # fmt: skip
 
 
-def _validity(numerator: str, *denominator: str, percent: bool = True, **properties: Any) -> ResultQuantity:
-    own: dict[str, Any] = {"kind": "validity", "along": _STEP_AXIS, "shown": _VERBOSE_TABLE} | properties
+def _validity_quantity(numerator: str, *denominator: str, percent: bool = True, **properties: Any) -> ResultQuantity:
+    own: dict[str, Any] = {"kind": "validity", "along": _STEP_AXIS, "shown": _VERBOSE_TABLE_VIEWS} | properties
     kind = _FRACTION_FIELDS if percent else {"unit": "1"}
     return ResultQuantity(numerator=numerator, denominator=denominator, **kind | own)
 
 
-def _statistic(unit: str, words: str, brief: str = "", **properties: Any) -> ResultQuantity:
+def _statistic_quantity(unit: str, words: str, brief: str = "", **properties: Any) -> ResultQuantity:
     own: dict[str, Any] = {"kind": "statistic", "along": _STEP_AXIS} | properties
     return ResultQuantity(unit=unit, words=words, brief=brief, **own)
 
 
-def _uncertainty(words: str, interval: Interval, *along: Axis) -> ResultQuantity:
+def _uncertainty_quantity(words: str, interval: IntervalKind, *along: QuantityAxis) -> ResultQuantity:
     along = (*_MEAN_FRICTION_AXES, *along)
     return ResultQuantity(unit="1", words=words, kind="uncertainty", along=along, interval=interval)
 
 
-def _coordinate(unit: str, words: str, brief: str = "", **properties: Any) -> ResultQuantity:
+def _coordinate_quantity(unit: str, words: str, brief: str = "", **properties: Any) -> ResultQuantity:
     return ResultQuantity(unit=unit, words=words, brief=brief, kind="coordinate", **properties)
 
 
 QUANTITIES: dict[str, ResultQuantity] = {
     # ---- Friction --------------------------------------------------------------------------------------------------
-    "friction_combined": _uncertainty("coefficient of static friction, 95 % combined uncertainty", "combined"),
+    "friction_combined": _uncertainty_quantity("coefficient of static friction, 95 % combined uncertainty", "combined"),
     "friction_coefficient": ResultQuantity(
         unit="1", words="coefficient of static friction", symbol=r"\mu_s", kind="ratio", along=_FRICTION_AXES,
         numerator="tangential_load", denominator=("normal_load",),
@@ -164,13 +169,15 @@ QUANTITIES: dict[str, ResultQuantity] = {
         unit="", words="ok, or the reason why there is no value", kind="statistic", along=_STEP_AXIS, dtype=int,
         stored=_MEASURED_SOURCE,
     ),
-    "friction_known": _uncertainty("coefficient of static friction, combined 95 % interval", "combined"),
-    "friction_next_test": _uncertainty(
+    "friction_known": _uncertainty_quantity("coefficient of static friction, combined 95 % interval", "combined"),
+    "friction_next_test": _uncertainty_quantity(
         "coefficient of static friction of a single test in one direction at one position", "prediction",
     ),
-    "friction_if_known": _uncertainty("interval if one input were exact", "conditional", "input"),
-    "width_if_known": _uncertainty("width of the interval if one input were exact", "conditional", "input"),
-    "friction_waited": _uncertainty("coefficient of static friction after a dwell time under load", "combined", "wait"),
+    "friction_if_known": _uncertainty_quantity("interval if one input were exact", "conditional", "input"),
+    "width_if_known": _uncertainty_quantity("width of the interval if one input were exact", "conditional", "input"),
+    "friction_waited": _uncertainty_quantity(
+        "coefficient of static friction after a dwell time under load", "combined", "wait"
+    ),
     "fraction_seizing": ResultQuantity(
         unit="1", words="fraction of the samples of the inputs whose interfaces seize", kind="statistic",
         along=_MEAN_FRICTION_AXES,
@@ -188,33 +195,33 @@ QUANTITIES: dict[str, ResultQuantity] = {
     # ---- Contact at a load -----------------------------------------------------------------------------------------
     "contact_area_fraction": ResultQuantity(
         unit="1", words="ratio of true to nominal contact area", brief="true area A/A0", kind="ratio", along=_STEP_AXIS,
-        numerator="contact_area", denominator=("nominal_area",), percent=True, shown=_ALL_VIEWS,
+        numerator="contact_area", denominator=("nominal_area",), percent=True, shown=_DEFAULT_VIEWS,
     ),
     "contact_status": ResultQuantity(
         unit="", words="status of the true contact area", kind="statistic", along=_STEP_AXIS, dtype=str,
     ),
-    "contact_area": _sum("contact_area", "half-space", symbol="A", proportional=True, shown=_ALL_VIEWS),
+    "contact_area": _sum_quantity("contact_area", "half-space", symbol="A", proportional=True, shown=_DEFAULT_VIEWS),
     "contact_area_at_onset": ResultQuantity(
         unit="um^2", words="true contact area at the onset of sliding, with junction growth",
-        brief="true area at the onset", kind="statistic", along=("step", "mu0", "tau0"), shown=_VERBOSE_TABLE,
+        brief="true area at the onset", kind="statistic", along=("step", "mu0", "tau0"), shown=_VERBOSE_TABLE_VIEWS,
     ),
-    "contact_count": _sum("contact_count", "half-space", dtype=int, proportional=True, shown=_ALL_VIEWS),
+    "contact_count": _sum_quantity("contact_count", "half-space", dtype=int, proportional=True, shown=_DEFAULT_VIEWS),
     "mean_pressure": ResultQuantity(
         unit="GPa", words="mean pressure in contact", kind="ratio", along=_STEP_AXIS, numerator="contact_load",
-        denominator=("contact_area",), shown=_ALL_VIEWS,
+        denominator=("contact_area",), shown=_DEFAULT_VIEWS,
     ),
-    "normal_stiffness": _statistic("mN/um", "normal stiffness", stored=_MEASURED_SOURCE, shown=_ALL_VIEWS),
-    "closure": _statistic(
+    "normal_stiffness": _statistic_quantity("mN/um", "normal stiffness", stored=_MEASURED_SOURCE, shown=_DEFAULT_VIEWS),
+    "closure": _statistic_quantity(
         "um", "closure, the decrease of the mean gap since first contact", "closure", stored=_MEASURED_SOURCE,
-        shown=_ALL_VIEWS,
+        shown=_DEFAULT_VIEWS,
     ),
-    "closure_stiffness": _statistic(
+    "closure_stiffness": _statistic_quantity(
         "MPa/mm", "derivative of the nominal pressure with respect to the closure", "stiffness of closure",
-        stored=_MEASURED_SOURCE, shown=_ALL_VIEWS,
+        stored=_MEASURED_SOURCE, shown=_DEFAULT_VIEWS,
     ),
     "contact_load": ResultQuantity(
         unit="mN", words="load on the contacts: normal load plus attraction", brief="contact load",
-        kind="sum", along=_STEP_AXIS, proportional=True, stored=frozenset({"adhesion"}), shown=_ALL_VIEWS,
+        kind="sum", along=_STEP_AXIS, proportional=True, stored=frozenset({"adhesion"}), shown=_DEFAULT_VIEWS,
     ),
     "pull_off": ResultQuantity(
         unit="mN", words="pull-off force", kind="statistic", bound_fraction="share_of_pull_off_bounds",
@@ -229,20 +236,20 @@ QUANTITIES: dict[str, ResultQuantity] = {
         unit="mN", words="tangential load at the onset of sliding without a normal load", brief="friction at no load",
         kind="sum", along=("sliding", "mu0", "tau0"), shown=frozenset({"table", "csv"}),
     ),
-    "tangential_stiffness": _statistic(
+    "tangential_stiffness": _statistic_quantity(
         "mN/um", "initial tangential stiffness", proportional=True, stored=frozenset({"onset"}),
         shown=frozenset({"table", "csv"}),
     ),
-    "displacement_at_sliding": _statistic(
+    "displacement_at_sliding": _statistic_quantity(
         "um", "displacement of the upper body before it slides", "pre-sliding displacement", weighted=True,
         stored=frozenset({"onset"}), shown=frozenset({"table", "csv"}),
     ),
-    "fraction_slipped": _statistic(
+    "fraction_slipped": _statistic_quantity(
         **_FRACTION_FIELDS, words="fraction of the normal load that slips at half of the sliding load",
         brief="load that slips at half of sliding", weighted=True, stored=frozenset({"onset"}),
         shown=frozenset({"table", "csv"}),
     ),
-    "approach": _coordinate(
+    "approach": _coordinate_quantity(
         "um", "approach since first contact", along=_STEP_AXIS, stored=frozenset({"half-space"}), shown=_VERBOSE_VIEWS,
     ),
     "stiffness_per_area": ResultQuantity(
@@ -255,64 +262,64 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     "share_opposing": ResultQuantity(
         **_FRACTION_FIELDS, words="fraction of the load on contacts that oppose the motion", brief="load that opposes",
-        kind="ratio", along=("direction", "step"), shown=_VERBOSE_TABLE,
+        kind="ratio", along=("direction", "step"), shown=_VERBOSE_TABLE_VIEWS,
     ),
-    "share_on_largest": _statistic(
+    "share_on_largest": _statistic_quantity(
         **_FRACTION_FIELDS, words="fraction of the load on the contact with the largest load",
         brief="load on the largest contact", stored=_MEASURED_SOURCE, shown=_VERBOSE_VIEWS,
     ),
-    "share_at_edge": _validity(
+    "share_at_edge": _validity_quantity(
         "load_at_edge", "normal_elastic", words="fraction of the load on contacts that reach the edge of the overlap",
         brief="load on contacts at the edge", stored=_MEASURED_SOURCE, shown=_VERBOSE_VIEWS,
     ),
-    "fraction_on_small": _statistic(
+    "fraction_on_small": _statistic_quantity(
         **_FRACTION_FIELDS, words="fraction of the load on contacts of at most four grid cells",
         brief="load on contacts of 4 points or fewer", stored=_MEASURED_SOURCE, shown=_VERBOSE_VIEWS,
     ),
     **{
-        f"share_on_steepest_{side}": _statistic(
+        f"share_on_steepest_{side}": _statistic_quantity(
             **_FRACTION_FIELDS, words=f"fraction of the load on the steepest tenth of the {side} body",
-            brief=f"load on the {side}'s steepest tenth", stored=_MEASURED_SOURCE, shown=_VERBOSE_TABLE,
+            brief=f"load on the {side}'s steepest tenth", stored=_MEASURED_SOURCE, shown=_VERBOSE_TABLE_VIEWS,
         )
         for side in ("upper", "lower")
     },
-    "load_share_at_hardness": _statistic(
+    "load_share_at_hardness": _statistic_quantity(
         **_FRACTION_FIELDS, words="fraction of the load at points at the hardness", stored=frozenset({"half-space"}),
         shown=_VERBOSE_VIEWS,
     ),
-    "area_share_at_hardness": _statistic(
+    "area_share_at_hardness": _statistic_quantity(
         **_FRACTION_FIELDS, words="fraction of the points under pressure that are at the hardness",
-        stored=frozenset({"half-space"}), shown=_VERBOSE_TABLE,
+        stored=frozenset({"half-space"}), shown=_VERBOSE_TABLE_VIEWS,
     ),
-    "relative_overlap": _validity(
+    "relative_overlap": _validity_quantity(
         "overlap_load", "normal_elastic", percent=False, words="load-weighted mean of overlap / radius",
     ),
-    "share_beyond_hertz": _validity(
+    "share_beyond_hertz": _validity_quantity(
         "load_beyond_hertz", "normal_elastic",
         words="fraction of the load on contacts with an overlap above a tenth of their radius",
         shown=_VERBOSE_VIEWS | {"hatch"},
     ),
-    "share_below_grid": _validity(
+    "share_below_grid": _validity_quantity(
         "load_below_grid", "normal_elastic",
         words="fraction of the load on contacts with a radius below the grid spacing", shown=_VERBOSE_VIEWS | {"hatch"},
     ),
-    "share_crossed": _validity(
+    "share_crossed": _validity_quantity(
         "crossed_count", "crossed_count", "contact_count",
         words="fraction of possible contacts rejected because their sphere centres had crossed",
     ),
-    "share_overlapping": _validity(
+    "share_overlapping": _validity_quantity(
         "load_overlapping", "normal_elastic", shown=_VERBOSE_VIEWS,
         words="fraction of the load on contacts whose ellipse overlaps another ellipse",
     ),
-    "share_unanswered": _validity(
+    "share_unanswered": _validity_quantity(
         "unanswered_count", "grid_minimum_count",
         words="fraction of the grid minima that have no minimum of the spline nearby", shown=frozenset(),
     ),
-    "error": _statistic(
+    "error": _statistic_quantity(
         "1", "error of the half-space solution, in standard deviations of the gap", "error of the solution",
-        stored=_MEASURED_SOURCE, shown=_VERBOSE_TABLE,
+        stored=_MEASURED_SOURCE, shown=_VERBOSE_TABLE_VIEWS,
     ),
-    "unloading_stiffness": _statistic(
+    "unloading_stiffness": _statistic_quantity(
         "mN/um", "normal stiffness during unloading, as measured by ultrasound", stored=_MEASURED_SOURCE,
         shown=_CSV_VIEW,
     ),
@@ -356,68 +363,72 @@ QUANTITIES: dict[str, ResultQuantity] = {
         along=_STEP_AXIS,
     ),
     # ---- Sums over contacts ----------------------------------------------------------------------------------------
-    "normal_elastic": _sum("normal_elastic", "half-space", proportional=True),
-    **_directed_sums(),
-    "overlap_load": _sum("overlap_load", proportional=True),
-    "load_beyond_hertz": _sum("load_beyond_hertz", proportional=True),
-    "load_below_grid": _sum("load_below_grid", proportional=True),
-    "crossed_count": _sum("crossed_count", dtype=int, proportional=True),
-    "load_overlapping": _sum("load_overlapping", proportional=True),
-    "load_at_edge": _sum("load_at_edge", proportional=True),
-    "grid_minimum_count": _sum("grid_minimum_count", dtype=int, proportional=True),
-    "unanswered_count": _sum("unanswered_count", dtype=int, proportional=True),
+    "normal_elastic": _sum_quantity("normal_elastic", "half-space", proportional=True),
+    **_directed_sum_quantities(),
+    "overlap_load": _sum_quantity("overlap_load", proportional=True),
+    "load_beyond_hertz": _sum_quantity("load_beyond_hertz", proportional=True),
+    "load_below_grid": _sum_quantity("load_below_grid", proportional=True),
+    "crossed_count": _sum_quantity("crossed_count", dtype=int, proportional=True),
+    "load_overlapping": _sum_quantity("load_overlapping", proportional=True),
+    "load_at_edge": _sum_quantity("load_at_edge", proportional=True),
+    "grid_minimum_count": _sum_quantity("grid_minimum_count", dtype=int, proportional=True),
+    "unanswered_count": _sum_quantity("unanswered_count", dtype=int, proportional=True),
     **{
-        f"unloaded_{part}": _unloaded(part, unit)
+        f"unloaded_{part}": _zero_load_quantity(part, unit)
         for part, unit in (("elastic", "mN"), ("frictional", "mN"), ("adhesive", "mN/GPa"))
     },
     # ---- Onset of sliding ------------------------------------------------------------------------------------------
-    "sliding_load": _statistic("mN", "tangential load at which all contacts slip", along=()),
-    "displacement": _statistic(
+    "sliding_load": _statistic_quantity("mN", "tangential load at which all contacts slip", along=()),
+    "displacement": _statistic_quantity(
         "um", "displacement of the upper body since the tangential load was 0", along=("fraction",),
     ),
-    "stiffness": _statistic("mN/um", "initial tangential stiffness", along=()),
-    "slipped_area": _statistic(
+    "stiffness": _statistic_quantity("mN/um", "initial tangential stiffness", along=()),
+    "slipped_area": _statistic_quantity(
         "1", "fraction of the true contact area that slips", along=("fraction",), bounds=(0.0, 1.0), percent=True,
     ),
-    "slipped_load": _statistic(
+    "slipped_load": _statistic_quantity(
         "1", "fraction of the normal load on slipping points", along=("fraction",), bounds=(0.0, 1.0), percent=True,
     ),
-    "energy_lost": _statistic(
+    "energy_lost": _statistic_quantity(
         "mN um", "energy loss in a cycle between plus and minus this load", along=("fraction",),
     ),
     # ---- Laws of tables --------------------------------------------------------------------------------------------
-    "area_factor": _statistic("1/GPa", "a of A/A0 = a p", along=()),
-    "stiffness_factor": _statistic("GPa/um/GPa^c", "b of k/A0 = b p^c", along=()),
-    "stiffness_exponent": _statistic("1", "c of k/A0 = b p^c", along=()),
-    "area_deviation": _statistic(
+    "area_factor": _statistic_quantity("1/GPa", "a of A/A0 = a p", along=()),
+    "stiffness_factor": _statistic_quantity("GPa/um/GPa^c", "b of k/A0 = b p^c", along=()),
+    "stiffness_exponent": _statistic_quantity("1", "c of k/A0 = b p^c", along=()),
+    "area_deviation": _statistic_quantity(
         "1", "largest relative difference from A/A0 = a p", "largest deviation of A/A0", along=(),
     ),
-    "stiffness_deviation": _statistic(
+    "stiffness_deviation": _statistic_quantity(
         "1", "largest relative difference from k/A0 = b p^c", "largest deviation of k/A0", along=(),
     ),
     # ---- Coordinates -----------------------------------------------------------------------------------------------
-    "cut_off": _coordinate("um", "cutoff wavelength of the low-pass filter; 0 for the unfiltered scan", "cutoff"),
-    "height_scale": _coordinate("1", "factor by which the heights are multiplied"),
-    "fraction_below": _coordinate("1", "fraction of values that are smaller"),
-    "axis": _coordinate("degree", "axis of the motion in either direction, from +x towards +y"),
-    "x": _coordinate("um", "shift of the upper body along +x"),
-    "y": _coordinate("um", "shift of the upper body along +y"),
-    "line": _coordinate("1", "pair of lines", dtype=int),
-    "surrogate": _coordinate("", "True if the member is a pair of surrogates", dtype=bool),
-    "nominal_area": _coordinate("um^2", "nominal area of a member"),
-    "direction": _coordinate("degree", "direction in which the upper body is about to move, from +x towards +y"),
-    "sliding": _coordinate(
+    "cut_off": _coordinate_quantity(
+        "um", "cutoff wavelength of the low-pass filter; 0 for the unfiltered scan", "cutoff"
+    ),
+    "height_scale": _coordinate_quantity("1", "factor by which the heights are multiplied"),
+    "fraction_below": _coordinate_quantity("1", "fraction of values that are smaller"),
+    "axis": _coordinate_quantity("degree", "axis of the motion in either direction, from +x towards +y"),
+    "x": _coordinate_quantity("um", "shift of the upper body along +x"),
+    "y": _coordinate_quantity("um", "shift of the upper body along +y"),
+    "line": _coordinate_quantity("1", "pair of lines", dtype=int),
+    "surrogate": _coordinate_quantity("", "True if the member is a pair of surrogates", dtype=bool),
+    "nominal_area": _coordinate_quantity("um^2", "nominal area of a member"),
+    "direction": _coordinate_quantity(
+        "degree", "direction in which the upper body is about to move, from +x towards +y"
+    ),
+    "sliding": _coordinate_quantity(
         "", "contacts with friction: only those that oppose the motion, or all", "contacts with friction", dtype=str,
     ),
-    "fractal_dimension": _coordinate("1", "fractal dimension", symbol="D"),
-    "amplitude": _coordinate("um", "amplitude"),
-    "repetition": _coordinate("1", "repetition", dtype=int),
-    "load": _coordinate("mN", "normal load", symbol="F_N"),
-    "mu0": _coordinate("1", "molecular friction coefficient", "mu0"),
-    "tau0": _coordinate("GPa", "adhesive shear strength", "tau0", column_unit="MPa", column_factor=1000.0),
-    "hurst_exponent": _coordinate("1", "Hurst exponent", "H"),
-    "rms": _coordinate("um", "Sq of each surface", "Sq"),
-    "effective_modulus": _coordinate("GPa", "effective modulus"),
+    "fractal_dimension": _coordinate_quantity("1", "fractal dimension", symbol="D"),
+    "amplitude": _coordinate_quantity("um", "amplitude"),
+    "repetition": _coordinate_quantity("1", "repetition", dtype=int),
+    "load": _coordinate_quantity("mN", "normal load", symbol="F_N"),
+    "mu0": _coordinate_quantity("1", "molecular friction coefficient", "mu0"),
+    "tau0": _coordinate_quantity("GPa", "adhesive shear strength", "tau0", column_unit="MPa", column_factor=1000.0),
+    "hurst_exponent": _coordinate_quantity("1", "Hurst exponent", "H"),
+    "rms": _coordinate_quantity("um", "Sq of each surface", "Sq"),
+    "effective_modulus": _coordinate_quantity("GPa", "effective modulus"),
 }  # fmt: skip
 """Properties of all quantities and coordinates, in the order in which views show them."""
 
@@ -427,7 +438,7 @@ def select_quantities(condition: Callable[[ResultQuantity], Any]) -> tuple[str, 
     return tuple(name for name, each in QUANTITIES.items() if condition(each))
 
 
-def quantities_shown_in(view: View) -> tuple[str, ...]:
+def quantities_shown_in(view: OutputView) -> tuple[str, ...]:
     """Return the names of the quantities that a view, such as "csv" or "report", shows."""
     return select_quantities(lambda each: view in each.shown)
 

@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike
 from stiction._checks import Floats, check_instance, float_array, validate_number
 from stiction.mechanics import brackets
 from stiction.mechanics.closed_forms import gentle_friction
-from stiction.mechanics.friction import LOAD_SUM_NAMES, compute_load, friction_parameter
-from stiction.mechanics.half_space import Boundary, half_space, solve_separately
-from stiction.mechanics.model import DEFAULT_EFFECTIVE_MODULUS, Direction, Sliding, check_pair, modulus_or_default
+from stiction.mechanics.friction import LOAD_SUM_NAMES, compute_load, validate_friction_parameter
+from stiction.mechanics.half_space import BoundaryCondition, half_space, solve_separately
+from stiction.mechanics.model import DEFAULT_EFFECTIVE_MODULUS, Direction, SlidingRule, check_pair, modulus_or_default
 from stiction.mechanics.quantities import quantity_attributes
 from stiction.surfaces.cut_off import MAX_CUTOFF_FRACTION, cut_off
 from stiction.surfaces.profile import Profile
@@ -31,7 +31,7 @@ TYPICAL_HARDNESSES = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
 
 _MAX_CUTOFF_RATIO = 1 / 30  # longest default cutoff wavelength, as a fraction of the shortest side of the surfaces
 # The first sliding rule is the rule to which most measured values of mu0 refer.
-_SLIDING_RULES: tuple[Sliding, ...] = ("all", "opposing")
+_SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")
 _FOUR_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 _PLASTIC_WAVELENGTH_DESCRIPTION = "wavelength at which the elastic mean pressure reaches the hardness"
 SMALL_LOAD_KAPPA = 2.2  # A E* h'/F at small loads; the value on Gaussian surfaces is 2.1 to 2.4
@@ -52,7 +52,7 @@ def resolution(
     mu0: float | None = None,
     tau0: float = 0.0,
     effective_modulus: float | None = None,
-    boundary: Boundary = "free",
+    boundary: BoundaryCondition = "free",
     compliance_share: float = 0.5,
     direction: Direction | Sequence[Direction] | None = None,
     tip_radius: float | None = None,
@@ -146,11 +146,11 @@ def resolution(
     """
     check_pair(upper, lower)
     effective_modulus = modulus_or_default(effective_modulus, upper, lower)
-    pair = _SolvedPair(upper, lower, boundary)
+    pair = _BodyPair(upper, lower, boundary)
     lengths = pair.cut_offs(cut_offs)
     if hardness is not None:
         hardness = validate_number("hardness", hardness, unit="GPa", above=0)
-    parameters = None if mu0 is None else _strengths(mu0, tau0)
+    parameters = None if mu0 is None else _validate_strengths(mu0, tau0)
     areal = isinstance(upper, Surface)
     if direction is None:
         direction = _FOUR_DIRECTIONS if areal else ("+x", "-x")
@@ -165,11 +165,11 @@ def resolution(
     answers = []
     for num_done, length in enumerate(lengths):
         report(num_done, count)
-        answers.append(_solve(*pair.limited_cut_off(length), steps, directions, hardness=hardness, **options))
+        answers.append(_solve_at_loads(*pair.with_cut_off(length), steps, directions, hardness=hardness, **options))
     elastic = answers[0]
     if hardness is not None:
         report(len(lengths), count)
-        elastic = _solve(upper, lower, steps, directions, hardness=None, **options)
+        elastic = _solve_at_loads(upper, lower, steps, directions, hardness=None, **options)
     report(count, count)
     result = _cutoff_dataset(pair, lengths, steps, answers, effective_modulus, hardness)
     if parameters is not None:
@@ -220,7 +220,7 @@ def resolution_friction(result: xr.Dataset, *, mu0: float, tau0: float = 0.0) ->
     import xarray as xr
 
     check_instance("result", result, xr.Dataset, "an xarray.Dataset of resolution")
-    mu, tau = _strengths(mu0, tau0)
+    mu, tau = _validate_strengths(mu0, tau0)
     normal, tangential = (compute_load(load, result, mu, tau) for load in ("normal", "tangential"))
     mu_s = np.divide(tangential, normal, out=np.full_like(normal, np.nan), where=normal > 0)
     coefficients = result.normal_elastic.copy(data=mu_s)
@@ -229,9 +229,10 @@ def resolution_friction(result: xr.Dataset, *, mu0: float, tau0: float = 0.0) ->
     return ordered
 
 
-def _strengths(mu0: Any, tau0: Any) -> tuple[float, float]:
+def _validate_strengths(mu0: Any, tau0: Any) -> tuple[float, float]:
     mu, tau = (
-        float(friction_parameter(name, validate_number(name, value))) for name, value in (("mu0", mu0), ("tau0", tau0))
+        float(validate_friction_parameter(name, validate_number(name, value)))
+        for name, value in (("mu0", mu0), ("tau0", tau0))
     )
     return mu, tau
 
@@ -240,10 +241,10 @@ def _strengths(mu0: Any, tau0: Any) -> tuple[float, float]:
 
 
 @dataclass(frozen=True)
-class _SolvedPair:
+class _BodyPair:
     upper: Profile | Surface
     lower: Profile | Surface
-    boundary: Boundary
+    boundary: BoundaryCondition
 
     @property
     def periodic(self) -> bool:
@@ -255,7 +256,7 @@ class _SolvedPair:
         return math.prod(self.upper.spacings) * self.upper.heights.size
 
     @property
-    def shortest(self) -> float:
+    def shortest_cut_off(self) -> float:
         """Shortest possible cutoff wavelength (µm), twice the largest grid spacing."""
         return 2 * max(self.upper.spacings)
 
@@ -265,19 +266,20 @@ class _SolvedPair:
     def cut_offs(self, cut_offs: float | Sequence[float] | None) -> list[float]:
         side = min(size * step for size, step in zip(self.upper.heights.shape, self.upper.spacings, strict=True))
         if cut_offs is None:
-            doubles = 2 * self.shortest * 2.0 ** np.arange(40)
+            doubles = 2 * self.shortest_cut_off * 2.0 ** np.arange(40)
             return [0.0, *doubles[doubles <= _MAX_CUTOFF_RATIO * side * (1 + 1e-9)].tolist()]
         lengths = float_array("cut_offs", np.atleast_1d(cut_offs), ndim=1).tolist()
         if any(
-            length != 0 and not self.shortest * (1 - 1e-9) <= length <= MAX_CUTOFF_FRACTION * side for length in lengths
+            length != 0 and not self.shortest_cut_off * (1 - 1e-9) <= length <= MAX_CUTOFF_FRACTION * side
+            for length in lengths
         ):
             raise ValueError(
-                f"cut_offs must be 0, or between {self.shortest:g} µm (two points) and {MAX_CUTOFF_FRACTION * side:g} "
-                f"µm (a third of the shortest side), got {cut_offs!r}"
+                f"cut_offs must be 0, or between {self.shortest_cut_off:g} µm (two points) and "
+                f"{MAX_CUTOFF_FRACTION * side:g} µm (a third of the shortest side), got {cut_offs!r}"
             )
         return sorted({0.0, *lengths})
 
-    def limited_cut_off(self, length: float) -> tuple[Any, Any]:
+    def with_cut_off(self, length: float) -> tuple[Any, Any]:
         if length == 0:
             return self.upper, self.lower
         return tuple(
@@ -285,7 +287,9 @@ class _SolvedPair:
         )  # type: ignore[return-value]
 
 
-def _solve(upper: Any, lower: Any, loads: Floats, along: tuple[Direction, ...], **options: Any) -> dict[str, Floats]:
+def _solve_at_loads(
+    upper: Any, lower: Any, loads: Floats, along: tuple[Direction, ...], **options: Any
+) -> dict[str, Floats]:
     """Solve the contact of two bodies at all loads.
 
     Returns numbers (load,) and sums (rule, load), averaged over directions, which are NaN without a solution.
@@ -310,14 +314,14 @@ def _solve(upper: Any, lower: Any, loads: Floats, along: tuple[Direction, ...], 
 
 
 def _cutoff_dataset(
-    pair: _SolvedPair, lengths: list[float], loads: Floats, answers: list[dict[str, Floats]], modulus: float,
+    pair: _BodyPair, lengths: list[float], loads: Floats, answers: list[dict[str, Floats]], modulus: float,
     hardness: float | None,
 ) -> xr.Dataset:  # fmt: skip
     """Return areas, pressures and contact sums as functions of the cutoff. Values without a solution are NaN."""
     import xarray as xr
 
-    gaps = [pair.gap(*pair.limited_cut_off(length)) for length in lengths]
-    gradient = np.array([brackets.rms_gradient(gap, periodic=pair.periodic) for gap in gaps])
+    gaps = [pair.gap(*pair.with_cut_off(length)) for length in lengths]
+    gradient = np.array([brackets.gap_rms_gradient(gap, periodic=pair.periodic) for gap in gaps])
     values = {name: np.array([answer[name] for answer in answers]) for name in (*_CURVE_FIELDS, *LOAD_SUM_NAMES)}
     area = values["contact_area"]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -326,11 +330,11 @@ def _cutoff_dataset(
     grid = ("cut_off", "normal_load")
     variables: dict[str, Any] = {
         "shortest_wavelength": (
-            "cut_off", [max(length, pair.shortest) for length in lengths],
-            _attributes("µm", "shortest resolved wavelength"),
+            "cut_off", [max(length, pair.shortest_cut_off) for length in lengths],
+            _variable_attributes("µm", "shortest resolved wavelength"),
         ),
         "rms_gradient": ("cut_off", gradient, quantity_attributes("rms_gradient")),
-        "kappa": (grid, kappa, _attributes("1", "A E* h'/F")),
+        "kappa": (grid, kappa, _variable_attributes("1", "A E* h'/F")),
         **{
             _RENAMED_VARIABLES.get(name, name): (grid, column, quantity_attributes(name))
             for name, column in values.items() if name not in LOAD_SUM_NAMES
@@ -343,8 +347,8 @@ def _cutoff_dataset(
     return xr.Dataset(
         variables,
         coords={
-            "cut_off": ("cut_off", lengths, _attributes("µm", "cutoff wavelength, 0 for none")),
-            "normal_load": ("normal_load", loads, _attributes("mN", "elastic normal load")),
+            "cut_off": ("cut_off", lengths, _variable_attributes("µm", "cutoff wavelength, 0 for none")),
+            "normal_load": ("normal_load", loads, _variable_attributes("mN", "elastic normal load")),
             "sliding": ("sliding", list(_SLIDING_RULES), {"long_name": "contacts with friction"}),
         },
         attrs={
@@ -356,7 +360,7 @@ def _cutoff_dataset(
     )  # fmt: skip
 
 
-def _attributes(unit: str, text: str) -> dict[str, str]:
+def _variable_attributes(unit: str, text: str) -> dict[str, str]:
     return {"units": unit, "long_name": text}
 
 
@@ -364,7 +368,7 @@ def _attributes(unit: str, text: str) -> dict[str, str]:
 
 
 def _add_plastic_limits(
-    result: xr.Dataset, pair: _SolvedPair, loads: Floats, elastic: dict[str, Floats], modulus: float,
+    result: xr.Dataset, pair: _BodyPair, loads: Floats, elastic: dict[str, Floats], modulus: float,
     hardness: float | None, parameters: tuple[float, float] | None,
 ) -> xr.Dataset:  # fmt: skip
     """Extend a dataset by the plastic limit, the plastic wavelength and elastic values extrapolated to it."""
@@ -383,7 +387,7 @@ def _add_plastic_limits(
         for item in gradients_at_hardness
     ])  # fmt: skip
     gradient = float(result.rms_gradient[0])
-    gradients = brackets.extrapolated_gradients(roughness, estimate, pair.shortest, gradient)
+    gradients = brackets.extrapolated_gradients(roughness, estimate, pair.shortest_cut_off, gradient)
     area_of_slope = kappa * loads / (modulus * pair.nominal_area * brackets.interface_area_ratio(np.array(gradient)))
     projected = brackets.elastic_area_fraction(gradients, area_of_slope, spread)
     middle = gradients[:, :1, np.newaxis]  # the interval of the gradient barely affects the slope correction
@@ -405,15 +409,15 @@ def _add_plastic_limits(
         friction = friction * brackets.transverse_slope_factor(middle, roughness.dimensions)
         description = "elastic mu_s with friction at all contacts, extrapolated"
         tables["continued_elastic_friction_coefficient"] = grid, friction, "1", description
-    finer = np.array(brackets.WAVELENGTH_RATIOS) * pair.shortest
+    finer = np.array(brackets.EXTRAPOLATED_WAVELENGTH_RATIOS) * pair.shortest_cut_off
     variables = {
-        name: (dims, values, _attributes(unit, description))
+        name: (dims, values, _variable_attributes(unit, description))
         for name, (dims, values, unit, description) in tables.items()
     }
     extended = result.assign(variables).assign_coords(
-        hardness=("hardness", list(hardnesses), _attributes("GPa", "hardness")),
+        hardness=("hardness", list(hardnesses), _variable_attributes("GPa", "hardness")),
         statistic=("statistic", ["value", "lower", "upper"]),
-        finer_wavelength=("finer_wavelength", finer, _attributes("µm", "shortest wavelength of a finer scan")),
+        finer_wavelength=("finer_wavelength", finer, _variable_attributes("µm", "shortest wavelength of a finer scan")),
     )
     if estimate is not None:
         extended.attrs |= {
@@ -534,10 +538,10 @@ def spectral_resolution(
             "friction_coefficient": (
                 ("sliding", "wavelength"), np.array(friction), quantity_attributes("friction_coefficient"),
             ),
-            "plastic_wavelength": ((), reached, _attributes("µm", _PLASTIC_WAVELENGTH_DESCRIPTION)),
+            "plastic_wavelength": ((), reached, _variable_attributes("µm", _PLASTIC_WAVELENGTH_DESCRIPTION)),
         },
         coords={
-            "wavelength": ("wavelength", lengths, _attributes("µm", "shortest included wavelength")),
+            "wavelength": ("wavelength", lengths, _variable_attributes("µm", "shortest included wavelength")),
             "sliding": ("sliding", list(_SLIDING_RULES), {"long_name": "contacts with friction"}),
         },
         attrs={"pressure_GPa": p, "hardness_GPa": float(limit), "effective_modulus_GPa": modulus, "kappa": factor},

@@ -15,8 +15,8 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.mechanics.half_space_problem import (
     ContactSolution,
+    ContactSolver,
     HalfSpaceProblem,
-    Solver,
     TiltResponse,
     lever_arms,
     mean_moments,
@@ -49,7 +49,7 @@ def solve_with_balanced_tilt(
     height = float(problem.gap[problem.measured > 0].std()) or 1.0
 
     def solve_at(rotated_problem: HalfSpaceProblem, load: float, near: Floats | None) -> tuple[ContactSolution, Floats]:
-        solver = Solver(rotated_problem, "loads", load, tolerance=tolerance, report=report)
+        solver = ContactSolver(rotated_problem, "loads", load, tolerance=tolerance, report=report)
         solution = solver.at(load, near)
         pressed = to_contact_solution(rotated_problem, solution, load, scale=solver.scale)
         return pressed, mean_moments(solution.pressure.reshape(shape), arms)

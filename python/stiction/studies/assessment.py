@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._number_format import format_percent, format_significant, format_with_unit
 from stiction.mechanics import friction
 from stiction.mechanics.closed_forms import tabor_friction
-from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
-from stiction.mechanics.materials import softer_material
+from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
+from stiction.mechanics.materials import softest_material
 from stiction.studies.evaluation import ABOVE_NOMINAL_STATUS, COMPLETE_STATUS
 from stiction.studies.hardness import find_junction_growth, find_materials, find_uncertain_inputs
 from stiction.studies.input_uncertainty import UncertainInput
@@ -373,7 +373,7 @@ def list_pressure_checks(study: Study, modulus: float) -> CheckGroups:
     def build_check(limit: float, text: str, remedy: str, severity: Severity) -> LimitCheck:
         return LimitCheck("mean_pressure", limit, text, remedy, severity, "GPa")
 
-    softer = softer_material(*find_materials(study))
+    softer = softest_material(*find_materials(study))
     if softer is not None and softer.hardness is not None:
         low, high = softer.hardness.low, softer.hardness.high
         range_text = " to ".join(dict.fromkeys(format_with_unit(end, "GPa") for end in (low, high)))
@@ -557,7 +557,8 @@ def estimate_adhesion_load(point: xarray.Dataset, study: Study) -> float:
         return math.nan
     spacing = float(np.max(point.attrs.get("spacing_um", 0.0)))
     attraction_range = max(
-        ADHESION_RANGE, resolved_range(TYPICAL_WORK_OF_ADHESION, spacing, effective_modulus_at(point, study))
+        DEFAULT_ADHESION_RANGE,
+        min_resolved_adhesion_range(TYPICAL_WORK_OF_ADHESION, spacing, effective_modulus_at(point, study)),
     )
     are_strips = has_nominal_area(point, study) and not study.is_areal  # profiles have a width of 1 µm
     contact_width = area / count if are_strips else math.sqrt(area / count)

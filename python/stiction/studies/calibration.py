@@ -15,7 +15,7 @@ from typing import Literal
 from stiction._arguments import MAX_INPUT_NUMBER
 from stiction._checks import check_choice, validate_number
 from stiction._units import short_repr, to_core_units
-from stiction.mechanics.model import Sliding
+from stiction.mechanics.model import SlidingRule
 from stiction.studies.calibration_fit import MIN_AREA_VARIATION, CalibrationProblem
 from stiction.studies.interfaces import (
     ERROR_SCALING_PROBABILITY,
@@ -36,7 +36,7 @@ def calibrate(
     tests: Sequence[FrictionTest],
     *,
     common: float = 0.02,
-    sliding: Sliding | Literal["both"] = "both",
+    sliding: SlidingRule | Literal["both"] = "both",
     mu0: float | None = None,
     tau0: float | str | None = None,
     outliers: bool = False,

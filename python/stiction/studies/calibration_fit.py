@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from stiction._checks import Floats
-from stiction.mechanics.model import Sliding
+from stiction.mechanics.model import SlidingRule
 from stiction.studies.calibration_growth import find_best_mu0, find_tau0_range
 from stiction.studies.input_uncertainty import UncertainInput, parse_input, sobol_points
 from stiction.studies.interfaces import (
@@ -113,7 +113,7 @@ class CalibrationProblem:
     def __init__(
         self,
         tests: Sequence[FrictionTest],
-        sliding: Sliding,
+        sliding: SlidingRule,
         common: float,
         known: tuple[float | None, float | None],
         *,

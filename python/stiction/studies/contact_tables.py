@@ -12,9 +12,17 @@ from pydantic import Field, PlainSerializer, PlainValidator, model_validator
 
 from stiction._checks import Floats, float_array
 from stiction._units import VALID_RANGES, quantity, short_repr
-from stiction.mechanics.half_space import ADHESION_RANGE, Boundary, Tilt
+from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, BoundaryCondition, TiltMode
 from stiction.mechanics.law import CONTACT_LAWS_BY_NAME, HertzCylinder, JacksonGreen, LawName, parse_contact_law
-from stiction.mechanics.model import PROFILE_WIDTH, ContactModel, Curvature, Detection, Direction, Shear, Sliding
+from stiction.mechanics.model import (
+    PROFILE_WIDTH,
+    ContactModel,
+    CurvatureRequirement,
+    Detection,
+    Direction,
+    ShearDirection,
+    SlidingRule,
+)
 from stiction.studies.generated_surfaces import GeneratedProfileSettings, GeneratedSurfaceSettings
 from stiction.studies.input_uncertainty import MAX_JUNCTION_GROWTH
 from stiction.studies.measured_surfaces import MeasuredSurfaceSettings
@@ -119,7 +127,7 @@ DetectionSetting = Annotated[
     Field(description="Criterion for a contact: as in the paper, or minima of the gap (the only criterion for areas)."),
 ]
 CurvatureSetting = Annotated[
-    Curvature, Field(description="Convexity required at a contact: of both bodies, or only of their gap.")
+    CurvatureRequirement, Field(description="Convexity required at a contact: of both bodies, or only of their gap.")
 ]
 MaterialNames = Annotated[tuple[_MaterialName, _MaterialName], as_tuple]
 # Poisson's ratios of the upper and the lower body
@@ -166,7 +174,7 @@ class CommonContactSettings(StudyTableVariant):
         """Return the approaches (µm) or loads (mN) of all loading steps."""
         raise NotImplementedError
 
-    def rules(self) -> tuple[Sliding, ...]:
+    def rules(self) -> tuple[SlidingRule, ...]:
         """Return all sliding rules that the table specifies."""
         raise NotImplementedError
 
@@ -193,7 +201,7 @@ class GeneratedSurfaceContactSettings(CommonContactSettings):
     materials: ClassVar[None] = None
     poisson_ratio: ClassVar[None] = None
 
-    shear: Shear = Field(default="+x", description="Direction of motion of the upper body along a profile.")
+    shear: ShearDirection = Field(default="+x", description="Direction of motion of the upper body along a profile.")
     direction: Directions = Field(default=None, description=DIRECTION_DESCRIPTION)
     sliding: SlidingRules = Field(
         default="opposing",
@@ -207,7 +215,7 @@ class GeneratedSurfaceContactSettings(CommonContactSettings):
             raise make_key_error("direction", f'must not be given together with shear = "{self.shear}"')
         return self
 
-    def rules(self) -> tuple[Sliding, ...]:
+    def rules(self) -> tuple[SlidingRule, ...]:
         """Return all sliding rules that the table specifies."""
         return self.sliding if isinstance(self.sliding, tuple) else (self.sliding,)
 
@@ -255,7 +263,7 @@ class MeasuredContactSettings(CommonContactSettings):
         """Return the loads (mN) of all loading steps."""
         return to_value_array(self.load)
 
-    def rules(self) -> tuple[Sliding, ...]:
+    def rules(self) -> tuple[SlidingRule, ...]:
         """Return both sliding rules, "all" and "opposing"."""
         return "all", "opposing"
 
@@ -291,7 +299,7 @@ class HalfSpaceSettings(CommonContactSettings):
     onset: ClassVar[None] = None
 
     mechanics: Literal["half-space"] = Field(default="half-space", description="Contact model: the elastic half-space.")
-    boundary: Boundary = Field(
+    boundary: BoundaryCondition = Field(
         default="free", description="Boundary at the edges: free, or periodic continuation of the surfaces."
     )
     hardness: Modulus | None = Field(default=None, description="Largest contact pressure; elastic contact if omitted.")
@@ -312,7 +320,7 @@ class HalfSpaceSettings(CommonContactSettings):
         default=None, description="Gap over which the attraction decays to 1/e; 0.5 nm by default."
     )
 
-    tilt: Tilt = Field(
+    tilt: TiltMode = Field(
         default="fixed",
         description="Orientation of the upper body: fixed, or (with free boundaries) tilted until the load is centred.",
     )
@@ -334,7 +342,7 @@ class HalfSpaceSettings(CommonContactSettings):
     def _require_consistent_adhesion(self) -> HalfSpaceSettings:
         if self.adhesion_range is not None and not self.adheres:
             raise make_key_error("adhesion_range", "must not be given unless work_of_adhesion is above 0")
-        max_attraction = float(self.work_of_adhesion or 0) / float(self.adhesion_range or ADHESION_RANGE)
+        max_attraction = float(self.work_of_adhesion or 0) / float(self.adhesion_range or DEFAULT_ADHESION_RANGE)
         if self.hardness is not None and not max_attraction < float(self.hardness):
             raise make_key_error(
                 "hardness", f"must be above work_of_adhesion / adhesion_range = {max_attraction:g} GPa, at which "
@@ -391,7 +399,7 @@ class AsperitySettings(CommonContactSettings):
         """Return the contact-model arguments for the direction of motion, or an empty dict if none are needed."""
         return {}
 
-    def model(self, sliding: Sliding | None = None) -> ContactModel:
+    def model(self, sliding: SlidingRule | None = None) -> ContactModel:
         """Return the contact model with the given sliding rule. The default is the first rule in the table."""
         return ContactModel(
             effective_modulus=float(self.effective_modulus),

@@ -11,7 +11,7 @@ from stiction._arguments import parse_numbers, parse_quantities, parse_quantity
 from stiction._errors import ArgumentError
 from stiction._units import short_repr
 from stiction.mechanics.closed_forms import effective_modulus
-from stiction.mechanics.materials import compliance_fraction, material, names_match, softer_material
+from stiction.mechanics.materials import compliance_fraction, material, names_match, softest_material
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,7 @@ def _combine_materials(upper: str, lower: str) -> Elasticity:
     """Return the elasticity of two materials, and the hardness of the softer material if this material can yield."""
     upper_body, lower_body = _load_material("upper_material", upper), _load_material("lower_material", lower)
     modulus = _round_to_three_digits(effective_modulus(upper_body, lower_body))
-    softer = softer_material(upper_body, lower_body) or min(
+    softer = softest_material(upper_body, lower_body) or min(
         (upper_body, lower_body), key=lambda body: body.young_modulus
     )
     hardness, hardness_source = softer.hardness, f"{softer.name} does not yield"

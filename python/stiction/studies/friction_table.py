@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, float_array, validate_number
 from stiction._units import exact_quantity, short_repr
-from stiction.mechanics.friction import friction_parameter
+from stiction.mechanics.friction import validate_friction_parameter
 from stiction.mechanics.quantities import quantity_attributes
 from stiction.studies import intervals
 from stiction.studies.evaluation import ensemble_friction
@@ -125,8 +125,10 @@ def table_study(
                 ],
             },
             "friction": {
-                "mu0": friction_parameter("mu0", mu0).reshape(-1).tolist(),
-                "tau0": [exact_quantity(value, "GPa") for value in friction_parameter("tau0", tau0).reshape(-1)],
+                "mu0": validate_friction_parameter("mu0", mu0).reshape(-1).tolist(),
+                "tau0": [
+                    exact_quantity(value, "GPa") for value in validate_friction_parameter("tau0", tau0).reshape(-1)
+                ],
             },
             "ensemble": {"repetitions": repetitions, "seed": seed},
         },

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import Field, model_validator
 
 from stiction._checks import Floats
-from stiction._units import exact_text, quantity, short_repr
+from stiction._units import exact_quantity_text, quantity, short_repr
 from stiction.studies.values import (
     MAX_VALUES,
     FractalDimensionRange,
@@ -22,10 +22,10 @@ from stiction.studies.values import (
     read_length,
     to_value_array,
 )
-from stiction.surfaces.fractal import Convention
+from stiction.surfaces.fractal import FractalConvention
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS, AmplitudeMeasure
 from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
-from stiction.surfaces.surface import SurfaceAmplitude
+from stiction.surfaces.surface import SurfaceAmplitudeMeasure
 
 LengthScale = Annotated[Length, Field(description="L of Eq. 1, which sets the longest wavelength.")]
 Gamma = Annotated[float, Field(gt=1, description="Ratio γ of successive frequencies in Eq. 1.")]
@@ -38,14 +38,16 @@ BandLimit = Annotated[
     Field(description="Treatment of wavelengths below two grid points: aliased, as in the paper, or omitted."),
 ]
 DimensionConvention = Annotated[
-    Convention, Field(description="Definition of D: that of the paper, H = 4 - 2D, or the classical one, H = 2 - D.")
+    FractalConvention,
+    Field(description="Definition of D: that of the paper, H = 4 - 2D, or the classical one, H = 2 - D."),
 ]
 MapExtents = Annotated[tuple[Length, Length], as_tuple, Field(description="Lengths of a surface along y and x.")]
 GridShape = Annotated[
     tuple[NumGridPoints, NumGridPoints], as_tuple, Field(description="Rows and columns of a surface.")
 ]
 AmplitudeDefinition = Annotated[
-    SurfaceAmplitude, Field(description="Measure of the amplitude: total height, mean (Sa) or root mean square (Sq).")
+    SurfaceAmplitudeMeasure,
+    Field(description="Measure of the amplitude: total height, mean (Sa) or root mean square (Sq)."),
 ]
 
 
@@ -240,7 +242,7 @@ class SelfAffineSettings(GeneratedMapSettings):
             except ValueError as error:
                 raise make_key_error("spacing", str(error)) from None
             table["extent"] = [
-                exact_text(float(f"{spacing_value * n:.12g}"), "um")
+                exact_quantity_text(float(f"{spacing_value * n:.12g}"), "um")
                 for spacing_value, n in zip(spacing_values, shape, strict=True)
             ]
         return table

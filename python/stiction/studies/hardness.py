@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solve_separately
 from stiction.mechanics.hardness import area_per_load
-from stiction.mechanics.materials import Material, material, softer_material
+from stiction.mechanics.materials import Material, material, softest_material
 from stiction.mechanics.resolution import SMALL_LOAD_KAPPA
 from stiction.studies.contact_tables import HalfSpaceSettings
 from stiction.studies.input_uncertainty import UncertainInput, parse_input, parse_study_input
@@ -103,7 +103,7 @@ def find_uncertain_inputs(study: Study) -> dict[str, LabelledInput]:
     if "effective_modulus" in moduli:
         inputs["effective_modulus"] = LabelledInput("E*", moduli.pop("effective_modulus"))
     if contact.hardness is not None:
-        softer = softer_material(*bodies)
+        softer = softest_material(*bodies)
         label = f"the hardness of the {softer.name}" if softer else "the hardness"
         if uncertainty_settings.hardness is not None:
             inputs["hardness"] = LabelledInput(

@@ -19,8 +19,8 @@ from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.scale import CUTOFF_MARGIN, InstrumentLimit, instrument_limit
-from stiction.surfaces.spectrum import find_peak, power_spectrum
+from stiction.surfaces.scale import CUTOFF_WAVELENGTH_RATIO, InstrumentLimit, instrument_limit
+from stiction.surfaces.spectrum import find_spectral_peak, power_spectrum
 from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
@@ -264,12 +264,15 @@ def _find_instrument_caveats(
         yield Caveat(text, remedy, peak_severity, limit_with_tip.cut_off)
     if not isinstance(body, Profile):
         return
-    peak = find_peak(power_spectrum(levelled(body, "line")))
+    peak = find_spectral_peak(power_spectrum(levelled(body, "line")))
     if peak is not None and peak[1] >= MAX_SPECTRAL_PEAK_FRACTION and peak[0] > shortest_resolved:
         fraction_text, wavelength_text = format_percent(peak[1]), format_with_unit(peak[0], "um")
         text = f"a peak at {wavelength_text}, perhaps from the instrument, contributes {fraction_text} of the curvature"
         yield Caveat(
-            text, f"--cutoff '{format_with_unit(CUTOFF_MARGIN * peak[0], 'um')}' removes it", "caution", peak[0]
+            text,
+            f"--cutoff '{format_with_unit(CUTOFF_WAVELENGTH_RATIO * peak[0], 'um')}' removes it",
+            "caution",
+            peak[0],
         )
 
 

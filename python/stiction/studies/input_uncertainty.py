@@ -21,7 +21,7 @@ from pydantic import Field, ValidationInfo, field_validator
 
 from stiction._arguments import MAX_INPUT_NUMBER
 from stiction._checks import Floats, read_only
-from stiction._units import exact_text, quantity, short_repr
+from stiction._units import exact_quantity_text, quantity, short_repr
 from stiction.studies.values import StudyTable, as_tuple
 
 InputDistribution = Literal["exact", "normal", "log-normal", "uniform"]
@@ -136,7 +136,7 @@ def parse_input(name: str, source: Any, kind: InputKind = "") -> UncertainInput:
         return source
     if not isinstance(source, str):
         value = _parse_value(name, source, kind)
-        return UncertainInput(value, value, value, "exact", exact_text(value, "GPa") if kind else repr(value))
+        return UncertainInput(value, value, value, "exact", exact_quantity_text(value, "GPa") if kind else repr(value))
     text = " ".join(source.split())
     parsed = _parse_text(name, _TEST_LOAD_PATTERN.sub("HV", text) if kind == "hardness" else text, kind)
     if not parsed.high <= MAX_INPUT_NUMBER:

@@ -22,12 +22,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._checks import Floats, check_choice, check_instance, validate_number
-from stiction._files import UnreadableFileError, describe_os_error, read_content, replaced_file
+from stiction._files import UnreadableFileError, describe_os_error, read_content, replacement_file
 from stiction._text import printable_path
 from stiction._units import is_pressure, loads_to_core_units, to_core_units
 from stiction.mechanics.closed_forms import hardness_under_shear, hertz_sphere, tabor_friction
 from stiction.mechanics.friction import LOAD_SUM_NAMES, FrictionCurve
-from stiction.mechanics.model import Sliding
+from stiction.mechanics.model import SlidingRule
 from stiction.studies.elasticity import Elasticity
 from stiction.studies.evaluation import ForcesPerLoad, build_area_interpolator, member_sums_at_loads, member_values
 from stiction.studies.hardness import (
@@ -61,7 +61,7 @@ EXCLUSION_PROBABILITY, ERROR_SCALING_PROBABILITY = 0.01, 0.05
 # A lower limit that is this close to the bound is set to the bound. The distance is relative to the interval width.
 BOUND_TOLERANCE = 0.01
 INTERVAL_COVERAGE = 0.95  # probability with which an interval contains the true value
-SLIDING_RULES: tuple[Sliding, ...] = ("all", "opposing")
+SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")
 
 HARDNESS_ENTRY = "hardness of the draws"
 """Name of the entry of `Interface.about` that contains the hardness range of all tests."""
@@ -152,7 +152,7 @@ class _FrictionTestForces(ForcesPerLoad):
 class StrengthSamples:
     """Samples of mu0 and tau0 (GPa), or samples of a friction coefficient, that define the strength of an interface."""
 
-    sliding: Sliding
+    sliding: SlidingRule
     mu0: Floats
     # None if `mu0` is the ratio T/F in sliding contacts
     tau0: Floats | None = None
@@ -390,7 +390,7 @@ class FrictionTest:
 class StrengthFit:
     """Joint distribution of mu0 and tau0 fitted with one sliding rule, and the quality of the fit."""
 
-    sliding: Sliding
+    sliding: SlidingRule
     chi_squared: float  # chi-squared of the best fit, computed with the given errors
     freedom: int  # number of tests with sliding minus number of fitted parameters
     probability: float  # probability of a larger chi_squared; NaN if there are no errors or no degrees of freedom
@@ -512,7 +512,7 @@ class Interface:
         return self.interval_of(lambda mu0, tau0: mu0 + tau0 * area_per_load)
 
     @property
-    def excluded(self) -> tuple[Sliding, ...]:
+    def excluded(self) -> tuple[SlidingRule, ...]:
         """Sliding rules that the tests exclude. The tuple is empty if no sliding rule fits the tests."""
         accepted_rules = [fit.sliding for fit in self.fits if fit.probability > ERROR_SCALING_PROBABILITY]
         return tuple(fit.sliding for fit in self.fits if fit.probability < EXCLUSION_PROBABILITY and accepted_rules)
@@ -646,7 +646,7 @@ def list_sliding_rules(result: Any) -> tuple[str, ...]:
     return tuple(parse_dataset_study(getattr(result, "dataset", result)).contact.rules())
 
 
-def evaluate_test_forces(test: FrictionTest, sliding: Sliding) -> _FrictionTestForces:
+def evaluate_test_forces(test: FrictionTest, sliding: SlidingRule) -> _FrictionTestForces:
     """Evaluate the forces per load in a friction test for a given sliding rule."""
     result, load = test.result, float(test.load)
     if isinstance(result, (Ball, FrictionCurve)) and test.wait != 1:
@@ -677,7 +677,7 @@ def _evaluate_curve(curve: FrictionCurve, load: float) -> _FrictionTestForces:
     )
 
 
-def _evaluate_members(result: Any, load: float, sliding: Sliding) -> _FrictionTestForces:
+def _evaluate_members(result: Any, load: float, sliding: SlidingRule) -> _FrictionTestForces:
     """Average the forces per load over the members and directions of a result at a given load."""
     dataset = getattr(result, "dataset", result)
     sums = (
@@ -768,7 +768,7 @@ def write_interface(interface: Interface, path: str | Path, about: Mapping[str, 
     fit = interface.fits[0]
     columns = [fit.mu0, fit.tau0, fit.hardness, fit.junction_growth, fit.area_per_load]
     np.savetxt(file_text, np.stack(columns, axis=1), fmt="%.9g", delimiter=",")
-    with replaced_file(Path(path), INTERFACE_FILE_HEADER.encode(), ValueError) as file:
+    with replacement_file(Path(path), INTERFACE_FILE_HEADER.encode(), ValueError) as file:
         file.write_text(file_text.getvalue(), encoding="utf-8")
 
 
@@ -821,7 +821,7 @@ def read_interface(path: str | Path) -> Interface:
         table = np.array([[float(cell) for cell in row] for row in csv.reader(rows[1:])])
         area_per_load, variation = (float(header.pop(name)) for name in _NUMERIC_ENTRIES)
         sliding, separated = header.pop("sliding"), header.pop("separated") == "yes"
-        check_choice("sliding", sliding, Sliding)
+        check_choice("sliding", sliding, SlidingRule)
         parse_study_input("junction_growth", header.get(GROWTH_ENTRY, "0"))
     except (ValueError, KeyError, csv.Error, StopIteration):
         reason = "an entry of the header is missing or unknown, or a row does not have five numbers"

@@ -219,7 +219,7 @@ def ensemble_map(
     transform: DatasetTransformation | None = None,
 ) -> xarray.Dataset:  # fmt: skip
     """Apply `transform` to each piece of the result, and evaluate an ensemble quantity at given mean normal loads."""
-    load_values = np.atleast_1d(friction.friction_parameter("loads", loads))
+    load_values = np.atleast_1d(friction.validate_friction_parameter("loads", loads))
     if load_values.ndim != 1:
         raise ValueError(f"loads must be a number or a list of numbers, got shape {load_values.shape}")
     if not load_values.size or not (load_values > 0).all():
@@ -433,8 +433,10 @@ def choose_strengths(result: Result, mu0: ArrayLike | None, tau0: ArrayLike | No
         study = result.study
         mu0 = study.friction.mu0 if mu0 is None else mu0
         tau0 = [float(value) for value in study.friction.tau0] if tau0 is None else tau0
-        friction.check_shear_strength(friction.friction_parameter("tau0", tau0), float(study.contact.effective_modulus))
+        friction.check_shear_strength(
+            friction.validate_friction_parameter("tau0", tau0), float(study.contact.effective_modulus)
+        )
     return tuple(
-        np.atleast_1d(friction.friction_parameter(name, strengths)).ravel()
+        np.atleast_1d(friction.validate_friction_parameter(name, strengths)).ravel()
         for name, strengths in (("mu0", mu0), ("tau0", tau0))
     )  # type: ignore[return-value]

@@ -49,11 +49,11 @@ from stiction.surfaces.measured.writing import heights_with_nan, write_profile, 
 from stiction.surfaces.missing_data import find_largest_gap
 from stiction.surfaces.pairing import (
     SIDES,
-    IsotropicPairs,
+    IsotropicSurfacePairs,
     LinePairs,
     MapPairs,
     SpectralSurfacePairs,
-    Surrogates,
+    SurrogateBodies,
     piece_below_slider,
     quasi_random_point,
     to_joined_spectrum,
@@ -580,7 +580,7 @@ class MeasuredLineSettings(CommonMeasuredSettings):
         default=None,
         description="Largest offset; by default half the length of a single pair, and 0 for several pairs.",
     )
-    replace: Surrogates = Field(
+    replace: SurrogateBodies = Field(
         default="none", description="Bodies that are replaced by their surrogates, with a new surrogate for each line."
     )
 
@@ -609,7 +609,9 @@ class MeasuredLineSettings(CommonMeasuredSettings):
         positions = None if self.positions is None else tuple(map(float, self.positions))
         travel = max(positions) if positions else None if self.travel is None else float(self.travel)
         has_several_pairs = self.replace != "none" or isinstance(upper, Surface) or isinstance(lower, Surface)
-        pairs = LinePairs(upper, lower, travel, level, self.along, self.replace, seed, several=has_several_pairs)
+        pairs = LinePairs(
+            upper, lower, travel, level, self.along, self.replace, seed, has_several_pairs=has_several_pairs
+        )
         return LineMemberSource(pairs, scans, self.offsets, positions)
 
 
@@ -626,7 +628,7 @@ class LineMemberSource:
     def member(self, index: int) -> EnsembleMember:
         """Return a member, which consists of a slider and the section of the counterface below the slider."""
         pairs, offsets = self.pairs, self.offsets if self.positions is None else len(self.positions)
-        line, position = divmod(index, offsets) if pairs.several else (0, index)
+        line, position = divmod(index, offsets) if pairs.has_several_pairs else (0, index)
         count = pairs.max_count()
         if count is not None and line >= count:
             raise ValueError(f"the surfaces have {count} pairs of lines, but member {index} needs pair {line + 1}")
@@ -641,7 +643,7 @@ class LineMemberSource:
         if max_steps == 0 and position > 0:
             raise ValueError("several positions require a slider that is shorter than its counterface; give a travel")
         # Offset 0 is excluded for a single pair, because the two lines may be identical.
-        is_unshifted = pairs.several and offsets == 1 and pairs.travel is None
+        is_unshifted = pairs.has_several_pairs and offsets == 1 and pairs.travel is None
         if is_unshifted or max_steps == 0:
             offset_steps = 0
         elif offsets == 1 and pairs.travel is not None and position == 0:
@@ -763,7 +765,7 @@ class SurrogateSettings(CommonMeasuredSettings):
             raise ValueError('surfaces.press = "surrogates" needs two maps or two profiles, got a map and a profile')
         trend: ProfileTrend = "line" if self.level == "plane" else self.level
         return MapMemberSource(
-            IsotropicPairs(flipped(levelled(upper, trend)), levelled(lower, trend), "plane", seed), scans
+            IsotropicSurfacePairs(flipped(levelled(upper, trend)), levelled(lower, trend), "plane", seed), scans
         )
 
 
@@ -789,7 +791,7 @@ def build_map_pairs(
 class MapMemberSource:
     """Members of a study that presses height maps or surrogates of scans."""
 
-    pairs: MapPairs | IsotropicPairs | SpectralSurfacePairs
+    pairs: MapPairs | IsotropicSurfacePairs | SpectralSurfacePairs
     scans: tuple[Body, Body]
     # number of pairs of surrogates, which are the first members; None if all members are surrogates
     surrogates: int | None = None
@@ -813,10 +815,10 @@ class MapMemberSource:
         pairs = self.pairs
         scans: Sequence[Any] = self.scans
         if isinstance(pairs, SpectralSurfacePairs):  # surrogates have a spacing of half the shortest wavelength
-            wavelengths = (max(body.shortest, pairs.finest) for body in (pairs.upper, pairs.lower))
-            scans = [SimpleNamespace(spacing=shortest / 2, extent=pairs.side) for shortest in wavelengths]
+            wavelengths = (max(body.shortest, pairs.finest_spacing) for body in (pairs.upper, pairs.lower))
+            scans = [SimpleNamespace(spacing=shortest / 2, extent=pairs.side_length) for shortest in wavelengths]
         return SharedMemberProperties(
-            pairs.upper, pairs.lower, pairs.area, pairs.shape, pairs.spacing, pairs.used, scans
+            pairs.upper, pairs.lower, pairs.area, pairs.shape, pairs.spacing, pairs.used_fractions, scans
         )
 
 

@@ -21,7 +21,7 @@ from stiction.mechanics.friction import STATUS_OK, STATUSES
 from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solve_at_no_load, solve_separately
 from stiction.mechanics.load_curve import LoadCurve, press
 from stiction.mechanics.loading import SurfacePair, find_approaches_at_loads
-from stiction.mechanics.model import ContactModel, Shear
+from stiction.mechanics.model import ContactModel, ShearDirection
 from stiction.mechanics.quantities import (
     ADHESION_QUANTITIES,
     AREAL_SUM_QUANTITIES,
@@ -116,7 +116,7 @@ def _build_unsolved_values(name: str, motion_shape: tuple[int, int], num_loads: 
     return np.zeros(shape, np.int64) if QUANTITIES[name].dtype is int else np.full(shape, np.nan)
 
 
-def _list_profile_directions(contact: CommonContactSettings) -> list[Shear]:
+def _list_profile_directions(contact: CommonContactSettings) -> list[ShearDirection]:
     """Return the directions of motion along profiles, i.e. "+x", "-x" or both."""
     return ["+x" if math.cos(math.radians(angle)) > 0 else "-x" for angle in contact.direction_angles()]
 

@@ -21,10 +21,10 @@ from stiction._arguments import (
 )
 from stiction._checks import Floats
 from stiction._errors import ArgumentError
-from stiction._units import Quantity, exact_text, quantity
-from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
+from stiction._units import Quantity, exact_quantity_text, quantity
+from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
 from stiction.mechanics.law import JacksonGreen
-from stiction.mechanics.materials import material, softer_material
+from stiction.mechanics.materials import material, softest_material
 from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.studies.contact_tables import choose_load_steps
 from stiction.studies.elasticity import Elasticity, determine_elasticity
@@ -54,7 +54,7 @@ from stiction.studies.study import DEFAULT_SEED, Study
 from stiction.studies.values import StudyError, validate_table
 from stiction.surfaces.hidden_noise import HiddenNoise, find_hidden_noise
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
-from stiction.surfaces.pairing import DEFAULT_LINE_COUNT, SIDES, Surrogates
+from stiction.surfaces.pairing import DEFAULT_LINE_COUNT, SIDES, SurrogateBodies
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import InstrumentLimit, instrument_limit
 from stiction.surfaces.surface import Surface, as_body
@@ -155,7 +155,13 @@ class MeasuredPair:
         for name in READING_OPTION_NAMES:
             if (value := self._select_value(name, index)) in (None, ""):
                 continue
-            text = value if isinstance(value, str) else exact_text(value, "um") if name == "spacing" else str(value)
+            text = (
+                value
+                if isinstance(value, str)
+                else exact_quantity_text(value, "um")
+                if name == "spacing"
+                else str(value)
+            )
             settings[name] = split_list(name, text)
         try:
             return validate_table(MeasuredFile, settings, f"pair: {side}")
@@ -362,7 +368,7 @@ class MeasuredPair:
         # This attraction is a lower bound on the pull-off force.
         if 0.0 in forces:
             forces = {force or float(f"{ZERO_LOAD_REPLACEMENT * self._cell_attraction:.3g}") for force in forces}
-        return [quantity(exact_text(force, "mN"), "force") for force in sorted(forces)]
+        return [quantity(exact_quantity_text(force, "mN"), "force") for force in sorted(forces)]
 
     @property
     def _has_zero_load(self) -> bool:
@@ -376,8 +382,12 @@ class MeasuredPair:
         work_of_adhesion, study_range = (
             float(self._adhesion.get(name) or 0.0) for name in ("work_of_adhesion", "adhesion_range")
         )
-        min_range = resolved_range(work_of_adhesion, float(spacings.max()), self.elasticity.effective_modulus)
-        return work_of_adhesion / max(study_range or ADHESION_RANGE, min_range) * self._nominal_area / num_points
+        min_range = min_resolved_adhesion_range(
+            work_of_adhesion, float(spacings.max()), self.elasticity.effective_modulus
+        )
+        return (
+            work_of_adhesion / max(study_range or DEFAULT_ADHESION_RANGE, min_range) * self._nominal_area / num_points
+        )
 
     @property
     def _width(self) -> float:
@@ -410,7 +420,7 @@ class MeasuredPair:
     def studies(self) -> list[Study]:
         """Study of the result. If a check was requested, a study with the other contact model follows."""
         contact_tables = [self._build_contact_table(mechanics) for mechanics in self.contact_models]
-        load_texts = [exact_text(load, "mN") for load in self._load_steps(contact_tables).tolist()]
+        load_texts = [exact_quantity_text(load, "mN") for load in self._load_steps(contact_tables).tolist()]
         return [self._build_study(contact | {"load": load_texts}) for contact in contact_tables]
 
     @property
@@ -473,8 +483,8 @@ class MeasuredPair:
             table["positions"] = positions
         if press == "lines":
             surrogate_choice = "none" if self.options.surrogates is None else str(self.options.surrogates)
-            if surrogate_choice not in get_args(Surrogates):
-                allowed = ", ".join(get_args(Surrogates))
+            if surrogate_choice not in get_args(SurrogateBodies):
+                allowed = ", ".join(get_args(SurrogateBodies))
                 raise ArgumentError(
                     f"{{surrogates}} must be one of {allowed} for pairs of lines, got {{got}}",
                     got=repr(surrogate_choice),
@@ -508,7 +518,7 @@ class MeasuredPair:
             filtered_files.append(first_file.model_copy(update={"others": tuple(other_files) or None}))
         certain_limits = [limit for limit in present_limits if isinstance(limit, InstrumentLimit)]
         are_noise_floors = bool(certain_limits) and all(limit.origin == "instrument" for limit in certain_limits)
-        cut_offs = ["0 um", exact_text(longest_cutoff, "um")]
+        cut_offs = ["0 um", exact_quantity_text(longest_cutoff, "um")]
         return {
             "cut_off": cut_offs[::-1] if are_noise_floors else cut_offs, "both_readings": True,
             **dict(zip(SIDES, filtered_files, strict=True)),
@@ -581,7 +591,7 @@ class MeasuredPair:
     def _build_contact_table(self, mechanics: str) -> dict[str, Any]:
         elasticity = self.elasticity
         table: dict[str, Any] = {
-            "mechanics": mechanics, "effective_modulus": exact_text(elasticity.effective_modulus, "GPa"),
+            "mechanics": mechanics, "effective_modulus": exact_quantity_text(elasticity.effective_modulus, "GPa"),
         }  # fmt: skip
         for name, value in (("materials", elasticity.materials), ("poisson_ratio", elasticity.poisson_ratios)):
             if value is not None:
@@ -633,7 +643,7 @@ class MeasuredPair:
             interface_growth = self.strength.growth if can_grow and self.strength is not None else None
             if interface_growth is not None:
                 return interface_growth if interface_growth.value else None
-            softer = softer_material(*map(material, self.elasticity.materials or ())) if can_grow else None
+            softer = softest_material(*map(material, self.elasticity.materials or ())) if can_grow else None
             value = softer and softer.junction_growth
             alpha_text = f"{value.low:g}..{value.high:g}" if value else 0.0
         elif self._hardness is None:
@@ -653,7 +663,7 @@ class MeasuredPair:
         """Hardness given by the user. The default is the hardness of the softer material."""
         if self.options.hardness is None:
             value = self.elasticity.hardness
-            return None if value is None else quantity(exact_text(value, "GPa"), "pressure")
+            return None if value is None else quantity(exact_quantity_text(value, "GPa"), "pressure")
         if self.elasticity.materials and self.elasticity.hardness is None:
             raise ArgumentError("{hardness} must not be given: {got}", got=self.elasticity.hardness_source)
         self._parse_inputs("hardness")  # raises an error that lists the hardness scales
@@ -672,7 +682,7 @@ class MeasuredPair:
         if ratio is None:
             raise ArgumentError("{law} jackson-green needs {poisson} of the softer body")
         if strength is None:
-            strength = exact_text(float(self._hardness or 0.0) / HARDNESS_TO_YIELD_RATIO, "GPa")
+            strength = exact_quantity_text(float(self._hardness or 0.0) / HARDNESS_TO_YIELD_RATIO, "GPa")
         else:
             strength = self._parse_quantity("yield_strength", strength)
         return {"name": self.contact_law, "yield_strength": strength, "poisson_ratio": ratio}
@@ -798,7 +808,7 @@ def _find_noise_wavelengths(scan: MeasuredFile) -> InstrumentLimit | HiddenNoise
 
 
 def _to_length(wavelength: float) -> Quantity:
-    return quantity(exact_text(wavelength, "um"), "length")
+    return quantity(exact_quantity_text(wavelength, "um"), "length")
 
 
 def _sort_unique(values: list[Quantity]) -> list[Quantity]:

@@ -18,13 +18,13 @@ from stiction._arguments import split_values
 from stiction._checks import unwrap_scalar, validate_number, validate_whole_number
 from stiction._errors import ArgumentError
 from stiction._units import short_repr
-from stiction.mechanics.half_space import Tilt
+from stiction.mechanics.half_space import TiltMode
 from stiction.mechanics.law import JacksonGreen
-from stiction.mechanics.model import Curvature, Detection
+from stiction.mechanics.model import CurvatureRequirement, Detection
 from stiction.studies.interfaces import Interface
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.measured.interpret import Missing, Outliers
-from stiction.surfaces.pairing import Surrogates
+from stiction.surfaces.pairing import SurrogateBodies
 from stiction.surfaces.profile import Along, Profile
 from stiction.surfaces.surface import Surface
 
@@ -98,7 +98,7 @@ def _read_positions(value: object) -> object:
 def _read_surrogates(value: object) -> object:
     value = unwrap_scalar(value)
     if isinstance(value, bool) or not isinstance(value, (str, int)):
-        allowed = ", ".join(get_args(Surrogates))
+        allowed = ", ".join(get_args(SurrogateBodies))
         raise ValueError(f"must be a number of pairs, or one of {allowed}, got {short_repr(value)}")
     return value
 
@@ -666,7 +666,7 @@ class ContactOptions(OptionGroup):
             choices=(("half-space", "half-space (exact)"), ("asperities", "asperities (fast)")),
         ),
     )] = None  # fmt: skip
-    tilt: Annotated[Tilt | None, PairOption(
+    tilt: Annotated[TiltMode | None, PairOption(
         "fixed|free", "Orientation of the slider: fixed, or tilted until the load is centred, as on a ball joint.",
         usual="fixed", key="contact.tilt", applies=(uses_half_space_model,),
     )] = None  # fmt: skip
@@ -679,7 +679,7 @@ class ContactOptions(OptionGroup):
         key="contact.detection",
         applies=(uses_asperity_model,),
     )] = None  # fmt: skip
-    curvature: Annotated[Curvature | None, PairOption(
+    curvature: Annotated[CurvatureRequirement | None, PairOption(
         "convex|signed", "Contact points to count: convex only, or concave ones too.",
         usual="convex for lines, signed for areas", key="contact.curvature", applies=(uses_asperity_model,),
     )] = None  # fmt: skip

@@ -11,7 +11,7 @@ import numpy as np
 
 from stiction.mechanics.closed_forms import hardness_under_shear
 from stiction.mechanics.friction import STATUS_OK
-from stiction.mechanics.half_space import ADHESION_RANGE, resolved_range
+from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
 from stiction.studies.evaluation import ABOVE_NOMINAL_STATUS, COMPLETE_STATUS, NEGLIGIBLE_LOAD_RATIO
 
 if TYPE_CHECKING:
@@ -126,10 +126,11 @@ def effective_modulus_at(point: xarray.Dataset, study: Study) -> float:
 def adhesion_ranges(point: xarray.Dataset, study: Study) -> tuple[float, float]:
     """Return the range of adhesion (µm) in the study, and the range used. A coarse grid requires a larger range."""
     contact: Any = study.contact
-    given_range = float(contact.adhesion_range or ADHESION_RANGE)
+    given_range = float(contact.adhesion_range or DEFAULT_ADHESION_RANGE)
     grid_spacing = float(np.max(point.attrs.get("spacing_um", 0.0)))
     return given_range, max(
-        given_range, resolved_range(float(contact.work_of_adhesion), grid_spacing, effective_modulus_at(point, study))
+        given_range,
+        min_resolved_adhesion_range(float(contact.work_of_adhesion), grid_spacing, effective_modulus_at(point, study)),
     )
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._checks import Floats
-from stiction._units import exact_text
+from stiction._units import exact_quantity_text
 from stiction.mechanics import brackets
 from stiction.mechanics.resolution import TYPICAL_HARDNESSES, spectral_resolution
 from stiction.studies.evaluation import at_load
@@ -80,7 +80,7 @@ def build_cutoff_study(study: Study) -> Study | None:
     if len(cutoff_texts) < 2:
         return None
     changes: dict[str, Any] = {
-        "surfaces.cut_off": [exact_text(candidate, "um") for candidate in cutoff_texts],
+        "surfaces.cut_off": [exact_quantity_text(candidate, "um") for candidate in cutoff_texts],
         "contact.load": [load.text for load in study.friction.load],
         "ensemble.repetitions": min(
             study.ensemble.repetitions, NUM_AREAL_MEMBERS if study.is_areal else NUM_LINE_MEMBERS
@@ -164,7 +164,7 @@ class ResolvedRoughness:
             gradients, flat_fraction, brackets.kappa_uncertainty_factor(np.array([contact_count]))
         )[:, 0]
         area_fractions = area_fractions * brackets.interface_area_ratio(gradients[:, :1])
-        return np.array(brackets.WAVELENGTH_RATIOS) * self.shortest, gradients, area_fractions
+        return np.array(brackets.EXTRAPOLATED_WAVELENGTH_RATIOS) * self.shortest, gradients, area_fractions
 
 
 def find_resolved_roughness(study: Study) -> ResolvedRoughness | None:
@@ -192,7 +192,7 @@ def _find_resolved_roughness(study: Study) -> ResolvedRoughness:
     roughness = scale_dependent_roughness(gap)
     return ResolvedRoughness(
         shortest=max(2 * max(spacings), cut_off), longest=float(np.max(gap.extent)),
-        gradient=brackets.rms_gradient(gap, periodic=False), roughness=roughness,
+        gradient=brackets.gap_rms_gradient(gap, periodic=False), roughness=roughness,
         estimate=brackets.estimate_gap_hurst_exponent(gap, periodic=False),
     )  # fmt: skip
 

@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 
 import stiction._files as _files
 from stiction._core import __version__
-from stiction._files import UnreadableFileError, describe_os_error, new_file, read_content, replaced_file
+from stiction._files import UnreadableFileError, describe_os_error, new_file, read_content, replacement_file
 from stiction._text import printable, printable_path
 from stiction.studies.layout import (
     MEMBER_COORDINATES,
@@ -685,7 +685,7 @@ def export(dataset: xarray.Dataset, path: str | Path, *, replace: bool = False) 
         If the file exists or cannot be written.
     """
     path = Path(path)
-    with replaced_file(path, CHECKSUM_PREFIX, ExportError) if replace else new_file(path, ExportError) as partial:
+    with replacement_file(path, CHECKSUM_PREFIX, ExportError) if replace else new_file(path, ExportError) as partial:
         content = io.BytesIO()  # The file is written to memory first, because HDF5 may crash if the disk is full.
         write_dataset(dataset, content)
         append_checksum(content)

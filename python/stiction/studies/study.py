@@ -13,7 +13,7 @@ from pydantic_core import PydanticCustomError
 
 from stiction._files import UnreadableFileError, describe_os_error, read_content
 from stiction._text import MAX_PATH_LENGTH, printable, printable_path
-from stiction._units import Quantity, exact_text, quantity, short_repr
+from stiction._units import Quantity, exact_quantity_text, quantity, short_repr
 from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.mechanics.quantities import (
     ADHESION_QUANTITIES,
@@ -226,7 +226,7 @@ def _add_bracketing_loads(
     except (ValueError, TypeError, AttributeError):  # the validation of the key reports the error
         return {}
     bracketing_loads = [
-        exact_text(float(f"{load:.6g}"), "mN") for load in (min(loads) / MAX_AREAL_LOAD_RATIO, upper_load)
+        exact_quantity_text(float(f"{load:.6g}"), "mN") for load in (min(loads) / MAX_AREAL_LOAD_RATIO, upper_load)
     ]
     return {
         "contact": {**contact, "load": [bracketing_loads[0], *requested, bracketing_loads[1]]},
@@ -289,7 +289,10 @@ class Study(StudyTable):
             curve_loads = choose_load_steps(loads, press=surfaces.get("press", "areas"), mechanics=mechanics)
         except (ValueError, TypeError):  # the validation of the key reports the error
             return data
-        return {**data, "contact": {**contact, "load": [exact_text(load, "mN") for load in curve_loads.tolist()]}}
+        return {
+            **data,
+            "contact": {**contact, "load": [exact_quantity_text(load, "mN") for load in curve_loads.tolist()]},
+        }
 
     @field_validator("surfaces", mode="before")
     @classmethod

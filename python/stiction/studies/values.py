@@ -29,7 +29,7 @@ from stiction._arguments import MAX_INPUT_NUMBER
 from stiction._checks import Floats
 from stiction._text import MAX_WORD_LENGTH, printable, printable_path
 from stiction._units import Quantity, quantity, short_repr
-from stiction.mechanics.model import Direction, Sliding
+from stiction.mechanics.model import Direction, SlidingRule
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS
 
 MAX_VALUES = 10_000  # maximum number of values of one parameter in a study
@@ -156,7 +156,7 @@ Directions = (
     Annotated[Direction | tuple[Direction, ...], _one_or_tuple("direction", _read_direction, direction_to_degrees)]
     | None
 )
-SlidingRules = Annotated[Sliding | tuple[Sliding, ...], _one_or_tuple("rule", _read_sliding, str)]
+SlidingRules = Annotated[SlidingRule | tuple[SlidingRule, ...], _one_or_tuple("rule", _read_sliding, str)]
 
 
 class StudyTable(BaseModel):

@@ -16,7 +16,7 @@ from stiction._checks import Floats
 
 # A hill or dale with a height below this fraction of the maximum height is merged with a neighbour (Wolf pruning).
 PRUNING_FRACTION = 0.05
-NUM_FEATURES = 5  # number of peaks or pits over which the five-point parameters are averaged
+NUM_AVERAGED_FEATURES = 5  # number of peaks or pits over which the five-point parameters are averaged
 
 _IndexArray = NDArray[np.intp]
 
@@ -142,4 +142,4 @@ def feature_parameters(deviation: Floats, spacing: tuple[float, float]) -> Featu
 
 def _mean_of_five_largest(heights: Floats) -> float:
     """Return the mean of the five largest heights, or NaN if there are fewer than five."""
-    return math.nan if heights.size < NUM_FEATURES else float(np.sort(heights)[-NUM_FEATURES:].mean())
+    return math.nan if heights.size < NUM_AVERAGED_FEATURES else float(np.sort(heights)[-NUM_AVERAGED_FEATURES:].mean())

@@ -16,7 +16,7 @@ from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
 from stiction.surfaces.surface import AnyBody, Surface, as_body
 
 FilterKind = Literal["S", "L"]
-Powers = tuple[int, ...]
+MonomialExponents = tuple[int, ...]
 # Shortest cutoff, in points. At this cutoff, the filter transmits 96 % of the amplitude of the shortest wavelength.
 MIN_CUTOFF_POINTS = 0.5
 _MIN_REGRESSION_POINTS = 4.0  # straight lines are fitted near the ends only if the cutoff has at least this many points
@@ -27,7 +27,7 @@ _WEIGHT_HALF_WIDTH = 1.6
 # With a cutoff of two or three points, the weights decay slowly, to 1e-5 at this distance.
 _MIN_NUM_FILTER_WEIGHTS = 64
 # The mean line is estimated only where at least this fraction of the weights lies on measured points.
-_MIN_COVERAGE = 1e-6
+_MIN_WEIGHT_COVERAGE = 1e-6
 _MIN_PIVOT = 1e-9  # the normalised local equations count as singular if a pivot is below this limit
 # Biweight scale, in median absolute deviations.
 # For normally distributed heights, this scale is three standard deviations.
@@ -210,7 +210,7 @@ def _filter_reflected(heights: Floats, lengths: Sequence[float]) -> Floats:
 
 def _divide_by_weights(sums: Floats, weights: Floats, heights: Floats) -> Floats:
     """Divide weighted sums by their weights. Points with too little weight keep their heights."""
-    is_covered = weights > _MIN_COVERAGE
+    is_covered = weights > _MIN_WEIGHT_COVERAGE
     return np.where(is_covered, sums / np.where(is_covered, weights, 1), heights)
 
 
@@ -219,12 +219,12 @@ def _broadcast_along(values: Any, axis: int, ndim: int) -> Any:
     return np.reshape(values, [-1 if index == axis else 1 for index in range(ndim)])
 
 
-def _linear_exponents(ndim: int) -> list[Powers]:
+def _linear_exponents(ndim: int) -> list[MonomialExponents]:
     """Return the exponents of all terms that are at most linear in x and, for surfaces, at most linear in y."""
     return list(product(range(2), repeat=ndim))
 
 
-def _quadratic_exponents(ndim: int) -> list[Powers]:
+def _quadratic_exponents(ndim: int) -> list[MonomialExponents]:
     """Return the exponents of all terms in a second-degree polynomial of x or, for surfaces, of x and y."""
     return [powers for powers in product(range(3), repeat=ndim) if sum(powers) <= 2]
 
@@ -245,7 +245,7 @@ class _FilterKernel:
         )[: reach + 1]
         self._offset = np.arange(reach + 1) / length
 
-    def line(self, power: int) -> Floats:
+    def cyclic_weights(self, power: int) -> Floats:
         """Return the weights times ((x' - x) / cutoff)^power in cyclic order, for convolution with heights at x'."""
         values = self._weights * self._offset**power
         line = np.zeros(self.padded)
@@ -260,7 +260,7 @@ def _fit_lines_along(heights: Floats, axis: int, length: float) -> Floats:
     from scipy.fft import irfft, rfft
 
     kernel = _FilterKernel(heights.shape[axis], length)
-    powers = [_broadcast_along(rfft(kernel.line(power)), axis, heights.ndim) for power in range(3)]
+    powers = [_broadcast_along(rfft(kernel.cyclic_weights(power)), axis, heights.ndim) for power in range(3)]
     inside = tuple(slice(kernel.points) if index == axis else slice(None) for index in range(heights.ndim))
     transform = rfft(heights, kernel.padded, axis=axis)
     zeroth, first = (irfft(transform * power, kernel.padded, axis=axis)[inside] for power in powers[:2])
@@ -269,7 +269,9 @@ def _fit_lines_along(heights: Floats, axis: int, length: float) -> Floats:
     return np.asarray((m2 * zeroth - m1 * first) / (m0 * m2 - m1**2))
 
 
-def _fit_polynomials(heights: Floats, weights: Floats, lengths: Sequence[float], basis: Sequence[Powers]) -> Floats:
+def _fit_polynomials(
+    heights: Floats, weights: Floats, lengths: Sequence[float], basis: Sequence[MonomialExponents]
+) -> Floats:
     """Fit a polynomial around each point, with Gaussian weights times `weights`. Return its value at the point."""
     from scipy.fft import irfftn, rfft, rfftn
 
@@ -279,31 +281,36 @@ def _fit_polynomials(heights: Floats, weights: Floats, lengths: Sequence[float],
     # The last axis has a half transform, and all other axes have full complex transforms, as in rfftn.
     lines = [
         [
-            _broadcast_along((np.fft.fft if axis < heights.ndim - 1 else rfft)(kernel.line(power)), axis, heights.ndim)
+            _broadcast_along(
+                (np.fft.fft if axis < heights.ndim - 1 else rfft)(kernel.cyclic_weights(power)), axis, heights.ndim
+            )
             for power in range(2 * max(map(max, basis)) + 1)
         ]
         for axis, kernel in enumerate(kernels)
     ]
 
-    def sums(transform: Any, powers: Sequence[int]) -> Floats:
+    def weighted_sums(transform: Any, powers: Sequence[int]) -> Floats:
         for axis, power in enumerate(powers):
             transform = transform * lines[axis][power]
         return np.asarray(irfftn(transform, padded)[inside])
 
     of_weights, of_heights = rfftn(weights, padded), rfftn(weights * heights, padded)
-    right_sides = [sums(of_heights, powers) for powers in basis]
+    right_sides = [weighted_sums(of_heights, powers) for powers in basis]
     pairs = {_multiply_monomials(a, b) for a in basis for b in basis}
-    moments = {powers: sums(of_weights, powers) for powers in pairs}
+    moments = {powers: weighted_sums(of_weights, powers) for powers in pairs}
     return _solve_constant_terms(basis, moments, right_sides, heights)
 
 
-def _multiply_monomials(item: Powers, other: Powers) -> Powers:
+def _multiply_monomials(item: MonomialExponents, other: MonomialExponents) -> MonomialExponents:
     """Return the exponents of the product of two monomials."""
     return tuple(a + b for a, b in zip(item, other, strict=True))
 
 
 def _solve_constant_terms(
-    basis: Sequence[Powers], moments: dict[Powers, Floats], right_sides: list[Floats], heights: Floats
+    basis: Sequence[MonomialExponents],
+    moments: dict[MonomialExponents, Floats],
+    right_sides: list[Floats],
+    heights: Floats,
 ) -> Floats:
     """Solve for the constant term of every local polynomial by Gaussian elimination of the other terms.
 
@@ -311,13 +318,13 @@ def _solve_constant_terms(
     points within reach.
     """
     terms = range(len(basis))
-    total = np.where(moments[basis[0]] > _MIN_COVERAGE, moments[basis[0]], 1)
+    total = np.where(moments[basis[0]] > _MIN_WEIGHT_COVERAGE, moments[basis[0]], 1)
     # The dictionary contains the lower triangle of the normal equations, with row k for term k.
     # The Schur complements remain symmetric, so the upper triangle is not needed.
     rows = {(k, m): moments[_multiply_monomials(basis[k], basis[m])] / total for k in terms for m in range(k + 1)}
     values = [side / total for side in right_sides]
     constant = values[0]
-    fixed = moments[basis[0]] > _MIN_COVERAGE
+    fixed = moments[basis[0]] > _MIN_WEIGHT_COVERAGE
     inside = fixed.copy()
     for last in reversed(terms[1:]):
         fixed &= rows[last, last] > _MIN_PIVOT

@@ -10,7 +10,7 @@ import numpy as np
 
 from stiction._checks import Floats
 
-MIN_FLOOR_GAIN = 2.0  # minimum log-likelihood gain of a significant noise floor over power laws alone
+MIN_FLOOR_LIKELIHOOD_GAIN = 2.0  # minimum log-likelihood gain of a significant noise floor over power laws alone
 # initial level of the fitted floor, as a fraction of the maximum level that the lowest density allows
 _INITIAL_FLOOR_FRACTION = 0.3
 
@@ -24,7 +24,7 @@ class BinnedSpectrum(NamedTuple):
     floor: float = 1.0  # density of a floor of level 1; for white noise of variance 1, this is the spacing
 
 
-class FloorFit(NamedTuple):
+class NoiseFloorFit(NamedTuple):
     """Power laws with a common noise floor, fitted to spectra. The densities are A q^-s + level * floor."""
 
     level: float
@@ -35,10 +35,10 @@ class FloorFit(NamedTuple):
     @property
     def is_significant(self) -> bool:
         """True if the floor fits the spectra significantly better than power laws alone."""
-        return self.gain > MIN_FLOOR_GAIN
+        return self.gain > MIN_FLOOR_LIKELIHOOD_GAIN
 
 
-def fit_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float, float]) -> FloorFit:
+def fit_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float, float]) -> NoiseFloorFit:
     """Fit spectra by power laws plus a common non-negative noise floor. The exponents stay within a given range."""
     from scipy.optimize import minimize
 
@@ -73,4 +73,4 @@ def fit_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float, floa
     best = with_floor if with_floor.fun < alone.fun else alone
     *laws, level = best.x.tolist()
     ratios = tuple(level * math.exp(-value) for value in laws[::2])
-    return FloorFit(unit * level, float(alone.fun - best.fun), tuple(laws[1::2]), ratios)
+    return NoiseFloorFit(unit * level, float(alone.fun - best.fun), tuple(laws[1::2]), ratios)

@@ -13,14 +13,14 @@ from stiction._checks import Floats
 from stiction._repr import format_with_unit
 
 RoundForm = Literal["circle", "sphere", "cylinder"]
-Points = tuple[Floats, Floats]  # coordinates (x, y) relative to the middle of the map, µm
-_FormModel = Callable[[Floats, Points], Floats]
+PointCoordinates = tuple[Floats, Floats]  # coordinates (x, y) relative to the middle of the map, µm
+_FormModel = Callable[[Floats, PointCoordinates], Floats]
 # Lower limit of the squared cosine of the slope angle. It keeps heights finite beyond the equator of the form.
 _MIN_COSINE_SQUARED = 1e-6
 _FIT_TOLERANCE = 1e-12  # relative change below which the fit has converged
 
 
-def round_form(
+def fit_round_form(
     heights: Floats, spacing: tuple[float, ...], missing: NDArray[np.bool_] | None, form: RoundForm
 ) -> tuple[Floats, str]:
     r"""Fit a circle, a sphere or a cylinder to heights by least squares in the height direction.
@@ -64,18 +64,18 @@ def _arc_heights(square: Floats, tilt: Floats, curvature: float, cosine: float) 
     return np.asarray(rise / (cosine + root))
 
 
-def _sphere_heights(values: Floats, points: Points) -> Floats:
+def _sphere_heights(values: Floats, points: PointCoordinates) -> Floats:
     height, curvature, slope_x, slope_y = values
     x, y = points
     cosine = 1 / math.sqrt(1 + slope_x**2 + slope_y**2)
     return np.asarray(height + _arc_heights(x**2 + y**2, slope_x * x + slope_y * y, curvature, cosine))
 
 
-def _circle_heights(values: Floats, points: Points) -> Floats:
+def _circle_heights(values: Floats, points: PointCoordinates) -> Floats:
     return _sphere_heights(np.append(values, 0.0), (points[0], np.zeros_like(points[0])))
 
 
-def _cylinder_heights(values: Floats, points: Points) -> Floats:
+def _cylinder_heights(values: Floats, points: PointCoordinates) -> Floats:
     height, curvature, slope, along, angle = values
     x, y = points
     across = y * math.cos(angle) - x * math.sin(angle)
@@ -91,7 +91,7 @@ _FORM_MODELS: dict[str, _FormModel] = {
 }
 
 
-def _estimate_parameters(form: RoundForm, points: Points, heights: Floats) -> Floats:
+def _estimate_parameters(form: RoundForm, points: PointCoordinates, heights: Floats) -> Floats:
     """Estimate initial parameters of a form from the least-squares paraboloid."""
     x, y = points
     if form == "circle":
@@ -109,7 +109,7 @@ def _estimate_parameters(form: RoundForm, points: Points, heights: Floats) -> Fl
     return np.array([height, float(values[int(np.argmax(np.abs(values)))]), slope, along, angle])
 
 
-def _parameter_scales(form: RoundForm, points: Points, heights: Floats) -> Floats:
+def _parameter_scales(form: RoundForm, points: PointCoordinates, heights: Floats) -> Floats:
     """Return typical magnitudes of the parameters for scaling the least-squares problem."""
     size = max(float(np.ptp(points[0])), float(np.ptp(points[1])))
     height = float(np.ptp(heights))

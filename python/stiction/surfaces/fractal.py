@@ -14,7 +14,7 @@ from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS, Profile, Side
 from stiction.surfaces.spectrum import ProfileMoments
 from stiction.surfaces.surface import Surface, parse_lengths, parse_shape
 
-Convention = Literal["paper", "classical"]
+FractalConvention = Literal["paper", "classical"]
 BandLimit = Literal["nyquist"]
 SIDE_SEED_KEYS = {"lower": 0, "upper": 1}
 
@@ -70,12 +70,12 @@ def random_phases(
     return phases.reshape(directions, frequencies)
 
 
-def hurst_exponent(fractal_dimension: float, *, convention: Convention = "paper") -> float:
+def hurst_exponent(fractal_dimension: float, *, convention: FractalConvention = "paper") -> float:
     """Return the Hurst exponent H of Eq. 1 for a fractal dimension D.
 
     It is 4 - 2D in the paper's convention and 2 - D in the classical convention.
     """
-    check_choice("convention", convention, Convention)
+    check_choice("convention", convention, FractalConvention)
     dimension = validate_number("fractal_dimension", fractal_dimension)
     if not 1 <= dimension < 2:
         raise ValueError(f"fractal_dimension must be at least 1 and below 2, got {fractal_dimension!r}")
@@ -90,7 +90,7 @@ def weierstrass_mandelbrot_family(
     gamma: float = 1.5,
     extent: float = 40.0,
     points: int = 150_000,
-    convention: Convention = "paper",
+    convention: FractalConvention = "paper",
     band_limit: BandLimit | None = None,
 ) -> Floats:
     r"""Compute Weierstrass-Mandelbrot profiles that have the same phases and different fractal dimensions.
@@ -148,7 +148,7 @@ def weierstrass_mandelbrot_family(
 
 def fill_profiles(
     family: Floats, phases: ArrayLike, fractal_dimensions: ArrayLike, *, length_scale: float, gamma: float,
-    extent: float, convention: Convention, band_limit: BandLimit | None,
+    extent: float, convention: FractalConvention, band_limit: BandLimit | None,
 ) -> Floats:  # fmt: skip
     """Compute the profiles that `weierstrass_mandelbrot_family` returns, and write them to the array `family`.
 
@@ -173,7 +173,7 @@ def _check_scale_and_ratio(length_scale: Any, gamma: Any, band_limit: Any) -> tu
 
 
 def _frequency_amplitudes(
-    dimension: Any, frequencies: int, scale: float, gamma: float, convention: Convention
+    dimension: Any, frequencies: int, scale: float, gamma: float, convention: FractalConvention
 ) -> Floats:
     """Return the amplitude of every frequency of Eq. 1, µm."""
     hurst = hurst_exponent(dimension, convention=convention)
@@ -188,7 +188,7 @@ def weierstrass_mandelbrot(
     gamma: float = 1.5,
     extent: float = 40.0,
     points: int = 150_000,
-    convention: Convention = "paper",
+    convention: FractalConvention = "paper",
     band_limit: BandLimit | None = None,
 ) -> Profile:
     r"""Generate a Weierstrass-Mandelbrot profile (Eq. 1 of the paper).
@@ -257,7 +257,7 @@ def weierstrass_mandelbrot_surface(
     extent: float | tuple[float, float] = 40.0,
     length_scale: float = 1.0,
     gamma: float = 1.5,
-    convention: Convention = "paper",
+    convention: FractalConvention = "paper",
     band_limit: BandLimit | None = None,
 ) -> Surface:
     r"""Generate a Weierstrass-Mandelbrot surface (Eq. 1 of the paper, evaluated over an area).
@@ -333,7 +333,7 @@ def weierstrass_mandelbrot_moments(
     frequencies: int = 40,
     length_scale: float = 1.0,
     gamma: float = 1.5,
-    convention: Convention = "paper",
+    convention: FractalConvention = "paper",
     shortest_wavelength: float = 0.0,
 ) -> ProfileMoments:
     """Compute the exact spectral moments of Weierstrass-Mandelbrot profiles.

@@ -12,15 +12,15 @@ from stiction._checks import Floats
 MIN_HARMONIC_DISTANCE = 10
 # Smallest bin in which a first harmonic may lie.
 # The limit is above 2, because a Hann window spreads a spectral line over two bins on each side.
-_MIN_PERIODS = 2.5
+_MIN_FIRST_HARMONIC_BIN = 2.5
 _MAX_COMPARED_HARMONICS = 8  # maximum number of harmonics that are compared with the spectrum between them
 # Minimum number of significant harmonics above the first.
 # In addition, at least a third of the compared harmonics must be significant.
 _MIN_SIGNIFICANT_HARMONICS = 2
-_MAX_CANDIDATES = 6  # maximum number of peaks that are tested as the first harmonic
+_MAX_TESTED_PEAKS = 6  # maximum number of peaks that are tested as the first harmonic
 # Minimum ratio of the density of a harmonic to the density between harmonics.
 # About one bin in 1000 exceeds this ratio by chance.
-_MIN_LINE_RATIO = 10.0
+_MIN_HARMONIC_RATIO = 10.0
 _PEAK_HALF_WIDTH = 2.5  # half width of a harmonic's peak after a Hann window, in bins
 _STEPS_PER_BIN = 16  # number of steps per bin in the refinement of the first harmonic
 # This quantile of the density over one period is unaffected by harmonics, including aliased harmonics.
@@ -43,9 +43,9 @@ def find_texture_harmonics(density: Floats) -> tuple[float, float]:
     padded = np.concatenate([[0.0], density])
     rising, falling = density[1:] > density[:-1], density[:-1] >= density[1:]
     peaks = 1 + np.flatnonzero(np.r_[True, rising] & np.r_[falling, True])
-    peaks = peaks[(peaks > _MIN_PERIODS) & (peaks * (1 + _MIN_SIGNIFICANT_HARMONICS) <= size)]
+    peaks = peaks[(peaks > _MIN_FIRST_HARMONIC_BIN) & (peaks * (1 + _MIN_SIGNIFICANT_HARMONICS) <= size)]
     # Sort peaks by their contribution to the slope variance. The first harmonics of a texture contribute most.
-    order = np.argsort(-padded[peaks] * np.square(peaks))[:_MAX_CANDIDATES]
+    order = np.argsort(-padded[peaks] * np.square(peaks))[:_MAX_TESTED_PEAKS]
     best_score, result = 0.0, (math.nan, math.nan)
     for peak in peaks[order].tolist():
         first = peak + np.arange(-_STEPS_PER_BIN, _STEPS_PER_BIN + 1) / _STEPS_PER_BIN
@@ -55,7 +55,7 @@ def find_texture_harmonics(density: Floats) -> tuple[float, float]:
             bins = np.rint(first[:, np.newaxis] * orders).astype(np.intp)
             ratio = padded[np.minimum(bins, size)] / level
             scores = np.log(np.maximum(ratio, 1.0)).sum(axis=1)
-            significant = ratio[int(np.argmax(scores))] > _MIN_LINE_RATIO
+            significant = ratio[int(np.argmax(scores))] > _MIN_HARMONIC_RATIO
             min_significant = max(_MIN_SIGNIFICANT_HARMONICS, significant.size // 3 + 1)
             if significant[0] and significant[1:].sum() >= min_significant and scores.max() > best_score:
                 best_score = float(scores.max())

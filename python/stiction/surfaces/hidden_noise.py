@@ -14,23 +14,23 @@ from stiction.surfaces.harmonics import find_texture_harmonics
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import (
-    MAX_UNKNOWN_FRACTION,
-    Spectrum,
+    MAX_UNATTRIBUTED_FRACTION,
+    LineSpectrum,
     equivalent_cutoff,
     line_spectra,
     scale_dependent_roughness,
 )
-from stiction.surfaces.spectrum import HANN_CORRELATION, surface_spectrum
+from stiction.surfaces.spectrum import HANN_VARIANCE_FACTOR, surface_spectrum
 from stiction.surfaces.surface import Surface
 
-MAX_FITTED_POINTS = 16.0  # longest fitted wavelength, in points
+MAX_FITTED_WAVELENGTH_POINTS = 16.0  # longest fitted wavelength, in points
 _BINS_PER_OCTAVE = 8
-_MIN_BINS = 8  # minimum number of bins for a fit
+_MIN_FIT_BINS = 8  # minimum number of bins for a fit
 _RELATIVE_MODEL_ERROR = 0.1  # assumed relative deviation of the true spectrum from a power law in each bin
 _LINE_SPECTRUM_EXPONENT_RANGE = (1.0, 5.0)  # exponents of line spectra for Hurst exponents 0 and 2
 # Maximum accepted ratio of the fitted noise of a map to the median density of the map at the shortest wavelengths.
 # The shortest wavelengths are those below four points along both axes.
-_MAX_NOISE_RATIO = 2.0
+_MAX_FITTED_NOISE_RATIO = 2.0
 
 
 @dataclass(frozen=True)
@@ -66,16 +66,18 @@ def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> Hid
     total = sum(float(np.square(q) @ density) * float(q[0]) for q, density, *_ in spectra)
     noise = sum(float(np.square(q).sum()) * float(q[0]) * fit.level * step for q, _, _, step in spectra)
     fraction = noise / total
-    if not fit.is_significant or fraction <= MAX_UNKNOWN_FRACTION:
+    if not fit.is_significant or fraction <= MAX_UNATTRIBUTED_FRACTION:
         return None
-    if isinstance(body, Surface) and fit.level > _MAX_NOISE_RATIO * _shortest_waves_variance(body, periodic):
+    if isinstance(body, Surface) and fit.level > _MAX_FITTED_NOISE_RATIO * _short_wavelength_noise_variance(
+        body, periodic
+    ):
         return None
     roughness = scale_dependent_roughness(body, periodic=periodic)
-    longest, shortest = MAX_FITTED_POINTS * max(body.spacings), MIN_CUTOFF_POINTS * min(body.spacings)
+    longest, shortest = MAX_FITTED_WAVELENGTH_POINTS * max(body.spacings), MIN_CUTOFF_POINTS * min(body.spacings)
     return HiddenNoise(fraction, equivalent_cutoff(roughness, fraction, longest, shortest))
 
 
-def _shortest_waves_variance(surface: Surface, periodic: bool) -> float:
+def _short_wavelength_noise_variance(surface: Surface, periodic: bool) -> float:
     """Return the variance (µm²) of white noise with the same median density as the shortest wavelengths of a map.
 
     The median is taken over the wavelengths below four points along both axes. The densities of noise are
@@ -87,19 +89,19 @@ def _shortest_waves_variance(surface: Surface, periodic: bool) -> float:
     return float(np.median(density)) / (math.log(2) * math.prod(surface.spacing))
 
 
-def _bin_short_wavelengths(spectrum: Spectrum, periodic: bool) -> BinnedSpectrum | None:
+def _bin_short_wavelengths(spectrum: LineSpectrum, periodic: bool) -> BinnedSpectrum | None:
     """Average a spectrum in bins at wavelengths of up to 16 points; return None if there are too few bins."""
     q, density, count, step = spectrum
     if not periodic:  # exclude the first two harmonics, into which the window leaks longer wavelengths
         q, density, count = q[2:], density[2:], count[2:]
-    selected = q * MAX_FITTED_POINTS * step * (1 + 1e-9) >= 2 * math.pi
+    selected = q * MAX_FITTED_WAVELENGTH_POINTS * step * (1 + 1e-9) >= 2 * math.pi
     q, density, count = q[selected], density[selected], count[selected]
     if not q.size or not density.all():
         return None
     _, index = np.unique(np.floor(_BINS_PER_OCTAVE * np.log2(q[-1] / q) + 1e-9), return_inverse=True)
     total = np.bincount(index, count)
-    if total.size < _MIN_BINS:
+    if total.size < _MIN_FIT_BINS:
         return None
     log_q: Floats = np.bincount(index, count * np.log(q)) / total
-    variance = (1.0 if periodic else HANN_CORRELATION) / total + _RELATIVE_MODEL_ERROR**2
+    variance = (1.0 if periodic else HANN_VARIANCE_FACTOR) / total + _RELATIVE_MODEL_ERROR**2
     return BinnedSpectrum(log_q, np.bincount(index, count * density) / total, 1 / variance, step)

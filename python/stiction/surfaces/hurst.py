@@ -14,7 +14,7 @@ from stiction._repr import TableRepr
 from stiction.surfaces.floor_fit import BinnedSpectrum, fit_floor
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.spectrum import HANN_CORRELATION, areal_spectrum, is_within_wavelength_band, profile_spectrum
+from stiction.surfaces.spectrum import HANN_VARIANCE_FACTOR, areal_spectrum, is_within_wavelength_band, profile_spectrum
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 
 _NUM_NEWTON_STEPS, _NUM_HALVINGS = 50, 30
@@ -42,7 +42,7 @@ _MIN_BAND_WIDTH = math.log(3)  # minimum width of a band in ln q (half a decade)
 _ROLL_OFF_PENALTY = 2.0
 
 
-class PowerLaw:
+class PowerLawFit:
     """Maximum-likelihood fit of a power law P ∝ q^-s to gamma-distributed powers.
 
     The weights are the shape parameters of the gamma distribution.
@@ -78,7 +78,7 @@ class PowerLaw:
         """Logarithm of the prefactor C in the power law C q^-s."""
         return self._log_level(self.exponent) + self.exponent * self._middle
 
-    def interval(self, max_loss: float) -> tuple[float, float]:
+    def exponent_interval(self, max_loss: float) -> tuple[float, float]:
         """Return the range of exponents whose loss is at most `max_loss`."""
         ends = []
         for side in (-1.0, 1.0):
@@ -253,7 +253,7 @@ def estimate_hurst_exponent(
         dimensions, (wave_number, power, scale) = 1, _fitted_harmonics(body, periodic)
     else:
         dimensions, (wave_number, power, scale) = 2, _fitted_wave_vectors(body, periodic)
-    variance_factor = 1.0 if periodic else HANN_CORRELATION**dimensions
+    variance_factor = 1.0 if periodic else HANN_VARIANCE_FACTOR**dimensions
 
     selection: slice | NDArray[np.bool_]
     if band is None:
@@ -272,15 +272,15 @@ def estimate_hurst_exponent(
         if (count := int(selection.sum())) < MIN_BAND_HARMONICS:
             raise ValueError(f"band must contain at least {MIN_BAND_HARMONICS} harmonics, got {band!r} µm with {count}")
     q, power = wave_number[selection], power[selection]
-    bins = _SpectrumBins.of(q, power)
-    exponent = PowerLaw(np.log(q), power, np.ones(q.size)).exponent
+    bins = _SpectrumBins.from_harmonics(q, power)
+    exponent = PowerLawFit(np.log(q), power, np.ones(q.size)).exponent
     dispersion = max(1.0, bins.deviance(exponent, bins.count / variance_factor))
-    law = PowerLaw(np.log(q), power, np.full(q.size, 1 / (variance_factor * dispersion)))
-    lower, upper = law.interval(law.min_loss + _CHI_SQUARED_95 / 2)
+    law = PowerLawFit(np.log(q), power, np.full(q.size, 1 / (variance_factor * dispersion)))
+    lower, upper = law.exponent_interval(law.min_loss + _CHI_SQUARED_95 / 2)
     if piece is not None:  # the interval includes the uncertainty of the end of the roll-off
         laws = _fit_roll_offs(piece, piece.count / (variance_factor * dispersion))
         max_loss = min(other.min_loss for other in laws) + _CHI_SQUARED_95 / 2
-        intervals = [other.interval(max_loss) for other in laws if other.min_loss < max_loss]
+        intervals = [other.exponent_interval(max_loss) for other in laws if other.min_loss < max_loss]
         lower = min([lower, *(ends[0] for ends in intervals)])
         upper = max([upper, *(ends[1] for ends in intervals)])
     level = law.log_prefactor + 2 * math.log(scale)
@@ -337,13 +337,13 @@ class _SpectrumBins:
     count: Floats
 
     @classmethod
-    def of(cls, q: Floats, power: Floats) -> _SpectrumBins:
+    def from_harmonics(cls, q: Floats, power: Floats) -> _SpectrumBins:
         index = np.floor(_BINS_PER_DECADE * np.log10(q / q[0]) + 1e-9)
         first = np.flatnonzero(np.diff(index, prepend=-1))
         count = np.diff(first, append=q.size).astype(np.float64)
         return cls(first, np.add.reduceat(np.log(q), first) / count, np.add.reduceat(power, first) / count, count)
 
-    def part(self, start: int, end: int) -> _SpectrumBins:
+    def slice_bins(self, start: int, end: int) -> _SpectrumBins:
         return _SpectrumBins(self.first[start:end], self.log_q[start:end], self.power[start:end], self.count[start:end])
 
     def deviance(self, exponent: float, weight: Floats) -> float:
@@ -359,7 +359,7 @@ def _self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple
     Also returns the bins of this piece and its roll-off.
     """
     if q.size >= MIN_BAND_HARMONICS:
-        bins = _SpectrumBins.of(q, power)
+        bins = _SpectrumBins.from_harmonics(q, power)
         weight = 1 / (variance_factor / bins.count + _RELATIVE_MODEL_ERROR**2)
         starts, ends, exponents, losses = _fit_pieces(bins, weight)
         pieces = _select_pieces(bins.log_q.size, starts, ends, losses)
@@ -371,12 +371,12 @@ def _self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple
                     continue
                 # index of the first harmonic, and index after the last harmonic
                 start, end = int(starts[piece]), int(ends[piece])
-                if bins.part(start, end).deviance(exponents[piece], weight[start:end]) > _MAX_DEVIANCE:
+                if bins.slice_bins(start, end).deviance(exponents[piece], weight[start:end]) > _MAX_DEVIANCE:
                     continue
                 end -= end < bins.log_q.size
                 first_bin = start + (start > 0)
                 if start == 0:  # remove a roll-off that is too short to be a separate piece
-                    roll_off_losses = [law.min_loss for law in _fit_roll_offs(bins.part(0, end), weight[:end])]
+                    roll_off_losses = [law.min_loss for law in _fit_roll_offs(bins.slice_bins(0, end), weight[:end])]
                     start = (
                         int(np.argmin(roll_off_losses))
                         if min(roll_off_losses) < roll_off_losses[0] - _ROLL_OFF_PENALTY
@@ -388,7 +388,7 @@ def _self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple
                 last = (int(bins.first[end]) if end < bins.first.size else q.size) - 1
                 width = math.log(q[last] / q[first])
                 if width > widest and last - first + 1 >= MIN_BAND_HARMONICS:
-                    widest, best = width, (slice(first, last + 1), bins.part(first_bin, end))
+                    widest, best = width, (slice(first, last + 1), bins.slice_bins(first_bin, end))
             if best is not None:
                 return best
     raise ValueError(_NO_BAND_MESSAGE)
@@ -398,7 +398,7 @@ def _remove_noisy_end(
     q: Floats, power: Floats, variance_factor: float, selection: slice, piece: _SpectrumBins
 ) -> tuple[slice, _SpectrumBins]:
     """Remove the shortest wavelengths of a band if white noise flattens the spectrum at these wavelengths."""
-    bins = _SpectrumBins.of(q[selection], power[selection])
+    bins = _SpectrumBins.from_harmonics(q[selection], power[selection])
     fit = fit_floor([BinnedSpectrum(bins.log_q, bins.power, bins.count / variance_factor)], exponents=(1.0, 5.0))
     if not fit.is_significant:
         return selection, piece
@@ -408,20 +408,20 @@ def _remove_noisy_end(
     end = int(np.searchsorted(np.log(q), last, side="right"))
     if end - selection.start < MIN_BAND_HARMONICS or last - math.log(q[selection.start]) < _MIN_BAND_WIDTH:
         raise ValueError(_NO_BAND_MESSAGE)
-    return slice(selection.start, end), piece.part(0, int(np.searchsorted(piece.log_q, last, side="right")))
+    return slice(selection.start, end), piece.slice_bins(0, int(np.searchsorted(piece.log_q, last, side="right")))
 
 
-def _fit_roll_offs(bins: _SpectrumBins, weight: Floats) -> list[PowerLaw]:
+def _fit_roll_offs(bins: _SpectrumBins, weight: Floats) -> list[PowerLawFit]:
     """Fit a power law for each possible end of a flat roll-off. The first candidate, bin 0, means no roll-off."""
     breaks = range(max(1, bins.log_q.size - _MIN_PIECE_BINS))
-    return [PowerLaw(np.maximum(bins.log_q, bins.log_q[first]), bins.power, weight) for first in breaks]
+    return [PowerLawFit(np.maximum(bins.log_q, bins.log_q[first]), bins.power, weight) for first in breaks]
 
 
 def _fit_pieces(bins: _SpectrumBins, weight: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats, Floats]:
     """Return the start, the end, the fitted exponent and the loss of every possible piece of a binned spectrum."""
     starts, ends = (index.astype(np.intp) for index in np.triu_indices(bins.log_q.size + 1, _MIN_PIECE_BINS))
     laws = [
-        PowerLaw(bins.log_q[start:end], bins.power[start:end], weight[start:end])
+        PowerLawFit(bins.log_q[start:end], bins.power[start:end], weight[start:end])
         for start, end in zip(starts, ends, strict=True)
     ]
     return starts, ends, np.array([law.exponent for law in laws]), np.array([law.min_loss for law in laws])

@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from stiction._checks import Floats
 
 # Coordinates count as a uniform grid if their steps differ by less than this fraction.
-STEP_TOLERANCE = 1e-6
+SPACING_TOLERANCE = 1e-6
 
 
-class ForeignHeights(NamedTuple):
+class ExtractedHeights(NamedTuple):
     """Heights, spacing, history and missing points of a profile or a surface."""
 
     heights: Floats  # heights of shape (n,) or (rows, columns), µm
@@ -27,22 +27,22 @@ class ForeignHeights(NamedTuple):
     missing: Any = None  # mask of the missing points of a Profile or a Surface
 
 
-def extract_heights(name: str, other: Any, *, unit: str | None = None) -> ForeignHeights:
+def extract_heights(name: str, other: Any, *, unit: str | None = None) -> ExtractedHeights:
     """Extract heights and spacing from an object of this package, SurfaceTopography, surfalize or xarray.
 
     `unit` applies to all lengths if the object has no unit. Messages refer to the object by the argument name `name`.
     """
     if hasattr(other, "heights") and hasattr(other, "history"):
         spacing = tuple(np.atleast_1d(other.spacing).tolist())
-        return ForeignHeights(other.heights, spacing, other.history, getattr(other, "missing", None))
+        return ExtractedHeights(other.heights, spacing, other.history, getattr(other, "missing", None))
     kind = f"{type(other).__module__.split('.')[0]} {type(other).__name__}"
     if hasattr(other, "dims") and hasattr(other, "coords") and hasattr(other, "attrs"):
-        return _from_data_array(name, other, kind, unit)
+        return _extract_from_data_array(name, other, kind, unit)
     if hasattr(other, "heights") and hasattr(other, "physical_sizes"):
-        return _from_topography(name, other, kind, unit)
+        return _extract_from_topography(name, other, kind, unit)
     if hasattr(other, "data") and hasattr(other, "step_x") and hasattr(other, "step_y"):
         heights = np.asarray(other.data, dtype=np.float64)
-        return _make_heights(name, heights, (float(other.step_y), float(other.step_x)), 1.0, kind)
+        return _make_extracted_heights(name, heights, (float(other.step_y), float(other.step_x)), 1.0, kind)
     raise ValueError(
         f"{name} must be a Profile or a Surface, or an object from SurfaceTopography, surfalize or xarray, got "
         f"{type(other).__name__}"
@@ -75,7 +75,7 @@ def describe_body(kind: str, heights: Floats, spacing: tuple[float, ...], histor
     return f"{kind} of {size} points, {spacing_text}, {roughness_text}{history_text}"
 
 
-def _from_topography(name: str, other: Any, kind: str, unit: str | None) -> ForeignHeights:
+def _extract_from_topography(name: str, other: Any, kind: str, unit: str | None) -> ExtractedHeights:
     """Extract heights from a SurfaceTopography object. The first axis of its arrays is x."""
     factor = _unit_factor(name, other.unit or unit, kind)
     masked_heights = np.ma.asarray(other.heights())
@@ -86,12 +86,12 @@ def _from_topography(name: str, other: Any, kind: str, unit: str | None) -> Fore
         )
     heights = np.asarray(np.ma.getdata(masked_heights), dtype=np.float64)
     if heights.ndim == 1 and not other.is_uniform:
-        return _make_heights(name, heights, (_find_step(name, "x", other.positions()),), factor, kind)
+        return _make_extracted_heights(name, heights, (_uniform_spacing(name, "x", other.positions()),), factor, kind)
     steps = [float(size) / points for size, points in zip(other.physical_sizes, heights.shape, strict=True)]
-    return _make_heights(name, heights.T, tuple(steps[::-1]), factor, kind)
+    return _make_extracted_heights(name, heights.T, tuple(steps[::-1]), factor, kind)
 
 
-def _from_data_array(name: str, other: Any, kind: str, unit: str | None) -> ForeignHeights:
+def _extract_from_data_array(name: str, other: Any, kind: str, unit: str | None) -> ExtractedHeights:
     """Extract heights along x, or along y and x, from a DataArray with units in ``attrs["units"]``."""
     targets = {1: ("x",), 2: ("y", "x")}.get(other.ndim)
     if targets is None or set(other.dims) != set(targets):
@@ -103,19 +103,21 @@ def _from_data_array(name: str, other: Any, kind: str, unit: str | None) -> Fore
             raise ValueError(f"{name} must have a coordinate {axis}, in µm or with its unit in attrs")
         along = other.coords[axis]
         factor = _unit_factor(f"{name}.{axis}", along.attrs.get("units", unit), kind)
-        spacing.append(_find_step(name, axis, np.asarray(along.values, dtype=np.float64)) * factor)
+        spacing.append(_uniform_spacing(name, axis, np.asarray(along.values, dtype=np.float64)) * factor)
     factor = _unit_factor(name, other.attrs.get("units", unit), kind)
-    converted = _make_heights(name, np.asarray(other.values, dtype=np.float64) * factor, tuple(spacing), 1.0, kind)
+    converted = _make_extracted_heights(
+        name, np.asarray(other.values, dtype=np.float64) * factor, tuple(spacing), 1.0, kind
+    )
     if other.attrs.get("history") is None:
         return converted
     return converted._replace(history=tuple(filter(None, str(other.attrs["history"]).split("\n"))))
 
 
-def _find_step(name: str, axis: str, positions: Any) -> float:
+def _uniform_spacing(name: str, axis: str, positions: Any) -> float:
     """Return the spacing of equidistant positions."""
     coordinates = np.asarray(positions, dtype=np.float64)
     steps = np.diff(coordinates)
-    if not steps.size or not (steps > 0).all() or np.ptp(steps) > STEP_TOLERANCE * steps.mean():
+    if not steps.size or not (steps > 0).all() or np.ptp(steps) > SPACING_TOLERANCE * steps.mean():
         raise ValueError(f"{name} must have increasing positions with equal steps along {axis}")
     first = float(steps[0])
     is_exact = np.array_equal(coordinates, coordinates[0] + np.arange(coordinates.size) * first)
@@ -132,12 +134,14 @@ def _unit_factor(name: str, unit: Any, kind: str) -> float:
     return float(LENGTH_UNITS[unit])
 
 
-def _make_heights(name: str, heights: Any, spacing: tuple[float, ...], factor: float, kind: str) -> ForeignHeights:
+def _make_extracted_heights(
+    name: str, heights: Any, spacing: tuple[float, ...], factor: float, kind: str
+) -> ExtractedHeights:
     if np.isnan(heights).any():
         raise ValueError(
             f"{name} must have a height at every point, got {int(np.isnan(heights).sum())} points without a height; "
             "fill them first"
         )
-    return ForeignHeights(
+    return ExtractedHeights(
         np.ascontiguousarray(heights) * factor, tuple(step * factor for step in spacing), (f"taken from a {kind}",)
     )

@@ -28,7 +28,7 @@ MAX_WAVELENGTH_FRACTION = (
     # At longer wavelengths, the measured spectrum depends on the window.
 )
 # Number of wave vectors per independent value. Opposite wave vectors are equal, and the window correlates neighbours.
-_WAVE_VECTORS_PER_VALUE = 4.0
+_WAVE_VECTORS_PER_INDEPENDENT_VALUE = 4.0
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -123,7 +123,7 @@ class JoinedSpectrum(TextRepr):
     def chance(self) -> Floats:
         """Standard deviation of ln(`disagreement`) that chance alone would cause, with shape (scans,)."""
         shared = (self.contribution > 0).sum(axis=0) > 1
-        actual = self.contribution * self.count / _WAVE_VECTORS_PER_VALUE
+        actual = self.contribution * self.count / _WAVE_VECTORS_PER_INDEPENDENT_VALUE
         result = np.full(len(self.bands), np.nan)
         for scan, waves in enumerate(actual):
             occupied = shared & (waves > 0)
@@ -239,8 +239,8 @@ def joined_spectrum(
     per_decade = validate_whole_number("per_decade", per_decade, minimum=4)
     if names is not None and len(names) != len(bodies):
         raise ValueError(f"names must have one entry for each of the {len(bodies)} scans, got {len(names)}")
-    limits = _check_length("shortest_wavelengths", shortest_wavelengths, len(bodies))
-    tips = _check_length("tip_radii", tip_radii, len(bodies))
+    limits = _parse_values_of_scans("shortest_wavelengths", shortest_wavelengths, len(bodies))
+    tips = _parse_values_of_scans("tip_radii", tip_radii, len(bodies))
     parts, bands, reasons = [], [], []
     for body, limit, tip in zip(bodies, limits, tips, strict=True):
         band, reason = _reliable_band(body, limit, tip)
@@ -269,7 +269,7 @@ def joined_spectrum(
         )  # fmt: skip
 
 
-def _check_length(name: str, values: Sequence[float | None] | None, size: int) -> list[float | None]:
+def _parse_values_of_scans(name: str, values: Sequence[float | None] | None, size: int) -> list[float | None]:
     if values is None:
         return [None] * size
     if len(values) != size:

@@ -137,14 +137,14 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
             squares += np.square([parameters.Pq, parameters.Pdq, neighbours]) / count
         if index in fitted_indices:
             fitted.append(measured)
-    result = [fit for line in fitted if (fit := _fit_line(line, band)) is not None]
+    result = [fit for line in fitted if (fit := _estimate_line_hurst_exponent(line, band)) is not None]
     if band is not None and not result and (rough_lines := [line for line in fitted if not line.is_flat]):
         estimate_hurst_exponent(rough_lines[0], band=band)  # this raises an error that explains the failed fit
     estimates = result
     if band is None and 2 * len(result) >= len(fitted):
         ends = np.median([(fit.shortest_wavelength, fit.longest_wavelength) for fit in result], axis=0)
         band = float(ends[0]), float(ends[1])
-        estimates = [fit for line in fitted if (fit := _fit_line(line, band)) is not None]
+        estimates = [fit for line in fitted if (fit := _estimate_line_hurst_exponent(line, band)) is not None]
     pq, pdq, neighbours = np.sqrt(squares).tolist()
     spectrum = replace(spectrum, density=read_only(density))
     exponents = np.array([fit.value for fit in estimates if band is not None])
@@ -231,7 +231,7 @@ def power_law_misfit(
     return math.exp(math.sqrt(max(0.0, float(np.average(square, weights=weight)))))
 
 
-def _fit_line(line: Profile, band: tuple[float, float] | None) -> HurstEstimate | None:
+def _estimate_line_hurst_exponent(line: Profile, band: tuple[float, float] | None) -> HurstEstimate | None:
     """Estimate the Hurst exponent of a line, or return None if the line is flat or has no self-affine band."""
     try:
         return estimate_hurst_exponent(line, band=band)

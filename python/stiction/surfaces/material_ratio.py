@@ -13,8 +13,8 @@ from stiction.surfaces.surface import Surface, as_body
 
 CORE_FRACTION = 0.4  # width of the core, as a range of material ratios
 # Material ratios that separate peaks, core and valleys: the defaults of ISO 25178-3.
-PEAK_RATIO, VALLEY_RATIO = 0.1, 0.8
-EXTREME_PEAK_RATIOS = 0.025, 0.5  # material ratios of the extreme peak height: the defaults of ISO 25178-3
+PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO = 0.1, 0.8
+EXTREME_PEAK_MATERIAL_RATIOS = 0.025, 0.5  # material ratios of the extreme peak height: the defaults of ISO 25178-3
 
 
 def bearing_curve(body: Profile | Surface, ratios: ArrayLike) -> Floats:
@@ -110,7 +110,7 @@ class MaterialVolumes(NamedTuple):
 
 def material_volumes(heights: Floats) -> MaterialVolumes:
     """Compute the volumes above and below the heights at which the material ratio is 10 % and 80 %."""
-    upper, lower = heights_at_ratios(heights, [PEAK_RATIO, VALLEY_RATIO]).tolist()
+    upper, lower = heights_at_ratios(heights, [PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO]).tolist()
     above_upper, above_lower = (float(np.maximum(heights - end, 0).mean()) for end in (upper, lower))
     below_upper, below_lower = (float(np.maximum(end - heights, 0).mean()) for end in (upper, lower))
     return MaterialVolumes(above_upper, above_lower - above_upper, below_upper - below_lower, below_lower)

@@ -13,15 +13,15 @@ MIN_OUTLIER_DEVIATIONS = 6.0
 
 The robust standard deviation is 1.4826 times the median absolute deviation.
 """
-MAX_OUTLIER_GROUP = 4  # maximum number of adjacent outliers; a larger group is a feature of the surface
+MAX_OUTLIER_GROUP_SIZE = 4  # maximum number of adjacent outliers; a larger group is a feature of the surface
 
 _WINDOW_WIDTHS = {1: 31, 2: 7}  # width of the local window in points, for profiles (1) and for maps (2)
 # Minimum number of estimates of a height from neighbouring points.
 # With three estimates, one estimate may contain another outlier.
-_MIN_ESTIMATES = 3
+_MIN_NEIGHBOUR_ESTIMATES = 3
 # Maximum number of lines through neighbouring points, out of at least five, that may pass near an outlier by chance.
-_MAX_CHANCE_LINES = 2
-_MAX_PASSES = 8
+_MAX_COINCIDENT_LINES = 2
+_MAX_OUTLIER_PASSES = 8
 # The scatter of edge points is estimated separately only if there are at least this many edge points.
 _MIN_EDGE_POINTS = 20
 
@@ -82,13 +82,13 @@ def find_outliers(heights: Floats) -> NDArray[np.bool_]:
 
     is_measured, left, result = np.isfinite(heights), heights.copy(), np.zeros(heights.shape, np.bool_)
     usual: list[Floats] = []
-    for _ in range(_MAX_PASSES):
+    for _ in range(_MAX_OUTLIER_PASSES):
         off_means, off_lines, at_edge = _deviations_from_neighbours(heights, left)
         judged = is_measured & ~result & np.isfinite(off_lines)
         if not usual:
             usual = [
-                np.asarray(_typical_deviation(off_means, is_measured, np.zeros_like(is_measured))),
-                np.asarray(_typical_deviation(off_lines, is_measured, at_edge)),
+                np.asarray(_typical_deviations(off_means, is_measured, np.zeros_like(is_measured))),
+                np.asarray(_typical_deviations(off_lines, is_measured, at_edge)),
             ]
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = np.fmin(off_means / usual[0], off_lines / usual[1])
@@ -99,10 +99,10 @@ def find_outliers(heights: Floats) -> NDArray[np.bool_]:
         result |= highest
         left[highest] = np.nan
     numbers, _ = label(result, np.ones((3,) * heights.ndim))
-    return np.asarray(result & (np.bincount(numbers.ravel())[numbers] <= MAX_OUTLIER_GROUP))
+    return np.asarray(result & (np.bincount(numbers.ravel())[numbers] <= MAX_OUTLIER_GROUP_SIZE))
 
 
-def _typical_deviation(distances: Floats, is_measured: NDArray[np.bool_], at_edge: NDArray[np.bool_]) -> Floats:
+def _typical_deviations(distances: Floats, is_measured: NDArray[np.bool_], at_edge: NDArray[np.bool_]) -> Floats:
     """Return, for each point, the median deviation over all points or over its neighbourhood, whichever is larger.
 
     Edge points are treated separately.
@@ -132,13 +132,16 @@ def _deviations_from_neighbours(heights: Floats, left: Floats) -> tuple[Floats, 
     reach = 2 * max(map(max, steps))
     padded = np.pad(left, reach, constant_values=np.nan)
 
-    def shift(step: tuple[int, ...], times: int) -> Floats:
+    def shifted_heights(step: tuple[int, ...], times: int) -> Floats:
         index = zip(step, heights.shape, strict=True)
         return padded[tuple(slice(reach + times * offset, reach + times * offset + size) for offset, size in index)]
 
-    means = np.stack([(shift(step, 1) + shift(step, -1)) / 2 for step in steps])
-    off_means = np.abs(heights - _finite_median(means, _MIN_ESTIMATES))
-    sides = [np.stack([2 * shift(step, sign) - shift(step, 2 * sign) for step in steps]) for sign in (1, -1)]
+    means = np.stack([(shifted_heights(step, 1) + shifted_heights(step, -1)) / 2 for step in steps])
+    off_means = np.abs(heights - _finite_median(means, _MIN_NEIGHBOUR_ESTIMATES))
+    sides = [
+        np.stack([2 * shifted_heights(step, sign) - shifted_heights(step, 2 * sign) for step in steps])
+        for sign in (1, -1)
+    ]
     # Each height is extrapolated from both sides in profiles, and from eight directions in maps.
     lines = np.stack([_finite_median(side[:3], 1) for side in sides]) if heights.ndim == 1 else np.concatenate(sides)
     off_lines = np.sort(np.abs(heights - lines), axis=0)  # sorting puts NaN last
@@ -146,8 +149,10 @@ def _deviations_from_neighbours(heights: Floats, left: Floats) -> tuple[Floats, 
     if heights.ndim == 1:
         return off_means, off_lines[0], count < len(lines)
     at_edge = count < len(lines)
-    nearest = np.where(count > _MAX_CHANCE_LINES + _MIN_ESTIMATES - 1, off_lines[_MAX_CHANCE_LINES], off_lines[0])
-    return off_means, np.where(count < _MIN_ESTIMATES, np.nan, nearest), at_edge
+    nearest = np.where(
+        count > _MAX_COINCIDENT_LINES + _MIN_NEIGHBOUR_ESTIMATES - 1, off_lines[_MAX_COINCIDENT_LINES], off_lines[0]
+    )
+    return off_means, np.where(count < _MIN_NEIGHBOUR_ESTIMATES, np.nan, nearest), at_edge
 
 
 def _finite_median(values: Floats, min_count: int) -> Floats:

@@ -35,9 +35,9 @@ DEFAULT_LINE_COUNT = 128
 # The largest shift of a map is its length divided by this number.
 # After a shift by a quarter of the length, three quarters of the maps overlap.
 MAX_SHIFT_DIVISOR = 4
-MIN_PIECE_POINTS = 16  # minimum number of rows and of columns in a piece of a map
-MAX_SURROGATE_POINTS = 512  # maximum number of rows and of columns of an areal surrogate
-Surrogates = Literal["none", "upper", "lower", "both"]
+MIN_PIECE_SIDE_POINTS = 16  # minimum number of rows and of columns in a piece of a map
+MAX_SURROGATE_SIDE_POINTS = 512  # maximum number of rows and of columns of an areal surrogate
+SurrogateBodies = Literal["none", "upper", "lower", "both"]
 SIDES: tuple[Side, Side] = ("upper", "lower")
 _GOLDEN_RATIO = (5**0.5 - 1) / 2
 _PLASTIC_NUMBER = 1.324717957244746  # real root of x^3 = x + 1, the base of two-dimensional quasi-random points
@@ -68,9 +68,9 @@ class LinePairs:
     travel: float | None = None
     level: ProfileTrend | None = "line"
     along: Along = "x"
-    surrogates: Surrogates = "none"
+    surrogates: SurrogateBodies = "none"
     seed: int = 2016
-    several: bool = False
+    has_several_pairs: bool = False
     count: int | None = None  # number of equally spaced pairs, or None for a sequence of any length
 
     def max_count(self) -> int | None:
@@ -99,11 +99,11 @@ class LinePairs:
         )
         spacing = min(above.spacing, below.spacing)
         above, below = resampled(flipped(above), spacing), resampled(below, spacing)
-        if self.several and self.travel is None:
+        if self.has_several_pairs and self.travel is None:
             return _crop_to_equal_length(above, below, index, self.level)
-        return self._make_slider(above, len(below)), below
+        return self._cut_slider(above, len(below)), below
 
-    def _make_slider(self, above: Profile, track: int) -> Profile:
+    def _cut_slider(self, above: Profile, track: int) -> Profile:
         points, spacing = len(above), above.spacing
         if self.travel is None:
             left = max(track - points, track // 2)
@@ -154,7 +154,7 @@ def paired_lines(
     level: ProfileTrend | None = "line",
     lines: int = DEFAULT_LINE_COUNT,
     along: Along = "x",
-    surrogates: Surrogates = "none",
+    surrogates: SurrogateBodies = "none",
     seed: int = 2016,
 ) -> tuple[list[Profile], list[Profile]]:
     """Convert two scans to pairs of profiles for `press`. Each pair consists of a flipped slider and its counterface.
@@ -205,7 +205,7 @@ def paired_lines(
     [4, 4]
     """
     check_choice("along", along, Along)
-    check_choice("surrogates", surrogates, Surrogates)
+    check_choice("surrogates", surrogates, SurrogateBodies)
     if level is not None:
         check_choice("level", level, ProfileTrend)
     count = validate_whole_number("lines", lines, minimum=1)
@@ -213,7 +213,7 @@ def paired_lines(
         as_body(name, body)
     max_count = LinePairs(upper, lower, along=along, surrogates=surrogates).max_count()
     count = count if max_count is None else min(count, max_count)
-    pairs = LinePairs(upper, lower, travel, level, along, surrogates, seed, several=count > 1, count=count)
+    pairs = LinePairs(upper, lower, travel, level, along, surrogates, seed, has_several_pairs=count > 1, count=count)
     profiles = [pairs.pair(index) for index in range(count)]
     return [above for above, _ in profiles], [below for _, below in profiles]
 
@@ -227,14 +227,14 @@ def _crop_to_equal_length(
     """
     length = min(len(upper), len(lower))
 
-    def cut(profile: Profile) -> Profile:
+    def crop_and_level(profile: Profile) -> Profile:
         if len(profile) == length:
             return profile
         first = round(quasi_random_point(index, 1)[0] * (len(profile) - length))
         piece = cropped(profile, first * profile.spacing, (first + length) * profile.spacing)
         return piece if level is None else levelled(piece, level)
 
-    return cut(upper), cut(lower)
+    return crop_and_level(upper), crop_and_level(lower)
 
 
 def piece_below_slider(lower: Profile, offset: float, slider: Profile) -> Profile:
@@ -272,7 +272,7 @@ class MapPairs:
         return min(uy, ly), min(ux, lx)
 
     @cached_property
-    def _points(self) -> tuple[tuple[int, int], tuple[int, int]]:
+    def _map_shapes(self) -> tuple[tuple[int, int], tuple[int, int]]:
         """Number of points along y and x on each map, after resampling to the finer spacing."""
         return tuple(  # type: ignore[return-value]
             tuple(
@@ -283,7 +283,7 @@ class MapPairs:
         )
 
     @cached_property
-    def _steps(self) -> tuple[tuple[int, int], ...]:
+    def _shifts_in_points(self) -> tuple[tuple[int, int], ...]:
         """Specified shifts of the upper map, converted to numbers of rows and columns."""
         dy, dx = self.spacing
         return tuple((round(y / dy), round(x / dx)) for x, y in self.shifts or ())
@@ -291,28 +291,28 @@ class MapPairs:
     def _overlap(self, steps: tuple[int, int]) -> tuple[tuple[int, int], tuple[int, int]]:
         """Return the first row and column of the overlap on the lower map, and the shape of the overlap."""
         first = tuple(max(0, step) for step in steps)
-        ends = (min(lower, step + upper) for upper, lower, step in zip(*self._points, steps, strict=True))
+        ends = (min(lower, step + upper) for upper, lower, step in zip(*self._map_shapes, steps, strict=True))
         return first, tuple(end - start for end, start in zip(ends, first, strict=True))  # type: ignore[return-value]
 
     @cached_property
     def shape(self) -> tuple[int, int]:
         """Numbers of rows and columns of every piece. Raises a `ValueError` if a piece would be too small."""
         if self.shifts is not None:
-            sizes = [self._overlap(steps)[1] for steps in self._steps]
+            sizes = [self._overlap(steps)[1] for steps in self._shifts_in_points]
             rows, columns = (min(lengths) for lengths in zip(*sizes, strict=True))
         else:
             rows, columns = (
                 (shortest_length := min(lengths)) - shortest_length // MAX_SHIFT_DIVISOR
-                for lengths in zip(*self._points, strict=True)
+                for lengths in zip(*self._map_shapes, strict=True)
             )
-        if self.shifts is not None and min(rows, columns) < MIN_PIECE_POINTS:
+        if self.shifts is not None and min(rows, columns) < MIN_PIECE_SIDE_POINTS:
             raise ValueError(
-                f"positions must leave an overlap of at least {MIN_PIECE_POINTS} rows and columns, got {max(rows, 0)} "
-                f"by {max(columns, 0)} points"
+                f"positions must leave an overlap of at least {MIN_PIECE_SIDE_POINTS} rows and columns, "
+                f"got {max(rows, 0)} by {max(columns, 0)} points"
             )
-        if min(rows, columns) < MIN_PIECE_POINTS:
+        if min(rows, columns) < MIN_PIECE_SIDE_POINTS:
             raise ValueError(
-                f"the maps must overlap in at least {MIN_PIECE_POINTS} rows and columns, got maps of "
+                f"the maps must overlap in at least {MIN_PIECE_SIDE_POINTS} rows and columns, got maps of "
                 f"{self.upper.heights.shape} and {self.lower.heights.shape} points"
             )
         return rows, columns
@@ -323,28 +323,30 @@ class MapPairs:
         return float(np.prod(self.shape) * np.prod(self.spacing))
 
     @property
-    def used(self) -> tuple[float, float]:
+    def used_fractions(self) -> tuple[float, float]:
         """Fractions of the upper map and of the lower map that a piece covers."""
         pieces = np.prod(self.shape)
-        return tuple(float(pieces / np.prod(points)) for points in self._points)  # type: ignore[return-value]
+        return tuple(float(pieces / np.prod(points)) for points in self._map_shapes)  # type: ignore[return-value]
 
     def max_count(self) -> int:
         """Return the number of different relative positions that the shifts can reach."""
         if self.shifts is not None:
             return len(self.shifts)
-        margins = [max(upper, lower) - size for upper, lower, size in zip(*self._points, self.shape, strict=True)]
-        equal_size = self._points[0] == self._points[1]
+        margins = [max(upper, lower) - size for upper, lower, size in zip(*self._map_shapes, self.shape, strict=True)]
+        equal_size = self._map_shapes[0] == self._map_shapes[1]
         return (2 * margins[0] + 1) * (margins[1] // 2 + 1) if equal_size else (margins[0] + 1) * (margins[1] + 1)
 
-    def origins(self, index: int) -> tuple[tuple[int, int], tuple[int, int]]:
+    def piece_origins(self, index: int) -> tuple[tuple[int, int], tuple[int, int]]:
         """Return the first row and column of the upper and of the lower piece, counted on the finer grid."""
         if self.shifts is not None:
-            first, size = self._overlap(self._steps[index])
+            first, size = self._overlap(self._shifts_in_points[index])
             below = tuple(start + (n - m) // 2 for start, n, m in zip(first, size, self.shape, strict=True))
-            above = tuple(start - step for start, step in zip(below, self._steps[index], strict=True))
+            above = tuple(start - step for start, step in zip(below, self._shifts_in_points[index], strict=True))
             return above, below  # type: ignore[return-value]
-        margins = [(upper - size, lower - size) for upper, lower, size in zip(*self._points, self.shape, strict=True)]
-        if self._points[0] == self._points[1]:
+        margins = [
+            (upper - size, lower - size) for upper, lower, size in zip(*self._map_shapes, self.shape, strict=True)
+        ]
+        if self._map_shapes[0] == self._map_shapes[1]:
             along_x, along_y = quasi_random_point(index, 2)
             offsets = round(margins[0][0] * (2 * along_y - 1)), round(margins[1][0] * (0.5 + 0.5 * along_x))
             lower = tuple(
@@ -359,13 +361,13 @@ class MapPairs:
 
     def map_shift(self, index: int) -> tuple[float, float]:
         """Return the shift of the upper map along x and y, µm."""
-        upper, lower = self.origins(index)
+        upper, lower = self.piece_origins(index)
         dy, dx = self.spacing
         return (lower[1] - upper[1]) * dx, (lower[0] - upper[0]) * dy
 
     def pair(self, index: int) -> tuple[Surface, Surface]:
         """Return the two levelled pieces at one relative position."""
-        upper, lower = self.origins(index)
+        upper, lower = self.piece_origins(index)
         return self._cut_piece(self.upper, upper), self._cut_piece(self.lower, lower)
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
@@ -374,7 +376,7 @@ class MapPairs:
             self._cut_piece(
                 surrogate(body, self.seed, repetition=index, side=side), _centred_origin(points, self.shape)
             )
-            for body, side, points in zip((self.upper, self.lower), SIDES, self._points, strict=True)
+            for body, side, points in zip((self.upper, self.lower), SIDES, self._map_shapes, strict=True)
         )
         return upper, lower
 
@@ -382,25 +384,25 @@ class MapPairs:
         return levelled(resample_piece(body, self.spacing, origin, self.shape), self.level)
 
 
-class SquarePairs:
+class SquarePiecePairs:
     """Pairs of square pieces cut from random surfaces with the same spacing along both axes."""
 
     _num_side_points: int
-    _step: float
+    _grid_spacing: float
 
     @property
     def spacing(self) -> tuple[float, float]:
         """Spacings of rows and of columns, µm."""
-        return self._step, self._step
+        return self._grid_spacing, self._grid_spacing
 
     @property
     def shape(self) -> tuple[int, int]:
         """Numbers of rows and columns of every piece. Raises a `ValueError` if a piece would be too small."""
         points = self._num_side_points - self._num_side_points // MAX_SHIFT_DIVISOR
-        if points < MIN_PIECE_POINTS:
+        if points < MIN_PIECE_SIDE_POINTS:
             raise ValueError(
-                f"at least {MIN_PIECE_POINTS} rows and columns are required, got {points} at a spacing of "
-                f"{self._step:g} µm"
+                f"at least {MIN_PIECE_SIDE_POINTS} rows and columns are required, got {points} at a spacing of "
+                f"{self._grid_spacing:g} µm"
             )
         return points, points
 
@@ -411,7 +413,7 @@ class SquarePairs:
 
 
 @dataclass(frozen=True, eq=False)
-class IsotropicPairs(SquarePairs):
+class IsotropicSurfacePairs(SquarePiecePairs):
     """Pairs of isotropic random surfaces generated from the spectra of two profiles."""
 
     upper: Profile  # levelled and flipped profile of the upper body
@@ -425,15 +427,15 @@ class IsotropicPairs(SquarePairs):
         return resampled(self.upper, step), resampled(self.lower, step)
 
     @cached_property
-    def _step(self) -> float:  # type: ignore[override]
+    def _grid_spacing(self) -> float:  # type: ignore[override]
         return self._resampled_profiles[0].spacing
 
     @cached_property
     def _num_side_points(self) -> int:  # type: ignore[override]
-        return min(*(len(item) for item in self._resampled_profiles), MAX_SURROGATE_POINTS)
+        return min(*(len(item) for item in self._resampled_profiles), MAX_SURROGATE_SIDE_POINTS)
 
     @property
-    def used(self) -> tuple[float, float]:
+    def used_fractions(self) -> tuple[float, float]:
         """Ratios of the side length of the generated surfaces to the lengths of the two profiles, upper and lower."""
         upper, lower = (self._num_side_points / len(item) for item in self._resampled_profiles)
         return upper, lower
@@ -460,7 +462,7 @@ def to_joined_spectrum(scan: Profile | Surface | JoinedSpectrum) -> JoinedSpectr
 
 
 @dataclass(frozen=True, eq=False)
-class SpectralSurfacePairs(SquarePairs):
+class SpectralSurfacePairs(SquarePiecePairs):
     """Pairs of pieces cut from periodic, isotropic random surfaces, which are generated from two spectra.
 
     The spacing is a quarter of the shortest wavelength, so a longer cutoff wavelength gives a larger surface.
@@ -472,28 +474,28 @@ class SpectralSurfacePairs(SquarePairs):
     level: SurfaceTrend = "plane"  # trend that is subtracted from every piece
     seed: int = 2016
     cut_off: tuple[float, float] = (0.0, 0.0)  # cutoff wavelengths of the upper and the lower body, µm; 0 for no filter
-    finest: float = (
+    finest_spacing: float = (
         # Shortest cutoff of a study, µm. This cutoff determines the grid for all cutoffs.
         # Each member therefore has the same surfaces at all cutoffs.
         0.0
     )
 
     @cached_property
-    def _step(self) -> float:  # type: ignore[override]
-        return max(min(self.upper.shortest, self.lower.shortest), self.finest) / GRID_POINTS_PER_WAVELENGTH
+    def _grid_spacing(self) -> float:  # type: ignore[override]
+        return max(min(self.upper.shortest, self.lower.shortest), self.finest_spacing) / GRID_POINTS_PER_WAVELENGTH
 
     @cached_property
     def _num_side_points(self) -> int:  # type: ignore[override]
         longest = max(self.upper.longest, self.lower.longest) / MAX_WAVELENGTH_FRACTION
-        return min(MAX_SURROGATE_POINTS, int(longest / self._step))
+        return min(MAX_SURROGATE_SIDE_POINTS, int(longest / self._grid_spacing))
 
     @property
-    def side(self) -> float:
+    def side_length(self) -> float:
         """Side length (µm) of the generated surfaces, from which pieces are cut."""
-        return self._num_side_points * self._step
+        return self._num_side_points * self._grid_spacing
 
     @property
-    def used(self) -> tuple[float, float]:
+    def used_fractions(self) -> tuple[float, float]:
         """Fraction of the generated surface that a piece covers, for both bodies."""
         fraction = float(np.prod(self.shape)) / self._num_side_points**2
         return fraction, fraction

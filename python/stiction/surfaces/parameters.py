@@ -11,7 +11,7 @@ NOT_LEVELLED_VALUE = "no"  # value of `levelled` if heights are not levelled
 
 
 @dataclass(frozen=True)
-class Parameter:
+class ParameterDefinition:
     """Roughness parameter: its name, standard, formula, unit and requirements.
 
     Attributes
@@ -73,13 +73,13 @@ _PROFILE_REQUIREMENTS = {"P": "", "R": "one section length", "W": "one section l
 _PROFILE_ELEMENT_REQUIREMENT = "three turns from hill to dale"
 
 
-def _profile_parameters(letter: str) -> tuple[Parameter, ...]:
+def _profile_parameters(letter: str) -> tuple[ParameterDefinition, ...]:
     result = []
     for stem in _PROFILE_PARAMETER_KEYS[letter]:
         meaning, subject, formula, unit = _PROFILE_PARAMETER_TEXTS[stem]
         needs = _PROFILE_ELEMENT_REQUIREMENT if subject == _ELEMENT_CLAUSE else _PROFILE_REQUIREMENTS[letter]
         source, fraction = f"ISO 21920-2, {subject}", stem.startswith("mr")
-        result.append(Parameter(letter + stem, meaning, source, formula, unit, needs, fraction))
+        result.append(ParameterDefinition(letter + stem, meaning, source, formula, unit, needs, fraction))
     return tuple(result)
 
 
@@ -88,76 +88,85 @@ PROFILE_PARAMETERS = {letter: _profile_parameters(letter) for letter in "PRW"}
 
 _ISO_25178, _FIVE_PEAKS = "ISO 25178-2", "five peaks"
 SURFACE_PARAMETERS = (
-    Parameter("Sq", "root-mean-square height", f"{_ISO_25178}, 4.2 height", r"\left(\frac1A \int z^2\,dA\right)^{1/2}"),
-    Parameter("Sa", "arithmetic mean height", f"{_ISO_25178}, 4.2 height", r"\frac1A \int |z|\,dA"),
-    Parameter("Sp", "maximum peak height", f"{_ISO_25178}, 4.2 height", r"\max z"),
-    Parameter("Sv", "maximum pit depth", f"{_ISO_25178}, 4.2 height", r"-\min z"),
-    Parameter("Sz", "maximum height", f"{_ISO_25178}, 4.2 height", "Sp + Sv"),
-    Parameter("Ssk", "skewness", f"{_ISO_25178}, 4.2 height", r"\frac{1}{Sq^3} \frac1A \int z^3\,dA", ""),
-    Parameter("Sku", "kurtosis", f"{_ISO_25178}, 4.2 height", r"\frac{1}{Sq^4} \frac1A \int z^4\,dA", ""),
-    Parameter(
+    ParameterDefinition(
+        "Sq", "root-mean-square height", f"{_ISO_25178}, 4.2 height",
+        r"\left(\frac1A \int z^2\,dA\right)^{1/2}",
+    ),
+    ParameterDefinition("Sa", "arithmetic mean height", f"{_ISO_25178}, 4.2 height", r"\frac1A \int |z|\,dA"),
+    ParameterDefinition("Sp", "maximum peak height", f"{_ISO_25178}, 4.2 height", r"\max z"),
+    ParameterDefinition("Sv", "maximum pit depth", f"{_ISO_25178}, 4.2 height", r"-\min z"),
+    ParameterDefinition("Sz", "maximum height", f"{_ISO_25178}, 4.2 height", "Sp + Sv"),
+    ParameterDefinition("Ssk", "skewness", f"{_ISO_25178}, 4.2 height", r"\frac{1}{Sq^3} \frac1A \int z^3\,dA", ""),
+    ParameterDefinition("Sku", "kurtosis", f"{_ISO_25178}, 4.2 height", r"\frac{1}{Sq^4} \frac1A \int z^4\,dA", ""),
+    ParameterDefinition(
         "Sdq", "root-mean-square gradient", f"{_ISO_25178}, 4.4 hybrid",
         r"\left(\frac1A \int |\nabla z|^2\,dA\right)^{1/2}", "",
     ),
-    Parameter(
+    ParameterDefinition(
         "Sdr", "developed interfacial area ratio", f"{_ISO_25178}, 4.4 hybrid",
         r"\frac1A \int \sqrt{1 + |\nabla z|^2}\,dA - 1", "", is_fraction=True,
     ),
-    Parameter(
+    ParameterDefinition(
         "Sal", "autocorrelation length", f"{_ISO_25178}, 4.3 spatial", r"\min \{r: f_{ACF}(r) \le 0.2\}",
         needs="a decay to 0.2 within half the map",
     ),
-    Parameter(
+    ParameterDefinition(
         "Str", "texture aspect ratio", f"{_ISO_25178}, 4.3 spatial", r"Sal/\max \{r: f_{ACF}(r) \le 0.2\}", "",
         "a decay to 0.2 within half the map in all directions",
     ),
-    Parameter("Std", "texture direction", f"{_ISO_25178}, 4.3 spatial", r"\argmax f_{APS}(s)", "degrees"),
-    Parameter("Ssw", "dominant spatial wavelength", f"{_ISO_25178}, 4.3 spatial", r"2π/|q|,\ q = \argmax |\hat z(q)|"),
-    Parameter(
+    ParameterDefinition("Std", "texture direction", f"{_ISO_25178}, 4.3 spatial", r"\argmax f_{APS}(s)", "degrees"),
+    ParameterDefinition(
+        "Ssw", "dominant spatial wavelength", f"{_ISO_25178}, 4.3 spatial",
+        r"2π/|q|,\ q = \argmax |\hat z(q)|",
+    ),
+    ParameterDefinition(
         "Smr", "material ratio at the mean plane, (c) = 0", f"{_ISO_25178}, 4.5 material ratio",
         r"\frac1A\,|\{z > c\}|", "", is_fraction=True,
     ),
-    Parameter(
+    ParameterDefinition(
         "Sdc", "height difference of material ratios 10 % and 80 %", f"{_ISO_25178}, 4.5 material ratio",
         r"Smc(10\,\%) - Smc(80\,\%)",
     ),
-    Parameter(
+    ParameterDefinition(
         "Sxp", "extreme peak height", f"{_ISO_25178}, 4.5 material ratio", r"Smc(2.5\,\%) - Smc(50\,\%)",
     ),
-    Parameter(
+    ParameterDefinition(
         "Sk", "core height", f"{_ISO_25178}, 4.5 material ratio", r"\text{fall of the core line from 0 to 100 \%}",
     ),
-    Parameter("Spk", "reduced peak height", f"{_ISO_25178}, 4.5 material ratio", r"2 A_1/Smr_1"),
-    Parameter("Svk", "reduced pit depth", f"{_ISO_25178}, 4.5 material ratio", r"2 A_2/(1 - Smr_2)"),
-    Parameter(
+    ParameterDefinition("Spk", "reduced peak height", f"{_ISO_25178}, 4.5 material ratio", r"2 A_1/Smr_1"),
+    ParameterDefinition("Svk", "reduced pit depth", f"{_ISO_25178}, 4.5 material ratio", r"2 A_2/(1 - Smr_2)"),
+    ParameterDefinition(
         "Smr1", "material ratio at the upper end of the core", f"{_ISO_25178}, 4.5 material ratio",
         r"Smr(\text{core line at 0})", "", is_fraction=True,
     ),
-    Parameter(
+    ParameterDefinition(
         "Smr2", "material ratio at the lower end of the core", f"{_ISO_25178}, 4.5 material ratio",
         r"Smr(\text{core line at 100 \%})", "", is_fraction=True,
     ),
-    Parameter("Vmp", "peak material volume, 1 µm³/µm² = 1 ml/m²", f"{_ISO_25178}, 4.5 volume", r"Vm(10\,\%)"),
-    Parameter("Vmc", "core material volume", f"{_ISO_25178}, 4.5 volume", r"Vm(80\,\%) - Vm(10\,\%)"),
-    Parameter("Vvc", "core void volume", f"{_ISO_25178}, 4.5 volume", r"Vv(10\,\%) - Vv(80\,\%)"),
-    Parameter("Vvv", "pit void volume", f"{_ISO_25178}, 4.5 volume", r"Vv(80\,\%)"),
-    Parameter("Spd", "density of peaks", f"{_ISO_25178}, 5.8 feature", r"n/A", "1/µm²"),
-    Parameter(
+    ParameterDefinition("Vmp", "peak material volume, 1 µm³/µm² = 1 ml/m²", f"{_ISO_25178}, 4.5 volume", r"Vm(10\,\%)"),
+    ParameterDefinition("Vmc", "core material volume", f"{_ISO_25178}, 4.5 volume", r"Vm(80\,\%) - Vm(10\,\%)"),
+    ParameterDefinition("Vvc", "core void volume", f"{_ISO_25178}, 4.5 volume", r"Vv(10\,\%) - Vv(80\,\%)"),
+    ParameterDefinition("Vvv", "pit void volume", f"{_ISO_25178}, 4.5 volume", r"Vv(80\,\%)"),
+    ParameterDefinition("Spd", "density of peaks", f"{_ISO_25178}, 5.8 feature", r"n/A", "1/µm²"),
+    ParameterDefinition(
         "Spc", "arithmetic mean peak curvature", f"{_ISO_25178}, 5.8 feature",
         r"-\frac12 \frac1n \sum_i (∂_x^2 z + ∂_y^2 z)_i", "1/µm", "a peak in the interior of the map",
     ),
-    Parameter(
+    ParameterDefinition(
         "S5p", "five-point peak height", f"{_ISO_25178}, 5.8 feature", r"\frac15 \sum_{i=1}^5 z_{p,i}",
         needs=_FIVE_PEAKS,
     ),
-    Parameter(
+    ParameterDefinition(
         "S5v", "five-point pit depth", f"{_ISO_25178}, 5.8 feature", r"-\frac15 \sum_{i=1}^5 z_{v,i}", needs="five pits"
     ),
-    Parameter("S10z", "ten-point height", f"{_ISO_25178}, 5.8 feature", "S5p + S5v", needs="five peaks and five pits"),
+    ParameterDefinition(
+        "S10z", "ten-point height", f"{_ISO_25178}, 5.8 feature",
+        "S5p + S5v", needs="five peaks and five pits",
+    ),
 )  # fmt: skip
 """Parameters of a surface, in the order in which they are presented."""
 
-PARAMETERS = {
+ROUGHNESS_PARAMETERS = {
     parameter.name: parameter
     for parameter in (*(p for group in PROFILE_PARAMETERS.values() for p in group), *SURFACE_PARAMETERS)
 }
@@ -188,7 +197,10 @@ class ParameterSet(TextRepr):
         raise AttributeError(f"{type(self).__name__} has no parameter {name!r}")
 
     def _formatted_values(self) -> list[tuple[str, str, str]]:
-        return [(name, *format_number_and_unit(value, PARAMETERS[name].unit)) for name, value in self.values.items()]
+        return [
+            (name, *format_number_and_unit(value, ROUGHNESS_PARAMETERS[name].unit))
+            for name, value in self.values.items()
+        ]
 
     def _extra_rows(self) -> dict[str, str]:
         return {"levelled": self.levelled}

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, check_choice, validate_number
-from stiction.surfaces.form import round_form
+from stiction.surfaces.form import fit_round_form
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS, Profile, index_mask
 from stiction.surfaces.surface import AnyBody, Surface, as_body
 
@@ -17,11 +17,11 @@ ProfileTrend = Literal["mean", "line", "quadratic"]
 SurfaceTrend = Literal["mean", "plane", "quadratic"]
 ProfileForm = Literal["mean", "line", "quadratic", "cubic", "quartic", "quintic", "sextic", "circle"]
 SurfaceForm = Literal["mean", "plane", "quadratic", "cubic", "quartic", "quintic", "sextic", "sphere", "cylinder"]
-Align = Literal["start", "middle"]  # part of the longer body that is kept: its start or its middle
+GridAlignment = Literal["start", "middle"]  # part of the longer body that is kept: its start or its middle
 # Tolerance for positions on a grid, as a fraction of the spacing.
 # With this tolerance, the position 0.3 µm is point 3 at a spacing of 0.1 µm despite round-off.
-GRID_TOLERANCE = 1e-9
-LINE_ROUND_OFF = 1e-14  # round-off of a subtracted straight line, relative to the largest height
+GRID_POSITION_TOLERANCE = 1e-9
+LEVELLING_ROUND_OFF = 1e-14  # round-off of a subtracted straight line, relative to the largest height
 _TREND_DEGREES = {"mean": 0, "line": 1, "plane": 1, "quadratic": 2, "cubic": 3, "quartic": 4, "quintic": 5, "sextic": 6}
 _DEGREE_ORDINALS = {2: "second", 3: "third", 4: "fourth", 5: "fifth", 6: "sixth"}
 
@@ -33,9 +33,9 @@ _LEVELLING_HISTORY_ENTRIES = {
 }
 
 # At this distance from the end of a spline, in points, the end condition no longer affects the spline.
-_SPLINE_MARGIN = 32
+_SPLINE_MARGIN_POINTS = 32
 _ALIGNMENT_TEXTS = {"start": "first", "middle": "middle"}
-_NEIGHBOUR_ROUNDING = (np.floor, np.ceil)
+_NEIGHBOUR_ROUNDING_FUNCTIONS = (np.floor, np.ceil)
 
 
 @overload
@@ -94,7 +94,7 @@ def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") ->
     scan: Profile | Surface = as_body("body", body, spacing=spacing, unit=unit)
     check_choice("trend", trend, ProfileForm if isinstance(scan, Profile) else SurfaceForm)
     if trend not in _TREND_DEGREES:
-        form, description = round_form(scan.heights, scan.spacings, scan.missing, trend)
+        form, description = fit_round_form(scan.heights, scan.spacings, scan.missing, trend)
         rest = scan.heights - form
         mean = rest.mean() if scan.missing is None else rest[~scan.missing].mean()
         return scan.changed(rest - mean, f"levelled by a {description}")
@@ -136,7 +136,7 @@ def _subtract_fit(heights: Floats, basis: list[Floats], missing: NDArray[np.bool
     for function in basis:
         norm = np.broadcast_to(np.square(function), heights.shape).sum()
         rest = rest - (rest * function).sum() / norm * function
-    return rest if np.abs(rest).max() > LINE_ROUND_OFF * np.abs(heights).max() else np.zeros(heights.shape)
+    return rest if np.abs(rest).max() > LEVELLING_ROUND_OFF * np.abs(heights).max() else np.zeros(heights.shape)
 
 
 def flipped(body: AnyBody) -> AnyBody:
@@ -220,13 +220,13 @@ def find_crop_range(along: str, points: int, spacing: float, start: Any, stop: A
     extent = points * spacing
     start = validate_number("start", start, unit="µm")
     stop = extent if stop is None else validate_number("stop", stop, unit="µm")
-    slack = GRID_TOLERANCE * spacing
+    slack = GRID_POSITION_TOLERANCE * spacing
     if not -slack <= start < stop <= extent + slack:
         raise ValueError(
             f"start must be below stop, and both must be within the extent of {extent:g} µm{along}, got {start:g} and "
             f"{stop:g} µm"
         )
-    first, end = (min(max(math.ceil(place / spacing - GRID_TOLERANCE), 0), points) for place in (start, stop))
+    first, end = (min(max(math.ceil(place / spacing - GRID_POSITION_TOLERANCE), 0), points) for place in (start, stop))
     if end - first < MIN_POINTS:
         raise ValueError(
             f"start and stop must leave at least {MIN_POINTS} points, got {end - first} points from {start:g} to "
@@ -236,10 +236,12 @@ def find_crop_range(along: str, points: int, spacing: float, start: Any, stop: A
 
 
 @overload
-def on_common_grid(a: Profile, b: Profile, *, align: Align = ...) -> tuple[Profile, Profile]: ...
+def on_common_grid(a: Profile, b: Profile, *, align: GridAlignment = ...) -> tuple[Profile, Profile]: ...
 @overload
-def on_common_grid(a: Surface, b: Surface, *, align: Align = ...) -> tuple[Surface, Surface]: ...
-def on_common_grid(a: Any, b: Any, *, align: Align = "start") -> tuple[Profile, Profile] | tuple[Surface, Surface]:
+def on_common_grid(a: Surface, b: Surface, *, align: GridAlignment = ...) -> tuple[Surface, Surface]: ...
+def on_common_grid(
+    a: Any, b: Any, *, align: GridAlignment = "start"
+) -> tuple[Profile, Profile] | tuple[Surface, Surface]:
     """Resample two profiles or two surfaces to the finer spacing of the two, over their common length.
 
     Parameters
@@ -274,7 +276,7 @@ def on_common_grid(a: Any, b: Any, *, align: Align = "start") -> tuple[Profile, 
     >>> on_common_grid(fine, coarse)[1].heights
     array([0. , 0.5, 1. , 1.5, 2. ])
     """
-    check_choice("align", align, Align)
+    check_choice("align", align, GridAlignment)
     if not any(isinstance(a, kind) and isinstance(b, kind) for kind in (Profile, Surface)):
         raise ValueError(
             f"both bodies must be profiles or both must be surfaces, got {type(a).__name__} and {type(b).__name__}"
@@ -294,10 +296,10 @@ def on_common_grid(a: Any, b: Any, *, align: Align = "start") -> tuple[Profile, 
 
 def _count_points(length: float, spacing: float) -> int:
     """Return the number of grid points from 0 to a length (µm), including an end point that round-off would exclude."""
-    return math.floor(length / spacing + GRID_TOLERANCE) + 1
+    return math.floor(length / spacing + GRID_POSITION_TOLERANCE) + 1
 
 
-def _resample_to_grid(body: Any, spacing: tuple[float, ...], shape: tuple[int, ...], align: Align) -> Any:
+def _resample_to_grid(body: Any, spacing: tuple[float, ...], shape: tuple[int, ...], align: GridAlignment) -> Any:
     """Resample a body to given spacings (µm) and a given shape. A body that already has both is returned unchanged."""
     old_spacings = body.spacings
     if (old_spacings, body.heights.shape) == (spacing, shape):
@@ -331,8 +333,8 @@ def resample_piece(
         size = heights.shape[axis]
         positions = np.minimum((first + np.arange(points)) * (step / actual), size - 1)
         missing = _mask_between_points(missing, positions, axis)
-        begin = max(0, math.floor(positions[0]) - _SPLINE_MARGIN)
-        end = min(size, math.ceil(positions[-1]) + 1 + _SPLINE_MARGIN)
+        begin = max(0, math.floor(positions[0]) - _SPLINE_MARGIN_POINTS)
+        end = min(size, math.ceil(positions[-1]) + 1 + _SPLINE_MARGIN_POINTS)
         cropped_heights = np.take(heights, np.arange(begin, end), axis=axis)
         heights = CubicSpline(np.arange(begin, end), cropped_heights, axis=axis, bc_type="natural")(positions)
     (rows, columns), (dy, dx) = shape, spacing
@@ -347,11 +349,15 @@ def _mask_between_points(missing: Any, positions: Floats, axis: int) -> Any:
     """Return the mask of missing positions between points. A position is missing if an adjacent point is missing."""
     if missing is None:
         return None
-    below, above = (np.take(missing, side(positions).astype(np.intp), axis=axis) for side in _NEIGHBOUR_ROUNDING)
+    below, above = (
+        np.take(missing, side(positions).astype(np.intp), axis=axis) for side in _NEIGHBOUR_ROUNDING_FUNCTIONS
+    )
     return below | above
 
 
-def _resample_along(heights: Any, actual: float, spacing: float, points: int, axis: int, align: Align = "start") -> Any:
+def _resample_along(
+    heights: Any, actual: float, spacing: float, points: int, axis: int, align: GridAlignment = "start"
+) -> Any:
     """Resample heights, or a mask of missing points, along an axis. Heights are resampled by natural cubic splines.
 
     If the spacing does not change, the axis is only cropped.
@@ -443,8 +449,8 @@ def rotated(surface: Surface, angle: float) -> Surface:
     if surface.missing is not None:
         corner_indices = [
             (round_y(from_y).astype(np.intp), round_x(from_x).astype(np.intp))
-            for round_y in _NEIGHBOUR_ROUNDING
-            for round_x in _NEIGHBOUR_ROUNDING
+            for round_y in _NEIGHBOUR_ROUNDING_FUNCTIONS
+            for round_x in _NEIGHBOUR_ROUNDING_FUNCTIONS
         ]
         missing = np.logical_or.reduce([surface.missing[corner] for corner in corner_indices])
     lost_fraction = 1 - shape[0] * shape[1] / surface.heights.size

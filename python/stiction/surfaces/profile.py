@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 import stiction._core
 from stiction._checks import Floats, check_choice, float_array, read_only, validate_number
 from stiction._drawing import draw_profile, draw_surface
-from stiction._repr import PlotRepr, axes_for
+from stiction._repr import PlotRepr, axes_or_new_axes
 from stiction.surfaces.interchange import describe_body, extract_heights, to_data_array
 
 if TYPE_CHECKING:
@@ -83,8 +83,8 @@ class Body(PlotRepr):
         Draws into the given axes, or into new ones, and returns them.
         """
         if self.heights.ndim == 2:
-            return draw_surface(axes_for(ax), self.heights, self.spacing)
-        return draw_profile(axes_for(ax), self.x, self.heights)
+            return draw_surface(axes_or_new_axes(ax), self.heights, self.spacing)
+        return draw_profile(axes_or_new_axes(ax), self.x, self.heights)
 
     @classmethod
     def from_(cls, other: Any, *, unit: str | None = None) -> Self:

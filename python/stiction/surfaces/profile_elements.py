@@ -44,7 +44,7 @@ def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, 
     return ends[2:] - ends[:-2], tops - bottoms
 
 
-def mean_element(heights: Floats, peak: float, pit: float) -> tuple[float, float]:
+def mean_profile_element(heights: Floats, peak: float, pit: float) -> tuple[float, float]:
     """Return the mean spacing (points) and the mean height of the profile elements, or NaN if there are no elements."""
     spacings, tall = profile_elements(heights, peak, pit)
     if not spacings.size:

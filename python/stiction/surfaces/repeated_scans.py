@@ -10,7 +10,7 @@ import numpy as np
 
 from stiction._checks import Floats, read_only
 from stiction._drawing import draw_repeated_scans
-from stiction._repr import PlotRepr, axes_for
+from stiction._repr import PlotRepr, axes_or_new_axes
 from stiction.surfaces.filters import gaussian_transmission
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile, reject_missing
@@ -28,7 +28,7 @@ MIN_CORRELATION = 0.5  # two scans are assumed to show the same area only if the
 _SMOOTHING_WIDTHS = (8.0, 4.0, 2.0, 1.0, 0.0)
 _NUM_REFINEMENT_STEPS = 4  # number of Gauss-Newton steps in each stage of the alignment
 # number of points per independent value of white noise after a Gaussian filter that is one point wide
-_CORRELATED_POINTS = 2 * math.sqrt(math.pi)
+_POINTS_PER_INDEPENDENT_VALUE = 2 * math.sqrt(math.pi)
 _OVERLAP_MARGIN = 3  # number of points beyond the overlap that spline interpolation requires
 _NUM_TRIAL_CUTOFFS = 400  # number of trial cutoffs
 # a shift counts as an integer if it deviates from the integer by less than this number of points
@@ -82,7 +82,7 @@ class RepeatedScans(PlotRepr):
 
         Draws into the given axes, or into new ones, and returns them.
         """
-        return draw_repeated_scans(axes_for(ax), self)
+        return draw_repeated_scans(axes_or_new_axes(ax), self)
 
 
 def compare_repeated_scans(first: Profile | Surface, second: Profile | Surface) -> RepeatedScans:
@@ -207,7 +207,7 @@ def _align_scans(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
             float(np.square(slope).mean()) / variance**2 if variance**2 > 0 else math.inf
             for slope, variance in zip(slopes, variances, strict=True)
         )
-        spread *= float(np.sum(residual)) * max(1.0, _CORRELATED_POINTS * width) ** a.ndim
+        spread *= float(np.sum(residual)) * max(1.0, _POINTS_PER_INDEPENDENT_VALUE * width) ** a.ndim
         best = min(best, (spread, shift_found), key=lambda item: item[0])
     shift_found = best[1]
     above, positions = _slice_overlap(a.shape, b.shape, shift_found)

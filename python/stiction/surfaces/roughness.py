@@ -10,9 +10,9 @@ import numpy as np
 from stiction._checks import Floats, check_choice
 from stiction.surfaces.features import feature_parameters
 from stiction.surfaces.material_ratio import (
-    EXTREME_PEAK_RATIOS,
-    PEAK_RATIO,
-    VALLEY_RATIO,
+    EXTREME_PEAK_MATERIAL_RATIOS,
+    PEAK_MATERIAL_RATIO,
+    VALLEY_MATERIAL_RATIO,
     core_parameters,
     heights_at_ratios,
     material_volumes,
@@ -24,7 +24,7 @@ from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 
 Derivative = Literal["seven-point", "neighbours"]
 SEVEN_POINT_WEIGHTS = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0])
-DECAY_LEVEL = 0.2  # autocorrelation that defines the decay lengths: the default of ISO 25178-3
+DECAY_AUTOCORRELATION = 0.2  # autocorrelation that defines the decay lengths: the default of ISO 25178-3
 _NUM_DIRECTIONS = 720  # number of directions along which the autocorrelation is evaluated
 _NUM_SECTORS = 90  # number of angular sectors (two degrees wide) over which the spectral power is summed
 
@@ -107,12 +107,12 @@ def roughness_parameters(
     z = profile.heights
     if z.size < SEVEN_POINT_WEIGHTS.size:
         raise ValueError(f"profile must have at least {SEVEN_POINT_WEIGHTS.size} points, got {z.size}")
-    result = profile_moments(z - z.mean(), profile.spacing, derivative)
+    result = height_and_slope_parameters(z - z.mean(), profile.spacing, derivative)
     values = {parameter.name: result[parameter.name[1:]] for parameter in PROFILE_PARAMETERS["P"]}
     return RoughnessParameters(values, describe_levelling(profile.history))
 
 
-def profile_moments(z: Floats, spacing: float, derivative: Derivative) -> dict[str, float]:
+def height_and_slope_parameters(z: Floats, spacing: float, derivative: Derivative) -> dict[str, float]:
     """Compute height and slope parameters about the mean line. The names omit the profile letter (P, R or W)."""
     scale = float(np.abs(z).max()) or 1.0
     unit = z / scale  # scaling prevents overflow and underflow of the fourth power
@@ -211,16 +211,16 @@ def surface_parameters(
     """
     surface = as_body("surface", surface, Surface, spacing=spacing, unit=unit)
     check_choice("derivative", derivative, Derivative)
-    check_roughness(surface)
+    reject_flat_or_small(surface)
     z = surface.heights
     deviation = z - z.mean()
     scale = float(np.abs(deviation).max())
     deviation /= scale  # scaling prevents overflow and underflow of the fourth power
     values = {
         **_height_parameters(deviation, scale),
-        **_material_ratio(deviation, scale),
+        **_material_ratio_parameters(deviation, scale),
         **_texture_parameters(surface, deviation),
-        **_feature_values(deviation, scale, surface.spacing),
+        **_feature_parameter_values(deviation, scale, surface.spacing),
         "Sz": float(np.ptp(z)),
         "Sdq": rms_gradient(surface, derivative),
         "Sdr": _developed_area_ratio(z, surface.spacing),
@@ -231,7 +231,7 @@ def surface_parameters(
     )
 
 
-def check_roughness(surface: Surface) -> None:
+def reject_flat_or_small(surface: Surface) -> None:
     """Raise a `ValueError` for a surface that is flat, or too small for roughness parameters."""
     reject_flat(surface)
     least, shape = SEVEN_POINT_WEIGHTS.size, surface.heights.shape
@@ -248,9 +248,11 @@ def _height_parameters(deviation: Floats, scale: float) -> dict[str, float]:
     }  # fmt: skip
 
 
-def _material_ratio(deviation: Floats, scale: float) -> dict[str, float]:
+def _material_ratio_parameters(deviation: Floats, scale: float) -> dict[str, float]:
     stratified, parts = core_parameters(deviation), material_volumes(deviation)
-    peak, middle, upper, lower = heights_at_ratios(deviation, [*EXTREME_PEAK_RATIOS, PEAK_RATIO, VALLEY_RATIO]).tolist()
+    peak, middle, upper, lower = heights_at_ratios(
+        deviation, [*EXTREME_PEAK_MATERIAL_RATIOS, PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO]
+    ).tolist()
     return {
         "Smr": float(np.mean(deviation > 0)), "Sdc": scale * (upper - lower), "Sxp": scale * (peak - middle),
         "Sk": scale * stratified.height, "Spk": scale * stratified.peaks, "Svk": scale * stratified.valleys,
@@ -284,7 +286,7 @@ def _dominant_wavelength(deviation: Floats, spacing: tuple[float, float]) -> flo
     return 1 / math.hypot(*map(float, wave_number))
 
 
-def _feature_values(deviation: Floats, scale: float, spacing: tuple[float, float]) -> dict[str, float]:
+def _feature_parameter_values(deviation: Floats, scale: float, spacing: tuple[float, float]) -> dict[str, float]:
     result = feature_parameters(deviation, spacing)
     high, pit_height = scale * result.peak_height, scale * result.pit_depth
     return {
@@ -353,10 +355,12 @@ def _decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[flo
         y = distance * np.sin(angle[unfinished]) / spacing[0]
         x = distance * np.cos(angle[unfinished]) / spacing[1]
         current = _interpolate_bilinear(correlation, y, x)
-        has_decayed = current < DECAY_LEVEL
+        has_decayed = current < DECAY_AUTOCORRELATION
         last = before[unfinished]
         decay_distance[unfinished[has_decayed]] = (
-            distance - step + step * (last[has_decayed] - DECAY_LEVEL) / (last[has_decayed] - current[has_decayed])
+            distance
+            - step
+            + step * (last[has_decayed] - DECAY_AUTOCORRELATION) / (last[has_decayed] - current[has_decayed])
         )
         before[unfinished] = current
     if np.isnan(decay_distance).all():

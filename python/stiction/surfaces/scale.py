@@ -17,7 +17,7 @@ from stiction.surfaces.harmonics import MIN_HARMONIC_DISTANCE, density_between_h
 from stiction.surfaces.hurst import HurstEstimate
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.spectrum import HANN_CORRELATION, ROUND_OFF_FACTOR, power_spectrum, surface_spectrum
+from stiction.surfaces.spectrum import HANN_VARIANCE_FACTOR, ROUND_OFF_FACTOR, power_spectrum, surface_spectrum
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 
 # Constant c of `instrument_limit`: a tip of radius R resolves surfaces with an rms curvature below c/R.
@@ -30,23 +30,23 @@ _WINDOW_OCTAVES = (1.0, 2.0)  # widths, in octaves, of the windows in which a sp
 _MIN_EXPONENT_DEVIATIONS = 3.0
 # Largest wavelength, in points, at which a hump in the spectrum is attributed to the instrument.
 # A hump at a longer wavelength is attributed to the surface.
-_MAX_HUMP_POINTS = 24.0
+_MAX_HUMP_WAVELENGTH_POINTS = 24.0
 # Wavelengths are trusted if their density is at least this multiple of the lowest density.
-_MIN_TRUSTED_RATIO = 4.0
+_MIN_TRUSTED_DENSITY_RATIO = 4.0
 # A spectrum rises where its density exceeds this multiple of the lowest density at longer wavelengths.
 # The spectrum of a surface never rises in this way.
-_MIN_RISE_RATIO = 3.0
+_MIN_RISE_DENSITY_RATIO = 3.0
 # Largest fraction of the mean square slope that may come from wavelengths not attributed to the surface.
 # With a larger fraction, a result may not be quoted.
-MAX_UNKNOWN_FRACTION = 0.1
+MAX_UNATTRIBUTED_FRACTION = 0.1
 # Ratio of a cutoff to the wavelength that it is meant to remove.
 # At this ratio, the Gaussian filter transmits 8 % of the amplitude of the wavelength.
-CUTOFF_MARGIN = 1.9
+CUTOFF_WAVELENGTH_RATIO = 1.9
 _MIN_SLOPE_FRACTION = 1e-4  # a fraction of the mean square slope below this limit may be due to round-off
 # In the last octave, the spectral exponent of a rough surface is at least this large, even with aliasing.
-_MAX_ALIASED_EXPONENT = 0.6
+_MIN_ALIASED_SURFACE_EXPONENT = 0.6
 # Heights count as quantised if rounding explains at least this fraction of the mean square second difference.
-_MIN_ROUNDED_FRACTION = 0.3
+_MIN_QUANTISATION_FRACTION = 0.3
 # A spectrum counts as flat if its exponent and the rms deviation of its log density are below this limit.
 _MAX_FLAT_EXPONENT = 0.35
 # Largest exponent of a noise floor if the fitted range also contains a part of the spectrum of the surface.
@@ -55,20 +55,20 @@ _MAX_FLOOR_EXPONENT = 0.7
 _NOISE_WAVELENGTH_RATIO = 0.7
 # reasons that are always due to the instrument, never to the surface
 INSTRUMENT_REASONS = ("noise floor", "quantisation")
-_MAX_NOISE_RATIO = 2.0  # largest ratio of the noise densities along two axes that count as equal
+_MAX_EQUAL_NOISE_RATIO = 2.0  # largest ratio of the noise densities along two axes that count as equal
 # Noise may be hidden in a spectrum whose density is at least this fraction of the noise density.
 # The limit is below 1 to allow for scatter.
-_MIN_HIDDEN_RATIO = 0.8
+_MIN_HIDING_DENSITY_RATIO = 0.8
 # Below this number of lines with independent noise, no noise is assumed to be hidden along the other axis.
-_MIN_NOISE_LINES = 8.0
+_MIN_INDEPENDENT_LINES = 8.0
 # Extrapolations end at this fraction of the shortest wavelength of the scan.
 _MIN_EXTRAPOLATION_RATIO = 1e-6
 _NUM_BISECTION_STEPS = 60
 
-Origin = Literal["instrument", "unknown"]
-Axis = Literal["", "x", "y"]
+LimitOrigin = Literal["instrument", "unknown"]
+LineAxis = Literal["", "x", "y"]
 
-Spectrum = tuple[Floats, Floats, Floats, float]
+LineSpectrum = tuple[Floats, Floats, Floats, float]
 """Wave numbers, densities, numbers of independent values, and the spacing of the points."""
 
 
@@ -152,15 +152,15 @@ class ScaleDependentRoughness(TextRepr):
         finest = self.wavelength[-1] * (1.0 if estimate is None else _MIN_EXTRAPOLATION_RATIO)
         low, high = math.log(finest), math.log(self.wavelength[0])
 
-        def value(place: float) -> float:
+        def gradient_at_log_wavelength(place: float) -> float:
             length = math.exp(place)
             return float(self.gradient_at(length) if estimate is None else self.continued(length, estimate))
 
-        if value(low) < target:
+        if gradient_at_log_wavelength(low) < target:
             return math.nan
         for _ in range(_NUM_BISECTION_STEPS):
             middle = (low + high) / 2
-            low, high = (middle, high) if value(middle) >= target else (low, middle)
+            low, high = (middle, high) if gradient_at_log_wavelength(middle) >= target else (low, middle)
         return math.exp((low + high) / 2)
 
 
@@ -332,14 +332,14 @@ class InstrumentLimit(TableRepr):
     slope_fraction: float = 0.0
     curvature_fraction: float = 0.0
     cut_off: float = field(default=math.nan, metadata={"unit": "µm"})
-    origin: Origin = "instrument"
+    origin: LimitOrigin = "instrument"
     period: float = field(default=math.nan, metadata={"unit": "µm"})
-    axis: Axis = ""
+    axis: LineAxis = ""
 
     @property
     def matters(self) -> bool:
         """True if wavelengths below the limit contribute more than a tenth of the mean square slope."""
-        return self.slope_fraction > MAX_UNKNOWN_FRACTION
+        return self.slope_fraction > MAX_UNATTRIBUTED_FRACTION
 
 
 def instrument_limit(
@@ -423,7 +423,7 @@ def instrument_limit(
     period = next((item.period for item in disturbances if item.period > 0), math.nan)
     first, is_common, noise, slope = 0, True, waves[0], slopes[0]
     if len(spectra) == 2 and any(wave > 0 for wave in waves):
-        is_common, hidden = _compare_axes(spectra, waves)
+        is_common, hidden = _compare_noise_along_axes(spectra, waves)
         # If the noise differs between the axes, report the axis with the larger contribution.
         first = int(np.nanargmax(waves if is_common else slopes))
         is_floor = [item.kind in INSTRUMENT_REASONS for item in disturbances]
@@ -433,7 +433,7 @@ def instrument_limit(
     fraction = min(slope / total_slope, 1.0)
     if not fraction > _MIN_SLOPE_FRACTION:
         noise = math.nan
-    origin: Origin = (
+    origin: LimitOrigin = (
         "unknown"
         if kind not in INSTRUMENT_REASONS or (disturbances[first].period > 0 and not texture)
         else "instrument"
@@ -453,7 +453,7 @@ def instrument_limit(
         shortest = MIN_CUTOFF_POINTS * min(body.spacings)
         cut = equivalent_cutoff(roughness, fractions[0], np.nanmax(waves) if is_noise else wave, shortest)
     along_x, along_y = waves if len(waves) == 2 else (math.nan, math.nan)
-    axis: Axis = "" if reason != kind or is_common else "x" if first == 0 else "y"
+    axis: LineAxis = "" if reason != kind or is_common else "x" if first == 0 else "y"
     return InstrumentLimit(
         wave, reason, limits["pixels"], noise, limits["tip"], along_x, along_y, *fractions, cut,
         origin if reason == kind else "instrument", period, axis,
@@ -478,7 +478,7 @@ def equivalent_cutoff(roughness: ScaleDependentRoughness, fraction: float, upper
     return max(lower, float(f"{math.exp(high):.1e}"))
 
 
-def line_spectra(body: Profile | Surface, periodic: bool) -> list[Spectrum]:
+def line_spectra(body: Profile | Surface, periodic: bool) -> list[LineSpectrum]:
     """Return the spectrum of a profile, or the mean line spectra of a surface along x and along y."""
     if isinstance(body, Profile):
         line = power_spectrum(body if periodic else levelled(body, "line"), periodic=periodic)
@@ -513,7 +513,7 @@ def _independent_lines(transform: NDArray[np.complex128], *, periodic: bool) -> 
     return np.asarray(np.maximum(2 * ratio - (1 if periodic else 3), 1.0))
 
 
-def _compare_axes(spectra: list[Spectrum], waves: list[float]) -> tuple[bool, float]:
+def _compare_noise_along_axes(spectra: list[LineSpectrum], waves: list[float]) -> tuple[bool, float]:
     """Compare the noise of lines along x with that of lines along y. At least one of the two must contain noise.
 
     White noise has the same variance along both axes, so its densities are proportional to the spacings.
@@ -539,9 +539,11 @@ def _compare_axes(spectra: list[Spectrum], waves: list[float]) -> tuple[bool, fl
     ]).reshape(-1, 2)  # fmt: skip
     other, expected = densities.T
     if waves[1 - axis] > 0:
-        return bool(((other < _MAX_NOISE_RATIO * expected) & (expected < _MAX_NOISE_RATIO * other)).all()), 0.0
+        return bool(
+            ((other < _MAX_EQUAL_NOISE_RATIO * expected) & (expected < _MAX_EQUAL_NOISE_RATIO * other)).all()
+        ), 0.0
     lines = count[q * waves[axis] > 2 * math.pi].mean()
-    if not expected.size or (other < _MIN_HIDDEN_RATIO * expected).any() or lines < _MIN_NOISE_LINES:
+    if not expected.size or (other < _MIN_HIDING_DENSITY_RATIO * expected).any() or lines < _MIN_INDEPENDENT_LINES:
         return False, 0.0
     shorter = other_q * waves[axis] > 2 * math.pi
     return False, float(np.square(other_q[shorter]) @ noise[shorter]) * float(other_q[0]) / math.pi
@@ -595,7 +597,7 @@ def _find_noise(q: Floats, density: Floats, count: Floats, spacing: float, *, pe
     density = np.bincount(index, count * density) / number
     wave = 2 * math.pi * np.exp(-np.bincount(index, count * np.log(q)) / number)
     density = np.maximum(density, 1e-12 * density.max())
-    chance = (1.0 if periodic else HANN_CORRELATION) / number
+    chance = (1.0 if periodic else HANN_VARIANCE_FACTOR) / number
     laws = [list(_fit_window_exponents(-np.log(wave), np.log(density), chance, width)) for width in _WINDOW_OCTAVES]
     if _fit_slope(-np.log(wave), np.log(density), chance)[0] > -_MAX_FLAT_EXPONENT:
         return float(wave[0]), "noise floor"
@@ -603,20 +605,20 @@ def _find_noise(q: Floats, density: Floats, count: Floats, spacing: float, *, pe
     end, deviation = _fit_slope(-np.log(wave[last]), np.log(density[last]), chance[last])
     candidates = [_find_flattening(law, wave / spacing, density, chance) for law in laws]
     candidates.append(_find_rise(wave / spacing, density, chance))
-    if end - 2 * deviation > -_MAX_ALIASED_EXPONENT:
+    if end - 2 * deviation > -_MIN_ALIASED_SURFACE_EXPONENT:
         candidates.append(int(np.argmin(np.where(last, density, math.inf))))
     if not any(bin_ is not None for bin_ in candidates):
         return nothing
     place = min(place for place in candidates if place is not None)
-    higher = np.flatnonzero(density[: place + 1] >= _MIN_TRUSTED_RATIO * density[place])
+    higher = np.flatnonzero(density[: place + 1] >= _MIN_TRUSTED_DENSITY_RATIO * density[place])
     trusted = int(higher[-1]) if higher.size else 0
     limit = math.sqrt(wave[trusted] * wave[min(trusted + 1, place)])
     rising = place + np.flatnonzero(density[place:] > 2 * density[place])
     if rising.size:
-        limit = max(limit, CUTOFF_MARGIN * float(wave[rising[0]]))
+        limit = max(limit, CUTOFF_WAVELENGTH_RATIO * float(wave[rising[0]]))
     if rising.size and np.sum(density[place:] > density[place:].max() / 4) <= 2:
         return limit, "line"
-    if _is_floor(wave, density, chance, limit):
+    if _is_noise_floor(wave, density, chance, limit):
         return limit, "noise floor"
     if rising.size and wave[rising[0]] < 1.4 * wave[-1]:
         return limit, "roll-up"
@@ -631,7 +633,7 @@ def _fit_slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:
     return float(weight @ (deviation * y)) / square, 1 / math.sqrt(square)
 
 
-def _is_floor(wave: Floats, density: Floats, chance: Floats, limit: float) -> bool:
+def _is_noise_floor(wave: Floats, density: Floats, chance: Floats, limit: float) -> bool:
     """Return True if a spectrum is nearly flat below the wavelength `limit` (µm), and flat in its shortest octave."""
     for max_wave, max_exponent in (
         (_NOISE_WAVELENGTH_RATIO * limit, _MAX_FLOOR_EXPONENT),
@@ -679,7 +681,7 @@ def _find_flattening(
             has_fallen = True
         elif has_fallen and exponent - _MIN_EXPONENT_DEVIATIONS * deviation > -1:
             slope = _fit_slope(-np.log(points[first:]), np.log(density[first:]), chance[first:])[0]
-            if points[first] <= _MAX_HUMP_POINTS or slope > -1:
+            if points[first] <= _MAX_HUMP_WAVELENGTH_POINTS or slope > -1:
                 return first + int(np.argmin(density[first:end]))
     return None
 
@@ -689,9 +691,9 @@ def _find_rise(points: Floats, density: Floats, chance: Floats) -> int | None:
     lowest, lowest_bin = math.inf, 0
     for bin_ in np.flatnonzero(chance < 1 / 4):
         if (
-            points[bin_] <= _MAX_HUMP_POINTS
+            points[bin_] <= _MAX_HUMP_WAVELENGTH_POINTS
             and lowest_bin
-            and density[bin_] > max(_MIN_RISE_RATIO, 1 + 5 * math.sqrt(chance[bin_])) * lowest
+            and density[bin_] > max(_MIN_RISE_DENSITY_RATIO, 1 + 5 * math.sqrt(chance[bin_])) * lowest
         ):
             return lowest_bin
         bound = float(density[bin_]) * (1 + 3 * math.sqrt(chance[bin_]))
@@ -706,4 +708,4 @@ def _is_quantised(body: Profile | Surface) -> bool:
     bends = float(np.square(np.diff(body.heights, 2)).mean())
     # Rounding to a step s has the variance s²/12.
     # Second differences of white noise have six times the variance of the noise.
-    return bool(steps.size < body.heights.size / 4 and np.median(steps) ** 2 / 2 > _MIN_ROUNDED_FRACTION * bends)
+    return bool(steps.size < body.heights.size / 4 and np.median(steps) ** 2 / 2 > _MIN_QUANTISATION_FRACTION * bends)

@@ -15,12 +15,12 @@ from stiction.surfaces.filters import gaussian_mean, robust_mean
 from stiction.surfaces.material_ratio import core_parameters, heights_at_ratios
 from stiction.surfaces.parameters import PROFILE_PARAMETERS, ParameterSet
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.profile_elements import mean_element
-from stiction.surfaces.roughness import SEVEN_POINT_WEIGHTS, Derivative, describe_levelling, profile_moments
+from stiction.surfaces.profile_elements import mean_profile_element
+from stiction.surfaces.roughness import SEVEN_POINT_WEIGHTS, Derivative, describe_levelling, height_and_slope_parameters
 from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
 from stiction.surfaces.surface import BodyLike, as_body, reject_flat
 
-DEFAULT_SECTIONS = 5  # default number of section lengths in an evaluation length
+DEFAULT_SECTION_COUNT = 5  # default number of section lengths in an evaluation length
 _RDC_MATERIAL_RATIOS = 0.2, 0.8  # material ratios whose height difference is Rdc
 
 
@@ -48,7 +48,7 @@ SETTING_CLASSES = (
 _INITIAL_SETTING_CLASS = 2  # index of the class at which the search starts
 
 
-class SectionError(ValueError):
+class SectionLengthError(ValueError):
     """Error for a profile that is too short or too coarse for the section length."""
 
 
@@ -126,7 +126,7 @@ class SectionParameters(ParameterSet):
 
 def section_parameters(
     profile: BodyLike, *, lc: float | str | None = None, ls: float | str | None = None,
-    sections: int = DEFAULT_SECTIONS, robust: bool = False, derivative: Derivative = "seven-point",
+    sections: int = DEFAULT_SECTION_COUNT, robust: bool = False, derivative: Derivative = "seven-point",
     spacing: Any = None, unit: str = "um",
 ) -> SectionParameters:  # fmt: skip
     r"""Compute the R- and W-parameters of a profile as specified on technical drawings.
@@ -205,16 +205,16 @@ def section_parameters(
             profile, validate_number("lc", lc, unit="µm", above=0), short_cutoff_given, sections, robust, derivative
         )
         return result
-    return _compute_by_class(profile, short_cutoff_given, sections, robust, derivative)
+    return _compute_with_matching_class(profile, short_cutoff_given, sections, robust, derivative)
 
 
-def _compute_by_class(
+def _compute_with_matching_class(
     profile: Profile, ls: float | None, sections: int, robust: bool, derivative: Derivative
 ) -> SectionParameters:
     """Compute the parameters with the setting class that matches the resulting Ra and RSm."""
     lengths = [setting.section_length for setting in SETTING_CLASSES]
     if lengths[0] > profile.extent * ROUND_OFF_FACTOR:
-        raise SectionError(_too_short_message(profile, lengths[0]))
+        raise SectionLengthError(_too_short_message(profile, lengths[0]))
     min_length, max_length = _min_section_length(profile.spacing), profile.extent * ROUND_OFF_FACTOR
     fitting = [
         index
@@ -222,7 +222,7 @@ def _compute_by_class(
         if min_length <= length * ROUND_OFF_FACTOR and length <= max_length
     ]
     if not fitting:
-        raise SectionError(_too_coarse_message(profile))
+        raise SectionLengthError(_too_coarse_message(profile))
     results_by_class: dict[int, SectionParameters] = {}
 
     def find_matching_class(index: int) -> int:
@@ -241,7 +241,7 @@ def _compute_by_class(
         following = index + 1 if targets > index else index - 1
         if following not in fitting:
             remedy = _too_short_remedy(profile) if targets > index else _too_coarse_message(profile)
-            raise SectionError(
+            raise SectionLengthError(
                 f"{_format_reasons(results_by_class[index])} require a section length of "
                 f"{_format_length(lengths[targets])}; {remedy}"
             )
@@ -291,7 +291,7 @@ def _compute_with_cutoff(
     """Compute the parameters for a given section length (µm)."""
     spacing = profile.spacing
     if lc > profile.extent * ROUND_OFF_FACTOR:
-        raise SectionError(_too_short_message(profile, lc))
+        raise SectionLengthError(_too_short_message(profile, lc))
     if lc * ROUND_OFF_FACTOR < _min_section_length(spacing):
         raise ValueError(
             f"lc must be at least {_min_section_length(spacing):g} µm ({SEVEN_POINT_WEIGHTS.size} points), "
@@ -325,16 +325,16 @@ def _compute_with_cutoff(
 def _roughness_values(z: Floats, ends: list[int], spacing: float, derivative: Derivative) -> dict[str, float]:
     pieces = [z[start:stop] for start, stop in itertools.pairwise(ends)]
     peak, pit = (float(np.mean([(sign * piece).max() for piece in pieces])) for sign in (1, -1))
-    mean_spacing, tall = mean_element(z, peak, pit)
+    mean_spacing, tall = mean_profile_element(z, peak, pit)
     stratified, (upper, lower) = core_parameters(z), heights_at_ratios(z, _RDC_MATERIAL_RATIOS).tolist()
     values: dict[str, Any] = {
         "z": peak + pit, "p": peak, "v": pit, "Sm": mean_spacing * spacing, "c": tall, "mr": float(np.mean(z > 0)),
         "dc": upper - lower, "k": stratified.height, "pk": stratified.peaks, "vk": stratified.valleys,
         "mrk1": stratified.upper_ratio, "mrk2": stratified.lower_ratio,
     }  # fmt: skip
-    return profile_moments(z, spacing, derivative) | values
+    return height_and_slope_parameters(z, spacing, derivative) | values
 
 
 def _waviness_values(z: Floats, spacing: float, derivative: Derivative) -> dict[str, float]:
-    mean_spacing, tall = mean_element(z, float(z.max()), float(-z.min()))
-    return profile_moments(z, spacing, derivative) | {"Sm": mean_spacing * spacing, "c": tall}
+    mean_spacing, tall = mean_profile_element(z, float(z.max()), float(-z.min()))
+    return height_and_slope_parameters(z, spacing, derivative) | {"Sm": mean_spacing * spacing, "c": tall}

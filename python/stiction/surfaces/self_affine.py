@@ -13,7 +13,7 @@ from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS, Profile, Side
 from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
 from stiction.surfaces.surface import Surface, parse_lengths, parse_shape
 
-Amplitudes = Literal["rayleigh", "fixed"]
+AmplitudeDistribution = Literal["rayleigh", "fixed"]
 
 
 def self_affine(
@@ -26,7 +26,7 @@ def self_affine(
     longest_wavelength: float | None = None,
     shortest_wavelength: float | None = None,
     periodic: bool = False,
-    amplitudes: Amplitudes = "rayleigh",
+    amplitudes: AmplitudeDistribution = "rayleigh",
     repetition: int = 0,
     side: Side = "lower",
 ) -> Profile:
@@ -93,9 +93,9 @@ def self_affine(
     >>> round(roughness_parameters(profile).Pq, 12)
     0.1
     """
-    check_choice("amplitudes", amplitudes, Amplitudes)
+    check_choice("amplitudes", amplitudes, AmplitudeDistribution)
     check_bool("periodic", periodic)
-    hurst, rms = _exponent_and_height(hurst_exponent, rms)
+    hurst, rms = _check_exponent_and_rms(hurst_exponent, rms)
     points = validate_whole_number("points", points, minimum=MIN_POINTS, maximum=MAX_POINTS)
     spacing = validate_number("spacing", spacing, unit="µm", above=0)
     extent = points * spacing
@@ -129,7 +129,7 @@ def self_affine(
     return Profile(np.fft.irfft(transform, period)[:points], spacing=spacing)
 
 
-def _exponent_and_height(hurst_exponent: Any, rms: Any) -> tuple[float, float]:
+def _check_exponent_and_rms(hurst_exponent: Any, rms: Any) -> tuple[float, float]:
     hurst = validate_number("hurst_exponent", hurst_exponent, above=0)
     if hurst > 2:
         raise ValueError(f"hurst_exponent must be above 0 and at most 2, got {hurst_exponent!r}")
@@ -216,7 +216,7 @@ def self_affine_surface(
     """
     from scipy.fft import irfft2
 
-    hurst, rms = _exponent_and_height(hurst_exponent, rms)
+    hurst, rms = _check_exponent_and_rms(hurst_exponent, rms)
     rows, columns = parse_shape(shape, least=4)
     along_y, along_x = parse_lengths("spacing", spacing)
     extent_y, extent_x = rows * along_y, columns * along_x

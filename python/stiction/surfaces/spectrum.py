@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats, check_bool, read_only, validate_number, validate_whole_number
 from stiction._drawing import draw_spectrum
-from stiction._repr import PlotRepr, TableRepr, TextRepr, axes_for
+from stiction._repr import PlotRepr, TableRepr, TextRepr, axes_or_new_axes
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
 
@@ -26,7 +26,7 @@ ROUND_OFF_FACTOR = 1 + 1e-9  # factor that allows for round-off in ratios of len
 _PEAK_BINS_PER_DECADE = 24  # number of bins per decade in the search for peaks
 _PEAK_WINDOW_BINS = 6  # number of bins on each side of a bin that determine its median level
 
-HANN_CORRELATION = 35 / 18
+HANN_VARIANCE_FACTOR = 35 / 18
 """Factor by which a Hann window w increases the variance of sums over harmonics: mean(w⁴) / mean(w²)²."""
 
 
@@ -87,7 +87,7 @@ class PowerSpectrum(PlotRepr):
         Draws into the given axes, or into new ones, and returns them.
         """
         bins = self.in_bins()
-        return draw_spectrum(axes_for(ax), (self.wave_number, self.density), (bins.wave_number, bins.density))
+        return draw_spectrum(axes_or_new_axes(ax), (self.wave_number, self.density), (bins.wave_number, bins.density))
 
 
 def _average_in_bins(per_decade: int, q: Floats, density: Floats, count: Floats) -> tuple[Floats, Floats, Floats]:
@@ -485,7 +485,7 @@ def areal_spectrum(heights: Floats, spacing: tuple[float, float], *, windowed: b
 # ---- Peaks ----------------------------------------------------------------------------------------------------------
 
 
-def find_peak(spectrum: PowerSpectrum, *, lines: int = 1) -> tuple[float, float] | None:
+def find_spectral_peak(spectrum: PowerSpectrum, *, lines: int = 1) -> tuple[float, float] | None:
     """Find the highest narrow and statistically significant peak of a spectrum.
 
     Returns the wavelength (µm) of the peak and the fraction of m4 in all peaks; None if there is no peak.

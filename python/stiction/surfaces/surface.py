@@ -14,11 +14,11 @@ from stiction.surfaces.measured.raw import LENGTH_UNITS
 from stiction.surfaces.profile import MAX_POINTS, Body, Profile, index_mask
 
 AnyBody = TypeVar("AnyBody", bound="Profile | Surface")
-SurfaceAmplitude = Literal["height", "Sa", "Sq"]
+SurfaceAmplitudeMeasure = Literal["height", "Sa", "Sq"]
 BodyLike = Any  # a Profile, a Surface, or an array of heights
 
 # Names that the C++ core uses for the amplitude measures that do not depend on the order of the points.
-_CORE_MEASURES = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
+_CORE_MEASURE_NAMES = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
 # Lower limit of the height of a body (µm). Fourth powers of smaller heights would underflow.
 # The inverse of this number is the upper limit, because fourth powers of larger heights would overflow.
 _MIN_HEIGHT = 1e-50
@@ -81,20 +81,20 @@ class Surface(Body):
     def row(self, index: int) -> Profile:
         """Return one row as a profile along x."""
         index = validate_whole_number("index", index, minimum=0, maximum=self.heights.shape[0] - 1)
-        return self._line(index, 1, f"row {index}")
+        return self._extract_profile(index, 1, f"row {index}")
 
     def column(self, index: int) -> Profile:
         """Return one column as a profile along y."""
         index = validate_whole_number("index", index, minimum=0, maximum=self.heights.shape[1] - 1)
-        return self._line((slice(None), index), 0, f"column {index}")
+        return self._extract_profile((slice(None), index), 0, f"column {index}")
 
-    def _line(self, index: Any, axis: int, step: str) -> Profile:
+    def _extract_profile(self, index: Any, axis: int, step: str) -> Profile:
         mask = index_mask(self.missing, index)
         # a line without measured points keeps its interpolated heights
         mask = None if mask is None or mask.all() else mask
         return Profile(self.heights[index], spacing=self.spacing[axis], history=(*self.history, step), missing=mask)
 
-    def with_amplitude(self, amplitude: float, measure: SurfaceAmplitude = "height") -> Surface:
+    def with_amplitude(self, amplitude: float, measure: SurfaceAmplitudeMeasure = "height") -> Surface:
         """Return the surface with zero mean, scaled to a given amplitude.
 
         Parameters
@@ -104,10 +104,10 @@ class Surface(Body):
         measure : {"height", "Sa", "Sq"}
             Highest minus lowest point, mean absolute deviation, or root-mean-square deviation from the mean.
         """
-        check_choice("measure", measure, SurfaceAmplitude)
+        check_choice("measure", measure, SurfaceAmplitudeMeasure)
         amplitude = validate_number("amplitude", amplitude, unit="µm", above=0)
         scaled = np.empty(self.heights.size)
-        if not _core.scale_to_amplitude(self.heights.ravel(), amplitude, _CORE_MEASURES[measure], scaled):
+        if not _core.scale_to_amplitude(self.heights.ravel(), amplitude, _CORE_MEASURE_NAMES[measure], scaled):
             raise ValueError("surface must not be flat, because a flat surface cannot be scaled to an amplitude")
         return self.changed(scaled.reshape(self.heights.shape), f"scaled to {measure} {amplitude:g} µm")
 

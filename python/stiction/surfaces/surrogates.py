@@ -21,7 +21,7 @@ _MAX_SCORING_STEPS = 1000  # maximum number of iterations of the fit; about ten 
 _CONVERGENCE_TOLERANCE = 1e-6
 # Default maximum number of rows and of columns of a surrogate.
 # The half-space solution of a map of this size takes some tenths of a second.
-_MAX_DEFAULT_POINTS = 512
+_MAX_DEFAULT_SIDE_POINTS = 512
 
 
 def surrogate(
@@ -173,7 +173,7 @@ def isotropic_spectrum(profile: Profile, *, periodic: bool = False) -> RadialSpe
     True
     """
     profile = as_body("profile", profile, Profile)
-    edges, density, count = _fit_rings(profile, periodic)
+    edges, density, count = _fit_ring_densities(profile, periodic)
     return RadialSpectrum(wave_number=np.sqrt(edges[1:] * edges[:-1]), density=density, count=count)
 
 
@@ -228,9 +228,9 @@ def isotropic_surface(
     (1.28, 1.28)
     """
     profile = as_body("profile", profile, Profile)
-    limit = min(len(profile), _MAX_DEFAULT_POINTS)
+    limit = min(len(profile), _MAX_DEFAULT_SIDE_POINTS)
     rows, columns = parse_shape((limit, limit) if shape is None else shape, least=4)
-    edges, density, _ = _fit_rings(profile, periodic)
+    edges, density, _ = _fit_ring_densities(profile, periodic)
     q_y, q_x = (2 * math.pi * np.fft.fftfreq(points, profile.spacing) for points in (rows, columns))
     q = np.hypot(q_y[:, np.newaxis], q_x)
     ring = np.searchsorted(edges, q, side="right")  # index 0 is for wavelengths longer than the profile
@@ -252,7 +252,7 @@ def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> F
     return np.asarray(ifft2(waves, overwrite_x=True).real)
 
 
-def _fit_rings(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
+def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
     """Return rings of wave vectors: their edges, the fitted densities C2D and the numbers of harmonics."""
     check_bool("periodic", periodic)
     reject_flat(profile)

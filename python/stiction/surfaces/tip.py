@@ -63,7 +63,7 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
         np.minimum(eroded[selected], recorded[occupied] + depth, out=eroded[selected])
     num_touched, is_certain = np.zeros(recorded.shape, np.int32), np.zeros(recorded.shape, np.bool_)
     tolerance = _TIP_CONTACT_TOLERANCE * max(deepest, float(np.abs(recorded).max()))
-    _, limit = _tip_reach(recorded.shape, spacing, radius, deepest)
+    _, limit = _tip_half_width(recorded.shape, spacing, radius, deepest)
     inside = np.zeros(recorded.shape, np.bool_)
     inside[tuple(slice(reach, points - reach) for reach, points in zip(limit, recorded.shape, strict=True))] = True
     for counting in (True, False):
@@ -83,7 +83,7 @@ def _tip_heights(
     shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float
 ) -> Iterator[tuple[tuple[slice, ...], tuple[slice, ...], float]]:
     """Yield, for each offset within reach of the tip: slices of points and of their neighbours, and the tip height."""
-    reach, limit = _tip_reach(shape, spacing, radius, deepest)
+    reach, limit = _tip_half_width(shape, spacing, radius, deepest)
     for steps in np.ndindex(*(2 * item + 1 for item in limit)):
         offsets = np.subtract(steps, limit)
         square = float(np.square(offsets * spacing).sum())
@@ -97,7 +97,7 @@ def _tip_heights(
         yield selected, occupied, radius - math.sqrt(max(0.0, radius**2 - square))
 
 
-def _tip_reach(shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float) -> tuple[float, list[int]]:
+def _tip_half_width(shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float) -> tuple[float, list[int]]:
     """Return the half width of a tip at the height `deepest` above its lowest point, in µm and in points per axis."""
     reach = math.sqrt(radius**2 - max(0.0, radius - deepest) ** 2)
     return reach, [min(int(reach / step), points - 1) for step, points in zip(spacing.tolist(), shape, strict=True)]

@@ -21,7 +21,7 @@ from stiction.surfaces.hurst import HurstEstimate, estimate_hurst_exponent
 from stiction.surfaces.lines import MAX_POWER_LAW_MISFIT, LineRoughness, lines_along_both, power_law_misfit
 from stiction.surfaces.measured.writing import heights_with_nan
 from stiction.surfaces.missing_data import MIN_OUTLIER_DEVIATIONS, find_outliers
-from stiction.surfaces.parameters import PARAMETERS, PROFILE_PARAMETERS, Parameter
+from stiction.surfaces.parameters import PROFILE_PARAMETERS, ROUGHNESS_PARAMETERS, ParameterDefinition
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import (
     RoughnessParameters,
@@ -36,12 +36,12 @@ from stiction.surfaces.scale import (
     instrument_limit,
     scale_dependent_roughness,
 )
-from stiction.surfaces.sections import DEFAULT_SECTIONS, SectionError, SectionParameters, section_parameters
+from stiction.surfaces.sections import DEFAULT_SECTION_COUNT, SectionLengthError, SectionParameters, section_parameters
 from stiction.surfaces.spectrum import (
     PowerSpectrum,
     ProfileMoments,
     RadialSpectrum,
-    find_peak,
+    find_spectral_peak,
     power_spectrum,
     spectral_moments,
     surface_spectrum,
@@ -156,13 +156,13 @@ class Characterisation:
         return rms_gradient(body, "neighbours")
 
     @cached_property
-    def sections(self) -> SectionParameters | SectionError | None:
+    def sections(self) -> SectionParameters | SectionLengthError | None:
         """R- and W-parameters of a profile, or the error that prevented their computation; None for a surface."""
         if not isinstance(self.body, Profile):
             return None
         try:
             return section_parameters(self.body, lc=self.lc, ls=self.ls, robust=self.robust)
-        except SectionError as error:
+        except SectionLengthError as error:
             if self.lc is not None:
                 raise
             return error
@@ -304,10 +304,11 @@ class Characterisation:
             no_filters = "none: S-F surface with all wavelengths; --ls and --lc set filters"
             filters_text = ", then ".join(filter_steps) if filter_steps else no_filters
             return [TableRow("filters", (filters_text,)), *rows]
-        if isinstance(result, SectionError):
+        if isinstance(result, SectionLengthError):
             names = [item.name for letter in "RW" for item in PROFILE_PARAMETERS[letter]]
             missing_entries = tuple(
-                json_entry(name, math.nan, _json_unit(PARAMETERS[name]), status="no-section") for name in names
+                json_entry(name, math.nan, _json_unit(ROUGHNESS_PARAMETERS[name]), status="no-section")
+                for name in names
             )
             reason = str(result).replace("cutoff lc", "--lc")
             return [*rows, TableRow("R and W parameters", (f"none: {reason}",), missing_entries)]
@@ -317,7 +318,7 @@ class Characterisation:
     def _table_rows(self, values: Mapping[str, float]) -> list[TableRow]:
         rows = []
         for name, value in values.items():
-            rows.append(self._parameter_row(PARAMETERS[name], value))
+            rows.append(self._parameter_row(ROUGHNESS_PARAMETERS[name], value))
             if name == "Std":
                 steepest_direction = self._areal_analysis[2]
                 text = f"{steepest_direction:.1f}°, direction in which lines are steepest on average"
@@ -328,7 +329,7 @@ class Characterisation:
                 )
         return rows
 
-    def _parameter_row(self, parameter: Parameter, value: float) -> TableRow:
+    def _parameter_row(self, parameter: ParameterDefinition, value: float) -> TableRow:
         name = parameter.name
         row = _parameter_table_row(name, value, _json_unit(parameter))._replace(
             is_detail=name not in HEADLINE_PARAMETERS
@@ -590,7 +591,7 @@ def length_text(value: float) -> str:
     return f"{value / size:.4g} {unit}"
 
 
-def _json_unit(parameter: Parameter) -> str:
+def _json_unit(parameter: ParameterDefinition) -> str:
     """Return the JSON unit of a parameter."""
     return _JSON_UNITS.get(parameter.unit, parameter.unit.replace("µm", "um").replace("²", "2"))
 
@@ -600,7 +601,7 @@ def _filters_text(result: SectionParameters) -> str:
     filters = result.filters
     short_cutoff_text = "no λs" if filters.ls is None else f"λs {length_text(filters.ls)}"
     filter_kind = "robust Gaussian regression" if filters.robust else "Gaussian"
-    fewer_sections_text = "" if filters.sections == DEFAULT_SECTIONS else f" instead of {DEFAULT_SECTIONS}"
+    fewer_sections_text = "" if filters.sections == DEFAULT_SECTION_COUNT else f" instead of {DEFAULT_SECTION_COUNT}"
     sections_text = f"section{'s' * (filters.sections != 1)}{fewer_sections_text} of {length_text(filters.lc)}"
     cutoffs_text = f"λc {length_text(filters.lc)}, {short_cutoff_text}"
     return f"{filter_kind}, {cutoffs_text} ({filters.reason}); {filters.sections} {sections_text}"
@@ -625,7 +626,7 @@ def _parameter_table_row(name: str, value: float, unit: str = "1", *, label: str
 
 
 def _peak_rows(label: str, spectrum: PowerSpectrum, lines: int = 1) -> list[TableRow]:
-    result = find_peak(spectrum, lines=lines)
+    result = find_spectral_peak(spectrum, lines=lines)
     if result is None or result[1] < _MIN_PEAK_FRACTION:
         return []
     wavelength_text, contribution = length_text(result[0]), 100 * result[1]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from stiction._files import check_replaceable, new_file, replaced_file
+from stiction._files import check_replaceable, new_file, replacement_file
 from stiction._text import printable_path
 from stiction.studies.result import Result
 from stiction.views.latex import latex_table
@@ -30,7 +30,7 @@ def check_files(folder: Path, file_marks: Mapping[str, bytes]) -> None:
 
 def replace_text(path: Path, text: str, file_mark: bytes) -> None:
     """Write a text file. Replace an existing file only if it contains `file_mark`; otherwise raise a `ValueError`."""
-    with replaced_file(path, file_mark, ValueError) as partial_path:
+    with replacement_file(path, file_mark, ValueError) as partial_path:
         partial_path.write_text(text, encoding="utf-8")
 
 

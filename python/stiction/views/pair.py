@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 from warnings import warn
 
 from stiction._errors import ArgumentError
-from stiction.mechanics.half_space import Tilt
-from stiction.mechanics.model import Curvature, Detection
+from stiction.mechanics.half_space import TiltMode
+from stiction.mechanics.model import CurvatureRequirement, Detection
 from stiction.studies.interfaces import Interface, write_interface
 from stiction.studies.pair import study_from_options
 from stiction.studies.pair_options import (
@@ -65,10 +65,10 @@ def pair(
     work_of_adhesion: Value | None = None,
     adhesion_range: Value | None = None,
     mechanics: Mechanics | None = None,
-    tilt: Tilt | None = None,
+    tilt: TiltMode | None = None,
     law: LawChoice | None = None,
     detection: Detection | None = None,
-    curvature: Curvature | None = None,
+    curvature: CurvatureRequirement | None = None,
     gap: Gap | None = None,
     lay: Lay | None = None,
     lines: Count | None = None,

@@ -106,8 +106,8 @@ def _report_page_of_result(result: Result, name: str, picture: xarray.Dataset | 
         "why": {
             name: {"short": short_label, "why": _status_reason(name)} for name, short_label in STATUS_LABELS.items()
         },
-        "tau0Sane": 1000 * friction.SHEAR_STRENGTH_LIMIT * float(study.contact.effective_modulus),
-        "saneText": format_with_unit(friction.SHEAR_STRENGTH_LIMIT * float(study.contact.effective_modulus), "GPa"),
+        "tau0Sane": 1000 * friction.MAX_SHEAR_STRENGTH_RATIO * float(study.contact.effective_modulus),
+        "saneText": format_with_unit(friction.MAX_SHEAR_STRENGTH_RATIO * float(study.contact.effective_modulus), "GPa"),
         "tables": content.packed_arrays.offsets, "leading": STORED_FLOAT_BYTES,
         "errorText": _interpolation_error_text(content.facts.get("error")),
     }  # fmt: skip
