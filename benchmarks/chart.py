@@ -56,7 +56,7 @@ def load_ratios(table: str) -> dict[str, dict[str, float]]:
     return result
 
 
-def draw() -> None:
+def draw_chart() -> None:
     """Draw a group of bars for each task, with stiction first."""
     ratios_by_task = load_ratios((DOCS_FOLDER / "generated/performance.md").read_text(encoding="utf-8"))
     with mpl.rc_context(MATPLOTLIB_STYLE):
@@ -88,4 +88,4 @@ def draw() -> None:
 
 
 if __name__ == "__main__":
-    draw()
+    draw_chart()

@@ -49,7 +49,7 @@ def solve_by_stiction(heights: np.ndarray, load: float) -> HalfSpaceCurve:
     )
 
 
-def tamaas_solver(tolerance: float, *, free: bool = False) -> Callable[[np.ndarray, float], np.ndarray]:
+def tamaas_solver(tolerance: float, *, is_free: bool = False) -> Callable[[np.ndarray, float], np.ndarray]:
     import tamaas
 
     tamaas.initialize(1)
@@ -59,7 +59,7 @@ def tamaas_solver(tolerance: float, *, free: bool = False) -> Callable[[np.ndarr
         model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], list(heights.shape))
         model.E, model.nu = EFFECTIVE_MODULUS, 0.0
         solver = tamaas.PolonskyKeerRey(model, heights.copy(), tolerance)
-        if free:
+        if is_free:
             tamaas.ModelFactory.registerNonPeriodic(model, "dcfft")
             solver.setIntegralOperator("dcfft")
         solver.max_iter = 20_000
@@ -92,13 +92,13 @@ def measure_solver(solve: Callable[..., Any], heights: np.ndarray, load: float) 
     )
 
 
-def benchmark_rows(sides: tuple[int, ...] = (512, 1024)) -> list[tuple[str, str]]:
+def benchmark_rows(grid_sizes: tuple[int, ...] = (512, 1024)) -> list[tuple[str, str]]:
     # Each solver measures its error differently. These tolerances give about the same common error for all solvers.
     solvers = {"tamaas": tamaas_solver(STICTION_TOLERANCE)}
     if importlib.util.find_spec("aspher"):
         solvers["aspher"] = aspher_solver(1.5e-7)
     result = []
-    for n in sides:
+    for n in grid_sizes:
         heights = create_heights((n, n), 4, n // 16)
         for pressure in MEAN_PRESSURES:
             load = pressure * EFFECTIVE_MODULUS * RMS_SLOPE
@@ -116,18 +116,18 @@ def benchmark_rows(sides: tuple[int, ...] = (512, 1024)) -> list[tuple[str, str]
             )
             result.append((f"{n} x {n}, mean pressure {pressure} E* h': time and error", text))
             print(*result[-1], flush=True)
-    result += [measure_position(), measure_threads(), measure_profile()]
+    result += [measure_map_position(), measure_thread_speedup(), measure_profile_solution()]
     return result
 
 
-def print_agreement(sides: tuple[int, ...] = (256, 512, 1024)) -> None:
+def print_agreement(grid_sizes: tuple[int, ...] = (256, 512, 1024)) -> None:
     """Print the largest pressure difference from tamaas, relative to the highest pressure. This takes minutes."""
-    for n in sides:
+    for n in grid_sizes:
         heights = create_heights((n, n), 4, n // 16)
         body = Surface(heights, spacing=1 / n)
         flat = Surface(np.zeros(heights.shape), spacing=1 / n)
         for free in (False, True):
-            solve = tamaas_solver(1e-10, free=free)
+            solve = tamaas_solver(1e-10, is_free=free)
             for pressure in (0.002, 0.03, 0.5):
                 load = pressure * EFFECTIVE_MODULUS * RMS_SLOPE
                 boundary: BoundaryCondition = "free" if free else "periodic"
@@ -144,11 +144,11 @@ def print_agreement(sides: tuple[int, ...] = (256, 512, 1024)) -> None:
                 )
 
 
-def measure_position(side: int = 384) -> tuple[str, str]:
+def measure_map_position(grid_size: int = 384) -> tuple[str, str]:
     """Measure one position of a pair of maps: three loads, 12 directions, both sliding rules and the stiffness."""
-    heights = create_heights((side, side), 4, side // 16)
-    body = Surface(heights, spacing=1 / side)
-    flat = Surface(np.zeros(heights.shape), spacing=1 / side)
+    heights = create_heights((grid_size, grid_size), 4, grid_size // 16)
+    body = Surface(heights, spacing=1 / grid_size)
+    flat = Surface(np.zeros(heights.shape), spacing=1 / grid_size)
     loads = np.array(MEAN_PRESSURES) * EFFECTIVE_MODULUS * RMS_SLOPE
 
     def solve_directions(directions: list[float]) -> HalfSpaceCurve:
@@ -165,16 +165,16 @@ def measure_position(side: int = 384) -> tuple[str, str]:
             task()
             times.append(time.process_time() - start)
     solution_time, total_time = statistics.median(times[::2]), statistics.median(times[1::2])
-    return f"{side} x {side}, free, three loads: 12 directions, both rules and stiffness", (
+    return f"{grid_size} x {grid_size}, free, three loads: 12 directions, both rules and stiffness", (
         f"{total_time:.2f} s, {total_time / solution_time:.2f} times the time of the solutions"
     )
 
 
-def measure_threads(side: int = 1024) -> tuple[str, str]:
+def measure_thread_speedup(grid_size: int = 1024) -> tuple[str, str]:
     """Return the speed-up by a second thread, of the solver and of transforms alone (`scipy.fft.set_workers`)."""
-    heights = create_heights((side, side), 4, side // 16)
-    body = Surface(heights, spacing=1 / side)
-    flat = Surface(np.zeros(heights.shape), spacing=1 / side)
+    heights = create_heights((grid_size, grid_size), 4, grid_size // 16)
+    body = Surface(heights, spacing=1 / grid_size)
+    flat = Surface(np.zeros(heights.shape), spacing=1 / grid_size)
     times: dict[int, list[float]] = {1: [], 2: []}
     for _ in range(3):
         for workers, worker_times in times.items():
@@ -183,12 +183,12 @@ def measure_threads(side: int = 1024) -> tuple[str, str]:
                 half_space(flat, body, [0.03 * EFFECTIVE_MODULUS * RMS_SLOPE], effective_modulus=EFFECTIVE_MODULUS)
                 worker_times.append(time.perf_counter() - start)
     return (
-        f"{side} x {side}, free: second thread for the transforms",
+        f"{grid_size} x {grid_size}, free: second thread for the transforms",
         f"{min(times[1]) / min(times[2]):.2f} times as fast",
     )
 
 
-def measure_profile(points: int = 131_072) -> tuple[str, str]:
+def measure_profile_solution(points: int = 131_072) -> tuple[str, str]:
     heights = create_heights((points,), 10, points // 32)
     body, flat = Profile(heights, spacing=1 / points), Profile(np.zeros(points), spacing=1 / points)
     times = []

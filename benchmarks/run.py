@@ -24,7 +24,7 @@ def main() -> None:
         lines.append("")
     if not names:
         (BENCHMARK_FOLDER.parent / "docs/generated/performance.md").write_text("\n".join(lines), encoding="utf-8")
-        import_module("chart").draw()
+        import_module("chart").draw_chart()
 
 
 if __name__ == "__main__":

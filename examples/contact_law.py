@@ -15,9 +15,9 @@ study = table_study(
 )  # fmt: skip
 # The command `stiction table` computes the same table and writes it to table.nc.
 table = friction_table(run(study)).squeeze().sel(sliding="all")
-mean = table.sel(statistic="mean")
-pressure, approach = mean["pressure"].values, mean["approach"].values  # GPa, µm
-friction = mean["friction_coefficient"].values
+mean_table = table.sel(statistic="mean")
+pressure, approach = mean_table["pressure"].values, mean_table["approach"].values  # GPa, µm
+friction = mean_table["friction_coefficient"].values
 
 FACE_AREA = 1e4  # area of the contact face between two grains, µm²
 
@@ -40,27 +40,35 @@ for step in range(6000):
     force = normal_force(overlap_now)
     speed += TIME_STEP * ((200 - force) * 1e-3 - DAMPING * speed) / GRAIN_MASS
     overlap_now += TIME_STEP * speed * 1e6
-    push = max(0.0, 4e6 * (time - 2e-5))  # mN
-    net_push = max(push - slip_force(force), 0.0) if push > slip_force(force) or slip_speed > 0 else 0.0
+    push_force = max(0.0, 4e6 * (time - 2e-5))  # mN
+    net_push = max(push_force - slip_force(force), 0.0) if push_force > slip_force(force) or slip_speed > 0 else 0.0
     slip_speed += TIME_STEP * net_push * 1e-3 / GRAIN_MASS
     slip_distance += TIME_STEP * slip_speed * 1e6
-    history.append((1e6 * time, overlap_now, force, push, slip_distance))
+    history.append((1e6 * time, overlap_now, force, push_force, slip_distance))
     if slip_distance > 0.5:
         break
-time, overlap, normal, push, slip_distance = np.array(history).T
-first = np.argmax(slip_distance > 0)
-print(f"pressed to {normal[first]:.0f} mN, overlap {1000 * overlap[first]:.0f} nm; slips at {push[first]:.0f} mN")
-a, b, c = (mean[name] for name in ("area_factor", "stiffness_factor", "stiffness_exponent"))
-print(f"A/A0 = {float(a):.3g} p within {100 * float(mean['area_deviation']):.0f} %", end="; ")
-print(f"k/A0 = {float(b):.3g} p^{float(c):.3g} within {100 * float(mean['stiffness_deviation']):.0f} %, p in GPa")
+time, overlap, normal_forces, push_force, slip_distance = np.array(history).T
+slip_index = np.argmax(slip_distance > 0)
+print(
+    f"pressed to {normal_forces[slip_index]:.0f} mN, overlap {1000 * overlap[slip_index]:.0f} nm; "
+    f"slips at {push_force[slip_index]:.0f} mN"
+)
+area_factor, stiffness_factor, stiffness_exponent = (
+    mean_table[name] for name in ("area_factor", "stiffness_factor", "stiffness_exponent")
+)
+print(f"A/A0 = {float(area_factor):.3g} p within {100 * float(mean_table['area_deviation']):.0f} %", end="; ")
+print(
+    f"k/A0 = {float(stiffness_factor):.3g} p^{float(stiffness_exponent):.3g} "
+    f"within {100 * float(mean_table['stiffness_deviation']):.0f} %, p in GPa"
+)
 
-figure, (left, right) = plt.subplots(1, 2, figsize=(5.4, 2.2), layout="constrained")
-left.semilogy(1000 * approach, 1000 * pressure, "o-", markersize=3, color=FORCE_COLOUR)
-left.set(xlabel="overlap of the mean planes (nm)", ylabel="nominal pressure (MPa)", title="the contact law")
-for values, text, colour in ((normal, "normal force", FORCE_COLOUR), (push, "push", FRICTION_COLOUR)):
-    right.plot(time, values, color=colour)
-    right.annotate(text, (30, values[time > 30][0]), (0, 3), textcoords="offset points", ha="right", color=colour)
-right.axvline(time[first], color="0.5", linestyle=":")
-right.annotate("slips", (time[first], 400), (-2, 0), textcoords="offset points", ha="right", color="0.4")
-right.set(xlabel="time (µs)", ylabel="force (mN)", title="a grain that is pressed, then pushed")
+figure, (law_axes, force_axes) = plt.subplots(1, 2, figsize=(5.4, 2.2), layout="constrained")
+law_axes.semilogy(1000 * approach, 1000 * pressure, "o-", markersize=3, color=FORCE_COLOUR)
+law_axes.set(xlabel="overlap of the mean planes (nm)", ylabel="nominal pressure (MPa)", title="the contact law")
+for values, text, colour in ((normal_forces, "normal force", FORCE_COLOUR), (push_force, "push", FRICTION_COLOUR)):
+    force_axes.plot(time, values, color=colour)
+    force_axes.annotate(text, (30, values[time > 30][0]), (0, 3), textcoords="offset points", ha="right", color=colour)
+force_axes.axvline(time[slip_index], color="0.5", linestyle=":")
+force_axes.annotate("slips", (time[slip_index], 400), (-2, 0), textcoords="offset points", ha="right", color="0.4")
+force_axes.set(xlabel="time (µs)", ylabel="force (mN)", title="a grain that is pressed, then pushed")
 figure.savefig("contact_law.png", dpi=200)

@@ -11,13 +11,13 @@ from stiction.views.figures.roughness import characterisation_figure
 METRES_PER_DEGREE = 111_200  # of latitude
 
 # The file has elevations in whole metres on a grid of 1/1200 degree, with the first row in the north.
-terrain = get_sample_data("jacksboro_fault_dem.npz")
-north_south = float(terrain["dy"]) * METRES_PER_DEGREE
-east_west = float(terrain["dx"]) * METRES_PER_DEGREE * math.cos(math.radians(float(terrain["ymin"])))
+elevation_model = get_sample_data("jacksboro_fault_dem.npz")
+y_spacing = float(elevation_model["dy"]) * METRES_PER_DEGREE
+x_spacing = float(elevation_model["dx"]) * METRES_PER_DEGREE * math.cos(math.radians(float(elevation_model["ymin"])))
 surface = levelled(
     Surface(
-        terrain["elevation"][::-1].astype(np.float64),
-        spacing=(north_south, east_west),
+        elevation_model["elevation"][::-1].astype(np.float64),
+        spacing=(y_spacing, x_spacing),
         history=("terrain about the Jacksboro fault, 1 m as 1 µm",),
     ),
     "plane",
@@ -32,7 +32,7 @@ length = surface.extent[1]
 loads = np.geomspace(1e-7, 1e-4, 4) * 40.0 * length**2
 options = {"effective_modulus": "40 GPa", "mu0": 0.6, "cutoff": "none", "onset": 0}
 result = pair(surface, surface, load=loads, lines=24, **options)
-mean = nondimensional(result.at()[["friction_coefficient"]], length=length)["friction_coefficient"]
-for friction_at_load in mean.sel(sliding="opposing", direction=0.0).squeeze().transpose("load", ...):
+mean_values = nondimensional(result.at()[["friction_coefficient"]], length=length)["friction_coefficient"]
+for friction_at_load in mean_values.sel(sliding="opposing", direction=0.0).squeeze().transpose("load", ...):
     mean_friction, lower, upper = friction_at_load.values
     print(f"F/(E* L²) = {float(friction_at_load['load']):.0e}: mu_s = {mean_friction:.2f} [{lower:.2f}, {upper:.2f}]")

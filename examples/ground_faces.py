@@ -30,34 +30,36 @@ def create_ground_face(side):
 
 
 upper, lower = create_ground_face("upper"), create_ground_face("lower")
-rows = []
+tables = []
 for angle in ANGLES:
     rotated_upper = rotated(upper, angle)
     corner = tuple((extent - MAP_SIDE_LENGTH) / 2 for extent in rotated_upper.extent)
     upper_piece = cropped(rotated_upper, corner, tuple(start + MAP_SIDE_LENGTH for start in corner))
     faces = on_common_grid(upper_piece, cropped(lower, (0.0, 0.0), (MAP_SIDE_LENGTH, MAP_SIDE_LENGTH)))
-    rows.append(pair(*faces, **PAIR_OPTIONS).at().isel(cut_off=0, load=0, mu0=0))
+    tables.append(pair(*faces, **PAIR_OPTIONS).at().isel(cut_off=0, load=0, mu0=0))
 
 
-figure, (top, bottom) = plt.subplots(2, 1, figsize=(5.4, 4.8), sharex=True, layout="constrained")
+figure, (friction_axes, area_axes) = plt.subplots(2, 1, figsize=(5.4, 4.8), sharex=True, layout="constrained")
 for tau0, colour in zip((0.0, 0.5), SHEAR_STRENGTH_COLOURS, strict=True):
     for axis, style, direction_text in ((0.0, "-", "across the lower grooves"), (90.0, "--", "along them")):
         # The results are means over both directions along an axis, which cancel the effect of a tilt.
         selection = {"sliding": "opposing", "tau0": tau0, "axis": axis}
-        middle, low, high = np.transpose([table["friction_by_axis"].sel(selection) for table in rows])
-        top.fill_between(ANGLES, low, high, color=colour, alpha=0.15, linewidth=0)
+        mean_friction, lower_end, upper_end = np.transpose(
+            [table["friction_by_axis"].sel(selection) for table in tables]
+        )
+        friction_axes.fill_between(ANGLES, lower_end, upper_end, color=colour, alpha=0.15, linewidth=0)
         label = rf"{direction_text}, $\tau_0$ = {1000 * tau0:.0f} MPa"
-        top.plot(ANGLES, middle, style, color=colour, marker="o", markersize=3, label=label)
-area, low, high = 100 * np.transpose([table["contact_area_fraction"] for table in rows])
-bottom.fill_between(ANGLES, low, high, color=AREA_COLOUR, alpha=0.2, linewidth=0)
-bottom.plot(ANGLES, area, "o-", markersize=3, color=AREA_COLOUR)
-top.set(ylabel=r"$\mu_s$, friction at opposing contacts", ylim=(0, None))
-bottom.set(xlabel="angle between the lays (degrees)", ylabel="true area (%)", ylim=(0, None))
+        friction_axes.plot(ANGLES, mean_friction, style, color=colour, marker="o", markersize=3, label=label)
+area_percent, lower_end, upper_end = 100 * np.transpose([table["contact_area_fraction"] for table in tables])
+area_axes.fill_between(ANGLES, lower_end, upper_end, color=AREA_COLOUR, alpha=0.2, linewidth=0)
+area_axes.plot(ANGLES, area_percent, "o-", markersize=3, color=AREA_COLOUR)
+friction_axes.set(ylabel=r"$\mu_s$, friction at opposing contacts", ylim=(0, None))
+area_axes.set(xlabel="angle between the lays (degrees)", ylabel="true area (%)", ylim=(0, None))
 figure.legend(
     loc="outside lower center", ncols=2, handlelength=3,
     title=r"ground steel on ground steel, $\mu_0$ = 0.2, 20 MPa; shaded: 95 % of positions",
 )  # fmt: skip
 figure.savefig("ground_faces.png", dpi=200)
-for angle, percent, table in zip(ANGLES, area, rows, strict=True):
+for angle, percent, table in zip(ANGLES, area_percent, tables, strict=True):
     gradient = float(table["rms_gradient"].sel(statistic="mean"))
     print(f"{angle:3.0f} degrees: A/A0 = {percent:.2f} %, h' = {gradient:.3f}")

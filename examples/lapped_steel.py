@@ -31,11 +31,14 @@ for rms, grey in ((0.02, "0.0"), (0.05, "0.35"), (0.1, "0.6")):  # µm
         tau0="200 MPa", effective_modulus=STEEL_MODULUS, cutoff="none", onset=0,
     )  # fmt: skip
     friction = result.at()["friction_all_round"].sel(sliding="opposing").squeeze()
-    middle, lower, upper = friction.transpose("statistic", "load").values
-    print(f"Rq = {1000 * rms:3.0f} nm: mu_s = {middle[4]:.3f} [{lower[4]:.3f}, {upper[4]:.3f}] at {PRESSURES[4]:g} MPa")
+    mean_friction, lower, upper = friction.transpose("statistic", "load").values
+    print(
+        f"Rq = {1000 * rms:3.0f} nm: mu_s = {mean_friction[4]:.3f} [{lower[4]:.3f}, {upper[4]:.3f}] "
+        f"at {PRESSURES[4]:g} MPa"
+    )
     axes.fill_between(PRESSURES, lower, upper, color=grey, alpha=0.15, linewidth=0)
-    axes.plot(PRESSURES, middle, color=grey)
-    axes.annotate(f"Rq = {1000 * rms:.0f} nm", (PRESSURES[-1], middle[-1]), (3, -2), textcoords="offset points")
+    axes.plot(PRESSURES, mean_friction, color=grey)
+    axes.annotate(f"Rq = {1000 * rms:.0f} nm", (PRESSURES[-1], mean_friction[-1]), (3, -2), textcoords="offset points")
 axes.set(
     xscale="log", xlim=(1, 300), xlabel="pressure on the nominal area (MPa)", ylabel=axis_label("friction_coefficient")
 )

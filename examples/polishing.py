@@ -26,22 +26,26 @@ def create_face(side, rms):
 
 
 lower = create_face("lower", 0.1)
-rows = [pair(create_face("upper", rms), lower, **PAIR_OPTIONS).at().isel(cut_off=0, load=0, mu0=0) for rms in FINISHES]
+tables = [
+    pair(create_face("upper", rms), lower, **PAIR_OPTIONS).at().isel(cut_off=0, load=0, mu0=0) for rms in FINISHES
+]
 
-figure, (left, right) = plt.subplots(1, 2, figsize=(6.2, 3.3), layout="constrained")
+figure, (friction_axes, area_axes) = plt.subplots(1, 2, figsize=(6.2, 3.3), layout="constrained")
 for tau0, colour in zip((0.0, 0.5), SHEAR_STRENGTH_COLOURS, strict=True):
     for rule, style, rule_text in (("opposing", "-", "opposing contacts"), ("all", "--", "all contacts")):
         # The results are means over all directions, which cancel the effect of a tilt.
-        middle, low, high = np.transpose([table["friction_all_round"].sel(sliding=rule, tau0=tau0) for table in rows])
-        left.fill_between(FINISHES, low, high, color=colour, alpha=0.15, linewidth=0)
+        mean_friction, lower_end, upper_end = np.transpose(
+            [table["friction_all_round"].sel(sliding=rule, tau0=tau0) for table in tables]
+        )
+        friction_axes.fill_between(FINISHES, lower_end, upper_end, color=colour, alpha=0.15, linewidth=0)
         label = rf"{rule_text}, $\tau_0$ = {1000 * tau0:.0f} MPa"
-        left.plot(FINISHES, middle, style, color=colour, marker="o", markersize=3, label=label)
-area, low, high = 100 * np.transpose([table["contact_area_fraction"] for table in rows])
-right.fill_between(FINISHES, low, high, color=AREA_COLOUR, alpha=0.2, linewidth=0)
-right.plot(FINISHES, area, "o-", markersize=3, color=AREA_COLOUR)
-left.set(ylabel=r"$\mu_s$, mean over directions", ylim=(0, None))
-right.set(ylabel="true area (%)", ylim=(0, None))
-for axes in (left, right):
+        friction_axes.plot(FINISHES, mean_friction, style, color=colour, marker="o", markersize=3, label=label)
+area_percent, lower_end, upper_end = 100 * np.transpose([table["contact_area_fraction"] for table in tables])
+area_axes.fill_between(FINISHES, lower_end, upper_end, color=AREA_COLOUR, alpha=0.2, linewidth=0)
+area_axes.plot(FINISHES, area_percent, "o-", markersize=3, color=AREA_COLOUR)
+friction_axes.set(ylabel=r"$\mu_s$, mean over directions", ylim=(0, None))
+area_axes.set(ylabel="true area (%)", ylim=(0, None))
+for axes in (friction_axes, area_axes):
     axes.set(xlabel="Sq of the upper face (µm)", xscale="log", xticks=FINISHES, xticklabels=map(str, FINISHES))
     axes.minorticks_off()
 figure.legend(
@@ -49,6 +53,6 @@ figure.legend(
     title=r"steel, Sq of the lower face 0.1 µm, $\mu_0$ = 0.2, 20 MPa; shaded: 95 % of positions",
 )  # fmt: skip
 figure.savefig("polishing.png", dpi=200)
-for rms, percent, table in zip(FINISHES, area, rows, strict=True):
+for rms, percent, table in zip(FINISHES, area_percent, tables, strict=True):
     gradient = float(table["rms_gradient"].sel(statistic="mean"))
     print(f"Sq = {rms:.2f} µm: A/A0 = {percent:.2f} %, h' of the gap = {gradient:.3f}")

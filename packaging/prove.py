@@ -187,7 +187,7 @@ class IsolatedEnvironment:
             name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))
         }
         self.environment = inherited_variables | {"PATH": f"{self.bin}{os.pathsep}{tools_folder}"}
-        self.mounts = self.can_hide_folders()
+        self.hides_by_mount = self.can_hide_folders()
         run_command(sys.executable, "-m", "venv", folder / "environment")
         # The option for dependency groups requires pip 25.1.
         self.pip("pip>=25.1")
@@ -225,7 +225,7 @@ class IsolatedEnvironment:
     def call(self, *command: str | Path, cwd: Path | None = None, quiet: bool = True) -> str:
         unshare, shell = shutil.which("unshare") or "", shutil.which("sh") or ""
         hiding_command = (unshare, "--mount", "--propagation", "private", shell, "-c", self.hiding_script(), shell)
-        wrapper_command = hiding_command if self.mounts else ()
+        wrapper_command = hiding_command if self.hides_by_mount else ()
         return run_command(
             *command, cwd=cwd or self.folder, env=self.environment, quiet=quiet, wrapper_command=wrapper_command
         )
@@ -233,7 +233,7 @@ class IsolatedEnvironment:
     def check_hidden(self) -> None:
         """Check that everything visible outside the environment is hidden inside."""
         system_folders = os.pathsep.join(map(str, SYSTEM_PROGRAM_FOLDERS))
-        if self.mounts:
+        if self.hides_by_mount:
             visible_outside = run_command(sys.executable, "-c", INSPECTION_SCRIPT, system_folders, "/usr").splitlines()
             for file_name in ("c++", "cmake", "libgsl.a", "gsl_version.h", "libfftw3.a", "fftw3.h", "Eigen/Core"):
                 if not any(path.endswith(file_name) for path in visible_outside):
@@ -246,10 +246,10 @@ class IsolatedEnvironment:
         if visible_files:
             exit_with_error(f"these are not hidden: {', '.join(visible_files.split())}")
 
-    def pip(self, *wanted: str | Path) -> None:
+    def pip(self, *requirements: str | Path) -> None:
         """Install packages from wheels only, so that nothing is compiled."""
         pip = (self.bin / "python", "-m", "pip", "install", "--quiet", "--disable-pip-version-check")
-        self.call(*pip, "--only-binary=:all:", *wanted)
+        self.call(*pip, "--only-binary=:all:", *requirements)
 
     def check_installed(self) -> None:
         """Check that Python imports the package from the wheel."""
@@ -266,13 +266,13 @@ class IsolatedEnvironment:
         code = "import time; a = time.perf_counter(); import stiction; stiction.press; print(time.perf_counter() - a)"
         return min(float(self.call(self.bin / "python", "-I", "-c", code)) for _ in range(3))
 
-    def run_quick(self) -> None:
+    def run_quick_study(self) -> None:
         self.call(self.bin / "stiction", "run", "quick", "--output", "quick")
         for name in ("study.toml", "area.png"):
             if not (self.folder / "quick" / name).exists():
                 exit_with_error(f"stiction run quick wrote no {name}")
 
-    def press_samples(self) -> None:
+    def compute_sample_friction(self) -> None:
         """Compute the friction of the sample scans from text files and from files in an instrument format."""
         shutil.copytree(ROOT / "examples/scans", self.folder / "scans")
         for finish, extension, hardness_options in (("lapped", "csv", []), ("ground", "x3p", ["--hardness", "2 GPa"])):
@@ -284,7 +284,7 @@ class IsolatedEnvironment:
             if not re.search(r"μ_s = 0\.\d+ \[0\.\d+, 0\.\d+\]", output):
                 exit_with_error(f"stiction pair of the {finish} scans gave no coefficient:\n{output}")
 
-    def run_tests(self, wanted: Iterable[str]) -> None:
+    def run_tests(self, selected_tests: Iterable[str]) -> None:
         """Run the tests from a copy of the tree without the sources of the package."""
         tests = self.folder / "tests"
         ignored_names = shutil.ignore_patterns("build", ".*", "__pycache__")
@@ -295,11 +295,11 @@ class IsolatedEnvironment:
         self.check_installed()
         self.call(
             self.bin / "python", "-I", "-m", "pytest", "-q", "-p", "no:cacheprovider", "--numprocesses=2",
-            "--dist=worksteal", *wanted, cwd=tests, quiet=False,
+            "--dist=worksteal", *selected_tests, cwd=tests, quiet=False,
         )  # fmt: skip
 
 
-def prove_wheel(wheel: Path, *, with_tests: bool, wanted: Iterable[str] = ()) -> None:
+def prove_wheel(wheel: Path, *, with_tests: bool, selected_tests: Iterable[str] = ()) -> None:
     start_time = time.perf_counter()
     with tempfile.TemporaryDirectory(prefix="stiction-proof-") as temporary_folder:
         folder = Path(temporary_folder).resolve()
@@ -309,7 +309,7 @@ def prove_wheel(wheel: Path, *, with_tests: bool, wanted: Iterable[str] = ()) ->
         )
         environment = IsolatedEnvironment(folder)
         environment.check_hidden()
-        hiding_method = "a mount namespace and PATH" if environment.mounts else "PATH alone"
+        hiding_method = "a mount namespace and PATH" if environment.hides_by_mount else "PATH alone"
         print_message(
             f"installing it where neither compilers nor Eigen, GSL and FFTW are seen, hidden by {hiding_method}"
         )
@@ -318,12 +318,12 @@ def prove_wheel(wheel: Path, *, with_tests: bool, wanted: Iterable[str] = ()) ->
         environment.check_installed()
         if (seconds := environment.measure_import_time()) > MAX_IMPORT_SECONDS:
             exit_with_error(f"import stiction takes {seconds:.1f} s")
-        environment.run_quick()
-        environment.press_samples()
+        environment.run_quick_study()
+        environment.compute_sample_friction()
         print_message(f"import {seconds:.2f} s; run quick, pair of four sample scans: all right")
         if with_tests:
             print_message("the tests")
-            environment.run_tests(wanted)
+            environment.run_tests(selected_tests)
     print_message(f"proven in {time.perf_counter() - start_time:.0f} s{'' if with_tests else ', without the tests'}")
 
 
@@ -333,7 +333,7 @@ def main() -> None:
     parser.add_argument("wheel", type=Path)
     parser.add_argument("tests", nargs="*", help="instead of all of them")
     options = parser.parse_args()
-    prove_wheel(options.wheel.resolve(), with_tests=not options.quick, wanted=options.tests)
+    prove_wheel(options.wheel.resolve(), with_tests=not options.quick, selected_tests=options.tests)
 
 
 if __name__ == "__main__":

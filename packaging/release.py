@@ -141,20 +141,20 @@ def join_missing(what: str, missing: Iterator[str]) -> str | None:
     return f"{what} {names}" if names else None
 
 
-def run_checks(*, tagged: bool) -> bool:
+def run_checks(*, is_tagged: bool) -> bool:
     """Print the state of each line, and return whether nothing is missing.
 
     The workflow of a tag builds and verifies separately, so these lines are left out for a tag.
     """
-    checks = [item for item in RELEASE_CHECKS if not (tagged and item[1] is wheels_are_proven)]
-    if tagged:
+    checks = [item for item in RELEASE_CHECKS if not (is_tagged and item[1] is wheels_are_proven)]
+    if is_tagged:
         checks.append((f"the tag v{VERSION} is on this commit", tag_is_on_commit))
     num_open = 0
     for line, function in checks:
         problem = function()
         num_open += problem is not None
         print(f"[{' ' if problem else 'x'}] {line}{f': {problem}' if problem else ''}")
-    if not tagged:
+    if not is_tagged:
         print(
             f"then: git tag --sign v{VERSION}; git push origin v{VERSION}" if not num_open else f"{num_open} are open"
         )
@@ -193,7 +193,7 @@ def main() -> None:
     options = parser.parse_args()
     if options.address:
         write_address(options.address)
-    elif not run_checks(tagged=options.tagged):
+    elif not run_checks(is_tagged=options.tagged):
         sys.exit(1)
 
 

@@ -90,7 +90,7 @@ def build_wheel(sdist: Path, python: Path, folder: Path) -> Path:
     return wheel
 
 
-def repair(built: Path, folder: Path) -> Path:
+def repair_wheel(unrepaired_wheel: Path, folder: Path) -> Path:
     """Add the oldest manylinux tag that the symbols of the wheel allow; fail if a library would be bundled."""
     environment = os.environ | {"PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
     run_command(
@@ -100,7 +100,7 @@ def repair(built: Path, folder: Path) -> Path:
         "repair",
         "--wheel-dir",
         folder / "repaired",
-        built,
+        unrepaired_wheel,
         cwd=folder,
         env=environment,
     )
@@ -127,7 +127,7 @@ def main() -> None:
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
     interpreters = find_interpreters()
-    print_message(f"for Python {', '.join(interpreters)}; {describe_missing(interpreters)}")
+    print_message(f"for Python {', '.join(interpreters)}; {missing_versions_text(interpreters)}")
     failed_versions = []
     with tempfile.TemporaryDirectory(prefix="stiction-wheel-") as temporary_folder:
         folder = Path(temporary_folder).resolve()
@@ -141,7 +141,7 @@ def main() -> None:
             version_folder = folder / version
             version_folder.mkdir()
             print_message(f"building the wheel for Python {version} from it")
-            wheel = repair(build_wheel(sdist, python, version_folder), version_folder)
+            wheel = repair_wheel(build_wheel(sdist, python, version_folder), version_folder)
             run_command(sys.executable, "-m", "twine", "check", "--strict", wheel)
             # The wheel is kept even if the verification fails, because building it takes a long time.
             unproven_wheel = Path(shutil.copy(wheel, UNPROVEN_FOLDER))
@@ -160,7 +160,7 @@ def main() -> None:
     )
 
 
-def describe_missing(interpreters: dict[str, Path]) -> str:
+def missing_versions_text(interpreters: dict[str, Path]) -> str:
     missing_versions = [
         f"3.{minor}" for minor in range(MIN_PYTHON_MINOR, MAX_PYTHON_MINOR + 1) if f"3.{minor}" not in interpreters
     ]

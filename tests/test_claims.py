@@ -63,7 +63,7 @@ def test_studies_used_to_judge_claims_have_the_settings_of_the_paper():
 
 
 def test_first_resampled_ensemble_equals_the_maps_of_the_result(result, resampled):
-    load = resampled.middle
+    load = resampled.middle_load
     for what, tau0, expected in (
         ("friction", 0.0, friction_map(result, [load], mu0=[0.4], tau0=[0.0])["friction_coefficient"]),
         ("friction", 0.2, friction_map(result, [load], mu0=[0.4], tau0=[0.2])["friction_coefficient"]),
@@ -78,9 +78,9 @@ def test_first_resampled_ensemble_equals_the_maps_of_the_result(result, resample
 
 
 def test_resampled_intervals_agree_with_those_of_the_friction_map(result, resampled):
-    computed = resampled.at("friction", resampled.middle)[1:]
+    computed = resampled.at("friction", resampled.middle_load)[1:]
     lower, upper = np.quantile(computed, [0.025, 0.975], axis=0)
-    theirs = friction_map(result, [resampled.middle], mu0=[0.4], tau0=[0.0]).sel(amplitude=0.1)
+    theirs = friction_map(result, [resampled.middle_load], mu0=[0.4], tau0=[0.0]).sel(amplitude=0.1)
     ratio = (np.log(upper / lower) / np.log(theirs["upper"] / theirs["lower"]).values.ravel())[:6]
     assert ratio.min() > 0.6
     assert ratio.max() < 1.5
@@ -88,10 +88,10 @@ def test_resampled_intervals_agree_with_those_of_the_friction_map(result, resamp
 
 def test_loads_used_for_claims_are_reached_at_every_fractal_dimension(result, resampled):
     elastic = result["normal_elastic"].sel(amplitude=0.1).mean("repetition")
-    assert float(elastic.isel(approach=0).max()) < resampled.light < resampled.middle < resampled.heavy
-    assert resampled.heavy < float(elastic.max("approach").min())
+    assert float(elastic.isel(approach=0).max()) < resampled.light_load < resampled.middle_load < resampled.heavy_load
+    assert resampled.heavy_load < float(elastic.max("approach").min())
     # The middle load is the geometric mean of the other two.
-    assert resampled.middle**2 == pytest.approx((resampled.light * resampled.heavy), rel=1e-9)
+    assert resampled.middle_load**2 == pytest.approx((resampled.light_load * resampled.heavy_load), rel=1e-9)
 
 
 def judge_values(values, least, most):

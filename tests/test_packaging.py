@@ -82,10 +82,10 @@ def test_documented_glibc_version_is_the_version_that_wheels_are_checked_for(rel
 def test_wheel_with_newer_glibc_is_rejected(release, name, passes, capsys):
     wheel = Path(f"stiction-0.1.0-cp311-cp311-{name}.whl")
     if passes:
-        sys.modules["prove"].check_floor(wheel)
+        sys.modules["prove"].check_min_glibc(wheel)
         return
     with pytest.raises(SystemExit):
-        sys.modules["prove"].check_floor(wheel)
+        sys.modules["prove"].check_min_glibc(wheel)
     assert name in capsys.readouterr().err
 
 

@@ -301,9 +301,9 @@ def repeated_constants(files: Files) -> dict[str, set[str]]:
     return {name: set(values) for name, values in modules.items() if len(set(values.values())) > 1}
 
 
-def repetition_faults(repeated: Mapping[str, set[str]], accepted: list[str]) -> Iterator[str]:
-    for name in sorted(set(repeated) - set(accepted)):
-        yield f"{name} has several meanings: {', '.join(sorted(repeated[name]))}"
+def repetition_faults(meanings_by_name: Mapping[str, set[str]], accepted_names: list[str]) -> Iterator[str]:
+    for name in sorted(set(meanings_by_name) - set(accepted_names)):
+        yield f"{name} has several meanings: {', '.join(sorted(meanings_by_name[name]))}"
 
 
 def check() -> None:

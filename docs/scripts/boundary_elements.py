@@ -40,12 +40,12 @@ KAPPA_OF_THEORIES = {"Bush–Gibson–Thomas": np.sqrt(2 * np.pi), "Persson": np
 
 
 def compute_profile_results(
-    bandwidth: int, hurst: float, repetition: int, finer: int = 1, tolerance: float = SOLVER_TOLERANCE
+    bandwidth: int, hurst: float, repetition: int, refinement: int = 1, tolerance: float = SOLVER_TOLERANCE
 ) -> np.ndarray:
     """Return contact fraction, count and stiffness (GPa/µm): (load, boundary elements | model | interacting, 3)."""
     points, _ = BANDWIDTHS[bandwidth]
     generator = np.random.default_rng([SEED, repetition])
-    heights = band_limited_profile(generator, hurst, bandwidth, finer * points)
+    heights = band_limited_profile(generator, hurst, bandwidth, refinement * points)
     half_space_solver, asperity_solver = (
         PeriodicHalfSpace(heights, PERIOD, tolerance=tolerance),
         PeriodicAsperities(heights, PERIOD),
@@ -73,7 +73,7 @@ def format_ratios(ratios: np.ndarray) -> str:
     return f"{mean:.2f} ({low:.2f} to {high:.2f})"
 
 
-def draw_curve(ax, hurst_index: int, values: np.ndarray, style: str, *, filled: bool) -> None:
+def draw_curve(ax, hurst_index: int, values: np.ndarray, style: str, *, is_filled: bool) -> None:
     """Draw means over profiles with error bars at each load; only the filled curve is labelled."""
     mean, low, high = mean_with_interval(values)
     ax.errorbar(
@@ -85,14 +85,14 @@ def draw_curve(ax, hurst_index: int, values: np.ndarray, style: str, *, filled: 
         elinewidth=0.7,
         marker=MARKERS[hurst_index],
         ms=2.8,
-        mfc=COLOURS[hurst_index] if filled else "white",
+        mfc=COLOURS[hurst_index] if is_filled else "white",
         mew=0.6,
         color=COLOURS[hurst_index],
-        label=f"$H$ = {HURST_EXPONENTS[hurst_index]:g}" if filled else None,
+        label=f"$H$ = {HURST_EXPONENTS[hurst_index]:g}" if is_filled else None,
     )
 
 
-def draw_ratios(results: dict, quantity: int, label: str, name: str, solution, *, log: bool) -> None:
+def draw_ratios(results: dict, quantity: int, label: str, name: str, exact_solution, *, log: bool) -> None:
     figure = Figure(figsize=(3.15, 4.7), dpi=300, layout="constrained")
     axes = figure.subplots(3, 1, sharex=True, sharey=True)
     for ax, bandwidth in zip(axes, BANDWIDTHS, strict=True):
@@ -100,9 +100,11 @@ def draw_ratios(results: dict, quantity: int, label: str, name: str, solution, *
             values = results[bandwidth, hurst]
             for model_index, style in ((1, "-"), (2, ":")):
                 ratios = values[:, :, model_index, quantity] / values[:, :, 0, quantity]
-                draw_curve(ax, hurst_index, ratios, style, filled=model_index == 1)
+                draw_curve(ax, hurst_index, ratios, style, is_filled=model_index == 1)
         fine_loads = np.geomspace(RELATIVE_LOADS[0] / 1.1, RELATIVE_LOADS[-1] * 1.1, 100)
-        ax.plot(fine_loads, solution(fine_loads * np.sqrt(2)), color="0.35", lw=0.9, ls="--", label="sinusoid, exact")
+        ax.plot(
+            fine_loads, exact_solution(fine_loads * np.sqrt(2)), color="0.35", lw=0.9, ls="--", label="sinusoid, exact"
+        )
         ax.axhline(1, color="0.7", lw=0.6, zorder=0)
         ax.set_title(f"longest / shortest wavelength {bandwidth}", fontsize=7, pad=2)
         ax.set_xscale("log")
@@ -144,7 +146,7 @@ def draw_kappa(results: dict) -> None:
                     hurst_index,
                     results[bandwidth, hurst][:, :, model_index, FRACTION_COLUMN] / RELATIVE_LOADS,
                     style,
-                    filled=model_index == 1,
+                    is_filled=model_index == 1,
                 )
         for (theory, value), style in zip(KAPPA_OF_THEORIES.items(), ("-", "-."), strict=True):
             ax.axhline(value, color="0.5", lw=0.7, ls=style, zorder=0, label=f"2-D: {theory}")
@@ -262,7 +264,7 @@ def main() -> None:
             ]
             for bandwidth, hurst in reversed(bandwidths_and_exponents)
         }
-        options = {"finer": {"finer": 2}, "tighter": {"tolerance": 1e-12}}
+        options = {"finer": {"refinement": 2}, "tighter": {"tolerance": 1e-12}}
         check_jobs = {
             (check, *bandwidth_and_exponent): [
                 pool.submit(compute_profile_results, *bandwidth_and_exponent, k, **arguments) for k in range(NUM_CHECKS)

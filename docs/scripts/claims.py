@@ -206,7 +206,7 @@ class ResampledMeans:
         interval_method: IntervalMethod = "percentiles",
     ) -> None:
         study = parse_dataset_study(dataset)
-        self._step = study.contact.step_quantity
+        self._step_quantity = study.contact.step_quantity
         rules = study.contact.rules()
         if (sliding or rules[0]) not in rules:
             raise ValueError(f"the result has no sliding rule {sliding!r}, it has {', '.join(rules)}")
@@ -223,19 +223,19 @@ class ResampledMeans:
         draw_counts = np.ones((1 + NUM_RESAMPLES, repetitions), np.uint8)
         for resample_counts in draw_counts[1:]:
             resample_counts[:] = generator.multinomial(repetitions, equal_weights)
-        dims = ("repetition", "fractal_dimension", "amplitude", self._step)
-        sum_names = (*_SUM_NAMES, "approach") if self._step == "load" else _SUM_NAMES
+        dims = ("repetition", "fractal_dimension", "amplitude", self._step_quantity)
+        sum_names = (*_SUM_NAMES, "approach") if self._step_quantity == "load" else _SUM_NAMES
         self._means: dict[str, Floats] = {}
         weights = draw_counts / repetitions
         for name in sum_names:
             self._means[name] = np.tensordot(weights, motion_dataset[name].transpose(*dims).values, axes=1)
         self.dimensions = motion_dataset["fractal_dimension"].values
-        self._steps = motion_dataset[self._step].values
+        self._loading_steps = motion_dataset[self._step_quantity].values
         self._amplitudes = motion_dataset["amplitude"].values
         self.amplitude = amplitude
         self.excluded_dimensions: set[float] = set()
         lowest, highest = self._reached_load_range([amplitude])
-        self.light, self.middle, self.heavy = (
+        self.light_load, self.middle_load, self.heavy_load = (
             load_within_range(lowest.max(), highest.min(), range_fraction).item() for range_fraction in (0.1, 0.5, 0.9)
         )
 
@@ -252,7 +252,7 @@ class ResampledMeans:
             raise ValueError(f"the result has no amplitude of {amplitude:g} µm, which a claim needs")
         return np.asarray(self._means[name][:, :, amplitude_index])
 
-    def middle_of_all_amplitudes(self) -> Floats | None:
+    def middle_load_of_all_amplitudes(self) -> Floats | None:
         """Return the geometric middle (D,) of the loads that all amplitudes reach.
 
         None if the result lacks the amplitudes of claim 7.
@@ -274,7 +274,7 @@ class ResampledMeans:
 
     def at(
         self,
-        what: Quantity,
+        quantity: Quantity,
         load: float | Floats,
         *,
         mu0: float = 0.4,
@@ -286,16 +286,16 @@ class ResampledMeans:
             **{name: self.sums(name, amplitude or self.amplitude) for name in _SUM_NAMES}
         )
         normal_load = friction.compute_load("normal", resampled_sums, mu0, tau0)
-        match what:
+        match quantity:
             case "friction":
                 values = friction.compute_load("tangential", resampled_sums, mu0, tau0)
             case "area":
                 values = resampled_sums.contact_area
             case "stiffness":
-                values = np.gradient(normal_load, self._steps, axis=-1, edge_order=2)
-                if self._step == "load":  # The half-space is solved at given loads.
+                values = np.gradient(normal_load, self._loading_steps, axis=-1, edge_order=2)
+                if self._step_quantity == "load":  # The half-space is solved at given loads.
                     approach = self.sums("approach", amplitude or self.amplitude)
-                    values = values / np.gradient(approach, self._steps, axis=-1, edge_order=2)
+                    values = values / np.gradient(approach, self._loading_steps, axis=-1, edge_order=2)
         loads = np.broadcast_to(np.asarray(load, dtype=np.float64), self.dimensions.shape)
         result = np.full(normal_load.shape[:2], np.nan)
         for dimension_index in np.flatnonzero(np.isfinite(loads)):
@@ -305,7 +305,7 @@ class ResampledMeans:
             result[:, dimension_index] = np.where(
                 load_crossing.reached, load_crossing.at(values[:, dimension_index]), np.nan
             )[:, 0]
-        return result / loads if what == "friction" else result
+        return result / loads if quantity == "friction" else result
 
     def dimension_range_mask(self, start: float, stop: float) -> Any:
         """Return a mask of the fractal dimensions in a range, both ends included."""
@@ -419,7 +419,7 @@ def _area_exponent(r: ResampledMeans) -> Floats:
 
 
 def _friction_ratio_of_dimensions(r: ResampledMeans) -> Floats:
-    log_friction = np.log(r.at("friction", r.middle))
+    log_friction = np.log(r.at("friction", r.middle_load))
     return np.exp(
         _mean_over_dimensions(r, log_friction, *_UPPER_DIMENSIONS)
         - _mean_over_dimensions(r, log_friction, *_LOW_DIMENSIONS)
@@ -427,12 +427,12 @@ def _friction_ratio_of_dimensions(r: ResampledMeans) -> Floats:
 
 
 def _slope_difference(r: ResampledMeans) -> Floats:
-    log_friction = np.log(r.at("friction", r.middle))
+    log_friction = np.log(r.at("friction", r.middle_load))
     return _slope_over_dimensions(r, log_friction, 1.5, 1.7) - _slope_over_dimensions(r, log_friction, 1.0, 1.5)
 
 
 def _rise_by_mu0(r: ResampledMeans) -> Floats:
-    added_friction = r.at("friction", r.middle, mu0=1.0) - r.at("friction", r.middle, mu0=0.1)
+    added_friction = r.at("friction", r.middle_load, mu0=1.0) - r.at("friction", r.middle_load, mu0=0.1)
     return _mean_over_dimensions(r, added_friction, *_UPPER_DIMENSIONS) - _mean_over_dimensions(
         r, added_friction, *_LOW_DIMENSIONS
     )
@@ -444,15 +444,18 @@ def _friction_added_by_adhesion(r: ResampledMeans, load: float | Floats, amplitu
 
 def _adhesion_friction_ratios(r: ResampledMeans, tau0: float) -> list[Floats]:
     """Return friction with adhesion over friction without it, at three loads."""
-    return [r.at("friction", load, tau0=tau0) / r.at("friction", load) for load in (r.light, r.middle, r.heavy)]
+    return [
+        r.at("friction", load, tau0=tau0) / r.at("friction", load)
+        for load in (r.light_load, r.middle_load, r.heavy_load)
+    ]
 
 
-def _smallest_rise(r: ResampledMeans) -> Floats | SimultaneousInterval:
+def _smallest_adhesion_rise(r: ResampledMeans) -> Floats | SimultaneousInterval:
     return _extreme_over_dimensions(r, _adhesion_friction_ratios(r, 0.2), np.fmin)
 
 
 def _rise_at_low_dimensions(r: ResampledMeans) -> Floats:
-    added_friction = _friction_added_by_adhesion(r, r.middle)
+    added_friction = _friction_added_by_adhesion(r, r.middle_load)
     return _mean_over_dimensions(r, added_friction, *_LOW_DIMENSIONS) - _mean_over_dimensions(
         r, added_friction, *_HIGH_DIMENSIONS
     )
@@ -460,7 +463,7 @@ def _rise_at_low_dimensions(r: ResampledMeans) -> Floats:
 
 def _adhesion_rise_at_low_load(r: ResampledMeans) -> Floats:
     return _mean_over_dimensions(
-        r, _friction_added_by_adhesion(r, r.light) - _friction_added_by_adhesion(r, r.heavy), *_ALL_DIMENSIONS
+        r, _friction_added_by_adhesion(r, r.light_load) - _friction_added_by_adhesion(r, r.heavy_load), *_ALL_DIMENSIONS
     )
 
 
@@ -470,7 +473,7 @@ def _largest_change_by_weak_adhesion(r: ResampledMeans) -> Floats | Simultaneous
 
 def _dip_measure(start: float, stop: float) -> Measure:
     def measure(r: ResampledMeans) -> Floats:
-        logarithm = np.log(r.at("friction", r.middle, tau0=0.2))
+        logarithm = np.log(r.at("friction", r.middle_load, tau0=0.2))
         return np.exp(
             _mean_over_dimensions(r, logarithm, start, stop) - _mean_over_dimensions(r, logarithm, *_MIDDLE_DIMENSIONS)
         )
@@ -479,7 +482,7 @@ def _dip_measure(start: float, stop: float) -> Measure:
 
 
 def _dimension_of_minimum(r: ResampledMeans) -> Floats:
-    values = r.at("friction", r.middle, tau0=0.2)
+    values = r.at("friction", r.middle_load, tau0=0.2)
     is_used = r.finite_value_mask(values, r.dimension_range_mask(*_ALL_DIMENSIONS))
     if not is_used.any():
         return np.full(values.shape[0], np.nan)
@@ -491,21 +494,21 @@ def _dimension_of_minimum(r: ResampledMeans) -> Floats:
 
 
 def _ratio_of_light_to_heavy_load(r: ResampledMeans) -> Floats:
-    log_ratio = np.log(r.at("friction", r.light) / r.at("friction", r.heavy))
+    log_ratio = np.log(r.at("friction", r.light_load) / r.at("friction", r.heavy_load))
     return np.exp(_mean_over_dimensions(r, log_ratio, 1.5, 1.7))
 
 
 def _smallest_ratio_to_mu0(r: ResampledMeans) -> Floats | SimultaneousInterval:
-    return _extreme_over_dimensions(r, [r.at("friction", r.middle) / 0.4], np.fmin)
+    return _extreme_over_dimensions(r, [r.at("friction", r.middle_load) / 0.4], np.fmin)
 
 
-def _amplitude_ratio_measure(what: Quantity, tau0: float) -> Measure:
+def _amplitude_ratio_measure(quantity: Quantity, tau0: float) -> Measure:
     def measure(r: ResampledMeans) -> Floats:
-        loads = r.middle_of_all_amplitudes()
+        loads = r.middle_load_of_all_amplitudes()
         if loads is None:
             return np.array([math.nan])
         high_amplitude_values, low_amplitude_values = (
-            r.at(what, loads, tau0=tau0, amplitude=a) for a in (HIGH_AMPLITUDE, LOW_AMPLITUDE)
+            r.at(quantity, loads, tau0=tau0, amplitude=a) for a in (HIGH_AMPLITUDE, LOW_AMPLITUDE)
         )
         return np.exp(_mean_over_dimensions(r, np.log(high_amplitude_values / low_amplitude_values), *_ALL_DIMENSIONS))
 
@@ -513,7 +516,7 @@ def _amplitude_ratio_measure(what: Quantity, tau0: float) -> Measure:
 
 
 def _rise_ratio_of_amplitudes(r: ResampledMeans) -> Floats:
-    loads = r.middle_of_all_amplitudes()
+    loads = r.middle_load_of_all_amplitudes()
     if loads is None:
         return np.array([math.nan])
     log_ratio = np.log(
@@ -523,7 +526,7 @@ def _rise_ratio_of_amplitudes(r: ResampledMeans) -> Floats:
 
 
 def _adhesion_difference_of_amplitudes(r: ResampledMeans) -> Floats:
-    loads = r.middle_of_all_amplitudes()
+    loads = r.middle_load_of_all_amplitudes()
     if loads is None:
         return np.array([math.nan])
     return _mean_over_dimensions(
@@ -533,10 +536,20 @@ def _adhesion_difference_of_amplitudes(r: ResampledMeans) -> Floats:
     )
 
 
-def _relative_change_measure(what: Quantity, one: dict[str, float], other: dict[str, float]) -> Measure:
+def _relative_change_measure(
+    quantity: Quantity, changed_parameters: dict[str, float], reference_parameters: dict[str, float]
+) -> Measure:
     def measure(r: ResampledMeans) -> Floats | SimultaneousInterval:
         return _extreme_over_dimensions(
-            r, [np.abs(r.at(what, r.middle, **one) / r.at(what, r.middle, **other) - 1)], np.fmax
+            r,
+            [
+                np.abs(
+                    r.at(quantity, r.middle_load, **changed_parameters)
+                    / r.at(quantity, r.middle_load, **reference_parameters)
+                    - 1
+                )
+            ],
+            np.fmax,
         )
 
     return measure
@@ -565,7 +578,7 @@ CLAIM_PARTS = (
         "smallest ratio of mu_s at tau0 = 200 MPa to mu_s at 0, for all D and three loads",
         1.0,
         math.inf,
-        _smallest_rise,
+        _smallest_adhesion_rise,
     ),
     ClaimPart(
         "3b", "increase of mu_s by tau0 = 200 MPa at D ≤ 1.2, minus at D ≥ 1.6", 0.0, math.inf, _rise_at_low_dimensions

@@ -103,9 +103,9 @@ def generate_pairs(case: dict) -> tuple[list[Pair], str]:
                 for repetition in range(6 if family == "WM area" else 10)
             ], "free"
         case "measured area":
-            return load_area_pairs(case), "free"
+            return load_map_pairs(case), "free"
         case "measured line":
-            return load_line_pairs(case), "free"
+            return load_profile_pairs(case), "free"
         case "self-affine line":
             return [generate_self_affine_pair(case, repetition) for repetition in range(10)], "periodic"
         case _:
@@ -171,7 +171,7 @@ def rms_gradient(heights: np.ndarray, spacing, *, periodic: bool) -> float:
     return float(np.sqrt(sum(np.square(slope).mean() for slope in grid_slopes(heights, steps, periodic=periodic))))
 
 
-def load_area_pairs(case: dict) -> list[Pair]:
+def load_map_pairs(case: dict) -> list[Pair]:
     """Return pairs of quarters of a map; the upper one is flipped."""
     surface = levelled(read_surface(DATA_FOLDER / case["file"]), "plane")
     half_shape = [size // 2 for size in surface.heights.shape]
@@ -183,7 +183,7 @@ def load_area_pairs(case: dict) -> list[Pair]:
     return [(flipped(upper), lower) for upper, lower in permutations(quarters, 2)]
 
 
-def load_line_pairs(case: dict) -> list[Pair]:
+def load_profile_pairs(case: dict) -> list[Pair]:
     """Return pairs of quarters of a profile; the upper one is flipped."""
     line = levelled(read_profile(DATA_FOLDER / case["file"]), "line")
     quarter_length = len(line) // 4
@@ -453,7 +453,7 @@ def render_limit_rows(points: list[dict]) -> list[str]:
     return rows
 
 
-def draw(points: list[dict]) -> None:
+def draw_friction_and_deviations(points: list[dict]) -> None:
     figure = Figure(figsize=(6.9, 5.6), dpi=200, layout="constrained")
     axes = figure.subplots(2, 2).ravel()
     slope = np.geomspace(0.01, 3, 200)
@@ -597,7 +597,7 @@ def write_case_means(points: list[dict]) -> None:
 def main() -> None:
     rows = compute_cases()
     points = [summarise_case(row) | {"together": row["pairs"]} for row in rows]
-    draw(points)
+    draw_friction_and_deviations(points)
     draw_limits(points)
     write_case_means(points)
     num_main_points = sum(point["family"] in FAMILY_TITLES for point in points)

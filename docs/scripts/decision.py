@@ -37,7 +37,7 @@ FLOWCHART_ARROWS = [
 ]
 
 
-def draw(dark: bool) -> Figure:
+def draw_figure(dark: bool) -> Figure:
     """Return the decision tree, for a light or a dark page."""
     colours = DARK_COLOURS if dark else LIGHT_COLOURS
     with mpl.rc_context(MATPLOTLIB_STYLE):
@@ -74,4 +74,4 @@ def draw(dark: bool) -> Figure:
 
 if __name__ == "__main__":
     for name, dark in (("decision", False), ("decision_dark", True)):
-        draw(dark).savefig(IMAGE_FOLDER / f"{name}.png", dpi=200, facecolor="none" if dark else "white")
+        draw_figure(dark).savefig(IMAGE_FOLDER / f"{name}.png", dpi=200, facecolor="none" if dark else "white")

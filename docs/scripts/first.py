@@ -66,7 +66,7 @@ def solve_contact():
     return lower.x, lower.heights, curve.contact(0)
 
 
-def draw(curves, dark):
+def draw_figure(curves, dark):
     figure = Figure(
         figsize=(FIGURE_WIDTH * INCHES_PER_MILLIMETRE, FIGURE_HEIGHT * INCHES_PER_MILLIMETRE),
         facecolor="none" if dark else "white",
@@ -128,7 +128,7 @@ def main():
     curves = compute_friction()
     for dark, name in ((False, "first.png"), (True, "first_dark.png")):
         with mpl.rc_context(MATPLOTLIB_STYLE | {"font.size": 7.5} | (DARK_STYLE if dark else {})):
-            save_figure(draw(curves, dark), ROOT / "docs/images" / name)
+            save_figure(draw_figure(curves, dark), ROOT / "docs/images" / name)
 
 
 if __name__ == "__main__":

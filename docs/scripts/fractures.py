@@ -208,7 +208,7 @@ def main(folder, names):
             curves = np.interp(stress, stresses, closure), 1e6 * np.interp(stress, stresses, curve.closure_stiffness)
             curves_by_kind.setdefault(kind, []).append(curves) if kind or label.startswith("frozen") else None
         results[name] = (loading_displacement, stress, unloading_displacement, unloading_stress, curves_by_kind)
-    draw(results)
+    draw_closure_and_stiffness(results)
 
 
 def combine_variants(curves_by_kind):
@@ -241,7 +241,7 @@ def combine_variants(curves_by_kind):
     return intervals
 
 
-def draw(results):
+def draw_closure_and_stiffness(results):
     with mpl.rc_context(MATPLOTLIB_STYLE):
         figure = Figure(figsize=(PAGE_WIDTH, 100 * INCHES_PER_MILLIMETRE), layout="constrained")
         axes = figure.subplots(2, len(results), sharex=True, sharey="row", squeeze=False)

@@ -49,8 +49,8 @@ def ratio_of_means(numerator: np.ndarray, denominator: np.ndarray) -> tuple[np.n
     numerator, denominator = np.broadcast_arrays(numerator, denominator)
     repetitions = numerator.shape[-1]
 
-    def leave_one_out_means(each: np.ndarray) -> np.ndarray:
-        return (each.sum(axis=-1, keepdims=True) - each) / (repetitions - 1)
+    def leave_one_out_means(values: np.ndarray) -> np.ndarray:
+        return (values.sum(axis=-1, keepdims=True) - values) / (repetitions - 1)
 
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.where(denominator.mean(axis=-1) > 0, numerator.mean(axis=-1) / denominator.mean(axis=-1), np.nan)
@@ -67,10 +67,10 @@ def ratio_of_means(numerator: np.ndarray, denominator: np.ndarray) -> tuple[np.n
 
 def main() -> None:
     with mpl.rc_context(MATPLOTLIB_STYLE):
-        draw()
+        draw_figure()
 
 
-def draw() -> None:
+def draw_figure() -> None:
     results = {detection: compute_grid_results(detection) for detection in ("cell", "gap-minimum")}
     figure = Figure(figsize=(PAGE_WIDTH, 115 * INCHES_PER_MILLIMETRE), layout="constrained")
     axes = figure.subplots(2, 3, sharex=True)

@@ -44,13 +44,13 @@ COLUMN_NAMES = [
 ]
 
 
-def create_body(kind: str, hurst: float, band: int, repetition: int, side: str) -> Profile | Surface:
+def create_body(kind: str, hurst: float, bandwidth: int, repetition: int, side: str) -> Profile | Surface:
     """Return one surface of a pair: periodic on unit length, with rms slope RMS_SLOPE."""
-    n = NUM_LONGEST_WAVELENGTHS[kind] * band * POINTS_PER_SHORTEST_WAVELENGTH[kind]
+    n = NUM_LONGEST_WAVELENGTHS[kind] * bandwidth * POINTS_PER_SHORTEST_WAVELENGTH[kind]
     options = {"hurst_exponent": hurst, "repetition": repetition, "side": side, "rms": 1.0, "spacing": 1 / n}
     options |= {
         "longest_wavelength": 1 / NUM_LONGEST_WAVELENGTHS[kind],
-        "shortest_wavelength": 1 / (NUM_LONGEST_WAVELENGTHS[kind] * band),
+        "shortest_wavelength": 1 / (NUM_LONGEST_WAVELENGTHS[kind] * bandwidth),
     }
     surface = (
         self_affine(SEED, points=n, periodic=True, **options)
@@ -91,10 +91,10 @@ def solve_half_space(upper, lower, loads: np.ndarray) -> np.ndarray:
     return np.array(columns).T
 
 
-def solve_asperities(upper, lower, loads: np.ndarray, deepest: float) -> np.ndarray:
+def solve_asperities(upper, lower, loads: np.ndarray, max_approach: float) -> np.ndarray:
     """Return the results of the asperity model where its elastic load first reaches that of the half-space."""
     law = {"law": HertzCylinder(), "detection": "gap-minimum"} if isinstance(upper, Profile) else {}
-    approaches = np.geomspace(1e-5, 1.0, 400) * deepest
+    approaches = np.geomspace(1e-5, 1.0, 400) * max_approach
     names = [
         f"{component}_{part}"
         for component in ("tangential", "normal")
@@ -124,9 +124,9 @@ def solve_asperities(upper, lower, loads: np.ndarray, deepest: float) -> np.ndar
     return np.array(columns).T
 
 
-def compute_pair_results(kind: str, band: int, hurst: float, repetition: int) -> np.ndarray:
+def compute_pair_results(kind: str, bandwidth: int, hurst: float, repetition: int) -> np.ndarray:
     """Return results (load, model, column) of a pair: half-space, asperities."""
-    upper, lower = (create_body(kind, hurst, band, repetition, side) for side in ("upper", "lower"))
+    upper, lower = (create_body(kind, hurst, bandwidth, repetition, side) for side in ("upper", "lower"))
     slope = RMS_SLOPE * math.sqrt(2)
     loads = np.array(RELATIVE_PRESSURES) * EFFECTIVE_MODULUS * slope  # mN on 1 µm²
     gap = upper.heights - lower.heights
@@ -147,7 +147,7 @@ def ratio_with_interval(values: np.ndarray, column: int) -> tuple[np.ndarray, np
     return np.exp(mean), np.exp(mean - half_width), np.exp(mean + half_width)
 
 
-def draw(results: dict) -> None:
+def draw_figure(results: dict) -> None:
     figure = Figure(figsize=(6.7, 7.6), dpi=200, layout="constrained")
     rows = [
         (AREA_COLUMN, "true area"),
@@ -159,14 +159,14 @@ def draw(results: dict) -> None:
     axes = figure.subplots(len(rows), 2, sharex=True, sharey="row")
     for (column, label), axes_pair in zip(rows, axes, strict=True):
         for kind, ax in zip(NUM_LONGEST_WAVELENGTHS, axes_pair, strict=True):
-            for k, ((body_kind, band), hurst) in enumerate(
+            for k, ((body_kind, bandwidth), hurst) in enumerate(
                 (case, h) for case in NUM_PAIRS if case[0] == kind for h in HURST_EXPONENTS
             ):
-                mean, low, high = ratio_with_interval(results[body_kind, band, hurst], column)
+                mean, low, high = ratio_with_interval(results[body_kind, bandwidth, hurst], column)
                 ax.errorbar(
                     np.array(RELATIVE_PRESSURES) * 1.05 ** (k - 2), mean, (mean - low, high - mean), lw=0.9,
-                    elinewidth=0.7, marker=MARKERS[hurst], ms=3, color=COLOURS[band],
-                    mfc="white" if hurst == 0.5 else COLOURS[band],
+                    elinewidth=0.7, marker=MARKERS[hurst], ms=3, color=COLOURS[bandwidth],
+                    mfc="white" if hurst == 0.5 else COLOURS[bandwidth],
                 )  # fmt: skip
             ax.axhline(1, color="0.6", lw=0.6, zorder=0)
             ax.set_xscale("log")
@@ -185,8 +185,8 @@ def draw(results: dict) -> None:
         ax.set_xlabel(r"$\bar p\,/\,E^* h'$", fontsize=8)
     ax = axes[0, 0]
     legend_handles = [
-        ax.plot([], [], color=colour, label=f"longest / shortest wavelength {band}")[0]
-        for band, colour in COLOURS.items()
+        ax.plot([], [], color=colour, label=f"longest / shortest wavelength {bandwidth}")[0]
+        for bandwidth, colour in COLOURS.items()
     ]
     for hurst, marker in MARKERS.items():
         fill_colour = "white" if hurst == 0.5 else "0.3"
@@ -217,9 +217,9 @@ def format_tables(results: dict) -> str:
         "| all contacts, τ0 = 0 | all contacts, τ0 = 2 % of E* |",
         "|---|---|---|---|---|---|---|---|",
     ]
-    for (kind, band, hurst), values in results.items():
+    for (kind, bandwidth, hurst), values in results.items():
         for load, pressure in enumerate(RELATIVE_PRESSURES):
-            row_start = f"| {kind} | {band} | {hurst:g} | {pressure:g} |"
+            row_start = f"| {kind} | {bandwidth} | {hurst:g} | {pressure:g} |"
             area_fraction = values[:, load, 0, AREA_COLUMN].mean()
             area_rows.append(
                 f"{row_start} {area_fraction:.3f} | {format_ratio(values, AREA_COLUMN, load)} "
@@ -244,11 +244,11 @@ def format_tables(results: dict) -> str:
 
 
 def main(workers: int = 1) -> None:
-    keys = [(kind, band, hurst) for (kind, band), hurst in product(NUM_PAIRS, HURST_EXPONENTS)]
+    keys = [(kind, bandwidth, hurst) for (kind, bandwidth), hurst in product(NUM_PAIRS, HURST_EXPONENTS)]
     with ProcessPoolExecutor(workers) as pool:
         jobs = {key: [pool.submit(compute_pair_results, *key, k) for k in range(NUM_PAIRS[key[:2]])] for key in keys}
         results = {key: np.array([job.result() for job in item]) for key, item in jobs.items()}
-    draw(results)
+    draw_figure(results)
     (DOCS_FOLDER / "generated/half_space.md").write_text(format_tables(results), encoding="utf-8")
 
 

@@ -83,8 +83,8 @@ def main():
     (DOCS_FOLDER / "generated/intervals.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def _format_bold(text, bold):
-    return f"**{text}**" if bold else text
+def _format_bold(text, is_bold):
+    return f"**{text}**" if is_bold else text
 
 
 if __name__ == "__main__":

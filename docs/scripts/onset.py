@@ -38,12 +38,12 @@ SEED = 2016
 ORANGE, BLUE, GREEN, GREY = "#D55E00", "#0072B2", "#009E73", "#777777"  # Okabe & Ito
 
 
-def create_surface(band: int, repetition: int, side: str, *, slope: float = 0.1, points: int = 8) -> Surface:
+def create_surface(bandwidth: int, repetition: int, side: str, *, slope: float = 0.1, points: int = 8) -> Surface:
     """Return a periodic unit square with an rms gradient; it contains two of the longest wavelengths."""
-    n = 2 * band * points
+    n = 2 * bandwidth * points
     surface = self_affine_surface(
         SEED, hurst_exponent=0.8, rms=1.0, shape=(n, n), spacing=1 / n, longest_wavelength=0.5,
-        shortest_wavelength=0.5 / band, repetition=repetition, side=side,
+        shortest_wavelength=0.5 / bandwidth, repetition=repetition, side=side,
     )  # fmt: skip
     return Surface(surface.heights * slope / rms_gradient(surface.heights), spacing=1 / n)
 
@@ -53,9 +53,9 @@ def rms_gradient(heights: np.ndarray) -> float:
     return n * math.sqrt(sum(np.mean((np.roll(heights, -1, axis) - heights) ** 2) for axis in (0, 1)))
 
 
-def create_pair(band: int, repetition: int, **surface_options: float) -> tuple[Surface, Surface, float]:
+def create_pair(bandwidth: int, repetition: int, **surface_options: float) -> tuple[Surface, Surface, float]:
     """Return upper and lower surface, and the load for a mean pressure of E* h'."""
-    upper, lower = (create_surface(band, repetition, side, **surface_options) for side in ("upper", "lower"))
+    upper, lower = (create_surface(bandwidth, repetition, side, **surface_options) for side in ("upper", "lower"))
     return upper, lower, EFFECTIVE_MODULUS * rms_gradient(upper.heights - lower.heights)
 
 
@@ -83,10 +83,10 @@ def compare_asperities() -> list[str]:
         "sliding load, τ0 = 2 % of E\\*",
         "fraction of the load that slips at half of the sliding load: half-space, asperities",
     )
-    for band in BANDWIDTHS:
+    for bandwidth in BANDWIDTHS:
         result = [[[] for _ in range(6)] for _ in RELATIVE_PRESSURES]
         for repetition in range(NUM_PAIRS):
-            upper, lower, unit = create_pair(band, repetition)
+            upper, lower, unit = create_pair(bandwidth, repetition)
             half_space_curve = half_space(
                 upper,
                 lower,
@@ -118,7 +118,7 @@ def compare_asperities() -> list[str]:
         for load, columns in zip(RELATIVE_PRESSURES, result, strict=True):
             ratios = " | ".join(format_ratio_interval(column) for column in columns[:4])
             slip_texts = ", ".join(f"{100 * np.mean(column):.0f} %" for column in columns[4:])
-            lines.append(f"| {band} | {load:g} | {ratios} | {slip_texts} |")
+            lines.append(f"| {bandwidth} | {load:g} | {ratios} | {slip_texts} |")
             print(lines[-1], flush=True)
     return lines
 
@@ -295,7 +295,7 @@ def compute_onset_over_dimension() -> list[str]:
     return rows
 
 
-def draw() -> None:
+def draw_figure() -> None:
     """Draw the onset of ground steel faces: E* 115 GPa, hardness 5 GPa, 50 MPa, mu0 0.2, tau0 50 MPa."""
     n, length, window_size = 512, 20.0, 128
     upper, lower = (
@@ -374,7 +374,7 @@ def main(*names: str) -> None:
         table_path = DOCS_FOLDER / f"generated/onset_{name}.md"
         table_path.write_text("\n".join(tables[name]()) + "\n", encoding="utf-8")
     if not names:
-        draw()
+        draw_figure()
 
 
 if __name__ == "__main__":

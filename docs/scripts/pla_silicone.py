@@ -31,16 +31,16 @@ MAX_LOAD = 700.0  # mN; values jump above this load, as after a change of range
 COMMON_RELATIVE_ERROR = 0.02  # relative standard error of the force cell
 
 
-def fit_laws(load, coefficient, error):
+def fit_laws(load, coefficient, standard_error):
     """Return (mu0, tau0 A0) of a flat, (mu0, tau0 A0, F1) of a rough flat, and residuals over errors; in mN."""
-    columns = np.stack([np.ones_like(load), 1 / load], axis=1) / error[:, np.newaxis]
-    flat_law = np.linalg.lstsq(columns, coefficient / error, rcond=None)[0]
+    columns = np.stack([np.ones_like(load), 1 / load], axis=1) / standard_error[:, np.newaxis]
+    flat_law = np.linalg.lstsq(columns, coefficient / standard_error, rcond=None)[0]
 
     def residuals(values):
-        return (values[0] + values[1] / load * erf(load / values[2]) - coefficient) / error
+        return (values[0] + values[1] / load * erf(load / values[2]) - coefficient) / standard_error
 
     rough_law = least_squares(residuals, [1.0, 200.0, 100.0], bounds=(0, np.inf))
-    return flat_law, columns @ flat_law - coefficient / error, rough_law.x, rough_law.fun
+    return flat_law, columns @ flat_law - coefficient / standard_error, rough_law.x, rough_law.fun
 
 
 def main(path):

@@ -10,7 +10,7 @@ NUM_POINTS, SHORTEST_WAVELENGTH, NUM_SEEDS = 512, 8, 3
 MEAN_PRESSURES = (0.01, 0.05, 0.1, 0.2, 0.4)  # mean pressure over E* h'
 
 
-def press_surface(hurst, seed, *, ratio=16, pressures=MEAN_PRESSURES):
+def press_surface(hurst, seed, *, wavelength_ratio=16, pressures=MEAN_PRESSURES):
     """Return contact fraction, gap over rms height, stiffness times rms height over pressure, Nayak's parameter."""
     rough_surface = self_affine_surface(
         seed,
@@ -19,7 +19,7 @@ def press_surface(hurst, seed, *, ratio=16, pressures=MEAN_PRESSURES):
         shape=(NUM_POINTS, NUM_POINTS),
         spacing=1.0,
         shortest_wavelength=SHORTEST_WAVELENGTH,
-        longest_wavelength=SHORTEST_WAVELENGTH * ratio,
+        longest_wavelength=SHORTEST_WAVELENGTH * wavelength_ratio,
     )
     spectrum = np.abs(np.fft.fft2(rough_surface.heights)) ** 2
     wave_number = 2 * np.pi * np.hypot(*np.meshgrid(*[np.fft.fftfreq(NUM_POINTS)] * 2, indexing="ij"))
@@ -43,7 +43,7 @@ def main():
         print(f"H = {hurst}: area {np.round(area, 4)} gap {np.round(gap, 3)} K rms / p {np.round(stiffness, 2)}")
     print("spread over H:", np.round(np.ptp(areas_by_exponent, axis=0) / np.mean(areas_by_exponent, axis=0), 3))
     for ratio in (2, 4, 8, 16, 32):
-        result = [press_surface(0.8, seed, ratio=ratio, pressures=(0.1,)) for seed in range(NUM_SEEDS)]
+        result = [press_surface(0.8, seed, wavelength_ratio=ratio, pressures=(0.1,)) for seed in range(NUM_SEEDS)]
         area, nayak = np.mean([item[0][0] for item in result]), np.mean([item[3] for item in result])
         print(f"longest over shortest {ratio}: Nayak {nayak:.2f}, area at 0.1 {area:.4f}")
 

@@ -298,14 +298,14 @@ def render_bracket_rows(groups):
     return lines
 
 
-def render_yield_deviation_rows(by_hurst):
+def render_yield_deviation_rows(rows_by_exponent):
     """Return deviations of the coarsest result from the finest at elastic pressures of one and two hardnesses."""
     lines = [
         f"| μ_s, friction at all contacts, at {CUTOFFS[-1]} points | elastic mean pressure / hardness "
         "| mean difference from the finest (%) | largest difference (%) |",
         "|---|---|---|---|",
     ]
-    for hurst, rows in by_hurst.items():
+    for hurst, rows in rows_by_exponent.items():
         for name, hardness in (("plastic", HARDNESS), ("softer", HARDNESS / 2)):
             ratio = np.mean([row["elastic"]["pressure"][-1] for row in rows]) / hardness
             values = np.array([row[name]["all"] for row in rows])
@@ -401,9 +401,9 @@ def write_page():
     coarser_cutoffs, brackets, extrapolations, joined_results = (
         load_results(name) for name in ("settling", "bracketing", "continuing", "joining")
     )
-    by_hurst = {hurst: [row for row in coarser_cutoffs if row["hurst"] == hurst] for hurst in HURST_EXPONENTS}
+    rows_by_exponent = {hurst: [row for row in coarser_cutoffs if row["hurst"] == hurst] for hurst in HURST_EXPONENTS}
     lines = []
-    for rows in by_hurst.values():
+    for rows in rows_by_exponent.values():
         lines += [*render_coarser_cutoff_rows(rows), ""]
     lines += [
         f"Means over pairs of maps of {LARGE_MAP_POINTS}² points with wavelengths from 4 points to a quarter of the "
@@ -411,7 +411,7 @@ def write_page():
         f"filtered at the cutoff wavelength of each column. E\\* is {EFFECTIVE_MODULUS:g} GPa, the nominal pressure "
         f"{1e3 * PRESSURE:g} MPa, μ0 {MU0:g} and τ0 {1e3 * TAU0:g} MPa.",
         "",
-        *render_yield_deviation_rows(by_hurst),
+        *render_yield_deviation_rows(rows_by_exponent),
         "",
         *render_bracket_rows(
             {
@@ -428,16 +428,16 @@ def write_page():
         *render_spectrum_rows(joined_results),
     ]
     (DOCS_FOLDER / "generated/resolution.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    draw_figure(by_hurst, joined_results)
+    draw_figure(rows_by_exponent, joined_results)
 
 
-def draw_figure(by_hurst, joined_results):
+def draw_figure(rows_by_exponent, joined_results):
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots(1, 3, figsize=(12, 3.8), layout="constrained")
     colours = dict(zip(HURST_EXPONENTS, ("#0072b2", "#d55e00"), strict=True))
     wavelengths = 1e3 * SPACING * np.array([4, *CUTOFFS])
-    for hurst, rows in by_hurst.items():
+    for hurst, rows in rows_by_exponent.items():
         for axis, name, factor in ((axes[0], "area", 100), (axes[1], "all", 1)):
             for model, line in (("plastic", "-o"), ("elastic", "--s")):
                 values = factor * np.array([row[model][name] for row in rows])
@@ -446,7 +446,7 @@ def draw_figure(by_hurst, joined_results):
                 axis.fill_between(
                     wavelengths, values.min(axis=0), values.max(axis=0), color=colours[hurst], alpha=0.12, lw=0
                 )
-    plastic_limit = by_hurst[HURST_EXPONENTS[0]][0]["limit"]
+    plastic_limit = rows_by_exponent[HURST_EXPONENTS[0]][0]["limit"]
     for axis, value, limit_label in (
         (axes[0], 100 * plastic_limit[0], "F/H"),
         (axes[1], plastic_limit[1], "μ0 + τ0/H"),

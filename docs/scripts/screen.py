@@ -72,7 +72,7 @@ def find_first_lines(lines: list[str]) -> list[int]:
     return indices
 
 
-def draw(lines: list[str], dark: bool) -> Figure:
+def draw_figure(lines: list[str], dark: bool) -> Figure:
     """Return a picture of the output, for a light or a dark page."""
     colours = DARK_COLOURS if dark else LIGHT_COLOURS
     start_lines = find_first_lines(lines)
@@ -120,4 +120,4 @@ def draw(lines: list[str], dark: bool) -> Figure:
 if __name__ == "__main__":
     printed = run_example()
     for name, dark in (("screen", False), ("screen_dark", True)):
-        draw(printed, dark).savefig(ROOT / f"docs/images/{name}.png", dpi=180)
+        draw_figure(printed, dark).savefig(ROOT / f"docs/images/{name}.png", dpi=180)

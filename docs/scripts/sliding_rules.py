@@ -75,7 +75,7 @@ def draw_pair(ax: Axes, rule: str, text_colour: str) -> None:
     ax.axis("off")
 
 
-def draw(dark: bool) -> Figure:
+def draw_figure(dark: bool) -> Figure:
     """Return the picture for a light or a dark page."""
     with mpl.rc_context(MATPLOTLIB_STYLE):
         figure = Figure(figsize=(FIGURE_WIDTH * INCHES_PER_MILLIMETRE, FIGURE_HEIGHT * INCHES_PER_MILLIMETRE))
@@ -92,4 +92,4 @@ def draw(dark: bool) -> Figure:
 
 if __name__ == "__main__":
     for name, dark in (("sliding_rules", False), ("sliding_rules_dark", True)):
-        draw(dark).savefig(IMAGE_FOLDER / f"{name}.png", dpi=200, facecolor="none" if dark else "white")
+        draw_figure(dark).savefig(IMAGE_FOLDER / f"{name}.png", dpi=200, facecolor="none" if dark else "white")

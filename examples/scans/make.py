@@ -43,24 +43,24 @@ MAIN_XML = """<?xml version="1.0" encoding="UTF-8"?>
 
 def trace_text(finish: str, side: str) -> str:
     """Return a text file of a stylus instrument, with positions in µm and heights in nm."""
-    points, spacing, waves, deviation, step = TRACE_OPTIONS[finish].values()
+    points, spacing, num_waves, noise_deviation, height_step = TRACE_OPTIONS[finish].values()
     face = self_affine(
         11 if finish == "lapped" else 21,
         hurst_exponent=0.8,
         rms=0.05,
         points=points,
         spacing=spacing,
-        longest_wavelength=waves[0],
-        shortest_wavelength=waves[1],
+        longest_wavelength=num_waves[0],
+        shortest_wavelength=num_waves[1],
         side=side,
     )
-    noise = np.random.default_rng(SIDES.index(side)).normal(0.0, deviation, points)
-    heights = np.round((1000.0 * face.heights + 0.4 * face.x + noise) / step) * step
-    lines = [f"{x:.1f},{z:.{1 if step > 0.05 else 2}f}\n" for x, z in zip(face.x, heights, strict=True)]
+    noise = np.random.default_rng(SIDES.index(side)).normal(0.0, noise_deviation, points)
+    heights = np.round((1000.0 * face.heights + 0.4 * face.x + noise) / height_step) * height_step
+    lines = [f"{x:.1f},{z:.{1 if height_step > 0.05 else 2}f}\n" for x, z in zip(face.x, heights, strict=True)]
     return "".join([f"# generated, not measured: {finish} steel, stylus\n", "x (um),z (nm)\n", *lines])
 
 
-def converter_steps(side: str) -> np.ndarray:
+def heights_in_converter_steps(side: str) -> np.ndarray:
     """Return an interferometer map in whole converter steps. The grinding marks run along y."""
     face = self_affine_surface(
         12,
@@ -74,21 +74,21 @@ def converter_steps(side: str) -> np.ndarray:
     )
     y, x = np.indices((MAP_POINTS, MAP_POINTS)) * PIXEL_SIZE
     noise = np.random.default_rng(SIDES.index(side)).normal(0.0, 1e-4, (MAP_POINTS, MAP_POINTS))
-    micrometres = face.heights + 2e-3 * x - 1e-3 * y + noise
-    return np.round((micrometres - micrometres.mean()) * 1e-6 / CONVERTER_STEP).astype("<i2")
+    heights = face.heights + 2e-3 * x - 1e-3 * y + noise
+    return np.round((heights - heights.mean()) * 1e-6 / CONVERTER_STEP).astype("<i2")
 
 
-def write_x3p(path: Path, steps: np.ndarray) -> None:
+def write_x3p(path: Path, height_steps: np.ndarray) -> None:
     """Write a surface as ISO 25178-72. Every call writes the same bytes."""
-    data = steps.tobytes()
-    rows, columns = steps.shape
+    data = height_steps.tobytes()
+    rows, columns = height_steps.shape
     checksum = hashlib.md5(data, usedforsecurity=False).hexdigest()
-    main = MAIN_XML.format(
+    main_xml = MAIN_XML.format(
         pixel=PIXEL_SIZE * 1e-6, step=CONVERTER_STEP, columns=columns, rows=rows, checksum=checksum
     ).encode()
-    checksum_text = f"{hashlib.md5(main, usedforsecurity=False).hexdigest()} *main.xml\n".encode()
+    checksum_text = f"{hashlib.md5(main_xml, usedforsecurity=False).hexdigest()} *main.xml\n".encode()
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
-        for name, content in (("main.xml", main), ("bindata/data.bin", data), ("md5checksum.hex", checksum_text)):
+        for name, content in (("main.xml", main_xml), ("bindata/data.bin", data), ("md5checksum.hex", checksum_text)):
             archive.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED)
 
 
@@ -98,7 +98,7 @@ def main(folder: Path) -> None:
     for side in SIDES:
         for finish in TRACE_OPTIONS:
             (folder / f"{finish}_{side}.csv").write_text(trace_text(finish, side), encoding="utf-8")
-        write_x3p(folder / f"ground_{side}.x3p", converter_steps(side))
+        write_x3p(folder / f"ground_{side}.x3p", heights_in_converter_steps(side))
 
 
 if __name__ == "__main__":

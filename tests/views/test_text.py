@@ -192,14 +192,16 @@ def test_overview_states_the_number_of_omitted_caveats():
     text, short_text = overview_text(summary), overview_text(summary, 1)
     assert " more: " not in text
     assert short_text.splitlines()[-1].endswith(" more: summary() shows all")
-    assert overview_text(summary, 1, complete="--verbose").splitlines()[-1].endswith(" more: --verbose shows all")
+    assert (
+        overview_text(summary, 1, complete_command="--verbose").splitlines()[-1].endswith(" more: --verbose shows all")
+    )
     assert len(short_text.splitlines()) < len(text.splitlines())
 
 
 def test_result_text_of_many_points_has_at_most_40_lines():
     dataset = generated_result(loads=tuple(np.linspace(0.01, 1, 30)), dimensions=tuple(np.linspace(1.1, 1.5, 15)))
     summary = summarize(dataset, generated_study())
-    lines = result_text(summary, complete="--verbose").splitlines()
+    lines = result_text(summary, complete_command="--verbose").splitlines()
     assert len(lines) <= 40
     rows = [line for line in lines if line[0:1].isdigit() and line.endswith(tuple(VERDICTS.values()))]
     assert 10 <= len(rows) <= MAX_PRINTED_POINTS

@@ -83,14 +83,14 @@ class Server:
         self.host = f"127.0.0.1:{port}"
         self.origin = f"http://{self.host}"
         self.token: str | None = secrets.token_urlsafe(24)
-        self._secret, self._cookie = secrets.token_urlsafe(24), f"stiction-{port}"
-        self._key = secrets.token_urlsafe(24)
+        self._cookie_secret, self._cookie_name = secrets.token_urlsafe(24), f"stiction-{port}"
+        self._access_key = secrets.token_urlsafe(24)
         self.jobs = JobQueue(root)
         self.scans: dict[str, Path] = {}
         self.points: dict[str, int] = {}
         self.num_arriving_bytes = 0
         self.last_request_time, self.has_window = 0.0, False
-        self._requests: set[asyncio.Task[Any]] = set()
+        self._running_requests: set[asyncio.Task[Any]] = set()
         self._has_ended = False
         routes: list[tuple[str, str, Any]] = [
             ("GET", "/", self.get_page), ("GET", "/app.{kind:str}", self.get_asset),
@@ -115,7 +115,7 @@ class Server:
     def shut_down(self) -> None:
         """Answer all pending and later requests with a message that the server has shut down."""
         self._has_ended = True
-        for task in self._requests:
+        for task in self._running_requests:
             task.cancel()
 
     # ---- Access control ---------------------------------------------------------------------------------------------
@@ -133,12 +133,12 @@ class Server:
         if scope["type"] != "http":
             return await self._app(scope, receive, send)
         rejection = SERVER_ENDED_RESPONSE if self._has_ended else self._rejection_response(Request(scope))
-        if rejection is None and len(self._requests) >= MAX_CONCURRENT_REQUESTS:
+        if rejection is None and len(self._running_requests) >= MAX_CONCURRENT_REQUESTS:
             rejection = BUSY_RESPONSE
         if rejection is not None:
             return await rejection(scope, receive, send_with_headers)
         task: Any = asyncio.current_task()
-        self._requests.add(task)
+        self._running_requests.add(task)
         try:
             async with asyncio.timeout(MAX_REQUEST_TIME):
                 await self._app(scope, receive, send_with_headers)
@@ -147,7 +147,7 @@ class Server:
         except asyncio.CancelledError:
             rejection = SERVER_ENDED_RESPONSE
         finally:
-            self._requests.discard(task)
+            self._running_requests.discard(task)
         if rejection is not None:
             with suppress(RuntimeError):  # raised if the response has already started
                 await rejection(scope, receive, send_with_headers)
@@ -163,14 +163,14 @@ class Server:
         if request.url.path == "/" and request.method == "GET" and token:
             if self.token is not None and _are_secrets_equal(token, self.token):
                 self.token = None
-                response = RedirectResponse(f"/#{self._key}", 303)
-                response.set_cookie(self._cookie, self._secret, httponly=True, samesite="strict", path="/")
+                response = RedirectResponse(f"/#{self._access_key}", 303)
+                response.set_cookie(self._cookie_name, self._cookie_secret, httponly=True, samesite="strict", path="/")
                 return response
         elif headers.get("sec-fetch-site", "none") not in ("same-origin", "none"):
             return CROSS_ORIGIN_RESPONSE
         key = headers.get(ACCESS_KEY_HEADER) or request.query_params.get("key", "")
-        has_access = request.url.path in PUBLIC_PATHS or _are_secrets_equal(key, self._key)
-        if not (_are_secrets_equal(request.cookies.get(self._cookie, ""), self._secret) and has_access):
+        has_access = request.url.path in PUBLIC_PATHS or _are_secrets_equal(key, self._access_key)
+        if not (_are_secrets_equal(request.cookies.get(self._cookie_name, ""), self._cookie_secret) and has_access):
             return PlainTextResponse(
                 "Open the address that `stiction app` has printed. It works in one browser.\n", 403
             )

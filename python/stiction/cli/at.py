@@ -146,7 +146,7 @@ def at(
     else:
         if defaults := text.default_values_text(result.study, mu0=mu0 is None, tau0=tau0 is None):
             print_output(defaults)
-        print_output(text.result_text(summary, verbose=verbose, complete=VERBOSE_OPTION))
+        print_output(text.result_text(summary, verbose=verbose, complete_command=VERBOSE_OPTION))
 
 
 def _print_scaled_heights(

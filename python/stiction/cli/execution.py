@@ -67,10 +67,10 @@ def check_output_directory(directory: Path) -> None:
         raise StudyError(f"--output must be a directory, got the file name {printable_path(directory)}")
 
 
-def _conflict_advice(error: StudyMismatchError, study: Study, *, replaceable: bool) -> str:
+def _conflict_advice(error: StudyMismatchError, study: Study, *, is_replaceable: bool) -> str:
     """Return advice on what to do if the output directory contains another study."""
     remedies = ["choose another directory with --output DIR"]
-    if replaceable:
+    if is_replaceable:
         remedies.append("overwrite the stored result with --replace")
     loading_steps, loads = error.stored.contact.loading_steps(), [float(load) for load in study.friction.load]
     only_loads = all(key == "contact.load" for key, *_ in error.differences)
@@ -97,7 +97,7 @@ def compute_in_folder(
             announce=show_status, **options,
         )  # fmt: skip
     except StudyMismatchError as error:
-        raise error.with_remedy(_conflict_advice(error, study, replaceable="replace" in options)) from None
+        raise error.with_remedy(_conflict_advice(error, study, is_replaceable="replace" in options)) from None
     except KeyboardInterrupt:
         detail = ""
         with contextlib.suppress(StoreError):  # no result is stored yet

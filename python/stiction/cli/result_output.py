@@ -65,9 +65,13 @@ def print_values(
     if not as_json:
         max_lines = MAX_CAVEAT_LINES if command == "pair" else None
         if study.is_measured:
-            print_output(text.values_text(summary, verbose=verbose, max_lines=max_lines, complete=VERBOSE_OPTION))
+            print_output(
+                text.values_text(summary, verbose=verbose, max_lines=max_lines, complete_command=VERBOSE_OPTION)
+            )
         else:
-            print_output(text.overview_text(summary, None if verbose else MAX_CAVEAT_LINES, complete=VERBOSE_OPTION))
+            print_output(
+                text.overview_text(summary, None if verbose else MAX_CAVEAT_LINES, complete_command=VERBOSE_OPTION)
+            )
 
     def print_remainder() -> None:
         complete_summary = result.summary()  # this summary includes studies that were computed in the meantime

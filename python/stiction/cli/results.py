@@ -37,7 +37,7 @@ def info(directory: DirectoryArgument, verbose: VerboseOption = False, as_json: 
         changes = [f"{key} = {value}" for key, _, value in find_differences(Study(), study)]
         lines = ["default values except", *changes] if changes else ["default values"]
         for index, line in enumerate(lines):
-            print_output(wrap_text(f"{'' if index else 'study':<13}{line}", hang=" " * 15))
+            print_output(wrap_text(f"{'' if index else 'study':<13}{line}", hanging_indent=" " * 15))
     elif verbose:
         print_output(study.to_toml())
     print_output(f"repetitions  {num_finished} of {study.ensemble.repetitions} finished")

@@ -84,7 +84,7 @@ def studies(
     names = study_names()
     width = max(map(len, names)) + 2
     for name in names:
-        print_output(wrap_text(f"{name:<{width}}{study_summary(name)}", hang=" " * width))
+        print_output(wrap_text(f"{name:<{width}}{study_summary(name)}", hanging_indent=" " * width))
 
 
 def _load_study(text: str) -> tuple[Study, Path]:

@@ -33,15 +33,18 @@ def calibration_text(interface: Interface) -> str:
     condition = (
         f"at the A/F of the tests, {_area_per_load_text(interface)}, {SLIDING_RULE_DESCRIPTIONS[first_fit.sliding]}"
     )
-    lines = [wrap_text(f"μ0 + τ0 A/F = {format_with_interval(*interface.identified)} {condition}", hang="  ")]
+    lines = [wrap_text(f"μ0 + τ0 A/F = {format_with_interval(*interface.identified)} {condition}", hanging_indent="  ")]
     if interface.separated:
         tau0 = (1e3 * item for item in interface.tau0)
         lines += [f"μ0 = {format_with_interval(*interface.mu0)}", f"τ0 = {format_with_interval(*tau0)} MPa"]
     else:
-        lines += [wrap_text(item, hang="  ") for item in _mu0_tau0_not_separated_lines(interface)]
+        lines += [wrap_text(item, hanging_indent="  ") for item in _mu0_tau0_not_separated_lines(interface)]
     if interface.growth is not None:
-        lines += [wrap_text(_junction_growth_text(interface), hang="  ")]
-    lines += ["", *(wrap_text(item, hang="  ") for fit in interface.fits for item in _fit_lines(interface, fit))]
+        lines += [wrap_text(_junction_growth_text(interface), hanging_indent="  ")]
+    lines += [
+        "",
+        *(wrap_text(item, hanging_indent="  ") for fit in interface.fits for item in _fit_lines(interface, fit)),
+    ]
     if interface.advice:
         table = [["test that would separate them", "± μ0", "± τ0"]]
         table += [[text, f"{mu0:.2g}", format_with_unit(tau0, "GPa")] for text, mu0, tau0 in interface.advice]
@@ -149,7 +152,12 @@ def interfaces_text(interfaces: Sequence[Mapping[str, str]]) -> str:
             text if name in _KEYS_PRINTED_WITHOUT_NAME else f"{name} {text}" for name, text in other_entries.items()
         )
         paragraphs.append(
-            "\n".join([record["name"], *(wrap_text(line, indent="  ", hang="  ") for line in (law_text, *other_lines))])
+            "\n".join(
+                [
+                    record["name"],
+                    *(wrap_text(line, indent="  ", hanging_indent="  ") for line in (law_text, *other_lines)),
+                ]
+            )
         )
     return "\n\n".join(paragraphs)
 
@@ -214,10 +222,12 @@ def calibration_figure(interface: Interface) -> Figure:
 def _tests_panel(axes: Axes, interface: Interface) -> None:
     tests = np.array(interface.tests, dtype=float).reshape(-1, 4)
     max_ratio = 1.15 * max(tests[:, 0].max(initial=0.0), interface.area_per_load)
-    ratio = np.linspace(0.0, max_ratio, 60)
-    band = np.array([interface.at(item) for item in ratio])
-    axes.fill_between(ratio, band[:, 1], band[:, 2], color=ALL_CONTACTS_COLOUR, alpha=0.15, linewidth=0, label="95 %")
-    axes.plot(ratio, band[:, 0], color=ALL_CONTACTS_COLOUR, linewidth=1, label="$\\mu_0 + \\tau_0 A/F$")
+    area_per_load = np.linspace(0.0, max_ratio, 60)
+    band = np.array([interface.at(item) for item in area_per_load])
+    axes.fill_between(
+        area_per_load, band[:, 1], band[:, 2], color=ALL_CONTACTS_COLOUR, alpha=0.15, linewidth=0, label="95 %"
+    )
+    axes.plot(area_per_load, band[:, 0], color=ALL_CONTACTS_COLOUR, linewidth=1, label="$\\mu_0 + \\tau_0 A/F$")
     is_slid = tests[:, 3] > 0
     axes.errorbar(
         tests[is_slid, 0],

@@ -276,12 +276,13 @@ class Characterisation:
                     _parameter_table_row("m0", moments.height, "um2"), _parameter_table_row("m2", moments.slope),
                     _parameter_table_row("m4", moments.curvature, "1/um2"),
                     _parameter_table_row(
-                        "nayak_parameter", moments.nayak_parameter, label="Nayak's parameter", words=" (m0 m4 / m2²)"
+                        "nayak_parameter", moments.nayak_parameter, label="Nayak's parameter",
+                        explanation=" (m0 m4 / m2²)",
                     ),
                 )
             ]  # fmt: skip
             rows += _peak_rows("peak", self.spectrum)
-        rows += [*self._scale_rows(), *self._hurst_rows()]
+        rows += [*self._wavelength_rows(), *self._hurst_rows()]
         if self.spectrum is not None:
             window_text = "without a window, periodic" if self.periodic else "after a Hann window"
             rows.append(TableRow("spectrum", (f"{window_text}; moments over all of its wavelengths",), is_detail=True))
@@ -342,14 +343,14 @@ class Characterisation:
             text = f"{value:.0f}° from +x towards +y, for the strongest wavelengths; the lay is perpendicular"
             return row._replace(texts=(text,))
         if name in ("Sal", "Str") and math.isnan(value):
-            return row._replace(texts=(self._decay_text(name),))
+            return row._replace(texts=(self._autocorrelation_text(name),))
         if math.isnan(value):
             return row._replace(texts=(f"none: needs {parameter.needs}",))
         if parameter.is_fraction:
             return row._replace(texts=(f"{100 * value:.4g} %",))
         return row
 
-    def _decay_text(self, name: str) -> str:
+    def _autocorrelation_text(self, name: str) -> str:
         """Return the text for an autocorrelation parameter (Sal or Str) that requires a larger map."""
         autocorrelation_length = getattr(self.parameters, "Sal", math.nan)
         if name == "Sal":
@@ -371,7 +372,7 @@ class Characterisation:
             f"the motion (the rule of the paper), μ0 = {SLOPE_ESTIMATE_MU0:g} (gentle_friction)"
         )
 
-    def _scale_rows(self) -> list[TableRow]:
+    def _wavelength_rows(self) -> list[TableRow]:
         result, limit = self.roughness, self.limit
         fraction = float(result.fraction_below(2 * limit.pixels))
         longest_wavelength = float(result.wavelength[0])
@@ -508,7 +509,7 @@ class Characterisation:
             ("m2", [f"{moment.slope:.4g}" for moment in moments]),
             ("m4", [f"{moment.curvature:.4g} 1/µm²" for moment in moments]),
             ("Nayak's parameter", [f"{moment.nayak_parameter:.4g}" for moment in moments]),
-            ("Hurst exponent H", [_line_hurst(line) for line in line_directions]),
+            ("Hurst exponent H", [_line_hurst_text(line) for line in line_directions]),
             ("fitted band", band_texts),
             (
                 "misfit",
@@ -575,7 +576,7 @@ def characterisation_text(
     rows = [*result.rows, *(row._replace(is_detail=True) for row in result.line_rows)]
     shown = [row for row in rows if not (headline_only and row.is_detail)]
     lines = [
-        wrap_text(f"{row.label:<19} {'  '.join(f'{item:<23}' for item in row.texts)}".rstrip(), hang=" " * 20)
+        wrap_text(f"{row.label:<19} {'  '.join(f'{item:<23}' for item in row.texts)}".rstrip(), hanging_indent=" " * 20)
         for row in shown
     ]
     if len(shown) < len(rows):
@@ -617,12 +618,14 @@ def _filter_json_entries(result: SectionParameters) -> tuple[dict[str, Any], ...
     return *cutoffs, json_entry("sections", filters.sections)
 
 
-def _parameter_table_row(name: str, value: float, unit: str = "1", *, label: str = "", words: str = "") -> TableRow:
+def _parameter_table_row(
+    name: str, value: float, unit: str = "1", *, label: str = "", explanation: str = ""
+) -> TableRow:
     text = length_text(value) if unit == "um" else f"{value:.4g}{_UNIT_SYMBOLS[unit]}"
     if math.isnan(value):
         text = "none"
     status = "none" if math.isnan(value) else STATUS_OK
-    return TableRow(label or name, (f"{text}{words}",), (json_entry(name, value, unit, status=status),))
+    return TableRow(label or name, (f"{text}{explanation}",), (json_entry(name, value, unit, status=status),))
 
 
 def _peak_rows(label: str, spectrum: PowerSpectrum, lines: int = 1) -> list[TableRow]:
@@ -641,7 +644,7 @@ def _peak_rows(label: str, spectrum: PowerSpectrum, lines: int = 1) -> list[Tabl
     ]
 
 
-def _line_hurst(line: LineRoughness) -> str:
+def _line_hurst_text(line: LineRoughness) -> str:
     if not line.hurst_exponents.size:
         return "none"
     mean, scatter = line.hurst_exponents.mean(), line.hurst_exponents.std()

@@ -37,7 +37,9 @@ def materials_text(materials: Sequence[Material]) -> str:
         format_table(rows),
         *([wrap_text(f"Also known as: {'; '.join(alias_lines)}.")] if alias_lines else []),
     ]
-    paragraphs.append("\n".join(wrap_text(f"[{number}] {source}", hang="    ") for source, number in sources.items()))
+    paragraphs.append(
+        "\n".join(wrap_text(f"[{number}] {source}", hanging_indent="    ") for source, number in sources.items())
+    )
     return "\n\n".join(paragraphs) + "\n"
 
 

@@ -30,15 +30,15 @@ CYCLE_AMPLITUDES = (0.5, 0.9)  # amplitudes of cyclic tangential loading, relati
 def onset_text(onset: xarray.Dataset) -> str:
     """Return a sentence with the pre-sliding displacement, the slipping fraction and the tangential stiffness."""
     displacement_phrases, displacement = [], onset["displacement_at_sliding"]
-    if math.isfinite(_interval_ends(displacement)[0]):
+    if math.isfinite(_mean_with_limits(displacement)[0]):
         factor, unit = _length_display_factor(displacement)
         displacement_phrases.append(
-            f"pre-sliding displacement {format_estimate(*_interval_ends(displacement, factor))} {unit}"
+            f"pre-sliding displacement {format_estimate(*_mean_with_limits(displacement, factor))} {unit}"
         )
-    slipped_area = _interval_ends(onset["slipped_area"].sel(fraction=HALF_SLIDING_FRACTION))
+    slipped_area = _mean_with_limits(onset["slipped_area"].sel(fraction=HALF_SLIDING_FRACTION))
     displacement_phrases.append(f"{format_percent(slipped_area[0])} of the contact slips at half of the sliding load")
     factor, unit = _stiffness_display_factor(onset["stiffness"])
-    if math.isfinite((stiffness_interval := _interval_ends(onset["stiffness"], factor))[0]):
+    if math.isfinite((stiffness_interval := _mean_with_limits(onset["stiffness"], factor))[0]):
         displacement_phrases.append(f"initial tangential stiffness {format_estimate(*stiffness_interval)} {unit}")
     text = "; ".join(displacement_phrases)
     return text[0].upper() + text[1:] + "."
@@ -46,14 +46,14 @@ def onset_text(onset: xarray.Dataset) -> str:
 
 def _length_display_factor(table: xarray.DataArray) -> tuple[float, str]:
     """Return the factor that converts µm to the unit in which a mean length has the fewest zeros, and this unit."""
-    value = _interval_ends(table)[0]
+    value = _mean_with_limits(table)[0]
     factor, unit = choose_prefix(value if math.isfinite(value) else 0.0, "um")
     return 1 / factor, unit
 
 
 def _stiffness_display_factor(table: xarray.DataArray) -> tuple[float, str]:
     """Return the factor that converts mN/µm to the unit in which a mean stiffness is printed, and this unit."""
-    return (1e-3, "N/µm") if _interval_ends(table)[0] >= MIN_STIFFNESS_PRINTED_IN_NEWTON else (1.0, "mN/µm")
+    return (1e-3, "N/µm") if _mean_with_limits(table)[0] >= MIN_STIFFNESS_PRINTED_IN_NEWTON else (1.0, "mN/µm")
 
 
 MIN_STIFFNESS_PRINTED_IN_NEWTON = 1e4  # stiffness in mN/µm above which stiffnesses are printed in N/µm
@@ -62,7 +62,7 @@ MIN_STIFFNESS_PRINTED_IN_NEWTON = 1e4  # stiffness in mN/µm above which stiffne
 def onset_rows(onset: xarray.Dataset) -> list[list[str]]:
     """Return table rows with means and intervals for the onset of sliding; the first row contains the headings."""
     attributes = onset.attrs
-    load, tau0 = format_with_unit(float(attributes["load_mN"]), "mN"), _strength_text(float(attributes["tau0_GPa"]))
+    load, tau0 = format_with_unit(float(attributes["load_mN"]), "mN"), _tau0_text(float(attributes["tau0_GPa"]))
     header = f"{load}, μ0 = {float(attributes['mu0']):g}, τ0 = {tau0}"
     half_load_onset = onset.sel(fraction=HALF_SLIDING_FRACTION)
     (length_factor, length_unit), (stiffness_factor, stiffness_unit), (unloading_factor, unloading_unit) = (
@@ -106,7 +106,7 @@ def onset_record(onset: xarray.Dataset) -> dict[str, Any]:
     """Return the load-displacement curve, its characteristic values and the fitted models as a JSON record (mN, µm)."""
 
     def records(dataset: xarray.Dataset, *names: str) -> dict[str, Any]:
-        return {name: dict(zip(MEAN_AND_LIMITS, _interval_ends(dataset[name]), strict=True)) for name in names}
+        return {name: dict(zip(MEAN_AND_LIMITS, _mean_with_limits(dataset[name]), strict=True)) for name in names}
 
     characteristic_values = records(
         onset, "sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness"
@@ -134,13 +134,13 @@ def onset_record(onset: xarray.Dataset) -> dict[str, Any]:
     }
 
 
-def _interval_ends(table: xarray.DataArray, factor: float = 1.0) -> tuple[float, float, float]:
+def _mean_with_limits(table: xarray.DataArray, factor: float = 1.0) -> tuple[float, float, float]:
     mean, lower, upper = (factor * float(table.sel(statistic=statistic)) for statistic in MEAN_AND_LIMITS)
     return mean, lower, upper
 
 
 def _format_cell(table: xarray.DataArray, factor: float = 1.0) -> str:
-    return format_with_interval(*_interval_ends(table, factor))
+    return format_with_interval(*_mean_with_limits(table, factor))
 
 
 def quantity_label(name: str, study: Study) -> str:
@@ -150,8 +150,8 @@ def quantity_label(name: str, study: Study) -> str:
         return f"{text} while loading"
     if onset is None or name not in ("displacement_at_sliding", "fraction_slipped"):
         return text
-    return f"{text} at μ0 = {onset.mu0:g}, τ0 = {_strength_text(float(onset.tau0))}"
+    return f"{text} at μ0 = {onset.mu0:g}, τ0 = {_tau0_text(float(onset.tau0))}"
 
 
-def _strength_text(tau0: float) -> str:
+def _tau0_text(tau0: float) -> str:
     return format_with_unit(tau0, "GPa") if tau0 else "0"

@@ -125,7 +125,7 @@ def inputs_text(point: PointSummary) -> str:
     tau0_text = format_with_unit(float(values["tau0"]), "GPa") if float(values["tau0"]) else "0"
     items.append(f"τ0 = {tau0_text}{_input_range_text(values, study, 'tau0')}")
     if study.known.interface is not None and all(_is_central_value(values, study, name) for name in ("mu0", "tau0")):
-        items.append(_interface_words(study))
+        items.append(_interface_text(study))
     if materials := materials_text(study):
         items.append(materials)
     items.append(f"E* = {format_with_unit(effective_modulus_at(values, study), 'GPa')}")
@@ -156,7 +156,7 @@ def _is_central_value(values: xarray.Dataset, study: Study, name: str) -> bool:
     return math.isclose(float(values[name]), float(getattr(study.friction, name)[0]), rel_tol=1e-3)
 
 
-def _interface_words(study: Study) -> str:
+def _interface_text(study: Study) -> str:
     """Return text with the name, the kind and the conditions of the interface that defines mu0 and tau0."""
     interface, name = find_interface(study), Path(str(study.known.interface)).name
     if interface is None:

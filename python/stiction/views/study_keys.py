@@ -159,32 +159,34 @@ def study_keys_text() -> str:
         lines = [title.replace("`", "")]
         for row in rows:
             key, default, allowed, meaning = (cell.replace("`", "") for cell in row)
-            lines.append(wrap_text(f"{key} = {default}: {allowed}. {meaning}", indent="  ", hang="    "))
+            lines.append(wrap_text(f"{key} = {default}: {allowed}. {meaning}", indent="  ", hanging_indent="    "))
         blocks.append("\n".join(lines))
     return "\n\n".join(blocks) + "\n"
 
 
-def _key_row(key: str, default_value: Any, entry: Any, table_classes: tuple[Any, ...]) -> tuple[str, str, str, str]:
+def _key_row(
+    key: str, default_value: Any, field_info: Any, table_classes: tuple[Any, ...]
+) -> tuple[str, str, str, str]:
     """Return the table row of a key in study files: key, default, allowed values and meaning.
 
     A key that selects a model class has a single row for all classes.
     """
     default = "required" if default_value is PydanticUndefined else _toml_default(default_value)
     if key not in ("generator", "press", "mechanics"):
-        return f"`{key}`", default, _allowed_text(key, entry), str(entry.description)
+        return f"`{key}`", default, _allowed_text(key, field_info), str(field_info.description)
     fields = [table_class.model_fields[key] for table_class in table_classes if key in table_class.model_fields]
     meanings = dict.fromkeys(f'`"{field.default}"`: {str(field.description).removesuffix(".")}' for field in fields)
     allowed = list(dict.fromkeys(f'`"{field.default}"`' for field in fields))
     return f"`{key}`", _toml_default(fields[0].default), _join_with_or(allowed), "; ".join(meanings) + "."
 
 
-def _allowed_text(key: str, entry: Any) -> str:
-    if entry.annotation in _UNCERTAIN_INPUT_TEXTS:
-        return _UNCERTAIN_INPUT_TEXTS[entry.annotation]
+def _allowed_text(key: str, field_info: Any) -> str:
+    if field_info.annotation in _UNCERTAIN_INPUT_TEXTS:
+        return _UNCERTAIN_INPUT_TEXTS[field_info.annotation]
     if key == "direction":
         singular = f'`"+x"`, `"-x"` or {_DEGREES_TEXT}'
         return f"{singular}, or a list of these"
-    return _ALLOWED_VALUES.get(key) or _join_with_or(_allowed_phrases(entry.annotation, entry.metadata))
+    return _ALLOWED_VALUES.get(key) or _join_with_or(_allowed_phrases(field_info.annotation, field_info.metadata))
 
 
 def _join_with_and(phrases: list[str]) -> str:

@@ -75,11 +75,11 @@ def terminal_width() -> int:
     return max(MIN_TERMINAL_WIDTH, shutil.get_terminal_size().columns)
 
 
-def wrap_text(text: str, width: int | None = None, *, indent: str = "", hang: str = "") -> str:
+def wrap_text(text: str, width: int | None = None, *, indent: str = "", hanging_indent: str = "") -> str:
     """Wrap a paragraph to the width of the terminal."""
     unbreakable_text = _NO_BREAK_SPACE_PATTERN.sub("\N{NO-BREAK SPACE}", text)
     return textwrap.fill(
-        unbreakable_text, width or terminal_width(), initial_indent=indent, subsequent_indent=indent + hang,
+        unbreakable_text, width or terminal_width(), initial_indent=indent, subsequent_indent=indent + hanging_indent,
         break_long_words=False, break_on_hyphens=False,
     ).replace("\N{NO-BREAK SPACE}", " ")  # fmt: skip
 
@@ -139,7 +139,11 @@ def _join_cells(cells: Sequence[str], column_widths: Sequence[int]) -> str:
 
 
 def result_text(
-    summary: Summary, *, verbose: bool = False, max_lines: int | None = None, complete: str = COMPLETE_OUTPUT_METHOD
+    summary: Summary,
+    *,
+    verbose: bool = False,
+    max_lines: int | None = None,
+    complete_command: str = COMPLETE_OUTPUT_METHOD,
 ) -> str:
     """Return a summary as terminal text: values, assessment and a table.
 
@@ -154,9 +158,9 @@ def result_text(
     complete : str
         Option or method that shows omitted points and caveats.
     """
-    return values_text(summary, verbose=verbose, max_lines=max_lines, complete=complete) + resolution_and_onset_text(
-        summary, verbose=verbose
-    )
+    return values_text(
+        summary, verbose=verbose, max_lines=max_lines, complete_command=complete_command
+    ) + resolution_and_onset_text(summary, verbose=verbose)
 
 
 def default_values_text(study: Study, *, mu0: bool, tau0: bool) -> str:
@@ -173,7 +177,11 @@ def default_values_text(study: Study, *, mu0: bool, tau0: bool) -> str:
 
 
 def values_text(
-    summary: Summary, *, verbose: bool = False, max_lines: int | None = None, complete: str = COMPLETE_OUTPUT_METHOD
+    summary: Summary,
+    *,
+    verbose: bool = False,
+    max_lines: int | None = None,
+    complete_command: str = COMPLETE_OUTPUT_METHOD,
 ) -> str:
     """Return `result_text` without the cutoff study and the onset of sliding."""
     dataset, study, quoted_points = summary.at, summary.study, summary.headlines
@@ -194,9 +202,13 @@ def values_text(
     )
     lines += [coefficients_text(printed_points)] if loaded_points else []
     if len(printed_points) < len(quoted_points):
-        lines.append(wrap_text(f"Shown: {len(printed_points)} of {len(quoted_points)} points; {complete} shows all."))
+        lines.append(
+            wrap_text(f"Shown: {len(printed_points)} of {len(quoted_points)} points; {complete_command} shows all.")
+        )
     caveat_limits = {} if verbose else {"max_lines": max_lines, "max_groups": MAX_CAVEAT_GROUPS}
-    paragraphs.append("\n".join([*lines, assessment_text(quoted_points, complete=complete, **caveat_limits)]))
+    paragraphs.append(
+        "\n".join([*lines, assessment_text(quoted_points, complete_command=complete_command, **caveat_limits)])
+    )
     has_values = any(math.isfinite(point.value) or point.is_unloaded for point in quoted_points)
     quantities_paragraph = (
         quantities_text(first_cell, study, verbose=verbose, cell=_first_cell_text(quoted_points)) if has_values else ""
@@ -241,7 +253,10 @@ def coefficients_text(headlines: Sequence[PointSummary]) -> str:
             f"{_coefficient_text(headlines[0], index)}  {SLIDING_RULE_DESCRIPTIONS[rule.rule]}"
             for index, rule in enumerate(headlines[0].rules)
         )
-        lines = [wrap_text(f"{'      ' if i else 'μ_s = '}{line}", hang=" " * 8) for i, line in enumerate(rule_lines)]
+        lines = [
+            wrap_text(f"{'      ' if i else 'μ_s = '}{line}", hanging_indent=" " * 8)
+            for i, line in enumerate(rule_lines)
+        ]
         return "\n".join(filter(None, [*lines, wrap_text(roughness_text(headlines[0]))]))
     coordinate_names = [
         name for name in headlines[0].at if name != "fractal_dimension" or "hurst_exponent" not in headlines[0].at
@@ -406,12 +421,12 @@ def dwell_time_text(point: PointSummary) -> str:
 
 def assessment_text(
     headlines: Sequence[PointSummary], max_lines: int | None = None, *, max_groups: int | None = None,
-    complete: str = COMPLETE_OUTPUT_METHOD,
+    complete_command: str = COMPLETE_OUTPUT_METHOD,
 ) -> str:  # fmt: skip
     """Format the assessment, the most useful measurement, and the caveats with their remedies.
 
     Caveats of several points are grouped. At most `max_lines` lines of caveats are printed or, without `max_lines`, at
-    most `max_groups` groups. `complete` names the option that shows all others.
+    most `max_groups` groups. `complete_command` names the option that shows all others.
     """
     if len({(point.verdict, point.caveats) for point in headlines}) == 1:
         point, caveats = headlines[0], headlines[0].caveats
@@ -424,7 +439,7 @@ def assessment_text(
             else ""
         )
         suffix = suffix or (" a coefficient" if point.is_unloaded else "")
-        first_line = wrap_text(f"{point.verdict}{suffix}", hang="  ")
+        first_line = wrap_text(f"{point.verdict}{suffix}", hanging_indent="  ")
     else:
         caveat_groups: dict[tuple[str, str], list[Caveat]] = {}
         for caveat in (caveat for point in headlines for caveat in point.caveats):
@@ -446,7 +461,11 @@ def assessment_text(
         first_line = wrap_text(f"{assessments_text}.")
     num_omitted = len(lines) - num_shown
     return "\n".join(
-        [first_line, *lines[:num_shown], *([f"  {num_omitted} more: {complete} shows all"] if num_omitted > 0 else [])]
+        [
+            first_line,
+            *lines[:num_shown],
+            *([f"  {num_omitted} more: {complete_command} shows all"] if num_omitted > 0 else []),
+        ]
     )
 
 
@@ -464,7 +483,7 @@ MAX_CAVEAT_GROUPS = 6  # maximum number of printed groups of caveats, if there a
 
 def _caveat_line(caveat: Caveat, suffix: str = "") -> str:
     marker = "!" if caveat.severity == "fault" else "-"
-    return wrap_text(f"{marker} {caveat.text}{suffix}; {caveat.remedy}", indent="  ", hang="  ")
+    return wrap_text(f"{marker} {caveat.text}{suffix}; {caveat.remedy}", indent="  ", hanging_indent="  ")
 
 
 # ---- Quantities ------------------------------------------------------------------------------------------------------
@@ -490,9 +509,9 @@ def _first_cell_text(headlines: Sequence[PointSummary]) -> str:
     )
 
 
-def quantities_text(all_points: xarray.Dataset, study: Study, *, verbose: bool = False, cell: str = "") -> str:
+def quantities_text(points_of_cell: xarray.Dataset, study: Study, *, verbose: bool = False, cell: str = "") -> str:
     """Format the means and 95 % intervals of the quoted sliding rule, one row per quantity and one column per load."""
-    dataset = all_points.isel({name: 0 for name in ("mu0", "tau0") if name in all_points.dims})
+    dataset = points_of_cell.isel({name: 0 for name in ("mu0", "tau0") if name in points_of_cell.dims})
     dataset = dataset.sel(sliding=list_rules_quoted_first(study)[0]) if "sliding" in dataset.dims else dataset
     loads = list(iterate_points(dataset))
     has_area_fraction = "contact_area_fraction" in dataset and has_nominal_area(loads[0], study)
@@ -512,7 +531,7 @@ def quantities_text(all_points: xarray.Dataset, study: Study, *, verbose: bool =
             )
             rows += _quantity_row(name, label, [point[name] for point in loads])
             if name == "contact_area_fraction" and rows:
-                rows[-1] = _with_statuses(rows[-1], [find_contact_status(point, study) for point in loads])
+                rows[-1] = _replace_by_statuses(rows[-1], [find_contact_status(point, study) for point in loads])
     for name, probability in _VERBOSE_QUANTILES if verbose else ():
         if name in dataset:
             label = f"{QUANTITIES[name].table_label}, {100 * probability:.0f}th percentile"
@@ -569,7 +588,7 @@ def _quantity_row(name: str, label: str, estimates: Sequence[xarray.DataArray]) 
     return [] if set(cells) == {"none"} else [[label, unit_label, *cells]]
 
 
-def _with_statuses(row: list[str], statuses: Sequence[str]) -> list[str]:
+def _replace_by_statuses(row: list[str], statuses: Sequence[str]) -> list[str]:
     """Return a row of area fractions in which statuses other than "ok" replace the values."""
     label, unit, *cells = row
     cells = [cell if status == friction.STATUS_OK else status for cell, status in zip(cells, statuses, strict=True)]
@@ -603,10 +622,12 @@ def axes_text(values: xarray.Dataset, *, verbose: bool = False) -> str:
     )
     if not verbose:
         return wrap_text(lay) if lay.startswith("Grooves: friction") else ""
-    return _rules_table("μ_s along an axis", table, "axis", _axis_name) + "\n" + wrap_text(lay)
+    return _coefficient_table("μ_s along an axis", table, "axis", _axis_name) + "\n" + wrap_text(lay)
 
 
-def _rules_table(title: str, table: xarray.DataArray, dimension: str, format_coordinate: Callable[[float], str]) -> str:
+def _coefficient_table(
+    title: str, table: xarray.DataArray, dimension: str, format_coordinate: Callable[[float], str]
+) -> str:
     """Format coefficients as a table with one row per coordinate and one column per sliding rule."""
     rules = [rule for rule in SLIDING_RULE_DESCRIPTIONS if rule in np.atleast_1d(table["sliding"].values)]
     rows = [[title, *(SLIDING_RULE_TITLES[rule] for rule in rules)]]
@@ -644,7 +665,7 @@ def directions_text(values: xarray.Dataset) -> str:
     """Format the coefficient in every direction of motion of the upper body."""
     if "direction" not in values.dims:
         return ""
-    return _rules_table("μ_s, upper body", values["friction_coefficient"], "direction", motion_text)
+    return _coefficient_table("μ_s, upper body", values["friction_coefficient"], "direction", motion_text)
 
 
 def resolution_text(summary: Summary) -> str:
@@ -674,7 +695,7 @@ def history_text(dataset: xarray.Dataset, study: Study) -> str:
     if study.contact.mechanics == "asperities" and study.surfaces.kind != "surface":
         model_texts += [str(getattr(study.contact, name)) for name in ("law", "detection", "curvature")]
     preparation_steps["model"] = ", ".join(model_texts)
-    return "\n".join(wrap_text(f"{name:<9}{text}", hang=" " * 9) for name, text in preparation_steps.items())
+    return "\n".join(wrap_text(f"{name:<9}{text}", hanging_indent=" " * 9) for name, text in preparation_steps.items())
 
 
 def preview_text(summary: Summary) -> str:
@@ -687,12 +708,14 @@ def preview_text(summary: Summary) -> str:
 # ---- Overview --------------------------------------------------------------------------------------------------------
 
 
-def overview_text(summary: Summary, max_lines: int | None = None, *, complete: str = COMPLETE_OUTPUT_METHOD) -> str:
+def overview_text(
+    summary: Summary, max_lines: int | None = None, *, complete_command: str = COMPLETE_OUTPUT_METHOD
+) -> str:
     """Format the mu_s values of generated surfaces as tables, one per sliding rule and amplitude.
 
     A table has one row per cell of the study and one column per load, and columns for mu0 and tau0 if the study has
-    several values of them. Caveats follow in at most `max_lines` lines; `complete` names the option that shows all
-    others.
+    several values of them. Caveats follow in at most `max_lines` lines; `complete_command` names the option
+    that shows all others.
     """
     dataset, study, headlines = summary.at, summary.study, summary.headlines
     reduced_dataset = dataset if _count_rows(dataset) <= MAX_OVERVIEW_ROWS else _select_ends_and_middle(dataset)
@@ -724,7 +747,7 @@ def overview_text(summary: Summary, max_lines: int | None = None, *, complete: s
         tables.append(wrap_text(note))
     if omission_note := _omission_text(dataset, full_dataset, study):
         tables.append(wrap_text(omission_note))
-    return "\n".join(tables) + f"\n\n{assessment_text(headlines, max_lines, complete=complete)}"
+    return "\n".join(tables) + f"\n\n{assessment_text(headlines, max_lines, complete_command=complete_command)}"
 
 
 # maximum number of rows in an overview; longer overviews show only a few values of mu0 and tau0

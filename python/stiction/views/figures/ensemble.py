@@ -137,11 +137,11 @@ def create_figure_with_axes_rows(
     total_height = above + below + rows * (height + between) - between
     figure = new_figure(total_height, width=PAGE_WIDTH, layout=None)
 
-    def axes_at(left: float, row: int, width: float) -> Axes:
+    def add_axes_at(left: float, row: int, width: float) -> Axes:
         bottom = below + (rows - 1 - row) * (height + between)
         return figure.add_axes((left / 170, bottom / total_height, width / 170, height / total_height))
 
-    return figure, total_height, axes_at
+    return figure, total_height, add_axes_at
 
 
 # ---- Friction coefficient over fractal dimension and load -----------------------------------------------------------
@@ -165,17 +165,17 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
     maps, curves = values.sel(load=loads), values.sel(load=load)
     amplitudes = dataset["amplitude"].values
     lines = heading_lines(dataset, study)
-    handles = _legend_handles(maps, asperities=not study.uses_half_space)
+    handles = _legend_handles(maps, has_asperities=not study.uses_half_space)
     above, below = 15.0 + HEADING_HEIGHT * len(lines), 16.0 + (3.0 if len(handles) > MAX_LEGEND_COLUMNS else 0.0)
     height = 42.0 if amplitudes.size == 1 else 34.0
-    figure, total_height, axes_at = create_figure_with_axes_rows(amplitudes.size, height, above, below, between=4.0)
-    norm = _colour_norm(maps)
+    figure, total_height, add_axes_at = create_figure_with_axes_rows(amplitudes.size, height, above, below, between=4.0)
+    norm = _logarithmic_colour_norm(maps)
     for row, amplitude in enumerate(amplitudes):
         is_last_row = row == amplitudes.size - 1
         width = (99 - 4 * (len(strengths) - 1)) / len(strengths)
         for column, strength in enumerate(strengths):
-            ax = axes_at(13 + column * (width + 4), row, width)
-            _friction_panel(ax, maps.isel(amplitude=row, tau0=column), norm, load)
+            ax = add_axes_at(13 + column * (width + 4), row, width)
+            _draw_friction_panel(ax, maps.isel(amplitude=row, tau0=column), norm, load)
             if column == 0:
                 ax.set_ylabel(axis_label("load"))
             else:
@@ -189,15 +189,15 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
                     0.96, 0.96, f"$a$ = {1000 * amplitude:g} nm", transform=ax.transAxes, fontsize=6, ha="right",
                     va="top", bbox={"facecolor": "white", "linewidth": 0, "pad": 0.8},
                 )  # fmt: skip
-        ax = axes_at(127, row, 40)
-        _friction_curves(ax, curves.isel(amplitude=row), [strength.text for strength in strengths], mu0)
+        ax = add_axes_at(127, row, 40)
+        _draw_friction_curves(ax, curves.isel(amplitude=row), [strength.text for strength in strengths], mu0)
         if row == amplitudes.size // 2:
             ax.set_ylabel(axis_label("friction_coefficient"))
         if row == 0:
             ax.set_title(f"at $F_N$ = {format_with_unit(load, 'mN')}", pad=2)
             draw_panel_letter(ax, len(strengths))
         format_dimension_axis(ax, dataset, last=is_last_row)
-    _colour_bar(figure, (13 / 170, 1 - (above - 5.5) / total_height, 99 / 170, 2.2 / total_height), norm, mu0)
+    _draw_colour_bar(figure, (13 / 170, 1 - (above - 5.5) / total_height, 99 / 170, 2.2 / total_height), norm, mu0)
     draw_heading(figure, lines)
     figure.legend(
         handles=handles, loc="lower center", ncols=len(handles) if len(handles) <= MAX_LEGEND_COLUMNS else 3,
@@ -224,7 +224,7 @@ def format_dimension_axis(axes: Axes, dataset: xarray.Dataset, *, last: bool) ->
         axes.tick_params(labelbottom=False)
 
 
-def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], mu0: float) -> None:
+def _draw_friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], mu0: float) -> None:
     """Draw friction curves for the lowest and highest shear strength. They are dotted where the model is invalid."""
     dimension = curves["fractal_dimension"].values
     is_valid = ~(curves["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)  # axes: fractal dimension, shear strength
@@ -267,7 +267,7 @@ def _friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], m
             )
 
 
-def _colour_bar(figure: Figure, position: tuple[float, float, float, float], norm: Any, mu0: float) -> None:
+def _draw_colour_bar(figure: Figure, position: tuple[float, float, float, float], norm: Any, mu0: float) -> None:
     axes = figure.add_axes(position, label="<colorbar>")
     colour_bar = figure.colorbar(
         ScalarMappable(norm, FRICTION_COLOUR_MAP), cax=axes, orientation="horizontal", extend="both"
@@ -285,7 +285,7 @@ def _colour_bar(figure: Figure, position: tuple[float, float, float, float], nor
     colour_bar.set_label(rf"{axis_label('friction_coefficient')}, at $\mu_0$ = {mu0:g}", labelpad=2)
 
 
-def _colour_norm(maps: xarray.Dataset) -> Any:
+def _logarithmic_colour_norm(maps: xarray.Dataset) -> Any:
     """Return a logarithmic colour scale that covers the valid values, or all values if few are valid."""
     values = maps["friction_coefficient"].sel(statistic="mean").values
     finite = np.isfinite(values) & (values > 0)
@@ -297,7 +297,7 @@ def _colour_norm(maps: xarray.Dataset) -> Any:
     return LogNorm(low, max(high, low + step))
 
 
-def _friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: float) -> None:
+def _draw_friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: float) -> None:
     panel = panel.transpose("load", "fractal_dimension", "statistic")
     friction, status = panel["friction_coefficient"].values, panel["status"].values
     values = friction[..., 0]
@@ -367,10 +367,10 @@ def _not_reached_patch(*args: Any, **kwargs: Any) -> Any:
     return Rectangle(*args, facecolor="white", edgecolor="0.6", hatch="////", linewidth=0.5, **kwargs)
 
 
-def _legend_handles(maps: xarray.Dataset, *, asperities: bool) -> list[Any]:
+def _legend_handles(maps: xarray.Dataset, *, has_asperities: bool) -> list[Any]:
     example_colour = np.array(colormaps[FRICTION_COLOUR_MAP](0.4)[:3])
     handles: list[Any] = []
-    if asperities and (maps["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION).any():
+    if has_asperities and (maps["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION).any():
         invalid_label = "model not valid (dotted): most load on overlaps $> R/10$"
         handles.append(Patch(**_INVALID_CELL_STYLE | {"facecolor": tuple(example_colour)}, label=invalid_label))
     fading = _compute_fading(maps["friction_coefficient"].transpose(..., "statistic").values)
@@ -411,12 +411,12 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
     lines = heading_lines(dataset, study)
     height = 50.0 if amplitudes.size == 1 else 38.0
     has_no_validity_limit = study.uses_half_space
-    figure, figure_height, axes_at = create_figure_with_axes_rows(
+    figure, figure_height, add_axes_at = create_figure_with_axes_rows(
         amplitudes.size, height, 4.0 + HEADING_HEIGHT * len(lines), 15.0, between=4.0
     )
     for row, amplitude in enumerate(amplitudes):
-        row_axes = [axes_at(left, row, 70) for left in (13, 98)]
-        _area_curves(
+        row_axes = [add_axes_at(left, row, 70) for left in (13, 98)]
+        _draw_area_curves(
             row_axes,
             areas.isel(amplitude=row),
             has_no_validity_limit=has_no_validity_limit,
@@ -446,7 +446,7 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
     return figure
 
 
-def _area_curves(
+def _draw_area_curves(
     axes: list[Axes], areas: xarray.Dataset, *, has_no_validity_limit: bool, label_distance: float
 ) -> None:
     """Draw area and area/load for each fractal dimension, with labels at the left ends of the curves."""

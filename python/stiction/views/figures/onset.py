@@ -85,11 +85,11 @@ def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
         axes.plot(fraction, mean, line_style, color=colour, linewidth=1, label=text)
     axes.set(xlim=(0, 1), ylim=(0, 100), xlabel="ratio of tangential to sliding load", ylabel="slipping fraction (%)")
     axes.legend(loc="upper left")
-    figure.suptitle(f"{_heading(onset, title)}; bands: 95 %, sampling of positions", fontsize=6)
+    figure.suptitle(f"{_heading_text(onset, title)}; bands: 95 %, sampling of positions", fontsize=6)
     return figure
 
 
-def _heading(onset: xarray.Dataset, title: str) -> str:
+def _heading_text(onset: xarray.Dataset, title: str) -> str:
     attributes = onset.attrs
     parameters = friction_parameters_text(float(attributes["mu0"]), float(attributes["tau0_GPa"]))
     return f"{title}\n{parameters}, $F_N$ = {format_with_unit(float(attributes['load_mN']), 'mN')}".strip()
@@ -167,7 +167,7 @@ def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
     colour_bar.set_label(
         f"ratio of tangential to sliding load at which a {'point slips' if has_point_map else 'contact slides'}"
     )
-    panels[0].set_title(_heading(onset, title), loc="left", fontsize=6, pad=3)
+    panels[0].set_title(_heading_text(onset, title), loc="left", fontsize=6, pad=3)
     return figure
 
 
@@ -234,12 +234,12 @@ def dimension_onset_figure(dataset: xarray.Dataset) -> Figure:
     dataset_at_loads = result.at(loads, mu0=settings.mu0, tau0=float(settings.tau0)).isel(mu0=0, tau0=0)
     amplitudes = dataset["amplitude"].values
     lines = heading_lines(dataset, study)
-    figure, height, axes_at = create_figure_with_axes_rows(
+    figure, height, add_axes_at = create_figure_with_axes_rows(
         amplitudes.size, 42.0, 6.0 + HEADING_HEIGHT * len(lines), 15.0, between=5.0
     )
     for row, amplitude in enumerate(amplitudes):
         for number, name in enumerate(_ONSET_PANELS):
-            axes = axes_at(13 + 57 * number, row, 40)
+            axes = add_axes_at(13 + 57 * number, row, 40)
             _draw_curves(axes, dataset_at_loads.isel(amplitude=row), name)
             format_dimension_axis(axes, dataset, last=row == amplitudes.size - 1)
             if row == 0:

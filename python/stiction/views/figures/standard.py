@@ -143,10 +143,10 @@ def _measured_figures(
         yield f"friction{suffix}", partial(load_figure, selection, study_loads, title=title)
         if points.sizes.get("direction", 1) >= MIN_DIRECTIONS:
             yield f"compass{suffix}", partial(compass_figure, dataset, title=title)
-        yield f"positions{suffix}", partial(draw_positions, result, dataset, title=title)
+        yield f"positions{suffix}", partial(draw_positions_figure, result, dataset, title=title)
         if cutoff_dataset is not None:
             dataset = cutoff_dataset.isel(mu0=mu0_index, tau0=tau0_index).sel(load=first_load, method="nearest")
-            yield f"cut_off{suffix}", partial(_cut_off_figures, dataset, study, title=title)
+            yield f"cut_off{suffix}", partial(_cut_off_figure, dataset, study, title=title)
     for scaled_bodies, height_factors in result.height_factors.items():
         name = "height_scale" if scaled_bodies == "both" else f"height_scale_{scaled_bodies}"
         for number, indices in enumerate(np.ndindex(points.sizes["mu0"], points.sizes["tau0"]), 1):
@@ -178,7 +178,7 @@ def _measured_figures(
         )
 
 
-def _cut_off_figures(dataset: xarray.Dataset, study: Study, *, title: str) -> Figure:
+def _cut_off_figure(dataset: xarray.Dataset, study: Study, *, title: str) -> Figure:
     return cut_off_figure(dataset, title=title, limits=resolution_limits(dataset, study))
 
 
@@ -197,7 +197,7 @@ def draw_height_factor_figure(
     return height_scale_figure(dataset.isel(load=0, mu0=0, tau0=0), title=title)
 
 
-def draw_positions(result: Result, dataset: xarray.Dataset, *, title: str) -> Figure:
+def draw_positions_figure(result: Result, dataset: xarray.Dataset, *, title: str) -> Figure:
     """Draw the friction coefficient of each member at one point, given the dataset of this point from `at_load`."""
     load, mu0, tau0 = (float(dataset[name]) for name in ("load", "mu0", "tau0"))
     members = result.at(load, mu0=mu0, tau0=tau0, per_member=True)

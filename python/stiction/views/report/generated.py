@@ -181,7 +181,7 @@ def _add_values_at_nodes(
     is_interpolated = np.logical_and.reduce([nodes.is_interpolated(values) for values in quantities.values()])
     packed_arrays.add("fine", is_interpolated.astype(np.int8))
     rule_index = rules.index(list_rules_quoted_first(study)[0])
-    checked_numbers = validity_numbers | _checked_numbers(
+    checked_numbers = validity_numbers | _compute_checked_numbers(
         node_values, points, areas[..., 0], contact_counts, study, members
     )
     checked_numbers = {name: values[:, :, rule_index] for name, values in checked_numbers.items()}
@@ -206,7 +206,7 @@ def _add_values_at_nodes(
         "validity": validity_records,
         "judgements": judgements,
         "hasStiffness": "stiffness" in quantities,
-        "start": _choose_start(is_valid, points, axes, study),
+        "start": _choose_initial_cell_and_load(is_valid, points, axes, study),
         "maps": _add_colour_ranges(mapped_quantities, packed_arrays),
         "error": nodes.error,
     }
@@ -265,7 +265,7 @@ def _add_colour_ranges(quantities: dict[str, Floats], packed_arrays: PackedArray
     return names
 
 
-def _choose_start(
+def _choose_initial_cell_and_load(
     is_sound: NDArray[np.bool_], points: Floats, axes: tuple[NodeAxis, NodeAxis], study: Study
 ) -> dict[str, int]:
     """Choose the initial cell and load of a page: those with the smallest relative interval of a valid value."""
@@ -282,7 +282,7 @@ def _choose_start(
 # ---- The assessment --------------------------------------------------------------------------------------------------
 
 
-def _checked_numbers(
+def _compute_checked_numbers(
     node_values: xarray.Dataset, points: Floats, area: Floats, contacts: Floats, study: Study, members: int
 ) -> dict[str, Any]:
     """Compute, for every node, the numbers that the assessment of generated surfaces compares with limits."""
@@ -301,11 +301,11 @@ def _checked_numbers(
 
 def _reason_record(reason: Caveat | LimitCheck) -> dict[str, Any]:
     """Return a caveat or check as a record: text, remedy, severity, and the format of the number in the text."""
-    number = _number_format(reason) if isinstance(reason, LimitCheck) and "{}" in reason.text else None
+    number = _check_number_format(reason) if isinstance(reason, LimitCheck) and "{}" in reason.text else None
     return {"text": reason.text, "remedy": reason.remedy, "severity": reason.severity, "number": number}
 
 
-def _number_format(check: LimitCheck) -> dict[str, Any]:
+def _check_number_format(check: LimitCheck) -> dict[str, Any]:
     """Return how a page formats the number in the text of a check: source table, factor, decimals and unit."""
     name, format_name = check.shown_name, check.shown
     if format_name == "percent":

@@ -67,7 +67,7 @@ def measured_result_page(result: Result, study: Study, name: str, picture: xarra
     packed_arrays = PackedArrays()
     facts = _result_facts(dataset, result, study)
     facts |= _friction_at_nodes(result.nodes, study, packed_arrays) | {"name": name}
-    facts["quantities"] = _quantities(result.nodes.load_quantities)
+    facts["quantities"] = _quantity_records(result.nodes.load_quantities)
     picture = result.contact_picture if picture is None else picture
     num_members = int(facts["repetitions"])
     onset = result.onset
@@ -103,7 +103,7 @@ _MEMBER_KIND_TEXTS = {None: "pairs", "shifts": "positions of the two surfaces", 
 def _result_facts(dataset: xarray.Dataset, result: Result, study: Study) -> dict[str, Any]:
     area, loads = float(dataset["nominal_area"]), study.contact.loading_steps().tolist()
     cut_offs = dataset["cut_off"].values.tolist()
-    assessments = _assessments(result)
+    assessments = _assessment_records(result)
     quoted_cutoffs = (
         assessment["at"].get("cut_off", cut_offs[0]) for assessment in assessments if not assessment["covered"]
     )
@@ -292,7 +292,7 @@ def _reading_table(scan: MeasuredFile) -> str:
     return ""
 
 
-def _quantities(evaluations: Sequence[xarray.Dataset]) -> list[dict[str, Any]]:
+def _quantity_records(evaluations: Sequence[xarray.Dataset]) -> list[dict[str, Any]]:
     """Return a record for each quantity except friction, with its values, interval ends, decimals and texts."""
     records = []
     for name in (name for name in quantities_shown_in("report") if name in evaluations[0]):
@@ -319,38 +319,38 @@ def _quantities(evaluations: Sequence[xarray.Dataset]) -> list[dict[str, Any]]:
     return records
 
 
-def _assessments(result: Result) -> list[dict[str, Any]]:
+def _assessment_records(result: Result) -> list[dict[str, Any]]:
     return [
         {
-            "at": answer.at, "loadText": format_with_unit(answer.at["load"], "mN"), "verdict": answer.verdict,
-            "covered": answer.covered,
-            "sentence": printable(sentence_text(answer), MAX_TEXT_LENGTH * 4),
+            "at": point.at, "loadText": format_with_unit(point.at["load"], "mN"), "verdict": point.verdict,
+            "covered": point.covered,
+            "sentence": printable(sentence_text(point), MAX_TEXT_LENGTH * 4),
             "caveats": [
                 {name: printable(getattr(caveat, name), MAX_TEXT_LENGTH) for name in ("text", "remedy", "severity")}
-                for caveat in answer.caveats
+                for caveat in point.caveats
             ],
-            "slopes": slope_estimate_text(answer),
-            "bar": _contributions(answer),
-            "most": " ".join(filter(None, (budget_text(answer), dwell_time_text(answer)))) or None,
+            "slopes": slope_estimate_text(point),
+            "bar": _contribution_record(point),
+            "most": " ".join(filter(None, (budget_text(point), dwell_time_text(point)))) or None,
         }
-        for answer in result.summary().points
+        for point in result.summary().points
     ]  # fmt: skip
 
 
 _CONTRIBUTION_LABELS = ("μ0", "τ0 on the true area", "slopes")
 
 
-def _contributions(answer: PointSummary) -> dict[str, Any] | None:
+def _contribution_record(point: PointSummary) -> dict[str, Any] | None:
     """Return the coefficient for friction at all contacts, its interval, and its contributions as numbers and text."""
-    rule_estimate = next((rule for rule in answer.rules if rule.rule == "all"), None)
-    if answer.parts is None or rule_estimate is None or not math.isfinite(rule_estimate.value):
+    rule_estimate = next((rule for rule in point.rules if rule.rule == "all"), None)
+    if point.parts is None or rule_estimate is None or not math.isfinite(rule_estimate.value):
         return None
     contribution_texts = []
-    for index, (contribution, label) in enumerate(zip(answer.parts, _CONTRIBUTION_LABELS, strict=True)):
+    for index, (contribution, label) in enumerate(zip(point.parts, _CONTRIBUTION_LABELS, strict=True)):
         sign = (" \N{MINUS SIGN} " if contribution <= -0.0005 else " + ") if index else ""
         contribution_texts.append(f"{sign}{abs(contribution):.3f} ({label})")
     return {
-        "parts": answer.parts,
+        "parts": point.parts,
         "ends": [rule_estimate.lower, rule_estimate.upper],
         "value": rule_estimate.value,
         "texts": contribution_texts,

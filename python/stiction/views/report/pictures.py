@@ -21,7 +21,7 @@ from stiction.studies.study import Study
 from stiction.views.figures.contact import contact_figure, contact_map_figure, find_opposing_contacts
 from stiction.views.figures.loads import adhesion_figure
 from stiction.views.figures.onset import contains_slip_map, dimension_onset_figure, onset_figure, slip_figure
-from stiction.views.figures.standard import draw_height_factor_figure, draw_positions
+from stiction.views.figures.standard import draw_height_factor_figure, draw_positions_figure
 from stiction.views.height_scale import HEIGHT_SCALE_NOTE, SCALED_SURFACE_TEXTS
 from stiction.views.point import motion_text
 from stiction.views.report.page import format_count
@@ -106,7 +106,7 @@ def positions_panel(result: Result, load: float, title: str) -> str:
         "Single positions",
         "Friction coefficient of each pair in each direction.",
         "At the first load, μ0 and τ0 of the study; the sliders do not change this figure.",
-        lambda: draw_positions(result, values, title=title),
+        lambda: draw_positions_figure(result, values, title=title),
     )
 
 
