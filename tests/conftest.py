@@ -25,7 +25,7 @@ hypothesis.settings.load_profile("without time limits")
 
 
 @pytest.fixture(scope="session")
-def measured():
+def measured_file():
     """Return a function that returns the path of a measured file, and skips the test if the file is absent."""
     folder = Path(os.environ.get("STICTION_TEST_DATA", Path(__file__).parents[2] / "shared" / "data"))
 
@@ -38,7 +38,7 @@ def measured():
 
 
 @pytest.fixture(scope="session")
-def rough_pair():
+def create_rough_profiles():
     """Return a function that generates an upper and a lower profile of a fractal dimension."""
 
     @functools.lru_cache(maxsize=8)
@@ -55,7 +55,7 @@ def rough_pair():
 
 
 @pytest.fixture(scope="session")
-def circular_arc():
+def create_circular_arc():
     """Return a function that generates a circular arc: the profile of a cylinder or sphere."""
 
     def arc(apex, radius, spacing, points, side):
@@ -86,7 +86,7 @@ def no_figures():
 
 
 @pytest.fixture
-def undrawn(no_figures):
+def disable_figures(no_figures):
     """Disable figures during a test."""
     with no_figures():
         yield

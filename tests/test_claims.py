@@ -51,7 +51,7 @@ def resampled(result):
     return claims.ResampledMeans(result, 0.1)
 
 
-def test_studies_used_to_judge_claims_have_the_settings_of_the_paper():
+def test_studies_of_claims_have_the_settings_of_the_paper():
     study = claims.claims_study()
     assert study.surfaces.fractal_dimensions().size == 50
     assert study.ensemble.repetitions == 100
@@ -62,7 +62,7 @@ def test_studies_used_to_judge_claims_have_the_settings_of_the_paper():
         assert (variant == claims.variant_study("default")) == (not changes)
 
 
-def test_first_resampled_ensemble_equals_the_maps_of_the_result(result, resampled):
+def test_first_resampled_ensemble_gives_the_same_maps_as_the_result(result, resampled):
     load = resampled.middle_load
     for what, tau0, expected in (
         ("friction", 0.0, friction_map(result, [load], mu0=[0.4], tau0=[0.0])["friction_coefficient"]),
@@ -86,7 +86,7 @@ def test_resampled_intervals_agree_with_those_of_the_friction_map(result, resamp
     assert ratio.max() < 1.5
 
 
-def test_loads_used_for_claims_are_reached_at_every_fractal_dimension(result, resampled):
+def test_loads_of_claims_are_reached_at_every_fractal_dimension(result, resampled):
     elastic = result["normal_elastic"].sel(amplitude=0.1).mean("repetition")
     assert float(elastic.isel(approach=0).max()) < resampled.light_load < resampled.middle_load < resampled.heavy_load
     assert resampled.heavy_load < float(elastic.max("approach").min())

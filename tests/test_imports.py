@@ -121,7 +121,7 @@ def test_stub_of_the_package_lists_public_names_with_their_modules():
     assert {name.name: node.module for node in tree.body for name in node.names} == stiction._MODULES
 
 
-def test_public_names_are_imported_from_their_modules():
+def test_public_names_are_imported_from_their_defining_modules():
     """Check that the stub of the package names the defining module of each public name."""
     tree = ast.parse((PACKAGE / "__init__.pyi").read_text("utf-8"))
     for name, module in {name.asname: node.module for node in tree.body for name in node.names}.items():
@@ -147,7 +147,7 @@ def test_command_group_lists_every_command_and_finds_its_module():
 
 
 @pytest.mark.parametrize("folder", ["python", "tests", "benchmarks", "docs", "examples"])
-def test_docstrings_do_not_begin_with_the_word_of(folder):
+def test_docstrings_do_not_begin_with_the_preposition_of(folder):
     """Check this because a docstring must be understandable without the line above it."""
     paths = sorted((Path(__file__).parent.parent / folder).rglob("*.py"))
     assert [path for path in paths if re.search(r'^ *"""Of ', path.read_text("utf-8"), re.MULTILINE)] == []

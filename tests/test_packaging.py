@@ -79,7 +79,7 @@ def test_documented_glibc_version_is_the_version_that_wheels_are_checked_for(rel
         ("linux_x86_64", False),
     ],
 )
-def test_wheel_with_newer_glibc_is_rejected(release, name, passes, capsys):
+def test_wheel_that_requires_a_newer_glibc_is_rejected(release, name, passes, capsys):
     wheel = Path(f"stiction-0.1.0-cp311-cp311-{name}.whl")
     if passes:
         sys.modules["prove"].check_min_glibc(wheel)
@@ -104,7 +104,7 @@ def test_release_checks_report_missing_dates_and_versions(release, tmp_path, mon
     assert release.version_is_final() == "pyproject.toml says 1.2.3.dev0"
 
 
-def test_release_script_writes_the_repository_address_to_all_files(release, tmp_path, monkeypatch):
+def test_release_script_writes_the_repository_address_into_all_files(release, tmp_path, monkeypatch):
     monkeypatch.setattr(release, "ROOT", tmp_path)
     files = {
         "pyproject.toml": '[project]\nname = "a"\n\n[project.urls]\nPaper = "https://doi.org/1"\n\n[tool]\n',

@@ -53,7 +53,11 @@ def compute_profile_results(
     pressures = RELATIVE_LOADS * EFFECTIVE_MODULUS * RMS_SLOPE
     return np.array(
         [
-            (half_space_solver.measure(p), asperity_solver.measure(p), asperity_solver.measure_with_interaction(p))
+            (
+                half_space_solver.contact_response(p),
+                asperity_solver.contact_response(p),
+                asperity_solver.interacting_response(p),
+            )
             for p in pressures
         ]
     )

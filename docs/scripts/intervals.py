@@ -10,7 +10,7 @@ from stiction.studies.intervals import neighbors_mean
 DOCS_FOLDER = Path(__file__).parent.parent
 sys.path.insert(0, str(DOCS_FOLDER.parent / "tests"))
 
-from reference.neighbours import DISTRIBUTION_NAMES, estimate_truth, measure_coverage, simulate_traverses  # noqa: E402
+from reference.neighbours import DISTRIBUTION_NAMES, coverage_and_width, estimate_true_mean, simulate_traverses  # noqa: E402
 
 NUM_TRIALS = 2000
 POSITION_COUNTS = (8, 16, 32, 64, 200)
@@ -69,12 +69,12 @@ def main():
                 generator = np.random.default_rng(
                     [positions, int(10 * correlation), DISTRIBUTION_NAMES.index(quantity)]
                 )
-                true_mean, best_width = estimate_truth(quantity, positions, correlation, generator)
+                true_mean, best_width = estimate_true_mean(quantity, positions, correlation, generator)
                 values = simulate_traverses(quantity, NUM_TRIALS, positions, correlation, generator)
                 values = values[(values != values[:, :1]).any(axis=1)]
                 cells = []
                 for method in INTERVAL_METHODS.values():
-                    coverage, width, _ = measure_coverage(method, values, true_mean, best_width)
+                    coverage, width, _ = coverage_and_width(method, values, true_mean, best_width)
                     cells.append(
                         f"{_format_bold(f'{coverage:.3f}', coverage < MIN_COVERAGE)}, "
                         f"{_format_bold(f'{width:.2f}', width > MAX_WIDTH_RATIO)}"

@@ -278,8 +278,8 @@ def test_form_distinguishes_scans_being_read_from_missing_scans(empty_page):
     assert re.search(r"upper scan.* missing.*lower scan.* being read", message, re.DOTALL)
 
 
-def test_app_result_of_metal_profiles_equals_command_result(empty_page, tmp_path, monkeypatch, rough_pair):
-    for side, profile in zip(("upper", "lower"), rough_pair(1.1, points=1500), strict=True):
+def test_app_result_of_metal_profiles_equals_command_result(empty_page, tmp_path, monkeypatch, create_rough_profiles):
+    for side, profile in zip(("upper", "lower"), create_rough_profiles(1.1, points=1500), strict=True):
         write_profile(Profile(profile.heights, spacing=0.05), tmp_path / f"{side}.csv")
         choose_scan(empty_page, side, tmp_path / f"{side}.csv")
     fill_fields(empty_page, {"upper": "mild steel", "lower": "brass", "load": "1 MPa", "tau0": "20..80"})
@@ -514,8 +514,10 @@ def test_cookie_sent_to_another_port_does_not_grant_access(app, empty_page):
         assert app.request(method, path, b"{}", X_Stiction_Key=None)[0] == 403
 
 
-def test_app_computes_profiles_with_the_asperity_model_by_default(empty_page, tmp_path, monkeypatch, rough_pair):
-    for side, profile in zip(("upper", "lower"), rough_pair(1.1, points=1500), strict=True):
+def test_app_computes_profiles_with_the_asperity_model_by_default(
+    empty_page, tmp_path, monkeypatch, create_rough_profiles
+):
+    for side, profile in zip(("upper", "lower"), create_rough_profiles(1.1, points=1500), strict=True):
         write_profile(Profile(profile.heights, spacing=0.05), tmp_path / f"{side}.csv")
         assert "Pq" in choose_scan(empty_page, side, tmp_path / f"{side}.csv")["hint"]
     fill_fields(empty_page, {"upper": "numbers", "lower": "numbers", "load": "1 mN", "tau0": "5"})

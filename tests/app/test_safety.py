@@ -253,7 +253,7 @@ def test_unfinished_uploads_count_towards_the_storage_limit(app):
 
 
 @pytest.mark.soak
-def test_upload_to_full_disk_is_rejected_and_removed(app):
+def test_upload_to_a_full_disk_is_rejected_and_removed(app):
     limits = resource.prlimit(app.process.pid, resource.RLIMIT_FSIZE)
     resource.prlimit(app.process.pid, resource.RLIMIT_FSIZE, (10**5, limits[1]))
     try:

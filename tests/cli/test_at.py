@@ -256,7 +256,7 @@ def test_export_command_writes_netcdf_or_csv_without_overwriting_files(results_f
         assert_rejected(call_stiction("export", name, file_name, cwd=results_folder), "must end in .nc", ".csv")
 
 
-@pytest.mark.usefixtures("undrawn")
+@pytest.mark.usefixtures("disable_figures")
 @pytest.mark.parametrize("name", ["lines", "maps"])
 def test_run_command_adds_repetitions_to_a_result_directory(results_folder, name, tmp_path):
     shutil.copytree(results_folder / name, tmp_path / name)

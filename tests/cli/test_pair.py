@@ -506,7 +506,7 @@ HONED_OPTIONS = [
 RUBBER_OPTIONS = ["--upper", "rubber", "--lower", "glass", "--mu0", "0.3", "--tau0", "200 kPa", "--load", "100 kPa"]
 
 
-@pytest.mark.usefixtures("undrawn")
+@pytest.mark.usefixtures("disable_figures")
 @pytest.mark.parametrize(
     "arguments",
     [
@@ -646,7 +646,7 @@ def test_pair_command_stores_the_result_figures_report_and_model_check(scans_fol
     assert "wrote" in result_of_maps.stdout
 
 
-@pytest.mark.usefixtures("undrawn")
+@pytest.mark.usefixtures("disable_figures")
 def test_pair_command_resumes_with_the_same_options_and_rejects_different_options(scans_folder, result_of_maps):
     command = [
         "pair",
@@ -670,7 +670,7 @@ def test_pair_command_resumes_with_the_same_options_and_rejects_different_option
     assert store.open_stored(scans_folder / "areas").finished.size == 2
 
 
-@pytest.mark.usefixtures("undrawn")
+@pytest.mark.usefixtures("disable_figures")
 def test_pair_command_with_changed_tau0_reuses_stored_repetitions(scans_folder):
     command = (
         "pair",
@@ -693,7 +693,7 @@ def test_pair_command_with_changed_tau0_reuses_stored_repetitions(scans_folder):
     assert sorted((scans_folder / "friction" / "blocks").iterdir()) == blocks
 
 
-@pytest.mark.usefixtures("undrawn")
+@pytest.mark.usefixtures("disable_figures")
 def test_concurrent_pair_commands_can_write_the_same_files(scans_folder, monkeypatch):
     """Two equal commands in one directory write the same files, and both must succeed."""
     from stiction.studies import contact_picture, onset
@@ -728,7 +728,7 @@ def test_concurrent_pair_commands_can_write_the_same_files(scans_folder, monkeyp
     assert "μ_s" in completed.stdout
 
 
-@pytest.mark.usefixtures("undrawn")
+@pytest.mark.usefixtures("disable_figures")
 def test_pair_command_run_in_two_parts_completes_the_result(scans_folder):
     arguments = ["pair", *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--mu0", "30", "--offsets", 4, "-o", "parts"]
     for part in ("1/2", "2/2"):
@@ -738,7 +738,7 @@ def test_pair_command_run_in_two_parts_completes_the_result(scans_folder):
     assert "not in per cent" in completed.stdout  # mu0 = 30 causes a caveat.
 
 
-@pytest.mark.usefixtures("undrawn")
+@pytest.mark.usefixtures("disable_figures")
 def test_run_command_rejects_changed_scan_file(scans_folder):
     arguments = [
         "pair",
@@ -762,20 +762,20 @@ def test_run_command_rejects_changed_scan_file(scans_folder):
 # ---- Measured data --------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.usefixtures("undrawn")
-def test_stylus_profile_paired_with_itself_is_shifted_by_the_travel(measured, tmp_path):
-    file = measured("dektak-1.csv")
+@pytest.mark.usefixtures("disable_figures")
+def test_stylus_profile_paired_with_itself_is_shifted_by_the_travel(measured_file, tmp_path):
+    file = measured_file("dektak-1.csv")
     shifted = ["--travel", "200 um", "--offsets", "1", "--load", "10 mN", "--json"]
     check_stiction("pair", file, file, *MATERIAL_OPTIONS, *shifted, cwd=tmp_path)
     result = store.read(tmp_path / "pair")
     assert float(result["x"][0]) == pytest.approx(200, abs=1)
 
 
-@pytest.mark.usefixtures("undrawn")
+@pytest.mark.usefixtures("disable_figures")
 @pytest.mark.parametrize("lines", [4, 16])  # the mean of four lines has no interval
-def test_pair_command_presses_an_afm_map_on_its_surrogates(measured, tmp_path, lines):
+def test_pair_command_presses_an_afm_map_on_its_surrogates(measured_file, tmp_path, lines):
     pytest.importorskip("SurfaceTopography")
-    file = measured("di-4.di")
+    file = measured_file("di-4.di")
     arguments = ["--lines", lines, "--surrogates", "lower", "--along", "y", "--json"]
     check_stiction("pair", file, file, *MATERIAL_OPTIONS, *LOAD_OPTION, *arguments, cwd=tmp_path)
     assert store.read(tmp_path / "pair")["surrogate"].values.all()
@@ -931,7 +931,7 @@ def test_width_option_converts_the_force_to_the_force_on_a_strip_1_um_wide(scans
             parse_study(scans_folder, *PROFILE_FILES, *arguments, *rejected_options, "--width", "5 mm")
 
 
-@pytest.mark.usefixtures("undrawn")
+@pytest.mark.usefixtures("disable_figures")
 def test_result_of_profiles_states_its_assumptions(scans_folder, tmp_path):
     arguments = ["pair", *PROFILE_FILES, "--upper", "steel", "--lower", "brass", "--mu0", "0.2", "--load", "40 MPa"]
     record = json.loads(

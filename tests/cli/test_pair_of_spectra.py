@@ -121,7 +121,7 @@ def test_friction_interval_from_joined_spectra_contains_friction_of_full_surface
     )  # A coarse scan lacks the short wavelengths, which determine the area.
 
 
-def test_result_of_a_pair_of_spectra_is_accepted_by_at_and_report_commands(spectra_folder):
+def test_at_and_report_commands_accept_the_result_of_a_pair_of_spectra(spectra_folder):
     completed = check_stiction(
         "pair",
         "upper.csv",

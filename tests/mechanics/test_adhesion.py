@@ -56,7 +56,7 @@ STEP_SUM_TOLERANCE = 3e-3
 """Relative difference between the work as a sum over 40 steps and the integral."""
 
 
-def ball(tabor, *, points=64, length=10.0):
+def create_ball_on_flat(tabor, *, points=64, length=10.0):
     """Return a ball of radius 1 µm on a flat, scaled by its contact radius (µm), with a range of 1 nm."""
     height = tabor * 1e-3
     spacing = length * height**0.5 / points
@@ -66,7 +66,7 @@ def ball(tabor, *, points=64, length=10.0):
     return bodies, {"effective_modulus": 1.0, "work_of_adhesion": height**1.5, "adhesion_range": 1e-3}
 
 
-def rough(rms, work, *, points=32, modulus=80.0, length=1e-3, spacing=0.02, seed=3):
+def create_rough_bodies(rms, work, *, points=32, modulus=80.0, length=1e-3, spacing=0.02, seed=3):
     waves = {"longest_wavelength": points * spacing / 2, "shortest_wavelength": 4 * spacing}
     shape = {"shape": (points, points), "spacing": spacing}
     lower = self_affine_surface(seed, hurst_exponent=0.8, rms=rms, **shape, **waves)
@@ -81,12 +81,12 @@ SPACING_TOLERANCE = 0.03
 @pytest.mark.parametrize(
     "case",
     [
-        ball(0.3, points=32),
-        ball(1.0, points=32),
-        rough(1e-3, 5e-5),
-        rough(3e-3, 3e-4),
-        rough(0.02, 5e-5, modulus=2e-3, spacing=0.2, length=0.1001),
-        rough(5e-3, 1.1e-5, modulus=1.4e-3, spacing=0.01, length=0.013),
+        create_ball_on_flat(0.3, points=32),
+        create_ball_on_flat(1.0, points=32),
+        create_rough_bodies(1e-3, 5e-5),
+        create_rough_bodies(3e-3, 3e-4),
+        create_rough_bodies(0.02, 5e-5, modulus=2e-3, spacing=0.2, length=0.1001),
+        create_rough_bodies(5e-3, 1.1e-5, modulus=1.4e-3, spacing=0.01, length=0.013),
     ],
     ids=["hard ball", "ball", "smooth", "rough", "silicone", "complete"],
 )
@@ -96,23 +96,25 @@ def test_adhesive_contact_minimizes_energy_up_to_the_pull_off_force(case):
     gap, area = -bodies[1].heights, bodies[0].heights.size * bodies[0].spacing[0] ** 2
     heights = gap - gap.min()
     noise = 0.01 * adhesive["adhesion_range"] * np.random.default_rng(1).random(gap.shape)
-    for part in (0.0, -1 + STABILITY_MARGIN):
-        load = part * curve.pull_off_bound[0]
+    for fraction in (0.0, -1 + STABILITY_MARGIN):
+        load = fraction * curve.pull_off_bound[0]
         contact = half_space(*bodies, [load], boundary="periodic", **adhesive).contact(0)
-        near = np.maximum(contact.gap, 0) + noise
-        gap, pressure = minimize_energy(heights, bodies[0].spacing[0], load / area, near, **adhesive)
-        assert np.abs(gap - contact.gap).max() < GAP_TOLERANCE * adhesive["adhesion_range"] * (1 if part == 0 else 10)
+        initial_gap = np.maximum(contact.gap, 0) + noise
+        gap, pressure = minimize_energy(heights, bodies[0].spacing[0], load / area, initial_gap, **adhesive)
+        assert np.abs(gap - contact.gap).max() < GAP_TOLERANCE * adhesive["adhesion_range"] * (
+            1 if fraction == 0 else 10
+        )
         assert pressure.mean() == pytest.approx(contact.pressure.mean(), rel=GAP_TOLERANCE)
         assert ((gap == 0) != (contact.pressure > 0)).sum() <= 1
-    beyond = (-1 - STABILITY_MARGIN) * curve.pull_off_bound[0] / area
-    gap, _ = minimize_energy(heights, bodies[0].spacing[0], beyond, near, **adhesive)
+    pressure_beyond_pull_off = (-1 - STABILITY_MARGIN) * curve.pull_off_bound[0] / area
+    gap, _ = minimize_energy(heights, bodies[0].spacing[0], pressure_beyond_pull_off, initial_gap, **adhesive)
     assert (gap > 0).all()
 
 
 @pytest.mark.parametrize(("rms", "modulus", "load"), [(1e-3, 80.0, 0.01), (3e-3, 80.0, 0.1), (3e-3, 2.0, 2e-3)])
 def test_adhesive_contact_agrees_with_tamaas_solution_at_the_same_mean_gap(rms, modulus, load):
     tamaas = pytest.importorskip("tamaas")
-    (flat, lower), adhesive = rough(rms, 5e-5, points=64, modulus=modulus)
+    (flat, lower), adhesive = create_rough_bodies(rms, 5e-5, points=64, modulus=modulus)
     area = lower.heights.size * lower.spacing[0] ** 2
     curve = half_space(flat, lower, [load * area], boundary="periodic", **adhesive)
     contact = curve.contact(0)
@@ -133,19 +135,19 @@ def test_adhesive_contact_agrees_with_tamaas_solution_at_the_same_mean_gap(rms, 
 
 @pytest.mark.parametrize("tabor", [0.3, 1.0, 1.7])
 def test_pull_off_force_of_a_sphere_equals_maugis_solution_for_any_period(tabor):
-    bodies, adhesive = ball(tabor)
+    bodies, adhesive = create_ball_on_flat(tabor)
     assert tabor_parameter(1.0, 1.0, **{name: adhesive[name] for name in ("work_of_adhesion", "adhesion_range")}) == (
         pytest.approx(tabor)
     )
-    unit = np.pi * adhesive["work_of_adhesion"]
-    free = half_space(*bodies, [unit], **adhesive)
-    wide, _ = ball(tabor, points=128, length=20.0)
-    periodic = half_space(*wide, [unit], boundary="periodic", **adhesive)
-    assert free.pull_off_bound[0] == pytest.approx(periodic.pull_off, rel=PERIOD_TOLERANCE)
-    radius, pull_off = maugis_dugdale(unit, radius=1.0, **adhesive)
-    assert free.pull_off_bound[0] == pytest.approx(float(pull_off), rel=LAW_TOLERANCE)
-    assert 1.5 * unit < free.pull_off_bound[0] < 2 * unit
-    assert np.sqrt(free.contact_area[0] / np.pi) == pytest.approx(float(radius), rel=LAW_TOLERANCE)
+    unit_load = np.pi * adhesive["work_of_adhesion"]
+    free_curve = half_space(*bodies, [unit_load], **adhesive)
+    wide_bodies, _ = create_ball_on_flat(tabor, points=128, length=20.0)
+    periodic_curve = half_space(*wide_bodies, [unit_load], boundary="periodic", **adhesive)
+    assert free_curve.pull_off_bound[0] == pytest.approx(periodic_curve.pull_off, rel=PERIOD_TOLERANCE)
+    radius, pull_off = maugis_dugdale(unit_load, radius=1.0, **adhesive)
+    assert free_curve.pull_off_bound[0] == pytest.approx(float(pull_off), rel=LAW_TOLERANCE)
+    assert 1.5 * unit_load < free_curve.pull_off_bound[0] < 2 * unit_load
+    assert np.sqrt(free_curve.contact_area[0] / np.pi) == pytest.approx(float(radius), rel=LAW_TOLERANCE)
 
 
 @pytest.mark.parametrize("tabor", [0.1, 0.3, 1.0])
@@ -154,16 +156,18 @@ def test_contact_of_a_sphere_with_dugdale_attraction_agrees_with_maugis_solution
     length = 8 * max(1, tabor**-0.5)
     exponential = [
         half_space(*bodies, [0.0], **adhesive).pull_off
-        for bodies, adhesive in (ball(tabor, points=n, length=c * length) for n, c in ((64, 1), (128, 1), (96, 1.5)))
+        for bodies, adhesive in (
+            create_ball_on_flat(tabor, points=n, length=c * length) for n, c in ((64, 1), (128, 1), (96, 1.5))
+        )
     ]
     assert exponential[1:] == pytest.approx(exponential[:1] * 2, rel=GRID_POSITION_TOLERANCE)
     edge = 0.05  # The attraction decreases to zero over this fraction of its range.
 
-    def ends(self, gap):
+    def finite_range_attraction(self, gap):
         return self.max_attraction / (1 + np.exp(np.minimum((np.maximum(gap, 0) / self.range - 1) / edge, 500)))
 
-    monkeypatch.setattr(AdhesionSolver, "attraction_at_gap", ends)
-    bodies, adhesive = ball(tabor, points=128, length=length)
+    monkeypatch.setattr(AdhesionSolver, "attraction_at_gap", finite_range_attraction)
+    bodies, adhesive = create_ball_on_flat(tabor, points=128, length=length)
     curve = half_space(*bodies, [0.0], **adhesive)
     radius, pull_off = maugis_dugdale(0.0, radius=1.0, **adhesive)
     assert curve.pull_off == pytest.approx(float(pull_off), rel=MAUGIS_TOLERANCE)
@@ -192,21 +196,28 @@ def test_adhesive_contact_of_a_sinusoid_equals_johnson_solution_and_jumps_to_ful
     load.
     """
     points, height = 2048, 0.005
-    x, full = np.arange(points) / points, np.pi * height
+    x, full_contact_pressure = np.arange(points) / points, np.pi * height
     bodies = Profile(np.zeros(points), spacing=1 / points), Profile(height * np.cos(2 * np.pi * x), spacing=1 / points)
-    work = (alpha * full) ** 2 / 2
+    work = (alpha * full_contact_pressure) ** 2 / 2
     adhesive = {"work_of_adhesion": work, "adhesion_range": (4 * work / points) ** 0.5}  # 4 points
-    loads = np.array([0.0, 0.05]) * full
+    loads = np.array([0.0, 0.05]) * full_contact_pressure
     curve = half_space(*bodies, loads, effective_modulus=1.0, boundary="periodic", **adhesive)
     if alpha > 0.57:
         assert (curve.contact_area > 1 - 1 / points).all()
         return
     angle = np.linspace(1e-4, 1.2, 100_001)  # The unstable branch starts at a larger angle.
-    johnson = np.sin(angle) ** 2 - alpha * np.sqrt(np.tan(angle))
-    rising = slice(np.argmin(johnson), np.argmin(johnson) + np.argmax(johnson[np.argmin(johnson) :]))
-    expected = 2 / np.pi * np.interp(loads / full, johnson[rising], angle[rising])
+    johnson_pressure = np.sin(angle) ** 2 - alpha * np.sqrt(np.tan(angle))
+    stable_branch = slice(
+        np.argmin(johnson_pressure),
+        np.argmin(johnson_pressure) + np.argmax(johnson_pressure[np.argmin(johnson_pressure) :]),
+    )
+    expected = (
+        2 / np.pi * np.interp(loads / full_contact_pressure, johnson_pressure[stable_branch], angle[stable_branch])
+    )
     assert curve.contact_area == pytest.approx(expected, abs=CLOSED_FORM_TOLERANCE)
-    assert curve.pull_off_bound[0] / full == pytest.approx(-johnson.min(), rel=CLOSED_FORM_TOLERANCE)
+    assert curve.pull_off_bound[0] / full_contact_pressure == pytest.approx(
+        -johnson_pressure.min(), rel=CLOSED_FORM_TOLERANCE
+    )
     assert not curve.pull_off_is_bound
 
 
@@ -218,23 +229,34 @@ PULL_OFF_TOLERANCE = 0.01
 def test_pull_off_force_of_a_sinusoid_in_full_contact_equals_opening_load(tension):
     """Complete contact under a load of 0.05 p* opens where the lowest pressure is 0: at a tension of w/ρ - p*."""
     points, height = 512, 0.005
-    x, full = np.arange(points) / points, np.pi * height
+    x, full_contact_pressure = np.arange(points) / points, np.pi * height
     bodies = Profile(np.zeros(points), spacing=1 / points), Profile(height * np.cos(2 * np.pi * x), spacing=1 / points)
     # With this work of adhesion, the grid resolves the range of the attraction.
-    work = 2.001 * (tension * full) ** 2 / points
-    adhesive = {"work_of_adhesion": work, "adhesion_range": work / (tension * full), "effective_modulus": 1.0}
-    curve = half_space(*bodies, [1.2 * full, 0.05 * full], boundary="periodic", **adhesive)
+    work = 2.001 * (tension * full_contact_pressure) ** 2 / points
+    adhesive = {
+        "work_of_adhesion": work,
+        "adhesion_range": work / (tension * full_contact_pressure),
+        "effective_modulus": 1.0,
+    }
+    curve = half_space(
+        *bodies, [1.2 * full_contact_pressure, 0.05 * full_contact_pressure], boundary="periodic", **adhesive
+    )
     assert curve.contact(1).pressure.all()
-    opening = (tension - 1) * full
-    assert curve.pull_off_bound[0] == pytest.approx(opening, rel=PULL_OFF_TOLERANCE)
+    opening_load = (tension - 1) * full_contact_pressure
+    assert curve.pull_off_bound[0] == pytest.approx(opening_load, rel=PULL_OFF_TOLERANCE)
     assert not curve.pull_off_is_bound
     assert (np.diff(curve.parting.load) < 0).all()
-    loads = [1.2 * full, 0.05 * full, -0.5 * opening, (PULL_OFF_TOLERANCE - 1) * opening]
-    pulled = half_space(*bodies, loads, boundary="periodic", **adhesive)
-    assert pulled.normal_elastic == pytest.approx(loads, abs=1e-4 * pulled.contact_load[0])
-    assert pulled.contact(3).pressure.all()
+    loads = [
+        1.2 * full_contact_pressure,
+        0.05 * full_contact_pressure,
+        -0.5 * opening_load,
+        (PULL_OFF_TOLERANCE - 1) * opening_load,
+    ]
+    tensile_curve = half_space(*bodies, loads, boundary="periodic", **adhesive)
+    assert tensile_curve.normal_elastic == pytest.approx(loads, abs=1e-4 * tensile_curve.contact_load[0])
+    assert tensile_curve.contact(3).pressure.all()
     with pytest.raises(RuntimeError, match="bodies"):
-        half_space(*bodies, [*loads, -(1 + PULL_OFF_TOLERANCE) * opening], boundary="periodic", **adhesive)
+        half_space(*bodies, [*loads, -(1 + PULL_OFF_TOLERANCE) * opening_load], boundary="periodic", **adhesive)
 
 
 def test_pull_off_force_of_rough_surfaces_is_the_largest_local_maximum_of_tension():
@@ -251,22 +273,23 @@ def test_pull_off_force_of_rough_surfaces_is_the_largest_local_maximum_of_tensio
     while states[-1].contact > 0.02 * states[0].contact:
         states.append(attraction.solve_at_contact_load(states[-1], 0.98 * states[-1].contact, before=states[0]))
     loads = np.array([state.load for state in states])
-    first = loads[np.flatnonzero(np.diff(loads) > 0.02 * -loads.min())[0]]
-    assert first > 0.9 * loads.min()  # This state is a local minimum of the energy, but not the global minimum.
-    largest = attraction.mean_pressure_to_force(-loads.min())
-    assert curve.pull_off == pytest.approx(largest, rel=PULL_OFF_TOLERANCE)
-    borne = half_space(*bodies, [0.0, -0.95 * largest], **adhesive)
-    assert borne.normal_elastic[1] == pytest.approx(-0.95 * largest, rel=1e-3)
+    first_local_minimum = loads[np.flatnonzero(np.diff(loads) > 0.02 * -loads.min())[0]]
+    # This state is a local minimum of the energy, but not the global minimum.
+    assert first_local_minimum > 0.9 * loads.min()
+    largest_tension = attraction.mean_pressure_to_force(-loads.min())
+    assert curve.pull_off == pytest.approx(largest_tension, rel=PULL_OFF_TOLERANCE)
+    tensile_curve = half_space(*bodies, [0.0, -0.95 * largest_tension], **adhesive)
+    assert tensile_curve.normal_elastic[1] == pytest.approx(-0.95 * largest_tension, rel=1e-3)
     assert curve.parting.load[-1] == -curve.pull_off
 
 
-def soft_in_complete_contact():
+def create_soft_bodies_in_complete_contact():
     """Return bodies in complete contact at zero load that begin to open at a tension below the pull-off force."""
-    return rough(5e-3, 1.1e-5, modulus=1.4e-3, spacing=0.01, length=0.013)
+    return create_rough_bodies(5e-3, 1.1e-5, modulus=1.4e-3, spacing=0.01, length=0.013)
 
 
 def test_attraction_decreases_at_every_point_as_the_load_decreases_to_pull_off():
-    bodies, adhesive = soft_in_complete_contact()
+    bodies, adhesive = create_soft_bodies_in_complete_contact()
     curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
     attraction = AdhesionSolver(curve._problem, tolerance=1e-6, report=None)
     force, is_bound = curve.pull_off_bound
@@ -276,49 +299,53 @@ def test_attraction_decreases_at_every_point_as_the_load_decreases_to_pull_off()
     assert state.pressure.all()
     assert -attraction.find_opening_state(state).load < 0.95 * pull_off
     for fraction in (0.3, 0.6, 0.9, 0.99):
-        following, holds = attraction.iterate_at_load(state, -fraction * pull_off)
-        assert holds
-        assert following.load == pytest.approx(-fraction * pull_off, abs=1e-4 * following.mean_attraction)
-        assert (following.attraction <= state.attraction + 1e-4 * attraction.max_attraction).all()
-        state = following
+        next_state, is_stable = attraction.iterate_at_load(state, -fraction * pull_off)
+        assert is_stable
+        assert next_state.load == pytest.approx(-fraction * pull_off, abs=1e-4 * next_state.mean_attraction)
+        assert (next_state.attraction <= state.attraction + 1e-4 * attraction.max_attraction).all()
+        state = next_state
     assert not attraction.iterate_at_load(state, -(1 + PULL_OFF_TOLERANCE) * pull_off)[1]
 
 
 def test_pull_off_force_is_a_lower_bound_if_no_tensile_load_is_solved(monkeypatch):
-    bodies, adhesive = soft_in_complete_contact()
+    bodies, adhesive = create_soft_bodies_in_complete_contact()
     curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
     assert not curve.pull_off_is_bound
     monkeypatch.setattr(adhesion, "MAX_TRIAL_LOADS", 0)
-    short = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
-    assert short.pull_off_is_bound
+    limited_curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
+    assert limited_curve.pull_off_is_bound
     with pytest.warns(UserWarning, match="the pull-off force is at least"):
-        assert 0 < short.pull_off < curve.pull_off
+        assert 0 < limited_curve.pull_off < curve.pull_off
 
 
 def test_pull_off_force_is_a_lower_bound_if_stability_is_undecided(monkeypatch):
-    bodies, adhesive = soft_in_complete_contact()
+    bodies, adhesive = create_soft_bodies_in_complete_contact()
     curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
     assert curve.contact(0).pressure.all()
     monkeypatch.setattr(adhesion, "MAX_SOLUTIONS_PER_LOAD", 3)
     assert curve.pull_off_is_bound
 
 
-@pytest.mark.parametrize("case", [rough(1e-3, 5e-5), rough(3e-3, 5e-5, modulus=2.0, length=2e-3)], ids=["hard", "soft"])
+@pytest.mark.parametrize(
+    "case",
+    [create_rough_bodies(1e-3, 5e-5), create_rough_bodies(3e-3, 5e-5, modulus=2.0, length=2e-3)],
+    ids=["hard", "soft"],
+)
 def test_work_of_loading_and_unloading_equals_the_change_in_energy(case):
     """Check that the work over a closed loop is the energy lost in jumps, which is 0 without jumps."""
     bodies, adhesive = case
-    area, free = 0.64**2, half_space(*bodies, [0.0], boundary="periodic", **adhesive)
+    area, unloaded_curve = 0.64**2, half_space(*bodies, [0.0], boundary="periodic", **adhesive)
     loads = np.linspace(0, 0.001 * adhesive["effective_modulus"] * area, 41)
     works = []
-    for steps in (loads, loads[::-1], np.linspace(0, -0.9 * free.pull_off, 41)):
-        curve = half_space(*bodies, steps, boundary="periodic", **adhesive)
+    for path_loads in (loads, loads[::-1], np.linspace(0, -0.9 * unloaded_curve.pull_off, 41)):
+        curve = half_space(*bodies, path_loads, boundary="periodic", **adhesive)
         energies = []
-        for place in (0, -1):
-            contact, problem = curve.contact(place), curve._problem
-            net = contact.pressure - curve.at(place).attraction
-            elastic = net * problem.grids.displacement(net) / 2
-            stuck = adhesive["work_of_adhesion"] * np.exp(-np.maximum(contact.gap, 0) / curve.adhesion_range)
-            energies.append(problem.cell_area * float((elastic - stuck).sum()))
+        for load_index in (0, -1):
+            contact, problem = curve.contact(load_index), curve._problem
+            net_pressure = contact.pressure - curve.at(load_index).attraction
+            elastic_energy = net_pressure * problem.grids.displacement(net_pressure) / 2
+            adhesive_energy = adhesive["work_of_adhesion"] * np.exp(-np.maximum(contact.gap, 0) / curve.adhesion_range)
+            energies.append(problem.cell_area * float((elastic_energy - adhesive_energy).sum()))
         works.append(float(trapezoid(curve.load, curve.approach)))
         assert works[-1] == pytest.approx(energies[1] - energies[0], rel=STEP_SUM_TOLERANCE)
     assert works[0] == pytest.approx(-works[1], rel=STEP_SUM_TOLERANCE)
@@ -331,22 +358,24 @@ def test_random_adhesive_problems_converge_and_few_give_only_a_lower_bound_of_pu
 
     Some of them have a hardness.
     """
-    draw, bounds = np.random.default_rng(5), 0
+    random, num_bounds = np.random.default_rng(5), 0
     for _ in range(200):
-        modulus, work = 10 ** draw.uniform(-3, 2.3), 10 ** draw.uniform(-6, -3)
-        rms, spacing = 10 ** draw.uniform(-3.3, -1.3), 10 ** draw.uniform(-2.5, -0.5)
-        bodies, adhesive = rough(rms, work, modulus=modulus, length=5e-4, spacing=spacing, seed=int(draw.integers(1e6)))
+        modulus, work = 10 ** random.uniform(-3, 2.3), 10 ** random.uniform(-6, -3)
+        rms, spacing = 10 ** random.uniform(-3.3, -1.3), 10 ** random.uniform(-2.5, -0.5)
+        bodies, adhesive = create_rough_bodies(
+            rms, work, modulus=modulus, length=5e-4, spacing=spacing, seed=int(random.integers(1e6))
+        )
         strength = work / max(5e-4, (2 * spacing * work / modulus) ** 0.5)
-        if draw.random() < 0.4:
-            adhesive["hardness"] = max(modulus * 10 ** draw.uniform(-2.5, -0.5), 2 * strength)
+        if random.random() < 0.4:
+            adhesive["hardness"] = max(modulus * 10 ** random.uniform(-2.5, -0.5), 2 * strength)
         load = 0.003 * min(modulus, adhesive.get("hardness", modulus)) * (32 * spacing) ** 2
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            curve = half_space(*bodies, [0.0, load], boundary=str(draw.choice(["free", "periodic"])), **adhesive)
+            curve = half_space(*bodies, [0.0, load], boundary=str(random.choice(["free", "periodic"])), **adhesive)
             assert curve.normal_elastic == pytest.approx([0, load], abs=1e-4 * curve.contact_load.max())
             assert curve.pull_off > 0
-            bounds += curve.pull_off_is_bound
-    assert bounds <= MAX_NUM_BOUNDED_FORCES
+            num_bounds += curve.pull_off_is_bound
+    assert num_bounds <= MAX_NUM_BOUNDED_FORCES
 
 
 def test_maugis_dugdale_solution_tends_to_jkr_and_dmt_solutions():
@@ -371,24 +400,26 @@ def test_fuller_tabor_pull_off_force_equals_the_sum_over_summit_heights():
     radius, modulus, work = 2.0, 1.3, 1e-3
     a = np.geomspace(1e-3, 3.0, 200_000)
     force = 4 * modulus * a**3 / (3 * radius) - np.sqrt(8 * np.pi * work * modulus * a**3)
-    depth = a**2 / radius - np.sqrt(2 * np.pi * work * a / modulus)
-    last = int(np.argmin(depth))
-    deviations = -depth[last] * np.array([0.01, 0.5, 1.0, 2.0])
-    parameter, left = fuller_tabor(deviations, radius, modulus, work_of_adhesion=work)
+    overlap = a**2 / radius - np.sqrt(2 * np.pi * work * a / modulus)
+    pull_off_index = int(np.argmin(overlap))
+    deviations = -overlap[pull_off_index] * np.array([0.01, 0.5, 1.0, 2.0])
+    parameter, relative_force = fuller_tabor(deviations, radius, modulus, work_of_adhesion=work)
     assert parameter == pytest.approx([0.01, 0.5, 1.0, 2.0], rel=1e-4)
-    assert left[0] == pytest.approx(1, rel=1e-3)
+    assert relative_force[0] == pytest.approx(1, rel=1e-3)
     heights = norm.ppf((np.arange(20_000) + 0.5) / 20_000)
-    for place in (1, 2, 3):
-        spread = deviations[place]
-        stored = [
-            np.interp(heights * spread - gap, depth[last:], force[last:], left=0.0).mean()
-            for gap in np.linspace(-2 * spread, 6 * spread, 400)
+    for deviation_index in (1, 2, 3):
+        deviation = deviations[deviation_index]
+        mean_forces = [
+            np.interp(heights * deviation - gap, overlap[pull_off_index:], force[pull_off_index:], left=0.0).mean()
+            for gap in np.linspace(-2 * deviation, 6 * deviation, 400)
         ]
-        assert left[place] == pytest.approx(-min(stored) / (1.5 * np.pi * work * radius), rel=0.01)
+        assert relative_force[deviation_index] == pytest.approx(
+            -min(mean_forces) / (1.5 * np.pi * work * radius), rel=0.01
+        )
 
 
 def test_friction_coefficient_of_adhesive_surfaces_increases_at_low_loads():
-    bodies, adhesive = rough(1e-3, 5e-5)
+    bodies, adhesive = create_rough_bodies(1e-3, 5e-5)
     loads = np.array([0.01, 0.0, -0.001])
     curve = half_space(*bodies, loads, boundary="periodic", sliding="all", **adhesive)
     assert curve.normal_elastic == pytest.approx(loads, abs=1e-4 * curve.contact_load[0])
@@ -402,14 +433,16 @@ def test_friction_coefficient_of_adhesive_surfaces_increases_at_low_loads():
 
 
 def test_half_space_pressures_are_bit_identical_with_zero_adhesion_and_without_adhesion():
-    bodies, adhesive = ball(1.0)
-    plain = half_space(*bodies, [1e-4, 2e-4], effective_modulus=1.0)
-    none = half_space(*bodies, [1e-4, 2e-4], effective_modulus=1.0, work_of_adhesion="0 J/m^2", adhesion_range="1 nm")
-    assert (plain.contact(0).pressure == none.contact(0).pressure).all()
-    assert (plain.contact_load == plain.load).all()
-    assert none.pull_off == 0
+    bodies, adhesive = create_ball_on_flat(1.0)
+    curve_without_adhesion = half_space(*bodies, [1e-4, 2e-4], effective_modulus=1.0)
+    zero_adhesion_curve = half_space(
+        *bodies, [1e-4, 2e-4], effective_modulus=1.0, work_of_adhesion="0 J/m^2", adhesion_range="1 nm"
+    )
+    assert (curve_without_adhesion.contact(0).pressure == zero_adhesion_curve.contact(0).pressure).all()
+    assert (curve_without_adhesion.contact_load == curve_without_adhesion.load).all()
+    assert zero_adhesion_curve.pull_off == 0
     little = half_space(*bodies, [1e-4, 2e-4], **adhesive | {"work_of_adhesion": 1e-12})
-    assert little.contact_area == pytest.approx(plain.contact_area, rel=1e-6)
+    assert little.contact_area == pytest.approx(curve_without_adhesion.contact_area, rel=1e-6)
 
 
 def test_pull_off_force_is_positive_if_consecutive_iterations_do_not_change_the_solution():
@@ -428,7 +461,7 @@ def test_pull_off_force_is_positive_if_consecutive_iterations_do_not_change_the_
 
 
 def test_half_space_rejects_invalid_adhesion_arguments():
-    bodies, adhesive = ball(1.0)
+    bodies, adhesive = create_ball_on_flat(1.0)
     with pytest.raises(ValueError, match="strictly increasing or strictly decreasing"):
         half_space(*bodies, [1.0, 0.0, 1.0], **adhesive)
     with pytest.raises(ValueError, match="approaches must not be given for surfaces with adhesion"):
@@ -444,7 +477,7 @@ def test_half_space_rejects_invalid_adhesion_arguments():
 
 
 def test_adhesion_range_below_grid_resolution_is_increased_with_a_warning():
-    bodies, adhesive = ball(1.0)
+    bodies, adhesive = create_ball_on_flat(1.0)
     with pytest.warns(UserWarning, match="adhesion_range = 0.1 nm is increased to"):
         curve = half_space(*bodies, [0.0], **adhesive | {"adhesion_range": 1e-4})
     assert curve.adhesion_range > 1e-4
@@ -454,13 +487,13 @@ def test_adhesion_range_below_grid_resolution_is_increased_with_a_warning():
 def test_pull_off_force_is_independent_of_grid_spacing(modulus, length, rms):
     values = []
     for points in (64, 128, 256):
-        draw, x = np.random.default_rng(1), np.arange(points) / points
+        random, x = np.random.default_rng(1), np.arange(points) / points
         heights = np.zeros((points, points))
         for i, j in np.ndindex(13, 7):
-            wave, phase, part = np.hypot(i - 6, j), 2 * np.pi * draw.random(), draw.standard_normal()
+            wave, phase, amplitude = np.hypot(i - 6, j), 2 * np.pi * random.random(), random.standard_normal()
             if 2 <= wave <= 6:
-                heights += part * wave**-1.8 * np.cos(2 * np.pi * ((i - 6) * x[:, None] + j * x) + phase)
-        bodies = (Surface(item, spacing=1.28 / points) for item in (0 * heights, rms * heights))
+                heights += amplitude * wave**-1.8 * np.cos(2 * np.pi * ((i - 6) * x[:, None] + j * x) + phase)
+        bodies = (Surface(body_heights, spacing=1.28 / points) for body_heights in (0 * heights, rms * heights))
         adhesive = {"work_of_adhesion": 5e-5, "adhesion_range": length}
         values.append(half_space(*bodies, [0.0], effective_modulus=modulus, boundary="periodic", **adhesive).pull_off)
     assert values[0] > 0

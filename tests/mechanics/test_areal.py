@@ -23,25 +23,25 @@ from stiction import (
 from support.rough_surfaces import rough_maps
 
 # Tolerance for the slow reference, which uses another spline solver, another search and another ellipse solution.
-INDEPENDENT_TOLERANCE = 1e-8
+REFERENCE_TOLERANCE = 1e-8
 # The curvature error of a spline is of second order in spacing / radius, which is at most 1e-3 here.
 SPLINE_TOLERANCE = 1e-6
 # Tolerance of identities that only change the order of operations.
 # Round-off moves a minimum of the gap, most where the gap is flat.
-IDENTITY_TOLERANCE = 1e-9
+INVARIANCE_TOLERANCE = 1e-9
 SCALING_TOLERANCE = 1e-8
 # Tolerance of sums of the same numbers in another order.
 ROUND_OFF = 1e-12
 
-DIRECTIONAL_SUMS = (
+DIRECTION_DEPENDENT_SUMS = (
     "tangential_elastic", "tangential_frictional", "tangential_adhesive", "normal_frictional", "normal_adhesive",
     "lateral_elastic", "lateral_frictional", "lateral_adhesive",
 )  # fmt: skip
-DIRECTION_FREE_SUMS = ("contact_count", "contact_area", "normal_elastic", "load_at_edge")
+DIRECTION_INDEPENDENT_SUMS = ("contact_count", "contact_area", "normal_elastic", "load_at_edge")
 ANGLES = (0.0, 33.0, 90.0, 180.0, 213.0, 301.5)
 
 
-def rough_pair(seed=3, **changes):
+def create_rough_surfaces(seed=3, **changes):
     """Return a resolved pair of surfaces with eight points per shortest wavelength."""
     choices = {
         "hurst_exponent": 0.8, "rms": 0.05, "shape": (64, 80), "spacing": (0.05, 0.04), "shortest_wavelength": 0.4,
@@ -59,12 +59,12 @@ def assert_close(actual, expected, tolerance):
     assert np.all(np.abs(np.subtract(actual, expected)) <= tolerance * np.abs(expected)), (actual, expected)
 
 
-def assert_sums_close(one, other, tolerance, names=DIRECTION_FREE_SUMS + DIRECTIONAL_SUMS):
+def assert_sums_close(one, other, tolerance, names=DIRECTION_INDEPENDENT_SUMS + DIRECTION_DEPENDENT_SUMS):
     """Assert that sums of two curves agree, relative to the load or the area to which each sum contributes."""
     for name in names:
         actual, expected = getattr(one, name), getattr(other, name)
         size = {"adhesive": other.contact_area}.get(name.rpartition("_")[2], other.normal_elastic)
-        size = np.abs(expected) if name in DIRECTION_FREE_SUMS else size
+        size = np.abs(expected) if name in DIRECTION_INDEPENDENT_SUMS else size
         assert np.all(np.abs(actual - expected) <= tolerance * size), (name, actual, expected)
 
 
@@ -74,7 +74,7 @@ class TestSurfacesAgainstReference:
     def test_areal_load_sums_equal_those_of_the_reference_implementation(self, sliding, curvature):
         total = 0
         for seed in (3, 4):
-            upper, lower = rough_pair(seed)
+            upper, lower = create_rough_surfaces(seed)
             approaches = [0.03, 0.1, 0.2]
             curve = press(upper, lower, approaches, direction=ANGLES, sliding=sliding, curvature=curvature)
             for k, approach in enumerate(approaches):
@@ -84,34 +84,36 @@ class TestSurfacesAgainstReference:
                 total += len(result)
                 for row, angle in enumerate(ANGLES):
                     expected = areal.sum_contacts(result, angle, sliding)
-                    for name in DIRECTION_FREE_SUMS:
-                        assert_close(getattr(curve, name)[k], expected[name], INDEPENDENT_TOLERANCE)
-                    for name in DIRECTIONAL_SUMS:
+                    for name in DIRECTION_INDEPENDENT_SUMS:
+                        assert_close(getattr(curve, name)[k], expected[name], REFERENCE_TOLERANCE)
+                    for name in DIRECTION_DEPENDENT_SUMS:
                         size = expected["contact_area" if name.endswith("adhesive") else "normal_elastic"]
-                        assert abs(getattr(curve, name)[row, k] - expected[name]) <= INDEPENDENT_TOLERANCE * size
+                        assert abs(getattr(curve, name)[row, k] - expected[name]) <= REFERENCE_TOLERANCE * size
         assert total > 20
 
     def test_areal_contacts_equal_those_of_the_reference_implementation(self):
-        upper, lower = rough_pair()
+        upper, lower = create_rough_surfaces()
         table = contacts(upper, lower, 0.15, direction=20.0)
-        result = areal.find_contacts(upper.heights, lower.heights, upper.spacing, 0.15)
-        assert len(table) == len(result) > 5
+        contact_list = areal.find_contacts(upper.heights, lower.heights, upper.spacing, 0.15)
+        assert len(table) == len(contact_list) > 5
         rows = upper.heights.shape[1]
-        order = np.argsort([int(one["y"] / 0.05) * rows + int(one["x"] / 0.04) for one in result])
-        result = [result[i] for i in order]
-        assert table.index.tolist() == [int(one["y"] / 0.05) * rows + int(one["x"] / 0.04) for one in result]
+        order = np.argsort([int(contact["y"] / 0.05) * rows + int(contact["x"] / 0.04) for contact in contact_list])
+        contact_list = [contact_list[i] for i in order]
+        assert table.index.tolist() == [
+            int(contact["y"] / 0.05) * rows + int(contact["x"] / 0.04) for contact in contact_list
+        ]
         for name in ("normal", "radii", "axes", "overlap", "force", "area"):
-            expected = np.array([one[name] for one in result])
+            expected = np.array([contact[name] for contact in contact_list])
             assert np.allclose(
-                getattr(table, name), expected, rtol=INDEPENDENT_TOLERANCE, atol=INDEPENDENT_TOLERANCE * expected.max()
+                getattr(table, name), expected, rtol=REFERENCE_TOLERANCE, atol=REFERENCE_TOLERANCE * expected.max()
             )
-        along = np.array([one["along"] for one in result])
+        along = np.array([contact["along"] for contact in contact_list])
         assert np.allclose(np.linalg.norm(table.along, axis=1), 1, atol=ROUND_OFF)
         assert np.allclose((table.along * table.normal).sum(axis=1), 0, atol=ROUND_OFF)
         assert np.allclose(
-            np.abs((table.along[:, :2] * along).sum(axis=1)), (along**2).sum(axis=1), atol=INDEPENDENT_TOLERANCE
+            np.abs((table.along[:, :2] * along).sum(axis=1)), (along**2).sum(axis=1), atol=REFERENCE_TOLERANCE
         )
-        point = np.array([[one["x"], one["y"], one["z"]] for one in result])
+        point = np.array([[contact["x"], contact["y"], contact["z"]] for contact in contact_list])
         assert np.allclose(table.centre, point - 0.5 * table.overlap[:, None] * table.normal, atol=1e-9)
         s = np.array([math.cos(math.radians(20)), math.sin(math.radians(20)), 0])
         assert (table.opposing == (table.normal @ s < 0)).all()
@@ -119,50 +121,54 @@ class TestSurfacesAgainstReference:
         assert np.allclose((table.tangent * table.normal).sum(axis=1), 0, atol=ROUND_OFF)
 
     def test_grid_minima_without_a_contact_candidate_are_counted_as_unresolved(self):
-        upper, lower = rough_pair(shape=(40, 40), spacing=0.05, shortest_wavelength=None, hurst_exponent=0.3)
+        upper, lower = create_rough_surfaces(shape=(40, 40), spacing=0.05, shortest_wavelength=None, hurst_exponent=0.3)
         gap = upper.heights - lower.heights
-        inner = gap[1:-1, 1:-1]
-        around = [gap[1 + j : 39 + j, 1 + i : 39 + i] for j in (-1, 0, 1) for i in (-1, 0, 1) if (i, j) != (0, 0)]
-        lowest = np.all([inner < other for other in around], axis=0)
+        inner_gap = gap[1:-1, 1:-1]
+        neighbour_gaps = [
+            gap[1 + j : 39 + j, 1 + i : 39 + i] for j in (-1, 0, 1) for i in (-1, 0, 1) if (i, j) != (0, 0)
+        ]
+        is_minimum = np.all([inner_gap < other for other in neighbour_gaps], axis=0)
         approach = 0.6 * np.ptp(gap)
         curve = press(upper, lower, [approach])
-        expected = np.argwhere(lowest & (inner - gap.min() <= approach)) + 1
+        expected = np.argwhere(is_minimum & (inner_gap - gap.min() <= approach)) + 1
         assert curve.grid_minimum_count[0] == len(expected)
-        places = candidates(upper, lower, deepest=approach).position[:, :2] / 0.05
-        alone = sum(not (np.abs(places - point[::-1]) <= 1).all(axis=1).any() for point in expected)
-        assert curve.unanswered_count[0] == alone
-        assert curve.validity.share_unanswered[0] == alone / len(expected)
+        candidate_positions = candidates(upper, lower, deepest=approach).position[:, :2] / 0.05
+        num_unresolved = sum(
+            not (np.abs(candidate_positions - point[::-1]) <= 1).all(axis=1).any() for point in expected
+        )
+        assert curve.unanswered_count[0] == num_unresolved
+        assert curve.validity.share_unanswered[0] == num_unresolved / len(expected)
 
 
-def hertz_contact(k, longer, overlap, modulus):
+def hertz_ellipse_by_axis_ratio(k, longer_radius, overlap, modulus):
     """Return force, area, semi-axes and the shorter radius of a contact ellipse with k = b/a and a given longer
     radius."""
     m = 1 - k**2
-    first, second = ellipk(m), ellipe(m)
+    integral_k, integral_e = ellipk(m), ellipe(m)
     if k == 1:
-        a = math.sqrt(overlap * longer)
-        return 4 / 3 * modulus * math.sqrt(longer) * overlap**1.5, math.pi * a * a, (a, a), longer
-    ratio = k**2 * (first - second) / (second - k**2 * first)
-    a = math.sqrt(2 * overlap * longer * (first - second) / (first * m))
-    return 2 / 3 * math.pi * a * overlap * modulus / first, math.pi * k * a**2, (a, k * a), longer * ratio
+        a = math.sqrt(overlap * longer_radius)
+        return 4 / 3 * modulus * math.sqrt(longer_radius) * overlap**1.5, math.pi * a * a, (a, a), longer_radius
+    ratio = k**2 * (integral_k - integral_e) / (integral_e - k**2 * integral_k)
+    a = math.sqrt(2 * overlap * longer_radius * (integral_k - integral_e) / (integral_k * m))
+    return 2 / 3 * math.pi * a * overlap * modulus / integral_k, math.pi * k * a**2, (a, k * a), longer_radius * ratio
 
 
 class TestSurfacesAgainstExactSolutions:
     @pytest.mark.parametrize(("k", "angle"), [(1.0, 0.0), (0.5, 25.0), (0.02, 25.0)])
     def test_contact_of_an_ellipsoid_on_a_flat_equals_hertz_solution(self, k, angle):
         modulus, overlap = 7.0, 1e-5
-        force, area, axes, shorter = hertz_contact(k, 2.0, overlap, modulus)
+        force, area, axes, shorter_radius = hertz_ellipse_by_axis_ratio(k, 2.0, overlap, modulus)
         c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
         # The grid resolves the shorter radius and contains the longer axis of the ellipse.
         half = 1.5 * axes[0]
-        spacing = min(2 * half / 80, 0.02 * shorter)
+        spacing = min(2 * half / 80, 0.02 * shorter_radius)
         size = 2 * round(half / spacing)
 
         def height(x, y):
             x, y = x - (size / 2 + 0.3) * spacing, y - (size / 2 - 0.2) * spacing
             along, across = c * x + s * y, -s * x + c * y
             # The radii at the apex are exact, because a cubic spline reproduces a paraboloid except near the edges.
-            return -(along**2) / (2 * 2.0) - across**2 / (2 * shorter)
+            return -(along**2) / (2 * 2.0) - across**2 / (2 * shorter_radius)
 
         body = surface_from_function(height, (size + 1, size + 1), (spacing, spacing))
         flat = Surface(np.zeros_like(body.heights), spacing=spacing)
@@ -172,7 +178,7 @@ class TestSurfacesAgainstExactSolutions:
         assert_close(table.force, force, SPLINE_TOLERANCE)
         assert_close(table.area, area, SPLINE_TOLERANCE)
         assert_close(table.axes[0], axes, SPLINE_TOLERANCE)
-        assert_close(table.radii[0], (2.0, shorter), SPLINE_TOLERANCE)
+        assert_close(table.radii[0], (2.0, shorter_radius), SPLINE_TOLERANCE)
         assert_close(table.overlap, overlap, SPLINE_TOLERANCE)
         assert table.normal[0].tolist() == [0, 0, 1]
 
@@ -221,89 +227,112 @@ class TestSurfacesAgainstExactSolutions:
         )  # fmt: skip
         # The valley has a slight bow along y, because a straight valley has no lowest point.
         y = (np.arange(41) - 20.3)[:, None] * 0.05
-        bow = 200.0
-        above = Surface(upper.heights + y**2 / (2 * bow), spacing=0.05)
-        below = Surface(np.tile(lower.heights, (41, 1)), spacing=0.05)
-        lines = candidates(upper, lower, deepest=0.2, curvature="signed")
-        areas = candidates(above, below, deepest=0.2)
-        gap = (upper.heights - lower.heights).min()
+        bow_radius = 200.0
+        bowed_upper = Surface(upper.heights + y**2 / (2 * bow_radius), spacing=0.05)
+        extruded_lower = Surface(np.tile(lower.heights, (41, 1)), spacing=0.05)
+        line_candidates = candidates(upper, lower, deepest=0.2, curvature="signed")
+        areal_candidates = candidates(bowed_upper, extruded_lower, deepest=0.2)
+        min_gap = (upper.heights - lower.heights).min()
         # First contact depends on the lowest grid point of the bow.
-        shift = (above.heights - below.heights).min() - gap
-        assert len(areas) == len(lines) >= 10
-        assert np.allclose(areas.position[:, 0], lines.position[:, 0], atol=1e-9)
-        assert np.allclose(areas.position[:, 1], 20.3 * 0.05, atol=1e-6)
-        assert np.allclose(areas.gap, lines.gap - shift, atol=1e-9)
+        shift = (bowed_upper.heights - extruded_lower.heights).min() - min_gap
+        assert len(areal_candidates) == len(line_candidates) >= 10
+        assert np.allclose(areal_candidates.position[:, 0], line_candidates.position[:, 0], atol=1e-9)
+        assert np.allclose(areal_candidates.position[:, 1], 20.3 * 0.05, atol=1e-6)
+        assert np.allclose(areal_candidates.gap, line_candidates.gap - shift, atol=1e-9)
         # On a profile R = q³/g''. On a map R is the shorter radius, across the valley. Both normals are equal.
-        assert_close(areas.radii[:, 1], lines.radii[:, 0], IDENTITY_TOLERANCE)
-        approach = areas.gap[0] + shift + 1e-9
-        one, other = contacts(lines, approach), contacts(areas, approach - shift)
-        nearest = np.abs(one.centre[:, 0] - lines.position[0, 0]).argmin()
-        same = np.abs(other.centre[:, 0] - lines.position[0, 0]).argmin()
-        assert np.allclose(other.normal[same], one.normal[nearest], atol=1e-8)
+        assert_close(areal_candidates.radii[:, 1], line_candidates.radii[:, 0], INVARIANCE_TOLERANCE)
+        approach = areal_candidates.gap[0] + shift + 1e-9
+        line_contacts, areal_contacts = (
+            contacts(line_candidates, approach),
+            contacts(areal_candidates, approach - shift),
+        )
+        line_index = np.abs(line_contacts.centre[:, 0] - line_candidates.position[0, 0]).argmin()
+        areal_index = np.abs(areal_contacts.centre[:, 0] - line_candidates.position[0, 0]).argmin()
+        assert np.allclose(areal_contacts.normal[areal_index], line_contacts.normal[line_index], atol=1e-8)
 
     def test_level_contacts_contribute_friction_only_if_friction_acts_at_all_contacts(self):
         # Level contacts do not oppose the motion.
         # A rough body on a flat therefore has no friction under the opposing rule.
-        upper, _ = rough_pair()
+        upper, _ = create_rough_surfaces()
         flat = Surface(np.zeros_like(upper.heights), spacing=upper.spacing)
         for bodies in ((upper, flat), (flat, upper)):
             curve = press(*bodies, [0.05, 0.1], direction=[0, 45])
             assert (curve.friction_coefficient(mu0=0.4, tau0=0.2) == 0).all()
-        every = press(upper, flat, [0.05, 0.1], direction=[0, 45], sliding="all")
-        expected = 0.4 + 0.2 * every.contact_area / every.normal_elastic
-        assert_close(every.friction_coefficient(mu0=0.4, tau0=0.2), np.broadcast_to(expected, (2, 2)), ROUND_OFF)
+        curve_with_all_contacts = press(upper, flat, [0.05, 0.1], direction=[0, 45], sliding="all")
+        expected = 0.4 + 0.2 * curve_with_all_contacts.contact_area / curve_with_all_contacts.normal_elastic
+        assert_close(
+            curve_with_all_contacts.friction_coefficient(mu0=0.4, tau0=0.2),
+            np.broadcast_to(expected, (2, 2)),
+            ROUND_OFF,
+        )
 
 
-class TestSurfaceIdentities:
+class TestSurfaceScalingAndSymmetry:
     APPROACHES = (0.03, 0.08, 0.15)
 
     def press_all(self, upper, lower, angles=ANGLES, approaches=APPROACHES, **contact):
         return press(upper, lower, approaches, direction=angles, **contact)
 
     def test_areal_load_sums_scale_with_size_and_modulus(self):
-        upper, lower = rough_pair()
-        large = [Surface(7 * one.heights, spacing=(7 * one.spacing[0], 7 * one.spacing[1])) for one in (upper, lower)]
-        plain = self.press_all(upper, lower)
-        scaled = self.press_all(*large, approaches=[7 * approach for approach in self.APPROACHES])
-        harder = self.press_all(upper, lower, effective_modulus=30.0)
-        for name in DIRECTION_FREE_SUMS + DIRECTIONAL_SUMS:
-            expected = getattr(plain, name) * (1 if name.endswith("count") else 49)
-            assert np.allclose(getattr(scaled, name), expected, rtol=SCALING_TOLERANCE, atol=1e-11)
-            times = 1 if name.endswith(("count", "area", "adhesive")) else 3
-            assert np.allclose(getattr(harder, name), times * getattr(plain, name), rtol=ROUND_OFF)
+        upper, lower = create_rough_surfaces()
+        enlarged_bodies = [
+            Surface(7 * body.heights, spacing=(7 * body.spacing[0], 7 * body.spacing[1])) for body in (upper, lower)
+        ]
+        original_curve = self.press_all(upper, lower)
+        enlarged_curve = self.press_all(*enlarged_bodies, approaches=[7 * approach for approach in self.APPROACHES])
+        stiffer_curve = self.press_all(upper, lower, effective_modulus=30.0)
+        for name in DIRECTION_INDEPENDENT_SUMS + DIRECTION_DEPENDENT_SUMS:
+            expected = getattr(original_curve, name) * (1 if name.endswith("count") else 49)
+            assert np.allclose(getattr(enlarged_curve, name), expected, rtol=SCALING_TOLERANCE, atol=1e-11)
+            factor = 1 if name.endswith(("count", "area", "adhesive")) else 3
+            assert np.allclose(getattr(stiffer_curve, name), factor * getattr(original_curve, name), rtol=ROUND_OFF)
 
     def test_contacts_oppose_motion_in_exactly_one_of_two_opposite_directions(self):
-        upper, lower = rough_pair()
-        one, other, every = (
+        upper, lower = create_rough_surfaces()
+        forward_contacts, backward_contacts, contacts_under_all_rule = (
             contacts(upper, lower, 0.1, direction=angle, sliding=rule)
             for angle, rule in ((33, "opposing"), (213, "opposing"), (33, "all"))
         )
-        assert (one.opposing == ~other.opposing).all()
-        assert 0 < one.opposing.sum() < len(one)
-        assert (every.opposing == one.opposing).all()
+        assert (forward_contacts.opposing == ~backward_contacts.opposing).all()
+        assert 0 < forward_contacts.opposing.sum() < len(forward_contacts)
+        assert (contacts_under_all_rule.opposing == forward_contacts.opposing).all()
         curves = {rule: self.press_all(upper, lower, angles=[33, 213], sliding=rule) for rule in ("opposing", "all")}
-        halves, whole = curves["opposing"], curves["all"]
+        opposing_curve, curve_with_all_contacts = curves["opposing"], curves["all"]
         # The sums for both directions add up to the total, if friction is reversed.
         assert_close(
-            halves.tangential_elastic[0] - halves.tangential_elastic[1], whole.tangential_elastic[0], IDENTITY_TOLERANCE
+            opposing_curve.tangential_elastic[0] - opposing_curve.tangential_elastic[1],
+            curve_with_all_contacts.tangential_elastic[0],
+            INVARIANCE_TOLERANCE,
         )
-        assert_close(halves.tangential_frictional.sum(axis=0), whole.tangential_frictional[0], IDENTITY_TOLERANCE)
+        assert_close(
+            opposing_curve.tangential_frictional.sum(axis=0),
+            curve_with_all_contacts.tangential_frictional[0],
+            INVARIANCE_TOLERANCE,
+        )
 
     def test_contact_sums_for_several_directions_equal_those_for_each_direction_alone(self):
-        upper, lower = rough_pair()
-        many = self.press_all(upper, lower)
-        assert many.direction.tolist() == [angle % 360 for angle in ANGLES]
+        upper, lower = create_rough_surfaces()
+        curve_of_all_directions = self.press_all(upper, lower)
+        assert curve_of_all_directions.direction.tolist() == [angle % 360 for angle in ANGLES]
         for row, angle in enumerate(ANGLES):
-            one = self.press_all(upper, lower, angles=angle)
-            assert one.tangential_elastic.shape == (3,)
-            for name in DIRECTIONAL_SUMS:
-                assert (getattr(one, name) == getattr(many, name)[row]).all()
-            for name in DIRECTION_FREE_SUMS:
-                assert (getattr(one, name) == getattr(many, name)).all()
-        assert many.friction_coefficient(mu0=[[0.1], [0.4]], tau0=[0.0, 0.1, 0.2]).shape == (2, 3, len(ANGLES), 3)
-        assert (self.press_all(upper, lower, angles="-x").tangential_elastic == many.tangential_elastic[3]).all()
+            curve_of_one_direction = self.press_all(upper, lower, angles=angle)
+            assert curve_of_one_direction.tangential_elastic.shape == (3,)
+            for name in DIRECTION_DEPENDENT_SUMS:
+                assert (getattr(curve_of_one_direction, name) == getattr(curve_of_all_directions, name)[row]).all()
+            for name in DIRECTION_INDEPENDENT_SUMS:
+                assert (getattr(curve_of_one_direction, name) == getattr(curve_of_all_directions, name)).all()
+        assert curve_of_all_directions.friction_coefficient(mu0=[[0.1], [0.4]], tau0=[0.0, 0.1, 0.2]).shape == (
+            2,
+            3,
+            len(ANGLES),
+            3,
+        )
+        assert (
+            self.press_all(upper, lower, angles="-x").tangential_elastic
+            == curve_of_all_directions.tangential_elastic[3]
+        ).all()
         shear = self.press_all(upper, lower, angles=None, shear="-x")
-        assert (shear.tangential_elastic == many.tangential_elastic[3]).all()
+        assert (shear.tangential_elastic == curve_of_all_directions.tangential_elastic[3]).all()
 
     def test_candidates_of_a_tiled_map_include_minima_on_tile_seams(self):
         # The map has several tiles of 256 cells per side, and a minimum on a seam between two tiles.
@@ -321,7 +350,7 @@ class TestSurfaceIdentities:
 
 class TestContactLawsOnMaps:
     def test_elastic_plastic_law_uses_the_geometric_mean_of_the_radii(self):
-        upper, lower = rough_pair()
+        upper, lower = create_rough_surfaces()
         # A bowl shape keeps contacts away from the edge.
         y, x = (np.linspace(-1, 1, size) for size in upper.heights.shape)
         upper = Surface(upper.heights + 0.5 * (x**2 + y[:, None] ** 2) ** 3, spacing=upper.spacing)
@@ -340,44 +369,46 @@ class TestContactLawsOnMaps:
     def test_press_rejects_cylinder_law_for_maps(self):
         for law in (HertzCylinder(), "hertz-cylinder"):
             with pytest.raises(ValueError, match="ellipses"):
-                press(*rough_pair(), [0.1], law=law)
+                press(*create_rough_surfaces(), [0.1], law=law)
 
 
 class TestValidityIndicators:
     def test_fraction_of_overlapping_ellipses_agrees_with_sampled_points(self):
-        upper, lower = rough_pair(6)
+        upper, lower = create_rough_surfaces(6)
         approaches = np.linspace(0.05, 0.25, 9)
         curve = press(upper, lower, approaches)
-        turn = np.linspace(0, 2 * np.pi, 2000)
+        angles = np.linspace(0, 2 * np.pi, 2000)
         points = candidates(upper, lower, deepest=0.25)
-        of_gap = areal.SplineSurface(upper.heights - lower.heights, upper.spacing)
+        gap_spline = areal.SplineSurface(upper.heights - lower.heights, upper.spacing)
         for k, approach in enumerate(approaches):
             table = contacts(points, approach)
             loads = table.force * table.normal[:, 2]
-            rims = [self.ellipse_rim(of_gap, table, i, turn) for i in range(len(table))]
-            met = [
-                any(self.ellipses_meet(rims[i], rims[j]) for j in range(len(table)) if j != i)
+            rims = [self.ellipse_rim(gap_spline, table, i, angles) for i in range(len(table))]
+            is_overlapping = [
+                any(self.ellipses_overlap(rims[i], rims[j]) for j in range(len(table)) if j != i)
                 for i in range(len(table))
             ]
-            share = loads[np.array(met, dtype=bool)].sum() / loads.sum() if len(table) else np.nan
-            assert curve.validity.share_overlapping[k] == pytest.approx(share, abs=1e-9, nan_ok=True)
+            overlapping_fraction = (
+                loads[np.array(is_overlapping, dtype=bool)].sum() / loads.sum() if len(table) else np.nan
+            )
+            assert curve.validity.share_overlapping[k] == pytest.approx(overlapping_fraction, abs=1e-9, nan_ok=True)
 
     @staticmethod
-    def ellipse_rim(of_gap, table, i, turn):
+    def ellipse_rim(gap_spline, table, i, angles):
         """Return points on the rim of a projected ellipse, from the principal directions of the reference."""
         n = table.normal[i]
         p = -n[:2] / n[2]
         x, y = (table.centre[i] + 0.5 * table.overlap[i] * n)[:2]
         root = np.linalg.inv(np.linalg.cholesky(np.eye(2) + np.outer(p, p)))
-        _, vectors = np.linalg.eigh(root @ of_gap.hessian([x], [y])[..., 0] @ root.T)
+        _, vectors = np.linalg.eigh(root @ gap_spline.hessian([x], [y])[..., 0] @ root.T)
         u, v = (root.T @ vectors).T
         a, b, _ = areal.compute_semi_axes(
             *table.radii[i], table.overlap[i]
         )  # sum over the complete ellipse, including its part beyond the edge of the map
-        return np.array([x, y]) + np.outer(np.cos(turn), a * u) + np.outer(np.sin(turn), b * v)
+        return np.array([x, y]) + np.outer(np.cos(angles), a * u) + np.outer(np.sin(angles), b * v)
 
     @staticmethod
-    def ellipses_meet(one, other):
+    def ellipses_overlap(one, other):
         from matplotlib.path import Path
 
         if (one.min(axis=0) > other.max(axis=0)).any() or (other.min(axis=0) > one.max(axis=0)).any():
@@ -396,8 +427,11 @@ class TestValidityIndicators:
         # The map edge cuts the contact at h radii from its centre.
         # The expected fractions are those of a hemisphere of pressure and of a disc.
         h = np.minimum(1, np.sqrt(0.2 / overlap))
-        inside = (2 + 3 * h - h**3) / 4, 1 - (np.arccos(h) - h * np.sqrt(1 - h**2)) / np.pi
-        force, area = 4 / 3 * 10 * 0.2**0.5 * overlap**1.5 * inside[0], np.pi * 0.2 * overlap * inside[1]
+        inner_fractions = (2 + 3 * h - h**3) / 4, 1 - (np.arccos(h) - h * np.sqrt(1 - h**2)) / np.pi
+        force, area = (
+            4 / 3 * 10 * 0.2**0.5 * overlap**1.5 * inner_fractions[0],
+            np.pi * 0.2 * overlap * inner_fractions[1],
+        )
         assert_close(curve.normal_elastic, force, SPLINE_TOLERANCE)
         assert_close(curve.contact_area, area, SPLINE_TOLERANCE)
         table = contacts(flat, body, 0.3 + body.heights.max())
@@ -407,7 +441,7 @@ class TestValidityIndicators:
     @pytest.mark.parametrize("law", ["hertz-sphere", JacksonGreen(yield_strength=0.05, poisson_ratio=0.3)])
     def test_load_and_area_increase_with_approach(self, law):
         for seed in (3, 4, 5):
-            upper, lower = rough_pair(seed)
+            upper, lower = create_rough_surfaces(seed)
             curve = press(upper, lower, np.linspace(0.02, 0.5, 60), law=law)
             assert curve.validity.share_at_edge[-1] > 0.2
             for name in ("contact_count", "contact_area", "normal_elastic"):
@@ -417,7 +451,7 @@ class TestValidityIndicators:
 
 class TestApproachAtLoad:
     def test_load_at_the_computed_approach_equals_the_requested_load(self):
-        upper, lower = rough_pair()
+        upper, lower = create_rough_surfaces()
         loads = np.array([0.01, 0.1, 0.3])
         for choices in ({"direction": 40.0}, {"direction": 40.0, "sliding": "all"}):
             approach = approach_at_load(upper, lower, loads, mu0=0.3, **choices)
@@ -431,14 +465,14 @@ class TestApproachAtLoad:
         assert float(at) == pytest.approx(0.01 - touch, rel=SPLINE_TOLERANCE)
 
     def test_candidates_can_be_pressed_repeatedly_at_approaches_up_to_their_limit(self):
-        upper, lower = rough_pair()
+        upper, lower = create_rough_surfaces()
         points = candidates(upper, lower, deepest=0.2)
         assert points.curvature == "signed"
         assert (points.gap <= 0.2).all()
         for choices in ({}, {"direction": [0, 70]}, {"sliding": "all"}, {"effective_modulus": 3.0}):
             again, plain = press(points, [0.05, 0.1], **choices), press(upper, lower, [0.05, 0.1], **choices)
             assert isinstance(again, SurfaceLoadCurve)
-            for name in DIRECTION_FREE_SUMS + DIRECTIONAL_SUMS:
+            for name in DIRECTION_INDEPENDENT_SUMS + DIRECTION_DEPENDENT_SUMS:
                 assert (getattr(again, name) == getattr(plain, name)).all()
         with pytest.raises(ValueError, match="the limit of the candidates"):
             press(points, [0.3])
@@ -471,7 +505,7 @@ class TestSlidingRulesOnProfiles:
             assert (curve.tangential_elastic == every.tangential_elastic).all()
 
 
-class TestBadInput:
+class TestInvalidArguments:
     @pytest.mark.parametrize(
         ("changes", "match"),
         [
@@ -488,10 +522,10 @@ class TestBadInput:
     )
     def test_press_rejects_invalid_contact_models_for_maps(self, changes, match):
         with pytest.raises(ValueError, match=match):
-            press(*rough_pair(), [0.1], **changes)
+            press(*create_rough_surfaces(), [0.1], **changes)
 
     def test_press_and_contacts_reject_invalid_surfaces(self):
-        upper, lower = rough_pair()
+        upper, lower = create_rough_surfaces()
         flat = Surface(np.zeros((10, 10)), spacing=1.0)
         for bad, match in (
             ((upper, Surface(lower.heights, spacing=0.05)), "spacing"),
@@ -521,7 +555,7 @@ class TestGridRefinement:
     def test_areal_load_sums_converge_as_the_grid_is_refined(self):
         # All grids sample the same heights.
         # First contact is defined by grid points, so approaches on two grids differ by an offset.
-        created = {}
+        results_by_points = {}
         for points in (1024, 512, 256):
             spacing = 16 / points
             upper, lower = rough_maps(
@@ -530,58 +564,63 @@ class TestGridRefinement:
             # A bowl shape keeps contacts away from the edges, where the splines of two grids differ.
             x = np.arange(points) * spacing - 8
             upper = Surface(upper.heights + 0.5 * ((x[:, None] ** 2 + x**2) / 49) ** 4, spacing=spacing)
-            touch = (upper.heights - lower.heights).min()
-            finest = created[1024][0] if created else touch
+            first_contact = (upper.heights - lower.heights).min()
+            finest = results_by_points[1024][0] if results_by_points else first_contact
             result = candidates(upper, lower, deepest=0.25)
             order = np.lexsort(np.round(result.position[:, :2] * 50).T)
-            created[points] = touch, result.gap[order] + touch, result.radii[order], press(
-                upper, lower, [0.1 + finest - touch], direction=[20, 200]
+            results_by_points[points] = first_contact, result.gap[order] + first_contact, result.radii[order], press(
+                upper, lower, [0.1 + finest - first_contact], direction=[20, 200]
             )  # fmt: skip
-        gaps, radii = (
-            [np.median(np.abs(created[points][k] / created[1024][k] - 1), axis=0) for points in (256, 512)]
+        gap_errors, radius_errors = (
+            [
+                np.median(np.abs(results_by_points[points][k] / results_by_points[1024][k] - 1), axis=0)
+                for points in (256, 512)
+            ]
             for k in (1, 2)
         )
         # Heights of a cubic spline converge with order 4, and curvatures with order 2.
         # The measured orders are 4.1 for heights, and 2.3 for curvatures relative to a grid that is only twice as fine.
-        assert np.log2(gaps[0] / gaps[1]) > 3.5
-        assert (np.log2(radii[0] / radii[1]) > 1.2).all()
-        for points, digits in ((256, 1e-3), (512, 2e-4)):
-            one, finest = created[points][3], created[1024][3]
+        assert np.log2(gap_errors[0] / gap_errors[1]) > 3.5
+        assert (np.log2(radius_errors[0] / radius_errors[1]) > 1.2).all()
+        for points, tolerance in ((256, 1e-3), (512, 2e-4)):
+            one, finest = results_by_points[points][3], results_by_points[1024][3]
             assert (one.contact_count == finest.contact_count).all()
             for name in ("contact_area", "normal_elastic", "tangential_elastic", "normal_frictional"):
-                assert_close(getattr(one, name), getattr(finest, name), digits)
+                assert_close(getattr(one, name), getattr(finest, name), tolerance)
 
 
 class TestSmallSlopeSurfaces:
     def test_areal_friction_agrees_with_the_closed_form_for_each_sliding_rule(self):
-        pairs, mu0, tau0 = 16, 0.4, 0.1
-        loads = {rule: np.zeros((2, pairs)) for rule in ("opposing", "all")}
-        area = force = slope = 0.0
-        for repetition in range(pairs):
-            upper, lower = rough_pair(
+        num_pairs, mu0, tau0 = 16, 0.4, 0.1
+        loads = {rule: np.zeros((2, num_pairs)) for rule in ("opposing", "all")}
+        area = force = mean_square_slope = 0.0
+        for repetition in range(num_pairs):
+            upper, lower = create_rough_surfaces(
                 7, rms=0.02, shape=(256, 256), spacing=1 / 16, shortest_wavelength=0.7, longest_wavelength=4.0,
                 repetition=repetition,
             )  # fmt: skip
             # The rms slope of the gap along one direction follows from its Fourier coefficients.
             wave = 2j * np.pi * np.fft.fftfreq(256, 1 / 16)
             gap = np.fft.fft2(upper.heights - lower.heights)
-            slope += sum(np.mean(np.abs(np.fft.ifft2(gap * w)) ** 2) for w in (wave, wave[:, None])) / (2 * pairs)
+            mean_square_slope += sum(np.mean(np.abs(np.fft.ifft2(gap * w)) ** 2) for w in (wave, wave[:, None])) / (
+                2 * num_pairs
+            )
             for rule, sums in loads.items():
                 curve = press(upper, lower, [0.03], direction=[0, 90, 180, 270], sliding=rule)
                 sums[0, repetition] = curve.tangential_load(mu0=mu0, tau0=tau0).sum()
                 sums[1, repetition] = curve.normal_load(mu0=mu0, tau0=tau0).sum()
             area, force = area + curve.contact_area[0], force + curve.normal_elastic[0]
-        m, slope_term = mu0 + tau0 * area / force, math.sqrt(slope) / (2 * math.sqrt(2 * math.pi))
+        m, slope_term = mu0 + tau0 * area / force, math.sqrt(mean_square_slope) / (2 * math.sqrt(2 * math.pi))
         expected = {"opposing": (m / 2 + slope_term) / (1 - m * slope_term), "all": m}
         for rule, (tangential, normal) in loads.items():
             mean = tangential.sum() / normal.sum()
-            left_out = (tangential.sum() - tangential) / (normal.sum() - normal)
-            error = math.sqrt((pairs - 1) * np.var(left_out))
+            jackknife_values = (tangential.sum() - tangential) / (normal.sum() - normal)
+            error = math.sqrt((num_pairs - 1) * np.var(jackknife_values))
             # The tolerance is a 95 % interval with 15 degrees of freedom, plus a term of second order in the slope.
-            assert abs(mean - expected[rule]) < 2.13 * error + slope
+            assert abs(mean - expected[rule]) < 2.13 * error + mean_square_slope
         # Without adhesion, friction at all contacts is mu0 for each pair of surfaces.
-        every = press(upper, lower, [0.03], direction=[0, 90, 180, 270], sliding="all")
-        assert abs(every.friction_coefficient(mu0=mu0).mean() - mu0) < slope
+        curve_with_all_contacts = press(upper, lower, [0.03], direction=[0, 90, 180, 270], sliding="all")
+        assert abs(curve_with_all_contacts.friction_coefficient(mu0=mu0).mean() - mu0) < mean_square_slope
 
 
 def test_press_rejects_straight_grooves():
@@ -618,7 +657,7 @@ def smooth_heights(generator, shape, shortest):
     return heights / heights.std()
 
 
-def level_body(generator, kind, shape):
+def create_body_with_flat_areas(generator, kind, shape):
     """Return a surface with flat valleys, sides or lines. Its height is about 1."""
     y, x = np.meshgrid(*(np.arange(size) for size in shape), indexing="ij")
     match kind:
@@ -641,59 +680,60 @@ def level_body(generator, kind, shape):
             return 0.3 * np.abs(x - generator.integers(3, shape[1] - 3)) + 0.0 * y
 
 
-LEVEL_BODY_KINDS = ("flat", "rough", "grooves", "diagonal grooves", "steps", "terraces", "coarse", "roof")
+FLAT_AREA_KINDS = ("flat", "rough", "grooves", "diagonal grooves", "steps", "terraces", "coarse", "roof")
 COUNT_NAMES = ("contact_count", "grid_minimum_count", "unanswered_count")
 
 
-@pytest.mark.parametrize("kind", LEVEL_BODY_KINDS)
+@pytest.mark.parametrize("kind", FLAT_AREA_KINDS)
 def test_load_sums_of_flat_valleys_are_invariant_under_rotation_mirroring_and_exchange(kind):
-    generator = np.random.default_rng(LEVEL_BODY_KINDS.index(kind))
+    generator = np.random.default_rng(FLAT_AREA_KINDS.index(kind))
     num_pressed = 0
     for _ in range(12):
         shape = tuple(generator.integers(8, 60, 2))
         dy, dx = 0.1, 0.1 * generator.uniform(0.5, 2)
         upper, lower = (
-            0.01 * level_body(generator, item, shape) for item in (kind, generator.choice(LEVEL_BODY_KINDS))
+            0.01 * create_body_with_flat_areas(generator, item, shape)
+            for item in (kind, generator.choice(FLAT_AREA_KINDS))
         )
         if np.ptp(upper - lower) < 1e-9:
             continue
-        steps = np.sort(generator.uniform(0.01, 1, 4)) * np.ptp(upper - lower)
+        approaches = np.sort(generator.uniform(0.01, 1, 4)) * np.ptp(upper - lower)
         choices = {
             "curvature": str(generator.choice(["convex", "signed"])),
             "sliding": str(generator.choice(["opposing", "all"])),
         }
         angles = np.array([0, 90, 180, 270, generator.uniform(0, 360)])
 
-        def curve(upper, lower, spacing, angles, steps=steps, choices=choices):
+        def press_heights(upper, lower, spacing, angles, approaches=approaches, choices=choices):
             bodies = [Surface(np.ascontiguousarray(item), spacing=spacing) for item in (upper, lower)]
             gap = bodies[0].heights - bodies[1].heights
             if min(np.ptp(gap, axis=axis).max() for axis in (0, 1)) < 1e-9:
                 with pytest.raises(ValueError, match="must vary along"):
-                    press(*bodies, steps, direction=angles, **choices)
+                    press(*bodies, approaches, direction=angles, **choices)
                 return None
-            return press(*bodies, steps, direction=angles, **choices)
+            return press(*bodies, approaches, direction=angles, **choices)
 
-        lifted = upper + 0.03, lower - 0.017
-        one = curve(upper, lower, (dy, dx), angles)
-        others = [
-            curve(upper.T[:, ::-1], lower.T[:, ::-1], (dx, dy), angles + 90),
-            curve(upper[::-1, ::-1], lower[::-1, ::-1], (dy, dx), angles + 180),
-            curve(upper[:, ::-1], lower[:, ::-1], (dy, dx), 180 - angles),
-            curve(-lower, -upper, (dy, dx), angles + 180),
-            curve(*lifted, (dy, dx), angles),
+        raised_heights = upper + 0.03, lower - 0.017
+        original_curve = press_heights(upper, lower, (dy, dx), angles)
+        transformed_curves = [
+            press_heights(upper.T[:, ::-1], lower.T[:, ::-1], (dx, dy), angles + 90),
+            press_heights(upper[::-1, ::-1], lower[::-1, ::-1], (dy, dx), angles + 180),
+            press_heights(upper[:, ::-1], lower[:, ::-1], (dy, dx), 180 - angles),
+            press_heights(-lower, -upper, (dy, dx), angles + 180),
+            press_heights(*raised_heights, (dy, dx), angles),
         ]
-        if one is None:
-            assert others == [None] * len(others)
+        if original_curve is None:
+            assert transformed_curves == [None] * len(transformed_curves)
             continue
         num_pressed += 1
-        for other in others:
+        for other in transformed_curves:
             for name in COUNT_NAMES:
-                assert getattr(other, name).tolist() == getattr(one, name).tolist(), name
+                assert getattr(other, name).tolist() == getattr(original_curve, name).tolist(), name
             assert_sums_close(
                 other,
-                one,
-                IDENTITY_TOLERANCE,
-                ("contact_area", "normal_elastic", "load_at_edge", *DIRECTIONAL_SUMS[:5]),
+                original_curve,
+                INVARIANCE_TOLERANCE,
+                ("contact_area", "normal_elastic", "load_at_edge", *DIRECTION_DEPENDENT_SUMS[:5]),
             )
     assert num_pressed > 2
 
@@ -708,7 +748,7 @@ def test_points_of_flat_valleys_count_as_unresolved():
 
 
 def test_summits_in_contact_with_a_flat_surface_count_as_convex():
-    upper, lower = rough_pair()
+    upper, lower = create_rough_surfaces()
     for flat in (
         np.zeros_like(upper.heights),
         np.add.outer(*(0.0003 * np.arange(size) for size in upper.heights.shape)),
@@ -723,7 +763,7 @@ def test_summits_in_contact_with_a_flat_surface_count_as_convex():
 
 def test_areal_candidates_include_every_minimum_of_the_gap():
     # The roughness extends down to the grid spacing, with many small minima near saddles.
-    upper, lower = rough_pair(shape=(40, 40), spacing=0.05, shortest_wavelength=None, hurst_exponent=0.3)
+    upper, lower = create_rough_surfaces(shape=(40, 40), spacing=0.05, shortest_wavelength=None, hurst_exponent=0.3)
     gap = upper.heights - lower.heights
     deepest = 2 * np.ptp(gap)
     points = candidates(upper, lower, deepest=deepest)
@@ -733,8 +773,8 @@ def test_areal_candidates_include_every_minimum_of_the_gap():
     assert apart.min(axis=0).max() < 1e-6
 
 
-def test_load_components_along_and_across_the_motion_equal_sums_over_reference_contacts():
-    upper, lower = rough_pair()
+def test_loads_along_and_across_the_motion_equal_sums_over_reference_contacts():
+    upper, lower = create_rough_surfaces()
     result = areal.find_contacts(upper.heights, lower.heights, upper.spacing, 0.1)
     curve = press(upper, lower, [0.1], direction=33)
     s = np.array([math.cos(math.radians(33)), math.sin(math.radians(33)), 0])
@@ -747,9 +787,9 @@ def test_load_components_along_and_across_the_motion_equal_sums_over_reference_c
             friction = (0.3 * one["force"] + 0.07 * one["area"]) * t / np.linalg.norm(t)
             total[:2] += (one["force"] * n)[:2]
             total += friction
-    assert_close(curve.normal_load(mu0=0.3, tau0=0.07), total[2], INDEPENDENT_TOLERANCE)
-    assert_close(curve.tangential_load(mu0=0.3, tau0=0.07), -s @ total + s[2] * total[2], INDEPENDENT_TOLERANCE)
-    assert_close(curve.lateral_load(mu0=0.3, tau0=0.07), -np.array([-s[1], s[0], 0]) @ total, INDEPENDENT_TOLERANCE)
+    assert_close(curve.normal_load(mu0=0.3, tau0=0.07), total[2], REFERENCE_TOLERANCE)
+    assert_close(curve.tangential_load(mu0=0.3, tau0=0.07), -s @ total + s[2] * total[2], REFERENCE_TOLERANCE)
+    assert_close(curve.lateral_load(mu0=0.3, tau0=0.07), -np.array([-s[1], s[0], 0]) @ total, REFERENCE_TOLERANCE)
 
 
 def test_load_fraction_of_overlapping_ellipses_is_reported():

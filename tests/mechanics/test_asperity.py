@@ -9,8 +9,8 @@ SPLINE_TOLERANCE = 1e-12
 
 @pytest.mark.parametrize("side", ["lower", "upper"])
 @pytest.mark.parametrize("dimension", [1.0, 1.7])
-def test_slope_and_curvature_of_asperities_equal_scipy_natural_spline(rough_pair, dimension, side):
-    profile = rough_pair(dimension)[0]
+def test_slope_and_curvature_of_asperities_equal_scipy_natural_spline(create_rough_profiles, dimension, side):
+    profile = create_rough_profiles(dimension)[0]
     slope, curvature, normal, radius = pressing.fit_spheres(profile.heights, profile.spacing, upper=side == "upper")
     ours = asperities(profile, side)
     assert np.abs(ours.slope - slope).max() < SPLINE_TOLERANCE * slope.std()
@@ -19,11 +19,11 @@ def test_slope_and_curvature_of_asperities_equal_scipy_natural_spline(rough_pair
     assert np.allclose(1 / ours.radius, 1 / radius, rtol=0, atol=SPLINE_TOLERANCE * curvature.std())
 
 
-def test_asperities_of_a_circle_have_the_radius_and_centre_of_the_circle(circular_arc):
+def test_asperities_of_a_circle_have_the_radius_and_centre_of_the_circle(create_circular_arc):
     # The curvature error of the spline is of second order in spacing / radius. The ends are ten points away.
     apex, radius = 0.5, 2.0
     for side, height in (("lower", -radius), ("upper", radius)):
-        arc = asperities(circular_arc(apex, radius, 0.002, 500, side), side)
+        arc = asperities(create_circular_arc(apex, radius, 0.002, 500, side), side)
         inner = slice(20, -20)
         assert np.allclose(arc.radius[inner], radius, rtol=2e-6)
         assert np.allclose(arc.centre[inner], [apex, 0, height], atol=4e-6)

@@ -34,41 +34,46 @@ def exact_fraction(pressure):
     )
 
 
-@pytest.mark.parametrize("relative", [0.02, 0.1, 0.3, 0.5])
-def test_boundary_element_solution_agrees_with_westergaard_solution(relative):
+@pytest.mark.parametrize("relative_pressure", [0.02, 0.1, 0.3, 0.5])
+def test_boundary_element_solution_agrees_with_westergaard_solution(relative_pressure):
     """Check area, mean gap and stiffness, to detect errors of the modulus, the point count and the sign of the gap."""
-    random, pressure = np.random.default_rng(7), relative * FULL_CONTACT_PRESSURE
-    solid = [PeriodicHalfSpace(sinusoid(256, shift), WAVELENGTH) for shift in random.random(20)]
-    fraction, _, gap = np.mean([one.solve(pressure) for one in solid], axis=0)
+    random, pressure = np.random.default_rng(7), relative_pressure * FULL_CONTACT_PRESSURE
+    half_spaces = [PeriodicHalfSpace(sinusoid(256, shift), WAVELENGTH) for shift in random.random(20)]
+    fraction, _, gap = np.mean([half_space.solve(pressure) for half_space in half_spaces], axis=0)
     assert fraction == pytest.approx(float(exact_fraction(pressure)), abs=0.2 / 256)  # points
     # The mean gap decreases by Δ r (1 - ln r), r = p̄/p*, which is the integral of the stiffness π E* / (λ ln 1/r).
-    assert gap == pytest.approx(AMPLITUDE * (1 - relative * (1 - np.log(relative))), abs=1e-5 * AMPLITUDE)
-    stiffness = np.mean([one.measure(pressure)[STIFFNESS_INDEX] for one in solid])
-    assert stiffness == pytest.approx(np.pi * EFFECTIVE_MODULUS / np.log(1 / relative) / WAVELENGTH, rel=0.01)
+    assert gap == pytest.approx(
+        AMPLITUDE * (1 - relative_pressure * (1 - np.log(relative_pressure))), abs=1e-5 * AMPLITUDE
+    )
+    stiffness = np.mean([half_space.contact_response(pressure)[STIFFNESS_INDEX] for half_space in half_spaces])
+    assert stiffness == pytest.approx(np.pi * EFFECTIVE_MODULUS / np.log(1 / relative_pressure) / WAVELENGTH, rel=0.01)
 
 
-@pytest.mark.parametrize("relative", [0.01, 0.3, 0.9])
-def test_asperity_model_of_a_sinusoid_equals_closed_forms(relative):
+@pytest.mark.parametrize("relative_pressure", [0.01, 0.3, 0.9])
+def test_asperity_model_of_a_sinusoid_equals_closed_forms(relative_pressure):
     """Compare with closed forms: relative to Westergaard, the area is √r / arcsin √r and the stiffness is ln(1/r)/4."""
-    asperities, pressure = PeriodicAsperities(sinusoid(512, 0.303), WAVELENGTH), relative * FULL_CONTACT_PRESSURE
-    fraction, count, stiffness = asperities.measure(pressure)
+    asperities, pressure = (
+        PeriodicAsperities(sinusoid(512, 0.303), WAVELENGTH),
+        relative_pressure * FULL_CONTACT_PRESSURE,
+    )
+    fraction, count, stiffness = asperities.contact_response(pressure)
     assert count == 1
-    expected = np.sqrt(relative) / np.arcsin(np.sqrt(relative))
+    expected = np.sqrt(relative_pressure) / np.arcsin(np.sqrt(relative_pressure))
     assert fraction / exact_fraction(pressure) == pytest.approx(expected, rel=1e-4)
-    westergaard = np.pi * EFFECTIVE_MODULUS / np.log(1 / relative) / WAVELENGTH
-    assert stiffness / westergaard == pytest.approx(np.log(1 / relative) / 4, rel=1e-12)
+    westergaard = np.pi * EFFECTIVE_MODULUS / np.log(1 / relative_pressure) / WAVELENGTH
+    assert stiffness / westergaard == pytest.approx(np.log(1 / relative_pressure) / 4, rel=1e-12)
     # With the displacement by its own load and its periodic images, an asperity has Westergaard's stiffness.
-    assert asperities.measure_with_interaction(pressure)[STIFFNESS_INDEX] == pytest.approx(westergaard, rel=1e-4)
+    assert asperities.interacting_response(pressure)[STIFFNESS_INDEX] == pytest.approx(westergaard, rel=1e-4)
 
 
 def test_periodic_asperity_model_is_invariant_under_shifts():
     """Check that a contact across the seam, or among the points that are added by wrapping, is counted once."""
     heights = band_limited_profile(np.random.default_rng(3), 0.5, 8, 32)
     pressure = 0.1 * EFFECTIVE_MODULUS * RMS_SLOPE
-    expected = PeriodicAsperities(heights, PERIOD).measure(pressure)
+    expected = PeriodicAsperities(heights, PERIOD).contact_response(pressure)
     top = int(np.argmax(heights))
     for shift in (-top, -top - 1, 1 - top, 500):
-        assert PeriodicAsperities(np.roll(heights, shift), PERIOD).measure(pressure) == pytest.approx(
+        assert PeriodicAsperities(np.roll(heights, shift), PERIOD).contact_response(pressure) == pytest.approx(
             expected, rel=1e-9
         )
 
@@ -84,8 +89,13 @@ def test_asperity_interaction_explains_how_the_asperity_model_differs_from_bound
     for repetition in range(24):
         heights = band_limited_profile(np.random.default_rng([2016, repetition]), 0.75, 32, 16)
         pressure = 0.02 * EFFECTIVE_MODULUS * RMS_SLOPE
-        solid, asperities = PeriodicHalfSpace(heights, PERIOD).measure(pressure), PeriodicAsperities(heights, PERIOD)
-        ratios.append(np.array([asperities.measure(pressure), asperities.measure_with_interaction(pressure)]) / solid)
+        solid, asperities = (
+            PeriodicHalfSpace(heights, PERIOD).contact_response(pressure),
+            PeriodicAsperities(heights, PERIOD),
+        )
+        ratios.append(
+            np.array([asperities.contact_response(pressure), asperities.interacting_response(pressure)]) / solid
+        )
     model, interacting = np.exp(np.mean(np.log(ratios), axis=0))
     assert model[[FRACTION_INDEX, STIFFNESS_INDEX]] == pytest.approx([0.62, 1.07], rel=0.02)
     assert interacting[[FRACTION_INDEX, STIFFNESS_INDEX]] == pytest.approx([0.87, 0.97], rel=0.02)

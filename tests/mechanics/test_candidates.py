@@ -40,7 +40,7 @@ def pair():
     )
 
 
-class TestCandidates:
+class TestContactCandidates:
     @pytest.mark.parametrize("curvature", ["convex", "signed"])
     def test_pressing_candidates_gives_the_same_loads_as_pressing_their_surfaces(self, pair, curvature):
         points = candidates(*pair, deepest=0.03, curvature=curvature)
@@ -143,7 +143,7 @@ def test_combined_status_names_the_first_failed_condition():
     assert status.dtype == STATUS_DTYPE
 
 
-def noise(body, shape):
+def create_noise_bodies(body, shape):
     return [body(np.random.default_rng(seed).random(shape), spacing=1.0) for seed in (1, 2)]
 
 
@@ -151,10 +151,16 @@ def noise(body, shape):
     "call",
     [
         lambda: press(
-            *noise(Profile, 1_000_000), np.linspace(0.5, 1.5, 800), detection="gap-minimum", curvature="signed"
+            *create_noise_bodies(Profile, 1_000_000),
+            np.linspace(0.5, 1.5, 800),
+            detection="gap-minimum",
+            curvature="signed",
         ),
         lambda: press(
-            *noise(Surface, (1024, 1024)), np.linspace(0.01, 1.5, 800), direction=range(0, 360, 2), sliding="all"
+            *create_noise_bodies(Surface, (1024, 1024)),
+            np.linspace(0.01, 1.5, 800),
+            direction=range(0, 360, 2),
+            sliding="all",
         ),
         lambda: weierstrass_mandelbrot(random_phases(1, directions=2000), 1.5, points=2_000_000),
         lambda: weierstrass_mandelbrot_surface(random_phases(1, directions=2000), 1.5, shape=(2000, 2000)),

@@ -29,11 +29,11 @@ from stiction import (
 
 # Tolerance for two evaluations of one formula that differ in the order of operations.
 REORDERING_TOLERANCE = 1e-13
-lengths = st.floats(1e-4, 1e3)
-moduli = st.floats(1e-2, 1e3)
+length_strategy = st.floats(1e-4, 1e3)
+modulus_strategy = st.floats(1e-2, 1e3)
 
 
-@given(overlap=lengths, radius=lengths, modulus=moduli)
+@given(overlap=length_strategy, radius=length_strategy, modulus=modulus_strategy)
 def test_contact_laws_of_the_core_equal_closed_forms(overlap, radius, modulus):
     arguments = {"overlap": overlap, "radius": radius, "effective_modulus": modulus}
     for law, expected in (
@@ -45,7 +45,11 @@ def test_contact_laws_of_the_core_equal_closed_forms(overlap, radius, modulus):
 
 
 @given(
-    ratio=st.floats(1e-2, 1e3), radius=lengths, modulus=moduli, strain=st.floats(1e-4, 0.05), poisson=st.floats(0, 0.5)
+    ratio=st.floats(1e-2, 1e3),
+    radius=length_strategy,
+    modulus=modulus_strategy,
+    strain=st.floats(1e-4, 0.05),
+    poisson=st.floats(0, 0.5),
 )
 def test_jackson_green_law_of_the_core_equals_the_published_fit(ratio, radius, modulus, strain, poisson):
     strength = strain * modulus
@@ -68,7 +72,7 @@ def reference():
 
 class TestAgainstContactMechanicsPackage:
     @settings(max_examples=50)
-    @given(overlap=lengths, radius=lengths, modulus=moduli)
+    @given(overlap=length_strategy, radius=length_strategy, modulus=modulus_strategy)
     def test_hertz_solution_of_a_sphere_agrees_with_the_contact_mechanics_package(
         self, reference, overlap, radius, modulus
     ):
@@ -83,9 +87,11 @@ class TestAgainstContactMechanicsPackage:
         # ContactMechanics gives the half-width of the contact in wavelengths.
         # Its pressure is in units of π E* Δ / λ, where 2Δ is the total height of the sinusoid.
         pressures = np.linspace(0.01, 0.99, 20)
-        ours = westergaard_contact_fraction(pressures * math.pi, amplitude=1.0, wavelength=1.0, effective_modulus=1.0)
-        theirs = 2 * np.array([reference[1].contact_radius(p) for p in pressures])
-        assert np.allclose(ours, theirs, rtol=REORDERING_TOLERANCE, atol=0)
+        computed = westergaard_contact_fraction(
+            pressures * math.pi, amplitude=1.0, wavelength=1.0, effective_modulus=1.0
+        )
+        expected = 2 * np.array([reference[1].contact_radius(p) for p in pressures])
+        assert np.allclose(computed, expected, rtol=REORDERING_TOLERANCE, atol=0)
 
 
 def test_asperity_model_of_a_sinusoid_tends_to_westergaard_solution_at_light_load():
@@ -109,7 +115,7 @@ def test_asperity_model_of_a_sinusoid_tends_to_westergaard_solution_at_light_loa
     assert relative[1] > 5 * relative[0]
 
 
-class TestFractalMoments:
+class TestWeierstrassMandelbrotMoments:
     def test_exact_spectral_moments_equal_means_over_many_profiles(self):
         # All frequencies are well resolved and have many periods in the profile.
         shape = {"directions": 10, "frequencies": 6}
@@ -127,13 +133,13 @@ class TestFractalMoments:
         assert np.allclose(measured / count, [exact.height, exact.slope, exact.curvature], rtol=0.05)
 
     def test_exact_spectral_moments_depend_on_the_dimension_convention_and_the_band_limit(self):
-        paper = weierstrass_mandelbrot_moments(1.6)
-        classical = weierstrass_mandelbrot_moments(1.2, convention="classical")
-        assert classical.height == pytest.approx(paper.height, rel=REORDERING_TOLERANCE)
-        assert classical.curvature == pytest.approx(paper.curvature, rel=1e-12)
-        limited = weierstrass_mandelbrot_moments(1.6, shortest_wavelength=2 * 40 / 150_000)
-        assert limited.height < paper.height
-        assert limited.curvature < 0.5 * paper.curvature
+        paper_moments = weierstrass_mandelbrot_moments(1.6)
+        classical_moments = weierstrass_mandelbrot_moments(1.2, convention="classical")
+        assert classical_moments.height == pytest.approx(paper_moments.height, rel=REORDERING_TOLERANCE)
+        assert classical_moments.curvature == pytest.approx(paper_moments.curvature, rel=1e-12)
+        band_limited_moments = weierstrass_mandelbrot_moments(1.6, shortest_wavelength=2 * 40 / 150_000)
+        assert band_limited_moments.height < paper_moments.height
+        assert band_limited_moments.curvature < 0.5 * paper_moments.curvature
 
     def test_exact_spectral_moments_reject_invalid_arguments(self):
         for bad in ({"directions": 0}, {"gamma": 1.0}, {"length_scale": -1}, {"convention": "x"}):
@@ -226,6 +232,6 @@ def test_closed_form_error_names_the_argument_that_is_not_positive():
         hertz_sphere(np.array([[0.1, -0.5]]), 1.0, 10.0)
 
 
-def test_gentle_friction_rejects_an_array_as_order():
+def test_small_slope_friction_rejects_an_array_as_order():
     with pytest.raises(ValueError, match="order must be 1 or 2"):
         stiction.gentle_friction(0.4, rms_gradient=0.04, order=np.array([1, 2]))

@@ -56,7 +56,7 @@ def make_solver(gap, spacing, *, periodic, bound=np.inf, tolerance):
     return _core.HalfSpaceSolver(gap, grids, bound=np.ravel(bound).astype(float), tolerance=tolerance)
 
 
-def bowl(n, extent, radii):
+def create_paraboloid(n, extent, radii):
     """Return a paraboloid whose lowest point is off the grid."""
     x = (np.arange(n) - n / 2 + 0.31) * extent / n
     return Surface(x[:, None] ** 2 / (2 * radii[0]) + x[None, :] ** 2 / (2 * radii[1]), spacing=extent / n)
@@ -64,10 +64,10 @@ def bowl(n, extent, radii):
 
 @pytest.mark.parametrize("shape", [(64,), (63,), (12, 15)])
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
-@pytest.mark.parametrize("pressed", [0.02, 0.3])
-def test_half_space_pressure_agrees_with_a_dense_matrix_calculation(shape, boundary, pressed):
+@pytest.mark.parametrize("relative_load", [0.02, 0.3])
+def test_half_space_pressure_agrees_with_a_dense_matrix_calculation(shape, boundary, relative_load):
     lower = rough(shape, longest=1, shortest=5)
-    load = pressed * MODULUS * 0.1
+    load = relative_load * MODULUS * 0.1
     curve = half_space(flat_like(lower), lower, [load], boundary=boundary, tolerance=1e-11)
     spacing = np.array([1 / n for n in shape])
     matrix = dense_half_space.influence_matrix(shape, spacing, MODULUS, periodic=boundary == "periodic")
@@ -86,13 +86,13 @@ def test_half_space_pressure_agrees_with_a_dense_matrix_calculation(shape, bound
 @pytest.mark.parametrize("shape", [(64,), (12, 15)])
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 @pytest.mark.parametrize("hardness", [None, 0.5])
-@pytest.mark.parametrize("pressed", [0.02, 0.3])
-def test_missing_points_have_neither_pressure_nor_gap(shape, boundary, hardness, pressed):
+@pytest.mark.parametrize("relative_load", [0.02, 0.3])
+def test_missing_points_have_neither_pressure_nor_gap(shape, boundary, hardness, relative_load):
     body = rough(shape, longest=1, shortest=5)
     missing = np.zeros(shape, bool)  # The summit and a quarter of all points are missing.
     missing[tuple(slice(n // 2) for n in shape)] = missing[np.unravel_index(body.heights.argmax(), shape)] = True
     lower = type(body)(body.heights, spacing=body.spacing, missing=missing)
-    load, spacing = pressed * MODULUS * 0.05, np.array([1 / n for n in shape])
+    load, spacing = relative_load * MODULUS * 0.05, np.array([1 / n for n in shape])
     curve = half_space(flat_like(lower), lower, [load], boundary=boundary, hardness=hardness, tolerance=1e-11)
     assert curve.error[0] <= 1e-11
     result = curve.contact(0)
@@ -101,13 +101,13 @@ def test_missing_points_have_neither_pressure_nor_gap(shape, boundary, hardness,
     gap = lower.heights[~missing].max() - lower.heights
     bound = np.where(missing, 0.0, np.inf if hardness is None else hardness)
     matrix = dense_half_space.influence_matrix(shape, spacing, MODULUS, periodic=boundary == "periodic")
-    between = ((result.pressure > 0) & (result.pressure < bound)).ravel()
-    approach = float(np.mean((matrix @ result.pressure.ravel() + gap.ravel())[between]))
+    is_between_bounds = ((result.pressure > 0) & (result.pressure < bound)).ravel()
+    approach = float(np.mean((matrix @ result.pressure.ravel() + gap.ravel())[is_between_bounds]))
     total = result.pressure.sum() if boundary == "periodic" else None
     exact = dense_half_space.solve_pressure(matrix, gap, approach, total=total, bound=bound)
     np.testing.assert_allclose(result.pressure.ravel(), exact, rtol=0, atol=DENSE_SOLUTION_TOLERANCE * exact.max())
-    by_pressure = half_space(flat_like(lower), lower, "1 MPa", boundary=boundary).load
-    np.testing.assert_allclose(by_pressure, 1e-3 * (1 - missing.mean()), rtol=ROUND_OFF)
+    load_at_pressure = half_space(flat_like(lower), lower, "1 MPa", boundary=boundary).load
+    np.testing.assert_allclose(load_at_pressure, 1e-3 * (1 - missing.mean()), rtol=ROUND_OFF)
     with pytest.raises(ValueError, match="every model except half_space requires complete scans"):
         press(flat_like(lower), lower, [0.1])
 
@@ -124,10 +124,10 @@ def test_bounded_pressures_agree_with_a_dense_matrix_calculation(shape, boundary
     bound = random.uniform(0.1, 1.0, shape) * (random.random(shape) < 0.7 if flat else 1.0)
     solver = make_solver(gap, spacing, periodic=periodic, bound=bound, tolerance=1e-11)
     matrix = dense_half_space.influence_matrix(shape, spacing, MODULUS, periodic=boundary == "periodic")
-    near = None
+    initial_pressure = None
     for mean in np.array([0.9, 1.0]) * part * bound.mean():
-        result = solver.at(mean, near=near)
-        near = result.pressure
+        result = solver.at(mean, near=initial_pressure)
+        initial_pressure = result.pressure
         assert result.error <= 1e-11
         exact = dense_half_space.solve_pressure(
             matrix, gap, result.approach, total=result.pressure.sum() if periodic else None, bound=bound
@@ -147,10 +147,10 @@ def test_half_space_solver_converges_for_flats_at_loads_up_to_the_pressure_bound
     solver = make_solver(
         np.zeros(bound.shape), (0.1, 0.1), periodic=boundary == "periodic", bound=bound, tolerance=1e-6
     )
-    near = None
+    initial_pressure = None
     for ratio in (0.01, 0.5, 0.99, 0.9999):
-        result = solver.at(ratio, near=near)
-        near = result.pressure
+        result = solver.at(ratio, near=initial_pressure)
+        initial_pressure = result.pressure
         assert result.error <= 1e-6
         if boundary == "periodic":
             assert result.pressure == pytest.approx(np.full(bound.size, ratio), rel=SOLUTION_TOLERANCE)
@@ -232,7 +232,7 @@ def test_half_space_solution_of_a_point_contact_equals_hertz_solution(radii):
     force, area, axes = hertz_ellipse(0.01, *radii, MODULUS)
     errors = []
     for n in (64, 128, 256):
-        gap = bowl(n, 1.6, radii)
+        gap = create_paraboloid(n, 1.6, radii)
         curve = half_space(gap, flat_like(gap), [float(force)], tolerance=1e-8)
         approach = curve.approach[0] + gap.heights.min()
         errors.append(abs(approach / 0.01 - 1))
@@ -307,7 +307,7 @@ def test_free_and_periodic_boundaries_agree_for_small_patches():
     differences = []
     force = float(hertz_sphere(0.01, 4.0, MODULUS)[0])  # the contact radius is then 0.2 µm
     for extent in (0.5, 1.0, 2.0):
-        gap = bowl(int(64 * extent), extent, (4.0, 4.0))
+        gap = create_paraboloid(int(64 * extent), extent, (4.0, 4.0))
         free, periodic = (
             half_space(gap, flat_like(gap), [force], boundary=boundary).contact(0).pressure
             for boundary in ("free", "periodic")
@@ -476,7 +476,7 @@ def test_half_space_friction_agrees_with_small_slope_formula():
             assert np.mean(result) == pytest.approx(np.mean(expected), rel=tolerance), (sliding, strength)
 
 
-def test_gentle_friction_equals_its_formula():
+def test_small_slope_friction_equals_its_formula():
     m, s = 0.4 + 2.0 * 0.1 / (20 * 0.3), 0.2 / (2 * np.sqrt(2 * np.pi))
     arguments = {"rms_gradient": 0.3, "rms_slope": 0.2, "effective_modulus": 20.0, "kappa": 2.0}
     assert gentle_friction(0.4, 0.1, **arguments) == pytest.approx((m / 2 + s) / (1 - m * s), rel=ROUND_OFF)
@@ -495,10 +495,10 @@ def friction_of_slopes(sigma_along, sigma_across, m, *, rule):
     """Return the friction of contacts with equal forces on normally distributed slopes, by direct summation over
     tangents."""
     nodes, weights = np.polynomial.hermite_e.hermegauss(60)
-    half, share = np.polynomial.legendre.leggauss(200)
+    nodes_of_half, quadrature_weights = np.polynomial.legendre.leggauss(200)
     # the sum covers uphill slopes of up to ten deviations; downhill slopes are the mirror image
-    along = 5 * (half + 1) * sigma_along
-    chance = 5 * share * np.exp(-((along / sigma_along) ** 2) / 2) / np.sqrt(2 * np.pi)
+    along = 5 * (nodes_of_half + 1) * sigma_along
+    probability = 5 * quadrature_weights * np.exp(-((along / sigma_along) ** 2) / 2) / np.sqrt(2 * np.pi)
     normal = tangential = 0.0
     for across, weight in zip(nodes * sigma_across, weights / weights.sum(), strict=True):
         for sign in (1, -1):
@@ -507,34 +507,36 @@ def friction_of_slopes(sigma_along, sigma_across, m, *, rule):
             n = np.stack([-slope[0], -slope[1], np.ones(along.size)]) / q
             t = n[0] * n - np.array([[1.0], [0.0], [0.0]])
             t /= np.sqrt((t**2).sum(axis=0))
-            rubs = m if rule == "all" or sign > 0 else 0.0
-            pushes = 1.0 if rule == "all" or sign > 0 else 0.0
-            normal += weight * (chance * q * (n[2] + rubs * t[2])).sum()
-            tangential -= weight * (chance * q * (pushes * n[0] + rubs * t[0])).sum()
+            acting_friction = m if rule == "all" or sign > 0 else 0.0
+            acting_elastic = 1.0 if rule == "all" or sign > 0 else 0.0
+            normal += weight * (probability * q * (n[2] + acting_friction * t[2])).sum()
+            tangential -= weight * (probability * q * (acting_elastic * n[0] + acting_friction * t[0])).sum()
     return tangential / normal
 
 
 @pytest.mark.parametrize("rule", ["opposing", "all"])
 @pytest.mark.parametrize(("gradient", "slope"), [(0.1, 0.07), (1.0, 0.5), (2.0, 1.9)])
-def test_second_order_gentle_friction_equals_sum_over_random_slopes(rule, gradient, slope):
+def test_second_order_small_slope_friction_equals_the_sum_over_random_slopes(rule, gradient, slope):
     across = np.sqrt(gradient**2 - slope**2)
     for ratio in (1.0, 0.3):
-        shared = ratio / (1 + ratio**2)
-        expected = friction_of_slopes(slope * shared, across * shared, 0.4, rule=rule)
+        gradient_factor = ratio / (1 + ratio**2)
+        expected = friction_of_slopes(slope * gradient_factor, across * gradient_factor, 0.4, rule=rule)
         keywords = {"rms_gradient": gradient, "rms_slope": slope, "slope_ratio": ratio, "sliding": rule}
         assert gentle_friction(0.4, order=2, **keywords) == pytest.approx(expected, rel=QUADRATURE_TOLERANCE)
 
 
-def test_second_order_gentle_friction_equals_first_order_at_small_slopes_and_for_grooves():
+def test_first_and_second_order_of_small_slope_friction_agree_for_tiny_slopes_and_grooves():
     for rule in ("opposing", "all"):
         for arguments in ({"rms_gradient": 1e-5}, {"rms_gradient": 0.5, "rms_slope": 0.5}, {"rms_gradient": 2e-9}):
-            first, second = (gentle_friction(0.4, sliding=rule, order=order, **arguments) for order in (1, 2))
-            assert second == pytest.approx(first, rel=1e-9)
-    steep = {"rms_gradient": 0.5, "order": 2}
-    assert gentle_friction(0.4, slope_ratio=4.0, **steep) == pytest.approx(
-        gentle_friction(0.4, slope_ratio=0.25, **steep), rel=ROUND_OFF
+            first_order, second_order = (
+                gentle_friction(0.4, sliding=rule, order=order, **arguments) for order in (1, 2)
+            )
+            assert second_order == pytest.approx(first_order, rel=1e-9)
+    steep_options = {"rms_gradient": 0.5, "order": 2}
+    assert gentle_friction(0.4, slope_ratio=4.0, **steep_options) == pytest.approx(
+        gentle_friction(0.4, slope_ratio=0.25, **steep_options), rel=ROUND_OFF
     )
-    assert gentle_friction(0.4, slope_ratio=0.0, **steep) == pytest.approx(0.2, rel=ROUND_OFF)
+    assert gentle_friction(0.4, slope_ratio=0.0, **steep_options) == pytest.approx(0.2, rel=ROUND_OFF)
     with pytest.raises(ValueError, match="slope_ratio"):
         gentle_friction(0.4, rms_gradient=0.1, slope_ratio=-1.0)
     with pytest.raises(ValueError, match="order"):
@@ -568,19 +570,19 @@ def test_friction_at_steep_slopes_agrees_with_second_order_formula():
 
 def test_mean_slope_of_contacts_is_independent_of_compliance_fraction():
     slope, ratio = 0.9, 3.0
-    lean = []
-    for share in (0.0, 0.5, 1.0):
+    mean_slopes = []
+    for compliance_fraction in (0.0, 0.5, 1.0):
         curve = half_space(
             *pair_with_gradient(ratio, (1, 2), slope),
             [0.02 * MODULUS * slope],
             boundary="periodic",
-            compliance_share=share,
+            compliance_share=compliance_fraction,
             direction=range(0, 360, 30),
         )
-        lean.append((curve.tangential_elastic / curve.normal_elastic).mean())
-    assert np.ptp(lean) < 0.05 * np.mean(lean)
+        mean_slopes.append((curve.tangential_elastic / curve.normal_elastic).mean())
+    assert np.ptp(mean_slopes) < 0.05 * np.mean(mean_slopes)
     # Patches oppose with less than the mean slope of their points, and the difference is largest for broad spectra.
-    assert 0.7 < np.mean(lean) / (slope / np.sqrt(4 * np.pi) * ratio / (1 + ratio**2)) < 1.0
+    assert 0.7 < np.mean(mean_slopes) / (slope / np.sqrt(4 * np.pi) * ratio / (1 + ratio**2)) < 1.0
 
 
 def test_half_space_results_are_invariant_under_mirroring_and_exchange_of_bodies():
@@ -588,16 +590,16 @@ def test_half_space_results_are_invariant_under_mirroring_and_exchange_of_bodies
     loads = [0.005, 0.02]
     curve = half_space(upper, lower, loads, boundary="periodic", compliance_share=0.3, tolerance=TIGHT_TOLERANCE)
     mirrored = [Profile(np.roll(body.heights[::-1], 1), spacing=body.spacing) for body in (upper, lower)]
-    other = half_space(
+    mirrored_curve = half_space(
         *mirrored, loads, boundary="periodic", compliance_share=0.3, direction="-x", tolerance=TIGHT_TOLERANCE
     )
-    turned = [Profile(-body.heights, spacing=body.spacing) for body in (lower, upper)]
-    third = half_space(
-        *turned, loads, boundary="periodic", compliance_share=0.7, direction="-x", tolerance=TIGHT_TOLERANCE
+    exchanged = [Profile(-body.heights, spacing=body.spacing) for body in (lower, upper)]
+    exchanged_curve = half_space(
+        *exchanged, loads, boundary="periodic", compliance_share=0.7, direction="-x", tolerance=TIGHT_TOLERANCE
     )
     for name in ("contact_count", "contact_area", "normal_elastic", "tangential_elastic", "normal_frictional"):
-        for one in (other, third):
-            np.testing.assert_allclose(getattr(one, name), getattr(curve, name), rtol=1e-6, err_msg=name)
+        for transformed_curve in (mirrored_curve, exchanged_curve):
+            np.testing.assert_allclose(getattr(transformed_curve, name), getattr(curve, name), rtol=1e-6, err_msg=name)
 
 
 def test_half_space_solution_of_an_extruded_profile_equals_the_solution_of_the_profile():
@@ -729,8 +731,8 @@ def test_half_space_problems_on_equal_grids_share_kernels():
     assert first._problem.grids is second._problem.grids
     stiffer = half_space(flat_like(other), other, [0.02], effective_modulus=2 * MODULUS)
     assert stiffer._problem.grids is not first._problem.grids
-    alone = make_solver(first._problem.gap, (1 / 32, 1 / 32), periodic=False, tolerance=1e-6)
-    assert np.array_equal(alone.at(0.01).pressure, first.contact(0).pressure.ravel())
+    separate_solver = make_solver(first._problem.gap, (1 / 32, 1 / 32), periodic=False, tolerance=1e-6)
+    assert np.array_equal(separate_solver.at(0.01).pressure, first.contact(0).pressure.ravel())
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
@@ -742,9 +744,9 @@ def test_half_space_solutions_for_several_loads_equal_those_for_single_loads(bou
     curve = half_space(upper, body, loads, boundary=boundary)
     assert (curve.error <= 1e-6).all()
     for i, load in enumerate(loads):
-        alone = half_space(upper, body, [load], boundary=boundary)
-        assert curve.approach[i] == pytest.approx(alone.approach[0], rel=SOLUTION_TOLERANCE)
-        assert curve.contact_area[i] == pytest.approx(alone.contact_area[0], rel=1e-3)
+        single_load_curve = half_space(upper, body, [load], boundary=boundary)
+        assert curve.approach[i] == pytest.approx(single_load_curve.approach[0], rel=SOLUTION_TOLERANCE)
+        assert curve.contact_area[i] == pytest.approx(single_load_curve.contact_area[0], rel=1e-3)
 
 
 @pytest.mark.parametrize(("shape", "boundary"), [((256,), "periodic"), ((48, 40), "periodic"), ((48, 40), "free")])
@@ -753,26 +755,28 @@ def test_solution_at_an_approach_equals_solution_at_the_load_of_that_approach(sh
     upper = flat_like(body)
     expected = np.array([0.05, 0.2, 0.6]) * (body.heights.max() - body.heights.mean())
     curve = half_space(upper, body, approaches=expected, boundary=boundary)
-    deviation = body.heights.std()
-    assert np.abs(curve.approach - expected).max() <= 1e-6 * max(deviation, 1.0)
+    height_deviation = body.heights.std()
+    assert np.abs(curve.approach - expected).max() <= 1e-6 * max(height_deviation, 1.0)
     assert (curve.error <= 1e-6).all()
-    again = half_space(upper, body, curve.load, boundary=boundary)
-    assert again.approach == pytest.approx(expected, rel=SOLUTION_TOLERANCE)
-    assert again.contact_area == pytest.approx(curve.contact_area, rel=1e-3)
+    curve_at_loads = half_space(upper, body, curve.load, boundary=boundary)
+    assert curve_at_loads.approach == pytest.approx(expected, rel=SOLUTION_TOLERANCE)
+    assert curve_at_loads.contact_area == pytest.approx(curve.contact_area, rel=1e-3)
 
 
 @pytest.mark.parametrize("shape", [(64,), (24, 20)])
-@pytest.mark.parametrize("left", [1e-2, 1e-6, 1e-14])
-def test_requested_approaches_are_reached_up_to_full_contact(shape, left):
+@pytest.mark.parametrize("remaining_fraction", [1e-2, 1e-6, 1e-14])
+def test_requested_approaches_are_reached_up_to_full_contact(shape, remaining_fraction):
     body = rough(shape, longest=1, shortest=5)
-    full = (body.heights.max() - body.heights).mean()
-    curve = half_space(flat_like(body), body, approaches=[full * (1 - left)], boundary="periodic")
-    assert abs(curve.approach[0] - full * (1 - left)) <= 1.01e-6 * body.heights.std()
+    full_approach = (body.heights.max() - body.heights).mean()
+    curve = half_space(
+        flat_like(body), body, approaches=[full_approach * (1 - remaining_fraction)], boundary="periodic"
+    )
+    assert abs(curve.approach[0] - full_approach * (1 - remaining_fraction)) <= 1.01e-6 * body.heights.std()
 
 
 def test_approach_of_a_sphere_on_a_half_space_equals_hertz_solution():
     """Compare with the approach of distant points, δ = (9 F²/(16 E*² R))^(1/3)."""
-    ball = bowl(96, 2.0, (5.0, 5.0))
+    ball = create_paraboloid(96, 2.0, (5.0, 5.0))
     curve = half_space(ball, flat_like(ball), approaches=[0.05])
     force, _ = hertz_sphere(0.05, 5.0, MODULUS)
     assert curve.load[0] == pytest.approx(force, rel=BALL_TOLERANCE)
@@ -810,35 +814,35 @@ def test_progress_callback_reports_iterations_and_can_cancel_the_solution():
         flat_like(body), body, [0.01, 0.1], boundary="periodic", progress=lambda *each: events.append(each),
         tolerance=1e-6,
     )  # fmt: skip
-    assert {solved for solved, _, _ in events} == {0, 1}
+    assert {num_solved for num_solved, _, _ in events} == {0, 1}
     assert events[0][1] == 1
     assert all(error > 1e-6 for _, _, error in events)
 
-    def stop(solved, iteration, error):
+    def cancel_solution(num_solved, iteration, error):
         raise InterruptedError
 
     with pytest.raises(InterruptedError):
-        half_space(flat_like(body), body, [0.01], progress=stop)
+        half_space(flat_like(body), body, [0.01], progress=cancel_solution)
 
 
 def test_half_space_solver_stops_soon_after_ctrl_c():
     """Send the signal long before the end of the solution, while the main thread is in the compiled core."""
     body = rough((512, 512), shortest=128)
-    pressed = []
+    signal_times = []
 
-    def ctrl_c():
-        pressed.append(time.process_time())
+    def send_interrupt():
+        signal_times.append(time.process_time())
         signal.raise_signal(signal.SIGINT)
 
     def solve():
         timer.start()  # The timer starts inside the block, which therefore handles an early signal, too.
         half_space(flat_like(body), body, np.geomspace(0.001, 0.5, 200))
 
-    timer = threading.Timer(0.3, ctrl_c)
+    timer = threading.Timer(0.3, send_interrupt)
     with pytest.raises(KeyboardInterrupt):
         solve()
     timer.join()
-    assert time.process_time() - pressed[0] < MAX_SECONDS_TO_END
+    assert time.process_time() - signal_times[0] < MAX_SECONDS_TO_END
 
 
 def test_half_space_solver_converges_if_extrapolated_steps_are_very_long():
@@ -852,9 +856,9 @@ def test_half_space_solver_converges_if_extrapolated_steps_are_very_long():
 @pytest.mark.parametrize("height", [1e157, 1e100])
 def test_half_space_rejects_extreme_gaps(height):
     body = rough((32, 32), shortest=8)
-    high = Surface(body.heights * (height / np.ptp(body.heights)), spacing=body.spacing)
+    high_body = Surface(body.heights * (height / np.ptp(body.heights)), spacing=body.spacing)
     with pytest.raises(ValueError, match="gap of at most"):
-        half_space(flat_like(body), high, [0.01])
+        half_space(flat_like(body), high_body, [0.01])
 
 
 def test_onset_rejects_an_interface_without_strength():
@@ -866,10 +870,10 @@ def test_onset_rejects_an_interface_without_strength():
 @pytest.mark.parametrize(("boundary", "hardness"), [("free", None), ("periodic", None), ("free", 1.0)])
 def test_half_space_results_are_bit_identical_for_any_thread_count(boundary, hardness):
     body = rough((150, 128))
-    alone = half_space(flat_like(body), body, [0.1], boundary=boundary, hardness=hardness)
+    single_thread_curve = half_space(flat_like(body), body, [0.1], boundary=boundary, hardness=hardness)
     with scipy.fft.set_workers(3):
-        together = half_space(flat_like(body), body, [0.1], boundary=boundary, hardness=hardness)
-    assert np.array_equal(alone.contact(0).pressure, together.contact(0).pressure)
+        three_thread_curve = half_space(flat_like(body), body, [0.1], boundary=boundary, hardness=hardness)
+    assert np.array_equal(single_thread_curve.contact(0).pressure, three_thread_curve.contact(0).pressure)
 
 
 def test_closure_of_a_masked_surface_differs_from_closure_of_the_complete_surface():
@@ -877,14 +881,20 @@ def test_closure_of_a_masked_surface_differs_from_closure_of_the_complete_surfac
     missing = np.zeros((32, 32), bool)
     missing[:8] = True
     masked = Surface(body.heights, spacing=body.spacing, missing=missing)
-    whole, holed, again = (half_space(flat_like(item), item, [0.05]) for item in (body, masked, body))
-    assert whole._problem.grids is holed._problem.grids
-    assert whole.closure[0] == again.closure[0] != holed.closure[0]
-    even = whole._problem.grids.displacement(np.ones((32, 32)))
-    moved = (whole.contact(0).pressure * even).mean()
-    assert whole.closure[0] == pytest.approx(whole.approach[0] - moved, rel=1e-12)
-    moved = (holed.contact(0).pressure * holed._problem.grids.displacement(np.where(missing, 0.0, 1.0))).sum()
-    assert holed.closure[0] == pytest.approx(holed.approach[0] - moved / (~missing).sum(), rel=1e-12)
+    complete_curve, masked_curve, repeated_curve = (
+        half_space(flat_like(item), item, [0.05]) for item in (body, masked, body)
+    )
+    assert complete_curve._problem.grids is masked_curve._problem.grids
+    assert complete_curve.closure[0] == repeated_curve.closure[0] != masked_curve.closure[0]
+    uniform_displacement = complete_curve._problem.grids.displacement(np.ones((32, 32)))
+    mean_displacement = (complete_curve.contact(0).pressure * uniform_displacement).mean()
+    assert complete_curve.closure[0] == pytest.approx(complete_curve.approach[0] - mean_displacement, rel=1e-12)
+    mean_displacement = (
+        masked_curve.contact(0).pressure * masked_curve._problem.grids.displacement(np.where(missing, 0.0, 1.0))
+    ).sum()
+    assert masked_curve.closure[0] == pytest.approx(
+        masked_curve.approach[0] - mean_displacement / (~missing).sum(), rel=1e-12
+    )
 
 
 def test_half_space_curve_and_onset_can_be_pickled_and_copied():

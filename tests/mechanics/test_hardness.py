@@ -19,18 +19,18 @@ contacts."""
 def test_contact_area_interpolated_over_hardness_agrees_with_direct_solutions(rms: float) -> None:
     upper, lower = rough_maps(rms=rms, points=96, spacing=0.05, shortest_wavelength=0.3)
 
-    def ratio(hardness: float | None) -> float:
+    def area_per_load_at(hardness: float | None) -> float:
         load = 0.02 * 4.8**2
         curve = half_space(
             upper, lower, [load], effective_modulus=80.0, sliding="all", boundary="periodic", hardness=hardness
         )
         return float(curve.contact_area[0] / curve.normal_elastic[0])
 
-    elastic = ratio(None)
+    elastic = area_per_load_at(None)
     nodes = 0.23 * (1.7 / 0.23) ** np.sort([*HARDNESS_NODE_POSITIONS, 0.5])
     expected = np.geomspace(0.23, 1.7, 9)
-    result = area_per_load(expected, nodes, [ratio(float(node)) for node in nodes], elastic)
-    direct = np.array([ratio(float(item)) for item in expected])
+    result = area_per_load(expected, nodes, [area_per_load_at(float(node)) for node in nodes], elastic)
+    direct = np.array([area_per_load_at(float(item)) for item in expected])
     assert result == pytest.approx(direct, rel=AREA_TOLERANCE)
     assert 0.2 + 0.05 * result == pytest.approx(0.2 + 0.05 * direct, rel=FRICTION_TOLERANCE)
 
@@ -41,18 +41,18 @@ def test_contact_area_interpolated_over_hardness_equals_its_formula() -> None:
     at_nodes = random.uniform(0.8, 1.2, (2, 7)) / nodes
     hardness = random.uniform(0.1, 4.0, 50)
 
-    def estimate(pressure: float, area: float) -> float:
+    def mixed_area_per_load(pressure: float, area: float) -> float:
         exponent = MIXING_EXPONENT_FACTOR * (pressure * area) ** MIXING_EXPONENT_POWER
         return float((pressure**-exponent + area**exponent) ** (1 / exponent))
 
     expected = [
         [
-            estimate(each, area)
+            mixed_area_per_load(each, area)
             * np.exp(
                 np.interp(
                     np.log(each),
                     np.log(nodes),
-                    np.log([a / estimate(n, area) for n, a in zip(nodes, row, strict=True)]),
+                    np.log([a / mixed_area_per_load(n, area) for n, a in zip(nodes, row, strict=True)]),
                 )
             )
             for each in hardness
@@ -64,7 +64,7 @@ def test_contact_area_interpolated_over_hardness_equals_its_formula() -> None:
 
 def test_contact_area_interpolated_over_hardness_equals_solved_areas_at_nodes_and_in_elastic_limit() -> None:
     assert area_per_load([0.5], [0.5, 1.0], [2.1, 1.1], 0.3)[0] == pytest.approx(2.1)
-    soft = area_per_load([1e3], [1e2, 1e4], [0.3, 0.3], 0.3)
-    assert soft[0] == pytest.approx(0.3)
-    several = area_per_load([0.5, 1.0], [0.5], [[2.1], [2.2]], [0.3, 0.3])
-    assert several.shape == (2, 2)
+    area_at_hardness_node = area_per_load([1e3], [1e2, 1e4], [0.3, 0.3], 0.3)
+    assert area_at_hardness_node[0] == pytest.approx(0.3)
+    areas = area_per_load([0.5, 1.0], [0.5], [[2.1], [2.2]], [0.3, 0.3])
+    assert areas.shape == (2, 2)

@@ -10,10 +10,10 @@ PLASTIC_TOLERANCE = 5e-3
 
 
 def random_cases(count=200):
-    draw = np.random.default_rng(7)
+    random = np.random.default_rng(7)
     for _ in range(count):
-        hardness, mu0, alpha = 10 ** draw.uniform(-2, 1.5), draw.uniform(0, 0.6), draw.uniform(0.1, 27)
-        yield hardness, mu0, draw.uniform(0, 0.98) * hardness / np.sqrt(alpha), alpha
+        hardness, mu0, alpha = 10 ** random.uniform(-2, 1.5), random.uniform(0, 0.6), random.uniform(0.1, 27)
+        yield hardness, mu0, random.uniform(0, 0.98) * hardness / np.sqrt(alpha), alpha
 
 
 def test_hardness_under_shear_satisfies_yield_and_friction_laws():
@@ -23,15 +23,15 @@ def test_hardness_under_shear_satisfies_yield_and_friction_laws():
         assert pressure**2 + alpha * (mu0 * pressure + tau0) ** 2 == pytest.approx(hardness**2, rel=ROUND_OFF)
 
 
-def beyond(friction, mu0, ratio, alpha):
+def tabor_equation_residual(friction, mu0, ratio, alpha):
     return friction - mu0 - ratio * np.sqrt(1 + alpha * friction**2)
 
 
 def test_tabor_friction_solves_its_equation_and_agrees_with_the_hardness_under_shear():
     for hardness, mu0, tau0, alpha in random_cases():
         ratio = tau0 / hardness
-        highest = 1 + (mu0 + ratio) / (1 - ratio * np.sqrt(alpha))
-        root = brentq(beyond, mu0, highest, args=(mu0, ratio, alpha), xtol=1e-14)
+        upper_bound = 1 + (mu0 + ratio) / (1 - ratio * np.sqrt(alpha))
+        root = brentq(tabor_equation_residual, mu0, upper_bound, args=(mu0, ratio, alpha), xtol=1e-14)
         result = float(tabor_friction(hardness, mu0, tau0, alpha))
         assert result == pytest.approx(root, rel=1e-9)
         assert result == pytest.approx(mu0 + tau0 / hardness_under_shear(hardness, mu0, tau0, alpha), rel=1e-9)
@@ -49,11 +49,11 @@ def test_tabor_friction_equals_mu0_if_the_adhesive_strength_is_zero():
 
 
 def test_tabor_friction_is_nan_for_an_interface_stronger_than_the_bulk():
-    bulk = 1 / np.sqrt(27)
-    for tau0 in (bulk * (1 + 1e-9), 2 * bulk):
+    bulk_strength = 1 / np.sqrt(27)
+    for tau0 in (bulk_strength * (1 + 1e-9), 2 * bulk_strength):
         assert np.isnan(hardness_under_shear(1.0, 0.2, tau0, 27.0))
         assert np.isnan(tabor_friction(1.0, 0.2, tau0, 27.0))
-    assert np.isfinite(tabor_friction(1.0, 0.2, bulk * (1 - 1e-9), 27.0))
+    assert np.isfinite(tabor_friction(1.0, 0.2, bulk_strength * (1 - 1e-9), 27.0))
 
 
 @pytest.mark.parametrize("alpha", [0.0, 9.0, 27.0])

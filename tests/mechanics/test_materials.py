@@ -87,8 +87,10 @@ def test_modulus_compliance_and_hardness_of_two_materials_equal_closed_forms():
     steel, brass = material("steel"), material("brass")
     by_hand = 1 / sum((1 - item.poisson_ratio**2) / item.young_modulus for item in (steel, brass))
     assert effective_modulus(steel, brass) == pytest.approx(by_hand, rel=ROUND_OFF)
-    four = effective_modulus(steel.young_modulus, steel.poisson_ratio, brass.young_modulus, brass.poisson_ratio)
-    assert four == pytest.approx(by_hand, rel=ROUND_OFF)
+    modulus_of_four_numbers = effective_modulus(
+        steel.young_modulus, steel.poisson_ratio, brass.young_modulus, brass.poisson_ratio
+    )
+    assert modulus_of_four_numbers == pytest.approx(by_hand, rel=ROUND_OFF)
     lower = compliance_fraction(steel, brass)
     assert lower == pytest.approx(by_hand * (1 - brass.poisson_ratio**2) / brass.young_modulus, rel=ROUND_OFF)
     assert lower + compliance_fraction(brass, steel) == pytest.approx(1, rel=ROUND_OFF)
@@ -137,6 +139,6 @@ def test_documented_table_of_materials_is_up_to_date():
         for value in (item.young_modulus, item.poisson_ratio, item.hardness)
         if value is not None
     ]
-    unseen = sum("not looked up" in source for source in sources)
-    message = f"Each of the {len(sources)} values is a range with its source. For {len(sources) - unseen} values"
+    num_unseen = sum("not looked up" in source for source in sources)
+    message = f"Each of the {len(sources)} values is a range with its source. For {len(sources) - num_unseen} values"
     assert message in " ".join((docs / "reference/materials.md").read_text(encoding="utf-8").split())

@@ -28,22 +28,22 @@ DENSE_SOLUTION_TOLERANCE = (
     1e-6  # relative to the largest value, compared with dense matrices at a solver tolerance of 1e-6
 )
 MINDLIN_TOLERANCE = 1e-3  # relative to the displacement of a ball whose contact radius is 24 points
-PRINCIPLE_TOLERANCE = 0.01  # relative difference from the independent Ciavarella-Jäger principle for rough bodies
+TRACTION_TOLERANCE = 0.01  # relative difference from the independent Ciavarella-Jäger principle for rough bodies
 LOAD_FRACTIONS = [0.05, 0.1, 0.3, 0.6, 0.9, 0.99]
 
 
-def bowl(n, extent, radii):
+def create_paraboloid(n, extent, radii):
     """Return a paraboloid whose summit is off the grid."""
     x = (np.arange(n) - n / 2 + 0.31) * extent / n
     return Surface(-(x[:, None] ** 2 / (2 * radii[0]) + x[None, :] ** 2 / (2 * radii[1])), spacing=extent / n)
 
 
-def rough(shape, seed=4, slope=0.1):
+def create_rough_body(shape, seed=4, slope=0.1):
     """Return a rough body of unit size with wavelengths from 0.5 down to 8 points."""
     return periodic_body(shape, seed=seed, longest=2, shortest=max(shape[-1] // 8, 4), slope=slope)
 
 
-def mean_pressure(body, fraction):
+def load_at_relative_pressure(body, fraction):
     """Return the load on a unit length or a unit square at a mean pressure that is a fraction of E* h'."""
     steps = [np.diff(body.heights, axis=axis) * body.heights.shape[axis] for axis in range(body.heights.ndim)]
     return fraction * MODULUS * np.sqrt(sum(np.mean(np.square(step)) for step in steps))
@@ -54,7 +54,7 @@ def mean_pressure(body, fraction):
 
 @pytest.fixture(scope="module")
 def ball():
-    lower = bowl(96, 1.0, (1.0, 1.0))
+    lower = create_paraboloid(96, 1.0, (1.0, 1.0))
     radius = 0.25
     return half_space(flat_like(lower), lower, [4 / 3 * MODULUS * radius**3], tolerance=1e-8), radius
 
@@ -63,40 +63,48 @@ def test_onset_of_sliding_of_a_ball_equals_cattaneo_mindlin_solution(ball):
     curve, radius = ball
     for poisson in (0.0, 0.3, (0.2, 0.5)):
         onset = curve.onset(0, mu0=0.3, poisson=poisson, steps=LOAD_FRACTIONS)
-        of_both = np.broadcast_to(poisson, 2)
-        ratio = np.mean((2 - of_both) / (2 * (1 - of_both)))
-        part = np.array(LOAD_FRACTIONS)
+        poisson_ratios = np.broadcast_to(poisson, 2)
+        ratio = np.mean((2 - poisson_ratios) / (2 * (1 - poisson_ratios)))
+        load_fractions = np.array(LOAD_FRACTIONS)
         # The displacement at sliding is mu0 times the approach, which is radius² because R = 1.
-        farthest = 0.3 * radius**2 * ratio
-        stuck = (1 - part) ** (1 / 3)
+        sliding_displacement = 0.3 * radius**2 * ratio
+        stick_radius_ratio = (1 - load_fractions) ** (1 / 3)
         assert onset.sliding_load == pytest.approx(0.3 * curve.load[0], rel=1e-9)
-        assert onset.displacement_at_sliding == pytest.approx(farthest, rel=MINDLIN_TOLERANCE)
-        np.testing.assert_allclose(onset.displacement, farthest * (1 - stuck**2), rtol=MINDLIN_TOLERANCE)
+        assert onset.displacement_at_sliding == pytest.approx(sliding_displacement, rel=MINDLIN_TOLERANCE)
+        np.testing.assert_allclose(
+            onset.displacement, sliding_displacement * (1 - stick_radius_ratio**2), rtol=MINDLIN_TOLERANCE
+        )
         assert onset.stiffness == pytest.approx(2 * MODULUS * radius / ratio, rel=MINDLIN_TOLERANCE)
-        result = radius * np.sqrt(1 - onset.slipped_area)
-        assert np.abs(result - radius * stuck).max() < 1 / 96  # The edge of the stick zone is accurate to one cell.
-        assert np.abs(onset.slipped_load - (1 - stuck**2) ** 1.5).max() < 0.01
+        stick_radius = radius * np.sqrt(1 - onset.slipped_area)
+        assert (
+            np.abs(stick_radius - radius * stick_radius_ratio).max() < 1 / 96
+        )  # The edge of the stick zone is accurate to one cell.
+        assert np.abs(onset.slipped_load - (1 - stick_radius_ratio**2) ** 1.5).max() < 0.01
         # The energy loss follows Johnson, Contact Mechanics (1985), eq. 7.57.
-        lost = 24 / 5 * (1 - (1 - part) ** (5 / 3)) - 4 * part * (1 + (1 - part) ** (2 / 3))
-        lost *= onset.sliding_load * farthest
-        np.testing.assert_allclose(onset.energy_lost(onset.tangential_load)[2:], lost[2:], rtol=5 * MINDLIN_TOLERANCE)
+        energy_loss = 24 / 5 * (1 - (1 - load_fractions) ** (5 / 3)) - 4 * load_fractions * (
+            1 + (1 - load_fractions) ** (2 / 3)
+        )
+        energy_loss *= onset.sliding_load * sliding_displacement
+        np.testing.assert_allclose(
+            onset.energy_lost(onset.tangential_load)[2:], energy_loss[2:], rtol=5 * MINDLIN_TOLERANCE
+        )
 
 
 def test_slip_of_a_ball_spreads_from_the_edge_inwards(ball):
     curve, radius = ball
     x = (np.arange(96) - 48 + 0.31) / 96
-    away = np.hypot(x[:, None], x).ravel()
+    distance = np.hypot(x[:, None], x).ravel()
     onset = curve.onset(0, mu0=0.3, steps=50)
-    slips = onset.slip_load() / onset.sliding_load
-    touching = curve.contact(0).pressure.ravel() > 0
-    assert np.isnan(slips[~touching]).all()
-    inside = touching & (away < radius)
-    off = slips[inside] - (1 - (away[inside] / radius) ** 3)
+    slip_loads = onset.slip_load() / onset.sliding_load
+    is_in_contact = curve.contact(0).pressure.ravel() > 0
+    assert np.isnan(slip_loads[~is_in_contact]).all()
+    is_inside = is_in_contact & (distance < radius)
+    errors = slip_loads[is_inside] - (1 - (distance[is_inside] / radius) ** 3)
     # The tolerance is one step of the load, and one cell at the edge.
-    assert np.abs(off).max() < 1 / 50 + 3 / (96 * radius)
-    assert np.abs(np.median(off)) < 1 / 50
-    early = curve.onset(0, mu0=0.3, steps=[0.2, 0.3]).slip_load()
-    assert np.isnan(early[away < 0.5 * radius]).all()
+    assert np.abs(errors).max() < 1 / 50 + 3 / (96 * radius)
+    assert np.abs(np.median(errors)) < 1 / 50
+    early_slip_loads = curve.onset(0, mu0=0.3, steps=[0.2, 0.3]).slip_load()
+    assert np.isnan(early_slip_loads[distance < 0.5 * radius]).all()
 
 
 def test_onset_of_sliding_of_a_cylinder_equals_cattaneo_solution():
@@ -104,14 +112,16 @@ def test_onset_of_sliding_of_a_cylinder_equals_cattaneo_solution():
     x = (np.arange(n) - n / 2 + 0.31) / n
     lower = Profile(-(x**2) / 2, spacing=1 / n)
     curve = half_space(flat_like(lower), lower, [0.2], tolerance=1e-8)
-    half_width, peak = hertz_line(load=0.2, radius=1.0, effective_modulus=MODULUS)
+    half_width, max_pressure = hertz_line(load=0.2, radius=1.0, effective_modulus=MODULUS)
     onset = curve.onset(0, mu0=0.3, steps=LOAD_FRACTIONS)
-    for i, part in enumerate(LOAD_FRACTIONS):
-        stuck = half_width * np.sqrt(1 - part)
-        q = 0.3 * peak * np.sqrt(np.maximum(1 - (x / half_width) ** 2, 0))
-        q -= 0.3 * peak * stuck / half_width * np.sqrt(np.maximum(1 - (x / stuck) ** 2, 0))
-        assert np.abs(onset.traction(i) - q).sum() < PRINCIPLE_TOLERANCE * q.sum()
-        assert abs(half_width * (1 - onset.slipped_area[i]) - stuck) < 1 / n
+    for i, load_fraction in enumerate(LOAD_FRACTIONS):
+        stick_half_width = half_width * np.sqrt(1 - load_fraction)
+        q = 0.3 * max_pressure * np.sqrt(np.maximum(1 - (x / half_width) ** 2, 0))
+        q -= (
+            0.3 * max_pressure * stick_half_width / half_width * np.sqrt(np.maximum(1 - (x / stick_half_width) ** 2, 0))
+        )
+        assert np.abs(onset.traction(i) - q).sum() < TRACTION_TOLERANCE * q.sum()
+        assert abs(half_width * (1 - onset.slipped_area[i]) - stick_half_width) < 1 / n
     # The displacement of a free half-plane is undefined, but slip is defined and dissipates energy.
     assert np.isnan(onset.displacement).all()
     assert np.isnan(onset.displacement_at_sliding)
@@ -125,18 +135,20 @@ def test_onset_of_sliding_of_a_cylinder_equals_cattaneo_solution():
 
 def test_stick_area_has_the_shape_of_the_elliptical_contact():
     radii = (0.5, 1.5)
-    lower = bowl(128, 1.0, radii)
+    lower = create_paraboloid(128, 1.0, radii)
     load, _, axes = hertz_ellipse(0.04, *radii, MODULUS)
     curve = half_space(flat_like(lower), lower, [float(load)], tolerance=1e-8)
     onset = curve.onset(0, mu0=0.2, poisson=0.0, steps=LOAD_FRACTIONS)
-    part = np.array(LOAD_FRACTIONS)
-    np.testing.assert_allclose(onset.displacement, 0.2 * 0.04 * (1 - (1 - part) ** (2 / 3)), rtol=2 * MINDLIN_TOLERANCE)
+    load_fractions = np.array(LOAD_FRACTIONS)
+    np.testing.assert_allclose(
+        onset.displacement, 0.2 * 0.04 * (1 - (1 - load_fractions) ** (2 / 3)), rtol=2 * MINDLIN_TOLERANCE
+    )
     pressure = curve.contact(0).pressure.ravel()
-    for i, stuck in enumerate((1 - part) ** (1 / 3)):
+    for i, stick_axis_ratio in enumerate((1 - load_fractions) ** (1 / 3)):
         sticks = ((pressure > 0) & (onset.traction(i) < 0.2 * pressure)).reshape(128, 128)
-        for axis, semi in enumerate(axes):
+        for axis, semi_axis in enumerate(axes):
             # The tolerance is one cell at each end of the zone.
-            assert abs(sticks.any(axis=1 - axis).sum() / 2 - stuck * semi * 128) <= 1
+            assert abs(sticks.any(axis=1 - axis).sum() / 2 - stick_axis_ratio * semi_axis * 128) <= 1
 
 
 # ---- The half-space against a slow program --------------------------------------------------------------------------
@@ -145,77 +157,89 @@ def test_stick_area_has_the_shape_of_the_elliptical_contact():
 def contact_strength(curve, mu0, tau0):
     """Return the contact points, and the bound, pressure and true area of the model. Slopes contribute at most 1e-8."""
     pressure = curve.contact(0).pressure
-    touching = pressure > 0
+    is_in_contact = pressure > 0
     periodic = curve._problem.grids.periodic
-    sides = np.zeros(pressure.shape)
+    num_free_edges = np.zeros(pressure.shape)
     for axis in range(pressure.ndim):
-        for way in (-1, 1):
-            beside = np.roll(touching, way, axis)
+        for offset in (-1, 1):
+            neighbour_in_contact = np.roll(is_in_contact, offset, axis)
             if not periodic:
                 edge = [slice(None)] * pressure.ndim
-                edge[axis] = 0 if way == 1 else -1
-                beside[tuple(edge)] = touching[tuple(edge)]
-            sides += ~beside
-    fraction = 1 - (0.19 if pressure.ndim == 1 else (np.pi - 1 + np.log(2)) / 24) * sides
-    return np.argwhere(touching), (mu0 * pressure + tau0 * fraction)[touching], pressure[touching], fraction[touching]
+                edge[axis] = 0 if offset == 1 else -1
+                neighbour_in_contact[tuple(edge)] = is_in_contact[tuple(edge)]
+            num_free_edges += ~neighbour_in_contact
+    area_fraction = 1 - (0.19 if pressure.ndim == 1 else (np.pi - 1 + np.log(2)) / 24) * num_free_edges
+    return (
+        np.argwhere(is_in_contact),
+        (mu0 * pressure + tau0 * area_fraction)[is_in_contact],
+        pressure[is_in_contact],
+        area_fraction[is_in_contact],
+    )
 
 
 @pytest.mark.parametrize("shape", [(32, 32), (24, 32), (256,)])
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 @pytest.mark.parametrize(("mu0", "tau0"), [(0.3, 0.0), (0.0, 0.02), (0.2, 0.004)])
 def test_onset_of_sliding_agrees_with_active_set_solver(shape, boundary, mu0, tau0):
-    lower = rough(shape, slope=1e-4)
+    lower = create_rough_body(shape, slope=1e-4)
     tau0 *= 1e-2  # The adhesive strength must have the order of magnitude of the pressures.
-    curve = half_space(flat_like(lower), lower, [mean_pressure(lower, 0.05)], boundary=boundary, tolerance=1e-10)
+    curve = half_space(
+        flat_like(lower), lower, [load_at_relative_pressure(lower, 0.05)], boundary=boundary, tolerance=1e-10
+    )
     points, bound, pressure, fraction = contact_strength(curve, mu0, tau0)
     assert 20 < bound.size < 600
     periodic = boundary == "periodic"
     spacing = tuple(1 / n for n in shape) if len(shape) == 1 else lower.spacing
     compliance = dense_half_space.influence_matrix(shape, spacing, MODULUS, periodic=periodic, points=points)
-    parts = [0.1, 0.5, 0.9]
-    onset = curve.onset(0, mu0=mu0, tau0=tau0, poisson=0.0, steps=parts)
-    exact = curve.onset(0, mu0=mu0, tau0=tau0, poisson=0.0, steps=parts, tolerance=1e-10)
+    load_fractions = [0.1, 0.5, 0.9]
+    onset = curve.onset(0, mu0=mu0, tau0=tau0, poisson=0.0, steps=load_fractions)
+    accurate_onset = curve.onset(0, mu0=mu0, tau0=tau0, poisson=0.0, steps=load_fractions, tolerance=1e-10)
     assert onset.sliding_load == pytest.approx(bound.sum() * np.prod(spacing), rel=1e-8)
-    for i, part in enumerate(parts):
-        q, way = dense_onset.solve_traction(compliance, bound, part * bound.sum())
+    for i, load_fraction in enumerate(load_fractions):
+        q, displacement = dense_onset.solve_traction(compliance, bound, load_fraction * bound.sum())
         if len(shape) == 2 or periodic:
-            assert onset.displacement[i] == pytest.approx(way, rel=DENSE_SOLUTION_TOLERANCE)
-        everywhere = np.zeros(shape)
-        everywhere[tuple(points.T)] = q
-        assert np.abs(exact.traction(i) - everywhere.ravel()).max() < DENSE_SOLUTION_TOLERANCE * bound.max()
+            assert onset.displacement[i] == pytest.approx(displacement, rel=DENSE_SOLUTION_TOLERANCE)
+        expected_traction = np.zeros(shape)
+        expected_traction[tuple(points.T)] = q
+        assert (
+            np.abs(accurate_onset.traction(i) - expected_traction.ravel()).max()
+            < DENSE_SOLUTION_TOLERANCE * bound.max()
+        )
         slips = q == bound
-        assert exact.slipped_area[i] == pytest.approx(fraction[slips].sum() / fraction.sum(), abs=1e-7)
-        assert exact.slipped_load[i] == pytest.approx(pressure[slips].sum() / pressure.sum(), abs=1e-7)
-        lost = 4 * bound @ (way - compliance @ q) * np.prod(spacing)
-        assert exact.energy_lost(onset.tangential_load[i]) == pytest.approx(
-            lost,
+        assert accurate_onset.slipped_area[i] == pytest.approx(fraction[slips].sum() / fraction.sum(), abs=1e-7)
+        assert accurate_onset.slipped_load[i] == pytest.approx(pressure[slips].sum() / pressure.sum(), abs=1e-7)
+        energy_loss = 4 * bound @ (displacement - compliance @ q) * np.prod(spacing)
+        assert accurate_onset.energy_lost(onset.tangential_load[i]) == pytest.approx(
+            energy_loss,
             rel=DENSE_SOLUTION_TOLERANCE,
-            abs=DENSE_SOLUTION_TOLERANCE * abs(part * bound.sum() * way * np.prod(spacing)),
+            abs=DENSE_SOLUTION_TOLERANCE * abs(load_fraction * bound.sum() * displacement * np.prod(spacing)),
         )
 
 
 def test_energy_loss_from_masing_rule_equals_loss_in_a_simulated_cycle():
-    lower = rough((16, 16), slope=1e-4)
-    curve = half_space(flat_like(lower), lower, [mean_pressure(lower, 0.1)], tolerance=1e-10)
+    lower = create_rough_body((16, 16), slope=1e-4)
+    curve = half_space(flat_like(lower), lower, [load_at_relative_pressure(lower, 0.1)], tolerance=1e-10)
     points, bound, _, _ = contact_strength(curve, 0.3, 0.0)
     assert bound.size > 40
     compliance = dense_half_space.influence_matrix((16, 16), lower.spacing, MODULUS, periodic=False, points=points)
-    for part in (0.5, 0.9):
-        onset = curve.onset(0, mu0=0.3, poisson=0.0, steps=[part])
-        top = onset.displacement[0]
+    for load_fraction in (0.5, 0.9):
+        onset = curve.onset(0, mu0=0.3, poisson=0.0, steps=[load_fraction])
+        max_displacement = onset.displacement[0]
         # The path is loading, unloading and reloading. Its last two parts form a cycle.
-        ways = top * np.concatenate([np.linspace(0, 1, 6)[1:], np.linspace(1, -1, 11)[1:], np.linspace(-1, 1, 11)[1:]])
-        loads, lost = dense_onset.simulate_steps(compliance, bound, ways)
-        cell = np.prod(lower.spacing)
-        assert loads[4] * cell == pytest.approx(onset.tangential_load[0], rel=1e-5)
+        displacements = max_displacement * np.concatenate(
+            [np.linspace(0, 1, 6)[1:], np.linspace(1, -1, 11)[1:], np.linspace(-1, 1, 11)[1:]]
+        )
+        loads, energy_loss = dense_onset.simulate_steps(compliance, bound, displacements)
+        cell_area = np.prod(lower.spacing)
+        assert loads[4] * cell_area == pytest.approx(onset.tangential_load[0], rel=1e-5)
         assert loads[14] == pytest.approx(-loads[4], rel=1e-6)
         assert loads[-1] == pytest.approx(loads[4], rel=1e-6)
-        assert lost[5:].sum() * cell == pytest.approx(
-            onset.energy_lost(onset.tangential_load[0]), rel=PRINCIPLE_TOLERANCE
+        assert energy_loss[5:].sum() * cell_area == pytest.approx(
+            onset.energy_lost(onset.tangential_load[0]), rel=TRACTION_TOLERANCE
         )
         # By Masing's rule the unloading branch is the loading curve, enlarged by a factor of two.
-        half = curve.onset(0, mu0=0.3, poisson=0.0, displacements=[top / 2])
-        assert (loads[4] - loads[9]) / 2 * cell == pytest.approx(half.tangential_load[0], rel=1e-5)
+        onset_at_half = curve.onset(0, mu0=0.3, poisson=0.0, displacements=[max_displacement / 2])
+        assert (loads[4] - loads[9]) / 2 * cell_area == pytest.approx(onset_at_half.tangential_load[0], rel=1e-5)
 
 
 # ---- The half-space: identities and limits --------------------------------------------------------------------------
@@ -223,20 +247,20 @@ def test_energy_loss_from_masing_rule_equals_loss_in_a_simulated_cycle():
 
 @pytest.fixture(scope="module", params=["periodic", "free"])
 def areas(request):
-    lower = rough((128, 128))
-    load = mean_pressure(lower, 0.02)
+    lower = create_rough_body((128, 128))
+    load = load_at_relative_pressure(lower, 0.02)
     return half_space(flat_like(lower), lower, [0.3 * load, 0.6 * load, load], boundary=request.param, tolerance=1e-8)
 
 
 def test_sliding_load_equals_sum_of_friction_at_all_contacts(areas):
     onset = areas.onset(1, mu0=0.3, tau0=0.05)
-    all_rub = 0.3 * areas.normal_elastic[1] + 0.05 * areas.contact_area[1]
-    assert onset.sliding_load == pytest.approx(all_rub, rel=1e-9)
+    max_friction = 0.3 * areas.normal_elastic[1] + 0.05 * areas.contact_area[1]
+    assert onset.sliding_load == pytest.approx(max_friction, rel=1e-9)
     assert onset.tangential_load[-1] == onset.sliding_load
-    assert onset.traction(-1).sum() * areas._problem.cell_area == pytest.approx(all_rub, rel=1e-9)
+    assert onset.traction(-1).sum() * areas._problem.cell_area == pytest.approx(max_friction, rel=1e-9)
     # For small slopes, the sliding load equals that of the rule "all", except for terms of second order.
-    all_rub = areas.with_sliding("all").tangential_load(mu0=0.3, tau0=0.05)[1]
-    assert onset.sliding_load == pytest.approx(all_rub, rel=0.1**2)
+    max_friction = areas.with_sliding("all").tangential_load(mu0=0.3, tau0=0.05)[1]
+    assert onset.sliding_load == pytest.approx(max_friction, rel=0.1**2)
     assert onset.slipped_area[-1] == onset.slipped_load[-1] == 1
     assert onset.displacement[-1] == onset.displacement_at_sliding
 
@@ -258,41 +282,45 @@ def test_ratio_of_normal_to_initial_tangential_stiffness_equals_mindlin_ratio(ar
         onset = areas.onset(0, mu0=0.3, poisson=poisson, steps=1)
         ratio = 0.5 * (2 - upper) / (2 * (1 - upper)) + 0.5 * (2 - lower) / (2 * (1 - lower))
         assert onset.stiffness * ratio == pytest.approx(areas.stiffness[0], rel=1e-3)
-        light = areas.onset(0, mu0=0.3, tau0=0.05, poisson=poisson, steps=[1e-3])
-        assert light.tangential_load[0] / light.displacement[0] == pytest.approx(onset.stiffness, rel=1e-4)
+        lightly_loaded_onset = areas.onset(0, mu0=0.3, tau0=0.05, poisson=poisson, steps=[1e-3])
+        assert lightly_loaded_onset.tangential_load[0] / lightly_loaded_onset.displacement[0] == pytest.approx(
+            onset.stiffness, rel=1e-4
+        )
 
 
 def test_poisson_ratio_of_a_rigid_body_does_not_change_tangential_stiffness():
-    lower = rough((32, 32))
-    curve = half_space(flat_like(lower), lower, [mean_pressure(lower, 0.05)], compliance_share=1.0)
-    soft = [curve.onset(0, mu0=0.3, poisson=poisson, steps=1).stiffness for poisson in ((0.0, 0.4), 0.4, 0.0)]
-    assert soft[0] == soft[1] < soft[2]
+    lower = create_rough_body((32, 32))
+    curve = half_space(flat_like(lower), lower, [load_at_relative_pressure(lower, 0.05)], compliance_share=1.0)
+    stiffness_values = [
+        curve.onset(0, mu0=0.3, poisson=poisson, steps=1).stiffness for poisson in ((0.0, 0.4), 0.4, 0.0)
+    ]
+    assert stiffness_values[0] == stiffness_values[1] < stiffness_values[2]
 
 
 def test_onset_of_sliding_of_maps_agrees_with_ciavarella_jaeger_theory(areas):
     """Compare the traction with mu0 times the difference of the pressures at the load and at a smaller load."""
     onset = areas.onset(2, mu0=0.3, poisson=0.25, steps=[0.4, 0.7])
-    for i, smaller in enumerate((1, 0)):
-        q = 0.3 * (areas.contact(2).pressure - areas.contact(smaller).pressure).ravel()
-        assert np.abs(onset.traction(i) - q).sum() < PRINCIPLE_TOLERANCE * q.sum()
-        way = 0.3 * (areas.approach[2] - areas.approach[smaller]) * (2 - 0.25) / (2 * (1 - 0.25))
-        assert onset.displacement[i] == pytest.approx(way, rel=1e-4)
+    for i, smaller_load_index in enumerate((1, 0)):
+        q = 0.3 * (areas.contact(2).pressure - areas.contact(smaller_load_index).pressure).ravel()
+        assert np.abs(onset.traction(i) - q).sum() < TRACTION_TOLERANCE * q.sum()
+        displacement = 0.3 * (areas.approach[2] - areas.approach[smaller_load_index]) * (2 - 0.25) / (2 * (1 - 0.25))
+        assert onset.displacement[i] == pytest.approx(displacement, rel=1e-4)
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 def test_onset_of_sliding_of_profiles_agrees_with_ciavarella_jaeger_theory(boundary):
-    lower = rough((1024,))
-    load = mean_pressure(lower, 0.05)
+    lower = create_rough_body((1024,))
+    load = load_at_relative_pressure(lower, 0.05)
     curve = half_space(flat_like(lower), lower, [0.3 * load, 0.6 * load, load], boundary=boundary, tolerance=1e-8)
     for poisson in (0.0, 0.3):
         onset = curve.onset(2, mu0=0.2, poisson=poisson, steps=[0.4, 0.7])
-        for i, smaller in enumerate((1, 0)):
-            q = 0.2 * (curve.contact(2).pressure - curve.contact(smaller).pressure)
-            assert np.abs(onset.traction(i) - q).sum() < PRINCIPLE_TOLERANCE * q.sum()
+        for i, smaller_load_index in enumerate((1, 0)):
+            q = 0.2 * (curve.contact(2).pressure - curve.contact(smaller_load_index).pressure)
+            assert np.abs(onset.traction(i) - q).sum() < TRACTION_TOLERANCE * q.sum()
             if boundary == "periodic":
                 # In plane strain, tractions and pressures cause equal displacements (Johnson, sections 2.2 and 2.5).
-                way = 0.2 * (curve.approach[2] - curve.approach[smaller])
-                assert onset.displacement[i] == pytest.approx(way, rel=1e-4)
+                displacement = 0.2 * (curve.approach[2] - curve.approach[smaller_load_index])
+                assert onset.displacement[i] == pytest.approx(displacement, rel=1e-4)
                 assert onset.stiffness == pytest.approx(curve.stiffness[2], rel=1e-3)
 
 
@@ -301,33 +329,41 @@ def test_displacement_stiffness_and_energy_loss_before_sliding_scale_with_size(a
     problem = areas._problem
     lower = Surface(-problem.gap * factor, spacing=problem.spacing[0] * factor)
     boundary = "periodic" if problem.periodic else "free"
-    larger = half_space(flat_like(lower), lower, areas.load[:1] * factor**2, boundary=boundary, tolerance=1e-8)
-    ours, theirs = (one.onset(0, mu0=0.3, tau0=0.03, steps=[0.3, 0.8]) for one in (areas, larger))
-    np.testing.assert_allclose(theirs.displacement, factor * ours.displacement, rtol=1e-6)
-    assert theirs.stiffness == pytest.approx(factor * ours.stiffness, rel=1e-6)
+    enlarged_curve = half_space(flat_like(lower), lower, areas.load[:1] * factor**2, boundary=boundary, tolerance=1e-8)
+    original_onset, enlarged_onset = (
+        one.onset(0, mu0=0.3, tau0=0.03, steps=[0.3, 0.8]) for one in (areas, enlarged_curve)
+    )
+    np.testing.assert_allclose(enlarged_onset.displacement, factor * original_onset.displacement, rtol=1e-6)
+    assert enlarged_onset.stiffness == pytest.approx(factor * original_onset.stiffness, rel=1e-6)
     np.testing.assert_allclose(
-        theirs.energy_lost(theirs.tangential_load[1]), factor**3 * ours.energy_lost(ours.tangential_load[1]), rtol=1e-4
+        enlarged_onset.energy_lost(enlarged_onset.tangential_load[1]),
+        factor**3 * original_onset.energy_lost(original_onset.tangential_load[1]),
+        rtol=1e-4,
     )
 
 
 def test_onset_of_sliding_reaches_requested_displacements(areas):
-    farthest = areas.onset(0, mu0=0.3, steps=1).displacement_at_sliding
-    onset = areas.onset(0, mu0=0.3, displacements=[0.2 * farthest, 0.7 * farthest, farthest])
-    np.testing.assert_allclose(onset.displacement, np.array([0.2, 0.7, 1.0]) * farthest, rtol=1e-6)
-    again = areas.onset(0, mu0=0.3, steps=onset.tangential_load / onset.sliding_load)
-    np.testing.assert_allclose(again.displacement, onset.displacement, rtol=1e-6)
+    sliding_displacement = areas.onset(0, mu0=0.3, steps=1).displacement_at_sliding
+    onset = areas.onset(
+        0, mu0=0.3, displacements=[0.2 * sliding_displacement, 0.7 * sliding_displacement, sliding_displacement]
+    )
+    np.testing.assert_allclose(onset.displacement, np.array([0.2, 0.7, 1.0]) * sliding_displacement, rtol=1e-6)
+    onset_at_loads = areas.onset(0, mu0=0.3, steps=onset.tangential_load / onset.sliding_load)
+    np.testing.assert_allclose(onset_at_loads.displacement, onset.displacement, rtol=1e-6)
 
 
 def test_onset_of_sliding_is_finite_if_contact_pressures_reach_the_hardness():
-    lower = rough((64, 64))
-    load = mean_pressure(lower, 0.1)
+    lower = create_rough_body((64, 64))
+    load = load_at_relative_pressure(lower, 0.1)
     curve = half_space(flat_like(lower), lower, [load], hardness=1.0)
     assert 0.05 < curve.load_share_at_hardness[0] < 1
     onset = curve.onset(0, mu0=0.3, tau0=0.02)
     assert onset.sliding_load == pytest.approx(0.3 * load + 0.02 * curve.contact_area[0], rel=1e-6)
     assert np.isfinite(onset.stiffness)
     # All points carry the hardness, so the bound of the traction is uniform.
-    curve = half_space(Surface(np.zeros((9, 9)), spacing=1.0), bowl(9, 9.0, (1.0, 1.0)), [9.0], hardness=1.0)
+    curve = half_space(
+        Surface(np.zeros((9, 9)), spacing=1.0), create_paraboloid(9, 9.0, (1.0, 1.0)), [9.0], hardness=1.0
+    )
     assert curve.load_share_at_hardness[0] == pytest.approx(1)
     onset = curve.onset(0, mu0=0.3, steps=[0.5, 1.0])
     assert 0 < onset.displacement[0] < onset.displacement[1]
@@ -335,7 +371,7 @@ def test_onset_of_sliding_is_finite_if_contact_pressures_reach_the_hardness():
 
 
 def test_surfaces_in_full_contact_are_rigid_until_sliding():
-    lower = rough((32, 32))
+    lower = create_rough_body((32, 32))
     curve = half_space(flat_like(lower), lower, [3.0], boundary="periodic")
     onset = curve.onset(0, mu0=0.2, steps=10)
     assert onset.stiffness == np.inf
@@ -366,7 +402,7 @@ def test_flat_punch_slips_everywhere_at_the_same_load():
 
 
 def single_ball(radii=(1.0, 1.0), approach=0.02):
-    lower = bowl(64, 1.0, radii)
+    lower = create_paraboloid(64, 1.0, radii)
     return press(flat_like(lower), lower, [approach])
 
 
@@ -379,51 +415,54 @@ def test_onset_of_sliding_of_a_single_asperity_equals_mindlin_solution():
         table = contacts(*curve._pressed.bodies, 0.02)
         load, area = table.force * table.normal[:, 2], table.area
         radius, overlap = np.sqrt(area[0] / np.pi), table.overlap[0]
-        farthest = 0.3 * ratio * overlap
+        sliding_displacement = 0.3 * ratio * overlap
         assert onset.sliding_load == pytest.approx(0.3 * load.sum(), rel=ROUND_OFF)
-        np.testing.assert_allclose(onset.displacement, farthest * (1 - (1 - part) ** (2 / 3)), rtol=1e-6)
+        np.testing.assert_allclose(onset.displacement, sliding_displacement * (1 - (1 - part) ** (2 / 3)), rtol=1e-6)
         np.testing.assert_allclose(onset.slipped_area, 1 - (1 - part) ** (2 / 3), rtol=1e-6)
         assert onset.stiffness == pytest.approx(2 * MODULUS * radius / ratio, rel=1e-6)
-        lost = 24 / 5 * (1 - (1 - part) ** (5 / 3)) - 4 * part * (1 + (1 - part) ** (2 / 3))
+        energy_loss = 24 / 5 * (1 - (1 - part) ** (5 / 3)) - 4 * part * (1 + (1 - part) ** (2 / 3))
         np.testing.assert_allclose(
-            onset.energy_lost(onset.tangential_load), onset.sliding_load * farthest * lost, rtol=1e-6
+            onset.energy_lost(onset.tangential_load), onset.sliding_load * sliding_displacement * energy_loss, rtol=1e-6
         )
 
 
 @pytest.mark.parametrize("radii", [(1.0, 1.0), (0.3, 1.0)])
 @pytest.mark.parametrize(("mu0", "tau0"), [(0.3, 0.0), (0.3, 0.1), (0.0, 0.1)])
 def test_onset_of_sliding_of_a_single_asperity_agrees_with_half_space_model(radii, mu0, tau0):
-    lower = bowl(128, 1.0, radii)
-    asperity = press(flat_like(lower), lower, [0.04])
-    exact = half_space(flat_like(lower), lower, asperity.normal_elastic)
-    ours, theirs = (one.onset(0, mu0=mu0, tau0=tau0, poisson=0.0, steps=LOAD_FRACTIONS) for one in (asperity, exact))
-    np.testing.assert_allclose(ours.displacement, theirs.displacement, rtol=0.005)
-    np.testing.assert_allclose(ours.slipped_area, theirs.slipped_area, atol=0.02)
-    np.testing.assert_allclose(ours.slipped_load, theirs.slipped_load, atol=0.02)
-    assert ours.stiffness == pytest.approx(theirs.stiffness, rel=0.005)
-    lost = [one.energy_lost(one.tangential_load[4:]) for one in (ours, theirs)]
-    np.testing.assert_allclose(lost[0], lost[1], rtol=0.03)
+    lower = create_paraboloid(128, 1.0, radii)
+    asperity_curve = press(flat_like(lower), lower, [0.04])
+    half_space_curve = half_space(flat_like(lower), lower, asperity_curve.normal_elastic)
+    asperity_onset, half_space_onset = (
+        one.onset(0, mu0=mu0, tau0=tau0, poisson=0.0, steps=LOAD_FRACTIONS)
+        for one in (asperity_curve, half_space_curve)
+    )
+    np.testing.assert_allclose(asperity_onset.displacement, half_space_onset.displacement, rtol=0.005)
+    np.testing.assert_allclose(asperity_onset.slipped_area, half_space_onset.slipped_area, atol=0.02)
+    np.testing.assert_allclose(asperity_onset.slipped_load, half_space_onset.slipped_load, atol=0.02)
+    assert asperity_onset.stiffness == pytest.approx(half_space_onset.stiffness, rel=0.005)
+    energy_loss = [one.energy_lost(one.tangential_load[4:]) for one in (asperity_onset, half_space_onset)]
+    np.testing.assert_allclose(energy_loss[0], energy_loss[1], rtol=0.03)
 
 
 @pytest.mark.parametrize("direction", [0.0, 30.0, 90.0])
 def test_tangential_stiffness_of_an_elliptical_contact_equals_cerruti_quadrature(direction):
     """Compare with a numerical integral: the displacement in the middle of an ellipse under a flat punch."""
-    poisson, turned = 0.3, np.radians(direction)
+    poisson, direction_angle = 0.3, np.radians(direction)
     curve = single_ball((0.3, 1.0))
     axes = contacts(*curve._pressed.bodies, 0.02).axes[0]
 
-    def reach(way):
-        return 1 / np.hypot(np.cos(way) / axes[0], np.sin(way) / axes[1])
+    def ellipse_radius(angle):
+        return 1 / np.hypot(np.cos(angle) / axes[0], np.sin(angle) / axes[1])
 
-    def moved(
-        way,
+    def displacement_contribution(
+        angle,
     ):  # The unit force has the traction 1/(2π a b) (1 - s²)^(-1/2). For one of two equal bodies 1/G = 4 (1 - ν)/E*.
-        return (1 - poisson * np.sin(way - turned) ** 2) * reach(way)
+        return (1 - poisson * np.sin(angle - direction_angle) ** 2) * ellipse_radius(angle)
 
-    shear = MODULUS * (1 - poisson)  # For equal bodies E* = G/(1 - ν).
-    total = quad(moved, 0, 2 * np.pi)[0] / (8 * np.pi * shear * axes.prod())
+    shear_modulus = MODULUS * (1 - poisson)  # For equal bodies E* = G/(1 - ν).
+    displacement = quad(displacement_contribution, 0, 2 * np.pi)[0] / (8 * np.pi * shear_modulus * axes.prod())
     onset = curve.onset(0, mu0=0.3, poisson=poisson, direction=direction)
-    assert onset.stiffness == pytest.approx(1 / (2 * total), rel=1e-9)
+    assert onset.stiffness == pytest.approx(1 / (2 * displacement), rel=1e-9)
     assert onset.direction == direction
 
 
@@ -443,25 +482,27 @@ def test_onset_of_sliding_of_many_asperities_is_the_sum_over_their_contacts(many
     for name in ("displacement", "slipped_area", "slipped_load"):
         assert (np.diff(getattr(onset, name)) > 0).all()
     assert onset.slipped_area[-1] == pytest.approx(1)
-    light = curve.onset(1, mu0=0.3, tau0=0.1, direction=20.0, steps=[1e-6])
-    assert light.tangential_load[0] / light.displacement[0] == pytest.approx(onset.stiffness, rel=1e-3)
+    lightly_loaded_onset = curve.onset(1, mu0=0.3, tau0=0.1, direction=20.0, steps=[1e-6])
+    assert lightly_loaded_onset.tangential_load[0] / lightly_loaded_onset.displacement[0] == pytest.approx(
+        onset.stiffness, rel=1e-3
+    )
     # Each patch slips separately, and all patches are displaced with the upper body.
-    slides = onset.slip_load()
-    assert (np.sort(slides)[:-1] <= onset.sliding_load).all()
-    assert np.isfinite(slides).all()
+    slip_loads = onset.slip_load()
+    assert (np.sort(slip_loads)[:-1] <= onset.sliding_load).all()
+    assert np.isfinite(slip_loads).all()
     for load, i in ((onset.tangential_load[9], 9), (onset.tangential_load[14], 14)):
-        assert ((slides <= load) == np.isclose(onset.traction(i), onset.traction(-1), rtol=1e-12)).all()
+        assert ((slip_loads <= load) == np.isclose(onset.traction(i), onset.traction(-1), rtol=1e-12)).all()
 
 
 def test_energy_lost_equals_area_of_the_hysteresis_loop(many_asperities):
     onset = many_asperities[1].onset(1, mu0=0.3, tau0=0.1, steps=400)
-    for part in (0.5, 1.0):
-        way, load = onset.loop(part * onset.sliding_load)
-        area = 0.5 * abs(np.sum(way * np.roll(load, -1) - load * np.roll(way, -1)))
-        assert area == pytest.approx(onset.energy_lost(part * onset.sliding_load), rel=PRINCIPLE_TOLERANCE)
-        assert way[0] == pytest.approx(-way[len(way) // 2])
-        assert load.max() == pytest.approx(part * onset.sliding_load)
-        assert load.min() == pytest.approx(-part * onset.sliding_load)
+    for load_fraction in (0.5, 1.0):
+        displacement, load = onset.loop(load_fraction * onset.sliding_load)
+        area = 0.5 * abs(np.sum(displacement * np.roll(load, -1) - load * np.roll(displacement, -1)))
+        assert area == pytest.approx(onset.energy_lost(load_fraction * onset.sliding_load), rel=TRACTION_TOLERANCE)
+        assert displacement[0] == pytest.approx(-displacement[len(displacement) // 2])
+        assert load.max() == pytest.approx(load_fraction * onset.sliding_load)
+        assert load.min() == pytest.approx(-load_fraction * onset.sliding_load)
 
 
 def test_onset_of_sliding_accepts_sphere_and_elastic_plastic_laws_for_profiles():
@@ -472,22 +513,22 @@ def test_onset_of_sliding_accepts_sphere_and_elastic_plastic_laws_for_profiles()
     for detection in ("cell", "gap-minimum"):
         curve = press(*bodies, [0.03], detection=detection, shear="-x")
         onset = curve.onset(0, mu0=0.3, tau0=0.05, direction="-x")
-        all_hold = 0.3 * curve.normal_elastic[0] + 0.05 * curve.contact_area[0]
-        assert onset.sliding_load == pytest.approx(all_hold, rel=1e-9)
+        max_friction = 0.3 * curve.normal_elastic[0] + 0.05 * curve.contact_area[0]
+        assert onset.sliding_load == pytest.approx(max_friction, rel=1e-9)
     assert onset.direction == 180.0
     with pytest.raises(ValueError, match="direction on profiles"):
         curve.onset(0, mu0=0.3, direction=90.0)
     curve = press(*bodies, [0.03], law=HertzCylinder())
     with pytest.raises(ValueError, match="HertzCylinder"):
         curve.onset(0, mu0=0.3)
-    yields = press(*bodies, [0.03], law=JacksonGreen(yield_strength=0.05, poisson_ratio=0.3)).onset(0, mu0=0.3)
-    assert yields.sliding_load < onset.sliding_load
+    yielding_onset = press(*bodies, [0.03], law=JacksonGreen(yield_strength=0.05, poisson_ratio=0.3)).onset(0, mu0=0.3)
+    assert yielding_onset.sliding_load < onset.sliding_load
 
 
 def test_pickled_load_curve_gives_the_same_onset_of_sliding(many_asperities):
     bodies, curve = many_asperities
-    again = pickle.loads(pickle.dumps(curve))
-    assert again.onset(1, mu0=0.3).displacement_at_sliding == curve.onset(1, mu0=0.3).displacement_at_sliding
+    restored_curve = pickle.loads(pickle.dumps(curve))
+    assert restored_curve.onset(1, mu0=0.3).displacement_at_sliding == curve.onset(1, mu0=0.3).displacement_at_sliding
     result = press(candidates(*bodies, deepest=0.04), [0.04])
     assert result.onset(0, mu0=0.3).displacement_at_sliding == curve.onset(1, mu0=0.3).displacement_at_sliding
     with pytest.raises(ValueError, match="compute the curve again in this process"):
@@ -498,29 +539,32 @@ def test_pickled_load_curve_gives_the_same_onset_of_sliding(many_asperities):
 
 
 def test_iwan_and_lugre_fits_recover_their_parameters():
-    way = np.linspace(0, 1, 21)[1:]
-    known = {"sliding_load": 2.0, "stiffness": 3.0}
+    displacement = np.linspace(0, 1, 21)[1:]
+    known_values = {"sliding_load": 2.0, "stiffness": 3.0}
     for chi, beta in ((-0.3, 0.5), (-0.7, 3.0)):
-        true = FourParameterIwan(2.0, 3.0, chi, beta, np.empty(0))
-        result = fit_iwan(way, true.load(way), **known)
+        true_model = FourParameterIwan(2.0, 3.0, chi, beta, np.empty(0))
+        result = fit_iwan(displacement, true_model.load(displacement), **known_values)
         assert np.abs(result.residual).max() < 1e-8
         assert (result.chi, result.beta) == pytest.approx((chi, beta), rel=1e-4)
         # The curve ends at F_S without a jump, and its stiffness decreases.
-        end = true.displacement_at_sliding
-        assert true.load(end) == 2.0
-        assert true.load(end * (1 - 1e-9)) == pytest.approx(2.0, rel=1e-6)
+        sliding_displacement = true_model.displacement_at_sliding
+        assert true_model.load(sliding_displacement) == 2.0
+        assert true_model.load(sliding_displacement * (1 - 1e-9)) == pytest.approx(2.0, rel=1e-6)
         # The expected energy is the sum over Segalman's springs.
         # Each slipping spring dissipates four times the product of its strength and its slip per cycle.
-        edges = np.linspace(0, 1, 200_001) ** 3 * end
-        slips, strengths = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges ** (chi + 1))
+        edges = np.linspace(0, 1, 200_001) ** 3 * sliding_displacement
+        slip_displacements, strengths = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges ** (chi + 1))
         strengths *= 3.0 / (1 + beta) / strengths.sum()
-        slips, strengths = np.append(slips, end), np.append(strengths, 3.0 * beta / (1 + beta))
-        for u in (0.3 * end, 0.8 * end, 1.5 * end):
-            assert true.load(u) == pytest.approx(np.minimum(u, slips) @ strengths, rel=1e-4)
-            lost = 4 * (strengths * slips) @ np.maximum(u - slips, 0)
-            assert true.energy_lost(u) == pytest.approx(lost, rel=1e-4)
-    bristles = -2.0 * np.expm1(-3.0 * way / 2.0)
-    result = fit_lugre(way, bristles, sliding_load=2.0)
+        slip_displacements, strengths = (
+            np.append(slip_displacements, sliding_displacement),
+            np.append(strengths, 3.0 * beta / (1 + beta)),
+        )
+        for u in (0.3 * sliding_displacement, 0.8 * sliding_displacement, 1.5 * sliding_displacement):
+            assert true_model.load(u) == pytest.approx(np.minimum(u, slip_displacements) @ strengths, rel=1e-4)
+            energy_loss = 4 * (strengths * slip_displacements) @ np.maximum(u - slip_displacements, 0)
+            assert true_model.energy_lost(u) == pytest.approx(energy_loss, rel=1e-4)
+    lugre_forces = -2.0 * np.expm1(-3.0 * displacement / 2.0)
+    result = fit_lugre(displacement, lugre_forces, sliding_load=2.0)
     assert result.stiffness == pytest.approx(3.0, rel=1e-6)
     assert np.abs(result.residual).max() < 1e-6
 
@@ -544,7 +588,7 @@ def test_onset_data_frame_contains_units_and_fitted_models_contain_residuals(man
 
 # ---- Bad input ------------------------------------------------------------------------------------------------------
 
-BAD_ARGUMENTS = [
+REJECTED_ARGUMENTS = [
     ({"mu0": -0.1}, "mu0 must not be negative"),
     ({"mu0": [0.1, 0.2]}, "mu0 must be a finite number"),
     ({"mu0": 0.0}, "mu0 and tau0 must not both be 0"),
@@ -563,7 +607,7 @@ BAD_ARGUMENTS = [
 ]
 
 
-@pytest.mark.parametrize(("arguments", "message"), BAD_ARGUMENTS)
+@pytest.mark.parametrize(("arguments", "message"), REJECTED_ARGUMENTS)
 def test_onset_rejects_invalid_arguments(ball, arguments, message):
     for curve in (ball[0], single_ball()):
         with pytest.raises(ValueError, match=message):
@@ -598,8 +642,8 @@ def test_onset_of_sliding_of_a_ball_equals_closed_form_if_mu0_is_zero(ball):
     area = np.pi * radius**2
     assert onset.sliding_load == pytest.approx(0.2 * curve.contact_area[0], rel=ROUND_OFF)
     assert onset.displacement_at_sliding == pytest.approx(2 * 0.2 * area / (np.pi * MODULUS / 2 * radius) / 2, rel=0.01)
-    for displacement, part in zip(onset.displacement, LOAD_FRACTIONS, strict=True):
-        edge = displacement / onset.displacement_at_sliding
-        assert 2 / np.pi * (np.arcsin(edge) + edge * np.sqrt(1 - edge**2)) == pytest.approx(
-            part, rel=5 * MINDLIN_TOLERANCE
-        )
+    for displacement, load_fraction in zip(onset.displacement, LOAD_FRACTIONS, strict=True):
+        relative_displacement = displacement / onset.displacement_at_sliding
+        assert 2 / np.pi * (
+            np.arcsin(relative_displacement) + relative_displacement * np.sqrt(1 - relative_displacement**2)
+        ) == pytest.approx(load_fraction, rel=5 * MINDLIN_TOLERANCE)

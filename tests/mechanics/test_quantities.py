@@ -31,29 +31,29 @@ PAIR_OPTIONS = {"effective_modulus": "10 GPa", "mu0": 0.2, "tau0": "50 MPa", "on
 NON_QUANTITY_DIMENSIONS = {"statistic", "offset", "shear"}  # these names are dimensions, not quantities
 
 
-def heights(shape, seed, rms=0.1):
-    waves = np.fft.rfftn(np.random.default_rng(seed).standard_normal(shape))
-    steps = np.meshgrid(*(np.fft.fftfreq(n) for n in shape[:-1]), np.fft.rfftfreq(shape[-1]), indexing="ij")
-    distance = np.sqrt(sum(np.square(step) for step in steps))
-    smooth = np.fft.irfftn(np.where(distance < 0.15, waves, 0.0), s=shape, axes=range(len(shape)))
+def rough_heights(shape, seed, rms=0.1):
+    coefficients = np.fft.rfftn(np.random.default_rng(seed).standard_normal(shape))
+    frequencies = np.meshgrid(*(np.fft.fftfreq(n) for n in shape[:-1]), np.fft.rfftfreq(shape[-1]), indexing="ij")
+    radial_frequency = np.sqrt(sum(np.square(frequency) for frequency in frequencies))
+    smooth = np.fft.irfftn(np.where(radial_frequency < 0.15, coefficients, 0.0), s=shape, axes=range(len(shape)))
     return rms * smooth / smooth.std()
 
 
-def lines():
-    return tuple(Profile(heights((400,), seed), spacing=0.5) for seed in (1, 2))
+def create_profiles():
+    return tuple(Profile(rough_heights((400,), seed), spacing=0.5) for seed in (1, 2))
 
 
-def maps():
-    return tuple(Surface(heights((40, 40), seed), spacing=0.5) for seed in (3, 4))
+def create_surfaces():
+    return tuple(Surface(rough_heights((40, 40), seed), spacing=0.5) for seed in (3, 4))
 
 
 def generated_study(name, **changes):
-    small = {"ensemble.repetitions": 2, "surfaces.fractal_dimension": [1.2, 1.4]}
-    return Study.named(name).with_changes(small | changes)
+    small_changes = {"ensemble.repetitions": 2, "surfaces.fractal_dimension": [1.2, 1.4]}
+    return Study.named(name).with_changes(small_changes | changes)
 
 
 @pytest.fixture(scope="module")
-def results():
+def datasets_by_title():
     """Return datasets of members of all kinds of studies."""
     areal = {"surfaces.shape": [64, 64], "surfaces.extent": ["2 um", "2 um"]}
     half_space = {"shifts": 3, "mechanics": "half-space", "direction": [0, 180]}
@@ -62,31 +62,37 @@ def results():
         "generated areas": run(generated_study("figure6-areal", **areal)).dataset,
         "generated half-planes": run(generated_study("figure6-half-plane", **{"surfaces.points": 512})).dataset,
         "generated onset": run(generated_study("presliding", **{"surfaces.points": 2000})).dataset,
-        "lines": pair(*lines(), **PAIR_OPTIONS, mechanics="asperities", offsets=4).dataset,
-        "half-planes": pair(*lines(), **PAIR_OPTIONS, mechanics="half-space", offsets=4, hardness="1 GPa").dataset,
-        "areas": pair(*maps(), **PAIR_OPTIONS, mechanics="asperities", shifts=3, direction=[0, 180]).dataset,
-        "half-spaces": pair(*maps(), **PAIR_OPTIONS | {"onset": 0}, **half_space).dataset,
+        "lines": pair(*create_profiles(), **PAIR_OPTIONS, mechanics="asperities", offsets=4).dataset,
+        "half-planes": pair(
+            *create_profiles(), **PAIR_OPTIONS, mechanics="half-space", offsets=4, hardness="1 GPa"
+        ).dataset,
+        "areas": pair(*create_surfaces(), **PAIR_OPTIONS, mechanics="asperities", shifts=3, direction=[0, 180]).dataset,
+        "half-spaces": pair(*create_surfaces(), **PAIR_OPTIONS | {"onset": 0}, **half_space).dataset,
         "adhesion": pair(
-            *maps(), **PAIR_OPTIONS | {"onset": 0}, **half_space, work_of_adhesion="50 mJ/m^2", adhesion_range="20 nm"
+            *create_surfaces(),
+            **PAIR_OPTIONS | {"onset": 0},
+            **half_space,
+            work_of_adhesion="50 mJ/m^2",
+            adhesion_range="20 nm",
         ).dataset,
     }
     return {name: dataset for name, dataset in result.items() if dataset is not None}
 
 
 @pytest.fixture(scope="module")
-def at_loads(results):
+def results_at_loads(datasets_by_title):
     """Return the results of these studies at loads."""
-    return {name: at_load(result, loads(result)) for name, result in results.items()}
+    return {name: at_load(result, choose_loads(result)) for name, result in datasets_by_title.items()}
 
 
-def loads(dataset):
+def choose_loads(dataset):
     if "load" in dataset.coords:
         return np.unique(dataset["load"].values)[:2]
     elastic = dataset["normal_elastic"].mean("repetition")
     return [float(elastic.max()) / 4]
 
 
-def list_variables(datasets):
+def iterate_variables(datasets):
     for title, dataset in datasets.items():
         for name, item in (*dataset.data_vars.items(), *dataset.coords.items()):
             yield title, str(name), item
@@ -94,20 +100,22 @@ def list_variables(datasets):
 
 def expected_dims(name, dataset):
     """Return the dimensions of a variable after cells and members, as listed in the table of quantities."""
-    others = {"fractal_dimension", "amplitude", "cut_off", "repetition", "statistic"}
-    step = {"approach": "step", "load": "step"}
-    return {step.get(str(dim), str(dim)) for dim in dataset[name].dims} - others
+    omitted_dims = {"fractal_dimension", "amplitude", "cut_off", "repetition", "statistic"}
+    renamed_dims = {"approach": "step", "load": "step"}
+    return {renamed_dims.get(str(dim), str(dim)) for dim in dataset[name].dims} - omitted_dims
 
 
-def test_table_of_quantities_contains_every_result_variable_with_its_unit(results, at_loads):
-    for title, name, item in list_variables(results | {f"{key} at a load": one for key, one in at_loads.items()}):
+def test_table_of_quantities_contains_every_result_variable_with_its_unit(datasets_by_title, results_at_loads):
+    for title, name, item in iterate_variables(
+        datasets_by_title | {f"{key} at a load": one for key, one in results_at_loads.items()}
+    ):
         if name not in NON_QUANTITY_DIMENSIONS:
             assert name in QUANTITIES, f"{name} of {title}"
             assert item.attrs.get("units", "") == QUANTITIES[name].unit, f"{name} of {title}"
 
 
-def test_stored_variables_have_the_dimensions_and_dtypes_in_the_table_of_quantities(results):
-    for title, dataset in results.items():
+def test_stored_variables_have_the_dimensions_and_dtypes_in_the_table_of_quantities(datasets_by_title):
+    for title, dataset in datasets_by_title.items():
         for name in map(str, dataset.data_vars):
             quantity = QUANTITIES[name]
             along = {item for item in quantity.along if item not in ("sliding", "direction") or item in dataset.dims}
@@ -116,23 +124,23 @@ def test_stored_variables_have_the_dimensions_and_dtypes_in_the_table_of_quantit
             assert quantity.stored, f"{name} of {title}"
 
 
-def test_variables_at_a_load_have_the_dimensions_in_the_table_of_quantities(at_loads):
-    for title, dataset in at_loads.items():
+def test_variables_at_a_load_have_the_dimensions_in_the_table_of_quantities(results_at_loads):
+    for title, dataset in results_at_loads.items():
         for name in map(str, dataset.data_vars):
             if name == "status":  # The status belongs to the coefficient, not to the contact.
                 assert expected_dims(name, dataset) == expected_dims("friction_coefficient", dataset)
             else:
                 # The mean load of an ensemble depends on the sliding rule, mu0 and tau0.
                 # Therefore all quantities at a load depend on the sliding rule, mu0 and tau0.
-                more = {"sliding", "mu0", "tau0"} if dataset.attrs["reading"] == "mean" else set()
+                extra_dims = {"sliding", "mu0", "tau0"} if dataset.attrs["reading"] == "mean" else set()
                 missing = {"sliding", "direction"} - set(dataset.dims)
-                assert expected_dims(name, dataset) - more == {*QUANTITIES[name].along} - more - missing, (
+                assert expected_dims(name, dataset) - extra_dims == {*QUANTITIES[name].along} - extra_dims - missing, (
                     f"{name} of {title}"
                 )
 
 
-def test_intervals_at_a_load_are_within_the_bounds_in_the_table_of_quantities(at_loads):
-    for title, name, item in list_variables(at_loads):
+def test_intervals_at_a_load_are_within_the_bounds_in_the_table_of_quantities(results_at_loads):
+    for title, name, item in iterate_variables(results_at_loads):
         if name in QUANTITIES and "statistic" in item.dims and item.dtype.kind == "f":
             ends, mean = item.sel(statistic=["lower", "upper"]), item.sel(statistic="mean")
             low, high = QUANTITIES[name].bounds
@@ -142,28 +150,28 @@ def test_intervals_at_a_load_are_within_the_bounds_in_the_table_of_quantities(at
 
 def test_variables_of_each_member_have_the_units_in_the_table_of_quantities():
     options = {"mu0": 0.2, "effective_modulus": 10.0}
-    longer = Profile(heights((600,), 5), spacing=0.5)
+    longer = Profile(rough_heights((600,), 5), spacing=0.5)
     result = {
-        "lines": run(pair_study(lines()[0], longer, load=[1e-3], positions=[0.0, 5.0], **options)),
-        "areas": run(pair_study(*maps(), load=[1.0], shifts=2, mechanics="asperities", **options)),
+        "lines": run(pair_study(create_profiles()[0], longer, load=[1e-3], positions=[0.0, 5.0], **options)),
+        "areas": run(pair_study(*create_surfaces(), load=[1.0], shifts=2, mechanics="asperities", **options)),
     }
     values = {title: one.at(per_member=True) for title, one in result.items()}
     assert "lateral_load" in values["areas"]
-    for title, name, item in list_variables(values):
+    for title, name, item in iterate_variables(values):
         if name not in NON_QUANTITY_DIMENSIONS:
             assert name in QUANTITIES, f"{name} of {title}"
             assert item.attrs.get("units", "") == QUANTITIES[name].unit, f"{name} of {title}"
 
 
 def test_resolution_dataset_variables_have_the_units_in_the_table_of_quantities():
-    result = resolution(*maps(), [1.0], mu0=0.2, effective_modulus=10.0, hardness=1.0)
-    shared = {*map(str, result.data_vars)} & {*QUANTITIES}
-    assert {"contact_area", "contact_count", "mean_pressure", "error", *LOAD_SUM_NAMES} <= shared
-    for name in shared:
+    result = resolution(*create_surfaces(), [1.0], mu0=0.2, effective_modulus=10.0, hardness=1.0)
+    shared_names = {*map(str, result.data_vars)} & {*QUANTITIES}
+    assert {"contact_area", "contact_count", "mean_pressure", "error", *LOAD_SUM_NAMES} <= shared_names
+    for name in shared_names:
         assert result[name].attrs["units"] == QUANTITIES[name].unit
 
 
-def test_table_of_quantities_has_the_names_of_core_sums_and_validity_fields():
+def test_table_of_quantities_contains_the_names_of_core_sums_and_validity_fields():
     assert set(LOAD_SUM_NAMES) < set(SUM_QUANTITIES)
     assert {*SUM_QUANTITIES} == {*ContactSums.__dataclass_fields__}
     assert {*VALIDITY_QUANTITIES} == {*Validity.__dataclass_fields__}
@@ -194,8 +202,8 @@ def test_fields_of_a_quantity_in_the_table_are_consistent_with_each_other(name):
     assert len(set(quantity.along)) == len(quantity.along)
 
 
-def test_csv_columns_are_in_the_order_of_the_table_of_quantities(at_loads):
-    at = at_loads["half-planes"]
+def test_csv_columns_are_in_the_order_of_the_table_of_quantities(results_at_loads):
+    at = results_at_loads["half-planes"]
     columns = list(summary_table(summarize(at, parse_dataset_study(at))).columns)
     shown = [name for name in quantities_shown_in("csv") if name in at and "direction" not in at[name].dims]
     places = [
@@ -204,7 +212,7 @@ def test_csv_columns_are_in_the_order_of_the_table_of_quantities(at_loads):
     assert places == sorted(places)
 
 
-def test_modules_do_not_infer_properties_from_names_of_quantities():
+def test_modules_do_not_infer_properties_of_quantities_from_their_names():
     parts = "share|fraction|count|load|area|pull_off|slipped|stiffness|unloaded|friction|pressure"
     tests = "startswith|endswith|replace|removeprefix|removesuffix"
     pattern = re.compile(rf"""["']_?({parts})\w*["'] in (str\()?name\b|\bname\)?\.({tests})\(\(?["']_?({parts})""")

@@ -24,7 +24,7 @@ EDGE_TOLERANCE = 0.1  # relative error of the area that cells at contact edges c
 STEEL_OPTIONS = {"hardness": 4.0, "effective_modulus": 115.0, "mu0": 0.2, "tau0": 0.2}
 
 
-def pair(hurst=0.8, points=128, spacing=0.04, rms=0.03, seed=5, shortest=None):
+def create_rough_surfaces(hurst=0.8, points=128, spacing=0.04, rms=0.03, seed=5, shortest=None):
     waves = {"longest_wavelength": points * spacing / 4, "shortest_wavelength": shortest}
     return rough_maps(seed, hurst_exponent=hurst, rms=rms, points=points, spacing=spacing, **waves)
 
@@ -32,7 +32,7 @@ def pair(hurst=0.8, points=128, spacing=0.04, rms=0.03, seed=5, shortest=None):
 @pytest.fixture(scope="module")
 def resolved_pair():
     """Return the result of a pair under 20 MPa at its own resolution and at coarser resolutions."""
-    upper, lower = pair()
+    upper, lower = create_rough_surfaces()
     load = 0.02 * 128**2 * 0.04**2
     lengths = [0.16, 0.32, 0.64]
     return upper, lower, load, resolution(upper, lower, [load], cut_offs=lengths, boundary="periodic", **STEEL_OPTIONS)
@@ -40,27 +40,27 @@ def resolved_pair():
 
 def test_results_at_each_cutoff_equal_half_space_solutions_of_filtered_surfaces(resolved_pair):
     upper, lower, load, result = resolved_pair
-    for length in result.cut_off.values:
-        bodies = [cut_off(body, length, periodic=True) if length else body for body in (upper, lower)]
+    for cutoff in result.cut_off.values:
+        bodies = [cut_off(body, cutoff, periodic=True) if cutoff else body for body in (upper, lower)]
         for sliding in ("all", "opposing"):
             curve = half_space(
                 *bodies, [load], effective_modulus=115.0, hardness=4.0, boundary="periodic", sliding=sliding,
                 direction=[0.0, 90.0, 180.0, 270.0],
             )  # fmt: skip
-            one = result.sel(cut_off=length, normal_load=load)
-            assert float(one.contact_area) == curve.contact_area[0]
-            assert float(one.contact_count) == curve.contact_count[0]
-            assert float(one.load_fraction_at_hardness) == curve.load_share_at_hardness[0]
-            assert float(one.mean_pressure) == pytest.approx(load / curve.contact_area[0], rel=ROUND_OFF)
+            point = result.sel(cut_off=cutoff, normal_load=load)
+            assert float(point.contact_area) == curve.contact_area[0]
+            assert float(point.contact_count) == curve.contact_count[0]
+            assert float(point.load_fraction_at_hardness) == curve.load_share_at_hardness[0]
+            assert float(point.mean_pressure) == pytest.approx(load / curve.contact_area[0], rel=ROUND_OFF)
             normal, tangential = (
                 getattr(curve, name)(mu0=0.2, tau0=0.2).mean() for name in ("normal_load", "tangential_load")
             )
-            mu = float(one.friction_coefficient.sel(sliding=sliding))
+            mu = float(point.friction_coefficient.sel(sliding=sliding))
             assert mu == pytest.approx(tangential / normal, rel=ROUND_OFF)
-    again = resolution_friction(result, mu0=0.2, tau0=0.2)
-    assert np.array_equal(again, result.friction_coefficient)
-    smooth = resolution_friction(result, mu0=0.0)
-    assert abs(smooth.sel(sliding="all")).max() < 0.02  # Forces on uphill and downhill slopes cancel.
+    recomputed_friction = resolution_friction(result, mu0=0.2, tau0=0.2)
+    assert np.array_equal(recomputed_friction, result.friction_coefficient)
+    elastic_friction = resolution_friction(result, mu0=0.0)
+    assert abs(elastic_friction.sel(sliding="all")).max() < 0.02  # Forces on uphill and downhill slopes cancel.
 
 
 def test_results_with_a_finer_cutoff_lie_between_the_plastic_limit_and_coarser_results(resolved_pair):
@@ -70,52 +70,58 @@ def test_results_with_a_finer_cutoff_lie_between_the_plastic_limit_and_coarser_r
     assert result.load_fraction_at_hardness[0, 0] > 0.8
     assert np.abs(mu / mu[0] - 1).max() < 0.03
     assert np.abs(area / area[0] - 1).max() < 0.25
-    least, limit = float(result.plastic_area_fraction[0]), float(result.plastic_friction_coefficient[0])
-    assert least == pytest.approx(load / 4.0 / (128 * 0.04) ** 2, rel=ROUND_OFF)
-    assert limit == pytest.approx(0.2 + 0.2 / 4.0, rel=ROUND_OFF)
+    min_area_fraction, min_friction = (
+        float(result.plastic_area_fraction[0]),
+        float(result.plastic_friction_coefficient[0]),
+    )
+    assert min_area_fraction == pytest.approx(load / 4.0 / (128 * 0.04) ** 2, rel=ROUND_OFF)
+    assert min_friction == pytest.approx(0.2 + 0.2 / 4.0, rel=ROUND_OFF)
     # Every finer result lies between the limit and the coarser result.
-    for finer in range(area.size):
-        assert (area[finer] >= least * (1 - EDGE_TOLERANCE)).all()
-        assert (area[finer] <= area[finer:] * (1 + EDGE_TOLERANCE)).all()
-        assert (mu[finer] >= limit * (1 - 0.02)).all()
-        assert (mu[finer] <= mu[finer:] * (1 + 0.02)).all()
+    for finer_index in range(area.size):
+        assert (area[finer_index] >= min_area_fraction * (1 - EDGE_TOLERANCE)).all()
+        assert (area[finer_index] <= area[finer_index:] * (1 + EDGE_TOLERANCE)).all()
+        assert (mu[finer_index] >= min_friction * (1 - 0.02)).all()
+        assert (mu[finer_index] <= mu[finer_index:] * (1 + 0.02)).all()
 
 
-def test_bracket_at_each_cutoff_contains_results_of_finer_scans(resolved_pair):
+def test_range_for_finer_scans_at_each_cutoff_contains_results_of_finer_scans(resolved_pair):
     result = resolved_pair[3]
-    stretch = 1 + np.square(result.rms_gradient.values) / 8
-    for name, of in (("area_fraction", "contact_area_fraction"), ("friction_coefficient", "friction_coefficient")):
-        values = result[of].sel(sliding="all") if "sliding" in result[of].dims else result[of]
+    second_order_factor = 1 + np.square(result.rms_gradient.values) / 8
+    for name, variable in (
+        ("area_fraction", "contact_area_fraction"),
+        ("friction_coefficient", "friction_coefficient"),
+    ):
+        values = result[variable].sel(sliding="all") if "sliding" in result[variable].dims else result[variable]
         ends = result[f"bracket_{name}"][:, 0].values
         assert ends[:, 0] == pytest.approx(float(result[f"plastic_{name}"][0]), rel=ROUND_OFF)
-        for finer in range(ends.shape[0]):
-            assert (values[finer, 0].values <= ends[finer:, 1] * stretch[finer]).all()
+        for finer_index in range(ends.shape[0]):
+            assert (values[finer_index, 0].values <= ends[finer_index:, 1] * second_order_factor[finer_index]).all()
     # Above the plastic limit, the bracket allows the area to grow by the square of two standard deviations of κ.
     # The largest area fraction of an elastic scan is one.
-    count, least = result.contact_count[:, 0].values, float(result.plastic_area_fraction[0])
-    above = result.contact_area_fraction[:, 0].values - least
+    count, min_area_fraction = result.contact_count[:, 0].values, float(result.plastic_area_fraction[0])
+    area_above_limit = result.contact_area_fraction[:, 0].values - min_area_fraction
     assert result.bracket_area_fraction[:, 0, 1].values == pytest.approx(
-        least + above * kappa_uncertainty_factor(count) ** 2
+        min_area_fraction + area_above_limit * kappa_uncertainty_factor(count) ** 2
     )
     assert float(max_area(100.0, 1.0, 1000)) == pytest.approx(100 * math.exp(0.1))
     assert float(max_area(0.9, 1.0, 1000)) == 1.0
 
 
-def test_max_friction_of_a_sample_equals_the_upper_end_of_its_bracket():
+def test_max_friction_of_a_sample_equals_the_upper_end_of_its_range_for_finer_scans():
     mu0, adhesion, value = (
         np.array([0.1, 0.2, 0.2, 0.3]),
         np.array([0.05, 0.02, 0.0, 0.1]),
         np.array([0.3, 0.6, 0.2, 0.35]),
     )
-    ends = [friction_bracket(*sample, contacts=38.0)[1] for sample in zip(value, mu0, adhesion, strict=True)]
-    assert max_friction(value, mu0, adhesion, 38.0) == pytest.approx(ends)
-    # The real area is far above F/H in the first two samples, so that their adhesive friction grows by `spread`.
-    spread = float(kappa_uncertainty_factor(np.array(38.0)))
-    assert ends[:2] == pytest.approx((mu0 + spread * (value - mu0))[:2])
-    assert ends[2] == value[2]
+    max_values = [friction_bracket(*sample, contacts=38.0)[1] for sample in zip(value, mu0, adhesion, strict=True)]
+    assert max_friction(value, mu0, adhesion, 38.0) == pytest.approx(max_values)
+    # The real area is far above F/H in the first two samples, so that their adhesive friction grows by `kappa_factor`.
+    kappa_factor = float(kappa_uncertainty_factor(np.array(38.0)))
+    assert max_values[:2] == pytest.approx((mu0 + kappa_factor * (value - mu0))[:2])
+    assert max_values[2] == value[2]
 
 
-def test_bracket_of_few_contacts_includes_a_finer_result_with_a_larger_contact_area():
+def test_range_for_finer_scans_allows_a_larger_contact_area_if_contacts_are_few():
     """Use a pair of seven contacts whose finest result has more area than a coarser result."""
     bodies = rough_maps(
         28, rms=0.01, points=256, spacing=0.01, repetition=2004, longest_wavelength=0.64, shortest_wavelength=0.04
@@ -129,7 +135,7 @@ def test_bracket_of_few_contacts_includes_a_finer_result_with_a_larger_contact_a
     assert area[0] < float(result.bracket_area_fraction[1, 0].sel(end="upper"))
 
 
-def test_plastic_wavelengths_are_tabulated_for_several_hardnesses_if_no_hardness_is_given(resolved_pair):
+def test_yielding_wavelengths_are_tabulated_for_several_hardnesses_if_none_is_given(resolved_pair):
     upper, lower, load, plastic = resolved_pair
     result = resolution(
         upper, lower, [load], hardness=None, cut_offs=[0.32], boundary="periodic", effective_modulus=115.0
@@ -142,12 +148,12 @@ def test_plastic_wavelengths_are_tabulated_for_several_hardnesses_if_no_hardness
     assert result.hardness.size > 3
     lengths = result.plastic_wavelength[:, 0].sel(statistic="value").values
     assert (np.diff(lengths) <= 0).all()  # A larger hardness is reached at a shorter wavelength.
-    at_four = float(plastic.plastic_wavelength.sel(statistic="value")[0, 0])
+    wavelength_at_4_gpa = float(plastic.plastic_wavelength.sel(statistic="value")[0, 0])
     harder, softer = (float(result.plastic_wavelength.sel(hardness=h, statistic="value")[0]) for h in (5.0, 2.0))
-    assert harder < at_four < softer
+    assert harder < wavelength_at_4_gpa < softer
 
 
-def test_rms_slope_at_the_plastic_wavelength_corresponds_to_the_hardness(resolved_pair):
+def test_rms_slope_at_the_longest_yielding_wavelength_corresponds_to_the_hardness(resolved_pair):
     upper, lower, load, result = resolved_pair
     kappa = float(result.elastic_kappa[0])
     assert kappa == pytest.approx(
@@ -161,14 +167,14 @@ def test_rms_slope_at_the_plastic_wavelength_corresponds_to_the_hardness(resolve
     assert float(roughness.gradient_at(value)) == pytest.approx(kappa * 4.0 / 115.0, rel=1e-6)
     # There are few contacts, so κ agrees only within a factor.
     curve = half_space(upper, lower, [load], effective_modulus=115.0, boundary="periodic")
-    within = float(kappa_uncertainty_factor(curve.contact_count)[0])
-    assert 1.1 <= within <= math.exp(1)
-    assert float(roughness.gradient_at(high)) == pytest.approx(kappa * 4.0 / 115.0 / within, rel=1e-6)
+    kappa_factor = float(kappa_uncertainty_factor(curve.contact_count)[0])
+    assert 1.1 <= kappa_factor <= math.exp(1)
+    assert float(roughness.gradient_at(high)) == pytest.approx(kappa * 4.0 / 115.0 / kappa_factor, rel=1e-6)
 
 
 def test_extrapolation_of_a_filtered_scan_agrees_with_the_unfiltered_scan():
     """Compare the extrapolation of a filtered scan with the unfiltered scan."""
-    upper, lower = pair(points=256, spacing=0.02)
+    upper, lower = create_rough_surfaces(points=256, spacing=0.02)
     coarse = [Surface(cut_off(body, 0.16, periodic=True).heights, spacing=0.02) for body in (upper, lower)]
     load = [0.02 * (256 * 0.02) ** 2]
     options = {"boundary": "periodic", "effective_modulus": 115.0, "mu0": 0.2, "tau0": 0.2, "cut_offs": []}
@@ -178,8 +184,8 @@ def test_extrapolation_of_a_filtered_scan_agrees_with_the_unfiltered_scan():
     assert result.continued_rms_gradient.sel(statistic="value")[0] == pytest.approx(
         float(result.rms_gradient[0]), rel=0.3
     )
-    one = result.continued_rms_gradient.sel(finer_wavelength=0.04)
-    assert one.sel(statistic="lower") <= one.sel(statistic="value") <= one.sel(statistic="upper")
+    gradient = result.continued_rms_gradient.sel(finer_wavelength=0.04)
+    assert gradient.sel(statistic="lower") <= gradient.sel(statistic="value") <= gradient.sel(statistic="upper")
     area = result.continued_elastic_area_fraction.sel(finer_wavelength=0.01)[0]
     assert area.sel(statistic="lower") < area.sel(statistic="value") < area.sel(statistic="upper")
     mu = result.continued_elastic_friction_coefficient
@@ -190,7 +196,7 @@ def test_extrapolation_of_a_filtered_scan_agrees_with_the_unfiltered_scan():
 
 def test_extrapolated_interval_contains_friction_of_a_finer_scan():
     """Extrapolate pairs that are filtered at 16 points, and compare them with the unfiltered pairs."""
-    inside = 0
+    num_contained = 0
     for seed in range(6):
         rough = {"hurst_exponent": 0.6, "rms": 0.02, "shape": (256, 256), "spacing": 0.02, "shortest_wavelength": 0.08}
         fine = rough_maps(seed, **rough)
@@ -202,13 +208,13 @@ def test_extrapolated_interval_contains_friction_of_a_finer_scan():
         load = [0.2 * 5.12**2]
         options = {"effective_modulus": 115.0, "mu0": 0.2, "tau0": 0.2, "boundary": "periodic", "cut_offs": []}
         result = resolution(*coarse, load, hardness=None, **options)
-        at = result.continued_elastic_friction_coefficient.sel(finer_wavelength=0.08)[0]
+        estimate = result.continued_elastic_friction_coefficient.sel(finer_wavelength=0.08)[0]
         truth = resolution(*fine, load, hardness=None, **options).friction_coefficient.sel(sliding="all")[0, 0]
-        inside += bool(at.sel(statistic="lower") <= truth <= at.sel(statistic="upper"))
-    assert inside >= 5  # at a coverage of 95 %, the probability of two misses is 1 in 30
+        num_contained += bool(estimate.sel(statistic="lower") <= truth <= estimate.sel(statistic="upper"))
+    assert num_contained >= 5  # at a coverage of 95 %, the probability of two misses is 1 in 30
 
 
-def test_resolution_of_profiles_averages_friction_over_both_directions():
+def test_resolution_result_of_profiles_averages_friction_over_both_directions():
     upper, lower = (
         self_affine(2, hurst_exponent=0.8, rms=0.02, points=1024, spacing=0.01, longest_wavelength=2.0, side=side)
         for side in ("upper", "lower")
@@ -217,15 +223,15 @@ def test_resolution_of_profiles_averages_friction_over_both_directions():
     assert result.cut_off.values == pytest.approx([0.0, 0.04, 0.08, 0.16, 0.32])
     assert result.sizes["normal_load"] == 2
     curve = half_space(upper, lower, [0.02, 0.1], hardness=4.0, effective_modulus=100.0)
-    both = [curve.with_direction(way) for way in ("+x", "-x")]
+    both = [curve.with_direction(direction) for direction in ("+x", "-x")]
     normal = sum(item.normal_load(mu0=0.3) for item in both)
     mu = sum(item.tangential_load(mu0=0.3) for item in both) / normal
     assert result.friction_coefficient.sel(sliding="opposing")[0].values == pytest.approx(mu, rel=1e-6)
 
 
 def test_resolution_results_scale_with_size():
-    one = resolution(*pair(points=64, spacing=0.08), [0.4], boundary="periodic", **STEEL_OPTIONS)
-    bodies = [Surface(10 * body.heights, spacing=0.8) for body in pair(points=64, spacing=0.08)]
+    one = resolution(*create_rough_surfaces(points=64, spacing=0.08), [0.4], boundary="periodic", **STEEL_OPTIONS)
+    bodies = [Surface(10 * body.heights, spacing=0.8) for body in create_rough_surfaces(points=64, spacing=0.08)]
     ten = resolution(*bodies, [40.0], boundary="periodic", **STEEL_OPTIONS)
     for name in ("contact_area_fraction", "friction_coefficient", "rms_gradient", "plastic_area_fraction"):
         assert ten[name].values == pytest.approx(one[name].values, rel=1e-6)
@@ -245,24 +251,24 @@ def test_resolution_dataset_has_units_and_can_be_written_to_netcdf(resolved_pair
         xr.testing.assert_equal(again.load(), result)
 
 
-def test_resolution_is_nan_at_an_unsolved_load_and_reports_complete_progress(monkeypatch):
+def test_resolution_result_is_nan_at_an_unsolved_load_and_progress_is_complete(monkeypatch):
     from stiction.mechanics import resolution as module
 
-    upper, lower = pair(points=32, spacing=0.16)
-    own = module.half_space
+    upper, lower = create_rough_surfaces(points=32, spacing=0.16)
+    original_half_space = module.half_space
 
     def failing_half_space(upper, lower, loads, **options):
         if max(loads) > 1:
             raise RuntimeError("no solution")
-        return own(upper, lower, loads, **options)
+        return original_half_space(upper, lower, loads, **options)
 
     monkeypatch.setattr(module, "half_space", failing_half_space)
-    steps = []
+    reported_progress = []
     result = resolution(
         upper, lower, [0.5, 2.0], boundary="periodic", cut_offs=[0.64],
-        progress=lambda done, count: steps.append((done, count)), **STEEL_OPTIONS,
+        progress=lambda num_done, count: reported_progress.append((num_done, count)), **STEEL_OPTIONS,
     )  # fmt: skip
-    assert steps == [(0, 3), (1, 3), (2, 3), (3, 3)]
+    assert reported_progress == [(0, 3), (1, 3), (2, 3), (3, 3)]
     assert np.isfinite(result.contact_area[:, 0]).all()
     assert np.isnan(result.contact_area[:, 1]).all()
     assert np.isnan(result.friction_coefficient[..., 1]).all()
@@ -288,7 +294,7 @@ def test_resolution_is_nan_at_an_unsolved_load_and_reports_complete_progress(mon
     ],
 )
 def test_resolution_rejects_invalid_arguments(changes, message):
-    upper, lower = pair(points=32, spacing=0.16)
+    upper, lower = create_rough_surfaces(points=32, spacing=0.16)
     arguments = {"upper": upper, "lower": lower, "loads": [0.5], "hardness": 4.0} | changes
     with pytest.raises(ValueError, match=message):
         resolution(arguments.pop("upper"), arguments.pop("lower"), arguments.pop("loads"), **arguments)

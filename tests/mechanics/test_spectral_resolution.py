@@ -10,17 +10,17 @@ from support.rough_surfaces import rough_maps
 PAIR_OPTIONS = {"pressure": 0.05, "hardness": 4.0, "mu0": 0.2, "tau0": 0.2, "effective_modulus": 115.0}
 
 
-def pair(points=256):
+def create_rough_surfaces(points=256):
     waves = {"longest_wavelength": min(1.28, 0.02 * points), "shortest_wavelength": 0.08}
     return rough_maps(6, hurst_exponent=0.6, rms=0.01, points=points, spacing=0.02, **waves)
 
 
-def both_roughnesses(bodies):
+def roughness_of_bodies(bodies):
     return [scale_dependent_roughness(body, periodic=True) for body in bodies]
 
 
 def test_spectral_resolution_limits_the_elastic_pressure_to_the_hardness():
-    upper, lower = both_roughnesses(pair())
+    upper, lower = roughness_of_bodies(create_rough_surfaces())
     result = spectral_resolution(upper, lower, **PAIR_OPTIONS)
     gradient = np.hypot(upper.gradient_at(result.wavelength), lower.gradient_at(result.wavelength))
     assert result.rms_gradient.values == pytest.approx(gradient)
@@ -37,33 +37,39 @@ def test_spectral_resolution_limits_the_elastic_pressure_to_the_hardness():
     elastic = spectral_resolution(upper, lower, **PAIR_OPTIONS | {"hardness": None})
     ratio = np.asarray(upper.gradient_at(result.wavelength) / lower.gradient_at(result.wavelength))
     expected = gentle_friction(0.2, 0.2, rms_gradient=gradient, effective_modulus=115.0, kappa=2.2, slope_ratio=ratio)
-    light = elastic.contact_area_fraction.values < 1
-    assert elastic.friction_coefficient.sel(sliding="opposing").values[light] == pytest.approx(expected[light])
+    is_light = elastic.contact_area_fraction.values < 1
+    assert elastic.friction_coefficient.sel(sliding="opposing").values[is_light] == pytest.approx(expected[is_light])
     assert math.isnan(elastic.plastic_wavelength)
 
 
 def test_spectral_resolution_agrees_with_half_space_model():
-    bodies = pair()
-    upper, lower = both_roughnesses(bodies)
+    bodies = create_rough_surfaces()
+    upper, lower = roughness_of_bodies(bodies)
     load = 0.05 * (256 * 0.02) ** 2
-    solved = resolution(
+    half_space_result = resolution(
         *bodies, [load], hardness=4.0, mu0=0.2, tau0=0.2, effective_modulus=115.0, boundary="periodic", cut_offs=[]
     )
     result = spectral_resolution(upper, lower, **PAIR_OPTIONS, wavelengths=[0.04])
-    assert float(result.contact_area_fraction[0]) == pytest.approx(float(solved.contact_area_fraction[0, 0]), rel=0.15)
+    assert float(result.contact_area_fraction[0]) == pytest.approx(
+        float(half_space_result.contact_area_fraction[0, 0]), rel=0.15
+    )
     # A contact patch opposes the motion as a whole, with a smaller slope than its points.
-    for rule, within in (("all", 0.05), ("opposing", 0.15)):
-        one, other = (item.friction_coefficient.sel(sliding=rule).values.ravel()[0] for item in (result, solved))
-        assert one == pytest.approx(other, rel=within)
+    for rule, tolerance in (("all", 0.05), ("opposing", 0.15)):
+        estimated_friction, solved_friction = (
+            item.friction_coefficient.sel(sliding=rule).values.ravel()[0] for item in (result, half_space_result)
+        )
+        assert estimated_friction == pytest.approx(solved_friction, rel=tolerance)
 
 
 def test_spectral_resolution_of_a_surface_on_a_flat_uses_only_slopes_of_the_surface():
-    upper = both_roughnesses(pair(64))[0]
+    upper = roughness_of_bodies(create_rough_surfaces(64))[0]
     result = spectral_resolution(upper, None, **PAIR_OPTIONS)
     assert result.rms_gradient.values == pytest.approx(upper.gradient_at(result.wavelength))
     # The flat has no slope, so contacts on it are level.
-    opposing, everything = (result.friction_coefficient.sel(sliding=rule).values for rule in ("opposing", "all"))
-    assert opposing == pytest.approx(everything / 2)
+    friction_at_opposing, friction_at_all = (
+        result.friction_coefficient.sel(sliding=rule).values for rule in ("opposing", "all")
+    )
+    assert friction_at_opposing == pytest.approx(friction_at_all / 2)
 
 
 @pytest.mark.parametrize(
@@ -78,7 +84,7 @@ def test_spectral_resolution_of_a_surface_on_a_flat_uses_only_slopes_of_the_surf
     ],
 )
 def test_spectral_resolution_rejects_invalid_arguments(changes, message):
-    upper, lower = both_roughnesses(pair(32))
+    upper, lower = roughness_of_bodies(create_rough_surfaces(32))
     with pytest.raises(ValueError, match=message):
         spectral_resolution(upper, lower, **PAIR_OPTIONS | changes)
     line = scale_dependent_roughness(Profile(np.sin(np.arange(99.0)), spacing=0.1))

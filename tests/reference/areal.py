@@ -81,7 +81,7 @@ def _find_minima(values, shape, spacing):
     return position[is_first]
 
 
-def solve_axis_ratio(longer, shorter):
+def solve_axis_ratio(longer_radius, shorter_radius):
     """Return the axis ratio k = b/a of a Hertzian contact ellipse and the integral K (Johnson, section 4.2)."""
 
     def integrals(k):
@@ -91,22 +91,22 @@ def solve_axis_ratio(longer, shorter):
         first, second = integrals(k)
         return k**2 * (first - second) / (second - k**2 * first)
 
-    if longer / shorter < 1 + 1e-5:
-        k = (shorter / longer) ** (2 / 3)  # The integrals cancel here. This limit is accurate to 1e-11.
+    if longer_radius / shorter_radius < 1 + 1e-5:
+        k = (shorter_radius / longer_radius) ** (2 / 3)  # The integrals cancel here. This limit is accurate to 1e-11.
     else:
-        k = brentq(lambda k: ratio(k) - shorter / longer, 1e-9, 1 - 1e-7, xtol=1e-16, rtol=1e-14)
+        k = brentq(lambda k: ratio(k) - shorter_radius / longer_radius, 1e-9, 1 - 1e-7, xtol=1e-16, rtol=1e-14)
     return k, integrals(k)[0]
 
 
-def compute_semi_axes(longer, shorter, overlap):
+def compute_semi_axes(longer_radius, shorter_radius, overlap):
     """Return the semi-axes of a Hertzian contact ellipse, and the complete elliptic integral K."""
-    k, first = solve_axis_ratio(longer, shorter)
-    second = ellipe(1 - k**2)
+    k, integral_k = solve_axis_ratio(longer_radius, shorter_radius)
+    integral_e = ellipe(1 - k**2)
     if k > 1 - 1e-6:
-        a = np.sqrt(overlap * longer * (1 + (1 - k) / 4))
+        a = np.sqrt(overlap * longer_radius * (1 + (1 - k) / 4))
     else:
-        a = np.sqrt(2 * overlap * longer * (first - second) / (first * (1 - k**2)))
-    return a, k * a, first
+        a = np.sqrt(2 * overlap * longer_radius * (integral_k - integral_e) / (integral_k * (1 - k**2)))
+    return a, k * a, integral_k
 
 
 def fractions_on_map(centre, along, across, extent):
@@ -173,18 +173,19 @@ def find_contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, co
         root = np.linalg.inv(np.linalg.cholesky(metric))
         curvature, vectors = np.linalg.eigh(root @ (gap_spline.hessian([x], [y])[..., 0] / q) @ root.T)
         directions = (root.T @ vectors).T  # The rows are sorted by curvature, the lower curvature first.
-        longer, shorter = 1 / curvature
+        longer_radius, shorter_radius = 1 / curvature
         overlap = (approach - height) / q
-        a, b, first = compute_semi_axes(longer, shorter, overlap)
-        reach = np.sqrt((a * directions[0]) ** 2 + (b * directions[1]) ** 2)
-        crosses_edge = (np.array([x, y]) < reach).any() or (np.array([x, y]) + reach > extent).any()
+        a, b, integral_k = compute_semi_axes(longer_radius, shorter_radius, overlap)
+        half_extent = np.sqrt((a * directions[0]) ** 2 + (b * directions[1]) ** 2)
+        crosses_edge = (np.array([x, y]) < half_extent).any() or (np.array([x, y]) + half_extent > extent).any()
         ellipse = np.array([x, y]), a * directions[0], b * directions[1]
         force_fraction, area_fraction = fractions_on_map(*ellipse, extent) if crosses_edge else (1.0, 1.0)
         contact_list.append({
-            "x": x, "y": y, "z": float(lower_spline([x], [y])[0]), "normal": normal, "radii": (longer, shorter),
+            "x": x, "y": y, "z": float(lower_spline([x], [y])[0]), "normal": normal,
+            "radii": (longer_radius, shorter_radius),
             "axes": (a * np.sqrt(area_fraction), b * np.sqrt(area_fraction)), "along": directions[0],
             "overlap": overlap, "leaves": crosses_edge,
-            "force": force_fraction * 2 / 3 * np.pi * a * overlap * effective_modulus / first,
+            "force": force_fraction * 2 / 3 * np.pi * a * overlap * effective_modulus / integral_k,
             "area": area_fraction * np.pi * a * b,
         })  # fmt: skip
     return contact_list

@@ -63,11 +63,15 @@ class PeriodicHalfSpace:
         fraction = (np.count_nonzero(in_contact) - EXCESS_POINTS_PER_CONTACT * count) / in_contact.size
         return fraction, count, float((np.array(self.model.displacement).ravel() - self.heights).mean())
 
-    def measure(self, pressure):
+    def contact_response(self, pressure):
         """Return contact fraction, number of contacts and stiffness (GPa/µm)."""
-        steps = pressure * np.array([1 - RELATIVE_LOAD_STEP, 1 + RELATIVE_LOAD_STEP])
-        below, above = (self.solve(step) for step in steps)
-        return 0.5 * (below[0] + above[0]), 0.5 * (below[1] + above[1]), (steps[1] - steps[0]) / (below[2] - above[2])
+        pressures = pressure * np.array([1 - RELATIVE_LOAD_STEP, 1 + RELATIVE_LOAD_STEP])
+        below, above = (self.solve(step) for step in pressures)
+        return (
+            0.5 * (below[0] + above[0]),
+            0.5 * (below[1] + above[1]),
+            (pressures[1] - pressures[0]) / (below[2] - above[2]),
+        )
 
 
 class PeriodicAsperities:
@@ -90,7 +94,7 @@ class PeriodicAsperities:
             values[is_inside] for values in (table.centre[:, 0], table.overlap, table.radius, table.force, table.area)
         )
 
-    def measure(self, pressure):
+    def contact_response(self, pressure):
         """Return contact fraction, number of contacts and stiffness (GPa/µm)."""
         approach, load = 10 * self.height, pressure * self.period
         # The load is a convex, piecewise linear function of the approach, so Newton's method converges from above.
@@ -103,47 +107,47 @@ class PeriodicAsperities:
                 return area.sum() / self.period, force.size, stiffness / self.period
         raise RuntimeError(f"no approach found for {pressure} GPa")
 
-    def measure_with_interaction(self, pressure):
+    def interacting_response(self, pressure):
         """Return contact fraction, number of contacts and stiffness (GPa/µm) with elastic interaction.
 
         The stiffness is NaN if too many contacts have merged.
         """
         x, overlap, radius, _, _ = self.find_contacts(self.height)
-        depth, load, count = overlap.max() - overlap, pressure * self.period, x.size
+        height_below_summit, load, count = overlap.max() - overlap, pressure * self.period, x.size
         modulus = np.pi * EFFECTIVE_MODULUS
         distance = self.period / np.pi * np.abs(np.sin(np.pi * (x[:, None] - x) / self.period))
 
-        def influence(half_width, nearest_factor):
+        def influence(half_width, min_distance_factor):
             # Limit the distance of two contacts from below by a multiple of their half-widths.
             # This avoids the singularity of a contact's own effect and of merged contacts.
-            nearest = 0.5 * nearest_factor * (half_width[:, None] + half_width)
-            return -2 / modulus * np.log(2 * np.pi / self.period * np.maximum(distance, nearest))
+            min_distance = 0.5 * min_distance_factor * (half_width[:, None] + half_width)
+            return -2 / modulus * np.log(2 * np.pi / self.period * np.maximum(distance, min_distance))
 
-        active = depth <= np.sort(depth)[:3].max()
-        force = np.where(active, load / active.sum(), 0.0)
+        is_active = height_below_summit <= np.sort(height_below_summit)[:3].max()
+        force = np.where(is_active, load / is_active.sum(), 0.0)
         for round_ in range(400):
             half_width = np.sqrt(4 * np.maximum(force, 1e-3 * load / count) * radius / modulus)
             matrix = influence(half_width, 0.5 * np.exp(-0.5))  # This is the mean of ln|s| over the Hertzian pressure.
-            active_indices = np.flatnonzero(active)
+            active_indices = np.flatnonzero(is_active)
             system = np.ones((active_indices.size + 1, active_indices.size + 1))
             system[:-1, :-1] = matrix[np.ix_(active_indices, active_indices)]
             system[:-1, -1], system[-1, -1] = -1, 0
-            *forces, approach = np.linalg.solve(system, np.append(-depth[active_indices], load))
+            *forces, approach = np.linalg.solve(system, np.append(-height_below_summit[active_indices], load))
             previous_force, force = force, np.zeros(count)
             force[active_indices] = forces
             if (force < 0).any():
-                active &= force > 0
+                is_active &= force > 0
                 force = np.maximum(force, 0)
                 continue
-            violation = np.where(active, 0, approach - depth - matrix @ force)
+            violation = np.where(is_active, 0, approach - height_below_summit - matrix @ force)
             has_converged = np.allclose(force, previous_force, rtol=1e-7, atol=1e-9 * load)
             if has_converged and violation.max() <= 1e-9 * self.height:
                 # A small increment of approach adds the pressure of a flat punch, whose mean of ln|s| is ln(a/2).
                 tangent = influence(half_width, 0.5)[np.ix_(active_indices, active_indices)]
                 # The matrix is not positive definite if too many contacts have merged.
-                stable = np.linalg.eigvalsh(tangent)[0] > 0
-                stiffness = np.linalg.solve(tangent, np.ones(active_indices.size)).sum() if stable else np.nan
+                is_stable = np.linalg.eigvalsh(tangent)[0] > 0
+                stiffness = np.linalg.solve(tangent, np.ones(active_indices.size)).sum() if is_stable else np.nan
                 return 2 * half_width[active_indices].sum() / self.period, active_indices.size, stiffness / self.period
             # First activate all overlapping asperities, later only the one with the largest overlap, to avoid cycles.
-            active |= (violation > 1e-9 * self.height) & (violation >= (0 if round_ < 20 else violation.max()))
+            is_active |= (violation > 1e-9 * self.height) & (violation >= (0 if round_ < 20 else violation.max()))
         raise RuntimeError(f"no interacting solution at {pressure} GPa")

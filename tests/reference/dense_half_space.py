@@ -16,10 +16,10 @@ def influence_table(shape, spacing, modulus, *, periodic):
     if periodic:
         table = np.zeros(shape)
         for wave in np.ndindex(shape):
-            turns = [(m if 2 * m <= n else m - n) for m, n in zip(wave, shape, strict=True)]
-            k = 2 * np.pi * np.array([m / (n * s) for m, n, s in zip(turns, shape, spacing, strict=True)])
-            if any(turns):
-                phase = 2 * np.pi * sum(m * i / n for m, i, n in zip(turns, index, shape, strict=True))
+            signed_indices = [(m if 2 * m <= n else m - n) for m, n in zip(wave, shape, strict=True)]
+            k = 2 * np.pi * np.array([m / (n * s) for m, n, s in zip(signed_indices, shape, spacing, strict=True)])
+            if any(signed_indices):
+                phase = 2 * np.pi * sum(m * i / n for m, i, n in zip(signed_indices, index, shape, strict=True))
                 table += 2 / (modulus * np.sqrt(k @ k)) * np.cos(phase) / np.prod(shape)
         return table
     table = np.empty(shape)
@@ -115,17 +115,17 @@ def solve_pressure(matrix, gap, approach, *, total=None, bound=np.inf):
 
     If `total` is given, the displacement may have an arbitrary constant.
     """
-    lift = 0.0 if total is None else matrix.max()
-    factor = scipy.linalg.cholesky(matrix + lift, lower=True)
-    right = approach + lift * (total or 0.0) - gap.ravel()
-    right = scipy.linalg.solve_triangular(factor, right, lower=True)
+    matrix_shift = 0.0 if total is None else matrix.max()
+    factor = scipy.linalg.cholesky(matrix + matrix_shift, lower=True)
+    right_hand_side = approach + matrix_shift * (total or 0.0) - gap.ravel()
+    right_hand_side = scipy.linalg.solve_triangular(factor, right_hand_side, lower=True)
     if np.isinf(bound).all():
-        return scipy.optimize.nnls(factor.T, right, maxiter=10_000)[0]
+        return scipy.optimize.nnls(factor.T, right_hand_side, maxiter=10_000)[0]
     # lsq_linear (active set of Stark & Parker) requires different lower and upper bounds.
     bounds = np.broadcast_to(bound, gap.shape).ravel()
     has_bound = bounds > 0
     result = np.zeros(bounds.size)
     result[has_bound] = scipy.optimize.lsq_linear(
-        factor.T[:, has_bound], right, (0, bounds[has_bound]), method="bvls", tol=1e-15, max_iter=10_000
+        factor.T[:, has_bound], right_hand_side, (0, bounds[has_bound]), method="bvls", tol=1e-15, max_iter=10_000
     ).x
     return result

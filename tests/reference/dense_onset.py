@@ -11,38 +11,38 @@ SLIP_ROUND_OFF = 1e-13
 
 def solve_traction(compliance, bound, total):
     """Return the traction whose sum is `total`, and the displacement of the sticking points."""
-    is_zero, slips = np.zeros(bound.size, bool), np.zeros(bound.size, bool)
+    is_zero, is_slipping = np.zeros(bound.size, bool), np.zeros(bound.size, bool)
     visited_states = set()
     for _ in range(10 * bound.size):
-        sticks = ~(is_zero | slips)
-        q = np.where(slips, bound, 0.0)
-        count = int(sticks.sum())
+        is_sticking = ~(is_zero | is_slipping)
+        q = np.where(is_slipping, bound, 0.0)
+        count = int(is_sticking.sum())
         system = np.zeros((count + 1, count + 1))
-        system[:-1, :-1] = compliance[np.ix_(sticks, sticks)]
+        system[:-1, :-1] = compliance[np.ix_(is_sticking, is_sticking)]
         system[:-1, -1], system[-1, :-1] = -1.0, 1.0
-        right = np.append(-(compliance @ q)[sticks], total - q.sum())
-        solved = np.linalg.solve(system, right)
-        q[sticks], displacement = solved[:-1], solved[-1]
+        right_hand_side = np.append(-(compliance @ q)[is_sticking], total - q.sum())
+        solved = np.linalg.solve(system, right_hand_side)
+        q[is_sticking], displacement = solved[:-1], solved[-1]
         displacements = compliance @ q
         displacement_tolerance, traction_tolerance = (
             SLIP_ROUND_OFF * np.abs(displacements).max(),
             SLIP_ROUND_OFF * bound.max(),
         )
-        is_violated = (sticks & ((q < -traction_tolerance) | (q > bound + traction_tolerance))) | (
-            slips & (displacements > displacement + displacement_tolerance)
+        is_violated = (is_sticking & ((q < -traction_tolerance) | (q > bound + traction_tolerance))) | (
+            is_slipping & (displacements > displacement + displacement_tolerance)
         )
         is_violated |= is_zero & (displacements < displacement - displacement_tolerance)
         if not is_violated.any():
             return np.clip(q, 0, bound), displacement
         # Change all violated points. If the active set occurred before, change only the first, to terminate (Murty).
-        state = is_zero.tobytes() + slips.tobytes()
+        state = is_zero.tobytes() + is_slipping.tobytes()
         if state in visited_states:
             is_violated[np.flatnonzero(is_violated)[0] + 1 :] = False
         visited_states.add(state)
-        freed = is_violated & ~sticks
-        is_zero, slips = is_zero & ~freed, slips & ~freed
-        is_zero |= is_violated & sticks & (q < 0)
-        slips |= is_violated & sticks & (q > 0)
+        is_freed = is_violated & ~is_sticking
+        is_zero, is_slipping = is_zero & ~is_freed, is_slipping & ~is_freed
+        is_zero |= is_violated & is_sticking & (q < 0)
+        is_slipping |= is_violated & is_sticking & (q > 0)
     raise AssertionError("the active set does not converge")
 
 

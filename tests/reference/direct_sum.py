@@ -49,6 +49,6 @@ def _sum_harmonics(phases, hurst_exponent, length_scale, gamma, x, y, max_freque
                 continue
             phase = EXTENDED_PRECISION(phases[m - 1, n - 1])
             # Subtract whole periods first: x87 reduces the argument of a cosine with only 66 bits of pi.
-            turns = kx * x + ky * y
-            heights += weight * (np.cos(phase) - np.cos(2 * PI * (turns - np.rint(turns)) + phase))
+            phase_in_turns = kx * x + ky * y
+            heights += weight * (np.cos(phase) - np.cos(2 * PI * (phase_in_turns - np.rint(phase_in_turns)) + phase))
     return heights

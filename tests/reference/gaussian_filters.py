@@ -17,16 +17,16 @@ def mean_line(heights, spacing, cutoff, *, degree=1, weights=None):
     weights = [1.0] * points if weights is None else weights
     smoothed = []
     for i in range(points):
-        normal, right = np.zeros((degree + 1, degree + 1)), np.zeros(degree + 1)
+        normal, right_hand_side = np.zeros((degree + 1, degree + 1)), np.zeros(degree + 1)
         for j in range(points):
             offset = (j - i) * spacing
             weight = weights[j] * gaussian_weight(offset, cutoff)
             powers = [(offset / cutoff) ** k for k in range(degree + 1)]
             for k in range(degree + 1):
-                right[k] += weight * heights[j] * powers[k]
+                right_hand_side[k] += weight * heights[j] * powers[k]
                 for m in range(degree + 1):
                     normal[k, m] += weight * powers[k] * powers[m]
-        smoothed.append(np.linalg.solve(normal, right)[0])
+        smoothed.append(np.linalg.solve(normal, right_hand_side)[0])
     return np.array(smoothed)
 
 
@@ -42,9 +42,11 @@ def mean_surface(heights, spacing, cutoff, terms, weights=None):
     for j in range(rows):
         for i in range(columns):
             v, u = (y - y[j]) / cutoff, (x - x[i]) / cutoff
-            root = np.sqrt(weights * np.exp(-math.pi * (u**2 + v**2) / GAUSSIAN_FILTER_ALPHA**2)).ravel()
+            weight_roots = np.sqrt(weights * np.exp(-math.pi * (u**2 + v**2) / GAUSSIAN_FILTER_ALPHA**2)).ravel()
             design = np.stack([(v**a * u**b).ravel() for a, b in terms], axis=1)
-            smoothed[j, i] = np.linalg.lstsq(design * root[:, np.newaxis], heights.ravel() * root, rcond=None)[0][0]
+            smoothed[j, i] = np.linalg.lstsq(
+                design * weight_roots[:, np.newaxis], heights.ravel() * weight_roots, rcond=None
+            )[0][0]
     return smoothed
 
 

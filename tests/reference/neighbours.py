@@ -8,43 +8,46 @@ from scipy.special import ndtr
 DISTRIBUTION_NAMES = ("normal", "half zeros", "bounded", "lognormal 0.5", "lognormal 1")
 
 
-def simulate_traverses(quantity, trials, positions, correlation, random):
+def simulate_traverses(distribution, num_trials, positions, correlation, random):
     """Return simulated values of shape (trials, positions) in which neighbouring positions are correlated."""
-    if quantity == "half zeros":
+    if distribution == "half zeros":
         # The values form a Markov chain of no contact (0) and contact (about 0.35), which are equally frequent.
-        stays = random.random((trials, positions)) < (1 + correlation) / 2
-        stays[:, 0] = random.random(trials) < 0.5
-        in_contact = (~stays).cumsum(axis=1) % 2 == 1
-        return np.where(in_contact, 0.35 * np.exp(0.1 * random.standard_normal((trials, positions))), 0.0)
-    if quantity.startswith("lognormal"):
-        spread = float(quantity.split()[1])
-        log_correlation = np.log1p(correlation * np.expm1(spread**2)) / spread**2
-        return np.exp(spread * _simulate_neighbours(trials, positions, log_correlation, random))
-    values = _simulate_neighbours(trials, positions, correlation, random)
-    return ndtr(values) if quantity == "bounded" else 10 + values
+        is_unchanged = random.random((num_trials, positions)) < (1 + correlation) / 2
+        is_unchanged[:, 0] = random.random(num_trials) < 0.5
+        in_contact = (~is_unchanged).cumsum(axis=1) % 2 == 1
+        return np.where(in_contact, 0.35 * np.exp(0.1 * random.standard_normal((num_trials, positions))), 0.0)
+    if distribution.startswith("lognormal"):
+        log_deviation = float(distribution.split()[1])
+        log_correlation = np.log1p(correlation * np.expm1(log_deviation**2)) / log_deviation**2
+        return np.exp(log_deviation * _simulate_neighbours(num_trials, positions, log_correlation, random))
+    values = _simulate_neighbours(num_trials, positions, correlation, random)
+    return ndtr(values) if distribution == "bounded" else 10 + values
 
 
-def _simulate_neighbours(trials, positions, correlation, random):
-    values = random.standard_normal((trials, positions))
+def _simulate_neighbours(num_trials, positions, correlation, random):
+    values = random.standard_normal((num_trials, positions))
     for i in range(1, positions):
         values[:, i] = correlation * values[:, i - 1] + np.sqrt(1 - correlation**2) * values[:, i]
     return values
 
 
-def estimate_truth(quantity, positions, correlation, random, trials=20000):
+def estimate_true_mean(distribution, positions, correlation, random, num_trials=20000):
     """Return the true mean, and the width of its 95 % interval for a known variance of the mean."""
     means = np.concatenate(
-        [simulate_traverses(quantity, trials // 10, positions, correlation, random).mean(axis=1) for _ in range(10)]
+        [
+            simulate_traverses(distribution, num_trials // 10, positions, correlation, random).mean(axis=1)
+            for _ in range(10)
+        ]
     )
     return means.mean(), 2 * 1.96 * means.std()
 
 
-def measure_coverage(interval, values, truth, best):
-    """Return the coverage, the median width relative to `best`, and the fraction of defined intervals.
+def coverage_and_width(interval, values, truth, best_width):
+    """Return the coverage, the median width relative to `best_width`, and the fraction of defined intervals.
 
     `values` has the shape (trials, positions).
     """
     ends = np.array([interval(value)[1:] for value in values])
     ends = ends[np.isfinite(ends).all(axis=1)]
     is_covered = (ends[:, 0] <= truth) & (truth <= ends[:, 1])
-    return is_covered.mean(), np.median(ends[:, 1] - ends[:, 0]) / best, len(ends) / len(values)
+    return is_covered.mean(), np.median(ends[:, 1] - ends[:, 0]) / best_width, len(ends) / len(values)

@@ -32,16 +32,16 @@ def find_contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, si
     _, _, n_l, r_l = fit_spheres(lower, spacing, upper=False)
     rows = []
     for i in np.flatnonzero(gap <= approach):
-        above = gap[i] - approach  # height of the upper point above the lower point
+        height_above_lower = gap[i] - approach  # height of the upper point above the lower point
         if flat_upper or flat_lower:
             if flat_upper:
                 sphere_radius, centre = r_l[i], -r_l[i] * n_l[i]
                 if not np.isfinite(sphere_radius) or sphere_radius <= 0:
                     continue
-                overlap = sphere_radius - (above - centre[1])
+                overlap = sphere_radius - (height_above_lower - centre[1])
                 contact = centre + np.array([0, sphere_radius - overlap / 2])
             else:
-                sphere_radius, centre = r_u[i], np.array([0, above]) - r_u[i] * n_u[i]
+                sphere_radius, centre = r_u[i], np.array([0, height_above_lower]) - r_u[i] * n_u[i]
                 if not np.isfinite(sphere_radius) or sphere_radius <= 0:
                     continue
                 overlap = sphere_radius - centre[1]
@@ -56,7 +56,7 @@ def find_contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, si
                 continue
             radius = 1 / inverse
             o_l = -R_l * n_l[i]
-            o_u = np.array([0, above]) - R_u * n_u[i]
+            o_u = np.array([0, height_above_lower]) - R_u * n_u[i]
             X = o_u - o_l
             distance = np.hypot(*X)
             n = np.sign(R_u * R_l) * X / distance

@@ -28,7 +28,7 @@ def mean_section_extremes(z, count):
     return sum(max(part) for part in parts) / count, sum(-min(part) for part in parts) / count
 
 
-def measure_profile_elements(z, peak, pit):
+def mean_profile_element(z, peak, pit):
     """Return the mean spacing (in points) and the mean height of the profile elements."""
     features, previous_sign = [], 0  # [sign, first point, last point] of each significant hill or dale
     for i, height in enumerate(z):
@@ -40,15 +40,17 @@ def measure_profile_elements(z, peak, pit):
         else:
             features.append([sign, i, i])
         previous_sign = sign
-    ends = []
-    for (_, _, last), (_, following, _) in itertools.pairwise(features):
-        crossings = [i + z[i] / (z[i] - z[i + 1]) for i in range(last, following) if (z[i] > 0) != (z[i + 1] > 0)]
-        ends.append((crossings[0] + crossings[-1]) / 2)
+    element_ends = []
+    for (_, _, last_point), (_, next_point, _) in itertools.pairwise(features):
+        crossings = [
+            i + z[i] / (z[i] - z[i + 1]) for i in range(last_point, next_point) if (z[i] > 0) != (z[i + 1] > 0)
+        ]
+        element_ends.append((crossings[0] + crossings[-1]) / 2)
     spacings, element_heights = [], []
-    for start, stop in zip(ends, ends[2:], strict=False):
-        inside = [z[i] for i in range(len(z)) if start <= i <= stop]
+    for start, stop in zip(element_ends, element_ends[2:], strict=False):
+        element_points = [z[i] for i in range(len(z)) if start <= i <= stop]
         spacings.append(stop - start)
-        element_heights.append(max(inside) - min(inside))
+        element_heights.append(max(element_points) - min(element_points))
     return sum(spacings) / len(spacings), sum(element_heights) / len(element_heights)
 
 
@@ -159,10 +161,10 @@ def feature_parameters(z, spacing):
             along_x = (z[j, i - 1] - 2 * z[j, i] + z[j, i + 1]) / spacing[1] ** 2
             curvatures.append(-(along_y + along_x) / 2)
     high = sorted((z[p] for p in peaks), reverse=True)[:5]
-    deep = sorted(-z[p] for p in pits)[::-1][:5]
+    pit_depths = sorted(-z[p] for p in pits)[::-1][:5]
     return {
         "Spd": len(peaks) / (rows * spacing[0] * columns * spacing[1]), "Spc": sum(curvatures) / len(curvatures),
-        "S5p": sum(high) / 5, "S5v": sum(deep) / 5, "S10z": (sum(high) + sum(deep)) / 5,
+        "S5p": sum(high) / 5, "S5v": sum(pit_depths) / 5, "S10z": (sum(high) + sum(pit_depths)) / 5,
     }  # fmt: skip
 
 

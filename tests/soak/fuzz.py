@@ -15,11 +15,11 @@ from stiction import run
 from support import fuzzing
 
 
-def fuzz(kind, count, seed, call):
+def fuzz(kind, count, seed, fuzz_once):
     start, outcomes, findings = time.monotonic(), Counter(), 0
     for i in range(count):
         try:
-            outcome = call(np.random.default_rng([seed, i]))
+            outcome = fuzz_once(np.random.default_rng([seed, i]))
         except Exception:  # Any other exception is a finding.
             findings += 1
             print(f"{kind}, seed {seed}, input {i}:\n{traceback.format_exc()}", flush=True)

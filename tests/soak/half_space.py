@@ -20,7 +20,7 @@ from stiction import Profile, Surface, half_space
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from reference import dense_half_space
 
-NUM_PROBLEMS, SEED, HARD_PROBLEMS = 200, 2026, 1000
+NUM_PROBLEMS, SEED, NUM_HARD_PROBLEMS = 200, 2026, 1000
 SOLVER_TOLERANCE = 1e-6
 ROUND_OFF = 1e-9
 """Allowance for round-off in the check of the solver tolerance."""
@@ -116,20 +116,20 @@ def find_faults(lower, load, arguments, curve):
     return faults
 
 
-def main(problems=NUM_PROBLEMS, seed=SEED, hard=HARD_PROBLEMS):
+def main(num_problems=NUM_PROBLEMS, seed=SEED, num_hard_problems=NUM_HARD_PROBLEMS):
     """Solve all problems, print slow, rejected and wrong ones, and return the number of failures."""
-    num_wrong = solve_problems(random_problem, problems, seed)[1]
-    num_rejected, num_wrong_hard = solve_problems(random_hard_problem, hard, seed)
+    num_wrong = solve_problems(random_problem, num_problems, seed)[1]
+    num_rejected, num_wrong_hard = solve_problems(random_hard_problem, num_hard_problems, seed)
     return num_wrong + num_rejected + num_wrong_hard
 
 
-def solve_problems(pose, problems, seed):
+def solve_problems(create_problem, num_problems, seed):
     """Return the number of rejected problems and the number of wrong solutions."""
     random = np.random.default_rng(seed)
     num_rejected = num_wrong = 0
     iterations, times = [], []
-    for number in range(problems):
-        upper, lower, load, arguments, description = pose(random)
+    for number in range(num_problems):
+        upper, lower, load, arguments, description = create_problem(random)
         start = time.process_time()
         try:
             curve = half_space(upper, lower, [load], effective_modulus=MODULUS, **arguments)
@@ -146,7 +146,7 @@ def solve_problems(pose, problems, seed):
             print(f"{number}: slow: {iterations[-1]} iterations, {times[-1]:.1f} s: {description}", flush=True)
     if times:
         print(
-            f"seed {seed}: {problems} problems, {num_rejected} rejected, {num_wrong} wrong; "
+            f"seed {seed}: {num_problems} problems, {num_rejected} rejected, {num_wrong} wrong; "
             f"iterations: median {np.median(iterations):.0f}, 95 % {np.quantile(iterations, 0.95):.0f}, "
             f"most {max(iterations)}; processor time: median {np.median(times):.2f} s, most {max(times):.1f} s",
             flush=True,

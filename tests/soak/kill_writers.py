@@ -26,7 +26,7 @@ from stiction import Study
 from stiction.studies import member_solution, store
 from stiction.studies.store import decode_members
 
-DEFAULT_KILLS = 200
+DEFAULT_NUM_KILLS = 200
 KILLS_PER_FOLDER = 20  # This number is small, so that many kills happen while a folder is new.
 MAX_CHECKED_REPETITIONS = 300  # At most this number of repetitions of a folder is computed again for comparison.
 EXECUTORS_BY_KIND = {"writers": ("threads", "scheduler"), "parts": ("parts",)}
@@ -46,7 +46,7 @@ STUDY = Study().with_changes(
 )
 
 # Each process records the repetitions that it computes, writes small blocks, and sleeps around file operations.
-SITECUSTOMIZE = """
+SITECUSTOMIZE_CODE = """
 import os, sys
 if "storm" in os.environ and "stiction" in " ".join(sys.orig_argv):
     import pathlib, random, time
@@ -76,31 +76,31 @@ class WriterKillRun:
 
     def __init__(self, folder: Path, random_generator: random.Random, executors: tuple[str, ...]) -> None:
         self.folder, self.random, self.executors = folder, random_generator, executors
-        self.repetitions = STUDY.ensemble.repetitions
-        self.first_write = 1.0  # seconds from the start of a command to its first block, measured last
-        self.path = folder / "out"
-        self.log = folder / "computed"
+        self.num_repetitions = STUDY.ensemble.repetitions
+        self.time_to_first_write = 1.0  # seconds from the start of a command to its first block, measured last
+        self.result_folder = folder / "out"
+        self.log_file = folder / "computed"
         (folder / "site").mkdir()
-        (folder / "site" / "sitecustomize.py").write_text(SITECUSTOMIZE)
+        (folder / "site" / "sitecustomize.py").write_text(SITECUSTOMIZE_CODE)
         (folder / "s.toml").write_text(STUDY.to_toml())
-        self.environment = os.environ | {"PYTHONPATH": str(folder / "site"), "storm": str(self.log)}
-        self.files: dict[str, tuple[int, int]] = {}
-        self.bits: dict[int, int] = {}  # checksum of each finished repetition
+        self.environment = os.environ | {"PYTHONPATH": str(folder / "site"), "storm": str(self.log_file)}
+        self.known_files: dict[str, tuple[int, int]] = {}
+        self.checksums: dict[int, int] = {}  # checksum of each finished repetition
         # repetitions that were finished when a command started, by the process id of the command
         self.finished_at_start: dict[int, frozenset[int]] = {}
         self.kills: collections.Counter[str] = collections.Counter()
         self.num_partial_files = 0
-        self.computed = 0
+        self.num_computed = 0
         self.processes: list[subprocess.Popen[bytes]] = []
-        self.dask: list[subprocess.Popen[bytes]] = []
+        self.dask_processes: list[subprocess.Popen[bytes]] = []
         self.address = ""
 
     def start_command(self, *options: str) -> subprocess.Popen[bytes]:
         command = [sys.executable, "-m", "stiction", "run", "s.toml", "--output", "out", *options]
-        command += ["--set", f"ensemble.repetitions={self.repetitions}"]
-        finished = frozenset(self.finished())
+        command += ["--set", f"ensemble.repetitions={self.num_repetitions}"]
+        finished_repetitions = frozenset(self.finished_repetitions())
         process = self.start_process(command)
-        self.finished_at_start[process.pid] = finished
+        self.finished_at_start[process.pid] = finished_repetitions
         return process
 
     def start_process(self, command: list[str]) -> subprocess.Popen[bytes]:
@@ -113,22 +113,24 @@ class WriterKillRun:
 
     def wait_for_write(self, *processes: subprocess.Popen[bytes]) -> None:
         """Wait a random time that ends before the next write, or up to half a second after it."""
-        blocks_before, began = self.count_blocks(), time.monotonic()
-        early = self.random.random() < 0.3
-        until = began + (self.random.uniform(0, 1.2 * self.first_write) if early else MAX_WAITING_SECONDS)
-        while time.monotonic() < until and self.count_blocks() == blocks_before:
+        blocks_before, start_time = self.count_blocks(), time.monotonic()
+        is_early = self.random.random() < 0.3
+        end_time = start_time + (
+            self.random.uniform(0, 1.2 * self.time_to_first_write) if is_early else MAX_WAITING_SECONDS
+        )
+        while time.monotonic() < end_time and self.count_blocks() == blocks_before:
             assert all(process.poll() is None for process in processes), f"a run ended by itself: {self.last_output()}"
             time.sleep(0.002)
-        if not early:
+        if not is_early:
             assert self.count_blocks() != blocks_before, "nothing is written"
-            self.first_write = time.monotonic() - began
+            self.time_to_first_write = time.monotonic() - start_time
             time.sleep(self.random.uniform(0, 0.5))
 
     def last_output(self) -> str:
         return (self.folder / "output").read_text()[-1000:]
 
     def count_blocks(self) -> int:
-        return sum(1 for _ in (self.path / store.BLOCKS_FOLDER).glob("*.nc"))
+        return sum(1 for _ in (self.result_folder / store.BLOCKS_FOLDER).glob("*.nc"))
 
     def kill(self, target: str, process: subprocess.Popen[bytes]) -> None:
         assert process.poll() is None, f"{target} ended by itself: {process.returncode}: {self.last_output()}"
@@ -138,11 +140,11 @@ class WriterKillRun:
         process.kill()
         process.wait()
         self.kills[target] += 1
-        self.num_partial_files += bool(list(self.path.rglob(f".stiction-*-{process.pid}-*.partial")))
+        self.num_partial_files += bool(list(self.result_folder.rglob(f".stiction-*-{process.pid}-*.partial")))
         self.check_blocks()
 
     def run_and_kill(self) -> None:
-        self.repetitions += self.random.choice([0, self.random.randint(1, 1000)])
+        self.num_repetitions += self.random.choice([0, self.random.randint(1, 1000)])
         executor = self.random.choice(self.executors)
         match executor:
             case "threads":
@@ -154,28 +156,28 @@ class WriterKillRun:
                 process = self.start_command("--scheduler", self.address)
                 self.wait_for_write(process)
                 if self.random.random() < 0.5:
-                    self.kill("a worker of Dask", self.dask.pop())
+                    self.kill("a worker of Dask", self.dask_processes.pop())
                     self.add_worker()
                     time.sleep(self.random.uniform(0, 3))  # Another worker may start in this time.
                 self.kill("--scheduler", process)
             case "parts":
                 parts = {i: self.start_command("--part", f"{i}/4", "--workers", "1") for i in range(1, 5)}
                 self.wait_for_write(*parts.values())
-                again = self.random.randint(1, 4)
-                self.kill("--part", parts[again])
-                parts[again] = self.start_command("--part", f"{again}/4", "--workers", "1")
+                restarted_part = self.random.randint(1, 4)
+                self.kill("--part", parts[restarted_part])
+                parts[restarted_part] = self.start_command("--part", f"{restarted_part}/4", "--workers", "1")
                 self.wait_for_write(*parts.values())
-                for item in self.random.sample(sorted(parts), 4):
-                    self.kill("--part", parts[item])
+                for part_number in self.random.sample(sorted(parts), 4):
+                    self.kill("--part", parts[part_number])
                     time.sleep(self.random.uniform(0, 0.3))
 
     def start_scheduler(self) -> None:
         if self.address:
             return
         file = self.folder / "scheduler.json"
-        binary = str(Path(sys.executable).with_name("dask"))
+        dask_program = str(Path(sys.executable).with_name("dask"))
         options = ["--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(file)]
-        self.dask = [self.start_process([binary, "scheduler", *options])]
+        self.dask_processes = [self.start_process([dask_program, "scheduler", *options])]
         while not file.exists():
             time.sleep(0.1)
         self.address = json.loads(file.read_text())["address"]
@@ -185,55 +187,58 @@ class WriterKillRun:
     def add_worker(self) -> None:
         code = "import stiction.studies.runner; from distributed.cli.dask_worker import main; main()"
         options = [self.address, "--nthreads", "1", "--no-nanny", "--no-dashboard"]
-        self.dask.append(self.start_process([sys.executable, "-c", code, *options]))
+        self.dask_processes.append(self.start_process([sys.executable, "-c", code, *options]))
 
-    def finished(self) -> list[int]:
+    def finished_repetitions(self) -> list[int]:
         try:
-            return store.open_stored(self.path).finished.tolist()
+            return store.open_stored(self.result_folder).finished.tolist()
         except store.StoreError:
-            assert not self.bits
+            assert not self.checksums
             return []
 
     def check_blocks(self) -> None:
         """Check that blocks are complete and unchanged, and that no command computed a finished repetition again."""
-        if not (self.path / store.BLOCKS_FOLDER).exists():
-            assert not self.bits
+        if not (self.result_folder / store.BLOCKS_FOLDER).exists():
+            assert not self.checksums
             return
-        now = {
+        current_files = {
             file.name: (file.stat().st_ino, file.stat().st_mtime_ns)
-            for file in (self.path / store.BLOCKS_FOLDER).glob("[0-9]*.nc")
+            for file in (self.result_folder / store.BLOCKS_FOLDER).glob("[0-9]*.nc")
         }
-        assert self.files.keys() <= now.keys(), f"lost: {sorted(self.files.keys() - now.keys())[:5]}"
-        for name in now.keys() - self.files.keys():
-            content = (self.path / store.BLOCKS_FOLDER / name).read_bytes()
+        assert self.known_files.keys() <= current_files.keys(), (
+            f"lost: {sorted(self.known_files.keys() - current_files.keys())[:5]}"
+        )
+        for name in current_files.keys() - self.known_files.keys():
+            content = (self.result_folder / store.BLOCKS_FOLDER / name).read_bytes()
             assert name.endswith(f"-{zlib.crc32(content):08x}.nc"), f"{name} is torn"
             members = decode_members(content)
-            for place, number in enumerate(members.numbers.tolist()):
-                bits = checksum([values[:, :, place] for values in members.arrays.values()])
-                assert self.bits.setdefault(number, bits) == bits, "other bits than before"
-        self.files |= now
-        assert self.bits.keys() <= set(self.finished())
-        lines = self.log.read_text().splitlines() if self.log.exists() else []
-        for number, by in map(str.split, lines[self.computed :]):
+            for member_index, number in enumerate(members.numbers.tolist()):
+                block_checksum = checksum([values[:, :, member_index] for values in members.arrays.values()])
+                assert self.checksums.setdefault(number, block_checksum) == block_checksum, "other bits than before"
+        self.known_files |= current_files
+        assert self.checksums.keys() <= set(self.finished_repetitions())
+        lines = self.log_file.read_text().splitlines() if self.log_file.exists() else []
+        for number, process_id in map(str.split, lines[self.num_computed :]):
             # A Dask worker may continue tasks of killed commands, so only processes of commands are checked.
-            if int(by) in self.finished_at_start:
-                assert int(number) not in self.finished_at_start[int(by)], f"{number} was computed again"
-        self.computed = len(lines)
+            if int(process_id) in self.finished_at_start:
+                assert int(number) not in self.finished_at_start[int(process_id)], f"{number} was computed again"
+        self.num_computed = len(lines)
 
     def check_and_describe(self) -> str:
         self.check_blocks()
-        for number in self.random.sample(sorted(self.bits), min(MAX_CHECKED_REPETITIONS, len(self.bits))):
+        for number in self.random.sample(sorted(self.checksums), min(MAX_CHECKED_REPETITIONS, len(self.checksums))):
             sums = member_solution.compute_member_sums(STUDY, number)
-            assert checksum(list(sums.values())) == self.bits[number], f"repetition {number} has other bits"
-        for process in self.dask:
+            assert checksum(list(sums.values())) == self.checksums[number], f"repetition {number} has other bits"
+        for process in self.dask_processes:
             process.kill()
             process.wait()
-        store.create_or_open(self.path, STUDY.with_changes({"ensemble.repetitions": self.repetitions}))
-        left = [file for file in self.path.rglob("*.partial") if str(os.getpid()) not in file.name]
-        assert not left, f"left: {left[:3]}"
+        store.create_or_open(self.result_folder, STUDY.with_changes({"ensemble.repetitions": self.num_repetitions}))
+        partial_files = [file for file in self.result_folder.rglob("*.partial") if str(os.getpid()) not in file.name]
+        assert not partial_files, f"left: {partial_files[:3]}"
         errors = [line for line in (self.folder / "output").read_text().splitlines() if "Error" in line]
         return (
-            f"{len(self.bits)} repetitions finished in {len(self.files)} files; {self.computed} computed; "
+            f"{len(self.checksums)} repetitions finished in {len(self.known_files)} files; "
+            f"{self.num_computed} computed; "
             f"{self.num_partial_files} kills left something half-written; none lost; same bits"
             + (f"; {errors[0]}" if errors else "")
         )
@@ -245,7 +250,7 @@ def checksum(values: list[np.ndarray]) -> int:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--kills", type=int, default=DEFAULT_KILLS, help="of each kind")
+    parser.add_argument("--kills", type=int, default=DEFAULT_NUM_KILLS, help="of each kind")
     parser.add_argument(
         "--kind", choices=EXECUTORS_BY_KIND, action="append", help="of writers that write; both by default"
     )

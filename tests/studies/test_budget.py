@@ -398,7 +398,7 @@ def test_equally_uncertain_inputs_have_equal_fractions_in_the_budget() -> None:
     assert shares.min() >= 0
 
 
-def test_exact_positions_and_known_fine_roughness_each_narrow_the_interval_of_a_yielding_pair() -> None:
+def test_budget_of_a_yielding_pair_lists_positions_and_unresolved_roughness() -> None:
     result = pair(
         *rough_surfaces(), load="20 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", hardness="1 GPa",
         **PAIR_OPTIONS,
@@ -439,7 +439,9 @@ CONTAINMENT_INPUTS = (
 
 @pytest.mark.parametrize("inputs", CONTAINMENT_INPUTS)
 @pytest.mark.parametrize("noise", [0.0, 0.1])
-def test_combined_interval_contains_sampling_interval_and_bracket(inputs: dict[str, Any], noise: float) -> None:
+def test_combined_interval_contains_sampling_interval_and_range_for_finer_scans(
+    inputs: dict[str, Any], noise: float
+) -> None:
     """Check the nested intervals of pairs with and without noise; the value must not be close to an end."""
     random = np.random.default_rng(7)
     roughness = {"hurst_exponent": 0.7, "rms": 0.01, "shape": (48, 48), "spacing": 0.1, "shortest_wavelength": 0.5}

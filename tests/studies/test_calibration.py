@@ -83,7 +83,7 @@ def test_calibration_with_a_parameter_at_its_bound_agrees_with_brute_force_integ
     assert interface.tau0[1] == 0.0
 
 
-def test_error_common_to_friction_tests_widens_the_interval_of_the_combination_they_determine() -> None:
+def test_common_error_of_friction_tests_widens_the_interval_of_the_combination_they_determine() -> None:
     tests = simulate_ball_tests()
     narrow, wide = (calibrate(tests, common=common, sliding="all").identified for common in (0.0, 0.1))
     assert wide[2] - wide[1] == pytest.approx(math.hypot(narrow[2] - narrow[1], 0.1 * 3.92 * wide[0]), rel=0.1)
@@ -102,7 +102,7 @@ def test_friction_tests_on_a_single_pair_determine_only_a_combination_of_mu0_and
     assert interface.excluded == ()
 
 
-def test_calibration_advice_predicts_the_errors_left_by_ball_tests_over_two_decades_of_load() -> None:
+def test_calibration_advice_predicts_the_errors_after_ball_tests_over_two_decades_of_load() -> None:
     curve = compute_rough_curve(0.02, 1)
     tests = [FrictionTest(curve, load, coefficient=0.3, uncertainty=0.009) for load in curve.load]
     interface = calibrate(tests)

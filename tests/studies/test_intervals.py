@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import scipy.special
 import scipy.stats
-from reference.neighbours import estimate_truth, measure_coverage, simulate_traverses
+from reference.neighbours import coverage_and_width, estimate_true_mean, simulate_traverses
 from stiction.studies.intervals import MIN_NEIGHBORS, neighbors_mean, positions_mean, sample_mean, sample_quantiles
 
 NUM_TRIALS = 500  # With this number of trials, the measured coverage has a standard error of 1 %.
@@ -30,14 +30,17 @@ DEFAULT_CASES = ((16, 0.8), (64, 0.4), (200, 0.0))  # The other cases run only i
         *(pytest.param(*case, marks=pytest.mark.soak) for case in MIN_COVERAGE if case not in DEFAULT_CASES),
     ],
 )
-@pytest.mark.parametrize("quantity", ["half zeros", "bounded", "lognormal 0.5"])
+@pytest.mark.parametrize("distribution", ["half zeros", "bounded", "lognormal 0.5"])
 def test_interval_for_correlated_neighboring_values_covers_the_true_mean_and_is_narrow(
-    quantity, positions, correlation
+    distribution, positions, correlation
 ):
     random = np.random.default_rng([positions, int(10 * correlation)])
-    truth, smallest_width = estimate_truth(quantity, positions, correlation, random)
-    coverage, width_ratio, defined_fraction = measure_coverage(
-        neighbors_mean, simulate_traverses(quantity, NUM_TRIALS, positions, correlation, random), truth, smallest_width
+    truth, smallest_width = estimate_true_mean(distribution, positions, correlation, random)
+    coverage, width_ratio, defined_fraction = coverage_and_width(
+        neighbors_mean,
+        simulate_traverses(distribution, NUM_TRIALS, positions, correlation, random),
+        truth,
+        smallest_width,
     )
     assert defined_fraction > MIN_DEFINED_FRACTION
     assert coverage >= MIN_COVERAGE[positions, correlation]
@@ -49,16 +52,18 @@ def test_interval_for_correlated_neighboring_values_agrees_with_a_dense_matrix_c
     """Compare with the mixture of t distributions over correlations, computed with dense covariance matrices."""
     count = 20
     values = simulate_traverses("normal", 1, count, correlation, np.random.default_rng(7))[0]
-    rhos = np.arange(20) / 20
+    correlations = np.arange(20) / 20
     lag = np.abs(np.subtract.outer(np.arange(count), np.arange(count)))
     errors, weights = [], []
-    for rho in rhos:
-        matrix = rho**lag if rho else np.eye(count)
+    for correlation in correlations:
+        matrix = correlation**lag if correlation else np.eye(count)
         inverse = np.linalg.inv(matrix)
         centre = inverse.sum(axis=0) @ values / inverse.sum()
         squares = (values - centre) @ inverse @ (values - centre)
         errors.append(np.sqrt(squares / (count - 1) * matrix.sum()) / count)
-        weights.append(np.sqrt(1 - rho) / np.sqrt(np.linalg.det(matrix) * inverse.sum()) / squares ** ((count - 1) / 2))
+        weights.append(
+            np.sqrt(1 - correlation) / np.sqrt(np.linalg.det(matrix) * inverse.sum()) / squares ** ((count - 1) / 2)
+        )
     weights = np.array(weights) / np.sum(weights)
     mean, lower, upper = neighbors_mean(values)
     skew_factor = scipy.stats.skew(values) / 3 / values.std(ddof=1)
@@ -72,9 +77,9 @@ def test_interval_for_correlated_neighboring_values_agrees_with_a_dense_matrix_c
     assert lower < mean < upper
 
 
-@pytest.mark.parametrize("quantity", ["half zeros", "lognormal 0.5", "bounded"])
-def test_mean_of_neighboring_values_is_equivariant_under_scaling_shift_and_reversal(quantity):
-    values = simulate_traverses(quantity, 1, 24, 0.4, np.random.default_rng(3))[0]
+@pytest.mark.parametrize("distribution", ["half zeros", "lognormal 0.5", "bounded"])
+def test_mean_of_neighboring_values_is_equivariant_under_scaling_shift_and_reversal(distribution):
+    values = simulate_traverses(distribution, 1, 24, 0.4, np.random.default_rng(3))[0]
     expected = np.array(neighbors_mean(values))
     np.testing.assert_allclose(neighbors_mean(1e9 * values), 1e9 * expected, rtol=1e-9)
     np.testing.assert_allclose(neighbors_mean(values + 5), expected + 5, rtol=1e-9)
@@ -92,8 +97,8 @@ def test_interval_for_independent_neighboring_values_is_a_student_t_interval():
 
 def test_interval_for_correlated_neighboring_values_lies_within_their_range():
     random = np.random.default_rng(6)
-    for quantity in ("half zeros", "bounded", "lognormal 1"):
-        for values in simulate_traverses(quantity, 50, MIN_NEIGHBORS, 0.6, random):
+    for distribution in ("half zeros", "bounded", "lognormal 1"):
+        for values in simulate_traverses(distribution, 50, MIN_NEIGHBORS, 0.6, random):
             mean, lower, upper = neighbors_mean(values)
             assert np.isnan(lower) or values.min() <= lower < mean < upper <= values.max()
 

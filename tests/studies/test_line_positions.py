@@ -103,8 +103,10 @@ def test_pair_and_press_give_equal_results_for_profiles_at_each_position(profile
 @pytest.mark.parametrize(
     ("load", "tolerance", "quantile_level"), [("elastic", 1e-6, 1.0), ("normal", INTERPOLATION_TOLERANCE, 0.75)]
 )
-def test_friction_is_interpolated_linearly_across_jumps_of_the_load(rough_pair, load, tolerance, quantile_level):
-    upper, lower = rough_pair(1.5, repetition=1)
+def test_friction_is_interpolated_linearly_across_jumps_of_the_load(
+    create_rough_profiles, load, tolerance, quantile_level
+):
+    upper, lower = create_rough_profiles(1.5, repetition=1)
     loads = np.geomspace(1e-4, 3e-3, 12)
     steps = [f"{step} mN" for step in np.unique(np.outer(loads, LOAD_RATIOS))]
     study = create_study(upper, lower, loads, detection="cell", **INTERFACE).with_changes({"contact.load": steps})
@@ -141,8 +143,8 @@ def test_slider_is_shortened_so_that_it_fits_at_the_last_position(profile_pair):
     assert float(result.dataset["nominal_area"]) == pytest.approx(18.0)
 
 
-def test_stiffness_of_two_arcs_equals_hertz_solution(circular_arc):
-    upper, lower = (circular_arc(0.5003, 1.0, 1e-3, 1001, side) for side in ("upper", "lower"))
+def test_stiffness_of_two_arcs_equals_hertz_solution(create_circular_arc):
+    upper, lower = (create_circular_arc(0.5003, 1.0, 1e-3, 1001, side) for side in ("upper", "lower"))
     load = 0.01
     member = read_members(run_pair(upper, lower, [load], mu0=0.0)).isel(x=0, load=0)
     overlap = (load / (4 / 3 * 10.0 * np.sqrt(0.5))) ** (2 / 3)

@@ -58,6 +58,6 @@ def test_profiles_of_a_study_member_equal_directly_generated_profiles():
         (0, 1.2, 0.0, "amplitude must be"),
     ],
 )
-def test_generation_of_a_pair_rejects_invalid_arguments(repetition, dimension, amplitude, pattern):
+def test_pair_generation_rejects_invalid_arguments(repetition, dimension, amplitude, pattern):
     with pytest.raises(ValueError, match=pattern):
         pair_of(STUDY, repetition, fractal_dimension=dimension, amplitude=amplitude)

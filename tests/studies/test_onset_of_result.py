@@ -87,7 +87,7 @@ def test_onset_displacement_is_finite_for_asperities_but_not_for_half_planes(tmp
         assert "slips" in onset_text(result)
 
 
-def test_onset_of_a_result_with_several_cutoffs_uses_the_quoted_cutoff():
+def test_onset_of_a_result_with_several_cutoffs_is_computed_at_the_reported_cutoff():
     roughness = {"hurst_exponent": 0.7, "rms": 0.01, "longest_wavelength": 5.0, "shortest_wavelength": 0.05}
     noise = 1e-3 * np.random.default_rng(1).normal(size=(2, 3000))
     profiles = [

@@ -86,7 +86,7 @@ def test_resolution_stored_for_another_hardness_is_ignored(study, tmp_path):
     assert evaluate_cutoffs(open_stored(softer_folder)) is None
 
 
-def test_resolved_wavelengths_equal_wavelengths_of_the_gap(study):
+def test_resolved_wavelengths_of_a_study_equal_those_computed_from_the_gap(study):
     wavelengths = find_resolved_roughness(study)
     upper, lower = load_bodies(study).member(0, 0.0).pair
     gap = Surface(upper.heights - lower.heights, spacing=upper.spacing)
@@ -104,7 +104,7 @@ def test_resolved_wavelengths_begin_at_the_cutoff(study):
     assert find_resolved_roughness(study.with_changes({"surfaces.cut_off": ["0.5 um"]})).shortest == pytest.approx(0.5)
 
 
-def test_plastic_wavelength_decreases_with_pressure(study):
+def test_longest_yielding_wavelength_decreases_with_pressure(study):
     result = find_resolved_roughness(study)
     plastic_wavelengths = [result.find_yield_wavelength(ratio, 100.0)[0] for ratio in (0.5, 0.8, 0.95)]
     assert np.all(np.diff(plastic_wavelengths) < 0)
@@ -112,7 +112,7 @@ def test_plastic_wavelength_decreases_with_pressure(study):
     assert lower < value < upper
 
 
-def test_yield_estimates_list_the_plastic_wavelength_for_each_hardness(tmp_path):
+def test_longest_yielding_wavelength_is_listed_for_each_hardness(tmp_path):
     for side in ("upper", "lower"):
         surface = self_affine_surface(3, hurst_exponent=0.7, rms=0.03, shape=(192, 192), spacing=0.1, side=side)
         np.save(tmp_path / f"{side}.npy", surface.heights)

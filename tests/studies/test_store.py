@@ -116,9 +116,7 @@ def test_store_preserves_every_bit_of_values(tmp_path, monkeypatch):
         assert result[name].values.tobytes() == sums[name].tobytes(), name
 
 
-def test_pieces_of_a_stored_result_equal_pieces_of_the_computed_dataset(
-    folder_copy, uninterrupted_dataset, monkeypatch
-):
+def test_stored_result_read_in_pieces_equals_the_computed_dataset(folder_copy, uninterrupted_dataset, monkeypatch):
     monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.member_bytes(TINY_STUDY))
     find_block(folder_copy, 4).unlink()
     incomplete_dataset = uninterrupted_dataset.isel(repetition=[*range(4), *range(8, 22)])

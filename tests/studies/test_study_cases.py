@@ -36,7 +36,7 @@ def test_stored_study_with_key_of_another_contact_model_is_rejected():
     )  # fmt: skip
 
 
-def test_contact_models_have_separate_classes_of_contact_tables():
+def test_contact_models_have_separate_classes_of_contact_settings():
     cases = [case for cases in CONTACT_SETTINGS_CLASSES.values() for case in cases.values()]
     assert len(set(cases)) == len({case.place for case in cases}) == 8
     for bodies, by_model in CONTACT_SETTINGS_CLASSES.items():

@@ -122,7 +122,7 @@ def test_info_and_at_commands_report_equal_assessment_and_caveats(surface_folder
         ]
 
 
-def test_at_command_gives_the_verdict_do_not_quote_for_few_contacts(tmp_path, monkeypatch, capsys):
+def test_at_command_advises_against_quoting_a_result_of_few_contacts(tmp_path, monkeypatch, capsys):
     study = Study.named("quick").with_changes({"ensemble.repetitions": 8, "surfaces.points": 3000})
     run(study, store=tmp_path / "study")
     capsys.readouterr()

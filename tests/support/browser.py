@@ -8,14 +8,16 @@ from pathlib import Path
 
 import pytest
 
-CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+CHROMIUM, CHROMEDRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 CHROMIUM_FLAGS = (
     "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
     "--disable-background-networking", "--disable-component-update", "--disable-sync", "--hide-scrollbars",
 )  # fmt: skip
 BROWSER_MARKS = [
     pytest.mark.browser,
-    pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="Debian's chromium and chromium-driver are not installed"),
+    pytest.mark.skipif(
+        not (CHROMIUM and CHROMEDRIVER), reason="Debian's chromium and chromium-driver are not installed"
+    ),
 ]
 READY_SCRIPT = "return document.readyState === 'complete' && document.getElementById('main').ariaBusy !== 'true'"
 
@@ -31,7 +33,7 @@ def start_browser(profile):
     for flag in (*CHROMIUM_FLAGS, f"--user-data-dir={profile}"):
         options.add_argument(flag)
     options.set_capability("goog:loggingPrefs", {"performance": "ALL", "browser": "ALL"})
-    driver = webdriver.Chrome(options=options, service=Service(DRIVER))
+    driver = webdriver.Chrome(options=options, service=Service(CHROMEDRIVER))
     driver.set_script_timeout(120)
     try:
         yield driver
@@ -84,13 +86,13 @@ def load_axe_script():
     return (Path(spec.origin).parent / "axe.min.js").read_text("utf-8")
 
 
-AXE_CALL = "axe.run({rules: {'label-content-name-mismatch': {enabled: true}}}).then(arguments[0])"
+RUN_AXE_SCRIPT = "axe.run({rules: {'label-content-name-mismatch': {enabled: true}}}).then(arguments[0])"
 
 
 def find_accessibility_faults(driver, script):
     """Return the accessibility violations of a page and its frames as pairs of rule and elements."""
     driver.execute_script(script)
-    report = driver.execute_async_script(AXE_CALL)
+    report = driver.execute_async_script(RUN_AXE_SCRIPT)
     return [
         (violation["id"], [node["html"][:120] for node in violation["nodes"]]) for violation in report["violations"]
     ]

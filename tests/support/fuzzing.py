@@ -192,11 +192,11 @@ def fuzz_measured(random, name, original, folder):
     options = [{}, {"unit": "um", "spacing": "0.1 um"}, {"missing": "interpolate"}, {"unit": "m", "spacing": "1 um"}]
     reader_options = options[int(random.integers(len(options)))]
     outcome = "refused"
-    for read in (stiction.read_profile, stiction.read_surface):
+    for read_body in (stiction.read_profile, stiction.read_surface):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", stiction.FormatWarning)  # All other warnings are errors.
             try:
-                body = read(path, **reader_options)
+                body = read_body(path, **reader_options)
             except stiction.FormatError as error:
                 message = str(error)
             else:
@@ -234,14 +234,14 @@ def scramble_bytes(random, data):
 def _damage_zip_archive(random, original):
     """Return a valid ZIP archive in which one file is damaged."""
     stream = io.BytesIO()
-    with zipfile.ZipFile(io.BytesIO(original)) as old, zipfile.ZipFile(stream, "w") as new:
-        names = old.namelist()
+    with zipfile.ZipFile(io.BytesIO(original)) as original_archive, zipfile.ZipFile(stream, "w") as damaged_archive:
+        names = original_archive.namelist()
         damaged = names[int(random.integers(len(names)))]
         for name in names:
-            content = bytearray(old.read(name))
+            content = bytearray(original_archive.read(name))
             if name == damaged:
                 scramble_bytes(random, content)
-            new.writestr(name, bytes(content))
+            damaged_archive.writestr(name, bytes(content))
     return stream.getvalue()
 
 

@@ -32,12 +32,12 @@ def coordinate_across_grooves(rng, dimensions):
     return x * np.cos(angle) + y * np.sin(angle)
 
 
-def turned_surface(rng, dimensions, *, feed=(14, 60), rough=0.05, wander=0.15):
+def turned_surface(rng, dimensions, *, feed=(14, 60), rough=0.05, depth_variation=0.15):
     """Return a turned surface: rounded cusps of random depth with added noise."""
     position = coordinate_across_grooves(rng, dimensions) / rng.uniform(*feed) + rng.random()
     cusp = np.floor(position).astype(int)
     cusp -= cusp.min()
-    depth = 1 + wander * rng.normal(size=cusp.max() + 1)
+    depth = 1 + depth_variation * rng.normal(size=cusp.max() + 1)
     shape = GRID_SHAPES[dimensions]
     return scale_to_unit_rms(depth[cusp] * np.square(position % 1 - 0.5)) + rough * filtered_noise(rng, shape, 0.8)
 
@@ -68,7 +68,9 @@ def honed_surface(rng, dimensions):
 MACHINED_SURFACES = {
     "turned": turned_surface,
     "turned roughly": lambda rng, dimensions: turned_surface(rng, dimensions, rough=0.3),
-    "turned at a fine feed": lambda rng, dimensions: turned_surface(rng, dimensions, feed=(8, 14), wander=0, rough=0.1),
+    "turned at a fine feed": lambda rng, dimensions: turned_surface(
+        rng, dimensions, feed=(8, 14), depth_variation=0, rough=0.1
+    ),
     "milled": milled_surface,
     "ground": ground_surface,
     "ground along straight grooves": lambda rng, dimensions: ground_surface(rng, dimensions, stretch=np.inf),

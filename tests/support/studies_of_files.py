@@ -14,10 +14,12 @@ def pair_study(upper, lower, **options):
     return study_from_options(read_options({"upper": upper, "lower": lower, **options}))
 
 
-def write_heights(folder, make, kind="", seed=3, **options):
-    """Generate two surfaces, and write their heights to upper.npy and lower.npy (with the suffix `kind`)."""
+def write_heights(folder, generate_surface, suffix="", seed=3, **options):
+    """Generate two surfaces, and write their heights to upper.npy and lower.npy (with `suffix` before the dot)."""
     for side in SIDES:
-        np.save(folder / f"{side}{kind}.npy", make(seed, hurst_exponent=0.8, side=side, **options).heights)
+        np.save(
+            folder / f"{side}{suffix}.npy", generate_surface(seed, hurst_exponent=0.8, side=side, **options).heights
+        )
 
 
 def write_maps(folder, shape=(48, 48), rms=0.02):

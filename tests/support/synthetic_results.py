@@ -9,9 +9,9 @@ RESULT_STATISTICS = ("mean", "lower", "upper")
 SLIDING_RULES = ("all", "opposing")
 
 
-def value_and_ends(mean, half=0.05):
-    """Return [mean, lower end, upper end] for a half-width that is the fraction `half` of the mean."""
-    return [mean, mean - half * abs(mean), mean + half * abs(mean)]
+def value_and_ends(mean, half_width_ratio=0.05):
+    """Return [mean, lower end, upper end] for a half-width that is the fraction `half_width_ratio` of the mean."""
+    return [mean, mean - half_width_ratio * abs(mean), mean + half_width_ratio * abs(mean)]
 
 
 def measured_study(
@@ -20,8 +20,8 @@ def measured_study(
     """Return a study of two measured files that do not exist."""
     contact = {"mechanics": mechanics, "effective_modulus": "100 GPa"}
     if mechanics == "asperities":
-        yielding = {"name": law, "yield_strength": "1 GPa", "poisson_ratio": 0.3}
-        contact["law"] = yielding if law == "jackson-green" else law
+        law_with_strength = {"name": law, "yield_strength": "1 GPa", "poisson_ratio": 0.3}
+        contact["law"] = law_with_strength if law == "jackson-green" else law
     else:
         contact |= {} if hardness is None else {"hardness": f"{hardness} GPa"}
         contact |= {} if adhesion is None else {"work_of_adhesion": adhesion}
@@ -61,30 +61,32 @@ def measured_result(
         """Return dimensions and values, repeated along the leading dimensions."""
         return dims, np.broadcast_to(values, [sizes[dim] for dim in dims]).copy()
 
-    materials, last = ("load", "mu0", "tau0"), "statistic"
+    condition_dims, statistic_dim = ("load", "mu0", "tau0"), "statistic"
     by_rule = friction[:, None, None, None, None, None, :]
     axial = by_rule if by_axis is None else np.array(by_axis)[None, None, :, None, None, None, :]
     variables = {
-        "friction_coefficient": fill_dimensions(by_rule, "sliding", "cut_off", "direction", *materials, last),
-        "friction_by_axis": fill_dimensions(axial, "sliding", "cut_off", "axis", *materials, last),
-        "friction_all_round": fill_dimensions(by_rule[:, :, 0], "sliding", "cut_off", *materials, last),
-        "status": fill_dimensions(np.array(status, STATUS_DTYPE), "sliding", "cut_off", "direction", *materials),
-        "spread_low": fill_dimensions(0.04, "cut_off", "sliding", *materials),
-        "spread_high": fill_dimensions(0.19, "cut_off", "sliding", *materials),
+        "friction_coefficient": fill_dimensions(
+            by_rule, "sliding", "cut_off", "direction", *condition_dims, statistic_dim
+        ),
+        "friction_by_axis": fill_dimensions(axial, "sliding", "cut_off", "axis", *condition_dims, statistic_dim),
+        "friction_all_round": fill_dimensions(by_rule[:, :, 0], "sliding", "cut_off", *condition_dims, statistic_dim),
+        "status": fill_dimensions(np.array(status, STATUS_DTYPE), "sliding", "cut_off", "direction", *condition_dims),
+        "spread_low": fill_dimensions(0.04, "cut_off", "sliding", *condition_dims),
+        "spread_high": fill_dimensions(0.19, "cut_off", "sliding", *condition_dims),
         "gentle_friction": fill_dimensions(
             by_rule[:, :, :, 0, ..., 0], "sliding", "cut_off", "direction", "mu0", "tau0"
         ),
         "reading_difference": fill_dimensions(changes.pop("reading_difference", 0.001), "cut_off", "load"),
-        "rms_gradient": fill_dimensions(value_and_ends(changes.pop("rms_gradient", 0.2)), "cut_off", last),
-        "rms_slope": fill_dimensions(value_and_ends(0.14), "cut_off", "direction", last),
-        "patch_area": fill_dimensions(value_and_ends(0.2), "cut_off", "load", "fraction_below", last),
-        "pressure": fill_dimensions(value_and_ends(0.4), "cut_off", "load", "fraction_below", last),
+        "rms_gradient": fill_dimensions(value_and_ends(changes.pop("rms_gradient", 0.2)), "cut_off", statistic_dim),
+        "rms_slope": fill_dimensions(value_and_ends(0.14), "cut_off", "direction", statistic_dim),
+        "patch_area": fill_dimensions(value_and_ends(0.2), "cut_off", "load", "fraction_below", statistic_dim),
+        "pressure": fill_dimensions(value_and_ends(0.4), "cut_off", "load", "fraction_below", statistic_dim),
         "members": fill_dimensions(members),
-        "ok": fill_dimensions(ok, "cut_off", "sliding", "direction", *materials),
+        "ok": fill_dimensions(ok, "cut_off", "sliding", "direction", *condition_dims),
     }  # fmt: skip
     for name, value in (QUANTITIES_AT_LOAD | changes).items():
         if value is not None:
-            variables[name] = fill_dimensions(value_and_ends(value), "cut_off", "load", last)
+            variables[name] = fill_dimensions(value_and_ends(value), "cut_off", "load", statistic_dim)
     coordinates = {
         "cut_off": list(cut_offs), "sliding": list(SLIDING_RULES), "direction": list(directions), "axis": axes,
         "load": list(loads), "mu0": list(mu0), "tau0": list(tau0), "fraction_below": [0.5, 0.9],

@@ -9,12 +9,12 @@ MAX_WAITING_TIME = 30.0  # time in seconds that is long enough for another threa
 
 def runs_other_threads(call):
     """Return True if another thread runs during calls, though the interpreter does not switch threads by itself."""
-    started, released, ran = threading.Event(), threading.Event(), threading.Event()
+    started, released, has_run = threading.Event(), threading.Event(), threading.Event()
 
     def wait_for_release():
         started.set()
         released.wait()
-        ran.set()
+        has_run.set()
 
     interval = sys.getswitchinterval()
     thread = threading.Thread(target=wait_for_release)
@@ -25,9 +25,9 @@ def runs_other_threads(call):
     end = time.monotonic() + MAX_WAITING_TIME
     try:
         released.set()
-        while not ran.is_set() and time.monotonic() < end:
+        while not has_run.is_set() and time.monotonic() < end:
             call()
-        return ran.is_set()
+        return has_run.is_set()
     finally:
         sys.setswitchinterval(interval)
         thread.join()

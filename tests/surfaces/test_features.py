@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from reference import roughness as slow
+from reference import roughness as reference_roughness
 from stiction import Surface, surface_parameters
 from stiction.surfaces.features import feature_parameters, significant_peaks
 from support.rough_surfaces import self_affine_map
@@ -19,7 +19,7 @@ def test_significant_peaks_equal_those_found_by_literal_wolf_pruning(seed, pruni
     heights = self_affine_map(seed, 0.6, (22, 27)).heights
     for sign in (1, -1):
         threshold = pruning * float(np.ptp(heights))
-        expected = slow.wolf_pruned_peaks(sign * heights, threshold)
+        expected = reference_roughness.wolf_pruned_peaks(sign * heights, threshold)
         result = {divmod(int(index), 27) for index in significant_peaks(sign * heights, threshold)}
         assert result == expected
 
@@ -28,7 +28,7 @@ def test_significant_peaks_equal_those_found_by_literal_wolf_pruning(seed, pruni
 def test_feature_parameters_equal_their_definitions(seed):
     surface = self_affine_map(seed, 0.6, (24, 30), spacing=(0.5, 0.25))
     z = surface.heights - surface.heights.mean()
-    result, expected = surface_parameters(surface), slow.feature_parameters(z, surface.spacing)
+    result, expected = surface_parameters(surface), reference_roughness.feature_parameters(z, surface.spacing)
     for name, value in expected.items():
         assert getattr(result, name) == pytest.approx(value, rel=1e-9), name
 
@@ -66,4 +66,6 @@ def test_five_point_heights_are_nan_with_fewer_than_five_peaks():
 def test_dominant_wavelength_equals_the_wavelength_of_the_largest_fourier_coefficient():
     surface = self_affine_map(3, 0.6, (18, 24), spacing=(0.5, 0.25))
     z = surface.heights - surface.heights.mean()
-    assert surface_parameters(surface).Ssw == pytest.approx(slow.dominant_wavelength(z, surface.spacing), rel=1e-9)
+    assert surface_parameters(surface).Ssw == pytest.approx(
+        reference_roughness.dominant_wavelength(z, surface.spacing), rel=1e-9
+    )

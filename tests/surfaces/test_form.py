@@ -7,7 +7,7 @@ from stiction import Profile, Surface, levelled
 NOISE_RMS = 1e-3
 
 
-def grid(rows=60, columns=80, spacing=0.5):
+def grid_coordinates(rows=60, columns=80, spacing=0.5):
     return spacing * np.arange(rows)[:, np.newaxis], spacing * np.arange(columns)
 
 
@@ -24,9 +24,9 @@ def radius_from_history(body):
 def test_levelling_removes_only_polynomials_up_to_the_given_degree(trend, degree):
     t = np.linspace(-1, 2, 200)
     for power in range(8):
-        rest = levelled(Profile(3 * t**power + t, spacing=0.1), trend).heights
-        assert (np.abs(rest).max() < 1e-11) == (power <= degree)
-    y, x = grid()
+        residuals = levelled(Profile(3 * t**power + t, spacing=0.1), trend).heights
+        assert (np.abs(residuals).max() < 1e-11) == (power <= degree)
+    y, x = grid_coordinates()
     y, x = y / 10 - 1, x / 10 - 2
     assert np.abs(levelled(Surface(x ** (degree - 1) * y, spacing=0.5), trend).heights).max() < 1e-11
     assert np.abs(levelled(Surface(x**degree * y, spacing=0.5), trend).heights).max() > 1e-3
@@ -45,49 +45,49 @@ def test_levelling_equals_direct_least_squares(trend):
 
 @pytest.mark.parametrize(("sign", "word"), [(1, "convex"), (-1, "concave")])
 def test_levelling_removes_a_sphere_and_leaves_the_noise(sign, word):
-    y, x = grid()
-    cap = sign * np.sqrt(300.0**2 - (x - 5) ** 2 - (y - 25) ** 2)
-    own = noise_heights(cap.shape)
-    result = levelled(Surface(cap + own, spacing=0.5), "sphere")
+    y, x = grid_coordinates()
+    spherical_heights = sign * np.sqrt(300.0**2 - (x - 5) ** 2 - (y - 25) ** 2)
+    noise = noise_heights(spherical_heights.shape)
+    result = levelled(Surface(spherical_heights + noise, spacing=0.5), "sphere")
     assert radius_from_history(result) == (pytest.approx(300, rel=1e-3), word)
     # The scatter decreases slightly, because four parameters are fitted to 4800 points.
-    assert result.heights.std() == pytest.approx(own.std(), rel=2e-3)
+    assert result.heights.std() == pytest.approx(noise.std(), rel=2e-3)
     assert result.heights.mean() == pytest.approx(0, abs=1e-12)
 
 
 def test_levelling_removes_a_tilted_cylinder_and_leaves_the_noise():
-    y, x = grid()
+    y, x = grid_coordinates()
     across, along = (x - 12) * 0.6 + (y - 20) * 0.8, 0.8 * x - 0.6 * y
-    own = noise_heights((60, 80))
-    result = levelled(Surface(np.sqrt(200.0**2 - across**2) + 0.02 * along + own, spacing=0.5), "cylinder")
+    noise = noise_heights((60, 80))
+    result = levelled(Surface(np.sqrt(200.0**2 - across**2) + 0.02 * along + noise, spacing=0.5), "cylinder")
     # The expected radius is that of a vertical section, because the axis rises by 2 %.
     assert radius_from_history(result)[0] == pytest.approx(200, rel=2e-3)
-    assert result.heights.std() == pytest.approx(own.std(), rel=2e-3)
+    assert result.heights.std() == pytest.approx(noise.std(), rel=2e-3)
 
 
 def test_levelling_removes_a_circle_and_leaves_the_noise():
     x = np.arange(1000.0)
-    own = noise_heights(1000)
-    result = levelled(Profile(np.sqrt(2000.0**2 - (x - 700) ** 2) + own, spacing=1.0), "circle")
+    noise = noise_heights(1000)
+    result = levelled(Profile(np.sqrt(2000.0**2 - (x - 700) ** 2) + noise, spacing=1.0), "circle")
     assert radius_from_history(result)[0] == pytest.approx(2000, rel=1e-4)
-    assert result.heights.std() == pytest.approx(own.std(), rel=3e-3)
+    assert result.heights.std() == pytest.approx(noise.std(), rel=3e-3)
 
 
 def test_removal_of_form_ignores_missing_points():
     x = np.arange(400.0)
     heights, missing = np.sqrt(2000.0**2 - (x - 150) ** 2), np.zeros(400, bool)
     missing[50:80] = True
-    bridged = np.where(missing, heights + 5, heights)
+    filled_heights = np.where(missing, heights + 5, heights)
     for trend in ("circle", "sextic"):
-        rest = levelled(Profile(bridged, spacing=1.0, missing=missing), trend).heights
-        assert np.abs(rest[~missing]).max() < 1e-5
+        residuals = levelled(Profile(filled_heights, spacing=1.0, missing=missing), trend).heights
+        assert np.abs(residuals[~missing]).max() < 1e-5
 
 
 def test_removal_of_form_changes_pure_noise_only_slightly():
-    own = noise_heights((60, 80))
+    noise = noise_heights((60, 80))
     for trend in ("sphere", "cylinder"):
-        result = levelled(Surface(own, spacing=0.5), trend).heights
-        assert result.std() == pytest.approx(own.std(), rel=5e-3)
+        result = levelled(Surface(noise, spacing=0.5), trend).heights
+        assert result.std() == pytest.approx(noise.std(), rel=5e-3)
 
 
 def test_levelling_rejects_a_form_meant_for_another_kind_of_body():

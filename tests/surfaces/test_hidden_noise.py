@@ -23,16 +23,18 @@ def rough_heights(seed, hurst, shape=(128, 128)):
     return filtered_noise(rng, shape, hurst, longest=60), rng
 
 
-class TestFloorFit:
+class TestNoiseFloorFit:
     log_q = np.log(np.geomspace(1.0, 8.0, 24))
 
-    def spectrum(self, exponent, level, floor=1.0, weight=1e4):
+    def create_spectrum(self, exponent, level, floor=1.0, weight=1e4):
         density = np.exp(3.0 - exponent * self.log_q) + level * floor
         return BinnedSpectrum(self.log_q, density, np.full(self.log_q.size, weight), floor)
 
     @pytest.mark.parametrize("level", [0.1, 1.0, 30.0])
     def test_fit_of_noise_floor_recovers_parameters_of_exact_spectra(self, level):
-        fit = fit_floor([self.spectrum(2.2, level), self.spectrum(3.1, level, floor=0.5)], exponents=(1.0, 5.0))
+        fit = fit_floor(
+            [self.create_spectrum(2.2, level), self.create_spectrum(3.1, level, floor=0.5)], exponents=(1.0, 5.0)
+        )
         assert fit.level == pytest.approx(level, rel=0.01)
         assert fit.exponents == pytest.approx((2.2, 3.1), rel=0.01)
         end_density = [math.exp(3.0 - exponent * self.log_q[-1]) for exponent in (2.2, 3.1)]
@@ -40,22 +42,22 @@ class TestFloorFit:
         assert fit.is_significant
 
     def test_fit_of_a_pure_power_law_has_no_significant_noise_floor(self):
-        fit = fit_floor([self.spectrum(2.2, 0.0)], exponents=(1.0, 5.0))
+        fit = fit_floor([self.create_spectrum(2.2, 0.0)], exponents=(1.0, 5.0))
         assert not fit.is_significant
         assert fit.gain == pytest.approx(0.0, abs=1e-3)
         assert fit.exponents == pytest.approx((2.2,), rel=1e-3)
 
     def test_gain_of_a_noise_floor_is_the_increase_in_log_likelihood(self):
-        spectrum = self.spectrum(2.2, 1.0, weight=3.0)
+        spectrum = self.create_spectrum(2.2, 1.0, weight=3.0)
         fit = fit_floor([spectrum], exponents=(1.0, 5.0))
 
-        def loss(level):
+        def negative_log_likelihood(level):
             exponents = np.linspace(1.0, 5.0, 401)[:, np.newaxis]
             prefactors = np.linspace(1.0, 5.0, 401)[:, np.newaxis, np.newaxis]
             model = np.exp(prefactors - exponents * self.log_q) + level
             return 3.0 * (np.log(model) + spectrum.density / model).sum(axis=-1).min()
 
-        assert fit.gain == pytest.approx(loss(0.0) - loss(1.0), rel=0.01)
+        assert fit.gain == pytest.approx(negative_log_likelihood(0.0) - negative_log_likelihood(1.0), rel=0.01)
         assert fit.is_significant == (fit.gain > MIN_FLOOR_LIKELIHOOD_GAIN)
 
 
@@ -68,29 +70,35 @@ def test_hidden_noise_is_not_reported_for_surfaces_without_noise(hurst):
     assert sum(find_hidden_noise(profile) is not None for profile in profiles) <= 2
 
 
-@pytest.mark.parametrize(("hurst", "level"), [(0.6, 0.15), (0.7, 0.1), (0.8, 0.08)])
-def test_hidden_white_noise_is_estimated_if_the_spectrum_has_no_flat_end(hurst, level):
+@pytest.mark.parametrize(("hurst", "noise_rms"), [(0.6, 0.15), (0.7, 0.1), (0.8, 0.08)])
+def test_hidden_white_noise_is_estimated_if_the_spectrum_has_no_flat_end(hurst, noise_rms):
     for seed in range(NUM_SURFACES):
         heights, rng = rough_heights(seed, hurst)
-        clean, noisy = (
-            Surface(z, spacing=SPACING) for z in (heights, heights + level * rng.normal(size=heights.shape))
+        clean_surface, noisy_surface = (
+            Surface(z, spacing=SPACING) for z in (heights, heights + noise_rms * rng.normal(size=heights.shape))
         )
-        assert instrument_limit(noisy).reason == "pixels"
-        noise = find_hidden_noise(noisy)
-        slopes = [mean_square_slope(body) for body in (clean, noisy, cut_off(noisy, noise.cut_off))]
-        assert slopes[1] > 1.25 * slopes[0]
-        assert noise.slope_fraction == pytest.approx(1 - slopes[0] / slopes[1], abs=0.09)
-        assert math.sqrt(slopes[2] / slopes[0]) == pytest.approx(1.0, abs=0.13)
+        assert instrument_limit(noisy_surface).reason == "pixels"
+        noise = find_hidden_noise(noisy_surface)
+        mean_square_slopes = [
+            mean_square_slope(body) for body in (clean_surface, noisy_surface, cut_off(noisy_surface, noise.cut_off))
+        ]
+        assert mean_square_slopes[1] > 1.25 * mean_square_slopes[0]
+        assert noise.slope_fraction == pytest.approx(1 - mean_square_slopes[0] / mean_square_slopes[1], abs=0.09)
+        assert math.sqrt(mean_square_slopes[2] / mean_square_slopes[0]) == pytest.approx(1.0, abs=0.13)
 
 
 def test_slope_fraction_of_hidden_noise_is_correct_for_unequal_spacings():
     heights, rng = rough_heights(1, 0.5, (128, 256))
-    noisy = heights + 0.1 * rng.normal(size=heights.shape)
-    square, stretched = (find_hidden_noise(Surface(noisy, spacing=spacing)) for spacing in (0.1, (0.1, 0.1001)))
-    assert stretched.slope_fraction == pytest.approx(square.slope_fraction, rel=0.01)
-    total = mean_square_slope(Surface(noisy, spacing=(0.2, 0.1)))
+    noisy_heights = heights + 0.1 * rng.normal(size=heights.shape)
+    noise_on_square_grid, noise_on_stretched_grid = (
+        find_hidden_noise(Surface(noisy_heights, spacing=spacing)) for spacing in (0.1, (0.1, 0.1001))
+    )
+    assert noise_on_stretched_grid.slope_fraction == pytest.approx(noise_on_square_grid.slope_fraction, rel=0.01)
+    total = mean_square_slope(Surface(noisy_heights, spacing=(0.2, 0.1)))
     fraction = 1 - mean_square_slope(Surface(heights, spacing=(0.2, 0.1))) / total
-    assert find_hidden_noise(Surface(noisy, spacing=(0.2, 0.1))).slope_fraction == pytest.approx(fraction, abs=0.08)
+    assert find_hidden_noise(Surface(noisy_heights, spacing=(0.2, 0.1))).slope_fraction == pytest.approx(
+        fraction, abs=0.08
+    )
 
 
 def test_aliased_surface_is_reported_as_possibly_noisy():
@@ -100,8 +108,8 @@ def test_aliased_surface_is_reported_as_possibly_noisy():
 
 def test_hidden_noise_is_not_estimated_for_feed_marks():
     heights = turned_surface(np.random.default_rng(1), 1, feed=(25, 25))
-    noisy = heights + 0.003 * heights.std() * np.random.default_rng(2).normal(size=heights.size)
-    assert find_hidden_noise(Profile(noisy, spacing=SPACING)) is None
+    noisy_heights = heights + 0.003 * heights.std() * np.random.default_rng(2).normal(size=heights.size)
+    assert find_hidden_noise(Profile(noisy_heights, spacing=SPACING)) is None
 
 
 def test_hidden_noise_is_not_reported_for_straight_grooves_with_aliased_edges():

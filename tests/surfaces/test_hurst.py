@@ -24,7 +24,7 @@ DEFAULT_CASE = (False, BAND, False)
 specified."""
 
 
-class TestProfileExponent:
+class TestProfileHurstExponent:
     # A 95 % interval misses 3 of 60 cases on average. The probability of more than 8 misses is 1 in 500.
     NUM_CASES, MAX_MISSES = 60, 8
 
@@ -75,38 +75,42 @@ class TestProfileExponent:
 
     def test_fitted_band_excludes_gradually_increasing_noise(self):
         # With all wavelengths, the mean H is 0.20, and only one of forty intervals covers the true value.
-        result, stored = [], 0
+        result, num_covered = [], 0
         for repetition in range(30):
             options = {"points": 4096, "repetition": repetition, "longest_wavelength": 10.0}
             noise = np.random.default_rng(repetition).normal(size=4096) * 0.01
             noisy = Profile(rough_profile(hurst_exponent=0.3, **options).heights + noise, spacing=0.01)
             estimate = estimate_hurst_exponent(noisy)
             result.append(estimate)
-            stored += estimate.lower < 0.3 < estimate.upper
+            num_covered += estimate.lower < 0.3 < estimate.upper
         assert np.median([estimate.shortest_wavelength for estimate in result]) > 0.05
         assert np.mean([estimate.value for estimate in result]) == pytest.approx(0.3, abs=0.05)
-        assert stored >= 24  # In a trial, 35 of 40 intervals contained the exponent.
+        assert num_covered >= 24  # In a trial, 35 of 40 intervals contained the exponent.
 
     def test_hurst_estimate_is_invariant_under_tilt_scaling_and_reversal(self):
         profile = rough_profile(points=4096)
-        one = estimate_hurst_exponent(profile)
+        original_estimate = estimate_hurst_exponent(profile)
         for heights, spacing in (
             (profile.heights + 5 * profile.x - 20, 0.01),
             (profile.heights * 1e-3, 0.01),
             (profile.heights, 7.0),
         ):
-            other = estimate_hurst_exponent(Profile(heights, spacing=spacing))
-            assert other.value == pytest.approx(one.value, abs=1e-9)
-            assert other.longest_wavelength / spacing == pytest.approx(one.longest_wavelength / 0.01)
+            changed_estimate = estimate_hurst_exponent(Profile(heights, spacing=spacing))
+            assert changed_estimate.value == pytest.approx(original_estimate.value, abs=1e-9)
+            assert changed_estimate.longest_wavelength / spacing == pytest.approx(
+                original_estimate.longest_wavelength / 0.01
+            )
         # Reversal of the profile moves the window by one point.
-        reversed_one = estimate_hurst_exponent(Profile(profile.heights[::-1], spacing=0.01))
-        assert reversed_one.value == pytest.approx(one.value, abs=0.2 * (one.upper - one.lower))
+        reversed_estimate = estimate_hurst_exponent(Profile(profile.heights[::-1], spacing=0.01))
+        assert reversed_estimate.value == pytest.approx(
+            original_estimate.value, abs=0.2 * (original_estimate.upper - original_estimate.lower)
+        )
 
     def test_hurst_estimate_uses_the_given_band(self):
         result = estimate_hurst_exponent(rough_profile(), band=(0.05, 2.0))
         assert 0.05 <= result.shortest_wavelength < result.longest_wavelength <= 2.0 * (1 + 1e-9)
 
-    def test_hurst_interval_in_a_given_band_covers_the_exponent_of_equation_1(self):
+    def test_hurst_interval_in_a_given_band_covers_the_exponent_of_weierstrass_mandelbrot_profiles(self):
         for dimension in (1.2, 1.6):
             profile = weierstrass_mandelbrot(random_phases(1), dimension, points=50_000)
             result = estimate_hurst_exponent(profile, band=(0.005, 0.9))
@@ -114,7 +118,7 @@ class TestProfileExponent:
             # The spectrum consists of separate lines, so it scatters more than a continuous spectrum.
             assert result.dispersion > 1
 
-    def test_fitted_band_of_equation_1_contains_only_its_dense_harmonics(self):
+    def test_fitted_band_of_weierstrass_mandelbrot_profiles_contains_only_dense_harmonics(self):
         # The fitted band contains only the longest wavelengths.
         # Below a wavelength of about 0.04 µm the harmonics of the 40 directions are separate lines.
         profile = weierstrass_mandelbrot(random_phases(1), 1.4, points=150_000)
@@ -177,7 +181,7 @@ def test_hurst_caution_reports_wide_interval_and_exponents_outside_0_to_1():
         assert uncertain.caution.startswith(caution)
 
 
-class TestSurfaceExponent:
+class TestSurfaceHurstExponent:
     # A 95 % interval misses 3 of 60 cases on average. The probability of more than 8 misses is 1 in 500.
     NUM_CASES, MAX_MISSES = 60, 8
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from stiction import Profile, Surface, joined_spectrum, scale_dependent_roughness, self_affine_surface, surface_spectrum
 
-POINTS, SPACING = 1024, 0.01
+NUM_POINTS, SPACING = 1024, 0.01
 # Relative error of a bin with at least a hundred Fourier coefficients, for a few pieces of the surface.
 BIN_TOLERANCE = 0.1
 
@@ -14,14 +14,14 @@ BIN_TOLERANCE = 0.1
 @pytest.fixture(scope="module")
 def complete_surface():
     return self_affine_surface(
-        7, hurst_exponent=0.8, rms=0.03, shape=(POINTS, POINTS), spacing=SPACING, longest_wavelength=1.28
+        7, hurst_exponent=0.8, rms=0.03, shape=(NUM_POINTS, NUM_POINTS), spacing=SPACING, longest_wavelength=1.28
     )
 
 
 def scans_of_instruments(complete_surface, noise=1e-5):
     """Return scans of a coarse instrument, with pixel averages and noise, and scans of pieces by finer instruments."""
     random = np.random.default_rng(1)
-    means = complete_surface.heights.reshape(POINTS // 8, 8, POINTS // 8, 8).mean((1, 3))
+    means = complete_surface.heights.reshape(NUM_POINTS // 8, 8, NUM_POINTS // 8, 8).mean((1, 3))
     coarse = Surface(means + noise * random.normal(size=means.shape), spacing=8 * SPACING)
     fine = [
         Surface(complete_surface.heights[row : row + 512, column : column + 512], spacing=SPACING)
@@ -32,22 +32,27 @@ def scans_of_instruments(complete_surface, noise=1e-5):
 
 def true_spectrum(complete_surface, wave_number, per_decade):
     q, _, density = surface_spectrum(complete_surface, periodic=True).waves()
-    half = 10 ** (0.5 / per_decade)
-    bins = [(q >= middle / half) & (q < middle * half) for middle in wave_number]
+    half_width_factor = 10 ** (0.5 / per_decade)
+    is_in_bin_of_centre = [
+        (q >= centre / half_width_factor) & (q < centre * half_width_factor) for centre in wave_number
+    ]
     return np.array([
-        (density[here] * (q[here] / middle) ** 3).mean() for here, middle in zip(bins, wave_number, strict=True)
+        (density[is_in_bin] * (q[is_in_bin] / centre) ** 3).mean()
+        for is_in_bin, centre in zip(is_in_bin_of_centre, wave_number, strict=True)
     ])  # fmt: skip
 
 
 def test_joined_spectrum_agrees_with_spectrum_and_slope_of_the_surface(complete_surface):
     joined = joined_spectrum(scans_of_instruments(complete_surface), per_decade=5)
-    sure = joined.count > 300
-    assert sure.sum() > 5
+    is_reliable = joined.count > 300
+    assert is_reliable.sum() > 5
     expected = true_spectrum(complete_surface, joined.wave_number, 5)
-    assert joined.density[sure] == pytest.approx(expected[sure], rel=BIN_TOLERANCE)
-    own, known = joined.roughness(), scale_dependent_roughness(complete_surface, periodic=True)
+    assert joined.density[is_reliable] == pytest.approx(expected[is_reliable], rel=BIN_TOLERANCE)
+    joined_roughness, true_roughness = joined.roughness(), scale_dependent_roughness(complete_surface, periodic=True)
     for length in (0.3, 0.15, 0.1):
-        assert float(own.gradient_at(length)) == pytest.approx(float(known.gradient_at(length)), rel=0.05)
+        assert float(joined_roughness.gradient_at(length)) == pytest.approx(
+            float(true_roughness.gradient_at(length)), rel=0.05
+        )
     assert joined.reasons == ("pixels",) * 5
     assert joined.bands[0] == pytest.approx((0.64, 1024 * SPACING / 3))
     assert joined.contribution.sum(axis=0) == pytest.approx(np.ones(joined.count.size))
@@ -57,24 +62,24 @@ def test_joined_spectrum_agrees_with_spectrum_and_slope_of_the_surface(complete_
 
 def test_disagreement_of_joined_scans_detects_wrong_calibration(complete_surface):
     scans = scans_of_instruments(complete_surface)
-    wrong = joined_spectrum([Surface(2 * scans[0].heights, spacing=scans[0].spacing), *scans[1:]])
+    miscalibrated = joined_spectrum([Surface(2 * scans[0].heights, spacing=scans[0].spacing), *scans[1:]])
     # The spectrum is proportional to the square of the heights, so its ratio is about 4.
-    assert 2.5 < wrong.disagreement[0] < 6
-    assert np.log(wrong.disagreement[0]) > 2 * wrong.chance[0]
-    few = joined_spectrum([scans[0], Surface(scans[1].heights[:256, :256], spacing=SPACING)])
+    assert 2.5 < miscalibrated.disagreement[0] < 6
+    assert np.log(miscalibrated.disagreement[0]) > 2 * miscalibrated.chance[0]
+    joined_with_small_piece = joined_spectrum([scans[0], Surface(scans[1].heights[:256, :256], spacing=SPACING)])
     # A small piece contains few of the common wavelengths, so its expected scatter is larger.
-    assert few.chance[1] > wrong.chance[0]
-    alone = joined_spectrum(scans[:1])
-    assert np.isnan(alone.chance).all()
-    assert math.isnan(alone.disagreement[0])
-    assert (alone.ratio == pytest.approx(1.0)) or np.isnan(alone.ratio).any()
+    assert joined_with_small_piece.chance[1] > miscalibrated.chance[0]
+    single_scan_spectrum = joined_spectrum(scans[:1])
+    assert np.isnan(single_scan_spectrum.chance).all()
+    assert math.isnan(single_scan_spectrum.disagreement[0])
+    assert (single_scan_spectrum.ratio == pytest.approx(1.0)) or np.isnan(single_scan_spectrum.ratio).any()
 
 
 def test_joined_spectrum_excludes_wavelengths_limited_by_tip_or_noise(complete_surface):
     coarse, fine = scans_of_instruments(complete_surface, noise=0.02)[:2]
-    blunt = joined_spectrum([coarse, fine], tip_radii=[None, 0.05])
-    assert blunt.reasons[1] == "tip"
-    curvature = scale_dependent_roughness(fine).curvature_at(blunt.bands[1][0] * 1.2)
+    joined_with_blunt_tip = joined_spectrum([coarse, fine], tip_radii=[None, 0.05])
+    assert joined_with_blunt_tip.reasons[1] == "tip"
+    curvature = scale_dependent_roughness(fine).curvature_at(joined_with_blunt_tip.bands[1][0] * 1.2)
     assert float(curvature) < 0.1 / 0.05
     assert joined_spectrum([coarse], per_decade=8).reasons == ("noise floor",)
     arguments = joined_spectrum([fine], shortest_wavelengths=[0.5])
@@ -85,25 +90,25 @@ def test_joined_spectrum_excludes_wavelengths_limited_by_tip_or_noise(complete_s
 def test_joined_spectrum_is_positive_in_gaps_between_scans(complete_surface):
     coarse, fine = scans_of_instruments(complete_surface)[:2]
     joined = joined_spectrum([coarse, fine], shortest_wavelengths=[1.5, None], per_decade=20)
-    piece = joined_spectrum([coarse, fine], shortest_wavelengths=[2.5, None], per_decade=10)
+    joined_with_gap = joined_spectrum([coarse, fine], shortest_wavelengths=[2.5, None], per_decade=10)
     assert (joined.density > 0).all()
-    gaps = piece.count == 0
-    assert (piece.contribution[:, gaps] == 0).all()
+    gaps = joined_with_gap.count == 0
+    assert (joined_with_gap.contribution[:, gaps] == 0).all()
     assert (np.diff(joined.wave_number) > 0).all()
 
 
 def test_joined_profiles_are_treated_as_sections_of_an_isotropic_surface(complete_surface):
     lines = [Profile(complete_surface.heights[row], spacing=SPACING) for row in (0, 300, 600, 900)]
     joined = joined_spectrum(lines, per_decade=5)
-    known = scale_dependent_roughness(complete_surface, periodic=True)
-    assert float(joined.roughness().gradient_at(0.1)) == pytest.approx(float(known.gradient_at(0.1)), rel=0.3)
+    true_roughness = scale_dependent_roughness(complete_surface, periodic=True)
+    assert float(joined.roughness().gradient_at(0.1)) == pytest.approx(float(true_roughness.gradient_at(0.1)), rel=0.3)
 
 
 def test_surface_generated_from_a_joined_spectrum_has_that_spectrum(complete_surface):
     joined = joined_spectrum(scans_of_instruments(complete_surface))
     body = joined.surface(3, shape=(512, 512), spacing=0.04)
-    again = joined.surface(3, shape=(512, 512), spacing=0.04)
-    assert np.array_equal(body.heights, again.heights)
+    repeated_body = joined.surface(3, shape=(512, 512), spacing=0.04)
+    assert np.array_equal(body.heights, repeated_body.heights)
     assert not np.array_equal(body.heights, joined.surface(3, shape=(512, 512), spacing=0.04, side="upper").heights)
     created = scale_dependent_roughness(body, periodic=True)
     assert float(created.gradient_at(0.2)) == pytest.approx(float(joined.roughness().gradient_at(0.2)), rel=0.08)

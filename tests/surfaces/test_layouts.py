@@ -516,7 +516,7 @@ def test_height_factor_and_pixel_size_of_a_header_are_applied(tmp_path):
         read_measurement(path, unit="nm")
 
 
-def test_reading_report_contains_layout_units_and_points(tmp_path):
+def test_report_on_a_file_states_its_layout_units_and_number_of_points(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text(
         "made by hand\nx (um);z (um)\n" + "\n".join(f"{0.5 * at};{z}" for at, z in enumerate(LINE_HEIGHTS)) + "\nend\n"
@@ -865,7 +865,7 @@ def test_tip_radius_in_a_header_is_added_to_the_history(tmp_path, line):
 
 
 @pytest.mark.parametrize("step", [0.25, 0.333, 0.2, 1.26])
-def test_rounded_grid_points_are_read_if_the_step_is_at_least_two_rounding_units(tmp_path, step):
+def test_rounded_grid_points_are_read_if_the_spacing_is_at_least_two_rounding_units(tmp_path, step):
     path = tmp_path / "a.xyz"
     order = np.random.default_rng(5).permutation(HEIGHTS.size)
     y, x = (step * item.ravel()[order] for item in np.mgrid[:ROWS, :COLUMNS])

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from reference import roughness as slow
+from reference import roughness as reference_roughness
 from scipy.stats import norm
 from stiction import Surface, material_ratio, roughness_parameters, section_parameters, surface_parameters
 from stiction.surfaces.material_ratio import core_parameters, heights_at_ratios, material_volumes
@@ -21,20 +21,25 @@ def heights():
 def test_material_ratios_and_heights_equal_their_definitions(heights):
     z = heights.ravel().tolist()
     for ratio in (0.0, 0.025, 0.1, 0.5, 0.8, 1.0):
-        assert heights_at_ratios(heights, ratio) == pytest.approx(slow.height_at_material_ratio(z, ratio), rel=1e-12)
+        assert heights_at_ratios(heights, ratio) == pytest.approx(
+            reference_roughness.height_at_material_ratio(z, ratio), rel=1e-12
+        )
     levels = [-10.0, -0.5, 0.0, 0.7, 10.0]
-    expected = [slow.material_ratio_at_height(z, level) for level in levels]
+    expected = [reference_roughness.material_ratio_at_height(z, level) for level in levels]
     assert material_ratio(Surface(heights, spacing=1.0), levels) == pytest.approx(expected, abs=1e-12)
     assert material_ratio(rough_profile(), [100.0]) == 0
 
 
 def test_core_roughness_parameters_equal_their_definition(heights):
-    result, expected = core_parameters(heights), slow.stratified_parameters(heights.ravel().tolist())
+    result, expected = core_parameters(heights), reference_roughness.stratified_parameters(heights.ravel().tolist())
     assert result == pytest.approx([expected[name] for name in ("k", "pk", "vk", "mrk1", "mrk2")], rel=1e-9)
 
 
 def test_material_and_void_volumes_equal_integrals_of_the_bearing_curve(heights):
-    result, expected = material_volumes(heights), slow.material_and_void_volumes(heights.ravel().tolist())
+    result, expected = (
+        material_volumes(heights),
+        reference_roughness.material_and_void_volumes(heights.ravel().tolist()),
+    )
     assert result == pytest.approx([expected[name] for name in ("Vmp", "Vmc", "Vvc", "Vvv")], rel=1e-3)
 
 

@@ -493,9 +493,9 @@ def test_formats_without_channels_reject_the_channel_option(file):
     assert "has no channels, but channel 1 was selected" in error_message(file(TEXT_FORMATS["comma"]), channel=1)
 
 
-def test_channel_of_an_instrument_file_can_be_selected(measured):
+def test_channel_of_an_instrument_file_can_be_selected(measured_file):
     pytest.importorskip("SurfaceTopography")
-    path = measured("di-4.di")
+    path = measured_file("di-4.di")
     surface = read_surface(path)
     channels = "0 (ZSensor), 1 (AmplitudeError), 2 (Phase)"
     assert surface.history[1] == f"channel 0 (ZSensor) of {channels}"
@@ -828,8 +828,8 @@ def test_x3p_file_with_contradictions_is_rejected(file, change, message):
 # ---- Measured files and damaged ones --------------------------------------------------------------------------------
 
 
-def test_measured_stylus_profile_is_read_with_its_header(measured):
-    path = measured("dektak-1.csv")
+def test_measured_stylus_profile_is_read_with_its_header(measured_file):
+    path = measured_file("dektak-1.csv")
     profile = read_profile(path)
     assert len(profile) == 9600
     assert profile.spacing == pytest.approx(1499.8 / 9599, rel=1e-12)
@@ -840,9 +840,9 @@ def test_measured_stylus_profile_is_read_with_its_header(measured):
     assert "0.1562454 µm, but the given spacing is 0.156 um" in error_message(path, spacing="0.156 um")
 
 
-def test_measured_map_of_an_atomic_force_microscope_is_read(measured):
+def test_measured_map_of_an_atomic_force_microscope_is_read(measured_file):
     pytest.importorskip("SurfaceTopography")
-    surface = read_surface(measured("di-4.di"))
+    surface = read_surface(measured_file("di-4.di"))
     assert surface.heights.shape == (512, 512)
     assert surface.extent == pytest.approx((10.0, 10.0))
     level = levelled(surface, "plane")

@@ -57,41 +57,49 @@ def test_preparation_steps_and_file_formats_preserve_the_mask_of_missing_points(
         "the largest gap has 480 points, at x 3 µm to 5 µm, y 2 µm to 4.4 µm"
     )
     # This surface marks missing points by the height 1.
-    ones = Surface(np.where(missing, 1.0, np.arange(64.0) / 100), spacing=0.1)
-    for move in (flipped, lambda body: rotated(body, 270), lambda body: cropped(body, (1.0, 2.0), (5.0, 6.0))):
-        assert np.array_equal(move(scan).missing, np.abs(move(ones).heights) == 1)
-    for same in (levelled(scan, "quadratic"), cut_off(scan, 0.5), scan.with_amplitude(1.0), Surface.from_(scan)):
-        assert np.array_equal(same.missing, missing)
+    marked_surface = Surface(np.where(missing, 1.0, np.arange(64.0) / 100), spacing=0.1)
+    for transform in (flipped, lambda body: rotated(body, 270), lambda body: cropped(body, (1.0, 2.0), (5.0, 6.0))):
+        assert np.array_equal(transform(scan).missing, np.abs(transform(marked_surface).heights) == 1)
+    for processed_scan in (
+        levelled(scan, "quadratic"),
+        cut_off(scan, 0.5),
+        scan.with_amplitude(1.0),
+        Surface.from_(scan),
+    ):
+        assert np.array_equal(processed_scan.missing, missing)
     assert np.array_equal(scan.row(25).missing, missing[25])
     assert np.array_equal(scan.column(31).missing, missing[:, 31])
     assert scan.row(0).missing is None
-    tilted = Surface(scan.heights + np.arange(64) * 0.01 + missing * 7.0, spacing=0.1, missing=missing)
-    left = np.where(missing, 0, levelled(tilted, "plane").heights - levelled(scan, "plane").heights)
-    assert np.abs(left).max() < 1e-12  # interpolated points do not tilt the fitted plane
+    tilted_scan = Surface(scan.heights + np.arange(64) * 0.01 + missing * 7.0, spacing=0.1, missing=missing)
+    height_differences = np.where(missing, 0, levelled(tilted_scan, "plane").heights - levelled(scan, "plane").heights)
+    assert np.abs(height_differences).max() < 1e-12  # interpolated points do not tilt the fitted plane
     fine = Surface(np.zeros((130, 130)), spacing=0.049)
     resampled = on_common_grid(scan, fine)[0].missing
     y, x = (
         0.049 * np.arange(points) for points in resampled.shape
     )  # A point is missing if a neighbour along an axis is missing.
     assert np.array_equal(resampled, np.outer((y > 1.9) & (y < 4.4), (x > 2.9) & (x < 5.0)))
-    turned = rotated(scan, 30.0).missing
-    assert turned.sum() == pytest.approx(missing.sum(), rel=0.25)
-    for body, write, read in ((scan, write_surface, read_surface), (scan.row(25), write_profile, read_profile)):
-        for ending in (".npy", ".csv"):
-            file = (tmp_path / type(body).__name__).with_suffix(ending)
-            write(body, file)
-            again = read(file, missing="mask")
-            assert np.array_equal(again.missing, body.missing)
-            assert np.array_equal(again.heights[~again.missing], body.heights[~body.missing])
+    rotated_missing = rotated(scan, 30.0).missing
+    assert rotated_missing.sum() == pytest.approx(missing.sum(), rel=0.25)
+    for body, write_body, read_body in (
+        (scan, write_surface, read_surface),
+        (scan.row(25), write_profile, read_profile),
+    ):
+        for suffix in (".npy", ".csv"):
+            file = (tmp_path / type(body).__name__).with_suffix(suffix)
+            write_body(body, file)
+            restored_body = read_body(file, missing="mask")
+            assert np.array_equal(restored_body.missing, body.missing)
+            assert np.array_equal(restored_body.heights[~restored_body.missing], body.heights[~body.missing])
 
 
 def test_missing_points_at_an_edge_are_masked_in_maps_and_cropped_in_profiles(tmp_path):
-    corner = np.where(np.arange(36).reshape(6, 6) < 8, np.nan, 1.0)
-    np.save(tmp_path / "corner.npy", corner)
+    heights = np.where(np.arange(36).reshape(6, 6) < 8, np.nan, 1.0)
+    np.save(tmp_path / "corner.npy", heights)
     with pytest.raises(ValueError, match='missing="mask"'):
         read_surface(tmp_path / "corner.npy", missing="interpolate", **READ_OPTIONS)
     scan = read_surface(tmp_path / "corner.npy", missing="mask", **READ_OPTIONS)
-    assert np.array_equal(scan.missing, np.isnan(corner))
+    assert np.array_equal(scan.missing, np.isnan(heights))
     assert (scan.heights == 1).all()
     np.save(tmp_path / "line.npy", np.array([np.nan, 1, 2, np.nan, 4, 5, np.nan]))
     line = read_profile(tmp_path / "line.npy", missing="mask", **READ_OPTIONS)
@@ -105,13 +113,13 @@ def test_cropping_ignores_missing_points_outside_the_range(complete_surface, sca
     piece = read_surface(scan_path, crop="0 um, 2.5 um, 1 um, 6.4 um", **READ_OPTIONS)
     assert np.array_equal(piece.heights, complete_surface.heights[10:, :25])
     assert piece.history[-1] == "cropped to 0 to 2.5 µm along x and 1 to 6.4 µm along y"
-    for crop, why in (
+    for crop, message in (
         ("1 um,9 um,0 um,1 um", "within the extent"),
         ("0 um,1 um", "crop must have 4 positions for this file, got 2"),
         ("0 um,1 um,2 um", "x0,x1"),
         ("0,1", "unit of length"),
     ):
-        with pytest.raises(ValueError, match=why):
+        with pytest.raises(ValueError, match=message):
             read_measurement(scan_path, crop=crop, **READ_OPTIONS)
 
 
@@ -120,35 +128,50 @@ def test_outlier_detection_finds_spikes_but_no_larger_features(hurst, tmp_path):
     options = {"hurst_exponent": hurst, "rms": 0.02, "spacing": 0.1}
     for body in (self_affine(1, points=4000, **options), self_affine_surface(1, shape=(128, 128), **options)):
         assert not find_outliers(body.heights).any()
-        heights, usual = body.heights.copy(), float(np.abs(np.diff(body.heights)).mean())
-        flat = heights.reshape(-1)
-        spikes = np.arange(210, flat.size - 210, 613)
-        spikes = spikes[(spikes % 128 > 0) & (spikes % 128 < 127)]  # A point at an edge has too few neighbours.
-        flat[spikes] += 20 * usual * (-1.0) ** np.arange(spikes.size)
-        flat[2000:2006] += 20 * usual  # This feature has more points than a group of outliers may have.
+        heights, mean_difference = body.heights.copy(), float(np.abs(np.diff(body.heights)).mean())
+        flat_heights = heights.reshape(-1)
+        spike_indices = np.arange(210, flat_heights.size - 210, 613)
+        # A point at an edge has too few neighbours.
+        spike_indices = spike_indices[(spike_indices % 128 > 0) & (spike_indices % 128 < 127)]
+        flat_heights[spike_indices] += 20 * mean_difference * (-1.0) ** np.arange(spike_indices.size)
+        # This feature has more points than a group of outliers may have.
+        flat_heights[2000:2006] += 20 * mean_difference
         result = find_outliers(heights)
-        assert np.array_equal(np.flatnonzero(result), spikes)
+        assert np.array_equal(np.flatnonzero(result), spike_indices)
         np.save(tmp_path / f"{heights.ndim}.npy", heights)
         for missing, mask in (("error", True), ("mask", True), ("interpolate", False)):
             scan = read_measurement(tmp_path / f"{heights.ndim}.npy", outliers="mask", missing=missing, **READ_OPTIONS)
-            assert np.abs(scan.heights - body.heights)[result].max() < 10 * usual
+            assert np.abs(scan.heights - body.heights)[result].max() < 10 * mean_difference
             assert (scan.missing is not None) == mask
-            assert any(f"{spikes.size} outliers" in step for step in scan.history)
+            assert any(f"{spike_indices.size} outliers" in step for step in scan.history)
     assert not find_outliers(np.full(20, np.nan)).any()
 
 
 @pytest.mark.parametrize("shape", [(2000,), (96, 96)])
 def test_outlier_detection_finds_groups_and_edge_points(shape):
     heights = filtered_noise(np.random.default_rng(1), shape, 0.8)
-    usual = float(np.abs(np.diff(heights)).mean())
-    places = [(0,), (400,), (401,), (800,), (802,), (1999,)]
+    mean_difference = float(np.abs(np.diff(heights)).mean())
+    spike_indices = [(0,), (400,), (401,), (800,), (802,), (1999,)]
     if len(shape) == 2:
-        places = [(0, 40), (95, 20), (50, 0), (30, 30), (31, 31), (30, 60), (30, 62), (70, 70), (70, 71), (71, 70)]
-    spikes = np.zeros(shape, bool)
-    spikes[tuple(np.transpose(places))] = True
+        spike_indices = [
+            (0, 40),
+            (95, 20),
+            (50, 0),
+            (30, 30),
+            (31, 31),
+            (30, 60),
+            (30, 62),
+            (70, 70),
+            (70, 71),
+            (71, 70),
+        ]
+    is_spike = np.zeros(shape, bool)
+    is_spike[tuple(np.transpose(spike_indices))] = True
     rng = np.random.default_rng(2)
-    heights[spikes] += rng.choice([-1, 1], len(places)) * rng.uniform(40, 100, len(places)) * usual
-    assert np.array_equal(find_outliers(heights), spikes)
+    heights[is_spike] += (
+        rng.choice([-1, 1], len(spike_indices)) * rng.uniform(40, 100, len(spike_indices)) * mean_difference
+    )
+    assert np.array_equal(find_outliers(heights), is_spike)
 
 
 @pytest.mark.parametrize(("size", "is_outlier"), [(4, True), (5, False)])
@@ -162,37 +185,42 @@ def test_outlier_detection_finds_groups_of_at_most_four_points(size, is_outlier)
     assert find_outliers(heights)[group].any() == is_outlier
 
 
-@pytest.mark.parametrize("kind", MACHINED_SURFACES)
-def test_outlier_detection_has_few_false_positives(kind):
-    result = sum(int(find_outliers(MACHINED_SURFACES[kind](np.random.default_rng(seed), 1)).sum()) for seed in range(5))
-    assert result <= 10  # The five profiles have 10240 points together.
+@pytest.mark.parametrize("machining", MACHINED_SURFACES)
+def test_outlier_detection_has_few_false_positives(machining):
+    num_outliers = sum(
+        int(find_outliers(MACHINED_SURFACES[machining](np.random.default_rng(seed), 1)).sum()) for seed in range(5)
+    )
+    assert num_outliers <= 10  # The five profiles have 10240 points together.
 
 
 def test_nominal_area_excludes_missing_points_and_interpolation_adds_a_caveat(complete_surface, scan_path):
-    scan, full = (
+    scan, complete_result = (
         read_surface(scan_path, missing="mask", **READ_OPTIONS),
         pair(complete_surface, complete_surface, shifts=4, **PAIR_OPTIONS),
     )
-    masked, filled = (
+    masked_result, interpolated_result = (
         pair(scan, scan, shifts=4, **PAIR_OPTIONS),
         pair(scan_path, scan_path, missing="interpolate", shifts=4, **READ_OPTIONS, **PAIR_OPTIONS),
     )
-    part = masked.nominal_area / full.nominal_area
-    assert 0.6 < part < 0.9
-    area = [float(result.dataset["contact_area"].mean()) / result.nominal_area for result in (masked, full)]
+    area_ratio = masked_result.nominal_area / complete_result.nominal_area
+    assert 0.6 < area_ratio < 0.9
+    area = [
+        float(result.dataset["contact_area"].mean()) / result.nominal_area
+        for result in (masked_result, complete_result)
+    ]
     # The area fractions are equal, because the same pressure acts on a smaller area.
     assert area[0] / area[1] == pytest.approx(1, abs=0.05)
     text = "12 % of the points are interpolated, in gaps larger than the contacts"
-    assert any(text in caveat.text for caveat in filled.caveats)
-    assert not any("interpolated" in caveat.text for caveat in masked.caveats)
-    for refused, why in (
+    assert any(text in caveat.text for caveat in interpolated_result.caveats)
+    assert not any("interpolated" in caveat.text for caveat in masked_result.caveats)
+    for rejected_options, message in (
         ({"mechanics": "asperities"}, "needs scans without masked points"),
         ({"surrogates": 2}, "surrogates generates surfaces from a spectrum and needs scans without"),
         ({"work_of_adhesion": "50 mJ/m^2"}, "work_of_adhesion needs scans without.*missing interpolate"),
     ):
-        options = READ_OPTIONS | PAIR_OPTIONS | refused
+        options = READ_OPTIONS | PAIR_OPTIONS | rejected_options
         options.pop("onset")
-        with pytest.raises(ValueError, match=why):  # the error is raised before any computation
+        with pytest.raises(ValueError, match=message):  # the error is raised before any computation
             MeasuredPair.from_values(upper=scan_path, lower=scan_path, missing="mask", **options)
 
 

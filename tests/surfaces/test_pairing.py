@@ -6,7 +6,7 @@ from stiction import Surface, flipped, self_affine, self_affine_surface
 from stiction.surfaces.pairing import IsotropicSurfacePairs, LinePairs, MapPairs, quasi_random_point
 
 
-def surface(shape=(64, 64), spacing=0.1, side="lower", seed=3):
+def create_surface(shape=(64, 64), spacing=0.1, side="lower", seed=3):
     return self_affine_surface(seed, hurst_exponent=0.8, rms=0.02, shape=shape, spacing=spacing, side=side)
 
 
@@ -16,20 +16,20 @@ def test_quasi_random_points_are_evenly_spread(dimensions):
     assert ((points >= 0) & (points < 1)).all()
     for count in (128, 256):
         for axis in range(dimensions):
-            boxes = np.histogram(points[:count, axis], bins=8, range=(0, 1))[0]
-            assert boxes.min() > 0.4 * count / 8
+            counts_per_bin = np.histogram(points[:count, axis], bins=8, range=(0, 1))[0]
+            assert counts_per_bin.min() > 0.4 * count / 8
 
 
 class TestLinePairs:
     def test_line_pairs_use_every_line_before_any_line_is_repeated(self):
-        body = surface((30, 64))
+        body = create_surface((30, 64))
         pairs = LinePairs(body, body, level=None, has_several_pairs=True)
         assert pairs.max_count() == 30
-        places = [pairs.position_across_lines(index) for index in range(30)]
-        assert np.unique(np.round(places, 9)).size == 30
+        line_positions = [pairs.position_across_lines(index) for index in range(30)]
+        assert np.unique(np.round(line_positions, 9)).size == 30
         for index in (0, 7, 29):
             upper, lower = pairs.pair(index)
-            row = round(places[index] / 0.1)
+            row = round(line_positions[index] / 0.1)
             np.testing.assert_array_equal(upper.heights, -body.heights[row])
             np.testing.assert_array_equal(lower.heights, body.heights[(row + 10) % 30])
 
@@ -37,37 +37,40 @@ class TestLinePairs:
         profile = self_affine(1, hurst_exponent=0.8, rms=0.05, points=400, spacing=0.02)
         pairs = LinePairs(profile, profile, surrogates="both", has_several_pairs=True)
         assert pairs.max_count() is None
-        first, again = pairs.pair(5), LinePairs(profile, profile, surrogates="both", has_several_pairs=True).pair(5)
-        for one, other in zip(first, again, strict=True):
+        later_pair, first_pair = (
+            pairs.pair(5),
+            LinePairs(profile, profile, surrogates="both", has_several_pairs=True).pair(5),
+        )
+        for one, other in zip(later_pair, first_pair, strict=True):
             np.testing.assert_array_equal(one.heights, other.heights)
 
 
 class TestMapPairs:
     def test_map_paired_with_itself_is_always_shifted(self):
-        body = surface()
+        body = create_surface()
         pairs = MapPairs(flipped(body), body)
-        moved = np.array([pairs.map_shift(index) for index in range(30)])
-        assert (moved[:, 0] >= 6.4 / 8 - 1e-9).all()
-        assert (np.abs(moved) <= 6.4 / 4 + 1e-9).all()
-        assert len(np.unique(moved, axis=0)) == 30
+        shifts = np.array([pairs.map_shift(index) for index in range(30)])
+        assert (shifts[:, 0] >= 6.4 / 8 - 1e-9).all()
+        assert (np.abs(shifts) <= 6.4 / 4 + 1e-9).all()
+        assert len(np.unique(shifts, axis=0)) == 30
         assert np.ptp(np.subtract(*(item.heights for item in pairs.pair(0)))) > 0.01
 
     def test_positions_of_map_pieces_cover_the_larger_map(self):
-        small, large = surface((32, 32)), surface((200, 120), seed=4)
+        small, large = create_surface((32, 32)), create_surface((200, 120), seed=4)
         for pairs in (MapPairs(small, large), MapPairs(large, small)):
             assert pairs.shape == (24, 24)
-            where = 1 if pairs.lower is large else 0
-            firsts = np.array([pairs.piece_origins(index)[where] for index in range(64)])
+            large_map_index = 1 if pairs.lower is large else 0
+            origins = np.array([pairs.piece_origins(index)[large_map_index] for index in range(64)])
             for axis, points in enumerate(large.heights.shape):
-                assert np.histogram(firsts[:, axis], bins=4, range=(0, points - 24))[0].min() >= 8
+                assert np.histogram(origins[:, axis], bins=4, range=(0, points - 24))[0].min() >= 8
             for index in range(64):
                 for origin, body in zip(pairs.piece_origins(index), (pairs.upper, pairs.lower), strict=True):
                     assert all(o >= 0 and o + 24 <= n for o, n in zip(origin, body.heights.shape, strict=True))
         assert pairs.used_fractions == pytest.approx((24 * 24 / (200 * 120), 24 * 24 / 32**2))
 
     def test_paired_map_pieces_have_the_finer_spacing_of_both_maps(self):
-        fine = surface((64, 64), 0.05)
-        coarse = Surface(surface((64, 64), 0.05, seed=5).heights[::2, ::2], spacing=0.1)
+        fine = create_surface((64, 64), 0.05)
+        coarse = Surface(create_surface((64, 64), 0.05, seed=5).heights[::2, ::2], spacing=0.1)
         pairs = MapPairs(fine, coarse)
         assert pairs.spacing == (0.05, 0.05)
         upper, lower = pairs.pair(3)
@@ -76,22 +79,24 @@ class TestMapPairs:
         # The heights of the coarse points remain on the fine grid, except for the subtracted plane.
         rows, columns = pairs.shape
         y, x = np.arange(row, row + rows), np.arange(column, column + columns)
-        on = np.ix_(y % 2 == 0, x % 2 == 0)
-        off = lower.heights[on] - coarse.heights[np.ix_(y[y % 2 == 0] // 2, x[x % 2 == 0] // 2)]
-        places = np.meshgrid(*map(range, off.shape), indexing="ij")
-        plane = np.column_stack([np.ones(off.size), *(place.ravel() for place in places)])
-        rest = np.linalg.lstsq(plane, off.ravel(), rcond=None)[1]
-        assert np.sqrt(rest / off.size) < 1e-9
+        is_coarse_point = np.ix_(y % 2 == 0, x % 2 == 0)
+        height_differences = (
+            lower.heights[is_coarse_point] - coarse.heights[np.ix_(y[y % 2 == 0] // 2, x[x % 2 == 0] // 2)]
+        )
+        grid_indices = np.meshgrid(*map(range, height_differences.shape), indexing="ij")
+        plane = np.column_stack([np.ones(height_differences.size), *(place.ravel() for place in grid_indices)])
+        squared_residuals = np.linalg.lstsq(plane, height_differences.ravel(), rcond=None)[1]
+        assert np.sqrt(squared_residuals / height_differences.size) < 1e-9
 
     def test_pieces_of_rotated_maps_are_rotated(self):
-        upper, lower = surface(side="upper"), surface()
+        upper, lower = create_surface(side="upper"), create_surface()
         pairs = MapPairs(upper, lower)
         assert pairs.area == pytest.approx(4.8**2)
         assert pairs.used_fractions == pytest.approx((0.5625, 0.5625))
 
     def test_map_pairs_reject_overlaps_with_too_few_points(self):
         with pytest.raises(ValueError, match="overlap in at least 16 rows and columns"):
-            MapPairs(surface((20, 64)), surface((20, 64))).pair(0)
+            MapPairs(create_surface((20, 64)), create_surface((20, 64))).pair(0)
 
 
 def test_isotropic_surface_pairs_have_the_length_of_the_shorter_profile():

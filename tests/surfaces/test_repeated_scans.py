@@ -16,8 +16,8 @@ def coloured_noise(colour, shape, spacing, rng):
         "white": np.ones(q.shape), "band": (q > 0.13 / spacing) & (q < 0.3 / spacing),
         "pink": 1 / np.sqrt(np.maximum(q, 1e-3 / spacing)),
     }[colour]  # fmt: skip
-    created = np.fft.ifftn(np.fft.fftn(rng.normal(size=shape)) * factor).real
-    return created / created.std()
+    noise = np.fft.ifftn(np.fft.fftn(rng.normal(size=shape)) * factor).real
+    return noise / noise.std()
 
 
 def fine_surface(dimensions, points, spacing):
@@ -33,39 +33,43 @@ def fine_surface(dimensions, points, spacing):
 def test_comparison_of_repeated_scans_recovers_noise_of_any_spectrum(dimensions, colour):
     points, spacing, rms, rng = (12000 if dimensions == 1 else 320), 0.02, 1.5e-4, np.random.default_rng(3)
     shape = (points,) * dimensions
-    truth, kind = fine_surface(dimensions, points, spacing), Profile if dimensions == 1 else Surface
-    moved = (41, 13)[:dimensions]
+    true_heights, body_class = fine_surface(dimensions, points, spacing), Profile if dimensions == 1 else Surface
+    shift_in_points = (41, 13)[:dimensions]
     noise = [rms * coloured_noise(colour, shape, spacing, rng) for _ in range(2)]
-    starts = [(0,) * dimensions, moved]
+    starts = [(0,) * dimensions, shift_in_points]
     scans = [
-        truth[tuple(slice(first, first + 2 * points, 2) for first in start)] + own
-        for start, own in zip(starts, noise, strict=True)
+        true_heights[tuple(slice(first, first + 2 * points, 2) for first in start)] + scan_noise
+        for start, scan_noise in zip(starts, noise, strict=True)
     ]
     scans[1] = scans[1] + 0.3 + 1e-5 * np.indices(shape).sum(axis=0)
-    result = compare_repeated_scans(*(kind(scan, spacing=spacing) for scan in scans))
+    result = compare_repeated_scans(*(body_class(scan, spacing=spacing) for scan in scans))
     # The tolerance is in points. Pink noise has ten times the slope of the surface.
-    slack = 1.0 if colour == "pink" else 0.3
-    assert np.abs(np.array(result.shift) / spacing - np.array(moved) / 2).max() < slack
+    max_shift_error = 1.0 if colour == "pink" else 0.3
+    assert np.abs(np.array(result.shift) / spacing - np.array(shift_in_points) / 2).max() < max_shift_error
     assert result.correlation > 0.99
-    true = np.mean([mean_square_heights(kind(own, spacing=spacing))[1] for own in noise], axis=0)
-    q = mean_square_heights(kind(noise[0], spacing=spacing))[0]
+    true_noise = np.mean(
+        [mean_square_heights(body_class(scan_noise, spacing=spacing))[1] for scan_noise in noise], axis=0
+    )
+    q = mean_square_heights(body_class(noise[0], spacing=spacing))[0]
     octave = np.maximum(np.floor(np.log2(np.pi / (q * spacing)) + 1e-9), 0).astype(int)
-    true = np.sqrt(np.bincount(octave, true))
-    clean = kind(truth[tuple(slice(0, 2 * points, 2) for _ in shape)], spacing=spacing)
-    common = np.sqrt(np.bincount(octave, mean_square_heights(clean)[1]))
-    reported = (true > 0.01 * rms) & (np.bincount(octave) > 60)
-    reported[0] = False  # The noise is accurate at wavelengths above four points only.
-    assert reported.sum() >= (1 if colour == "band" else 3)
-    np.testing.assert_allclose(result.noise[reported], true[reported], rtol=NOISE_TOLERANCE)
-    recorded = (common > 3 * true) & (np.bincount(octave) > 15)
-    assert recorded.any()
-    np.testing.assert_allclose(result.common[recorded], common[recorded], rtol=NOISE_TOLERANCE)
+    true_noise = np.sqrt(np.bincount(octave, true_noise))
+    clean_body = body_class(true_heights[tuple(slice(0, 2 * points, 2) for _ in shape)], spacing=spacing)
+    true_common = np.sqrt(np.bincount(octave, mean_square_heights(clean_body)[1]))
+    has_noise = (true_noise > 0.01 * rms) & (np.bincount(octave) > 60)
+    has_noise[0] = False  # The noise is accurate at wavelengths above four points only.
+    assert has_noise.sum() >= (1 if colour == "band" else 3)
+    np.testing.assert_allclose(result.noise[has_noise], true_noise[has_noise], rtol=NOISE_TOLERANCE)
+    has_common = (true_common > 3 * true_noise) & (np.bincount(octave) > 15)
+    assert has_common.any()
+    np.testing.assert_allclose(result.common[has_common], true_common[has_common], rtol=NOISE_TOLERANCE)
     # In the mean after filtering, noise contributes a tenth of the mean square slope.
-    q, whole = mean_square_heights(result.scan)
-    stored = q**2 * np.exp(-2 * np.log(2) * (q * result.limit / (2 * np.pi)) ** 2)
-    left = mean_square_heights(kind((noise[0] - noise[1]) / 2, spacing=spacing))
-    left = left[1] @ (left[0] ** 2 * np.exp(-2 * np.log(2) * (left[0] * result.limit / (2 * np.pi)) ** 2))
-    assert left / (whole @ stored) == pytest.approx(0.1, rel=0.15)
+    q, scan_spectrum = mean_square_heights(result.scan)
+    filtered_slope_weights = q**2 * np.exp(-2 * np.log(2) * (q * result.limit / (2 * np.pi)) ** 2)
+    noise_slope = mean_square_heights(body_class((noise[0] - noise[1]) / 2, spacing=spacing))
+    noise_slope = noise_slope[1] @ (
+        noise_slope[0] ** 2 * np.exp(-2 * np.log(2) * (noise_slope[0] * result.limit / (2 * np.pi)) ** 2)
+    )
+    assert noise_slope / (scan_spectrum @ filtered_slope_weights) == pytest.approx(0.1, rel=0.15)
 
 
 def test_comparison_of_repeated_scans_rejects_unrelated_scans():
@@ -74,24 +78,29 @@ def test_comparison_of_repeated_scans_rejects_unrelated_scans():
     assert (result.shift, result.limit) == ((10.0,), 0.2)
     assert max(result.noise_rms, result.noise.max()) < ROUND_OFF
     area = Surface(np.eye(40), spacing=0.1)
-    holes = Profile(first.heights, spacing=0.1, missing=np.arange(2000) == 7)
-    for one, two, why in (
+    profile_with_gap = Profile(first.heights, spacing=0.1, missing=np.arange(2000) == 7)
+    for first_scan, second_scan, message in (
         (first, first, "identical"), (first, other, "of the same area"), (first, area, "two profiles or two surfaces"),
-        (first, Profile(first.heights, spacing=0.2), "equal spacings"), (first, holes, "requires complete scans"),
+        (first, Profile(first.heights, spacing=0.2), "equal spacings"),
+        (first, profile_with_gap, "requires complete scans"),
         (first, 3, "second must be a Profile or a Surface"), (Profile(np.zeros(9), spacing=0.1), first, "not be flat"),
     ):  # fmt: skip
-        with pytest.raises(ValueError, match=why):
-            compare_repeated_scans(one, two)
+        with pytest.raises(ValueError, match=message):
+            compare_repeated_scans(first_scan, second_scan)
 
 
 def dilated_surface(body, radius):
     """Return the dilation of a surface by a ball, computed with SciPy."""
-    steps = np.atleast_1d(body.spacing)
-    reach = [int(radius / step) for step in steps]
-    at = np.meshgrid(*[np.arange(-n, n + 1) * step for n, step in zip(reach, steps, strict=True)], indexing="ij")
-    square = sum(item**2 for item in at)
-    ball = radius - np.sqrt(np.maximum(radius**2 - square, 0))
-    return grey_dilation(body.heights, footprint=square <= radius**2, structure=-ball, mode="constant", cval=-1e9)
+    spacings = np.atleast_1d(body.spacing)
+    radius_in_points = [int(radius / step) for step in spacings]
+    offsets = np.meshgrid(
+        *[np.arange(-n, n + 1) * step for n, step in zip(radius_in_points, spacings, strict=True)], indexing="ij"
+    )
+    squared_distance = sum(item**2 for item in offsets)
+    ball = radius - np.sqrt(np.maximum(radius**2 - squared_distance, 0))
+    return grey_dilation(
+        body.heights, footprint=squared_distance <= radius**2, structure=-ball, mode="constant", cval=-1e9
+    )
 
 
 @pytest.mark.parametrize(
@@ -103,21 +112,23 @@ def dilated_surface(body, radius):
 )
 def test_tip_reconstruction_inverts_dilation_at_points_marked_as_certain(body):
     radius = 0.15
-    recorded = type(body)(dilated_surface(body, radius), spacing=body.spacing)
-    result, certain = tip_reconstructed(recorded, radius)
-    off = result.heights - body.heights
-    assert off.min() > -1e-12  # The result is an upper bound of the surface.
-    assert np.abs(off[certain]).max() < 1e-12
-    assert 0.1 < certain.mean() < 0.9
+    scan = type(body)(dilated_surface(body, radius), spacing=body.spacing)
+    result, is_certain = tip_reconstructed(scan, radius)
+    errors = result.heights - body.heights
+    assert errors.min() > -1e-12  # The result is an upper bound of the surface.
+    assert np.abs(errors[is_certain]).max() < 1e-12
+    assert 0.1 < is_certain.mean() < 0.9
     # A scan of the result would equal the recorded scan.
-    assert np.abs(dilated_surface(result, radius) - recorded.heights).max() < 1e-12
-    assert off.mean() < 0.5 * (recorded.heights - body.heights).mean()
+    assert np.abs(dilated_surface(result, radius) - scan.heights).max() < 1e-12
+    assert errors.mean() < 0.5 * (scan.heights - body.heights).mean()
     with pytest.raises(ValueError, match="radius must be a finite number above 0"):
-        tip_reconstructed(recorded, 0.0)
+        tip_reconstructed(scan, 0.0)
     smooth = type(body)(1e-4 * np.cos(np.indices(body.heights.shape).sum(axis=0) / 20), spacing=body.spacing)
-    again = tip_reconstructed(type(body)(dilated_surface(smooth, radius), spacing=body.spacing), radius)
-    inner = tuple(slice(20, -20) for _ in again[1].shape)
-    assert again[1][inner].all()  # A ball reaches every point of features whose radius is larger than its own.
+    smooth_reconstruction = tip_reconstructed(type(body)(dilated_surface(smooth, radius), spacing=body.spacing), radius)
+    inner = tuple(slice(20, -20) for _ in smooth_reconstruction[1].shape)
+    assert smooth_reconstruction[1][
+        inner
+    ].all()  # A ball reaches every point of features whose radius is larger than its own.
 
 
 @pytest.mark.parametrize("factor", [0.0, 1e-71, 1e-160, 1e-300])

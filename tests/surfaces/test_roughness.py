@@ -88,8 +88,8 @@ class TestAgainstSurfaceTopographyPackage:
             return levelled(read_profile(request.getfixturevalue("measured")("dektak-1.csv")), "line")
         return levelled(rough_profile(), "mean")
 
-    def test_levelling_agrees_with_the_surface_topography_package(self, line_scan, measured):
-        profile = read_profile(measured("dektak-1.csv"))
+    def test_levelling_agrees_with_the_surface_topography_package(self, line_scan, measured_file):
+        profile = read_profile(measured_file("dektak-1.csv"))
         theirs = line_scan(profile.heights.copy(), profile.extent, unit="um").detrend("height")
         assert np.abs(theirs.heights() - levelled(profile, "line").heights).max() < self.TRANSFORM_TOLERANCE
 

@@ -173,15 +173,15 @@ class TestInstrumentLimit:
         assert result.reason == "tip"
         assert math.isnan(instrument_limit(surface, tip_radius=1e-5).tip)
 
-    def test_instrument_limits_of_measured_scans_equal_recorded_values(self, measured):
-        surface = read_surface(measured("di-4.di"))
+    def test_instrument_limits_of_measured_scans_equal_recorded_values(self, measured_file):
+        surface = read_surface(measured_file("di-4.di"))
         result = instrument_limit(surface)
         assert result.reason == "noise floor"
         assert math.isnan(result.noise_x)  # Along the fast axis of the scan there is no noise floor.
         assert result.noise_y == pytest.approx(6.37 * surface.spacing[0], rel=0.01)
         assert result.noise == result.wavelength == 0.125
         assert result.slope_fraction == pytest.approx(0.138, abs=0.001)
-        assert instrument_limit(read_profile(measured("dektak-1.csv"))).reason == "pixels"
+        assert instrument_limit(read_profile(measured_file("dektak-1.csv"))).reason == "pixels"
 
     def test_coloured_noise_is_detected_and_the_filtered_slope_is_correct(self):
         points, step, acted, right = 4000, 1 / 60, 0, 0
@@ -256,7 +256,7 @@ class TestMachinedTexture:
 
     def test_noise_on_a_turned_profile_has_unknown_origin_unless_texture_is_declared(self):
         rng = np.random.default_rng(3)
-        heights = turned_surface(rng, 1, feed=(40, 40), rough=0.02, wander=0.0)
+        heights = turned_surface(rng, 1, feed=(40, 40), rough=0.02, depth_variation=0.0)
         noisy = make_body(heights + 0.05 * heights.std() * rng.normal(size=heights.size))
         result = instrument_limit(noisy)
         assert (result.reason, result.origin, result.matters) == ("noise floor", "unknown", True)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from reference import roughness as slow
+from reference import roughness as reference_roughness
 from reference.gaussian_filters import mean_line
 from stiction import Profile, levelled, section_parameters, self_affine
 from stiction.surfaces.parameters import PROFILE_PARAMETERS
@@ -30,31 +30,33 @@ class TestSectionsOfSinusoid:
         # After the L-filter the amplitude is A (1 - t) with the transmission t = exp(-π (α λc/λ)²).
         wavelength = 800 * ratio
         # The profile has fifteen sections of whole periods, so its ends do not influence the five middle sections.
-        found = section_parameters(sinusoid(wavelength, 2.0, waves=round(15 / ratio), points=400), lc=800, ls=0)
+        computed_parameters = section_parameters(
+            sinusoid(wavelength, 2.0, waves=round(15 / ratio), points=400), lc=800, ls=0
+        )
         amplitude = 2.0 * (1 - math.exp(-math.pi * math.log(2) / math.pi / ratio**2))
-        close = 1e-4  # This is the relative error at 400 points per wavelength.
-        assert found.Ra == pytest.approx(2 * amplitude / math.pi, rel=close)
-        assert found.Rq == pytest.approx(amplitude / math.sqrt(2), rel=close)
-        assert found.Rz == pytest.approx(2 * amplitude, rel=close)
-        assert found.Rdq == pytest.approx(
+        tolerance = 1e-4  # This is the relative error at 400 points per wavelength.
+        assert computed_parameters.Ra == pytest.approx(2 * amplitude / math.pi, rel=tolerance)
+        assert computed_parameters.Rq == pytest.approx(amplitude / math.sqrt(2), rel=tolerance)
+        assert computed_parameters.Rz == pytest.approx(2 * amplitude, rel=tolerance)
+        assert computed_parameters.Rdq == pytest.approx(
             2 * math.pi / wavelength * amplitude / math.sqrt(2), rel=3e-3
         )  # The slope is computed at all but six points.
-        assert found.Rku == pytest.approx(1.5, rel=close)
-        assert found.RSm == pytest.approx(wavelength, rel=close)
-        assert found.Rc == pytest.approx(2 * amplitude, rel=close)
-        assert found.Rmr == pytest.approx(0.5, abs=0.002)
-        assert found.Rdc == pytest.approx(2 * amplitude * math.cos(math.pi * 0.2), rel=0.002)
+        assert computed_parameters.Rku == pytest.approx(1.5, rel=tolerance)
+        assert computed_parameters.RSm == pytest.approx(wavelength, rel=tolerance)
+        assert computed_parameters.Rc == pytest.approx(2 * amplitude, rel=tolerance)
+        assert computed_parameters.Rmr == pytest.approx(0.5, abs=0.002)
+        assert computed_parameters.Rdc == pytest.approx(2 * amplitude * math.cos(math.pi * 0.2), rel=0.002)
 
     def test_s_filter_halves_a_sinusoid_at_its_nesting_index(self):
         # A sinusoid whose wavelength is λs retains half of its amplitude.
-        found = section_parameters(sinusoid(8.0, waves=700), lc=800, ls=8)
-        assert found.Ra == pytest.approx(0.5 * 2 / math.pi, rel=2e-3)
+        computed_parameters = section_parameters(sinusoid(8.0, waves=700), lc=800, ls=8)
+        assert computed_parameters.Ra == pytest.approx(0.5 * 2 / math.pi, rel=2e-3)
 
     def test_waviness_of_a_sinusoid_at_the_cutoff_has_half_the_amplitude(self):
-        found = section_parameters(sinusoid(800.0, waves=40), lc=800, ls=0)
-        assert found.Wq == pytest.approx(0.5 / math.sqrt(2), rel=0.02)
-        assert found.WSm == pytest.approx(800, rel=0.01)
-        assert found.Wc == pytest.approx(1.0, rel=0.05)
+        computed_parameters = section_parameters(sinusoid(800.0, waves=40), lc=800, ls=0)
+        assert computed_parameters.Wq == pytest.approx(0.5 / math.sqrt(2), rel=0.02)
+        assert computed_parameters.WSm == pytest.approx(800, rel=0.01)
+        assert computed_parameters.Wc == pytest.approx(1.0, rel=0.05)
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +65,7 @@ def profile():
 
 
 @pytest.fixture(scope="module")
-def slow_parts(profile):
+def reference_heights(profile):
     """Return the roughness in the evaluation length, and the waviness, by slow filters with λs 4 µm and λc 80 µm."""
     primary = mean_line(profile.heights, 0.5, 4.0)
     waviness = mean_line(primary, 0.5, 80.0)
@@ -71,38 +73,43 @@ def slow_parts(profile):
 
 
 @pytest.fixture(scope="module")
-def found(profile):
+def computed_parameters(profile):
     return section_parameters(profile, lc=80, ls=4)
 
 
 class TestSectionParameterDefinitions:
-    def test_evaluation_length_is_five_sections_in_the_middle_of_the_profile(self, found):
-        assert (found.filters.start, found.filters.stop, found.filters.sections) == (50, 850, 5)
+    def test_evaluation_length_is_five_sections_in_the_middle_of_the_profile(self, computed_parameters):
+        assert (
+            computed_parameters.filters.start,
+            computed_parameters.filters.stop,
+            computed_parameters.filters.sections,
+        ) == (50, 850, 5)
 
-    def test_roughness_parameters_equal_their_definitions(self, slow_parts, found):
-        z = slow_parts[0]
-        peak, pit = slow.mean_section_extremes(z, 5)
-        spacing, tall = slow.measure_profile_elements(z, peak, pit)
-        expected = slow.height_parameters(z, 0.5) | slow.stratified_parameters(z)
-        expected |= {"p": peak, "v": pit, "z": peak + pit, "Sm": 0.5 * spacing, "c": tall}
+    def test_roughness_parameters_equal_their_definitions(self, reference_heights, computed_parameters):
+        z = reference_heights[0]
+        peak, pit = reference_roughness.mean_section_extremes(z, 5)
+        spacing, mean_element_height = reference_roughness.mean_profile_element(z, peak, pit)
+        expected = reference_roughness.height_parameters(z, 0.5) | reference_roughness.stratified_parameters(z)
+        expected |= {"p": peak, "v": pit, "z": peak + pit, "Sm": 0.5 * spacing, "c": mean_element_height}
         expected |= {
-            "mr": slow.material_ratio_at_height(z, 0),
-            "dc": slow.height_at_material_ratio(z, 0.2) - slow.height_at_material_ratio(z, 0.8),
+            "mr": reference_roughness.material_ratio_at_height(z, 0),
+            "dc": reference_roughness.height_at_material_ratio(z, 0.2)
+            - reference_roughness.height_at_material_ratio(z, 0.8),
         }
-        assert sorted(f"R{stem}" for stem in expected) == sorted(
+        assert sorted(f"R{suffix}" for suffix in expected) == sorted(
             parameter.name for parameter in PROFILE_PARAMETERS["R"]
         )
-        for stem, value in expected.items():
+        for suffix, value in expected.items():
             # The slow filter samples the Gaussian with eight points at λs. Ratios change by whole points.
-            close = {"abs": 2 / 800} if stem.startswith("mr") else {"rel": 2e-4, "abs": 2e-4}
-            assert getattr(found, f"R{stem}") == pytest.approx(value, **close), stem
+            tolerance = {"abs": 2 / 800} if suffix.startswith("mr") else {"rel": 2e-4, "abs": 2e-4}
+            assert getattr(computed_parameters, f"R{suffix}") == pytest.approx(value, **tolerance), suffix
 
-    def test_waviness_parameters_equal_their_definitions(self, slow_parts, found):
-        z = slow_parts[1]
-        spacing, tall = slow.measure_profile_elements(z, max(z), -min(z))
-        expected = slow.height_parameters(z, 0.5) | {"Sm": 0.5 * spacing, "c": tall}
-        for stem, value in expected.items():
-            assert getattr(found, f"W{stem}") == pytest.approx(value, rel=2e-4, abs=1e-6), stem
+    def test_waviness_parameters_equal_their_definitions(self, reference_heights, computed_parameters):
+        z = reference_heights[1]
+        spacing, mean_element_height = reference_roughness.mean_profile_element(z, max(z), -min(z))
+        expected = reference_roughness.height_parameters(z, 0.5) | {"Sm": 0.5 * spacing, "c": mean_element_height}
+        for suffix, value in expected.items():
+            assert getattr(computed_parameters, f"W{suffix}") == pytest.approx(value, rel=2e-4, abs=1e-6), suffix
 
 
 def test_profile_elements_ignore_small_hills_and_dales():
@@ -115,16 +122,16 @@ def test_profile_elements_ignore_small_hills_and_dales():
 @pytest.mark.parametrize("seed", range(4))
 def test_profile_elements_are_invariant_under_reversal_and_flip(seed):
     heights = ground_profile(seed).heights
-    own = mean_profile_element(heights, 0.5, 0.7)
-    assert mean_profile_element(heights[::-1], 0.5, 0.7) == pytest.approx(own, rel=1e-9)
-    assert mean_profile_element(-heights, 0.7, 0.5) == pytest.approx(own, rel=1e-9)
+    original_element = mean_profile_element(heights, 0.5, 0.7)
+    assert mean_profile_element(heights[::-1], 0.5, 0.7) == pytest.approx(original_element, rel=1e-9)
+    assert mean_profile_element(-heights, 0.7, 0.5) == pytest.approx(original_element, rel=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_profile_elements_equal_those_counted_point_by_point(seed):
     heights = ground_profile(seed, points=1500).heights
     assert mean_profile_element(heights, 0.5, 0.7) == pytest.approx(
-        slow.measure_profile_elements(heights, 0.5, 0.7), rel=1e-9
+        reference_roughness.mean_profile_element(heights, 0.5, 0.7), rel=1e-9
     )
 
 
@@ -140,17 +147,17 @@ class TestSettingClass:
     def test_setting_class_is_chosen_from_ra_and_rsm(self, amplitude, wavelength, name, lc, ls):
         x = 0.5 * np.arange(20_000)
         profile = Profile(amplitude * np.sin(2 * np.pi * x / wavelength), spacing=0.5)
-        found = section_parameters(profile).filters
-        assert (found.lc, found.ls, found.reason[:3]) == (lc, ls, name)
+        computed_parameters = section_parameters(profile).filters
+        assert (computed_parameters.lc, computed_parameters.ls, computed_parameters.reason[:3]) == (lc, ls, name)
 
     def test_profile_on_a_coarse_grid_has_no_s_filter(self):
         x = 5.0 * np.arange(2000)
         assert section_parameters(Profile(np.sin(2 * np.pi * x / 100), spacing=5.0)).filters.ls is None
 
     def test_short_profile_is_evaluated_over_fewer_sections(self):
-        found = section_parameters(sinusoid(50.0, waves=39), lc=800)
-        assert found.filters.sections == 2
-        assert found.filters.stop - found.filters.start == 3200
+        computed_parameters = section_parameters(sinusoid(50.0, waves=39), lc=800)
+        assert computed_parameters.filters.sections == 2
+        assert computed_parameters.filters.stop - computed_parameters.filters.start == 3200
 
     def test_robust_filter_is_affected_less_by_a_groove_than_the_linear_filter(self):
         profile = ground_profile(points=3000)
@@ -165,8 +172,8 @@ class TestSettingClass:
         profile, missing = ground_profile(points=3000), np.zeros(3000, bool)
         missing[1400:1403] = True
         heights = np.where(missing, 50.0, profile.heights)
-        found = section_parameters(Profile(heights, spacing=0.5, missing=missing), lc=250)
-        assert found.Wt == pytest.approx(section_parameters(profile, lc=250).Wt, rel=0.05)
+        computed_parameters = section_parameters(Profile(heights, spacing=0.5, missing=missing), lc=250)
+        assert computed_parameters.Wt == pytest.approx(section_parameters(profile, lc=250).Wt, rel=0.05)
 
 
 @pytest.mark.parametrize(
@@ -204,10 +211,10 @@ def test_section_parameters_reject_a_flat_profile():
 
 
 def test_straight_profile_has_no_roughness():
-    found = section_parameters(Profile(np.linspace(-1, 1, 1000), spacing=0.5), lc=80)
-    assert found.Ra < 1e-9
+    computed_parameters = section_parameters(Profile(np.linspace(-1, 1, 1000), spacing=0.5), lc=80)
+    assert computed_parameters.Ra < 1e-9
 
 
-def test_section_parameters_reject_a_negative_ls():
+def test_section_parameters_reject_a_negative_nesting_index():
     with pytest.raises(ValueError, match="ls must be 0 or above, got -1"):
         section_parameters(sinusoid(8.0, waves=700), lc=800, ls=-1)

@@ -190,7 +190,7 @@ def test_radial_spectrum_agrees_with_the_surface_topography_package():
         assert density[index] == pytest.approx(values[ring].mean(), rel=0.35)
 
 
-def test_mean_spectral_moments_of_equation_1_equal_exact_moments():
+def test_mean_spectral_moments_of_weierstrass_mandelbrot_profiles_equal_exact_moments():
     # The expected moment is half of Σ a² k^(2j).
     # The mean of 20 profiles with a hundred independent wavelengths scatters by a few per cent.
     options = {"convention": "classical"}

@@ -34,23 +34,23 @@ def test_levelling_a_surface_subtracts_the_least_squares_polynomial():
     surface, _ = bumpy_surface()
     y, x = np.broadcast_arrays(surface.y[:, np.newaxis], surface.x)
     for degree, trend in enumerate(("mean", "plane", "quadratic")):
-        level = levelled(surface, trend)
+        levelled_surface = levelled(surface, trend)
         terms = [(x**i * y**j).ravel() for i in range(degree + 1) for j in range(degree + 1 - i)]
         terms = np.stack(terms, axis=1)
         fit = terms @ np.linalg.lstsq(terms, surface.heights.ravel(), rcond=None)[0]
-        assert level.heights == pytest.approx(surface.heights - fit.reshape(60, 80), abs=1e-10)
-        assert level.spacing == surface.spacing
-    assert level.history == ("levelled by a polynomial of second degree",)
-    bowl = Surface(3 + 2 * x - y + x * y - 4 * x**2 + 0.5 * y**2, spacing=surface.spacing)
-    assert not levelled(bowl, "quadratic").heights.any()
+        assert levelled_surface.heights == pytest.approx(surface.heights - fit.reshape(60, 80), abs=1e-10)
+        assert levelled_surface.spacing == surface.spacing
+    assert levelled_surface.history == ("levelled by a polynomial of second degree",)
+    paraboloid = Surface(3 + 2 * x - y + x * y - 4 * x**2 + 0.5 * y**2, spacing=surface.spacing)
+    assert not levelled(paraboloid, "quadratic").heights.any()
 
 
 def test_flipping_rotates_a_surface_about_the_x_axis():
     surface, _ = bumpy_surface()
-    over = flipped(surface)
-    assert over.heights[0, 5] == -surface.heights[-1, 5]
-    assert np.array_equal(flipped(over).heights, surface.heights)
-    assert over.history == ("turned over",)
+    flipped_surface = flipped(surface)
+    assert flipped_surface.heights[0, 5] == -surface.heights[-1, 5]
+    assert np.array_equal(flipped(flipped_surface).heights, surface.heights)
+    assert flipped_surface.history == ("turned over",)
 
 
 def test_adjacent_crops_joined_together_equal_the_original_surface():
@@ -74,15 +74,17 @@ def test_adjacent_crops_joined_together_equal_the_original_surface():
 def test_common_grid_has_the_finer_spacing_along_each_axis():
     fine, _ = bumpy_surface((60, 40), (0.1, 0.2))
     coarse, height = bumpy_surface((30, 100), (0.25, 0.1))
-    one, other = on_common_grid(fine, coarse)
-    assert one.spacing == other.spacing == (0.1, 0.1)
+    fine_resampled, coarse_resampled = on_common_grid(fine, coarse)
+    assert fine_resampled.spacing == coarse_resampled.spacing == (0.1, 0.1)
     # The common length is 5.9 µm along y and 7.8 µm along x.
-    assert one.heights.shape == other.heights.shape == (60, 79)
+    assert fine_resampled.heights.shape == coarse_resampled.heights.shape == (60, 79)
     # The second map is unchanged along x. Along y it is the natural spline of each column.
     splined = CubicSpline(0.25 * np.arange(30), coarse.heights[:, :79], bc_type="natural")(0.1 * np.arange(60))
-    assert other.heights == pytest.approx(splined, abs=ROUND_OFF)
-    inside = other.heights[10:50, :] - height(other.y[10:50, np.newaxis], other.x)
-    assert np.abs(inside).max() < 1e-3  # The natural spline is accurate away from its ends.
+    assert coarse_resampled.heights == pytest.approx(splined, abs=ROUND_OFF)
+    inner_errors = coarse_resampled.heights[10:50, :] - height(
+        coarse_resampled.y[10:50, np.newaxis], coarse_resampled.x
+    )
+    assert np.abs(inner_errors).max() < 1e-3  # The natural spline is accurate away from its ends.
     assert on_common_grid(fine, fine)[0] is fine
     with pytest.raises(
         ValueError, match="both bodies must be profiles or both must be surfaces, got Surface and Profile"
@@ -104,45 +106,50 @@ def test_maps_aligned_at_the_middle_have_equal_heights_on_their_common_grid():
     lines = on_common_grid(Profile(np.arange(9.0), spacing=1.0), Profile(np.arange(5.0), spacing=1.0), align="middle")
     assert lines[0].heights.tolist() == [2, 3, 4, 5, 6]
     assert lines[0].history == ("cropped to its middle 5 points",)
-    half = on_common_grid(Profile(np.arange(8.0), spacing=1.0), Profile(np.arange(5.0), spacing=1.0), align="middle")
-    assert half[0].heights.tolist() == [1, 2, 3, 4, 5]
-    turned = on_common_grid(rotated(small, 30), small, align="middle")
-    stored = turned[1].heights
-    rows, columns = (41 - stored.shape[0]) // 2, (61 - stored.shape[1]) // 2
-    assert np.array_equal(stored, small.heights[rows : rows + stored.shape[0], columns : columns + stored.shape[1]])
+    lines_half_a_point_apart = on_common_grid(
+        Profile(np.arange(8.0), spacing=1.0), Profile(np.arange(5.0), spacing=1.0), align="middle"
+    )
+    assert lines_half_a_point_apart[0].heights.tolist() == [1, 2, 3, 4, 5]
+    maps_with_rotated = on_common_grid(rotated(small, 30), small, align="middle")
+    cropped_heights = maps_with_rotated[1].heights
+    rows, columns = (41 - cropped_heights.shape[0]) // 2, (61 - cropped_heights.shape[1]) // 2
+    assert np.array_equal(
+        cropped_heights,
+        small.heights[rows : rows + cropped_heights.shape[0], columns : columns + cropped_heights.shape[1]],
+    )
     with pytest.raises(ValueError, match="align must be one of 'start', 'middle', got 'end'"):
         on_common_grid(small, small, align="end")
 
 
-@pytest.mark.parametrize("turns", [-1, 0, 1, 2, 3, 5])
-def test_rotation_by_multiples_of_90_degrees_preserves_heights(turns):
+@pytest.mark.parametrize("quarter_turns", [-1, 0, 1, 2, 3, 5])
+def test_rotation_by_multiples_of_90_degrees_preserves_heights(quarter_turns):
     surface, _ = bumpy_surface()
-    turned = rotated(surface, 90 * turns)
-    assert np.array_equal(np.sort(turned.heights, axis=None), np.sort(surface.heights, axis=None))
-    assert np.array_equal(rotated(turned, -90 * turns).heights, surface.heights)
-    assert turned.spacing == (surface.spacing if turns % 2 == 0 else surface.spacing[::-1])
+    rotated_surface = rotated(surface, 90 * quarter_turns)
+    assert np.array_equal(np.sort(rotated_surface.heights, axis=None), np.sort(surface.heights, axis=None))
+    assert np.array_equal(rotated(rotated_surface, -90 * quarter_turns).heights, surface.heights)
+    assert rotated_surface.spacing == (surface.spacing if quarter_turns % 2 == 0 else surface.spacing[::-1])
 
 
 @pytest.mark.parametrize("angle", [-60, 17, 45, 90, 100, 213])
 @pytest.mark.parametrize("shape", [(80, 70), (30, 140)])
 def test_rotated_surface_equals_the_rotated_function(angle, shape):
     surface, height = bumpy_surface(shape, (0.1, 0.1))
-    turned = rotated(surface, angle)
+    rotated_surface = rotated(surface, angle)
     middle = [(points - 1) * 0.05 for points in shape]
-    own = [(points - 1) * 0.05 for points in turned.heights.shape]
-    y, x = turned.y[:, np.newaxis] - own[0], turned.x - own[1]
+    rotated_middle = [(points - 1) * 0.05 for points in rotated_surface.heights.shape]
+    y, x = rotated_surface.y[:, np.newaxis] - rotated_middle[0], rotated_surface.x - rotated_middle[1]
     c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
-    before_y, before_x = middle[0] - s * x + c * y, middle[1] + c * x + s * y
+    original_y, original_x = middle[0] - s * x + c * y, middle[1] + c * x + s * y
     # The rotated points lie inside the original extent, except for rounding.
-    for before, length in ((before_y, shape[0]), (before_x, shape[1])):
-        assert before.min() > -1e-9
-        assert before.max() < (length - 1) * 0.1 + 1e-9
-    expected = height(before_y, before_x)
-    off = np.abs(turned.heights - expected)
-    assert np.median(off) < 1e-6  # The error is of fourth order in the spacing.
-    assert off.max() < 1e-4  # The error is larger at the sides.
+    for original_positions, length in ((original_y, shape[0]), (original_x, shape[1])):
+        assert original_positions.min() > -1e-9
+        assert original_positions.max() < (length - 1) * 0.1 + 1e-9
+    expected = height(original_y, original_x)
+    errors = np.abs(rotated_surface.heights - expected)
+    assert np.median(errors) < 1e-6  # The error is of fourth order in the spacing.
+    assert errors.max() < 1e-4  # The error is larger at the sides.
     if angle != 90:
-        assert "% cut off" in turned.history[-1]
+        assert "% cut off" in rotated_surface.history[-1]
 
 
 def test_rotated_grooves_have_the_rotation_angle_as_texture_direction():
@@ -160,8 +167,8 @@ def test_rotation_rejects_a_narrow_strip():
 def test_surrogate_of_a_periodic_surface_has_the_same_spectrum(shape):
     surface = Surface(3.0 + np.random.default_rng(1).normal(size=shape), spacing=(0.2, 0.1))
     other = surrogate(surface, 7, periodic=True)
-    one, again = (surface_spectrum(item, periodic=True).density for item in (surface, other))
-    assert again == pytest.approx(one, rel=1e-9, abs=1e-9 * one.max())
+    density, surrogate_density = (surface_spectrum(item, periodic=True).density for item in (surface, other))
+    assert surrogate_density == pytest.approx(density, rel=1e-9, abs=1e-9 * density.max())
     assert other.heights.mean() == pytest.approx(3, abs=0.2)
     assert other.heights.mean() == pytest.approx(surface.heights.mean(), rel=ROUND_OFF)
     # The surfaces have about 2000 independent heights.
@@ -180,12 +187,14 @@ def test_surrogate_of_a_surface_preserves_heights_slopes_and_lay():
     white = np.fft.fft2(np.random.default_rng(3).normal(size=(2 * size, 2 * size)))
     surface = Surface(np.fft.ifft2(amplitude * white).real[:size, :size], spacing=0.1)
     result = surface_parameters(surface)
-    others = [surface_parameters(surrogate(surface, 5, repetition=r)) for r in range(6)]
-    assert others[0].Sq == pytest.approx(result.Sq, rel=ROUND_OFF)
+    surrogate_parameters = [surface_parameters(surrogate(surface, 5, repetition=r)) for r in range(6)]
+    assert surrogate_parameters[0].Sq == pytest.approx(result.Sq, rel=ROUND_OFF)
     # The window emphasises the middle of the map, whose long wavelengths differ from those of the complete map.
-    for name, within in (("Sdq", 0.1), ("Sal", 0.2), ("Str", 0.3)):
-        assert np.mean([getattr(other, name) for other in others]) == pytest.approx(getattr(result, name), rel=within)
+    for name, tolerance in (("Sdq", 0.1), ("Sal", 0.2), ("Str", 0.3)):
+        assert np.mean([getattr(other, name) for other in surrogate_parameters]) == pytest.approx(
+            getattr(result, name), rel=tolerance
+        )
     q, direction, density = surface_spectrum(surrogate(surface, 5)).waves()
-    high = q < 20
-    leaning = [density[high & (np.abs(direction - lay) < 10)].sum() for lay in (31, 149)]
-    assert leaning[0] > 3 * leaning[1]
+    is_long = q < 20
+    power_near_lay = [density[is_long & (np.abs(direction - lay) < 10)].sum() for lay in (31, 149)]
+    assert power_near_lay[0] > 3 * power_near_lay[1]

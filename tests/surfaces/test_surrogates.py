@@ -35,8 +35,8 @@ class TestSurrogate:
     def test_surrogate_of_a_periodic_profile_has_the_same_spectrum(self, points):
         profile = rough_profile(points=points, periodic=True)
         other = surrogate(profile, 5, periodic=True)
-        one, two = (power_spectrum(p, periodic=True).density for p in (profile, other))
-        assert np.allclose(one, two, rtol=1e-9, atol=ROUND_OFF**2 * one.max())
+        density, surrogate_density = (power_spectrum(p, periodic=True).density for p in (profile, other))
+        assert np.allclose(density, surrogate_density, rtol=1e-9, atol=ROUND_OFF**2 * density.max())
         assert abs(np.corrcoef(profile.heights, other.heights)[0, 1]) < 0.9
         assert other.heights.mean() == pytest.approx(profile.heights.mean(), abs=ROUND_OFF)
 
@@ -53,10 +53,12 @@ class TestSurrogate:
     @pytest.mark.parametrize("points", [8, 9, 10, 11])
     def test_surrogate_spectrum_equals_the_averaged_spectrum_of_the_mirrored_profile(self, points):
         heights = rough_profile(points=points).heights
-        image = np.concatenate([heights, heights[::-1]]) - heights.mean()
-        density = np.abs(np.fft.fft(image)) ** 2
-        own = 2 * np.arange(1, points // 2 + 1)
-        averaged = density[own] / 2 + (density[own - 1] + density[(own + 1) % (2 * points)]) / 4
+        mirrored_heights = np.concatenate([heights, heights[::-1]]) - heights.mean()
+        density = np.abs(np.fft.fft(mirrored_heights)) ** 2
+        even_indices = 2 * np.arange(1, points // 2 + 1)
+        averaged = (
+            density[even_indices] / 2 + (density[even_indices - 1] + density[(even_indices + 1) % (2 * points)]) / 4
+        )
         created = np.abs(np.fft.rfft(surrogate(Profile(heights, spacing=1.0), 3).heights)[1:]) ** 2
         assert np.allclose(
             created / created.sum(), averaged / averaged.sum(), rtol=1e-9, atol=0
@@ -65,24 +67,24 @@ class TestSurrogate:
     @pytest.mark.parametrize("hurst", [0.4, 0.8])
     @pytest.mark.parametrize("longest", [4.0, 40.0])
     def test_surrogate_preserves_slope_and_short_wavelengths(self, hurst, longest):
-        slopes, short = [], []
+        slope_ratios, short_wave_ratios = [], []
         for r in range(20):
             profile = rough_profile(points=4096, longest_wavelength=longest, hurst_exponent=hurst, repetition=r)
             tilt = np.polynomial.Polynomial.fit(profile.x, profile.heights, 1)(profile.x)
             profile = Profile(profile.heights - tilt, spacing=profile.spacing)
             other = surrogate(profile, 5, repetition=r)
-            slopes.append(
+            slope_ratios.append(
                 roughness_parameters(other, derivative="neighbours").Pdq
                 / roughness_parameters(profile, derivative="neighbours").Pdq
             )
-            one, two = (
+            original_slope, surrogate_slope = (
                 spectral_moments(p, longest_wavelength=0.1, periodic=p is other).slope for p in (profile, other)
             )
-            short.append(two / one)
+            short_wave_ratios.append(surrogate_slope / original_slope)
         # The windowed sum over 2000 harmonics of one profile scatters by 3 %. Each end adds a corner.
-        assert np.mean(slopes) == pytest.approx(1, abs=0.02)
-        assert np.max(np.abs(np.log(slopes))) < 0.05
-        assert np.mean(short) == pytest.approx(1, abs=0.03)
+        assert np.mean(slope_ratios) == pytest.approx(1, abs=0.02)
+        assert np.max(np.abs(np.log(slope_ratios))) < 0.05
+        assert np.mean(short_wave_ratios) == pytest.approx(1, abs=0.03)
 
     def test_surrogate_is_reproducible_and_depends_on_seed(self):
         profile = rough_profile()
@@ -100,7 +102,7 @@ class TestSurrogate:
             surrogate(rough_profile(), 1, periodic="no")
 
 
-def known_surface(hurst, side="lower", shape=(256, 2048), spacing=0.1):
+def create_map(hurst, side="lower", shape=(256, 2048), spacing=0.1):
     return self_affine_surface(
         4, hurst_exponent=hurst, rms=0.05, shape=shape, spacing=spacing, longest_wavelength=6.4,
         shortest_wavelength=0.8, side=side,
@@ -121,29 +123,31 @@ def test_isotropic_surface_spectrum_is_recovered_from_a_section(hurst):
     result = isotropic_spectrum(profile, periodic=True)
     expected = np.maximum(result.wave_number, 20 * q[1]) ** (-2 - 2 * hurst)
     # Interpolated rings are excluded, and so are rings next to the corner of the roll-off, which is rounded.
-    sure = (result.count >= 4) & (np.abs(np.log(result.wave_number / (20 * q[1]))) > 0.35)
-    np.testing.assert_allclose(result.density[sure], expected[sure], rtol=RING_TOLERANCE)
+    is_reliable = (result.count >= 4) & (np.abs(np.log(result.wave_number / (20 * q[1]))) > 0.35)
+    np.testing.assert_allclose(result.density[is_reliable], expected[is_reliable], rtol=RING_TOLERANCE)
 
 
 @pytest.mark.parametrize("hurst", [0.4, 0.9])
 def test_rms_gradient_of_isotropic_surface_is_root_2_times_slope_of_section(hurst):
-    body = known_surface(hurst)
-    own = surface_spectrum(body, periodic=True)
-    gradient = np.sqrt(own.moments(0).slope + own.moments(90).slope)
+    body = create_map(hurst)
+    original_spectrum = surface_spectrum(body, periodic=True)
+    gradient = np.sqrt(original_spectrum.moments(0).slope + original_spectrum.moments(90).slope)
     for row in (0, 100):
         section = levelled(body.row(row), "line")
         created = isotropic_surface(section, 1, shape=(256, 256))
         assert created.spacing == (0.1, 0.1)
-        again = surface_spectrum(created, periodic=True)
-        assert np.sqrt(again.moments(0).slope + again.moments(90).slope) == pytest.approx(
+        created_spectrum = surface_spectrum(created, periodic=True)
+        assert np.sqrt(created_spectrum.moments(0).slope + created_spectrum.moments(90).slope) == pytest.approx(
             gradient, rel=GRADIENT_SCATTER
         )
         # The surface is isotropic except for random scatter.
-        assert again.moments(0).slope == pytest.approx(again.moments(90).slope, rel=2 * GRADIENT_SCATTER)
+        assert created_spectrum.moments(0).slope == pytest.approx(
+            created_spectrum.moments(90).slope, rel=2 * GRADIENT_SCATTER
+        )
 
 
 def test_mean_slope_of_isotropic_surfaces_equals_the_mean_slope_of_their_section():
-    section = known_surface(0.7, shape=(64, 512)).row(3)
+    section = create_map(0.7, shape=(64, 512)).row(3)
     fitted = isotropic_spectrum(section, periodic=True)
     slopes = [
         surface_spectrum(isotropic_surface(section, 1, shape=(64, 64), repetition=index, periodic=True), periodic=True)
@@ -159,7 +163,7 @@ def test_mean_slope_of_isotropic_surfaces_equals_the_mean_slope_of_their_section
 
 
 def test_isotropic_surface_scales_with_its_section_and_depends_on_seed():
-    section = known_surface(0.7, shape=(64, 512)).row(3)
+    section = create_map(0.7, shape=(64, 512)).row(3)
     one = isotropic_surface(section, 7, shape=(64, 96), repetition=2, side="upper")
     ten = isotropic_surface(
         Profile(10 * section.heights + 3, spacing=1.0), 7, shape=(64, 96), repetition=2, side="upper"
@@ -186,7 +190,7 @@ def test_isotropic_surface_scales_with_its_section_and_depends_on_seed():
     ],
 )
 def test_isotropic_surface_rejects_invalid_arguments(changes, words):
-    arguments = {"profile": known_surface(0.7, shape=(64, 256)).row(0), "seed": 1} | changes
+    arguments = {"profile": create_map(0.7, shape=(64, 256)).row(0), "seed": 1} | changes
     with pytest.raises(ValueError, match=words):
         isotropic_surface(arguments.pop("profile"), arguments.pop("seed"), **arguments)
 
@@ -197,7 +201,7 @@ def test_isotropic_surfaces_of_sections_have_contact_area_and_friction_of_the_or
 
     The script docs/scripts/isotropic.py uses larger pieces for H from 0.4 to 0.9.
     """
-    bodies = [known_surface(0.7, side, shape=(128, 1024)) for side in ("upper", "lower")]
+    bodies = [create_map(0.7, side, shape=(128, 1024)) for side in ("upper", "lower")]
 
     def area_and_friction(pairs):
         values = []

@@ -169,7 +169,7 @@ def test_surrogates_much_smaller_than_the_scan_cause_a_caveat():
         ({"mean_pressure": 20.0}, {"mechanics": "asperities", "law": "jackson-green"}),
     ],
 )
-def test_point_without_caveats_has_the_verdict_quote_it(numbers, study):
+def test_verdict_recommends_quoting_a_point_without_caveats(numbers, study):
     assert only_point(measured_result(**numbers), measured_study(**study)).verdict == "Quote it"
 
 
@@ -323,7 +323,7 @@ def with_materials(hardness, names=("mild steel", "brass")):
     return study.with_changes({"contact.materials": list(names)})
 
 
-def test_bracket_extends_from_the_plastic_limit_to_above_the_coefficient():
+def test_range_for_finer_scans_extends_from_the_plastic_limit_to_above_the_coefficient():
     point = summarize(measured_result(all_rub=0.24, half=0.01), measured_study(hardness=2.0)).points[0]
     limit = 0.2 + 0.05 / 2
     # The excess over the plastic limit is multiplied by exp(0.2), because load moves between the contacts.
@@ -402,13 +402,13 @@ def test_text_of_inputs_states_no_range_for_a_given_hardness(study):
     assert not any("softer material" in caveat.text for caveat in point.caveats)
 
 
-def test_bracket_for_finer_scans_is_absent_if_the_point_has_a_fault():
+def test_range_for_finer_scans_is_absent_if_the_point_has_a_fault():
     point = summarize(measured_result(all_rub=47.0, rms_gradient=300.0), measured_study(hardness=2.0)).points[0]
     assert (point.verdict, point.bracket) == ("Do not quote", None)
     assert "finer scan" not in coefficients_text([point])
 
 
-def test_bracket_starts_at_the_coefficient_if_it_is_below_the_plastic_limit():
+def test_range_for_finer_scans_starts_at_a_coefficient_below_the_plastic_limit():
     lower, upper = summarize(measured_result(all_rub=0.22, half=0.01), measured_study(hardness=2.0)).points[0].bracket
     assert lower == pytest.approx(0.22)
     assert lower < upper

@@ -247,7 +247,7 @@ def test_figure_lines_have_the_colours_of_their_sliding_rules(maps_at_two_cutoff
         )
 
 
-def test_compass_curve_passes_through_the_mean_in_each_direction_and_its_axis_starts_at_zero(maps_at_two_cutoffs):
+def test_compass_figure_passes_through_the_mean_in_each_direction_and_its_axis_starts_at_zero(maps_at_two_cutoffs):
     axes = draw_figure(maps_at_two_cutoffs, "compass").axes[0]
     reference = at_load(maps_at_two_cutoffs, [0.1], mu0=[0.3], tau0=[0.0]).isel(cut_off=0, load=0, mu0=0, tau0=0)
     points, curve = axes.lines[:2]

@@ -24,7 +24,7 @@ def table_cells(table):
 
 
 @pytest.mark.parametrize("summary_name", SUMMARIES)
-def test_latex_table_has_one_row_for_each_headline(summary_name):
+def test_latex_table_has_one_row_for_each_headline_result(summary_name):
     summary = SUMMARIES[summary_name]
     table = latex_table(summary)
     header, *rows = table_cells(table)

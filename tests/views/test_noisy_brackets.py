@@ -60,7 +60,7 @@ def true_and_noisy_results(seed, noise_kind):
 
 @pytest.mark.parametrize("noise_kind", ["white", "band", "line", "pink"])
 @pytest.mark.soak
-def test_bracket_of_noisy_scans_contains_the_result_without_noise(noise_kind):
+def test_range_for_finer_scans_of_noisy_scans_contains_the_result_without_noise(noise_kind):
     results = [true_and_noisy_results(seed, noise_kind) for seed in range(NUM_PAIRS)]
     brackets = [(true_value, point.bracket) for true_value, point in results if point.bracket is not None]
     is_covered = [low - 1e-9 <= true_value <= high for true_value, (low, high) in brackets]
@@ -81,7 +81,7 @@ def scan_with_tip(surface, radius):
 
 
 @pytest.mark.parametrize("hurst_exponent", [0.5, 0.8])
-def test_bracket_of_scans_with_a_blunt_tip_contains_the_true_result(hurst_exponent):
+def test_range_for_finer_scans_of_a_blunt_tip_contains_the_true_result(hurst_exponent):
     roughness_options = {
         "hurst_exponent": hurst_exponent,
         "rms": 0.01,

@@ -303,7 +303,7 @@ def test_friction_in_reports_of_measured_surfaces_equals_library_values(measured
     assert np.quantile(errors, 0.9) < MAX_RELATIVE_ERROR
 
 
-def test_headline_of_a_report_equals_the_headline_of_the_summary(measured_report):
+def test_coefficient_texts_in_a_report_equal_those_of_the_summary(measured_report):
     dataset, report_numbers = measured_report
     study = parse_dataset_study(dataset)
     reference = at_load(dataset, [float(load_index) for load_index in study.friction.load])

@@ -17,7 +17,7 @@ from support.studies_of_files import study_of_files as study_of_files
 from support.studies_of_files import write_maps
 
 
-@pytest.mark.usefixtures("undrawn")
+@pytest.mark.usefixtures("disable_figures")
 def test_report_escapes_html_in_study_attributes_and_name(generated_dataset, maps_dataset):
     page = report_page(
         generated_dataset.assign_attrs(stiction_version="<b>"), name="</script><script>alert(1)</script>"
@@ -52,7 +52,7 @@ def test_report_rejects_a_result_without_members(generated_dataset):
         report_page(generated_dataset.isel(repetition=[]))
 
 
-@pytest.mark.usefixtures("undrawn")
+@pytest.mark.usefixtures("disable_figures")
 def test_report_title_contains_the_study_or_the_scan_files(generated_dataset, maps_dataset):
     assert "<title>study – static friction – stiction</title>" in report_page(generated_dataset)
     assert "<title>mine – " in report_page(generated_dataset, name="mine")
@@ -100,7 +100,7 @@ def test_report_of_a_scan_lists_caveats_and_escapes_text():
     assert "<code>&lt;i&gt;</code>" in page
 
 
-def test_report_shows_reading_options_of_each_file(tmp_path):
+def test_report_shows_how_each_file_was_read(tmp_path):
     rows = np.column_stack([0.5 * np.arange(64), np.random.default_rng(0).standard_normal(64)])
     np.savetxt(tmp_path / "a.csv", rows, delimiter=",", header="x (um),height (um)", comments="")
     (tmp_path / "b.csv").write_text((tmp_path / "a.csv").read_text().replace("(um)", "(nm)"))

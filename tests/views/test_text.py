@@ -171,7 +171,7 @@ def test_grooves_are_reported_if_friction_intervals_along_the_axes_are_disjoint(
     assert axes_text(measured_result(directions=(0.0, 180.0)).isel(cut_off=0, load=0, mu0=0, tau0=0)) == ""
 
 
-def test_overview_has_one_row_per_cell_and_marks_invalid_values():
+def test_overview_has_one_row_per_parameter_combination_and_marks_invalid_values():
     dataset = generated_result(dimensions=(1.1, 1.2, 1.3, 1.4, 1.5))
     dataset["share_beyond_hertz"].loc[{"fractal_dimension": 1.4}] = 0.6
     dataset["status"].loc[{"fractal_dimension": 1.5, "load": 0.01}] = "not-reached"
