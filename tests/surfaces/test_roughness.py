@@ -85,7 +85,7 @@ class TestAgainstSurfaceTopographyPackage:
     @pytest.fixture(params=["generated", "measured"])
     def profile(self, request):
         if request.param == "measured":
-            return levelled(read_profile(request.getfixturevalue("measured")("dektak-1.csv")), "line")
+            return levelled(read_profile(request.getfixturevalue("measured_file")("dektak-1.csv")), "line")
         return levelled(rough_profile(), "mean")
 
     def test_levelling_agrees_with_the_surface_topography_package(self, line_scan, measured_file):
