@@ -126,6 +126,6 @@ def parse_load(name: str, value: Any, *, or_zero: bool = False) -> tuple[Quantit
             )  # fmt: skip
         load = parse_quantity(name, value, kind)
     if not (load > 0 or (or_zero and load >= 0)):
-        more = "" if load else "; a load of 0 is for bodies that adhere"
-        raise ArgumentError(f"{{{name}}} must be above 0, got {{got}}{more}", got=repr(value))
+        zero_load_hint = "" if load else "; a load of 0 is for bodies that adhere"
+        raise ArgumentError(f"{{{name}}} must be above 0, got {{got}}{zero_load_hint}", got=repr(value))
     return load, kind == "pressure"

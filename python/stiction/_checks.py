@@ -39,11 +39,13 @@ def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Flo
     # A sum is faster than a test of each element. A sum of finite numbers is infinite only if it overflows.
     with np.errstate(over="ignore", invalid="ignore"):
         total = array.sum()
-    if not np.isfinite(total) and (bad := ~np.isfinite(array)).any():
-        first = tuple(int(i) for i in np.argwhere(bad)[0])
-        location = f"{name}{list(first)}" if first else name
-        count = f"{np.count_nonzero(bad)} of {bad.size} values"
-        raise ValueError(f"{name} must be finite, got {array[first]} at {location} ({count} values are not finite)")
+    if not np.isfinite(total) and (is_nonfinite := ~np.isfinite(array)).any():
+        first_index = tuple(int(i) for i in np.argwhere(is_nonfinite)[0])
+        location = f"{name}{list(first_index)}" if first_index else name
+        count_text = f"{np.count_nonzero(is_nonfinite)} of {is_nonfinite.size} values"
+        raise ValueError(
+            f"{name} must be finite, got {array[first_index]} at {location} ({count_text} values are not finite)"
+        )
     return array
 
 
@@ -97,8 +99,8 @@ def validate_whole_number(name: str, value: Any, *, minimum: int, maximum: int =
     except TypeError:
         result = minimum - 1
     if not minimum <= result <= maximum:
-        limit = f" and at most {maximum}" if result > maximum else ""
-        raise ValueError(f"{name} must be a whole number of at least {minimum}{limit}, got {short_repr(value)}")
+        limit_text = f" and at most {maximum}" if result > maximum else ""
+        raise ValueError(f"{name} must be a whole number of at least {minimum}{limit_text}, got {short_repr(value)}")
     return result
 
 

@@ -46,16 +46,16 @@ def draw_surface(ax: Axes, heights: Floats, spacing: tuple[float, float]) -> Axe
 def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats, Floats]) -> Axes:
     """Draw the spectral density of all harmonics, and the averages in bins, against wave number on logarithmic axes."""
     wave_number, density = harmonics
-    positive = density > 0
-    if not positive.any():
+    is_positive = density > 0
+    if not is_positive.any():
         raise ValueError("the spectrum must not be 0 everywhere, because there would be nothing to draw")
-    ax.loglog(wave_number[positive], density[positive], color="0.75", linewidth=0.6)
-    middle, mean = bins
-    filled = mean > 0
-    ax.loglog(middle[filled], mean[filled], color="0.1", linewidth=1.4)
+    ax.loglog(wave_number[is_positive], density[is_positive], color="0.75", linewidth=0.6)
+    bin_wave_number, bin_density = bins
+    is_positive_bin = bin_density > 0
+    ax.loglog(bin_wave_number[is_positive_bin], bin_density[is_positive_bin], color="0.1", linewidth=1.4)
     # Without this limit, harmonics due to round-off would fill most of the axis.
-    top = float(density.max())
-    ax.set_ylim(max(float(mean[filled].min()) / 3, 1e-16 * top), 3 * top)
+    max_density = float(density.max())
+    ax.set_ylim(max(float(bin_density[is_positive_bin].min()) / 3, 1e-16 * max_density), 3 * max_density)
     ax.set_xlabel("wave number q (1/µm)")
     set_log_ticks(ax)
     ax.set_ylabel("power spectral density C1D (µm³)")
@@ -90,9 +90,9 @@ def add_scale_bar(ax: Axes, box: tuple[float, float, float, float], **style: Any
     x, y = right - 0.05 * (right - left) - length, bottom + 0.05 * (top - bottom)
     halo = [withStroke(linewidth=2.5, foreground="black")]
     ax.plot([x, x + length], [y, y], color="white", linewidth=1.5, path_effects=halo, solid_capstyle="butt")
-    shown = f"{length:g} µm" if length >= 1 else f"{1000 * length:g} nm"
+    length_text = f"{length:g} µm" if length >= 1 else f"{1000 * length:g} nm"
     style |= {"color": "white", "path_effects": halo, "ha": "center", "va": "bottom"}
-    ax.text(x + length / 2, y + 0.015 * (top - bottom), shown, **style)
+    ax.text(x + length / 2, y + 0.015 * (top - bottom), length_text, **style)
 
 
 def map_extent(shape: tuple[int, ...], spacing: tuple[float, ...]) -> tuple[float, float, float, float]:
@@ -152,28 +152,31 @@ def draw_friction(
     if not np.isfinite(coefficient).any():
         raise ValueError("no load has a friction coefficient, so there is nothing to draw")
     ax.set(xscale="log", xlabel="normal load (mN)")
-    axes = _material_labels(mu0, tau0)
+    label_lists = _material_labels(mu0, tau0)
     if np.ndim(direction):
-        axes.append([f"{angle:g}°" for angle in np.asarray(direction).tolist()])
-    names = [", ".join(filter(None, labels)) for labels in product(*axes)]
-    lines = np.reshape(coefficient, (-1, load.size))
-    for name, line in zip(names, lines, strict=True):
-        ax.plot(load, line, marker="o", markersize=3, label=name)
+        label_lists.append([f"{angle:g}°" for angle in np.asarray(direction).tolist()])
+    legend_labels = [", ".join(filter(None, labels)) for labels in product(*label_lists)]
+    curves = np.reshape(coefficient, (-1, load.size))
+    for legend_label, curve in zip(legend_labels, curves, strict=True):
+        ax.plot(load, curve, marker="o", markersize=3, label=legend_label)
     ax.set_ylabel("coefficient of static friction")
     set_log_ticks(ax)
-    if 1 < len(lines) <= MAX_LEGEND_LINES:
+    if 1 < len(curves) <= MAX_LEGEND_LINES:
         ax.legend(frameon=False, fontsize="small")
     return ax
 
 
 def _material_labels(mu0: ArrayLike, tau0: ArrayLike) -> list[list[str]]:
     """Return one label per pair of mu0 and tau0, as a nested list. The list is empty if both are scalars."""
-    materials = np.broadcast_arrays(np.asarray(mu0, dtype=np.float64), np.asarray(tau0, dtype=np.float64))
-    if materials[0].ndim == 0:
+    parameters = np.broadcast_arrays(np.asarray(mu0, dtype=np.float64), np.asarray(tau0, dtype=np.float64))
+    if parameters[0].ndim == 0:
         return []
-    pairs = zip(materials[0].ravel().tolist(), materials[1].ravel().tolist(), strict=True)
+    pairs = zip(parameters[0].ravel().tolist(), parameters[1].ravel().tolist(), strict=True)
     return [
-        [f"μ0 = {friction:g}" + (f", τ0 = {1000 * strength:g} MPa" if strength else "") for friction, strength in pairs]
+        [
+            f"μ0 = {mu0_value:g}" + (f", τ0 = {1000 * tau0_value:g} MPa" if tau0_value else "")
+            for mu0_value, tau0_value in pairs
+        ]
     ]
 
 
@@ -181,15 +184,15 @@ def draw_contact(ax: Axes, pressure: Floats, heights: Floats, spacing: tuple[flo
     """Draw the contact pressure (GPa) and the heights of the lower surface, as a map or along a profile."""
     if pressure.ndim == 1:
         return _draw_line_contact(ax, pressure, heights, spacing[-1])
-    box = map_extent(pressure.shape, spacing)
-    ax.imshow(heights, extent=box, origin="lower", cmap="gray")
+    extent = map_extent(pressure.shape, spacing)
+    ax.imshow(heights, extent=extent, origin="lower", cmap="gray")
     positive_pressure = np.where(pressure > 0, pressure, np.nan)
     image = ax.imshow(
-        positive_pressure, extent=box, origin="lower", cmap=PRESSURE_COLOUR_MAP, vmin=0, interpolation="nearest"
+        positive_pressure, extent=extent, origin="lower", cmap=PRESSURE_COLOUR_MAP, vmin=0, interpolation="nearest"
     )
     add_colour_bar(ax, image, "pressure (GPa)")
     ax.set(xticks=[], yticks=[])
-    add_scale_bar(ax, box)
+    add_scale_bar(ax, extent)
     return ax
 
 
@@ -216,8 +219,8 @@ def draw_onset(
     if has_displacement:
         abscissa, unit = to_readable_unit(abscissa)
         axis_label = f"displacement ({unit})"
-        elastic = sliding_load / stiffness * (1000 if unit == "nm" else 1)
-        ax.plot([0, elastic], [0, sliding_load], color="0.6", linewidth=0.8, label="all sticks")
+        elastic_displacement = sliding_load / stiffness * (1000 if unit == "nm" else 1)
+        ax.plot([0, elastic_displacement], [0, sliding_load], color="0.6", linewidth=0.8, label="all sticks")
     ax.plot(np.concatenate([[0.0], abscissa]), np.concatenate([[0.0], load]), marker="o", markersize=3)
     ax.axhline(sliding_load, color="0.3", linewidth=0.8, linestyle="--", label="slides")
     ax.set(xlabel=axis_label, ylabel="tangential load (mN)")

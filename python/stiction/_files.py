@@ -37,8 +37,8 @@ def new_file(path: Path, failure: type[ValueError]) -> Iterator[Path]:
     with _translate_errors(path, failure):
         if os.path.lexists(path):
             raise FileExistsError
-        with _open_partial_file(path, os.link) as partial:  # unlike rename, link never replaces a file
-            yield partial
+        with _open_partial_file(path, os.link) as partial_path:  # unlike rename, link never replaces a file
+            yield partial_path
 
 
 @contextmanager
@@ -48,8 +48,8 @@ def replacement_file(path: Path, mark: bytes, failure: type[ValueError]) -> Iter
     A file without the bytes `mark` near its start or its end was not written by this package.
     """
     check_replaceable(path, mark, failure)
-    with _translate_errors(path, failure), _open_partial_file(path, Path.replace) as partial:
-        yield partial
+    with _translate_errors(path, failure), _open_partial_file(path, Path.replace) as partial_path:
+        yield partial_path
 
 
 def check_replaceable(path: Path, mark: bytes, failure: type[ValueError]) -> None:
@@ -67,21 +67,21 @@ def check_replaceable(path: Path, mark: bytes, failure: type[ValueError]) -> Non
 
 def write_atomically(path: Path, content: bytes) -> None:
     """Write a file atomically. It appears under its name, and replaces an older file, only when complete."""
-    with _open_partial_file(path, Path.replace) as partial:
-        partial.write_bytes(content)
+    with _open_partial_file(path, Path.replace) as partial_path:
+        partial_path.write_bytes(content)
 
 
 @contextmanager
 def _open_partial_file(path: Path, move: Callable[[Path, Path], object]) -> Iterator[Path]:
     """Yield an empty file in the folder of `path`. Rename it to `path` on success, and remove it otherwise."""
-    partial = path.parent / new_partial_name()
+    partial_path = path.parent / new_partial_name()
     try:  # create the file inside `try`, so that it is removed even if Ctrl-C arrives right afterwards
-        os.close(os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
-        yield partial
-        move(partial, path)
+        os.close(os.open(partial_path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
+        yield partial_path
+        move(partial_path, path)
     finally:
         with suppress(OSError):
-            partial.unlink(missing_ok=True)
+            partial_path.unlink(missing_ok=True)
 
 
 def new_partial_name() -> str:
@@ -151,10 +151,10 @@ def read_content(path: Path, max_bytes: int, start: bytes = b"") -> bytes:
     Raises `UnreadableFileError` if it is another kind of file, is longer than `max_bytes` or does not begin with
     `start`, and `OSError` if it cannot be read.
     """
-    status = path.stat()
-    if not (stat.S_ISREG(status.st_mode) or stat.S_ISDIR(status.st_mode)):
+    file_status = path.stat()
+    if not (stat.S_ISREG(file_status.st_mode) or stat.S_ISDIR(file_status.st_mode)):
         raise UnreadableFileError("is not a regular file")
-    if stat.S_ISREG(status.st_mode) and status.st_size > max_bytes:
+    if stat.S_ISREG(file_status.st_mode) and file_status.st_size > max_bytes:
         raise UnreadableFileError(f"is longer than {max_bytes} bytes")
     with open(path, "rb", opener=_open_nonblocking) as file:
         head = file.read(len(start))

@@ -33,12 +33,12 @@ def format_with_interval(mean: float, lower: float, upper: float, *, digits: int
         decimals = _num_decimals(mean, lower, 2 * mean - lower, digits)
         return f"{_format_decimals(mean, decimals)} [{_format_decimals(lower, decimals)}, {UNBOUNDED_END_TEXT})"
     decimals = _num_decimals(mean, lower, upper, digits)
-    ends = [_format_decimals(end, decimals) for end in (lower, upper)]
-    if ends[0] == ends[1]:
+    end_texts = [_format_decimals(end, decimals) for end in (lower, upper)]
+    if end_texts[0] == end_texts[1]:
         return format_significant(mean, MAX_DIGITS)
     if upper > MAX_PRECISE_END_RATIO * abs(mean) > 0:
-        ends[1] = format_significant(upper, 1)
-    return f"{_format_decimals(mean, decimals)} [{ends[0]}, {ends[1]}]"
+        end_texts[1] = format_significant(upper, 1)
+    return f"{_format_decimals(mean, decimals)} [{end_texts[0]}, {end_texts[1]}]"
 
 
 def format_estimate(mean: float, lower: float = math.nan, upper: float = math.nan) -> str:
@@ -55,8 +55,8 @@ def format_limits(low: float, high: float) -> str:
     if math.isinf(high):
         return f"{format_significant(low)} to {UNBOUNDED_END_TEXT}"
     decimals = _num_decimals(max(abs(low), abs(high)), low, high, 1)
-    ends = [_format_decimals(end, decimals) for end in (low, high)]
-    return ends[0] if ends[0] == ends[1] else " to ".join(ends)
+    end_texts = [_format_decimals(end, decimals) for end in (low, high)]
+    return end_texts[0] if end_texts[0] == end_texts[1] else " to ".join(end_texts)
 
 
 def format_significant(value: float, digits: int = 2) -> str:
@@ -72,13 +72,13 @@ def format_significant(value: float, digits: int = 2) -> str:
 
 def _num_decimals(mean: float, lower: float, upper: float, digits: int) -> int:
     """Return the number of decimals for a value: `digits` digits of its half-width, but 2 to 4 digits of the value."""
-    size = -math.floor(math.log10(abs(mean))) if mean else 0
+    value_decimals = -math.floor(math.log10(abs(mean))) if mean else 0
     if not upper > lower:
-        return size + MAX_DIGITS - 1
-    width = digits - 1 - math.floor(math.log10((upper - lower) / 2))
+        return value_decimals + MAX_DIGITS - 1
+    interval_decimals = digits - 1 - math.floor(math.log10((upper - lower) / 2))
     if not mean:
-        return width
-    return min(max(width, size + 1), size + MAX_DIGITS - 1)
+        return interval_decimals
+    return min(max(interval_decimals, value_decimals + 1), value_decimals + MAX_DIGITS - 1)
 
 
 def format_with_unit(value: float, unit: str) -> str:

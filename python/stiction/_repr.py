@@ -82,13 +82,13 @@ def format_with_unit(value: float, unit: str) -> str:
 
 def format_range(values: Any, unit: str = "") -> str:
     """Format the range of the finite values in an array, and the number of missing values."""
-    finite = values[np.isfinite(values)] if values.dtype.kind == "f" else values
-    if not finite.size:
+    finite_values = values[np.isfinite(values)] if values.dtype.kind == "f" else values
+    if not finite_values.size:
         return "none"
-    low, high = finite.min(), finite.max()
-    ends = f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"
-    num_missing = values.size - finite.size
-    return " ".join([ends, unit] if unit else [ends]) + (
+    low, high = finite_values.min(), finite_values.max()
+    range_text = f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"
+    num_missing = values.size - finite_values.size
+    return " ".join([range_text, unit] if unit else [range_text]) + (
         f" ({num_missing} of {values.size} none)" if num_missing else ""
     )
 
@@ -177,14 +177,14 @@ def write_png(figure: Figure, file: Path | BinaryIO, *, dpi: float, metadata: di
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-    original = figure.canvas, figure.dpi
+    original_canvas_and_dpi = figure.canvas, figure.dpi
     try:
         figure.dpi = dpi
         canvas: Any = FigureCanvasAgg(figure)
         canvas.print_png(file, metadata=metadata, pil_kwargs={"compress_level": PNG_COMPRESSION})
     finally:
-        figure.dpi = original[1]
-        figure.set_canvas(original[0])
+        figure.dpi = original_canvas_and_dpi[1]
+        figure.set_canvas(original_canvas_and_dpi[0])
 
 
 def axes_or_new_axes(ax: Axes | None) -> Axes:

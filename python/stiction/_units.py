@@ -71,26 +71,26 @@ def quantity(text: object, kind: str) -> Quantity:
         )
     match = _QUANTITY_PATTERN.fullmatch(text)
     lowest, highest = VALID_RANGES[kind]
-    core = next(name for name, factor in units.items() if factor == "1")
+    core_unit = next(name for name, factor in units.items() if factor == "1")
     if (
         match is None
-        and (out_of_range := _NUMBER_WITH_UNIT_PATTERN.fullmatch(text)) is not None
-        and out_of_range[1] in units
+        and (number_match := _NUMBER_WITH_UNIT_PATTERN.fullmatch(text)) is not None
+        and number_match[1] in units
     ):
-        raise ValueError(f"must be from {lowest:g} to {highest:g} {core}, got {short_repr(text)}")
+        raise ValueError(f"must be from {lowest:g} to {highest:g} {core_unit}, got {short_repr(text)}")
     if match is None:
         raise ValueError(f"must be a number with a unit of {kind} ({allowed}), got {short_repr(text)}")
     digits, unit = match.groups()
     if unit not in units:
-        similar = [name for name in units if name.lower() == unit.lower()]
-        hint = f"; did you mean {' or '.join(similar)}?" if similar else ""
+        similar_units = [name for name in units if name.lower() == unit.lower()]
+        hint = f"; did you mean {' or '.join(similar_units)}?" if similar_units else ""
         raise ValueError(
             f"has the unit {unit!r}, which is not a unit of {kind} ({allowed}), got {short_repr(text)}{hint}"
         )
     # Decimal arithmetic ensures that "100 nm" and "0.1 um" give the same number.
     value = float(Decimal(digits.replace("_", "")) * Decimal(units[unit]))
     if value != 0 and not lowest <= abs(value) <= highest:
-        raise ValueError(f"must be from {lowest:g} to {highest:g} {core}, got {short_repr(text)}")
+        raise ValueError(f"must be from {lowest:g} to {highest:g} {core_unit}, got {short_repr(text)}")
     return Quantity(value, f"{digits} {unit}")
 
 

@@ -55,5 +55,5 @@ def cut_off(body: AnyBody, wavelength: float, *, periodic: bool = False) -> AnyB
     check_bool("periodic", periodic)
     body = as_body("body", body)
     length = check_cutoff("wavelength", wavelength, body, longest=MAX_CUTOFF_FRACTION)
-    step = f"waves shorter than {length:g} µm cut off (Gaussian filter, 50 % at {length:g} µm)"
-    return body.changed(gaussian_mean(body, length, periodic=periodic), step)  # type: ignore[return-value]
+    history_entry = f"waves shorter than {length:g} µm cut off (Gaussian filter, 50 % at {length:g} µm)"
+    return body.changed(gaussian_mean(body, length, periodic=periodic), history_entry)  # type: ignore[return-value]

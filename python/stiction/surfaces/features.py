@@ -41,42 +41,44 @@ def significant_peaks(heights: Floats, threshold: float) -> _IndexArray:
     order = np.argsort(heights, axis=None, kind="stable")
     rank = np.empty(heights.size, np.int64)  # points of equal height are ordered by their flat index
     rank[order] = np.arange(heights.size)
-    hill = _find_peaks_of_points(rank.reshape(heights.shape), order)
-    peaks, hill = np.unique(hill, return_inverse=True)
+    hill_of_point = _find_peaks_of_points(rank.reshape(heights.shape), order)
+    peaks, hill_of_point = np.unique(hill_of_point, return_inverse=True)
     if peaks.size == 1:
         return peaks
-    first, second, saddle = _find_saddles(hill.reshape(heights.shape), rank.reshape(heights.shape), peaks.size)
-    level = heights.ravel()[order[saddle]].tolist()
-    top = heights.ravel()[peaks].tolist()
-    above = rank[peaks].tolist()
-    root = list(range(peaks.size))
-    keep = np.ones(peaks.size, bool)
+    first_hill, second_hill, saddle_ranks = _find_saddles(
+        hill_of_point.reshape(heights.shape), rank.reshape(heights.shape), peaks.size
+    )
+    saddle_heights = heights.ravel()[order[saddle_ranks]].tolist()
+    peak_heights = heights.ravel()[peaks].tolist()
+    peak_ranks = rank[peaks].tolist()
+    parents = list(range(peaks.size))
+    is_kept = np.ones(peaks.size, bool)
 
     def find_root(index: int) -> int:
-        while root[index] != index:
-            root[index] = root[root[index]]
-            index = root[index]
+        while parents[index] != index:
+            parents[index] = parents[parents[index]]
+            index = parents[index]
         return index
 
-    for hill_a, hill_b, height in zip(first.tolist(), second.tolist(), level, strict=True):
+    for hill_a, hill_b, saddle_height in zip(first_hill.tolist(), second_hill.tolist(), saddle_heights, strict=True):
         low, high = find_root(hill_a), find_root(hill_b)
-        if above[low] > above[high]:
+        if peak_ranks[low] > peak_ranks[high]:
             low, high = high, low
-        root[low] = high
-        keep[low] = top[low] - height >= threshold
-    return np.asarray(peaks[keep])
+        parents[low] = high
+        is_kept[low] = peak_heights[low] - saddle_height >= threshold
+    return np.asarray(peaks[is_kept])
 
 
 def _find_peaks_of_points(rank: NDArray[np.int64], order: _IndexArray) -> _IndexArray:
     """Return, for each point, the flat index of the peak whose hill contains the point."""
     from scipy.ndimage import maximum_filter
 
-    above = order[maximum_filter(rank, size=3, mode="nearest").ravel()]
+    uphill_point = order[maximum_filter(rank, size=3, mode="nearest").ravel()]
     while True:
-        unfinished = above[above]
-        if np.array_equal(unfinished, above):
-            return np.asarray(above)
-        above = unfinished
+        next_uphill_point = uphill_point[uphill_point]
+        if np.array_equal(next_uphill_point, uphill_point):
+            return np.asarray(uphill_point)
+        uphill_point = next_uphill_point
 
 
 def _find_saddles(
@@ -86,25 +88,27 @@ def _find_saddles(
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import minimum_spanning_tree
 
-    keys, levels = [], []
+    pair_keys, saddle_ranks = [], []
     for point, neighbour in (
         (np.s_[:, :-1], np.s_[:, 1:]), (np.s_[:-1], np.s_[1:]),
         (np.s_[:-1, :-1], np.s_[1:, 1:]), (np.s_[:-1, 1:], np.s_[1:, :-1]),
     ):  # fmt: skip
         differs = hill[point] != hill[neighbour]
         a, b = hill[point][differs], hill[neighbour][differs]
-        keys.append(np.minimum(a, b) * count + np.maximum(a, b))
-        levels.append(np.minimum(rank[point][differs], rank[neighbour][differs]))
-    key, level = np.concatenate(keys), np.concatenate(levels)
-    order = np.lexsort((level, key))
-    key, level = key[order], level[order]
-    highest = np.append(key[1:] != key[:-1], True)
-    key, level = key[highest], level[highest]
-    edges = coo_array(((rank.size - level).astype(np.float64), (key // count, key % count)), shape=(count, count))
+        pair_keys.append(np.minimum(a, b) * count + np.maximum(a, b))
+        saddle_ranks.append(np.minimum(rank[point][differs], rank[neighbour][differs]))
+    pair_key, saddle_rank = np.concatenate(pair_keys), np.concatenate(saddle_ranks)
+    order = np.lexsort((saddle_rank, pair_key))
+    pair_key, saddle_rank = pair_key[order], saddle_rank[order]
+    is_highest = np.append(pair_key[1:] != pair_key[:-1], True)
+    pair_key, saddle_rank = pair_key[is_highest], saddle_rank[is_highest]
+    edges = coo_array(
+        ((rank.size - saddle_rank).astype(np.float64), (pair_key // count, pair_key % count)), shape=(count, count)
+    )
     tree = minimum_spanning_tree(edges.tocsr()).tocoo()
-    saddle = (rank.size - tree.data).astype(np.intp)
-    descending = np.argsort(-saddle)
-    return tree.row[descending], tree.col[descending], saddle[descending]
+    tree_saddle_rank = (rank.size - tree.data).astype(np.intp)
+    descending = np.argsort(-tree_saddle_rank)
+    return tree.row[descending], tree.col[descending], tree_saddle_rank[descending]
 
 
 class FeatureParameters(NamedTuple):
@@ -127,16 +131,16 @@ def feature_parameters(deviation: Floats, spacing: tuple[float, float]) -> Featu
     peaks, pits = (significant_peaks(heights, threshold) for heights in (deviation, -deviation))
     rows, columns = deviation.shape
     row, column = np.divmod(peaks, columns)
-    inside = (row > 0) & (row < rows - 1) & (column > 0) & (column < columns - 1)
-    row, column = row[inside], column[inside]
-    top = deviation[row, column]
-    bend_y = (deviation[row - 1, column] - 2 * top + deviation[row + 1, column]) / spacing[0] ** 2
-    bend_x = (deviation[row, column - 1] - 2 * top + deviation[row, column + 1]) / spacing[1] ** 2
-    curvature = -float(np.mean(bend_x + bend_y)) / 2 if row.size else math.nan
-    flat = deviation.ravel()
+    is_interior = (row > 0) & (row < rows - 1) & (column > 0) & (column < columns - 1)
+    row, column = row[is_interior], column[is_interior]
+    peak_height = deviation[row, column]
+    second_derivative_y = (deviation[row - 1, column] - 2 * peak_height + deviation[row + 1, column]) / spacing[0] ** 2
+    second_derivative_x = (deviation[row, column - 1] - 2 * peak_height + deviation[row, column + 1]) / spacing[1] ** 2
+    curvature = -float(np.mean(second_derivative_x + second_derivative_y)) / 2 if row.size else math.nan
+    flat_heights = deviation.ravel()
     return FeatureParameters(
         density=peaks.size / (rows * spacing[0] * columns * spacing[1]), curvature=curvature,
-        peak_height=_mean_of_five_largest(flat[peaks]), pit_depth=_mean_of_five_largest(-flat[pits]),
+        peak_height=_mean_of_five_largest(flat_heights[peaks]), pit_depth=_mean_of_five_largest(-flat_heights[pits]),
     )  # fmt: skip
 
 

@@ -105,23 +105,23 @@ def filtered(
     if robust and periodic:
         raise ValueError("periodic must be False for a robust filter, got True")
     length = check_cutoff("cutoff", cutoff, body, longest=1.0)
-    smooth = robust_mean(body, length) if robust else gaussian_mean(body, length, periodic=periodic)
+    mean_line = robust_mean(body, length) if robust else gaussian_mean(body, length, periodic=periodic)
     description = f"{'robust Gaussian regression' if robust else 'Gaussian'}, {length:g} µm"
     if kind == "S":
-        return body.changed(smooth, f"S-filter ({description})")  # type: ignore[return-value]
-    return body.changed(body.heights - smooth, f"L-filter ({description})")  # type: ignore[return-value]
+        return body.changed(mean_line, f"S-filter ({description})")  # type: ignore[return-value]
+    return body.changed(body.heights - mean_line, f"L-filter ({description})")  # type: ignore[return-value]
 
 
 def check_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: float) -> float:
     """Check a cutoff (µm), and return it. Its limits are half the spacing and `longest` times the shortest side."""
-    sides = [points * step for points, step in zip(body.heights.shape, body.spacings, strict=True)]
+    side_lengths = [points * step for points, step in zip(body.heights.shape, body.spacings, strict=True)]
     length = validate_number(name, value, unit="µm", above=0)
-    low, high = MIN_CUTOFF_POINTS * min(body.spacings), longest * min(sides)
+    low, high = MIN_CUTOFF_POINTS * min(body.spacings), longest * min(side_lengths)
     if not low <= length * ROUND_OFF_FACTOR or not length <= high * ROUND_OFF_FACTOR:
-        end = "the shortest side" if longest == 1 else "a third of the shortest side"
+        limit_text = "the shortest side" if longest == 1 else "a third of the shortest side"
         shown_value = repr(value) if isinstance(value, str) else f"{length:g} µm"
         raise ArgumentError(
-            f"{{{name}}} must be between {low:g} µm (half the spacing) and {high:g} µm ({end}), got {{got}}",
+            f"{{{name}}} must be between {low:g} µm (half the spacing) and {high:g} µm ({limit_text}), got {{got}}",
             got=shown_value,
         )
     return length
@@ -139,18 +139,18 @@ def gaussian_mean(body: Profile | Surface, cutoff: float, *, periodic: bool = Fa
     lengths = [cutoff / step for step in body.spacings]
     measured = None if body.missing is None else (~body.missing).astype(np.float64)
     if periodic:
-        smooth = _filter_periodic(heights if measured is None else heights * measured, lengths)
+        mean_line = _filter_periodic(heights if measured is None else heights * measured, lengths)
         if measured is not None:
-            smooth = _divide_by_weights(smooth, _filter_periodic(measured, lengths), heights)
+            mean_line = _divide_by_weights(mean_line, _filter_periodic(measured, lengths), heights)
     elif max(lengths) < _MIN_REGRESSION_POINTS:
-        smooth = _filter_reflected(heights, lengths)
+        mean_line = _filter_reflected(heights, lengths)
     elif measured is not None:
-        smooth = _fit_polynomials(heights, measured, lengths, _linear_exponents(heights.ndim))
+        mean_line = _fit_polynomials(heights, measured, lengths, _linear_exponents(heights.ndim))
     else:
-        smooth = heights
+        mean_line = heights
         for axis, length in enumerate(lengths):
-            smooth = _fit_lines_along(smooth, axis, length) if smooth.shape[axis] > 1 else smooth
-    return np.asarray(smooth + mean)
+            mean_line = _fit_lines_along(mean_line, axis, length) if mean_line.shape[axis] > 1 else mean_line
+    return np.asarray(mean_line + mean)
 
 
 def robust_mean(body: Profile | Surface, cutoff: float) -> Floats:
@@ -159,14 +159,14 @@ def robust_mean(body: Profile | Surface, cutoff: float) -> Floats:
     heights = body.heights - mean
     lengths = [cutoff / step for step in body.spacings]
     measured = np.ones(heights.shape) if body.missing is None else (~body.missing).astype(np.float64)
-    weights, before = measured, heights
+    weights, previous_mean_line = measured, heights
     for _ in range(_MAX_ITERATIONS):
-        smooth = _fit_polynomials(heights, weights, lengths, _quadratic_exponents(heights.ndim))
-        residual = np.abs(heights - smooth)
+        mean_line = _fit_polynomials(heights, weights, lengths, _quadratic_exponents(heights.ndim))
+        residual = np.abs(heights - mean_line)
         scale = _BIWEIGHT_SCALE * float(np.median(residual[measured > 0]))
-        if np.abs(smooth - before).max() <= _ROBUST_TOLERANCE * scale or scale == 0:
-            return np.asarray(smooth + mean)
-        weights, before = measured * np.square(np.maximum(1 - np.square(residual / scale), 0)), smooth
+        if np.abs(mean_line - previous_mean_line).max() <= _ROBUST_TOLERANCE * scale or scale == 0:
+            return np.asarray(mean_line + mean)
+        weights, previous_mean_line = measured * np.square(np.maximum(1 - np.square(residual / scale), 0)), mean_line
     raise ValueError(
         f"the robust filter did not converge in {_MAX_ITERATIONS} iterations; use the Gaussian filter instead"
     )
@@ -195,17 +195,17 @@ def _filter_reflected(heights: Floats, lengths: Sequence[float]) -> Floats:
     from scipy.fft import dctn, idctn
 
     tilt = np.zeros_like(heights)
-    factors = np.ones_like(heights)
+    transmission = np.ones_like(heights)
     for axis, length in enumerate(lengths):
         points = heights.shape[axis]
-        place = np.arange(points) - (points - 1) / 2
+        centred_index = np.arange(points) - (points - 1) / 2
         others = tuple(other for other in range(heights.ndim) if other != axis)
-        slope = place @ heights.mean(axis=others) / max(float(place @ place), 1.0)
-        tilt = tilt + slope * _broadcast_along(place, axis, heights.ndim)
-        factors = factors * _broadcast_along(
+        slope = centred_index @ heights.mean(axis=others) / max(float(centred_index @ centred_index), 1.0)
+        tilt = tilt + slope * _broadcast_along(centred_index, axis, heights.ndim)
+        transmission = transmission * _broadcast_along(
             gaussian_transmission(np.pi * np.arange(points) / points, length), axis, heights.ndim
         )
-    return np.asarray(tilt + idctn(dctn(heights - tilt, norm="ortho") * factors, norm="ortho"))
+    return np.asarray(tilt + idctn(dctn(heights - tilt, norm="ortho") * transmission, norm="ortho"))
 
 
 def _divide_by_weights(sums: Floats, weights: Floats, heights: Floats) -> Floats:
@@ -235,24 +235,24 @@ class _FilterKernel:
     def __init__(self, points: int, length: float) -> None:
         from scipy.fft import irfft, next_fast_len, rfftfreq
 
-        reach = min(points - 1, max(math.ceil(_WEIGHT_HALF_WIDTH * length), _MIN_NUM_FILTER_WEIGHTS))
+        half_width = min(points - 1, max(math.ceil(_WEIGHT_HALF_WIDTH * length), _MIN_NUM_FILTER_WEIGHTS))
         self.points = points
-        self.padded: int = next_fast_len(points + reach, real=True)
+        self.padded: int = next_fast_len(points + half_width, real=True)
         # These weights reproduce the analytic transmission exactly up to the Nyquist wave number.
-        transform_length = next_fast_len(max(self.padded, 4 * reach + 2), real=True)
+        transform_length = next_fast_len(max(self.padded, 4 * half_width + 2), real=True)
         self._weights = irfft(
             gaussian_transmission(2 * math.pi * rfftfreq(transform_length), length), transform_length
-        )[: reach + 1]
-        self._offset = np.arange(reach + 1) / length
+        )[: half_width + 1]
+        self._offset = np.arange(half_width + 1) / length
 
     def cyclic_weights(self, power: int) -> Floats:
         """Return the weights times ((x' - x) / cutoff)^power in cyclic order, for convolution with heights at x'."""
-        values = self._weights * self._offset**power
-        line = np.zeros(self.padded)
-        line[: values.size] = values if power % 2 == 0 else -values
-        if values.size > 1:
-            line[self.padded - values.size + 1 :] = values[:0:-1]
-        return line
+        half_weights = self._weights * self._offset**power
+        weights = np.zeros(self.padded)
+        weights[: half_weights.size] = half_weights if power % 2 == 0 else -half_weights
+        if half_weights.size > 1:
+            weights[self.padded - half_weights.size + 1 :] = half_weights[:0:-1]
+        return weights
 
 
 def _fit_lines_along(heights: Floats, axis: int, length: float) -> Floats:
@@ -260,13 +260,15 @@ def _fit_lines_along(heights: Floats, axis: int, length: float) -> Floats:
     from scipy.fft import irfft, rfft
 
     kernel = _FilterKernel(heights.shape[axis], length)
-    powers = [_broadcast_along(rfft(kernel.cyclic_weights(power)), axis, heights.ndim) for power in range(3)]
-    inside = tuple(slice(kernel.points) if index == axis else slice(None) for index in range(heights.ndim))
+    kernel_transforms = [_broadcast_along(rfft(kernel.cyclic_weights(power)), axis, heights.ndim) for power in range(3)]
+    unpadded = tuple(slice(kernel.points) if index == axis else slice(None) for index in range(heights.ndim))
     transform = rfft(heights, kernel.padded, axis=axis)
-    zeroth, first = (irfft(transform * power, kernel.padded, axis=axis)[inside] for power in powers[:2])
-    mask = rfft(_broadcast_along(np.ones(kernel.points), axis, heights.ndim), kernel.padded, axis=axis)
-    m0, m1, m2 = (irfft(mask * power, kernel.padded, axis=axis)[inside] for power in powers)
-    return np.asarray((m2 * zeroth - m1 * first) / (m0 * m2 - m1**2))
+    zeroth_moment, first_moment = (
+        irfft(transform * power, kernel.padded, axis=axis)[unpadded] for power in kernel_transforms[:2]
+    )
+    ones_transform = rfft(_broadcast_along(np.ones(kernel.points), axis, heights.ndim), kernel.padded, axis=axis)
+    m0, m1, m2 = (irfft(ones_transform * power, kernel.padded, axis=axis)[unpadded] for power in kernel_transforms)
+    return np.asarray((m2 * zeroth_moment - m1 * first_moment) / (m0 * m2 - m1**2))
 
 
 def _fit_polynomials(
@@ -276,10 +278,10 @@ def _fit_polynomials(
     from scipy.fft import irfftn, rfft, rfftn
 
     kernels = [_FilterKernel(*pair) for pair in zip(heights.shape, lengths, strict=True)]
-    padded = [kernel.padded for kernel in kernels]
-    inside = tuple(slice(points) for points in heights.shape)
+    padded_shape = [kernel.padded for kernel in kernels]
+    unpadded = tuple(slice(points) for points in heights.shape)
     # The last axis has a half transform, and all other axes have full complex transforms, as in rfftn.
-    lines = [
+    kernel_transforms = [
         [
             _broadcast_along(
                 (np.fft.fft if axis < heights.ndim - 1 else rfft)(kernel.cyclic_weights(power)), axis, heights.ndim
@@ -291,13 +293,13 @@ def _fit_polynomials(
 
     def weighted_sums(transform: Any, powers: Sequence[int]) -> Floats:
         for axis, power in enumerate(powers):
-            transform = transform * lines[axis][power]
-        return np.asarray(irfftn(transform, padded)[inside])
+            transform = transform * kernel_transforms[axis][power]
+        return np.asarray(irfftn(transform, padded_shape)[unpadded])
 
-    of_weights, of_heights = rfftn(weights, padded), rfftn(weights * heights, padded)
-    right_sides = [weighted_sums(of_heights, powers) for powers in basis]
-    pairs = {_multiply_monomials(a, b) for a in basis for b in basis}
-    moments = {powers: weighted_sums(of_weights, powers) for powers in pairs}
+    weights_transform, heights_transform = rfftn(weights, padded_shape), rfftn(weights * heights, padded_shape)
+    right_sides = [weighted_sums(heights_transform, powers) for powers in basis]
+    products = {_multiply_monomials(a, b) for a in basis for b in basis}
+    moments = {powers: weighted_sums(weights_transform, powers) for powers in products}
     return _solve_constant_terms(basis, moments, right_sides, heights)
 
 
@@ -317,23 +319,25 @@ def _solve_constant_terms(
     The weighted mean is returned at points where the equations are singular, and the height at points without measured
     points within reach.
     """
-    terms = range(len(basis))
+    term_indices = range(len(basis))
     total = np.where(moments[basis[0]] > _MIN_WEIGHT_COVERAGE, moments[basis[0]], 1)
     # The dictionary contains the lower triangle of the normal equations, with row k for term k.
     # The Schur complements remain symmetric, so the upper triangle is not needed.
-    rows = {(k, m): moments[_multiply_monomials(basis[k], basis[m])] / total for k in terms for m in range(k + 1)}
+    rows = {
+        (k, m): moments[_multiply_monomials(basis[k], basis[m])] / total for k in term_indices for m in range(k + 1)
+    }
     values = [side / total for side in right_sides]
     constant = values[0]
-    fixed = moments[basis[0]] > _MIN_WEIGHT_COVERAGE
-    inside = fixed.copy()
-    for last in reversed(terms[1:]):
-        fixed &= rows[last, last] > _MIN_PIVOT
-        pivot = np.where(fixed, rows[last, last], 1)
+    is_regular = moments[basis[0]] > _MIN_WEIGHT_COVERAGE
+    is_covered = is_regular.copy()
+    for last in reversed(term_indices[1:]):
+        is_regular &= rows[last, last] > _MIN_PIVOT
+        pivot = np.where(is_regular, rows[last, last], 1)
         for k in range(last):
             factor = rows[last, k] / pivot
             values[k] = values[k] - factor * values[last]
             for m in range(k + 1):
                 rows[k, m] = rows[k, m] - factor * rows[last, m]
-    fixed &= rows[0, 0] > _MIN_PIVOT
-    solved = values[0] / np.where(fixed, rows[0, 0], 1)
-    return np.where(fixed, solved, np.where(inside, constant, heights))
+    is_regular &= rows[0, 0] > _MIN_PIVOT
+    solved = values[0] / np.where(is_regular, rows[0, 0], 1)
+    return np.where(is_regular, solved, np.where(is_covered, constant, heights))

@@ -42,9 +42,9 @@ def fit_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float, floa
     """Fit spectra by power laws plus a common non-negative noise floor. The exponents stay within a given range."""
     from scipy.optimize import minimize
 
-    unit = min(float(spectrum.density.min()) / spectrum.floor for spectrum in spectra)
-    scaled = [
-        (log_q - log_q.max(), density / (unit * floor), weight / weight.sum(), float(weight.sum()))
+    max_floor_level = min(float(spectrum.density.min()) / spectrum.floor for spectrum in spectra)
+    scaled_spectra = [
+        (log_q - log_q.max(), density / (max_floor_level * floor), weight / weight.sum(), float(weight.sum()))
         for log_q, density, weight, floor in spectra
     ]
 
@@ -52,25 +52,29 @@ def fit_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float, floa
         """Return the negative log-likelihood, up to a constant, and its gradient."""
         total, gradient = 0.0, np.zeros(parameters.size)
         level = parameters[-1]
-        for index, (log_q, density, fraction, weight) in enumerate(scaled):
+        for index, (log_q, density, fraction, weight) in enumerate(scaled_spectra):
             law = np.exp(parameters[2 * index] - parameters[2 * index + 1] * log_q)
             model = law + level
             total += weight * float(fraction @ (np.log(model) + density / model))
-            slope = weight * fraction * (1 - density / model) / model
-            gradient[2 * index : 2 * index + 2] = slope @ law, -(slope * law) @ log_q
-            gradient[-1] += slope.sum()
+            model_derivative = weight * fraction * (1 - density / model) / model
+            gradient[2 * index : 2 * index + 2] = model_derivative @ law, -(model_derivative * law) @ log_q
+            gradient[-1] += model_derivative.sum()
         return total, gradient
 
-    start: list[float] = []
+    initial_parameters: list[float] = []
     bounds: list[tuple[float | None, float | None]] = []
-    for log_q, density, fraction, _ in scaled:
+    for log_q, density, fraction, _ in scaled_spectra:
         exponent = float(np.clip(-np.polyfit(log_q, np.log(density), 1, w=np.sqrt(fraction))[0], *exponents))
-        start += [float(fraction @ (np.log(density) + exponent * log_q)), exponent]
+        initial_parameters += [float(fraction @ (np.log(density) + exponent * log_q)), exponent]
         bounds += [(None, None), exponents]
-    alone = minimize(loss, [*start, 0.0], jac=True, bounds=[*bounds, (0.0, 0.0)], method="L-BFGS-B")
-    first = [*alone.x[:-1], _INITIAL_FLOOR_FRACTION]
-    with_floor = minimize(loss, first, jac=True, bounds=[*bounds, (0.0, None)], method="L-BFGS-B")
-    best = with_floor if with_floor.fun < alone.fun else alone
-    *laws, level = best.x.tolist()
-    ratios = tuple(level * math.exp(-value) for value in laws[::2])
-    return NoiseFloorFit(unit * level, float(alone.fun - best.fun), tuple(laws[1::2]), ratios)
+    fit_without_floor = minimize(
+        loss, [*initial_parameters, 0.0], jac=True, bounds=[*bounds, (0.0, 0.0)], method="L-BFGS-B"
+    )
+    initial_with_floor = [*fit_without_floor.x[:-1], _INITIAL_FLOOR_FRACTION]
+    fit_with_floor = minimize(loss, initial_with_floor, jac=True, bounds=[*bounds, (0.0, None)], method="L-BFGS-B")
+    best_fit = fit_with_floor if fit_with_floor.fun < fit_without_floor.fun else fit_without_floor
+    *law_parameters, level = best_fit.x.tolist()
+    ratios = tuple(level * math.exp(-value) for value in law_parameters[::2])
+    return NoiseFloorFit(
+        max_floor_level * level, float(fit_without_floor.fun - best_fit.fun), tuple(law_parameters[1::2]), ratios
+    )

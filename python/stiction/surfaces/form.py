@@ -45,16 +45,17 @@ def fit_round_form(
     x, y = axes[-1], (axes[0][:, np.newaxis] if len(axes) == 2 else np.zeros(1))
     positions = np.broadcast_to(x, heights.shape), np.broadcast_to(y, heights.shape)
     measured = np.ones(heights.shape, bool) if missing is None else ~missing
-    inside = positions[0][measured], positions[1][measured]
-    targets = heights[measured]
-    model, start = _FORM_MODELS[form], _estimate_parameters(form, inside, targets)
-    scale = np.maximum(np.abs(start), _parameter_scales(form, inside, targets))
-    result = least_squares(
-        lambda values: model(values * scale, inside) - targets, start / scale, xtol=_FIT_TOLERANCE, ftol=_FIT_TOLERANCE
-    ).x * scale  # fmt: skip
-    curvature = float(result[1])
+    measured_positions = positions[0][measured], positions[1][measured]
+    measured_heights = heights[measured]
+    model, initial_values = _FORM_MODELS[form], _estimate_parameters(form, measured_positions, measured_heights)
+    value_scales = np.maximum(np.abs(initial_values), _parameter_scales(form, measured_positions, measured_heights))
+    fitted_values = least_squares(
+        lambda values: model(values * value_scales, measured_positions) - measured_heights,
+        initial_values / value_scales, xtol=_FIT_TOLERANCE, ftol=_FIT_TOLERANCE
+    ).x * value_scales  # fmt: skip
+    curvature = float(fitted_values[1])
     radius = "an infinite radius" if curvature == 0 else f"radius {format_with_unit(1 / abs(curvature), 'µm')}"
-    return model(result, positions), f"{'concave' if curvature > 0 else 'convex'} {form} of {radius}"
+    return model(fitted_values, positions), f"{'concave' if curvature > 0 else 'convex'} {form} of {radius}"
 
 
 def _arc_heights(square: Floats, tilt: Floats, curvature: float, cosine: float) -> Floats:
@@ -76,12 +77,12 @@ def _circle_heights(values: Floats, points: PointCoordinates) -> Floats:
 
 
 def _cylinder_heights(values: Floats, points: PointCoordinates) -> Floats:
-    height, curvature, slope, along, angle = values
+    height, curvature, slope, slope_along_axis, angle = values
     x, y = points
     across = y * math.cos(angle) - x * math.sin(angle)
     axis = x * math.cos(angle) + y * math.sin(angle)
     arc = _arc_heights(across**2, slope * across, curvature, 1 / math.sqrt(1 + slope**2))
-    return np.asarray(height + along * axis + arc)
+    return np.asarray(height + slope_along_axis * axis + arc)
 
 
 _FORM_MODELS: dict[str, _FormModel] = {
@@ -95,18 +96,18 @@ def _estimate_parameters(form: RoundForm, points: PointCoordinates, heights: Flo
     """Estimate initial parameters of a form from the least-squares paraboloid."""
     x, y = points
     if form == "circle":
-        square, slope, height = np.polynomial.polynomial.polyfit(x, heights, 2)[::-1]
-        return np.array([height, 2 * square, slope])
+        quadratic_term, slope, height = np.polynomial.polynomial.polyfit(x, heights, 2)[::-1]
+        return np.array([height, 2 * quadratic_term, slope])
     design = np.stack([np.ones_like(x), x, y, x**2, x * y, y**2], axis=1)
     height, slope_x, slope_y, xx, xy, yy = np.linalg.lstsq(design, heights, rcond=None)[0]
     if form == "sphere":
         return np.array([height, xx + yy, slope_x, slope_y])
-    values, vectors = np.linalg.eigh([[2 * xx, xy], [xy, 2 * yy]])
-    flat = vectors[:, int(np.argmin(np.abs(values)))]  # direction of the axis of the cylinder
-    angle = math.atan2(flat[1], flat[0])
-    along = slope_x * flat[0] + slope_y * flat[1]
-    slope = slope_y * flat[0] - slope_x * flat[1]
-    return np.array([height, float(values[int(np.argmax(np.abs(values)))]), slope, along, angle])
+    curvatures, directions = np.linalg.eigh([[2 * xx, xy], [xy, 2 * yy]])
+    axis_direction = directions[:, int(np.argmin(np.abs(curvatures)))]  # direction of the axis of the cylinder
+    angle = math.atan2(axis_direction[1], axis_direction[0])
+    slope_along_axis = slope_x * axis_direction[0] + slope_y * axis_direction[1]
+    slope = slope_y * axis_direction[0] - slope_x * axis_direction[1]
+    return np.array([height, float(curvatures[int(np.argmax(np.abs(curvatures)))]), slope, slope_along_axis, angle])
 
 
 def _parameter_scales(form: RoundForm, points: PointCoordinates, heights: Floats) -> Floats:

@@ -64,9 +64,9 @@ def random_phases(
     repetition = validate_whole_number("repetition", repetition, minimum=0)
     directions = validate_whole_number("directions", directions, minimum=1)
     frequencies = validate_whole_number("frequencies", frequencies, minimum=1)
-    words = np.random.PCG64(np.random.SeedSequence([seed, repetition, SIDE_SEED_KEYS[side]]))
-    bits = words.random_raw(directions * frequencies) >> np.uint64(11)
-    phases = bits.astype(np.float64) * (2 * math.pi / 2**53)
+    random_words = np.random.PCG64(np.random.SeedSequence([seed, repetition, SIDE_SEED_KEYS[side]]))
+    random_bits = random_words.random_raw(directions * frequencies) >> np.uint64(11)
+    phases = random_bits.astype(np.float64) * (2 * math.pi / 2**53)
     return phases.reshape(directions, frequencies)
 
 
@@ -159,9 +159,9 @@ def fill_profiles(
     extent = validate_number("extent", extent, unit="µm", above=0)
     frequencies = phase_array.shape[1]
     scale, gamma = _check_scale_and_ratio(length_scale, gamma, band_limit)
-    weights = [_frequency_amplitudes(dimension, frequencies, scale, gamma, convention) for dimension in dimensions]
+    amplitudes = [_frequency_amplitudes(dimension, frequencies, scale, gamma, convention) for dimension in dimensions]
     return stiction._core.harmonic_profiles(
-        phase_array, np.array(weights).reshape(len(weights), frequencies), family,
+        phase_array, np.array(amplitudes).reshape(len(amplitudes), frequencies), family,
         spacing=extent / family.shape[1], length_scale=scale, gamma=gamma, band_limited=band_limit == "nyquist",
     )  # fmt: skip
 
@@ -316,11 +316,11 @@ def weierstrass_mandelbrot_surface(
     rows, columns = parse_shape(shape, least=2)
     extents = parse_lengths("extent", extent)
     scale, gamma = _check_scale_and_ratio(length_scale, gamma, band_limit)
-    weights = _frequency_amplitudes(fractal_dimension, frequencies, scale, gamma, convention)
+    amplitudes = _frequency_amplitudes(fractal_dimension, frequencies, scale, gamma, convention)
     heights = np.empty((rows, columns))
     spacing = extents[0] / rows, extents[1] / columns
     stiction._core.harmonic_surface(
-        phase_array, weights, heights, spacing_y=spacing[0], spacing_x=spacing[1], length_scale=scale,
+        phase_array, amplitudes, heights, spacing_y=spacing[0], spacing_x=spacing[1], length_scale=scale,
         gamma=gamma, band_limited=band_limit == "nyquist",
     )  # fmt: skip
     return Surface(read_only(heights), spacing=spacing)
@@ -383,10 +383,10 @@ def weierstrass_mandelbrot_moments(
     frequencies = validate_whole_number("frequencies", frequencies, minimum=1)
     scale, gamma = _check_scale_and_ratio(length_scale, gamma, None)
     shortest = validate_number("shortest_wavelength", shortest_wavelength, unit="µm")
-    weights = _frequency_amplitudes(fractal_dimension, frequencies, scale, gamma, convention)
+    amplitudes = _frequency_amplitudes(fractal_dimension, frequencies, scale, gamma, convention)
     m = np.arange(1, directions + 1)
     cosines = np.where(2 * m == directions, 0.0, np.cos(np.pi * m / directions))
     wave_numbers = 2 * np.pi / scale * np.outer(cosines, gamma ** np.arange(frequencies))
     selected = (wave_numbers != 0) & (np.abs(wave_numbers) * shortest <= 2 * np.pi)
-    powers = np.where(selected, 0.5 * weights**2, 0.0)
-    return ProfileMoments(*(float((powers * wave_numbers ** (2 * j)).sum()) for j in range(3)))
+    variances = np.where(selected, 0.5 * amplitudes**2, 0.0)
+    return ProfileMoments(*(float((variances * wave_numbers ** (2 * j)).sum()) for j in range(3)))

@@ -39,29 +39,31 @@ def find_texture_harmonics(density: Floats) -> tuple[float, float]:
     density : (n,) ndarray of float
         Spectrum after a Hann window, at bins 1 to n; bin n is the Nyquist wave number.
     """
-    size = density.size
+    nyquist_bin = density.size
     padded = np.concatenate([[0.0], density])
     rising, falling = density[1:] > density[:-1], density[:-1] >= density[1:]
     peaks = 1 + np.flatnonzero(np.r_[True, rising] & np.r_[falling, True])
-    peaks = peaks[(peaks > _MIN_FIRST_HARMONIC_BIN) & (peaks * (1 + _MIN_SIGNIFICANT_HARMONICS) <= size)]
+    peaks = peaks[(peaks > _MIN_FIRST_HARMONIC_BIN) & (peaks * (1 + _MIN_SIGNIFICANT_HARMONICS) <= nyquist_bin)]
     # Sort peaks by their contribution to the slope variance. The first harmonics of a texture contribute most.
-    order = np.argsort(-padded[peaks] * np.square(peaks))[:_MAX_TESTED_PEAKS]
-    best_score, result = 0.0, (math.nan, math.nan)
-    for peak in peaks[order].tolist():
-        first = peak + np.arange(-_STEPS_PER_BIN, _STEPS_PER_BIN + 1) / _STEPS_PER_BIN
-        for step in (1, 2):
-            orders = np.arange(1, min(step * _MAX_COMPARED_HARMONICS, int(size / (peak + 1))) + 1, step)
-            level = _median_between_harmonics(padded, peak * orders, step * peak)
-            bins = np.rint(first[:, np.newaxis] * orders).astype(np.intp)
-            ratio = padded[np.minimum(bins, size)] / level
-            scores = np.log(np.maximum(ratio, 1.0)).sum(axis=1)
-            significant = ratio[int(np.argmax(scores))] > _MIN_HARMONIC_RATIO
-            min_significant = max(_MIN_SIGNIFICANT_HARMONICS, significant.size // 3 + 1)
-            if significant[0] and significant[1:].sum() >= min_significant and scores.max() > best_score:
+    peak_order = np.argsort(-padded[peaks] * np.square(peaks))[:_MAX_TESTED_PEAKS]
+    best_score, best_harmonics = 0.0, (math.nan, math.nan)
+    for peak in peaks[peak_order].tolist():
+        first_harmonics = peak + np.arange(-_STEPS_PER_BIN, _STEPS_PER_BIN + 1) / _STEPS_PER_BIN
+        for order_step in (1, 2):
+            harmonic_orders = np.arange(
+                1, min(order_step * _MAX_COMPARED_HARMONICS, int(nyquist_bin / (peak + 1))) + 1, order_step
+            )
+            background = _median_between_harmonics(padded, peak * harmonic_orders, order_step * peak)
+            bins = np.rint(first_harmonics[:, np.newaxis] * harmonic_orders).astype(np.intp)
+            density_ratio = padded[np.minimum(bins, nyquist_bin)] / background
+            scores = np.log(np.maximum(density_ratio, 1.0)).sum(axis=1)
+            is_significant = density_ratio[int(np.argmax(scores))] > _MIN_HARMONIC_RATIO
+            min_significant = max(_MIN_SIGNIFICANT_HARMONICS, is_significant.size // 3 + 1)
+            if is_significant[0] and is_significant[1:].sum() >= min_significant and scores.max() > best_score:
                 best_score = float(scores.max())
-                period = float(first[scores == scores.max()].mean())
-                result = period, step * period
-    return result
+                period = float(first_harmonics[scores == scores.max()].mean())
+                best_harmonics = period, order_step * period
+    return best_harmonics
 
 
 def density_between_harmonics(density: Floats, count: Floats, distance: float) -> Floats:
@@ -78,21 +80,21 @@ def density_between_harmonics(density: Floats, count: Floats, distance: float) -
     from scipy.ndimage import percentile_filter
     from scipy.special import gammaincinv
 
-    low = percentile_filter(
+    low_quantile = percentile_filter(
         density, 100 * _BACKGROUND_DENSITY_QUANTILE, size=2 * math.ceil(distance / 2) + 1, mode="nearest"
     )
-    shape = np.maximum(count, 1.0)
-    return np.asarray(low * shape / gammaincinv(shape, _BACKGROUND_DENSITY_QUANTILE))
+    gamma_shape = np.maximum(count, 1.0)
+    return np.asarray(low_quantile * gamma_shape / gammaincinv(gamma_shape, _BACKGROUND_DENSITY_QUANTILE))
 
 
 def _median_between_harmonics(padded: Floats, harmonics: Floats, distance: float) -> Floats:
     """Return the median density near each harmonic: up to half the spacing away, but outside the harmonic peak."""
     bins = np.arange(padded.size)
-    levels = []
+    medians = []
     for position in harmonics.tolist():
         distances = np.abs(bins - position)
-        nearby = padded[
+        nearby_densities = padded[
             (distances > min(_PEAK_HALF_WIDTH, distance / 2 - 0.5)) & (distances <= distance / 2) & (bins > 0)
         ]
-        levels.append(float(np.median(nearby)) if nearby.size else math.inf)
-    return np.asarray(np.maximum(np.array(levels), np.finfo(float).tiny))
+        medians.append(float(np.median(nearby_densities)) if nearby_densities.size else math.inf)
+    return np.asarray(np.maximum(np.array(medians), np.finfo(float).tiny))

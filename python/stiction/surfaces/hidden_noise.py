@@ -58,15 +58,17 @@ def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> Hid
     spectra = line_spectra(body, periodic)
     if any(find_texture_harmonics(density)[0] > 0 for _, density, *_ in spectra):
         return None
-    binned = [_bin_short_wavelengths(spectrum, periodic) for spectrum in spectra]
-    fitted = [spectrum for spectrum in binned if spectrum is not None]
-    if not fitted:
+    binned_spectra = [_bin_short_wavelengths(spectrum, periodic) for spectrum in spectra]
+    fitted_spectra = [spectrum for spectrum in binned_spectra if spectrum is not None]
+    if not fitted_spectra:
         return None
-    fit = fit_floor(fitted, exponents=_LINE_SPECTRUM_EXPONENT_RANGE)
-    total = sum(float(np.square(q) @ density) * float(q[0]) for q, density, *_ in spectra)
-    noise = sum(float(np.square(q).sum()) * float(q[0]) * fit.level * step for q, _, _, step in spectra)
-    fraction = noise / total
-    if not fit.is_significant or fraction <= MAX_UNATTRIBUTED_FRACTION:
+    fit = fit_floor(fitted_spectra, exponents=_LINE_SPECTRUM_EXPONENT_RANGE)
+    mean_square_slope = sum(float(np.square(q) @ density) * float(q[0]) for q, density, *_ in spectra)
+    noise_mean_square_slope = sum(
+        float(np.square(q).sum()) * float(q[0]) * fit.level * spacing for q, _, _, spacing in spectra
+    )
+    noise_fraction = noise_mean_square_slope / mean_square_slope
+    if not fit.is_significant or noise_fraction <= MAX_UNATTRIBUTED_FRACTION:
         return None
     if isinstance(body, Surface) and fit.level > _MAX_FITTED_NOISE_RATIO * _short_wavelength_noise_variance(
         body, periodic
@@ -74,7 +76,7 @@ def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> Hid
         return None
     roughness = scale_dependent_roughness(body, periodic=periodic)
     longest, shortest = MAX_FITTED_WAVELENGTH_POINTS * max(body.spacings), MIN_CUTOFF_POINTS * min(body.spacings)
-    return HiddenNoise(fraction, equivalent_cutoff(roughness, fraction, longest, shortest))
+    return HiddenNoise(noise_fraction, equivalent_cutoff(roughness, noise_fraction, longest, shortest))
 
 
 def _short_wavelength_noise_variance(surface: Surface, periodic: bool) -> float:
@@ -84,17 +86,17 @@ def _short_wavelength_noise_variance(surface: Surface, periodic: bool) -> float:
     exponentially distributed, so their median is ln 2 of their mean.
     """
     spectrum = surface_spectrum(surface if periodic else levelled(surface, "plane"), periodic=periodic)
-    y, x = (np.abs(q) for q in (spectrum.wave_number_y, spectrum.wave_number_x))
-    density = spectrum.density[np.ix_(y > y.max() / 2, x > x.max() / 2)]
+    q_y, q_x = (np.abs(q_axis) for q_axis in (spectrum.wave_number_y, spectrum.wave_number_x))
+    density = spectrum.density[np.ix_(q_y > q_y.max() / 2, q_x > q_x.max() / 2)]
     return float(np.median(density)) / (math.log(2) * math.prod(surface.spacing))
 
 
 def _bin_short_wavelengths(spectrum: LineSpectrum, periodic: bool) -> BinnedSpectrum | None:
     """Average a spectrum in bins at wavelengths of up to 16 points; return None if there are too few bins."""
-    q, density, count, step = spectrum
+    q, density, count, spacing = spectrum
     if not periodic:  # exclude the first two harmonics, into which the window leaks longer wavelengths
         q, density, count = q[2:], density[2:], count[2:]
-    selected = q * MAX_FITTED_WAVELENGTH_POINTS * step * (1 + 1e-9) >= 2 * math.pi
+    selected = q * MAX_FITTED_WAVELENGTH_POINTS * spacing * (1 + 1e-9) >= 2 * math.pi
     q, density, count = q[selected], density[selected], count[selected]
     if not q.size or not density.all():
         return None
@@ -104,4 +106,4 @@ def _bin_short_wavelengths(spectrum: LineSpectrum, periodic: bool) -> BinnedSpec
         return None
     log_q: Floats = np.bincount(index, count * np.log(q)) / total
     variance = (1.0 if periodic else HANN_VARIANCE_FACTOR) / total + _RELATIVE_MODEL_ERROR**2
-    return BinnedSpectrum(log_q, np.bincount(index, count * density) / total, 1 / variance, step)
+    return BinnedSpectrum(log_q, np.bincount(index, count * density) / total, 1 / variance, spacing)

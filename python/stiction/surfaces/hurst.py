@@ -81,14 +81,18 @@ class PowerLawFit:
     def exponent_interval(self, max_loss: float) -> tuple[float, float]:
         """Return the range of exponents whose loss is at most `max_loss`."""
         ends = []
-        for side in (-1.0, 1.0):
-            near, far = 0.0, 0.1
-            while self.loss(self.exponent + side * far) < max_loss:
-                near, far = far, 2 * far
+        for sign in (-1.0, 1.0):
+            inner_offset, outer_offset = 0.0, 0.1
+            while self.loss(self.exponent + sign * outer_offset) < max_loss:
+                inner_offset, outer_offset = outer_offset, 2 * outer_offset
             for _ in range(_NUM_HALVINGS):
-                middle = (near + far) / 2
-                near, far = (middle, far) if self.loss(self.exponent + side * middle) < max_loss else (near, middle)
-            ends.append(self.exponent + side * far)
+                middle_offset = (inner_offset + outer_offset) / 2
+                inner_offset, outer_offset = (
+                    (middle_offset, outer_offset)
+                    if self.loss(self.exponent + sign * middle_offset) < max_loss
+                    else (inner_offset, middle_offset)
+                )
+            ends.append(self.exponent + sign * outer_offset)
         return ends[0], ends[1]
 
 
@@ -275,19 +279,23 @@ def estimate_hurst_exponent(
     bins = _SpectrumBins.from_harmonics(q, power)
     exponent = PowerLawFit(np.log(q), power, np.ones(q.size)).exponent
     dispersion = max(1.0, bins.deviance(exponent, bins.count / variance_factor))
-    law = PowerLawFit(np.log(q), power, np.full(q.size, 1 / (variance_factor * dispersion)))
-    lower, upper = law.exponent_interval(law.min_loss + _CHI_SQUARED_95 / 2)
+    fit = PowerLawFit(np.log(q), power, np.full(q.size, 1 / (variance_factor * dispersion)))
+    lower, upper = fit.exponent_interval(fit.min_loss + _CHI_SQUARED_95 / 2)
     if piece is not None:  # the interval includes the uncertainty of the end of the roll-off
-        laws = _fit_roll_offs(piece, piece.count / (variance_factor * dispersion))
-        max_loss = min(other.min_loss for other in laws) + _CHI_SQUARED_95 / 2
-        intervals = [other.exponent_interval(max_loss) for other in laws if other.min_loss < max_loss]
+        roll_off_fits = _fit_roll_offs(piece, piece.count / (variance_factor * dispersion))
+        max_loss = min(roll_off_fit.min_loss for roll_off_fit in roll_off_fits) + _CHI_SQUARED_95 / 2
+        intervals = [
+            roll_off_fit.exponent_interval(max_loss)
+            for roll_off_fit in roll_off_fits
+            if roll_off_fit.min_loss < max_loss
+        ]
         lower = min([lower, *(ends[0] for ends in intervals)])
         upper = max([upper, *(ends[1] for ends in intervals)])
-    level = law.log_prefactor + 2 * math.log(scale)
+    log_prefactor = fit.log_prefactor + 2 * math.log(scale)
     return HurstEstimate(
-        value=(law.exponent - 1) / 2, lower=(lower - 1) / 2, upper=(upper - 1) / 2,
+        value=(fit.exponent - 1) / 2, lower=(lower - 1) / 2, upper=(upper - 1) / 2,
         shortest_wavelength=2 * math.pi / float(q[-1]), longest_wavelength=2 * math.pi / float(q[0]),
-        harmonics=int(q.size), prefactor=math.exp(level), dispersion=dispersion, dimensions=dimensions,
+        harmonics=int(q.size), prefactor=math.exp(log_prefactor), dispersion=dispersion, dimensions=dimensions,
     )  # fmt: skip
 
 
@@ -296,10 +304,10 @@ def _fitted_harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats,
     heights = profile.heights - profile.heights.mean()
     if not periodic:
         centred_index = np.arange(heights.size) - (heights.size - 1) / 2
-        tilted = heights - centred_index * (heights @ centred_index / (centred_index @ centred_index))
-        if not np.abs(tilted).max() > _TREND_ROUND_OFF * np.abs(profile.heights).max():
+        levelled_heights = heights - centred_index * (heights @ centred_index / (centred_index @ centred_index))
+        if not np.abs(levelled_heights).max() > _TREND_ROUND_OFF * np.abs(profile.heights).max():
             raise ValueError("profile must not be a straight line, which has no roughness")
-        heights = tilted
+        heights = levelled_heights
     scale = float(np.abs(heights).max())
     spectrum = profile_spectrum(heights / scale, profile.spacing, windowed=not periodic)
     is_harmonic = spectrum.count == 1
@@ -363,11 +371,11 @@ def _self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple
         weight = 1 / (variance_factor / bins.count + _RELATIVE_MODEL_ERROR**2)
         starts, ends, exponents, losses = _fit_pieces(bins, weight)
         pieces = _select_pieces(bins.log_q.size, starts, ends, losses)
-        for steepest in (3.0, 5.0):  # exponents of the power spectrum for H = 1 and H = 2
-            widest = _MIN_BAND_WIDTH
-            best: tuple[slice, _SpectrumBins] | None = None
+        for max_exponent in (3.0, 5.0):  # exponents of the power spectrum for H = 1 and H = 2
+            max_width = _MIN_BAND_WIDTH
+            best_band: tuple[slice, _SpectrumBins] | None = None
             for piece in pieces:
-                if not 1 < exponents[piece] < steepest:
+                if not 1 < exponents[piece] < max_exponent:
                     continue
                 # index of the first harmonic, and index after the last harmonic
                 start, end = int(starts[piece]), int(ends[piece])
@@ -387,10 +395,10 @@ def _self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple
                 first = int(bins.first[start])
                 last = (int(bins.first[end]) if end < bins.first.size else q.size) - 1
                 width = math.log(q[last] / q[first])
-                if width > widest and last - first + 1 >= MIN_BAND_HARMONICS:
-                    widest, best = width, (slice(first, last + 1), bins.slice_bins(first_bin, end))
-            if best is not None:
-                return best
+                if width > max_width and last - first + 1 >= MIN_BAND_HARMONICS:
+                    max_width, best_band = width, (slice(first, last + 1), bins.slice_bins(first_bin, end))
+            if best_band is not None:
+                return best_band
     raise ValueError(_NO_BAND_MESSAGE)
 
 
@@ -402,41 +410,41 @@ def _remove_noisy_end(
     fit = fit_floor([BinnedSpectrum(bins.log_q, bins.power, bins.count / variance_factor)], exponents=(1.0, 5.0))
     if not fit.is_significant:
         return selection, piece
-    (exponent,), (noise,) = fit.exponents, fit.ratios
+    (exponent,), (noise_ratio,) = fit.exponents, fit.ratios
     # The band ends where the noise reaches the accepted deviation from the power law.
-    last = math.log(q[selection][-1]) + min(0.0, math.log(_RELATIVE_MODEL_ERROR / noise) / exponent)
-    end = int(np.searchsorted(np.log(q), last, side="right"))
-    if end - selection.start < MIN_BAND_HARMONICS or last - math.log(q[selection.start]) < _MIN_BAND_WIDTH:
+    max_log_q = math.log(q[selection][-1]) + min(0.0, math.log(_RELATIVE_MODEL_ERROR / noise_ratio) / exponent)
+    end = int(np.searchsorted(np.log(q), max_log_q, side="right"))
+    if end - selection.start < MIN_BAND_HARMONICS or max_log_q - math.log(q[selection.start]) < _MIN_BAND_WIDTH:
         raise ValueError(_NO_BAND_MESSAGE)
-    return slice(selection.start, end), piece.slice_bins(0, int(np.searchsorted(piece.log_q, last, side="right")))
+    return slice(selection.start, end), piece.slice_bins(0, int(np.searchsorted(piece.log_q, max_log_q, side="right")))
 
 
 def _fit_roll_offs(bins: _SpectrumBins, weight: Floats) -> list[PowerLawFit]:
     """Fit a power law for each possible end of a flat roll-off. The first candidate, bin 0, means no roll-off."""
-    breaks = range(max(1, bins.log_q.size - _MIN_PIECE_BINS))
-    return [PowerLawFit(np.maximum(bins.log_q, bins.log_q[first]), bins.power, weight) for first in breaks]
+    first_bins = range(max(1, bins.log_q.size - _MIN_PIECE_BINS))
+    return [PowerLawFit(np.maximum(bins.log_q, bins.log_q[first_bin]), bins.power, weight) for first_bin in first_bins]
 
 
 def _fit_pieces(bins: _SpectrumBins, weight: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats, Floats]:
     """Return the start, the end, the fitted exponent and the loss of every possible piece of a binned spectrum."""
     starts, ends = (index.astype(np.intp) for index in np.triu_indices(bins.log_q.size + 1, _MIN_PIECE_BINS))
-    laws = [
+    fits = [
         PowerLawFit(bins.log_q[start:end], bins.power[start:end], weight[start:end])
         for start, end in zip(starts, ends, strict=True)
     ]
-    return starts, ends, np.array([law.exponent for law in laws]), np.array([law.min_loss for law in laws])
+    return starts, ends, np.array([fit.exponent for fit in fits]), np.array([fit.min_loss for fit in fits])
 
 
 def _select_pieces(size: int, starts: NDArray[np.intp], ends: NDArray[np.intp], losses: Floats) -> list[int]:
     """Return the consecutive pieces that cover all bins and have the smallest sum of losses and penalties."""
-    best, last_piece = np.full(size + 1, np.inf), np.full(size + 1, -1)
-    best[0] = 0.0
+    min_loss, last_piece = np.full(size + 1, np.inf), np.full(size + 1, -1)
+    min_loss[0] = 0.0
     for piece in np.argsort(ends, kind="stable"):
-        total = best[starts[piece]] + losses[piece] + _SPECTRUM_PIECE_PENALTY
-        if total < best[ends[piece]]:
-            best[ends[piece]], last_piece[ends[piece]] = total, piece
-    cut, end = [], size
+        loss = min_loss[starts[piece]] + losses[piece] + _SPECTRUM_PIECE_PENALTY
+        if loss < min_loss[ends[piece]]:
+            min_loss[ends[piece]], last_piece[ends[piece]] = loss, piece
+    selected_pieces, end = [], size
     while end > 0 and last_piece[end] >= 0:
-        cut.append(int(last_piece[end]))
-        end = int(starts[cut[-1]])
-    return cut[::-1]
+        selected_pieces.append(int(last_piece[end]))
+        end = int(starts[selected_pieces[-1]])
+    return selected_pieces[::-1]

@@ -35,14 +35,14 @@ def extract_heights(name: str, other: Any, *, unit: str | None = None) -> Extrac
     if hasattr(other, "heights") and hasattr(other, "history"):
         spacing = tuple(np.atleast_1d(other.spacing).tolist())
         return ExtractedHeights(other.heights, spacing, other.history, getattr(other, "missing", None))
-    kind = f"{type(other).__module__.split('.')[0]} {type(other).__name__}"
+    type_name = f"{type(other).__module__.split('.')[0]} {type(other).__name__}"
     if hasattr(other, "dims") and hasattr(other, "coords") and hasattr(other, "attrs"):
-        return _extract_from_data_array(name, other, kind, unit)
+        return _extract_from_data_array(name, other, type_name, unit)
     if hasattr(other, "heights") and hasattr(other, "physical_sizes"):
-        return _extract_from_topography(name, other, kind, unit)
+        return _extract_from_topography(name, other, type_name, unit)
     if hasattr(other, "data") and hasattr(other, "step_x") and hasattr(other, "step_y"):
         heights = np.asarray(other.data, dtype=np.float64)
-        return _make_extracted_heights(name, heights, (float(other.step_y), float(other.step_x)), 1.0, kind)
+        return _make_extracted_heights(name, heights, (float(other.step_y), float(other.step_x)), 1.0, type_name)
     raise ValueError(
         f"{name} must be a Profile or a Surface, or an object from SurfaceTopography, surfalize or xarray, got "
         f"{type(other).__name__}"
@@ -53,26 +53,26 @@ def to_data_array(heights: Floats, history: tuple[str, ...], **positions: Floats
     """Convert heights and positions (µm) to a DataArray with units. This is the inverse of `extract_heights`."""
     import xarray
 
-    along = {"units": "um", "long_name": "position"}
-    coordinates: dict[str, Any] = {name: ((name,), values, along) for name, values in positions.items()}
+    coordinate_attributes = {"units": "um", "long_name": "position"}
+    coordinates: dict[str, Any] = {name: ((name,), values, coordinate_attributes) for name, values in positions.items()}
     attributes = {"units": "um", "long_name": "height", "history": "\n".join(history)}
     return xarray.DataArray(heights, coordinates, tuple(positions), "height", attributes)
 
 
 def describe_body(kind: str, heights: Floats, spacing: tuple[float, ...], history: tuple[str, ...]) -> str:
     """Describe the size, spacing, roughness and history of a body in one line."""
-    size = " × ".join(map(str, heights.shape))
-    steps = np.unique(spacing).tolist()
-    spacing_text = f"{format_with_unit(steps[0], 'µm')} apart"
-    if len(steps) > 1:
+    shape_text = " × ".join(map(str, heights.shape))
+    distinct_spacings = np.unique(spacing).tolist()
+    spacing_text = f"{format_with_unit(distinct_spacings[0], 'µm')} apart"
+    if len(distinct_spacings) > 1:
         spacing_text = (
             f"{format_with_unit(spacing[1], 'µm')} apart along x and {format_with_unit(spacing[0], 'µm')} along y"
         )
     roughness_text = f"{'Pq' if heights.ndim == 1 else 'Sq'} {format_with_unit(float(heights.std()), 'µm')}"
-    if history and not any(step.startswith("levelled") for step in history):
+    if history and not any(history_entry.startswith("levelled") for history_entry in history):
         roughness_text += ", not levelled"
     history_text = f"; {', '.join(history)}" if history else ""
-    return f"{kind} of {size} points, {spacing_text}, {roughness_text}{history_text}"
+    return f"{kind} of {shape_text} points, {spacing_text}, {roughness_text}{history_text}"
 
 
 def _extract_from_topography(name: str, other: Any, kind: str, unit: str | None) -> ExtractedHeights:
@@ -87,23 +87,23 @@ def _extract_from_topography(name: str, other: Any, kind: str, unit: str | None)
     heights = np.asarray(np.ma.getdata(masked_heights), dtype=np.float64)
     if heights.ndim == 1 and not other.is_uniform:
         return _make_extracted_heights(name, heights, (_uniform_spacing(name, "x", other.positions()),), factor, kind)
-    steps = [float(size) / points for size, points in zip(other.physical_sizes, heights.shape, strict=True)]
-    return _make_extracted_heights(name, heights.T, tuple(steps[::-1]), factor, kind)
+    spacings = [float(size) / points for size, points in zip(other.physical_sizes, heights.shape, strict=True)]
+    return _make_extracted_heights(name, heights.T, tuple(spacings[::-1]), factor, kind)
 
 
 def _extract_from_data_array(name: str, other: Any, kind: str, unit: str | None) -> ExtractedHeights:
     """Extract heights along x, or along y and x, from a DataArray with units in ``attrs["units"]``."""
-    targets = {1: ("x",), 2: ("y", "x")}.get(other.ndim)
-    if targets is None or set(other.dims) != set(targets):
+    axes = {1: ("x",), 2: ("y", "x")}.get(other.ndim)
+    if axes is None or set(other.dims) != set(axes):
         raise ValueError(f"{name} must have the dimensions y and x, or x alone, got {', '.join(map(str, other.dims))}")
-    other = other.transpose(*targets)
+    other = other.transpose(*axes)
     spacing = []
-    for axis in targets:
+    for axis in axes:
         if axis not in other.coords:
             raise ValueError(f"{name} must have a coordinate {axis}, in µm or with its unit in attrs")
-        along = other.coords[axis]
-        factor = _unit_factor(f"{name}.{axis}", along.attrs.get("units", unit), kind)
-        spacing.append(_uniform_spacing(name, axis, np.asarray(along.values, dtype=np.float64)) * factor)
+        coordinate = other.coords[axis]
+        factor = _unit_factor(f"{name}.{axis}", coordinate.attrs.get("units", unit), kind)
+        spacing.append(_uniform_spacing(name, axis, np.asarray(coordinate.values, dtype=np.float64)) * factor)
     factor = _unit_factor(name, other.attrs.get("units", unit), kind)
     converted = _make_extracted_heights(
         name, np.asarray(other.values, dtype=np.float64) * factor, tuple(spacing), 1.0, kind
@@ -119,9 +119,9 @@ def _uniform_spacing(name: str, axis: str, positions: Any) -> float:
     steps = np.diff(coordinates)
     if not steps.size or not (steps > 0).all() or np.ptp(steps) > SPACING_TOLERANCE * steps.mean():
         raise ValueError(f"{name} must have increasing positions with equal steps along {axis}")
-    first = float(steps[0])
-    is_exact = np.array_equal(coordinates, coordinates[0] + np.arange(coordinates.size) * first)
-    return first if is_exact else float((coordinates[-1] - coordinates[0]) / steps.size)
+    first_step = float(steps[0])
+    is_exact = np.array_equal(coordinates, coordinates[0] + np.arange(coordinates.size) * first_step)
+    return first_step if is_exact else float((coordinates[-1] - coordinates[0]) / steps.size)
 
 
 def _unit_factor(name: str, unit: Any, kind: str) -> float:

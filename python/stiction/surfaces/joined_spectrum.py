@@ -104,33 +104,35 @@ class JoinedSpectrum(TextRepr):
 
         The ratio is NaN for a scan without overlap.
         """
-        shared = (self.contribution > 0).sum(axis=0) > 1
+        is_shared = (self.contribution > 0).sum(axis=0) > 1
         ratios = np.full(len(self.bands), np.nan)
         for scan, ratio in enumerate(self.ratio):
-            occupied = shared & np.isfinite(ratio)
-            weight = self.contribution[scan, occupied]
-            if occupied.any() and (weight < 1).any():
+            is_compared = is_shared & np.isfinite(ratio)
+            weight = self.contribution[scan, is_compared]
+            if is_compared.any() and (weight < 1).any():
                 # The combined density includes the density of the scan itself, which is removed before the comparison.
-                others = (1 - weight * ratio[occupied]) / (1 - weight)
+                other_density = (1 - weight * ratio[is_compared]) / (1 - weight)
                 with np.errstate(divide="ignore", invalid="ignore"):
-                    logs = np.log(ratio[occupied] / others)
+                    log_ratios = np.log(ratio[is_compared] / other_density)
                 ratios[scan] = (
-                    math.exp(float(np.average(logs, weights=self.count[occupied]))) if (others > 0).all() else np.inf
+                    math.exp(float(np.average(log_ratios, weights=self.count[is_compared])))
+                    if (other_density > 0).all()
+                    else np.inf
                 )
         return read_only(ratios)
 
     @property
     def chance(self) -> Floats:
         """Standard deviation of ln(`disagreement`) that chance alone would cause, with shape (scans,)."""
-        shared = (self.contribution > 0).sum(axis=0) > 1
-        actual = self.contribution * self.count / _WAVE_VECTORS_PER_INDEPENDENT_VALUE
+        is_shared = (self.contribution > 0).sum(axis=0) > 1
+        independent_counts = self.contribution * self.count / _WAVE_VECTORS_PER_INDEPENDENT_VALUE
         result = np.full(len(self.bands), np.nan)
-        for scan, waves in enumerate(actual):
-            occupied = shared & (waves > 0)
-            if occupied.any():
-                others = actual[:, occupied].sum(axis=0) - waves[occupied]
-                weight = self.count[occupied] / self.count[occupied].sum()
-                result[scan] = math.sqrt(float(np.square(weight) @ (1 / waves[occupied] + 1 / others)))
+        for scan, scan_counts in enumerate(independent_counts):
+            is_compared = is_shared & (scan_counts > 0)
+            if is_compared.any():
+                other_counts = independent_counts[:, is_compared].sum(axis=0) - scan_counts[is_compared]
+                weight = self.count[is_compared] / self.count[is_compared].sum()
+                result[scan] = math.sqrt(float(np.square(weight) @ (1 / scan_counts[is_compared] + 1 / other_counts)))
         return read_only(result)
 
     def roughness(self) -> ScaleDependentRoughness:
@@ -138,9 +140,9 @@ class JoinedSpectrum(TextRepr):
         step = math.log(self.wave_number[1] / self.wave_number[0])
         result = []
         for power, factor in ((2, 1.0), (4, 0.25)):
-            part = factor * self.wave_number ** (power + 2) * self.density * step / (2 * math.pi)
+            variance_terms = factor * self.wave_number ** (power + 2) * self.density * step / (2 * math.pi)
             # The integral up to the centre of a bin includes only half of this bin.
-            result.append(np.sqrt(part.cumsum() - part / 2))
+            result.append(np.sqrt(variance_terms.cumsum() - variance_terms / 2))
         return ScaleDependentRoughness(
             wavelength=read_only(2 * math.pi / self.wave_number), gradient=read_only(result[0]),
             curvature=read_only(result[1]), dimensions=2,
@@ -162,15 +164,20 @@ class JoinedSpectrum(TextRepr):
         spacing : float or (float, float), µm
         """
         rows, columns = parse_shape(shape, least=4)
-        steps = parse_lengths("spacing", spacing)
-        q_y, q_x = (2 * math.pi * np.fft.fftfreq(size, step) for size, step in zip((rows, columns), steps, strict=True))
+        spacings = parse_lengths("spacing", spacing)
+        q_y, q_x = (
+            2 * math.pi * np.fft.fftfreq(size, history_entry)
+            for size, history_entry in zip((rows, columns), spacings, strict=True)
+        )
         q = np.hypot(q_y[:, np.newaxis], q_x)
-        inside = (q >= self.wave_number[0] / self._edge_ratio) & (q <= self.wave_number[-1] * self._edge_ratio)
+        is_in_band = (q >= self.wave_number[0] / self._edge_ratio) & (q <= self.wave_number[-1] * self._edge_ratio)
         with np.errstate(divide="ignore"):
             density = np.exp(np.interp(np.log(q), np.log(self.wave_number), np.log(self.density)))
-        power = np.where(inside, density, 0.0) * (rows * columns / (steps[0] * steps[1]))
-        step = f"a random surface of this spectrum, seed {seed}, repetition {repetition}"
-        return Surface(gaussian_heights(power, seed, repetition, side), spacing=steps, history=(*self.history, step))
+        power = np.where(is_in_band, density, 0.0) * (rows * columns / (spacings[0] * spacings[1]))
+        history_entry = f"a random surface of this spectrum, seed {seed}, repetition {repetition}"
+        return Surface(
+            gaussian_heights(power, seed, repetition, side), spacing=spacings, history=(*self.history, history_entry)
+        )
 
 
 def joined_spectrum(
@@ -239,33 +246,40 @@ def joined_spectrum(
     per_decade = validate_whole_number("per_decade", per_decade, minimum=4)
     if names is not None and len(names) != len(bodies):
         raise ValueError(f"names must have one entry for each of the {len(bodies)} scans, got {len(names)}")
-    limits = _parse_values_of_scans("shortest_wavelengths", shortest_wavelengths, len(bodies))
-    tips = _parse_values_of_scans("tip_radii", tip_radii, len(bodies))
-    parts, bands, reasons = [], [], []
-    for body, limit, tip in zip(bodies, limits, tips, strict=True):
-        band, reason = _reliable_band(body, limit, tip)
-        parts.append(_average_in_bins(body, band, per_decade))
+    shortest_limits = _parse_values_of_scans("shortest_wavelengths", shortest_wavelengths, len(bodies))
+    radii = _parse_values_of_scans("tip_radii", tip_radii, len(bodies))
+    binned_scans, bands, reasons = [], [], []
+    for body, shortest_limit, tip_radius in zip(bodies, shortest_limits, radii, strict=True):
+        band, reason = _reliable_band(body, shortest_limit, tip_radius)
+        binned_scans.append(_average_in_bins(body, band, per_decade))
         bands.append(band)
         reasons.append(reason)
-    first = min(min(part) for part in parts)
-    size = max(max(part) for part in parts) - first + 1
-    count, total = np.zeros((len(parts), size)), np.zeros((len(parts), size))
-    for scan, part in enumerate(parts):
-        for index, (waves, level) in part.items():
-            count[scan, index - first], total[scan, index - first] = waves, waves * level
-    all_waves = count.sum(axis=0)
-    q = 10 ** ((first + np.arange(size) + 0.5) / per_decade)
-    occupied = all_waves > 0
+    first_bin = min(min(binned_scan) for binned_scan in binned_scans)
+    bin_count = max(max(binned_scan) for binned_scan in binned_scans) - first_bin + 1
+    count, weighted_density = np.zeros((len(binned_scans), bin_count)), np.zeros((len(binned_scans), bin_count))
+    for scan, binned_scan in enumerate(binned_scans):
+        for index, (wave_vector_count, mean_density) in binned_scan.items():
+            count[scan, index - first_bin], weighted_density[scan, index - first_bin] = (
+                wave_vector_count,
+                wave_vector_count * mean_density,
+            )
+    total_count = count.sum(axis=0)
+    q = 10 ** ((first_bin + np.arange(bin_count) + 0.5) / per_decade)
+    is_occupied = total_count > 0
     density = np.exp(
-        np.interp(np.log(q), np.log(q[occupied]), np.log(total.sum(axis=0)[occupied] / all_waves[occupied]))
+        np.interp(
+            np.log(q),
+            np.log(q[is_occupied]),
+            np.log(weighted_density.sum(axis=0)[is_occupied] / total_count[is_occupied]),
+        )
     )  # interpolate linearly in logarithms across gaps
     with np.errstate(divide="ignore", invalid="ignore"):
         return JoinedSpectrum(
-            wave_number=read_only(q), density=read_only(density), count=read_only(all_waves),
-            contribution=read_only(np.where(occupied, count / all_waves, 0.0)),
-            ratio=read_only(total / count / density),
+            wave_number=read_only(q), density=read_only(density), count=read_only(total_count),
+            contribution=read_only(np.where(is_occupied, count / total_count, 0.0)),
+            ratio=read_only(weighted_density / count / density),
             bands=tuple(bands), reasons=tuple(reasons),
-            names=tuple(names or (f"scan {number}" for number in range(1, len(bodies) + 1))),
+            names=tuple(names or (f"scan {scan_number}" for scan_number in range(1, len(bodies) + 1))),
         )  # fmt: skip
 
 
@@ -279,17 +293,21 @@ def _parse_values_of_scans(name: str, values: Sequence[float | None] | None, siz
 
 def _reliable_band(body: Profile | Surface, limit: float | None, tip: float | None) -> tuple[tuple[float, float], str]:
     """Return the usable wavelength band of a scan, and the reason for its lower limit."""
-    spacing, side = max(body.spacings), float(np.min(body.extent))
+    spacing, side_length = max(body.spacings), float(np.min(body.extent))
     if limit is not None:
         shortest, reason = limit, "given"
     else:
-        result = instrument_limit(body, tip_radius=tip)
-        pixels = MIN_POINTS_PER_WAVELENGTH * spacing
-        shortest, reason = (result.wavelength, result.reason) if result.wavelength > pixels else (pixels, "pixels")
-    longest = MAX_WAVELENGTH_FRACTION * side
+        noise_limit = instrument_limit(body, tip_radius=tip)
+        pixel_limit = MIN_POINTS_PER_WAVELENGTH * spacing
+        shortest, reason = (
+            (noise_limit.wavelength, noise_limit.reason)
+            if noise_limit.wavelength > pixel_limit
+            else (pixel_limit, "pixels")
+        )
+    longest = MAX_WAVELENGTH_FRACTION * side_length
     if not shortest < longest:
         raise ValueError(
-            f"scans must have a reliable band, but the lower limit of a scan of {side:g} µm, {shortest:g} µm "
+            f"scans must have a reliable band, but the lower limit of a scan of {side_length:g} µm, {shortest:g} µm "
             f"({reason}), is above its upper limit, {longest:g} µm, a third of its side"
         )
     return (shortest, longest), reason
@@ -299,26 +317,28 @@ def _average_in_bins(
     body: Profile | Surface, band: tuple[float, float], per_decade: int
 ) -> dict[int, tuple[float, float]]:
     """Return the number of wave vectors and the mean density for every bin of a band."""
-    shortest, longest = (2 * math.pi / length for length in reversed(band))
+    min_wave_number, max_wave_number = (2 * math.pi / length for length in reversed(band))
     if isinstance(body, Profile):
         ring = isotropic_spectrum(levelled(body, "line"))
-        q, density, waves = ring.wave_number, ring.density, np.maximum(ring.count, 1.0)
+        q, density, wave_vector_counts = ring.wave_number, ring.density, np.maximum(ring.count, 1.0)
     else:
         q, _, density = surface_spectrum(levelled(body, "plane")).waves()
-        waves = np.ones(q.size)
-    inside = (q >= shortest) & (q <= longest)
-    q, density, waves = q[inside], density[inside], waves[inside]
+        wave_vector_counts = np.ones(q.size)
+    is_in_band = (q >= min_wave_number) & (q <= max_wave_number)
+    q, density, wave_vector_counts = q[is_in_band], density[is_in_band], wave_vector_counts[is_in_band]
     index = np.floor(per_decade * np.log10(q)).astype(np.intp)
-    result = {}
-    for bin_ in np.unique(index).tolist():
-        selected = index == bin_
-        middle = 10 ** ((bin_ + 0.5) / per_decade)
+    means_by_bin = {}
+    for bin_index in np.unique(index).tolist():
+        is_in_bin = index == bin_index
+        bin_centre = 10 ** ((bin_index + 0.5) / per_decade)
         # The spectrum C decreases within a bin, but q³ C is nearly constant.
-        level = float(np.average(density[selected] * (q[selected] / middle) ** 3, weights=waves[selected]))
-        if level > 0:
-            result[int(bin_)] = float(waves[selected].sum()), level
-    if not result:
+        mean_density = float(
+            np.average(density[is_in_bin] * (q[is_in_bin] / bin_centre) ** 3, weights=wave_vector_counts[is_in_bin])
+        )
+        if mean_density > 0:
+            means_by_bin[int(bin_index)] = float(wave_vector_counts[is_in_bin].sum()), mean_density
+    if not means_by_bin:
         raise ValueError(
             f"scans must have power in the reliable band, got a scan without power at wavelengths above {band[0]:g} µm"
         )
-    return result
+    return means_by_bin

@@ -120,39 +120,40 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
     """
     check_choice("along", along, Along)
     reject_flat(surface)
-    count, points = surface.heights.shape if along == "x" else surface.heights.shape[::-1]
+    line_count, points = surface.heights.shape if along == "x" else surface.heights.shape[::-1]
     if points < _MIN_LINE_POINTS:
         raise ValueError(f"lines along {along} must have at least {_MIN_LINE_POINTS} points, got {points}")
-    squares, density = np.zeros(3), np.zeros(points // 2)
-    fitted_indices = set(np.linspace(0, count - 1, min(count, MAX_FITTED_LINES)).round().astype(int).tolist())
-    fitted = []
-    for index in range(count):
-        measured = surface.row(index) if along == "x" else surface.column(index)
-        line = levelled(measured, "line")
+    mean_squares, density = np.zeros(3), np.zeros(points // 2)
+    fitted_indices = set(np.linspace(0, line_count - 1, min(line_count, MAX_FITTED_LINES)).round().astype(int).tolist())
+    fitted_lines = []
+    for index in range(line_count):
+        unlevelled_line = surface.row(index) if along == "x" else surface.column(index)
+        line = levelled(unlevelled_line, "line")
         spectrum = power_spectrum(line)
-        density += spectrum.density / count
+        density += spectrum.density / line_count
         if not line.is_flat:
             parameters = roughness_parameters(line)
-            neighbours = roughness_parameters(line, derivative="neighbours").Pdq
-            squares += np.square([parameters.Pq, parameters.Pdq, neighbours]) / count
+            pdq_neighbours = roughness_parameters(line, derivative="neighbours").Pdq
+            mean_squares += np.square([parameters.Pq, parameters.Pdq, pdq_neighbours]) / line_count
         if index in fitted_indices:
-            fitted.append(measured)
-    result = [fit for line in fitted if (fit := _estimate_line_hurst_exponent(line, band)) is not None]
-    if band is not None and not result and (rough_lines := [line for line in fitted if not line.is_flat]):
+            fitted_lines.append(unlevelled_line)
+    free_fits = [fit for line in fitted_lines if (fit := _estimate_line_hurst_exponent(line, band)) is not None]
+    if band is not None and not free_fits and (rough_lines := [line for line in fitted_lines if not line.is_flat]):
         estimate_hurst_exponent(rough_lines[0], band=band)  # this raises an error that explains the failed fit
-    estimates = result
-    if band is None and 2 * len(result) >= len(fitted):
-        ends = np.median([(fit.shortest_wavelength, fit.longest_wavelength) for fit in result], axis=0)
-        band = float(ends[0]), float(ends[1])
-        estimates = [fit for line in fitted if (fit := _estimate_line_hurst_exponent(line, band)) is not None]
-    pq, pdq, neighbours = np.sqrt(squares).tolist()
+    band_fits = free_fits
+    if band is None and 2 * len(free_fits) >= len(fitted_lines):
+        band_ends = np.median([(fit.shortest_wavelength, fit.longest_wavelength) for fit in free_fits], axis=0)
+        band = float(band_ends[0]), float(band_ends[1])
+        band_fits = [fit for line in fitted_lines if (fit := _estimate_line_hurst_exponent(line, band)) is not None]
+    pq, pdq, pdq_neighbours = np.sqrt(mean_squares).tolist()
     spectrum = replace(spectrum, density=read_only(density))
-    exponents = np.array([fit.value for fit in estimates if band is not None])
+    exponents = np.array([fit.value for fit in band_fits if band is not None])
     misfit = math.nan
     if band is not None and exponents.size:
         misfit = power_law_misfit(spectrum.in_bins(), band, float(exponents.mean()))
     return LineRoughness(
-        count, pq, pdq, neighbours, spectrum, band, len(fitted), len(result), read_only(exponents), misfit
+        line_count, pq, pdq, pdq_neighbours, spectrum, band, len(fitted_lines), len(free_fits), read_only(exponents),
+        misfit
     )  # fmt: skip
 
 
@@ -198,17 +199,17 @@ def lines_along_both(
     if band is not None:
         return along_x, along_y
     if along_x.band is not None and along_y.band is not None:
-        ends = np.array([along_x.band, along_y.band])
-        if (ends.max(axis=0) < _MAX_EQUAL_BAND_RATIO * ends.min(axis=0)).all():
+        band_ends = np.array([along_x.band, along_y.band])
+        if (band_ends.max(axis=0) < _MAX_EQUAL_BAND_RATIO * band_ends.min(axis=0)).all():
             if along_x.band != along_y.band:
-                shortest, longest = np.sqrt(ends.prod(axis=0)).tolist()
+                shortest, longest = np.sqrt(band_ends.prod(axis=0)).tolist()
                 along_x, along_y = (line_roughness(surface, along, band=(shortest, longest)) for along in _BOTH_AXES)
             if not min(along_x.misfit, along_y.misfit) > MAX_POWER_LAW_MISFIT:
                 return along_x, along_y
     try:
-        result = estimate_hurst_exponent(surface)
-        common = result.shortest_wavelength, result.longest_wavelength
-        return line_roughness(surface, "x", band=common), line_roughness(surface, "y", band=common)
+        areal_estimate = estimate_hurst_exponent(surface)
+        common_band = areal_estimate.shortest_wavelength, areal_estimate.longest_wavelength
+        return line_roughness(surface, "x", band=common_band), line_roughness(surface, "y", band=common_band)
     except ValueError:
         return along_x, along_y
 
@@ -221,14 +222,14 @@ def power_law_misfit(
 
     `chance` is the variance of ln(density) for a single harmonic.
     """
-    inside = is_within_wavelength_band(bins.wave_number, *band) & (bins.density > 0)
-    if not inside.any():
+    is_in_band = is_within_wavelength_band(bins.wave_number, *band) & (bins.density > 0)
+    if not is_in_band.any():
         return math.nan
-    ratio = np.log(bins.density[inside] * bins.wave_number[inside] ** (dimensions + 2 * exponent))
-    scatter = chance / bins.count[inside]
-    weight = 1 / (scatter + _LOG_MODEL_VARIANCE)
-    square = np.square(ratio - np.average(ratio, weights=weight)) - scatter
-    return math.exp(math.sqrt(max(0.0, float(np.average(square, weights=weight)))))
+    log_ratio = np.log(bins.density[is_in_band] * bins.wave_number[is_in_band] ** (dimensions + 2 * exponent))
+    chance_variance = chance / bins.count[is_in_band]
+    weight = 1 / (chance_variance + _LOG_MODEL_VARIANCE)
+    squared_deviation = np.square(log_ratio - np.average(log_ratio, weights=weight)) - chance_variance
+    return math.exp(math.sqrt(max(0.0, float(np.average(squared_deviation, weights=weight)))))
 
 
 def _estimate_line_hurst_exponent(line: Profile, band: tuple[float, float] | None) -> HurstEstimate | None:

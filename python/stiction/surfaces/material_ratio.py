@@ -48,10 +48,10 @@ def bearing_curve(body: Profile | Surface, ratios: ArrayLike) -> Floats:
     array([3. , 1.5, 0. ])
     """
     body = as_body("body", body)
-    targets = float_array("ratios", ratios)
-    if targets.size and not (targets.min() >= 0 and targets.max() <= 1):
-        raise ValueError(f"ratios must be between 0 and 1, got {targets.min():g} to {targets.max():g}")
-    return heights_at_ratios(body.heights, targets)
+    target_ratios = float_array("ratios", ratios)
+    if target_ratios.size and not (target_ratios.min() >= 0 and target_ratios.max() <= 1):
+        raise ValueError(f"ratios must be between 0 and 1, got {target_ratios.min():g} to {target_ratios.max():g}")
+    return heights_at_ratios(body.heights, target_ratios)
 
 
 def material_ratio(body: Profile | Surface, heights: ArrayLike) -> Floats:
@@ -89,9 +89,9 @@ def material_ratio(body: Profile | Surface, heights: ArrayLike) -> Floats:
     array([1. , 0.5, 0. ])
     """
     body = as_body("body", body)
-    targets = float_array("heights", heights)
-    ordered = np.sort(body.heights, axis=None)
-    return np.asarray(1 - np.searchsorted(ordered, targets, side="right") / ordered.size)
+    section_heights = float_array("heights", heights)
+    sorted_heights = np.sort(body.heights, axis=None)
+    return np.asarray(1 - np.searchsorted(sorted_heights, section_heights, side="right") / sorted_heights.size)
 
 
 def heights_at_ratios(heights: Floats, ratios: ArrayLike) -> Floats:
@@ -129,11 +129,11 @@ class CoreParameters(NamedTuple):
 def core_parameters(heights: Floats) -> CoreParameters:
     """Compute the parameters of stratified surfaces from the material ratio curve."""
     height, upper, lower = _fit_core_line(heights)
-    peaks, valleys = np.maximum(heights - upper, 0), np.maximum(lower - heights, 0)
-    above, below = float(np.mean(heights > upper)), float(np.mean(heights < lower))
-    reduced_peaks = 2 * float(peaks.mean()) / above if above else 0.0
-    reduced_valleys = 2 * float(valleys.mean()) / below if below else 0.0
-    return CoreParameters(height, reduced_peaks, reduced_valleys, above, 1 - below)
+    heights_above_core, depths_below_core = np.maximum(heights - upper, 0), np.maximum(lower - heights, 0)
+    peak_fraction, valley_fraction = float(np.mean(heights > upper)), float(np.mean(heights < lower))
+    reduced_peaks = 2 * float(heights_above_core.mean()) / peak_fraction if peak_fraction else 0.0
+    reduced_valleys = 2 * float(depths_below_core.mean()) / valley_fraction if valley_fraction else 0.0
+    return CoreParameters(height, reduced_peaks, reduced_valleys, peak_fraction, 1 - valley_fraction)
 
 
 def _fit_core_line(deviation: Floats) -> tuple[float, float, float]:
@@ -144,8 +144,8 @@ def _fit_core_line(deviation: Floats) -> tuple[float, float, float]:
     heights = np.sort(deviation, axis=None)[::-1]
     points = heights.size
     core_points = max(2, round(CORE_FRACTION * points))
-    fall = heights[: points - core_points + 1] - heights[core_points - 1 :]
-    start = int(np.argmin(fall))
+    height_falls = heights[: points - core_points + 1] - heights[core_points - 1 :]
+    start = int(np.argmin(height_falls))
     ratio = (np.arange(start, start + core_points) + 0.5) / points
     centred_ratio = ratio - ratio.mean()
     slope = float(centred_ratio @ heights[start : start + core_points] / (centred_ratio @ centred_ratio))

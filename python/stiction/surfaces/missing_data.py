@@ -46,10 +46,10 @@ def find_largest_gap(missing: NDArray[np.bool_]) -> tuple[int, tuple[slice, ...]
     """Return the number of points in the largest connected gap, and its bounding box."""
     from scipy.ndimage import find_objects, label
 
-    numbers, _ = label(missing, np.ones((3,) * missing.ndim))
-    points = np.bincount(numbers.ravel())[1:]
-    largest = int(np.argmax(points))
-    return int(points[largest]), find_objects(numbers)[largest]
+    gap_numbers, _ = label(missing, np.ones((3,) * missing.ndim))
+    gap_sizes = np.bincount(gap_numbers.ravel())[1:]
+    largest = int(np.argmax(gap_sizes))
+    return int(gap_sizes[largest]), find_objects(gap_numbers)[largest]
 
 
 def describe_missing(missing: NDArray[np.bool_], spacing: tuple[float, ...]) -> str:
@@ -80,26 +80,26 @@ def find_outliers(heights: Floats) -> NDArray[np.bool_]:
     """
     from scipy.ndimage import label, maximum_filter
 
-    is_measured, left, result = np.isfinite(heights), heights.copy(), np.zeros(heights.shape, np.bool_)
-    usual: list[Floats] = []
+    is_measured, remaining_heights, is_outlier = np.isfinite(heights), heights.copy(), np.zeros(heights.shape, np.bool_)
+    typical_deviations: list[Floats] = []
     for _ in range(_MAX_OUTLIER_PASSES):
-        off_means, off_lines, at_edge = _deviations_from_neighbours(heights, left)
-        judged = is_measured & ~result & np.isfinite(off_lines)
-        if not usual:
-            usual = [
-                np.asarray(_typical_deviations(off_means, is_measured, np.zeros_like(is_measured))),
-                np.asarray(_typical_deviations(off_lines, is_measured, at_edge)),
+        mean_deviations, line_deviations, at_edge = _deviations_from_neighbours(heights, remaining_heights)
+        is_judged = is_measured & ~is_outlier & np.isfinite(line_deviations)
+        if not typical_deviations:
+            typical_deviations = [
+                np.asarray(_typical_deviations(mean_deviations, is_measured, np.zeros_like(is_measured))),
+                np.asarray(_typical_deviations(line_deviations, is_measured, at_edge)),
             ]
         with np.errstate(divide="ignore", invalid="ignore"):
-            ratio = np.fmin(off_means / usual[0], off_lines / usual[1])
-        ratio = np.where(judged & np.isfinite(left) & ~np.isnan(ratio), ratio, 0.0)
-        highest = (ratio > MIN_OUTLIER_DEVIATIONS * 1.4826) & (ratio >= maximum_filter(ratio, size=3))
-        if not highest.any():
+            ratio = np.fmin(mean_deviations / typical_deviations[0], line_deviations / typical_deviations[1])
+        ratio = np.where(is_judged & np.isfinite(remaining_heights) & ~np.isnan(ratio), ratio, 0.0)
+        is_local_maximum = (ratio > MIN_OUTLIER_DEVIATIONS * 1.4826) & (ratio >= maximum_filter(ratio, size=3))
+        if not is_local_maximum.any():
             break
-        result |= highest
-        left[highest] = np.nan
-    numbers, _ = label(result, np.ones((3,) * heights.ndim))
-    return np.asarray(result & (np.bincount(numbers.ravel())[numbers] <= MAX_OUTLIER_GROUP_SIZE))
+        is_outlier |= is_local_maximum
+        remaining_heights[is_local_maximum] = np.nan
+    group_numbers, _ = label(is_outlier, np.ones((3,) * heights.ndim))
+    return np.asarray(is_outlier & (np.bincount(group_numbers.ravel())[group_numbers] <= MAX_OUTLIER_GROUP_SIZE))
 
 
 def _typical_deviations(distances: Floats, is_measured: NDArray[np.bool_], at_edge: NDArray[np.bool_]) -> Floats:
@@ -109,56 +109,62 @@ def _typical_deviations(distances: Floats, is_measured: NDArray[np.bool_], at_ed
     """
     from scipy.ndimage import median_filter
 
-    usual = np.zeros(distances.shape)
-    for part in (~at_edge, at_edge):
-        values = distances[part & is_measured & np.isfinite(distances)]
+    typical = np.zeros(distances.shape)
+    for group_mask in (~at_edge, at_edge):
+        values = distances[group_mask & is_measured & np.isfinite(distances)]
         if values.size >= _MIN_EDGE_POINTS:
-            usual[part | (usual == 0)] = np.median(values)
+            typical[group_mask | (typical == 0)] = np.median(values)
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.where(is_measured & np.isfinite(distances) & (usual > 0), distances / usual, 1.0)
+        ratio = np.where(is_measured & np.isfinite(distances) & (typical > 0), distances / typical, 1.0)
     # A worn surface is smoother on plateaus than in valleys.
     # Points are therefore also compared with their neighbourhood.
-    return np.asarray(usual * np.maximum(median_filter(ratio, size=_WINDOW_WIDTHS[distances.ndim]), 1.0))
+    return np.asarray(typical * np.maximum(median_filter(ratio, size=_WINDOW_WIDTHS[distances.ndim]), 1.0))
 
 
-def _deviations_from_neighbours(heights: Floats, left: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+def _deviations_from_neighbours(heights: Floats, remaining_heights: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     """Return deviations from means of neighbours, deviations from lines through neighbours, and a mask of edge points.
 
     Deviations are NaN at points with too few measured neighbours.
     """
-    steps: list[tuple[int, ...]] = [(1,), (2,), (3,), (4,)]
+    neighbour_steps: list[tuple[int, ...]] = [(1,), (2,), (3,), (4,)]
     if heights.ndim == 2:
-        steps = [(0, 1), (1, 0), (1, 1), (1, -1)]
-    reach = 2 * max(map(max, steps))
-    padded = np.pad(left, reach, constant_values=np.nan)
+        neighbour_steps = [(0, 1), (1, 0), (1, 1), (1, -1)]
+    padding = 2 * max(map(max, neighbour_steps))
+    padded = np.pad(remaining_heights, padding, constant_values=np.nan)
 
     def shifted_heights(step: tuple[int, ...], times: int) -> Floats:
         index = zip(step, heights.shape, strict=True)
-        return padded[tuple(slice(reach + times * offset, reach + times * offset + size) for offset, size in index)]
+        return padded[tuple(slice(padding + times * offset, padding + times * offset + size) for offset, size in index)]
 
-    means = np.stack([(shifted_heights(step, 1) + shifted_heights(step, -1)) / 2 for step in steps])
-    off_means = np.abs(heights - _finite_median(means, _MIN_NEIGHBOUR_ESTIMATES))
-    sides = [
-        np.stack([2 * shifted_heights(step, sign) - shifted_heights(step, 2 * sign) for step in steps])
+    neighbour_means = np.stack([(shifted_heights(step, 1) + shifted_heights(step, -1)) / 2 for step in neighbour_steps])
+    mean_deviations = np.abs(heights - _finite_median(neighbour_means, _MIN_NEIGHBOUR_ESTIMATES))
+    extrapolations = [
+        np.stack([2 * shifted_heights(step, sign) - shifted_heights(step, 2 * sign) for step in neighbour_steps])
         for sign in (1, -1)
     ]
     # Each height is extrapolated from both sides in profiles, and from eight directions in maps.
-    lines = np.stack([_finite_median(side[:3], 1) for side in sides]) if heights.ndim == 1 else np.concatenate(sides)
-    off_lines = np.sort(np.abs(heights - lines), axis=0)  # sorting puts NaN last
-    count = np.isfinite(off_lines).sum(axis=0)
-    if heights.ndim == 1:
-        return off_means, off_lines[0], count < len(lines)
-    at_edge = count < len(lines)
-    nearest = np.where(
-        count > _MAX_COINCIDENT_LINES + _MIN_NEIGHBOUR_ESTIMATES - 1, off_lines[_MAX_COINCIDENT_LINES], off_lines[0]
+    extrapolated_heights = (
+        np.stack([_finite_median(extrapolation[:3], 1) for extrapolation in extrapolations])
+        if heights.ndim == 1
+        else np.concatenate(extrapolations)
     )
-    return off_means, np.where(count < _MIN_NEIGHBOUR_ESTIMATES, np.nan, nearest), at_edge
+    line_deviations = np.sort(np.abs(heights - extrapolated_heights), axis=0)  # sorting puts NaN last
+    count = np.isfinite(line_deviations).sum(axis=0)
+    if heights.ndim == 1:
+        return mean_deviations, line_deviations[0], count < len(extrapolated_heights)
+    at_edge = count < len(extrapolated_heights)
+    line_deviation = np.where(
+        count > _MAX_COINCIDENT_LINES + _MIN_NEIGHBOUR_ESTIMATES - 1,
+        line_deviations[_MAX_COINCIDENT_LINES],
+        line_deviations[0],
+    )
+    return mean_deviations, np.where(count < _MIN_NEIGHBOUR_ESTIMATES, np.nan, line_deviation), at_edge
 
 
 def _finite_median(values: Floats, min_count: int) -> Floats:
     """Return the median of the finite values along the first axis, or NaN if there are fewer than `min_count`."""
-    ordered = np.sort(values, axis=0)  # sorting puts NaN last
-    count = np.isfinite(ordered).sum(axis=0)
+    sorted_values = np.sort(values, axis=0)  # sorting puts NaN last
+    count = np.isfinite(sorted_values).sum(axis=0)
     lower, upper = np.maximum(count - 1, 0) // 2, np.minimum(count // 2, len(values) - 1)
-    middle = (np.take_along_axis(ordered, index[np.newaxis], axis=0)[0] for index in (lower, upper))
-    return np.asarray(np.where(count >= min_count, sum(middle) / 2, np.nan))
+    middle_values = (np.take_along_axis(sorted_values, index[np.newaxis], axis=0)[0] for index in (lower, upper))
+    return np.asarray(np.where(count >= min_count, sum(middle_values) / 2, np.nan))

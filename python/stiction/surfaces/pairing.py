@@ -77,8 +77,8 @@ class LinePairs:
         """Return the number of different pairs, or None if the number is unlimited."""
         if self.surrogates != "none":
             return None
-        widths = [self._line_count(body) for body in (self.upper, self.lower) if isinstance(body, Surface)]
-        return min(widths, default=1)
+        line_counts = [self._line_count(body) for body in (self.upper, self.lower) if isinstance(body, Surface)]
+        return min(line_counts, default=1)
 
     def position_across_lines(self, index: int) -> float:
         """Return the position (µm) of the upper line of a pair, measured perpendicular to the lines; 0 for profiles."""
@@ -89,61 +89,65 @@ class LinePairs:
 
     def pair(self, index: int) -> tuple[Profile, Profile]:
         """Return a pair of profiles with equal spacing."""
-        shifted = isinstance(self.upper, Surface) and isinstance(self.lower, Surface)
-        lines = self._extract_line(self.upper, index), self._extract_line(self.lower, index, shifted=shifted)
+        is_lower_shifted = isinstance(self.upper, Surface) and isinstance(self.lower, Surface)
+        lines = self._extract_line(self.upper, index), self._extract_line(self.lower, index, shifted=is_lower_shifted)
         if self.level is not None:
             lines = levelled(lines[0], self.level), levelled(lines[1], self.level)
-        above, below = (
+        upper_line, lower_line = (
             self._surrogate_line(line, index, side) if self.surrogates in (side, "both") else line
             for line, side in zip(lines, SIDES, strict=True)
         )
-        spacing = min(above.spacing, below.spacing)
-        above, below = resampled(flipped(above), spacing), resampled(below, spacing)
+        spacing = min(upper_line.spacing, lower_line.spacing)
+        upper_line, lower_line = resampled(flipped(upper_line), spacing), resampled(lower_line, spacing)
         if self.has_several_pairs and self.travel is None:
-            return _crop_to_equal_length(above, below, index, self.level)
-        return self._cut_slider(above, len(below)), below
+            return _crop_to_equal_length(upper_line, lower_line, index, self.level)
+        return self._cut_slider(upper_line, len(lower_line)), lower_line
 
-    def _cut_slider(self, above: Profile, track: int) -> Profile:
-        points, spacing = len(above), above.spacing
+    def _cut_slider(self, upper_line: Profile, track_points: int) -> Profile:
+        upper_points, spacing = len(upper_line), upper_line.spacing
         if self.travel is None:
-            left = max(track - points, track // 2)
+            start = max(track_points - upper_points, track_points // 2)
         else:
-            left = round(validate_number("travel", self.travel, unit="µm") / spacing)
-        slider = min(points, track - left)
-        if left < 0 or 2 * slider < min(points, track) - 1:
-            max_travel = (track - min(points, track) // 2) * spacing
+            start = round(validate_number("travel", self.travel, unit="µm") / spacing)
+        slider_points = min(upper_points, track_points - start)
+        if start < 0 or 2 * slider_points < min(upper_points, track_points) - 1:
+            max_travel = (track_points - min(upper_points, track_points) // 2) * spacing
             raise ValueError(
                 f"travel must be between 0 and {max_travel:g} µm, the largest position that leaves half of the "
                 f"shorter profile as slider, got {self.travel!r}"
             )
-        slider_profile = above if slider == points else cropped(above, 0.0, slider * spacing)
+        slider_profile = (
+            upper_line if slider_points == upper_points else cropped(upper_line, 0.0, slider_points * spacing)
+        )
         return slider_profile if self.level is None else levelled(slider_profile, self.level)
 
     def _extract_line(self, body: Profile | Surface, index: int, *, shifted: bool = False) -> Profile:
         """Return line `index` of a surface. If `shifted` is True, line 0 is a third of the width away from the edge."""
         if isinstance(body, Profile):
             return body
-        line = body.row if self.along == "x" else body.column
-        return line(self._line_number(body, index, shifted=shifted))
+        extract = body.row if self.along == "x" else body.column
+        return extract(self._line_number(body, index, shifted=shifted))
 
     def _line_number(self, surface: Surface, index: int, *, shifted: bool = False) -> int:
         """Return the row or column number of line `index`. All rows or columns are used once before any is reused."""
-        width = self._line_count(surface)
-        start = max(width // 3, 1) if shifted else 0
+        line_count = self._line_count(surface)
+        start = max(line_count // 3, 1) if shifted else 0
         if self.count is not None:
-            return (start + index * width // self.count) % width
+            return (start + index * line_count // self.count) % line_count
         # The step is close to the golden ratio times the width, and has no common divisor with the width.
-        step = max(1, round(width * _GOLDEN_RATIO))
-        while math.gcd(step, width) > 1:
+        step = max(1, round(line_count * _GOLDEN_RATIO))
+        while math.gcd(step, line_count) > 1:
             step += 1
-        return (start + index * step) % width
+        return (start + index * step) % line_count
 
     def _line_count(self, surface: Surface) -> int:
         return int(surface.heights.shape[0 if self.along == "x" else 1])
 
     def _surrogate_line(self, profile: Profile, index: int, side: Side) -> Profile:
-        random = surrogate(profile, self.seed, repetition=index, side=side)
-        return profile.changed(random.heights, f"replaced by its surrogate of seed {self.seed}, repetition {index}")
+        random_profile = surrogate(profile, self.seed, repetition=index, side=side)
+        return profile.changed(
+            random_profile.heights, f"replaced by its surrogate of seed {self.seed}, repetition {index}"
+        )
 
 
 def paired_lines(
@@ -230,18 +234,18 @@ def _crop_to_equal_length(
     def crop_and_level(profile: Profile) -> Profile:
         if len(profile) == length:
             return profile
-        first = round(quasi_random_point(index, 1)[0] * (len(profile) - length))
-        piece = cropped(profile, first * profile.spacing, (first + length) * profile.spacing)
-        return piece if level is None else levelled(piece, level)
+        start_index = round(quasi_random_point(index, 1)[0] * (len(profile) - length))
+        cropped_profile = cropped(profile, start_index * profile.spacing, (start_index + length) * profile.spacing)
+        return cropped_profile if level is None else levelled(cropped_profile, level)
 
     return crop_and_level(upper), crop_and_level(lower)
 
 
 def piece_below_slider(lower: Profile, offset: float, slider: Profile) -> Profile:
     """Return the section of the lower profile that lies below a slider at an offset (µm)."""
-    first = round(offset / lower.spacing)
-    below = slice(first, first + len(slider))
-    return Profile(lower.heights[below], spacing=lower.spacing, missing=index_mask(lower.missing, below))
+    start_index = round(offset / lower.spacing)
+    selected = slice(start_index, start_index + len(slider))
+    return Profile(lower.heights[selected], spacing=lower.spacing, missing=index_mask(lower.missing, selected))
 
 
 # ---- Areas -----------------------------------------------------------------------------------------------------------
@@ -276,8 +280,10 @@ class MapPairs:
         """Number of points along y and x on each map, after resampling to the finer spacing."""
         return tuple(  # type: ignore[return-value]
             tuple(
-                points if actual == step else math.floor((points - 1) * actual / step + 1e-9) + 1
-                for points, actual, step in zip(body.heights.shape, body.spacing, self.spacing, strict=True)
+                points
+                if old_spacing == new_spacing
+                else math.floor((points - 1) * old_spacing / new_spacing + 1e-9) + 1
+                for points, old_spacing, new_spacing in zip(body.heights.shape, body.spacing, self.spacing, strict=True)
             )
             for body in (self.upper, self.lower)
         )
@@ -290,9 +296,9 @@ class MapPairs:
 
     def _overlap(self, steps: tuple[int, int]) -> tuple[tuple[int, int], tuple[int, int]]:
         """Return the first row and column of the overlap on the lower map, and the shape of the overlap."""
-        first = tuple(max(0, step) for step in steps)
+        starts = tuple(max(0, step) for step in steps)
         ends = (min(lower, step + upper) for upper, lower, step in zip(*self._map_shapes, steps, strict=True))
-        return first, tuple(end - start for end, start in zip(ends, first, strict=True))  # type: ignore[return-value]
+        return starts, tuple(end - start for end, start in zip(ends, starts, strict=True))  # type: ignore[return-value]
 
     @cached_property
     def shape(self) -> tuple[int, int]:
@@ -325,8 +331,8 @@ class MapPairs:
     @property
     def used_fractions(self) -> tuple[float, float]:
         """Fractions of the upper map and of the lower map that a piece covers."""
-        pieces = np.prod(self.shape)
-        return tuple(float(pieces / np.prod(points)) for points in self._map_shapes)  # type: ignore[return-value]
+        piece_size = np.prod(self.shape)
+        return tuple(float(piece_size / np.prod(map_shape)) for map_shape in self._map_shapes)  # type: ignore[return-value]
 
     def max_count(self) -> int:
         """Return the number of different relative positions that the shifts can reach."""
@@ -339,20 +345,29 @@ class MapPairs:
     def piece_origins(self, index: int) -> tuple[tuple[int, int], tuple[int, int]]:
         """Return the first row and column of the upper and of the lower piece, counted on the finer grid."""
         if self.shifts is not None:
-            first, size = self._overlap(self._shifts_in_points[index])
-            below = tuple(start + (n - m) // 2 for start, n, m in zip(first, size, self.shape, strict=True))
-            above = tuple(start - step for start, step in zip(below, self._shifts_in_points[index], strict=True))
-            return above, below  # type: ignore[return-value]
+            overlap_start, overlap_shape = self._overlap(self._shifts_in_points[index])
+            lower_origin = tuple(
+                start + (n - m) // 2 for start, n, m in zip(overlap_start, overlap_shape, self.shape, strict=True)
+            )
+            upper_origin = tuple(
+                start - shift_along_axis
+                for start, shift_along_axis in zip(lower_origin, self._shifts_in_points[index], strict=True)
+            )
+            return upper_origin, lower_origin  # type: ignore[return-value]
         margins = [
-            (upper - size, lower - size) for upper, lower, size in zip(*self._map_shapes, self.shape, strict=True)
+            (upper - overlap_shape, lower - overlap_shape)
+            for upper, lower, overlap_shape in zip(*self._map_shapes, self.shape, strict=True)
         ]
         if self._map_shapes[0] == self._map_shapes[1]:
             along_x, along_y = quasi_random_point(index, 2)
-            offsets = round(margins[0][0] * (2 * along_y - 1)), round(margins[1][0] * (0.5 + 0.5 * along_x))
+            shift = round(margins[0][0] * (2 * along_y - 1)), round(margins[1][0] * (0.5 + 0.5 * along_x))
             lower = tuple(
-                max(0, step) + (margin[0] - abs(step)) // 2 for step, margin in zip(offsets, margins, strict=True)
+                max(0, shift_along_axis) + (margin[0] - abs(shift_along_axis)) // 2
+                for shift_along_axis, margin in zip(shift, margins, strict=True)
             )
-            upper = tuple(first - step for first, step in zip(lower, offsets, strict=True))
+            upper = tuple(
+                overlap_start - shift_along_axis for overlap_start, shift_along_axis in zip(lower, shift, strict=True)
+            )
         else:
             fractions = quasi_random_point(index, 4)
             upper = tuple(round(margin[0] * fractions[axis]) for axis, margin in enumerate(margins))
@@ -432,12 +447,12 @@ class IsotropicSurfacePairs(SquarePiecePairs):
 
     @cached_property
     def _num_side_points(self) -> int:  # type: ignore[override]
-        return min(*(len(item) for item in self._resampled_profiles), MAX_SURROGATE_SIDE_POINTS)
+        return min(*(len(profile) for profile in self._resampled_profiles), MAX_SURROGATE_SIDE_POINTS)
 
     @property
     def used_fractions(self) -> tuple[float, float]:
         """Ratios of the side length of the generated surfaces to the lengths of the two profiles, upper and lower."""
-        upper, lower = (self._num_side_points / len(item) for item in self._resampled_profiles)
+        upper, lower = (self._num_side_points / len(profile) for profile in self._resampled_profiles)
         return upper, lower
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
@@ -486,8 +501,8 @@ class SpectralSurfacePairs(SquarePiecePairs):
 
     @cached_property
     def _num_side_points(self) -> int:  # type: ignore[override]
-        longest = max(self.upper.longest, self.lower.longest) / MAX_WAVELENGTH_FRACTION
-        return min(MAX_SURROGATE_SIDE_POINTS, int(longest / self._grid_spacing))
+        longest_period = max(self.upper.longest, self.lower.longest) / MAX_WAVELENGTH_FRACTION
+        return min(MAX_SURROGATE_SIDE_POINTS, int(longest_period / self._grid_spacing))
 
     @property
     def side_length(self) -> float:
@@ -507,8 +522,8 @@ class SpectralSurfacePairs(SquarePiecePairs):
     def _generate_piece(self, body: JoinedSpectrum, index: int, side: Side) -> Surface:
         shape = (self._num_side_points, self._num_side_points)
         surface = body.surface(self.seed, shape=shape, spacing=self.spacing, repetition=index, side=side)
-        if (wavelength := self.cut_off[SIDES.index(side)]) > 0:
-            surface = cut_off(surface, wavelength, periodic=True)
+        if (cut_off_wavelength := self.cut_off[SIDES.index(side)]) > 0:
+            surface = cut_off(surface, cut_off_wavelength, periodic=True)
         rows, columns = self.shape
         piece = Surface(surface.heights[:rows, :columns], spacing=self.spacing, history=surface.history)
         return levelled(piece, self.level)

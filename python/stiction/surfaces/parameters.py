@@ -76,10 +76,10 @@ _PROFILE_ELEMENT_REQUIREMENT = "three turns from hill to dale"
 def _profile_parameters(letter: str) -> tuple[ParameterDefinition, ...]:
     result = []
     for stem in _PROFILE_PARAMETER_KEYS[letter]:
-        meaning, subject, formula, unit = _PROFILE_PARAMETER_TEXTS[stem]
-        needs = _PROFILE_ELEMENT_REQUIREMENT if subject == _ELEMENT_CLAUSE else _PROFILE_REQUIREMENTS[letter]
-        source, fraction = f"ISO 21920-2, {subject}", stem.startswith("mr")
-        result.append(ParameterDefinition(letter + stem, meaning, source, formula, unit, needs, fraction))
+        meaning, clause, formula, unit = _PROFILE_PARAMETER_TEXTS[stem]
+        requirement = _PROFILE_ELEMENT_REQUIREMENT if clause == _ELEMENT_CLAUSE else _PROFILE_REQUIREMENTS[letter]
+        source, is_fraction = f"ISO 21920-2, {clause}", stem.startswith("mr")
+        result.append(ParameterDefinition(letter + stem, meaning, source, formula, unit, requirement, is_fraction))
     return tuple(result)
 
 
@@ -212,5 +212,5 @@ class ParameterSet(TextRepr):
         return "\n".join([type(self).__name__, *(f"  {name:<{width}}  {text}" for name, text in lines.items())])
 
     def _repr_html_(self) -> str:
-        words = [(name, text, "") for name, text in self._extra_rows().items()]
-        return table_html(("parameter", "value", "unit"), [*self._formatted_values(), *words])
+        text_rows = [(name, text, "") for name, text in self._extra_rows().items()]
+        return table_html(("parameter", "value", "unit"), [*self._formatted_values(), *text_rows])

@@ -95,18 +95,22 @@ def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") ->
     check_choice("trend", trend, ProfileForm if isinstance(scan, Profile) else SurfaceForm)
     if trend not in _TREND_DEGREES:
         form, description = fit_round_form(scan.heights, scan.spacings, scan.missing, trend)
-        rest = scan.heights - form
-        mean = rest.mean() if scan.missing is None else rest[~scan.missing].mean()
-        return scan.changed(rest - mean, f"levelled by a {description}")
+        residual = scan.heights - form
+        mean = residual.mean() if scan.missing is None else residual[~scan.missing].mean()
+        return scan.changed(residual - mean, f"levelled by a {description}")
     degree = _TREND_DEGREES[trend]
-    axes = [_orthogonal_polynomials(points, degree) for points in scan.heights.shape]
+    axis_polynomials = [_orthogonal_polynomials(points, degree) for points in scan.heights.shape]
     if isinstance(scan, Profile):
-        basis = axes[0]
+        basis = axis_polynomials[0]
         description = _LEVELLING_HISTORY_ENTRIES.get(
             trend, f"levelled by a polynomial of {_DEGREE_ORDINALS.get(degree)} degree"
         )
     else:
-        basis = [axes[0][j][:, np.newaxis] * axes[1][i] for j in range(degree + 1) for i in range(degree + 1 - j)]
+        basis = [
+            axis_polynomials[0][j][:, np.newaxis] * axis_polynomials[1][i]
+            for j in range(degree + 1)
+            for i in range(degree + 1 - j)
+        ]
         description = (
             f"levelled by a polynomial of {_DEGREE_ORDINALS[degree]} degree"
             if degree > 1
@@ -120,23 +124,23 @@ def _orthogonal_polynomials(points: int, degree: int) -> list[Floats]:
     t = (np.arange(points) - (points - 1) / 2) / points
     polynomials = [np.ones(1), t]
     for _ in range(2, degree + 1):
-        last, before = polynomials[-1], np.broadcast_to(polynomials[-2], points)
-        polynomials.append(t * last - (t * last * before).sum() / np.square(before).sum() * before)
+        current, previous = polynomials[-1], np.broadcast_to(polynomials[-2], points)
+        polynomials.append(t * current - (t * current * previous).sum() / np.square(previous).sum() * previous)
     return polynomials[: degree + 1]
 
 
 def _subtract_fit(heights: Floats, basis: list[Floats], missing: NDArray[np.bool_] | None) -> Floats:
     """Subtract the least-squares fit of orthogonal functions. If only round-off remains, return exactly zero."""
-    rest = heights
+    residual = heights
     if missing is not None:
-        values = np.stack([np.broadcast_to(function, heights.shape)[~missing] for function in basis], axis=1)
-        for factor, function in zip(np.linalg.lstsq(values, heights[~missing])[0].tolist(), basis, strict=True):
-            rest = rest - factor * function
-        return rest
+        basis_values = np.stack([np.broadcast_to(function, heights.shape)[~missing] for function in basis], axis=1)
+        for factor, function in zip(np.linalg.lstsq(basis_values, heights[~missing])[0].tolist(), basis, strict=True):
+            residual = residual - factor * function
+        return residual
     for function in basis:
         norm = np.broadcast_to(np.square(function), heights.shape).sum()
-        rest = rest - (rest * function).sum() / norm * function
-    return rest if np.abs(rest).max() > LEVELLING_ROUND_OFF * np.abs(heights).max() else np.zeros(heights.shape)
+        residual = residual - (residual * function).sum() / norm * function
+    return residual if np.abs(residual).max() > LEVELLING_ROUND_OFF * np.abs(heights).max() else np.zeros(heights.shape)
 
 
 def flipped(body: AnyBody) -> AnyBody:
@@ -207,12 +211,12 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
         starts, stops = ([value, value] if np.ndim(value) == 0 else value for value in (start, stop))
         if len(starts) != 2 or len(stops) != 2:
             raise ValueError(f"start and stop of a surface must be pairs (y, x), got {start!r} and {stop!r}")
-    pieces = [
+    ranges = [
         find_crop_range(*pair) for pair in zip(axes, body.heights.shape, body.spacings, starts, stops, strict=True)
     ]
-    selected = tuple(slice(first, end) for first, end, _ in pieces)
-    step = f"cropped to {' and '.join(words for _, _, words in pieces)}"
-    return body.changed(body.heights[selected], step, missing=index_mask(body.missing, selected))
+    selected = tuple(slice(first, end) for first, end, _ in ranges)
+    history_entry = f"cropped to {' and '.join(range_text for _, _, range_text in ranges)}"
+    return body.changed(body.heights[selected], history_entry, missing=index_mask(body.missing, selected))
 
 
 def find_crop_range(along: str, points: int, spacing: float, start: Any, stop: Any) -> tuple[int, int, str]:
@@ -220,13 +224,15 @@ def find_crop_range(along: str, points: int, spacing: float, start: Any, stop: A
     extent = points * spacing
     start = validate_number("start", start, unit="µm")
     stop = extent if stop is None else validate_number("stop", stop, unit="µm")
-    slack = GRID_POSITION_TOLERANCE * spacing
-    if not -slack <= start < stop <= extent + slack:
+    tolerance = GRID_POSITION_TOLERANCE * spacing
+    if not -tolerance <= start < stop <= extent + tolerance:
         raise ValueError(
             f"start must be below stop, and both must be within the extent of {extent:g} µm{along}, got {start:g} and "
             f"{stop:g} µm"
         )
-    first, end = (min(max(math.ceil(place / spacing - GRID_POSITION_TOLERANCE), 0), points) for place in (start, stop))
+    first, end = (
+        min(max(math.ceil(position / spacing - GRID_POSITION_TOLERANCE), 0), points) for position in (start, stop)
+    )
     if end - first < MIN_POINTS:
         raise ValueError(
             f"start and stop must leave at least {MIN_POINTS} points, got {end - first} points from {start:g} to "
@@ -283,10 +289,9 @@ def on_common_grid(
         )
     spacing = tuple(map(min, a.spacings, b.spacings))
     lengths = (
-        [(points - 1) * step for points, step in zip(value.heights.shape, value.spacings, strict=True)]
-        for value in (a, b)
+        [(points - 1) * step for points, step in zip(body.heights.shape, body.spacings, strict=True)] for body in (a, b)
     )
-    shape = tuple(_count_points(last, step) for last, step in zip(map(min, *lengths), spacing, strict=True))
+    shape = tuple(_count_points(length, step) for length, step in zip(map(min, *lengths), spacing, strict=True))
     if len(shape) == 2 and (math.prod(shape) > MAX_POINTS or min(shape) < 2):
         raise ValueError(
             f"the common grid must have at least 2 x 2 and at most {MAX_POINTS} points, got {shape[0]} x {shape[1]}"
@@ -305,16 +310,24 @@ def _resample_to_grid(body: Any, spacing: tuple[float, ...], shape: tuple[int, .
     if (old_spacings, body.heights.shape) == (spacing, shape):
         return body
     heights, missing = body.heights, body.missing
-    for axis, (old, new, points) in enumerate(zip(old_spacings, spacing, shape, strict=True)):
-        heights, missing = (_resample_along(value, old, new, points, axis, align) for value in (heights, missing))
-    is_line, size = len(shape) == 1, " rows of ".join(map(str, shape))
-    steps = " and ".join(f"{step:g}" for step in spacing)
+    for axis, (old_spacing, new_spacing, points) in enumerate(zip(old_spacings, spacing, shape, strict=True)):
+        heights, missing = (
+            _resample_along(value, old_spacing, new_spacing, points, axis, align) for value in (heights, missing)
+        )
+    is_profile, size_text = len(shape) == 1, " rows of ".join(map(str, shape))
+    spacing_text = " and ".join(f"{history_entry:g}" for history_entry in spacing)
     if old_spacings == spacing:
-        step = f"cropped to its {_ALIGNMENT_TEXTS[align]} {size} points"
+        history_entry = f"cropped to its {_ALIGNMENT_TEXTS[align]} {size_text} points"
     else:
-        grid = f"from a spacing of {old_spacings[0]:g} to {steps}" if is_line else f"to spacings of {steps}"
-        step = f"splined {grid} µm, {size} points{' about its middle' if align == 'middle' else ''}"
-    return body.changed(heights, step, spacing=spacing[0] if is_line else spacing, missing=missing)
+        spacing_change = (
+            f"from a spacing of {old_spacings[0]:g} to {spacing_text}"
+            if is_profile
+            else f"to spacings of {spacing_text}"
+        )
+        history_entry = (
+            f"splined {spacing_change} µm, {size_text} points{' about its middle' if align == 'middle' else ''}"
+        )
+    return body.changed(heights, history_entry, spacing=spacing[0] if is_profile else spacing, missing=missing)
 
 
 def resample_piece(
@@ -323,26 +336,26 @@ def resample_piece(
     """Resample a surface piece to spacings (µm) by natural splines. The piece starts at `origin` (row, column)."""
     heights, missing = surface.heights, surface.missing
     for axis in (0, 1):
-        actual, step, first, points = surface.spacing[axis], spacing[axis], origin[axis], shape[axis]
-        if actual == step:
+        old_spacing, new_spacing, first, points = surface.spacing[axis], spacing[axis], origin[axis], shape[axis]
+        if old_spacing == new_spacing:
             selected = (slice(None),) * axis + (slice(first, first + points),)
             heights, missing = heights[selected], index_mask(missing, selected)
             continue
         from scipy.interpolate import CubicSpline
 
-        size = heights.shape[axis]
-        positions = np.minimum((first + np.arange(points)) * (step / actual), size - 1)
+        old_points = heights.shape[axis]
+        positions = np.minimum((first + np.arange(points)) * (new_spacing / old_spacing), old_points - 1)
         missing = _mask_between_points(missing, positions, axis)
         begin = max(0, math.floor(positions[0]) - _SPLINE_MARGIN_POINTS)
-        end = min(size, math.ceil(positions[-1]) + 1 + _SPLINE_MARGIN_POINTS)
+        end = min(old_points, math.ceil(positions[-1]) + 1 + _SPLINE_MARGIN_POINTS)
         cropped_heights = np.take(heights, np.arange(begin, end), axis=axis)
         heights = CubicSpline(np.arange(begin, end), cropped_heights, axis=axis, bc_type="natural")(positions)
     (rows, columns), (dy, dx) = shape, spacing
-    step_taken = (
+    history_entry = (
         f"cut to {rows} rows of {columns} points from {origin[0] * dy:.6g} and {origin[1] * dx:.6g} µm (y, x), "
         f"spacings {dy:g} and {dx:g} µm"
     )
-    return surface.changed(np.asarray(heights), step_taken, spacing=spacing, missing=missing)
+    return surface.changed(np.asarray(heights), history_entry, spacing=spacing, missing=missing)
 
 
 def _mask_between_points(missing: Any, positions: Floats, axis: int) -> Any:
@@ -350,7 +363,7 @@ def _mask_between_points(missing: Any, positions: Floats, axis: int) -> Any:
     if missing is None:
         return None
     below, above = (
-        np.take(missing, side(positions).astype(np.intp), axis=axis) for side in _NEIGHBOUR_ROUNDING_FUNCTIONS
+        np.take(missing, rounding(positions).astype(np.intp), axis=axis) for rounding in _NEIGHBOUR_ROUNDING_FUNCTIONS
     )
     return below | above
 
@@ -364,20 +377,20 @@ def _resample_along(
     """
     if heights is None:
         return None
-    last = heights.shape[axis] - 1
+    last_index = heights.shape[axis] - 1
     # position of the first new point, in units of the old spacing
     ratio = spacing / actual
-    start = max(0.0, (last - (points - 1) * ratio) / 2) if align == "middle" else 0.0
+    start = max(0.0, (last_index - (points - 1) * ratio) / 2) if align == "middle" else 0.0
     if actual == spacing:
         selected = slice(int(start), int(start) + points)
         return heights[selected] if axis == 0 else heights[:, selected]
     from scipy.interpolate import CubicSpline
 
     # Round-off must not move a position beyond the last point.
-    positions = np.minimum(start + np.arange(points) * ratio, last)
+    positions = np.minimum(start + np.arange(points) * ratio, last_index)
     if heights.dtype == np.bool_:
         return _mask_between_points(heights, positions, axis)
-    return np.asarray(CubicSpline(np.arange(last + 1), heights, axis=axis, bc_type="natural")(positions))
+    return np.asarray(CubicSpline(np.arange(last_index + 1), heights, axis=axis, bc_type="natural")(positions))
 
 
 def rotated(surface: Surface, angle: float) -> Surface:
@@ -417,20 +430,20 @@ def rotated(surface: Surface, angle: float) -> Surface:
     """
     surface = as_body("surface", surface, Surface)
     angle = validate_number("angle", angle)
-    quarters, rest = divmod(angle, 90.0)
-    if rest == 0:
-        heights = np.rot90(surface.heights, -int(quarters) % 4)
-        spacing = surface.spacing if quarters % 2 == 0 else surface.spacing[::-1]
-        missing = None if surface.missing is None else np.rot90(surface.missing, -int(quarters) % 4)
+    quarter_turns, remaining_angle = divmod(angle, 90.0)
+    if remaining_angle == 0:
+        heights = np.rot90(surface.heights, -int(quarter_turns) % 4)
+        spacing = surface.spacing if quarter_turns % 2 == 0 else surface.spacing[::-1]
+        missing = None if surface.missing is None else np.rot90(surface.missing, -int(quarter_turns) % 4)
         return surface.changed(heights, f"rotated by {angle:g} degrees", spacing=spacing, missing=missing)
     if min(surface.heights.shape) < MIN_POINTS:
         raise ValueError(f"angle must be a multiple of 90 degrees for a surface of {surface.heights.shape} points")
     from scipy.interpolate import RectBivariateSpline
 
     (dy, dx), (rows, columns) = surface.spacing, surface.heights.shape
-    actual = (rows - 1) * dy, (columns - 1) * dx
+    side_lengths = (rows - 1) * dy, (columns - 1) * dx
     radians = math.radians(angle)
-    height, width = _inscribed_rectangle(*actual, radians)
+    height, width = _inscribed_rectangle(*side_lengths, radians)
     shape = math.floor(height / dy) + 1, math.floor(width / dx) + 1
     if min(shape) < MIN_POINTS:
         raise ValueError(
@@ -440,22 +453,22 @@ def rotated(surface: Surface, angle: float) -> Surface:
     y = (np.arange(shape[0]) - (shape[0] - 1) / 2)[:, np.newaxis] * dy
     x = (np.arange(shape[1]) - (shape[1] - 1) / 2) * dx
     # positions of the new points before the rotation about the middle
-    from_y = (actual[0] / 2 - x * math.sin(radians) + y * math.cos(radians)) / dy
-    from_x = (actual[1] / 2 + x * math.cos(radians) + y * math.sin(radians)) / dx
+    source_row = (side_lengths[0] / 2 - x * math.sin(radians) + y * math.cos(radians)) / dy
+    source_column = (side_lengths[1] / 2 + x * math.cos(radians) + y * math.sin(radians)) / dx
     spline = RectBivariateSpline(np.arange(rows), np.arange(columns), surface.heights)
     # round-off may move positions beyond the sides
-    from_y, from_x = np.clip(from_y, 0, rows - 1), np.clip(from_x, 0, columns - 1)
-    heights, missing = spline.ev(from_y, from_x), None
+    source_row, source_column = np.clip(source_row, 0, rows - 1), np.clip(source_column, 0, columns - 1)
+    heights, missing = spline.ev(source_row, source_column), None
     if surface.missing is not None:
         corner_indices = [
-            (round_y(from_y).astype(np.intp), round_x(from_x).astype(np.intp))
+            (round_y(source_row).astype(np.intp), round_x(source_column).astype(np.intp))
             for round_y in _NEIGHBOUR_ROUNDING_FUNCTIONS
             for round_x in _NEIGHBOUR_ROUNDING_FUNCTIONS
         ]
         missing = np.logical_or.reduce([surface.missing[corner] for corner in corner_indices])
     lost_fraction = 1 - shape[0] * shape[1] / surface.heights.size
-    step = f"rotated by {angle:g} degrees, {100 * lost_fraction:.0f} % cut off"
-    return surface.changed(heights, step, missing=missing)
+    history_entry = f"rotated by {angle:g} degrees, {100 * lost_fraction:.0f} % cut off"
+    return surface.changed(heights, history_entry, missing=missing)
 
 
 def _inscribed_rectangle(height: float, width: float, angle: float) -> tuple[float, float]:
@@ -466,8 +479,10 @@ def _inscribed_rectangle(height: float, width: float, angle: float) -> tuple[flo
         half_shorter = shorter / 2
         across, along = half_shorter / cosine, half_shorter / sine  # the shorter side limits the size of the result
         return (along, across) if height >= width else (across, along)
-    span = cosine**2 - sine**2
-    return (height * cosine - width * sine) / span, (width * cosine - height * sine) / span
+    cosine_of_double_angle = cosine**2 - sine**2
+    return (height * cosine - width * sine) / cosine_of_double_angle, (
+        width * cosine - height * sine
+    ) / cosine_of_double_angle
 
 
 def resampled(profile: Profile, spacing: float) -> Profile:

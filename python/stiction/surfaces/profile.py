@@ -48,12 +48,12 @@ class Body(PlotRepr):
         if not isinstance(self.history, tuple) or not all(isinstance(step, str) for step in self.history):
             raise ValueError(f"history must be a tuple of strings, got {self.history!r}")
         if self.missing is not None:
-            mask = np.array(self.missing)
-            if mask.dtype != np.bool_ or mask.shape != heights.shape or mask.all():
-                given = "True at every point" if mask.all() else f"{mask.dtype} {mask.shape}"
+            missing = np.array(self.missing)
+            if missing.dtype != np.bool_ or missing.shape != heights.shape or missing.all():
+                mask_text = "True at every point" if missing.all() else f"{missing.dtype} {missing.shape}"
                 allowed = f"a boolean array of shape {heights.shape} that is False at one point or more"
-                raise ValueError(f"missing must be {allowed}, got {given}")
-            object.__setattr__(self, "missing", read_only(mask) if mask.any() else None)
+                raise ValueError(f"missing must be {allowed}, got {mask_text}")
+            object.__setattr__(self, "missing", read_only(missing) if missing.any() else None)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Unpickle with the constructor, which makes the heights read-only again.
@@ -112,9 +112,11 @@ class Body(PlotRepr):
         0.5
         """
         extracted = extract_heights("other", other, unit=unit)
-        targets, result = (("profile", "surface")[ndim - 1] for ndim in (cls._ndim, extracted.heights.ndim))
-        if result != targets:
-            raise ValueError(f"other must be a {targets}, got a {result}; use {result.capitalize()}.from_ instead")
+        expected_kind, actual_kind = (("profile", "surface")[ndim - 1] for ndim in (cls._ndim, extracted.heights.ndim))
+        if actual_kind != expected_kind:
+            raise ValueError(
+                f"other must be a {expected_kind}, got a {actual_kind}; use {actual_kind.capitalize()}.from_ instead"
+            )
         spacing = extracted.spacing[0] if cls._ndim == 1 else extracted.spacing
         return cls(extracted.heights, spacing=spacing, history=extracted.history, missing=extracted.missing)
 

@@ -21,32 +21,32 @@ def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, 
     the line several times between a hill and a dale that count, the end is the mean of the first and the last of these
     crossings.
     """
-    side = np.zeros(heights.size, np.int8)
-    side[heights > DISCRIMINATION_FRACTION * peak] = 1
-    side[heights < -DISCRIMINATION_FRACTION * pit] = -1
-    counting = np.flatnonzero(side)
-    turns = np.flatnonzero(np.diff(side[counting]))
+    sign = np.zeros(heights.size, np.int8)
+    sign[heights > DISCRIMINATION_FRACTION * peak] = 1
+    sign[heights < -DISCRIMINATION_FRACTION * pit] = -1
+    counted_points = np.flatnonzero(sign)
+    turns = np.flatnonzero(np.diff(sign[counted_points]))
     # last point of each hill or dale, and first point of the next hill or dale
-    last, following = counting[turns], counting[turns + 1]
-    above = heights > 0
-    crossings = np.flatnonzero(above[:-1] != above[1:])
-    if last.size < 3:
+    last_points, next_points = counted_points[turns], counted_points[turns + 1]
+    is_above = heights > 0
+    crossings = np.flatnonzero(is_above[:-1] != is_above[1:])
+    if last_points.size < 3:
         return np.empty(0), np.empty(0)
     crossing_positions = crossings + heights[crossings] / (heights[crossings] - heights[crossings + 1])
-    first = crossing_positions[np.searchsorted(crossings, last)]
-    final = crossing_positions[np.searchsorted(crossings, following) - 1]
-    ends = (first + final) / 2
+    first_crossing = crossing_positions[np.searchsorted(crossings, last_points)]
+    last_crossing = crossing_positions[np.searchsorted(crossings, next_points) - 1]
+    feature_ends = (first_crossing + last_crossing) / 2
     # Find the highest and the lowest point between successive ends of hills and dales.
-    starts = np.ceil(ends).astype(np.intp)
+    starts = np.ceil(feature_ends).astype(np.intp)
     highest = np.maximum.reduceat(heights, starts)[:-1]
     lowest = np.minimum.reduceat(heights, starts)[:-1]
     tops, bottoms = np.maximum(highest[:-1], highest[1:]), np.minimum(lowest[:-1], lowest[1:])
-    return ends[2:] - ends[:-2], tops - bottoms
+    return feature_ends[2:] - feature_ends[:-2], tops - bottoms
 
 
 def mean_profile_element(heights: Floats, peak: float, pit: float) -> tuple[float, float]:
     """Return the mean spacing (points) and the mean height of the profile elements, or NaN if there are no elements."""
-    spacings, tall = profile_elements(heights, peak, pit)
+    spacings, element_heights = profile_elements(heights, peak, pit)
     if not spacings.size:
         return math.nan, math.nan
-    return float(spacings.mean()), float(tall.mean())
+    return float(spacings.mean()), float(element_heights.mean())

@@ -124,38 +124,52 @@ def compare_repeated_scans(first: Profile | Surface, second: Profile | Surface) 
     (0.3,)
     """
     _check_scans(first, second)
-    kind: Any = type(first)
+    body_class: Any = type(first)
     if np.array_equal(first.heights, second.heights):
         raise ValueError(
             "first and second must be different scans, got identical heights, from which the noise cannot be estimated"
         )
-    trend: Any = "line" if kind is Profile else "plane"
-    solution, other, shift_found = _align_scans(levelled(first, trend).heights, levelled(second, trend).heights)
+    trend: Any = "line" if body_class is Profile else "plane"
+    first_heights, second_heights, shift_in_points = _align_scans(
+        levelled(first, trend).heights, levelled(second, trend).heights
+    )
     spacing = np.atleast_1d(first.spacing)
-    shift = tuple(round(float(item), 12) for item in shift_found * spacing)
-    solution, other = (levelled(kind(value, spacing=first.spacing), trend).heights for value in (solution, other))
-    variances = float(np.corrcoef(solution.ravel(), other.ravel())[0, 1])
-    if not variances > MIN_CORRELATION:
+    shift = tuple(round(float(item), 12) for item in shift_in_points * spacing)
+    first_heights, second_heights = (
+        levelled(body_class(value, spacing=first.spacing), trend).heights for value in (first_heights, second_heights)
+    )
+    correlation = float(np.corrcoef(first_heights.ravel(), second_heights.ravel())[0, 1])
+    if not correlation > MIN_CORRELATION:
         raise ValueError(
-            f"first and second must be scans of the same area, got scans with a correlation of {variances:.2f} at best"
+            f"first and second must be scans of the same area, "
+            f"got scans with a correlation of {correlation:.2f} at best"
         )
-    step = f"mean of two scans of the same area, the second shifted by {', '.join(f'{item:.4g}' for item in shift)} µm"
-    scan = kind((solution + other) / 2, spacing=first.spacing, history=(*first.history, step))
+    history_entry = (
+        f"mean of two scans of the same area, the second shifted by {', '.join(f'{item:.4g}' for item in shift)} µm"
+    )
+    scan = body_class(
+        (first_heights + second_heights) / 2, spacing=first.spacing, history=(*first.history, history_entry)
+    )
     scan = levelled(scan, trend)
-    q, of_mean = mean_square_heights(scan)
-    same = np.array_equal(solution, other)
-    half = (
+    q, mean_scan_spectrum = mean_square_heights(scan)
+    are_identical = np.array_equal(first_heights, second_heights)
+    half_difference_spectrum = (
         np.zeros(q.size)
-        if same
-        else mean_square_heights(levelled(kind((solution - other) / 2, spacing=first.spacing), trend))[1]
+        if are_identical
+        else mean_square_heights(
+            levelled(body_class((first_heights - second_heights) / 2, spacing=first.spacing), trend)
+        )[1]
     )
     shortest = 2 * float(spacing.max())
     octave = np.maximum(np.floor(np.log2(2 * math.pi / (q * shortest)) + 1e-9), 0).astype(np.intp)
-    noise, common = (np.sqrt(np.maximum(np.bincount(octave, value), 0)) for value in (2 * half, of_mean - half))
+    noise, common = (
+        np.sqrt(np.maximum(np.bincount(octave, value), 0))
+        for value in (2 * half_difference_spectrum, mean_scan_spectrum - half_difference_spectrum)
+    )
     wavelength = read_only(np.asarray(shortest * np.exp2(np.arange(noise.size)), np.float64))
-    rms, longest = float(np.std(solution - other) / math.sqrt(2)), float(np.min(scan.extent)) / 3
-    limit = _find_noise_limit(q, of_mean, half, shortest, longest)
-    return RepeatedScans(scan, shift, variances, wavelength, read_only(noise), read_only(common), rms, limit)
+    noise_rms, longest = float(np.std(first_heights - second_heights) / math.sqrt(2)), float(np.min(scan.extent)) / 3
+    limit = _find_noise_limit(q, mean_scan_spectrum, half_difference_spectrum, shortest, longest)
+    return RepeatedScans(scan, shift, correlation, wavelength, read_only(noise), read_only(common), noise_rms, limit)
 
 
 def _check_scans(first: Any, second: Any) -> None:
@@ -172,15 +186,15 @@ def _check_scans(first: Any, second: Any) -> None:
         )
 
 
-def _find_noise_limit(q: Floats, of_mean: Floats, noise: Floats, shortest: float, longest: float) -> float:
+def _find_noise_limit(q: Floats, mean_scan_spectrum: Floats, noise: Floats, shortest: float, longest: float) -> float:
     """Return the shortest cutoff (µm) at which noise is at most `MAX_NOISE_FRACTION` of the mean square slope."""
-    if noise @ q**2 <= MAX_NOISE_FRACTION * (of_mean @ q**2):
+    if noise @ q**2 <= MAX_NOISE_FRACTION * (mean_scan_spectrum @ q**2):
         return shortest
-    wave: float
-    for wave in np.geomspace(shortest, longest, _NUM_TRIAL_CUTOFFS).tolist():
-        selected = np.square(q * gaussian_transmission(q, wave))
-        if noise @ selected <= MAX_NOISE_FRACTION * (of_mean @ selected):
-            return round_up_wavelength(wave)
+    cutoff: float
+    for cutoff in np.geomspace(shortest, longest, _NUM_TRIAL_CUTOFFS).tolist():
+        slope_weight = np.square(q * gaussian_transmission(q, cutoff))
+        if noise @ slope_weight <= MAX_NOISE_FRACTION * (mean_scan_spectrum @ slope_weight):
+            return round_up_wavelength(cutoff)
     return math.nan
 
 
@@ -188,34 +202,41 @@ def _align_scans(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
     """Return the overlapping heights of both scans after alignment, and the shift of the second scan in points."""
     from scipy.ndimage import gaussian_filter, map_coordinates, spline_filter
 
-    shift_found, best = _find_integer_shift(a, b), (math.inf, np.zeros(a.ndim))
-    for width in _SMOOTHING_WIDTHS:
-        item, other = (gaussian_filter(value, width) if width else value for value in (a, b))
-        other = spline_filter(other, 3)
+    shift, best_shift = _find_integer_shift(a, b), (math.inf, np.zeros(a.ndim))
+    for smoothing_width in _SMOOTHING_WIDTHS:
+        smoothed_first, smoothed_second = (
+            gaussian_filter(value, smoothing_width) if smoothing_width else value for value in (a, b)
+        )
+        smoothed_second = spline_filter(smoothed_second, 3)
         for _ in range(_NUM_REFINEMENT_STEPS):
-            above, positions = _slice_overlap(a.shape, b.shape, shift_found)
-            second_heights = map_coordinates(other, np.meshgrid(*positions, indexing="ij"), order=3, prefilter=False)
+            overlap, positions = _slice_overlap(a.shape, b.shape, shift)
+            second_heights = map_coordinates(
+                smoothed_second, np.meshgrid(*positions, indexing="ij"), order=3, prefilter=False
+            )
             slopes = _slopes(second_heights)
             basis = [*(-slope for slope in slopes), np.ones(second_heights.shape), *np.indices(second_heights.shape)]
             columns = np.stack([function.ravel() for function in basis], axis=1)
-            step, residual = np.linalg.lstsq(columns, (item[above] - second_heights).ravel())[:2]
-            shift_found = shift_found + np.clip(step[: second_heights.ndim], -2 - width, 2 + width)
+            correction, residual = np.linalg.lstsq(columns, (smoothed_first[overlap] - second_heights).ravel())[:2]
+            shift = shift + np.clip(correction[: second_heights.ndim], -2 - smoothing_width, 2 + smoothing_width)
         # The variance of the shift depends on the slopes of both scans, and on the residual.
         # The Gaussian filter correlates the residuals of neighbouring points.
-        variances = [float((actual * slope).mean()) for actual, slope in zip(_slopes(item[above]), slopes, strict=True)]
-        spread = sum(
-            float(np.square(slope).mean()) / variance**2 if variance**2 > 0 else math.inf
-            for slope, variance in zip(slopes, variances, strict=True)
+        slope_covariances = [
+            float((first_slope * slope).mean())
+            for first_slope, slope in zip(_slopes(smoothed_first[overlap]), slopes, strict=True)
+        ]
+        shift_variance = sum(
+            float(np.square(slope).mean()) / slope_covariance**2 if slope_covariance**2 > 0 else math.inf
+            for slope, slope_covariance in zip(slopes, slope_covariances, strict=True)
         )
-        spread *= float(np.sum(residual)) * max(1.0, _POINTS_PER_INDEPENDENT_VALUE * width) ** a.ndim
-        best = min(best, (spread, shift_found), key=lambda item: item[0])
-    shift_found = best[1]
-    above, positions = _slice_overlap(a.shape, b.shape, shift_found)
-    rounded_shift = np.round(shift_found)
-    if np.abs(shift_found - rounded_shift).max() < _INTEGER_SHIFT_TOLERANCE:  # an integer shift needs no interpolation
-        shift_found, positions = rounded_shift, [np.round(place) for place in positions]
-        return a[above], b[np.ix_(*(place.astype(np.intp) for place in positions))], shift_found
-    return a[above], map_coordinates(b, np.meshgrid(*positions, indexing="ij"), order=5), shift_found
+        shift_variance *= float(np.sum(residual)) * max(1.0, _POINTS_PER_INDEPENDENT_VALUE * smoothing_width) ** a.ndim
+        best_shift = min(best_shift, (shift_variance, shift), key=lambda smoothed_first: smoothed_first[0])
+    shift = best_shift[1]
+    overlap, positions = _slice_overlap(a.shape, b.shape, shift)
+    rounded_shift = np.round(shift)
+    if np.abs(shift - rounded_shift).max() < _INTEGER_SHIFT_TOLERANCE:  # an integer shift needs no interpolation
+        shift, positions = rounded_shift, [np.round(place) for place in positions]
+        return a[overlap], b[np.ix_(*(place.astype(np.intp) for place in positions))], shift
+    return a[overlap], map_coordinates(b, np.meshgrid(*positions, indexing="ij"), order=5), shift
 
 
 def _slopes(heights: Floats) -> list[Floats]:
@@ -228,35 +249,41 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
     from scipy.fft import irfftn, next_fast_len, rfftn
 
     shape = [next_fast_len(n + m, real=True) for n, m in zip(a.shape, b.shape, strict=True)]
-    ones, others = ([rfftn(value, shape) for value in (np.ones(c.shape), c, c**2)] for c in (a, b))
+    transforms_of_a, transforms_of_b = (
+        [rfftn(power_of_heights, shape) for power_of_heights in (np.ones(heights.shape), heights, heights**2)]
+        for heights in (a, b)
+    )
 
-    def sum_products(of_a: int, of_b: int) -> Floats:
+    def sum_products(power_of_a: int, power_of_b: int) -> Floats:
         """Return a sum over the overlap of both scans for every shift. It sums a power of `a` times a power of `b`."""
-        return np.asarray(irfftn(ones[of_a] * np.conj(others[of_b]), shape))
+        return np.asarray(irfftn(transforms_of_a[power_of_a] * np.conj(transforms_of_b[power_of_b]), shape))
 
     count = np.maximum(np.rint(sum_products(0, 0)), 1)
-    deviations = [
+    squared_deviations = [
         sum_products(2, 0) - sum_products(1, 0) ** 2 / count,
         sum_products(0, 2) - sum_products(0, 1) ** 2 / count,
     ]
-    variances = (sum_products(1, 1) - sum_products(1, 0) * sum_products(0, 1) / count) / np.sqrt(
-        np.maximum(np.prod(deviations, axis=0), 1e-300)
+    correlation = (sum_products(1, 1) - sum_products(1, 0) * sum_products(0, 1) / count) / np.sqrt(
+        np.maximum(np.prod(squared_deviations, axis=0), 1e-300)
     )
-    variances = np.where(count > min(a.size, b.size) / 2, variances, -1.0)
-    peak = np.array(np.unravel_index(int(np.argmax(variances)), variances.shape))
+    correlation = np.where(count > min(a.size, b.size) / 2, correlation, -1.0)
+    peak = np.array(np.unravel_index(int(np.argmax(correlation)), correlation.shape))
     return np.where(peak < a.shape, peak, peak - shape).astype(np.float64)
 
 
 def _slice_overlap(
-    shape: tuple[int, ...], other: tuple[int, ...], shift_found: Floats
+    first_shape: tuple[int, ...], second_shape: tuple[int, ...], shift: Floats
 ) -> tuple[tuple[slice, ...], list[Floats]]:
     """Return the overlap of two scans at a shift (points): slices of the first scan, and positions in the second."""
     selected, positions = [], []
-    for points, others, step in zip(shape, other, shift_found.tolist(), strict=True):
-        first = max(0, math.ceil(step) + (_OVERLAP_MARGIN if step > 0 else 0))
-        end = min(points, math.floor(others + step) - (_OVERLAP_MARGIN if others + step < points else 0))
-        if end - first <= min(points, others) / 2:
+    for points, second_points, axis_shift in zip(first_shape, second_shape, shift.tolist(), strict=True):
+        start = max(0, math.ceil(axis_shift) + (_OVERLAP_MARGIN if axis_shift > 0 else 0))
+        end = min(
+            points,
+            math.floor(second_points + axis_shift) - (_OVERLAP_MARGIN if second_points + axis_shift < points else 0),
+        )
+        if end - start <= min(points, second_points) / 2:
             raise ValueError("first and second must be scans of the same area that overlap by more than half")
-        selected.append(slice(first, end))
-        positions.append(np.clip(np.arange(first, end) - step, 0, others - 1))
+        selected.append(slice(start, end))
+        positions.append(np.clip(np.arange(start, end) - axis_shift, 0, second_points - 1))
     return tuple(selected), positions

@@ -31,8 +31,8 @@ _NUM_SECTORS = 90  # number of angular sectors (two degrees wide) over which the
 
 def describe_levelling(history: tuple[str, ...]) -> str:
     """Return the form that was subtracted from heights, according to their history."""
-    steps = [step.removeprefix("levelled ") for step in history if step.startswith("levelled ")]
-    return steps[-1] if steps else NOT_LEVELLED_VALUE
+    forms = [step.removeprefix("levelled ") for step in history if step.startswith("levelled ")]
+    return forms[-1] if forms else NOT_LEVELLED_VALUE
 
 
 class RoughnessParameters(ParameterSet):
@@ -115,15 +115,17 @@ def roughness_parameters(
 def height_and_slope_parameters(z: Floats, spacing: float, derivative: Derivative) -> dict[str, float]:
     """Compute height and slope parameters about the mean line. The names omit the profile letter (P, R or W)."""
     scale = float(np.abs(z).max()) or 1.0
-    unit = z / scale  # scaling prevents overflow and underflow of the fourth power
-    rms = float(np.sqrt(np.mean(unit**2)))
+    scaled_heights = z / scale  # scaling prevents overflow and underflow of the fourth power
+    rms = float(np.sqrt(np.mean(scaled_heights**2)))
     differences = (
-        np.correlate(unit, SEVEN_POINT_WEIGHTS, mode="valid") / 60 if derivative == "seven-point" else np.diff(unit)
+        np.correlate(scaled_heights, SEVEN_POINT_WEIGHTS, mode="valid") / 60
+        if derivative == "seven-point"
+        else np.diff(scaled_heights)
     )
     return {
-        "a": scale * float(np.mean(np.abs(unit))), "q": scale * rms, "t": float(np.ptp(z)),
-        "sk": float(np.mean((unit / rms) ** 3)) if rms else math.nan,
-        "ku": float(np.mean((unit / rms) ** 4)) if rms else math.nan,
+        "a": scale * float(np.mean(np.abs(scaled_heights))), "q": scale * rms, "t": float(np.ptp(z)),
+        "sk": float(np.mean((scaled_heights / rms) ** 3)) if rms else math.nan,
+        "ku": float(np.mean((scaled_heights / rms) ** 4)) if rms else math.nan,
         "dq": scale * float(np.sqrt(np.mean(differences**2))) / spacing,
     }  # fmt: skip
 
@@ -234,9 +236,9 @@ def surface_parameters(
 def reject_flat_or_small(surface: Surface) -> None:
     """Raise a `ValueError` for a surface that is flat, or too small for roughness parameters."""
     reject_flat(surface)
-    least, shape = SEVEN_POINT_WEIGHTS.size, surface.heights.shape
-    if min(shape) < least:
-        raise ValueError(f"surface must have at least {least} rows and {least} columns, got {shape}")
+    min_points, shape = SEVEN_POINT_WEIGHTS.size, surface.heights.shape
+    if min(shape) < min_points:
+        raise ValueError(f"surface must have at least {min_points} rows and {min_points} columns, got {shape}")
 
 
 def _height_parameters(deviation: Floats, scale: float) -> dict[str, float]:
@@ -249,26 +251,28 @@ def _height_parameters(deviation: Floats, scale: float) -> dict[str, float]:
 
 
 def _material_ratio_parameters(deviation: Floats, scale: float) -> dict[str, float]:
-    stratified, parts = core_parameters(deviation), material_volumes(deviation)
-    peak, middle, upper, lower = heights_at_ratios(
+    core, volumes = core_parameters(deviation), material_volumes(deviation)
+    extreme_peak, extreme_peak_end, upper, lower = heights_at_ratios(
         deviation, [*EXTREME_PEAK_MATERIAL_RATIOS, PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO]
     ).tolist()
     return {
-        "Smr": float(np.mean(deviation > 0)), "Sdc": scale * (upper - lower), "Sxp": scale * (peak - middle),
-        "Sk": scale * stratified.height, "Spk": scale * stratified.peaks, "Svk": scale * stratified.valleys,
-        "Smr1": stratified.upper_ratio, "Smr2": stratified.lower_ratio, "Vmp": scale * parts.peak_material,
-        "Vmc": scale * parts.core_material, "Vvc": scale * parts.core_void, "Vvv": scale * parts.valley_void,
+        "Smr": float(np.mean(deviation > 0)), "Sdc": scale * (upper - lower),
+        "Sxp": scale * (extreme_peak - extreme_peak_end),
+        "Sk": scale * core.height, "Spk": scale * core.peaks, "Svk": scale * core.valleys,
+        "Smr1": core.upper_ratio, "Smr2": core.lower_ratio, "Vmp": scale * volumes.peak_material,
+        "Vmc": scale * volumes.core_material, "Vvc": scale * volumes.core_void, "Vvv": scale * volumes.valley_void,
     }  # fmt: skip
 
 
 def _texture_parameters(surface: Surface, deviation: Floats) -> dict[str, float]:
-    shortest, longest = _decay_lengths(deviation, surface.spacing)
+    shortest_decay, longest_decay = _decay_lengths(deviation, surface.spacing)
     q, angle, density = surface_spectrum(surface).waves()
-    selected = q > 2.5 * 2 * math.pi / max(surface.extent)
-    sector = np.rint(angle[selected] * _NUM_SECTORS / 180).astype(np.intp) % _NUM_SECTORS
-    strongest = int(np.argmax(np.bincount(sector, density[selected], minlength=_NUM_SECTORS)))
+    is_resolved = q > 2.5 * 2 * math.pi / max(surface.extent)
+    sector_index = np.rint(angle[is_resolved] * _NUM_SECTORS / 180).astype(np.intp) % _NUM_SECTORS
+    strongest_sector = int(np.argmax(np.bincount(sector_index, density[is_resolved], minlength=_NUM_SECTORS)))
     return {
-        "Sal": shortest, "Str": shortest / longest, "Std": float(strongest * 180 / _NUM_SECTORS),
+        "Sal": shortest_decay, "Str": shortest_decay / longest_decay,
+        "Std": float(strongest_sector * 180 / _NUM_SECTORS),
         "Ssw": _dominant_wavelength(deviation, surface.spacing),
     }  # fmt: skip
 
@@ -282,27 +286,29 @@ def _dominant_wavelength(deviation: Floats, spacing: tuple[float, float]) -> flo
     power[0, 0] = 0.0
     row, column = np.unravel_index(int(np.argmax(power)), power.shape)
     rows, columns = deviation.shape
-    wave_number = fftfreq(rows, spacing[0])[row], rfftfreq(columns, spacing[1])[column]
-    return 1 / math.hypot(*map(float, wave_number))
+    frequency = fftfreq(rows, spacing[0])[row], rfftfreq(columns, spacing[1])[column]
+    return 1 / math.hypot(*map(float, frequency))
 
 
 def _feature_parameter_values(deviation: Floats, scale: float, spacing: tuple[float, float]) -> dict[str, float]:
-    result = feature_parameters(deviation, spacing)
-    high, pit_height = scale * result.peak_height, scale * result.pit_depth
+    features = feature_parameters(deviation, spacing)
+    peak_height, pit_depth = scale * features.peak_height, scale * features.pit_depth
     return {
-        "Spd": result.density,
-        "Spc": scale * result.curvature,
-        "S5p": high,
-        "S5v": pit_height,
-        "S10z": high + pit_height,
+        "Spd": features.density,
+        "Spc": scale * features.curvature,
+        "S5p": peak_height,
+        "S5v": pit_depth,
+        "S10z": peak_height + pit_depth,
     }
 
 
 def rms_gradient(surface: Surface, derivative: Derivative) -> float:
     """Compute the root-mean-square gradient Sdq of a surface."""
     z = surface.heights - surface.heights.mean()
-    squares = (float(np.mean(_slopes_along(z, axis, derivative) ** 2)) / surface.spacing[axis] ** 2 for axis in (0, 1))
-    return math.sqrt(sum(squares))
+    mean_squares = (
+        float(np.mean(_slopes_along(z, axis, derivative) ** 2)) / surface.spacing[axis] ** 2 for axis in (0, 1)
+    )
+    return math.sqrt(sum(mean_squares))
 
 
 def _slopes_along(heights: Floats, axis: int, derivative: Derivative) -> Floats:
@@ -311,23 +317,23 @@ def _slopes_along(heights: Floats, axis: int, derivative: Derivative) -> Floats:
         return np.diff(heights, axis=axis)
     lines = heights if axis == 1 else heights.T
     points = lines.shape[1] - SEVEN_POINT_WEIGHTS.size + 1
-    total = np.zeros((lines.shape[0], points))
+    weighted_sum = np.zeros((lines.shape[0], points))
     for index, weight in enumerate(SEVEN_POINT_WEIGHTS):
-        total += weight / 60 * lines[:, index : index + points]
-    return total
+        weighted_sum += weight / 60 * lines[:, index : index + points]
+    return weighted_sum
 
 
 def _developed_area_ratio(heights: Floats, spacing: tuple[float, float]) -> float:
     """Return the area of the triangles between points divided by the projected area, minus 1."""
-    total = 0.0
+    area_sum = 0.0
     corners = heights[:-1, :-1], heights[:-1, 1:], heights[1:, :-1], heights[1:, 1:]
     # Each triangle has one side along x and one side along y, which determine its slopes.
-    for along_x in (corners[1] - corners[0], corners[3] - corners[2]):
-        for along_y in (corners[2] - corners[0], corners[3] - corners[1]):
-            squares = np.square(along_x / spacing[1]) + np.square(along_y / spacing[0])
+    for step_x in (corners[1] - corners[0], corners[3] - corners[2]):
+        for step_y in (corners[2] - corners[0], corners[3] - corners[1]):
+            squared_gradient = np.square(step_x / spacing[1]) + np.square(step_y / spacing[0])
             # This form of sqrt(1 + squares) - 1 avoids cancellation.
-            total += float(np.mean(squares / (1 + np.sqrt(1 + squares)))) / 4
-    return total
+            area_sum += float(np.mean(squared_gradient / (1 + np.sqrt(1 + squared_gradient)))) / 4
+    return area_sum
 
 
 def _decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[float, float]:
@@ -336,33 +342,35 @@ def _decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[flo
     Both are NaN if the autocorrelation does not fall to 0.2.
     """
     correlation = autocorrelation(deviation)
-    half = [points // 2 for points in deviation.shape]
+    max_shift = [points // 2 for points in deviation.shape]
     # opposite directions have the same autocorrelation
     angle = math.pi * np.arange(_NUM_DIRECTIONS) / _NUM_DIRECTIONS
     # The search step is half of the smaller grid spacing.
     # The search ends where a direction leaves the central half of the surface.
-    towards = np.abs(np.stack([np.sin(angle) / spacing[0], np.cos(angle) / spacing[1]]))
+    points_per_length = np.abs(np.stack([np.sin(angle) / spacing[0], np.cos(angle) / spacing[1]]))
     with np.errstate(divide="ignore"):
-        max_distance = np.min(np.array(half)[:, np.newaxis] / towards, axis=0)
+        max_distance = np.min(np.array(max_shift)[:, np.newaxis] / points_per_length, axis=0)
     step = min(spacing) / 2
     decay_distance = np.full(_NUM_DIRECTIONS, np.nan)
-    before = np.ones(_NUM_DIRECTIONS)
+    previous_correlation = np.ones(_NUM_DIRECTIONS)
     for index in range(1, int(max_distance.max() / step) + 1):
-        unfinished = np.flatnonzero(np.isnan(decay_distance) & (index * step <= max_distance))
-        if not unfinished.size:
+        searching = np.flatnonzero(np.isnan(decay_distance) & (index * step <= max_distance))
+        if not searching.size:
             break
         distance = index * step
-        y = distance * np.sin(angle[unfinished]) / spacing[0]
-        x = distance * np.cos(angle[unfinished]) / spacing[1]
-        current = _interpolate_bilinear(correlation, y, x)
-        has_decayed = current < DECAY_AUTOCORRELATION
-        last = before[unfinished]
-        decay_distance[unfinished[has_decayed]] = (
+        y = distance * np.sin(angle[searching]) / spacing[0]
+        x = distance * np.cos(angle[searching]) / spacing[1]
+        current_correlation = _interpolate_bilinear(correlation, y, x)
+        has_decayed = current_correlation < DECAY_AUTOCORRELATION
+        last_correlation = previous_correlation[searching]
+        decay_distance[searching[has_decayed]] = (
             distance
             - step
-            + step * (last[has_decayed] - DECAY_AUTOCORRELATION) / (last[has_decayed] - current[has_decayed])
+            + step
+            * (last_correlation[has_decayed] - DECAY_AUTOCORRELATION)
+            / (last_correlation[has_decayed] - current_correlation[has_decayed])
         )
-        before[unfinished] = current
+        previous_correlation[searching] = current_correlation
     if np.isnan(decay_distance).all():
         return math.nan, math.nan
     return float(np.nanmin(decay_distance)), math.nan if np.isnan(decay_distance).any() else float(decay_distance.max())
@@ -379,10 +387,10 @@ def autocorrelation(deviation: Floats) -> Floats:
     shape = next_fast_len(rows + rows // 2 + 1, real=True), next_fast_len(columns + columns // 2 + 1, real=True)
     transform = rfft2(deviation, shape)
     products = irfft2(transform.real**2 + transform.imag**2, shape)
-    along_x = np.arange(-(columns // 2), columns // 2 + 1)
-    along_y = np.arange(rows // 2 + 1)
-    overlap = (rows - along_y)[:, np.newaxis] * (columns - np.abs(along_x))
-    return np.asarray(products[along_y[:, np.newaxis], along_x] / overlap / np.mean(deviation**2))
+    shift_x = np.arange(-(columns // 2), columns // 2 + 1)
+    shift_y = np.arange(rows // 2 + 1)
+    overlap_count = (rows - shift_y)[:, np.newaxis] * (columns - np.abs(shift_x))
+    return np.asarray(products[shift_y[:, np.newaxis], shift_x] / overlap_count / np.mean(deviation**2))
 
 
 def _interpolate_bilinear(correlation: Floats, y: Floats, x: Floats) -> Floats:

@@ -136,9 +136,11 @@ class ScaleDependentRoughness(TextRepr):
         """
         wavelengths = float_array("wavelength", wavelength)
         shortest = estimate.shortest_wavelength
-        measured = self.gradient_at(np.maximum(wavelengths, shortest))
-        finer = np.minimum(wavelengths, shortest)
-        return np.asarray(np.sqrt(np.square(measured) + extrapolated_mean_square_slope(estimate, finer)))
+        measured_gradient = self.gradient_at(np.maximum(wavelengths, shortest))
+        extrapolated = np.minimum(wavelengths, shortest)
+        return np.asarray(
+            np.sqrt(np.square(measured_gradient) + extrapolated_mean_square_slope(estimate, extrapolated))
+        )
 
     def wavelength_of(self, gradient: float, estimate: HurstEstimate | None = None) -> float:
         """Find the wavelength (µm) at which the rms gradient of all longer wavelengths reaches a given value.
@@ -149,19 +151,23 @@ class ScaleDependentRoughness(TextRepr):
         reached; with a power law, the search extends to a millionth of the scan's shortest wavelength.
         """
         target = validate_number("gradient", gradient, above=0)
-        finest = self.wavelength[-1] * (1.0 if estimate is None else _MIN_EXTRAPOLATION_RATIO)
-        low, high = math.log(finest), math.log(self.wavelength[0])
+        shortest = self.wavelength[-1] * (1.0 if estimate is None else _MIN_EXTRAPOLATION_RATIO)
+        log_shortest, log_longest = math.log(shortest), math.log(self.wavelength[0])
 
-        def gradient_at_log_wavelength(place: float) -> float:
-            length = math.exp(place)
-            return float(self.gradient_at(length) if estimate is None else self.continued(length, estimate))
+        def gradient_at_log_wavelength(log_wavelength: float) -> float:
+            wavelength = math.exp(log_wavelength)
+            return float(self.gradient_at(wavelength) if estimate is None else self.continued(wavelength, estimate))
 
-        if gradient_at_log_wavelength(low) < target:
+        if gradient_at_log_wavelength(log_shortest) < target:
             return math.nan
         for _ in range(_NUM_BISECTION_STEPS):
-            middle = (low + high) / 2
-            low, high = (middle, high) if gradient_at_log_wavelength(middle) >= target else (low, middle)
-        return math.exp((low + high) / 2)
+            log_middle = (log_shortest + log_longest) / 2
+            log_shortest, log_longest = (
+                (log_middle, log_longest)
+                if gradient_at_log_wavelength(log_middle) >= target
+                else (log_shortest, log_middle)
+            )
+        return math.exp((log_shortest + log_longest) / 2)
 
 
 def interval_power_laws(estimate: HurstEstimate) -> tuple[HurstEstimate, HurstEstimate, HurstEstimate]:
@@ -169,10 +175,14 @@ def interval_power_laws(estimate: HurstEstimate) -> tuple[HurstEstimate, HurstEs
 
     All three power laws agree at the centre of the band.
     """
-    middle = 2 * math.pi / math.sqrt(estimate.shortest_wavelength * estimate.longest_wavelength)
+    centre_wave_number = 2 * math.pi / math.sqrt(estimate.shortest_wavelength * estimate.longest_wavelength)
     lower, upper = (
-        replace(estimate, value=value, prefactor=estimate.prefactor * middle ** (2 * (value - estimate.value)))
-        for value in (estimate.lower, estimate.upper)
+        replace(
+            estimate,
+            value=exponent,
+            prefactor=estimate.prefactor * centre_wave_number ** (2 * (exponent - estimate.value)),
+        )
+        for exponent in (estimate.lower, estimate.upper)
     )
     return estimate, lower, upper
 
@@ -183,8 +193,8 @@ def extrapolated_mean_square_slope(estimate: HurstEstimate, wavelength: Floats) 
     start, end = 2 * math.pi / estimate.shortest_wavelength, 2 * math.pi / np.asarray(wavelength)
     ratio = np.log(end / start)
     # This expression equals (end^x - start^x) / x, and remains valid for x = 0.
-    grown = start**exponent * (np.expm1(exponent * ratio) / exponent if exponent != 0 else ratio)
-    return np.asarray(estimate.prefactor / (estimate.dimensions * math.pi) * grown)
+    integral = start**exponent * (np.expm1(exponent * ratio) / exponent if exponent != 0 else ratio)
+    return np.asarray(estimate.prefactor / (estimate.dimensions * math.pi) * integral)
 
 
 def scale_dependent_roughness(
@@ -237,17 +247,18 @@ def scale_dependent_roughness(
     check_bool("periodic", periodic)
     body = as_body("body", body, spacing=spacing, unit=unit)
     reject_flat(body)
-    q, weight = mean_square_heights(body, periodic=periodic)
-    dimensions, curved = (1, 1.0) if isinstance(body, Profile) else (2, 0.25)
+    q, mean_squares = mean_square_heights(body, periodic=periodic)
+    dimensions, curvature_factor = (1, 1.0) if isinstance(body, Profile) else (2, 0.25)
     index = np.floor(_ROUGHNESS_BINS_PER_DECADE * np.log10(q / q.min()) + 1e-9).astype(np.intp)
     count = np.bincount(index)
-    occupied = count > 0
-    finest = np.zeros(count.size)
-    np.maximum.at(finest, index, q)
-    sums = [np.bincount(index, q**power * weight)[occupied].cumsum() for power in (2, 4)]
+    is_occupied = count > 0
+    max_wave_number = np.zeros(count.size)
+    np.maximum.at(max_wave_number, index, q)
+    cumulative_sums = [np.bincount(index, q**power * mean_squares)[is_occupied].cumsum() for power in (2, 4)]
     return ScaleDependentRoughness(
-        wavelength=read_only(2 * math.pi / finest[occupied]), gradient=read_only(np.sqrt(sums[0])),
-        curvature=read_only(np.sqrt(curved * sums[1])), dimensions=dimensions,
+        wavelength=read_only(2 * math.pi / max_wave_number[is_occupied]),
+        gradient=read_only(np.sqrt(cumulative_sums[0])),
+        curvature=read_only(np.sqrt(curvature_factor * cumulative_sums[1])), dimensions=dimensions,
     )  # fmt: skip
 
 
@@ -257,23 +268,27 @@ def mean_square_heights(body: Profile | Surface, *, periodic: bool = False) -> t
     Bodies that are not periodic are levelled first.
     """
     if isinstance(body, Profile):
-        line = power_spectrum(body if periodic else levelled(body, "line"), periodic=periodic)
-        return line.wave_number, line.density * line.count * (line.resolution / math.pi)
-    area = surface_spectrum(body if periodic else levelled(body, "plane"), periodic=periodic)
-    q = np.hypot(area.wave_number_y[:, np.newaxis], area.wave_number_x).ravel()
-    step = float(area.wave_number_y[1] - area.wave_number_y[0]) * float(area.wave_number_x[1] - area.wave_number_x[0])
-    weight = area.density.ravel() * (step / (4 * math.pi**2))
-    return q[q > 0], weight[q > 0]
+        line_spectrum = power_spectrum(body if periodic else levelled(body, "line"), periodic=periodic)
+        return line_spectrum.wave_number, line_spectrum.density * line_spectrum.count * (
+            line_spectrum.resolution / math.pi
+        )
+    spectrum = surface_spectrum(body if periodic else levelled(body, "plane"), periodic=periodic)
+    q = np.hypot(spectrum.wave_number_y[:, np.newaxis], spectrum.wave_number_x).ravel()
+    wave_vector_area = float(spectrum.wave_number_y[1] - spectrum.wave_number_y[0]) * float(
+        spectrum.wave_number_x[1] - spectrum.wave_number_x[0]
+    )
+    mean_squares = spectrum.density.ravel() * (wave_vector_area / (4 * math.pi**2))
+    return q[q > 0], mean_squares[q > 0]
 
 
 def _interpolate_log(wavelength: Floats, values: Floats, targets: ArrayLike) -> Floats:
     """Interpolate values linearly on logarithmic axes. Beyond the longest wavelength, the values are zero."""
-    lengths = float_array("wavelength", targets)
-    if not (lengths > 0).all():
+    wavelengths = float_array("wavelength", targets)
+    if not (wavelengths > 0).all():
         raise ValueError(f"wavelength must be above 0 µm, got {targets!r}")
     with np.errstate(divide="ignore"):
-        interpolated = np.exp(np.interp(-np.log(lengths), -np.log(wavelength), np.log(values)))
-    return np.asarray(np.where(lengths > wavelength[0] * (1 + 1e-9), 0.0, interpolated))
+        interpolated = np.exp(np.interp(-np.log(wavelengths), -np.log(wavelength), np.log(values)))
+    return np.asarray(np.where(wavelengths > wavelength[0] * (1 + 1e-9), 0.0, interpolated))
 
 
 @dataclass(frozen=True, repr=False)
@@ -415,48 +430,62 @@ def instrument_limit(
     roughness = scale_dependent_roughness(body, periodic=periodic)
     spacing = max(body.spacings)
     spectra = line_spectra(body, periodic)
-    disturbances = [_find_disturbance(*item, periodic=periodic, textured=texture) for item in spectra]
+    disturbances = [_find_disturbance(*disturbance, periodic=periodic, textured=texture) for disturbance in spectra]
     total_slope = sum(float(np.square(q) @ density) * float(q[0]) / math.pi for q, density, *_ in spectra)
     # Along an axis without roughness, the spectrum contains only round-off.
-    waves = [item.wave if item.slope > _MIN_SLOPE_FRACTION * total_slope else math.nan for item in disturbances]
-    slopes = [item.slope if wave > 0 else 0.0 for item, wave in zip(disturbances, waves, strict=True)]
-    period = next((item.period for item in disturbances if item.period > 0), math.nan)
-    first, is_common, noise, slope = 0, True, waves[0], slopes[0]
-    if len(spectra) == 2 and any(wave > 0 for wave in waves):
-        is_common, hidden = _compare_noise_along_axes(spectra, waves)
+    noise_wavelengths = [
+        disturbance.wave if disturbance.slope > _MIN_SLOPE_FRACTION * total_slope else math.nan
+        for disturbance in disturbances
+    ]
+    noise_slopes = [
+        disturbance.slope if limit > 0 else 0.0
+        for disturbance, limit in zip(disturbances, noise_wavelengths, strict=True)
+    ]
+    period = next((disturbance.period for disturbance in disturbances if disturbance.period > 0), math.nan)
+    noisier_axis, is_common, noise_wavelength, noise_slope = 0, True, noise_wavelengths[0], noise_slopes[0]
+    if len(spectra) == 2 and any(limit > 0 for limit in noise_wavelengths):
+        is_common, hidden_slope = _compare_noise_along_axes(spectra, noise_wavelengths)
         # If the noise differs between the axes, report the axis with the larger contribution.
-        first = int(np.nanargmax(waves if is_common else slopes))
-        is_floor = [item.kind in INSTRUMENT_REASONS for item in disturbances]
-        noise = float(np.nanmin(waves)) if is_common else waves[first]
-        slope = hidden + sum(slopes[axis] for axis in range(2) if is_common or is_floor[axis] == is_floor[first])
-    kind = disturbances[first].kind
-    fraction = min(slope / total_slope, 1.0)
-    if not fraction > _MIN_SLOPE_FRACTION:
-        noise = math.nan
+        noisier_axis = int(np.nanargmax(noise_wavelengths if is_common else noise_slopes))
+        is_floor = [disturbance.kind in INSTRUMENT_REASONS for disturbance in disturbances]
+        noise_wavelength = float(np.nanmin(noise_wavelengths)) if is_common else noise_wavelengths[noisier_axis]
+        noise_slope = hidden_slope + sum(
+            noise_slopes[axis] for axis in range(2) if is_common or is_floor[axis] == is_floor[noisier_axis]
+        )
+    noise_kind = disturbances[noisier_axis].kind
+    noise_slope_fraction = min(noise_slope / total_slope, 1.0)
+    if not noise_slope_fraction > _MIN_SLOPE_FRACTION:
+        noise_wavelength = math.nan
     origin: LimitOrigin = (
         "unknown"
-        if kind not in INSTRUMENT_REASONS or (disturbances[first].period > 0 and not texture)
+        if noise_kind not in INSTRUMENT_REASONS or (disturbances[noisier_axis].period > 0 and not texture)
         else "instrument"
     )
-    if kind == "noise floor" and noise > 0 and _is_quantised(body):
-        kind = "quantisation"
-    noise = round_up_wavelength(noise) if noise > 0 else noise
-    limits = {"pixels": 2 * spacing, kind: noise, "tip": math.nan}
-    if radius is not None and (sharp := roughness.curvature > TIP_CURVATURE_FACTOR / radius).any():
-        limits["tip"] = float(roughness.wavelength[int(np.argmax(sharp))])
+    if noise_kind == "noise floor" and noise_wavelength > 0 and _is_quantised(body):
+        noise_kind = "quantisation"
+    noise_wavelength = round_up_wavelength(noise_wavelength) if noise_wavelength > 0 else noise_wavelength
+    limits = {"pixels": 2 * spacing, noise_kind: noise_wavelength, "tip": math.nan}
+    if radius is not None and (is_too_sharp := roughness.curvature > TIP_CURVATURE_FACTOR / radius).any():
+        limits["tip"] = float(roughness.wavelength[int(np.argmax(is_too_sharp))])
     reason = max((name for name in limits if not math.isnan(limits[name])), key=lambda name: limits[name])
-    wave, fractions, cut = limits[reason], (0.0, 0.0), 2 * spacing
+    limit, fractions, cut_off_wavelength = limits[reason], (0.0, 0.0), 2 * spacing
     if reason != "pixels":
-        bent = float(roughness.curvature_at(wave) / roughness.curvature[-1])
-        is_noise = reason == kind
-        fractions = fraction if is_noise else float(roughness.fraction_below(wave)), 1 - bent**2
+        curvature_fraction = float(roughness.curvature_at(limit) / roughness.curvature[-1])
+        is_noise = reason == noise_kind
+        fractions = (
+            noise_slope_fraction if is_noise else float(roughness.fraction_below(limit)),
+            1 - curvature_fraction**2,
+        )
         shortest = MIN_CUTOFF_POINTS * min(body.spacings)
-        cut = equivalent_cutoff(roughness, fractions[0], np.nanmax(waves) if is_noise else wave, shortest)
-    along_x, along_y = waves if len(waves) == 2 else (math.nan, math.nan)
-    axis: LineAxis = "" if reason != kind or is_common else "x" if first == 0 else "y"
+        cut_off_wavelength = equivalent_cutoff(
+            roughness, fractions[0], np.nanmax(noise_wavelengths) if is_noise else limit, shortest
+        )
+    along_x, along_y = noise_wavelengths if len(noise_wavelengths) == 2 else (math.nan, math.nan)
+    axis: LineAxis = "" if reason != noise_kind or is_common else "x" if noisier_axis == 0 else "y"
     return InstrumentLimit(
-        wave, reason, limits["pixels"], noise, limits["tip"], along_x, along_y, *fractions, cut,
-        origin if reason == kind else "instrument", period, axis,
+        limit, reason, limits["pixels"], noise_wavelength, limits["tip"], along_x, along_y, *fractions,
+        cut_off_wavelength,
+        origin if reason == noise_kind else "instrument", period, axis,
     )  # fmt: skip
 
 
@@ -468,31 +497,35 @@ def round_up_wavelength(wavelength: float) -> float:
 
 def equivalent_cutoff(roughness: ScaleDependentRoughness, fraction: float, upper: float, lower: float) -> float:
     """Return the cutoff between two wavelengths (µm) that removes a given fraction of the mean square slope."""
-    q, slope = 2 * math.pi / roughness.wavelength, np.diff(np.square(roughness.gradient), prepend=0.0)
-    low, high = math.log(lower), math.log(max(upper, lower))
+    q, slope_contributions = 2 * math.pi / roughness.wavelength, np.diff(np.square(roughness.gradient), prepend=0.0)
+    log_lower, log_upper = math.log(lower), math.log(max(upper, lower))
     for _ in range(_NUM_BISECTION_STEPS):
-        middle = (low + high) / 2
-        selected = float(slope @ np.square(gaussian_transmission(q, math.exp(middle)))) / float(slope.sum())
-        low, high = (middle, high) if selected > 1 - fraction else (low, middle)
+        log_middle = (log_lower + log_upper) / 2
+        transmitted_fraction = float(
+            slope_contributions @ np.square(gaussian_transmission(q, math.exp(log_middle)))
+        ) / float(slope_contributions.sum())
+        log_lower, log_upper = (
+            (log_middle, log_upper) if transmitted_fraction > 1 - fraction else (log_lower, log_middle)
+        )
     # Rounding to two digits lets repeated scans have the same cutoff.
-    return max(lower, float(f"{math.exp(high):.1e}"))
+    return max(lower, float(f"{math.exp(log_upper):.1e}"))
 
 
 def line_spectra(body: Profile | Surface, periodic: bool) -> list[LineSpectrum]:
     """Return the spectrum of a profile, or the mean line spectra of a surface along x and along y."""
     if isinstance(body, Profile):
-        line = power_spectrum(body if periodic else levelled(body, "line"), periodic=periodic)
-        return [(line.wave_number, line.density, line.count, body.spacing)]
+        line_spectrum = power_spectrum(body if periodic else levelled(body, "line"), periodic=periodic)
+        return [(line_spectrum.wave_number, line_spectrum.density, line_spectrum.count, body.spacing)]
     heights = body.heights if periodic else levelled(body, "plane").heights
     spectra = []
     for axis in (1, 0):
         lines = heights if axis else heights.T
-        points, step = lines.shape[1], body.spacing[axis]
+        points, spacing = lines.shape[1], body.spacing[axis]
         window = 1.0 if periodic else (1 - np.cos(2 * math.pi * np.arange(points) / points)) / math.sqrt(1.5)
         transform = np.fft.rfft((lines - lines.mean(axis=1, keepdims=True)) * window)[:, 1:]
         power = np.square(np.abs(transform)).mean(axis=0)
-        q = 2 * math.pi * np.arange(1, power.size + 1) / (points * step)
-        spectra.append((q, power * (step / points), _independent_lines(transform, periodic=periodic), step))
+        q = 2 * math.pi * np.arange(1, power.size + 1) / (points * spacing)
+        spectra.append((q, power * (spacing / points), _independent_lines(transform, periodic=periodic), spacing))
     return spectra
 
 
@@ -513,7 +546,7 @@ def _independent_lines(transform: NDArray[np.complex128], *, periodic: bool) -> 
     return np.asarray(np.maximum(2 * ratio - (1 if periodic else 3), 1.0))
 
 
-def _compare_noise_along_axes(spectra: list[LineSpectrum], waves: list[float]) -> tuple[bool, float]:
+def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: list[float]) -> tuple[bool, float]:
     """Compare the noise of lines along x with that of lines along y. At least one of the two must contain noise.
 
     White noise has the same variance along both axes, so its densities are proportional to the spacings.
@@ -526,27 +559,33 @@ def _compare_noise_along_axes(spectra: list[LineSpectrum], waves: list[float]) -
         Mean square slope of noise found along one axis only that rougher lines hide along the other; 0 if the spectrum
         there is too low to contain it, or if the lines have the same noise, as rows with offsets.
     """
-    axis = int(np.nanargmax(waves))
-    (q, density, count, step), (other_q, other_density, _, other_step) = spectra[axis], spectra[1 - axis]
-    noise = np.interp(other_q, q, density * (other_step / step))
+    axis = int(np.nanargmax(noise_wavelengths))
+    (q, density, count, spacing), (other_q, other_density, _, other_spacing) = spectra[axis], spectra[1 - axis]
+    expected_noise = np.interp(other_q, q, density * (other_spacing / spacing))
     end = min(float(q[-1]), float(other_q[-1]))
-    start = min(2 * math.pi / float(np.nanmin(waves)), end / 2)
+    start = min(2 * math.pi / float(np.nanmin(noise_wavelengths)), end / 2)
     octaves = [(end / 2 ** (n + 1), end / 2**n) for n in range(int(math.log2(end / start) + 1e-9))]
     densities = np.array([
-        (other_density[selected].mean(), noise[selected].mean())
+        (other_density[selected].mean(), expected_noise[selected].mean())
         for low, high in octaves
         if (selected := (other_q > low) & (other_q <= high * ROUND_OFF_FACTOR)).any()
     ]).reshape(-1, 2)  # fmt: skip
-    other, expected = densities.T
-    if waves[1 - axis] > 0:
+    other_mean, noise_mean = densities.T
+    if noise_wavelengths[1 - axis] > 0:
         return bool(
-            ((other < _MAX_EQUAL_NOISE_RATIO * expected) & (expected < _MAX_EQUAL_NOISE_RATIO * other)).all()
+            (
+                (other_mean < _MAX_EQUAL_NOISE_RATIO * noise_mean) & (noise_mean < _MAX_EQUAL_NOISE_RATIO * other_mean)
+            ).all()
         ), 0.0
-    lines = count[q * waves[axis] > 2 * math.pi].mean()
-    if not expected.size or (other < _MIN_HIDING_DENSITY_RATIO * expected).any() or lines < _MIN_INDEPENDENT_LINES:
+    independent_lines = count[q * noise_wavelengths[axis] > 2 * math.pi].mean()
+    if (
+        not noise_mean.size
+        or (other_mean < _MIN_HIDING_DENSITY_RATIO * noise_mean).any()
+        or independent_lines < _MIN_INDEPENDENT_LINES
+    ):
         return False, 0.0
-    shorter = other_q * waves[axis] > 2 * math.pi
-    return False, float(np.square(other_q[shorter]) @ noise[shorter]) * float(other_q[0]) / math.pi
+    is_noisy = other_q * noise_wavelengths[axis] > 2 * math.pi
+    return False, float(np.square(other_q[is_noisy]) @ expected_noise[is_noisy]) * float(other_q[0]) / math.pi
 
 
 class _ScanDisturbance(NamedTuple):
@@ -562,24 +601,28 @@ def _find_disturbance(
     q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool, textured: bool
 ) -> _ScanDisturbance:
     """Remove the harmonics of a texture, and find the wavelengths that are not attributed to the surface."""
-    first, distance = find_texture_harmonics(density)
-    period = 2 * math.pi / (float(q[0]) * first)
-    if first > 0:
-        if distance < MIN_HARMONIC_DISTANCE:
+    first_harmonic, harmonic_distance = find_texture_harmonics(density)
+    period = 2 * math.pi / (float(q[0]) * first_harmonic)
+    if first_harmonic > 0:
+        if harmonic_distance < MIN_HARMONIC_DISTANCE:
             return _ScanDisturbance(math.nan, "noise floor", 0.0, period)
         # Cusps of unequal depth cause a hump near the first harmonic, which is therefore excluded.
-        finer = slice(int(first), None)
-        density, q, count = density_between_harmonics(density, count, distance)[finer], q[finer], count[finer]
-    wave, kind = _find_noise(q, density, count, spacing, periodic=periodic)
-    if not wave > 0 or (textured and kind not in INSTRUMENT_REASONS):
+        above_first_harmonic = slice(int(first_harmonic), None)
+        density, q, count = (
+            density_between_harmonics(density, count, harmonic_distance)[above_first_harmonic],
+            q[above_first_harmonic],
+            count[above_first_harmonic],
+        )
+    wavelength_limit, kind = _find_noise(q, density, count, spacing, periodic=periodic)
+    if not wavelength_limit > 0 or (textured and kind not in INSTRUMENT_REASONS):
         return _ScanDisturbance(math.nan, kind, 0.0, period)
-    below = q * wave > 2 * math.pi
-    slope = float((np.square(q) * density)[below].sum() * (q[1] - q[0]) / math.pi)
+    is_unattributed = q * wavelength_limit > 2 * math.pi
+    mean_square_slope = float((np.square(q) * density)[is_unattributed].sum() * (q[1] - q[0]) / math.pi)
     # a noise floor has the same density at all wave numbers as at the end of the spectrum
     if kind in INSTRUMENT_REASONS:
-        level = float(density[q * math.sqrt(2) > q[-1]].mean())
-        slope = min(slope, level * float(np.square(q).sum() * (q[1] - q[0])) / math.pi)
-    return _ScanDisturbance(wave, kind, slope, period)
+        floor_density = float(density[q * math.sqrt(2) > q[-1]].mean())
+        mean_square_slope = min(mean_square_slope, floor_density * float(np.square(q).sum() * (q[1] - q[0])) / math.pi)
+    return _ScanDisturbance(wavelength_limit, kind, mean_square_slope, period)
 
 
 def _find_noise(q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool) -> tuple[float, str]:
@@ -587,40 +630,46 @@ def _find_noise(q: Floats, density: Floats, count: Floats, spacing: float, *, pe
 
     The limit is NaN if there is no noise.
     """
-    nothing = math.nan, "noise floor"
+    no_noise = math.nan, "noise floor"
     if not periodic:  # exclude the first two harmonics, into which the window leaks longer wavelengths
         q, density, count = q[2:], density[2:], count[2:]
     if q.size < _NOISE_BINS_PER_OCTAVE:
-        return nothing
+        return no_noise
     _, index = np.unique(np.floor(_NOISE_BINS_PER_OCTAVE * np.log2(q / q[0]) + 1e-9), return_inverse=True)
-    number = np.bincount(index, count)
-    density = np.bincount(index, count * density) / number
-    wave = 2 * math.pi * np.exp(-np.bincount(index, count * np.log(q)) / number)
+    counts = np.bincount(index, count)
+    density = np.bincount(index, count * density) / counts
+    wavelengths = 2 * math.pi * np.exp(-np.bincount(index, count * np.log(q)) / counts)
     density = np.maximum(density, 1e-12 * density.max())
-    chance = (1.0 if periodic else HANN_VARIANCE_FACTOR) / number
-    laws = [list(_fit_window_exponents(-np.log(wave), np.log(density), chance, width)) for width in _WINDOW_OCTAVES]
-    if _fit_slope(-np.log(wave), np.log(density), chance)[0] > -_MAX_FLAT_EXPONENT:
-        return float(wave[0]), "noise floor"
-    last = wave <= 2.01 * wave[-1]
-    end, deviation = _fit_slope(-np.log(wave[last]), np.log(density[last]), chance[last])
-    candidates = [_find_flattening(law, wave / spacing, density, chance) for law in laws]
-    candidates.append(_find_rise(wave / spacing, density, chance))
-    if end - 2 * deviation > -_MIN_ALIASED_SURFACE_EXPONENT:
-        candidates.append(int(np.argmin(np.where(last, density, math.inf))))
-    if not any(bin_ is not None for bin_ in candidates):
-        return nothing
-    place = min(place for place in candidates if place is not None)
-    higher = np.flatnonzero(density[: place + 1] >= _MIN_TRUSTED_DENSITY_RATIO * density[place])
-    trusted = int(higher[-1]) if higher.size else 0
-    limit = math.sqrt(wave[trusted] * wave[min(trusted + 1, place)])
-    rising = place + np.flatnonzero(density[place:] > 2 * density[place])
-    if rising.size:
-        limit = max(limit, CUTOFF_WAVELENGTH_RATIO * float(wave[rising[0]]))
-    if rising.size and np.sum(density[place:] > density[place:].max() / 4) <= 2:
+    chance = (1.0 if periodic else HANN_VARIANCE_FACTOR) / counts
+    window_fits = [
+        list(_fit_window_exponents(-np.log(wavelengths), np.log(density), chance, width)) for width in _WINDOW_OCTAVES
+    ]
+    if _fit_slope(-np.log(wavelengths), np.log(density), chance)[0] > -_MAX_FLAT_EXPONENT:
+        return float(wavelengths[0]), "noise floor"
+    is_last_octave = wavelengths <= 2.01 * wavelengths[-1]
+    last_exponent, deviation = _fit_slope(
+        -np.log(wavelengths[is_last_octave]), np.log(density[is_last_octave]), chance[is_last_octave]
+    )
+    candidate_bins = [
+        _find_flattening(window_fit, wavelengths / spacing, density, chance) for window_fit in window_fits
+    ]
+    candidate_bins.append(_find_rise(wavelengths / spacing, density, chance))
+    if last_exponent - 2 * deviation > -_MIN_ALIASED_SURFACE_EXPONENT:
+        candidate_bins.append(int(np.argmin(np.where(is_last_octave, density, math.inf))))
+    if not any(bin_ is not None for bin_ in candidate_bins):
+        return no_noise
+    noisy_bin = min(noisy_bin for noisy_bin in candidate_bins if noisy_bin is not None)
+    trusted_bins = np.flatnonzero(density[: noisy_bin + 1] >= _MIN_TRUSTED_DENSITY_RATIO * density[noisy_bin])
+    last_trusted_bin = int(trusted_bins[-1]) if trusted_bins.size else 0
+    limit = math.sqrt(wavelengths[last_trusted_bin] * wavelengths[min(last_trusted_bin + 1, noisy_bin)])
+    rising_bins = noisy_bin + np.flatnonzero(density[noisy_bin:] > 2 * density[noisy_bin])
+    if rising_bins.size:
+        limit = max(limit, CUTOFF_WAVELENGTH_RATIO * float(wavelengths[rising_bins[0]]))
+    if rising_bins.size and np.sum(density[noisy_bin:] > density[noisy_bin:].max() / 4) <= 2:
         return limit, "line"
-    if _is_noise_floor(wave, density, chance, limit):
+    if _is_noise_floor(wavelengths, density, chance, limit):
         return limit, "noise floor"
-    if rising.size and wave[rising[0]] < 1.4 * wave[-1]:
+    if rising_bins.size and wavelengths[rising_bins[0]] < 1.4 * wavelengths[-1]:
         return limit, "roll-up"
     return limit, "hump"
 
@@ -633,16 +682,16 @@ def _fit_slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:
     return float(weight @ (deviation * y)) / square, 1 / math.sqrt(square)
 
 
-def _is_noise_floor(wave: Floats, density: Floats, chance: Floats, limit: float) -> bool:
+def _is_noise_floor(wavelengths: Floats, density: Floats, chance: Floats, limit: float) -> bool:
     """Return True if a spectrum is nearly flat below the wavelength `limit` (µm), and flat in its shortest octave."""
-    for max_wave, max_exponent in (
+    for max_wavelength, max_exponent in (
         (_NOISE_WAVELENGTH_RATIO * limit, _MAX_FLOOR_EXPONENT),
-        (2.01 * float(wave[-1]), _MAX_FLAT_EXPONENT),
+        (2.01 * float(wavelengths[-1]), _MAX_FLAT_EXPONENT),
     ):
-        selected = wave < max_wave
+        selected = wavelengths < max_wavelength
         if selected.sum() < _NOISE_BINS_PER_OCTAVE // 2:
             return False
-        x, y, variance = -np.log(wave[selected]), np.log(density[selected]), chance[selected]
+        x, y, variance = -np.log(wavelengths[selected]), np.log(density[selected]), chance[selected]
         slope, deviation = _fit_slope(x, y, variance)
         weight = 1 / (variance + 0.01)
         scatter = np.square(y - np.average(y, weights=weight)) - variance
@@ -669,14 +718,14 @@ def _fit_window_exponents(
 
 
 def _find_flattening(
-    law: list[tuple[int, int, float, float]], points: Floats, density: Floats, chance: Floats
+    window_fits: list[tuple[int, int, float, float]], points: Floats, density: Floats, chance: Floats
 ) -> int | None:
     """Return the bin of lowest density where a decreasing spectrum becomes flatter than the spectrum of any surface.
 
     Returns None if there is no such bin.
     """
     has_fallen = False
-    for first, end, exponent, deviation in law:
+    for first, end, exponent, deviation in window_fits:
         if exponent + _MIN_EXPONENT_DEVIATIONS * deviation < -1:
             has_fallen = True
         elif has_fallen and exponent - _MIN_EXPONENT_DEVIATIONS * deviation > -1:
@@ -688,24 +737,27 @@ def _find_flattening(
 
 def _find_rise(points: Floats, density: Floats, chance: Floats) -> int | None:
     """Return the bin of lowest density before a strong rise at short wavelengths, or None if there is no rise."""
-    lowest, lowest_bin = math.inf, 0
-    for bin_ in np.flatnonzero(chance < 1 / 4):
+    lowest_density, lowest_bin = math.inf, 0
+    for bin_index in np.flatnonzero(chance < 1 / 4):
         if (
-            points[bin_] <= _MAX_HUMP_WAVELENGTH_POINTS
+            points[bin_index] <= _MAX_HUMP_WAVELENGTH_POINTS
             and lowest_bin
-            and density[bin_] > max(_MIN_RISE_DENSITY_RATIO, 1 + 5 * math.sqrt(chance[bin_])) * lowest
+            and density[bin_index] > max(_MIN_RISE_DENSITY_RATIO, 1 + 5 * math.sqrt(chance[bin_index])) * lowest_density
         ):
             return lowest_bin
-        bound = float(density[bin_]) * (1 + 3 * math.sqrt(chance[bin_]))
-        if bound < lowest:
-            lowest, lowest_bin = bound, int(bin_)
+        upper_density = float(density[bin_index]) * (1 + 3 * math.sqrt(chance[bin_index]))
+        if upper_density < lowest_density:
+            lowest_density, lowest_bin = upper_density, int(bin_index)
     return None
 
 
 def _is_quantised(body: Profile | Surface) -> bool:
     """Return True if the heights of a body have so few levels that rounding explains the noise."""
-    steps = np.diff(np.unique(body.heights))
-    bends = float(np.square(np.diff(body.heights, 2)).mean())
+    level_steps = np.diff(np.unique(body.heights))
+    mean_square_second_difference = float(np.square(np.diff(body.heights, 2)).mean())
     # Rounding to a step s has the variance s²/12.
     # Second differences of white noise have six times the variance of the noise.
-    return bool(steps.size < body.heights.size / 4 and np.median(steps) ** 2 / 2 > _MIN_QUANTISATION_FRACTION * bends)
+    return bool(
+        level_steps.size < body.heights.size / 4
+        and np.median(level_steps) ** 2 / 2 > _MIN_QUANTISATION_FRACTION * mean_square_second_difference
+    )

@@ -90,9 +90,9 @@ class SectionFilters:
 
     def __repr__(self) -> str:
         """Return one line with the cutoffs (µm), the number of sections and the reason for choosing them."""
-        shortest = "no ls" if self.ls is None else f"ls {self.ls:g} µm"
-        kind = ", robust" if self.robust else ""
-        return f"SectionFilters: lc {self.lc:g} µm, {shortest}, {self.sections} sections{kind}; {self.reason}"
+        ls_text = "no ls" if self.ls is None else f"ls {self.ls:g} µm"
+        robust_text = ", robust" if self.robust else ""
+        return f"SectionFilters: lc {self.lc:g} µm, {ls_text}, {self.sections} sections{robust_text}; {self.reason}"
 
 
 @dataclass(frozen=True, repr=False)
@@ -119,9 +119,9 @@ class SectionParameters(ParameterSet):
 
     def _extra_rows(self) -> dict[str, str]:
         filters = self.filters
-        short_cutoff_given = "none" if filters.ls is None else format_with_unit(filters.ls, "µm")
-        lengths = f"λc {format_with_unit(filters.lc, 'µm')}, λs {short_cutoff_given}, {filters.sections} sections"
-        return super()._extra_rows() | {"filters": f"{lengths}: {filters.reason}"}
+        ls_text = "none" if filters.ls is None else format_with_unit(filters.ls, "µm")
+        settings_text = f"λc {format_with_unit(filters.lc, 'µm')}, λs {ls_text}, {filters.sections} sections"
+        return super()._extra_rows() | {"filters": f"{settings_text}: {filters.reason}"}
 
 
 def section_parameters(
@@ -197,15 +197,15 @@ def section_parameters(
     check_choice("derivative", derivative, Derivative)
     check_bool("robust", robust)
     sections = validate_whole_number("sections", sections, minimum=1)
-    short_cutoff_given = None if ls is None else validate_number("ls", ls, unit="µm")
-    if short_cutoff_given is not None and short_cutoff_given < 0:
+    short_cutoff = None if ls is None else validate_number("ls", ls, unit="µm")
+    if short_cutoff is not None and short_cutoff < 0:
         raise ValueError(f"ls must be 0 or above, got {ls!r}")
     if lc is not None:
         result = _compute_with_cutoff(
-            profile, validate_number("lc", lc, unit="µm", above=0), short_cutoff_given, sections, robust, derivative
+            profile, validate_number("lc", lc, unit="µm", above=0), short_cutoff, sections, robust, derivative
         )
         return result
-    return _compute_with_matching_class(profile, short_cutoff_given, sections, robust, derivative)
+    return _compute_with_matching_class(profile, short_cutoff, sections, robust, derivative)
 
 
 def _compute_with_matching_class(
@@ -216,12 +216,12 @@ def _compute_with_matching_class(
     if lengths[0] > profile.extent * ROUND_OFF_FACTOR:
         raise SectionLengthError(_too_short_message(profile, lengths[0]))
     min_length, max_length = _min_section_length(profile.spacing), profile.extent * ROUND_OFF_FACTOR
-    fitting = [
+    possible_classes = [
         index
         for index, length in enumerate(lengths)
         if min_length <= length * ROUND_OFF_FACTOR and length <= max_length
     ]
-    if not fitting:
+    if not possible_classes:
         raise SectionLengthError(_too_coarse_message(profile))
     results_by_class: dict[int, SectionParameters] = {}
 
@@ -231,24 +231,26 @@ def _compute_with_matching_class(
             lc = SETTING_CLASSES[index].section_length
             results_by_class[index] = _compute_with_cutoff(profile, lc, ls, sections, robust, derivative)
         result = results_by_class[index]
-        by_height = next(k for k, setting in enumerate(SETTING_CLASSES) if result.Ra <= setting.largest_mean_height)
-        by_element = next(k for k, item in enumerate(SETTING_CLASSES) if not result.RSm > item.largest_element)
-        return max(by_height, by_element)
+        class_by_height = next(
+            k for k, setting in enumerate(SETTING_CLASSES) if result.Ra <= setting.largest_mean_height
+        )
+        class_by_element = next(k for k, item in enumerate(SETTING_CLASSES) if not result.RSm > item.largest_element)
+        return max(class_by_height, class_by_element)
 
-    index, visited = min(fitting, key=lambda item: abs(item - _INITIAL_SETTING_CLASS)), set[int]()
-    while (targets := find_matching_class(index)) != index and index not in visited:
+    index, visited = min(possible_classes, key=lambda item: abs(item - _INITIAL_SETTING_CLASS)), set[int]()
+    while (matching_class := find_matching_class(index)) != index and index not in visited:
         visited.add(index)
-        following = index + 1 if targets > index else index - 1
-        if following not in fitting:
-            remedy = _too_short_remedy(profile) if targets > index else _too_coarse_message(profile)
+        next_class = index + 1 if matching_class > index else index - 1
+        if next_class not in possible_classes:
+            remedy = _too_short_remedy(profile) if matching_class > index else _too_coarse_message(profile)
             raise SectionLengthError(
                 f"{_format_reasons(results_by_class[index])} require a section length of "
-                f"{_format_length(lengths[targets])}; {remedy}"
+                f"{_format_length(lengths[matching_class])}; {remedy}"
             )
-        index = following
-    if targets != index:  # two classes lead to each other, so neither of them is consistent
+        index = next_class
+    if matching_class != index:  # two classes lead to each other, so neither of them is consistent
         index = max(index, max(visited & {index - 1, index, index + 1}))
-    elif index - 1 in fitting and find_matching_class(index - 1) == index - 1:
+    elif index - 1 in possible_classes and find_matching_class(index - 1) == index - 1:
         index -= 1
     result = results_by_class[index]
     reason = f"{SETTING_CLASSES[index].name} of ISO 21920-3, for {_format_reasons(result)}"
@@ -257,8 +259,8 @@ def _compute_with_matching_class(
 
 def _format_reasons(parameters: SectionParameters) -> str:
     """Format Ra and RSm as the reasons for choosing a setting class."""
-    elements = "" if math.isnan(parameters.RSm) else f" and RSm {format_with_unit(parameters.RSm, 'µm')}"
-    return f"Ra {format_with_unit(parameters.Ra, 'µm')}{elements}"
+    spacing_text = "" if math.isnan(parameters.RSm) else f" and RSm {format_with_unit(parameters.RSm, 'µm')}"
+    return f"Ra {format_with_unit(parameters.Ra, 'µm')}{spacing_text}"
 
 
 def _format_length(length: float) -> str:
@@ -307,34 +309,35 @@ def _compute_with_cutoff(
         raise ValueError(f"ls must be 0, or between {2 * spacing:g} µm (two points) and {lc:g} µm (lc), got {ls:g} µm")
     primary = profile if not ls else profile.changed(gaussian_mean(profile, ls), "S-filter")
     waviness = robust_mean(primary, lc) if robust else gaussian_mean(primary, lc)
-    count = min(sections, math.floor(profile.extent / lc * ROUND_OFF_FACTOR))
-    points = min(round(count * lc / spacing), len(profile))
+    section_count = min(sections, math.floor(profile.extent / lc * ROUND_OFF_FACTOR))
+    points = min(round(section_count * lc / spacing), len(profile))
     start = (len(profile) - points) // 2
-    inside = slice(start, start + points)
-    roughness = (primary.heights - waviness)[inside]
-    ends = [min(round(index * lc / spacing), points) for index in range(count + 1)]
-    values = {f"R{stem}": value for stem, value in _roughness_values(roughness, ends, spacing, derivative).items()} | {
-        f"W{stem}": value for stem, value in _waviness_values(waviness, spacing, derivative).items()
-    }
+    evaluation_range = slice(start, start + points)
+    roughness = (primary.heights - waviness)[evaluation_range]
+    section_ends = [min(round(index * lc / spacing), points) for index in range(section_count + 1)]
+    values = {
+        f"R{stem}": value for stem, value in _roughness_values(roughness, section_ends, spacing, derivative).items()
+    } | {f"W{stem}": value for stem, value in _waviness_values(waviness, spacing, derivative).items()}
     names = [parameter.name for letter in "RW" for parameter in PROFILE_PARAMETERS[letter]]
     reason = f"lc{' and ls' * is_ls_given} given"
-    filters = SectionFilters(lc, ls or None, count, robust, start, start + points, reason)
+    filters = SectionFilters(lc, ls or None, section_count, robust, start, start + points, reason)
     return SectionParameters({name: values[name] for name in names}, describe_levelling(profile.history), filters)
 
 
 def _roughness_values(z: Floats, ends: list[int], spacing: float, derivative: Derivative) -> dict[str, float]:
-    pieces = [z[start:stop] for start, stop in itertools.pairwise(ends)]
-    peak, pit = (float(np.mean([(sign * piece).max() for piece in pieces])) for sign in (1, -1))
-    mean_spacing, tall = mean_profile_element(z, peak, pit)
-    stratified, (upper, lower) = core_parameters(z), heights_at_ratios(z, _RDC_MATERIAL_RATIOS).tolist()
+    section_heights = [z[start:stop] for start, stop in itertools.pairwise(ends)]
+    peak, pit = (float(np.mean([(sign * heights).max() for heights in section_heights])) for sign in (1, -1))
+    mean_spacing, mean_height = mean_profile_element(z, peak, pit)
+    core, (upper, lower) = core_parameters(z), heights_at_ratios(z, _RDC_MATERIAL_RATIOS).tolist()
     values: dict[str, Any] = {
-        "z": peak + pit, "p": peak, "v": pit, "Sm": mean_spacing * spacing, "c": tall, "mr": float(np.mean(z > 0)),
-        "dc": upper - lower, "k": stratified.height, "pk": stratified.peaks, "vk": stratified.valleys,
-        "mrk1": stratified.upper_ratio, "mrk2": stratified.lower_ratio,
+        "z": peak + pit, "p": peak, "v": pit, "Sm": mean_spacing * spacing, "c": mean_height,
+        "mr": float(np.mean(z > 0)),
+        "dc": upper - lower, "k": core.height, "pk": core.peaks, "vk": core.valleys,
+        "mrk1": core.upper_ratio, "mrk2": core.lower_ratio,
     }  # fmt: skip
     return height_and_slope_parameters(z, spacing, derivative) | values
 
 
 def _waviness_values(z: Floats, spacing: float, derivative: Derivative) -> dict[str, float]:
-    mean_spacing, tall = mean_profile_element(z, float(z.max()), float(-z.min()))
-    return height_and_slope_parameters(z, spacing, derivative) | {"Sm": mean_spacing * spacing, "c": tall}
+    mean_spacing, mean_height = mean_profile_element(z, float(z.max()), float(-z.min()))
+    return height_and_slope_parameters(z, spacing, derivative) | {"Sm": mean_spacing * spacing, "c": mean_height}

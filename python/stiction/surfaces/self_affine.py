@@ -121,11 +121,11 @@ def self_affine(
     wave_number = 2 * math.pi / (period * spacing) * np.arange(1, harmonics + 1)
     power = np.maximum(wave_number * longest / (2 * math.pi), 1.0) ** (-1 - 2 * hurst)
     power /= power.sum()
-    random = random_phases(seed, repetition=repetition, side=side, directions=harmonics, frequencies=2)
+    random_values = random_phases(seed, repetition=repetition, side=side, directions=harmonics, frequencies=2)
     if amplitudes == "rayleigh":
-        power *= -np.log1p(-random[:, 1] / (2 * math.pi))
+        power *= -np.log1p(-random_values[:, 1] / (2 * math.pi))
     transform = np.zeros(period // 2 + 1, dtype=np.complex128)
-    transform[1 : harmonics + 1] = rms * period / 2 * np.sqrt(2 * power) * np.exp(1j * random[:, 0])
+    transform[1 : harmonics + 1] = rms * period / 2 * np.sqrt(2 * power) * np.exp(1j * random_values[:, 0])
     return Profile(np.fft.irfft(transform, period)[:points], spacing=spacing)
 
 
@@ -218,10 +218,10 @@ def self_affine_surface(
 
     hurst, rms = _check_exponent_and_rms(hurst_exponent, rms)
     rows, columns = parse_shape(shape, least=4)
-    along_y, along_x = parse_lengths("spacing", spacing)
-    extent_y, extent_x = rows * along_y, columns * along_x
+    spacing_y, spacing_x = parse_lengths("spacing", spacing)
+    extent_y, extent_x = rows * spacing_y, columns * spacing_x
     longer = max(extent_y, extent_x)
-    shortest = _check_shortest_wavelength(shortest_wavelength, 2 * max(along_y, along_x), "larger spacing")
+    shortest = _check_shortest_wavelength(shortest_wavelength, 2 * max(spacing_y, spacing_x), "larger spacing")
     longest = longer
     if longest_wavelength is not None:
         longest = validate_number("longest_wavelength", longest_wavelength, unit="µm", above=shortest)
@@ -231,40 +231,42 @@ def self_affine_surface(
     seed = validate_whole_number("seed", seed, minimum=0)
     repetition = validate_whole_number("repetition", repetition, minimum=0)
 
-    along = [
+    max_orders = [
         min((size - 1) // 2, int(extent / shortest * ROUND_OFF_FACTOR))
         for size, extent in ((columns, extent_x), (rows, extent_y))
     ]
     # The indices are 0, 1, -1, 2, -2 and so on.
     # In this order, the random numbers of a wave vector do not depend on the grid.
-    order = np.arange(1, 2 * along[1] + 2)
+    order = np.arange(1, 2 * max_orders[1] + 2)
     j = np.where(order % 2 == 0, order // 2, -(order // 2))
     transform = np.zeros((rows, columns // 2 + 1), dtype=np.complex128)
     power = 0.0
-    for i in range(along[0] + 1):
+    for i in range(max_orders[0] + 1):
         # wave number relative to the wave number of the longest wavelength
-        q = longest * np.hypot(i / extent_x, j / extent_y)
-        selected = q * shortest <= longest * ROUND_OFF_FACTOR
+        relative_wave_number = longest * np.hypot(i / extent_x, j / extent_y)
+        selected = relative_wave_number * shortest <= longest * ROUND_OFF_FACTOR
         if i == 0:
             selected &= j > 0  # the coefficients with j < 0 are complex conjugates
         count = int(np.flatnonzero(selected)[-1]) + 1 if selected.any() else 0
         if count == 0:
             continue
-        words = np.random.PCG64(np.random.SeedSequence([seed, repetition, SIDE_SEED_KEYS[side], i])).random_raw(
+        random_words = np.random.PCG64(np.random.SeedSequence([seed, repetition, SIDE_SEED_KEYS[side], i])).random_raw(
             2 * count
         )
-        uniform = (words >> np.uint64(11)).astype(np.float64).reshape(count, 2) / 2**53
+        uniform_numbers = (random_words >> np.uint64(11)).astype(np.float64).reshape(count, 2) / 2**53
         selected = selected[:count]
-        phase, draw = uniform[selected].T
-        waves = j[:count][selected]
-        square = np.maximum(q[:count][selected], 1.0) ** (-2 - 2 * hurst) * -np.log1p(-draw)
-        power += float(square.sum()) / 2
-        wave = np.sqrt(square) * np.exp(2j * math.pi * phase)
-        transform[waves, i] = wave
+        phase, amplitude_number = uniform_numbers[selected].T
+        orders_y = j[:count][selected]
+        squared_amplitude = np.maximum(relative_wave_number[:count][selected], 1.0) ** (-2 - 2 * hurst) * -np.log1p(
+            -amplitude_number
+        )
+        power += float(squared_amplitude.sum()) / 2
+        coefficients = np.sqrt(squared_amplitude) * np.exp(2j * math.pi * phase)
+        transform[orders_y, i] = coefficients
         if i == 0:
-            transform[-waves, i] = wave.conj()
+            transform[-orders_y, i] = coefficients.conj()
     if not power > 0:
         raise ValueError(f"shortest_wavelength must be at most the longer side, {longer:g} µm, got {shortest:g}")
     transform *= rms / math.sqrt(power) * rows * columns / 2
     heights = irfft2(transform, (rows, columns), overwrite_x=True)
-    return Surface(read_only(heights), spacing=(along_y, along_x))
+    return Surface(read_only(heights), spacing=(spacing_y, spacing_x))

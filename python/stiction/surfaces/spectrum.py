@@ -95,9 +95,13 @@ def _average_in_bins(per_decade: int, q: Floats, density: Floats, count: Floats)
     # Harmonics are multiples of the first harmonic.
     # The summand 1e-9 prevents round-off from moving a harmonic at an exact decade to another bin.
     _, index = np.unique(np.floor(per_decade * np.log10(q / q[0]) + 1e-9), return_inverse=True)
-    number = np.bincount(index, count).astype(np.float64)
-    middle = np.exp(np.bincount(index, count * np.log(q)) / number)
-    return read_only(middle), read_only(np.bincount(index, count * density) / number), read_only(number)
+    total_count = np.bincount(index, count).astype(np.float64)
+    mean_wave_number = np.exp(np.bincount(index, count * np.log(q)) / total_count)
+    return (
+        read_only(mean_wave_number),
+        read_only(np.bincount(index, count * density) / total_count),
+        read_only(total_count),
+    )
 
 
 def power_spectrum(
@@ -253,16 +257,18 @@ def spectral_moments(
             f"longest_wavelength must be above shortest_wavelength, {shortest:g} µm, got {longest_wavelength!r}"
         )
     spectrum = power_spectrum(profile, periodic=periodic)
-    selected = is_within_wavelength_band(spectrum.wave_number, shortest, longest_wavelength)
-    if not selected.any():
+    is_in_band = is_within_wavelength_band(spectrum.wave_number, shortest, longest_wavelength)
+    if not is_in_band.any():
         raise ValueError(
             "the band from shortest_wavelength to longest_wavelength must contain a wavelength of the profile "
             f"({2 * profile.spacing:g} to {profile.extent:g} µm), got {shortest:g} to {longest_wavelength:g} µm"
         )
-    part = PowerSpectrum(
-        spectrum.wave_number[selected], spectrum.density[selected], spectrum.count[selected], spectrum.resolution
+    band_spectrum = PowerSpectrum(
+        spectrum.wave_number[is_in_band], spectrum.density[is_in_band], spectrum.count[is_in_band], spectrum.resolution
     )
-    return ProfileMoments(height=part.moment(0), slope=part.moment(2), curvature=part.moment(4))
+    return ProfileMoments(
+        height=band_spectrum.moment(0), slope=band_spectrum.moment(2), curvature=band_spectrum.moment(4)
+    )
 
 
 def is_within_wavelength_band(wave_number: Floats, shortest: float, longest: float) -> NDArray[np.bool_]:
@@ -346,9 +352,14 @@ class SurfaceSpectrum(TextRepr):
         Transactions A 249 (1957) 321; Nayak, Journal of Lubrication Technology 93 (1971) 398.
         """
         angle = math.radians(validate_number("direction", direction))
-        along = self.wave_number_x * math.cos(angle) + self.wave_number_y[:, np.newaxis] * math.sin(angle)
-        steps = [float(value[1] - value[0]) for value in (self.wave_number_y, self.wave_number_x)]
-        square, weight = np.square(along), self.density * (steps[0] * steps[1] / (4 * math.pi**2))
+        wave_number_along = self.wave_number_x * math.cos(angle) + self.wave_number_y[:, np.newaxis] * math.sin(angle)
+        resolutions = [
+            float(wave_numbers[1] - wave_numbers[0]) for wave_numbers in (self.wave_number_y, self.wave_number_x)
+        ]
+        square, weight = (
+            np.square(wave_number_along),
+            self.density * (resolutions[0] * resolutions[1] / (4 * math.pi**2)),
+        )
         return ProfileMoments(
             height=float(weight.sum()),
             slope=float((square * weight).sum()),
@@ -368,9 +379,9 @@ class SurfaceSpectrum(TextRepr):
 
         with the moments of the slope spectrum: the principal axis of the mean square slope.
         """
-        along_x, between, along_y = (self.moments(angle).slope for angle in (0.0, 45.0, 90.0))
-        twice = math.atan2(2 * between - along_x - along_y, along_x - along_y)
-        return math.degrees(twice) / 2 % 180
+        along_x, along_diagonal, along_y = (self.moments(angle).slope for angle in (0.0, 45.0, 90.0))
+        double_angle = math.atan2(2 * along_diagonal - along_x - along_y, along_x - along_y)
+        return math.degrees(double_angle) / 2 % 180
 
     def waves(self) -> tuple[Floats, Floats, Floats]:
         """Return wave number, direction (degrees from +x towards +y, 0 to 180) and density of every wave vector.
@@ -378,15 +389,18 @@ class SurfaceSpectrum(TextRepr):
         Wave numbers are limited to the smaller Nyquist wave number, up to which all directions exist, and are in
         ascending order.
         """
-        y, x = self.wave_number_y[:, np.newaxis], self.wave_number_x
-        q = np.hypot(y, x)
-        limit = min(float(-value[0]) if value.size % 2 == 0 else float(value[-1]) for value in (y[:, 0], x))
+        q_y, q_x = self.wave_number_y[:, np.newaxis], self.wave_number_x
+        q = np.hypot(q_y, q_x)
+        limit = min(
+            float(-wave_numbers[0]) if wave_numbers.size % 2 == 0 else float(wave_numbers[-1])
+            for wave_numbers in (q_y[:, 0], q_x)
+        )
         # Opposite wave vectors describe the same wave, so only one of them is used.
-        selected = ((y > 0) | ((y == 0) & (x > 0))) & (q < limit * (1 - 1e-9))
+        selected = ((q_y > 0) | ((q_y == 0) & (q_x > 0))) & (q < limit * (1 - 1e-9))
         order = np.argsort(q[selected], kind="stable")
-        angle = np.degrees(np.arctan2(np.broadcast_to(y, q.shape)[selected], np.broadcast_to(x, q.shape)[selected]))[
-            order
-        ]
+        angle = np.degrees(
+            np.arctan2(np.broadcast_to(q_y, q.shape)[selected], np.broadcast_to(q_x, q.shape)[selected])
+        )[order]
         return q[selected][order], angle % 180, self.density[selected][order]
 
     def radial(self, per_decade: int = 10) -> RadialSpectrum:
@@ -468,10 +482,10 @@ def areal_spectrum(heights: Floats, spacing: tuple[float, float], *, windowed: b
     from scipy.fft import fft2, fftshift
 
     if windowed:
-        along_y, along_x = (
+        window_y, window_x = (
             (1 - np.cos(2 * math.pi * np.arange(points) / points)) / math.sqrt(1.5) for points in heights.shape
         )
-        heights = heights * along_y[:, np.newaxis] * along_x
+        heights = heights * window_y[:, np.newaxis] * window_x
     transform = fftshift(fft2(heights))
     density = (transform.real**2 + transform.imag**2) * (spacing[0] * spacing[1] / heights.size)
     q_y, q_x = (
@@ -493,14 +507,21 @@ def find_spectral_peak(spectrum: PowerSpectrum, *, lines: int = 1) -> tuple[floa
     bins = spectrum.in_bins(_PEAK_BINS_PER_DECADE)
     density = np.maximum(bins.density, np.finfo(float).tiny)
     size = density.size
-    reach = np.minimum(np.minimum(np.arange(size), np.arange(size)[::-1]), _PEAK_WINDOW_BINS)
-    level = np.array([np.median(density[index - item : index + item + 1]) for index, item in enumerate(reach)])
-    excess = density / level
-    chance = 1 + 5 * np.sqrt(2 / (bins.count * lines))
-    peaks = (reach >= _PEAK_WINDOW_BINS // 2) & (excess > np.maximum(3.0, chance))
-    if not peaks.any():
+    half_widths = np.minimum(np.minimum(np.arange(size), np.arange(size)[::-1]), _PEAK_WINDOW_BINS)
+    median_density = np.array(
+        [
+            np.median(density[index - half_width : index + half_width + 1])
+            for index, half_width in enumerate(half_widths)
+        ]
+    )
+    density_ratio = density / median_density
+    chance_ratio = 1 + 5 * np.sqrt(2 / (bins.count * lines))
+    is_peak = (half_widths >= _PEAK_WINDOW_BINS // 2) & (density_ratio > np.maximum(3.0, chance_ratio))
+    if not is_peak.any():
         return None
-    power = bins.wave_number**4 * density * bins.count
-    fraction = float((power - power / excess)[peaks].sum() / power.sum())
-    highest = int(np.argmax(np.where(peaks, excess, 0)))
-    return 2 * math.pi / float(bins.wave_number[highest]), fraction
+    power_contributions = bins.wave_number**4 * density * bins.count
+    fraction = float(
+        (power_contributions - power_contributions / density_ratio)[is_peak].sum() / power_contributions.sum()
+    )
+    highest_bin = int(np.argmax(np.where(is_peak, density_ratio, 0)))
+    return 2 * math.pi / float(bins.wave_number[highest_bin]), fraction

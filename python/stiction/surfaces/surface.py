@@ -114,10 +114,10 @@ class Surface(Body):
 
 def parse_lengths(name: str, value: Any) -> tuple[float, float]:
     """Parse positive lengths along y and x. They are given as a pair, or as one number for both axes."""
-    pair = value if isinstance(value, (tuple, list)) or np.ndim(value) > 0 else (value, value)
-    if len(pair) != 2:
+    lengths = value if isinstance(value, (tuple, list)) or np.ndim(value) > 0 else (value, value)
+    if len(lengths) != 2:
         raise ValueError(f"{name} must be a number or a pair (y, x), got {short_repr(value)}")
-    along_y, along_x = (validate_number(name, item, unit="µm", above=0) for item in pair)
+    along_y, along_x = (validate_number(name, item, unit="µm", above=0) for item in lengths)
     return along_y, along_x
 
 
@@ -142,7 +142,7 @@ def as_body(name: str, given: Any, *kinds: type[Body], spacing: Any = None, unit
         If `given` has another type, or is an array without a spacing.
     """
     allowed = kinds or (Profile, Surface)
-    words = " or a ".join(kind.__name__ for kind in allowed)
+    kind_text = " or a ".join(kind.__name__ for kind in allowed)
     if isinstance(given, allowed):
         if spacing is not None:
             raise ValueError(
@@ -152,14 +152,14 @@ def as_body(name: str, given: Any, *kinds: type[Body], spacing: Any = None, unit
     is_array = isinstance(given, (np.ndarray, list, tuple))
     if not is_array or spacing is None:
         hint = "; make one by " + " or ".join(f"{kind.__name__}(z, spacing=...)" for kind in allowed)
-        raise ValueError(f"{name} must be a {words}, got {type(given).__name__}{hint if is_array else ''}")
+        raise ValueError(f"{name} must be a {kind_text}, got {type(given).__name__}{hint if is_array else ''}")
     if unit not in LENGTH_UNITS:
         raise ValueError(f"unit must be a unit of length, such as um or nm, got {short_repr(unit)}")
     heights = float_array(name, given) * float(LENGTH_UNITS[unit])
     for kind in allowed:
         if kind._ndim == heights.ndim:
             return kind(heights, spacing=spacing, history=("given as an array",))
-    raise ValueError(f"{name} must be a {words}, got an array of shape {heights.shape}")
+    raise ValueError(f"{name} must be a {kind_text}, got an array of shape {heights.shape}")
 
 
 def as_bodies(upper: Any, lower: Any, *, spacing: Any = None, unit: str = "um") -> tuple[Any, Any]:
@@ -185,10 +185,10 @@ def parse_shape(shape: Any, *, least: int) -> tuple[int, int]:
 
 def reject_flat(body: Profile | Surface) -> None:
     """Raise a `ValueError` for a flat body, or for heights whose powers overflow or underflow."""
-    name, height = type(body).__name__.lower(), float(np.ptp(body.heights))
+    kind_name, height = type(body).__name__.lower(), float(np.ptp(body.heights))
     if height == 0:
-        raise ValueError(f"{name} must not be flat, because a flat {name} has no roughness")
+        raise ValueError(f"{kind_name} must not be flat, because a flat {kind_name} has no roughness")
     if not _MIN_HEIGHT < height < 1 / _MIN_HEIGHT:
         raise ValueError(
-            f"the height of the {name} must be between {_MIN_HEIGHT:g} and {1 / _MIN_HEIGHT:g} µm, got {height:g}"
+            f"the height of the {kind_name} must be between {_MIN_HEIGHT:g} and {1 / _MIN_HEIGHT:g} µm, got {height:g}"
         )

@@ -96,18 +96,22 @@ def surrogate(
         # The mirror image extends the profile without a jump, and halves the distance between harmonics.
         # Every second harmonic of the extended profile is a harmonic of the original profile.
         # The power of each remaining harmonic is split equally between its two neighbours.
-        image = np.abs(np.fft.rfft(np.concatenate([heights, heights[::-1]]))) ** 2 / 2
-        image = np.append(image, image[-2])
-        actual = 2 * np.arange(points // 2 + 1)
-        amplitude = np.sqrt(image[actual] / 2 + image[np.abs(actual - 1)] / 4 + image[actual + 1] / 4)
+        mirrored_power = np.abs(np.fft.rfft(np.concatenate([heights, heights[::-1]]))) ** 2 / 2
+        mirrored_power = np.append(mirrored_power, mirrored_power[-2])
+        harmonic_indices = 2 * np.arange(points // 2 + 1)
+        amplitude = np.sqrt(
+            mirrored_power[harmonic_indices] / 2
+            + mirrored_power[np.abs(harmonic_indices - 1)] / 4
+            + mirrored_power[harmonic_indices + 1] / 4
+        )
     phases = random_phases(seed, repetition=repetition, side=side, directions=points // 2, frequencies=1)[:, 0]
     transform = np.zeros(points // 2 + 1, dtype=np.complex128)
     transform[1:] = amplitude[1:] * np.exp(1j * phases)
     if points % 2 == 0:
         transform[-1] = math.copysign(amplitude[-1], math.cos(phases[-1]))
-    made = np.fft.irfft(transform, points)
-    made *= math.sqrt(np.mean(heights**2) / np.mean(made**2))
-    return Profile(made + mean, spacing=profile.spacing)  # type: ignore[return-value]
+    surrogate_heights = np.fft.irfft(transform, points)
+    surrogate_heights *= math.sqrt(np.mean(heights**2) / np.mean(surrogate_heights**2))
+    return Profile(surrogate_heights + mean, spacing=profile.spacing)  # type: ignore[return-value]
 
 
 def _surface_surrogate(surface: Surface, seed: int, repetition: int, side: Side, periodic: bool) -> Surface:
@@ -119,9 +123,9 @@ def _surface_surrogate(surface: Surface, seed: int, repetition: int, side: Side,
     # Opposite wave vectors have opposite phases. Self-conjugate coefficients are real.
     opposite = np.roll(phases[::-1, ::-1], (1, 1), axis=(0, 1))
     heights = ifft2(amplitude * np.exp(1j * (phases - opposite))).real
-    actual = np.zeros((rows, columns), dtype=bool)
-    actual[np.ix_([0, rows // 2] if rows % 2 == 0 else [0], [0, columns // 2] if columns % 2 == 0 else [0])] = True
-    heights += ifft2(np.where(actual, amplitude * (np.sign(np.cos(phases)) - 1), 0)).real
+    is_real = np.zeros((rows, columns), dtype=bool)
+    is_real[np.ix_([0, rows // 2] if rows % 2 == 0 else [0], [0, columns // 2] if columns % 2 == 0 else [0])] = True
+    heights += ifft2(np.where(is_real, amplitude * (np.sign(np.cos(phases)) - 1), 0)).real
     heights *= surface.heights.std() / heights.std()
     return Surface(heights + surface.heights.mean(), spacing=surface.spacing)
 
@@ -228,16 +232,16 @@ def isotropic_surface(
     (1.28, 1.28)
     """
     profile = as_body("profile", profile, Profile)
-    limit = min(len(profile), _MAX_DEFAULT_SIDE_POINTS)
-    rows, columns = parse_shape((limit, limit) if shape is None else shape, least=4)
+    default_size = min(len(profile), _MAX_DEFAULT_SIDE_POINTS)
+    rows, columns = parse_shape((default_size, default_size) if shape is None else shape, least=4)
     edges, density, _ = _fit_ring_densities(profile, periodic)
     q_y, q_x = (2 * math.pi * np.fft.fftfreq(points, profile.spacing) for points in (rows, columns))
     q = np.hypot(q_y[:, np.newaxis], q_x)
-    ring = np.searchsorted(edges, q, side="right")  # index 0 is for wavelengths longer than the profile
-    power = np.concatenate([[0.0], density, density[-1:]])[ring] * (rows * columns / profile.spacing**2)
-    step = f"an isotropic surface of its spectrum, seed {seed}, repetition {repetition}"
+    ring_index = np.searchsorted(edges, q, side="right")  # index 0 is for wavelengths longer than the profile
+    power = np.concatenate([[0.0], density, density[-1:]])[ring_index] * (rows * columns / profile.spacing**2)
+    history_entry = f"an isotropic surface of its spectrum, seed {seed}, repetition {repetition}"
     heights, spacings = gaussian_heights(power, seed, repetition, side), (profile.spacing, profile.spacing)
-    return Surface(heights, spacing=spacings, history=(*profile.history, step))
+    return Surface(heights, spacing=spacings, history=(*profile.history, history_entry))
 
 
 def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> Floats:
@@ -245,11 +249,11 @@ def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> F
     from scipy.fft import ifft2
 
     rows, columns = power.shape
-    random = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=2 * columns)
-    phases, draws = random[:, :columns], random[:, columns:] / (2 * math.pi)
+    random_values = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=2 * columns)
+    phases, uniform_numbers = random_values[:, :columns], random_values[:, columns:] / (2 * math.pi)
     # The real part combines opposite wave vectors, which halves the power.
-    waves = np.sqrt(-2 * power * np.log1p(-draws)) * np.exp(1j * phases)
-    return np.asarray(ifft2(waves, overwrite_x=True).real)
+    coefficients = np.sqrt(-2 * power * np.log1p(-uniform_numbers)) * np.exp(1j * phases)
+    return np.asarray(ifft2(coefficients, overwrite_x=True).real)
 
 
 def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
@@ -259,57 +263,65 @@ def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Float
     reject_missing(profile, "an isotropic surrogate")
     spectrum = power_spectrum(profile, periodic=periodic)
     # Each harmonic represents the wave numbers up to half a step away on both sides.
-    k, step, limit = spectrum.wave_number, spectrum.resolution, math.pi / profile.spacing
-    bins = np.floor(_RINGS_PER_DECADE * np.log10(k / k[0]) + 1e-9)
-    first = np.flatnonzero(np.diff(bins, prepend=-1))
-    edges = np.append(k[first] - step / 2, limit)
-    index = np.searchsorted(edges, k, side="right") - 1
-    index = np.minimum(index, edges.size - 2)
-    count = np.bincount(index, spectrum.count).astype(np.float64)
-    measured = np.bincount(index, spectrum.count * spectrum.density) / count
+    wave_number, resolution, nyquist_wave_number = spectrum.wave_number, spectrum.resolution, math.pi / profile.spacing
+    bins = np.floor(_RINGS_PER_DECADE * np.log10(wave_number / wave_number[0]) + 1e-9)
+    first_harmonics = np.flatnonzero(np.diff(bins, prepend=-1))
+    edges = np.append(wave_number[first_harmonics] - resolution / 2, nyquist_wave_number)
+    bin_index = np.searchsorted(edges, wave_number, side="right") - 1
+    bin_index = np.minimum(bin_index, edges.size - 2)
+    count = np.bincount(bin_index, spectrum.count).astype(np.float64)
+    measured = np.bincount(bin_index, spectrum.count * spectrum.density) / count
     measured = np.maximum(measured, _ROUND_OFF_FRACTION * measured.max())
     # The corners of the grid belong to rings beyond the Nyquist wave number of both axes.
-    edges = np.append(edges, math.sqrt(2) * limit * (1 + 1e-9))
+    edges = np.append(edges, math.sqrt(2) * nyquist_wave_number * (1 + 1e-9))
     # Spectrum of a section through a surface with one ring of unit density, averaged over the harmonics of each bin.
-    reach = np.minimum(np.sqrt(np.maximum(edges**2 - k[:, np.newaxis] ** 2, 0)), limit)
-    of_harmonic = np.diff(reach, axis=1) / math.pi
-    fraction = np.zeros((count.size, edges.size - 1))
-    np.add.at(fraction, index, spectrum.count[:, np.newaxis] * of_harmonic)
-    fraction /= count[:, np.newaxis]
+    transverse_wave_number = np.minimum(
+        np.sqrt(np.maximum(edges**2 - wave_number[:, np.newaxis] ** 2, 0)), nyquist_wave_number
+    )
+    ring_responses = np.diff(transverse_wave_number, axis=1) / math.pi
+    response = np.zeros((count.size, edges.size - 1))
+    np.add.at(response, bin_index, spectrum.count[:, np.newaxis] * ring_responses)
+    response /= count[:, np.newaxis]
     density = np.full(edges.size - 1, 1.0)
     density[: measured.size] = measured / np.sqrt(edges[:-2] * edges[1:-1])
     density[-1] = density[-2]
-    density = _fit_densities(fraction, measured, count, density)
-    predicted = fraction @ density
+    density = _fit_densities(response, measured, count, density)
+    predicted = response @ density
     # Scale the densities so that the mean square slope of the profile is reproduced exactly.
-    squares = np.bincount(index, spectrum.count * k**2)
-    density *= float(squares @ measured / (squares @ predicted))
+    slope_weights = np.bincount(bin_index, spectrum.count * wave_number**2)
+    density *= float(slope_weights @ measured / (slope_weights @ predicted))
     return edges, density, np.append(count, 0.0)
 
 
 def _fit_densities(response: Floats, measured: Floats, count: Floats, density: Floats) -> Floats:
     """Fit densities in rings of wave vectors to the spectrum of a section, by maximum likelihood (Fisher scoring)."""
 
-    def cost(logarithm: Floats) -> float:
-        predicted = response @ np.exp(logarithm)
+    def cost(log_density: Floats) -> float:
+        predicted = response @ np.exp(log_density)
         return float(
             count @ (measured / predicted + np.log(predicted))
-            + _SMOOTHNESS_PENALTY / 2 * np.square(bend @ logarithm).sum()
+            + _SMOOTHNESS_PENALTY / 2 * np.square(second_difference @ log_density).sum()
         )
 
-    bend = np.diff(np.eye(density.size), 2, axis=0)
-    logarithm = np.log(density)
-    lowest_cost = cost(logarithm)
+    second_difference = np.diff(np.eye(density.size), 2, axis=0)
+    log_density = np.log(density)
+    lowest_cost = cost(log_density)
     for _ in range(_MAX_SCORING_STEPS):
-        parts = response * np.exp(logarithm)
-        made = parts.sum(axis=1)
-        gradient = parts.T @ (count * (1 - measured / made) / made) + _SMOOTHNESS_PENALTY * bend.T @ (bend @ logarithm)
-        relative = parts / made[:, np.newaxis]
-        step = np.linalg.solve((relative.T * count) @ relative + _SMOOTHNESS_PENALTY * bend.T @ bend, gradient)
+        contributions = response * np.exp(log_density)
+        fitted = contributions.sum(axis=1)
+        gradient = contributions.T @ (
+            count * (1 - measured / fitted) / fitted
+        ) + _SMOOTHNESS_PENALTY * second_difference.T @ (second_difference @ log_density)
+        relative_contributions = contributions / fitted[:, np.newaxis]
+        step = np.linalg.solve(
+            (relative_contributions.T * count) @ relative_contributions
+            + _SMOOTHNESS_PENALTY * second_difference.T @ second_difference,
+            gradient,
+        )
         step *= min(1.0, 2 / np.abs(step).max())
-        while (current_cost := cost(logarithm - step)) > lowest_cost and np.abs(step).max() > _CONVERGENCE_TOLERANCE:
+        while (current_cost := cost(log_density - step)) > lowest_cost and np.abs(step).max() > _CONVERGENCE_TOLERANCE:
             step /= 2
         if current_cost > lowest_cost or np.abs(step).max() <= _CONVERGENCE_TOLERANCE:
             break
-        logarithm, lowest_cost = logarithm - step, current_cost
-    return np.asarray(np.exp(logarithm))
+        log_density, lowest_cost = log_density - step, current_cost
+    return np.asarray(np.exp(log_density))

@@ -57,47 +57,53 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
     reject_missing(scan, "tip reconstruction")
     radius = validate_number("radius", radius, unit="µm", above=0, below=1e9)
     recorded, spacing = scan.heights, np.array(scan.spacings)
-    deepest = float(np.ptp(recorded))
+    height_range = float(np.ptp(recorded))
     eroded = recorded.copy()
-    for selected, occupied, depth in _tip_heights(recorded.shape, spacing, radius, deepest):
-        np.minimum(eroded[selected], recorded[occupied] + depth, out=eroded[selected])
+    for point_slices, neighbour_slices, tip_height in _tip_heights(recorded.shape, spacing, radius, height_range):
+        np.minimum(eroded[point_slices], recorded[neighbour_slices] + tip_height, out=eroded[point_slices])
     num_touched, is_certain = np.zeros(recorded.shape, np.int32), np.zeros(recorded.shape, np.bool_)
-    tolerance = _TIP_CONTACT_TOLERANCE * max(deepest, float(np.abs(recorded).max()))
-    _, limit = _tip_half_width(recorded.shape, spacing, radius, deepest)
-    inside = np.zeros(recorded.shape, np.bool_)
-    inside[tuple(slice(reach, points - reach) for reach, points in zip(limit, recorded.shape, strict=True))] = True
-    for counting in (True, False):
-        for selected, occupied, depth in _tip_heights(recorded.shape, spacing, radius, deepest):
-            index = eroded[occupied] - depth >= recorded[selected] - tolerance
-            if counting:
-                num_touched[selected] += index
+    tolerance = _TIP_CONTACT_TOLERANCE * max(height_range, float(np.abs(recorded).max()))
+    _, half_widths = _tip_half_width(recorded.shape, spacing, radius, height_range)
+    is_inside = np.zeros(recorded.shape, np.bool_)
+    is_inside[
+        tuple(
+            slice(half_width, size - half_width) for half_width, size in zip(half_widths, recorded.shape, strict=True)
+        )
+    ] = True
+    for is_counting in (True, False):
+        for point_slices, neighbour_slices, tip_height in _tip_heights(recorded.shape, spacing, radius, height_range):
+            touches = eroded[neighbour_slices] - tip_height >= recorded[point_slices] - tolerance
+            if is_counting:
+                num_touched[point_slices] += touches
             else:
-                is_certain[occupied] |= index & (num_touched[selected] == 1) & inside[selected]
-    step = (
+                is_certain[neighbour_slices] |= touches & (num_touched[point_slices] == 1) & is_inside[point_slices]
+    history_entry = (
         f"reconstructed for a tip radius of {radius:g} µm, {100 * float(is_certain.mean()):.0f} % of the points certain"
     )
-    return scan.changed(eroded, step), read_only(is_certain)
+    return scan.changed(eroded, history_entry), read_only(is_certain)
 
 
 def _tip_heights(
     shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float
 ) -> Iterator[tuple[tuple[slice, ...], tuple[slice, ...], float]]:
     """Yield, for each offset within reach of the tip: slices of points and of their neighbours, and the tip height."""
-    reach, limit = _tip_half_width(shape, spacing, radius, deepest)
-    for steps in np.ndindex(*(2 * item + 1 for item in limit)):
-        offsets = np.subtract(steps, limit)
-        square = float(np.square(offsets * spacing).sum())
-        if square > reach**2 * (1 + 1e-12):
+    half_width, half_widths = _tip_half_width(shape, spacing, radius, deepest)
+    for steps in np.ndindex(*(2 * item + 1 for item in half_widths)):
+        offsets = np.subtract(steps, half_widths)
+        squared_distance = float(np.square(offsets * spacing).sum())
+        if squared_distance > half_width**2 * (1 + 1e-12):
             continue
-        sizes = list(zip(offsets.tolist(), shape, strict=True))
-        selected, occupied = (
-            tuple(slice(max(0, sign * offset), points + min(0, sign * offset)) for offset, points in sizes)
+        offset_sizes = list(zip(offsets.tolist(), shape, strict=True))
+        point_slices, neighbour_slices = (
+            tuple(slice(max(0, sign * offset), size + min(0, sign * offset)) for offset, size in offset_sizes)
             for sign in (-1, 1)
         )
-        yield selected, occupied, radius - math.sqrt(max(0.0, radius**2 - square))
+        yield point_slices, neighbour_slices, radius - math.sqrt(max(0.0, radius**2 - squared_distance))
 
 
 def _tip_half_width(shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float) -> tuple[float, list[int]]:
     """Return the half width of a tip at the height `deepest` above its lowest point, in µm and in points per axis."""
-    reach = math.sqrt(radius**2 - max(0.0, radius - deepest) ** 2)
-    return reach, [min(int(reach / step), points - 1) for step, points in zip(spacing.tolist(), shape, strict=True)]
+    half_width = math.sqrt(radius**2 - max(0.0, radius - deepest) ** 2)
+    return half_width, [
+        min(int(half_width / step), points - 1) for step, points in zip(spacing.tolist(), shape, strict=True)
+    ]
