@@ -103,16 +103,16 @@ def benchmark_rows(grid_sizes: tuple[int, ...] = (512, 1024)) -> list[tuple[str,
         for pressure in MEAN_PRESSURES:
             load = pressure * EFFECTIVE_MODULUS * RMS_SLOPE
             our_runs = [measure_solver(solve_by_stiction, heights, load)]
-            answers = []
+            compared_runs = []
             for name, solve in solvers.items():
                 elapsed, error = measure_solver(solve, heights, load)
                 our_runs.append(measure_solver(solve_by_stiction, heights, load))
-                answers.append((name, elapsed, error))
+                compared_runs.append((name, elapsed, error))
             seconds = statistics.median(run[0] for run in our_runs)
             assert our_runs[0][1] < 1.1 * STICTION_TOLERANCE, our_runs
             text = f"{seconds:.2f} s, {our_runs[0][1]:.0e}" + "".join(
                 f"; {name} {elapsed:.2f} s, {error:.0e}: {elapsed / seconds:.1f} times"
-                for name, elapsed, error in answers
+                for name, elapsed, error in compared_runs
             )
             result.append((f"{n} x {n}, mean pressure {pressure} E* h': time and error", text))
             print(*result[-1], flush=True)

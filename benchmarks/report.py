@@ -84,9 +84,9 @@ def benchmark_rows() -> list[tuple[str, str]]:
         assert error < 1, error
         driver.execute_script(TIMING_SCRIPT)
         mu0_time, *other_times = (measure_key_press(driver, name) for name in ("mu0", "tau0", "dimension", "load"))
-        size = page.stat().st_size
+        report_size = page.stat().st_size
     return [
-        ("size of the page for 50 dimensions, 100 repetitions and 40 approaches", f"{size / 1e6:.1f} MB"),
+        ("size of the page for 50 dimensions, 100 repetitions and 40 approaches", f"{report_size / 1e6:.1f} MB"),
         ("time to write the page, time to open it", f"{save_time:.1f} s, {open_time:.1f} s"),
         ("median time from a step of the mu0 slider to the redrawn view", f"{mu0_time:.0f} ms"),
         ("median times for the sliders of tau0, fractal dimension and load",

@@ -201,13 +201,13 @@ class CommandPromptTransform(SphinxPostTransform):
         for literal in list(self.document.findall(nodes.literal_block)):
             magic, _newline, text = literal.astext().partition("\n")
             if magic.startswith("%%sh"):
-                shown = re.sub(r"^(?=\S)(?<!\\\n)", "$ ", text, flags=re.MULTILINE)
+                displayed_text = re.sub(r"^(?=\S)(?<!\\\n)", "$ ", text, flags=re.MULTILINE)
                 language = "console"
             elif magic.startswith("%%writefile "):
-                shown, language = f"# {magic.split()[1]}\n{text}", "toml"
+                displayed_text, language = f"# {magic.split()[1]}\n{text}", "toml"
             else:
                 continue
-            new = nodes.literal_block(shown, shown, language=language, classes=literal["classes"])
+            new = nodes.literal_block(displayed_text, displayed_text, language=language, classes=literal["classes"])
             literal.replace_self(new)
 
 

@@ -87,11 +87,11 @@ def run_command(
 
 def check_equal_names(description: str, actual: Iterable[str], expected: Iterable[str]) -> None:
     """Exit with the difference if two sets of names differ. The message describes the names by `description`."""
-    extra, missing = sorted(set(actual) - set(expected)), sorted(set(expected) - set(actual))
-    if extra:
-        exit_with_error(f"{description}: there is also {', '.join(extra)}")
-    if missing:
-        exit_with_error(f"{description}: missing {', '.join(missing)}")
+    unexpected_names, missing_names = sorted(set(actual) - set(expected)), sorted(set(expected) - set(actual))
+    if unexpected_names:
+        exit_with_error(f"{description}: there is also {', '.join(unexpected_names)}")
+    if missing_names:
+        exit_with_error(f"{description}: missing {', '.join(missing_names)}")
 
 
 # ---- Contents -------------------------------------------------------------------------------------------------------

@@ -206,28 +206,38 @@ def render_load_rows(results: dict) -> list[str]:
 
 def render_count_rows(results: dict) -> list[str]:
     """Return a table of area ratios by the number of contacts; each repetition counts once in a row."""
-    groups = ((1, 1), (1.5, 2), (2.5, 4), (4.5, 8), (8.5, 16), (16.5, 32), (32.5, 64), (64.5, 1000))
+    contact_count_ranges = ((1, 1), (1.5, 2), (2.5, 4), (4.5, 8), (8.5, 16), (16.5, 32), (32.5, 64), (64.5, 1000))
     rows = [
         "| contacts per period, boundary elements | "
         + " | ".join(
-            f"{way}, {bandwidth}" for way in ("asperity model", "with interaction") for bandwidth in BANDWIDTHS
+            f"{model_name}, {bandwidth}"
+            for model_name in ("asperity model", "with interaction")
+            for bandwidth in BANDWIDTHS
         )
         + " |",
         "|---" * (2 * len(BANDWIDTHS) + 1) + "|",
     ]
-    for least, most in groups:
+    for min_contacts, max_contacts in contact_count_ranges:
         cells = []
-        for way, (bandwidth, (_, repetitions)) in product((1, 2), BANDWIDTHS.items()):
+        for model_index, (bandwidth, (_, repetitions)) in product((1, 2), BANDWIDTHS.items()):
             ratios = []
             for k in range(repetitions):
                 points = np.concatenate([results[bandwidth, hurst][k] for hurst in HURST_EXPONENTS])
-                points = points[(points[:, 0, COUNT_COLUMN] >= least) & (points[:, 0, COUNT_COLUMN] <= most)]
+                points = points[
+                    (points[:, 0, COUNT_COLUMN] >= min_contacts) & (points[:, 0, COUNT_COLUMN] <= max_contacts)
+                ]
                 if len(points):
                     ratios.append(
-                        np.exp(np.log(points[:, way, FRACTION_COLUMN] / points[:, 0, FRACTION_COLUMN]).mean())
+                        np.exp(np.log(points[:, model_index, FRACTION_COLUMN] / points[:, 0, FRACTION_COLUMN]).mean())
                     )
             cells.append(format_ratios(np.array(ratios)) if len(ratios) >= 6 else "")
-        name = f"{most:g}" if most <= 2 else f"{np.ceil(least):g} to {most:g}" if most < 1000 else f"above {least:.0f}"
+        name = (
+            f"{max_contacts:g}"
+            if max_contacts <= 2
+            else f"{np.ceil(min_contacts):g} to {max_contacts:g}"
+            if max_contacts < 1000
+            else f"above {min_contacts:.0f}"
+        )
         rows.append(f"| {name} | {' | '.join(cells)} |")
     return rows
 
@@ -280,7 +290,7 @@ def main() -> None:
             bandwidth_and_exponent: np.array([job.result() for job in jobs[bandwidth_and_exponent]])
             for bandwidth_and_exponent in bandwidths_and_exponents
         }
-        checks = {key: np.array([job.result() for job in values]) for key, values in check_jobs.items()}
+        check_results = {key: np.array([job.result() for job in values]) for key, values in check_jobs.items()}
     # Westergaard against cylinders, with r = p̄/p* and p* = E* h'rms / √2.
     draw_ratios(
         results,
@@ -299,7 +309,7 @@ def main() -> None:
         log=True,
     )
     draw_kappa(results)
-    tables = (render_load_rows(results), render_count_rows(results), render_check_rows(results, checks))
+    tables = (render_load_rows(results), render_count_rows(results), render_check_rows(results, check_results))
     headings = (
         "Area and stiffness of the asperity model, without and with interaction, divided by those of the boundary "
         "elements, with 95 % intervals. A/A0 is the result of the boundary elements. The numbers of contacts are for a "

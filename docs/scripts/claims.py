@@ -164,9 +164,11 @@ def check_study(study: Study) -> None:
         raise ValueError(
             f"claims need at least {MIN_REPETITIONS} ensemble.repetitions, got {study.ensemble.repetitions}"
         )
-    steps = study.contact.loading_steps()
-    if steps.size < 3:
-        raise ValueError(f"claims need at least 3 values of contact.{study.contact.step_quantity}, got {steps.size}")
+    loading_steps = study.contact.loading_steps()
+    if loading_steps.size < 3:
+        raise ValueError(
+            f"claims need at least 3 values of contact.{study.contact.step_quantity}, got {loading_steps.size}"
+        )
     if study.contact.mechanics == "asperities" and not has_amplitudes(study.surfaces.amplitudes()):
         raise ValueError(
             f"claims need amplitudes of {LOW_AMPLITUDE:g} and {HIGH_AMPLITUDE:g} µm among surfaces.amplitude"

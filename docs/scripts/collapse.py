@@ -64,10 +64,10 @@ Pair = tuple[Surface, Surface] | tuple[Profile, Profile]
 def list_cases() -> Iterator[dict]:
     """Yield every case of the figures: surfaces and contact model."""
     dimensions = [round(1 + d / 10, 1) for d in range(10)]
-    for dimension, height, (scale, waves) in product(
+    for dimension, height, (scale, num_frequencies) in product(
         dimensions, (0.03, 0.1, 0.3, 0.6), ((2.0, 8), (2.0, 5), (1.0, 6), (1.0, 4))
     ):
-        yield {"family": "WM area", "D": dimension, "height": height, "L": scale, "n": waves}
+        yield {"family": "WM area", "D": dimension, "height": height, "L": scale, "n": num_frequencies}
     bands = ((5.0, 0.3125), (2.5, 0.3125), (5.0, 0.15625))
     for hurst, (longest, shortest), gradient in product((0.3, 0.5, 0.7, 0.9), bands, (0.05, 0.15, 0.4, 0.8)):
         yield {"family": "self-affine area", "H": hurst, "longest": longest, "shortest": shortest, "h": gradient}
@@ -76,17 +76,34 @@ def list_cases() -> Iterator[dict]:
             "family": "stretched area", "H": hurst, "longest": 5.0, "shortest": 0.3125, "h": gradient,
             "stretch": stretch, "angle": angle,
         }  # fmt: skip
-    for dimension, height, waves in product((1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7), (0.03, 0.1, 0.3), (6, 10)):
-        yield {"family": "WM line", "D": dimension, "height": height, "L": 1.0, "n": waves}
+    for dimension, height, num_frequencies in product(
+        (1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7), (0.03, 0.1, 0.3), (6, 10)
+    ):
+        yield {"family": "WM line", "D": dimension, "height": height, "L": 1.0, "n": num_frequencies}
     for hurst, shortest, gradient in product((0.3, 0.5, 0.7, 0.9), (0.16, 0.04), (0.05, 0.15, 0.4, 0.8)):
         yield {"family": "self-affine line", "H": hurst, "longest": 5.0, "shortest": shortest, "h": gradient}
     band = {"longest": 5.0, "shortest": 0.3125}
     for hurst, gradient, load in product((0.5, 0.8), (0.1, 0.4), RELATIVE_PRESSURES):
         yield {"family": "load", "H": hurst, **band, "h": gradient, "load": load}
-    for ratio, share, load in product((1.0, 2.0, 4.0, None), (0.0, 0.5, 1.0), (LOW_PRESSURE, 0.1)):
-        yield {"family": "unequal", "H": 0.8, **band, "h": 0.3, "ratio": ratio, "share": share, "load": load}
-    for hursts, share in product(((0.3, 0.9), (0.9, 0.3)), (0.0, 0.5, 1.0)):
-        yield {"family": "other spectra", "H": hursts[0], "H_lower": hursts[1], **band, "h": 0.3, "share": share}
+    for slope_ratio, compliance_share, load in product((1.0, 2.0, 4.0, None), (0.0, 0.5, 1.0), (LOW_PRESSURE, 0.1)):
+        yield {
+            "family": "unequal",
+            "H": 0.8,
+            **band,
+            "h": 0.3,
+            "ratio": slope_ratio,
+            "share": compliance_share,
+            "load": load,
+        }
+    for hursts, compliance_share in product(((0.3, 0.9), (0.9, 0.3)), (0.0, 0.5, 1.0)):
+        yield {
+            "family": "other spectra",
+            "H": hursts[0],
+            "H_lower": hursts[1],
+            **band,
+            "h": 0.3,
+            "share": compliance_share,
+        }
     for gradient in (1.5, 3.0):
         yield {"family": "steep", "H": 0.8, **band, "h": gradient}
     for angle, load in product((0.0, 90.0), (0.003, 0.02)):
@@ -149,14 +166,16 @@ def generate_self_affine_pair(case: dict, repetition: int) -> Pair:
     if stretch := case.get("stretch"):
         spacing = (spacing[0] * stretch, spacing[1])
     gradients = [rms_gradient(body.heights, spacing, periodic=True) for body in bodies]
-    ratio = case.get("ratio", 1.0)
-    gradient_shares = (1.0, 0.0) if ratio is None else (ratio / np.hypot(1, ratio), 1 / np.hypot(1, ratio))
+    slope_ratio = case.get("ratio", 1.0)
+    gradient_shares = (
+        (1.0, 0.0) if slope_ratio is None else (slope_ratio / np.hypot(1, slope_ratio), 1 / np.hypot(1, slope_ratio))
+    )
     heights = [
         body.heights * gradient_share / item
         for body, gradient_share, item in zip(bodies, gradient_shares, gradients, strict=True)
     ]
-    factor = case["h"] / rms_gradient(heights[0] - heights[1], spacing, periodic=True)
-    return tuple(type(bodies[0])(factor * height, spacing=spacing) for height in heights)
+    height_factor = case["h"] / rms_gradient(heights[0] - heights[1], spacing, periodic=True)
+    return tuple(type(bodies[0])(height_factor * height, spacing=spacing) for height in heights)
 
 
 class LoadSums:
@@ -167,8 +186,8 @@ class LoadSums:
 
 
 def rms_gradient(heights: np.ndarray, spacing, *, periodic: bool) -> float:
-    steps = spacing if isinstance(spacing, tuple) else (spacing,)
-    return float(np.sqrt(sum(np.square(slope).mean() for slope in grid_slopes(heights, steps, periodic=periodic))))
+    spacings = spacing if isinstance(spacing, tuple) else (spacing,)
+    return float(np.sqrt(sum(np.square(slope).mean() for slope in grid_slopes(heights, spacings, periodic=periodic))))
 
 
 def load_map_pairs(case: dict) -> list[Pair]:

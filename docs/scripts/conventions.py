@@ -98,7 +98,7 @@ def draw_pair(ax: Axes, profiles: ContactingProfiles) -> None:
     ax.plot(x, touching, color=INK_COLOUR, linewidth=0.5, linestyle=(0, (4, 3)))
     vectors = (project_to_plane(item) for item in (result.centre, result.normal, result.tangent))
     for number, (centre, normal, tangent) in enumerate(zip(*vectors, strict=True)):
-        colour, kind = (
+        colour, contact_kind = (
             (OPPOSING_COLOUR, "opposes") if result.opposing[number] else (ASSISTING_COLOUR, "does not oppose")
         )
         draw_arrow(ax, centre, centre + 0.6 * normal, colour, width=1.2)
@@ -107,7 +107,9 @@ def draw_pair(ax: Axes, profiles: ContactingProfiles) -> None:
             draw_arrow(ax, centre, centre + 0.45 * tangent, colour, width=1.2)
             draw_label(ax, centre + 0.53 * tangent, "t", color=colour, weight="bold")
         ax.plot(*centre, "o", color=colour, markersize=2.5)
-        draw_label(ax, centre, f"{number + 1}: {kind}", 0.1 if result.opposing[number] else -0.1, -0.42, color=colour)
+        draw_label(
+            ax, centre, f"{number + 1}: {contact_kind}", 0.1 if result.opposing[number] else -0.1, -0.42, color=colour
+        )
 
     draw_label(ax, np.array([0.15, bottom + 0.1]), "lower body: solid below its profile", ha="left", va="bottom")
     draw_label(ax, np.array([0.15, top - 0.1]), "upper body: solid above its profile", ha="left", va="top")
@@ -144,17 +146,17 @@ def draw_contact(ax: Axes, profiles: ContactingProfiles) -> None:
         (profiles.upper, "upper", profiles.upper_displacement, np.array([1.0, 0.0])),
     ):
         spheres = asperities(body, side)
-        middle, radius = (
+        sphere_centre, radius = (
             project_to_plane(spheres.centre)[result.index[ENLARGED_CONTACT]] - [0.0, upper_displacement],
             spheres.radius[result.index[ENLARGED_CONTACT]],
         )
-        circle = Circle(middle, radius, fill=False, linewidth=0.6, linestyle="--", edgecolor=INK_COLOUR)
+        circle = Circle(sphere_centre, radius, fill=False, linewidth=0.6, linestyle="--", edgecolor=INK_COLOUR)
         circle.set_clip_path(ax.add_patch(Rectangle((centre[0] - 1.3, centre[1] - 1.05), 2.6, 1.95, fill=False, lw=0)))
         ax.add_patch(circle)
-        ax.plot(*middle, "o", color=INK_COLOUR, markersize=2)
-        draw_label(ax, middle, f"$O_{side[0]}$", 0.0, 0.1)
-        draw_arrow(ax, middle, middle + radius * along, width=0.6)
-        draw_label(ax, middle + 0.6 * radius * along, f"$R_{side[0]}$", 0.04, 0.09)
+        ax.plot(*sphere_centre, "o", color=INK_COLOUR, markersize=2)
+        draw_label(ax, sphere_centre, f"$O_{side[0]}$", 0.0, 0.1)
+        draw_arrow(ax, sphere_centre, sphere_centre + radius * along, width=0.6)
+        draw_label(ax, sphere_centre + 0.6 * radius * along, f"$R_{side[0]}$", 0.04, 0.09)
     ax.plot(centre[0] + np.zeros(2), centre[1] + np.array([0.0, 0.5]), color=INK_COLOUR, linewidth=0.5, linestyle=":")
     draw_arrow(ax, centre, centre + 0.5 * normal, OPPOSING_COLOUR, width=1.2)
     draw_arrow(ax, centre, centre + 0.4 * tangent, OPPOSING_COLOUR, width=1.2)
@@ -178,8 +180,8 @@ def draw_angle(ax: Axes, corner: np.ndarray, radius: float, left: np.ndarray, ri
             linewidth=0.6,
         )
     )
-    middle = (start + end) / 2
-    draw_label(ax, corner + 1.13 * radius * np.array([np.cos(middle), np.sin(middle)]), name)
+    middle_angle = (start + end) / 2
+    draw_label(ax, corner + 1.13 * radius * np.array([np.cos(middle_angle), np.sin(middle_angle)]), name)
 
 
 def draw_forces(ax: Axes, profiles: ContactingProfiles) -> None:
@@ -190,10 +192,10 @@ def draw_forces(ax: Axes, profiles: ContactingProfiles) -> None:
         project_to_plane(result.tangent)[ENLARGED_CONTACT],
     )
     # Lengths of arrows are in units of the normal force.
-    start, middle, end = np.zeros(2), normal, normal + MU0 * tangent
+    start, normal_tip, end = np.zeros(2), normal, normal + MU0 * tangent
     foot = np.array([end[0], 0.0])
-    draw_arrow(ax, start, middle, OPPOSING_COLOUR, width=1.2)
-    draw_arrow(ax, middle, end, OPPOSING_COLOUR, width=1.2)
+    draw_arrow(ax, start, normal_tip, OPPOSING_COLOUR, width=1.2)
+    draw_arrow(ax, normal_tip, end, OPPOSING_COLOUR, width=1.2)
     draw_arrow(ax, end, foot, width=1.2)
     draw_arrow(ax, foot, start, width=1.2)
     ax.plot(*zip(start, end, strict=True), color=INK_COLOUR, linewidth=0.5, linestyle=":")
@@ -201,12 +203,12 @@ def draw_forces(ax: Axes, profiles: ContactingProfiles) -> None:
     draw_angle(ax, start, 0.7, normal, np.array([0.0, 1.0]), r"$\theta$")
     draw_angle(ax, start, 0.5, end, normal, "")
     draw_label(ax, 0.42 * end, r"$\arctan\,\mu_0$", -0.04, ha="right")
-    draw_label(ax, 0.55 * middle, r"$F\,\mathbf{n}$", 0.04, color=OPPOSING_COLOUR, ha="left")
-    draw_label(ax, (middle + end) / 2, r"$\mu_0 F\,\mathbf{t}$", 0.0, 0.04, color=OPPOSING_COLOUR, va="bottom")
+    draw_label(ax, 0.55 * normal_tip, r"$F\,\mathbf{n}$", 0.04, color=OPPOSING_COLOUR, ha="left")
+    draw_label(ax, (normal_tip + end) / 2, r"$\mu_0 F\,\mathbf{t}$", 0.0, 0.04, color=OPPOSING_COLOUR, va="bottom")
     draw_label(ax, (end + foot) / 2, "load $F_N$", -0.03, ha="right")
     draw_label(ax, (foot + start) / 2, "load $F_T$", 0.0, -0.03, va="top")
     ax.set_xlim(end[0] - 0.4, 0.55)
-    ax.set_ylim(-0.12, middle[1] + 0.12)
+    ax.set_ylim(-0.12, normal_tip[1] + 0.12)
     ax.set_aspect("equal")
     ax.set_axis_off()
 

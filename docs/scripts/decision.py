@@ -63,9 +63,9 @@ def draw_figure(dark: bool) -> Figure:
                     ha="center",
                     color=colours["text"],
                 )
-        for x, y, width, text, kind in FLOWCHART_BOXES.values():
+        for x, y, width, text, box_kind in FLOWCHART_BOXES.values():
             corner = (x - width / 2, y - BOX_HEIGHT / 2)
-            style = {"facecolor": colours[kind], "edgecolor": colours["line"], "linewidth": 0.6}
+            style = {"facecolor": colours[box_kind], "edgecolor": colours["line"], "linewidth": 0.6}
             box = FancyBboxPatch(corner, width, BOX_HEIGHT, boxstyle="round,pad=0,rounding_size=2", **style)
             ax.add_patch(box)
             ax.text(x, y, text, ha="center", va="center", color=colours["text"], fontsize=7.5)

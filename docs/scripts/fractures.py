@@ -187,7 +187,7 @@ def main(folder, names):
         print(f"| measured, unloading | {unloading_stiffness[0]:.0f} | | {unloading_stiffness[1]:.0f} | | |")
         stresses = np.unique(np.concatenate([stress, LOW_STRESSES, HIGH_STRESSES]))
         curves_by_kind = {}
-        for label, kind, gap, options in list_gap_variants(folder, name):
+        for label, uncertainty_kind, gap, options in list_gap_variants(folder, name):
             closure, curve = compute_closure(gap, stresses, **options)
             computed_stiffness = [
                 secant_stiffness(closure, stresses, stress_range) for stress_range in (LOW_STRESSES, HIGH_STRESSES)
@@ -206,7 +206,9 @@ def main(folder, names):
             )
             print(f"| {label} |", " | ".join(cells), "|", flush=True)
             curves = np.interp(stress, stresses, closure), 1e6 * np.interp(stress, stresses, curve.closure_stiffness)
-            curves_by_kind.setdefault(kind, []).append(curves) if kind or label.startswith("frozen") else None
+            curves_by_kind.setdefault(uncertainty_kind, []).append(curves) if uncertainty_kind or label.startswith(
+                "frozen"
+            ) else None
         results[name] = (loading_displacement, stress, unloading_displacement, unloading_stress, curves_by_kind)
     draw_closure_and_stiffness(results)
 
@@ -218,13 +220,13 @@ def combine_variants(curves_by_kind):
         reference_curve = curves_by_kind[""][0][quantity_index]
         reference_curve = reference_curve - reference_curve[0] if quantity_index == 0 else reference_curve
         squared_deviations = np.zeros((2, reference_curve.size))
-        for kind, result in curves_by_kind.items():
+        for uncertainty_kind, curves in curves_by_kind.items():
             deviations = (
                 [
                     item[quantity_index] - (item[quantity_index][0] if quantity_index == 0 else 0) - reference_curve
-                    for item in result
+                    for item in curves
                 ]
-                if kind
+                if uncertainty_kind
                 else []
             )
             if deviations:
@@ -250,11 +252,11 @@ def draw_closure_and_stiffness(results):
             (loading_displacement, stress, unloading_displacement, unloading_stress, curves_by_kind),
         ) in zip(axes.T, results.items(), strict=True):
             closure, stiffness = combine_variants(curves_by_kind)
-            for ax, (middle, low, high) in ((upper, closure), (lower, stiffness)):
+            for ax, (computed, low, high) in ((upper, closure), (lower, stiffness)):
                 ax.fill_between(
                     stress, low, high, color=ALL_CONTACTS_COLOUR, alpha=0.2, linewidth=0, label="all uncertainties"
                 )
-                ax.plot(stress, middle, color=ALL_CONTACTS_COLOUR, label="computed, nothing fitted")
+                ax.plot(stress, computed, color=ALL_CONTACTS_COLOUR, label="computed, nothing fitted")
             for _, item in curves_by_kind["E"][:2]:
                 lower.plot(stress, item, color=ALL_CONTACTS_COLOUR, linewidth=0.5, linestyle="--")
             upper.plot(

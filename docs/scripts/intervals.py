@@ -63,14 +63,14 @@ def main():
         "| values | positions | correlation | " + " | ".join(INTERVAL_METHODS) + " |",
         "|" + "---|" * (3 + len(INTERVAL_METHODS)),
     ]
-    for quantity in DISTRIBUTION_NAMES:
+    for distribution in DISTRIBUTION_NAMES:
         for positions in POSITION_COUNTS:
             for correlation in CORRELATIONS:
                 generator = np.random.default_rng(
-                    [positions, int(10 * correlation), DISTRIBUTION_NAMES.index(quantity)]
+                    [positions, int(10 * correlation), DISTRIBUTION_NAMES.index(distribution)]
                 )
-                true_mean, best_width = estimate_true_mean(quantity, positions, correlation, generator)
-                values = simulate_traverses(quantity, NUM_TRIALS, positions, correlation, generator)
+                true_mean, best_width = estimate_true_mean(distribution, positions, correlation, generator)
+                values = simulate_traverses(distribution, NUM_TRIALS, positions, correlation, generator)
                 values = values[(values != values[:, :1]).any(axis=1)]
                 cells = []
                 for method in INTERVAL_METHODS.values():
@@ -79,7 +79,7 @@ def main():
                         f"{_format_bold(f'{coverage:.3f}', coverage < MIN_COVERAGE)}, "
                         f"{_format_bold(f'{width:.2f}', width > MAX_WIDTH_RATIO)}"
                     )
-                lines.append(f"| {quantity} | {positions} | {correlation:g} | {' | '.join(cells)} |")
+                lines.append(f"| {distribution} | {positions} | {correlation:g} | {' | '.join(cells)} |")
     (DOCS_FOLDER / "generated/intervals.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 

@@ -68,18 +68,21 @@ def main():
     ]
     for hurst, stretch in [(0.4, 1), (0.5, 1), (0.6, 1), (0.7, 1), (0.8, 1), (0.9, 1), (0.8, 2), (0.8, 4)]:
         bodies = [create_map(side, hurst, stretch) for side in ("upper", "lower")]
-        kinds = {"the map": list(cut_pieces(*bodies)), "sections along x": list(generate_surrogates(*bodies, "row"))}
+        pairs_by_origin = {
+            "the map": list(cut_pieces(*bodies)),
+            "sections along x": list(generate_surrogates(*bodies, "row")),
+        }
         if stretch > 1:
-            kinds["sections along y"] = list(generate_surrogates(*bodies, "column"))
+            pairs_by_origin["sections along y"] = list(generate_surrogates(*bodies, "column"))
         map_mean = None
-        for kind, pairs in kinds.items():
+        for origin, pairs in pairs_by_origin.items():
             result = np.array([compute_pair_results(*pair) for pair in pairs])
             mean, error = result.mean(axis=0), result.std(axis=0, ddof=1) / np.sqrt(NUM_PAIRS)
             map_mean = mean if map_mean is None else map_mean
             cells = []
             for value, standard_error, ratio in zip(mean, error, mean / map_mean, strict=True):
-                cells += [f"{value:.3f} ± {standard_error:.3f}", "" if kind == "the map" else f"{ratio:.2f}"]
-            lines.append(f"| {hurst} | {stretch} | {kind} | {' | '.join(cells)} |")
+                cells += [f"{value:.3f} ± {standard_error:.3f}", "" if origin == "the map" else f"{ratio:.2f}"]
+            lines.append(f"| {hurst} | {stretch} | {origin} | {' | '.join(cells)} |")
             print(lines[-1], flush=True)
     TABLE_FILE.write_text("\n".join(lines) + "\n", encoding="utf-8")
 

@@ -49,8 +49,8 @@ def main():
         sample = Result(
             result.dataset.isel(repetition=slice(2 * SAMPLE_SIZE))
         )  # all surrogates, and an equal number of shifts
-        for kind, interval_results in intervals.items():
-            interval_results.append(select_area_and_friction(at_load(sample, loads, member_kind=kind)))
+        for member_kind, interval_results in intervals.items():
+            interval_results.append(select_area_and_friction(at_load(sample, loads, member_kind=member_kind)))
         if pair:
             TABLE_FILE.write_text(format_table(np.array(populations), intervals), encoding="utf-8")
 

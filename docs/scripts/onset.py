@@ -153,22 +153,22 @@ def _sticking_load(is_contact: np.ndarray, *, is_fixed_along_y: bool) -> float:
     wave_number = np.hypot(*k)
     wave_number[0, 0] = np.inf
     # With G of both bodies in series, E* = 2 G'/(1 - ν): u = 2/(E* (1 - ν) |k|) (1 - ν kx²/k²) q.
-    scale = 2 / (EFFECTIVE_MODULUS * (1 - POISSON_RATIO) * wave_number)
-    direct_compliances = [scale * (1 - POISSON_RATIO * (k[axis] / wave_number) ** 2) for axis in (1, 0)]
-    cross_compliance = -scale * POISSON_RATIO * k[0] * k[1] / wave_number**2
+    mean_kernel = 2 / (EFFECTIVE_MODULUS * (1 - POISSON_RATIO) * wave_number)
+    direct_compliances = [mean_kernel * (1 - POISSON_RATIO * (k[axis] / wave_number) ** 2) for axis in (1, 0)]
+    cross_compliance = -mean_kernel * POISSON_RATIO * k[0] * k[1] / wave_number**2
     count = int(is_contact.sum())
 
     def compute_displacement(q: np.ndarray) -> np.ndarray:
-        waves = []
+        load_transforms = []
         for component in q.reshape(-1, count):
             grid = np.zeros(is_contact.shape)
             grid[is_contact] = component
-            waves.append(scipy.fft.rfft2(grid))
-        transforms = [direct_compliances[0] * waves[0]]
+            load_transforms.append(scipy.fft.rfft2(grid))
+        transforms = [direct_compliances[0] * load_transforms[0]]
         if is_fixed_along_y:
             transforms = [
-                transforms[0] + cross_compliance * waves[1],
-                direct_compliances[1] * waves[1] + cross_compliance * waves[0],
+                transforms[0] + cross_compliance * load_transforms[1],
+                direct_compliances[1] * load_transforms[1] + cross_compliance * load_transforms[0],
             ]
         return np.concatenate([scipy.fft.irfft2(transform, is_contact.shape)[is_contact] for transform in transforms])
 
@@ -308,32 +308,32 @@ def draw_figure() -> None:
     curve = half_space(upper, lower, [0.05 * length**2], effective_modulus=115.0, hardness=5.0, boundary="periodic")
     onset = curve.onset(0, mu0=0.2, tau0=0.05, steps=40)
     figure = Figure(figsize=(6.7, 2.3), dpi=300, layout="constrained")
-    left, middle, right = figure.subplots(1, 3, width_ratios=[1.15, 1, 1])
+    cycle_axes, slip_axes, map_axes = figure.subplots(1, 3, width_ratios=[1.15, 1, 1])
     displacement, load = 1e3 * np.append(0, onset.displacement), np.append(0, onset.tangential_load)
-    left.plot(displacement, load, color="black", lw=1.2)
+    cycle_axes.plot(displacement, load, color="black", lw=1.2)
     for amplitude, colour in ((0.5, BLUE), (0.9, ORANGE)):
         load_loop = onset.loop(amplitude * onset.sliding_load)
-        left.fill(1e3 * load_loop[0], load_loop[1], color=colour, alpha=0.25, lw=0)
-        left.plot(
+        cycle_axes.fill(1e3 * load_loop[0], load_loop[1], color=colour, alpha=0.25, lw=0)
+        cycle_axes.plot(
             1e3 * np.append(load_loop[0], load_loop[0][0]),
             np.append(load_loop[1], load_loop[1][0]),
             color=colour,
             lw=0.8,
         )
         lost_energy = 1e3 * float(onset.energy_lost(amplitude * onset.sliding_load))
-        left.annotate(
+        cycle_axes.annotate(
             f"{amplitude:g} $T_s$: {lost_energy:.2g} pJ a cycle", (0.97, 0.06 if amplitude > 0.5 else 0.16),
             xycoords="axes fraction", ha="right", fontsize=6, color=colour,
         )  # fmt: skip
-    left.axhline(onset.sliding_load, color=GREY, lw=0.6, ls=":")
-    left.set(xlabel="displacement (nm)", ylabel="tangential load (mN)")
+    cycle_axes.axhline(onset.sliding_load, color=GREY, lw=0.6, ls=":")
+    cycle_axes.set(xlabel="displacement (nm)", ylabel="tangential load (mN)")
     load_fraction = load / onset.sliding_load
-    middle.plot(load_fraction, 100 * np.append(0, onset.slipped_load), color=ORANGE, lw=1.2, label="of the load")
-    middle.plot(load_fraction, 100 * np.append(0, onset.slipped_area), color=BLUE, lw=1.2, label="of the area")
-    middle.plot(load_fraction, 100 * (1 - (1 - load_fraction) ** (2 / 3)) ** 1.5, color=ORANGE, lw=0.8, ls="--")
-    middle.plot(load_fraction, 100 * (1 - (1 - load_fraction) ** (2 / 3)), color=BLUE, lw=0.8, ls="--")
-    middle.set(xlabel="tangential load / sliding load", ylabel="slips (%)", xlim=(0, 1), ylim=(0, 100))
-    middle.legend(frameon=False, fontsize=6, title="dashed: one ball", title_fontsize=6)
+    slip_axes.plot(load_fraction, 100 * np.append(0, onset.slipped_load), color=ORANGE, lw=1.2, label="of the load")
+    slip_axes.plot(load_fraction, 100 * np.append(0, onset.slipped_area), color=BLUE, lw=1.2, label="of the area")
+    slip_axes.plot(load_fraction, 100 * (1 - (1 - load_fraction) ** (2 / 3)) ** 1.5, color=ORANGE, lw=0.8, ls="--")
+    slip_axes.plot(load_fraction, 100 * (1 - (1 - load_fraction) ** (2 / 3)), color=BLUE, lw=0.8, ls="--")
+    slip_axes.set(xlabel="tangential load / sliding load", ylabel="slips (%)", xlim=(0, 1), ylim=(0, 100))
+    slip_axes.legend(frameon=False, fontsize=6, title="dashed: one ball", title_fontsize=6)
     slip_fraction = onset.slip_load().reshape(n, n) / onset.sliding_load
     # Show the window with the largest contact area.
     is_contact = curve.contact(0).pressure > 0
@@ -341,16 +341,16 @@ def draw_figure() -> None:
         window_size // 2 : -window_size // 2, window_size // 2 : -window_size // 2
     ]
     row, column = np.unravel_index(contact_density.argmax(), contact_density.shape)
-    image = right.imshow(
+    image = map_axes.imshow(
         slip_fraction[row : row + window_size, column : column + window_size], origin="lower",
         vmin=0, vmax=1, cmap="viridis", interpolation="nearest",
         extent=(0, window_size * length / n, 0, window_size * length / n),
     )  # fmt: skip
-    colour_bar = figure.colorbar(image, ax=right)
+    colour_bar = figure.colorbar(image, ax=map_axes)
     colour_bar.set_label("slips at $T/T_s$", size=7)
     colour_bar.ax.tick_params(labelsize=6, width=0.4)
-    right.set(xlabel="x (µm)", ylabel="y (µm)", facecolor="#f4f4f4")
-    for axes in (left, middle, right):
+    map_axes.set(xlabel="x (µm)", ylabel="y (µm)", facecolor="#f4f4f4")
+    for axes in (cycle_axes, slip_axes, map_axes):
         axes.tick_params(labelsize=6, width=0.4)
         axes.xaxis.label.set_size(7)
         axes.yaxis.label.set_size(7)

@@ -42,10 +42,12 @@ def main():
         areas_by_exponent.append(area)
         print(f"H = {hurst}: area {np.round(area, 4)} gap {np.round(gap, 3)} K rms / p {np.round(stiffness, 2)}")
     print("spread over H:", np.round(np.ptp(areas_by_exponent, axis=0) / np.mean(areas_by_exponent, axis=0), 3))
-    for ratio in (2, 4, 8, 16, 32):
-        result = [press_surface(0.8, seed, wavelength_ratio=ratio, pressures=(0.1,)) for seed in range(NUM_SEEDS)]
+    for wavelength_ratio in (2, 4, 8, 16, 32):
+        result = [
+            press_surface(0.8, seed, wavelength_ratio=wavelength_ratio, pressures=(0.1,)) for seed in range(NUM_SEEDS)
+        ]
         area, nayak = np.mean([item[0][0] for item in result]), np.mean([item[3] for item in result])
-        print(f"longest over shortest {ratio}: Nayak {nayak:.2f}, area at 0.1 {area:.4f}")
+        print(f"longest over shortest {wavelength_ratio}: Nayak {nayak:.2f}, area at 0.1 {area:.4f}")
 
 
 if __name__ == "__main__":

@@ -96,11 +96,14 @@ def find_link_targets(docs: Path) -> dict[str, str]:
 def _docstring_summary(name: str) -> str:
     """Return the first paragraph of a docstring."""
     result: object = stiction
-    parts = name.removeprefix("stiction.").split(".")
-    if len(parts) > 1:
-        result, parts = importlib.import_module(f"stiction.{'.'.join(parts[:-1])}"), parts[-1:]
-    for part in parts:
-        result = getattr(result, part)
+    attribute_names = name.removeprefix("stiction.").split(".")
+    if len(attribute_names) > 1:
+        result, attribute_names = (
+            importlib.import_module(f"stiction.{'.'.join(attribute_names[:-1])}"),
+            attribute_names[-1:],
+        )
+    for attribute_name in attribute_names:
+        result = getattr(result, attribute_name)
     if isinstance(result, str):
         return "The version of the package."
     first_paragraph = (inspect.getdoc(result) or "").split("\n\n")[0]
@@ -119,10 +122,14 @@ def render_command_sections() -> str:
         context = command.context_class(command, info_name=f"stiction {name}")
         usage = command.get_usage(context).partition(":")[2].strip()
         lines += [f"## `stiction {name}`", "", *_split_paragraphs(command.help or ""), "", "```text", usage, "```", ""]
-        for kind in ("argument", "option"):
-            rows = [_parameter_row(param) for param in command.get_params(context) if param.param_type_name == kind]
+        for parameter_kind in ("argument", "option"):
+            rows = [
+                _parameter_row(param)
+                for param in command.get_params(context)
+                if param.param_type_name == parameter_kind
+            ]
             if rows:
-                lines += [f"| {kind} | default | meaning |", "|---|---|---|", *rows, ""]
+                lines += [f"| {parameter_kind} | default | meaning |", "|---|---|---|", *rows, ""]
         examples = re.findall(r"^  (stiction (?:.*\\\n)*.*)$", command.epilog or "", re.MULTILINE)
         lines += ["```text", *examples, "```", ""]
     return "\n".join(lines)
@@ -161,10 +168,17 @@ def render_parameter_tables() -> str:
             _markdown_row("name", "meaning", "formula", "unit", "needs", "source"),
             f"|{6 * '---|'}",
         ]
-        for each in result:
-            formula = f"${each.formula}$".replace("|", r"\vert ")
+        for parameter in result:
+            formula = f"${parameter.formula}$".replace("|", r"\vert ")
             lines.append(
-                _markdown_row(f"*{each.name}*", each.meaning, formula, each.unit or "1", each.needs, each.source)
+                _markdown_row(
+                    f"*{parameter.name}*",
+                    parameter.meaning,
+                    formula,
+                    parameter.unit or "1",
+                    parameter.needs,
+                    parameter.source,
+                )
             )
         lines.append("")
     return "\n".join(lines)

@@ -49,8 +49,8 @@ def create_pair(hurst, index, points, longest):
         )
         for side in ("upper", "lower")
     ]  # fmt: skip
-    factor = GAP_GRADIENTS[hurst] / gap_gradient(bodies)
-    return [Surface(factor * body.heights, spacing=SPACING) for body in bodies]
+    height_factor = GAP_GRADIENTS[hurst] / gap_gradient(bodies)
+    return [Surface(height_factor * body.heights, spacing=SPACING) for body in bodies]
 
 
 def compute_coarser_cutoffs():
@@ -175,8 +175,8 @@ def compute_joined_spectrum():
     generator = np.random.default_rng(28)
 
     def mean(heights, pixel, noise):
-        size = heights.shape[0] // pixel
-        means = heights.reshape(size, pixel, size, pixel).mean((1, 3))
+        num_pixels = heights.shape[0] // pixel
+        means = heights.reshape(num_pixels, pixel, num_pixels, pixel).mean((1, 3))
         return Surface(means + noise * generator.normal(size=means.shape), spacing=pixel * SPACING)
 
     tip_half_width = int(np.ceil(np.sqrt(2 * radius * np.ptp(surface.heights)) / SPACING))

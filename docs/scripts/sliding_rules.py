@@ -64,12 +64,14 @@ def draw_pair(ax: Axes, rule: str, text_colour: str) -> None:
                 zorder=5,
                 arrowprops={"arrowstyle": "-|>", "color": colour, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0},
             )
-    middle = lower_centres.mean()
+    middle_x = lower_centres.mean()
     ax.annotate(
-        "", (middle + 2.2, max_centre_height + 1.1), (middle - 2.2, max_centre_height + 1.1),
+        "", (middle_x + 2.2, max_centre_height + 1.1), (middle_x - 2.2, max_centre_height + 1.1),
         arrowprops={"arrowstyle": "-|>", "color": text_colour, "linewidth": 1.0},
     )  # fmt: skip
-    ax.text(middle, max_centre_height + 1.3, "motion of the upper surface", ha="center", va="bottom", color=text_colour)
+    ax.text(
+        middle_x, max_centre_height + 1.3, "motion of the upper surface", ha="center", va="bottom", color=text_colour
+    )
     ax.set(xlim=(x[0], x[-1]), ylim=(-0.7, max_centre_height + 1.9), aspect="equal")
     ax.set_title(RULE_TITLES[rule], color=text_colour)
     ax.axis("off")
@@ -81,12 +83,12 @@ def draw_figure(dark: bool) -> Figure:
         figure = Figure(figsize=(FIGURE_WIDTH * INCHES_PER_MILLIMETRE, FIGURE_HEIGHT * INCHES_PER_MILLIMETRE))
         for i, rule in enumerate(RULE_TITLES):
             draw_pair(figure.add_axes((0.01 + 0.5 * i, 0.1, 0.48, 0.84)), rule, "0.92" if dark else "0.1")
-        for x, colour, words in (
+        for x, colour, label in (
             (0.2, OPPOSING_COLOUR, "slope opposes the motion"),
             (0.58, NOT_OPPOSING_COLOUR, "slope assists the motion"),
         ):
             figure.text(x, 0.07, "●", color=colour, va="center")
-            figure.text(x + 0.02, 0.07, words, color="0.92" if dark else "0.1", va="center")
+            figure.text(x + 0.02, 0.07, label, color="0.92" if dark else "0.1", va="center")
     return figure
 
 

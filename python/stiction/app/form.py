@@ -29,14 +29,14 @@ def fields_html(place: Literal["scan", "more"]) -> str:
 def _field_html(flag: str, field: FormField) -> str:
     if field.choices:
         choices = [("", field.empty), *field.choices]
-        entries = "".join(
+        choice_options = "".join(
             f'<option value="{html.escape(value)}">{html.escape(text)}</option>' for value, text in choices
         )
-        return f'<label>{html.escape(field.label)} <select name="{flag}">{entries}</select></label>'
-    size = f' size="{field.size}"' if field.size else ""
-    mode = f' inputmode="{field.keyboard}"' if field.keyboard else ""
-    entry = f'<input name="{flag}"{mode} placeholder="{html.escape(field.example)}"{size}>'
-    return f"<label>{html.escape(field.label)} {entry}</label>"
+        return f'<label>{html.escape(field.label)} <select name="{flag}">{choice_options}</select></label>'
+    size_attribute = f' size="{field.size}"' if field.size else ""
+    mode_attribute = f' inputmode="{field.keyboard}"' if field.keyboard else ""
+    input_element = f'<input name="{flag}"{mode_attribute} placeholder="{html.escape(field.example)}"{size_attribute}>'
+    return f"<label>{html.escape(field.label)} {input_element}</label>"
 
 
 def page_data_json() -> str:

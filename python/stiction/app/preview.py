@@ -50,7 +50,7 @@ def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
             return {"error": replace_option_names(str(error)) or "not enough memory for this scan"}
     is_profile = isinstance(levelled_body, Profile)
     names = ("Pq", "Pdq") if is_profile else ("Sq", "Sdq")
-    size = " × ".join(format_with_unit(item, "um") for item in np.atleast_1d(body.extent)[::-1])
+    extent_text = " × ".join(format_with_unit(item, "um") for item in np.atleast_1d(body.extent)[::-1])
     points = " × ".join(f"{item}" for item in np.shape(body.heights)[::-1])
     if isinstance(levelled_body, Profile):
         image_type, image = (
@@ -62,7 +62,8 @@ def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
     warning_texts = [*scan.caveats, *(item.message for item in caught_warnings)]
     return {
         "holds": "profile" if is_profile else "surface", names[0]: height, names[1]: slope,
-        "words": f"{size}, {points} points; {names[0]} {format_with_unit(height, 'um')}, slope {names[1]} {slope:.3g}",
+        "words": f"{extent_text}, {points} points; "
+        f"{names[0]} {format_with_unit(height, 'um')}, slope {names[1]} {slope:.3g}",
         "points": int(np.size(body.heights)), "reading": str(scan),
         "warning": replace_option_names("; ".join(map(str, warning_texts))),
         "picture": f"data:image/{image_type};base64,{base64.b64encode(image).decode()}",

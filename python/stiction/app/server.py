@@ -194,10 +194,10 @@ class Server:
 
     async def get_asset(self, request: Request) -> Response:
         """Return the script, or the style sheets of the report and the app."""
-        kind = request.path_params["kind"]
-        if kind == "js":
+        file_type = request.path_params["kind"]
+        if file_type == "js":
             return Response(_read_file("app.js"), media_type="text/javascript")
-        if kind != "css":
+        if file_type != "css":
             _raise_not_found()
         return Response(_read_file("page.css", "stiction.views.report") + _read_file("app.css"), media_type="text/css")
 
@@ -328,8 +328,8 @@ class Server:
     async def evaluate_result(self, request: Request) -> Response:
         """Return the values of a result for other mu0 and tau0."""
         job, query = self._find_job(request), request.query_params
-        numbers = [float(query.get(name, "nan")) for name in ("load", "mu0", "tau0")]
-        output = await self.jobs.evaluate(job, numbers, float(query["d"]) if "d" in query else None)
+        load_mu0_tau0 = [float(query.get(name, "nan")) for name in ("load", "mu0", "tau0")]
+        output = await self.jobs.evaluate(job, load_mu0_tau0, float(query["d"]) if "d" in query else None)
         answers = json.loads(output)["answers"]
         return JSONResponse({"answers": [label_caveats(record) for record in answers]})
 
@@ -400,13 +400,13 @@ async def _error_response(_: Request, error: Exception) -> Response:
 
 def _body_length(request: Request, max_length: int) -> int:
     """Return the length of a request body. Raise HTTPException if the body is too long or its length is unknown."""
-    length = request.headers.get("content-length", "")
-    if "transfer-encoding" in request.headers or not length.isdecimal():
+    length_text = request.headers.get("content-length", "")
+    if "transfer-encoding" in request.headers or not length_text.isdecimal():
         raise HTTPException(411)
-    if int(length) > max_length:
+    if int(length_text) > max_length:
         raise HTTPException(
             413,
             f"a scan must not exceed {MAX_SCAN_BYTES / 1e6:.0f} MB, and all scans together must not exceed "
             f"{MAX_TOTAL_BYTES / 1e6:.0f} MB",
         )
-    return int(length)
+    return int(length_text)

@@ -77,5 +77,5 @@ def _address_space_limit() -> float:
         import resource
     except ImportError:  # Windows
         return math.inf
-    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
-    return math.inf if limit == resource.RLIM_INFINITY else limit
+    soft_limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    return math.inf if soft_limit == resource.RLIM_INFINITY else soft_limit

@@ -101,7 +101,8 @@ def compute_in_folder(
     except KeyboardInterrupt:
         detail = ""
         with contextlib.suppress(StoreError):  # no result is stored yet
-            stored = open_stored(directory)
-            progress = f"{stored.count} of {stored.study.ensemble.repetitions} repetitions are finished and stored"
+            stored_result = open_stored(directory)
+            num_repetitions = stored_result.study.ensemble.repetitions
+            progress = f"{stored_result.count} of {num_repetitions} repetitions are finished and stored"
             detail = f"; {progress}: run the same command again to resume"
         raise report_interruption(detail) from None

@@ -24,14 +24,14 @@ def info(directory: DirectoryArgument, verbose: VerboseOption = False, as_json: 
     from stiction.studies.study import Study, find_differences
     from stiction.views.text import wrap_text
 
-    stored = open_stored(directory)
-    study, num_finished = stored.study, stored.count
+    stored_result = open_stored(directory)
+    study, num_finished = stored_result.study, stored_result.count
     if as_json:
         fields = {
             "study": study.to_toml(), "finished": num_finished, "repetitions": study.ensemble.repetitions,
-            "bytes": stored.size, "versions": {"stiction": stored.version},
+            "bytes": stored_result.size, "versions": {"stiction": stored_result.version},
         }  # fmt: skip
-        print_result(Result(stored), command="info", as_json=True, fields=fields)
+        print_result(Result(stored_result), command="info", as_json=True, fields=fields)
         return
     if not study.is_measured:
         changes = [f"{key} = {value}" for key, _, value in find_differences(Study(), study)]
@@ -41,10 +41,10 @@ def info(directory: DirectoryArgument, verbose: VerboseOption = False, as_json: 
     elif verbose:
         print_output(study.to_toml())
     print_output(f"repetitions  {num_finished} of {study.ensemble.repetitions} finished")
-    print_output(f"size         {stored.size / 2**20:.1f} MiB, computed by stiction {stored.version}")
+    print_output(f"size         {stored_result.size / 2**20:.1f} MiB, computed by stiction {stored_result.version}")
     if num_finished:
         print_output("")
-        print_result(Result(stored), command="info", verbose=verbose)
+        print_result(Result(stored_result), command="info", verbose=verbose)
 
 
 @command("plot", "stiction plot figure6", "stiction plot pair --format pdf,svg --output figures")

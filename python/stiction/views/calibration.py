@@ -54,15 +54,17 @@ def calibration_text(interface: Interface) -> str:
 
 def _area_per_load_text(interface: Interface) -> str:
     """Format the ratio A/F of the tests, with its interval if the ratio is uncertain."""
-    ratio = interface.fits[0].area_per_load
-    if not np.isfinite(ratio).all() or np.ptp(ratio) <= MIN_PRINTED_AREA_RANGE * np.median(ratio):
+    area_per_load = interface.fits[0].area_per_load
+    if not np.isfinite(area_per_load).all() or np.ptp(area_per_load) <= MIN_PRINTED_AREA_RANGE * np.median(
+        area_per_load
+    ):
         return f"{interface.area_per_load:.3g} /GPa"
-    low, high = np.quantile(ratio, [0.025, 0.975])
+    low, high = np.quantile(area_per_load, [0.025, 0.975])
     return f"{format_with_interval(interface.area_per_load, float(low), float(high))} /GPa"
 
 
 def _mu0_tau0_not_separated_lines(interface: Interface) -> Iterator[str]:
-    value, ratio = interface.identified[0], interface.area_per_load
+    sum_value, area_per_load = interface.identified[0], interface.area_per_load
     num_tests = len(interface.tests)
     shortage_text = (
         f"A/F varies by {format_percent(interface.variation)} among {num_tests} tests"
@@ -73,8 +75,8 @@ def _mu0_tau0_not_separated_lines(interface: Interface) -> Iterator[str]:
         f", and {MIN_AREA_VARIATION:.0%} are required".replace("%", " %") if num_tests > 2 else ", and three are needed"
     )
     yield f"Only μ0 + τ0 A/F is determined: {shortage_text}{requirement_text} to determine either one."
-    tau0 = format_with_unit(value / ratio, "GPa")
-    yield f"The tests allow all values from μ0 = {value:.3g}, τ0 = 0, to μ0 = 0, τ0 = {tau0}."
+    tau0 = format_with_unit(sum_value / area_per_load, "GPa")
+    yield f"The tests allow all values from μ0 = {sum_value:.3g}, τ0 = 0, to μ0 = 0, τ0 = {tau0}."
 
 
 def _junction_growth_text(interface: Interface) -> str:
@@ -145,8 +147,8 @@ def interfaces_text(interfaces: Sequence[Mapping[str, str]]) -> str:
     """Format one paragraph for each interface."""
     paragraphs = []
     for record in interfaces:
-        kind = ", ".join(record[name] for name in ("kind", "motion") if name in record)
-        law_text = f"{kind}: μ0 = {record['mu0']}, τ0 = {record['tau0']}"
+        kind_and_motion = ", ".join(record[name] for name in ("kind", "motion") if name in record)
+        law_text = f"{kind_and_motion}: μ0 = {record['mu0']}, τ0 = {record['tau0']}"
         other_entries = {name.replace("_", " "): text for name, text in record.items() if name not in _LAW_KEYS}
         other_lines = (
             text if name in _KEYS_PRINTED_WITHOUT_NAME else f"{name} {text}" for name, text in other_entries.items()

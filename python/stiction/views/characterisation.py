@@ -574,22 +574,22 @@ def characterisation_text(
     """
     result = to_characterisation(body, **options)
     rows = [*result.rows, *(row._replace(is_detail=True) for row in result.line_rows)]
-    shown = [row for row in rows if not (headline_only and row.is_detail)]
+    shown_rows = [row for row in rows if not (headline_only and row.is_detail)]
     lines = [
         wrap_text(f"{row.label:<19} {'  '.join(f'{item:<23}' for item in row.texts)}".rstrip(), hanging_indent=" " * 20)
-        for row in shown
+        for row in shown_rows
     ]
-    if len(shown) < len(rows):
-        lines.append(f"{len(rows) - len(shown)} more lines: --verbose shows all")
+    if len(shown_rows) < len(rows):
+        lines.append(f"{len(rows) - len(shown_rows)} more lines: --verbose shows all")
     return "\n".join([*lines, ""])
 
 
 def length_text(value: float) -> str:
     """Format a length (µm) in the unit that gives one to three digits before the decimal point."""
-    for unit, size in (("pm", 1e-6), ("nm", 1e-3), ("µm", 1.0), ("mm", 1e3)):
-        if value < 999.95 * size or unit == "mm":
+    for unit, unit_length in (("pm", 1e-6), ("nm", 1e-3), ("µm", 1.0), ("mm", 1e3)):
+        if value < 999.95 * unit_length or unit == "mm":
             break
-    return f"{value / size:.4g} {unit}"
+    return f"{value / unit_length:.4g} {unit}"
 
 
 def _json_unit(parameter: ParameterDefinition) -> str:

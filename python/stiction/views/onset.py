@@ -47,8 +47,8 @@ def onset_text(onset: xarray.Dataset) -> str:
 def _length_display_factor(table: xarray.DataArray) -> tuple[float, str]:
     """Return the factor that converts µm to the unit in which a mean length has the fewest zeros, and this unit."""
     value = _mean_with_limits(table)[0]
-    factor, unit = choose_prefix(value if math.isfinite(value) else 0.0, "um")
-    return 1 / factor, unit
+    prefix_factor, unit = choose_prefix(value if math.isfinite(value) else 0.0, "um")
+    return 1 / prefix_factor, unit
 
 
 def _stiffness_display_factor(table: xarray.DataArray) -> tuple[float, str]:

@@ -45,6 +45,6 @@ def pull_off_record(estimate: PullOffValues) -> dict[str, Any]:
 
 def _format_interval(interval: ValueWithInterval, name: str) -> str:
     """Return a mean with its interval, in the unit with the fewest zeros."""
-    factor, unit = choose_prefix(interval[0], QUANTITIES[name].unit) if np.isfinite(interval[0]) else (1.0, "")
-    value, lower, upper = (item / factor for item in interval)
+    prefix_factor, unit = choose_prefix(interval[0], QUANTITIES[name].unit) if np.isfinite(interval[0]) else (1.0, "")
+    value, lower, upper = (item / prefix_factor for item in interval)
     return f"{format_with_interval(value, lower, upper)} {unit}".replace(" no interval", "").rstrip()

@@ -46,10 +46,10 @@ MAX_LABEL_LENGTH = 24  # maximum number of characters of a scan name that a figu
 def joined_text(joined: JoinedSpectrum) -> str:
     """Format the wavelengths that each scan contributes, its deviation from the other scans, and cumulative slopes."""
     rows = [["scan", "wavelengths used", "limited by", "compared with the others"]]
-    for name, (shortest, longest), reason, ratio, expected_deviation in zip(
+    for name, (shortest, longest), reason, power_ratio, expected_deviation in zip(
         joined.names, joined.bands, joined.reasons, joined.disagreement, joined.chance, strict=True
     ):
-        deviation = "no overlap" if math.isnan(ratio) else f"{ratio:.2f} times as much power"
+        deviation = "no overlap" if math.isnan(power_ratio) else f"{power_ratio:.2f} times as much power"
         deviation += ", from few wavelengths" if 2 * expected_deviation > math.log(MAX_SPECTRA_RATIO) else ""
         rows.append(
             [name, f"{format_with_unit(shortest, 'um')} to {format_with_unit(longest, 'um')}", reason, deviation]
@@ -83,9 +83,9 @@ def joined_record(joined: JoinedSpectrum) -> dict[str, Any]:
             "shortest_um": band[0],
             "longest_um": band[1],
             "ended_by": reason,
-            "power_over_others": float(ratio) if math.isfinite(ratio) else None,
+            "power_over_others": float(power_ratio) if math.isfinite(power_ratio) else None,
         }
-        for name, band, reason, ratio in zip(
+        for name, band, reason, power_ratio in zip(
             joined.names, joined.bands, joined.reasons, joined.disagreement, strict=True
         )
     ]
@@ -132,11 +132,11 @@ def joined_figure(joined: JoinedSpectrum) -> Figure:
 
 def _spectra_panel(axes: Axes, joined: JoinedSpectrum) -> None:
     wavelengths = 2 * math.pi / joined.wave_number
-    for scan, (name, ratio) in enumerate(zip(joined.names, joined.ratio, strict=True)):
+    for scan, (name, power_ratio) in enumerate(zip(joined.names, joined.ratio, strict=True)):
         label = name if len(name) <= MAX_LABEL_LENGTH else f"…{name[1 - MAX_LABEL_LENGTH :]}"
         axes.plot(
             wavelengths,
-            ratio * joined.density,
+            power_ratio * joined.density,
             "o",
             color=SCAN_COLOURS[scan % len(SCAN_COLOURS)],
             markersize=2.5,

@@ -200,8 +200,8 @@ def markdown_row(cells: Sequence[str]) -> str:
 
 def _allowed_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]:
     """Return the allowed values of a type as phrases, one per alternative."""
-    for kind, phrases in _QUANTITY_RANGES:
-        if annotation is kind or any(item in metadata for item in kind.__metadata__[:1]):
+    for quantity_type, phrases in _QUANTITY_RANGES:
+        if annotation is quantity_type or any(item in metadata for item in quantity_type.__metadata__[:1]):
             return [phrases]
     if annotation is Quantity:  # lengths in measured files have a separate parser
         return ["a length"]
@@ -223,14 +223,14 @@ def _allowed_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]
     if get_origin(annotation) is not None:  # a union
         alternatives = [_allowed_phrases(item) for item in get_args(annotation) if item is not type(None)]
         return list(dict.fromkeys(phrases for alternative in alternatives for phrases in alternative))
-    ends = {
+    bounds = {
         name: getattr(item, name)
         for item in _flatten_constraints(metadata)
         for name in _BOUND_WORDS
         if hasattr(item, name)
     }
     kind_name = {bool: "`true` or `false`", int: "a whole number", float: "a number", str: "a name"}[annotation]
-    return [" ".join([kind_name, *(f"{_BOUND_WORDS[name]} {_format_bound(end)}" for name, end in ends.items())])]
+    return [" ".join([kind_name, *(f"{_BOUND_WORDS[name]} {_format_bound(bound)}" for name, bound in bounds.items())])]
 
 
 _NUMBER_LIST_TEXTS = tuple(

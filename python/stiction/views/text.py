@@ -798,7 +798,9 @@ def _overview_cell(values: xarray.Dataset) -> str:
     if bad_statuses:
         return bad_statuses[0]
     name = "friction_all_round" if "friction_all_round" in values else "friction_coefficient"
-    numbers = {name: mean_over_directions(values, name) for name in ("share_beyond_hertz", "share_below_grid")}
-    failed_checks = find_failed_check_caveats(ASPERITY_CHECKS, numbers)
+    checked_fractions = {
+        name: mean_over_directions(values, name) for name in ("share_beyond_hertz", "share_below_grid")
+    }
+    failed_checks = find_failed_check_caveats(ASPERITY_CHECKS, checked_fractions)
     mean, lower, upper = (float(values[name].sel(statistic=statistic)) for statistic in MEAN_AND_LIMITS)
     return format_estimate(mean, lower, upper) + "*" * any(failed_checks)

@@ -60,13 +60,18 @@ def contact_figure(
     x = lower.x
     height_shift = float((upper.heights - lower.heights).min()) + approach
     in_nanometres = max(float(np.ptp(upper.heights)), float(np.ptp(lower.heights))) < _MAX_NANOMETRE_RANGE
-    scale = 1000.0 if in_nanometres else 1.0
-    bodies = scale * (upper.heights - height_shift), scale * lower.heights
+    unit_factor = 1000.0 if in_nanometres else 1.0
+    bodies = unit_factor * (upper.heights - height_shift), unit_factor * lower.heights
     figure = new_figure(90)
     overview_axes, zoomed_axes = figure.subplots(2, 1, height_ratios=[1, 1.5])
     draw_bodies(overview_axes, x, *bodies)
     overview_axes.plot(
-        contact_points.centre[:, 0], scale * contact_points.centre[:, 2], "o", color=FORCE_COLOUR, markersize=2, mew=0
+        contact_points.centre[:, 0],
+        unit_factor * contact_points.centre[:, 2],
+        "o",
+        color=FORCE_COLOUR,
+        markersize=2,
+        mew=0,
     )
     overview_axes.set_xlim(x[0], x[-1])
     contact_count = f"{len(contact_points)} {'contact' if len(contact_points) == 1 else 'contacts'}"
@@ -110,14 +115,18 @@ def contact_figure(
     figure.draw_without_rendering()  # the arrow lengths depend on the final position of the axes
     figure.set_layout_engine("none")
     if len(contact_points):
-        max_arrow_length = _reserve_arrow_length(zoomed_axes, scale * float(contact_points.centre[is_in_zoom, 2].max()))
+        max_arrow_length = _reserve_arrow_length(
+            zoomed_axes, unit_factor * float(contact_points.centre[is_in_zoom, 2].max())
+        )
         (unit_x, _), (_, unit_y), (origin_x, origin_y) = zoomed_axes.transData.transform(
-            [(1.0, 0.0), (0.0, scale), (0.0, 0.0)]
+            [(1.0, 0.0), (0.0, unit_factor), (0.0, 0.0)]
         )
         magnification = float((unit_y - origin_y) / (unit_x - origin_x))
         text = f"contact with the largest load; heights magnified {magnification:.2g} times"
         zoomed_axes.set_title(text, loc="left", fontsize=6, pad=3)
-        _draw_forces(zoomed_axes, contact_points, is_in_zoom, scale, magnification, friction_forces, max_arrow_length)
+        _draw_forces(
+            zoomed_axes, contact_points, is_in_zoom, unit_factor, magnification, friction_forces, max_arrow_length
+        )
     return figure
 
 
@@ -218,7 +227,7 @@ def contacts_figure(
     draw_heights(figure, axes, picture["lower_height"].values, map_extent(picture, "height"))
     is_opposing = find_opposing_contacts(picture, direction)
     x, y = picture["contact_x"].values, picture["contact_y"].values
-    sizes = np.maximum(_MAX_MARKER_AREA * force / force.max(initial=1e-300), 3.0)
+    marker_areas = np.maximum(_MAX_MARKER_AREA * force / force.max(initial=1e-300), 3.0)
     for mask, colour, marker, caption in (
         (is_opposing, OPPOSING_COLOUR, "D", "oppose the motion"),
         (~is_opposing, NOT_OPPOSING_COLOUR, "o", "do not"),
@@ -226,8 +235,10 @@ def contacts_figure(
         percent = 100 * force[mask].sum() / (force.sum() or 1.0)
         text = f"{int(mask.sum())} {caption}, with {percent:.0f} % of the load"
         marker_style: dict[str, Any] = {"facecolors": "none", "marker": marker}
-        axes.scatter(x[mask], y[mask], s=sizes[mask], edgecolors="white", linewidths=2.0, **marker_style)
-        axes.scatter(x[mask], y[mask], s=sizes[mask], edgecolors=colour, linewidths=1.2, label=text, **marker_style)
+        axes.scatter(x[mask], y[mask], s=marker_areas[mask], edgecolors="white", linewidths=2.0, **marker_style)
+        axes.scatter(
+            x[mask], y[mask], s=marker_areas[mask], edgecolors=colour, linewidths=1.2, label=text, **marker_style
+        )
     displacement = [float(picture.attrs[name]) for name in ("x", "y")]
     displacement_texts = [f"{item:.3g} µm".replace("-", "\N{MINUS SIGN}") for item in displacement]
     displacement_caption = (
@@ -305,7 +316,7 @@ def contact_map_figure(picture: xarray.Dataset, *, direction: float = 0.0) -> Fi
     80 mm wide.
     """
     is_opposing, is_cut = find_opposing_contacts(picture, direction), picture["contact_at_edge"].values > 0
-    kinds = [(OPPOSING_COLOUR, "opposes motion"), (NOT_OPPOSING_COLOUR, "assists motion")] + [
+    colours_and_labels = [(OPPOSING_COLOUR, "opposes motion"), (NOT_OPPOSING_COLOUR, "assists motion")] + [
         (EDGE_COLOUR, "cut by the edge")
     ] * bool(is_cut.any())
     if "gap" in picture:
@@ -320,7 +331,7 @@ def contact_map_figure(picture: xarray.Dataset, *, direction: float = 0.0) -> Fi
         figure = new_figure(80)
         _draw_contact_map(figure.subplots(), picture, is_opposing, is_cut)
     figure.legend(
-        handles=[Patch(color=colour, label=description) for colour, description in kinds],
+        handles=[Patch(color=colour, label=description) for colour, description in colours_and_labels],
         loc="outside upper left",
         ncols=3,
     )

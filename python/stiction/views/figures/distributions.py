@@ -96,10 +96,12 @@ def _interpolate_periodic(degrees: Floats, values: Floats, new_degrees: Floats) 
 
 def _draw_rings(axes: Any, highest: float) -> None:
     """Draw the circles of a polar plot at round values, with labels between two spokes."""
-    min_step = (highest or 1.0) / MAX_RINGS
-    power = 10.0 ** np.floor(np.log10(min_step))
-    step = float(next(factor * power for factor in (1, 2, 5, 10) if factor * power >= min_step * (1 - 1e-9)))
-    ticks = step * np.arange(1, int(np.ceil((highest or 1.0) / step - 1e-9)) + 1)
+    min_ring_spacing = (highest or 1.0) / MAX_RINGS
+    power = 10.0 ** np.floor(np.log10(min_ring_spacing))
+    ring_spacing = float(
+        next(factor * power for factor in (1, 2, 5, 10) if factor * power >= min_ring_spacing * (1 - 1e-9))
+    )
+    ticks = ring_spacing * np.arange(1, int(np.ceil((highest or 1.0) / ring_spacing - 1e-9)) + 1)
     axes.set_ylim(0, ticks[-1])
     axes.grid(linewidth=0.3, color="0.8")
     axes.set_yticks(ticks, [f"{tick:g}" for tick in ticks])

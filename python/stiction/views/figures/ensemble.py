@@ -113,9 +113,9 @@ def heading_lines(dataset: xarray.Dataset, study: Study) -> list[str]:
     if study.is_areal or study.uses_half_space or rule != "opposing":
         mechanics_text = "half-space, " if study.uses_half_space else ""
         lines.append(f"{mechanics_text}sliding: {rule}, along {direction_text(angle)}")
-    finished, total = dataset.sizes["repetition"], study.ensemble.repetitions
-    if finished < total:
-        lines.append(f"unfinished: {finished} of {total} repetitions")
+    num_finished, num_repetitions = dataset.sizes["repetition"], study.ensemble.repetitions
+    if num_finished < num_repetitions:
+        lines.append(f"unfinished: {num_finished} of {num_repetitions} repetitions")
     return lines
 
 
@@ -228,7 +228,9 @@ def _draw_friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[st
     """Draw friction curves for the lowest and highest shear strength. They are dotted where the model is invalid."""
     dimension = curves["fractal_dimension"].values
     is_valid = ~(curves["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)  # axes: fractal dimension, shear strength
-    value, lower, upper = (curves["friction_coefficient"].sel(statistic=each).values for each in MEAN_AND_LIMITS)
+    value, lower, upper = (
+        curves["friction_coefficient"].sel(statistic=statistic).values for statistic in MEAN_AND_LIMITS
+    )
     for index, colour in zip(range(len(strengths)), SHEAR_STRENGTH_COLOURS, strict=False):
         axes.fill_between(dimension, lower[:, index], upper[:, index], color=colour, alpha=0.25, linewidth=0)
         marker = "o" if dimension.size == 1 else None
@@ -452,7 +454,7 @@ def _draw_area_curves(
     """Draw area and area/load for each fractal dimension, with labels at the left ends of the curves."""
     load, dimensions = areas["load"].values, areas["fractal_dimension"].values
     areas = areas.transpose("fractal_dimension", "load", ...)
-    area, lower, upper = (areas["contact_area"].sel(statistic=each).values for each in MEAN_AND_LIMITS)
+    area, lower, upper = (areas["contact_area"].sel(statistic=statistic).values for statistic in MEAN_AND_LIMITS)
     is_valid = has_no_validity_limit | (areas["share_beyond_hertz"].values <= MAX_AFFECTED_FRACTION)
     positive = area[area > 0]
     for ax, area_factor in zip(axes, (np.ones(load.size), 1 / load), strict=True):

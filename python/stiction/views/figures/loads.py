@@ -88,7 +88,7 @@ def adhesion_figure(branches: xarray.Dataset, *, title: str = "") -> Figure:
     is_unloading = branches["going"].values
     load, area = branches["load"].values, branches["contact_area"].values
     is_visible = load <= LOADS_RELATIVE_TO_PULL_OFF[-1] * -load.min() * 1.001  # loads within the limits of the figure
-    factor, unit = choose_prefix(float(abs(load[is_visible]).max()), "mN")
+    prefix_factor, unit = choose_prefix(float(abs(load[is_visible]).max()), "mN")
     figure = new_figure(70)
     abscissas = [(branches["approach"].values * 1000, "approach (nm)")] if branches["approach"].notnull().all() else []
     panels: Any = figure.subplots(1, len(abscissas) + 1, sharey=True, squeeze=False)[0]
@@ -98,7 +98,7 @@ def adhesion_figure(branches: xarray.Dataset, *, title: str = "") -> Figure:
         axes.axhline(0, color="0.6", linewidth=0.5)
         axes.plot(
             x[~is_unloading],
-            load[~is_unloading] / factor,
+            load[~is_unloading] / prefix_factor,
             "o-",
             color=ALL_CONTACTS_COLOUR,
             markersize=3,
@@ -106,19 +106,24 @@ def adhesion_figure(branches: xarray.Dataset, *, title: str = "") -> Figure:
             label="loading",
         )
         axes.plot(
-            x[is_unloading], load[is_unloading] / factor, "--", color=OPPOSING_COLOUR, linewidth=1.2, label="unloading"
+            x[is_unloading],
+            load[is_unloading] / prefix_factor,
+            "--",
+            color=OPPOSING_COLOUR,
+            linewidth=1.2,
+            label="unloading",
         )
         pull_off_index = int(load.argmin())
         axes.plot(
             x[pull_off_index],
-            load[pull_off_index] / factor,
+            load[pull_off_index] / prefix_factor,
             "v",
             color=AREA_COLOUR,
             markersize=5,
             label="pull-off force",
         )
         axes.set(xlim=_pad_range(x[is_visible]), xlabel=x_label)
-    panels[0].set(ylim=_pad_range(load[is_visible] / factor), ylabel=f"load ({unit})")
+    panels[0].set(ylim=_pad_range(load[is_visible] / prefix_factor), ylabel=f"load ({unit})")
     figure.suptitle(title, fontsize=6)
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure

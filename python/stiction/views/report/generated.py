@@ -312,9 +312,9 @@ def _check_number_format(check: LimitCheck) -> dict[str, Any]:
         return {"table": name, "factor": 100, "decimals": 0, "unit": " %"}
     if format_name in ("digits", "digit"):
         return {"table": name, "factor": 1, "decimals": 1 if format_name == "digits" else 3, "unit": ""}
-    factor, unit = choose_prefix(check.limit, format_name)
-    decimals = max(0, 1 - math.floor(math.log10(check.limit / factor)))
-    return {"table": name, "factor": 1 / factor, "decimals": decimals, "unit": f" {unit}"}
+    prefix_factor, unit = choose_prefix(check.limit, format_name)
+    decimals = max(0, 1 - math.floor(math.log10(check.limit / prefix_factor)))
+    return {"table": name, "factor": 1 / prefix_factor, "decimals": decimals, "unit": f" {unit}"}
 
 
 # ---- Texts and figures -----------------------------------------------------------------------------------------------
@@ -343,11 +343,11 @@ def _head_lines(study: Study) -> list[str]:
     rules, angles = study_motions(study)
     surfaces: Any = study.surfaces
     contact: Any = study.contact
-    lengths = surfaces.extents() if study.is_areal else (float(surfaces.extent),)
+    side_lengths = surfaces.extents() if study.is_areal else (float(surfaces.extent),)
     model_name = "half-space" if study.uses_half_space else "asperity"
     law_text = "" if study.uses_half_space else f", law {contact.model(rules[0]).law}"
     return [
-        f"{surfaces.place[0].upper()}{surfaces.place[1:]}, {' x '.join(f'{length:g}' for length in lengths)} µm, "
+        f"{surfaces.place[0].upper()}{surfaces.place[1:]}, {' x '.join(f'{length:g}' for length in side_lengths)} µm, "
         f"pressed with the {model_name} model{law_text}; "
         f"E* = {format_with_unit(float(contact.effective_modulus), 'GPa')}; "
         f"contacts with friction: {' and '.join(rules)}; motion {', '.join(map(motion_text, angles))}."

@@ -94,8 +94,8 @@ def contact_panel(picture: xarray.Dataset, direction: float) -> str:
     if is_cut.any():
         text += f" The edge cuts contacts with {format_percent(float(force[is_cut].sum() / force.sum()))} of the load."
     offset = " and ".join(f"{float(picture.attrs[axis]):.3g}" for axis in "xy").replace("-", "\N{MINUS SIGN}")
-    position = "profile is shown in the pressed position" if "gap" in picture else f"map is moved by {offset} µm"
-    description, caption = "The two bodies with their true contacts.", f"{text} The upper {position}."
+    position_text = "profile is shown in the pressed position" if "gap" in picture else f"map is moved by {offset} µm"
+    description, caption = "The two bodies with their true contacts.", f"{text} The upper {position_text}."
     return _panel_markup("Contacts", description, caption, lambda: contact_map_figure(picture, direction=direction))
 
 
