@@ -42,7 +42,7 @@ def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Flo
     if not np.isfinite(total) and (is_nonfinite := ~np.isfinite(array)).any():
         first_index = tuple(int(i) for i in np.argwhere(is_nonfinite)[0])
         location = f"{name}{list(first_index)}" if first_index else name
-        count_text = f"{np.count_nonzero(is_nonfinite)} of {is_nonfinite.size} values"
+        count_text = f"{np.count_nonzero(is_nonfinite)} of {is_nonfinite.size}"
         raise ValueError(
             f"{name} must be finite, got {array[first_index]} at {location} ({count_text} values are not finite)"
         )

@@ -505,6 +505,13 @@ def test_channel_of_an_instrument_file_can_be_selected(measured_file):
     assert "has no channel 3; the channel numbers are 0 to 2" in error_message(path, read_surface, channel=3)
 
 
+def test_units_of_a_text_file_with_an_unknown_ending_are_read_from_its_header(file):
+    text = "x (um),z (nm)\n0,500\n0.1,-250\n0.2,1000\n0.3,125\n0.4,2000\n"
+    odd = file(text, "scan.v2")
+    assert read_profile(odd).heights.tolist() == HEIGHTS
+    assert "declares its heights in nm, but the given unit is um" in error_message(odd, unit="um")
+
+
 def test_registered_reader_reads_files_with_its_suffix(file, monkeypatch):
     monkeypatch.setitem(READERS, ".dec", lambda data: RawHeights(np.array(data.split(), dtype=float), unit="um"))
     assert read_measurement(file("0.5 -0.25 1 0.125 2", "a.DEC"), spacing="1 um").heights.tolist() == HEIGHTS

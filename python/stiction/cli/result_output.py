@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from stiction._text import printable_path
 from stiction.cli.application import print_message, print_output, print_warning, show_status
 
 if TYPE_CHECKING:
@@ -127,7 +128,7 @@ def write_figures(result: Result, directory: Path, *, formats: Sequence[str] = (
 
     show_status("drawing")
     for path in draw_figures(result, directory, formats=formats):
-        print_output(f"wrote {path}")
+        print_output(f"wrote {printable_path(path)}")
 
 
 def choose_message_printer(as_json: bool) -> Callable[[str], None]:

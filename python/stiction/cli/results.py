@@ -76,7 +76,7 @@ def report(
 
     path = output if output is not None else directory / "report.html"
     save_report(open_with_warning(directory), path, name=directory.resolve().name)
-    print_output(f"wrote {path}")
+    print_output(f"wrote {printable_path(path)}")
 
 
 @command(
@@ -90,4 +90,4 @@ def export(
     from stiction.views.files import write_result
 
     write_result(open_with_warning(directory), file)
-    print_output(f"wrote {file}")
+    print_output(f"wrote {printable_path(file)}")

@@ -13,6 +13,7 @@ from stiction._arguments import (
     parse_quantity,
     split_values,
 )
+from stiction._text import printable_path
 from stiction.cli.application import command, print_output
 from stiction.cli.execution import SchedulerOption, WorkersOption
 from stiction.cli.options import option
@@ -98,7 +99,7 @@ def table_command(
     for name, text in ((CSV_FILE_NAME, friction_table_csv(table)), (LAWS_FILE_NAME, laws_csv(table))):
         replace_text(output / name, text, TABLE_FILE_MARKS[name])
     for name in (NETCDF_FILE_NAME, CSV_FILE_NAME, LAWS_FILE_NAME):
-        print_output(f"wrote {output / name}")
+        print_output(f"wrote {printable_path(output / name)}")
 
 
 def _parse_pressure(text: str) -> float:

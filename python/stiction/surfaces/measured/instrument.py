@@ -14,6 +14,9 @@ import numpy as np
 from stiction.surfaces.measured.raw import FormatError, HeightChannels, RawHeights, Source
 from stiction.surfaces.profile import MAX_POINTS
 
+_TEXT_FORMATS = ("asc", "xyz")
+"""Plain text formats for which SurfaceTopography ignores units and other declarations in the header."""
+
 
 def is_available() -> bool:
     """Return whether SurfaceTopography is installed."""
@@ -31,6 +34,11 @@ def read_instrument(path: Path) -> HeightChannels:
             "SurfaceTopography); the name of a text file should end in .csv or .txt"
         ) from None
     with _open_reader(path) as reader:
+        if reader.format() in _TEXT_FORMATS:
+            raise FormatError(
+                "is text that cannot be read as a table of heights; rename it so that its name ends in .csv or .txt, "
+                "which shows the reason"
+            )
         names = tuple(str(channel.name)[:80] for channel in reader.channels)
         default = int(reader.default_channel.index)
     return HeightChannels(names, lambda index: _read_channel(path, index, names[index]), default)
