@@ -298,8 +298,8 @@ def test_contact_map_draws_every_contact(maps_at_two_cutoffs, profiles_dataset):
     assert upper_limit - lower_limit < np.ptp(full_axes.get_xlim())
 
 
-def test_force_arrows_stay_inside_their_frame(circular_arc, tmp_path):
-    upper, lower = (circular_arc(2.0, 5.0, 0.01, 401, side) for side in ("upper", "lower"))
+def test_force_arrows_stay_inside_their_frame(create_circular_arc, tmp_path):
+    upper, lower = (create_circular_arc(2.0, 5.0, 0.01, 401, side) for side in ("upper", "lower"))
     figure = contact_figure(upper, lower, 0.02, mu0=0.3, load=0.1)
     zoomed_axes = figure.axes[1]
     figure.draw_without_rendering()
