@@ -31,18 +31,15 @@ from stiction.mechanics.half_space_problem import (
 # Number of plain steps between two extrapolated steps. Plain steps damp the modes that extrapolated steps overshoot.
 NUM_UNACCELERATED_STEPS = 2
 MAX_EXTRAPOLATION_FACTOR = 10.0  # maximum extrapolated step, as a multiple of the plain step
-MAX_SOLUTIONS_PER_LOAD = (
-    2000  # maximum number of contact solutions for one external load, including solutions during jumps
-)
+# maximum number of contact solutions for one external load, including solutions during jumps
+MAX_SOLUTIONS_PER_LOAD = 2000
 MAX_SOLUTIONS_PER_CONTACT_LOAD = 60  # maximum number of contact solutions for one contact load
 MAX_STALLED_SOLUTIONS = 20  # maximum number of successive solutions that do not reduce the residual
-MAX_RESIDUAL_TOLERANCE_RATIO = (
-    10.0  # maximum accepted relative residual of the attraction, as a multiple of the tolerance
-)
+# maximum accepted relative residual of the attraction, as a multiple of the tolerance
+MAX_RESIDUAL_TOLERANCE_RATIO = 10.0
 MIN_TOLERANCE = 1e-8  # minimum tolerance of a contact solution; at smaller tolerances, round-off may stall the solver
-INEXACT_TOLERANCE_RATIO = (
-    0.05  # tolerance of a contact solution, as a fraction of the residual of the previous solution
-)
+# tolerance of a contact solution, as a fraction of the residual of the previous solution
+INEXACT_TOLERANCE_RATIO = 0.05
 MAX_TOLERANCE = 1e-3  # maximum tolerance of a contact solution
 # During separation, an increase of the attraction below this fraction of its maximum counts as numerical error.
 MAX_ATTRACTION_INCREASE = 1e-3
@@ -50,14 +47,12 @@ MAX_ATTRACTION_INCREASE = 1e-3
 MIN_CONTACT_LOAD_RATIO = 1e-3
 CONTACT_LOAD_REDUCTION_RATIO = 0.6  # ratio of successive contact loads during separation
 MINIMUM_LOAD_TOLERANCE = 0.01  # accepted relative error of the minimum load
-FIRST_LOAD_DECREMENT = (
-    0.05  # relative difference between the minimum load and the first lower load that the search tries
-)
+# relative difference between the minimum load and the first lower load that the search tries
+FIRST_LOAD_DECREMENT = 0.05
 # An additional solution is computed only if the interpolated load is below the minimum load by at least this fraction.
 MIN_LOAD_IMPROVEMENT = 0.003
-MIN_CONTACT_LOAD_DIFFERENCE = (
-    0.01  # loads are interpolated only if the two contact loads differ by at least this fraction
-)
+# loads are interpolated only if the two contact loads differ by at least this fraction
+MIN_CONTACT_LOAD_DIFFERENCE = 0.01
 MAX_REFINED_STATES = 6  # maximum number of additional solutions at interpolated loads
 MAX_TRIAL_LOADS = 24  # maximum number of external loads that are tried during separation
 

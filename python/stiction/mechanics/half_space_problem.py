@@ -30,9 +30,8 @@ Computing the kernels takes a quarter of the time of a free solution.
 
 # In a linear response to a tilt, the edge displacement is this fraction of the mean displacement under the load.
 TILT_DISPLACEMENT_RATIO = 0.01
-LINEAR_RESPONSE_TOLERANCE = (
-    1e-7  # relative tolerance of the solver for linear responses with a fixed set of contact points
-)
+# relative tolerance of the solver for linear responses with a fixed set of contact points
+LINEAR_RESPONSE_TOLERANCE = 1e-7
 # Upper bound on the pressure in linear responses to a mean pressure of 1. It is high enough even for coarse grids.
 MAX_LINEAR_RESPONSE_PRESSURE = 1e9
 MAX_CELL_ASPECT_RATIO = 1e6  # maximum ratio of the longer to the shorter side of a grid cell

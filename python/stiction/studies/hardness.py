@@ -62,9 +62,8 @@ MAX_NARROW_HALF_RANGE = 0.2
 The area at another modulus is then derived from the dependence of the area on the load.
 """
 
-EQUAL_NODE_TOLERANCE = (
-    1e-9  # nodes count as equal if they differ by at most this relative amount, to allow for round-off
-)
+# nodes count as equal if they differ by at most this relative amount, to allow for round-off
+EQUAL_NODE_TOLERANCE = 1e-9
 
 SHEAR_NODE_SPACING, NUM_SHEAR_NODES = 0.6, 3
 """Spacing in ln H and number of additional nodes below the hardness range for junction growth.

@@ -336,9 +336,8 @@ def _conditions_text(point: PointSummary) -> str:
     )
 
 
-NEGLIGIBLE_ROUGHNESS_FRACTION = (
-    0.05  # roughness that contributes less than this fraction of the coefficient is negligible
-)
+# roughness that contributes less than this fraction of the coefficient is negligible
+NEGLIGIBLE_ROUGHNESS_FRACTION = 0.05
 
 
 def roughness_text(point: PointSummary) -> str:

@@ -17,9 +17,8 @@ from stiction.views.style import (
     new_figure,
 )
 
-MIN_DRAWN_REDUCTION = (
-    0.02  # inputs are not drawn if making them exact would narrow the interval by less than this fraction
-)
+# inputs are not drawn if making them exact would narrow the interval by less than this fraction
+MIN_DRAWN_REDUCTION = 0.02
 MAX_DRAWN_INPUTS = 5  # maximum number of inputs in the figure
 
 

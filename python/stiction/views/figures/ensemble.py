@@ -58,9 +58,8 @@ FADING_PARAMETERS = (0.3, 1.2, 0.85)
 """Relative interval widths at which the fading of a cell starts and reaches its maximum, and this maximum."""
 
 CURVE_LABEL_SPACING = 2.4  # distance between curve labels, mm
-MAX_DRAWN_BAND_RATIO = (
-    2.0  # factor between the axis limits and the extreme means; bands that extend further are cut off
-)
+# factor between the axis limits and the extreme means; bands that extend further are cut off
+MAX_DRAWN_BAND_RATIO = 2.0
 HEADING_HEIGHT = 4.0  # height of a heading line above a figure, mm
 MAX_LEGEND_COLUMNS = 4  # maximum number of legend columns
 
