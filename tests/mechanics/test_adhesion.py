@@ -270,8 +270,10 @@ def test_pull_off_force_of_rough_surfaces_is_the_largest_local_maximum_of_tensio
     curve = half_space(*bodies, [0.0], **adhesive)
     attraction = AdhesionSolver(curve._problem, tolerance=1e-6, report=None)
     states = [attraction.iterate_at_load(None, 0.0)[0]]
-    while states[-1].contact > 0.02 * states[0].contact:
-        states.append(attraction.solve_at_contact_load(states[-1], 0.98 * states[-1].contact, before=states[0]))
+    while states[-1].contact_load > 0.02 * states[0].contact_load:
+        states.append(
+            attraction.solve_at_contact_load(states[-1], 0.98 * states[-1].contact_load, earlier_state=states[0])
+        )
     loads = np.array([state.load for state in states])
     first_local_minimum = loads[np.flatnonzero(np.diff(loads) > 0.02 * -loads.min())[0]]
     # This state is a local minimum of the energy, but not the global minimum.

@@ -411,7 +411,7 @@ def test_onset_of_sliding_of_a_single_asperity_equals_mindlin_solution():
         onset = curve.onset(0, mu0=0.3, poisson=poisson)
         ratio = (2 - poisson) / (2 * (1 - poisson))
         part = np.arange(1, 21) / 20
-        table = contacts(*curve._pressed.bodies, 0.02)
+        table = contacts(*curve._inputs.bodies, 0.02)
         load, area = table.force * table.normal[:, 2], table.area
         radius, overlap = np.sqrt(area[0] / np.pi), table.overlap[0]
         sliding_displacement = 0.3 * ratio * overlap
@@ -448,7 +448,7 @@ def test_tangential_stiffness_of_an_elliptical_contact_equals_cerruti_quadrature
     """Compare with a numerical integral: the displacement in the middle of an ellipse under a flat punch."""
     poisson, direction_angle = 0.3, np.radians(direction)
     curve = single_ball((0.3, 1.0))
-    axes = contacts(*curve._pressed.bodies, 0.02).axes[0]
+    axes = contacts(*curve._inputs.bodies, 0.02).axes[0]
 
     def ellipse_radius(angle):
         return 1 / np.hypot(np.cos(angle) / axes[0], np.sin(angle) / axes[1])

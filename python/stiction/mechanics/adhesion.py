@@ -73,8 +73,8 @@ class AdhesionSolver:
             tolerance,
             MAX_RESIDUAL_TOLERANCE_RATIO * tolerance,
         )
-        # The string `uncertain` explains why the minimum load is uncertain. It is empty if the minimum load is certain.
-        self.range, self.uncertain = problem.adhesion_range, ""
+        # The string `uncertainty_reason` is empty if the minimum load is certain.
+        self.range, self.uncertainty_reason = problem.adhesion_range, ""
         self.max_attraction = problem.work_of_adhesion / self.range
         self.bound = np.array([np.inf if problem.hardness is None else problem.hardness])
         # The relative error of the attraction equals the error of the gap divided by the range of the attraction.
@@ -88,24 +88,28 @@ class AdhesionSolver:
         """Return the attraction (GPa) at given gaps (µm). A negative gap counts as 0."""
         return np.asarray(self.max_attraction * np.exp(np.maximum(gap, 0) / -self.range))
 
-    def solve_at_contact_load(self, near: AdhesionState, contact: float, *, before: AdhesionState) -> AdhesionState:
+    def solve_at_contact_load(
+        self, near: AdhesionState, contact_load: float, *, earlier_state: AdhesionState
+    ) -> AdhesionState:
         """Iterate from a nearby state to the equilibrium at a mean contact pressure (GPa). Return the final state.
 
-        No point may be closer than in the state `before`; the bodies then support the load when they are pulled apart.
+        No point may be closer than in `earlier_state`; the bodies then support the load when they are pulled apart.
         Otherwise, or if the iteration fails, `EquilibriumNotFoundError` is raised.
         """
-        least, best = math.inf, 0
-        for count, (state, residual) in enumerate(self._iterate(near, lambda _: contact, MAX_EXTRAPOLATION_FACTOR)):
+        least_residual, best_count = math.inf, 0
+        for count, (state, residual) in enumerate(
+            self._iterate(near, lambda _: contact_load, MAX_EXTRAPOLATION_FACTOR)
+        ):
             if (
                 residual <= self.max_residual
-                and (state.attraction <= before.attraction + MAX_ATTRACTION_INCREASE * self.max_attraction).all()
+                and (state.attraction <= earlier_state.attraction + MAX_ATTRACTION_INCREASE * self.max_attraction).all()
             ):
                 return state
             if residual <= self.max_residual:
                 break
-            if residual < least:
-                least, best = residual, count
-            if count - best > MAX_STALLED_SOLUTIONS or count == MAX_SOLUTIONS_PER_CONTACT_LOAD:
+            if residual < least_residual:
+                least_residual, best_count = residual, count
+            if count - best_count > MAX_STALLED_SOLUTIONS or count == MAX_SOLUTIONS_PER_CONTACT_LOAD:
                 break
         raise EquilibriumNotFoundError("the computation of the attraction did not converge")
 
@@ -120,20 +124,20 @@ class AdhesionSolver:
         certain only with plain steps (`longest` = 1), because extrapolated steps may pass an equilibrium.
         `EquilibriumNotFoundError` is raised if `MAX_SOLUTIONS_PER_LOAD` solutions do not decide.
         """
-        first = self.min_contact if near is None else -math.inf
-        slowest, least, before = near, math.inf, math.inf
-        iterations = self._iterate(near, lambda mean_attraction: max(load + mean_attraction, first), longest)
+        min_contact = self.min_contact if near is None else -math.inf
+        slowest_state, least_residual, previous_residual = near, math.inf, math.inf
+        iterations = self._iterate(near, lambda mean_attraction: max(load + mean_attraction, min_contact), longest)
         for count, (state, residual) in enumerate(iterations):
             if residual <= self.max_residual:
                 return state, True
             if count == MAX_SOLUTIONS_PER_LOAD:
                 raise EquilibriumNotFoundError("the computation of the attraction did not converge")
             # ignore the first states, which may lie near an equilibrium by chance
-            if residual < min(before, least) and count > 1:
-                slowest, least = state, residual
-            before = residual
-        assert slowest is not None
-        return slowest, False
+            if residual < min(previous_residual, least_residual) and count > 1:
+                slowest_state, least_residual = state, residual
+            previous_residual = residual
+        assert slowest_state is not None
+        return slowest_state, False
 
     def _iterate(
         self, near: AdhesionState | None, contact_load: Callable[[float], float], longest: float
@@ -149,43 +153,49 @@ class AdhesionSolver:
         pressure = None if near is None else near.pressure
         # Attraction after the plain step, kept if the last step was extrapolated.
         plain_attraction: Floats | None = None
-        residual = least = math.inf
-        inexact, slow = INEXACT_TOLERANCE_RATIO, 0
+        residual = least_residual = math.inf
+        tolerance_ratio, stalled_count = INEXACT_TOLERANCE_RATIO, 0
         for count in itertools.count():
             mean_attraction = float(attraction.mean())
-            mean = contact_load(mean_attraction)
-            if mean < self.min_contact and plain_attraction is not None:
+            mean_pressure = contact_load(mean_attraction)
+            if mean_pressure < self.min_contact and plain_attraction is not None:
                 attraction, plain_attraction = plain_attraction, None
                 continue
-            if mean < self.min_contact:
+            if mean_pressure < self.min_contact:
                 return
-            if not mean < self.bound[0]:
+            if not mean_pressure < self.bound[0]:
                 raise EquilibriumNotFoundError("the attraction raises the pressure to the hardness at all points")
-            tolerance = min(max(self.tolerance, inexact * self.relative_range * residual), MAX_TOLERANCE)
-            lowered = gap - grids.displacement(attraction, threads=solver_thread_count())
+            tolerance = min(max(self.tolerance, tolerance_ratio * self.relative_range * residual), MAX_TOLERANCE)
+            attracted_gap = gap - grids.displacement(attraction, threads=solver_thread_count())
             solver = _core.HalfSpaceSolver(
-                lowered, grids, bound=self.bound, tolerance=tolerance, threads=solver_thread_count()
+                attracted_gap, grids, bound=self.bound, tolerance=tolerance, threads=solver_thread_count()
             )
-            solution = solver.at(mean, near=pressure, threads=solver_thread_count(), progress=self.report)
+            solution = solver.at(mean_pressure, near=pressure, threads=solver_thread_count(), progress=self.report)
             if not solution.error <= max(tolerance, self.solver_tolerance):
                 raise EquilibriumNotFoundError("the computation of the pressures did not converge")
             pressure = solution.pressure
             displacement = grids.displacement(pressure.reshape(gap.shape), threads=solver_thread_count())
-            change = self.attraction_at_gap(lowered + displacement - solution.approach) - attraction
-            before, residual = residual, float(np.abs(change).mean()) / (mean + mean_attraction)
+            change = self.attraction_at_gap(attracted_gap + displacement - solution.approach) - attraction
+            previous_residual, residual = residual, float(np.abs(change).mean()) / (mean_pressure + mean_attraction)
             convergence = solution.approach, solution.error, solution.iterations
             if residual > self.max_residual or tolerance <= self.tolerance:
-                yield AdhesionState(pressure, attraction, mean, mean - mean_attraction, *convergence), residual
-            slow = 0 if residual < least else slow + 1
-            least = min(least, residual)
-            if slow > MAX_STALLED_SOLUTIONS:  # the remaining residual may be due to inexact contact solutions
-                inexact, slow = inexact / 10, 0
-            ratio = residual / before if before else 0.0
-            length = 1 / (1 - ratio) if ratio < 1 - 1 / longest else longest
-            following, plain_attraction = np.clip(attraction + change, 0.0, self.max_attraction), None
+                yield (
+                    AdhesionState(pressure, attraction, mean_pressure, mean_pressure - mean_attraction, *convergence),
+                    residual,
+                )
+            stalled_count = 0 if residual < least_residual else stalled_count + 1
+            least_residual = min(least_residual, residual)
+            if stalled_count > MAX_STALLED_SOLUTIONS:  # the remaining residual may be due to inexact contact solutions
+                tolerance_ratio, stalled_count = tolerance_ratio / 10, 0
+            ratio = residual / previous_residual if previous_residual else 0.0
+            extrapolation_factor = 1 / (1 - ratio) if ratio < 1 - 1 / longest else longest
+            next_attraction, plain_attraction = np.clip(attraction + change, 0.0, self.max_attraction), None
             if count % (NUM_UNACCELERATED_STEPS + 1) == NUM_UNACCELERATED_STEPS and longest > 1:
-                plain_attraction, following = following, np.clip(attraction + length * change, 0.0, self.max_attraction)
-            attraction = following
+                plain_attraction, next_attraction = (
+                    next_attraction,
+                    np.clip(attraction + extrapolation_factor * change, 0.0, self.max_attraction),
+                )
+            attraction = next_attraction
 
     def at(self, load: float, near: AdhesionState | None) -> AdhesionState:
         """Find the equilibrium at an external pressure (GPa). The iteration starts from `near`, or without contact."""
@@ -196,11 +206,11 @@ class AdhesionSolver:
             state, is_balanced = self.iterate_at_load(near, load, longest=1.0)
         if not is_balanced:
             assert near is not None
-            least = f"{self.mean_pressure_to_force(state_of_lowest_load(self.trace_separation(near)).load):.4g} mN"
+            least_load = f"{self.mean_pressure_to_force(state_of_lowest_load(self.trace_separation(near)).load):.4g} mN"
             raise EquilibriumNotFoundError(
-                f"the lowest load that the bodies support is {least} or lower; {self.uncertain}"
-                if self.uncertain
-                else f"the bodies separate at {least}"
+                f"the lowest load that the bodies support is {least_load} or lower; {self.uncertainty_reason}"
+                if self.uncertainty_reason
+                else f"the bodies separate at {least_load}"
             )
         return state
 
@@ -209,65 +219,68 @@ class AdhesionSolver:
 
         States of decreasing contact load lead close to the minimum. Lower loads are then tried, first with extrapolated
         steps and finally with plain steps from the start. The minimum is certain if the bodies separate under a load
-        that is lower by `MINIMUM_LOAD_TOLERANCE`. Otherwise `uncertain` contains the reason.
+        that is lower by `MINIMUM_LOAD_TOLERANCE`. Otherwise `uncertainty_reason` contains the reason.
         """
-        self.uncertain = ""
-        opening = self.find_opening_state(start)
-        states = [start] if opening is None else [start, opening]
+        self.uncertainty_reason = ""
+        opening_state = self.find_opening_state(start)
+        states = [start] if opening_state is None else [start, opening_state]
         extrapolated_start = plain_start = states[-1]
         states = self.refine_minimum_load(self.extend_unloading(states))
-        step = FIRST_LOAD_DECREMENT if states[-1] is state_of_lowest_load(states) else MINIMUM_LOAD_TOLERANCE
+        decrement = FIRST_LOAD_DECREMENT if states[-1] is state_of_lowest_load(states) else MINIMUM_LOAD_TOLERANCE
         unsupported_load = -math.inf
         for _ in range(MAX_TRIAL_LOADS):
-            least = state_of_lowest_load(states).load
+            least_load = state_of_lowest_load(states).load
             # Between two states, the contact load is at least the contact load of the later state.
             # Between two states, the attraction is at most the attraction of the earlier state.
-            possible = min(
-                [b.contact - a.mean_attraction for a, b in itertools.pairwise(states)] + [-states[-1].mean_attraction]
+            load_bound = min(
+                [b.contact_load - a.mean_attraction for a, b in itertools.pairwise(states)]
+                + [-states[-1].mean_attraction]
             )
-            if possible >= (1 + MINIMUM_LOAD_TOLERANCE) * least:
+            if load_bound >= (1 + MINIMUM_LOAD_TOLERANCE) * least_load:
                 return states
-            load = (least + max(possible, unsupported_load)) / 2
-            if least < 0:
-                load = min(max(load, (1 + step) * least), (1 + MINIMUM_LOAD_TOLERANCE) * least)
+            load = (least_load + max(load_bound, unsupported_load)) / 2
+            if least_load < 0:
+                load = min(max(load, (1 + decrement) * least_load), (1 + MINIMUM_LOAD_TOLERANCE) * least_load)
             try:
-                trial, is_balanced = (
+                trial_state, is_balanced = (
                     self.iterate_at_load(extrapolated_start, load)
                     if load > unsupported_load
                     else (extrapolated_start, False)
                 )
-                if not is_balanced and load >= (1 + MINIMUM_LOAD_TOLERANCE) * least:
-                    trial, is_balanced = self.iterate_at_load(plain_start, load, longest=1.0)
+                if not is_balanced and load >= (1 + MINIMUM_LOAD_TOLERANCE) * least_load:
+                    trial_state, is_balanced = self.iterate_at_load(plain_start, load, longest=1.0)
                     if not is_balanced:
                         return states
-                    plain_start, unsupported_load = trial, -math.inf
+                    plain_start, unsupported_load = trial_state, -math.inf
             except EquilibriumNotFoundError:
                 force = self.mean_pressure_to_force(load)
-                self.uncertain = f"at a load of {force:.4g} mN, the computation of the attraction did not converge"
+                self.uncertainty_reason = (
+                    f"at a load of {force:.4g} mN, the computation of the attraction did not converge"
+                )
                 return states
             if is_balanced:
-                extrapolated_start, step = trial, 2 * step
+                extrapolated_start, decrement = trial_state, 2 * decrement
             else:
                 unsupported_load = load
                 try:
-                    trial = self.solve_at_contact_load(trial, trial.contact, before=start)
+                    trial_state = self.solve_at_contact_load(trial_state, trial_state.contact_load, earlier_state=start)
                 except EquilibriumNotFoundError:
                     continue
-                if trial.load >= least:
+                if trial_state.load >= least_load:
                     continue
-                step = MINIMUM_LOAD_TOLERANCE
-            states = sorted([*states, trial], key=lambda state: -state.contact)
-        self.uncertain = f"{MAX_TRIAL_LOADS} loads are too few"
+                decrement = MINIMUM_LOAD_TOLERANCE
+            states = sorted([*states, trial_state], key=lambda state: -state.contact_load)
+        self.uncertainty_reason = f"{MAX_TRIAL_LOADS} loads are too few"
         return states
 
     def extend_unloading(self, states: list[AdhesionState]) -> list[AdhesionState]:
         """Extend the states to smaller contact loads, until the external load rises or no equilibrium is found."""
         states = list(states)
-        while states[-1].contact > self.min_contact and states[-1] is state_of_lowest_load(states):
+        while states[-1].contact_load > self.min_contact and states[-1] is state_of_lowest_load(states):
             try:
                 states.append(
                     self.solve_at_contact_load(
-                        states[-1], CONTACT_LOAD_REDUCTION_RATIO * states[-1].contact, before=states[0]
+                        states[-1], CONTACT_LOAD_REDUCTION_RATIO * states[-1].contact_load, earlier_state=states[0]
                     )
                 )
             except EquilibriumNotFoundError:
@@ -282,16 +295,18 @@ class AdhesionSolver:
         if not (state.pressure.all() and (state.pressure < self.bound[0]).all()):
             return None
         grids, gap = self.problem.grids, self.problem.gap
-        unit, displacement = grids.linear_response(np.ones(gap.shape, bool), threads=solver_thread_count())
-        pressure_scale = float((state.pressure / unit.ravel()).min())
-        pressure = np.maximum(state.pressure - pressure_scale * unit.ravel(), 0)
-        contact = float(pressure.mean())
+        unit_pressure, unit_displacement = grids.linear_response(
+            np.ones(gap.shape, bool), threads=solver_thread_count()
+        )
+        pressure_scale = float((state.pressure / unit_pressure.ravel()).min())
+        pressure = np.maximum(state.pressure - pressure_scale * unit_pressure.ravel(), 0)
+        contact_load = float(pressure.mean())
         return AdhesionState(
             pressure,
             state.attraction,
-            contact,
-            contact - state.mean_attraction,
-            state.approach - pressure_scale * displacement,
+            contact_load,
+            contact_load - state.mean_attraction,
+            state.approach - pressure_scale * unit_displacement,
         )
 
     def refine_minimum_load(self, states: list[AdhesionState]) -> list[AdhesionState]:
@@ -299,16 +314,18 @@ class AdhesionSolver:
         states = list(states)
         for _ in range(MAX_REFINED_STATES):
             minimum_index = min(range(len(states)), key=lambda index: states[index].load)
-            lower = []
+            candidates = []
             for first in (minimum_index - 1, minimum_index):
                 pair = states[max(first, 0) : first + 2]
-                if len(pair) == 2 and pair[1].contact < (1 - MIN_CONTACT_LOAD_DIFFERENCE) * pair[0].contact:
-                    lower.append((*_interpolate_minimum_load(states[max(first - 1, 0) : first + 3], *pair), first))
-            load, contact, first = min(lower, default=(0.0, 0.0, 0))
+                if len(pair) == 2 and pair[1].contact_load < (1 - MIN_CONTACT_LOAD_DIFFERENCE) * pair[0].contact_load:
+                    candidates.append((*_interpolate_minimum_load(states[max(first - 1, 0) : first + 3], *pair), first))
+            load, contact_load, first = min(candidates, default=(0.0, 0.0, 0))
             if load >= (1 + MIN_LOAD_IMPROVEMENT) * states[minimum_index].load:
                 break
             try:
-                states.insert(first + 1, self.solve_at_contact_load(states[first], contact, before=states[0]))
+                states.insert(
+                    first + 1, self.solve_at_contact_load(states[first], contact_load, earlier_state=states[0])
+                )
             except EquilibriumNotFoundError:
                 break
         return states
@@ -330,14 +347,17 @@ def _interpolate_minimum_load(
 
     The mean attraction is interpolated by a polynomial in the logarithm of the contact load.
     """
-    x, y = (
-        np.array(values) for values in zip(*((math.log(s.contact), s.mean_attraction) for s in states), strict=True)
+    log_contact_loads, mean_attractions = (
+        np.array(values)
+        for values in zip(*((math.log(state.contact_load), state.mean_attraction) for state in states), strict=True)
     )
-    factors = np.polyfit(x - x.mean(), y, x.size - 1)
-    place = np.linspace(math.log(upper.contact), math.log(lower.contact), 41)[1:-1]
-    load = np.exp(place) - np.polyval(factors, place - x.mean())
-    least = int(np.argmin(load))
-    return float(load[least]), float(math.exp(place[least]))
+    coefficients = np.polyfit(
+        log_contact_loads - log_contact_loads.mean(), mean_attractions, log_contact_loads.size - 1
+    )
+    log_contact_load = np.linspace(math.log(upper.contact_load), math.log(lower.contact_load), 41)[1:-1]
+    external_load = np.exp(log_contact_load) - np.polyval(coefficients, log_contact_load - log_contact_loads.mean())
+    minimum_index = int(np.argmin(external_load))
+    return float(external_load[minimum_index]), float(math.exp(log_contact_load[minimum_index]))
 
 
 def solve_with_adhesion(
@@ -346,12 +366,12 @@ def solve_with_adhesion(
     """Solve the contact at each external load (mN), starting from the contact at the previous load."""
     contacts: list[ContactSolution] = []
     report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
-    attraction = AdhesionSolver(problem, tolerance=tolerance, report=report)
+    solver = AdhesionSolver(problem, tolerance=tolerance, report=report)
     total_area = problem.cell_area * problem.gap.size
     state = None
     for load in loads.tolist():
         try:
-            state = attraction.at(load / total_area, state)
+            state = solver.at(load / total_area, state)
         except RuntimeError as error:
             raise RuntimeError(f"no solution at {load:g} mN: {error}") from None
         contacts.append(to_contact_solution(problem, state, load, state.attraction))
@@ -361,17 +381,17 @@ def solve_with_adhesion(
 def solve_separation(pressed: ContactSolution, *, tolerance: float) -> tuple[list[ContactSolution], str]:
     """Return the contacts during separation, and the reason why the minimum load is uncertain ("" if it is certain)."""
     problem, total_area = pressed.problem, pressed.problem.cell_area * pressed.problem.gap.size
-    attraction = AdhesionSolver(problem, tolerance=tolerance, report=None)
+    solver = AdhesionSolver(problem, tolerance=tolerance, report=None)
     pressure = pressed.on_grid(pressed.values)
     start_values = float(pressure.mean()), pressed.load / total_area, pressed.approach
     start = AdhesionState(pressure.ravel(), np.asarray(pressed.attraction), *start_values)
-    descending_states, least = [], start.load
+    descending_states, least_load = [], start.load
     # When the load decreases, the bodies pass only through states that carry less load than all earlier states.
-    for state in attraction.trace_separation(start)[1:]:
-        if state.load < least:
+    for state in solver.trace_separation(start)[1:]:
+        if state.load < least_load:
             descending_states.append(state)
-            least = state.load
-    later = [
+            least_load = state.load
+    later_contacts = [
         to_contact_solution(problem, state, state.load * total_area, state.attraction) for state in descending_states
     ]
-    return [pressed, *later], attraction.uncertain
+    return [pressed, *later_contacts], solver.uncertainty_reason

@@ -59,9 +59,9 @@ def plastic_wavelength(
     """
     if math.isnan(gradient):
         return math.nan, math.nan, math.nan
-    middle, rougher, smoother = (None,) * 3 if estimate is None else interval_power_laws(estimate)
+    best_estimate, rougher, smoother = (None,) * 3 if estimate is None else interval_power_laws(estimate)
     return (
-        roughness.wavelength_of(gradient, middle),
+        roughness.wavelength_of(gradient, best_estimate),
         roughness.wavelength_of(gradient * spread, smoother),
         roughness.wavelength_of(gradient / spread, rougher),
     )
@@ -74,12 +74,14 @@ def extrapolated_gradients(
 
     NaN is returned if there is no Hurst exponent.
     """
-    finer = np.array(EXTRAPOLATED_WAVELENGTH_RATIOS) * shortest
+    finer_wavelengths = np.array(EXTRAPOLATED_WAVELENGTH_RATIOS) * shortest
     if estimate is None:
-        return np.full((finer.size, 3), np.nan)
+        return np.full((finer_wavelengths.size, 3), np.nan)
     # Scale the extrapolation so that it continues the gradients of this scan without a jump.
     scale = gradient / float(roughness.gradient_at(shortest))
-    gradients = scale * np.stack([roughness.continued(finer, line) for line in interval_power_laws(estimate)], axis=1)
+    gradients = scale * np.stack(
+        [roughness.continued(finer_wavelengths, power_law) for power_law in interval_power_laws(estimate)], axis=1
+    )
     gradients[:, 1:] = np.sort(gradients[:, 1:], axis=1)
     return gradients
 
@@ -89,8 +91,8 @@ def elastic_area_fraction(gradients: Floats, area_of_slope: Floats, spread: Floa
 
     The arrays have the dimensions wavelength, load and statistic.
     """
-    within = np.stack([np.ones(spread.shape), 1 / spread, spread], axis=1)
-    return area_of_slope[:, np.newaxis] * within / gradients[:, np.newaxis, [0, 2, 1]]
+    spread_factors = np.stack([np.ones(spread.shape), 1 / spread, spread], axis=1)
+    return area_of_slope[:, np.newaxis] * spread_factors / gradients[:, np.newaxis, [0, 2, 1]]
 
 
 def interface_area_ratio(gradient: Floats) -> Floats:
@@ -113,10 +115,10 @@ def max_area(area: ArrayLike, plastic_area: ArrayLike, contact_count: ArrayLike)
     load between contacts, so the elastic rims of yielding contacts may grow. The limit does not apply to a scan without
     yielding, which is limited only by κ. None of 300 pairs of 256² points with 2 to 40 contacts exceeded the limit.
     """
-    plastic = np.asarray(plastic_area, dtype=np.float64)
-    current = np.maximum(area, plastic)
+    plastic_areas = np.asarray(plastic_area, dtype=np.float64)
+    scan_area = np.maximum(area, plastic_areas)
     factor = kappa_uncertainty_factor(np.asarray(contact_count, dtype=np.float64))
-    return np.asarray(np.minimum(current * factor, plastic + (current - plastic) * np.square(factor)))
+    return np.asarray(np.minimum(scan_area * factor, plastic_areas + (scan_area - plastic_areas) * np.square(factor)))
 
 
 def friction_bracket(
@@ -127,57 +129,57 @@ def friction_bracket(
     `value` is mu_s of this scan, and `adhesion` is tau0/H. The upper end is computed from `value`, or from `upper` if
     given.
     """
-    highest = value if upper is None else upper
-    return min(mu0 + adhesion, value), float(max_friction(highest, mu0, adhesion, contacts))
+    highest_friction = value if upper is None else upper
+    return min(mu0 + adhesion, value), float(max_friction(highest_friction, mu0, adhesion, contacts))
 
 
 def max_friction(value: Floats | float, mu0: Floats | float, adhesion: Floats | float, contacts: float) -> Floats:
     """Return the largest mu_s that finer scans of a yielding pair can give. Arguments are numbers or samples."""
     # The part of the friction that is due to tau0 is proportional to the area.
-    adhesive = np.asarray(value - mu0)
-    increase = max_area(adhesive, adhesion, contacts) - np.maximum(adhesive, adhesion)
+    adhesive_friction = np.asarray(value - mu0)
+    increase = max_area(adhesive_friction, adhesion, contacts) - np.maximum(adhesive_friction, adhesion)
     return np.asarray(np.where(np.asarray(adhesion) > 0, value + increase, value))
 
 
 def add_finer_scan_brackets(result: xr.Dataset, hardness: float, parameters: tuple[float, float] | None) -> xr.Dataset:
     """Add the plastic limit and the bounds for finer scans to a `resolution` dataset."""
     loads, area = result.normal_load.values, result.contact_area.values
-    nominal = result.attrs["nominal_area_um2"]
+    nominal_area = result.attrs["nominal_area_um2"]
     plastic_area = loads / hardness
     largest_area = max_area(area, plastic_area, result.contact_count.values)
     dimensions = ("cut_off", "normal_load", "end")
     variables: dict[str, tuple[tuple[str, ...], Floats, str, str]] = {
         "plastic_area": (dimensions[1:2], plastic_area, "µm²", "smallest real contact area, F/H"),
         "plastic_area_fraction": (
-            dimensions[1:2], plastic_area / nominal, "1", "smallest ratio of real to nominal area, F/(H A0)"
+            dimensions[1:2], plastic_area / nominal_area, "1", "smallest ratio of real to nominal area, F/(H A0)"
         ),
         "bracket_area_fraction": (
-            dimensions, _stack_bounds(plastic_area / nominal, largest_area / nominal), "1",
+            dimensions, _stack_bounds(plastic_area / nominal_area, largest_area / nominal_area), "1",
             "ratio of real to nominal area of every finer scan",
         ),
     }  # fmt: skip
     if parameters is not None:
         mu0, tau0 = parameters
-        limit = np.full(loads.size, mu0 + tau0 / hardness)
+        plastic_friction = np.full(loads.size, mu0 + tau0 / hardness)
         friction = result.friction_coefficient.sel(sliding="all").transpose(*dimensions[:2]).values
-        ends = _stack_bounds(limit, friction + tau0 * (largest_area - area) / loads)
+        friction_bounds = _stack_bounds(plastic_friction, friction + tau0 * (largest_area - area) / loads)
         variables["plastic_friction_coefficient"] = (
             dimensions[1:2],
-            limit,
+            plastic_friction,
             "1",
             "mu0 + tau0/H, smallest with friction at all contacts",
         )
         variables["bracket_friction_coefficient"] = (
             dimensions,
-            ends,
+            friction_bounds,
             "1",
             "mu_s of every finer scan with friction at all contacts",
         )
-    labelled = {
+    labelled_variables = {
         name: (dims, values, {"units": unit, "long_name": description})
         for name, (dims, values, unit, description) in variables.items()
     }
-    return result.assign(labelled).assign_coords(end=("end", ["lower", "upper"]))
+    return result.assign(labelled_variables).assign_coords(end=("end", ["lower", "upper"]))
 
 
 def _stack_bounds(lower: Floats, upper: Floats) -> Floats:

@@ -181,5 +181,5 @@ def candidates_and_model(
         if getattr(model, name) not in (None, expected):
             raise ValueError(f"{name} must be {expected!r} for these candidates, got {getattr(model, name)!r}")
     model = replace(model, detection="gap-minimum", curvature=upper.curvature)
-    areal = isinstance(upper.core, stiction._core.ArealCandidates)
-    return upper, model.for_surfaces() if areal else model.for_profiles()
+    is_areal = isinstance(upper.core, stiction._core.ArealCandidates)
+    return upper, model.for_surfaces() if is_areal else model.for_profiles()

@@ -113,14 +113,14 @@ def effective_modulus(
         if young_lower is not None or poisson_lower is not None:
             raise ValueError("effective_modulus accepts no other arguments if two materials are given")
         return 1 / (1 / young_upper.plane_strain_modulus + 1 / poisson_upper.plane_strain_modulus)
-    upper, lower = check_positive(young_upper=young_upper, young_lower=young_lower)
-    ratios = []
+    upper_modulus, lower_modulus = check_positive(young_upper=young_upper, young_lower=young_lower)
+    poisson_ratios = []
     for name, values in (("poisson_upper", poisson_upper), ("poisson_lower", poisson_lower)):
-        ratio = float_array(name, values)
-        if not ((ratio > -1) & (ratio <= 0.5)).all():
+        poisson_ratio = float_array(name, values)
+        if not ((poisson_ratio > -1) & (poisson_ratio <= 0.5)).all():
             raise ValueError(f"{name} must be above -1 and at most 0.5, got {values!r}")
-        ratios.append(ratio)
-    modulus = 1 / ((1 - ratios[0] ** 2) / upper + (1 - ratios[1] ** 2) / lower)
+        poisson_ratios.append(poisson_ratio)
+    modulus = 1 / ((1 - poisson_ratios[0] ** 2) / upper_modulus + (1 - poisson_ratios[1] ** 2) / lower_modulus)
     return float(modulus) if np.ndim(modulus) == 0 else np.asarray(modulus)
 
 
@@ -268,10 +268,10 @@ def jkr(
     (np.float64(70.7), np.float64(0.236))
     """
     r, e, w = _check_adhesive(radius, effective_modulus, work_of_adhesion)
-    f, pull = np.broadcast_arrays(float_array("load", load), 1.5 * np.pi * w * r)
+    f, pull_off = np.broadcast_arrays(float_array("load", load), 1.5 * np.pi * w * r)
     with np.errstate(invalid="ignore"):
-        cube = 3 * r / (4 * e) * (f + 2 * pull + np.sqrt(4 * pull * (f + pull)))
-    return np.cbrt(cube), pull.copy()
+        radius_cubed = 3 * r / (4 * e) * (f + 2 * pull_off + np.sqrt(4 * pull_off * (f + pull_off)))
+    return np.cbrt(radius_cubed), pull_off.copy()
 
 
 @reject_overflow
@@ -324,9 +324,9 @@ def dmt(
     (np.float64(0.0143), np.float64(0.000314))
     """
     r, e, w = _check_adhesive(radius, effective_modulus, work_of_adhesion)
-    f, pull = np.broadcast_arrays(float_array("load", load), 2 * np.pi * w * r)
-    cube = 3 * r / (4 * e) * (f + pull)
-    return np.cbrt(np.where(cube >= 0, cube, np.nan)), pull.copy()
+    f, pull_off = np.broadcast_arrays(float_array("load", load), 2 * np.pi * w * r)
+    radius_cubed = 3 * r / (4 * e) * (f + pull_off)
+    return np.cbrt(np.where(radius_cubed >= 0, radius_cubed, np.nan)), pull_off.copy()
 
 
 @reject_overflow
@@ -387,25 +387,33 @@ def maugis_dugdale(
 
     r, e, w, length = _check_adhesive(radius, effective_modulus, work_of_adhesion, adhesion_range=adhesion_range)
     arrays = np.broadcast_arrays(float_array("load", load), r, e, w, length)
-    radii, pulls = np.empty(arrays[0].shape), np.empty(arrays[0].shape)
+    radii, pull_off_forces = np.empty(arrays[0].shape), np.empty(arrays[0].shape)
     for position in np.ndindex(radii.shape):
         force, r1, e1, w1, l1 = (float(array[position]) for array in arrays)
         modulus = 4 / 3 * e1
-        unit, strength = np.pi * w1 * r1, 2 * (r1 * w1**2 / (np.pi * modulus**2 * l1**3)) ** (1 / 3)
-        least = minimize_scalar(lambda x, s=strength: _maugis_solution(x, s)[1], bounds=(-20, 40), method="bounded")
-        pulls[position] = -least.fun * unit
+        force_unit, attraction_strength = np.pi * w1 * r1, 2 * (r1 * w1**2 / (np.pi * modulus**2 * l1**3)) ** (1 / 3)
+        minimum = minimize_scalar(
+            lambda x, s=attraction_strength: _maugis_solution(x, s)[1], bounds=(-20, 40), method="bounded"
+        )
+        pull_off_forces[position] = -minimum.fun * force_unit
         radii[position] = np.nan
-        if force / unit >= least.fun:
-            outer = least.x - 1
-            while outer > -30 and _maugis_solution(outer, strength)[1] < force / unit:
-                outer -= 1
+        if force / force_unit >= minimum.fun:
+            lower_limit = minimum.x - 1
+            while lower_limit > -30 and _maugis_solution(lower_limit, attraction_strength)[1] < force / force_unit:
+                lower_limit -= 1
             if (
-                _maugis_solution(outer, strength)[1] < force / unit
+                _maugis_solution(lower_limit, attraction_strength)[1] < force / force_unit
             ):  # round-off hides the difference between the two radii
                 raise ArithmeticError
-            result = brentq(lambda x, s=strength, f=force / unit: _maugis_solution(x, s)[1] - f, outer, least.x)
-            radii[position] = _maugis_solution(result, strength)[0] * (unit * r1 / modulus) ** (1 / 3)
-    return np.asarray(radii), np.asarray(pulls)
+            log_ratio = brentq(
+                lambda x, s=attraction_strength, f=force / force_unit: _maugis_solution(x, s)[1] - f,
+                lower_limit,
+                minimum.x,
+            )
+            radii[position] = _maugis_solution(log_ratio, attraction_strength)[0] * (force_unit * r1 / modulus) ** (
+                1 / 3
+            )
+    return np.asarray(radii), np.asarray(pull_off_forces)
 
 
 def _maugis_solution(logarithm: float, strength: float) -> tuple[float, float]:
@@ -416,9 +424,9 @@ def _maugis_solution(logarithm: float, strength: float) -> tuple[float, float]:
     m = 1 + np.exp(logarithm)
     root = np.sqrt(np.exp(logarithm) * (m + 1))
     angle = np.arctan(root)
-    square = strength / 2 * (root + (m**2 - 2) * angle)
-    linear = 4 / 3 * strength**2 * (root * angle - np.exp(logarithm))
-    radius = 2 / (linear + np.sqrt(linear**2 + 4 * square))
+    quadratic_coefficient = strength / 2 * (root + (m**2 - 2) * angle)
+    linear_coefficient = 4 / 3 * strength**2 * (root * angle - np.exp(logarithm))
+    radius = 2 / (linear_coefficient + np.sqrt(linear_coefficient**2 + 4 * quadratic_coefficient))
     return radius, radius**3 - strength * radius**2 * (root + m**2 * angle)
 
 
@@ -473,22 +481,24 @@ def fuller_tabor(
 
     r, e, w = _check_adhesive(radius, effective_modulus, work_of_adhesion)
     parameter = check_positive(deviation=deviation)[0] / (0.75 * np.cbrt((np.pi * w / e) ** 2 * r))
-    left = np.empty(parameter.shape)
-    for position in np.ndindex(left.shape):
+    relative_pull_off = np.empty(parameter.shape)
+    for position in np.ndindex(relative_pull_off.shape):
         spread = float(parameter[position])
         # Lengths are relative to the contact radius at zero load or to the height δ; loads are relative to 3/2 π w R.
         a = np.linspace(6 ** (-2 / 3), 1 + np.sqrt(3 + 3 * spread), 4000)
         force, height = 4 * (a**3 - a**1.5), (a**2 - np.sqrt(a) * 2 / 3) * 6 ** (4 / 3) / 3
 
         def load(gap: float, spread: float = spread, force: Floats = force, height: Floats = height) -> float:
-            fraction = np.exp(-(((height + gap) / spread) ** 2) / 2) / (spread * np.sqrt(2 * np.pi))
-            return float(trapezoid(force * fraction, height))
+            height_density = np.exp(-(((height + gap) / spread) ** 2) / 2) / (spread * np.sqrt(2 * np.pi))
+            return float(trapezoid(force * height_density, height))
 
         gaps = np.linspace(-4 * spread, 6 * spread + 1, 200)
-        first = gaps[int(np.argmin([load(gap) for gap in gaps]))]
-        step = gaps[1] - gaps[0]
-        left[position] = -minimize_scalar(load, bounds=(first - step, first + step), method="bounded").fun
-    return np.asarray(parameter), left
+        coarse_optimum = gaps[int(np.argmin([load(gap) for gap in gaps]))]
+        gap_step = gaps[1] - gaps[0]
+        relative_pull_off[position] = -minimize_scalar(
+            load, bounds=(coarse_optimum - gap_step, coarse_optimum + gap_step), method="bounded"
+        ).fun
+    return np.asarray(parameter), relative_pull_off
 
 
 def _check_adhesive(
@@ -656,18 +666,22 @@ def hertz_ellipse(
     larger, smaller = np.maximum(r1, r2), np.minimum(r1, r2)
     ratio = smaller / larger  # ratio of the smaller to the larger radius
     # R_D(0, k², 1)/R_D(0, 1, k²) increases with k, and is below k.
-    low, high = np.log(ratio), np.zeros(ratio.shape)
+    log_low, log_high = np.log(ratio), np.zeros(ratio.shape)
     for _ in range(_NUM_BISECTIONS):
-        middle = 0.5 * (low + high)
-        square = np.exp(2 * middle)
-        above = special.elliprd(0, square, 1) > ratio * special.elliprd(0, 1, square)
-        low, high = np.where(above, low, middle), np.where(above, middle, high)
-    aspect = np.where(ratio == 1, 1.0, np.exp(0.5 * (low + high)))
-    complete = special.ellipkm1(aspect**2)
-    major = np.sqrt(2 / 3 * d * larger * special.elliprd(0, aspect**2, 1) / complete)
+        log_middle = 0.5 * (log_low + log_high)
+        squared_ratio = np.exp(2 * log_middle)
+        is_above = special.elliprd(0, squared_ratio, 1) > ratio * special.elliprd(0, 1, squared_ratio)
+        log_low, log_high = np.where(is_above, log_low, log_middle), np.where(is_above, log_middle, log_high)
+    aspect = np.where(ratio == 1, 1.0, np.exp(0.5 * (log_low + log_high)))
+    complete_integral = special.ellipkm1(aspect**2)
+    major = np.sqrt(2 / 3 * d * larger * special.elliprd(0, aspect**2, 1) / complete_integral)
     minor = aspect * major
-    first, second = np.where(r1 >= r2, major, minor), np.where(r1 >= r2, minor, major)
-    return np.asarray(2 / 3 * np.pi * major * d * e / complete), np.asarray(np.pi * major * minor), (first, second)
+    semi_axis_1, semi_axis_2 = np.where(r1 >= r2, major, minor), np.where(r1 >= r2, minor, major)
+    return (
+        np.asarray(2 / 3 * np.pi * major * d * e / complete_integral),
+        np.asarray(np.pi * major * minor),
+        (semi_axis_1, semi_axis_2),
+    )
 
 
 @reject_overflow
@@ -722,8 +736,8 @@ def slope_friction(
         mu = mu + tau / check_positive(mean_pressure=mean_pressure)[0]
     elif (tau > 0).any():
         raise ValueError("mean_pressure must be given if tau0 is not 0")
-    locked: NDArray[np.bool_] = mu * np.tan(theta) >= 1
-    return np.where(locked, np.nan, np.tan(theta + np.arctan(mu)))
+    is_locked: NDArray[np.bool_] = mu * np.tan(theta) >= 1
+    return np.where(is_locked, np.nan, np.tan(theta + np.arctan(mu)))
 
 
 @reject_overflow
@@ -770,9 +784,9 @@ def hardness_under_shear(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, a
     array([0.625, 0.094,   nan])
     """
     parameters = {"mu0": mu0, "tau0": tau0, "alpha": alpha}
-    mu, tau, square = (validate_friction_parameter(name, value) for name, value in parameters.items())
-    strength = check_positive(hardness=hardness)[0]
-    return np.where(square == 0, strength, solve_yield_condition(strength, mu, tau, square))
+    mu, tau, alpha_value = (validate_friction_parameter(name, value) for name, value in parameters.items())
+    plastic_hardness = check_positive(hardness=hardness)[0]
+    return np.where(alpha_value == 0, plastic_hardness, solve_yield_condition(plastic_hardness, mu, tau, alpha_value))
 
 
 def solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Floats:
@@ -820,11 +834,11 @@ def tabor_friction(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, alpha: 
     array([0.28 , 0.309, 0.375])
     """
     ratio = validate_friction_parameter("tau0", tau0) / check_positive(hardness=hardness)[0]
-    mu, square = validate_friction_parameter("mu0", mu0), validate_friction_parameter("alpha", alpha)
-    left = 1 - square * ratio**2
+    mu, alpha_value = validate_friction_parameter("mu0", mu0), validate_friction_parameter("alpha", alpha)
+    remaining_fraction = 1 - alpha_value * ratio**2
     with np.errstate(invalid="ignore", divide="ignore"):
-        ratio_after_growth = (mu + ratio * np.sqrt(1 + square * (mu**2 - ratio**2))) / left
-    return np.where(left > 0, ratio_after_growth, np.nan)
+        ratio_after_growth = (mu + ratio * np.sqrt(1 + alpha_value * (mu**2 - ratio**2))) / remaining_fraction
+    return np.where(remaining_fraction > 0, ratio_after_growth, np.nan)
 
 
 @reject_overflow
@@ -921,20 +935,22 @@ def gentle_friction(
         raise ValueError(f"order must be 1 or 2, got {order!r}")
     check_shear_strength(tau, float(np.min(modulus, initial=np.inf)))
     m = mu + factor * tau / (modulus * gradient)
-    shared = ratio / (1 + ratio**2)
-    mean = slope * shared / np.sqrt(2 * np.pi)
-    longer, lower = np.ones(()), np.ones(())
+    ratio_factor = ratio / (1 + ratio**2)
+    mean = slope * ratio_factor / np.sqrt(2 * np.pi)
+    mean_secant, mean_cosine = np.ones(()), np.ones(())
     if order == 2:
-        across = gradient**2 - slope**2
-        if not (across >= -_SLOPE_TOLERANCE * gradient**2).all():
+        transverse_mean_square = gradient**2 - slope**2
+        if not (transverse_mean_square >= -_SLOPE_TOLERANCE * gradient**2).all():
             raise ValueError(f"rms_slope must be at most rms_gradient, got {rms_slope!r} and {rms_gradient!r}")
-        longer, lower = _mean_secant_and_cosine(shared * np.sqrt(np.maximum(across, 0)))
+        mean_secant, mean_cosine = _mean_secant_and_cosine(
+            ratio_factor * np.sqrt(np.maximum(transverse_mean_square, 0))
+        )
     if sliding == "all":
-        return np.asarray(np.broadcast_arrays(m * longer, mean)[0].copy())
-    locking_term = m * lower * mean
+        return np.asarray(np.broadcast_arrays(m * mean_secant, mean)[0].copy())
+    locking_term = m * mean_cosine * mean
     is_free = locking_term < 1
     return np.asarray(
-        np.divide(m * longer / 2 + mean, 1 - locking_term, out=np.full(is_free.shape, np.nan), where=is_free)
+        np.divide(m * mean_secant / 2 + mean, 1 - locking_term, out=np.full(is_free.shape, np.nan), where=is_free)
     )
 
 
@@ -943,13 +959,13 @@ def _mean_secant_and_cosine(deviation: Floats) -> tuple[Floats, Floats]:
     from scipy import special
 
     is_small = deviation < _SMALL_SLOPE_LIMIT
-    spread = np.maximum(deviation, _SMALL_SLOPE_LIMIT)
-    x = 1 / (4 * spread**2)
-    factor = 1 / (spread * np.sqrt(2 * np.pi))
+    bounded_deviation = np.maximum(deviation, _SMALL_SLOPE_LIMIT)
+    x = 1 / (4 * bounded_deviation**2)
+    factor = 1 / (bounded_deviation * np.sqrt(2 * np.pi))
     zeroth, first = special.kve(0, x), special.kve(1, x)
     square = deviation**2
-    longer = np.where(is_small, 1 + square / 2 - 3 * square**2 / 8, (zeroth + first) * factor / 2)
-    return longer, np.where(is_small, 1 - square / 2 + 9 * square**2 / 8, zeroth * factor)
+    mean_secant = np.where(is_small, 1 + square / 2 - 3 * square**2 / 8, (zeroth + first) * factor / 2)
+    return mean_secant, np.where(is_small, 1 - square / 2 + 9 * square**2 / 8, zeroth * factor)
 
 
 # ---- Sinusoidal surface (Westergaard) -------------------------------------------------------------------------------
@@ -1097,17 +1113,17 @@ def westergaard_gap(
     array([0.     , 0.00159, 0.00904])
     """
     sine, _, p, full_pressure, d = _sinusoid_terms(x, mean_pressure, amplitude, wavelength, effective_modulus)
-    edge = np.sqrt(np.minimum(p / full_pressure, 1))
-    s = np.maximum(np.abs(sine), edge)
-    return np.asarray(2 * d * (s * np.sqrt(s**2 - edge**2) - edge**2 * np.arccosh(s / edge)))
+    contact_edge = np.sqrt(np.minimum(p / full_pressure, 1))
+    s = np.maximum(np.abs(sine), contact_edge)
+    return np.asarray(2 * d * (s * np.sqrt(s**2 - contact_edge**2) - contact_edge**2 * np.arccosh(s / contact_edge)))
 
 
 def _sinusoid_terms(
     x: ArrayLike, mean_pressure: ArrayLike, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
 ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
     """Return the sine and cosine of πx/λ, the mean pressure, the full-contact pressure, and the amplitude."""
-    p, d, wave, e = check_positive(
+    p, d, wavelengths, e = check_positive(
         mean_pressure=mean_pressure, amplitude=amplitude, wavelength=wavelength, effective_modulus=effective_modulus
     )
-    phase = np.pi * float_array("x", x) / wave
-    return np.asarray(np.sin(phase)), np.asarray(np.cos(phase)), p, np.asarray(np.pi * e * d / wave), d
+    phase = np.pi * float_array("x", x) / wavelengths
+    return np.asarray(np.sin(phase)), np.asarray(np.cos(phase)), p, np.asarray(np.pi * e * d / wavelengths), d

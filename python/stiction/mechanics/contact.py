@@ -150,8 +150,8 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
     >>> len(one), one.force.round(4)  # Hertz: 4/3 E* R^(1/2) overlap^(3/2)
     (1, array([0.0133]))
     """
-    points, model = candidates_and_model(upper, lower, contact)
-    if points is not None and approach is None:
+    minima, model = candidates_and_model(upper, lower, contact)
+    if minima is not None and approach is None:
         approach = lower
     approach = validate_number("approach", to_core_units("approach", approach, "length"), unit="µm")
     if model.angles().ndim > 0:
@@ -159,9 +159,9 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
             f"direction must be a single direction, got {model.direction!r}, because a contact has only one tangent"
         )
     if isinstance(upper, Surface):
-        points = candidates(upper, lower, deepest=max(0.0, float(approach)), curvature=model.curvature)
-    if points is not None:
-        columns = stiction._core.contacts(points.core, approach=approach, model=model.core())
+        minima = candidates(upper, lower, deepest=max(0.0, float(approach)), curvature=model.curvature)
+    if minima is not None:
+        columns = stiction._core.contacts(minima.core, approach=approach, model=model.core())
     else:
         columns = stiction._core.contacts(
             upper.heights, lower.heights, spacing=upper.spacing, approach=approach, model=model.core()

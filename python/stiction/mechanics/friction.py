@@ -197,9 +197,11 @@ class FrictionCurve(PlotRepr):
     def friction_coefficient(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
         """Return F_T / F_N, or NaN where the status is not "ok". Shape and arguments are as for `normal_load`."""
         parameters = self._parameters(mu0, tau0)
-        normal, tangential = (compute_load(load, self, *parameters) for load in ("normal", "tangential"))
-        ok = statuses_of_approaches(self.contact_count, normal) == STATUS_OK
-        coefficient: Floats = np.divide(tangential, normal, out=np.full(normal.shape, np.nan), where=ok)
+        normal_load, tangential_load = (compute_load(load, self, *parameters) for load in ("normal", "tangential"))
+        is_ok = statuses_of_approaches(self.contact_count, normal_load) == STATUS_OK
+        coefficient: Floats = np.divide(
+            tangential_load, normal_load, out=np.full(normal_load.shape, np.nan), where=is_ok
+        )
         return coefficient
 
     def status(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> NDArray[np.str_]:
@@ -223,10 +225,10 @@ class FrictionCurve(PlotRepr):
     def _parameters(self, mu0: ArrayLike, tau0: ArrayLike) -> tuple[Floats, Floats]:
         strengths = validate_friction_parameter("tau0", tau0)
         check_shear_strength(strengths, self.effective_modulus)
-        materials = np.broadcast_arrays(validate_friction_parameter("mu0", mu0), strengths)
+        parameters = np.broadcast_arrays(validate_friction_parameter("mu0", mu0), strengths)
         # In the result, the axes of mu0 and tau0 precede the axes of the sums (steps, or directions and steps).
-        axes = (..., *([np.newaxis] * self.tangential_elastic.ndim))
-        return materials[0][axes], materials[1][axes]
+        index = (..., *([np.newaxis] * self.tangential_elastic.ndim))
+        return parameters[0][index], parameters[1][index]
 
 
 def combine_statuses(

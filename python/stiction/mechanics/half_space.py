@@ -180,7 +180,7 @@ class HalfSpaceCurve(FrictionCurve):
     effective_modulus: float = field(metadata={"unit": "GPa"})
     _problem: HalfSpaceProblem = field(repr=False)
     _model: ContactModel = field(repr=False)
-    _pressed: tuple[ContactSolution, ...] = field(repr=False)
+    _contact_solutions: tuple[ContactSolution, ...] = field(repr=False)
     _sums: tuple[PatchSums, ...] = field(repr=False)
     _tolerance: float = field(repr=False)
 
@@ -223,7 +223,7 @@ class HalfSpaceCurve(FrictionCurve):
         """Contacts during separation, and the reason why the largest tension is uncertain ("" if it is certain)."""
         from stiction.mechanics.adhesion import solve_separation
 
-        return solve_separation(self._pressed[int(np.argmin(self.load))], tolerance=self._tolerance)
+        return solve_separation(self._contact_solutions[int(np.argmin(self.load))], tolerance=self._tolerance)
 
     @property
     def work_of_adhesion(self) -> float:
@@ -245,7 +245,7 @@ class HalfSpaceCurve(FrictionCurve):
         The stiffness is NaN on a free half-plane, and if the pressure equals the hardness everywhere in contact. It is
         computed on first use.
         """
-        return read_only(np.array([solution.stiffness for solution in self._pressed]))
+        return read_only(np.array([solution.stiffness for solution in self._contact_solutions]))
 
     @cached_property
     def closure_stiffness(self) -> Floats:
@@ -253,7 +253,7 @@ class HalfSpaceCurve(FrictionCurve):
 
         1 GPa/µm is 1e6 MPa/mm, the usual unit of the normal stiffness of joints.
         """
-        return read_only(np.array([solution.closure_stiffness for solution in self._pressed]))
+        return read_only(np.array([solution.closure_stiffness for solution in self._contact_solutions]))
 
     @property
     def tilt(self) -> Floats:
@@ -262,7 +262,7 @@ class HalfSpaceCurve(FrictionCurve):
         The slopes are 0 if the tilt is fixed.
         """
         return read_only(
-            np.array([np.zeros(self._problem.gap.ndim) + solution.problem.tilt for solution in self._pressed])
+            np.array([np.zeros(self._problem.gap.ndim) + solution.problem.tilt for solution in self._contact_solutions])
         )
 
     @cached_property
@@ -274,21 +274,21 @@ class HalfSpaceCurve(FrictionCurve):
         The loading stiffness, `stiffness`, is smaller if there is a hardness, because yielded points support no
         additional load.
         """
-        return read_only(np.array([solution.unloading_stiffness for solution in self._pressed]))
+        return read_only(np.array([solution.unloading_stiffness for solution in self._contact_solutions]))
 
     def at(self, index: int) -> ContactSolution:
         """Return the contact at `load[index]`: the points under pressure, their pressures and their patches."""
-        return self._pressed[resolve_index(index, self.load.size, "loads")]
+        return self._contact_solutions[resolve_index(index, self.load.size, "loads")]
 
     def contact(self, index: int) -> HalfSpaceContact:
         """Return the contact at `load[index]` on the grid: pressure, gap and patches."""
-        position = resolve_index(index, self.load.size, "loads")
-        solution, sums = self._pressed[position], self._sums[position]
+        load_index = resolve_index(index, self.load.size, "loads")
+        solution, sums = self._contact_solutions[load_index], self._sums[load_index]
         problem = solution.problem
         pressure = solution.on_grid(solution.values)
         gap = problem.grids.displacement(pressure - solution.attraction) + problem.gap - solution.approach
-        grids = [solution.on_grid(opposes[solution.patch - 1]) for opposes in sums.opposing]
-        opposing = np.array(grids).reshape(*self._model.angles().shape, *pressure.shape)
+        opposing_grids = [solution.on_grid(opposes[solution.patch - 1]) for opposes in sums.opposing]
+        opposing = np.array(opposing_grids).reshape(*self._model.angles().shape, *pressure.shape)
         gap = gap if problem.missing is None else np.where(problem.missing, np.nan, gap)
         values = (pressure, gap, solution.on_grid(solution.patch), opposing, solution.on_grid(solution.share))
         pressure, gap, patches, opposing, share, heights = map(read_only, (*values, problem.lower.copy()))
@@ -324,7 +324,7 @@ class HalfSpaceCurve(FrictionCurve):
         model = replace(self._model, direction=direction)
         if self._problem.gap.ndim == 1:
             model = model.for_profiles()
-        return self._with_sums(model, tuple(solution.sums(model.directions()) for solution in self._pressed))
+        return self._with_sums(model, tuple(solution.sums(model.directions()) for solution in self._contact_solutions))
 
     def onset(
         self,
@@ -363,7 +363,7 @@ class HalfSpaceCurve(FrictionCurve):
 
         mu0, tau0 = check_nonzero_strengths(mu0, tau0, self.effective_modulus)
         angle = parse_direction(direction, line=self._problem.gap.ndim == 1)
-        pressed = self._pressed[resolve_index(index, self.load.size, "loads")]
+        pressed = self._contact_solutions[resolve_index(index, self.load.size, "loads")]
         tangential_problem = HalfSpaceTangentialProblem(
             pressed, mu0=mu0, tau0=tau0, poisson=poisson, tolerance=tolerance
         )
@@ -372,7 +372,7 @@ class HalfSpaceCurve(FrictionCurve):
         )
 
     def _with_sums(self, model: ContactModel, sums: tuple[PatchSums, ...]) -> HalfSpaceCurve:
-        rows = _sum_patches(model, self._pressed, sums)
+        rows = _sum_patches(model, self._contact_solutions, sums)
         return replace(self, **_stack_columns(rows, model), _model=model, _sums=sums)
 
 
@@ -502,28 +502,30 @@ def half_space(
         compliance_share=validate_fraction("compliance_share", compliance_share),
         hardness=None if hardness is None else validate_number("hardness", hardness, unit="GPa", above=0),
     )  # fmt: skip
-    work, length = (
-        validate_number(name, to_core_units(name, given, kind), unit=unit, above=above)
-        for name, given, kind, unit, above in (
+    work_value, range_value = (
+        validate_number(step_kind, to_core_units(step_kind, given, kind), unit=unit, above=above)
+        for step_kind, given, kind, unit, above in (
             ("work_of_adhesion", work_of_adhesion, "work of adhesion", "mN/µm", -math.ulp(0)),
             ("adhesion_range", adhesion_range, "length", "µm", 0),
         )
     )
-    if work > 0:
+    if work_value > 0:
         for body in (upper, lower):
             reject_missing(body, "work_of_adhesion")
-        problem = _add_adhesion(problem, work, length, float(model.effective_modulus))
+        problem = _add_adhesion(problem, work_value, range_value, float(model.effective_modulus))
     if tilt == "free":
-        if boundary == "periodic" or work > 0 or approaches is not None:
+        if boundary == "periodic" or work_value > 0 or approaches is not None:
             raise ValueError(
                 "tilt must be 'fixed' if the surfaces are periodic or adhesive, or if approaches are given, got 'free'"
             )
         problem = replace(problem, turns=True)
     loads, approaches = ([given] if isinstance(given, str) else given for given in (loads, approaches))
     loads = loads_to_core_units("loads", loads, problem.area)
-    name, steps = parse_loads_or_approaches(problem, loads, to_core_units("approaches", approaches, "length"))
+    step_kind, step_values = parse_loads_or_approaches(
+        problem, loads, to_core_units("approaches", approaches, "length")
+    )
     warn_if_same_body(upper, lower)
-    contacts = _solve(problem, name, steps, tolerance=tolerance, progress=progress)
+    contacts = _solve(problem, step_kind, step_values, tolerance=tolerance, progress=progress)
     return _make_curve(problem, model, contacts, tolerance)
 
 
@@ -553,22 +555,25 @@ def _solve(
     return contacts
 
 
-def _add_adhesion(problem: HalfSpaceProblem, work: float, length: float, effective_modulus: float) -> HalfSpaceProblem:
+def _add_adhesion(
+    problem: HalfSpaceProblem, work: float, adhesion_range: float, effective_modulus: float
+) -> HalfSpaceProblem:
     """Add a work of adhesion (mN/µm) and its range (µm) to a problem. A range too short for the grid is increased."""
-    smallest = min_resolved_adhesion_range(work, max(problem.spacing), effective_modulus)
-    if smallest > length:
+    min_range = min_resolved_adhesion_range(work, max(problem.spacing), effective_modulus)
+    if min_range > adhesion_range:
         warnings.warn(
-            f"adhesion_range = {length * 1e3:.3g} nm is increased to {smallest * 1e3:.3g} nm: the grid needs "
+            f"adhesion_range = {adhesion_range * 1e3:.3g} nm is increased to {min_range * 1e3:.3g} nm: the grid needs "
             f"{MIN_PROCESS_ZONE_POINTS:g} points in the process zone E* range²/w",
             stacklevel=3,
         )
-    length = max(smallest, length)
-    if problem.hardness is not None and not work / length < problem.hardness:
+    adhesion_range = max(min_range, adhesion_range)
+    if problem.hardness is not None and not work / adhesion_range < problem.hardness:
         raise ValueError(
-            f"hardness must be above {work / length:.3g} GPa, the attraction in contact (work_of_adhesion divided by "
-            f"adhesion_range), because the surfaces would otherwise yield without a load; got {problem.hardness!r}"
+            f"hardness must be above {work / adhesion_range:.3g} GPa, the attraction in contact "
+            f"(work_of_adhesion divided by adhesion_range), because the surfaces would otherwise yield without a load; "
+            f"got {problem.hardness!r}"
         )
-    return replace(problem, work_of_adhesion=work, adhesion_range=length)
+    return replace(problem, work_of_adhesion=work, adhesion_range=adhesion_range)
 
 
 def _make_curve(
@@ -580,7 +585,7 @@ def _make_curve(
     ]
     return HalfSpaceCurve(
         **_stack_columns(rows, model), effective_modulus=float(model.effective_modulus), _problem=problem, _model=model,
-        _pressed=tuple(contacts), _sums=sums, _tolerance=tolerance,
+        _contact_solutions=tuple(contacts), _sums=sums, _tolerance=tolerance,
     )  # fmt: skip
 
 

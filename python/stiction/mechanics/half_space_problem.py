@@ -136,7 +136,7 @@ class HalfSpaceProblem:
         """Slopes of the deformed interface at every point. Maps have slopes along y and x, and profiles along x."""
         fraction = self.compliance_share
         interface = (1 - fraction) * self.lower + fraction * self.upper
-        return [along.ravel() for along in grid_slopes(interface, self.spacing, periodic=self.periodic)]
+        return [slope.ravel() for slope in grid_slopes(interface, self.spacing, periodic=self.periodic)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,9 +162,11 @@ class ContactSolution:
     @property
     def closure(self) -> float:
         """Decrease of the mean gap since first contact, µm."""
-        uniform, cell = self.problem.uniform_pressure_displacement, self.problem.cell_area
-        displacement = float(self.values @ uniform.ravel()[self.points]) - float(np.sum(self.attraction * uniform))
-        return self.approach - displacement * cell / self.problem.area
+        uniform_displacement, cell_area = self.problem.uniform_pressure_displacement, self.problem.cell_area
+        displacement = float(self.values @ uniform_displacement.ravel()[self.points]) - float(
+            np.sum(self.attraction * uniform_displacement)
+        )
+        return self.approach - displacement * cell_area / self.problem.area
 
     def on_grid(self, values: NDArray[Any]) -> NDArray[Any]:
         """Return an array on the grid that contains given values at the points in contact, and 0 elsewhere."""
@@ -175,14 +177,14 @@ class ContactSolution:
     def sums(self, directions: Floats) -> PatchSums:
         """Compute the friction sums of each patch for m directions of motion, given as unit vectors of shape (m, 2)."""
         problem = self.problem
-        slope = [along[self.points] for along in problem.interface_slopes]
+        slopes = [interface_slope[self.points] for interface_slope in problem.interface_slopes]
         return patch_sums(
-            self.values * problem.cell_area, self.share * problem.cell_area, slope, self.patch, directions
+            self.values * problem.cell_area, self.share * problem.cell_area, slopes, self.patch, directions
         )
 
     def row(self) -> dict[str, Any]:
         """Return the results that do not depend on friction, as one row of a curve."""
-        capped = self.values == self.problem.hardness
+        is_at_hardness = self.values == self.problem.hardness
         return {
             "load": self.load,
             "contact_load": self.load + self.attraction_force,
@@ -191,8 +193,8 @@ class ContactSolution:
             "error": self.error,
             "iterations": self.iterations,
             "contact_count": int(self.patch.max()),
-            "load_share_at_hardness": float(self.values[capped].sum() / self.values.sum()),
-            "area_share_at_hardness": float(capped.mean()),
+            "load_share_at_hardness": float(self.values[is_at_hardness].sum() / self.values.sum()),
+            "area_share_at_hardness": float(is_at_hardness.mean()),
         }
 
     @cached_property
@@ -266,8 +268,8 @@ def make_problem(
             f"upper and lower must have equal shapes, got {upper.heights.shape!r} and {lower.heights.shape!r}"
         )
     spacing = upper.spacings
-    cell = float(np.prod(spacing))
-    if not (np.finfo(np.float64).tiny <= cell < np.inf and max(spacing) <= MAX_CELL_ASPECT_RATIO * min(spacing)):
+    cell_area = float(np.prod(spacing))
+    if not (np.finfo(np.float64).tiny <= cell_area < np.inf and max(spacing) <= MAX_CELL_ASPECT_RATIO * min(spacing)):
         raise ValueError(
             f"spacing must give grid cells of at least {np.finfo(np.float64).tiny:.0e} µm² with sides that differ by a "
             f"factor of at most {MAX_CELL_ASPECT_RATIO:g}, got {upper.spacing!r} µm"
@@ -291,25 +293,25 @@ def parse_loads_or_approaches(
     problem: HalfSpaceProblem, loads: ArrayLike | None, approaches: ArrayLike | None
 ) -> tuple[StepKind, Floats]:
     """Check the given loads or approaches, and return their kind ("loads" or "approaches") and their values."""
-    name: StepKind = "loads" if approaches is None else "approaches"
+    step_kind: StepKind = "loads" if approaches is None else "approaches"
     given = loads if approaches is None else approaches
     if given is None or (loads is not None and approaches is not None):
         raise ValueError("half_space requires either loads or approaches")
-    steps = float_array(name, given, ndim=1)
+    steps = float_array(step_kind, given, ndim=1)
     if problem.work_of_adhesion > 0:
-        if name == "approaches":
+        if step_kind == "approaches":
             raise ValueError("approaches must not be given for surfaces with adhesion; give loads instead")
         if not (steps.size > 0 and len(set(np.sign(np.diff(steps)))) <= 1 and np.diff(steps).all()):
             raise ValueError(f"loads must be strictly increasing or strictly decreasing, got {loads!r}")
     elif not (steps.size > 0 and (steps > 0).all() and (np.diff(steps) > 0).all()):
-        unit = "mN" if name == "loads" else "µm"
-        raise ValueError(f"{name} must be above 0 {unit} and strictly increasing, got {given!r}")
+        unit = "mN" if step_kind == "loads" else "µm"
+        raise ValueError(f"{step_kind} must be above 0 {unit} and strictly increasing, got {given!r}")
     gap, hardness = problem.gap, problem.hardness
-    if name == "loads":
-        largest = np.inf if hardness is None else hardness * problem.area
-        if not steps.max() < largest:
-            raise ValueError(f"loads must be below hardness times area, {largest:g} mN, got {loads!r}")
-        return name, steps
+    if step_kind == "loads":
+        max_load = np.inf if hardness is None else hardness * problem.area
+        if not steps.max() < max_load:
+            raise ValueError(f"loads must be below hardness times area, {max_load:g} mN, got {loads!r}")
+        return step_kind, steps
     if hardness is not None:
         raise ValueError(
             f"approaches must not be given for surfaces with a hardness, got hardness={hardness!r}; give loads instead"
@@ -323,7 +325,7 @@ def parse_loads_or_approaches(
         raise ValueError(
             f"approaches must be below {gap.mean():g} µm, at which all points are in contact, got {approaches!r}"
         )
-    return name, steps
+    return step_kind, steps
 
 
 def lever_arms(problem: HalfSpaceProblem) -> list[Floats]:
@@ -365,23 +367,26 @@ class TiltResponse:
             result = solver.at(1.0, threads=solver_thread_count())
             return result.pressure.reshape(gap.shape), result.approach
 
-        level, approach = solve_linear_response(np.zeros_like(problem.gap))
-        moments = mean_moments(level, arms)
-        mean_displacement = float(np.abs(problem.grids.displacement(level, threads=solver_thread_count())[free]).mean())
+        pressure, approach = solve_linear_response(np.zeros_like(problem.gap))
+        moments = mean_moments(pressure, arms)
+        mean_displacement = float(
+            np.abs(problem.grids.displacement(pressure, threads=solver_thread_count())[free]).mean()
+        )
         slope_pressures = []
         for arm in arms:
-            small = TILT_DISPLACEMENT_RATIO * mean_displacement / float(np.abs(arm).max())
+            small_slope = TILT_DISPLACEMENT_RATIO * mean_displacement / float(np.abs(arm).max())
             slope_pressures.append(
-                (solve_linear_response(small * np.broadcast_to(arm, problem.gap.shape).copy())[0] - level) / small
+                (solve_linear_response(small_slope * np.broadcast_to(arm, problem.gap.shape).copy())[0] - pressure)
+                / small_slope
             )
-        moments_per_slope = np.array([mean_moments(field_, arms) for field_ in slope_pressures])
-        return cls(level, approach, moments, slope_pressures, (moments_per_slope + moments_per_slope.T) / 2)
+        moments_per_slope = np.array([mean_moments(slope_pressure, arms) for slope_pressure in slope_pressures])
+        return cls(pressure, approach, moments, slope_pressures, (moments_per_slope + moments_per_slope.T) / 2)
 
     def balanced_response(self) -> tuple[Floats, float]:
         """Return pressures (sum: 1 GPa) whose resultant force acts at the centre, and the resulting approach (µm)."""
         slopes = -np.linalg.lstsq(self.moments_per_slope, self.moments, rcond=None)[0]
         pressure = self.pressure + sum(
-            slope * turned_gradient for slope, turned_gradient in zip(slopes, self.slope_pressures, strict=True)
+            slope * slope_pressure for slope, slope_pressure in zip(slopes, self.slope_pressures, strict=True)
         )
         return pressure / pressure.size, (self.approach + float(slopes @ self.moments)) / pressure.size
 
@@ -414,15 +419,15 @@ class ContactSolver:
 
     def at(self, step: float, near: Floats | None) -> _core.HalfSpaceSolution:
         """Solve the contact at a load or an approach. Raises a `RuntimeError` if the error exceeds the tolerance."""
-        problem, loads = self.problem, self.name == "loads"
-        value = step / (problem.cell_area * problem.gap.size) if loads else step
-        solve = self._core.at if loads else self._core.at_approach
-        solution = solve(value, near=near, threads=solver_thread_count(), progress=self.report)
+        problem, is_load = self.problem, self.name == "loads"
+        value = step / (problem.cell_area * problem.gap.size) if is_load else step
+        solve_step = self._core.at if is_load else self._core.at_approach
+        solution = solve_step(value, near=near, threads=solver_thread_count(), progress=self.report)
         if problem.missing is not None and solution.pressure.reshape(problem.gap.shape)[problem.missing].any():
             raise RuntimeError(f"no solution at {step:g}: missing points would come into contact")
         if not solution.error * self.scale <= self.tolerance:
             raise RuntimeError(
-                f"no solution at {step:g} {'mN' if loads else 'µm'}: "
+                f"no solution at {step:g} {'mN' if is_load else 'µm'}: "
                 f"error {solution.error * self.scale:.2g} after "
                 f"{solution.iterations} iterations, above the tolerance {self.tolerance:g}"
             )
@@ -438,7 +443,7 @@ class AdhesionState:
 
     pressure: Floats
     attraction: Floats
-    contact: float
+    contact_load: float
     load: float
     approach: float = np.nan
     error: float = np.nan
@@ -447,7 +452,7 @@ class AdhesionState:
     @property
     def mean_attraction(self) -> float:
         """Mean attraction over the grid points, GPa."""
-        return self.contact - self.load
+        return self.contact_load - self.load
 
 
 def to_contact_solution(
@@ -457,8 +462,8 @@ def to_contact_solution(
     """Convert a solver solution to a `ContactSolution`. If the load (mN) is None, compute it from the pressures."""
     hardness = np.inf if problem.hardness is None else problem.hardness
     pressure = solution.pressure.reshape(problem.gap.shape)
-    patches: Any = _core.patches_of(pressure, periodic=problem.periodic, hardness=hardness)
-    points, values, fraction, patch = map(read_only, patches)
+    contact_arrays: Any = _core.patches_of(pressure, periodic=problem.periodic, hardness=hardness)
+    points, values, fraction, patch = map(read_only, contact_arrays)
     load = float(values.sum()) * problem.cell_area if load is None else load
-    remaining = solution.approach, solution.error * scale, solution.iterations
-    return ContactSolution(problem, load, points, values, fraction, patch, *remaining, attraction)
+    convergence = solution.approach, solution.error * scale, solution.iterations
+    return ContactSolution(problem, load, points, values, fraction, patch, *convergence, attraction)

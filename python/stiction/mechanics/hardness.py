@@ -39,11 +39,13 @@ def area_per_load(hardness: ArrayLike, nodes: ArrayLike, at_nodes: ArrayLike, el
     >>> area_per_load([1.0], [0.5, 2.0], [2.0, 0.5], 0.01).round(2)
     array([1.])
     """
-    targets, solved = (float_array(name, values, ndim=1) for name, values in (("hardness", hardness), ("nodes", nodes)))
-    log_targets, log_nodes = np.log(targets), np.log(solved)
+    target_hardnesses, node_hardnesses = (
+        float_array(name, values, ndim=1) for name, values in (("hardness", hardness), ("nodes", nodes))
+    )
+    log_targets, log_nodes = np.log(target_hardnesses), np.log(node_hardnesses)
     log_elastic = np.log(float_array("elastic", elastic))[..., np.newaxis]
-    excess = np.log(float_array("at_nodes", at_nodes)) - _log_estimate(log_nodes, log_elastic)
-    log_area = _log_estimate(log_targets, log_elastic) + _piecewise_linear(log_targets, log_nodes, excess)
+    log_excess = np.log(float_array("at_nodes", at_nodes)) - _log_estimate(log_nodes, log_elastic)
+    log_area = _log_estimate(log_targets, log_elastic) + _piecewise_linear(log_targets, log_nodes, log_excess)
     return np.asarray(np.exp(log_area))
 
 
@@ -54,8 +56,8 @@ def _log_estimate(log_hardness: Floats, log_elastic: Floats) -> Floats:
     """
     ratio = log_hardness + log_elastic
     exponent = MIXING_EXPONENT_FACTOR * np.exp(MIXING_EXPONENT_POWER * ratio)
-    mixed = np.log(1 + np.exp(-exponent * np.abs(ratio))) / exponent
-    return np.asarray(np.maximum(-log_hardness, log_elastic) + mixed)
+    mixing_term = np.log(1 + np.exp(-exponent * np.abs(ratio))) / exponent
+    return np.asarray(np.maximum(-log_hardness, log_elastic) + mixing_term)
 
 
 def _piecewise_linear(x: Floats, nodes: Floats, values: Floats) -> Floats:
@@ -63,13 +65,13 @@ def _piecewise_linear(x: Floats, nodes: Floats, values: Floats) -> Floats:
 
     A sum over the changes of the slope is faster than a search for the panel of each x.
     """
-    inside = np.clip(x, nodes[0], nodes[-1])
+    clipped = np.clip(x, nodes[0], nodes[-1])
     slopes = np.diff(values, axis=-1) / np.diff(nodes)
-    changes = np.diff(slopes, axis=-1, prepend=0.0)
+    slope_changes = np.diff(slopes, axis=-1, prepend=0.0)
     result = np.repeat(values[..., :1], x.size, axis=-1)
-    above = np.empty_like(inside)
-    for node, change in zip(nodes[:-1], np.moveaxis(changes, -1, 0), strict=True):
-        np.subtract(inside, node, out=above)
-        np.maximum(above, 0.0, out=above)
-        result += change[..., np.newaxis] * above
+    distance_above_node = np.empty_like(clipped)
+    for node, slope_change in zip(nodes[:-1], np.moveaxis(slope_changes, -1, 0), strict=True):
+        np.subtract(clipped, node, out=distance_above_node)
+        np.maximum(distance_above_node, 0.0, out=distance_above_node)
+        result += slope_change[..., np.newaxis] * distance_above_node
     return result

@@ -100,7 +100,7 @@ class LoadCurve(FrictionCurve, ContactSums):
     approach: Floats = field(metadata={"unit": "µm"})
     effective_modulus: float = field(metadata={"unit": "GPa"})
     sliding: SlidingRule = "opposing"
-    _pressed: LoadCurveInputs = field(repr=False)
+    _inputs: LoadCurveInputs = field(repr=False)
 
     def onset(
         self, index: int, *, mu0: float, tau0: float = 0.0, direction: Direction = 0.0,
@@ -130,7 +130,7 @@ class LoadCurve(FrictionCurve, ContactSums):
         angle = parse_direction(direction, line=not isinstance(self, SurfaceLoadCurve))
         approach = float(self.approach[resolve_index(index, self.approach.size, "approaches")])
         tangential_problem = AsperityTangentialProblem(
-            self._pressed.at(approach), self._pressed.model, mu0=mu0, tau0=tau0, angle=angle, poisson=poisson,
+            self._inputs.at(approach), self._inputs.model, mu0=mu0, tau0=tau0, angle=angle, poisson=poisson,
             compliance_share=validate_fraction("compliance_share", compliance_share),
         )  # fmt: skip
         return compute_onset(
@@ -272,34 +272,36 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any)
     >>> curve.friction_coefficient(mu0=0.4).shape
     (4, 2)
     """
-    points, model = candidates_and_model(upper, lower, contact)
-    if points is not None and lower is not None:
+    minima, model = candidates_and_model(upper, lower, contact)
+    if minima is not None and lower is not None:
         if approaches is not None:
             raise ValueError("lower must not be given together with candidates; use press(candidates, approaches)")
         approaches = lower
-    given = [approaches] if isinstance(approaches, str) else approaches
-    steps = float_array("approaches", to_core_units("approaches", given, "length"), ndim=1)
+    approach_values = [approaches] if isinstance(approaches, str) else approaches
+    approach_array = float_array("approaches", to_core_units("approaches", approach_values, "length"), ndim=1)
     if isinstance(upper, Surface):
-        points = candidates(upper, lower, deepest=max(0.0, float(steps.max(initial=0.0))), curvature=model.curvature)
-    core = None if points is None else points.core
-    pressed = LoadCurveInputs((upper,) if isinstance(upper, Candidates) else (upper, lower), model)
+        minima = candidates(
+            upper, lower, deepest=max(0.0, float(approach_array.max(initial=0.0))), curvature=model.curvature
+        )
+    core = None if minima is None else minima.core
+    inputs = LoadCurveInputs((upper,) if isinstance(upper, Candidates) else (upper, lower), model)
     if not isinstance(upper, Candidates):
         warn_if_same_body(upper, lower)
-    common: dict[str, Any] = {
-        "approach": read_only(steps.copy()), "effective_modulus": float(model.effective_modulus),
-        "sliding": model.sliding, "_pressed": pressed,
+    common_fields: dict[str, Any] = {
+        "approach": read_only(approach_array.copy()), "effective_modulus": float(model.effective_modulus),
+        "sliding": model.sliding, "_inputs": inputs,
     }  # fmt: skip
     if isinstance(core, stiction._core.ArealCandidates):
         angles, directions = model.angles(), model.directions()
-        columns = stiction._core.press(core, approaches=steps, model=model.core(), directions=directions)
+        columns = stiction._core.press(core, approaches=approach_array, model=model.core(), directions=directions)
         for name, column in columns.items():
-            table = column.reshape(len(directions), steps.size)
-            common[name] = read_only(table if name in DIRECTED_SUM_QUANTITIES and angles.ndim > 0 else table[0])
-        return SurfaceLoadCurve(**common, direction=read_only(angles))
+            table = column.reshape(len(directions), approach_array.size)
+            common_fields[name] = read_only(table if name in DIRECTED_SUM_QUANTITIES and angles.ndim > 0 else table[0])
+        return SurfaceLoadCurve(**common_fields, direction=read_only(angles))
     if core is not None:
-        columns = stiction._core.press(core, approaches=steps, model=model.core())
+        columns = stiction._core.press(core, approaches=approach_array, model=model.core())
     else:
         columns = stiction._core.press(
-            upper.heights, lower.heights, spacing=upper.spacing, approaches=steps, model=model.core()
+            upper.heights, lower.heights, spacing=upper.spacing, approaches=approach_array, model=model.core()
         )
-    return LoadCurve(**common, **{name: read_only(column) for name, column in columns.items()})  # type: ignore[arg-type]
+    return LoadCurve(**common_fields, **{name: read_only(column) for name, column in columns.items()})  # type: ignore[arg-type]

@@ -95,8 +95,8 @@ def approach_at_load(
     >>> float(approach_at_load(flat, ball, load, mu0=0.3, detection="gap-minimum").round(4))
     0.01
     """
-    targets = float_array("loads", to_core_units("loads", loads, "force"))
-    if not (targets > 0).all():
+    target_loads = float_array("loads", to_core_units("loads", loads, "force"))
+    if not (target_loads > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {short_repr(loads)}")
     model = make_pair_model(upper, lower, contact)
     if model.angles().ndim > 0:
@@ -104,8 +104,10 @@ def approach_at_load(
             f"direction must be a single direction, got {model.direction!r}, because F_N depends on the direction"
         )
     mu0, tau0 = friction.check_friction_parameters(mu0, tau0, model.effective_modulus)
-    approach, _ = find_approaches_at_loads(SurfacePair(upper, lower), targets.ravel(), mu0=mu0, tau0=tau0, model=model)
-    return approach.reshape(targets.shape)
+    approach, _ = find_approaches_at_loads(
+        SurfacePair(upper, lower), target_loads.ravel(), mu0=mu0, tau0=tau0, model=model
+    )
+    return approach.reshape(target_loads.shape)
 
 
 class SurfacePair:
@@ -114,7 +116,7 @@ class SurfacePair:
     def __init__(self, upper: Profile | Surface, lower: Profile | Surface) -> None:
         check_pair(upper, lower)
         self.upper, self.lower = upper, lower
-        self._found: Candidates | None = None
+        self._cached_candidates: Candidates | None = None
 
     def press(self, approaches: Floats, model: ContactModel) -> ContactSums:
         """Return the same sums as the function `press`, reusing gap minima from earlier calls if possible."""
@@ -138,14 +140,18 @@ class SurfacePair:
         arguments = arguments | {"model": model.core()}
         if model.detection == "cell":
             return function(self.upper.heights, self.lower.heights, spacing=self.upper.spacing, **arguments)
-        cached = self._found
-        if cached is None or cached.deepest < deepest or cached.curvature != model.curvature:
+        cached_candidates = self._cached_candidates
+        if (
+            cached_candidates is None
+            or cached_candidates.deepest < deepest
+            or cached_candidates.curvature != model.curvature
+        ):
             # Search deeper than requested, because the next request is often deeper.
-            cached = candidates(
+            cached_candidates = candidates(
                 self.upper, self.lower, deepest=_SEARCH_DEPTH_FACTOR * deepest, curvature=model.curvature
             )
-            self._found = cached
-        return function(cached.core, **arguments)
+            self._cached_candidates = cached_candidates
+        return function(cached_candidates.core, **arguments)
 
 
 def find_approaches_at_loads(
@@ -156,34 +162,36 @@ def find_approaches_at_loads(
     def normal_load(sums: ContactSums) -> Floats:
         return friction.compute_load("normal", sums, mu0, tau0)
 
-    steps = np.zeros(1)
-    curve = bodies.press(steps, model)
-    normal = normal_load(curve)
-    exceeded = normal[0] >= loads
-    todo = ~exceeded
-    left, right = np.full(loads.size, np.nan), np.full(loads.size, np.nan)
-    touched = bool(curve.contact_count.any())
+    approaches = np.zeros(1)
+    curve = bodies.press(approaches, model)
+    normal_loads = normal_load(curve)
+    is_exceeded = normal_loads[0] >= loads
+    is_pending = ~is_exceeded
+    lower_approach, upper_approach = np.full(loads.size, np.nan), np.full(loads.size, np.nan)
+    has_touched = bool(curve.contact_count.any())
     # Approaches increase by equal ratios until all points touch. Parallel surfaces have no such range of approaches.
     max_approach = float(np.ptp(bodies.upper.heights - bodies.lower.heights))
     count = round(-np.log(_MIN_APPROACH_RATIO) / np.log(_SAMPLED_APPROACH_RATIO)) + 1 if max_approach > 0 else 0
-    sampled = max_approach * np.geomspace(_MIN_APPROACH_RATIO, 1.0, count)
-    for first in range(0, count, _APPROACHES_PER_BATCH):
-        if not todo.any():
+    sampled_approaches = max_approach * np.geomspace(_MIN_APPROACH_RATIO, 1.0, count)
+    for batch_start in range(0, count, _APPROACHES_PER_BATCH):
+        if not is_pending.any():
             break
-        chunk = sampled[first : first + _APPROACHES_PER_BATCH]
-        curve = bodies.press(chunk, model)
-        steps = np.append(steps[-1], chunk)
-        normal = np.append(normal[-1], normal_load(curve))
-        touched = touched or bool(curve.contact_count.any())
-        crosses = (normal[:-1, np.newaxis] < loads) & (normal[1:, np.newaxis] >= loads)
-        newly_reached = crosses.any(axis=0) & todo
-        index = crosses.argmax(axis=0)[newly_reached]
-        left[newly_reached], right[newly_reached] = steps[index], steps[index + 1]
-        todo &= ~newly_reached
-    reached = ~(todo | exceeded)
-    locked = bool(curve.contact_count[-1] > 0 and normal[-1] <= 0)
-    status = friction.combine_statuses(touched=touched, reached=reached, below=exceeded, locked=locked)
+        batch = sampled_approaches[batch_start : batch_start + _APPROACHES_PER_BATCH]
+        curve = bodies.press(batch, model)
+        approaches = np.append(approaches[-1], batch)
+        normal_loads = np.append(normal_loads[-1], normal_load(curve))
+        has_touched = has_touched or bool(curve.contact_count.any())
+        is_crossing = (normal_loads[:-1, np.newaxis] < loads) & (normal_loads[1:, np.newaxis] >= loads)
+        newly_reached = is_crossing.any(axis=0) & is_pending
+        index = is_crossing.argmax(axis=0)[newly_reached]
+        lower_approach[newly_reached], upper_approach[newly_reached] = approaches[index], approaches[index + 1]
+        is_pending &= ~newly_reached
+    is_reached = ~(is_pending | is_exceeded)
+    is_locked = bool(curve.contact_count[-1] > 0 and normal_loads[-1] <= 0)
+    status = friction.combine_statuses(touched=has_touched, reached=is_reached, below=is_exceeded, locked=is_locked)
     approach = np.full(loads.size, np.nan)
-    if reached.any():
-        approach[reached] = bodies.approaches_between(loads[reached], left[reached], right[reached], mu0, tau0, model)
+    if is_reached.any():
+        approach[is_reached] = bodies.approaches_between(
+            loads[is_reached], lower_approach[is_reached], upper_approach[is_reached], mu0, tau0, model
+        )
     return approach, status

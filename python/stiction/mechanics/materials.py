@@ -40,8 +40,8 @@ class MaterialValue(float):
 
     def __new__(cls, low: float, high: float, source: str) -> MaterialValue:
         """Create a value from the two ends of its range. The ends must not be negative."""
-        middle = low if low == high else math.sqrt(low * high) if low > 0 else high / 2
-        value = super().__new__(cls, middle)
+        representative = low if low == high else math.sqrt(low * high) if low > 0 else high / 2
+        value = super().__new__(cls, representative)
         value.low, value.high, value.source = low, high, source
         return value
 
@@ -49,8 +49,8 @@ class MaterialValue(float):
         return self.low, self.high, self.source
 
     def __repr__(self) -> str:
-        shown = f"{self.low:g}" if self.low == self.high else f"{self.low:g} to {self.high:g}"
-        return f"<{shown}, {self.source}>"
+        range_text = f"{self.low:g}" if self.low == self.high else f"{self.low:g} to {self.high:g}"
+        return f"<{range_text}, {self.source}>"
 
 
 @dataclass(frozen=True)
@@ -139,8 +139,10 @@ def material(name: str) -> Material:
             name for match in matches for name in _material_names(by_name[match]) if _normalise_name(name) == match
         ]
         names = names or [item.name for item in materials()]
-        hint = "the nearest are" if matches else "there are"
-        raise ValueError(f"name must be the name of a known material, got {name[:80]!r}; {hint} {', '.join(names)}")
+        introduction = "the nearest are" if matches else "there are"
+        raise ValueError(
+            f"name must be the name of a known material, got {name[:80]!r}; {introduction} {', '.join(names)}"
+        )
     return result
 
 
@@ -165,13 +167,13 @@ def materials() -> tuple[Material, ...]:
     """
     text = (resources.files("stiction.mechanics") / "materials.toml").read_text(encoding="utf-8")
     table = tomllib.loads(text)
-    works = table["sources"]
+    citations = table["sources"]
 
     def parse_value(row: dict[str, Any], name: str) -> Any:
         if name not in row:
             return None
         low, high, source = row[name]
-        return MaterialValue(low, high, source.format_map(works))
+        return MaterialValue(low, high, source.format_map(citations))
 
     return tuple(
         Material(

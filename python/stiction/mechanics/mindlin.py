@@ -59,10 +59,10 @@ def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
     """
     from scipy.special import ellipkm1, elliprd
 
-    square = (axes[:, 1] / axes[:, 0]) ** 2
+    squared_axis_ratio = (axes[:, 1] / axes[:, 0]) ** 2
     # The mean of cos², measured from the larger axis, is (K - E)/(m K), where m = 1 - b²/a².
-    along = elliprd(0, square, 1) / 3 / ellipkm1(square)
-    return np.asarray(along * np.sin(angle) ** 2 + (1 - along) * np.cos(angle) ** 2)
+    longitudinal_fraction = elliprd(0, squared_axis_ratio, 1) / 3 / ellipkm1(squared_axis_ratio)
+    return np.asarray(longitudinal_fraction * np.sin(angle) ** 2 + (1 - longitudinal_fraction) * np.cos(angle) ** 2)
 
 
 class AsperityTangentialProblem:
@@ -70,7 +70,7 @@ class AsperityTangentialProblem:
 
     frictional, adhesive : (c,) ndarray, mN
             mu0 times normal load, and tau0 times area.
-    spring : (c,) ndarray, mN/µm
+    spring_stiffness : (c,) ndarray, mN/µm
             Tangential stiffness of each contact while it sticks completely.
     """
 
@@ -88,7 +88,7 @@ class AsperityTangentialProblem:
         load, area = contacts.force * contacts.normal[:, 2], contacts.area
         relative_angle = np.radians(angle) - np.arctan2(contacts.along[:, 1], contacts.along[:, 0])
         ratio = compliance_ratio(poisson, compliance_share, transverse_load_fraction(contacts.axes, relative_angle))
-        self.spring = punch_stiffness(contacts.axes, float(model.effective_modulus)) / ratio
+        self.spring_stiffness = punch_stiffness(contacts.axes, float(model.effective_modulus)) / ratio
         self.load, self.area = load, area
         self.frictional, self.adhesive = mu0 * load, tau0 * area
         self.points: NDArray[Any] = np.arange(load.size)
@@ -96,34 +96,34 @@ class AsperityTangentialProblem:
         self.bound = (self.frictional + self.adhesive) / area
         self.normal_load = float(load.sum())
         self.sliding_load = float(mu0 * load.sum() + tau0 * area.sum())
-        self.stiffness = float(self.spring.sum())
+        self.stiffness = float(self.spring_stiffness.sum())
         # displacement at which each contact slides completely
-        self.farthest = 2 * self._spring_strengths(np.ones((load.size, 1)))[:, 0] / self.spring
+        self.sliding_displacement = 2 * self._spring_strengths(np.ones((load.size, 1)))[:, 0] / self.spring_stiffness
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
         """Return the state in which all contacts together support a tangential load."""
         from scipy.optimize import brentq
 
         del near  # the initial guess is unused, because this solution is not iterative
-        end = float(self.farthest.max())
-        displacement = end
+        max_displacement = float(self.sliding_displacement.max())
+        displacement = max_displacement
         if load < self.sliding_load:
             # The load is a concave function of the displacement.
             # The initial tangent therefore gives a lower bound on the displacement.
-            start = min(load / self.stiffness, end)
+            min_displacement = min(load / self.stiffness, max_displacement)
             displacement = brentq(
                 lambda value: self._tangential_loads(self._slip_depth(value)).sum() - load,
-                0.5 * start,
-                end,
+                0.5 * min_displacement,
+                max_displacement,
                 xtol=1e-300,
             )
         depth = self._slip_depth(displacement)
         loads = self._tangential_loads(depth)
-        slides = depth >= 1
+        is_sliding = depth >= 1
         return SlipState(
             load=load, displacement=displacement, slipped_area=float(self.area @ depth**2 / self.area.sum()),
             slipped_load=float(self.load @ depth**3 / self.load.sum()),
-            traction=np.where(slides, self.bound, loads / self.area),
+            traction=np.where(is_sliding, self.bound, loads / self.area),
         )  # fmt: skip
 
     def dissipated_energy(self, slip: SlipState) -> float:
@@ -131,11 +131,11 @@ class AsperityTangentialProblem:
         depth = self._slip_depth(slip.displacement)
         nodes, weights = np.polynomial.legendre.leggauss(NUM_QUADRATURE_NODES)
         # Integrate over φ, where t = cos φ, from the edge (φ = 0) to the end of the slip zone.
-        end = np.arcsin(depth)[:, np.newaxis]
-        sine = np.sin(0.5 * end * (nodes + 1))
+        end_angle = np.arcsin(depth)[:, np.newaxis]
+        sine = np.sin(0.5 * end_angle * (nodes + 1))
         strength = self._spring_strengths(sine)
-        slipped = slip.displacement - 2 * strength / self.spring[:, np.newaxis]
-        return float(((strength * slipped * sine) @ weights * end[:, 0]).sum())
+        slip_distance = slip.displacement - 2 * strength / self.spring_stiffness[:, np.newaxis]
+        return float(((strength * slip_distance * sine) @ weights * end_angle[:, 0]).sum())
 
     def _spring_strengths(self, sine: Floats) -> Floats:
         """Return the spring strengths 3/4 mu0 F s² + 2/π tau0 A s. The array `sine` contains s = (1 - t²)^(1/2)."""
@@ -145,17 +145,26 @@ class AsperityTangentialProblem:
 
     def _slip_depth(self, displacement: float) -> Floats:
         """Return the relative slip depth of each contact, from 0 (no slip) to 1 (complete sliding)."""
-        square, linear = 1.5 * self.frictional / self.spring, 4 / np.pi * self.adhesive / self.spring
-        depth = 2 * displacement / (linear + np.sqrt(linear**2 + 4 * square * displacement))
-        return np.asarray(np.where(displacement >= self.farthest, 1.0, np.minimum(depth, 1.0)))
+        quadratic_coefficient, linear_coefficient = (
+            1.5 * self.frictional / self.spring_stiffness,
+            4 / np.pi * self.adhesive / self.spring_stiffness,
+        )
+        depth = (
+            2
+            * displacement
+            / (linear_coefficient + np.sqrt(linear_coefficient**2 + 4 * quadratic_coefficient * displacement))
+        )
+        return np.asarray(np.where(displacement >= self.sliding_displacement, 1.0, np.minimum(depth, 1.0)))
 
     def _tangential_loads(self, depth: Floats) -> Floats:
         """Return the tangential load of each contact, mN."""
-        stuck = 1 - depth**2
-        slides = depth >= 1
-        by_friction = np.where(slides, 1.0, -np.expm1(1.5 * np.log1p(-(np.where(slides, 0.0, depth) ** 2))))
-        by_adhesion = 2 / np.pi * (np.arcsin(depth) + depth * np.sqrt(stuck))
-        return np.asarray(self.frictional * by_friction + self.adhesive * by_adhesion)
+        squared_stick_radius = 1 - depth**2
+        is_sliding = depth >= 1
+        frictional_fraction = np.where(
+            is_sliding, 1.0, -np.expm1(1.5 * np.log1p(-(np.where(is_sliding, 0.0, depth) ** 2)))
+        )
+        adhesive_fraction = 2 / np.pi * (np.arcsin(depth) + depth * np.sqrt(squared_stick_radius))
+        return np.asarray(self.frictional * frictional_fraction + self.adhesive * adhesive_fraction)
 
 
 class HalfSpaceTangentialProblem:
@@ -165,24 +174,26 @@ class HalfSpaceTangentialProblem:
         self, pressed: ContactSolution, *, mu0: float, tau0: float, poisson: float | Sequence[float], tolerance: float
     ) -> None:
         problem = pressed.problem
-        self.grids, self.cell_area, self.moves = problem.grids, problem.cell_area, problem.has_approach
+        self.grids, self.cell_area, self.has_displacement = problem.grids, problem.cell_area, problem.has_approach
         self.shape, self.size = problem.gap.shape, problem.gap.size
         # on a profile, the tractions are line loads perpendicular to the motion
         across = 1.0 if len(self.shape) == 1 else 0.5
         self.ratio = float(compliance_ratio(poisson, problem.compliance_share, across))
         self.points: NDArray[Any] = pressed.points
         self.pressure = pressed.values
-        stretch = np.sqrt(1 + sum(along[self.points] ** 2 for along in problem.interface_slopes))
-        self.area = pressed.share * self.cell_area * stretch
+        area_factor = np.sqrt(1 + sum(slope[self.points] ** 2 for slope in problem.interface_slopes))
+        self.area = pressed.share * self.cell_area * area_factor
         self.bound = mu0 * self.pressure + tau0 * self.area / self.cell_area
         self.normal_load = float(self.pressure.sum() * self.cell_area)
         self.sliding_load = float(mu0 * self.normal_load + tau0 * self.area.sum())
-        everywhere = self._spread_over_grid(self.bound)
-        self.mean_bound = float(everywhere.mean())
+        bound_on_grid = self._spread_over_grid(self.bound)
+        self.mean_bound = float(bound_on_grid.mean())
         self.tolerance = validate_number("tolerance", tolerance, above=0, below=1)
-        self.everywhere = everywhere
-        compliance = self.grids.linear_response(everywhere > 0, threads=solver_thread_count())[1] * self.ratio
-        self.stiffness = (self.cell_area / compliance if compliance > 0 else np.inf) if self.moves else np.nan
+        self.bound_on_grid = bound_on_grid
+        compliance = self.grids.linear_response(bound_on_grid > 0, threads=solver_thread_count())[1] * self.ratio
+        self.stiffness = (
+            (self.cell_area / compliance if compliance > 0 else np.inf) if self.has_displacement else np.nan
+        )
 
     @cached_property
     def _solver(self) -> _core.HalfSpaceSolver:
@@ -190,7 +201,7 @@ class HalfSpaceTangentialProblem:
         return _core.HalfSpaceSolver(
             np.zeros(self.shape),
             self.grids,
-            bound=self.everywhere,
+            bound=self.bound_on_grid,
             tolerance=self.tolerance,
             threads=solver_thread_count(),
         )
@@ -203,8 +214,10 @@ class HalfSpaceTangentialProblem:
         if load >= self.sliding_load:
             return self._make_slip_state(self.sliding_load, self.bound, float(self._displacements(self.bound).max()))
         load_fraction = load / self.sliding_load
-        start = None if near is None else self._spread_over_grid(near.traction)
-        solution = self._solver.at(load_fraction * self.mean_bound, near=start, threads=solver_thread_count())
+        initial_traction = None if near is None else self._spread_over_grid(near.traction)
+        solution = self._solver.at(
+            load_fraction * self.mean_bound, near=initial_traction, threads=solver_thread_count()
+        )
         if not solution.error <= self.tolerance:
             raise RuntimeError(
                 f"no solution at {load:g} mN, {load_fraction:g} of the sliding load: error {solution.error:.2g} after "
@@ -218,17 +231,21 @@ class HalfSpaceTangentialProblem:
         The energy does not depend on the displacement of distant points.
         """
         displacements = self._displacements(slip.traction)
-        slips = slip.traction >= self.bound
-        sticks = (slip.traction > 0) & ~slips
-        stuck_displacement = displacements[sticks].mean() if sticks.any() else displacements[slips].max()
-        return float((self.bound[slips] * (stuck_displacement - displacements[slips])).sum() * self.cell_area)
+        is_slipping = slip.traction >= self.bound
+        is_sticking = (slip.traction > 0) & ~is_slipping
+        stuck_displacement = (
+            displacements[is_sticking].mean() if is_sticking.any() else displacements[is_slipping].max()
+        )
+        return float(
+            (self.bound[is_slipping] * (stuck_displacement - displacements[is_slipping])).sum() * self.cell_area
+        )
 
     def _make_slip_state(self, load: float, traction: Floats, displacement: float) -> SlipState:
-        slips = traction >= self.bound
+        is_slipping = traction >= self.bound
         return SlipState(
-            load=load, displacement=max(displacement, 0.0) if self.moves else np.nan,
-            slipped_area=float(self.area[slips].sum() / self.area.sum()),
-            slipped_load=float(self.pressure[slips].sum() / self.pressure.sum()), traction=traction,
+            load=load, displacement=max(displacement, 0.0) if self.has_displacement else np.nan,
+            slipped_area=float(self.area[is_slipping].sum() / self.area.sum()),
+            slipped_load=float(self.pressure[is_slipping].sum() / self.pressure.sum()), traction=traction,
         )  # fmt: skip
 
     def _displacements(self, traction: Floats) -> Floats:

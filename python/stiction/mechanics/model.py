@@ -110,8 +110,12 @@ class ContactModel:
 
     @cached_property
     def _angles(self) -> list[float]:
-        given: Any = self.shear if self.direction is None else self.direction
-        return [_parse_angle(value) for value in given] if self._has_many_directions() else [_parse_angle(given)]
+        direction_value: Any = self.shear if self.direction is None else self.direction
+        return (
+            [_parse_angle(value) for value in direction_value]
+            if self._has_many_directions()
+            else [_parse_angle(direction_value)]
+        )
 
     def for_profiles(self) -> ContactModel:
         """Return the model with the defaults for profiles. The direction must be along x."""
@@ -164,9 +168,9 @@ def _parse_angle(direction: Any) -> float:
 
 def _unit_vector(angle: float) -> tuple[float, float]:
     """Return the unit vector at an angle (degrees). Its components are exact for multiples of 90 degrees."""
-    quarter, rest = divmod(angle, 90.0)
-    x, y = math.cos(math.radians(rest)), math.sin(math.radians(rest))
-    return [(x, y), (-y, x), (-x, -y), (y, -x)][int(quarter) % 4]
+    quarter_turns, remaining_angle = divmod(angle, 90.0)
+    x, y = math.cos(math.radians(remaining_angle)), math.sin(math.radians(remaining_angle))
+    return [(x, y), (-y, x), (-x, -y), (y, -x)][int(quarter_turns) % 4]
 
 
 _DEFAULT_MODEL = ContactModel()
@@ -189,19 +193,19 @@ class ContactKeywords(TypedDict, total=False):
 
 def make_model(keywords: Mapping[str, object], default: ContactModel | None = None) -> ContactModel:
     """Create a contact model from keyword arguments. The default model provides the parameters that are not given."""
-    changes: dict[str, Any] = dict(keywords)
-    model: ContactModel = changes.pop("model", default or _DEFAULT_MODEL)
+    parameters: dict[str, Any] = dict(keywords)
+    model: ContactModel = parameters.pop("model", default or _DEFAULT_MODEL)
     check_instance("model", model, ContactModel, "a ContactModel")
-    if not changes:
+    if not parameters:
         return model
-    if unknown := changes.keys() - ContactKeywords.__annotations__.keys():
-        raise TypeError(f"unknown keyword argument {min(unknown)!r}")
+    if unknown_keywords := parameters.keys() - ContactKeywords.__annotations__.keys():
+        raise TypeError(f"unknown keyword argument {min(unknown_keywords)!r}")
     # `shear` and `direction` exclude each other, so setting one of them resets the other.
-    if "shear" in changes and changes.get("direction") is None:
-        changes["direction"] = None
-    elif changes.get("direction") is not None and "shear" not in changes:
-        changes["shear"] = "+x"
-    return replace(model, **changes)
+    if "shear" in parameters and parameters.get("direction") is None:
+        parameters["direction"] = None
+    elif parameters.get("direction") is not None and "shear" not in parameters:
+        parameters["shear"] = "+x"
+    return replace(model, **parameters)
 
 
 def make_pair_model(upper: Any, lower: Any, keywords: Mapping[str, object]) -> ContactModel:
@@ -250,12 +254,14 @@ def add_model_keywords_to_signature(function: _Function) -> _Function:
     parameters = [
         parameter for parameter in signature.parameters.values() if parameter.kind is not parameter.VAR_KEYWORD
     ]
-    model = [inspect.Parameter("model", inspect.Parameter.KEYWORD_ONLY, default=None, annotation="ContactModel | None")]
-    model += [
+    model_parameter = [
+        inspect.Parameter("model", inspect.Parameter.KEYWORD_ONLY, default=None, annotation="ContactModel | None")
+    ]
+    model_parameter += [
         inspect.Parameter(field.name, inspect.Parameter.KEYWORD_ONLY, default=field.default, annotation=field.type)
         for field in fields(ContactModel)
     ]
-    function.__signature__ = signature.replace(parameters=[*parameters, *model])  # type: ignore[attr-defined]
+    function.__signature__ = signature.replace(parameters=[*parameters, *model_parameter])  # type: ignore[attr-defined]
     return function
 
 
@@ -278,16 +284,19 @@ def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
 
 def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> None:
     """Warn if the two surfaces of a pair are the same surface, or mirror images of each other."""
-    source, is_same = _history_without_flips(upper), _history_without_flips(upper) == _history_without_flips(lower)
+    upper_history, is_same = (
+        _history_without_flips(upper),
+        _history_without_flips(upper) == _history_without_flips(lower),
+    )
     flips = [body.history.count(FLIPPED_HISTORY_ENTRY) % 2 for body in (upper, lower)]
     message = ""
-    if is_same and source[:1] and source[0].startswith("read from") and flips[0] == flips[1]:
-        message = f"upper and lower were both {source[0]} and face the same way: press flipped(upper) on lower"
+    if is_same and upper_history[:1] and upper_history[0].startswith("read from") and flips[0] == flips[1]:
+        message = f"upper and lower were both {upper_history[0]} and face the same way: press flipped(upper) on lower"
     elif upper.heights.shape != lower.heights.shape or upper.is_flat:
         return
-    elif upper is lower or (is_same and source and _differ_by_a_constant(upper.heights, lower.heights)):
+    elif upper is lower or (is_same and upper_history and _differ_by_a_constant(upper.heights, lower.heights)):
         message = "upper and lower are the same and fit into each other everywhere: press flipped(upper) on lower"
-    elif is_same and (source or (flips[0] and isinstance(upper, Surface))):
+    elif is_same and (upper_history or (flips[0] and isinstance(upper, Surface))):
         if _differ_by_a_constant(upper.heights, -lower.heights):
             message = (
                 "upper is the mirror image of lower: its summits meet themselves, so their slopes cancel; move "
@@ -309,6 +318,6 @@ def _history_without_flips(body: Profile | Surface) -> tuple[str, ...]:
 
 def _differ_by_a_constant(a: Floats, b: Floats) -> bool:
     """Return True if two arrays differ only by a constant. The first rows are compared first, to save time."""
-    allowed = _SAME_HEIGHT_TOLERANCE * float(np.ptp(a))
-    first = np.atleast_2d(a)[0, :64] - np.atleast_2d(b)[0, :64]
-    return float(np.ptp(first)) <= allowed and float(np.ptp(a - b)) <= allowed
+    tolerance = _SAME_HEIGHT_TOLERANCE * float(np.ptp(a))
+    first_differences = np.atleast_2d(a)[0, :64] - np.atleast_2d(b)[0, :64]
+    return float(np.ptp(first_differences)) <= tolerance and float(np.ptp(a - b)) <= tolerance

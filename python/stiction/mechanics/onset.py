@@ -166,10 +166,10 @@ class Onset(PlotRepr):
 
         For asperities, the load at which the whole contact slides is returned, (contacts,).
         """
-        first = np.full(self._tangential_problem.bound.size, np.nan)
+        first_slip_load = np.full(self._tangential_problem.bound.size, np.nan)
         for slip in reversed(self._slips):
-            first[slip.traction >= self._tangential_problem.bound] = slip.load
-        return read_only(self._values_at_all_points(first, np.nan))
+            first_slip_load[slip.traction >= self._tangential_problem.bound] = slip.load
+        return read_only(self._values_at_all_points(first_slip_load, np.nan))
 
     def energy_lost(self, amplitude: ArrayLike) -> Floats:
         """Return the energy loss (mN µm) per load cycle for each tangential load amplitude in an array.
@@ -202,14 +202,16 @@ class Onset(PlotRepr):
         ValueError
             As for `energy_lost`.
         """
-        top = self._solve_at_load(
+        turning_point = self._solve_at_load(
             float(self._check_amplitudes(validate_number("amplitude", amplitude, unit="mN", above=0)))
         )
-        below = self.tangential_load < top.load * (1 - LOAD_TOLERANCE)
-        load = np.concatenate([[0.0], self.tangential_load[below], [top.load]])
-        unloading_path = np.concatenate([[0.0], self.displacement[below], [top.displacement]])
-        down = top.displacement - 2 * unloading_path, top.load - 2 * load
-        return np.concatenate([down[0], -down[0]]), np.concatenate([down[1], -down[1]])
+        is_below = self.tangential_load < turning_point.load * (1 - LOAD_TOLERANCE)
+        load = np.concatenate([[0.0], self.tangential_load[is_below], [turning_point.load]])
+        unloading_path = np.concatenate([[0.0], self.displacement[is_below], [turning_point.displacement]])
+        unloading_branch = turning_point.displacement - 2 * unloading_path, turning_point.load - 2 * load
+        return np.concatenate([unloading_branch[0], -unloading_branch[0]]), np.concatenate(
+            [unloading_branch[1], -unloading_branch[1]]
+        )
 
     def frame(self) -> pandas.DataFrame:
         """Return the curve of first loading as a table, with one load per row and units in the column names.
@@ -232,8 +234,10 @@ class Onset(PlotRepr):
         """
         from stiction._drawing import draw_onset
 
-        of_curve = {"sliding_load": self.sliding_load, "stiffness": self.stiffness}
-        return draw_onset(axes_or_new_axes(ax), self.tangential_load, self.displacement, self.slipped_area, **of_curve)
+        curve_properties = {"sliding_load": self.sliding_load, "stiffness": self.stiffness}
+        return draw_onset(
+            axes_or_new_axes(ax), self.tangential_load, self.displacement, self.slipped_area, **curve_properties
+        )
 
     def iwan(self) -> FourParameterIwan:
         """Fit Segalman's four-parameter Iwan model to the curve; see `FourParameterIwan`.
@@ -245,8 +249,8 @@ class Onset(PlotRepr):
         """
         from stiction.mechanics.presliding import fit_iwan
 
-        of_curve = {"sliding_load": self.sliding_load, "stiffness": self.stiffness}
-        return fit_iwan(self.displacement, self.tangential_load, **of_curve)
+        curve_properties = {"sliding_load": self.sliding_load, "stiffness": self.stiffness}
+        return fit_iwan(self.displacement, self.tangential_load, **curve_properties)
 
     def lugre(self) -> LuGre:
         """Fit the bristle stiffness of the LuGre model to the curve; see `LuGre`.
@@ -264,9 +268,9 @@ class Onset(PlotRepr):
         return resolve_index(index, len(self._slips), "tangential loads")
 
     def _values_at_all_points(self, values: Floats, elsewhere: float) -> Floats:
-        everywhere = np.full(self._tangential_problem.size, elsewhere)
-        everywhere[self._tangential_problem.points] = values
-        return everywhere
+        all_values = np.full(self._tangential_problem.size, elsewhere)
+        all_values[self._tangential_problem.points] = values
+        return all_values
 
     def _check_amplitudes(self, amplitude: ArrayLike) -> Floats:
         loads = float_array("amplitude", amplitude)
@@ -379,19 +383,19 @@ def parse_load_fractions(steps: int | Sequence[float]) -> Floats:
 
 
 def _check_displacements(displacements: ArrayLike, limit: float) -> Floats:
-    target = float_array("displacements", displacements, ndim=1)
-    if not (target.size > 0 and (target > 0).all() and (np.diff(target) > 0).all()):
+    displacement_array = float_array("displacements", displacements, ndim=1)
+    if not (displacement_array.size > 0 and (displacement_array > 0).all() and (np.diff(displacement_array) > 0).all()):
         raise ValueError(f"displacements must be above 0 µm and strictly increasing, got {displacements!r}")
     if not np.isfinite(limit):
         raise ValueError(
             "displacements must not be given on a free half-plane, because it has no finite displacement; give "
             "steps, or press with boundary='periodic'"
         )
-    if not target[-1] <= limit:
+    if not displacement_array[-1] <= limit:
         raise ValueError(
             f"displacements must be at most {limit:g} µm, at which the surfaces slide, got {displacements!r}"
         )
-    return target
+    return displacement_array
 
 
 def _solve_at_displacement(
@@ -400,28 +404,28 @@ def _solve_at_displacement(
     """Return the slip state at a displacement (µm). The load is found with a root finder."""
     from scipy.optimize import brentq
 
-    far = at_sliding.displacement
+    sliding_displacement = at_sliding.displacement
     states_by_load = {1.0: at_sliding}
     if near is not None:
         states_by_load[near.load / tangential_problem.sliding_load] = near
 
-    def excess_displacement(part: float) -> float:
-        if part == 0:
+    def excess_displacement(load_fraction: float) -> float:
+        if load_fraction == 0:
             return -target
-        if part not in states_by_load:
-            nearest = min(states_by_load, key=lambda value: abs(value - part))
-            states_by_load[part] = tangential_problem.at(
-                part * tangential_problem.sliding_load, states_by_load[nearest]
+        if load_fraction not in states_by_load:
+            nearest_fraction = min(states_by_load, key=lambda value: abs(value - load_fraction))
+            states_by_load[load_fraction] = tangential_problem.at(
+                load_fraction * tangential_problem.sliding_load, states_by_load[nearest_fraction]
             )
-        return states_by_load[part].displacement - target
+        return states_by_load[load_fraction].displacement - target
 
-    if target >= far * (1 - DISPLACEMENT_TOLERANCE):
+    if target >= sliding_displacement * (1 - DISPLACEMENT_TOLERANCE):
         return at_sliding
-    part = brentq(
+    load_fraction = brentq(
         excess_displacement,
         min(states_by_load) if near else 0.0,
         1.0,
-        xtol=DISPLACEMENT_TOLERANCE * target / far,
+        xtol=DISPLACEMENT_TOLERANCE * target / sliding_displacement,
         rtol=1e-12,
     )
-    return states_by_load[part]
+    return states_by_load[load_fraction]

@@ -25,9 +25,9 @@ def grid_slopes(heights: Floats, spacing: tuple[float, ...], *, periodic: bool) 
     """Compute the slopes along each axis, with a spectral method for periodic heights and natural splines otherwise."""
     if periodic:
         return [_spectral_slope(heights, axis, step) for axis, step in enumerate(spacing)]
-    rows = np.atleast_2d(heights)
-    by_y, by_x = _core.natural_slopes(np.ascontiguousarray(rows), spacing=(spacing[0], spacing[-1]))
-    return [by_y, by_x] if heights.ndim == 2 else [by_x[0]]
+    heights_2d = np.atleast_2d(heights)
+    slope_y, slope_x = _core.natural_slopes(np.ascontiguousarray(heights_2d), spacing=(spacing[0], spacing[-1]))
+    return [slope_y, slope_x] if heights.ndim == 2 else [slope_x[0]]
 
 
 def _spectral_slope(heights: Floats, axis: int, step: float) -> Floats:
@@ -37,8 +37,8 @@ def _spectral_slope(heights: Floats, axis: int, step: float) -> Floats:
         factor[-1] = 0.0  # the Nyquist component has zero slope at grid points
     shape = [1] * heights.ndim
     shape[axis] = factor.size
-    waves = scipy.fft.rfft(heights, axis=axis) * factor.reshape(shape)
-    return np.asarray(scipy.fft.irfft(waves, n, axis=axis, overwrite_x=True))
+    spectrum = scipy.fft.rfft(heights, axis=axis) * factor.reshape(shape)
+    return np.asarray(scipy.fft.irfft(spectrum, n, axis=axis, overwrite_x=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,5 +83,5 @@ def patch_sums(
     force: Floats, area: Floats, slope: list[Floats], patch: NDArray[np.int32], directions: Floats
 ) -> PatchSums:
     """Compute friction sums over each patch from forces (mN), areas (µm²), slopes and m unit vectors of motion."""
-    along_y = slope[0] if len(slope) == 2 else None
-    return PatchSums(**_core.patch_sums(force, area, along_y, slope[-1], patch, list(directions)))
+    slope_y = slope[0] if len(slope) == 2 else None
+    return PatchSums(**_core.patch_sums(force, area, slope_y, slope[-1], patch, list(directions)))

@@ -65,18 +65,27 @@ class FourParameterIwan(TextRepr):
         """Return the tangential load (mN) in first loading at displacements (µm) of at least 0."""
         distance = _check_displacement(displacement)
         ratio = np.minimum(distance / self.displacement_at_sliding, 1.0)
-        softer = ratio ** (self.chi + 1) / ((self.chi + 2) * (1 + self.beta))
-        rising = self.stiffness * distance * (1 - softer)
-        return np.asarray(np.where(ratio < 1, rising, self.sliding_load))
+        slip_fraction = ratio ** (self.chi + 1) / ((self.chi + 2) * (1 + self.beta))
+        load_before_sliding = self.stiffness * distance * (1 - slip_fraction)
+        return np.asarray(np.where(ratio < 1, load_before_sliding, self.sliding_load))
 
     def energy_lost(self, displacement: ArrayLike) -> Floats:
         """Return the energy loss (mN µm) per cycle with a given displacement amplitude (µm)."""
-        distance, limit = _check_displacement(displacement), self.displacement_at_sliding
-        ratio = np.minimum(distance / limit, 1.0)
-        softer = ratio ** (self.chi + 1) / ((self.chi + 2) * (1 + self.beta))
+        distance, sliding_displacement = _check_displacement(displacement), self.displacement_at_sliding
+        ratio = np.minimum(distance / sliding_displacement, 1.0)
+        slip_fraction = ratio ** (self.chi + 1) / ((self.chi + 2) * (1 + self.beta))
         # Masing's rule: the loss is 8 times the area under the loading curve, minus 4 times load times displacement.
-        rising = 4 * self.stiffness * softer * (self.chi + 1) / (self.chi + 3) * np.minimum(distance, limit) ** 2
-        return np.asarray(rising + 4 * self.sliding_load * np.maximum(distance - limit, 0.0))
+        loss_before_sliding = (
+            4
+            * self.stiffness
+            * slip_fraction
+            * (self.chi + 1)
+            / (self.chi + 3)
+            * np.minimum(distance, sliding_displacement) ** 2
+        )
+        return np.asarray(
+            loss_before_sliding + 4 * self.sliding_load * np.maximum(distance - sliding_displacement, 0.0)
+        )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -130,9 +139,9 @@ def fit_iwan(displacement: Floats, load: Floats, *, sliding_load: float, stiffne
     def relative_error(values: Floats) -> Floats:
         return (iwan_model(values, load).load(displacement) - load) / sliding_load
 
-    limits = [-1 + 1e-6, 0.0], [0.0, np.inf]
+    bounds = [-1 + 1e-6, 0.0], [0.0, np.inf]
     starts = [[chi, beta] for chi in (-0.8, -0.5, -0.1) for beta in (0.01, 1.0)]
-    fits = [least_squares(relative_error, start, bounds=limits, xtol=1e-12, ftol=1e-12, gtol=1e-12) for start in starts]
+    fits = [least_squares(relative_error, start, bounds=bounds, xtol=1e-12, ftol=1e-12, gtol=1e-12) for start in starts]
     best_fit = min(fits, key=lambda fit: float(fit.cost))
     return iwan_model(best_fit.x, read_only(best_fit.fun * sliding_load))
 

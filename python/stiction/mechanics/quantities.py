@@ -93,21 +93,29 @@ def _sum_quantity(name: str, *more: QuantitySource, **properties: Any) -> Result
     """Return the table entry of a contact sum, using the unit and the description declared by the core."""
     unit, words = CORE_SUMS[name] if name in CORE_SUMS else AREAL_CORE_SUMS[name]
     source: QuantitySource = "asperities" if name in CORE_SUMS else "areal"
-    of_sum: dict[str, Any] = {"kind": "sum", "along": _STEP_AXIS, "stored": frozenset({source, *more})}
-    return ResultQuantity(unit=unit, words=words, **of_sum | properties)
+    defaults: dict[str, Any] = {"kind": "sum", "along": _STEP_AXIS, "stored": frozenset({source, *more})}
+    return ResultQuantity(unit=unit, words=words, **defaults | properties)
 
 
 def _directed_sum_quantities() -> dict[str, ResultQuantity]:
     along = (*_MOTION_AXES, "step")
-    normal: dict[str, ResultQuantity] = {
-        f"normal_{part}": _sum_quantity(f"normal_{part}", "half-space", along=along)
-        for part in ("frictional", "adhesive")
+    normal_sums: dict[str, ResultQuantity] = {
+        f"normal_{contribution}": _sum_quantity(f"normal_{contribution}", "half-space", along=along)
+        for contribution in ("frictional", "adhesive")
     }
-    parts = ("elastic", "frictional", "adhesive")
-    tangential = {
-        f"tangential_{part}": _sum_quantity(f"tangential_{part}", "half-space", along=along) for part in parts
+    contributions = ("elastic", "frictional", "adhesive")
+    tangential_sums = {
+        f"tangential_{contribution}": _sum_quantity(f"tangential_{contribution}", "half-space", along=along)
+        for contribution in contributions
     }
-    return normal | tangential | {f"lateral_{part}": _sum_quantity(f"lateral_{part}", along=along) for part in parts}
+    return (
+        normal_sums
+        | tangential_sums
+        | {
+            f"lateral_{contribution}": _sum_quantity(f"lateral_{contribution}", along=along)
+            for contribution in contributions
+        }
+    )
 
 
 def _zero_load_quantity(part: str, unit: str) -> ResultQuantity:
@@ -118,14 +126,14 @@ def _zero_load_quantity(part: str, unit: str) -> ResultQuantity:
 
 
 def _validity_quantity(numerator: str, *denominator: str, percent: bool = True, **properties: Any) -> ResultQuantity:
-    own: dict[str, Any] = {"kind": "validity", "along": _STEP_AXIS, "shown": _VERBOSE_TABLE_VIEWS} | properties
-    kind = _FRACTION_FIELDS if percent else {"unit": "1"}
-    return ResultQuantity(numerator=numerator, denominator=denominator, **kind | own)
+    fields: dict[str, Any] = {"kind": "validity", "along": _STEP_AXIS, "shown": _VERBOSE_TABLE_VIEWS} | properties
+    unit_fields = _FRACTION_FIELDS if percent else {"unit": "1"}
+    return ResultQuantity(numerator=numerator, denominator=denominator, **unit_fields | fields)
 
 
 def _statistic_quantity(unit: str, words: str, brief: str = "", **properties: Any) -> ResultQuantity:
-    own: dict[str, Any] = {"kind": "statistic", "along": _STEP_AXIS} | properties
-    return ResultQuantity(unit=unit, words=words, brief=brief, **own)
+    fields: dict[str, Any] = {"kind": "statistic", "along": _STEP_AXIS} | properties
+    return ResultQuantity(unit=unit, words=words, brief=brief, **fields)
 
 
 def _uncertainty_quantity(words: str, interval: IntervalKind, *along: QuantityAxis) -> ResultQuantity:

@@ -147,38 +147,40 @@ def resolution(
     check_pair(upper, lower)
     effective_modulus = modulus_or_default(effective_modulus, upper, lower)
     pair = _BodyPair(upper, lower, boundary)
-    lengths = pair.cut_offs(cut_offs)
+    cut_off_lengths = pair.cut_offs(cut_offs)
     if hardness is not None:
         hardness = validate_number("hardness", hardness, unit="GPa", above=0)
     parameters = None if mu0 is None else _validate_strengths(mu0, tau0)
-    areal = isinstance(upper, Surface)
+    is_areal = isinstance(upper, Surface)
     if direction is None:
-        direction = _FOUR_DIRECTIONS if areal else ("+x", "-x")
+        direction = _FOUR_DIRECTIONS if is_areal else ("+x", "-x")
     directions: tuple[Direction, ...] = tuple(direction) if np.ndim(direction) else (direction,)  # type: ignore[assignment,arg-type]
     options: dict[str, Any] = {
         "effective_modulus": effective_modulus, "boundary": boundary, "compliance_share": compliance_share,
-        "direction": directions if areal else directions[0], "sliding": "all", "tolerance": tolerance,
+        "direction": directions if is_areal else directions[0], "sliding": "all", "tolerance": tolerance,
     }  # fmt: skip
-    steps = float_array("loads", loads, ndim=1)
+    load_array = float_array("loads", loads, ndim=1)
     report = progress or (lambda num_done, total: None)
-    count = len(lengths) + (hardness is not None)
-    answers = []
-    for num_done, length in enumerate(lengths):
+    count = len(cut_off_lengths) + (hardness is not None)
+    solutions = []
+    for num_done, cut_off_length in enumerate(cut_off_lengths):
         report(num_done, count)
-        answers.append(_solve_at_loads(*pair.with_cut_off(length), steps, directions, hardness=hardness, **options))
-    elastic = answers[0]
+        solutions.append(
+            _solve_at_loads(*pair.with_cut_off(cut_off_length), load_array, directions, hardness=hardness, **options)
+        )
+    elastic_solution = solutions[0]
     if hardness is not None:
-        report(len(lengths), count)
-        elastic = _solve_at_loads(upper, lower, steps, directions, hardness=None, **options)
+        report(len(cut_off_lengths), count)
+        elastic_solution = _solve_at_loads(upper, lower, load_array, directions, hardness=None, **options)
     report(count, count)
-    result = _cutoff_dataset(pair, lengths, steps, answers, effective_modulus, hardness)
+    result = _cutoff_dataset(pair, cut_off_lengths, load_array, solutions, effective_modulus, hardness)
     if parameters is not None:
         result = result.assign(friction_coefficient=resolution_friction(result, mu0=parameters[0], tau0=parameters[1]))
     rough_bodies = [body for body in (upper, lower) if not body.is_flat]
     limits = [instrument_limit(body, tip_radius=tip_radius, periodic=pair.periodic) for body in rough_bodies]
-    worst = max(limits, key=lambda limit: limit.wavelength)
-    result.attrs |= {"instrument_limit_um": worst.wavelength, "instrument_limit_reason": worst.reason}
-    return _add_plastic_limits(result, pair, steps, elastic, effective_modulus, hardness, parameters)
+    largest_limit = max(limits, key=lambda limit: limit.wavelength)
+    result.attrs |= {"instrument_limit_um": largest_limit.wavelength, "instrument_limit_reason": largest_limit.reason}
+    return _add_plastic_limits(result, pair, load_array, elastic_solution, effective_modulus, hardness, parameters)
 
 
 def resolution_friction(result: xr.Dataset, *, mu0: float, tau0: float = 0.0) -> xr.DataArray:
@@ -264,18 +266,18 @@ class _BodyPair:
         return replace(upper, heights=upper.heights - lower.heights, history=())
 
     def cut_offs(self, cut_offs: float | Sequence[float] | None) -> list[float]:
-        side = min(size * step for size, step in zip(self.upper.heights.shape, self.upper.spacings, strict=True))
+        side_length = min(size * step for size, step in zip(self.upper.heights.shape, self.upper.spacings, strict=True))
         if cut_offs is None:
-            doubles = 2 * self.shortest_cut_off * 2.0 ** np.arange(40)
-            return [0.0, *doubles[doubles <= _MAX_CUTOFF_RATIO * side * (1 + 1e-9)].tolist()]
+            default_cut_offs = 2 * self.shortest_cut_off * 2.0 ** np.arange(40)
+            return [0.0, *default_cut_offs[default_cut_offs <= _MAX_CUTOFF_RATIO * side_length * (1 + 1e-9)].tolist()]
         lengths = float_array("cut_offs", np.atleast_1d(cut_offs), ndim=1).tolist()
         if any(
-            length != 0 and not self.shortest_cut_off * (1 - 1e-9) <= length <= MAX_CUTOFF_FRACTION * side
+            length != 0 and not self.shortest_cut_off * (1 - 1e-9) <= length <= MAX_CUTOFF_FRACTION * side_length
             for length in lengths
         ):
             raise ValueError(
                 f"cut_offs must be 0, or between {self.shortest_cut_off:g} µm (two points) and "
-                f"{MAX_CUTOFF_FRACTION * side:g} µm (a third of the shortest side), got {cut_offs!r}"
+                f"{MAX_CUTOFF_FRACTION * side_length:g} µm (a third of the shortest side), got {cut_offs!r}"
             )
         return sorted({0.0, *lengths})
 
@@ -299,14 +301,14 @@ def _solve_at_loads(
     for indices, curve in solve_separately(functools.partial(half_space, upper, lower, **options), loads):
         for name in _CURVE_FIELDS:
             results[name][indices] = getattr(curve, name)
-        for rule, sliding in enumerate(_SLIDING_RULES):
-            with_rule = curve if sliding == curve.sliding else curve.with_sliding(sliding)
-            curves = [with_rule]
+        for rule_index, sliding in enumerate(_SLIDING_RULES):
+            curve_for_rule = curve if sliding == curve.sliding else curve.with_sliding(sliding)
+            curves = [curve_for_rule]
             if curve.direction.ndim == 0:
-                curves = [with_rule.with_direction(direction) for direction in along]
+                curves = [curve_for_rule.with_direction(direction) for direction in along]
             for name in LOAD_SUM_NAMES:
                 sums = [np.atleast_2d(getattr(directed, name)) for directed in curves]
-                results[name][rule, indices] = np.mean(sums, axis=(0, 1))
+                results[name][rule_index, indices] = np.mean(sums, axis=(0, 1))
     return results
 
 
@@ -314,7 +316,7 @@ def _solve_at_loads(
 
 
 def _cutoff_dataset(
-    pair: _BodyPair, lengths: list[float], loads: Floats, answers: list[dict[str, Floats]], modulus: float,
+    pair: _BodyPair, lengths: list[float], loads: Floats, solutions: list[dict[str, Floats]], modulus: float,
     hardness: float | None,
 ) -> xr.Dataset:  # fmt: skip
     """Return areas, pressures and contact sums as functions of the cutoff. Values without a solution are NaN."""
@@ -322,7 +324,7 @@ def _cutoff_dataset(
 
     gaps = [pair.gap(*pair.with_cut_off(length)) for length in lengths]
     gradient = np.array([brackets.gap_rms_gradient(gap, periodic=pair.periodic) for gap in gaps])
-    values = {name: np.array([answer[name] for answer in answers]) for name in (*_CURVE_FIELDS, *LOAD_SUM_NAMES)}
+    values = {name: np.array([solution[name] for solution in solutions]) for name in (*_CURVE_FIELDS, *LOAD_SUM_NAMES)}
     area = values["contact_area"]
     with np.errstate(divide="ignore", invalid="ignore"):
         values |= {"contact_area_fraction": area / pair.nominal_area, "mean_pressure": loads / area}
@@ -382,34 +384,34 @@ def _add_plastic_limits(
         result = brackets.add_finer_scan_brackets(result, hardness, parameters)
     hardnesses = TYPICAL_HARDNESSES if hardness is None else (hardness,)
     gradients_at_hardness = [zip(kappa * item / modulus, spread, strict=True) for item in hardnesses]
-    reached = np.array([
+    plastic_wavelengths = np.array([
         [brackets.plastic_wavelength(roughness, estimate, *bounds) for bounds in item]
         for item in gradients_at_hardness
     ])  # fmt: skip
     gradient = float(result.rms_gradient[0])
     gradients = brackets.extrapolated_gradients(roughness, estimate, pair.shortest_cut_off, gradient)
     area_of_slope = kappa * loads / (modulus * pair.nominal_area * brackets.interface_area_ratio(np.array(gradient)))
-    projected = brackets.elastic_area_fraction(gradients, area_of_slope, spread)
-    middle = gradients[:, :1, np.newaxis]  # the interval of the gradient barely affects the slope correction
+    area_fractions = brackets.elastic_area_fraction(gradients, area_of_slope, spread)
+    central_gradients = gradients[:, :1, np.newaxis]  # the interval of the gradient barely affects the slope correction
     grid = ("finer_wavelength", "normal_load", "statistic")
     tables: dict[str, tuple[Any, Floats, str, str]] = {
         "elastic_kappa": (grid[1], kappa, "1", "A E* h'/F of the elastic solution of the scan"),
         "elastic_area_fraction": (
             grid[1], area / pair.nominal_area, "1", "ratio of real to nominal area of the elastic solution"
         ),
-        "plastic_wavelength": (("hardness", *grid[1:]), reached, "µm", _PLASTIC_WAVELENGTH_DESCRIPTION),
+        "plastic_wavelength": (("hardness", *grid[1:]), plastic_wavelengths, "µm", _PLASTIC_WAVELENGTH_DESCRIPTION),
         "continued_rms_gradient": (grid[::2], gradients, "1", "gradient of the gap, extrapolated"),
         "continued_elastic_area_fraction": (
-            grid, projected * brackets.interface_area_ratio(middle), "1", "elastic ratio of real to nominal area, "
-            "extrapolated"
+            grid, area_fractions * brackets.interface_area_ratio(central_gradients), "1",
+            "elastic ratio of real to nominal area, extrapolated",
         ),
     }  # fmt: skip
     if parameters is not None:
-        friction = parameters[0] + parameters[1] * projected * pair.nominal_area / loads[:, np.newaxis]
-        friction = friction * brackets.transverse_slope_factor(middle, roughness.dimensions)
+        friction = parameters[0] + parameters[1] * area_fractions * pair.nominal_area / loads[:, np.newaxis]
+        friction = friction * brackets.transverse_slope_factor(central_gradients, roughness.dimensions)
         description = "elastic mu_s with friction at all contacts, extrapolated"
         tables["continued_elastic_friction_coefficient"] = grid, friction, "1", description
-    finer = np.array(brackets.EXTRAPOLATED_WAVELENGTH_RATIOS) * pair.shortest_cut_off
+    finer_wavelengths = np.array(brackets.EXTRAPOLATED_WAVELENGTH_RATIOS) * pair.shortest_cut_off
     variables = {
         name: (dims, values, _variable_attributes(unit, description))
         for name, (dims, values, unit, description) in tables.items()
@@ -417,7 +419,11 @@ def _add_plastic_limits(
     extended = result.assign(variables).assign_coords(
         hardness=("hardness", list(hardnesses), _variable_attributes("GPa", "hardness")),
         statistic=("statistic", ["value", "lower", "upper"]),
-        finer_wavelength=("finer_wavelength", finer, _variable_attributes("µm", "shortest wavelength of a finer scan")),
+        finer_wavelength=(
+            "finer_wavelength",
+            finer_wavelengths,
+            _variable_attributes("µm", "shortest wavelength of a finer scan"),
+        ),
     )
     if estimate is not None:
         extended.attrs |= {
@@ -508,29 +514,29 @@ def spectral_resolution(
         if not isinstance(body, ScaleDependentRoughness) or body.dimensions != 2:
             raise ValueError("upper and lower must be ScaleDependentRoughness objects computed from surfaces")
     p = validate_number("pressure", pressure, unit="GPa", above=0)
-    limit = np.inf if hardness is None else validate_number("hardness", hardness, unit="GPa", above=p)
+    max_pressure = np.inf if hardness is None else validate_number("hardness", hardness, unit="GPa", above=p)
     modulus = validate_number("effective_modulus", effective_modulus, unit="GPa", above=0)
-    factor = validate_number("kappa", kappa, above=0)
+    area_coefficient = validate_number("kappa", kappa, above=0)
     if wavelengths is None:
         wavelengths = np.concatenate([body.wavelength for body in bodies])
-    lengths = np.unique(float_array("wavelengths", wavelengths, ndim=1))[::-1]
-    slopes = np.array([body.gradient_at(lengths) for body in bodies])
+    wavelength_array = np.unique(float_array("wavelengths", wavelengths, ndim=1))[::-1]
+    slopes = np.array([body.gradient_at(wavelength_array) for body in bodies])
     gradient = np.sqrt(np.square(slopes).sum(axis=0))
-    rough_bodies = gradient > 0
-    lengths, slopes, gradient = lengths[rough_bodies], slopes[:, rough_bodies], gradient[rough_bodies]
-    if not lengths.size:
+    is_rough = gradient > 0
+    wavelength_array, slopes, gradient = wavelength_array[is_rough], slopes[:, is_rough], gradient[is_rough]
+    if not wavelength_array.size:
         raise ValueError(f"wavelengths must be at most the longest wavelength of the bodies, got {wavelengths!r}")
-    area = np.minimum(np.maximum(factor * p / (modulus * gradient), p / limit), 1.0)
-    ratio = slopes.min(axis=0) / slopes.max(axis=0) if lower is not None else np.zeros(lengths.size)
+    area = np.minimum(np.maximum(area_coefficient * p / (modulus * gradient), p / max_pressure), 1.0)
+    slope_ratio = slopes.min(axis=0) / slopes.max(axis=0) if lower is not None else np.zeros(wavelength_array.size)
     friction = [
         gentle_friction(
             mu0, tau0, rms_gradient=gradient, effective_modulus=modulus, kappa=area * modulus * gradient / p,
-            sliding=rule, slope_ratio=ratio,
+            sliding=rule, slope_ratio=slope_ratio,
         )
         for rule in _SLIDING_RULES
     ]  # fmt: skip
-    elastic = np.flatnonzero(modulus * gradient / factor >= limit)
-    reached = float(lengths[elastic[0]]) if elastic.size else np.nan
+    yielding = np.flatnonzero(modulus * gradient / area_coefficient >= max_pressure)
+    plastic_wavelength = float(wavelength_array[yielding[0]]) if yielding.size else np.nan
     values = {"rms_gradient": gradient, "contact_area_fraction": area, "mean_pressure": p / area}
     return xr.Dataset(
         {
@@ -538,11 +544,14 @@ def spectral_resolution(
             "friction_coefficient": (
                 ("sliding", "wavelength"), np.array(friction), quantity_attributes("friction_coefficient"),
             ),
-            "plastic_wavelength": ((), reached, _variable_attributes("µm", _PLASTIC_WAVELENGTH_DESCRIPTION)),
+            "plastic_wavelength": ((), plastic_wavelength, _variable_attributes("µm", _PLASTIC_WAVELENGTH_DESCRIPTION)),
         },
         coords={
-            "wavelength": ("wavelength", lengths, _variable_attributes("µm", "shortest included wavelength")),
+            "wavelength": ("wavelength", wavelength_array, _variable_attributes("µm", "shortest included wavelength")),
             "sliding": ("sliding", list(_SLIDING_RULES), {"long_name": "contacts with friction"}),
         },
-        attrs={"pressure_GPa": p, "hardness_GPa": float(limit), "effective_modulus_GPa": modulus, "kappa": factor},
+        attrs={
+            "pressure_GPa": p, "hardness_GPa": float(max_pressure), "effective_modulus_GPa": modulus,
+            "kappa": area_coefficient,
+        },
     )  # fmt: skip

@@ -45,8 +45,8 @@ def solve_with_balanced_tilt(
     contacts: list[ContactSolution] = []
     report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
     arms, shape = lever_arms(problem), problem.gap.shape
-    lengths = np.array(shape) * np.array(problem.spacing)
-    height = float(problem.gap[problem.measured > 0].std()) or 1.0
+    side_lengths = np.array(shape) * np.array(problem.spacing)
+    gap_deviation = float(problem.gap[problem.measured > 0].std()) or 1.0
 
     def solve_at(rotated_problem: HalfSpaceProblem, load: float, near: Floats | None) -> tuple[ContactSolution, Floats]:
         solver = ContactSolver(rotated_problem, "loads", load, tolerance=tolerance, report=report)
@@ -56,24 +56,27 @@ def solve_with_balanced_tilt(
 
     near = None
     for load in loads.tolist():
-        mean = load / (problem.cell_area * problem.gap.size)
+        mean_pressure = load / (problem.cell_area * problem.gap.size)
         pressed, moments = solve_at(problem, load, near)
         num_tried = 0
-        while float(np.abs(moments / (mean * lengths)).max()) > MAX_RELATIVE_FORCE_OFFSET:
+        while float(np.abs(moments / (mean_pressure * side_lengths)).max()) > MAX_RELATIVE_FORCE_OFFSET:
             near = pressed.on_grid(pressed.values).ravel()
             moments_per_slope = TiltResponse.solve(problem, pressed.on_grid(pressed.below_hardness)).moments_per_slope
-            step = np.linalg.solve(
-                np.diag(MIN_MOMENT_RESPONSE * mean * lengths**2 / height) - moments_per_slope, moments
+            slope_step = np.linalg.solve(
+                np.diag(MIN_MOMENT_RESPONSE * mean_pressure * side_lengths**2 / gap_deviation) - moments_per_slope,
+                moments,
             )
-            step *= min(1.0, MAX_EDGE_DISPLACEMENT_STEP * height / float(np.abs(step * lengths / 2).max()))
+            slope_step *= min(
+                1.0, MAX_EDGE_DISPLACEMENT_STEP * gap_deviation / float(np.abs(slope_step * side_lengths / 2).max())
+            )
             # The energy is a concave function of the slopes.
             # The moments change sign beyond the maximum of the energy along the step.
             while num_tried < MAX_TILT_SOLUTIONS:
                 num_tried += 1
-                candidate = solve_at(apply_tilt(pressed.problem, np.asarray(step, np.float64)), load, near)
-                if float(candidate[1] @ step) >= -MAX_EDGE_DISPLACEMENT_STEP * float(moments @ step):
+                candidate = solve_at(apply_tilt(pressed.problem, np.asarray(slope_step, np.float64)), load, near)
+                if float(candidate[1] @ slope_step) >= -MAX_EDGE_DISPLACEMENT_STEP * float(moments @ slope_step):
                     break
-                step = step / 2
+                slope_step = slope_step / 2
             else:
                 raise RuntimeError(f"no solution at {load:g} mN: no tilt balances the surfaces")
             pressed, moments = candidate

@@ -119,11 +119,11 @@ def material_volumes(heights: Floats) -> MaterialVolumes:
 class CoreParameters(NamedTuple):
     """Core height, reduced peak height, reduced pit depth, and the material ratios at both ends of the core."""
 
-    height: float
-    peaks: float
-    valleys: float
-    upper_ratio: float
-    lower_ratio: float
+    core_height: float
+    reduced_peak_height: float
+    reduced_pit_depth: float
+    upper_core_ratio: float
+    lower_core_ratio: float
 
 
 def core_parameters(heights: Floats) -> CoreParameters:

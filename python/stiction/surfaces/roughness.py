@@ -258,8 +258,8 @@ def _material_ratio_parameters(deviation: Floats, scale: float) -> dict[str, flo
     return {
         "Smr": float(np.mean(deviation > 0)), "Sdc": scale * (upper - lower),
         "Sxp": scale * (extreme_peak - extreme_peak_end),
-        "Sk": scale * core.height, "Spk": scale * core.peaks, "Svk": scale * core.valleys,
-        "Smr1": core.upper_ratio, "Smr2": core.lower_ratio, "Vmp": scale * volumes.peak_material,
+        "Sk": scale * core.core_height, "Spk": scale * core.reduced_peak_height, "Svk": scale * core.reduced_pit_depth,
+        "Smr1": core.upper_core_ratio, "Smr2": core.lower_core_ratio, "Vmp": scale * volumes.peak_material,
         "Vmc": scale * volumes.core_material, "Vvc": scale * volumes.core_void, "Vvv": scale * volumes.valley_void,
     }  # fmt: skip
 

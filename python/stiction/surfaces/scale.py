@@ -434,11 +434,11 @@ def instrument_limit(
     total_slope = sum(float(np.square(q) @ density) * float(q[0]) / math.pi for q, density, *_ in spectra)
     # Along an axis without roughness, the spectrum contains only round-off.
     noise_wavelengths = [
-        disturbance.wave if disturbance.slope > _MIN_SLOPE_FRACTION * total_slope else math.nan
+        disturbance.wavelength_limit if disturbance.mean_square_slope > _MIN_SLOPE_FRACTION * total_slope else math.nan
         for disturbance in disturbances
     ]
     noise_slopes = [
-        disturbance.slope if limit > 0 else 0.0
+        disturbance.mean_square_slope if limit > 0 else 0.0
         for disturbance, limit in zip(disturbances, noise_wavelengths, strict=True)
     ]
     period = next((disturbance.period for disturbance in disturbances if disturbance.period > 0), math.nan)
@@ -447,12 +447,12 @@ def instrument_limit(
         is_common, hidden_slope = _compare_noise_along_axes(spectra, noise_wavelengths)
         # If the noise differs between the axes, report the axis with the larger contribution.
         noisier_axis = int(np.nanargmax(noise_wavelengths if is_common else noise_slopes))
-        is_floor = [disturbance.kind in INSTRUMENT_REASONS for disturbance in disturbances]
+        is_floor = [disturbance.noise_kind in INSTRUMENT_REASONS for disturbance in disturbances]
         noise_wavelength = float(np.nanmin(noise_wavelengths)) if is_common else noise_wavelengths[noisier_axis]
         noise_slope = hidden_slope + sum(
             noise_slopes[axis] for axis in range(2) if is_common or is_floor[axis] == is_floor[noisier_axis]
         )
-    noise_kind = disturbances[noisier_axis].kind
+    noise_kind = disturbances[noisier_axis].noise_kind
     noise_slope_fraction = min(noise_slope / total_slope, 1.0)
     if not noise_slope_fraction > _MIN_SLOPE_FRACTION:
         noise_wavelength = math.nan
@@ -591,9 +591,11 @@ def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: li
 class _ScanDisturbance(NamedTuple):
     """Disturbance of a line spectrum: the wavelengths not attributed to the surface, and the texture period."""
 
-    wave: float  # upper limit of the unattributed wavelengths, µm; NaN if there are none
-    kind: str
-    slope: float  # mean square slope of the lines at the unattributed wavelengths, without texture harmonics
+    wavelength_limit: float  # upper limit of the unattributed wavelengths, µm; NaN if there are none
+    noise_kind: str
+    mean_square_slope: (
+        float  # mean square slope of the lines at the unattributed wavelengths, without texture harmonics
+    )
     period: float  # period of a texture, µm; NaN if there is no texture
 
 

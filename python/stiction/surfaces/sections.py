@@ -332,8 +332,8 @@ def _roughness_values(z: Floats, ends: list[int], spacing: float, derivative: De
     values: dict[str, Any] = {
         "z": peak + pit, "p": peak, "v": pit, "Sm": mean_spacing * spacing, "c": mean_height,
         "mr": float(np.mean(z > 0)),
-        "dc": upper - lower, "k": core.height, "pk": core.peaks, "vk": core.valleys,
-        "mrk1": core.upper_ratio, "mrk2": core.lower_ratio,
+        "dc": upper - lower, "k": core.core_height, "pk": core.reduced_peak_height, "vk": core.reduced_pit_depth,
+        "mrk1": core.upper_core_ratio, "mrk2": core.lower_core_ratio,
     }  # fmt: skip
     return height_and_slope_parameters(z, spacing, derivative) | values
 
