@@ -6,7 +6,7 @@ from stiction._caching import cached_property
 
 
 def test_computing_a_cached_property_does_not_block_other_objects():
-    begun, end = threading.Event(), threading.Event()
+    has_begun, may_end = threading.Event(), threading.Event()
 
     class ObjectWithSlowProperty:
         waits = False
@@ -14,21 +14,21 @@ def test_computing_a_cached_property_does_not_block_other_objects():
         @cached_property
         def value(self):
             if self.waits:
-                begun.set()
-                assert end.wait(60)
+                has_begun.set()
+                assert may_end.wait(60)
             return object()
 
-    slow, quick = ObjectWithSlowProperty(), ObjectWithSlowProperty()
-    slow.waits = True
-    other = threading.Thread(target=lambda: slow.value)
-    other.start()
-    assert begun.wait(60)
+    slow_object, quick_object = ObjectWithSlowProperty(), ObjectWithSlowProperty()
+    slow_object.waits = True
+    slow_thread = threading.Thread(target=lambda: slow_object.value)
+    slow_thread.start()
+    assert has_begun.wait(60)
     values = []
-    mine = threading.Thread(target=lambda: values.append(quick.value))
-    mine.start()
-    mine.join(60)
-    assert values == [quick.value]
-    end.set()
-    other.join()
-    assert slow.value is slow.value
+    quick_thread = threading.Thread(target=lambda: values.append(quick_object.value))
+    quick_thread.start()
+    quick_thread.join(60)
+    assert values == [quick_object.value]
+    may_end.set()
+    slow_thread.join()
+    assert slow_object.value is slow_object.value
     assert isinstance(ObjectWithSlowProperty.value, cached_property)

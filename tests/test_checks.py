@@ -10,15 +10,15 @@ from stiction import effective_modulus, half_space, hertz_sphere, self_affine_su
 from stiction._checks import check_bool, check_choice, validate_number, validate_whole_number
 from stiction.mechanics.model import SlidingRule
 
-ZEROS = [np.float64, np.float32, np.int32, np.array, xarray.DataArray]
+ZERO_DIMENSIONAL_TYPES = [np.float64, np.float32, np.int32, np.array, xarray.DataArray]
 
 
-@pytest.mark.parametrize("of", ZEROS, ids=lambda of: of.__name__)
-def test_number_check_accepts_zero_dimensional_arrays(of):
-    result = validate_number("x", of(3), above=0)
+@pytest.mark.parametrize("create_value", ZERO_DIMENSIONAL_TYPES, ids=lambda create_value: create_value.__name__)
+def test_number_check_accepts_zero_dimensional_arrays(create_value):
+    result = validate_number("x", create_value(3), above=0)
     assert (result, type(result)) == (3.0, float)
     with pytest.raises(ValueError, match="x must be a finite number above 5"):
-        validate_number("x", of(3), above=5)
+        validate_number("x", create_value(3), above=5)
 
 
 @pytest.mark.parametrize("value", [np.array(True), np.array([3.0]), np.array("3"), np.bool_(True), "3", None, 1j])
@@ -38,9 +38,9 @@ def test_integer_and_choice_checks_accept_zero_dimensional_arrays():
 
 def test_effective_modulus_of_scalars_is_a_float():
     assert type(effective_modulus(210, 0.3, 210, 0.3)) is float
-    of_arrays = effective_modulus([210, 70], 0.3, 210, 0.3)
-    assert isinstance(of_arrays, np.ndarray)
-    assert of_arrays[0] == effective_modulus(210, 0.3, 210, 0.3)
+    moduli_of_arrays = effective_modulus([210, 70], 0.3, 210, 0.3)
+    assert isinstance(moduli_of_arrays, np.ndarray)
+    assert moduli_of_arrays[0] == effective_modulus(210, 0.3, 210, 0.3)
 
 
 def test_half_space_accepts_zero_dimensional_arrays():

@@ -64,24 +64,24 @@ def test_studies_of_claims_have_the_settings_of_the_paper():
 
 def test_first_resampled_ensemble_gives_the_same_maps_as_the_result(result, resampled):
     load = resampled.middle_load
-    for what, tau0, expected in (
+    for quantity, tau0, expected in (
         ("friction", 0.0, friction_map(result, [load], mu0=[0.4], tau0=[0.0])["friction_coefficient"]),
         ("friction", 0.2, friction_map(result, [load], mu0=[0.4], tau0=[0.2])["friction_coefficient"]),
         ("area", 0.0, area_map(result, [load], mu0=[0.4], tau0=[0.0])["contact_area"]),
         ("stiffness", 0.2, stiffness_map(result, [load], mu0=[0.4], tau0=[0.2])["normal_stiffness"]),
     ):
         for amplitude in (0.05, 0.1, 0.2):
-            ours = resampled.at(what, load, tau0=tau0, amplitude=amplitude)[0]
+            resampled_values = resampled.at(quantity, load, tau0=tau0, amplitude=amplitude)[0]
             reference = expected.sel(amplitude=amplitude).values[:, 0, 0, 0]
             assert np.isfinite(reference).sum() >= 6
-            assert np.allclose(ours, reference, rtol=1e-12, equal_nan=True)
+            assert np.allclose(resampled_values, reference, rtol=1e-12, equal_nan=True)
 
 
 def test_resampled_intervals_agree_with_those_of_the_friction_map(result, resampled):
     computed = resampled.at("friction", resampled.middle_load)[1:]
     lower, upper = np.quantile(computed, [0.025, 0.975], axis=0)
-    theirs = friction_map(result, [resampled.middle_load], mu0=[0.4], tau0=[0.0]).sel(amplitude=0.1)
-    ratio = (np.log(upper / lower) / np.log(theirs["upper"] / theirs["lower"]).values.ravel())[:6]
+    expected_map = friction_map(result, [resampled.middle_load], mu0=[0.4], tau0=[0.0]).sel(amplitude=0.1)
+    ratio = (np.log(upper / lower) / np.log(expected_map["upper"] / expected_map["lower"]).values.ravel())[:6]
     assert ratio.min() > 0.6
     assert ratio.max() < 1.5
 
@@ -94,13 +94,14 @@ def test_loads_of_claims_are_reached_at_every_fractal_dimension(result, resample
     assert resampled.middle_load**2 == pytest.approx((resampled.light_load * resampled.heavy_load), rel=1e-9)
 
 
-def judge_values(values, least, most):
+def judge_values(values, lower_bound, upper_bound):
     class ResampledMeansStandIn(claims.ResampledMeans):
         def __init__(self):
             self.excluded_dimensions = set()
 
     return ClaimPartOutcome.of(
-        ClaimPart("1a", "a number", least, most, lambda _: np.asarray(values, dtype=float)), ResampledMeansStandIn()
+        ClaimPart("1a", "a number", lower_bound, upper_bound, lambda _: np.asarray(values, dtype=float)),
+        ResampledMeansStandIn(),
     )
 
 
@@ -133,7 +134,7 @@ def test_parts_of_claims_have_unique_names():
     assert all(part.least < part.most for part in CLAIM_PARTS)
 
 
-def create_result(**worlds):
+def create_result(**sum_functions):
     """Return a result with equal loads at every dimension D and amplitude a.
 
     Functions of (D, a, load) may replace the sums.
@@ -144,11 +145,11 @@ def create_result(**worlds):
     load = np.broadcast_to(1e3 * study.contact.loading_steps() ** 1.5 * factor, result["normal_elastic"].shape)
     dimension = study.surfaces.fractal_dimensions()[:, np.newaxis, np.newaxis, np.newaxis]
     amplitude = study.surfaces.amplitudes()[:, np.newaxis, np.newaxis]
-    usual = {"contact_area": lambda d, a, f: f, "tangential_elastic": lambda d, a, f: 0.3 * f}
+    default_functions = {"contact_area": lambda d, a, f: f, "tangential_elastic": lambda d, a, f: 0.3 * f}
     result["normal_elastic"].values[...] = load
     result["contact_count"].values[...] = 1
-    for name, world in (usual | worlds).items():
-        result[name].values[...] = world(dimension, amplitude, load)
+    for name, sum_function in (default_functions | sum_functions).items():
+        result[name].values[...] = sum_function(dimension, amplitude, load)
     return result
 
 
@@ -208,25 +209,22 @@ TRUE_AND_FALSE_DATA = {
 
 @pytest.mark.parametrize("name", TRUE_AND_FALSE_DATA)
 def test_verdict_on_a_part_of_a_claim_is_true_only_if_the_data_support_it(name):
-    computed = [judge_part(name, create_result(**world)) for world in TRUE_AND_FALSE_DATA[name]]
-    assert [(judge_values.verdict, judge_values.excluded_dimensions) for judge_values in computed] == [
-        ("true", ()),
-        ("false", ()),
-    ]
+    computed = [judge_part(name, create_result(**sum_functions)) for sum_functions in TRUE_AND_FALSE_DATA[name]]
+    assert [(outcome.verdict, outcome.excluded_dimensions) for outcome in computed] == [("true", ()), ("false", ())]
 
 
 def test_value_computed_for_a_part_of_a_claim_equals_the_known_value():
-    def number(name, **world):
-        return judge_part(name, create_result(**world)).value
+    def compute_part_value(name, **sum_functions):
+        return judge_part(name, create_result(**sum_functions)).value
 
-    assert number("1b", contact_area=lambda d, a, f: f**0.7) == pytest.approx(0.7, abs=1e-3)
-    assert number("2b", **TRUE_AND_FALSE_DATA["2b"][0]) == pytest.approx(4, rel=1e-6)
+    assert compute_part_value("1b", contact_area=lambda d, a, f: f**0.7) == pytest.approx(0.7, abs=1e-3)
+    assert compute_part_value("2b", **TRUE_AND_FALSE_DATA["2b"][0]) == pytest.approx(4, rel=1e-6)
     # 200 MPa add 0.2 (2 - D), averaged over D = 1, 1.1, 1.2 and over D = 1.6, 1.7.
-    assert number("3b", **TRUE_AND_FALSE_DATA["3b"][0]) == pytest.approx(0.2 * (0.9 - 0.35), rel=1e-9)
-    assert number("3d", **TRUE_AND_FALSE_DATA["3d"][0]) == pytest.approx(0.001 / 0.3, rel=1e-9)
-    assert number("7a", **TRUE_AND_FALSE_DATA["7a"][0]) == pytest.approx(0.25, rel=1e-9)
-    assert number("7d", **TRUE_AND_FALSE_DATA["7d"][0]) == pytest.approx(0.2 * (2 - 0.5), rel=1e-9)
-    assert number("8d", **TRUE_AND_FALSE_DATA["8d"][1]) > 0.25
+    assert compute_part_value("3b", **TRUE_AND_FALSE_DATA["3b"][0]) == pytest.approx(0.2 * (0.9 - 0.35), rel=1e-9)
+    assert compute_part_value("3d", **TRUE_AND_FALSE_DATA["3d"][0]) == pytest.approx(0.001 / 0.3, rel=1e-9)
+    assert compute_part_value("7a", **TRUE_AND_FALSE_DATA["7a"][0]) == pytest.approx(0.25, rel=1e-9)
+    assert compute_part_value("7d", **TRUE_AND_FALSE_DATA["7d"][0]) == pytest.approx(0.2 * (2 - 0.5), rel=1e-9)
+    assert compute_part_value("8d", **TRUE_AND_FALSE_DATA["8d"][1]) > 0.25
 
 
 def test_true_and_false_test_data_exist_for_every_part_of_a_claim():

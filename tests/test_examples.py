@@ -45,13 +45,13 @@ def script_output(tmp_path_factory):
     """Return a function that runs a script once in an empty directory, and returns its output."""
 
     @functools.cache
-    def of(path):
+    def run_script(path):
         out = io.StringIO()
         with contextlib.chdir(tmp_path_factory.mktemp(path.stem)), contextlib.redirect_stdout(out):
             runpy.run_path(str(path), run_name="__main__")
         return out.getvalue()
 
-    return of
+    return run_script
 
 
 @pytest.mark.docs
@@ -68,8 +68,8 @@ PAGES = [
     if path.exists() and not {"generated", "built"} & set(path.parts)
 ]
 
-PAGES_RUN_BY_TESTS = {"python", "sh"}
-PAGES_RUN_BY_DOCS_BUILD = {"{code-cell} ipython3"}  # `./dev docs` runs these cells and fails if a cell fails.
+LANGUAGES_RUN_BY_TESTS = {"python", "sh"}
+LANGUAGES_RUN_BY_DOCS_BUILD = {"{code-cell} ipython3"}  # `./dev docs` runs these cells and fails if a cell fails.
 LANGUAGES_WITHOUT_CODE = {
     "text",
     "{eval-rst}",
@@ -88,7 +88,7 @@ class CodeBlock(NamedTuple):
     text: str
 
 
-def blocks(page):
+def code_blocks(page):
     """Return all code blocks of a page."""
     values = []
     for token in MarkdownIt().parse(page.read_text(encoding="utf-8")):
@@ -100,26 +100,26 @@ def blocks(page):
     return values
 
 
-def named(pages):
+def parametrize_pages(pages):
     return pytest.mark.parametrize("page", pages, ids=lambda page: page.name)
 
 
-@named(PAGES)
+@parametrize_pages(PAGES)
 def test_documentation_page_has_only_code_blocks_that_are_run(page):
-    unknown = [
+    unknown_blocks = [
         block
-        for block in blocks(page)
-        if block.kind not in PAGES_RUN_BY_TESTS | PAGES_RUN_BY_DOCS_BUILD | LANGUAGES_WITHOUT_CODE
+        for block in code_blocks(page)
+        if block.kind not in LANGUAGES_RUN_BY_TESTS | LANGUAGES_RUN_BY_DOCS_BUILD | LANGUAGES_WITHOUT_CODE
     ]
-    assert not unknown, f"no test runs these blocks of {page.name}; use python, sh or {{code-cell}} blocks"
-    if any(block.kind in PAGES_RUN_BY_DOCS_BUILD for block in blocks(page)):
+    assert not unknown_blocks, f"no test runs these blocks of {page.name}; use python, sh or {{code-cell}} blocks"
+    if any(block.kind in LANGUAGES_RUN_BY_DOCS_BUILD for block in code_blocks(page)):
         assert page.is_relative_to(ROOT / "docs")
         assert "file_format: mystnb" in page.read_text(encoding="utf-8").split("---")[1], (
             "without this header, the code cells of the page would be shown but not run"
         )
 
 
-SMALL_STUDY = {
+SMALL_STUDY_CHANGES = {
     "surfaces.fractal_dimension": [1.1, 1.4],
     "surfaces.points": 4000,
     "surfaces.extent": "2 um",
@@ -133,7 +133,7 @@ def reduce_study(command):
     """Return the command with a smaller study, in which relative sizes of repetitions are preserved."""
     match shlex.split(command)[1]:
         case "run" if shlex.split(command)[2] != "pair":
-            changes = dict(SMALL_STUDY)
+            changes = dict(SMALL_STUDY_CHANGES)
         case "run":
             return re.sub(r"ensemble\.repetitions=\d+", "ensemble.repetitions=70", command)
         case _:
@@ -150,7 +150,7 @@ def run_command(line, cwd):
         case ["stiction", "app", *_]:
             pass  # The tests of the app start this command. Here it would wait until somebody closes its window.
         case ["stiction", *_]:
-            words, _, to = reduce_study(line).partition(" > ")
+            words, _, output_file = reduce_study(line).partition(" > ")
             # Commands that start processes on a cluster need their own Python interpreter.
             if re.search("--(cluster|scheduler)", words):
                 completed = subprocess.run(
@@ -160,10 +160,10 @@ def run_command(line, cwd):
             else:
                 completed = call_stiction(*shlex.split(words)[1:], cwd=cwd)
             assert completed.returncode == 0, (line, completed.stderr)
-            if to:
-                (cwd / to.strip()).write_text(completed.stdout, encoding="utf-8")
+            if output_file:
+                (cwd / output_file.strip()).write_text(completed.stdout, encoding="utf-8")
             for study in cwd.glob("*.toml"):
-                study.write_text(Study.from_toml(study).with_changes(SMALL_STUDY).to_toml(), encoding="utf-8")
+                study.write_text(Study.from_toml(study).with_changes(SMALL_STUDY_CHANGES).to_toml(), encoding="utf-8")
         case ["./dev", command, *_]:
             assert command in dev_commands() or not DEV_SCRIPT.exists()
         case ["pip", "install", what]:
@@ -186,26 +186,26 @@ def dev_commands():
     return set(re.findall(r"^\./dev (\w+)", usage, re.MULTILINE))
 
 
-def lines_of(block):
+def command_lines(block):
     return [line for line in block.text.replace("\\\n", " ").splitlines() if line.strip() and not line.startswith("#")]
 
 
 def run_page(page, cwd):
     """Run the blocks of a page in order, in one directory."""
-    for block in blocks(page):
+    for block in code_blocks(page):
         if block.kind == "sh":
-            for line in lines_of(block):
+            for line in command_lines(block):
                 run_command(line, cwd)
         if block.kind == "python":
             exec(compile(block.text, page.name, "exec"), {})
 
 
 def has_code(page):
-    return any(block.kind in PAGES_RUN_BY_TESTS for block in blocks(page))
+    return any(block.kind in LANGUAGES_RUN_BY_TESTS for block in code_blocks(page))
 
 
 @pytest.mark.docs
-@named([page for page in PAGES if has_code(page) and page.name != "cluster.md"])
+@parametrize_pages([page for page in PAGES if has_code(page) and page.name != "cluster.md"])
 def test_code_of_a_documentation_page_runs_without_error(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name in ("upper", "lower", "lapped"):  # Create the files that the pages assume to exist.
@@ -235,9 +235,9 @@ def test_code_of_a_documentation_page_runs_without_error(page, tmp_path, monkeyp
 @pytest.mark.skipif(not (ROOT / "docs").exists(), reason="the folder docs is not in this tree")
 def test_page_on_measured_surfaces_shows_the_output_of_its_example(script_output):
     table = script_output(ROOT / "examples/characterise_profile.py")
-    shown = [block.text for block in blocks(ROOT / "docs/howto/characterise.md") if block.kind == "text"]
+    shown_outputs = [block.text for block in code_blocks(ROOT / "docs/howto/characterise.md") if block.kind == "text"]
     # Before the table, the command prints a line about how it read the file.
-    assert table in [text.partition("\n")[2] for text in shown]
+    assert table in [text.partition("\n")[2] for text in shown_outputs]
 
 
 @pytest.mark.skipif(not DEV_SCRIPT.exists(), reason="the script dev is not in this tree")
@@ -246,29 +246,34 @@ def test_dev_usage_text_lists_all_commands():
     assert commands == dev_commands()
 
 
-SBATCH = """#!/bin/sh
+SBATCH_SCRIPT = """#!/bin/sh
 job=$(cat "$1")
 setsid sh -c "$job" >/dev/null 2>&1 &
 echo Submitted batch job $!
 """
-SCANCEL = """#!/bin/sh
+SCANCEL_SCRIPT = """#!/bin/sh
 kill -- "-$1"
 """
 
 
-SLURM_TASK = {"SLURM_CPUS_PER_TASK": "1", "SLURM_ARRAY_TASK_ID": "2", "SLURM_ARRAY_TASK_COUNT": "2", "SHARED": "shared"}
+SLURM_TASK_ENVIRONMENT = {
+    "SLURM_CPUS_PER_TASK": "1",
+    "SLURM_ARRAY_TASK_ID": "2",
+    "SLURM_ARRAY_TASK_COUNT": "2",
+    "SHARED": "shared",
+}
 """Environment variables that Slurm sets in each task of an array job."""
 
 
 @pytest.mark.docs
-@named([page for page in PAGES if page.name == "cluster.md"])
+@parametrize_pages([page for page in PAGES if page.name == "cluster.md"])
 # The package distributed closes sockets and event loops late, so pytest would report resource warnings.
 @pytest.mark.filterwarnings("ignore")
 def test_code_of_the_page_on_clusters_runs_without_error(page, tmp_path, monkeypatch):
     """Run the page with a local Dask scheduler, and with a stand-in for Slurm that starts jobs on this machine."""
     distributed = pytest.importorskip("distributed")
-    for name, script in (("sbatch", SBATCH), ("scancel", SCANCEL)):
-        (tmp_path / name).write_text(script, encoding="utf-8")
+    for name, script_text in (("sbatch", SBATCH_SCRIPT), ("scancel", SCANCEL_SCRIPT)):
+        (tmp_path / name).write_text(script_text, encoding="utf-8")
         (tmp_path / name).chmod(0o755)
     monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
     computed = 0
@@ -276,12 +281,12 @@ def test_code_of_the_page_on_clusters_runs_without_error(page, tmp_path, monkeyp
 
         def replace_paths(text):
             text = text.replace("tcp://head-node:8786", cluster.scheduler_address).replace("16GB", "1GB")
-            for name, value in SLURM_TASK.items():  # The shell would replace these variables.
+            for name, value in SLURM_TASK_ENVIRONMENT.items():  # The shell would replace these variables.
                 text = text.replace(f"${name}", value)
             return re.sub(r"\b(cores|processes|jobs)=\d+", r"\1=1", text)
 
-        for block in blocks(page):
-            for part in lines_of(block) if block.kind == "sh" else [block.text]:
+        for block in code_blocks(page):
+            for part in command_lines(block) if block.kind == "sh" else [block.text]:
                 if block.kind == "sh":
                     run_command(replace_paths(part), tmp_path)
                 elif block.kind == "python":
@@ -309,7 +314,7 @@ def test_reference_documentation_lists_every_public_name():
     assert [name for name in stiction.__all__ if name not in [*listed, "__version__"]] == []
 
 
-def script(name):
+def load_script(name):
     """Return a script of the documentation as a module."""
     path = ROOT / f"docs/scripts/{name}.py"
     if not path.exists():
@@ -329,7 +334,7 @@ MAX_GREY_DIFFERENCE = 5.0
 def test_drawings_of_conventions_match_their_scripts(tmp_path, name):
     if not (ROOT / "docs/images").exists():
         pytest.skip("the folder of pictures is not in this tree")
-    drawing = script(name)
+    drawing = load_script(name)
     drawing.save_figure(tmp_path / "now.png")
     difference = compare_images(str(drawing.IMAGE_FILE), str(tmp_path / "now.png"), MAX_GREY_DIFFERENCE)
     assert difference is None, f"{difference}; run docs/scripts/{name}.py and check the new drawing"
@@ -344,7 +349,7 @@ def test_constants_in_the_guide_for_extensions_exist():
 
 
 def test_reference_documentation_lists_every_key_option_and_study():
-    reference = script("reference")
+    reference = load_script("reference")
     pages = reference.generate_pages(ROOT / "docs")
     tables = [
         item for table in Study.model_fields.values() for item in get_args(table.annotation) or [table.annotation]

@@ -28,9 +28,9 @@ def test_fracture_script_reads_gap_and_test_files_of_the_experiment(tmp_path):
     assert (~disc.missing).sum() * spacing**2 == pytest.approx(
         np.pi / 4 * FRACTURES_SCRIPT["DISC_DIAMETER"] ** 2, rel=0.02
     )
-    (load, stress), (back, falling) = FRACTURES_SCRIPT["load_test"](tmp_path, "a")
+    (load, stress), (unloading_displacement, unloading_stress) = FRACTURES_SCRIPT["load_test"](tmp_path, "a")
     assert FRACTURES_SCRIPT["secant_stiffness"](load, stress, (1.0, 3.0)) == pytest.approx(20)
-    assert [*back, *falling] == [0.1, 0.02, 3, 1]
+    assert [*unloading_displacement, *unloading_stress] == [0.1, 0.02, 3, 1]
 
 
 @pytest.mark.parametrize("hurst", [0.5, 0.9])
@@ -55,7 +55,7 @@ def test_experiment_with_fixed_settings_reproduces_documented_numbers(name):
         DOCUMENTED_STIFFNESS[name], ((closure, steps), (load, stress)), strict=True
     ):
         result = [
-            FRACTURES_SCRIPT["secant_stiffness"](closures, stresses, between)
-            for between in (FRACTURES_SCRIPT["LOW_STRESSES"], FRACTURES_SCRIPT["HIGH_STRESSES"])
+            FRACTURES_SCRIPT["secant_stiffness"](closures, stresses, stress_range)
+            for stress_range in (FRACTURES_SCRIPT["LOW_STRESSES"], FRACTURES_SCRIPT["HIGH_STRESSES"])
         ]
         assert result == pytest.approx(expected, abs=1)

@@ -45,20 +45,22 @@ def imported_names(source):
         yield from (name for name in names if name.split(".")[0] == "stiction")
 
 
-@pytest.mark.parametrize("room", ["", *LAYERS])
-def test_layers_import_only_from_lower_layers(room):
+@pytest.mark.parametrize("layer", ["", *LAYERS])
+def test_layers_import_only_from_lower_layers(layer):
     """Check also that modules which all layers use do not import from any layer."""
-    paths = (PACKAGE / room).rglob("*.py") if room else PACKAGE.glob("_*.py")
-    allowed = LAYERS[: LAYERS.index(room) + 1] if room else ()
+    paths = (PACKAGE / layer).rglob("*.py") if layer else PACKAGE.glob("_*.py")
+    allowed_layers = LAYERS[: LAYERS.index(layer) + 1] if layer else ()
     for source in sorted(path.relative_to(PACKAGE) for path in paths):
         for name in imported_names(source):
-            known = name.split(".")[1]
-            if source.as_posix() == MODULE_WITH_VIEWS and known == "views":
+            imported_layer = name.split(".")[1]
+            if source.as_posix() == MODULE_WITH_VIEWS and imported_layer == "views":
                 continue
-            assert known.startswith("_") or known in allowed or source.name == "__main__.py", f"{source}: {name}"
+            assert imported_layer.startswith("_") or imported_layer in allowed_layers or source.name == "__main__.py", (
+                f"{source}: {name}"
+            )
 
 
-COMPUTING_MODULES = {
+MODULES_CLOSED_TO_VIEWS = {
     "budget", "contact_picture", "evaluation", "height_scale", "intervals", "maps", "member_solution", "members",
     "nodes", "onset", "pipeline", "runner", "store",
 }  # fmt: skip
@@ -76,13 +78,13 @@ OTHER_IMPORTS_OF_VIEWS = {
 
 def test_views_do_not_import_stores_readers_or_statistics():
     modules = {path.stem for path in (PACKAGE / "studies").glob("*.py")}
-    assert modules >= COMPUTING_MODULES
+    assert modules >= MODULES_CLOSED_TO_VIEWS
     for source in sorted(path.relative_to(PACKAGE) for path in (PACKAGE / "views").rglob("*.py")):
         if source.as_posix() == "views/pair.py":  # The module of `stiction.pair` is not a view.
             continue
         for name in imported_names(source):
             *layers, module, imported = name.split(".")
-            if layers == ["stiction", "studies"] and module in COMPUTING_MODULES:
+            if layers == ["stiction", "studies"] and module in MODULES_CLOSED_TO_VIEWS:
                 assert imported.isupper() or f"{module}.{imported}" in OTHER_IMPORTS_OF_VIEWS, f"{source}: {name}"
 
 
@@ -129,10 +131,10 @@ def test_public_names_are_imported_from_their_defining_modules():
         assert name == "__version__" or getattr(stiction, name).__module__ == module
 
 
-@pytest.mark.parametrize("room", ["app", "cli"])
-def test_public_names_are_not_defined_in_command_line_and_app_layers(room):
+@pytest.mark.parametrize("layer", ["app", "cli"])
+def test_public_names_are_not_defined_in_command_line_and_app_layers(layer):
     tree = ast.parse((PACKAGE / "__init__.pyi").read_text("utf-8"))
-    assert [node.module for node in tree.body if node.module.startswith(f"stiction.{room}")] == []
+    assert [node.module for node in tree.body if node.module.startswith(f"stiction.{layer}")] == []
 
 
 def test_command_group_lists_every_command_and_finds_its_module():

@@ -12,7 +12,7 @@ from stiction import read_profile, read_surface
 
 ROOT = Path(__file__).parents[1]
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-SCANS = ROOT / "examples/scans"
+SAMPLE_SCANS_FOLDER = ROOT / "examples/scans"
 
 
 def load_script(path, monkeypatch):
@@ -38,22 +38,22 @@ def read_file(name):
 
 
 def test_python_versions_agree_in_all_files():
-    message = [re.search(r":: 3\.(\d+)$", item) for item in PYPROJECT["project"]["classifiers"]]
-    minors = [int(item[1]) for item in message if item]
-    assert PYPROJECT["project"]["requires-python"] == f">=3.{minors[0]}"
-    assert minors == list(range(minors[0], minors[-1] + 1))
-    assert PYPROJECT["tool"]["cibuildwheel"]["build"].split() == [f"cp3{minor}-*" for minor in minors]
-    listed = re.search(r"^        python: (\[.*\])$", read_file(".github/workflows/tests.yml"), re.MULTILINE)
-    assert listed[1] == str([f"3.{minor}" for minor in minors]).replace("'", '"')
+    matches = [re.search(r":: 3\.(\d+)$", item) for item in PYPROJECT["project"]["classifiers"]]
+    minor_versions = [int(item[1]) for item in matches if item]
+    assert PYPROJECT["project"]["requires-python"] == f">=3.{minor_versions[0]}"
+    assert minor_versions == list(range(minor_versions[0], minor_versions[-1] + 1))
+    assert PYPROJECT["tool"]["cibuildwheel"]["build"].split() == [f"cp3{minor}-*" for minor in minor_versions]
+    listed_versions = re.search(r"^        python: (\[.*\])$", read_file(".github/workflows/tests.yml"), re.MULTILINE)
+    assert listed_versions[1] == str([f"3.{minor}" for minor in minor_versions]).replace("'", '"')
 
 
 def test_pre_commit_hooks_have_the_versions_of_the_lint_tools():
-    pinned = dict(item.split("==") for item in PYPROJECT["dependency-groups"]["lint"])
+    pinned_versions = dict(item.split("==") for item in PYPROJECT["dependency-groups"]["lint"])
     revisions = re.findall(
         r"repo: \S+/(?:mirrors-)?([\w-]+?)(?:-pre-commit)?\n    rev: v(\S+)", read_file(".pre-commit-config.yaml")
     )
     assert len(revisions) == 2
-    assert all(pinned[name] == revision for name, revision in revisions)
+    assert all(pinned_versions[name] == revision for name, revision in revisions)
 
 
 def test_conda_recipe_has_the_dependencies_of_the_package(release, monkeypatch):
@@ -135,16 +135,20 @@ MAX_STEP_DIFFERENCE = 1.0
 
 
 def test_sample_scans_equal_the_output_of_their_script(tmp_path, monkeypatch):
-    make = load_script(SCANS / "make.py", monkeypatch)
-    make.main(tmp_path)
+    make_script = load_script(SAMPLE_SCANS_FOLDER / "make.py", monkeypatch)
+    make_script.main(tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(
-        path.name for path in SCANS.iterdir() if path.suffix in (".csv", ".x3p")
+        path.name for path in SAMPLE_SCANS_FOLDER.iterdir() if path.suffix in (".csv", ".x3p")
     )
-    for name, read, step in (
+    for name, read_scan, converter_step in (
         ("lapped_{}.csv", read_profile, 1e-4), ("honed_{}.csv", read_profile, 1e-5),
         ("ground_{}.x3p", read_surface, 5e-5),
     ):  # fmt: skip
-        for side in make.SIDES:
-            here, now = (read(folder / name.format(side)) for folder in (SCANS, tmp_path))
-            assert here.spacing == now.spacing
-            np.testing.assert_allclose(here.heights, now.heights, rtol=0, atol=1.01 * MAX_STEP_DIFFERENCE * step)
+        for side in make_script.SIDES:
+            stored_scan, created_scan = (
+                read_scan(folder / name.format(side)) for folder in (SAMPLE_SCANS_FOLDER, tmp_path)
+            )
+            assert stored_scan.spacing == created_scan.spacing
+            np.testing.assert_allclose(
+                stored_scan.heights, created_scan.heights, rtol=0, atol=1.01 * MAX_STEP_DIFFERENCE * converter_step
+            )

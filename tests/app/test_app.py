@@ -28,7 +28,7 @@ pytestmark = browser.BROWSER_MARKS
 
 DISPATCH_INPUT_EVENT = "field.dispatchEvent(new Event('input', {bubbles: true}))"
 MAX_ROUNDING_ERROR = 1e-6  # relative tolerance, because the report contains numbers in single precision
-METAL_FIELDS = {"upper": "mild steel", "lower": "brass", "load": "5 MPa", "tau0": "20", "shifts": "4"}
+METAL_FORM_VALUES = {"upper": "mild steel", "lower": "brass", "load": "5 MPa", "tau0": "20", "shifts": "4"}
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +69,7 @@ def empty_page(driver, app):
 
 
 @pytest.fixture(scope="module")
-def maps(tmp_path_factory):
+def map_files(tmp_path_factory):
     return write_maps(tmp_path_factory.mktemp("maps"))
 
 
@@ -172,10 +172,10 @@ def wait_for_report(driver):
     browser.wait_for(driver, lambda _: run_in_report(driver, busy_attribute) == "false")
 
 
-def test_form_accepts_uncertain_values_and_vickers_hardness(app, empty_page, maps):
-    for side, scan in zip(("upper", "lower"), maps, strict=True):
+def test_form_accepts_uncertain_values_and_vickers_hardness(app, empty_page, map_files):
+    for side, scan in zip(("upper", "lower"), map_files, strict=True):
         choose_scan(empty_page, side, scan)
-    fill_fields(empty_page, METAL_FIELDS | {"mu0": "0.2±0.02", "tau0": "20..80", "hardness": "150 HV"})
+    fill_fields(empty_page, METAL_FORM_VALUES | {"mu0": "0.2±0.02", "tau0": "20..80", "hardness": "150 HV"})
     press_start(empty_page)
     wait_until(lambda: shown_result(empty_page)[0] or job_state(empty_page) == "failed", bool)
     assert wait_until_finished(empty_page) == "done"
@@ -291,18 +291,18 @@ def test_app_result_of_metal_profiles_equals_command_result(empty_page, tmp_path
     assert 0.2 < result[0]["all"][0] < 0.5
 
 
-def test_app_result_of_maps_equals_command_result_after_each_user_action(app, empty_page, maps, monkeypatch):
+def test_app_result_of_maps_equals_command_result_after_each_user_action(app, empty_page, map_files, monkeypatch):
     """After each step, the app shows the result that the command prints: upload, compute, change mu0, save, reload."""
-    roughness = json.loads(call_stiction("characterise", maps[0], "--json", cwd=app.folder).stdout)["values"]
+    roughness = json.loads(call_stiction("characterise", map_files[0], "--json", cwd=app.folder).stdout)["values"]
     height = format_with_unit(next(item["value"] for item in roughness if item["name"] == "Sq"), "um")
-    assert f"Sq {height}," in drop_scan(empty_page, "upper", maps[0])["hint"]
-    assert "Sq" in choose_scan(empty_page, "lower", maps[1])["hint"]
-    fill_fields(empty_page, METAL_FIELDS)
+    assert f"Sq {height}," in drop_scan(empty_page, "upper", map_files[0])["hint"]
+    assert "Sq" in choose_scan(empty_page, "lower", map_files[1])["hint"]
+    fill_fields(empty_page, METAL_FORM_VALUES)
     press_start(empty_page)
     wait_until(lambda: shown_result(empty_page)[0] or job_state(empty_page) == "failed", bool)
     assert wait_until_finished(empty_page) == "done"
     wait_for_report(empty_page)
-    expected = run_shown_command(empty_page, maps[0].parent, monkeypatch)
+    expected = run_shown_command(empty_page, map_files[0].parent, monkeypatch)
     assert shown_result(empty_page) == expected
     report_values = run_in_report(empty_page, "return {...inside.getElementById('readout').dataset}")
     np.testing.assert_allclose(
@@ -329,7 +329,7 @@ def test_app_result_of_maps_equals_command_result_after_each_user_action(app, em
         assert f"--mu0={mu0}" in empty_page.find_element("id", "command").get_property("textContent")
         assert f"μ0 = {mu0}," in shown_result(empty_page)[1]
     shown_intervals, shown_sentence = shown_result(empty_page)
-    expected_intervals, expected_sentence = run_shown_command(empty_page, maps[0].parent, monkeypatch)
+    expected_intervals, expected_sentence = run_shown_command(empty_page, map_files[0].parent, monkeypatch)
     assert shown_sentence == expected_sentence
     assert shown_intervals == {rule: pytest.approx(values, rel=1e-12) for rule, values in expected_intervals.items()}
 
@@ -356,14 +356,14 @@ def test_app_result_of_maps_equals_command_result_after_each_user_action(app, em
     wait_until(lambda: scan_texts(empty_page, "upper")["hint"], lambda hint: height in hint)
 
     # The saved study contains no private paths of the server, so that it runs in any folder with these files.
-    (maps[0].parent / "study.toml").write_bytes(app.request("GET", f"/jobs/{job}/study.toml")[2])
-    check_stiction("run", "study.toml", "--part=1/2", "--output=again", cwd=maps[0].parent)
+    (map_files[0].parent / "study.toml").write_bytes(app.request("GET", f"/jobs/{job}/study.toml")[2])
+    check_stiction("run", "study.toml", "--part=1/2", "--output=again", cwd=map_files[0].parent)
 
 
 def test_stopped_job_is_stored_and_can_be_resumed(empty_page, tmp_path, app):
     for side, path in zip(("upper", "lower"), write_maps(tmp_path, 64), strict=True):
         choose_scan(empty_page, side, path)
-    fill_fields(empty_page, METAL_FIELDS | {"shifts": "400"})
+    fill_fields(empty_page, METAL_FORM_VALUES | {"shifts": "400"})
     with app.block_commands(40) as unblock:
         press_start(empty_page)
         # Wait until the page has drawn an intermediate result and further members are finished.
@@ -412,7 +412,7 @@ def is_ending(job):
     return "stopping" in job["words"] or job["state"] == "stopped"
 
 
-def test_command_error_is_shown_at_the_form_field_it_concerns(empty_page, maps, tmp_path, monkeypatch):
+def test_command_error_is_shown_at_the_form_field_it_concerns(empty_page, map_files, tmp_path, monkeypatch):
     broken_file, text_file = tmp_path / "broken.x3p", tmp_path / "plain.txt"
     broken_file.write_bytes(b"PK\3\4" + bytes(100))
     np.savetxt(text_file, np.random.default_rng(0).standard_normal((24, 24)))
@@ -444,7 +444,7 @@ def test_command_error_is_shown_at_the_form_field_it_concerns(empty_page, maps, 
     csv_file = tmp_path / "coarse.csv"
     write_surface(Surface(0.01 * np.random.default_rng(3).standard_normal((20, 30)), spacing=(0.15, 0.12)), csv_file)
     choose_scan(empty_page, "lower", csv_file)
-    fill_fields(empty_page, METAL_FIELDS | {"load": "5 apples"})
+    fill_fields(empty_page, METAL_FORM_VALUES | {"load": "5 apples"})
     press_start(empty_page)
     assert wait_until_finished(empty_page).startswith("failed")
     assert "'5 apples'" in empty_page.find_element("id", "pair-wrong").text
@@ -487,7 +487,7 @@ def test_cookie_sent_to_another_port_does_not_grant_access(app, empty_page):
     """A browser sends a cookie to all ports of a host, so access also requires the key of the page."""
     received_requests = []
 
-    class RecordingHandler(BaseHTTPRequestHandler):
+    class RequestRecordingHandler(BaseHTTPRequestHandler):
         def do_GET(self):
             received_requests.append(f"{self.path}\n{self.headers}")
             self.send_response(200)
@@ -496,7 +496,7 @@ def test_cookie_sent_to_another_port_does_not_grant_access(app, empty_page):
         def log_message(self, *_):
             """Print nothing."""
 
-    with ThreadingHTTPServer(("127.0.0.1", 0), RecordingHandler) as other_server:
+    with ThreadingHTTPServer(("127.0.0.1", 0), RequestRecordingHandler) as other_server:
         threading.Thread(target=other_server.serve_forever).start()
         try:
             empty_page.get(f"http://127.0.0.1:{other_server.server_port}/")
@@ -561,7 +561,7 @@ def test_app_lists_and_opens_results_in_the_working_directory(empty_page, app):
     wait_until(lambda: empty_page.find_element("id", "page").is_displayed(), bool)
 
 
-def test_app_has_no_accessibility_violations(empty_page, maps):
+def test_app_has_no_accessibility_violations(empty_page, map_files):
     """The page is checked without and with a result, on a light screen and on a dark phone."""
     axe_script = browser.load_axe_script()
 
@@ -576,9 +576,9 @@ def test_app_has_no_accessibility_violations(empty_page, maps):
         for section in ("#made", "#there", "details[name=what]"):  # Open each section with the Enter key.
             empty_page.find_element("css selector", f"{section} > summary").send_keys("\n")
             check_accessibility()
-        for side, path in zip(("upper", "lower"), maps, strict=True):
+        for side, path in zip(("upper", "lower"), map_files, strict=True):
             choose_scan(empty_page, side, path)
-        fill_fields(empty_page, METAL_FIELDS)
+        fill_fields(empty_page, METAL_FORM_VALUES)
         press_start(empty_page)
         assert wait_until_finished(empty_page) == "done"
         wait_for_report(empty_page)

@@ -73,14 +73,14 @@ def test_caveats_replace_option_names_by_form_labels():
 
 def test_preview_refers_to_form_fields_and_choices_by_their_labels(tmp_path):
     heights = np.random.default_rng(1).standard_normal((16, 16))
-    reading = {"unit": "um", "spacing": "1 um"}
+    reading_options = {"unit": "um", "spacing": "1 um"}
     np.save(tmp_path / "missing.npy", np.where(heights > 2, np.nan, heights))
-    error = preview_scan(f"{tmp_path / 'missing.npy'}", reading)["error"]
+    error = preview_scan(f"{tmp_path / 'missing.npy'}", reading_options)["error"]
     labels = dict(FIELDS_BY_FLAG["missing"].choices)
     assert f'"missing points": {labels["mask"]}' in error
     assert f'"missing points": {labels["interpolate"]}' in error
     np.save(tmp_path / "code.npy", np.where(heights > 1.5, -999, heights))
-    warning = preview_scan(f"{tmp_path / 'code.npy'}", reading)["warning"]
+    warning = preview_scan(f"{tmp_path / 'code.npy'}", reading_options)["warning"]
     assert '"missing value" -999' in warning
     assert "--" not in error + warning
 

@@ -106,8 +106,8 @@ def test_upload_with_any_file_name_stays_inside_the_upload_folder(app, name):
     status, _, body = app.request("PUT", f"/scans?name={quote(name)}", b"x (um),z (um)\n0,0\n1,1\n" + name.encode())
     assert status == 200
     (private_folder,) = app.find_private_folders()
-    (stored,) = (private_folder / "files" / json.loads(body)["scan"]).iterdir()
-    assert len(stored.name) <= 60
+    (stored_file,) = (private_folder / "files" / json.loads(body)["scan"]).iterdir()
+    assert len(stored_file.name) <= 60
     assert {path for path in app.folder.rglob("*") if "files" not in path.parts} == paths_before
 
 
@@ -302,24 +302,24 @@ def test_stopped_jobs_with_blocked_previews_do_not_block_requests(app, tmp_path)
 @pytest.mark.parametrize("is_ending", [False, True])
 def test_job_is_marked_as_stopped_before_its_partial_result_is_read(tmp_path, monkeypatch, is_ending):
     async def check():
-        started, reading, released = asyncio.Event(), asyncio.Event(), asyncio.Event()
+        has_started, has_begun_reading, may_continue = asyncio.Event(), asyncio.Event(), asyncio.Event()
 
         async def run_module(arguments, **_):
-            (started if arguments[0] == "stiction" else reading).set()
-            await (asyncio.Event() if arguments[0] == "stiction" else released).wait()
+            (has_started if arguments[0] == "stiction" else has_begun_reading).set()
+            await (asyncio.Event() if arguments[0] == "stiction" else may_continue).wait()
             return '{"answer": {}, "finished": 3, "total": 9}'
 
         monkeypatch.setattr("stiction.app.jobs.run_module", run_module)
         queue = JobQueue(tmp_path)
         job = queue.add("a pair", ["pair"])
-        await started.wait()
+        await has_started.wait()
         job.stop()
-        await reading.wait()
+        await has_begun_reading.wait()
         assert (job.state, job.activity) == ("stopped", "reading the finished part")
         if is_ending:
             await asyncio.wait_for(queue.shut_down(), 60)
         else:
-            released.set()
+            may_continue.set()
             await job.task
         assert (job.state, job.finished) == ("stopped", 0 if is_ending else 3)
         assert is_ending or not job.activity
@@ -329,10 +329,10 @@ def test_job_is_marked_as_stopped_before_its_partial_result_is_read(tmp_path, mo
 
 def test_cancelled_task_ends_only_after_its_subprocess_has_ended(monkeypatch):
     async def check():
-        processes, create = [], asyncio.create_subprocess_exec
+        processes, original_create = [], asyncio.create_subprocess_exec
 
         async def create_process(*arguments, **options):
-            processes.append(await create(*arguments, **options))
+            processes.append(await original_create(*arguments, **options))
             return processes[-1]
 
         monkeypatch.setattr("asyncio.create_subprocess_exec", create_process)

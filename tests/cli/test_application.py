@@ -91,12 +91,12 @@ def test_import_error_caused_by_an_interrupt_is_reported_as_interruption(monkeyp
 
 
 def test_deletion_of_partly_constructed_objects_prints_no_error(monkeypatch, capfd):
-    class PartlyConstructed:
+    class PartlyConstructedObject:
         def __del__(self):
             self.file.close()
 
     monkeypatch.setattr(sys, "unraisablehook", application._handle_unraisable)
-    PartlyConstructed()
+    PartlyConstructedObject()
     gc.collect()
     assert capfd.readouterr().err == ""
 

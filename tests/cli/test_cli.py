@@ -20,14 +20,14 @@ SMALL_STUDY_OPTIONS = [
 
 
 @pytest.fixture(scope="module")
-def run_once(tmp_path_factory):
+def folder_and_output(tmp_path_factory):
     folder = tmp_path_factory.mktemp("ran")
     completed = check_stiction("run", "quick", *SMALL_STUDY_OPTIONS, "--workers", 2, cwd=folder, without_figures=True)
     return folder, completed
 
 
-def test_run_command_writes_result_and_figures_to_output_directory(run_once):
-    folder, completed = run_once
+def test_run_command_writes_result_and_figures_to_output_directory(folder_and_output):
+    folder, completed = folder_and_output
     figures = {"friction_mu0_0.1.png", "friction_mu0_0.4.png", "friction_mu0_1.png", "area.png"}
     assert {path.name for path in (folder / "quick").iterdir()} == {"study.toml", "blocks", *figures}
     written_names = [line.removeprefix("wrote ") for line in completed.stdout.splitlines() if line.startswith("wrote")]
@@ -38,8 +38,8 @@ def test_run_command_writes_result_and_figures_to_output_directory(run_once):
     assert float(dataset["contact_count"].sum()) > 0
 
 
-def test_run_command_recomputes_nothing_if_the_result_is_complete(run_once):
-    folder, _ = run_once
+def test_run_command_recomputes_nothing_if_the_result_is_complete(folder_and_output):
+    folder, _ = folder_and_output
     for arguments in (
         ("quick", *SMALL_STUDY_OPTIONS),
         ("quick/study.toml",),
@@ -52,12 +52,12 @@ def test_run_command_recomputes_nothing_if_the_result_is_complete(run_once):
     assert (folder / "quick" / "area.png").exists()
 
 
-def test_run_command_adds_repetitions_and_reports_missing_repetitions(run_once, tmp_path):
+def test_run_command_adds_repetitions_and_reports_missing_repetitions(folder_and_output, tmp_path):
     assert_rejected(
-        call_stiction("run", "quick", *SMALL_STUDY_OPTIONS, "--set", "ensemble.seed=1", cwd=run_once[0]),
+        call_stiction("run", "quick", *SMALL_STUDY_OPTIONS, "--set", "ensemble.seed=1", cwd=folder_and_output[0]),
         "ensemble.seed",
     )
-    shutil.copytree(run_once[0] / "quick", tmp_path / "quick")
+    shutil.copytree(folder_and_output[0] / "quick", tmp_path / "quick")
     completed = check_stiction(
         "run", "quick", *SMALL_STUDY_OPTIONS, "--set", "ensemble.repetitions=5", cwd=tmp_path, without_figures=True
     )
@@ -79,12 +79,12 @@ def test_run_command_adds_repetitions_and_reports_missing_repetitions(run_once, 
     assert "of 5 repetitions are finished" in completed.stderr
 
 
-def test_run_command_in_two_parts_gives_the_same_result_as_a_single_run(run_once, tmp_path):
+def test_run_command_in_two_parts_gives_the_same_result_as_a_single_run(folder_and_output, tmp_path):
     for part in ("1/2", "2/2"):
         completed = check_stiction("run", "quick", *SMALL_STUDY_OPTIONS, "--part", part, cwd=tmp_path)
         assert f"part {part} is finished" in completed.stdout
         assert "μ_s" not in completed.stdout
-    assert store.read(tmp_path / "quick").equals(store.read(run_once[0] / "quick"))
+    assert store.read(tmp_path / "quick").equals(store.read(folder_and_output[0] / "quick"))
 
 
 def test_run_command_stores_the_study_of_the_given_file(tmp_path):

@@ -31,7 +31,7 @@ MATERIAL_OPTIONS = ["--effective-modulus", "10 GPa", "--mu0", "0.3", "--tau0", "
 LOAD_OPTION = ["--load", "20 uN"]
 PROFILE_FILES = ["upper.csv", "lower.csv"]
 MAP_ARGUMENTS = ["upper.npy", "lower.npy", "--unit", "um", "--spacing", "0.1 um"]
-MAP_AND_PROFILE = [
+MAP_AND_PROFILE_ARGUMENTS = [
     "upper.npy",
     "lower.csv",
     "--unit",
@@ -150,7 +150,7 @@ REPETITIONS_KEY = "ensemble.repetitions"
             {REPETITIONS_KEY: 6, "surfaces.offsets": 2},
         ),
         (
-            MAP_AND_PROFILE,
+            MAP_AND_PROFILE_ARGUMENTS,
             ["--lines", 3],
             {"surfaces.press": "lines", "surfaces.lower.spacing": 0.01, REPETITIONS_KEY: 3},
         ),
@@ -485,7 +485,7 @@ def test_preview_is_printed_to_standard_error_on_terminals(scans_folder, monkeyp
 
 SCANS_FOLDER = Path(__file__).parents[2] / "examples" / "scans"
 STEEL_ON_BRASS_OPTIONS = ["--upper", "steel", "--lower", "brass", "--mu0", "0.2", "--tau0", "50 MPa"]
-HONED_OPTIONS = [
+HONED_STEEL_OPTIONS = [
     "--upper",
     "steel",
     "--lower",
@@ -503,7 +503,18 @@ HONED_OPTIONS = [
     "--mechanics",
     "half-space",
 ]
-RUBBER_OPTIONS = ["--upper", "rubber", "--lower", "glass", "--mu0", "0.3", "--tau0", "200 kPa", "--load", "100 kPa"]
+RUBBER_ON_GLASS_OPTIONS = [
+    "--upper",
+    "rubber",
+    "--lower",
+    "glass",
+    "--mu0",
+    "0.3",
+    "--tau0",
+    "200 kPa",
+    "--load",
+    "100 kPa",
+]
 
 
 @pytest.mark.usefixtures("disable_figures")
@@ -533,9 +544,9 @@ RUBBER_OPTIONS = ["--upper", "rubber", "--lower", "glass", "--mu0", "0.3", "--ta
             ],
             marks=pytest.mark.soak,
         ),
-        [*MAP_ARGUMENTS, *RUBBER_OPTIONS, "--shifts", 4],
+        [*MAP_ARGUMENTS, *RUBBER_ON_GLASS_OPTIONS, "--shifts", 4],
         [*MAP_ARGUMENTS, *STEEL_ON_BRASS_OPTIONS, "--load", "10 MPa", "--shifts", 4],
-        [SCANS_FOLDER / "honed_upper.csv", SCANS_FOLDER / "honed_lower.csv", *HONED_OPTIONS],
+        [SCANS_FOLDER / "honed_upper.csv", SCANS_FOLDER / "honed_lower.csv", *HONED_STEEL_OPTIONS],
     ],
     ids=["lapped", "ground", "rubber", "maps", "honed"],
 )
@@ -831,39 +842,41 @@ def test_pair_command_reports_onset_of_sliding(two_maps):
 
 
 def test_pair_with_a_noisy_scan_is_solved_both_unfiltered_and_filtered(tmp_path):
-    clean = self_affine(4, hurst_exponent=0.7, rms=0.003, points=1500, spacing=0.0167, shortest_wavelength=0.2)
+    clean_profile = self_affine(4, hurst_exponent=0.7, rms=0.003, points=1500, spacing=0.0167, shortest_wavelength=0.2)
     frequency = np.fft.rfftfreq(1500, 0.0167)
     phases = np.exp(2j * np.pi * np.random.default_rng(3).uniform(size=frequency.size))
     noise = np.fft.irfft(((frequency > 8) & (frequency < 18)) * phases, 1500)
-    noisy = stiction.Profile(clean.heights + 1.3e-4 * noise / noise.std(), spacing=0.0167)
+    noisy_profile = stiction.Profile(clean_profile.heights + 1.3e-4 * noise / noise.std(), spacing=0.0167)
     options = {"load": "10 MPa", "mu0": 0.2, "effective_modulus": "80 GPa"}
     studies = {
         name: MeasuredPair.from_values(upper=profile, lower=profile, **options, **cutoff_option).study
         for name, profile, cutoff_option in (
-            ("clean", clean, {}), ("noisy", noisy, {}), ("vouched", noisy, {"cutoff": "none"}),
-            ("cut", noisy, {"cutoff": "0.3 um"}),
+            ("clean", clean_profile, {}), ("noisy", noisy_profile, {}), ("vouched", noisy_profile, {"cutoff": "none"}),
+            ("cut", noisy_profile, {"cutoff": "0.3 um"}),
         )
     }  # fmt: skip
     assert [study.surfaces.vouched for study in studies.values()] == [None, None, True, None]
     cutoffs = {name: [float(value) for value in study.surfaces.cut_off] for name, study in studies.items()}
     assert (cutoffs["clean"], cutoffs["vouched"], cutoffs["cut"]) == ([0.0], [0.0], [0.3])
-    assert cutoffs["noisy"] == [0.0, stiction.instrument_limit(noisy).cut_off]
-    (fault,) = [value for value in find_input_caveats(noisy, noisy, studies["cut"]) if value.severity == "fault"]
+    assert cutoffs["noisy"] == [0.0, stiction.instrument_limit(noisy_profile).cut_off]
+    (fault,) = [
+        value for value in find_input_caveats(noisy_profile, noisy_profile, studies["cut"]) if value.severity == "fault"
+    ]
     assert fault.cut_off < 0.3  # A result filtered at 0.3 µm would have no such caveat.
 
 
 def create_noisy_and_clean_profiles():
-    clean = self_affine(4, hurst_exponent=0.8, rms=0.003, points=1500, spacing=0.0167, shortest_wavelength=0.3)
+    clean_profile = self_affine(4, hurst_exponent=0.8, rms=0.003, points=1500, spacing=0.0167, shortest_wavelength=0.3)
     noise = np.random.default_rng(1).normal(size=1500)
-    return stiction.Profile(clean.heights + 5e-5 * noise, spacing=0.0167), clean
+    return stiction.Profile(clean_profile.heights + 5e-5 * noise, spacing=0.0167), clean_profile
 
 
 def test_noise_floor_is_filtered_from_the_noisy_scan_only():
-    noisy, clean = create_noisy_and_clean_profiles()
-    limit = stiction.instrument_limit(noisy)
+    noisy_profile, clean_profile = create_noisy_and_clean_profiles()
+    limit = stiction.instrument_limit(noisy_profile)
     assert (limit.origin, limit.matters) == ("instrument", True)
     options = {"load": "10 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "offsets": 8}
-    study = MeasuredPair.from_values(upper=noisy, lower=clean, **options).study
+    study = MeasuredPair.from_values(upper=noisy_profile, lower=clean_profile, **options).study
     assert [float(item) for item in study.surfaces.cut_off] == [limit.cut_off, 0.0]
     assert study.surfaces.both_readings
     assert [float(item.max_cut_off) for item in (study.surfaces.upper, study.surfaces.lower)] == [limit.cut_off, 0.0]
@@ -871,7 +884,7 @@ def test_noise_floor_is_filtered_from_the_noisy_scan_only():
     raw_upper, raw_lower = load_bodies(study).member(0, 0.0).pair
     assert np.array_equal(filtered_lower.heights, raw_lower.heights)
     assert not np.array_equal(filtered_upper.heights, raw_upper.heights)
-    result = stiction.pair(noisy, clean, onset=0, **options)
+    result = stiction.pair(noisy_profile, clean_profile, onset=0, **options)
     filtered_point = result.summary().points[0]
     assert filtered_point.at["cut_off"] == limit.cut_off
     assert filtered_point.verdict != "Quote it"
@@ -882,14 +895,16 @@ def test_noise_floor_is_filtered_from_the_noisy_scan_only():
 
 
 def test_declared_texture_prevents_filtering_and_unknown_texture_is_rejected():
-    _, clean = create_noisy_and_clean_profiles()
-    profile_with_line = stiction.Profile(clean.heights + 2e-4 * np.sin(2 * np.pi * np.arange(1500) / 8), spacing=0.0167)
+    _, clean_profile = create_noisy_and_clean_profiles()
+    profile_with_line = stiction.Profile(
+        clean_profile.heights + 2e-4 * np.sin(2 * np.pi * np.arange(1500) / 8), spacing=0.0167
+    )
     options = {"load": "10 MPa", "mu0": 0.2, "effective_modulus": "80 GPa"}
-    study = MeasuredPair.from_values(upper=profile_with_line, lower=clean, **options).study
+    study = MeasuredPair.from_values(upper=profile_with_line, lower=clean_profile, **options).study
     assert float(study.surfaces.cut_off[0]) == 0.0
     assert study.surfaces.both_readings
     study_with_texture = MeasuredPair.from_values(
-        upper=profile_with_line, lower=clean, texture="ground", **options
+        upper=profile_with_line, lower=clean_profile, texture="ground", **options
     ).study
     assert [float(item) for item in study_with_texture.surfaces.cut_off] == [0.0]
     assert [study_with_texture.surfaces.upper.texture, study_with_texture.surfaces.lower.texture] == [
@@ -897,10 +912,10 @@ def test_declared_texture_prevents_filtering_and_unknown_texture_is_rejected():
         "ground",
     ]
     assert not any(
-        item.severity == "fault" for item in find_input_caveats(profile_with_line, clean, study_with_texture)
+        item.severity == "fault" for item in find_input_caveats(profile_with_line, clean_profile, study_with_texture)
     )
     with pytest.raises(ValueError, match="must be turned, milled"):
-        stiction.pair(profile_with_line, clean, texture="shiny", **options)
+        stiction.pair(profile_with_line, clean_profile, texture="shiny", **options)
 
 
 def test_profiles_of_metals_use_the_half_space_model_by_default(scans_folder):

@@ -297,16 +297,16 @@ def test_stored_study_preserves_uncertain_inputs() -> None:
         stored_study.with_changes({"known.tau0": "20..80"})
 
 
-TRUTH_COUNTS = [pytest.param(2, id="some"), pytest.param(300, marks=pytest.mark.soak, id="all")]
+NUM_TRUTHS_CASES = [pytest.param(2, id="some"), pytest.param(300, marks=pytest.mark.soak, id="all")]
 MIN_COVERAGE = 0.92  # 95 % intervals must contain at least this fraction of 300 true values.
 
 
-@pytest.mark.parametrize("truths", TRUTH_COUNTS)
-def test_combined_interval_covers_true_friction_for_random_inputs(truths) -> None:
+@pytest.mark.parametrize("num_truths", NUM_TRUTHS_CASES)
+def test_combined_interval_covers_true_friction_for_random_inputs(num_truths) -> None:
     ranges = {"mu0": "0.15..0.25", "tau0": "20..80 MPa", "hardness": "0.5..1.5 GPa", "effective_modulus": "70..90 GPa"}
-    covered = covered_tests = 0
+    num_covered = num_covered_tests = 0
     rng = np.random.default_rng(2016)
-    for seed in range(truths):
+    for seed in range(num_truths):
         # The true surfaces have 1, 2 or 4 times the resolution of the scans, and wavelengths shorter by this factor.
         refinement = int(rng.choice([1, 2, 4]))
         true_surfaces = rough_surfaces(
@@ -321,15 +321,15 @@ def test_combined_interval_covers_true_friction_for_random_inputs(truths) -> Non
         inputs = find_uncertain_inputs(predicted.study)
         true_inputs = {name: float(inputs[name].estimate.quantile(rng.random())) for name in ranges}
         truth = pair(*true_surfaces, **true_inputs, **(options | {"shifts": 40}))
-        covered += predicted.interval[0] <= truth.value <= predicted.interval[1]
+        num_covered += predicted.interval[0] <= truth.value <= predicted.interval[1]
         tested_coefficient = simulate_friction_test(truth, rng)
-        covered_tests += predicted.next_test[0] <= tested_coefficient <= predicted.next_test[1]
-    if truths < 100:
-        assert min(covered, covered_tests) >= truths - 1
+        num_covered_tests += predicted.next_test[0] <= tested_coefficient <= predicted.next_test[1]
+    if num_truths < 100:
+        assert min(num_covered, num_covered_tests) >= num_truths - 1
         return
-    print(f"covers {covered / truths:.3f}, next test {covered_tests / truths:.3f}")
-    assert covered / truths >= MIN_COVERAGE
-    assert covered_tests / truths >= MIN_COVERAGE
+    print(f"covers {num_covered / num_truths:.3f}, next test {num_covered_tests / num_truths:.3f}")
+    assert num_covered / num_truths >= MIN_COVERAGE
+    assert num_covered_tests / num_truths >= MIN_COVERAGE
 
 
 def simulate_friction_test(truth, rng) -> float:

@@ -493,10 +493,10 @@ def test_common_error_within_each_test_run_widens_the_interval() -> None:
     tests_without_runs = [
         FrictionTest(BALL, test.load, coefficient=test.coefficient, uncertainty=test.uncertainty) for test in tests
     ]
-    with_runs, without_runs = (
+    interval_with_runs, interval_without_runs = (
         calibrate(item, sliding="all", common=0.0).identified for item in (tests, tests_without_runs)
     )
-    assert with_runs[2] - with_runs[1] > without_runs[2] - without_runs[1]
+    assert interval_with_runs[2] - interval_with_runs[1] > interval_without_runs[2] - interval_without_runs[1]
 
 
 def test_calibration_uses_given_values_of_mu0_or_tau0_unchanged() -> None:
@@ -577,8 +577,8 @@ def simulate_coverage(kind: str, count: int) -> np.ndarray:
 
     The array of shape (count, 3) has columns for 1/3, 1 and 3 times the area per load of the tests.
     """
-    sizes, settings = TEST_SERIES[kind]
-    bodies = [BALL if item is None else load_curve_of_faces(*item) for item in sizes]
+    body_options, settings = TEST_SERIES[kind]
+    bodies = [BALL if item is None else load_curve_of_faces(*item) for item in body_options]
     loads = [LOADS if item is BALL else item.load for item in bodies]
     loaded_bodies = [(body, load) for body, item in zip(bodies, loads, strict=True) for load in item[:: len(bodies)]]
     random, is_covered = np.random.default_rng(1), []
@@ -588,12 +588,12 @@ def simulate_coverage(kind: str, count: int) -> np.ndarray:
         common_factor, tests = 1 + 0.02 * random.standard_normal(), []
         for body, load in loaded_bodies:
             y = true_coefficient(body, load, mu0, tau0) * common_factor
-            measured = y * (1 + settings.get("noise", 0.03) * random.standard_normal())
+            coefficient = y * (1 + settings.get("noise", 0.03) * random.standard_normal())
             if random.random() < settings.get("outliers", 0.0):
-                measured *= random.choice([0.5, 1.5])
+                coefficient *= random.choice([0.5, 1.5])
             is_static = random.random() < settings.get("static", 0.0) and any(test.slid for test in tests)
-            measured *= random.uniform(0.6, 0.95) if is_static else 1.0
-            tests.append(FrictionTest(body, load, coefficient=measured, uncertainty=0.03 * y, slid=not is_static))
+            coefficient *= random.uniform(0.6, 0.95) if is_static else 1.0
+            tests.append(FrictionTest(body, load, coefficient=coefficient, uncertainty=0.03 * y, slid=not is_static))
         result: Interface = calibrate(tests, sliding="all", outliers="outliers" in settings)
         ratios = result.area_per_load * np.array([1 / 3, 1, 3])
         ends = [result.predict(*load_ball(ratio))[1:] for ratio in ratios]

@@ -14,21 +14,21 @@ ROUND_OFF = 1e-9
 
 
 @pytest.fixture(scope="module")
-def areal_contact(tmp_path_factory):
+def areal_study_and_dataset(tmp_path_factory):
     folder = tmp_path_factory.mktemp("areas")
     study = study_of_files(folder, spacing=write_maps(folder), members=5)
     return study, run(study).dataset
 
 
 @pytest.fixture(scope="module")
-def profile_contact(tmp_path_factory):
+def profile_study_and_dataset(tmp_path_factory):
     folder = tmp_path_factory.mktemp("lines")
     study = study_of_files(folder, "lines", "asperities", spacing=write_profiles(folder), members=12, load="0.05 mN")
     return study, run(study).dataset
 
 
-def test_friction_of_profiles_at_a_load_equals_the_mean_of_press_results_over_positions(profile_contact):
-    study, result = profile_contact
+def test_friction_of_profiles_at_a_load_equals_the_mean_of_press_results_over_positions(profile_study_and_dataset):
+    study, result = profile_study_and_dataset
     pairs = [load_bodies(study).member(index, 0.0).pair for index in range(12)]
     order = np.argsort(result["x"].values)  # The interval of the mean depends on the order of positions.
     material = {"mu0": 0.3, "tau0": 0.05}
@@ -47,8 +47,8 @@ def test_friction_of_profiles_at_a_load_equals_the_mean_of_press_results_over_po
             np.testing.assert_allclose(table["contact_area"], intervals.neighbors_mean(area), rtol=1e-9)
 
 
-def test_friction_is_equal_for_all_definitions_of_load_at_small_slopes(areal_contact):
-    _, result = areal_contact
+def test_friction_is_equal_for_all_definitions_of_load_at_small_slopes(areal_study_and_dataset):
+    _, result = areal_study_and_dataset
     tables = {reading: at_load(result, [2.0], reading=reading) for reading in ("mean", "elastic", "normal")}
     values = [table["friction_all_round"].sel(statistic="mean").values for table in tables.values()]
     np.testing.assert_allclose(values[1], values[2], rtol=1e-3)
@@ -75,16 +75,18 @@ def test_friction_of_generated_profiles_at_a_load_equals_friction_map():
     )  # fmt: skip
 
 
-def test_selected_quantities_at_a_load_equal_those_of_a_complete_evaluation(areal_contact):
-    study, result = areal_contact
+def test_selected_quantities_at_a_load_equal_those_of_a_complete_evaluation(areal_study_and_dataset):
+    study, result = areal_study_and_dataset
     loads = study.contact.loading_steps()[1:3]
-    complete = at_load(result, loads, mu0=[0.1, 0.4], tau0=[0.0, 0.02])
-    some = at_load(result, loads, mu0=[0.1, 0.4], tau0=[0.0, 0.02], names=("contact_count", "gentle_friction"))
-    assert set(some.data_vars) < set(complete.data_vars)
-    assert {"friction_all_round", "contact_area", "contact_count", "gentle_friction"} <= set(some.data_vars)
-    assert "reading_difference" not in some
-    for name in some.data_vars:
-        assert some[name].equals(complete[name]), name
+    complete_table = at_load(result, loads, mu0=[0.1, 0.4], tau0=[0.0, 0.02])
+    selected_table = at_load(
+        result, loads, mu0=[0.1, 0.4], tau0=[0.0, 0.02], names=("contact_count", "gentle_friction")
+    )
+    assert set(selected_table.data_vars) < set(complete_table.data_vars)
+    assert {"friction_all_round", "contact_area", "contact_count", "gentle_friction"} <= set(selected_table.data_vars)
+    assert "reading_difference" not in selected_table
+    for name in selected_table.data_vars:
+        assert selected_table[name].equals(complete_table[name]), name
 
 
 def test_intervals_of_generated_results_are_computed_after_averaging_directions():
@@ -104,8 +106,8 @@ def test_intervals_of_generated_results_are_computed_after_averaging_directions(
             np.testing.assert_allclose(table[name].sel(statistic=statistic), quantity_map[variable], rtol=ROUND_OFF)
 
 
-def test_intervals_of_measured_results_are_computed_after_averaging_directions(areal_contact):
-    _, result = areal_contact
+def test_intervals_of_measured_results_are_computed_after_averaging_directions(areal_study_and_dataset):
+    _, result = areal_study_and_dataset
     values = member_values(result, [2.0], mu0=0.3)
     point = at_load(result, [2.0], mu0=0.3)
     friction = values["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing")
@@ -129,8 +131,8 @@ def test_axis_of_motion_consists_of_two_opposite_directions():
     assert find_opposite_axes(np.array([0.0, 45.0]))[0].size == 0
 
 
-def test_unreached_loads_have_status_not_reached(areal_contact, profile_contact):
-    for _, result in (areal_contact, profile_contact):
+def test_unreached_loads_have_status_not_reached(areal_study_and_dataset, profile_study_and_dataset):
+    for _, result in (areal_study_and_dataset, profile_study_and_dataset):
         highest = float(result["load"][-1])
         table = at_load(result, [2 * highest])
         assert np.isnan(table["friction_coefficient"]).all()
@@ -138,8 +140,8 @@ def test_unreached_loads_have_status_not_reached(areal_contact, profile_contact)
         assert int(table["ok"].max()) == 0
 
 
-def test_member_without_solution_at_a_load_is_omitted_from_the_mean(areal_contact):
-    _, result = areal_contact
+def test_member_without_solution_at_a_load_is_omitted_from_the_mean(areal_study_and_dataset):
+    _, result = areal_study_and_dataset
     incomplete = result.copy(deep=True)
     incomplete["normal_elastic"].values[0, 1] = np.nan
     incomplete["status"].values[0, 1] = 5
@@ -150,8 +152,8 @@ def test_member_without_solution_at_a_load_is_omitted_from_the_mean(areal_contac
 
 
 @pytest.mark.parametrize("reading", ["elastic", "normal"])
-def test_unsolved_load_is_reported_instead_of_interpolated(areal_contact, reading):
-    _, result = areal_contact
+def test_unsolved_load_is_reported_instead_of_interpolated(areal_study_and_dataset, reading):
+    _, result = areal_study_and_dataset
     step = 1
     incomplete = result.copy(deep=True)
     incomplete["status"].values[0, 0, step] = STATUSES.index("not-solved")
@@ -183,8 +185,8 @@ def test_load_steps_are_inserted_between_given_loads_that_are_far_apart():
     assert close_loads.size == 4
 
 
-def test_evaluation_at_a_load_rejects_invalid_input(areal_contact):
-    _, result = areal_contact
+def test_evaluation_at_a_load_rejects_invalid_input(areal_study_and_dataset):
+    _, result = areal_study_and_dataset
     for changes, pattern in (
         ({"loads": [0.0]}, "loads must be above 0"), ({"mu0": -1.0}, "mu0 must not be negative"),
         ({"reading": "median"}, "reading must be one of"),

@@ -140,9 +140,9 @@ def test_interfaces_command_lists_interfaces_that_the_pair_command_accepts(tmp_p
 
 
 def test_calibrated_interface_is_accepted_by_pair_and_stored_with_the_result(film_file, result) -> None:
-    in_memory = pair(*rough_surfaces(), interface=interface(film_file), **PAIR_OPTIONS)
-    assert in_memory.interval == pytest.approx(result.interval, rel=1e-6)
-    assert (in_memory.path / "interface.csv").is_file()
+    result_of_loaded_interface = pair(*rough_surfaces(), interface=interface(film_file), **PAIR_OPTIONS)
+    assert result_of_loaded_interface.interval == pytest.approx(result.interval, rel=1e-6)
+    assert (result_of_loaded_interface.path / "interface.csv").is_file()
 
 
 FILE_DAMAGES = {

@@ -23,7 +23,7 @@ from stiction.studies import intervals
 from support.studies_of_files import pair_study
 
 LOADS = [0.003, 0.03]
-INTERFACE = {"mu0": 0.3, "tau0": 0.1}
+INTERFACE_OPTIONS = {"mu0": 0.3, "tau0": 0.1}
 ROOT_TOLERANCE = 1e-9  # relative error of values at a load; the approach at this load is accurate to 1e-12
 INTERPOLATION_TOLERANCE = 2e-3  # relative error of values that are interpolated between two solved loads
 
@@ -62,7 +62,7 @@ def read_members(result, **arguments):
 
 @pytest.fixture(scope="module")
 def result(profile_pair):
-    return run_pair(*profile_pair, LOADS, positions=[0.0, 4.0, 10.0], **INTERFACE)
+    return run_pair(*profile_pair, LOADS, positions=[0.0, 4.0, 10.0], **INTERFACE_OPTIONS)
 
 
 @pytest.mark.parametrize("shear", ["+x", "-x"])
@@ -77,9 +77,11 @@ def test_pair_and_press_give_equal_results_for_profiles_at_each_position(profile
     curve = press(upper, counterface, approaches, **model)
     np.testing.assert_allclose(member["approach"], approaches, rtol=ROOT_TOLERANCE)
     np.testing.assert_allclose(
-        member["friction_coefficient"], curve.friction_coefficient(**INTERFACE), rtol=ROOT_TOLERANCE
+        member["friction_coefficient"], curve.friction_coefficient(**INTERFACE_OPTIONS), rtol=ROOT_TOLERANCE
     )
-    np.testing.assert_allclose(member["tangential_load"], curve.tangential_load(**INTERFACE), rtol=ROOT_TOLERANCE)
+    np.testing.assert_allclose(
+        member["tangential_load"], curve.tangential_load(**INTERFACE_OPTIONS), rtol=ROOT_TOLERANCE
+    )
     np.testing.assert_allclose(member["contact_area"], curve.contact_area, rtol=ROOT_TOLERANCE)
     np.testing.assert_array_equal(member["contact_count"], curve.contact_count)
     np.testing.assert_allclose(
@@ -91,10 +93,10 @@ def test_pair_and_press_give_equal_results_for_profiles_at_each_position(profile
             (loads_around[1] - loads_around[0]) / (0.04 * approach)
         )
     member = read_members(result, reading="normal").sel(selection)
-    approaches = approach_at_load(upper, counterface, LOADS, **INTERFACE, **model)
+    approaches = approach_at_load(upper, counterface, LOADS, **INTERFACE_OPTIONS, **model)
     curve = press(upper, counterface, approaches, **model)
     np.testing.assert_allclose(
-        member["friction_coefficient"], curve.friction_coefficient(**INTERFACE), rtol=INTERPOLATION_TOLERANCE
+        member["friction_coefficient"], curve.friction_coefficient(**INTERFACE_OPTIONS), rtol=INTERPOLATION_TOLERANCE
     )
     np.testing.assert_allclose(member["tangential_load"], member["friction_coefficient"] * LOADS, rtol=ROOT_TOLERANCE)
     assert (member["status"] == "ok").all()
@@ -109,16 +111,18 @@ def test_friction_is_interpolated_linearly_across_jumps_of_the_load(
     upper, lower = create_rough_profiles(1.5, repetition=1)
     loads = np.geomspace(1e-4, 3e-3, 12)
     steps = [f"{step} mN" for step in np.unique(np.outer(loads, LOAD_RATIOS))]
-    study = create_study(upper, lower, loads, detection="cell", **INTERFACE).with_changes({"contact.load": steps})
+    study = create_study(upper, lower, loads, detection="cell", **INTERFACE_OPTIONS).with_changes(
+        {"contact.load": steps}
+    )
     members = read_members(run(study), reading=load).isel(x=0)
-    strengths = {"mu0": 0.0} if load == "elastic" else INTERFACE
+    strengths = {"mu0": 0.0} if load == "elastic" else INTERFACE_OPTIONS
     errors = []
     for shear, angle in (("+x", 0.0), ("-x", 180.0)):
         approaches = approach_at_load(upper, lower, loads, detection="cell", shear=shear, **strengths)
         for index in np.flatnonzero(members["status"].sel(direction=angle) == "ok"):
             close_approaches = approaches[index] * np.array([1 - 1e-10, 1])
             curve = press(upper, lower, close_approaches, detection="cell", shear=shear)
-            normal, tangential = curve.normal_load(**strengths), curve.tangential_load(**INTERFACE)
+            normal, tangential = curve.normal_load(**strengths), curve.tangential_load(**INTERFACE_OPTIONS)
             if normal[1] > 1.001 * normal[0]:
                 computed = float(members["tangential_load"].sel(direction=angle)[index])
                 errors.append(abs(computed - np.interp(loads[index], normal, tangential)) / loads[index])
@@ -129,7 +133,7 @@ def test_friction_is_interpolated_linearly_across_jumps_of_the_load(
 def test_positions_are_rounded_to_the_nearest_grid_point(profile_pair):
     upper, lower = profile_pair
     assert 0.29 / 0.01 < 29  # 0.29/0.01 must be rounded, not truncated
-    member = read_members(run_pair(upper, lower, [0.01], positions=[0.29], **INTERFACE)).sel(direction=0.0)
+    member = read_members(run_pair(upper, lower, [0.01], positions=[0.29], **INTERFACE_OPTIONS)).sel(direction=0.0)
     counterface = Profile(lower.heights[29 : 29 + len(upper)], spacing=0.01)
     expected = approach_at_load(upper, counterface, 0.01, detection="gap-minimum", shear="+x", mu0=0.0)
     assert float(member["approach"].squeeze()) == pytest.approx(float(expected), rel=ROOT_TOLERANCE)
@@ -138,7 +142,7 @@ def test_positions_are_rounded_to_the_nearest_grid_point(profile_pair):
 
 def test_slider_is_shortened_so_that_it_fits_at_the_last_position(profile_pair):
     _, lower = profile_pair
-    result = run_pair(flipped(lower), lower, [0.01], positions=[1.0, 12.0], **INTERFACE)
+    result = run_pair(flipped(lower), lower, [0.01], positions=[1.0, 12.0], **INTERFACE_OPTIONS)
     assert result.dataset.attrs["shape"].tolist() == [1800]
     assert float(result.dataset["nominal_area"]) == pytest.approx(18.0)
 
@@ -215,20 +219,20 @@ def test_nondimensional_values_require_a_modulus_and_known_units(result):
 def test_positions_without_result_have_a_status_and_are_omitted_from_the_mean():
     x = np.arange(2001) * 0.01 - 10.0
     flat, ball = Profile(np.zeros(2001), spacing=0.01), Profile(-0.05 * x**2, spacing=0.01)
-    reached = run_pair(flat, ball, [1e-3, 1e9], mu0=0.3)
-    assert read_members(reached)["status"].isel(x=0, direction=0).values.tolist() == ["ok", "not-reached"]
-    separated = run_pair(flat, flat, [1.0], mu0=0.3)
-    assert (separated.at(per_member=True)["status"] == "no-contact").all()
+    reached_result = run_pair(flat, ball, [1e-3, 1e9], mu0=0.3)
+    assert read_members(reached_result)["status"].isel(x=0, direction=0).values.tolist() == ["ok", "not-reached"]
+    separated_result = run_pair(flat, flat, [1.0], mu0=0.3)
+    assert (separated_result.at(per_member=True)["status"] == "no-contact").all()
     # Two arcs on a slope of 3: the upper body is pushed up the slope in direction 0, and down in direction 180.
     upper, lower = (Profile(3 * x + curvature * x**2, spacing=0.01) for curvature in (0.05, -0.05))
     for mu0, status in ((0.3, "ok"), (0.34, "self-locked")):  # The contact is self-locking if mu0 exceeds 1/3.
         members = read_members(run_pair(upper, lower, [1e-3], mu0=mu0))
         assert members["status"].isel(x=0).values.ravel().tolist() == [status, "ok"]
-    grazed = run_pair(flat, Profile(-0.05 * (x - 0.005) ** 2, spacing=0.01), [1e-12], mu0=0.3)
-    members = grazed.at(per_member=True)
+    grazing_result = run_pair(flat, Profile(-0.05 * (x - 0.005) ** 2, spacing=0.01), [1e-12], mu0=0.3)
+    members = grazing_result.at(per_member=True)
     assert (members["status"] == "below-range").all()
     assert members["approach"].isnull().all()
-    mean = reached.at().sel(sliding="opposing", direction=0.0).isel(cut_off=0, mu0=0, tau0=0)
+    mean = reached_result.at().sel(sliding="opposing", direction=0.0).isel(cut_off=0, mu0=0, tau0=0)
     assert mean["ok"].values.tolist() == [1, 0]
     assert mean["friction_coefficient"][1].isnull().all()
     values = mean["contact_area"][0]
@@ -248,7 +252,7 @@ def test_result_at_several_mu0_and_tau0_equals_results_at_single_values(profile_
 
 
 def test_mean_over_positions_accounts_for_their_correlation(profile_pair):
-    result = run_pair(*profile_pair, [0.01], positions=np.arange(10.0), **INTERFACE)
+    result = run_pair(*profile_pair, [0.01], positions=np.arange(10.0), **INTERFACE_OPTIONS)
     values = read_members(result)["friction_coefficient"].isel(load=0).sel(direction=0.0).values
     mean = (
         result.at()["friction_coefficient"]
@@ -263,17 +267,19 @@ def test_mean_over_positions_accounts_for_their_correlation(profile_pair):
 
 def test_pairing_of_lines_returns_half_of_the_slider_profile_and_the_complete_counterface():
     upper, lower = rough_profile("upper"), rough_profile("lower")
-    (slider,), (track,) = paired_lines(upper, lower)
-    whole = levelled(upper, "line")
-    np.testing.assert_array_equal(track.heights, levelled(lower, "line").heights)
-    np.testing.assert_allclose(slider.heights, levelled(flipped(cropped(whole, 0, 15)), "line").heights, atol=1e-15)
+    (slider,), (counterface,) = paired_lines(upper, lower)
+    levelled_upper = levelled(upper, "line")
+    np.testing.assert_array_equal(counterface.heights, levelled(lower, "line").heights)
+    np.testing.assert_allclose(
+        slider.heights, levelled(flipped(cropped(levelled_upper, 0, 15)), "line").heights, atol=1e-15
+    )
     assert slider.history[-2:] == ("cropped to 0 to 15 µm", "levelled by a line")
-    (short,), (track,) = paired_lines(cropped(upper, 0, 5), lower)
-    assert (len(short), len(track)) == (500, 3000)
-    (slider,), (track,) = paired_lines(
+    (short_slider,), (counterface,) = paired_lines(cropped(upper, 0, 5), lower)
+    assert (len(short_slider), len(counterface)) == (500, 3000)
+    (slider,), (counterface,) = paired_lines(
         rough_profile("upper", points=800, spacing=0.02), lower
     )  # Both profiles are resampled to the finer spacing.
-    assert (slider.spacing, track.spacing, len(track)) == (0.01, 0.01, 3000)
+    assert (slider.spacing, counterface.spacing, len(counterface)) == (0.01, 0.01, 3000)
 
 
 def test_pairing_of_lines_shortens_the_slider_by_the_travel():
@@ -420,7 +426,7 @@ def small_pair():
 def test_half_plane_values_at_positions_equal_half_space_solutions(small_pair, sliding):
     upper, lower = small_pair
     model = {"mechanics": "half-space", "effective_modulus": 8.0}
-    result = run_pair(upper, lower, LOADS, positions=[0.0, 2.5], **INTERFACE, **model)
+    result = run_pair(upper, lower, LOADS, positions=[0.0, 2.5], **INTERFACE_OPTIONS, **model)
     arguments = {"effective_modulus": 8.0, "sliding": sliding}
     values = result.at(per_member=True).sel(sliding=sliding).isel(cut_off=0, mu0=0, tau0=0).swap_dims(repetition="x")
     assert (values["status"] == "ok").all()
@@ -431,9 +437,11 @@ def test_half_plane_values_at_positions_equal_half_space_solutions(small_pair, s
             curve = half_space(upper, cropped(lower, offset, offset + 2), steps, direction=shear, **arguments)
             load_indices = [steps.index(load) for load in LOADS]
             np.testing.assert_allclose(
-                member["tangential_load"], curve.tangential_load(**INTERFACE)[load_indices], rtol=SUMMATION_TOLERANCE
+                member["tangential_load"],
+                curve.tangential_load(**INTERFACE_OPTIONS)[load_indices],
+                rtol=SUMMATION_TOLERANCE,
             )
-            coefficient = curve.friction_coefficient(**INTERFACE)[load_indices]
+            coefficient = curve.friction_coefficient(**INTERFACE_OPTIONS)[load_indices]
             np.testing.assert_allclose(member["friction_coefficient"], coefficient, rtol=SUMMATION_TOLERANCE)
             np.testing.assert_allclose(
                 member["contact_area"], curve.contact_area[load_indices], rtol=SUMMATION_TOLERANCE
@@ -456,4 +464,4 @@ def test_half_plane_values_at_positions_equal_half_space_solutions(small_pair, s
 )
 def test_pair_of_profiles_rejects_unknown_mechanics_and_a_contact_law_for_half_spaces(small_pair, arguments, pattern):
     with pytest.raises(ValueError, match=pattern):
-        pair_study(*small_pair, load=LOADS, effective_modulus=10.0, **INTERFACE, **arguments)
+        pair_study(*small_pair, load=LOADS, effective_modulus=10.0, **INTERFACE_OPTIONS, **arguments)

@@ -47,11 +47,11 @@ def run_pair(upper, lower, loads=(0.1,), **options):
     return run(pair_study(flipped(upper), lower, load=list(loads), **study_options))
 
 
-def read_members(result, of=None):
-    return member_values(result, result.default_loads, member_kind=of).isel(cut_off=0)
+def read_members(result, member_kind=None):
+    return member_values(result, result.default_loads, member_kind=member_kind).isel(cut_off=0)
 
 
-def cut_pieces(upper, lower):
+def pair_levelled_maps(upper, lower):
     """Return the pieces of maps that a study brings into contact, cut from the levelled maps."""
     return MapPairs(flipped(levelled(flipped(upper), "plane")), levelled(lower, "plane"))
 
@@ -62,11 +62,12 @@ def test_map_pairs_are_overlaps_of_shifted_maps():
     pairs = MapPairs(upper, lower)
     x, y = pairs.map_shift(2)
     rows, columns = round(y / 0.1), round(x / 0.1)
-    top, left = max(0, rows) + (64 - abs(rows) - 48) // 2, columns + (64 - columns - 48) // 2
+    top_row, left_column = max(0, rows) + (64 - abs(rows) - 48) // 2, columns + (64 - columns - 48) // 2
     upper_piece = Surface(
-        upper.heights[top - rows : top - rows + 48, left - columns : left - columns + 48], spacing=0.1
+        upper.heights[top_row - rows : top_row - rows + 48, left_column - columns : left_column - columns + 48],
+        spacing=0.1,
     )
-    lower_piece = Surface(lower.heights[top : top + 48, left : left + 48], spacing=0.1)
+    lower_piece = Surface(lower.heights[top_row : top_row + 48, left_column : left_column + 48], spacing=0.1)
     for piece, expected in zip(pairs.pair(2), (upper_piece, lower_piece), strict=True):
         np.testing.assert_allclose(levelled(piece, "plane").heights, levelled(expected, "plane").heights, atol=1e-15)
 
@@ -91,9 +92,10 @@ class TestListedPositions:
             ((slice(0, 44), slice(15, 75)), (slice(20, 64), slice(5, 65))),
         ]
         values = read_members(result)
-        for member, cuts in enumerate(windows):
+        for member, member_windows in enumerate(windows):
             upper_piece, lower_piece = (
-                Surface(body.heights[cut], spacing=body.spacing) for body, cut in zip((upper, lower), cuts, strict=True)
+                Surface(body.heights[window], spacing=body.spacing)
+                for body, window in zip((upper, lower), member_windows, strict=True)
             )
             for angle in (0, 45):
                 member_values = (
@@ -156,7 +158,7 @@ class TestListedPositions:
 def test_slopes_of_a_member_equal_slopes_of_its_gap():
     upper, lower = surface_pair()
     result = run_pair(upper, lower, direction=[0, 45, 90], shifts=2, mechanics="asperities")
-    gap = np.subtract(*(body.heights for body in cut_pieces(upper, lower).pair(1)))
+    gap = np.subtract(*(body.heights for body in pair_levelled_maps(upper, lower).pair(1)))
     along_y, along_x = np.gradient(gap, 0.1)
     member = read_members(result).isel(repetition=1)
     # Finite differences underestimate slopes of the shortest wavelength, which has four points.
@@ -199,7 +201,7 @@ def test_contact_statistics_equal_direct_computation(mechanics):
     upper, lower = surface_pair()
     result = run_pair(upper, lower, LOADS, direction=[30], shifts=2, mechanics=mechanics)
     member = read_members(result).isel(repetition=1).sel(load=0.1)
-    bodies = cut_pieces(upper, lower).pair(1)
+    bodies = pair_levelled_maps(upper, lower).pair(1)
     if mechanics == "half-space":
         contact = half_space(*bodies, [0.1]).contact(0)
         force = np.bincount(contact.patches.ravel(), weights=contact.pressure.ravel())[1:] * 0.01
@@ -222,7 +224,7 @@ def test_contact_statistics_equal_direct_computation(mechanics):
 def test_load_fraction_on_steepest_slopes_equals_its_definition():
     upper, lower = surface_pair()
     result = read_members(run_pair(upper, lower, direction=[0], shifts=2))
-    bodies = cut_pieces(upper, lower).pair(0)
+    bodies = pair_levelled_maps(upper, lower).pair(0)
     solution, body = half_space(*bodies, [0.1]).contact(0), bodies[0]
     gradient = np.hypot(*grid_slopes(body.heights, body.spacing, periodic=False))
     fraction = solution.pressure[gradient > np.quantile(gradient, 0.9)].sum() / solution.pressure.sum()

@@ -60,16 +60,16 @@ def test_friction_map_returns_a_status_instead_of_extrapolating():
     assert table["status"].values.tolist() == ["below-range", "ok", "ok", "not-reached"]
     assert np.isfinite(table["friction_coefficient"]).values.tolist() == [False, True, True, False]
 
-    locked = create_result([1.0, 2.0, 3.0], [0.5, 1.0, 1.5], frictional=[0.0, -1.5, -4.0])
-    table = compute_map(locked, [0.9, 1.2, 2.0], mu0=1.0)
+    self_locked_result = create_result([1.0, 2.0, 3.0], [0.5, 1.0, 1.5], frictional=[0.0, -1.5, -4.0])
+    table = compute_map(self_locked_result, [0.9, 1.2, 2.0], mu0=1.0)
     assert table["status"].values.tolist() == ["below-range", "self-locked", "self-locked"]
-    assert compute_map(locked, [1.2], mu0=0.1)["status"].values.tolist() == ["ok"]
+    assert compute_map(self_locked_result, [1.2], mu0=0.1)["status"].values.tolist() == ["ok"]
 
-    separating = create_result([[1.0, 2.0, 0.0]], [[0.5, 1.0, 0.0]], count=[[1, 1, 0]])
-    assert compute_map(separating, [3.0])["status"].values.tolist() == ["not-reached"]
+    separating_result = create_result([[1.0, 2.0, 0.0]], [[0.5, 1.0, 0.0]], count=[[1, 1, 0]])
+    assert compute_map(separating_result, [3.0])["status"].values.tolist() == ["not-reached"]
 
-    separated = create_result([0.0, 0.0], [0.0, 0.0], count=0)
-    table = compute_map(separated, [1.0])
+    separated_result = create_result([0.0, 0.0], [0.0, 0.0], count=0)
+    table = compute_map(separated_result, [1.0])
     assert table["status"].values.tolist() == ["no-contact"]
     assert np.isnan(table["friction_coefficient"]).all()
 

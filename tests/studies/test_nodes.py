@@ -106,17 +106,17 @@ def test_limited_refinement_of_report_axes_adds_nodes_where_errors_are_largest()
         return points
 
     axes = refine_axes((AXES[0], NodeAxis(AXES[1].rising[[0, 1, 2, 4]])), steep, max_nodes=6)
-    added = np.setdiff1d(axes[1].rising, AXES[1].rising)
+    added_nodes = np.setdiff1d(axes[1].rising, AXES[1].rising)
     assert axes[1].rising.size == 6
-    assert added.min() > 0.1
+    assert added_nodes.min() > 0.1
 
 
 def test_panels_between_nodes_are_not_interpolated_if_errors_exceed_the_printed_tolerance():
     def cusp(mu0, tau0):
         """Return points whose upper end has a cusp along mu0, at large tau0."""
         points = smooth_friction(mu0, tau0)
-        rise = np.maximum(0.0, 0.1 - np.abs(np.asarray(mu0)[:, np.newaxis] - 0.4)) * (np.asarray(tau0) > 0.08)
-        points[..., 2] += 5 * rise
+        cusp_height = np.maximum(0.0, 0.1 - np.abs(np.asarray(mu0)[:, np.newaxis] - 0.4)) * (np.asarray(tau0) > 0.08)
+        points[..., 2] += 5 * cusp_height
         return points
 
     axes = tuple(NodeAxis(np.linspace(0, axis.rising[-1], 21)) for axis in AXES)
@@ -138,17 +138,19 @@ def test_panels_between_nodes_are_interpolated_only_if_errors_in_their_middles_a
         points[..., 2] += 0.01 / (0.21 - np.asarray(tau0))
         return points
 
-    shown = is_interpolated(AXES, steep(*(axis.values for axis in AXES)))[:-1, :-1]
+    is_shown = is_interpolated(AXES, steep(*(axis.values for axis in AXES)))[:-1, :-1]
     middles = [axis.split_candidates() for axis in AXES]
     table = np.moveaxis(steep(*(axis.values for axis in AXES)), -1, 0)
-    error = np.full(shown.shape, np.nan)
-    for place in np.ndindex(*shown.shape):
-        mu0, tau0 = (middle[index] for middle, index in zip(middles, place, strict=True))
+    error = np.full(is_shown.shape, np.nan)
+    for panel_index in np.ndindex(*is_shown.shape):
+        mu0, tau0 = (middle[index] for middle, index in zip(middles, panel_index, strict=True))
         value, lower, upper = steep([mu0], [tau0])[0, 0]
-        error[place] = np.abs(interpolate_table(AXES, table, mu0, tau0) - (value, lower, upper)).max() / (upper - lower)
-    assert shown.any()
-    assert not shown.all()
-    assert (error[shown] < PRINTED_TOLERANCE).all()
+        error[panel_index] = np.abs(interpolate_table(AXES, table, mu0, tau0) - (value, lower, upper)).max() / (
+            upper - lower
+        )
+    assert is_shown.any()
+    assert not is_shown.all()
+    assert (error[is_shown] < PRINTED_TOLERANCE).all()
 
 
 def test_panels_with_a_jump_or_an_undefined_node_are_not_interpolated():
@@ -172,8 +174,8 @@ def test_panels_with_a_jump_or_an_undefined_node_are_not_interpolated():
 
 def test_interpolation_corrections_vanish_for_cubic_polynomials():
     axis = AXES[0]
-    before, after = axis.weight_changes_with_extra_node(0.7)
-    assert np.isnan(after).all()  # There is no node above 1.
-    assert before @ axis.values**3 == pytest.approx(0, abs=1e-12)
-    assert (axis.weights(0.7) + before) @ axis.values**4 == pytest.approx(0.7**4)
+    change_with_node_below, change_with_node_above = axis.weight_changes_with_extra_node(0.7)
+    assert np.isnan(change_with_node_above).all()  # There is no node above 1.
+    assert change_with_node_below @ axis.values**3 == pytest.approx(0, abs=1e-12)
+    assert (axis.weights(0.7) + change_with_node_below) @ axis.values**4 == pytest.approx(0.7**4)
     assert [change.any() for change in axis.weight_changes_with_extra_node(0.6)] == [False, False]  # 0.6 is a node.

@@ -21,12 +21,12 @@ SURFACE_CHANGES = {
     "surfaces.amplitude": ["20 nm"], "contact.direction": [30.0, 90.0], "contact.sliding": ["all", "opposing"],
     "ensemble.repetitions": 2, "contact.approach": ["5 nm", "20 nm"],
 }  # fmt: skip
-STRENGTHS = {"mu0": 0.3, "tau0": "20 MPa", "poisson_ratio": 0.25}
+ONSET_OPTIONS = {"mu0": 0.3, "tau0": "20 MPa", "poisson_ratio": 0.25}
 
 
 @pytest.fixture(scope="module")
 def study():
-    return Study.named("presliding").with_changes(PROFILE_CHANGES | {"contact.onset": STRENGTHS})
+    return Study.named("presliding").with_changes(PROFILE_CHANGES | {"contact.onset": ONSET_OPTIONS})
 
 
 @pytest.fixture(scope="module")
@@ -101,9 +101,9 @@ def test_displacement_at_sliding_is_mu0_times_the_largest_overlap():
     # With a Poisson ratio of 0, the pre-sliding displacement is mu0 times the largest vertical overlap.
     upper, lower = pair_of(study, 2, fractal_dimension=1.4, amplitude=0.1)
     contact_list = contacts(upper, lower, 0.02, model=study.contact.model())
-    deepest = (contact_list.overlap * contact_list.normal[:, 2]).max()
+    largest_overlap = (contact_list.overlap * contact_list.normal[:, 2]).max()
     displacement = single["displacement_at_sliding"].sel(fractal_dimension=1.4, repetition=2, approach=0.02).item()
-    assert displacement == pytest.approx(0.4 * deepest, rel=1e-9)
+    assert displacement == pytest.approx(0.4 * largest_overlap, rel=1e-9)
 
 
 def test_table_text_figure_and_report_show_onset(study, tmp_path):

@@ -271,10 +271,10 @@ def test_flipped_bit_in_a_block_is_reported_with_its_file_name(
 ):
     file = find_block(folder_copy, 4)
     content = file.read_bytes()
-    places = random.Random(4).sample(range(8 * len(content)), 60)
-    for place in [0, 8 * len(content) - 1, *places]:
+    bit_indices = random.Random(4).sample(range(8 * len(content)), 60)
+    for bit_index in [0, 8 * len(content) - 1, *bit_indices]:
         damaged = bytearray(content)
-        damaged[place // 8] ^= 1 << place % 8
+        damaged[bit_index // 8] ^= 1 << bit_index % 8
         file.write_bytes(damaged)
         with pytest.raises(StoreError, match=f"{file.name}: does not match its checksum; remove that file"):
             store.read(folder_copy)
@@ -341,13 +341,13 @@ def test_directory_without_result_is_reported_in_one_sentence(tmp_path, kind):
 # ---- Foreign files --------------------------------------------------------------------------------------------------
 
 
-def change_variable(name, make):
+def variable_changer(name, change_values):
     """Return a function that replaces a variable of a file by changed values."""
 
-    return lambda file: rewrite_variable(file, name, make)
+    return lambda file: rewrite_variable(file, name, change_values)
 
 
-def set_attribute(name, value):
+def attribute_setter(name, value):
     def change(file):
         file.attrs[name] = value
 
@@ -373,7 +373,7 @@ def map_to_other_file(file):
     file.create_virtual_dataset("contact_area", layout)
 
 
-def leave_unwritten(file):
+def create_unwritten_variable(file):
     shape = file["contact_area"].shape
     del file["contact_area"]
     file.create_dataset("contact_area", shape, "f8")
@@ -381,13 +381,13 @@ def leave_unwritten(file):
 
 BLOCK_CHANGES = {
     "no variable": lambda file: file.__delitem__("contact_area"),
-    "another shape": change_variable("contact_area", lambda values: values[..., :2]),
+    "another shape": variable_changer("contact_area", lambda values: values[..., :2]),
     "no study text": lambda file: file.attrs.__delitem__("study"),
-    "an invalid study text": set_attribute("study", "seed"),
+    "an invalid study text": attribute_setter("study", "seed"),
     "a link to another file": link_to_other_file,
     "bytes of another file": use_bytes_of_other_file,
     "numbers of another file": map_to_other_file,
-    "numbers that were never written": leave_unwritten,
+    "numbers that were never written": create_unwritten_variable,
 }
 
 

@@ -57,10 +57,15 @@ def test_flipped_bit_in_stored_data_is_detected_before_the_file_is_opened(comple
     content = path.read_bytes()
     assert content[-len(CHECKSUM_PREFIX) - 8 : -8] == CHECKSUM_PREFIX
     monkeypatch.setattr(h5py, "File", None)  # Opening a damaged file might never end, so the file must not be opened.
-    num_sealed_bits = 8 * (len(content) - len(CHECKSUM_PREFIX) - 8)
-    for place in [0, num_sealed_bits - 1, 8 * len(content) - 1, *random.Random(5).sample(range(num_sealed_bits), 50)]:
+    num_checked_bits = 8 * (len(content) - len(CHECKSUM_PREFIX) - 8)
+    for bit_index in [
+        0,
+        num_checked_bits - 1,
+        8 * len(content) - 1,
+        *random.Random(5).sample(range(num_checked_bits), 50),
+    ]:
         damaged = bytearray(content)
-        damaged[place // 8] ^= 1 << place % 8
+        damaged[bit_index // 8] ^= 1 << bit_index % 8
         path.write_bytes(damaged)
         with pytest.raises(StoreError, match=rf"{name}: does not match its checksum"):
             COMPANION_LOADERS.get(name, lambda complete_result: read(complete_result.path / "result.nc"))(

@@ -23,9 +23,9 @@ def weighted_line_by_definition(heights, spacing, wavelength):
     alpha = math.sqrt(math.log(2) / math.pi)
     x = np.arange(heights.size) * spacing
     smooth = []
-    for at in x:
-        weight = np.exp(-np.pi * ((x - at) / (alpha * wavelength)) ** 2)
-        design = np.stack([np.ones(x.size), x - at], axis=1)
+    for centre in x:
+        weight = np.exp(-np.pi * ((x - centre) / (alpha * wavelength)) ** 2)
+        design = np.stack([np.ones(x.size), x - centre], axis=1)
         normal = design.T @ (weight[:, np.newaxis] * design)
         smooth.append(np.linalg.solve(normal, design.T @ (weight * heights))[0])
     return np.array(smooth)
@@ -65,10 +65,12 @@ def test_low_pass_filter_has_gaussian_transmission_that_is_one_half_at_the_cutof
 
 def test_low_pass_filter_of_a_periodic_surface_is_isotropic():
     surface = self_affine_map(2, 0.6, (64, 96))
-    smooth = surface_spectrum(cut_off(surface, 4.0, periodic=True), periodic=True)
-    own = surface_spectrum(surface, periodic=True)
-    q = np.hypot(own.wave_number_y[:, np.newaxis], own.wave_number_x)
-    assert np.allclose(smooth.density, own.density * gaussian_transmission(q, 4.0) ** 2, rtol=1e-9, atol=1e-12)
+    filtered_spectrum = surface_spectrum(cut_off(surface, 4.0, periodic=True), periodic=True)
+    original_spectrum = surface_spectrum(surface, periodic=True)
+    q = np.hypot(original_spectrum.wave_number_y[:, np.newaxis], original_spectrum.wave_number_x)
+    assert np.allclose(
+        filtered_spectrum.density, original_spectrum.density * gaussian_transmission(q, 4.0) ** 2, rtol=1e-9, atol=1e-12
+    )
 
 
 @pytest.mark.parametrize("wavelength", [0.2, 0.3, 1.0, 13.0])
@@ -81,16 +83,18 @@ def test_low_pass_filter_preserves_lines_and_planes_up_to_the_ends(wavelength):
 
 
 def test_low_pass_filter_is_linear_symmetric_and_invariant_under_scaling():
-    one, other = rough_profile(1, points=300), rough_profile(2, points=300)
-    sum_of_both = cut_off(Profile(one.heights + 2 * other.heights, spacing=0.01), 0.2).heights
-    assert sum_of_both == pytest.approx(cut_off(one, 0.2).heights + 2 * cut_off(other, 0.2).heights, abs=ROUND_OFF)
-    backwards = cut_off(Profile(one.heights[::-1], spacing=0.01), 0.2).heights[::-1]
-    assert backwards == pytest.approx(cut_off(one, 0.2).heights, abs=ROUND_OFF)
-    larger = cut_off(Profile(1e4 * one.heights, spacing=100.0), 2000.0).heights
-    assert larger == pytest.approx(1e4 * cut_off(one, 0.2).heights, rel=1e-9, abs=1e-8)
+    first_profile, second_profile = rough_profile(1, points=300), rough_profile(2, points=300)
+    sum_of_both = cut_off(Profile(first_profile.heights + 2 * second_profile.heights, spacing=0.01), 0.2).heights
+    assert sum_of_both == pytest.approx(
+        cut_off(first_profile, 0.2).heights + 2 * cut_off(second_profile, 0.2).heights, abs=ROUND_OFF
+    )
+    reversed_heights = cut_off(Profile(first_profile.heights[::-1], spacing=0.01), 0.2).heights[::-1]
+    assert reversed_heights == pytest.approx(cut_off(first_profile, 0.2).heights, abs=ROUND_OFF)
+    enlarged_heights = cut_off(Profile(1e4 * first_profile.heights, spacing=100.0), 2000.0).heights
+    assert enlarged_heights == pytest.approx(1e4 * cut_off(first_profile, 0.2).heights, rel=1e-9, abs=1e-8)
     surface = self_affine_map(1, 0.7, (40, 60), spacing=(0.5, 0.25))
-    turned = cut_off(Surface(surface.heights.T, spacing=(0.25, 0.5)), 3.0).heights.T
-    assert turned == pytest.approx(cut_off(surface, 3.0).heights, abs=ROUND_OFF)
+    transposed_heights = cut_off(Surface(surface.heights.T, spacing=(0.25, 0.5)), 3.0).heights.T
+    assert transposed_heights == pytest.approx(cut_off(surface, 3.0).heights, abs=ROUND_OFF)
 
 
 def test_low_pass_filter_is_recorded_in_the_history_and_preserves_the_grid():

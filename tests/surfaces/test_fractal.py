@@ -58,8 +58,8 @@ class TestFractalProfile:
         phases = random_phases(5, side="upper")
         profile = weierstrass_mandelbrot(phases, dimension, convention=convention, band_limit=band_limit)
         # The points are both ends, the points next to each restart of a recurrence, and some points between them.
-        ends = [np.arange(k - 3, k + 3) for k in (1024, 8192, 81_920)]
-        at = np.unique(np.concatenate([np.arange(5), *ends, np.arange(7, 150_000, 3001), [149_999]]))
+        restart_indices = [np.arange(k - 3, k + 3) for k in (1024, 8192, 81_920)]
+        indices = np.unique(np.concatenate([np.arange(5), *restart_indices, np.arange(7, 150_000, 3001), [149_999]]))
         expected = direct_sum.weierstrass_mandelbrot(
             phases,
             hurst_of_dimension(dimension, convention),
@@ -67,10 +67,10 @@ class TestFractalProfile:
             gamma=1.5,
             extent=40.0,
             points=150_000,
-            at=at,
+            at=indices,
             nyquist=band_limit == "nyquist",
         )
-        error = np.abs(profile.heights[at] - expected).max() / np.ptp(profile.heights)
+        error = np.abs(profile.heights[indices] - expected).max() / np.ptp(profile.heights)
         assert error < DIRECT_SUM_TOLERANCE
 
     def test_fractal_profile_equals_direct_sum_for_any_parameters(self):
@@ -94,9 +94,9 @@ class TestFractalProfile:
     def test_batch_of_profiles_equals_single_profiles_bit_for_bit(self):
         phases = random_phases(6)
         dimensions = [1.0, 1.2, 1.65]
-        family = weierstrass_mandelbrot_family(phases, dimensions, **SMALL_GRID)
-        assert family.shape == (3, 3000)
-        for row, dimension in zip(family, dimensions, strict=True):
+        heights_by_dimension = weierstrass_mandelbrot_family(phases, dimensions, **SMALL_GRID)
+        assert heights_by_dimension.shape == (3, 3000)
+        for row, dimension in zip(heights_by_dimension, dimensions, strict=True):
             assert np.array_equal(row, weierstrass_mandelbrot(phases, dimension, **SMALL_GRID).heights)
         assert weierstrass_mandelbrot_family(phases, [], **SMALL_GRID).shape == (0, 3000)
 
@@ -140,7 +140,7 @@ class TestFractalSurface:
             phases, dimension, shape=self.SHAPE, extent=self.EXTENT, convention=convention, band_limit=band_limit
         )
         random = np.random.default_rng(2)
-        at = np.vstack([[(0, 0), (59, 89), (0, 89), (59, 0)], random.integers(self.SHAPE, size=(40, 2))])
+        indices = np.vstack([[(0, 0), (59, 89), (0, 89), (59, 0)], random.integers(self.SHAPE, size=(40, 2))])
         expected = direct_sum.weierstrass_mandelbrot_surface(
             phases,
             hurst_of_dimension(dimension, convention),
@@ -148,11 +148,11 @@ class TestFractalSurface:
             gamma=1.5,
             extents=self.EXTENT,
             shape=self.SHAPE,
-            at=at,
+            at=indices,
             nyquist=band_limit == "nyquist",
         )
-        ours = surface.heights[tuple(np.transpose(at))]
-        assert np.abs(ours - expected).max() < DIRECT_SUM_TOLERANCE * np.ptp(surface.heights)
+        computed = surface.heights[tuple(np.transpose(indices))]
+        assert np.abs(computed - expected).max() < DIRECT_SUM_TOLERANCE * np.ptp(surface.heights)
 
     def test_first_row_of_a_fractal_surface_equals_a_profile(self):
         phases = random_phases(8)
@@ -164,9 +164,13 @@ class TestFractalSurface:
 
     def test_band_limit_omits_frequencies_that_the_grid_cannot_resolve(self):
         phases = random_phases(8, frequencies=100)
-        limited = weierstrass_mandelbrot_surface(phases, 1.2, shape=(30, 30), extent=1.0, band_limit="nyquist")
-        fewer = weierstrass_mandelbrot_surface(phases[:, :20], 1.2, shape=(30, 30), extent=1.0, band_limit="nyquist")
-        assert np.allclose(limited.heights, fewer.heights, rtol=0, atol=1e-12)
+        band_limited_surface = weierstrass_mandelbrot_surface(
+            phases, 1.2, shape=(30, 30), extent=1.0, band_limit="nyquist"
+        )
+        surface_with_fewer_frequencies = weierstrass_mandelbrot_surface(
+            phases[:, :20], 1.2, shape=(30, 30), extent=1.0, band_limit="nyquist"
+        )
+        assert np.allclose(band_limited_surface.heights, surface_with_fewer_frequencies.heights, rtol=0, atol=1e-12)
 
     def test_fractal_surface_on_a_long_strip_equals_a_profile(self):
         phases = random_phases(8)

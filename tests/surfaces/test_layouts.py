@@ -13,9 +13,9 @@ from stiction.surfaces.measured.reading import load_reading
 from support import fuzzing
 
 random = np.random.default_rng(8)
-ROWS, COLUMNS = 7, 9
+NUM_ROWS, NUM_COLUMNS = 7, 9
 HEIGHTS = np.round(
-    0.3 * random.normal(size=(ROWS, COLUMNS)).cumsum(axis=1), 4
+    0.3 * random.normal(size=(NUM_ROWS, NUM_COLUMNS)).cumsum(axis=1), 4
 )  # All lines of the map differ, and the map has no symmetry.
 HEIGHTS_WITH_HOLES = HEIGHTS.copy()
 HEIGHTS_WITH_HOLES[0, :2] = HEIGHTS_WITH_HOLES[3, 4] = np.nan
@@ -27,8 +27,8 @@ def format_number(value, comma=False, missing="", form=".4f"):
     return text.replace(".", ",") if comma else text
 
 
-def format_rows(heights, separator="\t", **how):
-    return [separator.join(format_number(value, **how) for value in row) for row in heights]
+def format_rows(heights, separator="\t", **options):
+    return [separator.join(format_number(value, **options) for value in row) for row in heights]
 
 
 GWYDDION_WORDS = {
@@ -68,8 +68,8 @@ def keyence_text(language="en", separator=",", comma=False, unit="um", quoted=Tr
         [kind, "ImageDataCsv"],
         [pixel, format_number(500.0, comma, form=".3f"), "nm"],
         [output, height],
-        [across, str(COLUMNS)],
-        [down, str(ROWS)],
+        [across, str(NUM_COLUMNS)],
+        [down, str(NUM_ROWS)],
         ["Minimum", format_number(-9.0, comma, form=".3f")],
         [units, unit],
         ["Reference", ""],
@@ -81,7 +81,7 @@ def keyence_text(language="en", separator=",", comma=False, unit="um", quoted=Tr
 
 
 def olympus_text(separator=",", comma=False, missing=""):
-    names = ["DataLine", *(f"POS = {at + 1}" for at in range(COLUMNS))]
+    names = ["DataLine", *(f"POS = {at + 1}" for at in range(NUM_COLUMNS))]
     resolution = format_number(0.5, comma, form=".3f")
     head = [["Model", "OLS5000"], *([f"{axis} Resolution[um]", resolution] for axis in "XY"), ["Z Resolution[um]", "1"]]
     body = [
@@ -92,7 +92,12 @@ def olympus_text(separator=",", comma=False, missing=""):
 
 
 def zygo_text(order=1, separator=" ", origin=0, end=True):
-    head = ["Zygo XYZ Data File - Format 1", '0 8 0 0 "x"', "0 0 0 0 0 0", f"{origin} {origin} {COLUMNS} {ROWS}"]
+    head = [
+        "Zygo XYZ Data File - Format 1",
+        '0 8 0 0 "x"',
+        "0 0 0 0 0 0",
+        f"{origin} {origin} {NUM_COLUMNS} {NUM_ROWS}",
+    ]
     head += [
         '"a"',
         '"b"',
@@ -108,13 +113,13 @@ def zygo_text(order=1, separator=" ", origin=0, end=True):
         separator.join(
             [str(column + origin), str(row + origin), format_number(HEIGHTS_WITH_HOLES[row, column], missing="No Data")]
         )
-        for row, column in np.ndindex(ROWS, COLUMNS)
+        for row, column in np.ndindex(NUM_ROWS, NUM_COLUMNS)
     ]
     return "\n".join([*head, "#", *points[::order], *["#"] * end]) + "\n"
 
 
 def wyko_text(real=1, intensity=True, missing="Bad", aspect=False, comma=False):
-    head = [f"Wyko ASCII Data File Format 0\t{real}\t1", f"X Size\t{COLUMNS}", f"Y Size\t{ROWS}"]
+    head = [f"Wyko ASCII Data File Format 0\t{real}\t1", f"X Size\t{NUM_COLUMNS}", f"Y Size\t{NUM_ROWS}"]
     head += ["Block Name\tType\tLength\tValue", "Pixel_size\t7\t4\t0.0005", "Wavelength\t7\t4\t500", "Mult\t7\t4\t2"]
     head += ["Aspect\t7\t4\t1"] * aspect
     scale = 1000 if real else 1000 / 250
@@ -124,19 +129,19 @@ def wyko_text(real=1, intensity=True, missing="Bad", aspect=False, comma=False):
 
 
 def esri_text(case=str, code="-9999", separator=" ", size="cellsize 0.5", comma=False):
-    head = [f"ncols {COLUMNS}", f"nrows {ROWS}", "xllcorner 0", "yllcorner 0", size, f"NODATA_value {code}"]
+    head = [f"ncols {NUM_COLUMNS}", f"nrows {NUM_ROWS}", "xllcorner 0", "yllcorner 0", size, f"NODATA_value {code}"]
     head = [case(line) for line in head]
     return "\n".join([*head, *format_rows(HEIGHTS_WITH_HOLES[::-1], separator, missing=code, comma=comma)]) + "\n"
 
 
 def spip_text(unit="# z-unit = µm", factor=1.0, missing="nan", separator="\t", lengths=("4500", "3500")):
-    head = ["# File Format = ASCII", f"# x-pixels = {COLUMNS}", f"# y-pixels = {ROWS}"]
+    head = ["# File Format = ASCII", f"# x-pixels = {NUM_COLUMNS}", f"# y-pixels = {NUM_ROWS}"]
     head += [f"# x-length = {lengths[0]}", f"# y-length = {lengths[1]}", unit, "# Start of Data:"]
     return "\n".join([*head, *format_rows(HEIGHTS_WITH_HOLES / factor, separator, missing=missing, form=".6f")]) + "\n"
 
 
-def sdf_text(magic="aISO-1.0", profiles=ROWS, missing="BAD", break_after=COLUMNS, space=" = "):
-    points, values = (COLUMNS, HEIGHTS_WITH_HOLES.ravel()) if profiles > 1 else (LINE_HEIGHTS.size, LINE_HEIGHTS)
+def sdf_text(magic="aISO-1.0", profiles=NUM_ROWS, missing="BAD", break_after=NUM_COLUMNS, space=" = "):
+    points, values = (NUM_COLUMNS, HEIGHTS_WITH_HOLES.ravel()) if profiles > 1 else (LINE_HEIGHTS.size, LINE_HEIGHTS)
     texts = {"ManufacID": "OWN", "NumPoints": points, "NumProfiles": profiles, "Xscale": "5.0E-7",
             "Yscale": "5.0E-7" if profiles > 1 else "0", "Zscale": "1.0E-6", "DataType": 7}  # fmt: skip
     cells = [format_number(value, missing=missing) for value in values]
@@ -147,7 +152,12 @@ def sdf_text(magic="aISO-1.0", profiles=ROWS, missing="BAD", break_after=COLUMNS
 
 
 def tencor_text(numbered=True, separator="\t", pad=""):
-    head = ["Data\tPLATE", f"Number of Points\t{COLUMNS}", f"Number of Traces\t{ROWS}", "X-Resolution\t0.500000"]
+    head = [
+        "Data\tPLATE",
+        f"Number of Points\t{NUM_COLUMNS}",
+        f"Number of Traces\t{NUM_ROWS}",
+        "X-Resolution\t0.500000",
+    ]
     head += ["Y-Resolution\t0.500000", "", "Trace\tData"]
     body = [
         separator.join(
@@ -159,15 +169,17 @@ def tencor_text(numbered=True, separator="\t", pad=""):
 
 
 def triplet_text(order=1, separator=" ", head="", missing=None, comma=False, jitter=0.0):
-    places = [
-        (y, x) for y, x in np.ndindex(ROWS, COLUMNS) if missing is not None or not np.isnan(HEIGHTS_WITH_HOLES[y, x])
+    grid_indices = [
+        (y, x)
+        for y, x in np.ndindex(NUM_ROWS, NUM_COLUMNS)
+        if missing is not None or not np.isnan(HEIGHTS_WITH_HOLES[y, x])
     ]
     lines = []
-    for at, (y, x) in enumerate(places):
-        off = jitter * ((at % 3) - 1)
+    for at, (y, x) in enumerate(grid_indices):
+        deviation = jitter * ((at % 3) - 1)
         cells = [
-            format_number(0.5 * x + off, comma),
-            format_number(0.5 * y - off, comma),
+            format_number(0.5 * x + deviation, comma),
+            format_number(0.5 * y - deviation, comma),
             format_number(HEIGHTS_WITH_HOLES[y, x], comma, missing or ""),
         ]
         lines.append(separator.join(cells))
@@ -175,7 +187,7 @@ def triplet_text(order=1, separator=" ", head="", missing=None, comma=False, jit
 
 
 def labelled_matrix_text(separator=",", corner="", comma=False, missing="", form=".2f"):
-    head = separator.join([corner, *(format_number(0.5 * x, comma, form=form) for x in range(COLUMNS))])
+    head = separator.join([corner, *(format_number(0.5 * x, comma, form=form) for x in range(NUM_COLUMNS))])
     body = [
         separator.join([format_number(0.5 * y, comma, form=form), line])
         for y, line in enumerate(format_rows(HEIGHTS_WITH_HOLES, separator, comma=comma, missing=missing))
@@ -183,7 +195,7 @@ def labelled_matrix_text(separator=",", corner="", comma=False, missing="", form
     return "\n".join([head, *body]) + "\n"
 
 
-def profile(separator=";", comma=True, head="x (µm);z (µm)", minus="-", end="\n"):
+def profile_text(separator=";", comma=True, head="x (µm);z (µm)", minus="-", end="\n"):
     lines = [
         f"{format_number(0.5 * at, comma)}{separator}{format_number(z, comma)}" for at, z in enumerate(LINE_HEIGHTS)
     ]
@@ -191,7 +203,7 @@ def profile(separator=";", comma=True, head="x (µm);z (µm)", minus="-", end="\
 
 
 MASK_OPTION, MASK_AND_UNIT = {"missing": "mask"}, {"missing": "mask", "unit": "um"}
-EXPORTS = {
+EXPORT_FORMATS = {
     "gwyddion": (
         gwyddion_text, MASK_OPTION,
         [{"language": language, "comma": comma} for language, comma in itertools.product(GWYDDION_WORDS, (False, True))]
@@ -256,10 +268,10 @@ def read_or_none(path, **options):
             return None
 
 
-@pytest.mark.parametrize("name", EXPORTS)
+@pytest.mark.parametrize("name", EXPORT_FORMATS)
 @pytest.mark.parametrize("encoding", ENCODINGS)
 def test_maps_of_instruments_are_read_correctly_or_rejected_in_all_variants(tmp_path, name, encoding):
-    write, options, variants = EXPORTS[name]
+    write, options, variants = EXPORT_FORMATS[name]
     accepted = 0
     for variant in variants:
         try:
@@ -292,7 +304,7 @@ def test_maps_of_instruments_are_read_correctly_or_rejected_in_all_variants(tmp_
 )  # fmt: skip
 def test_profile_exports_are_read_correctly_or_rejected_in_all_variants(tmp_path, variant, encoding):
     try:
-        data = profile(**variant).encode(encoding)
+        data = profile_text(**variant).encode(encoding)
     except UnicodeEncodeError:
         pytest.skip("no such characters")
     (tmp_path / "line.csv").write_bytes(data)
@@ -304,7 +316,9 @@ def test_profile_exports_are_read_correctly_or_rejected_in_all_variants(tmp_path
 
 
 def test_layout_parsers_recognise_only_their_own_files():
-    texts = {name: write(**variant) for name, (write, _, variants) in EXPORTS.items() for variant in variants[:1]}
+    texts = {
+        name: write(**variant) for name, (write, _, variants) in EXPORT_FORMATS.items() for variant in variants[:1]
+    }
     for name, text in texts.items():
         result = [layout.name for layout in LAYOUTS if layout.recognise(decode(text.encode()))]
         assert len(result) == (name not in ("triplets", "labelled")), (name, result)
@@ -372,10 +386,10 @@ def test_counts_and_sizes_in_headers_are_not_read_as_heights(tmp_path):
             read_or_none(path, **(options if text.endswith(column) else {"unit": "um"})).heights.tolist()
             == LINE_HEIGHTS.tolist()
         )
-    path.write_text(f"{COLUMNS} {ROWS}\n" + "\n".join(format_rows(HEIGHTS, " ")))
+    path.write_text(f"{NUM_COLUMNS} {NUM_ROWS}\n" + "\n".join(format_rows(HEIGHTS, " ")))
     assert np.array_equal(read_or_none(path, **options).heights, HEIGHTS)
     flat = "".join(f"{z:.4f}\n" for z in HEIGHTS.ravel())
-    for text in (f"0.5\n60\n{column}", f"{COLUMNS}\n{ROWS}\n{flat}"):
+    for text in (f"0.5\n60\n{column}", f"{NUM_COLUMNS}\n{NUM_ROWS}\n{flat}"):
         path.write_text(text)
         assert read_or_none(path, **options) is None
 
@@ -393,26 +407,26 @@ def test_first_number_with_fewer_decimals_than_the_others_causes_a_caveat(tmp_pa
 def test_words_in_a_line_of_data_are_rejected_with_the_line_number(tmp_path):
     path = tmp_path / "a.csv"
     lines = [f"{0.5 * at},{z}" for at, z in enumerate(LINE_HEIGHTS)]
-    for place in (0, 30, 59):
-        changed = lines.copy()
-        changed[place] = changed[place].split(",")[0] + ",Err"
-        path.write_text("x (um),z (um)\n" + "\n".join(changed))
+    for line_index in (0, 30, 59):
+        changed_lines = lines.copy()
+        changed_lines[line_index] = changed_lines[line_index].split(",")[0] + ",Err"
+        path.write_text("x (um),z (um)\n" + "\n".join(changed_lines))
         with pytest.raises(
-            FormatError, match=rf"line {place + 2} .*'Err' is not a number; --missing-value Err treats it"
+            FormatError, match=rf"line {line_index + 2} .*'Err' is not a number; --missing-value Err treats it"
         ):
             read_measurement(path)
         body = read_measurement(path, missing="interpolate", missing_value="Err")
-        assert body.heights.size == (60 if place == 30 else 59)
+        assert body.heights.size == (60 if line_index == 30 else 59)
 
 
 @pytest.mark.parametrize("count", [2, 30])
-@pytest.mark.parametrize("first", [0, 20, 60])
+@pytest.mark.parametrize("first_line", [0, 20, 60])
 @pytest.mark.parametrize("cells", ["{z}", "{x},{z}"])
-def test_lines_of_repeated_words_are_not_read_as_header_or_footer(tmp_path, cells, first, count):
+def test_lines_of_repeated_words_are_not_read_as_header_or_footer(tmp_path, cells, first_line, count):
     """Repeated words are neither a header nor a footer."""
     path = tmp_path / "a.csv"
     lines = [cells.format(x=0.5 * at, z=z) for at, z in enumerate(LINE_HEIGHTS)]
-    lines[first:first] = [cells.format(x="Err", z="Err" if cells == "{z}" else at) for at in range(count)]
+    lines[first_line:first_line] = [cells.format(x="Err", z="Err" if cells == "{z}" else at) for at in range(count)]
     path.write_text("\n".join(lines))
     with pytest.raises(FormatError, match=r"'Err' is not a number; --missing-value Err treats it"):
         read_measurement(path, unit="um")
@@ -485,7 +499,8 @@ def test_titled_single_lines_of_numbers_are_listed_as_channels(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("\n".join(f"Trace {at}\n{line}" for at, line in enumerate(format_rows(HEIGHTS))))
     with pytest.raises(
-        FormatError, match=rf"contains the channels 0 \(Trace 0\), .*{ROWS - 1} \(Trace {ROWS - 1}\); choose one"
+        FormatError,
+        match=rf"contains the channels 0 \(Trace 0\), .*{NUM_ROWS - 1} \(Trace {NUM_ROWS - 1}\); choose one",
     ):
         read_measurement(path, unit="um", spacing="0.5 um")
 
@@ -507,7 +522,7 @@ def test_missing_unit_and_spacing_are_reported_in_one_message(tmp_path):
 
 def test_height_factor_and_pixel_size_of_a_header_are_applied(tmp_path):
     path = tmp_path / "a.txt"
-    head = f"h={ROWS} w={COLUMNS}\npixel size=5e-007 m\ndata unit=rad\nheight conversion factor (-> m)=2e-008\n"
+    head = f"h={NUM_ROWS} w={NUM_COLUMNS}\npixel size=5e-007 m\ndata unit=rad\nheight conversion factor (-> m)=2e-008\n"
     path.write_text(head + "\n".join(format_rows(HEIGHTS, " ")))
     body = read_measurement(path)
     assert np.allclose(body.heights, 0.02 * HEIGHTS)
@@ -539,13 +554,13 @@ def test_map_written_in_any_format_is_read_with_equal_heights_and_spacing(tmp_pa
     write_surface(surface, tmp_path / "a.csv")
     write_surface(surface, tmp_path / "a.npy")
     topography = pytest.importorskip("SurfaceTopography").Topography(
-        HEIGHTS.T, physical_sizes=(0.5 * COLUMNS, 2.0 * ROWS), unit="µm"
+        HEIGHTS.T, physical_sizes=(0.5 * NUM_COLUMNS, 2.0 * NUM_ROWS), unit="µm"
     )
     topography.to_netcdf(str(tmp_path / "a.nc"))
     topography.to_matrix(str(tmp_path / "a.txt"))
     topography.to_gwy(str(tmp_path / "a.gwy"))
     topography.to_x3p(str(tmp_path / "a.x3p"))
-    x, y = np.meshgrid(0.5 * np.arange(COLUMNS), 2.0 * np.arange(ROWS))
+    x, y = np.meshgrid(0.5 * np.arange(NUM_COLUMNS), 2.0 * np.arange(NUM_ROWS))
     np.savetxt(tmp_path / "a.xyz", np.c_[x.ravel(), y.ravel(), HEIGHTS.ravel()], header="x (um) y (um) z (um)")
     stream = io.StringIO()
     np.savetxt(stream, np.block([[np.nan, x[0]], [y[:, :1], HEIGHTS]]), fmt="%.4f", delimiter=";")
@@ -557,9 +572,9 @@ def test_map_written_in_any_format_is_read_with_equal_heights_and_spacing(tmp_pa
         assert body.spacing == pytest.approx((2.0, 0.5)), name
 
 
-@pytest.mark.parametrize("name", EXPORTS)
+@pytest.mark.parametrize("name", EXPORT_FORMATS)
 def test_damaged_exports_are_read_or_rejected(tmp_path, name):
-    write, options, _ = EXPORTS[name]
+    write, options, _ = EXPORT_FORMATS[name]
     source = np.random.default_rng(len(name))
     path = tmp_path / "a.txt"
     for at in range(60):
@@ -596,7 +611,7 @@ def test_positions_count_as_uniform_if_deviations_are_within_rounding(tmp_path):
 # ---- Facts in headers of every shape ---------------------------------------------------------------------------------
 
 
-def shaped_lines(shape, heights):
+def lines_of_table(shape, heights):
     """Return the lines of a map, or of its first profile, in one of the shapes of tables. Positions are 0.5 apart."""
     count, width = heights.shape
     if shape == "column":
@@ -612,40 +627,40 @@ def shaped_lines(shape, heights):
 
 
 @pytest.mark.parametrize("shape", ["column", "positions", "triplets", "labelled", "matrix"])
-@pytest.mark.parametrize("fact", ["factor", "code", "unit", "spacing", "scale", "count"])
-def test_header_declarations_apply_to_tables_of_every_shape(tmp_path, shape, fact):
+@pytest.mark.parametrize("declaration", ["factor", "code", "unit", "spacing", "scale", "count"])
+def test_header_declarations_apply_to_tables_of_every_shape(tmp_path, shape, declaration):
     heights = HEIGHTS.copy()
-    heights[2, 3:5] = {"code": 77.25, "count": 0.0}.get(fact, 1.0)
+    heights[2, 3:5] = {"code": 77.25, "count": 0.0}.get(declaration, 1.0)
     line = {
         "factor": "Z factor: 0.001 um", "code": "Missing value: 77.25", "unit": "Z unit: nm",
         "scale": "Z scale: 500 nm", "spacing": "x spacing: 0.5 um\ny spacing: 0.5 um", "count": "Bad pixels: 0",
-    }[fact]  # fmt: skip
+    }[declaration]  # fmt: skip
     has_positions = shape not in ("column", "matrix")
-    unit = ("um", "nm") if fact == "unit" else "um"
+    unit = ("um", "nm") if declaration == "unit" else "um"
     options = {"unit": unit, "missing": "mask"}
-    if not has_positions and fact != "spacing":
+    if not has_positions and declaration != "spacing":
         options["spacing"] = "0.5 um"
     path = tmp_path / "a.txt"
-    path.write_text("\n".join([line, *shaped_lines(shape, heights)]), encoding="utf-8")
+    path.write_text("\n".join([line, *lines_of_table(shape, heights)]), encoding="utf-8")
     reading = load_reading(path, **options)
-    body, flat = reading.body, shape in ("column", "positions")
-    expected = heights.ravel() if flat else heights
-    scale = {"factor": 1e-3, "unit": 1e-3}.get(fact, 1.0)
+    body, is_profile = reading.body, shape in ("column", "positions")
+    expected = heights.ravel() if is_profile else heights
+    scale = {"factor": 1e-3, "unit": 1e-3}.get(declaration, 1.0)
     assert body.heights.shape == expected.shape
     assert np.atleast_1d(body.spacing) == pytest.approx(0.5)
-    known = expected != 77.25
-    assert np.allclose(body.heights[known], scale * expected[known], rtol=1e-12, atol=0)
-    assert (body.missing is None) == (fact != "code")
-    if fact == "code":
-        assert np.array_equal(body.missing, ~known)
-    assert ("scale" in [caveat.name for caveat in reading.caveats]) == (fact == "scale")
+    is_known = expected != 77.25
+    assert np.allclose(body.heights[is_known], scale * expected[is_known], rtol=1e-12, atol=0)
+    assert (body.missing is None) == (declaration != "code")
+    if declaration == "code":
+        assert np.array_equal(body.missing, ~is_known)
+    assert ("scale" in [caveat.name for caveat in reading.caveats]) == (declaration == "scale")
 
 
 @pytest.mark.parametrize("shape", ["triplets", "labelled"])
 @pytest.mark.parametrize("line", ["Z unit: nm", "Heights in nm", "Height [nm]"])
 def test_heights_and_positions_may_have_different_units(tmp_path, shape, line):
     path = tmp_path / "a.txt"
-    path.write_text("\n".join([line, *shaped_lines(shape, HEIGHTS)]))
+    path.write_text("\n".join([line, *lines_of_table(shape, HEIGHTS)]))
     with pytest.raises(FormatError, match="the unit of its positions"):
         read_measurement(path)
     body = read_measurement(path, unit=("um", "nm"))
@@ -653,11 +668,11 @@ def test_heights_and_positions_may_have_different_units(tmp_path, shape, line):
     assert np.allclose(body.heights, 1e-3 * HEIGHTS)
 
 
-@pytest.mark.parametrize("fact", ["x spacing: 0.4 um\ny spacing: 0.5 um", "Width: 9 um\nHeight: 3.5 um"])
+@pytest.mark.parametrize("declaration", ["x spacing: 0.4 um\ny spacing: 0.5 um", "Width: 9 um\nHeight: 3.5 um"])
 @pytest.mark.parametrize("shape", ["triplets", "labelled"])
-def test_positions_that_contradict_the_header_are_rejected(tmp_path, shape, fact):
+def test_positions_that_contradict_the_header_are_rejected(tmp_path, shape, declaration):
     path = tmp_path / "a.txt"
-    path.write_text("\n".join([fact, *shaped_lines(shape, HEIGHTS)]))
+    path.write_text("\n".join([declaration, *lines_of_table(shape, HEIGHTS)]))
     with pytest.raises(FormatError, match="but its positions"):
         read_measurement(path, unit="um")
 
@@ -687,17 +702,17 @@ def test_scale_in_a_header_multiplies_heights_only_if_it_describes_a_conversion(
 def test_positions_are_not_read_as_heights_if_the_spacing_is_declared(tmp_path):
     path = tmp_path / "a.txt"
     head = ["# x spacing: 0.25 um", "# y spacing: 0.5 um"]
-    for first in (0.5 * np.arange(ROWS), 3 + 0.5 * np.arange(ROWS)):
+    for first in (0.5 * np.arange(NUM_ROWS), 3 + 0.5 * np.arange(NUM_ROWS)):
         path.write_text("\n".join([*head, *format_rows(np.column_stack([first, HEIGHTS]))]))
         body = load_reading(path, unit="um", accept="tall").body
         assert np.array_equal(body.heights, HEIGHTS)
         assert body.spacing == (0.5, 0.25)
         assert "the first column removed: positions 0.5 um apart, as its header declares" in body.history
-    for first in (np.arange(ROWS), 1 + np.arange(ROWS), 0.3 * np.arange(ROWS), -0.5 * np.arange(ROWS)):
+    for first in (np.arange(NUM_ROWS), 1 + np.arange(NUM_ROWS), 0.3 * np.arange(NUM_ROWS), -0.5 * np.arange(NUM_ROWS)):
         path.write_text("\n".join([*head, *format_rows(np.column_stack([first, HEIGHTS]))]))
         with pytest.raises(FormatError, match="first column has equal steps"):
             read_measurement(path, unit="um")
-    path.write_text("\n".join([*head, *format_rows(np.vstack([0.25 * np.arange(COLUMNS), HEIGHTS]))]))
+    path.write_text("\n".join([*head, *format_rows(np.vstack([0.25 * np.arange(NUM_COLUMNS), HEIGHTS]))]))
     with pytest.raises(FormatError, match="first row has equal steps"):
         read_measurement(path, unit="um")
 
@@ -710,39 +725,39 @@ def test_short_row_above_a_matrix_is_rejected_unless_it_states_the_matrix_size(t
         path.write_text("\n".join(lines))
         with pytest.raises(FormatError, match=r"line 1 .* has 8 cells, but most lines have 9"):
             read_measurement(path, unit="um", spacing="0.5 um")
-    path.write_text("\n".join([f"{COLUMNS} {ROWS}", *format_rows(HEIGHTS, " ")]))
+    path.write_text("\n".join([f"{NUM_COLUMNS} {NUM_ROWS}", *format_rows(HEIGHTS, " ")]))
     body = read_measurement(path, unit="um", spacing="0.5 um")
     assert np.array_equal(body.heights, HEIGHTS)
-    assert f"line 1 ('{COLUMNS} {ROWS}') skipped as a count or a size" in body.history
+    assert f"line 1 ('{NUM_COLUMNS} {NUM_ROWS}') skipped as a count or a size" in body.history
 
 
 def test_counts_of_missing_points_are_not_read_as_missing_value_codes(tmp_path):
     path, options = tmp_path / "a.txt", {"unit": "um", "spacing": "0.5 um", "missing": "mask"}
-    whole = np.round(20 * HEIGHTS)
-    number = int(whole[whole > 0][0])
+    integer_heights = np.round(20 * HEIGHTS)
+    number = int(integer_heights[integer_heights > 0][0])
     for line, is_code in (
         (f"Bad pixels: {number}", False), (f"Missing points: {number}", False), (f"Invalid data: {number}", False),
         (f"No data value: {number}", True), (f"Missing value = {number}", True), (f"Bad pixel code: {number}", True),
     ):  # fmt: skip
-        path.write_text("\n".join([line, *format_rows(whole, form=".0f")]))
+        path.write_text("\n".join([line, *format_rows(integer_heights, form=".0f")]))
         missing = read_or_none(path, **options).missing
         assert (missing is not None) == is_code, line
-        assert not is_code or np.array_equal(missing, whole == number)
-    coded = np.where(np.isnan(HEIGHTS_WITH_HOLES), 32767, HEIGHTS_WITH_HOLES)
-    path.write_text("\n".join(["No data: 32767", *format_rows(coded)]))
+        assert not is_code or np.array_equal(missing, integer_heights == number)
+    heights_with_code = np.where(np.isnan(HEIGHTS_WITH_HOLES), 32767, HEIGHTS_WITH_HOLES)
+    path.write_text("\n".join(["No data: 32767", *format_rows(heights_with_code)]))
     assert np.array_equal(read_or_none(path, **options).missing, np.isnan(HEIGHTS_WITH_HOLES))
 
 
 def test_column_of_undefined_flags_is_rejected(tmp_path):
-    path, flagged = tmp_path / "a.txt", (4, 5, 33)
+    path, flagged_points = tmp_path / "a.txt", (4, 5, 33)
     for name, flag, is_read in (
         ("flag", 1, False), ("status", 0, False), ("z ok [0/1]", 1, False), ("invalid", 1, True), ("valid", 0, True),
         ("flag [1/0]", 0, True),
     ):  # fmt: skip
-        body = [f"{0.5 * at};{z};{flag if at in flagged else 1 - flag}" for at, z in enumerate(LINE_HEIGHTS)]
+        body = [f"{0.5 * at};{z};{flag if at in flagged_points else 1 - flag}" for at, z in enumerate(LINE_HEIGHTS)]
         path.write_text("\n".join([f"x (um);z (um);{name}", *body]))
         if is_read:
-            assert np.flatnonzero(read_measurement(path, missing="mask").missing).tolist() == list(flagged)
+            assert np.flatnonzero(read_measurement(path, missing="mask").missing).tolist() == list(flagged_points)
         else:
             with pytest.raises(FormatError, match=r'name the column "valid" .* or "invalid"'):
                 read_measurement(path, missing="mask")
@@ -753,27 +768,30 @@ def test_column_of_undefined_flags_is_rejected(tmp_path):
         assert read_measurement(path).heights.tolist() == LINE_HEIGHTS.tolist()
 
 
-def word_table(separator=",", words=("OK", "NG"), place=2, names=True):
+def word_table(separator=",", words=("OK", "NG"), word_column=2, names=True):
     """Return a profile of LINE_HEIGHTS with a column of words, of which the second marks points 4, 5 and 33."""
     lines = [["x(um)", "z(um)"]] * names + [[f"{0.5 * at:.1f}", f"{z}"] for at, z in enumerate(LINE_HEIGHTS)]
     flags = ["judgment"] * names + [words[at in (4, 5, 33)] for at in range(LINE_HEIGHTS.size)]
     return "\n".join(
-        separator.join([*cells[:place], word, *cells[place:]]) for cells, word in zip(lines, flags, strict=True)
+        separator.join([*cells[:word_column], word, *cells[word_column:]])
+        for cells, word in zip(lines, flags, strict=True)
     )
 
 
 @pytest.mark.parametrize("separator", [",", ";", "\t", " ", ", "])
 @pytest.mark.parametrize("words", [("OK", "NG"), ("pass", "fail"), ("", "spike"), ("A1", "B2")])
-@pytest.mark.parametrize("place", [0, 1, 2])
-def test_error_about_a_table_with_words_names_the_column_of_words(tmp_path, separator, words, place):
+@pytest.mark.parametrize("word_column", [0, 1, 2])
+def test_error_about_a_table_with_words_names_the_column_of_words(tmp_path, separator, words, word_column):
     if separator == " " and not words[0]:
         words = ("nan", words[1])
     path = tmp_path / "a.csv"
-    path.write_text(word_table(separator, words, place))
-    numbers = ",".join(str(index) for index in range(3) if index != place)
-    with pytest.raises(FormatError, match=rf"column {place} \(judgment\).*'{words[1]}' \(3\).*--columns {numbers}\)"):
+    path.write_text(word_table(separator, words, word_column))
+    numbers = ",".join(str(index) for index in range(3) if index != word_column)
+    with pytest.raises(
+        FormatError, match=rf"column {word_column} \(judgment\).*'{words[1]}' \(3\).*--columns {numbers}\)"
+    ):
         read_measurement(path)
-    chosen = read_measurement(path, columns=[index for index in range(3) if index != place])
+    chosen = read_measurement(path, columns=[index for index in range(3) if index != word_column])
     assert chosen.heights.tolist() == LINE_HEIGHTS.tolist()
     assert any("ignored" in step for step in chosen.history)
     masked = read_measurement(path, missing_value=words[1], missing="mask")
@@ -819,7 +837,7 @@ def test_columns_option_skips_flags_without_a_known_meaning(tmp_path):
      ("esri", "ncols "), ("esri", "nrows "), ("spip", "# x-pixels = "), ("spip", "# y-pixels = ")],
 )  # fmt: skip
 def test_counts_in_headers_that_are_not_whole_numbers_are_rejected(tmp_path, name, key, count):
-    write, options, _ = EXPORTS[name]
+    write, options, _ = EXPORT_FORMATS[name]
     lines = [f"{key}{count}" if line.startswith(key) else line for line in write().split("\n")]
     (tmp_path / "a.txt").write_text("\n".join(lines))
     with pytest.raises(FormatError) as error:
@@ -864,19 +882,19 @@ def test_tip_radius_in_a_header_is_added_to_the_history(tmp_path, line):
     assert "its header gives a tip radius of 2.5 µm (--tip)" in read_or_none(path).history
 
 
-@pytest.mark.parametrize("step", [0.25, 0.333, 0.2, 1.26])
-def test_rounded_grid_points_are_read_if_the_spacing_is_at_least_two_rounding_units(tmp_path, step):
+@pytest.mark.parametrize("spacing", [0.25, 0.333, 0.2, 1.26])
+def test_rounded_grid_points_are_read_if_the_spacing_is_at_least_two_rounding_units(tmp_path, spacing):
     path = tmp_path / "a.xyz"
     order = np.random.default_rng(5).permutation(HEIGHTS.size)
-    y, x = (step * item.ravel()[order] for item in np.mgrid[:ROWS, :COLUMNS])
+    y, x = (spacing * item.ravel()[order] for item in np.mgrid[:NUM_ROWS, :NUM_COLUMNS])
     z = HEIGHTS.ravel()[order]
-    for digits_of_position, can_be_read in ((1, True), (0, step > 2)):
+    for digits_of_position, can_be_read in ((1, True), (0, spacing > 2)):
         lines = (f"{a:.{digits_of_position}f} {b:.{digits_of_position}f} {c}" for a, b, c in zip(x, y, z, strict=True))
         path.write_text("\n".join(lines))
         if can_be_read:
             surface = read_or_none(path, unit="um")
             assert np.array_equal(surface.heights, HEIGHTS)
-            assert surface.spacing == pytest.approx((step, step), abs=0.1 / (ROWS - 1))
+            assert surface.spacing == pytest.approx((spacing, spacing), abs=0.1 / (NUM_ROWS - 1))
         else:
             with pytest.raises(FormatError):
                 read_measurement(path, unit="um")
@@ -884,8 +902,8 @@ def test_rounded_grid_points_are_read_if_the_spacing_is_at_least_two_rounding_un
 
 def test_points_that_deviate_from_a_grid_by_more_than_rounding_are_rejected(tmp_path):
     path = tmp_path / "a.xyz"
-    places = np.array([0.0, 0.25, 0.5, 0.9, 1.0, 1.25, 1.5])
-    y, x = np.meshgrid(places, places, indexing="ij")
+    positions = np.array([0.0, 0.25, 0.5, 0.9, 1.0, 1.25, 1.5])
+    y, x = np.meshgrid(positions, positions, indexing="ij")
     path.write_text("\n".join(f"{a:.2f} {b:.2f} 1.{at}" for at, (a, b) in enumerate(zip(x.flat, y.flat, strict=True))))
     with pytest.raises(FormatError, match="not on a grid"):
         read_measurement(path, unit="um")
@@ -896,11 +914,13 @@ def test_status_column_of_an_olympus_map_is_not_read_as_heights(tmp_path):
     lines = olympus_text().splitlines()
     first = next(at for at, line in enumerate(lines) if line.startswith("DataLine"))
     lines[first] += ",Status"
-    alike = [*lines[: first + 1], *(f"{line},1" for line in lines[first + 1 :])]
-    path.write_text("\n".join(alike))
-    plain = tmp_path / "b.csv"
-    plain.write_text(olympus_text())
-    assert np.array_equal(read_or_none(path, missing="mask").heights, read_or_none(plain, missing="mask").heights)
-    path.write_text("\n".join([*alike[:-1], alike[-1][:-1] + "0"]))
+    lines_with_status = [*lines[: first + 1], *(f"{line},1" for line in lines[first + 1 :])]
+    path.write_text("\n".join(lines_with_status))
+    path_without_status = tmp_path / "b.csv"
+    path_without_status.write_text(olympus_text())
+    assert np.array_equal(
+        read_or_none(path, missing="mask").heights, read_or_none(path_without_status, missing="mask").heights
+    )
+    path.write_text("\n".join([*lines_with_status[:-1], lines_with_status[-1][:-1] + "0"]))
     with pytest.raises(FormatError, match="flags of unknown meaning"):
         read_measurement(path, missing="mask")

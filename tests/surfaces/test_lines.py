@@ -47,21 +47,24 @@ def test_line_roughness_equals_the_mean_over_single_lines():
 
 def test_roughness_along_y_equals_roughness_along_x_of_the_transposed_surface():
     surface = stacked_rows(0.6, lines=12, points=300)
-    on_its_side = Surface(surface.heights.T, spacing=(0.02, 0.5))
-    for one, other in (("x", "y"), ("y", "x")):
-        result, again = line_roughness(surface, one), line_roughness(on_its_side, other)
-        assert again.Pq == result.Pq
-        assert again.band == result.band
-        assert np.array_equal(again.hurst_exponents, result.hurst_exponents)
-        assert np.array_equal(again.spectrum.wave_number, result.spectrum.wave_number)
+    transposed_surface = Surface(surface.heights.T, spacing=(0.02, 0.5))
+    for direction, transposed_direction in (("x", "y"), ("y", "x")):
+        result, transposed_result = (
+            line_roughness(surface, direction),
+            line_roughness(transposed_surface, transposed_direction),
+        )
+        assert transposed_result.Pq == result.Pq
+        assert transposed_result.band == result.band
+        assert np.array_equal(transposed_result.hurst_exponents, result.hurst_exponents)
+        assert np.array_equal(transposed_result.spectrum.wave_number, result.spectrum.wave_number)
 
 
 def test_line_roughness_is_invariant_under_levelling():
     surface = stacked_rows(0.6, lines=12, points=300)
     for along in ("x", "y"):
-        result, again = line_roughness(surface, along), line_roughness(levelled(surface, "plane"), along)
-        assert again.Pq == pytest.approx(result.Pq, rel=1e-9)
-        assert again.hurst_exponents == pytest.approx(result.hurst_exponents, abs=1e-6)
+        result, levelled_result = line_roughness(surface, along), line_roughness(levelled(surface, "plane"), along)
+        assert levelled_result.Pq == pytest.approx(result.Pq, rel=1e-9)
+        assert levelled_result.hurst_exponents == pytest.approx(result.hurst_exponents, abs=1e-6)
 
 
 def test_line_roughness_fits_exponents_of_all_lines_in_a_common_band():
@@ -136,9 +139,9 @@ def test_lines_along_both_axes_are_fitted_in_a_common_band(monkeypatch):
     along_x, along_y = lines_along_both(surface)
     assert along_x.band == along_y.band
     # Each single line is fitted in the specified band.
-    again = line_roughness(surface, "y", band=along_y.band)
-    assert np.array_equal(again.hurst_exponents, along_y.hurst_exponents)
-    assert (again.with_band, again.misfit) == (along_y.with_band, along_y.misfit)
+    single_axis_result = line_roughness(surface, "y", band=along_y.band)
+    assert np.array_equal(single_axis_result.hurst_exponents, along_y.hurst_exponents)
+    assert (single_axis_result.with_band, single_axis_result.misfit) == (along_y.with_band, along_y.misfit)
     arguments = lines_along_both(surface, band=(4.0, 12.0))
     assert arguments[0].band == arguments[1].band == (4.0, 12.0)
 
@@ -152,7 +155,7 @@ def test_lines_along_straight_grooves_have_no_hurst_exponent():
 
 
 def test_misfit_is_near_1_for_a_power_law_and_larger_for_a_spectrum_with_a_bend():
-    straight = Surface(
+    straight_grooves = Surface(
         [
             self_affine(2, hurst_exponent=0.7, rms=0.1, points=512, spacing=1.0, periodic=True, amplitudes="fixed",
                         repetition=row).heights
@@ -161,6 +164,6 @@ def test_misfit_is_near_1_for_a_power_law_and_larger_for_a_spectrum_with_a_bend(
         spacing=1.0,
     )  # fmt: skip
     # The misfit includes leakage of the window and the scatter of 40 lines.
-    assert line_roughness(straight, "x", band=(3.0, 60.0)).misfit < 1.15
-    bent = stacked_rows(0.7, points=512, longest_wavelength=0.3)
-    assert line_roughness(bent, "x", band=(0.05, 3.0)).misfit > 1.5
+    assert line_roughness(straight_grooves, "x", band=(3.0, 60.0)).misfit < 1.15
+    surface_with_roll_off = stacked_rows(0.7, points=512, longest_wavelength=0.3)
+    assert line_roughness(surface_with_roll_off, "x", band=(0.05, 3.0)).misfit > 1.5

@@ -45,8 +45,10 @@ def test_material_and_void_volumes_equal_integrals_of_the_bearing_curve(heights)
 
 def test_parameters_of_uniformly_distributed_heights_equal_closed_forms():
     # Heights are uniform from -1 to 1, so c(p) = 1 - 2 p, and the volume above ratio p is p².
-    even = Surface(np.random.default_rng(1).permutation(np.linspace(-1, 1, 40_000)).reshape(200, 200), spacing=1.0)
-    result = surface_parameters(even)
+    uniform_surface = Surface(
+        np.random.default_rng(1).permutation(np.linspace(-1, 1, 40_000)).reshape(200, 200), spacing=1.0
+    )
+    result = surface_parameters(uniform_surface)
     expected = {
         "Sp": 1, "Sv": 1, "Smr": 0.5, "Sdc": 1.4, "Sxp": 0.95, "Vmp": 0.01, "Vmc": 0.63, "Vvc": 0.81 - 0.04,
         "Vvv": 0.04,
@@ -98,9 +100,9 @@ def test_parameter_values_scale_with_size_as_their_units_require():
     assert len(ROUGHNESS_PARAMETERS) == len(SURFACE_PARAMETERS) + sum(map(len, PROFILE_PARAMETERS.values()))
     # If heights become ten times as large, a parameter changes by a power of this factor that depends on its unit.
     power = {"µm": 1, "1/µm": 1, "": 0, "degrees": 0, "1/µm²": 0}
-    lateral = {"Sal": 0, "Ssw": 0, "Sdq": 1, "Sdr": 2}
-    large = surface_parameters(Surface(10 * surface.heights, spacing=(500.0, 500.0)))
-    small = surface_parameters(Surface(surface.heights, spacing=(500.0, 500.0)))
-    for name, value in small.values.items():
-        factor = 10.0 ** lateral.get(name, power[ROUGHNESS_PARAMETERS[name].unit])
-        assert large.values[name] == pytest.approx(factor * value, rel=1e-4, nan_ok=True), name
+    lateral_powers = {"Sal": 0, "Ssw": 0, "Sdq": 1, "Sdr": 2}
+    enlarged_parameters = surface_parameters(Surface(10 * surface.heights, spacing=(500.0, 500.0)))
+    original_parameters = surface_parameters(Surface(surface.heights, spacing=(500.0, 500.0)))
+    for name, value in original_parameters.values.items():
+        factor = 10.0 ** lateral_powers.get(name, power[ROUGHNESS_PARAMETERS[name].unit])
+        assert enlarged_parameters.values[name] == pytest.approx(factor * value, rel=1e-4, nan_ok=True), name

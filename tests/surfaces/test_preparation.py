@@ -37,8 +37,8 @@ def test_levelling_removes_an_added_trend(seed, points, coefficients):
     t = np.linspace(-1, 1, points)
     bent = Profile(profile.heights + np.polynomial.Polynomial(coefficients)(t), spacing=0.1)
     assert np.abs(levelled(bent, "quadratic").heights - levelled(profile, "quadratic").heights).max() < ROUND_OFF
-    once = levelled(profile, "line")
-    assert np.abs(levelled(once, "line").heights - once.heights).max() < ROUND_OFF
+    levelled_once = levelled(profile, "line")
+    assert np.abs(levelled(levelled_once, "line").heights - levelled_once.heights).max() < ROUND_OFF
 
 
 def test_levelling_is_accurate_for_a_large_tilt():
@@ -60,11 +60,11 @@ def test_levelling_rejects_a_trend_meant_for_another_kind_of_body():
 # ---- Cropping -------------------------------------------------------------------------------------------------------
 
 
-@given(points=st.integers(8, 200), cut=st.floats(0.05, 0.95), spacing=st.sampled_from([0.1, 0.3, 1 / 3, 7.0]))
-def test_adjacent_crops_joined_together_equal_the_original_profile(points, cut, spacing):
+@given(points=st.integers(8, 200), cut_fraction=st.floats(0.05, 0.95), spacing=st.sampled_from([0.1, 0.3, 1 / 3, 7.0]))
+def test_adjacent_crops_joined_together_equal_the_original_profile(points, cut_fraction, spacing):
     profile = rough_profile(points, spacing)
-    place = min(max(round(cut * points), 4), points - 4) * spacing
-    left, right = cropped(profile, stop=place), cropped(profile, place)
+    cut_position = min(max(round(cut_fraction * points), 4), points - 4) * spacing
+    left, right = cropped(profile, stop=cut_position), cropped(profile, cut_position)
     assert np.array_equal(np.concatenate([left.heights, right.heights]), profile.heights)
     assert np.array_equal(cropped(profile, 0, profile.extent).heights, profile.heights)
 

@@ -18,26 +18,27 @@ def test_grid_of_a_profile_starts_at_zero_and_extends_over_all_points():
 @pytest.mark.parametrize("body", [Profile(HEIGHTS, spacing=1.0), Surface(np.zeros((4, 4)), spacing=1.0)])
 def test_heights_of_a_profile_are_a_read_only_copy(body):
     """Check the copy of heights also for a read-only view and for a pickled profile."""
-    mine = np.array(body.heights)
-    view = mine.view()
+    source_heights = np.array(body.heights)
+    view = source_heights.view()
     view.flags.writeable = False
-    for one in (type(body)(mine, spacing=1.0), type(body)(view, spacing=1.0)):
-        mine += 1
-        assert not np.array_equal(one.heights, mine)
-        again = pickle.loads(pickle.dumps(one))
-        assert np.array_equal(again.heights, one.heights)
-        assert again.spacing == one.spacing
-        for item in (one, again):
+    for created in (type(body)(source_heights, spacing=1.0), type(body)(view, spacing=1.0)):
+        source_heights += 1
+        assert not np.array_equal(created.heights, source_heights)
+        unpickled = pickle.loads(pickle.dumps(created))
+        assert np.array_equal(unpickled.heights, created.heights)
+        assert unpickled.spacing == created.spacing
+        for body_copy in (created, unpickled):
             with pytest.raises(ValueError, match="read-only"):
-                item.heights[0] = 1
+                body_copy.heights[0] = 1
 
 
 @pytest.mark.parametrize(
-    ("measure", "size"), [("height", np.ptp), ("Ra", lambda y: np.abs(y - y.mean()).mean()), ("Rq", np.std)]
+    ("measure", "compute_amplitude"),
+    [("height", np.ptp), ("Ra", lambda y: np.abs(y - y.mean()).mean()), ("Rq", np.std)],
 )
-def test_profile_scaled_to_an_amplitude_has_this_amplitude(measure, size):
+def test_profile_scaled_to_an_amplitude_has_this_amplitude(measure, compute_amplitude):
     scaled = Profile(HEIGHTS + 7, spacing=1.0).with_amplitude(0.3, measure)
-    assert size(scaled.heights) == pytest.approx(0.3, abs=ROUND_OFF)
+    assert compute_amplitude(scaled.heights) == pytest.approx(0.3, abs=ROUND_OFF)
     assert scaled.heights.mean() == pytest.approx(0, abs=ROUND_OFF)
     assert np.corrcoef(scaled.heights, HEIGHTS)[0, 1] == pytest.approx(1, abs=ROUND_OFF)
     assert scaled.spacing == 1.0

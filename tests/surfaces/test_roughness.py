@@ -34,12 +34,16 @@ class TestRoughnessParameters:
 
     @pytest.mark.parametrize(("derivative", "order", "factor"), [("neighbours", 2, 24), ("seven-point", 6, 140)])
     def test_slope_error_of_a_sinusoid_equals_the_error_of_the_difference_formula(self, derivative, order, factor):
-        exact = 2 * np.pi / WAVELENGTH * AMPLITUDE / np.sqrt(2)
+        exact_slope = 2 * np.pi / WAVELENGTH * AMPLITUDE / np.sqrt(2)
         for n in (16, 32):
             # The sinusoid is long, so that the six points without a seven-point slope have little weight.
-            short = 1 - roughness_parameters(sinusoid(n, waves=40_000), derivative=derivative).Pdq / exact
+            relative_error = (
+                1 - roughness_parameters(sinusoid(n, waves=40_000), derivative=derivative).Pdq / exact_slope
+            )
             # The next term of the error is smaller by a factor of about (2π/n)².
-            assert short == pytest.approx((2 * np.pi / n) ** order / factor, rel=(2 * np.pi / n) ** 2, abs=2e-6)
+            assert relative_error == pytest.approx(
+                (2 * np.pi / n) ** order / factor, rel=(2 * np.pi / n) ** 2, abs=2e-6
+            )
 
     def test_roughness_parameters_of_normal_heights_equal_closed_forms(self):
         result = roughness_parameters(rough_profile(points=200_000, longest_wavelength=1.0))
@@ -79,7 +83,7 @@ class TestAgainstSurfaceTopographyPackage:
     TRANSFORM_TOLERANCE = 1e-9  # relative round-off of two successive Fourier transforms
 
     @pytest.fixture
-    def line_scan(self):
+    def line_scan_class(self):
         return pytest.importorskip("SurfaceTopography").UniformLineScan
 
     @pytest.fixture(params=["generated", "measured"])
@@ -88,33 +92,33 @@ class TestAgainstSurfaceTopographyPackage:
             return levelled(read_profile(request.getfixturevalue("measured_file")("dektak-1.csv")), "line")
         return levelled(rough_profile(), "mean")
 
-    def test_levelling_agrees_with_the_surface_topography_package(self, line_scan, measured_file):
+    def test_levelling_agrees_with_the_surface_topography_package(self, line_scan_class, measured_file):
         profile = read_profile(measured_file("dektak-1.csv"))
-        theirs = line_scan(profile.heights.copy(), profile.extent, unit="um").detrend("height")
-        assert np.abs(theirs.heights() - levelled(profile, "line").heights).max() < self.TRANSFORM_TOLERANCE
+        other_profile = line_scan_class(profile.heights.copy(), profile.extent, unit="um").detrend("height")
+        assert np.abs(other_profile.heights() - levelled(profile, "line").heights).max() < self.TRANSFORM_TOLERANCE
 
-    def test_height_and_slope_agree_with_the_surface_topography_package(self, line_scan, profile):
-        theirs = line_scan(profile.heights, profile.extent, unit="um")
-        ours = roughness_parameters(profile, derivative="neighbours")
-        assert ours.Pq == pytest.approx(theirs.rms_height_from_profile(), rel=self.TRANSFORM_TOLERANCE)
-        assert ours.Pdq == pytest.approx(theirs.rms_slope_from_profile(), rel=self.TRANSFORM_TOLERANCE)
+    def test_height_and_slope_agree_with_the_surface_topography_package(self, line_scan_class, profile):
+        other_profile = line_scan_class(profile.heights, profile.extent, unit="um")
+        computed = roughness_parameters(profile, derivative="neighbours")
+        assert computed.Pq == pytest.approx(other_profile.rms_height_from_profile(), rel=self.TRANSFORM_TOLERANCE)
+        assert computed.Pdq == pytest.approx(other_profile.rms_slope_from_profile(), rel=self.TRANSFORM_TOLERANCE)
         # For periodic profiles SurfaceTopography includes the step from the last point to the first point.
-        periodic = line_scan(profile.heights, profile.extent, unit="um", periodic=True)
+        periodic = line_scan_class(profile.heights, profile.extent, unit="um", periodic=True)
         step = (profile.heights[0] - profile.heights[-1]) / profile.spacing
         points = len(profile)
-        expected = np.sqrt(((points - 1) * ours.Pdq**2 + step**2) / points)
+        expected = np.sqrt(((points - 1) * computed.Pdq**2 + step**2) / points)
         assert periodic.rms_slope_from_profile() == pytest.approx(expected, rel=self.TRANSFORM_TOLERANCE)
 
     @pytest.mark.parametrize("periodic", [True, False])
-    def test_spectrum_agrees_with_the_surface_topography_package(self, line_scan, profile, periodic):
-        theirs = line_scan(profile.heights, profile.extent, unit="um", periodic=periodic)
-        q, density = theirs.power_spectrum_from_profile(resampling_method=None)
-        ours = power_spectrum(profile, periodic=periodic)
+    def test_spectrum_agrees_with_the_surface_topography_package(self, line_scan_class, profile, periodic):
+        other_profile = line_scan_class(profile.heights, profile.extent, unit="um", periodic=periodic)
+        q, density = other_profile.power_spectrum_from_profile(resampling_method=None)
+        computed = power_spectrum(profile, periodic=periodic)
         # the spectrum of SurfaceTopography begins at q = 0 and ends before the Nyquist wave number
-        shared = slice(0, q.size - 1)
-        assert np.allclose(ours.wave_number[shared], q[1:], rtol=self.TRANSFORM_TOLERANCE, atol=0)
+        common_indices = slice(0, q.size - 1)
+        assert np.allclose(computed.wave_number[common_indices], q[1:], rtol=self.TRANSFORM_TOLERANCE, atol=0)
         assert np.allclose(
-            ours.density[shared],
+            computed.density[common_indices],
             density[1:],
             rtol=self.TRANSFORM_TOLERANCE,
             atol=self.TRANSFORM_TOLERANCE**2 * density.max(),
@@ -139,10 +143,10 @@ def parameters_by_definition(surface):
     area = 0.0
     for j in range(rows - 1):
         for i in range(columns - 1):
-            corner = [np.array([x * dx, y * dy, z[j + y, i + x]]) for y, x in ((0, 0), (0, 1), (1, 0), (1, 1))]
+            corners = [np.array([x * dx, y * dy, z[j + y, i + x]]) for y, x in ((0, 0), (0, 1), (1, 0), (1, 1))]
             # the mesh is divided into triangles in both possible ways
             for a, b, c in ((0, 1, 2), (3, 1, 2), (1, 0, 3), (2, 0, 3)):
-                area += np.linalg.norm(np.cross(corner[b] - corner[a], corner[c] - corner[a])) / 4
+                area += np.linalg.norm(np.cross(corners[b] - corners[a], corners[c] - corners[a])) / 4
     return {
         "Sq": sq, "Sa": math.fsum(abs(v) for v in z.flat) / n, "Sz": float(z.max() - z.min()),
         "Ssk": math.fsum(v**3 for v in z.flat) / n / sq**3, "Sku": math.fsum(v**4 for v in z.flat) / n / sq**4,
@@ -207,32 +211,37 @@ def test_texture_direction_equals_the_direction_of_grooves(angle):
     # The cosine falls to 0.2 at arccos(0.2)/2π of the wavelength, except for partial periods in the overlap.
     assert result.Sal == pytest.approx(2.0 * math.acos(0.2) / (2 * math.pi), rel=0.02)
     assert math.isnan(result.Str)  # Along the grooves the autocorrelation never falls to 0.2.
-    off = abs((result.Std - angle + 90) % 180 - 90)
-    assert off <= 3  # This tolerance includes a sector of two degrees and the spread of the window.
+    angle_error = abs((result.Std - angle + 90) % 180 - 90)
+    assert angle_error <= 3  # This tolerance includes a sector of two degrees and the spread of the window.
 
 
 def test_core_roughness_of_known_distributions_equals_closed_forms():
     # The heights are equally spread, so the bearing curve is straight, without peaks or valleys.
-    even = Surface(np.random.default_rng(1).permutation(np.linspace(0, 2, 10_000)).reshape(100, 100), spacing=1.0)
-    result = surface_parameters(even)
+    uniform_surface = Surface(
+        np.random.default_rng(1).permutation(np.linspace(0, 2, 10_000)).reshape(100, 100), spacing=1.0
+    )
+    result = surface_parameters(uniform_surface)
     assert result.Sk == pytest.approx(2, rel=1e-3)
     assert result.Spk == pytest.approx(0, abs=1e-3)
     # Expected values for normal heights are integrals of the normal distribution.
     # The core from 30 to 70 % is fitted by least squares.
     from scipy.stats import norm
 
-    share = np.linspace(0.3, 0.7, 40_001)
-    slope, upper = np.polyfit(share, norm.isf(share), 1)
-    lower = slope + upper
-    normal = Surface(
+    material_ratios = np.linspace(0.3, 0.7, 40_001)
+    slope, upper_core_limit = np.polyfit(material_ratios, norm.isf(material_ratios), 1)
+    lower_core_limit = slope + upper_core_limit
+    normal_surface = Surface(
         np.random.default_rng(2).permutation(norm.isf((np.arange(250_000) + 0.5) / 250_000)).reshape(500, 500),
         spacing=1.0,
     )
-    result = surface_parameters(normal)
+    result = surface_parameters(normal_surface)
     assert result.Sk == pytest.approx(-slope, rel=1e-3)
-    assert result.Smr1 == pytest.approx(norm.sf(upper), abs=1e-3)
-    assert result.Smr2 == pytest.approx(norm.sf(lower), abs=1e-3)
-    assert result.Spk == pytest.approx(2 * (norm.pdf(upper) - upper * norm.sf(upper)) / norm.sf(upper), rel=5e-3)
+    assert result.Smr1 == pytest.approx(norm.sf(upper_core_limit), abs=1e-3)
+    assert result.Smr2 == pytest.approx(norm.sf(lower_core_limit), abs=1e-3)
+    assert result.Spk == pytest.approx(
+        2 * (norm.pdf(upper_core_limit) - upper_core_limit * norm.sf(upper_core_limit)) / norm.sf(upper_core_limit),
+        rel=5e-3,
+    )
     assert result.Svk == pytest.approx(result.Spk, rel=5e-3)
 
 
@@ -259,8 +268,8 @@ def test_bearing_curve_returns_heights_at_material_ratios():
 
 def test_surface_parameters_scale_with_size_and_are_invariant_under_rotation():
     surface = gaussian_surface()
-    one = surface_parameters(surface)
-    other = surface_parameters(Surface(1e-3 * surface.heights, spacing=(0.5e-3, 0.25e-3)))
+    original_parameters = surface_parameters(surface)
+    scaled_parameters = surface_parameters(Surface(1e-3 * surface.heights, spacing=(0.5e-3, 0.25e-3)))
     for name, power in {
         "Sq": 1,
         "Sz": 1,
@@ -273,12 +282,16 @@ def test_surface_parameters_scale_with_size_and_are_invariant_under_rotation():
         "Sk": 1,
         "Smr1": 0,
     }.items():
-        assert getattr(other, name) == pytest.approx(getattr(one, name) * 1e-3**power, rel=1e-9, nan_ok=True), name
-    turned = surface_parameters(Surface(surface.heights.T, spacing=(0.25, 0.5)))
+        assert getattr(scaled_parameters, name) == pytest.approx(
+            getattr(original_parameters, name) * 1e-3**power, rel=1e-9, nan_ok=True
+        ), name
+    rotated_parameters = surface_parameters(Surface(surface.heights.T, spacing=(0.25, 0.5)))
     for name in ("Sq", "Sdq", "Sdr", "Sal", "Sk", "Svk"):
-        assert getattr(turned, name) == pytest.approx(getattr(one, name), rel=1e-9), name
-    over = surface_parameters(Surface(-surface.heights, spacing=surface.spacing))
-    assert (over.Spk, over.Ssk, over.Smr1) == pytest.approx((one.Svk, -one.Ssk, 1 - one.Smr2), rel=1e-6)
+        assert getattr(rotated_parameters, name) == pytest.approx(getattr(original_parameters, name), rel=1e-9), name
+    flipped_parameters = surface_parameters(Surface(-surface.heights, spacing=surface.spacing))
+    assert (flipped_parameters.Spk, flipped_parameters.Ssk, flipped_parameters.Smr1) == pytest.approx(
+        (original_parameters.Svk, -original_parameters.Ssk, 1 - original_parameters.Smr2), rel=1e-6
+    )
 
 
 def test_surface_parameters_agree_with_the_surface_topography_package():

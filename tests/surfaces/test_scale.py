@@ -46,8 +46,8 @@ def test_scale_dependent_roughness_tends_to_the_spectral_moments():
 
 def test_scale_dependent_roughness_is_the_sum_of_the_spectrum_above_a_wavelength():
     x = np.arange(1000) * 0.1
-    long, short = 0.3 * np.sin(2 * np.pi * x / 10), 0.02 * np.sin(2 * np.pi * x / 0.5)
-    result = scale_dependent_roughness(Profile(long + short, spacing=0.1), periodic=True)
+    long_wave, short_wave = 0.3 * np.sin(2 * np.pi * x / 10), 0.02 * np.sin(2 * np.pi * x / 0.5)
+    result = scale_dependent_roughness(Profile(long_wave + short_wave, spacing=0.1), periodic=True)
     slopes = [0.3 * 2 * np.pi / 10 / math.sqrt(2), 0.02 * 2 * np.pi / 0.5 / math.sqrt(2)]
     assert result.gradient_at([20.0, 5.0, 0.3]) == pytest.approx([0, slopes[0], math.hypot(*slopes)], rel=1e-6)
     assert float(result.fraction_below(5.0)) == pytest.approx(slopes[1] ** 2 / (slopes[0] ** 2 + slopes[1] ** 2))
@@ -77,24 +77,24 @@ def test_scale_dependent_roughness_is_independent_of_tilt_and_units():
         4, hurst_exponent=0.7, rms=0.1, points=8192, spacing=0.01, longest_wavelength=2.0, shortest_wavelength=0.2
     )
     result = scale_dependent_roughness(profile)
-    own = math.sqrt(np.mean(np.square(np.diff(profile.heights) / 0.01)))
+    rms_slope = math.sqrt(np.mean(np.square(np.diff(profile.heights) / 0.01)))
     # The window changes the weights of about a hundred wavelengths, which causes scatter.
-    assert result.gradient[-1] == pytest.approx(own, rel=0.05)
-    tilted = scale_dependent_roughness(Profile(5 + profile.heights + 0.3 * profile.x, spacing=0.01))
-    assert tilted.gradient == pytest.approx(result.gradient, rel=1e-6)
-    larger = scale_dependent_roughness(Profile(10 * profile.heights, spacing=0.1))
-    assert larger.gradient == pytest.approx(result.gradient, rel=ROUND_OFF)
-    assert 10 * larger.curvature == pytest.approx(result.curvature, rel=ROUND_OFF)
+    assert result.gradient[-1] == pytest.approx(rms_slope, rel=0.05)
+    tilted_roughness = scale_dependent_roughness(Profile(5 + profile.heights + 0.3 * profile.x, spacing=0.01))
+    assert tilted_roughness.gradient == pytest.approx(result.gradient, rel=1e-6)
+    enlarged_roughness = scale_dependent_roughness(Profile(10 * profile.heights, spacing=0.1))
+    assert enlarged_roughness.gradient == pytest.approx(result.gradient, rel=ROUND_OFF)
+    assert 10 * enlarged_roughness.curvature == pytest.approx(result.curvature, rel=ROUND_OFF)
 
 
 @pytest.mark.parametrize("hurst", [0.3, 0.8])
-@pytest.mark.parametrize("areal", [True, False])
-def test_extrapolation_of_a_coarse_scan_agrees_with_a_fine_scan(hurst, areal):
+@pytest.mark.parametrize("is_areal", [True, False])
+def test_extrapolation_of_a_coarse_scan_agrees_with_a_fine_scan(hurst, is_areal):
     """Compare the extrapolation from a coarse scan with a fine scan."""
-    if areal:
-        rough_one = {"hurst_exponent": hurst, "rms": 0.1, "shape": (512, 512), "spacing": 0.01}
-        fine = self_affine_surface(3, longest_wavelength=1.28, **rough_one)
-        coarse = self_affine_surface(3, longest_wavelength=1.28, shortest_wavelength=0.16, **rough_one)
+    if is_areal:
+        roughness_options = {"hurst_exponent": hurst, "rms": 0.1, "shape": (512, 512), "spacing": 0.01}
+        fine = self_affine_surface(3, longest_wavelength=1.28, **roughness_options)
+        coarse = self_affine_surface(3, longest_wavelength=1.28, shortest_wavelength=0.16, **roughness_options)
         coarse = Surface(coarse.heights[::8, ::8] * 1, spacing=0.08)
         scale = math.sqrt(
             surface_spectrum(fine, periodic=True).radial().density[0]
@@ -105,26 +105,26 @@ def test_extrapolation_of_a_coarse_scan_agrees_with_a_fine_scan(hurst, areal):
     else:
         fine = self_affine(3, hurst_exponent=hurst, rms=0.1, points=2**15, spacing=0.01, periodic=True)
         coarse = Profile(np.fft.irfft(np.fft.rfft(fine.heights)[: 2**11 + 1], 2**12) / 8, spacing=0.08)
-    truth = scale_dependent_roughness(fine, periodic=True)
-    recorded = scale_dependent_roughness(coarse, periodic=True)
+    true_roughness = scale_dependent_roughness(fine, periodic=True)
+    coarse_roughness = scale_dependent_roughness(coarse, periodic=True)
     estimate = estimate_hurst_exponent(coarse, periodic=True)
-    lines = [recorded.continued([0.02, 0.04, 0.1], line) for line in interval_power_laws(estimate)]
-    expected = truth.gradient_at([0.02, 0.04, 0.1])
+    lines = [coarse_roughness.continued([0.02, 0.04, 0.1], line) for line in interval_power_laws(estimate)]
+    expected = true_roughness.gradient_at([0.02, 0.04, 0.1])
     assert lines[0] == pytest.approx(expected, rel=0.15)
     assert (lines[2] <= lines[0]).all()
     assert (lines[0] <= lines[1]).all()
-    length = recorded.wavelength_of(float(lines[0][0]), estimate)
+    length = coarse_roughness.wavelength_of(float(lines[0][0]), estimate)
     assert length == pytest.approx(0.02, rel=1e-6)
-    assert recorded.wavelength_of(float(recorded.gradient_at(0.3))) == pytest.approx(0.3, rel=1e-6)
-    assert math.isnan(recorded.wavelength_of(2 * float(recorded.gradient[-1])))
-    assert recorded.wavelength_of(1e-9) == pytest.approx(recorded.wavelength[0], rel=1e-6)
+    assert coarse_roughness.wavelength_of(float(coarse_roughness.gradient_at(0.3))) == pytest.approx(0.3, rel=1e-6)
+    assert math.isnan(coarse_roughness.wavelength_of(2 * float(coarse_roughness.gradient[-1])))
+    assert coarse_roughness.wavelength_of(1e-9) == pytest.approx(coarse_roughness.wavelength[0], rel=1e-6)
 
 
 def test_extrapolation_is_continuous_at_a_hurst_exponent_of_1():
     estimate = replace(estimate_hurst_exponent(rough_profile(points=4096)), value=1.0)
-    recorded = scale_dependent_roughness(rough_profile(points=4096))
-    near = replace(estimate, value=1 + 1e-9)
-    assert recorded.continued(1e-4, estimate) == pytest.approx(recorded.continued(1e-4, near), rel=1e-6)
+    roughness = scale_dependent_roughness(rough_profile(points=4096))
+    close_estimate = replace(estimate, value=1 + 1e-9)
+    assert roughness.continued(1e-4, estimate) == pytest.approx(roughness.continued(1e-4, close_estimate), rel=1e-6)
 
 
 class TestInstrumentLimit:
@@ -142,8 +142,10 @@ class TestInstrumentLimit:
         surface = self_affine_surface(1, hurst_exponent=hurst, rms=0.1, shape=(256, 256), spacing=(0.02, 0.01))
         result = instrument_limit(surface)
         assert (result.reason, result.wavelength, result.pixels) == ("pixels", 0.04, 0.04)
-        folded = Surface(surface.heights[::4, ::4], spacing=(0.08, 0.04))  # This subsampling also causes aliasing.
-        assert instrument_limit(folded).reason == "pixels"
+        subsampled_surface = Surface(
+            surface.heights[::4, ::4], spacing=(0.08, 0.04)
+        )  # This subsampling also causes aliasing.
+        assert instrument_limit(subsampled_surface).reason == "pixels"
 
     @pytest.mark.parametrize("noise", [0.3e-3, 1e-3, 1e-2])
     def test_spectrum_at_the_noise_limit_is_a_small_multiple_of_the_noise_power(self, noise):
@@ -184,35 +186,35 @@ class TestInstrumentLimit:
         assert instrument_limit(read_profile(measured_file("dektak-1.csv"))).reason == "pixels"
 
     def test_coloured_noise_is_detected_and_the_filtered_slope_is_correct(self):
-        points, step, acted, right = 4000, 1 / 60, 0, 0
-        frequency = np.fft.rfftfreq(points, step)
-        colours = {
+        points, spacing, num_filtered, num_correct = 4000, 1 / 60, 0, 0
+        frequency = np.fft.rfftfreq(points, spacing)
+        bands_by_colour = {
             "white": frequency > 0, "band": (frequency > 8) & (frequency < 18), "end": frequency > 24,
             "line": np.abs(frequency - 12) < 0.01,
         }  # fmt: skip
         for repetition in range(3):
             for hurst in (0.4, 0.6, 0.8):
-                clean = self_affine(
-                    7, hurst_exponent=hurst, rms=0.01, points=points, spacing=step, repetition=repetition,
-                    longest_wavelength=20.0, shortest_wavelength=8 * step,
+                clean_profile = self_affine(
+                    7, hurst_exponent=hurst, rms=0.01, points=points, spacing=spacing, repetition=repetition,
+                    longest_wavelength=20.0, shortest_wavelength=8 * spacing,
                 )  # fmt: skip
-                assert instrument_limit(clean).reason == "pixels"
-                for seed, (name, band) in enumerate(colours.items()):
+                assert instrument_limit(clean_profile).reason == "pixels"
+                for seed, (name, band) in enumerate(bands_by_colour.items()):
                     random = np.random.default_rng([repetition, seed])
                     noise = np.fft.irfft(band * np.exp(2j * np.pi * random.uniform(size=band.size)), points)
-                    heights = clean.heights + 0.03 * clean.heights.std() * noise / noise.std()
-                    result = instrument_limit(Profile(heights, spacing=step))
+                    heights = clean_profile.heights + 0.03 * clean_profile.heights.std() * noise / noise.std()
+                    result = instrument_limit(Profile(heights, spacing=spacing))
                     if result.reason == "pixels":
                         assert name == "band"  # the hump is at most as high as the end of the spectrum of the surface
                         continue
                     slopes = [
-                        np.gradient(cut_off(Profile(z, spacing=step), result.wavelength).heights).std()
-                        for z in (heights, clean.heights)
+                        np.gradient(cut_off(Profile(z, spacing=spacing), result.wavelength).heights).std()
+                        for z in (heights, clean_profile.heights)
                     ]
-                    acted += 1
-                    right += abs(slopes[0] / slopes[1] - 1) < 0.05
-        assert acted >= 30
-        assert right >= 0.95 * acted
+                    num_filtered += 1
+                    num_correct += abs(slopes[0] / slopes[1] - 1) < 0.05
+        assert num_filtered >= 30
+        assert num_correct >= 0.95 * num_filtered
 
     def test_hump_in_the_spectrum_at_long_wavelengths_is_not_reported_as_noise(self):
         rough = self_affine(3, hurst_exponent=0.8, rms=0.01, points=8192, spacing=0.1, longest_wavelength=100.0)
@@ -234,10 +236,12 @@ def make_body(heights, spacing=0.1):
 
 class TestMachinedTexture:
     @pytest.mark.parametrize("dimensions", [1, 2])
-    @pytest.mark.parametrize("kind", MACHINED_SURFACES)
-    def test_clean_surface_has_no_wavelengths_attributed_to_the_instrument(self, kind, dimensions):
+    @pytest.mark.parametrize("machining", MACHINED_SURFACES)
+    def test_clean_surface_has_no_wavelengths_attributed_to_the_instrument(self, machining, dimensions):
         limits = [
-            instrument_limit(make_body(MACHINED_SURFACES[kind](np.random.default_rng([seed, dimensions]), dimensions)))
+            instrument_limit(
+                make_body(MACHINED_SURFACES[machining](np.random.default_rng([seed, dimensions]), dimensions))
+            )
             for seed in range(8)
         ]
         assert not any(limit.matters and limit.origin == "instrument" for limit in limits)
@@ -257,25 +261,25 @@ class TestMachinedTexture:
     def test_noise_on_a_turned_profile_has_unknown_origin_unless_texture_is_declared(self):
         rng = np.random.default_rng(3)
         heights = turned_surface(rng, 1, feed=(40, 40), rough=0.02, depth_variation=0.0)
-        noisy = make_body(heights + 0.05 * heights.std() * rng.normal(size=heights.size))
-        result = instrument_limit(noisy)
+        noisy_body = make_body(heights + 0.05 * heights.std() * rng.normal(size=heights.size))
+        result = instrument_limit(noisy_body)
         assert (result.reason, result.origin, result.matters) == ("noise floor", "unknown", True)
-        assert instrument_limit(noisy, texture=True).origin == "instrument"
+        assert instrument_limit(noisy_body, texture=True).origin == "instrument"
 
     def test_single_line_in_the_spectrum_has_unknown_origin_unless_texture_is_declared(self):
         rng = np.random.default_rng(1)
         smooth = filtered_noise(rng, (4096,), 0.8, longest=300, shortest=20)
-        humming = make_body(smooth + 0.05 * np.sin(2 * np.pi * np.arange(4096) / 8))
-        result = instrument_limit(humming)
+        body_with_line = make_body(smooth + 0.05 * np.sin(2 * np.pi * np.arange(4096) / 8))
+        result = instrument_limit(body_with_line)
         assert (result.reason, result.origin, result.matters) == ("line", "unknown", True)
-        assert instrument_limit(humming, texture=True).reason == "pixels"
+        assert instrument_limit(body_with_line, texture=True).reason == "pixels"
 
     def test_white_noise_of_a_map_with_declared_texture_is_instrument_noise(self):
         rng = np.random.default_rng(2)
         smooth = filtered_noise(rng, (128, 128), 0.8, longest=60, shortest=6)
-        noisy = make_body(smooth + 0.05 * rng.normal(size=smooth.shape))
+        noisy_body = make_body(smooth + 0.05 * rng.normal(size=smooth.shape))
         for texture in (False, True):
-            result = instrument_limit(noisy, texture=texture)
+            result = instrument_limit(noisy_body, texture=texture)
             assert (result.reason, result.origin, result.matters) == ("noise floor", "instrument", True)
 
 
@@ -311,21 +315,21 @@ class TestNoiseOfAnisotropicMap:
         rng = np.random.default_rng(request.param)
         return filtered_noise(rng, (192, 192), 0.8, longest=60, shortest=5, stretch=6.0), rng
 
-    @pytest.mark.parametrize("level", [0.002, 0.05])
-    def test_filter_at_the_instrument_limit_removes_white_noise_from_grooves(self, grooves, level):
+    @pytest.mark.parametrize("noise_rms", [0.002, 0.05])
+    def test_filter_at_the_instrument_limit_removes_white_noise_from_grooves(self, grooves, noise_rms):
         heights, rng = grooves
-        noise = level * rng.normal(size=heights.shape)
+        noise = noise_rms * rng.normal(size=heights.shape)
         scan = Surface(heights + noise, spacing=0.1)
         result = instrument_limit(scan)
         assert (result.reason, result.axis) == ("noise floor", "")
         assert result.noise_y > 3 * result.noise_x
         assert 0.4 < result.wavelength < 0.7
         assert result.slope_fraction == pytest.approx(noise_slope_fraction(noise, heights + noise), rel=0.2)
-        clean, filtered = (
+        clean_slope, filtered_slope = (
             math.hypot(*(np.diff(body, axis=axis).std() for axis in range(2)))
             for body in (heights, cut_off(scan, result.cut_off).heights)
         )
-        assert filtered == pytest.approx(clean, rel=0.04)
+        assert filtered_slope == pytest.approx(clean_slope, rel=0.04)
 
     def test_slope_fraction_includes_noise_hidden_by_roughness_across_grooves(self):
         rng = np.random.default_rng(4)

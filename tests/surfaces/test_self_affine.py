@@ -15,11 +15,16 @@ class TestSelfAffineProfile:
         assert roughness_parameters(profile).Pq == pytest.approx(0.1, rel=ROUND_OFF)
         spectrum = power_spectrum(profile, periodic=True)
         wavelength = 2 * np.pi / spectrum.wave_number
-        flat, cut = wavelength > 2.0 * (1 + 1e-9), wavelength < 0.05 * (1 - 1e-9)
-        slope = spectrum.density[~flat & ~cut] * spectrum.wave_number[~flat & ~cut] ** 2.6
-        assert np.allclose(slope, slope[0], rtol=1e-9, atol=0)
-        assert np.allclose(spectrum.density[flat], slope[0] * (2 * np.pi / 2.0) ** -2.6, rtol=1e-9, atol=0)
-        assert spectrum.density[cut].max() < 1e-24 * spectrum.density[0]
+        is_in_plateau, is_beyond_cutoff = wavelength > 2.0 * (1 + 1e-9), wavelength < 0.05 * (1 - 1e-9)
+        prefactors = (
+            spectrum.density[~is_in_plateau & ~is_beyond_cutoff]
+            * spectrum.wave_number[~is_in_plateau & ~is_beyond_cutoff] ** 2.6
+        )
+        assert np.allclose(prefactors, prefactors[0], rtol=1e-9, atol=0)
+        assert np.allclose(
+            spectrum.density[is_in_plateau], prefactors[0] * (2 * np.pi / 2.0) ** -2.6, rtol=1e-9, atol=0
+        )
+        assert spectrum.density[is_beyond_cutoff].max() < 1e-24 * spectrum.density[0]
 
     @pytest.mark.parametrize("periodic", [True, False])
     def test_ensemble_of_profiles_has_the_requested_mean_square_height(self, periodic):
@@ -39,11 +44,11 @@ class TestSelfAffineProfile:
             assert np.allclose(fine.heights[::4], coarse.heights, rtol=0, atol=ROUND_OFF)
 
     def test_ends_of_a_profile_meet_only_if_it_is_periodic(self):
-        def jump(profile):
+        def relative_end_jump(profile):
             return abs(profile.heights[0] - profile.heights[-1]) / np.abs(np.diff(profile.heights)).max()
 
-        assert max(jump(rough_profile(repetition=r, periodic=True)) for r in range(10)) < 2
-        assert np.median([jump(rough_profile(repetition=r)) for r in range(10)]) > 5
+        assert max(relative_end_jump(rough_profile(repetition=r, periodic=True)) for r in range(10)) < 2
+        assert np.median([relative_end_jump(rough_profile(repetition=r)) for r in range(10)]) > 5
 
     def test_self_affine_profile_is_reproducible_and_depends_on_seed(self):
         assert np.array_equal(rough_profile(1).heights, rough_profile(1).heights)
@@ -107,12 +112,12 @@ def test_surface_spectrum_is_a_power_law_with_plateau_and_cutoff(hurst):
     law = np.maximum(q * 1.28 / (2 * np.pi), 1) ** (-2 - 2 * hurst)
     level = mean[(q > 0) & (q < 2 * np.pi / 0.08)].sum() / law[(q > 0) & (q < 2 * np.pi / 0.08)].sum()
     for low, high in ((0.5, 4.0), (6.0, 10.0), (10.0, 20.0), (20.0, 40.0), (40.0, 75.0)):
-        ring = (q > low) & (q < high)
+        is_in_ring = (q > low) & (q < high)
         # Powers are exponentially distributed.
         # The tolerance is four standard errors for n / 2 independent coefficients in each of 8 surfaces.
         # The few longest wavelengths determine the level and scatter as much.
-        ratio = np.mean(mean[ring] / law[ring]) / level
-        assert ratio == pytest.approx(1, abs=4 / np.sqrt(4 * ring.sum()) + 0.15)
+        ratio = np.mean(mean[is_in_ring] / law[is_in_ring]) / level
+        assert ratio == pytest.approx(1, abs=4 / np.sqrt(4 * is_in_ring.sum()) + 0.15)
 
 
 def test_self_affine_surface_is_isotropic_on_any_grid():
@@ -129,8 +134,8 @@ def test_self_affine_surface_is_periodic():
     created = surface(shape=(64, 64), spacing=0.02, shortest_wavelength=0.16)
     doubled = np.tile(created.heights, (2, 2))
     # A jump at the seam would exceed the differences between neighbouring points.
-    steps = np.abs(np.diff(doubled, axis=1))
-    assert steps[:, 63].max() <= np.delete(steps, 63, axis=1).max()
+    differences = np.abs(np.diff(doubled, axis=1))
+    assert differences[:, 63].max() <= np.delete(differences, 63, axis=1).max()
     assert np.abs(np.diff(doubled, axis=0))[63].max() <= np.abs(np.diff(created.heights, axis=0)).max() * 1.5
 
 

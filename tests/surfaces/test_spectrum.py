@@ -22,7 +22,7 @@ from support.rough_surfaces import AMPLITUDE, WAVELENGTH, rough_profile, self_af
 
 # Relative round-off of sums over some thousand points and of transforms.
 ROUND_OFF = 1e-12
-MIN_PRINTED_AREA_RANGE = 1e-11
+AREAL_ROUND_OFF = 1e-11
 # Error of the direction in degrees, for maps about ten wavelengths long and stretched by two.
 # The error is below 3 degrees in 90 % of the cases.
 LAY_TOLERANCE = 10.0
@@ -128,7 +128,7 @@ def test_areal_spectrum_equals_its_definition():
 def test_spectral_moments_of_a_surface_are_variances_along_any_direction():
     surface = self_affine_map(2, 0.7)
     spectrum = surface_spectrum(surface, periodic=True)
-    assert spectrum.moments(37).height == pytest.approx(surface.heights.var(), rel=MIN_PRINTED_AREA_RANGE)
+    assert spectrum.moments(37).height == pytest.approx(surface.heights.var(), rel=AREAL_ROUND_OFF)
     # Moments along x are those of the rows. The mean of a row is a wavelength of the surface.
     rows = [spectral_moments(surface.row(index), periodic=True) for index in range(128)]
     assert spectrum.moments(0).slope == pytest.approx(np.mean([row.slope for row in rows]), rel=1e-9)
@@ -137,9 +137,7 @@ def test_spectral_moments_of_a_surface_are_variances_along_any_direction():
     assert spectrum.moments(90).slope == pytest.approx(np.mean([column.slope for column in columns]), rel=1e-9)
     # In other directions, m2 is a quadratic form of the direction.
     along, across = spectrum.moments(20).slope, spectrum.moments(110).slope
-    assert along + across == pytest.approx(
-        spectrum.moments(0).slope + spectrum.moments(90).slope, rel=MIN_PRINTED_AREA_RANGE
-    )
+    assert along + across == pytest.approx(spectrum.moments(0).slope + spectrum.moments(90).slope, rel=AREAL_ROUND_OFF)
     wave = np.cos(0.25 * np.pi * (surface.x / 0.5) + 0.5 * np.pi * (surface.y[:, np.newaxis] / 0.5))
     result = surface_spectrum(Surface(wave, spacing=0.5), periodic=True).moments(math.degrees(math.atan2(2, 1)))
     assert result.slope == pytest.approx(0.5 * (np.pi / 2) ** 2 * 5, rel=1e-9)
@@ -154,9 +152,9 @@ def test_steepest_direction_of_a_surface_is_across_its_lay():
         for seed in range(4):
             # The roughness is longer along y than along x.
             surface = self_affine_map(seed, 0.7, (160, 160), whole=2, longest=20.0, stretch=2.0)
-            turned = surface_spectrum(levelled(rotated(surface, angle), "plane"))
-            off = (turned.steepest_direction() - angle + 90) % 180 - 90
-            assert abs(off) < LAY_TOLERANCE
+            rotated_spectrum = surface_spectrum(levelled(rotated(surface, angle), "plane"))
+            angle_error = (rotated_spectrum.steepest_direction() - angle + 90) % 180 - 90
+            assert abs(angle_error) < LAY_TOLERANCE
 
 
 def test_radial_spectrum_includes_every_coefficient_exactly_once():
@@ -168,11 +166,11 @@ def test_radial_spectrum_includes_every_coefficient_exactly_once():
     assert angle.max() < 180
     # The ring contains both a coefficient and its conjugate.
     area = (2 * np.pi / 32) * (2 * np.pi / 24.3)
-    inside = np.hypot(spectrum.wave_number_y[:, np.newaxis], spectrum.wave_number_x) < np.pi / 0.5 * (1 - 1e-9)
-    assert 2 * density.sum() * area == pytest.approx(spectrum.density[inside].sum() * area, rel=MIN_PRINTED_AREA_RANGE)
+    is_inside = np.hypot(spectrum.wave_number_y[:, np.newaxis], spectrum.wave_number_x) < np.pi / 0.5 * (1 - 1e-9)
+    assert 2 * density.sum() * area == pytest.approx(spectrum.density[is_inside].sum() * area, rel=AREAL_ROUND_OFF)
     radial = spectrum.radial(7)
     assert radial.count.sum() == q.size
-    assert (radial.density * radial.count).sum() == pytest.approx(density.sum(), rel=MIN_PRINTED_AREA_RANGE)
+    assert (radial.density * radial.count).sum() == pytest.approx(density.sum(), rel=AREAL_ROUND_OFF)
 
 
 def test_radial_spectrum_agrees_with_the_surface_topography_package():
@@ -180,14 +178,14 @@ def test_radial_spectrum_agrees_with_the_surface_topography_package():
     surface = self_affine_map(4, 0.8, (96, 128))
     other = topography.Topography(surface.heights.T - surface.heights.mean(), (64.0, 48.0), periodic=True)
     q, density = other.power_spectrum_from_area(nb_points_per_decade=5)
-    stored = np.isfinite(density) & (q > 0.5) & (q < 5)
-    own = surface_spectrum(surface, periodic=True)
-    at, _, values = own.waves()
+    is_compared = np.isfinite(density) & (q > 0.5) & (q < 5)
+    spectrum = surface_spectrum(surface, periodic=True)
+    wave_numbers, _, densities = spectrum.waves()
     edges = np.sqrt(q[1:] * q[:-1])
-    for index in np.flatnonzero(stored)[1:-1]:
-        ring = (at > edges[index - 1]) & (at < edges[index])
+    for index in np.flatnonzero(is_compared)[1:-1]:
+        is_in_ring = (wave_numbers > edges[index - 1]) & (wave_numbers < edges[index])
         # SurfaceTopography uses other ring edges. The density falls by half within a tenth of a decade.
-        assert density[index] == pytest.approx(values[ring].mean(), rel=0.35)
+        assert density[index] == pytest.approx(densities[is_in_ring].mean(), rel=0.35)
 
 
 def test_mean_spectral_moments_of_weierstrass_mandelbrot_profiles_equal_exact_moments():

@@ -109,13 +109,13 @@ def test_quotable_sentence_contains_assessment_caveats_version_and_adhesion():
 
 @pytest.mark.parametrize("case_name", FAULT_CASES)
 def test_sentence_of_a_point_with_a_fault_contains_no_coefficient(case_name):
-    raising, silent, word = FAULT_CASES[case_name]
-    point = only_point(measured_result(**raising), measured_study())
+    fault_changes, unaffected_changes, word = FAULT_CASES[case_name]
+    point = only_point(measured_result(**fault_changes), measured_study())
     assert point.verdict == "Do not quote"
     assert word in " ".join(caveat.text for caveat in point.caveats if caveat.severity == "fault")
     assert "μ_s =" not in sentence_text(point)
     assert word in sentence_text(point)
-    assert only_point(measured_result(**silent), measured_study()).verdict == "Quote it"
+    assert only_point(measured_result(**unaffected_changes), measured_study()).verdict == "Quote it"
 
 
 CAUTION_CASES = {

@@ -180,8 +180,8 @@ def test_friction_and_area_figures_of_small_results_cause_no_warning(generated_d
 
 def test_cells_with_wide_intervals_fade_to_grey_of_equal_luminance():
     cells = [(1.0, 0.9, 1.1), (1.0, 0.0, 1.0), (1.0, -3.0, 5.0), (1.0, np.nan, np.nan), (np.nan, np.nan, np.nan)]
-    certain, partly_faded, fully_faded, without_interval, without_value = _compute_fading(np.array(cells))
-    assert (certain, without_value) == (0, 0)
+    certain_colour, partly_faded, fully_faded, without_interval, without_value = _compute_fading(np.array(cells))
+    assert (certain_colour, without_value) == (0, 0)
     assert fully_faded == without_interval == FADING_PARAMETERS[2]
     assert partly_faded == pytest.approx(
         FADING_PARAMETERS[2] * (1.0 - FADING_PARAMETERS[0]) / (FADING_PARAMETERS[1] - FADING_PARAMETERS[0])

@@ -25,7 +25,7 @@ pytestmark = browser.BROWSER_MARKS
 MAX_RELATIVE_ERROR = 10.0  # largest error of an interpolated value as a multiple of the tolerance for its nodes
 CONTROL_KEY_BIT, SHIFT_KEY_BIT = 2, 8  # bits of modifier keys in the browser's debugging protocol
 SCAN_OPTIONS = {"name": "scan.csv", "command": "stiction characterise scan.csv"}
-READING_TABLE = '<table class="texts"><caption>How scan.csv was read</caption><tr><td>64 points</td></tr></table>'
+FILE_READING_TABLE = '<table class="texts"><caption>How scan.csv was read</caption><tr><td>64 points</td></tr></table>'
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +48,7 @@ def pages(generated_dataset, maps_dataset, profiles_dataset, profile, surface, t
         "maps": report_page(maps_dataset, picture=contact_picture(maps_dataset)),
         "lines": report_page(profiles_dataset, picture=contact_picture(profiles_dataset)),
         "profile": surface_page(profile, **SCAN_OPTIONS).html(),
-        "file": surface_page(profile, **SCAN_OPTIONS, reading=READING_TABLE).html(),
+        "file": surface_page(profile, **SCAN_OPTIONS, reading=FILE_READING_TABLE).html(),
         "surface": surface_page(surface, **SCAN_OPTIONS).html(),
     }
     for name, text in texts.items():

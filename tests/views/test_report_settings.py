@@ -10,27 +10,27 @@ from support import browser
 pytest.importorskip("selenium", reason="selenium is not installed")
 pytestmark = browser.BROWSER_MARKS
 
-MATERIALS, SETTINGS = 10, 50  # numbers of (mu0, tau0), and of settings of all controls, for each kind of result
+NUM_MATERIALS, NUM_SETTINGS = 10, 50  # numbers of (mu0, tau0), and of settings of all controls, for each kind of result
 MAX_WIDTH_ERROR = 0.15  # largest error, relative to the width of the interval
 MAX_HIDDEN_FRACTION = 0.6  # largest fraction of the settings at which the library has a number and the report has none
-HALF_PLANES = {
+HALF_PLANE_CHANGES = {
     "contact.mechanics": "half-space", "contact.load": {"start": "10 uN", "stop": "1 mN", "count": 5},
     "contact.sliding": ["opposing", "all"], "surfaces.points": 512, "surfaces.extent": "5 um",
     "ensemble.repetitions": 4, "surfaces.band_limit": "nyquist", "surfaces.fractal_dimension": [1.1, 1.4],
 }  # fmt: skip
-SURFACES = {
+SURFACE_CHANGES = {
     "ensemble.repetitions": 6, "surfaces.kind": "surface", "surfaces.shape": [24, 24], "contact.direction": [0, 90],
     "surfaces.extent": ["1.5 um", "1.5 um"], "surfaces.band_limit": "nyquist", "contact.approach.count": 8,
     "surfaces.fractal_dimension": [1.2, 1.5], "surfaces.amplitude": ["50 nm"],
 }  # fmt: skip
-READ = """
+READ_POINT_SCRIPT = """
 const [mu0, tau0, rule, cell, load, way] = arguments;
 const at = frictionAt(facts.rules[rule], cell, load, placeAt(nodeAxes, mu0, 1000 * tau0), way);
 return [at.status, at.value, at.lower, at.upper];
 """
 
 
-def growing_contacts(folder):
+def compute_pair_with_junction_growth(folder):
     """Return the result of a pair whose contacts yield and grow, with uncertain inputs."""
     upper, lower = (
         self_affine_surface(3, hurst_exponent=0.8, rms=0.03, shape=(48, 48), spacing=0.1, side=side)
@@ -43,55 +43,55 @@ def growing_contacts(folder):
 
 
 @pytest.fixture(scope="module", params=["profiles", "half-planes", "surfaces", "maps", "lines", "growing contacts"])
-def case(request, driver, tmp_path_factory):
+def result_and_driver(request, driver, tmp_path_factory):
     """Return a result, with its report opened in a browser."""
     folder = tmp_path_factory.mktemp("settings")
-    make = {
+    result_factories = {
         "profiles": lambda: Result(request.getfixturevalue("generated_dataset")),
-        "half-planes": lambda: run(Study.named("quick").with_changes(HALF_PLANES)),
-        "surfaces": lambda: run(Study().with_changes(SURFACES)),
+        "half-planes": lambda: run(Study.named("quick").with_changes(HALF_PLANE_CHANGES)),
+        "surfaces": lambda: run(Study().with_changes(SURFACE_CHANGES)),
         "maps": lambda: Result(request.getfixturevalue("maps_dataset")),
         "lines": lambda: Result(request.getfixturevalue("profiles_dataset")),
-        "growing contacts": lambda: growing_contacts(folder),
+        "growing contacts": lambda: compute_pair_with_junction_growth(folder),
     }
-    result = make[request.param]()
+    result = result_factories[request.param]()
     save_report(result, folder / "report.html")
     browser.open_page(driver, folder / "report.html")
     return result, driver
 
 
-def expected_point(at, facts, rule, cell, load, way):
+def expected_point(table, facts, rule, cell, load, way):
     """Return the status, value and ends that the library has at a setting."""
-    lead = {"load": load, "mu0": 0, "tau0": 0, "sliding": rule}
-    lead |= {"cut_off": cell} if facts["isMeasured"] else {"fractal_dimension": cell, "amplitude": 0}
-    chosen = facts["ways"][way]
-    name = "friction_combined" if facts["isMeasured"] and chosen["isWhole"] else "friction_coefficient"
-    lead |= {"direction": chosen["directions"][0]}
-    point = at[name].isel({dim: index for dim, index in lead.items() if dim in at[name].dims})
+    indices_by_dim = {"load": load, "mu0": 0, "tau0": 0, "sliding": rule}
+    indices_by_dim |= {"cut_off": cell} if facts["isMeasured"] else {"fractal_dimension": cell, "amplitude": 0}
+    direction_choice = facts["ways"][way]
+    name = "friction_combined" if facts["isMeasured"] and direction_choice["isWhole"] else "friction_coefficient"
+    indices_by_dim |= {"direction": direction_choice["directions"][0]}
+    point = table[name].isel({dim: index for dim, index in indices_by_dim.items() if dim in table[name].dims})
     return [float(point.sel(statistic=each)) for each in ("mean", "lower", "upper")]
 
 
-def test_report_agrees_with_the_library_at_random_settings(case):
-    result, driver = case
+def test_report_agrees_with_the_library_at_random_settings(result_and_driver):
+    result, driver = result_and_driver
     facts, axes, loads = driver.execute_script("return [facts, nodeAxes, loads]")
-    random, errors, hidden = np.random.default_rng(7), [], 0
-    for _ in range(MATERIALS):
+    random, errors, num_hidden = np.random.default_rng(7), [], 0
+    for _ in range(NUM_MATERIALS):
         mu0, tau0 = (float(random.uniform(0, axes[name]["most"])) for name in ("mu0", "tau0"))
         tau0 /= 1000
-        at = result.at(loads, mu0=[mu0], tau0=[tau0])
-        for _ in range(SETTINGS // MATERIALS):
+        table = result.at(loads, mu0=[mu0], tau0=[tau0])
+        for _ in range(NUM_SETTINGS // NUM_MATERIALS):
             sizes = [len(facts["rules"]), len(facts["cells"]["values"]), len(loads), len(facts["ways"])]
-            place = [int(random.integers(size)) for size in sizes]
-            status, *numbers = driver.execute_script(READ, mu0, tau0, *place)
-            expected = expected_point(at, facts, *place)
+            setting_indices = [int(random.integers(size)) for size in sizes]
+            status, *numbers = driver.execute_script(READ_POINT_SCRIPT, mu0, tau0, *setting_indices)
+            expected = expected_point(table, facts, *setting_indices)
             if status != "ok":
-                hidden += np.isfinite(expected[0])
+                num_hidden += np.isfinite(expected[0])
                 continue
             displayed = np.array([np.nan if number is None else number for number in numbers])
             width = np.fmax(expected[2] - expected[1], VALUE_TOLERANCE / PRINTED_TOLERANCE * abs(expected[0]))
             error = np.abs(displayed - expected) / width
             errors.append(np.nanmax(error))
-    assert len(errors) > SETTINGS / 4
-    assert hidden < MAX_HIDDEN_FRACTION * SETTINGS
+    assert len(errors) > NUM_SETTINGS / 4
+    assert num_hidden < MAX_HIDDEN_FRACTION * NUM_SETTINGS
     assert np.quantile(errors, 0.9) < PRINTED_TOLERANCE
     assert max(errors) < MAX_WIDTH_ERROR
