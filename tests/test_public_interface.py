@@ -426,7 +426,7 @@ def test_contact_functions_warn_about_a_surface_pressed_on_itself(scanned_surfac
             call()
 
 
-def test_press_of_two_different_surfaces_causes_no_warning(scanned_surface, upper, lower):
+def test_press_of_two_different_surfaces_issues_no_warning(scanned_surface, upper, lower):
     with warnings.catch_warnings(action="error"):
         press(upper, lower, "5 nm")
         press(flipped(scanned_surface), upper, "5 nm", effective_modulus=10.0)
@@ -565,7 +565,7 @@ REJECTED_ARGUMENTS = [
 
 
 @pytest.mark.parametrize(("changes", "pattern"), REJECTED_ARGUMENTS)
-def test_pair_rejects_invalid_input_in_one_sentence(upper, lower, changes, pattern):
+def test_pair_rejects_invalid_input_with_a_one_line_error(upper, lower, changes, pattern):
     arguments = {"first": upper, "second": lower} | PAIR_ARGUMENTS | changes
     with pytest.raises(ValueError, match=pattern) as caught:
         pair(arguments.pop("first"), arguments.pop("second"), **arguments)

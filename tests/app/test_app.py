@@ -529,7 +529,7 @@ def test_app_computes_profiles_with_the_asperity_model_by_default(
     assert shown_result(empty_page) == run_shown_command(empty_page, tmp_path, monkeypatch)
 
 
-def test_form_controls_change_the_preview_of_a_profile_and_the_computed_fractal_dimension(empty_page):
+def test_form_values_change_the_profile_preview_and_the_computed_fractal_dimension(empty_page):
     empty_page.find_element("css selector", "#made > summary").click()
     image_address_script = "return document.getElementById('profile').src"
     previous_address = wait_until(lambda: empty_page.execute_script(image_address_script), bool)

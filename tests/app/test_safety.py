@@ -364,7 +364,7 @@ def test_server_answers_requests_despite_many_idle_connections(tmp_path):
         assert server.process.stderr.read() == ""
 
 
-def test_server_at_its_limit_of_simultaneous_requests_rejects_further_requests_with_a_message(app):
+def test_server_at_its_request_limit_rejects_further_requests_with_a_message(app):
     header_lines = (
         f"Host: 127.0.0.1:{app.port}\r\nOrigin: {app.origin}\r\nCookie: {app.cookie}\r\nX-Stiction-Key: {app.key}"
     )

@@ -57,7 +57,7 @@ def test_output_to_a_full_device_is_reported_and_unencodable_characters_are_repl
     ],
     ids=lambda value: type(value).__name__,
 )
-def test_exhausted_system_resource_is_reported_in_one_message(tmp_path, monkeypatch, error, expected_message):
+def test_exhausted_system_resource_is_reported_without_traceback(tmp_path, monkeypatch, error, expected_message):
     def raise_error(*_, **__):
         raise error
 
@@ -101,7 +101,7 @@ def test_deletion_of_partly_constructed_objects_prints_no_error(monkeypatch, cap
     assert capfd.readouterr().err == ""
 
 
-def test_failed_thread_start_is_reported_in_one_message(tmp_path, monkeypatch):
+def test_failed_thread_start_is_reported_without_traceback(tmp_path, monkeypatch):
     """Check that a command that cannot start a thread ends before it creates a result."""
 
     def fail_to_start(_):
@@ -125,7 +125,7 @@ def test_failed_thread_start_is_reported_in_one_message(tmp_path, monkeypatch):
     ],
     ids=str.strip,
 )
-def test_malicious_study_file_is_rejected_in_short_printable_lines(tmp_path, study_text, expected_message):
+def test_malicious_study_file_is_rejected_with_a_short_printable_error(tmp_path, study_text, expected_message):
     (tmp_path / "s.toml").write_text(study_text)
     completed = call_stiction("run", "s.toml", cwd=tmp_path)
     assert_rejected(completed, expected_message)
@@ -144,7 +144,7 @@ def test_commands_reject_pipes_and_devices_as_input_files(tmp_path):
         read_spectrum(tmp_path / "fifo.csv")
 
 
-def test_error_message_prints_any_file_name_on_one_printable_line(tmp_path):
+def test_unprintable_file_name_is_escaped_in_a_one_line_error(tmp_path):
     for name in ("a\nstiction: all is well", "\x1b[31m", "a/b" * 1500, "x" * 5000):
         completed = call_stiction("info", name, cwd=tmp_path)
         assert_rejected(completed, "stiction: ")
@@ -186,7 +186,7 @@ def test_command_with_closed_standard_streams_writes_its_result(tmp_path, redire
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux limits address space")
 @pytest.mark.parametrize("limit", [150_000, 450_000, 1_040_000])
-def test_low_memory_limit_is_reported_in_one_message(tmp_path, limit):
+def test_low_memory_limit_is_reported_without_traceback(tmp_path, limit):
     completed = run_shell_script(f'ulimit -v {limit}; "$@"', "run", "quick", *SMALL_STUDY_OPTIONS, cwd=tmp_path)
     assert_rejected(completed, "memory is limited to", "at least 1073 MB")
 

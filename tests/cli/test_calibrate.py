@@ -151,7 +151,7 @@ def test_calibrate_command_rejects_conflicting_arguments(tmp_path, arguments, ex
     assert_rejected(call_stiction("calibrate", *arguments, cwd=tmp_path), expected_words)
 
 
-def test_calibrate_command_accepts_a_test_without_sliding_and_columns_separated_by_semicolons(tmp_path):
+def test_calibrate_command_accepts_semicolons_and_a_test_without_sliding(tmp_path):
     text = "load (mN);coefficient;uncertainty;slid\n" + "\n".join(
         f"{load};{coefficient};{0.03 * coefficient};1" for load, coefficient, _ in ball_test_rows()
     )

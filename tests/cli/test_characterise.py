@@ -120,7 +120,7 @@ def test_characterise_command_applies_unit_level_band_and_output_options(scans_f
     assert not any("levelled" in step for step in history)
 
 
-def test_characterise_command_handles_missing_points_and_selects_columns(scans_folder, profile):
+def test_characterise_command_fills_or_masks_missing_points_and_selects_columns(scans_folder, profile):
     lines = (scans_folder / "scan.csv").read_text(encoding="utf-8").splitlines()
     lines[100] = lines[100].split(",")[0] + ",nan"
     (scans_folder / "gaps.csv").write_text("\n".join(lines), encoding="utf-8")

@@ -151,7 +151,7 @@ def test_pull_off_force_of_a_sphere_equals_maugis_solution_for_any_period(tabor)
 
 
 @pytest.mark.parametrize("tabor", [0.1, 0.3, 1.0])
-def test_contact_of_a_sphere_with_dugdale_attraction_agrees_with_maugis_solution_on_any_grid(tabor, monkeypatch):
+def test_dugdale_contact_of_a_sphere_agrees_with_maugis_solution_on_any_grid(tabor, monkeypatch):
     """Check that differences from Maugis are due to the exponential law, not to the grid or the edge."""
     length = 8 * max(1, tabor**-0.5)
     exponential = [
@@ -355,7 +355,7 @@ def test_work_of_loading_and_unloading_equals_the_change_in_energy(case):
 
 
 @pytest.mark.soak
-def test_random_adhesive_problems_converge_and_few_give_only_a_lower_bound_of_pull_off_force():
+def test_random_adhesive_contacts_converge_and_few_give_only_a_bound_of_pull_off_force():
     """Solve 200 random pairs with E* from 1 MPa to 200 GPa and w from 1 mJ/m² to 1 J/m².
 
     Some of them have a hardness.

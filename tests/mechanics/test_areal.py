@@ -71,7 +71,7 @@ def assert_sums_close(one, other, tolerance, names=DIRECTION_INDEPENDENT_SUMS + 
 class TestSurfacesAgainstReference:
     @pytest.mark.parametrize("sliding", ["opposing", "all"])
     @pytest.mark.parametrize("curvature", ["signed", "convex"])
-    def test_areal_load_sums_equal_those_of_the_reference_implementation(self, sliding, curvature):
+    def test_areal_load_curve_equals_the_reference_implementation(self, sliding, curvature):
         total = 0
         for seed in (3, 4):
             upper, lower = create_rough_surfaces(seed)
@@ -91,7 +91,7 @@ class TestSurfacesAgainstReference:
                         assert abs(getattr(curve, name)[row, k] - expected[name]) <= REFERENCE_TOLERANCE * size
         assert total > 20
 
-    def test_areal_contacts_equal_those_of_the_reference_implementation(self):
+    def test_areal_contacts_equal_the_reference_implementation(self):
         upper, lower = create_rough_surfaces()
         table = contacts(upper, lower, 0.15, direction=20.0)
         contact_list = areal.find_contacts(upper.heights, lower.heights, upper.spacing, 0.15)
@@ -183,7 +183,7 @@ class TestSurfacesAgainstExactSolutions:
         assert table.normal[0].tolist() == [0, 0, 1]
 
     @pytest.mark.parametrize("angle", [0.0, 90.0, 37.0])
-    def test_friction_coefficient_on_a_slope_equals_the_tangent_of_slope_angle_plus_friction_angle(self, angle):
+    def test_friction_on_a_slope_equals_tangent_of_slope_angle_plus_friction_angle(self, angle):
         slope, direction = 0.4, np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
 
         def ramp(x, y):
@@ -273,7 +273,7 @@ class TestSurfaceScalingAndSymmetry:
     def press_all(self, upper, lower, angles=ANGLES, approaches=APPROACHES, **contact):
         return press(upper, lower, approaches, direction=angles, **contact)
 
-    def test_areal_load_sums_scale_with_size_and_modulus(self):
+    def test_areal_load_curve_scales_with_size_and_modulus(self):
         upper, lower = create_rough_surfaces()
         enlarged_bodies = [
             Surface(7 * body.heights, spacing=(7 * body.spacing[0], 7 * body.spacing[1])) for body in (upper, lower)
@@ -552,7 +552,7 @@ class TestInvalidArguments:
 
 
 class TestGridRefinement:
-    def test_areal_load_sums_converge_as_the_grid_is_refined(self):
+    def test_areal_load_curve_converges_as_the_grid_is_refined(self):
         # All grids sample the same heights.
         # First contact is defined by grid points, so approaches on two grids differ by an offset.
         results_by_points = {}
@@ -685,7 +685,7 @@ COUNT_NAMES = ("contact_count", "grid_minimum_count", "unanswered_count")
 
 
 @pytest.mark.parametrize("kind", FLAT_AREA_KINDS)
-def test_load_sums_of_flat_valleys_are_invariant_under_rotation_mirroring_and_exchange(kind):
+def test_load_curve_of_flat_valleys_is_invariant_under_rotation_mirroring_and_exchange(kind):
     generator = np.random.default_rng(FLAT_AREA_KINDS.index(kind))
     num_pressed = 0
     for _ in range(12):

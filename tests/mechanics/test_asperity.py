@@ -29,7 +29,7 @@ def test_asperities_of_a_circle_have_the_radius_and_centre_of_the_circle(create_
         assert np.allclose(arc.centre[inner], [apex, 0, height], atol=4e-6)
 
 
-def test_asperities_at_the_ends_of_a_profile_have_zero_curvature_and_all_arrays_are_read_only():
+def test_asperities_at_profile_ends_have_zero_curvature_and_arrays_are_read_only():
     profile = Profile(np.sin(np.arange(30.0)), spacing=0.1)
     lower = asperities(profile, "lower")
     assert lower.curvature[[0, -1]].tolist() == [0, 0]

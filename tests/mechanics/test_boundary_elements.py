@@ -78,7 +78,7 @@ def test_periodic_asperity_model_is_invariant_under_shifts():
         )
 
 
-def test_asperity_interaction_explains_how_the_asperity_model_differs_from_boundary_elements():
+def test_asperity_model_with_interaction_is_closer_to_boundary_elements():
     """Compare both asperity models with boundary elements for H = 0.75, bandwidth 32 and p̄ = 0.02 E* h'rms.
 
     The profile has half of the points of the published table. Another law or detection, and lost or doubly counted

@@ -50,7 +50,7 @@ class TestProfilesAgainstReference:
     @pytest.mark.parametrize("curvature", ["convex", "signed"])
     @pytest.mark.parametrize("bodies", ["rough on rough", "flat on rough", "rough on flat"])
     @pytest.mark.parametrize("dimension", [1.0, 1.7])
-    def test_load_sums_of_profiles_equal_those_of_the_reference_implementation(
+    def test_load_curve_of_profiles_equals_the_reference_implementation(
         self, create_rough_profiles, dimension, bodies, curvature, detection
     ):
         upper, lower = create_rough_profiles(dimension, points=150_000)
@@ -69,7 +69,7 @@ class TestProfilesAgainstReference:
             expected = np.transpose([list(pressing.sum_contacts(row, sigma).values()) for row in rows])
             assert_close(stack_sums(curve), expected, REFERENCE_TOLERANCES[detection])
 
-    def test_contacts_of_profiles_equal_those_of_the_reference_implementation(self, create_rough_profiles):
+    def test_contacts_of_profiles_equal_the_reference_implementation(self, create_rough_profiles):
         upper, lower = create_rough_profiles(1.4)
         table = contacts(upper, lower, 0.01, effective_modulus=3.0)
         rows = pressing.find_contacts(upper.heights, lower.heights, upper.spacing, 0.01, effective_modulus=3.0)
@@ -78,7 +78,7 @@ class TestProfilesAgainstReference:
         ours = np.column_stack([table.normal[:, [0, 2]], table.overlap, table.radius, table.force, table.area])
         assert np.allclose(ours, rows[:, 1:], rtol=REFERENCE_TOLERANCES["cell"], atol=0)
 
-    def test_load_sums_are_independent_of_height_offset(self, create_rough_profiles):
+    def test_load_curve_is_independent_of_height_offset(self, create_rough_profiles):
         upper, lower = create_rough_profiles(1.2)
         raised = Profile(upper.heights + 1024.0, spacing=upper.spacing)
         # The addition of 1024 rounds the heights to 2^-43 µm, 1e-12 of the amplitude. Curvatures are affected most.
@@ -199,9 +199,7 @@ class TestProfilesAgainstExactSolutions:
         assert curve.status(mu0=0.4).tolist() == ["no-contact", "no-contact"]
         assert np.isnan(curve.friction_coefficient(mu0=0.4)).all()
 
-    def test_normal_and_tangential_loads_with_friction_are_equal_to_reference_sums_over_contacts(
-        self, create_rough_profiles
-    ):
+    def test_normal_and_tangential_loads_equal_reference_sums_over_contacts(self, create_rough_profiles):
         upper, lower = create_rough_profiles(1.45)
         rows = pressing.find_contacts(upper.heights, lower.heights, upper.spacing, 0.01)
         for shear, sigma in (("+x", 1), ("-x", -1)):
@@ -287,7 +285,7 @@ class TestProfileScalingAndSymmetry:
     )
     @GIVEN_RANDOM_PAIRS
     @HYPOTHESIS_SETTINGS
-    def test_load_sums_are_invariant_under_mirroring_and_exchange_of_bodies(
+    def test_load_curve_is_invariant_under_mirroring_and_exchange_of_bodies(
         self, law, pair, approach, choices, other, tolerance
     ):
         assume(is_insensitive_to_round_off(*pair, approach, choices))
@@ -296,7 +294,7 @@ class TestProfileScalingAndSymmetry:
 
     @GIVEN_RANDOM_PAIRS
     @HYPOTHESIS_SETTINGS
-    def test_load_sums_scale_with_size(self, law, pair, approach, choices):
+    def test_load_curve_scales_with_size(self, law, pair, approach, choices):
         """Forces and areas of spheres scale with size squared, those of cylinders of equal width with size."""
         assume(is_insensitive_to_round_off(*pair, approach, choices))
         size = 3.7
@@ -310,7 +308,7 @@ class TestProfileScalingAndSymmetry:
 
     @GIVEN_RANDOM_PAIRS
     @HYPOTHESIS_SETTINGS
-    def test_load_sums_scale_with_modulus(self, law, pair, approach, choices):
+    def test_load_curve_scales_with_modulus(self, law, pair, approach, choices):
         """If all strengths scale with the modulus, so do forces, and friction depends only on tau0/E*."""
         soft_law, stiff_law = law, law
         if isinstance(law, JacksonGreen):
@@ -329,7 +327,7 @@ class TestProfileScalingAndSymmetry:
 
     @GIVEN_RANDOM_PAIRS
     @HYPOTHESIS_SETTINGS
-    def test_load_sums_equal_sums_over_the_table_of_contacts(self, law, pair, approach, choices):
+    def test_load_curve_equals_sums_over_the_table_of_contacts(self, law, pair, approach, choices):
         table = contacts(*pair, approach, law=law, **choices)
         curve = press(*pair, [approach / 2, approach], law=law, **choices)
         assert curve.contact_count[1] == len(table)
@@ -387,7 +385,7 @@ class TestGapMinimumDetection:
             assert_close(curves_by_points[points][:, 1:], finest[:, 1:], self.PAIR_TOLERANCE)
             assert_close(curves_by_points[points][:, 1:].sum(axis=0), finest[:, 1:].sum(axis=0), self.SUM_TOLERANCE)
 
-    def test_load_sums_have_second_order_convergence_in_the_spacing(self, curves_by_points):
+    def test_load_curve_has_second_order_convergence_in_the_spacing(self, curves_by_points):
         # The position of first contact within a cell is random. Therefore mean errors over the pairs are compared.
         finest, coarser = curves_by_points[self.POINT_COUNTS[-1]], self.POINT_COUNTS[:-1]
         errors = [np.abs(curves_by_points[points][:, 1:3] / finest[:, 1:3] - 1).mean() for points in coarser]

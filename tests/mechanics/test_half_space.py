@@ -196,7 +196,7 @@ def test_half_space_solution_of_a_sinusoid_equals_westergaard_solution(fraction)
     assert errors[1] < 0.15 / (4096 * fraction)
 
 
-def test_westergaard_closed_forms_are_consistent():
+def test_westergaard_pressure_gap_and_contact_fraction_agree_with_each_other():
     wave = {"amplitude": 0.01, "wavelength": 2.0, "effective_modulus": MODULUS}
     x = np.linspace(-1, 1, 20_001)[:-1]
     for load in (0.001, 0.1, 0.2):

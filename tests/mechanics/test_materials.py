@@ -13,7 +13,7 @@ ROUND_OFF = 1e-14
 FOR_EACH_MATERIAL = pytest.mark.parametrize("each", materials(), ids=lambda each: each.name)
 
 
-def test_table_of_materials_contains_all_kinds():
+def test_table_of_materials_contains_every_kind_of_material():
     assert len(materials()) >= 30
     kinds = {item.kind for item in materials()}
     assert kinds == {"metal", "ceramic", "glass", "semiconductor", "coating", "polymer", "elastomer", "rock"}
@@ -22,7 +22,7 @@ def test_table_of_materials_contains_all_kinds():
 
 
 @FOR_EACH_MATERIAL
-def test_material_values_are_physical_and_have_sources(each):
+def test_material_values_are_physically_possible_and_have_sources(each):
     values = (each.young_modulus, each.poisson_ratio, each.hardness)
     for value in (value for value in values if value is not None):
         assert 0 < value.low <= value <= value.high

@@ -96,7 +96,7 @@ def compute_curves(study, upper, lower):
 
 
 @pytest.mark.parametrize("name", STUDIES)
-def test_load_sums_of_an_areal_study_equal_sums_of_single_pairs(name):
+def test_results_of_an_areal_study_equal_load_curves_of_single_pairs(name):
     study = STUDIES[name]
     dataset = run(study).dataset
     step = study.contact.step_quantity

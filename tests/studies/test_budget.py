@@ -228,7 +228,7 @@ def test_area_interpolated_over_modulus_agrees_with_direct_elastic_solutions() -
         )
 
 
-def test_interval_of_a_gap_map_includes_only_input_uncertainty_and_a_caveat_mentions_one_position() -> None:
+def test_interval_of_a_gap_map_includes_only_input_uncertainty_and_adds_a_caveat() -> None:
     upper, lower = rough_surfaces(rms=0.03, points=128)
     options = {
         "load": "50 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "work_of_adhesion": 0,

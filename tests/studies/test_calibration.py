@@ -83,7 +83,7 @@ def test_calibration_with_a_parameter_at_its_bound_agrees_with_brute_force_integ
     assert interface.tau0[1] == 0.0
 
 
-def test_common_error_of_friction_tests_widens_the_interval_of_the_combination_they_determine() -> None:
+def test_common_error_widens_the_interval_of_the_determined_combination_of_mu0_and_tau0() -> None:
     tests = simulate_ball_tests()
     narrow, wide = (calibrate(tests, common=common, sliding="all").identified for common in (0.0, 0.1))
     assert wide[2] - wide[1] == pytest.approx(math.hypot(narrow[2] - narrow[1], 0.1 * 3.92 * wide[0]), rel=0.1)

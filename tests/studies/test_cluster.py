@@ -85,7 +85,7 @@ def test_absent_scheduler_is_reported_with_its_address(monkeypatch):
             pass
 
 
-def test_scheduler_without_workers_causes_a_warning():
+def test_scheduler_without_workers_issues_a_warning():
     with distributed.LocalCluster(n_workers=0, dashboard_address=None, silence_logs="CRITICAL") as running:
         address = running.scheduler_address
         with (

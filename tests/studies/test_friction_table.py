@@ -64,7 +64,7 @@ def test_stiffness_law_is_undefined_if_the_approach_decreases_as_the_load_increa
         assert result[name].isel(hurst_exponent=0).equals(table[name].isel(hurst_exponent=0))
 
 
-def test_tabulated_area_and_friction_have_the_expected_trends(table):
+def test_tabulated_area_decreases_with_slope_and_friction_increases_with_tau0(table):
     mean = table.sel(statistic="mean")
     for name in ("contact_area_fraction", "normal_stiffness", "approach"):
         assert (mean[name].diff("pressure") > 0).all(), name

@@ -211,7 +211,7 @@ def test_interpolation_between_height_factors_has_at_most_the_stated_error(hardn
     assert (combined.sel(statistic="mean") <= combined.sel(statistic="upper")).all()
 
 
-def test_missing_height_factors_are_the_fewest_needed_to_interpolate_the_requested_factors():
+def test_height_factors_to_solve_are_the_fewest_that_allow_interpolation():
     assert find_missing_factors(np.array([0.5, 1.0]), np.array([0.5, 1.0])).size == 0
     assert find_missing_factors(np.array([1.2]), np.array([1.0, 1.41421])).size == 0
     assert find_missing_factors(np.array([1.2]), np.array([1.0, 2.0])).tolist() == [1.2]

@@ -46,7 +46,7 @@ def test_samples_of_mu0_are_not_negative() -> None:
         (None, "", "must be a number"),
     ],
 )
-def test_bad_value_of_an_uncertain_input_is_rejected(text, kind, pattern) -> None:
+def test_invalid_value_of_an_uncertain_input_is_rejected(text, kind, pattern) -> None:
     with pytest.raises(ValueError, match=pattern):
         parse_input("mu0", text, kind)
 

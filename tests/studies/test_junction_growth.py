@@ -95,7 +95,7 @@ def test_contact_area_and_stiffness_before_shear_are_independent_of_junction_gro
         assert growth_result.at()[name].equals(result_without_growth.at()[name])
 
 
-def test_friction_interval_extends_between_results_at_the_ends_of_the_junction_growth_range():
+def test_friction_interval_covers_results_at_both_ends_of_the_junction_growth_range():
     result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | SHEAR_STRENGTH, junction_growth="0..27")
     results_at_ends = [
         pair(*rough_surfaces(), **PLASTIC_OPTIONS | SHEAR_STRENGTH, junction_growth=value) for value in (0.675, 26.325)

@@ -89,7 +89,7 @@ def test_friction_map_returns_a_status_instead_of_extrapolating():
         ([[1.0, 2.0], [1.1, 2.5]], [[0.0, 0.0]] * 2, 1.5, 0.0, 0.0),  # no friction
     ],
 )
-def test_friction_map_interval_is_undefined_for_too_few_members_and_zero_for_identical_members(
+def test_friction_map_interval_is_nan_for_few_members_and_zero_for_identical_members(
     normal, tangential, load, value, width
 ):
     table = compute_map(create_result(normal, tangential), [load])

@@ -33,7 +33,7 @@ def test_values_of_an_areal_member_equal_direct_computation(tmp_path, mechanics)
     assert (values["status"] == STATUSES.index("ok")).all()
 
 
-def test_unloading_stiffness_is_computed_for_only_the_first_members_if_the_study_has_a_hardness(tmp_path):
+def test_unloading_stiffness_with_hardness_is_computed_for_the_first_members_only(tmp_path):
     study = study_of_files(tmp_path, spacing=write_maps(tmp_path), contact='hardness = "4 GPa"')
     study = study.with_changes({"surfaces.cut_off": ["0 um", "0.3 um", "0.6 um"]})
     is_finite = [

@@ -41,7 +41,7 @@ def result():
     return run(RUNNER_STUDY).dataset
 
 
-def test_load_sums_of_a_run_equal_sums_of_single_pairs(result):
+def test_results_of_a_run_equal_load_curves_of_single_pairs(result):
     assert result["normal_elastic"].shape == (4, 2, 5, 6)
     assert result["contact_count"].values.sum() > 1000
     for d, a, r in ((0, 0, 0), (2, 1, 3), (3, 0, 4)):

@@ -214,7 +214,7 @@ def test_interval_over_few_scans_covers_the_mean_over_many_scans(spread) -> None
     assert covered >= 17
 
 
-def test_repeated_extreme_value_causes_a_caveat_unless_accepted_or_declared_missing(tmp_path, monkeypatch):
+def test_repeated_extreme_value_adds_a_caveat_unless_accepted_or_declared_missing(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     heights = np.cumsum(np.random.default_rng(1).normal(size=400)) * 0.01
     heights[[5, 77]] = -9999

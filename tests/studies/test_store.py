@@ -305,7 +305,7 @@ def replace_by_directory(file):
 
 
 @pytest.mark.parametrize("damage", [empty_file, replace_by_directory])
-def test_invalid_block_is_reported_in_one_sentence(folder_copy, damage):
+def test_invalid_block_is_reported_with_a_one_line_error(folder_copy, damage):
     damage(find_block(folder_copy, 4))
     with pytest.raises(StoreError, match=r"0000004-0000007-.*recompute repetitions 4 to 7") as caught:
         store.read(folder_copy)
@@ -322,7 +322,7 @@ def test_foreign_files_are_left_unchanged(folder_copy, uninterrupted_dataset):
 
 
 @pytest.mark.parametrize("kind", ["nothing", "file", "empty", "loop"])
-def test_directory_without_result_is_reported_in_one_sentence(tmp_path, kind):
+def test_directory_without_result_is_reported_with_a_one_line_error(tmp_path, kind):
     path = tmp_path / kind
     if kind == "file":
         path.write_text("no result")
@@ -392,7 +392,7 @@ BLOCK_CHANGES = {
 
 
 @pytest.mark.parametrize("change", BLOCK_CHANGES.values(), ids=BLOCK_CHANGES)
-def test_block_that_contradicts_its_study_is_reported_in_one_sentence(folder_copy, change):
+def test_block_that_contradicts_its_study_is_reported_with_a_one_line_error(folder_copy, change):
     file = find_block(folder_copy, 4)
     with h5py.File(file, "r+") as opened:
         change(opened)

@@ -75,7 +75,7 @@ def test_flipped_bit_in_stored_data_is_detected_before_the_file_is_opened(comple
 
 
 @pytest.mark.parametrize(("name", "variable"), [("picture.nc", "lower_height"), ("onset.nc", "displacement")])
-def test_stored_file_that_lacks_a_variable_is_rejected_in_one_sentence(complete_result, name, variable):
+def test_stored_file_that_lacks_a_variable_is_rejected_with_a_one_line_error(complete_result, name, variable):
     with h5py.File(complete_result.path / name, "r+") as file:
         del file[variable]
     with pytest.raises(StoreError, match=rf"{name}: .*remove the file, and run the study again") as caught:

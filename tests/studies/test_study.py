@@ -42,13 +42,13 @@ class TestQuantityConversion:
             ("10**10**10 nm", "length"),
         ],
     )
-    def test_bad_quantity_string_is_rejected_with_a_short_message(self, text, kind):
+    def test_invalid_quantity_string_is_rejected_with_a_short_message(self, text, kind):
         with pytest.raises(ValueError, match=kind) as caught:
             quantity(text, kind)
         assert len(str(caught.value)) < 200
 
     @pytest.mark.parametrize("text", ["nan nm", "inf nm", "1e999 nm", "1e300 um", "1" * 10_000 + " nm"])
-    def test_out_of_range_quantity_is_rejected_in_a_short_message(self, text):
+    def test_out_of_range_quantity_is_rejected_with_a_short_message(self, text):
         with pytest.raises(ValueError, match=r"must be from 1e-06 to 1e\+06 um, got '") as caught:
             quantity(text, "length")
         assert len(str(caught.value)) < 200
@@ -176,7 +176,7 @@ class TestStudyFiles:
             (b"# " + b"x" * 2_000_000, "longer than"),
         ],
     )
-    def test_file_without_a_valid_study_is_rejected_in_a_short_message(self, tmp_path, content, message):
+    def test_file_without_a_valid_study_is_rejected_with_a_short_message(self, tmp_path, content, message):
         file = tmp_path / "bad.toml"
         file.write_bytes(content)
         with pytest.raises(StudyError, match=message) as caught:

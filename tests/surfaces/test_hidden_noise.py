@@ -87,7 +87,7 @@ def test_hidden_white_noise_is_estimated_if_the_spectrum_has_no_flat_end(hurst, 
         assert math.sqrt(mean_square_slopes[2] / mean_square_slopes[0]) == pytest.approx(1.0, abs=0.13)
 
 
-def test_slope_fraction_of_hidden_noise_is_correct_for_unequal_spacings():
+def test_estimated_noise_fraction_of_slope_allows_for_unequal_spacings():
     heights, rng = rough_heights(1, 0.5, (128, 256))
     noisy_heights = heights + 0.1 * rng.normal(size=heights.shape)
     noise_on_square_grid, noise_on_stretched_grid = (

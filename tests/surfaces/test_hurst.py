@@ -110,7 +110,7 @@ class TestProfileHurstExponent:
         result = estimate_hurst_exponent(rough_profile(), band=(0.05, 2.0))
         assert 0.05 <= result.shortest_wavelength < result.longest_wavelength <= 2.0 * (1 + 1e-9)
 
-    def test_hurst_interval_in_a_given_band_covers_the_exponent_of_weierstrass_mandelbrot_profiles(self):
+    def test_hurst_interval_in_a_given_band_covers_the_weierstrass_mandelbrot_exponent(self):
         for dimension in (1.2, 1.6):
             profile = weierstrass_mandelbrot(random_phases(1), dimension, points=50_000)
             result = estimate_hurst_exponent(profile, band=(0.005, 0.9))

@@ -270,7 +270,7 @@ def read_or_none(path, **options):
 
 @pytest.mark.parametrize("name", EXPORT_FORMATS)
 @pytest.mark.parametrize("encoding", ENCODINGS)
-def test_maps_of_instruments_are_read_correctly_or_rejected_in_all_variants(tmp_path, name, encoding):
+def test_instrument_map_exports_are_read_exactly_or_rejected_in_any_encoding(tmp_path, name, encoding):
     write, options, variants = EXPORT_FORMATS[name]
     accepted = 0
     for variant in variants:
@@ -302,7 +302,7 @@ def test_maps_of_instruments_are_read_correctly_or_rejected_in_all_variants(tmp_
         {"separator": " ", "comma": False, "head": "# x (µm)  z (µm)"}, {"head": "x;z\nµm;µm"},
     ],
 )  # fmt: skip
-def test_profile_exports_are_read_correctly_or_rejected_in_all_variants(tmp_path, variant, encoding):
+def test_profile_exports_are_read_exactly_or_rejected_in_any_encoding(tmp_path, variant, encoding):
     try:
         data = profile_text(**variant).encode(encoding)
     except UnicodeEncodeError:
@@ -394,7 +394,7 @@ def test_counts_and_sizes_in_headers_are_not_read_as_heights(tmp_path):
         assert read_or_none(path, **options) is None
 
 
-def test_first_number_with_fewer_decimals_than_the_others_causes_a_caveat(tmp_path):
+def test_first_number_with_fewer_decimals_than_the_others_adds_a_caveat(tmp_path):
     path, options = tmp_path / "a.txt", {"unit": "um", "spacing": "0.5 um"}
     path.write_text("0.5\n" + "".join(f"{z:.4f}\n" for z in LINE_HEIGHTS))
     with pytest.warns(FormatWarning, match="first-number"):

@@ -880,7 +880,7 @@ def test_measured_map_of_an_atomic_force_microscope_is_read(measured_file):
 
 
 @pytest.mark.parametrize("count", [300, pytest.param(1500, marks=pytest.mark.soak)])
-def test_randomly_damaged_files_are_either_read_or_rejected_in_one_sentence(tmp_path, count):
+def test_randomly_damaged_files_are_either_read_or_rejected_with_a_one_line_error(tmp_path, count):
     content_by_name = {
         "a.csv": "".join([TEXT_FORMATS["text above"], *(f"{i / 10},{i % 7}.5,\n" for i in range(5, 40))]).encode(),
         "b.txt": TEXT_FORMATS["decimal comma and tab"].encode(),

@@ -88,7 +88,7 @@ class TestMapPairs:
         squared_residuals = np.linalg.lstsq(plane, height_differences.ravel(), rcond=None)[1]
         assert np.sqrt(squared_residuals / height_differences.size) < 1e-9
 
-    def test_pieces_of_rotated_maps_are_rotated(self):
+    def test_pieces_of_equal_maps_have_three_quarters_of_their_length(self):
         upper, lower = create_surface(side="upper"), create_surface()
         pairs = MapPairs(upper, lower)
         assert pairs.area == pytest.approx(4.8**2)

@@ -185,7 +185,7 @@ class TestInstrumentLimit:
         assert result.slope_fraction == pytest.approx(0.138, abs=0.001)
         assert instrument_limit(read_profile(measured_file("dektak-1.csv"))).reason == "pixels"
 
-    def test_coloured_noise_is_detected_and_the_filtered_slope_is_correct(self):
+    def test_coloured_noise_is_detected_and_filtering_restores_the_true_slope(self):
         points, spacing, num_filtered, num_correct = 4000, 1 / 60, 0, 0
         frequency = np.fft.rfftfreq(points, spacing)
         bands_by_colour = {

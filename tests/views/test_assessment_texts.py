@@ -137,7 +137,7 @@ def test_point_with_caution_has_a_caveat_with_the_reason(case_name):
     assert "μ_s = 0.21" in sentence_text(point)
 
 
-def test_scan_much_coarser_than_the_other_scan_causes_a_caveat():
+def test_scan_much_coarser_than_the_other_scan_adds_a_caveat():
     for spacing, expected_words in (([0.4, 0.1], "the lower scan is 4 times coarser than the upper"), ([0.2, 0.1], "")):
         dataset = measured_result().assign_attrs(upper_spacing_um=[0.1, 0.1], lower_spacing_um=spacing)
         point = only_point(dataset, measured_study())
@@ -145,7 +145,7 @@ def test_scan_much_coarser_than_the_other_scan_causes_a_caveat():
         assert point.verdict == ("Quote with care" if expected_words else "Quote it")
 
 
-def test_surrogates_much_smaller_than_the_scan_cause_a_caveat():
+def test_surrogates_much_smaller_than_the_scan_add_a_caveat():
     study = measured_study()
     study = study.with_changes({"surfaces.press": "surrogates"})
     for shape, verdict in ((300, "Quote with care"), (600, "Quote it")):
@@ -187,20 +187,20 @@ def test_pressure_caveat_is_absent_for_rubber_like_materials(kind):
     assert any("pressure" in caveat.text for caveat in summarize(dataset, study).points[0].caveats)
 
 
-def test_pressure_above_the_yield_strength_of_a_soft_material_causes_a_caveat():
+def test_pressure_above_the_yield_strength_of_a_soft_material_adds_a_caveat():
     study = measured_study(mechanics="asperities")
     study = study.with_changes({"contact.materials": ["mild steel", "brass"]})
     dataset = measured_result(mean_pressure=2.0).assign_coords(effective_modulus=0.05)
     assert any("brass yields" in caveat.text for caveat in summarize(dataset, study).points[0].caveats)
 
 
-def test_high_pressure_of_generated_surfaces_causes_a_caution_but_not_a_fault():
+def test_high_pressure_of_generated_surfaces_adds_a_caution_but_no_fault():
     for pressure, verdict in ((0.4, "Quote it"), (0.6, "Quote with care")):
         points = summarize(generated_result(mean_pressure=pressure), generated_study()).points
         assert {point.verdict for point in points} == {verdict}
 
 
-def test_missing_coefficient_is_explained_by_the_status_of_the_point():
+def test_sentence_without_coefficient_states_the_reason():
     point = only_point(measured_result(status="not-reached", all_rub=np.nan, opposing=np.nan, ok=0), measured_study())
     assert (point.status, point.verdict) == ("not-reached", "Do not quote")
     assert "no computed load is as large" in sentence_text(point)
@@ -362,7 +362,7 @@ def test_text_of_inputs_states_materials_and_the_hardness_range_of_the_softer_bo
     ("tau0", "expected_words"),
     [(0.01, None), (0.05, "τ0 is 42 % of the shear strength of the softer body, 120 MPa"), (0.13, "seizure")],
 )
-def test_neglected_junction_growth_causes_a_caveat_if_it_would_raise_friction_by_5_percent(tau0, expected_words):
+def test_neglected_junction_growth_adds_a_caveat_if_it_would_raise_friction_by_5_percent(tau0, expected_words):
     dataset = measured_result(load_share_at_hardness=0.9, mu0=(0.1 if tau0 < 0.02 else 0.2,), tau0=(tau0,))
     caveats = summarize(dataset, with_materials(0.625)).points[0].caveats
     growth_caveats = [caveat.text for caveat in caveats if "junction growth" in caveat.text]
@@ -374,7 +374,7 @@ def test_neglected_junction_growth_causes_a_caveat_if_it_would_raise_friction_by
     assert not any("junction growth" in caveat.text for caveat in caveats_of_elastic_contact)
 
 
-def test_tau0_of_zero_causes_a_caveat():
+def test_tau0_of_zero_adds_a_caveat():
     dataset = measured_result(tau0=(0.0,))
     dataset["friction_all_round"] = dataset["friction_all_round"] / 0.21 * 0.2012
     caveats = [caveat.text for caveat in summarize(dataset, measured_study()).points[0].caveats]
@@ -384,7 +384,7 @@ def test_tau0_of_zero_causes_a_caveat():
 @pytest.mark.parametrize(
     ("pressure", "severity"), [(2.0, ["fault"]), (1.0, ["caution"]), (0.2, [])], ids=["all", "some", "none"]
 )
-def test_pressure_beyond_yield_causes_a_caveat_that_names_the_material(pressure, severity):
+def test_pressure_beyond_yield_adds_a_caveat_that_names_the_material(pressure, severity):
     study = measured_study(mechanics="asperities")
     study = study.with_changes({"contact.materials": ["mild steel", "brass"]})
     caveats = summarize(measured_result(mean_pressure=pressure), study).points[0].caveats
@@ -437,7 +437,7 @@ def test_text_about_finer_scans_states_the_hardness():
     assert finer_scan_text(only_point(measured_result(), measured_study())) == ""
 
 
-def test_few_contacts_and_zero_tau0_of_generated_surfaces_cause_caveats():
+def test_few_contacts_and_zero_tau0_of_generated_surfaces_add_caveats():
     point = summarize(generated_result(contact_count=7.0), generated_study()).points[0]
     assert "few contacts, 7 on average" in caveat_texts(point)
     assert summarize(generated_result(contact_count=3.0), generated_study()).points[0].verdict == "Do not quote"

@@ -65,7 +65,7 @@ class TestCharacterisationText:
         assert "given" in texts["fitted band"]
         assert "periodic" in texts["spectrum"]
 
-    def test_characterisation_text_has_no_hurst_exponent_without_a_band_and_rejects_invalid_profiles(self, profile):
+    def test_characterisation_text_omits_hurst_exponent_without_band_and_rejects_bad_profiles(self, profile):
         assert "none" in texts_by_label(characterisation_text(PROFILE_WITHOUT_BAND))["Hurst exponent H"]
         with pytest.raises(ValueError, match="band"):
             characterisation_text(profile, band=(1.0, 1.001))
@@ -144,7 +144,7 @@ class TestCharacterisationFigure:
 # ---- Cautions about the Hurst exponent ------------------------------------------------------------------------------
 
 
-def test_hurst_exponent_above_1_causes_a_caution():
+def test_hurst_exponent_above_1_adds_a_caution():
     smooth_profile = self_affine(1, hurst_exponent=1.5, rms=0.1, points=4000, spacing=0.01)
     text = characterisation_text(smooth_profile, band=(0.1, 5.0))
     texts = texts_by_label(text)

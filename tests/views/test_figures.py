@@ -172,7 +172,7 @@ def test_friction_curves_equal_the_friction_map_at_their_load(generated_dataset)
 @pytest.mark.parametrize(
     "selection", [{"fractal_dimension": [2]}, {"repetition": [3]}, {"approach": [7, 8, 9]}], ids=str
 )
-def test_friction_and_area_figures_of_small_results_cause_no_warning(generated_dataset, selection, tmp_path):
+def test_friction_and_area_figures_of_small_results_issue_no_warning(generated_dataset, selection, tmp_path):
     dataset = generated_dataset.isel(amplitude=[0], **selection)
     save_figure(friction_figure(dataset, 0.0), tmp_path / "friction.png")
     save_figure(area_figure(dataset), tmp_path / "area.png")
@@ -247,7 +247,7 @@ def test_figure_lines_have_the_colours_of_their_sliding_rules(maps_at_two_cutoff
         )
 
 
-def test_compass_figure_passes_through_the_mean_in_each_direction_and_its_axis_starts_at_zero(maps_at_two_cutoffs):
+def test_compass_figure_draws_the_mean_in_each_direction_on_an_axis_from_zero(maps_at_two_cutoffs):
     axes = draw_figure(maps_at_two_cutoffs, "compass").axes[0]
     reference = at_load(maps_at_two_cutoffs, [0.1], mu0=[0.3], tau0=[0.0]).isel(cut_off=0, load=0, mu0=0, tau0=0)
     points, curve = axes.lines[:2]
@@ -258,9 +258,7 @@ def test_compass_figure_passes_through_the_mean_in_each_direction_and_its_axis_s
     assert 4 <= len(axes.get_yticks()) <= 6
 
 
-def test_positions_figure_sorts_the_values_of_maps_and_plots_profile_values_at_their_positions(
-    maps_at_two_cutoffs, profiles_dataset
-):
+def test_positions_figure_sorts_map_values_and_plots_profile_values_at_positions(maps_at_two_cutoffs, profiles_dataset):
     line_of_maps = draw_figure(maps_at_two_cutoffs, "positions").axes[0].lines[0]
     assert np.array_equal(line_of_maps.get_xdata(), np.arange(1, 17))  # There are 4 members in 4 directions.
     assert (np.diff(line_of_maps.get_ydata()) >= 0).all()

@@ -36,7 +36,7 @@ def caveat_texts(upper, lower, *, mu0=(0.2,), loads=()):
     return [caveat.text for caveat in find_input_caveats(upper, lower, measured_study(mu0=mu0), loads)]
 
 
-def test_heights_larger_than_the_scan_length_cause_a_caveat(rough_profile):
+def test_heights_larger_than_the_scan_length_add_a_caveat(rough_profile):
     tall_profile = Profile(rough_profile.heights * 1000, spacing=rough_profile.spacing)
     assert any(text.startswith("upper: heights span") for text in caveat_texts(tall_profile, rough_profile))
     surface = Surface(np.eye(8), spacing=1.0)
@@ -48,7 +48,7 @@ def test_heights_larger_than_the_scan_length_cause_a_caveat(rough_profile):
     assert [caveat.severity for caveat in caveats if "heights span" in caveat.text] == ["fault"]
 
 
-def test_form_error_causes_a_caveat_unless_it_is_removed(rough_profile):
+def test_form_error_adds_a_caveat_unless_it_is_removed(rough_profile):
     x = np.linspace(-1, 1, 2000)
     for curvature_height, has_caveat in ((1.0, True), (0.01, False)):
         curved_profile = Profile(rough_profile.heights + curvature_height * x**2, spacing=rough_profile.spacing)
@@ -63,7 +63,7 @@ def test_form_error_causes_a_caveat_unless_it_is_removed(rough_profile):
     assert find_input_caveats(rough_profile, curved_profile, study) == ()
 
 
-def test_spikes_cause_a_caveat_that_states_their_number(rough_profile):
+def test_spikes_of_a_profile_add_a_caveat_that_states_their_number(rough_profile):
     heights = rough_profile.heights.copy()
     heights[[500, 1200]] += 2 * MAX_SPIKE_RATIO * np.abs(np.diff(heights, 2)).max()
     caveats = caveat_texts(Profile(heights, spacing=rough_profile.spacing), rough_profile)
@@ -73,7 +73,7 @@ def test_spikes_cause_a_caveat_that_states_their_number(rough_profile):
 
 
 @pytest.mark.parametrize("kind", MACHINED_SURFACES)
-def test_spikes_of_a_map_cause_a_caveat_that_states_their_number(kind):
+def test_spikes_of_a_map_add_a_caveat_that_states_their_number(kind):
     rng = np.random.default_rng(1)
     heights = 0.02 * scale_to_unit_rms(MACHINED_SURFACES[kind](rng, 2))
 
@@ -95,7 +95,7 @@ def test_caveat_about_both_scans_is_listed_once(rough_profile):
     assert all(text.startswith("both scans: ") for text in caveats)
 
 
-def test_huge_coefficients_and_loads_cause_caveats(rough_profile):
+def test_huge_coefficients_and_loads_add_caveats(rough_profile):
     assert (
         caveat_texts(
             rough_profile,
@@ -110,7 +110,7 @@ def test_huge_coefficients_and_loads_cause_caveats(rough_profile):
     assert "above a tenth of E*" in caveat_texts(rough_profile, rough_profile, loads=[load])[0]
 
 
-def test_noise_and_spectral_lines_cause_caveats_unless_unfiltered_scans_are_accepted():
+def test_noise_and_spectral_lines_add_caveats_unless_unfiltered_scans_are_accepted():
     rng = np.random.default_rng(5)
     clean_profile = self_affine(1, hurst_exponent=0.8, rms=0.05, points=4096, spacing=0.01, shortest_wavelength=0.5)
     noisy_profile = Profile(clean_profile.heights + 2e-4 * rng.normal(size=4096), spacing=0.01)
@@ -154,7 +154,7 @@ def test_remedy_suggests_no_cutoff_above_a_third_of_the_scan_length():
         pair(noise_profile, short_profile, load="10 MPa", mu0=0.2, effective_modulus="80 GPa", cutoff=f"{cutoff:g} um")
 
 
-def test_wavelengths_that_the_tip_does_not_resolve_cause_a_caveat():
+def test_wavelengths_that_the_tip_does_not_resolve_add_a_caveat():
     scan = self_affine(
         3, points=3000, spacing=0.01, hurst_exponent=0.7, rms=0.01, longest_wavelength=5.0, shortest_wavelength=0.05
     )

@@ -64,7 +64,7 @@ def report_numbers(generated_dataset):
 # ---- Interpolation and text ------------------------------------------------------------------------------------------
 
 
-def test_report_script_interpolates_like_the_library(report_numbers):
+def test_interpolation_of_the_report_script_equals_that_of_the_library(report_numbers):
     axes = tuple(
         NodeAxis(np.array([0.0, 0.1, 0.3, 0.7, 1.0]) * max_value, np.array([0.2]) * max_value)
         for max_value in (1.0, 50.0)

@@ -419,7 +419,7 @@ def test_map_shows_selected_quantity_and_amplitude(generated_report):
     assert visible_errors == ["mu0-wrong", "tau0-wrong"]
 
 
-def test_report_explains_missing_results(driver, tmp_path, generated_dataset):
+def test_report_states_why_results_are_missing(driver, tmp_path, generated_dataset):
     dataset_without_solution = generated_dataset.copy(deep=True)
     dataset_without_solution["normal_elastic"].values[0, 0, 3, 2] = np.nan
     for dataset, expected_words in (
