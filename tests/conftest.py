@@ -25,16 +25,16 @@ hypothesis.settings.load_profile("without time limits")
 
 
 @pytest.fixture(scope="session")
-def measured_file():
+def measured_file_path():
     """Return a function that returns the path of a measured file, and skips the test if the file is absent."""
     folder = Path(os.environ.get("STICTION_TEST_DATA", Path(__file__).parents[2] / "shared" / "data"))
 
-    def path(name):
+    def find_file(name):
         if not (folder / name).exists():
             pytest.skip(f"the measured file {name} is not in this tree")
         return folder / name
 
-    return path
+    return find_file
 
 
 @pytest.fixture(scope="session")
@@ -42,7 +42,7 @@ def create_rough_profiles():
     """Return a function that generates an upper and a lower profile of a fractal dimension."""
 
     @functools.lru_cache(maxsize=8)
-    def pair(dimension, *, points=12_000, repetition=0, amplitude=0.1, band_limit=None):
+    def create_pair(dimension, *, points=12_000, repetition=0, amplitude=0.1, band_limit=None):
         return tuple(
             weierstrass_mandelbrot(
                 random_phases(11, repetition=repetition, side=side), dimension, points=points,
@@ -51,19 +51,19 @@ def create_rough_profiles():
             for side in ("upper", "lower")
         )  # fmt: skip
 
-    return pair
+    return create_pair
 
 
 @pytest.fixture(scope="session")
 def create_circular_arc():
     """Return a function that generates a circular arc: the profile of a cylinder or sphere."""
 
-    def arc(apex, radius, spacing, points, side):
+    def create_arc(apex, radius, spacing, points, side):
         x = np.arange(points) * spacing - apex
         sagitta = np.square(x) / (radius + np.sqrt(radius**2 - np.square(x)))
         return Profile(sagitta if side == "upper" else -sagitta, spacing=spacing)
 
-    return arc
+    return create_arc
 
 
 @pytest.fixture(scope="session")
@@ -77,12 +77,12 @@ def no_figures():
     """Return a context manager that disables figures, for faster tests of other output."""
 
     @contextlib.contextmanager
-    def undrawn():
+    def without_figures():
         with pytest.MonkeyPatch.context() as patch, disable_drawing():
             patch.setattr("stiction.views.figures.draw_figures", lambda *_, **__: [])
             yield
 
-    return undrawn
+    return without_figures
 
 
 @pytest.fixture

@@ -47,7 +47,7 @@ def result():
 
 
 @pytest.fixture(scope="module")
-def resampled(result):
+def resampled_means(result):
     return claims.ResampledMeans(result, 0.1)
 
 
@@ -62,8 +62,8 @@ def test_studies_of_claims_have_the_settings_of_the_paper():
         assert (variant == claims.variant_study("default")) == (not changes)
 
 
-def test_first_resampled_ensemble_gives_the_same_maps_as_the_result(result, resampled):
-    load = resampled.middle_load
+def test_first_resampled_ensemble_gives_the_same_maps_as_the_result(result, resampled_means):
+    load = resampled_means.middle_load
     for quantity, tau0, expected in (
         ("friction", 0.0, friction_map(result, [load], mu0=[0.4], tau0=[0.0])["friction_coefficient"]),
         ("friction", 0.2, friction_map(result, [load], mu0=[0.4], tau0=[0.2])["friction_coefficient"]),
@@ -71,27 +71,34 @@ def test_first_resampled_ensemble_gives_the_same_maps_as_the_result(result, resa
         ("stiffness", 0.2, stiffness_map(result, [load], mu0=[0.4], tau0=[0.2])["normal_stiffness"]),
     ):
         for amplitude in (0.05, 0.1, 0.2):
-            resampled_values = resampled.at(quantity, load, tau0=tau0, amplitude=amplitude)[0]
+            resampled_values = resampled_means.at(quantity, load, tau0=tau0, amplitude=amplitude)[0]
             reference = expected.sel(amplitude=amplitude).values[:, 0, 0, 0]
             assert np.isfinite(reference).sum() >= 6
             assert np.allclose(resampled_values, reference, rtol=1e-12, equal_nan=True)
 
 
-def test_resampled_intervals_agree_with_those_of_the_friction_map(result, resampled):
-    computed = resampled.at("friction", resampled.middle_load)[1:]
+def test_resampled_intervals_agree_with_those_of_the_friction_map(result, resampled_means):
+    computed = resampled_means.at("friction", resampled_means.middle_load)[1:]
     lower, upper = np.quantile(computed, [0.025, 0.975], axis=0)
-    expected_map = friction_map(result, [resampled.middle_load], mu0=[0.4], tau0=[0.0]).sel(amplitude=0.1)
+    expected_map = friction_map(result, [resampled_means.middle_load], mu0=[0.4], tau0=[0.0]).sel(amplitude=0.1)
     ratio = (np.log(upper / lower) / np.log(expected_map["upper"] / expected_map["lower"]).values.ravel())[:6]
     assert ratio.min() > 0.6
     assert ratio.max() < 1.5
 
 
-def test_loads_of_claims_are_reached_at_every_fractal_dimension(result, resampled):
+def test_loads_of_claims_are_reached_at_every_fractal_dimension(result, resampled_means):
     elastic = result["normal_elastic"].sel(amplitude=0.1).mean("repetition")
-    assert float(elastic.isel(approach=0).max()) < resampled.light_load < resampled.middle_load < resampled.heavy_load
-    assert resampled.heavy_load < float(elastic.max("approach").min())
+    assert (
+        float(elastic.isel(approach=0).max())
+        < resampled_means.light_load
+        < resampled_means.middle_load
+        < resampled_means.heavy_load
+    )
+    assert resampled_means.heavy_load < float(elastic.max("approach").min())
     # The middle load is the geometric mean of the other two.
-    assert resampled.middle_load**2 == pytest.approx((resampled.light_load * resampled.heavy_load), rel=1e-9)
+    assert resampled_means.middle_load**2 == pytest.approx(
+        (resampled_means.light_load * resampled_means.heavy_load), rel=1e-9
+    )
 
 
 def judge_values(values, lower_bound, upper_bound):
@@ -118,14 +125,14 @@ def test_verdict_on_a_part_of_a_claim_is_derived_from_its_interval():
 
 
 def test_verdict_on_a_claim_is_derived_from_verdicts_on_its_parts():
-    def verdicts(*names):
+    def claim_verdict_of_parts(*names):
         part = ClaimPart("4a", "", 0, 1, lambda _: np.zeros(1))
         return claim_verdict(4, [ClaimPartOutcome(part, 0, 0, 0, name, ()) for name in names])
 
-    assert verdicts("true", "true") == "true"
-    assert verdicts("true", "undecided") == "undecided"
-    assert verdicts("undecided", "false", "true") == "false"
-    assert verdicts("undefined", "true") == "undefined"
+    assert claim_verdict_of_parts("true", "true") == "true"
+    assert claim_verdict_of_parts("true", "undecided") == "undecided"
+    assert claim_verdict_of_parts("undecided", "false", "true") == "false"
+    assert claim_verdict_of_parts("undefined", "true") == "undefined"
 
 
 def test_parts_of_claims_have_unique_names():
@@ -159,11 +166,11 @@ def judge_part(name, result, **options):
     return ClaimPartOutcome.of(part, claims.ResampledMeans(result, 0.1, **options))
 
 
-def sums_with_friction(coefficient):
+def sum_functions_with_friction(coefficient):
     return {"tangential_elastic": lambda d, a, f: coefficient(d, a, f) * f}
 
 
-def sums_with_adhesion(coefficient):
+def sum_functions_with_adhesion(coefficient):
     """Return sums in which tau0 = 1 GPa adds a given value to the coefficient."""
     return {"tangential_adhesive": lambda d, a, f: coefficient(d, a, f) * f}
 
@@ -172,34 +179,46 @@ def sums_with_adhesion(coefficient):
 TRUE_AND_FALSE_DATA = {
     "1a": ({}, {"contact_area": lambda d, a, f: np.sqrt(f)}),
     "1b": ({}, {"contact_area": lambda d, a, f: f**0.7}),
-    "2a": (sums_with_friction(lambda d, a, f: 0.3 * d), sums_with_friction(lambda d, a, f: 0.3 / d)),
+    "2a": (sum_functions_with_friction(lambda d, a, f: 0.3 * d), sum_functions_with_friction(lambda d, a, f: 0.3 / d)),
     "2b": (
-        sums_with_friction(lambda d, a, f: 0.3 * np.exp(4 * np.maximum(d - 1.5, 0))),
-        sums_with_friction(lambda d, a, f: 0.3 * np.exp(4 * np.minimum(d - 1.5, 0))),
+        sum_functions_with_friction(lambda d, a, f: 0.3 * np.exp(4 * np.maximum(d - 1.5, 0))),
+        sum_functions_with_friction(lambda d, a, f: 0.3 * np.exp(4 * np.minimum(d - 1.5, 0))),
     ),
     "2c": (
         {"tangential_frictional": lambda d, a, f: 0.2 * d * f},
         {"tangential_frictional": lambda d, a, f: 0.4 / d * f},
     ),
-    "3a": (sums_with_adhesion(lambda d, a, f: 0.5), sums_with_adhesion(lambda d, a, f: np.where(d < 1.65, 0.5, -0.5))),
-    "3b": (sums_with_adhesion(lambda d, a, f: 2 - d), sums_with_adhesion(lambda d, a, f: d)),
-    "3c": (sums_with_adhesion(lambda d, a, f: f**-0.2), sums_with_adhesion(lambda d, a, f: f**0.2)),
-    "3d": (sums_with_adhesion(lambda d, a, f: 1), sums_with_adhesion(lambda d, a, f: 30)),
-    "4a": (sums_with_adhesion(lambda d, a, f: 2 + (d - 1.4) ** 2), sums_with_adhesion(lambda d, a, f: 2 + d)),
-    "4b": (sums_with_adhesion(lambda d, a, f: 2 + (d - 1.4) ** 2), sums_with_adhesion(lambda d, a, f: 4 - d)),
+    "3a": (
+        sum_functions_with_adhesion(lambda d, a, f: 0.5),
+        sum_functions_with_adhesion(lambda d, a, f: np.where(d < 1.65, 0.5, -0.5)),
+    ),
+    "3b": (sum_functions_with_adhesion(lambda d, a, f: 2 - d), sum_functions_with_adhesion(lambda d, a, f: d)),
+    "3c": (sum_functions_with_adhesion(lambda d, a, f: f**-0.2), sum_functions_with_adhesion(lambda d, a, f: f**0.2)),
+    "3d": (sum_functions_with_adhesion(lambda d, a, f: 1), sum_functions_with_adhesion(lambda d, a, f: 30)),
+    "4a": (
+        sum_functions_with_adhesion(lambda d, a, f: 2 + (d - 1.4) ** 2),
+        sum_functions_with_adhesion(lambda d, a, f: 2 + d),
+    ),
+    "4b": (
+        sum_functions_with_adhesion(lambda d, a, f: 2 + (d - 1.4) ** 2),
+        sum_functions_with_adhesion(lambda d, a, f: 4 - d),
+    ),
     "4c": (
-        sums_with_adhesion(lambda d, a, f: 2 + (d - 1.4) ** 2),
-        sums_with_adhesion(lambda d, a, f: 2 + (d - 1.2) ** 2),
+        sum_functions_with_adhesion(lambda d, a, f: 2 + (d - 1.4) ** 2),
+        sum_functions_with_adhesion(lambda d, a, f: 2 + (d - 1.2) ** 2),
     ),
-    "5": (sums_with_friction(lambda d, a, f: 0.3 * f**-0.1), sums_with_friction(lambda d, a, f: 0.3 * f**0.1)),
-    "6": (sums_with_friction(lambda d, a, f: 0.3), sums_with_friction(lambda d, a, f: 0.5)),
+    "5": (
+        sum_functions_with_friction(lambda d, a, f: 0.3 * f**-0.1),
+        sum_functions_with_friction(lambda d, a, f: 0.3 * f**0.1),
+    ),
+    "6": (sum_functions_with_friction(lambda d, a, f: 0.3), sum_functions_with_friction(lambda d, a, f: 0.5)),
     "7a": ({"contact_area": lambda d, a, f: f / a}, {"contact_area": lambda d, a, f: f * a}),
-    "7b": (sums_with_adhesion(lambda d, a, f: 0.1 / a), sums_with_adhesion(lambda d, a, f: 10 * a)),
+    "7b": (sum_functions_with_adhesion(lambda d, a, f: 0.1 / a), sum_functions_with_adhesion(lambda d, a, f: 10 * a)),
     "7c": (
-        sums_with_friction(lambda d, a, f: 0.3 * np.exp(10 * a * d)),
-        sums_with_friction(lambda d, a, f: 0.3 * np.exp(0.1 * d / a)),
+        sum_functions_with_friction(lambda d, a, f: 0.3 * np.exp(10 * a * d)),
+        sum_functions_with_friction(lambda d, a, f: 0.3 * np.exp(0.1 * d / a)),
     ),
-    "7d": (sums_with_adhesion(lambda d, a, f: 0.1 / a), sums_with_adhesion(lambda d, a, f: 10 * a)),
+    "7d": (sum_functions_with_adhesion(lambda d, a, f: 0.1 / a), sum_functions_with_adhesion(lambda d, a, f: 10 * a)),
     "8a": ({}, {"normal_frictional": lambda d, a, f: -0.4 * f}),
     "8b": ({}, {"normal_adhesive": lambda d, a, f: -2 * f}),
     "8c": ({}, {"normal_frictional": lambda d, a, f: -0.4 * f}),
@@ -234,7 +253,7 @@ def test_true_and_false_test_data_exist_for_every_part_of_a_claim():
 def test_confidence_bands_of_a_minimum_of_noisy_data_are_wider_than_percentiles():
     # The friction is independent of D except for noise, which lowers the smallest value over D.
     noise = np.random.default_rng(1).lognormal(0, 0.5, size=(8, 1, 40, 1))
-    result = create_result(**sums_with_friction(lambda d, a, f: 0.2 * noise))
+    result = create_result(**sum_functions_with_friction(lambda d, a, f: 0.2 * noise))
     bands, percentiles = (
         judge_part("6", result, interval_method=interval_method) for interval_method in ("bands", "percentiles")
     )
@@ -284,7 +303,9 @@ def test_part_of_a_claim_is_undefined_if_its_range_has_only_one_fractal_dimensio
     computed = {judge_values.part.name: judge_values.verdict for judge_values in judge_claims(result)}
     assert {name for name, verdict in computed.items() if verdict == "undefined"} == {"2b", "3b", "4b", "5", "7c"}
     # Friction that decreases up to the last D has no minimum.
-    result = create_result(**sums_with_adhesion(lambda d, a, f: 3 - d)).sel(fractal_dimension=slice(1.0, 1.501))
+    result = create_result(**sum_functions_with_adhesion(lambda d, a, f: 3 - d)).sel(
+        fractal_dimension=slice(1.0, 1.501)
+    )
     assert judge_part("4c", result).verdict == "undefined"
 
 

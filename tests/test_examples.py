@@ -129,7 +129,7 @@ SMALL_STUDY_CHANGES = {
 }
 
 
-def reduce_study(command):
+def reduce_study_size(command):
     """Return the command with a smaller study, in which relative sizes of repetitions are preserved."""
     match shlex.split(command)[1]:
         case "run" if shlex.split(command)[2] != "pair":
@@ -150,7 +150,7 @@ def run_command(line, cwd):
         case ["stiction", "app", *_]:
             pass  # The tests of the app start this command. Here it would wait until somebody closes its window.
         case ["stiction", *_]:
-            words, _, output_file = reduce_study(line).partition(" > ")
+            words, _, output_file = reduce_study_size(line).partition(" > ")
             # Commands that start processes on a cluster need their own Python interpreter.
             if re.search("--(cluster|scheduler)", words):
                 completed = subprocess.run(
@@ -279,7 +279,7 @@ def test_code_of_the_page_on_clusters_runs_without_error(page, tmp_path, monkeyp
     computed = 0
     with distributed.LocalCluster(n_workers=1, processes=False, protocol="tcp", dashboard_address=None) as cluster:
 
-        def replace_paths(text):
+        def replace_cluster_settings(text):
             text = text.replace("tcp://head-node:8786", cluster.scheduler_address).replace("16GB", "1GB")
             for name, value in SLURM_TASK_ENVIRONMENT.items():  # The shell would replace these variables.
                 text = text.replace(f"${name}", value)
@@ -288,9 +288,9 @@ def test_code_of_the_page_on_clusters_runs_without_error(page, tmp_path, monkeyp
         for block in code_blocks(page):
             for part in command_lines(block) if block.kind == "sh" else [block.text]:
                 if block.kind == "sh":
-                    run_command(replace_paths(part), tmp_path)
+                    run_command(replace_cluster_settings(part), tmp_path)
                 elif block.kind == "python":
-                    (tmp_path / "page.py").write_text(replace_paths(part), encoding="utf-8")
+                    (tmp_path / "page.py").write_text(replace_cluster_settings(part), encoding="utf-8")
                     completed = subprocess.run(
                         [sys.executable, "page.py"], cwd=tmp_path, capture_output=True, text=True, timeout=120,
                         check=False,

@@ -27,7 +27,7 @@ def load_script(path, monkeypatch):
 
 
 @pytest.fixture
-def release(monkeypatch):
+def release_script(monkeypatch):
     return load_script(ROOT / "packaging/release.py", monkeypatch)
 
 
@@ -56,15 +56,15 @@ def test_pre_commit_hooks_have_the_versions_of_the_lint_tools():
     assert all(pinned_versions[name] == revision for name, revision in revisions)
 
 
-def test_conda_recipe_has_the_dependencies_of_the_package(release, monkeypatch):
-    assert list(release.missing_recipe_lines()) == []
+def test_conda_recipe_has_the_dependencies_of_the_package(release_script, monkeypatch):
+    assert list(release_script.missing_recipe_lines()) == []
     monkeypatch.setitem(
-        release.PROJECT_METADATA, "dependencies", [*release.PROJECT_METADATA["dependencies"], "numpy>=99"]
+        release_script.PROJECT_METADATA, "dependencies", [*release_script.PROJECT_METADATA["dependencies"], "numpy>=99"]
     )
-    assert list(release.missing_recipe_lines()) == ["- numpy >=99"]
+    assert list(release_script.missing_recipe_lines()) == ["- numpy >=99"]
 
 
-def test_documented_glibc_version_is_the_version_that_wheels_are_checked_for(release):
+def test_documented_glibc_version_is_the_version_that_wheels_are_checked_for(release_script):
     major, minor = sys.modules["prove"].MAX_GLIBC
     assert f"glibc {major}.{minor} or newer" in read_file("docs/howto/installing.md")
 
@@ -79,7 +79,7 @@ def test_documented_glibc_version_is_the_version_that_wheels_are_checked_for(rel
         ("linux_x86_64", False),
     ],
 )
-def test_wheel_that_requires_a_newer_glibc_is_rejected(release, name, passes, capsys):
+def test_wheel_that_requires_a_newer_glibc_is_rejected(release_script, name, passes, capsys):
     wheel = Path(f"stiction-0.1.0-cp311-cp311-{name}.whl")
     if passes:
         sys.modules["prove"].check_min_glibc(wheel)
@@ -89,23 +89,24 @@ def test_wheel_that_requires_a_newer_glibc_is_rejected(release, name, passes, ca
     assert name in capsys.readouterr().err
 
 
-def test_release_checks_report_missing_dates_and_versions(release, tmp_path, monkeypatch):
+def test_release_checks_report_missing_dates_and_versions(release_script, tmp_path, monkeypatch):
     (tmp_path / "CHANGELOG.md").write_text("## 1.2.3 (unreleased)\n", encoding="utf-8")
-    monkeypatch.setattr(release, "ROOT", tmp_path)
-    monkeypatch.setattr(release, "RELEASE_VERSION", "1.2.3")
-    assert "## 1.2.3 (unreleased) should read" in release.changelog_is_dated()
+    monkeypatch.setattr(release_script, "ROOT", tmp_path)
+    monkeypatch.setattr(release_script, "RELEASE_VERSION", "1.2.3")
+    assert "## 1.2.3 (unreleased) should read" in release_script.changelog_is_dated()
     (tmp_path / "CHANGELOG.md").write_text("## 1.2.3 (2030-01-02)\n", encoding="utf-8")
-    assert release.changelog_is_dated() is None
+    assert release_script.changelog_is_dated() is None
     (tmp_path / "CITATION.cff").write_text("version: 1.2.3\ndate-released: 2030-01-01\n", encoding="utf-8")
     assert (
-        release.citation_matches_changelog() == "CITATION.cff has no date-released: 2030-01-02, repository-code: http"
+        release_script.citation_matches_changelog()
+        == "CITATION.cff has no date-released: 2030-01-02, repository-code: http"
     )
-    monkeypatch.setattr(release, "VERSION", "1.2.3.dev0")
-    assert release.version_is_final() == "pyproject.toml says 1.2.3.dev0"
+    monkeypatch.setattr(release_script, "VERSION", "1.2.3.dev0")
+    assert release_script.version_is_final() == "pyproject.toml says 1.2.3.dev0"
 
 
-def test_release_script_writes_the_repository_address_into_all_files(release, tmp_path, monkeypatch):
-    monkeypatch.setattr(release, "ROOT", tmp_path)
+def test_release_script_writes_the_repository_address_into_all_files(release_script, tmp_path, monkeypatch):
+    monkeypatch.setattr(release_script, "ROOT", tmp_path)
     files = {
         "pyproject.toml": '[project]\nname = "a"\n\n[project.urls]\nPaper = "https://doi.org/1"\n\n[tool]\n',
         "CITATION.cff": "type: software\nversion: 1.2.3\n",
@@ -114,10 +115,10 @@ def test_release_script_writes_the_repository_address_into_all_files(release, tm
     for name, content in files.items():
         (tmp_path / name).write_text(content, encoding="utf-8")
     with pytest.raises(SystemExit):
-        release.write_address("example.org/stiction")
-    release.write_address("https://example.org/them/stiction")
+        release_script.write_address("example.org/stiction")
+    release_script.write_address("https://example.org/them/stiction")
     urls = tomllib.loads((tmp_path / "pyproject.toml").read_text(encoding="utf-8"))["project"]["urls"]
-    assert set(urls) == {"Paper", *release.URL_NAMES}
+    assert set(urls) == {"Paper", *release_script.URL_NAMES}
     assert "repository-code: https://example.org/them/stiction\n" in (tmp_path / "CITATION.cff").read_text(
         encoding="utf-8"
     )
@@ -125,7 +126,7 @@ def test_release_script_writes_the_repository_address_into_all_files(release, tm
     assert (tmp_path / "README.md").read_text(encoding="utf-8") == (
         f"![A]({root}/raw/main/docs/a.png) [B]({root}/blob/main/docs/b.md#c) [D](https://example.org) [E](#e)\n"
     )
-    assert release.links_are_absolute() is None
+    assert release_script.links_are_absolute() is None
 
 
 # ---- The sample scans -----------------------------------------------------------------------------------------------

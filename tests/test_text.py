@@ -100,7 +100,7 @@ def test_modules_contain_no_string_statements_without_effect():
             documented |= {function.body[0]}
             documented |= {node for last, node in itertools.pairwise(function.body) if is_attribute_assignment(last)}
         statements = {node for function in functions for node in ast.walk(function) if isinstance(node, ast.Expr)}
-        lost += [f"{path.name}:{node.lineno}" for node in statements - documented if is_text(node.value)]
+        lost += [f"{path.name}:{node.lineno}" for node in statements - documented if is_string_node(node.value)]
     assert lost == []
 
 
@@ -108,5 +108,5 @@ def is_attribute_assignment(node):
     return ast.unparse(node).startswith("self.") and isinstance(node, ast.Assign | ast.AnnAssign)
 
 
-def is_text(node):
+def is_string_node(node):
     return isinstance(node, ast.JoinedStr) or (isinstance(node, ast.Constant) and isinstance(node.value, str))

@@ -11,65 +11,65 @@ ROOT = Path(__file__).parents[1]
 
 
 @pytest.fixture(scope="module")
-def words():
+def words_tool():
     spec = importlib.util.spec_from_file_location("words", ROOT / "tools/words.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
 
 
-def test_consecutive_lines_of_comments_are_joined(words):
+def test_consecutive_lines_of_comments_are_joined(words_tool):
     source = "# A comment that goes on\n# over two lines.\nx = 1  # a comment after code that is long enough\n"
-    assert list(words.comments({"dev": source})) == [
+    assert list(words_tool.comments({"dev": source})) == [
         ("dev:1", "A comment that goes on over two lines."),
         ("dev:3", "a comment after code that is long enough"),
     ]
 
 
-def test_listed_docstrings_include_docstrings_of_constants(words):
+def test_listed_docstrings_include_docstrings_of_constants(words_tool):
     source = '"""Module."""\n\nLIMIT = 3\n"""Largest number of rows."""\n'
-    assert list(words.docstring_summaries({"dev": source})) == [
+    assert list(words_tool.docstring_summaries({"dev": source})) == [
         ("dev:module", "Module."),
         ("dev:4", "Largest number of rows."),
     ]
 
 
-def test_names_are_grouped_by_kind_and_counted_once(words):
+def test_names_are_grouped_by_kind_and_counted_once(words_tool):
     source = "LIMIT = 1\n\nclass Row:\n    def read(self, file):\n        size = 1\n        size = 2\n"
-    spellings = {kind: {name for _, name in items} for kind, items in words.names_by_kind({"dev": source}).items()}
+    spellings = {kind: {name for _, name in items} for kind, items in words_tool.names_by_kind({"dev": source}).items()}
     assert spellings.pop("variable") == {"self", "file", "size"}
     assert spellings == {"function": {"read"}, "class": {"Row"}, "constant": {"LIMIT"}, "test": set()}
 
 
 @pytest.mark.parametrize("name", ["said", "_said", "SAID"])
-def test_check_reports_names_that_are_rejected_in_their_folder(words, name):
+def test_check_reports_names_that_are_rejected_in_their_folder(words_tool, name):
     files = {"tests/x.py": f"{name} = 1\n", "packaging/x.py": f"{name} = 1\n"}
-    faults = list(words.name_faults(files, {"tests": ["said"]}))
+    faults = list(words_tool.name_faults(files, {"tests": ["said"]}))
     assert len(faults) == 1
     assert faults[0].startswith(f"tests/x.py:1: {name} ")
 
 
-def test_check_reports_rejected_sentence_openings(words):
+def test_check_reports_rejected_sentence_openings(words_tool):
     files = {"dev": '"""What a file contains."""\n\n\ndef read():\n    """Return what a file contains."""\n'}
-    assert len(list(words.opening_faults(files, {"all": ["What"]}))) == 1
+    assert len(list(words_tool.opening_faults(files, {"all": ["What"]}))) == 1
 
 
-def test_check_reports_tests_that_do_not_begin_with_their_unit(words):
+def test_check_reports_tests_that_do_not_begin_with_their_unit(words_tool):
     files = {
         "tests/test_x.py": "def test_the_profile_reader_accepts_csv_files():\n    pass\n\n\n"
         "def test_profile_reader_accepts_csv_files():\n    pass\n"
     }
-    assert len(list(words.test_name_faults(files, {"all": ["the"]}))) == 1
+    assert len(list(words_tool.test_name_faults(files, {"all": ["the"]}))) == 1
 
 
-def test_repeated_constants_and_classes_of_different_modules_are_reported(words):
+def test_repeated_constants_and_classes_of_different_modules_are_reported(words_tool):
     files = {
         "packaging/a.py": "SIZE = 1\nROOT = 2\nclass Row: pass\n",
         "packaging/b.py": "_SIZE = 3\nROOT = 2\nclass _Row: pass\n",
     }
-    assert words.repeated_constants(files) == {"SIZE": set(files)}
-    assert words.repeated_classes(files) == {"Row": set(files)}
-    assert list(words.repetition_faults(words.repeated_classes(files), ["Row"])) == []
+    assert words_tool.repeated_constants(files) == {"SIZE": set(files)}
+    assert words_tool.repeated_classes(files) == {"Row": set(files)}
+    assert list(words_tool.repetition_faults(words_tool.repeated_classes(files), ["Row"])) == []
 
 
 def test_sample_of_names_and_sentences_depends_only_on_the_seed():

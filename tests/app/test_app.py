@@ -82,7 +82,7 @@ def set_window_size(driver, width=1280, height=720, scheme="light"):
 
 def choose_scan(driver, side, path):
     driver.find_element("id", f"{side}-file").send_keys(str(path))
-    return wait_until(lambda: scan_texts(driver, side), lambda texts: texts["wrong"] or "…" not in texts["hint"])
+    return wait_until(lambda: read_scan_texts(driver, side), lambda texts: texts["wrong"] or "…" not in texts["hint"])
 
 
 def drop_scan(driver, side, path):
@@ -93,10 +93,10 @@ def drop_scan(driver, side, path):
         "document.getElementById(`${arguments[0]}-drop`).dispatchEvent(dropped)",
         side, path.read_text("utf-8"), path.name,
     )  # fmt: skip
-    return wait_until(lambda: scan_texts(driver, side), lambda texts: texts["wrong"] or "Sq" in texts["hint"])
+    return wait_until(lambda: read_scan_texts(driver, side), lambda texts: texts["wrong"] or "Sq" in texts["hint"])
 
 
-def scan_texts(driver, side):
+def read_scan_texts(driver, side):
     return {
         name: driver.execute_script(f"return document.querySelector('#{side}-drop .{name}').textContent")
         for name in ("hint", "wrong")
@@ -119,21 +119,21 @@ def press_start(driver, form="pair"):
     wait_until(lambda: driver.execute_script("return current"), lambda current_job: current_job != previous_job)
 
 
-def job_state(driver):
+def read_job_state(driver):
     """Return the state of the job that the page shows."""
     return driver.execute_script("return jobs.find(({number}) => number === current)?.state")
 
 
 def wait_until_finished(driver):
     """Wait until the job ends, and return its final state and its error message."""
-    wait_until(lambda: job_state(driver), lambda current_state: current_state not in (None, "waiting", "running"))
+    wait_until(lambda: read_job_state(driver), lambda current_state: current_state not in (None, "waiting", "running"))
     activity_script = "return jobs.find(({number}) => number === current).words"
     # The app reads the result of a stopped job before it clears this text.
     wait_until(lambda: driver.execute_script(activity_script), lambda text: not text)
-    return " ".join([job_state(driver), driver.find_element("id", "job-wrong").text]).strip()
+    return " ".join([read_job_state(driver), driver.find_element("id", "job-wrong").text]).strip()
 
 
-def shown_result(driver):
+def read_displayed_result(driver):
     """Return the values and intervals by sliding rule that the page shows, and the sentence about the first result."""
     script = "return [...document.querySelectorAll('#answer .value')].map((each) => ({...each.dataset}))"
     rules = driver.execute_script(script)
@@ -177,13 +177,13 @@ def test_form_accepts_uncertain_values_and_vickers_hardness(app, empty_page, map
         choose_scan(empty_page, side, scan)
     fill_fields(empty_page, METAL_FORM_VALUES | {"mu0": "0.2±0.02", "tau0": "20..80", "hardness": "150 HV"})
     press_start(empty_page)
-    wait_until(lambda: shown_result(empty_page)[0] or job_state(empty_page) == "failed", bool)
+    wait_until(lambda: read_displayed_result(empty_page)[0] or read_job_state(empty_page) == "failed", bool)
     assert wait_until_finished(empty_page) == "done"
     command_line = empty_page.find_element("id", "command").get_property("textContent")
     assert all(
         f"{argument}'" in command_line for argument in ("--mu0=0.2±0.02", "--tau0=20..80 MPa", "--hardness=150 HV")
     )
-    value, lower, upper = shown_result(empty_page)[0]["all"]
+    value, lower, upper = read_displayed_result(empty_page)[0]["all"]
     assert upper - lower > 0.2 * value
 
 
@@ -224,7 +224,7 @@ def test_caveats_about_a_scan_disappear_after_setting_options_in_the_form(empty_
         "field.dispatchEvent(new Event('change', {bubbles: true})); }"
     )
     wait_until(
-        lambda: scan_texts(empty_page, "upper"), lambda texts: "Sq 19.4 µm" in texts["hint"] and not texts["wrong"]
+        lambda: read_scan_texts(empty_page, "upper"), lambda texts: "Sq 19.4 µm" in texts["hint"] and not texts["wrong"]
     )
 
 
@@ -243,7 +243,7 @@ def test_preview_uses_the_latest_options_if_an_older_response_arrives_last(empty
     )
     wait_until(lambda: empty_page.execute_script("return window.delayed"), bool)
     wait_until(lambda: empty_page.execute_script("return arriving.upper"), lambda number: number == 0)
-    texts = scan_texts(empty_page, "upper")
+    texts = read_scan_texts(empty_page, "upper")
     assert "64 points; Pq" in texts["hint"]
     assert texts["wrong"] == ""
 
@@ -286,7 +286,7 @@ def test_app_result_of_metal_profiles_equals_command_result(empty_page, tmp_path
     fill_fields(empty_page, {"mechanics": "half-space", "lay": "grooves"})
     press_start(empty_page)
     assert wait_until_finished(empty_page) == "done"
-    result = shown_result(empty_page)
+    result = read_displayed_result(empty_page)
     assert result == run_shown_command(empty_page, tmp_path, monkeypatch)
     assert 0.2 < result[0]["all"][0] < 0.5
 
@@ -299,11 +299,11 @@ def test_app_result_of_maps_equals_command_result_after_each_user_action(app, em
     assert "Sq" in choose_scan(empty_page, "lower", map_files[1])["hint"]
     fill_fields(empty_page, METAL_FORM_VALUES)
     press_start(empty_page)
-    wait_until(lambda: shown_result(empty_page)[0] or job_state(empty_page) == "failed", bool)
+    wait_until(lambda: read_displayed_result(empty_page)[0] or read_job_state(empty_page) == "failed", bool)
     assert wait_until_finished(empty_page) == "done"
     wait_for_report(empty_page)
     expected = run_shown_command(empty_page, map_files[0].parent, monkeypatch)
-    assert shown_result(empty_page) == expected
+    assert read_displayed_result(empty_page) == expected
     report_values = run_in_report(empty_page, "return {...inside.getElementById('readout').dataset}")
     np.testing.assert_allclose(
         [float(report_values[name]) for name in ("value", "lower", "upper")],
@@ -318,17 +318,17 @@ def test_app_result_of_maps_equals_command_result_after_each_user_action(app, em
         ),
         lambda: fill_fields(empty_page, {"mu0": "0.35"}),
     ):
-        sentence_before = shown_result(empty_page)[1]
+        sentence_before = read_displayed_result(empty_page)[1]
         change_mu0()
         wait_until(
-            lambda: shown_result(empty_page)[1],
+            lambda: read_displayed_result(empty_page)[1],
             lambda expected_sentence, sentence_before=sentence_before: expected_sentence != sentence_before,
         )
         mu0 = run_in_report(empty_page, "return inside.getElementById('mu0-number').value")
         assert empty_page.find_element("name", "mu0").get_property("value") == mu0
         assert f"--mu0={mu0}" in empty_page.find_element("id", "command").get_property("textContent")
-        assert f"μ0 = {mu0}," in shown_result(empty_page)[1]
-    shown_intervals, shown_sentence = shown_result(empty_page)
+        assert f"μ0 = {mu0}," in read_displayed_result(empty_page)[1]
+    shown_intervals, shown_sentence = read_displayed_result(empty_page)
     expected_intervals, expected_sentence = run_shown_command(empty_page, map_files[0].parent, monkeypatch)
     assert shown_sentence == expected_sentence
     assert shown_intervals == {rule: pytest.approx(values, rel=1e-12) for rule, values in expected_intervals.items()}
@@ -352,8 +352,8 @@ def test_app_result_of_maps_equals_command_result_after_each_user_action(app, em
 
     empty_page.refresh()
     assert wait_until_finished(empty_page) == "done"
-    wait_until(lambda: shown_result(empty_page), lambda current_result: current_result == expected)
-    wait_until(lambda: scan_texts(empty_page, "upper")["hint"], lambda hint: height in hint)
+    wait_until(lambda: read_displayed_result(empty_page), lambda current_result: current_result == expected)
+    wait_until(lambda: read_scan_texts(empty_page, "upper")["hint"], lambda hint: height in hint)
 
     # The saved study contains no private paths of the server, so that it runs in any folder with these files.
     (map_files[0].parent / "study.toml").write_bytes(app.request("GET", f"/jobs/{job}/study.toml")[2])
@@ -379,14 +379,14 @@ def test_stopped_job_is_stored_and_can_be_resumed(empty_page, tmp_path, app):
     studies = app.find_private_folders()[0].glob("results/*/pair/study.toml")
     (folder,) = [path.parent for path in studies if "repetitions = 400" in path.read_text("utf-8")]
     info = call_stiction("info", folder, "--json", cwd=app.folder)
-    assert shown_result(empty_page) == result_of_record(json.loads(info.stdout))
+    assert read_displayed_result(empty_page) == result_of_record(json.loads(info.stdout))
     with app.block_commands(200):
         press_start(empty_page)
         wait_until(lambda: app.list_jobs()[-1]["finished"], lambda count: count > stopped_job["finished"])
-        check_second_window(empty_page, app)
+        check_queue_of_two_windows(empty_page, app)
 
 
-def check_second_window(empty_page, app):
+def check_queue_of_two_windows(empty_page, app):
     """Start a job in a second window while the first window computes one, wait until it is queued, and stop both."""
     first_window = empty_page.current_window_handle
     empty_page.switch_to.new_window("tab")
@@ -394,7 +394,7 @@ def check_second_window(empty_page, app):
         empty_page.get(app.origin)
         empty_page.find_element("css selector", "#made > summary").click()
         press_start(empty_page, "run")
-        wait_until(lambda: job_state(empty_page), bool)
+        wait_until(lambda: read_job_state(empty_page), bool)
         assert [job["state"] for job in app.list_jobs()[-2:]] == ["running", "waiting"]
         assert empty_page.find_element("id", "title").text == "Generated profiles"
         empty_page.find_element("id", "stop").click()
@@ -422,7 +422,7 @@ def test_command_error_is_shown_at_the_form_field_it_concerns(empty_page, map_fi
         message = call_stiction("characterise", path.name, *options, cwd=tmp_path).stderr
         return replace_option_names(message.removeprefix("stiction: ").strip())
 
-    def change_reading_field(name, value):
+    def set_file_form_field(name, value):
         empty_page.execute_script(
             "const field = document.querySelector(`#upper-drop [name=${arguments[0]}]`); field.value = arguments[1];"
             "field.dispatchEvent(new Event('change', {bubbles: true}))",
@@ -433,11 +433,11 @@ def test_command_error_is_shown_at_the_form_field_it_concerns(empty_page, map_fi
     # The browser reports a second choice of the same file only if the field is empty.
     assert empty_page.find_element("id", "upper-file").get_property("value") == ""
     assert choose_scan(empty_page, "upper", text_file)["wrong"] == command_error(text_file)
-    change_reading_field("unit", "nm")
+    set_file_form_field("unit", "nm")
     expected_message = command_error(text_file, "--unit", "nm")
-    wait_until(lambda: scan_texts(empty_page, "upper")["wrong"], lambda wrong: wrong == expected_message)
-    change_reading_field("spacing", "0.1 um")
-    wait_until(lambda: scan_texts(empty_page, "upper")["hint"], lambda hint: "2.4 µm" in hint)
+    wait_until(lambda: read_scan_texts(empty_page, "upper")["wrong"], lambda wrong: wrong == expected_message)
+    set_file_form_field("spacing", "0.1 um")
+    wait_until(lambda: read_scan_texts(empty_page, "upper")["hint"], lambda hint: "2.4 µm" in hint)
     empty_page.find_element("css selector", "#pair .go").send_keys("\n")
     assert "the lower scan is missing" in empty_page.find_element("id", "pair-wrong").text
     # The file of the second map has another grid and contains its units.
@@ -452,7 +452,7 @@ def test_command_error_is_shown_at_the_form_field_it_concerns(empty_page, map_fi
     fill_fields(empty_page, {"load": "5 MPa"})
     press_start(empty_page)
     assert wait_until_finished(empty_page) == "done"
-    assert shown_result(empty_page) == run_shown_command(empty_page, tmp_path, monkeypatch)
+    assert read_displayed_result(empty_page) == run_shown_command(empty_page, tmp_path, monkeypatch)
 
 
 def test_preview_uses_no_more_positions_than_requested(app, empty_page):
@@ -460,13 +460,13 @@ def test_preview_uses_no_more_positions_than_requested(app, empty_page):
     empty_page.find_element("id", "demo").click()
     for side in ("upper", "lower"):
         assert "128 × 128" in wait_until(
-            lambda side=side: scan_texts(empty_page, side)["hint"], lambda hint: "Sq" in hint
+            lambda side=side: read_scan_texts(empty_page, side)["hint"], lambda hint: "Sq" in hint
         )
         link = empty_page.find_element("css selector", f"#{side}-drop .save").get_attribute("href")
         _, headers, body = app.request("GET", link.removeprefix(app.origin))
         assert headers["Content-Disposition"] == f'attachment; filename="{side}.csv"'
         assert body.count(b"\n") >= 128
-    wait_until(lambda: job_state(empty_page), bool)  # The page computes the sample surfaces without a click.
+    wait_until(lambda: read_job_state(empty_page), bool)  # The page computes the sample surfaces without a click.
     empty_page.execute_script("postJson(`/jobs/${current}/stop`)")
     assert wait_until_finished(empty_page) in ("stopped", "done")
     fill_fields(empty_page, {"shifts": "2"})
@@ -526,7 +526,7 @@ def test_app_computes_profiles_with_the_asperity_model_by_default(
             field.send_keys(str(value))
     press_start(empty_page)
     assert wait_until_finished(empty_page) == "done"
-    assert shown_result(empty_page) == run_shown_command(empty_page, tmp_path, monkeypatch)
+    assert read_displayed_result(empty_page) == run_shown_command(empty_page, tmp_path, monkeypatch)
 
 
 def test_form_values_change_the_profile_preview_and_the_computed_fractal_dimension(empty_page):
@@ -568,7 +568,7 @@ def test_app_has_no_accessibility_violations(empty_page, map_files):
     def check_accessibility():
         for width, scheme in ((1280, "light"), (390, "dark")):
             set_window_size(empty_page, width, 720, scheme)
-            assert browser.find_accessibility_faults(empty_page, axe_script) == []
+            assert browser.find_accessibility_violations(empty_page, axe_script) == []
             assert empty_page.execute_script("return document.documentElement.scrollWidth <= innerWidth")
         set_window_size(empty_page)
 

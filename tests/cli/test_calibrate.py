@@ -25,7 +25,7 @@ def ball_test_rows():
 
 
 @pytest.fixture(scope="module")
-def two_finishes(tmp_path_factory):
+def two_finishes_folder(tmp_path_factory):
     """Folder with results of two elastic pairs, a ground and a lapped one, and a table of their friction forces."""
     folder = tmp_path_factory.mktemp("finishes")
     rows = []
@@ -80,15 +80,15 @@ def test_calibrate_command_recovers_and_stores_mu0_and_tau0_of_ball_tests(tmp_pa
     assert (tmp_path / "film.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_calibrate_command_requires_two_surface_finishes_to_separate_mu0_from_tau0(two_finishes):
+def test_calibrate_command_requires_two_surface_finishes_to_separate_mu0_from_tau0(two_finishes_folder):
     arguments = ["forces.csv", "--pair", "ground", "--pair", "lapped/", "--sliding", "all", "--json"]
-    record = json.loads(check_stiction("calibrate", *arguments, cwd=two_finishes, without_figures=True).stdout)
+    record = json.loads(check_stiction("calibrate", *arguments, cwd=two_finishes_folder, without_figures=True).stdout)
     assert (record["kind"], record["separated"]) == ("interface", True)
     values = {item["name"]: item for item in record["values"]}
     assert values["mu0"]["lower"] < TRUE_MU0 < values["mu0"]["upper"]
     assert values["tau0"]["lower"] < 0.3 < values["tau0"]["upper"]
     single_pair = check_stiction(
-        "calibrate", "--pair", "ground", "--load", "80 MPa", "--measured", "0.25±0.01", cwd=two_finishes
+        "calibrate", "--pair", "ground", "--load", "80 MPa", "--measured", "0.25±0.01", cwd=two_finishes_folder
     )
     assert "μ0 + τ0 A/F is determined" in single_pair.stdout
     assert "smooth ball" in single_pair.stdout

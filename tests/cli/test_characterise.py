@@ -257,16 +257,16 @@ def test_characterise_command_rejects_invalid_input(scans_folder, arguments, exp
     assert completed.stderr.startswith("stiction: ")
 
 
-def test_characterise_command_reads_a_stylus_profile(measured_file, tmp_path):
-    history, output_table, _ = run_characterise(measured_file("dektak-1.csv"), cwd=tmp_path)
+def test_characterise_command_reads_a_stylus_profile(measured_file_path, tmp_path):
+    history, output_table, _ = run_characterise(measured_file_path("dektak-1.csv"), cwd=tmp_path)
     assert "spacing 0.1562454 µm from its positions, declared as 0.156 µm" in history
     assert "Pq                  94.24 nm\n" in output_table
     assert "points              9600, 156.2 nm apart, over 1.5 mm\n" in output_table
 
 
-def test_characterise_command_reads_an_atomic_force_microscope_map(measured_file, tmp_path):
+def test_characterise_command_reads_an_atomic_force_microscope_map(measured_file_path, tmp_path):
     pytest.importorskip("SurfaceTopography")
-    history, output_table, _ = run_characterise(measured_file("di-4.di"), cwd=tmp_path)
+    history, output_table, _ = run_characterise(measured_file_path("di-4.di"), cwd=tmp_path)
     assert history[1] == "channel 0 (ZSensor) of 0 (ZSensor), 1 (AmplitudeError), 2 (Phase)"
     rows = {line[:19].strip(): line[20:].split() for line in output_table[output_table.index("lines  ") :].splitlines()}
     rows["Sq"] = output_table[output_table.index("\nSq") :].split()[1:3]

@@ -112,11 +112,11 @@ def test_characterise_command_does_not_overwrite_a_repeated_scan(scans_folder):
 def test_export_command_leaves_no_file_on_a_full_disk(scans_folder, monkeypatch):
     check_stiction(*PAIR_COMMAND, cwd=scans_folder)
 
-    def write_half(path, text, **_):
+    def write_half_and_fail(path, text, **_):
         path.write_bytes(text.encode()[: len(text) // 2])
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(_files.Path, "write_text", write_half)
+    monkeypatch.setattr(_files.Path, "write_text", write_half_and_fail)
     assert_rejected(call_stiction("export", "pair", "x.csv", cwd=scans_folder), "x.csv: cannot be written")
     assert not (scans_folder / "x.csv").exists()
     assert not list(scans_folder.glob(".stiction*"))

@@ -71,7 +71,7 @@ def scans_folder(tmp_path_factory):
     return folder
 
 
-def parse_pair(scans_folder, *arguments):
+def parse_pair_arguments(scans_folder, *arguments):
     """Parse the arguments of `pair` into a pair of bodies with its options."""
     group = typer.main.get_command(app)
     command = group.get_command(group.context_class(group), "pair")
@@ -85,10 +85,10 @@ def parse_pair(scans_folder, *arguments):
 def parse_study(scans_folder, *arguments):
     """Parse the arguments of `pair` and return the study that they define."""
     with contextlib.chdir(scans_folder):
-        return parse_pair(scans_folder, *arguments).study
+        return parse_pair_arguments(scans_folder, *arguments).study
 
 
-def read_key(study, key):
+def read_study_value(study, key):
     """Return the value of a dotted key of a study."""
     value = study
     for name in key.split("."):
@@ -160,7 +160,7 @@ def test_pair_command_option_sets_the_corresponding_study_key(scans_folder, file
     load = [] if "--load" in options else LOAD_OPTION
     study = parse_study(scans_folder, *files, *MATERIAL_OPTIONS, *load, *options)
     for key, value in values.items():
-        assert read_key(study, key) == value
+        assert read_study_value(study, key) == value
 
 
 def test_gap_map_is_levelled_as_requested_and_pressed_on_a_flat(scans_folder):
@@ -244,7 +244,7 @@ def test_load_steps_extend_beyond_requested_loads_unless_hardness_limits_the_loa
     ).contact
     assert contact_with_hardness.loading_steps() == pytest.approx(np.array([10**-0.5, 1]) * 0.1 * 4.8**2)
     for arguments in ([*PROFILE_FILES, *LOAD_OPTION], [*MAP_ARGUMENTS, "--load", "100 MPa", "--hardness", "200 MPa"]):
-        pair_with_check = parse_pair(scans_folder, *arguments, *MATERIAL_OPTIONS, "--check")
+        pair_with_check = parse_pair_arguments(scans_folder, *arguments, *MATERIAL_OPTIONS, "--check")
         with contextlib.chdir(scans_folder):
             study, check_study = pair_with_check.studies
         assert {study.contact.mechanics, check_study.contact.mechanics} == {"asperities", "half-space"}
@@ -265,7 +265,7 @@ def test_material_names_set_modulus_hardness_and_yield_strength(scans_folder):
     assert float(law.yield_strength) == pytest.approx(softer_hardness(steel, brass) / 2.84, rel=5e-3)
     with contextlib.chdir(scans_folder):
         remark, remark_with_hardness = (
-            parse_pair(scans_folder, *MAP_ARGUMENTS, *arguments, *options).remarks[0]
+            parse_pair_arguments(scans_folder, *MAP_ARGUMENTS, *arguments, *options).remarks[0]
             for options in ([], ["--hardness", "3 GPa"])
         )
     assert "brass" in remark
@@ -275,7 +275,7 @@ def test_material_names_set_modulus_hardness_and_yield_strength(scans_folder):
     arguments = ["--mu0", "0.3", *LOAD_OPTION, "--upper", "PDMS", "--lower", "glass"]
     assert parse_study(scans_folder, *MAP_ARGUMENTS, *arguments).contact.hardness is None
     with contextlib.chdir(scans_folder):
-        assert parse_pair(scans_folder, *MAP_ARGUMENTS, *arguments).remarks[0].endswith("PDMS does not yield")
+        assert parse_pair_arguments(scans_folder, *MAP_ARGUMENTS, *arguments).remarks[0].endswith("PDMS does not yield")
     with pytest.raises(ArgumentError, match="PDMS does not yield"):
         parse_study(scans_folder, *MAP_ARGUMENTS, *arguments, "--hardness", "1 GPa")
 
@@ -379,7 +379,9 @@ def test_pair_command_rejects_invalid_input(scans_folder, arguments, expected_wo
 
 def test_preview_and_model_check_ignore_dwell_time(scans_folder):
     dwell_time_options = ["--hardness", "1 GPa", "--wait", "1 h,1 min,1 h", "--creep", "0.03", "--check"]
-    parsed_pair = parse_pair(scans_folder, *MAP_ARGUMENTS, *MATERIAL_OPTIONS, *LOAD_OPTION, *dwell_time_options)
+    parsed_pair = parse_pair_arguments(
+        scans_folder, *MAP_ARGUMENTS, *MATERIAL_OPTIONS, *LOAD_OPTION, *dwell_time_options
+    )
     with contextlib.chdir(scans_folder):
         assert [list(map(float, study.friction.wait)) for study in parsed_pair.studies] == [[60.0, 3600.0], []]
         assert not parsed_pair.preview_study.friction.wait
@@ -469,7 +471,7 @@ def test_preview_is_printed_to_standard_error_on_terminals(scans_folder, monkeyp
     assert "preliminary" in completed.stderr
     assert json.loads(completed.stdout)["command"] == "pair"
     with contextlib.chdir(scans_folder):
-        preview_study = parse_pair(scans_folder, *command[1:]).preview_study
+        preview_study = parse_pair_arguments(scans_folder, *command[1:]).preview_study
         friction = at_load(run(preview_study), [float(preview_study.friction.load[0])])["friction_all_round"]
     mean = float(friction.sel(sliding="all", statistic="mean").squeeze())
     assert f"μ_s = {format_estimate(mean)}  friction at all contacts" in completed.stderr
@@ -478,7 +480,7 @@ def test_preview_is_printed_to_standard_error_on_terminals(scans_folder, monkeyp
         [*MAP_ARGUMENTS, "--load", "10 MPa", "--mechanics", "asperities"],
     ):
         with contextlib.chdir(scans_folder):
-            assert parse_pair(scans_folder, *arguments, *MATERIAL_OPTIONS).preview_study is None
+            assert parse_pair_arguments(scans_folder, *arguments, *MATERIAL_OPTIONS).preview_study is None
     repeated = call_stiction(*command, cwd=scans_folder, without_figures=True)
     assert "preliminary" not in repeated.stderr
 
@@ -604,7 +606,7 @@ def test_slow_import_of_a_reader_package_is_announced_once(scans_folder, monkeyp
 
 
 @pytest.fixture(scope="module")
-def run_with_check(scans_folder):
+def model_check_output(scans_folder):
     """Output of `pair --check` on two profiles, which computes them with both contact models."""
     completed = check_stiction(
         "pair",
@@ -621,7 +623,7 @@ def run_with_check(scans_folder):
 
 
 @pytest.fixture(scope="module")
-def result_of_maps(scans_folder):
+def map_pair_output(scans_folder):
     """Output of `pair` on two maps with the asperity model."""
     completed = check_stiction(
         "pair",
@@ -641,7 +643,9 @@ def result_of_maps(scans_folder):
     return completed
 
 
-def test_pair_command_stores_the_result_figures_report_and_model_check(scans_folder, run_with_check, result_of_maps):
+def test_pair_command_stores_the_result_figures_report_and_model_check(
+    scans_folder, model_check_output, map_pair_output
+):
     for folder in ("pair", "pair/half-space", "areas"):
         stored = store.read(scans_folder / folder)
         result = run(Study.from_toml(scans_folder / folder / "study.toml")).dataset
@@ -650,15 +654,15 @@ def test_pair_command_stores_the_result_figures_report_and_model_check(scans_fol
         assert (scans_folder / folder / "result.csv").exists()
         assert list((scans_folder / folder).glob("*.png"))
         assert "</html>" in (scans_folder / folder / "report.html").read_text("utf-8")
-    assert "By half-space" in run_with_check.stdout
+    assert "By half-space" in model_check_output.stdout
     command = ["pair", *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--offsets", 4, "--check", "--json"]
     command = call_stiction(*command, cwd=scans_folder, without_figures=True)
     assert json.loads(command.stdout)["check"][0]["values"]
-    assert "wrote" in result_of_maps.stdout
+    assert "wrote" in map_pair_output.stdout
 
 
 @pytest.mark.usefixtures("disable_figures")
-def test_pair_command_resumes_with_the_same_options_and_rejects_different_options(scans_folder, result_of_maps):
+def test_pair_command_resumes_with_the_same_options_and_rejects_different_options(scans_folder, map_pair_output):
     command = [
         "pair",
         *MAP_ARGUMENTS,
@@ -709,19 +713,19 @@ def test_concurrent_pair_commands_can_write_the_same_files(scans_folder, monkeyp
     """Two equal commands in one directory write the same files, and both must succeed."""
     from stiction.studies import contact_picture, onset
 
-    def write_twice(compute, file_name):
-        def compute_and_write(*args, **options):
+    def with_written_copy(compute, file_name):
+        def compute_and_write_copy(*args, **options):
             dataset = compute(*args, **options)
             export(dataset, scans_folder / "twice" / file_name)
             return dataset
 
-        return compute_and_write
+        return compute_and_write_copy
 
     for module, name, file_name in (
         (contact_picture, "contact_picture", contact_picture.CONTACT_PICTURE_FILE),
         (onset, "compute_onset", onset.ONSET_FILE),
     ):
-        monkeypatch.setattr(module, name, write_twice(getattr(module, name), file_name))
+        monkeypatch.setattr(module, name, with_written_copy(getattr(module, name), file_name))
     command = (
         "pair",
         *MAP_ARGUMENTS,
@@ -774,8 +778,8 @@ def test_run_command_rejects_changed_scan_file(scans_folder):
 
 
 @pytest.mark.usefixtures("disable_figures")
-def test_stylus_profile_paired_with_itself_is_shifted_by_the_travel(measured_file, tmp_path):
-    file = measured_file("dektak-1.csv")
+def test_stylus_profile_paired_with_itself_is_shifted_by_the_travel(measured_file_path, tmp_path):
+    file = measured_file_path("dektak-1.csv")
     shifted = ["--travel", "200 um", "--offsets", "1", "--load", "10 mN", "--json"]
     check_stiction("pair", file, file, *MATERIAL_OPTIONS, *shifted, cwd=tmp_path)
     result = store.read(tmp_path / "pair")
@@ -784,9 +788,9 @@ def test_stylus_profile_paired_with_itself_is_shifted_by_the_travel(measured_fil
 
 @pytest.mark.usefixtures("disable_figures")
 @pytest.mark.parametrize("lines", [4, 16])  # the mean of four lines has no interval
-def test_pair_command_presses_an_afm_map_on_its_surrogates(measured_file, tmp_path, lines):
+def test_pair_command_presses_an_afm_map_on_its_surrogates(measured_file_path, tmp_path, lines):
     pytest.importorskip("SurfaceTopography")
-    file = measured_file("di-4.di")
+    file = measured_file_path("di-4.di")
     arguments = ["--lines", lines, "--surrogates", "lower", "--along", "y", "--json"]
     check_stiction("pair", file, file, *MATERIAL_OPTIONS, *LOAD_OPTION, *arguments, cwd=tmp_path)
     assert store.read(tmp_path / "pair")["surrogate"].values.all()
@@ -796,7 +800,7 @@ def test_pair_command_presses_an_afm_map_on_its_surrogates(measured_file, tmp_pa
 
 
 @pytest.fixture(scope="module")
-def two_maps(tmp_path_factory):
+def folder_options_and_record(tmp_path_factory):
     """Folder, arguments and JSON output of `pair` on two maps that are large enough for cutoffs."""
     folder = tmp_path_factory.mktemp("beside")
     for side in ("upper", "lower"):
@@ -808,8 +812,8 @@ def two_maps(tmp_path_factory):
     return folder, options, json.loads(completed.stdout)
 
 
-def test_pair_command_reports_resolution_and_plastic_limit(two_maps):
-    folder, _, record = two_maps
+def test_pair_command_reports_resolution_and_plastic_limit(folder_options_and_record):
+    folder, _, record = folder_options_and_record
     resolution, answer = record["resolution"], record["answers"][0]
     assert resolution["waves"]["shortest_um"] == pytest.approx(0.2)
     assert [entry["cut_off"] for entry in resolution["cut_offs"]] == pytest.approx([0, 0.2], rel=1e-3)
@@ -825,8 +829,8 @@ def test_pair_command_reports_resolution_and_plastic_limit(two_maps):
     assert {"cut_off.png", "onset.png", "slip.png"} <= {path.name for path in pair_folder.iterdir()}
 
 
-def test_pair_command_reports_onset_of_sliding(two_maps):
-    folder, arguments, record = two_maps
+def test_pair_command_reports_onset_of_sliding(folder_options_and_record):
+    folder, arguments, record = folder_options_and_record
     onset = record["onset"]
     assert onset["members"] == 3
     assert onset["poisson_ratio"] == pytest.approx([0.295, 0.35], abs=1e-3)

@@ -164,13 +164,13 @@ class TestSurfacesAgainstExactSolutions:
         spacing = min(2 * half / 80, 0.02 * shorter_radius)
         size = 2 * round(half / spacing)
 
-        def height(x, y):
+        def ellipsoid_height(x, y):
             x, y = x - (size / 2 + 0.3) * spacing, y - (size / 2 - 0.2) * spacing
             along, across = c * x + s * y, -s * x + c * y
             # The radii at the apex are exact, because a cubic spline reproduces a paraboloid except near the edges.
             return -(along**2) / (2 * 2.0) - across**2 / (2 * shorter_radius)
 
-        body = surface_from_function(height, (size + 1, size + 1), (spacing, spacing))
+        body = surface_from_function(ellipsoid_height, (size + 1, size + 1), (spacing, spacing))
         flat = Surface(np.zeros_like(body.heights), spacing=spacing)
         touch = -body.heights.max()
         table = contacts(flat, body, overlap - touch, effective_modulus=modulus)
@@ -186,11 +186,11 @@ class TestSurfacesAgainstExactSolutions:
     def test_friction_on_a_slope_equals_tangent_of_slope_angle_plus_friction_angle(self, angle):
         slope, direction = 0.4, np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
 
-        def ramp(x, y):
+        def ramp_height(x, y):
             return slope * (direction[0] * (x - 0.8) + direction[1] * (y - 0.6))
 
-        upper = surface_from_function(lambda x, y: ramp(x, y) + ((x - 0.807) ** 2 + (y - 0.604) ** 2))
-        lower = surface_from_function(ramp)
+        upper = surface_from_function(lambda x, y: ramp_height(x, y) + ((x - 0.807) ** 2 + (y - 0.604) ** 2))
+        lower = surface_from_function(ramp_height)
         mu0 = 0.3
         curve = press(upper, lower, [1e-3], direction=[angle, angle + 180])
         theta = math.atan(slope)
@@ -270,7 +270,7 @@ class TestSurfacesAgainstExactSolutions:
 class TestSurfaceScalingAndSymmetry:
     APPROACHES = (0.03, 0.08, 0.15)
 
-    def press_all(self, upper, lower, angles=ANGLES, approaches=APPROACHES, **contact):
+    def press_in_all_directions(self, upper, lower, angles=ANGLES, approaches=APPROACHES, **contact):
         return press(upper, lower, approaches, direction=angles, **contact)
 
     def test_areal_load_curve_scales_with_size_and_modulus(self):
@@ -278,9 +278,11 @@ class TestSurfaceScalingAndSymmetry:
         enlarged_bodies = [
             Surface(7 * body.heights, spacing=(7 * body.spacing[0], 7 * body.spacing[1])) for body in (upper, lower)
         ]
-        original_curve = self.press_all(upper, lower)
-        enlarged_curve = self.press_all(*enlarged_bodies, approaches=[7 * approach for approach in self.APPROACHES])
-        stiffer_curve = self.press_all(upper, lower, effective_modulus=30.0)
+        original_curve = self.press_in_all_directions(upper, lower)
+        enlarged_curve = self.press_in_all_directions(
+            *enlarged_bodies, approaches=[7 * approach for approach in self.APPROACHES]
+        )
+        stiffer_curve = self.press_in_all_directions(upper, lower, effective_modulus=30.0)
         for name in DIRECTION_INDEPENDENT_SUMS + DIRECTION_DEPENDENT_SUMS:
             expected = getattr(original_curve, name) * (1 if name.endswith("count") else 49)
             assert np.allclose(getattr(enlarged_curve, name), expected, rtol=SCALING_TOLERANCE, atol=1e-11)
@@ -296,7 +298,10 @@ class TestSurfaceScalingAndSymmetry:
         assert (forward_contacts.opposing == ~backward_contacts.opposing).all()
         assert 0 < forward_contacts.opposing.sum() < len(forward_contacts)
         assert (contacts_under_all_rule.opposing == forward_contacts.opposing).all()
-        curves = {rule: self.press_all(upper, lower, angles=[33, 213], sliding=rule) for rule in ("opposing", "all")}
+        curves = {
+            rule: self.press_in_all_directions(upper, lower, angles=[33, 213], sliding=rule)
+            for rule in ("opposing", "all")
+        }
         opposing_curve, curve_with_all_contacts = curves["opposing"], curves["all"]
         # The sums for both directions add up to the total, if friction is reversed.
         assert_close(
@@ -312,10 +317,10 @@ class TestSurfaceScalingAndSymmetry:
 
     def test_contact_sums_for_several_directions_equal_those_for_each_direction_alone(self):
         upper, lower = create_rough_surfaces()
-        curve_of_all_directions = self.press_all(upper, lower)
+        curve_of_all_directions = self.press_in_all_directions(upper, lower)
         assert curve_of_all_directions.direction.tolist() == [angle % 360 for angle in ANGLES]
         for row, angle in enumerate(ANGLES):
-            curve_of_one_direction = self.press_all(upper, lower, angles=angle)
+            curve_of_one_direction = self.press_in_all_directions(upper, lower, angles=angle)
             assert curve_of_one_direction.tangential_elastic.shape == (3,)
             for name in DIRECTION_DEPENDENT_SUMS:
                 assert (getattr(curve_of_one_direction, name) == getattr(curve_of_all_directions, name)[row]).all()
@@ -328,10 +333,10 @@ class TestSurfaceScalingAndSymmetry:
             3,
         )
         assert (
-            self.press_all(upper, lower, angles="-x").tangential_elastic
+            self.press_in_all_directions(upper, lower, angles="-x").tangential_elastic
             == curve_of_all_directions.tangential_elastic[3]
         ).all()
-        shear = self.press_all(upper, lower, angles=None, shear="-x")
+        shear = self.press_in_all_directions(upper, lower, angles=None, shear="-x")
         assert (shear.tangential_elastic == curve_of_all_directions.tangential_elastic[3]).all()
 
     def test_candidates_of_a_tiled_map_include_minima_on_tile_seams(self):
@@ -383,7 +388,7 @@ class TestValidityIndicators:
         for k, approach in enumerate(approaches):
             table = contacts(points, approach)
             loads = table.force * table.normal[:, 2]
-            rims = [self.ellipse_rim(gap_spline, table, i, angles) for i in range(len(table))]
+            rims = [self.ellipse_rim_points(gap_spline, table, i, angles) for i in range(len(table))]
             is_overlapping = [
                 any(self.ellipses_overlap(rims[i], rims[j]) for j in range(len(table)) if j != i)
                 for i in range(len(table))
@@ -394,7 +399,7 @@ class TestValidityIndicators:
             assert curve.validity.share_overlapping[k] == pytest.approx(overlapping_fraction, abs=1e-9, nan_ok=True)
 
     @staticmethod
-    def ellipse_rim(gap_spline, table, i, angles):
+    def ellipse_rim_points(gap_spline, table, i, angles):
         """Return points on the rim of a projected ellipse, from the principal directions of the reference."""
         n = table.normal[i]
         p = -n[:2] / n[2]
@@ -650,7 +655,7 @@ def test_direction_keywords_override_the_direction_of_the_contact_model(model, a
 # ---- Level floors ----------------------------------------------------------------------------------------------------
 
 
-def smooth_heights(generator, shape, shortest):
+def random_smooth_heights(generator, shape, shortest):
     waves = np.hypot(*np.meshgrid(*(np.fft.fftfreq(size) * size for size in shape), indexing="ij"))
     waves[0, 0] = np.inf
     heights = np.fft.ifft2((waves < shortest) / waves**2 * np.fft.fft2(generator.standard_normal(shape))).real
@@ -664,7 +669,7 @@ def create_body_with_flat_areas(generator, kind, shape):
         case "flat":
             return np.zeros(shape)
         case "rough":
-            return smooth_heights(generator, shape, generator.uniform(3, 10))
+            return random_smooth_heights(generator, shape, generator.uniform(3, 10))
         case "grooves":
             return np.cos(2 * np.pi * generator.integers(1, 6) * y / shape[0] + generator.uniform(0, 6)) + 0.0 * x
         case "diagonal grooves":
@@ -673,7 +678,10 @@ def create_body_with_flat_areas(generator, kind, shape):
             places = [(generator.integers(shape[1]), generator.integers(shape[0])) for _ in range(3)]
             return sum((x > a) * generator.integers(-2, 3) + (y > b) * generator.integers(-2, 3) for a, b in places) / 2
         case "terraces":
-            return np.round(smooth_heights(generator, shape, generator.uniform(2, 10)) * generator.integers(1, 6)) / 3
+            return (
+                np.round(random_smooth_heights(generator, shape, generator.uniform(2, 10)) * generator.integers(1, 6))
+                / 3
+            )
         case "coarse":
             return np.round(2 * generator.standard_normal(shape)) / 4
         case _:
@@ -794,11 +802,11 @@ def test_loads_along_and_across_the_motion_equal_sums_over_reference_contacts():
 
 def test_load_fraction_of_overlapping_ellipses_is_reported():
     # The surface has two adjacent summits whose ellipses meet, and a distant summit.
-    def bumps(x, y):
+    def bump_height(x, y):
         centres = ((0.6, 0.6, 0.0), (0.8, 0.6, 0.0), (2.0, 0.6, 0.0))
         return np.max([h - ((x - cx) ** 2 + (y - cy) ** 2) / 0.4 for cx, cy, h in centres], axis=0)
 
-    lower = surface_from_function(bumps, (121, 261), (0.01, 0.01))
+    lower = surface_from_function(bump_height, (121, 261), (0.01, 0.01))
     flat = Surface(np.zeros_like(lower.heights), spacing=0.01)
     table = contacts(flat, lower, 0.02)
     assert len(table) == 3

@@ -24,11 +24,11 @@ def tamaas():
     return pytest.importorskip("tamaas")
 
 
-def sinusoid(points, shift):
+def sinusoid_heights(points, shift):
     return 0.37 * AMPLITUDE + AMPLITUDE * np.cos(2 * np.pi * (np.arange(points) / points + shift))
 
 
-def exact_fraction(pressure):
+def exact_contact_fraction(pressure):
     return westergaard_contact_fraction(
         pressure, amplitude=AMPLITUDE, wavelength=WAVELENGTH, effective_modulus=EFFECTIVE_MODULUS
     )
@@ -38,9 +38,9 @@ def exact_fraction(pressure):
 def test_boundary_element_solution_agrees_with_westergaard_solution(relative_pressure):
     """Check area, mean gap and stiffness, to detect errors of the modulus, the point count and the sign of the gap."""
     random, pressure = np.random.default_rng(7), relative_pressure * FULL_CONTACT_PRESSURE
-    half_spaces = [PeriodicHalfSpace(sinusoid(256, shift), WAVELENGTH) for shift in random.random(20)]
+    half_spaces = [PeriodicHalfSpace(sinusoid_heights(256, shift), WAVELENGTH) for shift in random.random(20)]
     fraction, _, gap = np.mean([half_space.solve(pressure) for half_space in half_spaces], axis=0)
-    assert fraction == pytest.approx(float(exact_fraction(pressure)), abs=0.2 / 256)  # points
+    assert fraction == pytest.approx(float(exact_contact_fraction(pressure)), abs=0.2 / 256)  # points
     # The mean gap decreases by Δ r (1 - ln r), r = p̄/p*, which is the integral of the stiffness π E* / (λ ln 1/r).
     assert gap == pytest.approx(
         AMPLITUDE * (1 - relative_pressure * (1 - np.log(relative_pressure))), abs=1e-5 * AMPLITUDE
@@ -53,13 +53,13 @@ def test_boundary_element_solution_agrees_with_westergaard_solution(relative_pre
 def test_asperity_model_of_a_sinusoid_equals_closed_forms(relative_pressure):
     """Compare with closed forms: relative to Westergaard, the area is √r / arcsin √r and the stiffness is ln(1/r)/4."""
     asperities, pressure = (
-        PeriodicAsperities(sinusoid(512, 0.303), WAVELENGTH),
+        PeriodicAsperities(sinusoid_heights(512, 0.303), WAVELENGTH),
         relative_pressure * FULL_CONTACT_PRESSURE,
     )
     fraction, count, stiffness = asperities.contact_response(pressure)
     assert count == 1
     expected = np.sqrt(relative_pressure) / np.arcsin(np.sqrt(relative_pressure))
-    assert fraction / exact_fraction(pressure) == pytest.approx(expected, rel=1e-4)
+    assert fraction / exact_contact_fraction(pressure) == pytest.approx(expected, rel=1e-4)
     westergaard = np.pi * EFFECTIVE_MODULUS / np.log(1 / relative_pressure) / WAVELENGTH
     assert stiffness / westergaard == pytest.approx(np.log(1 / relative_pressure) / 4, rel=1e-12)
     # With the displacement by its own load and its periodic images, an asperity has Westergaard's stiffness.

@@ -16,7 +16,7 @@ from stiction import (
     slope_friction,
     weierstrass_mandelbrot,
 )
-from support.threads import runs_other_threads
+from support.threads import releases_interpreter_lock
 
 SUM_NAMES = (
     "contact_count", "contact_area", "normal_elastic", "tangential_elastic",
@@ -266,7 +266,7 @@ HYPOTHESIS_SETTINGS = settings(max_examples=25, derandomize=True)
 OPPOSITE_DIRECTION = {"+x": "-x", "-x": "+x"}
 
 
-def reversed_options(choices):
+def reversed_shear_options(choices):
     return choices | {"shear": OPPOSITE_DIRECTION[choices["shear"]]}
 
 
@@ -289,7 +289,7 @@ class TestProfileScalingAndSymmetry:
         self, law, pair, approach, choices, other, tolerance
     ):
         assume(is_insensitive_to_round_off(*pair, approach, choices))
-        turned_sums = stack_sums(press(*other(pair), [approach], law=law, **reversed_options(choices)))
+        turned_sums = stack_sums(press(*other(pair), [approach], law=law, **reversed_shear_options(choices)))
         assert_close(turned_sums, stack_sums(press(*pair, [approach], law=law, **choices)), tolerance)
 
     @GIVEN_RANDOM_PAIRS
@@ -484,4 +484,4 @@ class TestProfileFunctionArguments:
 def test_press_releases_the_interpreter_lock(create_rough_profiles):
     upper, lower = create_rough_profiles(1.5)
     approaches = np.linspace(1e-4, 0.04, 20)
-    assert runs_other_threads(lambda: press(upper, lower, approaches))
+    assert releases_interpreter_lock(lambda: press(upper, lower, approaches))

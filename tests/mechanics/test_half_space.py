@@ -404,7 +404,7 @@ def test_random_half_space_problems_with_hardness_satisfy_the_contact_conditions
     """Check that problems of the stress suite are solved, with a mean contact pressure of at most the hardness."""
     random = np.random.default_rng(8)
     for _ in range(8):
-        upper, lower, load, arguments, words = soak.random_hard_problem(random)
+        upper, lower, load, arguments, words = soak.random_problem_with_hardness(random)
         curve = half_space(upper, lower, [load], effective_modulus=soak.MODULUS, **arguments)
         assert not soak.find_faults(lower, load, arguments, curve), words
 
@@ -491,7 +491,7 @@ def test_small_slope_friction_equals_its_formula():
         gentle_friction(0.4, rms_gradient=0.1, sliding="some")
 
 
-def friction_of_slopes(sigma_along, sigma_across, m, *, rule):
+def friction_on_random_slopes(sigma_along, sigma_across, m, *, rule):
     """Return the friction of contacts with equal forces on normally distributed slopes, by direct summation over
     tangents."""
     nodes, weights = np.polynomial.hermite_e.hermegauss(60)
@@ -520,7 +520,7 @@ def test_second_order_small_slope_friction_equals_the_sum_over_random_slopes(rul
     across = np.sqrt(gradient**2 - slope**2)
     for ratio in (1.0, 0.3):
         gradient_factor = ratio / (1 + ratio**2)
-        expected = friction_of_slopes(slope * gradient_factor, across * gradient_factor, 0.4, rule=rule)
+        expected = friction_on_random_slopes(slope * gradient_factor, across * gradient_factor, 0.4, rule=rule)
         keywords = {"rms_gradient": gradient, "rms_slope": slope, "slope_ratio": ratio, "sliding": rule}
         assert gentle_friction(0.4, order=2, **keywords) == pytest.approx(expected, rel=QUADRATURE_TOLERANCE)
 

@@ -19,18 +19,18 @@ contacts."""
 def test_contact_area_interpolated_over_hardness_agrees_with_direct_solutions(rms: float) -> None:
     upper, lower = rough_maps(rms=rms, points=96, spacing=0.05, shortest_wavelength=0.3)
 
-    def area_per_load_at(hardness: float | None) -> float:
+    def solve_area_per_load(hardness: float | None) -> float:
         load = 0.02 * 4.8**2
         curve = half_space(
             upper, lower, [load], effective_modulus=80.0, sliding="all", boundary="periodic", hardness=hardness
         )
         return float(curve.contact_area[0] / curve.normal_elastic[0])
 
-    elastic = area_per_load_at(None)
+    elastic = solve_area_per_load(None)
     nodes = 0.23 * (1.7 / 0.23) ** np.sort([*HARDNESS_NODE_POSITIONS, 0.5])
     expected = np.geomspace(0.23, 1.7, 9)
-    result = area_per_load(expected, nodes, [area_per_load_at(float(node)) for node in nodes], elastic)
-    direct = np.array([area_per_load_at(float(item)) for item in expected])
+    result = area_per_load(expected, nodes, [solve_area_per_load(float(node)) for node in nodes], elastic)
+    direct = np.array([solve_area_per_load(float(item)) for item in expected])
     assert result == pytest.approx(direct, rel=AREA_TOLERANCE)
     assert 0.2 + 0.05 * result == pytest.approx(0.2 + 0.05 * direct, rel=FRICTION_TOLERANCE)
 
@@ -41,18 +41,18 @@ def test_contact_area_interpolated_over_hardness_equals_its_formula() -> None:
     at_nodes = random.uniform(0.8, 1.2, (2, 7)) / nodes
     hardness = random.uniform(0.1, 4.0, 50)
 
-    def mixed_area_per_load(pressure: float, area: float) -> float:
+    def interpolated_area_per_load(pressure: float, area: float) -> float:
         exponent = MIXING_EXPONENT_FACTOR * (pressure * area) ** MIXING_EXPONENT_POWER
         return float((pressure**-exponent + area**exponent) ** (1 / exponent))
 
     expected = [
         [
-            mixed_area_per_load(each, area)
+            interpolated_area_per_load(each, area)
             * np.exp(
                 np.interp(
                     np.log(each),
                     np.log(nodes),
-                    np.log([a / mixed_area_per_load(n, area) for n, a in zip(nodes, row, strict=True)]),
+                    np.log([a / interpolated_area_per_load(n, area) for n, a in zip(nodes, row, strict=True)]),
                 )
             )
             for each in hardness

@@ -9,7 +9,7 @@ PLASTIC_TOLERANCE = 5e-3
 """Relative difference between a half-space whose contacts all yield and Tabor's closed form."""
 
 
-def random_cases(count=200):
+def random_junction_parameters(count=200):
     random = np.random.default_rng(7)
     for _ in range(count):
         hardness, mu0, alpha = 10 ** random.uniform(-2, 1.5), random.uniform(0, 0.6), random.uniform(0.1, 27)
@@ -17,7 +17,7 @@ def random_cases(count=200):
 
 
 def test_hardness_under_shear_satisfies_yield_and_friction_laws():
-    for hardness, mu0, tau0, alpha in random_cases():
+    for hardness, mu0, tau0, alpha in random_junction_parameters():
         pressure = float(hardness_under_shear(hardness, mu0, tau0, alpha))
         assert 0 < pressure <= hardness
         assert pressure**2 + alpha * (mu0 * pressure + tau0) ** 2 == pytest.approx(hardness**2, rel=ROUND_OFF)
@@ -28,7 +28,7 @@ def tabor_equation_residual(friction, mu0, ratio, alpha):
 
 
 def test_tabor_friction_solves_its_equation_and_agrees_with_the_hardness_under_shear():
-    for hardness, mu0, tau0, alpha in random_cases():
+    for hardness, mu0, tau0, alpha in random_junction_parameters():
         ratio = tau0 / hardness
         upper_bound = 1 + (mu0 + ratio) / (1 - ratio * np.sqrt(alpha))
         root = brentq(tabor_equation_residual, mu0, upper_bound, args=(mu0, ratio, alpha), xtol=1e-14)

@@ -52,14 +52,14 @@ def load_at_relative_pressure(body, fraction):
 
 
 @pytest.fixture(scope="module")
-def ball():
+def ball_curve_and_radius():
     lower = create_paraboloid(96, 1.0, (1.0, 1.0))
     radius = 0.25
     return half_space(flat_like(lower), lower, [4 / 3 * MODULUS * radius**3], tolerance=1e-8), radius
 
 
-def test_onset_of_sliding_of_a_ball_equals_cattaneo_mindlin_solution(ball):
-    curve, radius = ball
+def test_onset_of_sliding_of_a_ball_equals_cattaneo_mindlin_solution(ball_curve_and_radius):
+    curve, radius = ball_curve_and_radius
     for poisson in (0.0, 0.3, (0.2, 0.5)):
         onset = curve.onset(0, mu0=0.3, poisson=poisson, steps=LOAD_FRACTIONS)
         poisson_ratios = np.broadcast_to(poisson, 2)
@@ -89,8 +89,8 @@ def test_onset_of_sliding_of_a_ball_equals_cattaneo_mindlin_solution(ball):
         )
 
 
-def test_slip_of_a_ball_spreads_from_the_edge_inwards(ball):
-    curve, radius = ball
+def test_slip_of_a_ball_spreads_from_the_edge_inwards(ball_curve_and_radius):
+    curve, radius = ball_curve_and_radius
     x = (np.arange(96) - 48 + 0.31) / 96
     distance = np.hypot(x[:, None], x).ravel()
     onset = curve.onset(0, mu0=0.3, steps=50)
@@ -153,7 +153,7 @@ def test_stick_area_has_the_shape_of_the_elliptical_contact():
 # ---- The half-space against a slow program --------------------------------------------------------------------------
 
 
-def contact_strength(curve, mu0, tau0):
+def compute_traction_bound(curve, mu0, tau0):
     """Return the contact points, and the bound, pressure and true area of the model. Slopes contribute at most 1e-8."""
     pressure = curve.contact(0).pressure
     is_in_contact = pressure > 0
@@ -185,7 +185,7 @@ def test_onset_of_sliding_agrees_with_active_set_solver(shape, boundary, mu0, ta
     curve = half_space(
         flat_like(lower), lower, [load_at_relative_pressure(lower, 0.05)], boundary=boundary, tolerance=1e-10
     )
-    points, bound, pressure, fraction = contact_strength(curve, mu0, tau0)
+    points, bound, pressure, fraction = compute_traction_bound(curve, mu0, tau0)
     assert 20 < bound.size < 600
     periodic = boundary == "periodic"
     spacing = tuple(1 / n for n in shape) if len(shape) == 1 else lower.spacing
@@ -218,7 +218,7 @@ def test_onset_of_sliding_agrees_with_active_set_solver(shape, boundary, mu0, ta
 def test_energy_loss_from_masing_rule_equals_loss_in_a_simulated_cycle():
     lower = create_rough_body((16, 16), slope=1e-4)
     curve = half_space(flat_like(lower), lower, [load_at_relative_pressure(lower, 0.1)], tolerance=1e-10)
-    points, bound, _, _ = contact_strength(curve, 0.3, 0.0)
+    points, bound, _, _ = compute_traction_bound(curve, 0.3, 0.0)
     assert bound.size > 40
     compliance = dense_half_space.influence_matrix((16, 16), lower.spacing, MODULUS, periodic=False, points=points)
     for load_fraction in (0.5, 0.9):
@@ -228,7 +228,7 @@ def test_energy_loss_from_masing_rule_equals_loss_in_a_simulated_cycle():
         displacements = max_displacement * np.concatenate(
             [np.linspace(0, 1, 6)[1:], np.linspace(1, -1, 11)[1:], np.linspace(-1, 1, 11)[1:]]
         )
-        loads, energy_loss = dense_onset.simulate_steps(compliance, bound, displacements)
+        loads, energy_loss = dense_onset.simulate_displacement_steps(compliance, bound, displacements)
         cell_area = np.prod(lower.spacing)
         assert loads[4] * cell_area == pytest.approx(onset.tangential_load[0], rel=1e-5)
         assert loads[14] == pytest.approx(-loads[4], rel=1e-6)
@@ -245,27 +245,27 @@ def test_energy_loss_from_masing_rule_equals_loss_in_a_simulated_cycle():
 
 
 @pytest.fixture(scope="module", params=["periodic", "free"])
-def areas(request):
+def half_space_curve(request):
     lower = create_rough_body((128, 128))
     load = load_at_relative_pressure(lower, 0.02)
     return half_space(flat_like(lower), lower, [0.3 * load, 0.6 * load, load], boundary=request.param, tolerance=1e-8)
 
 
-def test_sliding_load_equals_sum_of_friction_at_all_contacts(areas):
-    onset = areas.onset(1, mu0=0.3, tau0=0.05)
-    max_friction = 0.3 * areas.normal_elastic[1] + 0.05 * areas.contact_area[1]
+def test_sliding_load_equals_sum_of_friction_at_all_contacts(half_space_curve):
+    onset = half_space_curve.onset(1, mu0=0.3, tau0=0.05)
+    max_friction = 0.3 * half_space_curve.normal_elastic[1] + 0.05 * half_space_curve.contact_area[1]
     assert onset.sliding_load == pytest.approx(max_friction, rel=1e-9)
     assert onset.tangential_load[-1] == onset.sliding_load
-    assert onset.traction(-1).sum() * areas._problem.cell_area == pytest.approx(max_friction, rel=1e-9)
+    assert onset.traction(-1).sum() * half_space_curve._problem.cell_area == pytest.approx(max_friction, rel=1e-9)
     # For small slopes, the sliding load equals that of the rule "all", except for terms of second order.
-    max_friction = areas.with_sliding("all").tangential_load(mu0=0.3, tau0=0.05)[1]
+    max_friction = half_space_curve.with_sliding("all").tangential_load(mu0=0.3, tau0=0.05)[1]
     assert onset.sliding_load == pytest.approx(max_friction, rel=0.1**2)
     assert onset.slipped_area[-1] == onset.slipped_load[-1] == 1
     assert onset.displacement[-1] == onset.displacement_at_sliding
 
 
-def test_onset_quantities_increase_with_tangential_load(areas):
-    onset = areas.onset(0, mu0=0.3, tau0=0.02, steps=40)
+def test_onset_quantities_increase_with_tangential_load(half_space_curve):
+    onset = half_space_curve.onset(0, mu0=0.3, tau0=0.02, steps=40)
     for name in ("tangential_load", "displacement", "slipped_area", "slipped_load"):
         assert (np.diff(getattr(onset, name)) >= 0).all(), name
     assert (np.diff(onset.displacement / onset.tangential_load) > 0).all()  # The tangential stiffness decreases.
@@ -273,15 +273,17 @@ def test_onset_quantities_increase_with_tangential_load(areas):
     bound = onset.traction(-1)
     for i in range(40):
         assert ((onset.traction(i) >= 0) & (onset.traction(i) <= bound)).all()
-        assert onset.traction(i).sum() * areas._problem.cell_area == pytest.approx(onset.tangential_load[i], rel=1e-6)
+        assert onset.traction(i).sum() * half_space_curve._problem.cell_area == pytest.approx(
+            onset.tangential_load[i], rel=1e-6
+        )
 
 
-def test_ratio_of_normal_to_initial_tangential_stiffness_equals_mindlin_ratio(areas):
+def test_ratio_of_normal_to_initial_tangential_stiffness_equals_mindlin_ratio(half_space_curve):
     for poisson, upper, lower in ((0.3, 0.3, 0.3), ((0.1, 0.45), 0.1, 0.45), (0.5, 0.5, 0.5)):
-        onset = areas.onset(0, mu0=0.3, poisson=poisson, steps=1)
+        onset = half_space_curve.onset(0, mu0=0.3, poisson=poisson, steps=1)
         ratio = 0.5 * (2 - upper) / (2 * (1 - upper)) + 0.5 * (2 - lower) / (2 * (1 - lower))
-        assert onset.stiffness * ratio == pytest.approx(areas.stiffness[0], rel=1e-3)
-        lightly_loaded_onset = areas.onset(0, mu0=0.3, tau0=0.05, poisson=poisson, steps=[1e-3])
+        assert onset.stiffness * ratio == pytest.approx(half_space_curve.stiffness[0], rel=1e-3)
+        lightly_loaded_onset = half_space_curve.onset(0, mu0=0.3, tau0=0.05, poisson=poisson, steps=[1e-3])
         assert lightly_loaded_onset.tangential_load[0] / lightly_loaded_onset.displacement[0] == pytest.approx(
             onset.stiffness, rel=1e-4
         )
@@ -296,13 +298,18 @@ def test_poisson_ratio_of_a_rigid_body_does_not_change_tangential_stiffness():
     assert stiffness_values[0] == stiffness_values[1] < stiffness_values[2]
 
 
-def test_onset_of_sliding_of_maps_agrees_with_ciavarella_jaeger_theory(areas):
+def test_onset_of_sliding_of_maps_agrees_with_ciavarella_jaeger_theory(half_space_curve):
     """Compare the traction with mu0 times the difference of the pressures at the load and at a smaller load."""
-    onset = areas.onset(2, mu0=0.3, poisson=0.25, steps=[0.4, 0.7])
+    onset = half_space_curve.onset(2, mu0=0.3, poisson=0.25, steps=[0.4, 0.7])
     for i, smaller_load_index in enumerate((1, 0)):
-        q = 0.3 * (areas.contact(2).pressure - areas.contact(smaller_load_index).pressure).ravel()
+        q = 0.3 * (half_space_curve.contact(2).pressure - half_space_curve.contact(smaller_load_index).pressure).ravel()
         assert np.abs(onset.traction(i) - q).sum() < TRACTION_TOLERANCE * q.sum()
-        displacement = 0.3 * (areas.approach[2] - areas.approach[smaller_load_index]) * (2 - 0.25) / (2 * (1 - 0.25))
+        displacement = (
+            0.3
+            * (half_space_curve.approach[2] - half_space_curve.approach[smaller_load_index])
+            * (2 - 0.25)
+            / (2 * (1 - 0.25))
+        )
         assert onset.displacement[i] == pytest.approx(displacement, rel=1e-4)
 
 
@@ -324,13 +331,15 @@ def test_onset_of_sliding_of_profiles_agrees_with_ciavarella_jaeger_theory(bound
 
 
 @pytest.mark.parametrize("factor", [10.0, 0.01])
-def test_displacement_stiffness_and_energy_loss_before_sliding_scale_with_size(areas, factor):
-    problem = areas._problem
+def test_displacement_stiffness_and_energy_loss_before_sliding_scale_with_size(half_space_curve, factor):
+    problem = half_space_curve._problem
     lower = Surface(-problem.gap * factor, spacing=problem.spacing[0] * factor)
     boundary = "periodic" if problem.periodic else "free"
-    enlarged_curve = half_space(flat_like(lower), lower, areas.load[:1] * factor**2, boundary=boundary, tolerance=1e-8)
+    enlarged_curve = half_space(
+        flat_like(lower), lower, half_space_curve.load[:1] * factor**2, boundary=boundary, tolerance=1e-8
+    )
     original_onset, enlarged_onset = (
-        one.onset(0, mu0=0.3, tau0=0.03, steps=[0.3, 0.8]) for one in (areas, enlarged_curve)
+        one.onset(0, mu0=0.3, tau0=0.03, steps=[0.3, 0.8]) for one in (half_space_curve, enlarged_curve)
     )
     np.testing.assert_allclose(enlarged_onset.displacement, factor * original_onset.displacement, rtol=1e-6)
     assert enlarged_onset.stiffness == pytest.approx(factor * original_onset.stiffness, rel=1e-6)
@@ -341,13 +350,13 @@ def test_displacement_stiffness_and_energy_loss_before_sliding_scale_with_size(a
     )
 
 
-def test_onset_of_sliding_reaches_requested_displacements(areas):
-    sliding_displacement = areas.onset(0, mu0=0.3, steps=1).displacement_at_sliding
-    onset = areas.onset(
+def test_onset_of_sliding_reaches_requested_displacements(half_space_curve):
+    sliding_displacement = half_space_curve.onset(0, mu0=0.3, steps=1).displacement_at_sliding
+    onset = half_space_curve.onset(
         0, mu0=0.3, displacements=[0.2 * sliding_displacement, 0.7 * sliding_displacement, sliding_displacement]
     )
     np.testing.assert_allclose(onset.displacement, np.array([0.2, 0.7, 1.0]) * sliding_displacement, rtol=1e-6)
-    onset_at_loads = areas.onset(0, mu0=0.3, steps=onset.tangential_load / onset.sliding_load)
+    onset_at_loads = half_space_curve.onset(0, mu0=0.3, steps=onset.tangential_load / onset.sliding_load)
     np.testing.assert_allclose(onset_at_loads.displacement, onset.displacement, rtol=1e-6)
 
 
@@ -400,13 +409,13 @@ def test_flat_punch_slips_everywhere_at_the_same_load():
 # ---- Asperities -----------------------------------------------------------------------------------------------------
 
 
-def single_ball(radii=(1.0, 1.0), approach=0.02):
+def press_single_ball(radii=(1.0, 1.0), approach=0.02):
     lower = create_paraboloid(64, 1.0, radii)
     return press(flat_like(lower), lower, [approach])
 
 
 def test_onset_of_sliding_of_a_single_asperity_equals_mindlin_solution():
-    curve = single_ball()
+    curve = press_single_ball()
     for poisson in (0.0, 0.3):
         onset = curve.onset(0, mu0=0.3, poisson=poisson)
         ratio = (2 - poisson) / (2 * (1 - poisson))
@@ -447,7 +456,7 @@ def test_onset_of_sliding_of_a_single_asperity_agrees_with_half_space_model(radi
 def test_tangential_stiffness_of_an_elliptical_contact_equals_cerruti_quadrature(direction):
     """Compare with a numerical integral: the displacement in the middle of an ellipse under a flat punch."""
     poisson, direction_angle = 0.3, np.radians(direction)
-    curve = single_ball((0.3, 1.0))
+    curve = press_single_ball((0.3, 1.0))
     axes = contacts(*curve._inputs.bodies, 0.02).axes[0]
 
     def ellipse_radius(angle):
@@ -466,13 +475,13 @@ def test_tangential_stiffness_of_an_elliptical_contact_equals_cerruti_quadrature
 
 
 @pytest.fixture(scope="module")
-def many_asperities():
+def bodies_and_curve():
     bodies = rough_maps(2, points=256, spacing=0.05, shortest_wavelength=0.4)
     return bodies, press(*bodies, [0.01, 0.04], direction=[0.0, 90.0])
 
 
-def test_onset_of_sliding_of_many_asperities_is_the_sum_over_their_contacts(many_asperities):
-    bodies, curve = many_asperities
+def test_onset_of_sliding_of_many_asperities_is_the_sum_over_their_contacts(bodies_and_curve):
+    bodies, curve = bodies_and_curve
     onset = curve.onset(1, mu0=0.3, tau0=0.1, direction=20.0)
     assert curve.contact_count[1] > 20
     table = contacts(*bodies, 0.04)
@@ -493,8 +502,8 @@ def test_onset_of_sliding_of_many_asperities_is_the_sum_over_their_contacts(many
         assert ((slip_loads <= load) == np.isclose(onset.traction(i), onset.traction(-1), rtol=1e-12)).all()
 
 
-def test_energy_lost_equals_area_of_the_hysteresis_loop(many_asperities):
-    onset = many_asperities[1].onset(1, mu0=0.3, tau0=0.1, steps=400)
+def test_energy_lost_equals_area_of_the_hysteresis_loop(bodies_and_curve):
+    onset = bodies_and_curve[1].onset(1, mu0=0.3, tau0=0.1, steps=400)
     for load_fraction in (0.5, 1.0):
         displacement, load = onset.loop(load_fraction * onset.sliding_load)
         area = 0.5 * abs(np.sum(displacement * np.roll(load, -1) - load * np.roll(displacement, -1)))
@@ -524,8 +533,8 @@ def test_onset_of_sliding_accepts_sphere_and_elastic_plastic_laws_for_profiles()
     assert yielding_onset.sliding_load < onset.sliding_load
 
 
-def test_pickled_load_curve_gives_the_same_onset_of_sliding(many_asperities):
-    bodies, curve = many_asperities
+def test_pickled_load_curve_gives_the_same_onset_of_sliding(bodies_and_curve):
+    bodies, curve = bodies_and_curve
     restored_curve = pickle.loads(pickle.dumps(curve))
     assert restored_curve.onset(1, mu0=0.3).displacement_at_sliding == curve.onset(1, mu0=0.3).displacement_at_sliding
     result = press(candidates(*bodies, deepest=0.04), [0.04])
@@ -568,8 +577,8 @@ def test_iwan_and_lugre_fits_recover_their_parameters():
     assert np.abs(result.residual).max() < 1e-6
 
 
-def test_onset_data_frame_contains_units_and_fitted_models_contain_residuals(many_asperities):
-    onset = many_asperities[1].onset(1, mu0=0.3, tau0=0.1)
+def test_onset_data_frame_contains_units_and_fitted_models_contain_residuals(bodies_and_curve):
+    onset = bodies_and_curve[1].onset(1, mu0=0.3, tau0=0.1)
     frame = onset.frame()
     assert list(frame) == ["tangential_load_mN", "displacement_um", "slipped_area", "slipped_load", "energy_lost_mN_um"]
     assert frame.to_csv(index=False).count("\n") == 22
@@ -580,7 +589,7 @@ def test_onset_data_frame_contains_units_and_fitted_models_contain_residuals(man
     for array in (onset.displacement, onset.traction(0), onset.slip_load(), iwan.residual):
         assert not array.flags.writeable
     with pytest.raises(ValueError, match="at least 3 loads"):
-        many_asperities[1].onset(1, mu0=0.3, steps=[0.5, 1.0]).iwan()
+        bodies_and_curve[1].onset(1, mu0=0.3, steps=[0.5, 1.0]).iwan()
     with pytest.raises(ValueError, match="displacement must be at least 0"):
         iwan.load(-1.0)
 
@@ -607,24 +616,24 @@ REJECTED_ARGUMENTS = [
 
 
 @pytest.mark.parametrize(("arguments", "message"), REJECTED_ARGUMENTS)
-def test_onset_rejects_invalid_arguments(ball, arguments, message):
-    for curve in (ball[0], single_ball()):
+def test_onset_rejects_invalid_arguments(ball_curve_and_radius, arguments, message):
+    for curve in (ball_curve_and_radius[0], press_single_ball()):
         with pytest.raises(ValueError, match=message):
             curve.onset(0, **arguments)
 
 
-def test_onset_rejects_invalid_indices_steps_and_amplitudes(ball):
+def test_onset_rejects_invalid_indices_steps_and_amplitudes(ball_curve_and_radius):
     with pytest.raises(ValueError, match="index must be at least -1 and below 1, the number of loads"):
-        ball[0].onset(1, mu0=0.3)
+        ball_curve_and_radius[0].onset(1, mu0=0.3)
     with pytest.raises(ValueError, match="index must be at least -1 and below 1, the number of approaches"):
-        single_ball().onset(0.5, mu0=0.3)
+        press_single_ball().onset(0.5, mu0=0.3)
     x = np.arange(65) / 64 - 0.5
     cup = Profile(x**2, spacing=1 / 64)
     with pytest.raises(ValueError, match="an approach without contact"):
         press(flat_like(cup), cup, [0.01]).onset(0, mu0=0.3)
     with pytest.raises(ValueError, match="tolerance must be"):
-        ball[0].onset(0, mu0=0.3, tolerance=0.0)
-    onset = ball[0].onset(0, mu0=0.3, steps=2)
+        ball_curve_and_radius[0].onset(0, mu0=0.3, tolerance=0.0)
+    onset = ball_curve_and_radius[0].onset(0, mu0=0.3, steps=2)
     with pytest.raises(ValueError, match="index must be at least -2 and below 2, the number of tangential loads"):
         onset.traction(2)
     for amplitude in (-1.0, 2 * onset.sliding_load):
@@ -634,9 +643,9 @@ def test_onset_rejects_invalid_indices_steps_and_amplitudes(ball):
     assert onset.energy_lost([[0.0, onset.sliding_load]]).shape == (1, 2)
 
 
-def test_onset_of_sliding_of_a_ball_equals_closed_form_if_mu0_is_zero(ball):
+def test_onset_of_sliding_of_a_ball_equals_closed_form_if_mu0_is_zero(ball_curve_and_radius):
     """Compare with the closed form of the asperity model: with tau0 alone the bound is uniform over the contact."""
-    curve, radius = ball
+    curve, radius = ball_curve_and_radius
     onset = curve.onset(0, mu0=0.0, tau0=0.2, poisson=0.0, steps=LOAD_FRACTIONS)
     area = np.pi * radius**2
     assert onset.sliding_load == pytest.approx(0.2 * curve.contact_area[0], rel=ROUND_OFF)

@@ -47,7 +47,7 @@ def create_surfaces():
     return tuple(Surface(rough_heights((40, 40), seed), spacing=0.5) for seed in (3, 4))
 
 
-def generated_study(name, **changes):
+def small_named_study(name, **changes):
     small_changes = {"ensemble.repetitions": 2, "surfaces.fractal_dimension": [1.2, 1.4]}
     return Study.named(name).with_changes(small_changes | changes)
 
@@ -58,10 +58,10 @@ def datasets_by_title():
     areal = {"surfaces.shape": [64, 64], "surfaces.extent": ["2 um", "2 um"]}
     half_space = {"shifts": 3, "mechanics": "half-space", "direction": [0, 180]}
     result = {
-        "generated": run(generated_study("quick", **{"surfaces.points": 2000})).dataset,
-        "generated areas": run(generated_study("figure6-areal", **areal)).dataset,
-        "generated half-planes": run(generated_study("figure6-half-plane", **{"surfaces.points": 512})).dataset,
-        "generated onset": run(generated_study("presliding", **{"surfaces.points": 2000})).dataset,
+        "generated": run(small_named_study("quick", **{"surfaces.points": 2000})).dataset,
+        "generated areas": run(small_named_study("figure6-areal", **areal)).dataset,
+        "generated half-planes": run(small_named_study("figure6-half-plane", **{"surfaces.points": 512})).dataset,
+        "generated onset": run(small_named_study("presliding", **{"surfaces.points": 2000})).dataset,
         "lines": pair(*create_profiles(), **PAIR_OPTIONS, mechanics="asperities", offsets=4).dataset,
         "half-planes": pair(
             *create_profiles(), **PAIR_OPTIONS, mechanics="half-space", offsets=4, hardness="1 GPa"
@@ -98,7 +98,7 @@ def iterate_variables(datasets):
             yield title, str(name), item
 
 
-def expected_dims(name, dataset):
+def normalized_dims(name, dataset):
     """Return the dimensions of a variable after cells and members, as listed in the table of quantities."""
     omitted_dims = {"fractal_dimension", "amplitude", "cut_off", "repetition", "statistic"}
     renamed_dims = {"approach": "step", "load": "step"}
@@ -119,7 +119,7 @@ def test_stored_variables_have_the_dimensions_and_dtypes_in_the_table_of_quantit
         for name in map(str, dataset.data_vars):
             quantity = QUANTITIES[name]
             along = {item for item in quantity.along if item not in ("sliding", "direction") or item in dataset.dims}
-            assert expected_dims(name, dataset) == along, f"{name} of {title}"
+            assert normalized_dims(name, dataset) == along, f"{name} of {title}"
             assert dataset[name].dtype == np.dtype(quantity.dtype), f"{name} of {title}"
             assert quantity.stored, f"{name} of {title}"
 
@@ -128,15 +128,15 @@ def test_variables_at_a_load_have_the_dimensions_in_the_table_of_quantities(resu
     for title, dataset in results_at_loads.items():
         for name in map(str, dataset.data_vars):
             if name == "status":  # The status belongs to the coefficient, not to the contact.
-                assert expected_dims(name, dataset) == expected_dims("friction_coefficient", dataset)
+                assert normalized_dims(name, dataset) == normalized_dims("friction_coefficient", dataset)
             else:
                 # The mean load of an ensemble depends on the sliding rule, mu0 and tau0.
                 # Therefore all quantities at a load depend on the sliding rule, mu0 and tau0.
                 extra_dims = {"sliding", "mu0", "tau0"} if dataset.attrs["reading"] == "mean" else set()
                 missing = {"sliding", "direction"} - set(dataset.dims)
-                assert expected_dims(name, dataset) - extra_dims == {*QUANTITIES[name].along} - extra_dims - missing, (
-                    f"{name} of {title}"
-                )
+                assert (
+                    normalized_dims(name, dataset) - extra_dims == {*QUANTITIES[name].along} - extra_dims - missing
+                ), f"{name} of {title}"
 
 
 def test_intervals_at_a_load_are_within_the_bounds_in_the_table_of_quantities(results_at_loads):

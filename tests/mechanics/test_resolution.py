@@ -30,7 +30,7 @@ def create_rough_surfaces(hurst=0.8, points=128, spacing=0.04, rms=0.03, seed=5,
 
 
 @pytest.fixture(scope="module")
-def resolved_pair():
+def pair_and_resolution_result():
     """Return the result of a pair under 20 MPa at its own resolution and at coarser resolutions."""
     upper, lower = create_rough_surfaces()
     load = 0.02 * 128**2 * 0.04**2
@@ -38,8 +38,8 @@ def resolved_pair():
     return upper, lower, load, resolution(upper, lower, [load], cut_offs=lengths, boundary="periodic", **STEEL_OPTIONS)
 
 
-def test_results_at_each_cutoff_equal_half_space_solutions_of_filtered_surfaces(resolved_pair):
-    upper, lower, load, result = resolved_pair
+def test_results_at_each_cutoff_equal_half_space_solutions_of_filtered_surfaces(pair_and_resolution_result):
+    upper, lower, load, result = pair_and_resolution_result
     for cutoff in result.cut_off.values:
         bodies = [cut_off(body, cutoff, periodic=True) if cutoff else body for body in (upper, lower)]
         for sliding in ("all", "opposing"):
@@ -63,8 +63,8 @@ def test_results_at_each_cutoff_equal_half_space_solutions_of_filtered_surfaces(
     assert abs(elastic_friction.sel(sliding="all")).max() < 0.02  # Forces on uphill and downhill slopes cancel.
 
 
-def test_results_with_a_finer_cutoff_lie_between_the_plastic_limit_and_coarser_results(resolved_pair):
-    *_, load, result = resolved_pair
+def test_results_with_a_finer_cutoff_lie_between_the_plastic_limit_and_coarser_results(pair_and_resolution_result):
+    *_, load, result = pair_and_resolution_result
     area = result.contact_area_fraction[:, 0].values
     mu = result.friction_coefficient.sel(sliding="all")[:, 0].values
     assert result.load_fraction_at_hardness[0, 0] > 0.8
@@ -84,8 +84,8 @@ def test_results_with_a_finer_cutoff_lie_between_the_plastic_limit_and_coarser_r
         assert (mu[finer_index] <= mu[finer_index:] * (1 + 0.02)).all()
 
 
-def test_range_for_finer_scans_at_each_cutoff_contains_results_of_finer_scans(resolved_pair):
-    result = resolved_pair[3]
+def test_range_for_finer_scans_at_each_cutoff_contains_results_of_finer_scans(pair_and_resolution_result):
+    result = pair_and_resolution_result[3]
     second_order_factor = 1 + np.square(result.rms_gradient.values) / 8
     for name, variable in (
         ("area_fraction", "contact_area_fraction"),
@@ -135,8 +135,8 @@ def test_range_for_finer_scans_allows_a_larger_contact_area_if_contacts_are_few(
     assert area[0] < float(result.bracket_area_fraction[1, 0].sel(end="upper"))
 
 
-def test_yielding_wavelengths_are_tabulated_for_several_hardnesses_if_none_is_given(resolved_pair):
-    upper, lower, load, plastic = resolved_pair
+def test_yielding_wavelengths_are_tabulated_for_several_hardnesses_if_none_is_given(pair_and_resolution_result):
+    upper, lower, load, plastic = pair_and_resolution_result
     result = resolution(
         upper, lower, [load], hardness=None, cut_offs=[0.32], boundary="periodic", effective_modulus=115.0
     )
@@ -153,8 +153,8 @@ def test_yielding_wavelengths_are_tabulated_for_several_hardnesses_if_none_is_gi
     assert harder < wavelength_at_4_gpa < softer
 
 
-def test_rms_slope_at_the_longest_yielding_wavelength_corresponds_to_the_hardness(resolved_pair):
-    upper, lower, load, result = resolved_pair
+def test_rms_slope_at_the_longest_yielding_wavelength_corresponds_to_the_hardness(pair_and_resolution_result):
+    upper, lower, load, result = pair_and_resolution_result
     kappa = float(result.elastic_kappa[0])
     assert kappa == pytest.approx(
         float(result.elastic_area_fraction[0]) * 115.0 * float(result.rms_gradient[0]) / (load / (128 * 0.04) ** 2)
@@ -238,8 +238,8 @@ def test_resolution_results_scale_with_size():
     assert ten.plastic_wavelength.values == pytest.approx(10 * one.plastic_wavelength.values, rel=1e-3)
 
 
-def test_resolution_dataset_has_units_and_can_be_written_to_netcdf(resolved_pair, tmp_path):
-    result = resolved_pair[3]
+def test_resolution_dataset_has_units_and_can_be_written_to_netcdf(pair_and_resolution_result, tmp_path):
+    result = pair_and_resolution_result[3]
     assert (result.instrument_limit_um, result.instrument_limit_reason) == (0.08, "pixels")
     for name, values in result.data_vars.items():
         assert values.attrs["units"], name

@@ -84,18 +84,18 @@ def _find_minima(values, shape, spacing):
 def solve_axis_ratio(longer_radius, shorter_radius):
     """Return the axis ratio k = b/a of a Hertzian contact ellipse and the integral K (Johnson, section 4.2)."""
 
-    def integrals(k):
+    def elliptic_integrals(k):
         return ellipkm1(k**2), ellipe(1 - k**2)
 
-    def ratio(k):
-        first, second = integrals(k)
+    def radius_ratio(k):
+        first, second = elliptic_integrals(k)
         return k**2 * (first - second) / (second - k**2 * first)
 
     if longer_radius / shorter_radius < 1 + 1e-5:
         k = (shorter_radius / longer_radius) ** (2 / 3)  # The integrals cancel here. This limit is accurate to 1e-11.
     else:
-        k = brentq(lambda k: ratio(k) - shorter_radius / longer_radius, 1e-9, 1 - 1e-7, xtol=1e-16, rtol=1e-14)
-    return k, integrals(k)[0]
+        k = brentq(lambda k: radius_ratio(k) - shorter_radius / longer_radius, 1e-9, 1 - 1e-7, xtol=1e-16, rtol=1e-14)
+    return k, elliptic_integrals(k)[0]
 
 
 def compute_semi_axes(longer_radius, shorter_radius, overlap):
@@ -109,7 +109,7 @@ def compute_semi_axes(longer_radius, shorter_radius, overlap):
     return a, k * a, integral_k
 
 
-def fractions_on_map(centre, along, across, extent):
+def ellipse_fractions_on_map(centre, along, across, extent):
     """Return the fractions of force and area of a contact ellipse that lie within the map.
 
     The ellipse is centre + r (cos θ along + sin θ across), r <= 1, with semi-axes `along` and `across`. The fractions
@@ -179,7 +179,7 @@ def find_contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, co
         half_extent = np.sqrt((a * directions[0]) ** 2 + (b * directions[1]) ** 2)
         crosses_edge = (np.array([x, y]) < half_extent).any() or (np.array([x, y]) + half_extent > extent).any()
         ellipse = np.array([x, y]), a * directions[0], b * directions[1]
-        force_fraction, area_fraction = fractions_on_map(*ellipse, extent) if crosses_edge else (1.0, 1.0)
+        force_fraction, area_fraction = ellipse_fractions_on_map(*ellipse, extent) if crosses_edge else (1.0, 1.0)
         contact_list.append({
             "x": x, "y": y, "z": float(lower_spline([x], [y])[0]), "normal": normal,
             "radii": (longer_radius, shorter_radius),

@@ -117,7 +117,7 @@ class PeriodicAsperities:
         modulus = np.pi * EFFECTIVE_MODULUS
         distance = self.period / np.pi * np.abs(np.sin(np.pi * (x[:, None] - x) / self.period))
 
-        def influence(half_width, min_distance_factor):
+        def interaction_matrix(half_width, min_distance_factor):
             # Limit the distance of two contacts from below by a multiple of their half-widths.
             # This avoids the singularity of a contact's own effect and of merged contacts.
             min_distance = 0.5 * min_distance_factor * (half_width[:, None] + half_width)
@@ -127,7 +127,9 @@ class PeriodicAsperities:
         force = np.where(is_active, load / is_active.sum(), 0.0)
         for round_ in range(400):
             half_width = np.sqrt(4 * np.maximum(force, 1e-3 * load / count) * radius / modulus)
-            matrix = influence(half_width, 0.5 * np.exp(-0.5))  # This is the mean of ln|s| over the Hertzian pressure.
+            matrix = interaction_matrix(
+                half_width, 0.5 * np.exp(-0.5)
+            )  # This is the mean of ln|s| over the Hertzian pressure.
             active_indices = np.flatnonzero(is_active)
             system = np.ones((active_indices.size + 1, active_indices.size + 1))
             system[:-1, :-1] = matrix[np.ix_(active_indices, active_indices)]
@@ -143,7 +145,7 @@ class PeriodicAsperities:
             has_converged = np.allclose(force, previous_force, rtol=1e-7, atol=1e-9 * load)
             if has_converged and violation.max() <= 1e-9 * self.height:
                 # A small increment of approach adds the pressure of a flat punch, whose mean of ln|s| is ln(a/2).
-                tangent = influence(half_width, 0.5)[np.ix_(active_indices, active_indices)]
+                tangent = interaction_matrix(half_width, 0.5)[np.ix_(active_indices, active_indices)]
                 # The matrix is not positive definite if too many contacts have merged.
                 is_stable = np.linalg.eigvalsh(tangent)[0] > 0
                 stiffness = np.linalg.solve(tangent, np.ones(active_indices.size)).sum() if is_stable else np.nan

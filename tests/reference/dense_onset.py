@@ -46,7 +46,7 @@ def solve_traction(compliance, bound, total):
     raise AssertionError("the active set does not converge")
 
 
-def simulate_steps(compliance, bound, displacements):
+def simulate_displacement_steps(compliance, bound, displacements):
     """Return the loads and the dissipated energies for a sequence of displacements, with slip in both directions.
 
     Each step minimises 1/2 q·Kq - q·(displacement - slip) with |q| <= bound by Gauss-Seidel iterations.

@@ -8,7 +8,7 @@ from scipy.special import ndtr
 DISTRIBUTION_NAMES = ("normal", "half zeros", "bounded", "lognormal 0.5", "lognormal 1")
 
 
-def simulate_traverses(distribution, num_trials, positions, correlation, random):
+def simulate_correlated_positions(distribution, num_trials, positions, correlation, random):
     """Return simulated values of shape (trials, positions) in which neighbouring positions are correlated."""
     if distribution == "half zeros":
         # The values form a Markov chain of no contact (0) and contact (about 0.35), which are equally frequent.
@@ -19,12 +19,12 @@ def simulate_traverses(distribution, num_trials, positions, correlation, random)
     if distribution.startswith("lognormal"):
         log_deviation = float(distribution.split()[1])
         log_correlation = np.log1p(correlation * np.expm1(log_deviation**2)) / log_deviation**2
-        return np.exp(log_deviation * _simulate_neighbours(num_trials, positions, log_correlation, random))
-    values = _simulate_neighbours(num_trials, positions, correlation, random)
+        return np.exp(log_deviation * _simulate_normal_positions(num_trials, positions, log_correlation, random))
+    values = _simulate_normal_positions(num_trials, positions, correlation, random)
     return ndtr(values) if distribution == "bounded" else 10 + values
 
 
-def _simulate_neighbours(num_trials, positions, correlation, random):
+def _simulate_normal_positions(num_trials, positions, correlation, random):
     values = random.standard_normal((num_trials, positions))
     for i in range(1, positions):
         values[:, i] = correlation * values[:, i - 1] + np.sqrt(1 - correlation**2) * values[:, i]
@@ -35,7 +35,7 @@ def estimate_true_mean(distribution, positions, correlation, random, num_trials=
     """Return the true mean, and the width of its 95 % interval for a known variance of the mean."""
     means = np.concatenate(
         [
-            simulate_traverses(distribution, num_trials // 10, positions, correlation, random).mean(axis=1)
+            simulate_correlated_positions(distribution, num_trials // 10, positions, correlation, random).mean(axis=1)
             for _ in range(10)
         ]
     )

@@ -72,10 +72,10 @@ def random_problem(random):
     description = f"{shape} {description} slope {slope:.1e} p/E*h' {pressure / MODULUS / slope:.1e} hardness/p " + (
         f"{hardness / pressure:.2f}" if hardness else "none"
     )
-    return pose_problem(z, pressure, hardness, periodic, description)
+    return assemble_problem(z, pressure, hardness, periodic, description)
 
 
-def random_hard_problem(random):
+def random_problem_with_hardness(random):
     """Return a problem like `random_problem`, with a hardness that limits the pressure."""
     axes = 1 if random.random() < 0.4 else 2
     shape = tuple(int(np.exp(random.uniform(np.log(32), np.log(513)))) for _ in range(axes))
@@ -86,10 +86,10 @@ def random_hard_problem(random):
     description = (
         f"{shape} {description} slope {slope:.1e} H/E*h' {hardness / MODULUS / slope:.1e} F/(H A0) {load_fraction:.4f}"
     )
-    return pose_problem(slope * z, load_fraction * hardness, hardness, bool(random.random() < 0.5), description)
+    return assemble_problem(slope * z, load_fraction * hardness, hardness, bool(random.random() < 0.5), description)
 
 
-def pose_problem(z, pressure, hardness, periodic, description):
+def assemble_problem(z, pressure, hardness, periodic, description):
     """Return a body on a flat, the load, other arguments of `half_space`, and the description with the boundary."""
     body = Profile if z.ndim == 1 else Surface
     arguments = {"boundary": "periodic" if periodic else "free", "hardness": hardness, "tolerance": SOLVER_TOLERANCE}
@@ -97,7 +97,7 @@ def pose_problem(z, pressure, hardness, periodic, description):
     return *bodies, pressure * float(z.size), arguments, f"{arguments['boundary']} {description}"
 
 
-def find_faults(lower, load, arguments, curve):
+def find_solution_violations(lower, load, arguments, curve):
     """Return the violated conditions of a solution as texts, computed from its pressure alone."""
     hardness = arguments["hardness"] or np.inf
     faults = dense_half_space.find_violations(
@@ -119,7 +119,7 @@ def find_faults(lower, load, arguments, curve):
 def main(num_problems=NUM_PROBLEMS, seed=SEED, num_hard_problems=NUM_HARD_PROBLEMS):
     """Solve all problems, print slow, rejected and wrong ones, and return the number of failures."""
     num_wrong = solve_problems(random_problem, num_problems, seed)[1]
-    num_rejected, num_wrong_hard = solve_problems(random_hard_problem, num_hard_problems, seed)
+    num_rejected, num_wrong_hard = solve_problems(random_problem_with_hardness, num_hard_problems, seed)
     return num_wrong + num_rejected + num_wrong_hard
 
 
@@ -139,7 +139,7 @@ def solve_problems(create_problem, num_problems, seed):
             continue
         times.append(time.process_time() - start)
         iterations.append(int(curve.iterations[0]))
-        if faults := find_faults(lower, load, arguments, curve):
+        if faults := find_solution_violations(lower, load, arguments, curve):
             num_wrong += 1
             print(f"{number}: WRONG: {description}: {', '.join(faults)}", flush=True)
         if iterations[-1] > 300:

@@ -98,7 +98,7 @@ class WriterKillRun:
     def start_command(self, *options: str) -> subprocess.Popen[bytes]:
         command = [sys.executable, "-m", "stiction", "run", "s.toml", "--output", "out", *options]
         command += ["--set", f"ensemble.repetitions={self.num_repetitions}"]
-        finished_repetitions = frozenset(self.finished_repetitions())
+        finished_repetitions = frozenset(self.read_finished_repetitions())
         process = self.start_process(command)
         self.finished_at_start[process.pid] = finished_repetitions
         return process
@@ -119,21 +119,23 @@ class WriterKillRun:
             self.random.uniform(0, 1.2 * self.time_to_first_write) if is_early else MAX_WAITING_SECONDS
         )
         while time.monotonic() < end_time and self.count_blocks() == blocks_before:
-            assert all(process.poll() is None for process in processes), f"a run ended by itself: {self.last_output()}"
+            assert all(process.poll() is None for process in processes), (
+                f"a run ended by itself: {self.read_last_output()}"
+            )
             time.sleep(0.002)
         if not is_early:
             assert self.count_blocks() != blocks_before, "nothing is written"
             self.time_to_first_write = time.monotonic() - start_time
             time.sleep(self.random.uniform(0, 0.5))
 
-    def last_output(self) -> str:
+    def read_last_output(self) -> str:
         return (self.folder / "output").read_text()[-1000:]
 
     def count_blocks(self) -> int:
         return sum(1 for _ in (self.result_folder / store.BLOCKS_FOLDER).glob("*.nc"))
 
     def kill(self, target: str, process: subprocess.Popen[bytes]) -> None:
-        assert process.poll() is None, f"{target} ended by itself: {process.returncode}: {self.last_output()}"
+        assert process.poll() is None, f"{target} ended by itself: {process.returncode}: {self.read_last_output()}"
         if self.random.random() < 0.2:
             process.send_signal(signal.SIGSTOP)
             time.sleep(0.2)
@@ -189,7 +191,7 @@ class WriterKillRun:
         options = [self.address, "--nthreads", "1", "--no-nanny", "--no-dashboard"]
         self.dask_processes.append(self.start_process([sys.executable, "-c", code, *options]))
 
-    def finished_repetitions(self) -> list[int]:
+    def read_finished_repetitions(self) -> list[int]:
         try:
             return store.open_stored(self.result_folder).finished.tolist()
         except store.StoreError:
@@ -216,7 +218,7 @@ class WriterKillRun:
                 block_checksum = checksum([values[:, :, member_index] for values in members.arrays.values()])
                 assert self.checksums.setdefault(number, block_checksum) == block_checksum, "other bits than before"
         self.known_files |= current_files
-        assert self.checksums.keys() <= set(self.finished_repetitions())
+        assert self.checksums.keys() <= set(self.read_finished_repetitions())
         lines = self.log_file.read_text().splitlines() if self.log_file.exists() else []
         for number, process_id in map(str.split, lines[self.num_computed :]):
             # A Dask worker may continue tasks of killed commands, so only processes of commands are checked.

@@ -23,9 +23,9 @@ def computed_repetitions(monkeypatch):
     """Return a list to which each computed repetition is appended."""
     numbers, sums = [], runner.compute_member_sums
 
-    def record(study, number):
+    def record_repetition(study, number):
         numbers.append(number)
         return sums(study, number)
 
-    monkeypatch.setattr(runner, "compute_member_sums", record)
+    monkeypatch.setattr(runner, "compute_member_sums", record_repetition)
     return numbers

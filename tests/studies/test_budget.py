@@ -216,14 +216,14 @@ def test_area_interpolated_over_modulus_agrees_with_direct_elastic_solutions() -
     table, study = result.at_study_loads, result.study
     areas = build_area_interpolator(table, result.source)
 
-    def mean_area(pair_result):
+    def mean_contact_area(pair_result):
         return pair_result.at_study_loads["contact_area"].sel(statistic="mean").item()
 
     for ratio in (0.6, 1.5):
         scaled_result = pair(
             *rough_surfaces(rms=0.01), effective_modulus=float(study.contact.effective_modulus) * ratio, **kwargs
         )
-        assert mean_area(scaled_result) / mean_area(result) == pytest.approx(
+        assert mean_contact_area(scaled_result) / mean_contact_area(result) == pytest.approx(
             areas.area_ratio(0, None, ratio).item(), rel=INTERPOLATION_ERROR
         )
 
@@ -246,17 +246,17 @@ def test_interval_of_a_gap_map_includes_only_input_uncertainty_and_adds_a_caveat
 
 
 def test_material_name_can_be_combined_with_numbers_for_the_other_body() -> None:
-    def contact_table(**materials):
+    def contact_settings(**materials):
         return pair_study(*rough_surfaces(), load="50 kPa", mu0=0.2, tau0="0.2 MPa", **materials).contact
 
-    rubber_on_glass = contact_table(lower_material="glass", young="3 MPa", poisson=0.49)
+    rubber_on_glass = contact_settings(lower_material="glass", young="3 MPa", poisson=0.49)
     assert rubber_on_glass.hardness is None
-    numeric_contact = contact_table(young="3 MPa,69.5 GPa", poisson="0.49,0.2")
+    numeric_contact = contact_settings(young="3 MPa,69.5 GPa", poisson="0.49,0.2")
     assert float(rubber_on_glass.effective_modulus) == pytest.approx(float(numeric_contact.effective_modulus))
-    brass_on_steel = contact_table(upper_material="brass", young="210 GPa", poisson=0.3)
+    brass_on_steel = contact_settings(upper_material="brass", young="210 GPa", poisson=0.3)
     assert float(brass_on_steel.hardness) == pytest.approx(0.625)
     with pytest.raises(ValueError, match="single values for the upper body"):
-        contact_table(lower_material="glass", young="3 MPa,70 GPa", poisson=0.49)
+        contact_settings(lower_material="glass", young="3 MPa,70 GPa", poisson=0.49)
 
 
 def test_hardness_option_accepts_vickers_and_rockwell_numbers() -> None:

@@ -90,7 +90,7 @@ def test_common_error_widens_the_interval_of_the_determined_combination_of_mu0_a
 
 
 def test_friction_tests_on_a_single_pair_determine_only_a_combination_of_mu0_and_tau0() -> None:
-    curve = compute_rough_curve(0.02, 1)
+    curve = compute_rough_load_curve(0.02, 1)
     tests = [
         FrictionTest(curve, load, coefficient=float(y), uncertainty=0.03 * float(y))
         for load, y in zip(curve.load, curve.friction_coefficient(mu0=0.2, tau0=0.3), strict=True)
@@ -103,7 +103,7 @@ def test_friction_tests_on_a_single_pair_determine_only_a_combination_of_mu0_and
 
 
 def test_calibration_advice_predicts_the_errors_after_ball_tests_over_two_decades_of_load() -> None:
-    curve = compute_rough_curve(0.02, 1)
+    curve = compute_rough_load_curve(0.02, 1)
     tests = [FrictionTest(curve, load, coefficient=0.3, uncertainty=0.009) for load in curve.load]
     interface = calibrate(tests)
     (_, mu0_error, tau0_error), *_ = interface.advice
@@ -117,7 +117,7 @@ def test_calibration_advice_predicts_the_errors_after_ball_tests_over_two_decade
 
 
 def test_friction_tests_on_two_surface_finishes_predict_friction_on_a_third_finish() -> None:
-    curves = [compute_rough_curve(rms, seed) for rms, seed in ((0.01, 1), (0.04, 2))]
+    curves = [compute_rough_load_curve(rms, seed) for rms, seed in ((0.01, 1), (0.04, 2))]
     random = np.random.default_rng(1)
     tests = [
         FrictionTest(
@@ -130,14 +130,14 @@ def test_friction_tests_on_two_surface_finishes_predict_friction_on_a_third_fini
     assert interface.separated
     assert interface.mu0[1] < 0.2 < interface.mu0[2]
     assert interface.tau0[1] < 0.3 < interface.tau0[2]
-    third = compute_rough_curve(0.02, 5)
+    third = compute_rough_load_curve(0.02, 5)
     value, lower, upper = interface.predict(third, float(third.load[1]))
     assert lower < float(third.friction_coefficient(mu0=0.2, tau0=0.3)[1]) < upper
     assert lower < value < upper
     assert list(interface.draws.columns) == ["mu0", "tau0", "hardness"]
 
 
-def compute_rough_curve(rms: float, seed: int):
+def compute_rough_load_curve(rms: float, seed: int):
     """Return the load curve of two rough surfaces as elastic half-spaces, with friction at all contacts."""
     upper, lower = rough_maps(seed, rms=rms, points=64)
     loads = np.geomspace(0.05, 0.4, 4) * 6.4**2
@@ -163,7 +163,7 @@ def test_friction_test_accepts_a_result_of_the_pair_function() -> None:
     assert interface.draws["hardness"].median() == pytest.approx(hardness_of_brass.value, rel=0.1)
 
 
-def rough_faces(rms: float) -> list[Any]:
+def rough_surface_pair(rms: float) -> list[Any]:
     return rough_maps(1, rms=rms, shortest_wavelength=0.5)
 
 
@@ -173,7 +173,9 @@ PAIR_OPTIONS = {"load": ["20 MPa", "50 MPa"], "mu0": 0.2, "tau0": "50 MPa", "eff
 
 def test_uncertainty_of_a_shared_hardness_cancels_in_the_prediction(tmp_path) -> None:
     hardness = "0.5..1.5 GPa"
-    tested_pair, predicted_pair = (pair(*rough_faces(rms), hardness=hardness, **PAIR_OPTIONS) for rms in (0.03, 0.02))
+    tested_pair, predicted_pair = (
+        pair(*rough_surface_pair(rms), hardness=hardness, **PAIR_OPTIONS) for rms in (0.03, 0.02)
+    )
     tests = [FrictionTest(tested_pair, load, coefficient=0.25, uncertainty=0.005) for load in ("20 MPa", "50 MPa")]
     strength = calibrate(tests)
     assert strength.draws["hardness"].quantile([0.025, 0.975]).to_numpy() == pytest.approx([0.5, 1.5], rel=0.1)
@@ -181,25 +183,25 @@ def test_uncertainty_of_a_shared_hardness_cancels_in_the_prediction(tmp_path) ->
     assert value == pytest.approx(0.25, rel=0.02)
     assert upper - lower < 0.03
     unrelated_pair = pair(
-        *rough_faces(0.02), hardness="0.5..1.51 GPa", **PAIR_OPTIONS
+        *rough_surface_pair(0.02), hardness="0.5..1.51 GPa", **PAIR_OPTIONS
     )  # This text of the hardness differs, so the hardness is independent of the calibrated pair.
     assert np.ptp(strength.predict(unrelated_pair, "50 MPa")[1:]) > 3 * (upper - lower)
     # The combined interval of a pair shares the hardness with an interface file, too.
     write_interface(strength, tmp_path / "film.csv")
     arguments = {name: value for name, value in PAIR_OPTIONS.items() if name not in ("mu0", "tau0")}
     shared_result, unrelated_result = (
-        pair(*rough_faces(0.02), hardness=text, interface=tmp_path / "film.csv", **arguments)
+        pair(*rough_surface_pair(0.02), hardness=text, interface=tmp_path / "film.csv", **arguments)
         for text in (hardness, "0.5..1.51 GPa")
     )
     assert np.ptp(shared_result.interval) < 0.5 * np.ptp(unrelated_result.interval)
     result_in_other_unit = pair(
-        *rough_faces(0.02), hardness="500..1500MPa", interface=tmp_path / "film.csv", **arguments
+        *rough_surface_pair(0.02), hardness="500..1500MPa", interface=tmp_path / "film.csv", **arguments
     )
     assert result_in_other_unit.interval == pytest.approx(shared_result.interval, rel=1e-6)
 
 
 def test_friction_tests_at_several_dwell_times_separate_mu0_from_tau0() -> None:
-    rough = pair(*rough_faces(0.03), hardness="0.8 GPa", wait=["1 s", "300 d"], creep=0.05, **PAIR_OPTIONS)
+    rough = pair(*rough_surface_pair(0.03), hardness="0.8 GPa", wait=["1 s", "300 d"], creep=0.05, **PAIR_OPTIONS)
     table, tests = rough.at("20 MPa"), []
     ratio = (table["contact_area"].sel(statistic="mean") / table["load"]).item()
     for wait, seconds in (("1 s", 1.0), ("1 h", 3600.0), ("300 d", 300 * 86400.0)):
@@ -252,11 +254,11 @@ def test_calibration_over_a_range_of_moduli_agrees_with_a_brute_force_calculatio
 
 
 def test_prediction_for_the_tested_pair_omits_the_error_of_its_contact_area() -> None:
-    tested_pair = pair(*rough_faces(0.03), hardness="0.8 GPa", **PAIR_OPTIONS)
+    tested_pair = pair(*rough_surface_pair(0.03), hardness="0.8 GPa", **PAIR_OPTIONS)
     tests = [FrictionTest(tested_pair, "20 MPa", coefficient=0.25, uncertainty=0.0025)] * 4
     strength = calibrate(tests, common=0.0)
     same_pair = strength.predict(tested_pair, "20 MPa")
-    other_pair = strength.predict(pair(*rough_faces(0.02), hardness="0.8 GPa", **PAIR_OPTIONS), "20 MPa")
+    other_pair = strength.predict(pair(*rough_surface_pair(0.02), hardness="0.8 GPa", **PAIR_OPTIONS), "20 MPa")
     assert same_pair == pytest.approx(np.array([1.0, 0.99, 1.01]) * 0.25, abs=0.0004)
     assert np.ptp(other_pair[1:]) > 2 * np.ptp(same_pair[1:])
 
@@ -271,7 +273,7 @@ def test_prediction_interval_includes_samples_with_mu0_at_its_bound(tmp_path) ->
     scaled = np.array([test.coefficient / test.uncertainty for test in tests])
     estimate, error = ratio @ scaled / (ratio @ ratio), 1 / math.sqrt(ratio @ ratio)
     assert np.median(tau0_at_bound) == pytest.approx(estimate, abs=error)
-    distant_ball = load_ball(interface.area_per_load / 3)
+    distant_ball = ball_and_load(interface.area_per_load / 3)
     write_interface(interface, tmp_path / "film.csv")
     for strength in (interface, read_interface(tmp_path / "film.csv")):
         _, low, high = strength.predict(*distant_ball)
@@ -285,7 +287,7 @@ def test_calibration_with_mu0_fixed_at_zero_reports_no_samples_at_bounds() -> No
 
 
 def test_error_of_area_ratio_between_hardnesses_is_the_standard_error_over_members() -> None:
-    tested_pair = pair(*rough_faces(0.03), hardness="0.5..1.5 GPa", **PAIR_OPTIONS)
+    tested_pair = pair(*rough_surface_pair(0.03), hardness="0.5..1.5 GPa", **PAIR_OPTIONS)
     test = FrictionTest(tested_pair, "20 MPa", coefficient=0.25, uncertainty=0.0025)
     yielding = test.area_factor
     assert yielding is not None
@@ -341,27 +343,29 @@ HARDNESS_NODE_TOLERANCE = 0.01
 
 
 @cache
-def plastic_pair(alpha: Any, rms: float = 0.03, hardness: str = "0.625 GPa") -> Any:
+def compute_plastic_pair(alpha: Any, rms: float = 0.03, hardness: str = "0.625 GPa") -> Any:
     """Return the result of a pair with junction growth whose contacts all yield at 0.625 GPa."""
-    return pair(*rough_faces(rms), **PLASTIC_PAIR_OPTIONS | {"hardness": hardness}, junction_growth=alpha)
+    return pair(*rough_surface_pair(rms), **PLASTIC_PAIR_OPTIONS | {"hardness": hardness}, junction_growth=alpha)
 
 
 @cache
 def solve_coefficient(mu0: float, tau0: float, alpha: float, rms: float = 0.03, hardness: float = 0.625) -> float:
-    """Return the coefficient at 20 MPa of the pair that `plastic_pair` returns, solved at its hardness under shear."""
+    """Return the coefficient at 20 MPa of the pair of `compute_plastic_pair`, solved at its hardness under shear."""
     pressure = float(hardness_under_shear(hardness, mu0, tau0, alpha))
     result = pair(
-        *rough_faces(rms), **PLASTIC_PAIR_OPTIONS | {"hardness": pressure, "mu0": mu0, "tau0": tau0}, junction_growth=0
+        *rough_surface_pair(rms),
+        **PLASTIC_PAIR_OPTIONS | {"hardness": pressure, "mu0": mu0, "tau0": tau0},
+        junction_growth=0,
     )
     return float(result.at("20 MPa")["friction_all_round"].sel(sliding="all", statistic="mean").squeeze())
 
 
-def simulate_tests_with_growth(
+def simulate_junction_growth_tests(
     alpha: Any, truth: float, *, balls: bool = True, mu0: float = 0.2, tau0: float = 0.05
 ) -> list[Any]:
     """Return exact friction tests on a plastic pair, and on a steel ball that does not yield."""
     y = solve_coefficient(mu0, tau0, truth)
-    tests = [FrictionTest(plastic_pair(alpha), "20 MPa", coefficient=y, uncertainty=0.01 * y) for _ in range(3)]
+    tests = [FrictionTest(compute_plastic_pair(alpha), "20 MPa", coefficient=y, uncertainty=0.01 * y) for _ in range(3)]
     for load in (5.0, 50.0, 500.0, 5000.0) if balls else ():
         y = mu0 + tau0 * STEEL_BALL.area_per_load(load)
         tests.append(FrictionTest(STEEL_BALL, load, coefficient=y, uncertainty=0.01 * y))
@@ -370,7 +374,7 @@ def simulate_tests_with_growth(
 
 @pytest.mark.parametrize("truth", [3.0, 27.0])
 def test_calibration_with_junction_growth_recovers_mu0_and_tau0(truth: float) -> None:
-    interface = calibrate(simulate_tests_with_growth(truth, truth), common=0.0, sliding="all")
+    interface = calibrate(simulate_junction_growth_tests(truth, truth), common=0.0, sliding="all")
     assert interface.mu0[0] == pytest.approx(0.2, abs=0.005)
     assert interface.tau0[0] == pytest.approx(0.05, rel=0.02)
     assert interface.mu0[1] < 0.2 < interface.mu0[2]
@@ -379,10 +383,10 @@ def test_calibration_with_junction_growth_recovers_mu0_and_tau0(truth: float) ->
 
 
 def test_calibration_with_junction_growth_agrees_with_a_brute_force_calculation() -> None:
-    tests = simulate_tests_with_growth(27.0, 27.0)
+    tests = simulate_junction_growth_tests(27.0, 27.0)
     interface = calibrate(tests, common=0.0, sliding="all")
     axes = np.linspace(0.17, 0.23, 9), np.linspace(0.043, 0.057, 9)
-    friction = plastic_pair(27.0).at("20 MPa", mu0=axes[0], tau0=axes[1])["friction_all_round"]
+    friction = compute_plastic_pair(27.0).at("20 MPa", mu0=axes[0], tau0=axes[1])["friction_all_round"]
     predict = RegularGridInterpolator(
         axes, friction.sel(sliding="all", statistic="mean").squeeze().values, method="cubic"
     )
@@ -404,7 +408,7 @@ def test_calibration_with_junction_growth_agrees_with_a_brute_force_calculation(
 
 
 def test_friction_tests_on_ball_and_plastic_pair_determine_junction_growth() -> None:
-    interface = calibrate(simulate_tests_with_growth("0..27", 9.0), common=0.0, sliding="all")
+    interface = calibrate(simulate_junction_growth_tests("0..27", 9.0), common=0.0, sliding="all")
     low, middle, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.5, 0.975])
     assert low < 9.0 < high
     assert middle == pytest.approx(9.0, abs=1.0)
@@ -412,27 +416,27 @@ def test_friction_tests_on_ball_and_plastic_pair_determine_junction_growth() -> 
 
 
 def test_friction_tests_on_one_plastic_pair_do_not_determine_junction_growth() -> None:
-    interface = calibrate(simulate_tests_with_growth("0..27", 9.0, balls=False), sliding="all")
+    interface = calibrate(simulate_junction_growth_tests("0..27", 9.0, balls=False), sliding="all")
     low, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.975])
     assert low < 1.5
     assert high > 24.0
-    value, *ends = interface.predict(plastic_pair("0..27"), "20 MPa")
+    value, *ends = interface.predict(compute_plastic_pair("0..27"), "20 MPa")
     assert value == pytest.approx(solve_coefficient(0.2, 0.05, 9.0), rel=0.01)
     assert np.ptp(ends) < 0.12 * value  # The given range of α alone would give an interval from 0.28 to 0.376.
 
 
 @pytest.mark.parametrize(("alpha", "truth"), [(9.0, 9.0), ("0..27", 9.0), ("0..27", 20.0)])
 def test_prediction_for_a_harder_pair_covers_the_direct_solution(alpha: Any, truth: float) -> None:
-    interface = calibrate(simulate_tests_with_growth(alpha, truth), sliding="all")
+    interface = calibrate(simulate_junction_growth_tests(alpha, truth), sliding="all")
     expected = solve_coefficient(0.2, 0.05, truth, 0.02, 1.25)
-    value, low, high = interface.predict(plastic_pair(alpha, 0.02, "1.25 GPa"), "20 MPa")
+    value, low, high = interface.predict(compute_plastic_pair(alpha, 0.02, "1.25 GPa"), "20 MPa")
     assert low < expected < high
     assert value == pytest.approx(expected, rel=0.02)
 
 
 def test_prediction_that_neglects_junction_growth_exceeds_the_direct_solution() -> None:
-    interface = calibrate(simulate_tests_with_growth(0, 20.0), sliding="all")
-    predicted, *_ = interface.predict(plastic_pair(0, 0.02, "1.25 GPa"), "20 MPa")
+    interface = calibrate(simulate_junction_growth_tests(0, 20.0), sliding="all")
+    predicted, *_ = interface.predict(compute_plastic_pair(0, 0.02, "1.25 GPa"), "20 MPa")
     assert predicted > 1.05 * solve_coefficient(0.2, 0.05, 20.0, 0.02, 1.25)
     # Without junction growth, the tests on the ball contradict the tests on the pair.
     assert interface.fits[0].scale > 1.5
@@ -440,9 +444,9 @@ def test_prediction_that_neglects_junction_growth_exceeds_the_direct_solution() 
 
 
 def test_prediction_warns_if_result_and_tests_have_different_junction_growth() -> None:
-    interface = calibrate(simulate_tests_with_growth(9.0, 9.0), sliding="all")
+    interface = calibrate(simulate_junction_growth_tests(9.0, 9.0), sliding="all")
     with pytest.warns(UserWarning, match=r"calibrated with α = 9 .* the result has α = 0"):
-        interface.predict(plastic_pair(0), "20 MPa")
+        interface.predict(compute_plastic_pair(0), "20 MPa")
     interface.predict(STEEL_BALL, 50.0)  # This prediction causes no warning, because the ball does not yield.
 
 
@@ -452,21 +456,21 @@ def test_calibration_of_tests_below_yield_reports_no_junction_growth() -> None:
 
 def test_interface_file_preserves_junction_growth(tmp_path) -> None:
     path = tmp_path / "film.csv"
-    interface = calibrate(simulate_tests_with_growth("0..27", 9.0), sliding="all")
+    interface = calibrate(simulate_junction_growth_tests("0..27", 9.0), sliding="all")
     write_interface(interface, path)
     stored_interface = read_interface(path)
     assert stored_interface.about[GROWTH_ENTRY] == "0..27"
     assert stored_interface.fits[0].junction_growth == pytest.approx(interface.fits[0].junction_growth, rel=1e-6)
     options = {name: value for name, value in PLASTIC_PAIR_OPTIONS.items() if name not in ("mu0", "tau0")}
-    result = pair(*rough_faces(0.03), **options, interface=path)
+    result = pair(*rough_surface_pair(0.03), **options, interface=path)
     assert result.study.known.junction_growth == "0..27"
     assert result.study.contact.junction_growth == pytest.approx(9.0, abs=1.0)
-    expected = interface.predict(plastic_pair("0..27"), "20 MPa")
+    expected = interface.predict(compute_plastic_pair("0..27"), "20 MPa")
     table = result.at("20 MPa")["friction_combined"].sel(sliding="all").squeeze()
     assert table.values[0] == pytest.approx(solve_coefficient(0.2, 0.05, 9.0), rel=0.02)
     # The given range of α alone would give an interval that is four times as wide.
     assert np.ptp(table.values[1:]) < 2 * np.ptp(expected[1:])
-    contradicting_result = pair(*rough_faces(0.03), **options, interface=path, junction_growth=20)
+    contradicting_result = pair(*rough_surface_pair(0.03), **options, interface=path, junction_growth=20)
     assert any("calibrated with α = 0..27" in caveat.text for caveat in contradicting_result.caveats)
 
 
@@ -536,7 +540,7 @@ def test_calibration_rejects_invalid_input(call, pattern: str) -> None:
 
 
 @cache
-def load_curve_of_faces(rms: float, hardness: float | None = None) -> HalfSpaceCurve:
+def load_curve_of_rough_surfaces(rms: float, hardness: float | None = None) -> HalfSpaceCurve:
     """Return the load curve of a pair of rough surfaces at eight loads."""
     surfaces = rough_maps(7, rms=rms, points=64, shortest_wavelength=0.4)
     loads = np.geomspace(0.001, 0.01, 8) * 6.4**2
@@ -550,7 +554,7 @@ def true_coefficient(body: Any, load: float, mu0: float, tau0: float) -> float:
     return float(np.interp(load, body.load, np.ravel(body.friction_coefficient(mu0=mu0, tau0=tau0))))
 
 
-def load_ball(ratio: float) -> tuple[Ball, float]:
+def ball_and_load(ratio: float) -> tuple[Ball, float]:
     """Return a ball and the load (mN) at which its contact area per load is `ratio` (1/GPa)."""
     return BALL, 100.0 * (BALL.area_per_load(100.0) / ratio) ** 3
 
@@ -578,7 +582,7 @@ def simulate_coverage(kind: str, count: int) -> np.ndarray:
     The array of shape (count, 3) has columns for 1/3, 1 and 3 times the area per load of the tests.
     """
     body_options, settings = TEST_SERIES[kind]
-    bodies = [BALL if item is None else load_curve_of_faces(*item) for item in body_options]
+    bodies = [BALL if item is None else load_curve_of_rough_surfaces(*item) for item in body_options]
     loads = [LOADS if item is BALL else item.load for item in bodies]
     loaded_bodies = [(body, load) for body, item in zip(bodies, loads, strict=True) for load in item[:: len(bodies)]]
     random, is_covered = np.random.default_rng(1), []
@@ -596,7 +600,7 @@ def simulate_coverage(kind: str, count: int) -> np.ndarray:
             tests.append(FrictionTest(body, load, coefficient=coefficient, uncertainty=0.03 * y, slid=not is_static))
         result: Interface = calibrate(tests, sliding="all", outliers="outliers" in settings)
         ratios = result.area_per_load * np.array([1 / 3, 1, 3])
-        ends = [result.predict(*load_ball(ratio))[1:] for ratio in ratios]
+        ends = [result.predict(*ball_and_load(ratio))[1:] for ratio in ratios]
         is_covered.append([low <= mu0 + tau0 * x <= high for x, (low, high) in zip(ratios, ends, strict=True)])
         assert result.separated == (result.variation >= 0.1)
     return np.array(is_covered)

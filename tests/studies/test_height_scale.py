@@ -33,7 +33,7 @@ PAIR_OPTIONS = {"load": "20 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modul
 HARDNESS_OPTION = {"hardness": "2 GPa"}
 
 
-def smooth_maps(points=48, rms=0.02):
+def create_smooth_maps(points=48, rms=0.02):
     return rough_maps(7, points=points, rms=rms, shortest_wavelength=0.6)
 
 
@@ -47,13 +47,13 @@ def mean_values(table, rule="all"):
     return np.squeeze((table.sel(sliding=rule) if "sliding" in table.dims else table).values)
 
 
-def study_loads(result):
+def requested_loads(result):
     return [float(load) for load in result.study.friction.load]
 
 
 @pytest.fixture(scope="module")
 def bodies():
-    return smooth_maps()
+    return create_smooth_maps()
 
 
 @pytest.fixture(scope="module")
@@ -69,8 +69,8 @@ def result(bodies):
 
 
 def test_result_at_height_scale_1_equals_the_unscaled_result(result):
-    scaled_table = evaluate_height_scale(result.source, 1, study_loads(result)).isel(height_scale=0)
-    expected = add_uncertainty(at_load(result.source, study_loads(result)), result.source).isel(cut_off=0)
+    scaled_table = evaluate_height_scale(result.source, 1, requested_loads(result)).isel(height_scale=0)
+    expected = add_uncertainty(at_load(result.source, requested_loads(result)), result.source).isel(cut_off=0)
     for name in (
         "friction_all_round",
         "friction_combined",
@@ -92,7 +92,7 @@ def test_contact_area_of_plastic_contacts_equals_load_over_hardness_at_every_hei
 @pytest.mark.parametrize("hardness", [{}, {"hardness": "0.2 GPa"}])
 def test_scaling_heights_has_the_same_effect_as_scaling_modulus(hardness):
     flat_surfaces, kwargs = (
-        smooth_maps(rms=0.002),
+        create_smooth_maps(rms=0.002),
         PAIR_OPTIONS | hardness | {"load": "2 MPa"},
     )  # The slopes add 1e-4 to the true area.
     table = pair(*flat_surfaces, **kwargs).at(height_scale=[0.5, 2], compute=True)
@@ -110,11 +110,11 @@ def test_scaling_heights_has_the_same_effect_as_scaling_modulus(hardness):
 
 @pytest.mark.parametrize(("scaled", "factors"), [("both", (2, 2)), ("upper", (2, 1))])
 def test_result_at_stored_height_factor_equals_result_of_scaled_surfaces(bodies, result, scaled, factors):
-    table = evaluate_height_scale(result.source, [2], study_loads(result), scaled=scaled).isel(height_scale=0)
+    table = evaluate_height_scale(result.source, [2], requested_loads(result), scaled=scaled).isel(height_scale=0)
     scaled_result = pair(*scale_heights(bodies, *factors), **PAIR_OPTIONS | HARDNESS_OPTION)
-    expected = add_uncertainty(at_load(scaled_result.source, study_loads(scaled_result)), scaled_result.source).isel(
-        cut_off=0
-    )
+    expected = add_uncertainty(
+        at_load(scaled_result.source, requested_loads(scaled_result)), scaled_result.source
+    ).isel(cut_off=0)
     for name in ("friction_all_round", "friction_combined", "contact_area", "normal_stiffness", "rms_gradient"):
         np.testing.assert_allclose(
             table[name], expected[name].transpose(*table[name].dims), rtol=SCALING_TOLERANCE, err_msg=name
@@ -195,13 +195,13 @@ def test_pull_off_force_decreases_with_height_scale():
 
 @pytest.mark.parametrize("hardness", [{}, HARDNESS_OPTION])
 def test_interpolation_between_height_factors_has_at_most_the_stated_error(hardness):
-    computed = pair(*smooth_maps(64, rms=0.01), **PAIR_OPTIONS | hardness | {"load": "100 MPa"})
+    computed = pair(*create_smooth_maps(64, rms=0.01), **PAIR_OPTIONS | hardness | {"load": "100 MPa"})
     compute_height_factors(computed.source, "0.25..4")
     factors = np.array([0.6, 1.7])
     table = computed.at(height_scale=factors)
     for index, factor in enumerate(factors):
         exact = pair(
-            *scale_heights(smooth_maps(64, rms=0.01), factor), **PAIR_OPTIONS | hardness | {"load": "100 MPa"}
+            *scale_heights(create_smooth_maps(64, rms=0.01), factor), **PAIR_OPTIONS | hardness | {"load": "100 MPa"}
         ).at()
         coefficient, area = mean_values(table["friction_all_round"])[index], mean_values(table["contact_area"])[index]
         assert coefficient == pytest.approx(mean_values(exact["friction_all_round"]), rel=MAX_FRICTION_ERROR)
@@ -305,13 +305,13 @@ def test_results_at_finished_height_factors_are_preserved_after_an_interrupt(bod
     computed = pair(*bodies, directory=tmp_path, **PAIR_OPTIONS | HARDNESS_OPTION)
     announced = []
 
-    def interrupt(line):
+    def interrupt_at_second_line(line):
         announced.append(line)
         if len(announced) == 2:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        compute_height_factors(computed.source, [0.5, 2, 4], announce=interrupt)
+        compute_height_factors(computed.source, [0.5, 2, 4], announce=interrupt_at_second_line)
     assert announced == ["heights times 0.5 (1 of 3)", "heights times 2 (2 of 3)"]
     assert list(open_results_by_factor(computed.source, "both")) == [0.5, 1.0]
     compute_height_factors(computed.source, [0.5, 2, 4], announce=announced.append)
@@ -340,9 +340,9 @@ def test_interval_for_uncertain_hardness_of_scaled_surfaces_equals_direct_comput
     kwargs = PAIR_OPTIONS | {"hardness": "1..3 GPa"}
     table = pair(*bodies, **kwargs).at(height_scale=2, compute=True).isel(height_scale=0)
     scaled_result = pair(*scale_heights(bodies, 2), **kwargs)
-    expected = add_uncertainty(at_load(scaled_result.source, study_loads(scaled_result)), scaled_result.source).isel(
-        cut_off=0
-    )
+    expected = add_uncertainty(
+        at_load(scaled_result.source, requested_loads(scaled_result)), scaled_result.source
+    ).isel(cut_off=0)
     np.testing.assert_allclose(
         table["friction_combined"], expected["friction_combined"].transpose(*table["friction_combined"].dims)
     )

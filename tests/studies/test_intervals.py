@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import scipy.special
 import scipy.stats
-from reference.neighbours import coverage_and_width, estimate_true_mean, simulate_traverses
+from reference.neighbours import coverage_and_width, estimate_true_mean, simulate_correlated_positions
 from stiction.studies.intervals import MIN_NEIGHBORS, neighbors_mean, positions_mean, sample_mean, sample_quantiles
 
 NUM_TRIALS = 500  # With this number of trials, the measured coverage has a standard error of 1 %.
@@ -38,7 +38,7 @@ def test_interval_for_correlated_neighboring_values_covers_the_true_mean_and_is_
     truth, smallest_width = estimate_true_mean(distribution, positions, correlation, random)
     coverage, width_ratio, defined_fraction = coverage_and_width(
         neighbors_mean,
-        simulate_traverses(distribution, NUM_TRIALS, positions, correlation, random),
+        simulate_correlated_positions(distribution, NUM_TRIALS, positions, correlation, random),
         truth,
         smallest_width,
     )
@@ -51,7 +51,7 @@ def test_interval_for_correlated_neighboring_values_covers_the_true_mean_and_is_
 def test_interval_for_correlated_neighboring_values_agrees_with_a_dense_matrix_calculation(correlation):
     """Compare with the mixture of t distributions over correlations, computed with dense covariance matrices."""
     count = 20
-    values = simulate_traverses("normal", 1, count, correlation, np.random.default_rng(7))[0]
+    values = simulate_correlated_positions("normal", 1, count, correlation, np.random.default_rng(7))[0]
     correlations = np.arange(20) / 20
     lag = np.abs(np.subtract.outer(np.arange(count), np.arange(count)))
     errors, weights = [], []
@@ -79,7 +79,7 @@ def test_interval_for_correlated_neighboring_values_agrees_with_a_dense_matrix_c
 
 @pytest.mark.parametrize("distribution", ["half zeros", "lognormal 0.5", "bounded"])
 def test_mean_of_neighboring_values_is_equivariant_under_scaling_shift_and_reversal(distribution):
-    values = simulate_traverses(distribution, 1, 24, 0.4, np.random.default_rng(3))[0]
+    values = simulate_correlated_positions(distribution, 1, 24, 0.4, np.random.default_rng(3))[0]
     expected = np.array(neighbors_mean(values))
     np.testing.assert_allclose(neighbors_mean(1e9 * values), 1e9 * expected, rtol=1e-9)
     np.testing.assert_allclose(neighbors_mean(values + 5), expected + 5, rtol=1e-9)
@@ -98,7 +98,7 @@ def test_interval_for_independent_neighboring_values_is_a_student_t_interval():
 def test_interval_for_correlated_neighboring_values_lies_within_their_range():
     random = np.random.default_rng(6)
     for distribution in ("half zeros", "bounded", "lognormal 1"):
-        for values in simulate_traverses(distribution, 50, MIN_NEIGHBORS, 0.6, random):
+        for values in simulate_correlated_positions(distribution, 50, MIN_NEIGHBORS, 0.6, random):
             mean, lower, upper = neighbors_mean(values)
             assert np.isnan(lower) or values.min() <= lower < mean < upper <= values.max()
 

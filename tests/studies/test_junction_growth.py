@@ -24,7 +24,7 @@ def rough_surfaces(rms=0.05):
     )
 
 
-def coefficient(result, rule="all", **at):
+def mean_coefficient(result, rule="all", **at):
     point = result.at(**at) if at else result.at()
     return float(point["friction_all_round"].sel(statistic="mean", sliding=rule).isel(cut_off=0, load=0, mu0=0, tau0=0))
 
@@ -44,7 +44,7 @@ def test_friction_of_fully_plastic_contacts_equals_tabor_friction():
         *rough_surfaces(0.01), **PLASTIC_OPTIONS | SHEAR_STRENGTH | {"effective_modulus": 1e4}, junction_growth=27
     )
     expected = float(tabor_friction(PLASTIC_OPTIONS["hardness"], **SHEAR_STRENGTH, alpha=27))
-    assert coefficient(result) == pytest.approx(expected, rel=TABOR_TOLERANCE)
+    assert mean_coefficient(result) == pytest.approx(expected, rel=TABOR_TOLERANCE)
 
 
 @pytest.mark.parametrize("rule", ["all", "opposing"])
@@ -55,7 +55,9 @@ def test_friction_with_junction_growth_equals_solution_at_hardness_under_shear(r
     pressure = float(hardness_under_shear(hardness, 0.2, tau0, 27.0))
     direct = pair(*rough_surfaces(), **inputs | {"hardness": pressure}, junction_growth=0)
     result = pair(*rough_surfaces(), **inputs, junction_growth=27)
-    assert coefficient(result, rule) == pytest.approx(coefficient(direct, rule), rel=INTERPOLATION_TOLERANCES[rule])
+    assert mean_coefficient(result, rule) == pytest.approx(
+        mean_coefficient(direct, rule), rel=INTERPOLATION_TOLERANCES[rule]
+    )
     area = result.at()["contact_area_at_onset"].sel(statistic="mean").squeeze()
     assert float(area) == pytest.approx(float(direct.at()["contact_area"].sel(statistic="mean").squeeze()), rel=0.02)
 
@@ -69,7 +71,7 @@ def test_result_at_zero_junction_growth_equals_default_result(result_without_gro
 
 
 def test_friction_without_adhesive_strength_is_independent_of_junction_growth(growth_result, result_without_growth):
-    assert coefficient(growth_result, tau0=[0.0]) == coefficient(result_without_growth, tau0=[0.0])
+    assert mean_coefficient(growth_result, tau0=[0.0]) == mean_coefficient(result_without_growth, tau0=[0.0])
     at = growth_result.at(tau0=[0.0])
     assert (at["contact_area_at_onset"].sel(statistic="mean") > 1.1 * at["contact_area"].sel(statistic="mean")).all()
 
@@ -85,7 +87,9 @@ def test_interval_at_zero_tau0_is_unaffected_by_seizure(growth_result, result_wi
 
 def test_friction_with_junction_growth_at_other_mu0_and_tau0_agrees_with_direct_solution(growth_result):
     direct_result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | {"mu0": 0.1, "tau0": 0.03}, junction_growth=27)
-    assert coefficient(growth_result, mu0=[0.1], tau0=[0.03]) == pytest.approx(coefficient(direct_result), rel=5e-3)
+    assert mean_coefficient(growth_result, mu0=[0.1], tau0=[0.03]) == pytest.approx(
+        mean_coefficient(direct_result), rel=5e-3
+    )
 
 
 def test_contact_area_and_stiffness_before_shear_are_independent_of_junction_growth(
@@ -102,8 +106,8 @@ def test_friction_interval_covers_results_at_both_ends_of_the_junction_growth_ra
     ]
     assert result.study.contact.junction_growth == 13.5
     lower, upper = result.interval
-    assert lower == pytest.approx(coefficient(results_at_ends[0]), rel=0.02)
-    assert upper == pytest.approx(coefficient(results_at_ends[1]), rel=0.02)
+    assert lower == pytest.approx(mean_coefficient(results_at_ends[0]), rel=0.02)
+    assert upper == pytest.approx(mean_coefficient(results_at_ends[1]), rel=0.02)
     assert result.budget["input"].iloc[0] == "the junction growth α"
 
 
@@ -138,7 +142,7 @@ def test_junction_growth_after_a_dwell_uses_the_reduced_hardness():
     softer_result = pair(
         *rough_surfaces(), **PLASTIC_OPTIONS | SHEAR_STRENGTH | {"hardness": 0.5 * 100**-0.05}, junction_growth=27
     )
-    assert aged_coefficient == pytest.approx(coefficient(softer_result), rel=0.01)
+    assert aged_coefficient == pytest.approx(mean_coefficient(softer_result), rel=0.01)
 
 
 @pytest.mark.parametrize(("upper", "lower", "text"), [

@@ -54,7 +54,7 @@ def run_pair(upper, lower, loads, **options):
     return run(create_study(upper, lower, loads, **options))
 
 
-def read_members(result, **arguments):
+def read_member_values(result, **arguments):
     """Return values of each position with friction at opposing contacts only, and drop dimensions of length one."""
     at = result.at(per_member=True, **arguments).sel(sliding="opposing").isel(cut_off=0)
     return at.swap_dims(repetition="x").squeeze(("mu0", "tau0"))
@@ -72,7 +72,7 @@ def test_pair_and_press_give_equal_results_for_profiles_at_each_position(profile
     counterface = cropped(lower, offset, offset + 20)
     model = {"detection": "gap-minimum", "shear": shear}
     selection = {"x": offset, "direction": 0.0 if shear == "+x" else 180.0}
-    member = read_members(result).sel(selection)
+    member = read_member_values(result).sel(selection)
     approaches = approach_at_load(upper, counterface, LOADS, mu0=0.0, **model)
     curve = press(upper, counterface, approaches, **model)
     np.testing.assert_allclose(member["approach"], approaches, rtol=ROOT_TOLERANCE)
@@ -92,7 +92,7 @@ def test_pair_and_press_give_equal_results_for_profiles_at_each_position(profile
         assert float(member["normal_stiffness"][index]) == pytest.approx(
             (loads_around[1] - loads_around[0]) / (0.04 * approach)
         )
-    member = read_members(result, reading="normal").sel(selection)
+    member = read_member_values(result, reading="normal").sel(selection)
     approaches = approach_at_load(upper, counterface, LOADS, **INTERFACE_OPTIONS, **model)
     curve = press(upper, counterface, approaches, **model)
     np.testing.assert_allclose(
@@ -114,7 +114,7 @@ def test_friction_is_interpolated_linearly_across_jumps_of_the_load(
     study = create_study(upper, lower, loads, detection="cell", **INTERFACE_OPTIONS).with_changes(
         {"contact.load": steps}
     )
-    members = read_members(run(study), reading=load).isel(x=0)
+    members = read_member_values(run(study), reading=load).isel(x=0)
     strengths = {"mu0": 0.0} if load == "elastic" else INTERFACE_OPTIONS
     errors = []
     for shear, angle in (("+x", 0.0), ("-x", 180.0)):
@@ -133,7 +133,9 @@ def test_friction_is_interpolated_linearly_across_jumps_of_the_load(
 def test_positions_are_rounded_to_the_nearest_grid_point(profile_pair):
     upper, lower = profile_pair
     assert 0.29 / 0.01 < 29  # 0.29/0.01 must be rounded, not truncated
-    member = read_members(run_pair(upper, lower, [0.01], positions=[0.29], **INTERFACE_OPTIONS)).sel(direction=0.0)
+    member = read_member_values(run_pair(upper, lower, [0.01], positions=[0.29], **INTERFACE_OPTIONS)).sel(
+        direction=0.0
+    )
     counterface = Profile(lower.heights[29 : 29 + len(upper)], spacing=0.01)
     expected = approach_at_load(upper, counterface, 0.01, detection="gap-minimum", shear="+x", mu0=0.0)
     assert float(member["approach"].squeeze()) == pytest.approx(float(expected), rel=ROOT_TOLERANCE)
@@ -150,7 +152,7 @@ def test_slider_is_shortened_so_that_it_fits_at_the_last_position(profile_pair):
 def test_stiffness_of_two_arcs_equals_hertz_solution(create_circular_arc):
     upper, lower = (create_circular_arc(0.5003, 1.0, 1e-3, 1001, side) for side in ("upper", "lower"))
     load = 0.01
-    member = read_members(run_pair(upper, lower, [load], mu0=0.0)).isel(x=0, load=0)
+    member = read_member_values(run_pair(upper, lower, [load], mu0=0.0)).isel(x=0, load=0)
     overlap = (load / (4 / 3 * 10.0 * np.sqrt(0.5))) ** (2 / 3)
     # Hertz: dF/dδ = 3/2 F/δ. The central difference over ±2 % of the approach has a relative error below 1e-4.
     np.testing.assert_allclose(member["normal_stiffness"], 1.5 * load / overlap, rtol=1e-4)
@@ -220,13 +222,13 @@ def test_positions_without_result_have_a_status_and_are_omitted_from_the_mean():
     x = np.arange(2001) * 0.01 - 10.0
     flat, ball = Profile(np.zeros(2001), spacing=0.01), Profile(-0.05 * x**2, spacing=0.01)
     reached_result = run_pair(flat, ball, [1e-3, 1e9], mu0=0.3)
-    assert read_members(reached_result)["status"].isel(x=0, direction=0).values.tolist() == ["ok", "not-reached"]
+    assert read_member_values(reached_result)["status"].isel(x=0, direction=0).values.tolist() == ["ok", "not-reached"]
     separated_result = run_pair(flat, flat, [1.0], mu0=0.3)
     assert (separated_result.at(per_member=True)["status"] == "no-contact").all()
     # Two arcs on a slope of 3: the upper body is pushed up the slope in direction 0, and down in direction 180.
     upper, lower = (Profile(3 * x + curvature * x**2, spacing=0.01) for curvature in (0.05, -0.05))
     for mu0, status in ((0.3, "ok"), (0.34, "self-locked")):  # The contact is self-locking if mu0 exceeds 1/3.
-        members = read_members(run_pair(upper, lower, [1e-3], mu0=mu0))
+        members = read_member_values(run_pair(upper, lower, [1e-3], mu0=mu0))
         assert members["status"].isel(x=0).values.ravel().tolist() == [status, "ok"]
     grazing_result = run_pair(flat, Profile(-0.05 * (x - 0.005) ** 2, spacing=0.01), [1e-12], mu0=0.3)
     members = grazing_result.at(per_member=True)
@@ -253,7 +255,7 @@ def test_result_at_several_mu0_and_tau0_equals_results_at_single_values(profile_
 
 def test_mean_over_positions_accounts_for_their_correlation(profile_pair):
     result = run_pair(*profile_pair, [0.01], positions=np.arange(10.0), **INTERFACE_OPTIONS)
-    values = read_members(result)["friction_coefficient"].isel(load=0).sel(direction=0.0).values
+    values = read_member_values(result)["friction_coefficient"].isel(load=0).sel(direction=0.0).values
     mean = (
         result.at()["friction_coefficient"]
         .isel(cut_off=0, load=0, mu0=0, tau0=0)
@@ -398,7 +400,7 @@ def two_rough_profiles():
 def test_opposing_load_fraction_equals_the_sum_over_contacts():
     upper, lower = two_rough_profiles()
     slider = cropped(upper, 0, 15)
-    result = read_members(run_pair(slider, lower, [0.3], mu0=0.3, positions=[1.0])).isel(x=0, load=0)
+    result = read_member_values(run_pair(slider, lower, [0.3], mu0=0.3, positions=[1.0])).isel(x=0, load=0)
     for shear, angle in (("+x", 0.0), ("-x", 180.0)):
         member = result.sel(direction=angle)
         contact_list = contacts(

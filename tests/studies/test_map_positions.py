@@ -47,7 +47,7 @@ def run_pair(upper, lower, loads=(0.1,), **options):
     return run(pair_study(flipped(upper), lower, load=list(loads), **study_options))
 
 
-def read_members(result, member_kind=None):
+def read_member_values(result, member_kind=None):
     return member_values(result, result.default_loads, member_kind=member_kind).isel(cut_off=0)
 
 
@@ -91,7 +91,7 @@ class TestListedPositions:
             ((slice(15, 59), slice(0, 60)), (slice(5, 49), slice(20, 80))),
             ((slice(0, 44), slice(15, 75)), (slice(20, 64), slice(5, 65))),
         ]
-        values = read_members(result)
+        values = read_member_values(result)
         for member, member_windows in enumerate(windows):
             upper_piece, lower_piece = (
                 Surface(body.heights[window], spacing=body.spacing)
@@ -160,7 +160,7 @@ def test_slopes_of_a_member_equal_slopes_of_its_gap():
     result = run_pair(upper, lower, direction=[0, 45, 90], shifts=2, mechanics="asperities")
     gap = np.subtract(*(body.heights for body in pair_levelled_maps(upper, lower).pair(1)))
     along_y, along_x = np.gradient(gap, 0.1)
-    member = read_members(result).isel(repetition=1)
+    member = read_member_values(result).isel(repetition=1)
     # Finite differences underestimate slopes of the shortest wavelength, which has four points.
     assert float(member["rms_gradient"]) == pytest.approx(np.sqrt((along_x**2 + along_y**2).mean()), rel=0.1)
     assert float(member["rms_slope"][1]) == pytest.approx(np.sqrt(((along_x + along_y) ** 2 / 2).mean()), rel=0.1)
@@ -184,7 +184,7 @@ def test_mean_over_positions_has_a_student_t_interval_on_the_logarithmic_scale()
             values.loc[{"repetition": 2}] = np.nan
     incomplete["status"].loc[{"repetition": 2}] = 5
     table = at_load(incomplete, [0.1]).isel(cut_off=0)
-    values = np.delete(read_members(result)["friction_coefficient"].values[:, 0, 0, 0, 0, 0], 2)
+    values = np.delete(read_member_values(result)["friction_coefficient"].values[:, 0, 0, 0, 0, 0], 2)
     mean_friction, lower_end, upper_end = table["friction_coefficient"].values[0, 0, 0, 0, 0]
     half_width = 3.182446305 * values.std(ddof=1) / 2  # This factor is Student's t for 3 degrees of freedom.
     factor = np.exp(half_width / values.mean())
@@ -200,7 +200,7 @@ def test_mean_over_positions_has_a_student_t_interval_on_the_logarithmic_scale()
 def test_contact_statistics_equal_direct_computation(mechanics):
     upper, lower = surface_pair()
     result = run_pair(upper, lower, LOADS, direction=[30], shifts=2, mechanics=mechanics)
-    member = read_members(result).isel(repetition=1).sel(load=0.1)
+    member = read_member_values(result).isel(repetition=1).sel(load=0.1)
     bodies = pair_levelled_maps(upper, lower).pair(1)
     if mechanics == "half-space":
         contact = half_space(*bodies, [0.1]).contact(0)
@@ -223,7 +223,7 @@ def test_contact_statistics_equal_direct_computation(mechanics):
 
 def test_load_fraction_on_steepest_slopes_equals_its_definition():
     upper, lower = surface_pair()
-    result = read_members(run_pair(upper, lower, direction=[0], shifts=2))
+    result = read_member_values(run_pair(upper, lower, direction=[0], shifts=2))
     bodies = pair_levelled_maps(upper, lower).pair(0)
     solution, body = half_space(*bodies, [0.1]).contact(0), bodies[0]
     gradient = np.hypot(*grid_slopes(body.heights, body.spacing, periodic=False))
@@ -239,8 +239,8 @@ class TestSurrogatePairs:
         result_of_shifts = run_pair(upper, lower, LOADS, shifts=3, **options)
         result = run_pair(upper, lower, LOADS, shifts=3, surrogates=4, seed=7, **options)
         assert result.dataset["surrogate"].values.tolist() == [True] * 4 + [False] * 3
-        shifts, surrogate_members = read_members(result, "shifts"), read_members(result, "surrogates")
-        for name, expected in read_members(result_of_shifts).data_vars.items():
+        shifts, surrogate_members = read_member_values(result, "shifts"), read_member_values(result, "surrogates")
+        for name, expected in read_member_values(result_of_shifts).data_vars.items():
             np.testing.assert_array_equal(shifts[name].values, expected.values)
         for index in range(4):
             bodies = [
@@ -272,7 +272,9 @@ class TestSurrogatePairs:
         area = press(
             *(pieces := (cut_middle(upper), cut_middle(lower))), approach_at_load(*pieces, [1.0], mu0=0.0)
         ).contact_area
-        assert float(read_members(result)["contact_area"][2, 0]) == pytest.approx(float(area[0]), rel=ROOT_TOLERANCE)
+        assert float(read_member_values(result)["contact_area"][2, 0]) == pytest.approx(
+            float(area[0]), rel=ROOT_TOLERANCE
+        )
         assert int(result.at()["members"]) == 3
         with pytest.raises(ValueError, match="shifts is for the areas of two maps"):
             run_pair(*bodies, [1.0], shifts=3, **options)

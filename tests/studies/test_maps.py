@@ -28,48 +28,50 @@ def create_result(normal, tangential, *, frictional=None, area=None, count=None)
     return result
 
 
-def compute_map(result, loads, **kwargs):
+def compute_friction_map(result, loads, **kwargs):
     return friction_map(result, loads, **kwargs).isel(fractal_dimension=0, amplitude=0, mu0=0, tau0=0)
 
 
 def test_friction_map_interpolates_loads_linearly_in_the_approach():
     result = create_result([1.0, 2.0, 4.0], [0.5, 1.5, 1.7])
-    values = compute_map(result, [1.0, 1.5, 2.0, 3.0, 4.0])["friction_coefficient"].values
+    values = compute_friction_map(result, [1.0, 1.5, 2.0, 3.0, 4.0])["friction_coefficient"].values
     assert np.allclose(values, [0.5, 1.0 / 1.5, 0.75, 1.6 / 3, 1.7 / 4], rtol=ROUND_OFF)
 
 
 def test_friction_map_is_ratio_of_means_that_include_members_without_contact():
     result = create_result([[1.0, 3.0], [0.0, 1.0], [0.0, 0.0]], [[0.9, 0.9], [0.0, 0.6], [0.0, 0.0]])
     # The mean normal loads are 1/3 and 4/3, and the mean tangential loads are 0.3 and 0.5.
-    values = compute_map(result, [4 / 3])["friction_coefficient"].values
+    values = compute_friction_map(result, [4 / 3])["friction_coefficient"].values
     assert np.allclose(values, [0.5 / (4 / 3)], rtol=ROUND_OFF)
 
 
 def test_friction_map_uses_the_first_upward_crossing_of_the_load():
     result = create_result([1.0, 3.0, 2.0, 5.0], [0.1, 0.3, 0.8, 5.0])
-    assert np.allclose(compute_map(result, [2.5])["friction_coefficient"], [0.25 / 2.5], rtol=ROUND_OFF)
+    assert np.allclose(compute_friction_map(result, [2.5])["friction_coefficient"], [0.25 / 2.5], rtol=ROUND_OFF)
     # The first upward crossing may follow a range of negative load.
     result = create_result([1.0, -3.0, 2.0, 5.0], [0.1, 0.3, 0.8, 5.0])
-    assert np.allclose(compute_map(result, [2.0])["friction_coefficient"], [0.4], rtol=ROUND_OFF)
-    assert np.allclose(compute_map(result, [0.75])["friction_coefficient"], [(0.3 + 0.75 * 0.5) / 0.75], rtol=ROUND_OFF)
+    assert np.allclose(compute_friction_map(result, [2.0])["friction_coefficient"], [0.4], rtol=ROUND_OFF)
+    assert np.allclose(
+        compute_friction_map(result, [0.75])["friction_coefficient"], [(0.3 + 0.75 * 0.5) / 0.75], rtol=ROUND_OFF
+    )
 
 
 def test_friction_map_returns_a_status_instead_of_extrapolating():
     result = create_result([1.0, 2.0], [0.5, 1.0])
-    table = compute_map(result, [0.9, 1.0, 2.0, 2.1])
+    table = compute_friction_map(result, [0.9, 1.0, 2.0, 2.1])
     assert table["status"].values.tolist() == ["below-range", "ok", "ok", "not-reached"]
     assert np.isfinite(table["friction_coefficient"]).values.tolist() == [False, True, True, False]
 
     self_locked_result = create_result([1.0, 2.0, 3.0], [0.5, 1.0, 1.5], frictional=[0.0, -1.5, -4.0])
-    table = compute_map(self_locked_result, [0.9, 1.2, 2.0], mu0=1.0)
+    table = compute_friction_map(self_locked_result, [0.9, 1.2, 2.0], mu0=1.0)
     assert table["status"].values.tolist() == ["below-range", "self-locked", "self-locked"]
-    assert compute_map(self_locked_result, [1.2], mu0=0.1)["status"].values.tolist() == ["ok"]
+    assert compute_friction_map(self_locked_result, [1.2], mu0=0.1)["status"].values.tolist() == ["ok"]
 
     separating_result = create_result([[1.0, 2.0, 0.0]], [[0.5, 1.0, 0.0]], count=[[1, 1, 0]])
-    assert compute_map(separating_result, [3.0])["status"].values.tolist() == ["not-reached"]
+    assert compute_friction_map(separating_result, [3.0])["status"].values.tolist() == ["not-reached"]
 
     separated_result = create_result([0.0, 0.0], [0.0, 0.0], count=0)
-    table = compute_map(separated_result, [1.0])
+    table = compute_friction_map(separated_result, [1.0])
     assert table["status"].values.tolist() == ["no-contact"]
     assert np.isnan(table["friction_coefficient"]).all()
 
@@ -92,14 +94,14 @@ def test_friction_map_returns_a_status_instead_of_extrapolating():
 def test_friction_map_interval_is_nan_for_few_members_and_zero_for_identical_members(
     normal, tangential, load, value, width
 ):
-    table = compute_map(create_result(normal, tangential), [load])
+    table = compute_friction_map(create_result(normal, tangential), [load])
     value_and_ends = [float(table[name][0]) for name in ("friction_coefficient", "lower", "upper")]
     assert value_and_ends == pytest.approx([value, value + width, value + width], rel=ROUND_OFF, nan_ok=True)
 
 
 def test_friction_map_has_an_interval_if_some_members_reach_the_load():
     normal = np.array([[1.0, 2.0], [1.2, 3.0], [0.8, 4.0]])
-    table = compute_map(create_result(normal, 0.5 * normal * [[1.0], [1.1], [0.9]]), [2.99])
+    table = compute_friction_map(create_result(normal, 0.5 * normal * [[1.0], [1.1], [0.9]]), [2.99])
     assert table["status"].values.tolist() == ["ok"]
     assert table["lower"].values[0] < table["friction_coefficient"].values[0] < table["upper"].values[0]
 
@@ -108,7 +110,7 @@ def test_friction_map_intervals_are_not_negative():
     random = np.random.default_rng(4)
     for _ in range(50):
         normal = np.exp(2 * random.standard_normal((3, 1))) * [[1.0, 2.0, 3.0]]
-        table = compute_map(
+        table = compute_friction_map(
             create_result(normal, normal * np.exp(2 * random.standard_normal((3, 1)))),
             [float(2.99 * normal[:, 0].mean())],
         )
@@ -120,7 +122,7 @@ def test_validity_measures_are_interpolated_at_the_requested_load():
     result["load_below_grid"].values[0, 0] = [0.5, 0.5, 3.5]
     result["overlap_load"].values[0, 0] = [0.1, 0.4, 0.8]
     result["crossed_count"].values[0, 0] = [0, 1, 3]
-    table = compute_map(result, [2.0, 3.0, 5.0])
+    table = compute_friction_map(result, [2.0, 3.0, 5.0])
     assert table["share_below_grid"].values == pytest.approx([0.25, 2 / 3, np.nan], nan_ok=True)
     assert table["relative_overlap"].values == pytest.approx([0.2, 0.2, np.nan], nan_ok=True)
     assert table["share_crossed"].values == pytest.approx([0.5, 2 / 3, np.nan], nan_ok=True)
@@ -137,7 +139,7 @@ def test_friction_map_uses_mu0_and_tau0_of_the_study_by_default():
 
 def test_friction_map_of_a_dataset_without_study_requires_mu0_and_tau0():
     result = create_result([1.0, 2.0], [0.5, 1.0]).drop_attrs()
-    assert compute_map(result, [1.5], mu0=0.0, tau0=0.0)["status"].values.tolist() == ["ok"]
+    assert compute_friction_map(result, [1.5], mu0=0.0, tau0=0.0)["status"].values.tolist() == ["ok"]
     with pytest.raises(ValueError, match="mu0 and tau0 must be given"):
         friction_map(result, [1.5])
 

@@ -25,7 +25,7 @@ def create_grid(axes=AXES):
     return np.meshgrid(axes[0].values, axes[1].values, indexing="ij")
 
 
-def smooth_friction(mu0, tau0):
+def analytic_friction(mu0, tau0):
     """Return a smooth coefficient and its interval ends as functions of mu0 and tau0."""
     mu0, tau0 = np.asarray(mu0)[:, np.newaxis], np.asarray(tau0)
     value = (0.01 + mu0 + 3 * tau0) / (1 - 0.2 * mu0)
@@ -80,49 +80,50 @@ def test_report_axis_of_an_uncertain_input_has_a_separate_node_at_its_value(tmp_
 
 def test_interpolation_errors_on_refined_report_axes_are_below_ten_times_the_tolerance():
     coarse_axes = tuple(NodeAxis(axis.rising[[0, 2, 4]]) for axis in AXES)
-    axes = refine_axes(coarse_axes, smooth_friction)
+    axes = refine_axes(coarse_axes, analytic_friction)
     assert sum(axis.rising.size for axis in axes) > 6
-    table = smooth_friction(axes[0].values, axes[1].values)
+    table = analytic_friction(axes[0].values, axes[1].values)
     random = np.random.default_rng(1).uniform([0, 0], [1, 0.2], (50, 2))
     errors = [
         float(
             relative_excess_error(
-                interpolate_table(axes, np.moveaxis(table, -1, 0), *point), smooth_friction(point[:1], point[1:])[0, 0]
+                interpolate_table(axes, np.moveaxis(table, -1, 0), *point),
+                analytic_friction(point[:1], point[1:])[0, 0],
             )
         )
         for point in random
     ]
     assert np.quantile(errors, 0.9) < 2
-    value_error, ends_error = largest_errors(axes, table, smooth_friction)
+    value_error, ends_error = largest_errors(axes, table, analytic_friction)
     assert 0 < value_error < 10 * VALUE_TOLERANCE
     assert 0 < ends_error < 10 * INTERVAL_TOLERANCE
 
 
 def test_limited_refinement_of_report_axes_adds_nodes_where_errors_are_largest():
-    def steep(mu0, tau0):
+    def analytic_friction_with_steep_end(mu0, tau0):
         """Return points whose upper end rises steeply at large tau0."""
-        points = smooth_friction(mu0, tau0)
+        points = analytic_friction(mu0, tau0)
         points[..., 2] += 1e-3 / (0.22 - np.asarray(tau0))
         return points
 
-    axes = refine_axes((AXES[0], NodeAxis(AXES[1].rising[[0, 1, 2, 4]])), steep, max_nodes=6)
+    axes = refine_axes((AXES[0], NodeAxis(AXES[1].rising[[0, 1, 2, 4]])), analytic_friction_with_steep_end, max_nodes=6)
     added_nodes = np.setdiff1d(axes[1].rising, AXES[1].rising)
     assert axes[1].rising.size == 6
     assert added_nodes.min() > 0.1
 
 
 def test_panels_between_nodes_are_not_interpolated_if_errors_exceed_the_printed_tolerance():
-    def cusp(mu0, tau0):
+    def analytic_friction_with_cusp(mu0, tau0):
         """Return points whose upper end has a cusp along mu0, at large tau0."""
-        points = smooth_friction(mu0, tau0)
+        points = analytic_friction(mu0, tau0)
         cusp_height = np.maximum(0.0, 0.1 - np.abs(np.asarray(mu0)[:, np.newaxis] - 0.4)) * (np.asarray(tau0) > 0.08)
         points[..., 2] += 5 * cusp_height
         return points
 
     axes = tuple(NodeAxis(np.linspace(0, axis.rising[-1], 21)) for axis in AXES)
     mu0, tau0 = (axis.rising for axis in axes)
-    assert is_interpolated(axes, smooth_friction(mu0, tau0)).all()
-    is_hidden = ~is_interpolated(axes, cusp(mu0, tau0))
+    assert is_interpolated(axes, analytic_friction(mu0, tau0)).all()
+    is_hidden = ~is_interpolated(axes, analytic_friction_with_cusp(mu0, tau0))
     assert not is_hidden[:, 0].any()  # The cusp is at large tau0 only.
     hidden_mu0 = mu0[is_hidden[:, -2]]
     assert {0.3, 0.4} <= set(hidden_mu0.round(3))
@@ -133,18 +134,18 @@ def test_panels_between_nodes_are_not_interpolated_if_errors_exceed_the_printed_
 def test_panels_between_nodes_are_interpolated_only_if_errors_in_their_middles_are_small():
     """Compare the mask with true errors for an upper end that diverges at large tau0."""
 
-    def steep(mu0, tau0):
-        points = smooth_friction(mu0, tau0)
+    def analytic_friction_with_steep_end(mu0, tau0):
+        points = analytic_friction(mu0, tau0)
         points[..., 2] += 0.01 / (0.21 - np.asarray(tau0))
         return points
 
-    is_shown = is_interpolated(AXES, steep(*(axis.values for axis in AXES)))[:-1, :-1]
+    is_shown = is_interpolated(AXES, analytic_friction_with_steep_end(*(axis.values for axis in AXES)))[:-1, :-1]
     middles = [axis.split_candidates() for axis in AXES]
-    table = np.moveaxis(steep(*(axis.values for axis in AXES)), -1, 0)
+    table = np.moveaxis(analytic_friction_with_steep_end(*(axis.values for axis in AXES)), -1, 0)
     error = np.full(is_shown.shape, np.nan)
     for panel_index in np.ndindex(*is_shown.shape):
         mu0, tau0 = (middle[index] for middle, index in zip(middles, panel_index, strict=True))
-        value, lower, upper = steep([mu0], [tau0])[0, 0]
+        value, lower, upper = analytic_friction_with_steep_end([mu0], [tau0])[0, 0]
         error[panel_index] = np.abs(interpolate_table(AXES, table, mu0, tau0) - (value, lower, upper)).max() / (
             upper - lower
         )

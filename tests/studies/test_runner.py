@@ -157,17 +157,17 @@ def test_run_rejects_a_result_larger_than_memory(tmp_path, monkeypatch):
 def test_interrupt_cancels_tasks_that_are_not_yet_started(monkeypatch):
     computed_repetitions, sums, interrupted = [], runner.compute_member_sums(with_repetitions(1), 0), threading.Event()
 
-    def record(study, number):
+    def record_and_wait(study, number):
         computed_repetitions.append(number)
         if number >= 200:
             interrupted.wait(60)
         return sums
 
-    def interrupt(*_):
+    def raise_interrupt(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(runner, "compute_member_sums", record)
-    monkeypatch.setattr(runner, "progress_bar", lambda *_: contextlib.nullcontext(interrupt))
+    monkeypatch.setattr(runner, "compute_member_sums", record_and_wait)
+    monkeypatch.setattr(runner, "progress_bar", lambda *_: contextlib.nullcontext(raise_interrupt))
     monkeypatch.setattr(runner, "SHUTDOWN_TIMEOUT", 0.1)
     interrupt_error = None
     with ThreadPoolExecutor(1) as pool:

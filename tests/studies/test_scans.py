@@ -27,7 +27,7 @@ def rough_scan(seed: int, side: str, gradient: float = 1.0, points: int = 32) ->
     )  # fmt: skip
 
 
-def scans_of_members(upper: int, lower: int, times: int = 1):
+def expected_scan_indices(upper: int, lower: int, times: int = 1):
     """Return the indices of the upper and the lower scan of each member."""
     upper_scans, lower_scans = np.divmod(np.arange(upper * lower), lower)
     return np.tile(upper_scans, times), np.tile(lower_scans, times)
@@ -39,7 +39,7 @@ def scans_of_members(upper: int, lower: int, times: int = 1):
 def test_variance_components_of_the_mean_over_scans_are_computed_from_mean_squares() -> None:
     rng = np.random.default_rng(4)
     table = rng.standard_normal((4, 1)) * 3 + rng.standard_normal((1, 5)) * 2 + 0.3 * rng.standard_normal((4, 5))
-    result = scans_mean(table.ravel(), *scans_of_members(4, 5))
+    result = scans_mean(table.ravel(), *expected_scan_indices(4, 5))
     rows, columns = table.mean(axis=1), table.mean(axis=0)
     residuals = (table - rows[:, None] - columns + table.mean()).ravel()
     mean_squares = 5 * rows.var(ddof=1), 4 * columns.var(ddof=1), residuals @ residuals / 12
@@ -63,7 +63,7 @@ def test_mean_over_scans_of_one_part_has_student_t_interval() -> None:
 
 def test_mean_over_scans_omits_missing_values() -> None:
     rng = np.random.default_rng(1)
-    upper, lower = scans_of_members(3, 3, times=2)
+    upper, lower = expected_scan_indices(3, 3, times=2)
     values = rng.standard_normal(18)
     values[4] = np.nan
     result = scans_mean(values, upper, lower)
@@ -79,20 +79,24 @@ def simulate_coefficient(upper, lower):
 def test_intervals_from_several_scans_cover_the_true_mean_and_a_single_friction_test(spread) -> None:
     rng = np.random.default_rng(2016)
 
-    def gradients(*shape):
+    def random_gradients(*shape):
         return np.exp(spread * rng.standard_normal(shape))
 
-    truth = simulate_coefficient(gradients(200_000), gradients(200_000)).mean()
+    truth = simulate_coefficient(random_gradients(200_000), random_gradients(200_000)).mean()
     covered, covered_tests, times = [], [], 2
     for upper, lower in SCAN_COUNTS:
         for _ in range(200):
-            upper_scans, lower_scans = scans_of_members(upper, lower, times)
-            coefficients = simulate_coefficient(gradients(upper)[upper_scans], gradients(lower)[lower_scans])
+            upper_scans, lower_scans = expected_scan_indices(upper, lower, times)
+            coefficients = simulate_coefficient(
+                random_gradients(upper)[upper_scans], random_gradients(lower)[lower_scans]
+            )
             result = scans_mean(
                 coefficients * (1 + 0.02 * rng.standard_normal(coefficients.size)), upper_scans, lower_scans
             )
             covered.append(abs(result.mean - truth) <= result.half_width)
-            test = float(simulate_coefficient(gradients(1), gradients(1))[0] * (1 + 0.02 * rng.standard_normal()))
+            test = float(
+                simulate_coefficient(random_gradients(1), random_gradients(1))[0] * (1 + 0.02 * rng.standard_normal())
+            )
             covered_tests.append(abs(test - result.mean) <= float(student_quantile(result.test_freedom)) * result.test)
     by_counts = np.reshape(covered, (len(SCAN_COUNTS), -1)).mean(axis=1)
     print(
@@ -220,14 +224,18 @@ def test_repeated_extreme_value_adds_a_caveat_unless_accepted_or_declared_missin
     heights[[5, 77]] = -9999
     np.savetxt("codes.csv", np.c_[np.arange(400.0), heights], delimiter=",", header="x (um),z (um)")
 
-    def find_repeated_extremes(**options):
+    def find_repeated_extreme_caveats(**options):
         arguments = {"load": "1 mN", "mu0": "0.3", "effective_modulus": "10 GPa", "missing": "interpolate", **options}
         study = MeasuredPair.from_values(upper="codes.csv", lower="codes.csv", **arguments).study
         return [item for item in find_study_caveats(study) if "(repeated-extreme)" in item.remedy]
 
-    (caveat,) = find_repeated_extremes()
+    (caveat,) = find_repeated_extreme_caveats()
     assert (caveat.severity, caveat.text.partition(":")[0]) == ("caution", "both scans")
     assert "--missing-value -9999" in caveat.remedy
-    assert find_repeated_extremes(missing_value="-9999") == find_repeated_extremes(accept="repeated-extreme") == []
+    assert (
+        find_repeated_extreme_caveats(missing_value="-9999")
+        == find_repeated_extreme_caveats(accept="repeated-extreme")
+        == []
+    )
     (caveat,) = MeasuredFile.from_body(Profile(heights, spacing=100.0), "upper").caveats
     assert caveat.name == "repeated-extreme"

@@ -348,10 +348,10 @@ def variable_changer(name, change_values):
 
 
 def attribute_setter(name, value):
-    def change(file):
+    def set_attribute(file):
         file.attrs[name] = value
 
-    return change
+    return set_attribute
 
 
 def link_to_other_file(file):

@@ -89,7 +89,7 @@ def load_axe_script():
 RUN_AXE_SCRIPT = "axe.run({rules: {'label-content-name-mismatch': {enabled: true}}}).then(arguments[0])"
 
 
-def find_accessibility_faults(driver, script):
+def find_accessibility_violations(driver, script):
     """Return the accessibility violations of a page and its frames as pairs of rule and elements."""
     driver.execute_script(script)
     report = driver.execute_async_script(RUN_AXE_SCRIPT)
@@ -122,7 +122,7 @@ def press_keys(driver, name, keys):
     wait_for_drawing(driver)
 
 
-def list_foreign_requests(driver, path):
+def find_foreign_requests(driver, path):
     """Return the addresses of all requests since a file was opened, without the address of the file."""
     messages = [json.loads(entry["message"])["message"] for entry in driver.get_log("performance")]
     sent = [

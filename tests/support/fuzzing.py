@@ -180,7 +180,7 @@ _INSERTED_NUMBERS = [
 ]
 
 
-def fuzz_measured(random, name, original, folder):
+def fuzz_measurement_file(random, name, original, folder):
     """Read a damaged file as a profile and as a surface; return "read" if one reader accepts it, else "refused"."""
     data = bytearray(original)
     if name.endswith(("x3p", "xlsx")) and random.random() < 0.7:

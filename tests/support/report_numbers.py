@@ -35,7 +35,7 @@ class ReportEvaluator:
         text = self._engine.eval(f"JSON.stringify(({function})({values}), {replacer})")
         return json.loads(re.sub(r'"number (-?)(\w+)"', r"\1\2", text))
 
-    def index(self, *, kind=0, cell=0, amplitude=0, rule=0, way=0, load=0):
+    def coefficient_index(self, *, kind=0, cell=0, amplitude=0, rule=0, way=0, load=0):
         """Return the index of a coefficient in the tables of the report."""
         facts = self.facts
         cell_index = (kind * len(facts["cells"]["values"]) + cell) * max(1, len(facts["amplitudes"])) + amplitude
@@ -43,7 +43,7 @@ class ReportEvaluator:
             facts["loads"]["values"]
         ) + load
 
-    def point(self, name, mu0, tau0, **place):
+    def evaluate_quantity(self, name, mu0, tau0, **place):
         """Return a quantity at mu0 and tau0 (GPa) as a dict of value, ends, decimals, text and status."""
         return self(
             "(name, index, mu0, tau0) => { const place = placeAt(facts.axes, mu0, tau0);"
@@ -51,10 +51,10 @@ class ReportEvaluator:
             " const code = statusAt(numbers.small, facts.tables.status + first, place, facts.statuses);"
             " const isFine = place.isNode || numbers.small[facts.tables.fine + first + place.panel];"
             " return {...point, text: quoted(point), status: facts.statuses[code].name, isFine: Boolean(isFine)}; }",
-            name, self.index(**place), mu0, 1000 * tau0,
+            name, self.coefficient_index(**place), mu0, 1000 * tau0,
         )  # fmt: skip
 
-    def judgement(self, mu0, tau0, *, cell, amplitude, way, load):
+    def evaluate_verdict(self, mu0, tau0, *, cell, amplitude, way, load):
         """Return the verdict and the reasons at mu0 and tau0 (GPa)."""
         facts = self.facts
         cell_index = cell * max(1, len(facts["amplitudes"])) + amplitude

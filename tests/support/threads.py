@@ -7,7 +7,7 @@ import time
 MAX_WAITING_TIME = 30.0  # time in seconds that is long enough for another thread to start on a busy machine
 
 
-def runs_other_threads(call):
+def releases_interpreter_lock(call):
     """Return True if another thread runs during calls, though the interpreter does not switch threads by itself."""
     started, released, has_run = threading.Event(), threading.Event(), threading.Event()
 

@@ -611,7 +611,7 @@ def test_positions_count_as_uniform_if_deviations_are_within_rounding(tmp_path):
 # ---- Facts in headers of every shape ---------------------------------------------------------------------------------
 
 
-def lines_of_table(shape, heights):
+def lines_in_table_shape(shape, heights):
     """Return the lines of a map, or of its first profile, in one of the shapes of tables. Positions are 0.5 apart."""
     count, width = heights.shape
     if shape == "column":
@@ -641,7 +641,7 @@ def test_header_declarations_apply_to_tables_of_every_shape(tmp_path, shape, dec
     if not has_positions and declaration != "spacing":
         options["spacing"] = "0.5 um"
     path = tmp_path / "a.txt"
-    path.write_text("\n".join([line, *lines_of_table(shape, heights)]), encoding="utf-8")
+    path.write_text("\n".join([line, *lines_in_table_shape(shape, heights)]), encoding="utf-8")
     reading = load_reading(path, **options)
     body, is_profile = reading.body, shape in ("column", "positions")
     expected = heights.ravel() if is_profile else heights
@@ -660,7 +660,7 @@ def test_header_declarations_apply_to_tables_of_every_shape(tmp_path, shape, dec
 @pytest.mark.parametrize("line", ["Z unit: nm", "Heights in nm", "Height [nm]"])
 def test_heights_and_positions_may_have_different_units(tmp_path, shape, line):
     path = tmp_path / "a.txt"
-    path.write_text("\n".join([line, *lines_of_table(shape, HEIGHTS)]))
+    path.write_text("\n".join([line, *lines_in_table_shape(shape, HEIGHTS)]))
     with pytest.raises(FormatError, match="the unit of its positions"):
         read_measurement(path)
     body = read_measurement(path, unit=("um", "nm"))
@@ -672,7 +672,7 @@ def test_heights_and_positions_may_have_different_units(tmp_path, shape, line):
 @pytest.mark.parametrize("shape", ["triplets", "labelled"])
 def test_positions_that_contradict_the_header_are_rejected(tmp_path, shape, declaration):
     path = tmp_path / "a.txt"
-    path.write_text("\n".join([declaration, *lines_of_table(shape, HEIGHTS)]))
+    path.write_text("\n".join([declaration, *lines_in_table_shape(shape, HEIGHTS)]))
     with pytest.raises(FormatError, match="but its positions"):
         read_measurement(path, unit="um")
 
@@ -768,7 +768,7 @@ def test_column_of_undefined_flags_is_rejected(tmp_path):
         assert read_measurement(path).heights.tolist() == LINE_HEIGHTS.tolist()
 
 
-def word_table(separator=",", words=("OK", "NG"), word_column=2, names=True):
+def table_with_words(separator=",", words=("OK", "NG"), word_column=2, names=True):
     """Return a profile of LINE_HEIGHTS with a column of words, of which the second marks points 4, 5 and 33."""
     lines = [["x(um)", "z(um)"]] * names + [[f"{0.5 * at:.1f}", f"{z}"] for at, z in enumerate(LINE_HEIGHTS)]
     flags = ["judgment"] * names + [words[at in (4, 5, 33)] for at in range(LINE_HEIGHTS.size)]
@@ -785,7 +785,7 @@ def test_error_about_a_table_with_words_names_the_column_of_words(tmp_path, sepa
     if separator == " " and not words[0]:
         words = ("nan", words[1])
     path = tmp_path / "a.csv"
-    path.write_text(word_table(separator, words, word_column))
+    path.write_text(table_with_words(separator, words, word_column))
     numbers = ",".join(str(index) for index in range(3) if index != word_column)
     with pytest.raises(
         FormatError, match=rf"column {word_column} \(judgment\).*'{words[1]}' \(3\).*--columns {numbers}\)"
@@ -801,7 +801,7 @@ def test_error_about_a_table_with_words_names_the_column_of_words(tmp_path, sepa
 @pytest.mark.parametrize("words", [("OK", "OK"), ("OK", ""), ("OK", "NG")])
 def test_columns_option_skips_a_column_of_words_in_a_table_without_column_names(tmp_path, words):
     path = tmp_path / "a.txt"
-    path.write_text(word_table(";", words, names=False))
+    path.write_text(table_with_words(";", words, names=False))
     with pytest.raises(FormatError, match=r"words in column 2: 'OK'"):
         read_measurement(path, unit="um")
     assert read_measurement(path, unit="um", columns=[0, 1]).heights.tolist() == LINE_HEIGHTS.tolist()
@@ -809,7 +809,7 @@ def test_columns_option_skips_a_column_of_words_in_a_table_without_column_names(
 
 def test_column_of_heights_with_words_is_not_read_as_flags(tmp_path):
     path = tmp_path / "a.csv"
-    path.write_text(word_table(",", ("Err", "Err")))
+    path.write_text(table_with_words(",", ("Err", "Err")))
     assert read_measurement(path, columns=[0, 1], missing_value="Err").heights.tolist() == LINE_HEIGHTS.tolist()
 
 

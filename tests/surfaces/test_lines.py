@@ -18,7 +18,7 @@ from stiction.surfaces.lines import MAX_FITTED_LINES, lines_along_both
 ROUND_OFF = 1e-12
 
 
-def stacked_rows(hurst, lines=40, points=600, **changes):
+def surface_of_stacked_rows(hurst, lines=40, points=600, **changes):
     """Return a surface of independent self-affine rows that are tilted along both axes."""
     rows = [
         self_affine(9, hurst_exponent=hurst, rms=0.1, points=points, spacing=0.02, repetition=row, **changes).heights
@@ -29,7 +29,7 @@ def stacked_rows(hurst, lines=40, points=600, **changes):
 
 
 def test_line_roughness_equals_the_mean_over_single_lines():
-    surface = stacked_rows(0.6)
+    surface = surface_of_stacked_rows(0.6)
     result = line_roughness(surface, "x", band=(0.1, 2.0))
     x = np.arange(600)
     rows = [Profile(z - np.polyval(np.polyfit(x, z, 1), x), spacing=0.02) for z in surface.heights]
@@ -46,7 +46,7 @@ def test_line_roughness_equals_the_mean_over_single_lines():
 
 
 def test_roughness_along_y_equals_roughness_along_x_of_the_transposed_surface():
-    surface = stacked_rows(0.6, lines=12, points=300)
+    surface = surface_of_stacked_rows(0.6, lines=12, points=300)
     transposed_surface = Surface(surface.heights.T, spacing=(0.02, 0.5))
     for direction, transposed_direction in (("x", "y"), ("y", "x")):
         result, transposed_result = (
@@ -60,7 +60,7 @@ def test_roughness_along_y_equals_roughness_along_x_of_the_transposed_surface():
 
 
 def test_line_roughness_is_invariant_under_levelling():
-    surface = stacked_rows(0.6, lines=12, points=300)
+    surface = surface_of_stacked_rows(0.6, lines=12, points=300)
     for along in ("x", "y"):
         result, levelled_result = line_roughness(surface, along), line_roughness(levelled(surface, "plane"), along)
         assert levelled_result.Pq == pytest.approx(result.Pq, rel=1e-9)
@@ -69,7 +69,7 @@ def test_line_roughness_is_invariant_under_levelling():
 
 def test_line_roughness_fits_exponents_of_all_lines_in_a_common_band():
     hurst = 0.6
-    result = line_roughness(stacked_rows(hurst, lines=MAX_FITTED_LINES + 9, longest_wavelength=4.0), "x")
+    result = line_roughness(surface_of_stacked_rows(hurst, lines=MAX_FITTED_LINES + 9, longest_wavelength=4.0), "x")
     assert result.fitted == MAX_FITTED_LINES == result.hurst_exponents.size
     assert result.with_band > 0.9 * result.fitted
     shortest, longest = result.band
@@ -82,7 +82,7 @@ def test_line_roughness_fits_exponents_of_all_lines_in_a_common_band():
 
 
 def test_flat_lines_contribute_to_the_rms_height_but_have_no_hurst_exponent():
-    heights = np.array(stacked_rows(0.6, lines=40).heights)
+    heights = np.array(surface_of_stacked_rows(0.6, lines=40).heights)
     heights[::2] = 3.0 + 0.01 * np.arange(600)  # These lines are flat, apart from a different height of each column.
     result = line_roughness(Surface(heights, spacing=0.02), "x", band=(0.1, 2.0))
     assert result.Pq == pytest.approx(
@@ -107,10 +107,14 @@ def test_line_roughness_has_no_band_if_few_lines_have_a_band():
     [
         (Surface(np.ones((9, 9)), spacing=1.0), {"along": "x"}, "surface must not be flat"),
         (Surface(np.eye(9)[:5], spacing=1.0), {"along": "y"}, "lines along y must have at least 7 points, got 5"),
-        (stacked_rows(0.6, lines=8), {"along": "z"}, "along must be one of 'x', 'y', got 'z'"),
-        (stacked_rows(0.6, lines=8), {"along": "x", "band": (0.1, 0.1001)}, "band must contain at least 8 harmonics"),
+        (surface_of_stacked_rows(0.6, lines=8), {"along": "z"}, "along must be one of 'x', 'y', got 'z'"),
         (
-            stacked_rows(0.6, lines=8),
+            surface_of_stacked_rows(0.6, lines=8),
+            {"along": "x", "band": (0.1, 0.1001)},
+            "band must contain at least 8 harmonics",
+        ),
+        (
+            surface_of_stacked_rows(0.6, lines=8),
             {"along": "x", "band": 3},
             r"band must be a pair \(shortest, longest\) of wavelengths",
         ),
@@ -165,5 +169,5 @@ def test_misfit_is_near_1_for_a_power_law_and_larger_for_a_spectrum_with_a_bend(
     )  # fmt: skip
     # The misfit includes leakage of the window and the scatter of 40 lines.
     assert line_roughness(straight_grooves, "x", band=(3.0, 60.0)).misfit < 1.15
-    surface_with_roll_off = stacked_rows(0.7, points=512, longest_wavelength=0.3)
+    surface_with_roll_off = surface_of_stacked_rows(0.7, points=512, longest_wavelength=0.3)
     assert line_roughness(surface_with_roll_off, "x", band=(0.05, 3.0)).misfit > 1.5

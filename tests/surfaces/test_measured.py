@@ -501,9 +501,9 @@ def test_formats_without_channels_reject_the_channel_option(write_file):
     assert "has no channels, but channel 1 was selected" in error_message(write_file(TEXT_FORMATS["comma"]), channel=1)
 
 
-def test_channel_of_an_instrument_file_can_be_selected(measured_file):
+def test_channel_of_an_instrument_file_can_be_selected(measured_file_path):
     pytest.importorskip("SurfaceTopography")
-    path = measured_file("di-4.di")
+    path = measured_file_path("di-4.di")
     surface = read_surface(path)
     channels = "0 (ZSensor), 1 (AmplitudeError), 2 (Phase)"
     assert surface.history[1] == f"channel 0 (ZSensor) of {channels}"
@@ -856,8 +856,8 @@ def test_x3p_file_with_contradictions_is_rejected(write_file, change, message):
 # ---- Measured files and damaged ones --------------------------------------------------------------------------------
 
 
-def test_measured_stylus_profile_is_read_with_its_header(measured_file):
-    path = measured_file("dektak-1.csv")
+def test_measured_stylus_profile_is_read_with_its_header(measured_file_path):
+    path = measured_file_path("dektak-1.csv")
     profile = read_profile(path)
     assert len(profile) == 9600
     assert profile.spacing == pytest.approx(1499.8 / 9599, rel=1e-12)
@@ -868,9 +868,9 @@ def test_measured_stylus_profile_is_read_with_its_header(measured_file):
     assert "0.1562454 µm, but the given spacing is 0.156 um" in error_message(path, spacing="0.156 um")
 
 
-def test_measured_map_of_an_atomic_force_microscope_is_read(measured_file):
+def test_measured_map_of_an_atomic_force_microscope_is_read(measured_file_path):
     pytest.importorskip("SurfaceTopography")
-    surface = read_surface(measured_file("di-4.di"))
+    surface = read_surface(measured_file_path("di-4.di"))
     assert surface.heights.shape == (512, 512)
     assert surface.extent == pytest.approx((10.0, 10.0))
     level = levelled(surface, "plane")
@@ -894,7 +894,7 @@ def test_randomly_damaged_files_are_either_read_or_rejected_with_a_one_line_erro
     for index in range(count):
         random = np.random.default_rng([4, index])
         name = str(random.choice(list(content_by_name)))
-        outcomes[fuzzing.fuzz_measured(random, name, content_by_name[name], tmp_path)] += 1
+        outcomes[fuzzing.fuzz_measurement_file(random, name, content_by_name[name], tmp_path)] += 1
     assert outcomes["read"] > count / 15
     assert outcomes["refused"] > count / 3
 

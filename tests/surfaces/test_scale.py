@@ -175,15 +175,15 @@ class TestInstrumentLimit:
         assert result.reason == "tip"
         assert math.isnan(instrument_limit(surface, tip_radius=1e-5).tip)
 
-    def test_instrument_limits_of_measured_scans_equal_recorded_values(self, measured_file):
-        surface = read_surface(measured_file("di-4.di"))
+    def test_instrument_limits_of_measured_scans_equal_recorded_values(self, measured_file_path):
+        surface = read_surface(measured_file_path("di-4.di"))
         result = instrument_limit(surface)
         assert result.reason == "noise floor"
         assert math.isnan(result.noise_x)  # Along the fast axis of the scan there is no noise floor.
         assert result.noise_y == pytest.approx(6.37 * surface.spacing[0], rel=0.01)
         assert result.noise == result.wavelength == 0.125
         assert result.slope_fraction == pytest.approx(0.138, abs=0.001)
-        assert instrument_limit(read_profile(measured_file("dektak-1.csv"))).reason == "pixels"
+        assert instrument_limit(read_profile(measured_file_path("dektak-1.csv"))).reason == "pixels"
 
     def test_coloured_noise_is_detected_and_filtering_restores_the_true_slope(self):
         points, spacing, num_filtered, num_correct = 4000, 1 / 60, 0, 0

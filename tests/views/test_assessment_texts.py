@@ -20,7 +20,7 @@ from stiction.views.text import coefficients_text
 from support.synthetic_results import generated_result, generated_study, measured_result, measured_study
 
 
-def only_point(dataset, study):
+def summarize_single_point(dataset, study):
     result = summarize(dataset, study).points
     assert len(result) == 1
     return result[0]
@@ -31,7 +31,7 @@ def caveat_texts(point):
 
 
 def test_summary_of_measured_surfaces_quotes_friction_at_all_contacts_first():
-    point = only_point(measured_result(), measured_study(hardness=3.0))
+    point = summarize_single_point(measured_result(), measured_study(hardness=3.0))
     assert [rule.rule for rule in point.rules] == ["all", "opposing"]
     assert (point.value, point.lower, point.upper) == pytest.approx((0.21, 0.1995, 0.2205))
     assert (point.verdict, point.caveats) == ("Quote it", ())
@@ -51,10 +51,10 @@ def test_summary_of_measured_surfaces_quotes_friction_at_all_contacts_first():
     assert sentence_text(point).endswith(".")
     # These ends are the smallest and largest values of members.
     assert (point.rules[0].low, point.rules[0].high) == (0.04, 0.19)
-    assert only_point(measured_result(all_rub=0.1, half=1.2), measured_study()).lower == 0
+    assert summarize_single_point(measured_result(all_rub=0.1, half=1.2), measured_study()).lower == 0
     dataset = measured_result()
     dataset["friction_coefficient"] *= 9  # values in single directions do not change the mean over directions
-    assert only_point(dataset, measured_study()).value == 0.21
+    assert summarize_single_point(dataset, measured_study()).value == 0.21
 
 
 def test_summary_of_generated_surfaces_quotes_friction_at_opposing_contacts():
@@ -110,12 +110,12 @@ def test_quotable_sentence_contains_assessment_caveats_version_and_adhesion():
 @pytest.mark.parametrize("case_name", FAULT_CASES)
 def test_sentence_of_a_point_with_a_fault_contains_no_coefficient(case_name):
     fault_changes, unaffected_changes, word = FAULT_CASES[case_name]
-    point = only_point(measured_result(**fault_changes), measured_study())
+    point = summarize_single_point(measured_result(**fault_changes), measured_study())
     assert point.verdict == "Do not quote"
     assert word in " ".join(caveat.text for caveat in point.caveats if caveat.severity == "fault")
     assert "μ_s =" not in sentence_text(point)
     assert word in sentence_text(point)
-    assert only_point(measured_result(**unaffected_changes), measured_study()).verdict == "Quote it"
+    assert summarize_single_point(measured_result(**unaffected_changes), measured_study()).verdict == "Quote it"
 
 
 CAUTION_CASES = {
@@ -131,7 +131,7 @@ CAUTION_CASES = {
 @pytest.mark.parametrize("case_name", CAUTION_CASES)
 def test_point_with_caution_has_a_caveat_with_the_reason(case_name):
     raising, expected_words = CAUTION_CASES[case_name]
-    point = only_point(measured_result(**raising), measured_study())
+    point = summarize_single_point(measured_result(**raising), measured_study())
     assert point.verdict == "Quote with care"
     assert expected_words in caveat_texts(point)
     assert "μ_s = 0.21" in sentence_text(point)
@@ -140,7 +140,7 @@ def test_point_with_caution_has_a_caveat_with_the_reason(case_name):
 def test_scan_much_coarser_than_the_other_scan_adds_a_caveat():
     for spacing, expected_words in (([0.4, 0.1], "the lower scan is 4 times coarser than the upper"), ([0.2, 0.1], "")):
         dataset = measured_result().assign_attrs(upper_spacing_um=[0.1, 0.1], lower_spacing_um=spacing)
-        point = only_point(dataset, measured_study())
+        point = summarize_single_point(dataset, measured_study())
         assert expected_words in caveat_texts(point)
         assert point.verdict == ("Quote with care" if expected_words else "Quote it")
 
@@ -152,7 +152,7 @@ def test_surrogates_much_smaller_than_the_scan_add_a_caveat():
         dataset = measured_result().assign_attrs(shape=[shape, shape], spacing_um=[0.1, 0.1])
         for side in ("upper", "lower"):
             dataset = dataset.assign_attrs({f"{side}_spacing_um": [0.1], f"{side}_extent_um": [100.0]})
-        point = only_point(dataset, study)
+        point = summarize_single_point(dataset, study)
         assert point.verdict == verdict
         expected_words = "pieces of 30 µm are pressed, without the longer wavelengths of the scan of 100 µm"
         assert (expected_words in caveat_texts(point)) == (shape == 300)
@@ -170,7 +170,7 @@ def test_surrogates_much_smaller_than_the_scan_add_a_caveat():
     ],
 )
 def test_verdict_recommends_quoting_a_point_without_caveats(numbers, study):
-    assert only_point(measured_result(**numbers), measured_study(**study)).verdict == "Quote it"
+    assert summarize_single_point(measured_result(**numbers), measured_study(**study)).verdict == "Quote it"
 
 
 @pytest.mark.parametrize("kind", ["measured", "generated"])
@@ -201,10 +201,14 @@ def test_high_pressure_of_generated_surfaces_adds_a_caution_but_no_fault():
 
 
 def test_sentence_without_coefficient_states_the_reason():
-    point = only_point(measured_result(status="not-reached", all_rub=np.nan, opposing=np.nan, ok=0), measured_study())
+    point = summarize_single_point(
+        measured_result(status="not-reached", all_rub=np.nan, opposing=np.nan, ok=0), measured_study()
+    )
     assert (point.status, point.verdict) == ("not-reached", "Do not quote")
     assert "no computed load is as large" in sentence_text(point)
-    text = coefficients_text([only_point(measured_result(all_rub=np.nan, opposing=np.nan), measured_study())])
+    text = coefficients_text(
+        [summarize_single_point(measured_result(all_rub=np.nan, opposing=np.nan), measured_study())]
+    )
     assert text.startswith("μ_s = none")
     assert "ok" not in text.splitlines()[0]
 
@@ -233,13 +237,15 @@ def test_text_on_averaged_directions_describes_one_two_or_evenly_spaced_directio
 
 
 def test_sentence_about_profiles_states_directions_and_nominal_pressure():
-    point = only_point(measured_result(directions=(0.0, 180.0)), measured_study(press="lines", mechanics="asperities"))
+    point = summarize_single_point(
+        measured_result(directions=(0.0, 180.0)), measured_study(press="lines", mechanics="asperities")
+    )
     assert "the mean over both directions and 16 positions" in sentence_text(point)
     assert "(1 MPa)" not in sentence_text(
         point
     )  # With spheres, the nominal pressure would depend on the chosen width of the strip.
     for study in ({"mechanics": "asperities", "law": "hertz-cylinder"}, {"mechanics": "half-space"}):
-        point = only_point(measured_result(directions=(0.0, 180.0)), measured_study(press="lines", **study))
+        point = summarize_single_point(measured_result(directions=(0.0, 180.0)), measured_study(press="lines", **study))
         assert "(1 MPa)" in sentence_text(point)
 
 
@@ -248,7 +254,9 @@ def test_sentence_states_the_definition_of_load_if_it_changes_the_coefficient_no
         (2 * MIN_STATED_LOAD_DEFINITION_EFFECT, True),
         (MIN_STATED_LOAD_DEFINITION_EFFECT / 2, False),
     ):
-        sentence = sentence_text(only_point(measured_result(reading_difference=difference), measured_study()))
+        sentence = sentence_text(
+            summarize_single_point(measured_result(reading_difference=difference), measured_study())
+        )
         assert ("the load is the elastic contact force" in sentence) == is_given
         assert ("with another definition of the load μ_s differs by 2 %" in sentence) == is_given
 
@@ -262,12 +270,12 @@ def test_small_slope_estimate_lists_neglected_effects():
         (measured_result(rms_gradient=gradient, mean_pressure=pressure / 2), None, ["does not apply"]),
     ):
         study = measured_study(hardness=hardness)
-        text = slope_estimate_text(only_point(dataset, study))
+        text = slope_estimate_text(summarize_single_point(dataset, study))
         assert "0.21 with friction at all contacts" in text
         for effect_name in ("hardness", "does not apply"):
             assert (effect_name in text) == any(effect_name in effect for effect in effects)
     dataset_without_tau0 = measured_result(rms_gradient=gradient, mean_pressure=pressure / 2, tau0=(0.0,))
-    assert "does not apply" not in slope_estimate_text(only_point(dataset_without_tau0, measured_study()))
+    assert "does not apply" not in slope_estimate_text(summarize_single_point(dataset_without_tau0, measured_study()))
 
 
 @pytest.mark.parametrize("is_floor", [True, False])
@@ -318,7 +326,7 @@ def test_filtered_result_retains_faults_of_the_unfiltered_result():
 # ---- Materials and finer scans --------------------------------------------------------------------------------------
 
 
-def with_materials(hardness, names=("mild steel", "brass")):
+def study_with_materials(hardness, names=("mild steel", "brass")):
     study = measured_study(hardness=hardness)
     return study.with_changes({"contact.materials": list(names)})
 
@@ -343,7 +351,9 @@ def test_range_for_finer_scans_extends_from_the_plastic_limit_to_above_the_coeff
 )
 def test_sentence_states_hardness_with_its_range(input_range, expected_text):
     study = measured_study(hardness=1.1).with_changes({"known.hardness": input_range})
-    assert f"hardness {expected_text}" in sentence_text(only_point(measured_result(), study)).replace(", points", ";")
+    assert f"hardness {expected_text}" in sentence_text(summarize_single_point(measured_result(), study)).replace(
+        ", points", ";"
+    )
 
 
 def test_sentence_states_the_number_of_surrogate_pairs():
@@ -353,7 +363,7 @@ def test_sentence_states_the_number_of_surrogate_pairs():
 
 
 def test_text_of_inputs_states_materials_and_the_hardness_range_of_the_softer_body():
-    point = summarize(measured_result(load_share_at_hardness=0.9), with_materials(0.625)).points[0]
+    point = summarize(measured_result(load_share_at_hardness=0.9), study_with_materials(0.625)).points[0]
     assert "mild steel on brass" in inputs_text(point)
     assert "hardness 625 MPa (230 MPa to 1.7 GPa)" in inputs_text(point)
 
@@ -364,12 +374,14 @@ def test_text_of_inputs_states_materials_and_the_hardness_range_of_the_softer_bo
 )
 def test_neglected_junction_growth_adds_a_caveat_if_it_would_raise_friction_by_5_percent(tau0, expected_words):
     dataset = measured_result(load_share_at_hardness=0.9, mu0=(0.1 if tau0 < 0.02 else 0.2,), tau0=(tau0,))
-    caveats = summarize(dataset, with_materials(0.625)).points[0].caveats
+    caveats = summarize(dataset, study_with_materials(0.625)).points[0].caveats
     growth_caveats = [caveat.text for caveat in caveats if "junction growth" in caveat.text]
     assert len(growth_caveats) == (expected_words is not None)
     assert expected_words is None or expected_words in growth_caveats[0]
     caveats_of_elastic_contact = (
-        summarize(measured_result(load_share_at_hardness=0.0, tau0=(tau0,)), with_materials(0.625)).points[0].caveats
+        summarize(measured_result(load_share_at_hardness=0.0, tau0=(tau0,)), study_with_materials(0.625))
+        .points[0]
+        .caveats
     )
     assert not any("junction growth" in caveat.text for caveat in caveats_of_elastic_contact)
 
@@ -394,7 +406,7 @@ def test_pressure_beyond_yield_adds_a_caveat_that_names_the_material(pressure, s
 
 
 @pytest.mark.parametrize(
-    "study", [with_materials(2.0), with_materials(0.625, ("one", "another")), measured_study(hardness=2.0)]
+    "study", [study_with_materials(2.0), study_with_materials(0.625, ("one", "another")), measured_study(hardness=2.0)]
 )
 def test_text_of_inputs_states_no_range_for_a_given_hardness(study):
     point = summarize(measured_result(load_share_at_hardness=0.9), study).points[0]
@@ -416,25 +428,26 @@ def test_range_for_finer_scans_starts_at_a_coefficient_below_the_plastic_limit()
 
 @pytest.mark.parametrize("changes", [{"contact_count": 4.9}, {"share_on_largest": 0.51}])
 def test_few_contacts_are_not_a_fault_if_contacts_have_merged(changes):
-    assert only_point(measured_result(**changes), measured_study()).verdict == "Do not quote"
+    assert summarize_single_point(measured_result(**changes), measured_study()).verdict == "Do not quote"
     assert (
-        only_point(measured_result(**changes, contact_area_fraction=0.35), measured_study()).verdict != "Do not quote"
+        summarize_single_point(measured_result(**changes, contact_area_fraction=0.35), measured_study()).verdict
+        != "Do not quote"
     )
 
 
 def test_roughness_contribution_equals_value_minus_mu0_and_tau0_terms():
     study = measured_study(hardness=3.0)
-    point = only_point(measured_result(all_rub=0.23), study)
+    point = summarize_single_point(measured_result(all_rub=0.23), study)
     assert point.from_roughness == pytest.approx(0.23 - 0.2 - 0.05 / 3.0)
     assert point.hardness == 3.0
-    assert only_point(measured_result(all_rub=0.23), measured_study()).from_roughness == pytest.approx(0.03)
+    assert summarize_single_point(measured_result(all_rub=0.23), measured_study()).from_roughness == pytest.approx(0.03)
     assert summarize(generated_result(), generated_study()).points[0].from_roughness is None
 
 
 def test_text_about_finer_scans_states_the_hardness():
-    text = finer_scan_text(only_point(measured_result(), measured_study(hardness=3.0)))
+    text = finer_scan_text(summarize_single_point(measured_result(), measured_study(hardness=3.0)))
     assert text.startswith("with H = 3 GPa a finer scan would give 0.21")
-    assert finer_scan_text(only_point(measured_result(), measured_study())) == ""
+    assert finer_scan_text(summarize_single_point(measured_result(), measured_study())) == ""
 
 
 def test_few_contacts_and_zero_tau0_of_generated_surfaces_add_caveats():
@@ -447,6 +460,6 @@ def test_few_contacts_and_zero_tau0_of_generated_surfaces_add_caveats():
 
 
 def test_caveat_contains_the_checked_value_and_its_limit():
-    (caveat,) = only_point(measured_result(share_at_edge=0.6), measured_study()).caveats
+    (caveat,) = summarize_single_point(measured_result(share_at_edge=0.6), measured_study()).caveats
     assert (caveat.name, caveat.value, caveat.limit) == ("share_at_edge", pytest.approx(0.6), 0.5)
     assert caveat.text == "60 % of the load is on contacts at the edge"

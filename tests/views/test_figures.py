@@ -92,7 +92,7 @@ def test_figures_table_json_and_report_have_equal_combined_intervals(maps_at_two
         value = next(other for other in combined_values if other["at"] == point.at | {"sliding": rule_result.rule})
         assert [value["lower"], value["upper"]] == interval
         conditions = {"rule": rules.index(rule_result.rule), "load": loads.index(point.at["load"])}
-        report_point = report.point("friction", point.at["mu0"], point.at["tau0"], **conditions)
+        report_point = report.evaluate_quantity("friction", point.at["mu0"], point.at["tau0"], **conditions)
         assert report_point["text"] == format_estimate(rule_result.value, rule_result.lower, rule_result.upper)
         number = [0.3, 0.5].index(point.at["mu0"]) * 2 + (point.at["tau0"] > 0) + 1
         figure = figures["friction" if number == 1 else f"friction-{number}"]()
@@ -137,14 +137,14 @@ def test_drawing_figures_rejects_empty_results_and_preserves_files_of_other_prog
 # ---- Generated profiles ---------------------------------------------------------------------------------------------
 
 
-def plot_axes(figure):
+def axes_without_colorbars(figure):
     return [ax for ax in figure.axes if ax.get_label() != "<colorbar>"]
 
 
 def test_friction_figure_has_labelled_maps_and_curves(generated_dataset):
     for dataset, num_rows in ((generated_dataset, 2), (generated_dataset.isel(amplitude=[1]), 1)):
         figure = friction_figure(dataset, 0.4)
-        axes = plot_axes(figure)
+        axes = axes_without_colorbars(figure)
         assert len(axes) == 3 * num_rows
         assert [ax.get_title() for ax in axes[:2]] == [rf"$\tau_0$ = {megapascals} MPa" for megapascals in (0, 200)]
         labels = [text.get_text() for text in figure.legends[0].get_texts()]
@@ -159,7 +159,7 @@ def test_friction_figure_has_labelled_maps_and_curves(generated_dataset):
 
 def test_friction_curves_equal_the_friction_map_at_their_load(generated_dataset):
     dataset = generated_dataset.isel(amplitude=[1])
-    curves = plot_axes(friction_figure(dataset, 0.4))[2]
+    curves = axes_without_colorbars(friction_figure(dataset, 0.4))[2]
     number, unit = curves.get_title().removeprefix("at $F_N$ = ").split()
     load = float(number) * {"mN": 1, "µN": 1e-3, "nN": 1e-6}[unit]
     friction = friction_map(dataset, [load], mu0=[0.4]).isel(amplitude=0, mu0=0, load=0)

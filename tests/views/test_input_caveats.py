@@ -77,13 +77,13 @@ def test_spikes_of_a_map_add_a_caveat_that_states_their_number(kind):
     rng = np.random.default_rng(1)
     heights = 0.02 * scale_to_unit_rms(MACHINED_SURFACES[kind](rng, 2))
 
-    def spike_caveats(heights):
+    def find_spike_caveats(heights):
         caveats = find_scan_caveats(Surface(heights, spacing=0.1))
         return [caveat for caveat in caveats if "outliers mask" in caveat.remedy]
 
-    assert spike_caveats(heights) == []
+    assert find_spike_caveats(heights) == []
     heights[[5, 40, 41, 90], [7, 60, 60, 127]] += 0.3
-    (caveat,) = spike_caveats(heights)
+    (caveat,) = find_spike_caveats(heights)
     assert caveat.severity == "caution"
     assert "4 points are more than 6 rms heights from their neighbours" in caveat.text
 
@@ -190,7 +190,7 @@ class TestNoiseHiddenByRoughness:
     options: ClassVar[dict[str, str]] = {"load": "10 MPa", "mu0": "0.2", "effective_modulus": "80 GPa"}
 
     @staticmethod
-    def maps(noise, shortest=None):
+    def create_maps_with_noise(noise, shortest=None):
         """Return two maps with white noise, given relative to their rms roughness."""
         maps = rough_maps(
             1,
@@ -205,7 +205,7 @@ class TestNoiseHiddenByRoughness:
         return [Surface(each.heights + noise * 0.02 * rng.normal(size=(96, 96)), spacing=0.1) for each in maps]
 
     def test_suspected_noise_adds_a_filtered_result_to_the_unfiltered_result(self):
-        noisy_maps = self.maps(0.1)
+        noisy_maps = self.create_maps_with_noise(0.1)
         assert [instrument_limit(noisy_map).reason for noisy_map in noisy_maps] == ["pixels", "pixels"]
         study = pair_study(*noisy_maps, **self.options)
         cutoff = max(find_hidden_noise(noisy_map).cut_off for noisy_map in noisy_maps)
@@ -220,7 +220,7 @@ class TestNoiseHiddenByRoughness:
             assert find_input_caveats(*noisy_maps, study) == ()
 
     def test_noise_of_each_scan_is_removed_at_its_own_cutoff(self):
-        rough_map, smooth_map = self.maps(0.1)[0], self.maps(0.1, shortest=0.8)[1]
+        rough_map, smooth_map = self.create_maps_with_noise(0.1)[0], self.create_maps_with_noise(0.1, shortest=0.8)[1]
         limits = instrument_limit(smooth_map), find_hidden_noise(rough_map)
         assert limits[0].origin == "instrument"
         study = pair_study(rough_map, smooth_map, **self.options)
@@ -229,12 +229,12 @@ class TestNoiseHiddenByRoughness:
         assert study.surfaces.lower.limited_cut_off(np.inf) == pytest.approx(limits[0].cut_off, rel=1e-12)
 
     def test_maps_without_noise_have_only_an_unfiltered_result(self):
-        study = pair_study(*self.maps(0.0), **self.options)
+        study = pair_study(*self.create_maps_with_noise(0.0), **self.options)
         assert study.surfaces.cells()["cut_off"].tolist() == [0.0]
         assert study.surfaces.both_readings is None
 
     def test_interval_contains_filtered_and_unfiltered_results(self):
-        result = pair(*self.maps(0.1), **self.options, tau0="100 MPa", shifts=4, onset=0)
+        result = pair(*self.create_maps_with_noise(0.1), **self.options, tau0="100 MPa", shifts=4, onset=0)
         measured, filtered = result.summary().points
         assert (measured.at["cut_off"], filtered.covered) == (0.0, True)
         assert result.value == measured.value < filtered.value

@@ -57,14 +57,14 @@ def create_arbitrary_sums(tangential_factor):
 
 
 @pytest.fixture(scope="module")
-def report_numbers(generated_dataset):
+def report_evaluator(generated_dataset):
     return ReportEvaluator(report_page(generated_dataset))
 
 
 # ---- Interpolation and text ------------------------------------------------------------------------------------------
 
 
-def test_interpolation_of_the_report_script_equals_that_of_the_library(report_numbers):
+def test_interpolation_of_the_report_script_equals_that_of_the_library(report_evaluator):
     axes = tuple(
         NodeAxis(np.array([0.0, 0.1, 0.3, 0.7, 1.0]) * max_value, np.array([0.2]) * max_value)
         for max_value in (1.0, 50.0)
@@ -77,7 +77,7 @@ def test_interpolation_of_the_report_script_equals_that_of_the_library(report_nu
     }
     values = [None if np.isnan(value) else value for value in table.ravel()]
     for mu0, tau0 in itertools.product((0.0, 0.1, 0.15, 0.2, 0.5, 1.0), (0.0, 3.0, 10.0, 34.0, 50.0)):
-        computed = report_numbers(
+        computed = report_evaluator(
             "(axes, values, mu0, tau0) => between(values.map((each) => each ?? NaN), 0, placeAt(axes, mu0, tau0))",
             facts,
             values,
@@ -87,7 +87,7 @@ def test_interpolation_of_the_report_script_equals_that_of_the_library(report_nu
         assert computed == pytest.approx(float(interpolate_table(axes, table, mu0, tau0)), rel=1e-12, nan_ok=True)
 
 
-def test_interval_in_report_is_unbounded_next_to_a_node_without_upper_end(report_numbers):
+def test_interval_in_report_is_unbounded_next_to_a_node_without_upper_end(report_evaluator):
     script = """(mu0) => {
       const axes = {mu0: {rising: [0, 1, 2], bounds: []}, tau0: {rising: [0, 1, 2], bounds: []}};
       const three = (list) => list.flatMap((each) => [each, each, each]);
@@ -96,18 +96,18 @@ def test_interval_in_report_is_unbounded_next_to_a_node_without_upper_end(report
       const point = pointAt({offsets, floats, small: Array(9).fill(1)}, "a", 0, placeAt(axes, mu0, 0.5));
       return [point.upper, quoted(point)];
     }"""
-    assert report_numbers(script, 0.5) == [2.5, "1.5 [0.8, 2.5]"]
-    assert report_numbers(script, 1.01) == [np.inf, "2.0 [1.0, ∞)"]
+    assert report_evaluator(script, 0.5) == [2.5, "1.5 [0.8, 2.5]"]
+    assert report_evaluator(script, 1.01) == [np.inf, "2.0 [1.0, ∞)"]
 
 
-def test_status_in_report_is_not_ok_next_to_a_node_without_value(report_numbers):
+def test_status_in_report_is_not_ok_next_to_a_node_without_value(report_evaluator):
     script = """(mu0) => statusAt([0, 0, 0, 0, 1, 1], 0, placeAt({mu0: {rising: [0, 1, 2], bounds: []},
       tau0: {rising: [0, 1], bounds: []}}, mu0, 0), [{isOk: true}, {isOk: false}])"""
-    assert [report_numbers(script, mu0) for mu0 in (0.9, 1.0, 1.1, 2.0)] == [0, 0, 1, 1]
+    assert [report_evaluator(script, mu0) for mu0 in (0.9, 1.0, 1.1, 2.0)] == [0, 0, 1, 1]
 
 
 @pytest.mark.parametrize("scale", [3.3e-4, 0.1147, 0.99951, 17.251, 1234.0])
-def test_report_script_prints_numbers_with_the_decimals_of_the_terminal(report_numbers, scale):
+def test_report_script_prints_numbers_with_the_decimals_of_the_terminal(report_evaluator, scale):
     random = np.random.default_rng(3)
     value = scale * random.uniform(0.9, 1.1, 40)
     half_width = scale * 10 ** random.uniform(-6, 0.5, 40)
@@ -116,7 +116,7 @@ def test_report_script_prints_numbers_with_the_decimals_of_the_terminal(report_n
     lower[5:8] = upper[5:8] = np.nan
     upper[8:12] = 300 * value[8:12]
     decimals, decimals_of_upper = count_estimate_decimals(value, lower, upper)
-    texts = report_numbers(
+    texts = report_evaluator(
         "(points) => points.map(([value, lower, upper, decimals, upperDecimals]) => quoted({value, lower: lower ?? NaN,"
         " upper: upper === 'inf' ? Infinity : upper ?? NaN, decimals, upperDecimals}))",
         [
@@ -148,16 +148,16 @@ HALF_PLANE_CHANGES = {
 }
 
 
-def compare_friction(dataset, report_numbers, settings):
+def compare_friction(dataset, report_evaluator, settings):
     """Compare the friction of a report with `friction_map`; return statuses, and errors divided by tolerances."""
-    facts = report_numbers.facts
+    facts = report_evaluator.facts
     statuses, errors = [], []
     for cell_index, rule_index, way_index, load_index, mu0, tau0 in settings:
         reference = friction_map(dataset, [facts["loads"]["values"][load_index]], mu0=[mu0], tau0=[tau0])
         reference = reference.isel(fractal_dimension=cell_index, amplitude=0, load=0, mu0=0, tau0=0)
         reference = reference.isel(sliding=rule_index) if "sliding" in reference.dims else reference
         reference = reference.isel(direction=way_index) if "direction" in reference.dims else reference
-        point = report_numbers.point(
+        point = report_evaluator.evaluate_quantity(
             "friction", mu0, tau0, cell=cell_index, rule=rule_index, way=way_index, load=load_index
         )
         status = str(reference["status"].values)
@@ -173,8 +173,8 @@ def compare_friction(dataset, report_numbers, settings):
     return statuses, errors
 
 
-def random_settings(report_numbers, count, seed):
-    facts, random = report_numbers.facts, np.random.default_rng(seed)
+def random_settings(report_evaluator, count, seed):
+    facts, random = report_evaluator.facts, np.random.default_rng(seed)
     max_values = facts["axes"]["mu0"]["most"], facts["axes"]["tau0"]["most"] / 1000
     for _ in range(count):
         indices = [int(random.integers(len(facts[name]))) for name in ("rules", "ways")]
@@ -183,11 +183,13 @@ def random_settings(report_numbers, count, seed):
 
 
 @pytest.mark.parametrize("case_name", ["asperities", "half-planes"])
-def test_friction_in_reports_of_generated_profiles_equals_library_values(generated_dataset, report_numbers, case_name):
+def test_friction_in_reports_of_generated_profiles_equals_library_values(
+    generated_dataset, report_evaluator, case_name
+):
     if case_name == "half-planes":
         generated_dataset = run(Study.named("quick").with_changes(HALF_PLANE_CHANGES)).dataset
-        report_numbers = ReportEvaluator(report_page(generated_dataset))
-    statuses, errors = compare_friction(generated_dataset, report_numbers, random_settings(report_numbers, 60, 5))
+        report_evaluator = ReportEvaluator(report_page(generated_dataset))
+    statuses, errors = compare_friction(generated_dataset, report_evaluator, random_settings(report_evaluator, 60, 5))
     expected_statuses = {"ok", "not-reached", "self-locked", "below-range", "between-nodes"}
     assert np.mean([status in expected_statuses for status in statuses]) > 0.9
     assert len(errors) > 15
@@ -197,8 +199,8 @@ def test_friction_in_reports_of_generated_profiles_equals_library_values(generat
 @pytest.mark.parametrize("tangential_factor", [0.0, 1.0])
 def test_friction_in_reports_of_arbitrary_load_sums_equals_library_values_at_nodes(tangential_factor):
     dataset = create_arbitrary_sums(tangential_factor)
-    report_numbers = ReportEvaluator(report_page(dataset))
-    axes = report_numbers.facts["axes"]
+    report_evaluator = ReportEvaluator(report_page(dataset))
+    axes = report_evaluator.facts["axes"]
     random = np.random.default_rng(3)
     settings = [
         (
@@ -211,7 +213,7 @@ def test_friction_in_reports_of_arbitrary_load_sums_equals_library_values_at_nod
         )
         for m, t in itertools.product(range(0, len(axes["mu0"]["rising"]), 2), range(0, len(axes["tau0"]["rising"]), 2))
     ]
-    statuses, errors = compare_friction(dataset, report_numbers, settings * 2)
+    statuses, errors = compare_friction(dataset, report_evaluator, settings * 2)
     assert not [status for status in statuses if " for " in status or status == "between-nodes"]
     assert max(errors, default=0.0) < 0.1
 
@@ -219,11 +221,11 @@ def test_friction_in_reports_of_arbitrary_load_sums_equals_library_values_at_nod
 def test_report_ignores_members_without_a_solution(generated_dataset):
     dataset = generated_dataset.copy(deep=True)
     dataset["normal_elastic"].loc[{"repetition": 3, "approach": dataset["approach"][-1]}] = np.nan
-    report_numbers = ReportEvaluator(report_page(dataset))
-    assert report_numbers.facts["repetitions"] == dataset.sizes["repetition"] - 1
+    report_evaluator = ReportEvaluator(report_page(dataset))
+    assert report_evaluator.facts["repetitions"] == dataset.sizes["repetition"] - 1
     friction = parse_dataset_study(dataset).friction
     statuses, errors = compare_friction(
-        dataset, report_numbers, [(1, 0, 0, 20, friction.mu0[0], float(friction.tau0[0]))]
+        dataset, report_evaluator, [(1, 0, 0, 20, friction.mu0[0], float(friction.tau0[0]))]
     )
     assert statuses == ["ok"]
     assert max(errors) < 0.1
@@ -241,9 +243,9 @@ def test_assessments_in_reports_of_generated_profiles_equal_library_assessments(
         dataset = dataset.assign_attrs(
             study=parse_dataset_study(dataset).with_changes({"contact.effective_modulus": "50 MPa"}).to_toml()
         )
-    study, report_numbers = parse_dataset_study(dataset), ReportEvaluator(report_page(dataset))
-    assert report_numbers.facts["quotedRule"] == list_rules_quoted_first(study)[0]
-    loads = report_numbers.facts["loads"]["values"]
+    study, report_evaluator = parse_dataset_study(dataset), ReportEvaluator(report_page(dataset))
+    assert report_evaluator.facts["quotedRule"] == list_rules_quoted_first(study)[0]
+    loads = report_evaluator.facts["loads"]["values"]
     verdicts = set()
     for mu0, tau0 in itertools.product(study.friction.mu0[:2], study.friction.tau0[:2]):
         load_indices = [4, 15, 25, 35]
@@ -253,7 +255,7 @@ def test_assessments_in_reports_of_generated_profiles_equal_library_assessments(
                 dataset[name].values.tolist().index(point.at[name]) for name in ("fractal_dimension", "amplitude")
             ]
             load_index = int(np.argmin(np.abs(np.array(loads) - point.at["load"])))
-            assessment = report_numbers.judgement(
+            assessment = report_evaluator.evaluate_verdict(
                 mu0, float(tau0), cell=indices[0], amplitude=indices[1], way=0, load=load_index
             )
             assert assessment["verdict"] == point.verdict
@@ -266,25 +268,25 @@ def test_assessments_in_reports_of_generated_profiles_equal_library_assessments(
 
 
 @pytest.fixture(scope="module", params=["maps_dataset", "profiles_dataset"])
-def measured_report(request):
+def dataset_and_evaluator(request):
     """Dataset of measured surfaces, and the numbers of its report."""
     dataset = request.getfixturevalue(request.param)
     return dataset, ReportEvaluator(report_page(dataset))
 
 
-def test_friction_in_reports_of_measured_surfaces_equals_library_values(measured_report):
-    dataset, report_numbers = measured_report
-    facts, errors = report_numbers.facts, []
+def test_friction_in_reports_of_measured_surfaces_equals_library_values(dataset_and_evaluator):
+    dataset, report_evaluator = dataset_and_evaluator
+    facts, errors = report_evaluator.facts, []
     study = parse_dataset_study(dataset)
     study_setting = (0, 0, 0, 0, study.friction.mu0[0], float(study.friction.tau0[0]))
-    for _, rule_index, way_index, load_index, mu0, tau0 in (study_setting, *random_settings(report_numbers, 25, 4)):
+    for _, rule_index, way_index, load_index, mu0, tau0 in (study_setting, *random_settings(report_evaluator, 25, 4)):
         reference = at_load(dataset, [facts["loads"]["values"][load_index]], mu0=[mu0], tau0=[tau0])
         reference = add_uncertainty(reference, dataset, budget=False).isel(
             load=0, mu0=0, tau0=0, cut_off=0, sliding=rule_index
         )
         is_whole = facts["ways"][way_index]["isWhole"]
         indices = {"rule": rule_index, "way": way_index, "load": load_index}
-        point = report_numbers.point("friction" if is_whole else "sampling", mu0, tau0, **indices)
+        point = report_evaluator.evaluate_quantity("friction" if is_whole else "sampling", mu0, tau0, **indices)
         expected = (
             reference["friction_combined"]
             if is_whole
@@ -297,33 +299,33 @@ def test_friction_in_reports_of_measured_surfaces_equals_library_values(measured
             assert point["text"] == format_estimate(*expected.values.tolist())
             assert errors[-1] < 0.1
         if not is_whole:  # A single direction has no interval.
-            point_over_directions = report_numbers.point("friction", mu0, tau0, **indices)
+            point_over_directions = report_evaluator.evaluate_quantity("friction", mu0, tau0, **indices)
             assert np.isnan(point_over_directions["lower"])
             assert "[" not in point_over_directions["text"]
     assert np.quantile(errors, 0.9) < MAX_RELATIVE_ERROR
 
 
-def test_coefficient_texts_in_a_report_equal_those_of_the_summary(measured_report):
-    dataset, report_numbers = measured_report
+def test_coefficient_texts_in_a_report_equal_those_of_the_summary(dataset_and_evaluator):
+    dataset, report_evaluator = dataset_and_evaluator
     study = parse_dataset_study(dataset)
     reference = at_load(dataset, [float(load_index) for load_index in study.friction.load])
-    rules = report_numbers.facts["rules"]
+    rules = report_evaluator.facts["rules"]
     for point in summarize(add_uncertainty(reference, dataset), study).points:
-        load_index = report_numbers.facts["loads"]["values"].index(point.at["load"])
+        load_index = report_evaluator.facts["loads"]["values"].index(point.at["load"])
         for rule in point.rules:
-            report_point = report_numbers.point(
+            report_point = report_evaluator.evaluate_quantity(
                 "friction", point.at["mu0"], point.at["tau0"], rule=rules.index(rule.rule), load=load_index
             )
             assert report_point["text"] == format_estimate(rule.value, rule.lower, rule.upper)
 
 
-def test_contact_values_in_reports_of_measured_surfaces_equal_library_values(measured_report):
-    dataset, report_numbers = measured_report
+def test_contact_values_in_reports_of_measured_surfaces_equal_library_values(dataset_and_evaluator):
+    dataset, report_evaluator = dataset_and_evaluator
     reference = at_load(dataset, dataset["load"].values, mu0=[0.3], tau0=[0.0]).isel(cut_off=0)
-    names = [quantity["name"] for quantity in report_numbers.facts["quantities"]]
+    names = [quantity["name"] for quantity in report_evaluator.facts["quantities"]]
     assert {"contact_area_fraction", "contact_count", "mean_pressure", "normal_stiffness"} <= set(names)
-    factors = {value["of"]: value["factor"] for value in report_numbers.facts["curves"].values()}
-    for quantity in report_numbers.facts["quantities"]:
+    factors = {value["of"]: value["factor"] for value in report_evaluator.facts["curves"].values()}
+    for quantity in report_evaluator.facts["quantities"]:
         expected = factors.get(quantity["name"], 1) * reference[quantity["name"]].transpose("load", "statistic").values
         assert np.array(quantity["points"][0][0], float) == pytest.approx(expected, rel=1e-12, nan_ok=True)
 
@@ -332,15 +334,15 @@ def test_contact_values_in_reports_of_measured_surfaces_equal_library_values(mea
 
 
 @pytest.fixture(scope="module")
-def drawing_functions(report_numbers):
+def drawing_functions(report_evaluator):
     """Functions of `plots.js` that need no document."""
     from importlib import resources
 
     text = (resources.files("stiction.views.report") / "plots.js").read_text("utf-8")
-    report_numbers._engine.eval(
+    report_evaluator._engine.eval(
         text.split("// ---- Axes ---")[0].split("// ---- Ticks and cells")[1].partition("\n")[2] + "; null"
     )
-    return report_numbers
+    return report_evaluator
 
 
 @pytest.mark.parametrize(

@@ -506,8 +506,8 @@ def test_report_is_accessible_and_sends_no_requests(driver, pages, scheme):
         if page_name in PLOTS_WITH_AXES:
             type_number(driver, "tau0-number", 50)
             browser.open_more_section(driver)
-        assert browser.find_accessibility_faults(driver, axe) == []
-        assert browser.list_foreign_requests(driver, path) == set()
+        assert browser.find_accessibility_violations(driver, axe) == []
+        assert browser.find_foreign_requests(driver, path) == set()
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
 
 
