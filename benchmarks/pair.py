@@ -6,7 +6,7 @@ import numpy as np
 from measure import measure_in_units, measure_unit, median_time
 from stiction import Study, random_phases, run, weierstrass_mandelbrot_family
 from stiction.studies.member_solution import _reuse_array, compute_member_sums
-from stiction.studies.members import fill_profiles
+from stiction.studies.members import fill_profile_family
 
 # With this large number, the last repetition, which a single thread computes, takes a small fraction of the time.
 NUM_REPETITIONS = 60
@@ -71,7 +71,9 @@ def benchmark_rows() -> list[tuple[str, str]]:
     one_profile_time = measure_in_units(lambda: weierstrass_mandelbrot_family(phases, dimensions[:1]))
     profile_buffer = _reuse_array((dimensions.size, 150_000))
     generation_time = (
-        2 * measure_in_units(lambda: fill_profiles(STUDY, profile_buffer, dimensions, 0, "upper")) / dimensions.size
+        2
+        * measure_in_units(lambda: fill_profile_family(STUDY, profile_buffer, dimensions, 0, "upper"))
+        / dimensions.size
     )
     result += [
         ("generation: both bodies, 50 dimensions together", f"{generation_time:.2f} U a pair"),

@@ -9,36 +9,36 @@ from pathlib import Path
 import pytest
 import stiction
 from stiction import _files
-from stiction._files import UnreadableFileError, new_file, read_content, replacement_file
-from stiction._text import printable, printable_path
+from stiction._files import UnreadableFileError, new_file, read_file_bytes, replacement_file
+from stiction._text import printable_path, printable_text
 
 
 def test_control_characters_are_escaped_for_printing():
     for text in ("\x1b[31m", "a\nb", "\r", "\x07", "\u202e", "\u2028", "\x9b2J", "\ud800", "\x00", "\u200b"):
-        message = printable(f"one{text}two")
+        message = printable_text(f"one{text}two")
         assert message.isprintable()
         assert message.startswith("one")
         assert message.endswith("two")
-    assert printable("µm é 漢字 ⟨D⟩") == "µm é 漢字 ⟨D⟩"
+    assert printable_text("µm é 漢字 ⟨D⟩") == "µm é 漢字 ⟨D⟩"
 
 
 def test_long_text_is_shortened_for_printing():
-    assert len(printable("x" * 10**6)) <= 80
+    assert len(printable_text("x" * 10**6)) <= 80
     assert len(printable_path("/" + "y/" * 10**5)) <= 300
-    assert printable("x" * 80) == "x" * 80
+    assert printable_text("x" * 80) == "x" * 80
 
 
 def test_file_reading_limits_the_size_and_rejects_special_files(tmp_path):
     (tmp_path / "file").write_bytes(b"x" * 100)
-    assert read_content(tmp_path / "file", 100) == b"x" * 100
+    assert read_file_bytes(tmp_path / "file", 100) == b"x" * 100
     with pytest.raises(UnreadableFileError, match="longer than 99 bytes"):
-        read_content(tmp_path / "file", 99)
+        read_file_bytes(tmp_path / "file", 99)
     os.mkfifo(tmp_path / "pipe")
     for place in (tmp_path / "pipe", _files.Path("/dev/zero")):
         with pytest.raises(UnreadableFileError, match="is not a regular file"):
-            read_content(place, 100)
+            read_file_bytes(place, 100)
     with pytest.raises(IsADirectoryError):
-        read_content(tmp_path, 100)
+        read_file_bytes(tmp_path, 100)
 
 
 @pytest.mark.parametrize("writer", [new_file, lambda path, failure: replacement_file(path, b"mark", failure)])
@@ -55,8 +55,8 @@ class TestFileWriting:
         assert sorted(os.listdir(tmp_path)) == ["f0", "f1"]
 
     def test_file_writing_does_not_follow_links(self, tmp_path, writer, monkeypatch):
-        name = _files.new_partial_name()
-        monkeypatch.setattr(_files, "new_partial_name", lambda: name)
+        name = _files.new_partial_file_name()
+        monkeypatch.setattr(_files, "new_partial_file_name", lambda: name)
         (tmp_path / "target").write_text("mine")
         (tmp_path / name).symlink_to("target")
         with pytest.raises(ValueError, match="already exists"), writer(tmp_path / "f", ValueError):

@@ -23,7 +23,7 @@ def split_values(value: Any) -> list[Any]:
     return [item for element in value for item in split_values(element)] if is_sequence else [value]
 
 
-def _split_nonempty(name: str, value: Any) -> list[Any]:
+def _split_required_values(name: str, value: Any) -> list[Any]:
     values = split_values(value)
     if not values:
         raise ArgumentError(f"{{{name}}} must have at least one value, got {{got}}", got=repr(value))
@@ -44,7 +44,7 @@ def parse_quantity(name: str, value: Any, kind: str) -> Quantity:
 def parse_quantities(name: str, value: Any, kind: str) -> list[Quantity]:
     """Parse one or more quantities of a given kind."""
     reject_decimal_commas(name, value)
-    return [parse_quantity(name, item, kind) for item in _split_nonempty(name, value)]
+    return [parse_quantity(name, item, kind) for item in _split_required_values(name, value)]
 
 
 _DECIMAL_COMMA = re.compile(r"(?<![\d.])\d+,\d+(?![\d.])")
@@ -68,7 +68,8 @@ def parse_numbers(name: str, value: Any, *, integers: bool = False) -> list[floa
         reject_decimal_commas(name, value)
     try:
         return [
-            float(item) if isinstance(item, str) else validate_number("", item) for item in _split_nonempty(name, value)
+            float(item) if isinstance(item, str) else validate_number("", item)
+            for item in _split_required_values(name, value)
         ]
     except ArgumentError:
         raise
@@ -94,7 +95,7 @@ def parse_coefficients(name: str, value: Any) -> list[float]:
     return numbers
 
 
-def reject_negative(name: str, values: list[Any], argument: Any) -> list[Any]:
+def reject_negative_values(name: str, values: list[Any], argument: Any) -> list[Any]:
     """Return the values of an argument; raise an `ArgumentError` if a value is negative."""
     if not all(value >= 0 for value in values):
         raise ArgumentError(f"{{{name}}} must be at least 0, got {{got}}", got=repr(argument))

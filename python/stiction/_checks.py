@@ -49,7 +49,7 @@ def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Flo
     return array
 
 
-def read_only(array: _Array) -> _Array:
+def make_read_only(array: _Array) -> _Array:
     """Make an array read-only and return it."""
     array.flags.writeable = False
     return array

@@ -21,14 +21,14 @@ PRESSURE_COLOUR_MAP = "inferno"
 MAX_LEGEND_LINES = 12  # a legend is drawn only if there are at most this many lines
 
 
-def to_readable_unit(heights: Floats) -> tuple[Floats, str]:
+def to_readable_height_unit(heights: Floats) -> tuple[Floats, str]:
     """Convert heights (µm) to nm if they span less than 0.5 µm, and return the heights with their unit."""
     return (heights * 1000, "nm") if np.ptp(heights) < _MAX_NM_RANGE else (heights, "µm")
 
 
 def draw_profile(ax: Axes, x: Floats, heights: Floats) -> Axes:
     """Draw the heights of a profile against x. The two axes have different scales."""
-    heights, unit = to_readable_unit(heights)
+    heights, unit = to_readable_height_unit(heights)
     ax.plot(x, heights, color="0.2", linewidth=0.8)
     ax.set(xlim=(0, float(x[-1])), xlabel="x (µm)", ylabel=f"height ({unit})")
     return ax
@@ -36,7 +36,7 @@ def draw_profile(ax: Axes, x: Floats, heights: Floats) -> Axes:
 
 def draw_surface(ax: Axes, heights: Floats, spacing: tuple[float, float]) -> Axes:
     """Draw a height map with the y axis pointing upwards. Each point lies at the centre of its pixel."""
-    heights, unit = to_readable_unit(heights)
+    heights, unit = to_readable_height_unit(heights)
     image = ax.imshow(heights, extent=map_extent(heights.shape, spacing), origin="lower", cmap=HEIGHT_COLOUR_MAP)
     add_colour_bar(ax, image, f"height ({unit})")
     ax.set(xlabel="x (µm)", ylabel="y (µm)")
@@ -57,9 +57,9 @@ def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats
     max_density = float(density.max())
     ax.set_ylim(max(float(bin_density[is_positive_bin].min()) / 3, 1e-16 * max_density), 3 * max_density)
     ax.set_xlabel("wave number q (1/µm)")
-    set_log_ticks(ax)
+    set_log_tick_labels(ax)
     ax.set_ylabel("power spectral density C1D (µm³)")
-    wavelength_axis = ax.secondary_xaxis("top", functions=(to_wavelength, to_wavelength))
+    wavelength_axis = ax.secondary_xaxis("top", functions=(wave_number_to_wavelength, wave_number_to_wavelength))
     wavelength_axis.set_xlabel("wavelength (µm)")
     return ax
 
@@ -74,7 +74,7 @@ def draw_repeated_scans(ax: Axes, comparison: Any) -> Axes:
     if math.isfinite(comparison.limit):
         ax.axvline(comparison.limit, color="0.5", linewidth=0.8)
     ax.set(xlabel="shortest wavelength of an octave (µm)", ylabel="rms height in the octave (nm)")
-    set_log_ticks(ax)
+    set_log_tick_labels(ax)
     ax.legend()
     return ax
 
@@ -100,7 +100,7 @@ def map_extent(shape: tuple[int, ...], spacing: tuple[float, ...]) -> tuple[floa
     return 0.0, shape[1] * spacing[1], 0.0, shape[0] * spacing[0]
 
 
-def to_wavelength(wave_number: Any) -> Any:
+def wave_number_to_wavelength(wave_number: Any) -> Any:
     """Convert wave numbers to wavelengths, or wavelengths to wave numbers."""
     with np.errstate(divide="ignore"):
         return 2 * math.pi / np.asarray(wave_number, dtype=np.float64)
@@ -113,7 +113,7 @@ def add_colour_bar(ax: Axes, image: Any, text: str) -> None:
     figure.colorbar(image, cax=ax.inset_axes((1.03, 0.0, 0.04, 1.0)), label=text)
 
 
-def set_log_ticks(axes: Axes) -> None:
+def set_log_tick_labels(axes: Axes) -> None:
     """Label logarithmic axes with plain numbers if they span up to three decades, and otherwise with powers of ten."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
@@ -140,7 +140,7 @@ def draw_contact_area(ax: Axes, load: Floats, area: Floats) -> Axes:
         raise ValueError("the surfaces do not touch at any load, so there is nothing to draw")
     ax.set(xscale="log", yscale="log", xlabel="normal load (mN)")
     ax.plot(load, area, color="#009e73", marker="o", markersize=3)
-    set_log_ticks(ax)
+    set_log_tick_labels(ax)
     ax.set_ylabel("true contact area (µm²)")
     return ax
 
@@ -160,7 +160,7 @@ def draw_friction(
     for legend_label, curve in zip(legend_labels, curves, strict=True):
         ax.plot(load, curve, marker="o", markersize=3, label=legend_label)
     ax.set_ylabel("coefficient of static friction")
-    set_log_ticks(ax)
+    set_log_tick_labels(ax)
     if 1 < len(curves) <= MAX_LEGEND_LINES:
         ax.legend(frameon=False, fontsize="small")
     return ax
@@ -180,10 +180,10 @@ def _material_labels(mu0: ArrayLike, tau0: ArrayLike) -> list[list[str]]:
     ]
 
 
-def draw_contact(ax: Axes, pressure: Floats, heights: Floats, spacing: tuple[float, ...]) -> Axes:
+def draw_contact_pressure(ax: Axes, pressure: Floats, heights: Floats, spacing: tuple[float, ...]) -> Axes:
     """Draw the contact pressure (GPa) and the heights of the lower surface, as a map or along a profile."""
     if pressure.ndim == 1:
-        return _draw_line_contact(ax, pressure, heights, spacing[-1])
+        return _draw_profile_contact_pressure(ax, pressure, heights, spacing[-1])
     extent = map_extent(pressure.shape, spacing)
     ax.imshow(heights, extent=extent, origin="lower", cmap="gray")
     positive_pressure = np.where(pressure > 0, pressure, np.nan)
@@ -196,9 +196,9 @@ def draw_contact(ax: Axes, pressure: Floats, heights: Floats, spacing: tuple[flo
     return ax
 
 
-def _draw_line_contact(ax: Axes, pressure: Floats, heights: Floats, spacing: float) -> Axes:
+def _draw_profile_contact_pressure(ax: Axes, pressure: Floats, heights: Floats, spacing: float) -> Axes:
     x = np.arange(pressure.size) * spacing
-    heights, unit = to_readable_unit(heights)
+    heights, unit = to_readable_height_unit(heights)
     ax.plot(x, heights, color="0.6", linewidth=0.8)
     ax.set_xlabel("x (µm)")
     ax.set_ylabel(f"height of the lower surface ({unit})", color="0.4")
@@ -217,7 +217,7 @@ def draw_onset(
     abscissa = displacement if has_displacement else slipped_area
     axis_label = "slipped fraction of the area"
     if has_displacement:
-        abscissa, unit = to_readable_unit(abscissa)
+        abscissa, unit = to_readable_height_unit(abscissa)
         axis_label = f"displacement ({unit})"
         elastic_displacement = sliding_load / stiffness * (1000 if unit == "nm" else 1)
         ax.plot([0, elastic_displacement], [0, sliding_load], color="0.6", linewidth=0.8, label="all sticks")

@@ -24,6 +24,6 @@ class ArgumentError(ValueError):
         super().__init__(message.format_map(_MessageValues(values, str)))
         self._message, self._values = message, values
 
-    def with_names(self, translate: Callable[[str], str]) -> str:
+    def translated_message(self, translate: Callable[[str], str]) -> str:
         """Return the message with argument names translated, for example to command-line options."""
         return self._message.format_map(_MessageValues(self._values, translate))

@@ -34,7 +34,7 @@ _NUM_SEARCHED_BYTES = 2**16
 @contextmanager
 def new_file(path: Path, failure: type[ValueError]) -> Iterator[Path]:
     """Yield a temporary file that is renamed to `path` when complete. Raise `failure` if `path` already exists."""
-    with _translate_errors(path, failure):
+    with _translate_os_errors(path, failure):
         if os.path.lexists(path):
             raise FileExistsError
         with _open_partial_file(path, os.link) as partial_path:  # unlike rename, link never replaces a file
@@ -48,7 +48,7 @@ def replacement_file(path: Path, mark: bytes, failure: type[ValueError]) -> Iter
     A file without the bytes `mark` near its start or its end was not written by this package.
     """
     check_replaceable(path, mark, failure)
-    with _translate_errors(path, failure), _open_partial_file(path, Path.replace) as partial_path:
+    with _translate_os_errors(path, failure), _open_partial_file(path, Path.replace) as partial_path:
         yield partial_path
 
 
@@ -57,7 +57,7 @@ def check_replaceable(path: Path, mark: bytes, failure: type[ValueError]) -> Non
 
     A dangling link counts as existing.
     """
-    with _translate_errors(path, failure):
+    with _translate_os_errors(path, failure):
         if os.path.lexists(path) and not _contains_file_mark(path, mark):
             raise failure(
                 f"{printable_path(path)}: already exists and was not written by stiction; remove it, or choose "
@@ -74,7 +74,7 @@ def write_atomically(path: Path, content: bytes) -> None:
 @contextmanager
 def _open_partial_file(path: Path, move: Callable[[Path, Path], object]) -> Iterator[Path]:
     """Yield an empty file in the folder of `path`. Rename it to `path` on success, and remove it otherwise."""
-    partial_path = path.parent / new_partial_name()
+    partial_path = path.parent / new_partial_file_name()
     try:  # create the file inside `try`, so that it is removed even if Ctrl-C arrives right afterwards
         os.close(os.open(partial_path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
         yield partial_path
@@ -84,22 +84,22 @@ def _open_partial_file(path: Path, move: Callable[[Path, Path], object]) -> Iter
             partial_path.unlink(missing_ok=True)
 
 
-def new_partial_name() -> str:
+def new_partial_file_name() -> str:
     """Return a new, unused name of fixed length for a partial file."""
     return f".stiction-{_MACHINE_TOKEN}-{os.getpid()}-{_PROCESS_TOKEN}-{secrets.token_hex(4)}.partial"
 
 
-def remove_stale_partials(folder: Path) -> None:
+def remove_stale_partial_files(folder: Path) -> None:
     """Remove partial files left by processes that have died. Errors, such as missing permissions, are ignored."""
     with suppress(OSError):
         for entry in os.scandir(folder):
             match = PARTIAL_NAME_PATTERN.fullmatch(entry.name)
-            if match and entry.is_file(follow_symlinks=False) and _is_stale(entry, *match.groups()):
+            if match and entry.is_file(follow_symlinks=False) and _is_stale_partial_file(entry, *match.groups()):
                 with suppress(OSError):
                     os.unlink(entry)
 
 
-def _is_stale(entry: os.DirEntry[str], machine: str, process: str, run: str) -> bool:
+def _is_stale_partial_file(entry: os.DirEntry[str], machine: str, process: str, run: str) -> bool:
     if machine != _MACHINE_TOKEN or os.name != "posix":
         return time.time() - entry.stat(follow_symlinks=False).st_mtime > MAX_PARTIAL_AGE
     if int(process) == os.getpid():
@@ -114,7 +114,7 @@ def _is_stale(entry: os.DirEntry[str], machine: str, process: str, run: str) -> 
 
 
 @contextmanager
-def _translate_errors(path: Path, failure: type[ValueError]) -> Iterator[None]:
+def _translate_os_errors(path: Path, failure: type[ValueError]) -> Iterator[None]:
     try:
         yield
     except FileExistsError:
@@ -145,7 +145,7 @@ def check_is_file(path: Path) -> None:
         raise UnreadableFileError("is a directory" if stat.S_ISDIR(mode) else "is not a file")
 
 
-def read_content(path: Path, max_bytes: int, start: bytes = b"") -> bytes:
+def read_file_bytes(path: Path, max_bytes: int, start: bytes = b"") -> bytes:
     """Return the bytes of a regular file without blocking on devices or pipes.
 
     Raises `UnreadableFileError` if it is another kind of file, is longer than `max_bytes` or does not begin with

@@ -85,12 +85,12 @@ def format_with_unit(value: float, unit: str) -> str:
     """Format a length (um), pressure (GPa), force (mN) or energy (pJ) to three digits with a suitable prefix."""
     if math.isnan(value):
         return "none"
-    factor, name = choose_prefix(value, unit)
+    factor, name = choose_prefixed_unit(value, unit)
     text = f"{value / factor:.3g}"
     return f"{float(text):g} {name}" if "e" in text else f"{text} {name}"
 
 
-def choose_prefix(value: float, unit: str) -> tuple[float, str]:
+def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
     """Choose the prefixed unit in which a value has the fewest zeros. Return the conversion factor and the unit."""
     if value == 0:
         return 1.0, unit.replace("um", "µm")

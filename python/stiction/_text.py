@@ -14,14 +14,14 @@ MAX_LINE_LENGTH = 1000  # maximum number of characters of a line that is quoted 
 _UNPRINTABLE_CATEGORIES = {"Cc", "Cf", "Cs", "Zl", "Zp"}
 
 
-def printable(text: object, max_length: int = MAX_WORD_LENGTH) -> str:
+def printable_text(text: object, max_length: int = MAX_WORD_LENGTH) -> str:
     r"""Return text as one line, with control characters escaped and the middle of a long text replaced by dots.
 
     Examples
     --------
-    >>> printable("a\nb\x1b[31m")
+    >>> printable_text("a\nb\x1b[31m")
     'a\\nb\\x1b[31m'
-    >>> printable("a" * 10 + "b" * 10, max_length=11)
+    >>> printable_text("a" * 10 + "b" * 10, max_length=11)
     'aaaa...bbbb'
     """
     result = str(text)
@@ -37,7 +37,7 @@ def printable(text: object, max_length: int = MAX_WORD_LENGTH) -> str:
 
 def printable_path(path: str | os.PathLike[str]) -> str:
     """Return a path as one printable line of limited length, for use in a message."""
-    return printable(os.fspath(path), MAX_PATH_LENGTH)
+    return printable_text(os.fspath(path), MAX_PATH_LENGTH)
 
 
 def format_bytes(size: float) -> str:

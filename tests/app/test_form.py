@@ -9,10 +9,10 @@ from stiction.app.form import (
     FIELDS_BY_FLAG,
     READING_FLAGS,
     fields_html,
-    find_first_option,
-    label_caveats,
+    find_first_option_name,
     page_data_json,
     replace_option_names,
+    replace_option_names_in_caveats,
 )
 from stiction.app.preview import preview_scan
 from stiction.studies.pair_options import PAIR_OPTIONS, FileReadingOptions, list_choices
@@ -58,12 +58,12 @@ def test_form_has_default_units_for_quantities_but_not_for_text_fields():
 )
 def test_error_message_replaces_option_names_by_form_labels(message, labelled, option):
     assert replace_option_names(message) == labelled
-    assert find_first_option(message) == option
+    assert find_first_option_name(message) == option
 
 
 def test_caveats_replace_option_names_by_form_labels():
     caveats = [{"text": "adhesion is neglected", "remedy": "specify --adhesion or --lines", "severity": "caution"}]
-    assert label_caveats({"value": 1, "caveats": caveats}) == {
+    assert replace_option_names_in_caveats({"value": 1, "caveats": caveats}) == {
         "value": 1,
         "caveats": [
             {"text": "adhesion is neglected", "remedy": 'specify "work of adhesion" or --lines', "severity": "caution"}

@@ -14,7 +14,7 @@ from stiction import Study, effective_modulus, run, self_affine, self_affine_sur
 from stiction._errors import ArgumentError
 from stiction._number_format import format_estimate
 from stiction.cli.application import app, print_output
-from stiction.cli.options import show_reader_import
+from stiction.cli.options import show_reader_import_status
 from stiction.cli.pair_options import read_given_options
 from stiction.studies import store
 from stiction.studies.evaluation import at_load
@@ -593,12 +593,12 @@ def test_slow_import_of_a_reader_package_is_announced_once(scans_folder, monkeyp
     monkeypatch.delitem(sys.modules, "SurfaceTopography", raising=False)
     messages = []
     monkeypatch.setattr("stiction.cli.options.show_status", messages.append)
-    show_reader_import(scans_folder / "scan.di")
-    show_reader_import(scans_folder / "upper.csv")
-    show_reader_import(scans_folder / "missing.di")
+    show_reader_import_status(scans_folder / "scan.di")
+    show_reader_import_status(scans_folder / "upper.csv")
+    show_reader_import_status(scans_folder / "missing.di")
     assert [("SurfaceTopography" in message, "scan.di" in message) for message in messages] == [(True, True)]
     monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
-    show_reader_import(scans_folder / "scan.di")
+    show_reader_import_status(scans_folder / "scan.di")
     assert len(messages) == 1
 
 

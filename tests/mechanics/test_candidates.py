@@ -20,7 +20,7 @@ from stiction import (
     weierstrass_mandelbrot,
     weierstrass_mandelbrot_surface,
 )
-from stiction.mechanics.friction import STATUS_DTYPE, ContactSums, combine_statuses
+from stiction.mechanics.friction import STATUS_DTYPE, ContactSums, choose_statuses
 from stiction.mechanics.law import CONTACT_LAWS, CONTACT_LAWS_BY_NAME, LawName
 from stiction.mechanics.model import ContactKeywords
 from stiction.mechanics.quantities import QUANTITIES, SUM_QUANTITIES, VALIDITY_QUANTITIES
@@ -138,7 +138,7 @@ def test_combined_status_names_the_first_failed_condition():
         (True, False, False, True), (True, False, False, False),
     ]  # fmt: skip
     touched, reached, below, locked = np.array(arguments).T
-    status = combine_statuses(touched=touched, reached=reached, below=below, locked=locked)
+    status = choose_statuses(touched=touched, reached=reached, below=below, locked=locked)
     assert status.tolist() == ["no-contact", "ok", "below-range", "self-locked", "not-reached"]
     assert status.dtype == STATUS_DTYPE
 

@@ -17,7 +17,7 @@ from stiction.mechanics.quantities import (
     SUM_QUANTITIES,
     VALIDITY_QUANTITIES,
     ZERO_LOAD_SUM_QUANTITIES,
-    quantities_shown_in,
+    quantity_names_shown_in,
 )
 from stiction.studies.contact_statistics import LOAD_FRACTION_FORMULAS
 from stiction.studies.evaluation import at_load
@@ -205,7 +205,7 @@ def test_fields_of_a_quantity_in_the_table_are_consistent_with_each_other(name):
 def test_csv_columns_are_in_the_order_of_the_table_of_quantities(results_at_loads):
     at = results_at_loads["half-planes"]
     columns = list(summary_table(summarize(at, parse_dataset_study(at))).columns)
-    shown = [name for name in quantities_shown_in("csv") if name in at and "direction" not in at[name].dims]
+    shown = [name for name in quantity_names_shown_in("csv") if name in at and "direction" not in at[name].dims]
     places = [
         next(i for i, column in enumerate(columns) if column.startswith(QUANTITIES[name].table_label)) for name in shown
     ]

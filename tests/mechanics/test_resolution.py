@@ -16,7 +16,12 @@ from stiction import (
     scale_dependent_roughness,
     self_affine,
 )
-from stiction.mechanics.brackets import friction_bracket, kappa_uncertainty_factor, max_area, max_friction
+from stiction.mechanics.brackets import (
+    friction_range_for_finer_scans,
+    kappa_uncertainty_factor,
+    max_area_for_finer_scans,
+    max_friction_for_finer_scans,
+)
 from support.rough_surfaces import rough_maps
 
 ROUND_OFF = 1e-12
@@ -103,8 +108,8 @@ def test_range_for_finer_scans_at_each_cutoff_contains_results_of_finer_scans(pa
     assert result.bracket_area_fraction[:, 0, 1].values == pytest.approx(
         min_area_fraction + area_above_limit * kappa_uncertainty_factor(count) ** 2
     )
-    assert float(max_area(100.0, 1.0, 1000)) == pytest.approx(100 * math.exp(0.1))
-    assert float(max_area(0.9, 1.0, 1000)) == 1.0
+    assert float(max_area_for_finer_scans(100.0, 1.0, 1000)) == pytest.approx(100 * math.exp(0.1))
+    assert float(max_area_for_finer_scans(0.9, 1.0, 1000)) == 1.0
 
 
 def test_max_friction_of_a_sample_equals_the_upper_end_of_its_range_for_finer_scans():
@@ -113,8 +118,10 @@ def test_max_friction_of_a_sample_equals_the_upper_end_of_its_range_for_finer_sc
         np.array([0.05, 0.02, 0.0, 0.1]),
         np.array([0.3, 0.6, 0.2, 0.35]),
     )
-    max_values = [friction_bracket(*sample, contacts=38.0)[1] for sample in zip(value, mu0, adhesion, strict=True)]
-    assert max_friction(value, mu0, adhesion, 38.0) == pytest.approx(max_values)
+    max_values = [
+        friction_range_for_finer_scans(*sample, contacts=38.0)[1] for sample in zip(value, mu0, adhesion, strict=True)
+    ]
+    assert max_friction_for_finer_scans(value, mu0, adhesion, 38.0) == pytest.approx(max_values)
     # The real area is far above F/H in the first two samples, so that their adhesive friction grows by `kappa_factor`.
     kappa_factor = float(kappa_uncertainty_factor(np.array(38.0)))
     assert max_values[:2] == pytest.approx((mu0 + kappa_factor * (value - mu0))[:2])

@@ -464,7 +464,7 @@ def test_complete_result_on_a_read_only_disk_can_be_read(folder_copy, computed_r
     def fail_read_only(*_):
         raise OSError(errno.EROFS, os.strerror(errno.EROFS))
 
-    monkeypatch.setattr(_files, "remove_stale_partials", fail_read_only)
+    monkeypatch.setattr(_files, "remove_stale_partial_files", fail_read_only)
     study_at_other_mu0 = TINY_STUDY.with_changes({"friction.mu0": [0.2]})
     assert run(study_at_other_mu0, store=folder_copy).dataset.attrs["study"] == study_at_other_mu0.to_toml()
     assert computed_repetitions == []
@@ -479,7 +479,7 @@ def test_complete_result_on_a_read_only_disk_can_be_read(folder_copy, computed_r
 def test_partial_files_of_ended_processes_are_removed(folder_copy):
     ended_process = subprocess.Popen([sys.executable, "-c", ""])
     ended_process.wait()
-    machine, _, process_token = _files.PARTIAL_NAME_PATTERN.fullmatch(_files.new_partial_name()).groups()
+    machine, _, process_token = _files.PARTIAL_NAME_PATTERN.fullmatch(_files.new_partial_file_name()).groups()
     is_kept = {
         f".stiction-{machine}-{ended_process.pid}-00000000-00000000.partial": False,
         # An earlier process had the same process id.

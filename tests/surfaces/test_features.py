@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from reference import roughness as reference_roughness
 from stiction import Surface, surface_parameters
-from stiction.surfaces.features import feature_parameters, significant_peaks
+from stiction.surfaces.features import feature_parameters, find_significant_peaks
 from support.rough_surfaces import self_affine_map
 
 
@@ -20,7 +20,7 @@ def test_significant_peaks_equal_those_found_by_literal_wolf_pruning(seed, pruni
     for sign in (1, -1):
         threshold = pruning * float(np.ptp(heights))
         expected = reference_roughness.wolf_pruned_peaks(sign * heights, threshold)
-        result = {divmod(int(index), 27) for index in significant_peaks(sign * heights, threshold)}
+        result = {divmod(int(index), 27) for index in find_significant_peaks(sign * heights, threshold)}
         assert result == expected
 
 
@@ -51,8 +51,8 @@ def test_feature_parameters_of_an_egg_box_equal_closed_forms():
 def test_feature_parameters_count_a_plateau_as_one_peak():
     heights = np.zeros((12, 12))
     heights[2:5, 2:5], heights[7:10, 7:9] = 1.0, 2.0
-    assert significant_peaks(heights, 0.1).size == 2
-    assert significant_peaks(heights, 1.5).size == 1
+    assert find_significant_peaks(heights, 0.1).size == 2
+    assert find_significant_peaks(heights, 1.5).size == 1
 
 
 def test_five_point_heights_are_nan_with_fewer_than_five_peaks():

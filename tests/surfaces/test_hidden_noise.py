@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from stiction import Profile, Surface, cut_off, instrument_limit
-from stiction.surfaces.floor_fit import MIN_FLOOR_LIKELIHOOD_GAIN, BinnedSpectrum, fit_floor
+from stiction.surfaces.floor_fit import MIN_FLOOR_LIKELIHOOD_GAIN, BinnedSpectrum, fit_noise_floor
 from stiction.surfaces.hidden_noise import find_hidden_noise
 from stiction.surfaces.scale import line_spectra
 from support.machined_surfaces import filtered_noise, turned_surface
@@ -32,7 +32,7 @@ class TestNoiseFloorFit:
 
     @pytest.mark.parametrize("level", [0.1, 1.0, 30.0])
     def test_fit_of_noise_floor_recovers_parameters_of_exact_spectra(self, level):
-        fit = fit_floor(
+        fit = fit_noise_floor(
             [self.create_spectrum(2.2, level), self.create_spectrum(3.1, level, floor=0.5)], exponents=(1.0, 5.0)
         )
         assert fit.level == pytest.approx(level, rel=0.01)
@@ -42,14 +42,14 @@ class TestNoiseFloorFit:
         assert fit.is_significant
 
     def test_fit_of_a_pure_power_law_has_no_significant_noise_floor(self):
-        fit = fit_floor([self.create_spectrum(2.2, 0.0)], exponents=(1.0, 5.0))
+        fit = fit_noise_floor([self.create_spectrum(2.2, 0.0)], exponents=(1.0, 5.0))
         assert not fit.is_significant
         assert fit.gain == pytest.approx(0.0, abs=1e-3)
         assert fit.exponents == pytest.approx((2.2,), rel=1e-3)
 
     def test_gain_of_a_noise_floor_is_the_increase_in_log_likelihood(self):
         spectrum = self.create_spectrum(2.2, 1.0, weight=3.0)
-        fit = fit_floor([spectrum], exponents=(1.0, 5.0))
+        fit = fit_noise_floor([spectrum], exponents=(1.0, 5.0))
 
         def negative_log_likelihood(level):
             exponents = np.linspace(1.0, 5.0, 401)[:, np.newaxis]

@@ -7,9 +7,9 @@ import warnings
 import numpy as np
 import pytest
 from stiction import FormatError, FormatWarning, Surface, read_measurement, write_surface
-from stiction.surfaces.measured.decode import decode
+from stiction.surfaces.measured.decode import decode_text
 from stiction.surfaces.measured.layouts import LAYOUTS
-from stiction.surfaces.measured.reading import load_reading
+from stiction.surfaces.measured.reading import load_interpreted_file
 from support import fuzzing
 
 random = np.random.default_rng(8)
@@ -320,7 +320,7 @@ def test_layout_parsers_recognise_only_their_own_files():
         name: write(**variant) for name, (write, _, variants) in EXPORT_FORMATS.items() for variant in variants[:1]
     }
     for name, text in texts.items():
-        result = [layout.name for layout in LAYOUTS if layout.recognise(decode(text.encode()))]
+        result = [layout.name for layout in LAYOUTS if layout.recognises(decode_text(text.encode()))]
         assert len(result) == (name not in ("triplets", "labelled")), (name, result)
 
 
@@ -399,9 +399,9 @@ def test_first_number_with_fewer_decimals_than_the_others_adds_a_caveat(tmp_path
     path.write_text("0.5\n" + "".join(f"{z:.4f}\n" for z in LINE_HEIGHTS))
     with pytest.warns(FormatWarning, match="first-number"):
         read_measurement(path, **options)
-    assert not load_reading(path, **options, accept="first-number").caveats
+    assert not load_interpreted_file(path, **options, accept="first-number").caveats
     path.write_text("0.5\n" + "".join(f"{z:g}\n" for z in LINE_HEIGHTS))
-    assert not load_reading(path, **options).caveats
+    assert not load_interpreted_file(path, **options).caveats
 
 
 def test_words_in_a_line_of_data_are_rejected_with_the_line_number(tmp_path):
@@ -445,16 +445,16 @@ def test_codes_for_missing_points_are_reported_and_can_be_masked(tmp_path):
     for code in ("-9999", "-32768", "99999.0", "0.000"):
         body = [f"{0.5 * at},{code if at in (7, 8, 33) else z + 500}" for at, z in enumerate(LINE_HEIGHTS)]
         path.write_text("x (um),z (um)\n" + "\n".join(body))
-        reading = load_reading(path)
+        reading = load_interpreted_file(path)
         assert "repeated-extreme" in [caveat.name for caveat in reading.caveats]
         assert f"--missing-value {float(code):g}" in reading.caveats[0].remedy
         with pytest.warns(FormatWarning, match="repeated-extreme"):
             read_measurement(path)
-        masked = load_reading(path, missing_value=float(code), missing="mask", accept="tall")
+        masked = load_interpreted_file(path, missing_value=float(code), missing="mask", accept="tall")
         assert masked.missing == 3
         assert np.flatnonzero(masked.body.missing).tolist() == [7, 8, 33]
         assert not masked.caveats
-        assert load_reading(path, accept="repeated-extreme,tall").caveats == ()
+        assert load_interpreted_file(path, accept="repeated-extreme,tall").caveats == ()
 
 
 def test_column_of_flags_declares_missing_points(tmp_path):
@@ -536,8 +536,8 @@ def test_report_on_a_file_states_its_layout_units_and_number_of_points(tmp_path)
     path.write_text(
         "made by hand\nx (um);z (um)\n" + "\n".join(f"{0.5 * at};{z}" for at, z in enumerate(LINE_HEIGHTS)) + "\nend\n"
     )
-    reading = load_reading(path)
-    record = reading.record()
+    reading = load_interpreted_file(path)
+    record = reading.to_json_fields()
     assert record["layout"] == "positions and heights"
     assert record["points"] == [60]
     assert record["spacing_um"] == [0.5]
@@ -642,7 +642,7 @@ def test_header_declarations_apply_to_tables_of_every_shape(tmp_path, shape, dec
         options["spacing"] = "0.5 um"
     path = tmp_path / "a.txt"
     path.write_text("\n".join([line, *lines_in_table_shape(shape, heights)]), encoding="utf-8")
-    reading = load_reading(path, **options)
+    reading = load_interpreted_file(path, **options)
     body, is_profile = reading.body, shape in ("column", "positions")
     expected = heights.ravel() if is_profile else heights
     scale = {"factor": 1e-3, "unit": 1e-3}.get(declaration, 1.0)
@@ -693,7 +693,7 @@ def test_scale_in_a_header_multiplies_heights_only_if_it_describes_a_conversion(
             read_measurement(path, spacing="0.5 um")
         with pytest.warns(FormatWarning, match="scale"):
             body = read_measurement(path, unit="nm", spacing="0.5 um")
-        assert not load_reading(path, unit="nm", spacing="0.5 um", accept="scale").caveats
+        assert not load_interpreted_file(path, unit="nm", spacing="0.5 um", accept="scale").caveats
     else:
         body = read_measurement(path, spacing="0.5 um")
     assert np.allclose(body.heights, (factor or 1e-3) * HEIGHTS, rtol=1e-12)
@@ -704,7 +704,7 @@ def test_positions_are_not_read_as_heights_if_the_spacing_is_declared(tmp_path):
     head = ["# x spacing: 0.25 um", "# y spacing: 0.5 um"]
     for first in (0.5 * np.arange(NUM_ROWS), 3 + 0.5 * np.arange(NUM_ROWS)):
         path.write_text("\n".join([*head, *format_rows(np.column_stack([first, HEIGHTS]))]))
-        body = load_reading(path, unit="um", accept="tall").body
+        body = load_interpreted_file(path, unit="um", accept="tall").body
         assert np.array_equal(body.heights, HEIGHTS)
         assert body.spacing == (0.5, 0.25)
         assert "the first column removed: positions 0.5 um apart, as its header declares" in body.history

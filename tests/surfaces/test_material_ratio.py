@@ -7,7 +7,7 @@ import pytest
 from reference import roughness as reference_roughness
 from scipy.stats import norm
 from stiction import Surface, material_ratio, roughness_parameters, section_parameters, surface_parameters
-from stiction.surfaces.material_ratio import core_parameters, heights_at_ratios, material_volumes
+from stiction.surfaces.material_ratio import core_parameters, heights_at_material_ratios, material_volumes
 from stiction.surfaces.parameters import PROFILE_PARAMETERS, ROUGHNESS_PARAMETERS, SURFACE_PARAMETERS
 from support.rough_surfaces import rough_profile, self_affine_map
 
@@ -21,7 +21,7 @@ def heights():
 def test_material_ratios_and_heights_equal_their_definitions(heights):
     z = heights.ravel().tolist()
     for ratio in (0.0, 0.025, 0.1, 0.5, 0.8, 1.0):
-        assert heights_at_ratios(heights, ratio) == pytest.approx(
+        assert heights_at_material_ratios(heights, ratio) == pytest.approx(
             reference_roughness.height_at_material_ratio(z, ratio), rel=1e-12
         )
     levels = [-10.0, -0.5, 0.0, 0.7, 10.0]
@@ -75,7 +75,7 @@ def test_parameters_of_normally_distributed_heights_equal_closed_forms():
 def test_core_material_and_void_volumes_add_up_to_the_core_height(heights):
     # The material volume and the void volume add up to the slab between the two heights.
     result = material_volumes(heights)
-    upper, lower = heights_at_ratios(heights, [0.1, 0.8])
+    upper, lower = heights_at_material_ratios(heights, [0.1, 0.8])
     assert result.core_material + result.core_void == pytest.approx(upper - lower, rel=1e-12)
 
 

@@ -24,7 +24,7 @@ class TestLinePairs:
     def test_line_pairs_use_every_line_before_any_line_is_repeated(self):
         body = create_surface((30, 64))
         pairs = LinePairs(body, body, level=None, has_several_pairs=True)
-        assert pairs.max_count() == 30
+        assert pairs.max_pair_count() == 30
         line_positions = [pairs.position_across_lines(index) for index in range(30)]
         assert np.unique(np.round(line_positions, 9)).size == 30
         for index in (0, 7, 29):
@@ -36,7 +36,7 @@ class TestLinePairs:
     def test_line_pair_is_independent_of_pairs_created_earlier(self):
         profile = self_affine(1, hurst_exponent=0.8, rms=0.05, points=400, spacing=0.02)
         pairs = LinePairs(profile, profile, surrogates="both", has_several_pairs=True)
-        assert pairs.max_count() is None
+        assert pairs.max_pair_count() is None
         later_pair, first_pair = (
             pairs.pair(5),
             LinePairs(profile, profile, surrogates="both", has_several_pairs=True).pair(5),

@@ -56,7 +56,7 @@ _OPTION_PATTERN = re.compile(r"--([a-z0-9-]+)(?: ([\w,-]+))?")
 """Pattern of an option name and the word after it, which may be the value of the option."""
 
 
-def find_first_option(message: str) -> str:
+def find_first_option_name(message: str) -> str:
     """Return the option name at the start of an error message, or an empty string if the form has no such field."""
     match = _OPTION_PATTERN.match(message)
     return match[1] if match and match[1] in FIELDS_BY_FLAG else ""
@@ -76,7 +76,7 @@ def replace_option_names(message: str) -> str:
     return _OPTION_PATTERN.sub(field_label, message)
 
 
-def label_caveats(record: dict[str, Any]) -> dict[str, Any]:
+def replace_option_names_in_caveats(record: dict[str, Any]) -> dict[str, Any]:
     """Return the record of a point with field labels instead of option names in its caveats."""
     caveats = [{name: replace_option_names(text) for name, text in caveat.items()} for caveat in record["caveats"]]
     return record | {"caveats": caveats}

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from stiction.app.form import find_first_option, replace_option_names
+from stiction.app.form import find_first_option_name, replace_option_names
 from stiction.studies.store import open_stored
 
 POLL_INTERVAL = 0.4  # time in seconds between two checks of the progress of a command
@@ -43,7 +43,7 @@ class RejectedRequestError(ValueError):
     """Error raised if a request is rejected, with a message to show on the page."""
 
 
-def remove_paths(text: str, root: Path | str) -> str:
+def hide_private_paths(text: str, root: Path | str) -> str:
     """Replace private paths in a text with the names of the uploaded scans."""
     return re.sub(rf"{re.escape(str(root))}/(?:files/\w+/)?", "", text)
 
@@ -74,7 +74,7 @@ class Job:
         field_names = ("number", "title", "state", "finished", "total", "versions")
         return {name: getattr(self, name) for name in field_names} | {
             "words": self.activity, "by": self.scope, "answer": self.record, "error": replace_option_names(self.error),
-            "command": shlex.join(["stiction", *self.arguments]), "option": find_first_option(self.error),
+            "command": shlex.join(["stiction", *self.arguments]), "option": find_first_option_name(self.error),
         }  # fmt: skip
 
     def stop(self) -> None:
@@ -130,7 +130,7 @@ class JobQueue:
                     await self._read_result(job)
         except REPORTED_ERRORS as error:
             final_state = "failed"
-            job.error = remove_paths(str(error) or "not enough memory for this computation", self.root)
+            job.error = hide_private_paths(str(error) or "not enough memory for this computation", self.root)
         job.state, job.activity = final_state, ""
 
     async def _run_command(self, job: Job) -> None:
@@ -144,7 +144,7 @@ class JobQueue:
                 )
         if job.folder.is_relative_to(self.root):
             job.activity = "computing"
-            monitor = asyncio.create_task(self._monitor(job))
+            monitor = asyncio.create_task(self._monitor_progress(job))
             try:
                 output_option = "--json" if job.arguments[0] == "pair" else "--part=1/1"
                 arguments = ["stiction", *job.arguments, output_option, f"--output={job.folder}"]
@@ -155,7 +155,7 @@ class JobQueue:
         job.activity = "drawing"
         await self._read_result(job)
 
-    async def _monitor(self, job: Job) -> None:
+    async def _monitor_progress(self, job: Job) -> None:
         """Monitor the progress of a command. Whenever the number of members has doubled, read the result."""
         num_reported = 2  # an interval requires at least two members
         while True:
@@ -190,12 +190,12 @@ class JobQueue:
         load, mu0, tau0 = numbers
         options = [f"--load={load!r} mN", f"--mu0={mu0!r}", f"--tau0={tau0!r} GPa"]
         options += [] if dimension is None else [f"--d={dimension!r}"]
-        return await self.run_reader(["stiction", "at", str(job.folder), *options, "--json"])
+        return await self.run_short_module(["stiction", "at", str(job.folder), *options, "--json"])
 
-    async def run_reader(self, arguments: list[str]) -> str:
+    async def run_short_module(self, arguments: list[str]) -> str:
         """Run a module that finishes quickly, and return its output. At most two such modules run at the same time."""
         async with self._reader_slots:
-            return remove_paths(await run_module(arguments, memory=READER_MEMORY_FRACTION), self.root)
+            return hide_private_paths(await run_module(arguments, memory=READER_MEMORY_FRACTION), self.root)
 
 
 def memory_limit_prefix(memory: float) -> list[str]:

@@ -19,10 +19,10 @@ from stiction._drawing import HEIGHT_COLOUR_MAP
 from stiction._number_format import format_with_unit
 from stiction.app.form import replace_option_names
 from stiction.studies.pair_options import split_list
-from stiction.surfaces.measured.reading import load_reading
+from stiction.surfaces.measured.reading import load_interpreted_file
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.roughness import reject_flat_or_small, rms_gradient, roughness_parameters
+from stiction.surfaces.roughness import reject_flat_or_small_surface, rms_gradient, roughness_parameters
 
 # Maximum number of rows or columns of a map preview; a profile preview may have three times as many points.
 MAX_DRAWN_POINTS = 160
@@ -37,14 +37,14 @@ def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
     with warnings.catch_warnings(record=True) as caught_warnings:
         warnings.simplefilter("always")
         try:
-            scan = load_reading(file, **options)
+            scan = load_interpreted_file(file, **options)
             body = scan.body
             levelled_body = levelled(body, "line" if isinstance(body, Profile) else "plane")  # type: ignore[call-overload]
             if isinstance(levelled_body, Profile):
                 parameters = roughness_parameters(levelled_body)
                 height, slope = parameters.Pq, parameters.Pdq
             else:
-                reject_flat_or_small(levelled_body)
+                reject_flat_or_small_surface(levelled_body)
                 height, slope = float(levelled_body.heights.std()), rms_gradient(levelled_body, "seven-point")
         except (ValueError, ImportError, MemoryError) as error:
             return {"error": replace_option_names(str(error)) or "not enough memory for this scan"}
@@ -55,10 +55,10 @@ def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
     if isinstance(levelled_body, Profile):
         image_type, image = (
             "svg+xml",
-            draw_svg(levelled_body.heights[:: -(-len(levelled_body) // (3 * MAX_DRAWN_POINTS))]).encode(),
+            draw_lines_svg(levelled_body.heights[:: -(-len(levelled_body) // (3 * MAX_DRAWN_POINTS))]).encode(),
         )
     else:
-        image_type, image = "png", render_png(levelled_body.heights, levelled_body.extent)
+        image_type, image = "png", render_height_map_png(levelled_body.heights, levelled_body.extent)
     warning_texts = [*scan.caveats, *(item.message for item in caught_warnings)]
     return {
         "holds": "profile" if is_profile else "surface", names[0]: height, names[1]: slope,
@@ -70,7 +70,7 @@ def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def draw_svg(*lines: Floats) -> str:
+def draw_lines_svg(*lines: Floats) -> str:
     """Draw several lines in one SVG image with a common vertical scale."""
     low, high = min(map(np.min, lines)), max(map(np.max, lines))
     elements = ""
@@ -81,7 +81,7 @@ def draw_svg(*lines: Floats) -> str:
     return f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 300 100">{elements}</svg>'
 
 
-def render_png(heights: Floats, extent: tuple[float, float]) -> bytes:
+def render_height_map_png(heights: Floats, extent: tuple[float, float]) -> bytes:
     """Render a height map as a PNG image with square pixels and the first row at the bottom."""
     from matplotlib.image import imsave
 

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from stiction._number_format import to_json
-from stiction.app.form import label_caveats
-from stiction.app.jobs import REPORTED_ERRORS, remove_paths
+from stiction.app.form import replace_option_names_in_caveats
+from stiction.app.jobs import REPORTED_ERRORS, hide_private_paths
 from stiction.studies.pair import MeasuredPair
 from stiction.studies.pair_options import PAIR_OPTIONS, format_command_line_name
 from stiction.studies.result import Result, open_result
@@ -45,14 +45,14 @@ def main() -> None:
             result = None if study is None else preview_result(study)
         else:
             result = open_result(request["folder"])
-        print(to_json(None if result is None else _write_files(result, request)))
+        print(to_json(None if result is None else _write_result_files(result, request)))
     except REPORTED_ERRORS as error:
         sys.exit(f"stiction: {error or 'not enough memory for this result'}")
 
 
-def _write_files(result: Result, request: dict[str, Any]) -> dict[str, Any]:
+def _write_result_files(result: Result, request: dict[str, Any]) -> dict[str, Any]:
     command = request["command"]
-    record = label_caveats(point_record(result.summary().first))
+    record = replace_option_names_in_caveats(point_record(result.summary().first))
     text_by_file_name = {"page.html": report_page(result, name=request["name"])}
     if result.path is not None and command:
         text_by_file_name |= {
@@ -63,7 +63,7 @@ def _write_files(result: Result, request: dict[str, Any]) -> dict[str, Any]:
     files = Path(request["files"])
     files.mkdir(parents=True)
     for name, text in text_by_file_name.items():
-        (files / name).write_text(remove_paths(text, request["root"]), "utf-8", "replace")
+        (files / name).write_text(hide_private_paths(text, request["root"]), "utf-8", "replace")
     return {"answer": record, "finished": int(result.members.size), "total": result.study.ensemble.repetitions}
 
 

@@ -26,8 +26,14 @@ from starlette.routing import Route
 from stiction._files import replacement_file
 from stiction._units import short_repr
 from stiction.app import sample_surfaces
-from stiction.app.form import FIELDS_BY_FLAG, READING_FLAGS, fields_html, label_caveats, page_data_json
-from stiction.app.jobs import Job, JobQueue, RejectedRequestError, remove_paths
+from stiction.app.form import (
+    FIELDS_BY_FLAG,
+    READING_FLAGS,
+    fields_html,
+    page_data_json,
+    replace_option_names_in_caveats,
+)
+from stiction.app.jobs import Job, JobQueue, RejectedRequestError, hide_private_paths
 from stiction.mechanics.materials import materials
 from stiction.studies.store import open_stored
 
@@ -98,7 +104,7 @@ class Server:
             ("POST", "/demo", self.add_sample_surfaces), ("GET", "/scans/{scan}/{name}", self.get_scan),
             ("GET", "/jobs", self.list_jobs), ("POST", "/jobs", self.add_job),
             ("POST", "/jobs/{job:int}/stop", self.stop_job), ("GET", "/jobs/{job:int}/at", self.evaluate_result),
-            ("GET", "/jobs/{job:int}/{name}", self.get_file), ("GET", "/results", self.list_results),
+            ("GET", "/jobs/{job:int}/{name}", self.get_result_file), ("GET", "/results", self.list_results),
             ("GET", "/profiles", self.draw_profiles), ("POST", "/menu", self.add_menu_entry),
         ]  # fmt: skip
         self._app = Starlette(
@@ -186,7 +192,7 @@ class Server:
             for material in sorted(materials(), key=lambda material: material.name)
         )
         demo_attribute, menu_attribute = "demo" if self.has_demo else "", "" if sys.platform == "linux" else "hidden"
-        text = Template(_read_file("app.html")).substitute(
+        text = Template(_read_package_file("app.html")).substitute(
             materials=material_options, demo=demo_attribute, menu=menu_attribute, max_bytes=MAX_SCAN_BYTES,
             reading=fields_html("scan"), more=fields_html("more"), facts=page_data_json(),
         )  # fmt: skip
@@ -196,10 +202,13 @@ class Server:
         """Return the script, or the style sheets of the report and the app."""
         file_type = request.path_params["kind"]
         if file_type == "js":
-            return Response(_read_file("app.js"), media_type="text/javascript")
+            return Response(_read_package_file("app.js"), media_type="text/javascript")
         if file_type != "css":
             _raise_not_found()
-        return Response(_read_file("page.css", "stiction.views.report") + _read_file("app.css"), media_type="text/css")
+        return Response(
+            _read_package_file("page.css", "stiction.views.report") + _read_package_file("app.css"),
+            media_type="text/css",
+        )
 
     async def add_menu_entry(self, _: Request) -> Response:
         """Add the app to the applications menu of the desktop, so that it starts without a terminal."""
@@ -220,7 +229,7 @@ class Server:
     async def store_scan(self, request: Request) -> Response:
         """Store an uploaded scan under the last part of its name, without special characters."""
         num_stored_bytes = sum(path.stat().st_size for path in self.scans.values())
-        num_bytes = _body_length(
+        num_bytes = _request_body_length(
             request, min(MAX_SCAN_BYTES, MAX_TOTAL_BYTES - num_stored_bytes - self.num_arriving_bytes)
         )
         name = re.sub(r"[^\w.() -]", "_", re.split(r"[/\\]", request.query_params.get("name", ""))[-1]).strip(". ")
@@ -260,21 +269,23 @@ class Server:
         self.scans |= {path.stem: path for path in paths}
         return JSONResponse([{"scan": path.stem, "name": path.name} for path in paths])
 
-    def _find_scan(self, identifier: object) -> Path:
+    def _find_scan_path(self, identifier: object) -> Path:
         if identifier not in self.scans:
             raise HTTPException(404, "this scan is no longer available; drop the file again")
         return self.scans[str(identifier)]
 
     async def get_scan(self, request: Request) -> Response:
         """Return a scan as a file."""
-        path = self._find_scan(request.path_params["scan"])
+        path = self._find_scan_path(request.path_params["scan"])
         return FileResponse(path, filename=path.name)
 
     async def preview_scan(self, request: Request) -> Response:
         """Return the preview of a scan."""
         scan, query = request.path_params["scan"], request.query_params
         reading_options = json.dumps({name: query.get(name, "")[:80] for name in READING_FLAGS})
-        output = await self.jobs.run_reader(["stiction.app.preview", str(self._find_scan(scan)), reading_options])
+        output = await self.jobs.run_short_module(
+            ["stiction.app.preview", str(self._find_scan_path(scan)), reading_options]
+        )
         self.points[scan] = json.loads(output).get("points", 0)
         return Response(output, media_type="application/json")
 
@@ -284,17 +295,17 @@ class Server:
         """Return the progress of all jobs."""
         self.last_request_time, self.has_window = asyncio.get_running_loop().time(), True
         jobs = json.dumps([job.page_data() for job in self.jobs.all.values()])
-        return Response(remove_paths(jobs, self.root), media_type="application/json")
+        return Response(hide_private_paths(jobs, self.root), media_type="application/json")
 
     async def add_job(self, request: Request) -> Response:
         """Add a command to the queue: `pair` for two scans, `run` for generated surfaces, or an existing result."""
-        _body_length(request, MAX_REQUEST_BYTES)
+        _request_body_length(request, MAX_REQUEST_BYTES)
         if not isinstance(request_data := await request.json(), dict):
             raise HTTPException(400)
         command, options = request_data.get("command"), request_data.get("options")
         if command == "open":
             name = request_data.get("name", "")
-            folder = self._find_results().get(name) or _raise_not_found("this result no longer exists")
+            folder = self._find_result_folders().get(name) or _raise_not_found("this result no longer exists")
             return JSONResponse({"job": self.jobs.add(name, ["info", name], folder=folder).number})
         if command not in ALLOWED_OPTIONS or not isinstance(options, list):
             raise HTTPException(400)
@@ -307,7 +318,7 @@ class Server:
         if command == "run":
             return JSONResponse({"job": self.jobs.add("Generated profiles", ["run", "quick", *arguments]).number})
         scan_identifiers = [request_data.get(side) for side in ("upper", "lower")]
-        files = [self._find_scan(scan_identifier) for scan_identifier in scan_identifiers]
+        files = [self._find_scan_path(scan_identifier) for scan_identifier in scan_identifiers]
         is_preview_possible = all(
             0 < self.points.get(str(scan_identifier), 0) <= MAX_PREVIEW_POINTS for scan_identifier in scan_identifiers
         )
@@ -331,9 +342,9 @@ class Server:
         load_mu0_tau0 = [float(query.get(name, "nan")) for name in ("load", "mu0", "tau0")]
         output = await self.jobs.evaluate(job, load_mu0_tau0, float(query["d"]) if "d" in query else None)
         answers = json.loads(output)["answers"]
-        return JSONResponse({"answers": [label_caveats(record) for record in answers]})
+        return JSONResponse({"answers": [replace_option_names_in_caveats(record) for record in answers]})
 
-    async def get_file(self, request: Request) -> Response:
+    async def get_result_file(self, request: Request) -> Response:
         """Return the report, JSON, CSV or study file of a job."""
         folder, name = self._find_job(request).files or _raise_not_found(), request.path_params["name"]
         if name not in [path.name for path in folder.iterdir()]:
@@ -345,7 +356,7 @@ class Server:
 
     # ---- Existing results and generated surfaces -------------------------------------------------------------
 
-    def _find_results(self) -> dict[str, Path]:
+    def _find_result_folders(self) -> dict[str, Path]:
         folders = [
             path.parent for path in self.working_directory.glob("*/study.toml") if (path.parent / "blocks").is_dir()
         ]
@@ -357,7 +368,9 @@ class Server:
     async def list_results(self, _: Request) -> Response:
         """Return the results in the current directory with their progress."""
         return JSONResponse(
-            await asyncio.to_thread(lambda: [_stored_result_record(*item) for item in self._find_results().items()])
+            await asyncio.to_thread(
+                lambda: [_stored_result_list_entry(*item) for item in self._find_result_folders().items()]
+            )
         )
 
     async def draw_profiles(self, request: Request) -> Response:
@@ -368,7 +381,7 @@ class Server:
         return Response(await asyncio.to_thread(sample_surfaces.draw_profiles, changes), media_type="image/svg+xml")
 
 
-def _stored_result_record(name: str, folder: Path) -> dict[str, Any]:
+def _stored_result_list_entry(name: str, folder: Path) -> dict[str, Any]:
     try:
         stored_result = open_stored(folder)
     except ValueError as error:
@@ -379,7 +392,7 @@ def _stored_result_record(name: str, folder: Path) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _read_file(name: str, package: str = "stiction.app") -> str:
+def _read_package_file(name: str, package: str = "stiction.app") -> str:
     return (resources.files(package) / name).read_text("utf-8")
 
 
@@ -398,7 +411,7 @@ async def _error_response(_: Request, error: Exception) -> Response:
     return PlainTextResponse(message.encode("utf-8", "replace"), 400)
 
 
-def _body_length(request: Request, max_length: int) -> int:
+def _request_body_length(request: Request, max_length: int) -> int:
     """Return the length of a request body. Raise HTTPException if the body is too long or its length is unknown."""
     length_text = request.headers.get("content-length", "")
     if "transfer-encoding" in request.headers or not length_text.isdecimal():

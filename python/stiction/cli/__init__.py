@@ -19,7 +19,7 @@ MIN_ADDRESS_SPACE = 2**30
 
 def main() -> None:
     """Run the command and exit with status 0, status 2 after a message for bad input, or status 130 after Ctrl-C."""
-    _open_closed_streams()
+    _redirect_closed_streams()
     if (address_space := _address_space_limit()) < MIN_ADDRESS_SPACE:
         min_megabytes = MIN_ADDRESS_SPACE // 10**6
         print(
@@ -61,7 +61,7 @@ def exit_on_interrupt() -> Iterator[None]:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-def _open_closed_streams() -> None:
+def _redirect_closed_streams() -> None:
     """Redirect closed standard streams to the null device, so that no other file gets their descriptors."""
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         try:

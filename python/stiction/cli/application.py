@@ -25,7 +25,7 @@ from typer.exceptions import TyperException
 from stiction._core import __version__, build
 from stiction._errors import ArgumentError
 from stiction._files import describe_os_error
-from stiction._text import MAX_LINE_LENGTH, printable, printable_path
+from stiction._text import MAX_LINE_LENGTH, printable_path, printable_text
 from stiction.cli import EXIT_BAD_INPUT, EXIT_INTERRUPTED, exit_on_interrupt
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -33,7 +33,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 def print_message(text: str, kind: str = "") -> None:
     """Print a message on standard error. Control characters in the message are escaped."""
-    lines = [f"stiction: {kind}{printable(line, MAX_LINE_LENGTH)}" for line in text.split("\n") if line]
+    lines = [f"stiction: {kind}{printable_text(line, MAX_LINE_LENGTH)}" for line in text.split("\n") if line]
     if sys.stderr.isatty():
         width = shutil.get_terminal_size().columns
         lines = [textwrap.fill(line, width, subsequent_indent="  ", break_long_words=False) for line in lines]
@@ -51,7 +51,7 @@ def report_interruption(detail: str = "") -> typer.Exit:
 def show_status(text: str) -> None:
     """Show the current operation on a terminal, in a line that the next message overwrites."""
     if has_terminal():
-        line = f"stiction: {printable(text, MAX_LINE_LENGTH)}"[: shutil.get_terminal_size().columns - 1]
+        line = f"stiction: {printable_text(text, MAX_LINE_LENGTH)}"[: shutil.get_terminal_size().columns - 1]
         _clear_line(f"{line}\r")
 
 
@@ -68,7 +68,7 @@ def has_terminal() -> bool:
 
 def print_output(text: str) -> None:
     """Print a result on standard output. A closed pipe does not stop the command."""
-    lines = [printable(line, sys.maxsize) for line in text.removesuffix("\n").split("\n")]
+    lines = [printable_text(line, sys.maxsize) for line in text.removesuffix("\n").split("\n")]
     if sys.stdout.isatty():
         lines = [_BOLD_TEXT_PATTERN.sub(lambda match: typer.style(match[0], bold=True), line) for line in lines]
     try:
@@ -124,7 +124,7 @@ EXIT_STATUS_HELP = (
 )
 
 
-def format_epilog(*lines: str) -> str:
+def format_help_epilog(*lines: str) -> str:
     """Return the end of a help text, which contains examples and explains the exit statuses."""
     return "\b\n" + "\n".join(["Examples:", *(f"  {line}" for line in lines), "", EXIT_STATUS_HELP])
 
@@ -219,7 +219,7 @@ app = typer.Typer(
     name="stiction",
     cls=_LazyCommandGroup,
     help="Compute the coefficient of static friction of rough surfaces from their topography.",
-    epilog=format_epilog(
+    epilog=format_help_epilog(
         "stiction pair upper.csv lower.csv --young '210 GPa' \\",
         "    --poisson 0.3 --mu0 0.2 --load '10 MPa'",
         "stiction run quick            # a map of friction, in seconds",
@@ -240,7 +240,7 @@ def command(name: str, *lines: str, common: Collection[str] = ()) -> Callable[[F
     """
     application = _COMMAND_APPLICATIONS[name] = typer.Typer(**_TYPER_OPTIONS)
     _SHORT_HELP_PARAMETERS[name] = common
-    return application.command(name, cls=_PanelCommand, epilog=format_epilog(*lines))
+    return application.command(name, cls=_PanelCommand, epilog=format_help_epilog(*lines))
 
 
 _OPTION_NAMES = {"height_scale": "--scale-heights", "compute=True": "--compute"}
@@ -265,7 +265,7 @@ def run_command_line() -> int:
     warnings.filterwarnings("ignore", category=RuntimeWarning)
     sys.unraisablehook = _handle_unraisable
     try:
-        with _restore_hidden_interrupts():
+        with _reraise_hidden_interrupts():
             return int(app(standalone_mode=False, prog_name="stiction") or 0)
     except TyperException as error:
         if type(error).__name__ == "NoArgsIsHelpError":
@@ -276,7 +276,7 @@ def run_command_line() -> int:
             message = error.format_message()
             # Replace the validation library's wording for a number that is out of range.
             message = re.sub(r"^Invalid value for '([^']+)': Input should be ", r"\1 must be ", message)
-            message = _suggest_command(message)
+            message = _with_command_suggestion(message)
             print_message(f"{message}\ntry {command} --help")
     except MemoryError:
         print_message("not enough memory for this computation")
@@ -286,7 +286,7 @@ def run_command_line() -> int:
         prefix = f"{printable_path(error.filename)}: " if isinstance(error.filename, str) else ""
         print_message(f"{prefix}{describe_os_error(error)}")
     except ArgumentError as error:
-        print_message(error.with_names(_option_name))
+        print_message(error.translated_message(_option_name))
     except (ValueError, ImportError) as error:
         print_message(str(error) or type(error).__name__)
     except (RuntimeError, SystemError) as error:  # raised if a thread cannot start or a library is out of memory
@@ -298,7 +298,7 @@ def run_command_line() -> int:
     return EXIT_BAD_INPUT
 
 
-def _suggest_command(message: str) -> str:
+def _with_command_suggestion(message: str) -> str:
     """Return the parser's error message. For an unknown command, the message suggests a similar command."""
     unknown_command = re.match(r"No such command '([^']*)'", message)
     names = [name for group in COMMANDS_BY_GROUP.values() for name in group]
@@ -311,7 +311,7 @@ def _suggest_command(message: str) -> str:
 
 
 @contextmanager
-def _restore_hidden_interrupts() -> Iterator[None]:
+def _reraise_hidden_interrupts() -> Iterator[None]:
     """Replace an exception that was caused by an interrupt, such as an ImportError, with KeyboardInterrupt."""
     try:
         yield
@@ -335,7 +335,7 @@ def _handle_unraisable(unraisable: Any) -> None:
         sys.__unraisablehook__(unraisable)
 
 
-def _print_version(is_requested: bool) -> None:
+def _print_version_and_exit(is_requested: bool) -> None:
     if is_requested:
         print_output(f"stiction {__version__}")
         print_output("built with " + ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in build().items()))
@@ -343,10 +343,12 @@ def _print_version(is_requested: bool) -> None:
 
 
 @app.callback()
-def _options(
+def _declare_global_options(
     version: Annotated[
         bool,
-        typer.Option("--version", callback=_print_version, is_eager=True, help="Show version and build, and exit."),
+        typer.Option(
+            "--version", callback=_print_version_and_exit, is_eager=True, help="Show version and build, and exit."
+        ),
     ] = False,
 ) -> None:
     pass

@@ -16,14 +16,14 @@ from stiction._arguments import (
     parse_quantities,
     parse_quantity,
     reject_decimal_commas,
-    reject_negative,
+    reject_negative_values,
     split_values,
 )
 from stiction._errors import ArgumentError
 from stiction.cli.application import command, print_output, report_interruption, show_status
 from stiction.cli.execution import WorkersOption
 from stiction.cli.options import JsonOption, VerboseOption, option, reject_options
-from stiction.cli.result_output import VERBOSE_OPTION, open_with_warning
+from stiction.cli.result_output import VERBOSE_OPTION, open_result_with_warning
 from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.mechanics.quantities import UNCERTAINTY_QUANTITIES
 
@@ -111,18 +111,18 @@ def at(
     """
     from stiction.views import rows, text
 
-    result = open_with_warning(directory)
+    result = open_result_with_warning(directory)
     mu0_values = None if mu0 is None else parse_coefficients("mu0", mu0)
     tau0_values = None
     if tau0 is not None:
-        tau0_values = reject_negative("tau0", parse_quantities("tau0", tau0, "pressure"), tau0)
+        tau0_values = reject_negative_values("tau0", parse_quantities("tau0", tau0, "pressure"), tau0)
     if scale_heights is None:
         reject_options(context, "requires --scale-heights", "scaled", "compute", "workers")
     else:
         reject_options(context, "cannot be combined with --scale-heights", "d", "hurst", "amplitude", "direction")
         loads = _parse_loads(result, load, width)
         assert result.stored is not None, "the result was opened from a directory"
-        _print_scaled_heights(
+        _print_height_factor_results(
             result.stored, scale_heights, scaled, loads, mu0_values, tau0_values, compute=compute, workers=workers,
             as_json=as_json,
         )  # fmt: skip
@@ -137,7 +137,7 @@ def at(
                 got=repr(hurst),
             )
         dimensions = [2 - exponent for exponent in parse_numbers("hurst", hurst)]
-    values = _select_nearest_cells(values, dimensions, None if amplitude_length is None else [amplitude_length])
+    values = _select_nearest_parameters(values, dimensions, None if amplitude_length is None else [amplitude_length])
     if direction is not None:
         values = _select_direction(values, direction)
     summary = result.summarize_dataset(values)
@@ -149,7 +149,7 @@ def at(
         print_output(text.result_text(summary, verbose=verbose, complete_command=VERBOSE_OPTION))
 
 
-def _print_scaled_heights(
+def _print_height_factor_results(
     stored: StoredResult, text: str, scaled: str, loads: list[float], mu0: Any, tau0: Any, *, compute: bool,
     workers: int | None, as_json: bool,
 ) -> None:  # fmt: skip
@@ -200,7 +200,7 @@ def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> 
     return sorted(loads)
 
 
-def _select_nearest_cells(
+def _select_nearest_parameters(
     dataset: xarray.Dataset, dimensions: list[float] | None, amplitudes: Sequence[float] | None
 ) -> xarray.Dataset:
     """Select the computed fractal dimensions and amplitudes (µm) nearest to the given values.

@@ -11,7 +11,7 @@ from stiction._arguments import parse_quantity
 from stiction.cli.application import command, print_message, print_output
 from stiction.cli.options import JsonOption, option, reject_options
 from stiction.cli.pair_options import pair_option
-from stiction.cli.result_output import choose_message_printer, open_with_warning
+from stiction.cli.result_output import choose_message_printer, open_result_with_warning
 
 _TESTS_HELP = (
     'Friction tests, one per row. Columns: "load (mN)", "force (mN)" or coefficient; optional uncertainty, pair, run, '
@@ -83,7 +83,7 @@ def calibrate(
     from stiction.views.calibration import calibration_figure, calibration_record, calibration_text
     from stiction.views.style import save_figure
 
-    bodies: dict[str, Any] = {folder.resolve().name: open_with_warning(folder) for folder in pair or ()}
+    bodies: dict[str, Any] = {folder.resolve().name: open_result_with_warning(folder) for folder in pair or ()}
     if len(bodies) < len(pair or ()):
         raise ValueError(
             "directories of --pair must have different names, because they identify the pairs in the column 'pair'"

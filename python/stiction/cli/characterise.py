@@ -11,7 +11,7 @@ import typer
 
 from stiction._arguments import parse_quantity
 from stiction._files import check_replaceable
-from stiction._text import MAX_PATH_LENGTH, printable, printable_path
+from stiction._text import MAX_PATH_LENGTH, printable_path, printable_text
 from stiction.cli.application import command, option_was_given, print_message, print_output
 from stiction.cli.options import JsonOption, VerboseOption, load_measurement, option
 from stiction.cli.pair_options import pair_option, read_given_options
@@ -124,7 +124,7 @@ def characterise(
     output_paths = (
         []
         if dry_run or (as_json and output is None)
-        else _choose_outputs(files, output, together=together, repeated=repeated)
+        else _choose_output_paths(files, output, together=together, repeated=repeated)
     )
     hurst_band = _parse_band(band)
     cutoff_wavelength = None if cutoff is None else parse_quantity("cutoff", cutoff, "length")
@@ -137,7 +137,7 @@ def characterise(
         scan = load_measurement(file, reading_options)
         readings.append(scan)
         if not as_json:
-            print_output(f"{printable(file.name)}: {scan}")
+            print_output(f"{printable_text(file.name)}: {scan}")
             for caveat in scan.caveats:
                 print_message(f"{printable_path(file)}: {caveat}")
         if dry_run:
@@ -151,16 +151,23 @@ def characterise(
         )
     if dry_run:
         if as_json:
-            print_output(record_json("characterise", [], kind="files", files=[scan.record() for scan in readings]))
+            print_output(
+                record_json("characterise", [], kind="files", files=[scan.to_json_fields() for scan in readings])
+            )
         return
     if together or repeated:
-        (_join_scans if together else _compare_scans)(files, characterisations, output_paths, as_json=as_json)
+        (_print_joined_spectrum if together else _print_scan_comparison)(
+            files, characterisations, output_paths, as_json=as_json
+        )
         return
     characterised_files = [
-        (printable(str(file), MAX_PATH_LENGTH), result) for file, result in zip(files, characterisations, strict=True)
+        (printable_text(str(file), MAX_PATH_LENGTH), result)
+        for file, result in zip(files, characterisations, strict=True)
     ]
     if as_json:
-        print_output(views.characterisation_record(characterised_files, readings=[scan.record() for scan in readings]))
+        print_output(
+            views.characterisation_record(characterised_files, readings=[scan.to_json_fields() for scan in readings])
+        )
     elif len(files) == 1:
         print_output(views.characterisation_text(characterisations[0], headline_only=not verbose))
     for path in output_paths:
@@ -181,7 +188,7 @@ def characterise(
                 ):
                     arguments += [parameter.opts[0], str(context.params[parameter.name])]
             reading_table_html = reading_table(readings[0], reading_options)
-            name = printable(files[0].name)
+            name = printable_text(files[0].name)
             surface_page(
                 characterisations[0], name=name, command=shlex.join(arguments), reading=reading_table_html
             ).save(path)
@@ -192,7 +199,9 @@ def characterise(
         choose_message_printer(as_json)(f"wrote {printable_path(path)}{remark}")
 
 
-def _join_scans(files: list[Path], scans: list[Characterisation], outputs: list[Path], *, as_json: bool) -> None:
+def _print_joined_spectrum(
+    files: list[Path], scans: list[Characterisation], outputs: list[Path], *, as_json: bool
+) -> None:
     """Print and write the joined spectrum of several scans."""
     from stiction.cli.result_output import choose_message_printer
     from stiction.surfaces.joined_spectrum import joined_spectrum
@@ -219,7 +228,9 @@ def _join_scans(files: list[Path], scans: list[Characterisation], outputs: list[
         choose_message_printer(as_json)(f"wrote {printable_path(path)}, {len(files)} scans")
 
 
-def _compare_scans(files: list[Path], scans: list[Characterisation], outputs: list[Path], *, as_json: bool) -> None:
+def _print_scan_comparison(
+    files: list[Path], scans: list[Characterisation], outputs: list[Path], *, as_json: bool
+) -> None:
     """Print and write the comparison of two scans of the same place."""
     from stiction.cli.result_output import choose_message_printer
     from stiction.surfaces.measured.writing import write_profile, write_surface
@@ -248,7 +259,7 @@ def _compare_scans(files: list[Path], scans: list[Characterisation], outputs: li
         choose_message_printer(as_json)(f"wrote {printable_path(path)}, {' and '.join(file.name for file in files)}")
 
 
-def _choose_outputs(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
+def _choose_output_paths(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
     """Return the paths of the files to write. Existing files other than figures and reports are never replaced."""
     from stiction.views.report.page import REPORT_FILE_MARK
     from stiction.views.style import FIGURE_FILE_MARKS

@@ -82,7 +82,7 @@ def _conflict_advice(error: StudyMismatchError, study: Study, *, is_replaceable:
     return "; or ".join(remedies)
 
 
-def compute_in_folder(
+def compute_result_in_folder(
     study: Study, directory: Path, executor: Executor, *, print_written: Callable[[str], None] = print_output,
     **options: Any,
 ) -> Result:  # fmt: skip

@@ -45,20 +45,20 @@ VerboseOption = Annotated[
 def load_measurement(file: Path, options: Mapping[str, str | None]) -> Reading[Profile | Surface]:
     """Load a profile or surface from a file, applying the reading options given on the command line."""
     from stiction.studies.pair_options import split_list
-    from stiction.surfaces.measured.reading import load_reading
-    from stiction.surfaces.measured.spectrum_file import is_spectrum
+    from stiction.surfaces.measured.reading import load_interpreted_file
+    from stiction.surfaces.measured.spectrum_file import is_spectrum_file
 
-    if is_spectrum(file):
+    if is_spectrum_file(file):
         raise ValueError(
             f"{printable_path(file)} is a spectrum of several scans; only stiction pair accepts a spectrum instead of "
             "a scan"
         )
-    show_reader_import(file)
+    show_reader_import_status(file)
     values: dict[str, Any] = {name: split_list(name, text) for name, text in options.items() if text is not None}
-    return load_reading(file, **values)
+    return load_interpreted_file(file, **values)
 
 
-def show_reader_import(file: Path) -> None:
+def show_reader_import_status(file: Path) -> None:
     """If SurfaceTopography must be imported to read a file, show a message on a terminal."""
     from stiction.surfaces.measured.reading import READERS
 

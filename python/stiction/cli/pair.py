@@ -11,18 +11,18 @@ from typing import Annotated, Any
 
 import typer
 
-from stiction._text import printable
+from stiction._text import printable_text
 from stiction.cli.application import command, has_terminal, print_message, print_output
 from stiction.cli.execution import (
     PartOption,
     SchedulerOption,
     WorkersOption,
     check_output_directory,
-    compute_in_folder,
+    compute_result_in_folder,
     open_executor,
     parse_part,
 )
-from stiction.cli.options import JsonOption, VerboseOption, option, show_reader_import
+from stiction.cli.options import JsonOption, VerboseOption, option, show_reader_import_status
 from stiction.cli.pair_options import (
     PAIR_SHORT_HELP_PARAMETERS,
     HelpAllOption,
@@ -134,7 +134,7 @@ def pair(
     check_files(output, OUTPUT_FILE_MARKS)
     measured_pair = MeasuredPair(read_options(read_given_options(context)))
     for file in measured_pair.files:
-        show_reader_import(Path(file.file))
+        show_reader_import_status(Path(file.file))
     studies = measured_pair.studies
     body_attributes(studies[0])  # check the surfaces before any file is written
     # Omit the first remark if it states the source of the elasticity, because the result also shows this source.
@@ -145,10 +145,10 @@ def pair(
         for file in measured_pair.files:
             for scan in file.scans:
                 if scan.reading is not None:
-                    print_output(f"{printable(scan.name)}: {scan.reading}")
+                    print_output(f"{printable_text(scan.name)}: {scan.reading}")
     remainder_printers: list[Callable[[], None]] = []
 
-    def print_finished(result: Result) -> None:
+    def print_finished_result(result: Result) -> None:
         if as_json:
             return
         if remainder_printers:
@@ -161,7 +161,7 @@ def pair(
             submit_preview(measured_pair.preview_study, executor)
         for study in studies:
             folder = output / study.contact.mechanics if results else output
-            result = compute_in_folder(
+            result = compute_result_in_folder(
                 study,
                 folder,
                 executor,
@@ -169,7 +169,7 @@ def pair(
                 part=part_number,
                 replace=replace,
                 onset=measured_pair.options.onset,
-                show_result=print_finished,
+                show_result=print_finished_result,
             )
             for print_remainder in remainder_printers[len(results) :]:
                 print_remainder()
@@ -179,7 +179,7 @@ def pair(
     if as_json:
         check_records = [json.loads(summary_json("pair", result.summary())) for result in results[1:]]
         readings = [scan.reading for file in measured_pair.files for scan in file.scans]
-        fields: dict[str, Any] = {"files": [reading.record() for reading in readings if reading is not None]}
+        fields: dict[str, Any] = {"files": [reading.to_json_fields() for reading in readings if reading is not None]}
         print_result(
             results[0],
             command="pair",

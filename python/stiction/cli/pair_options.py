@@ -49,7 +49,7 @@ def read_given_options(context: typer.Context) -> dict[str, object]:
     return {name: value for name, value in values.items() if name in PAIR_OPTIONS and option_was_given(context, name)}
 
 
-def _show_all(context: typer.Context, is_requested: bool) -> None:
+def _print_full_help(context: typer.Context, is_requested: bool) -> None:
     if is_requested:
         context.meta[SHOW_ALL_KEY] = True
         print_output(context.get_help())
@@ -57,5 +57,5 @@ def _show_all(context: typer.Context, is_requested: bool) -> None:
 
 
 HelpAllOption = Annotated[
-    bool, typer.Option("--help-all", callback=_show_all, is_eager=True, help="Show all options and exit.")
+    bool, typer.Option("--help-all", callback=_print_full_help, is_eager=True, help="Show all options and exit.")
 ]

@@ -20,7 +20,7 @@ MAX_CAVEAT_LINES = 5
 VERBOSE_OPTION = "--verbose"  # option that shows all points and caveats
 
 
-def open_with_warning(directory: Path) -> Result:
+def open_result_with_warning(directory: Path) -> Result:
     """Open the result in a directory, and print a warning if it is unfinished."""
     from stiction.studies.result import Result
     from stiction.studies.store import StoreError, open_stored
@@ -102,14 +102,14 @@ def write_pair_files(result: Result, *, print_written: Callable[[str], None]) ->
         if file_names and is_current:
             break
         result = result if is_current else Result(stored_result)
-        file_names = _write_files(result, folder)
+        file_names = _write_result_files(result, folder)
     print_written(f"wrote {file_names[0]} (open it), {' and '.join(file_names[1:])}")
 
 
 MAX_OUTPUT_ATTEMPTS = 4  # maximum number of attempts to write files while the study keeps changing
 
 
-def _write_files(result: Result, folder: Path) -> list[str]:
+def _write_result_files(result: Result, folder: Path) -> list[str]:
     from stiction.views.figures import draw_figures
     from stiction.views.files import OUTPUT_FILE_MARKS, RESULT_TABLE_NAME, replace_text, result_csv
     from stiction.views.report import save_report

@@ -11,7 +11,7 @@ from stiction._arguments import split_values
 from stiction._text import printable_path
 from stiction.cli.application import command, print_output
 from stiction.cli.options import JsonOption, VerboseOption, option
-from stiction.cli.result_output import open_with_warning, print_result, write_figures
+from stiction.cli.result_output import open_result_with_warning, print_result, write_figures
 
 DirectoryArgument = Annotated[Path, typer.Argument(metavar="DIR", help="Directory of a result of `pair` or `run`.")]
 
@@ -57,7 +57,7 @@ def plot(
     from stiction.views.style import parse_formats
 
     chosen_formats = parse_formats(split_values(formats))
-    result = open_with_warning(directory)
+    result = open_result_with_warning(directory)
     figure_directory = directory if output is None else output
     try:
         figure_directory.mkdir(parents=True, exist_ok=True)
@@ -75,7 +75,7 @@ def report(
     from stiction.views.report import save_report
 
     path = output if output is not None else directory / "report.html"
-    save_report(open_with_warning(directory), path, name=directory.resolve().name)
+    save_report(open_result_with_warning(directory), path, name=directory.resolve().name)
     print_output(f"wrote {printable_path(path)}")
 
 
@@ -89,5 +89,5 @@ def export(
     """Write the finished repetitions to a netCDF file, or write a table of the values at the loads shown by `info`."""
     from stiction.views.files import write_result
 
-    write_result(open_with_warning(directory), file)
+    write_result(open_result_with_warning(directory), file)
     print_output(f"wrote {printable_path(file)}")

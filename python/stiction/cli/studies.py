@@ -43,19 +43,19 @@ def run_command(
 
     Repetitions that already exist in the output directory are kept.
     """
-    from stiction.cli.execution import compute_in_folder, open_executor, parse_part
+    from stiction.cli.execution import compute_result_in_folder, open_executor, parse_part
     from stiction.cli.result_output import print_result, write_figures
 
     chosen_study, directory = _load_study(study)
     try:
-        chosen_study = chosen_study.with_changes(parse_changes(changes or []))
+        chosen_study = chosen_study.with_changes(parse_overrides(changes or []))
     except StudyError as error:
         lines = [f"--set {key}: {reason}" if key else f"--set {reason}" for key, reason in error.faults]
         raise StudyError("\n".join(lines[:MAX_LISTED_FAULTS]), error.faults) from None
     directory = directory if output is None else output
     part_number = parse_part(part)
     with open_executor(workers, scheduler) as executor:
-        result = compute_in_folder(chosen_study, directory, executor, part=part_number)
+        result = compute_result_in_folder(chosen_study, directory, executor, part=part_number)
     if part_number is None:
         print_output("")
         print_result(result, command="run", verbose=verbose)
@@ -104,18 +104,18 @@ def _load_study(text: str) -> tuple[Study, Path]:
         raise StudyError(f"{error}" + (f"; did you mean {suggestions[0]}?" if suggestions else "")) from None
 
 
-def parse_changes(assignments: list[str]) -> dict[str, Any]:
+def parse_overrides(assignments: list[str]) -> dict[str, Any]:
     """Parse the values of `--set` into a mapping from dotted keys to new values."""
     changes = {}
     for assignment in assignments:
         key, equals, value = assignment.partition("=")
         if not equals or not key.strip():
             raise StudyError(f"--set must be KEY=VALUE, such as ensemble.repetitions=10, got {short_repr(assignment)}")
-        changes[key.strip()] = _parse_value(value.strip())
+        changes[key.strip()] = _parse_toml_value(value.strip())
     return changes
 
 
-def _parse_value(text: str) -> Any:
+def _parse_toml_value(text: str) -> Any:
     """Parse a TOML value. Other text is returned as a string, so that quantities need no quotes."""
     try:
         parsed_value = parse_toml(f"value = {text}")

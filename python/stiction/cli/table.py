@@ -62,7 +62,7 @@ def table_command(
     Pairs of generated surfaces are pressed as elastic half-spaces. The same command resumes an interrupted table.
     Further values of mu0 and tau0 need no new contact computation.
     """
-    from stiction.cli.execution import compute_in_folder, open_executor
+    from stiction.cli.execution import compute_result_in_folder, open_executor
     from stiction.studies.elasticity import determine_elasticity
     from stiction.studies.friction_table import friction_table, table_study
     from stiction.studies.store import export
@@ -92,7 +92,7 @@ def table_command(
     )
     check_files(output, TABLE_FILE_MARKS)
     with open_executor(workers, scheduler) as executor:
-        result = compute_in_folder(study, output, executor)
+        result = compute_result_in_folder(study, output, executor)
     table = friction_table(result, **friction_parameters)
     print_output(friction_table_text(table))
     export(table, output / NETCDF_FILE_NAME, replace=(output / NETCDF_FILE_NAME).exists())

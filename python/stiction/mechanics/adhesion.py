@@ -98,7 +98,7 @@ class AdhesionSolver:
         """
         least_residual, best_count = math.inf, 0
         for count, (state, residual) in enumerate(
-            self._iterate(near, lambda _: contact_load, MAX_EXTRAPOLATION_FACTOR)
+            self._iterate_to_equilibrium(near, lambda _: contact_load, MAX_EXTRAPOLATION_FACTOR)
         ):
             if (
                 residual <= self.max_residual
@@ -126,7 +126,9 @@ class AdhesionSolver:
         """
         min_contact = self.min_contact if near is None else -math.inf
         slowest_state, least_residual, previous_residual = near, math.inf, math.inf
-        iterations = self._iterate(near, lambda mean_attraction: max(load + mean_attraction, min_contact), longest)
+        iterations = self._iterate_to_equilibrium(
+            near, lambda mean_attraction: max(load + mean_attraction, min_contact), longest
+        )
         for count, (state, residual) in enumerate(iterations):
             if residual <= self.max_residual:
                 return state, True
@@ -139,7 +141,7 @@ class AdhesionSolver:
         assert slowest_state is not None
         return slowest_state, False
 
-    def _iterate(
+    def _iterate_to_equilibrium(
         self, near: AdhesionState | None, contact_load: Callable[[float], float], longest: float
     ) -> Iterator[tuple[AdhesionState, float]]:
         """Yield the state and the relative change of the attraction after each iteration, until the bodies separate.
@@ -225,7 +227,7 @@ class AdhesionSolver:
         opening_state = self.find_opening_state(start)
         states = [start] if opening_state is None else [start, opening_state]
         extrapolated_start = plain_start = states[-1]
-        states = self.refine_minimum_load(self.extend_unloading(states))
+        states = self.refine_minimum_load(self.extend_unloading_states(states))
         decrement = FIRST_LOAD_DECREMENT if states[-1] is state_of_lowest_load(states) else MINIMUM_LOAD_TOLERANCE
         unsupported_load = -math.inf
         for _ in range(MAX_TRIAL_LOADS):
@@ -273,7 +275,7 @@ class AdhesionSolver:
         self.uncertainty_reason = f"{MAX_TRIAL_LOADS} loads are too few"
         return states
 
-    def extend_unloading(self, states: list[AdhesionState]) -> list[AdhesionState]:
+    def extend_unloading_states(self, states: list[AdhesionState]) -> list[AdhesionState]:
         """Extend the states to smaller contact loads, until the external load rises or no equilibrium is found."""
         states = list(states)
         while states[-1].contact_load > self.min_contact and states[-1] is state_of_lowest_load(states):

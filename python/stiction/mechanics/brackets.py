@@ -108,7 +108,7 @@ def transverse_slope_factor(gradient: Floats, dimensions: int) -> Floats:
     return np.asarray(1 + np.square(gradient) / 16 if dimensions == 2 else np.ones(np.shape(gradient)))
 
 
-def max_area(area: ArrayLike, plastic_area: ArrayLike, contact_count: ArrayLike) -> Floats:
+def max_area_for_finer_scans(area: ArrayLike, plastic_area: ArrayLike, contact_count: ArrayLike) -> Floats:
     """Return the largest real contact area that finer scans of a yielding pair can give.
 
     `area` is the area of this scan, and `plastic_area` is F/H in the same unit. Shorter wavelengths redistribute the
@@ -121,7 +121,7 @@ def max_area(area: ArrayLike, plastic_area: ArrayLike, contact_count: ArrayLike)
     return np.asarray(np.minimum(scan_area * factor, plastic_areas + (scan_area - plastic_areas) * np.square(factor)))
 
 
-def friction_bracket(
+def friction_range_for_finer_scans(
     value: float, mu0: float, adhesion: float, contacts: float, upper: float | None = None
 ) -> tuple[float, float]:
     """Return the range of mu_s that finer scans of a yielding pair can give if friction acts at all contacts.
@@ -130,23 +130,25 @@ def friction_bracket(
     given.
     """
     highest_friction = value if upper is None else upper
-    return min(mu0 + adhesion, value), float(max_friction(highest_friction, mu0, adhesion, contacts))
+    return min(mu0 + adhesion, value), float(max_friction_for_finer_scans(highest_friction, mu0, adhesion, contacts))
 
 
-def max_friction(value: Floats | float, mu0: Floats | float, adhesion: Floats | float, contacts: float) -> Floats:
+def max_friction_for_finer_scans(
+    value: Floats | float, mu0: Floats | float, adhesion: Floats | float, contacts: float
+) -> Floats:
     """Return the largest mu_s that finer scans of a yielding pair can give. Arguments are numbers or samples."""
     # The part of the friction that is due to tau0 is proportional to the area.
     adhesive_friction = np.asarray(value - mu0)
-    increase = max_area(adhesive_friction, adhesion, contacts) - np.maximum(adhesive_friction, adhesion)
+    increase = max_area_for_finer_scans(adhesive_friction, adhesion, contacts) - np.maximum(adhesive_friction, adhesion)
     return np.asarray(np.where(np.asarray(adhesion) > 0, value + increase, value))
 
 
-def add_finer_scan_brackets(result: xr.Dataset, hardness: float, parameters: tuple[float, float] | None) -> xr.Dataset:
+def add_finer_scan_bounds(result: xr.Dataset, hardness: float, parameters: tuple[float, float] | None) -> xr.Dataset:
     """Add the plastic limit and the bounds for finer scans to a `resolution` dataset."""
     loads, area = result.normal_load.values, result.contact_area.values
     nominal_area = result.attrs["nominal_area_um2"]
     plastic_area = loads / hardness
-    largest_area = max_area(area, plastic_area, result.contact_count.values)
+    largest_area = max_area_for_finer_scans(area, plastic_area, result.contact_count.values)
     dimensions = ("cut_off", "normal_load", "end")
     variables: dict[str, tuple[tuple[str, ...], Floats, str, str]] = {
         "plastic_area": (dimensions[1:2], plastic_area, "µm²", "smallest real contact area, F/H"),

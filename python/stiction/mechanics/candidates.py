@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 import stiction._core
 from stiction._caching import cached_property
-from stiction._checks import Floats, check_choice, read_only, validate_number
+from stiction._checks import Floats, check_choice, make_read_only, validate_number
 from stiction.mechanics.model import (
     ContactModel,
     CurvatureRequirement,
@@ -99,7 +99,7 @@ class Candidates:
 
     @cached_property
     def _columns(self) -> dict[str, NDArray[np.float64]]:
-        return {name: read_only(column) for name, column in self.core.columns().items()}
+        return {name: make_read_only(column) for name, column in self.core.columns().items()}
 
 
 def candidates(

@@ -27,7 +27,7 @@ _P = ParamSpec("_P")
 _R = TypeVar("_R")
 
 
-def check_positive(**arguments: ArrayLike) -> list[Floats]:
+def validate_positive_arguments(**arguments: ArrayLike) -> list[Floats]:
     """Check that all arguments are positive, and return them as arrays."""
     arrays = []
     for name, values in arguments.items():
@@ -113,7 +113,7 @@ def effective_modulus(
         if young_lower is not None or poisson_lower is not None:
             raise ValueError("effective_modulus accepts no other arguments if two materials are given")
         return 1 / (1 / young_upper.plane_strain_modulus + 1 / poisson_upper.plane_strain_modulus)
-    upper_modulus, lower_modulus = check_positive(young_upper=young_upper, young_lower=young_lower)
+    upper_modulus, lower_modulus = validate_positive_arguments(young_upper=young_upper, young_lower=young_lower)
     poisson_ratios = []
     for name, values in (("poisson_upper", poisson_upper), ("poisson_lower", poisson_lower)):
         poisson_ratio = float_array(name, values)
@@ -167,7 +167,7 @@ def hertz_sphere(overlap: ArrayLike, radius: ArrayLike, effective_modulus: Array
     >>> float(force)
     0.5
     """
-    d, r, e = check_positive(overlap=overlap, radius=radius, effective_modulus=effective_modulus)
+    d, r, e = validate_positive_arguments(overlap=overlap, radius=radius, effective_modulus=effective_modulus)
     return np.asarray(4 / 3 * e * r**0.5 * d**1.5), np.asarray(np.pi * r * d)
 
 
@@ -215,7 +215,9 @@ def tabor_parameter(
     >>> float(tabor_parameter(1.0, 80.0, work_of_adhesion=5e-5, adhesion_range=5e-4).round(2))  # silicon, 1 µm
     0.15
     """
-    r, e, w, length = _check_adhesive(radius, effective_modulus, work_of_adhesion, adhesion_range=adhesion_range)
+    r, e, w, length = _validate_adhesion_arguments(
+        radius, effective_modulus, work_of_adhesion, adhesion_range=adhesion_range
+    )
     return np.asarray((r * w**2 / (e**2 * length**3)) ** (1 / 3))
 
 
@@ -267,7 +269,7 @@ def jkr(
     >>> radius.round(1), pull_off.round(3)
     (np.float64(70.7), np.float64(0.236))
     """
-    r, e, w = _check_adhesive(radius, effective_modulus, work_of_adhesion)
+    r, e, w = _validate_adhesion_arguments(radius, effective_modulus, work_of_adhesion)
     f, pull_off = np.broadcast_arrays(float_array("load", load), 1.5 * np.pi * w * r)
     with np.errstate(invalid="ignore"):
         radius_cubed = 3 * r / (4 * e) * (f + 2 * pull_off + np.sqrt(4 * pull_off * (f + pull_off)))
@@ -323,7 +325,7 @@ def dmt(
     >>> radius.round(4), pull_off.round(6)
     (np.float64(0.0143), np.float64(0.000314))
     """
-    r, e, w = _check_adhesive(radius, effective_modulus, work_of_adhesion)
+    r, e, w = _validate_adhesion_arguments(radius, effective_modulus, work_of_adhesion)
     f, pull_off = np.broadcast_arrays(float_array("load", load), 2 * np.pi * w * r)
     radius_cubed = 3 * r / (4 * e) * (f + pull_off)
     return np.cbrt(np.where(radius_cubed >= 0, radius_cubed, np.nan)), pull_off.copy()
@@ -385,7 +387,9 @@ def maugis_dugdale(
     """
     from scipy.optimize import brentq, minimize_scalar
 
-    r, e, w, length = _check_adhesive(radius, effective_modulus, work_of_adhesion, adhesion_range=adhesion_range)
+    r, e, w, length = _validate_adhesion_arguments(
+        radius, effective_modulus, work_of_adhesion, adhesion_range=adhesion_range
+    )
     arrays = np.broadcast_arrays(float_array("load", load), r, e, w, length)
     radii, pull_off_forces = np.empty(arrays[0].shape), np.empty(arrays[0].shape)
     for position in np.ndindex(radii.shape):
@@ -393,30 +397,32 @@ def maugis_dugdale(
         modulus = 4 / 3 * e1
         force_unit, attraction_strength = np.pi * w1 * r1, 2 * (r1 * w1**2 / (np.pi * modulus**2 * l1**3)) ** (1 / 3)
         minimum = minimize_scalar(
-            lambda x, s=attraction_strength: _maugis_solution(x, s)[1], bounds=(-20, 40), method="bounded"
+            lambda x, s=attraction_strength: _maugis_radius_and_load(x, s)[1], bounds=(-20, 40), method="bounded"
         )
         pull_off_forces[position] = -minimum.fun * force_unit
         radii[position] = np.nan
         if force / force_unit >= minimum.fun:
             lower_limit = minimum.x - 1
-            while lower_limit > -30 and _maugis_solution(lower_limit, attraction_strength)[1] < force / force_unit:
+            while (
+                lower_limit > -30 and _maugis_radius_and_load(lower_limit, attraction_strength)[1] < force / force_unit
+            ):
                 lower_limit -= 1
             if (
-                _maugis_solution(lower_limit, attraction_strength)[1] < force / force_unit
+                _maugis_radius_and_load(lower_limit, attraction_strength)[1] < force / force_unit
             ):  # round-off hides the difference between the two radii
                 raise ArithmeticError
             log_ratio = brentq(
-                lambda x, s=attraction_strength, f=force / force_unit: _maugis_solution(x, s)[1] - f,
+                lambda x, s=attraction_strength, f=force / force_unit: _maugis_radius_and_load(x, s)[1] - f,
                 lower_limit,
                 minimum.x,
             )
-            radii[position] = _maugis_solution(log_ratio, attraction_strength)[0] * (force_unit * r1 / modulus) ** (
-                1 / 3
-            )
+            radii[position] = _maugis_radius_and_load(log_ratio, attraction_strength)[0] * (
+                force_unit * r1 / modulus
+            ) ** (1 / 3)
     return np.asarray(radii), np.asarray(pull_off_forces)
 
 
-def _maugis_solution(logarithm: float, strength: float) -> tuple[float, float]:
+def _maugis_radius_and_load(logarithm: float, strength: float) -> tuple[float, float]:
     """Return the contact radius and the load of the Maugis-Dugdale model in dimensionless units.
 
     The argument is the logarithm of m - 1, where m is the ratio of the radii of attraction and contact.
@@ -479,8 +485,8 @@ def fuller_tabor(
     from scipy.integrate import trapezoid
     from scipy.optimize import minimize_scalar
 
-    r, e, w = _check_adhesive(radius, effective_modulus, work_of_adhesion)
-    parameter = check_positive(deviation=deviation)[0] / (0.75 * np.cbrt((np.pi * w / e) ** 2 * r))
+    r, e, w = _validate_adhesion_arguments(radius, effective_modulus, work_of_adhesion)
+    parameter = validate_positive_arguments(deviation=deviation)[0] / (0.75 * np.cbrt((np.pi * w / e) ** 2 * r))
     relative_pull_off = np.empty(parameter.shape)
     for position in np.ndindex(relative_pull_off.shape):
         spread = float(parameter[position])
@@ -501,10 +507,10 @@ def fuller_tabor(
     return np.asarray(parameter), relative_pull_off
 
 
-def _check_adhesive(
+def _validate_adhesion_arguments(
     radius: ArrayLike, effective_modulus: ArrayLike, work_of_adhesion: ArrayLike, **others: ArrayLike
 ) -> list[Floats]:
-    return check_positive(
+    return validate_positive_arguments(
         radius=radius, effective_modulus=effective_modulus, work_of_adhesion=work_of_adhesion, **others
     )
 
@@ -555,7 +561,9 @@ def hertz_cylinder(
     >>> round(float(force), 6), round(float(area), 6)
     (0.07854, 0.2)
     """
-    d, r, e, w = check_positive(overlap=overlap, radius=radius, effective_modulus=effective_modulus, width=width)
+    d, r, e, w = validate_positive_arguments(
+        overlap=overlap, radius=radius, effective_modulus=effective_modulus, width=width
+    )
     half_width = np.sqrt(r * d)
     return np.asarray(np.pi * e * w * half_width**2 / (4 * r)), np.asarray(2 * half_width * w)
 
@@ -607,7 +615,7 @@ def hertz_line(
     >>> half_width.round(4), peak.round(4)
     (np.float64(0.3568), np.float64(1.7841))
     """
-    f, r, e, w = check_positive(load=load, radius=radius, effective_modulus=effective_modulus, width=width)
+    f, r, e, w = validate_positive_arguments(load=load, radius=radius, effective_modulus=effective_modulus, width=width)
     half_width = np.sqrt(4 * f * r / (np.pi * e * w))
     return np.asarray(half_width), np.asarray(2 * f / (np.pi * half_width * w))
 
@@ -661,7 +669,9 @@ def hertz_ellipse(
     from scipy import special
 
     d, r1, r2, e = np.broadcast_arrays(
-        *check_positive(overlap=overlap, radius_1=radius_1, radius_2=radius_2, effective_modulus=effective_modulus)
+        *validate_positive_arguments(
+            overlap=overlap, radius_1=radius_1, radius_2=radius_2, effective_modulus=effective_modulus
+        )
     )
     larger, smaller = np.maximum(r1, r2), np.minimum(r1, r2)
     ratio = smaller / larger  # ratio of the smaller to the larger radius
@@ -733,7 +743,7 @@ def slope_friction(
     if not ((theta >= 0) & (theta < np.pi / 2)).all():
         raise ValueError(f"slope_angle must be at least 0 and below pi/2 rad, got {slope_angle!r}")
     if mean_pressure is not None:
-        mu = mu + tau / check_positive(mean_pressure=mean_pressure)[0]
+        mu = mu + tau / validate_positive_arguments(mean_pressure=mean_pressure)[0]
     elif (tau > 0).any():
         raise ValueError("mean_pressure must be given if tau0 is not 0")
     is_locked: NDArray[np.bool_] = mu * np.tan(theta) >= 1
@@ -785,7 +795,7 @@ def hardness_under_shear(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, a
     """
     parameters = {"mu0": mu0, "tau0": tau0, "alpha": alpha}
     mu, tau, alpha_value = (validate_friction_parameter(name, value) for name, value in parameters.items())
-    plastic_hardness = check_positive(hardness=hardness)[0]
+    plastic_hardness = validate_positive_arguments(hardness=hardness)[0]
     return np.where(alpha_value == 0, plastic_hardness, solve_yield_condition(plastic_hardness, mu, tau, alpha_value))
 
 
@@ -833,7 +843,7 @@ def tabor_friction(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, alpha: 
     >>> tabor_friction(0.625, mu0=0.2, tau0=0.05, alpha=[0, 9, 27]).round(3)
     array([0.28 , 0.309, 0.375])
     """
-    ratio = validate_friction_parameter("tau0", tau0) / check_positive(hardness=hardness)[0]
+    ratio = validate_friction_parameter("tau0", tau0) / validate_positive_arguments(hardness=hardness)[0]
     mu, alpha_value = validate_friction_parameter("mu0", mu0), validate_friction_parameter("alpha", alpha)
     remaining_fraction = 1 - alpha_value * ratio**2
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -923,10 +933,10 @@ def gentle_friction(
     array([0.206, 0.266])
     """
     mu, tau = validate_friction_parameter("mu0", mu0), validate_friction_parameter("tau0", tau0)
-    gradient, modulus, factor = check_positive(
+    gradient, modulus, factor = validate_positive_arguments(
         rms_gradient=rms_gradient, effective_modulus=effective_modulus, kappa=kappa
     )
-    slope = gradient / np.sqrt(2) if rms_slope is None else check_positive(rms_slope=rms_slope)[0]
+    slope = gradient / np.sqrt(2) if rms_slope is None else validate_positive_arguments(rms_slope=rms_slope)[0]
     ratio = float_array("slope_ratio", slope_ratio)
     if not (ratio >= 0).all():
         raise ValueError(f"slope_ratio must not be negative, got {slope_ratio!r}")
@@ -1122,7 +1132,7 @@ def _sinusoid_terms(
     x: ArrayLike, mean_pressure: ArrayLike, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
 ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
     """Return the sine and cosine of πx/λ, the mean pressure, the full-contact pressure, and the amplitude."""
-    p, d, wavelengths, e = check_positive(
+    p, d, wavelengths, e = validate_positive_arguments(
         mean_pressure=mean_pressure, amplitude=amplitude, wavelength=wavelength, effective_modulus=effective_modulus
     )
     phase = np.pi * float_array("x", x) / wavelengths

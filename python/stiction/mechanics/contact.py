@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import stiction._core
-from stiction._checks import Floats, check_choice, read_only, validate_number
+from stiction._checks import Floats, check_choice, make_read_only, validate_number
 from stiction._repr import TextRepr
 from stiction._units import to_core_units
 from stiction.mechanics.candidates import Candidates, candidates, candidates_and_model
@@ -169,7 +169,7 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
     if not isinstance(upper, Candidates):
         warn_if_same_body(upper, lower)
     columns["opposing"] = columns["opposing"].astype(np.bool_)
-    return Contacts(**{name: read_only(column) for name, column in columns.items()})
+    return Contacts(**{name: make_read_only(column) for name, column in columns.items()})
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -244,4 +244,4 @@ def asperities(profile: Profile, side: Side) -> Asperities:
     as_body("profile", profile, Profile)
     check_choice("side", side, Side)
     arrays = stiction._core.asperities(profile.heights, spacing=profile.spacing, side=side)
-    return Asperities(*(read_only(array) for array in arrays))
+    return Asperities(*(make_read_only(array) for array in arrays))

@@ -151,10 +151,10 @@ def validity_ratio(name: str, sums: Any) -> Floats:
     """
     numerator, denominator = VALIDITY_RATIOS[name]
     with np.errstate(invalid="ignore", divide="ignore"):
-        return np.asarray(_column(sums, numerator) / sum(_column(sums, item) for item in denominator))
+        return np.asarray(_get_sum(sums, numerator) / sum(_get_sum(sums, item) for item in denominator))
 
 
-def _column(sums: Any, name: str) -> Any:
+def _get_sum(sums: Any, name: str) -> Any:
     return sums[name] if isinstance(sums, Mapping) else getattr(sums, name)
 
 
@@ -163,7 +163,7 @@ def compute_load(load: str, sums: Any, mu0: ArrayLike, tau0: ArrayLike) -> Float
 
     The sums are given as a mapping or as attributes.
     """
-    elastic, frictional, adhesive = (_column(sums, f"{load}_{part}") for part in _LOAD_CONTRIBUTIONS)
+    elastic, frictional, adhesive = (_get_sum(sums, f"{load}_{part}") for part in _LOAD_CONTRIBUTIONS)
     return np.asarray(elastic + mu0 * frictional + tau0 * adhesive)
 
 
@@ -188,15 +188,15 @@ class FrictionCurve(PlotRepr):
 
         The shape is the broadcast shape of mu0 and tau0, followed by (k,) for k steps or by (m, k) for m directions.
         """
-        return compute_load("normal", self, *self._parameters(mu0, tau0))
+        return compute_load("normal", self, *self._broadcast_parameters(mu0, tau0))
 
     def tangential_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
         """Return the tangential load F_T (mN) at which sliding starts. Shape and arguments are as for `normal_load`."""
-        return compute_load("tangential", self, *self._parameters(mu0, tau0))
+        return compute_load("tangential", self, *self._broadcast_parameters(mu0, tau0))
 
     def friction_coefficient(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
         """Return F_T / F_N, or NaN where the status is not "ok". Shape and arguments are as for `normal_load`."""
-        parameters = self._parameters(mu0, tau0)
+        parameters = self._broadcast_parameters(mu0, tau0)
         normal_load, tangential_load = (compute_load(load, self, *parameters) for load in ("normal", "tangential"))
         is_ok = statuses_of_approaches(self.contact_count, normal_load) == STATUS_OK
         coefficient: Floats = np.divide(
@@ -206,7 +206,7 @@ class FrictionCurve(PlotRepr):
 
     def status(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> NDArray[np.str_]:
         """Return "ok", "self-locked" (F_N <= 0) or "no-contact". Shape and arguments are as for `normal_load`."""
-        normal = compute_load("normal", self, *self._parameters(mu0, tau0))
+        normal = compute_load("normal", self, *self._broadcast_parameters(mu0, tau0))
         return statuses_of_approaches(self.contact_count, normal)
 
     def plot(self, ax: Axes | None = None, *, mu0: ArrayLike | None = None, tau0: ArrayLike = 0.0) -> Axes:
@@ -222,7 +222,7 @@ class FrictionCurve(PlotRepr):
             axes_or_new_axes(ax), self.normal_elastic, coefficient, mu0=mu0, tau0=tau0, direction=direction
         )
 
-    def _parameters(self, mu0: ArrayLike, tau0: ArrayLike) -> tuple[Floats, Floats]:
+    def _broadcast_parameters(self, mu0: ArrayLike, tau0: ArrayLike) -> tuple[Floats, Floats]:
         strengths = validate_friction_parameter("tau0", tau0)
         check_shear_strength(strengths, self.effective_modulus)
         parameters = np.broadcast_arrays(validate_friction_parameter("mu0", mu0), strengths)
@@ -231,7 +231,7 @@ class FrictionCurve(PlotRepr):
         return parameters[0][index], parameters[1][index]
 
 
-def combine_statuses(
+def choose_statuses(
     *, touched: ArrayLike, reached: ArrayLike, locked: ArrayLike, below: ArrayLike = False
 ) -> NDArray[Any]:
     """Return the status of each curve, ensemble or member. The boolean arguments are broadcast against each other.
@@ -252,7 +252,7 @@ def combine_statuses(
 
 def statuses_of_approaches(contact_count: ArrayLike, normal: Floats) -> NDArray[Any]:
     """Return "ok", "self-locked" or "no-contact" for each approach, given the contact count and the normal load."""
-    return combine_statuses(touched=np.asarray(contact_count) != 0, reached=normal > 0, locked=True)
+    return choose_statuses(touched=np.asarray(contact_count) != 0, reached=normal > 0, locked=True)
 
 
 def validate_friction_parameter(name: str, values: ArrayLike) -> Floats:
@@ -274,7 +274,7 @@ def check_shear_strength(tau0: Floats, effective_modulus: float) -> None:
         )
 
 
-def check_friction_parameters(mu0: Any, tau0: Any, effective_modulus: Any) -> tuple[float, float]:
+def validate_mu0_and_tau0(mu0: Any, tau0: Any, effective_modulus: Any) -> tuple[float, float]:
     """Check a single mu0 and a single tau0 (GPa), and return them."""
     values = [
         float(validate_friction_parameter(name, validate_number(name, value, unit=unit)))

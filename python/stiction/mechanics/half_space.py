@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._caching import cached_property
-from stiction._checks import Floats, check_choice, read_only, validate_fraction, validate_number
+from stiction._checks import Floats, check_choice, make_read_only, validate_fraction, validate_number
 from stiction._repr import PlotRepr, axes_or_new_axes
 from stiction._units import loads_to_core_units, to_core_units
 from stiction.mechanics.friction import FrictionCurve
@@ -28,8 +28,8 @@ from stiction.mechanics.model import (
     modulus_or_default,
     warn_if_same_body,
 )
-from stiction.mechanics.onset import Onset, check_nonzero_strengths, compute_onset, parse_direction, resolve_index
-from stiction.surfaces.profile import Profile, reject_missing
+from stiction.mechanics.onset import Onset, compute_onset, parse_direction, resolve_index, validate_nonzero_strengths
+from stiction.surfaces.profile import Profile, reject_missing_points
 from stiction.surfaces.surface import BodyLike, as_bodies
 
 if TYPE_CHECKING:
@@ -103,9 +103,9 @@ class HalfSpaceContact(PlotRepr):
 
         Draws into given axes or new ones, and returns them.
         """
-        from stiction._drawing import draw_contact
+        from stiction._drawing import draw_contact_pressure
 
-        return draw_contact(axes_or_new_axes(ax), self.pressure, self.heights, self.spacing)
+        return draw_contact_pressure(axes_or_new_axes(ax), self.pressure, self.heights, self.spacing)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -193,7 +193,9 @@ class HalfSpaceCurve(FrictionCurve):
         """
         force, is_bound = self.pull_off_bound
         if is_bound:
-            warnings.warn(f"the pull-off force is at least {force:.4g} mN: {self._separation[1]}", stacklevel=2)
+            warnings.warn(
+                f"the pull-off force is at least {force:.4g} mN: {self._separation_contacts[1]}", stacklevel=2
+            )
         return force
 
     @property
@@ -206,7 +208,7 @@ class HalfSpaceCurve(FrictionCurve):
         """Values of `pull_off` (mN) and `pull_off_is_bound`. Unlike `pull_off`, this property issues no warning."""
         if self.work_of_adhesion == 0:
             return 0.0, False
-        return -self._separation[0][-1].load, bool(self._separation[1])
+        return -self._separation_contacts[0][-1].load, bool(self._separation_contacts[1])
 
     @property
     def parting(self) -> HalfSpaceCurve:
@@ -216,10 +218,10 @@ class HalfSpaceCurve(FrictionCurve):
         """
         if self.work_of_adhesion == 0:
             raise ValueError("parting requires adhesion; call half_space with a work_of_adhesion above 0")
-        return _make_curve(self._problem, self._model, self._separation[0], self._tolerance)
+        return _make_curve(self._problem, self._model, self._separation_contacts[0], self._tolerance)
 
     @cached_property
-    def _separation(self) -> tuple[list[ContactSolution], str]:
+    def _separation_contacts(self) -> tuple[list[ContactSolution], str]:
         """Contacts during separation, and the reason why the largest tension is uncertain ("" if it is certain)."""
         from stiction.mechanics.adhesion import solve_separation
 
@@ -245,7 +247,7 @@ class HalfSpaceCurve(FrictionCurve):
         The stiffness is NaN on a free half-plane, and if the pressure equals the hardness everywhere in contact. It is
         computed on first use.
         """
-        return read_only(np.array([solution.stiffness for solution in self._contact_solutions]))
+        return make_read_only(np.array([solution.stiffness for solution in self._contact_solutions]))
 
     @cached_property
     def closure_stiffness(self) -> Floats:
@@ -253,7 +255,7 @@ class HalfSpaceCurve(FrictionCurve):
 
         1 GPa/µm is 1e6 MPa/mm, the usual unit of the normal stiffness of joints.
         """
-        return read_only(np.array([solution.closure_stiffness for solution in self._contact_solutions]))
+        return make_read_only(np.array([solution.closure_stiffness for solution in self._contact_solutions]))
 
     @property
     def tilt(self) -> Floats:
@@ -261,7 +263,7 @@ class HalfSpaceCurve(FrictionCurve):
 
         The slopes are 0 if the tilt is fixed.
         """
-        return read_only(
+        return make_read_only(
             np.array([np.zeros(self._problem.gap.ndim) + solution.problem.tilt for solution in self._contact_solutions])
         )
 
@@ -274,7 +276,7 @@ class HalfSpaceCurve(FrictionCurve):
         The loading stiffness, `stiffness`, is smaller if there is a hardness, because yielded points support no
         additional load.
         """
-        return read_only(np.array([solution.unloading_stiffness for solution in self._contact_solutions]))
+        return make_read_only(np.array([solution.unloading_stiffness for solution in self._contact_solutions]))
 
     def at(self, index: int) -> ContactSolution:
         """Return the contact at `load[index]`: the points under pressure, their pressures and their patches."""
@@ -291,7 +293,7 @@ class HalfSpaceCurve(FrictionCurve):
         opposing = np.array(opposing_grids).reshape(*self._model.angles().shape, *pressure.shape)
         gap = gap if problem.missing is None else np.where(problem.missing, np.nan, gap)
         values = (pressure, gap, solution.on_grid(solution.patch), opposing, solution.on_grid(solution.share))
-        pressure, gap, patches, opposing, share, heights = map(read_only, (*values, problem.lower.copy()))
+        pressure, gap, patches, opposing, share, heights = map(make_read_only, (*values, problem.lower.copy()))
         return HalfSpaceContact(pressure, gap, patches, opposing, share, heights, problem.spacing)
 
     @property
@@ -361,7 +363,7 @@ class HalfSpaceCurve(FrictionCurve):
         """
         from stiction.mechanics.mindlin import HalfSpaceTangentialProblem
 
-        mu0, tau0 = check_nonzero_strengths(mu0, tau0, self.effective_modulus)
+        mu0, tau0 = validate_nonzero_strengths(mu0, tau0, self.effective_modulus)
         angle = parse_direction(direction, line=self._problem.gap.ndim == 1)
         pressed = self._contact_solutions[resolve_index(index, self.load.size, "loads")]
         tangential_problem = HalfSpaceTangentialProblem(
@@ -511,7 +513,7 @@ def half_space(
     )
     if work_value > 0:
         for body in (upper, lower):
-            reject_missing(body, "work_of_adhesion")
+            reject_missing_points(body, "work_of_adhesion")
         problem = _add_adhesion(problem, work_value, range_value, float(model.effective_modulus))
     if tilt == "free":
         if boundary == "periodic" or work_value > 0 or approaches is not None:
@@ -525,11 +527,11 @@ def half_space(
         problem, loads, to_core_units("approaches", approaches, "length")
     )
     warn_if_same_body(upper, lower)
-    contacts = _solve(problem, step_kind, step_values, tolerance=tolerance, progress=progress)
+    contacts = _solve_contacts(problem, step_kind, step_values, tolerance=tolerance, progress=progress)
     return _make_curve(problem, model, contacts, tolerance)
 
 
-def _solve(
+def _solve_contacts(
     problem: HalfSpaceProblem, name: StepKind, steps: Floats, *, tolerance: float,
     progress: Callable[[int, int, float], object] | None,
 ) -> list[ContactSolution]:  # fmt: skip
@@ -581,7 +583,8 @@ def _make_curve(
 ) -> HalfSpaceCurve:
     sums = tuple(solution.sums(model.directions()) for solution in contacts)
     rows = [
-        solution.row() | total for solution, total in zip(contacts, _sum_patches(model, contacts, sums), strict=True)
+        solution.curve_row() | total
+        for solution, total in zip(contacts, _sum_patches(model, contacts, sums), strict=True)
     ]
     return HalfSpaceCurve(
         **_stack_columns(rows, model), effective_modulus=float(model.effective_modulus), _problem=problem, _model=model,
@@ -605,11 +608,11 @@ def _stack_columns(rows: list[dict[str, Any]], model: ContactModel) -> dict[str,
         column = np.array([row[name] for row in rows])
         if column.ndim == 2:
             column = np.ascontiguousarray(column.T) if model.angles().ndim > 0 else column[:, 0].copy()
-        columns[name] = read_only(column)
+        columns[name] = make_read_only(column)
     return columns
 
 
-def solve_separately(
+def solve_together_or_separately(
     solve: Callable[[Floats], HalfSpaceCurve], loads: Floats
 ) -> list[tuple[NDArray[np.intp], HalfSpaceCurve]]:
     """Solve the contacts at all loads together or, if this fails, at each load separately.
@@ -628,7 +631,7 @@ def solve_separately(
         return curves
 
 
-def solve_at_no_load(solve: Callable[[Floats], HalfSpaceCurve]) -> HalfSpaceCurve | None:
+def solve_at_zero_load(solve: Callable[[Floats], HalfSpaceCurve]) -> HalfSpaceCurve | None:
     """Return the contact of adhering surfaces at zero load, or None if there is no solution."""
     try:
         return solve(np.zeros(1))

@@ -16,10 +16,10 @@ from numpy.typing import ArrayLike, NDArray
 
 import stiction._core as _core
 from stiction._caching import cached_property
-from stiction._checks import Floats, float_array, read_only
+from stiction._checks import Floats, float_array, make_read_only
 from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.mechanics.patches import PatchSums, grid_slopes, patch_sums
-from stiction.surfaces.profile import Profile, combine_missing
+from stiction.surfaces.profile import Profile, combine_missing_masks
 from stiction.surfaces.surface import Surface
 
 MAX_CACHED_POINTS = 2**20
@@ -43,7 +43,7 @@ _last_grids: deque[_core.HalfSpaceGrids] = deque(maxlen=1)
 _uniform_displacements: weakref.WeakKeyDictionary[_core.HalfSpaceGrids, Floats] = weakref.WeakKeyDictionary()
 
 
-def get_grids(
+def get_half_space_grids(
     shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float, *, periodic: bool
 ) -> _core.HalfSpaceGrids:
     """Return half-space grids with their elastic kernels. Calls with equal arguments share the same grids."""
@@ -60,7 +60,7 @@ def get_grids(
 def _unpickle_grids(
     shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float, periodic: bool
 ) -> _core.HalfSpaceGrids:
-    return get_grids(shape, spacing, effective_modulus, periodic=periodic)
+    return get_half_space_grids(shape, spacing, effective_modulus, periodic=periodic)
 
 
 # Grids are pickled without kernels. A process that lacks the kernels computes them again.
@@ -108,12 +108,12 @@ class HalfSpaceProblem:
         return self.cell_area * (self.gap.size - (0 if self.missing is None else int(self.missing.sum())))
 
     @property
-    def has_approach(self) -> bool:
+    def has_finite_approach(self) -> bool:
         """True if the approach of distant points is finite. The approach is infinite on a free half-plane."""
         return self.periodic or len(self.spacing) == 2
 
     @property
-    def measured(self) -> Floats:
+    def measured_point_mask(self) -> Floats:
         """Array that is 1 at points that were measured on both surfaces, and 0 elsewhere."""
         return np.ones_like(self.gap) if self.missing is None else np.where(self.missing, 0.0, 1.0)
 
@@ -124,10 +124,10 @@ class HalfSpaceProblem:
         It is 0 for complete periodic surfaces.
         """
         if self.missing is not None:
-            return np.asarray(self.grids.displacement(self.measured, threads=solver_thread_count()))
+            return np.asarray(self.grids.displacement(self.measured_point_mask, threads=solver_thread_count()))
         if (cached := _uniform_displacements.get(self.grids)) is None:
-            cached = _uniform_displacements[self.grids] = read_only(
-                self.grids.displacement(self.measured, threads=solver_thread_count())
+            cached = _uniform_displacements[self.grids] = make_read_only(
+                self.grids.displacement(self.measured_point_mask, threads=solver_thread_count())
             )
         return cached
 
@@ -182,13 +182,13 @@ class ContactSolution:
             self.values * problem.cell_area, self.share * problem.cell_area, slopes, self.patch, directions
         )
 
-    def row(self) -> dict[str, Any]:
+    def curve_row(self) -> dict[str, Any]:
         """Return the results that do not depend on friction, as one row of a curve."""
         is_at_hardness = self.values == self.problem.hardness
         return {
             "load": self.load,
             "contact_load": self.load + self.attraction_force,
-            "approach": self.approach if self.problem.has_approach else np.nan,
+            "approach": self.approach if self.problem.has_finite_approach else np.nan,
             "closure": self.closure,
             "error": self.error,
             "iterations": self.iterations,
@@ -249,7 +249,7 @@ class ContactSolution:
 
     def _compute_stiffness(self, free: NDArray[np.bool_]) -> float:
         problem = self.problem
-        if not (problem.has_approach and free.any()):
+        if not (problem.has_finite_approach and free.any()):
             return np.nan
         compliance = (self._linear_response if free is self.below_hardness else self._compute_response(free))[1]
         return problem.cell_area / compliance if compliance > 0 else np.inf
@@ -274,13 +274,13 @@ def make_problem(
             f"spacing must give grid cells of at least {np.finfo(np.float64).tiny:.0e} µm² with sides that differ by a "
             f"factor of at most {MAX_CELL_ASPECT_RATIO:g}, got {upper.spacing!r} µm"
         )
-    gap, missing = upper.heights - lower.heights, combine_missing(upper, lower)
+    gap, missing = upper.heights - lower.heights, combine_missing_masks(upper, lower)
     gap -= gap.min() if missing is None else gap[~missing].min()
     if not gap.max() <= MAX_GAP_RATIO * max(spacing) * max(gap.shape):
         raise ValueError(
             f"upper and lower must have a gap of at most {MAX_GAP_RATIO:g} times their length, got {gap.max():.3g} µm"
         )
-    grids = get_grids(gap.shape, spacing, effective_modulus, periodic=periodic)
+    grids = get_half_space_grids(gap.shape, spacing, effective_modulus, periodic=periodic)
     return HalfSpaceProblem(
         upper.heights, lower.heights, gap, spacing, compliance_share, grids, hardness, missing=missing
     )
@@ -316,7 +316,7 @@ def parse_loads_or_approaches(
         raise ValueError(
             f"approaches must not be given for surfaces with a hardness, got hardness={hardness!r}; give loads instead"
         )
-    if not problem.has_approach:
+    if not problem.has_finite_approach:
         raise ValueError(
             "approaches must not be given on a free half-plane, because it has no finite approach; give loads, or "
             "use boundary='periodic'"
@@ -336,7 +336,7 @@ def lever_arms(problem: HalfSpaceProblem) -> list[Floats]:
     arms = []
     for axis, (count, spacing) in enumerate(zip(problem.gap.shape, problem.spacing, strict=True)):
         other_axes = tuple(index for index in range(problem.gap.ndim) if index != axis)
-        weights, positions = problem.measured.sum(axis=other_axes), spacing * np.arange(count)
+        weights, positions = problem.measured_point_mask.sum(axis=other_axes), spacing * np.arange(count)
         shape = [count if index == axis else 1 for index in range(problem.gap.ndim)]
         arms.append((positions - np.average(positions, weights=weights)).reshape(shape))
     return arms
@@ -463,7 +463,7 @@ def to_contact_solution(
     hardness = np.inf if problem.hardness is None else problem.hardness
     pressure = solution.pressure.reshape(problem.gap.shape)
     contact_arrays: Any = _core.patches_of(pressure, periodic=problem.periodic, hardness=hardness)
-    points, values, fraction, patch = map(read_only, contact_arrays)
+    points, values, fraction, patch = map(make_read_only, contact_arrays)
     load = float(values.sum()) * problem.cell_area if load is None else load
     convergence = solution.approach, solution.error * scale, solution.iterations
     return ContactSolution(problem, load, points, values, fraction, patch, *convergence, attraction)

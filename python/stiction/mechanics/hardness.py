@@ -44,12 +44,14 @@ def area_per_load(hardness: ArrayLike, nodes: ArrayLike, at_nodes: ArrayLike, el
     )
     log_targets, log_nodes = np.log(target_hardnesses), np.log(node_hardnesses)
     log_elastic = np.log(float_array("elastic", elastic))[..., np.newaxis]
-    log_excess = np.log(float_array("at_nodes", at_nodes)) - _log_estimate(log_nodes, log_elastic)
-    log_area = _log_estimate(log_targets, log_elastic) + _piecewise_linear(log_targets, log_nodes, log_excess)
+    log_excess = np.log(float_array("at_nodes", at_nodes)) - _estimate_log_area_per_load(log_nodes, log_elastic)
+    log_area = _estimate_log_area_per_load(log_targets, log_elastic) + _interpolate_linearly(
+        log_targets, log_nodes, log_excess
+    )
     return np.asarray(np.exp(log_area))
 
 
-def _log_estimate(log_hardness: Floats, log_elastic: Floats) -> Floats:
+def _estimate_log_area_per_load(log_hardness: Floats, log_elastic: Floats) -> Floats:
     """Estimate ln(A/F) from the logarithm of the hardness (GPa) and the logarithm of the elastic A/F (1/GPa).
 
     Using logarithms is several times faster than using powers.
@@ -60,7 +62,7 @@ def _log_estimate(log_hardness: Floats, log_elastic: Floats) -> Floats:
     return np.asarray(np.maximum(-log_hardness, log_elastic) + mixing_term)
 
 
-def _piecewise_linear(x: Floats, nodes: Floats, values: Floats) -> Floats:
+def _interpolate_linearly(x: Floats, nodes: Floats, values: Floats) -> Floats:
     """Interpolate values of shape (..., n) linearly between n increasing nodes. Beyond the nodes, use the end values.
 
     A sum over the changes of the slope is faster than a search for the panel of each x.

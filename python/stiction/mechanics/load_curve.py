@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import stiction._core
-from stiction._checks import Floats, float_array, read_only, validate_fraction
+from stiction._checks import Floats, float_array, make_read_only, validate_fraction
 from stiction._units import to_core_units
 from stiction.mechanics.candidates import Candidates, candidates, candidates_and_model
 from stiction.mechanics.contact import Contacts, contacts
@@ -26,7 +26,7 @@ from stiction.mechanics.model import (
     add_model_keywords_to_signature,
     warn_if_same_body,
 )
-from stiction.mechanics.onset import Onset, check_nonzero_strengths, compute_onset, parse_direction, resolve_index
+from stiction.mechanics.onset import Onset, compute_onset, parse_direction, resolve_index, validate_nonzero_strengths
 from stiction.mechanics.quantities import DIRECTED_SUM_QUANTITIES
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -126,7 +126,7 @@ class LoadCurve(FrictionCurve, ContactSums):
         """
         from stiction.mechanics.mindlin import AsperityTangentialProblem
 
-        mu0, tau0 = check_nonzero_strengths(mu0, tau0, self.effective_modulus)
+        mu0, tau0 = validate_nonzero_strengths(mu0, tau0, self.effective_modulus)
         angle = parse_direction(direction, line=not isinstance(self, SurfaceLoadCurve))
         approach = float(self.approach[resolve_index(index, self.approach.size, "approaches")])
         tangential_problem = AsperityTangentialProblem(
@@ -194,7 +194,7 @@ class SurfaceLoadCurve(LoadCurve):
 
         Shape and arguments are the same as for `normal_load`. Negative values point to the right.
         """
-        return compute_load("lateral", self, *self._parameters(mu0, tau0))
+        return compute_load("lateral", self, *self._broadcast_parameters(mu0, tau0))
 
 
 @overload
@@ -288,7 +288,7 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any)
     if not isinstance(upper, Candidates):
         warn_if_same_body(upper, lower)
     common_fields: dict[str, Any] = {
-        "approach": read_only(approach_array.copy()), "effective_modulus": float(model.effective_modulus),
+        "approach": make_read_only(approach_array.copy()), "effective_modulus": float(model.effective_modulus),
         "sliding": model.sliding, "_inputs": inputs,
     }  # fmt: skip
     if isinstance(core, stiction._core.ArealCandidates):
@@ -296,12 +296,14 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any)
         columns = stiction._core.press(core, approaches=approach_array, model=model.core(), directions=directions)
         for name, column in columns.items():
             table = column.reshape(len(directions), approach_array.size)
-            common_fields[name] = read_only(table if name in DIRECTED_SUM_QUANTITIES and angles.ndim > 0 else table[0])
-        return SurfaceLoadCurve(**common_fields, direction=read_only(angles))
+            common_fields[name] = make_read_only(
+                table if name in DIRECTED_SUM_QUANTITIES and angles.ndim > 0 else table[0]
+            )
+        return SurfaceLoadCurve(**common_fields, direction=make_read_only(angles))
     if core is not None:
         columns = stiction._core.press(core, approaches=approach_array, model=model.core())
     else:
         columns = stiction._core.press(
             upper.heights, lower.heights, spacing=upper.spacing, approaches=approach_array, model=model.core()
         )
-    return LoadCurve(**common_fields, **{name: read_only(column) for name, column in columns.items()})  # type: ignore[arg-type]
+    return LoadCurve(**common_fields, **{name: make_read_only(column) for name, column in columns.items()})  # type: ignore[arg-type]

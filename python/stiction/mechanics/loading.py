@@ -103,7 +103,7 @@ def approach_at_load(
         raise ValueError(
             f"direction must be a single direction, got {model.direction!r}, because F_N depends on the direction"
         )
-    mu0, tau0 = friction.check_friction_parameters(mu0, tau0, model.effective_modulus)
+    mu0, tau0 = friction.validate_mu0_and_tau0(mu0, tau0, model.effective_modulus)
     approach, _ = find_approaches_at_loads(
         SurfacePair(upper, lower), target_loads.ravel(), mu0=mu0, tau0=tau0, model=model
     )
@@ -125,7 +125,7 @@ class SurfacePair:
             arguments["directions"] = model.directions()
         return ContactSums.from_columns(self._call_core(stiction._core.press, float(approaches[-1]), model, arguments))
 
-    def approaches_between(
+    def find_approaches_between(
         self, loads: Floats, left: Floats, right: Floats, mu0: float, tau0: float, model: ContactModel
     ) -> Floats:
         """Find the approach that supports each load. F_N is too small at `left`, and large enough at `right`."""
@@ -188,10 +188,10 @@ def find_approaches_at_loads(
         is_pending &= ~newly_reached
     is_reached = ~(is_pending | is_exceeded)
     is_locked = bool(curve.contact_count[-1] > 0 and normal_loads[-1] <= 0)
-    status = friction.combine_statuses(touched=has_touched, reached=is_reached, below=is_exceeded, locked=is_locked)
+    status = friction.choose_statuses(touched=has_touched, reached=is_reached, below=is_exceeded, locked=is_locked)
     approach = np.full(loads.size, np.nan)
     if is_reached.any():
-        approach[is_reached] = bodies.approaches_between(
+        approach[is_reached] = bodies.find_approaches_between(
             loads[is_reached], lower_approach[is_reached], upper_approach[is_reached], mu0, tau0, model
         )
     return approach, status

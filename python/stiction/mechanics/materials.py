@@ -136,7 +136,7 @@ def material(name: str) -> Material:
     if result is None:
         matches = difflib.get_close_matches(_normalise_name(name), by_name, n=3, cutoff=0.5)
         names = [
-            name for match in matches for name in _material_names(by_name[match]) if _normalise_name(name) == match
+            name for match in matches for name in _names_and_aliases(by_name[match]) if _normalise_name(name) == match
         ]
         names = names or [item.name for item in materials()]
         introduction = "the nearest are" if matches else "there are"
@@ -219,7 +219,7 @@ def compliance_fraction(upper: Material, lower: Material) -> float:
     0.997
     """
     first, second = (
-        _check_material(name, body).plane_strain_modulus for name, body in (("upper", upper), ("lower", lower))
+        _validate_material(name, body).plane_strain_modulus for name, body in (("upper", upper), ("lower", lower))
     )
     return first / (first + second)
 
@@ -253,7 +253,7 @@ def softer_hardness(upper: Material, lower: Material) -> MaterialValue | None:
     >>> float(softer_hardness(material("mild steel"), material("brass"))) == float(material("brass").hardness)
     True
     """
-    softer = softest_material(_check_material("upper", upper), _check_material("lower", lower))
+    softer = softest_material(_validate_material("upper", upper), _validate_material("lower", lower))
     return None if softer is None else softer.hardness
 
 
@@ -268,7 +268,7 @@ def names_match(text: str, name: str) -> bool:
     return _normalise_name(text) == _normalise_name(name)
 
 
-def _check_material(name: str, body: Any) -> Material:
+def _validate_material(name: str, body: Any) -> Material:
     if not isinstance(body, Material):
         raise ValueError(f"{name} must be a Material, as returned by material(), got {type(body).__name__}")
     return body
@@ -280,9 +280,9 @@ def _normalise_name(name: str) -> str:
 
 @cache
 def _materials_by_name() -> dict[str, Material]:
-    return {_normalise_name(name): item for item in materials() for name in _material_names(item)}
+    return {_normalise_name(name): item for item in materials() for name in _names_and_aliases(item)}
 
 
-def _material_names(solid: Material) -> tuple[str, ...]:
+def _names_and_aliases(solid: Material) -> tuple[str, ...]:
     """Return the name and the aliases of a material."""
     return solid.name, *solid.aliases

@@ -174,7 +174,11 @@ class HalfSpaceTangentialProblem:
         self, pressed: ContactSolution, *, mu0: float, tau0: float, poisson: float | Sequence[float], tolerance: float
     ) -> None:
         problem = pressed.problem
-        self.grids, self.cell_area, self.has_displacement = problem.grids, problem.cell_area, problem.has_approach
+        self.grids, self.cell_area, self.has_displacement = (
+            problem.grids,
+            problem.cell_area,
+            problem.has_finite_approach,
+        )
         self.shape, self.size = problem.gap.shape, problem.gap.size
         # on a profile, the tractions are line loads perpendicular to the motion
         across = 1.0 if len(self.shape) == 1 else 0.5

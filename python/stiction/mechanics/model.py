@@ -15,7 +15,7 @@ import stiction._core
 from stiction._caching import cached_property
 from stiction._checks import Floats, check_choice, check_instance, validate_number
 from stiction.mechanics.law import ContactLaw, HertzCylinder, LawName, parse_contact_law
-from stiction.surfaces.profile import MAX_POINTS, Profile, reject_missing
+from stiction.surfaces.profile import MAX_POINTS, Profile, reject_missing_points
 from stiction.surfaces.surface import Surface, as_body
 
 Detection = Literal["cell", "gap-minimum"]
@@ -211,7 +211,7 @@ def make_model(keywords: Mapping[str, object], default: ContactModel | None = No
 def make_pair_model(upper: Any, lower: Any, keywords: Mapping[str, object]) -> ContactModel:
     """Check two surfaces and create their complete contact model from keyword arguments."""
     check_pair(upper, lower)
-    check_modulus(keywords, upper, lower)
+    check_modulus_is_given(keywords, upper, lower)
     if isinstance(upper, Surface):
         return make_model(keywords, _DEFAULT_SURFACE_MODEL).for_surfaces()
     return make_model(keywords, _DEFAULT_PROFILE_MODEL).for_profiles()
@@ -223,12 +223,12 @@ def modulus_or_default(effective_modulus: Any, *bodies: Profile | Surface) -> fl
     For generated surfaces, the default is the modulus of the paper. For measured surfaces, a modulus is required.
     """
     if effective_modulus is None:
-        check_modulus({}, *bodies)
+        check_modulus_is_given({}, *bodies)
         return DEFAULT_EFFECTIVE_MODULUS
     return validate_number("effective_modulus", effective_modulus, unit="GPa", above=0)
 
 
-def check_modulus(keywords: Mapping[str, object], *bodies: Profile | Surface) -> None:
+def check_modulus_is_given(keywords: Mapping[str, object], *bodies: Profile | Surface) -> None:
     """Raise a `ValueError` if a surface was measured and neither a modulus nor a model is given."""
     if "effective_modulus" not in keywords and "model" not in keywords:
         reject_missing_modulus(*map(source_history_entry, bodies))
@@ -270,7 +270,7 @@ def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
     for name, body in (("upper", upper), ("lower", lower)):
         as_body(name, body)
         if whole:
-            reject_missing(body, "every model except half_space")
+            reject_missing_points(body, "every model except half_space")
     if isinstance(upper, Surface) != isinstance(lower, Surface):
         raise ValueError(
             f"upper and lower must both be profiles or both surfaces, got {type(upper).__name__} and "

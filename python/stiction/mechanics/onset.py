@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, float_array, read_only, validate_number, validate_whole_number
+from stiction._checks import Floats, float_array, make_read_only, validate_number, validate_whole_number
 from stiction._repr import PlotRepr, axes_or_new_axes
-from stiction.mechanics.friction import check_friction_parameters
+from stiction.mechanics.friction import validate_mu0_and_tau0
 from stiction.mechanics.model import ContactModel, Direction
 
 if TYPE_CHECKING:
@@ -159,7 +159,7 @@ class Onset(PlotRepr):
         ValueError
             If the index is invalid.
         """
-        return read_only(self._values_at_all_points(self._slips[self._load_index(index)].traction, 0.0))
+        return make_read_only(self._values_at_all_points(self._slips[self._resolve_load_index(index)].traction, 0.0))
 
     def slip_load(self) -> Floats:
         """Return the smallest `tangential_load` (mN) at which each point slips. It is NaN for points that never slip.
@@ -169,7 +169,7 @@ class Onset(PlotRepr):
         first_slip_load = np.full(self._tangential_problem.bound.size, np.nan)
         for slip in reversed(self._slips):
             first_slip_load[slip.traction >= self._tangential_problem.bound] = slip.load
-        return read_only(self._values_at_all_points(first_slip_load, np.nan))
+        return make_read_only(self._values_at_all_points(first_slip_load, np.nan))
 
     def energy_lost(self, amplitude: ArrayLike) -> Floats:
         """Return the energy loss (mN µm) per load cycle for each tangential load amplitude in an array.
@@ -184,7 +184,7 @@ class Onset(PlotRepr):
         ValueError
             If an amplitude is negative or above the sliding load, where the loss depends on the path.
         """
-        loads = self._check_amplitudes(amplitude)
+        loads = self._validate_amplitudes(amplitude)
         losses = [
             4 * self._tangential_problem.dissipated_energy(self._solve_at_load(load)) if load > 0 else 0.0
             for load in loads.ravel().tolist()
@@ -203,7 +203,7 @@ class Onset(PlotRepr):
             As for `energy_lost`.
         """
         turning_point = self._solve_at_load(
-            float(self._check_amplitudes(validate_number("amplitude", amplitude, unit="mN", above=0)))
+            float(self._validate_amplitudes(validate_number("amplitude", amplitude, unit="mN", above=0)))
         )
         is_below = self.tangential_load < turning_point.load * (1 - LOAD_TOLERANCE)
         load = np.concatenate([[0.0], self.tangential_load[is_below], [turning_point.load]])
@@ -264,7 +264,7 @@ class Onset(PlotRepr):
 
         return fit_lugre(self.displacement, self.tangential_load, sliding_load=self.sliding_load)
 
-    def _load_index(self, index: Any) -> int:
+    def _resolve_load_index(self, index: Any) -> int:
         return resolve_index(index, len(self._slips), "tangential loads")
 
     def _values_at_all_points(self, values: Floats, elsewhere: float) -> Floats:
@@ -272,7 +272,7 @@ class Onset(PlotRepr):
         all_values[self._tangential_problem.points] = values
         return all_values
 
-    def _check_amplitudes(self, amplitude: ArrayLike) -> Floats:
+    def _validate_amplitudes(self, amplitude: ArrayLike) -> Floats:
         loads = float_array("amplitude", amplitude)
         if not ((loads >= 0) & (loads <= self.sliding_load * (1 + LOAD_TOLERANCE))).all():
             raise ValueError(
@@ -305,16 +305,16 @@ def compute_onset(
                 else at_sliding
             )
     else:
-        for displacement in _check_displacements(displacements, at_sliding.displacement).tolist():
+        for displacement in _validate_displacements(displacements, at_sliding.displacement).tolist():
             slips.append(
                 _solve_at_displacement(tangential_problem, displacement, at_sliding, slips[-1] if slips else None)
             )
     columns = {
-        name: read_only(np.array([getattr(slip, name) for slip in slips]))
+        name: make_read_only(np.array([getattr(slip, name) for slip in slips]))
         for name in ("displacement", "slipped_area", "slipped_load")
     }
     return Onset(
-        tangential_load=read_only(np.array([slip.load for slip in slips])), **columns,
+        tangential_load=make_read_only(np.array([slip.load for slip in slips])), **columns,
         normal_load=tangential_problem.normal_load, sliding_load=tangential_problem.sliding_load,
         displacement_at_sliding=at_sliding.displacement, stiffness=tangential_problem.stiffness,
         mu0=mu0, tau0=tau0, direction=direction, _tangential_problem=tangential_problem, _slips=tuple(slips),
@@ -336,9 +336,9 @@ def resolve_index(index: Any, count: int, items: str) -> int:
     return checked_index % count
 
 
-def check_nonzero_strengths(mu0: Any, tau0: Any, effective_modulus: float) -> tuple[float, float]:
+def validate_nonzero_strengths(mu0: Any, tau0: Any, effective_modulus: float) -> tuple[float, float]:
     """Check that mu0 and tau0 (GPa) are not both negligible, and return them."""
-    values = check_friction_parameters(mu0, tau0, effective_modulus)
+    values = validate_mu0_and_tau0(mu0, tau0, effective_modulus)
     if max(values[0], values[1] / effective_modulus) < MIN_RELATIVE_STRENGTH:
         raise ValueError(
             "mu0 and tau0 must not both be 0 or negligible, because nothing would resist sliding; "
@@ -382,7 +382,7 @@ def parse_load_fractions(steps: int | Sequence[float]) -> Floats:
     return fractions
 
 
-def _check_displacements(displacements: ArrayLike, limit: float) -> Floats:
+def _validate_displacements(displacements: ArrayLike, limit: float) -> Floats:
     displacement_array = float_array("displacements", displacements, ndim=1)
     if not (displacement_array.size > 0 and (displacement_array > 0).all() and (np.diff(displacement_array) > 0).all()):
         raise ValueError(f"displacements must be above 0 µm and strictly increasing, got {displacements!r}")

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stiction._checks import Floats, float_array, read_only
+from stiction._checks import Floats, float_array, make_read_only
 from stiction._repr import TextRepr
 
 MIN_FIT_POINTS = 3  # minimum number of points for a fit of two parameters
@@ -63,7 +63,7 @@ class FourParameterIwan(TextRepr):
 
     def load(self, displacement: ArrayLike) -> Floats:
         """Return the tangential load (mN) in first loading at displacements (µm) of at least 0."""
-        distance = _check_displacement(displacement)
+        distance = _validate_displacement(displacement)
         ratio = np.minimum(distance / self.displacement_at_sliding, 1.0)
         slip_fraction = ratio ** (self.chi + 1) / ((self.chi + 2) * (1 + self.beta))
         load_before_sliding = self.stiffness * distance * (1 - slip_fraction)
@@ -71,7 +71,7 @@ class FourParameterIwan(TextRepr):
 
     def energy_lost(self, displacement: ArrayLike) -> Floats:
         """Return the energy loss (mN µm) per cycle with a given displacement amplitude (µm)."""
-        distance, sliding_displacement = _check_displacement(displacement), self.displacement_at_sliding
+        distance, sliding_displacement = _validate_displacement(displacement), self.displacement_at_sliding
         ratio = np.minimum(distance / sliding_displacement, 1.0)
         slip_fraction = ratio ** (self.chi + 1) / ((self.chi + 2) * (1 + self.beta))
         # Masing's rule: the loss is 8 times the area under the loading curve, minus 4 times load times displacement.
@@ -122,7 +122,7 @@ class LuGre(TextRepr):
     def load(self, displacement: ArrayLike) -> Floats:
         """Return the tangential load (mN) in first loading at displacements (µm) of at least 0."""
         return np.asarray(
-            -self.sliding_load * np.expm1(-self.stiffness * _check_displacement(displacement) / self.sliding_load)
+            -self.sliding_load * np.expm1(-self.stiffness * _validate_displacement(displacement) / self.sliding_load)
         )
 
 
@@ -143,7 +143,7 @@ def fit_iwan(displacement: Floats, load: Floats, *, sliding_load: float, stiffne
     starts = [[chi, beta] for chi in (-0.8, -0.5, -0.1) for beta in (0.01, 1.0)]
     fits = [least_squares(relative_error, start, bounds=bounds, xtol=1e-12, ftol=1e-12, gtol=1e-12) for start in starts]
     best_fit = min(fits, key=lambda fit: float(fit.cost))
-    return iwan_model(best_fit.x, read_only(best_fit.fun * sliding_load))
+    return iwan_model(best_fit.x, make_read_only(best_fit.fun * sliding_load))
 
 
 def fit_lugre(displacement: Floats, load: Floats, *, sliding_load: float) -> LuGre:
@@ -159,7 +159,7 @@ def fit_lugre(displacement: Floats, load: Floats, *, sliding_load: float) -> LuG
         ) / sliding_load
 
     fit = least_squares(relative_error, [0.0], xtol=1e-12, ftol=1e-12, gtol=1e-12)
-    return LuGre(sliding_load, initial_stiffness * math.exp(fit.x[0]), read_only(fit.fun * sliding_load))
+    return LuGre(sliding_load, initial_stiffness * math.exp(fit.x[0]), make_read_only(fit.fun * sliding_load))
 
 
 def _check_curve(displacement: Floats, load: Floats, min_points: int) -> None:
@@ -173,7 +173,7 @@ def _check_curve(displacement: Floats, load: Floats, min_points: int) -> None:
         )
 
 
-def _check_displacement(displacement: ArrayLike) -> Floats:
+def _validate_displacement(displacement: ArrayLike) -> Floats:
     distance = float_array("displacement", displacement)
     if not (distance >= 0).all():
         raise ValueError(f"displacement must be at least 0 µm, got {displacement!r}")

@@ -441,14 +441,14 @@ QUANTITIES: dict[str, ResultQuantity] = {
 """Properties of all quantities and coordinates, in the order in which views show them."""
 
 
-def select_quantities(condition: Callable[[ResultQuantity], Any]) -> tuple[str, ...]:
+def select_quantity_names(condition: Callable[[ResultQuantity], Any]) -> tuple[str, ...]:
     """Return the names of the quantities that satisfy a condition, in table order."""
     return tuple(name for name, each in QUANTITIES.items() if condition(each))
 
 
-def quantities_shown_in(view: OutputView) -> tuple[str, ...]:
+def quantity_names_shown_in(view: OutputView) -> tuple[str, ...]:
     """Return the names of the quantities that a view, such as "csv" or "report", shows."""
-    return select_quantities(lambda each: view in each.shown)
+    return select_quantity_names(lambda each: view in each.shown)
 
 
 # ---- Selections ------------------------------------------------------------------------------------------------------
@@ -460,61 +460,61 @@ AREAL_SUM_QUANTITIES = tuple(AREAL_CORE_SUMS)
 """Additional sums of a `SurfaceLoadCurve`, in the order of the core."""
 
 DIRECTED_SUM_QUANTITIES = frozenset(
-    select_quantities(lambda each: each.kind == "sum" and each.along == (*_MOTION_AXES, "step"))
+    select_quantity_names(lambda each: each.kind == "sum" and each.along == (*_MOTION_AXES, "step"))
 )
 """Sums that depend on the direction and on the sliding rule."""
 
 HALF_SPACE_SUM_QUANTITIES = (
     *(name for name in SUM_QUANTITIES if "half-space" in QUANTITIES[name].stored),
-    *select_quantities(lambda each: "half-space" in each.stored and "asperities" not in each.stored),
+    *select_quantity_names(lambda each: "half-space" in each.stored and "asperities" not in each.stored),
 )
 """Numbers that a half-space result stores for each pair at each load."""
 
-ZERO_LOAD_SUM_QUANTITIES = select_quantities(lambda each: "adhesion" in each.stored and each.along == _MOTION_AXES)
+ZERO_LOAD_SUM_QUANTITIES = select_quantity_names(lambda each: "adhesion" in each.stored and each.along == _MOTION_AXES)
 """Sums from which the tangential load that starts sliding at zero normal load is computed for any mu0 and tau0."""
 
-PULL_OFF_QUANTITIES = select_quantities(lambda each: "adhesion" in each.stored and not each.along)
+PULL_OFF_QUANTITIES = select_quantity_names(lambda each: "adhesion" in each.stored and not each.along)
 """Pull-off force of a member, and a number that is 1 if this force is only a lower bound and 0 otherwise."""
 
 ADHESION_QUANTITIES = (
-    *select_quantities(lambda each: "adhesion" in each.stored and "step" in each.along),
+    *select_quantity_names(lambda each: "adhesion" in each.stored and "step" in each.along),
     *PULL_OFF_QUANTITIES,
     *ZERO_LOAD_SUM_QUANTITIES,
 )
 """Additional numbers in results of adhesive bodies. All of them except the first are independent of the load."""
 
-LOAD_INDEPENDENT_QUANTITIES = select_quantities(lambda each: "table" in each.shown and "step" not in each.along)
+LOAD_INDEPENDENT_QUANTITIES = select_quantity_names(lambda each: "table" in each.shown and "step" not in each.along)
 """Quantities of adhesive bodies that do not depend on the load."""
 
-ONSET_QUANTITIES = select_quantities(lambda each: "onset" in each.stored)
+ONSET_QUANTITIES = select_quantity_names(lambda each: "onset" in each.stored)
 """Quantities of the onset of sliding that a result of generated bodies stores, if its study requests them."""
 
-DISTRIBUTION_QUANTITIES = select_quantities(lambda each: "fraction_below" in each.along)
+DISTRIBUTION_QUANTITIES = select_quantity_names(lambda each: "fraction_below" in each.along)
 """Quantities whose quantiles a result of measured bodies stores for each member at each load."""
 
-GAP_QUANTITIES = select_quantities(lambda each: "measured" in each.stored and "step" not in each.along)
+GAP_QUANTITIES = select_quantity_names(lambda each: "measured" in each.stored and "step" not in each.along)
 """Quantities of the gap of each member, which do not depend on the load."""
 
-STATISTIC_QUANTITIES = select_quantities(lambda each: "measured" in each.stored and each.along == _STEP_AXIS)
+STATISTIC_QUANTITIES = select_quantity_names(lambda each: "measured" in each.stored and each.along == _STEP_AXIS)
 """Statistics (including the status) that a result of measured bodies stores for each member at each load."""
 
-VALIDITY_QUANTITIES = select_quantities(
+VALIDITY_QUANTITIES = select_quantity_names(
     lambda each: each.kind == "validity" and {each.numerator, *each.denominator} <= {*SUM_QUANTITIES}
 )
 """Fields of `Validity`."""
 
-AREAL_VALIDITY_QUANTITIES = select_quantities(
+AREAL_VALIDITY_QUANTITIES = select_quantity_names(
     lambda each: each.kind == "validity" and bool({each.numerator, *each.denominator} - {*SUM_QUANTITIES})
 )
 """Fields of `SurfaceValidity` in addition to those of `Validity`."""
 
-AT_HARDNESS_QUANTITIES = select_quantities(lambda each: "half-space" in each.stored and each.kind == "statistic")
+AT_HARDNESS_QUANTITIES = select_quantity_names(lambda each: "half-space" in each.stored and each.kind == "statistic")
 """Fractions of the load and of the area that belong to points at which the pressure equals the hardness."""
 
-STIFFNESS_PER_AREA_QUANTITIES = select_quantities(lambda each: each.kind == "ratio" and each.unit == "GPa/mm")
+STIFFNESS_PER_AREA_QUANTITIES = select_quantity_names(lambda each: each.kind == "ratio" and each.unit == "GPa/mm")
 """Stiffnesses divided by the nominal area."""
 
-UNCERTAINTY_QUANTITIES = select_quantities(lambda each: each.kind == "uncertainty" and each.is_directed)
+UNCERTAINTY_QUANTITIES = select_quantity_names(lambda each: each.kind == "uncertainty" and each.is_directed)
 """Uncertainties of the mean over all directions."""
 
 RATIO_OPERANDS = frozenset(

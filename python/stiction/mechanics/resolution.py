@@ -15,7 +15,7 @@ from stiction._checks import Floats, check_instance, float_array, validate_numbe
 from stiction.mechanics import brackets
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.friction import LOAD_SUM_NAMES, compute_load, validate_friction_parameter
-from stiction.mechanics.half_space import BoundaryCondition, half_space, solve_separately
+from stiction.mechanics.half_space import BoundaryCondition, half_space, solve_together_or_separately
 from stiction.mechanics.model import DEFAULT_EFFECTIVE_MODULUS, Direction, SlidingRule, check_pair, modulus_or_default
 from stiction.mechanics.quantities import quantity_attributes
 from stiction.surfaces.cut_off import MAX_CUTOFF_FRACTION, cut_off
@@ -147,7 +147,7 @@ def resolution(
     check_pair(upper, lower)
     effective_modulus = modulus_or_default(effective_modulus, upper, lower)
     pair = _BodyPair(upper, lower, boundary)
-    cut_off_lengths = pair.cut_offs(cut_offs)
+    cut_off_lengths = pair.choose_cut_offs(cut_offs)
     if hardness is not None:
         hardness = validate_number("hardness", hardness, unit="GPa", above=0)
     parameters = None if mu0 is None else _validate_strengths(mu0, tau0)
@@ -166,14 +166,16 @@ def resolution(
     for num_done, cut_off_length in enumerate(cut_off_lengths):
         report(num_done, count)
         solutions.append(
-            _solve_at_loads(*pair.with_cut_off(cut_off_length), load_array, directions, hardness=hardness, **options)
+            _solve_at_loads(
+                *pair.bodies_with_cut_off(cut_off_length), load_array, directions, hardness=hardness, **options
+            )
         )
     elastic_solution = solutions[0]
     if hardness is not None:
         report(len(cut_off_lengths), count)
         elastic_solution = _solve_at_loads(upper, lower, load_array, directions, hardness=None, **options)
     report(count, count)
-    result = _cutoff_dataset(pair, cut_off_lengths, load_array, solutions, effective_modulus, hardness)
+    result = _make_cutoff_dataset(pair, cut_off_lengths, load_array, solutions, effective_modulus, hardness)
     if parameters is not None:
         result = result.assign(friction_coefficient=resolution_friction(result, mu0=parameters[0], tau0=parameters[1]))
     rough_bodies = [body for body in (upper, lower) if not body.is_flat]
@@ -265,7 +267,7 @@ class _BodyPair:
     def gap(self, upper: Profile | Surface, lower: Profile | Surface) -> Profile | Surface:
         return replace(upper, heights=upper.heights - lower.heights, history=())
 
-    def cut_offs(self, cut_offs: float | Sequence[float] | None) -> list[float]:
+    def choose_cut_offs(self, cut_offs: float | Sequence[float] | None) -> list[float]:
         side_length = min(size * step for size, step in zip(self.upper.heights.shape, self.upper.spacings, strict=True))
         if cut_offs is None:
             default_cut_offs = 2 * self.shortest_cut_off * 2.0 ** np.arange(40)
@@ -281,7 +283,7 @@ class _BodyPair:
             )
         return sorted({0.0, *lengths})
 
-    def with_cut_off(self, length: float) -> tuple[Any, Any]:
+    def bodies_with_cut_off(self, length: float) -> tuple[Any, Any]:
         if length == 0:
             return self.upper, self.lower
         return tuple(
@@ -298,7 +300,7 @@ def _solve_at_loads(
     """
     results = {name: np.full(loads.size, np.nan) for name in _CURVE_FIELDS}
     results |= {name: np.full((len(_SLIDING_RULES), loads.size), np.nan) for name in LOAD_SUM_NAMES}
-    for indices, curve in solve_separately(functools.partial(half_space, upper, lower, **options), loads):
+    for indices, curve in solve_together_or_separately(functools.partial(half_space, upper, lower, **options), loads):
         for name in _CURVE_FIELDS:
             results[name][indices] = getattr(curve, name)
         for rule_index, sliding in enumerate(_SLIDING_RULES):
@@ -315,14 +317,14 @@ def _solve_at_loads(
 # ---- Over cutoffs ----------------------------------------------------------------------------------------------------
 
 
-def _cutoff_dataset(
+def _make_cutoff_dataset(
     pair: _BodyPair, lengths: list[float], loads: Floats, solutions: list[dict[str, Floats]], modulus: float,
     hardness: float | None,
 ) -> xr.Dataset:  # fmt: skip
     """Return areas, pressures and contact sums as functions of the cutoff. Values without a solution are NaN."""
     import xarray as xr
 
-    gaps = [pair.gap(*pair.with_cut_off(length)) for length in lengths]
+    gaps = [pair.gap(*pair.bodies_with_cut_off(length)) for length in lengths]
     gradient = np.array([brackets.gap_rms_gradient(gap, periodic=pair.periodic) for gap in gaps])
     values = {name: np.array([solution[name] for solution in solutions]) for name in (*_CURVE_FIELDS, *LOAD_SUM_NAMES)}
     area = values["contact_area"]
@@ -381,7 +383,7 @@ def _add_plastic_limits(
     kappa = area * modulus * float(result.rms_gradient[0]) / loads
     spread = brackets.kappa_uncertainty_factor(elastic["contact_count"])
     if hardness is not None:
-        result = brackets.add_finer_scan_brackets(result, hardness, parameters)
+        result = brackets.add_finer_scan_bounds(result, hardness, parameters)
     hardnesses = TYPICAL_HARDNESSES if hardness is None else (hardness,)
     gradients_at_hardness = [zip(kappa * item / modulus, spread, strict=True) for item in hardnesses]
     plastic_wavelengths = np.array([

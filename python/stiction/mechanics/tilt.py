@@ -46,7 +46,7 @@ def solve_with_balanced_tilt(
     report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
     arms, shape = lever_arms(problem), problem.gap.shape
     side_lengths = np.array(shape) * np.array(problem.spacing)
-    gap_deviation = float(problem.gap[problem.measured > 0].std()) or 1.0
+    gap_deviation = float(problem.gap[problem.measured_point_mask > 0].std()) or 1.0
 
     def solve_at(rotated_problem: HalfSpaceProblem, load: float, near: Floats | None) -> tuple[ContactSolution, Floats]:
         solver = ContactSolver(rotated_problem, "loads", load, tolerance=tolerance, report=report)

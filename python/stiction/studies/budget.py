@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction.mechanics.brackets import friction_bracket, max_friction
+from stiction.mechanics.brackets import friction_range_for_finer_scans, max_friction_for_finer_scans
 from stiction.mechanics.closed_forms import hardness_under_shear, solve_yield_condition
 from stiction.mechanics.friction import LOAD_SUM_NAMES
 from stiction.mechanics.quantities import quantity_attributes
@@ -327,8 +327,8 @@ class _CoefficientSamples:
         if hardness is not None and is_nonadhesive_half_space and self.rule == "all":
             self.contacts = float(point["contact_count"][0]) * float(point["members"])
             bracket_inputs = self.mu0, self.tau0 / float(point["sheared_pressure"]), self.contacts
-            self.finest = friction_bracket(value, *bracket_inputs)
-            self.bracket = friction_bracket(value, *bracket_inputs, upper)
+            self.finest = friction_range_for_finer_scans(value, *bracket_inputs)
+            self.bracket = friction_range_for_finer_scans(value, *bracket_inputs, upper)
         relative_width = math.log(upper / lower) if lower > 0 else (upper - lower) / value
         relative_error, members = relative_width / (2 * Z_95), int(point["ok"].min())
         spread = 0.0 if study.is_gap else float(point["spread_high"]) - float(point["spread_low"])
@@ -514,7 +514,7 @@ class _CoefficientSamples:
         if UNRESOLVED_ROUGHNESS_INPUT in columns and self.finest is not None:
             lowest_coefficients = np.minimum(mu0 + tau0 / hardness, coefficients)
             highest_coefficients = np.maximum(
-                max_friction(coefficients, mu0, tau0 / hardness, self.contacts), lowest_coefficients
+                max_friction_for_finer_scans(coefficients, mu0, tau0 / hardness, self.contacts), lowest_coefficients
             )
             coefficients = lowest_coefficients + columns[UNRESOLVED_ROUGHNESS_INPUT] * (
                 highest_coefficients - lowest_coefficients

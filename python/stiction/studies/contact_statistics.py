@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction.mechanics.contact import Contacts
 from stiction.studies.intervals import sample_quantiles
-from stiction.surfaces.profile import Profile, combine_missing
+from stiction.surfaces.profile import Profile, combine_missing_masks
 from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ class PairSlopes:
         magnitudes = {
             side: np.sqrt(sum(np.square(slope) for slope in slopes)) for side, slopes in slopes_by_side.items()
         }
-        missing_mask = combine_missing(upper, lower)
+        missing_mask = combine_missing_masks(upper, lower)
         is_measured = ... if missing_mask is None else ~missing_mask
         steepness_limits = {
             side: float(np.quantile(slope[is_measured], 1 - STEEP_POINT_FRACTION)) for side, slope in magnitudes.items()

@@ -924,7 +924,7 @@ def _member_status(
     """Return the status of each member as an array of shape (..., sliding, direction, load, mu0, tau0)."""
     is_known = np.isfinite(normal)
     is_locked = is_known & (normal <= 0)
-    status = friction.combine_statuses(
+    status = friction.choose_statuses(
         touched=True, reached=is_known & is_reached & ~is_locked, locked=is_locked, below=is_below
     )
     status = np.array(np.broadcast_to(status, normal.shape), STATUS_DTYPE)

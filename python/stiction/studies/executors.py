@@ -12,7 +12,7 @@ from concurrent.futures import BrokenExecutor, CancelledError, Executor, ThreadP
 from importlib import import_module
 from typing import Any, TypeVar
 
-from stiction._text import MAX_PATH_LENGTH, printable
+from stiction._text import MAX_PATH_LENGTH, printable_text
 from stiction._units import short_repr
 from stiction.studies.values import StudyError
 
@@ -143,7 +143,7 @@ def connect_cluster(address: str) -> Iterator[Executor]:
     except (OSError, ValueError, TypeError) as error:
         raise ClusterError(
             f"no Dask scheduler responds at {short_repr(address)}: "
-            f"{printable(str(error).splitlines()[0], MAX_PATH_LENGTH)}"
+            f"{printable_text(str(error).splitlines()[0], MAX_PATH_LENGTH)}"
         ) from None
     with _without_disconnect_log(), client:
         try:

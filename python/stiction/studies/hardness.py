@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solve_separately
+from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solve_together_or_separately
 from stiction.mechanics.hardness import area_per_load
 from stiction.mechanics.materials import Material, material, softest_material
 from stiction.mechanics.resolution import SMALL_LOAD_KAPPA
@@ -296,7 +296,9 @@ def _solve_member_areas(study: Study, loads: Floats, task: tuple[int, float, flo
     areas = np.full((len(_list_area_names(study)), loads.size), np.nan)
     solver_arguments |= {"direction": contact.direction_angles().tolist()} if study.is_areal and len(areas) > 1 else {}
     for indices, curve in (
-        solve_separately(partial(half_space, upper, lower, **solver_arguments, sliding="all"), loads[carried_indices])
+        solve_together_or_separately(
+            partial(half_space, upper, lower, **solver_arguments, sliding="all"), loads[carried_indices]
+        )
         if carried_indices.size
         else ()
     ):

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from pydantic import Field, ValidationInfo, field_validator
 
 from stiction._arguments import MAX_INPUT_NUMBER
-from stiction._checks import Floats, read_only
+from stiction._checks import Floats, make_read_only
 from stiction._units import exact_quantity_text, quantity, short_repr
 from stiction.studies.values import StudyTable, as_tuple
 
@@ -267,7 +267,7 @@ def sobol_points(dimensions: int, count: int = NUM_INPUT_SAMPLES, *, seed: int =
     from scipy.stats import qmc
 
     points = qmc.Sobol(dimensions, rng=np.random.default_rng(seed)).random_base2(round(math.log2(count)))
-    return read_only(np.clip(points, 1e-9, 1 - 1e-9))
+    return make_read_only(np.clip(points, 1e-9, 1 - 1e-9))
 
 
 def stratified_points(dimensions: int) -> Floats:

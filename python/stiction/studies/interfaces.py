@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._checks import Floats, check_choice, check_instance, validate_number
-from stiction._files import UnreadableFileError, describe_os_error, read_content, replacement_file
+from stiction._files import UnreadableFileError, describe_os_error, read_file_bytes, replacement_file
 from stiction._text import printable_path
 from stiction._units import is_pressure, loads_to_core_units, to_core_units
 from stiction.mechanics.closed_forms import hardness_under_shear, hertz_sphere, tabor_friction
@@ -805,7 +805,9 @@ def read_interface(path: str | Path) -> Interface:
     check_instance("path", path, (str, Path), "a path")
     try:
         lines = (
-            read_content(Path(path), MAX_INTERFACE_BYTES, INTERFACE_FILE_HEADER.encode()).decode("utf-8").splitlines()
+            read_file_bytes(Path(path), MAX_INTERFACE_BYTES, INTERFACE_FILE_HEADER.encode())
+            .decode("utf-8")
+            .splitlines()
         )
     except UnreadableFileError as error:
         raise ValueError(f"{printable_path(path)} is not an interface file: {error}") from None

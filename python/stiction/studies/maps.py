@@ -325,7 +325,7 @@ class _EnsembleQuantity:
             normal = self.curves(cell, averages, quantity_sums)[0][..., 0]
             # True if the pair is self-locked at the largest approach.
             is_locked = (cell_averages.contact_count[-1] > 0) & (normal[:, -1:] <= 0)
-            cell_status = friction.combine_statuses(
+            cell_status = friction.choose_statuses(
                 touched=bool(cell_averages.contact_count.any()), reached=means.crossing.reached,
                 below=means.crossing.below, locked=is_locked,
             )  # fmt: skip

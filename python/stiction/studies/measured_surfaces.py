@@ -37,14 +37,14 @@ from stiction.studies.values import (
     to_written_form,
 )
 from stiction.surfaces.cut_off import MAX_CUTOFF_FRACTION, cut_off
-from stiction.surfaces.filters import check_cutoff
+from stiction.surfaces.filters import validate_cutoff
 from stiction.surfaces.interchange import extract_heights
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.measured.interpret import Missing, Outliers
 from stiction.surfaces.measured.plausibility import FILE_CAVEAT_NAMES, Scan, find_caveats
 from stiction.surfaces.measured.raw import LENGTH_UNITS, FileCaveat
-from stiction.surfaces.measured.reading import Reading, load_reading
-from stiction.surfaces.measured.spectrum_file import is_spectrum, read_spectrum, write_spectrum
+from stiction.surfaces.measured.reading import Reading, load_interpreted_file
+from stiction.surfaces.measured.spectrum_file import is_spectrum_file, read_spectrum, write_spectrum
 from stiction.surfaces.measured.writing import heights_with_nan, write_profile, write_surface
 from stiction.surfaces.missing_data import find_largest_gap
 from stiction.surfaces.pairing import (
@@ -317,7 +317,7 @@ class MeasuredFile(StudyTable):
 
         The size is an area (µm²) for height maps, and a length (µm) for profiles.
         """
-        if self.missing != "interpolate" or self.body is not None or is_spectrum(Path(self.file)):
+        if self.missing != "interpolate" or self.body is not None or is_spectrum_file(Path(self.file)):
             return np.zeros(2)
         body = self.model_copy(update={"missing": "mask"}).read()
         if isinstance(body, JoinedSpectrum) or body.missing is None:
@@ -327,7 +327,7 @@ class MeasuredFile(StudyTable):
     @property
     def reading(self) -> Reading[Any] | None:
         """Interpretation of the file, such as columns and units, or None for a spectrum or a body in memory."""
-        if self.body is not None or is_spectrum(Path(self.file)):
+        if self.body is not None or is_spectrum_file(Path(self.file)):
             return None
         return _load_reading(self.model_copy(update={"sha256": self.checksum(), "others": None}))
 
@@ -403,7 +403,7 @@ def _read_body(file: MeasuredFile) -> Body:
 
     The argument includes the checksum, so that the cache holds each version of a file once.
     """
-    if is_spectrum(Path(file.file)):
+    if is_spectrum_file(Path(file.file)):
         for name in ("unit", "spacing", "channel", "columns", "crop"):
             if getattr(file, name) is not None:
                 raise ValueError(
@@ -415,7 +415,7 @@ def _read_body(file: MeasuredFile) -> Body:
 
 @functools.lru_cache(maxsize=16)
 def _load_reading(file: MeasuredFile) -> Reading[Profile | Surface]:
-    return load_reading(
+    return load_interpreted_file(
         file.file, unit=file.unit, spacing=to_written_form(file.spacing), missing=file.missing, channel=file.channel,
         columns=file.columns, outliers=file.outliers, crop=to_written_form(file.crop), missing_value=file.missing_value,
         accept=file.accept,
@@ -545,7 +545,7 @@ class CommonMeasuredSettings(StudyTableVariant):
                 press = type(self).model_fields["press"].default
                 raise ValueError(f'surfaces.press must be "surrogates" for a spectrum, got "{press}"')
             if wavelength > 0:
-                check_cutoff("cutoff", wavelength, scan, longest=MAX_CUTOFF_FRACTION)
+                validate_cutoff("cutoff", wavelength, scan, longest=MAX_CUTOFF_FRACTION)
             yield cut_off(scan, wavelength) if wavelength > 0 else scan
 
 
@@ -629,7 +629,7 @@ class LineMemberSource:
         """Return a member, which consists of a slider and the section of the counterface below the slider."""
         pairs, offsets = self.pairs, self.offsets if self.positions is None else len(self.positions)
         line, position = divmod(index, offsets) if pairs.has_several_pairs else (0, index)
-        count = pairs.max_count()
+        count = pairs.max_pair_count()
         if count is not None and line >= count:
             raise ValueError(f"the surfaces have {count} pairs of lines, but member {index} needs pair {line + 1}")
         slider, counterface = pairs.pair(line)
@@ -803,9 +803,9 @@ class MapMemberSource:
             return EnsembleMember(pairs.surrogates(index), np.nan, np.nan, surrogate=True)
         assert isinstance(pairs, MapPairs)
         shift_index = index - num_surrogates
-        if shift_index >= pairs.max_count():
+        if shift_index >= pairs.max_pair_count():
             raise ValueError(
-                f"the maps have {pairs.max_count()} relative positions, but member {index} needs position "
+                f"the maps have {pairs.max_pair_count()} relative positions, but member {index} needs position "
                 f"{shift_index + 1}"
             )
         return EnsembleMember(pairs.pair(shift_index), *pairs.map_shift(shift_index))

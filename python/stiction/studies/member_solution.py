@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 import stiction._core as _core
-from stiction._checks import Floats, read_only
+from stiction._checks import Floats, make_read_only
 from stiction.mechanics.candidates import candidates
 from stiction.mechanics.contact import contacts
 from stiction.mechanics.friction import STATUS_OK, STATUSES
-from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solve_at_no_load, solve_separately
+from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solve_at_zero_load, solve_together_or_separately
 from stiction.mechanics.load_curve import LoadCurve, press
 from stiction.mechanics.loading import SurfacePair, find_approaches_at_loads
 from stiction.mechanics.model import ContactModel, ShearDirection
@@ -47,7 +47,7 @@ from stiction.studies.layout import ArraysByName, variable_names, variable_specs
 from stiction.studies.members import (
     MAX_BATCH_BYTES,
     count_points,
-    fill_profiles,
+    fill_profile_family,
     first_pair,
     generate_pairs,
     load_bodies,
@@ -165,7 +165,7 @@ def _solve_half_space(
             ]
         )
 
-    for load_indices, curve in solve_separately(solve, contact.loading_steps()):
+    for load_indices, curve in solve_together_or_separately(solve, contact.loading_steps()):
         curves = derive_motion_curves(curve)
         for name in sum_names:
             values[name][..., load_indices] = (
@@ -188,7 +188,7 @@ def _solve_half_space(
             ).items():
                 values[name][load] = value
     if contact.adheres:
-        solution_at_no_load = solve_at_no_load(solve)
+        solution_at_no_load = solve_at_zero_load(solve)
         if solution_at_no_load is not None:
             values["pull_off"][...], values["pull_off_is_bound"][...] = solution_at_no_load.pull_off_bound
         curves = [] if solution_at_no_load is None else derive_motion_curves(solution_at_no_load)
@@ -514,7 +514,7 @@ def _list_contact_models(contact: Any) -> tuple[ContactModel, ...]:
 
 @functools.lru_cache(maxsize=4)
 def _list_loading_steps(contact: Any) -> Floats:
-    return read_only(contact.loading_steps())
+    return make_read_only(contact.loading_steps())
 
 
 def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slice, ArraysByName]]:
@@ -535,9 +535,10 @@ def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slic
             height_buffer[batch_size : batch_size + batch_dimensions.size],
         )
         columns = _core.press_profile_batches(
-            upper_heights, fill_profiles(study, upper_heights, batch_dimensions, repetition, "upper"), lower_heights,
-            fill_profiles(study, lower_heights, batch_dimensions, repetition, "lower"), spacing=surfaces.spacing,
-            amplitudes=amplitudes, measure=surfaces.amplitude_measure, approaches=steps, scratch=height_buffer[-2:],
+            upper_heights, fill_profile_family(study, upper_heights, batch_dimensions, repetition, "upper"),
+            lower_heights, fill_profile_family(study, lower_heights, batch_dimensions, repetition, "lower"),
+            spacing=surfaces.spacing, amplitudes=amplitudes, measure=surfaces.amplitude_measure, approaches=steps,
+            scratch=height_buffer[-2:],
             models=[model.for_profiles().core() for model in models],
         )  # fmt: skip
         shape = batch_dimensions.size, amplitudes.size, len(models), steps.size

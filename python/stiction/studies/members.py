@@ -20,7 +20,7 @@ from stiction.studies.measured_surfaces import BodyAttributes, EnsembleMember, M
 from stiction.studies.study import Study
 from stiction.surfaces import fractal
 from stiction.surfaces.pairing import SIDES
-from stiction.surfaces.profile import Profile, Side, combine_missing, scale_profile
+from stiction.surfaces.profile import Profile, Side, combine_missing_masks, scale_profile
 from stiction.surfaces.self_affine import self_affine_surface
 from stiction.surfaces.surface import Surface
 
@@ -51,14 +51,14 @@ def _weierstrass_keywords(surfaces: Any) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def fill_profiles(study: Study, heights: Floats, dimensions: Floats, repetition: int, side: Side) -> Floats:
+def fill_profile_family(study: Study, heights: Floats, dimensions: Floats, repetition: int, side: Side) -> Floats:
     """Compute unscaled profiles of a body for several fractal dimensions, and write each to a row of `heights`.
 
     Returns the mean, the minimum and the maximum of each profile (k, 3).
     """
     surfaces: Any = study.surfaces
     phases = generate_phases(study, repetition, side)
-    return fractal.fill_profiles(
+    return fractal.fill_profile_family(
         heights, phases, dimensions, extent=float(surfaces.extent), **_weierstrass_keywords(surfaces)
     )
 
@@ -67,7 +67,7 @@ def unscaled_profile(study: Study, repetition: int, side: Side, dimension: float
     """Generate a profile of given fractal dimension without scaling it to an amplitude."""
     surfaces: Any = study.surfaces
     heights = np.empty((1, surfaces.points))
-    fill_profiles(study, heights, np.array([dimension]), repetition, side)
+    fill_profile_family(study, heights, np.array([dimension]), repetition, side)
     return Profile(heights[0], spacing=surfaces.spacing)
 
 
@@ -84,7 +84,7 @@ def generate_pairs(
         batch_dimensions = dimensions[first : first + batch_size]
         body_heights = [np.empty((batch_dimensions.size, surfaces.points)) for _ in SIDES]
         for side, heights in zip(SIDES, body_heights, strict=True):
-            fill_profiles(study, heights, batch_dimensions, repetition, side)
+            fill_profile_family(study, heights, batch_dimensions, repetition, side)
         for pair in zip(*body_heights, strict=True):
             upper, lower = (
                 scale_profile(heights, surfaces.spacing, amplitude, surfaces.amplitude_measure, np.empty_like(heights))
@@ -245,7 +245,7 @@ class LoadedBodies:
         fractions = []
         with contextlib.suppress(ValueError, IndexError):  # a study may have fewer members than NUM_AVERAGED_MEMBERS
             for index in range(NUM_AVERAGED_MEMBERS):
-                missing = combine_missing(*self.member(index, self._surfaces.quoted_cut_off()).pair)
+                missing = combine_missing_masks(*self.member(index, self._surfaces.quoted_cut_off()).pair)
                 fractions.append(1.0 if missing is None else 1 - float(missing.mean()))
         return float(np.mean(fractions)) if fractions else 1.0
 

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._core import __version__
-from stiction._files import new_partial_name
+from stiction._files import new_partial_file_name
 from stiction._text import format_bytes, format_duration, printable_path
 from stiction.studies.executors import WORKER_DIED_MESSAGE, executor_or_thread_pool, progress_bar, use_idle_threads
 from stiction.studies.layout import MEMBER_COORDINATES, ArraysByName, build_dataset, member_bytes, stack_members
@@ -212,7 +212,7 @@ def _create_run_token(path: Path) -> Iterator[SharedFolder]:
 
     If a worker finds the token file, the worker can access the folder, and the run is still active.
     """
-    folder = SharedFolder(path.resolve(), new_partial_name())
+    folder = SharedFolder(path.resolve(), new_partial_file_name())
     token_file = folder.path / BLOCKS_FOLDER / folder.token
     try:
         try:

@@ -30,8 +30,8 @@ from numpy.typing import NDArray
 
 import stiction._files as _files
 from stiction._core import __version__
-from stiction._files import UnreadableFileError, describe_os_error, new_file, read_content, replacement_file
-from stiction._text import printable, printable_path
+from stiction._files import UnreadableFileError, describe_os_error, new_file, read_file_bytes, replacement_file
+from stiction._text import printable_path, printable_text
 from stiction.studies.layout import (
     MEMBER_COORDINATES,
     RESULT_TITLE,
@@ -234,7 +234,7 @@ class StoredResult:
     def _read_block(self, block: BlockFile) -> BlockFileContent:
         """Read a block, compare its checksum with the checksum in the file name, and return the contents."""
         try:
-            file_content = read_content(self.path / BLOCKS_FOLDER / block.name, MAX_RESULT_BYTES)
+            file_content = read_file_bytes(self.path / BLOCKS_FOLDER / block.name, MAX_RESULT_BYTES)
             if zlib.crc32(file_content) != block.checksum:
                 raise DamagedFileError("does not match its checksum")
             content = decode_members(file_content)
@@ -276,7 +276,7 @@ def read(path: str | Path) -> xarray.Dataset:
     path = Path(path)
     if path.is_file():
         try:
-            content = decode_members(read_content(path, MAX_RESULT_BYTES))
+            content = decode_members(read_file_bytes(path, MAX_RESULT_BYTES))
         except (OSError, UnreadableFileError, DamagedFileError) as error:
             raise StoreError(
                 f"{printable_path(path)}: {describe_os_error(error) if isinstance(error, OSError) else error}"
@@ -303,7 +303,7 @@ def read_companion(path: Path, names: Iterable[str]) -> xarray.Dataset | None:
     import xarray
 
     try:
-        file_content = read_content(path, MAX_COMPANION_BYTES)
+        file_content = read_file_bytes(path, MAX_COMPANION_BYTES)
         options: dict[str, Any] = {"engine": "h5netcdf", "decode_cf": False, "phony_dims": "sort"}
         with _open_netcdf(file_content) as file:
             for name in names:
@@ -352,7 +352,10 @@ def info(path: str | Path) -> StoreInfo:
     """
     stored_result = open_stored(path)
     return StoreInfo(
-        stored_result.study, stored_result.count, stored_result.size, {"stiction": printable(stored_result.version)}
+        stored_result.study,
+        stored_result.count,
+        stored_result.size,
+        {"stiction": printable_text(stored_result.version)},
     )
 
 
@@ -372,9 +375,9 @@ def _list_blocks(path: Path) -> tuple[BlockFile, ...]:
 
 def _read_study_file(path: Path) -> Study:
     try:
-        text = read_content(path / STUDY_FILE, MAX_STUDY_BYTES).decode()
+        text = read_file_bytes(path / STUDY_FILE, MAX_STUDY_BYTES).decode()
     except (UnreadableFileError, UnicodeDecodeError) as error:
-        raise StoreError(f"{printable_path(path / STUDY_FILE)} is not a study: {printable(error)}") from None
+        raise StoreError(f"{printable_path(path / STUDY_FILE)} is not a study: {printable_text(error)}") from None
     return parse_study(text, str(path / STUDY_FILE))
 
 
@@ -398,7 +401,7 @@ def create_or_open(path: str | Path, study: Study) -> StoredResult:
     try:
         (path / BLOCKS_FOLDER).mkdir(parents=True, exist_ok=True)
         for folder in (path, path / BLOCKS_FOLDER):
-            _files.remove_stale_partials(folder)
+            _files.remove_stale_partial_files(folder)
         if not _has_study(path, study):
             _files.write_atomically(
                 path / STUDY_FILE, f"{STUDY_FILE_SIGNATURE} {__version__}.\n\n{study.to_toml()}".encode()
@@ -428,7 +431,7 @@ def _check_resumable(stored_result: StoredResult) -> None:
     if stored_result.count == num_members:
         return
     if content.version != __version__:
-        version = printable(content.version)
+        version = printable_text(content.version)
         raise StoreError(
             f"{printable_path(path)} was created by stiction {version}, and results of this version, {__version__}, "
             f"may differ; finish the result with stiction {version}, or choose another directory"
@@ -443,7 +446,7 @@ def _check_resumable(stored_result: StoredResult) -> None:
 def _check_replaceable(path: Path, study: Study) -> None:
     """Raise a `StoreError` unless stiction wrote the study file in a folder and may replace it."""
     try:
-        if read_content(path / STUDY_FILE, MAX_STUDY_BYTES).startswith(STUDY_FILE_SIGNATURE.encode()):
+        if read_file_bytes(path / STUDY_FILE, MAX_STUDY_BYTES).startswith(STUDY_FILE_SIGNATURE.encode()):
             return
         stored_study = _read_study_file(path)
     except OSError as error:

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, get_args
 from pydantic import AfterValidator, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from stiction._files import UnreadableFileError, describe_os_error, read_content
-from stiction._text import MAX_PATH_LENGTH, printable, printable_path
+from stiction._files import UnreadableFileError, describe_os_error, read_file_bytes
+from stiction._text import MAX_PATH_LENGTH, printable_path, printable_text
 from stiction._units import Quantity, exact_quantity_text, quantity, short_repr
 from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.mechanics.quantities import (
@@ -437,7 +437,7 @@ class Study(StudyTable):
             If the file cannot be read, is not TOML, or has unknown keys, wrong units or impossible values.
         """
         try:
-            content = read_content(Path(path), MAX_STUDY_BYTES)
+            content = read_file_bytes(Path(path), MAX_STUDY_BYTES)
             study = parse_study(content.decode("utf-8"), str(path))
         except OSError as error:
             raise StudyError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
@@ -473,7 +473,7 @@ class Study(StudyTable):
             for section in path:
                 table = table.setdefault(section, {}) if isinstance(table, dict) else None
             if not isinstance(table, dict):
-                raise StudyError(f"{printable(key)}: unknown key")
+                raise StudyError(f"{printable_text(key)}: unknown key")
             table[last_key] = value
         return validate_table(Study, data, "changes")
 
@@ -634,6 +634,6 @@ def parse_study(text: str, source: str) -> Study:
         data = parse_toml(text)
     except ValueError as error:
         raise StudyError(
-            f"{printable_path(source)}: the text is not valid TOML: {printable(error, MAX_PATH_LENGTH)}"
+            f"{printable_path(source)}: the text is not valid TOML: {printable_text(error, MAX_PATH_LENGTH)}"
         ) from None
     return validate_table(Study, data, source)

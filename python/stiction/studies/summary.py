@@ -16,7 +16,7 @@ import numpy as np
 
 from stiction._number_format import format_estimate
 from stiction.mechanics import friction
-from stiction.mechanics.brackets import friction_bracket
+from stiction.mechanics.brackets import friction_range_for_finer_scans
 from stiction.studies.assessment import MORE_CONTACTS_REMEDY, Caveat, find_point_caveats, verdict_from_caveats
 from stiction.studies.point import (
     CELL_DIMENSIONS,
@@ -452,4 +452,4 @@ def _resolution_bracket(point: xarray.Dataset, study: Study, all_rub: RuleCoeffi
         return None
     upper = all_rub.upper if math.isfinite(all_rub.upper) else None
     num_contacts = mean_over_directions(point, "contact_count") * mean_over_directions(point, "members")
-    return friction_bracket(all_rub.value, mu0, adhesive_friction, num_contacts, upper)
+    return friction_range_for_finer_scans(all_rub.value, mu0, adhesive_friction, num_contacts, upper)

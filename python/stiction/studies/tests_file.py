@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from stiction._files import UnreadableFileError, describe_os_error, read_content
-from stiction._text import printable, printable_path
+from stiction._files import UnreadableFileError, describe_os_error, read_file_bytes
+from stiction._text import printable_path, printable_text
 from stiction._units import short_repr, unit_names
 from stiction.studies.interfaces import FrictionTest
-from stiction.surfaces.measured.decode import decode
+from stiction.surfaces.measured.decode import decode_text
 
 TEST_COLUMNS = ("load", "force", "coefficient", "uncertainty", "pair", "run", "slid", "wait")
 """Standard names of the columns."""
@@ -51,7 +51,7 @@ def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[F
     Raises a `ValueError` with the number of an invalid line.
     """
     try:
-        text = decode(read_content(Path(path), MAX_TEST_FILE_BYTES)).data.decode()
+        text = decode_text(read_file_bytes(Path(path), MAX_TEST_FILE_BYTES)).data.decode()
     except OSError as error:
         raise ValueError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
     except (ValueError, UnreadableFileError) as error:
@@ -129,7 +129,7 @@ def _describe_unit_error(name: str, cell: str, allowed: list[str]) -> str:
 
 
 def _quote_cell(cell: str) -> str:
-    return short_repr(printable(cell))
+    return short_repr(printable_text(cell))
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ from pydantic_core import ErrorDetails, PydanticCustomError
 
 from stiction._arguments import MAX_INPUT_NUMBER
 from stiction._checks import Floats
-from stiction._text import MAX_WORD_LENGTH, printable, printable_path
+from stiction._text import MAX_WORD_LENGTH, printable_path, printable_text
 from stiction._units import Quantity, quantity, short_repr
 from stiction.mechanics.model import Direction, SlidingRule
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS
@@ -410,7 +410,7 @@ def _convert_validation_error(table_class: type[StudyTable], fault: ErrorDetails
     ).removeprefix(".")
     if fault["type"] == "key":
         key += f".{fault['ctx']['key']}"
-    key = printable(key)
+    key = printable_text(key)
     if fault["type"] == "extra_forbidden":
         return key, f"unknown key{_suggest_keys(table_class, location)}"
     message = fault["msg"].removeprefix("Value error, ")

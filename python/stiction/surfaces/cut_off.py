@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from stiction._checks import check_bool
-from stiction.surfaces.filters import check_cutoff, gaussian_mean
+from stiction.surfaces.filters import gaussian_low_pass, validate_cutoff
 from stiction.surfaces.surface import AnyBody, as_body
 
 # Longest cutoff wavelength, as a fraction of the shortest side of the body.
@@ -54,6 +54,6 @@ def cut_off(body: AnyBody, wavelength: float, *, periodic: bool = False) -> AnyB
     """
     check_bool("periodic", periodic)
     body = as_body("body", body)
-    length = check_cutoff("wavelength", wavelength, body, longest=MAX_CUTOFF_FRACTION)
+    length = validate_cutoff("wavelength", wavelength, body, longest=MAX_CUTOFF_FRACTION)
     history_entry = f"waves shorter than {length:g} µm cut off (Gaussian filter, 50 % at {length:g} µm)"
-    return body.changed(gaussian_mean(body, length, periodic=periodic), history_entry)  # type: ignore[return-value]
+    return body.changed(gaussian_low_pass(body, length, periodic=periodic), history_entry)  # type: ignore[return-value]

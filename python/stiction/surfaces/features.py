@@ -21,7 +21,7 @@ NUM_AVERAGED_FEATURES = 5  # number of peaks or pits over which the five-point p
 _IndexArray = NDArray[np.intp]
 
 
-def significant_peaks(heights: Floats, threshold: float) -> _IndexArray:
+def find_significant_peaks(heights: Floats, threshold: float) -> _IndexArray:
     """Return the flat indices of the peaks that remain after Wolf pruning.
 
     Parameters
@@ -41,7 +41,7 @@ def significant_peaks(heights: Floats, threshold: float) -> _IndexArray:
     order = np.argsort(heights, axis=None, kind="stable")
     rank = np.empty(heights.size, np.int64)  # points of equal height are ordered by their flat index
     rank[order] = np.arange(heights.size)
-    hill_of_point = _find_peaks_of_points(rank.reshape(heights.shape), order)
+    hill_of_point = _find_peak_of_each_point(rank.reshape(heights.shape), order)
     peaks, hill_of_point = np.unique(hill_of_point, return_inverse=True)
     if peaks.size == 1:
         return peaks
@@ -54,14 +54,14 @@ def significant_peaks(heights: Floats, threshold: float) -> _IndexArray:
     parents = list(range(peaks.size))
     is_kept = np.ones(peaks.size, bool)
 
-    def find_root(index: int) -> int:
+    def find_tree_root(index: int) -> int:
         while parents[index] != index:
             parents[index] = parents[parents[index]]
             index = parents[index]
         return index
 
     for hill_a, hill_b, saddle_height in zip(first_hill.tolist(), second_hill.tolist(), saddle_heights, strict=True):
-        low, high = find_root(hill_a), find_root(hill_b)
+        low, high = find_tree_root(hill_a), find_tree_root(hill_b)
         if peak_ranks[low] > peak_ranks[high]:
             low, high = high, low
         parents[low] = high
@@ -69,7 +69,7 @@ def significant_peaks(heights: Floats, threshold: float) -> _IndexArray:
     return np.asarray(peaks[is_kept])
 
 
-def _find_peaks_of_points(rank: NDArray[np.int64], order: _IndexArray) -> _IndexArray:
+def _find_peak_of_each_point(rank: NDArray[np.int64], order: _IndexArray) -> _IndexArray:
     """Return, for each point, the flat index of the peak whose hill contains the point."""
     from scipy.ndimage import maximum_filter
 
@@ -128,7 +128,7 @@ def feature_parameters(deviation: Floats, spacing: tuple[float, float]) -> Featu
     and pits on the border contribute to the density and to the heights.
     """
     threshold = PRUNING_FRACTION * float(np.ptp(deviation))
-    peaks, pits = (significant_peaks(heights, threshold) for heights in (deviation, -deviation))
+    peaks, pits = (find_significant_peaks(heights, threshold) for heights in (deviation, -deviation))
     rows, columns = deviation.shape
     row, column = np.divmod(peaks, columns)
     is_interior = (row > 0) & (row < rows - 1) & (column > 0) & (column < columns - 1)

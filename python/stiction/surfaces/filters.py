@@ -104,15 +104,15 @@ def filtered(
     body = as_body("body", body)
     if robust and periodic:
         raise ValueError("periodic must be False for a robust filter, got True")
-    length = check_cutoff("cutoff", cutoff, body, longest=1.0)
-    mean_line = robust_mean(body, length) if robust else gaussian_mean(body, length, periodic=periodic)
+    length = validate_cutoff("cutoff", cutoff, body, longest=1.0)
+    mean_line = robust_gaussian_low_pass(body, length) if robust else gaussian_low_pass(body, length, periodic=periodic)
     description = f"{'robust Gaussian regression' if robust else 'Gaussian'}, {length:g} µm"
     if kind == "S":
         return body.changed(mean_line, f"S-filter ({description})")  # type: ignore[return-value]
     return body.changed(body.heights - mean_line, f"L-filter ({description})")  # type: ignore[return-value]
 
 
-def check_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: float) -> float:
+def validate_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: float) -> float:
     """Check a cutoff (µm), and return it. Its limits are half the spacing and `longest` times the shortest side."""
     side_lengths = [points * step for points, step in zip(body.heights.shape, body.spacings, strict=True)]
     length = validate_number(name, value, unit="µm", above=0)
@@ -132,7 +132,7 @@ def gaussian_transmission(wave_number: Floats, cutoff: float) -> Floats:
     return np.asarray(np.exp(-math.log(2) * np.square(wave_number * cutoff / (2 * math.pi))))
 
 
-def gaussian_mean(body: Profile | Surface, cutoff: float, *, periodic: bool = False) -> Floats:
+def gaussian_low_pass(body: Profile | Surface, cutoff: float, *, periodic: bool = False) -> Floats:
     """Compute the mean line or mean surface of the linear Gaussian filter with a cutoff (µm)."""
     mean = body.heights.mean()
     heights = body.heights - mean
@@ -145,15 +145,15 @@ def gaussian_mean(body: Profile | Surface, cutoff: float, *, periodic: bool = Fa
     elif max(lengths) < _MIN_REGRESSION_POINTS:
         mean_line = _filter_reflected(heights, lengths)
     elif measured is not None:
-        mean_line = _fit_polynomials(heights, measured, lengths, _linear_exponents(heights.ndim))
+        mean_line = _fit_local_polynomials(heights, measured, lengths, _linear_exponents(heights.ndim))
     else:
         mean_line = heights
         for axis, length in enumerate(lengths):
-            mean_line = _fit_lines_along(mean_line, axis, length) if mean_line.shape[axis] > 1 else mean_line
+            mean_line = _fit_local_lines(mean_line, axis, length) if mean_line.shape[axis] > 1 else mean_line
     return np.asarray(mean_line + mean)
 
 
-def robust_mean(body: Profile | Surface, cutoff: float) -> Floats:
+def robust_gaussian_low_pass(body: Profile | Surface, cutoff: float) -> Floats:
     """Compute the mean line or mean surface of the robust Gaussian regression filter with a cutoff (µm)."""
     mean = body.heights.mean()
     heights = body.heights - mean
@@ -161,7 +161,7 @@ def robust_mean(body: Profile | Surface, cutoff: float) -> Floats:
     measured = np.ones(heights.shape) if body.missing is None else (~body.missing).astype(np.float64)
     weights, previous_mean_line = measured, heights
     for _ in range(_MAX_ITERATIONS):
-        mean_line = _fit_polynomials(heights, weights, lengths, _quadratic_exponents(heights.ndim))
+        mean_line = _fit_local_polynomials(heights, weights, lengths, _quadratic_exponents(heights.ndim))
         residual = np.abs(heights - mean_line)
         scale = _BIWEIGHT_SCALE * float(np.median(residual[measured > 0]))
         if np.abs(mean_line - previous_mean_line).max() <= _ROBUST_TOLERANCE * scale or scale == 0:
@@ -181,7 +181,7 @@ def _filter_periodic(heights: Floats, lengths: Sequence[float]) -> Floats:
 
     for axis, length in enumerate(lengths):
         points = heights.shape[axis]
-        factor = _broadcast_along(gaussian_transmission(2 * math.pi * rfftfreq(points), length), axis, heights.ndim)
+        factor = _reshape_along_axis(gaussian_transmission(2 * math.pi * rfftfreq(points), length), axis, heights.ndim)
         heights = irfft(rfft(heights, axis=axis) * factor, points, axis=axis)
     return heights
 
@@ -201,8 +201,8 @@ def _filter_reflected(heights: Floats, lengths: Sequence[float]) -> Floats:
         centred_index = np.arange(points) - (points - 1) / 2
         others = tuple(other for other in range(heights.ndim) if other != axis)
         slope = centred_index @ heights.mean(axis=others) / max(float(centred_index @ centred_index), 1.0)
-        tilt = tilt + slope * _broadcast_along(centred_index, axis, heights.ndim)
-        transmission = transmission * _broadcast_along(
+        tilt = tilt + slope * _reshape_along_axis(centred_index, axis, heights.ndim)
+        transmission = transmission * _reshape_along_axis(
             gaussian_transmission(np.pi * np.arange(points) / points, length), axis, heights.ndim
         )
     return np.asarray(tilt + idctn(dctn(heights - tilt, norm="ortho") * transmission, norm="ortho"))
@@ -214,7 +214,7 @@ def _divide_by_weights(sums: Floats, weights: Floats, heights: Floats) -> Floats
     return np.where(is_covered, sums / np.where(is_covered, weights, 1), heights)
 
 
-def _broadcast_along(values: Any, axis: int, ndim: int) -> Any:
+def _reshape_along_axis(values: Any, axis: int, ndim: int) -> Any:
     """Reshape values for broadcasting along one axis."""
     return np.reshape(values, [-1 if index == axis else 1 for index in range(ndim)])
 
@@ -255,23 +255,25 @@ class _FilterKernel:
         return weights
 
 
-def _fit_lines_along(heights: Floats, axis: int, length: float) -> Floats:
+def _fit_local_lines(heights: Floats, axis: int, length: float) -> Floats:
     """Fit a line around each point along an axis, with Gaussian weights. Return the fitted value at each point."""
     from scipy.fft import irfft, rfft
 
     kernel = _FilterKernel(heights.shape[axis], length)
-    kernel_transforms = [_broadcast_along(rfft(kernel.cyclic_weights(power)), axis, heights.ndim) for power in range(3)]
+    kernel_transforms = [
+        _reshape_along_axis(rfft(kernel.cyclic_weights(power)), axis, heights.ndim) for power in range(3)
+    ]
     unpadded = tuple(slice(kernel.points) if index == axis else slice(None) for index in range(heights.ndim))
     transform = rfft(heights, kernel.padded, axis=axis)
     zeroth_moment, first_moment = (
         irfft(transform * power, kernel.padded, axis=axis)[unpadded] for power in kernel_transforms[:2]
     )
-    ones_transform = rfft(_broadcast_along(np.ones(kernel.points), axis, heights.ndim), kernel.padded, axis=axis)
+    ones_transform = rfft(_reshape_along_axis(np.ones(kernel.points), axis, heights.ndim), kernel.padded, axis=axis)
     m0, m1, m2 = (irfft(ones_transform * power, kernel.padded, axis=axis)[unpadded] for power in kernel_transforms)
     return np.asarray((m2 * zeroth_moment - m1 * first_moment) / (m0 * m2 - m1**2))
 
 
-def _fit_polynomials(
+def _fit_local_polynomials(
     heights: Floats, weights: Floats, lengths: Sequence[float], basis: Sequence[MonomialExponents]
 ) -> Floats:
     """Fit a polynomial around each point, with Gaussian weights times `weights`. Return its value at the point."""
@@ -283,7 +285,7 @@ def _fit_polynomials(
     # The last axis has a half transform, and all other axes have full complex transforms, as in rfftn.
     kernel_transforms = [
         [
-            _broadcast_along(
+            _reshape_along_axis(
                 (np.fft.fft if axis < heights.ndim - 1 else rfft)(kernel.cyclic_weights(power)), axis, heights.ndim
             )
             for power in range(2 * max(map(max, basis)) + 1)

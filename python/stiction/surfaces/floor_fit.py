@@ -38,7 +38,7 @@ class NoiseFloorFit(NamedTuple):
         return self.gain > MIN_FLOOR_LIKELIHOOD_GAIN
 
 
-def fit_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float, float]) -> NoiseFloorFit:
+def fit_noise_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float, float]) -> NoiseFloorFit:
     """Fit spectra by power laws plus a common non-negative noise floor. The exponents stay within a given range."""
     from scipy.optimize import minimize
 

@@ -47,8 +47,10 @@ def fit_round_form(
     measured = np.ones(heights.shape, bool) if missing is None else ~missing
     measured_positions = positions[0][measured], positions[1][measured]
     measured_heights = heights[measured]
-    model, initial_values = _FORM_MODELS[form], _estimate_parameters(form, measured_positions, measured_heights)
-    value_scales = np.maximum(np.abs(initial_values), _parameter_scales(form, measured_positions, measured_heights))
+    model, initial_values = _FORM_MODELS[form], _estimate_form_parameters(form, measured_positions, measured_heights)
+    value_scales = np.maximum(
+        np.abs(initial_values), _form_parameter_scales(form, measured_positions, measured_heights)
+    )
     fitted_values = least_squares(
         lambda values: model(values * value_scales, measured_positions) - measured_heights,
         initial_values / value_scales, xtol=_FIT_TOLERANCE, ftol=_FIT_TOLERANCE
@@ -92,7 +94,7 @@ _FORM_MODELS: dict[str, _FormModel] = {
 }
 
 
-def _estimate_parameters(form: RoundForm, points: PointCoordinates, heights: Floats) -> Floats:
+def _estimate_form_parameters(form: RoundForm, points: PointCoordinates, heights: Floats) -> Floats:
     """Estimate initial parameters of a form from the least-squares paraboloid."""
     x, y = points
     if form == "circle":
@@ -110,7 +112,7 @@ def _estimate_parameters(form: RoundForm, points: PointCoordinates, heights: Flo
     return np.array([height, float(curvatures[int(np.argmax(np.abs(curvatures)))]), slope, slope_along_axis, angle])
 
 
-def _parameter_scales(form: RoundForm, points: PointCoordinates, heights: Floats) -> Floats:
+def _form_parameter_scales(form: RoundForm, points: PointCoordinates, heights: Floats) -> Floats:
     """Return typical magnitudes of the parameters for scaling the least-squares problem."""
     size = max(float(np.ptp(points[0])), float(np.ptp(points[1])))
     height = float(np.ptp(heights))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import stiction._core
-from stiction._checks import Floats, check_choice, float_array, read_only, validate_number, validate_whole_number
+from stiction._checks import Floats, check_choice, float_array, make_read_only, validate_number, validate_whole_number
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS, Profile, Side
 from stiction.surfaces.spectrum import ProfileMoments
 from stiction.surfaces.surface import Surface, parse_lengths, parse_shape
@@ -139,14 +139,14 @@ def weierstrass_mandelbrot_family(
     """
     points = validate_whole_number("points", points, minimum=MIN_POINTS, maximum=MAX_POINTS)
     family = np.empty((np.size(fractal_dimensions), points))
-    fill_profiles(
+    fill_profile_family(
         family, phases, fractal_dimensions, length_scale=length_scale, gamma=gamma, extent=extent,
         convention=convention, band_limit=band_limit,
     )  # fmt: skip
     return family
 
 
-def fill_profiles(
+def fill_profile_family(
     family: Floats, phases: ArrayLike, fractal_dimensions: ArrayLike, *, length_scale: float, gamma: float,
     extent: float, convention: FractalConvention, band_limit: BandLimit | None,
 ) -> Floats:  # fmt: skip
@@ -158,7 +158,7 @@ def fill_profiles(
     dimensions = float_array("fractal_dimensions", fractal_dimensions, ndim=1)
     extent = validate_number("extent", extent, unit="µm", above=0)
     frequencies = phase_array.shape[1]
-    scale, gamma = _check_scale_and_ratio(length_scale, gamma, band_limit)
+    scale, gamma = _validate_length_scale_and_gamma(length_scale, gamma, band_limit)
     amplitudes = [_frequency_amplitudes(dimension, frequencies, scale, gamma, convention) for dimension in dimensions]
     return stiction._core.harmonic_profiles(
         phase_array, np.array(amplitudes).reshape(len(amplitudes), frequencies), family,
@@ -166,7 +166,7 @@ def fill_profiles(
     )  # fmt: skip
 
 
-def _check_scale_and_ratio(length_scale: Any, gamma: Any, band_limit: Any) -> tuple[float, float]:
+def _validate_length_scale_and_gamma(length_scale: Any, gamma: Any, band_limit: Any) -> tuple[float, float]:
     if band_limit is not None:
         check_choice("band_limit", band_limit, BandLimit)
     return validate_number("length_scale", length_scale, unit="µm", above=0), validate_number("gamma", gamma, above=1)
@@ -246,7 +246,7 @@ def weierstrass_mandelbrot(
         phases, [validate_number("fractal_dimension", fractal_dimension)], length_scale=length_scale, gamma=gamma,
         extent=extent, points=points, convention=convention, band_limit=band_limit,
     )  # fmt: skip
-    return Profile(read_only(family[0]), spacing=float(extent) / points)
+    return Profile(make_read_only(family[0]), spacing=float(extent) / points)
 
 
 def weierstrass_mandelbrot_surface(
@@ -315,7 +315,7 @@ def weierstrass_mandelbrot_surface(
     frequencies = phase_array.shape[1]
     rows, columns = parse_shape(shape, least=2)
     extents = parse_lengths("extent", extent)
-    scale, gamma = _check_scale_and_ratio(length_scale, gamma, band_limit)
+    scale, gamma = _validate_length_scale_and_gamma(length_scale, gamma, band_limit)
     amplitudes = _frequency_amplitudes(fractal_dimension, frequencies, scale, gamma, convention)
     heights = np.empty((rows, columns))
     spacing = extents[0] / rows, extents[1] / columns
@@ -323,7 +323,7 @@ def weierstrass_mandelbrot_surface(
         phase_array, amplitudes, heights, spacing_y=spacing[0], spacing_x=spacing[1], length_scale=scale,
         gamma=gamma, band_limited=band_limit == "nyquist",
     )  # fmt: skip
-    return Surface(read_only(heights), spacing=spacing)
+    return Surface(make_read_only(heights), spacing=spacing)
 
 
 def weierstrass_mandelbrot_moments(
@@ -381,7 +381,7 @@ def weierstrass_mandelbrot_moments(
     """
     directions = validate_whole_number("directions", directions, minimum=1)
     frequencies = validate_whole_number("frequencies", frequencies, minimum=1)
-    scale, gamma = _check_scale_and_ratio(length_scale, gamma, None)
+    scale, gamma = _validate_length_scale_and_gamma(length_scale, gamma, None)
     shortest = validate_number("shortest_wavelength", shortest_wavelength, unit="µm")
     amplitudes = _frequency_amplitudes(fractal_dimension, frequencies, scale, gamma, convention)
     m = np.arange(1, directions + 1)

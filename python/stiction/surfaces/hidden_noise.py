@@ -9,7 +9,7 @@ import numpy as np
 
 from stiction._checks import Floats
 from stiction.surfaces.filters import MIN_CUTOFF_POINTS
-from stiction.surfaces.floor_fit import BinnedSpectrum, fit_floor
+from stiction.surfaces.floor_fit import BinnedSpectrum, fit_noise_floor
 from stiction.surfaces.harmonics import find_texture_harmonics
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
@@ -62,7 +62,7 @@ def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> Hid
     fitted_spectra = [spectrum for spectrum in binned_spectra if spectrum is not None]
     if not fitted_spectra:
         return None
-    fit = fit_floor(fitted_spectra, exponents=_LINE_SPECTRUM_EXPONENT_RANGE)
+    fit = fit_noise_floor(fitted_spectra, exponents=_LINE_SPECTRUM_EXPONENT_RANGE)
     mean_square_slope = sum(float(np.square(q) @ density) * float(q[0]) for q, density, *_ in spectra)
     noise_mean_square_slope = sum(
         float(np.square(q).sum()) * float(q[0]) * fit.level * spacing for q, _, _, spacing in spectra

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats, check_bool, validate_number
 from stiction._repr import TableRepr
-from stiction.surfaces.floor_fit import BinnedSpectrum, fit_floor
+from stiction.surfaces.floor_fit import BinnedSpectrum, fit_noise_floor
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import HANN_VARIANCE_FACTOR, areal_spectrum, is_within_wavelength_band, profile_spectrum
-from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
+from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_body
 
 _NUM_NEWTON_STEPS, _NUM_HALVINGS = 50, 30
 MAX_INTERVAL_WIDTH = 0.5  # the estimate of H is informative only if its 95 % interval is not wider than this limit
@@ -252,16 +252,16 @@ def estimate_hurst_exponent(
     """
     body = as_body("body", body, spacing=spacing, unit=unit)
     check_bool("periodic", periodic)
-    reject_flat(body)
+    reject_flat_body(body)
     if isinstance(body, Profile):
-        dimensions, (wave_number, power, scale) = 1, _fitted_harmonics(body, periodic)
+        dimensions, (wave_number, power, scale) = 1, _harmonics_to_fit(body, periodic)
     else:
-        dimensions, (wave_number, power, scale) = 2, _fitted_wave_vectors(body, periodic)
+        dimensions, (wave_number, power, scale) = 2, _wave_vectors_to_fit(body, periodic)
     variance_factor = 1.0 if periodic else HANN_VARIANCE_FACTOR**dimensions
 
     selection: slice | NDArray[np.bool_]
     if band is None:
-        selection, piece = _self_affine_band(wave_number, power, variance_factor)
+        selection, piece = _find_self_affine_band(wave_number, power, variance_factor)
         selection, piece = _remove_noisy_end(wave_number, power, variance_factor, selection, piece)
     else:
         if not isinstance(band, (tuple, list)) or len(band) != 2:
@@ -299,7 +299,7 @@ def estimate_hurst_exponent(
     )  # fmt: skip
 
 
-def _fitted_harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]:
+def _harmonics_to_fit(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]:
     """Return the wave numbers and powers to fit for a profile, and the scale (µm) that normalises its heights."""
     heights = profile.heights - profile.heights.mean()
     if not periodic:
@@ -318,7 +318,7 @@ def _fitted_harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats,
     return spectrum.wave_number[is_harmonic], power, scale
 
 
-def _fitted_wave_vectors(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
+def _wave_vectors_to_fit(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
     """Return wave numbers and densities times wave number, and the scale (µm) that normalises the heights."""
     heights = surface.heights - surface.heights.mean()
     if not periodic:
@@ -361,7 +361,7 @@ class _SpectrumBins:
         return float(2 * (weight * (ratio - 1 - np.log(ratio))).sum() / max(1, ratio.size - 2))
 
 
-def _self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple[slice, _SpectrumBins]:
+def _find_self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple[slice, _SpectrumBins]:
     """Return the range of harmonics in the widest self-affine piece of a spectrum.
 
     Also returns the bins of this piece and its roll-off.
@@ -369,8 +369,8 @@ def _self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple
     if q.size >= MIN_BAND_HARMONICS:
         bins = _SpectrumBins.from_harmonics(q, power)
         weight = 1 / (variance_factor / bins.count + _RELATIVE_MODEL_ERROR**2)
-        starts, ends, exponents, losses = _fit_pieces(bins, weight)
-        pieces = _select_pieces(bins.log_q.size, starts, ends, losses)
+        starts, ends, exponents, losses = _fit_spectrum_pieces(bins, weight)
+        pieces = _select_spectrum_pieces(bins.log_q.size, starts, ends, losses)
         for max_exponent in (3.0, 5.0):  # exponents of the power spectrum for H = 1 and H = 2
             max_width = _MIN_BAND_WIDTH
             best_band: tuple[slice, _SpectrumBins] | None = None
@@ -407,7 +407,7 @@ def _remove_noisy_end(
 ) -> tuple[slice, _SpectrumBins]:
     """Remove the shortest wavelengths of a band if white noise flattens the spectrum at these wavelengths."""
     bins = _SpectrumBins.from_harmonics(q[selection], power[selection])
-    fit = fit_floor([BinnedSpectrum(bins.log_q, bins.power, bins.count / variance_factor)], exponents=(1.0, 5.0))
+    fit = fit_noise_floor([BinnedSpectrum(bins.log_q, bins.power, bins.count / variance_factor)], exponents=(1.0, 5.0))
     if not fit.is_significant:
         return selection, piece
     (exponent,), (noise_ratio,) = fit.exponents, fit.ratios
@@ -425,7 +425,9 @@ def _fit_roll_offs(bins: _SpectrumBins, weight: Floats) -> list[PowerLawFit]:
     return [PowerLawFit(np.maximum(bins.log_q, bins.log_q[first_bin]), bins.power, weight) for first_bin in first_bins]
 
 
-def _fit_pieces(bins: _SpectrumBins, weight: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats, Floats]:
+def _fit_spectrum_pieces(
+    bins: _SpectrumBins, weight: Floats
+) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats, Floats]:
     """Return the start, the end, the fitted exponent and the loss of every possible piece of a binned spectrum."""
     starts, ends = (index.astype(np.intp) for index in np.triu_indices(bins.log_q.size + 1, _MIN_PIECE_BINS))
     fits = [
@@ -435,7 +437,7 @@ def _fit_pieces(bins: _SpectrumBins, weight: Floats) -> tuple[NDArray[np.intp], 
     return starts, ends, np.array([fit.exponent for fit in fits]), np.array([fit.min_loss for fit in fits])
 
 
-def _select_pieces(size: int, starts: NDArray[np.intp], ends: NDArray[np.intp], losses: Floats) -> list[int]:
+def _select_spectrum_pieces(size: int, starts: NDArray[np.intp], ends: NDArray[np.intp], losses: Floats) -> list[int]:
     """Return the consecutive pieces that cover all bins and have the smallest sum of losses and penalties."""
     min_loss, last_piece = np.full(size + 1, np.inf), np.full(size + 1, -1)
     min_loss[0] = 0.0

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from stiction._checks import Floats, read_only, validate_number, validate_whole_number
+from stiction._checks import Floats, make_read_only, validate_number, validate_whole_number
 from stiction._repr import TextRepr
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile, Side
@@ -76,15 +76,15 @@ class JoinedSpectrum(TextRepr):
     @property
     def shortest(self) -> float:
         """Shortest wavelength of the spectrum (µm), at the edge of the last bin."""
-        return float(2 * math.pi / (self.wave_number[-1] * self._edge_ratio))
+        return float(2 * math.pi / (self.wave_number[-1] * self._bin_edge_ratio))
 
     @property
     def longest(self) -> float:
         """Longest wavelength of the spectrum, µm."""
-        return float(2 * math.pi / (self.wave_number[0] / self._edge_ratio))
+        return float(2 * math.pi / (self.wave_number[0] / self._bin_edge_ratio))
 
     @property
-    def _edge_ratio(self) -> float:
+    def _bin_edge_ratio(self) -> float:
         """Ratio of the wave number at the upper edge of a bin to the wave number at the centre."""
         return math.sqrt(self.wave_number[1] / self.wave_number[0])
 
@@ -119,7 +119,7 @@ class JoinedSpectrum(TextRepr):
                     if (other_density > 0).all()
                     else np.inf
                 )
-        return read_only(ratios)
+        return make_read_only(ratios)
 
     @property
     def chance(self) -> Floats:
@@ -133,7 +133,7 @@ class JoinedSpectrum(TextRepr):
                 other_counts = independent_counts[:, is_compared].sum(axis=0) - scan_counts[is_compared]
                 weight = self.count[is_compared] / self.count[is_compared].sum()
                 result[scan] = math.sqrt(float(np.square(weight) @ (1 / scan_counts[is_compared] + 1 / other_counts)))
-        return read_only(result)
+        return make_read_only(result)
 
     def roughness(self) -> ScaleDependentRoughness:
         """Return the rms slope and curvature as functions of the shortest included wavelength."""
@@ -144,8 +144,8 @@ class JoinedSpectrum(TextRepr):
             # The integral up to the centre of a bin includes only half of this bin.
             result.append(np.sqrt(variance_terms.cumsum() - variance_terms / 2))
         return ScaleDependentRoughness(
-            wavelength=read_only(2 * math.pi / self.wave_number), gradient=read_only(result[0]),
-            curvature=read_only(result[1]), dimensions=2,
+            wavelength=make_read_only(2 * math.pi / self.wave_number), gradient=make_read_only(result[0]),
+            curvature=make_read_only(result[1]), dimensions=2,
         )  # fmt: skip
 
     def surface(
@@ -170,7 +170,9 @@ class JoinedSpectrum(TextRepr):
             for size, history_entry in zip((rows, columns), spacings, strict=True)
         )
         q = np.hypot(q_y[:, np.newaxis], q_x)
-        is_in_band = (q >= self.wave_number[0] / self._edge_ratio) & (q <= self.wave_number[-1] * self._edge_ratio)
+        is_in_band = (q >= self.wave_number[0] / self._bin_edge_ratio) & (
+            q <= self.wave_number[-1] * self._bin_edge_ratio
+        )
         with np.errstate(divide="ignore"):
             density = np.exp(np.interp(np.log(q), np.log(self.wave_number), np.log(self.density)))
         power = np.where(is_in_band, density, 0.0) * (rows * columns / (spacings[0] * spacings[1]))
@@ -275,9 +277,9 @@ def joined_spectrum(
     )  # interpolate linearly in logarithms across gaps
     with np.errstate(divide="ignore", invalid="ignore"):
         return JoinedSpectrum(
-            wave_number=read_only(q), density=read_only(density), count=read_only(total_count),
-            contribution=read_only(np.where(is_occupied, count / total_count, 0.0)),
-            ratio=read_only(weighted_density / count / density),
+            wave_number=make_read_only(q), density=make_read_only(density), count=make_read_only(total_count),
+            contribution=make_read_only(np.where(is_occupied, count / total_count, 0.0)),
+            ratio=make_read_only(weighted_density / count / density),
             bands=tuple(bands), reasons=tuple(reasons),
             names=tuple(names or (f"scan {scan_number}" for scan_number in range(1, len(bodies) + 1))),
         )  # fmt: skip

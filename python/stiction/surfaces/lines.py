@@ -7,14 +7,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from stiction._checks import Floats, check_choice, read_only
+from stiction._checks import Floats, check_choice, make_read_only
 from stiction._repr import TextRepr
 from stiction.surfaces.hurst import HurstEstimate, estimate_hurst_exponent
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Along, Profile
 from stiction.surfaces.roughness import roughness_parameters
 from stiction.surfaces.spectrum import PowerSpectrum, RadialSpectrum, is_within_wavelength_band, power_spectrum
-from stiction.surfaces.surface import Surface, as_body, reject_flat
+from stiction.surfaces.surface import Surface, as_body, reject_flat_body
 
 # Maximum number of lines whose Hurst exponents are fitted. Neighbouring lines are correlated, so more lines add little.
 MAX_FITTED_LINES = 64
@@ -119,7 +119,7 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
     (60, 60)
     """
     check_choice("along", along, Along)
-    reject_flat(surface)
+    reject_flat_body(surface)
     line_count, points = surface.heights.shape if along == "x" else surface.heights.shape[::-1]
     if points < _MIN_LINE_POINTS:
         raise ValueError(f"lines along {along} must have at least {_MIN_LINE_POINTS} points, got {points}")
@@ -146,14 +146,14 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
         band = float(band_ends[0]), float(band_ends[1])
         band_fits = [fit for line in fitted_lines if (fit := _estimate_line_hurst_exponent(line, band)) is not None]
     pq, pdq, pdq_neighbours = np.sqrt(mean_squares).tolist()
-    spectrum = replace(spectrum, density=read_only(density))
+    spectrum = replace(spectrum, density=make_read_only(density))
     exponents = np.array([fit.value for fit in band_fits if band is not None])
     misfit = math.nan
     if band is not None and exponents.size:
         misfit = power_law_misfit(spectrum.in_bins(), band, float(exponents.mean()))
     return LineRoughness(
-        line_count, pq, pdq, pdq_neighbours, spectrum, band, len(fitted_lines), len(free_fits), read_only(exponents),
-        misfit
+        line_count, pq, pdq, pdq_neighbours, spectrum, band, len(fitted_lines), len(free_fits),
+        make_read_only(exponents), misfit
     )  # fmt: skip
 
 

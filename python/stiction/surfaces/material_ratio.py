@@ -51,7 +51,7 @@ def bearing_curve(body: Profile | Surface, ratios: ArrayLike) -> Floats:
     target_ratios = float_array("ratios", ratios)
     if target_ratios.size and not (target_ratios.min() >= 0 and target_ratios.max() <= 1):
         raise ValueError(f"ratios must be between 0 and 1, got {target_ratios.min():g} to {target_ratios.max():g}")
-    return heights_at_ratios(body.heights, target_ratios)
+    return heights_at_material_ratios(body.heights, target_ratios)
 
 
 def material_ratio(body: Profile | Surface, heights: ArrayLike) -> Floats:
@@ -94,7 +94,7 @@ def material_ratio(body: Profile | Surface, heights: ArrayLike) -> Floats:
     return np.asarray(1 - np.searchsorted(sorted_heights, section_heights, side="right") / sorted_heights.size)
 
 
-def heights_at_ratios(heights: Floats, ratios: ArrayLike) -> Floats:
+def heights_at_material_ratios(heights: Floats, ratios: ArrayLike) -> Floats:
     """Return the heights at given material ratios."""
     return np.asarray(np.quantile(heights, 1 - np.asarray(ratios)))
 
@@ -110,7 +110,7 @@ class MaterialVolumes(NamedTuple):
 
 def material_volumes(heights: Floats) -> MaterialVolumes:
     """Compute the volumes above and below the heights at which the material ratio is 10 % and 80 %."""
-    upper, lower = heights_at_ratios(heights, [PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO]).tolist()
+    upper, lower = heights_at_material_ratios(heights, [PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO]).tolist()
     above_upper, above_lower = (float(np.maximum(heights - end, 0).mean()) for end in (upper, lower))
     below_upper, below_lower = (float(np.maximum(end - heights, 0).mean()) for end in (upper, lower))
     return MaterialVolumes(above_upper, above_lower - above_upper, below_upper - below_lower, below_lower)

@@ -26,7 +26,7 @@ _MAX_OUTLIER_PASSES = 8
 _MIN_EDGE_POINTS = 20
 
 
-def interpolate_missing(heights: Floats, *, extrapolate: bool) -> Floats:
+def interpolate_missing_points(heights: Floats, *, extrapolate: bool) -> Floats:
     """Interpolate gaps (NaN) linearly along x, then along y.
 
     With `extrapolate`, gaps at an edge are filled with the nearest height.
@@ -52,7 +52,7 @@ def find_largest_gap(missing: NDArray[np.bool_]) -> tuple[int, tuple[slice, ...]
     return int(gap_sizes[largest]), find_objects(gap_numbers)[largest]
 
 
-def describe_missing(missing: NDArray[np.bool_], spacing: tuple[float, ...]) -> str:
+def describe_missing_points(missing: NDArray[np.bool_], spacing: tuple[float, ...]) -> str:
     """Describe the fraction of missing points and the position of the largest gap."""
     points, box = find_largest_gap(missing)
     ends = [

@@ -25,7 +25,7 @@ from stiction.surfaces.preparation import (
     resample_piece,
     resampled,
 )
-from stiction.surfaces.profile import Along, Profile, Side, index_mask
+from stiction.surfaces.profile import Along, Profile, Side, select_from_mask
 from stiction.surfaces.surface import Surface, as_body
 from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
@@ -73,7 +73,7 @@ class LinePairs:
     has_several_pairs: bool = False
     count: int | None = None  # number of equally spaced pairs, or None for a sequence of any length
 
-    def max_count(self) -> int | None:
+    def max_pair_count(self) -> int | None:
         """Return the number of different pairs, or None if the number is unlimited."""
         if self.surrogates != "none":
             return None
@@ -215,7 +215,7 @@ def paired_lines(
     count = validate_whole_number("lines", lines, minimum=1)
     for name, body in (("upper", upper), ("lower", lower)):
         as_body(name, body)
-    max_count = LinePairs(upper, lower, along=along, surrogates=surrogates).max_count()
+    max_count = LinePairs(upper, lower, along=along, surrogates=surrogates).max_pair_count()
     count = count if max_count is None else min(count, max_count)
     pairs = LinePairs(upper, lower, travel, level, along, surrogates, seed, has_several_pairs=count > 1, count=count)
     profiles = [pairs.pair(index) for index in range(count)]
@@ -245,7 +245,7 @@ def piece_below_slider(lower: Profile, offset: float, slider: Profile) -> Profil
     """Return the section of the lower profile that lies below a slider at an offset (µm)."""
     start_index = round(offset / lower.spacing)
     selected = slice(start_index, start_index + len(slider))
-    return Profile(lower.heights[selected], spacing=lower.spacing, missing=index_mask(lower.missing, selected))
+    return Profile(lower.heights[selected], spacing=lower.spacing, missing=select_from_mask(lower.missing, selected))
 
 
 # ---- Areas -----------------------------------------------------------------------------------------------------------
@@ -294,7 +294,7 @@ class MapPairs:
         dy, dx = self.spacing
         return tuple((round(y / dy), round(x / dx)) for x, y in self.shifts or ())
 
-    def _overlap(self, steps: tuple[int, int]) -> tuple[tuple[int, int], tuple[int, int]]:
+    def _find_overlap(self, steps: tuple[int, int]) -> tuple[tuple[int, int], tuple[int, int]]:
         """Return the first row and column of the overlap on the lower map, and the shape of the overlap."""
         starts = tuple(max(0, step) for step in steps)
         ends = (min(lower, step + upper) for upper, lower, step in zip(*self._map_shapes, steps, strict=True))
@@ -304,7 +304,7 @@ class MapPairs:
     def shape(self) -> tuple[int, int]:
         """Numbers of rows and columns of every piece. Raises a `ValueError` if a piece would be too small."""
         if self.shifts is not None:
-            sizes = [self._overlap(steps)[1] for steps in self._shifts_in_points]
+            sizes = [self._find_overlap(steps)[1] for steps in self._shifts_in_points]
             rows, columns = (min(lengths) for lengths in zip(*sizes, strict=True))
         else:
             rows, columns = (
@@ -334,7 +334,7 @@ class MapPairs:
         piece_size = np.prod(self.shape)
         return tuple(float(piece_size / np.prod(map_shape)) for map_shape in self._map_shapes)  # type: ignore[return-value]
 
-    def max_count(self) -> int:
+    def max_pair_count(self) -> int:
         """Return the number of different relative positions that the shifts can reach."""
         if self.shifts is not None:
             return len(self.shifts)
@@ -345,7 +345,7 @@ class MapPairs:
     def piece_origins(self, index: int) -> tuple[tuple[int, int], tuple[int, int]]:
         """Return the first row and column of the upper and of the lower piece, counted on the finer grid."""
         if self.shifts is not None:
-            overlap_start, overlap_shape = self._overlap(self._shifts_in_points[index])
+            overlap_start, overlap_shape = self._find_overlap(self._shifts_in_points[index])
             lower_origin = tuple(
                 start + (n - m) // 2 for start, n, m in zip(overlap_start, overlap_shape, self.shape, strict=True)
             )
@@ -389,7 +389,7 @@ class MapPairs:
         """Return levelled pieces from surrogates of the whole maps."""
         upper, lower = (
             self._cut_piece(
-                surrogate(body, self.seed, repetition=index, side=side), _centred_origin(points, self.shape)
+                surrogate(body, self.seed, repetition=index, side=side), _centred_piece_origin(points, self.shape)
             )
             for body, side, points in zip((self.upper, self.lower), SIDES, self._map_shapes, strict=True)
         )
@@ -462,7 +462,7 @@ class IsotropicSurfacePairs(SquarePiecePairs):
             levelled(
                 resample_piece(
                     isotropic_surface(body, self.seed, shape=shape, repetition=index, side=side),
-                    self.spacing, _centred_origin(shape, self.shape), self.shape,
+                    self.spacing, _centred_piece_origin(shape, self.shape), self.shape,
                 ),
                 self.level,
             )
@@ -529,6 +529,6 @@ class SpectralSurfacePairs(SquarePiecePairs):
         return levelled(piece, self.level)
 
 
-def _centred_origin(points: tuple[int, int], shape: tuple[int, int]) -> tuple[int, int]:
+def _centred_piece_origin(points: tuple[int, int], shape: tuple[int, int]) -> tuple[int, int]:
     """Return the first row and column of a piece that lies in the middle of a surface."""
     return (points[0] - shape[0]) // 2, (points[1] - shape[1]) // 2

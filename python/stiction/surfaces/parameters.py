@@ -73,7 +73,7 @@ _PROFILE_REQUIREMENTS = {"P": "", "R": "one section length", "W": "one section l
 _PROFILE_ELEMENT_REQUIREMENT = "three turns from hill to dale"
 
 
-def _profile_parameters(letter: str) -> tuple[ParameterDefinition, ...]:
+def _define_profile_parameters(letter: str) -> tuple[ParameterDefinition, ...]:
     result = []
     for stem in _PROFILE_PARAMETER_KEYS[letter]:
         meaning, clause, formula, unit = _PROFILE_PARAMETER_TEXTS[stem]
@@ -83,7 +83,7 @@ def _profile_parameters(letter: str) -> tuple[ParameterDefinition, ...]:
     return tuple(result)
 
 
-PROFILE_PARAMETERS = {letter: _profile_parameters(letter) for letter in "PRW"}
+PROFILE_PARAMETERS = {letter: _define_profile_parameters(letter) for letter in "PRW"}
 """Parameters of the primary profile (key P), the roughness profile (R) and the waviness profile (W)."""
 
 _ISO_25178, _FIVE_PEAKS = "ISO 25178-2", "five peaks"
@@ -202,15 +202,17 @@ class ParameterSet(TextRepr):
             for name, value in self.values.items()
         ]
 
-    def _extra_rows(self) -> dict[str, str]:
+    def _extra_table_rows(self) -> dict[str, str]:
         return {"levelled": self.levelled}
 
     def __repr__(self) -> str:
         """Return one line per parameter, with its unit."""
-        lines = {name: f"{value} {unit}".strip() for name, value, unit in self._formatted_values()} | self._extra_rows()
+        lines = {
+            name: f"{value} {unit}".strip() for name, value, unit in self._formatted_values()
+        } | self._extra_table_rows()
         width = max(map(len, lines))
         return "\n".join([type(self).__name__, *(f"  {name:<{width}}  {text}" for name, text in lines.items())])
 
     def _repr_html_(self) -> str:
-        text_rows = [(name, text, "") for name, text in self._extra_rows().items()]
+        text_rows = [(name, text, "") for name, text in self._extra_table_rows().items()]
         return table_html(("parameter", "value", "unit"), [*self._formatted_values(), *text_rows])

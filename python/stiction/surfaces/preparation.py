@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, check_choice, validate_number
 from stiction.surfaces.form import fit_round_form
-from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS, Profile, index_mask
+from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS, Profile, select_from_mask
 from stiction.surfaces.surface import AnyBody, Surface, as_body
 
 ProfileTrend = Literal["mean", "line", "quadratic"]
@@ -166,7 +166,9 @@ def flipped(body: AnyBody) -> AnyBody:
     body = as_body("body", body)
     if isinstance(body, Profile):
         return body.changed(-body.heights, "turned over")
-    return body.changed(-body.heights[::-1], "turned over", missing=index_mask(body.missing, slice(None, None, -1)))
+    return body.changed(
+        -body.heights[::-1], "turned over", missing=select_from_mask(body.missing, slice(None, None, -1))
+    )
 
 
 @overload
@@ -216,7 +218,7 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
     ]
     selected = tuple(slice(first, end) for first, end, _ in ranges)
     history_entry = f"cropped to {' and '.join(range_text for _, _, range_text in ranges)}"
-    return body.changed(body.heights[selected], history_entry, missing=index_mask(body.missing, selected))
+    return body.changed(body.heights[selected], history_entry, missing=select_from_mask(body.missing, selected))
 
 
 def find_crop_range(along: str, points: int, spacing: float, start: Any, stop: Any) -> tuple[int, int, str]:
@@ -291,7 +293,7 @@ def on_common_grid(
     lengths = (
         [(points - 1) * step for points, step in zip(body.heights.shape, body.spacings, strict=True)] for body in (a, b)
     )
-    shape = tuple(_count_points(length, step) for length, step in zip(map(min, *lengths), spacing, strict=True))
+    shape = tuple(_count_grid_points(length, step) for length, step in zip(map(min, *lengths), spacing, strict=True))
     if len(shape) == 2 and (math.prod(shape) > MAX_POINTS or min(shape) < 2):
         raise ValueError(
             f"the common grid must have at least 2 x 2 and at most {MAX_POINTS} points, got {shape[0]} x {shape[1]}"
@@ -299,7 +301,7 @@ def on_common_grid(
     return _resample_to_grid(a, spacing, shape, align), _resample_to_grid(b, spacing, shape, align)
 
 
-def _count_points(length: float, spacing: float) -> int:
+def _count_grid_points(length: float, spacing: float) -> int:
     """Return the number of grid points from 0 to a length (µm), including an end point that round-off would exclude."""
     return math.floor(length / spacing + GRID_POSITION_TOLERANCE) + 1
 
@@ -312,7 +314,7 @@ def _resample_to_grid(body: Any, spacing: tuple[float, ...], shape: tuple[int, .
     heights, missing = body.heights, body.missing
     for axis, (old_spacing, new_spacing, points) in enumerate(zip(old_spacings, spacing, shape, strict=True)):
         heights, missing = (
-            _resample_along(value, old_spacing, new_spacing, points, axis, align) for value in (heights, missing)
+            _resample_along_axis(value, old_spacing, new_spacing, points, axis, align) for value in (heights, missing)
         )
     is_profile, size_text = len(shape) == 1, " rows of ".join(map(str, shape))
     spacing_text = " and ".join(f"{history_entry:g}" for history_entry in spacing)
@@ -339,7 +341,7 @@ def resample_piece(
         old_spacing, new_spacing, first, points = surface.spacing[axis], spacing[axis], origin[axis], shape[axis]
         if old_spacing == new_spacing:
             selected = (slice(None),) * axis + (slice(first, first + points),)
-            heights, missing = heights[selected], index_mask(missing, selected)
+            heights, missing = heights[selected], select_from_mask(missing, selected)
             continue
         from scipy.interpolate import CubicSpline
 
@@ -368,7 +370,7 @@ def _mask_between_points(missing: Any, positions: Floats, axis: int) -> Any:
     return below | above
 
 
-def _resample_along(
+def _resample_along_axis(
     heights: Any, actual: float, spacing: float, points: int, axis: int, align: GridAlignment = "start"
 ) -> Any:
     """Resample heights, or a mask of missing points, along an axis. Heights are resampled by natural cubic splines.
@@ -490,7 +492,7 @@ def resampled(profile: Profile, spacing: float) -> Profile:
 
     The profile is unchanged if the spacing is equal.
     """
-    points = _count_points((len(profile) - 1) * profile.spacing, spacing)
+    points = _count_grid_points((len(profile) - 1) * profile.spacing, spacing)
     if points > MAX_POINTS:
         raise ValueError(
             f"spacing must give at most {MAX_POINTS} points over {profile.extent:g} µm, got {points} points at "

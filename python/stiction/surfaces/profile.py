@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import stiction._core
-from stiction._checks import Floats, check_choice, float_array, read_only, validate_number
+from stiction._checks import Floats, check_choice, float_array, make_read_only, validate_number
 from stiction._drawing import draw_profile, draw_surface
 from stiction._repr import PlotRepr, axes_or_new_axes
 from stiction.surfaces.interchange import describe_body, extract_heights, to_data_array
@@ -42,7 +42,7 @@ class Body(PlotRepr):
         """Store heights and a spacing that are known to be valid, and check the history and the mask."""
         # copy the array, because another object may still modify it
         if heights.flags.writeable or not heights.flags.owndata:
-            heights = read_only(heights.copy())
+            heights = make_read_only(heights.copy())
         object.__setattr__(self, "heights", heights)
         object.__setattr__(self, "spacing", spacing)
         if not isinstance(self.history, tuple) or not all(isinstance(step, str) for step in self.history):
@@ -53,7 +53,7 @@ class Body(PlotRepr):
                 mask_text = "True at every point" if missing.all() else f"{missing.dtype} {missing.shape}"
                 allowed = f"a boolean array of shape {heights.shape} that is False at one point or more"
                 raise ValueError(f"missing must be {allowed}, got {mask_text}")
-            object.__setattr__(self, "missing", read_only(missing) if missing.any() else None)
+            object.__setattr__(self, "missing", make_read_only(missing) if missing.any() else None)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Unpickle with the constructor, which makes the heights read-only again.
@@ -193,12 +193,12 @@ class Profile(Body):
         return scaled
 
 
-def index_mask(mask: NDArray[np.bool_] | None, index: Any) -> NDArray[np.bool_] | None:
+def select_from_mask(mask: NDArray[np.bool_] | None, index: Any) -> NDArray[np.bool_] | None:
     """Return the part of a mask that an index selects, or None if the mask is None."""
     return None if mask is None else mask[index]
 
 
-def combine_missing(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
+def combine_missing_masks(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
     """Return the mask of points that are missing in either of two bodies, or None if no point is missing.
 
     Raises a `ValueError` if no point is measured in both bodies.
@@ -210,7 +210,7 @@ def combine_missing(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
     return missing
 
 
-def reject_missing(body: Any, operation: str) -> None:
+def reject_missing_points(body: Any, operation: str) -> None:
     """Raise a `ValueError` if a scan has missing points. The message names the operation that needs all points."""
     if body.missing is not None:
         raise ValueError(
@@ -228,6 +228,6 @@ def scale_profile(
     if not stiction._core.scale_to_amplitude(heights, amplitude, measure, scaled):
         raise ValueError("profile must not be flat, because a flat profile cannot be scaled to an amplitude")
     profile = object.__new__(Profile)
-    object.__setattr__(profile, "heights", read_only(scaled[:]))
+    object.__setattr__(profile, "heights", make_read_only(scaled[:]))
     object.__setattr__(profile, "spacing", spacing)
     return profile

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stiction._checks import Floats, read_only
+from stiction._checks import Floats, make_read_only
 from stiction._drawing import draw_repeated_scans
 from stiction._repr import PlotRepr, axes_or_new_axes
 from stiction.surfaces.filters import gaussian_transmission
 from stiction.surfaces.preparation import levelled
-from stiction.surfaces.profile import Profile, reject_missing
+from stiction.surfaces.profile import Profile, reject_missing_points
 from stiction.surfaces.scale import mean_square_heights, round_up_wavelength
 from stiction.surfaces.surface import Surface, as_body
 
@@ -166,16 +166,18 @@ def compare_repeated_scans(first: Profile | Surface, second: Profile | Surface) 
         np.sqrt(np.maximum(np.bincount(octave, value), 0))
         for value in (2 * half_difference_spectrum, mean_scan_spectrum - half_difference_spectrum)
     )
-    wavelength = read_only(np.asarray(shortest * np.exp2(np.arange(noise.size)), np.float64))
+    wavelength = make_read_only(np.asarray(shortest * np.exp2(np.arange(noise.size)), np.float64))
     noise_rms, longest = float(np.std(first_heights - second_heights) / math.sqrt(2)), float(np.min(scan.extent)) / 3
     limit = _find_noise_limit(q, mean_scan_spectrum, half_difference_spectrum, shortest, longest)
-    return RepeatedScans(scan, shift, correlation, wavelength, read_only(noise), read_only(common), noise_rms, limit)
+    return RepeatedScans(
+        scan, shift, correlation, wavelength, make_read_only(noise), make_read_only(common), noise_rms, limit
+    )
 
 
 def _check_scans(first: Any, second: Any) -> None:
     for name, body in (("first", first), ("second", second)):
         as_body(name, body)
-        reject_missing(body, "the comparison of two scans")
+        reject_missing_points(body, "the comparison of two scans")
         if not np.ptp(body.heights) > MIN_HEIGHT_RANGE:
             raise ValueError(f"{name} must not be flat")
     if type(first) is not type(second) or not np.allclose(first.spacing, second.spacing, rtol=1e-6, atol=0):
@@ -213,7 +215,7 @@ def _align_scans(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
             second_heights = map_coordinates(
                 smoothed_second, np.meshgrid(*positions, indexing="ij"), order=3, prefilter=False
             )
-            slopes = _slopes(second_heights)
+            slopes = _slopes_along_axes(second_heights)
             basis = [*(-slope for slope in slopes), np.ones(second_heights.shape), *np.indices(second_heights.shape)]
             columns = np.stack([function.ravel() for function in basis], axis=1)
             correction, residual = np.linalg.lstsq(columns, (smoothed_first[overlap] - second_heights).ravel())[:2]
@@ -222,7 +224,7 @@ def _align_scans(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
         # The Gaussian filter correlates the residuals of neighbouring points.
         slope_covariances = [
             float((first_slope * slope).mean())
-            for first_slope, slope in zip(_slopes(smoothed_first[overlap]), slopes, strict=True)
+            for first_slope, slope in zip(_slopes_along_axes(smoothed_first[overlap]), slopes, strict=True)
         ]
         shift_variance = sum(
             float(np.square(slope).mean()) / slope_covariance**2 if slope_covariance**2 > 0 else math.inf
@@ -239,7 +241,7 @@ def _align_scans(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
     return a[overlap], map_coordinates(b, np.meshgrid(*positions, indexing="ij"), order=5), shift
 
 
-def _slopes(heights: Floats) -> list[Floats]:
+def _slopes_along_axes(heights: Floats) -> list[Floats]:
     """Return the slopes along each axis, in units of height per point."""
     return list(np.gradient(heights)) if heights.ndim > 1 else [np.gradient(heights)]
 

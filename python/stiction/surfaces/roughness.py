@@ -14,13 +14,13 @@ from stiction.surfaces.material_ratio import (
     PEAK_MATERIAL_RATIO,
     VALLEY_MATERIAL_RATIO,
     core_parameters,
-    heights_at_ratios,
+    heights_at_material_ratios,
     material_volumes,
 )
 from stiction.surfaces.parameters import NOT_LEVELLED_VALUE, PROFILE_PARAMETERS, SURFACE_PARAMETERS, ParameterSet
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import surface_spectrum
-from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
+from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_body
 
 Derivative = Literal["seven-point", "neighbours"]
 SEVEN_POINT_WEIGHTS = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0])
@@ -103,7 +103,7 @@ def roughness_parameters(
     """
     profile = as_body("profile", profile, Profile, spacing=spacing, unit=unit)
     check_choice("derivative", derivative, Derivative)
-    reject_flat(profile)
+    reject_flat_body(profile)
     z = profile.heights
     if z.size < SEVEN_POINT_WEIGHTS.size:
         raise ValueError(f"profile must have at least {SEVEN_POINT_WEIGHTS.size} points, got {z.size}")
@@ -213,7 +213,7 @@ def surface_parameters(
     """
     surface = as_body("surface", surface, Surface, spacing=spacing, unit=unit)
     check_choice("derivative", derivative, Derivative)
-    reject_flat_or_small(surface)
+    reject_flat_or_small_surface(surface)
     z = surface.heights
     deviation = z - z.mean()
     scale = float(np.abs(deviation).max())
@@ -233,9 +233,9 @@ def surface_parameters(
     )
 
 
-def reject_flat_or_small(surface: Surface) -> None:
+def reject_flat_or_small_surface(surface: Surface) -> None:
     """Raise a `ValueError` for a surface that is flat, or too small for roughness parameters."""
-    reject_flat(surface)
+    reject_flat_body(surface)
     min_points, shape = SEVEN_POINT_WEIGHTS.size, surface.heights.shape
     if min(shape) < min_points:
         raise ValueError(f"surface must have at least {min_points} rows and {min_points} columns, got {shape}")
@@ -252,7 +252,7 @@ def _height_parameters(deviation: Floats, scale: float) -> dict[str, float]:
 
 def _material_ratio_parameters(deviation: Floats, scale: float) -> dict[str, float]:
     core, volumes = core_parameters(deviation), material_volumes(deviation)
-    extreme_peak, extreme_peak_end, upper, lower = heights_at_ratios(
+    extreme_peak, extreme_peak_end, upper, lower = heights_at_material_ratios(
         deviation, [*EXTREME_PEAK_MATERIAL_RATIOS, PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO]
     ).tolist()
     return {

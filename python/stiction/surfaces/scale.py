@@ -10,7 +10,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats, check_bool, float_array, read_only, validate_number
+from stiction._checks import Floats, check_bool, float_array, make_read_only, validate_number
 from stiction._repr import TableRepr, TextRepr
 from stiction.surfaces.filters import MIN_CUTOFF_POINTS, gaussian_transmission
 from stiction.surfaces.harmonics import MIN_HARMONIC_DISTANCE, density_between_harmonics, find_texture_harmonics
@@ -18,7 +18,7 @@ from stiction.surfaces.hurst import HurstEstimate
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import HANN_VARIANCE_FACTOR, ROUND_OFF_FACTOR, power_spectrum, surface_spectrum
-from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
+from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_body
 
 # Constant c of `instrument_limit`: a tip of radius R resolves surfaces with an rms curvature below c/R.
 TIP_CURVATURE_FACTOR = 0.1
@@ -110,11 +110,11 @@ class ScaleDependentRoughness(TextRepr):
 
         The result is constant below the shortest wavelength of the body.
         """
-        return _interpolate_log(self.wavelength, self.gradient, wavelength)
+        return _interpolate_log_log(self.wavelength, self.gradient, wavelength)
 
     def curvature_at(self, wavelength: ArrayLike) -> Floats:
         """Return h''_rms (1/µm) for wavelengths down to each given wavelength (µm), as an array of the same shape."""
-        return _interpolate_log(self.wavelength, self.curvature, wavelength)
+        return _interpolate_log_log(self.wavelength, self.curvature, wavelength)
 
     def fraction_below(self, wavelength: ArrayLike) -> Floats:
         """Return the fraction of the mean square slope that comes from wavelengths below a given wavelength (µm)."""
@@ -246,7 +246,7 @@ def scale_dependent_roughness(
     """
     check_bool("periodic", periodic)
     body = as_body("body", body, spacing=spacing, unit=unit)
-    reject_flat(body)
+    reject_flat_body(body)
     q, mean_squares = mean_square_heights(body, periodic=periodic)
     dimensions, curvature_factor = (1, 1.0) if isinstance(body, Profile) else (2, 0.25)
     index = np.floor(_ROUGHNESS_BINS_PER_DECADE * np.log10(q / q.min()) + 1e-9).astype(np.intp)
@@ -256,9 +256,9 @@ def scale_dependent_roughness(
     np.maximum.at(max_wave_number, index, q)
     cumulative_sums = [np.bincount(index, q**power * mean_squares)[is_occupied].cumsum() for power in (2, 4)]
     return ScaleDependentRoughness(
-        wavelength=read_only(2 * math.pi / max_wave_number[is_occupied]),
-        gradient=read_only(np.sqrt(cumulative_sums[0])),
-        curvature=read_only(np.sqrt(curvature_factor * cumulative_sums[1])), dimensions=dimensions,
+        wavelength=make_read_only(2 * math.pi / max_wave_number[is_occupied]),
+        gradient=make_read_only(np.sqrt(cumulative_sums[0])),
+        curvature=make_read_only(np.sqrt(curvature_factor * cumulative_sums[1])), dimensions=dimensions,
     )  # fmt: skip
 
 
@@ -281,7 +281,7 @@ def mean_square_heights(body: Profile | Surface, *, periodic: bool = False) -> t
     return q[q > 0], mean_squares[q > 0]
 
 
-def _interpolate_log(wavelength: Floats, values: Floats, targets: ArrayLike) -> Floats:
+def _interpolate_log_log(wavelength: Floats, values: Floats, targets: ArrayLike) -> Floats:
     """Interpolate values linearly on logarithmic axes. Beyond the longest wavelength, the values are zero."""
     wavelengths = float_array("wavelength", targets)
     if not (wavelengths > 0).all():
@@ -525,11 +525,11 @@ def line_spectra(body: Profile | Surface, periodic: bool) -> list[LineSpectrum]:
         transform = np.fft.rfft((lines - lines.mean(axis=1, keepdims=True)) * window)[:, 1:]
         power = np.square(np.abs(transform)).mean(axis=0)
         q = 2 * math.pi * np.arange(1, power.size + 1) / (points * spacing)
-        spectra.append((q, power * (spacing / points), _independent_lines(transform, periodic=periodic), spacing))
+        spectra.append((q, power * (spacing / points), _independent_line_counts(transform, periodic=periodic), spacing))
     return spectra
 
 
-def _independent_lines(transform: NDArray[np.complex128], *, periodic: bool) -> Floats:
+def _independent_line_counts(transform: NDArray[np.complex128], *, periodic: bool) -> Floats:
     """Estimate how many lines of a surface are independent at each wave number along the lines.
 
     The mean spectrum over the lines has the relative variance sum(P²)/sum(P)², where P are the powers of the wave
@@ -615,7 +615,7 @@ def _find_disturbance(
             q[above_first_harmonic],
             count[above_first_harmonic],
         )
-    wavelength_limit, kind = _find_noise(q, density, count, spacing, periodic=periodic)
+    wavelength_limit, kind = _find_noise_wavelength(q, density, count, spacing, periodic=periodic)
     if not wavelength_limit > 0 or (textured and kind not in INSTRUMENT_REASONS):
         return _ScanDisturbance(math.nan, kind, 0.0, period)
     is_unattributed = q * wavelength_limit > 2 * math.pi
@@ -627,7 +627,9 @@ def _find_disturbance(
     return _ScanDisturbance(wavelength_limit, kind, mean_square_slope, period)
 
 
-def _find_noise(q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool) -> tuple[float, str]:
+def _find_noise_wavelength(
+    q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool
+) -> tuple[float, str]:
     """Return the wavelength (µm) below which a spectrum without harmonics contains noise, and the noise type.
 
     The limit is NaN if there is no noise.
@@ -646,16 +648,16 @@ def _find_noise(q: Floats, density: Floats, count: Floats, spacing: float, *, pe
     window_fits = [
         list(_fit_window_exponents(-np.log(wavelengths), np.log(density), chance, width)) for width in _WINDOW_OCTAVES
     ]
-    if _fit_slope(-np.log(wavelengths), np.log(density), chance)[0] > -_MAX_FLAT_EXPONENT:
+    if _fit_line_slope(-np.log(wavelengths), np.log(density), chance)[0] > -_MAX_FLAT_EXPONENT:
         return float(wavelengths[0]), "noise floor"
     is_last_octave = wavelengths <= 2.01 * wavelengths[-1]
-    last_exponent, deviation = _fit_slope(
+    last_exponent, deviation = _fit_line_slope(
         -np.log(wavelengths[is_last_octave]), np.log(density[is_last_octave]), chance[is_last_octave]
     )
     candidate_bins = [
-        _find_flattening(window_fit, wavelengths / spacing, density, chance) for window_fit in window_fits
+        _find_flattening_bin(window_fit, wavelengths / spacing, density, chance) for window_fit in window_fits
     ]
-    candidate_bins.append(_find_rise(wavelengths / spacing, density, chance))
+    candidate_bins.append(_find_bin_before_rise(wavelengths / spacing, density, chance))
     if last_exponent - 2 * deviation > -_MIN_ALIASED_SURFACE_EXPONENT:
         candidate_bins.append(int(np.argmin(np.where(is_last_octave, density, math.inf))))
     if not any(bin_ is not None for bin_ in candidate_bins):
@@ -676,7 +678,7 @@ def _find_noise(q: Floats, density: Floats, count: Floats, spacing: float, *, pe
     return limit, "hump"
 
 
-def _fit_slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:
+def _fit_line_slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:
     """Fit a straight line to values with given variances, and return its slope and standard deviation."""
     weight = 1 / (variance + 0.01)
     deviation = x - np.average(x, weights=weight)
@@ -694,7 +696,7 @@ def _is_noise_floor(wavelengths: Floats, density: Floats, chance: Floats, limit:
         if selected.sum() < _NOISE_BINS_PER_OCTAVE // 2:
             return False
         x, y, variance = -np.log(wavelengths[selected]), np.log(density[selected]), chance[selected]
-        slope, deviation = _fit_slope(x, y, variance)
+        slope, deviation = _fit_line_slope(x, y, variance)
         weight = 1 / (variance + 0.01)
         scatter = np.square(y - np.average(y, weights=weight)) - variance
         if (
@@ -716,10 +718,10 @@ def _fit_window_exponents(
     for first in range(x.size):
         end = int(np.searchsorted(x, x[first] + width + 1e-6))
         if end - first >= _NOISE_BINS_PER_OCTAVE // 2 and x[end - 1] - x[first] > 0.85 * width:
-            yield first, end, *_fit_slope(x[first:end], y[first:end], chance[first:end])
+            yield first, end, *_fit_line_slope(x[first:end], y[first:end], chance[first:end])
 
 
-def _find_flattening(
+def _find_flattening_bin(
     window_fits: list[tuple[int, int, float, float]], points: Floats, density: Floats, chance: Floats
 ) -> int | None:
     """Return the bin of lowest density where a decreasing spectrum becomes flatter than the spectrum of any surface.
@@ -731,13 +733,13 @@ def _find_flattening(
         if exponent + _MIN_EXPONENT_DEVIATIONS * deviation < -1:
             has_fallen = True
         elif has_fallen and exponent - _MIN_EXPONENT_DEVIATIONS * deviation > -1:
-            slope = _fit_slope(-np.log(points[first:]), np.log(density[first:]), chance[first:])[0]
+            slope = _fit_line_slope(-np.log(points[first:]), np.log(density[first:]), chance[first:])[0]
             if points[first] <= _MAX_HUMP_WAVELENGTH_POINTS or slope > -1:
                 return first + int(np.argmin(density[first:end]))
     return None
 
 
-def _find_rise(points: Floats, density: Floats, chance: Floats) -> int | None:
+def _find_bin_before_rise(points: Floats, density: Floats, chance: Floats) -> int | None:
     """Return the bin of lowest density before a strong rise at short wavelengths, or None if there is no rise."""
     lowest_density, lowest_bin = math.inf, 0
     for bin_index in np.flatnonzero(chance < 1 / 4):

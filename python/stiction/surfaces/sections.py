@@ -11,14 +11,14 @@ import numpy as np
 
 from stiction._checks import Floats, check_bool, check_choice, validate_number, validate_whole_number
 from stiction._repr import format_with_unit
-from stiction.surfaces.filters import gaussian_mean, robust_mean
-from stiction.surfaces.material_ratio import core_parameters, heights_at_ratios
+from stiction.surfaces.filters import gaussian_low_pass, robust_gaussian_low_pass
+from stiction.surfaces.material_ratio import core_parameters, heights_at_material_ratios
 from stiction.surfaces.parameters import PROFILE_PARAMETERS, ParameterSet
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.profile_elements import mean_profile_element
 from stiction.surfaces.roughness import SEVEN_POINT_WEIGHTS, Derivative, describe_levelling, height_and_slope_parameters
 from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
-from stiction.surfaces.surface import BodyLike, as_body, reject_flat
+from stiction.surfaces.surface import BodyLike, as_body, reject_flat_body
 
 DEFAULT_SECTION_COUNT = 5  # default number of section lengths in an evaluation length
 _RDC_MATERIAL_RATIOS = 0.2, 0.8  # material ratios whose height difference is Rdc
@@ -117,11 +117,11 @@ class SectionParameters(ParameterSet):
 
     filters: SectionFilters = None  # type: ignore[assignment]
 
-    def _extra_rows(self) -> dict[str, str]:
+    def _extra_table_rows(self) -> dict[str, str]:
         filters = self.filters
         ls_text = "none" if filters.ls is None else format_with_unit(filters.ls, "µm")
         settings_text = f"λc {format_with_unit(filters.lc, 'µm')}, λs {ls_text}, {filters.sections} sections"
-        return super()._extra_rows() | {"filters": f"{settings_text}: {filters.reason}"}
+        return super()._extra_table_rows() | {"filters": f"{settings_text}: {filters.reason}"}
 
 
 def section_parameters(
@@ -193,7 +193,7 @@ def section_parameters(
     (0.64, 100.0, 'Sc3 of ISO 21920-3, for Ra 0.6363 µm and RSm 100 µm')
     """
     profile = as_body("profile", profile, Profile, spacing=spacing, unit=unit)
-    reject_flat(profile)
+    reject_flat_body(profile)
     check_choice("derivative", derivative, Derivative)
     check_bool("robust", robust)
     sections = validate_whole_number("sections", sections, minimum=1)
@@ -205,10 +205,10 @@ def section_parameters(
             profile, validate_number("lc", lc, unit="µm", above=0), short_cutoff, sections, robust, derivative
         )
         return result
-    return _compute_with_matching_class(profile, short_cutoff, sections, robust, derivative)
+    return _compute_with_setting_class(profile, short_cutoff, sections, robust, derivative)
 
 
-def _compute_with_matching_class(
+def _compute_with_setting_class(
     profile: Profile, ls: float | None, sections: int, robust: bool, derivative: Derivative
 ) -> SectionParameters:
     """Compute the parameters with the setting class that matches the resulting Ra and RSm."""
@@ -225,7 +225,7 @@ def _compute_with_matching_class(
         raise SectionLengthError(_too_coarse_message(profile))
     results_by_class: dict[int, SectionParameters] = {}
 
-    def find_matching_class(index: int) -> int:
+    def find_matching_setting_class(index: int) -> int:
         """Return the index of the setting class that matches the Ra and RSm computed with class `index`."""
         if index not in results_by_class:
             lc = SETTING_CLASSES[index].section_length
@@ -238,26 +238,26 @@ def _compute_with_matching_class(
         return max(class_by_height, class_by_element)
 
     index, visited = min(possible_classes, key=lambda item: abs(item - _INITIAL_SETTING_CLASS)), set[int]()
-    while (matching_class := find_matching_class(index)) != index and index not in visited:
+    while (matching_class := find_matching_setting_class(index)) != index and index not in visited:
         visited.add(index)
         next_class = index + 1 if matching_class > index else index - 1
         if next_class not in possible_classes:
             remedy = _too_short_remedy(profile) if matching_class > index else _too_coarse_message(profile)
             raise SectionLengthError(
-                f"{_format_reasons(results_by_class[index])} require a section length of "
+                f"{_format_setting_class_reasons(results_by_class[index])} require a section length of "
                 f"{_format_length(lengths[matching_class])}; {remedy}"
             )
         index = next_class
     if matching_class != index:  # two classes lead to each other, so neither of them is consistent
         index = max(index, max(visited & {index - 1, index, index + 1}))
-    elif index - 1 in possible_classes and find_matching_class(index - 1) == index - 1:
+    elif index - 1 in possible_classes and find_matching_setting_class(index - 1) == index - 1:
         index -= 1
     result = results_by_class[index]
-    reason = f"{SETTING_CLASSES[index].name} of ISO 21920-3, for {_format_reasons(result)}"
+    reason = f"{SETTING_CLASSES[index].name} of ISO 21920-3, for {_format_setting_class_reasons(result)}"
     return replace(result, filters=replace(result.filters, reason=reason))
 
 
-def _format_reasons(parameters: SectionParameters) -> str:
+def _format_setting_class_reasons(parameters: SectionParameters) -> str:
     """Format Ra and RSm as the reasons for choosing a setting class."""
     spacing_text = "" if math.isnan(parameters.RSm) else f" and RSm {format_with_unit(parameters.RSm, 'µm')}"
     return f"Ra {format_with_unit(parameters.Ra, 'µm')}{spacing_text}"
@@ -307,8 +307,8 @@ def _compute_with_cutoff(
         ls = ls if ls >= 2 * spacing else 0.0
     elif ls and not 2 * spacing <= ls * ROUND_OFF_FACTOR <= lc:
         raise ValueError(f"ls must be 0, or between {2 * spacing:g} µm (two points) and {lc:g} µm (lc), got {ls:g} µm")
-    primary = profile if not ls else profile.changed(gaussian_mean(profile, ls), "S-filter")
-    waviness = robust_mean(primary, lc) if robust else gaussian_mean(primary, lc)
+    primary = profile if not ls else profile.changed(gaussian_low_pass(profile, ls), "S-filter")
+    waviness = robust_gaussian_low_pass(primary, lc) if robust else gaussian_low_pass(primary, lc)
     section_count = min(sections, math.floor(profile.extent / lc * ROUND_OFF_FACTOR))
     points = min(round(section_count * lc / spacing), len(profile))
     start = (len(profile) - points) // 2
@@ -328,7 +328,7 @@ def _roughness_values(z: Floats, ends: list[int], spacing: float, derivative: De
     section_heights = [z[start:stop] for start, stop in itertools.pairwise(ends)]
     peak, pit = (float(np.mean([(sign * heights).max() for heights in section_heights])) for sign in (1, -1))
     mean_spacing, mean_height = mean_profile_element(z, peak, pit)
-    core, (upper, lower) = core_parameters(z), heights_at_ratios(z, _RDC_MATERIAL_RATIOS).tolist()
+    core, (upper, lower) = core_parameters(z), heights_at_material_ratios(z, _RDC_MATERIAL_RATIOS).tolist()
     values: dict[str, Any] = {
         "z": peak + pit, "p": peak, "v": pit, "Sm": mean_spacing * spacing, "c": mean_height,
         "mr": float(np.mean(z > 0)),

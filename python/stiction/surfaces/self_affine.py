@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from stiction._checks import check_bool, check_choice, read_only, validate_number, validate_whole_number
+from stiction._checks import check_bool, check_choice, make_read_only, validate_number, validate_whole_number
 from stiction.surfaces.fractal import SIDE_SEED_KEYS, random_phases
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS, Profile, Side
 from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
@@ -95,11 +95,11 @@ def self_affine(
     """
     check_choice("amplitudes", amplitudes, AmplitudeDistribution)
     check_bool("periodic", periodic)
-    hurst, rms = _check_exponent_and_rms(hurst_exponent, rms)
+    hurst, rms = _validate_hurst_exponent_and_rms(hurst_exponent, rms)
     points = validate_whole_number("points", points, minimum=MIN_POINTS, maximum=MAX_POINTS)
     spacing = validate_number("spacing", spacing, unit="µm", above=0)
     extent = points * spacing
-    shortest = _check_shortest_wavelength(shortest_wavelength, 2 * spacing, "spacing")
+    shortest = _validate_shortest_wavelength(shortest_wavelength, 2 * spacing, "spacing")
     longest = extent
     if longest_wavelength is not None:
         longest = validate_number("longest_wavelength", longest_wavelength, unit="µm", above=shortest)
@@ -129,14 +129,14 @@ def self_affine(
     return Profile(np.fft.irfft(transform, period)[:points], spacing=spacing)
 
 
-def _check_exponent_and_rms(hurst_exponent: Any, rms: Any) -> tuple[float, float]:
+def _validate_hurst_exponent_and_rms(hurst_exponent: Any, rms: Any) -> tuple[float, float]:
     hurst = validate_number("hurst_exponent", hurst_exponent, above=0)
     if hurst > 2:
         raise ValueError(f"hurst_exponent must be above 0 and at most 2, got {hurst_exponent!r}")
     return hurst, validate_number("rms", rms, unit="µm", above=0)
 
 
-def _check_shortest_wavelength(wavelength: Any, finest: float, of: str) -> float:
+def _validate_shortest_wavelength(wavelength: Any, finest: float, of: str) -> float:
     """Check that the grid resolves the shortest wavelength (µm), and return it.
 
     The default is the shortest wavelength of the grid, which is twice the spacing.
@@ -216,12 +216,12 @@ def self_affine_surface(
     """
     from scipy.fft import irfft2
 
-    hurst, rms = _check_exponent_and_rms(hurst_exponent, rms)
+    hurst, rms = _validate_hurst_exponent_and_rms(hurst_exponent, rms)
     rows, columns = parse_shape(shape, least=4)
     spacing_y, spacing_x = parse_lengths("spacing", spacing)
     extent_y, extent_x = rows * spacing_y, columns * spacing_x
     longer = max(extent_y, extent_x)
-    shortest = _check_shortest_wavelength(shortest_wavelength, 2 * max(spacing_y, spacing_x), "larger spacing")
+    shortest = _validate_shortest_wavelength(shortest_wavelength, 2 * max(spacing_y, spacing_x), "larger spacing")
     longest = longer
     if longest_wavelength is not None:
         longest = validate_number("longest_wavelength", longest_wavelength, unit="µm", above=shortest)
@@ -269,4 +269,4 @@ def self_affine_surface(
         raise ValueError(f"shortest_wavelength must be at most the longer side, {longer:g} µm, got {shortest:g}")
     transform *= rms / math.sqrt(power) * rows * columns / 2
     heights = irfft2(transform, (rows, columns), overwrite_x=True)
-    return Surface(read_only(heights), spacing=(spacing_y, spacing_x))
+    return Surface(make_read_only(heights), spacing=(spacing_y, spacing_x))

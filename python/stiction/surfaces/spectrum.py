@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction._checks import Floats, check_bool, read_only, validate_number, validate_whole_number
+from stiction._checks import Floats, check_bool, make_read_only, validate_number, validate_whole_number
 from stiction._drawing import draw_spectrum
 from stiction._repr import PlotRepr, TableRepr, TextRepr, axes_or_new_axes
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat
+from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_body
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -98,9 +98,9 @@ def _average_in_bins(per_decade: int, q: Floats, density: Floats, count: Floats)
     total_count = np.bincount(index, count).astype(np.float64)
     mean_wave_number = np.exp(np.bincount(index, count * np.log(q)) / total_count)
     return (
-        read_only(mean_wave_number),
-        read_only(np.bincount(index, count * density) / total_count),
-        read_only(total_count),
+        make_read_only(mean_wave_number),
+        make_read_only(np.bincount(index, count * density) / total_count),
+        make_read_only(total_count),
     )
 
 
@@ -172,7 +172,10 @@ def profile_spectrum(heights: Floats, spacing: float, *, windowed: bool) -> Powe
     if points % 2 == 0:
         count[-1] = 0.5
     return PowerSpectrum(
-        wave_number=read_only(wave_number), density=read_only(density), count=read_only(count), resolution=resolution
+        wave_number=make_read_only(wave_number),
+        density=make_read_only(density),
+        count=make_read_only(count),
+        resolution=resolution,
     )
 
 
@@ -250,7 +253,7 @@ def spectral_moments(
     0.5
     """
     profile = as_body("profile", profile, Profile)
-    reject_flat(profile)
+    reject_flat_body(profile)
     shortest = validate_number("shortest_wavelength", shortest_wavelength, unit="µm")
     if not longest_wavelength > shortest:
         raise ValueError(
@@ -473,7 +476,7 @@ def surface_spectrum(
     """
     surface = as_body("surface", surface, Surface, spacing=spacing, unit=unit)
     check_bool("periodic", periodic)
-    reject_flat(surface)
+    reject_flat_body(surface)
     return areal_spectrum(surface.heights - surface.heights.mean(), surface.spacing, windowed=not periodic)
 
 
@@ -493,7 +496,9 @@ def areal_spectrum(heights: Floats, spacing: tuple[float, float], *, windowed: b
         for points, step in zip(heights.shape, spacing, strict=True)
     )
     density[heights.shape[0] // 2, heights.shape[1] // 2] = 0.0
-    return SurfaceSpectrum(wave_number_y=read_only(q_y), wave_number_x=read_only(q_x), density=read_only(density))
+    return SurfaceSpectrum(
+        wave_number_y=make_read_only(q_y), wave_number_x=make_read_only(q_x), density=make_read_only(density)
+    )
 
 
 # ---- Peaks ----------------------------------------------------------------------------------------------------------

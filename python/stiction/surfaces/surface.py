@@ -11,7 +11,7 @@ import stiction._core as _core
 from stiction._checks import Floats, check_choice, float_array, validate_number, validate_whole_number
 from stiction._units import short_repr
 from stiction.surfaces.measured.raw import LENGTH_UNITS
-from stiction.surfaces.profile import MAX_POINTS, Body, Profile, index_mask
+from stiction.surfaces.profile import MAX_POINTS, Body, Profile, select_from_mask
 
 AnyBody = TypeVar("AnyBody", bound="Profile | Surface")
 SurfaceAmplitudeMeasure = Literal["height", "Sa", "Sq"]
@@ -89,7 +89,7 @@ class Surface(Body):
         return self._extract_profile((slice(None), index), 0, f"column {index}")
 
     def _extract_profile(self, index: Any, axis: int, step: str) -> Profile:
-        mask = index_mask(self.missing, index)
+        mask = select_from_mask(self.missing, index)
         # a line without measured points keeps its interpolated heights
         mask = None if mask is None or mask.all() else mask
         return Profile(self.heights[index], spacing=self.spacing[axis], history=(*self.history, step), missing=mask)
@@ -183,7 +183,7 @@ def parse_shape(shape: Any, *, least: int) -> tuple[int, int]:
     return rows, columns
 
 
-def reject_flat(body: Profile | Surface) -> None:
+def reject_flat_body(body: Profile | Surface) -> None:
     """Raise a `ValueError` for a flat body, or for heights whose powers overflow or underflow."""
     kind_name, height = type(body).__name__.lower(), float(np.ptp(body.heights))
     if height == 0:

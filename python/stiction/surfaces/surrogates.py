@@ -8,9 +8,9 @@ import numpy as np
 
 from stiction._checks import Floats, check_bool
 from stiction.surfaces.fractal import random_phases
-from stiction.surfaces.profile import Profile, Side, reject_missing
+from stiction.surfaces.profile import Profile, Side, reject_missing_points
 from stiction.surfaces.spectrum import RadialSpectrum, power_spectrum, surface_spectrum
-from stiction.surfaces.surface import AnyBody, Surface, as_body, parse_shape, reject_flat
+from stiction.surfaces.surface import AnyBody, Surface, as_body, parse_shape, reject_flat_body
 
 _RINGS_PER_DECADE = 12  # number of rings of wave number per decade; empty rings are merged with their neighbours
 # Weight of the smoothness penalty, in harmonics. The penalty dominates in rings with only one or two harmonics.
@@ -83,8 +83,8 @@ def surrogate(
     """
     body = as_body("body", body)
     check_bool("periodic", periodic)
-    reject_flat(body)
-    reject_missing(body, "a surrogate")
+    reject_flat_body(body)
+    reject_missing_points(body, "a surrogate")
     if isinstance(body, Surface):
         return _surface_surrogate(body, seed, repetition, side, periodic)  # type: ignore[return-value]
     profile, mean = body, body.heights.mean()
@@ -259,8 +259,8 @@ def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> F
 def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
     """Return rings of wave vectors: their edges, the fitted densities C2D and the numbers of harmonics."""
     check_bool("periodic", periodic)
-    reject_flat(profile)
-    reject_missing(profile, "an isotropic surrogate")
+    reject_flat_body(profile)
+    reject_missing_points(profile, "an isotropic surrogate")
     spectrum = power_spectrum(profile, periodic=periodic)
     # Each harmonic represents the wave numbers up to half a step away on both sides.
     wave_number, resolution, nyquist_wave_number = spectrum.wave_number, spectrum.resolution, math.pi / profile.spacing

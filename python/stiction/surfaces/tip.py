@@ -8,8 +8,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction._checks import Floats, read_only, validate_number
-from stiction.surfaces.profile import Profile, reject_missing
+from stiction._checks import Floats, make_read_only, validate_number
+from stiction.surfaces.profile import Profile, reject_missing_points
 from stiction.surfaces.surface import Surface, as_body
 
 _TIP_CONTACT_TOLERANCE = 1e-9  # the tip counts as touching at distances up to this fraction of the height of the scan
@@ -54,12 +54,14 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
     (array([0.   , 0.   , 0.268, 1.   , 0.268, 0.   , 0.   ]), [False, False, False, True, False, False, False])
     """
     scan = as_body("scan", scan)
-    reject_missing(scan, "tip reconstruction")
+    reject_missing_points(scan, "tip reconstruction")
     radius = validate_number("radius", radius, unit="µm", above=0, below=1e9)
     recorded, spacing = scan.heights, np.array(scan.spacings)
     height_range = float(np.ptp(recorded))
     eroded = recorded.copy()
-    for point_slices, neighbour_slices, tip_height in _tip_heights(recorded.shape, spacing, radius, height_range):
+    for point_slices, neighbour_slices, tip_height in _tip_offsets_and_heights(
+        recorded.shape, spacing, radius, height_range
+    ):
         np.minimum(eroded[point_slices], recorded[neighbour_slices] + tip_height, out=eroded[point_slices])
     num_touched, is_certain = np.zeros(recorded.shape, np.int32), np.zeros(recorded.shape, np.bool_)
     tolerance = _TIP_CONTACT_TOLERANCE * max(height_range, float(np.abs(recorded).max()))
@@ -71,7 +73,9 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
         )
     ] = True
     for is_counting in (True, False):
-        for point_slices, neighbour_slices, tip_height in _tip_heights(recorded.shape, spacing, radius, height_range):
+        for point_slices, neighbour_slices, tip_height in _tip_offsets_and_heights(
+            recorded.shape, spacing, radius, height_range
+        ):
             touches = eroded[neighbour_slices] - tip_height >= recorded[point_slices] - tolerance
             if is_counting:
                 num_touched[point_slices] += touches
@@ -80,10 +84,10 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
     history_entry = (
         f"reconstructed for a tip radius of {radius:g} µm, {100 * float(is_certain.mean()):.0f} % of the points certain"
     )
-    return scan.changed(eroded, history_entry), read_only(is_certain)
+    return scan.changed(eroded, history_entry), make_read_only(is_certain)
 
 
-def _tip_heights(
+def _tip_offsets_and_heights(
     shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float
 ) -> Iterator[tuple[tuple[slice, ...], tuple[slice, ...], float]]:
     """Yield, for each offset within reach of the tip: slices of points and of their neighbours, and the tip height."""

@@ -16,7 +16,7 @@ from stiction.mechanics.friction import STATUS_OK
 from stiction.studies.assessment import Caveat
 from stiction.studies.contact_statistics import compute_slopes
 from stiction.studies.input_caveats import INSTRUMENT_LIMIT_REASONS, find_scan_caveats
-from stiction.surfaces.filters import check_cutoff, filtered
+from stiction.surfaces.filters import filtered, validate_cutoff
 from stiction.surfaces.hurst import HurstEstimate, estimate_hurst_exponent
 from stiction.surfaces.lines import MAX_POWER_LAW_MISFIT, LineRoughness, lines_along_both, power_law_misfit
 from stiction.surfaces.measured.writing import heights_with_nan
@@ -142,9 +142,9 @@ class Characterisation:
         if self.lc is not None and self.ls and self.ls >= self.lc:
             raise ValueError(f"ls must be below lc ({self.lc:g} µm), got {self.ls:g} µm")
         if self.ls:
-            body = filtered(body, cutoff=check_cutoff("ls", self.ls, body, longest=1), kind="S")
+            body = filtered(body, cutoff=validate_cutoff("ls", self.ls, body, longest=1), kind="S")
         if self.lc is not None:
-            body = filtered(body, cutoff=check_cutoff("lc", self.lc, body, longest=1), kind="L", robust=self.robust)
+            body = filtered(body, cutoff=validate_cutoff("lc", self.lc, body, longest=1), kind="L", robust=self.robust)
         return body
 
     @cached_property

@@ -6,7 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stiction._number_format import choose_prefix, format_estimate, format_percent, format_significant, format_with_unit
+from stiction._number_format import (
+    choose_prefixed_unit,
+    format_estimate,
+    format_percent,
+    format_significant,
+    format_with_unit,
+)
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies.point import (
     MEAN_AND_LIMITS,
@@ -73,7 +79,7 @@ def _height_factor_row(point: xarray.Dataset, rules: list[str], study: Study) ->
     cells = [f"{float(point['height_scale']):.4g}", format_significant(mean_over_directions(point, "rms_gradient"), 3)]
     if "upper_rms" in point:
         rms_heights = [float(point[f"{side}_rms"]) for side in ("upper", "lower")]
-        height_unit, unit = choose_prefix(max(rms_heights), "um")
+        height_unit, unit = choose_prefixed_unit(max(rms_heights), "um")
         cells.append(f"{', '.join(f'{height / height_unit:.3g}' for height in rms_heights)} {unit}")
     for rule in rules:
         combined = select_sliding_rule(point["friction_combined"], rule)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._number_format import (
-    choose_prefix,
+    choose_prefixed_unit,
     format_estimate,
     format_percent,
     format_with_interval,
@@ -47,7 +47,7 @@ def onset_text(onset: xarray.Dataset) -> str:
 def _length_display_factor(table: xarray.DataArray) -> tuple[float, str]:
     """Return the factor that converts µm to the unit in which a mean length has the fewest zeros, and this unit."""
     value = _mean_with_limits(table)[0]
-    prefix_factor, unit = choose_prefix(value if math.isfinite(value) else 0.0, "um")
+    prefix_factor, unit = choose_prefixed_unit(value if math.isfinite(value) else 0.0, "um")
     return 1 / prefix_factor, unit
 
 

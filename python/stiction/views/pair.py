@@ -321,6 +321,6 @@ def pair(
         with executor_or_thread_pool(executor) as workers:
             return complete_result(study, folder, workers, replace=replace, onset=onset, progress=progress)
     except ArgumentError as error:
-        raise ValueError(error.with_names(format_python_name)) from None
+        raise ValueError(error.translated_message(format_python_name)) from None
     except ValueError as error:
         raise ValueError("; ".join(str(error).splitlines())) from None

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stiction._number_format import choose_prefix, format_with_interval, format_with_unit
+from stiction._number_format import choose_prefixed_unit, format_with_interval, format_with_unit
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.pull_off import MIN_STICKING_PRESSURE, PullOffValues, ValueWithInterval
 
@@ -45,6 +45,8 @@ def pull_off_record(estimate: PullOffValues) -> dict[str, Any]:
 
 def _format_interval(interval: ValueWithInterval, name: str) -> str:
     """Return a mean with its interval, in the unit with the fewest zeros."""
-    prefix_factor, unit = choose_prefix(interval[0], QUANTITIES[name].unit) if np.isfinite(interval[0]) else (1.0, "")
+    prefix_factor, unit = (
+        choose_prefixed_unit(interval[0], QUANTITIES[name].unit) if np.isfinite(interval[0]) else (1.0, "")
+    )
     value, lower, upper = (item / prefix_factor for item in interval)
     return f"{format_with_interval(value, lower, upper)} {unit}".replace(" no interval", "").rstrip()

@@ -18,7 +18,7 @@ import numpy as np
 from stiction._core import __version__
 from stiction._number_format import format_estimate, format_time, to_json
 from stiction.mechanics.friction import STATUS_OK
-from stiction.mechanics.quantities import QUANTITIES, quantities_shown_in, spreadsheet_column
+from stiction.mechanics.quantities import QUANTITIES, quantity_names_shown_in, spreadsheet_column
 from stiction.studies.point import CELL_DIMENSIONS, list_rules_quoted_first
 from stiction.studies.summary import PointSummary, Summary
 from stiction.views.onset import onset_record, quantity_label
@@ -200,7 +200,9 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
 def _load_quantities(dataset: xarray.Dataset) -> list[str]:
     """Return the quantities to write to a CSV file. Quantities with one value for each direction are left out."""
     return [
-        name for name in quantities_shown_in("csv") if name in dataset and dataset[name].sizes.get("direction", 1) == 1
+        name
+        for name in quantity_names_shown_in("csv")
+        if name in dataset and dataset[name].sizes.get("direction", 1) == 1
     ]
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stiction._drawing import set_log_ticks
+from stiction._drawing import set_log_tick_labels
 from stiction._number_format import format_percent, format_with_unit
 from stiction.mechanics.closed_forms import effective_modulus
 from stiction.mechanics.materials import material
@@ -126,7 +126,7 @@ def joined_figure(joined: JoinedSpectrum) -> Figure:
         for axes in (spectra_axes, slopes_axes, pressure_axes):
             axes.set(xscale="log", yscale="log", xlabel="wavelength (µm)")
             axes.set_xlim(1.15 * joined.longest, joined.shortest / 1.15)
-            set_log_ticks(axes)
+            set_log_tick_labels(axes)
     return figure
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stiction._number_format import (
-    choose_prefix,
+    choose_prefixed_unit,
     format_estimate,
     format_limits,
     format_significant,
@@ -26,7 +26,7 @@ from stiction.mechanics.quantities import (
     LOAD_INDEPENDENT_QUANTITIES,
     QUANTITIES,
     STIFFNESS_PER_AREA_QUANTITIES,
-    quantities_shown_in,
+    quantity_names_shown_in,
 )
 from stiction.studies.assessment import ASPERITY_CHECKS, VERDICTS, WIDE_INTERVAL_TEXT, Caveat, find_failed_check_caveats
 from stiction.studies.budget import LOWER_SCANS_INPUT, POSITIONS_INPUT, UNRESOLVED_ROUGHNESS_INPUT, UPPER_SCANS_INPUT
@@ -516,7 +516,7 @@ def quantities_text(points_of_cell: xarray.Dataset, study: Study, *, verbose: bo
     has_area_fraction = "contact_area_fraction" in dataset and has_nominal_area(loads[0], study)
     rows: list[list[str]] = []
     is_in_words = len(loads) == 1 and study.is_measured and not verbose
-    for name in (*quantities_shown_in("table"), *(quantities_shown_in("verbose") if verbose else ())):
+    for name in (*quantity_names_shown_in("table"), *(quantity_names_shown_in("verbose") if verbose else ())):
         is_hidden = {
             "mean_pressure": is_in_words,  # hidden, because the printed load and area give the mean pressure
             "contact_area": has_area_fraction and not verbose, "contact_area_fraction": not has_area_fraction,
@@ -577,7 +577,7 @@ def _quantity_row(name: str, label: str, estimates: Sequence[xarray.DataArray]) 
     unit = QUANTITIES[name].unit
     if unit in ("um", "GPa", "mN"):
         values = [value for value in map(_largest_absolute_mean, estimates) if math.isfinite(value)]
-        unit_factor, unit_label = choose_prefix(max(values, default=1.0), unit)
+        unit_factor, unit_label = choose_prefixed_unit(max(values, default=1.0), unit)
         factor = 1 / unit_factor
     else:
         largest = max((value for value in map(_largest_absolute_mean, estimates) if math.isfinite(value)), default=0.0)

@@ -63,27 +63,27 @@ class Text:
     words: tuple[str, ...] = ()  # additional words that mark missing points
 
     @cached_property
-    def starts(self) -> NDArray[np.int64]:
+    def line_starts(self) -> NDArray[np.int64]:
         """Byte offsets at which the lines start and the text ends."""
         ends = np.flatnonzero(np.frombuffer(self.data, np.uint8) == ord("\n"))
         return np.concatenate([[0], ends + 1])
 
     def has_words(self, lines: NDArray[np.int64]) -> bool:
         """Return whether the given lines contain characters that do not occur in numbers, such as letters."""
-        return bool((self.character_bits[lines] & _NON_NUMBER_CHARACTER_BIT).any())
+        return bool((self.character_type_bits[lines] & _NON_NUMBER_CHARACTER_BIT).any())
 
     def __len__(self) -> int:
-        return self.starts.size - 1
+        return self.line_starts.size - 1
 
     def raw_line(self, line_number: int) -> bytes:
         """Return a line without its line feed; line numbers count from 0."""
-        return self.data[self.starts[line_number] : self.starts[line_number + 1] - 1]
+        return self.data[self.line_starts[line_number] : self.line_starts[line_number + 1] - 1]
 
     def line(self, line_number: int) -> str:
         """Return a line without its line feed and surrounding blanks; line numbers count from 0."""
         return self.raw_line(line_number).decode("utf-8", "replace").strip(" \r")
 
-    def lines(self, first: int, end: int) -> list[str]:
+    def nonempty_lines(self, first: int, end: int) -> list[str]:
         """Return the non-empty lines in a range of lines."""
         return [line for line_number in range(first, end) if (line := self.line(line_number)).strip("\t")]
 
@@ -99,36 +99,36 @@ class Text:
         """First non-empty lines of the text."""
         lines = (
             self.data[start : start + MAX_HEAD_LINE_LENGTH].partition(b"\n")[0]
-            for start in self.starts[:-1][:MAX_HEAD_LINES].tolist()
+            for start in self.line_starts[:-1][:MAX_HEAD_LINES].tolist()
         )
         texts = (line.decode("utf-8", "replace").strip(" \r") for line in lines)
         return tuple(text for text in texts if text.strip("\t"))
 
     @cached_property
-    def missing(self) -> re.Pattern[bytes]:
+    def missing_word_pattern(self) -> re.Pattern[bytes]:
         """Regular expression for the words that mark a cell as a missing point."""
         words = sorted({*MISSING_POINT_WORDS, *(word.casefold() for word in self.words)}, key=len, reverse=True)
         any_word = "|".join(re.escape(word).replace("\\ ", "[ _]?") for word in words)
         return re.compile(rf'(?i)(?<![^\s;,|"])(?:{any_word})(?![^\s;,|"])'.encode())
 
     @cached_property
-    def character_bits(self) -> NDArray[np.uint8]:
+    def character_type_bits(self) -> NDArray[np.uint8]:
         """Bit mask of the character types that occur in each line."""
         return np.bitwise_or.reduceat(
-            np.frombuffer(self.data.translate(_CHARACTER_KIND_TABLE), np.uint8), self.starts[:-1]
+            np.frombuffer(self.data.translate(_CHARACTER_KIND_TABLE), np.uint8), self.line_starts[:-1]
         )
 
     @cached_property
     def line_kinds(self) -> NDArray[np.uint8]:
         """Kind of each line: blank, numbers or text."""
-        bits = self.character_bits
+        bits = self.character_type_bits
         kinds = np.full(bits.size, NUMBER_LINE, np.uint8)
         kinds[bits & (_DIGIT_BIT | _NON_NUMBER_CHARACTER_BIT | _MARK_BIT) == 0] = BLANK_LINE
         kinds[(bits & _DIGIT_BIT == 0) & (bits & _MARK_BIT != 0)] = TEXT_LINE
         for line_number in np.flatnonzero(bits & _NON_NUMBER_CHARACTER_BIT).tolist():
-            remainder, marks = self.missing.subn(b"", self.raw_line(line_number))
-            is_row = marks and not remainder.translate(None, NUMERIC_CHARACTERS)
-            kinds[line_number] = NUMBER_LINE if is_row else TEXT_LINE
+            remainder, marks = self.missing_word_pattern.subn(b"", self.raw_line(line_number))
+            is_numeric_row = marks and not remainder.translate(None, NUMERIC_CHARACTERS)
+            kinds[line_number] = NUMBER_LINE if is_numeric_row else TEXT_LINE
         # Lines of asterisks or dashes between rows of numbers are rows of missing points.
         # Other lines of asterisks or dashes are separators.
         filled = np.flatnonzero(kinds != BLANK_LINE)
@@ -149,7 +149,7 @@ def is_text(data: bytes) -> bool:
     return not start.translate(None, bytes(sorted({*range(256)} - {*range(9), *range(14, 26), *range(27, 32)})))
 
 
-def decode(data: bytes, words: tuple[str, ...] = ()) -> Text:
+def decode_text(data: bytes, words: tuple[str, ...] = ()) -> Text:
     """Convert the bytes of a file to text. Raises `FormatError` if the file is binary or empty."""
     encoding, text = _to_utf8(data)
     text = text.rstrip(b"\x1a")  # remove the end-of-file mark of DOS
@@ -169,7 +169,7 @@ def decode(data: bytes, words: tuple[str, ...] = ()) -> Text:
         raise FormatError(
             f"has {len(decoded)} lines; at most {MAX_LINES} can be read as text; save the heights as .npy"
         )
-    if (control := int(np.count_nonzero(decoded.character_bits & _CONTROL_BIT))) > 0:
+    if (control := int(np.count_nonzero(decoded.character_type_bits & _CONTROL_BIT))) > 0:
         raise FormatError(f"is binary, not text (control characters in {control} lines)")
     return decoded
 

@@ -13,8 +13,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from stiction.surfaces.measured.decode import decode
-from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, ColumnTable, FormatError, HeightChannels, read_chunks
+from stiction.surfaces.measured.decode import decode_text
+from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, ColumnTable, FormatError, HeightChannels, read_member_chunks
 from stiction.surfaces.measured.text import parse_table
 
 # Maximum number of XML tags in a workbook. A number takes four tags, so this allows 2.5 million heights.
@@ -47,11 +47,11 @@ def read_excel(data: bytes, words: tuple[str, ...] = ()) -> HeightChannels:
         raise FormatError(f"is a damaged workbook ({type(error).__name__}: {reason})") from None
     from stiction.surfaces.measured.layouts import WORKBOOKS
 
-    layout = next((layout for layout in WORKBOOKS if layout.recognise(sheets)), None)
+    layout = next((layout for layout in WORKBOOKS if layout.recognises(sheets)), None)
     if layout is not None:
         content = layout.read(sheets)
         assert isinstance(content, ColumnTable)
-        return HeightChannels(("DATA",), lambda _: _set_layout(content, layout.name), 0)
+        return HeightChannels(("DATA",), lambda _: _with_layout(content, layout.name), 0)
     filled = [name for name, rows in sheets.items() if _find_numeric_columns(rows)]
     if not filled:
         raise FormatError("is a workbook without a column of numbers")
@@ -60,15 +60,15 @@ def read_excel(data: bytes, words: tuple[str, ...] = ()) -> HeightChannels:
     )
 
 
-def _set_layout(table: ColumnTable, layout: str) -> ColumnTable:
+def _with_layout(table: ColumnTable, layout: str) -> ColumnTable:
     return replace(table, source=replace(table.source, layout=layout))
 
 
 def parse_sheet(rows: Sequence[Sequence[Any]], words: tuple[str, ...] = ()) -> ColumnTable:
     """Parse the largest table of numbers in a sheet, and the header above it."""
     columns = _find_table_columns(rows)
-    lines = [_join_row(row, columns) for row in rows]
-    content = parse_table(decode(("\n".join(lines) + "\n").encode(), words))
+    lines = [_join_row_cells(row, columns) for row in rows]
+    content = parse_table(decode_text(("\n".join(lines) + "\n").encode(), words))
     if not isinstance(content, ColumnTable):
         raise FormatError("has a sheet with several tables, one below another; keep only one table")
     column_numbers = columns[: content.values.shape[1]]
@@ -81,7 +81,7 @@ def _reject_zip_bombs(data: bytes) -> None:
         remaining, tags = MAX_TEXT_BYTES, 0
         for name in archive.namelist():
             tags_in_row = -math.inf  # no limit applies before the first row, or in a file that is not a sheet
-            for chunk in read_chunks(archive, name, remaining):
+            for chunk in read_member_chunks(archive, name, remaining):
                 remaining -= len(chunk)
                 tags += chunk.count(b"<")
                 if tags > MAX_TAGS:
@@ -101,20 +101,20 @@ def _read_rows(sheet: Any) -> list[tuple[Any, ...]]:
     return rows
 
 
-def _is_number(cell: Any) -> bool:
+def _is_number_cell(cell: Any) -> bool:
     return isinstance(cell, (int, float)) and not isinstance(cell, bool)
 
 
 def _find_numeric_columns(rows: Sequence[Sequence[Any]]) -> list[int]:
     """Return the columns with two or more numbers and at least a quarter as many numbers as the fullest column."""
-    numbers: Counter[int] = Counter(index for row in rows for index, cell in enumerate(row) if _is_number(cell))
+    numbers: Counter[int] = Counter(index for row in rows for index, cell in enumerate(row) if _is_number_cell(cell))
     max_count = max(numbers.values(), default=0)
     return sorted(index for index, count in numbers.items() if count > 1 and 4 * count >= max_count)
 
 
 def _find_data_rows(rows: Sequence[Sequence[Any]], columns: Sequence[int]) -> range:
     """Return the longest run of rows that have a number in at least one of the columns."""
-    has_number = [any(map(_is_number, _select_cells(row, columns))) for row in rows]
+    has_number = [any(map(_is_number_cell, _select_cells(row, columns))) for row in rows]
     runs = [list(run) for is_run, run in itertools.groupby(range(len(rows)), has_number.__getitem__) if is_run]
     longest = max(runs, key=len)
     return range(longest[0], longest[-1] + 1)
@@ -139,9 +139,9 @@ def _select_cells(row: Sequence[Any], columns: Sequence[int]) -> list[Any]:
     return [row[index] if index < len(row) else None for index in columns]
 
 
-def _join_row(row: Sequence[Any], columns: Sequence[int]) -> str:
+def _join_row_cells(row: Sequence[Any], columns: Sequence[int]) -> str:
     """Join cells of a row with tabs: the table columns of data rows and heading rows, and all cells of other rows."""
     selected = _select_cells(row, columns)
-    if any(map(_is_number, selected)) or (selected and all(isinstance(cell, str) for cell in selected)):
+    if any(map(_is_number_cell, selected)) or (selected and all(isinstance(cell, str) for cell in selected)):
         return "\t".join("" if cell is None else " ".join(str(cell).split()) for cell in selected)
     return "\t".join(" ".join(str(cell).split()) for cell in row if cell is not None)

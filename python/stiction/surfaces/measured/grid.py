@@ -29,7 +29,7 @@ def to_grid(
     a grid.
     """
     (dx, columns), (dy, rows) = (
-        _locate_along_axis(name, index, get_digits)
+        _find_step_and_node_indices(name, index, get_digits)
         for name, index, get_digits in zip("xy", (x, y), digits, strict=True)
     )
     shape = (int(rows.max()) + 1, int(columns.max()) + 1)
@@ -52,11 +52,13 @@ def to_grid(
     return heights.reshape(shape), (dy, dx), step
 
 
-def _locate_along_axis(name: str, positions: Floats, digits: Callable[[], Floats] | None) -> tuple[float, np.ndarray]:
+def _find_step_and_node_indices(
+    name: str, positions: Floats, digits: Callable[[], Floats] | None
+) -> tuple[float, np.ndarray]:
     """Return the grid step along an axis, and the node index of each point."""
     if not np.isfinite(positions).all():
         raise FormatError(f"lists a point without {name}")
-    step = _rounded_step(positions, digits) or estimate_step(positions)
+    step = _step_of_rounded_positions(positions, digits) or estimate_step(positions)
     if step is None:
         raise FormatError(
             f"lists points that all have the same {name}, so they form a profile; choose other columns (--columns)"
@@ -82,7 +84,7 @@ def _locate_along_axis(name: str, positions: Floats, digits: Callable[[], Floats
     return step, nodes.astype(np.int64)
 
 
-def _rounded_step(positions: Floats, digits: Callable[[], Floats] | None) -> float | None:
+def _step_of_rounded_positions(positions: Floats, digits: Callable[[], Floats] | None) -> float | None:
     """Return the step of a grid without missing nodes, given positions that were rounded for printing.
 
     Returns None if there is no such grid.

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from stiction.surfaces.measured.raw import LENGTH_UNITS, HeaderDeclarations, StatedLength, length_unit
+from stiction.surfaces.measured.raw import LENGTH_UNITS, HeaderDeclarations, StatedLength, parse_length_unit
 from stiction.surfaces.measured.split import Dialect
 
 _T = TypeVar("_T")
@@ -138,16 +138,16 @@ def parse_declarations(header: Sequence[str], *, below: Sequence[str] = ()) -> H
         lambda match: _parse_spacing(match) if match[1].casefold().startswith("pixel") else None,
     )
     spacings: tuple[StatedLength, StatedLength] | None = (
-        _complete_pair(
+        _pair_if_complete(
             [
                 _find_first_match(pattern, lines, lambda match: parse_length(*match.groups()))
                 for pattern in _STICTION_SPACING_PATTERNS
             ]
         )
-        or _complete_pair(
+        or _pair_if_complete(
             [_find_first_match(_AXIS_SPACING_PATTERNS[axis], lines, _parse_bracketed_length) for axis in "yx"]
         )
-        or _complete_pair([pixel, pixel])
+        or _pair_if_complete([pixel, pixel])
     )
     bare: list[float | None] = [
         _find_first_match(_AXIS_SPACING_PATTERNS[axis], lines, _parse_unitless_number) for axis in "yx"
@@ -162,7 +162,7 @@ def parse_declarations(header: Sequence[str], *, below: Sequence[str] = ()) -> H
     factor_line = next((line for line in scales if _CONVERSION_PATTERN.search(line)), "")
     unit, factor = None, None
     if unit_line and (match := _HEIGHT_UNIT_PATTERN.fullmatch(unit_line)):
-        unit = length_unit(match[1]) or match[1]
+        unit = parse_length_unit(match[1]) or match[1]
     if factor_line and (match := _FACTOR_PATTERN.fullmatch(factor_line)):
         unit, factor = _unit_of_factor(match), _parse_float(match[3])
     code_lines = [match for line in lines if (match := _CODE_PATTERN.fullmatch(line))]
@@ -174,7 +174,9 @@ def parse_declarations(header: Sequence[str], *, below: Sequence[str] = ()) -> H
     return HeaderDeclarations(
         spacing=_find_first_match(_SPACING_PATTERN, lines, _parse_spacing),
         spacings=spacings,
-        size=_complete_pair([_find_first_match(pattern, lines, _parse_bracketed_length) for pattern in _SIZE_PATTERNS]),
+        size=_pair_if_complete(
+            [_find_first_match(pattern, lines, _parse_bracketed_length) for pattern in _SIZE_PATTERNS]
+        ),
         bare_spacing=unitless if unitless else None if plain_bare is None else (plain_bare,),
         unit=unit,
         factor=factor,
@@ -199,7 +201,7 @@ def _find_first_match(
     return next((value for match in matches if (value := read(match)) is not None), None)
 
 
-def _complete_pair(pair: Sequence[_T | None]) -> tuple[_T, _T] | None:
+def _pair_if_complete(pair: Sequence[_T | None]) -> tuple[_T, _T] | None:
     first, second = pair
     return None if first is None or second is None else (first, second)
 
@@ -227,11 +229,11 @@ def _parse_unitless_number(match: re.Match[str]) -> float | None:
 
 def parse_length(digits: str, unit: str | None) -> StatedLength | None:
     """Parse a number and its unit. Return None if the unit is not a unit of length."""
-    if unit is None or length_unit(unit) is None:
+    if unit is None or parse_length_unit(unit) is None:
         return None
     mantissa, _, exponent = digits.replace(",", ".").lower().partition("e")
     digit = float(f"1e{int(exponent or 0) - len(mantissa.partition('.')[2])}")
-    return StatedLength(float(f"{mantissa}e{exponent or 0}"), digit, str(length_unit(unit)))
+    return StatedLength(float(f"{mantissa}e{exponent or 0}"), digit, str(parse_length_unit(unit)))
 
 
 def _parse_float(digits: str) -> float:
@@ -240,7 +242,7 @@ def _parse_float(digits: str) -> float:
 
 def _unit_of_factor(match: re.Match[str]) -> str | None:
     unit = match[1] or match[2] or match[4]
-    return length_unit(unit) if unit else None
+    return parse_length_unit(unit) if unit else None
 
 
 def _is_declaration(line: str) -> bool:
@@ -252,16 +254,16 @@ def _is_declaration(line: str) -> bool:
     )
 
 
-def _last_line_of_names(lines: Sequence[str]) -> str | None:
+def _find_last_name_line(lines: Sequence[str]) -> str | None:
     """Return the last line that contains letters, without comment characters at its start."""
     return next((line.lstrip(COMMENT_CHARACTERS) for line in reversed(lines) if any(map(str.isalpha, line))), None)
 
 
-def _names_heights_alone(line: str) -> bool:
+def _names_only_heights(line: str) -> bool:
     """Return whether a header line names heights with their unit, but neither positions nor other lengths."""
     return bool(
         len(_units_in(line)) == 1
-        and not _has_value(line)
+        and not _has_number_outside_brackets(line)
         and _HEIGHT_NAME_PATTERN.search(line)
         and not _POSITION_NAME_PATTERN.search(line)
     )
@@ -273,11 +275,11 @@ def _units_in(line: str) -> list[str]:
     Units in brackets are returned or, if there are none, units that are separate words.
     """
     bracketed = [word for word in _BRACKET_PATTERN.findall(line) if is_unit(word)]
-    units = [length_unit(word.strip(" \"'.:")) or word for word in bracketed]
-    return units or [unit for word in re.split(r"[\s,;]+", line) if (unit := length_unit(word.strip(" \"'.:")))]
+    units = [parse_length_unit(word.strip(" \"'.:")) or word for word in bracketed]
+    return units or [unit for word in re.split(r"[\s,;]+", line) if (unit := parse_length_unit(word.strip(" \"'.:")))]
 
 
-def _has_value(line: str) -> bool:
+def _has_number_outside_brackets(line: str) -> bool:
     """Return whether a header line has a number outside brackets, as in "Length (um): 1500".
 
     Such a line does not name columns.
@@ -287,7 +289,7 @@ def _has_value(line: str) -> bool:
 
 def is_unit(word: str) -> bool:
     """Return whether a word is a unit, either of length or of another quantity."""
-    return length_unit(word) is not None or NON_LENGTH_UNIT_PATTERN.fullmatch(word) is not None
+    return parse_length_unit(word) is not None or NON_LENGTH_UNIT_PATTERN.fullmatch(word) is not None
 
 
 # ---- Column names ---------------------------------------------------------------------------------------------------
@@ -298,17 +300,17 @@ def parse_column_heads(header: Sequence[str], width: int, dialect: Dialect) -> C
     lines = [line for line in map(normalise_line, header) if not _is_declaration(line)]
     if not lines:
         return ColumnHeads()
-    names, units = _parse_names(lines, width, dialect), _parse_units(lines, width, dialect)
-    name_line = _last_line_of_names(lines)
-    is_of_heights = width > 2 and not any(units) and name_line is not None and _names_heights_alone(name_line)
+    names, units = _parse_column_names(lines, width, dialect), _parse_column_units(lines, width, dialect)
+    name_line = _find_last_name_line(lines)
+    is_of_heights = width > 2 and not any(units) and name_line is not None and _names_only_heights(name_line)
     return ColumnHeads(names, units, _units_in(name_line)[0] if is_of_heights and name_line is not None else None)
 
 
-def split_names(line: str, width: int, dialect: Dialect) -> list[str] | None:
+def split_column_names(line: str, width: int, dialect: Dialect) -> list[str] | None:
     """Split a line of column names into `width` cells. Its separator may differ from the separator of the numbers."""
     uncommented = line.lstrip(COMMENT_CHARACTERS) if line.lstrip(" ")[:1] in tuple("#%!/") else line
     candidates = [
-        dialect.cells(uncommented),
+        dialect.split_line(uncommented),
         *(uncommented.split(separator) for separator in "\t;,|"),
         re.split(r"\s{2,}", uncommented.strip()),
     ]
@@ -323,14 +325,14 @@ def split_names(line: str, width: int, dialect: Dialect) -> list[str] | None:
     return None
 
 
-def _parse_names(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[str, ...]:
+def _parse_column_names(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[str, ...]:
     if width == 1:
         return ()
-    names = split_names(lines[-1], width, dialect)
+    names = split_column_names(lines[-1], width, dialect)
     if names is None:
         return ()
     if len(lines) > 1 and all(is_unit(cell.strip("[]() ")) or not cell for cell in names):
-        previous = split_names(lines[-2], width, dialect)
+        previous = split_column_names(lines[-2], width, dialect)
         if previous is not None:
             return tuple(
                 f"{name} [{unit.strip('[]() ')}]" if unit else name for name, unit in zip(previous, names, strict=True)
@@ -338,26 +340,26 @@ def _parse_names(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[st
     return tuple(names)
 
 
-def _parse_units(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[str | None, ...]:
+def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[str | None, ...]:
     """Return the unit of each column from the line of names above the data."""
-    name_line = _last_line_of_names(lines)
-    if name_line is None or _has_value(name_line):
+    name_line = _find_last_name_line(lines)
+    if name_line is None or _has_number_outside_brackets(name_line):
         return (None,) * width
-    cells = split_names(name_line, width, dialect) if width > 1 else None
-    if cells is not None and any(unit_in_name(cell) for cell in cells):
-        return tuple(unit_in_name(cell) for cell in cells)
+    cells = split_column_names(name_line, width, dialect) if width > 1 else None
+    if cells is not None and any(unit_in_column_name(cell) for cell in cells):
+        return tuple(unit_in_column_name(cell) for cell in cells)
     units = _units_in(name_line)
     if len(units) == width:
         return tuple(units)
-    is_for_all = width > 2 and len(units) == 1 and not _names_heights_alone(name_line)
+    is_for_all = width > 2 and len(units) == 1 and not _names_only_heights(name_line)
     return (units[0] if is_for_all else None,) * width
 
 
-def unit_in_name(cell: str) -> str | None:
+def unit_in_column_name(cell: str) -> str | None:
     """Return the unit at the end of a column name, as in "z (nm)", "z [nm]", "z/nm", "height in nm" and "z nm"."""
     bracketed = _BRACKET_PATTERN.findall(cell)
     last = bracketed[-1].strip() if bracketed else cell.strip(" \"'")
     # a column with another unit is rejected later, if it is used as heights
     if NON_LENGTH_UNIT_PATTERN.fullmatch(last):
         return last
-    return length_unit((last if bracketed else re.split(r"[\s/_]+", last)[-1]).strip(" \"'.:"))
+    return parse_length_unit((last if bracketed else re.split(r"[\s/_]+", last)[-1]).strip(" \"'.:"))

@@ -18,12 +18,12 @@ _TEXT_FORMATS = ("asc", "xyz")
 """Plain text formats for which SurfaceTopography ignores units and other declarations in the header."""
 
 
-def is_available() -> bool:
+def is_reader_installed() -> bool:
     """Return whether SurfaceTopography is installed."""
     return find_spec("SurfaceTopography") is not None
 
 
-def read_instrument(path: Path) -> HeightChannels:
+def read_instrument_file(path: Path) -> HeightChannels:
     """Read a file with SurfaceTopography, which supports about forty instrument formats."""
     try:
         with warnings.catch_warnings(action="ignore"):  # SurfaceTopography warns about optional dependencies

@@ -10,12 +10,24 @@ from typing import Any, Generic, Literal, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction._checks import Floats, check_choice, read_only
+from stiction._checks import Floats, check_choice, make_read_only
 from stiction._units import Quantity, quantity
 from stiction.surfaces.measured.plausibility import FILE_CAVEAT_NAMES, Scan, find_caveats
-from stiction.surfaces.measured.raw import LENGTH_UNITS, FileCaveat, FormatError, RawHeights, StatedLength, length_unit
+from stiction.surfaces.measured.raw import (
+    LENGTH_UNITS,
+    FileCaveat,
+    FormatError,
+    RawHeights,
+    StatedLength,
+    parse_length_unit,
+)
 from stiction.surfaces.measured.shapes import MAX_UNEVENNESS, Selection
-from stiction.surfaces.missing_data import MIN_OUTLIER_DEVIATIONS, describe_missing, find_outliers, interpolate_missing
+from stiction.surfaces.missing_data import (
+    MIN_OUTLIER_DEVIATIONS,
+    describe_missing_points,
+    find_outliers,
+    interpolate_missing_points,
+)
 from stiction.surfaces.preparation import find_crop_range
 from stiction.surfaces.profile import MIN_POINTS, Profile
 from stiction.surfaces.surface import Surface
@@ -54,12 +66,12 @@ class ReadOptions:
     one_unit: bool = False
 
 
-def read_options(
+def validate_read_options(
     unit: Any, spacing: Any, missing: Missing, channel: Any = None, columns: Any = None, outliers: Outliers = "keep",
     crop: Any = None, missing_value: Any = None, accept: Any = None,
 ) -> ReadOptions:  # fmt: skip
     """Validate the options for reading a file."""
-    codes, words = _parse_codes(missing_value)
+    codes, words = _parse_missing_markers(missing_value)
     accepted = tuple(part.strip() for part in accept.split(",")) if isinstance(accept, str) else tuple(accept or ())
     if not set(accepted) <= set(FILE_CAVEAT_NAMES):
         raise ValueError(f"accept must be one or more of {', '.join(FILE_CAVEAT_NAMES)}, got {accept!r}")
@@ -85,7 +97,7 @@ def read_options(
     dy, dx = (None if item is None else _parse_length("spacing", item) for item in pair)
     crop = None if crop is None else tuple(float(_parse_length("crop", bound, zero=True)) for bound in crop)
     return ReadOptions(
-        *_parse_units(unit),
+        *_parse_position_and_height_units(unit),
         (dy, dx),
         missing,
         channel,
@@ -99,7 +111,7 @@ def read_options(
     )
 
 
-def _parse_codes(given: Any) -> tuple[tuple[float, ...], tuple[str, ...]]:
+def _parse_missing_markers(given: Any) -> tuple[tuple[float, ...], tuple[str, ...]]:
     """Separate missing-point markers into numbers and words."""
     values_given = given.split(",") if isinstance(given, str) else () if given is None else given
     values_given = (values_given,) if isinstance(values_given, (int, float)) else values_given
@@ -114,7 +126,7 @@ def _parse_codes(given: Any) -> tuple[tuple[float, ...], tuple[str, ...]]:
     return tuple(codes), tuple(words)
 
 
-def _remove_unit_axis(raw: RawHeights) -> RawHeights:
+def _flatten_single_line(raw: RawHeights) -> RawHeights:
     """Convert a matrix with a single row or column to a profile."""
     if raw.heights.ndim == 1 or min(raw.heights.shape) > 1:
         return raw
@@ -137,14 +149,14 @@ class InterpretedScan(Generic[_Body]):
 
 def to_profile_or_surface(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedScan[Profile | Surface]:
     """Convert the content of a file to a profile or a surface, depending on the content."""
-    if _remove_unit_axis(raw).heights.ndim == 1:
+    if _flatten_single_line(raw).heights.ndim == 1:
         return to_profile(raw, name, options)
     return to_surface(raw, name, options)
 
 
 def to_profile(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedScan[Profile]:
     """Convert the content of a file to a profile."""
-    raw = _remove_unit_axis(raw)
+    raw = _flatten_single_line(raw)
     if raw.heights.ndim != 1:
         raise FormatError(
             f"contains {raw.heights.shape[0]} rows of {raw.heights.shape[1]} columns, but a profile has one column of "
@@ -165,14 +177,14 @@ def to_profile(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedS
         heights, dx = heights[::-1], -dx
         steps.append("reversed, because its positions decreased")
     return _make_profile_or_surface(
-        Profile, raw, name, options, heights, (_check_spacing(dx),), [*coded, *steps], unit,
+        Profile, raw, name, options, heights, (_validate_spacing(dx),), [*coded, *steps], unit,
         [*caveats, *spacing_caveats],
     )  # fmt: skip
 
 
 def to_surface(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedScan[Surface]:
     """Convert the content of a file to a surface."""
-    raw = _remove_unit_axis(raw)
+    raw = _flatten_single_line(raw)
     if raw.heights.ndim != 2:
         raise FormatError(f"contains a profile of {raw.heights.size} points; read profiles with read_profile()")
     _require_unit_or_spacing(raw, options)
@@ -183,10 +195,10 @@ def to_surface(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedS
     elif raw.spacing is not None:
         length = _resolve_unit("positions", raw.position_unit, _position_unit(raw, options))
         dy, dx = (
-            _check_spacing_agreement(_to_micrometres(declared, length), given)
+            _validate_spacing_agreement(_to_micrometres(declared, length), given)
             for declared, given in zip(raw.spacing, options.spacing, strict=True)
         )
-        _compare_with_declarations(raw, (dy, dx))
+        _reject_contradicting_grid(raw, (dy, dx))
     elif options.spacing[0] is not None and options.spacing[1] is not None:
         dy, dx = float(options.spacing[0]), float(options.spacing[1])
         declared, tolerance = _declared_spacing(raw) or (
@@ -195,11 +207,11 @@ def to_surface(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedS
         )  # the declared spacing may apply to rows or to columns
         if min(abs(declared - dy), abs(declared - dx)) > tolerance:
             raise FormatError(f"declares a spacing of {declared:g} µm, but {dy:g} µm and {dx:g} µm are given")
-        _compare_with_unitless_spacing(raw, (dy, dx))
+        _reject_contradicting_spacing(raw, (dy, dx))
     else:
         raise FormatError(_NO_MAP_SPACING_MESSAGE)
     return _make_profile_or_surface(
-        Surface, raw, name, options, heights, (_check_spacing(dy), _check_spacing(dx)), steps, unit, caveats
+        Surface, raw, name, options, heights, (_validate_spacing(dy), _validate_spacing(dx)), steps, unit, caveats
     )
 
 
@@ -216,12 +228,12 @@ def _make_profile_or_surface(
     accepted = sorted({value.name for value in (*raw.caveats, *caveats, *result)} & set(options.accept))
     steps = [*steps, *(f"accepted: {name}" for name in accepted)]
     try:
-        heights, missing, filled = _fill_gaps(heights, spacing, options)
+        heights, missing, filled = _crop_and_fill_gaps(heights, spacing, options)
     except FormatError as error:
         codes = [item for item in remaining if item.name == "repeated-extreme"]
         raise FormatError("; ".join([str(error), *map(str, codes)])) from None
     history = (f"read from {name}", *raw.history, *steps, *filled)
-    heights = read_only(heights) if heights.base is None else heights  # a read-only array need not be copied
+    heights = make_read_only(heights) if heights.base is None else heights  # a read-only array need not be copied
     body = kind(heights, spacing=spacing[0] if kind is Profile else spacing, history=history, missing=missing)
     return InterpretedScan(body, unit, num_missing, remaining)
 
@@ -229,10 +241,10 @@ def _make_profile_or_surface(
 # ---- Units and spacings ---------------------------------------------------------------------------------------------
 
 
-def _parse_units(unit: Any) -> tuple[str | None, str | None]:
+def _parse_position_and_height_units(unit: Any) -> tuple[str | None, str | None]:
     """Return the units of the positions and of the heights."""
     pair = unit if isinstance(unit, tuple) else (unit, unit)
-    if len(pair) != 2 or not all(item is None or (isinstance(item, str) and length_unit(item)) for item in pair):
+    if len(pair) != 2 or not all(item is None or (isinstance(item, str) and parse_length_unit(item)) for item in pair):
         raise ValueError(f"unit must be a unit of length (m, mm, um, nm, pm) or a pair of them, got {unit!r}")
     return pair
 
@@ -250,12 +262,12 @@ def _parse_length(name: str, text: Any, *, zero: bool = False) -> Quantity:
 
 def _resolve_unit(quantity_name: str, of_file: str | None, of_caller: str | None) -> str:
     """Return the unit from the file or the caller. Raises `FormatError` if both are missing or if they disagree."""
-    file_unit = None if of_file is None else length_unit(of_file)
+    file_unit = None if of_file is None else parse_length_unit(of_file)
     if of_file is not None and file_unit is None:
         raise FormatError(
             f"has {quantity_name} in {of_file!r}, which is not a supported unit of length (m, mm, um, nm, ...)"
         )
-    caller_unit = None if of_caller is None else length_unit(of_caller)
+    caller_unit = None if of_caller is None else parse_length_unit(of_caller)
     if file_unit is not None and caller_unit is not None and LENGTH_UNITS[file_unit] != LENGTH_UNITS[caller_unit]:
         raise FormatError(f"declares its {quantity_name} in {of_file}, but the given unit is {of_caller}")
     unit = file_unit if file_unit is not None else caller_unit
@@ -266,7 +278,9 @@ def _resolve_unit(quantity_name: str, of_file: str | None, of_caller: str | None
 
 def _position_unit(raw: RawHeights, options: ReadOptions) -> str | None:
     """Return the given position unit. Return None if only one unit was given and the file has its own position unit."""
-    has_own_unit = options.one_unit and raw.position_unit is not None and length_unit(raw.position_unit) is not None
+    has_own_unit = (
+        options.one_unit and raw.position_unit is not None and parse_length_unit(raw.position_unit) is not None
+    )
     return None if has_own_unit else options.position_unit
 
 
@@ -310,9 +324,9 @@ def _convert_heights(raw: RawHeights, options: ReadOptions) -> tuple[Floats, str
 
 def _height_unit(raw: RawHeights, given: str | None) -> tuple[str, list[FileCaveat], list[str]]:
     """Return the height unit, caveats and history entries. If the file has a factor and a unit, ignore a given unit."""
-    if raw.factor is None or given is None or raw.unit is None or length_unit(raw.unit) is None:
+    if raw.factor is None or given is None or raw.unit is None or parse_length_unit(raw.unit) is None:
         return _resolve_unit("heights", raw.unit, given), [], []
-    actual, caller_unit = str(length_unit(raw.unit)), str(length_unit(given))
+    actual, caller_unit = str(parse_length_unit(raw.unit)), str(parse_length_unit(given))
     if LENGTH_UNITS[actual] == LENGTH_UNITS[caller_unit]:
         return actual, [], []
     text = f"unit is {given}, but the file converts its heights to {actual} by a factor, which is applied"
@@ -344,7 +358,7 @@ def _require_unit_or_spacing(raw: RawHeights, options: ReadOptions) -> None:
     )
 
 
-def _compare_with_unitless_spacing(raw: RawHeights, given: tuple[float, ...]) -> None:
+def _reject_contradicting_spacing(raw: RawHeights, given: tuple[float, ...]) -> None:
     """Reject a given spacing that contradicts the spacing in the header, whatever unit the header spacing may have."""
     if raw.bare_spacing is None:
         return
@@ -358,7 +372,7 @@ def _compare_with_unitless_spacing(raw: RawHeights, given: tuple[float, ...]) ->
         )
 
 
-def _compare_with_declarations(raw: RawHeights, spacing: tuple[float, float]) -> None:
+def _reject_contradicting_grid(raw: RawHeights, spacing: tuple[float, float]) -> None:
     """Reject a grid (spacings in µm) that contradicts the declared spacings or the declared size."""
     for step, declared in zip(spacing, raw.stated_spacings or (), strict=False):
         actual = declared.length * LENGTH_UNITS[declared.unit]
@@ -399,7 +413,7 @@ def _profile_spacing(
     if raw.positions is None:
         if raw.spacing is not None:
             own_spacing = _to_micrometres(raw.spacing[0], _resolve_unit("positions", raw.position_unit, unit))
-            return _check_spacing_agreement(own_spacing, given), [], []
+            return _validate_spacing_agreement(own_spacing, given), [], []
         if declared is not None:
             if given is not None and abs(given - declared[0]) > declared[1]:
                 raise FormatError(f"declares a spacing of {declared[0]:g} µm, but the given spacing is {given.text}")
@@ -408,7 +422,7 @@ def _profile_spacing(
             raise FormatError(
                 'contains heights only; give the spacing of its points, as in "0.5 um" (--spacing "0.5 um")'
             )
-        _compare_with_unitless_spacing(raw, (given,))
+        _reject_contradicting_spacing(raw, (given,))
         return given, [], []
     length = _resolve_unit("positions", raw.position_unit, unit)
     with np.errstate(all="ignore"):
@@ -480,13 +494,13 @@ class _PositionDigits:
 def _worst_printed_deviation(
     x: Floats, spacing: float, digit: _PositionDigits, slack: float
 ) -> tuple[int, float] | None:
-    """Call `_worst_deviation` with the printed digits of the positions. The digits are computed only if required."""
-    if _worst_deviation(x, spacing, np.zeros(x.size), slack) is None:
+    """Call `_worst_position_deviation` with the printed digits of positions, which are computed only if required."""
+    if _worst_position_deviation(x, spacing, np.zeros(x.size), slack) is None:
         return None
-    return _worst_deviation(x, spacing, digit.values, slack)
+    return _worst_position_deviation(x, spacing, digit.values, slack)
 
 
-def _worst_deviation(x: Floats, spacing: float, digit: Floats, slack: float) -> tuple[int, float] | None:
+def _worst_position_deviation(x: Floats, spacing: float, digit: Floats, slack: float) -> tuple[int, float] | None:
     """Return the index and the deviation of the worst point of a grid, or None if rounding explains all deviations."""
     steps = np.arange(x.size)
     deviations = x - x[0] - steps * spacing
@@ -518,13 +532,13 @@ def _reject_uneven_positions(x: Floats, measured: float, digit: _PositionDigits)
         )
 
 
-def _check_spacing_agreement(actual: float, given: Quantity | None) -> float:
+def _validate_spacing_agreement(actual: float, given: Quantity | None) -> float:
     if given is not None and not abs(actual - given) <= MAX_UNEVENNESS * abs(actual):
         raise FormatError(f"has a spacing of {actual:.7g} µm, but the given spacing is {given.text}")
     return actual
 
 
-def _check_spacing(spacing: float) -> float:
+def _validate_spacing(spacing: float) -> float:
     lowest, highest = _SPACING_RANGE
     if not lowest <= spacing <= highest:
         raise FormatError(
@@ -536,7 +550,7 @@ def _check_spacing(spacing: float) -> float:
 # ---- Missing points -------------------------------------------------------------------------------------------------
 
 
-def _fill_gaps(
+def _crop_and_fill_gaps(
     heights: Floats, spacing: tuple[float, ...], options: ReadOptions
 ) -> tuple[Floats, NDArray[np.bool_] | None, list[str]]:
     """Crop heights, and interpolate or mask missing points. Return the heights, the mask, and history entries."""
@@ -574,12 +588,12 @@ def _fill_gaps(
         heights, gaps = heights[inside], gaps[inside]
     if not gaps.any():
         return heights, None, steps
-    filled = interpolate_missing(heights, extrapolate=missing == "mask")
+    filled = interpolate_missing_points(heights, extrapolate=missing == "mask")
     if num_left := int(np.isnan(filled).sum()):
         raise FormatError(
             f"has {num_left} missing points at its edges, which lack neighbours on one side for interpolation; "
             'missing="mask" (--missing mask) uses only measured points'
         )
     treatment = "masked" if missing == "mask" else "interpolated"
-    steps.append(f"{int(gaps.sum())} missing points {treatment}, {describe_missing(gaps, spacing)}")
+    steps.append(f"{int(gaps.sum())} missing points {treatment}, {describe_missing_points(gaps, spacing)}")
     return filled, gaps if missing == "mask" else None, steps

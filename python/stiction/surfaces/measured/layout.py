@@ -47,7 +47,7 @@ class Layout:
     """Text layout of an instrument: how its files are recognised and read."""
 
     name: str
-    recognise: Callable[[Text], bool]
+    recognises: Callable[[Text], bool]
     read: Callable[[Text], Content]
 
 
@@ -56,5 +56,5 @@ class WorkbookLayout:
     """Workbook layout of an instrument: how its workbooks are recognised and read."""
 
     name: str
-    recognise: Callable[[Sheets], bool]
+    recognises: Callable[[Sheets], bool]
     read: Callable[[Sheets], Content]

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction._text import printable
+from stiction._text import printable_text
 from stiction.surfaces.measured.raw import ColumnTable, FormatError, RawHeights, Source
 from stiction.surfaces.profile import MAX_POINTS
 
@@ -66,7 +66,9 @@ def _read_metadata(file: io.BytesIO, data: bytes) -> tuple[tuple[float, ...], tu
         return None
     if history.ndim != 1 or history.dtype.kind != "U" or history.nbytes > 4 * _MAX_STORED_HISTORY_LENGTH:
         return None
-    return tuple(float(length) for length in spacing.item()), tuple(printable(step, 1000) for step in history.tolist())
+    return tuple(float(length) for length in spacing.item()), tuple(
+        printable_text(step, 1000) for step in history.tolist()
+    )
 
 
 def _read_array(file: io.BytesIO, data: bytes) -> NDArray[Any]:

@@ -100,7 +100,7 @@ def _find_missing_code(heights: Floats) -> tuple[float, int, float] | None:
         count = int(np.count_nonzero(is_extreme))
         if not MIN_REPEATS <= count < heights.size:
             continue
-        low, high = _range_without(heights, is_extreme)
+        low, high = _range_without_excluded(heights, is_extreme)
         distance = low - value if sign > 0 else value - high
         if (
             distance > MIN_MISSING_CODE_DISTANCE * (high - low)
@@ -110,7 +110,7 @@ def _find_missing_code(heights: Floats) -> tuple[float, int, float] | None:
     return None
 
 
-def _range_without(heights: Floats, excluded: NDArray[np.bool_]) -> tuple[float, float]:
+def _range_without_excluded(heights: Floats, excluded: NDArray[np.bool_]) -> tuple[float, float]:
     included = ~excluded
     return (
         float(np.min(heights, where=included, initial=np.inf)),
@@ -118,7 +118,7 @@ def _range_without(heights: Floats, excluded: NDArray[np.bool_]) -> tuple[float,
     )
 
 
-def _find_whole_numbers(scan: Scan) -> Iterator[str]:
+def _find_whole_number_heights(scan: Scan) -> Iterator[str]:
     """Find scans whose heights are all integers in a unit of 1 µm or larger."""
     if scan.factor < 1 or not scan.from_text:
         return
@@ -145,7 +145,7 @@ def _find_implausible_sizes(scan: Scan) -> Iterator[str]:
             yield f"points are {step * 1e6:.3g} pm apart along {axis}, closer than atoms"
 
 
-def _find_tall_scans(scan: Scan) -> Iterator[str]:
+def _find_excessive_height_range(scan: Scan) -> Iterator[str]:
     """Find scans whose heights span more than the length of the longest side."""
     length = max(points * step for points, step in zip(scan.heights.shape, scan.spacing, strict=True))
     if scan.height_range > length:
@@ -156,10 +156,14 @@ def _find_tall_scans(scan: Scan) -> Iterator[str]:
 PLAUSIBILITY_CHECKS = (
     PlausibilityCheck("repeated-extreme", _find_repeated_extremes, "--missing-value {} treats them as missing points"),
     PlausibilityCheck(
-        "whole-numbers", _find_whole_numbers, "multiply counts by their height first; see the header and the manual"
+        "whole-numbers",
+        _find_whole_number_heights,
+        "multiply counts by their height first; see the header and the manual",
     ),
     PlausibilityCheck("size", _find_implausible_sizes, "check the unit of the spacing, --unit and --spacing"),
-    PlausibilityCheck("tall", _find_tall_scans, "check the units of heights and spacing, --unit and --spacing"),
+    PlausibilityCheck(
+        "tall", _find_excessive_height_range, "check the units of heights and spacing, --unit and --spacing"
+    ),
 )
 """Checks that are applied to every scan."""
 

@@ -159,7 +159,7 @@ class ColumnTable:
     caveats: tuple[FileCaveat, ...] = ()
     word_columns: tuple[WordColumn, ...] = ()  # columns that contain words; their values are NaN
 
-    def column_digits(self, column: int) -> Digits | None:
+    def column_digit_function(self, column: int) -> Digits | None:
         """Return a function that computes the value of one last-digit unit for each number in a column."""
         digits = self.digits
         return None if digits is None else lambda: digits(column)
@@ -195,7 +195,7 @@ class HeightChannels:
 Content = RawHeights | ColumnTable | HeightChannels  # result of a reader
 
 
-def length_unit(text: str) -> str | None:
+def parse_length_unit(text: str) -> str | None:
     """Return the key of `LENGTH_UNITS` for a unit of length, or None for other units."""
     if text in LENGTH_UNITS:
         return text
@@ -209,7 +209,7 @@ def length_unit(text: str) -> str | None:
 # ---- Archives -------------------------------------------------------------------------------------------------------
 
 
-def read_chunks(archive: zipfile.ZipFile, name: str, max_bytes: int) -> Iterator[bytes]:
+def read_member_chunks(archive: zipfile.ZipFile, name: str, max_bytes: int) -> Iterator[bytes]:
     """Yield the content of an archive member in pieces, up to `max_bytes` in total.
 
     The size that the archive declares is not trusted.

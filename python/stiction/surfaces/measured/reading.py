@@ -13,19 +13,19 @@ import numpy as np
 
 from stiction._files import UnreadableFileError, check_is_file, describe_os_error
 from stiction._repr import format_with_unit
-from stiction._text import printable, printable_path
-from stiction.surfaces.measured.decode import decode, is_text
+from stiction._text import printable_path, printable_text
+from stiction.surfaces.measured.decode import decode_text, is_text
 from stiction.surfaces.measured.excel import read_excel
-from stiction.surfaces.measured.instrument import is_available, read_instrument
+from stiction.surfaces.measured.instrument import is_reader_installed, read_instrument_file
 from stiction.surfaces.measured.interpret import (
     InterpretedScan,
     Missing,
     Outliers,
     ReadOptions,
-    read_options,
     to_profile,
     to_profile_or_surface,
     to_surface,
+    validate_read_options,
 )
 from stiction.surfaces.measured.npy import read_npy
 from stiction.surfaces.measured.raw import (
@@ -91,7 +91,9 @@ class Reading(Generic[_Body]):
             spacing_text = f"{along_x} along x and {along_y} along y"
         source = self.source
         heights = (
-            f"heights from {printable(source.column)} in {self.unit}" if source.column else f"heights in {self.unit}"
+            f"heights from {printable_text(source.column)} in {self.unit}"
+            if source.column
+            else f"heights in {self.unit}"
         )
         parts = [source.layout or "unknown layout", f"{shape} points", f"{spacing_text} apart", heights]
         parts += [f"{self.missing} of {self.points} missing" if self.missing else "none missing"]
@@ -106,7 +108,7 @@ class Reading(Generic[_Body]):
             parts += [", ".join(word for word in text if word)]
         return "; ".join(parts)
 
-    def record(self) -> dict[str, Any]:
+    def to_json_fields(self) -> dict[str, Any]:
         """Return JSON fields that describe how the file was interpreted."""
         source = self.source
         return {
@@ -207,7 +209,9 @@ def read_profile(
     8.0
     """
     return _read_body(
-        path, read_options(unit, spacing, missing, channel, columns, outliers, crop, missing_value, accept), to_profile
+        path,
+        validate_read_options(unit, spacing, missing, channel, columns, outliers, crop, missing_value, accept),
+        to_profile,
     )
 
 
@@ -274,7 +278,9 @@ def read_surface(
     Surface of 8 × 8 points, 0.1 µm apart, Sq 0.3307 nm, not levelled; read from map.npy
     """
     return _read_body(
-        path, read_options(unit, spacing, missing, channel, None, outliers, crop, missing_value, accept), to_surface
+        path,
+        validate_read_options(unit, spacing, missing, channel, None, outliers, crop, missing_value, accept),
+        to_surface,
     )
 
 
@@ -333,12 +339,12 @@ def read_measurement(
     """
     return _read_body(
         path,
-        read_options(unit, spacing, missing, channel, columns, outliers, crop, missing_value, accept),
+        validate_read_options(unit, spacing, missing, channel, columns, outliers, crop, missing_value, accept),
         to_profile_or_surface,
     )
 
 
-def load_reading(path: str | os.PathLike[str], **options: Any) -> Reading[Profile | Surface]:
+def load_interpreted_file(path: str | os.PathLike[str], **options: Any) -> Reading[Profile | Surface]:
     """Read a profile or surface, and record how its file was interpreted. Options are those of `read_measurement`.
 
     Caveats are returned in `caveats`, and no warning is issued.
@@ -348,7 +354,7 @@ def load_reading(path: str | os.PathLike[str], **options: Any) -> Reading[Profil
     if options:
         raise ValueError(f"options for a file must be among {', '.join(allowed)}, got {next(iter(options))}")
     names = {name: given.get(name) for name in allowed}
-    return _interpret_file(path, read_options(**names), to_profile_or_surface)  # type: ignore[arg-type]
+    return _interpret_file(path, validate_read_options(**names), to_profile_or_surface)  # type: ignore[arg-type]
 
 
 def _read_body(
@@ -414,26 +420,26 @@ def _read_content(path: Path, words: tuple[str, ...]) -> Content:
         reader = read_npy
     if reader is None and is_text(start) and size <= MAX_TEXT_BYTES:
         try:
-            if find_layout(decode(path.read_bytes(), words)) is not None:
+            if find_layout(decode_text(path.read_bytes(), words)) is not None:
                 reader = read_text
         except FormatError:
             pass
     if reader is read_text and size > MAX_TEXT_BYTES:
         raise FormatError(f"has {size} bytes of text; at most {MAX_TEXT_BYTES} can be read; save the heights as .npy")
     if reader is read_text and not is_text(start):
-        return _read_binary(path)
+        return _read_binary_file(path)
     if reader is None:
-        return _read_by_instrument(path, start, words)
+        return _read_instrument_or_text_file(path, start, words)
     if reader in (read_text, read_excel):
         return reader(path.read_bytes(), words)
     return reader(path.read_bytes())
 
 
-def _read_binary(path: Path) -> Content:
+def _read_binary_file(path: Path) -> Content:
     """Use SurfaceTopography to read a binary file whose name has the extension of a text file."""
-    if is_available():
+    if is_reader_installed():
         try:
-            return read_instrument(path)
+            return read_instrument_file(path)
         except FormatError as error:
             raise FormatError(f"is binary, not text, and {error}") from None
     raise FormatError(
@@ -442,10 +448,10 @@ def _read_binary(path: Path) -> Content:
     )
 
 
-def _read_by_instrument(path: Path, start: bytes, words: tuple[str, ...]) -> Content:
+def _read_instrument_or_text_file(path: Path, start: bytes, words: tuple[str, ...]) -> Content:
     """Read a file with SurfaceTopography. If this fails and the file is text, read it as a table."""
     try:
-        return read_instrument(path)
+        return read_instrument_file(path)
     except FormatError as error:
         if not is_text(start) or path.stat().st_size > MAX_TEXT_BYTES:
             raise

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction._text import printable
+from stiction._text import printable_text
 from stiction.surfaces.measured.grid import to_grid
 from stiction.surfaces.measured.header import NON_HEIGHT_NAME_PATTERN
 from stiction.surfaces.measured.raw import (
@@ -22,7 +22,7 @@ from stiction.surfaces.measured.raw import (
     FormatError,
     HeightChannels,
     RawHeights,
-    length_unit,
+    parse_length_unit,
 )
 
 MAX_UNEVENNESS = 1e-3
@@ -60,41 +60,43 @@ _HEIGHT_COLUMN_PATTERN = re.compile(r"\W*(?:z(?![a-z0-9])|height|höhe|hauteur|a
 def select_heights(content: Content, channel: Selection | None, columns: Sequence[Selection] | None) -> RawHeights:
     """Return the heights in the selected channel or columns. By default, the shape of the table selects the columns."""
     if isinstance(content, HeightChannels):
-        index = _select_channel(content, channel)
+        index = _find_channel_index(content, channel)
         raw = select_heights(content.read(index), None, columns)
         if len(content.names) == 1:
             return raw
-        name = printable(content.names[index])
-        step = f"channel {index} ({name}) of {list_names(content.names)}"
+        name = printable_text(content.names[index])
+        step = f"channel {index} ({name}) of {format_name_list(content.names)}"
         column = f"{name}, {raw.source.column}" if raw.source.column not in ("", name) else name
         return replace(raw, history=(step, *raw.history), source=replace(raw.source, column=column))
     if channel is not None:
         raise FormatError(f"has no channels, but channel {channel!r} was selected")
     if isinstance(content, ColumnTable):
-        table = _apply_flags(_replace_words_by_missing(content, columns), columns)
-        raw = _select_columns(table, columns) if columns is not None else _read_by_shape(table)
+        table = _apply_flag_column(_replace_words_by_missing(content, columns), columns)
+        raw = _heights_of_selected_columns(table, columns) if columns is not None else _read_by_shape(table)
         return replace(raw, history=(*table.history, *raw.history), caveats=(*table.caveats, *raw.caveats))
     if columns is not None:
         raise FormatError("has no columns, but columns were selected")
     return content
 
 
-def _select_channel(channels: HeightChannels, selected: Selection | None) -> int:
+def _find_channel_index(channels: HeightChannels, selected: Selection | None) -> int:
     if selected is not None:
-        return _find_column(channels.names, selected, range(len(channels.names)), "channel")
+        return _find_column_or_channel_index(channels.names, selected, range(len(channels.names)), "channel")
     if channels.default is None:
-        raise FormatError(f"contains the channels {list_names(channels.names)}; choose one with channel (--channel)")
+        raise FormatError(
+            f"contains the channels {format_name_list(channels.names)}; choose one with channel (--channel)"
+        )
     return channels.default
 
 
-def _find_column(names: Sequence[str], selected: Selection, numbers: Sequence[int], kind: str) -> int:
+def _find_column_or_channel_index(names: Sequence[str], selected: Selection, numbers: Sequence[int], kind: str) -> int:
     """Return the index of a column or a channel, given its name or its number in the file."""
     text = str(selected).strip()
-    for normalise in (lambda name: name, lambda name: name.casefold(), _remove_unit):
+    for normalise in (lambda name: name, lambda name: name.casefold(), _name_without_unit):
         matches = [index for index, name in enumerate(names) if normalise(name.strip()) == normalise(text) and text]
         if len(matches) > 1:
             raise FormatError(
-                f"has more than one {kind} named {text!r}; choose by number: {list_names(names, numbers)}"
+                f"has more than one {kind} named {text!r}; choose by number: {format_name_list(names, numbers)}"
             )
         if matches:
             return matches[0]
@@ -105,20 +107,20 @@ def _find_column(names: Sequence[str], selected: Selection, numbers: Sequence[in
         raise FormatError(f"has no {kind} {text}; the {kind} numbers are {allowed}")
     raise FormatError(
         f"has no {kind} named {text[:40]!r}; the file has "
-        f"{list_names(names, numbers) if names else f'{len(numbers)}, all without names'}"
+        f"{format_name_list(names, numbers) if names else f'{len(numbers)}, all without names'}"
     )
 
 
-def _remove_unit(name: str) -> str:
+def _name_without_unit(name: str) -> str:
     """Return the name of a column without its unit."""
     return re.sub(r"\s*[(\[{<].{0,40}$|\s*/\s*\S{0,12}$", "", name).casefold()
 
 
-def list_names(names: Sequence[str], numbers: Sequence[int] | None = None) -> str:
+def format_name_list(names: Sequence[str], numbers: Sequence[int] | None = None) -> str:
     """List the first names, each with its number, as text for a message."""
     numbers = range(len(names)) if numbers is None else numbers
     pairs = list(zip(numbers, names, strict=True))
-    shown = ", ".join(f"{index} ({printable(name)})" for index, name in pairs[:MAX_LISTED_NAMES])
+    shown = ", ".join(f"{index} ({printable_text(name)})" for index, name in pairs[:MAX_LISTED_NAMES])
     return f"{shown} and {len(names) - MAX_LISTED_NAMES} more" if len(names) > MAX_LISTED_NAMES else shown
 
 
@@ -129,16 +131,16 @@ def _column_numbers(table: ColumnTable) -> Sequence[int]:
     return range(table.values.shape[1]) if table.places is None else table.places
 
 
-def _select_columns(table: ColumnTable, selected: Sequence[Selection]) -> RawHeights:
+def _heights_of_selected_columns(table: ColumnTable, selected: Sequence[Selection]) -> RawHeights:
     """Return the data of the selected columns: heights only, positions and heights, or x, y and heights."""
     numbers = _column_numbers(table)
-    indices = [_find_column(table.names, item, numbers, "column") for item in selected]
+    indices = [_find_column_or_channel_index(table.names, item, numbers, "column") for item in selected]
     description = ", ".join(
-        f"{numbers[index]} ({printable(table.names[index])})" if table.names else str(numbers[index])
+        f"{numbers[index]} ({printable_text(table.names[index])})" if table.names else str(numbers[index])
         for index in indices
     )
     step = f"column {description}" if len(indices) == 1 else f"columns {description}"
-    raw = _read_triplets(table, *indices) if len(indices) == 3 else _select_profile(table, *indices[-2:])
+    raw = _read_xyz_table(table, *indices) if len(indices) == 3 else _read_profile_columns(table, *indices[-2:])
     return replace(raw, history=(step, *raw.history))
 
 
@@ -149,7 +151,9 @@ def _to_raw_heights(table: ColumnTable, heights: Floats, unit: str | None, **cha
     counts = tuple(count for count in declared.counts if count > heights.size)
     caveats: tuple[FileCaveat, ...] = ()
     if declared.scale:
-        text = f"its header line {printable(declared.scale)!r} is a factor or a range of heights; it is not applied"
+        text = (
+            f"its header line {printable_text(declared.scale)!r} is a factor or a range of heights; it is not applied"
+        )
         remedy = "accept it if the heights are in their unit; otherwise multiply them by the factor first"
         caveats = (FileCaveat("scale", text, remedy),)
     raw = RawHeights(
@@ -170,7 +174,7 @@ def _common_unit(table: ColumnTable, units: Sequence[str | None]) -> str | None:
     return declared.unit if declared.unit is not None and (unit is None or declared.factor is not None) else unit
 
 
-def _select_profile(table: ColumnTable, *places: int) -> RawHeights:
+def _read_profile_columns(table: ColumnTable, *places: int) -> RawHeights:
     """Return the heights of one column, or the positions and heights of rows where both columns contain numbers."""
     heights, declared = table.values[:, places[-1]], table.declared
     layout = "heights, a column" if len(places) == 1 else "positions and heights"
@@ -183,46 +187,46 @@ def _select_profile(table: ColumnTable, *places: int) -> RawHeights:
     if len(places) == 1:
         filled = np.flatnonzero(~np.isnan(heights))
         end = int(filled[-1]) + 1 if filled.size and table.values.shape[1] > 1 else heights.size
-        heights, history = _remove_count(heights[:end], table.values.shape[1])
+        heights, history = _remove_leading_count(heights[:end], table.values.shape[1])
         caveats = () if history else _find_first_number_caveat(table)
         return replace(raw, heights=heights, history=history, caveats=(*raw.caveats, *caveats))
     positions = table.values[:, places[0]]
     # these rows lie below the end of the shorter of two adjacent tables
     is_empty = np.isnan(positions) & np.isnan(heights)
     end = heights.size - int(np.argmin(is_empty[::-1])) if not is_empty.all() else heights.size
-    digits = table.column_digits(places[0])
+    digits = table.column_digit_function(places[0])
     return replace(
-        raw, heights=heights[:end], positions=positions[:end], position_unit=_units(table)[places[0]],
+        raw, heights=heights[:end], positions=positions[:end], position_unit=_column_units(table)[places[0]],
         digits=None if digits is None else lambda: digits()[:end],
         caveats=(*raw.caveats, *_find_numbering_caveat(table, positions[:end], places[0])),
     )  # fmt: skip
 
 
-def _units(table: ColumnTable) -> tuple[str | None, ...]:
+def _column_units(table: ColumnTable) -> tuple[str | None, ...]:
     return table.units or (None,) * table.values.shape[1]
 
 
 def _describe_column(table: ColumnTable, place: int) -> str:
     number = _column_numbers(table)[place]
-    name = f" ({printable(table.names[place])})" if table.names and table.names[place] else ""
+    name = f" ({printable_text(table.names[place])})" if table.names and table.names[place] else ""
     return f"column {number}{name}"
 
 
 def _height_unit(table: ColumnTable, place: int) -> str | None:
     """Return the unit of a column of heights. Raises `FormatError` if the column name denotes another quantity."""
-    unit = _units(table)[place]
-    if unit is not None and length_unit(unit) is None:
+    unit = _column_units(table)[place]
+    if unit is not None and parse_length_unit(unit) is None:
         return unit
     name = table.names[place] if table.names else ""
     if (match := NON_HEIGHT_NAME_PATTERN.search(name)) is not None:
         raise FormatError(
-            f"has a column named {printable(name)!r}, but {match[0].lower()} is not a height; choose another column "
-            "(--columns)"
+            f"has a column named {printable_text(name)!r}, but {match[0].lower()} is not a height; "
+            "choose another column (--columns)"
         )
     return unit if unit is not None and table.declared.factor is None else table.declared.unit or unit
 
 
-def _remove_count(heights: Floats, width: int) -> tuple[Floats, tuple[str, ...]]:
+def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[str, ...]]:
     """Remove the first number of a height column if it is the count of the numbers that follow."""
     for place in range(min(3, heights.size - 4) if width == 1 else 0):
         if heights[place] == heights.size - 1 - place:
@@ -258,7 +262,7 @@ def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
 def _find_numbering_caveat(table: ColumnTable, positions: Floats, place: int) -> tuple[FileCaveat, ...]:
     """Return a caveat if the numbers used as positions may be point numbers instead."""
     name = table.names[place] if table.names else ""
-    if _units(table)[place] is not None or (name and not _NUMBERING_NAME_PATTERN.fullmatch(name.strip())):
+    if _column_units(table)[place] is not None or (name and not _NUMBERING_NAME_PATTERN.fullmatch(name.strip())):
         return ()
     first = positions[0] if positions.size else np.nan
     if (
@@ -285,11 +289,11 @@ def _replace_words_by_missing(table: ColumnTable, columns: Sequence[Selection] |
     word_places, numbers = [column.place for column in table.word_columns], _column_numbers(table)
     others = [place for place in range(table.values.shape[1]) if place not in word_places]
     for column in table.word_columns:
-        name = f" ({printable(table.names[column.place])})" if table.names and table.names[column.place] else ""
+        name = f" ({printable_text(table.names[column.place])})" if table.names and table.names[column.place] else ""
         text = f"column {numbers[column.place]}{name}"
         if column.missing.any():
             step = f"{int(column.missing.sum())} points missing according to the words in {text}"
-            table = replace(table, values=_mask_heights(table.values, column.missing, others))
+            table = replace(table, values=_with_missing_rows(table.values, column.missing, others))
         elif columns is None:
             chosen = [
                 numbers[place]
@@ -308,7 +312,7 @@ def _replace_words_by_missing(table: ColumnTable, columns: Sequence[Selection] |
     return replace(_select_table_columns(table, others), word_columns=()) if word_places else table
 
 
-def _mask_heights(values: Floats, missing: NDArray[np.bool_], places: Sequence[int]) -> Floats:
+def _with_missing_rows(values: Floats, missing: NDArray[np.bool_], places: Sequence[int]) -> Floats:
     """Return values with NaN in the missing rows, except in columns of positions."""
     masked = np.where(missing[:, np.newaxis], np.nan, values)
     for place in places:
@@ -317,7 +321,7 @@ def _mask_heights(values: Floats, missing: NDArray[np.bool_], places: Sequence[i
     return masked
 
 
-def _apply_flags(table: ColumnTable, columns: Sequence[Selection] | None) -> ColumnTable:
+def _apply_flag_column(table: ColumnTable, columns: Sequence[Selection] | None) -> ColumnTable:
     """Remove a column of flags, and mark heights as missing where the flags declare them invalid.
 
     Raises `FormatError` if the meaning of the flags is unknown, unless the caller chose the columns.
@@ -336,16 +340,16 @@ def _apply_flags(table: ColumnTable, columns: Sequence[Selection] | None) -> Col
         if not is_valid and not is_invalid:
             if zeros and ones and columns is None:
                 raise FormatError(
-                    f"has flags of unknown meaning in column {place} ({printable(name)}), {zeros} zeros and {ones} ones"
-                    '; name the column "valid" if 1 marks measured points, or "invalid" if 1 marks missing '
+                    f"has flags of unknown meaning in column {place} ({printable_text(name)}), {zeros} zeros and "
+                    f'{ones} ones; name the column "valid" if 1 marks measured points, or "invalid" if 1 marks missing '
                     "points; or choose other columns (--columns) to ignore the flags"
                 )
             reason = "removed: all its flags are equal" if not (zeros and ones) else "is ignored"
-            step = f"column {place} ({printable(name)}) {reason}"
+            step = f"column {place} ({printable_text(name)}) {reason}"
             return replace(_select_table_columns(table, other_columns), history=(*table.history, step))
         missing = flags == (1 if is_invalid else 0)
-        values = _mask_heights(table.values, missing, other_columns)
-        step = f"{int(missing.sum())} points missing according to the flags in column {place} ({printable(name)})"
+        values = _with_missing_rows(table.values, missing, other_columns)
+        step = f"{int(missing.sum())} points missing according to the flags in column {place} ({printable_text(name)})"
         return replace(_select_table_columns(table, other_columns, values=values), history=(*table.history, step))
     return table
 
@@ -356,7 +360,8 @@ def _select_table_columns(table: ColumnTable, selection: Sequence[int], values: 
     return replace(
         table, values=(table.values if values is None else values)[:, list(selection)],
         names=tuple(table.names[index] for index in selection) if table.names else (),
-        units=tuple(_units(table)[index] for index in selection), places=tuple(numbers[index] for index in selection),
+        units=tuple(_column_units(table)[index] for index in selection),
+        places=tuple(numbers[index] for index in selection),
         digits=None if digits is None else lambda column: digits(selection[column]), row_digits=None,
     )  # fmt: skip
 
@@ -369,7 +374,7 @@ class TableShape:
     """Shape of a table, with functions that recognise and read it."""
 
     name: str
-    recognise: Callable[[ColumnTable], bool]
+    recognises: Callable[[ColumnTable], bool]
     read: Callable[[ColumnTable], RawHeights]
 
 
@@ -379,7 +384,7 @@ def _read_by_shape(table: ColumnTable) -> RawHeights:
     empty = np.isnan(table.values).all(axis=0)
     if table.places is not None and empty.any() and not empty.all():
         table = _select_table_columns(table, np.flatnonzero(~empty).tolist())
-    shape = next(shape for shape in TABLE_SHAPES if shape.recognise(table))
+    shape = next(shape for shape in TABLE_SHAPES if shape.recognises(table))
     raw = shape.read(table)
     source = replace(raw.source, layout=table.source.layout or shape.name)
     return replace(raw, history=(*step, *raw.history), source=source)
@@ -402,7 +407,12 @@ def _remove_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]
         and np.array_equal(table.values[0, 1:], np.arange(columns - 1))
     ):
         stripped = replace(
-            table, values=table.values[1:, 1:], units=_units(table)[1:], digits=None, row_digits=None, places=None
+            table,
+            values=table.values[1:, 1:],
+            units=_column_units(table)[1:],
+            digits=None,
+            row_digits=None,
+            places=None,
         )
         return stripped, ("the first row and column, which number columns and rows, removed",)
     return table, ()
@@ -410,8 +420,8 @@ def _remove_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]
 
 def _read_matrix(table: ColumnTable) -> RawHeights:
     """Return a matrix of heights. Raises `FormatError` if the first row or column contains positions."""
-    table, history = _remove_positions(table)
-    raw = _to_raw_heights(table, table.values, _common_unit(table, _units(table)), history=history)
+    table, history = _remove_position_column(table)
+    raw = _to_raw_heights(table, table.values, _common_unit(table, _column_units(table)), history=history)
     if (spacings := table.declared.spacings) is None:
         return raw
     spacing = tuple(stated.length * LENGTH_UNITS[stated.unit] for stated in spacings)
@@ -420,7 +430,7 @@ def _read_matrix(table: ColumnTable) -> RawHeights:
     )
 
 
-def _remove_positions(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]:
+def _remove_position_column(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]:
     """Remove the first column if it contains positions with the declared spacing. Return the table and a history entry.
 
     Raises `FormatError` if the first row or column contains other positions. A single row or column contains heights.
@@ -430,8 +440,8 @@ def _remove_positions(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]
         return table, ()
     rows, columns = heights.shape
     row_digits = table.row_digits
-    first_column = _are_positions(heights.T, table.column_digits(0))
-    first_row = _are_positions(heights, None if row_digits is None else lambda: row_digits(0))
+    first_column = _first_line_has_positions(heights.T, table.column_digit_function(0))
+    first_row = _first_line_has_positions(heights, None if row_digits is None else lambda: row_digits(0))
     spacings = table.declared.spacings
     if first_column and not first_row and spacings is not None:
         step = float(heights[-1, 0] - heights[1, 0]) / (rows - 2)
@@ -448,7 +458,7 @@ def _remove_positions(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]
     return table, ()
 
 
-def _are_positions(lines: Floats, digits: Callable[[], Floats] | None) -> bool:
+def _first_line_has_positions(lines: Floats, digits: Callable[[], Floats] | None) -> bool:
     """Return whether the first line contains positions. If all lines rise evenly, they belong to a tilted surface."""
     first = lines[0]
     other_lines = [lines[index] for index in {1, lines.shape[0] // 2, lines.shape[0] - 1} if index]
@@ -500,24 +510,24 @@ def _has_equal_steps_as_printed(values: Floats, digits: Callable[[], Floats] | N
     return has_equal_steps(values, float(np.max(digits()[1:])) * (1 + 1e-9))
 
 
-def _is_labelled(table: ColumnTable) -> bool:
+def _is_labelled_matrix(table: ColumnTable) -> bool:
     """Return whether the first row and the first column of a table contain positions and the corner is empty."""
     values = table.values
     if min(values.shape) < 5 or not np.isnan(values[0, 0]) or table.area:
         return False
     row_digits = table.row_digits
-    return _has_equal_steps_as_printed(values[:, 0], table.column_digits(0)) and _has_equal_steps_as_printed(
+    return _has_equal_steps_as_printed(values[:, 0], table.column_digit_function(0)) and _has_equal_steps_as_printed(
         values[0], None if row_digits is None else lambda: row_digits(0)
     )
 
 
-def _read_labelled(table: ColumnTable) -> RawHeights:
+def _read_labelled_matrix(table: ColumnTable) -> RawHeights:
     x, y = table.values[0, 1:], table.values[1:, 0]
     dx, dy = (float(value[-1] - value[0]) / (value.size - 1) for value in (x, y))
     heights = table.values[1:, 1:][:: 1 if dy > 0 else -1, :: 1 if dx > 0 else -1]
     return _to_raw_heights(
-        table, np.ascontiguousarray(heights), _common_unit(table, _units(table)[1:]),
-        spacing=(abs(dy), abs(dx)), position_unit=_units(table)[0],
+        table, np.ascontiguousarray(heights), _common_unit(table, _column_units(table)[1:]),
+        spacing=(abs(dy), abs(dx)), position_unit=_column_units(table)[0],
         history=("the first row and column are positions along x and y",),
     )  # fmt: skip
 
@@ -537,7 +547,7 @@ def _find_xyz_columns(table: ColumnTable) -> tuple[int, int, int] | None:
     return (x[0], y[0], z[0]) if len(z) == 1 else None
 
 
-def _are_triplets(table: ColumnTable) -> bool:
+def _is_xyz_table(table: ColumnTable) -> bool:
     if table.area or table.values.shape[0] < 4 or (places := _find_xyz_columns(table)) is None:
         return False
     x, y = (table.values[:, index] for index in places[:2])
@@ -551,11 +561,11 @@ def _are_triplets(table: ColumnTable) -> bool:
     )
 
 
-def _read_triplets(table: ColumnTable, *places: int) -> RawHeights:
+def _read_xyz_table(table: ColumnTable, *places: int) -> RawHeights:
     x, y, z = (table.values[:, index] for index in places)
-    digits = [table.column_digits(index) for index in places[:2]]
+    digits = [table.column_digit_function(index) for index in places[:2]]
     heights, spacing, step = to_grid(x, y, z, digits)
-    units = _units(table)
+    units = _column_units(table)
     lateral = {units[places[0]], units[places[1]]}
     if len(lateral) > 1:
         raise FormatError("has x and y in different units; write both in the same unit")
@@ -575,10 +585,10 @@ def _is_line_of_points(table: ColumnTable) -> bool:
     return bool(table.names) and np.unique(y).size == 1 and np.unique(x).size == x.size
 
 
-def _reject_columns(table: ColumnTable) -> RawHeights:
+def _reject_ambiguous_columns(table: ColumnTable) -> RawHeights:
     columns = table.values.shape[1]
     numbers = _column_numbers(table)
-    names = f": {list_names(table.names, numbers)}" if table.names else ", numbered from 0"
+    names = f": {format_name_list(table.names, numbers)}" if table.names else ", numbered from 0"
     raise FormatError(
         f"has {columns} columns of numbers that may be positions and several heights{names}; choose one column "
         "(heights), two columns (positions and heights) or three columns (x, y and z) with columns (--columns); a "
@@ -589,7 +599,7 @@ def _reject_columns(table: ColumnTable) -> RawHeights:
 def _describe_missing_information(table: ColumnTable) -> str:
     """Return a clause to append to a message if the table lacks the unit or the spacing; otherwise an empty string."""
     declared, requirements = table.declared, []
-    if all(unit is None for unit in _units(table)) and declared.unit is None:
+    if all(unit is None for unit in _column_units(table)) and declared.unit is None:
         requirements.append("the unit of lengths is required as well (--unit)")
     if (
         declared.spacing is None
@@ -604,31 +614,33 @@ def _describe_missing_information(table: ColumnTable) -> str:
 
 def _has_separate_columns(table: ColumnTable) -> bool:
     columns = table.values.shape[1]
-    return not table.area and (columns < MIN_COLUMNS or len(set(_units(table))) > 1 or bool(table.names))
+    return not table.area and (columns < MIN_COLUMNS or len(set(_column_units(table))) > 1 or bool(table.names))
 
 
 TABLE_SHAPES: tuple[TableShape, ...] = (
-    TableShape("heights, a column", lambda table: table.values.shape[1] == 1, lambda table: _select_profile(table, 0)),
+    TableShape(
+        "heights, a column", lambda table: table.values.shape[1] == 1, lambda table: _read_profile_columns(table, 0)
+    ),
     TableShape(
         "positions and heights",
         lambda table: (
             table.values.shape[1] == 2
             and (not table.area or (table.values.shape[0] > 2 and has_equal_steps(table.values[:, 0])))
         ),
-        lambda table: _select_profile(table, 0, 1),
+        lambda table: _read_profile_columns(table, 0, 1),
     ),
     TableShape(
         "points x, y, z on a grid",
-        _are_triplets,
-        lambda table: _read_triplets(table, *(_find_xyz_columns(table) or ())),
+        _is_xyz_table,
+        lambda table: _read_xyz_table(table, *(_find_xyz_columns(table) or ())),
     ),
     TableShape(
         "points x, y, z on a line",
         _is_line_of_points,
-        lambda table: _select_profile(table, *(_find_xyz_columns(table) or ())[::2]),
+        lambda table: _read_profile_columns(table, *(_find_xyz_columns(table) or ())[::2]),
     ),
-    TableShape("matrix with positions along its sides", _is_labelled, _read_labelled),
-    TableShape("columns to choose from", _has_separate_columns, _reject_columns),
+    TableShape("matrix with positions along its sides", _is_labelled_matrix, _read_labelled_matrix),
+    TableShape("columns to choose from", _has_separate_columns, _reject_ambiguous_columns),
     TableShape("matrix", lambda table: True, _read_matrix),
 )
 """Shapes of tables; the first that recognises a table is used:

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from stiction._checks import check_instance, read_only
-from stiction._files import UnreadableFileError, new_file, read_content
+from stiction._checks import check_instance, make_read_only
+from stiction._files import UnreadableFileError, new_file, read_file_bytes
 from stiction._text import printable_path
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, FormatError
@@ -86,7 +86,7 @@ def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> No
         partial.write_text("".join(scans) + text, encoding="utf-8")
 
 
-def is_spectrum(path: Path) -> bool:
+def is_spectrum_file(path: Path) -> bool:
     """Return whether a file was written by `write_spectrum`, or has the same columns."""
     if path.suffix.lower() != ".csv" or not path.is_file():  # skip pipes, because reading would block
         return False
@@ -137,7 +137,7 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
 
     path = Path(path)
     try:
-        text = read_content(path, MAX_TEXT_BYTES).decode("utf-8-sig", "replace")
+        text = read_file_bytes(path, MAX_TEXT_BYTES).decode("utf-8-sig", "replace")
         # pandas before version 3 would round numbers
         table = pandas.read_csv(io.StringIO(text), comment="#", dtype=str)
     except OSError as error:
@@ -175,7 +175,7 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
             f"{printable_path(path)} is not a spectrum, because a value of {DENSITY_COLUMN!r} is not above 0"
         )
     return JoinedSpectrum(
-        wave_number=read_only(q), density=read_only(density), count=read_only(count),
-        contribution=read_only(contribution), ratio=read_only(ratio), bands=bands,
+        wave_number=make_read_only(q), density=make_read_only(density), count=make_read_only(count),
+        contribution=make_read_only(contribution), ratio=make_read_only(ratio), bands=bands,
         reasons=tuple(match["reason"] for match in scans), names=tuple(names),
     )  # fmt: skip

@@ -51,7 +51,7 @@ class Dialect:
         names = {"\t": "tab", None: "space", ";": "semicolon", ",": "comma", "|": "bar"}
         return names[self.separator]
 
-    def cells(self, line: str) -> list[str]:
+    def split_line(self, line: str) -> list[str]:
         """Split a line into cells, without the empty cells that some programs append."""
         cells = split_cells(line, self.separator)
         if self.pairs and len(cells) % 2 == 0:
@@ -63,7 +63,7 @@ class Dialect:
         return cells
 
     @cached_property
-    def number(self) -> re.Pattern[str]:
+    def number_pattern(self) -> re.Pattern[str]:
         """Pattern of a number. Its groups are the sign, integer digits, decimals and exponent."""
         point = "." if self.pairs else self.point
         integer_digits = "[0-9]{0,400}"
@@ -100,9 +100,9 @@ class NumberBlock:
     short: int | None = None
     omitted: tuple[int, ...] = ()  # line numbers of counts and sizes that precede the rows
 
-    def row(self, line: int) -> list[str]:
+    def row_cells(self, line: int) -> list[str]:
         """Return the cells of a row."""
-        return self.dialect.cells(self.text.line(int(self.lines[line])))
+        return self.dialect.split_line(self.text.line(int(self.lines[line])))
 
     def digits(self, column: int) -> Floats:
         """Return the value of one unit in the last printed digit of each number in a column.
@@ -118,25 +118,29 @@ class NumberBlock:
             half = MAX_SAMPLED_ROWS // 2
             sample = np.concatenate([sample[:half], np.linspace(half, count - 1, half).astype(np.int64)])
         for line in sample.tolist():
-            row = self.row(line)
-            match = self.dialect.number.fullmatch(row[column]) if column < len(row) else None
+            row = self.row_cells(line)
+            match = self.dialect.number_pattern.fullmatch(row[column]) if column < len(row) else None
             if match is not None and (match[2] or match[3]):
                 decimals = len(match[3] or "") - int(match[4] or 0)
                 digits = max(digits, len((match[2] + (match[3] or "")).lstrip("0")))
             else:
                 decimals = 0
             max_decimals = max(max_decimals, decimals)
-        return digit_value(self.values[:, column], max_decimals, digits)
+        return last_digit_value(self.values[:, column], max_decimals, digits)
 
     def row_digits(self, line: int) -> Floats:
         """Return the value of one unit in the last printed digit of each number in a row."""
-        matches = [match for cell in self.row(line) if (match := self.dialect.number.fullmatch(cell)) and match[0]]
+        matches = [
+            match
+            for cell in self.row_cells(line)
+            if (match := self.dialect.number_pattern.fullmatch(cell)) and match[0]
+        ]
         decimals = max((len(match[3] or "") - int(match[4] or 0) for match in matches), default=0)
         digits = max((len((match[2] + (match[3] or "")).lstrip("0")) for match in matches), default=0)
-        return digit_value(self.values[line], decimals, digits)
+        return last_digit_value(self.values[line], decimals, digits)
 
 
-def digit_value(values: Floats, decimals: int, digits: int) -> Floats:
+def last_digit_value(values: Floats, decimals: int, digits: int) -> Floats:
     """Return the value of one unit in the last printed digit, given the numbers of decimals and significant digits."""
     with np.errstate(divide="ignore", invalid="ignore"):
         size = np.floor(np.log10(np.abs(values)))
@@ -163,14 +167,14 @@ def detect_dialect(text: Text, first: int, last: int) -> Dialect:
     )
     sample_lines = sample_lines[sample_lines <= last]
     width = max(_MIN_LONG_LINE_LENGTH, _SAMPLE_SIZE // sample_lines.size)
-    sample = [_truncate(text.line(item), width) for item in sample_lines.tolist()]
+    sample = [_truncate_line(text.line(item), width) for item in sample_lines.tolist()]
     sample = [line for line in sample if line.strip("\t")]
     quoted = any('"' in line for line in sample)
     candidates = [*_PLAIN_DIALECTS, *(_QUOTED_DIALECTS if quoted else ())]
-    counts = [sum(is_row(line, dialect, text) for line in sample) for dialect in candidates]
+    counts = [sum(is_numeric_row(line, dialect, text) for line in sample) for dialect in candidates]
     if max(counts) < len(sample):
         candidates += [*_THOUSANDS_DIALECTS, *(_QUOTED_THOUSANDS_DIALECTS if quoted else ())]
-        counts += [sum(is_row(line, dialect, text) for line in sample) for dialect in candidates[len(counts) :]]
+        counts += [sum(is_numeric_row(line, dialect, text) for line in sample) for dialect in candidates[len(counts) :]]
     if not counts or max(counts) == 0:
         raise FormatError(
             f"{text.describe_line(first)} has numbers in an unknown format; separate cells by tabs, semicolons or "
@@ -178,23 +182,23 @@ def detect_dialect(text: Text, first: int, last: int) -> Dialect:
         )
     dialect: Dialect = candidates[int(np.argmax(counts))]
     if any("," in line for line in sample) and all(re.fullmatch(r"[+-]?[0-9]+(,[0-9]+)?", line) for line in sample):
-        if len(Dialect(",", ".").cells(_line_above(text, first))) == 2:
+        if len(Dialect(",", ".").split_line(_line_above(text, first))) == 2:
             return Dialect(",", ".")
         raise FormatError(
             f"{text.describe_line(first)} may be two columns, or one column with decimal commas, like all other "
             'lines; write decimal points, or a header such as "x (um),z (um)"'
         )
     if dialect.separator == ",":
-        dialect = _with_decimal_commas(text, first, sample, dialect)
+        dialect = _interpret_commas(text, first, sample, dialect)
     if dialect.point == "," or dialect.thousands == ",":
         _reject_ambiguous_commas(text, first, last, dialect)
     return dialect
 
 
-def is_row(line: str, dialect: Dialect, text: Text) -> bool:
+def is_numeric_row(line: str, dialect: Dialect, text: Text) -> bool:
     """Return whether all cells of a line are numbers or missing-point markers, and at least one is a number."""
     any_number = False
-    for cell in dialect.cells(line):
+    for cell in dialect.split_line(line):
         if (kind := cell_kind(cell, dialect, text)) is None:
             return False
         any_number |= kind != "mark"
@@ -203,22 +207,22 @@ def is_row(line: str, dialect: Dialect, text: Text) -> bool:
 
 def cell_kind(cell: str, dialect: Dialect, text: Text) -> str | None:
     """Return the kind of a cell: "number", "word" or "mark" (two kinds of missing-point markers), or None."""
-    match = dialect.number.fullmatch(cell)
+    match = dialect.number_pattern.fullmatch(cell)
     if match is not None and (match[2] or match[3]):
         return "number"
     if not cell or re.fullmatch(r"\*{1,40}|-{2,40}", cell):
         return "mark"
-    return "word" if text.missing.fullmatch(cell.encode()) else None
+    return "word" if text.missing_word_pattern.fullmatch(cell.encode()) else None
 
 
-def _truncate(line: str, width: int) -> str:
+def _truncate_line(line: str, width: int) -> str:
     """Truncate a long line after a complete cell."""
     return line if len(line) <= width else re.sub(r"[^\t;|, ]*$", "", line[:width]).rstrip("\t;|, ")
 
 
-def _with_decimal_commas(text: Text, first: int, sample: list[str], dialect: Dialect) -> Dialect:
+def _interpret_commas(text: Text, first: int, sample: list[str], dialect: Dialect) -> Dialect:
     """Return the dialect of lines with commas, which may be cell separators, decimal marks, or both."""
-    rows = [dialect.cells(line) for line in sample]
+    rows = [dialect.split_line(line) for line in sample]
     width = len(rows[0])
     odd_cells = [cell for row in rows for cell in row[1::2]]
     if width % 2 or not odd_cells or not all(re.fullmatch(r"[0-9]+", cell) for cell in odd_cells):
@@ -228,7 +232,7 @@ def _with_decimal_commas(text: Text, first: int, sample: list[str], dialect: Dia
     by_column = zip(*(row[1::2] for row in rows if len(row) == width), strict=True)
     if not all(len({len(cell) for cell in column}) == 1 for column in by_column):
         return dialect
-    if len(Dialect(",", ".").cells(_line_above(text, first).lstrip("#%!/ "))) == width // 2:
+    if len(Dialect(",", ".").split_line(_line_above(text, first).lstrip("#%!/ "))) == width // 2:
         return Dialect(",", ",", pairs=True)
     if any(len(cell) > 1 and cell.startswith("0") for cell in odd_cells):
         raise FormatError(
@@ -250,7 +254,7 @@ def _reject_ambiguous_commas(text: Text, first: int, last: int, dialect: Dialect
     for line in range(first, last + 1):
         if b"," not in text.raw_line(line):
             continue
-        for cell in dialect.cells(text.line(line)):
+        for cell in dialect.split_line(text.line(line)):
             if "," in cell:
                 if ambiguous.fullmatch(cell) is None:
                     return
@@ -265,18 +269,18 @@ def _reject_ambiguous_commas(text: Text, first: int, last: int, dialect: Dialect
 # ---- Numbers --------------------------------------------------------------------------------------------------------
 
 
-def parse_block(text: Text, first: int, last: int, dialect: Dialect, *, ragged: bool = False) -> NumberBlock:
+def parse_number_block(text: Text, first: int, last: int, dialect: Dialect, *, ragged: bool = False) -> NumberBlock:
     """Parse the numbers of a run of lines as a matrix.
 
     Lines of at most `MAX_COUNT_CELLS` cells at the beginning are sizes and counts, and are skipped. Other lines with an
     unusual number of cells are rejected. Missing cells are filled with NaN if only the height at a position is missing
     and, with `ragged`, at the end of a table.
     """
-    lines = _filled_lines(text, first, last, dialect)
+    lines = _find_row_lines(text, first, last, dialect)
     if not lines.size:
         raise FormatError("has no lines of numbers where its heights should be")
     blob, joint = _to_plain_rows(text, lines, dialect)
-    starts, cells = _cells_of_rows(blob, joint)
+    starts, cells = _row_offsets_and_widths(blob, joint)
     usual = Counter(cells.tolist()).most_common(1)[0][0]
     if usual == 1 and cells.max() == 2 and (cells == 2).sum() > 1:
         usual = 2  # the table has two columns, but most heights are missing
@@ -287,7 +291,7 @@ def parse_block(text: Text, first: int, last: int, dialect: Dialect, *, ragged: 
         )
     num_skipped = int(np.argmax(cells == usual))
     if (cells[:num_skipped] > min(usual, MAX_COUNT_CELLS)).any() or (
-        usual == 2 and _are_positions(blob, joint, num_skipped)
+        usual == 2 and _rows_begin_with_positions(blob, joint, num_skipped)
     ):
         num_skipped = 0
     omitted = tuple(lines[:num_skipped].tolist())
@@ -295,7 +299,7 @@ def parse_block(text: Text, first: int, last: int, dialect: Dialect, *, ragged: 
     if (cells > usual).any():  # the additional cells may be due to trailing separators
         rows = [row.rstrip(joint) if n > usual else row for n, row in zip(cells, blob.split(b"\n"), strict=True)]
         blob = b"\n".join(row + joint * max(0, usual - 1 - row.count(joint)) for row in rows)
-        _, cells = _cells_of_rows(blob, joint)
+        _, cells = _row_offsets_and_widths(blob, joint)
     if (wrong := cells != usual).any():
         tail = ragged and bool(wrong[np.argmax(wrong) :].all())
         rejected = (cells > usual) | ((cells < usual) & (usual != 2) & (not tail))
@@ -309,15 +313,15 @@ def parse_block(text: Text, first: int, last: int, dialect: Dialect, *, ragged: 
         blob = b"\n".join(row + joint * (usual - 1 - row.count(joint)) for row in rows)
     column = blob.translate(bytes.maketrans(joint, b"\n"))
     del blob
-    values = _parse_numbers(text, lines, usual, column).reshape(-1, usual)
-    ends = {len(dialect.cells(text.line(int(row_index)))) for row_index in (*lines[:3], *lines[-3:])}
+    values = _parse_number_lines(text, lines, usual, column).reshape(-1, usual)
+    ends = {len(dialect.split_line(text.line(int(row_index)))) for row_index in (*lines[:3], *lines[-3:])}
     while values.shape[1] > max(ends | {1}) and np.isnan(values[:, -1]).all():
         values = values[:, :-1]  # every line ends with a separator
     short = int(lines[np.argmax(wrong)]) if usual != 2 and wrong.any() else None
     return NumberBlock(text, lines, dialect, values, short, omitted)
 
 
-def _are_positions(blob: bytes, joint: bytes, count: int) -> bool:
+def _rows_begin_with_positions(blob: bytes, joint: bytes, count: int) -> bool:
     """Return whether the first `count` rows begin with positions whose steps continue in the rows below."""
     first = [row.split(joint)[0] for row in blob.split(b"\n", count + 3)[: count + 3]]
     if not count or not all(map(_is_number, first)):
@@ -326,18 +330,18 @@ def _are_positions(blob: bytes, joint: bytes, count: int) -> bool:
     return bool(np.isclose(steps, steps[-1], rtol=0.1, atol=0.0).all())
 
 
-def numbers_in(text: Text, first: int, last: int) -> Floats:
+def numbers_in_lines(text: Text, first: int, last: int) -> Floats:
     """Return all numbers in a range of lines. The numbers are separated by blanks or line breaks."""
-    blob = text.data[text.starts[first] : text.starts[last + 1]]
+    blob = text.data[text.line_starts[first] : text.line_starts[last + 1]]
     if blob.translate(None, NUMERIC_CHARACTERS):
-        blob = text.missing.sub(b"nan", blob)
+        blob = text.missing_word_pattern.sub(b"nan", blob)
     tokens = blob.split()
     if not tokens:
         return np.empty(0)
-    return _parse_numbers(text, np.full(len(tokens), first), 1, b"\n".join(tokens))
+    return _parse_number_lines(text, np.full(len(tokens), first), 1, b"\n".join(tokens))
 
 
-def _filled_lines(text: Text, first: int, last: int, dialect: Dialect) -> Lines:
+def _find_row_lines(text: Text, first: int, last: int, dialect: Dialect) -> Lines:
     """Return the lines of a run that are rows of a table, including rows in which all cells are empty."""
     kinds = text.line_kinds[first : last + 1]
     filled = kinds != BLANK_LINE
@@ -351,12 +355,12 @@ def _to_plain_rows(text: Text, lines: Lines, dialect: Dialect) -> tuple[bytes, b
     """Convert lines to rows with decimal points and without quotes or blanks. Return the rows and their separator."""
     first, last = int(lines[0]), int(lines[-1])
     if lines.size == last - first + 1:
-        blob = text.data[text.starts[first] : text.starts[last + 1] - 1]
+        blob = text.data[text.line_starts[first] : text.line_starts[last + 1] - 1]
     else:
         blob = b"\n".join(text.raw_line(int(line)) for line in lines)
     if text.has_words(lines):
-        blob = text.missing.sub(b"nan", blob)
-    if b"*" in blob or _has_dashes(blob):
+        blob = text.missing_word_pattern.sub(b"nan", blob)
+    if b"*" in blob or _has_adjacent_dashes(blob):
         blob = _MISSING_MARK_PATTERN.sub(b"nan", blob)
     separator = dialect.separator
     if b'"' in blob and separator is not None:
@@ -385,7 +389,7 @@ _MISSING_MARK_PATTERN = re.compile(rb"(?<![^\s;,|\"])(?:\*{1,40}|-{2,40})(?![^\s
 _BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")  # this pattern matches a number that contains a blank
 
 
-def _has_dashes(blob: bytes) -> bool:
+def _has_adjacent_dashes(blob: bytes) -> bool:
     """Return whether a text contains two adjacent dashes."""
     is_dash = np.frombuffer(blob, np.uint8) == ord("-")
     return bool((is_dash[1:] & is_dash[:-1]).any())
@@ -399,7 +403,7 @@ def _reject_blanks_in_numbers(text: Text, lines: Lines) -> None:
             )
 
 
-def _cells_of_rows(blob: bytes, joint: bytes) -> tuple[Lines, Lines]:
+def _row_offsets_and_widths(blob: bytes, joint: bytes) -> tuple[Lines, Lines]:
     """Return the byte offset of each row, and the number of cells in each row."""
     codes = np.frombuffer(blob, np.uint8)
     starts = np.concatenate([[0], np.flatnonzero(codes == ord("\n")) + 1])
@@ -411,7 +415,7 @@ def _cells_of_rows(blob: bytes, joint: bytes) -> tuple[Lines, Lines]:
     return starts, np.diff(np.append(np.searchsorted(joints, starts), joints.size)) + 1
 
 
-def _parse_numbers(text: Text, lines: Lines, width: int, column: bytes) -> Floats:
+def _parse_number_lines(text: Text, lines: Lines, width: int, column: bytes) -> Floats:
     """Parse text with one number per line. Numbers are correctly rounded, and empty lines become NaN."""
     import pandas
 

@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from stiction._text import printable
-from stiction.surfaces.measured.decode import TEXT_LINE, Text, decode
+from stiction._text import printable_text
+from stiction.surfaces.measured.decode import TEXT_LINE, Text, decode_text
 from stiction.surfaces.measured.header import parse_column_heads, parse_declarations, parse_history
 from stiction.surfaces.measured.layout import Layout
 from stiction.surfaces.measured.raw import (
@@ -28,7 +28,7 @@ from stiction.surfaces.measured.split import (
     cell_kind,
     detect_dialect,
     find_numeric_line_runs,
-    parse_block,
+    parse_number_block,
 )
 from stiction.surfaces.measured.word_columns import FoundColumn, describe_words, replace_word_columns
 
@@ -42,7 +42,7 @@ MIN_BLOCK_ROWS = 2
 
 def read_text(data: bytes, words: tuple[str, ...] = ()) -> Content:
     """Parse the text of a file. `words` are additional words that mark missing points."""
-    return parse_content(decode(data, words))
+    return parse_content(decode_text(data, words))
 
 
 def parse_content(text: Text) -> Content:
@@ -55,7 +55,7 @@ def find_layout(text: Text) -> Layout | None:
     """Return the instrument layout that recognises a text, or None."""
     from stiction.surfaces.measured.layouts import LAYOUTS
 
-    return next((layout for layout in LAYOUTS if layout.recognise(text)), None)
+    return next((layout for layout in LAYOUTS if layout.recognises(text)), None)
 
 
 def with_source(content: Content, text: Text, layout: str) -> Content:
@@ -75,14 +75,14 @@ def parse_table(text: Text) -> ColumnTable | HeightChannels:
             f"no numbers were found in {len(text)} lines, of which the first is {text.describe_line(0)}; numbers must "
             "be in columns, separated by tabs, semicolons, commas or blanks"
         )
-    first, last = max(runs, key=lambda run: int(text.starts[run[1] + 1] - text.starts[run[0]]))
+    first, last = max(runs, key=lambda run: int(text.line_starts[run[1] + 1] - text.line_starts[run[0]]))
     dialect = detect_dialect(text, first, last)
-    labels = _include_label_row(text, first, last, dialect)
+    labels = _first_line_with_labels(text, first, last, dialect)
     if labels < first:  # the line of labels starts with a word instead of a number
-        first, text = labels, replace(text, words=(*text.words, dialect.cells(text.line(labels))[0]))
-    _reject_unreadable(text, dialect, len(dialect.cells(text.line(last))), runs)
-    block = parse_block(text, first, last, dialect, ragged=True)
-    if len(equal_runs := _find_equal_runs(text, runs, (first, last), dialect)) > 1:
+        first, text = labels, replace(text, words=(*text.words, dialect.split_line(text.line(labels))[0]))
+    _reject_unreadable_line(text, dialect, len(dialect.split_line(text.line(last))), runs)
+    block = parse_number_block(text, first, last, dialect, ragged=True)
+    if len(equal_runs := _find_runs_of_equal_width(text, runs, (first, last), dialect)) > 1:
         return _to_channels(text, equal_runs, dialect, word_columns)
     end = int(block.lines[-1]) + 1
     below = int((text.line_kinds[end:] == 1).sum())
@@ -98,10 +98,10 @@ def parse_table(text: Text) -> ColumnTable | HeightChannels:
 def _to_table(text: Text, block: NumberBlock, begin: int, word_columns: Sequence[FoundColumn] = ()) -> ColumnTable:
     """Convert a block to a table with its footer and its header. The header begins at line `begin`."""
     first, end = int(block.lines[0]), int(block.lines[-1]) + 1
-    header, footer = text.lines(begin, first), text.lines(end, len(text)) if begin == 0 else []
+    header, footer = text.nonempty_lines(begin, first), text.nonempty_lines(end, len(text)) if begin == 0 else []
     width = block.values.shape[1]
     heads = parse_column_heads(header, width, block.dialect)
-    facts = parse_declarations(text.lines(0, first) if begin else header, below=footer)
+    facts = parse_declarations(text.nonempty_lines(0, first) if begin else header, below=footer)
     if block.short is not None and not any(heads.names):
         raise FormatError(
             f"{text.describe_line(block.short)} has fewer cells than the lines above it, and the columns have no "
@@ -115,15 +115,15 @@ def _to_table(text: Text, block: NumberBlock, begin: int, word_columns: Sequence
         row_digits=block.row_digits,
         declared=facts if facts.unit is not None else replace(facts, unit=heads.height_unit),
         history=(
-            *(printable(step, MAX_HISTORY_STEP_LENGTH) for step in parse_history(header)[:MAX_HISTORY_STEPS]),
+            *(printable_text(step, MAX_HISTORY_STEP_LENGTH) for step in parse_history(header)[:MAX_HISTORY_STEPS]),
             *(f"{text.describe_line(line)} skipped as a count or a size" for line in block.omitted[:MAX_HISTORY_STEPS]),
         ),
-        source=describe_source(block),
+        source=make_source(block),
         word_columns=tuple(
             WordColumn(
                 column.place,
                 describe_words(column.counts),
-                printable(min(column.counts, key=column.counts.__getitem__), 20),
+                printable_text(min(column.counts, key=column.counts.__getitem__), 20),
                 np.isin(block.lines, column.missing_lines),
             )
             for column in word_columns
@@ -132,28 +132,28 @@ def _to_table(text: Text, block: NumberBlock, begin: int, word_columns: Sequence
     )
 
 
-def describe_source(block: NumberBlock) -> Source:
+def make_source(block: NumberBlock) -> Source:
     """Describe the location of a block in its text, and the format of the block."""
     text, first, end = block.text, int(block.lines[0]), int(block.lines[-1]) + 1
     point = "." if block.dialect.pairs else block.dialect.point
     return Source(
         encoding=text.encoding, separator=str(block.dialect), decimal_mark=point, lines=(first + 1, end),
-        lines_above=len(text.lines(0, first)) if first < 10_000 else first,
+        lines_above=len(text.nonempty_lines(0, first)) if first < 10_000 else first,
         lines_below=int(np.count_nonzero(text.line_kinds[end:])),
     )  # fmt: skip
 
 
-def _include_label_row(text: Text, first: int, last: int, dialect: Dialect) -> int:
+def _first_line_with_labels(text: Text, first: int, last: int, dialect: Dialect) -> int:
     """Return the first line of a run of rows, or the line above the run if that line has a label for every column."""
     above = next((line for line in range(first - 1, -1, -1) if text.line(line).strip("\t")), -1)
     if above < 0 or dialect.separator is None:
         return first
-    cells, below = dialect.cells(text.line(above)), dialect.cells(text.line(first))
+    cells, below = dialect.split_line(text.line(above)), dialect.split_line(text.line(first))
     is_labels = len(cells) == len(below) and cell_kind(cells[0], dialect, text) is None and _are_labels(cells, dialect)
     return above if is_labels else first
 
 
-def _reject_unreadable(text: Text, dialect: Dialect, width: int, runs: list[tuple[int, int]]) -> None:
+def _reject_unreadable_line(text: Text, dialect: Dialect, width: int, runs: list[tuple[int, int]]) -> None:
     """Reject a line directly above or below rows of numbers if one of its cells cannot be read.
 
     Such a line has as many cells as its neighbours and is not a line of labels. Most of its cells are numbers, or the
@@ -167,7 +167,7 @@ def _reject_unreadable(text: Text, dialect: Dialect, width: int, runs: list[tupl
             or text.line(line).startswith(("#", "%", "!", "/"))
         ):
             continue
-        cells = dialect.cells(text.line(line))
+        cells = dialect.split_line(text.line(line))
         kinds = [cell_kind(cell, dialect, text) for cell in cells]
         # a line of the form "name value" above the data is not a row of numbers
         numbers = 2 * kinds.count("number") - (line < runs[0][0] and kinds[:1] == [None])
@@ -182,7 +182,7 @@ def _repeats_words(text: Text, dialect: Dialect, kinds: list[str | None], cells:
     """Return whether line `other` repeats the words of `cells` in the same cells. Then neither line is a header."""
     if not 0 <= other < len(text) or (len(cells) > 1 and "number" not in kinds):
         return False
-    others = dialect.cells(text.line(other))
+    others = dialect.split_line(text.line(other))
     return [cell_kind(cell, dialect, text) for cell in others] == kinds and all(
         cell == other_cell for cell, other_cell, kind in zip(cells, others, kinds, strict=True) if kind is None
     )
@@ -197,21 +197,21 @@ def _reject_word(text: Text, line: int, word: str) -> None:
 
 def _are_labels(cells: list[str], dialect: Dialect) -> bool:
     """Return whether all cells of a line except the first cell are positions."""
-    matches = [dialect.number.fullmatch(cell) for cell in cells[1:]]
+    matches = [dialect.number_pattern.fullmatch(cell) for cell in cells[1:]]
     if len(cells) < 5 or not all(match and (match[2] or match[3]) for match in matches):
         return False
     labels = np.array([np.nan, *(float(cell.replace(dialect.point, ".")) for cell in cells[1:])])
     return has_equal_steps(labels, 0.1 * abs(labels[2] - labels[1]))
 
 
-def _find_equal_runs(
+def _find_runs_of_equal_width(
     text: Text, runs: list[tuple[int, int]], main: tuple[int, int], dialect: Dialect
 ) -> list[tuple[int, int]]:
     """Return the runs with as many columns as the main run, except a short first run with a size or a count."""
-    width = len(dialect.cells(text.line(main[0])))
+    width = len(dialect.split_line(text.line(main[0])))
     equal_runs: list[tuple[int, int]] = []
     for first, last in runs:
-        is_as_wide = all(len(dialect.cells(text.line(line))) == width for line in (first, last))
+        is_as_wide = all(len(dialect.split_line(text.line(line))) == width for line in (first, last))
         if (first, last) == main or (is_as_wide and (equal_runs or width > 2 or last - first + 1 >= MIN_BLOCK_ROWS)):
             equal_runs.append((first, last))
     gaps = [(last + 1, first) for (_, last), (first, _) in itertools.pairwise(equal_runs)]
@@ -227,14 +227,14 @@ def _to_channels(
     begins = [0, *(last + 1 for _, last in runs)]
     names = []
     for (first, last), begin in zip(runs, begins, strict=False):
-        header = text.lines(begin, first)
+        header = text.nonempty_lines(begin, first)
         name = header[-1].lstrip("#%!/ \t") if header else ""
-        names.append(printable(" ".join(name.split()) or f"lines {first + 1} to {last + 1}", 40))
+        names.append(printable_text(" ".join(name.split()) or f"lines {first + 1} to {last + 1}", 40))
     if len(set(names)) < len(names):
         names = [f"{name}, line {first + 1}" for name, (first, _) in zip(names, runs, strict=True)]
 
     def read(line: int) -> RawHeights | ColumnTable:
-        table = _to_table(text, parse_block(text, *runs[line], dialect, ragged=True), begins[line], word_columns)
+        table = _to_table(text, parse_number_block(text, *runs[line], dialect, ragged=True), begins[line], word_columns)
         return replace(table, source=replace(table.source, column=names[line]))
 
     return HeightChannels(tuple(names), read, None)

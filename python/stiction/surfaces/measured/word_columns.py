@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from stiction._text import printable
+from stiction._text import printable_text
 from stiction.surfaces.measured.decode import BLANK_LINE, NUMBER_LINE, TEXT_LINE, Text
 from stiction.surfaces.measured.split import Dialect, cell_kind, find_numeric_line_runs, split_cells
 
@@ -34,15 +34,17 @@ class FoundColumn:
 def replace_word_columns(text: Text) -> tuple[Text, tuple[FoundColumn, ...]]:
     """Replace the words in columns without numbers by ``nan``. Return the new text and the replaced columns."""
     runs = find_numeric_line_runs(text)
-    if not (text.words or _has_words_at_numbers(text, runs)):
+    if not (text.words or _may_mix_words_and_numbers(text, runs)):
         return text, ()
     lines = np.flatnonzero(text.line_kinds != BLANK_LINE).tolist()
     largest_run = max((last + 1 - first for first, last in runs), default=0)
-    samples = {separator: _find_table(text, lines[:_MAX_SEPARATOR_LINES], separator) for separator in _CELL_SEPARATORS}
+    samples = {
+        separator: _find_word_table(text, lines[:_MAX_SEPARATOR_LINES], separator) for separator in _CELL_SEPARATORS
+    }
     separator = max(samples, key=lambda key: len(samples[key].numeric))  # take the first of equally good separators
     if not samples[separator].words:
         return text, ()
-    table = samples[separator] if len(lines) <= _MAX_SEPARATOR_LINES else _find_table(text, lines, separator)
+    table = samples[separator] if len(lines) <= _MAX_SEPARATOR_LINES else _find_word_table(text, lines, separator)
     if not table.words or len(table.lines) < max(MIN_ROWS, len(lines) / 2, largest_run):
         return text, ()
     replaced = text.data.decode("utf-8", "replace").split("\n")
@@ -61,13 +63,13 @@ def replace_word_columns(text: Text) -> tuple[Text, tuple[FoundColumn, ...]]:
 def describe_words(counts: Mapping[str, int]) -> str:
     """Return the most frequent words of a column with their counts, as in ``'OK' (58) and 'NG' (2)``."""
     words = sorted(counts.items(), key=lambda item: -item[1])
-    shown = [f"{printable(word, 20)!r} ({count})" for word, count in words[:MAX_LISTED_WORDS]]
+    shown = [f"{printable_text(word, 20)!r} ({count})" for word, count in words[:MAX_LISTED_WORDS]]
     if len(words) > MAX_LISTED_WORDS:
         shown.append(f"{len(words) - MAX_LISTED_WORDS} others")
     return " and ".join(filter(None, [", ".join(shown[:-1]), shown[-1]]))
 
 
-def _has_words_at_numbers(text: Text, runs: Sequence[tuple[int, int]]) -> bool:
+def _may_mix_words_and_numbers(text: Text, runs: Sequence[tuple[int, int]]) -> bool:
     """Return whether rows from the line above the first numbers onwards may contain both words and numbers."""
     if not runs:
         return True
@@ -88,7 +90,7 @@ class _WordTable:
     missing_lines: dict[int, list[int]] = field(default_factory=dict)
 
 
-def _find_table(text: Text, lines: Sequence[int], separator: str | None) -> _WordTable:
+def _find_word_table(text: Text, lines: Sequence[int], separator: str | None) -> _WordTable:
     """Find the rows of a table with word columns: rows of equal width with numbers in the same columns."""
     rows = [split_cells(text.line(line), separator) for line in lines]
     is_number = [[_NUMBER_CELL.fullmatch(cell) is not None for cell in row] for row in rows]

@@ -14,7 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, FileCaveat, FormatError, RawHeights, Source, read_chunks
+from stiction.surfaces.measured.raw import (
+    MAX_TEXT_BYTES,
+    FileCaveat,
+    FormatError,
+    RawHeights,
+    Source,
+    read_member_chunks,
+)
 from stiction.surfaces.profile import MAX_POINTS
 
 _VALUE_TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
@@ -47,7 +54,7 @@ def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
         raise FormatError(f"is a zip archive without {_MAIN_XML}, so it is not an X3P file")
     folder = min(mains, key=len).removesuffix(_MAIN_XML)  # some programs place all members in a directory
     root = _MainXml(archive, folder)
-    feature = _get_text(root, "Record1/FeatureType")
+    feature = _get_element_text(root, "Record1/FeatureType")
     if feature not in ("PRF", "SUR"):
         raise FormatError(f"contains the feature type {feature!r}; only profiles (PRF) and surfaces (SUR) can be read")
     axes = {name: _StoredAxis(root, name) for name in "XYZ"}
@@ -61,10 +68,10 @@ def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
     if feature == "SUR" and absolute != ["Z"]:
         raise FormatError("contains a surface with a position for each point, which cannot be read; a grid is required")
     columns = _read_columns(archive, root, {name: axes[name].stored for name in absolute}, points)
-    heights = axes["Z"].lengths(columns["Z"])
-    if (link := _get_text(root, "Record3/DataLink/ValidPointsLink", "")) != "":
+    heights = axes["Z"].to_lengths(columns["Z"])
+    if (link := _get_element_text(root, "Record3/DataLink/ValidPointsLink", "")) != "":
         bits = np.frombuffer(
-            b"".join(read_chunks(archive, root.folder + link, points // 8 + _MAX_SPARE_BYTES)), dtype=np.uint8
+            b"".join(read_member_chunks(archive, root.folder + link, points // 8 + _MAX_SPARE_BYTES)), dtype=np.uint8
         )
         if bits.size * 8 < points:
             raise FormatError(
@@ -77,10 +84,10 @@ def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
         return RawHeights(heights.reshape(shape), spacing=(axes["Y"].increment, axes["X"].increment), **common)
     if shape[0] != 1:
         raise FormatError(f"contains {shape[0]} profiles; only one can be read")
-    if "Y" in absolute and np.ptp(axes["Y"].lengths(columns["Y"])) > 0:
+    if "Y" in absolute and np.ptp(axes["Y"].to_lengths(columns["Y"])) > 0:
         raise FormatError("contains a profile whose points also move along y; only profiles along x can be read")
     if "X" in absolute:
-        positions = axes["X"].lengths(columns["X"])
+        positions = axes["X"].to_lengths(columns["X"])
         increment = abs(axes["X"].increment)
         digit = {
             "<f4": np.spacing(np.abs(positions).astype(np.float32)).astype(np.float64), "<f8": np.zeros(points),
@@ -102,11 +109,11 @@ class _MainXml:
         parser = expat.ParserCreate(namespace_separator="}")  # some programs add a namespace to all elements
         parser.buffer_text = True
         parser.StartDoctypeDeclHandler = parser.EntityDeclHandler = self._reject_document_type
-        parser.StartElementHandler = self._start
-        parser.EndElementHandler = self._end
+        parser.StartElementHandler = self._handle_start_tag
+        parser.EndElementHandler = self._handle_end_tag
         parser.CharacterDataHandler = self._words.append
         num_bytes = 0
-        for chunk in read_chunks(archive, folder + _MAIN_XML, MAX_TEXT_BYTES):
+        for chunk in read_member_chunks(archive, folder + _MAIN_XML, MAX_TEXT_BYTES):
             parser.Parse(chunk)
             num_bytes += len(chunk)
             if num_bytes > _MAX_MAIN_BYTES + (
@@ -120,7 +127,7 @@ class _MainXml:
     def _reject_document_type(self, *_: object) -> None:
         raise FormatError(f"has a document type declaration in {_MAIN_XML}, which X3P does not allow")
 
-    def _start(self, tag: str, _: object) -> None:
+    def _handle_start_tag(self, tag: str, _: object) -> None:
         name = tag.rpartition("}")[2]
         self._path.append(name)
         self._words.clear()
@@ -131,7 +138,7 @@ class _MainXml:
             if self._elements > _MAX_ELEMENTS:
                 raise FormatError(f"has more than {_MAX_ELEMENTS} elements in {_MAIN_XML}")
 
-    def _end(self, _: str) -> None:
+    def _handle_end_tag(self, _: str) -> None:
         text = "".join(self._words)
         self._words.clear()
         if self._path[-1] == "Datum" and self.listed is not None:
@@ -146,8 +153,8 @@ class _StoredAxis:
 
     def __init__(self, root: _MainXml, name: str) -> None:
         path = f"Record1/Axes/C{name}"
-        kind = _get_text(root, f"{path}/AxisType", "I" if name != "Z" else "A")
-        stored = _get_text(root, f"{path}/DataType", "D")
+        kind = _get_element_text(root, f"{path}/AxisType", "I" if name != "Z" else "A")
+        stored = _get_element_text(root, f"{path}/DataType", "D")
         if kind not in ("I", "A") or stored not in _VALUE_TYPES:
             raise FormatError(
                 f"has a {name} axis of type {kind!r} stored as {stored!r}; the type must be I or A, stored as I, L, F "
@@ -155,7 +162,7 @@ class _StoredAxis:
             )
         self.absolute = kind == "A"
         self.stored = _VALUE_TYPES[stored]
-        self.increment = _get_number(root, f"{path}/Increment", math.nan)
+        self.increment = _get_element_number(root, f"{path}/Increment", math.nan)
         self.caveats: tuple[FileCaveat, ...] = ()
         if self.absolute and stored in ("F", "D"):  # floating-point lengths must not be multiplied by an increment
             if abs(self.increment) > 0 and self.increment != 1:
@@ -171,18 +178,18 @@ class _StoredAxis:
             self.increment = 1.0
         elif self.absolute and not abs(self.increment) > 0:
             raise FormatError(f"has integers for {name}, but no Increment as their factor")
-        self.offset = _get_number(root, f"{path}/Offset", 0.0)
+        self.offset = _get_element_number(root, f"{path}/Offset", 0.0)
 
-    def lengths(self, stored: NDArray[Any]) -> Floats:
+    def to_lengths(self, stored: NDArray[Any]) -> Floats:
         with np.errstate(all="ignore"):
             return stored.astype(np.float64) * self.increment + self.offset
 
 
 def _read_shape(root: _MainXml) -> tuple[int, int]:
     """Return the numbers of rows and columns."""
-    if (listed := _get_text(root, "Record3/ListDimension", "")) != "":
+    if (listed := _get_element_text(root, "Record3/ListDimension", "")) != "":
         return 1, _parse_count(listed)
-    x, y, z = (_parse_count(_get_text(root, f"Record3/MatrixDimension/Size{name}")) for name in "XYZ")
+    x, y, z = (_parse_count(_get_element_text(root, f"Record3/MatrixDimension/Size{name}")) for name in "XYZ")
     if z != 1:
         raise FormatError(f"contains {z} layers; only one can be read")
     return y, x
@@ -195,12 +202,12 @@ def _read_columns(
     if root.listed is not None:
         return _parse_listed_points(root.listed, list(stored), points)
     kind = np.dtype(list(stored.items()))
-    link, num_bytes = root.folder + _get_text(root, "Record3/DataLink/PointDataLink"), points * kind.itemsize
+    link, num_bytes = root.folder + _get_element_text(root, "Record3/DataLink/PointDataLink"), points * kind.itemsize
     size = archive.getinfo(link).file_size if link in archive.namelist() else num_bytes
-    data = b"".join(read_chunks(archive, link, num_bytes)) if size == num_bytes else b""
+    data = b"".join(read_member_chunks(archive, link, num_bytes)) if size == num_bytes else b""
     if len(data) != num_bytes:
         raise FormatError(f"declares {points} points of {kind.itemsize} bytes, but has {len(data) or size} bytes")
-    checksum = _get_text(root, "Record3/DataLink/MD5ChecksumPointData", "").lower()
+    checksum = _get_element_text(root, "Record3/DataLink/MD5ChecksumPointData", "").lower()
     if checksum not in ("", hashlib.md5(data, usedforsecurity=False).hexdigest()):
         raise FormatError("is damaged: its heights do not match its checksum")
     table = np.frombuffer(data, dtype=kind)
@@ -226,7 +233,7 @@ def _parse_listed_points(rows: list[str], absolute: list[str], points: int) -> d
     return columns
 
 
-def _get_text(root: _MainXml, path: str, default: str | None = None) -> str:
+def _get_element_text(root: _MainXml, path: str, default: str | None = None) -> str:
     text = root.texts.get(path, "").strip()
     if text:
         return text
@@ -235,8 +242,8 @@ def _get_text(root: _MainXml, path: str, default: str | None = None) -> str:
     return default
 
 
-def _get_number(root: _MainXml, path: str, default: float) -> float:
-    text = _get_text(root, path, "")
+def _get_element_number(root: _MainXml, path: str, default: float) -> float:
+    text = _get_element_text(root, path, "")
     return _parse_float(text) if text else default
 
 

@@ -10,7 +10,7 @@ import xarray
 from matplotlib.figure import Figure
 
 from stiction._checks import Floats
-from stiction._drawing import set_log_ticks
+from stiction._drawing import set_log_tick_labels
 from stiction._number_format import format_with_unit
 from stiction.studies.point import MEAN_AND_LIMITS, select_sliding_rule
 from stiction.views.style import (
@@ -184,7 +184,7 @@ def contact_sizes_figure(
             ax.plot(mean, percent, color=colour, linewidth=1.2, label=format_with_unit(float(load), "mN"))
     for ax, name in zip(axes, ("patch_area", "pressure"), strict=True):
         ax.set(ylim=(0, 100), xlabel=axis_label(name), xscale="log")
-        set_log_ticks(ax)
+        set_log_tick_labels(ax)
     axes[0].set_ylabel("fraction of smaller contacts (%)")
     axes[1].set_ylabel("true contact area\nat lower pressure (%)")
     if hardness is not None:

@@ -19,7 +19,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction._drawing import HEIGHT_COLOUR_MAP, set_log_ticks
+from stiction._drawing import HEIGHT_COLOUR_MAP, set_log_tick_labels
 from stiction._number_format import format_with_unit
 from stiction._units import exact_quantity
 from stiction.mechanics.friction import STATUS_OK, STATUS_SELF_LOCKED
@@ -304,7 +304,7 @@ def _draw_friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: flo
     values = friction[..., 0]
     edges = _cell_edges(panel["fractal_dimension"].values), np.exp(_cell_edges(np.log(panel["load"].values)))
     axes.set(yscale="log", xlim=(edges[0][0], edges[0][-1]), ylim=(edges[1][0], edges[1][-1]))
-    set_log_ticks(axes)
+    set_log_tick_labels(axes)
     axes.add_patch(_not_reached_patch((0, 0), 1, 1, transform=axes.transAxes))
     finite = np.isfinite(values)
     # A coefficient of 0 has no logarithm, and is drawn in the colour of the lowest value.
@@ -465,7 +465,7 @@ def _draw_area_curves(
         # The axis limits depend on the means only, so that very wide bands may be cut off.
         values = (area_factor * area)[area > 0]
         ax.set_ylim(values.min() / MAX_DRAWN_BAND_RATIO, values.max() * MAX_DRAWN_BAND_RATIO)
-        set_log_ticks(ax)
+        set_log_tick_labels(ax)
         labels, label_heights = [], []
         for curve_index, colour in enumerate(fractal_dimension_colours(dimensions)):
             ax.fill_between(

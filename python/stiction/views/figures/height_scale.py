@@ -6,7 +6,7 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
-from stiction._drawing import set_log_ticks
+from stiction._drawing import set_log_tick_labels
 from stiction._number_format import format_with_unit
 from stiction.studies.point import MEAN_AND_LIMITS, is_unloaded, select_sliding_rule
 from stiction.views.figures.loads import format_log_axis
@@ -58,7 +58,7 @@ def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
         area_axes.set_yscale("log")
     for axes in (friction_axes, area_axes):
         axes.axvline(measured_gradient, color="0.5", linewidth=0.5, linestyle="--")
-        set_log_ticks(axes)
+        set_log_tick_labels(axes)
     friction_axes.set(ylim=(0, None), ylabel=axis_label("friction_coefficient"))
     area_axes.set(
         xlabel=axis_label("rms_gradient"),

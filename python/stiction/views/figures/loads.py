@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
 from stiction._checks import Floats
-from stiction._drawing import set_log_ticks
-from stiction._number_format import choose_prefix
+from stiction._drawing import set_log_tick_labels
+from stiction._number_format import choose_prefixed_unit
 from stiction.studies.contact_picture import LOADS_RELATIVE_TO_PULL_OFF
 from stiction.studies.point import MEAN_AND_LIMITS, select_sliding_rule
 from stiction.views.style import (
@@ -88,7 +88,7 @@ def adhesion_figure(branches: xarray.Dataset, *, title: str = "") -> Figure:
     is_unloading = branches["going"].values
     load, area = branches["load"].values, branches["contact_area"].values
     is_visible = load <= LOADS_RELATIVE_TO_PULL_OFF[-1] * -load.min() * 1.001  # loads within the limits of the figure
-    prefix_factor, unit = choose_prefix(float(abs(load[is_visible]).max()), "mN")
+    prefix_factor, unit = choose_prefixed_unit(float(abs(load[is_visible]).max()), "mN")
     figure = new_figure(70)
     abscissas = [(branches["approach"].values * 1000, "approach (nm)")] if branches["approach"].notnull().all() else []
     panels: Any = figure.subplots(1, len(abscissas) + 1, sharey=True, squeeze=False)[0]
@@ -245,7 +245,7 @@ def _draw_panels_against(
     friction_axes.set_ylabel(axis_label("friction_coefficient"))
     area_axes.set_ylabel(axis_label("contact_area_fraction" if has_fraction else "contact_area"))
     for ax in (friction_axes, area_axes):
-        set_log_ticks(ax)
+        set_log_tick_labels(ax)
     format_log_axis(area_axes.xaxis)
     low, high = area_axes.get_ylim()
     if area_axes.get_yscale() == "log" and high < 30 * low:

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from stiction._checks import Floats
-from stiction._drawing import HEIGHT_COLOUR_MAP, to_wavelength
+from stiction._drawing import HEIGHT_COLOUR_MAP, wave_number_to_wavelength
 from stiction.surfaces.lines import LineRoughness
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -134,7 +134,9 @@ def _draw_line(axes: Axes, line: LineRoughness, axis: str, colour: str) -> None:
 def _format_spectrum_axes(axes: Axes, unit: str, density: Floats | None = None) -> None:
     """Set the scales and limits of a spectrum plot, and add a wavelength axis and a legend."""
     axes.set(xscale="log", yscale="log", xlabel="wave number $q$ (1/µm)", ylabel=f"density $C$ ({unit})")
-    axes.secondary_xaxis("top", functions=(to_wavelength, to_wavelength)).set_xlabel(r"wavelength $\lambda$ (µm)")
+    axes.secondary_xaxis("top", functions=(wave_number_to_wavelength, wave_number_to_wavelength)).set_xlabel(
+        r"wavelength $\lambda$ (µm)"
+    )
     density_values = np.asarray(axes.lines[0].get_ydata() if density is None else density[density > 0], np.float64)
     axes.set_ylim(max(density_values.min() / 5, 1e-14 * density_values.max()), 5 * density_values.max())
     axes.legend(loc="lower left", handlelength=1.5, borderaxespad=0.3, labelspacing=0.3)

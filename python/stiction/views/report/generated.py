@@ -12,7 +12,7 @@ import xarray
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction._number_format import choose_prefix, format_with_unit
+from stiction._number_format import choose_prefixed_unit, format_with_unit
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import (
     AREAL_VALIDITY_QUANTITIES,
@@ -312,7 +312,7 @@ def _check_number_format(check: LimitCheck) -> dict[str, Any]:
         return {"table": name, "factor": 100, "decimals": 0, "unit": " %"}
     if format_name in ("digits", "digit"):
         return {"table": name, "factor": 1, "decimals": 1 if format_name == "digits" else 3, "unit": ""}
-    prefix_factor, unit = choose_prefix(check.limit, format_name)
+    prefix_factor, unit = choose_prefixed_unit(check.limit, format_name)
     decimals = max(0, 1 - math.floor(math.log10(check.limit / prefix_factor)))
     return {"table": name, "factor": 1 / prefix_factor, "decimals": decimals, "unit": f" {unit}"}
 

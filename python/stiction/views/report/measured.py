@@ -12,9 +12,9 @@ import xarray
 
 from stiction._checks import Floats
 from stiction._number_format import format_with_unit
-from stiction._text import printable
+from stiction._text import printable_text
 from stiction.mechanics import friction
-from stiction.mechanics.quantities import QUANTITIES, quantities_shown_in
+from stiction.mechanics.quantities import QUANTITIES, quantity_names_shown_in
 from stiction.studies.assessment import find_smallest_check_limit
 from stiction.studies.measured_surfaces import MeasuredFile
 from stiction.studies.nodes import InterpolationNodes
@@ -295,7 +295,7 @@ def _reading_table(scan: MeasuredFile) -> str:
 def _quantity_records(evaluations: Sequence[xarray.Dataset]) -> list[dict[str, Any]]:
     """Return a record for each quantity except friction, with its values, interval ends, decimals and texts."""
     records = []
-    for name in (name for name in quantities_shown_in("report") if name in evaluations[0]):
+    for name in (name for name in quantity_names_shown_in("report") if name in evaluations[0]):
         estimates = np.stack([values[name].transpose("cut_off", "load", "statistic").values for values in evaluations])
         if not np.isfinite(estimates[0]).any() or (
             name == "load_share_at_hardness" and not np.nan_to_num(estimates[0]).any()
@@ -324,9 +324,12 @@ def _assessment_records(result: Result) -> list[dict[str, Any]]:
         {
             "at": point.at, "loadText": format_with_unit(point.at["load"], "mN"), "verdict": point.verdict,
             "covered": point.covered,
-            "sentence": printable(sentence_text(point), MAX_TEXT_LENGTH * 4),
+            "sentence": printable_text(sentence_text(point), MAX_TEXT_LENGTH * 4),
             "caveats": [
-                {name: printable(getattr(caveat, name), MAX_TEXT_LENGTH) for name in ("text", "remedy", "severity")}
+                {
+                    name: printable_text(getattr(caveat, name), MAX_TEXT_LENGTH)
+                    for name in ("text", "remedy", "severity")
+                }
                 for caveat in point.caveats
             ],
             "slopes": slope_estimate_text(point),

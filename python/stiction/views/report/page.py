@@ -22,7 +22,7 @@ import numpy as np
 from stiction._core import __version__
 from stiction._files import replacement_file
 from stiction._number_format import to_json
-from stiction._text import printable
+from stiction._text import printable_text
 from stiction.studies.nodes import NodeAxis
 from stiction.studies.study import Study, find_differences
 from stiction.views.report.tables import PackedArrays
@@ -90,7 +90,7 @@ MAX_TEXT_LENGTH = 400  # maximum number of shown characters of a line from a fil
 
 def escape_html(text: object) -> str:
     """Escape text for HTML, as a single line of limited length without control characters."""
-    return html.escape(printable(str(text), MAX_TEXT_LENGTH))
+    return html.escape(printable_text(str(text), MAX_TEXT_LENGTH))
 
 
 def format_count(count: int, singular: str, plural: str | None = None) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
-from stiction._number_format import MAX_DIGITS, MAX_PRECISE_END_RATIO, choose_prefix, format_estimate
+from stiction._number_format import MAX_DIGITS, MAX_PRECISE_END_RATIO, choose_prefixed_unit, format_estimate
 
 STORED_FLOAT_BYTES = 4  # number of leading bytes of a double that a page stores; they give a relative precision of 5e-7
 NO_INTERVAL_CODE = -128  # value stored instead of the number of decimals of the upper end if no interval is printed
@@ -123,7 +123,9 @@ def estimate_with_unit_text(point: Sequence[float], unit: str) -> str:
     if np.isnan(value):
         return "none"
     factor, name = (
-        (0.01, "%") if unit == "%" else (choose_prefix(value, unit) if unit in ("mN", "GPa", "um") else (1.0, unit))
+        (0.01, "%")
+        if unit == "%"
+        else (choose_prefixed_unit(value, unit) if unit in ("mN", "GPa", "um") else (1.0, unit))
     )
     if value == 0 and not upper > 0:
         return f"0 {name}".strip()

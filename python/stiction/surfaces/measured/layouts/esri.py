@@ -18,8 +18,8 @@ import numpy as np
 from stiction.surfaces.measured.decode import Text
 from stiction.surfaces.measured.layout import Layout, parse_header_integer, parse_header_number
 from stiction.surfaces.measured.raw import FormatError, RawHeights
-from stiction.surfaces.measured.split import detect_dialect, find_numeric_line_runs, parse_block
-from stiction.surfaces.measured.text import describe_source
+from stiction.surfaces.measured.split import detect_dialect, find_numeric_line_runs, parse_number_block
+from stiction.surfaces.measured.text import make_source
 
 _HEADER_NAMES = (
     "ncols",
@@ -46,7 +46,7 @@ def _read(text: Text) -> RawHeights:
     runs = find_numeric_line_runs(text)
     if not runs:
         raise FormatError("has no heights below its header")
-    block = parse_block(text, *runs[0], detect_dialect(text, *runs[0]))
+    block = parse_number_block(text, *runs[0], detect_dialect(text, *runs[0]))
     shape = (parse_header_integer(header, "nrows"), parse_header_integer(header, "ncols"))
     if len(runs) > 1 or block.values.size != shape[0] * shape[1]:
         raise FormatError(
@@ -56,7 +56,7 @@ def _read(text: Text) -> RawHeights:
     dy = values.get("cellsize", values.get("dy"))
     heights = np.ascontiguousarray(block.values.reshape(shape)[::-1])
     return RawHeights(
-        heights, bare_spacing=None if dx is None or dy is None else (dy, dx), source=describe_source(block),
+        heights, bare_spacing=None if dx is None or dy is None else (dy, dx), source=make_source(block),
         codes=(values["nodata_value"],) if "nodata_value" in values else (),
         history=("rows reversed: the first line has the largest y",),
     )  # fmt: skip

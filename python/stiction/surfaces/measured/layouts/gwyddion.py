@@ -18,7 +18,7 @@ from dataclasses import replace
 from stiction.surfaces.measured.decode import Text
 from stiction.surfaces.measured.header import normalise_line, parse_length
 from stiction.surfaces.measured.layout import Layout
-from stiction.surfaces.measured.raw import ColumnTable, Content, HeightChannels, length_unit
+from stiction.surfaces.measured.raw import ColumnTable, Content, HeightChannels, parse_length_unit
 from stiction.surfaces.measured.text import parse_table
 
 _COMMENTED_LENGTH = re.compile(
@@ -42,12 +42,12 @@ def _is_channel_comments(comments: Sequence[str]) -> bool:
     return (
         len(comments) >= 3
         and lengths[0] is None
-        and all(match is not None and length_unit(match[2]) for match in lengths[1:3])
+        and all(match is not None and parse_length_unit(match[2]) for match in lengths[1:3])
         and all(_COMMENT_LINE.fullmatch(line) for line in comments)
     )
 
 
-def _with_header(table: ColumnTable, comments: Sequence[str]) -> ColumnTable:
+def _with_channel_header(table: ColumnTable, comments: Sequence[str]) -> ColumnTable:
     width, height = (_COMMENTED_LENGTH.fullmatch(line) for line in comments[1:3])
     assert width is not None
     assert height is not None
@@ -57,7 +57,7 @@ def _with_header(table: ColumnTable, comments: Sequence[str]) -> ColumnTable:
     size = (along_y, along_x)
     unit = table.declared.unit
     if len(comments) > 3 and (match := _COMMENT_LINE.fullmatch(comments[3])) is not None and match[1]:
-        unit = length_unit(match[1].strip()) or match[1].strip()
+        unit = parse_length_unit(match[1].strip()) or match[1].strip()
     channel = _COMMENT_LINE.fullmatch(comments[0])
     column = (channel[1] or "") if channel else ""
     units = (None,) * table.values.shape[1]
@@ -70,11 +70,11 @@ def _with_header(table: ColumnTable, comments: Sequence[str]) -> ColumnTable:
 def _read(text: Text) -> Content:
     content = parse_table(text)
     if isinstance(content, ColumnTable):
-        return _with_header(content, _parse_channel_comments(text.first_lines))
+        return _with_channel_header(content, _parse_channel_comments(text.first_lines))
     assert isinstance(content, HeightChannels)
     read_block = content.read
 
-    def channel(index: int) -> ColumnTable:
+    def read_channel_table(index: int) -> ColumnTable:
         table = read_block(index)
         assert isinstance(table, ColumnTable)
         assert table.source.lines is not None
@@ -82,9 +82,9 @@ def _read(text: Text) -> Content:
         header_start = first
         while header_start > 0 and text.line(header_start - 1).startswith("#"):
             header_start -= 1
-        return _with_header(table, _parse_channel_comments(text.lines(header_start, first)))
+        return _with_channel_header(table, _parse_channel_comments(text.nonempty_lines(header_start, first)))
 
-    return replace(content, read=channel)
+    return replace(content, read=read_channel_table)
 
 
 LAYOUT = Layout(

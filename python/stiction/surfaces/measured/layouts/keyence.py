@@ -23,9 +23,9 @@ import numpy as np
 from stiction.surfaces.measured.decode import NUMBER_LINE, Text
 from stiction.surfaces.measured.header import is_unit, normalise_line
 from stiction.surfaces.measured.layout import Layout
-from stiction.surfaces.measured.raw import FileCaveat, FormatError, RawHeights, length_unit
-from stiction.surfaces.measured.split import detect_dialect, find_numeric_line_runs, parse_block
-from stiction.surfaces.measured.text import describe_source
+from stiction.surfaces.measured.raw import FileCaveat, FormatError, RawHeights, parse_length_unit
+from stiction.surfaces.measured.split import detect_dialect, find_numeric_line_runs, parse_number_block
+from stiction.surfaces.measured.text import make_source
 
 _UNSIGNED_NUMBER = re.compile(r"[0-9]+(?:[.,][0-9]+)?")
 
@@ -38,7 +38,7 @@ def _split_cells(line: str) -> list[str]:
     ]
 
 
-def _header_rows(text: Text) -> list[list[str]]:
+def _split_header_rows(text: Text) -> list[list[str]]:
     """Return the cells of the lines above the heights."""
     rows = []
     for line in text.first_lines[:60]:
@@ -50,21 +50,21 @@ def _header_rows(text: Text) -> list[list[str]]:
 def _find_calibration_row(rows: list[list[str]]) -> int | None:
     """Return the index of the calibration row, which consists of a name, a length and its unit."""
     for index, row in enumerate(rows):
-        if len(row) == 3 and _UNSIGNED_NUMBER.fullmatch(row[1]) and length_unit(row[2]) is not None:
+        if len(row) == 3 and _UNSIGNED_NUMBER.fullmatch(row[1]) and parse_length_unit(row[2]) is not None:
             return index
     return None
 
 
-def _recognise(text: Text) -> bool:
+def _is_keyence_text(text: Text) -> bool:
     if not any("ImageDataCsv" in line for line in text.first_lines[:12]) and "VK-" not in " ".join(
         text.first_lines[:4]
     ):
         return False
-    return _find_calibration_row(_header_rows(text)) is not None
+    return _find_calibration_row(_split_header_rows(text)) is not None
 
 
 def _read(text: Text) -> RawHeights:
-    rows = _header_rows(text)
+    rows = _split_header_rows(text)
     index = _find_calibration_row(rows)
     assert index is not None
     _, digits, unit = rows[index]
@@ -73,8 +73,8 @@ def _read(text: Text) -> RawHeights:
     counts = [int(row[1]) for row in pairs if re.fullmatch("[0-9]{1,6}", row[1])][:2]
     height_unit = next((row[1] for row in pairs if is_unit(row[1]) and not _UNSIGNED_NUMBER.fullmatch(row[1])), None)
     runs = find_numeric_line_runs(text)
-    first, last = max(runs, key=lambda run: int(text.starts[run[1] + 1] - text.starts[run[0]]))
-    block = parse_block(text, first, last, detect_dialect(text, first, last))
+    first, last = max(runs, key=lambda run: int(text.line_starts[run[1] + 1] - text.line_starts[run[0]]))
+    block = parse_number_block(text, first, last, detect_dialect(text, first, last))
     values, caveats = _extract_single_image(text, block.values, last), []
     if len(counts) == 2 and values.shape[::-1] != tuple(counts):
         if values.shape[1] != counts[0] or values.shape[0] > counts[1]:
@@ -89,8 +89,8 @@ def _read(text: Text) -> RawHeights:
             )
         )  # fmt: skip
     return RawHeights(
-        values, unit=height_unit and (length_unit(height_unit) or height_unit), spacing=(spacing, spacing),
-        position_unit=length_unit(unit), source=describe_source(block), caveats=tuple(caveats),
+        values, unit=height_unit and (parse_length_unit(height_unit) or height_unit), spacing=(spacing, spacing),
+        position_unit=parse_length_unit(unit), source=make_source(block), caveats=tuple(caveats),
     )  # fmt: skip
 
 
@@ -104,4 +104,4 @@ def _extract_single_image(text: Text, values: np.ndarray, last: int) -> np.ndarr
     return values
 
 
-LAYOUT = Layout("Keyence image data", _recognise, _read)
+LAYOUT = Layout("Keyence image data", _is_keyence_text, _read)

@@ -17,25 +17,29 @@ from dataclasses import replace
 
 from stiction.surfaces.measured.excel import parse_sheet
 from stiction.surfaces.measured.layout import Sheets, WorkbookLayout
-from stiction.surfaces.measured.raw import ColumnTable, length_unit
+from stiction.surfaces.measured.raw import ColumnTable, parse_length_unit
 
 _PARAMETER_PATTERN = re.compile(r"\s*[A-Z][\w(). ]{0,12}?\s+[+-]?[0-9.,]+\s*([^\W\d_]{1,3})\s*")
 _CUT_OFF_PATTERN = re.compile(r"\s*[0-9.,]+\s*([^\W\d_]{1,3})\s*")
 
 
-def _recognise(sheets: Sheets) -> bool:
+def _is_mitutoyo_workbook(sheets: Sheets) -> bool:
     return {"DATA", "Certificate"} <= sheets.keys() and _height_unit(sheets) is not None
 
 
 def _height_unit(sheets: Sheets) -> str | None:
     cells = (str(row[0]) for row in sheets["DATA"][:40] if row and isinstance(row[0], str))
     return next(
-        (unit for cell in cells if (match := _PARAMETER_PATTERN.fullmatch(cell)) and (unit := length_unit(match[1]))),
+        (
+            unit
+            for cell in cells
+            if (match := _PARAMETER_PATTERN.fullmatch(cell)) and (unit := parse_length_unit(match[1]))
+        ),
         None,
     )
 
 
-def _cut_offs(sheets: Sheets) -> Iterator[str]:
+def _find_cut_off_texts(sheets: Sheets) -> Iterator[str]:
     for row in sheets["Certificate"]:
         for name, cell in itertools.pairwise(row):
             if isinstance(name, str) and "cut-off" in name.casefold() and isinstance(cell, str):
@@ -44,11 +48,11 @@ def _cut_offs(sheets: Sheets) -> Iterator[str]:
 
 def _read(sheets: Sheets) -> ColumnTable:
     table = parse_sheet(sheets["DATA"])
-    cut_offs = (match for cell in _cut_offs(sheets) if (match := _CUT_OFF_PATTERN.fullmatch(cell)))
-    lateral = next((unit for match in cut_offs if (unit := length_unit(match[1]))), None)
+    cut_offs = (match for cell in _find_cut_off_texts(sheets) if (match := _CUT_OFF_PATTERN.fullmatch(cell)))
+    lateral = next((unit for match in cut_offs if (unit := parse_length_unit(match[1]))), None)
     if table.values.shape[1] != 2:
         return table
     return replace(table, units=(lateral, _height_unit(sheets)))
 
 
-WORKBOOK = WorkbookLayout("Mitutoyo workbook", _recognise, _read)
+WORKBOOK = WorkbookLayout("Mitutoyo workbook", _is_mitutoyo_workbook, _read)

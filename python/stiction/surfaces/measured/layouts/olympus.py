@@ -20,7 +20,7 @@ import numpy as np
 from stiction.surfaces.measured.decode import Text
 from stiction.surfaces.measured.header import normalise_line
 from stiction.surfaces.measured.layout import Layout
-from stiction.surfaces.measured.raw import ColumnTable, FormatError, length_unit
+from stiction.surfaces.measured.raw import ColumnTable, FormatError, parse_length_unit
 from stiction.surfaces.measured.text import parse_table
 
 _HEIGHT_UNIT_LINE_PATTERN = re.compile(r"\W*Z\s*Resolution\s*[\[(]\s*([^\])]{1,12}?)\s*[\])].*", re.IGNORECASE)
@@ -35,7 +35,7 @@ def _read(text: Text) -> ColumnTable:
         raise FormatError("has no row numbers in the first column, unlike exports of this microscope")
     unit = next(
         (
-            length_unit(match[1])
+            parse_length_unit(match[1])
             for line in text.first_lines
             if (match := _HEIGHT_UNIT_LINE_PATTERN.fullmatch(normalise_line(line)))
         ),

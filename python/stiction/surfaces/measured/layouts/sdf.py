@@ -22,7 +22,7 @@ import re
 from stiction.surfaces.measured.decode import Text
 from stiction.surfaces.measured.layout import Layout, parse_header_integer, parse_header_number
 from stiction.surfaces.measured.raw import FormatError, RawHeights, Source
-from stiction.surfaces.measured.split import numbers_in
+from stiction.surfaces.measured.split import numbers_in_lines
 
 _SDF_VERSION = re.compile(r"a(ISO|NPL|BCR|EUNA|GBS)-?\S{0,12}", re.IGNORECASE)
 _DECLARATION_PATTERN = re.compile(r"([A-Za-z]{1,30})\s*=\s*(\S.{0,200})?")
@@ -42,7 +42,7 @@ def _read(text: Text) -> RawHeights:
 
     columns, rows = parse_header_integer(header, "NumPoints"), parse_header_integer(header, "NumProfiles")
     last = next((index for index in range(end + 1, len(text)) if text.line(index) == "*"), len(text)) - 1
-    heights = numbers_in(text, end + 1, last)
+    heights = numbers_in_lines(text, end + 1, last)
     if heights.size != rows * columns:
         raise FormatError(f"declares {rows} profiles of {columns} points, but has {heights.size} heights")
     spacing = [parse_header_number(header, "Xscale")]

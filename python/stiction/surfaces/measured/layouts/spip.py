@@ -19,9 +19,9 @@ import re
 from stiction.surfaces.measured.decode import Text
 from stiction.surfaces.measured.header import normalise_line
 from stiction.surfaces.measured.layout import Layout, parse_header_integer, parse_header_number
-from stiction.surfaces.measured.raw import FormatError, RawHeights, length_unit
-from stiction.surfaces.measured.split import detect_dialect, find_numeric_line_runs, parse_block
-from stiction.surfaces.measured.text import describe_source
+from stiction.surfaces.measured.raw import FormatError, RawHeights, parse_length_unit
+from stiction.surfaces.measured.split import detect_dialect, find_numeric_line_runs, parse_number_block
+from stiction.surfaces.measured.text import make_source
 
 _HEADER_FIELD = re.compile(r"#?\s*([A-Za-z][\w -]{0,30}?)\s*[=:]\s*(.{1,60}?)\s*")
 
@@ -31,7 +31,7 @@ def _parse_header(text: Text) -> dict[str, str]:
     return {match[1].casefold(): match[2] for match in matches if match}
 
 
-def _recognise(text: Text) -> bool:
+def _is_spip_text(text: Text) -> bool:
     header = _parse_header(text)
     return {"x-pixels", "y-pixels", "x-length", "y-length"} <= header.keys() and text.line(0).startswith("#")
 
@@ -41,8 +41,8 @@ def _read(text: Text) -> RawHeights:
     runs = find_numeric_line_runs(text)
     if not runs:
         raise FormatError("has no heights below its header")
-    first, last = max(runs, key=lambda run: int(text.starts[run[1] + 1] - text.starts[run[0]]))
-    block = parse_block(text, first, last, detect_dialect(text, first, last))
+    first, last = max(runs, key=lambda run: int(text.line_starts[run[1] + 1] - text.line_starts[run[0]]))
+    block = parse_number_block(text, first, last, detect_dialect(text, first, last))
     rows, columns = parse_header_integer(header, "y-pixels"), parse_header_integer(header, "x-pixels")
     if block.values.shape != (rows, columns):
         raise FormatError(
@@ -56,9 +56,9 @@ def _read(text: Text) -> RawHeights:
         unit, factor = "nm", parse_header_number(header, "bit2nm") if "bit2nm" in header else None
     spacing = (parse_header_number(header, "y-length") / rows, parse_header_number(header, "x-length") / columns)
     return RawHeights(
-        block.values, unit=length_unit(unit) or unit, factor=factor, spacing=spacing, position_unit=units.pop(),
-        source=describe_source(block),
+        block.values, unit=parse_length_unit(unit) or unit, factor=factor, spacing=spacing, position_unit=units.pop(),
+        source=make_source(block),
     )  # fmt: skip
 
 
-LAYOUT = Layout("SPIP ASCII", _recognise, _read)
+LAYOUT = Layout("SPIP ASCII", _is_spip_text, _read)

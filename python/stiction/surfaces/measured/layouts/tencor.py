@@ -34,7 +34,7 @@ def _parse_counts(text: Text) -> dict[str, int]:
     return {match[1].casefold(): int(match[2]) for match in matches if match}
 
 
-def _recognise(text: Text) -> bool:
+def _is_tencor_text(text: Text) -> bool:
     return {"points", "traces"} <= _parse_counts(text).keys() and any(
         line.casefold().startswith("x-resolution") for line in text.first_lines[:40]
     )
@@ -63,4 +63,4 @@ def _read(text: Text) -> ColumnTable:
     )  # fmt: skip
 
 
-LAYOUT = Layout("KLA or Tencor traces", _recognise, _read)
+LAYOUT = Layout("KLA or Tencor traces", _is_tencor_text, _read)

@@ -26,8 +26,8 @@ import numpy as np
 from stiction.surfaces.measured.decode import Text
 from stiction.surfaces.measured.layout import Layout, parse_header_integer, parse_header_number
 from stiction.surfaces.measured.raw import FormatError, RawHeights
-from stiction.surfaces.measured.split import Dialect, parse_block
-from stiction.surfaces.measured.text import describe_source
+from stiction.surfaces.measured.split import Dialect, parse_number_block
+from stiction.surfaces.measured.text import make_source
 
 _HEIGHT_BLOCKS = ("RAW_DATA", "RAW DATA", "OPD", "SAMPLE_DATA")
 _FIRST_LINE = "Wyko ASCII Data File"
@@ -49,7 +49,7 @@ def _read(text: Text) -> RawHeights:
     if first + columns > len(text):
         raise FormatError(f"declares {columns} lines of heights, but ends earlier")
     decimal_comma = "," in "".join(text.line(first + index) for index in range(min(3, columns)))
-    block = parse_block(text, first, first + columns - 1, Dialect(None, "," if decimal_comma else "."))
+    block = parse_number_block(text, first, first + columns - 1, Dialect(None, "," if decimal_comma else "."))
     if block.values.shape != (columns, rows):
         raise FormatError(
             f"declares {columns} lines of {rows} heights, but has {block.values.shape[0]} of {block.values.shape[1]}"
@@ -64,7 +64,7 @@ def _read(text: Text) -> RawHeights:
     spacing = (pixel * parse_header_number(header, "Aspect", 1.0), pixel)
     return RawHeights(
         np.ascontiguousarray(block.values.T), unit="nm", factor=factor, spacing=spacing, position_unit="mm",
-        source=describe_source(block),
+        source=make_source(block),
     )  # fmt: skip
 
 

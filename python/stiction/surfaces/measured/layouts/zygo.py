@@ -23,8 +23,8 @@ from stiction.surfaces.measured.decode import Text
 from stiction.surfaces.measured.layout import Layout
 from stiction.surfaces.measured.raw import FormatError, RawHeights
 from stiction.surfaces.measured.shapes import MAX_TABLE_GRID_POINTS
-from stiction.surfaces.measured.split import Dialect, parse_block
-from stiction.surfaces.measured.text import describe_source
+from stiction.surfaces.measured.split import Dialect, parse_number_block
+from stiction.surfaces.measured.text import make_source
 
 # Zero-based indices of the header lines with the origin and size of the map, and with the pixel size.
 _SIZE_LINE, _RESOLUTION_LINE = 3, 7
@@ -48,7 +48,7 @@ def _read(text: Text) -> RawHeights:
             f"declares a map of {rows} rows of {columns} points; a map must have from 1 to "
             f"{MAX_TABLE_GRID_POINTS} points"
         )
-    block = parse_block(text, first, last, Dialect(None, "."))
+    block = parse_number_block(text, first, last, Dialect(None, "."))
     if block.values.shape[1] != 3:
         raise FormatError(f"{text.describe_line(first)} must contain a column number, a row number and a height")
     column, row, heights = block.values.T
@@ -61,7 +61,7 @@ def _read(text: Text) -> RawHeights:
     matrix[row.astype(np.int64), column.astype(np.int64)] = heights
     spacing = (pixel, pixel) if pixel > 0 else None
     return RawHeights(
-        matrix, unit="um", spacing=spacing, position_unit="m" if spacing else None, source=describe_source(block)
+        matrix, unit="um", spacing=spacing, position_unit="m" if spacing else None, source=make_source(block)
     )
 
 
