@@ -56,6 +56,7 @@ MAX_BUDGETED_COEFFICIENTS = 100  # maximum number of coefficients for which unce
 # relative difference up to which mu0 or tau0 counts as equal to its value in the study
 SAME_INPUT_TOLERANCE = 1e-3
 MAX_LOG_COEFFICIENT_RATIO = 50.0  # upper bound on ln(single test / mean), which prevents overflow
+TAIL_SUBSAMPLING = 61  # the bound of a tail is estimated from one in this number of samples
 NORMAL_DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 
@@ -599,14 +600,30 @@ def _equal_tailed_interval(values: NDArray[Any]) -> tuple[float, float]:
             f"the inputs are too uncertain, because {num_undefined} of {values.size} samples have no coefficient; "
             "specify narrower ranges"
         )
-    # Partitioning takes a tenth of the time of sorting all samples.
     probabilities = np.array([0.025, 0.975])
     if np.isinf(values).any():  # quantiles are not interpolated if samples are infinite
-        ranks = np.maximum(np.ceil(probabilities * values.size).astype(int) - 1, 0)
-        low, high = np.partition(values, ranks)[ranks]
-    else:
-        positions = probabilities * (values.size - 1)
-        lower_ranks = np.minimum(positions.astype(int), values.size - 2)
-        ordered = np.partition(values, np.unique([lower_ranks, lower_ranks + 1]))
-        low, high = ordered[lower_ranks] + (positions - lower_ranks) * (ordered[lower_ranks + 1] - ordered[lower_ranks])
-    return float(low), float(high)
+        low_rank, high_rank = np.maximum(np.ceil(probabilities * values.size).astype(int) - 1, 0).tolist()
+        return float(_smallest_values(values, low_rank + 1)[-1]), float(
+            -_smallest_values(-values, values.size - high_rank)[-1]
+        )
+    positions = probabilities * (values.size - 1)
+    low_rank, high_rank = np.minimum(positions.astype(int), values.size - 2).tolist()
+    low, above_low = _smallest_values(values, low_rank + 2)[-2:]
+    above_high, high = -_smallest_values(-values, values.size - high_rank)[-2:]
+    low_fraction, high_fraction = positions - [low_rank, high_rank]
+    return float(low + low_fraction * (above_low - low)), float(high + high_fraction * (above_high - high))
+
+
+def _smallest_values(values: Floats, count: int) -> Floats:
+    """Return the smallest `count` values, of which only the last two are sorted.
+
+    For small fractions of many values, this takes a quarter of the time of partitioning all values.
+    """
+    subsample = values[::TAIL_SUBSAMPLING]
+    bound_rank = 3 * count // (2 * TAIL_SUBSAMPLING) + 1
+    if bound_rank < subsample.size:
+        smallest = values[values <= np.partition(subsample, bound_rank)[bound_rank]]
+    if bound_rank >= subsample.size or smallest.size < count:
+        smallest = values.copy()
+    smallest.partition([max(count - 2, 0), count - 1])
+    return np.asarray(smallest[:count])

@@ -388,14 +388,15 @@ def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
     errors = np.sqrt(squares / (count - 1) * inflation)
 
     # The distribution function is concave above 0, so Newton steps from below do not exceed the quantile.
-    quantile_estimate, is_moving = quantile * errors.min(axis=1), np.ones(mean.shape, bool)
+    quantile_estimate, moving_rows = quantile * errors.min(axis=1), np.arange(mean.size)
     for _ in range(_MAX_NEWTON_STEPS):
-        t = quantile_estimate[:, np.newaxis] / errors
-        slope = density * (weights * (1 + t * t / (count - 1)) ** (-count / 2) / errors).sum(axis=1)
-        step = (0.5 + CONFIDENCE_LEVEL / 2 - (weights * stdtr(count - 1, t)).sum(axis=1)) / slope
-        quantile_estimate = quantile_estimate + np.where(is_moving, step, 0.0)
-        is_moving &= step > 1e-15 * quantile_estimate
-        if not is_moving.any():
+        row_weights, row_errors = weights[moving_rows], errors[moving_rows]
+        t = quantile_estimate[moving_rows, np.newaxis] / row_errors
+        slope = density * (row_weights * (1 + t * t / (count - 1)) ** (-count / 2) / row_errors).sum(axis=1)
+        step = (0.5 + CONFIDENCE_LEVEL / 2 - (row_weights * stdtr(count - 1, t)).sum(axis=1)) / slope
+        quantile_estimate[moving_rows] += step
+        moving_rows = moving_rows[step > 1e-15 * quantile_estimate[moving_rows]]
+        if not moving_rows.size:
             break
     skewness = (y**3).mean(axis=1) / (y**2).mean(axis=1) ** 1.5 / 3
     is_symmetric = np.abs(skewness) <= _MIN_SKEWNESS
