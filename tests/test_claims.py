@@ -78,8 +78,8 @@ def test_first_resampled_ensemble_gives_the_same_maps_as_the_result(result, resa
 
 
 def test_resampled_intervals_agree_with_those_of_the_friction_map(result, resampled_means):
-    computed = resampled_means.at("friction", resampled_means.middle_load)[1:]
-    lower, upper = np.quantile(computed, [0.025, 0.975], axis=0)
+    resampled_values = resampled_means.at("friction", resampled_means.middle_load)[1:]
+    lower, upper = np.quantile(resampled_values, [0.025, 0.975], axis=0)
     expected_map = friction_map(result, [resampled_means.middle_load], mu0=[0.4], tau0=[0.0]).sel(amplitude=0.1)
     ratio = (np.log(upper / lower) / np.log(expected_map["upper"] / expected_map["lower"]).values.ravel())[:6]
     assert ratio.min() > 0.6
@@ -87,14 +87,14 @@ def test_resampled_intervals_agree_with_those_of_the_friction_map(result, resamp
 
 
 def test_loads_of_claims_are_reached_at_every_fractal_dimension(result, resampled_means):
-    elastic = result["normal_elastic"].sel(amplitude=0.1).mean("repetition")
+    mean_loads = result["normal_elastic"].sel(amplitude=0.1).mean("repetition")
     assert (
-        float(elastic.isel(approach=0).max())
+        float(mean_loads.isel(approach=0).max())
         < resampled_means.light_load
         < resampled_means.middle_load
         < resampled_means.heavy_load
     )
-    assert resampled_means.heavy_load < float(elastic.max("approach").min())
+    assert resampled_means.heavy_load < float(mean_loads.max("approach").min())
     # The middle load is the geometric mean of the other two.
     assert resampled_means.middle_load**2 == pytest.approx(
         (resampled_means.light_load * resampled_means.heavy_load), rel=1e-9
@@ -318,8 +318,8 @@ def test_verdict_from_confidence_bands_is_undefined_if_most_dimensions_are_self_
 
 def test_part_of_a_claim_is_undefined_if_most_of_its_range_has_no_values():
     # Friction is self-locked where the normal load is negative, which is at all D above 1.45.
-    world = {"normal_frictional": lambda d, a, f: np.where(d > 1.45, -5.0, 0.0) * f}
-    computed = {judge_values.part.name: judge_values for judge_values in judge_claims(create_result(**world))}
+    sum_functions = {"normal_frictional": lambda d, a, f: np.where(d > 1.45, -5.0, 0.0) * f}
+    computed = {judge_values.part.name: judge_values for judge_values in judge_claims(create_result(**sum_functions))}
     assert computed["5"].verdict == "undefined"
     assert computed["2a"].excluded_dimensions == pytest.approx((1.5,))
     assert computed["2a"].verdict != "undefined"

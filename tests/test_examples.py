@@ -150,15 +150,15 @@ def run_command(line, cwd):
         case ["stiction", "app", *_]:
             pass  # The tests of the app start this command. Here it would wait until somebody closes its window.
         case ["stiction", *_]:
-            words, _, output_file = reduce_study_size(line).partition(" > ")
+            command_words, _, output_file = reduce_study_size(line).partition(" > ")
             # Commands that start processes on a cluster need their own Python interpreter.
-            if re.search("--(cluster|scheduler)", words):
+            if re.search("--(cluster|scheduler)", command_words):
                 completed = subprocess.run(
-                    [sys.executable, "-m", *shlex.split(words)], cwd=cwd, capture_output=True, text=True, timeout=240,
-                    check=False,
+                    [sys.executable, "-m", *shlex.split(command_words)], cwd=cwd, capture_output=True, text=True,
+                    timeout=240, check=False,
                 )  # fmt: skip
             else:
-                completed = call_stiction(*shlex.split(words)[1:], cwd=cwd)
+                completed = call_stiction(*shlex.split(command_words)[1:], cwd=cwd)
             assert completed.returncode == 0, (line, completed.stderr)
             if output_file:
                 (cwd / output_file.strip()).write_text(completed.stdout, encoding="utf-8")
@@ -212,17 +212,21 @@ def test_code_of_a_documentation_page_runs_without_error(page, tmp_path, monkeyp
         side = "lower" if name == "lapped" else name
         scan = stiction.self_affine(1, hurst_exponent=0.8, rms=0.1, points=4000, spacing=0.05, side=side)
         stiction.write_profile(scan, tmp_path / f"{name}.csv")
-    fine = stiction.self_affine(1, hurst_exponent=0.8, rms=0.1, points=4000, spacing=0.05)
-    stiction.write_profile(fine, tmp_path / "fine.csv")
-    stiction.write_profile(stiction.Profile(fine.heights[::4], spacing=0.2), tmp_path / "coarse.csv")
+    fine_profile = stiction.self_affine(1, hurst_exponent=0.8, rms=0.1, points=4000, spacing=0.05)
+    stiction.write_profile(fine_profile, tmp_path / "fine.csv")
+    stiction.write_profile(stiction.Profile(fine_profile.heights[::4], spacing=0.2), tmp_path / "coarse.csv")
     shutil.copytree(ROOT / "examples/scans", tmp_path / "examples/scans")
     np.save(tmp_path / "map.npy", np.random.default_rng(1).normal(size=(30, 60)))
     for side in ("upper", "lower"):  # Create scans of one surface by two instruments.
-        fine = stiction.self_affine_surface(
+        fine_profile = stiction.self_affine_surface(
             1, hurst_exponent=0.8, rms=0.1, shape=(128, 128), spacing=0.2, longest_wavelength=8, side=side
         )
-        stiction.write_surface(stiction.Surface(fine.heights[::4, ::4], spacing=0.8), tmp_path / f"{side}_scope.csv")
-        stiction.write_surface(stiction.Surface(fine.heights[:48, :48], spacing=0.2), tmp_path / f"{side}_probe.csv")
+        stiction.write_surface(
+            stiction.Surface(fine_profile.heights[::4, ::4], spacing=0.8), tmp_path / f"{side}_scope.csv"
+        )
+        stiction.write_surface(
+            stiction.Surface(fine_profile.heights[:48, :48], spacing=0.2), tmp_path / f"{side}_probe.csv"
+        )
     # The code cells of this page, which the documentation build runs, create a result that later commands read.
     if page.name == "pair.md":
         run_command(
@@ -276,7 +280,7 @@ def test_code_of_the_page_on_clusters_runs_without_error(page, tmp_path, monkeyp
         (tmp_path / name).write_text(script_text, encoding="utf-8")
         (tmp_path / name).chmod(0o755)
     monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
-    computed = 0
+    num_computed = 0
     with distributed.LocalCluster(n_workers=1, processes=False, protocol="tcp", dashboard_address=None) as cluster:
 
         def replace_cluster_settings(text):
@@ -300,8 +304,8 @@ def test_code_of_the_page_on_clusters_runs_without_error(page, tmp_path, monkeyp
                     assert store.info(tmp_path / "big").finished == 2
                     # Remove the result, because otherwise the next command would have nothing to compute.
                     shutil.rmtree(tmp_path / "big")
-                    computed += 1
-    assert computed == 3
+                    num_computed += 1
+    assert num_computed == 3
 
 
 def test_reference_documentation_lists_every_public_name():
@@ -309,9 +313,9 @@ def test_reference_documentation_lists_every_public_name():
     if not pages:
         pytest.skip("the folder docs is not in this tree")
     entry = re.compile(r"^\.\. (?:autoclass|autofunction):: (\S+)$", re.MULTILINE)
-    listed = [name for page in pages for name in entry.findall(page.read_text(encoding="utf-8"))]
-    assert len(listed) == len(set(listed))
-    assert [name for name in stiction.__all__ if name not in [*listed, "__version__"]] == []
+    listed_names = [name for page in pages for name in entry.findall(page.read_text(encoding="utf-8"))]
+    assert len(listed_names) == len(set(listed_names))
+    assert [name for name in stiction.__all__ if name not in [*listed_names, "__version__"]] == []
 
 
 def load_script(name):
@@ -358,8 +362,8 @@ def test_reference_documentation_lists_every_key_option_and_study():
         for key, entry in table.model_fields.items():
             assert entry.description, f"{key} needs a description, which is printed in the reference of study files"
             assert f"| `{key}` |" in study_keys()
-    written = ROOT / "docs/generated/study_keys.md"
-    assert written.read_text("utf-8") == study_keys(), "write stiction.views.study_keys.study_keys() to this file"
+    written_page = ROOT / "docs/generated/study_keys.md"
+    assert written_page.read_text("utf-8") == study_keys(), "write stiction.views.study_keys.study_keys() to this file"
     for name in stiction.study_names():
         assert f"| `{name}` | " in pages["built_in.md"]
     for group in reference.COMMANDS_BY_GROUP.values():

@@ -38,9 +38,9 @@ def test_random_roughness_has_the_spectrum_estimated_from_the_scan(hurst):
     gap = self_affine_surface(1, hurst_exponent=hurst, rms=20.0, shape=(256, 256), spacing=250.0)
     result, density = FRACTURES_SCRIPT["estimate_spectrum"](gap)
     assert result == pytest.approx(hurst, abs=EXPONENT_TOLERANCE)
-    wave, created = 1 / 800.0, FRACTURES_SCRIPT["random_roughness"]((256, 256), 250.0, density, 10e3, 1)
-    again = FRACTURES_SCRIPT["estimate_spectrum"](Surface(created, spacing=250.0))[1]
-    assert again(wave) == pytest.approx(density(wave), rel=0.3)
+    wave, heights = 1 / 800.0, FRACTURES_SCRIPT["random_roughness"]((256, 256), 250.0, density, 10e3, 1)
+    estimated_density = FRACTURES_SCRIPT["estimate_spectrum"](Surface(heights, spacing=250.0))[1]
+    assert estimated_density(wave) == pytest.approx(density(wave), rel=0.3)
 
 
 @pytest.mark.skipif(

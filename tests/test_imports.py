@@ -139,9 +139,11 @@ def test_public_names_are_not_defined_in_command_line_and_app_layers(layer):
 
 def test_command_group_lists_every_command_and_finds_its_module():
     group = typer.main.get_command(application.app)
-    listed = {name: module for value in application.COMMANDS_BY_GROUP.values() for name, (module, _) in value.items()}
-    assert group.list_commands(None) == list(listed)
-    for name, module in listed.items():
+    modules_by_command = {
+        name: module for value in application.COMMANDS_BY_GROUP.values() for name, (module, _) in value.items()
+    }
+    assert group.list_commands(None) == list(modules_by_command)
+    for name, module in modules_by_command.items():
         command = group.get_command(None, name)
         assert command.name == name
         assert command.callback.__module__ == f"stiction.cli.{module}"

@@ -41,11 +41,11 @@ def test_docstring_of_public_function_has_all_sections(name):
     function = getattr(stiction, name)
     sections = parse_sections(inspect.getdoc(function))
     entries = re.findall(r"^(\S.*?)(?: : .*)?$", sections.get("Parameters", ""), re.MULTILINE)
-    documented = {item.strip() for entry in entries for item in entry.split(",")}
-    if "**contact" in documented:
-        documented |= {"model", *(field.name for field in dataclasses.fields(ContactModel))}
+    documented_names = {item.strip() for entry in entries for item in entry.split(",")}
+    if "**contact" in documented_names:
+        documented_names |= {"model", *(field.name for field in dataclasses.fields(ContactModel))}
     signature = inspect.signature(function)
-    assert set(signature.parameters) - documented == set()
+    assert set(signature.parameters) - documented_names == set()
     assert ("Returns" in sections) == (signature.return_annotation != "None")
     assert ">>>" in sections["Examples"]
 
@@ -54,9 +54,9 @@ def test_core_functions_reject_arrays_with_wrong_dtypes():
     heights = np.zeros(8)
     options = {"spacing": 1.0, "approaches": np.array([0.1]), "model": ContactModel().core()}
     _core.press(heights, heights, **options)
-    for bad in (heights.tolist(), heights.astype(np.float32), np.zeros(16)[::2]):
+    for invalid_heights in (heights.tolist(), heights.astype(np.float32), np.zeros(16)[::2]):
         with pytest.raises(TypeError, match="incompatible function arguments"):
-            _core.press(bad, heights, **options)
+            _core.press(invalid_heights, heights, **options)
 
 
 def test_profile_generation_releases_the_interpreter_lock():

@@ -21,9 +21,9 @@ def load_script(path, monkeypatch):
     for name in ("prove", "wheel", "release"):
         monkeypatch.delitem(sys.modules, name, raising=False)
     spec = importlib.util.spec_from_file_location(path.stem, path)
-    created = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(created)
-    return created
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
 @pytest.fixture

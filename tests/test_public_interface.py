@@ -126,12 +126,12 @@ CLASSES_WITH_GENERATED_REPR = {
 def test_public_classes_define_their_own_repr():
     for name in PUBLIC_NAMES:
         if inspect.isclass(kind := getattr(stiction, name)):
-            created = getattr(kind, "__dataclass_params__", None)
-            generated = (
-                created is not None and created.repr and kind.__repr__.__doc__ is None
+            dataclass_options = getattr(kind, "__dataclass_params__", None)
+            has_generated_repr = (
+                dataclass_options is not None and dataclass_options.repr and kind.__repr__.__doc__ is None
             )  # a repr of the package has a docstring
             assert kind.__repr__ is not object.__repr__ or name in PUBLIC_EXCEPTIONS, name
-            assert not generated or name in CLASSES_WITH_GENERATED_REPR, name
+            assert not has_generated_repr or name in CLASSES_WITH_GENERATED_REPR, name
 
 
 def test_dir_of_the_package_lists_public_names_only():
@@ -184,9 +184,9 @@ def test_reprs_contain_units(upper, lower, curve):
 
 def test_html_of_results_contains_a_figure_or_table(upper, lower, curve):
     for item in displayed_objects(upper, lower, curve):
-        shows = item._repr_html_()
-        assert '<img alt="Plot' in shows or "<table" in shows
-        assert "<pre " not in shows or '<pre tabindex="0" ' in shows
+        html_text = item._repr_html_()
+        assert '<img alt="Plot' in html_text or "<table" in html_text
+        assert "<pre " not in html_text or '<pre tabindex="0" ' in html_text
         if hasattr(item, "plot"):
             ax = Figure().subplots()
             assert item.plot(ax) is ax
@@ -195,8 +195,10 @@ def test_html_of_results_contains_a_figure_or_table(upper, lower, curve):
 
 def test_plot_of_a_load_curve_draws_friction_coefficients(curve):
     ax = curve.plot(Figure().subplots(), mu0=[0.1, 0.3], tau0=0.05)
-    drawn = np.array([line.get_ydata() for line in ax.get_lines()])
-    np.testing.assert_array_equal(drawn, curve.friction_coefficient(mu0=[0.1, 0.3], tau0=0.05).reshape(-1, 2))
+    drawn_coefficients = np.array([line.get_ydata() for line in ax.get_lines()])
+    np.testing.assert_array_equal(
+        drawn_coefficients, curve.friction_coefficient(mu0=[0.1, 0.3], tau0=0.05).reshape(-1, 2)
+    )
     assert ax.get_legend().get_texts()[0].get_text() == "μ0 = 0.1, τ0 = 50 MPa, 0°"
 
 
@@ -215,9 +217,9 @@ def test_surface_is_unchanged_by_an_xarray_round_trip(lower):
     for body in (flipped_surface, flipped_surface.row(3)):
         array = body.to_xarray()
         assert array.attrs["units"] == array["x"].attrs["units"] == "um"
-        restored = type(body).from_(array)
-        np.testing.assert_array_equal(restored.heights, body.heights)
-        assert (restored.spacing, restored.history) == (body.spacing, body.history)
+        restored_body = type(body).from_(array)
+        np.testing.assert_array_equal(restored_body.heights, body.heights)
+        assert (restored_body.spacing, restored_body.history) == (body.spacing, body.history)
 
 
 XARRAY_METHODS = {name for kind in (xarray.Dataset, xarray.DataArray) for name in dir(kind) if not name.startswith("_")}
@@ -246,8 +248,8 @@ def create_datasets(upper, lower, function_result, folder):
         member_values(generated_dataset, loads),
     ]
     datasets += [stiction.resolution(upper, lower, [1.0], hardness=1.0, effective_modulus=10.0, cut_offs=[0.8])]
-    rough = stiction.scale_dependent_roughness(lower)
-    datasets += [stiction.spectral_resolution(rough, rough, pressure=0.01, hardness=1.0, mu0=0.3)]
+    roughness = stiction.scale_dependent_roughness(lower)
+    datasets += [stiction.spectral_resolution(roughness, roughness, pressure=0.01, hardness=1.0, mu0=0.3)]
     datasets += [function_result.dataset, function_result.at("10 MPa"), member_values(function_result.source, [1.0])]
     datasets += [contact_picture(function_result.source), xarray.load_dataset(folder / "onset.nc")]
     return datasets
@@ -316,9 +318,9 @@ def test_contacts_of_a_generated_result_equal_those_computed_directly():
 def test_surface_from_an_xarray_array_converts_units(lower):
     array = lower.to_xarray() * 1000
     array.attrs["units"] = "nm"
-    converted = Surface.from_(array.transpose("x", "y"))
-    np.testing.assert_allclose(converted.heights, lower.heights, rtol=1e-15)
-    assert converted.spacing == lower.spacing
+    surface = Surface.from_(array.transpose("x", "y"))
+    np.testing.assert_allclose(surface.heights, lower.heights, rtol=1e-15)
+    assert surface.spacing == lower.spacing
 
 
 def test_surface_from_a_surface_topography_object_preserves_heights(lower):
@@ -330,9 +332,9 @@ def test_surface_from_a_surface_topography_object_preserves_heights(lower):
     np.testing.assert_allclose(converted.spacing, lower.spacing, rtol=1e-14)
     line = Profile.from_(topography.UniformLineScan(lower.heights[0], columns * 0.2), unit="um")
     np.testing.assert_array_equal(line.heights, lower.heights[0])
-    masked = np.ma.masked_greater(lower.heights.T, 0.01)
+    masked_heights = np.ma.masked_greater(lower.heights.T, 0.01)
     with pytest.raises(ValueError, match="must have a height at every point"):
-        Surface.from_(topography.Topography(masked, sizes, unit="nm"))
+        Surface.from_(topography.Topography(masked_heights, sizes, unit="nm"))
 
 
 class SurfalizeStandIn:
@@ -353,7 +355,7 @@ def test_conversion_to_a_surface_rejects_unsuitable_objects(lower):
     missing, uneven = array.copy(), array.copy()
     missing[0, 0] = np.nan
     uneven = uneven.assign_coords(x=("x", np.square(array["x"].values), array["x"].attrs))
-    for bad, words in (
+    for invalid_object, words in (
         (lower.row(0), "must be a surface, got a profile; use Profile.from_"),
         ([[0.0, 1.0]], "an object from SurfaceTopography, surfalize or xarray, got list"),
         (array.drop_attrs(), "must have a unit of length"),
@@ -362,7 +364,7 @@ def test_conversion_to_a_surface_rejects_unsuitable_objects(lower):
         (uneven, "equal steps along x"),
     ):
         with pytest.raises(ValueError, match=re.escape(words)):
-            Surface.from_(bad)
+            Surface.from_(invalid_object)
 
 
 # ---- Quantities, moduli and identical bodies -------------------------------------------------------------------------
@@ -403,15 +405,15 @@ def test_contact_functions_require_a_modulus_for_measured_surfaces(upper, scanne
         with pytest.raises(ValueError, match=r"effective_modulus .* must be given, because a body was read from scan"):
             call()
     model = stiction.ContactModel(effective_modulus=10.0)
-    with_model, generated = (
+    curve_with_model, generated = (
         press(upper, scanned_surface, "10 nm", model=model),
         Surface(scanned_surface.heights, spacing=scanned_surface.spacing),
     )
-    np.testing.assert_array_equal(with_model.normal_elastic, press(upper, generated, "10 nm").normal_elastic)
+    np.testing.assert_array_equal(curve_with_model.normal_elastic, press(upper, generated, "10 nm").normal_elastic)
 
 
 def test_contact_functions_warn_about_a_surface_pressed_on_itself(scanned_surface, lower):
-    mirrored = Surface(
+    mirrored_surface = Surface(
         0.3 - scanned_surface.heights,
         spacing=scanned_surface.spacing,
         history=(*scanned_surface.history, "turned over"),
@@ -419,7 +421,10 @@ def test_contact_functions_warn_about_a_surface_pressed_on_itself(scanned_surfac
     for call, words in (
         (lambda: half_space(scanned_surface, scanned_surface, "1 mN", effective_modulus=10.0), "face the same way"),
         (lambda: half_space(lower, lower, "1 mN"), "fit into each other everywhere"),
-        (lambda: half_space(mirrored, scanned_surface, "1 mN", effective_modulus=10.0), "is the mirror image of lower"),
+        (
+            lambda: half_space(mirrored_surface, scanned_surface, "1 mN", effective_modulus=10.0),
+            "is the mirror image of lower",
+        ),
         (lambda: press(flipped(lower), lower, "5 nm"), "slopes along y cancel"),
     ):
         with pytest.warns(UserWarning, match=words):
@@ -443,8 +448,8 @@ def test_press_of_two_different_surfaces_issues_no_warning(scanned_surface, uppe
 
 def test_surface_on_its_mirror_image_has_no_elastic_tangential_load(lower):
     """The slopes of a surface in contact with its mirror image cancel."""
-    mirrored = Surface(-lower.heights, spacing=lower.spacing)
-    result = half_space(mirrored, lower, "1 mN", direction=[0, 90], sliding="all")
+    mirrored_surface = Surface(-lower.heights, spacing=lower.spacing)
+    result = half_space(mirrored_surface, lower, "1 mN", direction=[0, 90], sliding="all")
     assert np.abs(result.tangential_elastic).max() < 1e-6 * result.normal_elastic.max()
 
 
@@ -523,11 +528,11 @@ def test_result_of_pair_for_surfaces_in_memory_equals_that_for_files(function_re
 
 
 def test_result_of_pair_has_value_interval_verdict_and_table(function_result, tmp_path):
-    first = function_result.summary().points[0]
-    assert function_result.value == first.value
-    assert function_result.interval == (first.lower, first.upper)
+    first_point = function_result.summary().points[0]
+    assert function_result.value == first_point.value
+    assert function_result.interval == (first_point.lower, first_point.upper)
     assert function_result.verdict in repr(function_result)
-    assert all(caveat.text in " ".join(repr(function_result).split()) for caveat in first.caveats)
+    assert all(caveat.text in " ".join(repr(function_result).split()) for caveat in first_point.caveats)
     table = function_result.to_dataframe()
     assert {"verdict", "caveats", "coefficient of static friction"} <= set(table.columns)
     assert "<pre" in (shows := function_result._repr_html_())
@@ -536,9 +541,9 @@ def test_result_of_pair_has_value_interval_verdict_and_table(function_result, tm
 
 
 def test_result_can_be_evaluated_at_other_loads_and_conditions(function_result):
-    at = function_result.at(["5 MPa", "2 mN"], mu0=0.25, tau0="20 MPa")
-    np.testing.assert_allclose(at["load"], sorted([2.0, 0.005 * float(function_result.dataset["nominal_area"])]))
-    assert (at["mu0"].item(), at["tau0"].item()) == (0.25, 0.02)
+    table = function_result.at(["5 MPa", "2 mN"], mu0=0.25, tau0="20 MPa")
+    np.testing.assert_allclose(table["load"], sorted([2.0, 0.005 * float(function_result.dataset["nominal_area"])]))
+    assert (table["mu0"].item(), table["tau0"].item()) == (0.25, 0.02)
 
 
 def test_result_of_pair_draws_every_figure(function_result):
@@ -585,13 +590,13 @@ def test_pair_replaces_a_result_of_another_study_only_on_request(function_result
     assert pair(
         surface_folder / "upper.npy", surface_folder / "lower.npy", **options | {"mu0": 0.1}
     ).study.friction.mu0 == (0.1,)
-    other = options | {"effective_modulus": "70 GPa"}
+    other_options = options | {"effective_modulus": "70 GPa"}
     with pytest.raises(ValueError, match="contains another study") as caught:
-        pair(surface_folder / "upper.npy", surface_folder / "lower.npy", **other)
+        pair(surface_folder / "upper.npy", surface_folder / "lower.npy", **other_options)
     assert "\n" not in str(caught.value)
     assert (
         pair(
-            surface_folder / "upper.npy", surface_folder / "lower.npy", **other, replace=True
+            surface_folder / "upper.npy", surface_folder / "lower.npy", **other_options, replace=True
         ).study.contact.effective_modulus
         == 70
     )

@@ -45,8 +45,8 @@ def test_file_reading_limits_the_size_and_rejects_special_files(tmp_path):
 class TestFileWriting:
     def test_file_writing_uses_unpredictable_temporary_names(self, tmp_path, writer):
         names = []
-        for each in range(2):
-            with writer(tmp_path / f"f{each}", ValueError) as partial:
+        for index in range(2):
+            with writer(tmp_path / f"f{index}", ValueError) as partial:
                 assert _files.PARTIAL_NAME_PATTERN.fullmatch(partial.name)
                 assert not partial.is_symlink()
                 names.append(partial.name)
@@ -91,17 +91,21 @@ def test_concurrent_writers_of_a_file_replace_it_as_a_whole(tmp_path):
 
 def test_modules_contain_no_string_statements_without_effect():
     """A string as a statement inside a function is usually the lost second half of a message."""
-    lost = []
+    lost_strings = []
     for path in sorted(Path(stiction.__file__).parent.rglob("*.py")):
         nodes = list(ast.walk(ast.parse(path.read_text("utf-8"))))
         functions = [node for node in nodes if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)]
-        documented = {node.body[0] for node in nodes if isinstance(node, ast.ClassDef)}
+        docstring_nodes = {node.body[0] for node in nodes if isinstance(node, ast.ClassDef)}
         for function in functions:
-            documented |= {function.body[0]}
-            documented |= {node for last, node in itertools.pairwise(function.body) if is_attribute_assignment(last)}
+            docstring_nodes |= {function.body[0]}
+            docstring_nodes |= {
+                node for last, node in itertools.pairwise(function.body) if is_attribute_assignment(last)
+            }
         statements = {node for function in functions for node in ast.walk(function) if isinstance(node, ast.Expr)}
-        lost += [f"{path.name}:{node.lineno}" for node in statements - documented if is_string_node(node.value)]
-    assert lost == []
+        lost_strings += [
+            f"{path.name}:{node.lineno}" for node in statements - docstring_nodes if is_string_node(node.value)
+        ]
+    assert lost_strings == []
 
 
 def is_attribute_assignment(node):

@@ -76,8 +76,8 @@ def test_sample_of_names_and_sentences_depends_only_on_the_seed():
     if not (ROOT / ".git").exists():
         pytest.skip("no git checkout")
     command = [sys.executable, str(ROOT / "tools/words.py"), "sample", "--number", "10"]
-    first, again, other = (
+    first_sample, repeated_sample, other_sample = (
         subprocess.check_output([*command, "--seed", seed], text=True, cwd=ROOT) for seed in ("1", "1", "2")
     )
-    assert first == again != other
-    assert first.count("\n|  | ") == 20
+    assert first_sample == repeated_sample != other_sample
+    assert first_sample.count("\n|  | ") == 20

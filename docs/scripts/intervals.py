@@ -10,7 +10,12 @@ from stiction.studies.intervals import neighbors_mean
 DOCS_FOLDER = Path(__file__).parent.parent
 sys.path.insert(0, str(DOCS_FOLDER.parent / "tests"))
 
-from reference.neighbours import DISTRIBUTION_NAMES, coverage_and_width, estimate_true_mean, simulate_traverses  # noqa: E402
+from reference.neighbours import (  # noqa: E402
+    DISTRIBUTION_NAMES,
+    coverage_and_width,
+    estimate_true_mean,
+    simulate_correlated_positions,
+)
 
 NUM_TRIALS = 2000
 POSITION_COUNTS = (8, 16, 32, 64, 200)
@@ -70,7 +75,7 @@ def main():
                     [positions, int(10 * correlation), DISTRIBUTION_NAMES.index(distribution)]
                 )
                 true_mean, best_width = estimate_true_mean(distribution, positions, correlation, generator)
-                values = simulate_traverses(distribution, NUM_TRIALS, positions, correlation, generator)
+                values = simulate_correlated_positions(distribution, NUM_TRIALS, positions, correlation, generator)
                 values = values[(values != values[:, :1]).any(axis=1)]
                 cells = []
                 for method in INTERVAL_METHODS.values():

@@ -356,8 +356,8 @@ def test_server_answers_requests_despite_many_idle_connections(tmp_path):
         server.log_in()
         resource.prlimit(server.process.pid, resource.RLIMIT_NOFILE, (256, 256))
         for _ in range(400):
-            idle = stack.enter_context(socket.create_connection(("127.0.0.1", int(server.port)), timeout=60))
-            idle.sendall(b"GET / HTTP/1.1\r\n")
+            idle_connection = stack.enter_context(socket.create_connection(("127.0.0.1", int(server.port)), timeout=60))
+            idle_connection.sendall(b"GET / HTTP/1.1\r\n")
         assert [server.request("GET", "/jobs")[0] for _ in range(3)] == [200, 200, 200]
         server.process.send_signal(signal.SIGTERM)
         assert server.process.wait(60) == 0

@@ -33,8 +33,8 @@ def results_folder(tmp_path_factory, no_figures):
     for side in ("upper", "lower"):
         scan = self_affine(1, hurst_exponent=0.8, rms=0.05, points=600, spacing=0.05, side=side)
         write_profile(scan, path / f"{side}.csv")
-        rough = {"rms": 0.02, "shape": (24, 24), "spacing": 0.2, "shortest_wavelength": 0.8}
-        write_surface(self_affine_surface(1, hurst_exponent=0.8, side=side, **rough), path / f"{side}.npy")
+        surface_options = {"rms": 0.02, "shape": (24, 24), "spacing": 0.2, "shortest_wavelength": 0.8}
+        write_surface(self_affine_surface(1, hurst_exponent=0.8, side=side, **surface_options), path / f"{side}.npy")
     run(
         SMALL_STUDY.with_changes({"ensemble.repetitions": 4, "friction.tau0": ["0 MPa", "100 MPa"]}),
         store=path / "study",
@@ -66,13 +66,13 @@ CONDITION_OPTIONS = {
 def test_at_command_prints_library_values_for_any_mu0_and_tau0(results_folder, name):
     options, loads, friction_parameters = CONDITION_OPTIONS[name]
     output_record = json.loads(stiction_output("at", name, *options, "--json", cwd=results_folder))
-    stored = open_stored(results_folder / name)
+    stored_result = open_stored(results_folder / name)
     if name == "maps":
         loads = [8e-3 * output_record["nominal_area"]]
-    expected_points = at_load(stored, loads, **friction_parameters)
+    expected_points = at_load(stored_result, loads, **friction_parameters)
     if name == "study":
         expected_points = expected_points.sel(fractal_dimension=[1.3], method="nearest").isel(amplitude=[0])
-    expected_points = summarize(expected_points, stored.study).points
+    expected_points = summarize(expected_points, stored_result.study).points
     assert [answer["verdict"] for answer in output_record["answers"]] == [answer.verdict for answer in expected_points]
     assert [answer["at"]["load"] for answer in output_record["answers"]] == pytest.approx(
         [answer.at["load"] for answer in expected_points]
@@ -240,12 +240,12 @@ def test_scale_heights_option_rejects_invalid_input(results_folder, name, argume
 @pytest.mark.parametrize("name", ["study", "lines", "maps"])
 def test_export_command_writes_netcdf_or_csv_without_overwriting_files(results_folder, name, tmp_path):
     stiction_output("export", name, str(tmp_path / "r.nc"), cwd=results_folder)
-    with xarray.open_dataset(tmp_path / "r.nc", engine="h5netcdf") as exported:
-        exported = exported.load()
+    with xarray.open_dataset(tmp_path / "r.nc", engine="h5netcdf") as exported_dataset:
+        exported_dataset = exported_dataset.load()
     dataset = open_stored(results_folder / name).dataset()
-    assert set(dataset.data_vars) == set(exported.data_vars)
+    assert set(dataset.data_vars) == set(exported_dataset.data_vars)
     for variable in dataset.data_vars:
-        assert exported[variable].equals(dataset[variable]), variable
+        assert exported_dataset[variable].equals(dataset[variable]), variable
     stiction_output("export", name, str(tmp_path / "r.csv"), cwd=results_folder)
     rows = list(csv.DictReader((tmp_path / "r.csv").read_text(encoding="utf-8").splitlines()))
     record = json.loads(stiction_output("info", name, "--json", cwd=results_folder))

@@ -308,7 +308,7 @@ def test_characterise_command_joins_spectra_of_several_scans(scans_folder):
     assert_rejected(
         call_stiction("characterise", *arguments, "--output", "spectra.doc", cwd=scans_folder), "must end in"
     )
-    joined = joined_spectrum(
+    spectrum = joined_spectrum(
         [
             levelled(Surface(heights, spacing=spacing), "plane")
             for heights, spacing in ((fine_heights, 0.02), (coarse_heights, 0.08))
@@ -316,10 +316,10 @@ def test_characterise_command_joins_spectra_of_several_scans(scans_folder):
     )
     with (scans_folder / "joined.csv").open() as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
-    np.testing.assert_allclose([float(row["C2D (um4)"]) for row in rows], joined.density, rtol=1e-6)
+    np.testing.assert_allclose([float(row["C2D (um4)"]) for row in rows], spectrum.density, rtol=1e-6)
     record = json.loads(call_stiction("characterise", *arguments, "--json", cwd=scans_folder).stdout)
     assert [scan["file"] for scan in record["scans"]] == ["fine.npy", "coarse.npy"]
-    np.testing.assert_allclose(record["spectrum"]["rms_gradient"], joined.roughness().gradient)
+    np.testing.assert_allclose(record["spectrum"]["rms_gradient"], spectrum.roughness().gradient)
 
 
 def test_characterise_command_writes_mean_and_noise_of_repeated_scans(tmp_path):

@@ -264,11 +264,11 @@ def test_material_names_set_modulus_hardness_and_yield_strength(scans_folder):
     law = parse_study(scans_folder, *PROFILE_FILES, *arguments, "--law", "jackson-green").contact.law
     assert float(law.yield_strength) == pytest.approx(softer_hardness(steel, brass) / 2.84, rel=5e-3)
     with contextlib.chdir(scans_folder):
-        remark, remark_with_hardness = (
+        remark_without_hardness, remark_with_hardness = (
             parse_pair_arguments(scans_folder, *MAP_ARGUMENTS, *arguments, *options).remarks[0]
             for options in ([], ["--hardness", "3 GPa"])
         )
-    assert "brass" in remark
+    assert "brass" in remark_without_hardness
     assert "--hardness" in remark_with_hardness
 
     # Rubber has no hardness, because it does not yield.
@@ -481,8 +481,8 @@ def test_preview_is_printed_to_standard_error_on_terminals(scans_folder, monkeyp
     ):
         with contextlib.chdir(scans_folder):
             assert parse_pair_arguments(scans_folder, *arguments, *MATERIAL_OPTIONS).preview_study is None
-    repeated = call_stiction(*command, cwd=scans_folder, without_figures=True)
-    assert "preliminary" not in repeated.stderr
+    repeated_call = call_stiction(*command, cwd=scans_folder, without_figures=True)
+    assert "preliminary" not in repeated_call.stderr
 
 
 SCANS_FOLDER = Path(__file__).parents[2] / "examples" / "scans"
@@ -647,10 +647,10 @@ def test_pair_command_stores_the_result_figures_report_and_model_check(
     scans_folder, model_check_output, map_pair_output
 ):
     for folder in ("pair", "pair/half-space", "areas"):
-        stored = store.read(scans_folder / folder)
+        stored_dataset = store.read(scans_folder / folder)
         result = run(Study.from_toml(scans_folder / folder / "study.toml")).dataset
         for name, values in result.data_vars.items():
-            np.testing.assert_array_equal(stored[name].values, values.values, err_msg=name)
+            np.testing.assert_array_equal(stored_dataset[name].values, values.values, err_msg=name)
         assert (scans_folder / folder / "result.csv").exists()
         assert list((scans_folder / folder).glob("*.png"))
         assert "</html>" in (scans_folder / folder / "report.html").read_text("utf-8")
@@ -780,8 +780,8 @@ def test_run_command_rejects_changed_scan_file(scans_folder):
 @pytest.mark.usefixtures("disable_figures")
 def test_stylus_profile_paired_with_itself_is_shifted_by_the_travel(measured_file_path, tmp_path):
     file = measured_file_path("dektak-1.csv")
-    shifted = ["--travel", "200 um", "--offsets", "1", "--load", "10 mN", "--json"]
-    check_stiction("pair", file, file, *MATERIAL_OPTIONS, *shifted, cwd=tmp_path)
+    shift_options = ["--travel", "200 um", "--offsets", "1", "--load", "10 mN", "--json"]
+    check_stiction("pair", file, file, *MATERIAL_OPTIONS, *shift_options, cwd=tmp_path)
     result = store.read(tmp_path / "pair")
     assert float(result["x"][0]) == pytest.approx(200, abs=1)
 
@@ -819,9 +819,9 @@ def test_pair_command_reports_resolution_and_plastic_limit(folder_options_and_re
     assert [entry["cut_off"] for entry in resolution["cut_offs"]] == pytest.approx([0, 0.2], rel=1e-3)
     assert answer["finer_scans"]["from"] == pytest.approx(float(tabor_friction(0.625, 0.2, 0.05, 13.5)), rel=1e-3)
     assert answer["finer_scans"]["to"] >= answer["rules"][0]["value"]
-    stored = store.read(folder / "pair" / "resolution")
+    stored_resolution = store.read(folder / "pair" / "resolution")
     expected = run(Study.from_toml(folder / "pair" / "resolution" / "study.toml")).dataset
-    np.testing.assert_array_equal(stored["contact_area"].values, expected["contact_area"].values)
+    np.testing.assert_array_equal(stored_resolution["contact_area"].values, expected["contact_area"].values)
     pair_folder = folder / "pair"
     assert (pair_folder / "onset.csv").exists()
     assert [path.name for path in pair_folder.glob("*.png")] == ["friction.png"]

@@ -48,14 +48,14 @@ def create_surface(side):
 
 def create_scans(surface):
     """Return five scans of a surface: one with large pixels, and four of quarters with small pixels."""
-    pixels = surface.heights.reshape(NUM_POINTS // 4, 4, NUM_POINTS // 4, 4).mean((1, 3))
+    pixel_heights = surface.heights.reshape(NUM_POINTS // 4, 4, NUM_POINTS // 4, 4).mean((1, 3))
     half_size = NUM_POINTS // 2
     pieces = [
         surface.heights[row : row + half_size, column : column + half_size]
         for row in (0, half_size)
         for column in (0, half_size)
     ]
-    return [Surface(pixels, spacing=4 * SPACING), *(Surface(piece, spacing=SPACING) for piece in pieces)]
+    return [Surface(pixel_heights, spacing=4 * SPACING), *(Surface(piece, spacing=SPACING) for piece in pieces)]
 
 
 @pytest.fixture(scope="module")

@@ -67,9 +67,9 @@ def create_ball_on_flat(tabor, *, points=64, length=10.0):
 
 
 def create_rough_bodies(rms, work, *, points=32, modulus=80.0, length=1e-3, spacing=0.02, seed=3):
-    waves = {"longest_wavelength": points * spacing / 2, "shortest_wavelength": 4 * spacing}
+    wavelengths = {"longest_wavelength": points * spacing / 2, "shortest_wavelength": 4 * spacing}
     shape = {"shape": (points, points), "spacing": spacing}
-    lower = self_affine_surface(seed, hurst_exponent=0.8, rms=rms, **shape, **waves)
+    lower = self_affine_surface(seed, hurst_exponent=0.8, rms=rms, **shape, **wavelengths)
     bodies = Surface(np.zeros((points, points)), spacing=spacing), lower
     return bodies, {"effective_modulus": modulus, "work_of_adhesion": work, "adhesion_range": length}
 
@@ -128,8 +128,8 @@ def test_adhesive_contact_agrees_with_tamaas_solution_at_the_same_mean_gap(rms, 
     solver.addFunctionalTerm(attraction)
     solver.max_iter = 20_000
     solver.solve(contact.gap.mean())
-    per_contact = curve.contact_load[0] / area
-    assert model.traction.mean() == pytest.approx(load, abs=MEAN_GAP_TOLERANCE * per_contact)
+    mean_contact_pressure = curve.contact_load[0] / area
+    assert model.traction.mean() == pytest.approx(load, abs=MEAN_GAP_TOLERANCE * mean_contact_pressure)
     assert ((np.asarray(model["gap"]) <= ROUND_OFF) == (contact.pressure > 0)).mean() > 1 - POINT_FRACTION_TOLERANCE
 
 
@@ -338,7 +338,7 @@ def test_work_of_loading_and_unloading_equals_the_change_in_energy(case):
     bodies, adhesive = case
     area, unloaded_curve = 0.64**2, half_space(*bodies, [0.0], boundary="periodic", **adhesive)
     loads = np.linspace(0, 0.001 * adhesive["effective_modulus"] * area, 41)
-    works = []
+    works_of_paths = []
     for path_loads in (loads, loads[::-1], np.linspace(0, -0.9 * unloaded_curve.pull_off, 41)):
         curve = half_space(*bodies, path_loads, boundary="periodic", **adhesive)
         energies = []
@@ -348,10 +348,10 @@ def test_work_of_loading_and_unloading_equals_the_change_in_energy(case):
             elastic_energy = net_pressure * problem.grids.displacement(net_pressure) / 2
             adhesive_energy = adhesive["work_of_adhesion"] * np.exp(-np.maximum(contact.gap, 0) / curve.adhesion_range)
             energies.append(problem.cell_area * float((elastic_energy - adhesive_energy).sum()))
-        works.append(float(trapezoid(curve.load, curve.approach)))
-        assert works[-1] == pytest.approx(energies[1] - energies[0], rel=STEP_SUM_TOLERANCE)
-    assert works[0] == pytest.approx(-works[1], rel=STEP_SUM_TOLERANCE)
-    assert works[2] > 0
+        works_of_paths.append(float(trapezoid(curve.load, curve.approach)))
+        assert works_of_paths[-1] == pytest.approx(energies[1] - energies[0], rel=STEP_SUM_TOLERANCE)
+    assert works_of_paths[0] == pytest.approx(-works_of_paths[1], rel=STEP_SUM_TOLERANCE)
+    assert works_of_paths[2] > 0
 
 
 @pytest.mark.soak
@@ -383,10 +383,10 @@ def test_random_adhesive_contacts_converge_and_few_give_only_a_bound_of_pull_off
 def test_maugis_dugdale_solution_tends_to_jkr_and_dmt_solutions():
     work = {"work_of_adhesion": 1e-4}
     loads = np.array([2e-4, 0.0, -2e-4])
-    soft = maugis_dugdale(loads, 1.0, 1e-4, **work, adhesion_range=1e-3)
-    hard = maugis_dugdale(loads, 1.0, 1e4, **work, adhesion_range=1e-3)
-    assert np.allclose(soft, jkr(loads, 1.0, 1e-4, **work), rtol=1e-3)
-    assert np.allclose(hard, dmt(loads, 1.0, 1e4, **work), rtol=1e-2)
+    jkr_limit = maugis_dugdale(loads, 1.0, 1e-4, **work, adhesion_range=1e-3)
+    dmt_limit = maugis_dugdale(loads, 1.0, 1e4, **work, adhesion_range=1e-3)
+    assert np.allclose(jkr_limit, jkr(loads, 1.0, 1e-4, **work), rtol=1e-3)
+    assert np.allclose(dmt_limit, dmt(loads, 1.0, 1e4, **work), rtol=1e-2)
     for law in (jkr, dmt):
         assert np.isnan(law(-1.0, 1.0, 1.0, **work)[0])
 
@@ -443,17 +443,17 @@ def test_half_space_pressures_are_bit_identical_with_zero_adhesion_and_without_a
     assert (curve_without_adhesion.contact(0).pressure == zero_adhesion_curve.contact(0).pressure).all()
     assert (curve_without_adhesion.contact_load == curve_without_adhesion.load).all()
     assert zero_adhesion_curve.pull_off == 0
-    little = half_space(*bodies, [1e-4, 2e-4], **adhesive | {"work_of_adhesion": 1e-12})
-    assert little.contact_area == pytest.approx(curve_without_adhesion.contact_area, rel=1e-6)
+    weakly_adhesive_curve = half_space(*bodies, [1e-4, 2e-4], **adhesive | {"work_of_adhesion": 1e-12})
+    assert weakly_adhesive_curve.contact_area == pytest.approx(curve_without_adhesion.contact_area, rel=1e-6)
 
 
 def test_pull_off_force_is_positive_if_consecutive_iterations_do_not_change_the_solution():
     """Solve a case in which two consecutive iterations change nothing, so that the ratio of their changes is 0/0."""
     columns = "0011000010111 0010010101100", "0101010011010 0100101100001"
-    heights = [np.array([[int(sign) for sign in column] for column in text.split()]).T for text in columns]
+    sign_arrays = [np.array([[int(sign) for sign in column] for column in text.split()]).T for text in columns]
     upper, lower = (
         Surface(scale * (2.0 * signs - 1), spacing=(0.0392, 0.00392))
-        for scale, signs in zip((0.05, 0.13), heights, strict=True)
+        for scale, signs in zip((0.05, 0.13), sign_arrays, strict=True)
     )
     curve = half_space(
         upper, lower, [1e-7], boundary="periodic", effective_modulus=1.4556, hardness=0.011425,

@@ -107,11 +107,13 @@ class TestSurfacesAgainstReference:
             assert np.allclose(
                 getattr(table, name), expected, rtol=REFERENCE_TOLERANCE, atol=REFERENCE_TOLERANCE * expected.max()
             )
-        along = np.array([contact["along"] for contact in contact_list])
+        reference_along = np.array([contact["along"] for contact in contact_list])
         assert np.allclose(np.linalg.norm(table.along, axis=1), 1, atol=ROUND_OFF)
         assert np.allclose((table.along * table.normal).sum(axis=1), 0, atol=ROUND_OFF)
         assert np.allclose(
-            np.abs((table.along[:, :2] * along).sum(axis=1)), (along**2).sum(axis=1), atol=REFERENCE_TOLERANCE
+            np.abs((table.along[:, :2] * reference_along).sum(axis=1)),
+            (reference_along**2).sum(axis=1),
+            atol=REFERENCE_TOLERANCE,
         )
         point = np.array([[contact["x"], contact["y"], contact["z"]] for contact in contact_list])
         assert np.allclose(table.centre, point - 0.5 * table.overlap[:, None] * table.normal, atol=1e-9)
@@ -160,9 +162,9 @@ class TestSurfacesAgainstExactSolutions:
         force, area, axes, shorter_radius = hertz_ellipse_by_axis_ratio(k, 2.0, overlap, modulus)
         c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
         # The grid resolves the shorter radius and contains the longer axis of the ellipse.
-        half = 1.5 * axes[0]
-        spacing = min(2 * half / 80, 0.02 * shorter_radius)
-        size = 2 * round(half / spacing)
+        half_width = 1.5 * axes[0]
+        spacing = min(2 * half_width / 80, 0.02 * shorter_radius)
+        size = 2 * round(half_width / spacing)
 
         def ellipsoid_height(x, y):
             x, y = x - (size / 2 + 0.3) * spacing, y - (size / 2 - 0.2) * spacing
@@ -172,8 +174,8 @@ class TestSurfacesAgainstExactSolutions:
 
         body = surface_from_function(ellipsoid_height, (size + 1, size + 1), (spacing, spacing))
         flat = Surface(np.zeros_like(body.heights), spacing=spacing)
-        touch = -body.heights.max()
-        table = contacts(flat, body, overlap - touch, effective_modulus=modulus)
+        contact_gap = -body.heights.max()
+        table = contacts(flat, body, overlap - contact_gap, effective_modulus=modulus)
         assert len(table) == 1
         assert_close(table.force, force, SPLINE_TOLERANCE)
         assert_close(table.area, area, SPLINE_TOLERANCE)
@@ -197,9 +199,11 @@ class TestSurfacesAgainstExactSolutions:
         assert_close(curve.friction_coefficient(mu0=mu0)[0], math.tan(theta + math.atan(mu0)), ROUND_OFF)
         assert curve.friction_coefficient(mu0=mu0)[1, 0] == 0  # the slope of this contact assists the motion
         # The motion is up and down the slope, with friction at all contacts.
-        both = press(upper, lower, [1e-3], direction=[angle, angle + 180], sliding="all")
-        assert_close(both.friction_coefficient(mu0=mu0)[0], math.tan(theta + math.atan(mu0)), ROUND_OFF)
-        assert_close(both.friction_coefficient(mu0=mu0)[1], math.tan(math.atan(mu0) - theta), 1e-11)
+        curve_of_both_directions = press(upper, lower, [1e-3], direction=[angle, angle + 180], sliding="all")
+        assert_close(
+            curve_of_both_directions.friction_coefficient(mu0=mu0)[0], math.tan(theta + math.atan(mu0)), ROUND_OFF
+        )
+        assert_close(curve_of_both_directions.friction_coefficient(mu0=mu0)[1], math.tan(math.atan(mu0) - theta), 1e-11)
         assert abs(curve.lateral_load(mu0=mu0)).max() < ROUND_OFF * curve.normal_elastic[0]
         # With adhesion, the coefficient follows from the same force triangle.
         m = mu0 + 0.05 * curve.contact_area / curve.normal_elastic * math.cos(theta)
@@ -360,7 +364,7 @@ class TestContactLawsOnMaps:
         y, x = (np.linspace(-1, 1, size) for size in upper.heights.shape)
         upper = Surface(upper.heights + 0.5 * (x**2 + y[:, None] ** 2) ** 3, spacing=upper.spacing)
         law = JacksonGreen(yield_strength=0.05, poisson_ratio=0.3)
-        table, elastic = contacts(upper, lower, 0.1, law=law), contacts(upper, lower, 0.1)
+        table, elastic_table = contacts(upper, lower, 0.1, law=law), contacts(upper, lower, 0.1)
         assert len(table) > 2
         assert press(upper, lower, [0.1], law=law).load_at_edge == 0
         for i in range(len(table)):
@@ -369,7 +373,9 @@ class TestContactLawsOnMaps:
         assert np.allclose(table.radius, np.sqrt(table.radii.prod(axis=1)), rtol=ROUND_OFF)
         # The contact patch has the shape of the ellipse and the area of the contact law.
         assert np.allclose(np.pi * table.axes.prod(axis=1), table.area, rtol=ROUND_OFF)
-        assert np.allclose(table.axes[:, 1] / table.axes[:, 0], elastic.axes[:, 1] / elastic.axes[:, 0], rtol=1e-9)
+        assert np.allclose(
+            table.axes[:, 1] / table.axes[:, 0], elastic_table.axes[:, 1] / elastic_table.axes[:, 0], rtol=1e-9
+        )
 
     def test_press_rejects_cylinder_law_for_maps(self):
         for law in (HertzCylinder(), "hertz-cylinder"):
@@ -465,9 +471,9 @@ class TestApproachAtLoad:
         # The contact of a ball on a flat has the values of Hertz theory.
         ball = surface_from_function(lambda x, y: -((x - 0.807) ** 2 + (y - 0.604) ** 2) / 2)
         flat = Surface(np.zeros_like(ball.heights), spacing=0.02)
-        touch = -ball.heights.max()
-        at = approach_at_load(flat, ball, 4 / 3 * 10.0 * 0.01**1.5, mu0=0.3)
-        assert float(at) == pytest.approx(0.01 - touch, rel=SPLINE_TOLERANCE)
+        contact_gap = -ball.heights.max()
+        computed_approach = approach_at_load(flat, ball, 4 / 3 * 10.0 * 0.01**1.5, mu0=0.3)
+        assert float(computed_approach) == pytest.approx(0.01 - contact_gap, rel=SPLINE_TOLERANCE)
 
     def test_candidates_can_be_pressed_repeatedly_at_approaches_up_to_their_limit(self):
         upper, lower = create_rough_surfaces()
@@ -475,10 +481,13 @@ class TestApproachAtLoad:
         assert points.curvature == "signed"
         assert (points.gap <= 0.2).all()
         for choices in ({}, {"direction": [0, 70]}, {"sliding": "all"}, {"effective_modulus": 3.0}):
-            again, plain = press(points, [0.05, 0.1], **choices), press(upper, lower, [0.05, 0.1], **choices)
-            assert isinstance(again, SurfaceLoadCurve)
+            curve_of_candidates, curve_of_surfaces = (
+                press(points, [0.05, 0.1], **choices),
+                press(upper, lower, [0.05, 0.1], **choices),
+            )
+            assert isinstance(curve_of_candidates, SurfaceLoadCurve)
             for name in DIRECTION_INDEPENDENT_SUMS + DIRECTION_DEPENDENT_SUMS:
-                assert (getattr(again, name) == getattr(plain, name)).all()
+                assert (getattr(curve_of_candidates, name) == getattr(curve_of_surfaces, name)).all()
         with pytest.raises(ValueError, match="the limit of the candidates"):
             press(points, [0.3])
         with pytest.raises(ValueError, match="curvature"):
@@ -495,19 +504,19 @@ class TestSlidingRulesOnProfiles:
         )
         for detection in ("cell", "gap-minimum"):
             table = contacts(upper, lower, 0.05, detection=detection, shear="-x")
-            every = press(upper, lower, [0.05], detection=detection, shear="-x", sliding="all")
+            all_contacts_curve = press(upper, lower, [0.05], detection=detection, shear="-x", sliding="all")
             n, t = table.normal, table.tangent
             assert len(table) > 3
-            assert_close(every.normal_elastic[0], (table.force * n[:, 2]).sum(), ROUND_OFF)
-            assert every.tangential_elastic[0] == pytest.approx((table.force * n[:, 0]).sum(), rel=1e-9)
-            assert every.normal_frictional[0] == pytest.approx((table.force * t[:, 2]).sum(), rel=1e-9)
-            assert every.tangential_adhesive[0] == pytest.approx((table.area * t[:, 0]).sum(), rel=1e-9)
+            assert_close(all_contacts_curve.normal_elastic[0], (table.force * n[:, 2]).sum(), ROUND_OFF)
+            assert all_contacts_curve.tangential_elastic[0] == pytest.approx((table.force * n[:, 0]).sum(), rel=1e-9)
+            assert all_contacts_curve.normal_frictional[0] == pytest.approx((table.force * t[:, 2]).sum(), rel=1e-9)
+            assert all_contacts_curve.tangential_adhesive[0] == pytest.approx((table.area * t[:, 0]).sum(), rel=1e-9)
             with pytest.raises(ValueError, match="direction on profiles"):
                 press(upper, lower, [0.05], direction=90)
             with pytest.raises(ValueError, match="direction on profiles"):
                 press(upper, lower, [0.05], direction=["+x", "-x"])
             curve = press(upper, lower, [0.05], detection=detection, direction="-x", sliding="all")
-            assert (curve.tangential_elastic == every.tangential_elastic).all()
+            assert (curve.tangential_elastic == all_contacts_curve.tangential_elastic).all()
 
 
 class TestInvalidArguments:
@@ -532,7 +541,7 @@ class TestInvalidArguments:
     def test_press_and_contacts_reject_invalid_surfaces(self):
         upper, lower = create_rough_surfaces()
         flat = Surface(np.zeros((10, 10)), spacing=1.0)
-        for bad, match in (
+        for invalid_surfaces, match in (
             ((upper, Surface(lower.heights, spacing=0.05)), "spacing"),
             ((upper, Surface(lower.heights[:-1], spacing=lower.spacing)), "shapes"),
             ((upper, lower.row(0)), "both"),
@@ -542,9 +551,9 @@ class TestInvalidArguments:
             ((upper, upper), "parallel"),
         ):
             with pytest.raises(ValueError, match=match):
-                press(*bad, [0.1])
+                press(*invalid_surfaces, [0.1])
             with pytest.raises(ValueError, match=match):
-                contacts(*bad, 0.1)
+                contacts(*invalid_surfaces, 0.1)
         with pytest.raises(ValueError, match="direction must be a single direction"):
             contacts(upper, lower, 0.1, direction=[0, 90])
         with pytest.raises(ValueError, match="direction must be a single direction"):
@@ -656,9 +665,11 @@ def test_direction_keywords_override_the_direction_of_the_contact_model(model, a
 
 
 def random_smooth_heights(generator, shape, shortest):
-    waves = np.hypot(*np.meshgrid(*(np.fft.fftfreq(size) * size for size in shape), indexing="ij"))
-    waves[0, 0] = np.inf
-    heights = np.fft.ifft2((waves < shortest) / waves**2 * np.fft.fft2(generator.standard_normal(shape))).real
+    wave_counts = np.hypot(*np.meshgrid(*(np.fft.fftfreq(size) * size for size in shape), indexing="ij"))
+    wave_counts[0, 0] = np.inf
+    heights = np.fft.ifft2(
+        (wave_counts < shortest) / wave_counts**2 * np.fft.fft2(generator.standard_normal(shape))
+    ).real
     return heights / heights.std()
 
 
@@ -777,8 +788,8 @@ def test_areal_candidates_include_every_minimum_of_the_gap():
     points = candidates(upper, lower, deepest=deepest)
     places = areal.find_minima(gap, (0.05, 0.05))
     assert len(points) >= len(places) > 100
-    apart = np.abs(points.position[:, None, :2] - places).max(axis=2)
-    assert apart.min(axis=0).max() < 1e-6
+    max_offsets = np.abs(points.position[:, None, :2] - places).max(axis=2)
+    assert max_offsets.min(axis=0).max() < 1e-6
 
 
 def test_loads_along_and_across_the_motion_equal_sums_over_reference_contacts():
@@ -829,9 +840,9 @@ def test_load_of_a_valley_longer_than_the_map_tends_to_line_contact():
         # The expected line contact has the length l and the pressure in the middle of the ellipse.
         # Its half-width b is that of a cylinder of radius 1.
         overlap = 0.02 - body.heights.max()
-        a, b, first = areal.compute_semi_axes(bow, 1.0, overlap)
-        middle = 10 * overlap / first / b  # 3 F / (2 π a b)
-        line = np.pi / 2 * middle * b * 2.0
+        a, b, integral_k = areal.compute_semi_axes(bow, 1.0, overlap)
+        peak_pressure = 10 * overlap / integral_k / b  # 3 F / (2 π a b)
+        line = np.pi / 2 * peak_pressure * b * 2.0
         assert 1 - 0.2 * 2.0 / a < load[-1] / line < 1 + 1e-6
     assert (np.diff(load) < 0).all()
     assert 1.1 < load[0] / load[-1] < 4

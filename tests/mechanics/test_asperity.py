@@ -12,11 +12,11 @@ SPLINE_TOLERANCE = 1e-12
 def test_slope_and_curvature_of_asperities_equal_scipy_natural_spline(create_rough_profiles, dimension, side):
     profile = create_rough_profiles(dimension)[0]
     slope, curvature, normal, radius = pressing.fit_spheres(profile.heights, profile.spacing, upper=side == "upper")
-    ours = asperities(profile, side)
-    assert np.abs(ours.slope - slope).max() < SPLINE_TOLERANCE * slope.std()
-    assert np.abs(ours.curvature - curvature).max() < SPLINE_TOLERANCE * curvature.std()
-    assert np.abs(ours.normal[:, [0, 2]] - normal).max() < SPLINE_TOLERANCE
-    assert np.allclose(1 / ours.radius, 1 / radius, rtol=0, atol=SPLINE_TOLERANCE * curvature.std())
+    asperity_table = asperities(profile, side)
+    assert np.abs(asperity_table.slope - slope).max() < SPLINE_TOLERANCE * slope.std()
+    assert np.abs(asperity_table.curvature - curvature).max() < SPLINE_TOLERANCE * curvature.std()
+    assert np.abs(asperity_table.normal[:, [0, 2]] - normal).max() < SPLINE_TOLERANCE
+    assert np.allclose(1 / asperity_table.radius, 1 / radius, rtol=0, atol=SPLINE_TOLERANCE * curvature.std())
 
 
 def test_asperities_of_a_circle_have_the_radius_and_centre_of_the_circle(create_circular_arc):

@@ -60,10 +60,10 @@ def test_asperity_model_of_a_sinusoid_equals_closed_forms(relative_pressure):
     assert count == 1
     expected = np.sqrt(relative_pressure) / np.arcsin(np.sqrt(relative_pressure))
     assert fraction / exact_contact_fraction(pressure) == pytest.approx(expected, rel=1e-4)
-    westergaard = np.pi * EFFECTIVE_MODULUS / np.log(1 / relative_pressure) / WAVELENGTH
-    assert stiffness / westergaard == pytest.approx(np.log(1 / relative_pressure) / 4, rel=1e-12)
+    westergaard_stiffness = np.pi * EFFECTIVE_MODULUS / np.log(1 / relative_pressure) / WAVELENGTH
+    assert stiffness / westergaard_stiffness == pytest.approx(np.log(1 / relative_pressure) / 4, rel=1e-12)
     # With the displacement by its own load and its periodic images, an asperity has Westergaard's stiffness.
-    assert asperities.interacting_response(pressure)[STIFFNESS_INDEX] == pytest.approx(westergaard, rel=1e-4)
+    assert asperities.interacting_response(pressure)[STIFFNESS_INDEX] == pytest.approx(westergaard_stiffness, rel=1e-4)
 
 
 def test_periodic_asperity_model_is_invariant_under_shifts():
@@ -71,8 +71,8 @@ def test_periodic_asperity_model_is_invariant_under_shifts():
     heights = band_limited_profile(np.random.default_rng(3), 0.5, 8, 32)
     pressure = 0.1 * EFFECTIVE_MODULUS * RMS_SLOPE
     expected = PeriodicAsperities(heights, PERIOD).contact_response(pressure)
-    top = int(np.argmax(heights))
-    for shift in (-top, -top - 1, 1 - top, 500):
+    summit_index = int(np.argmax(heights))
+    for shift in (-summit_index, -summit_index - 1, 1 - summit_index, 500):
         assert PeriodicAsperities(np.roll(heights, shift), PERIOD).contact_response(pressure) == pytest.approx(
             expected, rel=1e-9
         )
@@ -89,13 +89,14 @@ def test_asperity_model_with_interaction_is_closer_to_boundary_elements():
     for repetition in range(24):
         heights = band_limited_profile(np.random.default_rng([2016, repetition]), 0.75, 32, 16)
         pressure = 0.02 * EFFECTIVE_MODULUS * RMS_SLOPE
-        solid, asperities = (
+        boundary_element_response, asperities = (
             PeriodicHalfSpace(heights, PERIOD).contact_response(pressure),
             PeriodicAsperities(heights, PERIOD),
         )
         ratios.append(
-            np.array([asperities.contact_response(pressure), asperities.interacting_response(pressure)]) / solid
+            np.array([asperities.contact_response(pressure), asperities.interacting_response(pressure)])
+            / boundary_element_response
         )
-    model, interacting = np.exp(np.mean(np.log(ratios), axis=0))
-    assert model[[FRACTION_INDEX, STIFFNESS_INDEX]] == pytest.approx([0.62, 1.07], rel=0.02)
-    assert interacting[[FRACTION_INDEX, STIFFNESS_INDEX]] == pytest.approx([0.87, 0.97], rel=0.02)
+    ratios_without_interaction, ratios_with_interaction = np.exp(np.mean(np.log(ratios), axis=0))
+    assert ratios_without_interaction[[FRACTION_INDEX, STIFFNESS_INDEX]] == pytest.approx([0.62, 1.07], rel=0.02)
+    assert ratios_with_interaction[[FRACTION_INDEX, STIFFNESS_INDEX]] == pytest.approx([0.87, 0.97], rel=0.02)

@@ -45,10 +45,10 @@ class TestContactCandidates:
     def test_pressing_candidates_gives_the_same_loads_as_pressing_their_surfaces(self, pair, curvature):
         points = candidates(*pair, deepest=0.03, curvature=curvature)
         steps = [0.0, 0.001, 0.02]
-        ours = press(points, steps, shear="-x")
-        theirs = press(*pair, steps, shear="-x", detection="gap-minimum", curvature=curvature)
+        curve_of_candidates = press(points, steps, shear="-x")
+        curve_of_surfaces = press(*pair, steps, shear="-x", detection="gap-minimum", curvature=curvature)
         for name in SUM_QUANTITIES:
-            assert np.array_equal(getattr(ours, name), getattr(theirs, name)), name
+            assert np.array_equal(getattr(curve_of_candidates, name), getattr(curve_of_surfaces, name)), name
         table = contacts(points, 0.02)
         assert set(table.index) <= set(points.index)
         assert np.array_equal(
@@ -95,19 +95,22 @@ class TestContactModel:
             field.name for field in dataclasses.fields(ContactModel)
         }
         model = ContactModel(effective_modulus=20.0, detection="gap-minimum")
-        ours = press(*pair, [0.01], model=model, shear="-x")
-        theirs = press(*pair, [0.01], effective_modulus=20.0, detection="gap-minimum", shear="-x")
-        assert ours.effective_modulus == 20.0
-        assert np.array_equal(ours.tangential_elastic, theirs.tangential_elastic)
+        curve_of_model = press(*pair, [0.01], model=model, shear="-x")
+        curve_of_keywords = press(*pair, [0.01], effective_modulus=20.0, detection="gap-minimum", shear="-x")
+        assert curve_of_model.effective_modulus == 20.0
+        assert np.array_equal(curve_of_model.tangential_elastic, curve_of_keywords.tangential_elastic)
 
     def test_pickled_contact_model_gives_equal_results(self, pair):
         model = ContactModel(law=JacksonGreen(yield_strength=0.5, poisson_ratio=0.3), shear="-x")
         ours = press(*pair, [0.01], model=model)
-        again = pickle.loads(pickle.dumps(model))
-        assert again == model
-        assert hash(again) == hash(model)
-        assert press(*pair, [0.01], model=again).contact_area == ours.contact_area
-        assert press(*pair, [0.01], model=dataclasses.replace(again, shear="+x")).contact_area == ours.contact_area
+        unpickled_model = pickle.loads(pickle.dumps(model))
+        assert unpickled_model == model
+        assert hash(unpickled_model) == hash(model)
+        assert press(*pair, [0.01], model=unpickled_model).contact_area == ours.contact_area
+        assert (
+            press(*pair, [0.01], model=dataclasses.replace(unpickled_model, shear="+x")).contact_area
+            == ours.contact_area
+        )
 
     def test_contact_model_rejects_invalid_fields(self, pair):
         with pytest.raises(ValueError, match="direction must have at least one element"):

@@ -53,9 +53,9 @@ def test_contact_laws_of_the_core_equal_closed_forms(overlap, radius, modulus):
 )
 def test_jackson_green_law_of_the_core_equals_the_published_fit(ratio, radius, modulus, strain, poisson):
     strength = strain * modulus
-    critical, force, area = elastic_plastic.jackson_green(ratio, radius, modulus, strength, poisson)
+    critical_overlap, force, area = elastic_plastic.jackson_green(ratio, radius, modulus, strength, poisson)
     law = JacksonGreen(yield_strength=strength, poisson_ratio=poisson)
-    actual = force_and_area(law, overlap=ratio * critical, radius=radius, effective_modulus=modulus)
+    actual = force_and_area(law, overlap=ratio * critical_overlap, radius=radius, effective_modulus=modulus)
     if abs(ratio / 1.9 - 1) > 1e-9:  # At this ratio, round-off decides which branch applies.
         # The tolerance is larger because the formula raises powers of ratios to further powers.
         assert actual == pytest.approx((force, area), rel=1e-10)
@@ -87,11 +87,11 @@ class TestAgainstContactMechanicsPackage:
         # ContactMechanics gives the half-width of the contact in wavelengths.
         # Its pressure is in units of π E* Δ / λ, where 2Δ is the total height of the sinusoid.
         pressures = np.linspace(0.01, 0.99, 20)
-        computed = westergaard_contact_fraction(
+        contact_fraction = westergaard_contact_fraction(
             pressures * math.pi, amplitude=1.0, wavelength=1.0, effective_modulus=1.0
         )
         expected = 2 * np.array([reference[1].contact_radius(p) for p in pressures])
-        assert np.allclose(computed, expected, rtol=REORDERING_TOLERANCE, atol=0)
+        assert np.allclose(contact_fraction, expected, rtol=REORDERING_TOLERANCE, atol=0)
 
 
 def test_asperity_model_of_a_sinusoid_tends_to_westergaard_solution_at_light_load():
@@ -105,10 +105,10 @@ def test_asperity_model_of_a_sinusoid_tends_to_westergaard_solution_at_light_loa
     lower, upper = Profile(heights, spacing=spacing), Profile(np.zeros(points), spacing=spacing)
     curve = press(upper, lower, [1e-5, 1e-4], law="hertz-cylinder", detection="gap-minimum", effective_modulus=modulus)
     pressures = curve.normal_elastic / (10 * wavelength)
-    exact = westergaard_contact_fraction(
+    exact_fraction = westergaard_contact_fraction(
         pressures, amplitude=amplitude, wavelength=wavelength, effective_modulus=modulus
     )
-    difference = curve.contact_area / (10 * wavelength) / exact - 1
+    difference = curve.contact_area / (10 * wavelength) / exact_fraction - 1
     relative = pressures / (math.pi * modulus * amplitude / wavelength)
     # The difference is one term of the series, to 10 %. The apex of the spline is accurate to 1e-5 of the overlap.
     assert np.allclose(difference, -relative / 6, rtol=0.1, atol=1e-5)
@@ -119,18 +119,20 @@ class TestWeierstrassMandelbrotMoments:
     def test_exact_spectral_moments_equal_means_over_many_profiles(self):
         # All frequencies are well resolved and have many periods in the profile.
         shape = {"directions": 10, "frequencies": 6}
-        exact = weierstrass_mandelbrot_moments(1.4, **shape)
-        measured = np.zeros(3)
+        exact_moments = weierstrass_mandelbrot_moments(1.4, **shape)
+        moment_sums = np.zeros(3)
         count = 400
         for r in range(count):
             phases = random_phases(3, repetition=r, **shape)
             profile = weierstrass_mandelbrot(phases, 1.4, points=8000, extent=20.0)
             slope = np.gradient(profile.heights, profile.spacing)
             curvature = np.gradient(slope, profile.spacing)
-            measured += [profile.heights.var(), np.square(slope).mean(), np.square(curvature[2:-2]).mean()]
+            moment_sums += [profile.heights.var(), np.square(slope).mean(), np.square(curvature[2:-2]).mean()]
         # Directions m and M - m interfere, so the power scatters by 30 %, and its mean over 400 profiles by 1.5 %.
         # Long wavelengths (small |cos|) do not have a whole number of periods.
-        assert np.allclose(measured / count, [exact.height, exact.slope, exact.curvature], rtol=0.05)
+        assert np.allclose(
+            moment_sums / count, [exact_moments.height, exact_moments.slope, exact_moments.curvature], rtol=0.05
+        )
 
     def test_exact_spectral_moments_depend_on_the_dimension_convention_and_the_band_limit(self):
         paper_moments = weierstrass_mandelbrot_moments(1.6)
@@ -142,9 +144,9 @@ class TestWeierstrassMandelbrotMoments:
         assert band_limited_moments.curvature < 0.5 * paper_moments.curvature
 
     def test_exact_spectral_moments_reject_invalid_arguments(self):
-        for bad in ({"directions": 0}, {"gamma": 1.0}, {"length_scale": -1}, {"convention": "x"}):
-            with pytest.raises(ValueError, match=next(iter(bad))):
-                weierstrass_mandelbrot_moments(1.5, **bad)
+        for invalid_arguments in ({"directions": 0}, {"gamma": 1.0}, {"length_scale": -1}, {"convention": "x"}):
+            with pytest.raises(ValueError, match=next(iter(invalid_arguments))):
+                weierstrass_mandelbrot_moments(1.5, **invalid_arguments)
 
 
 def test_effective_modulus_of_equal_materials_is_half_of_plane_strain_modulus():

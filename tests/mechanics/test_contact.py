@@ -75,14 +75,14 @@ class TestProfilesAgainstReference:
         rows = pressing.find_contacts(upper.heights, lower.heights, upper.spacing, 0.01, effective_modulus=3.0)
         assert len(table) == len(rows) > 10
         assert np.array_equal(table.index, rows[:, 0])
-        ours = np.column_stack([table.normal[:, [0, 2]], table.overlap, table.radius, table.force, table.area])
-        assert np.allclose(ours, rows[:, 1:], rtol=REFERENCE_TOLERANCES["cell"], atol=0)
+        computed_rows = np.column_stack([table.normal[:, [0, 2]], table.overlap, table.radius, table.force, table.area])
+        assert np.allclose(computed_rows, rows[:, 1:], rtol=REFERENCE_TOLERANCES["cell"], atol=0)
 
     def test_load_curve_is_independent_of_height_offset(self, create_rough_profiles):
         upper, lower = create_rough_profiles(1.2)
-        raised = Profile(upper.heights + 1024.0, spacing=upper.spacing)
+        raised_profile = Profile(upper.heights + 1024.0, spacing=upper.spacing)
         # The addition of 1024 rounds the heights to 2^-43 µm, 1e-12 of the amplitude. Curvatures are affected most.
-        assert_close(stack_sums(press(raised, lower, [0.01])), stack_sums(press(upper, lower, [0.01])), 1e-5)
+        assert_close(stack_sums(press(raised_profile, lower, [0.01])), stack_sums(press(upper, lower, [0.01])), 1e-5)
 
 
 class TestProfilesAgainstExactSolutions:
@@ -95,31 +95,35 @@ class TestProfilesAgainstExactSolutions:
         ):
             upper = create_circular_arc(apexes[0], radii[0], spacing, points, "upper")
             lower = create_circular_arc(apexes[1], radii[1], spacing, points, "lower")
-            touch = (upper.heights - lower.heights).min()
+            contact_gap = (upper.heights - lower.heights).min()
             for approach in (1e-4, 1e-3, 1e-2):
                 # The lower apex is at height 0, and the upper apex is lowered beyond first contact.
                 # The array contains the components of the vector between the centres.
-                apart = np.array([apexes[0] - apexes[1], radii[0] + radii[1] - touch - approach])
-                overlap = sum(radii) - np.hypot(*apart)
+                centre_distance = np.array([apexes[0] - apexes[1], radii[0] + radii[1] - contact_gap - approach])
+                overlap = sum(radii) - np.hypot(*centre_distance)
                 radius = radii[0] * radii[1] / sum(radii)
                 table = contacts(upper, lower, approach, effective_modulus=modulus)
                 assert len(table) == 1
                 assert_close(table.force, 4 / 3 * modulus * math.sqrt(radius) * overlap**1.5, CIRCLE_TOLERANCE)
                 assert_close(table.area, math.pi * radius * overlap, CIRCLE_TOLERANCE)
-                assert np.allclose(table.normal[0, [0, 2]], apart / np.hypot(*apart), atol=CIRCLE_TOLERANCE)
+                assert np.allclose(
+                    table.normal[0, [0, 2]], centre_distance / np.hypot(*centre_distance), atol=CIRCLE_TOLERANCE
+                )
 
     def test_contact_of_a_ball_in_a_cup_equals_hertz_solution(self, create_circular_arc):
         spacing, points = 0.002, 1000
         ball = create_circular_arc(1.0307, 2.0, spacing, points, "upper")
         cup = Profile(-create_circular_arc(0.9811, 5.0, spacing, points, "lower").heights, spacing=spacing)
-        touch = (ball.heights - cup.heights).min()
-        apart = np.array([1.0307 - 0.9811, 2.0 - 5.0 - touch - 1e-3])
-        overlap = np.hypot(*apart) - 3.0
+        contact_gap = (ball.heights - cup.heights).min()
+        centre_distance = np.array([1.0307 - 0.9811, 2.0 - 5.0 - contact_gap - 1e-3])
+        overlap = np.hypot(*centre_distance) - 3.0
         radius = 1 / (1 / 2.0 - 1 / 5.0)
         table = contacts(ball, cup, 1e-3, curvature="signed")
         assert len(table) == 1
         assert_close(table.force, 4 / 3 * 10.0 * math.sqrt(radius) * overlap**1.5, CIRCLE_TOLERANCE)
-        assert np.allclose(table.normal[0, [0, 2]], -apart / np.hypot(*apart), atol=CIRCLE_TOLERANCE)
+        assert np.allclose(
+            table.normal[0, [0, 2]], -centre_distance / np.hypot(*centre_distance), atol=CIRCLE_TOLERANCE
+        )
         assert len(contacts(ball, cup, 1e-3, curvature="convex")) == 0
 
     def test_contact_area_vanishes_at_first_contact(self, create_circular_arc):
@@ -151,9 +155,9 @@ class TestProfilesAgainstExactSolutions:
         assert_close(coefficient, np.tan(theta + np.arctan(mu0)), ROUND_OFF)
         # Adhesion adds tau0 A to mu0 F. The force triangle is the same, with a larger friction angle.
         tau0 = 0.2
-        raised = mu0 + tau0 * table.area[0] / table.force[0]
+        coefficient_with_adhesion = mu0 + tau0 * table.area[0] / table.force[0]
         coefficient = curve.friction_coefficient(mu0=mu0, tau0=tau0)[:, 0]
-        assert_close(coefficient, np.tan(theta + np.arctan(raised)), ROUND_OFF)
+        assert_close(coefficient, np.tan(theta + np.arctan(coefficient_with_adhesion)), ROUND_OFF)
         pressure = table.force / table.area
         assert_close(coefficient, slope_friction(theta, mu0=mu0, tau0=tau0, mean_pressure=pressure), ROUND_OFF)
         # No contact opposes the motion in the reverse direction.
@@ -169,10 +173,10 @@ class TestProfilesAgainstExactSolutions:
         ball = create_circular_arc(10.003, radius, spacing, points, "lower" if below else "upper")
         plane = Profile(1.0 + slope * ball.x, spacing=spacing)
         upper, lower = (plane, ball) if below else (ball, plane)
-        touch = (upper.heights - lower.heights).min()
+        contact_gap = (upper.heights - lower.heights).min()
         # The distance from the plane is that of the centre of the ball, at height -R or R, after the approach.
-        height = 1.0 + slope * 10.003 + (-touch - 1e-3) * (1 if below else 0)
-        centre = -radius if below else radius - touch - 1e-3
+        height = 1.0 + slope * 10.003 + (-contact_gap - 1e-3) * (1 if below else 0)
+        centre = -radius if below else radius - contact_gap - 1e-3
         overlap = radius - abs(height - centre) / math.hypot(1, slope)
         table = contacts(upper, lower, 1e-3, detection=detection)
         assert len(table) == 1
@@ -187,8 +191,8 @@ class TestProfilesAgainstExactSolutions:
         flat = press(Profile(np.ones(2001), spacing=0.01), ball, approaches, detection=detection)
         assert flat.contact_count.tolist() == [1, 1, 1]
         for bow in (1e-12, 1e-10, 1e-8, 1e-6):
-            bowed = Profile(1 + bow * ((ball.x - 10) / 10) ** 2, spacing=0.01)
-            curve = press(bowed, ball, approaches, detection=detection)
+            bowed_profile = Profile(1 + bow * ((ball.x - 10) / 10) ** 2, spacing=0.01)
+            curve = press(bowed_profile, ball, approaches, detection=detection)
             assert curve.contact_count.tolist() == [1, 1, 1]
             assert_close(curve.normal_elastic, flat.normal_elastic, 1e-9 + 0.3 * bow)
 
@@ -289,8 +293,10 @@ class TestProfileScalingAndSymmetry:
         self, law, pair, approach, choices, other, tolerance
     ):
         assume(is_insensitive_to_round_off(*pair, approach, choices))
-        turned_sums = stack_sums(press(*other(pair), [approach], law=law, **reversed_shear_options(choices)))
-        assert_close(turned_sums, stack_sums(press(*pair, [approach], law=law, **choices)), tolerance)
+        sums_of_transformed_pair = stack_sums(
+            press(*other(pair), [approach], law=law, **reversed_shear_options(choices))
+        )
+        assert_close(sums_of_transformed_pair, stack_sums(press(*pair, [approach], law=law, **choices)), tolerance)
 
     @GIVEN_RANDOM_PAIRS
     @HYPOTHESIS_SETTINGS
@@ -298,10 +304,10 @@ class TestProfileScalingAndSymmetry:
         """Forces and areas of spheres scale with size squared, those of cylinders of equal width with size."""
         assume(is_insensitive_to_round_off(*pair, approach, choices))
         size = 3.7
-        scaled = [Profile(size * p.heights, spacing=size * p.spacing) for p in pair]
+        scaled_pair = [Profile(size * p.heights, spacing=size * p.spacing) for p in pair]
         factor = size if isinstance(law, HertzCylinder) else size**2
         assert_close(
-            stack_sums(press(*scaled, [size * approach], law=law, **choices)),
+            stack_sums(press(*scaled_pair, [size * approach], law=law, **choices)),
             np.array([1, *[factor] * 7])[:, None] * stack_sums(press(*pair, [approach], law=law, **choices)),
             SCALING_TOLERANCE,
         )
@@ -404,8 +410,12 @@ class TestGapMinimumDetection:
                     ).with_amplitude(0.1)
                     for side in ("upper", "lower")
                 )  # fmt: skip
-                both = [press(upper, lower, [approach], detection=detection) for detection in ("cell", "gap-minimum")]
-                areas.append([float(both[0].contact_area[0]), float(both[1].contact_area[0])])
+                curves_by_detection = [
+                    press(upper, lower, [approach], detection=detection) for detection in ("cell", "gap-minimum")
+                ]
+                areas.append(
+                    [float(curves_by_detection[0].contact_area[0]), float(curves_by_detection[1].contact_area[0])]
+                )
             area_by_cells, area_by_minima = np.array(areas).sum(axis=0)
             differences.append(abs(area_by_cells / area_by_minima - 1))
         assert differences[-1] < 0.01
@@ -425,11 +435,13 @@ class TestProfileFunctionArguments:
         with pytest.warns(UserWarning, match="meant in MPa"):
             curve.normal_load(mu0=0.4, tau0=200)
 
-    @pytest.mark.parametrize("bad", [{"mu0": -0.1}, {"mu0": math.nan}, {"mu0": "x"}, {"mu0": 0.1, "tau0": -1}])
-    def test_friction_coefficient_rejects_invalid_parameters(self, create_rough_profiles, bad):
+    @pytest.mark.parametrize(
+        "invalid_arguments", [{"mu0": -0.1}, {"mu0": math.nan}, {"mu0": "x"}, {"mu0": 0.1, "tau0": -1}]
+    )
+    def test_friction_coefficient_rejects_invalid_parameters(self, create_rough_profiles, invalid_arguments):
         curve = press(*create_rough_profiles(1.2), [0.01])
-        with pytest.raises(ValueError, match=list(bad)[-1]):
-            curve.friction_coefficient(**bad)
+        with pytest.raises(ValueError, match=list(invalid_arguments)[-1]):
+            curve.friction_coefficient(**invalid_arguments)
 
     @pytest.mark.parametrize("call", [contacts, lambda upper, lower, at, **k: press(upper, lower, [at], **k)])
     @pytest.mark.parametrize(

@@ -26,10 +26,10 @@ def test_contact_area_interpolated_over_hardness_agrees_with_direct_solutions(rm
         )
         return float(curve.contact_area[0] / curve.normal_elastic[0])
 
-    elastic = solve_area_per_load(None)
+    elastic_area = solve_area_per_load(None)
     nodes = 0.23 * (1.7 / 0.23) ** np.sort([*HARDNESS_NODE_POSITIONS, 0.5])
     expected = np.geomspace(0.23, 1.7, 9)
-    result = area_per_load(expected, nodes, [solve_area_per_load(float(node)) for node in nodes], elastic)
+    result = area_per_load(expected, nodes, [solve_area_per_load(float(node)) for node in nodes], elastic_area)
     direct = np.array([solve_area_per_load(float(item)) for item in expected])
     assert result == pytest.approx(direct, rel=AREA_TOLERANCE)
     assert 0.2 + 0.05 * result == pytest.approx(0.2 + 0.05 * direct, rel=FRICTION_TOLERANCE)
@@ -37,8 +37,8 @@ def test_contact_area_interpolated_over_hardness_agrees_with_direct_solutions(rm
 
 def test_contact_area_interpolated_over_hardness_equals_its_formula() -> None:
     random = np.random.default_rng(4)
-    nodes, elastic = np.sort(random.uniform(0.2, 3.0, 7)), np.array([0.3, 1.1])
-    at_nodes = random.uniform(0.8, 1.2, (2, 7)) / nodes
+    nodes, elastic_areas = np.sort(random.uniform(0.2, 3.0, 7)), np.array([0.3, 1.1])
+    areas_at_nodes = random.uniform(0.8, 1.2, (2, 7)) / nodes
     hardness = random.uniform(0.1, 4.0, 50)
 
     def interpolated_area_per_load(pressure: float, area: float) -> float:
@@ -47,19 +47,19 @@ def test_contact_area_interpolated_over_hardness_equals_its_formula() -> None:
 
     expected = [
         [
-            interpolated_area_per_load(each, area)
+            interpolated_area_per_load(hardness_value, area)
             * np.exp(
                 np.interp(
-                    np.log(each),
+                    np.log(hardness_value),
                     np.log(nodes),
                     np.log([a / interpolated_area_per_load(n, area) for n, a in zip(nodes, row, strict=True)]),
                 )
             )
-            for each in hardness
+            for hardness_value in hardness
         ]
-        for row, area in zip(at_nodes, elastic, strict=True)
+        for row, area in zip(areas_at_nodes, elastic_areas, strict=True)
     ]
-    np.testing.assert_allclose(area_per_load(hardness, nodes, at_nodes, elastic), expected, rtol=1e-13)
+    np.testing.assert_allclose(area_per_load(hardness, nodes, areas_at_nodes, elastic_areas), expected, rtol=1e-13)
 
 
 def test_area_interpolated_over_hardness_equals_solved_areas_at_nodes_and_elastic_limit() -> None:

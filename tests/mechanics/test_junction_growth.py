@@ -59,8 +59,8 @@ def test_tabor_friction_is_nan_for_an_interface_stronger_than_the_bulk():
 @pytest.mark.parametrize("alpha", [0.0, 9.0, 27.0])
 def test_half_space_friction_at_hardness_under_shear_equals_tabor_friction(alpha):
     interface = {"mu0": 0.2, "tau0": 0.02}
-    rough = {"hurst_exponent": 0.8, "rms": 0.01, "shape": (64, 64), "spacing": 1.0}
-    bodies = (self_affine_surface(3, side=side, **rough) for side in ("upper", "lower"))
+    roughness_options = {"hurst_exponent": 0.8, "rms": 0.01, "shape": (64, 64), "spacing": 1.0}
+    bodies = (self_affine_surface(3, side=side, **roughness_options) for side in ("upper", "lower"))
     hardness = float(hardness_under_shear(0.2, **interface, alpha=alpha))
     curve = half_space(*bodies, ["2 MPa"], effective_modulus=1e5, hardness=hardness, sliding="all")
     expected = tabor_friction(0.2, **interface, alpha=alpha)

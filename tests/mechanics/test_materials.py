@@ -10,7 +10,7 @@ import pytest
 from stiction import MaterialValue, compliance_fraction, effective_modulus, material, materials, softer_hardness
 
 ROUND_OFF = 1e-14
-FOR_EACH_MATERIAL = pytest.mark.parametrize("each", materials(), ids=lambda each: each.name)
+FOR_EACH_MATERIAL = pytest.mark.parametrize("listed_material", materials(), ids=lambda item: item.name)
 
 
 def test_table_of_materials_contains_every_kind_of_material():
@@ -22,24 +22,28 @@ def test_table_of_materials_contains_every_kind_of_material():
 
 
 @FOR_EACH_MATERIAL
-def test_material_values_are_physically_possible_and_have_sources(each):
-    values = (each.young_modulus, each.poisson_ratio, each.hardness)
+def test_material_values_are_physically_possible_and_have_sources(listed_material):
+    values = (listed_material.young_modulus, listed_material.poisson_ratio, listed_material.hardness)
     for value in (value for value in values if value is not None):
         assert 0 < value.low <= value <= value.high
         assert float(value) == pytest.approx(math.sqrt(value.low * value.high), rel=ROUND_OFF)
         # The source is a publication with its year, a standard, or a web page.
         assert re.search(r"\(?\b(19|20)\d\d\b|SAE J431|\(web\)", value.source), value.source
-    assert (each.hardness is None) == (each.kind == "elastomer")
-    if each.hardness is None:
-        assert 1e-4 < each.young_modulus.low <= each.young_modulus.high < 0.1
-        assert 0.45 <= each.poisson_ratio.low <= each.poisson_ratio.high <= 0.5
+    assert (listed_material.hardness is None) == (listed_material.kind == "elastomer")
+    if listed_material.hardness is None:
+        assert 1e-4 < listed_material.young_modulus.low <= listed_material.young_modulus.high < 0.1
+        assert 0.45 <= listed_material.poisson_ratio.low <= listed_material.poisson_ratio.high <= 0.5
         return
-    assert 0.1 < each.young_modulus.low <= each.young_modulus.high < 1300
-    assert each.poisson_ratio.high < 0.5
+    assert 0.1 < listed_material.young_modulus.low <= listed_material.young_modulus.high < 1300
+    assert listed_material.poisson_ratio.high < 0.5
     # The limits are a soft metal and the ideal strength of a covalent solid. Cracked rock is softer than its grains.
-    assert 0.001 < each.hardness / each.young_modulus < (0.2 if each.kind == "rock" else 0.15)
-    assert each.young_modulus.high / each.young_modulus.low < 3.1
-    assert each.hardness.high / each.hardness.low < 8
+    assert (
+        0.001
+        < listed_material.hardness / listed_material.young_modulus
+        < (0.2 if listed_material.kind == "rock" else 0.15)
+    )
+    assert listed_material.young_modulus.high / listed_material.young_modulus.low < 3.1
+    assert listed_material.hardness.high / listed_material.hardness.low < 8
 
 
 @pytest.mark.parametrize(
@@ -57,9 +61,9 @@ def test_material_ranges_contain_reference_values(name, young, hardness):
 
 
 @FOR_EACH_MATERIAL
-def test_material_accepts_every_alias_in_any_spelling(each):
-    for name in (each.name, *each.aliases):
-        assert material(name) is material(name.upper()) is material(name.replace("-", " ")) is each
+def test_material_accepts_every_alias_in_any_spelling(listed_material):
+    for name in (listed_material.name, *listed_material.aliases):
+        assert material(name) is material(name.upper()) is material(name.replace("-", " ")) is listed_material
 
 
 def test_materials_have_unique_names():
@@ -85,14 +89,14 @@ def test_material_error_suggests_the_nearest_name(name, message):
 
 def test_modulus_compliance_and_hardness_of_two_materials_equal_closed_forms():
     steel, brass = material("steel"), material("brass")
-    by_hand = 1 / sum((1 - item.poisson_ratio**2) / item.young_modulus for item in (steel, brass))
-    assert effective_modulus(steel, brass) == pytest.approx(by_hand, rel=ROUND_OFF)
+    expected_modulus = 1 / sum((1 - item.poisson_ratio**2) / item.young_modulus for item in (steel, brass))
+    assert effective_modulus(steel, brass) == pytest.approx(expected_modulus, rel=ROUND_OFF)
     modulus_of_four_numbers = effective_modulus(
         steel.young_modulus, steel.poisson_ratio, brass.young_modulus, brass.poisson_ratio
     )
-    assert modulus_of_four_numbers == pytest.approx(by_hand, rel=ROUND_OFF)
+    assert modulus_of_four_numbers == pytest.approx(expected_modulus, rel=ROUND_OFF)
     lower = compliance_fraction(steel, brass)
-    assert lower == pytest.approx(by_hand * (1 - brass.poisson_ratio**2) / brass.young_modulus, rel=ROUND_OFF)
+    assert lower == pytest.approx(expected_modulus * (1 - brass.poisson_ratio**2) / brass.young_modulus, rel=ROUND_OFF)
     assert lower + compliance_fraction(brass, steel) == pytest.approx(1, rel=ROUND_OFF)
     assert compliance_fraction(steel, steel) == 0.5
     assert softer_hardness(material("alumina"), brass) is brass.hardness

@@ -144,10 +144,10 @@ def test_stick_area_has_the_shape_of_the_elliptical_contact():
     )
     pressure = curve.contact(0).pressure.ravel()
     for i, stick_axis_ratio in enumerate((1 - load_fractions) ** (1 / 3)):
-        sticks = ((pressure > 0) & (onset.traction(i) < 0.2 * pressure)).reshape(128, 128)
+        is_sticking = ((pressure > 0) & (onset.traction(i) < 0.2 * pressure)).reshape(128, 128)
         for axis, semi_axis in enumerate(axes):
             # The tolerance is one cell at each end of the zone.
-            assert abs(sticks.any(axis=1 - axis).sum() / 2 - stick_axis_ratio * semi_axis * 128) <= 1
+            assert abs(is_sticking.any(axis=1 - axis).sum() / 2 - stick_axis_ratio * semi_axis * 128) <= 1
 
 
 # ---- The half-space against a slow program --------------------------------------------------------------------------
@@ -204,9 +204,9 @@ def test_onset_of_sliding_agrees_with_active_set_solver(shape, boundary, mu0, ta
             np.abs(accurate_onset.traction(i) - expected_traction.ravel()).max()
             < DENSE_SOLUTION_TOLERANCE * bound.max()
         )
-        slips = q == bound
-        assert accurate_onset.slipped_area[i] == pytest.approx(fraction[slips].sum() / fraction.sum(), abs=1e-7)
-        assert accurate_onset.slipped_load[i] == pytest.approx(pressure[slips].sum() / pressure.sum(), abs=1e-7)
+        is_slipping = q == bound
+        assert accurate_onset.slipped_area[i] == pytest.approx(fraction[is_slipping].sum() / fraction.sum(), abs=1e-7)
+        assert accurate_onset.slipped_load[i] == pytest.approx(pressure[is_slipping].sum() / pressure.sum(), abs=1e-7)
         energy_loss = 4 * bound @ (displacement - compliance @ q) * np.prod(spacing)
         assert accurate_onset.energy_lost(onset.tangential_load[i]) == pytest.approx(
             energy_loss,

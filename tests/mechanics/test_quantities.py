@@ -35,8 +35,8 @@ def rough_heights(shape, seed, rms=0.1):
     coefficients = np.fft.rfftn(np.random.default_rng(seed).standard_normal(shape))
     frequencies = np.meshgrid(*(np.fft.fftfreq(n) for n in shape[:-1]), np.fft.rfftfreq(shape[-1]), indexing="ij")
     radial_frequency = np.sqrt(sum(np.square(frequency) for frequency in frequencies))
-    smooth = np.fft.irfftn(np.where(radial_frequency < 0.15, coefficients, 0.0), s=shape, axes=range(len(shape)))
-    return rms * smooth / smooth.std()
+    heights = np.fft.irfftn(np.where(radial_frequency < 0.15, coefficients, 0.0), s=shape, axes=range(len(shape)))
+    return rms * heights / heights.std()
 
 
 def create_profiles():
@@ -55,11 +55,11 @@ def small_named_study(name, **changes):
 @pytest.fixture(scope="module")
 def datasets_by_title():
     """Return datasets of members of all kinds of studies."""
-    areal = {"surfaces.shape": [64, 64], "surfaces.extent": ["2 um", "2 um"]}
+    areal_changes = {"surfaces.shape": [64, 64], "surfaces.extent": ["2 um", "2 um"]}
     half_space = {"shifts": 3, "mechanics": "half-space", "direction": [0, 180]}
     result = {
         "generated": run(small_named_study("quick", **{"surfaces.points": 2000})).dataset,
-        "generated areas": run(small_named_study("figure6-areal", **areal)).dataset,
+        "generated areas": run(small_named_study("figure6-areal", **areal_changes)).dataset,
         "generated half-planes": run(small_named_study("figure6-half-plane", **{"surfaces.points": 512})).dataset,
         "generated onset": run(small_named_study("presliding", **{"surfaces.points": 2000})).dataset,
         "lines": pair(*create_profiles(), **PAIR_OPTIONS, mechanics="asperities", offsets=4).dataset,
@@ -88,8 +88,8 @@ def results_at_loads(datasets_by_title):
 def choose_loads(dataset):
     if "load" in dataset.coords:
         return np.unique(dataset["load"].values)[:2]
-    elastic = dataset["normal_elastic"].mean("repetition")
-    return [float(elastic.max()) / 4]
+    mean_loads = dataset["normal_elastic"].mean("repetition")
+    return [float(mean_loads.max()) / 4]
 
 
 def iterate_variables(datasets):
@@ -118,8 +118,10 @@ def test_stored_variables_have_the_dimensions_and_dtypes_in_the_table_of_quantit
     for title, dataset in datasets_by_title.items():
         for name in map(str, dataset.data_vars):
             quantity = QUANTITIES[name]
-            along = {item for item in quantity.along if item not in ("sliding", "direction") or item in dataset.dims}
-            assert normalized_dims(name, dataset) == along, f"{name} of {title}"
+            listed_dims = {
+                item for item in quantity.along if item not in ("sliding", "direction") or item in dataset.dims
+            }
+            assert normalized_dims(name, dataset) == listed_dims, f"{name} of {title}"
             assert dataset[name].dtype == np.dtype(quantity.dtype), f"{name} of {title}"
             assert quantity.stored, f"{name} of {title}"
 
@@ -150,9 +152,9 @@ def test_intervals_at_a_load_are_within_the_bounds_in_the_table_of_quantities(re
 
 def test_variables_of_each_member_have_the_units_in_the_table_of_quantities():
     options = {"mu0": 0.2, "effective_modulus": 10.0}
-    longer = Profile(rough_heights((600,), 5), spacing=0.5)
+    longer_profile = Profile(rough_heights((600,), 5), spacing=0.5)
     result = {
-        "lines": run(pair_study(create_profiles()[0], longer, load=[1e-3], positions=[0.0, 5.0], **options)),
+        "lines": run(pair_study(create_profiles()[0], longer_profile, load=[1e-3], positions=[0.0, 5.0], **options)),
         "areas": run(pair_study(*create_surfaces(), load=[1.0], shifts=2, mechanics="asperities", **options)),
     }
     values = {title: one.at(per_member=True) for title, one in result.items()}
@@ -203,11 +205,14 @@ def test_fields_of_a_quantity_in_the_table_are_consistent_with_each_other(name):
 
 
 def test_csv_columns_are_in_the_order_of_the_table_of_quantities(results_at_loads):
-    at = results_at_loads["half-planes"]
-    columns = list(summary_table(summarize(at, parse_dataset_study(at))).columns)
-    shown = [name for name in quantity_names_shown_in("csv") if name in at and "direction" not in at[name].dims]
+    result = results_at_loads["half-planes"]
+    columns = list(summary_table(summarize(result, parse_dataset_study(result))).columns)
+    shown_names = [
+        name for name in quantity_names_shown_in("csv") if name in result and "direction" not in result[name].dims
+    ]
     places = [
-        next(i for i, column in enumerate(columns) if column.startswith(QUANTITIES[name].table_label)) for name in shown
+        next(i for i, column in enumerate(columns) if column.startswith(QUANTITIES[name].table_label))
+        for name in shown_names
     ]
     assert places == sorted(places)
 

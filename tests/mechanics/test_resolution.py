@@ -30,8 +30,8 @@ STEEL_OPTIONS = {"hardness": 4.0, "effective_modulus": 115.0, "mu0": 0.2, "tau0"
 
 
 def create_rough_surfaces(hurst=0.8, points=128, spacing=0.04, rms=0.03, seed=5, shortest=None):
-    waves = {"longest_wavelength": points * spacing / 4, "shortest_wavelength": shortest}
-    return rough_maps(seed, hurst_exponent=hurst, rms=rms, points=points, spacing=spacing, **waves)
+    wavelengths = {"longest_wavelength": points * spacing / 4, "shortest_wavelength": shortest}
+    return rough_maps(seed, hurst_exponent=hurst, rms=rms, points=points, spacing=spacing, **wavelengths)
 
 
 @pytest.fixture(scope="module")
@@ -135,15 +135,15 @@ def test_range_for_finer_scans_allows_a_larger_contact_area_if_contacts_are_few(
     )
     gap = Surface(bodies[0].heights - bodies[1].heights, spacing=0.01)
     factor = 0.25 / float(scale_dependent_roughness(gap, periodic=True).gradient[-1])
-    scaled = [Surface(factor * body.heights, spacing=0.01) for body in bodies]
-    result = resolution(*scaled, [0.02 * 2.56**2], cut_offs=[0.08], boundary="periodic", **STEEL_OPTIONS)
+    scaled_surfaces = [Surface(factor * body.heights, spacing=0.01) for body in bodies]
+    result = resolution(*scaled_surfaces, [0.02 * 2.56**2], cut_offs=[0.08], boundary="periodic", **STEEL_OPTIONS)
     area = result.contact_area_fraction[:, 0].values
     assert area[0] > 1.02 * area[1]
     assert area[0] < float(result.bracket_area_fraction[1, 0].sel(end="upper"))
 
 
 def test_yielding_wavelengths_are_tabulated_for_several_hardnesses_if_none_is_given(pair_and_resolution_result):
-    upper, lower, load, plastic = pair_and_resolution_result
+    upper, lower, load, resolution_result = pair_and_resolution_result
     result = resolution(
         upper, lower, [load], hardness=None, cut_offs=[0.32], boundary="periodic", effective_modulus=115.0
     )
@@ -155,7 +155,7 @@ def test_yielding_wavelengths_are_tabulated_for_several_hardnesses_if_none_is_gi
     assert result.hardness.size > 3
     lengths = result.plastic_wavelength[:, 0].sel(statistic="value").values
     assert (np.diff(lengths) <= 0).all()  # A larger hardness is reached at a shorter wavelength.
-    wavelength_at_4_gpa = float(plastic.plastic_wavelength.sel(statistic="value")[0, 0])
+    wavelength_at_4_gpa = float(resolution_result.plastic_wavelength.sel(statistic="value")[0, 0])
     harder, softer = (float(result.plastic_wavelength.sel(hardness=h, statistic="value")[0]) for h in (5.0, 2.0))
     assert harder < wavelength_at_4_gpa < softer
 
@@ -182,11 +182,11 @@ def test_rms_slope_at_the_longest_yielding_wavelength_corresponds_to_the_hardnes
 def test_extrapolation_of_a_filtered_scan_agrees_with_the_unfiltered_scan():
     """Compare the extrapolation of a filtered scan with the unfiltered scan."""
     upper, lower = create_rough_surfaces(points=256, spacing=0.02)
-    coarse = [Surface(cut_off(body, 0.16, periodic=True).heights, spacing=0.02) for body in (upper, lower)]
+    coarse_surfaces = [Surface(cut_off(body, 0.16, periodic=True).heights, spacing=0.02) for body in (upper, lower)]
     load = [0.02 * (256 * 0.02) ** 2]
     options = {"boundary": "periodic", "effective_modulus": 115.0, "mu0": 0.2, "tau0": 0.2, "cut_offs": []}
-    fine = resolution(upper, lower, load, hardness=None, **options)
-    result = resolution(*coarse, load, hardness=None, **options)
+    fine_result = resolution(upper, lower, load, hardness=None, **options)
+    result = resolution(*coarse_surfaces, load, hardness=None, **options)
     assert result.finer_wavelength[0] == 0.04
     assert result.continued_rms_gradient.sel(statistic="value")[0] == pytest.approx(
         float(result.rms_gradient[0]), rel=0.3
@@ -198,25 +198,33 @@ def test_extrapolation_of_a_filtered_scan_agrees_with_the_unfiltered_scan():
     mu = result.continued_elastic_friction_coefficient
     assert (result.continued_rms_gradient.diff("finer_wavelength") >= 0).all()
     assert mu.min() > 0.2
-    assert float(fine.friction_coefficient.sel(sliding="all")[0, 0]) > 0.2
+    assert float(fine_result.friction_coefficient.sel(sliding="all")[0, 0]) > 0.2
 
 
 def test_extrapolated_interval_contains_friction_of_a_finer_scan():
     """Extrapolate pairs that are filtered at 16 points, and compare them with the unfiltered pairs."""
     num_contained = 0
     for seed in range(6):
-        rough = {"hurst_exponent": 0.6, "rms": 0.02, "shape": (256, 256), "spacing": 0.02, "shortest_wavelength": 0.08}
-        fine = rough_maps(seed, **rough)
-        coarse = []
-        for body in fine:
-            waves = np.fft.fft2(body.heights)
+        surface_options = {
+            "hurst_exponent": 0.6,
+            "rms": 0.02,
+            "shape": (256, 256),
+            "spacing": 0.02,
+            "shortest_wavelength": 0.08,
+        }
+        fine_surfaces = rough_maps(seed, **surface_options)
+        coarse_surfaces = []
+        for body in fine_surfaces:
+            fourier_coefficients = np.fft.fft2(body.heights)
             k = np.hypot(*np.meshgrid(*[np.fft.fftfreq(256, 0.02)] * 2, indexing="ij"))
-            coarse.append(Surface(np.fft.ifft2(np.where(k <= 1 / 0.32, waves, 0)).real[::2, ::2], spacing=0.04))
+            coarse_surfaces.append(
+                Surface(np.fft.ifft2(np.where(k <= 1 / 0.32, fourier_coefficients, 0)).real[::2, ::2], spacing=0.04)
+            )
         load = [0.2 * 5.12**2]
         options = {"effective_modulus": 115.0, "mu0": 0.2, "tau0": 0.2, "boundary": "periodic", "cut_offs": []}
-        result = resolution(*coarse, load, hardness=None, **options)
+        result = resolution(*coarse_surfaces, load, hardness=None, **options)
         estimate = result.continued_elastic_friction_coefficient.sel(finer_wavelength=0.08)[0]
-        truth = resolution(*fine, load, hardness=None, **options).friction_coefficient.sel(sliding="all")[0, 0]
+        truth = resolution(*fine_surfaces, load, hardness=None, **options).friction_coefficient.sel(sliding="all")[0, 0]
         num_contained += bool(estimate.sel(statistic="lower") <= truth <= estimate.sel(statistic="upper"))
     assert num_contained >= 5  # at a coverage of 95 %, the probability of two misses is 1 in 30
 
@@ -230,19 +238,23 @@ def test_resolution_result_of_profiles_averages_friction_over_both_directions():
     assert result.cut_off.values == pytest.approx([0.0, 0.04, 0.08, 0.16, 0.32])
     assert result.sizes["normal_load"] == 2
     curve = half_space(upper, lower, [0.02, 0.1], hardness=4.0, effective_modulus=100.0)
-    both = [curve.with_direction(direction) for direction in ("+x", "-x")]
-    normal = sum(item.normal_load(mu0=0.3) for item in both)
-    mu = sum(item.tangential_load(mu0=0.3) for item in both) / normal
+    curves_of_directions = [curve.with_direction(direction) for direction in ("+x", "-x")]
+    normal = sum(item.normal_load(mu0=0.3) for item in curves_of_directions)
+    mu = sum(item.tangential_load(mu0=0.3) for item in curves_of_directions) / normal
     assert result.friction_coefficient.sel(sliding="opposing")[0].values == pytest.approx(mu, rel=1e-6)
 
 
 def test_resolution_results_scale_with_size():
-    one = resolution(*create_rough_surfaces(points=64, spacing=0.08), [0.4], boundary="periodic", **STEEL_OPTIONS)
+    original_result = resolution(
+        *create_rough_surfaces(points=64, spacing=0.08), [0.4], boundary="periodic", **STEEL_OPTIONS
+    )
     bodies = [Surface(10 * body.heights, spacing=0.8) for body in create_rough_surfaces(points=64, spacing=0.08)]
-    ten = resolution(*bodies, [40.0], boundary="periodic", **STEEL_OPTIONS)
+    enlarged_result = resolution(*bodies, [40.0], boundary="periodic", **STEEL_OPTIONS)
     for name in ("contact_area_fraction", "friction_coefficient", "rms_gradient", "plastic_area_fraction"):
-        assert ten[name].values == pytest.approx(one[name].values, rel=1e-6)
-    assert ten.plastic_wavelength.values == pytest.approx(10 * one.plastic_wavelength.values, rel=1e-3)
+        assert enlarged_result[name].values == pytest.approx(original_result[name].values, rel=1e-6)
+    assert enlarged_result.plastic_wavelength.values == pytest.approx(
+        10 * original_result.plastic_wavelength.values, rel=1e-3
+    )
 
 
 def test_resolution_dataset_has_units_and_can_be_written_to_netcdf(pair_and_resolution_result, tmp_path):
@@ -254,8 +266,8 @@ def test_resolution_dataset_has_units_and_can_be_written_to_netcdf(pair_and_reso
     for name in ("cut_off", "normal_load", "hardness", "finer_wavelength"):
         assert result[name].attrs["units"] in ("µm", "mN", "GPa")
     result.to_netcdf(tmp_path / "a.nc", engine="h5netcdf")
-    with xr.open_dataset(tmp_path / "a.nc", engine="h5netcdf") as again:
-        xr.testing.assert_equal(again.load(), result)
+    with xr.open_dataset(tmp_path / "a.nc", engine="h5netcdf") as stored_dataset:
+        xr.testing.assert_equal(stored_dataset.load(), result)
 
 
 def test_resolution_result_is_nan_at_an_unsolved_load_and_progress_is_complete(monkeypatch):

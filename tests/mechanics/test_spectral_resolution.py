@@ -11,8 +11,8 @@ PAIR_OPTIONS = {"pressure": 0.05, "hardness": 4.0, "mu0": 0.2, "tau0": 0.2, "eff
 
 
 def create_rough_surfaces(points=256):
-    waves = {"longest_wavelength": min(1.28, 0.02 * points), "shortest_wavelength": 0.08}
-    return rough_maps(6, hurst_exponent=0.6, rms=0.01, points=points, spacing=0.02, **waves)
+    wavelengths = {"longest_wavelength": min(1.28, 0.02 * points), "shortest_wavelength": 0.08}
+    return rough_maps(6, hurst_exponent=0.6, rms=0.01, points=points, spacing=0.02, **wavelengths)
 
 
 def roughness_of_bodies(bodies):
@@ -26,20 +26,22 @@ def test_spectral_resolution_limits_the_elastic_pressure_to_the_hardness():
     assert result.rms_gradient.values == pytest.approx(gradient)
     pressure = np.minimum(115.0 * gradient / 2.2, 4.0)
     # The area is at most the nominal area, so the mean pressure is at least the nominal pressure.
-    shown = np.maximum(pressure, 0.05)
-    assert result.mean_pressure.values == pytest.approx(shown)
-    assert result.contact_area_fraction.values == pytest.approx(0.05 / shown)
+    limited_pressure = np.maximum(pressure, 0.05)
+    assert result.mean_pressure.values == pytest.approx(limited_pressure)
+    assert result.contact_area_fraction.values == pytest.approx(0.05 / limited_pressure)
     mu = result.friction_coefficient.sel(sliding="all").values
-    assert mu == pytest.approx(0.2 + 0.2 / shown)
+    assert mu == pytest.approx(0.2 + 0.2 / limited_pressure)
     assert mu[-1] == pytest.approx(0.2 + 0.2 / 4.0)
-    at = float(result.plastic_wavelength)
-    assert float(result.rms_gradient.sel(wavelength=at)) >= 2.2 * 4.0 / 115.0
-    elastic = spectral_resolution(upper, lower, **PAIR_OPTIONS | {"hardness": None})
+    wavelength = float(result.plastic_wavelength)
+    assert float(result.rms_gradient.sel(wavelength=wavelength)) >= 2.2 * 4.0 / 115.0
+    elastic_result = spectral_resolution(upper, lower, **PAIR_OPTIONS | {"hardness": None})
     ratio = np.asarray(upper.gradient_at(result.wavelength) / lower.gradient_at(result.wavelength))
     expected = gentle_friction(0.2, 0.2, rms_gradient=gradient, effective_modulus=115.0, kappa=2.2, slope_ratio=ratio)
-    is_light = elastic.contact_area_fraction.values < 1
-    assert elastic.friction_coefficient.sel(sliding="opposing").values[is_light] == pytest.approx(expected[is_light])
-    assert math.isnan(elastic.plastic_wavelength)
+    is_light = elastic_result.contact_area_fraction.values < 1
+    assert elastic_result.friction_coefficient.sel(sliding="opposing").values[is_light] == pytest.approx(
+        expected[is_light]
+    )
+    assert math.isnan(elastic_result.plastic_wavelength)
 
 
 def test_spectral_resolution_agrees_with_half_space_model():

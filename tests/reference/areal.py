@@ -88,8 +88,8 @@ def solve_axis_ratio(longer_radius, shorter_radius):
         return ellipkm1(k**2), ellipe(1 - k**2)
 
     def radius_ratio(k):
-        first, second = elliptic_integrals(k)
-        return k**2 * (first - second) / (second - k**2 * first)
+        integral_k, integral_e = elliptic_integrals(k)
+        return k**2 * (integral_k - integral_e) / (integral_e - k**2 * integral_k)
 
     if longer_radius / shorter_radius < 1 + 1e-5:
         k = (shorter_radius / longer_radius) ** (2 / 3)  # The integrals cancel here. This limit is accurate to 1e-11.
@@ -134,8 +134,8 @@ def ellipse_fractions_on_map(centre, along, across, extent):
         size = np.hypot(along[k], across[k])
         for distance in (-centre[k], extent[k] - centre[k]):
             if abs(distance) < size:
-                middle, half = np.arctan2(across[k], along[k]), np.arccos(distance / size)
-                angles += [np.angle(np.exp(1j * (middle + sign * half))) for sign in (-1, 1)]
+                middle_angle, half_angle = np.arctan2(across[k], along[k]), np.arccos(distance / size)
+                angles += [np.angle(np.exp(1j * (middle_angle + sign * half_angle))) for sign in (-1, 1)]
     angles = np.sort(angles)
     nodes, weights = np.polynomial.legendre.leggauss(100)
     force = area = 0.0

@@ -66,11 +66,11 @@ class PeriodicHalfSpace:
     def contact_response(self, pressure):
         """Return contact fraction, number of contacts and stiffness (GPa/µm)."""
         pressures = pressure * np.array([1 - RELATIVE_LOAD_STEP, 1 + RELATIVE_LOAD_STEP])
-        below, above = (self.solve(step) for step in pressures)
+        solution_below, solution_above = (self.solve(step) for step in pressures)
         return (
-            0.5 * (below[0] + above[0]),
-            0.5 * (below[1] + above[1]),
-            (pressures[1] - pressures[0]) / (below[2] - above[2]),
+            0.5 * (solution_below[0] + solution_above[0]),
+            0.5 * (solution_below[1] + solution_above[1]),
+            (pressures[1] - pressures[0]) / (solution_below[2] - solution_above[2]),
         )
 
 
@@ -125,7 +125,7 @@ class PeriodicAsperities:
 
         is_active = height_below_summit <= np.sort(height_below_summit)[:3].max()
         force = np.where(is_active, load / is_active.sum(), 0.0)
-        for round_ in range(400):
+        for iteration in range(400):
             half_width = np.sqrt(4 * np.maximum(force, 1e-3 * load / count) * radius / modulus)
             matrix = interaction_matrix(
                 half_width, 0.5 * np.exp(-0.5)
@@ -145,11 +145,11 @@ class PeriodicAsperities:
             has_converged = np.allclose(force, previous_force, rtol=1e-7, atol=1e-9 * load)
             if has_converged and violation.max() <= 1e-9 * self.height:
                 # A small increment of approach adds the pressure of a flat punch, whose mean of ln|s| is ln(a/2).
-                tangent = interaction_matrix(half_width, 0.5)[np.ix_(active_indices, active_indices)]
+                tangent_matrix = interaction_matrix(half_width, 0.5)[np.ix_(active_indices, active_indices)]
                 # The matrix is not positive definite if too many contacts have merged.
-                is_stable = np.linalg.eigvalsh(tangent)[0] > 0
-                stiffness = np.linalg.solve(tangent, np.ones(active_indices.size)).sum() if is_stable else np.nan
+                is_stable = np.linalg.eigvalsh(tangent_matrix)[0] > 0
+                stiffness = np.linalg.solve(tangent_matrix, np.ones(active_indices.size)).sum() if is_stable else np.nan
                 return 2 * half_width[active_indices].sum() / self.period, active_indices.size, stiffness / self.period
             # First activate all overlapping asperities, later only the one with the largest overlap, to avoid cycles.
-            is_active |= (violation > 1e-9 * self.height) & (violation >= (0 if round_ < 20 else violation.max()))
+            is_active |= (violation > 1e-9 * self.height) & (violation >= (0 if iteration < 20 else violation.max()))
         raise RuntimeError(f"no interacting solution at {pressure} GPa")

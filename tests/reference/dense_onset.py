@@ -21,8 +21,8 @@ def solve_traction(compliance, bound, total):
         system[:-1, :-1] = compliance[np.ix_(is_sticking, is_sticking)]
         system[:-1, -1], system[-1, :-1] = -1.0, 1.0
         right_hand_side = np.append(-(compliance @ q)[is_sticking], total - q.sum())
-        solved = np.linalg.solve(system, right_hand_side)
-        q[is_sticking], displacement = solved[:-1], solved[-1]
+        solution = np.linalg.solve(system, right_hand_side)
+        q[is_sticking], displacement = solution[:-1], solution[-1]
         displacements = compliance @ q
         displacement_tolerance, traction_tolerance = (
             SLIP_ROUND_OFF * np.abs(displacements).max(),

@@ -17,7 +17,7 @@ def mean_line(heights, spacing, cutoff, *, degree=1, weights=None):
     weights = [1.0] * points if weights is None else weights
     smoothed = []
     for i in range(points):
-        normal, right_hand_side = np.zeros((degree + 1, degree + 1)), np.zeros(degree + 1)
+        normal_matrix, right_hand_side = np.zeros((degree + 1, degree + 1)), np.zeros(degree + 1)
         for j in range(points):
             offset = (j - i) * spacing
             weight = weights[j] * gaussian_weight(offset, cutoff)
@@ -25,8 +25,8 @@ def mean_line(heights, spacing, cutoff, *, degree=1, weights=None):
             for k in range(degree + 1):
                 right_hand_side[k] += weight * heights[j] * powers[k]
                 for m in range(degree + 1):
-                    normal[k, m] += weight * powers[k] * powers[m]
-        smoothed.append(np.linalg.solve(normal, right_hand_side)[0])
+                    normal_matrix[k, m] += weight * powers[k] * powers[m]
+        smoothed.append(np.linalg.solve(normal_matrix, right_hand_side)[0])
     return np.array(smoothed)
 
 

@@ -20,11 +20,11 @@ def minimize_energy(heights, spacing, load, gap, *, effective_modulus, work_of_a
 
     def energy_and_gradient(x):
         g = x.reshape(heights.shape) * adhesion_range
-        elastic = ifft2(fft2(g - heights) * waves * effective_modulus / 2).real
+        elastic_pressure = ifft2(fft2(g - heights) * waves * effective_modulus / 2).real
         attraction = strength * np.exp(-g / adhesion_range)
-        energy = (elastic * (g - heights) / 2 + load * g - attraction * adhesion_range).sum()
-        slope = elastic + load + attraction
-        return energy / (strength * adhesion_range), slope.ravel() / strength
+        energy = (elastic_pressure * (g - heights) / 2 + load * g - attraction * adhesion_range).sum()
+        gradient = elastic_pressure + load + attraction
+        return energy / (strength * adhesion_range), gradient.ravel() / strength
 
     start = gap.ravel() / adhesion_range
     bounds = [(0, MAX_GAP + item) for item in heights.ravel() / adhesion_range]

@@ -58,8 +58,8 @@ def height_at_material_ratio(z, ratio):
     """Return the height above which the fraction `ratio` of the points lies."""
     descending = sorted(z, reverse=True)
     position = ratio * (len(descending) - 1)
-    below = min(int(position), len(descending) - 2)
-    return descending[below] + (position - below) * (descending[below + 1] - descending[below])
+    lower_index = min(int(position), len(descending) - 2)
+    return descending[lower_index] + (position - lower_index) * (descending[lower_index + 1] - descending[lower_index])
 
 
 def material_ratio_at_height(z, height):
@@ -76,10 +76,11 @@ def stratified_parameters(z):
     ratios = [(i + 0.5) / n for i in range(start, start + width)]
     slope, upper = np.polyfit(ratios, descending[start : start + width], 1)
     lower = upper + slope
-    above, below = [v - upper for v in z if v > upper], [lower - v for v in z if v < lower]
+    heights_above_core, depths_below_core = [v - upper for v in z if v > upper], [lower - v for v in z if v < lower]
     return {
-        "k": upper - lower, "pk": 2 * sum(above) / len(above) if above else 0.0,
-        "vk": 2 * sum(below) / len(below) if below else 0.0, "mrk1": len(above) / n, "mrk2": 1 - len(below) / n,
+        "k": upper - lower, "pk": 2 * sum(heights_above_core) / len(heights_above_core) if heights_above_core else 0.0,
+        "vk": 2 * sum(depths_below_core) / len(depths_below_core) if depths_below_core else 0.0,
+        "mrk1": len(heights_above_core) / n, "mrk2": 1 - len(depths_below_core) / n,
     }  # fmt: skip
 
 
@@ -157,9 +158,9 @@ def feature_parameters(z, spacing):
     curvatures = []
     for j, i in peaks:
         if 0 < j < rows - 1 and 0 < i < columns - 1:
-            along_y = (z[j - 1, i] - 2 * z[j, i] + z[j + 1, i]) / spacing[0] ** 2
-            along_x = (z[j, i - 1] - 2 * z[j, i] + z[j, i + 1]) / spacing[1] ** 2
-            curvatures.append(-(along_y + along_x) / 2)
+            curvature_y = (z[j - 1, i] - 2 * z[j, i] + z[j + 1, i]) / spacing[0] ** 2
+            curvature_x = (z[j, i - 1] - 2 * z[j, i] + z[j, i + 1]) / spacing[1] ** 2
+            curvatures.append(-(curvature_y + curvature_x) / 2)
     high = sorted((z[p] for p in peaks), reverse=True)[:5]
     pit_depths = sorted(-z[p] for p in pits)[::-1][:5]
     return {

@@ -47,11 +47,11 @@ def random_heights(random, shape):
     band = np.exp(random.uniform(np.log(2), np.log(4000)))
     frequencies = [np.abs(scipy.fft.fftfreq(n)) for n in shape[:-1]] + [scipy.fft.rfftfreq(shape[-1])]
     k = np.sqrt(sum(np.square(axis) for axis in np.meshgrid(*frequencies, indexing="ij")))
-    inside = (k > 0) & (k <= 1 / shortest) & (k >= 1 / (shortest * band))
-    if not inside.any():
+    is_in_band = (k > 0) & (k <= 1 / shortest) & (k >= 1 / (shortest * band))
+    if not is_in_band.any():
         return np.zeros(shape), "flat"
     noise = random.normal(size=k.shape) + 1j * random.normal(size=k.shape)
-    amplitude = np.where(inside, np.where(k > 0, k, 1.0) ** (-hurst - len(shape) / 2), 0.0)
+    amplitude = np.where(is_in_band, np.where(k > 0, k, 1.0) ** (-hurst - len(shape) / 2), 0.0)
     z = scipy.fft.irfftn(amplitude * noise, shape)
     slope = np.sqrt(sum(np.mean(np.square(np.diff(z, axis=axis))) for axis in range(z.ndim)))
     return z / slope, f"{kind} H {hurst:.2f} band {band:.0f} shortest {shortest:g}"

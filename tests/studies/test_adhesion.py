@@ -63,16 +63,20 @@ def test_adhesive_member_equals_half_space_solution_of_its_surfaces(adhesive_res
     bodies = load_bodies(adhesive_result.study).member(1, 0.0).pair
     directions = {"direction": data["direction"].values.tolist(), "sliding": "all"}
     curve = half_space(*bodies, data["load"].values, **contact.solver_arguments(), **directions)
-    free = half_space(*bodies, [0.0], **contact.solver_arguments(), **directions)
+    free_curve = half_space(*bodies, [0.0], **contact.solver_arguments(), **directions)
     assert data["contact_load"].values == pytest.approx(curve.contact_load, rel=REPEATED_SOLUTION_TOLERANCE)
-    assert float(data["pull_off"]) == pytest.approx(free.pull_off, rel=LOAD_PATH_TOLERANCE)
+    assert float(data["pull_off"]) == pytest.approx(free_curve.pull_off, rel=LOAD_PATH_TOLERANCE)
     assert float(data["pull_off"]) > 0
-    stored = {
+    stored_loads = {
         name: data[f"unloaded_{name}"].sel(sliding="all").values for name in ("elastic", "frictional", "adhesive")
     }
-    friction = stored["elastic"] + 0.3 * stored["frictional"] + 0.02 * stored["adhesive"]
-    assert friction == pytest.approx(free.tangential_load(mu0=0.3, tau0=0.02)[:, 0], rel=REPEATED_SOLUTION_TOLERANCE)
-    assert friction.mean() == pytest.approx(0.3 * free.contact_load[0] + 0.02 * free.contact_area[0], rel=0.05)
+    friction = stored_loads["elastic"] + 0.3 * stored_loads["frictional"] + 0.02 * stored_loads["adhesive"]
+    assert friction == pytest.approx(
+        free_curve.tangential_load(mu0=0.3, tau0=0.02)[:, 0], rel=REPEATED_SOLUTION_TOLERANCE
+    )
+    assert friction.mean() == pytest.approx(
+        0.3 * free_curve.contact_load[0] + 0.02 * free_curve.contact_area[0], rel=0.05
+    )
 
 
 def test_friction_coefficient_with_adhesion_increases_as_the_load_decreases(adhesive_result):
@@ -191,10 +195,10 @@ def test_loads_between_zero_and_the_first_solved_load_have_status_not_reached(ad
     ],
 )
 def test_assessment_of_sticking_agrees_with_interval_of_pull_off_pressure(pressure, is_bound, sticks):
-    sticking = PullOffValues(
+    pull_off_values = PullOffValues(
         pull_off=(1e-6, 1e-6, 1e-6), pressure=pressure, friction=(1e-6, 1e-6, 1e-6), is_bound=is_bound
     )
-    assert sticking.sticking_assessment == sticks
+    assert pull_off_values.sticking_assessment == sticks
 
 
 def test_explicit_zero_adhesion_leaves_values_unchanged_and_adds_no_caveat(adhesive_result):

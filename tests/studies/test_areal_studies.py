@@ -109,11 +109,11 @@ def test_results_of_an_areal_study_equal_load_curves_of_single_pairs(name):
         for rule, curve in zip(study.contact.rules(), compute_curves(study, *pair), strict=True):
             for quantity in study.sums():
                 is_directed = quantity in DIRECTED_SUM_QUANTITIES
-                computed = member[quantity].sel(sliding=rule) if is_directed else member[quantity]
-                assert computed.dims == (
+                computed_sum = member[quantity].sel(sliding=rule) if is_directed else member[quantity]
+                assert computed_sum.dims == (
                     ("direction", step) if is_directed and "direction" in dataset.dims else (step,)
                 )
-                assert computed.values.tobytes() == getattr(curve, quantity).tobytes(), quantity
+                assert computed_sum.values.tobytes() == getattr(curve, quantity).tobytes(), quantity
     assert (dataset["normal_elastic"].values.max(axis=-1) > 0).all()
 
 
@@ -139,8 +139,8 @@ def test_stored_areal_study_can_be_read_and_continued(name, tmp_path):
     expected = run(study).dataset
     with ThreadPoolExecutor(2) as pool:
         run(study.with_changes({"ensemble.repetitions": 1}), store=tmp_path / "r", executor=pool)
-        continued = run(study, store=tmp_path / "r", executor=pool).dataset
-    assert continued.identical(expected)
+        continued_dataset = run(study, store=tmp_path / "r", executor=pool).dataset
+    assert continued_dataset.identical(expected)
     assert store.read(tmp_path / "r").identical(expected)
     changed_study = study.with_changes({"contact.sliding": "all"})
     with pytest.raises(store.StoreError, match=r"contact\.sliding = "):
@@ -148,8 +148,8 @@ def test_stored_areal_study_can_be_read_and_continued(name, tmp_path):
 
 
 def test_friction_map_with_both_sliding_rules_equals_the_map_with_each_rule(result):
-    elastic = result["normal_elastic"].mean("repetition")
-    load = float(elastic.isel({elastic.dims[-1]: -2}).min())
+    mean_loads = result["normal_elastic"].mean("repetition")
+    load = float(mean_loads.isel({mean_loads.dims[-1]: -2}).min())
     maps = friction_map(result, [load])
     assert maps.sizes["sliding"] == 2
     for rule in ("opposing", "all"):

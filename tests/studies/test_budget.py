@@ -74,9 +74,9 @@ def test_friction_interval_equals_the_interval_of_mu0_if_only_mu0_is_uncertain()
     result = pair(*rough_surfaces(rms=0.001), mu0="0.2±0.02", **kwargs)
     assert result.interval == pytest.approx((0.2 - Z_95 * 0.02, 0.2 + Z_95 * 0.02), abs=SAMPLING_ERROR * 4 * 0.02)
     assert result.budget["input"][0] == "μ0"
-    uniform = pair(*rough_surfaces(rms=0.001), mu0="uniform 0.1..0.3", **kwargs)
-    assert uniform.interval == pytest.approx((0.105, 0.295), abs=SAMPLING_ERROR * 0.2)
-    assert uniform.value == pytest.approx(0.2, rel=1e-3)
+    uniform_result = pair(*rough_surfaces(rms=0.001), mu0="uniform 0.1..0.3", **kwargs)
+    assert uniform_result.interval == pytest.approx((0.105, 0.295), abs=SAMPLING_ERROR * 0.2)
+    assert uniform_result.value == pytest.approx(0.2, rel=1e-3)
 
 
 def test_adhesive_friction_at_interval_ends_is_proportional_to_tau0() -> None:
@@ -93,8 +93,8 @@ def test_adhesive_friction_at_interval_ends_is_proportional_to_tau0() -> None:
 def test_replacing_a_result_also_replaces_its_solutions_at_other_hardnesses(tmp_path) -> None:
     kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", hardness="1..3 GPa", **THREE_POSITION_OPTIONS)
     pair(*rough_surfaces(), effective_modulus="80 GPa", directory=tmp_path, **kwargs)
-    softer = pair(*rough_surfaces(), effective_modulus="20 GPa", directory=tmp_path, replace=True, **kwargs)
-    assert softer.interval == pair(*rough_surfaces(), effective_modulus="20 GPa", **kwargs).interval
+    softer_result = pair(*rough_surfaces(), effective_modulus="20 GPa", directory=tmp_path, replace=True, **kwargs)
+    assert softer_result.interval == pair(*rough_surfaces(), effective_modulus="20 GPa", **kwargs).interval
 
 
 # The first two cases are a plastic contact and an elastic-plastic contact.
@@ -392,10 +392,10 @@ def test_equally_uncertain_inputs_have_equal_fractions_in_the_budget() -> None:
         *rough_surfaces(), load="2 MPa", mu0="0.2±0.025", tau0="20..80 MPa", young="6..16 GPa,6..16 GPa",
         poisson="0.3,0.3", hardness="1 GPa", **PAIR_OPTIONS,
     )  # fmt: skip
-    shares = result.budget.set_index("input")["share"]
-    upper, lower = (shares[f"Young's modulus of the {side} body"] for side in ("upper", "lower"))
+    budget_shares = result.budget.set_index("input")["share"]
+    upper, lower = (budget_shares[f"Young's modulus of the {side} body"] for side in ("upper", "lower"))
     assert upper == pytest.approx(lower, abs=0.01)
-    assert shares.min() >= 0
+    assert budget_shares.min() >= 0
 
 
 def test_budget_of_a_yielding_pair_lists_positions_and_unresolved_roughness() -> None:

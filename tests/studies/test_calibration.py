@@ -68,11 +68,11 @@ def test_calibration_with_a_parameter_at_its_bound_agrees_with_brute_force_integ
     tests = simulate_ball_tests(tau0=0.0, seed=11)
     interface = calibrate(tests, common=0.0, sliding="all")
     mu0, tau0 = np.meshgrid(np.linspace(0.1, 0.2, 801), np.linspace(0.0, 0.003, 801), indexing="ij")
-    log = np.zeros(mu0.shape)
+    log_likelihood = np.zeros(mu0.shape)
     for test in tests:
         predicted = mu0 + tau0 * BALL.area_per_load(float(test.load))
-        log -= 0.5 * ((test.coefficient - predicted) / test.uncertainty) ** 2
-    weight = np.exp(log - log.max()).ravel()
+        log_likelihood -= 0.5 * ((test.coefficient - predicted) / test.uncertainty) ** 2
+    weight = np.exp(log_likelihood - log_likelihood.max()).ravel()
     values = np.random.default_rng(0).choice(weight.size, 200_000, p=weight / weight.sum())
     for name, draws, interval in (("mu0", mu0, interface.mu0), ("tau0", tau0, interface.tau0)):
         expected = credible_interval(draws.ravel()[values], 0.0)
@@ -85,8 +85,12 @@ def test_calibration_with_a_parameter_at_its_bound_agrees_with_brute_force_integ
 
 def test_common_error_widens_the_interval_of_the_determined_combination_of_mu0_and_tau0() -> None:
     tests = simulate_ball_tests()
-    narrow, wide = (calibrate(tests, common=common, sliding="all").identified for common in (0.0, 0.1))
-    assert wide[2] - wide[1] == pytest.approx(math.hypot(narrow[2] - narrow[1], 0.1 * 3.92 * wide[0]), rel=0.1)
+    narrow_interval, wide_interval = (
+        calibrate(tests, common=common, sliding="all").identified for common in (0.0, 0.1)
+    )
+    assert wide_interval[2] - wide_interval[1] == pytest.approx(
+        math.hypot(narrow_interval[2] - narrow_interval[1], 0.1 * 3.92 * wide_interval[0]), rel=0.1
+    )
 
 
 def test_friction_tests_on_a_single_pair_determine_only_a_combination_of_mu0_and_tau0() -> None:
@@ -130,9 +134,9 @@ def test_friction_tests_on_two_surface_finishes_predict_friction_on_a_third_fini
     assert interface.separated
     assert interface.mu0[1] < 0.2 < interface.mu0[2]
     assert interface.tau0[1] < 0.3 < interface.tau0[2]
-    third = compute_rough_load_curve(0.02, 5)
-    value, lower, upper = interface.predict(third, float(third.load[1]))
-    assert lower < float(third.friction_coefficient(mu0=0.2, tau0=0.3)[1]) < upper
+    third_curve = compute_rough_load_curve(0.02, 5)
+    value, lower, upper = interface.predict(third_curve, float(third_curve.load[1]))
+    assert lower < float(third_curve.friction_coefficient(mu0=0.2, tau0=0.3)[1]) < upper
     assert lower < value < upper
     assert list(interface.draws.columns) == ["mu0", "tau0", "hardness"]
 
@@ -150,8 +154,8 @@ def test_friction_test_accepts_a_result_of_the_pair_function() -> None:
         upper, lower, load=["40 MPa", "160 MPa"], mu0=0.2, tau0="50 MPa", upper="steel", lower="brass", shifts=4,
         onset=0,
     )  # fmt: skip
-    computed = result.at("80 MPa", mu0=0.2, tau0="50 MPa")["friction_all_round"].sel(sliding="all", statistic="mean")
-    truth = float(computed.squeeze())
+    coefficient = result.at("80 MPa", mu0=0.2, tau0="50 MPa")["friction_all_round"].sel(sliding="all", statistic="mean")
+    truth = float(coefficient.squeeze())
     tests = [FrictionTest(result, load, coefficient=truth, uncertainty=0.01) for load in ("80 MPa", "2 mN")]
     # The pressure acts on the area of the pieces of the maps.
     assert tests[0].load == pytest.approx(0.08 * result.nominal_area)
@@ -201,12 +205,14 @@ def test_uncertainty_of_a_shared_hardness_cancels_in_the_prediction(tmp_path) ->
 
 
 def test_friction_tests_at_several_dwell_times_separate_mu0_from_tau0() -> None:
-    rough = pair(*rough_surface_pair(0.03), hardness="0.8 GPa", wait=["1 s", "300 d"], creep=0.05, **PAIR_OPTIONS)
-    table, tests = rough.at("20 MPa"), []
+    rough_result = pair(
+        *rough_surface_pair(0.03), hardness="0.8 GPa", wait=["1 s", "300 d"], creep=0.05, **PAIR_OPTIONS
+    )
+    table, tests = rough_result.at("20 MPa"), []
     ratio = (table["contact_area"].sel(statistic="mean") / table["load"]).item()
     for wait, seconds in (("1 s", 1.0), ("1 h", 3600.0), ("300 d", 300 * 86400.0)):
         y = 0.2 + 0.05 * ratio * seconds**0.05
-        tests.append(FrictionTest(rough, "20 MPa", coefficient=y, uncertainty=0.002, wait=wait))
+        tests.append(FrictionTest(rough_result, "20 MPa", coefficient=y, uncertainty=0.002, wait=wait))
     strength = calibrate(tests)
     assert strength.separated
     assert strength.mu0[0] == pytest.approx(0.2, abs=0.01)
@@ -215,12 +221,12 @@ def test_friction_tests_at_several_dwell_times_separate_mu0_from_tau0() -> None:
 
 def test_calibration_infers_the_true_modulus_within_its_range() -> None:
     # The true modulus is 1.8 standard deviations above the middle of its range; a ball of exact modulus reveals it.
-    ranged, exact = Ball("5 mm", "2..4.5 GPa"), Ball("5 mm", "30 GPa")
+    ranged_ball, exact_ball = Ball("5 mm", "2..4.5 GPa"), Ball("5 mm", "30 GPa")
     modulus = 3.0 * 1.5 ** (1.8 / 1.96)
     truth = Ball("5 mm", modulus)
     tests = [
         FrictionTest(body, load, coefficient=y, uncertainty=0.005 * y)
-        for body, area in ((ranged, truth), (exact, exact))
+        for body, area in ((ranged_ball, truth), (exact_ball, exact_ball))
         for load in LOADS
         for y in [MU0 + TAU0 * area.area_per_load(load)]
     ]
@@ -257,10 +263,12 @@ def test_prediction_for_the_tested_pair_omits_the_error_of_its_contact_area() ->
     tested_pair = pair(*rough_surface_pair(0.03), hardness="0.8 GPa", **PAIR_OPTIONS)
     tests = [FrictionTest(tested_pair, "20 MPa", coefficient=0.25, uncertainty=0.0025)] * 4
     strength = calibrate(tests, common=0.0)
-    same_pair = strength.predict(tested_pair, "20 MPa")
-    other_pair = strength.predict(pair(*rough_surface_pair(0.02), hardness="0.8 GPa", **PAIR_OPTIONS), "20 MPa")
-    assert same_pair == pytest.approx(np.array([1.0, 0.99, 1.01]) * 0.25, abs=0.0004)
-    assert np.ptp(other_pair[1:]) > 2 * np.ptp(same_pair[1:])
+    prediction_for_same_pair = strength.predict(tested_pair, "20 MPa")
+    prediction_for_other_pair = strength.predict(
+        pair(*rough_surface_pair(0.02), hardness="0.8 GPa", **PAIR_OPTIONS), "20 MPa"
+    )
+    assert prediction_for_same_pair == pytest.approx(np.array([1.0, 0.99, 1.01]) * 0.25, abs=0.0004)
+    assert np.ptp(prediction_for_other_pair[1:]) > 2 * np.ptp(prediction_for_same_pair[1:])
 
 
 def test_prediction_interval_includes_samples_with_mu0_at_its_bound(tmp_path) -> None:
@@ -270,8 +278,8 @@ def test_prediction_interval_includes_samples_with_mu0_at_its_bound(tmp_path) ->
     (tau0_at_bound,) = [tau0 for mu0, tau0 in interface.samples_at_bounds if not mu0.any()]
     # If mu0 is 0, only tau0 is unknown; its estimate is a weighted mean with a normal error.
     ratio = np.array([BALL.area_per_load(float(test.load)) / test.uncertainty for test in tests])
-    scaled = np.array([test.coefficient / test.uncertainty for test in tests])
-    estimate, error = ratio @ scaled / (ratio @ ratio), 1 / math.sqrt(ratio @ ratio)
+    scaled_coefficients = np.array([test.coefficient / test.uncertainty for test in tests])
+    estimate, error = ratio @ scaled_coefficients / (ratio @ ratio), 1 / math.sqrt(ratio @ ratio)
     assert np.median(tau0_at_bound) == pytest.approx(estimate, abs=error)
     distant_ball = ball_and_load(interface.area_per_load / 3)
     write_interface(interface, tmp_path / "film.csv")
@@ -289,16 +297,16 @@ def test_calibration_with_mu0_fixed_at_zero_reports_no_samples_at_bounds() -> No
 def test_error_of_area_ratio_between_hardnesses_is_the_standard_error_over_members() -> None:
     tested_pair = pair(*rough_surface_pair(0.03), hardness="0.5..1.5 GPa", **PAIR_OPTIONS)
     test = FrictionTest(tested_pair, "20 MPa", coefficient=0.25, uncertainty=0.0025)
-    yielding = test.area_factor
-    assert yielding is not None
-    assert yielding.error in yielding.nuisance_names
-    solved = load_areas_at_nodes(tested_pair.source)["contact_area"].isel(load=0, relative_modulus=0).to_pandas()
-    relative = np.log(solved.div(solved[float(tested_pair.study.contact.hardness)], axis=0))
+    area_factor = test.area_factor
+    assert area_factor is not None
+    assert area_factor.error in area_factor.nuisance_names
+    solved_areas = load_areas_at_nodes(tested_pair.source)["contact_area"].isel(load=0, relative_modulus=0).to_pandas()
+    relative = np.log(solved_areas.div(solved_areas[float(tested_pair.study.contact.hardness)], axis=0))
     expected = relative.sem(axis=0)
     for hardness in expected.index[:-1]:
-        assert yielding.areas.area_ratio_error(0, np.array([hardness])) == pytest.approx(expected[hardness])
+        assert area_factor.areas.area_ratio_error(0, np.array([hardness])) == pytest.approx(expected[hardness])
     fit = calibrate([test] * 4).fits[0]
-    assert yielding.error in fit.scores
+    assert area_factor.error in fit.scores
 
 
 def test_understated_errors_of_friction_tests_are_scaled_up() -> None:
@@ -323,15 +331,15 @@ def test_unknown_uncertainties_of_friction_tests_are_estimated_from_their_scatte
 
 def test_friction_tests_without_sliding_count_as_lower_bounds() -> None:
     sliding_tests = simulate_ball_tests()
-    identified = calibrate(sliding_tests[:2], sliding="all").identified
+    identified_values = calibrate(sliding_tests[:2], sliding="all").identified
     level = sliding_tests[0].coefficient * 1.05
     static_tests = [FrictionTest(BALL, LOADS[0], coefficient=level, uncertainty=0.01, slid=False)] * 3
-    bounded = calibrate([*sliding_tests[:2], *static_tests], sliding="all")
+    bounded_interface = calibrate([*sliding_tests[:2], *static_tests], sliding="all")
     area_per_load = BALL.area_per_load(LOADS[0])
     before = np.quantile(calibrate(sliding_tests[:2], sliding="all").draws.eval(f"mu0 + tau0 * {area_per_load}"), 0.05)
-    after = np.quantile(bounded.draws.eval(f"mu0 + tau0 * {area_per_load}"), 0.05)
+    after = np.quantile(bounded_interface.draws.eval(f"mu0 + tau0 * {area_per_load}"), 0.05)
     assert after > before
-    assert identified[0] > 0
+    assert identified_values[0] > 0
 
 
 # ---- Junction growth -------------------------------------------------------------------------------------------------
@@ -505,9 +513,9 @@ def test_common_error_within_each_test_run_widens_the_interval() -> None:
 
 def test_calibration_uses_given_values_of_mu0_or_tau0_unchanged() -> None:
     tests = simulate_ball_tests()
-    fixed = calibrate(tests[:1], sliding="all", tau0="12 MPa")
-    assert fixed.separated
-    assert set(fixed.draws["tau0"]) == {0.012}
+    interface_with_fixed_tau0 = calibrate(tests[:1], sliding="all", tau0="12 MPa")
+    assert interface_with_fixed_tau0.separated
+    assert set(interface_with_fixed_tau0.draws["tau0"]) == {0.012}
     assert calibrate(tests[:1], sliding="all", mu0=0.15).mu0 == (0.15, 0.15, 0.15)
 
 

@@ -31,8 +31,8 @@ def scheduler():
     """Return the address of a Dask scheduler with two worker processes."""
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs="CRITICAL"
-    ) as running:
-        yield running.scheduler_address
+    ) as local_cluster:
+        yield local_cluster.scheduler_address
 
 
 def test_dask_workers_and_threads_give_bit_identical_results(scheduler, tmp_path, monkeypatch):
@@ -58,8 +58,8 @@ def test_tasks_of_a_killed_worker_are_computed_again_by_another_worker(scheduler
                 os.kill(workers.pop(), signal.SIGKILL)
                 workers.clear()
 
-        with monkeypatch.context() as patched:
-            patched.setattr(runner, "progress_bar", lambda *_: contextlib.nullcontext(kill_worker))
+        with monkeypatch.context() as monkeypatch_context:
+            monkeypatch_context.setattr(runner, "progress_bar", lambda *_: contextlib.nullcontext(kill_worker))
             result = run(study, executor=executor, store=tmp_path).dataset
         assert not workers
     assert_same_bits(result, run(study).dataset)
@@ -86,8 +86,8 @@ def test_absent_scheduler_is_reported_with_its_address(monkeypatch):
 
 
 def test_scheduler_without_workers_issues_a_warning():
-    with distributed.LocalCluster(n_workers=0, dashboard_address=None, silence_logs="CRITICAL") as running:
-        address = running.scheduler_address
+    with distributed.LocalCluster(n_workers=0, dashboard_address=None, silence_logs="CRITICAL") as local_cluster:
+        address = local_cluster.scheduler_address
         with (
             pytest.warns(UserWarning, match="has no workers yet; waiting for them"),
             executors.connect_cluster(address),

@@ -40,8 +40,8 @@ def test_friction_of_profiles_at_a_load_equals_the_mean_of_press_results_over_po
                 press(*pair, approach_at_load(*pair, [0.05], mu0=mu0, tau0=tau0, **model), **model) for pair in pairs
             ]
             coefficients = np.array([curve.friction_coefficient(**material)[0] for curve in curves])[order]
-            computed = table["friction_coefficient"].sel(sliding="opposing", direction=angle).values
-            np.testing.assert_allclose(computed, intervals.neighbors_mean(coefficients), rtol=2e-3)
+            coefficients_at_load = table["friction_coefficient"].sel(sliding="opposing", direction=angle).values
+            np.testing.assert_allclose(coefficients_at_load, intervals.neighbors_mean(coefficients), rtol=2e-3)
         if load == "elastic":  # The contact area always belongs to the elastic load.
             area = np.array([curve.contact_area[0] for curve in curves])[order]
             np.testing.assert_allclose(table["contact_area"], intervals.neighbors_mean(area), rtol=1e-9)
@@ -97,10 +97,10 @@ def test_intervals_of_generated_results_are_computed_after_averaging_directions(
     })  # fmt: skip
     result = run(study).dataset
     load = [float(reached_loads(result, 5)[2])]
-    table, merged = at_load(result, load), result.mean("direction", keep_attrs=True)
+    table, dataset_over_directions = at_load(result, load), result.mean("direction", keep_attrs=True)
     for name, quantity_map in (
-        ("contact_area", area_map(merged, load)),
-        ("normal_stiffness", stiffness_map(merged, load)),
+        ("contact_area", area_map(dataset_over_directions, load)),
+        ("normal_stiffness", stiffness_map(dataset_over_directions, load)),
     ):
         for statistic, variable in (("mean", name), ("lower", "lower"), ("upper", "upper")):
             np.testing.assert_allclose(table[name].sel(statistic=statistic), quantity_map[variable], rtol=ROUND_OFF)
@@ -115,8 +115,10 @@ def test_intervals_of_measured_results_are_computed_after_averaging_directions(a
     computed = point["friction_all_round"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing").values
     np.testing.assert_allclose(computed, expected, rtol=ROUND_OFF)
     axis_means = friction.sel(direction=[60.0, 240.0]).mean("direction").values
-    by_axis = point["friction_by_axis"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing", axis=60.0)
-    np.testing.assert_allclose(by_axis, intervals.sample_mean(axis_means), rtol=ROUND_OFF)
+    friction_along_axis = (
+        point["friction_by_axis"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing", axis=60.0)
+    )
+    np.testing.assert_allclose(friction_along_axis, intervals.sample_mean(axis_means), rtol=ROUND_OFF)
     low, high = (
         float(point[name].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing"))
         for name in ("spread_low", "spread_high")

@@ -181,9 +181,11 @@ def test_profile_heights_can_be_scaled_in_both_contact_models(mechanics):
 
 
 def test_pull_off_force_decreases_with_height_scale():
-    smooth = rough_maps(3, points=40, rms=0.003, spacing=0.01, longest_wavelength=0.2, shortest_wavelength=0.04)
+    smooth_surfaces = rough_maps(
+        3, points=40, rms=0.003, spacing=0.01, longest_wavelength=0.2, shortest_wavelength=0.04
+    )
     computed = pair(
-        *smooth, load="2 MPa", mu0=0.3, effective_modulus=80.0, shifts=2, onset=0, work_of_adhesion="50 mJ/m^2"
+        *smooth_surfaces, load="2 MPa", mu0=0.3, effective_modulus=80.0, shifts=2, onset=0, work_of_adhesion="50 mJ/m^2"
     )
     table = computed.at(height_scale=[0.25, 1], compute=True)
     pull_off = mean_values(table["pull_off"])
@@ -200,12 +202,12 @@ def test_interpolation_between_height_factors_has_at_most_the_stated_error(hardn
     factors = np.array([0.6, 1.7])
     table = computed.at(height_scale=factors)
     for index, factor in enumerate(factors):
-        exact = pair(
+        exact_table = pair(
             *scale_heights(create_smooth_maps(64, rms=0.01), factor), **PAIR_OPTIONS | hardness | {"load": "100 MPa"}
         ).at()
         coefficient, area = mean_values(table["friction_all_round"])[index], mean_values(table["contact_area"])[index]
-        assert coefficient == pytest.approx(mean_values(exact["friction_all_round"]), rel=MAX_FRICTION_ERROR)
-        assert area == pytest.approx(mean_values(exact["contact_area"]), rel=MAX_AREA_ERROR)
+        assert coefficient == pytest.approx(mean_values(exact_table["friction_all_round"]), rel=MAX_FRICTION_ERROR)
+        assert area == pytest.approx(mean_values(exact_table["contact_area"]), rel=MAX_AREA_ERROR)
     combined = table["friction_combined"]
     assert (combined.sel(statistic="lower") <= combined.sel(statistic="mean")).all()
     assert (combined.sel(statistic="mean") <= combined.sel(statistic="upper")).all()
@@ -224,15 +226,15 @@ def test_height_factors_to_solve_are_the_fewest_that_allow_interpolation():
 
 
 def test_interpolation_next_to_an_unsolved_height_factor_is_nan():
-    solved = np.array([0.5, 1.0, 2.0])
+    solved_factors = np.array([0.5, 1.0, 2.0])
     values = np.array([[1.0, np.nan], [2.0, 2.0], [4.0, 4.0]])
     assert (
-        height_scale._interpolate_factors(values, solved, 0.7, (0, 1))[1]
-        != height_scale._interpolate_factors(values, solved, 0.7, (0, 1))[1]
+        height_scale._interpolate_factors(values, solved_factors, 0.7, (0, 1))[1]
+        != height_scale._interpolate_factors(values, solved_factors, 0.7, (0, 1))[1]
     )
-    np.testing.assert_allclose(height_scale._interpolate_factors(values, solved, 1.5, (1, 2)), [3.0, 3.0])
+    np.testing.assert_allclose(height_scale._interpolate_factors(values, solved_factors, 1.5, (1, 2)), [3.0, 3.0])
     zeros = np.array([[0.0], [0.0], [1.0]])
-    assert height_scale._interpolate_factors(zeros, solved, 0.7, (0, 1)) == 0.0
+    assert height_scale._interpolate_factors(zeros, solved_factors, 0.7, (0, 1)) == 0.0
 
 
 # ---- Input -----------------------------------------------------------------------------------------------------------
@@ -327,9 +329,9 @@ def test_results_at_stored_height_factors_are_reused_for_new_mu0_but_not_for_new
     table = result_at_other_mu0.at(height_scale=[1, 2])
     assert table["mu0"].values.tolist() == [0.4]
     assert (mean_values(table["friction_all_round"]) > 0.4).all()
-    stiffer = pair(*bodies, directory=tmp_path, replace=True, **kwargs | {"effective_modulus": "160 GPa"})
-    assert list(open_results_by_factor(stiffer.source, "both")) == [1.0]
-    table = stiffer.at(height_scale=2, compute=True)
+    stiffer_result = pair(*bodies, directory=tmp_path, replace=True, **kwargs | {"effective_modulus": "160 GPa"})
+    assert list(open_results_by_factor(stiffer_result.source, "both")) == [1.0]
+    table = stiffer_result.at(height_scale=2, compute=True)
     exact = pair(*scale_heights(bodies, 2), **kwargs | {"effective_modulus": "160 GPa"}).at()
     assert mean_values(table["contact_area"]) == pytest.approx(
         mean_values(exact["contact_area"]), rel=SCALING_TOLERANCE
@@ -353,8 +355,8 @@ def test_stored_study_without_height_factor_can_be_opened(bodies, tmp_path):
     text = (tmp_path / STUDY_FILE).read_text()
     (tmp_path / STUDY_FILE).write_text(re.sub(r",? *height_factor = [0-9.]+", "", text))
     assert open_stored(tmp_path).study == computed.study
-    doubled = scale_study_heights(computed.study, 2.0, "upper")
-    assert doubled.to_toml().count("height_factor = 2.0") == 1
+    doubled_study = scale_study_heights(computed.study, 2.0, "upper")
+    assert doubled_study.to_toml().count("height_factor = 2.0") == 1
 
 
 # ---- Views -----------------------------------------------------------------------------------------------------------

@@ -72,8 +72,10 @@ def test_result_at_zero_junction_growth_equals_default_result(result_without_gro
 
 def test_friction_without_adhesive_strength_is_independent_of_junction_growth(growth_result, result_without_growth):
     assert mean_coefficient(growth_result, tau0=[0.0]) == mean_coefficient(result_without_growth, tau0=[0.0])
-    at = growth_result.at(tau0=[0.0])
-    assert (at["contact_area_at_onset"].sel(statistic="mean") > 1.1 * at["contact_area"].sel(statistic="mean")).all()
+    table = growth_result.at(tau0=[0.0])
+    assert (
+        table["contact_area_at_onset"].sel(statistic="mean") > 1.1 * table["contact_area"].sel(statistic="mean")
+    ).all()
 
 
 def test_interval_at_zero_tau0_is_unaffected_by_seizure(growth_result, result_without_growth):
@@ -169,8 +171,10 @@ def test_pair_rejects_invalid_values_of_junction_growth(arguments, term):
 
 def test_contact_area_between_solved_loads_is_interpolated_as_a_power_of_the_load():
     loads, areas = np.array([1.0, 4.0, 100.0]), np.array([3.0, 6.0, np.nan])
-    solved = AreasAtNodes(loads, np.ones(1), np.ones(1), areas[:, np.newaxis, np.newaxis], None, np.zeros((3, 1)))
-    interpolated = solved.interpolate_loads(solved.areas, np.array([0.1, 1.0, 2.0, 4.0]))
+    areas_at_nodes = AreasAtNodes(
+        loads, np.ones(1), np.ones(1), areas[:, np.newaxis, np.newaxis], None, np.zeros((3, 1))
+    )
+    interpolated = areas_at_nodes.interpolate_loads(areas_at_nodes.areas, np.array([0.1, 1.0, 2.0, 4.0]))
     assert interpolated.ravel() == pytest.approx([3.0, 3.0, 3.0 * 2**0.5, 6.0])
 
 
@@ -182,12 +186,12 @@ def test_pressure_under_shear_satisfies_the_yield_condition(alpha):
 
 
 def test_tabulated_areas_agree_with_exact_areas_inside_and_outside_the_range_of_nodes():
-    nodes, at_nodes = np.array([0.15, 0.5, 1.3]), np.array([[6.5, 2.1, 0.95], [7.0, 2.3, 1.1]])
-    elastic = np.array([0.4, 0.5])
-    areas = TabulatedAreaFunction(nodes, at_nodes, elastic)
+    nodes, areas_at_nodes = np.array([0.15, 0.5, 1.3]), np.array([[6.5, 2.1, 0.95], [7.0, 2.3, 1.1]])
+    elastic_areas = np.array([0.4, 0.5])
+    areas = TabulatedAreaFunction(nodes, areas_at_nodes, elastic_areas)
     hardness = np.geomspace(0.04, 5.0, 20_000)
     for part, tolerance in ((hardness, 1e-5), (hardness[:50], 1e-12), (3 * hardness, 1e-12)):
-        exact = area_per_load(part, nodes, at_nodes, elastic)
+        exact_areas = area_per_load(part, nodes, areas_at_nodes, elastic_areas)
         places = find_table_positions(np.log(part), *areas.limits)
         assert (places is not None) == (tolerance == 1e-5)
-        assert areas(np.log(part), places) == pytest.approx(exact, rel=tolerance)
+        assert areas(np.log(part), places) == pytest.approx(exact_areas, rel=tolerance)

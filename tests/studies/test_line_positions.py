@@ -46,8 +46,8 @@ LOAD_RATIOS = (0.03, 0.3, 0.6, 0.72, 0.8, 0.87, 0.93, 1.0, 1.07, 1.15, 1.25, 1.4
 
 def create_study(upper, lower, loads, **options):
     """Return the study of a slider on a counterface, without levelling and filtering."""
-    unchanged = {"level": "none", "cutoff": "none", "positions": [0.0], "effective_modulus": 10.0}
-    return pair_study(flipped(upper), lower, load=list(loads), **unchanged | options)
+    default_options = {"level": "none", "cutoff": "none", "positions": [0.0], "effective_modulus": 10.0}
+    return pair_study(flipped(upper), lower, load=list(loads), **default_options | options)
 
 
 def run_pair(upper, lower, loads, **options):
@@ -56,8 +56,8 @@ def run_pair(upper, lower, loads, **options):
 
 def read_member_values(result, **arguments):
     """Return values of each position with friction at opposing contacts only, and drop dimensions of length one."""
-    at = result.at(per_member=True, **arguments).sel(sliding="opposing").isel(cut_off=0)
-    return at.swap_dims(repetition="x").squeeze(("mu0", "tau0"))
+    table = result.at(per_member=True, **arguments).sel(sliding="opposing").isel(cut_off=0)
+    return table.swap_dims(repetition="x").squeeze(("mu0", "tau0"))
 
 
 @pytest.fixture(scope="module")
@@ -122,10 +122,10 @@ def test_friction_is_interpolated_linearly_across_jumps_of_the_load(
         for index in np.flatnonzero(members["status"].sel(direction=angle) == "ok"):
             close_approaches = approaches[index] * np.array([1 - 1e-10, 1])
             curve = press(upper, lower, close_approaches, detection="cell", shear=shear)
-            normal, tangential = curve.normal_load(**strengths), curve.tangential_load(**INTERFACE_OPTIONS)
-            if normal[1] > 1.001 * normal[0]:
+            normal_loads, tangential_loads = curve.normal_load(**strengths), curve.tangential_load(**INTERFACE_OPTIONS)
+            if normal_loads[1] > 1.001 * normal_loads[0]:
                 computed = float(members["tangential_load"].sel(direction=angle)[index])
-                errors.append(abs(computed - np.interp(loads[index], normal, tangential)) / loads[index])
+                errors.append(abs(computed - np.interp(loads[index], normal_loads, tangential_loads)) / loads[index])
     assert len(errors) > 4
     assert np.quantile(errors, quantile_level) < tolerance
 
@@ -184,10 +184,10 @@ def test_nondimensional_values_are_invariant_under_scaling(profile_pair):
 
     scaled_pair = [Profile(3 * item.heights, spacing=3 * item.spacing) for item in profile_pair]
     original = nondimensional_members(profile_pair, [0.01], 1.0, positions=[0.0, 5.0], tau0=0.1)
-    scaled = nondimensional_members(
+    scaled_members = nondimensional_members(
         scaled_pair, [0.01 * 9 * 2], 3.0, positions=[0.0, 15.0], tau0=0.2, effective_modulus=20.0
     )
-    assert set(original.variables) == set(scaled.variables)
+    assert set(original.variables) == set(scaled_members.variables)
     assert {"friction_coefficient", "normal_load", "contact_area", "approach"} <= set(original.data_vars)
     for name in original.variables:
         if original[name].dtype.kind == "f" and name not in (
@@ -195,7 +195,7 @@ def test_nondimensional_values_are_invariant_under_scaling(profile_pair):
             "contact_area_fraction",
             "nominal_pressure",
         ):
-            np.testing.assert_allclose(scaled[name], original[name], rtol=1e-6, atol=1e-12, err_msg=name)
+            np.testing.assert_allclose(scaled_members[name], original[name], rtol=1e-6, atol=1e-12, err_msg=name)
             assert original[name].attrs["units"] in ("1", "degree")
     assert original["load"].attrs["long_name"].endswith("/ (E* L²)")
 
@@ -285,8 +285,8 @@ def test_pairing_of_lines_returns_half_of_the_slider_profile_and_the_complete_co
 
 
 def test_pairing_of_lines_shortens_the_slider_by_the_travel():
-    (slider,), (track,) = paired_lines(rough_profile("upper"), rough_profile("lower"), travel=10.0, level=None)
-    assert (len(slider), len(track)) == (2000, 3000)
+    (slider,), (counterface,) = paired_lines(rough_profile("upper"), rough_profile("lower"), travel=10.0, level=None)
+    assert (len(slider), len(counterface)) == (2000, 3000)
     np.testing.assert_array_equal(slider.heights, -rough_profile("upper").heights[:2000])
     for travel in (15.5, -1.0, np.nan, 1e9):
         with pytest.raises(ValueError, match="travel"):

@@ -159,11 +159,11 @@ def test_slopes_of_a_member_equal_slopes_of_its_gap():
     upper, lower = surface_pair()
     result = run_pair(upper, lower, direction=[0, 45, 90], shifts=2, mechanics="asperities")
     gap = np.subtract(*(body.heights for body in pair_levelled_maps(upper, lower).pair(1)))
-    along_y, along_x = np.gradient(gap, 0.1)
+    slopes_y, slopes_x = np.gradient(gap, 0.1)
     member = read_member_values(result).isel(repetition=1)
     # Finite differences underestimate slopes of the shortest wavelength, which has four points.
-    assert float(member["rms_gradient"]) == pytest.approx(np.sqrt((along_x**2 + along_y**2).mean()), rel=0.1)
-    assert float(member["rms_slope"][1]) == pytest.approx(np.sqrt(((along_x + along_y) ** 2 / 2).mean()), rel=0.1)
+    assert float(member["rms_gradient"]) == pytest.approx(np.sqrt((slopes_x**2 + slopes_y**2).mean()), rel=0.1)
+    assert float(member["rms_slope"][1]) == pytest.approx(np.sqrt(((slopes_x + slopes_y) ** 2 / 2).mean()), rel=0.1)
     assert member["rms_slope"][0] ** 2 + member["rms_slope"][2] ** 2 == pytest.approx(
         float(member["rms_gradient"]) ** 2
     )

@@ -225,11 +225,11 @@ def test_stiffness_map_equals_the_derivative_of_the_mean_load():
     stiffness = np.array([[1000.0], [3000.0]])
     result = create_result(stiffness * approach**2, np.zeros((2, 7)))
     loads = 2000 * approach[1:-1] ** 2
-    computed = stiffness_map(result, loads).isel(fractal_dimension=0, amplitude=0, mu0=0, tau0=0)
-    assert np.allclose(computed["normal_stiffness"], 2 * 2000 * approach[1:-1], rtol=ROUND_OFF)
-    assert computed["normal_stiffness"].attrs["units"] == "mN/um"
-    assert (computed["lower"] < computed["normal_stiffness"]).all()
-    assert (computed["upper"] > computed["normal_stiffness"]).all()
+    computed_map = stiffness_map(result, loads).isel(fractal_dimension=0, amplitude=0, mu0=0, tau0=0)
+    assert np.allclose(computed_map["normal_stiffness"], 2 * 2000 * approach[1:-1], rtol=ROUND_OFF)
+    assert computed_map["normal_stiffness"].attrs["units"] == "mN/um"
+    assert (computed_map["lower"] < computed_map["normal_stiffness"]).all()
+    assert (computed_map["upper"] > computed_map["normal_stiffness"]).all()
 
 
 def test_stiffness_map_includes_frictional_and_adhesive_loads():

@@ -41,8 +41,8 @@ def test_unloading_stiffness_with_hardness_is_computed_for_the_first_members_onl
         for member in (3, 4)
     ]
     assert is_finite == [[True, True, False], [False, False, False]]
-    elastic = study.with_changes({"contact.hardness": None})
-    stiffness = compute_member_sums(elastic, 4)
+    elastic_study = study.with_changes({"contact.hardness": None})
+    stiffness = compute_member_sums(elastic_study, 4)
     np.testing.assert_array_equal(stiffness["unloading_stiffness"], stiffness["normal_stiffness"])
 
 
@@ -112,13 +112,15 @@ def test_member_with_an_unsolved_load_has_values_at_the_other_loads(tmp_path, mo
 
 def test_estimated_solution_time_of_a_member_is_independent_of_the_member_count(tmp_path):
     spacing = write_maps(tmp_path)
-    few, many = (study_of_files(tmp_path, spacing=spacing, members=count) for count in (2, 200))
-    assert estimate_member_time(few) == estimate_member_time(many) > 0
+    study_of_few_members, study_of_many_members = (
+        study_of_files(tmp_path, spacing=spacing, members=count) for count in (2, 200)
+    )
+    assert estimate_member_time(study_of_few_members) == estimate_member_time(study_of_many_members) > 0
 
 
 def test_estimated_solution_time_of_an_adhesive_member_increases_with_compliance(tmp_path):
     spacing = write_maps(tmp_path)
-    costs = [
+    estimated_times = [
         estimate_member_time(
             study_of_files(tmp_path, spacing=spacing).with_changes(
                 {"contact.mechanics": "half-space", "contact.work_of_adhesion": "50 mJ/m^2",
@@ -127,8 +129,8 @@ def test_estimated_solution_time_of_an_adhesive_member_increases_with_compliance
         )
         for modulus in ("1 kPa", "1 GPa", "1 TPa")
     ]  # fmt: skip
-    assert costs[0] > costs[1] > costs[2] > 0
-    assert costs[0] > 50 * costs[2]
+    assert estimated_times[0] > estimated_times[1] > estimated_times[2] > 0
+    assert estimated_times[0] > 50 * estimated_times[2]
 
 
 def test_changed_scan_file_is_rejected_when_bodies_are_loaded(tmp_path):

@@ -156,21 +156,21 @@ def test_panels_between_nodes_are_interpolated_only_if_errors_in_their_middles_a
 
 def test_panels_with_a_jump_or_an_undefined_node_are_not_interpolated():
     mu0, tau0 = create_grid()
-    smooth = 0.1 + mu0 + tau0
-    points = np.stack([smooth, 0.9 * smooth, 1.1 * smooth], axis=-1)
+    smooth_values = 0.1 + mu0 + tau0
+    points = np.stack([smooth_values, 0.9 * smooth_values, 1.1 * smooth_values], axis=-1)
     assert is_interpolated(AXES, points).all()
-    jump = np.where(mu0[..., np.newaxis] > 0.5, 3 * points, points)
-    assert not is_interpolated(AXES, jump)[2, :4].any()
-    undefined = points.copy()
-    undefined[4, 4] = np.nan
-    assert not is_interpolated(AXES, undefined)[3, 3]
-    assert is_interpolated(AXES, undefined)[:3, :3].all()
-    unbounded = points.copy()
-    unbounded[:, 4, 2] = np.inf
-    assert not is_interpolated(AXES, unbounded)[:4, 3].any()
-    assert is_interpolated(AXES, unbounded)[:4, :3].all()
-    unbounded[..., 2] = np.inf
-    assert is_interpolated(AXES, unbounded).all()
+    points_with_jump = np.where(mu0[..., np.newaxis] > 0.5, 3 * points, points)
+    assert not is_interpolated(AXES, points_with_jump)[2, :4].any()
+    undefined_points = points.copy()
+    undefined_points[4, 4] = np.nan
+    assert not is_interpolated(AXES, undefined_points)[3, 3]
+    assert is_interpolated(AXES, undefined_points)[:3, :3].all()
+    unbounded_points = points.copy()
+    unbounded_points[:, 4, 2] = np.inf
+    assert not is_interpolated(AXES, unbounded_points)[:4, 3].any()
+    assert is_interpolated(AXES, unbounded_points)[:4, :3].all()
+    unbounded_points[..., 2] = np.inf
+    assert is_interpolated(AXES, unbounded_points).all()
 
 
 def test_interpolation_corrections_vanish_for_cubic_polynomials():

@@ -169,13 +169,13 @@ def test_figures_and_report_show_slip_map(study, onset, tmp_path):
 
 def test_stored_onset_for_another_mu0_is_ignored(study, onset, tmp_path):
     compute_missing(study, tmp_path)
-    stored = open_stored(tmp_path)
-    assert load_onset(stored) is None
+    stored_result = open_stored(tmp_path)
+    assert load_onset(stored_result) is None
     export(onset, tmp_path / ONSET_FILE)
-    assert load_onset(stored).identical(onset)
-    other = onset.assign_attrs(mu0=0.4)
-    export(other, tmp_path / ONSET_FILE, replace=True)
-    assert load_onset(stored) is None
+    assert load_onset(stored_result).identical(onset)
+    onset_at_other_mu0 = onset.assign_attrs(mu0=0.4)
+    export(onset_at_other_mu0, tmp_path / ONSET_FILE, replace=True)
+    assert load_onset(stored_result) is None
 
 
 def test_csv_table_of_onset_starts_with_a_row_of_zeros(onset):

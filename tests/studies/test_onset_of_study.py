@@ -62,24 +62,24 @@ def test_study_results_are_equal_with_and_without_onset(study, result):
 
 def test_onset_of_generated_maps_uses_the_first_direction():
     study = Study.named("presliding").with_changes(SURFACE_CHANGES | {"contact.onset": {"mu0": 0.4}})
-    computed = run(study).dataset
-    assert computed["displacement_at_sliding"].dims == ("fractal_dimension", "amplitude", "repetition", "approach")
+    dataset = run(study).dataset
+    assert dataset["displacement_at_sliding"].dims == ("fractal_dimension", "amplitude", "repetition", "approach")
     upper, lower = pair_of(study, 1, fractal_dimension=1.2, amplitude=0.02)
     curve = press(upper, lower, [0.02])
     for direction, is_equal in ((30.0, True), (90.0, False)):
         stiffness = curve.onset(0, mu0=0.4, direction=direction, steps=[0.5]).stiffness
-        assert (float(computed["tangential_stiffness"][0, 0, 1, 1]) == pytest.approx(stiffness, rel=1e-9)) == is_equal
+        assert (float(dataset["tangential_stiffness"][0, 0, 1, 1]) == pytest.approx(stiffness, rel=1e-9)) == is_equal
 
 
 def test_onset_at_a_load_is_a_mean_over_members_weighted_by_load(result):
     """Compare with means at a solved approach, weighted by the normal load of each member."""
     step = result.isel(approach=3)
-    normal = step["normal_elastic"] + 0.3 * step["normal_frictional"] + 0.02 * step["normal_adhesive"]
+    normal_loads = step["normal_elastic"] + 0.3 * step["normal_frictional"] + 0.02 * step["normal_adhesive"]
     for dimension_index in range(2):
         selection = {"fractal_dimension": dimension_index, "amplitude": 0}
-        load = float(normal.isel(selection).mean())
+        load = float(normal_loads.isel(selection).mean())
         point = at_load(result, [load], mu0=0.3, tau0=0.02).isel(selection | {"load": 0, "mu0": 0, "tau0": 0})
-        weight = normal.isel(selection).values / normal.isel(selection).values.sum()
+        weight = normal_loads.isel(selection).values / normal_loads.isel(selection).values.sum()
         for name in ("displacement_at_sliding", "fraction_slipped"):
             values = step[name].isel(selection).values
             mean, lower, upper = point[name].values
@@ -94,15 +94,17 @@ def test_displacement_at_sliding_is_mu0_times_the_largest_overlap():
         PROFILE_CHANGES | {"contact.onset": {"mu0": 0.4, "poisson_ratio": 0.0}}
     )
     doubled_study = study.with_changes({"contact.onset": {"mu0": 0.8, "poisson_ratio": 0.0}})
-    single, doubled = run(study).dataset, run(doubled_study).dataset
-    np.testing.assert_allclose(doubled["displacement_at_sliding"], 2 * single["displacement_at_sliding"], rtol=1e-12)
+    dataset, doubled_dataset = run(study).dataset, run(doubled_study).dataset
+    np.testing.assert_allclose(
+        doubled_dataset["displacement_at_sliding"], 2 * dataset["displacement_at_sliding"], rtol=1e-12
+    )
     for name in ("fraction_slipped", "tangential_stiffness"):
-        np.testing.assert_allclose(doubled[name], single[name], rtol=1e-9)
+        np.testing.assert_allclose(doubled_dataset[name], dataset[name], rtol=1e-9)
     # With a Poisson ratio of 0, the pre-sliding displacement is mu0 times the largest vertical overlap.
     upper, lower = pair_of(study, 2, fractal_dimension=1.4, amplitude=0.1)
     contact_list = contacts(upper, lower, 0.02, model=study.contact.model())
     largest_overlap = (contact_list.overlap * contact_list.normal[:, 2]).max()
-    displacement = single["displacement_at_sliding"].sel(fractal_dimension=1.4, repetition=2, approach=0.02).item()
+    displacement = dataset["displacement_at_sliding"].sel(fractal_dimension=1.4, repetition=2, approach=0.02).item()
     assert displacement == pytest.approx(0.4 * largest_overlap, rel=1e-9)
 
 

@@ -48,8 +48,10 @@ def test_variance_components_of_the_mean_over_scans_are_computed_from_mean_squar
         [(mean_squares[0] - mean_squares[2]) / 20, (mean_squares[1] - mean_squares[2]) / 20, mean_squares[2] / 20]
     )
     total = mean_squares[0] + mean_squares[1] - mean_squares[2]
-    freedom = total**2 / (mean_squares[0] ** 2 / 3 + mean_squares[1] ** 2 / 4 + mean_squares[2] ** 2 / 12)
-    assert result.half_width == pytest.approx(float(student_quantile(freedom)) * np.sqrt(total / 20), rel=1e-9)
+    degrees_of_freedom = total**2 / (mean_squares[0] ** 2 / 3 + mean_squares[1] ** 2 / 4 + mean_squares[2] ** 2 / 12)
+    assert result.half_width == pytest.approx(
+        float(student_quantile(degrees_of_freedom)) * np.sqrt(total / 20), rel=1e-9
+    )
 
 
 def test_mean_over_scans_of_one_part_has_student_t_interval() -> None:
@@ -98,9 +100,10 @@ def test_intervals_from_several_scans_cover_the_true_mean_and_a_single_friction_
                 simulate_coefficient(random_gradients(1), random_gradients(1))[0] * (1 + 0.02 * rng.standard_normal())
             )
             covered_tests.append(abs(test - result.mean) <= float(student_quantile(result.test_freedom)) * result.test)
-    by_counts = np.reshape(covered, (len(SCAN_COUNTS), -1)).mean(axis=1)
+    coverage_by_counts = np.reshape(covered, (len(SCAN_COUNTS), -1)).mean(axis=1)
     print(
-        f"spread {spread}: covers {np.mean(covered):.3f} {by_counts.round(3)}, next test {np.mean(covered_tests):.3f}"
+        f"spread {spread}: covers {np.mean(covered):.3f} {coverage_by_counts.round(3)}, "
+        f"next test {np.mean(covered_tests):.3f}"
     )
     assert MIN_COVERAGE <= np.mean(covered) <= MAX_COVERAGE
     assert np.mean(covered_tests) >= MIN_COVERAGE

@@ -90,8 +90,8 @@ def test_two_runs_write_blocks_with_equal_checksums(tmp_path, folder_copy):
 def test_xarray_can_open_blocks_of_a_stored_result(folder_copy, uninterrupted_dataset):
     pytest.importorskip("dask")
     find_block(folder_copy, 8).unlink()
-    with xarray.open_mfdataset(str(folder_copy / BLOCKS_FOLDER / "*.nc")) as opened:
-        opened_dataset = opened.load()
+    with xarray.open_mfdataset(str(folder_copy / BLOCKS_FOLDER / "*.nc")) as opened_blocks:
+        opened_dataset = opened_blocks.load()
     expected = uninterrupted_dataset.isel(repetition=[*range(8), *range(12, 22)])
     for name, variable in expected.variables.items():
         assert opened_dataset[name].variable.identical(variable), name
@@ -132,19 +132,19 @@ def test_stored_result_read_in_pieces_equals_the_computed_dataset(folder_copy, u
 
 def test_result_that_fits_in_one_piece_is_read_once(folder_copy, uninterrupted_dataset, monkeypatch):
     """Check also that a caller who changes the dataset does not change the cached result."""
-    stored, decoded_contents = store.open_stored(folder_copy), []
+    stored_result, decoded_contents = store.open_stored(folder_copy), []
     decode_members = store.decode_members
     monkeypatch.setattr(
         store, "decode_members", lambda content: decoded_contents.append(content) or decode_members(content)
     )
-    stored.dataset()["contact_area"].values[:] = 7.0
-    assert len(decoded_contents) == len(stored.blocks)
-    (piece,) = stored.pieces()
+    stored_result.dataset()["contact_area"].values[:] = 7.0
+    assert len(decoded_contents) == len(stored_result.blocks)
+    (piece,) = stored_result.pieces()
     assert_same_bits(piece, uninterrupted_dataset)
-    assert_same_bits(stored.dataset(), uninterrupted_dataset)
+    assert_same_bits(stored_result.dataset(), uninterrupted_dataset)
     with pytest.raises(ValueError, match="read-only"):
         piece["contact_area"].values[:] = 7.0
-    assert len(decoded_contents) == len(stored.blocks)
+    assert len(decoded_contents) == len(stored_result.blocks)
 
 
 def test_result_larger_than_memory_is_rejected(folder_copy, monkeypatch):
@@ -288,9 +288,9 @@ def test_swapped_or_foreign_blocks_are_detected(folder_copy, tmp_path):
     replace_block(find_block(folder_copy, 4), content)
     with pytest.raises(StoreError, match="does not contain the repetitions in its file name"):
         store.read(folder_copy)
-    other = tmp_path / "other"
-    compute_missing(TINY_STUDY.with_changes({"ensemble.seed": 1}), other)
-    replace_block(find_block(folder_copy, 4), find_block(other, 4).read_bytes())
+    other_folder = tmp_path / "other"
+    compute_missing(TINY_STUDY.with_changes({"ensemble.seed": 1}), other_folder)
+    replace_block(find_block(folder_copy, 4), find_block(other_folder, 4).read_bytes())
     with pytest.raises(StoreError, match=r"does not match study\.toml: ensemble\.seed"):
         store.read(folder_copy)
 
@@ -394,8 +394,8 @@ BLOCK_CHANGES = {
 @pytest.mark.parametrize("change", BLOCK_CHANGES.values(), ids=BLOCK_CHANGES)
 def test_block_that_contradicts_its_study_is_reported_with_a_one_line_error(folder_copy, change):
     file = find_block(folder_copy, 4)
-    with h5py.File(file, "r+") as opened:
-        change(opened)
+    with h5py.File(file, "r+") as opened_file:
+        change(opened_file)
     content = file.read_bytes()
     copy = folder_copy / "result.nc"
     copy.write_bytes(content)
@@ -614,11 +614,11 @@ def test_reading_a_foreign_netcdf_file_raises_store_error(tmp_path, uninterrupte
 
 def test_files_written_at_different_times_are_byte_identical(uninterrupted_dataset):
     """File names contain a checksum of the bytes; old versions of h5py store the time of writing in the file."""
-    first, second = io.BytesIO(), io.BytesIO()
-    store.write_dataset(uninterrupted_dataset, first)
+    first_file, second_file = io.BytesIO(), io.BytesIO()
+    store.write_dataset(uninterrupted_dataset, first_file)
     time.sleep(1.01)
-    store.write_dataset(uninterrupted_dataset, second)
-    assert first.getvalue() == second.getvalue()
+    store.write_dataset(uninterrupted_dataset, second_file)
+    assert first_file.getvalue() == second_file.getvalue()
 
 
 def test_stored_block_has_the_same_content_as_a_file_written_by_xarray(uninterrupted_dataset):

@@ -70,12 +70,12 @@ class TestBuiltInStudies:
         paper_names = ["figure2", "figure3", "figure5", "figure6", "figure7", "figure8", "quick"]
         other_names = ["figure6-areal", "figure6-half-plane"]
         assert study_names() == sorted([*paper_names, *other_names, "presliding"])
-        drawn = {name: Study.named(name).figures.draw for name in paper_names}
-        assert drawn["figure2"] == ("profiles",)
-        assert drawn["figure3"] == ("length-scales",)
-        assert drawn["figure5"] == drawn["figure8"] == ("area",)
-        assert drawn["figure7"] == ("friction",)
-        assert drawn["figure6"] == drawn["quick"] == ("friction", "area")
+        figures_by_study = {name: Study.named(name).figures.draw for name in paper_names}
+        assert figures_by_study["figure2"] == ("profiles",)
+        assert figures_by_study["figure3"] == ("length-scales",)
+        assert figures_by_study["figure5"] == figures_by_study["figure8"] == ("area",)
+        assert figures_by_study["figure7"] == ("friction",)
+        assert figures_by_study["figure6"] == figures_by_study["quick"] == ("friction", "area")
         for name in ("figure7", "figure8"):
             assert Study.named(name).surfaces.amplitudes().tolist() == [0.05, 0.1, 0.2]
         friction = Study.named("figure5").friction
@@ -130,8 +130,8 @@ class TestStudyChanges:
         assert Study().with_changes({"contact.law": "hertz-cylinder"}).contact.model().law == "hertz-cylinder"
 
     def test_studies_with_equal_quantities_in_different_units_are_equal(self):
-        changed = Study().with_changes({"surfaces.amplitude": ["100 nm"]})
-        assert changed == Study()
+        changed_study = Study().with_changes({"surfaces.amplitude": ["100 nm"]})
+        assert changed_study == Study()
 
     @pytest.mark.parametrize(
         ("key", "value", "message"),
@@ -238,12 +238,12 @@ class TestStudyKinds:
         assert (restored_study.contact.detection, restored_study.surfaces.gamma) == ("cell", 1.6)
 
     def test_differences_between_two_kinds_of_studies_list_the_keys_of_both_studies(self):
-        changed = {
+        differences_by_key = {
             key: (first_value, second_value)
             for key, first_value, second_value in find_differences(Study(), SELF_AFFINE_STUDY)
         }
-        assert changed["surfaces.kind"] == ('"profile"', '"surface"')
-        assert changed["surfaces.points"] == ("150_000", "none")
+        assert differences_by_key["surfaces.kind"] == ('"profile"', '"surface"')
+        assert differences_by_key["surfaces.points"] == ("150_000", "none")
         assert not list(find_differences(AREA_STUDY, AREA_STUDY))
 
     @pytest.mark.parametrize(

@@ -39,8 +39,8 @@ def test_stored_study_with_key_of_another_contact_model_is_rejected():
 def test_contact_models_have_separate_classes_of_contact_settings():
     cases = [case for cases in CONTACT_SETTINGS_CLASSES.values() for case in cases.values()]
     assert len(set(cases)) == len({case.place for case in cases}) == 8
-    for bodies, by_model in CONTACT_SETTINGS_CLASSES.items():
-        for model, case in by_model.items():
+    for bodies, cases_by_model in CONTACT_SETTINGS_CLASSES.items():
+        for model, case in cases_by_model.items():
             assert case.model_fields["mechanics"].default == model
             assert case.place.endswith(bodies)
     assert len({case.place for case in FRICTION_SETTINGS_CLASSES}) == len(FRICTION_SETTINGS_CLASSES)

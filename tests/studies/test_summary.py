@@ -66,10 +66,10 @@ def test_pair_computes_summary_uncertainty_and_input_caveats_only_once(call_coun
 
 def test_result_caches_its_summary_including_onset_and_resolution(surface_folder, call_counts):
     result = open_result(surface_folder / "pair")
-    first, second = result.summary(), result.summary()
-    assert first.points is second.points
-    assert first.onset is second.onset is not None
-    assert first.values_at_cutoffs.sizes["cut_off"] > 1
+    first_summary, second_summary = result.summary(), result.summary()
+    assert first_summary.points is second_summary.points
+    assert first_summary.onset is second_summary.onset is not None
+    assert first_summary.values_at_cutoffs.sizes["cut_off"] > 1
 
 
 def test_summary_for_explicitly_given_study_values_equals_the_default_summary(surface_folder, call_counts):

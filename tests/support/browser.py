@@ -125,7 +125,11 @@ def press_keys(driver, name, keys):
 def find_foreign_requests(driver, path):
     """Return the addresses of all requests since a file was opened, without the address of the file."""
     messages = [json.loads(entry["message"])["message"] for entry in driver.get_log("performance")]
-    sent = [
+    requested_addresses = [
         message["params"]["request"]["url"] for message in messages if message["method"] == "Network.requestWillBeSent"
     ]
-    return {url for url in sent if not url.startswith(("data:", "blob:")) and url.split("#")[0] != path.as_uri()}
+    return {
+        url
+        for url in requested_addresses
+        if not url.startswith(("data:", "blob:")) and url.split("#")[0] != path.as_uri()
+    }

@@ -37,8 +37,8 @@ def self_affine_map(seed, hurst, shape=(128, 160), *, spacing=(0.5, 0.5), longes
 
 def rough_maps(seed=3, *, points=48, **changes):
     """Return a pair of self-affine maps."""
-    chosen = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (points, points), "spacing": 0.1} | changes
-    return [self_affine_surface(seed, side=side, **chosen) for side in ("upper", "lower")]
+    options = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (points, points), "spacing": 0.1} | changes
+    return [self_affine_surface(seed, side=side, **options) for side in ("upper", "lower")]
 
 
 def flat_like(body):
@@ -53,8 +53,8 @@ def periodic_body(shape, *, seed=1, hurst=0.8, longest=4, shortest=16, slope=0.1
         *[np.fft.fftfreq(n, 1 / n) for n in shape[:-1]], np.fft.rfftfreq(shape[-1], 1 / shape[-1]), indexing="ij"
     )
     k = np.sqrt(sum(np.square(wave) for wave in waves))
-    inside = (k >= longest) & (k <= shortest)
-    amplitude = np.where(inside, np.where(inside, k, 1.0) ** (-hurst - len(shape) / 2), 0.0)
+    is_in_band = (k >= longest) & (k <= shortest)
+    amplitude = np.where(is_in_band, np.where(is_in_band, k, 1.0) ** (-hurst - len(shape) / 2), 0.0)
     heights = scipy.fft.irfftn(amplitude * np.exp(2j * np.pi * random.random(k.shape)), shape)
     gradients = [scipy.fft.irfftn(2j * np.pi * wave * scipy.fft.rfftn(heights), shape) for wave in waves]
     heights *= slope / np.sqrt(sum(np.mean(np.square(gradient)) for gradient in gradients))

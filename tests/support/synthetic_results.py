@@ -62,19 +62,23 @@ def measured_result(
         return dims, np.broadcast_to(values, [sizes[dim] for dim in dims]).copy()
 
     condition_dims, statistic_dim = ("load", "mu0", "tau0"), "statistic"
-    by_rule = friction[:, None, None, None, None, None, :]
-    axial = by_rule if by_axis is None else np.array(by_axis)[None, None, :, None, None, None, :]
+    friction_by_rule = friction[:, None, None, None, None, None, :]
+    friction_along_axes = friction_by_rule if by_axis is None else np.array(by_axis)[None, None, :, None, None, None, :]
     variables = {
         "friction_coefficient": fill_dimensions(
-            by_rule, "sliding", "cut_off", "direction", *condition_dims, statistic_dim
+            friction_by_rule, "sliding", "cut_off", "direction", *condition_dims, statistic_dim
         ),
-        "friction_by_axis": fill_dimensions(axial, "sliding", "cut_off", "axis", *condition_dims, statistic_dim),
-        "friction_all_round": fill_dimensions(by_rule[:, :, 0], "sliding", "cut_off", *condition_dims, statistic_dim),
+        "friction_by_axis": fill_dimensions(
+            friction_along_axes, "sliding", "cut_off", "axis", *condition_dims, statistic_dim
+        ),
+        "friction_all_round": fill_dimensions(
+            friction_by_rule[:, :, 0], "sliding", "cut_off", *condition_dims, statistic_dim
+        ),
         "status": fill_dimensions(np.array(status, STATUS_DTYPE), "sliding", "cut_off", "direction", *condition_dims),
         "spread_low": fill_dimensions(0.04, "cut_off", "sliding", *condition_dims),
         "spread_high": fill_dimensions(0.19, "cut_off", "sliding", *condition_dims),
         "gentle_friction": fill_dimensions(
-            by_rule[:, :, :, 0, ..., 0], "sliding", "cut_off", "direction", "mu0", "tau0"
+            friction_by_rule[:, :, :, 0, ..., 0], "sliding", "cut_off", "direction", "mu0", "tau0"
         ),
         "reading_difference": fill_dimensions(changes.pop("reading_difference", 0.001), "cut_off", "load"),
         "rms_gradient": fill_dimensions(value_and_ends(changes.pop("rms_gradient", 0.2)), "cut_off", statistic_dim),

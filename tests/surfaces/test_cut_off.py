@@ -22,13 +22,13 @@ def weighted_line_by_definition(heights, spacing, wavelength):
     """Return the least-squares line at each point, weighted by the Gaussian of ISO 16610-21."""
     alpha = math.sqrt(math.log(2) / math.pi)
     x = np.arange(heights.size) * spacing
-    smooth = []
+    smoothed_heights = []
     for centre in x:
         weight = np.exp(-np.pi * ((x - centre) / (alpha * wavelength)) ** 2)
         design = np.stack([np.ones(x.size), x - centre], axis=1)
-        normal = design.T @ (weight[:, np.newaxis] * design)
-        smooth.append(np.linalg.solve(normal, design.T @ (weight * heights))[0])
-    return np.array(smooth)
+        normal_matrix = design.T @ (weight[:, np.newaxis] * design)
+        smoothed_heights.append(np.linalg.solve(normal_matrix, design.T @ (weight * heights))[0])
+    return np.array(smoothed_heights)
 
 
 @pytest.mark.parametrize("points", [8, 15, 66.6])
@@ -43,10 +43,10 @@ def test_low_pass_filter_equals_locally_weighted_line_fit(points):
 
 def test_low_pass_filter_of_a_surface_acts_along_both_axes():
     surface = self_affine_map(1, 0.7, (40, 60), spacing=(0.5, 0.25))
-    along_x = np.array([weighted_line_by_definition(row, 0.25, 4.0) for row in surface.heights])
-    both = np.array([weighted_line_by_definition(column, 0.5, 4.0) for column in along_x.T]).T
+    filtered_rows = np.array([weighted_line_by_definition(row, 0.25, 4.0) for row in surface.heights])
+    filtered_heights = np.array([weighted_line_by_definition(column, 0.5, 4.0) for column in filtered_rows.T]).T
     # This accuracy holds for cutoffs of at least eight points.
-    assert np.abs(cut_off(surface, 4.0).heights - both).max() < 2**-16 * np.ptp(surface.heights)
+    assert np.abs(cut_off(surface, 4.0).heights - filtered_heights).max() < 2**-16 * np.ptp(surface.heights)
 
 
 @pytest.mark.parametrize("wavelength", [0.2, 0.25, 0.4, 1.0, 5.0])
@@ -55,9 +55,9 @@ def test_low_pass_filter_has_gaussian_transmission_that_is_one_half_at_the_cutof
     x = 0.1 * np.arange(2000)
     for length in (0.25, 0.4, 0.5, 1.0, 5.0, 20.0):
         waves = np.stack([np.cos(2 * np.pi * x / length), np.sin(2 * np.pi * x / length)], axis=1)
-        smooth = cut_off(Profile(7 + waves[:, 0], spacing=0.1), wavelength, periodic=periodic).heights - 7
+        smoothed_heights = cut_off(Profile(7 + waves[:, 0], spacing=0.1), wavelength, periodic=periodic).heights - 7
         middle = slice(700, 1300)
-        amplitude = np.hypot(*np.linalg.lstsq(waves[middle], smooth[middle], rcond=None)[0])
+        amplitude = np.hypot(*np.linalg.lstsq(waves[middle], smoothed_heights[middle], rcond=None)[0])
         expected = math.exp(-math.log(2) * (wavelength / length) ** 2)
         assert amplitude == pytest.approx(expected, abs=ROUND_OFF if periodic else TRUNCATION_TOLERANCE)
         assert gaussian_transmission(2 * np.pi / length, wavelength) == pytest.approx(expected, rel=ROUND_OFF)

@@ -84,8 +84,8 @@ class TestMissingPoints:
         profile = Profile(np.linspace(0, 1, 400) ** 2, spacing=1.0, missing=missing)
         result = filtered(profile, cutoff=9.0).heights
         assert result[200] == pytest.approx(profile.heights[200], rel=1e-9)
-        periodic = filtered(profile, cutoff=9.0, periodic=True).heights
-        assert periodic[200] == pytest.approx(profile.heights[200], rel=1e-9)
+        periodically_filtered = filtered(profile, cutoff=9.0, periodic=True).heights
+        assert periodically_filtered[200] == pytest.approx(profile.heights[200], rel=1e-9)
 
 
 class TestRobustFilter:
@@ -93,18 +93,18 @@ class TestRobustFilter:
         profile = rough_profile(points=120)
         heights = profile.heights.copy()
         heights[[30, 31, 80]] -= 3 * total_height(profile)
-        scratched = Profile(heights, spacing=profile.spacing)
+        scratched_profile = Profile(heights, spacing=profile.spacing)
         expected = robust_mean_line(heights, profile.spacing, 0.3)
-        result = filtered(scratched, cutoff=0.3, robust=True).heights
+        result = filtered(scratched_profile, cutoff=0.3, robust=True).heights
         assert np.abs(result - expected).max() < 1e-3 * total_height(profile)
 
     def test_robust_surface_filter_recovers_a_paraboloid_with_noise_and_scratches(self):
         y, x = 0.1 * np.arange(40)[:, np.newaxis], 0.1 * np.arange(50)
         form = 0.3 * x**2 - 0.2 * y**2 + 0.1 * x * y
-        scratched = form + 1e-3 * np.random.default_rng(1).normal(size=form.shape)
-        scratched[:, 20:22] -= 1.0
-        result = filtered(Surface(scratched, spacing=0.1), cutoff=2.0, robust=True).heights
-        linear = filtered(Surface(scratched, spacing=0.1), cutoff=2.0).heights
+        scratched_heights = form + 1e-3 * np.random.default_rng(1).normal(size=form.shape)
+        scratched_heights[:, 20:22] -= 1.0
+        result = filtered(Surface(scratched_heights, spacing=0.1), cutoff=2.0, robust=True).heights
+        linear = filtered(Surface(scratched_heights, spacing=0.1), cutoff=2.0).heights
         assert np.abs(result - form).max() < 3e-3  # limit of three deviations of the noise, which occur at corners
         assert np.abs(linear - form).max() > 0.05
 
@@ -145,8 +145,8 @@ def test_filter_with_a_short_cutoff_attenuates_noise_at_edges_and_gaps(points, h
     missing = np.zeros(heights.shape, dtype=bool)
     missing[20:26, 10:13] = missing[:3, 5] = has_missing
     surface = Surface(np.where(missing, 0.0, heights), spacing=0.1, missing=missing if has_missing else None)
-    smooth = filtered(surface, cutoff=0.1 * points).heights
-    assert np.abs(smooth[~missing]).max() < 1.05 * np.abs(heights).max()
-    assert np.square(smooth[~missing]).mean() < np.square(heights).mean()
+    smoothed_heights = filtered(surface, cutoff=0.1 * points).heights
+    assert np.abs(smoothed_heights[~missing]).max() < 1.05 * np.abs(heights).max()
+    assert np.square(smoothed_heights[~missing]).mean() < np.square(heights).mean()
     tilt = Surface(np.add.outer(0.3 * np.arange(48), np.arange(40)), spacing=0.1)
     np.testing.assert_allclose(filtered(tilt, cutoff=0.1 * points).heights, tilt.heights, atol=1e-9)

@@ -27,24 +27,24 @@ class TestRandomPhases:
         assert phases.tolist() == RECORDED_PHASES
 
     def test_random_phases_depend_only_on_seed_repetition_and_side(self):
-        one = random_phases(1, repetition=2, side="upper")
-        assert one.shape == (40, 40)
-        assert np.array_equal(one, random_phases(1, repetition=2, side="upper"))
-        for other in (
+        phases = random_phases(1, repetition=2, side="upper")
+        assert phases.shape == (40, 40)
+        assert np.array_equal(phases, random_phases(1, repetition=2, side="upper"))
+        for other_phases in (
             random_phases(2, repetition=2, side="upper"),
             random_phases(1, repetition=3, side="upper"),
             random_phases(1, repetition=2, side="lower"),
         ):
-            assert abs(np.corrcoef(one.ravel(), other.ravel())[0, 1]) < 0.1
+            assert abs(np.corrcoef(phases.ravel(), other_phases.ravel())[0, 1]) < 0.1
 
     @pytest.mark.parametrize(
-        "bad",
+        "invalid_arguments",
         [{"seed": -1}, {"seed": 1.5}, {"repetition": -1}, {"side": "top"}, {"directions": 0}, {"frequencies": True}],
     )
-    def test_random_phases_reject_invalid_arguments(self, bad):
-        name = next(iter(bad))
+    def test_random_phases_reject_invalid_arguments(self, invalid_arguments):
+        name = next(iter(invalid_arguments))
         with pytest.raises(ValueError, match=name):
-            random_phases(**({"seed": 1} | bad))
+            random_phases(**({"seed": 1} | invalid_arguments))
 
 
 RECORDED_PHASES = [[5.314689153886981, 0.4447781159997328], [3.286748312852867, 5.168936610054548]]
@@ -101,7 +101,7 @@ class TestFractalProfile:
         assert weierstrass_mandelbrot_family(phases, [], **SMALL_GRID).shape == (0, 3000)
 
     @pytest.mark.parametrize(
-        "bad",
+        "invalid_arguments",
         [
             {"fractal_dimension": 0.99},
             {"fractal_dimension": 2.0},
@@ -119,9 +119,9 @@ class TestFractalProfile:
             {"gamma": 1e6},
         ],
     )
-    def test_fractal_profile_rejects_invalid_arguments(self, bad):
-        arguments = {"phases": random_phases(1), "fractal_dimension": 1.5, "points": 100} | bad
-        with pytest.raises(ValueError, match=next(iter(bad))):
+    def test_fractal_profile_rejects_invalid_arguments(self, invalid_arguments):
+        arguments = {"phases": random_phases(1), "fractal_dimension": 1.5, "points": 100} | invalid_arguments
+        with pytest.raises(ValueError, match=next(iter(invalid_arguments))):
             weierstrass_mandelbrot(arguments.pop("phases"), arguments.pop("fractal_dimension"), **arguments)
 
     def test_fractal_surface_rejects_phases_without_directions(self):
@@ -151,8 +151,8 @@ class TestFractalSurface:
             at=indices,
             nyquist=band_limit == "nyquist",
         )
-        computed = surface.heights[tuple(np.transpose(indices))]
-        assert np.abs(computed - expected).max() < DIRECT_SUM_TOLERANCE * np.ptp(surface.heights)
+        computed_heights = surface.heights[tuple(np.transpose(indices))]
+        assert np.abs(computed_heights - expected).max() < DIRECT_SUM_TOLERANCE * np.ptp(surface.heights)
 
     def test_first_row_of_a_fractal_surface_equals_a_profile(self):
         phases = random_phases(8)
@@ -179,7 +179,7 @@ class TestFractalSurface:
         assert np.abs(strip.heights[0] - profile.heights).max() < DIRECT_SUM_TOLERANCE * np.ptp(profile.heights)
 
     @pytest.mark.parametrize(
-        ("bad", "match"),
+        ("invalid_arguments", "match"),
         [
             ({"shape": 10}, "shape"),
             ({"shape": (10, 1)}, "shape"),
@@ -193,8 +193,8 @@ class TestFractalSurface:
             ({"phases": np.empty((0, 3))}, "phases"),
         ],
     )
-    def test_fractal_surface_rejects_invalid_arguments(self, bad, match):
-        arguments = {"phases": random_phases(1), "fractal_dimension": 1.3, "shape": (10, 10)} | bad
+    def test_fractal_surface_rejects_invalid_arguments(self, invalid_arguments, match):
+        arguments = {"phases": random_phases(1), "fractal_dimension": 1.3, "shape": (10, 10)} | invalid_arguments
         with pytest.raises(ValueError, match=match):
             weierstrass_mandelbrot_surface(**arguments)
 
@@ -205,10 +205,10 @@ def test_height_variance_equals_half_of_the_sum_of_squared_amplitudes():
     dimension, gamma = 1.2, 1.5
     weights = math.log(gamma) * gamma ** (-np.arange(40) * hurst_of_dimension(dimension, "paper"))
     expected = 0.5 * 39 * np.square(weights).sum()
-    measured = [
+    measured_variances = [
         np.var(weierstrass_mandelbrot(random_phases(8, repetition=r), dimension, points=20_000).heights)
         for r in range(60)
     ]
     # The lowest frequencies of 40 directions dominate.
     # A single variance scatters by about 10 %, so the mean of 60 variances scatters by 1.3 %.
-    assert np.mean(measured) == pytest.approx(expected, rel=0.05)
+    assert np.mean(measured_variances) == pytest.approx(expected, rel=0.05)

@@ -102,8 +102,8 @@ def test_estimated_noise_fraction_of_slope_allows_for_unequal_spacings():
 
 
 def test_aliased_surface_is_reported_as_possibly_noisy():
-    fine = filtered_noise(np.random.default_rng(1), (512, 512), 0.5, longest=240)
-    assert find_hidden_noise(Surface(fine[::4, ::4], spacing=SPACING)).slope_fraction > 0.2
+    fine_heights = filtered_noise(np.random.default_rng(1), (512, 512), 0.5, longest=240)
+    assert find_hidden_noise(Surface(fine_heights[::4, ::4], spacing=SPACING)).slope_fraction > 0.2
 
 
 def test_hidden_noise_is_not_estimated_for_feed_marks():

@@ -36,15 +36,15 @@ class TestProfileHurstExponent:
         ],
     )
     def test_hurst_interval_of_profiles_covers_the_true_exponent(self, periodic, band, arguments):
-        misses, errors = 0, []
+        num_misses, errors = 0, []
         for case, hurst in enumerate(np.linspace(0.3, 0.9, self.NUM_CASES)):
             profile = rough_profile(11, repetition=case, hurst_exponent=hurst, points=4096, periodic=periodic, **band)
             limits = band.get("shortest_wavelength", 0.02), band.get("longest_wavelength", profile.extent)
             result = estimate_hurst_exponent(profile, band=limits if arguments else None, periodic=periodic)
-            misses += not result.lower <= hurst <= result.upper
+            num_misses += not result.lower <= hurst <= result.upper
             errors.append((result.value - hurst) / ((result.upper - result.lower) / 3.92))
             assert result.lower < result.value < result.upper
-        assert misses <= self.MAX_MISSES
+        assert num_misses <= self.MAX_MISSES
         # The mean of 60 standardised errors scatters by 0.13. An estimated band may include part of a roll-off.
         assert abs(np.mean(errors)) < (0.5 if arguments else 0.8)
 
@@ -79,8 +79,8 @@ class TestProfileHurstExponent:
         for repetition in range(30):
             options = {"points": 4096, "repetition": repetition, "longest_wavelength": 10.0}
             noise = np.random.default_rng(repetition).normal(size=4096) * 0.01
-            noisy = Profile(rough_profile(hurst_exponent=0.3, **options).heights + noise, spacing=0.01)
-            estimate = estimate_hurst_exponent(noisy)
+            noisy_profile = Profile(rough_profile(hurst_exponent=0.3, **options).heights + noise, spacing=0.01)
+            estimate = estimate_hurst_exponent(noisy_profile)
             result.append(estimate)
             num_covered += estimate.lower < 0.3 < estimate.upper
         assert np.median([estimate.shortest_wavelength for estimate in result]) > 0.05
@@ -127,7 +127,7 @@ class TestProfileHurstExponent:
         assert result.lower < 1.2 < result.upper
 
     @pytest.mark.parametrize(
-        ("bad", "match"),
+        ("invalid_arguments", "match"),
         [
             ({"band": (1.0, 0.5)}, "band"),
             ({"band": 1.0}, "band"),
@@ -135,9 +135,9 @@ class TestProfileHurstExponent:
             ({"band": (0.5, 0.51)}, "at least 8 harmonics"),
         ],
     )
-    def test_hurst_estimate_rejects_invalid_arguments(self, bad, match):
+    def test_hurst_estimate_rejects_invalid_arguments(self, invalid_arguments, match):
         with pytest.raises(ValueError, match=match):
-            estimate_hurst_exponent(rough_profile(), **bad)
+            estimate_hurst_exponent(rough_profile(), **invalid_arguments)
 
     def test_hurst_estimate_raises_an_error_if_there_is_no_self_affine_band(self):
         white = rough_profile(hurst_exponent=1e-9, longest_wavelength=0.021)
@@ -174,11 +174,11 @@ def test_hurst_caution_reports_wide_interval_and_exponents_outside_0_to_1():
         ((1.2, 1.1, 1.3), "H above 1 indicates a smooth surface"),
     ):
         value, lower, upper = ends
-        uncertain = replace(
+        changed_estimate = replace(
             estimate, value=value, lower=lower, upper=upper, shortest_wavelength=1.0, longest_wavelength=10**0.5
         )
-        assert uncertain.caution is not None
-        assert uncertain.caution.startswith(caution)
+        assert changed_estimate.caution is not None
+        assert changed_estimate.caution.startswith(caution)
 
 
 class TestSurfaceHurstExponent:
@@ -205,17 +205,17 @@ class TestSurfaceHurstExponent:
 
     def test_hurst_estimate_of_a_surface_is_invariant_under_scaling_and_tilt(self):
         surface = self_affine_map(5, 0.7, whole=2)
-        one = estimate_hurst_exponent(surface, band=(1.5, 15.0))
-        assert one.dimensions == 2
-        assert 1.5 <= one.shortest_wavelength < one.longest_wavelength <= 15 * (1 + 1e-9)
-        tilted = surface.heights * 1e-4 + 0.3 * surface.x + 0.1 * surface.y[:, np.newaxis] + 7
-        other = estimate_hurst_exponent(Surface(tilted, spacing=0.5), band=(1.5, 15.0))
-        assert other.value == pytest.approx(one.value, abs=1e-9)
+        estimate = estimate_hurst_exponent(surface, band=(1.5, 15.0))
+        assert estimate.dimensions == 2
+        assert 1.5 <= estimate.shortest_wavelength < estimate.longest_wavelength <= 15 * (1 + 1e-9)
+        tilted_heights = surface.heights * 1e-4 + 0.3 * surface.x + 0.1 * surface.y[:, np.newaxis] + 7
+        tilted_estimate = estimate_hurst_exponent(Surface(tilted_heights, spacing=0.5), band=(1.5, 15.0))
+        assert tilted_estimate.value == pytest.approx(estimate.value, abs=1e-9)
         # The fitted power law passes through the radial spectrum.
         radial = surface_spectrum(levelled(surface, "plane")).radial(20)
-        inside = (radial.wave_number > 2 * np.pi / 15) & (radial.wave_number < 2 * np.pi / 1.5)
-        ratio = radial.density[inside] / one.density(radial.wave_number[inside])
-        assert np.average(ratio, weights=radial.count[inside]) == pytest.approx(1, abs=0.05)
+        is_in_band = (radial.wave_number > 2 * np.pi / 15) & (radial.wave_number < 2 * np.pi / 1.5)
+        ratio = radial.density[is_in_band] / estimate.density(radial.wave_number[is_in_band])
+        assert np.average(ratio, weights=radial.count[is_in_band]) == pytest.approx(1, abs=0.05)
 
     def test_hurst_estimate_rejects_a_surface_without_spectrum(self):
         for surface, message in (

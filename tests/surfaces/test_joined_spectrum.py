@@ -22,12 +22,12 @@ def scans_of_instruments(complete_surface, noise=1e-5):
     """Return scans of a coarse instrument, with pixel averages and noise, and scans of pieces by finer instruments."""
     random = np.random.default_rng(1)
     means = complete_surface.heights.reshape(NUM_POINTS // 8, 8, NUM_POINTS // 8, 8).mean((1, 3))
-    coarse = Surface(means + noise * random.normal(size=means.shape), spacing=8 * SPACING)
-    fine = [
+    coarse_scan = Surface(means + noise * random.normal(size=means.shape), spacing=8 * SPACING)
+    fine_scans = [
         Surface(complete_surface.heights[row : row + 512, column : column + 512], spacing=SPACING)
         for row in (0, 512) for column in (0, 512)
     ]  # fmt: skip
-    return [coarse, *fine]
+    return [coarse_scan, *fine_scans]
 
 
 def true_spectrum(complete_surface, wave_number, per_decade):
@@ -43,32 +43,35 @@ def true_spectrum(complete_surface, wave_number, per_decade):
 
 
 def test_joined_spectrum_agrees_with_spectrum_and_slope_of_the_surface(complete_surface):
-    joined = joined_spectrum(scans_of_instruments(complete_surface), per_decade=5)
-    is_reliable = joined.count > 300
+    combined_spectrum = joined_spectrum(scans_of_instruments(complete_surface), per_decade=5)
+    is_reliable = combined_spectrum.count > 300
     assert is_reliable.sum() > 5
-    expected = true_spectrum(complete_surface, joined.wave_number, 5)
-    assert joined.density[is_reliable] == pytest.approx(expected[is_reliable], rel=BIN_TOLERANCE)
-    joined_roughness, true_roughness = joined.roughness(), scale_dependent_roughness(complete_surface, periodic=True)
+    expected = true_spectrum(complete_surface, combined_spectrum.wave_number, 5)
+    assert combined_spectrum.density[is_reliable] == pytest.approx(expected[is_reliable], rel=BIN_TOLERANCE)
+    joined_roughness, true_roughness = (
+        combined_spectrum.roughness(),
+        scale_dependent_roughness(complete_surface, periodic=True),
+    )
     for length in (0.3, 0.15, 0.1):
         assert float(joined_roughness.gradient_at(length)) == pytest.approx(
             float(true_roughness.gradient_at(length)), rel=0.05
         )
-    assert joined.reasons == ("pixels",) * 5
-    assert joined.bands[0] == pytest.approx((0.64, 1024 * SPACING / 3))
-    assert joined.contribution.sum(axis=0) == pytest.approx(np.ones(joined.count.size))
-    assert (joined.contribution[0, joined.wave_number > 2 * np.pi / 0.5] == 0).all()
-    assert np.all(np.abs(np.log(joined.disagreement)) < 0.4)
+    assert combined_spectrum.reasons == ("pixels",) * 5
+    assert combined_spectrum.bands[0] == pytest.approx((0.64, 1024 * SPACING / 3))
+    assert combined_spectrum.contribution.sum(axis=0) == pytest.approx(np.ones(combined_spectrum.count.size))
+    assert (combined_spectrum.contribution[0, combined_spectrum.wave_number > 2 * np.pi / 0.5] == 0).all()
+    assert np.all(np.abs(np.log(combined_spectrum.disagreement)) < 0.4)
 
 
 def test_disagreement_of_joined_scans_detects_wrong_calibration(complete_surface):
     scans = scans_of_instruments(complete_surface)
-    miscalibrated = joined_spectrum([Surface(2 * scans[0].heights, spacing=scans[0].spacing), *scans[1:]])
+    miscalibrated_spectrum = joined_spectrum([Surface(2 * scans[0].heights, spacing=scans[0].spacing), *scans[1:]])
     # The spectrum is proportional to the square of the heights, so its ratio is about 4.
-    assert 2.5 < miscalibrated.disagreement[0] < 6
-    assert np.log(miscalibrated.disagreement[0]) > 2 * miscalibrated.chance[0]
+    assert 2.5 < miscalibrated_spectrum.disagreement[0] < 6
+    assert np.log(miscalibrated_spectrum.disagreement[0]) > 2 * miscalibrated_spectrum.chance[0]
     joined_with_small_piece = joined_spectrum([scans[0], Surface(scans[1].heights[:256, :256], spacing=SPACING)])
     # A small piece contains few of the common wavelengths, so its expected scatter is larger.
-    assert joined_with_small_piece.chance[1] > miscalibrated.chance[0]
+    assert joined_with_small_piece.chance[1] > miscalibrated_spectrum.chance[0]
     single_scan_spectrum = joined_spectrum(scans[:1])
     assert np.isnan(single_scan_spectrum.chance).all()
     assert math.isnan(single_scan_spectrum.disagreement[0])
@@ -76,13 +79,13 @@ def test_disagreement_of_joined_scans_detects_wrong_calibration(complete_surface
 
 
 def test_joined_spectrum_excludes_wavelengths_limited_by_tip_or_noise(complete_surface):
-    coarse, fine = scans_of_instruments(complete_surface, noise=0.02)[:2]
-    joined_with_blunt_tip = joined_spectrum([coarse, fine], tip_radii=[None, 0.05])
+    coarse_scan, fine_scan = scans_of_instruments(complete_surface, noise=0.02)[:2]
+    joined_with_blunt_tip = joined_spectrum([coarse_scan, fine_scan], tip_radii=[None, 0.05])
     assert joined_with_blunt_tip.reasons[1] == "tip"
-    curvature = scale_dependent_roughness(fine).curvature_at(joined_with_blunt_tip.bands[1][0] * 1.2)
+    curvature = scale_dependent_roughness(fine_scan).curvature_at(joined_with_blunt_tip.bands[1][0] * 1.2)
     assert float(curvature) < 0.1 / 0.05
-    assert joined_spectrum([coarse], per_decade=8).reasons == ("noise floor",)
-    arguments = joined_spectrum([fine], shortest_wavelengths=[0.5])
+    assert joined_spectrum([coarse_scan], per_decade=8).reasons == ("noise floor",)
+    arguments = joined_spectrum([fine_scan], shortest_wavelengths=[0.5])
     assert arguments.bands[0][0] == 0.5
     assert arguments.reasons == ("given",)
 
@@ -110,8 +113,10 @@ def test_surface_generated_from_a_joined_spectrum_has_that_spectrum(complete_sur
     repeated_body = joined.surface(3, shape=(512, 512), spacing=0.04)
     assert np.array_equal(body.heights, repeated_body.heights)
     assert not np.array_equal(body.heights, joined.surface(3, shape=(512, 512), spacing=0.04, side="upper").heights)
-    created = scale_dependent_roughness(body, periodic=True)
-    assert float(created.gradient_at(0.2)) == pytest.approx(float(joined.roughness().gradient_at(0.2)), rel=0.08)
+    created_roughness = scale_dependent_roughness(body, periodic=True)
+    assert float(created_roughness.gradient_at(0.2)) == pytest.approx(
+        float(joined.roughness().gradient_at(0.2)), rel=0.08
+    )
     assert body.history == (*joined.history, "a random surface of this spectrum, seed 3, repetition 0")
     assert "scan 5" in body.history[0]
 

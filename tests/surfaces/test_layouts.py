@@ -351,18 +351,18 @@ def table_text(columns, head="", form=".4f"):
 
 def test_positions_in_wide_tables_are_not_read_as_heights(tmp_path):
     x, profiles = 0.5 * np.arange(60), random.normal(size=(12, 60)).cumsum(axis=1)
-    measured = x + 1e-3 * random.normal(size=60)
+    measured_positions = x + 1e-3 * random.normal(size=60)
     options = {"unit": "um", "spacing": "0.5 um"}
     path = tmp_path / "a.txt"
     for columns in (
         [x, *profiles],
-        [measured, *profiles],
+        [measured_positions, *profiles],
         [x, profiles[0], x, profiles[1]],
         [np.arange(60), *profiles],
     ):
         path.write_text(table_text(columns))
         assert read_or_none(path, **options) is None
-        if columns[0] is not measured:
+        if columns[0] is not measured_positions:
             assert np.allclose(read_or_none(path, columns=(0, 1), unit="um").heights, columns[1], atol=1e-4)
     path.write_text(table_text(np.transpose([x, *profiles])))  # The first line of the text contains the positions.
     assert read_or_none(path, **options) is None
@@ -372,24 +372,24 @@ def test_positions_in_wide_tables_are_not_read_as_heights(tmp_path):
 
 def test_counts_and_sizes_in_headers_are_not_read_as_heights(tmp_path):
     path, options = tmp_path / "a.txt", {"unit": "um", "spacing": "0.5 um"}
-    column = "".join(f"{z:.4f}\n" for z in LINE_HEIGHTS)
+    column_text = "".join(f"{z:.4f}\n" for z in LINE_HEIGHTS)
     pairs = "".join(f"{0.5 * at:.4f}, {z:.4f}\n" for at, z in enumerate(LINE_HEIGHTS))
     for text in (
-        f"60\n{column}",
-        f"60 (Data size)\n{column}",
-        f"Points: 60\n{column}",
+        f"60\n{column_text}",
+        f"60 (Data size)\n{column_text}",
+        f"Points: 60\n{column_text}",
         f"µm µm\n60\n{pairs}",
         f"60\n{pairs}",
     ):
         path.write_text(text, encoding="utf-8")
         assert (
-            read_or_none(path, **(options if text.endswith(column) else {"unit": "um"})).heights.tolist()
+            read_or_none(path, **(options if text.endswith(column_text) else {"unit": "um"})).heights.tolist()
             == LINE_HEIGHTS.tolist()
         )
     path.write_text(f"{NUM_COLUMNS} {NUM_ROWS}\n" + "\n".join(format_rows(HEIGHTS, " ")))
     assert np.array_equal(read_or_none(path, **options).heights, HEIGHTS)
     flat = "".join(f"{z:.4f}\n" for z in HEIGHTS.ravel())
-    for text in (f"0.5\n60\n{column}", f"{NUM_COLUMNS}\n{NUM_ROWS}\n{flat}"):
+    for text in (f"0.5\n60\n{column_text}", f"{NUM_COLUMNS}\n{NUM_ROWS}\n{flat}"):
         path.write_text(text)
         assert read_or_none(path, **options) is None
 
@@ -450,10 +450,10 @@ def test_codes_for_missing_points_are_reported_and_can_be_masked(tmp_path):
         assert f"--missing-value {float(code):g}" in reading.caveats[0].remedy
         with pytest.warns(FormatWarning, match="repeated-extreme"):
             read_measurement(path)
-        masked = load_interpreted_file(path, missing_value=float(code), missing="mask", accept="tall")
-        assert masked.missing == 3
-        assert np.flatnonzero(masked.body.missing).tolist() == [7, 8, 33]
-        assert not masked.caveats
+        masked_reading = load_interpreted_file(path, missing_value=float(code), missing="mask", accept="tall")
+        assert masked_reading.missing == 3
+        assert np.flatnonzero(masked_reading.body.missing).tolist() == [7, 8, 33]
+        assert not masked_reading.caveats
         assert load_interpreted_file(path, accept="repeated-extreme,tall").caveats == ()
 
 
@@ -471,9 +471,9 @@ def test_side_by_side_profiles_are_selected_by_the_columns_option(tmp_path):
         lines = [f"{0.5 * at};{z};" + (f"{0.25 * at};{-z}" if at < 40 else end) for at, z in enumerate(LINE_HEIGHTS)]
         path.write_text("x;y;x;y\num;um;um;um\n" + "\n".join(lines))
         assert read_measurement(path, columns=(0, 1)).heights.tolist() == LINE_HEIGHTS.tolist()
-        second = read_measurement(path, columns=(2, 3))
-        assert second.heights.tolist() == (-LINE_HEIGHTS[:40]).tolist()
-        assert second.spacing == 0.25
+        second_profile = read_measurement(path, columns=(2, 3))
+        assert second_profile.heights.tolist() == (-LINE_HEIGHTS[:40]).tolist()
+        assert second_profile.spacing == 0.25
         assert read_or_none(path) is None
 
 
@@ -702,14 +702,19 @@ def test_scale_in_a_header_multiplies_heights_only_if_it_describes_a_conversion(
 def test_positions_are_not_read_as_heights_if_the_spacing_is_declared(tmp_path):
     path = tmp_path / "a.txt"
     head = ["# x spacing: 0.25 um", "# y spacing: 0.5 um"]
-    for first in (0.5 * np.arange(NUM_ROWS), 3 + 0.5 * np.arange(NUM_ROWS)):
-        path.write_text("\n".join([*head, *format_rows(np.column_stack([first, HEIGHTS]))]))
+    for first_column in (0.5 * np.arange(NUM_ROWS), 3 + 0.5 * np.arange(NUM_ROWS)):
+        path.write_text("\n".join([*head, *format_rows(np.column_stack([first_column, HEIGHTS]))]))
         body = load_interpreted_file(path, unit="um", accept="tall").body
         assert np.array_equal(body.heights, HEIGHTS)
         assert body.spacing == (0.5, 0.25)
         assert "the first column removed: positions 0.5 um apart, as its header declares" in body.history
-    for first in (np.arange(NUM_ROWS), 1 + np.arange(NUM_ROWS), 0.3 * np.arange(NUM_ROWS), -0.5 * np.arange(NUM_ROWS)):
-        path.write_text("\n".join([*head, *format_rows(np.column_stack([first, HEIGHTS]))]))
+    for first_column in (
+        np.arange(NUM_ROWS),
+        1 + np.arange(NUM_ROWS),
+        0.3 * np.arange(NUM_ROWS),
+        -0.5 * np.arange(NUM_ROWS),
+    ):
+        path.write_text("\n".join([*head, *format_rows(np.column_stack([first_column, HEIGHTS]))]))
         with pytest.raises(FormatError, match="first column has equal steps"):
             read_measurement(path, unit="um")
     path.write_text("\n".join([*head, *format_rows(np.vstack([0.25 * np.arange(NUM_COLUMNS), HEIGHTS]))]))
@@ -791,9 +796,9 @@ def test_error_about_a_table_with_words_names_the_column_of_words(tmp_path, sepa
         FormatError, match=rf"column {word_column} \(judgment\).*'{words[1]}' \(3\).*--columns {numbers}\)"
     ):
         read_measurement(path)
-    chosen = read_measurement(path, columns=[index for index in range(3) if index != word_column])
-    assert chosen.heights.tolist() == LINE_HEIGHTS.tolist()
-    assert any("ignored" in step for step in chosen.history)
+    profile = read_measurement(path, columns=[index for index in range(3) if index != word_column])
+    assert profile.heights.tolist() == LINE_HEIGHTS.tolist()
+    assert any("ignored" in step for step in profile.history)
     masked = read_measurement(path, missing_value=words[1], missing="mask")
     assert np.flatnonzero(masked.missing).tolist() == [4, 5, 33]
 

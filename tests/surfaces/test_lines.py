@@ -33,10 +33,10 @@ def test_line_roughness_equals_the_mean_over_single_lines():
     result = line_roughness(surface, "x", band=(0.1, 2.0))
     x = np.arange(600)
     rows = [Profile(z - np.polyval(np.polyfit(x, z, 1), x), spacing=0.02) for z in surface.heights]
-    each = [roughness_parameters(row) for row in rows]
+    parameters_of_rows = [roughness_parameters(row) for row in rows]
     assert result.lines == result.fitted == result.with_band == 40
-    assert result.Pq == pytest.approx(np.sqrt(np.mean([row.Pq**2 for row in each])), rel=ROUND_OFF)
-    assert result.Pdq == pytest.approx(np.sqrt(np.mean([row.Pdq**2 for row in each])), rel=ROUND_OFF)
+    assert result.Pq == pytest.approx(np.sqrt(np.mean([row.Pq**2 for row in parameters_of_rows])), rel=ROUND_OFF)
+    assert result.Pdq == pytest.approx(np.sqrt(np.mean([row.Pdq**2 for row in parameters_of_rows])), rel=ROUND_OFF)
     slopes = np.diff([row.heights for row in rows], axis=1) / 0.02
     assert result.Pdq_neighbours == pytest.approx(np.sqrt(np.mean(slopes**2)), rel=ROUND_OFF)
     assert np.allclose(result.spectrum.density, np.mean([power_spectrum(row).density for row in rows], axis=0))
@@ -61,8 +61,11 @@ def test_roughness_along_y_equals_roughness_along_x_of_the_transposed_surface():
 
 def test_line_roughness_is_invariant_under_levelling():
     surface = surface_of_stacked_rows(0.6, lines=12, points=300)
-    for along in ("x", "y"):
-        result, levelled_result = line_roughness(surface, along), line_roughness(levelled(surface, "plane"), along)
+    for direction in ("x", "y"):
+        result, levelled_result = (
+            line_roughness(surface, direction),
+            line_roughness(levelled(surface, "plane"), direction),
+        )
         assert levelled_result.Pq == pytest.approx(result.Pq, rel=1e-9)
         assert levelled_result.hurst_exponents == pytest.approx(result.hurst_exponents, abs=1e-6)
 
@@ -132,30 +135,30 @@ def two_scale_surface(seed=1, points=160):
     """Return a surface with a power law (H = 0.8) up to 16 µm along rows and up to 160 µm along columns."""
     white = np.random.default_rng(seed).normal(size=(2 * points, 2 * points))
     q = 2 * np.pi * np.fft.fftfreq(2 * points)
-    across = np.hypot(np.maximum(np.abs(q), 0.4), q[:, np.newaxis])
-    heights = np.fft.ifft2(across**-1.8 * np.fft.fft2(white)).real[:points, :points]
+    stretched_wave_numbers = np.hypot(np.maximum(np.abs(q), 0.4), q[:, np.newaxis])
+    heights = np.fft.ifft2(stretched_wave_numbers**-1.8 * np.fft.fft2(white)).real[:points, :points]
     return Surface(heights / heights.std(), spacing=1.0)
 
 
 def test_lines_along_both_axes_are_fitted_in_a_common_band(monkeypatch):
     monkeypatch.setattr(lines, "MAX_FITTED_LINES", 24)
     surface = two_scale_surface()
-    along_x, along_y = lines_along_both(surface)
-    assert along_x.band == along_y.band
+    roughness_x, roughness_y = lines_along_both(surface)
+    assert roughness_x.band == roughness_y.band
     # Each single line is fitted in the specified band.
-    single_axis_result = line_roughness(surface, "y", band=along_y.band)
-    assert np.array_equal(single_axis_result.hurst_exponents, along_y.hurst_exponents)
-    assert (single_axis_result.with_band, single_axis_result.misfit) == (along_y.with_band, along_y.misfit)
+    single_axis_result = line_roughness(surface, "y", band=roughness_y.band)
+    assert np.array_equal(single_axis_result.hurst_exponents, roughness_y.hurst_exponents)
+    assert (single_axis_result.with_band, single_axis_result.misfit) == (roughness_y.with_band, roughness_y.misfit)
     arguments = lines_along_both(surface, band=(4.0, 12.0))
     assert arguments[0].band == arguments[1].band == (4.0, 12.0)
 
 
 def test_lines_along_straight_grooves_have_no_hurst_exponent():
     grooves = self_affine(3, hurst_exponent=0.7, rms=0.1, points=300, spacing=1.0).heights + np.zeros((24, 1))
-    along_x, along_y = lines_along_both(Surface(grooves, spacing=1.0))
-    assert along_x.hurst_exponents.size == 24
-    assert along_y.hurst_exponents.size == 0
-    assert np.isnan(along_y.misfit)
+    roughness_x, roughness_y = lines_along_both(Surface(grooves, spacing=1.0))
+    assert roughness_x.hurst_exponents.size == 24
+    assert roughness_y.hurst_exponents.size == 0
+    assert np.isnan(roughness_y.misfit)
 
 
 def test_misfit_is_near_1_for_a_power_law_and_larger_for_a_spectrum_with_a_bend():

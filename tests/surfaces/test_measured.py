@@ -98,31 +98,31 @@ def test_profile_read_from_any_text_format_has_equal_heights_and_spacing(write_f
 
 
 def test_reader_requires_units_and_spacings_that_are_not_in_the_file(write_file):
-    bare = write_file("0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n")
-    assert 'does not contain the unit of its heights; give the unit, as in "um"' in error_message(bare)
-    assert read_profile(bare, unit="um").heights.tolist() == HEIGHTS
-    assert read_profile(bare, unit=("mm", "um")).spacing == pytest.approx(100)
-    half = write_file("x,z (um)\n0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n")
-    assert "the unit of its positions" in error_message(half)
-    assert read_profile(half, unit="um").spacing == pytest.approx(0.1)
-    column = write_file("0.5\n-0.25\n1\n0.125\n2\n")
-    assert 'give the spacing of its points, as in "0.5 um"' in error_message(column, unit="um")
-    assert read_profile(column, unit="um", spacing="100 nm").spacing == 0.1
+    file_without_units = write_file("0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n")
+    assert 'does not contain the unit of its heights; give the unit, as in "um"' in error_message(file_without_units)
+    assert read_profile(file_without_units, unit="um").heights.tolist() == HEIGHTS
+    assert read_profile(file_without_units, unit=("mm", "um")).spacing == pytest.approx(100)
+    file_without_position_unit = write_file("x,z (um)\n0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n")
+    assert "the unit of its positions" in error_message(file_without_position_unit)
+    assert read_profile(file_without_position_unit, unit="um").spacing == pytest.approx(0.1)
+    single_column_file = write_file("0.5\n-0.25\n1\n0.125\n2\n")
+    assert 'give the spacing of its points, as in "0.5 um"' in error_message(single_column_file, unit="um")
+    assert read_profile(single_column_file, unit="um", spacing="100 nm").spacing == 0.1
 
 
 @pytest.mark.parametrize(
-    "above",
+    "text_above",
     [
         "Length,1500.0 um\n", "Length (um),1500\n", "Length (um): 1500\n", "Range 524nm\nx,z\n", "x (um),z (nm)\nx,z\n",
         "Radius: 2.5 µm, ID 3\n", "a text of no use\n", "um\n-----\nx,z\n", "z (um)\n",
     ],
 )  # fmt: skip
-def test_units_elsewhere_in_the_header_do_not_apply_to_columns(write_file, above):
+def test_units_elsewhere_in_the_header_do_not_apply_to_columns(write_file, text_above):
     data = "0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n"
-    assert "does not contain the unit of its heights" in error_message(write_file(above + data))
-    if "z (um)" not in above:
+    assert "does not contain the unit of its heights" in error_message(write_file(text_above + data))
+    if "z (um)" not in text_above:
         column = "\n".join(line.split(",")[1] for line in data.split())
-        message = error_message(write_file(above + column), spacing="1 um")
+        message = error_message(write_file(text_above + column), spacing="1 um")
         assert "does not contain the unit of its heights" in message
 
 
@@ -279,12 +279,12 @@ def test_matrix_with_positions_in_a_row_or_column_is_rejected(write_file):
     heights = np.random.default_rng(2).normal(size=(20, 30))
     x, y = 0.5 * np.arange(30), 0.25 * np.arange(20)
     options = {"read": read_surface, "unit": "um", "spacing": "1 um"}
-    labelled = np.block([[np.zeros((1, 1)), x[np.newaxis]], [y[:, np.newaxis], heights]])
+    labelled_matrix = np.block([[np.zeros((1, 1)), x[np.newaxis]], [y[:, np.newaxis], heights]])
     for matrix, message in (
         (np.c_[y, heights[:, :2]], "20 rows of 3 columns, of which the first column has equal steps"),
         (np.array([x, heights[0]]), "2 rows of 30 columns, of which the first row has equal steps"),
         (
-            labelled,
+            labelled_matrix,
             "of which the first row and column have equal steps, like positions; leave only heights in the file",
         ),
     ):
@@ -292,14 +292,16 @@ def test_matrix_with_positions_in_a_row_or_column_is_rejected(write_file):
         text = "\n".join(" ".join(f"{value:.6f}" for value in row) for row in matrix)
         if matrix.shape[1] > 3:
             assert message in error_message(write_file(text, "a.txt"), **options)
-    above = heights.copy()
-    above[0] = x
-    assert "of which the first row has equal steps" in error_message(write_file(npy_bytes(above), "a.npy"), **options)
-    lost = heights.copy()
-    lost[0] = 0.5
+    heights_with_x_row = heights.copy()
+    heights_with_x_row[0] = x
+    assert "of which the first row has equal steps" in error_message(
+        write_file(npy_bytes(heights_with_x_row), "a.npy"), **options
+    )
+    heights_with_equal_row = heights.copy()
+    heights_with_equal_row[0] = 0.5
     # These heights are tilted, like measured heights before levelling.
-    tilted = heights * 1e-3 + 0.3 * x + 0.1 * y[:, np.newaxis]
-    for matrix in (heights, lost, tilted, x + y[:, np.newaxis]):
+    tilted_heights = heights * 1e-3 + 0.3 * x + 0.1 * y[:, np.newaxis]
+    for matrix in (heights, heights_with_equal_row, tilted_heights, x + y[:, np.newaxis]):
         assert np.array_equal(
             read_surface(write_file(npy_bytes(matrix), "a.npy"), unit="um", spacing="1 um").heights, matrix
         )
@@ -347,18 +349,18 @@ def test_columns_can_be_selected_by_name_or_number(write_file):
         assert profile.spacing == pytest.approx(0.1)
         assert profile.history[1] == "columns 1 (x (um)), 3 (z (um))"
     assert read_profile(path, columns="z", spacing="2 um").history[1] == "column 3 (z (um))"
-    for columns, wrong in (
+    for columns, expected_message in (
         (("x", "q"), "has no column named 'q'; the file has 0 (t (s)), 1 (x (um)), 2 (F (mN)), 3 (z (um))"),
         (("x", 4), "has no column 4; the column numbers are 0 to 3"),
         (("t", "z"), "has positions in 's', which is not a supported unit of length"),
         (("x", "F"), "has heights in 'mN', which is not a supported unit of length"),
     ):
-        assert wrong in error_message(path, columns=columns)
-    twice = write_file(columns_text(POSITIONS, HEIGHTS, HEIGHTS, header="x (um),z (um),z (nm)\n"))
+        assert expected_message in error_message(path, columns=columns)
+    file_with_repeated_name = write_file(columns_text(POSITIONS, HEIGHTS, HEIGHTS, header="x (um),z (um),z (nm)\n"))
     assert "has more than one column named 'z'; choose by number: 0 (x (um))," in error_message(
-        twice, columns=("x", "z")
+        file_with_repeated_name, columns=("x", "z")
     )
-    assert read_profile(twice, columns=("x", "Z (um)")).heights.tolist() == HEIGHTS
+    assert read_profile(file_with_repeated_name, columns=("x", "Z (um)")).heights.tolist() == HEIGHTS
     assert "has no columns, but columns were selected" in error_message(
         write_file(x3p_bytes(HEIGHTS_IN_METRES), "a.x3p"), columns=("x", "z")
     )
@@ -366,8 +368,8 @@ def test_columns_can_be_selected_by_name_or_number(write_file):
 
 def test_rounded_positions_in_any_column_count_as_uniform(write_file):
     # Positions with one decimal follow a column with many decimals. They are uniform within their digits in any column.
-    true = 0.156245 * np.arange(900)
-    lines = "".join(f"{i}.123456,{x:.1f},{i % 7}.5\n" for i, x in enumerate(true))
+    true_positions = 0.156245 * np.arange(900)
+    lines = "".join(f"{i}.123456,{x:.1f},{i % 7}.5\n" for i, x in enumerate(true_positions))
     profile = read_profile(write_file(lines), columns=(1, 2), unit="um")
     assert profile.spacing == pytest.approx(0.156245, rel=1e-3)
     assert "is not uniform" in error_message(write_file(lines.replace(",31.2,", ",31.5,")), columns=(1, 2), unit="um")
@@ -400,11 +402,11 @@ def test_array_of_two_columns_is_read_as_positions_and_heights(write_file):
         assert profile.spacing == pytest.approx(100)
         assert profile.heights.tolist() == pytest.approx([z / 1000 for z in HEIGHTS])
     assert read_profile(path, unit="um", columns=1, spacing="1 um").heights.tolist() == HEIGHTS
-    uneven = write_file(
+    uneven_file = write_file(
         npy_bytes(np.c_[[0, 0.1, 0.25, 0.3, 0.4], HEIGHTS]), "b.npy"
     )  # Without columns, the array may be a map with two columns.
-    assert read_measurement(uneven, unit="um", spacing="1 um").heights.shape == (5, 2)
-    assert "is not uniform: point 2, counted from 0" in error_message(uneven, unit="um", columns=(0, 1))
+    assert read_measurement(uneven_file, unit="um", spacing="1 um").heights.shape == (5, 2)
+    assert "is not uniform: point 2, counted from 0" in error_message(uneven_file, unit="um", columns=(0, 1))
 
 
 def workbook_bytes(*sheets, **changes):
@@ -429,12 +431,14 @@ def test_profiles_and_surfaces_are_read_from_workbooks(write_file):
     assert profile.heights.tolist() == HEIGHTS
     assert profile.spacing == pytest.approx(0.1)
     assert profile.history[0] == "read from a.xlsx"
-    two = write_file(
+    two_channel_file = write_file(
         workbook_bytes(("raw", SHEET_ROWS), ("Filtered", [[*row[1:3], 5] for row in SHEET_ROWS])), "b.xlsx"
     )
-    assert "contains the channels 0 (raw), 1 (Filtered); choose one with channel" in error_message(two)
-    assert read_profile(two, channel="raw").history[1] == "channel 0 (raw) of 0 (raw), 1 (Filtered)"
-    assert "has no channel named 'rough'; the file has 0 (raw), 1 (Filtered)" in error_message(two, channel="rough")
+    assert "contains the channels 0 (raw), 1 (Filtered); choose one with channel" in error_message(two_channel_file)
+    assert read_profile(two_channel_file, channel="raw").history[1] == "channel 0 (raw) of 0 (raw), 1 (Filtered)"
+    assert "has no channel named 'rough'; the file has 0 (raw), 1 (Filtered)" in error_message(
+        two_channel_file, channel="rough"
+    )
     heights = np.random.default_rng(3).normal(size=(6, 9))
     area = read_surface(write_file(workbook_bytes(("map", heights.tolist())), "c.xlsx"), unit="um", spacing="1 um")
     assert np.allclose(area.heights, heights, rtol=1e-15, atol=0)  # openpyxl writes only 16 digits
@@ -486,11 +490,14 @@ def test_damaged_and_oversized_workbooks_are_rejected(write_file, monkeypatch):
     assert "is a damaged workbook" in error_message(write_file(x3p_bytes(HEIGHTS_IN_METRES), "a.xlsx"))
     assert "is named .xlsx, but its content is not a zip archive" in error_message(write_file("1,2\n", "a.xlsx"))
     monkeypatch.setattr(excel, "MAX_TAGS", 300_000)
-    large = io.BytesIO()
-    with zipfile.ZipFile(io.BytesIO(data)) as source, zipfile.ZipFile(large, "w", zipfile.ZIP_DEFLATED) as copy:
+    large_workbook = io.BytesIO()
+    with (
+        zipfile.ZipFile(io.BytesIO(data)) as source,
+        zipfile.ZipFile(large_workbook, "w", zipfile.ZIP_DEFLATED) as copy,
+    ):
         for name in source.namelist():
             copy.writestr(name, source.read(name).replace(b"<sheetData>", b"<sheetData>" + b"<row>" * 300_000))
-    assert "XML tags" in error_message(write_file(large.getvalue(), "a.xlsx"))
+    assert "XML tags" in error_message(write_file(large_workbook.getvalue(), "a.xlsx"))
     monkeypatch.setattr(excel, "MAX_TEXT_BYTES", 5000)
     assert "at most" in error_message(write_file(data, "a.xlsx"))
     monkeypatch.setitem(__import__("sys").modules, "openpyxl", None)
@@ -515,9 +522,9 @@ def test_channel_of_an_instrument_file_can_be_selected(measured_file_path):
 
 def test_units_of_a_text_file_with_an_unknown_ending_are_read_from_its_header(write_file):
     text = "x (um),z (nm)\n0,500\n0.1,-250\n0.2,1000\n0.3,125\n0.4,2000\n"
-    odd = write_file(text, "scan.v2")
-    assert read_profile(odd).heights.tolist() == HEIGHTS
-    assert "declares its heights in nm, but the given unit is um" in error_message(odd, unit="um")
+    file_with_unknown_suffix = write_file(text, "scan.v2")
+    assert read_profile(file_with_unknown_suffix).heights.tolist() == HEIGHTS
+    assert "declares its heights in nm, but the given unit is um" in error_message(file_with_unknown_suffix, unit="um")
 
 
 def test_registered_reader_reads_files_with_its_suffix(write_file, monkeypatch):
@@ -534,10 +541,10 @@ def test_profile_is_unchanged_by_writing_and_reading(tmp_path):
     write_profile(profile, tmp_path / "a.npy")
     for name in ("a.csv", "a.npy"):
         for options in ({}, {"unit": "um", "spacing": f"{profile.spacing!r} um"}):
-            again = read_profile(tmp_path / name, **options)
-            assert np.array_equal(again.heights, profile.heights)
-            assert again.spacing == profile.spacing
-            assert again.history[: 1 + len(profile.history)] == (f"read from {name}", *profile.history)
+            profile_read = read_profile(tmp_path / name, **options)
+            assert np.array_equal(profile_read.heights, profile.heights)
+            assert profile_read.spacing == profile.spacing
+            assert profile_read.history[: 1 + len(profile.history)] == (f"read from {name}", *profile.history)
     assert np.array_equal(np.load(tmp_path / "a.npy"), profile.heights)
     assert "# history: scaled to height 0.1 µm\n" in (tmp_path / "a.csv").read_text(encoding="utf-8")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.csv", "a.npy"]
@@ -660,8 +667,8 @@ def test_oversized_files_are_rejected_before_reading(tmp_path, monkeypatch):
 def test_text_file_with_too_many_lines_or_cells_is_rejected(write_file, monkeypatch, separator):
     monkeypatch.setattr(text_files, "MAX_LINES", 20)
     monkeypatch.setattr(split_files, "MAX_CELLS", 10)
-    wide = separator.join(["1.5"] * 5) + "\n"
-    assert read_surface(write_file(20 * wide), unit="um", spacing="1 um").heights.shape == (20, 5)
+    wide_row = separator.join(["1.5"] * 5) + "\n"
+    assert read_surface(write_file(20 * wide_row), unit="um", spacing="1 um").heights.shape == (20, 5)
     assert "has 21 lines; at most 20" in error_message(write_file("1.5\n" * 21))
     assert "cells; at most 10 can be read" in error_message(write_file(separator.join(["1.5"] * 11)))
 
@@ -759,9 +766,9 @@ def test_x3p_surfaces_and_profiles_are_read(write_file, data_type, max_error):
     profile = read_profile(write_file(x3p_bytes(HEIGHTS_IN_METRES[0], **options), "b.x3p"), unit="m", spacing="1 um")
     assert np.abs(profile.heights - 1e6 * HEIGHTS_IN_METRES[0]).max() <= max_error
     x = 3e-6 + 5e-7 * np.arange(9)
-    with_positions = read_profile(write_file(x3p_bytes(HEIGHTS_IN_METRES[0], positions=x, **options), "c.x3p"))
-    assert np.array_equal(with_positions.heights, profile.heights)
-    assert with_positions.spacing == pytest.approx(0.5)
+    profile_with_positions = read_profile(write_file(x3p_bytes(HEIGHTS_IN_METRES[0], positions=x, **options), "c.x3p"))
+    assert np.array_equal(profile_with_positions.heights, profile.heights)
+    assert profile_with_positions.spacing == pytest.approx(0.5)
 
 
 def test_x3p_integers_are_multiplied_by_their_increment(write_file):
@@ -782,12 +789,12 @@ def test_x3p_integers_are_multiplied_by_their_increment(write_file):
 
 
 def test_x3p_profile_that_is_not_along_x_is_rejected(write_file):
-    along_y = "<CY><AxisType>A</AxisType><DataType>D</DataType></CY>"
+    y_axis = "<CY><AxisType>A</AxisType><DataType>D</DataType></CY>"
     old = "<CY><AxisType>I</AxisType><DataType>D</DataType><Increment>2e-06</Increment></CY>"
     points = "".join(
         f"<Datum>{1e-6 * i!r};{y!r};{z!r}</Datum>" for i, (y, z) in enumerate((1e-6 * np.eye(9)[:, :2]).tolist())
     )
-    data = x3p_bytes(HEIGHTS_IN_METRES[0], as_list=True, positions=np.arange(9.0), replacements=[(old, along_y)])
+    data = x3p_bytes(HEIGHTS_IN_METRES[0], as_list=True, positions=np.arange(9.0), replacements=[(old, y_axis)])
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         main = archive.read("main.xml").decode()
     stream = io.BytesIO()
@@ -800,17 +807,17 @@ def test_x3p_heights_agree_with_another_reader(write_file):
     topography = pytest.importorskip("SurfaceTopography")
     path = write_file(x3p_bytes(HEIGHTS_IN_METRES), "a.x3p")
     with topography.open_topography(str(path)) as reader:
-        other = reader.topography()
+        topography_read = reader.topography()
     surface = read_surface(path)
-    factor = {"m": 1e6, "µm": 1.0}[other.unit]
-    assert np.abs(surface.heights - factor * other.heights().T).max() < 1e-12
-    assert surface.spacing == pytest.approx(tuple(factor * item for item in reversed(other.pixel_size)))
+    factor = {"m": 1e6, "µm": 1.0}[topography_read.unit]
+    assert np.abs(surface.heights - factor * topography_read.heights().T).max() < 1e-12
+    assert surface.spacing == pytest.approx(tuple(factor * item for item in reversed(topography_read.pixel_size)))
 
 
 def test_x3p_missing_points_are_reported_and_can_be_interpolated(write_file):
-    valid = np.ones(HEIGHTS_IN_METRES.shape, dtype=bool)
-    valid[2, 4] = False
-    path = write_file(x3p_bytes(HEIGHTS_IN_METRES, is_valid=valid.ravel()), "a.x3p")
+    is_valid = np.ones(HEIGHTS_IN_METRES.shape, dtype=bool)
+    is_valid[2, 4] = False
+    path = write_file(x3p_bytes(HEIGHTS_IN_METRES, is_valid=is_valid.ravel()), "a.x3p")
     assert "lacks 1 of 54 heights, the first at row 2, column 4, counted from 0" in error_message(path, read_surface)
     surface = read_surface(path, missing="interpolate")
     assert surface.heights[2, 4] == pytest.approx(1e6 * (HEIGHTS_IN_METRES[2, 3] + HEIGHTS_IN_METRES[2, 5]) / 2)
@@ -873,10 +880,10 @@ def test_measured_map_of_an_atomic_force_microscope_is_read(measured_file_path):
     surface = read_surface(measured_file_path("di-4.di"))
     assert surface.heights.shape == (512, 512)
     assert surface.extent == pytest.approx((10.0, 10.0))
-    level = levelled(surface, "plane")
-    assert np.std(level.heights) == pytest.approx(0.0794, abs=5e-5)
-    along_x = [np.var(levelled(level.row(index), "line").heights) for index in range(512)]
-    assert np.sqrt(np.mean(along_x)) == pytest.approx(0.0388, abs=5e-5)
+    levelled_surface = levelled(surface, "plane")
+    assert np.std(levelled_surface.heights) == pytest.approx(0.0794, abs=5e-5)
+    row_variances = [np.var(levelled(levelled_surface.row(index), "line").heights) for index in range(512)]
+    assert np.sqrt(np.mean(row_variances)) == pytest.approx(0.0388, abs=5e-5)
 
 
 @pytest.mark.parametrize("count", [300, pytest.param(1500, marks=pytest.mark.soak)])
@@ -941,11 +948,11 @@ def test_x3p_file_with_a_document_type_declaration_is_rejected_in_any_encoding(w
 def test_x3p_archive_larger_than_its_declared_points_is_not_unpacked(write_file):
     # Two archives unpack to 50 MB instead of 432 bytes.
     # One archive declares its true size, and the other archive declares a false size.
-    honest_archive = x3p_archive(X3P_WITHOUT_CHECKSUM, bytes(50_000_000))
-    misdeclared_archive = honest_archive.replace((50_000_000).to_bytes(4, "little"), (432).to_bytes(4, "little"))
-    assert misdeclared_archive != honest_archive
+    well_declared_archive = x3p_archive(X3P_WITHOUT_CHECKSUM, bytes(50_000_000))
+    misdeclared_archive = well_declared_archive.replace((50_000_000).to_bytes(4, "little"), (432).to_bytes(4, "little"))
+    assert misdeclared_archive != well_declared_archive
     for data, expected_message in (
-        (honest_archive, "54 points of 8 bytes, but has 50000000 bytes"),
+        (well_declared_archive, "54 points of 8 bytes, but has 50000000 bytes"),
         (misdeclared_archive, "damaged X3P file (BadZip"),
     ):
         path = write_file(data, "a.x3p")
@@ -965,12 +972,12 @@ def test_x3p_archive_larger_than_its_declared_points_is_not_unpacked(write_file)
 
 @pytest.mark.parametrize("number", ["1_0e-6", "١e-6", "0x1p-3", "1e", "1,5", "infinity", "--1", "1e-6e"])
 def test_x3p_numbers_must_conform_to_xml_schema(write_file, number):
-    main = X3P_WITHOUT_CHECKSUM.replace("<Increment>1e-06<", f"<Increment>{number}<")
-    assert main != X3P_WITHOUT_CHECKSUM
-    assert "instead of a number" in error_message(write_file(x3p_archive(main), "a.x3p"), read_surface)
-    for fine in (" 1E-6 ", "+.000001", "1.e-06"):
-        main = X3P_WITHOUT_CHECKSUM.replace("<Increment>1e-06<", f"<Increment>{fine}<")
-        assert read_surface(write_file(x3p_archive(main), "a.x3p")).spacing[1] == pytest.approx(1.0)
+    main_text = X3P_WITHOUT_CHECKSUM.replace("<Increment>1e-06<", f"<Increment>{number}<")
+    assert main_text != X3P_WITHOUT_CHECKSUM
+    assert "instead of a number" in error_message(write_file(x3p_archive(main_text), "a.x3p"), read_surface)
+    for valid_number in (" 1E-6 ", "+.000001", "1.e-06"):
+        main_text = X3P_WITHOUT_CHECKSUM.replace("<Increment>1e-06<", f"<Increment>{valid_number}<")
+        assert read_surface(write_file(x3p_archive(main_text), "a.x3p")).spacing[1] == pytest.approx(1.0)
 
 
 def test_text_file_with_very_long_lines_is_read_quickly(write_file):
@@ -982,17 +989,20 @@ def test_text_file_with_very_long_lines_is_read_quickly(write_file):
 
 
 def test_size_of_x3p_metadata_is_limited(write_file):
-    few, many, deep = (X3P_WITHOUT_CHECKSUM.replace("</p:ISO", f"{words}</p:ISO") for words in (
+    text_with_few_tags, text_with_many_tags, text_with_long_element = (
+        X3P_WITHOUT_CHECKSUM.replace("</p:ISO", f"{words}</p:ISO") for words in (
         "<x/>" * 1000, "<x/>" * 150_000, f"<x>{' ' * 5_000_000}</x>"
     ))  # fmt: skip
-    assert read_surface(write_file(x3p_archive(few), "a.x3p")).heights.shape == (6, 9)
+    assert read_surface(write_file(x3p_archive(text_with_few_tags), "a.x3p")).heights.shape == (6, 9)
     assert "more than 100000 elements in main.xml" in error_message(
-        write_file(x3p_archive(many), "a.x3p"), read_surface
+        write_file(x3p_archive(text_with_many_tags), "a.x3p"), read_surface
     )
-    assert "too many for its points" in error_message(write_file(x3p_archive(deep), "a.x3p"), read_surface)
+    assert "too many for its points" in error_message(
+        write_file(x3p_archive(text_with_long_element), "a.x3p"), read_surface
+    )
     # Listed points may need more memory than a matrix. Their memory is limited by the number of points.
-    listed = main_xml(x3p_bytes(np.zeros(40_000), as_list=True)).replace("<Datum>0.0<", f"<Datum>{'0' * 100}<")
-    assert len(listed) > 4_000_000
-    assert len(read_profile(write_file(x3p_archive(listed), "b.x3p"))) == 40_000
-    longer = listed.replace("40000</SizeX>", "4</SizeX>")
-    assert "too many for its points" in error_message(write_file(x3p_archive(longer), "b.x3p"))
+    text_with_list = main_xml(x3p_bytes(np.zeros(40_000), as_list=True)).replace("<Datum>0.0<", f"<Datum>{'0' * 100}<")
+    assert len(text_with_list) > 4_000_000
+    assert len(read_profile(write_file(x3p_archive(text_with_list), "b.x3p"))) == 40_000
+    text_with_wrong_size = text_with_list.replace("40000</SizeX>", "4</SizeX>")
+    assert "too many for its points" in error_message(write_file(x3p_archive(text_with_wrong_size), "b.x3p"))

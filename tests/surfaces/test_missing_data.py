@@ -73,8 +73,8 @@ def test_preparation_steps_and_file_formats_preserve_the_mask_of_missing_points(
     tilted_scan = Surface(scan.heights + np.arange(64) * 0.01 + missing * 7.0, spacing=0.1, missing=missing)
     height_differences = np.where(missing, 0, levelled(tilted_scan, "plane").heights - levelled(scan, "plane").heights)
     assert np.abs(height_differences).max() < 1e-12  # interpolated points do not tilt the fitted plane
-    fine = Surface(np.zeros((130, 130)), spacing=0.049)
-    resampled = on_common_grid(scan, fine)[0].missing
+    fine_surface = Surface(np.zeros((130, 130)), spacing=0.049)
+    resampled = on_common_grid(scan, fine_surface)[0].missing
     y, x = (
         0.049 * np.arange(points) for points in resampled.shape
     )  # A point is missing if a neighbour along an axis is missing.

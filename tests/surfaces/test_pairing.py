@@ -56,12 +56,12 @@ class TestMapPairs:
         assert np.ptp(np.subtract(*(item.heights for item in pairs.pair(0)))) > 0.01
 
     def test_positions_of_map_pieces_cover_the_larger_map(self):
-        small, large = create_surface((32, 32)), create_surface((200, 120), seed=4)
-        for pairs in (MapPairs(small, large), MapPairs(large, small)):
+        small_map, large_map = create_surface((32, 32)), create_surface((200, 120), seed=4)
+        for pairs in (MapPairs(small_map, large_map), MapPairs(large_map, small_map)):
             assert pairs.shape == (24, 24)
-            large_map_index = 1 if pairs.lower is large else 0
+            large_map_index = 1 if pairs.lower is large_map else 0
             origins = np.array([pairs.piece_origins(index)[large_map_index] for index in range(64)])
-            for axis, points in enumerate(large.heights.shape):
+            for axis, points in enumerate(large_map.heights.shape):
                 assert np.histogram(origins[:, axis], bins=4, range=(0, points - 24))[0].min() >= 8
             for index in range(64):
                 for origin, body in zip(pairs.piece_origins(index), (pairs.upper, pairs.lower), strict=True):
@@ -69,9 +69,9 @@ class TestMapPairs:
         assert pairs.used_fractions == pytest.approx((24 * 24 / (200 * 120), 24 * 24 / 32**2))
 
     def test_paired_map_pieces_have_the_finer_spacing_of_both_maps(self):
-        fine = create_surface((64, 64), 0.05)
-        coarse = Surface(create_surface((64, 64), 0.05, seed=5).heights[::2, ::2], spacing=0.1)
-        pairs = MapPairs(fine, coarse)
+        fine_map = create_surface((64, 64), 0.05)
+        coarse_map = Surface(create_surface((64, 64), 0.05, seed=5).heights[::2, ::2], spacing=0.1)
+        pairs = MapPairs(fine_map, coarse_map)
         assert pairs.spacing == (0.05, 0.05)
         upper, lower = pairs.pair(3)
         assert upper.heights.shape == lower.heights.shape == pairs.shape
@@ -81,7 +81,7 @@ class TestMapPairs:
         y, x = np.arange(row, row + rows), np.arange(column, column + columns)
         is_coarse_point = np.ix_(y % 2 == 0, x % 2 == 0)
         height_differences = (
-            lower.heights[is_coarse_point] - coarse.heights[np.ix_(y[y % 2 == 0] // 2, x[x % 2 == 0] // 2)]
+            lower.heights[is_coarse_point] - coarse_map.heights[np.ix_(y[y % 2 == 0] // 2, x[x % 2 == 0] // 2)]
         )
         grid_indices = np.meshgrid(*map(range, height_differences.shape), indexing="ij")
         plane = np.column_stack([np.ones(height_differences.size), *(place.ravel() for place in grid_indices)])

@@ -35,17 +35,19 @@ def test_levelling_a_profile_subtracts_the_least_squares_polynomial(trend, degre
 def test_levelling_removes_an_added_trend(seed, points, coefficients):
     profile = rough_profile(points, seed=seed)
     t = np.linspace(-1, 1, points)
-    bent = Profile(profile.heights + np.polynomial.Polynomial(coefficients)(t), spacing=0.1)
-    assert np.abs(levelled(bent, "quadratic").heights - levelled(profile, "quadratic").heights).max() < ROUND_OFF
-    levelled_once = levelled(profile, "line")
-    assert np.abs(levelled(levelled_once, "line").heights - levelled_once.heights).max() < ROUND_OFF
+    bent_profile = Profile(profile.heights + np.polynomial.Polynomial(coefficients)(t), spacing=0.1)
+    assert (
+        np.abs(levelled(bent_profile, "quadratic").heights - levelled(profile, "quadratic").heights).max() < ROUND_OFF
+    )
+    levelled_profile = levelled(profile, "line")
+    assert np.abs(levelled(levelled_profile, "line").heights - levelled_profile.heights).max() < ROUND_OFF
 
 
 def test_levelling_is_accurate_for_a_large_tilt():
     profile = levelled(rough_profile(10_000), "line")
-    tilted = Profile(1e-3 * profile.heights + 100 * profile.x, spacing=profile.spacing)
+    tilted_profile = Profile(1e-3 * profile.heights + 100 * profile.x, spacing=profile.spacing)
     # Round-off is 1e-16 of the largest height, 1e5 µm.
-    assert np.abs(levelled(tilted, "line").heights - 1e-3 * profile.heights).max() < 1e-10
+    assert np.abs(levelled(tilted_profile, "line").heights - 1e-3 * profile.heights).max() < 1e-10
 
 
 def test_levelling_rejects_a_trend_meant_for_another_kind_of_body():
@@ -95,27 +97,29 @@ def test_crop_rejects_positions_outside_the_profile(start, stop, match):
 
 
 def test_flipped_scan_touches_the_original_scan_at_its_peak():
-    peak = Profile(-np.square(np.linspace(-1, 1, 101)), spacing=0.02)
-    touching = contacts(flipped(peak), peak, 1e-4, detection="gap-minimum")
-    assert touching.index.tolist() in (
+    peak_profile = Profile(-np.square(np.linspace(-1, 1, 101)), spacing=0.02)
+    contact_table = contacts(flipped(peak_profile), peak_profile, 1e-4, detection="gap-minimum")
+    assert contact_table.index.tolist() in (
         [49],
         [50],
     )  # The minimum is at point 50, which is the end of one interval and the start of another.
-    assert flipped(flipped(peak)).heights.tolist() == peak.heights.tolist()
+    assert flipped(flipped(peak_profile)).heights.tolist() == peak_profile.heights.tolist()
 
 
 # ---- A common grid --------------------------------------------------------------------------------------------------
 
 
 def test_common_grid_preserves_the_finer_profile_and_interpolates_the_other():
-    fine, coarse = rough_profile(100, 0.1), rough_profile(20, 0.25)
-    for a, b, stored in ((fine, coarse, 0), (coarse, fine, 1)):
+    fine_profile, coarse_profile = rough_profile(100, 0.1), rough_profile(20, 0.25)
+    for a, b, fine_index in ((fine_profile, coarse_profile, 0), (coarse_profile, fine_profile, 1)):
         pair = on_common_grid(a, b)
         assert pair[0].spacing == pair[1].spacing == 0.1
         assert len(pair[0]) == len(pair[1]) == 48  # The profiles have 4.75 µm in common.
-        assert np.array_equal(pair[stored].heights, fine.heights[:48])
-        shared = pair[1 - stored].heights[::5]  # Every fifth point of the fine grid is also a point of the coarse grid.
-        assert np.abs(shared - coarse.heights[::2]).max() < ROUND_OFF
+        assert np.array_equal(pair[fine_index].heights, fine_profile.heights[:48])
+        shared_heights = pair[1 - fine_index].heights[
+            ::5
+        ]  # Every fifth point of the fine grid is also a point of the coarse grid.
+        assert np.abs(shared_heights - coarse_profile.heights[::2]).max() < ROUND_OFF
 
 
 def test_profiles_on_equal_grids_are_unchanged_on_their_common_grid():
@@ -130,9 +134,9 @@ def test_spline_interpolation_error_decreases_with_fourth_power_of_spacing():
     for points in (40, 80):
         coarse = Profile(np.sin(np.arange(points + 1) * 20 / points), spacing=20 / points)
         fine = Profile(np.zeros(2001), spacing=0.01)
-        splined = on_common_grid(fine, coarse)[1]
+        splined_profile = on_common_grid(fine, coarse)[1]
         inner = slice(500, 1500)
-        errors.append(np.abs(splined.heights - np.sin(splined.x))[inner].max())
+        errors.append(np.abs(splined_profile.heights - np.sin(splined_profile.x))[inner].max())
     assert np.log2(errors[0] / errors[1]) > MIN_SPLINE_ORDER
 
 
@@ -146,15 +150,15 @@ def test_common_grid_has_at_least_four_points_for_any_two_profiles():
 def test_history_of_a_profile_lists_every_preparation_step():
     profile = Profile(rough_profile(100).heights, spacing=0.1, history=("made up",))
     completed = cropped(levelled(profile, "quadratic"), 1.0, 9.0).with_amplitude(0.5, "Rq")
-    other = on_common_grid(completed, rough_profile(200, 0.05))[0]
-    assert other.history == (
+    resampled_profile = on_common_grid(completed, rough_profile(200, 0.05))[0]
+    assert resampled_profile.history == (
         "made up",
         "levelled by a parabola",
         "cropped to 1 to 9 µm",
         "scaled to Rq 0.5 µm",
         "splined from a spacing of 0.1 to 0.05 µm, 159 points",
     )
-    assert pickle.loads(pickle.dumps(other)).history == other.history
+    assert pickle.loads(pickle.dumps(resampled_profile)).history == resampled_profile.history
 
 
 def test_rows_and_columns_inherit_the_history_of_their_surface():

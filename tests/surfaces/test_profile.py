@@ -21,13 +21,13 @@ def test_heights_of_a_profile_are_a_read_only_copy(body):
     source_heights = np.array(body.heights)
     view = source_heights.view()
     view.flags.writeable = False
-    for created in (type(body)(source_heights, spacing=1.0), type(body)(view, spacing=1.0)):
+    for body_from_array in (type(body)(source_heights, spacing=1.0), type(body)(view, spacing=1.0)):
         source_heights += 1
-        assert not np.array_equal(created.heights, source_heights)
-        unpickled = pickle.loads(pickle.dumps(created))
-        assert np.array_equal(unpickled.heights, created.heights)
-        assert unpickled.spacing == created.spacing
-        for body_copy in (created, unpickled):
+        assert not np.array_equal(body_from_array.heights, source_heights)
+        unpickled = pickle.loads(pickle.dumps(body_from_array))
+        assert np.array_equal(unpickled.heights, body_from_array.heights)
+        assert unpickled.spacing == body_from_array.spacing
+        for body_copy in (body_from_array, unpickled):
             with pytest.raises(ValueError, match="read-only"):
                 body_copy.heights[0] = 1
 
@@ -37,11 +37,11 @@ def test_heights_of_a_profile_are_a_read_only_copy(body):
     [("height", np.ptp), ("Ra", lambda y: np.abs(y - y.mean()).mean()), ("Rq", np.std)],
 )
 def test_profile_scaled_to_an_amplitude_has_this_amplitude(measure, compute_amplitude):
-    scaled = Profile(HEIGHTS + 7, spacing=1.0).with_amplitude(0.3, measure)
-    assert compute_amplitude(scaled.heights) == pytest.approx(0.3, abs=ROUND_OFF)
-    assert scaled.heights.mean() == pytest.approx(0, abs=ROUND_OFF)
-    assert np.corrcoef(scaled.heights, HEIGHTS)[0, 1] == pytest.approx(1, abs=ROUND_OFF)
-    assert scaled.spacing == 1.0
+    scaled_profile = Profile(HEIGHTS + 7, spacing=1.0).with_amplitude(0.3, measure)
+    assert compute_amplitude(scaled_profile.heights) == pytest.approx(0.3, abs=ROUND_OFF)
+    assert scaled_profile.heights.mean() == pytest.approx(0, abs=ROUND_OFF)
+    assert np.corrcoef(scaled_profile.heights, HEIGHTS)[0, 1] == pytest.approx(1, abs=ROUND_OFF)
+    assert scaled_profile.spacing == 1.0
 
 
 @pytest.mark.parametrize(

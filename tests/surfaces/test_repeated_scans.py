@@ -51,15 +51,15 @@ def test_comparison_of_repeated_scans_recovers_noise_of_any_spectrum(dimensions,
         [mean_square_heights(body_class(scan_noise, spacing=spacing))[1] for scan_noise in noise], axis=0
     )
     q = mean_square_heights(body_class(noise[0], spacing=spacing))[0]
-    octave = np.maximum(np.floor(np.log2(np.pi / (q * spacing)) + 1e-9), 0).astype(int)
-    true_noise = np.sqrt(np.bincount(octave, true_noise))
+    octave_index = np.maximum(np.floor(np.log2(np.pi / (q * spacing)) + 1e-9), 0).astype(int)
+    true_noise = np.sqrt(np.bincount(octave_index, true_noise))
     clean_body = body_class(true_heights[tuple(slice(0, 2 * points, 2) for _ in shape)], spacing=spacing)
-    true_common = np.sqrt(np.bincount(octave, mean_square_heights(clean_body)[1]))
-    has_noise = (true_noise > 0.01 * rms) & (np.bincount(octave) > 60)
+    true_common = np.sqrt(np.bincount(octave_index, mean_square_heights(clean_body)[1]))
+    has_noise = (true_noise > 0.01 * rms) & (np.bincount(octave_index) > 60)
     has_noise[0] = False  # The noise is accurate at wavelengths above four points only.
     assert has_noise.sum() >= (1 if colour == "band" else 3)
     np.testing.assert_allclose(result.noise[has_noise], true_noise[has_noise], rtol=NOISE_TOLERANCE)
-    has_common = (true_common > 3 * true_noise) & (np.bincount(octave) > 15)
+    has_common = (true_common > 3 * true_noise) & (np.bincount(octave_index) > 15)
     assert has_common.any()
     np.testing.assert_allclose(result.common[has_common], true_common[has_common], rtol=NOISE_TOLERANCE)
     # In the mean after filtering, noise contributes a tenth of the mean square slope.
@@ -73,17 +73,21 @@ def test_comparison_of_repeated_scans_recovers_noise_of_any_spectrum(dimensions,
 
 
 def test_comparison_of_repeated_scans_rejects_unrelated_scans():
-    first, other = (self_affine(seed, hurst_exponent=0.8, rms=0.1, points=2000, spacing=0.1) for seed in (1, 2))
-    result = compare_repeated_scans(first, Profile(first.heights[100:], spacing=0.1))
+    first_profile, other_profile = (
+        self_affine(seed, hurst_exponent=0.8, rms=0.1, points=2000, spacing=0.1) for seed in (1, 2)
+    )
+    result = compare_repeated_scans(first_profile, Profile(first_profile.heights[100:], spacing=0.1))
     assert (result.shift, result.limit) == ((10.0,), 0.2)
     assert max(result.noise_rms, result.noise.max()) < ROUND_OFF
-    area = Surface(np.eye(40), spacing=0.1)
-    profile_with_gap = Profile(first.heights, spacing=0.1, missing=np.arange(2000) == 7)
+    surface = Surface(np.eye(40), spacing=0.1)
+    profile_with_gap = Profile(first_profile.heights, spacing=0.1, missing=np.arange(2000) == 7)
     for first_scan, second_scan, message in (
-        (first, first, "identical"), (first, other, "of the same area"), (first, area, "two profiles or two surfaces"),
-        (first, Profile(first.heights, spacing=0.2), "equal spacings"),
-        (first, profile_with_gap, "requires complete scans"),
-        (first, 3, "second must be a Profile or a Surface"), (Profile(np.zeros(9), spacing=0.1), first, "not be flat"),
+        (first_profile, first_profile, "identical"), (first_profile, other_profile, "of the same area"),
+        (first_profile, surface, "two profiles or two surfaces"),
+        (first_profile, Profile(first_profile.heights, spacing=0.2), "equal spacings"),
+        (first_profile, profile_with_gap, "requires complete scans"),
+        (first_profile, 3, "second must be a Profile or a Surface"),
+        (Profile(np.zeros(9), spacing=0.1), first_profile, "not be flat"),
     ):  # fmt: skip
         with pytest.raises(ValueError, match=message):
             compare_repeated_scans(first_scan, second_scan)
@@ -123,8 +127,10 @@ def test_tip_reconstruction_inverts_dilation_at_points_marked_as_certain(body):
     assert errors.mean() < 0.5 * (scan.heights - body.heights).mean()
     with pytest.raises(ValueError, match="radius must be a finite number above 0"):
         tip_reconstructed(scan, 0.0)
-    smooth = type(body)(1e-4 * np.cos(np.indices(body.heights.shape).sum(axis=0) / 20), spacing=body.spacing)
-    smooth_reconstruction = tip_reconstructed(type(body)(dilated_surface(smooth, radius), spacing=body.spacing), radius)
+    smooth_body = type(body)(1e-4 * np.cos(np.indices(body.heights.shape).sum(axis=0) / 20), spacing=body.spacing)
+    smooth_reconstruction = tip_reconstructed(
+        type(body)(dilated_surface(smooth_body, radius), spacing=body.spacing), radius
+    )
     inner = tuple(slice(20, -20) for _ in smooth_reconstruction[1].shape)
     assert smooth_reconstruction[1][
         inner
@@ -139,7 +145,7 @@ def test_comparison_of_repeated_scans_rejects_heights_whose_squares_underflow(fa
 
 
 def test_comparison_of_repeated_scans_rejects_orthogonal_slopes():
-    first, second = np.zeros((2, 16))
-    first[3], second[11] = 1.0, 1.0
+    first_heights, second_heights = np.zeros((2, 16))
+    first_heights[3], second_heights[11] = 1.0, 1.0
     with pytest.raises(ValueError, match=r"correlation|overlap"):
-        compare_repeated_scans(Profile(first, spacing=0.1), Profile(second, spacing=0.1))
+        compare_repeated_scans(Profile(first_heights, spacing=0.1), Profile(second_heights, spacing=0.1))

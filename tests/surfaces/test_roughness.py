@@ -56,14 +56,16 @@ class TestRoughnessParameters:
     @pytest.mark.parametrize("factor", [1e-45, 1e45])
     def test_roughness_heights_and_slope_scale_with_the_height_factor(self, factor):
         profile = rough_profile()
-        one, other = (
+        original_parameters, scaled_parameters = (
             roughness_parameters(profile),
             roughness_parameters(Profile(profile.heights * factor, spacing=0.01)),
         )
         for name in ("Pa", "Pq", "Pt", "Pdq"):
-            assert getattr(other, name) == pytest.approx(factor * getattr(one, name), rel=ROUND_OFF)
-        assert other.Psk == pytest.approx(one.Psk, rel=1e-9)
-        assert other.Pku == pytest.approx(one.Pku, rel=1e-9)
+            assert getattr(scaled_parameters, name) == pytest.approx(
+                factor * getattr(original_parameters, name), rel=ROUND_OFF
+            )
+        assert scaled_parameters.Psk == pytest.approx(original_parameters.Psk, rel=1e-9)
+        assert scaled_parameters.Pku == pytest.approx(original_parameters.Pku, rel=1e-9)
 
     def test_skewness_is_negative_for_deep_valleys(self):
         assert roughness_parameters(Profile([0.0] * 20 + [-1.0] + [0.0] * 20, spacing=1.0)).Psk < -1
@@ -99,15 +101,15 @@ class TestAgainstSurfaceTopographyPackage:
 
     def test_height_and_slope_agree_with_the_surface_topography_package(self, line_scan_class, profile):
         other_profile = line_scan_class(profile.heights, profile.extent, unit="um")
-        computed = roughness_parameters(profile, derivative="neighbours")
-        assert computed.Pq == pytest.approx(other_profile.rms_height_from_profile(), rel=self.TRANSFORM_TOLERANCE)
-        assert computed.Pdq == pytest.approx(other_profile.rms_slope_from_profile(), rel=self.TRANSFORM_TOLERANCE)
+        parameters = roughness_parameters(profile, derivative="neighbours")
+        assert parameters.Pq == pytest.approx(other_profile.rms_height_from_profile(), rel=self.TRANSFORM_TOLERANCE)
+        assert parameters.Pdq == pytest.approx(other_profile.rms_slope_from_profile(), rel=self.TRANSFORM_TOLERANCE)
         # For periodic profiles SurfaceTopography includes the step from the last point to the first point.
-        periodic = line_scan_class(profile.heights, profile.extent, unit="um", periodic=True)
+        periodic_scan = line_scan_class(profile.heights, profile.extent, unit="um", periodic=True)
         step = (profile.heights[0] - profile.heights[-1]) / profile.spacing
         points = len(profile)
-        expected = np.sqrt(((points - 1) * computed.Pdq**2 + step**2) / points)
-        assert periodic.rms_slope_from_profile() == pytest.approx(expected, rel=self.TRANSFORM_TOLERANCE)
+        expected = np.sqrt(((points - 1) * parameters.Pdq**2 + step**2) / points)
+        assert periodic_scan.rms_slope_from_profile() == pytest.approx(expected, rel=self.TRANSFORM_TOLERANCE)
 
     @pytest.mark.parametrize("periodic", [True, False])
     def test_spectrum_agrees_with_the_surface_topography_package(self, line_scan_class, profile, periodic):
@@ -138,8 +140,8 @@ def parameters_by_definition(surface):
     rows, columns = z.shape
     n = z.size
     sq = math.sqrt(math.fsum(v * v for v in z.flat) / n)
-    along_x = [(z[j, i + 1] - z[j, i]) / dx for j in range(rows) for i in range(columns - 1)]
-    along_y = [(z[j + 1, i] - z[j, i]) / dy for j in range(rows - 1) for i in range(columns)]
+    slopes_x = [(z[j, i + 1] - z[j, i]) / dx for j in range(rows) for i in range(columns - 1)]
+    slopes_y = [(z[j + 1, i] - z[j, i]) / dy for j in range(rows - 1) for i in range(columns)]
     area = 0.0
     for j in range(rows - 1):
         for i in range(columns - 1):
@@ -150,7 +152,7 @@ def parameters_by_definition(surface):
     return {
         "Sq": sq, "Sa": math.fsum(abs(v) for v in z.flat) / n, "Sz": float(z.max() - z.min()),
         "Ssk": math.fsum(v**3 for v in z.flat) / n / sq**3, "Sku": math.fsum(v**4 for v in z.flat) / n / sq**4,
-        "Sdq": math.sqrt(np.mean(np.square(along_x)) + np.mean(np.square(along_y))),
+        "Sdq": math.sqrt(np.mean(np.square(slopes_x)) + np.mean(np.square(slopes_y))),
         "Sdr": area / ((rows - 1) * (columns - 1) * dx * dy) - 1,
     }  # fmt: skip
 
@@ -161,8 +163,8 @@ def test_surface_parameters_equal_their_definitions(factor):
     result, expected = surface_parameters(surface, derivative="neighbours"), parameters_by_definition(surface)
     for name, value in expected.items():
         # The difference of the slow area and the projected area loses digits.
-        loss = 1e-9 if name != "Sdr" else 1e-9 + 1e-15 / value
-        assert getattr(result, name) == pytest.approx(value, rel=loss), name
+        tolerance = 1e-9 if name != "Sdr" else 1e-9 + 1e-15 / value
+        assert getattr(result, name) == pytest.approx(value, rel=tolerance), name
 
 
 def test_seven_point_slope_of_a_surface_is_computed_from_slopes_of_its_rows_and_columns():
@@ -193,9 +195,9 @@ def test_autocorrelation_lengths_of_gaussian_surfaces_equal_closed_forms():
     result = surface_parameters(surface)
     assert result.Sal == pytest.approx(2 * 8.0 * 0.5 * math.sqrt(math.log(5)), rel=0.08)
     assert result.Str > 0.8
-    stretched = surface_parameters(Surface(surface.heights, spacing=(1.5, 0.5)))
-    assert stretched.Sal == pytest.approx(result.Sal, rel=0.1)
-    assert stretched.Str == pytest.approx(1 / 3, rel=0.15)
+    stretched_parameters = surface_parameters(Surface(surface.heights, spacing=(1.5, 0.5)))
+    assert stretched_parameters.Sal == pytest.approx(result.Sal, rel=0.1)
+    assert stretched_parameters.Str == pytest.approx(1 / 3, rel=0.15)
 
 
 def grooved_surface(angle, shape=(200, 240), spacing=0.1, wavelength=2.0):

@@ -36,8 +36,8 @@ def test_scale_dependent_roughness_tends_to_the_spectral_moments():
     surface = self_affine_map(1, 0.7, (64, 81), spacing=(0.5, 0.3))
     spectrum = surface_spectrum(surface, periodic=True)
     result = scale_dependent_roughness(surface, periodic=True)
-    both = spectrum.moments(0).slope + spectrum.moments(90).slope
-    assert result.gradient[-1] ** 2 == pytest.approx(both, rel=ROUND_OFF)
+    mean_square_gradient = spectrum.moments(0).slope + spectrum.moments(90).slope
+    assert result.gradient[-1] ** 2 == pytest.approx(mean_square_gradient, rel=ROUND_OFF)
     q_y, q_x = np.meshgrid(spectrum.wave_number_y, spectrum.wave_number_x, indexing="ij")
     step = (2 * np.pi / 32) * (2 * np.pi / 24.3) / (4 * np.pi**2)
     laplacian = ((q_x**2 + q_y**2) ** 2 * spectrum.density).sum() * step
@@ -93,21 +93,21 @@ def test_extrapolation_of_a_coarse_scan_agrees_with_a_fine_scan(hurst, is_areal)
     """Compare the extrapolation from a coarse scan with a fine scan."""
     if is_areal:
         roughness_options = {"hurst_exponent": hurst, "rms": 0.1, "shape": (512, 512), "spacing": 0.01}
-        fine = self_affine_surface(3, longest_wavelength=1.28, **roughness_options)
-        coarse = self_affine_surface(3, longest_wavelength=1.28, shortest_wavelength=0.16, **roughness_options)
-        coarse = Surface(coarse.heights[::8, ::8] * 1, spacing=0.08)
+        fine_surface = self_affine_surface(3, longest_wavelength=1.28, **roughness_options)
+        coarse_surface = self_affine_surface(3, longest_wavelength=1.28, shortest_wavelength=0.16, **roughness_options)
+        coarse_surface = Surface(coarse_surface.heights[::8, ::8] * 1, spacing=0.08)
         scale = math.sqrt(
-            surface_spectrum(fine, periodic=True).radial().density[0]
-            / surface_spectrum(coarse, periodic=True).radial().density[0]
+            surface_spectrum(fine_surface, periodic=True).radial().density[0]
+            / surface_spectrum(coarse_surface, periodic=True).radial().density[0]
         )
         # Each surface was scaled to the given rms, so the coarse surface is scaled to the spectrum of the fine one.
-        coarse = Surface(scale * coarse.heights, spacing=0.08)
+        coarse_surface = Surface(scale * coarse_surface.heights, spacing=0.08)
     else:
-        fine = self_affine(3, hurst_exponent=hurst, rms=0.1, points=2**15, spacing=0.01, periodic=True)
-        coarse = Profile(np.fft.irfft(np.fft.rfft(fine.heights)[: 2**11 + 1], 2**12) / 8, spacing=0.08)
-    true_roughness = scale_dependent_roughness(fine, periodic=True)
-    coarse_roughness = scale_dependent_roughness(coarse, periodic=True)
-    estimate = estimate_hurst_exponent(coarse, periodic=True)
+        fine_surface = self_affine(3, hurst_exponent=hurst, rms=0.1, points=2**15, spacing=0.01, periodic=True)
+        coarse_surface = Profile(np.fft.irfft(np.fft.rfft(fine_surface.heights)[: 2**11 + 1], 2**12) / 8, spacing=0.08)
+    true_roughness = scale_dependent_roughness(fine_surface, periodic=True)
+    coarse_roughness = scale_dependent_roughness(coarse_surface, periodic=True)
+    estimate = estimate_hurst_exponent(coarse_surface, periodic=True)
     lines = [coarse_roughness.continued([0.02, 0.04, 0.1], line) for line in interval_power_laws(estimate)]
     expected = true_roughness.gradient_at([0.02, 0.04, 0.1])
     assert lines[0] == pytest.approx(expected, rel=0.15)
@@ -217,17 +217,17 @@ class TestInstrumentLimit:
         assert num_correct >= 0.95 * num_filtered
 
     def test_hump_in_the_spectrum_at_long_wavelengths_is_not_reported_as_noise(self):
-        rough = self_affine(3, hurst_exponent=0.8, rms=0.01, points=8192, spacing=0.1, longest_wavelength=100.0)
+        rough_profile = self_affine(3, hurst_exponent=0.8, rms=0.01, points=8192, spacing=0.1, longest_wavelength=100.0)
         frequency = np.fft.rfftfreq(8192, 0.1)
-        transform = np.fft.rfft(rough.heights)
+        transform = np.fft.rfft(rough_profile.heights)
         transform[(frequency > 0.05) & (frequency < 0.12)] *= 30  # These wavelengths are 80 to 200 points long.
         assert instrument_limit(Profile(np.fft.irfft(transform, 8192), spacing=0.1)).reason == "pixels"
 
     def test_rounded_heights_have_an_instrument_limit_due_to_quantisation(self):
-        smooth = self_affine(
+        smooth_profile = self_affine(
             5, hurst_exponent=0.8, rms=0.1, points=4096, spacing=0.01, longest_wavelength=5.0, shortest_wavelength=0.5
         )
-        assert instrument_limit(Profile(np.round(smooth.heights, 3), spacing=0.01)).reason == "quantisation"
+        assert instrument_limit(Profile(np.round(smooth_profile.heights, 3), spacing=0.01)).reason == "quantisation"
 
 
 def make_body(heights, spacing=0.1):
@@ -268,8 +268,8 @@ class TestMachinedTexture:
 
     def test_single_line_in_the_spectrum_has_unknown_origin_unless_texture_is_declared(self):
         rng = np.random.default_rng(1)
-        smooth = filtered_noise(rng, (4096,), 0.8, longest=300, shortest=20)
-        body_with_line = make_body(smooth + 0.05 * np.sin(2 * np.pi * np.arange(4096) / 8))
+        smooth_heights = filtered_noise(rng, (4096,), 0.8, longest=300, shortest=20)
+        body_with_line = make_body(smooth_heights + 0.05 * np.sin(2 * np.pi * np.arange(4096) / 8))
         result = instrument_limit(body_with_line)
         assert (result.reason, result.origin, result.matters) == ("line", "unknown", True)
         assert instrument_limit(body_with_line, texture=True).reason == "pixels"
@@ -381,17 +381,17 @@ def test_interpolation_of_gradient_and_wavelength_rejects_invalid_arguments():
 def test_filter_at_the_instrument_cutoff_preserves_the_slope_of_the_noise_free_surface(colour):
     """Check that the cutoff removes little slope. A cutoff at the limit itself would reduce h' by 20 %."""
     for seed in range(6):
-        created = self_affine_surface(
+        clean_surface = self_affine_surface(
             seed, hurst_exponent=0.7, rms=0.002, shape=(192, 192), spacing=0.02, shortest_wavelength=0.2
         )
         q = np.hypot(*np.meshgrid(np.fft.fftfreq(192), np.fft.fftfreq(192)))
-        waves = np.ones(q.shape) if colour == "white" else (q > 0.15) & (q < 0.35)
-        noise = np.fft.ifft2(np.fft.fft2(np.random.default_rng(seed).normal(size=q.shape)) * waves).real
-        scan = Surface(created.heights + 0.04 * created.heights.std() * noise / noise.std(), spacing=0.02)
+        transmission = np.ones(q.shape) if colour == "white" else (q > 0.15) & (q < 0.35)
+        noise = np.fft.ifft2(np.fft.fft2(np.random.default_rng(seed).normal(size=q.shape)) * transmission).real
+        scan = Surface(clean_surface.heights + 0.04 * clean_surface.heights.std() * noise / noise.std(), spacing=0.02)
         limit = instrument_limit(scan)
         assert limit.slope_fraction > 0.1
         assert 0.04 <= limit.cut_off < limit.wavelength
-        bodies = (created, scan, cut_off(scan, limit.cut_off))
+        bodies = (clean_surface, scan, cut_off(scan, limit.cut_off))
         slopes = [float(scale_dependent_roughness(body).gradient[-1]) for body in bodies]
         assert slopes[2] == pytest.approx(slopes[0], rel=0.06)
         assert slopes[1] > 1.06 * slopes[0]

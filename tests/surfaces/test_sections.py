@@ -19,9 +19,11 @@ def sinusoid(wavelength, amplitude=1.0, *, waves=40, points=100, phase=0.3):
 
 def ground_profile(seed=1, points=4500, spacing=0.5):
     """Return the profile of a ground surface with some waviness."""
-    fine = self_affine(seed, hurst_exponent=0.7, rms=0.3, points=points, spacing=spacing, longest_wavelength=60.0)
+    rough_profile = self_affine(
+        seed, hurst_exponent=0.7, rms=0.3, points=points, spacing=spacing, longest_wavelength=60.0
+    )
     x = spacing * np.arange(points)
-    return levelled(Profile(fine.heights + 0.5 * np.cos(2 * np.pi * x / 1000), spacing=spacing), "line")
+    return levelled(Profile(rough_profile.heights + 0.5 * np.cos(2 * np.pi * x / 1000), spacing=spacing), "line")
 
 
 class TestSectionsOfSinusoid:
@@ -87,10 +89,16 @@ class TestSectionParameterDefinitions:
 
     def test_roughness_parameters_equal_their_definitions(self, reference_heights, computed_parameters):
         z = reference_heights[0]
-        peak, pit = reference_roughness.mean_section_extremes(z, 5)
-        spacing, mean_element_height = reference_roughness.mean_profile_element(z, peak, pit)
+        mean_peak_height, mean_pit_depth = reference_roughness.mean_section_extremes(z, 5)
+        spacing, mean_element_height = reference_roughness.mean_profile_element(z, mean_peak_height, mean_pit_depth)
         expected = reference_roughness.height_parameters(z, 0.5) | reference_roughness.stratified_parameters(z)
-        expected |= {"p": peak, "v": pit, "z": peak + pit, "Sm": 0.5 * spacing, "c": mean_element_height}
+        expected |= {
+            "p": mean_peak_height,
+            "v": mean_pit_depth,
+            "z": mean_peak_height + mean_pit_depth,
+            "Sm": 0.5 * spacing,
+            "c": mean_element_height,
+        }
         expected |= {
             "mr": reference_roughness.material_ratio_at_height(z, 0),
             "dc": reference_roughness.height_at_material_ratio(z, 0.2)
@@ -163,10 +171,14 @@ class TestSettingClass:
         profile = ground_profile(points=3000)
         heights = profile.heights.copy()
         heights[1500:1560] -= 20
-        grooved = Profile(heights, spacing=0.5)
-        linear, robust = (section_parameters(grooved, lc=250, robust=value) for value in (False, True))
-        plain = section_parameters(profile, lc=250)
-        assert abs(robust.Rp - plain.Rp) < 0.2 * abs(linear.Rp - plain.Rp)
+        grooved_profile = Profile(heights, spacing=0.5)
+        linear_parameters, robust_parameters = (
+            section_parameters(grooved_profile, lc=250, robust=value) for value in (False, True)
+        )
+        parameters_without_groove = section_parameters(profile, lc=250)
+        assert abs(robust_parameters.Rp - parameters_without_groove.Rp) < 0.2 * abs(
+            linear_parameters.Rp - parameters_without_groove.Rp
+        )
 
     def test_missing_points_do_not_affect_the_waviness(self):
         profile, missing = ground_profile(points=3000), np.zeros(3000, bool)

@@ -39,9 +39,9 @@ class TestSelfAffineProfile:
     def test_profile_on_a_finer_grid_contains_the_points_of_the_coarser_grid(self):
         options = {"shortest_wavelength": 0.05}
         for periodic in (True, False):
-            coarse = rough_profile(points=1000, spacing=0.01, periodic=periodic, **options)
-            fine = rough_profile(points=4000, spacing=0.0025, periodic=periodic, **options)
-            assert np.allclose(fine.heights[::4], coarse.heights, rtol=0, atol=ROUND_OFF)
+            coarse_profile = rough_profile(points=1000, spacing=0.01, periodic=periodic, **options)
+            fine_profile = rough_profile(points=4000, spacing=0.0025, periodic=periodic, **options)
+            assert np.allclose(fine_profile.heights[::4], coarse_profile.heights, rtol=0, atol=ROUND_OFF)
 
     def test_ends_of_a_profile_meet_only_if_it_is_periodic(self):
         def relative_end_jump(profile):
@@ -56,7 +56,7 @@ class TestSelfAffineProfile:
             assert not np.allclose(rough_profile(1).heights, other.heights)
 
     @pytest.mark.parametrize(
-        ("bad", "match"),
+        ("invalid_arguments", "match"),
         [
             ({"hurst_exponent": 0.0}, "hurst_exponent"),
             ({"hurst_exponent": 2.1}, "hurst_exponent"),
@@ -73,9 +73,9 @@ class TestSelfAffineProfile:
             ({"seed": -1}, "seed"),
         ],
     )
-    def test_self_affine_profile_rejects_invalid_arguments(self, bad, match):
+    def test_self_affine_profile_rejects_invalid_arguments(self, invalid_arguments, match):
         with pytest.raises(ValueError, match=match):
-            rough_profile(**bad)
+            rough_profile(**invalid_arguments)
 
 
 def surface(seed=3, **changes):
@@ -121,39 +121,41 @@ def test_surface_spectrum_is_a_power_law_with_plateau_and_cutoff(hurst):
 
 
 def test_self_affine_surface_is_isotropic_on_any_grid():
-    created = [
+    surfaces = [
         surface(shape=(128, 256), spacing=(0.02, 0.01), shortest_wavelength=0.08, repetition=r) for r in range(20)
     ]
-    along_y = np.array([np.gradient(one.heights, 0.02, axis=0).std() for one in created])
-    along_x = np.array([np.gradient(one.heights[:, ::2], 0.02, axis=1).std() for one in created])
+    rms_slopes_y = np.array([np.gradient(one.heights, 0.02, axis=0).std() for one in surfaces])
+    rms_slopes_x = np.array([np.gradient(one.heights[:, ::2], 0.02, axis=1).std() for one in surfaces])
     # Hundreds of the shortest wavelengths determine the slope, so the mean of 20 surfaces agrees to 1 %.
-    assert np.mean(along_y**2) / np.mean(along_x**2) == pytest.approx(1, abs=0.03)
+    assert np.mean(rms_slopes_y**2) / np.mean(rms_slopes_x**2) == pytest.approx(1, abs=0.03)
 
 
 def test_self_affine_surface_is_periodic():
     created = surface(shape=(64, 64), spacing=0.02, shortest_wavelength=0.16)
-    doubled = np.tile(created.heights, (2, 2))
+    tiled_heights = np.tile(created.heights, (2, 2))
     # A jump at the seam would exceed the differences between neighbouring points.
-    differences = np.abs(np.diff(doubled, axis=1))
+    differences = np.abs(np.diff(tiled_heights, axis=1))
     assert differences[:, 63].max() <= np.delete(differences, 63, axis=1).max()
-    assert np.abs(np.diff(doubled, axis=0))[63].max() <= np.abs(np.diff(created.heights, axis=0)).max() * 1.5
+    assert np.abs(np.diff(tiled_heights, axis=0))[63].max() <= np.abs(np.diff(created.heights, axis=0)).max() * 1.5
 
 
 def test_surface_on_a_finer_grid_contains_the_points_of_the_coarser_grid():
-    coarse = surface(shortest_wavelength=0.1, longest_wavelength=0.8)
-    fine = surface(shortest_wavelength=0.1, longest_wavelength=0.8, shape=(288, 256), spacing=(0.02 / 3, 0.005))
-    assert np.abs(fine.heights[::3, ::2] - coarse.heights).max() < ROUND_OFF
+    coarse_surface = surface(shortest_wavelength=0.1, longest_wavelength=0.8)
+    fine_surface = surface(shortest_wavelength=0.1, longest_wavelength=0.8, shape=(288, 256), spacing=(0.02 / 3, 0.005))
+    assert np.abs(fine_surface.heights[::3, ::2] - coarse_surface.heights).max() < ROUND_OFF
 
 
 def test_self_affine_surface_is_reproducible_and_depends_on_seed():
-    one = surface()
-    assert surface().heights.tobytes() == one.heights.tobytes()
+    original_surface = surface()
+    assert surface().heights.tobytes() == original_surface.heights.tobytes()
     for other in (surface(seed=4), surface(repetition=1), surface(side="upper")):
-        correlation = (other.heights * one.heights).mean() / 0.01
+        correlation = (other.heights * original_surface.heights).mean() / 0.01
         # A few long wavelengths dominate the height, so two surfaces may be correlated by chance.
         assert abs(correlation) < 0.8
     ensemble = [surface(repetition=r).heights * surface(repetition=r, side="upper").heights for r in range(40)]
-    assert abs(np.mean(ensemble) / 0.01) < 4 * np.std([one.mean() / 0.01 for one in ensemble]) / np.sqrt(40)
+    assert abs(np.mean(ensemble) / 0.01) < 4 * np.std(
+        [original_surface.mean() / 0.01 for original_surface in ensemble]
+    ) / np.sqrt(40)
 
 
 def test_phases_of_a_generated_profile_match_the_documented_random_numbers():
@@ -194,14 +196,16 @@ def test_self_affine_surface_rejects_invalid_arguments(changes, match):
 class TestScalingToAmplitude:
     def test_surface_scaled_to_an_amplitude_has_that_amplitude_and_zero_mean(self):
         created = surface()
-        raised = Surface(created.heights + 5.0, spacing=created.spacing, history=("made",))
-        for measure, of in (("height", np.ptp), ("Sa", lambda h: np.abs(h).mean()), ("Sq", np.std)):
-            scaled = raised.with_amplitude(0.3, measure)
-            assert of(scaled.heights) == pytest.approx(0.3, rel=ROUND_OFF)
-            assert abs(scaled.heights.mean()) < ROUND_OFF
-            assert scaled.spacing == created.spacing
-            assert scaled.history == ("made", f"scaled to {measure} 0.3 µm")
-            assert np.corrcoef(scaled.heights.ravel(), created.heights.ravel())[0, 1] == pytest.approx(1, rel=ROUND_OFF)
+        raised_surface = Surface(created.heights + 5.0, spacing=created.spacing, history=("made",))
+        for measure, compute_amplitude in (("height", np.ptp), ("Sa", lambda h: np.abs(h).mean()), ("Sq", np.std)):
+            scaled_surface = raised_surface.with_amplitude(0.3, measure)
+            assert compute_amplitude(scaled_surface.heights) == pytest.approx(0.3, rel=ROUND_OFF)
+            assert abs(scaled_surface.heights.mean()) < ROUND_OFF
+            assert scaled_surface.spacing == created.spacing
+            assert scaled_surface.history == ("made", f"scaled to {measure} 0.3 µm")
+            assert np.corrcoef(scaled_surface.heights.ravel(), created.heights.ravel())[0, 1] == pytest.approx(
+                1, rel=ROUND_OFF
+            )
 
     def test_scaling_a_surface_rejects_flat_surfaces_and_invalid_arguments(self):
         flat = Surface(np.full((5, 5), 2.0), spacing=1.0)

@@ -61,25 +61,25 @@ class TestPowerSpectrum:
 
     def test_window_preserves_the_spectral_level_and_removes_leakage(self):
         profiles = [rough_profile(repetition=r, points=4096, longest_wavelength=4.0) for r in range(40)]
-        windowed, plain = (
+        density_with_window, density_without_window = (
             np.mean([power_spectrum(p, periodic=periodic).density for p in profiles], axis=0)
             for periodic in (False, True)
         )
         q = power_spectrum(profiles[0]).wave_number
         expected = np.maximum(q * 4.0 / (2 * np.pi), 1.0) ** -2.6
         # The spectrum has a variance of 0.1² over the harmonics of the period, which has 16384 points.
-        fine = np.maximum(np.arange(1, 8192) * 4.0 / 163.84, 1.0) ** -2.6
-        expected *= 0.1**2 * np.pi / (fine.sum() * 2 * np.pi / 163.84)
+        density_on_fine_grid = np.maximum(np.arange(1, 8192) * 4.0 / 163.84, 1.0) ** -2.6
+        expected *= 0.1**2 * np.pi / (density_on_fine_grid.sum() * 2 * np.pi / 163.84)
         # The spectrum of a thousand harmonics and 40 profiles scatters by 1 %, and leakage is at most 1.2 %.
         high = q > 100
-        assert np.mean(windowed[high] / expected[high]) == pytest.approx(1, abs=0.02)
-        assert np.mean(plain[high] / expected[high]) > 1.3
+        assert np.mean(density_with_window[high] / expected[high]) == pytest.approx(1, abs=0.02)
+        assert np.mean(density_without_window[high] / expected[high]) > 1.3
 
-    @pytest.mark.parametrize("bad", [{"periodic": "yes"}, {"periodic": None}])
-    def test_power_spectrum_rejects_invalid_arguments(self, bad):
+    @pytest.mark.parametrize("invalid_arguments", [{"periodic": "yes"}, {"periodic": None}])
+    def test_power_spectrum_rejects_invalid_arguments(self, invalid_arguments):
         for function in (power_spectrum, estimate_hurst_exponent, spectral_moments):
             with pytest.raises(ValueError, match="periodic"):
-                function(rough_profile(), **bad)
+                function(rough_profile(), **invalid_arguments)
         with pytest.raises(ValueError, match="per_decade"):
             power_spectrum(rough_profile()).in_bins(0)
 
@@ -136,8 +136,10 @@ def test_spectral_moments_of_a_surface_are_variances_along_any_direction():
     columns = [spectral_moments(surface.column(index), periodic=True) for index in range(160)]
     assert spectrum.moments(90).slope == pytest.approx(np.mean([column.slope for column in columns]), rel=1e-9)
     # In other directions, m2 is a quadratic form of the direction.
-    along, across = spectrum.moments(20).slope, spectrum.moments(110).slope
-    assert along + across == pytest.approx(spectrum.moments(0).slope + spectrum.moments(90).slope, rel=AREAL_ROUND_OFF)
+    slope_along, slope_across = spectrum.moments(20).slope, spectrum.moments(110).slope
+    assert slope_along + slope_across == pytest.approx(
+        spectrum.moments(0).slope + spectrum.moments(90).slope, rel=AREAL_ROUND_OFF
+    )
     wave = np.cos(0.25 * np.pi * (surface.x / 0.5) + 0.5 * np.pi * (surface.y[:, np.newaxis] / 0.5))
     result = surface_spectrum(Surface(wave, spacing=0.5), periodic=True).moments(math.degrees(math.atan2(2, 1)))
     assert result.slope == pytest.approx(0.5 * (np.pi / 2) ** 2 * 5, rel=1e-9)
@@ -145,8 +147,8 @@ def test_spectral_moments_of_a_surface_are_variances_along_any_direction():
 
 
 def test_steepest_direction_of_a_surface_is_across_its_lay():
-    waves = np.arange(128)[:, np.newaxis] * 0.2 * np.pi * 5 / 32 + np.arange(128) * 0.2 * np.pi * 10 / 32
-    spectrum = surface_spectrum(Surface(np.cos(waves), spacing=1.0))
+    phase = np.arange(128)[:, np.newaxis] * 0.2 * np.pi * 5 / 32 + np.arange(128) * 0.2 * np.pi * 10 / 32
+    spectrum = surface_spectrum(Surface(np.cos(phase), spacing=1.0))
     assert spectrum.steepest_direction() == pytest.approx(math.degrees(math.atan2(1, 2)), abs=0.5)
     for angle in (10.0, 70.0, 130.0):
         for seed in range(4):
@@ -176,8 +178,8 @@ def test_radial_spectrum_includes_every_coefficient_exactly_once():
 def test_radial_spectrum_agrees_with_the_surface_topography_package():
     topography = pytest.importorskip("SurfaceTopography")
     surface = self_affine_map(4, 0.8, (96, 128))
-    other = topography.Topography(surface.heights.T - surface.heights.mean(), (64.0, 48.0), periodic=True)
-    q, density = other.power_spectrum_from_area(nb_points_per_decade=5)
+    topography_surface = topography.Topography(surface.heights.T - surface.heights.mean(), (64.0, 48.0), periodic=True)
+    q, density = topography_surface.power_spectrum_from_area(nb_points_per_decade=5)
     is_compared = np.isfinite(density) & (q > 0.5) & (q < 5)
     spectrum = surface_spectrum(surface, periodic=True)
     wave_numbers, _, densities = spectrum.waves()
@@ -192,7 +194,7 @@ def test_mean_spectral_moments_of_weierstrass_mandelbrot_profiles_equal_exact_mo
     # The expected moment is half of Σ a² k^(2j).
     # The mean of 20 profiles with a hundred independent wavelengths scatters by a few per cent.
     options = {"convention": "classical"}
-    exact = weierstrass_mandelbrot_moments(1.2, shortest_wavelength=0.02, **options)
+    exact_moments = weierstrass_mandelbrot_moments(1.2, shortest_wavelength=0.02, **options)
     result = [
         spectral_moments(
             weierstrass_mandelbrot(
@@ -202,4 +204,4 @@ def test_mean_spectral_moments_of_weierstrass_mandelbrot_profiles_equal_exact_mo
         for r in range(20)
     ]
     for name in ("slope", "curvature"):
-        assert np.mean([getattr(m, name) for m in result]) == pytest.approx(getattr(exact, name), rel=0.05)
+        assert np.mean([getattr(m, name) for m in result]) == pytest.approx(getattr(exact_moments, name), rel=0.05)

@@ -72,24 +72,26 @@ def test_adjacent_crops_joined_together_equal_the_original_surface():
 
 
 def test_common_grid_has_the_finer_spacing_along_each_axis():
-    fine, _ = bumpy_surface((60, 40), (0.1, 0.2))
-    coarse, height = bumpy_surface((30, 100), (0.25, 0.1))
-    fine_resampled, coarse_resampled = on_common_grid(fine, coarse)
+    fine_surface, _ = bumpy_surface((60, 40), (0.1, 0.2))
+    coarse_surface, height = bumpy_surface((30, 100), (0.25, 0.1))
+    fine_resampled, coarse_resampled = on_common_grid(fine_surface, coarse_surface)
     assert fine_resampled.spacing == coarse_resampled.spacing == (0.1, 0.1)
     # The common length is 5.9 µm along y and 7.8 µm along x.
     assert fine_resampled.heights.shape == coarse_resampled.heights.shape == (60, 79)
     # The second map is unchanged along x. Along y it is the natural spline of each column.
-    splined = CubicSpline(0.25 * np.arange(30), coarse.heights[:, :79], bc_type="natural")(0.1 * np.arange(60))
-    assert coarse_resampled.heights == pytest.approx(splined, abs=ROUND_OFF)
+    splined_heights = CubicSpline(0.25 * np.arange(30), coarse_surface.heights[:, :79], bc_type="natural")(
+        0.1 * np.arange(60)
+    )
+    assert coarse_resampled.heights == pytest.approx(splined_heights, abs=ROUND_OFF)
     inner_errors = coarse_resampled.heights[10:50, :] - height(
         coarse_resampled.y[10:50, np.newaxis], coarse_resampled.x
     )
     assert np.abs(inner_errors).max() < 1e-3  # The natural spline is accurate away from its ends.
-    assert on_common_grid(fine, fine)[0] is fine
+    assert on_common_grid(fine_surface, fine_surface)[0] is fine_surface
     with pytest.raises(
         ValueError, match="both bodies must be profiles or both must be surfaces, got Surface and Profile"
     ):
-        on_common_grid(fine, Profile(np.arange(9.0), spacing=1.0))
+        on_common_grid(fine_surface, Profile(np.arange(9.0), spacing=1.0))
 
 
 def test_maps_aligned_at_the_middle_have_equal_heights_on_their_common_grid():
@@ -182,8 +184,8 @@ def test_surrogate_of_a_surface_preserves_heights_slopes_and_lay():
     size = 256
     q_y, q_x = 2 * np.pi * np.fft.fftfreq(2 * size)[:, np.newaxis], 2 * np.pi * np.fft.fftfreq(2 * size)
     angle = np.radians(31)
-    along, across = q_x * np.cos(angle) + q_y * np.sin(angle), q_y * np.cos(angle) - q_x * np.sin(angle)
-    amplitude = np.maximum(np.hypot(along, 3 * across), 0.4) ** -1.8
+    q_along, q_across = q_x * np.cos(angle) + q_y * np.sin(angle), q_y * np.cos(angle) - q_x * np.sin(angle)
+    amplitude = np.maximum(np.hypot(q_along, 3 * q_across), 0.4) ** -1.8
     white = np.fft.fft2(np.random.default_rng(3).normal(size=(2 * size, 2 * size)))
     surface = Surface(np.fft.ifft2(amplitude * white).real[:size, :size], spacing=0.1)
     result = surface_parameters(surface)

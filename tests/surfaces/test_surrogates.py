@@ -34,11 +34,11 @@ class TestSurrogate:
     @pytest.mark.parametrize("points", [1000, 1001])
     def test_surrogate_of_a_periodic_profile_has_the_same_spectrum(self, points):
         profile = rough_profile(points=points, periodic=True)
-        other = surrogate(profile, 5, periodic=True)
-        density, surrogate_density = (power_spectrum(p, periodic=True).density for p in (profile, other))
+        surrogate_profile = surrogate(profile, 5, periodic=True)
+        density, surrogate_density = (power_spectrum(p, periodic=True).density for p in (profile, surrogate_profile))
         assert np.allclose(density, surrogate_density, rtol=1e-9, atol=ROUND_OFF**2 * density.max())
-        assert abs(np.corrcoef(profile.heights, other.heights)[0, 1]) < 0.9
-        assert other.heights.mean() == pytest.approx(profile.heights.mean(), abs=ROUND_OFF)
+        assert abs(np.corrcoef(profile.heights, surrogate_profile.heights)[0, 1]) < 0.9
+        assert surrogate_profile.heights.mean() == pytest.approx(profile.heights.mean(), abs=ROUND_OFF)
 
     def test_surrogate_of_a_profile_has_the_same_mean_and_rms_height(self):
         for profile in (
@@ -56,12 +56,12 @@ class TestSurrogate:
         mirrored_heights = np.concatenate([heights, heights[::-1]]) - heights.mean()
         density = np.abs(np.fft.fft(mirrored_heights)) ** 2
         even_indices = 2 * np.arange(1, points // 2 + 1)
-        averaged = (
+        averaged_powers = (
             density[even_indices] / 2 + (density[even_indices - 1] + density[(even_indices + 1) % (2 * points)]) / 4
         )
-        created = np.abs(np.fft.rfft(surrogate(Profile(heights, spacing=1.0), 3).heights)[1:]) ** 2
+        surrogate_powers = np.abs(np.fft.rfft(surrogate(Profile(heights, spacing=1.0), 3).heights)[1:]) ** 2
         assert np.allclose(
-            created / created.sum(), averaged / averaged.sum(), rtol=1e-9, atol=0
+            surrogate_powers / surrogate_powers.sum(), averaged_powers / averaged_powers.sum(), rtol=1e-9, atol=0
         )  # The surrogate is scaled to the Pq of the profile.
 
     @pytest.mark.parametrize("hurst", [0.4, 0.8])
@@ -148,7 +148,7 @@ def test_rms_gradient_of_isotropic_surface_is_root_2_times_slope_of_section(hurs
 
 def test_mean_slope_of_isotropic_surfaces_equals_the_mean_slope_of_their_section():
     section = create_map(0.7, shape=(64, 512)).row(3)
-    fitted = isotropic_spectrum(section, periodic=True)
+    spectrum = isotropic_spectrum(section, periodic=True)
     slopes = [
         surface_spectrum(isotropic_surface(section, 1, shape=(64, 64), repetition=index, periodic=True), periodic=True)
         .moments(0)
@@ -159,22 +159,24 @@ def test_mean_slope_of_isotropic_surfaces_equals_the_mean_slope_of_their_section
     expected = spectral_moments(section, periodic=True).slope
     assert np.mean(slopes) == pytest.approx(expected, rel=4 * np.std(slopes) / np.sqrt(40) / expected)
     # The sum is the number of harmonics; the harmonic at the Nyquist wavenumber counts half.
-    assert fitted.count.sum() == pytest.approx(255.5)
+    assert spectrum.count.sum() == pytest.approx(255.5)
 
 
 def test_isotropic_surface_scales_with_its_section_and_depends_on_seed():
     section = create_map(0.7, shape=(64, 512)).row(3)
-    one = isotropic_surface(section, 7, shape=(64, 96), repetition=2, side="upper")
-    ten = isotropic_surface(
+    original_surface = isotropic_surface(section, 7, shape=(64, 96), repetition=2, side="upper")
+    enlarged_surface = isotropic_surface(
         Profile(10 * section.heights + 3, spacing=1.0), 7, shape=(64, 96), repetition=2, side="upper"
     )
-    np.testing.assert_allclose(ten.heights, 10 * one.heights, rtol=1e-6, atol=1e-6 * one.heights.std())
-    assert one.history == (*section.history, "an isotropic surface of its spectrum, seed 7, repetition 2")
-    assert np.abs(one.heights.mean()) < FIT_ROUND_OFF
+    np.testing.assert_allclose(
+        enlarged_surface.heights, 10 * original_surface.heights, rtol=1e-6, atol=1e-6 * original_surface.heights.std()
+    )
+    assert original_surface.history == (*section.history, "an isotropic surface of its spectrum, seed 7, repetition 2")
+    assert np.abs(original_surface.heights.mean()) < FIT_ROUND_OFF
     assert isotropic_surface(section, 7).heights.shape == (512, 512)
     for changed in ({"seed": 8}, {"repetition": 3}, {"side": "lower"}):
         other = isotropic_surface(section, **{"seed": 7, "shape": (64, 96), "repetition": 2, "side": "upper"} | changed)
-        assert np.abs(other.heights - one.heights).max() > 0.01
+        assert np.abs(other.heights - original_surface.heights).max() > 0.01
 
 
 @pytest.mark.parametrize(
@@ -212,7 +214,7 @@ def test_isotropic_surfaces_of_sections_have_contact_area_and_friction_of_the_or
             values.append([curve.contact_area[0] / area, friction.mean()])
         return np.mean(values, axis=0)
 
-    own = area_and_friction(
+    values_of_maps = area_and_friction(
         [
             levelled(type(body)(body.heights[:, at : at + 128], spacing=0.1), "plane")
             for body in bodies
@@ -226,4 +228,4 @@ def test_isotropic_surfaces_of_sections_have_contact_area_and_friction_of_the_or
         ]
         for index in range(6)
     )  # fmt: skip
-    np.testing.assert_allclose(created, own, rtol=GRADIENT_SCATTER)
+    np.testing.assert_allclose(created, values_of_maps, rtol=GRADIENT_SCATTER)

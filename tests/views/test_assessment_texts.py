@@ -130,8 +130,8 @@ CAUTION_CASES = {
 
 @pytest.mark.parametrize("case_name", CAUTION_CASES)
 def test_point_with_caution_has_a_caveat_with_the_reason(case_name):
-    raising, expected_words = CAUTION_CASES[case_name]
-    point = summarize_single_point(measured_result(**raising), measured_study())
+    caution_changes, expected_words = CAUTION_CASES[case_name]
+    point = summarize_single_point(measured_result(**caution_changes), measured_study())
     assert point.verdict == "Quote with care"
     assert expected_words in caveat_texts(point)
     assert "μ_s = 0.21" in sentence_text(point)
@@ -342,8 +342,8 @@ def test_range_for_finer_scans_extends_from_the_plastic_limit_to_above_the_coeff
     ).points[0]
     assert "a finer scan would give 0.200 (μ0 + τ0/H)" in sentence_text(point_at_limit)
     assert summarize(measured_result(), measured_study()).points[0].bracket is None
-    asperities = measured_study(hardness=2.0, mechanics="asperities")
-    assert summarize(measured_result(), asperities).points[0].bracket is None
+    asperity_study = measured_study(hardness=2.0, mechanics="asperities")
+    assert summarize(measured_result(), asperity_study).points[0].bracket is None
 
 
 @pytest.mark.parametrize(

@@ -233,8 +233,8 @@ def test_small_slope_estimate_of_one_scan_assumes_two_equal_surfaces():
     heights = 0.03 * np.sin(2 * np.pi * x) + 0.01 * np.sin(2 * np.pi * y) + 1e-3 * random.normal(size=x.shape)
     surface = Surface(heights, spacing=(0.1, 0.1))
     texts = texts_by_label(characterisation_text(surface))["friction by slope"]
-    along_x, along_y = (float(value) for value in re.findall(r"(0\.\d+) along", texts))
-    assert along_x > along_y > 0.2
+    slope_x, slope_y = (float(value) for value in re.findall(r"(0\.\d+) along", texts))
+    assert slope_x > slope_y > 0.2
 
 
 class TestJoinedSpectrum:

@@ -235,8 +235,8 @@ class TestNoiseHiddenByRoughness:
 
     def test_interval_contains_filtered_and_unfiltered_results(self):
         result = pair(*self.create_maps_with_noise(0.1), **self.options, tau0="100 MPa", shifts=4, onset=0)
-        measured, filtered = result.summary().points
-        assert (measured.at["cut_off"], filtered.covered) == (0.0, True)
-        assert result.value == measured.value < filtered.value
-        assert result.interval[1] == pytest.approx(filtered.upper, rel=1e-9)
+        unfiltered_point, filtered_point = result.summary().points
+        assert (unfiltered_point.at["cut_off"], filtered_point.covered) == (0.0, True)
+        assert result.value == unfiltered_point.value < filtered_point.value
+        assert result.interval[1] == pytest.approx(filtered_point.upper, rel=1e-9)
         assert result.interval[1] > result.of_positions[1]

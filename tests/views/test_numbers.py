@@ -77,14 +77,16 @@ def test_interpolation_of_the_report_script_equals_that_of_the_library(report_ev
     }
     values = [None if np.isnan(value) else value for value in table.ravel()]
     for mu0, tau0 in itertools.product((0.0, 0.1, 0.15, 0.2, 0.5, 1.0), (0.0, 3.0, 10.0, 34.0, 50.0)):
-        computed = report_evaluator(
+        interpolated_value = report_evaluator(
             "(axes, values, mu0, tau0) => between(values.map((each) => each ?? NaN), 0, placeAt(axes, mu0, tau0))",
             facts,
             values,
             mu0,
             tau0,
         )
-        assert computed == pytest.approx(float(interpolate_table(axes, table, mu0, tau0)), rel=1e-12, nan_ok=True)
+        assert interpolated_value == pytest.approx(
+            float(interpolate_table(axes, table, mu0, tau0)), rel=1e-12, nan_ok=True
+        )
 
 
 def test_interval_in_report_is_unbounded_next_to_a_node_without_upper_end(report_evaluator):

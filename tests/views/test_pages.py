@@ -30,14 +30,14 @@ FILE_READING_TABLE = '<table class="texts"><caption>How scan.csv was read</capti
 
 @pytest.fixture(scope="module")
 def profile():
-    created = self_affine(1, hurst_exponent=0.7, rms=0.05, points=6001, spacing=0.01)
-    return levelled(created, "line")
+    tilted_profile = self_affine(1, hurst_exponent=0.7, rms=0.05, points=6001, spacing=0.01)
+    return levelled(tilted_profile, "line")
 
 
 @pytest.fixture(scope="module")
 def surface():
-    created = self_affine_surface(1, hurst_exponent=0.7, rms=0.05, shape=(60, 90), spacing=0.1)
-    return levelled(created, "plane")
+    tilted_surface = self_affine_surface(1, hurst_exponent=0.7, rms=0.05, shape=(60, 90), spacing=0.1)
+    return levelled(tilted_surface, "plane")
 
 
 @pytest.fixture(scope="module")

@@ -30,9 +30,9 @@ def parse_csv(text):
 def test_data_frame_contains_all_numeric_variables():
     dataset = measured_result(**SEVERAL_CONDITIONS)
     rows = values_frame(dataset)
-    numbers = [name for name, table in dataset.data_vars.items() if table.dtype.kind in "if"]
-    assert set(rows["name"]) == set(numbers)
-    for name in numbers:
+    numeric_names = [name for name, table in dataset.data_vars.items() if table.dtype.kind in "if"]
+    assert set(rows["name"]) == set(numeric_names)
+    for name in numeric_names:
         size = dataset[name].size // (3 if "statistic" in dataset[name].dims else 1)
         assert (rows["name"] == name).sum() == size
     area_row = rows[(rows["name"] == "contact_area") & (rows["load"] == 10.0) & (rows["cut_off"] == 0.2)]
@@ -114,10 +114,10 @@ def test_json_record_has_the_same_keys_for_all_results(case_name):
 
 def test_json_record_has_null_for_ends_of_unbounded_intervals():
     summary = summarize(measured_result(), measured_study())
-    point, unbounded = summary.points[0], RemainingInterval("the hardness", 0.2, math.inf, math.inf)
+    point, unbounded_interval = summary.points[0], RemainingInterval("the hardness", 0.2, math.inf, math.inf)
     rules = tuple(replace(rule, upper=math.inf, next_test=(0.1, math.inf)) for rule in point.rules)
     point = replace(
-        point, rules=rules, budget=(unbounded,), bracket=(0.2, math.inf), parts=(0.2, math.inf, 0.0),
+        point, rules=rules, budget=(unbounded_interval,), bracket=(0.2, math.inf), parts=(0.2, math.inf, 0.0),
         from_roughness=-math.inf,
     )  # fmt: skip
     text = summary_json("pair", replace(summary, points=(point,)))
