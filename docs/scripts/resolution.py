@@ -165,7 +165,7 @@ def compute_extrapolations():
 def compute_joined_spectrum():
     """Compute one surface as measured by three simulated instruments, and its joined spectrum."""
     from scipy.ndimage import grey_dilation
-    from stiction.views.scans import joined_figure
+    from stiction.views.scans import joined_spectrum_figure
     from stiction.views.style import save_figure
 
     points, radius = 2048, 0.01  # µm
@@ -199,7 +199,7 @@ def compute_joined_spectrum():
     )
     first_scans = [scans[name][0] for name in scans]
     joined_first_scans = joined_spectrum(first_scans, tip_radii=[None, None, radius], names=list(scans))
-    save_figure(joined_figure(joined_first_scans), DOCS_FOLDER / "images/characterise_joined.png")
+    save_figure(joined_spectrum_figure(joined_first_scans), DOCS_FOLDER / "images/characterise_joined.png")
     q, _, density = surface_spectrum(surface, periodic=True).waves()
     bin_half_width = 10 ** (0.5 / BANDS_PER_DECADE)
     true_density = []

@@ -19,7 +19,7 @@ from stiction.studies.runner import compute_missing
 from stiction.studies.store import open_stored
 from stiction.surfaces.scale import scale_dependent_roughness
 from stiction.surfaces.surface import Surface
-from stiction.views.resolution import cut_off_rows, wavelengths_text
+from stiction.views.resolution import cut_off_rows, resolved_wavelengths_text
 from support.studies_of_files import study_of_files, write_maps, write_profiles
 
 
@@ -94,7 +94,7 @@ def test_resolved_wavelengths_of_a_study_equal_those_computed_from_the_gap(study
     assert wavelengths.shortest == pytest.approx(0.2)
     assert wavelengths.longest == pytest.approx(max(gap.extent))
     assert wavelengths.fraction_below(0.8) == pytest.approx(float(roughness.fraction_below(0.8)))
-    assert wavelengths_text(wavelengths).startswith(
+    assert resolved_wavelengths_text(wavelengths).startswith(
         "Wavelengths from 200 nm to 9.6 µm; wavelengths below 400 nm contribute "
     )
     assert find_resolved_roughness(Study.named("quick")) is None

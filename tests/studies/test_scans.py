@@ -12,7 +12,7 @@ from stiction.studies.intervals import scans_mean, student_quantile
 from stiction.studies.measured_surfaces import MeasuredFile
 from stiction.studies.pair import MeasuredPair
 from stiction.surfaces.measured.writing import write_surface
-from stiction.views.sentence import note_text
+from stiction.views.sentence import point_note_text
 
 PAIR_OPTIONS = {"load": "2 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "direction": [0.0, 180.0]}
 SCAN_COUNTS = [(3, 3), (3, 6), (4, 5), (6, 6)]  # numbers of scans of the upper and of the lower part
@@ -144,9 +144,9 @@ def test_variability_between_scans_contributes_to_interval_and_budget(spread) ->
     if spread:
         assert scan_rows
         assert budget[list(scan_rows)].sum() > 0.2
-    assert "4 × 4 scans of both parts" in note_text(result.summary().first)
+    assert "4 × 4 scans of both parts" in point_note_text(result.summary().first)
     single_scan_result = pair(*(scans_of_part[0] for scans_of_part in scans), shifts=32, **arguments)
-    assert "one scan of each part" in note_text(single_scan_result.summary().first)
+    assert "one scan of each part" in point_note_text(single_scan_result.summary().first)
     assert np.ptp(result.interval) > (1.5 if spread else 0.0) * np.ptp(single_scan_result.interval)
     low, high = result.next_test
     assert low <= result.interval[0] < result.interval[1] <= high

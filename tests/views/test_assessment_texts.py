@@ -13,8 +13,8 @@ from stiction.views.sentence import (
     SLOPE_ESTIMATE_KAPPA,
     finer_scan_text,
     inputs_text,
-    sentence_text,
-    slope_estimate_text,
+    quotable_sentence,
+    small_slope_estimate_text,
 )
 from stiction.views.text import coefficients_text
 from support.synthetic_results import generated_result, generated_study, measured_result, measured_study
@@ -47,8 +47,8 @@ def test_summary_of_measured_surfaces_quotes_friction_at_all_contacts_first():
         "the mean over 4 directions and 16 positions",
         "roughness contributes",
     ):
-        assert words in sentence_text(point)
-    assert sentence_text(point).endswith(".")
+        assert words in quotable_sentence(point)
+    assert quotable_sentence(point).endswith(".")
     # These ends are the smallest and largest values of members.
     assert (point.rules[0].low, point.rules[0].high) == (0.04, 0.19)
     assert summarize_single_point(measured_result(all_rub=0.1, half=1.2), measured_study()).lower == 0
@@ -61,7 +61,7 @@ def test_summary_of_generated_surfaces_quotes_friction_at_opposing_contacts():
     points = summarize(generated_result(), generated_study()).points
     assert [point.at["fractal_dimension"] for point in points] == [1.1] * 4 + [1.4] * 4
     assert [rule.rule for rule in points[0].rules] == ["opposing"]
-    assert "D = 1.1" in sentence_text(points[0])
+    assert "D = 1.1" in quotable_sentence(points[0])
     assert "elastic" not in inputs_text(points[0])
 
 
@@ -71,7 +71,7 @@ def test_summary_has_a_point_for_every_condition():
         (load, mu0, tau0) for load in (1.0, 10.0) for mu0 in (0.2, 0.3) for tau0 in (0.0, 0.05)
     ]
     points = summarize(measured_result(cut_offs=(0.0, 0.5)), measured_study()).points
-    assert ["low-pass filtered at 500 nm" in sentence_text(point) for point in points] == [False, True]
+    assert ["low-pass filtered at 500 nm" in quotable_sentence(point) for point in points] == [False, True]
 
 
 FAULT_CASES = {
@@ -101,7 +101,7 @@ def test_quotable_sentence_contains_assessment_caveats_version_and_adhesion():
     caveat = Caveat("a parabola carries the load", "try --level quadratic", "caution")
     dataset = measured_result().assign_attrs(stiction_version="1.2.3")
     (point,) = summarize(dataset, measured_study(), input_caveats=[caveat]).points
-    sentence = sentence_text(point)
+    sentence = quotable_sentence(point)
     assert f"assessment: {point.verdict} ({caveat.text}" in sentence
     assert "stiction 1.2.3" in sentence
     assert "no adhesion" in sentence
@@ -113,8 +113,8 @@ def test_sentence_of_a_point_with_a_fault_contains_no_coefficient(case_name):
     point = summarize_single_point(measured_result(**fault_changes), measured_study())
     assert point.verdict == "Do not quote"
     assert word in " ".join(caveat.text for caveat in point.caveats if caveat.severity == "fault")
-    assert "μ_s =" not in sentence_text(point)
-    assert word in sentence_text(point)
+    assert "μ_s =" not in quotable_sentence(point)
+    assert word in quotable_sentence(point)
     assert summarize_single_point(measured_result(**unaffected_changes), measured_study()).verdict == "Quote it"
 
 
@@ -134,7 +134,7 @@ def test_point_with_caution_has_a_caveat_with_the_reason(case_name):
     point = summarize_single_point(measured_result(**caution_changes), measured_study())
     assert point.verdict == "Quote with care"
     assert expected_words in caveat_texts(point)
-    assert "μ_s = 0.21" in sentence_text(point)
+    assert "μ_s = 0.21" in quotable_sentence(point)
 
 
 def test_scan_much_coarser_than_the_other_scan_adds_a_caveat():
@@ -205,7 +205,7 @@ def test_sentence_without_coefficient_states_the_reason():
         measured_result(status="not-reached", all_rub=np.nan, opposing=np.nan, ok=0), measured_study()
     )
     assert (point.status, point.verdict) == ("not-reached", "Do not quote")
-    assert "no computed load is as large" in sentence_text(point)
+    assert "no computed load is as large" in quotable_sentence(point)
     text = coefficients_text(
         [summarize_single_point(measured_result(all_rub=np.nan, opposing=np.nan), measured_study())]
     )
@@ -240,13 +240,13 @@ def test_sentence_about_profiles_states_directions_and_nominal_pressure():
     point = summarize_single_point(
         measured_result(directions=(0.0, 180.0)), measured_study(press="lines", mechanics="asperities")
     )
-    assert "the mean over both directions and 16 positions" in sentence_text(point)
-    assert "(1 MPa)" not in sentence_text(
+    assert "the mean over both directions and 16 positions" in quotable_sentence(point)
+    assert "(1 MPa)" not in quotable_sentence(
         point
     )  # With spheres, the nominal pressure would depend on the chosen width of the strip.
     for study in ({"mechanics": "asperities", "law": "hertz-cylinder"}, {"mechanics": "half-space"}):
         point = summarize_single_point(measured_result(directions=(0.0, 180.0)), measured_study(press="lines", **study))
-        assert "(1 MPa)" in sentence_text(point)
+        assert "(1 MPa)" in quotable_sentence(point)
 
 
 def test_sentence_states_the_definition_of_load_if_it_changes_the_coefficient_noticeably():
@@ -254,7 +254,7 @@ def test_sentence_states_the_definition_of_load_if_it_changes_the_coefficient_no
         (2 * MIN_STATED_LOAD_DEFINITION_EFFECT, True),
         (MIN_STATED_LOAD_DEFINITION_EFFECT / 2, False),
     ):
-        sentence = sentence_text(
+        sentence = quotable_sentence(
             summarize_single_point(measured_result(reading_difference=difference), measured_study())
         )
         assert ("the load is the elastic contact force" in sentence) == is_given
@@ -270,12 +270,14 @@ def test_small_slope_estimate_lists_neglected_effects():
         (measured_result(rms_gradient=gradient, mean_pressure=pressure / 2), None, ["does not apply"]),
     ):
         study = measured_study(hardness=hardness)
-        text = slope_estimate_text(summarize_single_point(dataset, study))
+        text = small_slope_estimate_text(summarize_single_point(dataset, study))
         assert "0.21 with friction at all contacts" in text
         for effect_name in ("hardness", "does not apply"):
             assert (effect_name in text) == any(effect_name in effect for effect in effects)
     dataset_without_tau0 = measured_result(rms_gradient=gradient, mean_pressure=pressure / 2, tau0=(0.0,))
-    assert "does not apply" not in slope_estimate_text(summarize_single_point(dataset_without_tau0, measured_study()))
+    assert "does not apply" not in small_slope_estimate_text(
+        summarize_single_point(dataset_without_tau0, measured_study())
+    )
 
 
 @pytest.mark.parametrize("is_floor", [True, False])
@@ -336,11 +338,11 @@ def test_range_for_finer_scans_extends_from_the_plastic_limit_to_above_the_coeff
     limit = 0.2 + 0.05 / 2
     # The excess over the plastic limit is multiplied by exp(0.2), because load moves between the contacts.
     assert point.bracket == pytest.approx((limit, limit + (0.24 * 1.01 - limit) * math.exp(0.2)))
-    assert "a finer scan would give 0.225 (μ0 + τ0/H) to 0.246" in sentence_text(point)
+    assert "a finer scan would give 0.225 (μ0 + τ0/H) to 0.246" in quotable_sentence(point)
     point_at_limit = summarize(
         measured_result(all_rub=0.2, half=1e-4, tau0=(0.0,)), measured_study(hardness=2.0)
     ).points[0]
-    assert "a finer scan would give 0.200 (μ0 + τ0/H)" in sentence_text(point_at_limit)
+    assert "a finer scan would give 0.200 (μ0 + τ0/H)" in quotable_sentence(point_at_limit)
     assert summarize(measured_result(), measured_study()).points[0].bracket is None
     asperity_study = measured_study(hardness=2.0, mechanics="asperities")
     assert summarize(measured_result(), asperity_study).points[0].bracket is None
@@ -351,15 +353,15 @@ def test_range_for_finer_scans_extends_from_the_plastic_limit_to_above_the_coeff
 )
 def test_sentence_states_hardness_with_its_range(input_range, expected_text):
     study = measured_study(hardness=1.1).with_changes({"known.hardness": input_range})
-    assert f"hardness {expected_text}" in sentence_text(summarize_single_point(measured_result(), study)).replace(
+    assert f"hardness {expected_text}" in quotable_sentence(summarize_single_point(measured_result(), study)).replace(
         ", points", ";"
     )
 
 
 def test_sentence_states_the_number_of_surrogate_pairs():
     point = summarize(measured_result(members=16), measured_study(press="surrogates")).points[0]
-    assert "16 pairs of random surfaces with these spectra" in sentence_text(point)
-    assert "random" not in sentence_text(summarize(measured_result(members=16), measured_study()).points[0])
+    assert "16 pairs of random surfaces with these spectra" in quotable_sentence(point)
+    assert "random" not in quotable_sentence(summarize(measured_result(members=16), measured_study()).points[0])
 
 
 def test_text_of_inputs_states_materials_and_the_hardness_range_of_the_softer_body():

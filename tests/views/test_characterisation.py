@@ -31,7 +31,7 @@ from stiction import (
 from stiction.surfaces.spectrum import find_spectral_peak
 from stiction.views.characterisation import NEGLIGIBLE_SLOPE_FRACTION, Characterisation, characterisation_text
 from stiction.views.figures.roughness import characterisation_figure
-from stiction.views.scans import joined_figure
+from stiction.views.scans import joined_spectrum_figure
 
 PROFILE_WITHOUT_BAND = Profile(np.sin(np.arange(700) / 20), spacing=5.0)
 
@@ -88,7 +88,7 @@ def test_instrument_limit_is_negligible_if_its_slope_fraction_is_small(profile):
     for rms, expected_words in ((1e-5, "negligible, "), (1e-4, "unreliable below")):
         characterisation = Characterisation(Profile(smooth_heights + rms * noise, spacing=0.01))
         assert expected_words in {row.label: row.texts[0] for row in characterisation.rows}["instrument"]
-        assert (characterisation.limit.slope_fraction < NEGLIGIBLE_SLOPE_FRACTION) == (rms < 1e-4)
+        assert (characterisation.instrument_limit.slope_fraction < NEGLIGIBLE_SLOPE_FRACTION) == (rms < 1e-4)
 
 
 def test_spectrum_without_power_law_has_no_hurst_exponent(profile):
@@ -96,7 +96,7 @@ def test_spectrum_without_power_law_has_no_hurst_exponent(profile):
     heights = np.fft.irfft(np.fft.rfft(profile.heights) * np.concatenate([[0.0], filter_gain]), len(profile))
     characterisation = Characterisation(Profile(heights, spacing=0.01), band=(0.1, 5.0))
     texts = {row.label: row.texts[0] for row in characterisation.rows}
-    assert characterisation.misfit > 1.5
+    assert characterisation.power_law_misfit > 1.5
     assert texts["Hurst exponent H"].startswith("none: the spectrum is not a power law")
     values = {value["name"]: value for row in characterisation.rows for value in row.values}
     assert values["hurst_exponent"]["status"] == "no-line"
@@ -243,7 +243,7 @@ class TestJoinedSpectrum:
         height_maps = fine_surface.heights.reshape(64, 4, 64, 4).mean((1, 3)), fine_surface.heights[:128, :128]
         scans = [Surface(heights, spacing=spacing) for heights, spacing in zip(height_maps, (0.04, 0.01), strict=True)]
         spectrum = joined_spectrum(scans, names=["microscope", "probe"])
-        figure = joined_figure(spectrum)
+        figure = joined_spectrum_figure(spectrum)
         spectra, _, pressure = figure.axes
         assert [text.get_text() for text in spectra.get_legend().texts] == ["microscope", "probe", "joined"]
         roughness = spectrum.roughness()

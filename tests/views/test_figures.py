@@ -14,7 +14,7 @@ from stiction.studies.maps import friction_map
 from stiction.studies.study import parse_dataset_study
 from stiction.views import style
 from stiction.views.figures import draw_figures
-from stiction.views.figures.contact import contact_figure, contact_map_figure, contacts_figure, find_opposing_contacts
+from stiction.views.figures.contact import contact_figure, contact_map_figure, contacts_figure, opposing_contact_mask
 from stiction.views.figures.ensemble import (
     FADING_PARAMETERS,
     _compute_fading,
@@ -25,7 +25,7 @@ from stiction.views.figures.ensemble import (
 from stiction.views.figures.standard import select_figures
 from stiction.views.report import report_page
 from stiction.views.rows import summary_json, summary_table
-from stiction.views.style import FIGURE_FORMATS, save_figure, spread_labels
+from stiction.views.style import FIGURE_FORMATS, save_figure, spread_label_positions
 from support.generated_studies import SMALL_STUDY, empty_dataset
 from support.report_numbers import ReportEvaluator
 from support.studies_of_files import run_pair_of_maps
@@ -283,7 +283,7 @@ def test_contact_map_draws_every_contact(maps_at_two_cutoffs, profiles_dataset):
     picture = contact_picture(maps_at_two_cutoffs)
     (axes,) = contact_map_figure(picture, direction=90.0).axes
     contact_kinds = np.ma.filled(axes.images[1].get_array(), np.nan)
-    contact_numbers, is_opposing = picture["patch"].values, find_opposing_contacts(picture, 90.0)
+    contact_numbers, is_opposing = picture["patch"].values, opposing_contact_mask(picture, 90.0)
     assert np.array_equal(np.isfinite(contact_kinds), contact_numbers > 0)
     assert np.array_equal(np.unique(contact_numbers[contact_kinds == 1]), 1 + np.flatnonzero(is_opposing))
     assert len(axes.collections) == bool((picture["contact_at_edge"].values > 0).any())
@@ -316,7 +316,7 @@ def test_force_arrows_stay_inside_their_frame(create_circular_arc, tmp_path):
 
 
 def test_labels_of_curves_do_not_overlap_and_are_in_the_order_of_their_values():
-    label_positions = spread_labels([1.0, 1.01, 0.99, 3.0], 0.1)
+    label_positions = spread_label_positions([1.0, 1.01, 0.99, 3.0], 0.1)
     assert np.array_equal(np.argsort(label_positions), [2, 0, 1, 3])
     assert np.diff(np.sort(label_positions)).min() == pytest.approx(0.1)
     assert label_positions[3] == 3.0

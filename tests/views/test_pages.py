@@ -229,7 +229,7 @@ def test_report_of_scan_has_table_and_small_slope_estimate(driver, pages, profil
     assert [name for name, *_ in table] == [name for name, _ in expected_rows]
     assert dict(table)["Pq"] == dict(expected_rows)["Pq"]
     text = driver.find_element("id", "main").text
-    assert f"μₛ = {characterisation.friction[0]:.2f}" in text
+    assert f"μₛ = {characterisation.friction_estimates[0]:.2f}" in text
     assert SCAN_OPTIONS["command"] in text
 
 

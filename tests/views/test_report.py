@@ -108,9 +108,11 @@ def test_report_shows_how_each_file_was_read(tmp_path):
     result = pair(*files, load="1 MPa", mu0=0.2, effective_modulus=100.0, offsets=4, onset=0, accept="tall")
     page = html.unescape(report_page(result.source))
     assert [name in page for name in ("How a.csv was read", "How b.csv was read")] == [True, True]
-    reading_table = page[page.index("How a.csv was read") :]
+    file_reading_table = page[page.index("How a.csv was read") :]
     cells = dict(
-        re.findall(r'<th scope="row">(.*?)</th><td>(.*?)</td>', reading_table[: reading_table.index("</table>")])
+        re.findall(
+            r'<th scope="row">(.*?)</th><td>(.*?)</td>', file_reading_table[: file_reading_table.index("</table>")]
+        )
     )
     assert cells["layout"] == "positions and heights"
     assert cells["spacing"] == "0.5 µm along x"

@@ -17,8 +17,8 @@ from stiction.studies.summary import RemainingInterval, summarize
 from stiction.views.text import (
     MAX_PRINTED_POINTS,
     assessment_text,
-    axes_text,
     format_table,
+    friction_by_axis_text,
     overview_text,
     quantities_text,
     result_text,
@@ -163,12 +163,12 @@ def test_verbose_text_contains_values_of_the_dataset():
 )
 def test_grooves_are_reported_if_friction_intervals_along_the_axes_are_disjoint(by_axis, expected_words):
     dataset = measured_result(by_axis=by_axis).isel(cut_off=0, load=0, mu0=0, tau0=0)
-    text = axes_text(dataset, verbose=True)
+    text = friction_by_axis_text(dataset, verbose=True)
     assert expected_words in " ".join(text.split())
     assert [line.split()[0] for line in text.splitlines()[1:3]] == ["x", "y"]
     expected_text = text.split("\n", 3)[3] if expected_words.startswith("Grooves: friction") else ""
-    assert axes_text(dataset) == expected_text
-    assert axes_text(measured_result(directions=(0.0, 180.0)).isel(cut_off=0, load=0, mu0=0, tau0=0)) == ""
+    assert friction_by_axis_text(dataset) == expected_text
+    assert friction_by_axis_text(measured_result(directions=(0.0, 180.0)).isel(cut_off=0, load=0, mu0=0, tau0=0)) == ""
 
 
 def test_overview_has_one_row_per_parameter_combination_and_marks_invalid_values():

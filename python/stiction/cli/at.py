@@ -156,7 +156,7 @@ def _print_height_factor_results(
     """Print a result for several height factors. If `compute` is True, first compute the missing results."""
     from stiction.studies.executors import thread_pool_executor
     from stiction.studies.height_scale import compute_height_factors, evaluate_height_scale, parse_height_factors
-    from stiction.views.height_scale import height_scale_record, height_scale_text
+    from stiction.views.height_scale import height_scale_json, height_scale_text
 
     scaled_bodies: Any = scaled
     height_factors = parse_height_factors(text)
@@ -171,7 +171,7 @@ def _print_height_factor_results(
                 "; results of finished factors are stored; run the same command again to resume"
             ) from None
     values = evaluate_height_scale(stored, height_factors, loads, mu0=mu0, tau0=tau0, scaled=scaled_bodies)
-    print_output((height_scale_record if as_json else height_scale_text)(values, stored.study))
+    print_output((height_scale_json if as_json else height_scale_text)(values, stored.study))
 
 
 def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> list[float]:

@@ -80,7 +80,7 @@ def calibrate(
     from stiction.studies.input_uncertainty import Z_95, parse_input
     from stiction.studies.interfaces import Ball, FrictionTest, write_interface
     from stiction.studies.tests_file import parse_friction_tests
-    from stiction.views.calibration import calibration_figure, calibration_record, calibration_text
+    from stiction.views.calibration import calibration_figure, calibration_json, calibration_text
     from stiction.views.style import save_figure
 
     bodies: dict[str, Any] = {folder.resolve().name: open_result_with_warning(folder) for folder in pair or ()}
@@ -114,7 +114,7 @@ def calibrate(
         error = (value.high - value.low) / (2 * Z_95) or None
         tests = (FrictionTest(next(iter(bodies.values())), load, coefficient=value.value, uncertainty=error),)
     interface = fit_interface(tests, common=common, sliding=sliding, mu0=mu0, tau0=tau0, outliers=outliers)  # type: ignore[arg-type]
-    print_output(calibration_record(interface) if as_json else calibration_text(interface))
+    print_output(calibration_json(interface) if as_json else calibration_text(interface))
     if ball is not None and (elasticity := bodies["ball"].elasticity).hardness is not None:
         min_area_per_load = min(
             bodies["ball"].area_per_load(test.load) for test in tests if test.result is bodies["ball"]

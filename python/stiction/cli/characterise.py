@@ -114,7 +114,7 @@ def characterise(
     from stiction.cli.result_output import choose_message_printer
     from stiction.surfaces.cut_off import cut_off
     from stiction.views import characterisation as views
-    from stiction.views.files import write_new_text
+    from stiction.views.files import write_new_text_file
     from stiction.views.rows import record_json
     from stiction.views.style import save_figure
 
@@ -166,7 +166,7 @@ def characterise(
     ]
     if as_json:
         print_output(
-            views.characterisation_record(characterised_files, readings=[scan.to_json_fields() for scan in readings])
+            views.characterisation_json(characterised_files, readings=[scan.to_json_fields() for scan in readings])
         )
     elif len(files) == 1:
         print_output(views.characterisation_text(characterisations[0], headline_only=not verbose))
@@ -174,9 +174,9 @@ def characterise(
         remark = ""
         if len(files) > 1:
             remark = f", {len(files)} files"
-            write_new_text(path, views.characterisation_csv(characterised_files))
+            write_new_text_file(path, views.characterisation_csv(characterised_files))
         elif path.suffix.lower() == ".html":
-            from stiction.views.report.reading import reading_table
+            from stiction.views.report.reading import file_reading_table
             from stiction.views.report.surface import surface_page
 
             remark = ", without a figure" if len(output_paths) == 1 else ""
@@ -187,7 +187,7 @@ def characterise(
                     context, parameter.name
                 ):
                     arguments += [parameter.opts[0], str(context.params[parameter.name])]
-            reading_table_html = reading_table(readings[0], reading_options)
+            reading_table_html = file_reading_table(readings[0], reading_options)
             name = printable_text(files[0].name)
             surface_page(
                 characterisations[0], name=name, command=shlex.join(arguments), reading=reading_table_html
@@ -207,7 +207,7 @@ def _print_joined_spectrum(
     from stiction.surfaces.joined_spectrum import joined_spectrum
     from stiction.surfaces.measured.spectrum_file import write_spectrum
     from stiction.views.rows import record_json
-    from stiction.views.scans import joined_figure, joined_record, joined_text
+    from stiction.views.scans import joined_spectrum_figure, joined_spectrum_record, joined_spectrum_text
     from stiction.views.style import save_figure
 
     names = [file.name for file in files]
@@ -216,15 +216,15 @@ def _print_joined_spectrum(
         [scan.body for scan in scans], tip_radii=[scan.tip_radius for scan in scans], names=names
     )
     print_output(
-        record_json("characterise", [], kind="joined", **joined_record(joined_scans))
+        record_json("characterise", [], kind="joined", **joined_spectrum_record(joined_scans))
         if as_json
-        else joined_text(joined_scans)
+        else joined_spectrum_text(joined_scans)
     )
     for path in outputs:
         if path.suffix.lower() == ".csv":
             write_spectrum(joined_scans, path)
         else:
-            save_figure(joined_figure(joined_scans), path)
+            save_figure(joined_spectrum_figure(joined_scans), path)
         choose_message_printer(as_json)(f"wrote {printable_path(path)}, {len(files)} scans")
 
 
@@ -235,16 +235,16 @@ def _print_scan_comparison(
     from stiction.cli.result_output import choose_message_printer
     from stiction.surfaces.measured.writing import write_profile, write_surface
     from stiction.surfaces.repeated_scans import compare_repeated_scans
-    from stiction.views.files import write_new_text
+    from stiction.views.files import write_new_text_file
     from stiction.views.rows import record_json
-    from stiction.views.scans import octaves_csv, repeated_figure, repeated_record, repeated_text
+    from stiction.views.scans import octave_noise_csv, repeated_scans_figure, repeated_scans_record, repeated_scans_text
     from stiction.views.style import save_figure
 
     comparison = compare_repeated_scans(scans[0].body, scans[1].body)
     print_output(
-        record_json("characterise", [], kind="repeated", **repeated_record(comparison))
+        record_json("characterise", [], kind="repeated", **repeated_scans_record(comparison))
         if as_json
-        else repeated_text(comparison)
+        else repeated_scans_text(comparison)
     )
     for path in outputs:
         if path.suffix.lower() == ".npy":
@@ -253,9 +253,9 @@ def _print_scan_comparison(
             else:
                 write_surface(comparison.scan, path)
         elif path.suffix.lower() == ".csv":
-            write_new_text(path, octaves_csv(comparison))
+            write_new_text_file(path, octave_noise_csv(comparison))
         else:
-            save_figure(repeated_figure(comparison), path)
+            save_figure(repeated_scans_figure(comparison), path)
         choose_message_printer(as_json)(f"wrote {printable_path(path)}, {' and '.join(file.name for file in files)}")
 
 

@@ -24,7 +24,7 @@ def materials(
     """
     from stiction.mechanics.materials import material
     from stiction.mechanics.materials import materials as all_materials
-    from stiction.views.materials import materials_record, materials_text
+    from stiction.views.materials import materials_json, materials_text
 
     chosen: Any = tuple(material(name) for name in names) if names else all_materials()
-    print_output(materials_record(chosen) if as_json else materials_text(chosen))
+    print_output(materials_json(chosen) if as_json else materials_text(chosen))

@@ -66,7 +66,7 @@ def table_command(
     from stiction.studies.elasticity import determine_elasticity
     from stiction.studies.friction_table import friction_table, table_study
     from stiction.studies.store import export
-    from stiction.views.files import check_files, replace_text
+    from stiction.views.files import check_all_replaceable, replace_text_file
     from stiction.views.friction_table import friction_table_csv, friction_table_text, laws_csv
 
     modulus = determine_elasticity(effective_modulus, young, poisson).effective_modulus
@@ -90,14 +90,14 @@ def table_command(
         repetitions=repetitions,
         seed=seed,
     )
-    check_files(output, TABLE_FILE_MARKS)
+    check_all_replaceable(output, TABLE_FILE_MARKS)
     with open_executor(workers, scheduler) as executor:
         result = compute_result_in_folder(study, output, executor)
     table = friction_table(result, **friction_parameters)
     print_output(friction_table_text(table))
     export(table, output / NETCDF_FILE_NAME, replace=(output / NETCDF_FILE_NAME).exists())
     for name, text in ((CSV_FILE_NAME, friction_table_csv(table)), (LAWS_FILE_NAME, laws_csv(table))):
-        replace_text(output / name, text, TABLE_FILE_MARKS[name])
+        replace_text_file(output / name, text, TABLE_FILE_MARKS[name])
     for name in (NETCDF_FILE_NAME, CSV_FILE_NAME, LAWS_FILE_NAME):
         print_output(f"wrote {printable_path(output / name)}")
 

@@ -511,9 +511,9 @@ class Result:
     @property
     def sentence(self) -> str:
         """Sentence that contains `value` and all conditions under which it holds."""
-        from stiction.views.sentence import sentence_text
+        from stiction.views.sentence import quotable_sentence
 
-        return sentence_text(self._first_quoted_point)
+        return quotable_sentence(self._first_quoted_point)
 
     # ---- Tables, figures and reports ---------------------------------------------------------------------------------
 

@@ -38,12 +38,12 @@ def calibration_text(interface: Interface) -> str:
         tau0 = (1e3 * item for item in interface.tau0)
         lines += [f"μ0 = {format_with_interval(*interface.mu0)}", f"τ0 = {format_with_interval(*tau0)} MPa"]
     else:
-        lines += [wrap_text(item, hanging_indent="  ") for item in _mu0_tau0_not_separated_lines(interface)]
+        lines += [wrap_text(item, hanging_indent="  ") for item in _describe_unseparated_mu0_tau0(interface)]
     if interface.growth is not None:
         lines += [wrap_text(_junction_growth_text(interface), hanging_indent="  ")]
     lines += [
         "",
-        *(wrap_text(item, hanging_indent="  ") for fit in interface.fits for item in _fit_lines(interface, fit)),
+        *(wrap_text(item, hanging_indent="  ") for fit in interface.fits for item in _describe_fit(interface, fit)),
     ]
     if interface.advice:
         table = [["test that would separate them", "± μ0", "± τ0"]]
@@ -63,7 +63,7 @@ def _area_per_load_text(interface: Interface) -> str:
     return f"{format_with_interval(interface.area_per_load, float(low), float(high))} /GPa"
 
 
-def _mu0_tau0_not_separated_lines(interface: Interface) -> Iterator[str]:
+def _describe_unseparated_mu0_tau0(interface: Interface) -> Iterator[str]:
     sum_value, area_per_load = interface.identified[0], interface.area_per_load
     num_tests = len(interface.tests)
     shortage_text = (
@@ -90,7 +90,7 @@ def _junction_growth_text(interface: Interface) -> str:
     return f"{text}. A pair with this interface uses the same range."
 
 
-def _fit_lines(interface: Interface, fit: StrengthFit) -> Iterator[str]:
+def _describe_fit(interface: Interface, fit: StrengthFit) -> Iterator[str]:
     rule = SLIDING_RULE_DESCRIPTIONS[fit.sliding]
     if not fit.freedom:
         yield f"{rule}: there are as many unknowns as tests, so the fit cannot be judged."
@@ -112,7 +112,7 @@ def _fit_lines(interface: Interface, fit: StrengthFit) -> Iterator[str]:
         yield f"{rule}: residuals vary with the load (probability {fit.trend:.1g}), so the law does not fit."
 
 
-def calibration_record(interface: Interface) -> str:
+def calibration_json(interface: Interface) -> str:
     """Return the calibration as a JSON record."""
     separate_status = "ok" if interface.separated else "not separated"
     coordinates = {"area_per_load_per_GPa": interface.area_per_load}
@@ -200,7 +200,7 @@ def calibration_figure(interface: Interface) -> Figure:
     with mpl.rc_context(MATPLOTLIB_STYLE):
         figure = new_figure(66, width=PAGE_WIDTH)
         tests_axes, distribution_axes = figure.subplots(1, 2)
-        _tests_panel(tests_axes, interface)
+        _draw_tests_panel(tests_axes, interface)
         fit = interface.fits[0]
         distribution_axes.plot(
             1e3 * fit.tau0[:MAX_SHOWN_SAMPLES],
@@ -221,7 +221,7 @@ def calibration_figure(interface: Interface) -> Figure:
     return figure
 
 
-def _tests_panel(axes: Axes, interface: Interface) -> None:
+def _draw_tests_panel(axes: Axes, interface: Interface) -> None:
     tests = np.array(interface.tests, dtype=float).reshape(-1, 4)
     max_ratio = 1.15 * max(tests[:, 0].max(initial=0.0), interface.area_per_load)
     area_per_load = np.linspace(0.0, max_ratio, 60)

@@ -128,11 +128,11 @@ class Characterisation:
     @cached_property
     def parameters(self) -> RoughnessParameters | SurfaceParameters:
         """Roughness parameters of heights and slopes."""
-        body = self.scale_limited
+        body = self.scale_limited_body
         return roughness_parameters(body) if isinstance(body, Profile) else surface_parameters(body)
 
     @cached_property
-    def scale_limited(self) -> Profile | Surface:
+    def scale_limited_body(self) -> Profile | Surface:
         """Body from which roughness parameters are computed: the profile itself, or the surface after filtering."""
         body = self.body
         if isinstance(body, Profile):
@@ -148,15 +148,15 @@ class Characterisation:
         return body
 
     @cached_property
-    def slope_of_neighbours(self) -> float:
+    def neighbour_slope(self) -> float:
         """Rms slope or gradient, computed from height differences of neighbouring points."""
-        body = self.scale_limited
+        body = self.scale_limited_body
         if isinstance(body, Profile):
             return roughness_parameters(body, derivative="neighbours").Pdq
         return rms_gradient(body, "neighbours")
 
     @cached_property
-    def sections(self) -> SectionParameters | SectionLengthError | None:
+    def section_parameters(self) -> SectionParameters | SectionLengthError | None:
         """R- and W-parameters of a profile, or the error that prevented their computation; None for a surface."""
         if not isinstance(self.body, Profile):
             return None
@@ -181,17 +181,17 @@ class Characterisation:
         return spectrum.radial(RADIAL_BINS_PER_DECADE), moments, spectrum.steepest_direction()
 
     @cached_property
-    def binned(self) -> PowerSpectrum | RadialSpectrum:
+    def binned_spectrum(self) -> PowerSpectrum | RadialSpectrum:
         """Power spectrum averaged in bins of log q."""
         return self._areal_analysis[0] if self.spectrum is None else self.spectrum.in_bins()
 
     @cached_property
-    def lines(self) -> tuple[LineRoughness, ...]:
+    def line_roughnesses(self) -> tuple[LineRoughness, ...]:
         """Roughness of a surface along x and y."""
         return () if isinstance(self.body, Profile) else lines_along_both(self.body, band=self.band)
 
     @cached_property
-    def fit(self) -> HurstEstimate | None:
+    def power_law_fit(self) -> HurstEstimate | None:
         """Power law fitted to the spectrum, regardless of the quality of the fit, or None if no band can be fitted."""
         try:
             return estimate_hurst_exponent(self.body, band=self.band, periodic=self.periodic)
@@ -201,18 +201,20 @@ class Characterisation:
             return None
 
     @cached_property
-    def misfit(self) -> float:
+    def power_law_misfit(self) -> float:
         """Factor by which the spectrum deviates from its power law, or NaN if no power law was fitted."""
-        if self.fit is None:
+        if self.power_law_fit is None:
             return math.nan
-        band = self.fit.shortest_wavelength, self.fit.longest_wavelength
-        dimensions, log_variance = self.fit.dimensions, _HANN_LOG_VARIANCE
-        return power_law_misfit(self.binned, band, self.fit.value, dimensions=dimensions, chance=log_variance)
+        band = self.power_law_fit.shortest_wavelength, self.power_law_fit.longest_wavelength
+        dimensions, log_variance = self.power_law_fit.dimensions, _HANN_LOG_VARIANCE
+        return power_law_misfit(
+            self.binned_spectrum, band, self.power_law_fit.value, dimensions=dimensions, chance=log_variance
+        )
 
     @property
-    def law(self) -> HurstEstimate | None:
+    def valid_power_law(self) -> HurstEstimate | None:
         """Power law of the spectrum, or None if the spectrum deviates from a power law."""
-        return None if self.misfit > MAX_POWER_LAW_MISFIT else self.fit
+        return None if self.power_law_misfit > MAX_POWER_LAW_MISFIT else self.power_law_fit
 
     @cached_property
     def roughness(self) -> ScaleDependentRoughness:
@@ -220,14 +222,14 @@ class Characterisation:
         return scale_dependent_roughness(self.body, periodic=self.periodic)
 
     @cached_property
-    def limit(self) -> InstrumentLimit:
+    def instrument_limit(self) -> InstrumentLimit:
         """Shortest reliable wavelength of the scan."""
         return instrument_limit(
             self.body, tip_radius=self.tip_radius, periodic=self.periodic, texture=self.textured
         )  # fmt: skip
 
     @cached_property
-    def friction(self) -> tuple[float, ...]:
+    def friction_estimates(self) -> tuple[float, ...]:
         """Small-slope friction estimates for two bodies like this one, along x (and along y); empty for a flat body."""
         # The mean square slope of the gap between two such bodies is twice the mean square slope of one body.
         # The slopes are reversed, so that the estimate along x comes first.
@@ -277,11 +279,11 @@ class Characterisation:
                     _parameter_table_row("m4", moments.curvature, "1/um2"),
                     _parameter_table_row(
                         "nayak_parameter", moments.nayak_parameter, label="Nayak's parameter",
-                        explanation=" (m0 m4 / m2²)",
+                        label_suffix=" (m0 m4 / m2²)",
                     ),
                 )
             ]  # fmt: skip
-            rows += _peak_rows("peak", self.spectrum)
+            rows += _spectral_peak_rows("peak", self.spectrum)
         rows += [*self._wavelength_rows(), *self._hurst_rows()]
         if self.spectrum is not None:
             window_text = "without a window, periodic" if self.periodic else "after a Hann window"
@@ -298,10 +300,10 @@ class Characterisation:
         return find_scan_caveats(self.body, tip_radius=self.tip_radius, textured=self.textured)
 
     def _parameter_rows(self) -> list[TableRow]:
-        rows = self._table_rows(self.parameters.values)
-        result = self.sections
+        rows = self._rows_of_parameter_values(self.parameters.values)
+        result = self.section_parameters
         if result is None:
-            filter_steps = self.scale_limited.history[len(self.body.history) :]
+            filter_steps = self.scale_limited_body.history[len(self.body.history) :]
             no_filters = "none: S-F surface with all wavelengths; --ls and --lc set filters"
             filters_text = ", then ".join(filter_steps) if filter_steps else no_filters
             return [TableRow("filters", (filters_text,)), *rows]
@@ -314,9 +316,9 @@ class Characterisation:
             reason = str(result).replace("cutoff lc", "--lc")
             return [*rows, TableRow("R and W parameters", (f"none: {reason}",), missing_entries)]
         rows.append(TableRow("filters", (_filters_text(result),), _filter_json_entries(result)))
-        return [*rows, *self._table_rows(result.values)]
+        return [*rows, *self._rows_of_parameter_values(result.values)]
 
-    def _table_rows(self, values: Mapping[str, float]) -> list[TableRow]:
+    def _rows_of_parameter_values(self, values: Mapping[str, float]) -> list[TableRow]:
         rows = []
         for name, value in values.items():
             rows.append(self._parameter_row(ROUGHNESS_PARAMETERS[name], value))
@@ -336,21 +338,21 @@ class Characterisation:
             is_detail=name not in HEADLINE_PARAMETERS
         )
         if name in ("Pdq", "Sdq"):
-            neighbours_entry = json_entry(f"{name}_neighbours", self.slope_of_neighbours)
+            neighbours_entry = json_entry(f"{name}_neighbours", self.neighbour_slope)
             text = f"{row.texts[0]} (seven points), {neighbours_entry['value']:.4g} (neighbours)"
             return TableRow(name, (text,), (*row.values, neighbours_entry))
         if name == "Std":
             text = f"{value:.0f}° from +x towards +y, for the strongest wavelengths; the lay is perpendicular"
             return row._replace(texts=(text,))
         if name in ("Sal", "Str") and math.isnan(value):
-            return row._replace(texts=(self._autocorrelation_text(name),))
+            return row._replace(texts=(self._missing_autocorrelation_text(name),))
         if math.isnan(value):
             return row._replace(texts=(f"none: needs {parameter.needs}",))
         if parameter.is_fraction:
             return row._replace(texts=(f"{100 * value:.4g} %",))
         return row
 
-    def _autocorrelation_text(self, name: str) -> str:
+    def _missing_autocorrelation_text(self, name: str) -> str:
         """Return the text for an autocorrelation parameter (Sal or Str) that requires a larger map."""
         autocorrelation_length = getattr(self.parameters, "Sal", math.nan)
         if name == "Sal":
@@ -361,19 +363,19 @@ class Characterisation:
         return f"below {max_ratio:.2g}: no decay to 0.2 along the lay within half the map"
 
     def _friction_text(self) -> str:
-        if not self.friction:
+        if not self.friction_estimates:
             return "none: the surface has no slopes"
-        if not all(map(math.isfinite, self.friction)):
+        if not all(map(math.isfinite, self.friction_estimates)):
             return "none: contacts on such steep slopes are self-locking"
-        axes = (" along x,", " along y,") if len(self.friction) == 2 else (",",)
-        values = " ".join(f"{value:.3f}{axis}" for value, axis in zip(self.friction, axes, strict=True))
+        axes = (" along x,", " along y,") if len(self.friction_estimates) == 2 else (",",)
+        values = " ".join(f"{value:.3f}{axis}" for value, axis in zip(self.friction_estimates, axes, strict=True))
         return (
             f"{values} for two such surfaces, small-slope estimate; friction only at contacts whose slope opposes "
             f"the motion (the rule of the paper), μ0 = {SLOPE_ESTIMATE_MU0:g} (gentle_friction)"
         )
 
     def _wavelength_rows(self) -> list[TableRow]:
-        result, limit = self.roughness, self.limit
+        result, limit = self.roughness, self.instrument_limit
         fraction = float(result.fraction_below(2 * limit.pixels))
         longest_wavelength = float(result.wavelength[0])
         slopes = ", ".join(
@@ -418,7 +420,7 @@ class Characterisation:
         ]
 
     def _period_rows(self) -> list[TableRow]:
-        period = self.limit.period
+        period = self.instrument_limit.period
         if not period > 0:
             return []
         direction_text = "" if isinstance(self.body, Profile) else ", along x or y"
@@ -430,12 +432,13 @@ class Characterisation:
 
     def _hurst_rows(self) -> list[TableRow]:
         names = ("hurst_exponent", "1"), ("shortest_wavelength", "um"), ("longest_wavelength", "um")
-        fit = self.fit
-        if fit is None or self.law is None:
+        fit = self.power_law_fit
+        if fit is None or self.valid_power_law is None:
             reason, status = "no self-affine band was found; choose one from the spectrum with --band", "no-band"
             if fit is not None:
                 reason, status = (
-                    f"the spectrum is not a power law; the best fit deviates by a factor of {self.misfit:.1f}",
+                    "the spectrum is not a power law; "
+                    f"the best fit deviates by a factor of {self.power_law_misfit:.1f}",
                     "no-line",
                 )
             missing_entries = tuple(json_entry(name, math.nan, unit, status=status) for name, unit in names)
@@ -467,7 +470,10 @@ class Characterisation:
             if fit.value > 1:
                 text = "H above 1 indicates a smooth surface: form, a filter, a blunt tip or waviness"
                 rows.append(TableRow("caution", (text,)))
-        if fit is not None and (peak_ratio := self._peak_ratio(fit.longest_wavelength)) > _MIN_PEAK_RATIO:
+        if (
+            fit is not None
+            and (peak_ratio := self._density_ratio_at_longest_wavelength(fit.longest_wavelength)) > _MIN_PEAK_RATIO
+        ):
             peak_text = f"the band starts on a peak at {length_text(fit.longest_wavelength)}"
             rows.append(
                 TableRow(
@@ -477,12 +483,12 @@ class Characterisation:
             )
         return rows
 
-    def _peak_ratio(self, longest: float) -> float:
+    def _density_ratio_at_longest_wavelength(self, longest: float) -> float:
         """Return the density at the longest wavelength of a band, divided by the density at longer wavelengths.
 
         The ratio is 0 if the spectrum has too few longer wavelengths.
         """
-        spectrum = self.binned if self.spectrum is None else self.spectrum
+        spectrum = self.binned_spectrum if self.spectrum is None else self.spectrum
         q, band_start = spectrum.wave_number, 2 * math.pi / longest
         # exclude wavelengths that are affected by the window and by levelling
         is_longer = (q > 2.5 * q[0]) & (q < band_start / 1.5)
@@ -492,11 +498,11 @@ class Characterisation:
         return float(spectrum.density[is_at_start].mean() / spectrum.density[is_longer].mean())
 
     @cached_property
-    def line_rows(self) -> list[TableRow]:
+    def line_table_rows(self) -> list[TableRow]:
         """Table rows for the lines of a surface along x and along y."""
-        if not self.lines:
+        if not self.line_roughnesses:
             return []
-        line_directions, moments = self.lines, self._areal_analysis[1]
+        line_directions, moments = self.line_roughnesses, self._areal_analysis[1]
         band_texts = [
             "none" if line.band is None else " to ".join(map(length_text, line.band)) for line in line_directions
         ]
@@ -509,7 +515,7 @@ class Characterisation:
             ("m2", [f"{moment.slope:.4g}" for moment in moments]),
             ("m4", [f"{moment.curvature:.4g} 1/µm²" for moment in moments]),
             ("Nayak's parameter", [f"{moment.nayak_parameter:.4g}" for moment in moments]),
-            ("Hurst exponent H", [_line_hurst_text(line) for line in line_directions]),
+            ("Hurst exponent H", [_line_hurst_exponent_text(line) for line in line_directions]),
             ("fitted band", band_texts),
             (
                 "misfit",
@@ -523,12 +529,15 @@ class Characterisation:
             *(TableRow(f"  {name}", tuple(values)) for name, values in columns),
         ]
         for axis, line in zip("xy", line_directions, strict=True):
-            rows += _peak_rows(f"  peak along {axis}", line.spectrum, line.fitted)
+            rows += _spectral_peak_rows(f"  peak along {axis}", line.spectrum, line.fitted)
         mean_exponents = [float(line.hurst_exponents.mean()) for line in line_directions if line.is_straight]
         if (
-            self.law is not None
+            self.valid_power_law is not None
             and mean_exponents
-            and not any(self.law.lower < mean_exponent < self.law.upper for mean_exponent in mean_exponents)
+            and not any(
+                self.valid_power_law.lower < mean_exponent < self.valid_power_law.upper
+                for mean_exponent in mean_exponents
+            )
         ):
             text = "H of lines is outside the interval for the map: it depends on the band, see the spectra"
             rows.append(TableRow("  caution", (text,)))
@@ -573,7 +582,7 @@ def characterisation_text(
     points              4000, 10 nm apart, over 40 µm
     """
     result = to_characterisation(body, **options)
-    rows = [*result.rows, *(row._replace(is_detail=True) for row in result.line_rows)]
+    rows = [*result.rows, *(row._replace(is_detail=True) for row in result.line_table_rows)]
     shown_rows = [row for row in rows if not (headline_only and row.is_detail)]
     lines = [
         wrap_text(f"{row.label:<19} {'  '.join(f'{item:<23}' for item in row.texts)}".rstrip(), hanging_indent=" " * 20)
@@ -619,16 +628,16 @@ def _filter_json_entries(result: SectionParameters) -> tuple[dict[str, Any], ...
 
 
 def _parameter_table_row(
-    name: str, value: float, unit: str = "1", *, label: str = "", explanation: str = ""
+    name: str, value: float, unit: str = "1", *, label: str = "", label_suffix: str = ""
 ) -> TableRow:
     text = length_text(value) if unit == "um" else f"{value:.4g}{_UNIT_SYMBOLS[unit]}"
     if math.isnan(value):
         text = "none"
     status = "none" if math.isnan(value) else STATUS_OK
-    return TableRow(label or name, (f"{text}{explanation}",), (json_entry(name, value, unit, status=status),))
+    return TableRow(label or name, (f"{text}{label_suffix}",), (json_entry(name, value, unit, status=status),))
 
 
-def _peak_rows(label: str, spectrum: PowerSpectrum, lines: int = 1) -> list[TableRow]:
+def _spectral_peak_rows(label: str, spectrum: PowerSpectrum, lines: int = 1) -> list[TableRow]:
     result = find_spectral_peak(spectrum, lines=lines)
     if result is None or result[1] < _MIN_PEAK_FRACTION:
         return []
@@ -644,7 +653,7 @@ def _peak_rows(label: str, spectrum: PowerSpectrum, lines: int = 1) -> list[Tabl
     ]
 
 
-def _line_hurst_text(line: LineRoughness) -> str:
+def _line_hurst_exponent_text(line: LineRoughness) -> str:
     if not line.hurst_exponents.size:
         return "none"
     mean, scatter = line.hurst_exponents.mean(), line.hurst_exponents.std()
@@ -660,7 +669,7 @@ def _json_values(result: Characterisation) -> list[dict[str, Any]]:
     return [value for row in result.rows for value in row.values]
 
 
-def characterisation_record(files: CharacterisedFiles, readings: Sequence[dict[str, Any]] = ()) -> str:
+def characterisation_json(files: CharacterisedFiles, readings: Sequence[dict[str, Any]] = ()) -> str:
     """Return the characterisations of files as a JSON record, including a description of how each file was read."""
     values = [value | {"at": {"file": file}} for file, result in files for value in _json_values(result)]
     return record_json(

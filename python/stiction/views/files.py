@@ -22,19 +22,19 @@ OUTPUT_FILE_MARKS = {
 """Files that `pair` writes into its directory, each with the bytes that identify it as an output of `pair`."""
 
 
-def check_files(folder: Path, file_marks: Mapping[str, bytes]) -> None:
+def check_all_replaceable(folder: Path, file_marks: Mapping[str, bytes]) -> None:
     """Raise a `ValueError` if a file exists and lacks the bytes that mark it as replaceable."""
     for name, file_mark in file_marks.items():
         check_replaceable(folder / name, file_mark, ValueError)
 
 
-def replace_text(path: Path, text: str, file_mark: bytes) -> None:
+def replace_text_file(path: Path, text: str, file_mark: bytes) -> None:
     """Write a text file. Replace an existing file only if it contains `file_mark`; otherwise raise a `ValueError`."""
     with replacement_file(path, file_mark, ValueError) as partial_path:
         partial_path.write_text(text, encoding="utf-8")
 
 
-def write_new_text(path: Path, text: str) -> None:
+def write_new_text_file(path: Path, text: str) -> None:
     """Write a new text file. Raise a `ValueError` if the file exists or cannot be written."""
     with new_file(path, ValueError) as partial_path:
         partial_path.write_text(text, encoding="utf-8")
@@ -47,8 +47,8 @@ def result_csv(result: Result) -> str:
 
 EXPORT_WRITERS: dict[str, tuple[str, Callable[[Result, Path], None]]] = {
     ".nc": ("the whole result", Result.to_netcdf),
-    ".csv": ("a table", lambda result, path: write_new_text(path, result_csv(result))),
-    ".tex": ("a LaTeX table", lambda result, path: write_new_text(path, latex_table(result.summary()))),
+    ".csv": ("a table", lambda result, path: write_new_text_file(path, result_csv(result))),
+    ".tex": ("a LaTeX table", lambda result, path: write_new_text_file(path, latex_table(result.summary()))),
 }
 """Description and writer of each output format, by the ending of the file name."""
 

@@ -28,15 +28,15 @@ _LAW_QUANTITIES = (*_LAW_PARAMETERS, "area_deviation", "stiffness_deviation")
 
 def friction_table_csv(table: xarray.Dataset) -> str:
     """Return a `friction_table` as CSV. The header contains units, and each combination of inputs has one row."""
-    return _law_table_csv(table[list(_LOAD_QUANTITIES)], _COORDINATE_COLUMNS)
+    return _table_csv(table[list(_LOAD_QUANTITIES)], _COORDINATE_COLUMNS)
 
 
 def laws_csv(table: xarray.Dataset) -> str:
     """Return the fitted laws A/A0 = a p and k/A0 = b p^c (p in GPa) as CSV, with one row per H and Sq."""
-    return _law_table_csv(table[list(_LAW_QUANTITIES)], _COORDINATE_COLUMNS[1:3])
+    return _table_csv(table[list(_LAW_QUANTITIES)], _COORDINATE_COLUMNS[1:3])
 
 
-def _law_table_csv(law_table: xarray.Dataset, columns_by_name: tuple[str, ...]) -> str:
+def _table_csv(law_table: xarray.Dataset, columns_by_name: tuple[str, ...]) -> str:
     columns: dict[str, Any] = {}
     for name, values in law_table.data_vars.items():
         title, factor = _COLUMN_TITLES.get(str(name)) or spreadsheet_column(str(name))
@@ -71,7 +71,7 @@ def friction_table_text(table: xarray.Dataset) -> str:
                     format_with_interval(*roughness_table[name].values.tolist()).replace(" no interval", "")
                     for name in _LAW_PARAMETERS
                 ),
-                *(_range_text(coefficients.sel(sliding=rule)) for rule in ("all", "opposing")),
+                *(_coefficient_range_text(coefficients.sel(sliding=rule)) for rule in ("all", "opposing")),
                 ", ".join("none" if np.isnan(deviation) else f"{100 * deviation:.0f} %" for deviation in deviations),
             ]
         )
@@ -81,7 +81,7 @@ def friction_table_text(table: xarray.Dataset) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _range_text(coefficients: xarray.DataArray) -> str:
+def _coefficient_range_text(coefficients: xarray.DataArray) -> str:
     finite = coefficients.values[np.isfinite(coefficients.values)]
     if not finite.size:
         return "none"

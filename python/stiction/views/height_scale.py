@@ -98,7 +98,7 @@ def _height_factor_row(point: xarray.Dataset, rules: list[str], study: Study) ->
     )
 
 
-def height_scale_record(dataset: xarray.Dataset, study: Study) -> str:
+def height_scale_json(dataset: xarray.Dataset, study: Study) -> str:
     """Return a dataset from `evaluate_height_scale` as a JSON record."""
     fields = {"kind": "pair", "scaled": dataset.attrs["scaled"], "solved": dataset.attrs["solved"].tolist()}
     fields |= {name: float(dataset[name]) for name in ("effective_modulus", "nominal_area") if name in dataset.coords}

@@ -19,7 +19,7 @@ def materials_text(materials: Sequence[Material]) -> str:
     """Format a table of material property ranges, grouped by kind of material, followed by the numbered sources."""
     sources: dict[str, int] = {}
 
-    def cell(value: MaterialValue | None) -> str:
+    def value_cell(value: MaterialValue | None) -> str:
         if value is None:
             return "does not yield"
         text = f"{value.low:g}" if value.low == value.high else f"{value.low:g}\N{EN DASH}{value.high:g}"
@@ -29,7 +29,7 @@ def materials_text(materials: Sequence[Material]) -> str:
     for material_kind, materials_of_kind in itertools.groupby(materials, key=lambda material: material.kind):
         rows.append([f"{material_kind}", "E (GPa)", "ν", "hardness (GPa)"])
         rows += [
-            [material.name, *(cell(getattr(material, name)) for name in _PROPERTY_UNITS)]
+            [material.name, *(value_cell(getattr(material, name)) for name in _PROPERTY_UNITS)]
             for material in materials_of_kind
         ]
     alias_lines = [f"{material.name}: {', '.join(material.aliases)}" for material in materials if material.aliases]
@@ -43,7 +43,7 @@ def materials_text(materials: Sequence[Material]) -> str:
     return "\n\n".join(paragraphs) + "\n"
 
 
-def materials_record(materials: Sequence[Material]) -> str:
+def materials_json(materials: Sequence[Material]) -> str:
     """Return materials as a JSON record."""
     entries: list[dict[str, Any]] = []
     for material in materials:

@@ -105,15 +105,15 @@ def onset_note(onset: xarray.Dataset) -> str:
 def onset_record(onset: xarray.Dataset) -> dict[str, Any]:
     """Return the load-displacement curve, its characteristic values and the fitted models as a JSON record (mN, µm)."""
 
-    def records(dataset: xarray.Dataset, *names: str) -> dict[str, Any]:
+    def statistic_records(dataset: xarray.Dataset, *names: str) -> dict[str, Any]:
         return {name: dict(zip(MEAN_AND_LIMITS, _mean_with_limits(dataset[name]), strict=True)) for name in names}
 
-    characteristic_values = records(
+    characteristic_values = statistic_records(
         onset, "sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness"
     )
     curve_names = ("tangential_load", "displacement", "slipped_area", "slipped_load", "energy_lost")
     curve = [
-        {"fraction": float(fraction), **records(onset.sel(fraction=fraction), *curve_names)}
+        {"fraction": float(fraction), **statistic_records(onset.sel(fraction=fraction), *curve_names)}
         for fraction in onset["fraction"].values
     ]
     attributes = {str(name): value for name, value in onset.attrs.items()}

@@ -21,7 +21,7 @@ SLIDING_RULE_DESCRIPTIONS = {
 """Descriptions of the sliding rules, in the order in which results are quoted."""
 
 
-def materials_text(study: Study) -> str:
+def material_names_text(study: Study) -> str:
     """Return the material names, as in "mild steel on brass", or an empty string if there are no names."""
     material_names = study.contact.materials
     return "" if material_names is None else " on ".join(material_names)
@@ -47,7 +47,7 @@ def averaged_directions_text(directions: Any) -> str:
     """Describe in words the directions (degrees) over which a value is averaged."""
     degrees = np.sort(np.asarray(directions, dtype=float) % 360)
     if degrees.size == 1:
-        return f"the upper body moves {motion_text(float(degrees[0]))}"
+        return f"the upper body moves {motion_direction_text(float(degrees[0]))}"
     angular_gaps = np.diff(np.append(degrees, degrees[0] + 360))
     if np.allclose(angular_gaps, 360 / degrees.size):
         if degrees.size == 2:
@@ -58,7 +58,7 @@ def averaged_directions_text(directions: Any) -> str:
     return f"the mean over {', '.join(direction_texts[:-1])} and {direction_texts[-1]}"
 
 
-def motion_text(direction: float) -> str:
+def motion_direction_text(direction: float) -> str:
     """Return a direction in words, as in "to +x" or "at 30°"."""
     axes = {0.0: "+x", 90.0: "+y", 180.0: "\N{MINUS SIGN}x", 270.0: "\N{MINUS SIGN}y"}
     return f"to {axes[direction]}" if direction in axes else f"at {direction:g}°"

@@ -19,7 +19,7 @@ SLIDING_RULE_TITLES = {"all": "all contacts", "opposing": "opposing contacts"}
 # ---- Resolved wavelengths --------------------------------------------------------------------------------------------
 
 
-def wavelengths_text(scan: ResolvedRoughness) -> str:
+def resolved_wavelengths_text(scan: ResolvedRoughness) -> str:
     """Return a sentence about the resolved wavelengths and the contribution of the shortest octave to h'²."""
     fraction = format_percent(scan.fraction_below(2 * scan.shortest))
     return (
@@ -82,7 +82,7 @@ def cut_off_note(resolution: ResolutionEffect) -> str:
 # ---- Yield estimates for studies without a hardness ------------------------------------------------------------------
 
 
-def yield_rows(estimates: Sequence[YieldWavelengthEstimate], scan: ResolvedRoughness) -> TextRows:
+def yield_wavelength_rows(estimates: Sequence[YieldWavelengthEstimate], scan: ResolvedRoughness) -> TextRows:
     """Return a table of `estimate_yield_wavelengths` with headings, or an empty list if there are no estimates."""
     rows = []
     for estimate in estimates:

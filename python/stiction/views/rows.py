@@ -24,7 +24,7 @@ from stiction.studies.summary import PointSummary, Summary
 from stiction.views.onset import onset_record, quantity_label
 from stiction.views.pull_off import pull_off_record
 from stiction.views.resolution import resolution_record
-from stiction.views.sentence import covered_inputs_text, list_assumptions, sentence_text
+from stiction.views.sentence import covered_inputs_text, list_assumptions, quotable_sentence
 
 if TYPE_CHECKING:
     import pandas
@@ -170,7 +170,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
     table = table.rename(
         columns={"value": title} | dict(zip(("lower", "upper"), interval_titles.values(), strict=True))
     )
-    for name in _load_quantities(dataset):
+    for name in _csv_quantities(dataset):
         selected = rows[rows["name"] == name]
         keys_of_quantity = [
             key for key in (*coordinate_names, "sliding") if key in selected and selected[key].notna().all()
@@ -197,7 +197,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
     )
 
 
-def _load_quantities(dataset: xarray.Dataset) -> list[str]:
+def _csv_quantities(dataset: xarray.Dataset) -> list[str]:
     """Return the quantities to write to a CSV file. Quantities with one value for each direction are left out."""
     return [
         name
@@ -332,7 +332,7 @@ def point_record(point: PointSummary) -> dict[str, Any]:
         "contact_status": point.contact_status,
         "sticking": None if point.sticking is None else pull_off_record(point.sticking),
         "verdict": point.verdict,
-        "sentence": sentence_text(point),
+        "sentence": quotable_sentence(point),
         "from_roughness": point.from_roughness,
         "assumptions": list(list_assumptions(point.study)),
         "interval_covers": covered_inputs_text(point),

@@ -43,7 +43,7 @@ MAX_LABEL_LENGTH = 24  # maximum number of characters of a scan name that a figu
 # ---- Joined spectrum -------------------------------------------------------------------------------------------------
 
 
-def joined_text(joined: JoinedSpectrum) -> str:
+def joined_spectrum_text(joined: JoinedSpectrum) -> str:
     """Format the wavelengths that each scan contributes, its deviation from the other scans, and cumulative slopes."""
     rows = [["scan", "wavelengths used", "limited by", "compared with the others"]]
     for name, (shortest, longest), reason, power_ratio, expected_deviation in zip(
@@ -74,7 +74,7 @@ def joined_text(joined: JoinedSpectrum) -> str:
     )
 
 
-def joined_record(joined: JoinedSpectrum) -> dict[str, Any]:
+def joined_spectrum_record(joined: JoinedSpectrum) -> dict[str, Any]:
     """Return the joined spectrum as JSON fields, with all lengths in µm."""
     roughness = joined.roughness()
     scans = [
@@ -99,7 +99,7 @@ def joined_record(joined: JoinedSpectrum) -> dict[str, Any]:
     return {"scans": scans, "spectrum": {name: [float(item) for item in values] for name, values in curve.items()}}
 
 
-def joined_figure(joined: JoinedSpectrum) -> Figure:
+def joined_spectrum_figure(joined: JoinedSpectrum) -> Figure:
     """Draw spectra, cumulative slope and curvature, and mean contact pressure against wavelength (170 mm wide).
 
     The pressure is that of contact with a second surface of the same kind. The elastic pressure divided by E* is h'/κ
@@ -111,7 +111,7 @@ def joined_figure(joined: JoinedSpectrum) -> Figure:
     with mpl.rc_context(MATPLOTLIB_STYLE):
         figure = new_figure(66, width=PAGE_WIDTH)
         spectra_axes, slopes_axes, pressure_axes = figure.subplots(1, 3)
-        _spectra_panel(spectra_axes, joined)
+        _draw_spectra_panel(spectra_axes, joined)
         roughness = joined.roughness()
         slopes_axes.plot(
             roughness.wavelength, roughness.gradient, color=ALL_CONTACTS_COLOUR, linewidth=1, label="slope $h'$"
@@ -122,7 +122,7 @@ def joined_figure(joined: JoinedSpectrum) -> Figure:
         )
         slopes_axes.set_title("cumulative, down to this wavelength", pad=2)
         slopes_axes.legend(loc="upper left")
-        _pressure_panel(pressure_axes, joined)
+        _draw_pressure_panel(pressure_axes, joined)
         for axes in (spectra_axes, slopes_axes, pressure_axes):
             axes.set(xscale="log", yscale="log", xlabel="wavelength (µm)")
             axes.set_xlim(1.15 * joined.longest, joined.shortest / 1.15)
@@ -130,7 +130,7 @@ def joined_figure(joined: JoinedSpectrum) -> Figure:
     return figure
 
 
-def _spectra_panel(axes: Axes, joined: JoinedSpectrum) -> None:
+def _draw_spectra_panel(axes: Axes, joined: JoinedSpectrum) -> None:
     wavelengths = 2 * math.pi / joined.wave_number
     for scan, (name, power_ratio) in enumerate(zip(joined.names, joined.ratio, strict=True)):
         label = name if len(name) <= MAX_LABEL_LENGTH else f"…{name[1 - MAX_LABEL_LENGTH :]}"
@@ -151,7 +151,7 @@ def _spectra_panel(axes: Axes, joined: JoinedSpectrum) -> None:
     axes.legend(loc="lower left", handlelength=1.2)
 
 
-def _pressure_panel(axes: Axes, joined: JoinedSpectrum) -> None:
+def _draw_pressure_panel(axes: Axes, joined: JoinedSpectrum) -> None:
     roughness = joined.roughness()
     elastic_pressure = math.sqrt(2) * roughness.gradient / SMALL_LOAD_KAPPA
     axes.plot(roughness.wavelength, elastic_pressure, color="black", linewidth=1)
@@ -187,7 +187,7 @@ def _pressure_panel(axes: Axes, joined: JoinedSpectrum) -> None:
 # ---- Repeated scans of one place -------------------------------------------------------------------------------------
 
 
-def repeated_text(comparison: RepeatedScans) -> str:
+def repeated_scans_text(comparison: RepeatedScans) -> str:
     """Format the noise of two scans in each octave, their shift, and the usable wavelengths of the mean scan."""
     rows = [["wavelengths", "in both", "noise of one scan", "noise fraction of the mean square"]]
     for wavelength, common_height, noise_height in np.transpose(
@@ -210,10 +210,10 @@ def repeated_text(comparison: RepeatedScans) -> str:
         f"The second scan starts at {shift_text} of the first scan. The correlation is {comparison.correlation:.4g}, "
         f"the noise of a single scan {format_with_unit(comparison.noise_rms, 'um')}."
     )
-    return f"{format_table(rows)}\n\n{wrap_text(text)}\n{wrap_text(limit_text(comparison))}\n"
+    return f"{format_table(rows)}\n\n{wrap_text(text)}\n{wrap_text(usable_wavelength_text(comparison))}\n"
 
 
-def limit_text(comparison: RepeatedScans) -> str:
+def usable_wavelength_text(comparison: RepeatedScans) -> str:
     """Return a sentence about the shortest usable wavelength of the mean scan."""
     if math.isnan(comparison.limit):
         return "At any cutoff, more than a tenth of the mean square slope of the mean scan is noise."
@@ -226,7 +226,7 @@ def limit_text(comparison: RepeatedScans) -> str:
     )
 
 
-def repeated_record(comparison: RepeatedScans) -> dict[str, Any]:
+def repeated_scans_record(comparison: RepeatedScans) -> dict[str, Any]:
     """Return the comparison of two scans as JSON fields; lengths are in µm."""
     octaves = {"wavelength_um": comparison.wavelength, "noise_um": comparison.noise, "common_um": comparison.common}
     return {
@@ -236,7 +236,7 @@ def repeated_record(comparison: RepeatedScans) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def octaves_csv(comparison: RepeatedScans) -> str:
+def octave_noise_csv(comparison: RepeatedScans) -> str:
     """Return the noise in each octave as CSV. A comment line gives the shortest usable wavelength."""
     import pandas
 
@@ -245,10 +245,10 @@ def octaves_csv(comparison: RepeatedScans) -> str:
         "noise (um)": comparison.noise,
         "common (um)": comparison.common,
     }
-    return f"# {limit_text(comparison)}\n{frame_to_csv(pandas.DataFrame(columns), float_format='%.6g')}"
+    return f"# {usable_wavelength_text(comparison)}\n{frame_to_csv(pandas.DataFrame(columns), float_format='%.6g')}"
 
 
-def repeated_figure(comparison: RepeatedScans) -> Figure:
+def repeated_scans_figure(comparison: RepeatedScans) -> Figure:
     """Draw the noise, and the heights that both scans share, against wavelength (85 mm wide)."""
     import matplotlib as mpl
 

@@ -28,7 +28,7 @@ from stiction.views.point import (
     adhesion_text,
     averaged_directions_text,
     load_text,
-    materials_text,
+    material_names_text,
 )
 from stiction.views.pull_off import pull_off_text
 
@@ -57,13 +57,13 @@ def finer_scan_text(point: PointSummary) -> str:
     return f"with H = {format_with_unit(point.hardness, 'GPa')} a finer scan would give {bounds_text}"
 
 
-def sentence_text(point: PointSummary) -> str:
+def quotable_sentence(point: PointSummary) -> str:
     """Return the sentence to quote, including the inputs, or the reason why the result must not be quoted."""
     assumptions = list_all_assumptions(point)
     if point.is_unloaded and point.sticking is not None:
         sentence_parts = [
             f"{pull_off_text(point.sticking).removesuffix('.')}, at {inputs_text(point)}",
-            note_text(point),
+            point_note_text(point),
         ]
         return "; ".join([*sentence_parts, f"assumed: {', '.join(assumptions)}"]) + "."
     if point.verdict == "Do not quote":
@@ -76,10 +76,16 @@ def sentence_text(point: PointSummary) -> str:
         f", {format_estimate(rule.value, rule.lower, rule.upper)} with {SLIDING_RULE_DESCRIPTIONS[rule.rule]}"
         for rule in other_estimates
     )
-    sentence_parts = [f"{text}, at {inputs_text(point)}", note_text(point)]
+    sentence_parts = [f"{text}, at {inputs_text(point)}", point_note_text(point)]
     sentence_parts += [f"assumed: {', '.join(assumptions)}"] if assumptions else []
     sentence_parts += filter(
-        None, [covered_inputs_text(point), roughness_text(point), finer_scan_text(point), assessment_text(point)]
+        None,
+        [
+            covered_inputs_text(point),
+            roughness_contribution_text(point),
+            finer_scan_text(point),
+            point_assessment_text(point),
+        ],
     )
     return "; ".join(sentence_parts) + "."
 
@@ -89,12 +95,12 @@ def covered_inputs_text(point: PointSummary) -> str:
     if math.isnan(point.upper - point.lower) or point.members < 2:
         return ""
     inputs = dict.fromkeys(contribution.words for contribution in point.budget) or [
-        f"the mean over {_averaging_text(point)}"
+        f"the mean over {_averaged_members_text(point)}"
     ]
     return f"95 % interval of {', '.join(inputs)}"
 
 
-def assessment_text(point: PointSummary) -> str:
+def point_assessment_text(point: PointSummary) -> str:
     """Return the assessment with its caveats and, for stored results, the version that computed the result."""
     caveats = "; ".join(caveat.text for caveat in point.caveats)
     text = f"assessment: {point.verdict}" + (f" ({caveats})" if caveats else "")
@@ -102,7 +108,7 @@ def assessment_text(point: PointSummary) -> str:
     return f"{text}; computed with stiction {version}" if version else text
 
 
-def roughness_text(point: PointSummary) -> str:
+def roughness_contribution_text(point: PointSummary) -> str:
     """Return text about the contribution of the roughness to the coefficient, or an empty string if it is unknown."""
     if point.from_roughness is None or not math.isfinite(point.value):
         return ""
@@ -126,7 +132,7 @@ def inputs_text(point: PointSummary) -> str:
     items.append(f"τ0 = {tau0_text}{_input_range_text(values, study, 'tau0')}")
     if study.known.interface is not None and all(_is_central_value(values, study, name) for name in ("mu0", "tau0")):
         items.append(_interface_text(study))
-    if materials := materials_text(study):
+    if materials := material_names_text(study):
         items.append(materials)
     items.append(f"E* = {format_with_unit(effective_modulus_at(values, study), 'GPa')}")
     hardness = study.contact.hardness
@@ -184,7 +190,7 @@ _LOAD_DEFINITION_TEXTS = {
 }
 
 
-def note_text(point: PointSummary) -> str:
+def point_note_text(point: PointSummary) -> str:
     """Return a note about the averaged directions and members, and the definition of the load."""
     values, study = point.values, point.study
     items = []
@@ -193,8 +199,12 @@ def note_text(point: PointSummary) -> str:
     elif "direction" in values.coords and (study.is_measured or values["direction"].size > 1):
         items.append(averaged_directions_text(np.atleast_1d(values["direction"].values)).removesuffix(" all round"))
     if mean_over_directions(values, "members") > 1:
-        items = [f"{items[0]} and {_averaging_text(point)}"] if items else [f"the mean over {_averaging_text(point)}"]
-    items += [_scans_text(study)] if study.is_measured else []
+        items = (
+            [f"{items[0]} and {_averaged_members_text(point)}"]
+            if items
+            else [f"the mean over {_averaged_members_text(point)}"]
+        )
+    items += [_scan_count_text(study)] if study.is_measured else []
     definition_effect = mean_over_directions(values, "reading_difference")
     if definition_effect > MIN_STATED_LOAD_DEFINITION_EFFECT:
         definition_text = _LOAD_DEFINITION_TEXTS.get(
@@ -206,7 +216,7 @@ def note_text(point: PointSummary) -> str:
     return "; ".join(items)
 
 
-def _averaging_text(point: PointSummary) -> str:
+def _averaged_members_text(point: PointSummary) -> str:
     """Return text that counts the averaged members, as in "8 positions"."""
     study = point.study
     member_name = "pairs" if not study.is_measured else "positions"
@@ -253,7 +263,7 @@ def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
     return tuple(assumptions)
 
 
-def _scans_text(study: Study) -> str:
+def _scan_count_text(study: Study) -> str:
     """Return text with the number of scans per body. If only one body has a single scan, a remark is added."""
     scan_counts = study.surfaces.scan_counts
     if study.is_gap:
@@ -267,7 +277,7 @@ def _scans_text(study: Study) -> str:
     )
 
 
-def slope_estimate_text(point: PointSummary) -> str:
+def small_slope_estimate_text(point: PointSummary) -> str:
     """Return a sentence with the small-slope estimate and, if it does not apply, the reason; "" without an estimate."""
     values, study = point.values, point.study
     rules = [rule for rule in point.rules if math.isfinite(rule.slopes)]

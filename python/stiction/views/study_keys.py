@@ -108,7 +108,7 @@ def key_tables() -> list[tuple[str, str, list[KeyTableRow]]]:
             text = (
                 ""
                 if len(key_owners) == len(table_classes)
-                else f" Only for {_join_with_and(_case_names(key_owners, table_classes, base_classes))}."
+                else f" Only for {_join_with_and(_models_with_key(key_owners, table_classes, base_classes))}."
             )
             rows.append((key, default, allowed, meaning + text))
         for table_class in table_classes:
@@ -122,7 +122,7 @@ def key_tables() -> list[tuple[str, str, list[KeyTableRow]]]:
     return tables
 
 
-def _case_names(
+def _models_with_key(
     owners: Sequence[type[values.StudyTable]],
     table_classes: Sequence[type[values.StudyTable]],
     base_classes: Sequence[type[values.StudyTableVariant]],
@@ -143,7 +143,7 @@ def _case_names(
     ]
 
 
-def study_keys() -> str:
+def study_keys_markdown() -> str:
     """Return all keys of study files as tables in Markdown."""
     lines = []
     for title, phrases, rows in key_tables():
@@ -173,20 +173,20 @@ def _key_row(
     """
     default = "required" if default_value is PydanticUndefined else _toml_default(default_value)
     if key not in ("generator", "press", "mechanics"):
-        return f"`{key}`", default, _allowed_text(key, field_info), str(field_info.description)
+        return f"`{key}`", default, _allowed_values_text(key, field_info), str(field_info.description)
     fields = [table_class.model_fields[key] for table_class in table_classes if key in table_class.model_fields]
     meanings = dict.fromkeys(f'`"{field.default}"`: {str(field.description).removesuffix(".")}' for field in fields)
     allowed = list(dict.fromkeys(f'`"{field.default}"`' for field in fields))
     return f"`{key}`", _toml_default(fields[0].default), _join_with_or(allowed), "; ".join(meanings) + "."
 
 
-def _allowed_text(key: str, field_info: Any) -> str:
+def _allowed_values_text(key: str, field_info: Any) -> str:
     if field_info.annotation in _UNCERTAIN_INPUT_TEXTS:
         return _UNCERTAIN_INPUT_TEXTS[field_info.annotation]
     if key == "direction":
         singular = f'`"+x"`, `"-x"` or {_DEGREES_TEXT}'
         return f"{singular}, or a list of these"
-    return _ALLOWED_VALUES.get(key) or _join_with_or(_allowed_phrases(field_info.annotation, field_info.metadata))
+    return _ALLOWED_VALUES.get(key) or _join_with_or(_allowed_value_phrases(field_info.annotation, field_info.metadata))
 
 
 def _join_with_and(phrases: list[str]) -> str:
@@ -198,7 +198,7 @@ def markdown_row(cells: Sequence[str]) -> str:
     return "| " + " | ".join(cell.replace("|", r"\|").replace("E*", r"E\*") for cell in cells) + " |"
 
 
-def _allowed_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]:
+def _allowed_value_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]:
     """Return the allowed values of a type as phrases, one per alternative."""
     for quantity_type, phrases in _QUANTITY_RANGES:
         if annotation is quantity_type or any(item in metadata for item in quantity_type.__metadata__[:1]):
@@ -214,14 +214,14 @@ def _allowed_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]
         return [f"a table of {', '.join(f'`{name}`' for name in annotation.model_fields)}"]
     if get_origin(annotation) is tuple:
         items = [item for item in get_args(annotation) if item is not Ellipsis]
-        text = _join_with_or(list(dict.fromkeys(phrases for item in items for phrases in _allowed_phrases(item))))
+        text = _join_with_or(list(dict.fromkeys(phrases for item in items for phrases in _allowed_value_phrases(item))))
         for singular, plural in _NUMBER_LIST_TEXTS:
             text = text.replace(singular, plural)
         return [f"a list of {text}" if Ellipsis in get_args(annotation) else f"a list of {len(items)} {text}"]
     if hasattr(annotation, "__metadata__"):  # an alias of `Annotated`
-        return _allowed_phrases(annotation.__origin__, annotation.__metadata__)
+        return _allowed_value_phrases(annotation.__origin__, annotation.__metadata__)
     if get_origin(annotation) is not None:  # a union
-        alternatives = [_allowed_phrases(item) for item in get_args(annotation) if item is not type(None)]
+        alternatives = [_allowed_value_phrases(item) for item in get_args(annotation) if item is not type(None)]
         return list(dict.fromkeys(phrases for alternative in alternatives for phrases in alternative))
     bounds = {
         name: getattr(item, name)

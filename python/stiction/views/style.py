@@ -114,7 +114,7 @@ def friction_parameters_text(mu0: float, tau0: float, effective_modulus: float |
     return rf"{modulus}$\mu_0$ = {mu0:g}, $\tau_0$ = {1000 * tau0:.9g} MPa"
 
 
-def spread_labels(label_positions: ArrayLike, min_distance: float) -> Floats:
+def spread_label_positions(label_positions: ArrayLike, min_distance: float) -> Floats:
     """Return label positions in the given order, with a minimum distance between neighbours."""
     target_positions = np.asarray(label_positions, dtype=np.float64)
     order = np.argsort(target_positions)

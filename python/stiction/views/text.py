@@ -44,18 +44,24 @@ from stiction.studies.point import (
 )
 from stiction.studies.summary import UNATTRIBUTED_WAVELENGTHS_INPUT, PointSummary, Summary
 from stiction.views.onset import onset_note, onset_rows, onset_text, quantity_label
-from stiction.views.point import SLIDING_RULE_DESCRIPTIONS, load_text, motion_text
+from stiction.views.point import SLIDING_RULE_DESCRIPTIONS, load_text, motion_direction_text
 from stiction.views.pull_off import pull_off_text
 from stiction.views.resolution import (
     ELASTIC_CAVEAT,
     SLIDING_RULE_TITLES,
     cut_off_note,
     cut_off_rows,
-    wavelengths_text,
-    yield_rows,
+    resolved_wavelengths_text,
+    yield_wavelength_rows,
 )
-from stiction.views.sentence import finer_scan_text, inputs_text, list_assumptions, note_text, slope_estimate_text
-from stiction.views.sentence import roughness_text as contribution_text
+from stiction.views.sentence import (
+    finer_scan_text,
+    inputs_text,
+    list_assumptions,
+    point_note_text,
+    roughness_contribution_text,
+    small_slope_estimate_text,
+)
 
 if TYPE_CHECKING:
     import xarray
@@ -97,7 +103,9 @@ def format_table(rows: TextRows, width: int | None = None, *, labels: int = 1) -
     available_width = width or terminal_width()
     columns = max(map(len, rows), default=0)
     other_widths = max((len(cell) for row in rows for cell in row[1:]), default=0)
-    rows = [line for row in rows for line in _wrap_label(row, max(available_width - other_widths - 2, MIN_LABEL_WIDTH))]
+    rows = [
+        line for row in rows for line in _wrap_first_cell(row, max(available_width - other_widths - 2, MIN_LABEL_WIDTH))
+    ]
     column_widths = [max(len(row[column]) if column < len(row) else 0 for row in rows) for column in range(columns)]
     blocks, first_column = [], labels
     while first_column < max(columns, labels + 1):
@@ -123,7 +131,7 @@ def format_table(rows: TextRows, width: int | None = None, *, labels: int = 1) -
 MIN_LABEL_WIDTH = 16  # smallest width of the first column of a table, in characters
 
 
-def _wrap_label(row: Sequence[str], width: int) -> list[Sequence[str]]:
+def _wrap_first_cell(row: Sequence[str], width: int) -> list[Sequence[str]]:
     """Wrap the first cell of a row to a width, and return the resulting rows."""
     lines = textwrap.wrap(row[0], width, subsequent_indent="  ", drop_whitespace=False) if len(row[0]) > width else []
     return [[lines[0].rstrip(), *row[1:]], *([line.rstrip()] for line in lines[1:])] if lines else [row]
@@ -185,7 +193,7 @@ def values_text(
 ) -> str:
     """Return `result_text` without the cutoff study and the onset of sliding."""
     dataset, study, quoted_points = summary.at, summary.study, summary.headlines
-    printed_points = quoted_points if verbose else _thin_points(quoted_points)
+    printed_points = quoted_points if verbose else _select_printed_points(quoted_points)
     first_cell = dataset.sel({name: quoted_points[0].at[name] for name in CELL_DIMENSIONS if name in dataset.dims})
     first_cell = first_cell.sel(load=sorted({point.at["load"] for point in printed_points}))
     paragraphs = [history_text(dataset, study)] if verbose else []
@@ -213,9 +221,13 @@ def values_text(
     quantities_paragraph = (
         quantities_text(first_cell, study, verbose=verbose, cell=_first_cell_text(quoted_points)) if has_values else ""
     )
-    conditions_paragraph = _conditions_text(quoted_points[0]) if len(quoted_points) == 1 else ""
+    conditions_paragraph = _point_details_text(quoted_points[0]) if len(quoted_points) == 1 else ""
     if verbose:
-        paragraphs += [conditions_paragraph, wrap_text(slope_estimate_text(quoted_points[0])), quantities_paragraph]
+        paragraphs += [
+            conditions_paragraph,
+            wrap_text(small_slope_estimate_text(quoted_points[0])),
+            quantities_paragraph,
+        ]
     else:
         paragraphs.append("\n".join(filter(None, (conditions_paragraph, quantities_paragraph))))
     if (
@@ -227,7 +239,10 @@ def values_text(
         )
         is not None
     ):
-        paragraphs += [axes_text(values, verbose=verbose), directions_text(values) if verbose else ""]
+        paragraphs += [
+            friction_by_axis_text(values, verbose=verbose),
+            friction_by_direction_text(values) if verbose else "",
+        ]
     return "\n\n".join(paragraph for paragraph in paragraphs if paragraph) + "\n"
 
 
@@ -282,11 +297,11 @@ def coefficients_text(headlines: Sequence[PointSummary]) -> str:
     return (
         format_table(rows, labels=len(varying_names))
         + "\n"
-        + wrap_text(f"{common_inputs_note}{note_text(headlines[0])}{assumptions_note}", indent="  ")
+        + wrap_text(f"{common_inputs_note}{point_note_text(headlines[0])}{assumptions_note}", indent="  ")
     )
 
 
-def _thin_points(headlines: Sequence[PointSummary]) -> Sequence[PointSummary]:
+def _select_printed_points(headlines: Sequence[PointSummary]) -> Sequence[PointSummary]:
     """Return at most `MAX_PRINTED_POINTS` points, evenly spaced along each coordinate, including both ends."""
     values = {name: list(dict.fromkeys(point.at[name] for point in headlines)) for name in headlines[0].at}
     if "hurst_exponent" in values:
@@ -325,14 +340,14 @@ def _coordinate_text(name: str, value: float) -> str:
     return format_with_unit(value, _COORDINATE_UNITS[name]) if name in _COORDINATE_UNITS and value else f"{value:.4g}"
 
 
-def _conditions_text(point: PointSummary) -> str:
+def _point_details_text(point: PointSummary) -> str:
     lines = [] if point.is_unloaded else [contributions_text(point), single_test_text(point), dwell_time_text(point)]
     if finer_scans := finer_scan_text(point):
         lines.append(f"{finer_scans[0].upper()}{finer_scans[1:]}.")
     assumptions = list_assumptions(point.study)
     assumptions_note = f" Assumes {', '.join(assumptions)}." if assumptions else ""
     return "\n".join(
-        map(wrap_text, [*filter(None, lines), f"At {inputs_text(point)}; {note_text(point)}.{assumptions_note}"])
+        map(wrap_text, [*filter(None, lines), f"At {inputs_text(point)}; {point_note_text(point)}.{assumptions_note}"])
     )
 
 
@@ -350,7 +365,7 @@ def roughness_text(point: PointSummary) -> str:
     inputs = "the hardness, μ0 and τ0" if point.hardness is not None and point.at["tau0"] > 0 else "μ0"
     is_negligible = abs(point.from_roughness) <= NEGLIGIBLE_ROUGHNESS_FRACTION * point.value
     remainder = f"{inputs} determine{'s' * (inputs == 'μ0')} it" if is_negligible else f"the rest is from {inputs}"
-    return f"R{contribution_text(point)[1:]}; {remainder}."
+    return f"R{roughness_contribution_text(point)[1:]}; {remainder}."
 
 
 def contributions_text(point: PointSummary) -> str:
@@ -365,7 +380,7 @@ def contributions_text(point: PointSummary) -> str:
     )
 
 
-def budget_text(point: PointSummary) -> str:
+def uncertainty_budget_text(point: PointSummary) -> str:
     """Return text that names the measurement that would reduce the uncertainty most, and the resulting interval."""
     dominant_input = point.dominant_input
     if dominant_input is None or any(fault.text != WIDE_INTERVAL_TEXT for fault in point.faults):
@@ -431,10 +446,12 @@ def assessment_text(
         point, caveats = headlines[0], headlines[0].caveats
         num_faults = sum(caveat.severity == "fault" for caveat in caveats)
         lines = [_caveat_line(caveat) for caveat in caveats]
-        num_shown = len(lines) if max_lines is None else max(_count_texts_within(lines, max_lines), num_faults, 1)
+        num_shown = (
+            len(lines) if max_lines is None else max(_count_texts_fitting_lines(lines, max_lines), num_faults, 1)
+        )
         suffix = (
             f". {budget_sentence}"
-            if len(headlines) == 1 and not point.is_unloaded and (budget_sentence := budget_text(point))
+            if len(headlines) == 1 and not point.is_unloaded and (budget_sentence := uncertainty_budget_text(point))
             else ""
         )
         suffix = suffix or (" a coefficient" if point.is_unloaded else "")
@@ -450,7 +467,7 @@ def assessment_text(
             )
         ]
         num_shown = len(lines) if max_groups is None else max_groups
-        num_shown = num_shown if max_lines is None else max(_count_texts_within(lines, max_lines), 1)
+        num_shown = num_shown if max_lines is None else max(_count_texts_fitting_lines(lines, max_lines), 1)
         verdict_counts = [
             (verdict, sum(point.verdict == verdict for point in headlines)) for verdict in VERDICTS.values()
         ]
@@ -472,7 +489,7 @@ _CAVEAT_NUMBER_PATTERN = re.compile(r"\d[\d.]* ?(?:%|(?:[kMGmµn]?(?:Pa|N|m|m²)
 """Pattern of a number with its unit. Caveats that differ only in numbers are grouped."""
 
 
-def _count_texts_within(texts: Sequence[str], lines: int) -> int:
+def _count_texts_fitting_lines(texts: Sequence[str], lines: int) -> int:
     """Return how many of the first texts fit on a given number of lines."""
     return int(np.searchsorted(np.cumsum([text.count("\n") + 1 for text in texts]), lines, side="right"))
 
@@ -530,7 +547,7 @@ def quantities_text(points_of_cell: xarray.Dataset, study: Study, *, verbose: bo
             )
             rows += _quantity_row(name, label, [point[name] for point in loads])
             if name == "contact_area_fraction" and rows:
-                rows[-1] = _replace_by_statuses(rows[-1], [find_contact_status(point, study) for point in loads])
+                rows[-1] = _replace_values_by_statuses(rows[-1], [find_contact_status(point, study) for point in loads])
     for name, probability in _VERBOSE_QUANTILES if verbose else ():
         if name in dataset:
             label = f"{QUANTITIES[name].table_label}, {100 * probability:.0f}th percentile"
@@ -551,13 +568,13 @@ def quantities_text(points_of_cell: xarray.Dataset, study: Study, *, verbose: bo
         return format_table([headings, *columns])
     return format_table(
         [
-            *_stack_headings([column[0] for column in (headings, *columns)]),
+            *_wrap_headings([column[0] for column in (headings, *columns)]),
             *zip(headings[1:], *(column[1:] for column in columns), strict=True),
         ]
     )
 
 
-def _stack_headings(headings: Sequence[str]) -> TextRows:
+def _wrap_headings(headings: Sequence[str]) -> TextRows:
     """Wrap column headings into several rows, so that columns are as narrow as their cells."""
     lines = [textwrap.wrap(heading, MAX_HEADING_WIDTH, break_long_words=False) for heading in headings]
     return list(itertools.zip_longest(*lines, fillvalue=""))
@@ -587,7 +604,7 @@ def _quantity_row(name: str, label: str, estimates: Sequence[xarray.DataArray]) 
     return [] if set(cells) == {"none"} else [[label, unit_label, *cells]]
 
 
-def _replace_by_statuses(row: list[str], statuses: Sequence[str]) -> list[str]:
+def _replace_values_by_statuses(row: list[str], statuses: Sequence[str]) -> list[str]:
     """Return a row of area fractions in which statuses other than "ok" replace the values."""
     label, unit, *cells = row
     cells = [cell if status == friction.STATUS_OK else status for cell, status in zip(cells, statuses, strict=True)]
@@ -609,7 +626,7 @@ def _estimate_cell(estimate: xarray.DataArray, factor: float) -> str:
     return format_with_interval(*(factor * estimate.sel(statistic=statistic).item() for statistic in MEAN_AND_LIMITS))
 
 
-def axes_text(values: xarray.Dataset, *, verbose: bool = False) -> str:
+def friction_by_axis_text(values: xarray.Dataset, *, verbose: bool = False) -> str:
     """Return a sentence about grooves if friction depends on the axis. `verbose` adds the values along each axis."""
     if "friction_by_axis" not in values or values.sizes.get("axis", 0) < 2:
         return ""
@@ -621,7 +638,7 @@ def axes_text(values: xarray.Dataset, *, verbose: bool = False) -> str:
     )
     if not verbose:
         return wrap_text(lay) if lay.startswith("Grooves: friction") else ""
-    return _coefficient_table("μ_s along an axis", table, "axis", _axis_name) + "\n" + wrap_text(lay)
+    return _coefficient_table("μ_s along an axis", table, "axis", _direction_label) + "\n" + wrap_text(lay)
 
 
 def _coefficient_table(
@@ -641,7 +658,7 @@ def _coefficient_table(
     return format_table(rows)
 
 
-def _axis_name(degrees: float) -> str:
+def _direction_label(degrees: float) -> str:
     return {0.0: "x", 90.0: "y"}.get(degrees, f"{degrees:g}°")
 
 
@@ -653,18 +670,18 @@ def lay_text(table: xarray.DataArray) -> str:
     highest_index, lowest_index = (
         int(find_extreme_index(mean.values)) for find_extreme_index in (np.argmax, np.argmin)
     )
-    names = [_axis_name(float(table["axis"][index])) for index in (highest_index, lowest_index)]
+    names = [_direction_label(float(table["axis"][index])) for index in (highest_index, lowest_index)]
     if float(lower[highest_index]) > float(upper[lowest_index]):
         increase = 100 * (float(mean[highest_index]) / float(mean[lowest_index]) - 1)
         return f"Grooves: friction along {names[0]} is {format_significant(increase)} % higher than along {names[1]}."
     return "No grooves: the axes differ by less than their intervals."
 
 
-def directions_text(values: xarray.Dataset) -> str:
+def friction_by_direction_text(values: xarray.Dataset) -> str:
     """Format the coefficient in every direction of motion of the upper body."""
     if "direction" not in values.dims:
         return ""
-    return _coefficient_table("μ_s, upper body", values["friction_coefficient"], "direction", motion_text)
+    return _coefficient_table("μ_s, upper body", values["friction_coefficient"], "direction", motion_direction_text)
 
 
 def resolution_text(summary: Summary) -> str:
@@ -673,11 +690,11 @@ def resolution_text(summary: Summary) -> str:
     if (resolution := summary.resolution) is None:
         return ""
     if (scan := resolution.roughness) is not None:
-        paragraphs.append(wrap_text(wavelengths_text(scan)))
+        paragraphs.append(wrap_text(resolved_wavelengths_text(scan)))
     if resolution.cutoffs:
         table = format_table(cut_off_rows(resolution, summary.points[0].hardness))
         paragraphs.append(table + "\n" + wrap_text(cut_off_note(resolution), indent="  "))
-    if scan is not None and resolution.yielding and (rows := yield_rows(resolution.yielding[0][1], scan)):
+    if scan is not None and resolution.yielding and (rows := yield_wavelength_rows(resolution.yielding[0][1], scan)):
         paragraphs.append(wrap_text(ELASTIC_CAVEAT) + "\n" + format_table(rows))
     return "\n\n".join(paragraphs)
 
@@ -717,7 +734,7 @@ def overview_text(
     that shows all others.
     """
     dataset, study, headlines = summary.at, summary.study, summary.headlines
-    reduced_dataset = dataset if _count_rows(dataset) <= MAX_OVERVIEW_ROWS else _select_ends_and_middle(dataset)
+    reduced_dataset = dataset if _count_table_rows(dataset) <= MAX_OVERVIEW_ROWS else _select_ends_and_middle(dataset)
     full_dataset, dataset = dataset, reduced_dataset
     outer_dimensions = [name for name in ("amplitude", "sliding") if name in dataset.dims]
     varying_names = [name for name in ("mu0", "tau0") if dataset.sizes[name] > 1]
@@ -753,7 +770,7 @@ def overview_text(
 MAX_OVERVIEW_ROWS = 40
 
 
-def _count_rows(dataset: xarray.Dataset) -> int:
+def _count_table_rows(dataset: xarray.Dataset) -> int:
     return math.prod(dataset.sizes.get(name, 1) for name in ("mu0", "tau0", *CELL_DIMENSIONS))
 
 

@@ -22,7 +22,7 @@ MIN_DRAWN_REDUCTION = 0.02
 MAX_DRAWN_INPUTS = 5  # maximum number of inputs in the figure
 
 
-def budget_figure(point: PointSummary, *, title: str = "") -> Figure:
+def uncertainty_budget_figure(point: PointSummary, *, title: str = "") -> Figure:
     """Draw the contributions to friction, the combined interval and the uncertainty budget (80 mm wide)."""
     width = point.upper - point.lower
     remaining_inputs = [item for item in point.budget if item.width < (1 - MIN_DRAWN_REDUCTION) * width][

@@ -115,7 +115,7 @@ def contact_figure(
     figure.draw_without_rendering()  # the arrow lengths depend on the final position of the axes
     figure.set_layout_engine("none")
     if len(contact_points):
-        max_arrow_length = _reserve_arrow_length(
+        max_arrow_length = _make_room_for_arrows(
             zoomed_axes, unit_factor * float(contact_points.centre[is_in_zoom, 2].max())
         )
         (unit_x, _), (_, unit_y), (origin_x, origin_y) = zoomed_axes.transData.transform(
@@ -143,7 +143,7 @@ def draw_bodies(axes: Axes, x: Floats, upper: Floats, lower: Floats) -> None:
         axes.text(0.01, height, name, transform=axes.transAxes, fontsize=6, color="#333333", va=vertical_alignment)
 
 
-def _reserve_arrow_length(axes: Axes, highest: float) -> float:
+def _make_room_for_arrows(axes: Axes, highest: float) -> float:
     """Extend the axes to make room for arrows above the highest contact. Return the longest arrow length (inches)."""
     figure = axes.get_figure()
     assert figure is not None
@@ -205,7 +205,7 @@ def _draw_forces(
 _MAX_MARKER_AREA = 60.0  # area of the largest marker (square points), for the contact with the largest load
 
 
-def find_opposing_contacts(picture: xarray.Dataset, direction: float) -> NDArray[np.bool_]:
+def opposing_contact_mask(picture: xarray.Dataset, direction: float) -> NDArray[np.bool_]:
     """Return a mask of the contacts that oppose motion of the upper body in a given direction (degrees)."""
     x, y = (picture[f"contact_slope_{axis}"].values for axis in "xy")
     return np.asarray(x * np.cos(np.radians(direction)) + y * np.sin(np.radians(direction)) > 0)
@@ -224,8 +224,8 @@ def contacts_figure(
     figure = new_figure(144 if has_pressure else 86)
     panels = figure.subplots(2 if has_pressure else 1, 1, squeeze=False)[:, 0]
     axes = panels[0]
-    draw_heights(figure, axes, picture["lower_height"].values, map_extent(picture, "height"))
-    is_opposing = find_opposing_contacts(picture, direction)
+    draw_height_map(figure, axes, picture["lower_height"].values, map_extent(picture, "height"))
+    is_opposing = opposing_contact_mask(picture, direction)
     x, y = picture["contact_x"].values, picture["contact_y"].values
     marker_areas = np.maximum(_MAX_MARKER_AREA * force / force.max(initial=1e-300), 3.0)
     for mask, colour, marker, caption in (
@@ -250,7 +250,7 @@ def contacts_figure(
     axes.set_title("\n".join(filter(None, (title, caption, displacement_caption))), loc="left", fontsize=6, pad=3)
     add_scale_bar(axes, map_extent(picture, "height"), fontsize=6)
     if has_pressure:
-        _pressure_panel(figure, panels[1], picture, hardness)
+        _draw_pressure_panel(figure, panels[1], picture, hardness)
         draw_frame(axes, map_extent(picture, "zoom"))
     figure.legend(
         *axes.get_legend_handles_labels(),
@@ -260,7 +260,7 @@ def contacts_figure(
     return figure
 
 
-def draw_heights(figure: Figure, axes: Axes, heights: Floats, box: tuple[float, float, float, float]) -> None:
+def draw_height_map(figure: Figure, axes: Axes, heights: Floats, box: tuple[float, float, float, float]) -> None:
     """Draw heights of the lower body in grey with a colour bar; `box` is (left, right, bottom, top) in µm."""
     in_nanometres = np.ptp(heights) < _MAX_NANOMETRE_RANGE
     scaled_heights = heights * (1000 if in_nanometres else 1)
@@ -287,7 +287,7 @@ def map_extent(picture: xarray.Dataset, name: str) -> tuple[float, float, float,
     return extent[0], extent[1], extent[2], extent[3]
 
 
-def _pressure_panel(figure: Figure, axes: Axes, picture: xarray.Dataset, hardness: float | None) -> None:
+def _draw_pressure_panel(figure: Figure, axes: Axes, picture: xarray.Dataset, hardness: float | None) -> None:
     pressure = picture["zoom_pressure"].values
     box = map_extent(picture, "zoom")
     axes.imshow(picture["zoom_height"].values, extent=box, origin="lower", cmap="gray", alpha=0.6)
@@ -315,13 +315,13 @@ def contact_map_figure(picture: xarray.Dataset, *, direction: float = 0.0) -> Fi
     `picture` is a result of `contact_picture`, and `direction` is the motion of the upper body (degrees). The figure is
     80 mm wide.
     """
-    is_opposing, is_cut = find_opposing_contacts(picture, direction), picture["contact_at_edge"].values > 0
+    is_opposing, is_cut = opposing_contact_mask(picture, direction), picture["contact_at_edge"].values > 0
     colours_and_labels = [(OPPOSING_COLOUR, "opposes motion"), (NOT_OPPOSING_COLOUR, "assists motion")] + [
         (EDGE_COLOUR, "cut by the edge")
     ] * bool(is_cut.any())
     if "gap" in picture:
         figure = new_figure(70)
-        _draw_lines(
+        _draw_profile_contacts(
             figure.subplots(2, 1, height_ratios=[1, 2.5]),
             picture,
             np.where(is_opposing, OPPOSING_COLOUR, NOT_OPPOSING_COLOUR),
@@ -360,7 +360,9 @@ def _draw_contact_map(
     axes.set(xlabel=axis_label("x"), ylabel=axis_label("y"))
 
 
-def _draw_lines(panels: Any, picture: xarray.Dataset, colours: NDArray[Any], is_cut: NDArray[np.bool_]) -> None:
+def _draw_profile_contacts(
+    panels: Any, picture: xarray.Dataset, colours: NDArray[Any], is_cut: NDArray[np.bool_]
+) -> None:
     """Draw both profiles at full length, and magnified around the contact with the largest load."""
     x, lower, gap = (picture[name].values for name in ("height_x", "lower_height", "gap"))
     finite = np.isfinite(gap)  # missing heights are interpolated

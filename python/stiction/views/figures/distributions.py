@@ -26,7 +26,7 @@ MIN_DIRECTIONS = 3  # minimum number of directions for a compass figure
 MAX_RINGS = 5
 
 
-def compass_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
+def direction_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     """Draw the friction coefficient against the direction of motion for each sliding rule (80 mm wide).
 
     `points` is a result of `at_load` at one load, cell, mu0 and tau0. A smooth curve connects the directions.
@@ -69,7 +69,7 @@ def compass_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
                     linewidth=0.8,
                     label=estimate_label,
                 )
-    _draw_rings(axes, highest)
+    _draw_polar_circles(axes, highest)
     direction_labels = ("$+x$", "45°", "$+y$", "135°", "$-x$", "225°", "$-y$", "315°")
     axes.set_xticks(np.radians(np.arange(0, 360, 45)), direction_labels)
     modulus = float(dataset["effective_modulus"]) if "effective_modulus" in dataset.coords else None
@@ -94,7 +94,7 @@ def _interpolate_periodic(degrees: Floats, values: Floats, new_degrees: Floats) 
     return np.asarray(np.maximum(spline((new_degrees - degrees[0]) % 360 + degrees[0]), 0))
 
 
-def _draw_rings(axes: Any, highest: float) -> None:
+def _draw_polar_circles(axes: Any, highest: float) -> None:
     """Draw the circles of a polar plot at round values, with labels between two spokes."""
     min_ring_spacing = (highest or 1.0) / MAX_RINGS
     power = 10.0 ** np.floor(np.log10(min_ring_spacing))
@@ -114,12 +114,12 @@ def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title:
     """Draw the friction coefficient of each member in each direction, without averaging over directions (80 mm wide).
 
     `values` has the dimensions repetition, direction and sliding. `points` contains the means of `values`, as for
-    `compass_figure`. Members of a single traverse are drawn against the offset, other members in ascending order.
+    `direction_figure`. Members of a single traverse are drawn against the offset, other members in ascending order.
     Directions are not averaged, because a test slides in one direction.
     """
     figure = new_figure(62)
     axes = figure.subplots()
-    by_offset = _is_single_traverse(values)
+    by_offset = _has_single_profile_pair(values)
     highest = float(np.nanmax(values.values)) if np.isfinite(values.values).any() else 1.0
     for rule in (rule for rule in SLIDING_RULE_COLOURS if rule in np.atleast_1d(values["sliding"].values)):
         selected = select_sliding_rule(values, rule)
@@ -154,7 +154,7 @@ def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title:
     return figure
 
 
-def _is_single_traverse(values: xarray.DataArray) -> bool:
+def _has_single_profile_pair(values: xarray.DataArray) -> bool:
     """Return whether all members are the same pair of profiles at different offsets."""
     if "x" not in values.coords or "line" not in values.coords:
         return False

@@ -41,7 +41,7 @@ from stiction.views.style import (
     fractal_dimension_colours,
     friction_parameters_text,
     new_figure,
-    spread_labels,
+    spread_label_positions,
 )
 
 LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)  # multiples of the length scale that are compared in a figure
@@ -94,7 +94,7 @@ COLOUR_BAR_TICKS = (
 _LUMINANCE_WEIGHTS = np.array([0.2126, 0.7152, 0.0722])  # weights of red, green and blue in the luminance
 
 
-def iterate_motions(dataset: xarray.Dataset) -> Iterator[tuple[str, xarray.Dataset]]:
+def iterate_motion_datasets(dataset: xarray.Dataset) -> Iterator[tuple[str, xarray.Dataset]]:
     """Yield a file name suffix and the values for each combination of sliding rule and direction."""
     dims = [dim for dim in ("sliding", "direction") if dim in dataset.dims]
     for index in np.ndindex(*(dataset.sizes[dim] for dim in dims)):
@@ -158,7 +158,7 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
     strengths = list(study.friction.tau0)
     strengths = strengths if len(strengths) <= MAX_DRAWN_STRENGTHS else [strengths[0], strengths[-1]]
     loads = result.reached_loads()
-    load = _common_load(result, float(loads[0]))
+    load = _commonly_reached_load(result, float(loads[0]))
     values = result.at([*loads, load], mu0=mu0, tau0=[float(strength) for strength in strengths], quantities=())
     values = values.isel(mu0=0)
     maps, curves = values.sel(load=loads), values.sel(load=load)
@@ -182,7 +182,7 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
             if row == 0:
                 ax.set_title(rf"$\tau_0$ = {strength.text}", pad=2)
                 draw_panel_letter(ax, column)
-            format_dimension_axis(ax, dataset, last=is_last_row)
+            format_fractal_dimension_axis(ax, dataset, last=is_last_row)
             if amplitudes.size > 1:
                 ax.text(
                     0.96, 0.96, f"$a$ = {1000 * amplitude:g} nm", transform=ax.transAxes, fontsize=6, ha="right",
@@ -195,7 +195,7 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
         if row == 0:
             ax.set_title(f"at $F_N$ = {format_with_unit(load, 'mN')}", pad=2)
             draw_panel_letter(ax, len(strengths))
-        format_dimension_axis(ax, dataset, last=is_last_row)
+        format_fractal_dimension_axis(ax, dataset, last=is_last_row)
     _draw_colour_bar(figure, (13 / 170, 1 - (above - 5.5) / total_height, 99 / 170, 2.2 / total_height), norm, mu0)
     draw_heading(figure, lines)
     figure.legend(
@@ -205,7 +205,7 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
     return figure
 
 
-def _common_load(result: Result, lowest: float) -> float:
+def _commonly_reached_load(result: Result, lowest: float) -> float:
     """Return a load (mN) that nine of ten ensembles reach. Powers of ten from `lowest` upwards are preferred."""
     elastic_loads = result.means(["normal_elastic"])["normal_elastic"].max(result.study.step_quantity).values
     common_load = float(np.quantile(elastic_loads[elastic_loads > 0], 0.1))
@@ -213,7 +213,7 @@ def _common_load(result: Result, lowest: float) -> float:
     return float(power if power >= lowest else max(common_load, lowest))
 
 
-def format_dimension_axis(axes: Axes, dataset: xarray.Dataset, *, last: bool) -> None:
+def format_fractal_dimension_axis(axes: Axes, dataset: xarray.Dataset, *, last: bool) -> None:
     """Format the axis of the fractal dimension, with a label below the last row of panels."""
     axes.locator_params("x", nbins=4, steps=[1, 2, 5, 10])
     if last:
@@ -305,7 +305,7 @@ def _draw_friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: flo
     edges = _cell_edges(panel["fractal_dimension"].values), np.exp(_cell_edges(np.log(panel["load"].values)))
     axes.set(yscale="log", xlim=(edges[0][0], edges[0][-1]), ylim=(edges[1][0], edges[1][-1]))
     set_log_tick_labels(axes)
-    axes.add_patch(_not_reached_patch((0, 0), 1, 1, transform=axes.transAxes))
+    axes.add_patch(_unreached_cell_patch((0, 0), 1, 1, transform=axes.transAxes))
     finite = np.isfinite(values)
     # A coefficient of 0 has no logarithm, and is drawn in the colour of the lowest value.
     colours = colormaps[FRICTION_COLOUR_MAP](norm(np.where(finite, np.maximum(values, norm.vmin), norm.vmin)))
@@ -364,7 +364,7 @@ def _fade_colours(colours: Floats, fading: Floats) -> Floats:
     return np.asarray((1 - fraction) * colours + fraction * grey)
 
 
-def _not_reached_patch(*args: Any, **kwargs: Any) -> Any:
+def _unreached_cell_patch(*args: Any, **kwargs: Any) -> Any:
     return Rectangle(*args, facecolor="white", edgecolor="0.6", hatch="////", linewidth=0.5, **kwargs)
 
 
@@ -383,7 +383,7 @@ def _legend_handles(maps: xarray.Dataset, *, has_asperities: bool) -> list[Any]:
             )
         )
     if (~np.isin(maps["status"].values, (STATUS_OK, STATUS_SELF_LOCKED))).any():
-        handles.append(_not_reached_patch((0, 0), 1, 1, label="load not reached"))
+        handles.append(_unreached_cell_patch((0, 0), 1, 1, label="load not reached"))
     if (maps["status"].values == STATUS_SELF_LOCKED).any():
         handles.append(Patch(facecolor=to_rgb(SELF_LOCKED_COLOUR), label=r"self-locked: $F_N \leq 0$"))
     handles.append(Line2D([], [], color="black", linewidth=0.7, label="load of the curves; bands: 95 %"))
@@ -488,7 +488,7 @@ def _draw_area_curves(
                 labels.append((load[indices[0]], dimensions[curve_index], colour))
                 label_heights.append(np.log(area_factor[indices[0]] * area[curve_index, indices[0]]))
         low, high = np.log(ax.get_ylim())
-        spread_heights = spread_labels(label_heights, label_distance * (high - low))
+        spread_heights = spread_label_positions(label_heights, label_distance * (high - low))
         spread_heights += max(0, low + label_distance * (high - low) - spread_heights.min(initial=high))
         for (curve_start, dimension, colour), label_height in zip(labels, spread_heights, strict=True):
             text = f"{dimension:.2f}" if dimension != dimensions[0] else f"$D$ = {dimension:.2f}"

@@ -50,7 +50,7 @@ def load_figure(points: xarray.Dataset, study_loads: Sequence[float] = (), *, ti
     positions.
     """
     loads = np.asarray(points["load"].values, dtype=np.float64)
-    figure = _draw_panels_against(points, "load", loads, title)
+    figure = _friction_and_area_figure(points, "load", loads, title)
     friction_axes, area_axes = figure.axes[:2]
     for ax, load in itertools.product((friction_axes, area_axes), study_loads):
         ax.axvline(load, color="0.5", linewidth=0.5, linestyle="--")
@@ -146,7 +146,7 @@ def cut_off_figure(points: xarray.Dataset, *, title: str = "", limits: Mapping[s
     cut_off = np.asarray(points["cut_off"].values, dtype=np.float64)
     shortest_cutoff = cut_off[cut_off > 0].min(initial=2.0)
     positions = np.where(cut_off > 0, cut_off, limits.get("shortest") or shortest_cutoff / UNFILTERED_POSITION_RATIO)
-    figure = _draw_panels_against(points, "cut_off", positions, title, limits)
+    figure = _friction_and_area_figure(points, "cut_off", positions, title, limits)
     figure.axes[1].set_xlabel(axis_label("cut_off") + ("; first point: none" if (cut_off == 0).any() else ""))
     return figure
 
@@ -158,7 +158,7 @@ MAX_SPECTRAL_CUTOFF_RATIO = 8.0  # longest wavelength of the closed-form estimat
 MIN_WAVELENGTH_RATIO = 1 / 16  # shortest wavelength of extrapolated values, relative to the first cutoff
 
 
-def _draw_limits(friction_axes: Axes, area_axes: Axes, limits: Mapping[str, Any], x: Floats) -> None:
+def _draw_resolution_limits(friction_axes: Axes, area_axes: Axes, limits: Mapping[str, Any], x: Floats) -> None:
     """Draw the plastic limit and the extrapolated values behind the computed curves."""
     if limits.get("friction") is not None:
         friction_axes.axhline(
@@ -207,7 +207,7 @@ def _draw_limits(friction_axes: Axes, area_axes: Axes, limits: Mapping[str, Any]
             axes.axvspan(1e-9, 0.97 * limits["shortest"], color="0.9", linewidth=0, zorder=-2, label="not resolved")
 
 
-def _draw_panels_against(
+def _friction_and_area_figure(
     points: xarray.Dataset, dimension: str, x: Floats, title: str, limits: Mapping[str, Any] | None = None
 ) -> Figure:
     figure = new_figure(114)
@@ -222,7 +222,7 @@ def _draw_panels_against(
             friction_axes.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
         friction_axes.plot(x, mean, "o-", color=colour, linewidth=1, markersize=2, label=SLIDING_RULE_LABELS[rule])
         _draw_single_directions(friction_axes, dataset, x, colour)
-    _mark_incomplete(friction_axes, points, dimension, x)
+    _mark_incomplete_points(friction_axes, points, dimension, x)
     has_fraction = "contact_area_fraction" in points
     area = 100 * points["contact_area_fraction"] if has_fraction else points["contact_area"]
     mean, low, high = (area.sel(statistic=name).values for name in MEAN_AND_LIMITS)
@@ -240,7 +240,7 @@ def _draw_panels_against(
     )
     if limits:
         left = min([*x, *(value for value in limits["wavelength"] if value >= MIN_WAVELENGTH_RATIO * x.min())])
-        _draw_limits(friction_axes, area_axes, limits, x)
+        _draw_resolution_limits(friction_axes, area_axes, limits, x)
         area_axes.set_xlim(left / 1.2, (1.2 if limits.get("spectral") is None else MAX_SPECTRAL_CUTOFF_RATIO) * x.max())
     friction_axes.set_ylabel(axis_label("friction_coefficient"))
     area_axes.set_ylabel(axis_label("contact_area_fraction" if has_fraction else "contact_area"))
@@ -272,7 +272,7 @@ def _draw_single_directions(axes: Axes, dataset: xarray.Dataset, x: Floats, colo
         axes.plot(x, mean, line_style, color=colour, linewidth=0.6, label=name)
 
 
-def _mark_incomplete(axes: Axes, points: xarray.Dataset, dimension: str, x: Floats) -> None:
+def _mark_incomplete_points(axes: Axes, points: xarray.Dataset, dimension: str, x: Floats) -> None:
     """Mark points at which some members have no result."""
     if not {"ok", "members"} <= set(points.variables):
         return

@@ -20,13 +20,13 @@ from stiction.studies.contact_picture import MIN_ZOOM_SIZE, ZOOM_DIVISOR
 from stiction.studies.contact_tables import AsperitySettings
 from stiction.studies.point import MEAN_AND_LIMITS
 from stiction.studies.result import Result
-from stiction.views.figures.contact import draw_frame, draw_heights, map_extent
+from stiction.views.figures.contact import draw_frame, draw_height_map, map_extent
 from stiction.views.figures.ensemble import (
     HEADING_HEIGHT,
     create_figure_with_axes_rows,
     draw_heading,
     draw_panel_letter,
-    format_dimension_axis,
+    format_fractal_dimension_axis,
     heading_lines,
 )
 from stiction.views.onset import CYCLE_AMPLITUDES
@@ -65,7 +65,7 @@ def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
             energy_loss = 1e3 * float(mean_onset["energy_lost"].sel(fraction=amplitude))
             text = f"cycle of {amplitude:g}: {format_with_unit(energy_loss, 'pJ')}"
             axes.plot(1e3 * load_cycle[0], load_cycle[1], color=colour, linewidth=0.8, label=text)
-        loading_curve = _interpolate_loading(displacement, load, float(load[-1]))
+        loading_curve = _interpolate_loading_curve(displacement, load, float(load[-1]))
         axes.plot(1e3 * loading_curve[0], loading_curve[1], color=FORCE_COLOUR, linewidth=1.2, label="first loading")
         axes.axhline(0, color="0.7", linewidth=0.4)
         axes.axvline(0, color="0.7", linewidth=0.4)
@@ -102,7 +102,7 @@ def _prepend_zero(values: Floats) -> Floats:
 NUM_CURVE_POINTS = 200  # number of points of an interpolated curve
 
 
-def _interpolate_loading(displacement: Floats, load: Floats, max_load: float) -> tuple[Floats, Floats]:
+def _interpolate_loading_curve(displacement: Floats, load: Floats, max_load: float) -> tuple[Floats, Floats]:
     """Return the curve of first loading up to a load, interpolated by a monotone cubic."""
     from scipy.interpolate import PchipInterpolator
 
@@ -112,7 +112,7 @@ def _interpolate_loading(displacement: Floats, load: Floats, max_load: float) ->
 
 def _masing_cycle(displacement: Floats, load: Floats, amplitude: float) -> tuple[Floats, Floats]:
     """Return a load cycle between a load and its negative. Each branch is the doubled loading curve (Masing's rule)."""
-    loading = _interpolate_loading(displacement, load, amplitude)
+    loading = _interpolate_loading_curve(displacement, load, amplitude)
     unloading = loading[0][-1] - 2 * loading[0], loading[1][-1] - 2 * loading[1]
     return np.concatenate([unloading[0], -unloading[0]]), np.concatenate([unloading[1], -unloading[1]])
 
@@ -140,14 +140,14 @@ def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
     colours = mpl.colormaps[SLIP_COLOUR_MAP]
     colour_norm = BoundaryNorm([0.0, *onset["fraction"].values], colours.N)
     full_extent = map_extent(onset, "slip")
-    draw_heights(figure, panels[0], onset["lower_height"].values, full_extent)
+    draw_height_map(figure, panels[0], onset["lower_height"].values, full_extent)
     add_scale_bar(panels[0], full_extent, fontsize=6)
     if has_point_map:
-        _draw_slip(panels[0], onset["slip"].values, full_extent, colour_norm)
-        fraction, box = _densest_window(onset)
+        _draw_slip_map(panels[0], onset["slip"].values, full_extent, colour_norm)
+        fraction, box = _densest_contact_window(onset)
         draw_frame(panels[0], box)
         panels[1].imshow(onset["lower_height"].values[fraction], extent=box, origin="lower", cmap="gray", alpha=0.6)
-        _draw_slip(panels[1], onset["slip"].values[fraction], box, colour_norm)
+        _draw_slip_map(panels[1], onset["slip"].values[fraction], box, colour_norm)
         panels[1].set_title("region with the most contact (frame above)", loc="left", fontsize=6, pad=3)
         panels[1].set(xlabel=axis_label("x"), ylabel=axis_label("y"))
     else:
@@ -171,7 +171,7 @@ def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
     return figure
 
 
-def _draw_slip(axes: Axes, slip: Floats, box: tuple[float, ...], colour_norm: BoundaryNorm) -> None:
+def _draw_slip_map(axes: Axes, slip: Floats, box: tuple[float, ...], colour_norm: BoundaryNorm) -> None:
     image_options: dict[str, Any] = {
         "origin": "lower",
         "interpolation": "nearest",
@@ -181,7 +181,7 @@ def _draw_slip(axes: Axes, slip: Floats, box: tuple[float, ...], colour_norm: Bo
     axes.imshow(slip, extent=(box[0], box[1], box[2], box[3]), **image_options)
 
 
-def _densest_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice], tuple[float, float, float, float]]:
+def _densest_contact_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice], tuple[float, float, float, float]]:
     """Return the part of the map where contact points are densest: its rows, its columns and its extent (µm)."""
     from scipy.ndimage import gaussian_filter
 
@@ -214,7 +214,7 @@ LOAD_FRACTIONS = (0.25, 0.5, 0.75)
 LOAD_COLOURS = ("#56b4e9", "#0072b2", "#003a5d")  # colours of the curves, from low to high loads
 
 
-def dimension_onset_figure(dataset: xarray.Dataset) -> Figure:
+def onset_by_dimension_figure(dataset: xarray.Dataset) -> Figure:
     """Draw pre-sliding displacement, slip and stiffness against fractal dimension, with a row of panels per amplitude.
 
     Bands are 95 % intervals. Curves are dotted where the model is not valid.
@@ -240,8 +240,8 @@ def dimension_onset_figure(dataset: xarray.Dataset) -> Figure:
     for row, amplitude in enumerate(amplitudes):
         for number, name in enumerate(_ONSET_PANELS):
             axes = add_axes_at(13 + 57 * number, row, 40)
-            _draw_curves(axes, dataset_at_loads.isel(amplitude=row), name)
-            format_dimension_axis(axes, dataset, last=row == amplitudes.size - 1)
+            _draw_onset_curves(axes, dataset_at_loads.isel(amplitude=row), name)
+            format_fractal_dimension_axis(axes, dataset, last=row == amplitudes.size - 1)
             if row == 0:
                 draw_panel_letter(axes, number)
             if amplitudes.size > 1 and number == 0:
@@ -260,7 +260,7 @@ def dimension_onset_figure(dataset: xarray.Dataset) -> Figure:
     return figure
 
 
-def _draw_curves(axes: Axes, dataset: xarray.Dataset, name: str) -> None:
+def _draw_onset_curves(axes: Axes, dataset: xarray.Dataset, name: str) -> None:
     factor, text, is_logarithmic = _ONSET_PANELS[name]
     dimension = dataset["fractal_dimension"].values
     for load, colour in zip(dataset["load"].values, LOAD_COLOURS, strict=False):

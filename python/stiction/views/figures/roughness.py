@@ -38,22 +38,22 @@ def characterisation_figure(body: Profile | Surface | Characterisation, **option
             upper_subfigure, lower_subfigure = figure.subfigures(2, 1, squeeze=False, height_ratios=[1, 1.7])[:, 0]
             axes = upper_subfigure.subplot_mosaic([["heights", "distribution"]], width_ratios=[1.7, 1])
             axes |= lower_subfigure.subplot_mosaic([["spectrum"]])
-            _draw_heights(axes["heights"], result.body)
+            _draw_profile_heights(axes["heights"], result.body)
         else:
             figure = new_figure(112, width=PAGE_WIDTH)
             upper_subfigure, lower_subfigure = figure.subfigures(1, 2, squeeze=False, width_ratios=[1, 1.1])[0]
             axes = upper_subfigure.subplot_mosaic([["heights"], ["distribution"]], height_ratios=[2, 1])
             axes |= lower_subfigure.subplot_mosaic([["spectrum"], ["lines"]])
-            _draw_map(upper_subfigure, axes["heights"], result.body)
-            for line, colour in zip(result.lines, MAP_AXIS_COLOURS.items(), strict=True):
-                _draw_line(axes["lines"], line, *colour)
+            _draw_height_map(upper_subfigure, axes["heights"], result.body)
+            for line, colour in zip(result.line_roughnesses, MAP_AXIS_COLOURS.items(), strict=True):
+                _draw_line_spectrum(axes["lines"], line, *colour)
             _format_spectrum_axes(axes["lines"], "µm³")
         _draw_spectrum(axes["spectrum"], result)
-        _draw_distribution(axes["distribution"], result.body.heights)
+        _draw_height_distribution(axes["distribution"], result.body.heights)
     return figure
 
 
-def _draw_heights(axes: Axes, profile: Profile) -> None:
+def _draw_profile_heights(axes: Axes, profile: Profile) -> None:
     """Draw heights along a profile. Long profiles show means and ranges of neighbouring points."""
     group_size = -(-len(profile) // MAX_PROFILE_POINTS)
     heights = profile.heights - profile.heights.min()
@@ -68,7 +68,7 @@ def _draw_heights(axes: Axes, profile: Profile) -> None:
     axes.locator_params(nbins=4, steps=TICK_STEPS)
 
 
-def _draw_distribution(axes: Axes, heights: Floats) -> None:
+def _draw_height_distribution(axes: Axes, heights: Floats) -> None:
     deviations = 1000 * (heights - heights.mean()).ravel()
     rms_height = float(deviations.std())
     density, bin_edges = np.histogram(deviations, NUM_HEIGHT_BINS, density=True)
@@ -88,19 +88,19 @@ def _draw_spectrum(axes: Axes, result: Characterisation) -> None:
             result.spectrum.wave_number[has_power], result.spectrum.density[has_power], ".", color="0.8", markersize=1,
             markeredgewidth=0, rasterized=True, label="harmonics",
         )  # fmt: skip
-    has_power = result.binned.density > 0
+    has_power = result.binned_spectrum.density > 0
     axes.plot(
-        result.binned.wave_number[has_power],
-        result.binned.density[has_power],
+        result.binned_spectrum.wave_number[has_power],
+        result.binned_spectrum.density[has_power],
         color=MEASURED_COLOUR,
         linewidth=0.6,
         marker="o",
         markersize=2,
         label="measured",
     )
-    law, is_profile = result.law, result.spectrum is not None
+    law, is_profile = result.valid_power_law, result.spectrum is not None
     if law is None:
-        note = "no self-affine band found" if result.fit is None else "no power law"
+        note = "no self-affine band found" if result.power_law_fit is None else "no power law"
     else:
         q = np.geomspace(2 * math.pi / law.longest_wavelength, 2 * math.pi / law.shortest_wavelength, 40)
         name = f"$q^{{-{2 - is_profile}-2H}}$, $H$ = {law.value:.2f} [{law.lower:.2f}, {law.upper:.2f}]"
@@ -109,10 +109,10 @@ def _draw_spectrum(axes: Axes, result: Characterisation) -> None:
         classical_text = f"{law.fractal_dimension_classical:.2f} (classical), " if law.value <= 1 else ""
         note = f"$D$ = {classical_text}{law.fractal_dimension_paper:.2f} (paper)"
     axes.plot([], [], " ", label=note)
-    _format_spectrum_axes(axes, "µm³" if is_profile else "µm⁴", result.binned.density)
+    _format_spectrum_axes(axes, "µm³" if is_profile else "µm⁴", result.binned_spectrum.density)
 
 
-def _draw_line(axes: Axes, line: LineRoughness, axis: str, colour: str) -> None:
+def _draw_line_spectrum(axes: Axes, line: LineRoughness, axis: str, colour: str) -> None:
     spectrum = line.spectrum.in_bins()
     has_power = spectrum.density > 0
     axes.plot(
@@ -142,7 +142,7 @@ def _format_spectrum_axes(axes: Axes, unit: str, density: Floats | None = None) 
     axes.legend(loc="lower left", handlelength=1.5, borderaxespad=0.3, labelspacing=0.3)
 
 
-def _draw_map(figure: Any, axes: Axes, surface: Surface) -> None:
+def _draw_height_map(figure: Any, axes: Axes, surface: Surface) -> None:
     unit, unit_length = ("mm", 1e3) if max(surface.extent) >= MIN_MILLIMETRE_LENGTH else ("µm", 1.0)
     heights = 1000 * (surface.heights - surface.heights.mean())
     along_y, along_x = (length / unit_length for length in surface.extent)

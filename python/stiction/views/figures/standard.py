@@ -16,19 +16,24 @@ from matplotlib.figure import Figure
 from stiction.studies.resolution import resolution_limits
 from stiction.studies.result import Result
 from stiction.studies.study import Study
-from stiction.views.figures.budget import budget_figure, dwell_time_figure
+from stiction.views.figures.budget import dwell_time_figure, uncertainty_budget_figure
 from stiction.views.figures.contact import contact_figure, contacts_figure
-from stiction.views.figures.distributions import MIN_DIRECTIONS, compass_figure, contact_sizes_figure, positions_figure
+from stiction.views.figures.distributions import (
+    MIN_DIRECTIONS,
+    contact_sizes_figure,
+    direction_figure,
+    positions_figure,
+)
 from stiction.views.figures.ensemble import (
     area_figure,
     friction_figure,
-    iterate_motions,
+    iterate_motion_datasets,
     length_scales_figure,
     profiles_figure,
 )
 from stiction.views.figures.height_scale import height_scale_figure
 from stiction.views.figures.loads import adhesion_figure, closure_figure, cut_off_figure, load_figure
-from stiction.views.figures.onset import contains_slip_map, dimension_onset_figure, onset_figure, slip_figure
+from stiction.views.figures.onset import contains_slip_map, onset_by_dimension_figure, onset_figure, slip_figure
 from stiction.views.style import MATPLOTLIB_STYLE, parse_formats, save_figure
 
 if TYPE_CHECKING:
@@ -87,9 +92,9 @@ def select_figures(
     """Yield the name and the drawing function of each figure of a result. The names have no file extension."""
     result = Result.of(result)
     if not result.study.is_measured:
-        yield from _generated_figures(result.dataset, result.study)
+        yield from _generated_surface_figures(result.dataset, result.study)
         return
-    yield from _measured_figures(result, result.study, result.contact_picture if picture is None else picture)
+    yield from _measured_surface_figures(result, result.study, result.contact_picture if picture is None else picture)
 
 
 def pair_title(study: Study) -> str:
@@ -106,7 +111,7 @@ def format_print_title(study: Study) -> str:
 # ---- Figures of generated surfaces -----------------------------------------------------------------------------------
 
 
-def _generated_figures(dataset: xarray.Dataset, study: Study) -> Iterator[tuple[str, Callable[[], Figure]]]:
+def _generated_surface_figures(dataset: xarray.Dataset, study: Study) -> Iterator[tuple[str, Callable[[], Figure]]]:
     for name in study.figures.draw:
         match name:
             case "profiles":
@@ -114,20 +119,20 @@ def _generated_figures(dataset: xarray.Dataset, study: Study) -> Iterator[tuple[
             case "length-scales":
                 yield "length_scales", lambda: length_scales_figure(study)
             case "friction":
-                for suffix, motion_dataset in iterate_motions(dataset):
+                for suffix, motion_dataset in iterate_motion_datasets(dataset):
                     for mu0 in study.friction.mu0:
                         yield f"friction_mu0_{mu0:.12g}{suffix}", partial(friction_figure, motion_dataset, mu0)
             case "area":
-                for suffix, motion_dataset in iterate_motions(dataset):
+                for suffix, motion_dataset in iterate_motion_datasets(dataset):
                     yield f"area{suffix}", partial(area_figure, motion_dataset)
             case "onset":  # the onset is stored only for a single direction and for friction at all contacts
-                yield "onset", partial(dimension_onset_figure, next(iterate_motions(dataset))[1])
+                yield "onset", partial(onset_by_dimension_figure, next(iterate_motion_datasets(dataset))[1])
 
 
 # ---- Figures of measured surfaces ------------------------------------------------------------------------------------
 
 
-def _measured_figures(
+def _measured_surface_figures(
     result: Result, study: Study, picture: xarray.Dataset | None
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
     study_loads = [float(load) for load in study.friction.load]
@@ -142,7 +147,7 @@ def _measured_figures(
         dataset = selection.sel(load=first_load, method="nearest")
         yield f"friction{suffix}", partial(load_figure, selection, study_loads, title=title)
         if points.sizes.get("direction", 1) >= MIN_DIRECTIONS:
-            yield f"compass{suffix}", partial(compass_figure, dataset, title=title)
+            yield f"compass{suffix}", partial(direction_figure, dataset, title=title)
         yield f"positions{suffix}", partial(draw_positions_figure, result, dataset, title=title)
         if cutoff_dataset is not None:
             dataset = cutoff_dataset.isel(mu0=mu0_index, tau0=tau0_index).sel(load=first_load, method="nearest")
@@ -157,7 +162,7 @@ def _measured_figures(
             )
     if study.is_areal:
         yield "closure", partial(closure_figure, unfiltered.sel(load=slice(max(study_loads))), title=title)
-    yield "budget", lambda: budget_figure(result.summary().first, title=title)
+    yield "budget", lambda: uncertainty_budget_figure(result.summary().first, title=title)
     if study.friction.wait:
         yield "waiting", lambda: dwell_time_figure(result.summary().first, title=title)
     if onset is not None:
@@ -173,7 +178,7 @@ def _measured_figures(
         direction = float(np.atleast_1d(points["direction"].values)[0])
         yield "contacts", partial(contacts_figure, picture, direction=direction, hardness=hardness, title=title)
     elif not (study.is_areal or study.uses_half_space):
-        yield from _profile_figures(
+        yield from _profile_contact_figures(
             result, study, unfiltered.isel(mu0=0, tau0=0).sel(load=first_load, method="nearest"), first_load
         )
 
@@ -209,7 +214,7 @@ def _contact_sizes_figure(result: Result, dataset: xarray.Dataset, **options: An
     return contact_sizes_figure(result.dataset[["patch_area", "pressure"]].isel(cut_off=0), dataset, **options)
 
 
-def _profile_figures(
+def _profile_contact_figures(
     result: Result, study: Study, point: xarray.Dataset, load: float
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
     """Yield the figure of the first pair of profiles that supports a load."""

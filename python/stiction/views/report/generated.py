@@ -35,7 +35,7 @@ from stiction.studies.point import list_rules_quoted_first
 from stiction.studies.result import Result
 from stiction.studies.study import Study, study_names
 from stiction.views.figures.ensemble import COLOUR_QUANTILES
-from stiction.views.point import motion_text
+from stiction.views.point import motion_direction_text
 from stiction.views.report.page import (
     CELL_AXIS_LABELS,
     ReportContent,
@@ -44,7 +44,7 @@ from stiction.views.report.page import (
     slider_facts,
     study_motions,
 )
-from stiction.views.report.pictures import dimension_panel, profiles_panel
+from stiction.views.report.pictures import onset_by_dimension_panel, profiles_panel
 from stiction.views.report.tables import PackedArrays
 
 # Maximum number of coefficients on a page.
@@ -56,7 +56,7 @@ MAX_OVERLAP_RADIUS_RATIO = 0.1
 SURFACE_PARAMETER_DIMENSIONS = ("fractal_dimension", "amplitude")
 
 
-def generated_result_page(result: Result, study: Study, name: str) -> ReportContent:
+def generated_report_content(result: Result, study: Study, name: str) -> ReportContent:
     """Return the report on a result for generated surfaces. The default title is the name of the study.
 
     Raises a `ReportError` if it is too large for a page or has no members.
@@ -70,7 +70,7 @@ def generated_result_page(result: Result, study: Study, name: str) -> ReportCont
         .values
     )
     packed_arrays, loads = PackedArrays(), result.nodes.loads
-    facts = _study_facts(head, study, loads) | {"name": name or _study_name(study), "repetitions": members}
+    facts = _study_facts(head, study, loads) | {"name": name or _built_in_study_name(study), "repetitions": members}
     facts |= {
         "hasIntervals": members > 1,
         "kinds": ["pairs of surfaces"],
@@ -83,12 +83,12 @@ def generated_result_page(result: Result, study: Study, name: str) -> ReportCont
     return ReportContent(
         study=study,
         name=facts["name"],
-        head=_head_lines(study),
+        head=_heading_lines(study),
         pairs_text=_describe_pairs(study, facts),
         facts=facts,
         packed_arrays=packed_arrays,
         num_members=num_members,
-        pictures_markup=_draw_pictures(result, study, head, contact_counts),
+        pictures_markup=_render_picture_panels(result, study, head, contact_counts),
     )
 
 
@@ -111,7 +111,7 @@ def _study_facts(head: xarray.Dataset, study: Study, loads: Floats) -> dict[str,
         "measure": "total height" if surfaces.amplitude_measure == "height" else surfaces.amplitude_measure,
         "loads": {"values": loads.tolist(), "texts": [format_with_unit(load, "mN") for load in loads], "unit": ""},
         "ways": [
-            {"words": motion_text(angle), "directions": [direction_index], "isWhole": True, "angle": angle}
+            {"words": motion_direction_text(angle), "directions": [direction_index], "isWhole": True, "angle": angle}
             for direction_index, angle in enumerate(angles)
         ],
         "quotedRule": list_rules_quoted_first(study)[0],
@@ -142,15 +142,20 @@ def _add_values_at_nodes(
             f"{num_values}; choose fewer fractal dimensions, amplitudes or directions"
         )
     (node_values,) = nodes.values
-    points, areas = to_leading_order(node_values["friction_coefficient"]), to_leading_order(node_values["contact_area"])
+    points, areas = (
+        transpose_to_leading_dimensions(node_values["friction_coefficient"]),
+        transpose_to_leading_dimensions(node_values["contact_area"]),
+    )
     shape: tuple[int, ...] = points.shape[:-1]
     areas = np.broadcast_to(areas, points.shape)
-    contact_counts = np.broadcast_to(to_leading_order(node_values["contact_count"])[..., 0], shape)
+    contact_counts = np.broadcast_to(transpose_to_leading_dimensions(node_values["contact_count"])[..., 0], shape)
     quantities: dict[str, Floats] = {"friction": points, "area": areas}
     if "normal_stiffness" in node_values and bool(node_values["normal_stiffness"].notnull().any()):
-        quantities["stiffness"] = np.broadcast_to(to_leading_order(node_values["normal_stiffness"]), points.shape)
+        quantities["stiffness"] = np.broadcast_to(
+            transpose_to_leading_dimensions(node_values["normal_stiffness"]), points.shape
+        )
     for name, values in quantities.items():
-        packed_arrays.add_points(name, values)
+        packed_arrays.add_estimates(name, values)
     validity_numbers: dict[str, Floats] = {}
     validity_records: list[dict[str, Any]] = []
     for name in (
@@ -158,7 +163,7 @@ def _add_values_at_nodes(
         for name in (*VALIDITY_QUANTITIES, *AREAL_VALIDITY_QUANTITIES, *AT_HARDNESS_QUANTITIES)
         if name in node_values
     ):
-        values = to_leading_order(node_values[name])
+        values = transpose_to_leading_dimensions(node_values[name])
         values = np.broadcast_to(values if values.ndim == len(shape) else values[..., 0], shape)
         if not np.isfinite(values).any() or (name in AT_HARDNESS_QUANTITIES and not np.nan_to_num(values).any()):
             continue
@@ -175,7 +180,7 @@ def _add_values_at_nodes(
                 "unit": " %" if quantity.percent else "",
             }
         )
-    status = np.broadcast_to(to_leading_order(node_values["status"]), shape)
+    status = np.broadcast_to(transpose_to_leading_dimensions(node_values["status"]), shape)
     statuses, codes = _status_records_and_codes(status, validity_numbers, validity_records)
     packed_arrays.add("status", codes.astype(np.int8))
     is_interpolated = np.logical_and.reduce([nodes.is_interpolated(values) for values in quantities.values()])
@@ -188,7 +193,7 @@ def _add_values_at_nodes(
     assessments, assessment_indices = assess_ensemble(study, status[:, :, rule_index], checked_numbers)
     packed_arrays.add("judgement", assessment_indices.astype(float))
     judgements = [
-        {"verdict": verdict_from_caveats(reasons), "caveats": [_reason_record(reason) for reason in reasons]}
+        {"verdict": verdict_from_caveats(reasons), "caveats": [_caveat_or_check_record(reason) for reason in reasons]}
         for reasons in assessments
     ]
     limit_checks = {reason for reasons in assessments for reason in reasons if isinstance(reason, LimitCheck)}
@@ -198,7 +203,7 @@ def _add_values_at_nodes(
     for validity_record, values in zip(validity_records, validity_numbers.values(), strict=True):
         is_valid = is_valid & ~(values > validity_record["limit"])
     mapped_quantities = {name: values[..., 0] for name, values in quantities.items()} | {
-        "width": _relative_width(points)
+        "width": _relative_half_widths(points)
     }
     return {
         "axes": slider_facts(axes, study),
@@ -215,7 +220,7 @@ def _add_values_at_nodes(
 LEADING_DIMENSIONS = (*SURFACE_PARAMETER_DIMENSIONS, "sliding", "direction", "load", "mu0", "tau0")
 
 
-def to_leading_order(table: xarray.DataArray) -> Floats:
+def transpose_to_leading_dimensions(table: xarray.DataArray) -> Floats:
     """Transpose values so that `LEADING_DIMENSIONS` come first. Missing dimensions get a length of 1."""
     table = table.expand_dims([dim for dim in LEADING_DIMENSIONS if dim not in table.dims])
     return np.asarray(table.transpose(*LEADING_DIMENSIONS, ...).values)
@@ -240,7 +245,7 @@ def _status_records_and_codes(
     return statuses, codes
 
 
-def _relative_width(points: Floats) -> Floats:
+def _relative_half_widths(points: Floats) -> Floats:
     """Return the half-widths of intervals relative to the absolute values of their means."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray((points[..., 2] - points[..., 1]) / (2 * np.abs(points[..., 0])))
@@ -272,7 +277,7 @@ def _choose_initial_cell_and_load(
     strengths = study.friction.mu0[len(study.friction.mu0) // 2], float(study.friction.tau0[0])
     nodes = [int(np.abs(axis.values - value).argmin()) for axis, value in zip(axes, strengths, strict=True)]
     index: tuple[Any, ...] = (slice(None), 0, 0, 0, slice(None), *nodes)
-    width = np.where(is_sound[index] & (points[(*index, 0)] > 0), _relative_width(points)[index], np.nan)
+    width = np.where(is_sound[index] & (points[(*index, 0)] > 0), _relative_half_widths(points)[index], np.nan)
     if not np.isfinite(width).any():
         return {"cell": is_sound.shape[0] // 2, "load": is_sound.shape[4] // 2}
     cell, load = np.unravel_index(np.nanargmin(width), width.shape)
@@ -286,8 +291,10 @@ def _compute_checked_numbers(
     node_values: xarray.Dataset, points: Floats, area: Floats, contacts: Floats, study: Study, members: int
 ) -> dict[str, Any]:
     """Compute, for every node, the numbers that the assessment of generated surfaces compares with limits."""
-    load, mu0, tau0 = (to_leading_order(node_values[name]) for name in ("load", "mu0", "tau0"))
-    contact_load = to_leading_order(node_values["contact_load"])[..., 0] if "contact_load" in node_values else load
+    load, mu0, tau0 = (transpose_to_leading_dimensions(node_values[name]) for name in ("load", "mu0", "tau0"))
+    contact_load = (
+        transpose_to_leading_dimensions(node_values["contact_load"])[..., 0] if "contact_load" in node_values else load
+    )
     surfaces: Any = study.surfaces
     nominal_area = float(np.prod(surfaces.extents())) if study.is_areal else math.inf
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -299,13 +306,13 @@ def _compute_checked_numbers(
     )  # fmt: skip
 
 
-def _reason_record(reason: Caveat | LimitCheck) -> dict[str, Any]:
+def _caveat_or_check_record(reason: Caveat | LimitCheck) -> dict[str, Any]:
     """Return a caveat or check as a record: text, remedy, severity, and the format of the number in the text."""
-    number = _check_number_format(reason) if isinstance(reason, LimitCheck) and "{}" in reason.text else None
+    number = _number_format_of_check(reason) if isinstance(reason, LimitCheck) and "{}" in reason.text else None
     return {"text": reason.text, "remedy": reason.remedy, "severity": reason.severity, "number": number}
 
 
-def _check_number_format(check: LimitCheck) -> dict[str, Any]:
+def _number_format_of_check(check: LimitCheck) -> dict[str, Any]:
     """Return how a page formats the number in the text of a check: source table, factor, decimals and unit."""
     name, format_name = check.shown_name, check.shown
     if format_name == "percent":
@@ -320,7 +327,7 @@ def _check_number_format(check: LimitCheck) -> dict[str, Any]:
 # ---- Texts and figures -----------------------------------------------------------------------------------------------
 
 
-def _draw_pictures(result: Result, study: Study, head: xarray.Dataset, counts: Floats) -> str:
+def _render_picture_panels(result: Result, study: Study, head: xarray.Dataset, counts: Floats) -> str:
     """Draw two of the profiles in contact and, if the study includes it, the onset of sliding."""
     if not (has_contact := (counts > 0).any(axis=(0, 1))).any():
         return ""
@@ -329,17 +336,17 @@ def _draw_pictures(result: Result, study: Study, head: xarray.Dataset, counts: F
         approaches = head["approach"].values[has_contact]
         panels.append(profiles_panel(study, float(approaches[approaches.size // 2])))
     if set(ONSET_QUANTITIES) & set(study.sums()):
-        panels.append(dimension_panel(result.dataset))
+        panels.append(onset_by_dimension_panel(result.dataset))
     return "".join(panels)
 
 
-def _study_name(study: Study) -> str:
+def _built_in_study_name(study: Study) -> str:
     """Return the name of the built-in study that equals this study apart from the repetitions, or "study"."""
     changes = {"ensemble.repetitions": study.ensemble.repetitions}
     return next((name for name in study_names() if Study.named(name).with_changes(changes) == study), "study")
 
 
-def _head_lines(study: Study) -> list[str]:
+def _heading_lines(study: Study) -> list[str]:
     rules, angles = study_motions(study)
     surfaces: Any = study.surfaces
     contact: Any = study.contact
@@ -350,7 +357,7 @@ def _head_lines(study: Study) -> list[str]:
         f"{surfaces.place[0].upper()}{surfaces.place[1:]}, {' x '.join(f'{length:g}' for length in side_lengths)} µm, "
         f"pressed with the {model_name} model{law_text}; "
         f"E* = {format_with_unit(float(contact.effective_modulus), 'GPa')}; "
-        f"contacts with friction: {' and '.join(rules)}; motion {', '.join(map(motion_text, angles))}."
+        f"contacts with friction: {' and '.join(rules)}; motion {', '.join(map(motion_direction_text, angles))}."
     ]
 
 

@@ -23,7 +23,7 @@ from stiction.studies.study import Study
 from stiction.studies.summary import PointSummary
 from stiction.views.figures.standard import format_print_title, pair_title
 from stiction.views.onset import onset_note, onset_text
-from stiction.views.point import averaged_directions_text, materials_text, motion_text
+from stiction.views.point import averaged_directions_text, material_names_text, motion_direction_text
 from stiction.views.pull_off import pull_off_text
 from stiction.views.report.page import (
     CELL_AXIS_LABELS,
@@ -42,11 +42,11 @@ from stiction.views.report.pictures import (
     onset_panels,
     positions_panel,
 )
-from stiction.views.report.reading import READING_OPTIONS, reading_table
+from stiction.views.report.reading import READING_OPTIONS, file_reading_table
 from stiction.views.report.tables import PackedArrays, count_estimate_decimals, estimate_with_unit_text
-from stiction.views.resolution import wavelengths_text
-from stiction.views.sentence import sentence_text, slope_estimate_text
-from stiction.views.text import budget_text, dwell_time_text
+from stiction.views.resolution import resolved_wavelengths_text
+from stiction.views.sentence import quotable_sentence, small_slope_estimate_text
+from stiction.views.text import dwell_time_text, uncertainty_budget_text
 
 # Maximum number of coefficients on a page.
 # The number of coefficients is the product of the numbers of nodes, loads, cutoffs, rules and directions.
@@ -55,7 +55,7 @@ MAX_MEASURED_REPORT_VALUES = 400_000
 _UNIT_LABELS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # labels of units without an SI prefix
 
 
-def measured_result_page(result: Result, study: Study, name: str, picture: xarray.Dataset | None) -> ReportContent:
+def measured_report_content(result: Result, study: Study, name: str, picture: xarray.Dataset | None) -> ReportContent:
     """Return the report on a result for measured bodies. The title consists of the file names and, if given, `name`.
 
     `picture` is a result of `contact_picture`; by default the picture stored with the result. Raises a `ReportError` if
@@ -66,22 +66,24 @@ def measured_result_page(result: Result, study: Study, name: str, picture: xarra
     name = f"{files} ({name})" if name else files
     packed_arrays = PackedArrays()
     facts = _result_facts(dataset, result, study)
-    facts |= _friction_at_nodes(result.nodes, study, packed_arrays) | {"name": name}
+    facts |= _add_friction_at_nodes(result.nodes, study, packed_arrays) | {"name": name}
     facts["quantities"] = _quantity_records(result.nodes.load_quantities)
     picture = result.contact_picture if picture is None else picture
     num_members = int(facts["repetitions"])
     onset = result.onset
     resolution = result.summary().resolution
-    study_lines = [] if resolution is None or resolution.roughness is None else [wavelengths_text(resolution.roughness)]
+    study_lines = (
+        [] if resolution is None or resolution.roughness is None else [resolved_wavelengths_text(resolution.roughness)]
+    )
     study_lines += [] if onset is None else [f"{onset_text(onset)} {onset_note(onset)}"]
     text = "".join(f"<p>{escape_html(line)}</p>" for line in (*study_lines, *_pull_off_lines(result, study)))
     details = text + "".join(
-        _history_lines(side, str(dataset.attrs.get(side, "")), study) for side in ("upper", "lower")
+        _history_markup(side, str(dataset.attrs.get(side, "")), study) for side in ("upper", "lower")
     )
     return ReportContent(
         study=study,
         name=name,
-        head=_head_lines(study, facts),
+        head=_heading_lines(study, facts),
         pairs_text=f"{format_count(num_members, 'pair')} of pieces of the two surfaces",
         facts=facts,
         packed_arrays=packed_arrays,
@@ -138,11 +140,12 @@ _CURVE_PANELS = {
 """Quantity, axis title and unit conversion factor for each additional plot against load."""
 
 
-def _friction_at_nodes(nodes: InterpolationNodes, study: Study, packed_arrays: PackedArrays) -> dict[str, Any]:
+def _add_friction_at_nodes(nodes: InterpolationNodes, study: Study, packed_arrays: PackedArrays) -> dict[str, Any]:
     """Add friction at the nodes to `packed_arrays`. The axes are kind, cutoff, rule, motion, load, mu0 and tau0."""
     (rules, angles), axes, member_kinds = study_motions(study), nodes.axes, nodes.member_kinds
     motions: list[dict[str, Any]] = [
-        {"words": motion_text(angle), "directions": [direction_index]} for direction_index, angle in enumerate(angles)
+        {"words": motion_direction_text(angle), "directions": [direction_index]}
+        for direction_index, angle in enumerate(angles)
     ]
     if len(angles) > 1:
         motions.insert(0, {"words": averaged_directions_text(angles), "directions": list(range(len(angles)))})
@@ -205,13 +208,13 @@ def _friction_at_nodes(nodes: InterpolationNodes, study: Study, packed_arrays: P
     displayed[
         np.broadcast_to(~is_combined[:, np.newaxis, np.newaxis, :, None, None, None], displayed.shape[:-1]), 1:
     ] = np.nan
-    packed_arrays.add_points("friction", displayed, decimals=np.broadcast_to(mean_decimals, displayed.shape[:-1]))
-    packed_arrays.add_points("sampling", stacked_arrays["sampling"])
+    packed_arrays.add_estimates("friction", displayed, decimals=np.broadcast_to(mean_decimals, displayed.shape[:-1]))
+    packed_arrays.add_estimates("sampling", stacked_arrays["sampling"])
     packed_arrays.add("status", stacked_arrays["status"].astype(np.int8))
     packed_arrays.add("fine", is_interpolated.astype(np.int8))
     packed_arrays.add("answered", stacked_arrays["answered"].astype(float))
     slopes = stacked_arrays["slopes"]
-    packed_arrays.add_points("slopes", np.stack([slopes, *(np.full(slopes.shape, np.nan),) * 2], axis=-1))
+    packed_arrays.add_estimates("slopes", np.stack([slopes, *(np.full(slopes.shape, np.nan),) * 2], axis=-1))
     return {
         "ways": motions,
         "rules": rules,
@@ -249,7 +252,7 @@ def _pull_off_lines(result: Result, study: Study) -> list[str]:
     return [] if pull_off_estimate is None else [pull_off_text(pull_off_estimate)]
 
 
-def _head_lines(study: Study, facts: dict[str, Any]) -> list[str]:
+def _heading_lines(study: Study, facts: dict[str, Any]) -> list[str]:
     surfaces: Any = study.surfaces
     hardness = study.contact.hardness
     model_name = "half-space" if study.uses_half_space else "asperity"
@@ -259,7 +262,7 @@ def _head_lines(study: Study, facts: dict[str, Any]) -> list[str]:
             f", junction growth α = {study.known.junction_growth or format(study.contact.junction_growth, 'g')}"
         )
     modulus_text = format_with_unit(facts["modulus"], "GPa")
-    materials = f"{materials_text(study).capitalize()}. " if materials_text(study) else ""
+    materials = f"{material_names_text(study).capitalize()}. " if material_names_text(study) else ""
     size_text = (
         f"nominal area {facts['area']:.4g} µm²" if study.is_areal else f"length {facts['area']:.4g} µm, width 1 µm"
     )
@@ -269,10 +272,10 @@ def _head_lines(study: Study, facts: dict[str, Any]) -> list[str]:
     ]
 
 
-def _history_lines(side: str, history: str, study: Study) -> str:
+def _history_markup(side: str, history: str, study: Study) -> str:
     lines = "".join(f"<li>{escape_html(line)}</li>" for line in history.splitlines()[:20])
     body_files = getattr(study.surfaces, side)
-    readings = "".join(_reading_table(scan) for scan in body_files.scans[:MAX_READING_TABLES])
+    readings = "".join(_scan_reading_table(scan) for scan in body_files.scans[:MAX_READING_TABLES])
     num_omitted = len(body_files.scans) - MAX_READING_TABLES
     readings += (
         f"<p>{num_omitted} more scans are in the JSON of <code>stiction pair</code>.</p>" if num_omitted > 0 else ""
@@ -284,11 +287,11 @@ def _history_lines(side: str, history: str, study: Study) -> str:
 MAX_READING_TABLES = 4  # maximum number of scans per part for which the report shows how their files were read
 
 
-def _reading_table(scan: MeasuredFile) -> str:
+def _scan_reading_table(scan: MeasuredFile) -> str:
     """Return a table that shows how a file was read, or an empty string if there is no readable file."""
     with contextlib.suppress(ValueError, OSError):
         if (reading := scan.reading) is not None:
-            return reading_table(reading, {name: getattr(scan, name) for name in READING_OPTIONS})
+            return file_reading_table(reading, {name: getattr(scan, name) for name in READING_OPTIONS})
     return ""
 
 
@@ -324,7 +327,7 @@ def _assessment_records(result: Result) -> list[dict[str, Any]]:
         {
             "at": point.at, "loadText": format_with_unit(point.at["load"], "mN"), "verdict": point.verdict,
             "covered": point.covered,
-            "sentence": printable_text(sentence_text(point), MAX_TEXT_LENGTH * 4),
+            "sentence": printable_text(quotable_sentence(point), MAX_TEXT_LENGTH * 4),
             "caveats": [
                 {
                     name: printable_text(getattr(caveat, name), MAX_TEXT_LENGTH)
@@ -332,9 +335,9 @@ def _assessment_records(result: Result) -> list[dict[str, Any]]:
                 }
                 for caveat in point.caveats
             ],
-            "slopes": slope_estimate_text(point),
+            "slopes": small_slope_estimate_text(point),
             "bar": _contribution_record(point),
-            "most": " ".join(filter(None, (budget_text(point), dwell_time_text(point)))) or None,
+            "most": " ".join(filter(None, (uncertainty_budget_text(point), dwell_time_text(point)))) or None,
         }
         for point in result.summary().points
     ]  # fmt: skip

@@ -50,11 +50,11 @@ class Page:
 
     def html(self) -> str:
         """Return the complete page."""
-        return REPORT_FILE_MARK + Template(read_page_file("page.html")).substitute(
+        return REPORT_FILE_MARK + Template(read_package_file("page.html")).substitute(
             name=escape_html(self.name),
             head="".join(f"<p>{escape_html(line)}</p>" for line in self.head),
             body=self.body,
-            style=read_page_file("page.css"),
+            style=read_package_file("page.css"),
             scripts=self.scripts,
             licence=html.escape(metadata.distribution("stiction").read_text("licenses/LICENSE") or _LICENCE_URL),
             versions=escape_html(
@@ -68,7 +68,7 @@ class Page:
             partial.write_bytes(self.html().encode("utf-8", "replace"))
 
 
-def read_page_file(name: str) -> str:
+def read_package_file(name: str) -> str:
     """Return the text of a file in this package."""
     return (resources.files(__package__) / name).read_text("utf-8")
 
@@ -79,7 +79,7 @@ def script_markup(facts: dict[str, Any], packed_arrays: Mapping[str, str]) -> st
     facts_json = to_json(facts).replace("<", "\\u003c")
     script_template = '<script type="application/octet-stream" id="packed-{}">{}</script>\n'
     packed_numbers = "".join(script_template.format(*item) for item in packed_arrays.items())
-    text = "\n".join(map(read_page_file, SCRIPT_FILES))
+    text = "\n".join(map(read_package_file, SCRIPT_FILES))
     return (
         f'<script type="application/json" id="facts">{facts_json}</script>\n{packed_numbers}<script>\n{text}</script>\n'
     )
@@ -132,7 +132,7 @@ class ReportContent:
     contact_markup: str = ""
     pictures_markup: str = ""
 
-    def incomplete_notices(self) -> str:
+    def incompleteness_notices(self) -> str:
         """Return markup with notices about missing and unsolved members, or an empty string for a complete result."""
         num_repetitions, notices = self.study.ensemble.repetitions, []
         if self.num_members < num_repetitions:
@@ -147,7 +147,7 @@ class ReportContent:
         """Return markup that describes the study: its differences from the defaults, and all its keys."""
         study_file = (
             "<details><summary>The whole study file (TOML)</summary>"
-            f'<pre tabindex="0">{html.escape(_without_folders(self.study).to_toml())}</pre></details>'
+            f'<pre tabindex="0">{html.escape(_strip_folders(self.study).to_toml())}</pre></details>'
         )
         if self.study.is_measured:
             return f"<h2>The study</h2>{self.details_markup}{study_file}"
@@ -157,7 +157,7 @@ class ReportContent:
         return f"<h2>The study</h2>{summary}{study_file}"
 
 
-def _without_folders(study: Study) -> Study:
+def _strip_folders(study: Study) -> Study:
     """Remove folders from the file names of a study, because they do not exist on the computers of other readers."""
     if not study.is_measured:
         return study

@@ -18,12 +18,12 @@ from stiction.studies.contact_tables import AsperitySettings
 from stiction.studies.members import generate_pairs
 from stiction.studies.result import Result
 from stiction.studies.study import Study
-from stiction.views.figures.contact import contact_figure, contact_map_figure, find_opposing_contacts
+from stiction.views.figures.contact import contact_figure, contact_map_figure, opposing_contact_mask
 from stiction.views.figures.loads import adhesion_figure
-from stiction.views.figures.onset import contains_slip_map, dimension_onset_figure, onset_figure, slip_figure
+from stiction.views.figures.onset import contains_slip_map, onset_by_dimension_figure, onset_figure, slip_figure
 from stiction.views.figures.standard import draw_height_factor_figure, draw_positions_figure
 from stiction.views.height_scale import HEIGHT_SCALE_NOTE, SCALED_SURFACE_TEXTS
-from stiction.views.point import motion_text
+from stiction.views.point import motion_direction_text
 from stiction.views.report.page import format_count
 from stiction.views.style import MATPLOTLIB_STYLE
 
@@ -85,10 +85,10 @@ def height_factor_panels(result: Result, title: str) -> str:
 def contact_panel(picture: xarray.Dataset, direction: float) -> str:
     """Return the panel (markup) that shows the contacts for a direction of motion (degrees)."""
     force, is_cut = picture["contact_force"].values, picture["contact_at_edge"].values > 0
-    num_opposing = int(find_opposing_contacts(picture, direction).sum())
+    num_opposing = int(opposing_contact_mask(picture, direction).sum())
     text = (
         f"The position whose true area is nearest to the mean: {format_count(force.size, 'contact')} at "
-        f"{format_with_unit(float(picture.attrs['load_mN']), 'mN')}; pushed {motion_text(direction)}, "
+        f"{format_with_unit(float(picture.attrs['load_mN']), 'mN')}; pushed {motion_direction_text(direction)}, "
         f"{num_opposing} of them {'opposes' if num_opposing == 1 else 'oppose'} the motion."
     )
     if is_cut.any():
@@ -134,7 +134,7 @@ def onset_panels(onset: xarray.Dataset, title: str) -> str:
     )
 
 
-def dimension_panel(dataset: xarray.Dataset) -> str:
+def onset_by_dimension_panel(dataset: xarray.Dataset) -> str:
     """Return the panel (markup) that shows the onset of sliding of generated pairs."""
     return _panel_markup(
         "How the pairs begin to slide",
@@ -143,7 +143,7 @@ def dimension_panel(dataset: xarray.Dataset) -> str:
         "At three loads and the strengths of the study; the sliders do not change this figure. Means with 95 % "
         "intervals; except for the stiffness, pairs are weighted by their loads. Dotted: more than half of the load "
         "is beyond Hertz.",
-        lambda: dimension_onset_figure(dataset),
+        lambda: onset_by_dimension_figure(dataset),
         is_wide=True,
     )
 

@@ -14,16 +14,16 @@ READING_OPTIONS = ("unit", "spacing", "columns", "channel", "missing_value", "mi
 """Reading options that the table lists."""
 
 
-def reading_table(reading: Reading[Any], options: Mapping[str, Any]) -> str:
+def file_reading_table(reading: Reading[Any], options: Mapping[str, Any]) -> str:
     """Return a table (markup) that shows how a file was read and which reading options were used."""
     rows = "".join(
         f'<tr><th scope="row">{escape_html(name)}</th><td>{escape_html(value)}</td></tr>'
-        for name, value in reading_rows(reading, options)
+        for name, value in file_reading_rows(reading, options)
     )
     return f'<table class="texts"><caption>How {escape_html(reading.file)} was read</caption>{rows}</table>'
 
 
-def reading_rows(reading: Reading[Any], options: Mapping[str, Any]) -> list[tuple[str, str]]:
+def file_reading_rows(reading: Reading[Any], options: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Return table rows (name and value) that contain the detected layout of a file and the reading options."""
     source, body = reading.source, reading.body
     spacing_texts = [f"{spacing:.6g} µm along {axis}" for axis, spacing in zip("xy", body.spacings[::-1], strict=False)]

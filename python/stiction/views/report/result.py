@@ -18,9 +18,16 @@ from stiction.studies.intervals import CONFIDENCE_LEVEL
 from stiction.studies.result import Result
 from stiction.views.figures.ensemble import COLOUR_BAR_TICKS
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
-from stiction.views.report.generated import generated_result_page
-from stiction.views.report.measured import measured_result_page
-from stiction.views.report.page import Page, ReportError, escape_html, plot_panel_markup, read_page_file, script_markup
+from stiction.views.report.generated import generated_report_content
+from stiction.views.report.measured import measured_report_content
+from stiction.views.report.page import (
+    Page,
+    ReportError,
+    escape_html,
+    plot_panel_markup,
+    read_package_file,
+    script_markup,
+)
 from stiction.views.report.tables import STORED_FLOAT_BYTES
 from stiction.views.style import SLIDING_RULE_LABELS
 
@@ -97,8 +104,8 @@ def _report_page_of_result(result: Result, name: str, picture: xarray.Dataset | 
     except ValueError as error:
         raise ReportError(str(error)) from None
     content = (
-        measured_result_page(result, study, name, picture)
-        if study.is_measured else generated_result_page(result, study, name)
+        measured_report_content(result, study, name, picture)
+        if study.is_measured else generated_report_content(result, study, name)
     )  # fmt: skip
     facts = {
         "percent": f"{100 * CONFIDENCE_LEVEL:g} %", "ticks": COLOUR_BAR_TICKS,
@@ -119,10 +126,10 @@ def _report_page_of_result(result: Result, name: str, picture: xarray.Dataset | 
     return Page(
         name=content.name,
         head=content.head,
-        body=Template(read_page_file("result.html")).substitute(
+        body=Template(read_package_file("result.html")).substitute(
             percent=f"{100 * CONFIDENCE_LEVEL:g} %",
             pairs=escape_html(content.pairs_text),
-            unfinished=content.incomplete_notices(),
+            unfinished=content.incompleteness_notices(),
             touching=content.contact_markup,
             pictures=content.pictures_markup,
             study=content.study_description(),
@@ -130,7 +137,7 @@ def _report_page_of_result(result: Result, name: str, picture: xarray.Dataset | 
             others="".join(text for name, text in plots.items() if name not in main_plots),
         ),
         versions=f"Computed by stiction {result.version}",
-        scripts=script_markup(facts | content.facts, content.packed_arrays.packed()),
+        scripts=script_markup(facts | content.facts, content.packed_arrays.encoded_texts()),
     )
 
 

@@ -17,7 +17,7 @@ from stiction.views.characterisation import (
     to_characterisation,
 )
 from stiction.views.figures.roughness import characterisation_figure
-from stiction.views.report.page import Page, escape_html, read_page_file
+from stiction.views.report.page import Page, escape_html, read_package_file
 from stiction.views.report.pictures import inline_svg
 
 # The report advises a finer scan if the shortest octave contributes more than this fraction of the mean square slope.
@@ -37,9 +37,9 @@ def surface_page(
     `options` are the options of `characterisation_text`.
     """
     characterisation = to_characterisation(body, **options)
-    main_markup = Template(read_page_file("surface.html")).substitute(
+    main_markup = Template(read_package_file("surface.html")).substitute(
         meaning=_interpretation_markup(characterisation), command=escape_html(command),
-        table=_table_markup([*characterisation.rows, *characterisation.line_rows]),
+        table=_table_markup([*characterisation.rows, *characterisation.line_table_rows]),
         figure=inline_svg(characterisation_figure(characterisation), "Heights, their distribution, and spectra"),
         reading=reading and READING_SECTION_TEMPLATE.substitute(table=reading),
     )  # fmt: skip
@@ -52,9 +52,10 @@ def _interpretation_markup(characterisation: Characterisation) -> str:
         f"<li>{escape_html(f'{caveat.text[0].upper()}{caveat.text[1:]}; {caveat.remedy}.')}</li>"
         for caveat in characterisation.caveats
     )
-    values = [f"{value:.2f}" for value in characterisation.friction]
+    values = [f"{value:.2f}" for value in characterisation.friction_estimates]
     axes = " along x and y" if len(values) == 2 else ""
-    grid_wavelength = characterisation.limit.pixels
+    limit = characterisation.instrument_limit
+    grid_wavelength = limit.pixels
     fraction = float(characterisation.roughness.fraction_below(2 * grid_wavelength))
     change_text = (
         "finds steeper slopes, more friction and less true area"
@@ -65,10 +66,10 @@ def _interpretation_markup(characterisation: Characterisation) -> str:
         f"Wavelengths below {format_with_unit(2 * grid_wavelength, 'um')} (four points) contribute "
         f"{format_percent(fraction)} of the mean square slope: a finer scan {change_text}."
     )
-    if characterisation.limit.slope_fraction >= NEGLIGIBLE_SLOPE_FRACTION:
+    if limit.slope_fraction >= NEGLIGIBLE_SLOPE_FRACTION:
         finer_scan_text = (
-            f"Wavelengths below {format_with_unit(characterisation.limit.wavelength, 'um')} may be noise and "
-            f"contribute {format_percent(characterisation.limit.slope_fraction)} of the mean square slope: filter the "
+            f"Wavelengths below {format_with_unit(limit.wavelength, 'um')} may be noise and "
+            f"contribute {format_percent(limit.slope_fraction)} of the mean square slope: filter the "
             "scan before you quote a number."
         )
     paragraphs = [

@@ -55,7 +55,7 @@ class PackedArrays:
         self.offsets[name] = sum(item.size for item in target)
         target.append(array.ravel() if array.dtype.kind == "f" else array.astype(np.int8).ravel())
 
-    def add_points(self, name: str, points: Floats, *, decimals: Any = None) -> None:
+    def add_estimates(self, name: str, points: Floats, *, decimals: Any = None) -> None:
         """Append values, lower ends and upper ends (last axis of `points`), and the numbers of decimals to print.
 
         `decimals` is the number of decimals for values without an interval.
@@ -68,7 +68,7 @@ class PackedArrays:
         self.add(f"{name}_decimals", value_decimals)
         self.add(f"{name}_upper_decimals", upper_decimals)
 
-    def packed(self) -> dict[str, str]:
+    def encoded_texts(self) -> dict[str, str]:
         """Return all numbers, encoded as text."""
         floats = np.concatenate(self.floats) if self.floats else np.zeros(0)
         small_integers = np.concatenate(self.small_integers) if self.small_integers else np.zeros(0, np.int8)
