@@ -20,7 +20,7 @@ def set_window_size(driver, width: int, height: int) -> None:
     driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
 
 
-def wait_for_script(driver, script: str) -> float:
+def measure_wait_for_script(driver, script: str) -> float:
     """Return the seconds until a script returns true."""
     start = time.perf_counter()
     browser.wait_for(driver, lambda driver: driver.execute_script(f"return {script}"))
@@ -39,19 +39,21 @@ def benchmark_rows() -> list[tuple[str, str]]:
             start_time = time.perf_counter() - start
             set_window_size(driver, 1280, 720)
             driver.get(address)
-            preview_time = wait_for_script(driver, "['upper', 'lower'].every((side) => scans[side]?.holds)")
+            preview_time = measure_wait_for_script(driver, "['upper', 'lower'].every((side) => scans[side]?.holds)")
             paint_time = driver.execute_script(
                 "return performance.getEntriesByName('first-contentful-paint')[0].startTime"
             )
             time.sleep(5)  # A user would read the page for about this time.
             driver.execute_script("document.querySelector('#pair .go').click()")
-            first_result_time = wait_for_script(driver, "document.querySelector('#answer .value') !== null")
-            wait_for_script(driver, "reportAddress !== '' && document.getElementById('progress').value > 0")
-            wait_for_script(driver, "reportDocument().readyState === 'complete'")
-            result_time = first_result_time + wait_for_script(
+            first_result_time = measure_wait_for_script(driver, "document.querySelector('#answer .value') !== null")
+            measure_wait_for_script(driver, "reportAddress !== '' && document.getElementById('progress').value > 0")
+            measure_wait_for_script(driver, "reportDocument().readyState === 'complete'")
+            result_time = first_result_time + measure_wait_for_script(
                 driver, "document.getElementById('job').dataset.state === 'done'"
             )
-            wait_for_script(driver, "reportDocument().getElementById('main')?.getAttribute('aria-busy') === 'false'")
+            measure_wait_for_script(
+                driver, "reportDocument().getElementById('main')?.getAttribute('aria-busy') === 'false'"
+            )
             memory = int(Path(f"/proc/{server.pid}/statm").read_text().split()[1]) * resource.getpagesize()
         finally:
             server.send_signal(signal.SIGINT)

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
-from measure import peak_mebibytes
+from measure import measure_peak_mebibytes
 from scipy.fft import rfft2
 from stiction import candidates, press, self_affine_surface
 
@@ -82,8 +82,8 @@ def benchmark_rows() -> list[tuple[str, str]]:
         ),
         ("pair of 2048 x 2048, time per point relative to 512 x 512", f"{large_pair_time / pair_time / 16:.2f}"),
         ("pair of 2048 x 2048, in units of one FFT of this map", f"{large_pair_time / large_transform_time:.1f}"),
-        ("peak memory, 2048 x 2048", f"{peak_mebibytes(press_large_pair):.0f} MiB"),
-        ("peak memory without the contact calculation", f"{peak_mebibytes(create_large_pair):.0f} MiB"),
+        ("peak memory, 2048 x 2048", f"{measure_peak_mebibytes(press_large_pair):.0f} MiB"),
+        ("peak memory without the contact calculation", f"{measure_peak_mebibytes(create_large_pair):.0f} MiB"),
     ]
     pairs = [create_pair(512, repetition=repetition) for repetition in range(8)]
     speedups = []

@@ -29,12 +29,12 @@ BAR_PATTERNS = {
 """Alternatives for each task, and the row of the table with their run time relative to stiction."""
 
 
-def parse_table(table: str) -> dict[str, str]:
+def parse_answers_by_question(table: str) -> dict[str, str]:
     rows = re.findall(r"^\| (.+?) \| (.+?) \|$", table, flags=re.MULTILINE)
     return {question.removeprefix("the "): answer for question, answer in rows}
 
 
-def relative_time(time_text: str, name: str) -> float | None:
+def parse_relative_time(time_text: str, name: str) -> float | None:
     """Return the run time of the whole task, or of a part, relative to stiction."""
     if ";" in time_text or " s, " in time_text:
         result = re.search(rf"{name.split()[0]} .*?: ([0-9.]+) times", time_text)
@@ -42,15 +42,15 @@ def relative_time(time_text: str, name: str) -> float | None:
     return float(time_text)
 
 
-def load_ratios(table: str) -> dict[str, dict[str, float]]:
-    texts_by_question = parse_table(table)
+def collect_relative_times(table: str) -> dict[str, dict[str, float]]:
+    texts_by_question = parse_answers_by_question(table)
     result: dict[str, dict[str, float]] = {}
     for task, patterns in BAR_PATTERNS.items():
         for name, pattern in patterns.items():
             time_text = next(
                 (texts_by_question[item] for item in texts_by_question if re.fullmatch(pattern, item)), None
             )
-            ratio = None if time_text is None else relative_time(time_text, name)
+            ratio = None if time_text is None else parse_relative_time(time_text, name)
             if ratio is not None:
                 result.setdefault(task, {})[name] = ratio
     return result
@@ -58,7 +58,7 @@ def load_ratios(table: str) -> dict[str, dict[str, float]]:
 
 def draw_chart() -> None:
     """Draw a group of bars for each task, with stiction first."""
-    ratios_by_task = load_ratios((DOCS_FOLDER / "generated/performance.md").read_text(encoding="utf-8"))
+    ratios_by_task = collect_relative_times((DOCS_FOLDER / "generated/performance.md").read_text(encoding="utf-8"))
     with mpl.rc_context(MATPLOTLIB_STYLE):
         bars = sum(1 + len(group) for group in ratios_by_task.values())
         height = 3.2 * bars + 5.5 * len(ratios_by_task) + 11

@@ -52,7 +52,7 @@ class StoredSumsTask:
 _read: dict[str, list[dict]] = {}
 
 
-def randomise(sums: dict) -> list[dict]:
+def randomise_sums(sums: dict) -> list[dict]:
     """Return the sums of a repetition with random digits, so that they compress like real sums. Zeros are kept."""
     generator = np.random.default_rng(0)
 
@@ -64,7 +64,7 @@ def randomise(sums: dict) -> list[dict]:
     return [{name: change_digits(values) for name, values in sums.items()} for _ in range(NUM_DIFFERENT_MEMBERS)]
 
 
-def measure_storage(
+def measure_storage_rates(
     study: Study, sums: list[dict], executor: Executor, *, has_shared_folder: bool
 ) -> tuple[float, float]:
     """Return the repetitions per second, and the processor seconds of the driver per repetition."""
@@ -96,7 +96,7 @@ def benchmark_rows() -> list[tuple[str, str]]:
             member_time = num_dimensions * median_time(
                 lambda reduced_study=reduced_study: compute_member_sums(reduced_study, 1), 1 if is_half_plane else 3
             )
-            members = randomise({name: values.repeat(num_dimensions, axis=0) for name, values in sums.items()})
+            members = randomise_sums({name: values.repeat(num_dimensions, axis=0) for name, values in sums.items()})
             block_size = runner.choose_block_size(study)
             block = stack_members(study, [members[i % NUM_DIFFERENT_MEMBERS] for i in range(block_size)])
             encode_members(study, range(block_size), block)
@@ -111,8 +111,8 @@ def benchmark_rows() -> list[tuple[str, str]]:
             )
             runs = [
                 (
-                    measure_storage(study, members, executor, has_shared_folder=True),
-                    measure_storage(study, members, executor, has_shared_folder=False),
+                    measure_storage_rates(study, members, executor, has_shared_folder=True),
+                    measure_storage_rates(study, members, executor, has_shared_folder=False),
                 )
                 for _ in range(NUM_RUNS)
             ]

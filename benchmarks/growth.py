@@ -1,13 +1,13 @@
 """Measure how time and memory increase with points, dimensions and approaches."""
 
-from measure import measure_in_units, peak_mebibytes
+from measure import measure_in_units, measure_peak_mebibytes
 from stiction import Study, run
 from stiction.studies.member_solution import compute_member_sums
 
 BASE_STUDY = Study.named("figure6").with_changes({"ensemble.repetitions": 1})
 
 
-def measure_cost(changes: dict[str, object], repeats: int = 3) -> float:
+def measure_cost_per_pair(changes: dict[str, object], repeats: int = 3) -> float:
     study = BASE_STUDY.with_changes(changes)
     num_pairs = study.surfaces.fractal_dimensions().size
     return measure_in_units(lambda: compute_member_sums(study, 0), repeats) / num_pairs
@@ -18,10 +18,10 @@ def run_figure6() -> None:
 
 
 def run_ten_million_points() -> None:
-    compute_member_sums(BASE_STUDY.with_changes(changes_for_points(10_000_000)), 0)
+    compute_member_sums(BASE_STUDY.with_changes(study_changes_for_points(10_000_000)), 0)
 
 
-def changes_for_points(points: int) -> dict[str, object]:
+def study_changes_for_points(points: int) -> dict[str, object]:
     return {
         "surfaces.points": points,
         "surfaces.extent": f"{points * 40 / 150_000:.6f} um",
@@ -33,14 +33,18 @@ def benchmark_rows() -> list[tuple[str, str]]:
     points = (10_000, 150_000, 1_000_000, 10_000_000)
     dimensions = (1, 5, 20, 50, 200)
     approach_counts = (1, 10, 40, 100, 400)
-    costs_by_points = [measure_cost(changes_for_points(n), 5 if n < 1e6 else 3) / n * 150_000 for n in points]
+    costs_by_points = [
+        measure_cost_per_pair(study_changes_for_points(n), 5 if n < 1e6 else 3) / n * 150_000 for n in points
+    ]
     dimension_range = {"start": 1.0, "stop": 1.7}
     costs_by_dimensions = [
-        measure_cost({"surfaces.fractal_dimension": [1.3] if n == 1 else dimension_range | {"count": n}})
+        measure_cost_per_pair({"surfaces.fractal_dimension": [1.3] if n == 1 else dimension_range | {"count": n}})
         for n in dimensions
     ]
     costs_by_approaches = [
-        measure_cost({"contact.approach": {"start": "40 nm" if n == 1 else "0.1 nm", "stop": "40 nm", "count": n}})
+        measure_cost_per_pair(
+            {"contact.approach": {"start": "40 nm" if n == 1 else "0.1 nm", "stop": "40 nm", "count": n}}
+        )
         for n in approach_counts
     ]
     join = "; ".join
@@ -51,7 +55,7 @@ def benchmark_rows() -> list[tuple[str, str]]:
          join(f"{n}: {cost:.1f}" for n, cost in zip(dimensions, costs_by_dimensions, strict=True))),
         ("cost of a pair by number of approaches, U",
          join(f"{n}: {cost:.1f}" for n, cost in zip(approach_counts, costs_by_approaches, strict=True))),
-        ("peak memory of figure6 on two threads", f"{peak_mebibytes(run_figure6):.0f} MiB"),
+        ("peak memory of figure6 on two threads", f"{measure_peak_mebibytes(run_figure6):.0f} MiB"),
         ("peak memory of a pair of profiles with ten million points each",
-         f"{peak_mebibytes(run_ten_million_points):.0f} MiB"),
+         f"{measure_peak_mebibytes(run_ten_million_points):.0f} MiB"),
     ]  # fmt: skip

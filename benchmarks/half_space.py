@@ -32,7 +32,7 @@ def create_heights(shape: tuple[int, ...], longest: int, shortest: int, hurst: f
     return heights * RMS_SLOPE / np.sqrt(sum(np.mean(np.square(differences)) for differences in differences_by_axis))
 
 
-def measure_error(heights: np.ndarray, pressure: np.ndarray) -> float:
+def compute_solution_error(heights: np.ndarray, pressure: np.ndarray) -> float:
     """Return a common error measure, Σ p (v - min v)/(F h): an energy bound divided by load and rms height."""
     n, m = heights.shape
     k = 2 * np.pi * np.hypot(np.fft.fftfreq(n, 1 / n)[:, None], np.fft.rfftfreq(m, 1 / m))
@@ -82,12 +82,12 @@ def aspher_solver(tolerance: float) -> Callable[[np.ndarray, float], np.ndarray]
     return solve
 
 
-def measure_solver(solve: Callable[..., Any], heights: np.ndarray, load: float) -> tuple[float, float]:
+def measure_time_and_error(solve: Callable[..., Any], heights: np.ndarray, load: float) -> tuple[float, float]:
     """Return processor time and error of a solution."""
     start = time.process_time()
     solution = solve(heights, load)
     elapsed = time.process_time() - start
-    return elapsed, measure_error(
+    return elapsed, compute_solution_error(
         heights, solution.contact(0).pressure if isinstance(solution, HalfSpaceCurve) else solution
     )
 
@@ -102,11 +102,11 @@ def benchmark_rows(grid_sizes: tuple[int, ...] = (512, 1024)) -> list[tuple[str,
         heights = create_heights((n, n), 4, n // 16)
         for pressure in MEAN_PRESSURES:
             load = pressure * EFFECTIVE_MODULUS * RMS_SLOPE
-            our_runs = [measure_solver(solve_by_stiction, heights, load)]
+            our_runs = [measure_time_and_error(solve_by_stiction, heights, load)]
             compared_runs = []
             for name, solve in solvers.items():
-                elapsed, error = measure_solver(solve, heights, load)
-                our_runs.append(measure_solver(solve_by_stiction, heights, load))
+                elapsed, error = measure_time_and_error(solve, heights, load)
+                our_runs.append(measure_time_and_error(solve_by_stiction, heights, load))
                 compared_runs.append((name, elapsed, error))
             seconds = statistics.median(run[0] for run in our_runs)
             assert our_runs[0][1] < 1.1 * STICTION_TOLERANCE, our_runs
@@ -116,11 +116,11 @@ def benchmark_rows(grid_sizes: tuple[int, ...] = (512, 1024)) -> list[tuple[str,
             )
             result.append((f"{n} x {n}, mean pressure {pressure} E* h': time and error", text))
             print(*result[-1], flush=True)
-    result += [measure_map_position(), measure_thread_speedup(), measure_profile_solution()]
+    result += [measure_map_position_time(), measure_thread_speedup(), measure_profile_solution_time()]
     return result
 
 
-def print_agreement(grid_sizes: tuple[int, ...] = (256, 512, 1024)) -> None:
+def print_pressure_differences(grid_sizes: tuple[int, ...] = (256, 512, 1024)) -> None:
     """Print the largest pressure difference from tamaas, relative to the highest pressure. This takes minutes."""
     for n in grid_sizes:
         heights = create_heights((n, n), 4, n // 16)
@@ -144,7 +144,7 @@ def print_agreement(grid_sizes: tuple[int, ...] = (256, 512, 1024)) -> None:
                 )
 
 
-def measure_map_position(grid_size: int = 384) -> tuple[str, str]:
+def measure_map_position_time(grid_size: int = 384) -> tuple[str, str]:
     """Measure one position of a pair of maps: three loads, 12 directions, both sliding rules and the stiffness."""
     heights = create_heights((grid_size, grid_size), 4, grid_size // 16)
     body = Surface(heights, spacing=1 / grid_size)
@@ -188,7 +188,7 @@ def measure_thread_speedup(grid_size: int = 1024) -> tuple[str, str]:
     )
 
 
-def measure_profile_solution(points: int = 131_072) -> tuple[str, str]:
+def measure_profile_solution_time(points: int = 131_072) -> tuple[str, str]:
     heights = create_heights((points,), 10, points // 32)
     body, flat = Profile(heights, spacing=1 / points), Profile(np.zeros(points), spacing=1 / points)
     times = []

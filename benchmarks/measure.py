@@ -33,7 +33,7 @@ def median_time(call: Callable[[], object], repeats: int = 5) -> float:
     return statistics.median(times)
 
 
-def measure_unit(repeats: int = 40) -> float:
+def measure_time_unit(repeats: int = 40) -> float:
     """Return the unit U in seconds."""
     retain_freed_memory()
     return median_time(lambda: np.fft.rfft(_FFT_INPUT), repeats)
@@ -43,24 +43,24 @@ def measure_in_units(call: Callable[[], object], repeats: int = 5) -> float:
     """Return the median of call time divided by U. U is timed around each call, because the clock rate drifts."""
     ratios = []
     for _ in range(repeats):
-        unit_before = measure_unit(10)
+        unit_before = measure_time_unit(10)
         elapsed = median_time(call, 1)
-        ratios.append(elapsed / ((unit_before + measure_unit(10)) / 2))
+        ratios.append(elapsed / ((unit_before + measure_time_unit(10)) / 2))
     return statistics.median(ratios)
 
 
-def peak_mebibytes(call: Callable[[], object]) -> float:
+def measure_peak_mebibytes(call: Callable[[], object]) -> float:
     """Return the peak memory of a new process that makes a call."""
     context = multiprocessing.get_context("spawn")
     queue = context.Queue()
-    process = context.Process(target=_report_peak, args=(call, queue))
+    process = context.Process(target=_send_peak_mebibytes, args=(call, queue))
     process.start()
     peak_memory = queue.get()
     process.join()
     return float(peak_memory)
 
 
-def _report_peak(call: Callable[[], object], queue: "multiprocessing.Queue[float]") -> None:
+def _send_peak_mebibytes(call: Callable[[], object], queue: "multiprocessing.Queue[float]") -> None:
     call()
     # getrusage is unsuitable, because a new process inherits the peak of its parent.
     lines = Path("/proc/self/status").read_text("ascii").splitlines()

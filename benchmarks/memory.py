@@ -35,13 +35,13 @@ def measure_peak_memory(folder: str, arguments: list[str]) -> float:
     process = subprocess.Popen([sys.executable, *arguments], cwd=folder, stdout=subprocess.DEVNULL)
     peak_memory = 0.0
     while process.poll() is None:
-        peak_memory = max(peak_memory, sum(map(resident_memory, find_processes(process.pid))))
+        peak_memory = max(peak_memory, sum(map(resident_memory, find_process_tree(process.pid))))
         time.sleep(0.02)
     assert process.returncode == 0, arguments
     return peak_memory / 1024
 
 
-def find_processes(pid: int) -> list[int]:
+def find_process_tree(pid: int) -> list[int]:
     """Return a process and all its descendants."""
     parents = {}
     for stat_file in Path("/proc").glob("[0-9]*/stat"):

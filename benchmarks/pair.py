@@ -3,7 +3,7 @@
 from concurrent.futures import Executor, ThreadPoolExecutor
 
 import numpy as np
-from measure import measure_in_units, measure_unit, median_time
+from measure import measure_in_units, measure_time_unit, median_time
 from stiction import Study, random_phases, run, weierstrass_mandelbrot_family
 from stiction.studies.member_solution import _reuse_array, compute_member_sums
 from stiction.studies.members import fill_profile_family
@@ -35,7 +35,7 @@ def benchmark_rows() -> list[tuple[str, str]]:
         lambda: np.fft.rfft(FFT_INPUT), 40
     )  # No large memory block has been freed before this measurement.
     result = [
-        ("U", f"{1e3 * measure_unit():.2f} ms"),
+        ("U", f"{1e3 * measure_time_unit():.2f} ms"),
         ("the same FFT in a process that has not yet freed a large memory block", f"{1e3 * unfreed_fft_time:.2f} ms"),
     ]
     for detection in ("cell", "gap-minimum"):

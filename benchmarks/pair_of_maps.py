@@ -41,7 +41,7 @@ def measure_command(folder: Path, output: str) -> tuple[float, float]:
     return usage_after.ru_utime + usage_after.ru_stime - usage_before.ru_utime - usage_before.ru_stime, wall_time
 
 
-def prepare_solutions(study: Study) -> Callable[[], None]:
+def prepare_load_solver(study: Study) -> Callable[[], None]:
     """Solve prepared members at every load in one direction."""
     contact, bodies = study.contact, load_bodies(study)
     pairs = [
@@ -69,7 +69,7 @@ def compute_onset(study: Study) -> None:
         assert result is not None
 
 
-def processor_time(task: Callable[[], None]) -> float:
+def measure_processor_time(task: Callable[[], None]) -> float:
     start = time.process_time()
     task()
     return time.process_time() - start
@@ -81,12 +81,12 @@ def benchmark_rows() -> list[tuple[str, str]]:
         write_scans(folder)
         commands = [measure_command(folder, "0")]
         study, cutoff_study = (open_stored(folder / "0" / subfolder).study for subfolder in ("", CUTOFF_STUDY_FOLDER))
-        tasks = prepare_solutions(study), prepare_solutions(cutoff_study), lambda: compute_onset(study)
+        tasks = prepare_load_solver(study), prepare_load_solver(cutoff_study), lambda: compute_onset(study)
         # Do not measure the first solution, which imports modules and computes kernels.
         half_space(*load_bodies(study).member(0, 0.0).pair, [0.1], effective_modulus=100.0)
         processor_times = []
         for turn in range(NUM_TIMING_ROUNDS):
-            processor_times.append([processor_time(task) for task in tasks])
+            processor_times.append([measure_processor_time(task) for task in tasks])
             commands.append(measure_command(folder, str(turn + 1)))
     command_time, wall_time = (statistics.median(column) for column in zip(*commands[1:], strict=True))
     position_time, cutoff_time, onset_time = (

@@ -62,11 +62,11 @@ os.environ["STICTION_SCANS"] = str(Path(__file__).resolve().parents[1] / "exampl
 os.environ["COLUMNS"] = "88"  # characters in a line of a code box on a wide screen
 
 
-def write_reference(app: Sphinx) -> None:
+def write_reference_pages(app: Sphinx) -> None:
     """Write the reference pages that are generated from the package."""
     built = Path(app.srcdir) / "built"
     built.mkdir(exist_ok=True)
-    for name, text in reference.generate_pages(Path(app.srcdir)).items():
+    for name, text in reference.render_pages(Path(app.srcdir)).items():
         path = built / name
         if not path.exists() or path.read_text("utf-8") != text:
             path.write_text(text, encoding="utf-8")
@@ -91,7 +91,7 @@ ACCESSIBILITY_REPLACEMENTS = (
 """Replacements in HTML pages that improve the use with a keyboard or a screen reader."""
 
 
-def list_pages(app: Sphinx) -> list[Path]:
+def list_markdown_pages(app: Sphinx) -> list[Path]:
     """Return the pages that were written from Markdown."""
     return [Path(app.outdir) / f"{name}.html" for name in sorted(app.env.found_docs)]
 
@@ -99,7 +99,7 @@ def list_pages(app: Sphinx) -> list[Path]:
 def improve_accessibility(app: Sphinx, exception: Exception | None) -> None:
     """Make elements that scroll reachable by keyboard, add the level of headings, and name landmarks."""
     generated_pages = [Path(app.outdir) / name for name in ("genindex.html", "search.html")]
-    for page in (*list_pages(app), *generated_pages) if exception is None else ():
+    for page in (*list_markdown_pages(app), *generated_pages) if exception is None else ():
         text = page.read_text("utf-8")
         for before, after in ACCESSIBILITY_REPLACEMENTS:
             text = text.replace(before, after)
@@ -143,7 +143,7 @@ def write_example_reports(app: Sphinx, exception: Exception | None) -> None:
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
 
 
-def check_paths(app: Sphinx, exception: Exception | None) -> None:
+def check_for_build_paths(app: Sphinx, exception: Exception | None) -> None:
     """End the build with an error if a page contains a path of the build machine."""
     folders = "|".join(re.escape(f"{folder}{os.sep}") for folder in (ROOT, tempfile.gettempdir()))
     for page in sorted(Path(app.outdir).rglob("*.html")) if exception is None else ():
@@ -151,14 +151,14 @@ def check_paths(app: Sphinx, exception: Exception | None) -> None:
             raise SphinxError(f"{page.name} contains the path {match[0]}")
 
 
-def check_emphasis(app: Sphinx, exception: Exception | None) -> None:
+def check_for_broken_emphasis(app: Sphinx, exception: Exception | None) -> None:
     """End the build with an error if a paragraph ends in a star, because an E* in it ended the emphasis early."""
-    for page in list_pages(app) if exception is None else ():
+    for page in list_markdown_pages(app) if exception is None else ():
         if match := re.search(r"[^\n<>]{0,40}[.!?)]\*</p>", page.read_text("utf-8")):
             raise SphinxError(f"{page.name} has emphasis that ends too early: {match[0]}")
 
 
-def check_comments(app: Sphinx, page: str, source: list[str]) -> None:
+def check_for_stray_comments(app: Sphinx, page: str, source: list[str]) -> None:
     """End the build with an error if a line inside a paragraph starts with %, because MyST reads it as a comment."""
     text = re.sub(r"^(`{3,}).*?^\1", "", source[0], flags=re.DOTALL | re.MULTILINE)
     if match := re.search(r"(?<=\S\n)%[^\n]{0,40}", text):
@@ -231,7 +231,7 @@ def add_description(
 MATH_CODE_POINTS = "U+20-7E,U+A0-FF,U+300-3FF,U+2000-20CF,U+2100-22FF,U+2300-23FF,U+27C0-27FF,U+2980-2AFF,U+1D400-1D7FF"
 
 
-def write_font(app: Sphinx) -> None:
+def write_formula_font(app: Sphinx) -> None:
     """Write a font for formulas: the mathematical glyphs of STIX Two Math.
 
     The font (SIL Open Font License 1.1) is part of the package ziamath.
@@ -287,11 +287,11 @@ def setup(app: Sphinx) -> None:
     app.add_html_math_renderer("mathml", (visit_formula, None), (visit_formula, None))
     app.add_post_transform(PublicNameLinkTransform)
     app.add_post_transform(CommandPromptTransform)
-    app.connect("builder-inited", write_reference)
-    app.connect("builder-inited", write_font)
+    app.connect("builder-inited", write_reference_pages)
+    app.connect("builder-inited", write_formula_font)
     app.connect("html-page-context", add_description)
     app.connect("build-finished", write_example_reports)
     app.connect("build-finished", improve_accessibility)
-    app.connect("build-finished", check_paths)
-    app.connect("build-finished", check_emphasis)
-    app.connect("source-read", check_comments)
+    app.connect("build-finished", check_for_build_paths)
+    app.connect("build-finished", check_for_broken_emphasis)
+    app.connect("source-read", check_for_stray_comments)

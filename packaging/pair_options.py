@@ -49,7 +49,7 @@ DOCSTRING_TYPES = {
 """Types that docstrings print, by the names of types in the model."""
 
 
-def declared_types() -> dict[str, str]:
+def option_types() -> dict[str, str]:
     """Return the type of each option as declared in the model, such as "Value | None"."""
     types = {}
     groups = [group.__name__ for group in OPTION_GROUPS]
@@ -69,25 +69,26 @@ def declared_types() -> dict[str, str]:
     return types
 
 
-def default_assignment(name: str) -> str:
+def render_default_assignment(name: str) -> str:
     """Return the default of an option as an assignment, or an empty text for a required option."""
     field = PairOptions.model_fields[name]
     return "" if field.is_required() else f" = {field.default!r}"
 
 
-def function_parameters() -> str:
+def render_function_parameters() -> str:
     """Return the parameters of `stiction.pair`, with the two bodies first."""
-    types = declared_types()
+    types = option_types()
     lines = [
-        f"    {format_python_name(name)}: {types[name]}{default_assignment(name)},\n" for name in PYTHON_OPTION_NAMES
+        f"    {format_python_name(name)}: {types[name]}{render_default_assignment(name)},\n"
+        for name in PYTHON_OPTION_NAMES
     ]
     bodies = [line for line in lines if line.lstrip().startswith(("first:", "second:"))]
     return "".join([*bodies, "    *,\n", *(line for line in lines if line not in bodies)])
 
 
-def parameter_descriptions() -> str:
+def render_parameter_descriptions() -> str:
     """Return the entries of the docstring: the two bodies first, then the options group by group."""
-    types = declared_types()
+    types = option_types()
     ordered_names = [
         "upper",
         "lower",
@@ -118,12 +119,12 @@ class PythonOptionNames(dict[str, str]):
         return f"`{format_python_name(name)}`"
 
 
-def call_arguments() -> str:
+def render_call_arguments() -> str:
     """Return the arguments with which `stiction.pair` creates the model."""
     return "".join(f"                {name}={format_python_name(name)},\n" for name in PYTHON_OPTION_NAMES)
 
 
-def command_parameters() -> str:
+def render_command_parameters() -> str:
     """Return the parameters of the command `pair`."""
     lines = []
     for name, option in PAIR_OPTIONS.items():
@@ -131,12 +132,12 @@ def command_parameters() -> str:
             continue
         is_switch = PairOptions.model_fields[name].annotation is bool
         value_type = "bool" if is_switch else "list[str]" if option.is_repeatable else "str"
-        value_type += "" if is_switch or not default_assignment(name) else " | None"
-        lines.append(f'    {name}: Annotated[{value_type}, pair_option("{name}")]{default_assignment(name)},\n')
+        value_type += "" if is_switch or not render_default_assignment(name) else " | None"
+        lines.append(f'    {name}: Annotated[{value_type}, pair_option("{name}")]{render_default_assignment(name)},\n')
     return "".join(lines)
 
 
-def reader_parameters() -> str:
+def render_reader_parameters() -> str:
     """Return the file-reading parameters of the command `characterise`."""
     lines = []
     for name in FileReadingOptions.model_fields:
@@ -157,20 +158,22 @@ def replace_section(text: str, start: str, end: str, new: str) -> str:
 def generated_texts() -> dict[Path, str]:
     """Return the generated text of each file."""
     pair_function_text = PAIR_FUNCTION_FILE.read_text("utf-8")
-    pair_function_text = replace_section(pair_function_text, "def pair(\n", "    directory: str", function_parameters())
     pair_function_text = replace_section(
-        pair_function_text, "    Parameters\n    ----------\n", "    directory : path", parameter_descriptions()
+        pair_function_text, "def pair(\n", "    directory: str", render_function_parameters()
     )
     pair_function_text = replace_section(
-        pair_function_text, "options = PairOptions(\n", "            )\n", call_arguments()
+        pair_function_text, "    Parameters\n    ----------\n", "    directory : path", render_parameter_descriptions()
+    )
+    pair_function_text = replace_section(
+        pair_function_text, "options = PairOptions(\n", "            )\n", render_call_arguments()
     )
     pair_command_text = PAIR_COMMAND_FILE.read_text("utf-8")
     pair_command_text = replace_section(
-        pair_command_text, "    lower: LowerFileArgument = None,\n    *,\n", "    workers:", command_parameters()
+        pair_command_text, "    lower: LowerFileArgument = None,\n    *,\n", "    workers:", render_command_parameters()
     )
     characterise_text = CHARACTERISE_COMMAND_FILE.read_text("utf-8")
     characterise_text = replace_section(
-        characterise_text, 'help="Measured profiles or surfaces.")],\n    *,\n', "    row:", reader_parameters()
+        characterise_text, 'help="Measured profiles or surfaces.")],\n    *,\n', "    row:", render_reader_parameters()
     )
     texts = {
         PAIR_FUNCTION_FILE: pair_function_text,

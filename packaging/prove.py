@@ -190,7 +190,7 @@ class IsolatedEnvironment:
         self.hides_by_mount = self.can_hide_folders()
         run_command(sys.executable, "-m", "venv", folder / "environment")
         # The option for dependency groups requires pip 25.1.
-        self.pip("pip>=25.1")
+        self.install_from_wheels("pip>=25.1")
 
     def can_hide_folders(self) -> bool:
         """Return whether mounts can hide directories. This needs root and affects no other process."""
@@ -222,7 +222,7 @@ class IsolatedEnvironment:
         lines += [f"{mount} --bind /dev/null {shlex.quote(str(path))}" for path in sorted(files)]
         return "\n".join(["set -e", *lines, 'exec "$@"'])
 
-    def call(self, *command: str | Path, cwd: Path | None = None, quiet: bool = True) -> str:
+    def run_isolated(self, *command: str | Path, cwd: Path | None = None, quiet: bool = True) -> str:
         unshare, shell = shutil.which("unshare") or "", shutil.which("sh") or ""
         hiding_command = (unshare, "--mount", "--propagation", "private", shell, "-c", self.hiding_script(), shell)
         wrapper_command = hiding_command if self.hides_by_mount else ()
@@ -230,7 +230,7 @@ class IsolatedEnvironment:
             *command, cwd=cwd or self.folder, env=self.environment, quiet=quiet, wrapper_command=wrapper_command
         )
 
-    def check_hidden(self) -> None:
+    def check_outside_is_hidden(self) -> None:
         """Check that everything visible outside the environment is hidden inside."""
         system_folders = os.pathsep.join(map(str, SYSTEM_PROGRAM_FOLDERS))
         if self.hides_by_mount:
@@ -238,23 +238,23 @@ class IsolatedEnvironment:
             for file_name in ("c++", "cmake", "libgsl.a", "gsl_version.h", "libfftw3.a", "fftw3.h", "Eigen/Core"):
                 if not any(path.endswith(file_name) for path in visible_outside):
                     exit_with_error(f"no {file_name} was found here, so that hiding it shows nothing")
-            visible_files = self.call(
+            visible_files = self.run_isolated(
                 self.bin / "python", "-I", "-c", INSPECTION_SCRIPT, system_folders, "/usr", "/opt", ROOT
             )
         else:
-            visible_files = self.call(self.bin / "python", "-I", "-c", INSPECTION_SCRIPT, "")
+            visible_files = self.run_isolated(self.bin / "python", "-I", "-c", INSPECTION_SCRIPT, "")
         if visible_files:
             exit_with_error(f"these are not hidden: {', '.join(visible_files.split())}")
 
-    def pip(self, *requirements: str | Path) -> None:
+    def install_from_wheels(self, *requirements: str | Path) -> None:
         """Install packages from wheels only, so that nothing is compiled."""
         pip = (self.bin / "python", "-m", "pip", "install", "--quiet", "--disable-pip-version-check")
-        self.call(*pip, "--only-binary=:all:", *requirements)
+        self.run_isolated(*pip, "--only-binary=:all:", *requirements)
 
     def check_installed(self) -> None:
         """Check that Python imports the package from the wheel."""
         code = "import stiction, stiction._core as core; print(stiction.__version__, stiction.__file__, core.__file__)"
-        version, *files = self.call(self.bin / "python", "-I", "-c", code).split()
+        version, *files = self.run_isolated(self.bin / "python", "-I", "-c", code).split()
         for file in files:
             if self.folder / "environment" not in Path(file).parents:
                 exit_with_error(f"{file} is imported, which is not the installed wheel")
@@ -264,10 +264,10 @@ class IsolatedEnvironment:
     def measure_import_time(self) -> float:
         """Return the shortest of three import times, each measured in a new interpreter."""
         code = "import time; a = time.perf_counter(); import stiction; stiction.press; print(time.perf_counter() - a)"
-        return min(float(self.call(self.bin / "python", "-I", "-c", code)) for _ in range(3))
+        return min(float(self.run_isolated(self.bin / "python", "-I", "-c", code)) for _ in range(3))
 
     def run_quick_study(self) -> None:
-        self.call(self.bin / "stiction", "run", "quick", "--output", "quick")
+        self.run_isolated(self.bin / "stiction", "run", "quick", "--output", "quick")
         for name in ("study.toml", "area.png"):
             if not (self.folder / "quick" / name).exists():
                 exit_with_error(f"stiction run quick wrote no {name}")
@@ -277,7 +277,7 @@ class IsolatedEnvironment:
         shutil.copytree(ROOT / "examples/scans", self.folder / "scans")
         for finish, extension, hardness_options in (("lapped", "csv", []), ("ground", "x3p", ["--hardness", "2 GPa"])):
             scans = [f"scans/{finish}_{side}.{extension}" for side in ("upper", "lower")]
-            output = self.call(
+            output = self.run_isolated(
                 self.bin / "stiction", "pair", *scans, "--young", "210 GPa", "--poisson", "0.3", "--mu0", "0.2",
                 "--tau0", "50 MPa", *hardness_options, "--load", "20 mN", "--output", finish,
             )  # fmt: skip
@@ -291,9 +291,9 @@ class IsolatedEnvironment:
         shutil.copytree(ROOT, tests, ignore=ignored_names)
         for source_folder in ("python", "cpp"):
             shutil.rmtree(tests / source_folder)
-        self.pip("--group", f"{tests / 'pyproject.toml'}:test")
+        self.install_from_wheels("--group", f"{tests / 'pyproject.toml'}:test")
         self.check_installed()
-        self.call(
+        self.run_isolated(
             self.bin / "python", "-I", "-m", "pytest", "-q", "-p", "no:cacheprovider", "--numprocesses=2",
             "--dist=worksteal", *selected_tests, cwd=tests, quiet=False,
         )  # fmt: skip
@@ -308,13 +308,13 @@ def prove_wheel(wheel: Path, *, with_tests: bool, selected_tests: Iterable[str] 
             f"{wheel.name}: the package alone, {wheel.stat().st_size / 1000:.0f} kB; no foreign library or symbol"
         )
         environment = IsolatedEnvironment(folder)
-        environment.check_hidden()
+        environment.check_outside_is_hidden()
         hiding_method = "a mount namespace and PATH" if environment.hides_by_mount else "PATH alone"
         print_message(
             f"installing it where neither compilers nor Eigen, GSL and FFTW are seen, hidden by {hiding_method}"
         )
         copied_wheel = shutil.copy(wheel, folder)  # Copy the wheel first, because this tree will be hidden.
-        environment.pip(copied_wheel)
+        environment.install_from_wheels(copied_wheel)
         environment.check_installed()
         if (seconds := environment.measure_import_time()) > MAX_IMPORT_SECONDS:
             exit_with_error(f"import stiction takes {seconds:.1f} s")

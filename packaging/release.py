@@ -46,12 +46,12 @@ def read_file(name: str) -> str:
 
 
 @register_check("the version is that of a release")
-def version_is_final() -> str | None:
+def version_problem() -> str | None:
     return None if re.fullmatch(r"\d+\.\d+\.\d+", VERSION) else f"pyproject.toml says {VERSION}"
 
 
 @register_check("the changelog has it, with its date")
-def changelog_is_dated() -> str | None:
+def changelog_date_problem() -> str | None:
     match = re.search(rf"^## {re.escape(RELEASE_VERSION)}(.*)$", read_file("CHANGELOG.md"), re.MULTILINE)
     if match is None:
         return f"CHANGELOG.md has no ## {RELEASE_VERSION}"
@@ -61,7 +61,7 @@ def changelog_is_dated() -> str | None:
 
 
 @register_check("CITATION.cff has the version, the date and the address")
-def citation_matches_changelog() -> str | None:
+def citation_problem() -> str | None:
     message = read_file("CITATION.cff")
     version_heading = re.search(
         rf"^## {re.escape(RELEASE_VERSION)} \((\d.*)\)$", read_file("CHANGELOG.md"), re.MULTILINE
@@ -71,19 +71,19 @@ def citation_matches_changelog() -> str | None:
         f"date-released: {version_heading[1] if version_heading else 'YYYY-MM-DD'}",
         "repository-code: http",
     ]
-    return join_missing("CITATION.cff has no", (line for line in expected if line not in message))
+    return missing_names_message("CITATION.cff has no", (line for line in expected if line not in message))
 
 
 @register_check("the addresses of the project are public ones")
-def urls_are_defined() -> str | None:
-    missing = join_missing(
+def project_url_problem() -> str | None:
+    missing = missing_names_message(
         "[project.urls] has no", (name for name in URL_NAMES if name not in PROJECT_METADATA["urls"])
     )
     return missing and f"{missing}: ./dev release --address URL"
 
 
 @register_check("links of README.md work on PyPI")
-def links_are_absolute() -> str | None:
+def readme_link_problem() -> str | None:
     relative_links = RELATIVE_LINK_PATTERN.findall(read_file("README.md"))
     return (
         f"{len(relative_links)} are relative, for example {relative_links[0]}: ./dev release --address URL"
@@ -93,8 +93,8 @@ def links_are_absolute() -> str | None:
 
 
 @register_check("the conda recipe asks for what pyproject.toml does")
-def recipe_matches_dependencies() -> str | None:
-    return join_missing("packaging/conda/recipe.yaml has no", missing_recipe_lines())
+def conda_recipe_problem() -> str | None:
+    return missing_names_message("packaging/conda/recipe.yaml has no", missing_recipe_lines())
 
 
 def missing_recipe_lines() -> Iterator[str]:
@@ -111,32 +111,32 @@ def missing_recipe_lines() -> Iterator[str]:
 
 
 @register_check("packaging/tested.txt has a version of every dependency")
-def tested_versions_are_complete() -> str | None:
+def tested_versions_problem() -> str | None:
     tested = {line.split("==")[0].lower() for line in read_file("packaging/tested.txt").splitlines() if "==" in line}
     names = [re.split(">=", item)[0].lower() for item in PROJECT_METADATA["dependencies"]]
-    return join_missing("./dev tested, for it lacks", (name for name in names if name not in tested))
+    return missing_names_message("./dev tested, for it lacks", (name for name in names if name not in tested))
 
 
 @register_check("nothing is uncommitted")
-def tree_is_clean() -> str | None:
+def uncommitted_changes_problem() -> str | None:
     changed = run_command("git", "status", "--porcelain").splitlines()
     return f"{len(changed)} files are changed or new" if changed else None
 
 
 @register_check("source distribution and wheels of this commit are built and proven, with the tests")
-def wheels_are_proven() -> str | None:
+def wheel_problem() -> str | None:
     record = VERIFIED_COMMITS_FILE.read_text(encoding="utf-8") if VERIFIED_COMMITS_FILE.exists() else ""
     if record != f"{describe_commit()} with the tests\n":
         return f"./dev wheel, for {record.strip() or 'nothing'} was proven"
     return None if list(DIST_FOLDER.glob("*.whl")) else f"{DIST_FOLDER.relative_to(ROOT)} is empty"
 
 
-def tag_is_on_commit() -> str | None:
+def tag_problem() -> str | None:
     tags = run_command("git", "tag", "--points-at", "HEAD").split()
     return None if f"v{VERSION}" in tags else f"git tag v{VERSION}; this commit has {', '.join(tags) or 'none'}"
 
 
-def join_missing(what: str, missing: Iterator[str]) -> str | None:
+def missing_names_message(what: str, missing: Iterator[str]) -> str | None:
     names = ", ".join(missing)
     return f"{what} {names}" if names else None
 
@@ -146,9 +146,9 @@ def run_checks(*, is_tagged: bool) -> bool:
 
     The workflow of a tag builds and verifies separately, so these lines are left out for a tag.
     """
-    checks = [item for item in RELEASE_CHECKS if not (is_tagged and item[1] is wheels_are_proven)]
+    checks = [item for item in RELEASE_CHECKS if not (is_tagged and item[1] is wheel_problem)]
     if is_tagged:
-        checks.append((f"the tag v{VERSION} is on this commit", tag_is_on_commit))
+        checks.append((f"the tag v{VERSION} is on this commit", tag_problem))
     num_open = 0
     for line, function in checks:
         problem = function()
@@ -161,7 +161,7 @@ def run_checks(*, is_tagged: bool) -> bool:
     return num_open == 0
 
 
-def write_address(url: str) -> None:
+def write_repository_address(url: str) -> None:
     """Write the repository address into pyproject.toml, CITATION.cff and the links of README.md."""
     if not re.fullmatch(r"https://[\w.-]+/[\w.-]+/[\w.-]+", url):
         exit_with_error(f"--address must be that of a repository, https://HOST/OWNER/NAME, got {url!r}")
@@ -192,7 +192,7 @@ def main() -> None:
     parser.add_argument("--address", metavar="URL", help="write the public address of the sources where it belongs")
     options = parser.parse_args()
     if options.address:
-        write_address(options.address)
+        write_repository_address(options.address)
     elif not run_checks(is_tagged=options.tagged):
         sys.exit(1)
 

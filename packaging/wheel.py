@@ -43,13 +43,13 @@ def find_interpreters() -> dict[str, Path]:
             Path(shutil.which(f"python3.{minor}") or "/none"),
         ]
         for python in (*running_interpreter, *installed_interpreters):
-            if python.exists() and can_build(python, minor):
+            if python.exists() and can_build_wheel(python, minor):
                 result[f"3.{minor}"] = python
                 break
     return result
 
 
-def can_build(python: Path, minor: int) -> bool:
+def can_build_wheel(python: Path, minor: int) -> bool:
     completed = subprocess.run([python, "-c", INTERPRETER_CHECK_SCRIPT, str(minor)], check=False, capture_output=True)
     return completed.returncode == 0
 

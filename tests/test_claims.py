@@ -24,9 +24,9 @@ CLAIMS, CLAIM_PARTS, ClaimPartOutcome, ClaimPart, judge_claims = (
     claims.ClaimPart,
     claims.judge_claims,
 )
-claims_markdown, variants_markdown, claim_verdict = (
-    claims.claims_markdown,
-    claims.variants_markdown,
+render_claims, render_claim_variants, claim_verdict = (
+    claims.render_claims,
+    claims.render_claim_variants,
     claims.claim_verdict,
 )
 
@@ -136,7 +136,7 @@ def test_verdict_on_a_claim_is_derived_from_verdicts_on_its_parts():
 
 
 def test_parts_of_claims_have_unique_names():
-    assert {part.claim for part in CLAIM_PARTS} == set(CLAIMS)
+    assert {part.claim_number for part in CLAIM_PARTS} == set(CLAIMS)
     assert len({part.name for part in CLAIM_PARTS}) == len(CLAIM_PARTS)
     assert all(part.least < part.most for part in CLAIM_PARTS)
 
@@ -332,15 +332,15 @@ def test_judging_claims_rejects_studies_with_too_few_values():
         ({"surfaces.amplitude": ["0.1 um"]}, "amplitudes of 0.05"),
     ):
         with pytest.raises(ValueError, match=match):
-            claims.check_study(SMALL_CLAIMS_STUDY.with_changes(change))
+            claims.check_study_suits_claims(SMALL_CLAIMS_STUDY.with_changes(change))
 
 
 def test_tables_of_claims_contain_every_part(result):
     outcomes = judge_claims(result)
-    for text in (claims_markdown(outcomes), variants_markdown({"one": outcomes})):
+    for text in (render_claims(outcomes), render_claim_variants({"one": outcomes})):
         for part in CLAIM_PARTS:
             assert f"{part.name} " in text
-    rows = [line for line in claims_markdown(outcomes).splitlines() if line.startswith("|")]
+    rows = [line for line in render_claims(outcomes).splitlines() if line.startswith("|")]
     assert {line.replace("\\|", "").count("|") for line in rows} == {6}
 
 

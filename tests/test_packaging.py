@@ -93,16 +93,13 @@ def test_release_checks_report_missing_dates_and_versions(release_script, tmp_pa
     (tmp_path / "CHANGELOG.md").write_text("## 1.2.3 (unreleased)\n", encoding="utf-8")
     monkeypatch.setattr(release_script, "ROOT", tmp_path)
     monkeypatch.setattr(release_script, "RELEASE_VERSION", "1.2.3")
-    assert "## 1.2.3 (unreleased) should read" in release_script.changelog_is_dated()
+    assert "## 1.2.3 (unreleased) should read" in release_script.changelog_date_problem()
     (tmp_path / "CHANGELOG.md").write_text("## 1.2.3 (2030-01-02)\n", encoding="utf-8")
-    assert release_script.changelog_is_dated() is None
+    assert release_script.changelog_date_problem() is None
     (tmp_path / "CITATION.cff").write_text("version: 1.2.3\ndate-released: 2030-01-01\n", encoding="utf-8")
-    assert (
-        release_script.citation_matches_changelog()
-        == "CITATION.cff has no date-released: 2030-01-02, repository-code: http"
-    )
+    assert release_script.citation_problem() == "CITATION.cff has no date-released: 2030-01-02, repository-code: http"
     monkeypatch.setattr(release_script, "VERSION", "1.2.3.dev0")
-    assert release_script.version_is_final() == "pyproject.toml says 1.2.3.dev0"
+    assert release_script.version_problem() == "pyproject.toml says 1.2.3.dev0"
 
 
 def test_release_script_writes_the_repository_address_into_all_files(release_script, tmp_path, monkeypatch):
@@ -115,8 +112,8 @@ def test_release_script_writes_the_repository_address_into_all_files(release_scr
     for name, content in files.items():
         (tmp_path / name).write_text(content, encoding="utf-8")
     with pytest.raises(SystemExit):
-        release_script.write_address("example.org/stiction")
-    release_script.write_address("https://example.org/them/stiction")
+        release_script.write_repository_address("example.org/stiction")
+    release_script.write_repository_address("https://example.org/them/stiction")
     urls = tomllib.loads((tmp_path / "pyproject.toml").read_text(encoding="utf-8"))["project"]["urls"]
     assert set(urls) == {"Paper", *release_script.URL_NAMES}
     assert "repository-code: https://example.org/them/stiction\n" in (tmp_path / "CITATION.cff").read_text(
@@ -126,7 +123,7 @@ def test_release_script_writes_the_repository_address_into_all_files(release_scr
     assert (tmp_path / "README.md").read_text(encoding="utf-8") == (
         f"![A]({root}/raw/main/docs/a.png) [B]({root}/blob/main/docs/b.md#c) [D](https://example.org) [E](#e)\n"
     )
-    assert release_script.links_are_absolute() is None
+    assert release_script.readme_link_problem() is None
 
 
 # ---- The sample scans -----------------------------------------------------------------------------------------------

@@ -44,14 +44,14 @@ def test_names_are_grouped_by_kind_and_counted_once(words_tool):
 @pytest.mark.parametrize("name", ["said", "_said", "SAID"])
 def test_check_reports_names_that_are_rejected_in_their_folder(words_tool, name):
     files = {"tests/x.py": f"{name} = 1\n", "packaging/x.py": f"{name} = 1\n"}
-    faults = list(words_tool.name_faults(files, {"tests": ["said"]}))
+    faults = list(words_tool.find_name_faults(files, {"tests": ["said"]}))
     assert len(faults) == 1
     assert faults[0].startswith(f"tests/x.py:1: {name} ")
 
 
 def test_check_reports_rejected_sentence_openings(words_tool):
     files = {"dev": '"""What a file contains."""\n\n\ndef read():\n    """Return what a file contains."""\n'}
-    assert len(list(words_tool.opening_faults(files, {"all": ["What"]}))) == 1
+    assert len(list(words_tool.find_opening_faults(files, {"all": ["What"]}))) == 1
 
 
 def test_check_reports_tests_that_do_not_begin_with_their_unit(words_tool):
@@ -59,7 +59,7 @@ def test_check_reports_tests_that_do_not_begin_with_their_unit(words_tool):
         "tests/test_x.py": "def test_the_profile_reader_accepts_csv_files():\n    pass\n\n\n"
         "def test_profile_reader_accepts_csv_files():\n    pass\n"
     }
-    assert len(list(words_tool.test_name_faults(files, {"all": ["the"]}))) == 1
+    assert len(list(words_tool.find_test_name_faults(files, {"all": ["the"]}))) == 1
 
 
 def test_repeated_constants_and_classes_of_different_modules_are_reported(words_tool):
@@ -67,9 +67,9 @@ def test_repeated_constants_and_classes_of_different_modules_are_reported(words_
         "packaging/a.py": "SIZE = 1\nROOT = 2\nclass Row: pass\n",
         "packaging/b.py": "_SIZE = 3\nROOT = 2\nclass _Row: pass\n",
     }
-    assert words_tool.repeated_constants(files) == {"SIZE": set(files)}
-    assert words_tool.repeated_classes(files) == {"Row": set(files)}
-    assert list(words_tool.repetition_faults(words_tool.repeated_classes(files), ["Row"])) == []
+    assert words_tool.modules_by_repeated_constant(files) == {"SIZE": set(files)}
+    assert words_tool.modules_by_repeated_class(files) == {"Row": set(files)}
+    assert list(words_tool.find_repetition_faults(words_tool.modules_by_repeated_class(files), ["Row"])) == []
 
 
 def test_sample_of_names_and_sentences_depends_only_on_the_seed():

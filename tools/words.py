@@ -45,7 +45,7 @@ SampledText = tuple[str, str]
 # ---- Reading the tree -----------------------------------------------------------------------------------------------
 
 
-def read_commit() -> Files:
+def read_commit_files() -> Files:
     """Return the text files of the current commit."""
     archive = subprocess.run(["git", "archive", "HEAD"], cwd=ROOT, capture_output=True, check=True).stdout
     texts = {}
@@ -58,7 +58,7 @@ def read_commit() -> Files:
     return texts
 
 
-def read_checkout() -> Files:
+def read_checkout_files() -> Files:
     """Return the Python files of the working tree."""
     tracked_files = subprocess.run(
         ["git", "ls-files"], cwd=ROOT, capture_output=True, check=True, text=True
@@ -76,16 +76,16 @@ def is_in_folders(name: str, folders: tuple[str, ...]) -> bool:
     return any(name == folder or name.startswith(f"{folder}/") for folder in folders)
 
 
-def python_nodes(files: Files, folders: tuple[str, ...] = PYTHON_FOLDERS) -> Iterator[tuple[str, ast.AST]]:
+def iterate_syntax_nodes(files: Files, folders: tuple[str, ...] = PYTHON_FOLDERS) -> Iterator[tuple[str, ast.AST]]:
     """Yield the path of each Python file with each node of its syntax tree."""
     for name, text in sorted(files.items()):
         if is_python(name) and is_in_folders(name, folders):
-            for node in syntax_nodes(text):
+            for node in list_syntax_nodes(text):
                 yield name, node
 
 
 @functools.cache
-def syntax_nodes(text: str) -> list[ast.AST]:
+def list_syntax_nodes(text: str) -> list[ast.AST]:
     return list(ast.walk(ast.parse(text)))
 
 
@@ -94,7 +94,7 @@ def syntax_nodes(text: str) -> list[ast.AST]:
 
 def docstring_summaries(files: Files) -> Iterator[SampledText]:
     """Yield the summary of each docstring, including docstrings of constants."""
-    for name, node in python_nodes(files):
+    for name, node in iterate_syntax_nodes(files):
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
             text = ast.get_docstring(node)
             if text:
@@ -132,7 +132,7 @@ def comments(files: Files) -> Iterator[SampledText]:
 
 def exception_messages(files: Files) -> Iterator[SampledText]:
     """Yield the texts of exceptions and warnings in the package."""
-    for name, node in python_nodes(files, ("python/stiction",)):
+    for name, node in iterate_syntax_nodes(files, ("python/stiction",)):
         if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call):
             arguments = node.exc.args
         elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith("warn"):
@@ -199,7 +199,7 @@ def is_constant(name: str) -> bool:
 def names_by_kind(files: Files) -> dict[str, list[SampledText]]:
     """Return the place and spelling of each name by kind. A repeated name counts once per file."""
     unique: dict[str, dict[SampledText, None]] = {kind: {} for kind in NAME_KINDS}
-    for path, node in python_nodes(files):
+    for path, node in iterate_syntax_nodes(files):
         for kind, name in bound_names(node):
             if len(name.strip("_")) > 1:
                 unique[kind][path, name] = None
@@ -221,7 +221,7 @@ def sample_rows(items_by_kind: Mapping[str, list[SampledText]], number: int, gen
 def sample_functions(files: Files, number: int, generator: random.Random) -> Iterator[str]:
     """Yield the source of `number` functions of the package that have a docstring."""
     functions = []
-    for name, node in python_nodes(files, ("python/stiction",)):
+    for name, node in iterate_syntax_nodes(files, ("python/stiction",)):
         if isinstance(node, ast.FunctionDef) and ast.get_docstring(node):
             end_line = node.end_lineno or node.lineno
             if end_line - node.lineno <= MAX_FUNCTION_LINES:
@@ -230,8 +230,8 @@ def sample_functions(files: Files, number: int, generator: random.Random) -> Ite
         yield f"## {name}\n\n```python\n{source}\n```\n"
 
 
-def sample(seed: int, number: int, functions: int) -> None:
-    files, generator = read_commit(), random.Random(seed)
+def print_sample(seed: int, number: int, functions: int) -> None:
+    files, generator = read_commit_files(), random.Random(seed)
     print(f"Seed {seed}. Mark each: C clear, A awkward but understood, X read twice or misunderstood.\n")
     if functions:
         print(*sample_functions(files, functions, generator), sep="\n")
@@ -256,38 +256,38 @@ def rejected_words(words_by_folder: Mapping[str, list[str]], path: str) -> set[s
     )
 
 
-def name_faults(files: Files, words_by_folder: Mapping[str, list[str]]) -> Iterator[str]:
-    for path, node in python_nodes(files):
+def find_name_faults(files: Files, words_by_folder: Mapping[str, list[str]]) -> Iterator[str]:
+    for path, node in iterate_syntax_nodes(files):
         words_not_allowed = rejected_words(words_by_folder, path)
         for kind, name in bound_names(node):
             if name.strip("_").lower() in words_not_allowed:
                 yield f"{path}:{getattr(node, 'lineno', 1)}: {name} is no noun of the field, for a {kind}"
 
 
-def test_name_faults(files: Files, words_by_folder: Mapping[str, list[str]]) -> Iterator[str]:
-    for path, node in python_nodes(files, ("tests",)):
+def find_test_name_faults(files: Files, words_by_folder: Mapping[str, list[str]]) -> Iterator[str]:
+    for path, node in iterate_syntax_nodes(files, ("tests",)):
         if isinstance(node, ast.FunctionDef) and node.name.startswith("test_"):
             first_word = node.name.split("_")[1]
             if first_word in rejected_words(words_by_folder, path):
                 yield f"{path}:{node.lineno}: {node.name} does not begin with the unit that is tested"
 
 
-def opening_faults(files: Files, words_by_folder: Mapping[str, list[str]]) -> Iterator[str]:
+def find_opening_faults(files: Files, words_by_folder: Mapping[str, list[str]]) -> Iterator[str]:
     for place, sentence in chain(docstring_summaries(files), comments(files)):
         if sentence.split()[0] in rejected_words(words_by_folder, place.split(":")[0]):
             yield f"{place}: {sentence[:60]!r} does not begin with a verb or with the thing that it describes"
 
 
-def repeated_classes(files: Files) -> dict[str, set[str]]:
+def modules_by_repeated_class(files: Files) -> dict[str, set[str]]:
     """Return the modules of each class name that several modules define."""
     modules: dict[str, set[str]] = {}
-    for path, node in python_nodes(files):
+    for path, node in iterate_syntax_nodes(files):
         if isinstance(node, ast.ClassDef):
             modules.setdefault(node.name.strip("_"), set()).add(path)
     return {name: paths for name, paths in modules.items() if len(paths) > 1}
 
 
-def repeated_constants(files: Files) -> dict[str, set[str]]:
+def modules_by_repeated_constant(files: Files) -> dict[str, set[str]]:
     """Return the modules of each constant that several modules define with different values."""
     modules: dict[str, dict[str, str]] = {}
     for path, text in sorted(files.items()):
@@ -301,19 +301,19 @@ def repeated_constants(files: Files) -> dict[str, set[str]]:
     return {name: set(values) for name, values in modules.items() if len(set(values.values())) > 1}
 
 
-def repetition_faults(meanings_by_name: Mapping[str, set[str]], accepted_names: list[str]) -> Iterator[str]:
+def find_repetition_faults(meanings_by_name: Mapping[str, set[str]], accepted_names: list[str]) -> Iterator[str]:
     for name in sorted(set(meanings_by_name) - set(accepted_names)):
         yield f"{name} has several meanings: {', '.join(sorted(meanings_by_name[name]))}"
 
 
-def check() -> None:
-    files, rules = read_checkout(), tomllib.loads(WORD_RULES_FILE.read_text("utf-8"))
+def check_words_and_names() -> None:
+    files, rules = read_checkout_files(), tomllib.loads(WORD_RULES_FILE.read_text("utf-8"))
     faults = [
-        *name_faults(files, rules["names"]),
-        *test_name_faults(files, rules["test_names"]),
-        *opening_faults(files, rules["openings"]),
-        *repetition_faults(repeated_classes(files), rules["repeated"]["classes"]),
-        *repetition_faults(repeated_constants(files), rules["repeated"]["constants"]),
+        *find_name_faults(files, rules["names"]),
+        *find_test_name_faults(files, rules["test_names"]),
+        *find_opening_faults(files, rules["openings"]),
+        *find_repetition_faults(modules_by_repeated_class(files), rules["repeated"]["classes"]),
+        *find_repetition_faults(modules_by_repeated_constant(files), rules["repeated"]["constants"]),
     ]
     if faults:
         print(*faults, sep="\n")
@@ -330,9 +330,9 @@ def main() -> None:
     options.add_argument("--functions", type=int, default=0, metavar="N")
     arguments = vars(parser.parse_args())
     if arguments.pop("command") == "check":
-        check()
+        check_words_and_names()
     else:
-        sample(**arguments)
+        print_sample(**arguments)
 
 
 if __name__ == "__main__":

@@ -156,7 +156,7 @@ def column_titles(repetitions: int) -> dict[str, str]:
     }
 
 
-def check_study(study: Study) -> None:
+def check_study_suits_claims(study: Study) -> None:
     """Raise a `ValueError`, before anything is computed, if claims cannot be judged on a study's result."""
     if "direction" in study.motion_coordinates():
         raise ValueError("claims are judged on motion in one direction, and contact.direction is a list")
@@ -169,7 +169,7 @@ def check_study(study: Study) -> None:
         raise ValueError(
             f"claims need at least 3 values of contact.{study.contact.step_quantity}, got {loading_steps.size}"
         )
-    if study.contact.mechanics == "asperities" and not has_amplitudes(study.surfaces.amplitudes()):
+    if study.contact.mechanics == "asperities" and not has_claim_amplitudes(study.surfaces.amplitudes()):
         raise ValueError(
             f"claims need amplitudes of {LOW_AMPLITUDE:g} and {HIGH_AMPLITUDE:g} µm among surfaces.amplitude"
         )
@@ -188,7 +188,7 @@ def variant_study(name: str) -> Study:
 # ---- Resampled ensembles ---------------------------------------------------------------------------------------------
 
 
-def has_amplitudes(amplitudes: Floats) -> bool:
+def has_claim_amplitudes(amplitudes: Floats) -> bool:
     """Return whether the amplitudes of claim 7 are among those of a result."""
     return all(bool(np.isclose(amplitudes, item, rtol=1e-9).any()) for item in (LOW_AMPLITUDE, HIGH_AMPLITUDE))
 
@@ -238,16 +238,19 @@ class ResampledMeans:
         self.excluded_dimensions: set[float] = set()
         lowest, highest = self._reached_load_range([amplitude])
         self.light_load, self.middle_load, self.heavy_load = (
-            load_within_range(lowest.max(), highest.min(), range_fraction).item() for range_fraction in (0.1, 0.5, 0.9)
+            interpolate_load_range(lowest.max(), highest.min(), range_fraction).item()
+            for range_fraction in (0.1, 0.5, 0.9)
         )
 
     def _reached_load_range(self, amplitudes: ArrayLike) -> tuple[Floats, Floats]:
         """Return the ends (D,) of the range of elastic loads that 99 % of the resamples reach at all amplitudes."""
-        elastic_loads = np.stack([self.sums("normal_elastic", amplitude) for amplitude in np.atleast_1d(amplitudes)])
+        elastic_loads = np.stack(
+            [self.mean_sums("normal_elastic", amplitude) for amplitude in np.atleast_1d(amplitudes)]
+        )
         lowest = np.quantile(elastic_loads[..., 0], 0.99, axis=1).max(axis=0)
         return lowest, np.quantile(elastic_loads.max(axis=-1), 0.01, axis=1).min(axis=0)
 
-    def sums(self, name: str, amplitude: float) -> Floats:
+    def mean_sums(self, name: str, amplitude: float) -> Floats:
         """Return mean sums, (resample, D, approach)."""
         amplitude_index = int(np.argmin(np.abs(self._amplitudes - amplitude)))
         if not math.isclose(self._amplitudes[amplitude_index], amplitude, rel_tol=1e-9):
@@ -259,9 +262,9 @@ class ResampledMeans:
 
         None if the result lacks the amplitudes of claim 7.
         """
-        if not has_amplitudes(self._amplitudes):
+        if not has_claim_amplitudes(self._amplitudes):
             return None
-        return load_within_range(*self._reached_load_range(self._amplitudes), 0.5)
+        return interpolate_load_range(*self._reached_load_range(self._amplitudes), 0.5)
 
     def finite_value_mask(self, values: Floats, is_requested: Any) -> Any:
         """Return a mask of the fractal dimensions with a value (resample, D); the excluded ones are recorded.
@@ -285,7 +288,7 @@ class ResampledMeans:
     ) -> Floats:
         """Return a quantity (resample, D) at one load, or at a load for each D; NaN if it is not reached."""
         resampled_sums: Any = SimpleNamespace(
-            **{name: self.sums(name, amplitude or self.amplitude) for name in _SUM_NAMES}
+            **{name: self.mean_sums(name, amplitude or self.amplitude) for name in _SUM_NAMES}
         )
         normal_load = friction.compute_load("normal", resampled_sums, mu0, tau0)
         match quantity:
@@ -296,7 +299,7 @@ class ResampledMeans:
             case "stiffness":
                 values = np.gradient(normal_load, self._loading_steps, axis=-1, edge_order=2)
                 if self._step_quantity == "load":  # The half-space is solved at given loads.
-                    approach = self.sums("approach", amplitude or self.amplitude)
+                    approach = self.mean_sums("approach", amplitude or self.amplitude)
                     values = values / np.gradient(approach, self._loading_steps, axis=-1, edge_order=2)
         loads = np.broadcast_to(np.asarray(load, dtype=np.float64), self.dimensions.shape)
         result = np.full(normal_load.shape[:2], np.nan)
@@ -314,7 +317,7 @@ class ResampledMeans:
         return (self.dimensions > start - 1e-9) & (self.dimensions < stop + 1e-9)
 
 
-def load_within_range(lowest: Any, highest: Any, part: float) -> Floats:
+def interpolate_load_range(lowest: Any, highest: Any, part: float) -> Floats:
     """Return the load at a fraction of the logarithmic range from lowest to highest, or NaN."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where((lowest > 0) & (lowest < highest), lowest * (highest / lowest) ** part, np.nan)
@@ -346,7 +349,7 @@ class ClaimPart:
     measure: Measure
 
     @property
-    def claim(self) -> int:
+    def claim_number(self) -> int:
         """Number of the claim."""
         return int(self.name.rstrip("abcd"))
 
@@ -397,8 +400,8 @@ _ALL_DIMENSIONS = (1.0, 1.7)
 _MINIMUM_DIMENSIONS = (1.25, 1.55)
 
 
-def _load_linearity(r: ResampledMeans) -> Floats | SimultaneousInterval:
-    load, area = r.sums("normal_elastic", r.amplitude), r.sums("contact_area", r.amplitude)
+def _smallest_area_load_r_squared(r: ResampledMeans) -> Floats | SimultaneousInterval:
+    load, area = r.mean_sums("normal_elastic", r.amplitude), r.mean_sums("contact_area", r.amplitude)
     proportionality = (area * load).sum(axis=2, keepdims=True) / (load * load).sum(axis=2, keepdims=True)
     residual = ((area - proportionality * load) ** 2).sum(axis=2)
     return _extreme_over_dimensions(
@@ -406,8 +409,8 @@ def _load_linearity(r: ResampledMeans) -> Floats | SimultaneousInterval:
     )
 
 
-def _area_exponent(r: ResampledMeans) -> Floats:
-    load, area = np.log(r.sums("normal_elastic", r.amplitude)), np.log(r.sums("contact_area", r.amplitude))
+def _least_linear_area_exponent(r: ResampledMeans) -> Floats:
+    load, area = np.log(r.mean_sums("normal_elastic", r.amplitude)), np.log(r.mean_sums("contact_area", r.amplitude))
     is_known = np.isfinite(load + area)
     load, area = np.where(is_known, load, 0.0), np.where(is_known, area, 0.0)
     load -= np.where(is_known, load.sum(axis=2, keepdims=True) / is_known.sum(axis=2, keepdims=True), 0.0)
@@ -420,7 +423,7 @@ def _area_exponent(r: ResampledMeans) -> Floats:
     )  # the least linear D of the ensemble
 
 
-def _friction_ratio_of_dimensions(r: ResampledMeans) -> Floats:
+def _friction_ratio_upper_to_low_dimensions(r: ResampledMeans) -> Floats:
     log_friction = np.log(r.at("friction", r.middle_load))
     return np.exp(
         _mean_over_dimensions(r, log_friction, *_UPPER_DIMENSIONS)
@@ -428,12 +431,12 @@ def _friction_ratio_of_dimensions(r: ResampledMeans) -> Floats:
     )
 
 
-def _slope_difference(r: ResampledMeans) -> Floats:
+def _slope_change_at_dimension_1_5(r: ResampledMeans) -> Floats:
     log_friction = np.log(r.at("friction", r.middle_load))
     return _slope_over_dimensions(r, log_friction, 1.5, 1.7) - _slope_over_dimensions(r, log_friction, 1.0, 1.5)
 
 
-def _rise_by_mu0(r: ResampledMeans) -> Floats:
+def _mu0_effect_on_dimension_rise(r: ResampledMeans) -> Floats:
     added_friction = r.at("friction", r.middle_load, mu0=1.0) - r.at("friction", r.middle_load, mu0=0.1)
     return _mean_over_dimensions(r, added_friction, *_UPPER_DIMENSIONS) - _mean_over_dimensions(
         r, added_friction, *_LOW_DIMENSIONS
@@ -452,11 +455,11 @@ def _adhesion_friction_ratios(r: ResampledMeans, tau0: float) -> list[Floats]:
     ]
 
 
-def _smallest_adhesion_rise(r: ResampledMeans) -> Floats | SimultaneousInterval:
+def _smallest_adhesion_ratio(r: ResampledMeans) -> Floats | SimultaneousInterval:
     return _extreme_over_dimensions(r, _adhesion_friction_ratios(r, 0.2), np.fmin)
 
 
-def _rise_at_low_dimensions(r: ResampledMeans) -> Floats:
+def _adhesion_rise_at_low_dimensions(r: ResampledMeans) -> Floats:
     added_friction = _friction_added_by_adhesion(r, r.middle_load)
     return _mean_over_dimensions(r, added_friction, *_LOW_DIMENSIONS) - _mean_over_dimensions(
         r, added_friction, *_HIGH_DIMENSIONS
@@ -473,7 +476,7 @@ def _largest_change_by_weak_adhesion(r: ResampledMeans) -> Floats | Simultaneous
     return _extreme_over_dimensions(r, [np.abs(ratio - 1) for ratio in _adhesion_friction_ratios(r, 0.001)], np.fmax)
 
 
-def _dip_measure(start: float, stop: float) -> Measure:
+def _dimension_ratio_measure(start: float, stop: float) -> Measure:
     def measure(r: ResampledMeans) -> Floats:
         logarithm = np.log(r.at("friction", r.middle_load, tau0=0.2))
         return np.exp(
@@ -483,7 +486,7 @@ def _dip_measure(start: float, stop: float) -> Measure:
     return measure
 
 
-def _dimension_of_minimum(r: ResampledMeans) -> Floats:
+def _dimension_of_smallest_friction(r: ResampledMeans) -> Floats:
     values = r.at("friction", r.middle_load, tau0=0.2)
     is_used = r.finite_value_mask(values, r.dimension_range_mask(*_ALL_DIMENSIONS))
     if not is_used.any():
@@ -500,7 +503,7 @@ def _ratio_of_light_to_heavy_load(r: ResampledMeans) -> Floats:
     return np.exp(_mean_over_dimensions(r, log_ratio, 1.5, 1.7))
 
 
-def _smallest_ratio_to_mu0(r: ResampledMeans) -> Floats | SimultaneousInterval:
+def _smallest_friction_to_mu0_ratio(r: ResampledMeans) -> Floats | SimultaneousInterval:
     return _extreme_over_dimensions(r, [r.at("friction", r.middle_load) / 0.4], np.fmin)
 
 
@@ -517,7 +520,7 @@ def _amplitude_ratio_measure(quantity: Quantity, tau0: float) -> Measure:
     return measure
 
 
-def _rise_ratio_of_amplitudes(r: ResampledMeans) -> Floats:
+def _amplitude_effect_on_dimension_rise(r: ResampledMeans) -> Floats:
     loads = r.middle_load_of_all_amplitudes()
     if loads is None:
         return np.array([math.nan])
@@ -527,7 +530,7 @@ def _rise_ratio_of_amplitudes(r: ResampledMeans) -> Floats:
     return np.exp(_mean_over_dimensions(r, log_ratio, 1.5, 1.6) - _mean_over_dimensions(r, log_ratio, *_LOW_DIMENSIONS))
 
 
-def _adhesion_difference_of_amplitudes(r: ResampledMeans) -> Floats:
+def _amplitude_effect_on_adhesion_rise(r: ResampledMeans) -> Floats:
     loads = r.middle_load_of_all_amplitudes()
     if loads is None:
         return np.array([math.nan])
@@ -562,28 +565,46 @@ _TAU0_CHANGE = ({"tau0": 0.2}, {"tau0": 0.0})
 _LARGEST_CHANGE_TEXT = "largest relative change of the"
 
 CLAIM_PARTS = (
-    ClaimPart("1a", "smallest R² for any D of a straight line A = c F_N", 0.95, math.inf, _load_linearity),
-    ClaimPart("1b", "exponent p of A ∝ F_N^p at the D with the largest deviation from 1", 0.9, 1.1, _area_exponent),
     ClaimPart(
-        "2a", "mu_s at D = 1.4 to 1.5 divided by mu_s at D = 1 to 1.2", 1.0, math.inf, _friction_ratio_of_dimensions
+        "1a", "smallest R² for any D of a straight line A = c F_N", 0.95, math.inf, _smallest_area_load_r_squared
     ),
-    ClaimPart("2b", "slope of ln mu_s with D above D = 1.5 minus slope below", 0.0, math.inf, _slope_difference),
+    ClaimPart(
+        "1b",
+        "exponent p of A ∝ F_N^p at the D with the largest deviation from 1",
+        0.9,
+        1.1,
+        _least_linear_area_exponent,
+    ),
+    ClaimPart(
+        "2a",
+        "mu_s at D = 1.4 to 1.5 divided by mu_s at D = 1 to 1.2",
+        1.0,
+        math.inf,
+        _friction_ratio_upper_to_low_dimensions,
+    ),
+    ClaimPart(
+        "2b", "slope of ln mu_s with D above D = 1.5 minus slope below", 0.0, math.inf, _slope_change_at_dimension_1_5
+    ),
     ClaimPart(
         "2c",
         "increase of mu_s from D ≤ 1.2 to D = 1.4 to 1.5, at mu0 = 1 minus at mu0 = 0.1",
         0.0,
         math.inf,
-        _rise_by_mu0,
+        _mu0_effect_on_dimension_rise,
     ),
     ClaimPart(
         "3a",
         "smallest ratio of mu_s at tau0 = 200 MPa to mu_s at 0, for all D and three loads",
         1.0,
         math.inf,
-        _smallest_adhesion_rise,
+        _smallest_adhesion_ratio,
     ),
     ClaimPart(
-        "3b", "increase of mu_s by tau0 = 200 MPa at D ≤ 1.2, minus at D ≥ 1.6", 0.0, math.inf, _rise_at_low_dimensions
+        "3b",
+        "increase of mu_s by tau0 = 200 MPa at D ≤ 1.2, minus at D ≥ 1.6",
+        0.0,
+        math.inf,
+        _adhesion_rise_at_low_dimensions,
     ),
     ClaimPart(
         "3c",
@@ -604,20 +625,22 @@ CLAIM_PARTS = (
         "mu_s at tau0 = 200 MPa, D = 1 to 1.2, divided by mu_s at D = 1.3 to 1.5",
         1.0,
         math.inf,
-        _dip_measure(*_LOW_DIMENSIONS),
+        _dimension_ratio_measure(*_LOW_DIMENSIONS),
     ),
     ClaimPart(
         "4b",
         "mu_s at tau0 = 200 MPa, D = 1.6 to 1.7, divided by mu_s at D = 1.3 to 1.5",
         1.0,
         math.inf,
-        _dip_measure(*_HIGH_DIMENSIONS),
+        _dimension_ratio_measure(*_HIGH_DIMENSIONS),
     ),
-    ClaimPart("4c", "D with the smallest mu_s at tau0 = 200 MPa", *_MINIMUM_DIMENSIONS, _dimension_of_minimum),
+    ClaimPart(
+        "4c", "D with the smallest mu_s at tau0 = 200 MPa", *_MINIMUM_DIMENSIONS, _dimension_of_smallest_friction
+    ),
     ClaimPart(
         "5", "mu_s at light load divided by mu_s at heavy load, D ≥ 1.5", 1.0, math.inf, _ratio_of_light_to_heavy_load
     ),
-    ClaimPart("6", "smallest mu_s/mu0 for any D, mu0 = 0.4", -math.inf, 1.0, _smallest_ratio_to_mu0),
+    ClaimPart("6", "smallest mu_s/mu0 for any D, mu0 = 0.4", -math.inf, 1.0, _smallest_friction_to_mu0_ratio),
     ClaimPart(
         "7a", "A/F_N at 0.2 µm divided by A/F_N at 0.05 µm", -math.inf, 1.0, _amplitude_ratio_measure("area", 0.0)
     ),
@@ -633,14 +656,14 @@ CLAIM_PARTS = (
         "increase of mu_s up to D = 1.5 to 1.6 at 0.05 µm divided by increase at 0.2 µm",
         -math.inf,
         1.0,
-        _rise_ratio_of_amplitudes,
+        _amplitude_effect_on_dimension_rise,
     ),
     ClaimPart(
         "7d",
         "increase of mu_s by tau0 = 200 MPa at D ≤ 1.2, at 0.05 µm minus at 0.2 µm",
         0.0,
         math.inf,
-        _adhesion_difference_of_amplitudes,
+        _amplitude_effect_on_adhesion_rise,
     ),
     ClaimPart(
         "8a",
@@ -750,7 +773,7 @@ def judge_claims(
     ValueError
         If the result lacks an amplitude that is needed, or has fewer than 20 repetitions or 3 approaches.
     """
-    check_study(parse_dataset_study(dataset))
+    check_study_suits_claims(parse_dataset_study(dataset))
     if interval_method not in ("percentiles", "bands"):
         raise ValueError(f"interval_method must be percentiles or bands, got {interval_method!r}")
     resampled = ResampledMeans(dataset, amplitude, sliding=sliding, interval_method=interval_method)
@@ -759,7 +782,7 @@ def judge_claims(
 
 def claim_verdict(claim: int, outcomes: list[ClaimPartOutcome]) -> Verdict:
     """Return "true" if all parts are true, else "false", "undefined" or "undecided" if any part is."""
-    verdicts = {outcome.verdict for outcome in outcomes if outcome.part.claim == claim}
+    verdicts = {outcome.verdict for outcome in outcomes if outcome.part.claim_number == claim}
     for verdict in ("false", "undefined", "undecided"):
         if verdict in verdicts:
             return verdict
@@ -769,7 +792,7 @@ def claim_verdict(claim: int, outcomes: list[ClaimPartOutcome]) -> Verdict:
 # ---- Tables ----------------------------------------------------------------------------------------------------------
 
 
-def claims_markdown(outcomes: list[ClaimPartOutcome]) -> str:
+def render_claims(outcomes: list[ClaimPartOutcome]) -> str:
     """Render a table with a row for each part."""
     lines = [
         "| claim or test | verdict | statement, and its test numbers | value [95 %] | criterion |",
@@ -798,23 +821,25 @@ def _replace_symbols(text: str) -> str:
     return text
 
 
-def variants_markdown(variants: Mapping[str, list[ClaimPartOutcome]]) -> str:
+def render_claim_variants(variants: Mapping[str, list[ClaimPartOutcome]]) -> str:
     """Render a table of parts by variants; a star marks numbers that exclude some D."""
     return _render_side_by_side(
         variants, lambda part: part.name, lambda outcome: f"{_format_number_with_star(outcome)}, {outcome.verdict}"
     )
 
 
-def columns_markdown(columns: Mapping[str, list[ClaimPartOutcome]]) -> str:
+def render_claim_columns(columns: Mapping[str, list[ClaimPartOutcome]]) -> str:
     """Render the table of columns with descriptions of the parts and intervals."""
 
-    def cell(outcome: ClaimPartOutcome) -> str:
+    def outcome_cell(outcome: ClaimPartOutcome) -> str:
         if not math.isfinite(outcome.value):
             return "not applicable"
         star = r"\*" if outcome.excluded_dimensions else ""
         return f"{_format_outcome(outcome)}{star} {outcome.verdict}"
 
-    return _render_side_by_side(columns, lambda part: f"{part.name} {part.statement}; {_format_range(part)}", cell)
+    return _render_side_by_side(
+        columns, lambda part: f"{part.name} {part.statement}; {_format_range(part)}", outcome_cell
+    )
 
 
 def _render_side_by_side(
@@ -838,7 +863,7 @@ def _render_side_by_side(
 
 
 def _outcomes_of_claim(claim: int, outcomes: list[ClaimPartOutcome]) -> list[ClaimPartOutcome]:
-    return [outcome for outcome in outcomes if outcome.part.claim == claim]
+    return [outcome for outcome in outcomes if outcome.part.claim_number == claim]
 
 
 def _format_number(value: float) -> str:
@@ -898,8 +923,8 @@ def write_tables(
         outcomes_by_variant[name] = judge_claims(dataset)
         if name == "default":
             outcomes_by_variant["amplitude 0.05 µm"] = judge_claims(dataset, amplitude=LOW_AMPLITUDE)
-    (tables / "claims.md").write_text(claims_markdown(outcomes), encoding="utf-8")
-    (tables / "variants.md").write_text(variants_markdown(outcomes_by_variant), encoding="utf-8")
+    (tables / "claims.md").write_text(render_claims(outcomes), encoding="utf-8")
+    (tables / "variants.md").write_text(render_claim_variants(outcomes_by_variant), encoding="utf-8")
     if not columns:
         return
     outcomes_by_column = {f"profiles, {result.sizes['repetition']} repetitions": outcomes}
@@ -916,7 +941,7 @@ def write_tables(
         column = CLAIMS_TABLE_COLUMNS[name]
         dataset = load_or_compute_result(column.to_study(max_repetitions), f"columns/{column.directory}")
         outcomes_by_column[title] = judge_claims(dataset, sliding=column.sliding, interval_method="bands")
-    (tables / "columns.md").write_text(columns_markdown(outcomes_by_column), encoding="utf-8")
+    (tables / "columns.md").write_text(render_claim_columns(outcomes_by_column), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -61,7 +61,7 @@ Pair = tuple[Surface, Surface] | tuple[Profile, Profile]
 # ---- Cases -----------------------------------------------------------------------------------------------------------
 
 
-def list_cases() -> Iterator[dict]:
+def iterate_cases() -> Iterator[dict]:
     """Yield every case of the figures: surfaces and contact model."""
     dimensions = [round(1 + d / 10, 1) for d in range(10)]
     for dimension, height, (scale, num_frequencies) in product(
@@ -337,11 +337,11 @@ def load_results() -> dict[str, dict]:
     return {json.dumps(row["case"]): row for row in rows}
 
 
-def compute_cases() -> list[dict]:
+def load_or_compute_case_results() -> list[dict]:
     """Return the result of every case whose data exist, from storage or computed."""
     RESULTS_FILE.parent.mkdir(exist_ok=True)
     stored_results = load_results()
-    cases = [case for case in list_cases() if "file" not in case or (DATA_FOLDER / case["file"]).exists()]
+    cases = [case for case in iterate_cases() if "file" not in case or (DATA_FOLDER / case["file"]).exists()]
     missing_cases = [case for case in cases if json.dumps(case) not in stored_results]
     with RESULTS_FILE.open("a", encoding="utf-8") as file, ProcessPoolExecutor(2) as pool:
         for index, row in enumerate(pool.map(compute_case_results, missing_cases), start=1):
@@ -407,7 +407,7 @@ def summarise_case(row: dict) -> dict:
     return result
 
 
-def residuals_in_percent(points: list[dict], name: str) -> str:
+def format_residuals_in_percent(points: list[dict], name: str) -> str:
     """Return mean and largest residual in per cent."""
     residuals = np.array([100 * (point[f"{name} over form"] - 1) for point in points if f"{name} over form" in point])
     residuals = residuals[np.isfinite(residuals)]
@@ -437,10 +437,10 @@ def render_family_rows(points: list[dict]) -> list[str]:
                 family_title, f"{low:g} to {high:g}", f"{len(selected_points)}",
                 f"{min(kappas):.2f} to {max(kappas):.2f}", f"{min(counts):.0f} to {max(counts):.0f}",
                 *(
-                    residuals_in_percent(selected_points, f"mu {rule} {key}")
+                    format_residuals_in_percent(selected_points, f"mu {rule} {key}")
                     for rule, key in product(RULE_TITLES, TAU0_BY_LABEL)
                 ),
-                *(residuals_in_percent(selected_points, f"{model} opposing {key}") for key in TAU0_BY_LABEL),
+                *(format_residuals_in_percent(selected_points, f"{model} opposing {key}") for key in TAU0_BY_LABEL),
                 f"{100 * np.mean([point['mu points 0 error'] for point in selected_points]):.1f}",
             ]  # fmt: skip
             rows.append(f"| {' | '.join(cells)} |")
@@ -466,7 +466,7 @@ def render_limit_rows(points: list[dict]) -> list[str]:
         cells = [
             case_text, f"{point['rms_gradient']:.2g}", f"{case.get('load', LOW_PRESSURE):g}",
             f"{point['fraction']:.2g}", f"{point['kappa']:.2f}",
-            *(residuals_in_percent([point], f"mu {rule} 0").split(" ")[0] for rule in RULE_TITLES),
+            *(format_residuals_in_percent([point], f"mu {rule} 0").split(" ")[0] for rule in RULE_TITLES),
         ]  # fmt: skip
         rows.append(f"| {' | '.join(cells)} |")
     return rows
@@ -544,7 +544,7 @@ def draw_friction_and_deviations(points: list[dict]) -> None:
     figure.savefig(DOCS_FOLDER / "images/collapse.png")
 
 
-def draw_limits(points: list[dict]) -> None:
+def draw_limits_of_closed_form(points: list[dict]) -> None:
     figure = Figure(figsize=(6.9, 2.7), dpi=200, layout="constrained")
     load_axes, kappa_axes, spectra_axes = figure.subplots(1, 3)
     style = {(0.5, 0.1): ("#0072B2", "o"), (0.5, 0.4): ("#0072B2", "s"), (0.8, 0.1): ("#D55E00", "o"),
@@ -614,10 +614,10 @@ def write_case_means(points: list[dict]) -> None:
 
 
 def main() -> None:
-    rows = compute_cases()
+    rows = load_or_compute_case_results()
     points = [summarise_case(row) | {"together": row["pairs"]} for row in rows]
     draw_friction_and_deviations(points)
-    draw_limits(points)
+    draw_limits_of_closed_form(points)
     write_case_means(points)
     num_main_points = sum(point["family"] in FAMILY_TITLES for point in points)
     num_pairs = sum(point["pairs"] for point in points)

@@ -35,14 +35,14 @@ class ContactingProfiles:
     contact_list: Contacts
 
     @property
-    def first_contact(self) -> float:
+    def first_contact_displacement(self) -> float:
         """Return the displacement of the upper profile until grid points touch, µm."""
         return float((self.upper.heights - self.lower.heights).min())
 
     @property
     def upper_displacement(self) -> float:
         """Return the displacement of the upper profile at the approach, µm."""
-        return self.first_contact + APPROACH
+        return self.first_contact_displacement + APPROACH
 
 
 def project_to_plane(vectors: np.ndarray) -> np.ndarray:
@@ -91,7 +91,7 @@ def draw_bodies(ax: Axes, profiles: ContactingProfiles, bottom: float, top: floa
 
 def draw_pair(ax: Axes, profiles: ContactingProfiles) -> None:
     x, lower, result = profiles.lower.x, profiles.lower.heights, profiles.contact_list
-    touching = profiles.upper.heights - profiles.first_contact
+    touching = profiles.upper.heights - profiles.first_contact_displacement
     bottom, top = lower.min() - 0.4, touching.max() + 0.45
     draw_bodies(ax, profiles, bottom, top)
     ax.set_xlim(-0.95, x[-1] + 0.05)

@@ -35,7 +35,7 @@ FIT_WAVELENGTHS = 1e3, 10e3  # µm; range of wavelengths for the fit of the Hurs
 MIN_STRESS = 0.2  # MPa; lowest measured stress
 
 
-def load_gap(folder, name, *, square=True):
+def read_gap(folder, name, *, square=True):
     """Return the gap (µm) in the largest square of the disc, or in the whole disc with missing points outside."""
     with np.load(folder / f"{name}.npz") as archive:
         heights, spacing = archive["gap_um"].astype(float), float(archive["spacing_um"])
@@ -50,7 +50,7 @@ def load_gap(folder, name, *, square=True):
     return Surface(square_heights, spacing=spacing, missing=distance > DISC_DIAMETER / 2)
 
 
-def load_test(folder, name):
+def read_load_test(folder, name):
     """Return displacement (mm) and stress (MPa) of loading and unloading."""
     number, displacement, stress = np.loadtxt(folder / f"{name}-closure.csv", delimiter=",", skiprows=2).T
     top = int(stress.argmax())
@@ -97,7 +97,7 @@ def estimate_spectrum(gap):
     )  # corrects the mean of the logarithm of a power
 
 
-def random_roughness(shape, spacing, density, longest, seed):
+def random_roughness_heights(shape, spacing, density, longest, seed):
     """Return random heights (µm) with a given spectrum at wavelengths below `longest` (µm)."""
     wave_number = np.hypot(*np.meshgrid(*(np.fft.fftfreq(n, spacing) for n in shape), indexing="ij"))
     wave_number[0, 0] = np.inf
@@ -112,7 +112,7 @@ def refine_gap(gap, factor, seed=1):
     spacing = gap.spacing[0] / factor
     smooth_heights = zoom(gap.heights, factor, order=1)
     return Surface(
-        smooth_heights + random_roughness(smooth_heights.shape, spacing, density, 2 * gap.spacing[0], seed),
+        smooth_heights + random_roughness_heights(smooth_heights.shape, spacing, density, 2 * gap.spacing[0], seed),
         spacing=spacing,
     )
 
@@ -120,7 +120,7 @@ def refine_gap(gap, factor, seed=1):
 def shift_gap(gap, displacement, seed=1):
     """Return the gap after one surface moved along x; it is independent and has the spectrum of the gap."""
     _, density = estimate_spectrum(gap)
-    displaced_face = random_roughness(gap.heights.shape, gap.spacing[0], density, FIT_WAVELENGTHS[1], seed)
+    displaced_face = random_roughness_heights(gap.heights.shape, gap.spacing[0], density, FIT_WAVELENGTHS[1], seed)
     return Surface(
         gap.heights + displacement * np.gradient(displaced_face, gap.spacing[0], axis=1), spacing=gap.spacing
     )
@@ -133,7 +133,7 @@ def change_heights(gap, change):
 
 def list_gap_variants(folder, name):
     """Return the variants: label, kind of uncertainty or None, gap, and arguments of `compute_closure`."""
-    gap, random = load_gap(folder, name), np.random.default_rng(1)
+    gap, random = read_gap(folder, name), np.random.default_rng(1)
     yield "frozen settings", "", gap, {}
     for young in (10.0, 12.0):
         yield f"E = {young:g} GPa", "E", gap, {"young": young}
@@ -141,7 +141,7 @@ def list_gap_variants(folder, name):
     yield "tilt fixed as scanned", "tilt", gap, {"tilt": "fixed"}
     yield "tilt fixed after a plane is removed", "tilt", levelled(gap, "plane"), {"tilt": "fixed"}
     yield "tilt fixed, periodic", "tilt", gap, {"tilt": "fixed", "boundary": "periodic"}
-    yield "whole disc", "tilt", load_gap(folder, name, square=False), {}
+    yield "whole disc", "tilt", read_gap(folder, name, square=False), {}
     yield "heights random within 4 µm", "digitising", change_heights(
         gap, lambda z: z + random.uniform(-DIGITISING_STEP / 2, DIGITISING_STEP / 2, z.shape)
     ), {}  # fmt: skip
@@ -163,13 +163,13 @@ def list_gap_variants(folder, name):
 def main(folder, names):
     results = {}
     for name in names:
-        (loading_displacement, stress), (unloading_displacement, unloading_stress) = load_test(folder, name)
+        (loading_displacement, stress), (unloading_displacement, unloading_stress) = read_load_test(folder, name)
         measured_stiffness = [
             secant_stiffness(loading_displacement, stress, stress_range)
             for stress_range in (LOW_STRESSES, HIGH_STRESSES)
         ]
-        hurst, _ = estimate_spectrum(load_gap(folder, name))
-        clipped_fraction = float((load_gap(folder, name).heights >= 1e3).mean())
+        hurst, _ = estimate_spectrum(read_gap(folder, name))
+        clipped_fraction = float((read_gap(folder, name).heights >= 1e3).mean())
         print(
             f"\n**{name}**: Hurst exponent of the gap {hurst:.2f}, "
             f"{100 * clipped_fraction:.1f} % of its points are clipped.\n"
@@ -213,7 +213,7 @@ def main(folder, names):
     draw_closure_and_stiffness(results)
 
 
-def combine_variants(curves_by_kind):
+def combine_variant_intervals(curves_by_kind):
     """Return the ends of closure and stiffness: root sum of squares of the largest deviation of each kind."""
     intervals = []
     for quantity_index in (0, 1):
@@ -251,7 +251,7 @@ def draw_closure_and_stiffness(results):
             name,
             (loading_displacement, stress, unloading_displacement, unloading_stress, curves_by_kind),
         ) in zip(axes.T, results.items(), strict=True):
-            closure, stiffness = combine_variants(curves_by_kind)
+            closure, stiffness = combine_variant_intervals(curves_by_kind)
             for ax, (computed, low, high) in ((upper, closure), (lower, stiffness)):
                 ax.fill_between(
                     stress, low, high, color=ALL_CONTACTS_COLOUR, alpha=0.2, linewidth=0, label="all uncertainties"

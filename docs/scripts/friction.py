@@ -56,8 +56,8 @@ def draw_curve(ax: Axes, result: ResampledMeans, values: np.ndarray, name: str, 
 
 def area_exponents(result: ResampledMeans) -> np.ndarray:
     """Return exponents of the area as a function of load, (resample, D)."""
-    load = np.log(result.sums("normal_elastic", AMPLITUDE))
-    area = np.log(result.sums("contact_area", AMPLITUDE))
+    load = np.log(result.mean_sums("normal_elastic", AMPLITUDE))
+    area = np.log(result.mean_sums("contact_area", AMPLITUDE))
     load = load - load.mean(axis=2, keepdims=True)
     return np.asarray((area * load).sum(axis=2) / (load * load).sum(axis=2))
 

@@ -24,13 +24,13 @@ MIN_COVERAGE, MAX_WIDTH_RATIO = 0.94, 1.5
 """Values outside these limits are printed bold; the standard error of a coverage is 0.005."""
 
 
-def independent_interval(values):
+def uncorrelated_interval(values):
     """Return Student's interval, which assumes uncorrelated values."""
     half_width = stdtrit(values.size - 1, 0.975) * values.std(ddof=1) / np.sqrt(values.size)
     return values.mean(), values.mean() - half_width, values.mean() + half_width
 
 
-def lag_one_interval(values):
+def lag_one_corrected_interval(values):
     """Return Student's interval, corrected for the estimated correlation of neighbours."""
     count, deviations = values.size, values - values.mean()
     correlation = deviations[1:] @ deviations[:-1] / (deviations @ deviations) + 1 / count
@@ -42,7 +42,7 @@ def lag_one_interval(values):
     return values.mean(), values.mean() - half_width, values.mean() + half_width
 
 
-def cosine_interval(values):
+def cosine_coefficient_interval(values):
     """Return Student's interval from the first cosine coefficients, which are nearly independent."""
     count = values.size
     num_coefficients = max(4, round(0.41 * count ** (2 / 3)))
@@ -57,9 +57,9 @@ def cosine_interval(values):
 
 INTERVAL_METHODS = {
     "this project": neighbors_mean,
-    "independent": independent_interval,
-    "lag one": lag_one_interval,
-    "cosines": cosine_interval,
+    "independent": uncorrelated_interval,
+    "lag one": lag_one_corrected_interval,
+    "cosines": cosine_coefficient_interval,
 }
 
 

@@ -38,7 +38,7 @@ def compute_pair_results(upper, lower):
     return 100 * curve.contact_area[0] / area, *coefficients
 
 
-def cut_pieces(upper, lower):
+def cut_piece_pairs(upper, lower):
     """Yield pairs of pieces from different places of the maps."""
     count = MAP_POINTS // PIECE_POINTS
     for index in range(NUM_PAIRS):
@@ -47,7 +47,7 @@ def cut_pieces(upper, lower):
         yield tuple(levelled(Surface(body.heights[window], spacing=body.spacing), "plane") for body in (upper, lower))
 
 
-def generate_surrogates(upper, lower, line_method):
+def generate_surrogate_pairs(upper, lower, line_method):
     for index in range(NUM_PAIRS):
         line_index = index * MAP_POINTS // NUM_PAIRS
         sections = [levelled(getattr(body, line_method)(line_index), "line") for body in (upper, lower)]
@@ -69,11 +69,11 @@ def main():
     for hurst, stretch in [(0.4, 1), (0.5, 1), (0.6, 1), (0.7, 1), (0.8, 1), (0.9, 1), (0.8, 2), (0.8, 4)]:
         bodies = [create_map(side, hurst, stretch) for side in ("upper", "lower")]
         pairs_by_origin = {
-            "the map": list(cut_pieces(*bodies)),
-            "sections along x": list(generate_surrogates(*bodies, "row")),
+            "the map": list(cut_piece_pairs(*bodies)),
+            "sections along x": list(generate_surrogate_pairs(*bodies, "row")),
         }
         if stretch > 1:
-            pairs_by_origin["sections along y"] = list(generate_surrogates(*bodies, "column"))
+            pairs_by_origin["sections along y"] = list(generate_surrogate_pairs(*bodies, "column"))
         map_mean = None
         for origin, pairs in pairs_by_origin.items():
             result = np.array([compute_pair_results(*pair) for pair in pairs])

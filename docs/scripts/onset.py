@@ -138,7 +138,7 @@ def compare_kernels() -> list[str]:
         is_contact = curve.contact(0).pressure > 0
         isotropic_stiffness = curve.onset(0, mu0=MU0, poisson=POISSON_RATIO, steps=1).stiffness
         ratios = [
-            _sticking_load(is_contact, is_fixed_along_y=is_fixed_along_y) / isotropic_stiffness
+            _sticking_contact_stiffness(is_contact, is_fixed_along_y=is_fixed_along_y) / isotropic_stiffness
             for is_fixed_along_y in (False, True)
         ]
         lines.append(f"| {name} | {ratios[0]:.3f} | {ratios[1]:.3f} |")
@@ -146,7 +146,7 @@ def compare_kernels() -> list[str]:
     return lines
 
 
-def _sticking_load(is_contact: np.ndarray, *, is_fixed_along_y: bool) -> float:
+def _sticking_contact_stiffness(is_contact: np.ndarray, *, is_fixed_along_y: bool) -> float:
     """Return the load that displaces all contact points by 1 along x, and optionally keeps them in place along y."""
     n = is_contact.shape[0]
     k = 2 * np.pi * np.stack(np.meshgrid(scipy.fft.fftfreq(n, 1 / n), scipy.fft.rfftfreq(n, 1 / n), indexing="ij"))
@@ -178,7 +178,7 @@ def _sticking_load(is_contact: np.ndarray, *, is_fixed_along_y: bool) -> float:
     # The kernel has no mean; a constant makes it positive definite, and is subtracted from the result.
     mean_compliance = 10.0 / EFFECTIVE_MODULUS
 
-    def compute_lifted_displacement(q: np.ndarray) -> np.ndarray:
+    def compute_displacement_with_mean(q: np.ndarray) -> np.ndarray:
         result = compute_displacement(q)
         for component in range(1 + is_fixed_along_y):
             result[component * count : (component + 1) * count] += (
@@ -187,7 +187,7 @@ def _sticking_load(is_contact: np.ndarray, *, is_fixed_along_y: bool) -> float:
         return result
 
     q, _ = cg(
-        LinearOperator((num_unknowns, num_unknowns), compute_lifted_displacement), expected, rtol=1e-8, maxiter=5000
+        LinearOperator((num_unknowns, num_unknowns), compute_displacement_with_mean), expected, rtol=1e-8, maxiter=5000
     )
     load = q[:count].sum() / n**2
     return float(1 / (1 / load - mean_compliance))

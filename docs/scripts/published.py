@@ -10,7 +10,7 @@ NUM_POINTS, SHORTEST_WAVELENGTH, NUM_SEEDS = 512, 8, 3
 MEAN_PRESSURES = (0.01, 0.05, 0.1, 0.2, 0.4)  # mean pressure over E* h'
 
 
-def press_surface(hurst, seed, *, wavelength_ratio=16, pressures=MEAN_PRESSURES):
+def compute_contact_statistics(hurst, seed, *, wavelength_ratio=16, pressures=MEAN_PRESSURES):
     """Return contact fraction, gap over rms height, stiffness times rms height over pressure, Nayak's parameter."""
     rough_surface = self_affine_surface(
         seed,
@@ -37,14 +37,15 @@ def press_surface(hurst, seed, *, wavelength_ratio=16, pressures=MEAN_PRESSURES)
 def main():
     areas_by_exponent = []
     for hurst in (0.3, 0.5, 0.8):
-        result = [press_surface(hurst, seed) for seed in range(NUM_SEEDS)]
+        result = [compute_contact_statistics(hurst, seed) for seed in range(NUM_SEEDS)]
         area, gap, stiffness = (np.mean([item[i] for item in result], axis=0) for i in range(3))
         areas_by_exponent.append(area)
         print(f"H = {hurst}: area {np.round(area, 4)} gap {np.round(gap, 3)} K rms / p {np.round(stiffness, 2)}")
     print("spread over H:", np.round(np.ptp(areas_by_exponent, axis=0) / np.mean(areas_by_exponent, axis=0), 3))
     for wavelength_ratio in (2, 4, 8, 16, 32):
         result = [
-            press_surface(0.8, seed, wavelength_ratio=wavelength_ratio, pressures=(0.1,)) for seed in range(NUM_SEEDS)
+            compute_contact_statistics(0.8, seed, wavelength_ratio=wavelength_ratio, pressures=(0.1,))
+            for seed in range(NUM_SEEDS)
         ]
         area, nayak = np.mean([item[0][0] for item in result]), np.mean([item[3] for item in result])
         print(f"longest over shortest {wavelength_ratio}: Nayak {nayak:.2f}, area at 0.1 {area:.4f}")

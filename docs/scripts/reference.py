@@ -26,7 +26,7 @@ COLUMN_TITLES = (
 """Titles of the columns of `generated/columns.md` that the page about friction shows."""
 
 
-def generate_pages(docs: Path) -> dict[str, str]:
+def render_pages(docs: Path) -> dict[str, str]:
     """Return the text of each page by its file name."""
     return {
         "names.md": render_api_tables(docs),

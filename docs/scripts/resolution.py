@@ -174,7 +174,7 @@ def compute_joined_spectrum():
     )
     generator = np.random.default_rng(28)
 
-    def mean(heights, pixel, noise):
+    def average_pixels(heights, pixel, noise):
         num_pixels = heights.shape[0] // pixel
         means = heights.reshape(num_pixels, pixel, num_pixels, pixel).mean((1, 3))
         return Surface(means + noise * generator.normal(size=means.shape), spacing=pixel * SPACING)
@@ -184,8 +184,8 @@ def compute_joined_spectrum():
     tip_heights = -(x**2 + y**2) / (2 * radius)
     fine_maps = [surface.heights[row : row + 512, column : column + 512] for row in (0, 1024) for column in (0, 1024)]
     scans = {
-        "microscope": [mean(surface.heights, 16, 0.5e-3)],
-        "large probe": [mean(surface.heights[:1024, side : side + 1024], 4, 0.1e-3) for side in (0, 1024)],
+        "microscope": [average_pixels(surface.heights, 16, 0.5e-3)],
+        "large probe": [average_pixels(surface.heights[:1024, side : side + 1024], 4, 0.1e-3) for side in (0, 1024)],
         "fine probe": [
             Surface(grey_dilation(fine_map, structure=tip_heights, mode="nearest"), spacing=SPACING)
             for fine_map in fine_maps
@@ -231,21 +231,22 @@ def load_results(name):
 def render_coarser_cutoff_rows(rows):
     """Return the table of one Hurst exponent: differences of results at coarser cutoffs from the finest."""
 
-    def mean(model, name, factor=1.0, digits=3):
+    def format_means(model, name, factor=1.0, digits=3):
         values = np.mean([row[model][name] for row in rows], axis=0)
         return " | ".join(f"{factor * value:.{digits}f}" for value in values)
 
     lines = [
         f"| Hurst {rows[0]['hurst']}, {len(rows)} pairs | {' | '.join(f'{each} points' for each in (4, *CUTOFFS))} |",
         "|" + "---|" * (2 + len(CUTOFFS)),
-        f"| h' of the gap | {mean('plastic', 'gradient')} |",
-        f"| elastic: A/A0 (%) | {mean('elastic', 'area', 100)} |",
-        f"| elastic: mean pressure (GPa) | {mean('elastic', 'pressure', 1, 1)} |",
-        f"| elastic: μ_s, friction at all contacts | {mean('elastic', 'all')} |",
-        f"| H = 4 GPa: A/A0 (%), F/H is {100 * rows[0]['limit'][0]:.3f} | {mean('plastic', 'area', 100)} |",
-        f"| H = 4 GPa: fraction of the load at the hardness | {mean('plastic', 'capped', 1, 2)} |",
-        f"| H = 4 GPa: μ_s, friction at all contacts; limit {rows[0]['limit'][1]:.3f} | {mean('plastic', 'all')} |",
-        f"| H = 4 GPa: μ_s, friction at opposing contacts | {mean('plastic', 'opposing')} |",
+        f"| h' of the gap | {format_means('plastic', 'gradient')} |",
+        f"| elastic: A/A0 (%) | {format_means('elastic', 'area', 100)} |",
+        f"| elastic: mean pressure (GPa) | {format_means('elastic', 'pressure', 1, 1)} |",
+        f"| elastic: μ_s, friction at all contacts | {format_means('elastic', 'all')} |",
+        f"| H = 4 GPa: A/A0 (%), F/H is {100 * rows[0]['limit'][0]:.3f} | {format_means('plastic', 'area', 100)} |",
+        f"| H = 4 GPa: fraction of the load at the hardness | {format_means('plastic', 'capped', 1, 2)} |",
+        f"| H = 4 GPa: μ_s, friction at all contacts; limit {rows[0]['limit'][1]:.3f} "
+        f"| {format_means('plastic', 'all')} |",
+        f"| H = 4 GPa: μ_s, friction at opposing contacts | {format_means('plastic', 'opposing')} |",
     ]
     for name, quantity_title in (("all", "μ_s, friction at all contacts"), ("area", "A/A0")):
         values = np.array([row["plastic"][name] for row in rows])

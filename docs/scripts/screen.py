@@ -37,7 +37,7 @@ PART_TEXTS = [
 """Text in the first line of each numbered part of the output."""
 
 
-def run_example() -> list[str]:
+def run_readme_example() -> list[str]:
     """Return the lines that README's example prints."""
     with tempfile.TemporaryDirectory() as folder:
         command = [
@@ -59,7 +59,7 @@ def run_example() -> list[str]:
     return completed.stdout.rstrip().splitlines()
 
 
-def find_first_lines(lines: list[str]) -> list[int]:
+def find_part_starts(lines: list[str]) -> list[int]:
     """Return the index of the first line of each part; raise `ValueError` if the output has changed."""
     indices = []
     for part in PART_TEXTS:
@@ -75,7 +75,7 @@ def find_first_lines(lines: list[str]) -> list[int]:
 def draw_figure(lines: list[str], dark: bool) -> Figure:
     """Return a picture of the output, for a light or a dark page."""
     colours = DARK_COLOURS if dark else LIGHT_COLOURS
-    start_lines = find_first_lines(lines)
+    start_lines = find_part_starts(lines)
     width = NUM_COLUMNS * CHARACTER_WIDTH + LABEL_WIDTH + 2 * IMAGE_MARGIN
     height = len(lines) * LINE_HEIGHT + 2 * IMAGE_MARGIN
     with mpl.rc_context(MATPLOTLIB_STYLE):
@@ -118,6 +118,6 @@ def draw_figure(lines: list[str], dark: bool) -> Figure:
 
 
 if __name__ == "__main__":
-    printed = run_example()
+    printed = run_readme_example()
     for name, dark in (("screen", False), ("screen_dark", True)):
         draw_figure(printed, dark).savefig(ROOT / f"docs/images/{name}.png", dpi=180)

@@ -36,7 +36,7 @@ def save_screenshot(driver, name: str, height: int) -> None:
     (IMAGE_FOLDER / f"{name}.png").write_bytes(base64.b64decode(completed["data"]))
 
 
-def draw_report(driver, folder: Path) -> None:
+def save_report_screenshots(driver, folder: Path) -> None:
     """Draw the report of README's pair, light and dark."""
     result = st.pair(
         SCANS_FOLDER / "lapped_upper.csv",
@@ -52,7 +52,7 @@ def draw_report(driver, folder: Path) -> None:
         save_screenshot(driver, f"report{suffix}", IMAGE_HEIGHTS["report"])
 
 
-def draw_app(driver, folder: Path) -> None:
+def save_app_screenshots(driver, folder: Path) -> None:
     """Draw the app with its two sample surfaces: the form, and the result of the half-space model."""
     wait_until = lambda script: browser.wait_for(driver, lambda driver: driver.execute_script(f"return {script}"))  # noqa: E731
     server = subprocess.Popen(
@@ -83,8 +83,8 @@ def draw_app(driver, folder: Path) -> None:
 
 def main() -> None:
     with tempfile.TemporaryDirectory() as folder, browser.start_browser(f"{folder}/profile") as driver:
-        draw_report(driver, Path(folder))
-        draw_app(driver, Path(folder))
+        save_report_screenshots(driver, Path(folder))
+        save_app_screenshots(driver, Path(folder))
 
 
 if __name__ == "__main__":

@@ -41,7 +41,7 @@ MAIN_XML = """<?xml version="1.0" encoding="UTF-8"?>
 """
 
 
-def trace_text(finish: str, side: str) -> str:
+def stylus_trace_text(finish: str, side: str) -> str:
     """Return a text file of a stylus instrument, with positions in µm and heights in nm."""
     points, spacing, num_waves, noise_deviation, height_step = TRACE_OPTIONS[finish].values()
     face = self_affine(
@@ -60,7 +60,7 @@ def trace_text(finish: str, side: str) -> str:
     return "".join([f"# generated, not measured: {finish} steel, stylus\n", "x (um),z (nm)\n", *lines])
 
 
-def heights_in_converter_steps(side: str) -> np.ndarray:
+def create_map_in_converter_steps(side: str) -> np.ndarray:
     """Return an interferometer map in whole converter steps. The grinding marks run along y."""
     face = self_affine_surface(
         12,
@@ -97,8 +97,8 @@ def main(folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for side in SIDES:
         for finish in TRACE_OPTIONS:
-            (folder / f"{finish}_{side}.csv").write_text(trace_text(finish, side), encoding="utf-8")
-        write_x3p(folder / f"ground_{side}.x3p", heights_in_converter_steps(side))
+            (folder / f"{finish}_{side}.csv").write_text(stylus_trace_text(finish, side), encoding="utf-8")
+        write_x3p(folder / f"ground_{side}.x3p", create_map_in_converter_steps(side))
 
 
 if __name__ == "__main__":
