@@ -29,15 +29,15 @@ PAIR_FUNCTION_FILE = ROOT / "python/stiction/views/pair.py"
 PAIR_COMMAND_FILE = ROOT / "python/stiction/cli/pair.py"
 CHARACTERISE_COMMAND_FILE = ROOT / "python/stiction/cli/characterise.py"
 LINE_LENGTH = 120
-BODY_OPTIONS = ("upper", "lower")
+BODY_OPTION_NAMES = ("upper", "lower")
 PYTHON_OPTION_NAMES = [name for name, option in PAIR_OPTIONS.items() if option.is_in_python]
 
 DOCSTRING_TYPES = {
-    "Part": "str, path, Profile, Surface, JoinedSpectrum or array, or several",
+    "BodyScans": "str, path, Profile, Surface, JoinedSpectrum or array, or several",
     "Gap": "str, path, Surface or array",
     "InterfaceName": "str, path or Interface",
-    "Value": "str or float",
-    "Values": "str or float, or several",
+    "QuantityInput": "str or float",
+    "QuantityInputs": "str or float, or several",
     "Count": "int",
     "Seed": "int",
     "Degrees": "float",
@@ -96,7 +96,7 @@ def render_parameter_descriptions() -> str:
             name
             for group in OPTION_GROUPS
             for name in group.model_fields
-            if name in PYTHON_OPTION_NAMES and name not in BODY_OPTIONS
+            if name in PYTHON_OPTION_NAMES and name not in BODY_OPTION_NAMES
         ),
     ]
     lines = []
@@ -105,7 +105,7 @@ def render_parameter_descriptions() -> str:
         choices = ", ".join(f'"{choice}"' for choice in list_choices(name))
         type_text = f"{{{choices}}}" if choices and declared != "InterfaceName" else DOCSTRING_TYPES[declared]
         unit = f", {DEFAULT_UNITS[option.kind]}" if option.kind else ""
-        optional = "" if PairOptions.model_fields[name].is_required() or name in BODY_OPTIONS else ", optional"
+        optional = "" if PairOptions.model_fields[name].is_required() or name in BODY_OPTION_NAMES else ", optional"
         text = option.help.format_map(PythonOptionNames()) + (f" By default {option.usual}." if option.usual else "")
         lines.append(f"    {format_python_name(name)} : {type_text}{unit}{optional}")
         lines += textwrap.wrap(text, LINE_LENGTH, initial_indent=" " * 8, subsequent_indent=" " * 8)
@@ -128,7 +128,7 @@ def render_command_parameters() -> str:
     """Return the parameters of the command `pair`."""
     lines = []
     for name, option in PAIR_OPTIONS.items():
-        if name in BODY_OPTIONS:
+        if name in BODY_OPTION_NAMES:
             continue
         is_switch = PairOptions.model_fields[name].annotation is bool
         value_type = "bool" if is_switch else "list[str]" if option.is_repeatable else "str"

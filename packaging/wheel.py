@@ -17,8 +17,8 @@ from pathlib import Path
 from prove import ARCHIVE_STEM, PYPROJECT, ROOT, check_equal_names, exit_with_error, print_message, run_command
 
 DIST_FOLDER = ROOT / "build/wheel/dist"
-UNPROVEN_FOLDER = ROOT / "build/wheel/unproven"
-VERIFIED_COMMITS_FILE = ROOT / "build/wheel/proven.txt"
+UNVERIFIED_FOLDER = ROOT / "build/wheel/unproven"
+VERIFIED_COMMIT_FILE = ROOT / "build/wheel/proven.txt"
 """File that contains the last commit whose wheels were verified; packaging/release.py reads it."""
 
 MIN_PYTHON_MINOR = 11
@@ -122,8 +122,8 @@ def main() -> None:
     options = parser.parse_args()
     # Files in the archives have the time of the commit, so that builds are reproducible.
     os.environ["SOURCE_DATE_EPOCH"] = run_command("git", "log", "-1", "--format=%ct").strip()
-    VERIFIED_COMMITS_FILE.unlink(missing_ok=True)
-    for folder in (DIST_FOLDER, UNPROVEN_FOLDER):
+    VERIFIED_COMMIT_FILE.unlink(missing_ok=True)
+    for folder in (DIST_FOLDER, UNVERIFIED_FOLDER):
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
     interpreters = find_interpreters()
@@ -144,7 +144,7 @@ def main() -> None:
             wheel = repair_wheel(build_wheel(sdist, python, version_folder), version_folder)
             run_command(sys.executable, "-m", "twine", "check", "--strict", wheel)
             # The wheel is kept even if the verification fails, because building it takes a long time.
-            unproven_wheel = Path(shutil.copy(wheel, UNPROVEN_FOLDER))
+            unproven_wheel = Path(shutil.copy(wheel, UNVERIFIED_FOLDER))
             with_tests = not options.quick and python == Path(sys.executable)
             if verify_wheel(unproven_wheel, python, with_tests=with_tests):
                 shutil.move(unproven_wheel, DIST_FOLDER)
@@ -154,8 +154,8 @@ def main() -> None:
     for archive in sorted(DIST_FOLDER.iterdir()):
         print_message(f"{archive.relative_to(ROOT)}")
     if failed_versions:
-        exit_with_error(f"not proven, and left in {UNPROVEN_FOLDER.relative_to(ROOT)}: {', '.join(failed_versions)}")
-    VERIFIED_COMMITS_FILE.write_text(
+        exit_with_error(f"not proven, and left in {UNVERIFIED_FOLDER.relative_to(ROOT)}: {', '.join(failed_versions)}")
+    VERIFIED_COMMIT_FILE.write_text(
         f"{describe_commit()} {'without' if options.quick else 'with'} the tests\n", encoding="utf-8"
     )
 

@@ -3,7 +3,7 @@
 Lengths are in µm, forces in mN, pressures in GPa (1 GPa = 1 mN/µm²); angles in rad.
 """
 
-_PUBLIC_NAMES = {
+_PUBLIC_NAMES_BY_MODULE = {
     "stiction._core": "__version__",
     "stiction.mechanics.candidates": "Candidates candidates",
     "stiction.mechanics.closed_forms": (
@@ -64,17 +64,17 @@ _PUBLIC_NAMES = {
 }
 """Public names of each module, as in the stub file. A module is imported when one of its names is first used."""
 
-_MODULES = {name: module for module, names in _PUBLIC_NAMES.items() for name in names.split()}
+_MODULES_BY_PUBLIC_NAME = {name: module for module, names in _PUBLIC_NAMES_BY_MODULE.items() for name in names.split()}
 
-__all__ = sorted(_MODULES)
+__all__ = sorted(_MODULES_BY_PUBLIC_NAME)
 
 
 def __getattr__(name: str) -> object:
     from importlib import import_module  # imported only when a public name is used, which many commands never do
 
-    if name not in _MODULES:
+    if name not in _MODULES_BY_PUBLIC_NAME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(_MODULES[name]), name)
+    return getattr(import_module(_MODULES_BY_PUBLIC_NAME[name]), name)
 
 
 def __dir__() -> list[str]:

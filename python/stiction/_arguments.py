@@ -47,14 +47,14 @@ def parse_quantities(name: str, value: Any, kind: str) -> list[Quantity]:
     return [parse_quantity(name, item, kind) for item in _split_required_values(name, value)]
 
 
-_DECIMAL_COMMA = re.compile(r"(?<![\d.])\d+,\d+(?![\d.])")
+_DECIMAL_COMMA_PATTERN = re.compile(r"(?<![\d.])\d+,\d+(?![\d.])")
 """Pattern of a comma that may be a decimal comma, as in "0,2" but not in "0, 2" or "0.2,0.3"."""
 
 
 def reject_decimal_commas(name: str, value: Any) -> None:
     """Raise an `ArgumentError` if a string contains a comma that may be a decimal comma."""
     for item in value if isinstance(value, (list, tuple)) else [value]:
-        if isinstance(item, str) and (match := _DECIMAL_COMMA.search(item)):
+        if isinstance(item, str) and (match := _DECIMAL_COMMA_PATTERN.search(item)):
             as_decimal, as_list = match[0].replace(",", "."), match[0].replace(",", ", ")
             raise ArgumentError(
                 f'{{{name}}} must not have a comma between digits, got {{got}}; write "{as_decimal}" for one number '

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from stiction._checks import Floats
 
 HEIGHT_COLOUR_MAP = "gray"
-_MAX_NM_RANGE = 0.5  # range of heights (µm) below which heights are drawn in nm
+_MAX_NANOMETRE_RANGE = 0.5  # range of heights (µm) below which heights are drawn in nm
 _MAX_SCALE_BAR_FRACTION = 0.25  # maximum length of the scale bar, relative to the width of the map
 PRESSURE_COLOUR_MAP = "inferno"
 MAX_LEGEND_LINES = 12  # a legend is drawn only if there are at most this many lines
@@ -23,7 +23,7 @@ MAX_LEGEND_LINES = 12  # a legend is drawn only if there are at most this many l
 
 def to_readable_height_unit(heights: Floats) -> tuple[Floats, str]:
     """Convert heights (µm) to nm if they span less than 0.5 µm, and return the heights with their unit."""
-    return (heights * 1000, "nm") if np.ptp(heights) < _MAX_NM_RANGE else (heights, "µm")
+    return (heights * 1000, "nm") if np.ptp(heights) < _MAX_NANOMETRE_RANGE else (heights, "µm")
 
 
 def draw_profile(ax: Axes, x: Floats, heights: Floats) -> Axes:

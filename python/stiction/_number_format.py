@@ -6,11 +6,11 @@ import json
 import math
 from typing import Any
 
-MAX_DIGITS = 4  # maximum number of significant digits of a value, however narrow its interval
+MAX_SIGNIFICANT_DIGITS = 4  # maximum number of significant digits of a value, however narrow its interval
 UNBOUNDED_END_TEXT = "\N{INFINITY}"  # text for the upper end of an unbounded interval
-MAX_PRECISE_END_RATIO = 100.0  # an interval end above this multiple of the value is printed with one digit
+MAX_FULL_PRECISION_END_RATIO = 100.0  # an interval end above this multiple of the value is printed with one digit
 
-_UNIT_PREFIXES = {
+_PREFIXED_UNITS = {
     "mN": ((1e6, 1e6, "kN"), (1e3, 1e3, "N"), (0.01, 1.0, "mN"), (1e-5, 1e-3, "µN"), (0.0, 1e-6, "nN")),
     "GPa": ((1.0, 1.0, "GPa"), (1e-3, 1e-3, "MPa"), (1e-6, 1e-6, "kPa"), (0.0, 1e-9, "Pa")),
     "um": ((1e6, 1e6, "m"), (1e3, 1e3, "mm"), (1.0, 1.0, "µm"), (0.0, 1e-3, "nm")),
@@ -35,8 +35,8 @@ def format_with_interval(mean: float, lower: float, upper: float, *, digits: int
     decimals = _num_decimals(mean, lower, upper, digits)
     end_texts = [_format_decimals(end, decimals) for end in (lower, upper)]
     if end_texts[0] == end_texts[1]:
-        return format_significant(mean, MAX_DIGITS)
-    if upper > MAX_PRECISE_END_RATIO * abs(mean) > 0:
+        return format_significant(mean, MAX_SIGNIFICANT_DIGITS)
+    if upper > MAX_FULL_PRECISION_END_RATIO * abs(mean) > 0:
         end_texts[1] = format_significant(upper, 1)
     return f"{_format_decimals(mean, decimals)} [{end_texts[0]}, {end_texts[1]}]"
 
@@ -46,7 +46,7 @@ def format_estimate(mean: float, lower: float = math.nan, upper: float = math.na
     if math.isnan(mean):
         return "none"
     if math.isnan(lower) or math.isnan(upper):
-        return _format_decimals(mean, _num_decimals(mean, math.nan, math.nan, 2) - MAX_DIGITS + 2)
+        return _format_decimals(mean, _num_decimals(mean, math.nan, math.nan, 2) - MAX_SIGNIFICANT_DIGITS + 2)
     return format_with_interval(mean, lower, upper, digits=1)
 
 
@@ -74,11 +74,11 @@ def _num_decimals(mean: float, lower: float, upper: float, digits: int) -> int:
     """Return the number of decimals for a value: `digits` digits of its half-width, but 2 to 4 digits of the value."""
     value_decimals = -math.floor(math.log10(abs(mean))) if mean else 0
     if not upper > lower:
-        return value_decimals + MAX_DIGITS - 1
+        return value_decimals + MAX_SIGNIFICANT_DIGITS - 1
     interval_decimals = digits - 1 - math.floor(math.log10((upper - lower) / 2))
     if not mean:
         return interval_decimals
-    return min(max(interval_decimals, value_decimals + 1), value_decimals + MAX_DIGITS - 1)
+    return min(max(interval_decimals, value_decimals + 1), value_decimals + MAX_SIGNIFICANT_DIGITS - 1)
 
 
 def format_with_unit(value: float, unit: str) -> str:
@@ -96,10 +96,12 @@ def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
         return 1.0, unit.replace("um", "µm")
     # Round the value to the printed digits first, so that 0.99996 mN is printed as 1 mN.
     rounded = float(f"{abs(value):.3g}")
-    return next((factor, name) for minimum, factor, name in _UNIT_PREFIXES[unit] if rounded >= minimum)
+    return next((factor, name) for minimum, factor, name in _PREFIXED_UNITS[unit] if rounded >= minimum)
 
 
-MIN_PERCENT = 0.001  # smallest percentage that is printed as a number; below it, "less than" this number is printed
+MIN_PRINTED_PERCENTAGE = (
+    0.001  # smallest percentage that is printed as a number; below it, "less than" this number is printed
+)
 
 
 def format_time(seconds: float) -> str:
@@ -116,8 +118,8 @@ def format_percent(fraction: float) -> str:
     if math.isnan(fraction):
         return "none"
     value = 100 * fraction
-    if 0 < abs(value) < MIN_PERCENT:
-        return f"less than {MIN_PERCENT:g} %"
+    if 0 < abs(value) < MIN_PRINTED_PERCENTAGE:
+        return f"less than {MIN_PRINTED_PERCENTAGE:g} %"
     return f"{value:.2g} %" if abs(value) < 1 else f"{value:.3g} %" if abs(value) < 10 else f"{value:.0f} %"
 
 

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-NOTEBOOK_DPI = 110  # resolution of a notebook image in dots per inch
-NOTEBOOK_SIZE = (4.6, 3.2)  # width and height of a notebook image in inches
+NOTEBOOK_IMAGE_DPI = 110  # resolution of a notebook image in dots per inch
+NOTEBOOK_IMAGE_SIZE = (4.6, 3.2)  # width and height of a notebook image in inches
 MAX_ONE_COLUMN_WIDTH = 4.0  # figures up to this width (inches) count as one-column figures and get a higher resolution
 # At this zlib level, compression takes half as long as at the default level 6, but map images are 10 % larger.
 PNG_COMPRESSION = 4
@@ -140,7 +140,7 @@ def plot_html(draw: Callable[[Axes], object]) -> str:
     """Call a plotting function. Return the plot as an inline image, or an error message as preformatted text."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=NOTEBOOK_SIZE, layout="constrained")
+    figure = Figure(figsize=NOTEBOOK_IMAGE_SIZE, layout="constrained")
     try:
         draw(figure.subplots())
     except ValueError as error:
@@ -166,7 +166,7 @@ def render_png(figure: Any) -> bytes:
     """Render a Matplotlib figure as PNG, at a higher resolution if it is only one column wide."""
     buffer = io.BytesIO()
     is_narrow = figure.get_size_inches()[0] <= MAX_ONE_COLUMN_WIDTH
-    write_png(figure, buffer, dpi=1.5 * NOTEBOOK_DPI if is_narrow else NOTEBOOK_DPI)
+    write_png(figure, buffer, dpi=1.5 * NOTEBOOK_IMAGE_DPI if is_narrow else NOTEBOOK_IMAGE_DPI)
     return buffer.getvalue()
 
 
@@ -193,4 +193,4 @@ def axes_or_new_axes(ax: Axes | None) -> Axes:
         return ax
     from matplotlib import pyplot
 
-    return pyplot.subplots(figsize=NOTEBOOK_SIZE, layout="constrained")[1]
+    return pyplot.subplots(figsize=NOTEBOOK_IMAGE_SIZE, layout="constrained")[1]

@@ -10,20 +10,20 @@ from typing import Any, Literal
 from stiction.studies.pair_options import PAIR_OPTIONS, FormField, format_command_line_name
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 
-FIELDS_BY_FLAG: dict[str, FormField] = {
+FORM_FIELDS_BY_FLAG: dict[str, FormField] = {
     format_command_line_name(name).removeprefix("--"): option.field
     for name, option in PAIR_OPTIONS.items()
     if option.field is not None
 }
 """Form fields by the names of their options, without dashes."""
 
-READING_FLAGS = tuple(flag for flag, field in FIELDS_BY_FLAG.items() if field.place == "scan")
+FILE_READING_FLAGS = tuple(flag for flag, field in FORM_FIELDS_BY_FLAG.items() if field.place == "scan")
 """Names of the reading options that the form contains separately for each scan."""
 
 
 def fields_html(place: Literal["scan", "more"]) -> str:
     """Return the HTML of all fields in one section of the form."""
-    return "\n".join(_field_html(flag, field) for flag, field in FIELDS_BY_FLAG.items() if field.place == place)
+    return "\n".join(_field_html(flag, field) for flag, field in FORM_FIELDS_BY_FLAG.items() if field.place == place)
 
 
 def _field_html(flag: str, field: FormField) -> str:
@@ -45,8 +45,8 @@ def page_data_json() -> str:
     The data are units of plain numbers, options with commas, and descriptions of the sliding rules.
     """
     facts = {
-        "units": {flag: f" {field.unit}" for flag, field in FIELDS_BY_FLAG.items() if field.unit},
-        "texts": [flag for flag, field in FIELDS_BY_FLAG.items() if field.has_commas],
+        "units": {flag: f" {field.unit}" for flag, field in FORM_FIELDS_BY_FLAG.items() if field.unit},
+        "texts": [flag for flag, field in FORM_FIELDS_BY_FLAG.items() if field.has_commas],
         "ruleDescriptions": SLIDING_RULE_DESCRIPTIONS,
     }
     return html.escape(json.dumps(facts, ensure_ascii=False))
@@ -59,14 +59,14 @@ _OPTION_PATTERN = re.compile(r"--([a-z0-9-]+)(?: ([\w,-]+))?")
 def find_first_option_name(message: str) -> str:
     """Return the option name at the start of an error message, or an empty string if the form has no such field."""
     match = _OPTION_PATTERN.match(message)
-    return match[1] if match and match[1] in FIELDS_BY_FLAG else ""
+    return match[1] if match and match[1] in FORM_FIELDS_BY_FLAG else ""
 
 
 def replace_option_names(message: str) -> str:
     """Replace option names in a command's message with the labels of the corresponding fields and choices."""
 
     def field_label(match: re.Match[str]) -> str:
-        field = FIELDS_BY_FLAG.get(match[1])
+        field = FORM_FIELDS_BY_FLAG.get(match[1])
         if field is None:
             return match[0]
         label, value = f'"{field.label.partition(",")[0]}"', match[2]

@@ -26,16 +26,16 @@ from stiction.studies.store import open_stored
 
 POLL_INTERVAL = 0.4  # time in seconds between two checks of the progress of a command
 MAX_SHUTDOWN_TIME = 5.0  # time in seconds that a stopped command has to write its results before it is killed
-MAX_KILL_TIME = 1.0  # maximum time in seconds to wait until a killed process has ended
+KILLED_PROCESS_TIMEOUT = 1.0  # maximum time in seconds to wait until a killed process has ended
 MAX_WAITING_JOBS = 8  # maximum number of jobs in the queue
 MAX_OUTPUT_BYTES = 2**25  # maximum number of bytes that a command may print
 JOB_MEMORY_FRACTION = 0.5  # maximum fraction of the machine's memory that the running job may use
 READER_MEMORY_FRACTION = 0.25  # maximum fraction of the machine's memory that each of the two reader processes may use
-PICTURE_SCOPE_SUFFIX = ", here and in the pictures"
-END_OF_RECORD = b"\n}\n"  # end of the JSON record that a command prints before it draws figures
+SCOPE_TEXT_SUFFIX = ", here and in the pictures"
+END_OF_JSON_RECORD = b"\n}\n"  # end of the JSON record that a command prints before it draws figures
 
 
-REPORTED_ERRORS = (OSError, ValueError, ImportError, MemoryError, RuntimeError)
+REPORTED_EXCEPTIONS = (OSError, ValueError, ImportError, MemoryError, RuntimeError)
 """Exceptions that the app reports to the user as messages."""
 
 
@@ -125,10 +125,10 @@ class JobQueue:
         except asyncio.CancelledError:
             final_state, has_begun = "stopped", job.state == "running"
             job.state, job.activity = final_state, "reading the finished part"
-            with suppress(*REPORTED_ERRORS):  # raised if there is no result or the surfaces do not touch
+            with suppress(*REPORTED_EXCEPTIONS):  # raised if there is no result or the surfaces do not touch
                 if has_begun and not self._is_ending:
                     await self._read_result(job)
-        except REPORTED_ERRORS as error:
+        except REPORTED_EXCEPTIONS as error:
             final_state = "failed"
             job.error = hide_private_paths(str(error) or "not enough memory for this computation", self.root)
         job.state, job.activity = final_state, ""
@@ -136,7 +136,7 @@ class JobQueue:
     async def _run_command(self, job: Job) -> None:
         if job.preview is not None and not job.folder.exists():
             job.activity = "computing a preview"
-            with suppress(*REPORTED_ERRORS):  # the command itself will report the error
+            with suppress(*REPORTED_EXCEPTIONS):  # the command itself will report the error
                 await self._read_result(
                     job,
                     "preview with the asperity model, without hardness, at {finished} positions",
@@ -160,7 +160,7 @@ class JobQueue:
         num_reported = 2  # an interval requires at least two members
         while True:
             await asyncio.sleep(POLL_INTERVAL)
-            with suppress(*REPORTED_ERRORS):  # raised if there is no result yet or the surfaces do not touch
+            with suppress(*REPORTED_EXCEPTIONS):  # raised if there is no result yet or the surfaces do not touch
                 stored_result = await asyncio.to_thread(open_stored, job.folder)
                 job.finished, job.total = stored_result.count, stored_result.study.ensemble.repetitions
                 if job.total > job.finished >= 2 * num_reported:
@@ -181,7 +181,7 @@ class JobQueue:
         if response is None:
             return
         job.record, job.files, job.versions = response["answer"], files, job.versions + 1
-        job.scope = scope and scope.format_map(response) + PICTURE_SCOPE_SUFFIX
+        job.scope = scope and scope.format_map(response) + SCOPE_TEXT_SUFFIX
         if not source:
             job.finished, job.total = response["finished"], response["total"]
 
@@ -224,7 +224,7 @@ async def run_module(arguments: list[str], *, memory: float, grace_time: float =
     assert output_stream is not None and error_stream is not None  # noqa: PT018
     errors = asyncio.create_task(error_stream.read())
     try:
-        return (await output_stream.readuntil(END_OF_RECORD)).decode()
+        return (await output_stream.readuntil(END_OF_JSON_RECORD)).decode()
     except asyncio.LimitOverrunError:
         raise RejectedRequestError("the output of the command is too long for the page") from None
     except asyncio.IncompleteReadError as incomplete:
@@ -244,5 +244,5 @@ async def run_module(arguments: list[str], *, memory: float, grace_time: float =
         if process.returncode is None:
             process.kill()
             with suppress(TimeoutError):  # wait, so that the transport closes before the event loop closes
-                await asyncio.wait_for(process.wait(), MAX_KILL_TIME)
+                await asyncio.wait_for(process.wait(), KILLED_PROCESS_TIMEOUT)
         errors.cancel()

@@ -25,7 +25,7 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import reject_flat_or_small_surface, rms_gradient, roughness_parameters
 
 # Maximum number of rows or columns of a map preview; a profile preview may have three times as many points.
-MAX_DRAWN_POINTS = 160
+MAX_PREVIEW_SIDE_POINTS = 160
 # Colours of the lower and the upper line. Both colours are visible on light and dark backgrounds.
 LINE_COLOURS = ("#7a8490", "#8a63c7")
 
@@ -55,7 +55,7 @@ def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
     if isinstance(levelled_body, Profile):
         image_type, image = (
             "svg+xml",
-            draw_lines_svg(levelled_body.heights[:: -(-len(levelled_body) // (3 * MAX_DRAWN_POINTS))]).encode(),
+            draw_lines_svg(levelled_body.heights[:: -(-len(levelled_body) // (3 * MAX_PREVIEW_SIDE_POINTS))]).encode(),
         )
     else:
         image_type, image = "png", render_height_map_png(levelled_body.heights, levelled_body.extent)
@@ -85,7 +85,7 @@ def render_height_map_png(heights: Floats, extent: tuple[float, float]) -> bytes
     """Render a height map as a PNG image with square pixels and the first row at the bottom."""
     from matplotlib.image import imsave
 
-    pixel_counts = [max(2, round(MAX_DRAWN_POINTS * length / max(extent))) for length in extent]
+    pixel_counts = [max(2, round(MAX_PREVIEW_SIDE_POINTS * length / max(extent))) for length in extent]
     rows, columns = (
         np.linspace(0, count - 1, pixel_count).round().astype(int)
         for count, pixel_count in zip(heights.shape, pixel_counts, strict=True)

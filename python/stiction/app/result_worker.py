@@ -9,7 +9,7 @@ from typing import Any
 
 from stiction._number_format import to_json
 from stiction.app.form import replace_option_names_in_caveats
-from stiction.app.jobs import REPORTED_ERRORS, hide_private_paths
+from stiction.app.jobs import REPORTED_EXCEPTIONS, hide_private_paths
 from stiction.studies.pair import MeasuredPair
 from stiction.studies.pair_options import PAIR_OPTIONS, format_command_line_name
 from stiction.studies.result import Result, open_result
@@ -46,7 +46,7 @@ def main() -> None:
         else:
             result = open_result(request["folder"])
         print(to_json(None if result is None else _write_result_files(result, request)))
-    except REPORTED_ERRORS as error:
+    except REPORTED_EXCEPTIONS as error:
         sys.exit(f"stiction: {error or 'not enough memory for this result'}")
 
 

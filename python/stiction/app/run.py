@@ -19,25 +19,25 @@ from stiction.app.server import Server
 
 WORKING_DIRECTORY_PREFIX = "stiction-app-"
 
-MAX_WINDOW_ABSENCE = 90.0
+SERVER_IDLE_TIMEOUT = 90.0
 """Seconds without a request after which the server exits; browsers limit hidden windows to one request per minute."""
 
-MAX_FIRST_WINDOW_WAIT = 600.0  # time in seconds within which the first window must be opened
+FIRST_WINDOW_TIMEOUT = 600.0  # time in seconds within which the first window must be opened
 
-MAX_IDLE_TIME = 20.0  # time in seconds within which a connection must send its request headers
+REQUEST_HEADER_TIMEOUT = 20.0  # time in seconds within which a connection must send its request headers
 MAX_IDLE_CONNECTIONS = 64
 """Maximum number of connections without a complete request head; if there are more, the oldest is closed."""
 
 
-class Connection(H11Protocol):
+class TimeLimitedConnection(H11Protocol):
     """HTTP connection that is closed if its request does not arrive in time."""
 
-    idle: ClassVar[dict[Connection, asyncio.TimerHandle]] = {}
+    idle: ClassVar[dict[TimeLimitedConnection, asyncio.TimerHandle]] = {}
 
     def connection_made(self, transport: Any) -> None:
         """Start the timer of a new connection."""
         super().connection_made(transport)
-        self.idle[self] = self.loop.call_later(MAX_IDLE_TIME, self._abort)
+        self.idle[self] = self.loop.call_later(REQUEST_HEADER_TIMEOUT, self._abort)
         if len(self.idle) > MAX_IDLE_CONNECTIONS:
             # The check runs in a second callback, so that the event loop first reads requests that have arrived.
             self.loop.call_soon(self.loop.call_soon, self._close_oldest)
@@ -76,7 +76,7 @@ def run(*, print_message: Callable[[str], None], keep: bool = False, demo: bool 
         address = f"{server.origin}/?token={server.token}"
         config = uvicorn.Config(
             server,
-            http=Connection,
+            http=TimeLimitedConnection,
             ws="none",
             backlog=MAX_IDLE_CONNECTIONS,
             lifespan="on",
@@ -117,4 +117,4 @@ async def _serve(
 
 def is_abandoned(server: Server, now: float) -> bool:
     """Return whether all windows have been closed for too long, or whether no window was opened in time."""
-    return now - server.last_request_time > (MAX_WINDOW_ABSENCE if server.has_window else MAX_FIRST_WINDOW_WAIT)
+    return now - server.last_request_time > (SERVER_IDLE_TIMEOUT if server.has_window else FIRST_WINDOW_TIMEOUT)

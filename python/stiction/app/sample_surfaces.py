@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stiction.app.preview import MAX_DRAWN_POINTS, draw_lines_svg
+from stiction.app.preview import MAX_PREVIEW_SIDE_POINTS, draw_lines_svg
 from stiction.studies.members import generate_pairs
 from stiction.studies.study import Study
 from stiction.surfaces.measured.writing import write_surface
@@ -36,5 +36,5 @@ def draw_profiles(changes: Any) -> str:
     contact_index = int(np.argmin(gap := upper.heights - lower.heights))
     width = min(len(lower), round(4 * surfaces.max_wavelength() / lower.spacing))
     start = max(0, min(contact_index - width // 2, len(lower) - width))
-    window = slice(start, start + width, max(1, width // (3 * MAX_DRAWN_POINTS)))
+    window = slice(start, start + width, max(1, width // (3 * MAX_PREVIEW_SIDE_POINTS)))
     return draw_lines_svg(lower.heights[window], upper.heights[window] - gap[contact_index])

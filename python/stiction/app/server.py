@@ -27,8 +27,8 @@ from stiction._files import replacement_file
 from stiction._units import short_repr
 from stiction.app import sample_surfaces
 from stiction.app.form import (
-    FIELDS_BY_FLAG,
-    READING_FLAGS,
+    FILE_READING_FLAGS,
+    FORM_FIELDS_BY_FLAG,
     fields_html,
     page_data_json,
     replace_option_names_in_caveats,
@@ -38,21 +38,21 @@ from stiction.mechanics.materials import materials
 from stiction.studies.store import open_stored
 
 MAX_SCAN_BYTES = 300_000_000  # maximum size of an uploaded scan in bytes, equal to the readers' limit for text files
-MAX_TOTAL_BYTES = 2_000_000_000  # maximum total size of all uploaded scans in bytes
+MAX_TOTAL_SCAN_BYTES = 2_000_000_000  # maximum total size of all uploaded scans in bytes
 MAX_REQUEST_BYTES = 2**16  # maximum size in bytes of a request that does not upload a scan
 MAX_REQUEST_TIME = 120.0  # maximum time in seconds for a request and its response
 MAX_CONCURRENT_REQUESTS = 64  # maximum number of simultaneous requests; a browser sends at most six at a time
-MAX_NAME_LENGTH = 60  # maximum number of characters of a scan name
+MAX_SCAN_NAME_LENGTH = 60  # maximum number of characters of a scan name
 MAX_LISTED_RESULTS = 100  # maximum number of results in the list of results
-MAX_PREVIEW_POINTS = 2**21  # no preview is drawn for scans with more points than this
-REQUEST_ERRORS = (ValueError, TypeError, RecursionError, OSError, ClientDisconnect)
+MAX_PREVIEWED_SCAN_POINTS = 2**21  # no preview is drawn for scans with more points than this
+REQUEST_EXCEPTIONS = (ValueError, TypeError, RecursionError, OSError, ClientDisconnect)
 ACCESS_KEY_HEADER = "x-stiction-key"
 PUBLIC_PATHS = ("/", "/app.js", "/app.css")  # paths that need no key, because they contain no private content
 
-ALLOWED_OPTIONS = {"pair": tuple(FIELDS_BY_FLAG), "run": ("set",)}
+ALLOWED_OPTIONS_BY_COMMAND = {"pair": tuple(FORM_FIELDS_BY_FLAG), "run": ("set",)}
 """Options of each command that the page may set."""
 
-ALLOWED_CHANGE_PATTERN = re.compile(
+ALLOWED_STUDY_CHANGE_PATTERN = re.compile(
     r"(surfaces\.(fractal_dimension|amplitude|length_scale|convention)|ensemble\.(seed|repetitions))=.*"
 )
 """Pattern of the study settings that the page may change, none of which is a file name."""
@@ -109,7 +109,7 @@ class Server:
         ]  # fmt: skip
         self._app = Starlette(
             routes=[Route(path, handler, methods=[method]) for method, path, handler in routes],
-            exception_handlers=dict.fromkeys(REQUEST_ERRORS, _error_response),
+            exception_handlers=dict.fromkeys(REQUEST_EXCEPTIONS, _error_response),
             lifespan=self._lifespan,
         )  # fmt: skip
 
@@ -230,14 +230,14 @@ class Server:
         """Store an uploaded scan under the last part of its name, without special characters."""
         num_stored_bytes = sum(path.stat().st_size for path in self.scans.values())
         num_bytes = _request_body_length(
-            request, min(MAX_SCAN_BYTES, MAX_TOTAL_BYTES - num_stored_bytes - self.num_arriving_bytes)
+            request, min(MAX_SCAN_BYTES, MAX_TOTAL_SCAN_BYTES - num_stored_bytes - self.num_arriving_bytes)
         )
         name = re.sub(r"[^\w.() -]", "_", re.split(r"[/\\]", request.query_params.get("name", ""))[-1]).strip(". ")
         stem, separator, extension = name.rpartition(".")
         name = (
-            f"{(stem or 'scan')[: MAX_NAME_LENGTH - 10]}{separator}{extension[:9]}"
+            f"{(stem or 'scan')[: MAX_SCAN_NAME_LENGTH - 10]}{separator}{extension[:9]}"
             if separator
-            else (name or "scan")[:MAX_NAME_LENGTH]
+            else (name or "scan")[:MAX_SCAN_NAME_LENGTH]
         )
         partial_path = self.root / f"{secrets.token_hex(4)}.partial"
         digest = hashlib.sha256(name.encode())
@@ -282,7 +282,7 @@ class Server:
     async def preview_scan(self, request: Request) -> Response:
         """Return the preview of a scan."""
         scan, query = request.path_params["scan"], request.query_params
-        reading_options = json.dumps({name: query.get(name, "")[:80] for name in READING_FLAGS})
+        reading_options = json.dumps({name: query.get(name, "")[:80] for name in FILE_READING_FLAGS})
         output = await self.jobs.run_short_module(
             ["stiction.app.preview", str(self._find_scan_path(scan)), reading_options]
         )
@@ -307,12 +307,12 @@ class Server:
             name = request_data.get("name", "")
             folder = self._find_result_folders().get(name) or _raise_not_found("this result no longer exists")
             return JSONResponse({"job": self.jobs.add(name, ["info", name], folder=folder).number})
-        if command not in ALLOWED_OPTIONS or not isinstance(options, list):
+        if command not in ALLOWED_OPTIONS_BY_COMMAND or not isinstance(options, list):
             raise HTTPException(400)
         for name, value in options:
-            if name not in ALLOWED_OPTIONS[command] or not isinstance(value, str) or len(value) > 200:
+            if name not in ALLOWED_OPTIONS_BY_COMMAND[command] or not isinstance(value, str) or len(value) > 200:
                 raise HTTPException(400)
-            if name == "set" and not ALLOWED_CHANGE_PATTERN.fullmatch(value):
+            if name == "set" and not ALLOWED_STUDY_CHANGE_PATTERN.fullmatch(value):
                 raise HTTPException(400, f"set must be one of the settings on the page, got {short_repr(value)}")
         arguments = [f"--{name}={value}" for name, value in options]
         if command == "run":
@@ -320,7 +320,8 @@ class Server:
         scan_identifiers = [request_data.get(side) for side in ("upper", "lower")]
         files = [self._find_scan_path(scan_identifier) for scan_identifier in scan_identifiers]
         is_preview_possible = all(
-            0 < self.points.get(str(scan_identifier), 0) <= MAX_PREVIEW_POINTS for scan_identifier in scan_identifiers
+            0 < self.points.get(str(scan_identifier), 0) <= MAX_PREVIEWED_SCAN_POINTS
+            for scan_identifier in scan_identifiers
         )
         preview = ([str(file) for file in files], options) if is_preview_possible else None
         title = " on ".join(file.name for file in files)
@@ -376,7 +377,7 @@ class Server:
     async def draw_profiles(self, request: Request) -> Response:
         """Return an image of two generated profiles around their first contact."""
         changes = dict(json.loads(request.query_params.get("set", "")))
-        if not all(ALLOWED_CHANGE_PATTERN.fullmatch(f"{key}=") for key in changes):
+        if not all(ALLOWED_STUDY_CHANGE_PATTERN.fullmatch(f"{key}=") for key in changes):
             raise HTTPException(400)
         return Response(await asyncio.to_thread(sample_surfaces.draw_profiles, changes), media_type="image/svg+xml")
 
@@ -420,6 +421,6 @@ def _request_body_length(request: Request, max_length: int) -> int:
         raise HTTPException(
             413,
             f"a scan must not exceed {MAX_SCAN_BYTES / 1e6:.0f} MB, and all scans together must not exceed "
-            f"{MAX_TOTAL_BYTES / 1e6:.0f} MB",
+            f"{MAX_TOTAL_SCAN_BYTES / 1e6:.0f} MB",
         )
     return int(length_text)

@@ -25,7 +25,7 @@ from typer.exceptions import TyperException
 from stiction._core import __version__, build
 from stiction._errors import ArgumentError
 from stiction._files import describe_os_error
-from stiction._text import MAX_LINE_LENGTH, printable_path, printable_text
+from stiction._text import MAX_QUOTED_LINE_LENGTH, printable_path, printable_text
 from stiction.cli import EXIT_BAD_INPUT, EXIT_INTERRUPTED, exit_on_interrupt
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -33,7 +33,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 def print_message(text: str, kind: str = "") -> None:
     """Print a message on standard error. Control characters in the message are escaped."""
-    lines = [f"stiction: {kind}{printable_text(line, MAX_LINE_LENGTH)}" for line in text.split("\n") if line]
+    lines = [f"stiction: {kind}{printable_text(line, MAX_QUOTED_LINE_LENGTH)}" for line in text.split("\n") if line]
     if sys.stderr.isatty():
         width = shutil.get_terminal_size().columns
         lines = [textwrap.fill(line, width, subsequent_indent="  ", break_long_words=False) for line in lines]
@@ -51,7 +51,7 @@ def report_interruption(detail: str = "") -> typer.Exit:
 def show_status(text: str) -> None:
     """Show the current operation on a terminal, in a line that the next message overwrites."""
     if has_terminal():
-        line = f"stiction: {printable_text(text, MAX_LINE_LENGTH)}"[: shutil.get_terminal_size().columns - 1]
+        line = f"stiction: {printable_text(text, MAX_QUOTED_LINE_LENGTH)}"[: shutil.get_terminal_size().columns - 1]
         _clear_line(f"{line}\r")
 
 
@@ -135,7 +135,7 @@ _RANGE_LIMITS_PATTERN = re.compile(r"(; )?\bx[<>]=?[-\d.]+")
 _OPTION_TYPE_PATTERN = re.compile(r" <[\w\[\] ]+>$")  # matches the type that typer appends to an option
 
 
-SHOW_ALL_KEY = "stiction.show_all"
+SHOW_ALL_OPTIONS_KEY = "stiction.show_all"
 """Key in the `meta` of a context that makes the help list all options."""
 
 
@@ -168,7 +168,7 @@ class _PanelCommand(TyperCommand):
         for parameter in self.get_params(ctx):
             default_title = "Arguments" if parameter.param_type_name == "argument" else "Options"
             title = getattr(parameter, "rich_help_panel", None) or default_title
-            is_listed = SHOW_ALL_KEY in ctx.meta or not self.common or parameter.name in (*self.common, "help")
+            is_listed = SHOW_ALL_OPTIONS_KEY in ctx.meta or not self.common or parameter.name in (*self.common, "help")
             if is_listed and (record := parameter.get_help_record(ctx)):
                 text = (
                     _RANGE_LIMITS_PATTERN.sub("", _DEFAULT_VALUE_PATTERN.sub(r"[default: \1", record[1]))
@@ -243,7 +243,7 @@ def command(name: str, *lines: str, common: Collection[str] = ()) -> Callable[[F
     return application.command(name, cls=_PanelCommand, epilog=format_help_epilog(*lines))
 
 
-_OPTION_NAMES = {"height_scale": "--scale-heights", "compute=True": "--compute"}
+_OPTION_NAMES_BY_ARGUMENT = {"height_scale": "--scale-heights", "compute=True": "--compute"}
 """Options of `at` whose names differ from the names of the arguments of `Result.at`."""
 
 
@@ -251,7 +251,7 @@ def _option_name(argument: str) -> str:
     """Return the command line option that corresponds to an argument in Python."""
     from stiction.studies.pair_options import format_command_line_name
 
-    return _OPTION_NAMES.get(argument) or format_command_line_name(argument)
+    return _OPTION_NAMES_BY_ARGUMENT.get(argument) or format_command_line_name(argument)
 
 
 def run_command_line() -> int:

@@ -27,13 +27,13 @@ BallRadiusOption = Annotated[
 LoadOption = Annotated[
     str | None, option("--load FORCE", 'Load of a single test, "10 mN", or for a pair "10 MPa".', False)
 ]
-MeasuredOption = Annotated[
+MeasuredCoefficientOption = Annotated[
     str | None, option("--measured NUMBER", 'Measured coefficient of a single test, "0.25±0.01".', False)
 ]
 Mu0Option = Annotated[float | None, option("--mu0 NUMBER", "Known value of mu0; fit only tau0.", False)]
 Tau0Option = Annotated[str | None, option("--tau0 PRESSURE", "Known value of tau0; fit only mu0.", False)]
 SlidingOption = Annotated[str, option("--sliding all|opposing|both", "Contacts at which friction acts.")]
-CommonOption = Annotated[
+CommonUncertaintyOption = Annotated[
     float, option("--common NUMBER", "Relative uncertainty common to all tests, such as sensor gain and load.")
 ]
 OutliersOption = Annotated[bool, option("--outliers", "Allow for outliers among the tests.")]
@@ -57,11 +57,11 @@ def calibrate(
     pair: PairsOption = None,
     ball: BallRadiusOption = None,
     load: LoadOption = None,
-    measured: MeasuredOption = None,
+    measured: MeasuredCoefficientOption = None,
     mu0: Mu0Option = None,
     tau0: Tau0Option = None,
     sliding: SlidingOption = "both",
-    common: CommonOption = 0.02,
+    common: CommonUncertaintyOption = 0.02,
     outliers: OutliersOption = False,
     effective_modulus: Annotated[str | None, pair_option("effective_modulus")] = None,
     young: Annotated[str | None, pair_option("young")] = None,

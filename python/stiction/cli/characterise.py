@@ -261,11 +261,11 @@ def _print_scan_comparison(
 
 def _choose_output_paths(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
     """Return the paths of the files to write. Existing files other than figures and reports are never replaced."""
-    from stiction.views.report.page import REPORT_FILE_MARK
-    from stiction.views.style import FIGURE_FILE_MARKS
+    from stiction.views.report.page import REPORT_FILE_SIGNATURE
+    from stiction.views.style import FIGURE_FILE_SIGNATURES
 
     paths = _list_output_paths(files, output, together=together, repeated=repeated)
-    file_marks = {".html": REPORT_FILE_MARK.encode(), **FIGURE_FILE_MARKS}
+    file_marks = {".html": REPORT_FILE_SIGNATURE.encode(), **FIGURE_FILE_SIGNATURES}
     for path in paths:
         if (file_extension := path.suffix.lower()) in file_marks:
             check_replaceable(path, file_marks[file_extension], ValueError)

@@ -16,7 +16,7 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
-    from stiction.surfaces.measured.reading import Reading
+    from stiction.surfaces.measured.reading import FileReading
 
 
 def option(
@@ -42,7 +42,7 @@ VerboseOption = Annotated[
 ]
 
 
-def load_measurement(file: Path, options: Mapping[str, str | None]) -> Reading[Profile | Surface]:
+def load_measurement(file: Path, options: Mapping[str, str | None]) -> FileReading[Profile | Surface]:
     """Load a profile or surface from a file, applying the reading options given on the command line."""
     from stiction.studies.pair_options import split_list
     from stiction.surfaces.measured.reading import load_interpreted_file

@@ -126,12 +126,12 @@ def pair(
     """
     from stiction.cli.result_output import choose_message_printer, print_result, print_values, write_pair_files
     from stiction.studies.members import body_attributes
-    from stiction.views.files import OUTPUT_FILE_MARKS, check_all_replaceable
+    from stiction.views.files import OUTPUT_FILE_SIGNATURES, check_all_replaceable
     from stiction.views.rows import summary_json
 
     part_number, print_written = parse_part(part), choose_message_printer(as_json)
     check_output_directory(output)
-    check_all_replaceable(output, OUTPUT_FILE_MARKS)
+    check_all_replaceable(output, OUTPUT_FILE_SIGNATURES)
     measured_pair = MeasuredPair(read_options(read_given_options(context)))
     for file in measured_pair.files:
         show_reader_import_status(Path(file.file))

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from stiction.cli.application import SHOW_ALL_KEY, option_was_given, print_output
+from stiction.cli.application import SHOW_ALL_OPTIONS_KEY, option_was_given, print_output
 from stiction.cli.options import option
 from stiction.studies.pair_options import OPTION_GROUPS, PAIR_OPTIONS, format_command_line_name
 
@@ -17,7 +17,7 @@ PAIR_SHORT_HELP_PARAMETERS = frozenset(name for name, declared in PAIR_OPTIONS.i
 """Names of the parameters that the short help of `pair` lists."""
 
 
-class _CommandLineNames(dict[str, str]):
+class _CommandLineOptionNames(dict[str, str]):
     """Mapping from placeholders in help texts to command line option names."""
 
     def __missing__(self, name: str) -> str:
@@ -26,7 +26,7 @@ class _CommandLineNames(dict[str, str]):
 
 def format_option_help(name: str) -> str:
     """Return the help text of a `pair` option. Placeholders are replaced by command line names."""
-    return PAIR_OPTIONS[name].help.format_map(_CommandLineNames())
+    return PAIR_OPTIONS[name].help.format_map(_CommandLineOptionNames())
 
 
 def pair_option(name: str, *, repeatable: bool = True) -> Any:
@@ -51,7 +51,7 @@ def read_given_options(context: typer.Context) -> dict[str, object]:
 
 def _print_full_help(context: typer.Context, is_requested: bool) -> None:
     if is_requested:
-        context.meta[SHOW_ALL_KEY] = True
+        context.meta[SHOW_ALL_OPTIONS_KEY] = True
         print_output(context.get_help())
         raise typer.Exit
 

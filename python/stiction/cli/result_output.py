@@ -111,10 +111,10 @@ MAX_OUTPUT_ATTEMPTS = 4  # maximum number of attempts to write files while the s
 
 def _write_result_files(result: Result, folder: Path) -> list[str]:
     from stiction.views.figures import draw_figures
-    from stiction.views.files import OUTPUT_FILE_MARKS, RESULT_TABLE_NAME, replace_text_file, result_csv
+    from stiction.views.files import OUTPUT_FILE_SIGNATURES, RESULT_TABLE_NAME, replace_text_file, result_csv
     from stiction.views.report import save_report
 
-    replace_text_file(folder / RESULT_TABLE_NAME, result_csv(result), OUTPUT_FILE_MARKS[RESULT_TABLE_NAME])
+    replace_text_file(folder / RESULT_TABLE_NAME, result_csv(result), OUTPUT_FILE_SIGNATURES[RESULT_TABLE_NAME])
     show_status("drawing")
     figure_paths = draw_figures(result, folder, first=True)
     report_path = folder / "report.html"

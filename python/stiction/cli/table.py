@@ -21,7 +21,7 @@ from stiction.cli.pair_options import pair_option
 from stiction.studies.store import CHECKSUM_PREFIX
 
 NETCDF_FILE_NAME, CSV_FILE_NAME, LAWS_FILE_NAME = "table.nc", "table.csv", "laws.csv"
-TABLE_FILE_MARKS = {
+TABLE_FILE_SIGNATURES = {
     NETCDF_FILE_NAME: CHECKSUM_PREFIX,
     CSV_FILE_NAME: b"stiffness over area (GPa/um)",
     LAWS_FILE_NAME: b"b of k/A0 = b p^c",
@@ -90,14 +90,14 @@ def table_command(
         repetitions=repetitions,
         seed=seed,
     )
-    check_all_replaceable(output, TABLE_FILE_MARKS)
+    check_all_replaceable(output, TABLE_FILE_SIGNATURES)
     with open_executor(workers, scheduler) as executor:
         result = compute_result_in_folder(study, output, executor)
     table = friction_table(result, **friction_parameters)
     print_output(friction_table_text(table))
     export(table, output / NETCDF_FILE_NAME, replace=(output / NETCDF_FILE_NAME).exists())
     for name, text in ((CSV_FILE_NAME, friction_table_csv(table)), (LAWS_FILE_NAME, laws_csv(table))):
-        replace_text_file(output / name, text, TABLE_FILE_MARKS[name])
+        replace_text_file(output / name, text, TABLE_FILE_SIGNATURES[name])
     for name in (NETCDF_FILE_NAME, CSV_FILE_NAME, LAWS_FILE_NAME):
         print_output(f"wrote {printable_path(output / name)}")
 

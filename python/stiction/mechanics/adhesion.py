@@ -36,11 +36,13 @@ MAX_SOLUTIONS_PER_LOAD = 2000
 MAX_SOLUTIONS_PER_CONTACT_LOAD = 60  # maximum number of contact solutions for one contact load
 MAX_STALLED_SOLUTIONS = 20  # maximum number of successive solutions that do not reduce the residual
 # maximum accepted relative residual of the attraction, as a multiple of the tolerance
-MAX_RESIDUAL_TOLERANCE_RATIO = 10.0
-MIN_TOLERANCE = 1e-8  # minimum tolerance of a contact solution; at smaller tolerances, round-off may stall the solver
+MAX_RESIDUAL_TO_TOLERANCE_RATIO = 10.0
+MIN_SOLUTION_TOLERANCE = (
+    1e-8  # minimum tolerance of a contact solution; at smaller tolerances, round-off may stall the solver
+)
 # tolerance of a contact solution, as a fraction of the residual of the previous solution
-INEXACT_TOLERANCE_RATIO = 0.05
-MAX_TOLERANCE = 1e-3  # maximum tolerance of a contact solution
+TOLERANCE_TO_RESIDUAL_RATIO = 0.05
+MAX_SOLUTION_TOLERANCE = 1e-3  # maximum tolerance of a contact solution
 # During separation, an increase of the attraction below this fraction of its maximum counts as numerical error.
 MAX_ATTRACTION_INCREASE = 1e-3
 # Bodies count as separate if the contact load is below this fraction of the attraction at first contact.
@@ -53,7 +55,7 @@ FIRST_LOAD_DECREMENT = 0.05
 MIN_LOAD_IMPROVEMENT = 0.003
 # loads are interpolated only if the two contact loads differ by at least this fraction
 MIN_CONTACT_LOAD_DIFFERENCE = 0.01
-MAX_REFINED_STATES = 6  # maximum number of additional solutions at interpolated loads
+MAX_REFINEMENT_SOLUTIONS = 6  # maximum number of additional solutions at interpolated loads
 MAX_TRIAL_LOADS = 24  # maximum number of external loads that are tried during separation
 
 
@@ -71,7 +73,7 @@ class AdhesionSolver:
             problem,
             report,
             tolerance,
-            MAX_RESIDUAL_TOLERANCE_RATIO * tolerance,
+            MAX_RESIDUAL_TO_TOLERANCE_RATIO * tolerance,
         )
         # The string `uncertainty_reason` is empty if the minimum load is certain.
         self.range, self.uncertainty_reason = problem.adhesion_range, ""
@@ -80,7 +82,7 @@ class AdhesionSolver:
         # The relative error of the attraction equals the error of the gap divided by the range of the attraction.
         self.relative_range = self.range / float(problem.gap.std() or 1)
         self.tolerance = max(
-            min(tolerance, MAX_RESIDUAL_TOLERANCE_RATIO * tolerance * self.relative_range), MIN_TOLERANCE
+            min(tolerance, MAX_RESIDUAL_TO_TOLERANCE_RATIO * tolerance * self.relative_range), MIN_SOLUTION_TOLERANCE
         )
         self.min_contact = MIN_CONTACT_LOAD_RATIO * float(self.attraction_at_gap(problem.gap).mean())
 
@@ -156,7 +158,7 @@ class AdhesionSolver:
         # Attraction after the plain step, kept if the last step was extrapolated.
         plain_attraction: Floats | None = None
         residual = least_residual = math.inf
-        tolerance_ratio, stalled_count = INEXACT_TOLERANCE_RATIO, 0
+        tolerance_ratio, stalled_count = TOLERANCE_TO_RESIDUAL_RATIO, 0
         for count in itertools.count():
             mean_attraction = float(attraction.mean())
             mean_pressure = contact_load(mean_attraction)
@@ -167,7 +169,9 @@ class AdhesionSolver:
                 return
             if not mean_pressure < self.bound[0]:
                 raise EquilibriumNotFoundError("the attraction raises the pressure to the hardness at all points")
-            tolerance = min(max(self.tolerance, tolerance_ratio * self.relative_range * residual), MAX_TOLERANCE)
+            tolerance = min(
+                max(self.tolerance, tolerance_ratio * self.relative_range * residual), MAX_SOLUTION_TOLERANCE
+            )
             attracted_gap = gap - grids.displacement(attraction, threads=solver_thread_count())
             solver = _core.HalfSpaceSolver(
                 attracted_gap, grids, bound=self.bound, tolerance=tolerance, threads=solver_thread_count()
@@ -314,7 +318,7 @@ class AdhesionSolver:
     def refine_minimum_load(self, states: list[AdhesionState]) -> list[AdhesionState]:
         """Add states where interpolation predicts a lower external load than any state has. Return all states."""
         states = list(states)
-        for _ in range(MAX_REFINED_STATES):
+        for _ in range(MAX_REFINEMENT_SOLUTIONS):
             minimum_index = min(range(len(states)), key=lambda index: states[index].load)
             candidates = []
             for first in (minimum_index - 1, minimum_index):

@@ -16,7 +16,7 @@ from stiction._checks import Floats, check_choice, make_read_only, validate_numb
 from stiction._repr import TextRepr
 from stiction._units import to_core_units
 from stiction.mechanics.candidates import Candidates, candidates, candidates_and_model
-from stiction.mechanics.model import ContactKeywords, add_model_keywords_to_signature, warn_if_same_body
+from stiction.mechanics.model import ContactModelArguments, add_model_keywords_to_signature, warn_if_same_body
 from stiction.surfaces.profile import Profile, Side
 from stiction.surfaces.surface import Surface, as_body
 
@@ -87,12 +87,12 @@ class Contacts(TextRepr):
 
 @overload
 def contacts(
-    upper: Profile | Surface, lower: Profile | Surface, approach: float | str, **contact: Unpack[ContactKeywords]
+    upper: Profile | Surface, lower: Profile | Surface, approach: float | str, **contact: Unpack[ContactModelArguments]
 ) -> Contacts: ...
 
 
 @overload
-def contacts(found: Candidates, approach: float | str, /, **contact: Unpack[ContactKeywords]) -> Contacts: ...
+def contacts(found: Candidates, approach: float | str, /, **contact: Unpack[ContactModelArguments]) -> Contacts: ...
 
 
 @add_model_keywords_to_signature

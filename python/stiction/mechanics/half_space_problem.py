@@ -22,7 +22,7 @@ from stiction.mechanics.patches import PatchSums, grid_slopes, patch_sums
 from stiction.surfaces.profile import Profile, combine_missing_masks
 from stiction.surfaces.surface import Surface
 
-MAX_CACHED_POINTS = 2**20
+MAX_CACHED_GRID_POINTS = 2**20
 """Largest number of grid points for which unused kernels remain cached. Kernels for so many points take 35 MB.
 
 Computing the kernels takes a quarter of the time of a free solution.
@@ -52,7 +52,7 @@ def get_half_space_grids(
     if grids is None:
         grids = _core.HalfSpaceGrids(shape, spacing, effective_modulus=effective_modulus, periodic=periodic)
         _grids_by_key[key], _key_of_grids[grids] = grids, key
-    if math.prod(shape) <= MAX_CACHED_POINTS:
+    if math.prod(shape) <= MAX_CACHED_GRID_POINTS:
         _last_grids.append(grids)
     return grids
 

@@ -19,8 +19,8 @@ from stiction.mechanics.candidates import Candidates, candidates, candidates_and
 from stiction.mechanics.contact import Contacts, contacts
 from stiction.mechanics.friction import ContactSums, FrictionCurve, SurfaceValidity, Validity, compute_load
 from stiction.mechanics.model import (
-    ContactKeywords,
     ContactModel,
+    ContactModelArguments,
     Direction,
     SlidingRule,
     add_model_keywords_to_signature,
@@ -198,17 +198,19 @@ class SurfaceLoadCurve(LoadCurve):
 
 
 @overload
-def press(upper: Profile, lower: Profile, approaches: ArrayLike, **contact: Unpack[ContactKeywords]) -> LoadCurve: ...
+def press(
+    upper: Profile, lower: Profile, approaches: ArrayLike, **contact: Unpack[ContactModelArguments]
+) -> LoadCurve: ...
 
 
 @overload
 def press(
-    upper: Surface, lower: Surface, approaches: ArrayLike, **contact: Unpack[ContactKeywords]
+    upper: Surface, lower: Surface, approaches: ArrayLike, **contact: Unpack[ContactModelArguments]
 ) -> SurfaceLoadCurve: ...
 
 
 @overload
-def press(found: Candidates, approaches: ArrayLike, /, **contact: Unpack[ContactKeywords]) -> LoadCurve: ...
+def press(found: Candidates, approaches: ArrayLike, /, **contact: Unpack[ContactModelArguments]) -> LoadCurve: ...
 
 
 @add_model_keywords_to_signature

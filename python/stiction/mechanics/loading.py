@@ -15,8 +15,8 @@ from stiction.mechanics import friction
 from stiction.mechanics.candidates import Candidates, candidates
 from stiction.mechanics.friction import ContactSums
 from stiction.mechanics.model import (
-    ContactKeywords,
     ContactModel,
+    ContactModelArguments,
     add_model_keywords_to_signature,
     check_pair,
     make_pair_model,
@@ -29,7 +29,7 @@ from stiction.surfaces.surface import Surface
 _MIN_APPROACH_RATIO = 1e-6
 # Ratio of successive sampled approaches.
 # A load that the curve crosses twice between two samples may be missed.
-_SAMPLED_APPROACH_RATIO = 1.1
+_SUCCESSIVE_APPROACH_RATIO = 1.1
 # Number of approaches in a batch.
 # Sampling stops after the batch in which all loads are reached, because larger approaches take longer to sample.
 _APPROACHES_PER_BATCH = 16
@@ -45,7 +45,7 @@ def approach_at_load(
     *,
     mu0: float,
     tau0: float = 0.0,
-    **contact: Unpack[ContactKeywords],
+    **contact: Unpack[ContactModelArguments],
 ) -> Floats:
     """Find the approach at which two surfaces first support given normal loads.
 
@@ -171,7 +171,7 @@ def find_approaches_at_loads(
     has_touched = bool(curve.contact_count.any())
     # Approaches increase by equal ratios until all points touch. Parallel surfaces have no such range of approaches.
     max_approach = float(np.ptp(bodies.upper.heights - bodies.lower.heights))
-    count = round(-np.log(_MIN_APPROACH_RATIO) / np.log(_SAMPLED_APPROACH_RATIO)) + 1 if max_approach > 0 else 0
+    count = round(-np.log(_MIN_APPROACH_RATIO) / np.log(_SUCCESSIVE_APPROACH_RATIO)) + 1 if max_approach > 0 else 0
     sampled_approaches = max_approach * np.geomspace(_MIN_APPROACH_RATIO, 1.0, count)
     for batch_start in range(0, count, _APPROACHES_PER_BATCH):
         if not is_pending.any():

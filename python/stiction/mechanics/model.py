@@ -178,7 +178,7 @@ _DEFAULT_PROFILE_MODEL = _DEFAULT_MODEL.for_profiles()
 _DEFAULT_SURFACE_MODEL = _DEFAULT_MODEL.for_surfaces()
 
 
-class ContactKeywords(TypedDict, total=False):
+class ContactModelArguments(TypedDict, total=False):
     """Keyword arguments for a contact model: `model`, and parameters that override its values."""
 
     model: ContactModel
@@ -198,7 +198,7 @@ def make_model(keywords: Mapping[str, object], default: ContactModel | None = No
     check_instance("model", model, ContactModel, "a ContactModel")
     if not parameters:
         return model
-    if unknown_keywords := parameters.keys() - ContactKeywords.__annotations__.keys():
+    if unknown_keywords := parameters.keys() - ContactModelArguments.__annotations__.keys():
         raise TypeError(f"unknown keyword argument {min(unknown_keywords)!r}")
     # `shear` and `direction` exclude each other, so setting one of them resets the other.
     if "shear" in parameters and parameters.get("direction") is None:

@@ -13,7 +13,7 @@ from stiction._repr import TextRepr
 
 MIN_FIT_POINTS = 3  # minimum number of points for a fit of two parameters
 # The first displacement counts as round-off if it is below this fraction of the last displacement.
-ROUND_OFF_RATIO = 1e-12
+ROUND_OFF_DISPLACEMENT_RATIO = 1e-12
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -165,7 +165,7 @@ def fit_lugre(displacement: Floats, load: Floats, *, sliding_load: float) -> LuG
 def _check_curve(displacement: Floats, load: Floats, min_points: int) -> None:
     if not np.isfinite(displacement).all():
         raise ValueError("a fit requires displacements, but the curve of a free half-plane has none")
-    if not displacement[0] > ROUND_OFF_RATIO * displacement[-1]:
+    if not displacement[0] > ROUND_OFF_DISPLACEMENT_RATIO * displacement[-1]:
         raise ValueError("a fit requires displacements, but surfaces in full contact do not slip before sliding")
     if load.size < min_points:
         raise ValueError(

@@ -81,7 +81,7 @@ _STEP_AXIS: tuple[QuantityAxis, ...] = ("step",)
 _MOTION_AXES: tuple[QuantityAxis, ...] = ("sliding", "direction")
 _FRICTION_AXES: tuple[QuantityAxis, ...] = (*_MOTION_AXES, "step", "mu0", "tau0")
 _MEAN_FRICTION_AXES: tuple[QuantityAxis, ...] = ("sliding", "step", "mu0", "tau0")
-_FRACTION_FIELDS: dict[str, Any] = {"unit": "1", "percent": True, "bounds": (-math.inf, 1.0)}
+_FRACTION_QUANTITY_FIELDS: dict[str, Any] = {"unit": "1", "percent": True, "bounds": (-math.inf, 1.0)}
 _DEFAULT_VIEWS: frozenset[OutputView] = frozenset({"table", "report", "csv"})
 _VERBOSE_VIEWS: frozenset[OutputView] = frozenset({"verbose", "report", "csv"})
 _VERBOSE_TABLE_VIEWS: frozenset[OutputView] = frozenset({"verbose", "csv"})
@@ -127,7 +127,7 @@ def _zero_load_quantity(part: str, unit: str) -> ResultQuantity:
 
 def _validity_quantity(numerator: str, *denominator: str, percent: bool = True, **properties: Any) -> ResultQuantity:
     fields: dict[str, Any] = {"kind": "validity", "along": _STEP_AXIS, "shown": _VERBOSE_TABLE_VIEWS} | properties
-    unit_fields = _FRACTION_FIELDS if percent else {"unit": "1"}
+    unit_fields = _FRACTION_QUANTITY_FIELDS if percent else {"unit": "1"}
     return ResultQuantity(numerator=numerator, denominator=denominator, **unit_fields | fields)
 
 
@@ -253,7 +253,7 @@ QUANTITIES: dict[str, ResultQuantity] = {
         stored=frozenset({"onset"}), shown=frozenset({"table", "csv"}),
     ),
     "fraction_slipped": _statistic_quantity(
-        **_FRACTION_FIELDS, words="fraction of the normal load that slips at half of the sliding load",
+        **_FRACTION_QUANTITY_FIELDS, words="fraction of the normal load that slips at half of the sliding load",
         brief="load that slips at half of sliding", weighted=True, stored=frozenset({"onset"}),
         shown=frozenset({"table", "csv"}),
     ),
@@ -269,11 +269,11 @@ QUANTITIES: dict[str, ResultQuantity] = {
         numerator="unloading_stiffness", denominator=("nominal_area",), shown=_VERBOSE_VIEWS,
     ),
     "share_opposing": ResultQuantity(
-        **_FRACTION_FIELDS, words="fraction of the load on contacts that oppose the motion", brief="load that opposes",
-        kind="ratio", along=("direction", "step"), shown=_VERBOSE_TABLE_VIEWS,
+        **_FRACTION_QUANTITY_FIELDS, words="fraction of the load on contacts that oppose the motion",
+        brief="load that opposes", kind="ratio", along=("direction", "step"), shown=_VERBOSE_TABLE_VIEWS,
     ),
     "share_on_largest": _statistic_quantity(
-        **_FRACTION_FIELDS, words="fraction of the load on the contact with the largest load",
+        **_FRACTION_QUANTITY_FIELDS, words="fraction of the load on the contact with the largest load",
         brief="load on the largest contact", stored=_MEASURED_SOURCE, shown=_VERBOSE_VIEWS,
     ),
     "share_at_edge": _validity_quantity(
@@ -281,22 +281,22 @@ QUANTITIES: dict[str, ResultQuantity] = {
         brief="load on contacts at the edge", stored=_MEASURED_SOURCE, shown=_VERBOSE_VIEWS,
     ),
     "fraction_on_small": _statistic_quantity(
-        **_FRACTION_FIELDS, words="fraction of the load on contacts of at most four grid cells",
+        **_FRACTION_QUANTITY_FIELDS, words="fraction of the load on contacts of at most four grid cells",
         brief="load on contacts of 4 points or fewer", stored=_MEASURED_SOURCE, shown=_VERBOSE_VIEWS,
     ),
     **{
         f"share_on_steepest_{side}": _statistic_quantity(
-            **_FRACTION_FIELDS, words=f"fraction of the load on the steepest tenth of the {side} body",
+            **_FRACTION_QUANTITY_FIELDS, words=f"fraction of the load on the steepest tenth of the {side} body",
             brief=f"load on the {side}'s steepest tenth", stored=_MEASURED_SOURCE, shown=_VERBOSE_TABLE_VIEWS,
         )
         for side in ("upper", "lower")
     },
     "load_share_at_hardness": _statistic_quantity(
-        **_FRACTION_FIELDS, words="fraction of the load at points at the hardness", stored=frozenset({"half-space"}),
-        shown=_VERBOSE_VIEWS,
+        **_FRACTION_QUANTITY_FIELDS, words="fraction of the load at points at the hardness",
+        stored=frozenset({"half-space"}), shown=_VERBOSE_VIEWS,
     ),
     "area_share_at_hardness": _statistic_quantity(
-        **_FRACTION_FIELDS, words="fraction of the points under pressure that are at the hardness",
+        **_FRACTION_QUANTITY_FIELDS, words="fraction of the points under pressure that are at the hardness",
         stored=frozenset({"half-space"}), shown=_VERBOSE_TABLE_VIEWS,
     ),
     "relative_overlap": _validity_quantity(
@@ -336,7 +336,7 @@ QUANTITIES: dict[str, ResultQuantity] = {
         along=_STEP_AXIS, numerator="normal_elastic", denominator=("nominal_area",), shown=_CSV_VIEW,
     ),
     "share_of_pull_off_bounds": ResultQuantity(
-        **_FRACTION_FIELDS, words="fraction of the members whose pull-off force is a lower bound or missing",
+        **_FRACTION_QUANTITY_FIELDS, words="fraction of the members whose pull-off force is a lower bound or missing",
         kind="statistic", shown=_CSV_VIEW,
     ),
     "pull_off_is_bound": ResultQuantity(
@@ -498,7 +498,7 @@ GAP_QUANTITIES = select_quantity_names(lambda each: "measured" in each.stored an
 STATISTIC_QUANTITIES = select_quantity_names(lambda each: "measured" in each.stored and each.along == _STEP_AXIS)
 """Statistics (including the status) that a result of measured bodies stores for each member at each load."""
 
-VALIDITY_QUANTITIES = select_quantity_names(
+COMMON_VALIDITY_QUANTITIES = select_quantity_names(
     lambda each: each.kind == "validity" and {each.numerator, *each.denominator} <= {*SUM_QUANTITIES}
 )
 """Fields of `Validity`."""
@@ -508,7 +508,7 @@ AREAL_VALIDITY_QUANTITIES = select_quantity_names(
 )
 """Fields of `SurfaceValidity` in addition to those of `Validity`."""
 
-AT_HARDNESS_QUANTITIES = select_quantity_names(lambda each: "half-space" in each.stored and each.kind == "statistic")
+QUANTITIES_AT_HARDNESS = select_quantity_names(lambda each: "half-space" in each.stored and each.kind == "statistic")
 """Fractions of the load and of the area that belong to points at which the pressure equals the hardness."""
 
 STIFFNESS_PER_AREA_QUANTITIES = select_quantity_names(lambda each: each.kind == "ratio" and each.unit == "GPa/mm")
@@ -517,7 +517,7 @@ STIFFNESS_PER_AREA_QUANTITIES = select_quantity_names(lambda each: each.kind == 
 UNCERTAINTY_QUANTITIES = select_quantity_names(lambda each: each.kind == "uncertainty" and each.is_directed)
 """Uncertainties of the mean over all directions."""
 
-RATIO_OPERANDS = frozenset(
+VALIDITY_RATIO_OPERANDS = frozenset(
     part
     for each in QUANTITIES.values()
     if each.kind == "validity" and each.shown
@@ -528,7 +528,7 @@ RATIO_OPERANDS = frozenset(
 INTERPOLATED_QUANTITIES = tuple(
     name
     for name, each in QUANTITIES.items()
-    if each.stored and each.along == _STEP_AXIS and (each.shown or name in RATIO_OPERANDS)
+    if each.stored and each.along == _STEP_AXIS and (each.shown or name in VALIDITY_RATIO_OPERANDS)
 )
 """Stored quantities that `at_load` interpolates to a load. Friction and quantiles are not included."""
 

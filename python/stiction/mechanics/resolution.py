@@ -34,10 +34,10 @@ _MAX_CUTOFF_RATIO = 1 / 30  # longest default cutoff wavelength, as a fraction o
 _SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")
 _FOUR_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 _PLASTIC_WAVELENGTH_DESCRIPTION = "wavelength at which the elastic mean pressure reaches the hardness"
-SMALL_LOAD_KAPPA = 2.2  # A E* h'/F at small loads; the value on Gaussian surfaces is 2.1 to 2.4
+KAPPA_AT_SMALL_LOADS = 2.2  # A E* h'/F at small loads; the value on Gaussian surfaces is 2.1 to 2.4
 # fields of a curve that have one value per load and do not depend on the direction
 _CURVE_FIELDS = ("contact_area", "contact_count", "load_share_at_hardness", "error")
-_RENAMED_VARIABLES = {
+_VARIABLE_NAMES_BY_FIELD = {
     "load_share_at_hardness": "load_fraction_at_hardness"
 }  # result variables that are named differently from the fields of the curve
 
@@ -340,7 +340,7 @@ def _make_cutoff_dataset(
         "rms_gradient": ("cut_off", gradient, quantity_attributes("rms_gradient")),
         "kappa": (grid, kappa, _variable_attributes("1", "A E* h'/F")),
         **{
-            _RENAMED_VARIABLES.get(name, name): (grid, column, quantity_attributes(name))
+            _VARIABLE_NAMES_BY_FIELD.get(name, name): (grid, column, quantity_attributes(name))
             for name, column in values.items() if name not in LOAD_SUM_NAMES
         },
         **{
@@ -448,7 +448,7 @@ def spectral_resolution(
     mu0: float,
     tau0: float = 0.0,
     effective_modulus: float = DEFAULT_EFFECTIVE_MODULUS,
-    kappa: float = SMALL_LOAD_KAPPA,
+    kappa: float = KAPPA_AT_SMALL_LOADS,
     wavelengths: ArrayLike | None = None,
 ) -> xr.Dataset:
     r"""Compute area and friction of two surfaces as functions of the shortest wavelength, using closed-form solutions.

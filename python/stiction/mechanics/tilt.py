@@ -25,7 +25,7 @@ from stiction.mechanics.half_space_problem import (
 
 # Maximum distance of the resultant force from the centre along an axis, as a fraction of the length of the axis.
 MAX_RELATIVE_FORCE_OFFSET = 1e-4
-MAX_TILT_SOLUTIONS = 60  # maximum number of solutions per load
+MAX_TILT_SOLVES_PER_LOAD = 60  # maximum number of solutions per load
 MAX_EDGE_DISPLACEMENT_STEP = 0.5  # maximum edge displacement in one step, in standard deviations of the gap
 # Smallest change of the moment per unit slope for which the tilt is defined.
 # The change is relative to the load times the squared length, divided by the standard deviation of the gap.
@@ -71,7 +71,7 @@ def solve_with_balanced_tilt(
             )
             # The energy is a concave function of the slopes.
             # The moments change sign beyond the maximum of the energy along the step.
-            while num_tried < MAX_TILT_SOLUTIONS:
+            while num_tried < MAX_TILT_SOLVES_PER_LOAD:
                 num_tried += 1
                 candidate = solve_at(apply_tilt(pressed.problem, np.asarray(slope_step, np.float64)), load, near)
                 if float(candidate[1] @ slope_step) >= -MAX_EDGE_DISPLACEMENT_STEP * float(moments @ slope_step):

@@ -16,12 +16,12 @@ from stiction.mechanics import friction
 from stiction.mechanics.closed_forms import tabor_friction
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
 from stiction.mechanics.materials import softest_material
-from stiction.studies.evaluation import ABOVE_NOMINAL_STATUS, COMPLETE_STATUS
+from stiction.studies.evaluation import AREA_ABOVE_NOMINAL_STATUS, FULL_CONTACT_STATUS
 from stiction.studies.hardness import find_junction_growth, find_materials, find_uncertain_inputs
 from stiction.studies.input_uncertainty import UncertainInput
-from stiction.studies.interfaces import NEGLIGIBLE_GROWTH_EFFECT, VON_MISES_GROWTH, find_interface
+from stiction.studies.interfaces import NEGLIGIBLE_GROWTH_EFFECT, VON_MISES_GROWTH_COEFFICIENT, find_interface
 from stiction.studies.point import (
-    RuleCoefficient,
+    SlidingRuleCoefficient,
     adhesion_ranges,
     effective_modulus_at,
     find_contact_status,
@@ -56,7 +56,7 @@ CAUTION_LOAD_FRACTION_AT_EDGE = 0.25
 CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # A caveat is issued if one contact carries more than this fraction of the load.
 
 # Contacts are assumed to have merged if the ratio of true to nominal area is above this limit.
-MERGED_AREA_FRACTION = 0.3
+MIN_MERGED_AREA_FRACTION = 0.3
 # A caveat is issued if a problem affects more than this fraction of the load, the members or the scan length.
 MAX_AFFECTED_FRACTION = 0.5
 MAX_INTERPOLATED_FRACTION = 0.02  # A caveat is issued if more than this fraction of the scan points is interpolated.
@@ -138,7 +138,7 @@ class LimitCheck(NamedTuple):
 
 CheckGroups = Sequence[Sequence[LimitCheck]]  # groups of checks; each group reports only its first failed check
 
-VERDICTS = {"fault": "Do not quote", "caution": "Quote with care", "": "Quote it"}
+VERDICTS_BY_SEVERITY = {"fault": "Do not quote", "caution": "Quote with care", "": "Quote it"}
 """Text of the assessment, by the worst severity of all caveats."""
 
 STATUS_EXPLANATIONS = {
@@ -257,7 +257,9 @@ NO_COEFFICIENT_CAVEAT = Caveat(
 )  # fmt: skip
 
 
-def find_point_caveats(point: xarray.Dataset, study: Study, value: RuleCoefficient, status: str) -> Iterator[Caveat]:
+def find_point_caveats(
+    point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient, status: str
+) -> Iterator[Caveat]:
     """Yield the caveats about one point of a result. They depend on the numbers and the status of the point."""
     if is_unloaded(point):
         yield NO_COEFFICIENT_CAVEAT
@@ -334,7 +336,7 @@ def compute_checked_quantities(
     }
 
 
-def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: RuleCoefficient) -> dict[str, Any]:
+def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> dict[str, Any]:
     area, count = mean_over_directions(point, "contact_area"), mean_over_directions(point, "contact_count")
     spacings = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)
     # area of a grid cell if the half-space model is applied to maps; otherwise NaN
@@ -344,7 +346,7 @@ def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: RuleCoe
         for group in ([STEEP_SURFACE_CHECK], CONTACT_COUNT_CHECKS, *CONTACT_CHECKS)
         for check in group
     }
-    is_merged = _area_fraction(point, study) > MERGED_AREA_FRACTION
+    is_merged = _area_fraction(point, study) > MIN_MERGED_AREA_FRACTION
     num_members = float(point["ok"].min()) if "ok" in point else mean_over_directions(point, "members")
     numbers = compute_checked_quantities(
         value.value, value.lower, value.upper, mu0=float(point["mu0"]), tau0=float(point["tau0"]),
@@ -434,16 +436,20 @@ def assess_ensemble(
 def verdict_from_caveats(reasons: Iterable[Caveat | LimitCheck]) -> str:
     """Return the assessment that follows from the most severe of the given caveats or failed checks."""
     severities = {reason.severity for reason in reasons}
-    return VERDICTS["fault" if "fault" in severities else "caution" if severities else ""]
+    return VERDICTS_BY_SEVERITY["fault" if "fault" in severities else "caution" if severities else ""]
 
 
-def _find_growth_and_mu0_caveats(point: xarray.Dataset, study: Study, value: RuleCoefficient) -> Iterator[Caveat]:
+def _find_growth_and_mu0_caveats(
+    point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient
+) -> Iterator[Caveat]:
     """Yield caveats about junction growth, about seizure, and about a friction coefficient that equals mu0."""
     hardness, mu0, tau0 = study.contact.hardness, float(point["mu0"]), float(point["tau0"])
     if hardness is not None and mean_over_directions(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS:
         growth = find_junction_growth(study)
-        coefficient, coefficient_with_growth = tabor_friction(float(hardness), mu0, tau0, [0.0, VON_MISES_GROWTH])
-        shear_strength = float(hardness) * VON_MISES_GROWTH**-0.5
+        coefficient, coefficient_with_growth = tabor_friction(
+            float(hardness), mu0, tau0, [0.0, VON_MISES_GROWTH_COEFFICIENT]
+        )
+        shear_strength = float(hardness) * VON_MISES_GROWTH_COEFFICIENT**-0.5
         interface = find_interface(study)
         if interface is not None and interface.growth is not None and not interface.has_growth(growth):
             alpha, test_alpha = (
@@ -601,12 +607,12 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
 
 def _find_area_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
     status = find_contact_status(point, study)
-    if status == COMPLETE_STATUS:
+    if status == FULL_CONTACT_STATUS:
         remedy = (
             "adhesion closes the gap: use stiffer or rougher bodies" if study.contact.adheres else "use a smaller load"
         )
         yield Caveat("contact is complete: the true area equals the nominal area", remedy, "fault")
-    elif status == ABOVE_NOMINAL_STATUS:
+    elif status == AREA_ABOVE_NOMINAL_STATUS:
         text = "the areas of the asperities add up to more than the nominal area"
         yield Caveat(text, "use a smaller load, or the half-space", "fault")
 

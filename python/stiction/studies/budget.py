@@ -35,7 +35,7 @@ from stiction.studies.hardness import (
     find_uncertain_inputs,
 )
 from stiction.studies.input_uncertainty import NUM_INPUT_SAMPLES, Z_95, UncertainInput, stratified_points
-from stiction.studies.interfaces import HARDNESS_ENTRY, find_interface
+from stiction.studies.interfaces import HARDNESS_HEADER_ENTRY, find_interface
 from stiction.studies.intervals import MAX_DEGREES_OF_FREEDOM, ScanPairMean, scans_mean
 from stiction.studies.result import Result
 
@@ -99,7 +99,7 @@ def add_uncertainty(
     if (study_interface := find_interface(study)) is not None:
         fit, hardness = study_interface.fits[0], inputs.get("hardness")
         has_joint_hardness = hardness is not None and hardness.estimate.describes_same_hardness(
-            study_interface.about.get(HARDNESS_ENTRY, "")
+            study_interface.about.get(HARDNESS_HEADER_ENTRY, "")
         )
         growth = fit.junction_growth if study_interface.has_growth(find_junction_growth(study)) else None
         hardness_and_growth = fit.hardness if has_joint_hardness else None, growth

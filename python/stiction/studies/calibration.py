@@ -20,8 +20,8 @@ from stiction.studies.calibration_fit import MIN_AREA_VARIATION, CalibrationProb
 from stiction.studies.interfaces import (
     ERROR_SCALING_PROBABILITY,
     EXCLUSION_PROBABILITY,
-    GROWTH_ENTRY,
-    HARDNESS_ENTRY,
+    GROWTH_HEADER_ENTRY,
+    HARDNESS_HEADER_ENTRY,
     SLIDING_RULES,
     Ball,
     FrictionTest,
@@ -140,9 +140,9 @@ def calibrate(
     ]
     advice = () if is_separated else first_problem.suggest_tests()
     entries = {"kind": "measured"} | (
-        {HARDNESS_ENTRY: first_problem.shared_hardness.text} if first_problem.shared_hardness else {}
+        {HARDNESS_HEADER_ENTRY: first_problem.shared_hardness.text} if first_problem.shared_hardness else {}
     )
-    entries |= {GROWTH_ENTRY: first_problem.growth.short_text} if first_problem.growth is not None else {}
+    entries |= {GROWTH_HEADER_ENTRY: first_problem.growth.short_text} if first_problem.growth is not None else {}
     return Interface(
         tuple(fits),
         first_problem.mean_area_per_load,

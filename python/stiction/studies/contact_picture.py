@@ -42,7 +42,7 @@ LOADS_RELATIVE_TO_PULL_OFF = (0.25, 0.5, 1, 2, 3, 4)  # loads in the adhesion fi
 ZOOM_DIVISOR = 8
 MIN_ZOOM_SIZE = 16
 
-_CONTACT_VARIABLES = {
+_CONTACT_VARIABLE_SPECS = {
     "contact_x": ("x", "um", "centre of a contact along x"),
     "contact_y": ("y", "um", "centre of a contact along y"),
     "contact_force": ("force", "mN", "load on a contact"),
@@ -102,7 +102,7 @@ def contact_picture(result: Result | xarray.Dataset, load: float | None = None) 
         return None
     table = solution.table()
     picture = _build_map_picture(solution, table) if study.is_areal else _build_line_picture(solution)
-    for name, (column, unit, long_name) in _CONTACT_VARIABLES.items():
+    for name, (column, unit, long_name) in _CONTACT_VARIABLE_SPECS.items():
         picture[name] = ("contact", getattr(table, column).astype(np.float64), {"units": unit, "long_name": long_name})
     return picture.assign_attrs({"member": index, "load_mN": load, "x": member.x, "y": member.y})
 
@@ -146,7 +146,9 @@ def load_contact_picture(result: StoredResult) -> xarray.Dataset | None:
     """
     zoom_variables = ("zoom_pressure", "zoom_height") if result.study.uses_half_space else ()
     body_variables = ("upper_height", "patch", *zoom_variables) if result.study.is_areal else ("gap",)
-    return read_companion(result.path / CONTACT_PICTURE_FILE, (*_CONTACT_VARIABLES, "lower_height", *body_variables))
+    return read_companion(
+        result.path / CONTACT_PICTURE_FILE, (*_CONTACT_VARIABLE_SPECS, "lower_height", *body_variables)
+    )
 
 
 def find_touching_profiles(result: Result, load: float) -> tuple[Profile, Profile, float, float] | None:

@@ -36,9 +36,9 @@ from stiction.studies.values import (
     LoadsOrRange,
     Modulus,
     PressureOrZero,
+    SettingsTable,
+    SettingsTableVariant,
     SlidingRules,
-    StudyTable,
-    StudyTableVariant,
     WorkOfAdhesion,
     as_tuple,
     check_keys,
@@ -52,10 +52,10 @@ from stiction.studies.values import (
 DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # default directions of motion for height maps, degrees
 MAX_DIRECTIONS = 360  # maximum number of directions of motion for height maps
 # In the asperity model, the load curve of two profiles extends below and above the given loads by this factor.
-ASPERITY_LOAD_MARGIN = 30.0
+ASPERITY_LOAD_MARGIN_FACTOR = 30.0
 NUM_ASPERITY_LOADS = 25
 # In the half-plane model, the load curve of two profiles extends below and above the given loads by this factor.
-HALF_PLANE_LOAD_MARGIN = 10.0
+HALF_PLANE_LOAD_MARGIN_FACTOR = 10.0
 NUM_HALF_PLANE_LOADS = 7
 MAX_AREAL_LOAD_RATIO = 10**0.5  # maximum ratio of successive loads at which the contact of height maps is solved
 
@@ -63,7 +63,7 @@ MAX_AREAL_LOAD_RATIO = 10**0.5  # maximum ratio of successive loads at which the
 # ---- Laws -----------------------------------------------------------------------------------------------------------
 
 
-class HertzCylinderSettings(StudyTable):
+class HertzCylinderSettings(SettingsTable):
     """Table for the contact law of elastic cylinders. It contains the width of the cylinders."""
 
     name: Literal["hertz-cylinder"]
@@ -74,7 +74,7 @@ class HertzCylinderSettings(StudyTable):
         return HertzCylinder(width=float(self.width))
 
 
-class JacksonGreenSettings(StudyTable):
+class JacksonGreenSettings(SettingsTable):
     """Table for the Jackson-Green contact law, with the yield strength and Poisson's ratio of the softer body."""
 
     name: Literal["jackson-green"]
@@ -87,7 +87,7 @@ class JacksonGreenSettings(StudyTable):
 
 
 LawSettings = HertzCylinderSettings | JacksonGreenSettings
-LAW_SETTINGS: dict[str, type[LawSettings]] = {
+LAW_SETTINGS_CLASSES: dict[str, type[LawSettings]] = {
     "hertz-cylinder": HertzCylinderSettings,
     "jackson-green": JacksonGreenSettings,
 }
@@ -101,11 +101,11 @@ def _read_law(value: object) -> LawName | LawSettings:
             return name  # type: ignore[return-value]
     if isinstance(value, LawSettings):
         return value
-    table = LAW_SETTINGS.get(str(value.get("name"))) if isinstance(value, Mapping) else None
+    table = LAW_SETTINGS_CLASSES.get(str(value.get("name"))) if isinstance(value, Mapping) else None
     if table is None:
         names = " or ".join(f'"{name}"' for name in CONTACT_LAWS_BY_NAME)
         tables = " or ".join(
-            f'"{name}" ({", ".join(list(table.model_fields)[1:])})' for name, table in LAW_SETTINGS.items()
+            f'"{name}" ({", ".join(list(table.model_fields)[1:])})' for name, table in LAW_SETTINGS_CLASSES.items()
         )
         raise ValueError(f"must be {names}, or a table with the name {tables}, got {short_repr(value)}")
     return table.model_validate(value)
@@ -115,7 +115,7 @@ def _write_law(law: LawName | LawSettings) -> object:
     return law if isinstance(law, str) else law.model_dump()
 
 
-LawEntry = Annotated[LawName | LawSettings, PlainValidator(_read_law), PlainSerializer(_write_law)]
+LawSetting = Annotated[LawName | LawSettings, PlainValidator(_read_law), PlainSerializer(_write_law)]
 
 
 # ---- Contacts -------------------------------------------------------------------------------------------------------
@@ -134,7 +134,7 @@ MaterialNames = Annotated[tuple[_MaterialName, _MaterialName], as_tuple]
 PoissonRatios = Annotated[tuple[_PoissonRatio, _PoissonRatio], as_tuple]
 
 
-class OnsetSettings(StudyTable):
+class OnsetSettings(SettingsTable):
     """Friction parameters used to compute the onset of sliding. Friction is assumed to act at all contacts.
 
     The result stores the onset for these parameters only.
@@ -158,7 +158,7 @@ DIRECTION_DESCRIPTION = (
 LOAD_DESCRIPTION = "Elastic normal loads; measured bodies use loads around `friction.load` by default."
 
 
-class CommonContactSettings(StudyTableVariant):
+class CommonContactSettings(SettingsTableVariant):
     """Keys of the table `[contact]` that are common to all contact models and all kinds of surfaces."""
 
     effective_modulus: Modulus = Field(
@@ -230,7 +230,7 @@ class GeneratedSurfaceContactSettings(CommonContactSettings):
         return {name: values for name, values in super().motion_coordinates().items() if is_list[name]}
 
 
-class GeneratedLoadSettings(GeneratedSurfaceContactSettings):
+class GeneratedSurfaceLoadSettings(GeneratedSurfaceContactSettings):
     """Keys of the contact table that specify the loads on generated surfaces."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
@@ -245,7 +245,7 @@ class GeneratedLoadSettings(GeneratedSurfaceContactSettings):
         return to_value_array(self.load)
 
 
-class MeasuredContactSettings(CommonContactSettings):
+class MeasuredSurfaceContactSettings(CommonContactSettings):
     """Keys of the contact table for measured surfaces at given loads. Results are computed for both sliding rules."""
 
     place: ClassVar[str] = "measured surfaces"
@@ -268,7 +268,7 @@ class MeasuredContactSettings(CommonContactSettings):
         return "all", "opposing"
 
 
-class MeasuredLineContactSettings(MeasuredContactSettings):
+class MeasuredLineContactSettings(MeasuredSurfaceContactSettings):
     """Keys of the contact table for measured lines (profiles or lines of maps), which slide in both directions."""
 
     place: ClassVar[str] = "measured lines"
@@ -278,7 +278,7 @@ class MeasuredLineContactSettings(MeasuredContactSettings):
         return "+x", "-x"
 
 
-class MeasuredMapContactSettings(MeasuredContactSettings):
+class MeasuredMapContactSettings(MeasuredSurfaceContactSettings):
     """Keys of the contact table for measured areas, which can slide in one or several directions."""
 
     place: ClassVar[str] = "measured areas"
@@ -376,7 +376,7 @@ class HalfSpaceSettings(CommonContactSettings):
         }
 
 
-class AsperitySettings(CommonContactSettings):
+class AsperityModelSettings(CommonContactSettings):
     """Keys of the contact table for the asperity model, which neglects interaction between contacts."""
 
     place: ClassVar[str] = "asperities"
@@ -388,7 +388,7 @@ class AsperitySettings(CommonContactSettings):
     mechanics: Literal["asperities"] = Field(
         default="asperities", description="Contact model: Hertzian contacts that do not interact."
     )
-    law: LawEntry = Field(
+    law: LawSetting = Field(
         default="hertz-sphere",
         description='Contact law; `{ name = "jackson-green", yield_strength = ..., poisson_ratio = ... }`.',
     )
@@ -411,7 +411,7 @@ class AsperitySettings(CommonContactSettings):
 # ---- Combinations of contact model and kind of surfaces --------------------------------------------------------------
 
 
-class GeneratedAsperitySettings(AsperitySettings, GeneratedSurfaceContactSettings):
+class GeneratedSurfaceAsperitySettings(AsperityModelSettings, GeneratedSurfaceContactSettings):
     """Keys of the contact table for generated surfaces and the asperity model. They prescribe approaches."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
@@ -447,7 +447,7 @@ class GeneratedAsperitySettings(AsperitySettings, GeneratedSurfaceContactSetting
         return {"shear": self.shear, "direction": self.direction}
 
 
-class GeneratedProfileAsperitySettings(GeneratedAsperitySettings):
+class GeneratedProfileAsperitySettings(GeneratedSurfaceAsperitySettings):
     """Contact table of the asperity model for generated profiles."""
 
     place: ClassVar[str] = "asperities of generated lines"
@@ -455,7 +455,7 @@ class GeneratedProfileAsperitySettings(GeneratedAsperitySettings):
     detection: DetectionSetting = "cell"
 
 
-class GeneratedMapAsperitySettings(GeneratedAsperitySettings):
+class GeneratedMapAsperitySettings(GeneratedSurfaceAsperitySettings):
     """Contact table of the asperity model for generated height maps."""
 
     place: ClassVar[str] = "asperities of generated areas"
@@ -463,14 +463,14 @@ class GeneratedMapAsperitySettings(GeneratedAsperitySettings):
     curvature: CurvatureSetting = "signed"
 
 
-class MeasuredLineAsperitySettings(AsperitySettings, MeasuredLineContactSettings):
+class MeasuredLineAsperitySettings(AsperityModelSettings, MeasuredLineContactSettings):
     """Contact table of the asperity model for measured lines."""
 
     place: ClassVar[str] = "asperities of measured lines"
     onset: ClassVar[None] = None
 
 
-class MeasuredMapAsperitySettings(AsperitySettings, MeasuredMapContactSettings):
+class MeasuredMapAsperitySettings(AsperityModelSettings, MeasuredMapContactSettings):
     """Contact table of the asperity model for measured height maps."""
 
     place: ClassVar[str] = "asperities of measured areas"
@@ -479,13 +479,13 @@ class MeasuredMapAsperitySettings(AsperitySettings, MeasuredMapContactSettings):
     curvature: CurvatureSetting = "signed"
 
 
-class GeneratedProfileHalfSpaceSettings(HalfSpaceSettings, GeneratedLoadSettings):
+class GeneratedProfileHalfSpaceSettings(HalfSpaceSettings, GeneratedSurfaceLoadSettings):
     """Contact table of the half-plane model for generated profiles."""
 
     place: ClassVar[str] = "the half-space of generated lines"
 
 
-class GeneratedMapHalfSpaceSettings(HalfSpaceSettings, GeneratedLoadSettings):
+class GeneratedMapHalfSpaceSettings(HalfSpaceSettings, GeneratedSurfaceLoadSettings):
     """Contact table of the half-space model for generated height maps."""
 
     place: ClassVar[str] = "the half-space of generated areas"
@@ -526,9 +526,9 @@ CONTACT_SETTINGS_CLASSES: dict[str, dict[str, type[ContactSettings]]] = {
 }
 """Classes of the table by kind of bodies and value of `mechanics`; the first class of each kind is the default."""
 
-SHARED_CONTACT_SETTINGS: tuple[type[CommonContactSettings], ...] = (
-    AsperitySettings, GeneratedAsperitySettings, MeasuredContactSettings, GeneratedSurfaceContactSettings,
-    MeasuredMapContactSettings, HalfSpaceSettings, GeneratedLoadSettings,
+SHARED_CONTACT_SETTINGS_CLASSES: tuple[type[CommonContactSettings], ...] = (
+    AsperityModelSettings, GeneratedSurfaceAsperitySettings, MeasuredSurfaceContactSettings,
+    GeneratedSurfaceContactSettings, MeasuredMapContactSettings, HalfSpaceSettings, GeneratedSurfaceLoadSettings,
 )  # fmt: skip
 """Base classes whose keys several tables share; error messages about misplaced keys name these classes."""
 
@@ -546,7 +546,7 @@ def read_contact(
 ) -> ContactSettings:
     """Parse a contact table and check that it is consistent with the surfaces."""
     case = select_contact_class(type(surfaces), value)
-    check_keys(value, case, SHARED_CONTACT_SETTINGS)
+    check_keys(value, case, SHARED_CONTACT_SETTINGS_CLASSES)
     contact = case.model_validate(value)
     if isinstance(contact, MeasuredMapContactSettings):
         direction = contact.direction
@@ -560,7 +560,7 @@ def read_contact(
         and contact.direction not in (None, "+x", "-x")
     ):
         raise make_key_error("direction", f'must be "+x" or "-x" for profiles, got {short_repr(contact.direction)}')
-    if isinstance(contact, AsperitySettings) and surfaces.is_areal:
+    if isinstance(contact, AsperityModelSettings) and surfaces.is_areal:
         try:
             contact.model().for_surfaces()
         except ValueError as error:
@@ -614,9 +614,9 @@ def choose_load_steps(
     if not given_loads.size or not (given_loads > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {short_repr(loads)}")
     if press == "lines" and mechanics == "asperities":
-        load_steps = _extend_loads(given_loads, ASPERITY_LOAD_MARGIN, NUM_ASPERITY_LOADS)
+        load_steps = _extend_loads(given_loads, ASPERITY_LOAD_MARGIN_FACTOR, NUM_ASPERITY_LOADS)
     elif press == "lines":
-        load_steps = _extend_loads(given_loads, HALF_PLANE_LOAD_MARGIN, NUM_HALF_PLANE_LOADS)
+        load_steps = _extend_loads(given_loads, HALF_PLANE_LOAD_MARGIN_FACTOR, NUM_HALF_PLANE_LOADS)
     else:
         smaller_loads = given_loads.min() / MAX_AREAL_LOAD_RATIO ** np.arange(1, num_smaller + 1)
         load_steps = np.unique(

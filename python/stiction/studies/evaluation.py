@@ -30,14 +30,14 @@ from stiction.mechanics.friction import (
     validity_ratio,
 )
 from stiction.mechanics.quantities import (
+    COMMON_VALIDITY_QUANTITIES,
     DISTRIBUTION_QUANTITIES,
     GAP_QUANTITIES,
     INTERPOLATED_QUANTITIES,
     ONSET_QUANTITIES,
     QUANTITIES,
-    RATIO_OPERANDS,
     STIFFNESS_PER_AREA_QUANTITIES,
-    VALIDITY_QUANTITIES,
+    VALIDITY_RATIO_OPERANDS,
     ZERO_LOAD_SUM_QUANTITIES,
     quantity_attributes,
 )
@@ -70,7 +70,7 @@ ADHESIVE_SUMS = ("normal_adhesive", "tangential_adhesive")  # contact sums that 
 
 MIN_STIFFNESS_STEPS = 3  # minimum number of approaches or loads needed to compute a stiffness
 
-COMPLETE_STATUS, ABOVE_NOMINAL_STATUS = "complete", "above-nominal"
+FULL_CONTACT_STATUS, AREA_ABOVE_NOMINAL_STATUS = "complete", "above-nominal"
 """Statuses of contacts with a true area equal to the nominal area (first) or above it (second).
 
 The sum of areas exceeds the nominal area if asperities overlap.
@@ -267,7 +267,7 @@ def _evaluate_ensemble(
             variables[name] = xarray.Variable(
                 (*unloaded_values.dims[1:], "statistic"), mean, unloaded_values.attrs
             ).isel(first_rule)
-    variables |= {name: round_means[name].variable for name in VALIDITY_QUANTITIES}
+    variables |= {name: round_means[name].variable for name in COMMON_VALIDITY_QUANTITIES}
     variables |= {"members": ((), result.members.size, {"units": "1", "long_name": "members"})}
     dataset = xarray.Dataset(variables, coefficient_table.coords, coefficient_table.attrs).assign_coords(
         statistic=INTERVAL_STATISTICS
@@ -401,7 +401,7 @@ def _contact_status(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray
     """
     is_above_nominal = fraction[..., 0] > 1
     status = np.where(
-        is_above_nominal, COMPLETE_STATUS if uses_half_space else ABOVE_NOMINAL_STATUS, friction.STATUS_OK
+        is_above_nominal, FULL_CONTACT_STATUS if uses_half_space else AREA_ABOVE_NOMINAL_STATUS, friction.STATUS_OK
     )
     limited_fraction = (
         np.minimum(fraction, 1.0) if uses_half_space else np.where(is_above_nominal[..., np.newaxis], np.nan, fraction)
@@ -901,7 +901,7 @@ def _add_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
         if numerator in sums and name not in sums:
             ratios[name] = validity_ratio(name, sums)
     shown_variables = {
-        name: each for name, each in variables.items() if QUANTITIES[name].shown or name not in RATIO_OPERANDS
+        name: each for name, each in variables.items() if QUANTITIES[name].shown or name not in VALIDITY_RATIO_OPERANDS
     }
     return shown_variables | {name: (dims, values, quantity_attributes(name)) for name, values in ratios.items()}
 

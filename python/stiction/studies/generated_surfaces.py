@@ -16,7 +16,7 @@ from stiction.studies.values import (
     Length,
     Lengths,
     NumGridPoints,
-    StudyTableVariant,
+    SettingsTableVariant,
     as_tuple,
     make_key_error,
     read_length,
@@ -37,7 +37,7 @@ BandLimit = Annotated[
     Literal["none", "nyquist"],
     Field(description="Treatment of wavelengths below two grid points: aliased, as in the paper, or omitted."),
 ]
-DimensionConvention = Annotated[
+FractalDimensionConvention = Annotated[
     FractalConvention,
     Field(description="Definition of D: that of the paper, H = 4 - 2D, or the classical one, H = 2 - D."),
 ]
@@ -55,7 +55,7 @@ AmplitudeDefinition = Annotated[
 MAX_HARMONICS = 1_000_000
 
 
-class CommonGeneratedSurfaceSettings(StudyTableVariant):
+class CommonGeneratedSurfaceSettings(SettingsTableVariant):
     """Keys of `[surfaces]` that all generated surfaces share, i.e. fractal dimension and amplitude."""
 
     bodies: ClassVar[str] = "generated areas"  # term for the bodies in error messages
@@ -125,7 +125,7 @@ class GeneratedProfileSettings(CommonGeneratedSurfaceSettings):
     gamma: Gamma = 1.5
     directions: NumWaveDirections = 40
     frequencies: NumFrequencies = 40
-    convention: DimensionConvention = "paper"
+    convention: FractalDimensionConvention = "paper"
     band_limit: BandLimit = "none"
 
     @property
@@ -171,7 +171,7 @@ class WeierstrassMandelbrotSettings(GeneratedMapSettings):
     gamma: Gamma = 1.5
     directions: NumWaveDirections = 40
     frequencies: NumFrequencies = 40
-    convention: DimensionConvention = "paper"
+    convention: FractalDimensionConvention = "paper"
     band_limit: BandLimit = "none"
 
 

@@ -21,11 +21,11 @@ from stiction._checks import Floats
 from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solve_together_or_separately
 from stiction.mechanics.hardness import area_per_load
 from stiction.mechanics.materials import Material, material, softest_material
-from stiction.mechanics.resolution import SMALL_LOAD_KAPPA
+from stiction.mechanics.resolution import KAPPA_AT_SMALL_LOADS
 from stiction.studies.contact_tables import HalfSpaceSettings
 from stiction.studies.input_uncertainty import UncertainInput, parse_input, parse_study_input
 from stiction.studies.members import count_points, load_bodies
-from stiction.studies.moduli import Moduli, find_material_hardness, find_material_moduli
+from stiction.studies.moduli import UncertainModulus, find_material_hardness, find_material_moduli
 from stiction.studies.store import StoredResult, read_companion
 from stiction.studies.study import Study
 from stiction.surfaces.pairing import SIDES
@@ -56,7 +56,7 @@ HARDNESS_NODE_POSITIONS = {1: (0.0, 0.15, 0.35, 0.65, 0.85, 1.0), 3: (0.0, 0.1, 
 The hardness of the study and infinite hardness (elastic bodies) are additional nodes.
 """
 
-MAX_NARROW_HALF_RANGE = 0.2
+MAX_NEGLECTED_MODULUS_HALF_RANGE = 0.2
 """Largest half width of the range of ln E* for which contacts are not computed at other moduli.
 
 The area at another modulus is then derived from the dependence of the area on the load.
@@ -65,14 +65,14 @@ The area at another modulus is then derived from the dependence of the area on t
 # nodes count as equal if they differ by at most this relative amount, to allow for round-off
 EQUAL_NODE_TOLERANCE = 1e-9
 
-SHEAR_NODE_SPACING, NUM_SHEAR_NODES = 0.6, 3
+JUNCTION_GROWTH_NODE_SPACING, NUM_JUNCTION_GROWTH_NODES = 0.6, 3
 """Spacing in ln H and number of additional nodes below the hardness range for junction growth.
 
 Below these nodes, all contacts are assumed to be plastic, with an area proportional to 1/H.
 """
 
 NUM_AREA_TABLE_STEPS = 2**15  # number of steps of ln H in a table of areas
-AREA_TABLE_MARGINS = 1e3, 4.0  # factors by which a table extends below the smallest and above the largest node
+AREA_TABLE_MARGIN_FACTORS = 1e3, 4.0  # factors by which a table extends below the smallest and above the largest node
 
 NODE_QUANTILES = (0.005, 0.995)
 """Quantiles of an input that define the outermost nodes."""
@@ -81,31 +81,31 @@ THREE_DIGIT_ROUNDING_ERROR = 0.006  # largest relative error of a number rounded
 
 
 @dataclass(frozen=True)
-class LabelledInput:
+class LabelledUncertainInput:
     """Uncertain input of a study, together with a label for messages and reports."""
 
     label: str
     estimate: UncertainInput
 
 
-def find_uncertain_inputs(study: Study) -> dict[str, LabelledInput]:
+def find_uncertain_inputs(study: Study) -> dict[str, LabelledUncertainInput]:
     """Return the uncertain inputs of a study by name, or an empty dict for generated surfaces."""
     if not study.is_measured:
         return {}
     uncertainty_settings, contact = study.known, study.contact
     bodies = find_materials(study)
-    inputs: dict[str, LabelledInput] = {}
+    inputs: dict[str, LabelledUncertainInput] = {}
     for name, label, kind in (("mu0", "μ0", ""), ("tau0", "τ0", "pressure")):
         if (text := getattr(uncertainty_settings, name)) is not None:
-            inputs[name] = LabelledInput(label, parse_input(name, text, kind))  # type: ignore[arg-type]
+            inputs[name] = LabelledUncertainInput(label, parse_input(name, text, kind))  # type: ignore[arg-type]
     moduli = find_moduli(study).inputs
     if "effective_modulus" in moduli:
-        inputs["effective_modulus"] = LabelledInput("E*", moduli.pop("effective_modulus"))
+        inputs["effective_modulus"] = LabelledUncertainInput("E*", moduli.pop("effective_modulus"))
     if contact.hardness is not None:
         softer = softest_material(*bodies)
         label = f"the hardness of the {softer.name}" if softer else "the hardness"
         if uncertainty_settings.hardness is not None:
-            inputs["hardness"] = LabelledInput(
+            inputs["hardness"] = LabelledUncertainInput(
                 label, parse_input("hardness", uncertainty_settings.hardness, "hardness")
             )
         elif (
@@ -113,13 +113,13 @@ def find_uncertain_inputs(study: Study) -> dict[str, LabelledInput]:
             and softer.hardness
             and abs(float(contact.hardness) / softer.hardness - 1) < THREE_DIGIT_ROUNDING_ERROR
         ):
-            inputs["hardness"] = LabelledInput(label, find_material_hardness(softer.hardness))
+            inputs["hardness"] = LabelledUncertainInput(label, find_material_hardness(softer.hardness))
     if (growth := find_junction_growth(study)) is not None:
-        inputs["junction_growth"] = LabelledInput("the junction growth α", growth)
+        inputs["junction_growth"] = LabelledUncertainInput("the junction growth α", growth)
     for key, value in moduli.items():
         name, _, side = key.partition("_")
         label = f"{_MODULUS_LABELS[name]} of the {bodies[SIDES.index(side)].name if bodies else f'{side} body'}"
-        inputs[key] = LabelledInput(label, value)
+        inputs[key] = LabelledUncertainInput(label, value)
     return {name: entry for name, entry in inputs.items() if not entry.estimate.is_exact}
 
 
@@ -143,7 +143,7 @@ def find_creep_exponent(study: Study) -> UncertainInput | None:
     return parse_input("creep", study.known.creep) if study.friction.wait and study.known.creep else None
 
 
-def find_moduli(study: Study) -> Moduli:
+def find_moduli(study: Study) -> UncertainModulus:
     """Return the elastic moduli of a study, with their uncertainties."""
     uncertainty_settings, materials, central_modulus = (
         study.known,
@@ -151,7 +151,7 @@ def find_moduli(study: Study) -> Moduli:
         float(study.contact.effective_modulus),
     )
     if uncertainty_settings.effective_modulus is not None:
-        return Moduli(
+        return UncertainModulus(
             central_modulus, parse_input("effective_modulus", uncertainty_settings.effective_modulus, "modulus")
         )
     if uncertainty_settings.young is not None and uncertainty_settings.poisson is not None:
@@ -166,9 +166,9 @@ def find_moduli(study: Study) -> Moduli:
             {"young": parse_input("young", e, "modulus"), "poisson": parse_study_input("poisson", nu)}
             for e, nu in pairs
         ]
-        return Moduli(central_modulus, bodies=tuple(bodies))
+        return UncertainModulus(central_modulus, bodies=tuple(bodies))
     bodies = [find_material_moduli(body) for body in materials]
-    return Moduli(
+    return UncertainModulus(
         central_modulus, bodies=tuple(bodies), is_one_material=bool(materials) and materials[0] == materials[1]
     )
 
@@ -204,7 +204,7 @@ def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
         if name not in ("mu0", "tau0", "hardness", "junction_growth")
     ]
     half_range = float(np.hypot.reduce([0.0, *log_half_widths]))
-    moduli = np.exp([-half_range, 0.0, half_range]) if half_range > MAX_NARROW_HALF_RANGE else np.ones(1)
+    moduli = np.exp([-half_range, 0.0, half_range]) if half_range > MAX_NEGLECTED_MODULUS_HALF_RANGE else np.ones(1)
     if hardness is None:
         return np.array([np.inf] if moduli.size > 1 else []), moduli
     if "hardness" not in inputs and creep is None and moduli.size == 1 and find_junction_growth(study) is None:
@@ -230,7 +230,9 @@ def _choose_shear_nodes(study: Study, min_hardness: float) -> Floats:
     """Return hardness nodes (GPa) below the smallest hardness. Junction growth requires these additional nodes."""
     if find_junction_growth(study) is None:
         return np.zeros(0)
-    return np.asarray(min_hardness * np.exp(-SHEAR_NODE_SPACING * np.arange(1, NUM_SHEAR_NODES + 1)))
+    return np.asarray(
+        min_hardness * np.exp(-JUNCTION_GROWTH_NODE_SPACING * np.arange(1, NUM_JUNCTION_GROWTH_NODES + 1))
+    )
 
 
 def compute_areas_at_nodes(study: Study, executor: Executor) -> xarray.Dataset | None:
@@ -398,7 +400,10 @@ class TabulatedAreaFunction:
     def __init__(self, nodes: Floats, at_nodes: Floats, elastic: Floats) -> None:
         self._arguments = nodes, at_nodes, elastic
         # limits of ln H in the table
-        self.limits = math.log(nodes[0] / AREA_TABLE_MARGINS[0]), math.log(nodes[-1] * AREA_TABLE_MARGINS[1])
+        self.limits = (
+            math.log(nodes[0] / AREA_TABLE_MARGIN_FACTORS[0]),
+            math.log(nodes[-1] * AREA_TABLE_MARGIN_FACTORS[1]),
+        )
 
     @cached_property
     def _table(self) -> tuple[Floats, Floats]:
@@ -496,7 +501,9 @@ class AreaInterpolator:
                 None, np.zeros(0), no_areas[:, np.newaxis], elastic_ratio, np.ones(1), growth, no_areas, pressures
             )
         # Without nodes, the model `area_per_load` is scaled to the area at the hardness of the study.
-        elastic_areas = np.full((loads.size, 1), SMALL_LOAD_KAPPA / (float(study.contact.effective_modulus) * gradient))
+        elastic_areas = np.full(
+            (loads.size, 1), KAPPA_AT_SMALL_LOADS / (float(study.contact.effective_modulus) * gradient)
+        )
         no_areas = np.zeros((loads.size, 1))
         return cls(
             own_hardness,

@@ -22,7 +22,7 @@ from stiction._units import short_repr
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import quantity_attributes
 from stiction.studies.budget import add_uncertainty
-from stiction.studies.evaluation import ABOVE_NOMINAL_STATUS, at_load, is_unloaded
+from stiction.studies.evaluation import AREA_ABOVE_NOMINAL_STATUS, at_load, is_unloaded
 from stiction.studies.executors import executor_or_thread_pool
 from stiction.studies.hardness import (
     HARDNESS_AREAS_FILE,
@@ -342,7 +342,7 @@ def evaluate_height_scale(
     if all("contact_status" in point for point in points_by_factor):
         dims = unscaled_point["contact_status"].dims
         statuses = np.stack([point["contact_status"].transpose(*dims).values for point in points_by_factor])
-        other_status = STATUS_OK if study.uses_half_space else ABOVE_NOMINAL_STATUS
+        other_status = STATUS_OK if study.uses_half_space else AREA_ABOVE_NOMINAL_STATUS
         interpolated = np.stack(
             [np.where(statuses[i] == statuses[j], statuses[i], other_status) for i, j in neighbor_pairs]
         )

@@ -24,7 +24,7 @@ from stiction.surfaces.spectrum import find_spectral_peak, power_spectrum
 from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
-    from stiction.studies.measured_surfaces import Body, MeasuredFile
+    from stiction.studies.measured_surfaces import Body, MeasuredBodySettings
     from stiction.studies.study import Study
 
 INSTRUMENT_LIMIT_REASONS = {
@@ -46,13 +46,13 @@ MAX_FORM_FRACTION = 0.6
 The fraction is about one half if the longest wavelengths dominate the heights of a surface without form error.
 """
 
-MAX_SPIKE_RATIO = 12.0
+MIN_SPIKE_RATIO = 12.0
 """Largest second difference at a point that is not a spike, as a multiple of the robust standard deviation.
 
 The robust standard deviation is the median of the absolute second differences, divided by 0.67.
 """
 
-MAX_SPIKE_HEIGHT = 6.0
+MIN_SPIKE_HEIGHT = 6.0
 """Largest distance between a point of a map and the median of its neighbourhood, unless the point is a spike.
 
 It is a multiple of the robust standard deviation of the heights. The distance is at most 4 for machined surfaces, and 5
@@ -78,7 +78,7 @@ def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[f
     is_form_subtracted = study.surfaces.level == "quadratic"  # No caveat about form is issued if form is subtracted.
     is_vouched = bool(study.surfaces.vouched)
 
-    def find_body_caveats(file: MeasuredFile, body: Body) -> list[Caveat]:
+    def find_body_caveats(file: MeasuredBodySettings, body: Body) -> list[Caveat]:
         """Return the caveats about the scans of a body. For each kind, keep only the caveat with the longest cutoff."""
         caveats_by_kind: dict[str, Caveat] = {}
         for scan_entry, scan in zip(file.scans, (body, *(other.read() for other in file.scans[1:])), strict=True):
@@ -312,14 +312,14 @@ def _find_spike_caveats(body: Profile | Surface) -> Iterator[Caveat]:
 
     if isinstance(body, Profile):
         distances = typical_distances = np.abs(np.diff(body.heights, 2))
-        max_ratio, description = MAX_SPIKE_RATIO, f"more than {MAX_SPIKE_RATIO:g} times as sharp as usual"
+        max_ratio, description = MIN_SPIKE_RATIO, f"more than {MIN_SPIKE_RATIO:g} times as sharp as usual"
     else:
         heights = levelled(body, "plane").heights
         distances, typical_distances = (
             np.abs(heights - median_filter(heights, size=3)),
             np.abs(heights - np.median(heights)),
         )
-        max_ratio, description = MAX_SPIKE_HEIGHT, f"more than {MAX_SPIKE_HEIGHT:g} rms heights from their neighbours"
+        max_ratio, description = MIN_SPIKE_HEIGHT, f"more than {MIN_SPIKE_HEIGHT:g} rms heights from their neighbours"
     usual_distance = float(np.median(typical_distances)) / 0.6745
     num_spikes = int(np.count_nonzero(distances > max_ratio * usual_distance)) if usual_distance > 0 else 0
     if num_spikes:

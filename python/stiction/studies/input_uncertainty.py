@@ -22,13 +22,13 @@ from pydantic import Field, ValidationInfo, field_validator
 from stiction._arguments import MAX_INPUT_NUMBER
 from stiction._checks import Floats, make_read_only
 from stiction._units import exact_quantity_text, quantity, short_repr
-from stiction.studies.values import StudyTable, as_tuple
+from stiction.studies.values import SettingsTable, as_tuple
 
 InputDistribution = Literal["exact", "normal", "log-normal", "uniform"]
 Z_95 = 1.959963984540054  # half width of the 95 % interval of a normal distribution, in standard deviations
 # With this many samples, the budget fractions of two inputs that contribute equally differ by less than 0.01.
 NUM_INPUT_SAMPLES = 2**14
-MIN_RELATIVE_DEVIATION = 1e-9  # smallest relative standard uncertainty that is accepted
+MIN_RELATIVE_UNCERTAINTY = 1e-9  # smallest relative standard uncertainty that is accepted
 UNCERTAINTY_PATTERN = re.compile(r"\.\.|±|\+/?-|(?<![^\W\d_])(HV|HRC)(?![^\W\d_])")
 """Pattern that matches a string with a range, an uncertainty or a hardness scale, but not a plain quantity."""
 
@@ -143,7 +143,10 @@ def parse_input(name: str, source: Any, kind: InputKind = "") -> UncertainInput:
         raise ValueError(
             f"{name} must be at most {MAX_INPUT_NUMBER:g}, including its uncertainty, got {short_repr(text)}"
         )
-    if parsed.distribution == "normal" and parsed.high - parsed.low < 2 * Z_95 * MIN_RELATIVE_DEVIATION * parsed.value:
+    if (
+        parsed.distribution == "normal"
+        and parsed.high - parsed.low < 2 * Z_95 * MIN_RELATIVE_UNCERTAINTY * parsed.value
+    ):
         raise ValueError(f"{name} must be exact or have a larger uncertainty, got {short_repr(text)}")
     return replace(parsed, text=text)
 
@@ -312,7 +315,7 @@ _InputText = Annotated[str, Field(min_length=1, max_length=80)]
 _BodyInputTexts = Annotated[tuple[_InputText, ...], as_tuple, Field(min_length=1, max_length=2)]
 
 
-class UncertainInputSettings(StudyTable):
+class UncertainInputSettings(SettingsTable):
     """Ranges and uncertainties of the study inputs. Contacts are computed with the central values of these inputs."""
 
     mu0: _InputText | None = Field(

@@ -38,7 +38,7 @@ from stiction.studies.hardness import (
     find_uncertain_inputs,
 )
 from stiction.studies.input_uncertainty import UncertainInput, draw_samples, parse_input, parse_study_input
-from stiction.studies.moduli import Moduli, parse_elasticity
+from stiction.studies.moduli import UncertainModulus, parse_elasticity
 from stiction.studies.study import Study, parse_dataset_study
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ INTERFACE_FILE_COLUMNS = (
     "area per load of the tests (1/GPa)",
 )
 MAX_INTERFACE_BYTES = 50_000_000  # maximum size of an interface file in bytes
-_NUMERIC_ENTRIES = ("area_per_load", "variation")
+_NUMERIC_HEADER_ENTRIES = ("area_per_load", "variation")
 
 EXCLUSION_PROBABILITY, ERROR_SCALING_PROBABILITY = 0.01, 0.05
 """Probabilities of the residuals: below the first, a sliding rule is excluded; below the second, errors are scaled."""
@@ -63,17 +63,19 @@ BOUND_TOLERANCE = 0.01
 INTERVAL_COVERAGE = 0.95  # probability with which an interval contains the true value
 SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")
 
-HARDNESS_ENTRY = "hardness of the draws"
+HARDNESS_HEADER_ENTRY = "hardness of the draws"
 """Name of the entry of `Interface.about` that contains the hardness range of all tests."""
 
-GROWTH_ENTRY = "junction growth of the draws"
+GROWTH_HEADER_ENTRY = "junction growth of the draws"
 """Name of the entry of `Interface.about` that contains α of the tests.
 
 The entry is missing if no test depends on α, or if α differs between tests.
 """
 
 MIN_RELATIVE_PRESSURE = 1.001  # smallest ratio of the pressure in sliding contacts to the nominal pressure
-VON_MISES_GROWTH = 27.0  # α at which the shear strength of a body is its hardness divided by √27 (von Mises)
+VON_MISES_GROWTH_COEFFICIENT = (
+    27.0  # α at which the shear strength of a body is its hardness divided by √27 (von Mises)
+)
 MIN_PLASTIC_AREA_RATIO, NEGLIGIBLE_GROWTH_EFFECT = 0.5, 0.05
 """Limits above which a coefficient depends on α.
 
@@ -117,7 +119,7 @@ class Ball:
     elasticity: Elasticity = field(
         init=False, repr=False, compare=False
     )  # elastic properties computed from the central values of the moduli
-    moduli: Moduli = field(init=False, repr=False, hash=False)  # moduli of both bodies with their uncertainty
+    moduli: UncertainModulus = field(init=False, repr=False, hash=False)  # moduli of both bodies with their uncertainty
 
     def __post_init__(self) -> None:
         """Convert the radius and the moduli to core units."""
@@ -208,7 +210,7 @@ class _AreaFactor:
 class _BallAreaFactor(_AreaFactor):
     """Area factor of a Hertzian point contact. The area is proportional to E*^(-2/3)."""
 
-    moduli: Moduli
+    moduli: UncertainModulus
 
     def factor_for_inputs(self, samples: Mapping[str, Floats], strength: StrengthSamples | None = None) -> Floats:
         """Return the true area divided by the true area for the central moduli. The interface strength is ignored."""
@@ -216,7 +218,7 @@ class _BallAreaFactor(_AreaFactor):
 
 
 @dataclass(frozen=True)
-class _ResultAreaFactor(_AreaFactor):
+class _AreaFactorFromResult(_AreaFactor):
     """Area factor at a given load, computed from a result for measured bodies."""
 
     areas: AreaInterpolator
@@ -225,7 +227,7 @@ class _ResultAreaFactor(_AreaFactor):
     error: str | None  # name of the nuisance parameter for the error of the interpolated area
 
     @classmethod
-    def from_result(cls, result: Any, load: float, wait: float) -> _ResultAreaFactor | None:
+    def from_result(cls, result: Any, load: float, wait: float) -> _AreaFactorFromResult | None:
         """Return the area factor of a result, or None if no uncertain input, creep or growth affects the area."""
         source = getattr(result, "source", result)
         study = parse_dataset_study(getattr(result, "dataset", result))
@@ -383,7 +385,7 @@ class FrictionTest:
         """Area factor of the test, or None if no uncertain input, creep or growth affects the area."""
         if isinstance(self.result, Ball):
             return _BallAreaFactor(self.result.moduli.inputs, self.result.moduli) if self.result.moduli.inputs else None
-        return _ResultAreaFactor.from_result(self.result, float(self.load), float(self.wait))
+        return _AreaFactorFromResult.from_result(self.result, float(self.load), float(self.wait))
 
 
 @dataclass(frozen=True)
@@ -562,7 +564,7 @@ class Interface:
         if (area_factor := test_forces.area_factor) is not None:
             samples = area_factor.input_values({name: ndtr(draw_scores(name)) for name in area_factor.nuisance_names})
             if "hardness" in samples and area_factor.known["hardness"].describes_same_hardness(
-                self.about.get(HARDNESS_ENTRY, "")
+                self.about.get(HARDNESS_HEADER_ENTRY, "")
             ):
                 samples["hardness"] = fit.hardness
             if "junction_growth" in samples and self.has_growth(area_factor.known["junction_growth"]):
@@ -594,10 +596,10 @@ class Interface:
     @property
     def growth(self) -> UncertainInput | None:
         """Junction growth α of the tests, or None if α differs between tests or does not affect them."""
-        if GROWTH_ENTRY not in self.about:
+        if GROWTH_HEADER_ENTRY not in self.about:
             return None
         median = float(f"{np.median(self.fits[0].junction_growth):.4g}")
-        return replace(parse_study_input("junction_growth", self.about[GROWTH_ENTRY]), value=median)
+        return replace(parse_study_input("junction_growth", self.about[GROWTH_HEADER_ENTRY]), value=median)
 
     def has_growth(self, growth: UncertainInput | None) -> bool:
         """Return whether the junction growth α of the tests has the distribution `growth` (None for α = 0)."""
@@ -633,7 +635,9 @@ def depends_on_growth(friction: _FrictionTestForces, mu0: float, tau0: float) ->
     """Return whether junction growth with α = 27 (von Mises) would noticeably change the friction coefficient."""
     if not friction.stick * friction.hardness > MIN_PLASTIC_AREA_RATIO:
         return False
-    coefficient, coefficient_with_growth = tabor_friction(friction.hardness, mu0, tau0, [0.0, VON_MISES_GROWTH])
+    coefficient, coefficient_with_growth = tabor_friction(
+        friction.hardness, mu0, tau0, [0.0, VON_MISES_GROWTH_COEFFICIENT]
+    )
     return not coefficient_with_growth <= (1 + NEGLIGIBLE_GROWTH_EFFECT) * coefficient
 
 
@@ -821,10 +825,10 @@ def read_interface(path: str | Path) -> Interface:
         if lines[0] != INTERFACE_FILE_HEADER or tuple(next(csv.reader(rows))) != INTERFACE_FILE_COLUMNS:
             raise ValueError
         table = np.array([[float(cell) for cell in row] for row in csv.reader(rows[1:])])
-        area_per_load, variation = (float(header.pop(name)) for name in _NUMERIC_ENTRIES)
+        area_per_load, variation = (float(header.pop(name)) for name in _NUMERIC_HEADER_ENTRIES)
         sliding, separated = header.pop("sliding"), header.pop("separated") == "yes"
         check_choice("sliding", sliding, SlidingRule)
-        parse_study_input("junction_growth", header.get(GROWTH_ENTRY, "0"))
+        parse_study_input("junction_growth", header.get(GROWTH_HEADER_ENTRY, "0"))
     except (ValueError, KeyError, csv.Error, StopIteration):
         reason = "an entry of the header is missing or unknown, or a row does not have five numbers"
         raise ValueError(f"{printable_path(path)} is a damaged interface file ({reason})") from None

@@ -18,11 +18,11 @@ from stiction._checks import Floats
 
 CONFIDENCE_LEVEL = 0.95
 NUM_SLOPE_FIT_STEPS = 4  # a slope is fitted to this many steps on each side of a crossing
-MAX_LOAD_RATIO = 10.01
+MAX_INTERPOLATED_LOAD_RATIO = 10.01
 """Largest ratio of two successive computed loads between which values are interpolated."""
 NUM_BATCH_VALUES = 2**15  # number of values in a batch that fits into the processor cache
 MIN_SAMPLE_SIZE = 3  # minimum number of values for which an interval is computed
-MIN_NEIGHBORS = 8  # minimum number of values at neighbouring positions for which an interval is computed
+MIN_NEIGHBORING_VALUES = 8  # minimum number of values at neighbouring positions for which an interval is computed
 _NEIGHBOR_CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_NEWTON_STEPS = 50
 _MIN_SKEWNESS = 1e-9  # skewness below which an interval is computed as symmetric
@@ -56,13 +56,13 @@ class LoadCrossings:
 
         The curves have the shape (..., k), and the loads have the shape (l,). With `interpolates_ratio`, the ratio of
         value to load is interpolated over the logarithm of the load. A load between two steps is then reached only if
-        the ratio of the loads at these steps is at most `MAX_LOAD_RATIO`.
+        the ratio of the loads at these steps is at most `MAX_INTERPOLATED_LOAD_RATIO`.
         """
         if interpolates_ratio:
             with np.errstate(divide="ignore", invalid="ignore"):
                 log_crossings = cls.of(np.log(curve), np.log(loads))
                 below, above = log_crossings._bracketing_values(curve)
-                is_close = ~(above > MAX_LOAD_RATIO * below) | (above == loads)
+                is_close = ~(above > MAX_INTERPOLATED_LOAD_RATIO * below) | (above == loads)
             return cls(
                 log_crossings.index,
                 log_crossings.fraction,
@@ -344,14 +344,14 @@ def neighbors_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
 
     The model is a mixture of autoregressive processes with correlations ρ from 0 to 0.95, weighted by their likelihood
     and by sqrt(1 - ρ), on a scale without skewness (docs/explanation/intervals.md). The interval lies within the range
-    of the values. It is NaN if there are fewer than `MIN_NEIGHBORS` values or if all values are equal.
+    of the values. It is NaN if there are fewer than `MIN_NEIGHBORING_VALUES` values or if all values are equal.
     """
     count = values.shape[0]
     # Each row (c, r) is summed separately, so that its result does not depend on the other rows.
     rows = np.ascontiguousarray(values.reshape(count, math.prod(values.shape[1:])).T)
     mean = rows.mean(axis=1) if count else np.full(rows.shape[0], np.nan)
     lower, upper = np.full((2, mean.size), np.nan)
-    if count >= MIN_NEIGHBORS:
+    if count >= MIN_NEIGHBORING_VALUES:
         batch_size = max(1, NUM_BATCH_VALUES // (4 * count))
         for first in range(0, mean.size, batch_size):
             chunk = slice(first, first + batch_size)

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 from stiction.mechanics import friction
 from stiction.mechanics.friction import STATUS_DTYPE, ContactSums, Validity
-from stiction.mechanics.quantities import QUANTITIES, SUM_QUANTITIES, VALIDITY_QUANTITIES, quantity_attributes
+from stiction.mechanics.quantities import COMMON_VALIDITY_QUANTITIES, QUANTITIES, SUM_QUANTITIES, quantity_attributes
 from stiction.studies import intervals
 from stiction.studies.executors import executor_or_thread_pool
 from stiction.studies.result import Result
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 DatasetTransformation: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
 # maximum number of curve values of one map cell that are in memory at the same time
-NUM_VALUES_IN_MEMORY = 2**20
+MAX_VALUES_IN_MEMORY = 2**20
 # dimensions that a result may have besides members and steps
 MAP_CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")
 MOTION_DIMENSIONS = ("sliding", "direction")  # dimensions of results with several sliding rules or directions
@@ -251,7 +251,7 @@ def ensemble_map(
         means_by_cell[cell_index] = intervals.MeansAtLoads(normal, values, count, load_values)
     batch_size = max(
         1,
-        NUM_VALUES_IN_MEMORY
+        MAX_VALUES_IN_MEMORY
         // max(
             1,
             ensemble_quantity.mu0.size * ensemble_quantity.tau0.size * dataset.sizes[ensemble_quantity.step_dimension],
@@ -316,7 +316,7 @@ class _EnsembleQuantity:
         import xarray
 
         mean, lower, upper = (np.full(self.shape, np.nan) for _ in range(3))
-        validity = {name: np.full(self.shape, np.nan) for name in VALIDITY_QUANTITIES}
+        validity = {name: np.full(self.shape, np.nan) for name in COMMON_VALIDITY_QUANTITIES}
         status = np.full(self.shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
         for cell, means in means_by_cell.items():
             for array, curve_values in zip((mean, lower, upper), (means.mean, *means.interval()), strict=True):

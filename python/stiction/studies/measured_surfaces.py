@@ -25,9 +25,9 @@ from stiction.studies.values import (
     CutOffs,
     Length,
     LengthOrZero,
+    SettingsTable,
+    SettingsTableVariant,
     SignedLength,
-    StudyTable,
-    StudyTableVariant,
     as_tuple,
     as_written,
     make_key_error,
@@ -40,10 +40,10 @@ from stiction.surfaces.cut_off import MAX_CUTOFF_FRACTION, cut_off
 from stiction.surfaces.filters import validate_cutoff
 from stiction.surfaces.interchange import extract_heights
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
-from stiction.surfaces.measured.interpret import Missing, Outliers
-from stiction.surfaces.measured.plausibility import FILE_CAVEAT_NAMES, Scan, find_caveats
+from stiction.surfaces.measured.interpret import MissingPointTreatment, OutlierTreatment
+from stiction.surfaces.measured.plausibility import FILE_CAVEAT_NAMES, ScannedHeights, find_caveats
 from stiction.surfaces.measured.raw import LENGTH_UNITS, FileCaveat
-from stiction.surfaces.measured.reading import Reading, load_interpreted_file
+from stiction.surfaces.measured.reading import FileReading, load_interpreted_file
 from stiction.surfaces.measured.spectrum_file import is_spectrum_file, read_spectrum, write_spectrum
 from stiction.surfaces.measured.writing import heights_with_nan, write_profile, write_surface
 from stiction.surfaces.missing_data import find_largest_gap
@@ -59,10 +59,10 @@ from stiction.surfaces.pairing import (
     to_joined_spectrum,
 )
 from stiction.surfaces.preparation import ProfileTrend, SurfaceTrend, flipped, levelled, rotated
-from stiction.surfaces.profile import Along, Profile
+from stiction.surfaces.profile import LineOrientation, Profile
 from stiction.surfaces.surface import Surface, parse_lengths
 
-Column = int | str
+ColumnNameOrIndex = int | str
 Body = Profile | Surface | JoinedSpectrum  # kinds of bodies in a file
 MAX_FILE_NAME_LENGTH = 4096  # maximum length of a file name in characters
 MachiningProcess = Literal["turned", "milled", "ground", "honed", "lapped", "sanded", "blasted", "eroded"]
@@ -77,7 +77,7 @@ def _parse_unit(value: object) -> str:
     return value
 
 
-def _parse_column(value: object) -> Column:
+def _parse_column(value: object) -> ColumnNameOrIndex:
     if isinstance(value, bool) or not isinstance(value, (str, int)) or (isinstance(value, int) and value < 0):
         raise ValueError(f"must be a name or a whole number of at least 0, got {short_repr(value)}")
     return value
@@ -142,14 +142,14 @@ class BodyInMemory:
         self.body = body
 
 
-class MeasuredFile(StudyTable):
+class MeasuredBodySettings(SettingsTable):
     """Entry for a measured profile, surface or joined spectrum. The data are in a file or in memory."""
 
     model_config = ConfigDict(arbitrary_types_allowed=True)
 
     def __eq__(self, value: object) -> bool:
         """Compare all fields except the body, which the checksum identifies."""
-        return isinstance(value, MeasuredFile) and self._identity() == value._identity()
+        return isinstance(value, MeasuredBodySettings) and self._identity() == value._identity()
 
     def __hash__(self) -> int:
         return hash(self._identity())
@@ -169,14 +169,16 @@ class MeasuredFile(StudyTable):
     spacing: Annotated[Quantity | tuple[Quantity, Quantity] | None, _validate_one_or_list(read_length), as_written] = (
         Field(default=None, description="Distance between neighbouring points, or between rows and between columns.")
     )
-    channel: Annotated[Column | None, PlainValidator(lambda value: None if value is None else _parse_column(value))] = (
-        Field(default=None, description="Channel or sheet to read, if the file has several.")
-    )
-    columns: Annotated[Column | tuple[Column, ...] | None, _validate_one_or_list(_parse_column, max_count=3)] = Field(
+    channel: Annotated[
+        ColumnNameOrIndex | None, PlainValidator(lambda value: None if value is None else _parse_column(value))
+    ] = Field(default=None, description="Channel or sheet to read, if the file has several.")
+    columns: Annotated[
+        ColumnNameOrIndex | tuple[ColumnNameOrIndex, ...] | None, _validate_one_or_list(_parse_column, max_count=3)
+    ] = Field(
         default=None, description="Columns to read from a table: positions and heights; x, y and z; or heights only."
     )
-    missing: Missing = Field(default="error", description="Treatment of points without a height.")
-    outliers: Outliers = Field(
+    missing: MissingPointTreatment = Field(default="error", description="Treatment of points without a height.")
+    outliers: OutlierTreatment = Field(
         default="keep", description="Treatment of isolated outliers: keep them, or mark them as missing."
     )
     crop: Annotated[tuple[Quantity, ...] | None, PlainValidator(_parse_crop), as_written] = Field(
@@ -205,7 +207,7 @@ class MeasuredFile(StudyTable):
         description="Factor by which the heights are multiplied, for example to study another finish.",
     )
     body: BodyInMemory | None = Field(default=None, repr=False, description="Body in memory (Python only).")
-    others: Annotated[tuple[MeasuredFile, ...], as_tuple] | None = Field(
+    others: Annotated[tuple[MeasuredBodySettings, ...], as_tuple] | None = Field(
         default=None,
         description="Further scans at other places on the same part; in a list of files, all files after the first.",
     )
@@ -219,7 +221,7 @@ class MeasuredFile(StudyTable):
         return {**first_table, "others": tuple(other_tables)} if isinstance(first_table, Mapping) else first_table
 
     @property
-    def scans(self) -> tuple[MeasuredFile, ...]:
+    def scans(self) -> tuple[MeasuredBodySettings, ...]:
         """All scans of the body, i.e. the scan in this file followed by scans of other places."""
         return self, *(self.others or ())
 
@@ -228,11 +230,11 @@ class MeasuredFile(StudyTable):
         """File name without its folder. If there are further scans, their number is appended."""
         return Path(self.file).name + (f" and {len(self.others)} more" if self.others else "")
 
-    def _map_scans(self, change: Callable[[MeasuredFile], MeasuredFile]) -> MeasuredFile:
+    def _map_scans(self, change: Callable[[MeasuredBodySettings], MeasuredBodySettings]) -> MeasuredBodySettings:
         return change(self).model_copy(update={"others": self.others and tuple(map(change, self.others))})
 
     @classmethod
-    def from_body(cls, body: Any, name: str) -> MeasuredFile:
+    def from_body(cls, body: Any, name: str) -> MeasuredBodySettings:
         """Create an entry for a body in memory. Objects from other libraries are also accepted.
 
         Raises an `ArgumentError` if the body is invalid.
@@ -249,11 +251,11 @@ class MeasuredFile(StudyTable):
             )  # fmt: skip
         return cls(file=name, sha256=_compute_checksum(body), body=BodyInMemory(body))
 
-    def with_saved_bodies(self, folder: Path, side: str) -> MeasuredFile:
+    def with_saved_bodies(self, folder: Path, side: str) -> MeasuredBodySettings:
         """Write bodies that are in memory to files in a folder. The returned entry refers to these files."""
         return self._map_scans(lambda scan: scan._save_body(folder, side))
 
-    def _save_body(self, folder: Path, side: str) -> MeasuredFile:
+    def _save_body(self, folder: Path, side: str) -> MeasuredBodySettings:
         if self.body is None:
             return self
         assert self.sha256 is not None
@@ -272,7 +274,9 @@ class MeasuredFile(StudyTable):
             write_body(body, path)
         has_missing = not isinstance(body, JoinedSpectrum) and body.missing is not None
         options = {name: getattr(self, name) for name in ("tip", "texture", "max_cut_off", "height_factor")}
-        return MeasuredFile(file=str(path), missing="mask" if has_missing else "error", **options).with_checksums()
+        return MeasuredBodySettings(
+            file=str(path), missing="mask" if has_missing else "error", **options
+        ).with_checksums()
 
     def read(self) -> Body:
         """Read the profile, surface or spectrum (µm).
@@ -292,7 +296,7 @@ class MeasuredFile(StudyTable):
             )
         return _read_body(self.model_copy(update={"sha256": self.checksum(), "others": None, "height_factor": 1.0}))
 
-    def with_height_factor(self, factor: float) -> MeasuredFile:
+    def with_height_factor(self, factor: float) -> MeasuredBodySettings:
         """Return a copy of the entry in which all heights are multiplied by a factor.
 
         Raises a `ValueError` if the product with the existing factor is out of range.
@@ -325,7 +329,7 @@ class MeasuredFile(StudyTable):
         return np.array([body.missing.mean(), find_largest_gap(body.missing)[0] * np.prod(body.spacing)])
 
     @property
-    def reading(self) -> Reading[Any] | None:
+    def reading(self) -> FileReading[Any] | None:
         """Interpretation of the file, such as columns and units, or None for a spectrum or a body in memory."""
         if self.body is not None or is_spectrum_file(Path(self.file)):
             return None
@@ -339,7 +343,7 @@ class MeasuredFile(StudyTable):
         body = None if self.body is None else self.body.body
         if not isinstance(body, (Profile, Surface)):
             return ()
-        return find_caveats(Scan(heights_with_nan(body), body.spacings, from_text=False))
+        return find_caveats(ScannedHeights(heights_with_nan(body), body.spacings, from_text=False))
 
     def checksum(self) -> str:
         """Compute the SHA-256 checksum of the file contents.
@@ -364,7 +368,7 @@ class MeasuredFile(StudyTable):
             return None
         return file_status and (file_status.st_mtime_ns, file_status.st_size)
 
-    def with_absolute_paths(self, directory: Path) -> MeasuredFile:
+    def with_absolute_paths(self, directory: Path) -> MeasuredBodySettings:
         """Return a copy of the entry with absolute paths. Relative paths are resolved against `directory`."""
         return self._map_scans(
             lambda scan: (
@@ -372,7 +376,7 @@ class MeasuredFile(StudyTable):
             )
         )
 
-    def with_checksums(self) -> MeasuredFile:
+    def with_checksums(self) -> MeasuredBodySettings:
         """Return a copy of the entry with all checksums, computing those that are missing."""
         return self._map_scans(
             lambda scan: scan if scan.sha256 is not None else scan.model_copy(update={"sha256": scan.checksum()})
@@ -398,7 +402,7 @@ def _compute_checksum(body: Body) -> str:
 
 
 @functools.lru_cache(maxsize=16)
-def _read_body(file: MeasuredFile) -> Body:
+def _read_body(file: MeasuredBodySettings) -> Body:
     """Read the body from a file.
 
     The argument includes the checksum, so that the cache holds each version of a file once.
@@ -414,7 +418,7 @@ def _read_body(file: MeasuredFile) -> Body:
 
 
 @functools.lru_cache(maxsize=16)
-def _load_reading(file: MeasuredFile) -> Reading[Profile | Surface]:
+def _load_reading(file: MeasuredBodySettings) -> FileReading[Profile | Surface]:
     return load_interpreted_file(
         file.file, unit=file.unit, spacing=to_written_form(file.spacing), missing=file.missing, channel=file.channel,
         columns=file.columns, outliers=file.outliers, crop=to_written_form(file.crop), missing_value=file.missing_value,
@@ -470,7 +474,7 @@ class MemberSource(Protocol):
         """Return the properties that all members have in common."""
 
 
-class CommonMeasuredSettings(StudyTableVariant):
+class CommonMeasuredSurfaceSettings(SettingsTableVariant):
     """Keys of `[surfaces]` that all studies of measured surfaces share."""
 
     bodies: ClassVar[str] = "measured areas"  # term for the bodies in error messages
@@ -480,11 +484,11 @@ class CommonMeasuredSettings(StudyTableVariant):
     """Name of the members in reports."""
 
     kind: Literal["measured"] = Field(default="measured", description="Kind of surfaces: two measured files.")
-    upper: MeasuredFile = Field(
+    upper: MeasuredBodySettings = Field(
         description="Slider: a table with `file` and reading options, or "
         "a list of tables for several places on the part."
     )
-    lower: MeasuredFile = Field(description="Counterface; may be the same file as the slider.")
+    lower: MeasuredBodySettings = Field(description="Counterface; may be the same file as the slider.")
     cut_off: CutOffs = Field(
         default=(quantity("0 um", "length"),),
         description="Cutoff wavelength of the Gaussian low-pass filter for both bodies; 0 for no filter. With a list, "
@@ -508,7 +512,7 @@ class CommonMeasuredSettings(StudyTableVariant):
         """Return the cutoff (µm) of the quoted result, which is the first cutoff in the study."""
         return float(self.cells()["cut_off"][0])
 
-    def with_files(self, change: Callable[[MeasuredFile, str], MeasuredFile]) -> Self:
+    def with_files(self, change: Callable[[MeasuredBodySettings, str], MeasuredBodySettings]) -> Self:
         """Return a copy of the table in which each file is replaced by `change(file, side)`."""
         return self.model_copy(update={side: change(getattr(self, side), side) for side in SIDES})
 
@@ -556,7 +560,7 @@ DEFAULT_NUM_SURROGATES = 16  # default number of pairs of surrogate profiles
 MAX_RELATIVE_POSITIONS = 100_000  # maximum number of positions for a pair of lines or maps
 
 
-class MeasuredLineSettings(CommonMeasuredSettings):
+class MeasuredLineSettings(CommonMeasuredSurfaceSettings):
     """Keys of `[surfaces]` for lines from two measured files. Each upper line slides along a lower line."""
 
     place: ClassVar[str] = "lines of measured files"
@@ -570,7 +574,7 @@ class MeasuredLineSettings(CommonMeasuredSettings):
     level: Literal["line", "quadratic", "mean", "none"] = Field(
         default="line", description="Form to remove from each line."
     )
-    along: Along = Field(default="x", description="Direction of the lines in a map: rows or columns.")
+    along: LineOrientation = Field(default="x", description="Direction of the lines in a map: rows or columns.")
     offsets: int = Field(
         default=1, ge=1, le=MAX_RELATIVE_POSITIONS,
         description="Number of positions on each pair of lines. For two profiles without surrogates, each member is "
@@ -679,7 +683,7 @@ def _shared_line_properties(
     )  # fmt: skip
 
 
-class MeasuredMapSettings(CommonMeasuredSettings):
+class MeasuredMapSettings(CommonMeasuredSurfaceSettings):
     """Keys of `[surfaces]` for two measured height maps at several relative positions."""
 
     place: ClassVar[str] = "areas of measured maps"
@@ -734,7 +738,7 @@ class MeasuredMapSettings(CommonMeasuredSettings):
         return MapMemberSource(pairs, scans, self.surrogates)
 
 
-class SurrogateSettings(CommonMeasuredSettings):
+class SurrogateSettings(CommonMeasuredSurfaceSettings):
     """Keys of `[surfaces]` for surrogates, which are random height maps with the spectra of two scans."""
 
     place: ClassVar[str] = "surrogates of measured files"

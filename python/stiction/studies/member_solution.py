@@ -42,7 +42,7 @@ from stiction.studies.contact_statistics import (
     tabulate_asperity_contacts,
     tabulate_contact_patches,
 )
-from stiction.studies.contact_tables import AsperitySettings, CommonContactSettings, HalfSpaceSettings
+from stiction.studies.contact_tables import AsperityModelSettings, CommonContactSettings, HalfSpaceSettings
 from stiction.studies.layout import ArraysByName, variable_names, variable_specs
 from stiction.studies.members import (
     MAX_BATCH_BYTES,
@@ -196,7 +196,9 @@ def _solve_half_space(
             values[name][...] = stack_over_motions(curves, QUANTITIES[name].numerator)[..., 0]
 
 
-def _solve_asperities(contact: AsperitySettings, upper: Any, lower: Any, values: ArraysByName, slopes: Any) -> None:
+def _solve_asperities(
+    contact: AsperityModelSettings, upper: Any, lower: Any, values: ArraysByName, slopes: Any
+) -> None:
     """Compute independent Hertzian contacts at the approaches that give the elastic loads of the study.
 
     With the detection criterion "cell", the load jumps at some approaches. Sums at a load within a jump are
@@ -493,7 +495,7 @@ def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile 
 def _compute_onsets(study: Study, curve: LoadCurve) -> ArraysByName:
     """Compute the onset of sliding at each approach, for motion along the first direction."""
     contact = study.contact
-    assert isinstance(contact, AsperitySettings)
+    assert isinstance(contact, AsperityModelSettings)
     assert contact.onset is not None
     onsets = {name: np.zeros(curve.approach.size) for name in ONSET_QUANTITIES}
     for index in np.flatnonzero(curve.normal_elastic > 0).tolist():

@@ -176,7 +176,7 @@ def _grid_properties(body: Any) -> tuple[Any, ...]:
     return type(body), np.shape(getattr(body, "heights", body)), *spacing_texts
 
 
-class LoadedBodies:
+class PreparedBodies:
     """Measured bodies of a study, and the members formed from them.
 
     Each file is read only once. The constructor raises a `ValueError` if a file has changed.
@@ -269,7 +269,7 @@ def first_pair(study: Study) -> Any:
     return load_bodies(study).member(0, cell["cut_off"]).pair if study.is_measured else pair_of(study, 0, **cell)
 
 
-def load_bodies(study: Study) -> LoadedBodies:
+def load_bodies(study: Study) -> PreparedBodies:
     """Load the measured bodies of a study.
 
     The bodies are cached, and are read again only if a file changes.
@@ -281,8 +281,8 @@ def load_bodies(study: Study) -> LoadedBodies:
 
 
 @functools.lru_cache(maxsize=4)
-def _load_cached_bodies(surfaces: MeasuredSurfaceSettings, seed: int, _: object) -> LoadedBodies:
-    return LoadedBodies(surfaces, seed)
+def _load_cached_bodies(surfaces: MeasuredSurfaceSettings, seed: int, _: object) -> PreparedBodies:
+    return PreparedBodies(surfaces, seed)
 
 
 def body_attributes(study: Study) -> BodyAttributes:

@@ -24,7 +24,7 @@ MODULUS_NAMES = ("young", "poisson")
 
 
 @dataclass(frozen=True)
-class Moduli:
+class UncertainModulus:
     """Effective modulus E* and its uncertainty.
 
     Attributes
@@ -93,7 +93,7 @@ def find_material_hardness(value: MaterialValue) -> UncertainInput:
 def parse_elasticity(
     effective_modulus: Any = None, young: Any = None, poisson: Any = None, upper_material: str | None = None,
     lower_material: str | None = None,
-) -> tuple[Elasticity, Moduli]:  # fmt: skip
+) -> tuple[Elasticity, UncertainModulus]:  # fmt: skip
     """Return the elasticity for the central argument values, and the moduli with their uncertainties.
 
     The arguments have the meanings of `determine_elasticity`, but may be ranges or have an uncertainty. Raises a
@@ -116,17 +116,17 @@ def parse_elasticity(
     )
     value = elasticity.effective_modulus
     if "effective_modulus" in inputs:
-        return elasticity, Moduli(value, inputs["effective_modulus"][0])
+        return elasticity, UncertainModulus(value, inputs["effective_modulus"][0])
     if "young" in inputs:
         pairs = zip((2 * inputs["young"])[:2], (2 * inputs["poisson"])[:2], strict=True)
         bodies = [{"young": e, "poisson": nu} for e, nu in pairs]
         if upper_material or lower_material:
             bodies[0 if upper_material else 1] = find_material_moduli(material(str(upper_material or lower_material)))
-        return elasticity, Moduli(value, bodies=tuple(bodies))
+        return elasticity, UncertainModulus(value, bodies=tuple(bodies))
     materials = [material(str(name)) for name in (upper_material or lower_material, lower_material or upper_material)]
     bodies = [find_material_moduli(body) for body in materials]
     is_one_material = materials[0] == materials[1]
-    return elasticity, Moduli(value, bodies=tuple(bodies), is_one_material=is_one_material)
+    return elasticity, UncertainModulus(value, bodies=tuple(bodies), is_one_material=is_one_material)
 
 
 def _parse_inputs(name: str, value: Any) -> list[UncertainInput]:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 VALUE_TOLERANCE = 1e-4  # largest relative error of an interpolated value; the report prints up to four digits
 INTERVAL_TOLERANCE = 1e-2  # largest error of an interpolated interval limit, relative to the interval width
-PRINTED_TOLERANCE = 0.025
+MAX_SHOWN_ERROR_RATIO = 0.025
 """Ratio of interpolation error to interval width above which a report hides the number.
 
 The ratio equals the rounding error of printed limits.
@@ -47,14 +47,14 @@ NUM_REPORT_LOADS = 40  # number of loads in a report of generated surfaces
 NUM_SAMPLED_LOADS = 4
 NUM_NODE_CHOICE_LOADS = 2  # number of loads at which nodes are chosen (measured surfaces)
 # quantities besides friction that are evaluated at the nodes (measured surfaces)
-LOAD_ONLY_VARIABLES = ("contact_count", "gentle_friction")
+ADDITIONAL_NODE_VARIABLES = ("contact_count", "gentle_friction")
 # maximum number of mu0 or tau0 values in a study that become nodes; longer lists are thinned
 MAX_STUDY_NODES = 9
 MAX_AXIS_REFINEMENTS = 4  # maximum number of refinements of an axis
 MIN_NODE_DISTANCE = 0.35
 """Smallest distance between an initial node and a value in the study, relative to the node spacing."""
 
-CHECKED_PANEL_FRACTIONS = (np.array([0.07, 0.23, 0.61]), np.array([0.04, 0.31]))
+ERROR_CHECK_POSITIONS = (np.array([0.07, 0.23, 0.61]), np.array([0.04, 0.31]))
 """Positions at which errors are measured, as fractions of the ranges of mu0 (first) and tau0 (second)."""
 
 # A value counts as a node if its distance from the node is below this fraction of the axis length.
@@ -217,7 +217,7 @@ class InterpolationNodes:
     @cached_property
     def values(self) -> tuple[xarray.Dataset, ...]:
         """Values and intervals for each kind of members, at all loads and nodes."""
-        names = LOAD_ONLY_VARIABLES if self.study.is_measured else None
+        names = ADDITIONAL_NODE_VARIABLES if self.study.is_measured else None
         return tuple(self._at(self.loads, self.axes, kind, names) for kind in self.member_kinds)
 
     @cached_property
@@ -354,7 +354,7 @@ def refine_axes(
             estimated_excess = (
                 relative_excess_error(exact_values + _estimated_error(*value_changes), exact_values)
                 * INTERVAL_TOLERANCE
-                / PRINTED_TOLERANCE
+                / MAX_SHOWN_ERROR_RATIO
             )
             errors = (
                 np.maximum(relative_excess_error(interpolated, exact_values), estimated_excess)
@@ -392,7 +392,7 @@ def largest_errors(
     """
     mu0, tau0 = (
         axis.rising[0] + np.ptp(axis.rising) * fractions
-        for axis, fractions in zip(axes, CHECKED_PANEL_FRACTIONS, strict=True)
+        for axis, fractions in zip(axes, ERROR_CHECK_POSITIONS, strict=True)
     )
     can_interpolate = is_interpolated(axes, table)
     exact = evaluate(mu0, tau0)
@@ -434,7 +434,7 @@ def is_interpolated(axes: tuple[NodeAxis, NodeAxis], points: Floats) -> NDArray[
     A panel has the indices of its first corner. Along a ranged node, only the other axis is interpolated. The error in
     the middle of a panel is estimated as the change due to one more node along mu0, plus the change due to one more
     node along tau0. Each is the geometric mean of the changes due to the preceding and the following node. The error of
-    a value and of the ends of its interval must be within `PRINTED_TOLERANCE` of the width, or `VALUE_TOLERANCE` of
+    a value and of the ends of its interval must be within `MAX_SHOWN_ERROR_RATIO` of the width, or `VALUE_TOLERANCE` of
     the value, at every corner. A number that is defined at only some corners is not interpolated.
     """
     table = np.moveaxis(points, -1, 0)
@@ -452,7 +452,7 @@ def is_interpolated(axes: tuple[NodeAxis, NodeAxis], points: Floats) -> NDArray[
         axis=1,
     )  # shape (3, 4, ..., m, t)
     width = np.where(np.isinf(upper), 2 * (value - lower), upper - lower)
-    tolerance = np.fmax(PRINTED_TOLERANCE * width, VALUE_TOLERANCE * np.abs(value)).min(axis=0)
+    tolerance = np.fmax(MAX_SHOWN_ERROR_RATIO * width, VALUE_TOLERANCE * np.abs(value)).min(axis=0)
     return np.asarray((~np.isfinite(corners).any(axis=1) | (error <= tolerance)).all(axis=0))
 
 

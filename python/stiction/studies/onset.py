@@ -224,7 +224,7 @@ def format_backbone_csv(onset: xarray.Dataset) -> str:
 
 
 DatasetVariables = dict[str, tuple[Any, ...]]
-_LENGTH_ATTRIBUTES = {"units": "um"}
+_MICROMETRE_ATTRIBUTES = {"units": "um"}
 
 
 def build_slip_map(pressed_pair: PressedPair, onset: Onset) -> DatasetVariables:
@@ -239,12 +239,12 @@ def build_slip_map(pressed_pair: PressedPair, onset: Onset) -> DatasetVariables:
     (rows, columns), (dy, dx) = lower.heights.shape, lower.spacing
     stride = -(-max(rows, columns) // MAX_PICTURE_SIZE)
     variables: DatasetVariables = {
-        "slip_y": ("slip_y", np.arange(0, rows, stride) * dy, _LENGTH_ATTRIBUTES),
-        "slip_x": ("slip_x", np.arange(0, columns, stride) * dx, _LENGTH_ATTRIBUTES),
+        "slip_y": ("slip_y", np.arange(0, rows, stride) * dy, _MICROMETRE_ATTRIBUTES),
+        "slip_x": ("slip_x", np.arange(0, columns, stride) * dx, _MICROMETRE_ATTRIBUTES),
         "lower_height": (
             ("slip_y", "slip_x"),
             lower.heights[::stride, ::stride].astype(np.float32),
-            _LENGTH_ATTRIBUTES,
+            _MICROMETRE_ATTRIBUTES,
         ),
     }
     slip_fraction = onset.slip_load() / onset.sliding_load

@@ -36,7 +36,7 @@ from stiction.studies.measured_surfaces import (
     MACHINING_PROCESSES,
     Body,
     BodyAttributes,
-    MeasuredFile,
+    MeasuredBodySettings,
 )
 from stiction.studies.members import body_attributes
 from stiction.studies.pair_options import (
@@ -120,7 +120,7 @@ class MeasuredPair:
     # ---- Bodies ------------------------------------------------------------------------------------------------------
 
     @cached_property
-    def files(self) -> tuple[MeasuredFile, MeasuredFile]:
+    def files(self) -> tuple[MeasuredBodySettings, MeasuredBodySettings]:
         """Study entries for the files of both bodies, including the reading options."""
         entries = []
         for index, side in enumerate(SIDES):
@@ -130,7 +130,7 @@ class MeasuredPair:
             entries.append(first_scan.model_copy(update={"others": tuple(other_scans) or None}))
         return entries[0], entries[1]
 
-    def _build_file_entry(self, side: str, index: int, body: Any) -> MeasuredFile:
+    def _build_file_entry(self, side: str, index: int, body: Any) -> MeasuredBodySettings:
         """Create the study entry for a body. The body is a file with reading options, or an object in memory."""
         options = self.options
         properties: dict[str, Any] = {}
@@ -150,7 +150,7 @@ class MeasuredPair:
                         "if the option is for the other file, read that file into memory first"
                     )
             body = self._body_from_array(side, index, body) if is_array else body
-            return MeasuredFile.from_body(body, side).model_copy(update=properties)
+            return MeasuredBodySettings.from_body(body, side).model_copy(update=properties)
         settings = properties | {"file": str(body)}
         for name in READING_OPTION_NAMES:
             if (value := self._select_value(name, index)) in (None, ""):
@@ -164,7 +164,7 @@ class MeasuredPair:
             )
             settings[name] = split_list(name, text)
         try:
-            return validate_table(MeasuredFile, settings, f"pair: {side}")
+            return validate_table(MeasuredBodySettings, settings, f"pair: {side}")
         except StudyError as error:
             key, reason = error.faults[0]
             if key not in PAIR_OPTIONS:
@@ -793,7 +793,7 @@ def _list_scans(side: str, given: Any) -> list[Any]:
     return scans
 
 
-def _find_noise_wavelengths(scan: MeasuredFile) -> InstrumentLimit | HiddenNoise | None:
+def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | HiddenNoise | None:
     """Find the wavelengths of a scan that may be instrument noise, or at which its spectrum may hide noise.
 
     Returns None if they affect the slope only slightly.

@@ -23,9 +23,9 @@ from stiction.mechanics.law import JacksonGreen
 from stiction.mechanics.model import CurvatureRequirement, Detection
 from stiction.studies.interfaces import Interface
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
-from stiction.surfaces.measured.interpret import Missing, Outliers
+from stiction.surfaces.measured.interpret import MissingPointTreatment, OutlierTreatment
 from stiction.surfaces.pairing import SurrogateBodies
-from stiction.surfaces.profile import Along, Profile
+from stiction.surfaces.profile import LineOrientation, Profile
 from stiction.surfaces.surface import Surface
 
 # ---- Types of values -------------------------------------------------------------------------------------------------
@@ -106,13 +106,13 @@ def _read_surrogates(value: object) -> object:
 HeightMap: TypeAlias = str | Path | Profile | Surface | NDArray[np.generic] | HeightData | Topography
 """Measured profile or surface: a file, a body of this or of another library, or an array of heights."""
 Scan: TypeAlias = HeightMap | JoinedSpectrum
-Part: TypeAlias = Annotated[Scan | Sequence[Scan], SkipValidation]
+BodyScans: TypeAlias = Annotated[Scan | Sequence[Scan], SkipValidation]
 """A single scan of a body, or scans at several places on the body."""
 Gap: TypeAlias = Annotated[HeightMap, SkipValidation]
 InterfaceName: TypeAlias = Annotated[str | Path | Interface, SkipValidation]
-Value: TypeAlias = Annotated[str | float, PlainValidator(_read_value)]
+QuantityInput: TypeAlias = Annotated[str | float, PlainValidator(_read_value)]
 """Number in the unit of the option, or string with a unit."""
-Values: TypeAlias = Annotated[
+QuantityInputs: TypeAlias = Annotated[
     str | float | Sequence[str | float] | NDArray[np.float64], PlainValidator(_read_values)
 ]  # fmt: skip
 """Single value or several values; in a string, commas separate the values."""
@@ -129,7 +129,7 @@ Mechanics = Literal["half-space", "asperities"]
 CONTACT_MODEL_NAMES: tuple[Mechanics, ...] = get_args(Mechanics)
 Lay = Literal["grooves", "isotropic"]
 LawChoice = Literal["hertz-sphere", "hertz-cylinder", "jackson-green"]
-Level = Literal["mean", "line", "plane", "quadratic", "none"]
+LevellingForm = Literal["mean", "line", "plane", "quadratic", "none"]
 
 
 # ---- Conditions of options -------------------------------------------------------------------------------------------
@@ -435,11 +435,11 @@ class SurfaceOptions(OptionGroup):
 
     title: ClassVar[str] = "Surfaces"
 
-    upper: Annotated[Part | None, PairOption(
+    upper: Annotated[BodyScans | None, PairOption(
         "UPPER", "The slider: a measured profile or surface. Several scans of one part are given as a list, a folder, "
         "or names separated by commas.", flag="UPPER", argument="first",
     )] = None  # fmt: skip
-    lower: Annotated[Part | None, PairOption(
+    lower: Annotated[BodyScans | None, PairOption(
         "LOWER", "The counterface; both may be the same file.", flag="LOWER", argument="second",
     )] = None  # fmt: skip
     gap: Annotated[Gap | None, PairOption(
@@ -460,17 +460,17 @@ class SurfaceOptions(OptionGroup):
         "number of surrogates.", usual="128 of surrogates, and of a map and a profile",
         applies=(has_no_spectrum, has_several_line_pairs, has_two_bodies),
     )] = None  # fmt: skip
-    along: Annotated[Along | None, PairOption(
+    along: Annotated[LineOrientation | None, PairOption(
         "x|y", "Direction of the lines of maps.", usual="x", key="surfaces.along", applies=(presses_lines_of_maps,),
     )] = None  # fmt: skip
-    level: Annotated[Level | None, PairOption(
+    level: Annotated[LevellingForm | None, PairOption(
         "TREND", "Trend to subtract from each line (mean, line, quadratic or none) or map (mean, plane or "
         "quadratic).", usual="line for profiles, plane for maps", key="surfaces.level",
         field=FormField(
             label="level", empty="plane or line", choices=(("quadratic", "quadratic"), ("mean", "mean")),
         ),
     )] = None  # fmt: skip
-    cutoff: Annotated[Values | None, PairOption(
+    cutoff: Annotated[QuantityInputs | None, PairOption(
         "LENGTHS", 'Cutoff wavelength of a Gaussian low-pass filter, "0.1 um". Several cutoffs give several results; '
         '"none" attributes all wavelengths to the surfaces.', kind="length",
         usual="unfiltered; also filtered if some wavelengths may not belong to the surface",
@@ -488,7 +488,7 @@ class FileReadingOptions(OptionGroup):
 
     title: ClassVar[str] = "Reading files"
 
-    unit: Annotated[Values | None, PairOption(
+    unit: Annotated[QuantityInputs | None, PairOption(
         "UNIT", 'Unit of the lengths in the file, "um", or of positions and heights, "mm,um". Required if the file '
         "has no unit.", is_repeatable=True, is_common=True, is_list=True,
         field=FormField(
@@ -498,12 +498,12 @@ class FileReadingOptions(OptionGroup):
             ),
         ),
     )] = None  # fmt: skip
-    spacing: Annotated[Values | None, PairOption(
+    spacing: Annotated[QuantityInputs | None, PairOption(
         "LENGTH", 'Distance between points, "0.5 um", or between rows and columns, "2 um,0.5 um". Required if the '
         "file has no spacing.", kind="length", is_repeatable=True, is_common=True, is_list=True,
         field=FormField(label="spacing", place="scan", has_commas=True, example="0.5 um", size=7),
     )] = None  # fmt: skip
-    missing: Annotated[Missing | None, PairOption(
+    missing: Annotated[MissingPointTreatment | None, PairOption(
         "error|mask|interpolate", "Points without a height: reject the file, press only the measured points, or "
         "interpolate.",
         usual="error", is_common=True,
@@ -512,39 +512,39 @@ class FileReadingOptions(OptionGroup):
             choices=(("mask", "leave them out"), ("interpolate", "interpolate")),
         ),
     )] = None  # fmt: skip
-    missing_value: Annotated[Values | None, PairOption(
+    missing_value: Annotated[QuantityInputs | None, PairOption(
         "NUMBERS|WORDS", 'Numbers or words that mark points without a height, "-9999".', is_repeatable=True,
         is_list=True,
         field=FormField(label="missing value", place="scan", has_commas=True, example="-9999", size=9),
     )] = None  # fmt: skip
-    outliers: Annotated[Outliers | None, PairOption(
+    outliers: Annotated[OutlierTreatment | None, PairOption(
         "keep|mask", "Treat up to 4 adjacent points beyond 6 robust deviations of their neighbors as missing.",
         usual="keep",
     )] = None  # fmt: skip
-    crop: Annotated[Values | None, PairOption(
+    crop: Annotated[QuantityInputs | None, PairOption(
         "X0,X1[,Y0,Y1]", 'Region of the file to read: "10 um,60 um"; for a map, first along x, then along y.',
         kind="length", is_repeatable=True,
     )] = None  # fmt: skip
-    channel: Annotated[Values | None, PairOption(
+    channel: Annotated[QuantityInputs | None, PairOption(
         "NAME|NUMBER", "Channel or sheet to read, by its name or number from 0.", usual="the first of heights",
         is_repeatable=True,
         field=FormField(label="channel", place="scan", has_commas=True, example="name or number", size=9),
     )] = None  # fmt: skip
-    columns: Annotated[Values | None, PairOption(
+    columns: Annotated[QuantityInputs | None, PairOption(
         "Z|X,Z|X,Y,Z", "Columns of a table, names or numbers from 0: of heights, or of positions and heights.",
         is_repeatable=True, is_list=True,
         field=FormField(label="columns", place="scan", has_commas=True, example="0,1 or names", size=9),
     )] = None  # fmt: skip
-    accept: Annotated[Values | None, PairOption(
+    accept: Annotated[QuantityInputs | None, PairOption(
         "NAMES", 'Names of caveats about a file that you have checked and accept, "whole-numbers".', is_repeatable=True,
         is_list=True,
         field=FormField(label="settled caveats", place="scan", has_commas=True, example="whole-numbers", size=9),
     )] = None  # fmt: skip
-    texture: Annotated[Values | None, PairOption(
+    texture: Annotated[QuantityInputs | None, PairOption(
         "PROCESS", "Machining process (turned, milled, ground, ...): lines and humps of the spectrum are then "
         "attributed to the surface.", is_repeatable=True,
     )] = None  # fmt: skip
-    tip: Annotated[Values | None, PairOption(
+    tip: Annotated[QuantityInputs | None, PairOption(
         "RADIUS", 'Radius of the stylus or probe, "10 nm", which limits the curvature that it can follow.',
         kind="length", is_repeatable=True, field=FormField(label="tip radius", example="10 nm"),
     )] = None  # fmt: skip
@@ -566,48 +566,48 @@ class MaterialOptions(OptionGroup):
         "MATERIAL", "Material of the counterface; the same as {upper_material} by default.", flag="--lower",
         argument="lower", is_common=True, field=FormField(label="lower", place="body"),
     )] = None  # fmt: skip
-    effective_modulus: Annotated[Value | None, PairOption(
+    effective_modulus: Annotated[QuantityInput | None, PairOption(
         "PRESSURE", 'Effective modulus E*, "10 GPa", instead of materials.', kind="pressure",
         key="contact.effective_modulus",
     )] = None  # fmt: skip
-    young: Annotated[Values | None, PairOption(
+    young: Annotated[QuantityInputs | None, PairOption(
         "PRESSURES", 'Young\'s modulus of both bodies, or of the slider and the counterface, "200 GPa,70 GPa".',
         kind="pressure", is_common=True, field=FormField(label="E", place="body", unit="GPa"),
     )] = None  # fmt: skip
-    poisson: Annotated[Values | None, PairOption(
+    poisson: Annotated[QuantityInputs | None, PairOption(
         "NUMBERS", 'Poisson\'s ratios, "0.3" or "0.3,0.33".', is_common=True, key="contact.poisson_ratio",
         applies=(needs_poisson_ratio,), field=FormField(label="ν", place="body"),
     )] = None  # fmt: skip
-    hardness: Annotated[Value | None, PairOption(
+    hardness: Annotated[QuantityInput | None, PairOption(
         "PRESSURE", 'Hardness of the softer body, the largest contact pressure: "2 GPa", "150 HV" or "150 HV ± 10 %".',
         kind="pressure", usual="the material's hardness", is_common=True, key="contact.hardness",
         applies=(has_plastic_contacts,), field=FormField(label="hardness, GPa", place="body", unit="GPa"),
     )] = None  # fmt: skip
-    yield_strength: Annotated[Value | None, PairOption(
+    yield_strength: Annotated[QuantityInput | None, PairOption(
         "PRESSURE", "Yield strength of the softer body, for {law} jackson-green.", kind="pressure",
         usual="the hardness divided by 2.84",
         applies=(uses_asperity_model, has_law_with_yield, has_no_hardness_for_asperities),
     )] = None  # fmt: skip
-    junction_growth: Annotated[Value | None, PairOption(
+    junction_growth: Annotated[QuantityInput | None, PairOption(
         "NUMBER", 'α of p² + α s² = H², by which plastic contacts grow under shear, "9" or "0..27"; 0 for none.',
         usual="0..27 for metals by name", key="contact.junction_growth", applies=(uses_half_space_model,),
     )] = None  # fmt: skip
-    wait: Annotated[Values | None, PairOption(
+    wait: Annotated[QuantityInputs | None, PairOption(
         "TIMES", 'Dwell times under load before sliding, "1 min,1 h". The given hardness applies after 1 s.',
         kind="time",
         key="friction.wait", applies=(has_creep, has_half_space_result),
     )] = None  # fmt: skip
-    creep: Annotated[Value | None, PairOption(
+    creep: Annotated[QuantityInput | None, PairOption(
         "NUMBER", 'Exponent m of indentation creep, "0.03" or "0.02..0.05": the hardness falls as (t/1 s)^-m.',
         key="known.creep", applies=(has_dwell_times,),
     )] = None  # fmt: skip
-    work_of_adhesion: Annotated[Value | None, PairOption(
+    work_of_adhesion: Annotated[QuantityInput | None, PairOption(
         "ENERGY", 'Work of adhesion, "50 mJ/m^2"; "0 mJ/m^2" declares that there is none.', kind="work of adhesion",
         usual="taken as 0", flag="--adhesion", key="contact.work_of_adhesion",
         applies=(has_complete_scans, uses_only_half_space_model),
         field=FormField(label="work of adhesion, mJ/m²", example="0, or 50", unit="mJ/m^2"),
     )] = None  # fmt: skip
-    adhesion_range: Annotated[Value | None, PairOption(
+    adhesion_range: Annotated[QuantityInput | None, PairOption(
         "LENGTH", "Gap over which the attraction decays to 1/e.", kind="length", usual="0.5 nm",
         key="contact.adhesion_range", applies=(uses_only_half_space_model, has_work_of_adhesion),
     )] = None  # fmt: skip
@@ -618,21 +618,21 @@ class FrictionOptions(OptionGroup):
 
     title: ClassVar[str] = "Load and friction"
 
-    load: Annotated[Values, PairOption(
+    load: Annotated[QuantityInputs, PairOption(
         "PRESSURE", 'Normal load over the nominal area, "10 MPa", or a force, "0.1 mN".', kind="force",
         key="friction.load", is_common=True, is_repeatable=True,
         field=FormField(label="load", place="load"),
     )]  # fmt: skip
-    width: Annotated[Value | None, PairOption(
+    width: Annotated[QuantityInput | None, PairOption(
         "LENGTH", "Width across two profiles on which a force acts.", kind="length", usual="1 um",
         applies=(presses_profiles_as_lines,), field=FormField(label="width of profiles", example="1 mm"),
     )] = None  # fmt: skip
-    mu0: Annotated[Values | None, PairOption(
+    mu0: Annotated[QuantityInputs | None, PairOption(
         "NUMBERS", 'Molecular friction coefficients, "0.3,0.4", or one with its uncertainty, "0.30±0.02" or '
         '"0.2..0.4".', key="friction.mu0", is_common=True,
         applies=(has_no_interface,), field=FormField(label="μ0", place="load"),
     )] = None  # fmt: skip
-    tau0: Annotated[Values | None, PairOption(
+    tau0: Annotated[QuantityInputs | None, PairOption(
         "PRESSURES", 'Adhesive shear strengths, "0 MPa,50 MPa", or one with its uncertainty, "30..80 MPa".',
         kind="pressure", usual="0 MPa", key="friction.tau0", is_common=True, applies=(has_no_interface,),
         field=FormField(label="τ0, MPa", place="load", unit="MPa"),
@@ -642,7 +642,7 @@ class FrictionOptions(OptionGroup):
         "interfaces.",
         key="known.interface", is_common=True,
     )] = None  # fmt: skip
-    direction: Annotated[Values | None, PairOption(
+    direction: Annotated[QuantityInputs | None, PairOption(
         "DEGREES", 'Directions of motion of the upper body, from +x towards +y, "0,90".', usual="every 30 degrees",
         key="contact.direction", applies=(presses_maps_or_surrogates,),
     )] = None  # fmt: skip
@@ -699,7 +699,7 @@ class EnsembleOptions(OptionGroup):
         "N", "Positions along the lower profile.", usual="64, or 1 for several lines", key="surfaces.offsets",
         applies=(presses_lines, has_no_positions),
     )] = None  # fmt: skip
-    travel: Annotated[Value | None, PairOption(
+    travel: Annotated[QuantityInput | None, PairOption(
         "LENGTH", "The largest offset.", kind="length", usual="half the length", key="surfaces.travel",
         applies=(presses_lines, has_no_positions),
     )] = None  # fmt: skip

@@ -12,7 +12,7 @@ import numpy as np
 from stiction.mechanics.closed_forms import hardness_under_shear
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
-from stiction.studies.evaluation import ABOVE_NOMINAL_STATUS, COMPLETE_STATUS, NEGLIGIBLE_LOAD_RATIO
+from stiction.studies.evaluation import AREA_ABOVE_NOMINAL_STATUS, FULL_CONTACT_STATUS, NEGLIGIBLE_LOAD_RATIO
 
 if TYPE_CHECKING:
     import xarray
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class RuleCoefficient:
+class SlidingRuleCoefficient:
     """Coefficient of static friction at a point under one sliding rule."""
 
     rule: str  # "all" or "opposing"
@@ -80,7 +80,7 @@ def find_contact_status(point: xarray.Dataset, study: Study) -> str:
     if "contact_status" in point:
         return str(point["contact_status"].values)
     above = mean_over_directions(point, "contact_area_fraction") > 1
-    return (COMPLETE_STATUS if study.uses_half_space else ABOVE_NOMINAL_STATUS) if above else STATUS_OK
+    return (FULL_CONTACT_STATUS if study.uses_half_space else AREA_ABOVE_NOMINAL_STATUS) if above else STATUS_OK
 
 
 def mean_contact_pressure(point: xarray.Dataset) -> float:

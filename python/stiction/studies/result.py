@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from stiction.surfaces.profile import Profile
 
 # number of fractal dimensions that represent a range in an overview
-NUM_OVERVIEW_DIMENSIONS = 4
+NUM_OVERVIEW_FRACTAL_DIMENSIONS = 4
 
 _Read = TypeVar("_Read")
 
@@ -272,7 +272,7 @@ class Result:
     def at_study_loads(self) -> xarray.Dataset:
         """Values, intervals and uncertainty budget at the loads, mu0 and tau0 of the study.
 
-        If the study has a range of fractal dimensions, only `NUM_OVERVIEW_DIMENSIONS` values are evaluated.
+        If the study has a range of fractal dimensions, only `NUM_OVERVIEW_FRACTAL_DIMENSIONS` values are evaluated.
         """
         values = self.at(budget=True)
         if self.study.is_measured:
@@ -283,7 +283,7 @@ class Result:
         # A few values of a range suffice for a curve, but all values of a list are needed.
         num_dimensions = values.sizes["fractal_dimension"]
         shown_indices = np.unique(
-            np.linspace(0, num_dimensions - 1, min(NUM_OVERVIEW_DIMENSIONS, num_dimensions)).round().astype(int)
+            np.linspace(0, num_dimensions - 1, min(NUM_OVERVIEW_FRACTAL_DIMENSIONS, num_dimensions)).round().astype(int)
         )
         return values.isel(fractal_dimension=shown_indices)
 

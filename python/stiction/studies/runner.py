@@ -123,7 +123,7 @@ def compute_missing(
     """
     stored_result = prepare_folder(study, folder, part)
     stored_result = complete_blocks(stored_result, part=part, executor=executor, progress=progress, announce=announce)
-    missing = _MissingMembers(stored_result, part)
+    missing = _UnfinishedMembers(stored_result, part)
     return missing.total - missing.count
 
 
@@ -153,7 +153,7 @@ def complete_blocks(
     `update` receives a new estimate of the run time after the first block, if much time remains and the first estimate
     was too low. Raises the errors of `compute_missing`.
     """
-    missing = _MissingMembers(stored_result, part)
+    missing = _UnfinishedMembers(stored_result, part)
     with contextlib.ExitStack() as stack:
         pool = stack.enter_context(executor_or_thread_pool(executor))
         advance = stack.enter_context(
@@ -163,13 +163,13 @@ def complete_blocks(
             stack.enter_context(_count_finished_on_error(stored_result))
             _compute_blocks(stored_result, missing, pool, advance, announce, update)
     stored_result = stored_result.reload()
-    if _MissingMembers(stored_result, part).count:
+    if _UnfinishedMembers(stored_result, part).count:
         raise StoreError(f"{printable_path(stored_result.path)} was removed or replaced while it was being written")
     return stored_result
 
 
 def _compute_blocks(
-    stored_result: StoredResult, missing: _MissingMembers, pool: Executor, advance: Callable[[int], None],
+    stored_result: StoredResult, missing: _UnfinishedMembers, pool: Executor, advance: Callable[[int], None],
     announce: Callable[[str], None] | None, update: Callable[[str], None] | None,
 ) -> None:  # fmt: skip
     """Compute the blocks that are missing in a stored result, and write them to files.
@@ -239,7 +239,7 @@ def _count_finished_on_error(stored_result: StoredResult) -> Iterator[None]:
 
 
 def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> xarray.Dataset:
-    missing = _MissingMembers(StoredResult(Path(), study, ()), None)
+    missing = _UnfinishedMembers(StoredResult(Path(), study, ()), None)
     axis = len(study.surfaces.cells())
     arrays: ArraysByName = {}
 
@@ -262,7 +262,7 @@ def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> x
 LONG_RUN_TIME = 600.0  # estimated time (s) on all threads above which advice on shortening the run is printed
 
 
-def _describe_work(stored_result: StoredResult, missing: _MissingMembers, is_visible: bool, workers: int) -> str:
+def _describe_work(stored_result: StoredResult, missing: _UnfinishedMembers, is_visible: bool, workers: int) -> str:
     """Describe the remaining work in one line: run time, number and size of files, and whether disk space is short."""
     study = stored_result.study
     free_bytes = shutil.disk_usage(stored_result.path).free
@@ -288,7 +288,9 @@ def _describe_work(stored_result: StoredResult, missing: _MissingMembers, is_vis
 MIN_REPORTED_TIME = 60.0  # remaining time (s) above which a new estimate of the run time is printed
 
 
-def _format_revised_estimate(missing: _MissingMembers, members: int, seconds: float, workers: int, cost: float) -> str:
+def _format_revised_estimate(
+    missing: _UnfinishedMembers, members: int, seconds: float, workers: int, cost: float
+) -> str:
     """Return a line with a better estimate of the run time, based on the first block.
 
     The line is empty if little time remains, or if the first estimate was right.
@@ -300,7 +302,7 @@ def _format_revised_estimate(missing: _MissingMembers, members: int, seconds: fl
     return f"{progress_text}; the rest takes about {format_duration(remaining_time)} more"
 
 
-class _MissingMembers:
+class _UnfinishedMembers:
     """Unfinished members of a study or of one part of it. Each range of members lies within one block."""
 
     def __init__(self, stored_result: StoredResult, part: tuple[int, int] | None) -> None:
@@ -328,7 +330,7 @@ class _MissingMembers:
 
 
 def _compute_ranges(
-    missing: _MissingMembers, pool: Executor, max_tasks: int, accept: Callable[[range, Any], None],
+    missing: _UnfinishedMembers, pool: Executor, max_tasks: int, accept: Callable[[range, Any], None],
     task: Callable[..., Any], *arguments: Any,
 ) -> None:  # fmt: skip
     """Submit a task for each range of missing members, and pass the result of the task to `accept`.

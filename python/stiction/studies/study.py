@@ -37,14 +37,14 @@ from stiction.studies.generated_surfaces import (
     WeierstrassMandelbrotSettings,
 )
 from stiction.studies.input_uncertainty import UncertainInputSettings
-from stiction.studies.measured_surfaces import MeasuredFile, MeasuredSurfaceSettings
+from stiction.studies.measured_surfaces import MeasuredBodySettings, MeasuredSurfaceSettings
 from stiction.studies.values import (
     FrictionCoefficients,
     LoadsOfInterest,
+    SettingsTable,
+    SettingsTableVariant,
     ShearStrengths,
     StudyError,
-    StudyTable,
-    StudyTableVariant,
     Times,
     as_tuple,
     check_keys,
@@ -109,7 +109,7 @@ TAU0_DESCRIPTION = "Adhesive shear strengths."
 LOADS_DESCRIPTION = "Normal loads of the results; `contact.load` contains these and the other loads of the curve."
 
 
-class GeneratedFrictionSettings(StudyTableVariant):
+class GeneratedSurfaceFrictionSettings(SettingsTableVariant):
     """Table `[friction]` for generated surfaces. It contains the interface strengths to plot."""
 
     place: ClassVar[str] = "generated surfaces"
@@ -119,14 +119,14 @@ class GeneratedFrictionSettings(StudyTableVariant):
     tau0: ShearStrengths = Field(default=PAPER_SHEAR_STRENGTHS, description=TAU0_DESCRIPTION)
 
 
-class AsperityFrictionSettings(GeneratedFrictionSettings):
+class AsperityFrictionSettings(GeneratedSurfaceFrictionSettings):
     """Table `[friction]` for generated surfaces in the asperity model. It contains the interface strengths to plot."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
     load: ClassVar[tuple[Quantity, ...]] = ()
 
 
-class HalfSpaceFrictionSettings(GeneratedFrictionSettings):
+class HalfSpaceFrictionSettings(GeneratedSurfaceFrictionSettings):
     """Table `[friction]` for half-spaces with generated surfaces. It contains the strengths and loads to plot."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
@@ -134,7 +134,7 @@ class HalfSpaceFrictionSettings(GeneratedFrictionSettings):
     load: LoadsOfInterest = Field(default=(), description=LOADS_DESCRIPTION)
 
 
-class MeasuredFrictionSettings(StudyTableVariant):
+class MeasuredSurfaceFrictionSettings(SettingsTableVariant):
     """Table `[friction]` for measured surfaces. It contains interface strengths, loads and dwell times."""
 
     place: ClassVar[str] = "measured surfaces"
@@ -147,12 +147,12 @@ class MeasuredFrictionSettings(StudyTableVariant):
     )
 
 
-FrictionSettings = AsperityFrictionSettings | HalfSpaceFrictionSettings | MeasuredFrictionSettings
+FrictionSettings = AsperityFrictionSettings | HalfSpaceFrictionSettings | MeasuredSurfaceFrictionSettings
 """Table `[friction]` of a study."""
 FRICTION_SETTINGS_CLASSES: tuple[type[FrictionSettings], ...] = get_args(FrictionSettings)
-SHARED_FRICTION_SETTINGS: tuple[type[StudyTableVariant], ...] = (
-    MeasuredFrictionSettings,
-    GeneratedFrictionSettings,
+SHARED_FRICTION_SETTINGS_CLASSES: tuple[type[SettingsTableVariant], ...] = (
+    MeasuredSurfaceFrictionSettings,
+    GeneratedSurfaceFrictionSettings,
     HalfSpaceFrictionSettings,
 )
 """Base classes whose keys several friction tables share."""
@@ -161,11 +161,11 @@ SHARED_FRICTION_SETTINGS: tuple[type[StudyTableVariant], ...] = (
 def select_friction_class(surfaces: type[SurfaceSettings], mechanics: str) -> type[FrictionSettings]:
     """Return the class of the table `[friction]` for the given surfaces and contact model."""
     if issubclass(surfaces, get_args(MeasuredSurfaceSettings)):
-        return MeasuredFrictionSettings
+        return MeasuredSurfaceFrictionSettings
     return HalfSpaceFrictionSettings if mechanics == "half-space" else AsperityFrictionSettings
 
 
-class EnsembleSettings(StudyTable):
+class EnsembleSettings(SettingsTable):
     """Number of members in the ensemble, and seed for the random numbers."""
 
     repetitions: int = Field(
@@ -189,7 +189,7 @@ def _require_distinct_names(names: tuple[str, ...]) -> tuple[str, ...]:
     return names
 
 
-class FigureSettings(StudyTable):
+class FigureSettings(SettingsTable):
     """Figures to draw for a result of generated surfaces."""
 
     draw: Annotated[tuple[FigureName, ...], as_tuple, AfterValidator(_require_distinct_names)] = Field(
@@ -245,7 +245,7 @@ def _empty_table() -> Any:
     return {}
 
 
-class Study(StudyTable):
+class Study(SettingsTable):
     """Complete description of a computation, including surface pairs, contact model and parameters.
 
     Missing tables and keys have the values of Fig. 6 of the paper. In files, a quantity is text with a unit, as in
@@ -323,7 +323,7 @@ class Study(StudyTable):
         contact = info.data.get("contact")
         mechanics = "half-space" if contact is None else contact.mechanics
         case = select_friction_class(type(surfaces), mechanics)
-        check_keys(value, case, SHARED_FRICTION_SETTINGS)
+        check_keys(value, case, SHARED_FRICTION_SETTINGS_CLASSES)
         return case.model_validate(value)
 
     @model_validator(mode="after")
@@ -403,7 +403,7 @@ class Study(StudyTable):
         if not isinstance(self.surfaces, MeasuredSurfaceSettings):
             return self
 
-        def known(file: MeasuredFile, side: str) -> MeasuredFile:
+        def known(file: MeasuredBodySettings, side: str) -> MeasuredBodySettings:
             return (
                 (file if folder is None else file.with_saved_bodies(folder, side))
                 .with_absolute_paths(Path.cwd())
@@ -518,7 +518,7 @@ class Study(StudyTable):
         return {name: written_entries(getattr(self, name)) for name in names}
 
 
-def _convert_table(table: StudyTable, case: type[StudyTable]) -> dict[str, Any]:
+def _convert_table(table: SettingsTable, case: type[SettingsTable]) -> dict[str, Any]:
     """Convert a table to another class. Values that differ from the defaults of the original class are kept."""
     table_class = type(table)
     changed = {key for key, value in table if value != table_class.model_fields[key].default}
@@ -527,7 +527,7 @@ def _convert_table(table: StudyTable, case: type[StudyTable]) -> dict[str, Any]:
     return written_entries(case.model_construct(**values))
 
 
-def written_entries(table: StudyTable) -> dict[str, Any]:
+def written_entries(table: SettingsTable) -> dict[str, Any]:
     """Return the entries of a table that are not None, in the order used in study files."""
     data = table.model_dump(exclude_none=True)
     order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
@@ -578,7 +578,7 @@ def find_step_dimension(dataset: xarray.Dataset) -> str:
     return "load" if "load" in dataset.dims else "approach"
 
 
-def find_differences(first: StudyTable, second: StudyTable, prefix: str = "") -> list[StudyDifference]:
+def find_differences(first: SettingsTable, second: SettingsTable, prefix: str = "") -> list[StudyDifference]:
     """List the differences between two tables, in the order of keys in study files."""
     serialized, differences = (first.model_dump(), second.model_dump()), []
     for name in dict.fromkeys((*type(first).model_fields, *type(second).model_fields)):
@@ -588,7 +588,7 @@ def find_differences(first: StudyTable, second: StudyTable, prefix: str = "") ->
         table_values = getattr(first, name, None), getattr(second, name, None)
         if table_values[0] == table_values[1]:
             continue
-        if isinstance(table_values[0], StudyTable) and isinstance(table_values[1], StudyTable):
+        if isinstance(table_values[0], SettingsTable) and isinstance(table_values[1], SettingsTable):
             differences += find_differences(table_values[0], table_values[1], f"{prefix}{name}.")
         else:
             differences.append(

@@ -21,7 +21,7 @@ from stiction.studies.assessment import MORE_CONTACTS_REMEDY, Caveat, find_point
 from stiction.studies.point import (
     CELL_DIMENSIONS,
     MEAN_AND_LIMITS,
-    RuleCoefficient,
+    SlidingRuleCoefficient,
     find_contact_status,
     is_unloaded,
     iterate_points,
@@ -46,7 +46,7 @@ MIN_DOMINANT_INPUT_FRACTION = 0.1
 
 
 @dataclass(frozen=True)
-class RemainingInterval:
+class UncertaintyBudgetEntry:
     """Entry of the uncertainty budget. It contains the interval that would remain if one input were exact."""
 
     words: str
@@ -74,7 +74,7 @@ class PointSummary:
     study : Study
     values : xarray.Dataset
         All quantities at the point, with their intervals, as returned by `Result.at`.
-    rules : tuple of RuleCoefficient
+    rules : tuple of SlidingRuleCoefficient
         Coefficients of static friction by sliding rule, starting with the quoted rule.
     status : str
         "ok", or the reason why there is no coefficient.
@@ -88,7 +88,7 @@ class PointSummary:
         None without a hardness, or if the value may not be quoted.
     from_roughness : float, optional
         Contribution to the value that depends on the scans rather than on the inputs alone.
-    budget : tuple of RemainingInterval
+    budget : tuple of UncertaintyBudgetEntry
         Intervals that would remain if an input were exact, starting with the most important input.
     parts : (float, float, float), optional
         Contributions to the coefficient: mu0, tau0 on the true area, and slopes.
@@ -102,13 +102,13 @@ class PointSummary:
 
     study: Study
     values: xarray.Dataset
-    rules: tuple[RuleCoefficient, ...]
+    rules: tuple[SlidingRuleCoefficient, ...]
     status: str
     caveats: tuple[Caveat, ...] = ()
     at: dict[str, Any] = field(default_factory=dict)
     bracket: tuple[float, float] | None = None
     from_roughness: float | None = None
-    budget: tuple[RemainingInterval, ...] = ()
+    budget: tuple[UncertaintyBudgetEntry, ...] = ()
     parts: tuple[float, float, float] | None = None
     waited: tuple[DwellTimeCoefficient, ...] = ()
     covered: bool = False
@@ -170,7 +170,7 @@ class PointSummary:
         return self.rules[0].upper
 
     @property
-    def dominant_input(self) -> RemainingInterval | None:
+    def dominant_input(self) -> UncertaintyBudgetEntry | None:
         """Input that contributes most to the width of the interval, or None if no input dominates."""
         largest_entry, width = self.budget[:1], self.upper - self.lower
         return (
@@ -290,14 +290,14 @@ def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> Poi
     # With one or two positions, the width of the interval is infinite or NaN.
     has_interval = math.isfinite(point.upper - point.lower)
     budget = (
-        [RemainingInterval(UNATTRIBUTED_WAVELENGTHS_INPUT, point.lower, point.upper, point.upper - point.lower)]
+        [UncertaintyBudgetEntry(UNATTRIBUTED_WAVELENGTHS_INPUT, point.lower, point.upper, point.upper - point.lower)]
         if has_interval
         else []
     )
     for entry in point.budget:
         other_entry = other_budget.get(entry.words, entry)
         low, high = min(entry.lower, other_entry.lower), max(entry.upper, other_entry.upper)
-        budget.append(RemainingInterval(entry.words, low, high, high - low))
+        budget.append(UncertaintyBudgetEntry(entry.words, low, high, high - low))
     value = other_point.rules[0]
     is_measured = point.at["cut_off"] == 0
     text = (
@@ -317,7 +317,7 @@ def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> Poi
     return replace(point, rules=rules, budget=sorted_budget, caveats=tuple(caveats), bracket=bracket)
 
 
-def _include_cutoff_value(value: RuleCoefficient, other_value: RuleCoefficient) -> RuleCoefficient:
+def _include_cutoff_value(value: SlidingRuleCoefficient, other_value: SlidingRuleCoefficient) -> SlidingRuleCoefficient:
     """Extend the intervals of a value to include the intervals of the same value at another cutoff."""
     lower, upper = float(np.fmin(value.lower, other_value.lower)), float(np.fmax(value.upper, other_value.upper))
     (low, high), (other_low, other_high) = value.next_test, other_value.next_test
@@ -358,7 +358,7 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
 # ---- Values ----------------------------------------------------------------------------------------------------------
 
 
-def _build_rule_value(point: xarray.Dataset, rule: str) -> RuleCoefficient:
+def _build_rule_value(point: xarray.Dataset, rule: str) -> SlidingRuleCoefficient:
     table = select_sliding_rule(point, rule)
     name = "friction_all_round" if "friction_all_round" in table else "friction_coefficient"
     value, lower, upper = (table[name].sel(statistic=each).item() for each in MEAN_AND_LIMITS)
@@ -366,7 +366,7 @@ def _build_rule_value(point: xarray.Dataset, rule: str) -> RuleCoefficient:
     lower, upper = _interval_limits(table, "friction_known") or limits
     next_test = _interval_limits(table, "friction_next_test") or (math.nan, math.nan)
     low, high, slopes = (mean_over_directions(table, each) for each in ("spread_low", "spread_high", "gentle_friction"))
-    return RuleCoefficient(rule, value, lower, upper, limits, next_test, low, high, slopes)
+    return SlidingRuleCoefficient(rule, value, lower, upper, limits, next_test, low, high, slopes)
 
 
 def _interval_limits(table: xarray.Dataset, name: str) -> tuple[float, float] | None:
@@ -376,14 +376,14 @@ def _interval_limits(table: xarray.Dataset, name: str) -> tuple[float, float] | 
     return (lower, upper) if math.isfinite(lower) and not math.isnan(upper) else None
 
 
-def _remaining_intervals(point: xarray.Dataset, rule: str) -> tuple[RemainingInterval, ...]:
+def _remaining_intervals(point: xarray.Dataset, rule: str) -> tuple[UncertaintyBudgetEntry, ...]:
     """Return the intervals that would remain if one input at a time were exact, sorted by increasing width."""
     if "friction_if_known" not in point:
         return ()
     budget, intervals = select_sliding_rule(point, rule), []
     for index, label in enumerate(budget["input_words"].values.tolist()):
         if (limits := _interval_limits(budget.isel(input=index), "friction_if_known")) is not None:
-            intervals.append(RemainingInterval(label, *limits, float(budget["width_if_known"][index])))
+            intervals.append(UncertaintyBudgetEntry(label, *limits, float(budget["width_if_known"][index])))
     return tuple(sorted(intervals, key=lambda left: left.width))
 
 
@@ -395,7 +395,7 @@ def _dwell_time_values(point: xarray.Dataset, rule: str) -> tuple[DwellTimeCoeff
     return tuple(DwellTimeCoefficient(seconds, *value_and_limits) for seconds, value_and_limits in seconds_and_values)
 
 
-def _friction_contributions(point: xarray.Dataset, rule: RuleCoefficient) -> tuple[float, float, float] | None:
+def _friction_contributions(point: xarray.Dataset, rule: SlidingRuleCoefficient) -> tuple[float, float, float] | None:
     """Return the contributions of mu0, tau0 and slopes to friction at all contacts, or None for other sliding rules."""
     if rule.rule != "all" or not math.isfinite(rule.value):
         return None
@@ -420,7 +420,7 @@ def _point_coordinates(point: xarray.Dataset, study: Study) -> dict[str, float]:
     return coordinates
 
 
-def _roughness_contribution(point: xarray.Dataset, study: Study, rule: RuleCoefficient) -> float | None:
+def _roughness_contribution(point: xarray.Dataset, study: Study, rule: SlidingRuleCoefficient) -> float | None:
     """Return the part of the friction coefficient that depends on the scans, or None if this part is unknown.
 
     Friction acts at all contacts. The contribution of the inputs alone is mu0 and, with a hardness H, tau0/H if all
@@ -437,7 +437,9 @@ def _is_invalid_bracket_caveat(caveat: Caveat) -> bool:
     return caveat.severity == "fault" and caveat.remedy != MORE_CONTACTS_REMEDY
 
 
-def _resolution_bracket(point: xarray.Dataset, study: Study, all_rub: RuleCoefficient) -> tuple[float, float] | None:
+def _resolution_bracket(
+    point: xarray.Dataset, study: Study, all_rub: SlidingRuleCoefficient
+) -> tuple[float, float] | None:
     """Return bounds on the friction coefficient that hold for all finer scans to second order in the slope.
 
     The upper bound is the upper limit of the interval, plus an allowance for load that shorter wavelengths shift

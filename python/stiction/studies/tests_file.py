@@ -15,7 +15,7 @@ from stiction._units import short_repr, unit_names
 from stiction.studies.interfaces import FrictionTest
 from stiction.surfaces.measured.decode import decode_text
 
-TEST_COLUMNS = ("load", "force", "coefficient", "uncertainty", "pair", "run", "slid", "wait")
+FRICTION_TEST_COLUMNS = ("load", "force", "coefficient", "uncertainty", "pair", "run", "slid", "wait")
 """Standard names of the columns."""
 
 _COLUMN_ALIASES = {
@@ -35,23 +35,23 @@ _COLUMN_UNITS = {
 """Accepted units by column. Other columns have no unit."""
 
 _COLUMN_TITLE_EXAMPLES = {"load": "load (mN)", "force": "force (mN)", "wait": "wait (s)"}
-MAX_TEST_FILE_BYTES = 10_000_000
+MAX_FRICTION_TEST_FILE_BYTES = 10_000_000
 _COLUMN_TITLE_PATTERN = re.compile(
     r"\s*(.*?)\s*(?:[(\[<{]\s*([^()\[\]<>{}]*?)\s*[)\]>}]|(?:/|\s+in\s)\s*([^\W\d_]{1,4}|%))?\s*"
 )
 _THOUSANDS_PATTERN = re.compile(r"[+-]?[1-9][0-9]{0,2}(,[0-9]{3})+")
-_SLID_VALUES = {"": True, "1": True, "yes": True, "true": True, "0": False, "no": False, "false": False}
+_SLID_BY_CELL_TEXT = {"": True, "1": True, "yes": True, "true": True, "0": False, "no": False, "false": False}
 
 
 def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[FrictionTest, ...]:
     """Parse a table of friction tests. It must have a column `load`, and a column `force` or `coefficient`.
 
-    `TEST_COLUMNS` lists all columns. Columns are separated by tabs, semicolons or commas. With tabs or semicolons,
-    decimal commas are accepted. The column `pair` contains the name of one of the bodies, which are results or balls.
-    Raises a `ValueError` with the number of an invalid line.
+    `FRICTION_TEST_COLUMNS` lists all columns. Columns are separated by tabs, semicolons or commas. With tabs or
+    semicolons, decimal commas are accepted. The column `pair` contains the name of one of the bodies, which are results
+    or balls. Raises a `ValueError` with the number of an invalid line.
     """
     try:
-        text = decode_text(read_file_bytes(Path(path), MAX_TEST_FILE_BYTES)).data.decode()
+        text = decode_text(read_file_bytes(Path(path), MAX_FRICTION_TEST_FILE_BYTES)).data.decode()
     except OSError as error:
         raise ValueError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
     except (ValueError, UnreadableFileError) as error:
@@ -81,8 +81,10 @@ def _parse_titles(title_row: list[str]) -> dict[str, tuple[int, str]]:
         match = _COLUMN_TITLE_PATTERN.fullmatch(cell)
         name = " ".join(match[1].lower().split()) if match else ""
         name, unit = _COLUMN_ALIASES.get(name, name), (match[2] or match[3] or "") if match else ""
-        if name not in TEST_COLUMNS:
-            raise ValueError(f"has the unknown column {_quote_cell(cell)}; columns are {', '.join(TEST_COLUMNS)}")
+        if name not in FRICTION_TEST_COLUMNS:
+            raise ValueError(
+                f"has the unknown column {_quote_cell(cell)}; columns are {', '.join(FRICTION_TEST_COLUMNS)}"
+            )
         if name in columns:
             raise ValueError(f"has two columns for {name}; the second is {_quote_cell(cell)}")
         if unit not in (allowed := _COLUMN_UNITS.get(name, ("",))):
@@ -170,7 +172,7 @@ class _FrictionTestTable:
         name = cells.get("pair", "").rstrip("/") or (next(iter(bodies)) if len(bodies) == 1 else "")
         if name not in bodies:
             raise ValueError(f"pair must be one of {', '.join(bodies)}, got {short_repr(name)}")
-        if (slid := _SLID_VALUES.get(cells.get("slid", "").lower())) is None:
+        if (slid := _SLID_BY_CELL_TEXT.get(cells.get("slid", "").lower())) is None:
             raise ValueError(f"slid must be 1 if the pair slid and 0 otherwise, got {short_repr(cells['slid'])}")
         arguments: dict[str, Any] = {"slid": slid, "run": cells.get("run") or None}
         for key in ("force", "wait", "uncertainty"):

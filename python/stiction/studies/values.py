@@ -159,13 +159,13 @@ Directions = (
 SlidingRules = Annotated[SlidingRule | tuple[SlidingRule, ...], _one_or_tuple("rule", _read_sliding, str)]
 
 
-class StudyTable(BaseModel):
+class SettingsTable(BaseModel):
     """Base class for the tables of a study file. Tables are immutable, and have declared keys with strict types."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, validate_default=True)
 
 
-class StudyTableVariant(StudyTable):
+class SettingsTableVariant(SettingsTable):
     """Base class for study-file tables with several variants. Each variant is a class with different keys."""
 
     place: ClassVar[str]  # name of the class in messages
@@ -196,7 +196,7 @@ def select_key_value(key: str, table: Mapping[str, Any], cases: Mapping[str, Any
     return value
 
 
-class _ValueRange(StudyTable):
+class _ValueRange(SettingsTable):
     """Range of equally spaced values, including both limits."""
 
     start: Any
@@ -262,7 +262,7 @@ RANGE_TAG, LIST_TAG = "a range", "a list"
 
 
 def _range_or_list_tag(value: object) -> str | None:
-    if isinstance(value, (Mapping, StudyTable)):
+    if isinstance(value, (Mapping, SettingsTable)):
         return RANGE_TAG
     return LIST_TAG if isinstance(value, (list, tuple)) else None
 
@@ -290,7 +290,7 @@ def to_value_array(values: _ValueRange | tuple[float, ...]) -> Floats:
 
 
 def check_keys(
-    table: Mapping[Any, Any], case: type[StudyTableVariant], shared: Sequence[type[StudyTableVariant]]
+    table: Mapping[Any, Any], case: type[SettingsTableVariant], shared: Sequence[type[SettingsTableVariant]]
 ) -> None:
     """Raise an error if a key belongs to another class of this table, or if a required key is missing.
 
@@ -317,7 +317,7 @@ def check_keys(
             raise make_key_error(key, f"must be given for {case.place}")
 
 
-_TableClass = TypeVar("_TableClass", bound=StudyTable)
+_SettingsClass = TypeVar("_SettingsClass", bound=SettingsTable)
 
 
 MAX_LISTED_FAULTS = 5  # maximum number of errors in a message about a study
@@ -370,7 +370,7 @@ def parse_toml(text: str) -> dict[str, Any]:
         raise ValueError("is nested too deeply") from None
 
 
-def validate_table(table_class: type[_TableClass], data: Mapping[str, Any], source: str) -> _TableClass:
+def validate_table(table_class: type[_SettingsClass], data: Mapping[str, Any], source: str) -> _SettingsClass:
     """Validate a table and return it as an instance of the given class.
 
     Error messages start with the name of the source of the table.
@@ -388,7 +388,7 @@ def validate_table(table_class: type[_TableClass], data: Mapping[str, Any], sour
         raise StudyError("\n".join(lines), tuple(faults)) from None
 
 
-_ERROR_MESSAGES = {
+_ERROR_MESSAGE_TEMPLATES = {
     "finite_number": "must be a finite number", "float_type": "must be a number", "int_type": "must be a whole number",
     "bool_type": "must be true or false", "string_type": "must be text", "literal_error": "must be {expected}",
     "greater_than": "must be above {gt:g}", "greater_than_equal": "must be at least {ge:g}",
@@ -402,7 +402,7 @@ _ERROR_MESSAGES = {
 """Messages that replace messages of pydantic, by error type."""
 
 
-def _convert_validation_error(table_class: type[StudyTable], fault: ErrorDetails) -> tuple[str, str]:
+def _convert_validation_error(table_class: type[SettingsTable], fault: ErrorDetails) -> tuple[str, str]:
     """Convert a pydantic error to a message and the key that caused the error."""
     location = [key_part for key_part in fault["loc"] if key_part not in (RANGE_TAG, LIST_TAG)]
     key = "".join(
@@ -420,7 +420,7 @@ def _convert_validation_error(table_class: type[StudyTable], fault: ErrorDetails
         message = "must be a list"
     if fault["type"] == "string_unicode":
         message = "must be text in UTF-8, the encoding of studies (rename files whose names have another encoding)"
-    if (template := _ERROR_MESSAGES.get(fault["type"])) is not None:
+    if (template := _ERROR_MESSAGE_TEMPLATES.get(fault["type"])) is not None:
         message = template.format_map(fault.get("ctx", {}))
     if fault["type"] not in ("value_error", "missing", "range_or_list", "key", "too_short", "too_long"):
         message = f"{message[0].lower()}{message[1:]}, got {short_repr(fault['input'])}"
@@ -430,7 +430,7 @@ def _convert_validation_error(table_class: type[StudyTable], fault: ErrorDetails
 MAX_SUGGESTIONS = 3  # maximum number of suggestions for an unknown key
 
 
-def _suggest_keys(table_class: type[StudyTable], location: list[int | str]) -> str:
+def _suggest_keys(table_class: type[SettingsTable], location: list[int | str]) -> str:
     """Return a hint that names similar keys of the table, or the command that lists all keys."""
     tables = [table_class]
     for parent_key in location[:-1]:
@@ -444,8 +444,8 @@ def _suggest_keys(table_class: type[StudyTable], location: list[int | str]) -> s
     return f"; is it {names}?" if names else "; stiction studies --keys lists all"
 
 
-def find_table_classes(annotation: Any) -> list[type[StudyTable]]:
+def find_table_classes(annotation: Any) -> list[type[SettingsTable]]:
     """Return the table classes that a field with the given annotation accepts."""
     if isinstance(annotation, type):
-        return [annotation] if issubclass(annotation, StudyTable) else []
+        return [annotation] if issubclass(annotation, SettingsTable) else []
     return [table for argument in get_args(annotation) for table in find_table_classes(argument)]

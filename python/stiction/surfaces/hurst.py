@@ -18,7 +18,9 @@ from stiction.surfaces.spectrum import HANN_VARIANCE_FACTOR, areal_spectrum, is_
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_body
 
 _NUM_NEWTON_STEPS, _NUM_HALVINGS = 50, 30
-MAX_INTERVAL_WIDTH = 0.5  # the estimate of H is informative only if its 95 % interval is not wider than this limit
+MAX_HURST_INTERVAL_WIDTH = (
+    0.5  # the estimate of H is informative only if its 95 % interval is not wider than this limit
+)
 MIN_BAND_HARMONICS = 8  # minimum number of harmonics in a band
 _NO_BAND_MESSAGE = "the spectrum has no self-affine band of half a decade or more (0 < H < 2); specify one with band"
 _TREND_ROUND_OFF = 1e-13  # round-off of a subtracted straight line, relative to the largest height
@@ -161,7 +163,7 @@ class HurstEstimate(TableRepr):
     def caution(self) -> str | None:
         """Sentence that explains why the exponent is unreliable, or None if it is reliable."""
         interval = f"the 95 % interval of H, [{self.lower:.2f}, {self.upper:.2f}],"
-        if self.upper - self.lower > MAX_INTERVAL_WIDTH:
+        if self.upper - self.lower > MAX_HURST_INTERVAL_WIDTH:
             decades = math.log10(self.longest_wavelength / self.shortest_wavelength)
             return f"{interval} is too wide to be useful: the band is {decades:.1f} decades wide"
         if self.value > 1:

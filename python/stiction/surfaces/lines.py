@@ -11,14 +11,14 @@ from stiction._checks import Floats, check_choice, make_read_only
 from stiction._repr import TextRepr
 from stiction.surfaces.hurst import HurstEstimate, estimate_hurst_exponent
 from stiction.surfaces.preparation import levelled
-from stiction.surfaces.profile import Along, Profile
+from stiction.surfaces.profile import LineOrientation, Profile
 from stiction.surfaces.roughness import roughness_parameters
 from stiction.surfaces.spectrum import PowerSpectrum, RadialSpectrum, is_within_wavelength_band, power_spectrum
 from stiction.surfaces.surface import Surface, as_body, reject_flat_body
 
 # Maximum number of lines whose Hurst exponents are fitted. Neighbouring lines are correlated, so more lines add little.
 MAX_FITTED_LINES = 64
-_BOTH_AXES: tuple[Along, Along] = ("x", "y")
+_BOTH_AXES: tuple[LineOrientation, LineOrientation] = ("x", "y")
 MAX_POWER_LAW_MISFIT = 1.5  # largest accepted rms factor between a spectrum and the fitted power law
 # Two bands of wavelengths count as equal if their ends differ by at most this factor.
 _MAX_EQUAL_BAND_RATIO = 1.5
@@ -79,7 +79,9 @@ class LineRoughness(TextRepr):
         return self.misfit <= MAX_POWER_LAW_MISFIT
 
 
-def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] | None = None) -> LineRoughness:
+def line_roughness(
+    surface: Surface, along: LineOrientation, *, band: tuple[float, float] | None = None
+) -> LineRoughness:
     """Compute the roughness of a surface along its rows or along its columns.
 
     Parameters
@@ -118,7 +120,7 @@ def line_roughness(surface: Surface, along: Along, *, band: tuple[float, float] 
     >>> along_x.lines, along_x.hurst_exponents.size
     (60, 60)
     """
-    check_choice("along", along, Along)
+    check_choice("along", along, LineOrientation)
     reject_flat_body(surface)
     line_count, points = surface.heights.shape if along == "x" else surface.heights.shape[::-1]
     if points < _MIN_LINE_POINTS:

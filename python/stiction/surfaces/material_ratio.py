@@ -99,7 +99,7 @@ def heights_at_material_ratios(heights: Floats, ratios: ArrayLike) -> Floats:
     return np.asarray(np.quantile(heights, 1 - np.asarray(ratios)))
 
 
-class MaterialVolumes(NamedTuple):
+class VolumeParameters(NamedTuple):
     """Material and void volumes per area, in the unit of the heights."""
 
     peak_material: float
@@ -108,12 +108,12 @@ class MaterialVolumes(NamedTuple):
     valley_void: float
 
 
-def material_volumes(heights: Floats) -> MaterialVolumes:
+def material_volumes(heights: Floats) -> VolumeParameters:
     """Compute the volumes above and below the heights at which the material ratio is 10 % and 80 %."""
     upper, lower = heights_at_material_ratios(heights, [PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO]).tolist()
     above_upper, above_lower = (float(np.maximum(heights - end, 0).mean()) for end in (upper, lower))
     below_upper, below_lower = (float(np.maximum(end - heights, 0).mean()) for end in (upper, lower))
-    return MaterialVolumes(above_upper, above_lower - above_upper, below_upper - below_lower, below_lower)
+    return VolumeParameters(above_upper, above_lower - above_upper, below_upper - below_lower, below_lower)
 
 
 class CoreParameters(NamedTuple):

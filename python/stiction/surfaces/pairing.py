@@ -25,7 +25,7 @@ from stiction.surfaces.preparation import (
     resample_piece,
     resampled,
 )
-from stiction.surfaces.profile import Along, Profile, Side, select_from_mask
+from stiction.surfaces.profile import LineOrientation, Profile, Side, select_from_mask
 from stiction.surfaces.surface import Surface, as_body
 from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
@@ -67,7 +67,7 @@ class LinePairs:
     lower: Profile | Surface
     travel: float | None = None
     level: ProfileTrend | None = "line"
-    along: Along = "x"
+    along: LineOrientation = "x"
     surrogates: SurrogateBodies = "none"
     seed: int = 2016
     has_several_pairs: bool = False
@@ -157,7 +157,7 @@ def paired_lines(
     travel: float | None = None,
     level: ProfileTrend | None = "line",
     lines: int = DEFAULT_LINE_COUNT,
-    along: Along = "x",
+    along: LineOrientation = "x",
     surrogates: SurrogateBodies = "none",
     seed: int = 2016,
 ) -> tuple[list[Profile], list[Profile]]:
@@ -208,7 +208,7 @@ def paired_lines(
     >>> [len(each) for each in lines[:2]]
     [4, 4]
     """
-    check_choice("along", along, Along)
+    check_choice("along", along, LineOrientation)
     check_choice("surrogates", surrogates, SurrogateBodies)
     if level is not None:
         check_choice("level", level, ProfileTrend)

@@ -86,7 +86,7 @@ def _define_profile_parameters(letter: str) -> tuple[ParameterDefinition, ...]:
 PROFILE_PARAMETERS = {letter: _define_profile_parameters(letter) for letter in "PRW"}
 """Parameters of the primary profile (key P), the roughness profile (R) and the waviness profile (W)."""
 
-_ISO_25178, _FIVE_PEAKS = "ISO 25178-2", "five peaks"
+_ISO_25178, _FIVE_PEAKS_REQUIREMENT = "ISO 25178-2", "five peaks"
 SURFACE_PARAMETERS = (
     ParameterDefinition(
         "Sq", "root-mean-square height", f"{_ISO_25178}, 4.2 height",
@@ -154,7 +154,7 @@ SURFACE_PARAMETERS = (
     ),
     ParameterDefinition(
         "S5p", "five-point peak height", f"{_ISO_25178}, 5.8 feature", r"\frac15 \sum_{i=1}^5 z_{p,i}",
-        needs=_FIVE_PEAKS,
+        needs=_FIVE_PEAKS_REQUIREMENT,
     ),
     ParameterDefinition(
         "S5v", "five-point pit depth", f"{_ISO_25178}, 5.8 feature", r"-\frac15 \sum_{i=1}^5 z_{v,i}", needs="five pits"

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 AmplitudeMeasure = Literal["height", "Ra", "Rq"]
 Side = Literal["lower", "upper"]  # name of one body of a pair
-Along = Literal["x", "y"]  # axis along which the lines of a surface run: "x" for rows, "y" for columns
+LineOrientation = Literal["x", "y"]  # axis along which the lines of a surface run: "x" for rows, "y" for columns
 MAX_POINTS = 100_000_000  # maximum number of points of a generated body; its heights take 0.8 GB
 MIN_POINTS = 4  # minimum number of points, so that a natural cubic spline has two interior points
 

@@ -588,7 +588,7 @@ def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: li
     return False, float(np.square(other_q[is_noisy]) @ expected_noise[is_noisy]) * float(other_q[0]) / math.pi
 
 
-class _ScanDisturbance(NamedTuple):
+class _SpectrumDisturbance(NamedTuple):
     """Disturbance of a line spectrum: the wavelengths not attributed to the surface, and the texture period."""
 
     wavelength_limit: float  # upper limit of the unattributed wavelengths, µm; NaN if there are none
@@ -601,13 +601,13 @@ class _ScanDisturbance(NamedTuple):
 
 def _find_disturbance(
     q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool, textured: bool
-) -> _ScanDisturbance:
+) -> _SpectrumDisturbance:
     """Remove the harmonics of a texture, and find the wavelengths that are not attributed to the surface."""
     first_harmonic, harmonic_distance = find_texture_harmonics(density)
     period = 2 * math.pi / (float(q[0]) * first_harmonic)
     if first_harmonic > 0:
         if harmonic_distance < MIN_HARMONIC_DISTANCE:
-            return _ScanDisturbance(math.nan, "noise floor", 0.0, period)
+            return _SpectrumDisturbance(math.nan, "noise floor", 0.0, period)
         # Cusps of unequal depth cause a hump near the first harmonic, which is therefore excluded.
         above_first_harmonic = slice(int(first_harmonic), None)
         density, q, count = (
@@ -617,14 +617,14 @@ def _find_disturbance(
         )
     wavelength_limit, kind = _find_noise_wavelength(q, density, count, spacing, periodic=periodic)
     if not wavelength_limit > 0 or (textured and kind not in INSTRUMENT_REASONS):
-        return _ScanDisturbance(math.nan, kind, 0.0, period)
+        return _SpectrumDisturbance(math.nan, kind, 0.0, period)
     is_unattributed = q * wavelength_limit > 2 * math.pi
     mean_square_slope = float((np.square(q) * density)[is_unattributed].sum() * (q[1] - q[0]) / math.pi)
     # a noise floor has the same density at all wave numbers as at the end of the spectrum
     if kind in INSTRUMENT_REASONS:
         floor_density = float(density[q * math.sqrt(2) > q[-1]].mean())
         mean_square_slope = min(mean_square_slope, floor_density * float(np.square(q).sum() * (q[1] - q[0])) / math.pi)
-    return _ScanDisturbance(wavelength_limit, kind, mean_square_slope, period)
+    return _SpectrumDisturbance(wavelength_limit, kind, mean_square_slope, period)
 
 
 def _find_noise_wavelength(

@@ -149,7 +149,9 @@ def interfaces_text(interfaces: Sequence[Mapping[str, str]]) -> str:
     for record in interfaces:
         kind_and_motion = ", ".join(record[name] for name in ("kind", "motion") if name in record)
         law_text = f"{kind_and_motion}: μ0 = {record['mu0']}, τ0 = {record['tau0']}"
-        other_entries = {name.replace("_", " "): text for name, text in record.items() if name not in _LAW_KEYS}
+        other_entries = {
+            name.replace("_", " "): text for name, text in record.items() if name not in _FRICTION_LAW_KEYS
+        }
         other_lines = (
             text if name in _KEYS_PRINTED_WITHOUT_NAME else f"{name} {text}" for name, text in other_entries.items()
         )
@@ -164,7 +166,7 @@ def interfaces_text(interfaces: Sequence[Mapping[str, str]]) -> str:
     return "\n\n".join(paragraphs)
 
 
-_LAW_KEYS = ("name", "kind", "motion", "mu0", "tau0")
+_FRICTION_LAW_KEYS = ("name", "kind", "motion", "mu0", "tau0")
 _KEYS_PRINTED_WITHOUT_NAME = ("conditions", "source")
 """Keys of an interface whose values are printed without the key."""
 

@@ -51,7 +51,7 @@ from stiction.views.rows import json_entry, record_json
 from stiction.views.spreadsheet import frame_to_csv
 from stiction.views.text import wrap_text
 
-SLOPE_ESTIMATE_MU0 = 0.4  # molecular friction coefficient mu0 of the small-slope estimate
+ASSUMED_MU0 = 0.4  # molecular friction coefficient mu0 of the small-slope estimate
 RADIAL_BINS_PER_DECADE = 20  # number of bins per decade in the spectrum of a surface
 NUM_SLOPE_WAVELENGTHS = 4  # number of wavelengths for which slopes are printed: 2, 4, 8, ... grid spacings
 # Unreliable wavelengths are ignored if they contribute less than this fraction of the mean square slope.
@@ -70,7 +70,7 @@ _UNIT_SYMBOLS = {
     "1/um2": " 1/µm²",
     "degrees": "°",
 }  # printed units by JSON unit
-_JSON_UNITS = {"": "1"}  # JSON unit of dimensionless parameters; `_json_unit` converts all other units
+_JSON_UNIT_EXCEPTIONS = {"": "1"}  # JSON unit of dimensionless parameters; `_json_unit` converts all other units
 
 
 class TableRow(NamedTuple):
@@ -237,9 +237,7 @@ class Characterisation:
         return tuple(
             float(
                 gentle_friction(
-                    SLOPE_ESTIMATE_MU0,
-                    rms_gradient=math.sqrt(sum(mean_square_slopes)),
-                    rms_slope=math.sqrt(mean_square_slope),
+                    ASSUMED_MU0, rms_gradient=math.sqrt(sum(mean_square_slopes)), rms_slope=math.sqrt(mean_square_slope)
                 )
             )
             for mean_square_slope in mean_square_slopes
@@ -371,7 +369,7 @@ class Characterisation:
         values = " ".join(f"{value:.3f}{axis}" for value, axis in zip(self.friction_estimates, axes, strict=True))
         return (
             f"{values} for two such surfaces, small-slope estimate; friction only at contacts whose slope opposes "
-            f"the motion (the rule of the paper), μ0 = {SLOPE_ESTIMATE_MU0:g} (gentle_friction)"
+            f"the motion (the rule of the paper), μ0 = {ASSUMED_MU0:g} (gentle_friction)"
         )
 
     def _wavelength_rows(self) -> list[TableRow]:
@@ -603,7 +601,7 @@ def length_text(value: float) -> str:
 
 def _json_unit(parameter: ParameterDefinition) -> str:
     """Return the JSON unit of a parameter."""
-    return _JSON_UNITS.get(parameter.unit, parameter.unit.replace("µm", "um").replace("²", "2"))
+    return _JSON_UNIT_EXCEPTIONS.get(parameter.unit, parameter.unit.replace("µm", "um").replace("²", "2"))
 
 
 def _filters_text(result: SectionParameters) -> str:

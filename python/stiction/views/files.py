@@ -9,15 +9,15 @@ from stiction._files import check_replaceable, new_file, replacement_file
 from stiction._text import printable_path
 from stiction.studies.result import Result
 from stiction.views.latex import latex_table
-from stiction.views.report.page import REPORT_FILE_MARK
+from stiction.views.report.page import REPORT_FILE_SIGNATURE
 from stiction.views.spreadsheet import frame_to_csv
-from stiction.views.style import FIGURE_FILE_MARKS
+from stiction.views.style import FIGURE_FILE_SIGNATURES
 
 RESULT_TABLE_NAME = "result.csv"
-OUTPUT_FILE_MARKS = {
+OUTPUT_FILE_SIGNATURES = {
     RESULT_TABLE_NAME: b"coefficient of static friction: lower",
-    "report.html": REPORT_FILE_MARK.encode(),
-    "friction.png": FIGURE_FILE_MARKS[".png"],
+    "report.html": REPORT_FILE_SIGNATURE.encode(),
+    "friction.png": FIGURE_FILE_SIGNATURES[".png"],
 }
 """Files that `pair` writes into its directory, each with the bytes that identify it as an output of `pair`."""
 

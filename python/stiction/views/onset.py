@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-HALF_SLIDING_FRACTION = 0.5
+HALF_SLIDING_LOAD_FRACTION = 0.5
 CYCLE_AMPLITUDES = (0.5, 0.9)  # amplitudes of cyclic tangential loading, relative to the sliding load
 
 
@@ -35,7 +35,7 @@ def onset_text(onset: xarray.Dataset) -> str:
         displacement_phrases.append(
             f"pre-sliding displacement {format_estimate(*_mean_with_limits(displacement, factor))} {unit}"
         )
-    slipped_area = _mean_with_limits(onset["slipped_area"].sel(fraction=HALF_SLIDING_FRACTION))
+    slipped_area = _mean_with_limits(onset["slipped_area"].sel(fraction=HALF_SLIDING_LOAD_FRACTION))
     displacement_phrases.append(f"{format_percent(slipped_area[0])} of the contact slips at half of the sliding load")
     factor, unit = _stiffness_display_factor(onset["stiffness"])
     if math.isfinite((stiffness_interval := _mean_with_limits(onset["stiffness"], factor))[0]):
@@ -64,7 +64,7 @@ def onset_rows(onset: xarray.Dataset) -> list[list[str]]:
     attributes = onset.attrs
     load, tau0 = format_with_unit(float(attributes["load_mN"]), "mN"), _tau0_text(float(attributes["tau0_GPa"]))
     header = f"{load}, μ0 = {float(attributes['mu0']):g}, τ0 = {tau0}"
-    half_load_onset = onset.sel(fraction=HALF_SLIDING_FRACTION)
+    half_load_onset = onset.sel(fraction=HALF_SLIDING_LOAD_FRACTION)
     (length_factor, length_unit), (stiffness_factor, stiffness_unit), (unloading_factor, unloading_unit) = (
         _length_display_factor(onset["displacement_at_sliding"]),
         _stiffness_display_factor(onset["stiffness"]),

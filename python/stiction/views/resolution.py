@@ -99,7 +99,7 @@ def yield_wavelength_rows(estimates: Sequence[YieldWavelengthEstimate], scan: Re
     return [["if the hardness is", "it yields at a wavelength of", "μ_s all contacts, at least"], *rows] if rows else []
 
 
-ELASTIC_CAVEAT = (
+ELASTIC_RESULT_CAVEAT = (
     "This result is elastic: a finer scan has steeper slopes and less area, without a limit. A hardness sets a limit: "
     "give --hardness, or materials by name."
 )

@@ -11,7 +11,7 @@ from stiction._drawing import set_log_tick_labels
 from stiction._number_format import format_percent, format_with_unit
 from stiction.mechanics.closed_forms import effective_modulus
 from stiction.mechanics.materials import material
-from stiction.mechanics.resolution import SMALL_LOAD_KAPPA
+from stiction.mechanics.resolution import KAPPA_AT_SMALL_LOADS
 from stiction.studies.input_caveats import MAX_SPECTRA_RATIO, have_different_spectra
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.repeated_scans import RepeatedScans
@@ -153,7 +153,7 @@ def _draw_spectra_panel(axes: Axes, joined: JoinedSpectrum) -> None:
 
 def _draw_pressure_panel(axes: Axes, joined: JoinedSpectrum) -> None:
     roughness = joined.roughness()
-    elastic_pressure = math.sqrt(2) * roughness.gradient / SMALL_LOAD_KAPPA
+    elastic_pressure = math.sqrt(2) * roughness.gradient / KAPPA_AT_SMALL_LOADS
     axes.plot(roughness.wavelength, elastic_pressure, color="black", linewidth=1)
     for index, name in enumerate(COMPARED_MATERIALS):
         body_material = material(name)

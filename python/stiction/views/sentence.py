@@ -42,7 +42,7 @@ MIN_STATED_LOAD_DEFINITION_EFFECT = 0.01
 MIN_STATED_KAPPA_DEVIATION = 0.2
 """Relative difference of A E* h'/F from its usual value above which the small-slope estimate does not apply."""
 
-SLOPE_ESTIMATE_KAPPA = float(signature(gentle_friction).parameters["kappa"].default)
+DEFAULT_KAPPA = float(signature(gentle_friction).parameters["kappa"].default)
 """Usual value of A E* h'/F, which `gentle_friction` assumes."""
 
 
@@ -292,9 +292,9 @@ def small_slope_estimate_text(point: PointSummary) -> str:
         * effective_modulus_at(values, study)
         / mean_contact_pressure(values)
     )
-    if float(values["tau0"]) > 0 and abs(kappa / SLOPE_ESTIMATE_KAPPA - 1) > MIN_STATED_KAPPA_DEVIATION:
+    if float(values["tau0"]) > 0 and abs(kappa / DEFAULT_KAPPA - 1) > MIN_STATED_KAPPA_DEVIATION:
         return (
-            f"The small-slope estimate does not apply: it assumes A E* h'/F = {SLOPE_ESTIMATE_KAPPA:g}, and this pair "
+            f"The small-slope estimate does not apply: it assumes A E* h'/F = {DEFAULT_KAPPA:g}, and this pair "
             f"has {format_significant(kappa)}. It would be {estimates}{hardness_note}."
         )
     return f"Small-slope estimate: {estimates}{hardness_note}."

@@ -11,13 +11,17 @@ from pydantic_core import PydanticUndefined
 from stiction._units import Quantity
 from stiction.mechanics.law import CONTACT_LAWS_BY_NAME
 from stiction.studies import values
-from stiction.studies.contact_tables import CONTACT_SETTINGS_CLASSES, LAW_SETTINGS, SHARED_CONTACT_SETTINGS
+from stiction.studies.contact_tables import (
+    CONTACT_SETTINGS_CLASSES,
+    LAW_SETTINGS_CLASSES,
+    SHARED_CONTACT_SETTINGS_CLASSES,
+)
 from stiction.studies.generated_surfaces import SelfAffineSettings
 from stiction.studies.input_uncertainty import UncertainInputSettings
-from stiction.studies.measured_surfaces import MeasuredFile
+from stiction.studies.measured_surfaces import MeasuredBodySettings
 from stiction.studies.study import (
     FRICTION_SETTINGS_CLASSES,
-    SHARED_FRICTION_SETTINGS,
+    SHARED_FRICTION_SETTINGS_CLASSES,
     SURFACE_SETTINGS_CLASSES,
     EnsembleSettings,
     FigureSettings,
@@ -26,7 +30,7 @@ from stiction.views.text import wrap_text
 
 KeyTableRow = tuple[str, str, str, str]  # key, default, allowed values and meaning of an entry
 
-_QUANTITY_RANGES: tuple[tuple[Any, str], ...] = (
+_QUANTITY_RANGE_TEXTS: tuple[tuple[Any, str], ...] = (
     (values.Length, "a length above 0"),
     (values.LengthOrZero, "a length, at least 0"),
     (values.Modulus, "a pressure above 0"),
@@ -38,11 +42,11 @@ _QUANTITY_RANGES: tuple[tuple[Any, str], ...] = (
 """Description of the allowed values of each type of quantity in a study file."""
 
 _DEGREES_TEXT = f"degrees from {-values.MAX_DEGREES} to {values.MAX_DEGREES}"
-_ALLOWED_VALUES = {
+_ALLOWED_VALUE_TEXTS = {
     "law": " or ".join(
         [
             *(f'`"{name}"`' for name in CONTACT_LAWS_BY_NAME),
-            *(f'a table with the name `"{name}"`' for name in LAW_SETTINGS),
+            *(f'a table with the name `"{name}"`' for name in LAW_SETTINGS_CLASSES),
         ]
     ),
     "sliding": '`"opposing"`, `"all"` or a list of both',
@@ -68,11 +72,11 @@ _UNCERTAIN_INPUT_TEXTS = {
 
 _CONTACT_DESCRIPTION = "Contact model of each pair. The default for measured areas is the half-space."
 _FRICTION_DESCRIPTION = "Loads and friction parameters of measured surfaces, or of the figures of generated surfaces."
-_ALL_CONTACT_CASES = tuple(
+_ALL_CONTACT_SETTINGS_CLASSES = tuple(
     dict.fromkeys(case for cases in CONTACT_SETTINGS_CLASSES.values() for case in cases.values())
 )
 _KEY_TABLES: tuple[
-    tuple[str, str, tuple[type[values.StudyTable], ...], tuple[type[values.StudyTableVariant], ...]], ...
+    tuple[str, str, tuple[type[values.SettingsTable], ...], tuple[type[values.SettingsTableVariant], ...]], ...
 ] = (
     ("`[surfaces]`, generated", "Fractal profiles, or two kinds of areal surfaces.", SURFACE_SETTINGS_CLASSES[:3], ()),
     (
@@ -81,9 +85,9 @@ _KEY_TABLES: tuple[
         SURFACE_SETTINGS_CLASSES[3:],
         (),
     ),
-    ("`upper` and `lower` of measured surfaces", f"{MeasuredFile.__doc__}", (MeasuredFile,), ()),
-    ("`[contact]`", _CONTACT_DESCRIPTION, _ALL_CONTACT_CASES, SHARED_CONTACT_SETTINGS),
-    ("`[friction]`", _FRICTION_DESCRIPTION, FRICTION_SETTINGS_CLASSES, SHARED_FRICTION_SETTINGS),
+    ("`upper` and `lower` of measured surfaces", f"{MeasuredBodySettings.__doc__}", (MeasuredBodySettings,), ()),
+    ("`[contact]`", _CONTACT_DESCRIPTION, _ALL_CONTACT_SETTINGS_CLASSES, SHARED_CONTACT_SETTINGS_CLASSES),
+    ("`[friction]`", _FRICTION_DESCRIPTION, FRICTION_SETTINGS_CLASSES, SHARED_FRICTION_SETTINGS_CLASSES),
     ("`[known]`", f"{UncertainInputSettings.__doc__}", (UncertainInputSettings,), ()),
     ("`[ensemble]`", f"{EnsembleSettings.__doc__}", (EnsembleSettings,), ()),
     ("`[figures]` of generated surfaces", f"{FigureSettings.__doc__}", (FigureSettings,), ()),
@@ -95,7 +99,7 @@ def key_tables() -> list[tuple[str, str, list[KeyTableRow]]]:
     """Return the title, the description and the rows of each table of keys. Each row describes one key."""
     tables = []
     for title, phrases, table_classes, base_classes in _KEY_TABLES:
-        classes_by_row: dict[KeyTableRow, list[type[values.StudyTable]]] = {}
+        classes_by_row: dict[KeyTableRow, list[type[values.SettingsTable]]] = {}
         for table_class in table_classes:
             for key, field in table_class.model_fields.items():
                 if field.repr:  # keys without `repr` describe bodies in memory and do not occur in files
@@ -123,9 +127,9 @@ def key_tables() -> list[tuple[str, str, list[KeyTableRow]]]:
 
 
 def _models_with_key(
-    owners: Sequence[type[values.StudyTable]],
-    table_classes: Sequence[type[values.StudyTable]],
-    base_classes: Sequence[type[values.StudyTableVariant]],
+    owners: Sequence[type[values.SettingsTable]],
+    table_classes: Sequence[type[values.SettingsTable]],
+    base_classes: Sequence[type[values.SettingsTableVariant]],
 ) -> list[str]:
     """Return the names of the models that have a key. A base class replaces its models if all of them have the key."""
     members = {
@@ -139,7 +143,7 @@ def _models_with_key(
     return class_names + [
         table_class.place
         for table_class in table_classes
-        if table_class in remaining and issubclass(table_class, values.StudyTableVariant)
+        if table_class in remaining and issubclass(table_class, values.SettingsTableVariant)
     ]
 
 
@@ -186,7 +190,9 @@ def _allowed_values_text(key: str, field_info: Any) -> str:
     if key == "direction":
         singular = f'`"+x"`, `"-x"` or {_DEGREES_TEXT}'
         return f"{singular}, or a list of these"
-    return _ALLOWED_VALUES.get(key) or _join_with_or(_allowed_value_phrases(field_info.annotation, field_info.metadata))
+    return _ALLOWED_VALUE_TEXTS.get(key) or _join_with_or(
+        _allowed_value_phrases(field_info.annotation, field_info.metadata)
+    )
 
 
 def _join_with_and(phrases: list[str]) -> str:
@@ -200,14 +206,14 @@ def markdown_row(cells: Sequence[str]) -> str:
 
 def _allowed_value_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]:
     """Return the allowed values of a type as phrases, one per alternative."""
-    for quantity_type, phrases in _QUANTITY_RANGES:
+    for quantity_type, phrases in _QUANTITY_RANGE_TEXTS:
         if annotation is quantity_type or any(item in metadata for item in quantity_type.__metadata__[:1]):
             return [phrases]
     if annotation is Quantity:  # lengths in measured files have a separate parser
         return ["a length"]
     if get_origin(annotation) is Literal:
         return [f"`{_toml_text(value)}`" for value in get_args(annotation)]
-    if isinstance(annotation, type) and issubclass(annotation, values.StudyTable):
+    if isinstance(annotation, type) and issubclass(annotation, values.SettingsTable):
         if "start" in annotation.model_fields:
             spacing = ", spacing" if "spacing" in annotation.model_fields else ""
             return [f"a range `{{ start, stop, count{spacing} }}`"]
@@ -266,7 +272,7 @@ def _toml_text(value: Any) -> str:
         return f'"{value.text}"'
     if isinstance(value, tuple):
         return f"[{', '.join(map(_toml_text, value))}]"
-    if isinstance(value, values.StudyTable):
+    if isinstance(value, values.SettingsTable):
         entries = ((name, _toml_text(getattr(value, name))) for name in type(value).model_fields)
         return f"{{ {', '.join(f'{name} = {text}' for name, text in entries)} }}"
     if isinstance(value, bool):

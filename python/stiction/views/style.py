@@ -140,7 +140,7 @@ def evenly_spaced_indices(count: int, max_count: int) -> NDArray[np.intp]:
 
 FIGURE_FORMATS = ("png", "pdf", "svg")  # file formats of figures
 
-FIGURE_FILE_MARKS = {".png": b"Software\0stiction", ".pdf": b"(stiction ", ".svg": b"<dc:title>stiction "}
+FIGURE_FILE_SIGNATURES = {".png": b"Software\0stiction", ".pdf": b"(stiction ", ".svg": b"<dc:title>stiction "}
 """Metadata that identify figures of this package, for each ending of the file name."""
 
 
@@ -169,7 +169,10 @@ def save_figure(figure: Figure, path: Path) -> None:
         ".pdf": {"Creator": producer, "CreationDate": None},
         ".svg": {"Title": producer, "Date": None},
     }
-    with mpl.rc_context(MATPLOTLIB_STYLE), replacement_file(path, FIGURE_FILE_MARKS[suffix], ValueError) as partial:
+    with (
+        mpl.rc_context(MATPLOTLIB_STYLE),
+        replacement_file(path, FIGURE_FILE_SIGNATURES[suffix], ValueError) as partial,
+    ):
         if suffix == ".png":
             write_png(figure, partial, dpi=figure.dpi, metadata=metadata[suffix])
         else:

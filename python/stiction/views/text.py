@@ -28,7 +28,13 @@ from stiction.mechanics.quantities import (
     STIFFNESS_PER_AREA_QUANTITIES,
     quantity_names_shown_in,
 )
-from stiction.studies.assessment import ASPERITY_CHECKS, VERDICTS, WIDE_INTERVAL_TEXT, Caveat, find_failed_check_caveats
+from stiction.studies.assessment import (
+    ASPERITY_CHECKS,
+    VERDICTS_BY_SEVERITY,
+    WIDE_INTERVAL_TEXT,
+    Caveat,
+    find_failed_check_caveats,
+)
 from stiction.studies.budget import LOWER_SCANS_INPUT, POSITIONS_INPUT, UNRESOLVED_ROUGHNESS_INPUT, UPPER_SCANS_INPUT
 from stiction.studies.point import (
     CELL_DIMENSIONS,
@@ -47,7 +53,7 @@ from stiction.views.onset import onset_note, onset_rows, onset_text, quantity_la
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS, load_text, motion_direction_text
 from stiction.views.pull_off import pull_off_text
 from stiction.views.resolution import (
-    ELASTIC_CAVEAT,
+    ELASTIC_RESULT_CAVEAT,
     SLIDING_RULE_TITLES,
     cut_off_note,
     cut_off_rows,
@@ -469,7 +475,7 @@ def assessment_text(
         num_shown = len(lines) if max_groups is None else max_groups
         num_shown = num_shown if max_lines is None else max(_count_texts_fitting_lines(lines, max_lines), 1)
         verdict_counts = [
-            (verdict, sum(point.verdict == verdict for point in headlines)) for verdict in VERDICTS.values()
+            (verdict, sum(point.verdict == verdict for point in headlines)) for verdict in VERDICTS_BY_SEVERITY.values()
         ]
         assessments_text = ", ".join(
             f"{verdict} ({count} of {len(headlines)})" for verdict, count in verdict_counts if count
@@ -695,7 +701,7 @@ def resolution_text(summary: Summary) -> str:
         table = format_table(cut_off_rows(resolution, summary.points[0].hardness))
         paragraphs.append(table + "\n" + wrap_text(cut_off_note(resolution), indent="  "))
     if scan is not None and resolution.yielding and (rows := yield_wavelength_rows(resolution.yielding[0][1], scan)):
-        paragraphs.append(wrap_text(ELASTIC_CAVEAT) + "\n" + format_table(rows))
+        paragraphs.append(wrap_text(ELASTIC_RESULT_CAVEAT) + "\n" + format_table(rows))
     return "\n\n".join(paragraphs)
 
 

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from stiction.surfaces.measured.raw import FormatError
 
-MAX_LINES, MAX_CELLS = 25_000_000, 4_000_000
+MAX_LINES, MAX_CELLS_PER_LINE = 25_000_000, 4_000_000
 """Maximum number of lines of a text, and maximum number of cells of a line."""
 
 # maximum number of lines that are searched for a layout, and maximum number of characters per line
-MAX_HEAD_LINES, MAX_HEAD_LINE_LENGTH = 200, 1000
+MAX_FIRST_LINES, MAX_FIRST_LINE_LENGTH = 200, 1000
 _MAX_SHOWN_LENGTH = 60  # maximum number of characters of a line that is quoted in a message
 
 BLANK_LINE, NUMBER_LINE, TEXT_LINE = 0, 1, 2
@@ -27,7 +27,7 @@ _LEGACY_ENCODINGS = ("cp1252", "cp932", "gb18030", "euc-kr", "cp437", "latin-1")
 The last encoding cannot fail.
 """
 
-_ENCODING_HINTS = re.compile(
+_ENCODING_HINT_PATTERN = re.compile(
     "[µμ]m|[㎛㎚㎜]|単位|高さ|横|縦|位置|データ|幅|单位|高度|水平|垂直|校准|높이|단위|너비|\\bHöhe\\b|\\bÅ\\b|°"
 )
 """Words by which an encoding is recognised."""
@@ -43,10 +43,10 @@ Empty cells, asterisks, and two or more dashes mark missing points too.
 
 
 NUMERIC_CHARACTERS = b"0123456789+-.,;|*eE\"' \t\r\n"
-_DIGIT_BIT, _MARK_BIT, _NON_NUMBER_CHARACTER_BIT, _CONTROL_BIT = 1, 2, 4, 8
+_DIGIT_BIT, _NUMBER_SYMBOL_BIT, _NON_NUMBER_CHARACTER_BIT, _CONTROL_BIT = 1, 2, 4, 8
 _CHARACTER_KINDS = np.full(256, _NON_NUMBER_CHARACTER_BIT, np.uint8)
 _CHARACTER_KINDS[list(NUMERIC_CHARACTERS)] = 0
-_CHARACTER_KINDS[list(b"+-.*eE'")] = _MARK_BIT
+_CHARACTER_KINDS[list(b"+-.*eE'")] = _NUMBER_SYMBOL_BIT
 _CHARACTER_KINDS[list(b"0123456789")] = _DIGIT_BIT
 _CHARACTER_KINDS[[*range(9), *range(14, 32)]] = _CONTROL_BIT
 
@@ -55,7 +55,7 @@ _CHARACTER_KIND_TABLE = _CHARACTER_KINDS.tobytes()
 
 
 @dataclass(frozen=True)
-class Text:
+class DecodedText:
     """Text in UTF-8 with line feeds between lines, ASCII minus signs, and no spaces as thousands separators."""
 
     data: bytes
@@ -98,8 +98,8 @@ class Text:
     def first_lines(self) -> tuple[str, ...]:
         """First non-empty lines of the text."""
         lines = (
-            self.data[start : start + MAX_HEAD_LINE_LENGTH].partition(b"\n")[0]
-            for start in self.line_starts[:-1][:MAX_HEAD_LINES].tolist()
+            self.data[start : start + MAX_FIRST_LINE_LENGTH].partition(b"\n")[0]
+            for start in self.line_starts[:-1][:MAX_FIRST_LINES].tolist()
         )
         texts = (line.decode("utf-8", "replace").strip(" \r") for line in lines)
         return tuple(text for text in texts if text.strip("\t"))
@@ -123,8 +123,8 @@ class Text:
         """Kind of each line: blank, numbers or text."""
         bits = self.character_type_bits
         kinds = np.full(bits.size, NUMBER_LINE, np.uint8)
-        kinds[bits & (_DIGIT_BIT | _NON_NUMBER_CHARACTER_BIT | _MARK_BIT) == 0] = BLANK_LINE
-        kinds[(bits & _DIGIT_BIT == 0) & (bits & _MARK_BIT != 0)] = TEXT_LINE
+        kinds[bits & (_DIGIT_BIT | _NON_NUMBER_CHARACTER_BIT | _NUMBER_SYMBOL_BIT) == 0] = BLANK_LINE
+        kinds[(bits & _DIGIT_BIT == 0) & (bits & _NUMBER_SYMBOL_BIT != 0)] = TEXT_LINE
         for line_number in np.flatnonzero(bits & _NON_NUMBER_CHARACTER_BIT).tolist():
             remainder, marks = self.missing_word_pattern.subn(b"", self.raw_line(line_number))
             is_numeric_row = marks and not remainder.translate(None, NUMERIC_CHARACTERS)
@@ -149,7 +149,7 @@ def is_text(data: bytes) -> bool:
     return not start.translate(None, bytes(sorted({*range(256)} - {*range(9), *range(14, 26), *range(27, 32)})))
 
 
-def decode_text(data: bytes, words: tuple[str, ...] = ()) -> Text:
+def decode_text(data: bytes, words: tuple[str, ...] = ()) -> DecodedText:
     """Convert the bytes of a file to text. Raises `FormatError` if the file is binary or empty."""
     encoding, text = _to_utf8(data)
     text = text.rstrip(b"\x1a")  # remove the end-of-file mark of DOS
@@ -164,7 +164,7 @@ def decode_text(data: bytes, words: tuple[str, ...] = ()) -> Text:
         text = re.sub(rb"(?<=[0-9])" + space + rb"(?=[0-9]{3}(?![0-9]))", b"", text)
         text = re.sub(space, b" ", text)
     text = text if text.endswith(b"\n") else text + b"\n"
-    decoded = Text(text, encoding, words)
+    decoded = DecodedText(text, encoding, words)
     if len(decoded) > MAX_LINES:
         raise FormatError(
             f"has {len(decoded)} lines; at most {MAX_LINES} can be read as text; save the heights as .npy"
@@ -198,7 +198,7 @@ def _to_utf8(data: bytes) -> tuple[str, bytes]:
             text = start.decode(encoding)
         except UnicodeDecodeError:
             continue
-        candidates.append((len(_ENCODING_HINTS.findall(text)), encoding))
+        candidates.append((len(_ENCODING_HINT_PATTERN.findall(text)), encoding))
     encoding = max(candidates, key=lambda item: item[0])[1]
     try:
         return encoding, data.decode(encoding).encode()

@@ -18,11 +18,11 @@ from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, ColumnTable, FormatEr
 from stiction.surfaces.measured.text import parse_table
 
 # Maximum number of XML tags in a workbook. A number takes four tags, so this allows 2.5 million heights.
-MAX_TAGS = 10_000_000
+MAX_WORKBOOK_TAGS = 10_000_000
 # Maximum number of XML tags in a row: eight tags for each column of the largest sheet.
 # The number is limited because a row is stored in memory.
 MAX_TAGS_PER_ROW = 8 * 16_384
-_ROW_TAG = re.compile(rb"<(?:[\w.-]{1,40}:)?row[\s/>]")
+_ROW_TAG_PATTERN = re.compile(rb"<(?:[\w.-]{1,40}:)?row[\s/>]")
 
 
 def read_excel(data: bytes, words: tuple[str, ...] = ()) -> HeightChannels:
@@ -45,9 +45,9 @@ def read_excel(data: bytes, words: tuple[str, ...] = ()) -> HeightChannels:
     except Exception as error:  # openpyxl raises many kinds of errors
         reason = " ".join(str(error).split())[:80]
         raise FormatError(f"is a damaged workbook ({type(error).__name__}: {reason})") from None
-    from stiction.surfaces.measured.layouts import WORKBOOKS
+    from stiction.surfaces.measured.layouts import WORKBOOK_LAYOUTS
 
-    layout = next((layout for layout in WORKBOOKS if layout.recognises(sheets)), None)
+    layout = next((layout for layout in WORKBOOK_LAYOUTS if layout.recognises(sheets)), None)
     if layout is not None:
         content = layout.read(sheets)
         assert isinstance(content, ColumnTable)
@@ -84,9 +84,9 @@ def _reject_zip_bombs(data: bytes) -> None:
             for chunk in read_member_chunks(archive, name, remaining):
                 remaining -= len(chunk)
                 tags += chunk.count(b"<")
-                if tags > MAX_TAGS:
-                    raise FormatError(f"contains more than {MAX_TAGS} XML tags; save the sheet as .csv")
-                first_part, *rows = (piece.count(b"<") for piece in _ROW_TAG.split(chunk))
+                if tags > MAX_WORKBOOK_TAGS:
+                    raise FormatError(f"contains more than {MAX_WORKBOOK_TAGS} XML tags; save the sheet as .csv")
+                first_part, *rows = (piece.count(b"<") for piece in _ROW_TAG_PATTERN.split(chunk))
                 if max(tags_in_row + first_part, *rows, 0) > MAX_TAGS_PER_ROW:
                     raise FormatError("has a sheet with more cells in a row than Excel allows")
                 tags_in_row = rows[-1] if rows else tags_in_row + first_part

@@ -9,9 +9,9 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.surfaces.measured.raw import FormatError
 
-EXACT_TOLERANCE = 1e-3  # largest deviation of nominally exact positions from a grid, in grid steps
+EXACT_POSITION_TOLERANCE = 1e-3  # largest deviation of nominally exact positions from a grid, in grid steps
 # Largest deviation of a point from the grid, in grid steps, beyond the rounding of the printed position.
-MAX_OFFSET = 0.05
+MAX_GRID_OFFSET = 0.05
 MAX_NODES_PER_POINT = 4  # maximum number of grid nodes per listed point
 MIN_ROUNDED_STEP = 2.0  # minimum step of rounded positions, in units of the last printed digit
 # Largest scatter of rounded positions about a grid, in units of the last printed digit.
@@ -68,11 +68,11 @@ def _find_step_and_node_indices(
     step = float(positions.max() - positions.min()) / count
     deviations = np.abs(positions - positions.min() - nodes * step)
     # Measured end positions are as uncertain as all other positions.
-    if deviations.max() > EXACT_TOLERANCE * step:
+    if deviations.max() > EXACT_POSITION_TOLERANCE * step:
         step, first = (float(item) for item in np.polyfit(nodes, positions, 1))
         deviations = np.abs(positions - first - nodes * step)
     worst = int(np.argmax(deviations))
-    allowed = MAX_OFFSET * step
+    allowed = MAX_GRID_OFFSET * step
     if deviations[worst] > allowed and digits is not None:
         allowed += float(np.max(digits()))
     if deviations[worst] > allowed or (count > 1 and deviations[worst] > 0.3 * step):

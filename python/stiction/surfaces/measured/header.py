@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from stiction.surfaces.measured.raw import LENGTH_UNITS, HeaderDeclarations, StatedLength, parse_length_unit
+from stiction.surfaces.measured.raw import LENGTH_UNITS, DeclaredLength, HeaderDeclarations, parse_length_unit
 from stiction.surfaces.measured.split import Dialect
 
 _T = TypeVar("_T")
@@ -18,21 +18,21 @@ _DECIMAL_PATTERN = r"[+-]?[0-9]{1,20}(?:[.,][0-9]{1,20})?(?:[eE][+-]?[0-9]{1,3})
 _SEPARATOR_PATTERN = r"\s*(?:[:=,;\t]|\s)\s*"
 _UNIT_PATTERN = r"[^\W\d_]{1,12}"
 _LENGTH_UNITS_PATTERN = "|".join(map(re.escape, sorted(LENGTH_UNITS, key=len, reverse=True)))
-_UNIT_GAP_PATTERN = rf"(?:\s*[,;\t]\s*(?=(?:{_LENGTH_UNITS_PATTERN})[\s,;]*$)|\s*)"
+_SPACE_BEFORE_UNIT_PATTERN = rf"(?:\s*[,;\t]\s*(?=(?:{_LENGTH_UNITS_PATTERN})[\s,;]*$)|\s*)"
 """Pattern of the space between a number and its unit, or of a separator before a cell with only a unit of length."""
 
 _SPACING_PATTERN = re.compile(
     r"\W*(?:(?:measurement|x|lateral|horizontal|sampl\w*|point|data|scan)[\s_-]*)*"
     r"(spacing|step(?:[ _-]?size)?|increment|interval|resolution|pixel[ _-]?size|pitch|dx|"
     r"Schrittweite|Punktabstand|Messpunktabstand|Abstand)\s*(?:[\[(]([^\])]{1,12})[\])])?\s*[:=,;\t ]\s*"
-    rf"({_DECIMAL_PATTERN}){_UNIT_GAP_PATTERN}({_UNIT_PATTERN})?\s*(/|per\b)?",
+    rf"({_DECIMAL_PATTERN}){_SPACE_BEFORE_UNIT_PATTERN}({_UNIT_PATTERN})?\s*(/|per\b)?",
     re.IGNORECASE,
 )
 _AXIS_SPACING_PATTERNS = {
     axis: re.compile(
         rf"\W*(?:{axis}[\s_-]*(?:spacing|step(?:[ _-]?size)?|increment|interval|resolution|scale|pixel[ _-]?size|pitch|"
         rf"direction)|d{axis}|(?:spacing|step|pitch|pixel[ _-]?size)[\s_-]*(?:in |along )?{axis})"
-        rf"\s*(?:[\[(]([^\])]{{1,12}})[\])])?{_SEPARATOR_PATTERN}({_DECIMAL_PATTERN}){_UNIT_GAP_PATTERN}[\"']?({_UNIT_PATTERN})?",
+        rf"\s*(?:[\[(]([^\])]{{1,12}})[\])])?{_SEPARATOR_PATTERN}({_DECIMAL_PATTERN}){_SPACE_BEFORE_UNIT_PATTERN}[\"']?({_UNIT_PATTERN})?",
         re.IGNORECASE,
     )
     for axis in "yx"
@@ -65,15 +65,15 @@ _HEIGHT_UNIT_PATTERN = re.compile(
     r"(?: (?:of )?(?:z|data|heights?|values?))?\s*[:=,;\t]\s*)[\"']?([^\s\"',;:]{1,20})[\"']?\W*",
     re.IGNORECASE,
 )
-_FACTOR_PATTERN = re.compile(
+_HEIGHT_FACTOR_PATTERN = re.compile(
     rf"\W*(?:(?:z|height|vertical|data|value)[\s_-]*)+(?:conversion[\s_-]*)?(?:factor|scale|scaling|multiplier)"
     rf"\s*(?:\(\s*-?>?\s*({_UNIT_PATTERN})\s*\)|[\[(]({_UNIT_PATTERN})[^\])]{{0,20}}[\])])?{_SEPARATOR_PATTERN}({_DECIMAL_PATTERN})\s*({_UNIT_PATTERN})?\W*.{{0,20}}",
     re.IGNORECASE,
 )
-_CONVERSION_PATTERN = re.compile(r"factor|conversion|multiplier|->|\bper\b|/\s*(?:[^\W\d_]|1\b)", re.IGNORECASE)
+_CONVERSION_WORD_PATTERN = re.compile(r"factor|conversion|multiplier|->|\bper\b|/\s*(?:[^\W\d_]|1\b)", re.IGNORECASE)
 """Pattern of words that indicate a scale from numbers to heights. Without them, a scale is often a colour range."""
 
-_CODE_PATTERN = re.compile(
+_MISSING_CODE_PATTERN = re.compile(
     rf"\W*(?:no[\s_-]?data|missing|void|invalid|bad|undefined|fill|null|mask(?:ed)?|fehl)[\s_-]*"
     rf"(?:data|points?|pixels?|height)?[\s_-]*(values?|code|wert)?{_SEPARATOR_PATTERN}({_DECIMAL_PATTERN})\W*",
     re.IGNORECASE,
@@ -111,12 +111,12 @@ _HEIGHT_NAME_PATTERN = re.compile(
 _POSITION_NAME_PATTERN = re.compile(
     r"(?<![^\W_])(?:[xy]+|xyz|positions?|coordinates?|lateral\w*|lengths?|all|spacings?|distances?|weg)(?![^\W_])", re.I
 )
-_BRACKET_PATTERN = re.compile(r"[(\[{<]\s*([^()\[\]{}<>]{1,20}?)\s*[)\]}>]")
+_BRACKETED_WORD_PATTERN = re.compile(r"[(\[{<]\s*([^()\[\]{}<>]{1,20}?)\s*[)\]}>]")
 _VALUE_PATTERN = re.compile(r"(?:^|[\s,;:=])[+-]?[0-9][0-9.,]*(?:[eE][+-]?[0-9]+)?[^\W\d_]{0,3}(?=$|[\s,;:/])")
 
 
 @dataclass(frozen=True)
-class ColumnHeads:
+class ColumnHeadings:
     """Column names and units in the header of a table, and the unit of the heights if the header names only heights."""
 
     names: tuple[str, ...] = ()
@@ -137,7 +137,7 @@ def parse_declarations(header: Sequence[str], *, below: Sequence[str] = ()) -> H
         lines,
         lambda match: _parse_spacing(match) if match[1].casefold().startswith("pixel") else None,
     )
-    spacings: tuple[StatedLength, StatedLength] | None = (
+    spacings: tuple[DeclaredLength, DeclaredLength] | None = (
         _pair_if_complete(
             [
                 _find_first_match(pattern, lines, lambda match: parse_length(*match.groups()))
@@ -158,14 +158,14 @@ def parse_declarations(header: Sequence[str], *, below: Sequence[str] = ()) -> H
     unit_line = next(
         (line for line in lines if (match := _HEIGHT_UNIT_PATTERN.fullmatch(line)) and is_unit(match[1])), ""
     )
-    scales = [line for line in lines if (match := _FACTOR_PATTERN.fullmatch(line)) and _unit_of_factor(match)]
-    factor_line = next((line for line in scales if _CONVERSION_PATTERN.search(line)), "")
+    scales = [line for line in lines if (match := _HEIGHT_FACTOR_PATTERN.fullmatch(line)) and _unit_of_factor(match)]
+    factor_line = next((line for line in scales if _CONVERSION_WORD_PATTERN.search(line)), "")
     unit, factor = None, None
     if unit_line and (match := _HEIGHT_UNIT_PATTERN.fullmatch(unit_line)):
         unit = parse_length_unit(match[1]) or match[1]
-    if factor_line and (match := _FACTOR_PATTERN.fullmatch(factor_line)):
+    if factor_line and (match := _HEIGHT_FACTOR_PATTERN.fullmatch(factor_line)):
         unit, factor = _unit_of_factor(match), _parse_float(match[3])
-    code_lines = [match for line in lines if (match := _CODE_PATTERN.fullmatch(line))]
+    code_lines = [match for line in lines if (match := _MISSING_CODE_PATTERN.fullmatch(line))]
     is_count = [
         match[1] is None and _parse_float(match[2]).is_integer() and _parse_float(match[2]) >= 0 for match in code_lines
     ]
@@ -206,7 +206,7 @@ def _pair_if_complete(pair: Sequence[_T | None]) -> tuple[_T, _T] | None:
     return None if first is None or second is None else (first, second)
 
 
-def _parse_spacing(match: re.Match[str]) -> StatedLength | None:
+def _parse_spacing(match: re.Match[str]) -> DeclaredLength | None:
     """Parse a spacing. A resolution counts as a spacing only if it is a length per sample."""
     if match[1].casefold() == "resolution" and not match[5]:
         return None
@@ -216,7 +216,7 @@ def _parse_spacing(match: re.Match[str]) -> StatedLength | None:
     return parse_length(match[3], match[4] or match[2])
 
 
-def _parse_bracketed_length(match: re.Match[str]) -> StatedLength | None:
+def _parse_bracketed_length(match: re.Match[str]) -> DeclaredLength | None:
     """Parse a length whose unit follows the number, or follows the name in brackets."""
     return parse_length(match[2], match[3] or match[1])
 
@@ -227,13 +227,13 @@ def _parse_unitless_number(match: re.Match[str]) -> float | None:
     return None if any(units) else _parse_float(number)
 
 
-def parse_length(digits: str, unit: str | None) -> StatedLength | None:
+def parse_length(digits: str, unit: str | None) -> DeclaredLength | None:
     """Parse a number and its unit. Return None if the unit is not a unit of length."""
     if unit is None or parse_length_unit(unit) is None:
         return None
     mantissa, _, exponent = digits.replace(",", ".").lower().partition("e")
     digit = float(f"1e{int(exponent or 0) - len(mantissa.partition('.')[2])}")
-    return StatedLength(float(f"{mantissa}e{exponent or 0}"), digit, str(parse_length_unit(unit)))
+    return DeclaredLength(float(f"{mantissa}e{exponent or 0}"), digit, str(parse_length_unit(unit)))
 
 
 def _parse_float(digits: str) -> float:
@@ -247,7 +247,7 @@ def _unit_of_factor(match: re.Match[str]) -> str | None:
 
 def _is_declaration(line: str) -> bool:
     """Return whether a header line is a declaration, as opposed to a line of column names."""
-    full_patterns = (_HEIGHT_UNIT_PATTERN, _FACTOR_PATTERN, _CODE_PATTERN, _POINT_COUNT_PATTERN)
+    full_patterns = (_HEIGHT_UNIT_PATTERN, _HEIGHT_FACTOR_PATTERN, _MISSING_CODE_PATTERN, _POINT_COUNT_PATTERN)
     prefix_patterns = (_SPACING_PATTERN, *_AXIS_SPACING_PATTERNS.values(), *_SIZE_PATTERNS)
     return any(pattern.fullmatch(line) for pattern in full_patterns) or any(
         pattern.match(line) for pattern in prefix_patterns
@@ -274,7 +274,7 @@ def _units_in(line: str) -> list[str]:
 
     Units in brackets are returned or, if there are none, units that are separate words.
     """
-    bracketed = [word for word in _BRACKET_PATTERN.findall(line) if is_unit(word)]
+    bracketed = [word for word in _BRACKETED_WORD_PATTERN.findall(line) if is_unit(word)]
     units = [parse_length_unit(word.strip(" \"'.:")) or word for word in bracketed]
     return units or [unit for word in re.split(r"[\s,;]+", line) if (unit := parse_length_unit(word.strip(" \"'.:")))]
 
@@ -284,7 +284,7 @@ def _has_number_outside_brackets(line: str) -> bool:
 
     Such a line does not name columns.
     """
-    return _VALUE_PATTERN.search(_BRACKET_PATTERN.sub(" ", line)) is not None
+    return _VALUE_PATTERN.search(_BRACKETED_WORD_PATTERN.sub(" ", line)) is not None
 
 
 def is_unit(word: str) -> bool:
@@ -295,15 +295,15 @@ def is_unit(word: str) -> bool:
 # ---- Column names ---------------------------------------------------------------------------------------------------
 
 
-def parse_column_heads(header: Sequence[str], width: int, dialect: Dialect) -> ColumnHeads:
+def parse_column_heads(header: Sequence[str], width: int, dialect: Dialect) -> ColumnHeadings:
     """Parse the names and units of `width` columns from the lines above them."""
     lines = [line for line in map(normalise_line, header) if not _is_declaration(line)]
     if not lines:
-        return ColumnHeads()
+        return ColumnHeadings()
     names, units = _parse_column_names(lines, width, dialect), _parse_column_units(lines, width, dialect)
     name_line = _find_last_name_line(lines)
     is_of_heights = width > 2 and not any(units) and name_line is not None and _names_only_heights(name_line)
-    return ColumnHeads(names, units, _units_in(name_line)[0] if is_of_heights and name_line is not None else None)
+    return ColumnHeadings(names, units, _units_in(name_line)[0] if is_of_heights and name_line is not None else None)
 
 
 def split_column_names(line: str, width: int, dialect: Dialect) -> list[str] | None:
@@ -357,7 +357,7 @@ def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> t
 
 def unit_in_column_name(cell: str) -> str | None:
     """Return the unit at the end of a column name, as in "z (nm)", "z [nm]", "z/nm", "height in nm" and "z nm"."""
-    bracketed = _BRACKET_PATTERN.findall(cell)
+    bracketed = _BRACKETED_WORD_PATTERN.findall(cell)
     last = bracketed[-1].strip() if bracketed else cell.strip(" \"'")
     # a column with another unit is rejected later, if it is used as heights
     if NON_LENGTH_UNIT_PATTERN.fullmatch(last):

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from stiction.surfaces.measured.raw import FormatError, HeightChannels, RawHeights, Source
+from stiction.surfaces.measured.raw import FormatError, HeightChannels, HeightSource, RawHeights
 from stiction.surfaces.profile import MAX_POINTS
 
 _TEXT_FORMATS = ("asc", "xyz")
@@ -75,7 +75,7 @@ def _read_channel(path: Path, index: int, name: str) -> RawHeights:
         has_sizes = channel.physical_sizes is not None
         # SurfaceTopography requires sizes even if the file has none. The spacing computed from them is not used.
         sizes = {} if has_sizes else {"physical_sizes": tuple(map(float, np.atleast_1d(channel.nb_grid_pts)))}
-        source = Source(f"{reader.format()} by SurfaceTopography", column=name)
+        source = HeightSource(f"{reader.format()} by SurfaceTopography", column=name)
         body = channel.topography(**sizes)
         heights = np.ma.filled(np.ma.asarray(body.heights(), dtype=np.float64), np.nan)
         unit = None if body.unit is None else str(body.unit)

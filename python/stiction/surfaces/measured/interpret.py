@@ -12,16 +12,16 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats, check_choice, make_read_only
 from stiction._units import Quantity, quantity
-from stiction.surfaces.measured.plausibility import FILE_CAVEAT_NAMES, Scan, find_caveats
+from stiction.surfaces.measured.plausibility import FILE_CAVEAT_NAMES, ScannedHeights, find_caveats
 from stiction.surfaces.measured.raw import (
     LENGTH_UNITS,
+    DeclaredLength,
     FileCaveat,
     FormatError,
     RawHeights,
-    StatedLength,
     parse_length_unit,
 )
-from stiction.surfaces.measured.shapes import MAX_UNEVENNESS, Selection
+from stiction.surfaces.measured.shapes import MAX_STEP_UNEVENNESS, NameOrIndex
 from stiction.surfaces.missing_data import (
     MIN_OUTLIER_DEVIATIONS,
     describe_missing_points,
@@ -32,10 +32,10 @@ from stiction.surfaces.preparation import find_crop_range
 from stiction.surfaces.profile import MIN_POINTS, Profile
 from stiction.surfaces.surface import Surface
 
-Missing = Literal["error", "interpolate", "mask"]
-Outliers = Literal["keep", "mask"]
+MissingPointTreatment = Literal["error", "interpolate", "mask"]
+OutlierTreatment = Literal["keep", "mask"]
 
-MIN_LENGTH_DIGITS = 1000
+MIN_EXTENT_IN_DIGITS = 1000
 """Extent of the positions, in units of their last printed digit, above which slightly uneven positions are accepted.
 
 The spacing then has a relative error of at most 1/1000.
@@ -54,10 +54,10 @@ class ReadOptions:
     position_unit: str | None
     height_unit: str | None
     spacing: tuple[Quantity | None, Quantity | None]
-    missing: Missing
-    channel: Selection | None
-    columns: tuple[Selection, ...] | None
-    outliers: Outliers
+    missing: MissingPointTreatment
+    channel: NameOrIndex | None
+    columns: tuple[NameOrIndex, ...] | None
+    outliers: OutlierTreatment
     crop: tuple[float, ...] | None  # first and last x and, for a surface, first and last y, µm
     codes: tuple[float, ...] = ()  # numbers that mark missing points, as written in the file
     words: tuple[str, ...] = ()  # words that mark missing points
@@ -67,16 +67,16 @@ class ReadOptions:
 
 
 def validate_read_options(
-    unit: Any, spacing: Any, missing: Missing, channel: Any = None, columns: Any = None, outliers: Outliers = "keep",
-    crop: Any = None, missing_value: Any = None, accept: Any = None,
+    unit: Any, spacing: Any, missing: MissingPointTreatment, channel: Any = None, columns: Any = None,
+    outliers: OutlierTreatment = "keep", crop: Any = None, missing_value: Any = None, accept: Any = None,
 ) -> ReadOptions:  # fmt: skip
     """Validate the options for reading a file."""
     codes, words = _parse_missing_markers(missing_value)
     accepted = tuple(part.strip() for part in accept.split(",")) if isinstance(accept, str) else tuple(accept or ())
     if not set(accepted) <= set(FILE_CAVEAT_NAMES):
         raise ValueError(f"accept must be one or more of {', '.join(FILE_CAVEAT_NAMES)}, got {accept!r}")
-    check_choice("missing", missing, Missing)
-    check_choice("outliers", outliers, Outliers)
+    check_choice("missing", missing, MissingPointTreatment)
+    check_choice("outliers", outliers, OutlierTreatment)
     crop = crop.split(",") if isinstance(crop, str) else crop
     if crop is not None and not (isinstance(crop, (list, tuple)) and len(crop) in (2, 4)):
         raise ValueError(f'crop must be "x0,x1" or "x0,x1,y0,y1", got {crop!r}')
@@ -219,7 +219,7 @@ def _make_profile_or_surface(
     kind: Any, raw: RawHeights, name: str, options: ReadOptions, heights: Floats, spacing: tuple[float, ...],
     steps: Sequence[str], unit: str, caveats: Sequence[FileCaveat],
 ) -> InterpretedScan[Any]:  # fmt: skip
-    scan = Scan(
+    scan = ScannedHeights(
         heights, spacing, factor=LENGTH_UNITS[unit] * (raw.factor or 1.0), from_text=raw.source.lines is not None
     )
     num_missing = int(np.count_nonzero(np.isnan(heights)))
@@ -376,23 +376,23 @@ def _reject_contradicting_grid(raw: RawHeights, spacing: tuple[float, float]) ->
     """Reject a grid (spacings in µm) that contradicts the declared spacings or the declared size."""
     for step, declared in zip(spacing, raw.stated_spacings or (), strict=False):
         actual = declared.length * LENGTH_UNITS[declared.unit]
-        if abs(actual - step) > max(0.51 * declared.digit * LENGTH_UNITS[declared.unit], MAX_UNEVENNESS * actual):
+        if abs(actual - step) > max(0.51 * declared.digit * LENGTH_UNITS[declared.unit], MAX_STEP_UNEVENNESS * actual):
             raise FormatError(f"declares a spacing of {actual:g} µm, but its positions are {step:g} µm apart")
     for step, points, declared in zip(spacing, raw.heights.shape, raw.size or (), strict=False):
         actual, digit = declared.length * LENGTH_UNITS[declared.unit], declared.digit * LENGTH_UNITS[declared.unit]
-        tolerance = max(0.51 * digit, MAX_UNEVENNESS * actual)
+        tolerance = max(0.51 * digit, MAX_STEP_UNEVENNESS * actual)
         if not (points - 1) * step - tolerance <= actual <= points * step + tolerance:
             raise FormatError(f"declares a size of {actual:g} µm, but its positions span {(points - 1) * step:g} µm")
 
 
 def _spacings_from_size(
-    size: tuple[StatedLength, StatedLength], shape: tuple[int, ...], given: tuple[Quantity | None, Quantity | None]
+    size: tuple[DeclaredLength, DeclaredLength], shape: tuple[int, ...], given: tuple[Quantity | None, Quantity | None]
 ) -> tuple[tuple[float, float], list[str]]:
     """Return the spacings computed from a declared size, and a history entry."""
     spacings = []
     for actual, points, declared in zip(size, shape, given, strict=True):
         length = actual.length * LENGTH_UNITS[actual.unit] / points
-        tolerance = max(0.51 * actual.digit * LENGTH_UNITS[actual.unit] / points, MAX_UNEVENNESS * length)
+        tolerance = max(0.51 * actual.digit * LENGTH_UNITS[actual.unit] / points, MAX_STEP_UNEVENNESS * length)
         if declared is not None and abs(declared - length) > tolerance:
             raise FormatError(
                 f"declares a size that implies a spacing of {length:.7g} µm, but the given spacing is {declared.text}"
@@ -432,11 +432,11 @@ def _profile_spacing(
             raise FormatError(
                 f"has no usable position at point {point}, counted from 0; each height must have a position"
             )
-        digit = _PositionDigits(raw, length)
+        digit = _PositionResolution(raw, length)
         measured = float((x[-1] - x[0]) / (x.size - 1))
         direction = -1.0 if measured < 0 else 1.0
         if given is not None:
-            if _worst_printed_deviation(x, direction * given, digit, MAX_UNEVENNESS * given) is not None:
+            if _worst_printed_deviation(x, direction * given, digit, MAX_STEP_UNEVENNESS * given) is not None:
                 _reject_uneven_positions(
                     x, measured, digit
                 )  # the given spacing takes precedence over the measured spacing
@@ -476,7 +476,7 @@ def _declared_spacing(raw: RawHeights) -> tuple[float, float] | None:
     return raw.stated.length * factor, 0.51 * raw.stated.digit * factor
 
 
-class _PositionDigits:
+class _PositionResolution:
     """Resolution of printed positions: the length (µm) of one unit in the last digit, computed on first use."""
 
     def __init__(self, raw: RawHeights, unit: str) -> None:
@@ -492,7 +492,7 @@ class _PositionDigits:
 
 
 def _worst_printed_deviation(
-    x: Floats, spacing: float, digit: _PositionDigits, slack: float
+    x: Floats, spacing: float, digit: _PositionResolution, slack: float
 ) -> tuple[int, float] | None:
     """Call `_worst_position_deviation` with the printed digits of positions, which are computed only if required."""
     if _worst_position_deviation(x, spacing, np.zeros(x.size), slack) is None:
@@ -513,19 +513,19 @@ def _worst_position_deviation(x: Floats, spacing: float, digit: Floats, slack: f
     return (point, float(deviations[point])) if excess[point] > 0 else None
 
 
-def _reject_uneven_positions(x: Floats, measured: float, digit: _PositionDigits) -> None:
+def _reject_uneven_positions(x: Floats, measured: float, digit: _PositionResolution) -> None:
     """Reject positions that are not uniformly spaced, or that have too few digits for their spacing."""
     if measured == 0:
         raise FormatError("has its first and last point at the same position")
-    worst = _worst_printed_deviation(x, measured, digit, MAX_UNEVENNESS * abs(measured))
+    worst = _worst_printed_deviation(x, measured, digit, MAX_STEP_UNEVENNESS * abs(measured))
     if worst is not None:
         point, deviations = worst
         raise FormatError(
             f"is not uniform: point {point}, counted from 0, is at {x[point]:.7g} µm, {abs(deviations):.3g} µm from "
             f"where a uniform spacing of {abs(measured):.6g} µm would place it; resample the profile first"
         )
-    is_uniform = np.abs(np.diff(x) - measured).max() <= MAX_UNEVENNESS * abs(measured)
-    if not is_uniform and abs(x[-1] - x[0]) < MIN_LENGTH_DIGITS * digit.values.max():
+    is_uniform = np.abs(np.diff(x) - measured).max() <= MAX_STEP_UNEVENNESS * abs(measured)
+    if not is_uniform and abs(x[-1] - x[0]) < MIN_EXTENT_IN_DIGITS * digit.values.max():
         raise FormatError(
             f"has positions with too few digits to compute their spacing (about {abs(measured):.3g} µm); give the "
             'spacing, as in "0.5 um"'
@@ -533,7 +533,7 @@ def _reject_uneven_positions(x: Floats, measured: float, digit: _PositionDigits)
 
 
 def _validate_spacing_agreement(actual: float, given: Quantity | None) -> float:
-    if given is not None and not abs(actual - given) <= MAX_UNEVENNESS * abs(actual):
+    if given is not None and not abs(actual - given) <= MAX_STEP_UNEVENNESS * abs(actual):
         raise FormatError(f"has a spacing of {actual:.7g} µm, but the given spacing is {given.text}")
     return actual
 

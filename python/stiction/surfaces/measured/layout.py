@@ -8,13 +8,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from stiction.surfaces.measured.decode import Text
-from stiction.surfaces.measured.raw import Content, FormatError
+from stiction.surfaces.measured.decode import DecodedText
+from stiction.surfaces.measured.raw import FormatError, ReaderResult
 
-Sheets = Mapping[str, Sequence[Sequence[Any]]]  # rows of cells, by sheet name
+WorkbookSheets = Mapping[str, Sequence[Sequence[Any]]]  # rows of cells, by sheet name
 
-MAX_COUNT = 100_000_000  # maximum number of points or lines that a header may declare
-_LEADING_NUMBER = re.compile(r"\s*([+-]?[0-9]{0,40}(?:[.,][0-9]{0,40})?(?:[eE][+-]?[0-9]{1,5})?)(?![0-9.,])")
+MAX_DECLARED_COUNT = 100_000_000  # maximum number of points or lines that a header may declare
+_LEADING_NUMBER_PATTERN = re.compile(r"\s*([+-]?[0-9]{0,40}(?:[.,][0-9]{0,40})?(?:[eE][+-]?[0-9]{1,5})?)(?![0-9.,])")
 
 
 def parse_header_number(header: Mapping[str, str], name: str, default: float | None = None) -> float:
@@ -22,7 +22,7 @@ def parse_header_number(header: Mapping[str, str], name: str, default: float | N
     text = header.get(name.casefold())
     if text is None and default is not None:
         return default
-    match = _LEADING_NUMBER.match(text or "")
+    match = _LEADING_NUMBER_PATTERN.match(text or "")
     try:
         value = float(match[1].replace(",", ".")) if match else math.nan
     except ValueError:
@@ -34,7 +34,9 @@ def parse_header_number(header: Mapping[str, str], name: str, default: float | N
     return value
 
 
-def parse_header_integer(header: Mapping[str, str], name: str, minimum: int = 1, maximum: int = MAX_COUNT) -> int:
+def parse_header_integer(
+    header: Mapping[str, str], name: str, minimum: int = 1, maximum: int = MAX_DECLARED_COUNT
+) -> int:
     """Return the integer at the start of a header value. Raises `FormatError` if the integer is out of range."""
     value = parse_header_number(header, name)
     if not (value.is_integer() and minimum <= value <= maximum):
@@ -43,12 +45,12 @@ def parse_header_integer(header: Mapping[str, str], name: str, minimum: int = 1,
 
 
 @dataclass(frozen=True)
-class Layout:
+class TextLayout:
     """Text layout of an instrument: how its files are recognised and read."""
 
     name: str
-    recognises: Callable[[Text], bool]
-    read: Callable[[Text], Content]
+    recognises: Callable[[DecodedText], bool]
+    read: Callable[[DecodedText], ReaderResult]
 
 
 @dataclass(frozen=True)
@@ -56,5 +58,5 @@ class WorkbookLayout:
     """Workbook layout of an instrument: how its workbooks are recognised and read."""
 
     name: str
-    recognises: Callable[[Sheets], bool]
-    read: Callable[[Sheets], Content]
+    recognises: Callable[[WorkbookSheets], bool]
+    read: Callable[[WorkbookSheets], ReaderResult]

@@ -15,7 +15,7 @@ from stiction._repr import format_with_unit
 from stiction.surfaces.measured.raw import FileCaveat
 
 # An extreme value may be a code for missing points if at least this many points have this value.
-MIN_REPEATS = 2
+MIN_MISSING_CODE_REPEATS = 2
 # Minimum distance of a code for missing points from all other heights, relative to the range of the other heights.
 MIN_MISSING_CODE_DISTANCE = 2.0
 # A repeated height counts as a code for missing points only if there are at least this many other heights.
@@ -27,7 +27,7 @@ MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6
 
 
 @dataclass(frozen=True)
-class Scan:
+class ScannedHeights:
     """Heights (µm, NaN at missing points) and spacing, with the conversion factor and the source of the numbers."""
 
     heights: Floats
@@ -51,11 +51,11 @@ class PlausibilityCheck(NamedTuple):
     """Check for implausible data: its name, a function that yields findings, and the remedy for these findings."""
 
     name: str
-    find: Callable[[Scan], Iterator[str]]
+    find: Callable[[ScannedHeights], Iterator[str]]
     remedy: str
 
 
-def find_caveats(scan: Scan) -> tuple[FileCaveat, ...]:
+def find_caveats(scan: ScannedHeights) -> tuple[FileCaveat, ...]:
     """Apply all checks to a scan, and return the resulting caveats."""
     if scan.heights.size < MIN_CHECKED_POINTS:
         return ()
@@ -71,7 +71,7 @@ def find_caveats(scan: Scan) -> tuple[FileCaveat, ...]:
     )
 
 
-def _find_repeated_extremes(scan: Scan) -> Iterator[str]:
+def _find_repeated_extremes(scan: ScannedHeights) -> Iterator[str]:
     """Find extreme values that repeat exactly and are far from all other heights."""
     heights = scan.non_missing_heights
     for _ in range(MAX_MISSING_CODES):
@@ -98,7 +98,7 @@ def _find_missing_code(heights: Floats) -> tuple[float, int, float] | None:
         value = float(heights.min() if sign > 0 else heights.max())
         is_extreme = heights == value
         count = int(np.count_nonzero(is_extreme))
-        if not MIN_REPEATS <= count < heights.size:
+        if not MIN_MISSING_CODE_REPEATS <= count < heights.size:
             continue
         low, high = _range_without_excluded(heights, is_extreme)
         distance = low - value if sign > 0 else value - high
@@ -118,7 +118,7 @@ def _range_without_excluded(heights: Floats, excluded: NDArray[np.bool_]) -> tup
     )
 
 
-def _find_whole_number_heights(scan: Scan) -> Iterator[str]:
+def _find_whole_number_heights(scan: ScannedHeights) -> Iterator[str]:
     """Find scans whose heights are all integers in a unit of 1 µm or larger."""
     if scan.factor < 1 or not scan.from_text:
         return
@@ -134,7 +134,7 @@ def _find_whole_number_heights(scan: Scan) -> Iterator[str]:
         yield f"all heights are multiples of {format_with_unit(scan.factor, 'µm')}, like counts of a converter"
 
 
-def _find_implausible_sizes(scan: Scan) -> Iterator[str]:
+def _find_implausible_sizes(scan: ScannedHeights) -> Iterator[str]:
     """Find scans at least a metre long, spacings of at least a centimetre, and spacings below an ångström."""
     for axis, points, step in zip("xy", scan.heights.shape[::-1], scan.spacing[::-1], strict=False):
         if points * step >= MAX_EXTENT:
@@ -145,7 +145,7 @@ def _find_implausible_sizes(scan: Scan) -> Iterator[str]:
             yield f"points are {step * 1e6:.3g} pm apart along {axis}, closer than atoms"
 
 
-def _find_excessive_height_range(scan: Scan) -> Iterator[str]:
+def _find_excessive_height_range(scan: ScannedHeights) -> Iterator[str]:
     """Find scans whose heights span more than the length of the longest side."""
     length = max(points * step for points, step in zip(scan.heights.shape, scan.spacing, strict=True))
     if scan.height_range > length:

@@ -27,7 +27,7 @@ Both Unicode characters for micro and for ångström are included. Upper and low
 not in words.
 """
 
-MAX_BYTES = 2_000_000_000
+MAX_FILE_BYTES = 2_000_000_000
 MAX_TEXT_BYTES = 300_000_000  # parsing text needs about ten times its size in memory
 _ARCHIVE_CHUNK_SIZE = 1 << 16
 # compression methods of archives that can be read in pieces of limited size
@@ -82,7 +82,7 @@ class FileCaveat:
 
 
 @dataclass(frozen=True)
-class StatedLength:
+class DeclaredLength:
     """Length that is declared next to the data, with its resolution (the value of one unit in the last digit)."""
 
     length: float
@@ -91,7 +91,7 @@ class StatedLength:
 
 
 @dataclass(frozen=True)
-class Source:
+class HeightSource:
     """Origin of the heights in a file: layout, column, encoding, separators and line numbers."""
 
     layout: str = ""
@@ -104,7 +104,7 @@ class Source:
     lines_below: int = 0  # number of lines below the data
 
 
-Digits = Callable[[], Floats]
+PlaceValueFunction = Callable[[], Floats]
 
 
 @dataclass(frozen=True)
@@ -115,14 +115,14 @@ class RawHeights:
     unit: str | None = None
     positions: Floats | None = None  # (n,) positions of a profile
     # function that returns the place value of the last printed digit of each position, (n,)
-    digits: Digits | None = None
+    digits: PlaceValueFunction | None = None
     position_unit: str | None = None  # unit of the positions or, without positions, of the spacing
     spacing: tuple[float, ...] | None = None  # spacing (Δx,) or (Δy, Δx) if there are no positions
-    stated: StatedLength | None = None  # declared spacing
-    stated_spacings: tuple[StatedLength, StatedLength] | None = None  # declared spacings of rows and columns
-    size: tuple[StatedLength, StatedLength] | None = None  # declared height and width of a map
+    stated: DeclaredLength | None = None  # declared spacing
+    stated_spacings: tuple[DeclaredLength, DeclaredLength] | None = None  # declared spacings of rows and columns
+    size: tuple[DeclaredLength, DeclaredLength] | None = None  # declared height and width of a map
     history: tuple[str, ...] = ()  # descriptions of the selections made in the file
-    source: Source = Source()
+    source: HeightSource = HeightSource()
     codes: tuple[float, ...] = ()  # values that the file declares as missing points
     factor: float | None = None  # declared factor that converts the numbers to `unit`
     bare_spacing: tuple[float, ...] | None = None  # declared spacing without a unit
@@ -154,12 +154,12 @@ class ColumnTable:
     history: tuple[str, ...] = ()  # processing steps applied before the heights were written
     # True for a NumPy array. Two columns are positions and heights only if the first column has equal steps.
     area: bool = False
-    source: Source = Source()
+    source: HeightSource = HeightSource()
     places: tuple[int, ...] | None = None  # column numbers in the file, if columns were skipped
     caveats: tuple[FileCaveat, ...] = ()
     word_columns: tuple[WordColumn, ...] = ()  # columns that contain words; their values are NaN
 
-    def column_digit_function(self, column: int) -> Digits | None:
+    def column_digit_function(self, column: int) -> PlaceValueFunction | None:
         """Return a function that computes the value of one last-digit unit for each number in a column."""
         digits = self.digits
         return None if digits is None else lambda: digits(column)
@@ -169,9 +169,9 @@ class ColumnTable:
 class HeaderDeclarations:
     """Declarations in the header of a table."""
 
-    spacing: StatedLength | None = None  # spacing of a profile, or along one axis of a map
-    spacings: tuple[StatedLength, StatedLength] | None = None  # spacings of the rows and of the columns of a map
-    size: tuple[StatedLength, StatedLength] | None = None  # height and width of a map
+    spacing: DeclaredLength | None = None  # spacing of a profile, or along one axis of a map
+    spacings: tuple[DeclaredLength, DeclaredLength] | None = None  # spacings of the rows and of the columns of a map
+    size: tuple[DeclaredLength, DeclaredLength] | None = None  # height and width of a map
     bare_spacing: tuple[float, ...] | None = None  # spacing without a unit, (Δx,) or (Δy, Δx)
     unit: str | None = None  # unit of the heights, which may not be a unit of length
     factor: float | None = None  # factor that converts the numbers to `unit`
@@ -179,7 +179,7 @@ class HeaderDeclarations:
     counts: tuple[float, ...] = ()  # integers that are either codes for missing points or counts of missing points
     scale: str = ""  # line that declares a factor for the heights or a range of heights
     points: int | None = None  # number of points of a profile
-    tip_radius: StatedLength | None = None  # radius of the stylus tip
+    tip_radius: DeclaredLength | None = None  # radius of the stylus tip
     line: str = ""  # line that declares the unit or the factor
 
 
@@ -192,7 +192,7 @@ class HeightChannels:
     default: int | None  # index of the default channel, or None if the caller must choose
 
 
-Content = RawHeights | ColumnTable | HeightChannels  # result of a reader
+ReaderResult = RawHeights | ColumnTable | HeightChannels  # result of a reader
 
 
 def parse_length_unit(text: str) -> str | None:

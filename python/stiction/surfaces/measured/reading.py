@@ -19,8 +19,8 @@ from stiction.surfaces.measured.excel import read_excel
 from stiction.surfaces.measured.instrument import is_reader_installed, read_instrument_file
 from stiction.surfaces.measured.interpret import (
     InterpretedScan,
-    Missing,
-    Outliers,
+    MissingPointTreatment,
+    OutlierTreatment,
     ReadOptions,
     to_profile,
     to_profile_or_surface,
@@ -29,16 +29,16 @@ from stiction.surfaces.measured.interpret import (
 )
 from stiction.surfaces.measured.npy import read_npy
 from stiction.surfaces.measured.raw import (
-    MAX_BYTES,
+    MAX_FILE_BYTES,
     MAX_TEXT_BYTES,
-    Content,
     FileCaveat,
     FormatError,
     FormatWarning,
+    HeightSource,
     RawHeights,
-    Source,
+    ReaderResult,
 )
-from stiction.surfaces.measured.shapes import Selection, select_heights
+from stiction.surfaces.measured.shapes import NameOrIndex, select_heights
 from stiction.surfaces.measured.text import find_layout, read_text
 from stiction.surfaces.measured.x3p import read_x3p
 from stiction.surfaces.profile import Profile
@@ -46,7 +46,7 @@ from stiction.surfaces.surface import Surface
 
 TEXT_SUFFIXES = ("", ".txt", ".csv", ".tsv", ".dat", ".asc", ".prn", ".xy", ".xyz", ".text", ".hfm")
 
-READERS: dict[str, Callable[[bytes], Content]] = {
+READERS: dict[str, Callable[[bytes], ReaderResult]] = {
     ".npy": read_npy,
     ".x3p": read_x3p,
     ".xlsx": read_excel,
@@ -63,17 +63,17 @@ _FILE_SIGNATURES = {
 }
 """First bytes of certain file types, with the usual endings and a description of each type."""
 
-MissingValue = str | float | Sequence[str | float]
+MissingValueCodes = str | float | Sequence[str | float]
 _Body = TypeVar("_Body", bound=Profile | Surface)
 
 
 @dataclass(frozen=True)
-class Reading(Generic[_Body]):
+class FileReading(Generic[_Body]):
     """Profile or surface read from a file, with a record of how the file was interpreted."""
 
     body: _Body
     file: str
-    source: Source
+    source: HeightSource
     unit: str
     """Unit of the heights in the file."""
     missing: int
@@ -126,12 +126,12 @@ def read_profile(
     *,
     unit: str | tuple[str, str] | None = None,
     spacing: str | None = None,
-    missing: Missing = "error",
-    channel: Selection | None = None,
-    columns: Selection | Sequence[Selection] | None = None,
-    outliers: Outliers = "keep",
+    missing: MissingPointTreatment = "error",
+    channel: NameOrIndex | None = None,
+    columns: NameOrIndex | Sequence[NameOrIndex] | None = None,
+    outliers: OutlierTreatment = "keep",
     crop: str | Sequence[str] | None = None,
-    missing_value: MissingValue | None = None,
+    missing_value: MissingValueCodes | None = None,
     accept: str | Sequence[str] | None = None,
 ) -> Profile:
     """Read a measured profile from a file.
@@ -220,11 +220,11 @@ def read_surface(
     *,
     unit: str | tuple[str, str] | None = None,
     spacing: str | tuple[str, str] | None = None,
-    missing: Missing = "error",
-    channel: Selection | None = None,
-    outliers: Outliers = "keep",
+    missing: MissingPointTreatment = "error",
+    channel: NameOrIndex | None = None,
+    outliers: OutlierTreatment = "keep",
     crop: str | Sequence[str] | None = None,
-    missing_value: MissingValue | None = None,
+    missing_value: MissingValueCodes | None = None,
     accept: str | Sequence[str] | None = None,
 ) -> Surface:
     """Read a measured surface from a file.
@@ -289,12 +289,12 @@ def read_measurement(
     *,
     unit: str | tuple[str, str] | None = None,
     spacing: str | tuple[str, str] | None = None,
-    missing: Missing = "error",
-    channel: Selection | None = None,
-    columns: Selection | Sequence[Selection] | None = None,
-    outliers: Outliers = "keep",
+    missing: MissingPointTreatment = "error",
+    channel: NameOrIndex | None = None,
+    columns: NameOrIndex | Sequence[NameOrIndex] | None = None,
+    outliers: OutlierTreatment = "keep",
     crop: str | Sequence[str] | None = None,
-    missing_value: MissingValue | None = None,
+    missing_value: MissingValueCodes | None = None,
     accept: str | Sequence[str] | None = None,
 ) -> Profile | Surface:
     """Read a measured profile or surface, depending on the content of the file.
@@ -344,7 +344,7 @@ def read_measurement(
     )
 
 
-def load_interpreted_file(path: str | os.PathLike[str], **options: Any) -> Reading[Profile | Surface]:
+def load_interpreted_file(path: str | os.PathLike[str], **options: Any) -> FileReading[Profile | Surface]:
     """Read a profile or surface, and record how its file was interpreted. Options are those of `read_measurement`.
 
     Caveats are returned in `caveats`, and no warning is issued.
@@ -374,7 +374,7 @@ def _interpret_file(
     path: str | os.PathLike[str],
     options: ReadOptions,
     convert: Callable[[RawHeights, str, ReadOptions], InterpretedScan[_Body]],
-) -> Reading[_Body]:
+) -> FileReading[_Body]:
     """Read a file and interpret its content. Every error message contains the complete path."""
     path = Path(path)
     try:
@@ -386,7 +386,7 @@ def _interpret_file(
         raise FormatError(f"{printable_path(path)}: does not fit into the memory of this machine") from None
     except ValueError as error:
         raise FormatError(f"{printable_path(path)}: {error}") from None
-    return Reading(
+    return FileReading(
         interpreted.body,
         path.name,
         raw.source,
@@ -397,7 +397,7 @@ def _interpret_file(
     )
 
 
-def _read_content(path: Path, words: tuple[str, ...]) -> Content:
+def _read_content(path: Path, words: tuple[str, ...]) -> ReaderResult:
     """Read the content of a file with the reader that matches the file name and the first bytes."""
     suffix = path.suffix.lower()
     try:
@@ -407,8 +407,8 @@ def _read_content(path: Path, words: tuple[str, ...]) -> Content:
     size = path.stat().st_size
     if size == 0:
         raise FormatError("is empty")
-    if size > MAX_BYTES:
-        raise FormatError(f"has {size} bytes; at most {MAX_BYTES} can be read")
+    if size > MAX_FILE_BYTES:
+        raise FormatError(f"has {size} bytes; at most {MAX_FILE_BYTES} can be read")
     reader = READERS.get(suffix)
     with path.open("rb") as file:
         start = file.read(4096)
@@ -435,7 +435,7 @@ def _read_content(path: Path, words: tuple[str, ...]) -> Content:
     return reader(path.read_bytes())
 
 
-def _read_binary_file(path: Path) -> Content:
+def _read_binary_file(path: Path) -> ReaderResult:
     """Use SurfaceTopography to read a binary file whose name has the extension of a text file."""
     if is_reader_installed():
         try:
@@ -448,7 +448,7 @@ def _read_binary_file(path: Path) -> Content:
     )
 
 
-def _read_instrument_or_text_file(path: Path, start: bytes, words: tuple[str, ...]) -> Content:
+def _read_instrument_or_text_file(path: Path, start: bytes, words: tuple[str, ...]) -> ReaderResult:
     """Read a file with SurfaceTopography. If this fails and the file is text, read it as a table."""
     try:
         return read_instrument_file(path)

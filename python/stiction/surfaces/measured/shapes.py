@@ -17,21 +17,21 @@ from stiction.surfaces.measured.header import NON_HEIGHT_NAME_PATTERN
 from stiction.surfaces.measured.raw import (
     LENGTH_UNITS,
     ColumnTable,
-    Content,
     FileCaveat,
     FormatError,
     HeightChannels,
     RawHeights,
+    ReaderResult,
     parse_length_unit,
 )
 
-MAX_UNEVENNESS = 1e-3
+MAX_STEP_UNEVENNESS = 1e-3
 """Largest deviation of a point from a uniform grid, in spacings, that is accepted.
 
 Such a deviation has no visible effect on the heights. It occurs in positions that were stored in single precision.
 """
 
-MIN_COLUMNS = 4  # minimum number of columns of a height matrix in a text file
+MIN_MATRIX_COLUMNS = 4  # minimum number of columns of a height matrix in a text file
 MAX_TABLE_GRID_POINTS = 100_000_000  # maximum number of points of a map
 MAX_LISTED_NAMES = 12  # maximum number of names in a message
 MAX_SELECTED_PROFILE_COLUMNS = 3  # maximum number of columns that a caller can choose: x, y and z
@@ -44,7 +44,7 @@ MIN_COMPARED_NUMBERS = 20
 # Smallest step of positions, in units of the last printed digit.
 # Equal steps below this limit may also occur in coarsely rounded heights.
 MIN_STEP_DIGITS = 3.0
-Selection = str | int
+NameOrIndex = str | int
 
 _NUMBERING_NAME_PATTERN = re.compile(
     r"|index|unnamed: ?0|no\.?|nr\.?|#|n|i|points?|pt\.?|punkt|zeile|line|row|dataline|trace", re.I
@@ -53,11 +53,15 @@ _VALID_NAME_PATTERN = re.compile(r"\W*(?:valid\w*|gültig\w*|is[ _]?valid|ok|1/0
 _INVALID_NAME_PATTERN = re.compile(r"\W*(?:invalid\w*|ungültig\w*|is[ _]?invalid)\b.*", re.I)
 # column names that leave open whether 1 marks valid or invalid points
 _FLAG_NAME_PATTERN = re.compile(r"\W*(?:flags?|status|0/1)\b.*|.*[\[(]0/1[\])]", re.I)
-_X, _Y = (re.compile(rf"\W*{axis}(?![a-z0-9]).*|.*\b{axis}[\s_-]*(?:pos|coord).*", re.I) for axis in "xy")
+_X_COLUMN_PATTERN, _Y_COLUMN_PATTERN = (
+    re.compile(rf"\W*{axis}(?![a-z0-9]).*|.*\b{axis}[\s_-]*(?:pos|coord).*", re.I) for axis in "xy"
+)
 _HEIGHT_COLUMN_PATTERN = re.compile(r"\W*(?:z(?![a-z0-9])|height|höhe|hauteur|altezza|altura|topo).*", re.I)
 
 
-def select_heights(content: Content, channel: Selection | None, columns: Sequence[Selection] | None) -> RawHeights:
+def select_heights(
+    content: ReaderResult, channel: NameOrIndex | None, columns: Sequence[NameOrIndex] | None
+) -> RawHeights:
     """Return the heights in the selected channel or columns. By default, the shape of the table selects the columns."""
     if isinstance(content, HeightChannels):
         index = _find_channel_index(content, channel)
@@ -79,7 +83,7 @@ def select_heights(content: Content, channel: Selection | None, columns: Sequenc
     return content
 
 
-def _find_channel_index(channels: HeightChannels, selected: Selection | None) -> int:
+def _find_channel_index(channels: HeightChannels, selected: NameOrIndex | None) -> int:
     if selected is not None:
         return _find_column_or_channel_index(channels.names, selected, range(len(channels.names)), "channel")
     if channels.default is None:
@@ -89,7 +93,9 @@ def _find_channel_index(channels: HeightChannels, selected: Selection | None) ->
     return channels.default
 
 
-def _find_column_or_channel_index(names: Sequence[str], selected: Selection, numbers: Sequence[int], kind: str) -> int:
+def _find_column_or_channel_index(
+    names: Sequence[str], selected: NameOrIndex, numbers: Sequence[int], kind: str
+) -> int:
     """Return the index of a column or a channel, given its name or its number in the file."""
     text = str(selected).strip()
     for normalise in (lambda name: name, lambda name: name.casefold(), _name_without_unit):
@@ -131,7 +137,7 @@ def _column_numbers(table: ColumnTable) -> Sequence[int]:
     return range(table.values.shape[1]) if table.places is None else table.places
 
 
-def _heights_of_selected_columns(table: ColumnTable, selected: Sequence[Selection]) -> RawHeights:
+def _heights_of_selected_columns(table: ColumnTable, selected: Sequence[NameOrIndex]) -> RawHeights:
     """Return the data of the selected columns: heights only, positions and heights, or x, y and heights."""
     numbers = _column_numbers(table)
     indices = [_find_column_or_channel_index(table.names, item, numbers, "column") for item in selected]
@@ -281,7 +287,7 @@ def _find_numbering_caveat(table: ColumnTable, positions: Floats, place: int) ->
     )
 
 
-def _replace_words_by_missing(table: ColumnTable, columns: Sequence[Selection] | None) -> ColumnTable:
+def _replace_words_by_missing(table: ColumnTable, columns: Sequence[NameOrIndex] | None) -> ColumnTable:
     """Remove columns of words. In rows with a word for missing points, replace the heights by NaN.
 
     Raises `FormatError` unless the caller gave such a word for each of these columns, or chose the columns.
@@ -321,7 +327,7 @@ def _with_missing_rows(values: Floats, missing: NDArray[np.bool_], places: Seque
     return masked
 
 
-def _apply_flag_column(table: ColumnTable, columns: Sequence[Selection] | None) -> ColumnTable:
+def _apply_flag_column(table: ColumnTable, columns: Sequence[NameOrIndex] | None) -> ColumnTable:
     """Remove a column of flags, and mark heights as missing where the flags declare them invalid.
 
     Raises `FormatError` if the meaning of the flags is unknown, unless the caller chose the columns.
@@ -445,7 +451,7 @@ def _remove_position_column(table: ColumnTable) -> tuple[ColumnTable, tuple[str,
     spacings = table.declared.spacings
     if first_column and not first_row and spacings is not None:
         step = float(heights[-1, 0] - heights[1, 0]) / (rows - 2)
-        if abs(step - spacings[0].length) <= max(0.51 * spacings[0].digit, MAX_UNEVENNESS * spacings[0].length):
+        if abs(step - spacings[0].length) <= max(0.51 * spacings[0].digit, MAX_STEP_UNEVENNESS * spacings[0].length):
             text = f"the first column removed: positions {step:g} {spacings[0].unit} apart, as its header declares"
             return _select_table_columns(table, range(1, columns)), (text,)
     if first_column or first_row:
@@ -491,7 +497,7 @@ def has_equal_steps(values: Floats, slack: float = 0.0) -> bool:
     mean = (following[-1] - following[0]) / (following.size - 1)
     if mean == 0:
         return False
-    if np.ptp(steps) <= MAX_UNEVENNESS * abs(mean):
+    if np.ptp(steps) <= MAX_STEP_UNEVENNESS * abs(mean):
         return True
     deviations = np.abs(following - following[0] - mean * np.arange(following.size))
     return bool(slack > 0 and deviations.max() <= slack and abs(mean) > MIN_STEP_DIGITS * slack)
@@ -539,7 +545,7 @@ def _find_xyz_columns(table: ColumnTable) -> tuple[int, int, int] | None:
         return (0, 1, 2) if columns == 3 else None
     x, y, z = (
         [index for index, name in enumerate(table.names) if axis.fullmatch(name.strip())]
-        for axis in (_X, _Y, _HEIGHT_COLUMN_PATTERN)
+        for axis in (_X_COLUMN_PATTERN, _Y_COLUMN_PATTERN, _HEIGHT_COLUMN_PATTERN)
     )
     if len(x) != 1 or len(y) != 1:
         return None
@@ -614,7 +620,7 @@ def _describe_missing_information(table: ColumnTable) -> str:
 
 def _has_separate_columns(table: ColumnTable) -> bool:
     columns = table.values.shape[1]
-    return not table.area and (columns < MIN_COLUMNS or len(set(_column_units(table))) > 1 or bool(table.names))
+    return not table.area and (columns < MIN_MATRIX_COLUMNS or len(set(_column_units(table))) > 1 or bool(table.names))
 
 
 TABLE_SHAPES: tuple[TableShape, ...] = (

@@ -13,18 +13,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction.surfaces.measured.decode import BLANK_LINE, MAX_CELLS, NUMBER_LINE, NUMERIC_CHARACTERS, Text
+from stiction.surfaces.measured.decode import (
+    BLANK_LINE,
+    MAX_CELLS_PER_LINE,
+    NUMBER_LINE,
+    NUMERIC_CHARACTERS,
+    DecodedText,
+)
 from stiction.surfaces.measured.raw import FormatError
 
-_SAMPLE_LINES = 60  # maximum number of lines for detecting the separator and the decimal mark
-_SAMPLE_SIZE = 10_000  # maximum number of characters for detecting the separator and the decimal mark
+_MAX_SAMPLE_LINES = 60  # maximum number of lines for detecting the separator and the decimal mark
+_MAX_SAMPLE_CHARACTERS = 10_000  # maximum number of characters for detecting the separator and the decimal mark
 _MIN_LONG_LINE_LENGTH = 200  # cells are counted line by line if the mean line length is above this limit
 MAX_SAMPLED_ROWS = 20_000  # maximum number of rows from which the printed digits of a column are determined
-MAX_COUNT_CELLS = 2  # maximum number of cells in a line of counts or sizes above the numbers
+MAX_COUNT_LINE_CELLS = 2  # maximum number of cells in a line of counts or sizes above the numbers
 _QUOTED_SEPARATOR = "\x1f"  # separator of cells after quotes have been removed
 _EXPONENT_PATTERN = r"(?:[eE]([+-]?[0-9]{1,3}))?"
 
-Lines = NDArray[np.int64]
+LineNumbers = NDArray[np.int64]
 
 
 def split_cells(line: str, separator: str | None) -> list[str]:
@@ -92,8 +98,8 @@ _QUOTED_THOUSANDS_DIALECTS = [Dialect(",", ".", ","), Dialect(",", ",", ".")]
 class NumberBlock:
     """Matrix of numbers in a text, with the line numbers of its rows."""
 
-    text: Text
-    lines: Lines  # line numbers of the rows, counted from 0
+    text: DecodedText
+    lines: LineNumbers  # line numbers of the rows, counted from 0
     dialect: Dialect
     values: Floats  # (rows, columns)
     # First line from which lines have fewer cells, for example below the end of the shorter of two profiles.
@@ -148,7 +154,7 @@ def last_digit_value(values: Floats, decimals: int, digits: int) -> Floats:
     return np.asarray(10.0 ** np.clip(np.maximum(-decimals, by_digits), -300, 300))
 
 
-def find_numeric_line_runs(text: Text) -> list[tuple[int, int]]:
+def find_numeric_line_runs(text: DecodedText) -> list[tuple[int, int]]:
     """Return the first and the last line of each run of numeric lines. A run may contain blank lines."""
     kinds = text.line_kinds
     filled = np.flatnonzero(kinds != BLANK_LINE)
@@ -157,16 +163,16 @@ def find_numeric_line_runs(text: Text) -> list[tuple[int, int]]:
     return [(int(filled[a]), int(filled[b - 1])) for a, b in edges.reshape(-1, 2).tolist()]
 
 
-def detect_dialect(text: Text, first: int, last: int) -> Dialect:
+def detect_dialect(text: DecodedText, first: int, last: int) -> Dialect:
     """Find the dialect in which most lines of a run are numbers.
 
     Raises `FormatError` if there is no such dialect, or if there are two.
     """
     sample_lines = np.unique(
-        np.concatenate([np.arange(max(first, last + 1 - _SAMPLE_LINES), last + 1), np.arange(first, first + 40)])
+        np.concatenate([np.arange(max(first, last + 1 - _MAX_SAMPLE_LINES), last + 1), np.arange(first, first + 40)])
     )
     sample_lines = sample_lines[sample_lines <= last]
-    width = max(_MIN_LONG_LINE_LENGTH, _SAMPLE_SIZE // sample_lines.size)
+    width = max(_MIN_LONG_LINE_LENGTH, _MAX_SAMPLE_CHARACTERS // sample_lines.size)
     sample = [_truncate_line(text.line(item), width) for item in sample_lines.tolist()]
     sample = [line for line in sample if line.strip("\t")]
     quoted = any('"' in line for line in sample)
@@ -195,7 +201,7 @@ def detect_dialect(text: Text, first: int, last: int) -> Dialect:
     return dialect
 
 
-def is_numeric_row(line: str, dialect: Dialect, text: Text) -> bool:
+def is_numeric_row(line: str, dialect: Dialect, text: DecodedText) -> bool:
     """Return whether all cells of a line are numbers or missing-point markers, and at least one is a number."""
     any_number = False
     for cell in dialect.split_line(line):
@@ -205,7 +211,7 @@ def is_numeric_row(line: str, dialect: Dialect, text: Text) -> bool:
     return any_number
 
 
-def cell_kind(cell: str, dialect: Dialect, text: Text) -> str | None:
+def cell_kind(cell: str, dialect: Dialect, text: DecodedText) -> str | None:
     """Return the kind of a cell: "number", "word" or "mark" (two kinds of missing-point markers), or None."""
     match = dialect.number_pattern.fullmatch(cell)
     if match is not None and (match[2] or match[3]):
@@ -220,7 +226,7 @@ def _truncate_line(line: str, width: int) -> str:
     return line if len(line) <= width else re.sub(r"[^\t;|, ]*$", "", line[:width]).rstrip("\t;|, ")
 
 
-def _interpret_commas(text: Text, first: int, sample: list[str], dialect: Dialect) -> Dialect:
+def _interpret_commas(text: DecodedText, first: int, sample: list[str], dialect: Dialect) -> Dialect:
     """Return the dialect of lines with commas, which may be cell separators, decimal marks, or both."""
     rows = [dialect.split_line(line) for line in sample]
     width = len(rows[0])
@@ -242,12 +248,12 @@ def _interpret_commas(text: Text, first: int, sample: list[str], dialect: Dialec
     return dialect
 
 
-def _line_above(text: Text, first: int) -> str:
+def _line_above(text: DecodedText, first: int) -> str:
     """Return the last non-empty line above line `first`."""
     return next((line for index in range(first - 1, -1, -1) if (line := text.line(index)).strip("\t")), "")
 
 
-def _reject_ambiguous_commas(text: Text, first: int, last: int, dialect: Dialect) -> None:
+def _reject_ambiguous_commas(text: DecodedText, first: int, last: int, dialect: Dialect) -> None:
     """Reject a text in which every comma may be a thousands separator ("1,250" is 1.25 or 1250)."""
     ambiguous = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")
     example, shown = -1, ""
@@ -269,12 +275,14 @@ def _reject_ambiguous_commas(text: Text, first: int, last: int, dialect: Dialect
 # ---- Numbers --------------------------------------------------------------------------------------------------------
 
 
-def parse_number_block(text: Text, first: int, last: int, dialect: Dialect, *, ragged: bool = False) -> NumberBlock:
+def parse_number_block(
+    text: DecodedText, first: int, last: int, dialect: Dialect, *, ragged: bool = False
+) -> NumberBlock:
     """Parse the numbers of a run of lines as a matrix.
 
-    Lines of at most `MAX_COUNT_CELLS` cells at the beginning are sizes and counts, and are skipped. Other lines with an
-    unusual number of cells are rejected. Missing cells are filled with NaN if only the height at a position is missing
-    and, with `ragged`, at the end of a table.
+    Lines of at most `MAX_COUNT_LINE_CELLS` cells at the beginning are sizes and counts, and are skipped. Other lines
+    with an unusual number of cells are rejected. Missing cells are filled with NaN if only the height at a position is
+    missing and, with `ragged`, at the end of a table.
     """
     lines = _find_row_lines(text, first, last, dialect)
     if not lines.size:
@@ -284,13 +292,13 @@ def parse_number_block(text: Text, first: int, last: int, dialect: Dialect, *, r
     usual = Counter(cells.tolist()).most_common(1)[0][0]
     if usual == 1 and cells.max() == 2 and (cells == 2).sum() > 1:
         usual = 2  # the table has two columns, but most heights are missing
-    if usual > MAX_CELLS:
+    if usual > MAX_CELLS_PER_LINE:
         raise FormatError(
-            f"has lines of {usual} cells; at most {MAX_CELLS} can be read; write one number per line, or save "
+            f"has lines of {usual} cells; at most {MAX_CELLS_PER_LINE} can be read; write one number per line, or save "
             "the heights as .npy"
         )
     num_skipped = int(np.argmax(cells == usual))
-    if (cells[:num_skipped] > min(usual, MAX_COUNT_CELLS)).any() or (
+    if (cells[:num_skipped] > min(usual, MAX_COUNT_LINE_CELLS)).any() or (
         usual == 2 and _rows_begin_with_positions(blob, joint, num_skipped)
     ):
         num_skipped = 0
@@ -330,7 +338,7 @@ def _rows_begin_with_positions(blob: bytes, joint: bytes, count: int) -> bool:
     return bool(np.isclose(steps, steps[-1], rtol=0.1, atol=0.0).all())
 
 
-def numbers_in_lines(text: Text, first: int, last: int) -> Floats:
+def numbers_in_lines(text: DecodedText, first: int, last: int) -> Floats:
     """Return all numbers in a range of lines. The numbers are separated by blanks or line breaks."""
     blob = text.data[text.line_starts[first] : text.line_starts[last + 1]]
     if blob.translate(None, NUMERIC_CHARACTERS):
@@ -341,7 +349,7 @@ def numbers_in_lines(text: Text, first: int, last: int) -> Floats:
     return _parse_number_lines(text, np.full(len(tokens), first), 1, b"\n".join(tokens))
 
 
-def _find_row_lines(text: Text, first: int, last: int, dialect: Dialect) -> Lines:
+def _find_row_lines(text: DecodedText, first: int, last: int, dialect: Dialect) -> LineNumbers:
     """Return the lines of a run that are rows of a table, including rows in which all cells are empty."""
     kinds = text.line_kinds[first : last + 1]
     filled = kinds != BLANK_LINE
@@ -351,7 +359,7 @@ def _find_row_lines(text: Text, first: int, last: int, dialect: Dialect) -> Line
     return np.flatnonzero(filled) + first
 
 
-def _to_plain_rows(text: Text, lines: Lines, dialect: Dialect) -> tuple[bytes, bytes]:
+def _to_plain_rows(text: DecodedText, lines: LineNumbers, dialect: Dialect) -> tuple[bytes, bytes]:
     """Convert lines to rows with decimal points and without quotes or blanks. Return the rows and their separator."""
     first, last = int(lines[0]), int(lines[-1])
     if lines.size == last - first + 1:
@@ -395,7 +403,7 @@ def _has_adjacent_dashes(blob: bytes) -> bool:
     return bool((is_dash[1:] & is_dash[:-1]).any())
 
 
-def _reject_blanks_in_numbers(text: Text, lines: Lines) -> None:
+def _reject_blanks_in_numbers(text: DecodedText, lines: LineNumbers) -> None:
     for line in lines.tolist():
         if _BLANK_IN_NUMBER_PATTERN.search(text.raw_line(line)):
             raise FormatError(
@@ -403,7 +411,7 @@ def _reject_blanks_in_numbers(text: Text, lines: Lines) -> None:
             )
 
 
-def _row_offsets_and_widths(blob: bytes, joint: bytes) -> tuple[Lines, Lines]:
+def _row_offsets_and_widths(blob: bytes, joint: bytes) -> tuple[LineNumbers, LineNumbers]:
     """Return the byte offset of each row, and the number of cells in each row."""
     codes = np.frombuffer(blob, np.uint8)
     starts = np.concatenate([[0], np.flatnonzero(codes == ord("\n")) + 1])
@@ -415,7 +423,7 @@ def _row_offsets_and_widths(blob: bytes, joint: bytes) -> tuple[Lines, Lines]:
     return starts, np.diff(np.append(np.searchsorted(joints, starts), joints.size)) + 1
 
 
-def _parse_number_lines(text: Text, lines: Lines, width: int, column: bytes) -> Floats:
+def _parse_number_lines(text: DecodedText, lines: LineNumbers, width: int, column: bytes) -> Floats:
     """Parse text with one number per line. Numbers are correctly rounded, and empty lines become NaN."""
     import pandas
 

@@ -9,16 +9,16 @@ from dataclasses import replace
 import numpy as np
 
 from stiction._text import printable_text
-from stiction.surfaces.measured.decode import TEXT_LINE, Text, decode_text
+from stiction.surfaces.measured.decode import TEXT_LINE, DecodedText, decode_text
 from stiction.surfaces.measured.header import parse_column_heads, parse_declarations, parse_history
-from stiction.surfaces.measured.layout import Layout
+from stiction.surfaces.measured.layout import TextLayout
 from stiction.surfaces.measured.raw import (
     ColumnTable,
-    Content,
     FormatError,
     HeightChannels,
+    HeightSource,
     RawHeights,
-    Source,
+    ReaderResult,
     WordColumn,
 )
 from stiction.surfaces.measured.shapes import has_equal_steps
@@ -30,7 +30,7 @@ from stiction.surfaces.measured.split import (
     find_numeric_line_runs,
     parse_number_block,
 )
-from stiction.surfaces.measured.word_columns import FoundColumn, describe_words, replace_word_columns
+from stiction.surfaces.measured.word_columns import FoundWordColumn, describe_words, replace_word_columns
 
 MAX_HISTORY_STEP_LENGTH = 1000  # maximum number of characters of a history entry in a header
 MAX_HISTORY_STEPS = 1000
@@ -40,25 +40,25 @@ MAX_FOOTER_FRACTION = 0.1
 MIN_BLOCK_ROWS = 2
 
 
-def read_text(data: bytes, words: tuple[str, ...] = ()) -> Content:
+def read_text(data: bytes, words: tuple[str, ...] = ()) -> ReaderResult:
     """Parse the text of a file. `words` are additional words that mark missing points."""
     return parse_content(decode_text(data, words))
 
 
-def parse_content(text: Text) -> Content:
+def parse_content(text: DecodedText) -> ReaderResult:
     """Parse a text with the first layout that recognises it, or otherwise as a table."""
     layout = find_layout(text)
     return parse_table(text) if layout is None else with_source(layout.read(text), text, layout.name)
 
 
-def find_layout(text: Text) -> Layout | None:
+def find_layout(text: DecodedText) -> TextLayout | None:
     """Return the instrument layout that recognises a text, or None."""
-    from stiction.surfaces.measured.layouts import LAYOUTS
+    from stiction.surfaces.measured.layouts import TEXT_LAYOUTS
 
-    return next((layout for layout in LAYOUTS if layout.recognises(text)), None)
+    return next((layout for layout in TEXT_LAYOUTS if layout.recognises(text)), None)
 
 
-def with_source(content: Content, text: Text, layout: str) -> Content:
+def with_source(content: ReaderResult, text: DecodedText, layout: str) -> ReaderResult:
     """Record the layout and the encoding of a text in the source of its content, and return the content."""
     if isinstance(content, HeightChannels):
         read_channel = content.read
@@ -66,7 +66,7 @@ def with_source(content: Content, text: Text, layout: str) -> Content:
     return replace(content, source=replace(content.source, layout=layout, encoding=text.encoding))
 
 
-def parse_table(text: Text) -> ColumnTable | HeightChannels:
+def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
     """Parse the largest run of numeric lines and its header as a table. Runs of equal size become channels."""
     text, word_columns = replace_word_columns(text)
     runs = find_numeric_line_runs(text)
@@ -95,7 +95,9 @@ def parse_table(text: Text) -> ColumnTable | HeightChannels:
     return _to_table(text, block, 0, word_columns)
 
 
-def _to_table(text: Text, block: NumberBlock, begin: int, word_columns: Sequence[FoundColumn] = ()) -> ColumnTable:
+def _to_table(
+    text: DecodedText, block: NumberBlock, begin: int, word_columns: Sequence[FoundWordColumn] = ()
+) -> ColumnTable:
     """Convert a block to a table with its footer and its header. The header begins at line `begin`."""
     first, end = int(block.lines[0]), int(block.lines[-1]) + 1
     header, footer = text.nonempty_lines(begin, first), text.nonempty_lines(end, len(text)) if begin == 0 else []
@@ -132,18 +134,18 @@ def _to_table(text: Text, block: NumberBlock, begin: int, word_columns: Sequence
     )
 
 
-def make_source(block: NumberBlock) -> Source:
+def make_source(block: NumberBlock) -> HeightSource:
     """Describe the location of a block in its text, and the format of the block."""
     text, first, end = block.text, int(block.lines[0]), int(block.lines[-1]) + 1
     point = "." if block.dialect.pairs else block.dialect.point
-    return Source(
+    return HeightSource(
         encoding=text.encoding, separator=str(block.dialect), decimal_mark=point, lines=(first + 1, end),
         lines_above=len(text.nonempty_lines(0, first)) if first < 10_000 else first,
         lines_below=int(np.count_nonzero(text.line_kinds[end:])),
     )  # fmt: skip
 
 
-def _first_line_with_labels(text: Text, first: int, last: int, dialect: Dialect) -> int:
+def _first_line_with_labels(text: DecodedText, first: int, last: int, dialect: Dialect) -> int:
     """Return the first line of a run of rows, or the line above the run if that line has a label for every column."""
     above = next((line for line in range(first - 1, -1, -1) if text.line(line).strip("\t")), -1)
     if above < 0 or dialect.separator is None:
@@ -153,7 +155,7 @@ def _first_line_with_labels(text: Text, first: int, last: int, dialect: Dialect)
     return above if is_labels else first
 
 
-def _reject_unreadable_line(text: Text, dialect: Dialect, width: int, runs: list[tuple[int, int]]) -> None:
+def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, runs: list[tuple[int, int]]) -> None:
     """Reject a line directly above or below rows of numbers if one of its cells cannot be read.
 
     Such a line has as many cells as its neighbours and is not a line of labels. Most of its cells are numbers, or the
@@ -178,7 +180,7 @@ def _reject_unreadable_line(text: Text, dialect: Dialect, width: int, runs: list
             _reject_word(text, line, next(cell for cell, kind in zip(cells, kinds, strict=True) if kind is None))
 
 
-def _repeats_words(text: Text, dialect: Dialect, kinds: list[str | None], cells: list[str], other: int) -> bool:
+def _repeats_words(text: DecodedText, dialect: Dialect, kinds: list[str | None], cells: list[str], other: int) -> bool:
     """Return whether line `other` repeats the words of `cells` in the same cells. Then neither line is a header."""
     if not 0 <= other < len(text) or (len(cells) > 1 and "number" not in kinds):
         return False
@@ -188,7 +190,7 @@ def _repeats_words(text: Text, dialect: Dialect, kinds: list[str | None], cells:
     )
 
 
-def _reject_word(text: Text, line: int, word: str) -> None:
+def _reject_word(text: DecodedText, line: int, word: str) -> None:
     raise FormatError(
         f"{text.describe_line(line)} is between numbers, but {word[:40]!r} is not a number; "
         f"--missing-value {word[:40]} treats it as a missing point"
@@ -205,7 +207,7 @@ def _are_labels(cells: list[str], dialect: Dialect) -> bool:
 
 
 def _find_runs_of_equal_width(
-    text: Text, runs: list[tuple[int, int]], main: tuple[int, int], dialect: Dialect
+    text: DecodedText, runs: list[tuple[int, int]], main: tuple[int, int], dialect: Dialect
 ) -> list[tuple[int, int]]:
     """Return the runs with as many columns as the main run, except a short first run with a size or a count."""
     width = len(dialect.split_line(text.line(main[0])))
@@ -221,7 +223,7 @@ def _find_runs_of_equal_width(
 
 
 def _to_channels(
-    text: Text, runs: list[tuple[int, int]], dialect: Dialect, word_columns: Sequence[FoundColumn] = ()
+    text: DecodedText, runs: list[tuple[int, int]], dialect: Dialect, word_columns: Sequence[FoundWordColumn] = ()
 ) -> HeightChannels:
     """Convert blocks with the same number of columns to channels. Each channel has a separate header."""
     begins = [0, *(last + 1 for _, last in runs)]

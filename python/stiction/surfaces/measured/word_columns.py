@@ -10,20 +10,20 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from stiction._text import printable_text
-from stiction.surfaces.measured.decode import BLANK_LINE, NUMBER_LINE, TEXT_LINE, Text
+from stiction.surfaces.measured.decode import BLANK_LINE, NUMBER_LINE, TEXT_LINE, DecodedText
 from stiction.surfaces.measured.split import Dialect, cell_kind, find_numeric_line_runs, split_cells
 
 # The comma is tried last, because it may be the decimal mark in cells with another separator.
 _CELL_SEPARATORS = ("\t", ";", "|", None, ",")
-_NUMBER_CELL = re.compile(r"[+-]?(?:[0-9]{1,40}(?:[.,][0-9]{0,40})?|[.,][0-9]{1,40})(?:[eE][+-]?[0-9]{1,3})?")
-_MISSING_TEXT = "nan"  # text that replaces each word
-_MAX_SEPARATOR_LINES = 400  # number of lines that are examined to find the possible separators
-MIN_ROWS = 4  # columns of words are searched only if there are at least this many rows
+_NUMBER_CELL_PATTERN = re.compile(r"[+-]?(?:[0-9]{1,40}(?:[.,][0-9]{0,40})?|[.,][0-9]{1,40})(?:[eE][+-]?[0-9]{1,3})?")
+_MISSING_WORD_REPLACEMENT = "nan"  # text that replaces each word
+_MAX_SEPARATOR_SEARCH_LINES = 400  # number of lines that are examined to find the possible separators
+MIN_TABLE_ROWS = 4  # columns of words are searched only if there are at least this many rows
 MAX_LISTED_WORDS = 4  # maximum number of words of a column that a message lists
 
 
 @dataclass(frozen=True)
-class FoundColumn:
+class FoundWordColumn:
     """Column of words in a text, and the numbers of the lines that contain a word for missing points."""
 
     place: int
@@ -31,7 +31,7 @@ class FoundColumn:
     missing_lines: tuple[int, ...]  # line numbers, counted from 0
 
 
-def replace_word_columns(text: Text) -> tuple[Text, tuple[FoundColumn, ...]]:
+def replace_word_columns(text: DecodedText) -> tuple[DecodedText, tuple[FoundWordColumn, ...]]:
     """Replace the words in columns without numbers by ``nan``. Return the new text and the replaced columns."""
     runs = find_numeric_line_runs(text)
     if not (text.words or _may_mix_words_and_numbers(text, runs)):
@@ -39,22 +39,29 @@ def replace_word_columns(text: Text) -> tuple[Text, tuple[FoundColumn, ...]]:
     lines = np.flatnonzero(text.line_kinds != BLANK_LINE).tolist()
     largest_run = max((last + 1 - first for first, last in runs), default=0)
     samples = {
-        separator: _find_word_table(text, lines[:_MAX_SEPARATOR_LINES], separator) for separator in _CELL_SEPARATORS
+        separator: _find_word_table(text, lines[:_MAX_SEPARATOR_SEARCH_LINES], separator)
+        for separator in _CELL_SEPARATORS
     }
     separator = max(samples, key=lambda key: len(samples[key].numeric))  # take the first of equally good separators
     if not samples[separator].words:
         return text, ()
-    table = samples[separator] if len(lines) <= _MAX_SEPARATOR_LINES else _find_word_table(text, lines, separator)
-    if not table.words or len(table.lines) < max(MIN_ROWS, len(lines) / 2, largest_run):
+    table = (
+        samples[separator] if len(lines) <= _MAX_SEPARATOR_SEARCH_LINES else _find_word_table(text, lines, separator)
+    )
+    if not table.words or len(table.lines) < max(MIN_TABLE_ROWS, len(lines) / 2, largest_run):
         return text, ()
     replaced = text.data.decode("utf-8", "replace").split("\n")
     for line, cells in zip(table.lines, table.rows, strict=True):
         replaced[line] = (separator or " ").join(
-            _MISSING_TEXT if index in table.words else f'"{cell}"' if separator and separator in cell else cell
+            _MISSING_WORD_REPLACEMENT
+            if index in table.words
+            else f'"{cell}"'
+            if separator and separator in cell
+            else cell
             for index, cell in enumerate(cells)
         )
     columns = (
-        FoundColumn(place, counts, tuple(table.missing_lines.get(place, ())))
+        FoundWordColumn(place, counts, tuple(table.missing_lines.get(place, ())))
         for place, counts in sorted(table.words.items())
     )
     return replace(text, data="\n".join(replaced).encode()), tuple(columns)
@@ -69,14 +76,14 @@ def describe_words(counts: Mapping[str, int]) -> str:
     return " and ".join(filter(None, [", ".join(shown[:-1]), shown[-1]]))
 
 
-def _may_mix_words_and_numbers(text: Text, runs: Sequence[tuple[int, int]]) -> bool:
+def _may_mix_words_and_numbers(text: DecodedText, runs: Sequence[tuple[int, int]]) -> bool:
     """Return whether rows from the line above the first numbers onwards may contain both words and numbers."""
     if not runs:
         return True
     kinds = text.line_kinds[text.line_kinds != BLANK_LINE]
     numbers = np.flatnonzero(kinds == NUMBER_LINE)
     return bool((kinds[numbers[0] :] == TEXT_LINE).any()) or (
-        numbers[0] > 0 and any(map(_NUMBER_CELL.fullmatch, re.split(r"[\t;|, ]+", text.line(runs[0][0] - 1))))
+        numbers[0] > 0 and any(map(_NUMBER_CELL_PATTERN.fullmatch, re.split(r"[\t;|, ]+", text.line(runs[0][0] - 1))))
     )
 
 
@@ -90,10 +97,10 @@ class _WordTable:
     missing_lines: dict[int, list[int]] = field(default_factory=dict)
 
 
-def _find_word_table(text: Text, lines: Sequence[int], separator: str | None) -> _WordTable:
+def _find_word_table(text: DecodedText, lines: Sequence[int], separator: str | None) -> _WordTable:
     """Find the rows of a table with word columns: rows of equal width with numbers in the same columns."""
     rows = [split_cells(text.line(line), separator) for line in lines]
-    is_number = [[_NUMBER_CELL.fullmatch(cell) is not None for cell in row] for row in rows]
+    is_number = [[_NUMBER_CELL_PATTERN.fullmatch(cell) is not None for cell in row] for row in rows]
     widths = Counter(len(row) for row, numbers in zip(rows, is_number, strict=True) if any(numbers))
     table = _WordTable()
     if not widths:
@@ -128,5 +135,5 @@ def _find_word_table(text: Text, lines: Sequence[int], separator: str | None) ->
     return table
 
 
-def _is_word(cell: str, dialect: Dialect, text: Text, given: set[str]) -> bool:
+def _is_word(cell: str, dialect: Dialect, text: DecodedText, given: set[str]) -> bool:
     return bool(cell) and (cell.casefold() in given or cell_kind(cell, dialect, text) is None)

@@ -13,7 +13,7 @@ from stiction._checks import Floats, check_instance
 from stiction._files import new_file
 from stiction.surfaces.measured.npy import write_npy
 from stiction.surfaces.measured.raw import FormatError
-from stiction.surfaces.measured.shapes import MIN_COLUMNS
+from stiction.surfaces.measured.shapes import MIN_MATRIX_COLUMNS
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
@@ -86,10 +86,10 @@ def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
     """
     check_instance("surface", surface, Surface, "a Surface")
     columns = surface.heights.shape[1]
-    if Path(path).suffix.lower() == ".csv" and columns < MIN_COLUMNS:
+    if Path(path).suffix.lower() == ".csv" and columns < MIN_MATRIX_COLUMNS:
         raise FormatError(
-            f"{path}: cannot be written: a matrix in .csv must have at least {MIN_COLUMNS} columns, but the surface "
-            f"has {columns}; choose .npy"
+            f"{path}: cannot be written: a matrix in .csv must have at least {MIN_MATRIX_COLUMNS} columns, but the "
+            f"surface has {columns}; choose .npy"
         )
     head = [f"# spacing along {axis}: {step!r} um\n" for axis, step in zip("yx", surface.spacing, strict=True)]
     rows = (",".join(map(repr, row)) + "\n" for row in heights_with_nan(surface).tolist())

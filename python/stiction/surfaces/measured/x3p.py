@@ -18,23 +18,25 @@ from stiction.surfaces.measured.raw import (
     MAX_TEXT_BYTES,
     FileCaveat,
     FormatError,
+    HeightSource,
     RawHeights,
-    Source,
     read_member_chunks,
 )
 from stiction.surfaces.profile import MAX_POINTS
 
 _VALUE_TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
-_MAIN_XML = "main.xml"
+_MAIN_XML_FILE = "main.xml"
 
-_XML_NUMBER = re.compile(r"[+-]?([0-9]{1,400}(\.[0-9]{0,400})?|\.[0-9]{1,400})(e[+-]?[0-9]{1,9})?|[+-]?inf|nan", re.I)
+_XML_NUMBER_PATTERN = re.compile(
+    r"[+-]?([0-9]{1,400}(\.[0-9]{0,400})?|\.[0-9]{1,400})(e[+-]?[0-9]{1,9})?|[+-]?inf|nan", re.I
+)
 """Pattern of numbers in XML Schema, which have ASCII digits and no underscores."""
 
-_MAX_MAIN_BYTES = 4_000_000  # maximum size of main.xml in bytes, not counting the points that it lists
-_MAX_ELEMENTS = 100_000  # maximum number of XML elements in main.xml, not counting the points that it lists
+_MAX_MAIN_XML_BYTES = 4_000_000  # maximum size of main.xml in bytes, not counting the points that it lists
+_MAX_XML_ELEMENTS = 100_000  # maximum number of XML elements in main.xml, not counting the points that it lists
 _MAX_BYTES_PER_POINT = 200
-_MAX_SPARE_BYTES = 64  # maximum number of bytes of the validity mask beyond the last point
-_MAX_DEPTH = 6
+_MAX_SPARE_MASK_BYTES = 64  # maximum number of bytes of the validity mask beyond the last point
+_MAX_XML_DEPTH = 6
 
 
 def read_x3p(data: bytes) -> RawHeights:
@@ -49,10 +51,10 @@ def read_x3p(data: bytes) -> RawHeights:
 
 
 def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
-    mains = [name for name in archive.namelist() if name.rpartition("/")[2] == _MAIN_XML and name.count("/") <= 1]
+    mains = [name for name in archive.namelist() if name.rpartition("/")[2] == _MAIN_XML_FILE and name.count("/") <= 1]
     if not mains:
-        raise FormatError(f"is a zip archive without {_MAIN_XML}, so it is not an X3P file")
-    folder = min(mains, key=len).removesuffix(_MAIN_XML)  # some programs place all members in a directory
+        raise FormatError(f"is a zip archive without {_MAIN_XML_FILE}, so it is not an X3P file")
+    folder = min(mains, key=len).removesuffix(_MAIN_XML_FILE)  # some programs place all members in a directory
     root = _MainXml(archive, folder)
     feature = _get_element_text(root, "Record1/FeatureType")
     if feature not in ("PRF", "SUR"):
@@ -71,7 +73,8 @@ def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
     heights = axes["Z"].to_lengths(columns["Z"])
     if (link := _get_element_text(root, "Record3/DataLink/ValidPointsLink", "")) != "":
         bits = np.frombuffer(
-            b"".join(read_member_chunks(archive, root.folder + link, points // 8 + _MAX_SPARE_BYTES)), dtype=np.uint8
+            b"".join(read_member_chunks(archive, root.folder + link, points // 8 + _MAX_SPARE_MASK_BYTES)),
+            dtype=np.uint8,
         )
         if bits.size * 8 < points:
             raise FormatError(
@@ -79,7 +82,7 @@ def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
             )
         heights[np.unpackbits(bits, count=points, bitorder="little") == 0] = np.nan
     caveats = tuple(caveat for name in absolute for caveat in axes[name].caveats)
-    common: dict[str, Any] = {"unit": "m", "position_unit": "m", "caveats": caveats, "source": Source("X3P")}
+    common: dict[str, Any] = {"unit": "m", "position_unit": "m", "caveats": caveats, "source": HeightSource("X3P")}
     if feature == "SUR":
         return RawHeights(heights.reshape(shape), spacing=(axes["Y"].increment, axes["X"].increment), **common)
     if shape[0] != 1:
@@ -113,19 +116,19 @@ class _MainXml:
         parser.EndElementHandler = self._handle_end_tag
         parser.CharacterDataHandler = self._words.append
         num_bytes = 0
-        for chunk in read_member_chunks(archive, folder + _MAIN_XML, MAX_TEXT_BYTES):
+        for chunk in read_member_chunks(archive, folder + _MAIN_XML_FILE, MAX_TEXT_BYTES):
             parser.Parse(chunk)
             num_bytes += len(chunk)
-            if num_bytes > _MAX_MAIN_BYTES + (
+            if num_bytes > _MAX_MAIN_XML_BYTES + (
                 0 if self.listed is None else _MAX_BYTES_PER_POINT * math.prod(_read_shape(self))
             ):
                 raise FormatError(
-                    f"has a {_MAIN_XML} of more than {num_bytes - len(chunk)} bytes, too many for its points"
+                    f"has a {_MAIN_XML_FILE} of more than {num_bytes - len(chunk)} bytes, too many for its points"
                 )
         parser.Parse(b"", True)
 
     def _reject_document_type(self, *_: object) -> None:
-        raise FormatError(f"has a document type declaration in {_MAIN_XML}, which X3P does not allow")
+        raise FormatError(f"has a document type declaration in {_MAIN_XML_FILE}, which X3P does not allow")
 
     def _handle_start_tag(self, tag: str, _: object) -> None:
         name = tag.rpartition("}")[2]
@@ -135,15 +138,15 @@ class _MainXml:
             self.listed = []
         if name != "Datum":
             self._elements += 1
-            if self._elements > _MAX_ELEMENTS:
-                raise FormatError(f"has more than {_MAX_ELEMENTS} elements in {_MAIN_XML}")
+            if self._elements > _MAX_XML_ELEMENTS:
+                raise FormatError(f"has more than {_MAX_XML_ELEMENTS} elements in {_MAIN_XML_FILE}")
 
     def _handle_end_tag(self, _: str) -> None:
         text = "".join(self._words)
         self._words.clear()
         if self._path[-1] == "Datum" and self.listed is not None:
             self.listed.append(text.strip())
-        elif len(self._path) <= _MAX_DEPTH:
+        elif len(self._path) <= _MAX_XML_DEPTH:
             self.texts.setdefault("/".join(self._path[1:]), text)
         self._path.pop()
 
@@ -238,7 +241,7 @@ def _get_element_text(root: _MainXml, path: str, default: str | None = None) -> 
     if text:
         return text
     if default is None:
-        raise FormatError(f"lacks {path} in {_MAIN_XML}")
+        raise FormatError(f"lacks {path} in {_MAIN_XML_FILE}")
     return default
 
 
@@ -248,7 +251,7 @@ def _get_element_number(root: _MainXml, path: str, default: float) -> float:
 
 
 def _parse_float(text: str) -> float:
-    if _XML_NUMBER.fullmatch(text) is None:
+    if _XML_NUMBER_PATTERN.fullmatch(text) is None:
         raise FormatError(f"has {text[:40]!r} instead of a number")
     return float(text)
 

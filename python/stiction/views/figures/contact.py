@@ -33,8 +33,8 @@ from stiction.views.style import (
 _MIN_ZOOM_SPACINGS = 40  # minimum number of grid spacings on each side of the magnified contact
 _MAX_NANOMETRE_RANGE = 0.5  # range of heights (µm) below which the axis is labelled in nm
 _MAX_ARROW_LENGTH = 0.45  # maximum length of an arrow, inches
-EDGE_COLOUR = "#e00030"  # colour of contacts that are cut by the edge of the map
-NUM_NEIGHBOURS = 5  # number of neighbouring contacts in the magnified range, besides the strongest contact
+EDGE_CONTACT_COLOUR = "#e00030"  # colour of contacts that are cut by the edge of the map
+NUM_NEIGHBOURING_CONTACTS = 5  # number of neighbouring contacts in the magnified range, besides the strongest contact
 MIN_ZOOM_POINTS = 60  # minimum number of points shown on each side of the strongest contact
 
 
@@ -317,7 +317,7 @@ def contact_map_figure(picture: xarray.Dataset, *, direction: float = 0.0) -> Fi
     """
     is_opposing, is_cut = opposing_contact_mask(picture, direction), picture["contact_at_edge"].values > 0
     colours_and_labels = [(OPPOSING_COLOUR, "opposes motion"), (NOT_OPPOSING_COLOUR, "assists motion")] + [
-        (EDGE_COLOUR, "cut by the edge")
+        (EDGE_CONTACT_COLOUR, "cut by the edge")
     ] * bool(is_cut.any())
     if "gap" in picture:
         figure = new_figure(70)
@@ -356,7 +356,7 @@ def _draw_contact_map(
         **image_options,
     )
     if (outlined := np.append(False, is_cut)[contact_indices]).any():
-        axes.contour(outlined, levels=[0.5], colors=EDGE_COLOUR, linewidths=1.2, **image_options)
+        axes.contour(outlined, levels=[0.5], colors=EDGE_CONTACT_COLOUR, linewidths=1.2, **image_options)
     axes.set(xlabel=axis_label("x"), ylabel=axis_label("y"))
 
 
@@ -376,7 +376,7 @@ def _draw_profile_contacts(
         draw_bodies(axes, x[selection], *bodies[:, selection])
         axes.set(xlim=x[selection][[0, -1]], ylabel=axis_label("height_nm"))
     panels[0].scatter(
-        centres, np.interp(centres, x, bodies[1]), s=4, c=np.where(is_cut, EDGE_COLOUR, colours), zorder=3
+        centres, np.interp(centres, x, bodies[1]), s=4, c=np.where(is_cut, EDGE_CONTACT_COLOUR, colours), zorder=3
     )
     panels[0].axvspan(*x[zoom][[0, -1]], color="0.5", alpha=0.25, linewidth=0)
     lowest, highest = bodies[1, zoom].min(), bodies[1, zoom].max()
@@ -386,7 +386,7 @@ def _draw_profile_contacts(
     for centre, half_width, colour, has_edge in zip(centres, width / 2, colours, is_cut, strict=True):
         positions = np.linspace(centre - half_width, centre + half_width, 20)
         heights = np.interp(positions, x, bodies[1])
-        for line_colour, line_width in [(EDGE_COLOUR, 4.5)] * bool(has_edge) + [(colour, 2.5)]:
+        for line_colour, line_width in [(EDGE_CONTACT_COLOUR, 4.5)] * bool(has_edge) + [(colour, 2.5)]:
             panels[1].plot(positions, heights, color=line_colour, linewidth=line_width, solid_capstyle="round")
 
 
@@ -397,6 +397,8 @@ def _zoom_range(
     zoom_centre = centres[np.argmax(np.where(is_cut, -1.0, force))]
     distances = np.sort(np.abs(centres - zoom_centre))
     min_half_width = max(MIN_ZOOM_POINTS * (x[1] - x[0]), 4 * float(width.max()))
-    half_width = float(np.clip(1.3 * distances[min(NUM_NEIGHBOURS, distances.size - 1)], min_half_width, x[-1] / 7))
+    half_width = float(
+        np.clip(1.3 * distances[min(NUM_NEIGHBOURING_CONTACTS, distances.size - 1)], min_half_width, x[-1] / 7)
+    )
     start = float(np.clip(zoom_centre - half_width, 0, max(x[-1] - 2 * half_width, 0)))
     return start, start + 2 * half_width

@@ -22,8 +22,8 @@ from stiction.views.style import (
     new_figure,
 )
 
-MIN_DIRECTIONS = 3  # minimum number of directions for a compass figure
-MAX_RINGS = 5
+MIN_COMPASS_DIRECTIONS = 3  # minimum number of directions for a compass figure
+MAX_COMPASS_RINGS = 5
 
 
 def direction_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
@@ -96,7 +96,7 @@ def _interpolate_periodic(degrees: Floats, values: Floats, new_degrees: Floats) 
 
 def _draw_polar_circles(axes: Any, highest: float) -> None:
     """Draw the circles of a polar plot at round values, with labels between two spokes."""
-    min_ring_spacing = (highest or 1.0) / MAX_RINGS
+    min_ring_spacing = (highest or 1.0) / MAX_COMPASS_RINGS
     power = 10.0 ** np.floor(np.log10(min_ring_spacing))
     ring_spacing = float(
         next(factor * power for factor in (1, 2, 5, 10) if factor * power >= min_ring_spacing * (1 - 1e-9))

@@ -46,10 +46,10 @@ from stiction.views.style import (
 
 LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)  # multiples of the length scale that are compared in a figure
 SURFACE_PICTURE_POINTS = 400  # number of rows and number of columns of a surface in a figure
-MAX_PROFILES = 5
-MAX_CURVES = 8
+MAX_DRAWN_PROFILES = 5
+MAX_DRAWN_CURVES = 8
 
-COLOUR_QUANTILES = (0.01, 0.95)
+COLOUR_RANGE_QUANTILES = (0.01, 0.95)
 """Quantiles of the friction coefficients at the ends of the colour scale, which excludes a few very high values."""
 
 MAX_DRAWN_STRENGTHS = 2  # maximum number of adhesive shear strengths in a figure (the lowest and the highest)
@@ -292,7 +292,7 @@ def _logarithmic_colour_norm(maps: xarray.Dataset) -> Any:
     finite = np.isfinite(values) & (values > 0)
     is_valid = finite & ~(maps["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)
     positive_values = values[is_valid if is_valid.sum() > 0.1 * finite.sum() else finite]
-    low, high = np.quantile(positive_values, COLOUR_QUANTILES) if positive_values.size else (0.1, 1.0)
+    low, high = np.quantile(positive_values, COLOUR_RANGE_QUANTILES) if positive_values.size else (0.1, 1.0)
     step = 10.0 ** np.floor(np.log10(low)) / 2  # the limits of the scale are multiples of this step
     low, high = max(np.floor(low / step) * step, step), np.ceil(high / step) * step
     return LogNorm(low, max(high, low + step))
@@ -405,7 +405,7 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
     result = Result.of(dataset)
     study, loads = result.study, result.reached_loads()
     mu0, tau0 = study.friction.mu0[0], float(study.friction.tau0[0])
-    indices = evenly_spaced_indices(dataset.sizes["fractal_dimension"], MAX_CURVES)
+    indices = evenly_spaced_indices(dataset.sizes["fractal_dimension"], MAX_DRAWN_CURVES)
     drawn_result = Result(dataset.isel(fractal_dimension=indices))
     areas = drawn_result.at(loads, mu0=mu0, tau0=tau0, quantities=["contact_area"]).isel(mu0=0, tau0=0)
     amplitudes = areas["amplitude"].values
@@ -502,7 +502,7 @@ def profiles_figure(study: Study) -> Figure:
     """Draw profiles with equal phases for several fractal dimensions, at full length and over one length scale."""
     surfaces: Any = study.surfaces
     dimensions = surfaces.fractal_dimensions()
-    dimensions = dimensions[evenly_spaced_indices(dimensions.size, MAX_PROFILES)]
+    dimensions = dimensions[evenly_spaced_indices(dimensions.size, MAX_DRAWN_PROFILES)]
     amplitude = float(surfaces.amplitudes()[0])
     window = min(float(surfaces.length_scale), float(surfaces.extent))
     figure = new_figure(12 + 13 * dimensions.size)

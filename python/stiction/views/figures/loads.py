@@ -32,7 +32,7 @@ from stiction.views.style import (
 MAX_FRICTION_AXIS_RATIO = 4.0
 """Maximum ratio of the friction axis limit to the highest mean; wide intervals from few members are cut off."""
 
-MAX_SINGLE_DIRECTIONS = 2  # maximum number of directions drawn individually, in addition to their mean
+MAX_DRAWN_DIRECTIONS = 2  # maximum number of directions drawn individually, in addition to their mean
 
 
 INTERVAL_BAND_LEGENDS = {
@@ -154,8 +154,8 @@ def cut_off_figure(points: xarray.Dataset, *, title: str = "", limits: Mapping[s
 UNFILTERED_POSITION_RATIO = 1.5
 """Ratio of the shortest cutoff to the position at which unfiltered scans are drawn if their wavelength is unknown."""
 
-MAX_SPECTRAL_CUTOFF_RATIO = 8.0  # longest wavelength of the closed-form estimate, relative to the longest cutoff
-MIN_WAVELENGTH_RATIO = 1 / 16  # shortest wavelength of extrapolated values, relative to the first cutoff
+MAX_ESTIMATE_WAVELENGTH_RATIO = 8.0  # longest wavelength of the closed-form estimate, relative to the longest cutoff
+MIN_EXTRAPOLATED_WAVELENGTH_RATIO = 1 / 16  # shortest wavelength of extrapolated values, relative to the first cutoff
 
 
 def _draw_resolution_limits(friction_axes: Axes, area_axes: Axes, limits: Mapping[str, Any], x: Floats) -> None:
@@ -166,7 +166,7 @@ def _draw_resolution_limits(friction_axes: Axes, area_axes: Axes, limits: Mappin
         )
         area_axes.axhline(100 * limits["area_fraction"], color=AREA_COLOUR, linewidth=0.8, linestyle=":")
     wavelengths = np.asarray(limits.get("wavelength", ()))
-    is_shown = wavelengths >= MIN_WAVELENGTH_RATIO * x[x > 0].min()
+    is_shown = wavelengths >= MIN_EXTRAPOLATED_WAVELENGTH_RATIO * x[x > 0].min()
     for axes, name, factor, colour in (
         (friction_axes, "finer_friction", 1.0, SLIDING_RULE_COLOURS["all"]),
         (area_axes, "finer_area_fraction", 100.0, AREA_COLOUR),
@@ -182,7 +182,7 @@ def _draw_resolution_limits(friction_axes: Axes, area_axes: Axes, limits: Mappin
     spectral_estimate = limits.get("spectral")
     if spectral_estimate is not None:
         spectral_estimate = spectral_estimate.isel(
-            wavelength=spectral_estimate.wavelength <= MAX_SPECTRAL_CUTOFF_RATIO * x.max()
+            wavelength=spectral_estimate.wavelength <= MAX_ESTIMATE_WAVELENGTH_RATIO * x.max()
         )
         for rule in spectral_estimate.sliding.values:
             curve_label = "estimate from spectra" if rule == "all" else None
@@ -239,9 +239,13 @@ def _friction_and_area_figure(
         0, min(friction_axes.get_ylim()[1], MAX_FRICTION_AXIS_RATIO * highest) if highest > 0 else None
     )
     if limits:
-        left = min([*x, *(value for value in limits["wavelength"] if value >= MIN_WAVELENGTH_RATIO * x.min())])
+        left = min(
+            [*x, *(value for value in limits["wavelength"] if value >= MIN_EXTRAPOLATED_WAVELENGTH_RATIO * x.min())]
+        )
         _draw_resolution_limits(friction_axes, area_axes, limits, x)
-        area_axes.set_xlim(left / 1.2, (1.2 if limits.get("spectral") is None else MAX_SPECTRAL_CUTOFF_RATIO) * x.max())
+        area_axes.set_xlim(
+            left / 1.2, (1.2 if limits.get("spectral") is None else MAX_ESTIMATE_WAVELENGTH_RATIO) * x.max()
+        )
     friction_axes.set_ylabel(axis_label("friction_coefficient"))
     area_axes.set_ylabel(axis_label("contact_area_fraction" if has_fraction else "contact_area"))
     for ax in (friction_axes, area_axes):
@@ -264,7 +268,7 @@ def _sliding_rules(points: xarray.Dataset) -> list[str]:
 
 
 def _draw_single_directions(axes: Axes, dataset: xarray.Dataset, x: Floats, colour: str) -> None:
-    if not 1 < dataset.sizes.get("direction", 1) <= MAX_SINGLE_DIRECTIONS or colour == SLIDING_RULE_COLOURS["all"]:
+    if not 1 < dataset.sizes.get("direction", 1) <= MAX_DRAWN_DIRECTIONS or colour == SLIDING_RULE_COLOURS["all"]:
         return  # with friction at all contacts, both directions have the same results
     for direction, line_style in zip(dataset["direction"].values, ("--", ":"), strict=False):
         mean = dataset["friction_coefficient"].sel(direction=direction, statistic="mean").values

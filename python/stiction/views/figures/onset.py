@@ -17,7 +17,7 @@ from stiction._drawing import add_scale_bar
 from stiction._number_format import format_with_unit
 from stiction.studies.assessment import MAX_AFFECTED_FRACTION
 from stiction.studies.contact_picture import MIN_ZOOM_SIZE, ZOOM_DIVISOR
-from stiction.studies.contact_tables import AsperitySettings
+from stiction.studies.contact_tables import AsperityModelSettings
 from stiction.studies.point import MEAN_AND_LIMITS
 from stiction.studies.result import Result
 from stiction.views.figures.contact import draw_frame, draw_height_map, map_extent
@@ -40,7 +40,7 @@ from stiction.views.style import (
     new_figure,
 )
 
-CYCLE_COLOURS = ("0.55", FRICTION_COLOUR)  # colours of the load cycles
+LOAD_CYCLE_COLOURS = ("0.55", FRICTION_COLOUR)  # colours of the load cycles
 
 
 def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
@@ -60,7 +60,7 @@ def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
         low, high = (_prepend_zero(onset["displacement"].sel(statistic=item).values) for item in ("lower", "upper"))
         if np.isfinite(low).all():
             axes.fill_betweenx(load, 1e3 * low, 1e3 * high, color=FORCE_COLOUR, alpha=0.15, linewidth=0)
-        for amplitude, colour in zip(CYCLE_AMPLITUDES, CYCLE_COLOURS, strict=True):
+        for amplitude, colour in zip(CYCLE_AMPLITUDES, LOAD_CYCLE_COLOURS, strict=True):
             load_cycle = _masing_cycle(displacement, load, float(mean_onset["tangential_load"].sel(fraction=amplitude)))
             energy_loss = 1e3 * float(mean_onset["energy_lost"].sel(fraction=amplitude))
             text = f"cycle of {amplitude:g}: {format_with_unit(energy_loss, 'pJ')}"
@@ -221,7 +221,7 @@ def onset_by_dimension_figure(dataset: xarray.Dataset) -> Figure:
     """
     result = Result.of(dataset)
     study = result.study
-    assert isinstance(study.contact, AsperitySettings)
+    assert isinstance(study.contact, AsperityModelSettings)
     settings = study.contact.onset
     assert settings is not None
     log_load_range = np.log(result.reached_loads(2))

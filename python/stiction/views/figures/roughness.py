@@ -19,7 +19,7 @@ from stiction.surfaces.surface import Surface
 from stiction.views.characterisation import Characterisation, length_text, to_characterisation
 from stiction.views.style import MAP_AXIS_COLOURS, MATPLOTLIB_STYLE, PAGE_WIDTH, new_figure
 
-MAX_PROFILE_POINTS = 1500  # maximum number of profile points in the figure; longer profiles are averaged
+MAX_DRAWN_PROFILE_POINTS = 1500  # maximum number of profile points in the figure; longer profiles are averaged
 NUM_HEIGHT_BINS = 40  # number of bins of the height distribution
 MEASURED_COLOUR, FITTED_COLOUR = "#0072b2", "#d55e00"  # colours of measured and fitted curves
 TICK_STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10)  # spacings of ticks, in units of a power of ten
@@ -55,7 +55,7 @@ def characterisation_figure(body: Profile | Surface | Characterisation, **option
 
 def _draw_profile_heights(axes: Axes, profile: Profile) -> None:
     """Draw heights along a profile. Long profiles show means and ranges of neighbouring points."""
-    group_size = -(-len(profile) // MAX_PROFILE_POINTS)
+    group_size = -(-len(profile) // MAX_DRAWN_PROFILE_POINTS)
     heights = profile.heights - profile.heights.min()
     height_groups = np.pad(1000 * heights, (0, -len(profile) % group_size), mode="edge").reshape(-1, group_size)
     x = profile.spacing * (group_size * np.arange(len(height_groups)) + (group_size - 1) / 2)

@@ -19,7 +19,7 @@ from stiction.studies.study import Study
 from stiction.views.figures.budget import dwell_time_figure, uncertainty_budget_figure
 from stiction.views.figures.contact import contact_figure, contacts_figure
 from stiction.views.figures.distributions import (
-    MIN_DIRECTIONS,
+    MIN_COMPASS_DIRECTIONS,
     contact_sizes_figure,
     direction_figure,
     positions_figure,
@@ -146,7 +146,7 @@ def _measured_surface_figures(
         selection = unfiltered.isel(mu0=mu0_index, tau0=tau0_index)
         dataset = selection.sel(load=first_load, method="nearest")
         yield f"friction{suffix}", partial(load_figure, selection, study_loads, title=title)
-        if points.sizes.get("direction", 1) >= MIN_DIRECTIONS:
+        if points.sizes.get("direction", 1) >= MIN_COMPASS_DIRECTIONS:
             yield f"compass{suffix}", partial(direction_figure, dataset, title=title)
         yield f"positions{suffix}", partial(draw_positions_figure, result, dataset, title=title)
         if cutoff_dataset is not None:

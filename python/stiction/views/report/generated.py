@@ -16,14 +16,14 @@ from stiction._number_format import choose_prefixed_unit, format_with_unit
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import (
     AREAL_VALIDITY_QUANTITIES,
-    AT_HARDNESS_QUANTITIES,
+    COMMON_VALIDITY_QUANTITIES,
     ONSET_QUANTITIES,
     QUANTITIES,
-    VALIDITY_QUANTITIES,
+    QUANTITIES_AT_HARDNESS,
 )
 from stiction.studies.assessment import (
     MAX_AFFECTED_FRACTION,
-    MERGED_AREA_FRACTION,
+    MIN_MERGED_AREA_FRACTION,
     Caveat,
     LimitCheck,
     assess_ensemble,
@@ -34,7 +34,7 @@ from stiction.studies.nodes import InterpolationNodes, NodeAxis
 from stiction.studies.point import list_rules_quoted_first
 from stiction.studies.result import Result
 from stiction.studies.study import Study, study_names
-from stiction.views.figures.ensemble import COLOUR_QUANTILES
+from stiction.views.figures.ensemble import COLOUR_RANGE_QUANTILES
 from stiction.views.point import motion_direction_text
 from stiction.views.report.page import (
     CELL_AXIS_LABELS,
@@ -160,12 +160,12 @@ def _add_values_at_nodes(
     validity_records: list[dict[str, Any]] = []
     for name in (
         name
-        for name in (*VALIDITY_QUANTITIES, *AREAL_VALIDITY_QUANTITIES, *AT_HARDNESS_QUANTITIES)
+        for name in (*COMMON_VALIDITY_QUANTITIES, *AREAL_VALIDITY_QUANTITIES, *QUANTITIES_AT_HARDNESS)
         if name in node_values
     ):
         values = transpose_to_leading_dimensions(node_values[name])
         values = np.broadcast_to(values if values.ndim == len(shape) else values[..., 0], shape)
-        if not np.isfinite(values).any() or (name in AT_HARDNESS_QUANTITIES and not np.nan_to_num(values).any()):
+        if not np.isfinite(values).any() or (name in QUANTITIES_AT_HARDNESS and not np.nan_to_num(values).any()):
             continue
         quantity = QUANTITIES[name]
         validity_numbers[name] = values
@@ -263,7 +263,7 @@ def _add_colour_ranges(quantities: dict[str, Floats], packed_arrays: PackedArray
             continue
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)  # some nodes have no value
-            low, high = np.nanquantile(positive, COLOUR_QUANTILES, axis=(0, 4))
+            low, high = np.nanquantile(positive, COLOUR_RANGE_QUANTILES, axis=(0, 4))
         packed_arrays.add(f"colours_{name}_low", low)
         packed_arrays.add(f"colours_{name}_high", np.maximum(high, 1.05 * low))
         names.append(name)
@@ -302,7 +302,7 @@ def _compute_checked_numbers(
     value, lower, upper = np.moveaxis(points, -1, 0)
     return compute_checked_quantities(
         value, lower, upper, mu0=mu0, tau0=tau0, pressure=pressure, contact_count=contacts, members=members,
-        is_merged=area / nominal_area > MERGED_AREA_FRACTION,
+        is_merged=area / nominal_area > MIN_MERGED_AREA_FRACTION,
     )  # fmt: skip
 
 

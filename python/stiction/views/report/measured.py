@@ -16,7 +16,7 @@ from stiction._text import printable_text
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import QUANTITIES, quantity_names_shown_in
 from stiction.studies.assessment import find_smallest_check_limit
-from stiction.studies.measured_surfaces import MeasuredFile
+from stiction.studies.measured_surfaces import MeasuredBodySettings
 from stiction.studies.nodes import InterpolationNodes
 from stiction.studies.result import Result
 from stiction.studies.study import Study
@@ -27,7 +27,7 @@ from stiction.views.point import averaged_directions_text, material_names_text, 
 from stiction.views.pull_off import pull_off_text
 from stiction.views.report.page import (
     CELL_AXIS_LABELS,
-    MAX_TEXT_LENGTH,
+    MAX_SHOWN_LINE_LENGTH,
     ReportContent,
     ReportError,
     escape_html,
@@ -42,7 +42,7 @@ from stiction.views.report.pictures import (
     onset_panels,
     positions_panel,
 )
-from stiction.views.report.reading import READING_OPTIONS, file_reading_table
+from stiction.views.report.reading import LISTED_READING_OPTIONS, file_reading_table
 from stiction.views.report.tables import PackedArrays, count_estimate_decimals, estimate_with_unit_text
 from stiction.views.resolution import resolved_wavelengths_text
 from stiction.views.sentence import quotable_sentence, small_slope_estimate_text
@@ -275,8 +275,8 @@ def _heading_lines(study: Study, facts: dict[str, Any]) -> list[str]:
 def _history_markup(side: str, history: str, study: Study) -> str:
     lines = "".join(f"<li>{escape_html(line)}</li>" for line in history.splitlines()[:20])
     body_files = getattr(study.surfaces, side)
-    readings = "".join(_scan_reading_table(scan) for scan in body_files.scans[:MAX_READING_TABLES])
-    num_omitted = len(body_files.scans) - MAX_READING_TABLES
+    readings = "".join(_scan_reading_table(scan) for scan in body_files.scans[:MAX_FILE_READING_TABLES])
+    num_omitted = len(body_files.scans) - MAX_FILE_READING_TABLES
     readings += (
         f"<p>{num_omitted} more scans are in the JSON of <code>stiction pair</code>.</p>" if num_omitted > 0 else ""
     )
@@ -284,14 +284,14 @@ def _history_markup(side: str, history: str, study: Study) -> str:
     return file_text + (f"<ul>{lines}</ul>" if lines else "") + readings
 
 
-MAX_READING_TABLES = 4  # maximum number of scans per part for which the report shows how their files were read
+MAX_FILE_READING_TABLES = 4  # maximum number of scans per part for which the report shows how their files were read
 
 
-def _scan_reading_table(scan: MeasuredFile) -> str:
+def _scan_reading_table(scan: MeasuredBodySettings) -> str:
     """Return a table that shows how a file was read, or an empty string if there is no readable file."""
     with contextlib.suppress(ValueError, OSError):
         if (reading := scan.reading) is not None:
-            return file_reading_table(reading, {name: getattr(scan, name) for name in READING_OPTIONS})
+            return file_reading_table(reading, {name: getattr(scan, name) for name in LISTED_READING_OPTIONS})
     return ""
 
 
@@ -327,10 +327,10 @@ def _assessment_records(result: Result) -> list[dict[str, Any]]:
         {
             "at": point.at, "loadText": format_with_unit(point.at["load"], "mN"), "verdict": point.verdict,
             "covered": point.covered,
-            "sentence": printable_text(quotable_sentence(point), MAX_TEXT_LENGTH * 4),
+            "sentence": printable_text(quotable_sentence(point), MAX_SHOWN_LINE_LENGTH * 4),
             "caveats": [
                 {
-                    name: printable_text(getattr(caveat, name), MAX_TEXT_LENGTH)
+                    name: printable_text(getattr(caveat, name), MAX_SHOWN_LINE_LENGTH)
                     for name in ("text", "remedy", "severity")
                 }
                 for caveat in point.caveats
@@ -343,7 +343,7 @@ def _assessment_records(result: Result) -> list[dict[str, Any]]:
     ]  # fmt: skip
 
 
-_CONTRIBUTION_LABELS = ("μ0", "τ0 on the true area", "slopes")
+_FRICTION_CONTRIBUTION_LABELS = ("μ0", "τ0 on the true area", "slopes")
 
 
 def _contribution_record(point: PointSummary) -> dict[str, Any] | None:
@@ -352,7 +352,7 @@ def _contribution_record(point: PointSummary) -> dict[str, Any] | None:
     if point.parts is None or rule_estimate is None or not math.isfinite(rule_estimate.value):
         return None
     contribution_texts = []
-    for index, (contribution, label) in enumerate(zip(point.parts, _CONTRIBUTION_LABELS, strict=True)):
+    for index, (contribution, label) in enumerate(zip(point.parts, _FRICTION_CONTRIBUTION_LABELS, strict=True)):
         sign = (" \N{MINUS SIGN} " if contribution <= -0.0005 else " + ") if index else ""
         contribution_texts.append(f"{sign}{abs(contribution):.3f} ({label})")
     return {

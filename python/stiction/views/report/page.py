@@ -27,7 +27,7 @@ from stiction.studies.nodes import NodeAxis
 from stiction.studies.study import Study, find_differences
 from stiction.views.report.tables import PackedArrays
 
-REPORT_FILE_MARK = "<!doctype html>\n<!-- A report of stiction -->\n"
+REPORT_FILE_SIGNATURE = "<!doctype html>\n<!-- A report of stiction -->\n"
 """Start of every report, by which the program recognises reports that it may replace."""
 
 _LICENCE_URL = "https://www.gnu.org/licenses/gpl-3.0.txt"
@@ -50,7 +50,7 @@ class Page:
 
     def html(self) -> str:
         """Return the complete page."""
-        return REPORT_FILE_MARK + Template(read_package_file("page.html")).substitute(
+        return REPORT_FILE_SIGNATURE + Template(read_package_file("page.html")).substitute(
             name=escape_html(self.name),
             head="".join(f"<p>{escape_html(line)}</p>" for line in self.head),
             body=self.body,
@@ -64,7 +64,7 @@ class Page:
 
     def save(self, path: Path) -> None:
         """Write the page. Replace an existing file only if it is a report; otherwise raise a `ReportError`."""
-        with replacement_file(path, REPORT_FILE_MARK.encode(), ReportError) as partial:
+        with replacement_file(path, REPORT_FILE_SIGNATURE.encode(), ReportError) as partial:
             partial.write_bytes(self.html().encode("utf-8", "replace"))
 
 
@@ -85,12 +85,12 @@ def script_markup(facts: dict[str, Any], packed_arrays: Mapping[str, str]) -> st
     )
 
 
-MAX_TEXT_LENGTH = 400  # maximum number of shown characters of a line from a file
+MAX_SHOWN_LINE_LENGTH = 400  # maximum number of shown characters of a line from a file
 
 
 def escape_html(text: object) -> str:
     """Escape text for HTML, as a single line of limited length without control characters."""
-    return html.escape(printable_text(str(text), MAX_TEXT_LENGTH))
+    return html.escape(printable_text(str(text), MAX_SHOWN_LINE_LENGTH))
 
 
 def format_count(count: int, singular: str, plural: str | None = None) -> str:

@@ -14,7 +14,7 @@ import xarray
 from matplotlib.figure import Figure
 
 from stiction._number_format import format_percent, format_with_unit
-from stiction.studies.contact_tables import AsperitySettings
+from stiction.studies.contact_tables import AsperityModelSettings
 from stiction.studies.members import generate_pairs
 from stiction.studies.result import Result
 from stiction.studies.study import Study
@@ -34,7 +34,7 @@ def profiles_panel(study: Study, approach: float) -> str:
     dimensions, amplitude = cells["fractal_dimension"], float(cells["amplitude"][0])
     middle_dimension = dimensions[dimensions.size // 2 :][:1]
     upper, lower = next(iter(generate_pairs(study, 0, middle_dimension, amplitude)))
-    assert isinstance(contact, AsperitySettings)
+    assert isinstance(contact, AsperityModelSettings)
     options: dict[str, Any] = {"mu0": study.friction.mu0[0], "tau0": float(study.friction.tau0[0])}
     options |= {
         "title": f"$D$ = {middle_dimension[0]:.3g}, amplitude {format_with_unit(amplitude, 'um')}",

@@ -8,13 +8,23 @@ from typing import TYPE_CHECKING, Any
 from stiction.views.report.page import escape_html
 
 if TYPE_CHECKING:
-    from stiction.surfaces.measured.reading import Reading
+    from stiction.surfaces.measured.reading import FileReading
 
-READING_OPTIONS = ("unit", "spacing", "columns", "channel", "missing_value", "missing", "outliers", "crop", "accept")
+LISTED_READING_OPTIONS = (
+    "unit",
+    "spacing",
+    "columns",
+    "channel",
+    "missing_value",
+    "missing",
+    "outliers",
+    "crop",
+    "accept",
+)
 """Reading options that the table lists."""
 
 
-def file_reading_table(reading: Reading[Any], options: Mapping[str, Any]) -> str:
+def file_reading_table(reading: FileReading[Any], options: Mapping[str, Any]) -> str:
     """Return a table (markup) that shows how a file was read and which reading options were used."""
     rows = "".join(
         f'<tr><th scope="row">{escape_html(name)}</th><td>{escape_html(value)}</td></tr>'
@@ -23,11 +33,11 @@ def file_reading_table(reading: Reading[Any], options: Mapping[str, Any]) -> str
     return f'<table class="texts"><caption>How {escape_html(reading.file)} was read</caption>{rows}</table>'
 
 
-def file_reading_rows(reading: Reading[Any], options: Mapping[str, Any]) -> list[tuple[str, str]]:
+def file_reading_rows(reading: FileReading[Any], options: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Return table rows (name and value) that contain the detected layout of a file and the reading options."""
     source, body = reading.source, reading.body
     spacing_texts = [f"{spacing:.6g} µm along {axis}" for axis, spacing in zip("xy", body.spacings[::-1], strict=False)]
-    given_options = {name: options.get(name) for name in READING_OPTIONS}
+    given_options = {name: options.get(name) for name in LISTED_READING_OPTIONS}
     given_options = {name: value for name, value in given_options.items() if value and value not in ("error", "keep")}
     rows = [
         ("layout", source.layout or "not named"),

@@ -10,8 +10,8 @@ from stiction._number_format import format_percent, format_with_unit
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 from stiction.views.characterisation import (
+    ASSUMED_MU0,
     NEGLIGIBLE_SLOPE_FRACTION,
-    SLOPE_ESTIMATE_MU0,
     Characterisation,
     TableRow,
     to_characterisation,
@@ -23,7 +23,7 @@ from stiction.views.report.pictures import inline_svg
 # The report advises a finer scan if the shortest octave contributes more than this fraction of the mean square slope.
 MAX_SHORTEST_OCTAVE_FRACTION = 0.1
 
-READING_SECTION_TEMPLATE = Template(
+FILE_READING_SECTION_TEMPLATE = Template(
     '<section class="panel wide" aria-label="How the file was read">'
     '<div class="scroll" tabindex="0" role="region" aria-label="Table of the file">${table}</div></section>'
 )
@@ -41,7 +41,7 @@ def surface_page(
         meaning=_interpretation_markup(characterisation), command=escape_html(command),
         table=_table_markup([*characterisation.rows, *characterisation.line_table_rows]),
         figure=inline_svg(characterisation_figure(characterisation), "Heights, their distribution, and spectra"),
-        reading=reading and READING_SECTION_TEMPLATE.substitute(table=reading),
+        reading=reading and FILE_READING_SECTION_TEMPLATE.substitute(table=reading),
     )  # fmt: skip
     return Page(name, list(characterisation.body.history), main_markup, f"Characterised by stiction {__version__}")
 
@@ -74,7 +74,7 @@ def _interpretation_markup(characterisation: Characterisation) -> str:
         )
     paragraphs = [
         f"Small-slope estimate for two such surfaces: μₛ = {' and '.join(values)}{axes}, for elastic contact without "
-        f"adhesion and μ0 = {SLOPE_ESTIMATE_MU0:g}."
+        f"adhesion and μ0 = {ASSUMED_MU0:g}."
         if values
         else "The surface is flat, and so has no small-slope estimate.",
         finer_scan_text,

@@ -12,7 +12,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
-from stiction._number_format import MAX_DIGITS, MAX_PRECISE_END_RATIO, choose_prefixed_unit, format_estimate
+from stiction._number_format import (
+    MAX_FULL_PRECISION_END_RATIO,
+    MAX_SIGNIFICANT_DIGITS,
+    choose_prefixed_unit,
+    format_estimate,
+)
 
 STORED_FLOAT_BYTES = 4  # number of leading bytes of a double that a page stores; they give a relative precision of 5e-7
 NO_INTERVAL_CODE = -128  # value stored instead of the number of decimals of the upper end if no interval is printed
@@ -88,12 +93,12 @@ def count_estimate_decimals(mean: Floats, lower: Floats, upper: Floats) -> tuple
         decimals = np.where(
             mean == 0,
             interval_decimals,
-            np.clip(interval_decimals, value_decimals + 1, value_decimals + MAX_DIGITS - 1),
+            np.clip(interval_decimals, value_decimals + 1, value_decimals + MAX_SIGNIFICANT_DIGITS - 1),
         )
-        decimals = np.where(upper_end > lower, decimals, value_decimals + MAX_DIGITS - 1)
+        decimals = np.where(upper_end > lower, decimals, value_decimals + MAX_SIGNIFICANT_DIGITS - 1)
         has_no_interval = np.isnan(lower) | np.isnan(upper)
         decimals = np.where(has_no_interval, value_decimals + 1, decimals)
-        is_huge = np.isfinite(upper) & (upper > MAX_PRECISE_END_RATIO * np.abs(mean)) & (mean != 0)
+        is_huge = np.isfinite(upper) & (upper > MAX_FULL_PRECISION_END_RATIO * np.abs(mean)) & (mean != 0)
         upper_decimals = np.where(is_huge, -_rounded_decimal_exponents(upper), decimals)
         scale = 10.0 ** np.clip(decimals, -MAX_DECIMALS, MAX_DECIMALS)
         is_upper_equal = (

@@ -1,6 +1,6 @@
 """Text and workbook layouts of instruments, one per module.
 
-Each module defines `LAYOUT`, a `Layout`, or `WORKBOOK`, a `WorkbookLayout`. Its docstring contains an example.
+Each module defines `LAYOUT`, a `TextLayout`, or `WORKBOOK`, a `WorkbookLayout`. Its docstring contains an example.
 """
 
 from __future__ import annotations
@@ -8,11 +8,11 @@ from __future__ import annotations
 import pkgutil
 from importlib import import_module
 
-from stiction.surfaces.measured.layout import Layout, WorkbookLayout
+from stiction.surfaces.measured.layout import TextLayout, WorkbookLayout
 
 _LAYOUT_MODULES = [import_module(f"{__name__}.{module.name}") for module in pkgutil.iter_modules(__path__)]
 
-LAYOUTS: tuple[Layout, ...] = tuple(module.LAYOUT for module in _LAYOUT_MODULES if hasattr(module, "LAYOUT"))
-WORKBOOKS: tuple[WorkbookLayout, ...] = tuple(
+TEXT_LAYOUTS: tuple[TextLayout, ...] = tuple(module.LAYOUT for module in _LAYOUT_MODULES if hasattr(module, "LAYOUT"))
+WORKBOOK_LAYOUTS: tuple[WorkbookLayout, ...] = tuple(
     module.WORKBOOK for module in _LAYOUT_MODULES if hasattr(module, "WORKBOOK")
 )

@@ -15,8 +15,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from stiction.surfaces.measured.decode import Text
-from stiction.surfaces.measured.layout import Layout, parse_header_integer, parse_header_number
+from stiction.surfaces.measured.decode import DecodedText
+from stiction.surfaces.measured.layout import TextLayout, parse_header_integer, parse_header_number
 from stiction.surfaces.measured.raw import FormatError, RawHeights
 from stiction.surfaces.measured.split import detect_dialect, find_numeric_line_runs, parse_number_block
 from stiction.surfaces.measured.text import make_source
@@ -35,12 +35,12 @@ _HEADER_NAMES = (
 )
 
 
-def _parse_header(text: Text) -> dict[str, str]:
+def _parse_header(text: DecodedText) -> dict[str, str]:
     words = (line.replace("=", " ").split() for line in text.first_lines[:12])
     return {row[0].casefold(): " ".join(row[1:]) for row in words if row and row[0].casefold() in _HEADER_NAMES}
 
 
-def _read(text: Text) -> RawHeights:
+def _read(text: DecodedText) -> RawHeights:
     header = _parse_header(text)
     values = {key: parse_header_number(header, key) for key in header}
     runs = find_numeric_line_runs(text)
@@ -62,4 +62,4 @@ def _read(text: Text) -> RawHeights:
     )  # fmt: skip
 
 
-LAYOUT = Layout("Esri ASCII grid", lambda text: {"ncols", "nrows"} <= _parse_header(text).keys(), _read)
+LAYOUT = TextLayout("Esri ASCII grid", lambda text: {"ncols", "nrows"} <= _parse_header(text).keys(), _read)

@@ -15,16 +15,16 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 
-from stiction.surfaces.measured.decode import Text
+from stiction.surfaces.measured.decode import DecodedText
 from stiction.surfaces.measured.header import normalise_line, parse_length
-from stiction.surfaces.measured.layout import Layout
-from stiction.surfaces.measured.raw import ColumnTable, Content, HeightChannels, parse_length_unit
+from stiction.surfaces.measured.layout import TextLayout
+from stiction.surfaces.measured.raw import ColumnTable, HeightChannels, ReaderResult, parse_length_unit
 from stiction.surfaces.measured.text import parse_table
 
-_COMMENTED_LENGTH = re.compile(
+_LENGTH_COMMENT_PATTERN = re.compile(
     r"#\s*[^:=]{1,40}[:=]\s*([0-9]+(?:[.,][0-9]+)?(?:[eE][+-]?[0-9]+)?)\s*([^\W\d_]{1,12})\s*"
 )
-_COMMENT_LINE = re.compile(r"#\s*[^:=]{1,40}[:=]\s*(\S.{0,80})?")
+_COMMENT_LINE_PATTERN = re.compile(r"#\s*[^:=]{1,40}[:=]\s*(\S.{0,80})?")
 
 
 def _parse_channel_comments(lines: Sequence[str]) -> list[str]:
@@ -38,17 +38,17 @@ def _parse_channel_comments(lines: Sequence[str]) -> list[str]:
 
 
 def _is_channel_comments(comments: Sequence[str]) -> bool:
-    lengths = [_COMMENTED_LENGTH.fullmatch(line) for line in comments]
+    lengths = [_LENGTH_COMMENT_PATTERN.fullmatch(line) for line in comments]
     return (
         len(comments) >= 3
         and lengths[0] is None
         and all(match is not None and parse_length_unit(match[2]) for match in lengths[1:3])
-        and all(_COMMENT_LINE.fullmatch(line) for line in comments)
+        and all(_COMMENT_LINE_PATTERN.fullmatch(line) for line in comments)
     )
 
 
 def _with_channel_header(table: ColumnTable, comments: Sequence[str]) -> ColumnTable:
-    width, height = (_COMMENTED_LENGTH.fullmatch(line) for line in comments[1:3])
+    width, height = (_LENGTH_COMMENT_PATTERN.fullmatch(line) for line in comments[1:3])
     assert width is not None
     assert height is not None
     along_y, along_x = parse_length(*height.groups()), parse_length(*width.groups())
@@ -56,9 +56,9 @@ def _with_channel_header(table: ColumnTable, comments: Sequence[str]) -> ColumnT
     assert along_x is not None
     size = (along_y, along_x)
     unit = table.declared.unit
-    if len(comments) > 3 and (match := _COMMENT_LINE.fullmatch(comments[3])) is not None and match[1]:
+    if len(comments) > 3 and (match := _COMMENT_LINE_PATTERN.fullmatch(comments[3])) is not None and match[1]:
         unit = parse_length_unit(match[1].strip()) or match[1].strip()
-    channel = _COMMENT_LINE.fullmatch(comments[0])
+    channel = _COMMENT_LINE_PATTERN.fullmatch(comments[0])
     column = (channel[1] or "") if channel else ""
     units = (None,) * table.values.shape[1]
     return replace(
@@ -67,7 +67,7 @@ def _with_channel_header(table: ColumnTable, comments: Sequence[str]) -> ColumnT
     )  # fmt: skip
 
 
-def _read(text: Text) -> Content:
+def _read(text: DecodedText) -> ReaderResult:
     content = parse_table(text)
     if isinstance(content, ColumnTable):
         return _with_channel_header(content, _parse_channel_comments(text.first_lines))
@@ -87,6 +87,6 @@ def _read(text: Text) -> Content:
     return replace(content, read=read_channel_table)
 
 
-LAYOUT = Layout(
+LAYOUT = TextLayout(
     "Gwyddion text", lambda text: _is_channel_comments(_parse_channel_comments(text.first_lines[:6])), _read
 )

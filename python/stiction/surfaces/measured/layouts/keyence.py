@@ -20,14 +20,14 @@ import re
 
 import numpy as np
 
-from stiction.surfaces.measured.decode import NUMBER_LINE, Text
+from stiction.surfaces.measured.decode import NUMBER_LINE, DecodedText
 from stiction.surfaces.measured.header import is_unit, normalise_line
-from stiction.surfaces.measured.layout import Layout
+from stiction.surfaces.measured.layout import TextLayout
 from stiction.surfaces.measured.raw import FileCaveat, FormatError, RawHeights, parse_length_unit
 from stiction.surfaces.measured.split import detect_dialect, find_numeric_line_runs, parse_number_block
 from stiction.surfaces.measured.text import make_source
 
-_UNSIGNED_NUMBER = re.compile(r"[0-9]+(?:[.,][0-9]+)?")
+_UNSIGNED_NUMBER_PATTERN = re.compile(r"[0-9]+(?:[.,][0-9]+)?")
 
 
 def _split_cells(line: str) -> list[str]:
@@ -38,7 +38,7 @@ def _split_cells(line: str) -> list[str]:
     ]
 
 
-def _split_header_rows(text: Text) -> list[list[str]]:
+def _split_header_rows(text: DecodedText) -> list[list[str]]:
     """Return the cells of the lines above the heights."""
     rows = []
     for line in text.first_lines[:60]:
@@ -50,12 +50,12 @@ def _split_header_rows(text: Text) -> list[list[str]]:
 def _find_calibration_row(rows: list[list[str]]) -> int | None:
     """Return the index of the calibration row, which consists of a name, a length and its unit."""
     for index, row in enumerate(rows):
-        if len(row) == 3 and _UNSIGNED_NUMBER.fullmatch(row[1]) and parse_length_unit(row[2]) is not None:
+        if len(row) == 3 and _UNSIGNED_NUMBER_PATTERN.fullmatch(row[1]) and parse_length_unit(row[2]) is not None:
             return index
     return None
 
 
-def _is_keyence_text(text: Text) -> bool:
+def _is_keyence_text(text: DecodedText) -> bool:
     if not any("ImageDataCsv" in line for line in text.first_lines[:12]) and "VK-" not in " ".join(
         text.first_lines[:4]
     ):
@@ -63,7 +63,7 @@ def _is_keyence_text(text: Text) -> bool:
     return _find_calibration_row(_split_header_rows(text)) is not None
 
 
-def _read(text: Text) -> RawHeights:
+def _read(text: DecodedText) -> RawHeights:
     rows = _split_header_rows(text)
     index = _find_calibration_row(rows)
     assert index is not None
@@ -71,7 +71,9 @@ def _read(text: Text) -> RawHeights:
     spacing = float(digits.replace(",", "."))
     pairs = [row for row in rows[index + 1 :] if len(row) == 2]
     counts = [int(row[1]) for row in pairs if re.fullmatch("[0-9]{1,6}", row[1])][:2]
-    height_unit = next((row[1] for row in pairs if is_unit(row[1]) and not _UNSIGNED_NUMBER.fullmatch(row[1])), None)
+    height_unit = next(
+        (row[1] for row in pairs if is_unit(row[1]) and not _UNSIGNED_NUMBER_PATTERN.fullmatch(row[1])), None
+    )
     runs = find_numeric_line_runs(text)
     first, last = max(runs, key=lambda run: int(text.line_starts[run[1] + 1] - text.line_starts[run[0]]))
     block = parse_number_block(text, first, last, detect_dialect(text, first, last))
@@ -94,7 +96,7 @@ def _read(text: Text) -> RawHeights:
     )  # fmt: skip
 
 
-def _extract_single_image(text: Text, values: np.ndarray, last: int) -> np.ndarray:
+def _extract_single_image(text: DecodedText, values: np.ndarray, last: int) -> np.ndarray:
     """Return the heights of an image. Raises `FormatError` if the file also contains the numbers of another image."""
     if (text.line_kinds[last + 1 :] == NUMBER_LINE).any():
         place = last + 1 + int(np.argmax(text.line_kinds[last + 1 :] == NUMBER_LINE))
@@ -104,4 +106,4 @@ def _extract_single_image(text: Text, values: np.ndarray, last: int) -> np.ndarr
     return values
 
 
-LAYOUT = Layout("Keyence image data", _is_keyence_text, _read)
+LAYOUT = TextLayout("Keyence image data", _is_keyence_text, _read)

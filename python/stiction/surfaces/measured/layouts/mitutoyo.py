@@ -16,18 +16,18 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from stiction.surfaces.measured.excel import parse_sheet
-from stiction.surfaces.measured.layout import Sheets, WorkbookLayout
+from stiction.surfaces.measured.layout import WorkbookLayout, WorkbookSheets
 from stiction.surfaces.measured.raw import ColumnTable, parse_length_unit
 
 _PARAMETER_PATTERN = re.compile(r"\s*[A-Z][\w(). ]{0,12}?\s+[+-]?[0-9.,]+\s*([^\W\d_]{1,3})\s*")
 _CUT_OFF_PATTERN = re.compile(r"\s*[0-9.,]+\s*([^\W\d_]{1,3})\s*")
 
 
-def _is_mitutoyo_workbook(sheets: Sheets) -> bool:
+def _is_mitutoyo_workbook(sheets: WorkbookSheets) -> bool:
     return {"DATA", "Certificate"} <= sheets.keys() and _height_unit(sheets) is not None
 
 
-def _height_unit(sheets: Sheets) -> str | None:
+def _height_unit(sheets: WorkbookSheets) -> str | None:
     cells = (str(row[0]) for row in sheets["DATA"][:40] if row and isinstance(row[0], str))
     return next(
         (
@@ -39,14 +39,14 @@ def _height_unit(sheets: Sheets) -> str | None:
     )
 
 
-def _find_cut_off_texts(sheets: Sheets) -> Iterator[str]:
+def _find_cut_off_texts(sheets: WorkbookSheets) -> Iterator[str]:
     for row in sheets["Certificate"]:
         for name, cell in itertools.pairwise(row):
             if isinstance(name, str) and "cut-off" in name.casefold() and isinstance(cell, str):
                 yield cell
 
 
-def _read(sheets: Sheets) -> ColumnTable:
+def _read(sheets: WorkbookSheets) -> ColumnTable:
     table = parse_sheet(sheets["DATA"])
     cut_offs = (match for cell in _find_cut_off_texts(sheets) if (match := _CUT_OFF_PATTERN.fullmatch(cell)))
     lateral = next((unit for match in cut_offs if (unit := parse_length_unit(match[1]))), None)

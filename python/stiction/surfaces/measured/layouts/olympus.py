@@ -17,16 +17,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from stiction.surfaces.measured.decode import Text
+from stiction.surfaces.measured.decode import DecodedText
 from stiction.surfaces.measured.header import normalise_line
-from stiction.surfaces.measured.layout import Layout
+from stiction.surfaces.measured.layout import TextLayout
 from stiction.surfaces.measured.raw import ColumnTable, FormatError, parse_length_unit
 from stiction.surfaces.measured.text import parse_table
 
 _HEIGHT_UNIT_LINE_PATTERN = re.compile(r"\W*Z\s*Resolution\s*[\[(]\s*([^\])]{1,12}?)\s*[\])].*", re.IGNORECASE)
 
 
-def _read(text: Text) -> ColumnTable:
+def _read(text: DecodedText) -> ColumnTable:
     table = parse_table(text)
     if not isinstance(table, ColumnTable):
         raise FormatError("contains more than one map; export each map to its own file")
@@ -48,7 +48,7 @@ def _read(text: Text) -> ColumnTable:
     )  # fmt: skip
 
 
-LAYOUT = Layout(
+LAYOUT = TextLayout(
     "Olympus OLS map",
     lambda text: any(re.match(r"\W*DataLine\W+POS\b", line, re.I) for line in text.first_lines),
     _read,

@@ -19,16 +19,16 @@ from __future__ import annotations
 
 import re
 
-from stiction.surfaces.measured.decode import Text
-from stiction.surfaces.measured.layout import Layout, parse_header_integer, parse_header_number
-from stiction.surfaces.measured.raw import FormatError, RawHeights, Source
+from stiction.surfaces.measured.decode import DecodedText
+from stiction.surfaces.measured.layout import TextLayout, parse_header_integer, parse_header_number
+from stiction.surfaces.measured.raw import FormatError, HeightSource, RawHeights
 from stiction.surfaces.measured.split import numbers_in_lines
 
-_SDF_VERSION = re.compile(r"a(ISO|NPL|BCR|EUNA|GBS)-?\S{0,12}", re.IGNORECASE)
+_SDF_VERSION_PATTERN = re.compile(r"a(ISO|NPL|BCR|EUNA|GBS)-?\S{0,12}", re.IGNORECASE)
 _DECLARATION_PATTERN = re.compile(r"([A-Za-z]{1,30})\s*=\s*(\S.{0,200})?")
 
 
-def _read(text: Text) -> RawHeights:
+def _read(text: DecodedText) -> RawHeights:
     header, end = {}, None
     for index in range(1, min(len(text), 200)):
         line = text.line(index)
@@ -50,11 +50,11 @@ def _read(text: Text) -> RawHeights:
         heights, spacing = heights.reshape(rows, columns), [parse_header_number(header, "Yscale"), *spacing]
     if not min(spacing) > 0:
         raise FormatError(f"has a spacing of {min(spacing):g} m, but the spacing must be above 0")
-    source = Source(separator="space", decimal_mark=".", lines=(end + 2, last + 1), lines_above=end + 1)
+    source = HeightSource(separator="space", decimal_mark=".", lines=(end + 2, last + 1), lines_above=end + 1)
     return RawHeights(
         heights, unit="um", factor=parse_header_number(header, "Zscale") * 1e6,
         spacing=tuple(step * 1e6 for step in spacing), position_unit="um", source=source,
     )  # fmt: skip
 
 
-LAYOUT = Layout("SDF", lambda text: _SDF_VERSION.fullmatch(text.line(0)) is not None, _read)
+LAYOUT = TextLayout("SDF", lambda text: _SDF_VERSION_PATTERN.fullmatch(text.line(0)) is not None, _read)

@@ -16,27 +16,27 @@ from __future__ import annotations
 
 import re
 
-from stiction.surfaces.measured.decode import Text
+from stiction.surfaces.measured.decode import DecodedText
 from stiction.surfaces.measured.header import normalise_line
-from stiction.surfaces.measured.layout import Layout, parse_header_integer, parse_header_number
+from stiction.surfaces.measured.layout import TextLayout, parse_header_integer, parse_header_number
 from stiction.surfaces.measured.raw import FormatError, RawHeights, parse_length_unit
 from stiction.surfaces.measured.split import detect_dialect, find_numeric_line_runs, parse_number_block
 from stiction.surfaces.measured.text import make_source
 
-_HEADER_FIELD = re.compile(r"#?\s*([A-Za-z][\w -]{0,30}?)\s*[=:]\s*(.{1,60}?)\s*")
+_HEADER_FIELD_PATTERN = re.compile(r"#?\s*([A-Za-z][\w -]{0,30}?)\s*[=:]\s*(.{1,60}?)\s*")
 
 
-def _parse_header(text: Text) -> dict[str, str]:
-    matches = (_HEADER_FIELD.fullmatch(normalise_line(line)) for line in text.first_lines[:100])
+def _parse_header(text: DecodedText) -> dict[str, str]:
+    matches = (_HEADER_FIELD_PATTERN.fullmatch(normalise_line(line)) for line in text.first_lines[:100])
     return {match[1].casefold(): match[2] for match in matches if match}
 
 
-def _is_spip_text(text: Text) -> bool:
+def _is_spip_text(text: DecodedText) -> bool:
     header = _parse_header(text)
     return {"x-pixels", "y-pixels", "x-length", "y-length"} <= header.keys() and text.line(0).startswith("#")
 
 
-def _read(text: Text) -> RawHeights:
+def _read(text: DecodedText) -> RawHeights:
     header = _parse_header(text)
     runs = find_numeric_line_runs(text)
     if not runs:
@@ -61,4 +61,4 @@ def _read(text: Text) -> RawHeights:
     )  # fmt: skip
 
 
-LAYOUT = Layout("SPIP ASCII", _is_spip_text, _read)
+LAYOUT = TextLayout("SPIP ASCII", _is_spip_text, _read)

@@ -21,26 +21,26 @@ from dataclasses import replace
 
 import numpy as np
 
-from stiction.surfaces.measured.decode import Text
-from stiction.surfaces.measured.layout import Layout
+from stiction.surfaces.measured.decode import DecodedText
+from stiction.surfaces.measured.layout import TextLayout
 from stiction.surfaces.measured.raw import ColumnTable, FormatError
 from stiction.surfaces.measured.text import parse_table
 
 _COUNT_PATTERN = re.compile(r"(?:Number of )?(Points|Traces)\s+([0-9]{1,7})\s*", re.IGNORECASE)
 
 
-def _parse_counts(text: Text) -> dict[str, int]:
+def _parse_counts(text: DecodedText) -> dict[str, int]:
     matches = (_COUNT_PATTERN.fullmatch(line) for line in text.first_lines[:40])
     return {match[1].casefold(): int(match[2]) for match in matches if match}
 
 
-def _is_tencor_text(text: Text) -> bool:
+def _is_tencor_text(text: DecodedText) -> bool:
     return {"points", "traces"} <= _parse_counts(text).keys() and any(
         line.casefold().startswith("x-resolution") for line in text.first_lines[:40]
     )
 
 
-def _read(text: Text) -> ColumnTable:
+def _read(text: DecodedText) -> ColumnTable:
     counts, table = _parse_counts(text), parse_table(text)
     if not isinstance(table, ColumnTable):
         raise FormatError("contains traces in several blocks; export them in one block with one trace per row")
@@ -63,4 +63,4 @@ def _read(text: Text) -> ColumnTable:
     )  # fmt: skip
 
 
-LAYOUT = Layout("KLA or Tencor traces", _is_tencor_text, _read)
+LAYOUT = TextLayout("KLA or Tencor traces", _is_tencor_text, _read)

@@ -23,28 +23,28 @@ import re
 
 import numpy as np
 
-from stiction.surfaces.measured.decode import Text
-from stiction.surfaces.measured.layout import Layout, parse_header_integer, parse_header_number
+from stiction.surfaces.measured.decode import DecodedText
+from stiction.surfaces.measured.layout import TextLayout, parse_header_integer, parse_header_number
 from stiction.surfaces.measured.raw import FormatError, RawHeights
 from stiction.surfaces.measured.split import Dialect, parse_number_block
 from stiction.surfaces.measured.text import make_source
 
-_HEIGHT_BLOCKS = ("RAW_DATA", "RAW DATA", "OPD", "SAMPLE_DATA")
-_FIRST_LINE = "Wyko ASCII Data File"
+_HEIGHT_BLOCK_NAMES = ("RAW_DATA", "RAW DATA", "OPD", "SAMPLE_DATA")
+_FIRST_LINE_START = "Wyko ASCII Data File"
 
 
-def _read(text: Text) -> RawHeights:
+def _read(text: DecodedText) -> RawHeights:
     header = {}
     first = None
     for index in range(min(len(text), 2000)):
         key, *rest = text.line(index).split("\t") if "\t" in text.line(index) else re.split(r"\s{2,}", text.line(index))
-        if key.strip() in _HEIGHT_BLOCKS:
+        if key.strip() in _HEIGHT_BLOCK_NAMES:
             first = index + 1
             break
         if rest:
             header[key.strip().casefold()] = rest[-1].strip()
     if first is None:
-        raise FormatError(f"lacks a block of heights ({', '.join(_HEIGHT_BLOCKS)})")
+        raise FormatError(f"lacks a block of heights ({', '.join(_HEIGHT_BLOCK_NAMES)})")
     columns, rows = parse_header_integer(header, "X Size"), parse_header_integer(header, "Y Size")
     if first + columns > len(text):
         raise FormatError(f"declares {columns} lines of heights, but ends earlier")
@@ -68,4 +68,4 @@ def _read(text: Text) -> RawHeights:
     )  # fmt: skip
 
 
-LAYOUT = Layout("Wyko ASCII", lambda text: text.line(0).startswith(_FIRST_LINE), _read)
+LAYOUT = TextLayout("Wyko ASCII", lambda text: text.line(0).startswith(_FIRST_LINE_START), _read)

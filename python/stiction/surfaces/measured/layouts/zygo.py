@@ -19,18 +19,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from stiction.surfaces.measured.decode import Text
-from stiction.surfaces.measured.layout import Layout
+from stiction.surfaces.measured.decode import DecodedText
+from stiction.surfaces.measured.layout import TextLayout
 from stiction.surfaces.measured.raw import FormatError, RawHeights
 from stiction.surfaces.measured.shapes import MAX_TABLE_GRID_POINTS
 from stiction.surfaces.measured.split import Dialect, parse_number_block
 from stiction.surfaces.measured.text import make_source
 
 # Zero-based indices of the header lines with the origin and size of the map, and with the pixel size.
-_SIZE_LINE, _RESOLUTION_LINE = 3, 7
+_MAP_SIZE_LINE_INDEX, _PIXEL_SIZE_LINE_INDEX = 3, 7
 
 
-def _read(text: Text) -> RawHeights:
+def _read(text: DecodedText) -> RawHeights:
     if not text.line(0).startswith("Zygo XYZ"):
         raise FormatError("is a Zygo phase file; export it as XYZ (.xyz), X3P or .datx")
     marks = [index for index in range(min(len(text), 60)) if text.line(index) == "#"]
@@ -39,8 +39,8 @@ def _read(text: Text) -> RawHeights:
     first = marks[0] + 1
     last = next((index - 1 for index in range(len(text) - 1, first, -1) if text.line(index) == "#"), len(text) - 1)
     try:
-        x0, y0, columns, rows = (int(word) for word in text.line(_SIZE_LINE).split()[:4])
-        pixel = float(text.line(_RESOLUTION_LINE).split()[6])
+        x0, y0, columns, rows = (int(word) for word in text.line(_MAP_SIZE_LINE_INDEX).split()[:4])
+        pixel = float(text.line(_PIXEL_SIZE_LINE_INDEX).split()[6])
     except (ValueError, IndexError):
         raise FormatError("lacks the map size in line 4, or the pixel size in line 8") from None
     if not (columns > 0 and rows > 0 and rows * columns <= MAX_TABLE_GRID_POINTS):
@@ -65,4 +65,6 @@ def _read(text: Text) -> RawHeights:
     )
 
 
-LAYOUT = Layout("Zygo XYZ", lambda text: text.line(0).startswith(("Zygo XYZ Data File", "Zygo ASCII Data File")), _read)
+LAYOUT = TextLayout(
+    "Zygo XYZ", lambda text: text.line(0).startswith(("Zygo XYZ Data File", "Zygo ASCII Data File")), _read
+)
