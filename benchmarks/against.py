@@ -7,7 +7,7 @@ from stiction import HertzCylinder, Profile, Study, press, random_phases, weiers
 from stiction.studies.member_solution import compute_member_sums
 
 NUM_POINTS, PROFILE_LENGTH = 150_000, 40.0
-SUM_NAMES = ("contact_count", "contact_area", "normal_elastic", "tangential_elastic", "normal_frictional",
+CONTACT_SUM_NAMES = ("contact_count", "contact_area", "normal_elastic", "tangential_elastic", "normal_frictional",
         "tangential_frictional", "normal_adhesive", "tangential_adhesive")  # fmt: skip
 
 
@@ -31,7 +31,7 @@ def compare_with_plain_program() -> list[tuple[str, str]]:
 
         times.append(median_time(lambda compute_pair=compute_pair: check_finite(compute_pair()), 1))
         plain_sums = compute_pair()
-        our_sums = np.array([sums[name][dimension_index, 0] for name in SUM_NAMES])
+        our_sums = np.array([sums[name][dimension_index, 0] for name in CONTACT_SUM_NAMES])
         assert np.array_equal(our_sums[0], plain_sums[0])
         largest_difference = max(
             largest_difference, float((np.abs(our_sums - plain_sums) / np.maximum(np.abs(plain_sums), 1e-300)).max())

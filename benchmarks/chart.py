@@ -9,7 +9,7 @@ from stiction.views.style import INCHES_PER_MILLIMETRE, MATPLOTLIB_STYLE, NOT_OP
 
 DOCS_FOLDER = Path(__file__).resolve().parents[1] / "docs"
 
-BAR_PATTERNS = {
+RESULT_PATTERNS_BY_TASK = {
     "Pair of profiles: 150 000 points, 40 approaches": {"NumPy and SciPy": r"plain NumPy/SciPy program.*"},
     "Generation of 50 profiles of 150 000 points (Eq. 1)": {
         "NumPy, direct sum": r"direct sum in NumPy.*",
@@ -45,7 +45,7 @@ def parse_relative_time(time_text: str, name: str) -> float | None:
 def collect_relative_times(table: str) -> dict[str, dict[str, float]]:
     texts_by_question = parse_answers_by_question(table)
     result: dict[str, dict[str, float]] = {}
-    for task, patterns in BAR_PATTERNS.items():
+    for task, patterns in RESULT_PATTERNS_BY_TASK.items():
         for name, pattern in patterns.items():
             time_text = next(
                 (texts_by_question[item] for item in texts_by_question if re.fullmatch(pattern, item)), None

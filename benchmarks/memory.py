@@ -17,7 +17,7 @@ STUDY_ARGUMENTS = {
     "200 of figure6": ["figure6", "ensemble.repetitions=200"],
 }  # fmt: skip
 READ_RESULT_CODE = "from stiction import *; r = open_result('out');"
-COMMAND_ARGUMENTS = {
+COMMAND_ARGUMENTS_BY_NAME = {
     "run": [],
     "friction_map": [READ_RESULT_CODE + "friction_map(r, [0.001, 0.01])"],
     "area_map": [READ_RESULT_CODE + "area_map(r, [0.001, 0.01])"],
@@ -66,7 +66,7 @@ def benchmark_rows() -> list[tuple[str, str]]:
     for study_title, (name, *changes) in STUDY_ARGUMENTS.items():
         with tempfile.TemporaryDirectory() as folder:
             set_options = [argument for change in changes for argument in ("--set", change)]
-            for command, arguments in COMMAND_ARGUMENTS.items():
+            for command, arguments in COMMAND_ARGUMENTS_BY_NAME.items():
                 if command == "run":
                     command_line = ["-m", "stiction", "run", name, "--output", "out", *set_options]
                 elif command.endswith("map"):

@@ -5,17 +5,17 @@ from importlib import import_module
 from pathlib import Path
 
 BENCHMARK_FOLDER = Path(__file__).parent
-BENCHMARKS = (
+BENCHMARK_NAMES = (
     "pair", "against", "areal", "half_space", "pair_of_maps", "growth", "cluster", "memory", "million", "report", "app",
 )  # fmt: skip
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="./dev bench", description=__doc__)
-    parser.add_argument("name", nargs="*", choices=BENCHMARKS, help="benchmark to run; by default all of them")
+    parser.add_argument("name", nargs="*", choices=BENCHMARK_NAMES, help="benchmark to run; by default all of them")
     names = parser.parse_args().name
     lines = []
-    for name in names or BENCHMARKS:
+    for name in names or BENCHMARK_NAMES:
         module = import_module(name)
         lines += [f"**{(module.__doc__ or '').splitlines()[0]}**", "", "| quantity | result |", "|---|---|"]
         for question, answer in module.benchmark_rows():

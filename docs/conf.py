@@ -269,7 +269,7 @@ def visit_formula(translator: HTML5Translator, node: nodes.math | nodes.math_blo
     raise nodes.SkipNode
 
 
-_SYMBOL_NAMES = {"μ0": "mu0", "τ0": "tau0", "μ_s": "mu_s"}
+_ASCII_NAMES_BY_SYMBOL = {"μ0": "mu0", "τ0": "tau0", "μ_s": "mu_s"}
 
 
 class EnglishSymbolSearch(SearchEnglish):
@@ -277,7 +277,7 @@ class EnglishSymbolSearch(SearchEnglish):
 
     def split(self, input: str) -> list[str]:  # noqa: A002  (name of the argument in Sphinx)
         """Return the words of a text, and the alternative spelling of symbols."""
-        alike = _SYMBOL_NAMES | {name: symbol for symbol, name in _SYMBOL_NAMES.items()}
+        alike = _ASCII_NAMES_BY_SYMBOL | {name: symbol for symbol, name in _ASCII_NAMES_BY_SYMBOL.items()}
         words = super().split(input)
         return [*words, *(alike[word] for word in words if word in alike)]
 

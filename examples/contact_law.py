@@ -19,17 +19,17 @@ mean_table = table.sel(statistic="mean")
 pressure, approach = mean_table["pressure"].values, mean_table["approach"].values  # GPa, µm
 friction = mean_table["friction_coefficient"].values
 
-FACE_AREA = 1e4  # area of the contact face between two grains, µm²
+GRAIN_FACE_AREA = 1e4  # area of the contact face between two grains, µm²
 
 
 def normal_force(overlap):
     """Return the force (mN) at a given overlap of the mean planes (µm), interpolated in the table."""
-    return FACE_AREA * np.exp(np.interp(overlap, approach, np.log(pressure)))
+    return GRAIN_FACE_AREA * np.exp(np.interp(overlap, approach, np.log(pressure)))
 
 
 def slip_force(force):
     """Return the tangential force (mN) at which a face under a normal force slips."""
-    return force * np.interp(np.log(force / FACE_AREA), np.log(pressure), friction)
+    return force * np.interp(np.log(force / GRAIN_FACE_AREA), np.log(pressure), friction)
 
 
 # mass (kg), time step (s) and damping (N s/m)

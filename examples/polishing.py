@@ -10,7 +10,7 @@ from stiction.views.style import AREA_COLOUR, MATPLOTLIB_STYLE, SHEAR_STRENGTH_C
 
 plt.rcParams.update(MATPLOTLIB_STYLE)
 
-FINISHES = (0.1, 0.05, 0.02, 0.01)  # Sq of the upper face in µm; Sq of the lower face is 0.1 µm
+UPPER_RMS_HEIGHTS = (0.1, 0.05, 0.02, 0.01)  # Sq of the upper face in µm; Sq of the lower face is 0.1 µm
 PAIR_OPTIONS = {
     "load": "20 MPa", "mu0": 0.2, "tau0": "0 MPa,500 MPa", "effective_modulus": "115 GPa", "shifts": 6,
     "cutoff": "none", "onset": 0,
@@ -27,7 +27,8 @@ def create_face(side, rms):
 
 lower = create_face("lower", 0.1)
 tables = [
-    pair(create_face("upper", rms), lower, **PAIR_OPTIONS).at().isel(cut_off=0, load=0, mu0=0) for rms in FINISHES
+    pair(create_face("upper", rms), lower, **PAIR_OPTIONS).at().isel(cut_off=0, load=0, mu0=0)
+    for rms in UPPER_RMS_HEIGHTS
 ]
 
 figure, (friction_axes, area_axes) = plt.subplots(1, 2, figsize=(6.2, 3.3), layout="constrained")
@@ -37,22 +38,27 @@ for tau0, colour in zip((0.0, 0.5), SHEAR_STRENGTH_COLOURS, strict=True):
         mean_friction, lower_end, upper_end = np.transpose(
             [table["friction_all_round"].sel(sliding=rule, tau0=tau0) for table in tables]
         )
-        friction_axes.fill_between(FINISHES, lower_end, upper_end, color=colour, alpha=0.15, linewidth=0)
+        friction_axes.fill_between(UPPER_RMS_HEIGHTS, lower_end, upper_end, color=colour, alpha=0.15, linewidth=0)
         label = rf"{rule_text}, $\tau_0$ = {1000 * tau0:.0f} MPa"
-        friction_axes.plot(FINISHES, mean_friction, style, color=colour, marker="o", markersize=3, label=label)
+        friction_axes.plot(UPPER_RMS_HEIGHTS, mean_friction, style, color=colour, marker="o", markersize=3, label=label)
 area_percent, lower_end, upper_end = 100 * np.transpose([table["contact_area_fraction"] for table in tables])
-area_axes.fill_between(FINISHES, lower_end, upper_end, color=AREA_COLOUR, alpha=0.2, linewidth=0)
-area_axes.plot(FINISHES, area_percent, "o-", markersize=3, color=AREA_COLOUR)
+area_axes.fill_between(UPPER_RMS_HEIGHTS, lower_end, upper_end, color=AREA_COLOUR, alpha=0.2, linewidth=0)
+area_axes.plot(UPPER_RMS_HEIGHTS, area_percent, "o-", markersize=3, color=AREA_COLOUR)
 friction_axes.set(ylabel=r"$\mu_s$, mean over directions", ylim=(0, None))
 area_axes.set(ylabel="true area (%)", ylim=(0, None))
 for axes in (friction_axes, area_axes):
-    axes.set(xlabel="Sq of the upper face (µm)", xscale="log", xticks=FINISHES, xticklabels=map(str, FINISHES))
+    axes.set(
+        xlabel="Sq of the upper face (µm)",
+        xscale="log",
+        xticks=UPPER_RMS_HEIGHTS,
+        xticklabels=map(str, UPPER_RMS_HEIGHTS),
+    )
     axes.minorticks_off()
 figure.legend(
     loc="outside lower center", ncols=2, handlelength=3,
     title=r"steel, Sq of the lower face 0.1 µm, $\mu_0$ = 0.2, 20 MPa; shaded: 95 % of positions",
 )  # fmt: skip
 figure.savefig("polishing.png", dpi=200)
-for rms, percent, table in zip(FINISHES, area_percent, tables, strict=True):
+for rms, percent, table in zip(UPPER_RMS_HEIGHTS, area_percent, tables, strict=True):
     gradient = float(table["rms_gradient"].sel(statistic="mean"))
     print(f"Sq = {rms:.2f} µm: A/A0 = {percent:.2f} %, h' of the gap = {gradient:.3f}")

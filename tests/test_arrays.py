@@ -26,15 +26,15 @@ HEIGHT_ARRAYS = [
     self_affine_surface(1, hurst_exponent=0.8, rms=0.01, shape=(48, 48), spacing=0.1, side=side).heights
     for side in ("upper", "lower")
 ]
-UPPER, LOWER = (Surface(z, spacing=(0.1, 0.1)) for z in HEIGHT_ARRAYS)
+UPPER_SURFACE, LOWER_SURFACE = (Surface(z, spacing=(0.1, 0.1)) for z in HEIGHT_ARRAYS)
 LINE_HEIGHTS = HEIGHT_ARRAYS[0][0]
 
 
 @pytest.mark.parametrize("spacing", [0.1, "100 nm", ("0.1 um", 0.1)])
 def test_array_with_spacing_and_unit_is_treated_as_a_surface(spacing):
     result = surface_parameters(1e3 * HEIGHT_ARRAYS[0], spacing=spacing, unit="nm")
-    assert result.Sq == pytest.approx(surface_parameters(UPPER).Sq, rel=1e-12)
-    assert result.Sdq == pytest.approx(surface_parameters(UPPER).Sdq, rel=1e-12)
+    assert result.Sq == pytest.approx(surface_parameters(UPPER_SURFACE).Sq, rel=1e-12)
+    assert result.Sdq == pytest.approx(surface_parameters(UPPER_SURFACE).Sdq, rel=1e-12)
 
 
 @pytest.mark.parametrize(("function", "heights"), [
@@ -52,12 +52,12 @@ def test_functions_of_a_single_body_accept_arrays(function, heights):
 
 
 def test_half_space_and_pair_accept_arrays():
-    expected = half_space(UPPER, LOWER, [1e-3], effective_modulus=10.0)
+    expected = half_space(UPPER_SURFACE, LOWER_SURFACE, [1e-3], effective_modulus=10.0)
     curve = half_space(*HEIGHT_ARRAYS, [1e-3], spacing="100 nm", effective_modulus=10.0)
     assert np.array_equal(curve.contact_area, expected.contact_area)
     options = {"load": "1 MPa", "mu0": 0.2, "effective_modulus": "10 GPa", "shifts": 2, "onset": 0}
     curve = pair(1e3 * HEIGHT_ARRAYS[0], 1e3 * HEIGHT_ARRAYS[1], spacing="0.1 um", unit="nm", **options)
-    assert curve.value == pytest.approx(pair(UPPER, LOWER, **options).value, rel=1e-9)
+    assert curve.value == pytest.approx(pair(UPPER_SURFACE, LOWER_SURFACE, **options).value, rel=1e-9)
 
 
 @pytest.mark.parametrize(("function", "words"), [
@@ -66,12 +66,12 @@ def test_half_space_and_pair_accept_arrays():
         "spacing must be given for an array",
     ),
     (lambda: half_space(*HEIGHT_ARRAYS, [1e-3]), r"upper must be .*Surface\(z, spacing=...\)"),
-    (lambda: surface_parameters(UPPER, spacing=0.1), "spacing must be omitted"),
+    (lambda: surface_parameters(UPPER_SURFACE, spacing=0.1), "spacing must be omitted"),
     (lambda: surface_parameters(LINE_HEIGHTS, spacing=0.1), "shape"),
     (lambda: surface_parameters(HEIGHT_ARRAYS[0], spacing=0.1, unit="V"), "unit must be"),
     (lambda: surface_parameters(HEIGHT_ARRAYS[0], spacing="0.1"), "spacing"),
     (lambda: Surface(HEIGHT_ARRAYS[0], spacing="39 mN"), "spacing has the unit 'mN'"),
-    (lambda: half_space(UPPER, LOWER, [1e-3], spacing=0.1), "spacing must be omitted"),
+    (lambda: half_space(UPPER_SURFACE, LOWER_SURFACE, [1e-3], spacing=0.1), "spacing must be omitted"),
 ])  # fmt: skip
 def test_array_with_missing_or_contradictory_arguments_is_rejected(function, words):
     with pytest.raises(ValueError, match=words):
@@ -81,7 +81,7 @@ def test_array_with_missing_or_contradictory_arguments_is_rejected(function, wor
 def test_lengths_can_be_given_as_strings_with_units():
     assert Surface(HEIGHT_ARRAYS[0], spacing="39 nm").spacing == (0.039, 0.039)
     assert Profile(LINE_HEIGHTS, spacing="39 nm").spacing == 0.039
-    assert UPPER.with_amplitude("50 nm").heights.max() == UPPER.with_amplitude(0.05).heights.max()
+    assert UPPER_SURFACE.with_amplitude("50 nm").heights.max() == UPPER_SURFACE.with_amplitude(0.05).heights.max()
     text = self_affine_surface(1, hurst_exponent=0.8, rms="10 nm", shape=(48, 48), spacing="0.1 um")
     assert np.array_equal(text.heights, HEIGHT_ARRAYS[1])
 

@@ -10,13 +10,13 @@ import pytest
 from stiction import Study, area_map, friction_map, run, stiffness_map
 from support.generated_studies import empty_dataset
 
-SCRIPT = Path(__file__).parents[1] / "docs/scripts/claims.py"
-if not SCRIPT.exists():
+CLAIMS_SCRIPT = Path(__file__).parents[1] / "docs/scripts/claims.py"
+if not CLAIMS_SCRIPT.exists():
     pytest.skip("the folder docs is not in this tree", allow_module_level=True)
 pytestmark = pytest.mark.docs
-_SPEC = importlib.util.spec_from_file_location("claims", SCRIPT)
-claims = sys.modules["claims"] = importlib.util.module_from_spec(_SPEC)
-_SPEC.loader.exec_module(claims)
+_CLAIMS_MODULE_SPEC = importlib.util.spec_from_file_location("claims", CLAIMS_SCRIPT)
+claims = sys.modules["claims"] = importlib.util.module_from_spec(_CLAIMS_MODULE_SPEC)
+_CLAIMS_MODULE_SPEC.loader.exec_module(claims)
 CLAIMS, CLAIM_PARTS, ClaimPartOutcome, ClaimPart, judge_claims = (
     claims.CLAIMS,
     claims.CLAIM_PARTS,
@@ -262,7 +262,7 @@ def test_confidence_bands_of_a_minimum_of_noisy_data_are_wider_than_percentiles(
 
 
 def test_generated_table_of_claims_has_all_columns():
-    table = SCRIPT.parents[1] / "generated/columns.md"
+    table = CLAIMS_SCRIPT.parents[1] / "generated/columns.md"
     headings = [cell.strip() for cell in table.read_text("utf-8").splitlines()[0].split("|")[1:-1]]
     assert headings[-len(claims.CLAIMS_TABLE_COLUMNS) :] == list(claims.column_titles(2000).values())
 

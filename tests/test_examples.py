@@ -30,12 +30,12 @@ from stiction.views.study_keys import study_keys_markdown
 from support.command import call_stiction
 
 ROOT = Path(__file__).parents[1]
-MODULES = [
+MODULE_NAMES = [
     module.name for module in pkgutil.walk_packages(stiction.__path__, "stiction.") if "__main__" not in module.name
 ]
 
 
-@pytest.mark.parametrize("name", MODULES)
+@pytest.mark.parametrize("name", MODULE_NAMES)
 def test_docstring_examples_give_the_documented_output(name):
     assert doctest.testmod(importlib.import_module(name)).failed == 0
 
@@ -62,7 +62,7 @@ def test_example_scripts_run_without_error(path, script_output):
 
 # ---- Pages ----------------------------------------------------------------------------------------------------------
 
-PAGES = [
+PAGE_FILES = [
     path
     for path in (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md")))
     if path.exists() and not {"generated", "built"} & set(path.parts)
@@ -104,7 +104,7 @@ def parametrize_pages(pages):
     return pytest.mark.parametrize("page", pages, ids=lambda page: page.name)
 
 
-@parametrize_pages(PAGES)
+@parametrize_pages(PAGE_FILES)
 def test_documentation_page_has_only_code_blocks_that_are_run(page):
     unknown_blocks = [
         block
@@ -205,7 +205,7 @@ def has_code(page):
 
 
 @pytest.mark.docs
-@parametrize_pages([page for page in PAGES if has_code(page) and page.name != "cluster.md"])
+@parametrize_pages([page for page in PAGE_FILES if has_code(page) and page.name != "cluster.md"])
 def test_code_of_a_documentation_page_runs_without_error(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name in ("upper", "lower", "lapped"):  # Create the files that the pages assume to exist.
@@ -270,7 +270,7 @@ SLURM_TASK_ENVIRONMENT = {
 
 
 @pytest.mark.docs
-@parametrize_pages([page for page in PAGES if page.name == "cluster.md"])
+@parametrize_pages([page for page in PAGE_FILES if page.name == "cluster.md"])
 # The package distributed closes sockets and event loops late, so pytest would report resource warnings.
 @pytest.mark.filterwarnings("ignore")
 def test_code_of_the_page_on_clusters_runs_without_error(page, tmp_path, monkeypatch):

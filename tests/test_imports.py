@@ -11,14 +11,14 @@ import stiction
 import typer
 from stiction.cli import application
 
-PACKAGE = Path(stiction.__file__).parent
+PACKAGE_FOLDER = Path(stiction.__file__).parent
 LAYERS = ("surfaces", "mechanics", "studies", "views", "app", "cli")
 """Layers from low to high. Each layer may import from itself and from lower layers."""
 
 MODULE_WITH_VIEWS = "studies/result.py"
 """Module below the views whose methods may import views, because a result draws figures and writes reports."""
 
-LOADED_DEPENDENCIES = {
+ALLOWED_DEPENDENCIES = {
     "numpy",
     "pydantic", "pydantic_core", "annotated_types", "typing_extensions", "typing_inspection",
 }  # fmt: skip
@@ -30,7 +30,7 @@ DEPENDENCIES_OF_HELP = {"typer", "click", "shellingham", "annotated_doc", "typin
 
 def imported_names(source):
     """Yield the full names that a module imports from the package, also inside functions."""
-    for node in ast.walk(ast.parse((PACKAGE / source).read_text("utf-8"))):
+    for node in ast.walk(ast.parse((PACKAGE_FOLDER / source).read_text("utf-8"))):
         names = []
         if isinstance(node, ast.Import):
             names = [name.name for name in node.names]
@@ -48,9 +48,9 @@ def imported_names(source):
 @pytest.mark.parametrize("layer", ["", *LAYERS])
 def test_layers_import_only_from_lower_layers(layer):
     """Check also that modules which all layers use do not import from any layer."""
-    paths = (PACKAGE / layer).rglob("*.py") if layer else PACKAGE.glob("_*.py")
+    paths = (PACKAGE_FOLDER / layer).rglob("*.py") if layer else PACKAGE_FOLDER.glob("_*.py")
     allowed_layers = LAYERS[: LAYERS.index(layer) + 1] if layer else ()
-    for source in sorted(path.relative_to(PACKAGE) for path in paths):
+    for source in sorted(path.relative_to(PACKAGE_FOLDER) for path in paths):
         for name in imported_names(source):
             imported_layer = name.split(".")[1]
             if source.as_posix() == MODULE_WITH_VIEWS and imported_layer == "views":
@@ -77,9 +77,9 @@ OTHER_IMPORTS_OF_VIEWS = {
 
 
 def test_views_do_not_import_stores_readers_or_statistics():
-    modules = {path.stem for path in (PACKAGE / "studies").glob("*.py")}
+    modules = {path.stem for path in (PACKAGE_FOLDER / "studies").glob("*.py")}
     assert modules >= MODULES_CLOSED_TO_VIEWS
-    for source in sorted(path.relative_to(PACKAGE) for path in (PACKAGE / "views").rglob("*.py")):
+    for source in sorted(path.relative_to(PACKAGE_FOLDER) for path in (PACKAGE_FOLDER / "views").rglob("*.py")):
         if source.as_posix() == "views/pair.py":  # The module of `stiction.pair` is not a view.
             continue
         for name in imported_names(source):
@@ -97,7 +97,7 @@ def loaded_dependencies(code):
 
 def test_importing_the_package_loads_no_dependencies():
     assert loaded_dependencies("import stiction") == set()
-    assert loaded_dependencies("from stiction import *") <= LOADED_DEPENDENCIES
+    assert loaded_dependencies("from stiction import *") <= ALLOWED_DEPENDENCIES
 
 
 def test_command_line_module_imports_nothing_before_the_command_starts():
@@ -115,17 +115,17 @@ def test_help_and_version_options_load_no_numeric_packages():
 
 def test_studies_command_does_not_load_tables_figures_or_readers():
     code = "sys.argv[1:] = ['studies']; from stiction.cli.application import run_command_line; run_command_line()"
-    assert loaded_dependencies(code) <= LOADED_DEPENDENCIES | DEPENDENCIES_OF_HELP
+    assert loaded_dependencies(code) <= ALLOWED_DEPENDENCIES | DEPENDENCIES_OF_HELP
 
 
 def test_stub_of_the_package_lists_public_names_with_their_modules():
-    tree = ast.parse((PACKAGE / "__init__.pyi").read_text("utf-8"))
-    assert {name.name: node.module for node in tree.body for name in node.names} == stiction._MODULES
+    tree = ast.parse((PACKAGE_FOLDER / "__init__.pyi").read_text("utf-8"))
+    assert {name.name: node.module for node in tree.body for name in node.names} == stiction._MODULES_BY_PUBLIC_NAME
 
 
 def test_public_names_are_imported_from_their_defining_modules():
     """Check that the stub of the package names the defining module of each public name."""
-    tree = ast.parse((PACKAGE / "__init__.pyi").read_text("utf-8"))
+    tree = ast.parse((PACKAGE_FOLDER / "__init__.pyi").read_text("utf-8"))
     for name, module in {name.asname: node.module for node in tree.body for name in node.names}.items():
         assert name in stiction.__all__
         assert name == "__version__" or getattr(stiction, name).__module__ == module
@@ -133,7 +133,7 @@ def test_public_names_are_imported_from_their_defining_modules():
 
 @pytest.mark.parametrize("layer", ["app", "cli"])
 def test_public_names_are_not_defined_in_command_line_and_app_layers(layer):
-    tree = ast.parse((PACKAGE / "__init__.pyi").read_text("utf-8"))
+    tree = ast.parse((PACKAGE_FOLDER / "__init__.pyi").read_text("utf-8"))
     assert [node.module for node in tree.body if node.module.startswith(f"stiction.{layer}")] == []
 
 

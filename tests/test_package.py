@@ -26,7 +26,9 @@ def test_public_names_of_the_package_are_sorted_and_exist():
     assert all(hasattr(stiction, name) for name in stiction.__all__)
 
 
-FUNCTIONS = [name for name in stiction.__all__ if inspect.isfunction(inspect.unwrap(getattr(stiction, name)))]
+PUBLIC_FUNCTION_NAMES = [
+    name for name in stiction.__all__ if inspect.isfunction(inspect.unwrap(getattr(stiction, name)))
+]
 """Public functions."""
 
 
@@ -36,7 +38,7 @@ def parse_sections(docstring):
     return dict(zip(parts[::2], parts[1::2], strict=True))
 
 
-@pytest.mark.parametrize("name", FUNCTIONS)
+@pytest.mark.parametrize("name", PUBLIC_FUNCTION_NAMES)
 def test_docstring_of_public_function_has_all_sections(name):
     function = getattr(stiction, name)
     sections = parse_sections(inspect.getdoc(function))

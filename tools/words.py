@@ -36,7 +36,7 @@ MAX_FUNCTION_LINES = 40  # Longer functions are excluded, because a reader could
 PYTHON_FOLDERS = ("python/stiction", "tests", "benchmarks", "docs", "examples", "packaging", "tools", "dev")
 IMPORTABLE_FOLDERS = ("python/stiction", "tests/support", "tests/reference", "packaging", "tools")
 
-Files = Mapping[str, str]
+TextsByPath = Mapping[str, str]
 """Texts of files by their path in the tree."""
 SampledText = tuple[str, str]
 """Place and text of a sentence or name."""
@@ -45,7 +45,7 @@ SampledText = tuple[str, str]
 # ---- Reading the tree -----------------------------------------------------------------------------------------------
 
 
-def read_commit_files() -> Files:
+def read_commit_files() -> TextsByPath:
     """Return the text files of the current commit."""
     archive = subprocess.run(["git", "archive", "HEAD"], cwd=ROOT, capture_output=True, check=True).stdout
     texts = {}
@@ -58,7 +58,7 @@ def read_commit_files() -> Files:
     return texts
 
 
-def read_checkout_files() -> Files:
+def read_checkout_files() -> TextsByPath:
     """Return the Python files of the working tree."""
     tracked_files = subprocess.run(
         ["git", "ls-files"], cwd=ROOT, capture_output=True, check=True, text=True
@@ -76,7 +76,9 @@ def is_in_folders(name: str, folders: tuple[str, ...]) -> bool:
     return any(name == folder or name.startswith(f"{folder}/") for folder in folders)
 
 
-def iterate_syntax_nodes(files: Files, folders: tuple[str, ...] = PYTHON_FOLDERS) -> Iterator[tuple[str, ast.AST]]:
+def iterate_syntax_nodes(
+    files: TextsByPath, folders: tuple[str, ...] = PYTHON_FOLDERS
+) -> Iterator[tuple[str, ast.AST]]:
     """Yield the path of each Python file with each node of its syntax tree."""
     for name, text in sorted(files.items()):
         if is_python(name) and is_in_folders(name, folders):
@@ -92,7 +94,7 @@ def list_syntax_nodes(text: str) -> list[ast.AST]:
 # ---- Sentences ------------------------------------------------------------------------------------------------------
 
 
-def docstring_summaries(files: Files) -> Iterator[SampledText]:
+def docstring_summaries(files: TextsByPath) -> Iterator[SampledText]:
     """Yield the summary of each docstring, including docstrings of constants."""
     for name, node in iterate_syntax_nodes(files):
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
@@ -106,7 +108,7 @@ def docstring_summaries(files: Files) -> Iterator[SampledText]:
                         yield f"{name}:{second.lineno}", " ".join(value.value.split("\n\n")[0].split())
 
 
-def comments(files: Files) -> Iterator[SampledText]:
+def comments(files: TextsByPath) -> Iterator[SampledText]:
     """Yield the comments of Python, C++ and JavaScript, joining consecutive lines."""
     for name, text in sorted(files.items()):
         lines: list[tuple[int, bool, str]] = []
@@ -130,7 +132,7 @@ def comments(files: Files) -> Iterator[SampledText]:
                 yield f"{name}:{number}", comment
 
 
-def exception_messages(files: Files) -> Iterator[SampledText]:
+def exception_messages(files: TextsByPath) -> Iterator[SampledText]:
     """Yield the texts of exceptions and warnings in the package."""
     for name, node in iterate_syntax_nodes(files, ("python/stiction",)):
         if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call):
@@ -146,7 +148,7 @@ def exception_messages(files: Files) -> Iterator[SampledText]:
                 yield f"{name}:{node.lineno}", ast.unparse(argument)
 
 
-def documentation_sentences(files: Files) -> Iterator[SampledText]:
+def documentation_sentences(files: TextsByPath) -> Iterator[SampledText]:
     """Yield the sentences of the documentation."""
     for name, text in sorted(files.items()):
         if name.endswith(".md") and "generated" not in name:
@@ -159,7 +161,7 @@ def documentation_sentences(files: Files) -> Iterator[SampledText]:
                             yield name, sentence
 
 
-def commit_subjects(files: Files) -> Iterator[SampledText]:
+def commit_subjects(files: TextsByPath) -> Iterator[SampledText]:
     """Yield the subjects of the newest commits."""
     log = ["git", "log", f"-{MAX_COMMITS}", "--format=%h %s"]
     for line in subprocess.run(log, cwd=ROOT, capture_output=True, check=True, text=True).stdout.splitlines():
@@ -167,7 +169,7 @@ def commit_subjects(files: Files) -> Iterator[SampledText]:
         yield commit, subject
 
 
-SENTENCE_SOURCES: dict[str, Callable[[Files], Iterator[SampledText]]] = dict(
+SENTENCE_SOURCES: dict[str, Callable[[TextsByPath], Iterator[SampledText]]] = dict(
     zip(
         SENTENCE_KINDS,
         (docstring_summaries, comments, exception_messages, documentation_sentences, commit_subjects),
@@ -196,7 +198,7 @@ def is_constant(name: str) -> bool:
     return name.isupper() and len(name.strip("_")) > 1
 
 
-def names_by_kind(files: Files) -> dict[str, list[SampledText]]:
+def names_by_kind(files: TextsByPath) -> dict[str, list[SampledText]]:
     """Return the place and spelling of each name by kind. A repeated name counts once per file."""
     unique: dict[str, dict[SampledText, None]] = {kind: {} for kind in NAME_KINDS}
     for path, node in iterate_syntax_nodes(files):
@@ -218,7 +220,7 @@ def sample_rows(items_by_kind: Mapping[str, list[SampledText]], number: int, gen
             yield f"|  | {kind} | {place} | {text[:MAX_SAMPLE_LENGTH].replace('|', chr(92) + '|')} |"
 
 
-def sample_functions(files: Files, number: int, generator: random.Random) -> Iterator[str]:
+def sample_functions(files: TextsByPath, number: int, generator: random.Random) -> Iterator[str]:
     """Yield the source of `number` functions of the package that have a docstring."""
     functions = []
     for name, node in iterate_syntax_nodes(files, ("python/stiction",)):
@@ -256,7 +258,7 @@ def rejected_words(words_by_folder: Mapping[str, list[str]], path: str) -> set[s
     )
 
 
-def find_name_faults(files: Files, words_by_folder: Mapping[str, list[str]]) -> Iterator[str]:
+def find_name_faults(files: TextsByPath, words_by_folder: Mapping[str, list[str]]) -> Iterator[str]:
     for path, node in iterate_syntax_nodes(files):
         words_not_allowed = rejected_words(words_by_folder, path)
         for kind, name in bound_names(node):
@@ -264,7 +266,7 @@ def find_name_faults(files: Files, words_by_folder: Mapping[str, list[str]]) -> 
                 yield f"{path}:{getattr(node, 'lineno', 1)}: {name} is no noun of the field, for a {kind}"
 
 
-def find_test_name_faults(files: Files, words_by_folder: Mapping[str, list[str]]) -> Iterator[str]:
+def find_test_name_faults(files: TextsByPath, words_by_folder: Mapping[str, list[str]]) -> Iterator[str]:
     for path, node in iterate_syntax_nodes(files, ("tests",)):
         if isinstance(node, ast.FunctionDef) and node.name.startswith("test_"):
             first_word = node.name.split("_")[1]
@@ -272,13 +274,13 @@ def find_test_name_faults(files: Files, words_by_folder: Mapping[str, list[str]]
                 yield f"{path}:{node.lineno}: {node.name} does not begin with the unit that is tested"
 
 
-def find_opening_faults(files: Files, words_by_folder: Mapping[str, list[str]]) -> Iterator[str]:
+def find_opening_faults(files: TextsByPath, words_by_folder: Mapping[str, list[str]]) -> Iterator[str]:
     for place, sentence in chain(docstring_summaries(files), comments(files)):
         if sentence.split()[0] in rejected_words(words_by_folder, place.split(":")[0]):
             yield f"{place}: {sentence[:60]!r} does not begin with a verb or with the thing that it describes"
 
 
-def modules_by_repeated_class(files: Files) -> dict[str, set[str]]:
+def modules_by_repeated_class(files: TextsByPath) -> dict[str, set[str]]:
     """Return the modules of each class name that several modules define."""
     modules: dict[str, set[str]] = {}
     for path, node in iterate_syntax_nodes(files):
@@ -287,7 +289,7 @@ def modules_by_repeated_class(files: Files) -> dict[str, set[str]]:
     return {name: paths for name, paths in modules.items() if len(paths) > 1}
 
 
-def modules_by_repeated_constant(files: Files) -> dict[str, set[str]]:
+def modules_by_repeated_constant(files: TextsByPath) -> dict[str, set[str]]:
     """Return the modules of each constant that several modules define with different values."""
     modules: dict[str, dict[str, str]] = {}
     for path, text in sorted(files.items()):

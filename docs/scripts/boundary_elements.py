@@ -26,7 +26,7 @@ from reference.boundary_elements import (  # noqa: E402  also used by tests
 )
 
 HURST_EXPONENTS = (0.5, 0.75, 1.0)
-BANDWIDTHS = {8: (64, 24), 32: (32, 24), 128: (16, 12)}
+PAIR_COUNTS_BY_BANDWIDTH = {8: (64, 24), 32: (32, 24), 128: (16, 12)}
 """Points per shortest wavelength and number of repetitions, by bandwidth."""
 RELATIVE_LOADS = np.geomspace(0.002, 0.2, 9)
 """Mean pressures in units of E* times the rms slope."""
@@ -36,14 +36,14 @@ NUM_CHECKS = 3
 
 COLOURS, MARKERS = ("#0072B2", "#D55E00", "#009E73"), "os^"  # Okabe & Ito
 FRACTION_COLUMN, COUNT_COLUMN, STIFFNESS_COLUMN = range(3)
-KAPPA_OF_THEORIES = {"Bush–Gibson–Thomas": np.sqrt(2 * np.pi), "Persson": np.sqrt(8 / np.pi)}
+KAPPA_BY_THEORY = {"Bush–Gibson–Thomas": np.sqrt(2 * np.pi), "Persson": np.sqrt(8 / np.pi)}
 
 
 def compute_profile_results(
     bandwidth: int, hurst: float, repetition: int, refinement: int = 1, tolerance: float = SOLVER_TOLERANCE
 ) -> np.ndarray:
     """Return contact fraction, count and stiffness (GPa/µm): (load, boundary elements | model | interacting, 3)."""
-    points, _ = BANDWIDTHS[bandwidth]
+    points, _ = PAIR_COUNTS_BY_BANDWIDTH[bandwidth]
     generator = np.random.default_rng([SEED, repetition])
     heights = band_limited_profile(generator, hurst, bandwidth, refinement * points)
     half_space_solver, asperity_solver = (
@@ -99,7 +99,7 @@ def draw_curve(ax, hurst_index: int, values: np.ndarray, style: str, *, is_fille
 def draw_ratios(results: dict, quantity: int, label: str, name: str, exact_solution, *, log: bool) -> None:
     figure = Figure(figsize=(3.15, 4.7), dpi=300, layout="constrained")
     axes = figure.subplots(3, 1, sharex=True, sharey=True)
-    for ax, bandwidth in zip(axes, BANDWIDTHS, strict=True):
+    for ax, bandwidth in zip(axes, PAIR_COUNTS_BY_BANDWIDTH, strict=True):
         for hurst_index, hurst in enumerate(HURST_EXPONENTS):
             values = results[bandwidth, hurst]
             for model_index, style in ((1, "-"), (2, ":")):
@@ -142,7 +142,7 @@ def draw_ratios(results: dict, quantity: int, label: str, name: str, exact_solut
 def draw_kappa(results: dict) -> None:
     figure = Figure(figsize=(3.15, 4.7), dpi=300, layout="constrained")
     axes = figure.subplots(3, 1, sharex=True, sharey=True)
-    for ax, bandwidth in zip(axes, BANDWIDTHS, strict=True):
+    for ax, bandwidth in zip(axes, PAIR_COUNTS_BY_BANDWIDTH, strict=True):
         for hurst_index, hurst in enumerate(HURST_EXPONENTS):
             for model_index, style in ((0, "--"), (1, "-")):
                 draw_curve(
@@ -152,7 +152,7 @@ def draw_kappa(results: dict) -> None:
                     style,
                     is_filled=model_index == 1,
                 )
-        for (theory, value), style in zip(KAPPA_OF_THEORIES.items(), ("-", "-."), strict=True):
+        for (theory, value), style in zip(KAPPA_BY_THEORY.items(), ("-", "-."), strict=True):
             ax.axhline(value, color="0.5", lw=0.7, ls=style, zorder=0, label=f"2-D: {theory}")
         ax.set_title(f"longest / shortest wavelength {bandwidth}", fontsize=7, pad=2)
         ax.set_xscale("log")
@@ -212,14 +212,14 @@ def render_count_rows(results: dict) -> list[str]:
         + " | ".join(
             f"{model_name}, {bandwidth}"
             for model_name in ("asperity model", "with interaction")
-            for bandwidth in BANDWIDTHS
+            for bandwidth in PAIR_COUNTS_BY_BANDWIDTH
         )
         + " |",
-        "|---" * (2 * len(BANDWIDTHS) + 1) + "|",
+        "|---" * (2 * len(PAIR_COUNTS_BY_BANDWIDTH) + 1) + "|",
     ]
     for min_contacts, max_contacts in contact_count_ranges:
         cells = []
-        for model_index, (bandwidth, (_, repetitions)) in product((1, 2), BANDWIDTHS.items()):
+        for model_index, (bandwidth, (_, repetitions)) in product((1, 2), PAIR_COUNTS_BY_BANDWIDTH.items()):
             ratios = []
             for k in range(repetitions):
                 points = np.concatenate([results[bandwidth, hurst][k] for hurst in HURST_EXPONENTS])
@@ -248,7 +248,7 @@ def render_check_rows(results: dict, checks: dict) -> list[str]:
         "| stiffness, at any load | area and stiffness, tolerance 1e-10 to 1e-12 |",
         "|---|---|---|---|---|---|",
     ]
-    for bandwidth, (points, _) in BANDWIDTHS.items():
+    for bandwidth, (points, _) in PAIR_COUNTS_BY_BANDWIDTH.items():
         finer_grid_changes, tighter_tolerance_changes = (
             np.zeros((RELATIVE_LOADS.size, 3)),
             np.zeros((RELATIVE_LOADS.size, 3)),
@@ -270,11 +270,12 @@ def render_check_rows(results: dict, checks: dict) -> list[str]:
 
 
 def main() -> None:
-    bandwidths_and_exponents = list(product(BANDWIDTHS, HURST_EXPONENTS))
+    bandwidths_and_exponents = list(product(PAIR_COUNTS_BY_BANDWIDTH, HURST_EXPONENTS))
     with ProcessPoolExecutor(2) as pool:
         jobs = {
             (bandwidth, hurst): [
-                pool.submit(compute_profile_results, bandwidth, hurst, k) for k in range(BANDWIDTHS[bandwidth][1])
+                pool.submit(compute_profile_results, bandwidth, hurst, k)
+                for k in range(PAIR_COUNTS_BY_BANDWIDTH[bandwidth][1])
             ]
             for bandwidth, hurst in reversed(bandwidths_and_exponents)
         }

@@ -47,7 +47,7 @@ ROOT = Path(__file__).resolve().parents[2]
 MIN_REPETITIONS = 20
 """Minimum number of repetitions for a verdict."""
 
-MAX_BAND_DIMENSION = 1.65
+MAX_BAND_FRACTAL_DIMENSION = 1.65
 """Largest fractal dimension in bands of profiles with asperities."""
 
 NUM_RESAMPLES = 400
@@ -55,7 +55,7 @@ NUM_RESAMPLES = 400
 LOW_AMPLITUDE, HIGH_AMPLITUDE = 0.05, 0.2
 """Amplitudes (µm) of the claim about amplitudes."""
 
-_SUM_NAMES = (
+_CONTACT_SUM_NAMES = (
     "contact_area",
     *(f"{load}_{part}" for load in ("normal", "tangential") for part in ("elastic", "frictional", "adhesive")),
 )
@@ -110,39 +110,48 @@ class ClaimsTableColumn:
         return Study.named(self.study).with_changes({**self.changes, "ensemble.repetitions": reduced_repetitions})
 
 
-_AMPLITUDE_CHANGES = {"surfaces.amplitude": ["0.05 um", "0.1 um", "0.2 um"]}
-_AREA_CHANGES = {**_AMPLITUDE_CHANGES, "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 15}}
-_HALF_PLANE_CHANGES = {
+_AMPLITUDE_STUDY_CHANGES = {"surfaces.amplitude": ["0.05 um", "0.1 um", "0.2 um"]}
+_AREA_STUDY_CHANGES = {
+    **_AMPLITUDE_STUDY_CHANGES,
+    "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 15},
+}
+_HALF_PLANE_STUDY_CHANGES = {
     "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.5, "count": 6},
     "surfaces.points": 65_536,
     "contact.load": {"start": "0.01 mN", "stop": "1 mN", "count": 5, "spacing": "geometric"},
 }
-_HALF_SPACE_CHANGES = {
-    **_AMPLITUDE_CHANGES,
+_HALF_SPACE_STUDY_CHANGES = {
+    **_AMPLITUDE_STUDY_CHANGES,
     "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 8},
     "surfaces.shape": [256, 256],
     "contact.mechanics": "half-space",
     "contact.load": {"start": "0.1 mN", "stop": "3 mN", "count": 5, "spacing": "geometric"},
 }
-_GAP_MINIMUM_CHANGES = {"contact.detection": "gap-minimum"}
-_ALL_CONTACTS_CHANGES = {**_GAP_MINIMUM_CHANGES, "contact.sliding": "all", "surfaces.fractal_dimension.count": 15}
+_GAP_MINIMUM_STUDY_CHANGES = {"contact.detection": "gap-minimum"}
+_ALL_CONTACTS_STUDY_CHANGES = {
+    **_GAP_MINIMUM_STUDY_CHANGES,
+    "contact.sliding": "all",
+    "surfaces.fractal_dimension.count": 15,
+}
 
 CLAIMS_TABLE_COLUMNS: Mapping[str, ClaimsTableColumn] = {
-    "profiles, gap-minimum detection": ClaimsTableColumn("figure7", _GAP_MINIMUM_CHANGES, "opposing", 20, "gap-minima"),
+    "profiles, gap-minimum detection": ClaimsTableColumn(
+        "figure7", _GAP_MINIMUM_STUDY_CHANGES, "opposing", 20, "gap-minima"
+    ),
     "profiles, gap-minimum detection, friction at all contacts": ClaimsTableColumn(
-        "figure7", _ALL_CONTACTS_CHANGES, "all", 20, "gap-minima-all"
+        "figure7", _ALL_CONTACTS_STUDY_CHANGES, "all", 20, "gap-minima-all"
     ),
-    "height maps, asperities": ClaimsTableColumn("figure6-areal", _AREA_CHANGES, "opposing", 80, "areas"),
+    "height maps, asperities": ClaimsTableColumn("figure6-areal", _AREA_STUDY_CHANGES, "opposing", 80, "areas"),
     "height maps, asperities, friction at all contacts": ClaimsTableColumn(
-        "figure6-areal", _AREA_CHANGES, "all", 80, "areas"
+        "figure6-areal", _AREA_STUDY_CHANGES, "all", 80, "areas"
     ),
-    "half-planes": ClaimsTableColumn("figure6-half-plane", _HALF_PLANE_CHANGES, "opposing", 100, "half-planes"),
+    "half-planes": ClaimsTableColumn("figure6-half-plane", _HALF_PLANE_STUDY_CHANGES, "opposing", 100, "half-planes"),
     "half-planes, friction at all contacts": ClaimsTableColumn(
-        "figure6-half-plane", _HALF_PLANE_CHANGES, "all", 100, "half-planes"
+        "figure6-half-plane", _HALF_PLANE_STUDY_CHANGES, "all", 100, "half-planes"
     ),
-    "half-spaces": ClaimsTableColumn("figure6-areal", _HALF_SPACE_CHANGES, "opposing", 66, "half-spaces"),
+    "half-spaces": ClaimsTableColumn("figure6-areal", _HALF_SPACE_STUDY_CHANGES, "opposing", 66, "half-spaces"),
     "half-spaces, friction at all contacts": ClaimsTableColumn(
-        "figure6-areal", _HALF_SPACE_CHANGES, "all", 66, "half-spaces"
+        "figure6-areal", _HALF_SPACE_STUDY_CHANGES, "all", 66, "half-spaces"
     ),
 }
 """Columns by title."""
@@ -215,7 +224,7 @@ class ResampledMeans:
         motion_dataset = dataset.sel(sliding=sliding or rules[0]) if "sliding" in dataset.dims else dataset
         if interval_method == "bands" and study.surfaces.kind == "profile" and study.contact.mechanics == "asperities":
             motion_dataset = motion_dataset.sel(
-                fractal_dimension=motion_dataset["fractal_dimension"] <= MAX_BAND_DIMENSION
+                fractal_dimension=motion_dataset["fractal_dimension"] <= MAX_BAND_FRACTAL_DIMENSION
             )
         self.interval_method = interval_method
         repetitions = motion_dataset.sizes["repetition"]
@@ -226,7 +235,7 @@ class ResampledMeans:
         for resample_counts in draw_counts[1:]:
             resample_counts[:] = generator.multinomial(repetitions, equal_weights)
         dims = ("repetition", "fractal_dimension", "amplitude", self._step_quantity)
-        sum_names = (*_SUM_NAMES, "approach") if self._step_quantity == "load" else _SUM_NAMES
+        sum_names = (*_CONTACT_SUM_NAMES, "approach") if self._step_quantity == "load" else _CONTACT_SUM_NAMES
         self._means: dict[str, Floats] = {}
         weights = draw_counts / repetitions
         for name in sum_names:
@@ -288,7 +297,7 @@ class ResampledMeans:
     ) -> Floats:
         """Return a quantity (resample, D) at one load, or at a load for each D; NaN if it is not reached."""
         resampled_sums: Any = SimpleNamespace(
-            **{name: self.mean_sums(name, amplitude or self.amplitude) for name in _SUM_NAMES}
+            **{name: self.mean_sums(name, amplitude or self.amplitude) for name in _CONTACT_SUM_NAMES}
         )
         normal_load = friction.compute_load("normal", resampled_sums, mu0, tau0)
         match quantity:
@@ -335,7 +344,7 @@ class SimultaneousInterval:
     upper: float
 
 
-Measure = Callable[[ResampledMeans], "Floats | SimultaneousInterval"]
+MeasureFunction = Callable[[ResampledMeans], "Floats | SimultaneousInterval"]
 
 
 @dataclass(frozen=True)
@@ -346,7 +355,7 @@ class ClaimPart:
     statement: str
     least: float
     most: float
-    measure: Measure
+    measure: MeasureFunction
 
     @property
     def claim_number(self) -> int:
@@ -364,7 +373,7 @@ def _extreme_over_dimensions(
     r: ResampledMeans, arrays: list[Floats], extreme_function: np.ufunc
 ) -> Floats | SimultaneousInterval:
     """Return the largest (fmax) or smallest (fmin) value over the D at which all quantities have a value."""
-    is_usable = r.finite_value_mask(np.sum(arrays, axis=0), r.dimension_range_mask(*_ALL_DIMENSIONS))
+    is_usable = r.finite_value_mask(np.sum(arrays, axis=0), r.dimension_range_mask(*_FULL_DIMENSION_RANGE))
     usable_values = np.concatenate([values[:, is_usable] for values in arrays], axis=1)
     if r.interval_method == "percentiles" or not usable_values.size:
         return np.asarray(extreme_function.reduce(usable_values, axis=1, initial=np.nan))
@@ -390,14 +399,14 @@ def _slope_over_dimensions(r: ResampledMeans, values: Floats, start: float, stop
 
 
 # Ranges of fractal dimensions.
-_LOW_DIMENSIONS, _MIDDLE_DIMENSIONS, _UPPER_DIMENSIONS, _HIGH_DIMENSIONS = (
+_LOW_DIMENSION_RANGE, _MIDDLE_DIMENSION_RANGE, _UPPER_DIMENSION_RANGE, _HIGH_DIMENSION_RANGE = (
     (1.0, 1.2),
     (1.3, 1.5),
     (1.4, 1.5),
     (1.6, 1.7),
 )
-_ALL_DIMENSIONS = (1.0, 1.7)
-_MINIMUM_DIMENSIONS = (1.25, 1.55)
+_FULL_DIMENSION_RANGE = (1.0, 1.7)
+_DIMENSION_RANGE_OF_MINIMUM = (1.25, 1.55)
 
 
 def _smallest_area_load_r_squared(r: ResampledMeans) -> Floats | SimultaneousInterval:
@@ -415,7 +424,7 @@ def _least_linear_area_exponent(r: ResampledMeans) -> Floats:
     load, area = np.where(is_known, load, 0.0), np.where(is_known, area, 0.0)
     load -= np.where(is_known, load.sum(axis=2, keepdims=True) / is_known.sum(axis=2, keepdims=True), 0.0)
     exponents = (area * load).sum(axis=2) / (load * load).sum(axis=2)
-    usable_exponents = exponents[:, r.finite_value_mask(exponents, r.dimension_range_mask(*_ALL_DIMENSIONS))]
+    usable_exponents = exponents[:, r.finite_value_mask(exponents, r.dimension_range_mask(*_FULL_DIMENSION_RANGE))]
     if not usable_exponents.size:
         return np.full(exponents.shape[0], np.nan)
     return np.asarray(
@@ -426,8 +435,8 @@ def _least_linear_area_exponent(r: ResampledMeans) -> Floats:
 def _friction_ratio_upper_to_low_dimensions(r: ResampledMeans) -> Floats:
     log_friction = np.log(r.at("friction", r.middle_load))
     return np.exp(
-        _mean_over_dimensions(r, log_friction, *_UPPER_DIMENSIONS)
-        - _mean_over_dimensions(r, log_friction, *_LOW_DIMENSIONS)
+        _mean_over_dimensions(r, log_friction, *_UPPER_DIMENSION_RANGE)
+        - _mean_over_dimensions(r, log_friction, *_LOW_DIMENSION_RANGE)
     )
 
 
@@ -438,8 +447,8 @@ def _slope_change_at_dimension_1_5(r: ResampledMeans) -> Floats:
 
 def _mu0_effect_on_dimension_rise(r: ResampledMeans) -> Floats:
     added_friction = r.at("friction", r.middle_load, mu0=1.0) - r.at("friction", r.middle_load, mu0=0.1)
-    return _mean_over_dimensions(r, added_friction, *_UPPER_DIMENSIONS) - _mean_over_dimensions(
-        r, added_friction, *_LOW_DIMENSIONS
+    return _mean_over_dimensions(r, added_friction, *_UPPER_DIMENSION_RANGE) - _mean_over_dimensions(
+        r, added_friction, *_LOW_DIMENSION_RANGE
     )
 
 
@@ -461,14 +470,16 @@ def _smallest_adhesion_ratio(r: ResampledMeans) -> Floats | SimultaneousInterval
 
 def _adhesion_rise_at_low_dimensions(r: ResampledMeans) -> Floats:
     added_friction = _friction_added_by_adhesion(r, r.middle_load)
-    return _mean_over_dimensions(r, added_friction, *_LOW_DIMENSIONS) - _mean_over_dimensions(
-        r, added_friction, *_HIGH_DIMENSIONS
+    return _mean_over_dimensions(r, added_friction, *_LOW_DIMENSION_RANGE) - _mean_over_dimensions(
+        r, added_friction, *_HIGH_DIMENSION_RANGE
     )
 
 
 def _adhesion_rise_at_low_load(r: ResampledMeans) -> Floats:
     return _mean_over_dimensions(
-        r, _friction_added_by_adhesion(r, r.light_load) - _friction_added_by_adhesion(r, r.heavy_load), *_ALL_DIMENSIONS
+        r,
+        _friction_added_by_adhesion(r, r.light_load) - _friction_added_by_adhesion(r, r.heavy_load),
+        *_FULL_DIMENSION_RANGE,
     )
 
 
@@ -476,11 +487,12 @@ def _largest_change_by_weak_adhesion(r: ResampledMeans) -> Floats | Simultaneous
     return _extreme_over_dimensions(r, [np.abs(ratio - 1) for ratio in _adhesion_friction_ratios(r, 0.001)], np.fmax)
 
 
-def _dimension_ratio_measure(start: float, stop: float) -> Measure:
+def _dimension_ratio_measure(start: float, stop: float) -> MeasureFunction:
     def measure(r: ResampledMeans) -> Floats:
         logarithm = np.log(r.at("friction", r.middle_load, tau0=0.2))
         return np.exp(
-            _mean_over_dimensions(r, logarithm, start, stop) - _mean_over_dimensions(r, logarithm, *_MIDDLE_DIMENSIONS)
+            _mean_over_dimensions(r, logarithm, start, stop)
+            - _mean_over_dimensions(r, logarithm, *_MIDDLE_DIMENSION_RANGE)
         )
 
     return measure
@@ -488,14 +500,14 @@ def _dimension_ratio_measure(start: float, stop: float) -> Measure:
 
 def _dimension_of_smallest_friction(r: ResampledMeans) -> Floats:
     values = r.at("friction", r.middle_load, tau0=0.2)
-    is_used = r.finite_value_mask(values, r.dimension_range_mask(*_ALL_DIMENSIONS))
+    is_used = r.finite_value_mask(values, r.dimension_range_mask(*_FULL_DIMENSION_RANGE))
     if not is_used.any():
         return np.full(values.shape[0], np.nan)
     minimum_indices = np.argmin(np.where(np.isfinite(values[:, is_used]), values[:, is_used], np.inf), axis=1)
     result = np.asarray(r.dimensions[is_used][minimum_indices])
     # A smallest value at the last D is not a minimum: friction may fall further within the range of the claim.
     highest_dimension = r.dimensions[is_used][-1]
-    return np.full(result.shape, np.nan) if result[0] == highest_dimension < _MINIMUM_DIMENSIONS[1] else result
+    return np.full(result.shape, np.nan) if result[0] == highest_dimension < _DIMENSION_RANGE_OF_MINIMUM[1] else result
 
 
 def _ratio_of_light_to_heavy_load(r: ResampledMeans) -> Floats:
@@ -507,7 +519,7 @@ def _smallest_friction_to_mu0_ratio(r: ResampledMeans) -> Floats | SimultaneousI
     return _extreme_over_dimensions(r, [r.at("friction", r.middle_load) / 0.4], np.fmin)
 
 
-def _amplitude_ratio_measure(quantity: Quantity, tau0: float) -> Measure:
+def _amplitude_ratio_measure(quantity: Quantity, tau0: float) -> MeasureFunction:
     def measure(r: ResampledMeans) -> Floats:
         loads = r.middle_load_of_all_amplitudes()
         if loads is None:
@@ -515,7 +527,9 @@ def _amplitude_ratio_measure(quantity: Quantity, tau0: float) -> Measure:
         high_amplitude_values, low_amplitude_values = (
             r.at(quantity, loads, tau0=tau0, amplitude=a) for a in (HIGH_AMPLITUDE, LOW_AMPLITUDE)
         )
-        return np.exp(_mean_over_dimensions(r, np.log(high_amplitude_values / low_amplitude_values), *_ALL_DIMENSIONS))
+        return np.exp(
+            _mean_over_dimensions(r, np.log(high_amplitude_values / low_amplitude_values), *_FULL_DIMENSION_RANGE)
+        )
 
     return measure
 
@@ -527,7 +541,9 @@ def _amplitude_effect_on_dimension_rise(r: ResampledMeans) -> Floats:
     log_ratio = np.log(
         r.at("friction", loads, amplitude=LOW_AMPLITUDE) / r.at("friction", loads, amplitude=HIGH_AMPLITUDE)
     )
-    return np.exp(_mean_over_dimensions(r, log_ratio, 1.5, 1.6) - _mean_over_dimensions(r, log_ratio, *_LOW_DIMENSIONS))
+    return np.exp(
+        _mean_over_dimensions(r, log_ratio, 1.5, 1.6) - _mean_over_dimensions(r, log_ratio, *_LOW_DIMENSION_RANGE)
+    )
 
 
 def _amplitude_effect_on_adhesion_rise(r: ResampledMeans) -> Floats:
@@ -537,13 +553,13 @@ def _amplitude_effect_on_adhesion_rise(r: ResampledMeans) -> Floats:
     return _mean_over_dimensions(
         r,
         _friction_added_by_adhesion(r, loads, LOW_AMPLITUDE) - _friction_added_by_adhesion(r, loads, HIGH_AMPLITUDE),
-        *_LOW_DIMENSIONS,
+        *_LOW_DIMENSION_RANGE,
     )
 
 
 def _relative_change_measure(
     quantity: Quantity, changed_parameters: dict[str, float], reference_parameters: dict[str, float]
-) -> Measure:
+) -> MeasureFunction:
     def measure(r: ResampledMeans) -> Floats | SimultaneousInterval:
         return _extreme_over_dimensions(
             r,
@@ -560,8 +576,8 @@ def _relative_change_measure(
     return measure
 
 
-_MU0_CHANGE = ({"mu0": 1.0}, {"mu0": 0.1})
-_TAU0_CHANGE = ({"tau0": 0.2}, {"tau0": 0.0})
+_MU0_BEFORE_AND_AFTER = ({"mu0": 1.0}, {"mu0": 0.1})
+_TAU0_BEFORE_AND_AFTER = ({"tau0": 0.2}, {"tau0": 0.0})
 _LARGEST_CHANGE_TEXT = "largest relative change of the"
 
 CLAIM_PARTS = (
@@ -625,17 +641,20 @@ CLAIM_PARTS = (
         "mu_s at tau0 = 200 MPa, D = 1 to 1.2, divided by mu_s at D = 1.3 to 1.5",
         1.0,
         math.inf,
-        _dimension_ratio_measure(*_LOW_DIMENSIONS),
+        _dimension_ratio_measure(*_LOW_DIMENSION_RANGE),
     ),
     ClaimPart(
         "4b",
         "mu_s at tau0 = 200 MPa, D = 1.6 to 1.7, divided by mu_s at D = 1.3 to 1.5",
         1.0,
         math.inf,
-        _dimension_ratio_measure(*_HIGH_DIMENSIONS),
+        _dimension_ratio_measure(*_HIGH_DIMENSION_RANGE),
     ),
     ClaimPart(
-        "4c", "D with the smallest mu_s at tau0 = 200 MPa", *_MINIMUM_DIMENSIONS, _dimension_of_smallest_friction
+        "4c",
+        "D with the smallest mu_s at tau0 = 200 MPa",
+        *_DIMENSION_RANGE_OF_MINIMUM,
+        _dimension_of_smallest_friction,
     ),
     ClaimPart(
         "5", "mu_s at light load divided by mu_s at heavy load, D ≥ 1.5", 1.0, math.inf, _ratio_of_light_to_heavy_load
@@ -670,28 +689,28 @@ CLAIM_PARTS = (
         f"{_LARGEST_CHANGE_TEXT} area for any D if mu0 changes from 0.1 to 1",
         -math.inf,
         0.1,
-        _relative_change_measure("area", *_MU0_CHANGE),
+        _relative_change_measure("area", *_MU0_BEFORE_AND_AFTER),
     ),
     ClaimPart(
         "8b",
         f"{_LARGEST_CHANGE_TEXT} area for any D if tau0 changes from 0 to 200 MPa",
         -math.inf,
         0.1,
-        _relative_change_measure("area", *_TAU0_CHANGE),
+        _relative_change_measure("area", *_TAU0_BEFORE_AND_AFTER),
     ),
     ClaimPart(
         "8c",
         f"{_LARGEST_CHANGE_TEXT} stiffness for any D if mu0 changes from 0.1 to 1",
         -math.inf,
         0.1,
-        _relative_change_measure("stiffness", *_MU0_CHANGE),
+        _relative_change_measure("stiffness", *_MU0_BEFORE_AND_AFTER),
     ),
     ClaimPart(
         "8d",
         f"{_LARGEST_CHANGE_TEXT} stiffness for any D if tau0 changes from 0 to 200 MPa",
         -math.inf,
         0.1,
-        _relative_change_measure("stiffness", *_TAU0_CHANGE),
+        _relative_change_measure("stiffness", *_TAU0_BEFORE_AND_AFTER),
     ),
 )
 """Parts of all claims, at mu0 = 0.4, tau0 = 0 and the middle load unless stated otherwise."""

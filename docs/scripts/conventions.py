@@ -19,7 +19,7 @@ IMAGE_FILE = Path(__file__).parents[1] / "images/conventions.png"
 
 APPROACH = 0.15  # µm
 MU0 = 0.4
-ENLARGED_CONTACT = 1
+ENLARGED_CONTACT_INDEX = 1
 """Index of the enlarged contact."""
 
 LOWER_BODY_COLOUR, UPPER_BODY_COLOUR, OVERLAP_COLOUR, INK_COLOUR = "#e3d5bb", "#c6d9e7", "#8a7f95", "0.15"
@@ -137,7 +137,7 @@ def draw_contact(ax: Axes, profiles: ContactingProfiles) -> None:
     """Draw one contact enlarged, with the spheres that replace both surfaces."""
     result = profiles.contact_list
     centre, normal, tangent = (
-        project_to_plane(item)[ENLARGED_CONTACT] for item in (result.centre, result.normal, result.tangent)
+        project_to_plane(item)[ENLARGED_CONTACT_INDEX] for item in (result.centre, result.normal, result.tangent)
     )
     draw_bodies(ax, profiles, centre[1] - 1.05, centre[1] + 0.9)
     ax.set_xlim(centre[0] - 1.3, centre[0] + 1.3)
@@ -147,8 +147,8 @@ def draw_contact(ax: Axes, profiles: ContactingProfiles) -> None:
     ):
         spheres = asperities(body, side)
         sphere_centre, radius = (
-            project_to_plane(spheres.centre)[result.index[ENLARGED_CONTACT]] - [0.0, upper_displacement],
-            spheres.radius[result.index[ENLARGED_CONTACT]],
+            project_to_plane(spheres.centre)[result.index[ENLARGED_CONTACT_INDEX]] - [0.0, upper_displacement],
+            spheres.radius[result.index[ENLARGED_CONTACT_INDEX]],
         )
         circle = Circle(sphere_centre, radius, fill=False, linewidth=0.6, linestyle="--", edgecolor=INK_COLOUR)
         circle.set_clip_path(ax.add_patch(Rectangle((centre[0] - 1.3, centre[1] - 1.05), 2.6, 1.95, fill=False, lw=0)))
@@ -188,8 +188,8 @@ def draw_forces(ax: Axes, profiles: ContactingProfiles) -> None:
     """Draw the forces on the upper body at the enlarged contact, tip to tail, and the loads that balance them."""
     result = profiles.contact_list
     normal, tangent = (
-        project_to_plane(result.normal)[ENLARGED_CONTACT],
-        project_to_plane(result.tangent)[ENLARGED_CONTACT],
+        project_to_plane(result.normal)[ENLARGED_CONTACT_INDEX],
+        project_to_plane(result.tangent)[ENLARGED_CONTACT_INDEX],
     )
     # Lengths of arrows are in units of the normal force.
     start, normal_tip, end = np.zeros(2), normal, normal + MU0 * tangent

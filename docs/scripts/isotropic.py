@@ -6,7 +6,7 @@ import numpy as np
 from stiction import Surface, half_space, isotropic_surface, levelled, self_affine_surface
 
 TABLE_FILE = Path(__file__).parent.parent / "generated/isotropic.md"
-MAP_POINTS, PIECE_POINTS, SPACING = 1024, 256, 0.1  # points, µm
+MAP_SIDE_POINTS, PIECE_SIDE_POINTS, SPACING = 1024, 256, 0.1  # points, µm
 NUM_PAIRS = 6
 """Number of pairs of profiles, and of pairs of pieces."""
 MU0, TAU0 = 0.4, 0.1  # GPa, 1 % of E*
@@ -19,7 +19,7 @@ def create_map(side, hurst, stretch):
         11,
         hurst_exponent=hurst,
         rms=0.1,
-        shape=(MAP_POINTS, MAP_POINTS),
+        shape=(MAP_SIDE_POINTS, MAP_SIDE_POINTS),
         spacing=SPACING,
         side=side,
         longest_wavelength=6.4,
@@ -40,20 +40,25 @@ def compute_pair_results(upper, lower):
 
 def cut_piece_pairs(upper, lower):
     """Yield pairs of pieces from different places of the maps."""
-    count = MAP_POINTS // PIECE_POINTS
+    count = MAP_SIDE_POINTS // PIECE_SIDE_POINTS
     for index in range(NUM_PAIRS):
         j, i = divmod(index, count)
-        window = np.s_[j * PIECE_POINTS : (j + 1) * PIECE_POINTS, i * PIECE_POINTS : (i + 1) * PIECE_POINTS]
+        window = np.s_[
+            j * PIECE_SIDE_POINTS : (j + 1) * PIECE_SIDE_POINTS, i * PIECE_SIDE_POINTS : (i + 1) * PIECE_SIDE_POINTS
+        ]
         yield tuple(levelled(Surface(body.heights[window], spacing=body.spacing), "plane") for body in (upper, lower))
 
 
 def generate_surrogate_pairs(upper, lower, line_method):
     for index in range(NUM_PAIRS):
-        line_index = index * MAP_POINTS // NUM_PAIRS
+        line_index = index * MAP_SIDE_POINTS // NUM_PAIRS
         sections = [levelled(getattr(body, line_method)(line_index), "line") for body in (upper, lower)]
         yield tuple(
             levelled(
-                isotropic_surface(section, 5, shape=(PIECE_POINTS, PIECE_POINTS), repetition=index, side=side), "plane"
+                isotropic_surface(
+                    section, 5, shape=(PIECE_SIDE_POINTS, PIECE_SIDE_POINTS), repetition=index, side=side
+                ),
+                "plane",
             )
             for section, side in zip(sections, ("upper", "lower"), strict=True)
         )

@@ -22,7 +22,7 @@ from stiction import (
 
 DOCS_FOLDER = Path(__file__).parent.parent
 RESULTS_FOLDER = Path("resolution")
-LARGE_MAP_POINTS, SMALL_MAP_POINTS, SPACING = 1024, 512, 0.01  # spacing in µm
+LARGE_MAP_SIDE_POINTS, SMALL_MAP_SIDE_POINTS, SPACING = 1024, 512, 0.01  # spacing in µm
 EFFECTIVE_MODULUS, HARDNESS, MU0, TAU0 = 115.0, 4.0, 0.2, 0.2  # GPa
 PRESSURE, HIGH_PRESSURE = 0.02, 0.2  # GPa
 HURST_EXPONENTS = (0.4, 0.8)
@@ -31,7 +31,7 @@ GAP_GRADIENTS = {0.4: 0.6, 0.8: 0.25}
 CUTOFFS = (8, 16, 32, 64)
 """Cutoff wavelengths in points; the surface itself has wavelengths from four points upwards."""
 BANDS_PER_DECADE = 5
-NUM_PAIRS, NUM_BRACKETED_PAIRS, NUM_EXTRAPOLATED_PAIRS = 6, 50, 50
+NUM_PAIRS, NUM_BRACKET_TEST_PAIRS, NUM_EXTRAPOLATION_TEST_PAIRS = 6, 50, 50
 """Number of pairs of each Hurst exponent, by part."""
 
 
@@ -58,7 +58,7 @@ def compute_coarser_cutoffs():
     results = []
     for hurst in HURST_EXPONENTS:
         for index in range(NUM_PAIRS):
-            bodies = create_pair(hurst, index, LARGE_MAP_POINTS, LARGE_MAP_POINTS // 4)
+            bodies = create_pair(hurst, index, LARGE_MAP_SIDE_POINTS, LARGE_MAP_SIDE_POINTS // 4)
             results.append({"hurst": hurst, **compute_pair_results(bodies, CUTOFFS, HARDNESS, "plastic")})
             results[-1] |= compute_pair_results(bodies, CUTOFFS, None, "elastic")
             results[-1] |= {"softer": compute_pair_results(bodies, CUTOFFS[-1:], HARDNESS / 2, "plastic")["plastic"]}
@@ -70,8 +70,8 @@ def compute_brackets():
     """Compute many smaller pairs with a hardness, to test the brackets of coarse results."""
     results = []
     for hurst in HURST_EXPONENTS:
-        for index in range(NUM_BRACKETED_PAIRS):
-            bodies = create_pair(hurst, 2000 + index, LARGE_MAP_POINTS // 4, LARGE_MAP_POINTS // 16)
+        for index in range(NUM_BRACKET_TEST_PAIRS):
+            bodies = create_pair(hurst, 2000 + index, LARGE_MAP_SIDE_POINTS // 4, LARGE_MAP_SIDE_POINTS // 16)
             results.append({"hurst": hurst, **compute_pair_results(bodies, CUTOFFS[:2], HARDNESS, "plastic")})
             print(hurst, index, results[-1]["plastic"]["area"], flush=True)
             save_results("bracketing", results)
@@ -105,7 +105,7 @@ def compute_pair_results(bodies, cutoffs, hardness, name):
 def simulate_coarser_scan(body, shortest, step):
     """Return a low-pass filtered surface (cutoff in points) on every `step`-th point."""
     transform = np.fft.fft2(body.heights)
-    k = np.hypot(*np.meshgrid(*(np.fft.fftfreq(SMALL_MAP_POINTS),) * 2, indexing="ij"))
+    k = np.hypot(*np.meshgrid(*(np.fft.fftfreq(SMALL_MAP_SIDE_POINTS),) * 2, indexing="ij"))
     filtered_heights = np.fft.ifft2(np.where(k * shortest <= 1 + 1e-9, transform, 0)).real
     return Surface(filtered_heights[::step, ::step], spacing=step * SPACING)
 
@@ -114,11 +114,11 @@ def compute_extrapolations():
     """Extrapolate scans filtered at 32 points: the elastic result at 4 points, and the onset of plasticity."""
     from stiction.mechanics.brackets import estimate_gap_hurst_exponent
 
-    load = HIGH_PRESSURE * (SMALL_MAP_POINTS * SPACING) ** 2
+    load = HIGH_PRESSURE * (SMALL_MAP_SIDE_POINTS * SPACING) ** 2
     results = []
     for hurst in HURST_EXPONENTS:
-        for index in range(NUM_EXTRAPOLATED_PAIRS):
-            fine_bodies = create_pair(hurst, 1000 + index, SMALL_MAP_POINTS, SMALL_MAP_POINTS)
+        for index in range(NUM_EXTRAPOLATION_TEST_PAIRS):
+            fine_bodies = create_pair(hurst, 1000 + index, SMALL_MAP_SIDE_POINTS, SMALL_MAP_SIDE_POINTS)
             coarse_bodies = [simulate_coarser_scan(body, 32, 4) for body in fine_bodies]
             # The mean elastic contact pressure reaches this hardness at about 10 points.
             hardness = EFFECTIVE_MODULUS * GAP_GRADIENTS[hurst] / 2.2 * (4 / 10) ** (1 - hurst)
@@ -357,7 +357,7 @@ def render_extrapolation_rows(extrapolations):
         "in its interval ": [count_covered_pairs(rows, "wavelength") for rows in extrapolations_with_exponent],
     }
     titles = " | ".join(f"Hurst {exponent}" for exponent in HURST_EXPONENTS)
-    header = f"| medians; {SMALL_MAP_POINTS}² points, {1e3 * HIGH_PRESSURE:g} MPa | {titles} |"
+    header = f"| medians; {SMALL_MAP_SIDE_POINTS}² points, {1e3 * HIGH_PRESSURE:g} MPa | {titles} |"
     return [
         header,
         "|---|" + "---|" * len(HURST_EXPONENTS),
@@ -407,8 +407,8 @@ def write_page():
     for rows in rows_by_exponent.values():
         lines += [*render_coarser_cutoff_rows(rows), ""]
     lines += [
-        f"Means over pairs of maps of {LARGE_MAP_POINTS}² points with wavelengths from 4 points to a quarter of the "
-        "side, "
+        f"Means over pairs of maps of {LARGE_MAP_SIDE_POINTS}² points with wavelengths from 4 points to a quarter of "
+        "the side, "
         f"filtered at the cutoff wavelength of each column. E\\* is {EFFECTIVE_MODULUS:g} GPa, the nominal pressure "
         f"{1e3 * PRESSURE:g} MPa, μ0 {MU0:g} and τ0 {1e3 * TAU0:g} MPa.",
         "",
@@ -416,8 +416,8 @@ def write_page():
         "",
         *render_bracket_rows(
             {
-                f"{LARGE_MAP_POINTS}², 4 to 64 points": coarser_cutoffs,
-                f"{LARGE_MAP_POINTS // 4}², 4 to 16 points": brackets,
+                f"{LARGE_MAP_SIDE_POINTS}², 4 to 64 points": coarser_cutoffs,
+                f"{LARGE_MAP_SIDE_POINTS // 4}², 4 to 16 points": brackets,
             }
         ),
         "",

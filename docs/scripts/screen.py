@@ -20,7 +20,7 @@ FONT_SIZE = 9.3  # points: a character of DejaVu Sans Mono is then CHARACTER_WID
 LIGHT_COLOURS = {"paper": "#f6f7f9", "text": "0.12", "label": "#35618e", "number": "white", "band": "#e3ebf4"}
 DARK_COLOURS = {"paper": "#171b21", "text": "0.9", "label": "#8db8e8", "number": "#171b21", "band": "#232d3a"}
 
-PART_TEXTS = [
+LABELLED_LINE_PARTS = [
     "μ_s = ",
     "friction at opposing contacts only",
     "Roughness contributes",
@@ -62,13 +62,15 @@ def run_readme_example() -> list[str]:
 def find_part_starts(lines: list[str]) -> list[int]:
     """Return the index of the first line of each part; raise `ValueError` if the output has changed."""
     indices = []
-    for part in PART_TEXTS:
+    for part in LABELLED_LINE_PARTS:
         matching_indices = [i for i, line in enumerate(lines) if part in line]
         if not matching_indices:
-            raise ValueError(f"no line contains {part!r}: adapt PART_TEXTS, and the list in docs/howto/pair.md")
+            raise ValueError(
+                f"no line contains {part!r}: adapt LABELLED_LINE_PARTS, and the list in docs/howto/pair.md"
+            )
         indices.append(matching_indices[0])
     if indices != sorted(set(indices)):
-        raise ValueError("parts of the output are not in the order of PART_TEXTS")
+        raise ValueError("parts of the output are not in the order of LABELLED_LINE_PARTS")
     return indices
 
 

@@ -20,9 +20,9 @@ TRACE_OPTIONS = {
     "honed": {"points": 6000, "spacing": 0.2, "waves": (60.0, 4.0), "noise": 0.02, "step": 0.01},
 }
 """Numbers of points, lengths in µm, and noise and converter step in nm of each finish."""
-MAP_POINTS = 256
+MAP_SIDE_POINTS = 256
 PIXEL_SIZE = 0.2  # µm
-CONVERTER_STEP = 5e-11  # m
+CONVERTER_HEIGHT_STEP = 5e-11  # m
 SIDES = ("upper", "lower")
 
 MAIN_XML = """<?xml version="1.0" encoding="UTF-8"?>
@@ -66,16 +66,16 @@ def create_map_in_converter_steps(side: str) -> np.ndarray:
         12,
         hurst_exponent=0.8,
         rms=0.05,
-        shape=(MAP_POINTS, MAP_POINTS),
+        shape=(MAP_SIDE_POINTS, MAP_SIDE_POINTS),
         spacing=(PIXEL_SIZE / 5.0, PIXEL_SIZE),  # The map is stretched five times along y.
         longest_wavelength=6.0,
         shortest_wavelength=1.0,
         side=side,
     )
-    y, x = np.indices((MAP_POINTS, MAP_POINTS)) * PIXEL_SIZE
-    noise = np.random.default_rng(SIDES.index(side)).normal(0.0, 1e-4, (MAP_POINTS, MAP_POINTS))
+    y, x = np.indices((MAP_SIDE_POINTS, MAP_SIDE_POINTS)) * PIXEL_SIZE
+    noise = np.random.default_rng(SIDES.index(side)).normal(0.0, 1e-4, (MAP_SIDE_POINTS, MAP_SIDE_POINTS))
     heights = face.heights + 2e-3 * x - 1e-3 * y + noise
-    return np.round((heights - heights.mean()) * 1e-6 / CONVERTER_STEP).astype("<i2")
+    return np.round((heights - heights.mean()) * 1e-6 / CONVERTER_HEIGHT_STEP).astype("<i2")
 
 
 def write_x3p(path: Path, height_steps: np.ndarray) -> None:
@@ -84,7 +84,7 @@ def write_x3p(path: Path, height_steps: np.ndarray) -> None:
     rows, columns = height_steps.shape
     checksum = hashlib.md5(data, usedforsecurity=False).hexdigest()
     main_xml = MAIN_XML.format(
-        pixel=PIXEL_SIZE * 1e-6, step=CONVERTER_STEP, columns=columns, rows=rows, checksum=checksum
+        pixel=PIXEL_SIZE * 1e-6, step=CONVERTER_HEIGHT_STEP, columns=columns, rows=rows, checksum=checksum
     ).encode()
     checksum_text = f"{hashlib.md5(main_xml, usedforsecurity=False).hexdigest()} *main.xml\n".encode()
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:

@@ -19,14 +19,14 @@ from app.server_process import MAX_WAITING_TIME, start_server, wait_until, write
 from stiction import Profile, Study, Surface, run, write_profile, write_surface
 from stiction._number_format import format_with_unit
 from stiction.app.form import replace_option_names
-from stiction.app.run import MAX_WINDOW_ABSENCE, is_abandoned
-from stiction.app.server import ALLOWED_OPTIONS
+from stiction.app.run import SERVER_IDLE_TIMEOUT, is_abandoned
+from stiction.app.server import ALLOWED_OPTIONS_BY_COMMAND
 from stiction.cli import result_output
 from support.command import call_stiction, check_stiction
 
 pytestmark = browser.BROWSER_MARKS
 
-DISPATCH_INPUT_EVENT = "field.dispatchEvent(new Event('input', {bubbles: true}))"
+DISPATCH_INPUT_EVENT_SCRIPT = "field.dispatchEvent(new Event('input', {bubbles: true}))"
 MAX_ROUNDING_ERROR = 1e-6  # relative tolerance, because the report contains numbers in single precision
 METAL_FORM_VALUES = {"upper": "mild steel", "lower": "brass", "load": "5 MPa", "tau0": "20", "shifts": "4"}
 
@@ -202,7 +202,7 @@ def test_form_has_a_field_for_each_option_of_the_pair_command(empty_page):
     names = set(
         empty_page.execute_script("return [...document.querySelectorAll('#pair [name]')].map(({name}) => name)")
     )
-    assert names == set(ALLOWED_OPTIONS["pair"])
+    assert names == set(ALLOWED_OPTIONS_BY_COMMAND["pair"])
     fill_fields(empty_page, {"missing-value": "-9999,NaN", "accept": "whole-numbers", "width": "1,5 mm"})
     options = empty_page.execute_script("return pairOptions()")
     assert ["width", "1.5 mm"] in options
@@ -314,7 +314,7 @@ def test_app_result_of_maps_equals_command_result_after_each_user_action(app, em
     # A change of mu0 by the slider or by the field also changes the other control, the sentence and the command line.
     for change_mu0 in (
         lambda: run_in_report(
-            empty_page, "const field = inside.getElementById('mu0'); field.value = 0.3;" + DISPATCH_INPUT_EVENT
+            empty_page, "const field = inside.getElementById('mu0'); field.value = 0.3;" + DISPATCH_INPUT_EVENT_SCRIPT
         ),
         lambda: fill_fields(empty_page, {"mu0": "0.35"}),
     ):
@@ -589,15 +589,15 @@ def test_app_has_no_accessibility_violations(empty_page, map_files):
 
 def test_server_counts_as_abandoned_only_if_a_browser_window_has_been_open():
     window = SimpleNamespace(last_request_time=100.0, has_window=True)
-    assert not is_abandoned(window, 100.0 + MAX_WINDOW_ABSENCE)
-    assert is_abandoned(window, 100.5 + MAX_WINDOW_ABSENCE)
-    assert not is_abandoned(SimpleNamespace(last_request_time=100.0, has_window=False), 100.5 + MAX_WINDOW_ABSENCE)
+    assert not is_abandoned(window, 100.0 + SERVER_IDLE_TIMEOUT)
+    assert is_abandoned(window, 100.5 + SERVER_IDLE_TIMEOUT)
+    assert not is_abandoned(SimpleNamespace(last_request_time=100.0, has_window=False), 100.5 + SERVER_IDLE_TIMEOUT)
 
 
 def test_server_stops_after_its_last_window_is_closed(tmp_path, tmp_path_factory):
     """Close a page that has sent only one request about open windows."""
     code = "from stiction.app import run; from stiction.cli.application import print_message; "
-    code += "run.MAX_WINDOW_ABSENCE = 1.5; run.run(print_message=print_message)"
+    code += "run.SERVER_IDLE_TIMEOUT = 1.5; run.run(print_message=print_message)"
     with (
         start_server(tmp_path, code=code) as server,
         browser.start_browser(tmp_path_factory.mktemp("profile")) as driver,

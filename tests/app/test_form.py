@@ -6,8 +6,8 @@ import json
 import numpy as np
 import pytest
 from stiction.app.form import (
-    FIELDS_BY_FLAG,
-    READING_FLAGS,
+    FILE_READING_FLAGS,
+    FORM_FIELDS_BY_FLAG,
     fields_html,
     find_first_option_name,
     page_data_json,
@@ -19,14 +19,14 @@ from stiction.studies.pair_options import PAIR_OPTIONS, FileReadingOptions, list
 
 
 def test_form_fields_for_reading_files_have_the_names_of_reader_options():
-    names = {flag.replace("-", "_") for flag in READING_FLAGS}
+    names = {flag.replace("-", "_") for flag in FILE_READING_FLAGS}
     assert names < set(FileReadingOptions.model_fields)
 
 
-@pytest.mark.parametrize("flag", FIELDS_BY_FLAG)
+@pytest.mark.parametrize("flag", FORM_FIELDS_BY_FLAG)
 def test_form_shows_each_field_in_only_one_section(flag):
     places = [place for place in ("scan", "more") if f'name="{flag}"' in fields_html(place)]
-    assert places == ([FIELDS_BY_FLAG[flag].place] if FIELDS_BY_FLAG[flag].place in ("scan", "more") else [])
+    assert places == ([FORM_FIELDS_BY_FLAG[flag].place] if FORM_FIELDS_BY_FLAG[flag].place in ("scan", "more") else [])
 
 
 def test_choices_of_a_form_field_are_valid_values_of_its_option():
@@ -38,7 +38,7 @@ def test_choices_of_a_form_field_are_valid_values_of_its_option():
 def test_form_has_default_units_for_quantities_but_not_for_text_fields():
     numbers = json.loads(html.unescape(page_data_json()))
     assert numbers["units"]["hardness"] == " GPa"
-    assert set(numbers["units"]) | set(numbers["texts"]) <= set(FIELDS_BY_FLAG)
+    assert set(numbers["units"]) | set(numbers["texts"]) <= set(FORM_FIELDS_BY_FLAG)
     assert not set(numbers["units"]) & set(numbers["texts"])
 
 
@@ -76,7 +76,7 @@ def test_preview_refers_to_form_fields_and_choices_by_their_labels(tmp_path):
     reading_options = {"unit": "um", "spacing": "1 um"}
     np.save(tmp_path / "missing.npy", np.where(heights > 2, np.nan, heights))
     error = preview_scan(f"{tmp_path / 'missing.npy'}", reading_options)["error"]
-    labels = dict(FIELDS_BY_FLAG["missing"].choices)
+    labels = dict(FORM_FIELDS_BY_FLAG["missing"].choices)
     assert f'"missing points": {labels["mask"]}' in error
     assert f'"missing points": {labels["interpolate"]}' in error
     np.save(tmp_path / "code.npy", np.where(heights > 1.5, -999, heights))
@@ -85,7 +85,7 @@ def test_preview_refers_to_form_fields_and_choices_by_their_labels(tmp_path):
     assert "--" not in error + warning
 
 
-@pytest.mark.parametrize("choice", [value for value, _ in FIELDS_BY_FLAG["missing"].choices])
+@pytest.mark.parametrize("choice", [value for value, _ in FORM_FIELDS_BY_FLAG["missing"].choices])
 def test_preview_supports_every_form_choice_for_missing_points(choice, tmp_path):
     heights = np.random.default_rng(1).standard_normal((16, 16))
     heights[5, 5:8] = np.nan

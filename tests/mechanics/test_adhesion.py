@@ -33,13 +33,13 @@ POINT_FRACTION_TOLERANCE = 1e-3
 """Fraction of the grid points, with almost zero pressure, at which two solvers may differ."""
 
 ROUND_OFF = 1e-12
-MAX_NUM_BOUNDED_FORCES = 2  # At most this number of 200 random pairs may have only a lower bound of the pull-off force.
+MAX_LOWER_BOUND_FORCES = 2  # At most this number of 200 random pairs may have only a lower bound of the pull-off force.
 
-PERIOD_TOLERANCE = 0.02
+PERIODICITY_TOLERANCE = 0.02
 """Relative difference between the pull-off forces of a ball with a period of 20 contact radii and of an isolated
 ball."""
 
-LAW_TOLERANCE = 0.06
+ATTRACTION_LAW_TOLERANCE = 0.06
 """Relative difference between the pull-off forces of an exponential attraction and of an attraction that ends at its
 range."""
 
@@ -143,11 +143,11 @@ def test_pull_off_force_of_a_sphere_equals_maugis_solution_for_any_period(tabor)
     free_curve = half_space(*bodies, [unit_load], **adhesive)
     wide_bodies, _ = create_ball_on_flat(tabor, points=128, length=20.0)
     periodic_curve = half_space(*wide_bodies, [unit_load], boundary="periodic", **adhesive)
-    assert free_curve.pull_off_bound[0] == pytest.approx(periodic_curve.pull_off, rel=PERIOD_TOLERANCE)
+    assert free_curve.pull_off_bound[0] == pytest.approx(periodic_curve.pull_off, rel=PERIODICITY_TOLERANCE)
     radius, pull_off = maugis_dugdale(unit_load, radius=1.0, **adhesive)
-    assert free_curve.pull_off_bound[0] == pytest.approx(float(pull_off), rel=LAW_TOLERANCE)
+    assert free_curve.pull_off_bound[0] == pytest.approx(float(pull_off), rel=ATTRACTION_LAW_TOLERANCE)
     assert 1.5 * unit_load < free_curve.pull_off_bound[0] < 2 * unit_load
-    assert np.sqrt(free_curve.contact_area[0] / np.pi) == pytest.approx(float(radius), rel=LAW_TOLERANCE)
+    assert np.sqrt(free_curve.contact_area[0] / np.pi) == pytest.approx(float(radius), rel=ATTRACTION_LAW_TOLERANCE)
 
 
 @pytest.mark.parametrize("tabor", [0.1, 0.3, 1.0])
@@ -377,7 +377,7 @@ def test_random_adhesive_contacts_converge_and_few_give_only_a_bound_of_pull_off
             assert curve.normal_elastic == pytest.approx([0, load], abs=1e-4 * curve.contact_load.max())
             assert curve.pull_off > 0
             num_bounds += curve.pull_off_is_bound
-    assert num_bounds <= MAX_NUM_BOUNDED_FORCES
+    assert num_bounds <= MAX_LOWER_BOUND_FORCES
 
 
 def test_maugis_dugdale_solution_tends_to_jkr_and_dmt_solutions():

@@ -699,20 +699,20 @@ def create_body_with_flat_areas(generator, kind, shape):
             return 0.3 * np.abs(x - generator.integers(3, shape[1] - 3)) + 0.0 * y
 
 
-FLAT_AREA_KINDS = ("flat", "rough", "grooves", "diagonal grooves", "steps", "terraces", "coarse", "roof")
+FLAT_VALLEY_SURFACE_KINDS = ("flat", "rough", "grooves", "diagonal grooves", "steps", "terraces", "coarse", "roof")
 COUNT_NAMES = ("contact_count", "grid_minimum_count", "unanswered_count")
 
 
-@pytest.mark.parametrize("kind", FLAT_AREA_KINDS)
+@pytest.mark.parametrize("kind", FLAT_VALLEY_SURFACE_KINDS)
 def test_load_curve_of_flat_valleys_is_invariant_under_rotation_mirroring_and_exchange(kind):
-    generator = np.random.default_rng(FLAT_AREA_KINDS.index(kind))
+    generator = np.random.default_rng(FLAT_VALLEY_SURFACE_KINDS.index(kind))
     num_pressed = 0
     for _ in range(12):
         shape = tuple(generator.integers(8, 60, 2))
         dy, dx = 0.1, 0.1 * generator.uniform(0.5, 2)
         upper, lower = (
             0.01 * create_body_with_flat_areas(generator, item, shape)
-            for item in (kind, generator.choice(FLAT_AREA_KINDS))
+            for item in (kind, generator.choice(FLAT_VALLEY_SURFACE_KINDS))
         )
         if np.ptp(upper - lower) < 1e-9:
             continue

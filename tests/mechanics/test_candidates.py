@@ -22,8 +22,8 @@ from stiction import (
 )
 from stiction.mechanics.friction import STATUS_DTYPE, ContactSums, choose_statuses
 from stiction.mechanics.law import CONTACT_LAWS, CONTACT_LAWS_BY_NAME, LawName
-from stiction.mechanics.model import ContactKeywords
-from stiction.mechanics.quantities import QUANTITIES, SUM_QUANTITIES, VALIDITY_QUANTITIES
+from stiction.mechanics.model import ContactModelArguments
+from stiction.mechanics.quantities import COMMON_VALIDITY_QUANTITIES, QUANTITIES, SUM_QUANTITIES
 
 # relative difference between the splines of two solvers
 SPLINE_TOLERANCE = 1e-9
@@ -91,7 +91,7 @@ class TestContactCandidates:
 
 class TestContactModel:
     def test_keyword_arguments_of_press_override_fields_of_the_contact_model(self, pair):
-        assert set(ContactKeywords.__annotations__) == {"model"} | {
+        assert set(ContactModelArguments.__annotations__) == {"model"} | {
             field.name for field in dataclasses.fields(ContactModel)
         }
         model = ContactModel(effective_modulus=20.0, detection="gap-minimum")
@@ -127,7 +127,7 @@ class TestContactModel:
 
 def test_sum_names_match_those_of_the_core_and_contact_law_names_are_unique():
     assert tuple(field.name for field in dataclasses.fields(ContactSums)) == SUM_QUANTITIES
-    assert all(name in QUANTITIES for name in (*SUM_QUANTITIES, *VALIDITY_QUANTITIES))
+    assert all(name in QUANTITIES for name in (*SUM_QUANTITIES, *COMMON_VALIDITY_QUANTITIES))
     assert tuple(CONTACT_LAWS_BY_NAME) == LawName.__args__
     assert len({law.name for law in CONTACT_LAWS}) == len(CONTACT_LAWS)
     for law in CONTACT_LAWS:

@@ -18,7 +18,7 @@ from stiction import (
 )
 from support.threads import releases_interpreter_lock
 
-SUM_NAMES = (
+CONTACT_SUM_NAMES = (
     "contact_count", "contact_area", "normal_elastic", "tangential_elastic",
     "normal_frictional", "tangential_frictional", "normal_adhesive", "tangential_adhesive",
 )  # fmt: skip
@@ -37,7 +37,7 @@ ROUND_OFF = 1e-12
 
 
 def stack_sums(curve):
-    return np.array([getattr(curve, name) for name in SUM_NAMES], dtype=float)
+    return np.array([getattr(curve, name) for name in CONTACT_SUM_NAMES], dtype=float)
 
 
 def assert_close(actual, expected, tolerance):
@@ -267,11 +267,11 @@ MODEL_OPTION_STRATEGY = st.fixed_dictionaries(
 )
 GIVEN_RANDOM_PAIRS = given(pair=random_profile_pairs(), approach=st.floats(1e-3, 0.05), choices=MODEL_OPTION_STRATEGY)
 HYPOTHESIS_SETTINGS = settings(max_examples=25, derandomize=True)
-OPPOSITE_DIRECTION = {"+x": "-x", "-x": "+x"}
+OPPOSITE_DIRECTIONS = {"+x": "-x", "-x": "+x"}
 
 
 def reversed_shear_options(choices):
-    return choices | {"shear": OPPOSITE_DIRECTION[choices["shear"]]}
+    return choices | {"shear": OPPOSITE_DIRECTIONS[choices["shear"]]}
 
 
 def mirrored_pair(pair):
@@ -422,7 +422,7 @@ class TestGapMinimumDetection:
         assert differences[-1] < differences[0]
 
 
-class TestProfileFunctionArguments:
+class TestProfileContactArguments:
     def test_axes_of_friction_parameters_precede_the_axis_of_approaches(self, create_rough_profiles):
         curve = press(*create_rough_profiles(1.2), [0.005, 0.01, 0.02])
         assert curve.normal_load(mu0=0.1).shape == (3,)

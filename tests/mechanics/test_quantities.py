@@ -12,10 +12,10 @@ from stiction.mechanics.friction import LOAD_SUM_NAMES, VALIDITY_RATIOS, Contact
 from stiction.mechanics.quantities import (
     ADHESION_QUANTITIES,
     AREAL_VALIDITY_QUANTITIES,
+    COMMON_VALIDITY_QUANTITIES,
     HALF_SPACE_SUM_QUANTITIES,
     QUANTITIES,
     SUM_QUANTITIES,
-    VALIDITY_QUANTITIES,
     ZERO_LOAD_SUM_QUANTITIES,
     quantity_names_shown_in,
 )
@@ -176,9 +176,9 @@ def test_resolution_dataset_variables_have_the_units_in_the_table_of_quantities(
 def test_table_of_quantities_contains_the_names_of_core_sums_and_validity_fields():
     assert set(LOAD_SUM_NAMES) < set(SUM_QUANTITIES)
     assert {*SUM_QUANTITIES} == {*ContactSums.__dataclass_fields__}
-    assert {*VALIDITY_QUANTITIES} == {*Validity.__dataclass_fields__}
+    assert {*COMMON_VALIDITY_QUANTITIES} == {*Validity.__dataclass_fields__}
     assert (
-        {*VALIDITY_QUANTITIES, *AREAL_VALIDITY_QUANTITIES}
+        {*COMMON_VALIDITY_QUANTITIES, *AREAL_VALIDITY_QUANTITIES}
         == {*SurfaceValidity.__dataclass_fields__}
         == {*VALIDITY_RATIOS}
     )

@@ -26,7 +26,7 @@ from support.rough_surfaces import rough_maps
 
 ROUND_OFF = 1e-12
 EDGE_TOLERANCE = 0.1  # relative error of the area that cells at contact edges cause on a coarse grid
-STEEL_OPTIONS = {"hardness": 4.0, "effective_modulus": 115.0, "mu0": 0.2, "tau0": 0.2}
+STEEL_ARGUMENTS = {"hardness": 4.0, "effective_modulus": 115.0, "mu0": 0.2, "tau0": 0.2}
 
 
 def create_rough_surfaces(hurst=0.8, points=128, spacing=0.04, rms=0.03, seed=5, shortest=None):
@@ -40,7 +40,12 @@ def pair_and_resolution_result():
     upper, lower = create_rough_surfaces()
     load = 0.02 * 128**2 * 0.04**2
     lengths = [0.16, 0.32, 0.64]
-    return upper, lower, load, resolution(upper, lower, [load], cut_offs=lengths, boundary="periodic", **STEEL_OPTIONS)
+    return (
+        upper,
+        lower,
+        load,
+        resolution(upper, lower, [load], cut_offs=lengths, boundary="periodic", **STEEL_ARGUMENTS),
+    )
 
 
 def test_results_at_each_cutoff_equal_half_space_solutions_of_filtered_surfaces(pair_and_resolution_result):
@@ -136,7 +141,7 @@ def test_range_for_finer_scans_allows_a_larger_contact_area_if_contacts_are_few(
     gap = Surface(bodies[0].heights - bodies[1].heights, spacing=0.01)
     factor = 0.25 / float(scale_dependent_roughness(gap, periodic=True).gradient[-1])
     scaled_surfaces = [Surface(factor * body.heights, spacing=0.01) for body in bodies]
-    result = resolution(*scaled_surfaces, [0.02 * 2.56**2], cut_offs=[0.08], boundary="periodic", **STEEL_OPTIONS)
+    result = resolution(*scaled_surfaces, [0.02 * 2.56**2], cut_offs=[0.08], boundary="periodic", **STEEL_ARGUMENTS)
     area = result.contact_area_fraction[:, 0].values
     assert area[0] > 1.02 * area[1]
     assert area[0] < float(result.bracket_area_fraction[1, 0].sel(end="upper"))
@@ -246,10 +251,10 @@ def test_resolution_result_of_profiles_averages_friction_over_both_directions():
 
 def test_resolution_results_scale_with_size():
     original_result = resolution(
-        *create_rough_surfaces(points=64, spacing=0.08), [0.4], boundary="periodic", **STEEL_OPTIONS
+        *create_rough_surfaces(points=64, spacing=0.08), [0.4], boundary="periodic", **STEEL_ARGUMENTS
     )
     bodies = [Surface(10 * body.heights, spacing=0.8) for body in create_rough_surfaces(points=64, spacing=0.08)]
-    enlarged_result = resolution(*bodies, [40.0], boundary="periodic", **STEEL_OPTIONS)
+    enlarged_result = resolution(*bodies, [40.0], boundary="periodic", **STEEL_ARGUMENTS)
     for name in ("contact_area_fraction", "friction_coefficient", "rms_gradient", "plastic_area_fraction"):
         assert enlarged_result[name].values == pytest.approx(original_result[name].values, rel=1e-6)
     assert enlarged_result.plastic_wavelength.values == pytest.approx(
@@ -285,7 +290,7 @@ def test_resolution_result_is_nan_at_an_unsolved_load_and_progress_is_complete(m
     reported_progress = []
     result = resolution(
         upper, lower, [0.5, 2.0], boundary="periodic", cut_offs=[0.64],
-        progress=lambda num_done, count: reported_progress.append((num_done, count)), **STEEL_OPTIONS,
+        progress=lambda num_done, count: reported_progress.append((num_done, count)), **STEEL_ARGUMENTS,
     )  # fmt: skip
     assert reported_progress == [(0, 3), (1, 3), (2, 3), (3, 3)]
     assert np.isfinite(result.contact_area[:, 0]).all()

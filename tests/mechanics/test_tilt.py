@@ -3,7 +3,7 @@ import pytest
 from stiction import Profile, Surface, half_space
 from support.rough_surfaces import rough_maps
 
-MAX_OFFSET = 1e-4  # residual distance of the resultant force from the centre, relative to the length
+MAX_FORCE_OFFSET = 1e-4  # residual distance of the resultant force from the centre, relative to the length
 # Relative error of a stiffness from two loads that differ by ±2 %. Some points come into contact between these loads.
 STIFFNESS_TOLERANCE = 0.03
 DENSE_SOLUTION_TOLERANCE = 1e-5  # relative difference of results from those of dense matrices
@@ -36,7 +36,7 @@ def test_free_tilt_centres_the_resultant_force_and_stiffness_equals_the_load_der
         half_space(upper, lower, loads, tilt=tilt, hardness=hardness) for tilt in ("fixed", "free")
     )
     assert np.abs([resultant_offset(fixed_curve, index, missing) for index in range(5)]).max() > 0.05
-    assert np.abs([resultant_offset(free_curve, index, missing) for index in range(5)]).max() < MAX_OFFSET
+    assert np.abs([resultant_offset(free_curve, index, missing) for index in range(5)]).max() < MAX_FORCE_OFFSET
     assert not fixed_curve.tilt.any()
     assert free_curve.tilt.shape == (5, 2)
     area = (~missing).sum() * 0.01
@@ -103,7 +103,7 @@ def test_free_tilt_balances_a_single_contact_point():
     x = (np.arange(65) - 32) * 0.1
     ball = Surface(-((x - 1.3) ** 2) / 40 - x[:, np.newaxis] ** 2 / 40, spacing=0.1)
     curve = half_space(Surface(0 * ball.heights, spacing=0.1), ball, [1e-9], tilt="free")
-    assert np.abs(resultant_offset(curve, 0)).max() < MAX_OFFSET
+    assert np.abs(resultant_offset(curve, 0)).max() < MAX_FORCE_OFFSET
 
 
 @pytest.mark.parametrize(

@@ -71,7 +71,7 @@ if "storm" in os.environ and "stiction" in " ".join(sys.orig_argv):
 """
 
 
-class WriterKillRun:
+class WriterKillTest:
     """Result folder with the processes that write it, and a record of finished repetitions and kills."""
 
     def __init__(self, folder: Path, random_generator: random.Random, executors: tuple[str, ...]) -> None:
@@ -263,7 +263,7 @@ def main() -> None:
         random_generator = random.Random(arguments.seed)
         while kills.total() < arguments.kills:
             with tempfile.TemporaryDirectory(prefix="stiction-storm-") as folder:
-                test = WriterKillRun(Path(folder), random_generator, EXECUTORS_BY_KIND[kind])
+                test = WriterKillTest(Path(folder), random_generator, EXECUTORS_BY_KIND[kind])
                 try:
                     while test.kills.total() < KILLS_PER_FOLDER and (kills + test.kills).total() < arguments.kills:
                         test.run_and_kill()

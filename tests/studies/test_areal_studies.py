@@ -23,7 +23,7 @@ from stiction.mechanics.quantities import DIRECTED_SUM_QUANTITIES
 from stiction.studies import store
 from stiction.views.figures.standard import select_figures
 
-ENSEMBLE_CHANGES = {
+ENSEMBLE_STUDY_CHANGES = {
     "surfaces.fractal_dimension": [1.2, 1.5],
     "surfaces.amplitude": ["50 nm", "100 nm"],
     "ensemble.repetitions": 3,
@@ -32,7 +32,7 @@ ENSEMBLE_CHANGES = {
     "contact.sliding": ["opposing", "all"],
 }
 FRACTAL_STUDY = Study().with_changes(
-    ENSEMBLE_CHANGES
+    ENSEMBLE_STUDY_CHANGES
     | {
         "surfaces.kind": "surface",
         "surfaces.shape": [24, 32],
@@ -60,7 +60,7 @@ HALF_SPACE_STUDY = FRACTAL_STUDY.with_changes(
     }
 )
 HALF_PLANE_STUDY = Study().with_changes(
-    ENSEMBLE_CHANGES
+    ENSEMBLE_STUDY_CHANGES
     | {
         "surfaces.points": 512,
         "surfaces.extent": "2 um",

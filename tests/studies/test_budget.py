@@ -28,9 +28,9 @@ from support.rough_surfaces import rough_maps
 from support.studies_of_files import pair_study
 
 SIDES = ("upper", "lower")
-SAMPLING_ERROR = 0.02  # largest error of an interval end by random samples, relative to the interval width
+MAX_SAMPLING_ERROR = 0.02  # largest error of an interval end by random samples, relative to the interval width
 # Largest relative errors of friction that is interpolated between solutions, for a narrow and a wide range of E*.
-INTERPOLATION_ERROR, WIDE_INTERPOLATION_ERROR = 0.005, 0.008
+MAX_INTERPOLATION_ERROR, MAX_WIDE_INTERPOLATION_ERROR = 0.005, 0.008
 PAIR_OPTIONS = {"shifts": 4, "direction": [0.0, 180.0], "onset": 0}
 THREE_POSITION_OPTIONS = PAIR_OPTIONS | {
     "shifts": 3
@@ -72,10 +72,10 @@ def test_interval_at_a_load_is_independent_of_other_loads() -> None:
 def test_friction_interval_equals_the_interval_of_mu0_if_only_mu0_is_uncertain() -> None:
     kwargs = dict(load="2 MPa", tau0=0.0, effective_modulus="80 GPa", **PAIR_OPTIONS)
     result = pair(*rough_surfaces(rms=0.001), mu0="0.2±0.02", **kwargs)
-    assert result.interval == pytest.approx((0.2 - Z_95 * 0.02, 0.2 + Z_95 * 0.02), abs=SAMPLING_ERROR * 4 * 0.02)
+    assert result.interval == pytest.approx((0.2 - Z_95 * 0.02, 0.2 + Z_95 * 0.02), abs=MAX_SAMPLING_ERROR * 4 * 0.02)
     assert result.budget["input"][0] == "μ0"
     uniform_result = pair(*rough_surfaces(rms=0.001), mu0="uniform 0.1..0.3", **kwargs)
-    assert uniform_result.interval == pytest.approx((0.105, 0.295), abs=SAMPLING_ERROR * 0.2)
+    assert uniform_result.interval == pytest.approx((0.105, 0.295), abs=MAX_SAMPLING_ERROR * 0.2)
     assert uniform_result.value == pytest.approx(0.2, rel=1e-3)
 
 
@@ -86,7 +86,7 @@ def test_adhesive_friction_at_interval_ends_is_proportional_to_tau0() -> None:
     _, adhesion, _ = result.summary().points[0].parts
     positions_row = result.budget.set_index("input").loc["positions"]
     assert (positions_row.lower, positions_row.upper) == pytest.approx(
-        (0.2 + adhesion / 2, 0.2 + 2 * adhesion), rel=SAMPLING_ERROR
+        (0.2 + adhesion / 2, 0.2 + 2 * adhesion), rel=MAX_SAMPLING_ERROR
     )
 
 
@@ -126,7 +126,7 @@ def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solution
         direct = pair(*rough_surfaces(rms=rms), hardness=hardness, effective_modulus=effective_modulus, **kwargs)
         computed = samples._friction_samples({"hardness": probability, "effective_modulus": probability})
         assert computed[0] == pytest.approx(
-            direct.value, rel=WIDE_INTERPOLATION_ERROR if modulus.startswith("48") else INTERPOLATION_ERROR
+            direct.value, rel=MAX_WIDE_INTERPOLATION_ERROR if modulus.startswith("48") else MAX_INTERPOLATION_ERROR
         )
 
 
@@ -176,7 +176,7 @@ def test_friction_after_a_dwell_equals_friction_at_reduced_hardness(rms) -> None
     assert aged_point.waited[0].value == pytest.approx(aged_point.value, rel=1e-9)
     for dwell in aged_point.waited[1:]:
         softer_result = pair(*rough_surfaces(rms=rms), hardness=0.8 * dwell.seconds**-0.04, **kwargs)
-        assert dwell.value == pytest.approx(softer_result.value, rel=INTERPOLATION_ERROR)
+        assert dwell.value == pytest.approx(softer_result.value, rel=MAX_INTERPOLATION_ERROR)
         assert dwell.lower < dwell.value < dwell.upper
     if rms == 0.03:  # All contacts yield, so the exact area grows as a power of the dwell time.
         increase_per_log_time = 0.05 / 0.8 * (864000**0.04 - 1) / np.log(864000)
@@ -207,7 +207,9 @@ def test_hardness_of_named_materials_has_a_range_and_explicit_hardness_is_exact(
     assert exact_result.value == named_result.value
     assert np.ptp(exact_result.interval) < 0.5 * np.ptp(named_result.interval)
     lower, upper = named_result.budget.loc[0, ["lower", "upper"]]
-    assert exact_result.interval == pytest.approx((lower, upper), abs=SAMPLING_ERROR * np.ptp(named_result.interval))
+    assert exact_result.interval == pytest.approx(
+        (lower, upper), abs=MAX_SAMPLING_ERROR * np.ptp(named_result.interval)
+    )
 
 
 def test_area_interpolated_over_modulus_agrees_with_direct_elastic_solutions() -> None:
@@ -224,7 +226,7 @@ def test_area_interpolated_over_modulus_agrees_with_direct_elastic_solutions() -
             *rough_surfaces(rms=0.01), effective_modulus=float(study.contact.effective_modulus) * ratio, **kwargs
         )
         assert mean_contact_area(scaled_result) / mean_contact_area(result) == pytest.approx(
-            areas.area_ratio(0, None, ratio).item(), rel=INTERPOLATION_ERROR
+            areas.area_ratio(0, None, ratio).item(), rel=MAX_INTERPOLATION_ERROR
         )
 
 
@@ -297,11 +299,11 @@ def test_stored_study_preserves_uncertain_inputs() -> None:
         stored_study.with_changes({"known.tau0": "20..80"})
 
 
-NUM_TRUTHS_CASES = [pytest.param(2, id="some"), pytest.param(300, marks=pytest.mark.soak, id="all")]
+TRUTH_COUNT_CASES = [pytest.param(2, id="some"), pytest.param(300, marks=pytest.mark.soak, id="all")]
 MIN_COVERAGE = 0.92  # 95 % intervals must contain at least this fraction of 300 true values.
 
 
-@pytest.mark.parametrize("num_truths", NUM_TRUTHS_CASES)
+@pytest.mark.parametrize("num_truths", TRUTH_COUNT_CASES)
 def test_combined_interval_covers_true_friction_for_random_inputs(num_truths) -> None:
     ranges = {"mu0": "0.15..0.25", "tau0": "20..80 MPa", "hardness": "0.5..1.5 GPa", "effective_modulus": "70..90 GPa"}
     num_covered = num_covered_tests = 0

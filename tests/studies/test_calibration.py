@@ -22,7 +22,7 @@ from stiction import (
     write_interface,
 )
 from stiction.studies.hardness import find_uncertain_inputs, load_areas_at_nodes
-from stiction.studies.interfaces import GROWTH_ENTRY, HARDNESS_ENTRY, credible_interval
+from stiction.studies.interfaces import GROWTH_HEADER_ENTRY, HARDNESS_HEADER_ENTRY, credible_interval
 from stiction.views.calibration import calibration_text
 from support.rough_surfaces import rough_maps
 
@@ -163,7 +163,7 @@ def test_friction_test_accepts_a_result_of_the_pair_function() -> None:
     assert [fit.sliding for fit in interface.fits] == ["all", "opposing"]
     assert interface.predict(result, "80 MPa")[0] == pytest.approx(truth, rel=0.02)
     hardness_of_brass = find_uncertain_inputs(result.study)["hardness"].estimate
-    assert interface.about[HARDNESS_ENTRY] == hardness_of_brass.text
+    assert interface.about[HARDNESS_HEADER_ENTRY] == hardness_of_brass.text
     assert interface.draws["hardness"].median() == pytest.approx(hardness_of_brass.value, rel=0.1)
 
 
@@ -387,7 +387,7 @@ def test_calibration_with_junction_growth_recovers_mu0_and_tau0(truth: float) ->
     assert interface.tau0[0] == pytest.approx(0.05, rel=0.02)
     assert interface.mu0[1] < 0.2 < interface.mu0[2]
     assert set(interface.fits[0].junction_growth) == {truth}
-    assert interface.about[GROWTH_ENTRY] == f"{truth:g}"
+    assert interface.about[GROWTH_HEADER_ENTRY] == f"{truth:g}"
 
 
 def test_calibration_with_junction_growth_agrees_with_a_brute_force_calculation() -> None:
@@ -448,7 +448,7 @@ def test_prediction_that_neglects_junction_growth_exceeds_the_direct_solution() 
     assert predicted > 1.05 * solve_coefficient(0.2, 0.05, 20.0, 0.02, 1.25)
     # Without junction growth, the tests on the ball contradict the tests on the pair.
     assert interface.fits[0].scale > 1.5
-    assert interface.about[GROWTH_ENTRY] == "0"
+    assert interface.about[GROWTH_HEADER_ENTRY] == "0"
 
 
 def test_prediction_warns_if_result_and_tests_have_different_junction_growth() -> None:
@@ -459,7 +459,7 @@ def test_prediction_warns_if_result_and_tests_have_different_junction_growth() -
 
 
 def test_calibration_of_tests_below_yield_reports_no_junction_growth() -> None:
-    assert GROWTH_ENTRY not in calibrate(simulate_ball_tests()).about
+    assert GROWTH_HEADER_ENTRY not in calibrate(simulate_ball_tests()).about
 
 
 def test_interface_file_preserves_junction_growth(tmp_path) -> None:
@@ -467,7 +467,7 @@ def test_interface_file_preserves_junction_growth(tmp_path) -> None:
     interface = calibrate(simulate_junction_growth_tests("0..27", 9.0), sliding="all")
     write_interface(interface, path)
     stored_interface = read_interface(path)
-    assert stored_interface.about[GROWTH_ENTRY] == "0..27"
+    assert stored_interface.about[GROWTH_HEADER_ENTRY] == "0..27"
     assert stored_interface.fits[0].junction_growth == pytest.approx(interface.fits[0].junction_growth, rel=1e-6)
     options = {name: value for name, value in PLASTIC_PAIR_OPTIONS.items() if name not in ("mu0", "tau0")}
     result = pair(*rough_surface_pair(0.03), **options, interface=path)
@@ -568,7 +568,7 @@ def ball_and_load(ratio: float) -> tuple[Ball, float]:
 
 
 ROUGH_FINISH, SMOOTH_FINISH, SOFT_FINISH = (0.003, None), (0.001, None), (0.003, 0.1)
-TEST_SERIES: dict[str, Any] = {  # bodies and settings of simulated test series
+FRICTION_TEST_SERIES: dict[str, Any] = {  # bodies and settings of simulated test series
     "ball": ((None,), {}),
     "no adhesion": ((None,), {"tau0": 0.0}),
     "no mu0": ((None,), {"mu0": 0.0}),
@@ -589,7 +589,7 @@ def simulate_coverage(kind: str, count: int) -> np.ndarray:
 
     The array of shape (count, 3) has columns for 1/3, 1 and 3 times the area per load of the tests.
     """
-    body_options, settings = TEST_SERIES[kind]
+    body_options, settings = FRICTION_TEST_SERIES[kind]
     bodies = [BALL if item is None else load_curve_of_rough_surfaces(*item) for item in body_options]
     loads = [LOADS if item is BALL else item.load for item in bodies]
     loaded_bodies = [(body, load) for body, item in zip(bodies, loads, strict=True) for load in item[:: len(bodies)]]
@@ -621,7 +621,7 @@ def test_predictions_from_ball_tests_cover_true_friction() -> None:
 
 
 @pytest.mark.soak
-@pytest.mark.parametrize("kind", TEST_SERIES)
+@pytest.mark.parametrize("kind", FRICTION_TEST_SERIES)
 def test_predictions_cover_true_friction_for_every_kind_of_test_series(kind: str) -> None:
     coverage = simulate_coverage(kind, 300).mean(axis=0)
     print(kind, coverage.round(3))

@@ -28,7 +28,7 @@ from support.command import assert_rejected, call_stiction, check_stiction
 
 INTERFACE_KINDS = ("measured", "lumped", "bound")
 
-SAMPLING_ERROR = 0.04
+MAX_SAMPLING_ERROR = 0.04
 """Largest error of an interval end by 4000 random samples, as a fraction of the interval width."""
 
 PAIR_OPTIONS = {"load": "20 MPa", "effective_modulus": "3 GPa", "shifts": 4, "onset": 0}
@@ -68,7 +68,7 @@ def test_pair_samples_mu0_and_tau0_of_an_interface_jointly(film_file, result) ->
     relative = np.diff(result.of_positions)[0] / 2 / Z_95 / result.value
     friction = friction * (1 + relative * np.random.default_rng(0).standard_normal(friction.size))
     expected = np.quantile(friction, [0.025, 0.975]) * result.value / np.median(fit.mu0 + fit.tau0 * area)
-    assert result.interval == pytest.approx(expected, abs=SAMPLING_ERROR * np.ptp(expected))
+    assert result.interval == pytest.approx(expected, abs=MAX_SAMPLING_ERROR * np.ptp(expected))
     assert result.budget["input"].tolist()[0] == "the interface"
     interface_row = result.budget.loc[0]
     assert (interface_row.lower, interface_row.upper) == pytest.approx(

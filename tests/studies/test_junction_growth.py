@@ -13,7 +13,7 @@ TABOR_TOLERANCE = 5e-3
 INTERPOLATION_TOLERANCES = {"all": 0.01, "opposing": 0.03}
 """Relative differences of interpolated coefficients from pairs solved at the hardness under shear, by sliding rule."""
 
-SHEAR_STRENGTH = {"mu0": 0.2, "tau0": 0.05}
+INTERFACE_STRENGTH = {"mu0": 0.2, "tau0": 0.05}
 PLASTIC_OPTIONS = {"effective_modulus": 100.0, "hardness": 0.5, "load": "20 MPa", "cutoff": "none", "shifts": 8}
 
 
@@ -31,19 +31,19 @@ def mean_coefficient(result, rule="all", **at):
 
 @pytest.fixture(scope="module")
 def growth_result():
-    return pair(*rough_surfaces(), **PLASTIC_OPTIONS | SHEAR_STRENGTH, junction_growth=27)
+    return pair(*rough_surfaces(), **PLASTIC_OPTIONS | INTERFACE_STRENGTH, junction_growth=27)
 
 
 @pytest.fixture(scope="module")
 def result_without_growth():
-    return pair(*rough_surfaces(), **PLASTIC_OPTIONS | SHEAR_STRENGTH, junction_growth=0)
+    return pair(*rough_surfaces(), **PLASTIC_OPTIONS | INTERFACE_STRENGTH, junction_growth=0)
 
 
 def test_friction_of_fully_plastic_contacts_equals_tabor_friction():
     result = pair(
-        *rough_surfaces(0.01), **PLASTIC_OPTIONS | SHEAR_STRENGTH | {"effective_modulus": 1e4}, junction_growth=27
+        *rough_surfaces(0.01), **PLASTIC_OPTIONS | INTERFACE_STRENGTH | {"effective_modulus": 1e4}, junction_growth=27
     )
-    expected = float(tabor_friction(PLASTIC_OPTIONS["hardness"], **SHEAR_STRENGTH, alpha=27))
+    expected = float(tabor_friction(PLASTIC_OPTIONS["hardness"], **INTERFACE_STRENGTH, alpha=27))
     assert mean_coefficient(result) == pytest.approx(expected, rel=TABOR_TOLERANCE)
 
 
@@ -63,7 +63,7 @@ def test_friction_with_junction_growth_equals_solution_at_hardness_under_shear(r
 
 
 def test_result_at_zero_junction_growth_equals_default_result(result_without_growth):
-    default_result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | SHEAR_STRENGTH)
+    default_result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | INTERFACE_STRENGTH)
     assert result_without_growth.study.contact.junction_growth == 0
     assert default_result.study.contact.junction_growth is None
     assert result_without_growth.at().equals(default_result.at())
@@ -102,9 +102,10 @@ def test_contact_area_and_stiffness_before_shear_are_independent_of_junction_gro
 
 
 def test_friction_interval_covers_results_at_both_ends_of_the_junction_growth_range():
-    result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | SHEAR_STRENGTH, junction_growth="0..27")
+    result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | INTERFACE_STRENGTH, junction_growth="0..27")
     results_at_ends = [
-        pair(*rough_surfaces(), **PLASTIC_OPTIONS | SHEAR_STRENGTH, junction_growth=value) for value in (0.675, 26.325)
+        pair(*rough_surfaces(), **PLASTIC_OPTIONS | INTERFACE_STRENGTH, junction_growth=value)
+        for value in (0.675, 26.325)
     ]
     assert result.study.contact.junction_growth == 13.5
     lower, upper = result.interval
@@ -130,7 +131,9 @@ def test_interval_has_no_upper_end_if_many_samples_seize(tau0, has_end):
 
 def test_budget_includes_junction_growth_if_few_samples_seize():
     result = pair(
-        *rough_surfaces(), **PLASTIC_OPTIONS | SHEAR_STRENGTH | {"hardness": "0.23..1.7 GPa"}, junction_growth="0..27"
+        *rough_surfaces(),
+        **PLASTIC_OPTIONS | INTERFACE_STRENGTH | {"hardness": "0.23..1.7 GPa"},
+        junction_growth="0..27",
     )
     assert 0 < result.at()["fraction_seizing"].sel(sliding="all").item() < 0.025
     assert np.isfinite(result.interval[1])
@@ -139,10 +142,10 @@ def test_budget_includes_junction_growth_if_few_samples_seize():
 
 
 def test_junction_growth_after_a_dwell_uses_the_reduced_hardness():
-    inputs = PLASTIC_OPTIONS | SHEAR_STRENGTH | {"wait": "100 s", "creep": 0.05}
+    inputs = PLASTIC_OPTIONS | INTERFACE_STRENGTH | {"wait": "100 s", "creep": 0.05}
     aged_coefficient = pair(*rough_surfaces(), **inputs, junction_growth=27).summary().points[0].waited[-1].value
     softer_result = pair(
-        *rough_surfaces(), **PLASTIC_OPTIONS | SHEAR_STRENGTH | {"hardness": 0.5 * 100**-0.05}, junction_growth=27
+        *rough_surfaces(), **PLASTIC_OPTIONS | INTERFACE_STRENGTH | {"hardness": 0.5 * 100**-0.05}, junction_growth=27
     )
     assert aged_coefficient == pytest.approx(mean_coefficient(softer_result), rel=0.01)
 
@@ -166,7 +169,7 @@ def test_junction_growth_is_included_for_metals_by_default(upper, lower, text):
 ])  # fmt: skip
 def test_pair_rejects_invalid_values_of_junction_growth(arguments, term):
     with pytest.raises(ValueError, match=term):
-        pair(*rough_surfaces(), **PLASTIC_OPTIONS | SHEAR_STRENGTH | arguments)
+        pair(*rough_surfaces(), **PLASTIC_OPTIONS | INTERFACE_STRENGTH | arguments)
 
 
 def test_contact_area_between_solved_loads_is_interpolated_as_a_power_of_the_load():

@@ -11,11 +11,11 @@ from stiction.studies.study import StudyError
 from stiction.views.report import report_page
 from stiction.views.text import quantities_text
 
-PROFILE_CHANGES = {
+PROFILE_STUDY_CHANGES = {
     "ensemble.repetitions": 4, "surfaces.points": 4000, "surfaces.fractal_dimension": [1.1, 1.4],
     "contact.approach": ["0 nm", "5 nm", "10 nm", "20 nm", "40 nm"],
 }  # fmt: skip
-SURFACE_CHANGES = {
+SURFACE_STUDY_CHANGES = {
     "surfaces.kind": "surface", "surfaces.generator": "self-affine", "surfaces.shape": [48, 48],
     "surfaces.extent": ["4 um", "4 um"], "surfaces.shortest_wavelength": "0.6 um", "surfaces.fractal_dimension": [1.2],
     "surfaces.amplitude": ["20 nm"], "contact.direction": [30.0, 90.0], "contact.sliding": ["all", "opposing"],
@@ -26,7 +26,7 @@ ONSET_OPTIONS = {"mu0": 0.3, "tau0": "20 MPa", "poisson_ratio": 0.25}
 
 @pytest.fixture(scope="module")
 def study():
-    return Study.named("presliding").with_changes(PROFILE_CHANGES | {"contact.onset": ONSET_OPTIONS})
+    return Study.named("presliding").with_changes(PROFILE_STUDY_CHANGES | {"contact.onset": ONSET_OPTIONS})
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +61,7 @@ def test_study_results_are_equal_with_and_without_onset(study, result):
 
 
 def test_onset_of_generated_maps_uses_the_first_direction():
-    study = Study.named("presliding").with_changes(SURFACE_CHANGES | {"contact.onset": {"mu0": 0.4}})
+    study = Study.named("presliding").with_changes(SURFACE_STUDY_CHANGES | {"contact.onset": {"mu0": 0.4}})
     dataset = run(study).dataset
     assert dataset["displacement_at_sliding"].dims == ("fractal_dimension", "amplitude", "repetition", "approach")
     upper, lower = pair_of(study, 1, fractal_dimension=1.2, amplitude=0.02)
@@ -91,7 +91,7 @@ def test_onset_at_a_load_is_a_mean_over_members_weighted_by_load(result):
 
 def test_displacement_at_sliding_is_mu0_times_the_largest_overlap():
     study = Study.named("presliding").with_changes(
-        PROFILE_CHANGES | {"contact.onset": {"mu0": 0.4, "poisson_ratio": 0.0}}
+        PROFILE_STUDY_CHANGES | {"contact.onset": {"mu0": 0.4, "poisson_ratio": 0.0}}
     )
     doubled_study = study.with_changes({"contact.onset": {"mu0": 0.8, "poisson_ratio": 0.0}})
     dataset, doubled_dataset = run(study).dataset, run(doubled_study).dataset
@@ -124,10 +124,12 @@ def test_table_text_figure_and_report_show_onset(study, tmp_path):
     assert all(np.isfinite(line.get_ydata()).any() for line in panels[0].get_lines()[::2])
     report = report_page(result.source)
     assert "How the pairs begin to slide" in report
-    assert "How the pairs begin to slide" not in report_page(run(Study.named("quick").with_changes(PROFILE_CHANGES)))
+    assert "How the pairs begin to slide" not in report_page(
+        run(Study.named("quick").with_changes(PROFILE_STUDY_CHANGES))
+    )
 
 
-REJECTED_CHANGES = [
+REJECTED_STUDY_CHANGES = [
     ({"contact.onset": {"mu0": 0.0}}, "mu0 and tau0 must not both be 0"),
     ({"contact.onset": {"tau0": "3 mN"}}, r"contact\.onset\.tau0: .*pressure"),
     ({"contact.onset": {"load": 1.0}}, r"contact\.onset\.load: unknown key"),
@@ -136,7 +138,7 @@ REJECTED_CHANGES = [
 ]
 
 
-@pytest.mark.parametrize(("changes", "pattern"), REJECTED_CHANGES)
+@pytest.mark.parametrize(("changes", "pattern"), REJECTED_STUDY_CHANGES)
 def test_study_rejects_invalid_onset_settings(changes, pattern):
     with pytest.raises(StudyError, match=pattern) as caught:
         Study().with_changes(changes)

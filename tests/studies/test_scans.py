@@ -9,7 +9,7 @@ import pytest
 from stiction import Profile, Study, Surface, open_result, pair, self_affine_surface
 from stiction.studies.input_caveats import find_study_caveats
 from stiction.studies.intervals import scans_mean, student_quantile
-from stiction.studies.measured_surfaces import MeasuredFile
+from stiction.studies.measured_surfaces import MeasuredBodySettings
 from stiction.studies.pair import MeasuredPair
 from stiction.surfaces.measured.writing import write_surface
 from stiction.views.sentence import point_note_text
@@ -240,5 +240,5 @@ def test_repeated_extreme_value_adds_a_caveat_unless_accepted_or_declared_missin
         == find_repeated_extreme_caveats(accept="repeated-extreme")
         == []
     )
-    (caveat,) = MeasuredFile.from_body(Profile(heights, spacing=100.0), "upper").caveats
+    (caveat,) = MeasuredBodySettings.from_body(Profile(heights, spacing=100.0), "upper").caveats
     assert caveat.name == "repeated-extreme"

@@ -379,7 +379,7 @@ def create_unwritten_variable(file):
     file.create_dataset("contact_area", shape, "f8")
 
 
-BLOCK_CHANGES = {
+BLOCK_FILE_CHANGES = {
     "no variable": lambda file: file.__delitem__("contact_area"),
     "another shape": variable_changer("contact_area", lambda values: values[..., :2]),
     "no study text": lambda file: file.attrs.__delitem__("study"),
@@ -391,7 +391,7 @@ BLOCK_CHANGES = {
 }
 
 
-@pytest.mark.parametrize("change", BLOCK_CHANGES.values(), ids=BLOCK_CHANGES)
+@pytest.mark.parametrize("change", BLOCK_FILE_CHANGES.values(), ids=BLOCK_FILE_CHANGES)
 def test_block_that_contradicts_its_study_is_reported_with_a_one_line_error(folder_copy, change):
     file = find_block(folder_copy, 4)
     with h5py.File(file, "r+") as opened_file:

@@ -358,7 +358,7 @@ class TestMeasuredStudies:
         assert Study().with_checksums() == Study()
 
 
-RANDOM_VALUES = [
+RANDOM_VALUE_TEXTS = [
     "", "3", "-1", "1.5", "true", "inf", "nan", '""', '"surface"', '"measured"', '"lines"', '"half-space"',
     '"self-affine"', '"1 um"', '"10 mN"', '["10 mN"]', '["1 um", "1 um"]', "[]", "[[1]]", "{}", '{ file = "x" }',
     "{ start = 1.0, stop = 1.7, count = 3 }", '{ name = "jackson-green" }', "1979-05-27", "9" * 400,
@@ -379,7 +379,7 @@ def test_randomly_mutated_study_file_is_either_read_or_rejected(seed):
             line_index, key = (changed_line := int(random.integers(len(lines)))), lines[changed_line].partition("=")[0]
             other_lines = texts[random.integers(len(texts))]
             lines[line_index] = random.choice(
-                [f"{key}= {random.choice(RANDOM_VALUES)}", random.choice(other_lines), ""]
+                [f"{key}= {random.choice(RANDOM_VALUE_TEXTS)}", random.choice(other_lines), ""]
             )
         try:
             study = parse_study("\n".join(lines), "changed")
@@ -406,13 +406,13 @@ def test_study_of_figure_5_has_mu0_and_tau0_of_the_paper():
 class TestRequestedLoads:
     """Test requested loads of studies of generated surfaces, and the solved loads around them."""
 
-    LISTED_LOADS = SELF_AFFINE_STUDY.with_changes(
+    LISTED_LOADS_STUDY = SELF_AFFINE_STUDY.with_changes(
         {"contact.mechanics": "half-space", "contact.load": ["0.04 mN", "4 mN"]}
     )
 
     def test_solved_loads_extend_below_and_above_listed_loads(self):
-        assert [float(load) for load in self.LISTED_LOADS.friction.load] == [0.04, 4.0]
-        assert self.LISTED_LOADS.contact.loading_steps() == pytest.approx(
+        assert [float(load) for load in self.LISTED_LOADS_STUDY.friction.load] == [0.04, 4.0]
+        assert self.LISTED_LOADS_STUDY.contact.loading_steps() == pytest.approx(
             [0.04 / 10**0.5, 0.04, 4.0, 4.0 * 10**0.5], rel=1e-5
         )
         options = {"contact.mechanics": "half-space", "friction.load": ["0.1 mN", "0.2 mN"]}
@@ -422,21 +422,25 @@ class TestRequestedLoads:
         assert study.contact.loading_steps()[0] == 0.05, "given loads of the curve are unchanged"
 
     def test_solved_loads_stay_below_hardness_times_area(self):
-        study_with_hardness = self.LISTED_LOADS.with_changes({"contact.hardness": "60 MPa", "contact.load": ["4 mN"]})
+        study_with_hardness = self.LISTED_LOADS_STUDY.with_changes(
+            {"contact.hardness": "60 MPa", "contact.load": ["4 mN"]}
+        )
         assert 4.0 < study_with_hardness.contact.loading_steps()[-1] < 0.06 * 100
         with pytest.raises(StudyError, match=r"contact\.load: must be below hardness times area"):
-            self.LISTED_LOADS.with_changes({"contact.hardness": "10 MPa"})
+            self.LISTED_LOADS_STUDY.with_changes({"contact.hardness": "10 MPa"})
 
     def test_changing_load_or_mechanics_of_a_study_replaces_its_requested_loads(self):
-        assert [float(load) for load in self.LISTED_LOADS.with_changes({"contact.load": ["1 mN"]}).friction.load] == [
-            1.0
-        ]
-        assert [float(load) for load in self.LISTED_LOADS.with_changes({"friction.load": ["9 mN"]}).friction.load] == [
-            9.0
-        ]
-        assert self.LISTED_LOADS.with_changes({"contact.mechanics": "asperities"}).friction.load == ()
+        assert [
+            float(load) for load in self.LISTED_LOADS_STUDY.with_changes({"contact.load": ["1 mN"]}).friction.load
+        ] == [1.0]
+        assert [
+            float(load) for load in self.LISTED_LOADS_STUDY.with_changes({"friction.load": ["9 mN"]}).friction.load
+        ] == [9.0]
+        assert self.LISTED_LOADS_STUDY.with_changes({"contact.mechanics": "asperities"}).friction.load == ()
         assert (
-            parse_study(self.LISTED_LOADS.to_toml(), "text") == self.LISTED_LOADS == self.LISTED_LOADS.with_changes({})
+            parse_study(self.LISTED_LOADS_STUDY.to_toml(), "text")
+            == self.LISTED_LOADS_STUDY
+            == self.LISTED_LOADS_STUDY.with_changes({})
         )
 
     def test_friction_map_has_results_at_all_requested_loads(self):
@@ -445,7 +449,7 @@ class TestRequestedLoads:
             "ensemble.repetitions": 4,
             "surfaces.fractal_dimension": [1.2, 1.5],
         }
-        study = self.LISTED_LOADS.with_changes(
+        study = self.LISTED_LOADS_STUDY.with_changes(
             ensemble_changes | {"surfaces.amplitude": ["20 nm"], "contact.boundary": "periodic"}
         )
         data = run(study).dataset

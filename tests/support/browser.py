@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-CHROMIUM, CHROMEDRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+CHROMIUM_PATH, CHROMEDRIVER_PATH = shutil.which("chromium"), shutil.which("chromedriver")
 CHROMIUM_FLAGS = (
     "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
     "--disable-background-networking", "--disable-component-update", "--disable-sync", "--hide-scrollbars",
@@ -16,7 +16,7 @@ CHROMIUM_FLAGS = (
 BROWSER_MARKS = [
     pytest.mark.browser,
     pytest.mark.skipif(
-        not (CHROMIUM and CHROMEDRIVER), reason="Debian's chromium and chromium-driver are not installed"
+        not (CHROMIUM_PATH and CHROMEDRIVER_PATH), reason="Debian's chromium and chromium-driver are not installed"
     ),
 ]
 READY_SCRIPT = "return document.readyState === 'complete' && document.getElementById('main').ariaBusy !== 'true'"
@@ -29,11 +29,11 @@ def start_browser(profile):
     from selenium.webdriver.chrome.service import Service
 
     options = webdriver.ChromeOptions()
-    options.binary_location = CHROMIUM
+    options.binary_location = CHROMIUM_PATH
     for flag in (*CHROMIUM_FLAGS, f"--user-data-dir={profile}"):
         options.add_argument(flag)
     options.set_capability("goog:loggingPrefs", {"performance": "ALL", "browser": "ALL"})
-    driver = webdriver.Chrome(options=options, service=Service(CHROMEDRIVER))
+    driver = webdriver.Chrome(options=options, service=Service(CHROMEDRIVER_PATH))
     driver.set_script_timeout(120)
     try:
         yield driver

@@ -20,7 +20,7 @@ from support.command import call_stiction
 
 # ---- Study files ----------------------------------------------------------------------------------------------------
 
-_STUDY_VALUES = [
+_FUZZED_STUDY_VALUES = [
     "0", "1", "-1", "3", "1e308", "1e-308", "nan", "inf", "-inf", "true", '""', '"1 um"', '"1e400 um"', '"-1 nm"',
     '"0 um"', '"200 MPa"', '"200 mPa"', '"10 GPa "', "[]", "[1.0]", "[1.0, 1.7]", "[1.7, 1.0]", '["1 um", "2 um"]',
     "{}",
@@ -52,7 +52,7 @@ def random_study_text(random):
         key, _, _ = lines[line_index].partition(" = ")
         match random.integers(7):
             case 0 | 1 | 2 if " = " in lines[line_index]:
-                lines[line_index] = f"{key} = {random.choice(_STUDY_VALUES)}"
+                lines[line_index] = f"{key} = {random.choice(_FUZZED_STUDY_VALUES)}"
             case 3:
                 lines.insert(line_index, str(random.choice(lines)))
             case 4:
@@ -251,7 +251,7 @@ _FUZZED_NUMBERS = [
     0, 1, -1, 0.5, 1e-300, 1e300, 5e-324, -0.0, math.nan, math.inf, -math.inf, 10**400, True, None, "1", 1j, [], [1.0],
     np.float32(0.3), np.int8(3), np.array(0.2), np.array([1.0]), object(),
 ]  # fmt: skip
-_OPTION_VALUES = [
+_FUZZED_OPTION_VALUES = [
     "cell",
     "gap-minimum",
     "convex",
@@ -274,7 +274,11 @@ def random_number(random, valid_number):
 
 def random_choice(random, valid_choice):
     """Return a valid option value, or sometimes another value."""
-    return valid_choice if random.random() < 0.95 else _OPTION_VALUES[int(random.integers(len(_OPTION_VALUES)))]
+    return (
+        valid_choice
+        if random.random() < 0.95
+        else _FUZZED_OPTION_VALUES[int(random.integers(len(_FUZZED_OPTION_VALUES)))]
+    )
 
 
 def random_array(random, size):

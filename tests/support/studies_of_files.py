@@ -66,7 +66,7 @@ repetitions = {members}
     )
 
 
-RESULT_CHANGES = {"contact.effective_modulus": "10 GPa", "friction.mu0": [0.3, 0.5]}
+RESULT_STUDY_CHANGES = {"contact.effective_modulus": "10 GPa", "friction.mu0": [0.3, 0.5]}
 
 
 def run_pair_of_maps(folder, cut_off='["0 um"]'):
@@ -77,7 +77,7 @@ def run_pair_of_maps(folder, cut_off='["0 um"]'):
     contact = 'load = ["0.05 mN", "0.1 mN", "0.5 mN"]\ndirection = [0, 90, 180, 270]'
     options = {"spacing": "0.1 um", "members": 4, "load": "0.1 mN", "contact": contact, "kind": "-maps"}
     study = study_of_files(folder, more=f"cut_off = {cut_off}", **options)
-    return run(study.with_changes(RESULT_CHANGES | {"friction.load": ["0.1 mN", "0.5 mN"]})).dataset
+    return run(study.with_changes(RESULT_STUDY_CHANGES | {"friction.load": ["0.1 mN", "0.5 mN"]})).dataset
 
 
 def run_pair_of_profiles(folder):
@@ -85,4 +85,4 @@ def run_pair_of_profiles(folder):
     write_heights(folder, self_affine, "-lines", 4, rms=0.02, points=600, spacing=0.1)
     contact = 'load = ["1 uN", "10 uN", "100 uN"]'
     options = {"spacing": "0.1 um", "members": 12, "load": "10 uN", "contact": contact, "kind": "-lines"}
-    return run(study_of_files(folder, "lines", "asperities", **options).with_changes(RESULT_CHANGES)).dataset
+    return run(study_of_files(folder, "lines", "asperities", **options).with_changes(RESULT_STUDY_CHANGES)).dataset

@@ -26,7 +26,7 @@ specified."""
 
 class TestProfileHurstExponent:
     # A 95 % interval misses 3 of 60 cases on average. The probability of more than 8 misses is 1 in 500.
-    NUM_CASES, MAX_MISSES = 60, 8
+    NUM_CASES, MAX_MISSED_INTERVALS = 60, 8
 
     @pytest.mark.parametrize(
         ("periodic", "band", "arguments"),
@@ -44,7 +44,7 @@ class TestProfileHurstExponent:
             num_misses += not result.lower <= hurst <= result.upper
             errors.append((result.value - hurst) / ((result.upper - result.lower) / 3.92))
             assert result.lower < result.value < result.upper
-        assert num_misses <= self.MAX_MISSES
+        assert num_misses <= self.MAX_MISSED_INTERVALS
         # The mean of 60 standardised errors scatters by 0.13. An estimated band may include part of a roll-off.
         assert abs(np.mean(errors)) < (0.5 if arguments else 0.8)
 
@@ -183,7 +183,7 @@ def test_hurst_caution_reports_wide_interval_and_exponents_outside_0_to_1():
 
 class TestSurfaceHurstExponent:
     # A 95 % interval misses 3 of 60 cases on average. The probability of more than 8 misses is 1 in 500.
-    NUM_CASES, MAX_MISSES = 60, 8
+    NUM_CASES, MAX_MISSED_INTERVALS = 60, 8
 
     @pytest.mark.parametrize(
         ("longest", "arguments"),
@@ -201,7 +201,7 @@ class TestSurfaceHurstExponent:
             surface = self_affine_map(case, hurst, longest=longest, whole=2)
             result = estimate_hurst_exponent(surface, band=(1.0, min(longest, 30.0)) if arguments else None)
             misses += not result.lower <= hurst <= result.upper
-        assert misses <= self.MAX_MISSES
+        assert misses <= self.MAX_MISSED_INTERVALS
 
     def test_hurst_estimate_of_a_surface_is_invariant_under_scaling_and_tilt(self):
         surface = self_affine_map(5, 0.7, whole=2)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from stiction import FormatError, FormatWarning, Surface, read_measurement, write_surface
 from stiction.surfaces.measured.decode import decode_text
-from stiction.surfaces.measured.layouts import LAYOUTS
+from stiction.surfaces.measured.layouts import TEXT_LAYOUTS
 from stiction.surfaces.measured.reading import load_interpreted_file
 from support import fuzzing
 
@@ -320,7 +320,7 @@ def test_layout_parsers_recognise_only_their_own_files():
         name: write(**variant) for name, (write, _, variants) in EXPORT_FORMATS.items() for variant in variants[:1]
     }
     for name, text in texts.items():
-        result = [layout.name for layout in LAYOUTS if layout.recognises(decode_text(text.encode()))]
+        result = [layout.name for layout in TEXT_LAYOUTS if layout.recognises(decode_text(text.encode()))]
         assert len(result) == (name not in ("triplets", "labelled")), (name, result)
 
 

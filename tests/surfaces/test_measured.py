@@ -58,7 +58,7 @@ def error_message(path, read=read_profile, **options):
 
 # ---- Text -----------------------------------------------------------------------------------------------------------
 
-TEXT_FORMATS = {
+TEXTS_BY_FORMAT = {
     "comma": "x (um),z (um)\n0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n",
     "brackets, nm": "x [µm], z [nm]\n0,500\n0.1,-250\n0.2,1e3\n0.3,1.25E+2\n0.4,2000\n",
     "semicolon": "x (um);z (um)\n0;0.5\n0.1;-.25\n0.2;1.\n0.3;0.125\n0.4;2\n",
@@ -86,7 +86,7 @@ TEXT_FORMATS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("text", TEXT_FORMATS.values(), ids=TEXT_FORMATS.keys())
+@pytest.mark.parametrize("text", TEXTS_BY_FORMAT.values(), ids=TEXTS_BY_FORMAT.keys())
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])
 def test_profile_read_from_any_text_format_has_equal_heights_and_spacing(write_file, text, encoding):
     if encoding == "latin-1":
@@ -127,14 +127,14 @@ def test_units_elsewhere_in_the_header_do_not_apply_to_columns(write_file, text_
 
 
 def test_reader_rejects_options_that_contradict_the_file(write_file):
-    path = write_file(TEXT_FORMATS["brackets, nm"])
+    path = write_file(TEXTS_BY_FORMAT["brackets, nm"])
     assert "declares its heights in nm, but the given unit is um" in error_message(path, unit="um")
     assert read_profile(path, unit=("um", "nm")).heights.tolist() == HEIGHTS
     assert "has positions with a spacing of 0.1 µm, but the given spacing is 0.2 um" in error_message(
         path, spacing="0.2 um"
     )
     assert read_profile(path, spacing="100 nm").spacing == 0.1
-    column = write_file(TEXT_FORMATS["one column"])
+    column = write_file(TEXTS_BY_FORMAT["one column"])
     assert "declares a spacing of 0.1 µm, but the given spacing is 0.3 um" in error_message(column, spacing="0.3 um")
 
 
@@ -249,15 +249,15 @@ def test_matrix_in_a_text_file_is_read_as_a_surface(write_file):
         assert "may be positions and several heights" in error_message(
             write_file(table), read_surface, unit="um", spacing="1 um"
         )
-    assert "read profiles with read_profile()" in error_message(write_file(TEXT_FORMATS["comma"]), read_surface)
+    assert "read profiles with read_profile()" in error_message(write_file(TEXTS_BY_FORMAT["comma"]), read_surface)
 
 
 def test_reading_a_measurement_returns_a_profile_or_a_surface(write_file):
-    profile = read_measurement(write_file(TEXT_FORMATS["brackets, nm"]), spacing=("100 nm", "0.1 um"))
+    profile = read_measurement(write_file(TEXTS_BY_FORMAT["brackets, nm"]), spacing=("100 nm", "0.1 um"))
     assert isinstance(profile, Profile)
     assert profile.heights.tolist() == HEIGHTS
     assert "which has one spacing, but two spacings are given" in error_message(
-        write_file(TEXT_FORMATS["comma"]), read_measurement, spacing=("1 um", "0.1 um")
+        write_file(TEXTS_BY_FORMAT["comma"]), read_measurement, spacing=("1 um", "0.1 um")
     )
     surface = read_measurement(
         write_file(npy_bytes(np.arange(6.0).reshape(2, 3)), "a.npy"), unit="nm", spacing=("2 um", "1 um")
@@ -489,7 +489,7 @@ def test_damaged_and_oversized_workbooks_are_rejected(write_file, monkeypatch):
     assert "is a damaged workbook" in error_message(write_file(data[:-60], "a.xlsx"))
     assert "is a damaged workbook" in error_message(write_file(x3p_bytes(HEIGHTS_IN_METRES), "a.xlsx"))
     assert "is named .xlsx, but its content is not a zip archive" in error_message(write_file("1,2\n", "a.xlsx"))
-    monkeypatch.setattr(excel, "MAX_TAGS", 300_000)
+    monkeypatch.setattr(excel, "MAX_WORKBOOK_TAGS", 300_000)
     large_workbook = io.BytesIO()
     with (
         zipfile.ZipFile(io.BytesIO(data)) as source,
@@ -505,7 +505,9 @@ def test_damaged_and_oversized_workbooks_are_rejected(write_file, monkeypatch):
 
 
 def test_formats_without_channels_reject_the_channel_option(write_file):
-    assert "has no channels, but channel 1 was selected" in error_message(write_file(TEXT_FORMATS["comma"]), channel=1)
+    assert "has no channels, but channel 1 was selected" in error_message(
+        write_file(TEXTS_BY_FORMAT["comma"]), channel=1
+    )
 
 
 def test_channel_of_an_instrument_file_can_be_selected(measured_file_path):
@@ -654,7 +656,7 @@ def test_missing_files_directories_and_pipes_are_rejected_as_scans(tmp_path):
 
 
 def test_oversized_files_are_rejected_before_reading(tmp_path, monkeypatch):
-    for name, size in (("a.csv", raw.MAX_TEXT_BYTES + 1), ("a.npy", raw.MAX_BYTES + 1)):
+    for name, size in (("a.csv", raw.MAX_TEXT_BYTES + 1), ("a.npy", raw.MAX_FILE_BYTES + 1)):
         with (tmp_path / name).open("wb") as file:
             file.truncate(size)  # of holes
         assert f"has {size} bytes" in error_message(tmp_path / name)
@@ -666,7 +668,7 @@ def test_oversized_files_are_rejected_before_reading(tmp_path, monkeypatch):
 @pytest.mark.parametrize("separator", [",", ", ", ";", "|", "\t", " "])
 def test_text_file_with_too_many_lines_or_cells_is_rejected(write_file, monkeypatch, separator):
     monkeypatch.setattr(text_files, "MAX_LINES", 20)
-    monkeypatch.setattr(split_files, "MAX_CELLS", 10)
+    monkeypatch.setattr(split_files, "MAX_CELLS_PER_LINE", 10)
     wide_row = separator.join(["1.5"] * 5) + "\n"
     assert read_surface(write_file(20 * wide_row), unit="um", spacing="1 um").heights.shape == (20, 5)
     assert "has 21 lines; at most 20" in error_message(write_file("1.5\n" * 21))
@@ -691,7 +693,7 @@ def test_text_file_with_too_many_lines_or_cells_is_rejected(write_file, monkeypa
 def test_readers_reject_invalid_arguments(write_file, options, message):
     for read in (read_profile, read_measurement, *([] if "columns" in options else [read_surface])):
         with pytest.raises(ValueError, match=message) as caught:
-            read(write_file(TEXT_FORMATS["comma"]), **options)
+            read(write_file(TEXTS_BY_FORMAT["comma"]), **options)
         assert not isinstance(caught.value, FormatError)
 
 
@@ -889,8 +891,8 @@ def test_measured_map_of_an_atomic_force_microscope_is_read(measured_file_path):
 @pytest.mark.parametrize("count", [300, pytest.param(1500, marks=pytest.mark.soak)])
 def test_randomly_damaged_files_are_either_read_or_rejected_with_a_one_line_error(tmp_path, count):
     content_by_name = {
-        "a.csv": "".join([TEXT_FORMATS["text above"], *(f"{i / 10},{i % 7}.5,\n" for i in range(5, 40))]).encode(),
-        "b.txt": TEXT_FORMATS["decimal comma and tab"].encode(),
+        "a.csv": "".join([TEXTS_BY_FORMAT["text above"], *(f"{i / 10},{i % 7}.5,\n" for i in range(5, 40))]).encode(),
+        "b.txt": TEXTS_BY_FORMAT["decimal comma and tab"].encode(),
         "c.npy": npy_bytes(np.arange(20.0)),
         "d.x3p": x3p_bytes(HEIGHTS_IN_METRES[0]),
         "e.x3p": x3p_bytes(HEIGHTS_IN_METRES[0], as_list=True),

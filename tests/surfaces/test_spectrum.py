@@ -25,7 +25,7 @@ ROUND_OFF = 1e-12
 AREAL_ROUND_OFF = 1e-11
 # Error of the direction in degrees, for maps about ten wavelengths long and stretched by two.
 # The error is below 3 degrees in 90 % of the cases.
-LAY_TOLERANCE = 10.0
+LAY_ANGLE_TOLERANCE = 10.0
 
 
 class TestPowerSpectrum:
@@ -156,7 +156,7 @@ def test_steepest_direction_of_a_surface_is_across_its_lay():
             surface = self_affine_map(seed, 0.7, (160, 160), whole=2, longest=20.0, stretch=2.0)
             rotated_spectrum = surface_spectrum(levelled(rotated(surface, angle), "plane"))
             angle_error = (rotated_spectrum.steepest_direction() - angle + 90) % 180 - 90
-            assert abs(angle_error) < LAY_TOLERANCE
+            assert abs(angle_error) < LAY_ANGLE_TOLERANCE
 
 
 def test_radial_spectrum_includes_every_coefficient_exactly_once():

@@ -26,7 +26,7 @@ FIT_ROUND_OFF = 1e-9
 RING_TOLERANCE = 0.1
 """Relative error of a density in rings of a quarter octave. Within a ring the known density falls by up to a half."""
 
-GRADIENT_SCATTER = 0.1
+STATISTICAL_TOLERANCE = 0.1
 """Relative scatter of the rms gradient of one line, and of the area and the friction of a few pairs of pieces."""
 
 
@@ -138,11 +138,11 @@ def test_rms_gradient_of_isotropic_surface_is_root_2_times_slope_of_section(hurs
         assert created.spacing == (0.1, 0.1)
         created_spectrum = surface_spectrum(created, periodic=True)
         assert np.sqrt(created_spectrum.moments(0).slope + created_spectrum.moments(90).slope) == pytest.approx(
-            gradient, rel=GRADIENT_SCATTER
+            gradient, rel=STATISTICAL_TOLERANCE
         )
         # The surface is isotropic except for random scatter.
         assert created_spectrum.moments(0).slope == pytest.approx(
-            created_spectrum.moments(90).slope, rel=2 * GRADIENT_SCATTER
+            created_spectrum.moments(90).slope, rel=2 * STATISTICAL_TOLERANCE
         )
 
 
@@ -228,4 +228,4 @@ def test_isotropic_surfaces_of_sections_have_contact_area_and_friction_of_the_or
         ]
         for index in range(6)
     )  # fmt: skip
-    np.testing.assert_allclose(created, values_of_maps, rtol=GRADIENT_SCATTER)
+    np.testing.assert_allclose(created, values_of_maps, rtol=STATISTICAL_TOLERANCE)

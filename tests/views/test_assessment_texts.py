@@ -9,8 +9,8 @@ from stiction.studies.point import iterate_points
 from stiction.studies.summary import UNATTRIBUTED_WAVELENGTHS_INPUT, summarize, summarize_point
 from stiction.views.point import averaged_directions_text
 from stiction.views.sentence import (
+    DEFAULT_KAPPA,
     MIN_STATED_LOAD_DEFINITION_EFFECT,
-    SLOPE_ESTIMATE_KAPPA,
     finer_scan_text,
     inputs_text,
     quotable_sentence,
@@ -262,7 +262,7 @@ def test_sentence_states_the_definition_of_load_if_it_changes_the_coefficient_no
 
 
 def test_small_slope_estimate_lists_neglected_effects():
-    gradient, pressure = 0.2, 100 * 0.2 / SLOPE_ESTIMATE_KAPPA
+    gradient, pressure = 0.2, 100 * 0.2 / DEFAULT_KAPPA
     dataset_at_matching_pressure = measured_result(rms_gradient=gradient, mean_pressure=pressure)
     for dataset, hardness, effects in (
         (dataset_at_matching_pressure, None, []),

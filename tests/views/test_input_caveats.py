@@ -9,11 +9,11 @@ from stiction.studies.input_caveats import (
     MAX_FORM_FRACTION,
     MAX_PLAUSIBLE_MU0,
     MAX_PRESSURE_OVER_MODULUS,
-    MAX_SPIKE_RATIO,
+    MIN_SPIKE_RATIO,
     find_input_caveats,
     find_scan_caveats,
 )
-from stiction.studies.measured_surfaces import MeasuredFile
+from stiction.studies.measured_surfaces import MeasuredBodySettings
 from stiction.surfaces.hidden_noise import find_hidden_noise
 from support.machined_surfaces import MACHINED_SURFACES, scale_to_unit_rms
 from support.rough_surfaces import rough_maps
@@ -24,7 +24,7 @@ from support.synthetic_results import measured_study
 @pytest.fixture(autouse=True)
 def ignore_caveats_of_files(monkeypatch):
     """Ignore caveats of files, because the files of `measured_study` do not exist."""
-    monkeypatch.setattr(MeasuredFile, "caveats", ())
+    monkeypatch.setattr(MeasuredBodySettings, "caveats", ())
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +65,7 @@ def test_form_error_adds_a_caveat_unless_it_is_removed(rough_profile):
 
 def test_spikes_of_a_profile_add_a_caveat_that_states_their_number(rough_profile):
     heights = rough_profile.heights.copy()
-    heights[[500, 1200]] += 2 * MAX_SPIKE_RATIO * np.abs(np.diff(heights, 2)).max()
+    heights[[500, 1200]] += 2 * MIN_SPIKE_RATIO * np.abs(np.diff(heights, 2)).max()
     caveats = caveat_texts(Profile(heights, spacing=rough_profile.spacing), rough_profile)
     assert [text for text in caveats if "as sharp as usual" in text] == [
         "upper: 6 points are more than 12 times as sharp as usual, and would come into contact first"

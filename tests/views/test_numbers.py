@@ -138,7 +138,7 @@ def test_report_script_prints_numbers_with_the_decimals_of_the_terminal(report_e
 # ---- Generated profiles ---------------------------------------------------------------------------------------------
 
 
-HALF_PLANE_CHANGES = {
+HALF_PLANE_STUDY_CHANGES = {
     "contact.mechanics": "half-space",
     "contact.load": {"start": "10 uN", "stop": "1 mN", "count": 5},
     "contact.sliding": ["opposing", "all"],
@@ -189,7 +189,7 @@ def test_friction_in_reports_of_generated_profiles_equals_library_values(
     generated_dataset, report_evaluator, case_name
 ):
     if case_name == "half-planes":
-        generated_dataset = run(Study.named("quick").with_changes(HALF_PLANE_CHANGES)).dataset
+        generated_dataset = run(Study.named("quick").with_changes(HALF_PLANE_STUDY_CHANGES)).dataset
         report_evaluator = ReportEvaluator(report_page(generated_dataset))
     statuses, errors = compare_friction(generated_dataset, report_evaluator, random_settings(report_evaluator, 60, 5))
     expected_statuses = {"ok", "not-reached", "self-locked", "below-range", "between-nodes"}

@@ -10,7 +10,7 @@ from stiction import Profile, Study, levelled, pair, run, self_affine
 from stiction.studies.nodes import MAX_NODES, NUM_REPORT_LOADS
 from stiction.studies.study import parse_dataset_study
 from stiction.views.report import ReportError, report_page, save_report
-from stiction.views.report.page import REPORT_FILE_MARK
+from stiction.views.report.page import REPORT_FILE_SIGNATURE
 from stiction.views.report.surface import surface_page
 from support.generated_studies import SMALL_STUDY, empty_dataset
 from support.studies_of_files import study_of_files as study_of_files
@@ -31,7 +31,7 @@ def test_report_escapes_html_in_study_attributes_and_name(generated_dataset, map
 
 def test_report_is_limited_in_size_and_contains_its_licence(generated_dataset):
     text = report_page(generated_dataset)
-    assert text.startswith(REPORT_FILE_MARK)
+    assert text.startswith(REPORT_FILE_SIGNATURE)
     for words in ("GNU GENERAL PUBLIC LICENSE", "How to Apply These Terms to Your New Programs"):
         assert words in text
     num_cells = generated_dataset.sizes["fractal_dimension"] * len(SMALL_STUDY.surfaces.amplitudes())
@@ -69,7 +69,7 @@ def test_report_rejects_a_dataset_without_study(generated_dataset):
 
 def test_saving_a_report_overwrites_reports_but_no_other_files(generated_dataset, tmp_path):
     path = tmp_path / "report.html"
-    path.write_text(f"{REPORT_FILE_MARK}old")
+    path.write_text(f"{REPORT_FILE_SIGNATURE}old")
     save_report(generated_dataset, path)
     assert len(path.read_bytes()) > 100_000
     os.mkfifo(tmp_path / "pipe")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from stiction import Result, Study, pair, run, self_affine_surface
-from stiction.studies.nodes import PRINTED_TOLERANCE, VALUE_TOLERANCE
+from stiction.studies.nodes import MAX_SHOWN_ERROR_RATIO, VALUE_TOLERANCE
 from stiction.views.report import save_report
 from support import browser
 
@@ -13,12 +13,12 @@ pytestmark = browser.BROWSER_MARKS
 NUM_MATERIALS, NUM_SETTINGS = 10, 50  # numbers of (mu0, tau0), and of settings of all controls, for each kind of result
 MAX_WIDTH_ERROR = 0.15  # largest error, relative to the width of the interval
 MAX_HIDDEN_FRACTION = 0.6  # largest fraction of the settings at which the library has a number and the report has none
-HALF_PLANE_CHANGES = {
+HALF_PLANE_STUDY_CHANGES = {
     "contact.mechanics": "half-space", "contact.load": {"start": "10 uN", "stop": "1 mN", "count": 5},
     "contact.sliding": ["opposing", "all"], "surfaces.points": 512, "surfaces.extent": "5 um",
     "ensemble.repetitions": 4, "surfaces.band_limit": "nyquist", "surfaces.fractal_dimension": [1.1, 1.4],
 }  # fmt: skip
-SURFACE_CHANGES = {
+SURFACE_STUDY_CHANGES = {
     "ensemble.repetitions": 6, "surfaces.kind": "surface", "surfaces.shape": [24, 24], "contact.direction": [0, 90],
     "surfaces.extent": ["1.5 um", "1.5 um"], "surfaces.band_limit": "nyquist", "contact.approach.count": 8,
     "surfaces.fractal_dimension": [1.2, 1.5], "surfaces.amplitude": ["50 nm"],
@@ -48,8 +48,8 @@ def result_and_driver(request, driver, tmp_path_factory):
     folder = tmp_path_factory.mktemp("settings")
     result_factories = {
         "profiles": lambda: Result(request.getfixturevalue("generated_dataset")),
-        "half-planes": lambda: run(Study.named("quick").with_changes(HALF_PLANE_CHANGES)),
-        "surfaces": lambda: run(Study().with_changes(SURFACE_CHANGES)),
+        "half-planes": lambda: run(Study.named("quick").with_changes(HALF_PLANE_STUDY_CHANGES)),
+        "surfaces": lambda: run(Study().with_changes(SURFACE_STUDY_CHANGES)),
         "maps": lambda: Result(request.getfixturevalue("maps_dataset")),
         "lines": lambda: Result(request.getfixturevalue("profiles_dataset")),
         "growing contacts": lambda: compute_pair_with_junction_growth(folder),
@@ -88,10 +88,10 @@ def test_report_agrees_with_the_library_at_random_settings(result_and_driver):
                 num_hidden += np.isfinite(expected[0])
                 continue
             displayed = np.array([np.nan if number is None else number for number in numbers])
-            width = np.fmax(expected[2] - expected[1], VALUE_TOLERANCE / PRINTED_TOLERANCE * abs(expected[0]))
+            width = np.fmax(expected[2] - expected[1], VALUE_TOLERANCE / MAX_SHOWN_ERROR_RATIO * abs(expected[0]))
             error = np.abs(displayed - expected) / width
             errors.append(np.nanmax(error))
     assert len(errors) > NUM_SETTINGS / 4
     assert num_hidden < MAX_HIDDEN_FRACTION * NUM_SETTINGS
-    assert np.quantile(errors, 0.9) < PRINTED_TOLERANCE
+    assert np.quantile(errors, 0.9) < MAX_SHOWN_ERROR_RATIO
     assert max(errors) < MAX_WIDTH_ERROR

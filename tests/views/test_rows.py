@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from stiction.studies.assessment import Caveat
-from stiction.studies.summary import RemainingInterval, summarize
+from stiction.studies.summary import UncertaintyBudgetEntry, summarize
 from stiction.views.rows import SCHEMA_VERSION, summary_json, summary_table, values_frame
 from stiction.views.spreadsheet import frame_to_csv
 from support.synthetic_results import (
@@ -114,7 +114,7 @@ def test_json_record_has_the_same_keys_for_all_results(case_name):
 
 def test_json_record_has_null_for_ends_of_unbounded_intervals():
     summary = summarize(measured_result(), measured_study())
-    point, unbounded_interval = summary.points[0], RemainingInterval("the hardness", 0.2, math.inf, math.inf)
+    point, unbounded_interval = summary.points[0], UncertaintyBudgetEntry("the hardness", 0.2, math.inf, math.inf)
     rules = tuple(replace(rule, upper=math.inf, next_test=(0.1, math.inf)) for rule in point.rules)
     point = replace(
         point, rules=rules, budget=(unbounded_interval,), bracket=(0.2, math.inf), parts=(0.2, math.inf, 0.0),

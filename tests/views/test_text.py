@@ -12,8 +12,8 @@ from stiction._number_format import (
     format_with_interval,
     format_with_unit,
 )
-from stiction.studies.assessment import VERDICTS, Caveat
-from stiction.studies.summary import RemainingInterval, summarize
+from stiction.studies.assessment import VERDICTS_BY_SEVERITY, Caveat
+from stiction.studies.summary import UncertaintyBudgetEntry, summarize
 from stiction.views.text import (
     MAX_PRINTED_POINTS,
     assessment_text,
@@ -109,7 +109,7 @@ def test_caveat_that_applies_to_some_points_states_their_number():
 def test_remedy_is_listed_only_if_it_changes_printed_digits():
     point = summarize(measured_result(), measured_study()).points[0]
     for ends, is_listed in (((0.205, 0.215), True), ((point.lower, point.upper - 1e-6), False)):
-        point_with_budget = replace(point, budget=(RemainingInterval("unresolved roughness", *ends, 0.0),))
+        point_with_budget = replace(point, budget=(UncertaintyBudgetEntry("unresolved roughness", *ends, 0.0),))
         assert point_with_budget.dominant_input is not None
         assert ("would give" in assessment_text([point_with_budget])) == is_listed
 
@@ -203,13 +203,13 @@ def test_result_text_of_many_points_has_at_most_40_lines():
     summary = summarize(dataset, generated_study())
     lines = result_text(summary, complete_command="--verbose").splitlines()
     assert len(lines) <= 40
-    rows = [line for line in lines if line[0:1].isdigit() and line.endswith(tuple(VERDICTS.values()))]
+    rows = [line for line in lines if line[0:1].isdigit() and line.endswith(tuple(VERDICTS_BY_SEVERITY.values()))]
     assert 10 <= len(rows) <= MAX_PRINTED_POINTS
     assert f"Shown: {len(rows)} of {len(summary.headlines)} points; --verbose shows all." in lines
     verbose_text = result_text(summary, verbose=True)
     assert "Shown" not in verbose_text
     assert " more: " not in verbose_text
-    all_rows = [line for line in verbose_text.splitlines() if line.endswith(tuple(VERDICTS.values()))]
+    all_rows = [line for line in verbose_text.splitlines() if line.endswith(tuple(VERDICTS_BY_SEVERITY.values()))]
     assert sum(line[0].isdigit() for line in all_rows) == len(summary.headlines)
 
 

@@ -7,15 +7,15 @@ import os
 import time
 from pathlib import Path
 
-BLOCKING_FILE = Path(os.environ.get("STICTION_TEST_HOLD", "/nowhere"))
-if BLOCKING_FILE.exists():
+BLOCKED_MEMBER_FILE = Path(os.environ.get("STICTION_TEST_HOLD", "/nowhere"))
+if BLOCKED_MEMBER_FILE.exists():
     from stiction.studies import runner
 
     compute_sums, compute_preview = runner.compute_member_sums, runner.preview_result
 
     def is_blocked(member):
         try:
-            return member >= int(BLOCKING_FILE.read_text(encoding="utf-8") or 0)
+            return member >= int(BLOCKED_MEMBER_FILE.read_text(encoding="utf-8") or 0)
         except FileNotFoundError:  # removed at any moment
             return False
 
