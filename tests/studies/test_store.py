@@ -382,6 +382,7 @@ def create_unwritten_variable(file):
 BLOCK_FILE_CHANGES = {
     "no variable": lambda file: file.__delitem__("contact_area"),
     "another shape": variable_changer("contact_area", lambda values: values[..., :2]),
+    "an infinite area": variable_changer("contact_area", lambda values: np.full_like(values, np.inf)),
     "no study text": lambda file: file.attrs.__delitem__("study"),
     "an invalid study text": attribute_setter("study", "seed"),
     "a link to another file": link_to_other_file,

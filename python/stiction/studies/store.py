@@ -32,6 +32,7 @@ import stiction._files as _files
 from stiction._core import __version__
 from stiction._files import UnreadableFileError, describe_os_error, new_file, read_file_bytes, replacement_file
 from stiction._text import printable_path, printable_text
+from stiction.mechanics.friction import LOAD_SUM_NAMES
 from stiction.studies.layout import (
     MEMBER_COORDINATES,
     RESULT_TITLE,
@@ -604,6 +605,9 @@ def decode_members(content: bytes) -> BlockFileContent:
         study = _parse_study(text)
         numbers = _read_variable(file, "repetition")
         arrays = {name: _read_variable(file, name, spec.shape) for name, spec in variable_specs(study, numbers).items()}
+        for name in ("contact_area", *LOAD_SUM_NAMES):
+            if np.isinf(arrays[name]).any():
+                raise DamagedFileError(f"contains an infinite value of {name}")
         bodies = BodyAttributes()
         if study.is_measured:
             arrays |= {

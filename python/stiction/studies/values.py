@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import itertools
 import json
+import re
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar, get_args, get_origin
@@ -34,6 +35,7 @@ from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS
 
 MAX_VALUES = 10_000  # maximum number of values of one parameter in a study
 MAX_SHORT_LIST_LENGTH = 100  # maximum number of entries in a list of mu0, tau0, cutoffs, loads or times
+MAX_KEY_DOTS = 100  # maximum number of dots in a dotted key of a study file
 MAX_DEGREES = 360  # maximum absolute value of a direction in degrees
 
 
@@ -364,7 +366,12 @@ def parse_toml(text: str) -> dict[str, Any]:
 
     Raises a `ValueError` if the text is invalid or nested too deeply.
     """
+    # tomllib parses a dotted key in a time that increases with the square of its number of parts.
+    pieces = re.split(r"([=,#{}\[\]\n])", text)
+    key_texts = [piece for piece, end in itertools.pairwise(pieces) if end in ("=", "]")]
     try:
+        if any(key_text.count(".") > MAX_KEY_DOTS for key_text in key_texts):
+            raise RecursionError
         return tomllib.loads(text)
     except RecursionError:
         raise ValueError("is nested too deeply") from None
