@@ -228,8 +228,8 @@ TRUE_AND_FALSE_DATA = {
 
 @pytest.mark.parametrize("name", TRUE_AND_FALSE_DATA)
 def test_verdict_on_a_part_of_a_claim_is_true_only_if_the_data_support_it(name):
-    computed = [judge_part(name, create_result(**sum_functions)) for sum_functions in TRUE_AND_FALSE_DATA[name]]
-    assert [(outcome.verdict, outcome.excluded_dimensions) for outcome in computed] == [("true", ()), ("false", ())]
+    outcomes = [judge_part(name, create_result(**sum_functions)) for sum_functions in TRUE_AND_FALSE_DATA[name]]
+    assert [(outcome.verdict, outcome.excluded_dimensions) for outcome in outcomes] == [("true", ()), ("false", ())]
 
 
 def test_value_computed_for_a_part_of_a_claim_equals_the_known_value():
@@ -288,20 +288,23 @@ def test_claims_are_judged_with_the_sliding_rule_and_mechanics_of_their_column()
     for rule, share in (("opposing", 0.2), ("all", 0.4)):
         result["tangential_elastic"].loc[{"sliding": rule}] = share * load
     for rule, share in (("opposing", 0.2), ("all", 0.4)):
-        computed = {item.part.name: item for item in judge_claims(result, sliding=rule, interval_method="bands")}
+        outcomes_by_name = {
+            item.part.name: item for item in judge_claims(result, sliding=rule, interval_method="bands")
+        }
         # F_N at mu0 = 0.4 is 0.96 of the load.
-        assert computed["6"].value == pytest.approx(share / 0.96 / 0.4, rel=1e-9)
-        assert computed["1b"].value == pytest.approx(0.9, rel=1e-9)
+        assert outcomes_by_name["6"].value == pytest.approx(share / 0.96 / 0.4, rel=1e-9)
+        assert outcomes_by_name["1b"].value == pytest.approx(0.9, rel=1e-9)
         # F_N = c L and L = δ^1.5, so dF_N/dδ at equal F_N is proportional to c^(2/3), up to interpolation errors.
-        assert computed["8c"].value == pytest.approx(1 - (0.9 / 0.99) ** (2 / 3), abs=0.01)
+        assert outcomes_by_name["8c"].value == pytest.approx(1 - (0.9 / 0.99) ** (2 / 3), abs=0.01)
     with pytest.raises(ValueError, match="sliding"):
         judge_claims(create_result(), sliding="all")
 
 
 def test_part_of_a_claim_is_undefined_if_its_range_has_only_one_fractal_dimension():
     result = create_result().sel(fractal_dimension=slice(1.0, 1.501))
-    computed = {judge_values.part.name: judge_values.verdict for judge_values in judge_claims(result)}
-    assert {name for name, verdict in computed.items() if verdict == "undefined"} == {"2b", "3b", "4b", "5", "7c"}
+    verdicts_by_name = {outcome.part.name: outcome.verdict for outcome in judge_claims(result)}
+    undefined_parts = {name for name, verdict in verdicts_by_name.items() if verdict == "undefined"}
+    assert undefined_parts == {"2b", "3b", "4b", "5", "7c"}
     # Friction that decreases up to the last D has no minimum.
     result = create_result(**sum_functions_with_adhesion(lambda d, a, f: 3 - d)).sel(
         fractal_dimension=slice(1.0, 1.501)
@@ -319,10 +322,10 @@ def test_verdict_from_confidence_bands_is_undefined_if_most_dimensions_are_self_
 def test_part_of_a_claim_is_undefined_if_most_of_its_range_has_no_values():
     # Friction is self-locked where the normal load is negative, which is at all D above 1.45.
     sum_functions = {"normal_frictional": lambda d, a, f: np.where(d > 1.45, -5.0, 0.0) * f}
-    computed = {judge_values.part.name: judge_values for judge_values in judge_claims(create_result(**sum_functions))}
-    assert computed["5"].verdict == "undefined"
-    assert computed["2a"].excluded_dimensions == pytest.approx((1.5,))
-    assert computed["2a"].verdict != "undefined"
+    outcomes_by_name = {outcome.part.name: outcome for outcome in judge_claims(create_result(**sum_functions))}
+    assert outcomes_by_name["5"].verdict == "undefined"
+    assert outcomes_by_name["2a"].excluded_dimensions == pytest.approx((1.5,))
+    assert outcomes_by_name["2a"].verdict != "undefined"
 
 
 def test_judging_claims_rejects_studies_with_too_few_values():

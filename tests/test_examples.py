@@ -335,7 +335,7 @@ MAX_GREY_DIFFERENCE = 5.0
 
 @pytest.mark.docs
 @pytest.mark.parametrize("name", ["conventions", "conventions_areas"])
-def test_drawings_of_conventions_match_their_scripts(tmp_path, name):
+def test_drawings_of_conventions_equal_the_output_of_their_scripts(tmp_path, name):
     if not (ROOT / "docs/images").exists():
         pytest.skip("the folder of pictures is not in this tree")
     drawing = load_script(name)

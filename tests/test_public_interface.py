@@ -256,7 +256,7 @@ def create_datasets(upper, lower, function_result, folder):
 
 
 def test_names_in_datasets_do_not_clash_with_xarray_methods(upper, lower, surface_folder):
-    stored = pair(
+    stored_result = pair(
         surface_folder / "upper.npy",
         surface_folder / "lower.npy",
         directory=surface_folder / "kept",
@@ -264,7 +264,7 @@ def test_names_in_datasets_do_not_clash_with_xarray_methods(upper, lower, surfac
     )
     result = {
         str(name)
-        for dataset in create_datasets(upper, lower, stored, surface_folder / "kept")
+        for dataset in create_datasets(upper, lower, stored_result, surface_folder / "kept")
         for name in (*dataset.dims, *dataset.variables)
     }
     result |= set(QUANTITIES)
@@ -405,11 +405,13 @@ def test_contact_functions_require_a_modulus_for_measured_surfaces(upper, scanne
         with pytest.raises(ValueError, match=r"effective_modulus .* must be given, because a body was read from scan"):
             call()
     model = stiction.ContactModel(effective_modulus=10.0)
-    curve_with_model, generated = (
+    curve_with_model, generated_surface = (
         press(upper, scanned_surface, "10 nm", model=model),
         Surface(scanned_surface.heights, spacing=scanned_surface.spacing),
     )
-    np.testing.assert_array_equal(curve_with_model.normal_elastic, press(upper, generated, "10 nm").normal_elastic)
+    np.testing.assert_array_equal(
+        curve_with_model.normal_elastic, press(upper, generated_surface, "10 nm").normal_elastic
+    )
 
 
 def test_contact_functions_warn_about_a_surface_pressed_on_itself(scanned_surface, lower):

@@ -46,11 +46,11 @@ class TestFileWriting:
     def test_file_writing_uses_unpredictable_temporary_names(self, tmp_path, writer):
         names = []
         for index in range(2):
-            with writer(tmp_path / f"f{index}", ValueError) as partial:
-                assert _files.PARTIAL_NAME_PATTERN.fullmatch(partial.name)
-                assert not partial.is_symlink()
-                names.append(partial.name)
-                partial.write_bytes(b"mark")
+            with writer(tmp_path / f"f{index}", ValueError) as partial_file:
+                assert _files.PARTIAL_NAME_PATTERN.fullmatch(partial_file.name)
+                assert not partial_file.is_symlink()
+                names.append(partial_file.name)
+                partial_file.write_bytes(b"mark")
         assert names[0] != names[1]
         assert sorted(os.listdir(tmp_path)) == ["f0", "f1"]
 
@@ -81,10 +81,10 @@ class TestFileWriting:
 
 
 def test_concurrent_writers_of_a_file_replace_it_as_a_whole(tmp_path):
-    with replacement_file(tmp_path / "f", b"mark", ValueError) as one:
-        one.write_bytes(b"mark one")
-        with replacement_file(tmp_path / "f", b"mark", ValueError) as two:
-            two.write_bytes(b"mark two")
+    with replacement_file(tmp_path / "f", b"mark", ValueError) as first_file:
+        first_file.write_bytes(b"mark one")
+        with replacement_file(tmp_path / "f", b"mark", ValueError) as second_file:
+            second_file.write_bytes(b"mark two")
         assert (tmp_path / "f").read_bytes() == b"mark two"
     assert (tmp_path / "f").read_bytes() == b"mark one"
 

@@ -112,7 +112,7 @@ def fill_fields(driver, values):
         )  # fmt: skip
 
 
-def press_start(driver, form="pair"):
+def press_start_button(driver, form="pair"):
     """Press the start button of a form, and wait until the page shows the new job."""
     previous_job = driver.execute_script("return current")
     driver.find_element("css selector", f"#{form} .go").send_keys("\n")
@@ -159,7 +159,7 @@ def result_of_record(record):
     }, first_answer["sentence"]
 
 
-def run_in_report(driver, script):
+def run_script_in_report(driver, script):
     """Run a script in which the variable `inside` is the document of the report."""
     return driver.execute_script(f"const inside = document.getElementById('page').contentDocument; {script}")
 
@@ -169,14 +169,14 @@ def wait_for_report(driver):
     is_last_report = "inside?.URL.split('#')[0].endsWith(reportAddress)"
     busy_attribute = "getElementById('main')?.getAttribute('aria-busy')"
     busy_attribute = f"return {is_last_report} ? inside.{busy_attribute} : null"
-    browser.wait_for(driver, lambda _: run_in_report(driver, busy_attribute) == "false")
+    browser.wait_for(driver, lambda _: run_script_in_report(driver, busy_attribute) == "false")
 
 
 def test_form_accepts_uncertain_values_and_vickers_hardness(app, empty_page, map_files):
     for side, scan in zip(("upper", "lower"), map_files, strict=True):
         choose_scan(empty_page, side, scan)
     fill_fields(empty_page, METAL_FORM_VALUES | {"mu0": "0.2±0.02", "tau0": "20..80", "hardness": "150 HV"})
-    press_start(empty_page)
+    press_start_button(empty_page)
     wait_until(lambda: read_displayed_result(empty_page)[0] or read_job_state(empty_page) == "failed", bool)
     assert wait_until_finished(empty_page) == "done"
     command_line = empty_page.find_element("id", "command").get_property("textContent")
@@ -284,7 +284,7 @@ def test_app_result_of_metal_profiles_equals_command_result(empty_page, tmp_path
         choose_scan(empty_page, side, tmp_path / f"{side}.csv")
     fill_fields(empty_page, {"upper": "mild steel", "lower": "brass", "load": "1 MPa", "tau0": "20..80"})
     fill_fields(empty_page, {"mechanics": "half-space", "lay": "grooves"})
-    press_start(empty_page)
+    press_start_button(empty_page)
     assert wait_until_finished(empty_page) == "done"
     result = read_displayed_result(empty_page)
     assert result == run_shown_command(empty_page, tmp_path, monkeypatch)
@@ -298,13 +298,13 @@ def test_app_result_of_maps_equals_command_result_after_each_user_action(app, em
     assert f"Sq {height}," in drop_scan(empty_page, "upper", map_files[0])["hint"]
     assert "Sq" in choose_scan(empty_page, "lower", map_files[1])["hint"]
     fill_fields(empty_page, METAL_FORM_VALUES)
-    press_start(empty_page)
+    press_start_button(empty_page)
     wait_until(lambda: read_displayed_result(empty_page)[0] or read_job_state(empty_page) == "failed", bool)
     assert wait_until_finished(empty_page) == "done"
     wait_for_report(empty_page)
     expected = run_shown_command(empty_page, map_files[0].parent, monkeypatch)
     assert read_displayed_result(empty_page) == expected
-    report_values = run_in_report(empty_page, "return {...inside.getElementById('readout').dataset}")
+    report_values = run_script_in_report(empty_page, "return {...inside.getElementById('readout').dataset}")
     np.testing.assert_allclose(
         [float(report_values[name]) for name in ("value", "lower", "upper")],
         expected[0]["all"],
@@ -313,7 +313,7 @@ def test_app_result_of_maps_equals_command_result_after_each_user_action(app, em
 
     # A change of mu0 by the slider or by the field also changes the other control, the sentence and the command line.
     for change_mu0 in (
-        lambda: run_in_report(
+        lambda: run_script_in_report(
             empty_page, "const field = inside.getElementById('mu0'); field.value = 0.3;" + DISPATCH_INPUT_EVENT_SCRIPT
         ),
         lambda: fill_fields(empty_page, {"mu0": "0.35"}),
@@ -324,7 +324,7 @@ def test_app_result_of_maps_equals_command_result_after_each_user_action(app, em
             lambda: read_displayed_result(empty_page)[1],
             lambda expected_sentence, sentence_before=sentence_before: expected_sentence != sentence_before,
         )
-        mu0 = run_in_report(empty_page, "return inside.getElementById('mu0-number').value")
+        mu0 = run_script_in_report(empty_page, "return inside.getElementById('mu0-number').value")
         assert empty_page.find_element("name", "mu0").get_property("value") == mu0
         assert f"--mu0={mu0}" in empty_page.find_element("id", "command").get_property("textContent")
         assert f"μ0 = {mu0}," in read_displayed_result(empty_page)[1]
@@ -365,12 +365,12 @@ def test_stopped_job_is_stored_and_can_be_resumed(empty_page, tmp_path, app):
         choose_scan(empty_page, side, path)
     fill_fields(empty_page, METAL_FORM_VALUES | {"shifts": "400"})
     with app.block_commands(40) as unblock:
-        press_start(empty_page)
+        press_start_button(empty_page)
         # Wait until the page has drawn an intermediate result and further members are finished.
         wait_until(lambda: app.list_jobs()[-1], lambda job: job["versions"] > 1 and job["finished"] > 8)
         wait_until(lambda: empty_page.find_element("id", "words").text, lambda text: "of 400" in text)
         empty_page.find_element("id", "stop").click()
-        wait_until(lambda: app.list_jobs()[-1], is_ending)
+        wait_until(lambda: app.list_jobs()[-1], is_stopping_or_stopped)
         unblock()
         assert wait_until_finished(empty_page) == "stopped"
     stopped_job = app.list_jobs()[-1]
@@ -381,7 +381,7 @@ def test_stopped_job_is_stored_and_can_be_resumed(empty_page, tmp_path, app):
     info = call_stiction("info", folder, "--json", cwd=app.folder)
     assert read_displayed_result(empty_page) == result_of_record(json.loads(info.stdout))
     with app.block_commands(200):
-        press_start(empty_page)
+        press_start_button(empty_page)
         wait_until(lambda: app.list_jobs()[-1]["finished"], lambda count: count > stopped_job["finished"])
         check_queue_of_two_windows(empty_page, app)
 
@@ -393,7 +393,7 @@ def check_queue_of_two_windows(empty_page, app):
     try:
         empty_page.get(app.origin)
         empty_page.find_element("css selector", "#made > summary").click()
-        press_start(empty_page, "run")
+        press_start_button(empty_page, "run")
         wait_until(lambda: read_job_state(empty_page), bool)
         assert [job["state"] for job in app.list_jobs()[-2:]] == ["running", "waiting"]
         assert empty_page.find_element("id", "title").text == "Generated profiles"
@@ -404,10 +404,10 @@ def check_queue_of_two_windows(empty_page, app):
         empty_page.switch_to.window(first_window)
     assert empty_page.find_element("id", "title").text == "upper_face.csv on lower_face.csv"
     empty_page.find_element("id", "stop").click()
-    wait_until(lambda: app.list_jobs()[-2], is_ending)
+    wait_until(lambda: app.list_jobs()[-2], is_stopping_or_stopped)
 
 
-def is_ending(job):
+def is_stopping_or_stopped(job):
     """Return whether a job is stopping or stopped."""
     return "stopping" in job["words"] or job["state"] == "stopped"
 
@@ -445,12 +445,12 @@ def test_command_error_is_shown_at_the_form_field_it_concerns(empty_page, map_fi
     write_surface(Surface(0.01 * np.random.default_rng(3).standard_normal((20, 30)), spacing=(0.15, 0.12)), csv_file)
     choose_scan(empty_page, "lower", csv_file)
     fill_fields(empty_page, METAL_FORM_VALUES | {"load": "5 apples"})
-    press_start(empty_page)
+    press_start_button(empty_page)
     assert wait_until_finished(empty_page).startswith("failed")
     assert "'5 apples'" in empty_page.find_element("id", "pair-wrong").text
     assert empty_page.find_element("name", "load").get_attribute("aria-invalid") == "true"
     fill_fields(empty_page, {"load": "5 MPa"})
-    press_start(empty_page)
+    press_start_button(empty_page)
     assert wait_until_finished(empty_page) == "done"
     assert read_displayed_result(empty_page) == run_shown_command(empty_page, tmp_path, monkeypatch)
 
@@ -472,11 +472,11 @@ def test_preview_uses_no_more_positions_than_requested(app, empty_page):
     fill_fields(empty_page, {"shifts": "2"})
     preview_description = "preview with the asperity model, without hardness, at 2 positions, here and in the pictures"
     with app.block_commands(0):
-        press_start(empty_page)
+        press_start_button(empty_page)
         wait_until(lambda: empty_page.find_element("id", "answer").text, lambda text: preview_description in text)
         wait_for_report(empty_page)
         empty_page.find_element("id", "stop").click()
-        wait_until(lambda: app.list_jobs()[-1], is_ending)
+        wait_until(lambda: app.list_jobs()[-1], is_stopping_or_stopped)
     assert wait_until_finished(empty_page) == "stopped"
     answer_text = empty_page.find_element("id", "answer").text
     assert answer_text.startswith("stopped")
@@ -524,7 +524,7 @@ def test_app_computes_profiles_with_the_asperity_model_by_default(
     for name, values in (("young", (200, 70)), ("poisson", (0.3, 0.33))):
         for field, value in zip(empty_page.find_elements("name", name), values, strict=True):
             field.send_keys(str(value))
-    press_start(empty_page)
+    press_start_button(empty_page)
     assert wait_until_finished(empty_page) == "done"
     assert read_displayed_result(empty_page) == run_shown_command(empty_page, tmp_path, monkeypatch)
 
@@ -537,13 +537,13 @@ def test_form_values_change_the_profile_preview_and_the_computed_fractal_dimensi
     wait_until(
         lambda: empty_page.execute_script(image_address_script), lambda image_address: image_address != previous_address
     )
-    press_start(empty_page, "run")
+    press_start_button(empty_page, "run")
     assert wait_until_finished(empty_page) == "done"
     wait_for_report(empty_page)
     assert float(
-        run_in_report(empty_page, "return inside.getElementById('readout').dataset.dimension")
+        run_script_in_report(empty_page, "return inside.getElementById('readout').dataset.dimension")
     ) == pytest.approx(1.1)
-    assert run_in_report(empty_page, "return inside.getElementById('map-panel').hidden") is False
+    assert run_script_in_report(empty_page, "return inside.getElementById('map-panel').hidden") is False
 
 
 def test_app_lists_and_opens_results_in_the_working_directory(empty_page, app):
@@ -579,7 +579,7 @@ def test_app_has_no_accessibility_violations(empty_page, map_files):
         for side, path in zip(("upper", "lower"), map_files, strict=True):
             choose_scan(empty_page, side, path)
         fill_fields(empty_page, METAL_FORM_VALUES)
-        press_start(empty_page)
+        press_start_button(empty_page)
         assert wait_until_finished(empty_page) == "done"
         wait_for_report(empty_page)
         check_accessibility()

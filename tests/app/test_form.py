@@ -43,7 +43,7 @@ def test_form_has_default_units_for_quantities_but_not_for_text_fields():
 
 
 @pytest.mark.parametrize(
-    ("message", "labelled", "option"),
+    ("message", "expected_message", "option"),
     [
         ("--hardness must be above 0, got '0 GPa'", "\"hardness\" must be above 0, got '0 GPa'", "hardness"),
         (
@@ -56,8 +56,8 @@ def test_form_has_default_units_for_quantities_but_not_for_text_fields():
         ("a.csv: cannot be read", "a.csv: cannot be read", ""),
     ],
 )
-def test_error_message_replaces_option_names_by_form_labels(message, labelled, option):
-    assert replace_option_names(message) == labelled
+def test_error_message_replaces_option_names_by_form_labels(message, expected_message, option):
+    assert replace_option_names(message) == expected_message
     assert find_first_option_name(message) == option
 
 

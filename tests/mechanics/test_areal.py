@@ -168,9 +168,9 @@ class TestSurfacesAgainstExactSolutions:
 
         def ellipsoid_height(x, y):
             x, y = x - (size / 2 + 0.3) * spacing, y - (size / 2 - 0.2) * spacing
-            along, across = c * x + s * y, -s * x + c * y
+            x_along, x_across = c * x + s * y, -s * x + c * y
             # The radii at the apex are exact, because a cubic spline reproduces a paraboloid except near the edges.
-            return -(along**2) / (2 * 2.0) - across**2 / (2 * shorter_radius)
+            return -(x_along**2) / (2 * 2.0) - x_across**2 / (2 * shorter_radius)
 
         body = surface_from_function(ellipsoid_height, (size + 1, size + 1), (spacing, spacing))
         flat = Surface(np.zeros_like(body.heights), spacing=spacing)

@@ -102,14 +102,14 @@ class TestContactModel:
 
     def test_pickled_contact_model_gives_equal_results(self, pair):
         model = ContactModel(law=JacksonGreen(yield_strength=0.5, poisson_ratio=0.3), shear="-x")
-        ours = press(*pair, [0.01], model=model)
+        curve = press(*pair, [0.01], model=model)
         unpickled_model = pickle.loads(pickle.dumps(model))
         assert unpickled_model == model
         assert hash(unpickled_model) == hash(model)
-        assert press(*pair, [0.01], model=unpickled_model).contact_area == ours.contact_area
+        assert press(*pair, [0.01], model=unpickled_model).contact_area == curve.contact_area
         assert (
             press(*pair, [0.01], model=dataclasses.replace(unpickled_model, shear="+x")).contact_area
-            == ours.contact_area
+            == curve.contact_area
         )
 
     def test_contact_model_rejects_invalid_fields(self, pair):

@@ -27,8 +27,7 @@ from stiction import (
     westergaard_pressure,
 )
 from stiction.studies.members import pair_of
-from support.rough_surfaces import flat_like
-from support.rough_surfaces import periodic_body as rough
+from support.rough_surfaces import flat_like, periodic_body
 
 MODULUS = 10.0
 DENSE_SOLUTION_TOLERANCE = 1e-8  # relative to the highest pressure; both solutions have a tolerance of 1e-11
@@ -66,7 +65,7 @@ def create_paraboloid(n, extent, radii):
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 @pytest.mark.parametrize("relative_load", [0.02, 0.3])
 def test_half_space_pressure_agrees_with_a_dense_matrix_calculation(shape, boundary, relative_load):
-    lower = rough(shape, longest=1, shortest=5)
+    lower = periodic_body(shape, longest=1, shortest=5)
     load = relative_load * MODULUS * 0.1
     curve = half_space(flat_like(lower), lower, [load], boundary=boundary, tolerance=1e-11)
     spacing = np.array([1 / n for n in shape])
@@ -90,7 +89,7 @@ def test_half_space_pressure_agrees_with_a_dense_matrix_calculation(shape, bound
 @pytest.mark.parametrize("hardness", [None, 0.5])
 @pytest.mark.parametrize("relative_load", [0.02, 0.3])
 def test_missing_points_have_neither_pressure_nor_gap(shape, boundary, hardness, relative_load):
-    body = rough(shape, longest=1, shortest=5)
+    body = periodic_body(shape, longest=1, shortest=5)
     missing = np.zeros(shape, bool)  # The summit and a quarter of all points are missing.
     missing[tuple(slice(n // 2) for n in shape)] = missing[np.unravel_index(body.heights.argmax(), shape)] = True
     lower = type(body)(body.heights, spacing=body.spacing, missing=missing)
@@ -106,8 +105,10 @@ def test_missing_points_have_neither_pressure_nor_gap(shape, boundary, hardness,
     is_between_bounds = ((result.pressure > 0) & (result.pressure < bound)).ravel()
     approach = float(np.mean((matrix @ result.pressure.ravel() + gap.ravel())[is_between_bounds]))
     total = result.pressure.sum() if boundary == "periodic" else None
-    exact = dense_half_space.solve_pressure(matrix, gap, approach, total=total, bound=bound)
-    np.testing.assert_allclose(result.pressure.ravel(), exact, rtol=0, atol=DENSE_SOLUTION_TOLERANCE * exact.max())
+    exact_pressure = dense_half_space.solve_pressure(matrix, gap, approach, total=total, bound=bound)
+    np.testing.assert_allclose(
+        result.pressure.ravel(), exact_pressure, rtol=0, atol=DENSE_SOLUTION_TOLERANCE * exact_pressure.max()
+    )
     load_at_pressure = half_space(flat_like(lower), lower, "1 MPa", boundary=boundary).load
     np.testing.assert_allclose(load_at_pressure, 1e-3 * (1 - missing.mean()), rtol=ROUND_OFF)
     with pytest.raises(ValueError, match="every model except half_space requires complete scans"):
@@ -122,7 +123,7 @@ def test_bounded_pressures_agree_with_a_dense_matrix_calculation(shape, boundary
     """Use bounds that vary between points, like a hardness on a rough gap or limits of a traction on a flat."""
     random = np.random.default_rng(5)
     periodic, spacing = boundary == "periodic", tuple(1 / n for n in shape)
-    gap = np.zeros(shape) if flat else -(body := rough(shape, longest=1, shortest=5).heights) + body.max()
+    gap = np.zeros(shape) if flat else -(body := periodic_body(shape, longest=1, shortest=5).heights) + body.max()
     bound = random.uniform(0.1, 1.0, shape) * (random.random(shape) < 0.7 if flat else 1.0)
     solver = make_solver(gap, spacing, periodic=periodic, bound=bound, tolerance=1e-11)
     matrix = dense_half_space.influence_matrix(shape, spacing, MODULUS, periodic=boundary == "periodic")
@@ -131,11 +132,13 @@ def test_bounded_pressures_agree_with_a_dense_matrix_calculation(shape, boundary
         result = solver.at(mean, near=initial_pressure)
         initial_pressure = result.pressure
         assert result.error <= 1e-11
-        exact = dense_half_space.solve_pressure(
+        exact_pressure = dense_half_space.solve_pressure(
             matrix, gap, result.approach, total=result.pressure.sum() if periodic else None, bound=bound
         )
-        np.testing.assert_allclose(result.pressure, exact, rtol=0, atol=DENSE_SOLUTION_TOLERANCE * exact.max())
-        np.testing.assert_allclose(exact.mean(), mean, rtol=DENSE_SOLUTION_TOLERANCE)
+        np.testing.assert_allclose(
+            result.pressure, exact_pressure, rtol=0, atol=DENSE_SOLUTION_TOLERANCE * exact_pressure.max()
+        )
+        np.testing.assert_allclose(exact_pressure.mean(), mean, rtol=DENSE_SOLUTION_TOLERANCE)
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
@@ -277,7 +280,7 @@ def test_pressure_under_a_flat_punch_equals_closed_form():
 
 @pytest.mark.parametrize("shape", [(128,), (48, 40)])
 def test_pressure_in_full_contact_equals_the_sum_of_fourier_components_of_the_heights(shape):
-    lower = rough(shape)
+    lower = periodic_body(shape)
     waves = np.meshgrid(
         *[2 * np.pi * np.fft.fftfreq(n, 1 / n) for n in shape[:-1]],
         2 * np.pi * np.fft.rfftfreq(shape[-1], 1 / shape[-1]),
@@ -292,7 +295,7 @@ def test_pressure_in_full_contact_equals_the_sum_of_fourier_components_of_the_he
 
 
 def test_half_space_results_scale_with_modulus_and_ignore_height_offsets():
-    lower = rough((64, 64))
+    lower = periodic_body((64, 64))
     original_curve = half_space(flat_like(lower), lower, [0.01, 0.1], boundary="periodic", tolerance=TIGHT_TOLERANCE)
     raised_body = Surface(lower.heights + 3.0, spacing=lower.spacing)
     stiffer_curve = half_space(
@@ -327,7 +330,7 @@ def test_free_and_periodic_boundaries_agree_for_small_patches():
 
 
 def test_contact_stiffness_equals_derivative_of_load():
-    lower = rough((96, 96), shortest=8)
+    lower = periodic_body((96, 96), shortest=8)
     load = 0.05 * np.array([0.99, 1.0, 1.01])
     curve = half_space(flat_like(lower), lower, load, boundary="periodic", tolerance=1e-9)
     slope = (load[2] - load[0]) / (curve.approach[2] - curve.approach[0])
@@ -342,7 +345,7 @@ def test_contact_stiffness_agrees_with_a_dense_matrix_calculation(shape, boundar
 
     Without a hardness, the stiffnesses of loading and unloading are equal.
     """
-    lower = rough(shape, longest=1, shortest=5)
+    lower = periodic_body(shape, longest=1, shortest=5)
     curve = half_space(flat_like(lower), lower, [0.02 * MODULUS], boundary=boundary, hardness=hardness)
     spacing = np.array([1 / n for n in shape])
     matrix = dense_half_space.influence_matrix(shape, spacing, MODULUS, periodic=boundary == "periodic")
@@ -366,7 +369,7 @@ def test_half_space_pressure_agrees_with_tamaas(pressed, boundary):
     tamaas = pytest.importorskip("tamaas")
     tamaas.set_log_level(tamaas.LogLevel.error)
     n = 64
-    lower = rough((n, n), shortest=8)
+    lower = periodic_body((n, n), shortest=8)
     load = pressed * MODULUS * 0.1
     model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], [n, n])
     model.E, model.nu = MODULUS, 0.0
@@ -384,13 +387,13 @@ def test_half_space_pressure_agrees_with_tamaas(pressed, boundary):
 
 
 def test_area_to_load_ratio_kappa_is_near_2_at_light_load():
-    lower = rough((256, 256), shortest=32)
+    lower = periodic_body((256, 256), shortest=32)
     curve = half_space(flat_like(lower), lower, [0.02 * MODULUS * 0.1], boundary="periodic")
     assert 1.8 < curve.contact_area[0] * MODULUS * 0.1 / curve.load[0] < 2.5
 
 
 def test_pressure_is_limited_by_hardness_and_area_tends_to_load_over_hardness():
-    lower = rough((128, 128), shortest=16)
+    lower = periodic_body((128, 128), shortest=16)
     load = 0.01
     elastic_curve = half_space(flat_like(lower), lower, [load], boundary="periodic")
     max_elastic_pressure = elastic_curve.contact(0).pressure.max()
@@ -429,7 +432,7 @@ def test_random_half_space_problems_with_hardness_satisfy_the_contact_conditions
 @pytest.mark.parametrize("ratio", [0.5, 10, 1000])
 def test_half_space_accepts_arbitrarily_low_hardness(shape, boundary, ratio):
     """Solve pairs with E* h'/H from 0.5 to 1000 at loads up to the largest that the hardness permits."""
-    lower = rough(shape)
+    lower = periodic_body(shape)
     hardness = MODULUS * 0.1 / ratio
     loads = np.array([1e-3, 0.03, 0.3, 0.9, 0.999]) * hardness
     curve = half_space(flat_like(lower), lower, loads, boundary=boundary, hardness=hardness)
@@ -445,7 +448,7 @@ def test_half_space_accepts_arbitrarily_low_hardness(shape, boundary, ratio):
 
 def test_contact_area_with_hardness_is_independent_of_grid():
     """Compare two grids on which the shortest wavelength has 16 and 64 points."""
-    loads, fine_body = [0.005, 0.03], rough((512, 512), longest=2, shortest=8, seed=3)
+    loads, fine_body = [0.005, 0.03], periodic_body((512, 512), longest=2, shortest=8, seed=3)
     for hardness in (0.7, 0.2, 0.04):
         areas = []
         for step in (1, 4):
@@ -459,7 +462,7 @@ def test_pressure_with_hardness_agrees_with_tamaas():
     tamaas = pytest.importorskip("tamaas")
     tamaas.set_log_level(tamaas.LogLevel.error)
     n, load, hardness = 32, 0.05, 0.6
-    lower = rough((n, n), longest=1, shortest=5)
+    lower = periodic_body((n, n), longest=1, shortest=5)
     model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], [n, n])
     model.E, model.nu = MODULUS, 0.0
     solver = tamaas.KatoSaturated(model, lower.heights.copy(), 1e-12, hardness)
@@ -481,7 +484,7 @@ def test_half_space_friction_agrees_with_small_slope_formula():
             result, expected = [], []
             for pair in ((1, 2), (3, 4)):
                 upper, lower = (
-                    rough((256, 256), seed=seed, longest=8, shortest=32, slope=slope / 2**0.5) for seed in pair
+                    periodic_body((256, 256), seed=seed, longest=8, shortest=32, slope=slope / 2**0.5) for seed in pair
                 )
                 curve = half_space(upper, lower, [load], boundary="periodic", direction=angles, sliding=sliding)
                 assert curve.friction_coefficient(mu0=mu0).shape == (8, 1)
@@ -512,14 +515,14 @@ def friction_on_random_slopes(sigma_along, sigma_across, m, *, rule):
     nodes, weights = np.polynomial.hermite_e.hermegauss(60)
     nodes_of_half, quadrature_weights = np.polynomial.legendre.leggauss(200)
     # the sum covers uphill slopes of up to ten deviations; downhill slopes are the mirror image
-    along = 5 * (nodes_of_half + 1) * sigma_along
-    probability = 5 * quadrature_weights * np.exp(-((along / sigma_along) ** 2) / 2) / np.sqrt(2 * np.pi)
+    slopes_along = 5 * (nodes_of_half + 1) * sigma_along
+    probability = 5 * quadrature_weights * np.exp(-((slopes_along / sigma_along) ** 2) / 2) / np.sqrt(2 * np.pi)
     normal = tangential = 0.0
-    for across, weight in zip(nodes * sigma_across, weights / weights.sum(), strict=True):
+    for slope_across, weight in zip(nodes * sigma_across, weights / weights.sum(), strict=True):
         for sign in (1, -1):
-            slope = np.stack([sign * along, np.full(along.size, across)])
+            slope = np.stack([sign * slopes_along, np.full(slopes_along.size, slope_across)])
             q = np.sqrt(1 + (slope**2).sum(axis=0))
-            n = np.stack([-slope[0], -slope[1], np.ones(along.size)]) / q
+            n = np.stack([-slope[0], -slope[1], np.ones(slopes_along.size)]) / q
             t = n[0] * n - np.array([[1.0], [0.0], [0.0]])
             t /= np.sqrt((t**2).sum(axis=0))
             acting_friction = m if rule == "all" or sign > 0 else 0.0
@@ -532,10 +535,10 @@ def friction_on_random_slopes(sigma_along, sigma_across, m, *, rule):
 @pytest.mark.parametrize("rule", ["opposing", "all"])
 @pytest.mark.parametrize(("gradient", "slope"), [(0.1, 0.07), (1.0, 0.5), (2.0, 1.9)])
 def test_second_order_small_slope_friction_equals_the_sum_over_random_slopes(rule, gradient, slope):
-    across = np.sqrt(gradient**2 - slope**2)
+    slope_across = np.sqrt(gradient**2 - slope**2)
     for ratio in (1.0, 0.3):
         gradient_factor = ratio / (1 + ratio**2)
-        expected = friction_on_random_slopes(slope * gradient_factor, across * gradient_factor, 0.4, rule=rule)
+        expected = friction_on_random_slopes(slope * gradient_factor, slope_across * gradient_factor, 0.4, rule=rule)
         keywords = {"rms_gradient": gradient, "rms_slope": slope, "slope_ratio": ratio, "sliding": rule}
         assert gentle_friction(0.4, order=2, **keywords) == pytest.approx(expected, rel=QUADRATURE_TOLERANCE)
 
@@ -564,7 +567,7 @@ def pair_with_gradient(ratio, seeds, slope):
     """Return a pair of surfaces whose gap has an rms gradient of about `slope`. One body is flatter by a ratio."""
     steeper = slope / np.hypot(1, 1 / ratio)
     return (
-        rough((128, 128), seed=seed, longest=8, shortest=16, slope=item)
+        periodic_body((128, 128), seed=seed, longest=8, shortest=16, slope=item)
         for seed, item in zip(seeds, (steeper, steeper / ratio), strict=True)
     )
 
@@ -601,7 +604,7 @@ def test_mean_slope_of_contacts_is_independent_of_compliance_fraction():
 
 
 def test_half_space_results_are_invariant_under_mirroring_and_exchange_of_bodies():
-    upper, lower = (rough((2048,), seed=seed, shortest=64) for seed in (3, 4))
+    upper, lower = (periodic_body((2048,), seed=seed, shortest=64) for seed in (3, 4))
     loads = [0.005, 0.02]
     curve = half_space(upper, lower, loads, boundary="periodic", compliance_share=0.3, tolerance=TIGHT_TOLERANCE)
     mirrored_bodies = [Profile(np.roll(body.heights[::-1], 1), spacing=body.spacing) for body in (upper, lower)]
@@ -618,7 +621,7 @@ def test_half_space_results_are_invariant_under_mirroring_and_exchange_of_bodies
 
 
 def test_half_space_solution_of_an_extruded_profile_equals_the_solution_of_the_profile():
-    lines = [rough((256,), seed=seed, shortest=16) for seed in (1, 2)]
+    lines = [periodic_body((256,), seed=seed, shortest=16) for seed in (1, 2)]
     wide_surfaces = [Surface(np.tile(line.heights, (8, 1)), spacing=(1 / 8, 1 / 256)) for line in lines]
     one = half_space(*lines, [0.01], boundary="periodic", tolerance=TIGHT_TOLERANCE)
     other = half_space(*wide_surfaces, [0.01], boundary="periodic", direction=[0.0, 90.0], tolerance=TIGHT_TOLERANCE)
@@ -644,7 +647,7 @@ def test_contact_patches_connect_across_periodic_edges():
 
 
 def test_half_space_raises_an_error_if_the_tolerance_is_below_round_off():
-    lower = rough((64, 64))
+    lower = periodic_body((64, 64))
     with pytest.raises(RuntimeError, match="no solution at"):
         half_space(flat_like(lower), lower, [0.01], boundary="periodic", tolerance=1e-18)
 
@@ -740,7 +743,7 @@ def test_displacements_equal_direct_sum_for_any_thread_count(periodic):
 
 
 def test_half_space_problems_on_equal_grids_share_kernels():
-    one, other = (rough((32, 32), seed=seed) for seed in (1, 2))
+    one, other = (periodic_body((32, 32), seed=seed) for seed in (1, 2))
     first_curve = half_space(flat_like(one), one, [0.01])
     second_curve = half_space(flat_like(other), other, [0.02])
     assert first_curve._problem.grids is second_curve._problem.grids
@@ -753,7 +756,7 @@ def test_half_space_problems_on_equal_grids_share_kernels():
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 def test_half_space_solutions_for_several_loads_equal_those_for_single_loads(boundary):
     """Check that starting from the solution at a nearby load changes a solution by less than the tolerance."""
-    body = rough((48, 40))
+    body = periodic_body((48, 40))
     upper = flat_like(body)
     loads = np.array([1.0, 1.1, 1.25, 3.0]) * 0.02
     curve = half_space(upper, body, loads, boundary=boundary)
@@ -766,7 +769,7 @@ def test_half_space_solutions_for_several_loads_equal_those_for_single_loads(bou
 
 @pytest.mark.parametrize(("shape", "boundary"), [((256,), "periodic"), ((48, 40), "periodic"), ((48, 40), "free")])
 def test_solution_at_an_approach_equals_solution_at_the_load_of_that_approach(shape, boundary):
-    body = rough(shape)
+    body = periodic_body(shape)
     upper = flat_like(body)
     expected = np.array([0.05, 0.2, 0.6]) * (body.heights.max() - body.heights.mean())
     curve = half_space(upper, body, approaches=expected, boundary=boundary)
@@ -781,7 +784,7 @@ def test_solution_at_an_approach_equals_solution_at_the_load_of_that_approach(sh
 @pytest.mark.parametrize("shape", [(64,), (24, 20)])
 @pytest.mark.parametrize("remaining_fraction", [1e-2, 1e-6, 1e-14])
 def test_requested_approaches_are_reached_up_to_full_contact(shape, remaining_fraction):
-    body = rough(shape, longest=1, shortest=5)
+    body = periodic_body(shape, longest=1, shortest=5)
     full_approach = (body.heights.max() - body.heights).mean()
     curve = half_space(
         flat_like(body), body, approaches=[full_approach * (1 - remaining_fraction)], boundary="periodic"
@@ -810,20 +813,20 @@ def test_approach_of_a_sphere_on_a_half_space_equals_hertz_solution():
     ],
 )
 def test_half_space_rejects_invalid_approaches(arguments, message):
-    body = rough((64,))
+    body = periodic_body((64,))
     with pytest.raises(ValueError, match=message):
         half_space(flat_like(body), body, **({"boundary": "periodic"} | arguments))
 
 
 @pytest.mark.parametrize("spacing", [1e-320, (0.1, 1e-13), (1e-160, 1e-160)])
 def test_half_space_rejects_invalid_spacing(spacing):
-    heights = rough((16, 16)).heights
+    heights = periodic_body((16, 16)).heights
     with pytest.raises(ValueError, match="spacing must"):
         half_space(Surface(0 * heights, spacing=spacing), Surface(heights, spacing=spacing), [1e-3])
 
 
 def test_progress_callback_reports_iterations_and_can_cancel_the_solution():
-    body = rough((32, 32))
+    body = periodic_body((32, 32))
     events = []
     half_space(
         flat_like(body), body, [0.01, 0.1], boundary="periodic", progress=lambda *each: events.append(each),
@@ -842,7 +845,7 @@ def test_progress_callback_reports_iterations_and_can_cancel_the_solution():
 
 def test_half_space_solver_stops_soon_after_ctrl_c():
     """Send the signal long before the end of the solution, while the main thread is in the compiled core."""
-    body = rough((512, 512), shortest=128)
+    body = periodic_body((512, 512), shortest=128)
     signal_times = []
 
     def send_interrupt():
@@ -870,21 +873,21 @@ def test_half_space_solver_converges_if_extrapolated_steps_are_very_long():
 
 @pytest.mark.parametrize("height", [1e157, 1e100])
 def test_half_space_rejects_extreme_gaps(height):
-    body = rough((32, 32), shortest=8)
+    body = periodic_body((32, 32), shortest=8)
     high_body = Surface(body.heights * (height / np.ptp(body.heights)), spacing=body.spacing)
     with pytest.raises(ValueError, match="gap of at most"):
         half_space(flat_like(body), high_body, [0.01])
 
 
 def test_onset_rejects_an_interface_without_strength():
-    body = rough((32, 32), shortest=8)
+    body = periodic_body((32, 32), shortest=8)
     with pytest.raises(ValueError, match="must not both be 0"):
         half_space(flat_like(body), body, [0.01]).onset(0, mu0=1e-160)
 
 
 @pytest.mark.parametrize(("boundary", "hardness"), [("free", None), ("periodic", None), ("free", 1.0)])
 def test_half_space_results_are_bit_identical_for_any_thread_count(boundary, hardness):
-    body = rough((150, 128))
+    body = periodic_body((150, 128))
     single_thread_curve = half_space(flat_like(body), body, [0.1], boundary=boundary, hardness=hardness)
     with scipy.fft.set_workers(3):
         three_thread_curve = half_space(flat_like(body), body, [0.1], boundary=boundary, hardness=hardness)
@@ -892,7 +895,7 @@ def test_half_space_results_are_bit_identical_for_any_thread_count(boundary, har
 
 
 def test_closure_of_a_masked_surface_differs_from_closure_of_the_complete_surface():
-    body = rough((32, 32))
+    body = periodic_body((32, 32))
     missing = np.zeros((32, 32), bool)
     missing[:8] = True
     masked_body = Surface(body.heights, spacing=body.spacing, missing=missing)
@@ -913,8 +916,10 @@ def test_closure_of_a_masked_surface_differs_from_closure_of_the_complete_surfac
 
 
 def test_half_space_curve_and_onset_can_be_pickled_and_copied():
-    rough = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (32, 32), "spacing": 0.1}
-    curve = half_space(*(self_affine_surface(3, side=side, **rough) for side in ("upper", "lower")), [0.01, 0.02])
+    surface_options = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (32, 32), "spacing": 0.1}
+    curve = half_space(
+        *(self_affine_surface(3, side=side, **surface_options) for side in ("upper", "lower")), [0.01, 0.02]
+    )
     onset = curve.onset(1, mu0=0.3, steps=3)
     for curve_copy in (pickle.loads(pickle.dumps(curve)), copy.deepcopy(curve)):
         assert (curve_copy.contact(1).pressure == curve.contact(1).pressure).all()

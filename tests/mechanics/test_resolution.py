@@ -161,8 +161,10 @@ def test_yielding_wavelengths_are_tabulated_for_several_hardnesses_if_none_is_gi
     lengths = result.plastic_wavelength[:, 0].sel(statistic="value").values
     assert (np.diff(lengths) <= 0).all()  # A larger hardness is reached at a shorter wavelength.
     wavelength_at_4_gpa = float(resolution_result.plastic_wavelength.sel(statistic="value")[0, 0])
-    harder, softer = (float(result.plastic_wavelength.sel(hardness=h, statistic="value")[0]) for h in (5.0, 2.0))
-    assert harder < wavelength_at_4_gpa < softer
+    wavelength_at_5_gpa, wavelength_at_2_gpa = (
+        float(result.plastic_wavelength.sel(hardness=h, statistic="value")[0]) for h in (5.0, 2.0)
+    )
+    assert wavelength_at_5_gpa < wavelength_at_4_gpa < wavelength_at_2_gpa
 
 
 def test_rms_slope_at_the_longest_yielding_wavelength_corresponds_to_the_hardness(pair_and_resolution_result):

@@ -7,7 +7,7 @@ from support.generated_studies import TINY_STUDY
 
 
 @pytest.fixture
-def blocks_of_four(monkeypatch):
+def write_blocks_of_four_members(monkeypatch):
     """Make stored results write blocks of four members."""
     monkeypatch.setattr(runner, "choose_block_size", lambda study: 4)
 

@@ -124,8 +124,8 @@ def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solution
         hardness = float(inputs["hardness"].estimate.quantile(probability))
         effective_modulus = float(inputs["effective_modulus"].estimate.quantile(probability))
         direct = pair(*rough_surfaces(rms=rms), hardness=hardness, effective_modulus=effective_modulus, **kwargs)
-        computed = samples._friction_samples({"hardness": probability, "effective_modulus": probability})
-        assert computed[0] == pytest.approx(
+        friction_samples = samples._friction_samples({"hardness": probability, "effective_modulus": probability})
+        assert friction_samples[0] == pytest.approx(
             direct.value, rel=MAX_WIDE_INTERPOLATION_ERROR if modulus.startswith("48") else MAX_INTERPOLATION_ERROR
         )
 
@@ -380,13 +380,13 @@ def test_combined_interval_contains_sampling_interval_for_random_statistics(monk
             spread_low=table["spread_low"] * 0 + value * (1 - scatter / 2),
             spread_high=table["spread_high"] * 0 + value * (1 + scatter),
         )
-        (computed,) = summarize(add_uncertainty(point, result.source), result.study).points
-        rule = computed.rules[0]
+        (computed_point,) = summarize(add_uncertainty(point, result.source), result.study).points
+        rule = computed_point.rules[0]
         assert rule.rule == "all"
         assert 0 < rule.lower <= rule.positions[0] <= rule.value <= rule.positions[1] <= rule.upper
         assert 0 < rule.next_test[0] <= rule.value <= rule.next_test[1]
-        if computed.bracket is not None:
-            assert rule.lower <= computed.bracket[0] <= computed.bracket[1] <= rule.upper
+        if computed_point.bracket is not None:
+            assert rule.lower <= computed_point.bracket[0] <= computed_point.bracket[1] <= rule.upper
 
 
 def test_equally_uncertain_inputs_have_equal_fractions_in_the_budget() -> None:

@@ -399,7 +399,7 @@ def test_calibration_with_junction_growth_agrees_with_a_brute_force_calculation(
         axes, friction.sel(sliding="all", statistic="mean").squeeze().values, method="cubic"
     )
     mu0, tau0 = np.meshgrid(*(np.linspace(axis[0], axis[-1], 401) for axis in axes), indexing="ij")
-    log = np.zeros(mu0.shape)
+    log_likelihood = np.zeros(mu0.shape)
     plastic_coefficient = predict((mu0, tau0))
     for test in tests:
         predicted = (
@@ -407,12 +407,12 @@ def test_calibration_with_junction_growth_agrees_with_a_brute_force_calculation(
             if test.result is STEEL_BALL
             else plastic_coefficient
         )
-        log -= 0.5 * ((test.coefficient - predicted) / test.uncertainty) ** 2
-    weight = np.exp(log - log.max()).ravel()
+        log_likelihood -= 0.5 * ((test.coefficient - predicted) / test.uncertainty) ** 2
+    weight = np.exp(log_likelihood - log_likelihood.max()).ravel()
     values = np.random.default_rng(0).choice(weight.size, 200_000, p=weight / weight.sum())
-    for draws, computed in ((mu0, interface.mu0), (tau0, interface.tau0)):
+    for draws, value_and_interval in ((mu0, interface.mu0), (tau0, interface.tau0)):
         expected = np.quantile(draws.ravel()[values], [0.5, 0.025, 0.975])
-        assert computed == pytest.approx(expected, abs=2 * SAMPLING_TOLERANCE * np.ptp(expected[1:]))
+        assert value_and_interval == pytest.approx(expected, abs=2 * SAMPLING_TOLERANCE * np.ptp(expected[1:]))
 
 
 def test_friction_tests_on_ball_and_plastic_pair_determine_junction_growth() -> None:

@@ -112,8 +112,10 @@ def test_intervals_of_measured_results_are_computed_after_averaging_directions(a
     point = at_load(result, [2.0], mu0=0.3)
     friction = values["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing")
     expected = intervals.sample_mean(friction.mean("direction").values)
-    computed = point["friction_all_round"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing").values
-    np.testing.assert_allclose(computed, expected, rtol=ROUND_OFF)
+    computed_interval = (
+        point["friction_all_round"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing").values
+    )
+    np.testing.assert_allclose(computed_interval, expected, rtol=ROUND_OFF)
     axis_means = friction.sel(direction=[60.0, 240.0]).mean("direction").values
     friction_along_axis = (
         point["friction_by_axis"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing", axis=60.0)

@@ -332,9 +332,9 @@ def test_results_at_stored_height_factors_are_reused_for_new_mu0_but_not_for_new
     stiffer_result = pair(*bodies, directory=tmp_path, replace=True, **kwargs | {"effective_modulus": "160 GPa"})
     assert list(open_results_by_factor(stiffer_result.source, "both")) == [1.0]
     table = stiffer_result.at(height_scale=2, compute=True)
-    exact = pair(*scale_heights(bodies, 2), **kwargs | {"effective_modulus": "160 GPa"}).at()
+    exact_table = pair(*scale_heights(bodies, 2), **kwargs | {"effective_modulus": "160 GPa"}).at()
     assert mean_values(table["contact_area"]) == pytest.approx(
-        mean_values(exact["contact_area"]), rel=SCALING_TOLERANCE
+        mean_values(exact_table["contact_area"]), rel=SCALING_TOLERANCE
     )
 
 

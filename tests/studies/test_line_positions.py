@@ -124,8 +124,10 @@ def test_friction_is_interpolated_linearly_across_jumps_of_the_load(
             curve = press(upper, lower, close_approaches, detection="cell", shear=shear)
             normal_loads, tangential_loads = curve.normal_load(**strengths), curve.tangential_load(**INTERFACE_OPTIONS)
             if normal_loads[1] > 1.001 * normal_loads[0]:
-                computed = float(members["tangential_load"].sel(direction=angle)[index])
-                errors.append(abs(computed - np.interp(loads[index], normal_loads, tangential_loads)) / loads[index])
+                tangential_load = float(members["tangential_load"].sel(direction=angle)[index])
+                errors.append(
+                    abs(tangential_load - np.interp(loads[index], normal_loads, tangential_loads)) / loads[index]
+                )
     assert len(errors) > 4
     assert np.quantile(errors, quantile_level) < tolerance
 

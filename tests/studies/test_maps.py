@@ -235,8 +235,8 @@ def test_stiffness_map_equals_the_derivative_of_the_mean_load():
 def test_stiffness_map_includes_frictional_and_adhesive_loads():
     approach = np.arange(1, 6) * 1e-3
     result = create_result(1000 * approach, np.zeros(5), frictional=-500 * approach)
-    computed = stiffness_map(result, [2.0], mu0=[0.0, 0.4], tau0=[0.0])["normal_stiffness"]
-    assert np.allclose(computed.values.ravel(), [1000.0, 800.0], rtol=ROUND_OFF)
+    stiffness = stiffness_map(result, [2.0], mu0=[0.0, 0.4], tau0=[0.0])["normal_stiffness"]
+    assert np.allclose(stiffness.values.ravel(), [1000.0, 800.0], rtol=ROUND_OFF)
 
 
 def test_stiffness_map_requires_at_least_three_approaches():

@@ -177,7 +177,7 @@ def test_panels_with_a_jump_or_an_undefined_node_are_not_interpolated():
     assert is_interpolated(NODE_AXES, unbounded_points).all()
 
 
-def test_interpolation_corrections_vanish_for_cubic_polynomials():
+def test_extra_node_does_not_change_the_interpolation_of_cubic_polynomials():
     axis = NODE_AXES[0]
     change_with_node_below, change_with_node_above = axis.weight_changes_with_extra_node(0.7)
     assert np.isnan(change_with_node_above).all()  # There is no node above 1.

@@ -12,7 +12,7 @@ from stiction.studies import runner, store
 from stiction.studies.runner import SharedFolder, compute_missing
 from support.generated_studies import TINY_STUDY, InlineExecutor, assert_same_bits, with_repetitions
 
-pytestmark = pytest.mark.usefixtures("blocks_of_four")
+pytestmark = pytest.mark.usefixtures("write_blocks_of_four_members")
 
 
 def test_parts_of_a_run_add_up_to_a_complete_result(tmp_path, uninterrupted_dataset, computed_repetitions):

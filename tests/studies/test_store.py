@@ -25,7 +25,7 @@ from stiction.studies.runner import compute_missing
 from stiction.studies.store import BLOCKS_FOLDER, STUDY_FILE, BlockFile, ExportError, StoreError, export
 from support.generated_studies import TINY_STUDY, InlineExecutor, assert_same_bits, rewrite_variable, with_repetitions
 
-pytestmark = pytest.mark.usefixtures("blocks_of_four")
+pytestmark = pytest.mark.usefixtures("write_blocks_of_four_members")
 
 
 @pytest.fixture(scope="module")
@@ -49,11 +49,11 @@ def block_states(path):
     return {file.name: (file.stat().st_ino, file.stat().st_mtime_ns) for file in (path / BLOCKS_FOLDER).iterdir()}
 
 
-def find_block(path, first):
+def find_block_file(path, first):
     return next((path / BLOCKS_FOLDER).glob(f"{first:07d}-*.nc"))
 
 
-def replace_block(file, content):
+def replace_block_content(file, content):
     """Replace the file of a block by other content, and name the new file by the checksum of the content."""
     first, last, _ = file.stem.split("-")
     file.unlink()
@@ -89,7 +89,7 @@ def test_two_runs_write_blocks_with_equal_checksums(tmp_path, folder_copy):
 
 def test_xarray_can_open_blocks_of_a_stored_result(folder_copy, uninterrupted_dataset):
     pytest.importorskip("dask")
-    find_block(folder_copy, 8).unlink()
+    find_block_file(folder_copy, 8).unlink()
     with xarray.open_mfdataset(str(folder_copy / BLOCKS_FOLDER / "*.nc")) as opened_blocks:
         opened_dataset = opened_blocks.load()
     expected = uninterrupted_dataset.isel(repetition=[*range(8), *range(12, 22)])
@@ -99,7 +99,7 @@ def test_xarray_can_open_blocks_of_a_stored_result(folder_copy, uninterrupted_da
 
 
 def test_single_block_can_be_read_as_a_result(folder_copy, uninterrupted_dataset):
-    assert_same_bits(store.read(find_block(folder_copy, 4)), uninterrupted_dataset.isel(repetition=slice(4, 8)))
+    assert_same_bits(store.read(find_block_file(folder_copy, 4)), uninterrupted_dataset.isel(repetition=slice(4, 8)))
 
 
 def test_store_preserves_every_bit_of_values(tmp_path, monkeypatch):
@@ -118,7 +118,7 @@ def test_store_preserves_every_bit_of_values(tmp_path, monkeypatch):
 
 def test_stored_result_read_in_pieces_equals_the_computed_dataset(folder_copy, uninterrupted_dataset, monkeypatch):
     monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.member_bytes(TINY_STUDY))
-    find_block(folder_copy, 4).unlink()
+    find_block_file(folder_copy, 4).unlink()
     incomplete_dataset = uninterrupted_dataset.isel(repetition=[*range(4), *range(8, 22)])
     piece_pairs = list(
         zip(Result(store.open_stored(folder_copy)).pieces(), Result(incomplete_dataset).pieces(), strict=True)
@@ -168,7 +168,7 @@ def test_complete_result_is_read_without_any_computation(folder_copy, uninterrup
 
 def test_run_computes_only_missing_blocks(folder_copy, uninterrupted_dataset, computed_repetitions):
     for first in (4, 20):
-        find_block(folder_copy, first).unlink()
+        find_block_file(folder_copy, first).unlink()
     states_before = block_states(folder_copy)
     with pytest.warns(UserWarning, match="16 of 22"):
         assert_same_bits(store.read(folder_copy), uninterrupted_dataset.isel(repetition=[*range(4), *range(8, 20)]))
@@ -198,8 +198,8 @@ def test_overlapping_blocks_are_accepted(folder_copy, uninterrupted_dataset, mon
         monkeypatch.setattr(runner, "choose_block_size", lambda study, size=size: size)
         shutil.rmtree(other_folder, ignore_errors=True)
         compute_missing(TINY_STUDY, other_folder)
-        shutil.copy(find_block(other_folder, first), folder_copy / BLOCKS_FOLDER)
-    find_block(folder_copy, 4).unlink()
+        shutil.copy(find_block_file(other_folder, first), folder_copy / BLOCKS_FOLDER)
+    find_block_file(folder_copy, 4).unlink()
     assert_same_bits(store.read(folder_copy), uninterrupted_dataset)
 
 
@@ -269,7 +269,7 @@ def test_foreign_study_file_without_blocks_is_not_overwritten(tmp_path, uninterr
 def test_flipped_bit_in_a_block_is_reported_with_its_file_name(
     folder_copy, uninterrupted_dataset, computed_repetitions
 ):
-    file = find_block(folder_copy, 4)
+    file = find_block_file(folder_copy, 4)
     content = file.read_bytes()
     bit_indices = random.Random(4).sample(range(8 * len(content)), 60)
     for bit_index in [0, 8 * len(content) - 1, *bit_indices]:
@@ -284,18 +284,18 @@ def test_flipped_bit_in_a_block_is_reported_with_its_file_name(
 
 
 def test_swapped_or_foreign_blocks_are_detected(folder_copy, tmp_path):
-    content = find_block(folder_copy, 8).read_bytes()
-    replace_block(find_block(folder_copy, 4), content)
+    content = find_block_file(folder_copy, 8).read_bytes()
+    replace_block_content(find_block_file(folder_copy, 4), content)
     with pytest.raises(StoreError, match="does not contain the repetitions in its file name"):
         store.read(folder_copy)
     other_folder = tmp_path / "other"
     compute_missing(TINY_STUDY.with_changes({"ensemble.seed": 1}), other_folder)
-    replace_block(find_block(folder_copy, 4), find_block(other_folder, 4).read_bytes())
+    replace_block_content(find_block_file(folder_copy, 4), find_block_file(other_folder, 4).read_bytes())
     with pytest.raises(StoreError, match=r"does not match study\.toml: ensemble\.seed"):
         store.read(folder_copy)
 
 
-def empty_file(file):
+def truncate_file(file):
     file.write_bytes(b"")
 
 
@@ -304,9 +304,9 @@ def replace_by_directory(file):
     file.mkdir()
 
 
-@pytest.mark.parametrize("damage", [empty_file, replace_by_directory])
+@pytest.mark.parametrize("damage", [truncate_file, replace_by_directory])
 def test_invalid_block_is_reported_with_a_one_line_error(folder_copy, damage):
-    damage(find_block(folder_copy, 4))
+    damage(find_block_file(folder_copy, 4))
     with pytest.raises(StoreError, match=r"0000004-0000007-.*recompute repetitions 4 to 7") as caught:
         store.read(folder_copy)
     assert len(str(caught.value).splitlines()) == 1
@@ -394,7 +394,7 @@ BLOCK_FILE_CHANGES = {
 
 @pytest.mark.parametrize("change", BLOCK_FILE_CHANGES.values(), ids=BLOCK_FILE_CHANGES)
 def test_block_that_contradicts_its_study_is_reported_with_a_one_line_error(folder_copy, change):
-    file = find_block(folder_copy, 4)
+    file = find_block_file(folder_copy, 4)
     with h5py.File(file, "r+") as opened_file:
         change(opened_file)
     content = file.read_bytes()
@@ -403,19 +403,19 @@ def test_block_that_contradicts_its_study_is_reported_with_a_one_line_error(fold
     with pytest.raises(StoreError, match=r"result\.nc: ") as caught:
         store.read(copy)
     assert len(str(caught.value).splitlines()) <= 2
-    replace_block(file, content)
+    replace_block_content(file, content)
     with pytest.raises(StoreError, match="recompute repetitions 4 to 7"):
         store.read(folder_copy)
 
 
 def test_units_in_block_files_are_ignored_when_reading(folder_copy, uninterrupted_dataset):
-    file = find_block(folder_copy, 4)
-    with h5py.File(file, "r+") as opened:
-        opened["approach"].attrs["units"] = "seconds since 1970-01-01"
-        opened["contact_area"].attrs["scale_factor"] = "ten"
-        opened["contact_area"].attrs["_FillValue"] = 0.0
-        opened.attrs["more"] = "x" * 100_000
-    replace_block(file, file.read_bytes())
+    file = find_block_file(folder_copy, 4)
+    with h5py.File(file, "r+") as opened_file:
+        opened_file["approach"].attrs["units"] = "seconds since 1970-01-01"
+        opened_file["contact_area"].attrs["scale_factor"] = "ten"
+        opened_file["contact_area"].attrs["_FillValue"] = 0.0
+        opened_file.attrs["more"] = "x" * 100_000
+    replace_block_content(file, file.read_bytes())
     assert_same_bits(store.read(folder_copy), uninterrupted_dataset)
 
 
@@ -691,12 +691,14 @@ def test_interrupt_stops_the_run_and_preserves_finished_blocks(tmp_path):
             pending_lines.discard(line)
         process.send_signal(signal.SIGINT)
         assert process.wait(300) == 130
-    stored = store.open_stored(tmp_path / "r")
+    stored_result = store.open_stored(tmp_path / "r")
     # The interrupt leaves many of the 1000 repetitions unfinished, also on a busy machine.
-    assert 8 <= stored.finished.size < 500
+    assert 8 <= stored_result.finished.size < 500
     assert_no_partial_files(tmp_path)
-    expected = run(with_repetitions(int(stored.finished[-1]) + 1)).dataset
-    assert_same_bits(stored.dataset().assign_attrs(expected.attrs), expected.isel(repetition=stored.finished))
+    expected = run(with_repetitions(int(stored_result.finished[-1]) + 1)).dataset
+    assert_same_bits(
+        stored_result.dataset().assign_attrs(expected.attrs), expected.isel(repetition=stored_result.finished)
+    )
 
 
 def test_reading_a_result_without_finished_members_raises_store_error(tmp_path):

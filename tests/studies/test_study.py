@@ -312,7 +312,7 @@ class TestStudyKinds:
 class TestMeasuredStudies:
     """Test studies of measured surfaces."""
 
-    def test_measured_study_has_both_sliding_rules_and_all_directions(self):
+    def test_measured_study_has_both_sliding_rules_and_all_directions_by_default(self):
         assert AREA_STUDY.motion_coordinates() == {
             "sliding": ["all", "opposing"],
             "direction": [30.0 * step for step in range(12)],

@@ -36,7 +36,7 @@ def call_counts(surface_folder):
     counts = Counter()
     with pytest.MonkeyPatch.context() as monkeypatch:
 
-        def count_calls(module, name):
+        def patch_to_count_calls(module, name):
             function = getattr(module, name)
 
             def call_and_count(*args, **kwargs):
@@ -45,9 +45,9 @@ def call_counts(surface_folder):
 
             monkeypatch.setattr(module, name, call_and_count)
 
-        count_calls(summary, "summarize")
-        count_calls(budget, "add_uncertainty")
-        count_calls(input_caveats, "find_study_caveats")
+        patch_to_count_calls(summary, "summarize")
+        patch_to_count_calls(budget, "add_uncertainty")
+        patch_to_count_calls(input_caveats, "find_study_caveats")
         run_command(
             monkeypatch,
             "pair",

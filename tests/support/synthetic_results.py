@@ -46,8 +46,8 @@ QUANTITIES_AT_LOAD = {
 
 
 def measured_result(
-    *, loads=(10.0,), mu0=(0.2,), tau0=(0.05,), directions=(0.0, 90.0, 180.0, 270.0), cut_offs=(0.0,), half=0.05,
-    all_rub=0.21, opposing=0.11, by_axis=None, status="ok", members=16, ok=16, **changes,
+    *, loads=(10.0,), mu0=(0.2,), tau0=(0.05,), directions=(0.0, 90.0, 180.0, 270.0), cut_offs=(0.0,),
+    half_width_ratio=0.05, all_contacts=0.21, opposing=0.11, by_axis=None, status="ok", members=16, ok=16, **changes,
 ):  # fmt: skip
     """Return a result of measured surfaces with equal numbers at every load, mu0 and tau0; `changes` replace some."""
     axes = sorted({direction % 180 for direction in directions})
@@ -55,7 +55,7 @@ def measured_result(
         "cut_off": len(cut_offs), "sliding": 2, "direction": len(directions), "axis": len(axes), "load": len(loads),
         "mu0": len(mu0), "tau0": len(tau0), "fraction_below": 2, "statistic": 3,
     }  # fmt: skip
-    friction = np.array([value_and_ends(all_rub, half), value_and_ends(opposing, half)])
+    friction = np.array([value_and_ends(all_contacts, half_width_ratio), value_and_ends(opposing, half_width_ratio)])
 
     def fill_dimensions(values, *dims):
         """Return dimensions and values, repeated along the leading dimensions."""
@@ -103,14 +103,16 @@ def measured_result(
     return xarray.Dataset(variables, coordinates, attributes)
 
 
-def generated_result(*, loads=(0.001, 0.01), dimensions=(1.1, 1.4), friction=0.25, status="ok", half=0.05, **changes):
+def generated_result(
+    *, loads=(0.001, 0.01), dimensions=(1.1, 1.4), friction=0.25, status="ok", half_width_ratio=0.05, **changes
+):
     """Return a result of generated profiles in one direction, with the sliding rule of the paper."""
     sizes = {"fractal_dimension": len(dimensions), "amplitude": 1, "load": len(loads), "mu0": 1, "tau0": 2}
     cells = ("fractal_dimension", "amplitude", "load", "mu0", "tau0")
 
     def fill_dimensions(values, dims):
         shape = [sizes[dim] for dim in dims]
-        return (*dims, "statistic"), np.broadcast_to(value_and_ends(values, half), [*shape, 3]).copy()
+        return (*dims, "statistic"), np.broadcast_to(value_and_ends(values, half_width_ratio), [*shape, 3]).copy()
 
     loaded = {"contact_area": 1.0, "contact_count": 30.0, "normal_stiffness": 0.2, "mean_pressure": 0.05,
               "share_beyond_hertz": 0.1, "share_below_grid": 0.1} | changes  # fmt: skip

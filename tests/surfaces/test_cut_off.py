@@ -35,10 +35,10 @@ def weighted_line_by_definition(heights, spacing, wavelength):
 def test_low_pass_filter_equals_locally_weighted_line_fit(points):
     profile = rough_profile(points=200)
     wavelength = points * profile.spacing
-    smooth = cut_off(profile, wavelength).heights
+    smoothed_heights = cut_off(profile, wavelength).heights
     expected = weighted_line_by_definition(profile.heights, profile.spacing, wavelength)
     tolerance = max(WEIGHT_TOLERANCE, 2 ** -((points / 2) ** 2)) * np.ptp(profile.heights)
-    assert np.abs(smooth - expected).max() < tolerance
+    assert np.abs(smoothed_heights - expected).max() < tolerance
 
 
 def test_low_pass_filter_of_a_surface_acts_along_both_axes():
@@ -99,9 +99,9 @@ def test_low_pass_filter_is_linear_symmetric_and_invariant_under_scaling():
 
 def test_low_pass_filter_is_recorded_in_the_history_and_preserves_the_grid():
     profile = Profile(np.arange(60.0), spacing=0.1, history=("ground",))
-    smooth = cut_off(profile, 0.5)
-    assert smooth.history == ("ground", "waves shorter than 0.5 µm cut off (Gaussian filter, 50 % at 0.5 µm)")
-    assert smooth.spacing == profile.spacing
+    smoothed_profile = cut_off(profile, 0.5)
+    assert smoothed_profile.history == ("ground", "waves shorter than 0.5 µm cut off (Gaussian filter, 50 % at 0.5 µm)")
+    assert smoothed_profile.spacing == profile.spacing
     surface = Surface(np.eye(12), spacing=(0.5, 0.25))
     assert isinstance(cut_off(surface, 0.5), Surface)
     assert cut_off(surface, 1.0).spacing == surface.spacing

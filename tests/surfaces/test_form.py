@@ -57,9 +57,9 @@ def test_levelling_removes_a_sphere_and_leaves_the_noise(sign, word):
 
 def test_levelling_removes_a_tilted_cylinder_and_leaves_the_noise():
     y, x = grid_coordinates()
-    across, along = (x - 12) * 0.6 + (y - 20) * 0.8, 0.8 * x - 0.6 * y
+    x_across, x_along = (x - 12) * 0.6 + (y - 20) * 0.8, 0.8 * x - 0.6 * y
     noise = noise_heights((60, 80))
-    result = levelled(Surface(np.sqrt(200.0**2 - across**2) + 0.02 * along + noise, spacing=0.5), "cylinder")
+    result = levelled(Surface(np.sqrt(200.0**2 - x_across**2) + 0.02 * x_along + noise, spacing=0.5), "cylinder")
     # The expected radius is that of a vertical section, because the axis rises by 2 %.
     assert radius_from_history(result)[0] == pytest.approx(200, rel=2e-3)
     assert result.heights.std() == pytest.approx(noise.std(), rel=2e-3)

@@ -63,7 +63,7 @@ def test_joined_spectrum_agrees_with_spectrum_and_slope_of_the_surface(complete_
     assert np.all(np.abs(np.log(combined_spectrum.disagreement)) < 0.4)
 
 
-def test_disagreement_of_joined_scans_detects_wrong_calibration(complete_surface):
+def test_joined_scans_disagree_if_one_has_a_wrong_calibration(complete_surface):
     scans = scans_of_instruments(complete_surface)
     miscalibrated_spectrum = joined_spectrum([Surface(2 * scans[0].heights, spacing=scans[0].spacing), *scans[1:]])
     # The spectrum is proportional to the square of the heights, so its ratio is about 4.
@@ -91,13 +91,13 @@ def test_joined_spectrum_excludes_wavelengths_limited_by_tip_or_noise(complete_s
 
 
 def test_joined_spectrum_is_positive_in_gaps_between_scans(complete_surface):
-    coarse, fine = scans_of_instruments(complete_surface)[:2]
-    joined = joined_spectrum([coarse, fine], shortest_wavelengths=[1.5, None], per_decade=20)
-    joined_with_gap = joined_spectrum([coarse, fine], shortest_wavelengths=[2.5, None], per_decade=10)
-    assert (joined.density > 0).all()
+    coarse_scan, fine_scan = scans_of_instruments(complete_surface)[:2]
+    combined_spectrum = joined_spectrum([coarse_scan, fine_scan], shortest_wavelengths=[1.5, None], per_decade=20)
+    joined_with_gap = joined_spectrum([coarse_scan, fine_scan], shortest_wavelengths=[2.5, None], per_decade=10)
+    assert (combined_spectrum.density > 0).all()
     gaps = joined_with_gap.count == 0
     assert (joined_with_gap.contribution[:, gaps] == 0).all()
-    assert (np.diff(joined.wave_number) > 0).all()
+    assert (np.diff(combined_spectrum.wave_number) > 0).all()
 
 
 def test_joined_profiles_are_treated_as_sections_of_an_isotropic_surface(complete_surface):

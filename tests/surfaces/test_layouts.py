@@ -258,7 +258,7 @@ EXPORT_FORMATS = {
 ENCODINGS = ("utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "cp1252", "cp932", "gb18030", "cp1251", "cp1250")
 
 
-def read_or_none(path, **options):
+def read_scan_or_none(path, **options):
     """Return the scan in a file, or None if the file is rejected. Caveats are ignored."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", FormatWarning)
@@ -280,7 +280,7 @@ def test_instrument_map_exports_are_read_exactly_or_rejected_in_any_encoding(tmp
             continue
         path = tmp_path / "map.txt"
         path.write_bytes(data)
-        body = read_or_none(path, **options)
+        body = read_scan_or_none(path, **options)
         if body is None:
             continue
         accepted += 1
@@ -308,7 +308,7 @@ def test_profile_exports_are_read_exactly_or_rejected_in_any_encoding(tmp_path, 
     except UnicodeEncodeError:
         pytest.skip("no such characters")
     (tmp_path / "line.csv").write_bytes(data)
-    body = read_or_none(tmp_path / "line.csv")
+    body = read_scan_or_none(tmp_path / "line.csv")
     assert body is not None or encoding in ("cp1251", "cp1250", "gb18030")
     if body is not None:
         assert body.heights.tolist() == LINE_HEIGHTS.tolist()
@@ -341,7 +341,7 @@ def test_layout_parsers_recognise_only_their_own_files():
 )
 def test_heights_in_units_other_than_length_are_rejected(tmp_path, text, options):
     (tmp_path / "a.txt").write_text(text, encoding="utf-8")
-    assert read_or_none(tmp_path / "a.txt", **options) is None
+    assert read_scan_or_none(tmp_path / "a.txt", **options) is None
 
 
 def table_text(columns, head="", form=".4f"):
@@ -361,13 +361,13 @@ def test_positions_in_wide_tables_are_not_read_as_heights(tmp_path):
         [np.arange(60), *profiles],
     ):
         path.write_text(table_text(columns))
-        assert read_or_none(path, **options) is None
+        assert read_scan_or_none(path, **options) is None
         if columns[0] is not measured_positions:
-            assert np.allclose(read_or_none(path, columns=(0, 1), unit="um").heights, columns[1], atol=1e-4)
+            assert np.allclose(read_scan_or_none(path, columns=(0, 1), unit="um").heights, columns[1], atol=1e-4)
     path.write_text(table_text(np.transpose([x, *profiles])))  # The first line of the text contains the positions.
-    assert read_or_none(path, **options) is None
+    assert read_scan_or_none(path, **options) is None
     path.write_text(table_text(profiles))
-    assert read_or_none(path, **options).heights.shape == (60, 12)
+    assert read_scan_or_none(path, **options).heights.shape == (60, 12)
 
 
 def test_counts_and_sizes_in_headers_are_not_read_as_heights(tmp_path):
@@ -383,15 +383,15 @@ def test_counts_and_sizes_in_headers_are_not_read_as_heights(tmp_path):
     ):
         path.write_text(text, encoding="utf-8")
         assert (
-            read_or_none(path, **(options if text.endswith(column_text) else {"unit": "um"})).heights.tolist()
+            read_scan_or_none(path, **(options if text.endswith(column_text) else {"unit": "um"})).heights.tolist()
             == LINE_HEIGHTS.tolist()
         )
     path.write_text(f"{NUM_COLUMNS} {NUM_ROWS}\n" + "\n".join(format_rows(HEIGHTS, " ")))
-    assert np.array_equal(read_or_none(path, **options).heights, HEIGHTS)
+    assert np.array_equal(read_scan_or_none(path, **options).heights, HEIGHTS)
     flat = "".join(f"{z:.4f}\n" for z in HEIGHTS.ravel())
     for text in (f"0.5\n60\n{column_text}", f"{NUM_COLUMNS}\n{NUM_ROWS}\n{flat}"):
         path.write_text(text)
-        assert read_or_none(path, **options) is None
+        assert read_scan_or_none(path, **options) is None
 
 
 def test_first_number_with_fewer_decimals_than_the_others_adds_a_caveat(tmp_path):
@@ -474,7 +474,7 @@ def test_side_by_side_profiles_are_selected_by_the_columns_option(tmp_path):
         second_profile = read_measurement(path, columns=(2, 3))
         assert second_profile.heights.tolist() == (-LINE_HEIGHTS[:40]).tolist()
         assert second_profile.spacing == 0.25
-        assert read_or_none(path) is None
+        assert read_scan_or_none(path) is None
 
 
 def test_ambiguous_commas_are_resolved_by_column_names_or_rejected(tmp_path):
@@ -483,7 +483,7 @@ def test_ambiguous_commas_are_resolved_by_column_names_or_rejected(tmp_path):
     path.write_text("x (um),z (um)\n" + "\n".join(lines))
     assert read_measurement(path).heights.tolist() == LINE_HEIGHTS.tolist()
     path.write_text("\n".join(lines))
-    assert read_or_none(path, unit="um", spacing="0.5 um") is None
+    assert read_scan_or_none(path, unit="um", spacing="0.5 um") is None
 
 
 def test_titled_blocks_of_equal_width_are_read_as_channels(tmp_path):
@@ -567,7 +567,7 @@ def test_map_written_in_any_format_is_read_with_equal_heights_and_spacing(tmp_pa
     (tmp_path / "b.csv").write_text(stream.getvalue())
     arguments = {"a.txt": {"unit": "um", "spacing": ("2 um", "0.5 um")}, "b.csv": {"unit": "um"}}
     for name in ("a.csv", "a.npy", "a.nc", "a.txt", "a.gwy", "a.x3p", "a.xyz", "b.csv"):
-        body = read_or_none(tmp_path / name, **arguments.get(name, {}))
+        body = read_scan_or_none(tmp_path / name, **arguments.get(name, {}))
         assert np.allclose(body.heights, HEIGHTS, atol=1e-6), name
         assert body.spacing == pytest.approx((2.0, 0.5)), name
 
@@ -583,7 +583,7 @@ def test_damaged_exports_are_read_or_rejected(tmp_path, name):
             fuzzing.scramble_bytes(source, data)
         path.write_bytes(data)
         # The test fails if the reader raises any error other than FormatError.
-        body = read_or_none(path, **(options if at % 2 else {}))
+        body = read_scan_or_none(path, **(options if at % 2 else {}))
         assert body is None or np.isfinite(body.heights).all()
 
 
@@ -592,7 +592,7 @@ def test_decimal_numbers_are_converted_with_correct_rounding(tmp_path):
     for form in (repr, "{:.6f}".format, "{:.3e}".format, "{:.18e}".format):
         texts = [form(float(value)) for value in values]
         (tmp_path / "a.txt").write_text("\n".join(texts))
-        body = read_or_none(tmp_path / "a.txt", unit="um", spacing="100 um")
+        body = read_scan_or_none(tmp_path / "a.txt", unit="um", spacing="100 um")
         assert body.heights.tolist() == [float(text) for text in texts]
 
 
@@ -745,12 +745,12 @@ def test_counts_of_missing_points_are_not_read_as_missing_value_codes(tmp_path):
         (f"No data value: {number}", True), (f"Missing value = {number}", True), (f"Bad pixel code: {number}", True),
     ):  # fmt: skip
         path.write_text("\n".join([line, *format_rows(integer_heights, form=".0f")]))
-        missing = read_or_none(path, **options).missing
+        missing = read_scan_or_none(path, **options).missing
         assert (missing is not None) == is_code, line
         assert not is_code or np.array_equal(missing, integer_heights == number)
     heights_with_code = np.where(np.isnan(HEIGHTS_WITH_HOLES), 32767, HEIGHTS_WITH_HOLES)
     path.write_text("\n".join(["No data: 32767", *format_rows(heights_with_code)]))
-    assert np.array_equal(read_or_none(path, **options).missing, np.isnan(HEIGHTS_WITH_HOLES))
+    assert np.array_equal(read_scan_or_none(path, **options).missing, np.isnan(HEIGHTS_WITH_HOLES))
 
 
 def test_column_of_undefined_flags_is_rejected(tmp_path):
@@ -799,8 +799,8 @@ def test_error_about_a_table_with_words_names_the_column_of_words(tmp_path, sepa
     profile = read_measurement(path, columns=[index for index in range(3) if index != word_column])
     assert profile.heights.tolist() == LINE_HEIGHTS.tolist()
     assert any("ignored" in step for step in profile.history)
-    masked = read_measurement(path, missing_value=words[1], missing="mask")
-    assert np.flatnonzero(masked.missing).tolist() == [4, 5, 33]
+    masked_profile = read_measurement(path, missing_value=words[1], missing="mask")
+    assert np.flatnonzero(masked_profile.missing).tolist() == [4, 5, 33]
 
 
 @pytest.mark.parametrize("words", [("OK", "OK"), ("OK", ""), ("OK", "NG")])
@@ -864,7 +864,7 @@ def test_spacing_whose_unit_is_in_a_separate_cell_is_read(tmp_path, line, spacin
         with pytest.raises(FormatError, match="spacing"):
             read_measurement(path)
     else:
-        profile = read_or_none(path)
+        profile = read_scan_or_none(path)
         assert profile.spacing == pytest.approx(spacing)
         assert np.array_equal(profile.heights, LINE_HEIGHTS)
 
@@ -873,7 +873,7 @@ def test_wsxm_amplitudes_along_x_and_y_are_read_as_the_map_size(tmp_path):
     path = tmp_path / "a.txt"
     head = "WSxM file copyright UAM\nWSxM ASCII Matrix file\nX Amplitude: 4500 nm\nY Amplitude: 3.5 µm\n\n"
     path.write_text(head + "\n".join(format_rows(HEIGHTS)), encoding="utf-8")
-    surface = read_or_none(path, unit="nm")
+    surface = read_scan_or_none(path, unit="nm")
     assert surface.spacing == pytest.approx((0.5, 0.5))
     assert surface.heights == pytest.approx(1e-3 * HEIGHTS)
 
@@ -884,7 +884,7 @@ def test_tip_radius_in_a_header_is_added_to_the_history(tmp_path, line):
     path.write_text(
         "\n".join([line, "x (µm);z (µm)", *(f"{0.5 * at};{z}" for at, z in enumerate(LINE_HEIGHTS))]), "utf-8"
     )
-    assert "its header gives a tip radius of 2.5 µm (--tip)" in read_or_none(path).history
+    assert "its header gives a tip radius of 2.5 µm (--tip)" in read_scan_or_none(path).history
 
 
 @pytest.mark.parametrize("spacing", [0.25, 0.333, 0.2, 1.26])
@@ -897,7 +897,7 @@ def test_rounded_grid_points_are_read_if_the_spacing_is_at_least_two_rounding_un
         lines = (f"{a:.{digits_of_position}f} {b:.{digits_of_position}f} {c}" for a, b, c in zip(x, y, z, strict=True))
         path.write_text("\n".join(lines))
         if can_be_read:
-            surface = read_or_none(path, unit="um")
+            surface = read_scan_or_none(path, unit="um")
             assert np.array_equal(surface.heights, HEIGHTS)
             assert surface.spacing == pytest.approx((spacing, spacing), abs=0.1 / (NUM_ROWS - 1))
         else:
@@ -917,14 +917,14 @@ def test_points_that_deviate_from_a_grid_by_more_than_rounding_are_rejected(tmp_
 def test_status_column_of_an_olympus_map_is_not_read_as_heights(tmp_path):
     path = tmp_path / "a.csv"
     lines = olympus_text().splitlines()
-    first = next(at for at, line in enumerate(lines) if line.startswith("DataLine"))
-    lines[first] += ",Status"
-    lines_with_status = [*lines[: first + 1], *(f"{line},1" for line in lines[first + 1 :])]
+    names_index = next(at for at, line in enumerate(lines) if line.startswith("DataLine"))
+    lines[names_index] += ",Status"
+    lines_with_status = [*lines[: names_index + 1], *(f"{line},1" for line in lines[names_index + 1 :])]
     path.write_text("\n".join(lines_with_status))
     path_without_status = tmp_path / "b.csv"
     path_without_status.write_text(olympus_text())
     assert np.array_equal(
-        read_or_none(path, missing="mask").heights, read_or_none(path_without_status, missing="mask").heights
+        read_scan_or_none(path, missing="mask").heights, read_scan_or_none(path_without_status, missing="mask").heights
     )
     path.write_text("\n".join([*lines_with_status[:-1], lines_with_status[-1][:-1] + "0"]))
     with pytest.raises(FormatError, match="flags of unknown meaning"):

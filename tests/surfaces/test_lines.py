@@ -154,8 +154,8 @@ def test_lines_along_both_axes_are_fitted_in_a_common_band(monkeypatch):
 
 
 def test_lines_along_straight_grooves_have_no_hurst_exponent():
-    grooves = self_affine(3, hurst_exponent=0.7, rms=0.1, points=300, spacing=1.0).heights + np.zeros((24, 1))
-    roughness_x, roughness_y = lines_along_both(Surface(grooves, spacing=1.0))
+    grooved_heights = self_affine(3, hurst_exponent=0.7, rms=0.1, points=300, spacing=1.0).heights + np.zeros((24, 1))
+    roughness_x, roughness_y = lines_along_both(Surface(grooved_heights, spacing=1.0))
     assert roughness_x.hurst_exponents.size == 24
     assert roughness_y.hurst_exponents.size == 0
     assert np.isnan(roughness_y.misfit)

@@ -558,10 +558,10 @@ def test_surface_is_unchanged_by_writing_and_reading(tmp_path, name):
     surface = Surface(heights, spacing=(1 / 3, 1e-3), history=("ground", "levelled by a plane"))
     write_surface(surface, tmp_path / name)
     for options in ({}, {"unit": "um", "spacing": ("0.3333333 um", "1 nm")}):
-        again = read_surface(tmp_path / name, **options)
-        assert np.array_equal(again.heights, surface.heights)
-        assert again.spacing == surface.spacing
-        assert again.history == (f"read from {name}", "ground", "levelled by a plane")
+        surface_read = read_surface(tmp_path / name, **options)
+        assert np.array_equal(surface_read.heights, surface.heights)
+        assert surface_read.spacing == surface.spacing
+        assert surface_read.history == (f"read from {name}", "ground", "levelled by a plane")
     with pytest.raises(FormatError, match="but the given spacing is"):
         read_surface(tmp_path / name, spacing="2 um")
     # the rows increase in equal steps, like positions

@@ -132,9 +132,9 @@ def test_profiles_on_equal_grids_are_unchanged_on_their_common_grid():
 def test_spline_interpolation_error_decreases_with_fourth_power_of_spacing():
     errors = []
     for points in (40, 80):
-        coarse = Profile(np.sin(np.arange(points + 1) * 20 / points), spacing=20 / points)
-        fine = Profile(np.zeros(2001), spacing=0.01)
-        splined_profile = on_common_grid(fine, coarse)[1]
+        coarse_profile = Profile(np.sin(np.arange(points + 1) * 20 / points), spacing=20 / points)
+        fine_profile = Profile(np.zeros(2001), spacing=0.01)
+        splined_profile = on_common_grid(fine_profile, coarse_profile)[1]
         inner = slice(500, 1500)
         errors.append(np.abs(splined_profile.heights - np.sin(splined_profile.x))[inner].max())
     assert np.log2(errors[0] / errors[1]) > MIN_SPLINE_ORDER

@@ -115,12 +115,12 @@ class TestAgainstSurfaceTopographyPackage:
     def test_spectrum_agrees_with_the_surface_topography_package(self, line_scan_class, profile, periodic):
         other_profile = line_scan_class(profile.heights, profile.extent, unit="um", periodic=periodic)
         q, density = other_profile.power_spectrum_from_profile(resampling_method=None)
-        computed = power_spectrum(profile, periodic=periodic)
+        computed_spectrum = power_spectrum(profile, periodic=periodic)
         # the spectrum of SurfaceTopography begins at q = 0 and ends before the Nyquist wave number
         common_indices = slice(0, q.size - 1)
-        assert np.allclose(computed.wave_number[common_indices], q[1:], rtol=self.TRANSFORM_TOLERANCE, atol=0)
+        assert np.allclose(computed_spectrum.wave_number[common_indices], q[1:], rtol=self.TRANSFORM_TOLERANCE, atol=0)
         assert np.allclose(
-            computed.density[common_indices],
+            computed_spectrum.density[common_indices],
             density[1:],
             rtol=self.TRANSFORM_TOLERANCE,
             atol=self.TRANSFORM_TOLERANCE**2 * density.max(),
@@ -203,8 +203,8 @@ def test_autocorrelation_lengths_of_gaussian_surfaces_equal_closed_forms():
 def grooved_surface(angle, shape=(200, 240), spacing=0.1, wavelength=2.0):
     """Return a sinusoid that varies along a direction in degrees. Its grooves run across this direction."""
     y, x = spacing * np.arange(shape[0])[:, np.newaxis], spacing * np.arange(shape[1])
-    along = x * np.cos(np.radians(angle)) + y * np.sin(np.radians(angle))
-    return Surface(np.cos(2 * np.pi * along / wavelength), spacing=spacing)
+    x_across = x * np.cos(np.radians(angle)) + y * np.sin(np.radians(angle))
+    return Surface(np.cos(2 * np.pi * x_across / wavelength), spacing=spacing)
 
 
 @pytest.mark.parametrize("angle", [0, 31, 90, 135])

@@ -276,8 +276,8 @@ class TestMachinedTexture:
 
     def test_white_noise_of_a_map_with_declared_texture_is_instrument_noise(self):
         rng = np.random.default_rng(2)
-        smooth = filtered_noise(rng, (128, 128), 0.8, longest=60, shortest=6)
-        noisy_body = make_body(smooth + 0.05 * rng.normal(size=smooth.shape))
+        smooth_heights = filtered_noise(rng, (128, 128), 0.8, longest=60, shortest=6)
+        noisy_body = make_body(smooth_heights + 0.05 * rng.normal(size=smooth_heights.shape))
         for texture in (False, True):
             result = instrument_limit(noisy_body, texture=texture)
             assert (result.reason, result.origin, result.matters) == ("noise floor", "instrument", True)
@@ -293,10 +293,10 @@ def test_white_noise_map_has_as_many_independent_line_spectra_as_lines(periodic)
 @pytest.mark.parametrize("degrees", [0, 5, 17])
 def test_straight_grooves_have_only_one_independent_line_spectrum(degrees):
     y, x = np.indices((128, 128))
-    across = x * math.cos(math.radians(degrees)) + y * math.sin(math.radians(degrees))
+    x_across = x * math.cos(math.radians(degrees)) + y * math.sin(math.radians(degrees))
     frequencies = np.linspace(0.02, 0.4, 200)
     phases = np.random.default_rng(7).uniform(0, 2 * math.pi, frequencies.size)
-    heights = sum(np.cos(2 * math.pi * f * across + phase) / f for f, phase in zip(frequencies, phases, strict=True))
+    heights = sum(np.cos(2 * math.pi * f * x_across + phase) / f for f, phase in zip(frequencies, phases, strict=True))
     (_, _, count, _), _ = line_spectra(Surface(heights, spacing=0.1), False)
     assert np.median(count[5:45]) < 1.5
 

@@ -78,7 +78,7 @@ class TestSelfAffineProfile:
             rough_profile(**invalid_arguments)
 
 
-def surface(seed=3, **changes):
+def create_surface(seed=3, **changes):
     return self_affine_surface(seed, **(SURFACE_OPTIONS | changes))
 
 
@@ -91,7 +91,7 @@ def mean_powers(heights, extents):
 
 def test_self_affine_surface_has_requested_rms_height_and_zero_mean():
     for changes in ({}, {"longest_wavelength": 0.4}, {"shape": (4, 5), "spacing": 1.0}, {"rms": 1e-7}):
-        heights = surface(**changes).heights
+        heights = create_surface(**changes).heights
         assert heights.std() == pytest.approx((SURFACE_OPTIONS | changes)["rms"], rel=ROUND_OFF)
         assert abs(heights.mean()) < ROUND_OFF * heights.std()
 
@@ -101,11 +101,11 @@ def test_surface_spectrum_is_a_power_law_with_plateau_and_cutoff(hurst):
     extents = (5.12, 5.12)
     spectra = []
     for repetition in range(8):
-        created = surface(
+        created_surface = create_surface(
             shape=(256, 256), spacing=0.02, hurst_exponent=hurst, repetition=repetition,
             longest_wavelength=1.28, shortest_wavelength=0.08,
         )  # fmt: skip
-        density, q = mean_powers(created.heights, extents)
+        density, q = mean_powers(created_surface.heights, extents)
         spectra.append(density)
     mean = np.mean(spectra, axis=0)
     assert mean[q > 2 * np.pi / 0.08 * 1.001].max() < 1e-25
@@ -122,7 +122,8 @@ def test_surface_spectrum_is_a_power_law_with_plateau_and_cutoff(hurst):
 
 def test_self_affine_surface_is_isotropic_on_any_grid():
     surfaces = [
-        surface(shape=(128, 256), spacing=(0.02, 0.01), shortest_wavelength=0.08, repetition=r) for r in range(20)
+        create_surface(shape=(128, 256), spacing=(0.02, 0.01), shortest_wavelength=0.08, repetition=r)
+        for r in range(20)
     ]
     rms_slopes_y = np.array([np.gradient(one.heights, 0.02, axis=0).std() for one in surfaces])
     rms_slopes_x = np.array([np.gradient(one.heights[:, ::2], 0.02, axis=1).std() for one in surfaces])
@@ -131,28 +132,34 @@ def test_self_affine_surface_is_isotropic_on_any_grid():
 
 
 def test_self_affine_surface_is_periodic():
-    created = surface(shape=(64, 64), spacing=0.02, shortest_wavelength=0.16)
-    tiled_heights = np.tile(created.heights, (2, 2))
+    created_surface = create_surface(shape=(64, 64), spacing=0.02, shortest_wavelength=0.16)
+    tiled_heights = np.tile(created_surface.heights, (2, 2))
     # A jump at the seam would exceed the differences between neighbouring points.
     differences = np.abs(np.diff(tiled_heights, axis=1))
     assert differences[:, 63].max() <= np.delete(differences, 63, axis=1).max()
-    assert np.abs(np.diff(tiled_heights, axis=0))[63].max() <= np.abs(np.diff(created.heights, axis=0)).max() * 1.5
+    assert (
+        np.abs(np.diff(tiled_heights, axis=0))[63].max() <= np.abs(np.diff(created_surface.heights, axis=0)).max() * 1.5
+    )
 
 
 def test_surface_on_a_finer_grid_contains_the_points_of_the_coarser_grid():
-    coarse_surface = surface(shortest_wavelength=0.1, longest_wavelength=0.8)
-    fine_surface = surface(shortest_wavelength=0.1, longest_wavelength=0.8, shape=(288, 256), spacing=(0.02 / 3, 0.005))
+    coarse_surface = create_surface(shortest_wavelength=0.1, longest_wavelength=0.8)
+    fine_surface = create_surface(
+        shortest_wavelength=0.1, longest_wavelength=0.8, shape=(288, 256), spacing=(0.02 / 3, 0.005)
+    )
     assert np.abs(fine_surface.heights[::3, ::2] - coarse_surface.heights).max() < ROUND_OFF
 
 
 def test_self_affine_surface_is_reproducible_and_depends_on_seed():
-    original_surface = surface()
-    assert surface().heights.tobytes() == original_surface.heights.tobytes()
-    for other in (surface(seed=4), surface(repetition=1), surface(side="upper")):
+    original_surface = create_surface()
+    assert create_surface().heights.tobytes() == original_surface.heights.tobytes()
+    for other in (create_surface(seed=4), create_surface(repetition=1), create_surface(side="upper")):
         correlation = (other.heights * original_surface.heights).mean() / 0.01
         # A few long wavelengths dominate the height, so two surfaces may be correlated by chance.
         assert abs(correlation) < 0.8
-    ensemble = [surface(repetition=r).heights * surface(repetition=r, side="upper").heights for r in range(40)]
+    ensemble = [
+        create_surface(repetition=r).heights * create_surface(repetition=r, side="upper").heights for r in range(40)
+    ]
     assert abs(np.mean(ensemble) / 0.01) < 4 * np.std(
         [original_surface.mean() / 0.01 for original_surface in ensemble]
     ) / np.sqrt(40)
@@ -160,12 +167,14 @@ def test_self_affine_surface_is_reproducible_and_depends_on_seed():
 
 def test_phases_of_a_generated_profile_match_the_documented_random_numbers():
     # The strip contains a single wave (1, 0) along x. The second random word has no effect, because the rms is given.
-    created = self_affine_surface(
+    sinusoidal_surface = self_affine_surface(
         5, hurst_exponent=0.5, rms=1.0, shape=(4, 64), spacing=(0.01, 0.125), shortest_wavelength=7.0, repetition=2
     )
     word = np.random.PCG64(np.random.SeedSequence([5, 2, 0, 1])).random_raw()
     phase = 2 * np.pi * (int(word) >> 11) / 2**53
-    assert np.allclose(created.heights, np.sqrt(2) * np.cos(2 * np.pi * created.x / 8.0 + phase), atol=ROUND_OFF)
+    assert np.allclose(
+        sinusoidal_surface.heights, np.sqrt(2) * np.cos(2 * np.pi * sinusoidal_surface.x / 8.0 + phase), atol=ROUND_OFF
+    )
 
 
 @pytest.mark.parametrize(
@@ -190,30 +199,30 @@ def test_phases_of_a_generated_profile_match_the_documented_random_numbers():
 )
 def test_self_affine_surface_rejects_invalid_arguments(changes, match):
     with pytest.raises(ValueError, match=match):
-        surface(**changes)
+        create_surface(**changes)
 
 
 class TestScalingToAmplitude:
     def test_surface_scaled_to_an_amplitude_has_that_amplitude_and_zero_mean(self):
-        created = surface()
-        raised_surface = Surface(created.heights + 5.0, spacing=created.spacing, history=("made",))
+        created_surface = create_surface()
+        raised_surface = Surface(created_surface.heights + 5.0, spacing=created_surface.spacing, history=("made",))
         for measure, compute_amplitude in (("height", np.ptp), ("Sa", lambda h: np.abs(h).mean()), ("Sq", np.std)):
             scaled_surface = raised_surface.with_amplitude(0.3, measure)
             assert compute_amplitude(scaled_surface.heights) == pytest.approx(0.3, rel=ROUND_OFF)
             assert abs(scaled_surface.heights.mean()) < ROUND_OFF
-            assert scaled_surface.spacing == created.spacing
+            assert scaled_surface.spacing == created_surface.spacing
             assert scaled_surface.history == ("made", f"scaled to {measure} 0.3 µm")
-            assert np.corrcoef(scaled_surface.heights.ravel(), created.heights.ravel())[0, 1] == pytest.approx(
+            assert np.corrcoef(scaled_surface.heights.ravel(), created_surface.heights.ravel())[0, 1] == pytest.approx(
                 1, rel=ROUND_OFF
             )
 
     def test_scaling_a_surface_rejects_flat_surfaces_and_invalid_arguments(self):
         flat = Surface(np.full((5, 5), 2.0), spacing=1.0)
         assert flat.is_flat
-        assert not surface().is_flat
+        assert not create_surface().is_flat
         with pytest.raises(ValueError, match="flat"):
             flat.with_amplitude(1.0)
         with pytest.raises(ValueError, match="amplitude"):
-            surface().with_amplitude(0.0)
+            create_surface().with_amplitude(0.0)
         with pytest.raises(ValueError, match="measure"):
-            surface().with_amplitude(1.0, "Ra")
+            create_surface().with_amplitude(1.0, "Ra")

@@ -156,8 +156,8 @@ def test_rotated_surface_equals_the_rotated_function(angle, shape):
 
 def test_rotated_grooves_have_the_rotation_angle_as_texture_direction():
     x = 0.1 * np.arange(300)
-    grooves = Surface(np.sin(2 * np.pi * x / 2.0) + np.zeros((300, 1)), spacing=0.1)
-    assert surface_parameters(rotated(grooves, 33)).Std == pytest.approx(33, abs=2)
+    grooved_surface = Surface(np.sin(2 * np.pi * x / 2.0) + np.zeros((300, 1)), spacing=0.1)
+    assert surface_parameters(rotated(grooved_surface, 33)).Std == pytest.approx(33, abs=2)
 
 
 def test_rotation_rejects_a_narrow_strip():

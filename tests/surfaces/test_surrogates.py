@@ -134,9 +134,9 @@ def test_rms_gradient_of_isotropic_surface_is_root_2_times_slope_of_section(hurs
     gradient = np.sqrt(original_spectrum.moments(0).slope + original_spectrum.moments(90).slope)
     for row in (0, 100):
         section = levelled(body.row(row), "line")
-        created = isotropic_surface(section, 1, shape=(256, 256))
-        assert created.spacing == (0.1, 0.1)
-        created_spectrum = surface_spectrum(created, periodic=True)
+        created_surface = isotropic_surface(section, 1, shape=(256, 256))
+        assert created_surface.spacing == (0.1, 0.1)
+        created_spectrum = surface_spectrum(created_surface, periodic=True)
         assert np.sqrt(created_spectrum.moments(0).slope + created_spectrum.moments(90).slope) == pytest.approx(
             gradient, rel=STATISTICAL_TOLERANCE
         )
@@ -174,8 +174,10 @@ def test_isotropic_surface_scales_with_its_section_and_depends_on_seed():
     assert original_surface.history == (*section.history, "an isotropic surface of its spectrum, seed 7, repetition 2")
     assert np.abs(original_surface.heights.mean()) < FIT_ROUND_OFF
     assert isotropic_surface(section, 7).heights.shape == (512, 512)
-    for changed in ({"seed": 8}, {"repetition": 3}, {"side": "lower"}):
-        other = isotropic_surface(section, **{"seed": 7, "shape": (64, 96), "repetition": 2, "side": "upper"} | changed)
+    for changed_arguments in ({"seed": 8}, {"repetition": 3}, {"side": "lower"}):
+        other = isotropic_surface(
+            section, **{"seed": 7, "shape": (64, 96), "repetition": 2, "side": "upper"} | changed_arguments
+        )
         assert np.abs(other.heights - original_surface.heights).max() > 0.01
 
 
@@ -221,11 +223,11 @@ def test_isotropic_surfaces_of_sections_have_contact_area_and_friction_of_the_or
         ]
         for at in range(0, 1024, 128)
     )  # fmt: skip
-    created = area_and_friction(
+    values_of_created_maps = area_and_friction(
         [
             isotropic_surface(levelled(body.row(20 * index), "line"), 1, shape=(128, 128), side=side, repetition=index)
             for body, side in zip(bodies, ("upper", "lower"), strict=True)
         ]
         for index in range(6)
     )  # fmt: skip
-    np.testing.assert_allclose(created, values_of_maps, rtol=STATISTICAL_TOLERANCE)
+    np.testing.assert_allclose(values_of_created_maps, values_of_maps, rtol=STATISTICAL_TOLERANCE)

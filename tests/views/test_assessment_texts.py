@@ -51,7 +51,7 @@ def test_summary_of_measured_surfaces_quotes_friction_at_all_contacts_first():
     assert quotable_sentence(point).endswith(".")
     # These ends are the smallest and largest values of members.
     assert (point.rules[0].low, point.rules[0].high) == (0.04, 0.19)
-    assert summarize_single_point(measured_result(all_rub=0.1, half=1.2), measured_study()).lower == 0
+    assert summarize_single_point(measured_result(all_contacts=0.1, half_width_ratio=1.2), measured_study()).lower == 0
     dataset = measured_result()
     dataset["friction_coefficient"] *= 9  # values in single directions do not change the mean over directions
     assert summarize_single_point(dataset, measured_study()).value == 0.21
@@ -86,11 +86,11 @@ FAULT_CASES = {
     "contacts": ({"contact_count": 0.6, "members": 16}, {"contact_count": 12.0}, "contacts"),
     "few contacts": ({"contact_count": 4.9}, {"contact_count": 12.0}, "too few contacts, 4.9 on average"),
     "one contact": ({"share_on_largest": 0.51}, {"share_on_largest": 0.39}, "one contact carries 51 %"),
-    "below 0": ({"all_rub": -0.01}, {"all_rub": 0.01}, "below 0"),
+    "below 0": ({"all_contacts": -0.01}, {"all_contacts": 0.01}, "below 0"),
     "beyond Hertz": ({"share_beyond_hertz": 0.6}, {"share_beyond_hertz": 0.4}, "Hertz"),
     "below the grid": ({"share_below_grid": 0.6}, {"share_below_grid": 0.4}, "spacing"),
-    "wide": ({"half": 0.55}, {"half": 0.45}, "interval"),
-    "no interval": ({"half": np.nan}, {}, "no interval"),
+    "wide": ({"half_width_ratio": 0.55}, {"half_width_ratio": 0.45}, "interval"),
+    "no interval": ({"half_width_ratio": np.nan}, {}, "no interval"),
     "few answers": ({"ok": 7}, {"ok": 8}, "of 16 members"),
     "area": ({"contact_area_fraction": 1.01}, {"contact_area_fraction": 0.99}, "true area"),
     "merged": ({"share_overlapping": 0.6}, {"share_overlapping": 0.05}, "overlap"),
@@ -202,12 +202,12 @@ def test_high_pressure_of_generated_surfaces_adds_a_caution_but_no_fault():
 
 def test_sentence_without_coefficient_states_the_reason():
     point = summarize_single_point(
-        measured_result(status="not-reached", all_rub=np.nan, opposing=np.nan, ok=0), measured_study()
+        measured_result(status="not-reached", all_contacts=np.nan, opposing=np.nan, ok=0), measured_study()
     )
     assert (point.status, point.verdict) == ("not-reached", "Do not quote")
     assert "no computed load is as large" in quotable_sentence(point)
     text = coefficients_text(
-        [summarize_single_point(measured_result(all_rub=np.nan, opposing=np.nan), measured_study())]
+        [summarize_single_point(measured_result(all_contacts=np.nan, opposing=np.nan), measured_study())]
     )
     assert text.startswith("μ_s = none")
     assert "ok" not in text.splitlines()[0]
@@ -283,7 +283,7 @@ def test_small_slope_estimate_lists_neglected_effects():
 @pytest.mark.parametrize("is_floor", [True, False])
 def test_interval_contains_filtered_and_unfiltered_results(is_floor):
     cut_offs = (0.5, 0.0) if is_floor else (0.0, 0.5)
-    dataset = measured_result(cut_offs=cut_offs, loads=(1.0, 10.0), half=0.02, all_rub=0.25)
+    dataset = measured_result(cut_offs=cut_offs, loads=(1.0, 10.0), half_width_ratio=0.02, all_contacts=0.25)
     for name in ("friction_all_round", "friction_coefficient"):
         dataset[name][{"cut_off": 1}] *= 0.84
     combined = dataset["friction_all_round"].isel(
@@ -315,7 +315,7 @@ def test_interval_contains_filtered_and_unfiltered_results(is_floor):
 
 
 def test_filtered_result_retains_faults_of_the_unfiltered_result():
-    dataset = measured_result(cut_offs=(0.5, 0.0), half=0.02, all_rub=0.25)
+    dataset = measured_result(cut_offs=(0.5, 0.0), half_width_ratio=0.02, all_contacts=0.25)
     dataset["friction_all_round"].loc[{"cut_off": 0.0, "statistic": "upper"}] = (
         2.0  # The interval of the unfiltered scan is too wide.
     )
@@ -334,13 +334,13 @@ def study_with_materials(hardness, names=("mild steel", "brass")):
 
 
 def test_range_for_finer_scans_extends_from_the_plastic_limit_to_above_the_coefficient():
-    point = summarize(measured_result(all_rub=0.24, half=0.01), measured_study(hardness=2.0)).points[0]
+    point = summarize(measured_result(all_contacts=0.24, half_width_ratio=0.01), measured_study(hardness=2.0)).points[0]
     limit = 0.2 + 0.05 / 2
     # The excess over the plastic limit is multiplied by exp(0.2), because load moves between the contacts.
     assert point.bracket == pytest.approx((limit, limit + (0.24 * 1.01 - limit) * math.exp(0.2)))
     assert "a finer scan would give 0.225 (μ0 + τ0/H) to 0.246" in quotable_sentence(point)
     point_at_limit = summarize(
-        measured_result(all_rub=0.2, half=1e-4, tau0=(0.0,)), measured_study(hardness=2.0)
+        measured_result(all_contacts=0.2, half_width_ratio=1e-4, tau0=(0.0,)), measured_study(hardness=2.0)
     ).points[0]
     assert "a finer scan would give 0.200 (μ0 + τ0/H)" in quotable_sentence(point_at_limit)
     assert summarize(measured_result(), measured_study()).points[0].bracket is None
@@ -417,13 +417,17 @@ def test_text_of_inputs_states_no_range_for_a_given_hardness(study):
 
 
 def test_range_for_finer_scans_is_absent_if_the_point_has_a_fault():
-    point = summarize(measured_result(all_rub=47.0, rms_gradient=300.0), measured_study(hardness=2.0)).points[0]
+    point = summarize(measured_result(all_contacts=47.0, rms_gradient=300.0), measured_study(hardness=2.0)).points[0]
     assert (point.verdict, point.bracket) == ("Do not quote", None)
     assert "finer scan" not in coefficients_text([point])
 
 
 def test_range_for_finer_scans_starts_at_a_coefficient_below_the_plastic_limit():
-    lower, upper = summarize(measured_result(all_rub=0.22, half=0.01), measured_study(hardness=2.0)).points[0].bracket
+    lower, upper = (
+        summarize(measured_result(all_contacts=0.22, half_width_ratio=0.01), measured_study(hardness=2.0))
+        .points[0]
+        .bracket
+    )
     assert lower == pytest.approx(0.22)
     assert lower < upper
 
@@ -439,10 +443,12 @@ def test_few_contacts_are_not_a_fault_if_contacts_have_merged(changes):
 
 def test_roughness_contribution_equals_value_minus_mu0_and_tau0_terms():
     study = measured_study(hardness=3.0)
-    point = summarize_single_point(measured_result(all_rub=0.23), study)
+    point = summarize_single_point(measured_result(all_contacts=0.23), study)
     assert point.from_roughness == pytest.approx(0.23 - 0.2 - 0.05 / 3.0)
     assert point.hardness == 3.0
-    assert summarize_single_point(measured_result(all_rub=0.23), measured_study()).from_roughness == pytest.approx(0.03)
+    assert summarize_single_point(measured_result(all_contacts=0.23), measured_study()).from_roughness == pytest.approx(
+        0.03
+    )
     assert summarize(generated_result(), generated_study()).points[0].from_roughness is None
 
 

@@ -98,7 +98,7 @@ def type_number(driver, name, value):
     browser.wait_for_drawing(driver)
 
 
-def move_pointer(driver, x, y):
+def create_pointer_actions(driver, x, y):
     """Return a chain of actions that starts with a move of the pointer to a point."""
     from selenium.webdriver import ActionChains
 
@@ -255,7 +255,7 @@ def test_readout_under_the_pointer_equals_library_values(generated_report, gener
             left + width * (dimension_index + 0.5) / dimensions.size,
             top + height * (1 - (load_index + 0.5) / loads.size),
         )
-        move_pointer(generated_report, x, y).pause(0.2).perform()
+        create_pointer_actions(generated_report, x, y).pause(0.2).perform()
         browser.wait_for_drawing(generated_report)
         reference = friction_map(generated_dataset, [loads[load_index]], mu0=[mu0], tau0=[tau0 / 1000])
         reference = reference.isel(fractal_dimension=dimension_index, amplitude=0, load=0, mu0=0, tau0=0)
@@ -274,7 +274,7 @@ def test_readout_under_the_pointer_equals_library_values(generated_report, gener
 def test_click_selects_a_cell_of_the_map_and_double_click_resets_the_zoom(generated_report):
     initial_limits = axis_limits(generated_report)
     left, top, width, height = browser.find_axes_frame(generated_report, "map")
-    move_pointer(generated_report, left + 0.125 * width, top + 0.7 * height).click().perform()
+    create_pointer_actions(generated_report, left + 0.125 * width, top + 0.7 * height).click().perform()
     browser.wait_for_drawing(generated_report)
     selection = read_selection(generated_report)
     assert selection[0] == 0
@@ -290,7 +290,7 @@ def test_click_selects_a_cell_of_the_map_and_double_click_resets_the_zoom(genera
 def test_dragging_a_rectangle_and_clicking_buttons_change_the_zoom(generated_report):
     initial_limits = axis_limits(generated_report)
     left, top, width, height = browser.find_axes_frame(generated_report, "map")
-    actions = move_pointer(generated_report, left + 0.3 * width, top + 0.3 * height)
+    actions = create_pointer_actions(generated_report, left + 0.3 * width, top + 0.3 * height)
     actions.click_and_hold()
     for fraction in (0.5, 0.7):
         actions.w3c_actions.pointer_action.move_to_location(
@@ -486,7 +486,7 @@ def test_compass_sets_direction_and_tooltip_shows_numbers(maps_report):
         browser.press_keys(maps_report, "compass", Keys.ARROW_UP)
         assert expected_text in find_element(maps_report, "answer").text
     left, top, width, height = browser.find_axes_frame(maps_report, "friction")
-    move_pointer(maps_report, left + 0.5 * width, top + 0.5 * height).perform()
+    create_pointer_actions(maps_report, left + 0.5 * width, top + 0.5 * height).perform()
     browser.wait_for_drawing(maps_report)
     expected_text = maps_report.find_element("css selector", "#friction .tip").text
     assert "friction at all contacts" in expected_text

@@ -89,7 +89,7 @@ def test_csv_table_has_a_row_with_verdict_and_caveats_for_each_direction():
 
 DATASETS_AND_STUDIES = {
     "maps": (measured_result(**SEVERAL_CONDITIONS), measured_study()),
-    "missing": (measured_result(status="no-contact", all_rub=np.nan, opposing=np.nan, ok=0), measured_study()),
+    "missing": (measured_result(status="no-contact", all_contacts=np.nan, opposing=np.nan, ok=0), measured_study()),
     "generated": (generated_result(), generated_study()),
     "one point": (generated_result().isel(fractal_dimension=[0], load=[0], tau0=[0]), generated_study()),
 }
@@ -130,7 +130,9 @@ def test_json_record_has_null_for_ends_of_unbounded_intervals():
 
 def test_json_record_contains_verdict_caveats_and_values():
     record = json.loads(
-        summary_json("pair", summarize(measured_result(share_at_edge=0.6, half=0.02), measured_study()), positions=3)
+        summary_json(
+            "pair", summarize(measured_result(share_at_edge=0.6, half_width_ratio=0.02), measured_study()), positions=3
+        )
     )
     (answer,) = record["answers"]
     assert answer["verdict"] == "Do not quote"

@@ -48,7 +48,7 @@ DATASETS_AND_STUDIES = {
     "with caveats": (measured_result(share_at_edge=0.6, contact_count=5.0, reading_difference=0.1), measured_study()),
     "lines": (measured_result(directions=(0.0, 180.0)), measured_study(press="lines", mechanics="asperities")),
     "without a solution": (
-        measured_result(status="not-solved", all_rub=np.nan, opposing=np.nan, ok=0),
+        measured_result(status="not-solved", all_contacts=np.nan, opposing=np.nan, ok=0),
         measured_study(),
     ),
     "generated": (generated_result(), generated_study()),
