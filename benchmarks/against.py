@@ -64,20 +64,20 @@ def compare_profile_generators() -> list[tuple[str, str]]:
 
     # One non-uniform transform per frequency group (40 wavelengths, 150 000 points), then the matrix product.
     m, n = np.arange(1, 41), np.arange(40)
-    wave = np.cos(np.pi * m / 40)[:, None] * 1.5 ** n[None, :] * (PROFILE_LENGTH / NUM_POINTS)
-    angle = 2 * np.pi * (wave - np.rint(wave))
+    cosine_waves = np.cos(np.pi * m / 40)[:, None] * 1.5 ** n[None, :] * (PROFILE_LENGTH / NUM_POINTS)
+    angle = 2 * np.pi * (cosine_waves - np.rint(cosine_waves))
     weights = np.log(1.5) * 1.5 ** (2 * n[None, :] * (dimensions[:, None] - 2))
 
     def generate_by_finufft():
-        groups = np.empty((40, NUM_POINTS))
+        phase_groups = np.empty((40, NUM_POINTS))
         for k in range(40):
             # Modes start at -N/2; the strengths include the phase of the first point.
             amplitudes = np.exp(1j * (phases[:, k] + angle[:, k] * (NUM_POINTS // 2)))
             sums = finufft.nufft1d1(
                 np.ascontiguousarray(angle[:, k]), amplitudes, NUM_POINTS, eps=1e-12, isign=1, nthreads=1
             )
-            groups[k] = np.cos(phases[:, k]).sum() - sums.real
-        return weights @ groups
+            phase_groups[k] = np.cos(phases[:, k]).sum() - sums.real
+        return weights @ phase_groups
 
     finufft_profiles = generate_by_finufft()
     difference = np.abs(finufft_profiles - profiles).max() / np.ptp(profiles, axis=1).min()

@@ -60,8 +60,8 @@ def draw_chart() -> None:
     """Draw a group of bars for each task, with stiction first."""
     ratios_by_task = collect_relative_times((DOCS_FOLDER / "generated/performance.md").read_text(encoding="utf-8"))
     with mpl.rc_context(MATPLOTLIB_STYLE):
-        bars = sum(1 + len(group) for group in ratios_by_task.values())
-        height = 3.2 * bars + 5.5 * len(ratios_by_task) + 11
+        num_bars = sum(1 + len(group) for group in ratios_by_task.values())
+        height = 3.2 * num_bars + 5.5 * len(ratios_by_task) + 11
         figure = Figure(figsize=(PAGE_WIDTH, height * INCHES_PER_MILLIMETRE))
         axes = figure.add_axes((0.2, 9 / height, 0.75, 1 - 10 / height))
         position, positions, names = 0.0, [], []

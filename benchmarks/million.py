@@ -60,7 +60,7 @@ def benchmark_rows() -> list[tuple[str, str]]:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "r"
             _, writing_time = call_and_time(lambda: compute_missing(STUDY, path))
-            files = sum(len(files) for _, _, files in os.walk(path))
+            num_files = sum(len(files) for _, _, files in os.walk(path))
             stored_info, info_time = call_and_time(lambda: store.info(path))
             result, opening_time = call_and_time(lambda: store.open_stored(path))
             loads = np.geomspace(20, 60, 20)
@@ -79,7 +79,7 @@ def benchmark_rows() -> list[tuple[str, str]]:
     return [
         (f"{NUM_REPETITIONS:,} repetitions, 2 pairs of 8 approaches each", f"{result.nbytes / 1e9:.2f} GB"),
         ("compute synthetic sums, and store them", f"{writing_time:.0f} s"),
-        ("number of files, and size on disk", f"{files}, {stored_info.size / 1e9:.2f} GB"),
+        ("number of files, and size on disk", f"{num_files}, {stored_info.size / 1e9:.2f} GB"),
         ("read the progress, open the result", f"{info_time:.1f} s, {opening_time:.1f} s"),
         (
             "maps of friction, area, stiffness at 20 loads",

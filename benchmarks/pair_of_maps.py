@@ -85,9 +85,9 @@ def benchmark_rows() -> list[tuple[str, str]]:
         # Do not measure the first solution, which imports modules and computes kernels.
         half_space(*load_bodies(study).member(0, 0.0).pair, [0.1], effective_modulus=100.0)
         processor_times = []
-        for turn in range(NUM_TIMING_ROUNDS):
+        for round_index in range(NUM_TIMING_ROUNDS):
             processor_times.append([measure_processor_time(task) for task in tasks])
-            commands.append(measure_command(folder, str(turn + 1)))
+            commands.append(measure_command(folder, str(round_index + 1)))
     command_time, wall_time = (statistics.median(column) for column in zip(*commands[1:], strict=True))
     position_time, cutoff_time, onset_time = (
         statistics.median(column) for column in zip(*processor_times, strict=True)

@@ -40,17 +40,17 @@ def press(upper, lower, spacing, approaches, modulus=10.0):
         n = separation / distance[:, None]
         centre = o_l[:, 0] + separation[:, 0] / 2 - (r_u[i] - r_l[i]) / 2 * n[:, 0]
         overlap = r_u[i] + r_l[i] - distance
-        ok = (centre >= -spacing / 2) & (centre < spacing / 2) & (overlap > 0) & (n[:, 1] > 0)
-        n, overlap = n[ok], overlap[ok]
-        radius = 1 / (1 / r_u[i][ok] + 1 / r_l[i][ok])
+        is_contact = (centre >= -spacing / 2) & (centre < spacing / 2) & (overlap > 0) & (n[:, 1] > 0)
+        n, overlap = n[is_contact], overlap[is_contact]
+        radius = 1 / (1 / r_u[i][is_contact] + 1 / r_l[i][is_contact])
         force = 4 / 3 * modulus * np.sqrt(radius) * overlap**1.5
         area = np.pi * radius * overlap
-        opposing = n[:, 0] < 0
+        is_opposing = n[:, 0] < 0
         rows.append(
             (
-                len(n), area.sum(), (force * n[:, 1]).sum(), -(force * n[:, 0])[opposing].sum(),
-                (force * n[:, 0])[opposing].sum(), (force * n[:, 1])[opposing].sum(),
-                (area * n[:, 0])[opposing].sum(), (area * n[:, 1])[opposing].sum(),
+                len(n), area.sum(), (force * n[:, 1]).sum(), -(force * n[:, 0])[is_opposing].sum(),
+                (force * n[:, 0])[is_opposing].sum(), (force * n[:, 1])[is_opposing].sum(),
+                (area * n[:, 0])[is_opposing].sum(), (area * n[:, 1])[is_opposing].sum(),
             )
         )  # fmt: skip
     return np.array(rows).T

@@ -60,13 +60,15 @@ def measure_interpolation_error(driver, dataset: xarray.Dataset) -> float:
             "return [at.status, at.value, at.lower, at.upper]"
         )
         status, *result = driver.execute_script(script, dimension_index, load, mu0, tau0)
-        reference = friction_map(
+        reference_map = friction_map(
             dataset.isel(fractal_dimension=[dimension_index]), [loads[load]], mu0=[mu0], tau0=[tau0 / 1000]
         )
-        reference = reference.squeeze()
-        if status == "ok" and str(reference["status"].values) == "ok":
-            expected = np.array([float(reference[name]) for name in ("friction_coefficient", "lower", "upper")])
-            errors.append(float(relative_excess_error(np.array(result), expected)))
+        reference_map = reference_map.squeeze()
+        if status == "ok" and str(reference_map["status"].values) == "ok":
+            expected_values = np.array(
+                [float(reference_map[name]) for name in ("friction_coefficient", "lower", "upper")]
+            )
+            errors.append(float(relative_excess_error(np.array(result), expected_values)))
     return float(np.median(errors))
 
 
@@ -90,6 +92,6 @@ def benchmark_rows() -> list[tuple[str, str]]:
         ("time to write the page, time to open it", f"{save_time:.1f} s, {open_time:.1f} s"),
         ("median time from a step of the mu0 slider to the redrawn view", f"{mu0_time:.0f} ms"),
         ("median times for the sliders of tau0, fractal dimension and load",
-         ", ".join(f"{each:.0f}" for each in other_times) + " ms"),
+         ", ".join(f"{other_time:.0f}" for other_time in other_times) + " ms"),
         (f"median error at {NUM_RANDOM_POINTS} random points relative to the tolerance", f"{error:.2g}"),
     ]  # fmt: skip

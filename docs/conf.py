@@ -64,10 +64,10 @@ os.environ["COLUMNS"] = "88"  # characters in a line of a code box on a wide scr
 
 def write_reference_pages(app: Sphinx) -> None:
     """Write the reference pages that are generated from the package."""
-    built = Path(app.srcdir) / "built"
-    built.mkdir(exist_ok=True)
+    built_folder = Path(app.srcdir) / "built"
+    built_folder.mkdir(exist_ok=True)
     for name, text in reference.render_pages(Path(app.srcdir)).items():
-        path = built / name
+        path = built_folder / name
         if not path.exists() or path.read_text("utf-8") != text:
             path.write_text(text, encoding="utf-8")
 
@@ -101,8 +101,8 @@ def improve_accessibility(app: Sphinx, exception: Exception | None) -> None:
     generated_pages = [Path(app.outdir) / name for name in ("genindex.html", "search.html")]
     for page in (*list_markdown_pages(app), *generated_pages) if exception is None else ():
         text = page.read_text("utf-8")
-        for before, after in ACCESSIBILITY_REPLACEMENTS:
-            text = text.replace(before, after)
+        for original_html, accessible_html in ACCESSIBILITY_REPLACEMENTS:
+            text = text.replace(original_html, accessible_html)
         page.write_text(text, encoding="utf-8")
 
 
@@ -145,9 +145,9 @@ def write_example_reports(app: Sphinx, exception: Exception | None) -> None:
 
 def check_for_build_paths(app: Sphinx, exception: Exception | None) -> None:
     """End the build with an error if a page contains a path of the build machine."""
-    folders = "|".join(re.escape(f"{folder}{os.sep}") for folder in (ROOT, tempfile.gettempdir()))
+    folder_pattern = "|".join(re.escape(f"{folder}{os.sep}") for folder in (ROOT, tempfile.gettempdir()))
     for page in sorted(Path(app.outdir).rglob("*.html")) if exception is None else ():
-        if match := re.search(rf"(?<![\w.])(?:{folders})", page.read_text("utf-8")):
+        if match := re.search(rf"(?<![\w.])(?:{folder_pattern})", page.read_text("utf-8")):
             raise SphinxError(f"{page.name} contains the path {match[0]}")
 
 
@@ -199,16 +199,18 @@ class CommandPromptTransform(SphinxPostTransform):
 
     def run(self, **_: Any) -> None:
         for literal in list(self.document.findall(nodes.literal_block)):
-            magic, _newline, text = literal.astext().partition("\n")
-            if magic.startswith("%%sh"):
+            magic_line, _newline, text = literal.astext().partition("\n")
+            if magic_line.startswith("%%sh"):
                 displayed_text = re.sub(r"^(?=\S)(?<!\\\n)", "$ ", text, flags=re.MULTILINE)
                 language = "console"
-            elif magic.startswith("%%writefile "):
-                displayed_text, language = f"# {magic.split()[1]}\n{text}", "toml"
+            elif magic_line.startswith("%%writefile "):
+                displayed_text, language = f"# {magic_line.split()[1]}\n{text}", "toml"
             else:
                 continue
-            new = nodes.literal_block(displayed_text, displayed_text, language=language, classes=literal["classes"])
-            literal.replace_self(new)
+            highlighted_block = nodes.literal_block(
+                displayed_text, displayed_text, language=language, classes=literal["classes"]
+            )
+            literal.replace_self(highlighted_block)
 
 
 def add_description(
@@ -264,8 +266,8 @@ def to_mathml(node: nodes.math | nodes.math_block) -> str:
 
 
 def visit_formula(translator: HTML5Translator, node: nodes.math | nodes.math_block) -> NoReturn:
-    block = isinstance(node, nodes.math_block)
-    translator.body.append(f'<div class="formula">{to_mathml(node)}</div>\n' if block else to_mathml(node))
+    is_block = isinstance(node, nodes.math_block)
+    translator.body.append(f'<div class="formula">{to_mathml(node)}</div>\n' if is_block else to_mathml(node))
     raise nodes.SkipNode
 
 
@@ -277,9 +279,11 @@ class EnglishSymbolSearch(SearchEnglish):
 
     def split(self, input: str) -> list[str]:  # noqa: A002  (name of the argument in Sphinx)
         """Return the words of a text, and the alternative spelling of symbols."""
-        alike = _ASCII_NAMES_BY_SYMBOL | {name: symbol for symbol, name in _ASCII_NAMES_BY_SYMBOL.items()}
+        alternative_spellings = _ASCII_NAMES_BY_SYMBOL | {
+            name: symbol for symbol, name in _ASCII_NAMES_BY_SYMBOL.items()
+        }
         words = super().split(input)
-        return [*words, *(alike[word] for word in words if word in alike)]
+        return [*words, *(alternative_spellings[word] for word in words if word in alternative_spellings)]
 
 
 def setup(app: Sphinx) -> None:

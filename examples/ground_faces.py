@@ -24,9 +24,9 @@ def create_ground_face(side):
         8, hurst_exponent=0.8, rms=0.15, shape=(80, 320), spacing=0.2, longest_wavelength=8.0, shortest_wavelength=0.8,
         side=side,
     )  # fmt: skip
-    long = Surface(waves.heights, spacing=(1.6, 0.2))
-    grid = Surface(np.zeros((320, 320)), spacing=0.2)
-    return levelled(on_common_grid(long, grid)[0], "plane")
+    stretched_surface = Surface(waves.heights, spacing=(1.6, 0.2))
+    square_grid = Surface(np.zeros((320, 320)), spacing=0.2)
+    return levelled(on_common_grid(stretched_surface, square_grid)[0], "plane")
 
 
 upper, lower = create_ground_face("upper"), create_ground_face("lower")

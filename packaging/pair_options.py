@@ -101,13 +101,15 @@ def render_parameter_descriptions() -> str:
     ]
     lines = []
     for name in ordered_names:
-        option, declared = PAIR_OPTIONS[name], types[name].removesuffix(" | None")
+        option, declared_type = PAIR_OPTIONS[name], types[name].removesuffix(" | None")
         choices = ", ".join(f'"{choice}"' for choice in list_choices(name))
-        type_text = f"{{{choices}}}" if choices and declared != "InterfaceName" else DOCSTRING_TYPES[declared]
+        type_text = f"{{{choices}}}" if choices and declared_type != "InterfaceName" else DOCSTRING_TYPES[declared_type]
         unit = f", {DEFAULT_UNITS[option.kind]}" if option.kind else ""
-        optional = "" if PairOptions.model_fields[name].is_required() or name in BODY_OPTION_NAMES else ", optional"
+        optional_text = (
+            "" if PairOptions.model_fields[name].is_required() or name in BODY_OPTION_NAMES else ", optional"
+        )
         text = option.help.format_map(PythonOptionNames()) + (f" By default {option.usual}." if option.usual else "")
-        lines.append(f"    {format_python_name(name)} : {type_text}{unit}{optional}")
+        lines.append(f"    {format_python_name(name)} : {type_text}{unit}{optional_text}")
         lines += textwrap.wrap(text, LINE_LENGTH, initial_indent=" " * 8, subsequent_indent=" " * 8)
     return "\n".join(lines) + "\n"
 
@@ -148,11 +150,11 @@ def render_reader_parameters() -> str:
 
 def replace_section(text: str, start: str, end: str, new: str) -> str:
     """Replace the section of a text between `start` and `end`."""
-    head, result, rest = text.partition(start)
-    _, found_end, tail = rest.partition(end)
+    head, result, text_after_start = text.partition(start)
+    _, found_end, text_after_end = text_after_start.partition(end)
     assert result, start
     assert found_end, end
-    return head + start + new + end + tail
+    return head + start + new + end + text_after_end
 
 
 def generated_texts() -> dict[Path, str]:

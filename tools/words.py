@@ -101,11 +101,11 @@ def docstring_summaries(files: TextsByPath) -> Iterator[SampledText]:
             text = ast.get_docstring(node)
             if text:
                 yield f"{name}:{getattr(node, 'name', 'module')}", " ".join(text.split("\n\n")[0].split())
-            for first, second in zip(node.body, node.body[1:], strict=False):
-                if isinstance(first, ast.Assign | ast.AnnAssign) and isinstance(second, ast.Expr):
-                    value = second.value
+            for previous_node, node_after in zip(node.body, node.body[1:], strict=False):
+                if isinstance(previous_node, ast.Assign | ast.AnnAssign) and isinstance(node_after, ast.Expr):
+                    value = node_after.value
                     if isinstance(value, ast.Constant) and isinstance(value.value, str):
-                        yield f"{name}:{second.lineno}", " ".join(value.value.split("\n\n")[0].split())
+                        yield f"{name}:{node_after.lineno}", " ".join(value.value.split("\n\n")[0].split())
 
 
 def comments(files: TextsByPath) -> Iterator[SampledText]:
@@ -200,12 +200,12 @@ def is_constant(name: str) -> bool:
 
 def names_by_kind(files: TextsByPath) -> dict[str, list[SampledText]]:
     """Return the place and spelling of each name by kind. A repeated name counts once per file."""
-    unique: dict[str, dict[SampledText, None]] = {kind: {} for kind in NAME_KINDS}
+    unique_names: dict[str, dict[SampledText, None]] = {kind: {} for kind in NAME_KINDS}
     for path, node in iterate_syntax_nodes(files):
         for kind, name in bound_names(node):
             if len(name.strip("_")) > 1:
-                unique[kind][path, name] = None
-    return {kind: list(items) for kind, items in unique.items()}
+                unique_names[kind][path, name] = None
+    return {kind: list(items) for kind, items in unique_names.items()}
 
 
 # ---- Sample ---------------------------------------------------------------------------------------------------------

@@ -378,10 +378,10 @@ def _extreme_over_dimensions(
     if r.interval_method == "percentiles" or not usable_values.size:
         return np.asarray(extreme_function.reduce(usable_values, axis=1, initial=np.nan))
     # Simultaneous 95 % band: the number of standard deviations that contain all values in 95 % of the resamples.
-    spread = np.nanstd(usable_values[1:], axis=0)
-    has_spread = spread > 0
-    deviations = np.abs(usable_values[1:, has_spread] - usable_values[0, has_spread]) / spread[has_spread]
-    half_band = float(np.quantile(np.fmax.reduce(deviations, axis=1, initial=0.0), 0.95)) * spread
+    standard_deviations = np.nanstd(usable_values[1:], axis=0)
+    has_spread = standard_deviations > 0
+    deviations = np.abs(usable_values[1:, has_spread] - usable_values[0, has_spread]) / standard_deviations[has_spread]
+    half_band = float(np.quantile(np.fmax.reduce(deviations, axis=1, initial=0.0), 0.95)) * standard_deviations
     lowest_possible = 0.0 if (usable_values[0] >= 0).all() else -math.inf
     band_ends = [float(extreme_function.reduce(usable_values[0] + side * half_band)) for side in (-1, 1)]
     return SimultaneousInterval(
@@ -489,10 +489,10 @@ def _largest_change_by_weak_adhesion(r: ResampledMeans) -> Floats | Simultaneous
 
 def _dimension_ratio_measure(start: float, stop: float) -> MeasureFunction:
     def measure(r: ResampledMeans) -> Floats:
-        logarithm = np.log(r.at("friction", r.middle_load, tau0=0.2))
+        log_friction_values = np.log(r.at("friction", r.middle_load, tau0=0.2))
         return np.exp(
-            _mean_over_dimensions(r, logarithm, start, stop)
-            - _mean_over_dimensions(r, logarithm, *_MIDDLE_DIMENSION_RANGE)
+            _mean_over_dimensions(r, log_friction_values, start, stop)
+            - _mean_over_dimensions(r, log_friction_values, *_MIDDLE_DIMENSION_RANGE)
         )
 
     return measure
@@ -835,8 +835,8 @@ def _verdict_badge(verdict: str) -> str:
 
 def _replace_symbols(text: str) -> str:
     """Return a text with mu0, tau0 and F_N as mathematical symbols."""
-    for plain, symbol in (("mu_s", "μ_s"), ("mu0", "μ0"), ("tau0", "τ0")):
-        text = text.replace(plain, symbol)
+    for plain_symbol, symbol in (("mu_s", "μ_s"), ("mu0", "μ0"), ("tau0", "τ0")):
+        text = text.replace(plain_symbol, symbol)
     return text
 
 

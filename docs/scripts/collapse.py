@@ -68,8 +68,8 @@ def iterate_cases() -> Iterator[dict]:
         dimensions, (0.03, 0.1, 0.3, 0.6), ((2.0, 8), (2.0, 5), (1.0, 6), (1.0, 4))
     ):
         yield {"family": "WM area", "D": dimension, "height": height, "L": scale, "n": num_frequencies}
-    bands = ((5.0, 0.3125), (2.5, 0.3125), (5.0, 0.15625))
-    for hurst, (longest, shortest), gradient in product((0.3, 0.5, 0.7, 0.9), bands, (0.05, 0.15, 0.4, 0.8)):
+    wavelength_bands = ((5.0, 0.3125), (2.5, 0.3125), (5.0, 0.15625))
+    for hurst, (longest, shortest), gradient in product((0.3, 0.5, 0.7, 0.9), wavelength_bands, (0.05, 0.15, 0.4, 0.8)):
         yield {"family": "self-affine area", "H": hurst, "longest": longest, "shortest": shortest, "h": gradient}
     for hurst, stretch, gradient, angle in product((0.5, 0.8), (2.0, 4.0), (0.1, 0.3, 0.8), (0.0, 45.0, 90.0)):
         yield {
@@ -195,21 +195,21 @@ def load_map_pairs(case: dict) -> list[Pair]:
     surface = levelled(read_surface(DATA_FOLDER / case["file"]), "plane")
     half_shape = [size // 2 for size in surface.heights.shape]
     corners = product((0, half_shape[0]), (0, half_shape[1]))
-    quarters = [
+    quarter_maps = [
         Surface(surface.heights[row : row + half_shape[0], column : column + half_shape[1]], spacing=surface.spacing)
         for row, column in corners
     ]
-    return [(flipped(upper), lower) for upper, lower in permutations(quarters, 2)]
+    return [(flipped(upper), lower) for upper, lower in permutations(quarter_maps, 2)]
 
 
 def load_profile_pairs(case: dict) -> list[Pair]:
     """Return pairs of quarters of a profile; the upper one is flipped."""
     line = levelled(read_profile(DATA_FOLDER / case["file"]), "line")
     quarter_length = len(line) // 4
-    quarters = [
+    quarter_maps = [
         Profile(line.heights[k * quarter_length : (k + 1) * quarter_length], spacing=line.spacing) for k in range(4)
     ]
-    return [(flipped(upper), lower) for upper, lower in permutations(quarters, 2)]
+    return [(flipped(upper), lower) for upper, lower in permutations(quarter_maps, 2)]
 
 
 # ---- Measuring -------------------------------------------------------------------------------------------------------

@@ -91,11 +91,11 @@ def draw_bodies(ax: Axes, profiles: ContactingProfiles, bottom: float, top: floa
 
 def draw_pair(ax: Axes, profiles: ContactingProfiles) -> None:
     x, lower, result = profiles.lower.x, profiles.lower.heights, profiles.contact_list
-    touching = profiles.upper.heights - profiles.first_contact_displacement
-    bottom, top = lower.min() - 0.4, touching.max() + 0.45
+    touching_heights = profiles.upper.heights - profiles.first_contact_displacement
+    bottom, top = lower.min() - 0.4, touching_heights.max() + 0.45
     draw_bodies(ax, profiles, bottom, top)
     ax.set_xlim(-0.95, x[-1] + 0.05)
-    ax.plot(x, touching, color=INK_COLOUR, linewidth=0.5, linestyle=(0, (4, 3)))
+    ax.plot(x, touching_heights, color=INK_COLOUR, linewidth=0.5, linestyle=(0, (4, 3)))
     vectors = (project_to_plane(item) for item in (result.centre, result.normal, result.tangent))
     for number, (centre, normal, tangent) in enumerate(zip(*vectors, strict=True)):
         colour, contact_kind = (
@@ -119,12 +119,12 @@ def draw_pair(ax: Axes, profiles: ContactingProfiles) -> None:
     )
 
     j = round(3.7 / profiles.lower.spacing)
-    draw_arrow(ax, np.array([x[j], lower[j]]), np.array([x[j], touching[j]]), style="<|-|>")
+    draw_arrow(ax, np.array([x[j], lower[j]]), np.array([x[j], touching_heights[j]]), style="<|-|>")
     draw_label(ax, np.array([x[j] + 0.08, lower[j] + 0.3]), "gap", ha="left")
     j = round(8.3 / profiles.lower.spacing)
-    draw_arrow(ax, np.array([x[j], touching[j]]), np.array([x[j], touching[j] - APPROACH]))
-    draw_label(ax, np.array([x[j], touching[j] - APPROACH - 0.15]), r"approach $\delta$")
-    draw_label(ax, np.array([1.15, touching[115] + 0.12]), "at first contact", va="bottom")
+    draw_arrow(ax, np.array([x[j], touching_heights[j]]), np.array([x[j], touching_heights[j] - APPROACH]))
+    draw_label(ax, np.array([x[j], touching_heights[j] - APPROACH - 0.15]), r"approach $\delta$")
+    draw_label(ax, np.array([1.15, touching_heights[115] + 0.12]), "at first contact", va="bottom")
 
     corner = np.array([-0.6, bottom + 0.12])
     draw_arrow(ax, corner, corner + np.array([0.5, 0.0]))
@@ -193,11 +193,11 @@ def draw_forces(ax: Axes, profiles: ContactingProfiles) -> None:
     )
     # Lengths of arrows are in units of the normal force.
     start, normal_tip, end = np.zeros(2), normal, normal + MU0 * tangent
-    foot = np.array([end[0], 0.0])
+    arrow_foot = np.array([end[0], 0.0])
     draw_arrow(ax, start, normal_tip, OPPOSING_COLOUR, width=1.2)
     draw_arrow(ax, normal_tip, end, OPPOSING_COLOUR, width=1.2)
-    draw_arrow(ax, end, foot, width=1.2)
-    draw_arrow(ax, foot, start, width=1.2)
+    draw_arrow(ax, end, arrow_foot, width=1.2)
+    draw_arrow(ax, arrow_foot, start, width=1.2)
     ax.plot(*zip(start, end, strict=True), color=INK_COLOUR, linewidth=0.5, linestyle=":")
     ax.plot([0.0, 0.0], [0.0, 1.0], color=INK_COLOUR, linewidth=0.5, linestyle=":")
     draw_angle(ax, start, 0.7, normal, np.array([0.0, 1.0]), r"$\theta$")
@@ -205,8 +205,8 @@ def draw_forces(ax: Axes, profiles: ContactingProfiles) -> None:
     draw_label(ax, 0.42 * end, r"$\arctan\,\mu_0$", -0.04, ha="right")
     draw_label(ax, 0.55 * normal_tip, r"$F\,\mathbf{n}$", 0.04, color=OPPOSING_COLOUR, ha="left")
     draw_label(ax, (normal_tip + end) / 2, r"$\mu_0 F\,\mathbf{t}$", 0.0, 0.04, color=OPPOSING_COLOUR, va="bottom")
-    draw_label(ax, (end + foot) / 2, "load $F_N$", -0.03, ha="right")
-    draw_label(ax, (foot + start) / 2, "load $F_T$", 0.0, -0.03, va="top")
+    draw_label(ax, (end + arrow_foot) / 2, "load $F_N$", -0.03, ha="right")
+    draw_label(ax, (arrow_foot + start) / 2, "load $F_T$", 0.0, -0.03, va="top")
     ax.set_xlim(end[0] - 0.4, 0.55)
     ax.set_ylim(-0.12, normal_tip[1] + 0.12)
     ax.set_aspect("equal")

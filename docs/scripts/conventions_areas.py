@@ -48,23 +48,31 @@ def draw_overview(axes, lower, contact_list):
     axes.plot_surface(
         x, y, lower.heights, color=BODY_COLOUR, rstride=2, cstride=2, linewidth=0.15, edgecolor="0.7", zorder=0
     )
-    for centre, normal, opposes in zip(contact_list.centre, contact_list.normal, contact_list.opposing, strict=True):
+    for centre, normal, is_opposing in zip(
+        contact_list.centre, contact_list.normal, contact_list.opposing, strict=True
+    ):
         axes.quiver(
             *centre,
             *(0.9 * normal),
-            color=OPPOSING_COLOUR if opposes else ASSISTING_COLOUR,
+            color=OPPOSING_COLOUR if is_opposing else ASSISTING_COLOUR,
             linewidth=1.1,
             arrow_length_ratio=0.2,
         )
-        axes.plot(*centre[:, None], "o", color=OPPOSING_COLOUR if opposes else ASSISTING_COLOUR, markersize=3)
+        axes.plot(*centre[:, None], "o", color=OPPOSING_COLOUR if is_opposing else ASSISTING_COLOUR, markersize=3)
     corner = np.array([0.0, 0.0, lower.heights.min()])
     for vector, name in (((1, 0, 0), "x"), ((0, 1, 0), "y"), ((0, 0, 1), "z")):
         draw_arrow(axes, corner, vector, "0.45", f"${name}$", length=1.0)
     phi = np.radians(DIRECTION)
     start = np.array([0.4, 0.4, 1.3])
     draw_arrow(axes, start, (np.cos(phi), np.sin(phi), 0), INK_COLOUR, r"$\mathbf{s}$", length=1.4)
-    around = np.linspace(0, phi, 20)
-    axes.plot(0.4 + 0.8 * np.cos(around), 0.4 + 0.8 * np.sin(around), np.full(20, 1.3), color=INK_COLOUR, linewidth=0.6)
+    arc_angles = np.linspace(0, phi, 20)
+    axes.plot(
+        0.4 + 0.8 * np.cos(arc_angles),
+        0.4 + 0.8 * np.sin(arc_angles),
+        np.full(20, 1.3),
+        color=INK_COLOUR,
+        linewidth=0.6,
+    )
     axes.plot([0.4, 1.5], [0.4, 0.4], [1.3, 1.3], color=INK_COLOUR, linewidth=0.5, linestyle=":")
     axes.text(1.45, 0.62, 1.3, r"$\varphi$", ha="center", va="center")
     axes.set(xlim=(0, 4), ylim=(0, 4), zlim=(-0.5, 1.2))
@@ -81,8 +89,8 @@ def draw_contact(axes, normal, tangent):
     u, v = np.meshgrid([-1, 1], [-1, 1])
     corners = 0.9 * (u[..., None] * tangent + v[..., None] * side)
     axes.plot_surface(*np.moveaxis(corners, -1, 0), color=BODY_COLOUR, alpha=0.55, linewidth=0)
-    level = 0.9 * (u[..., None] * s + v[..., None] * np.cross([0, 0, 1.0], s))
-    axes.plot_wireframe(*np.moveaxis(level, -1, 0), color="0.6", linewidth=0.5, linestyle=":")
+    level_corners = 0.9 * (u[..., None] * s + v[..., None] * np.cross([0, 0, 1.0], s))
+    axes.plot_wireframe(*np.moveaxis(level_corners, -1, 0), color="0.6", linewidth=0.5, linestyle=":")
     origin = np.zeros(3)
     draw_arrow(axes, origin, normal, OPPOSING_COLOUR, r"$\mathbf{n}$, along $F$", length=1.3)
     draw_arrow(
@@ -100,14 +108,14 @@ def draw_contact(axes, normal, tangent):
 def save_figure(path):
     """Draw the figure, and write it to a file."""
     lower, result = create_pair()
-    steepest = int(np.argmax(np.where(result.opposing, np.hypot(result.normal[:, 0], result.normal[:, 1]), -1)))
+    steepest_index = int(np.argmax(np.where(result.opposing, np.hypot(result.normal[:, 0], result.normal[:, 1]), -1)))
     with mpl.rc_context(MATPLOTLIB_STYLE):
         figure = Figure(figsize=(160 * INCHES_PER_MILLIMETRE, 74 * INCHES_PER_MILLIMETRE))
         draw_overview(figure.add_axes((-0.06, -0.12, 0.7, 1.16), projection="3d", computed_zorder=False), lower, result)
         draw_contact(
             figure.add_axes((0.56, -0.08, 0.44, 1.08), projection="3d"),
-            result.normal[steepest],
-            result.tangent[steepest],
+            result.normal[steepest_index],
+            result.tangent[steepest_index],
         )
         figure.savefig(path, dpi=200)
 

@@ -88,9 +88,9 @@ def estimate_spectrum(gap):
     heights = levelled(gap, "plane").heights * np.hanning(gap.heights.shape[0])[:, None]
     heights = heights * np.hanning(gap.heights.shape[1])
     wave_number = np.hypot(*np.meshgrid(*(np.fft.fftfreq(n, gap.spacing[0]) for n in gap.heights.shape), indexing="ij"))
-    power = np.abs(np.fft.fft2(heights)) ** 2 * np.prod(gap.spacing) / heights.size / (9 / 64)
+    power_density = np.abs(np.fft.fft2(heights)) ** 2 * np.prod(gap.spacing) / heights.size / (9 / 64)
     is_fitted = (wave_number > 1 / FIT_WAVELENGTHS[1]) & (wave_number < 1 / FIT_WAVELENGTHS[0])
-    slope, log_factor = np.polyfit(np.log(wave_number[is_fitted]), np.log(power[is_fitted]), 1)
+    slope, log_factor = np.polyfit(np.log(wave_number[is_fitted]), np.log(power_density[is_fitted]), 1)
     return (
         -slope / 2 - 1,
         lambda wave_number: np.exp(log_factor + np.euler_gamma) * wave_number**slope,
@@ -133,7 +133,7 @@ def change_heights(gap, change):
 
 def list_gap_variants(folder, name):
     """Return the variants: label, kind of uncertainty or None, gap, and arguments of `compute_closure`."""
-    gap, random = read_gap(folder, name), np.random.default_rng(1)
+    gap, generator = read_gap(folder, name), np.random.default_rng(1)
     yield "frozen settings", "", gap, {}
     for young in (10.0, 12.0):
         yield f"E = {young:g} GPa", "E", gap, {"young": young}
@@ -143,7 +143,7 @@ def list_gap_variants(folder, name):
     yield "tilt fixed, periodic", "tilt", gap, {"tilt": "fixed", "boundary": "periodic"}
     yield "whole disc", "tilt", read_gap(folder, name, square=False), {}
     yield "heights random within 4 µm", "digitising", change_heights(
-        gap, lambda z: z + random.uniform(-DIGITISING_STEP / 2, DIGITISING_STEP / 2, z.shape)
+        gap, lambda z: z + generator.uniform(-DIGITISING_STEP / 2, DIGITISING_STEP / 2, z.shape)
     ), {}  # fmt: skip
     yield "blurred by one point", "digitising", change_heights(gap, lambda z: gaussian_filter(z, 1.0)), {}
     yield (
@@ -155,8 +155,8 @@ def list_gap_variants(folder, name):
     for hardness in (1.0, 0.5):
         yield f"hardness {hardness:g} GPa", "hardness" if hardness >= 1 else "", gap, {"hardness": hardness}
     yield "finer wavelengths on a grid of half the spacing", "", refine_gap(gap, 2), {}
-    for by in (100.0, 300.0):
-        yield f"one face displaced by {by / 1e3:g} mm", "", shift_gap(gap, by), {}
+    for shear_displacement in (100.0, 300.0):
+        yield f"one face displaced by {shear_displacement / 1e3:g} mm", "", shift_gap(gap, shear_displacement), {}
     yield "form removed (second degree)", "", levelled(gap, "quadratic"), {}
 
 
@@ -193,8 +193,8 @@ def main(folder, names):
                 secant_stiffness(closure, stresses, stress_range) for stress_range in (LOW_STRESSES, HIGH_STRESSES)
             ]
             deviations = [
-                100 * (value / measured - 1)
-                for value, measured in zip(computed_stiffness, measured_stiffness, strict=True)
+                100 * (value / measured_value - 1)
+                for value, measured_value in zip(computed_stiffness, measured_stiffness, strict=True)
             ]
             area = 100 * curve.contact_area[-1] * stress[-1] / 1e3 / curve.load[-1]
             cells = (

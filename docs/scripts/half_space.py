@@ -66,13 +66,13 @@ def create_body(kind: str, hurst: float, bandwidth: int, repetition: int, side: 
 
 
 def friction_coefficient(sums: dict[str, np.ndarray], strength: float) -> np.ndarray:
-    tangential, normal = (
+    tangential_load, normal_load = (
         sums[f"{component}_elastic"]
         + MU0 * sums[f"{component}_frictional"]
         + strength * EFFECTIVE_MODULUS * sums[f"{component}_adhesive"]
         for component in ("tangential", "normal")
     )
-    return tangential / normal
+    return tangential_load / normal_load
 
 
 def solve_half_space(upper, lower, loads: np.ndarray) -> np.ndarray:
@@ -106,7 +106,7 @@ def solve_asperities(upper, lower, loads: np.ndarray, max_approach: float) -> np
             press(upper, lower, approaches, sliding=rule, direction=direction, **law) for direction in ("+x", "-x")
         ]
         load = curves[0].normal_elastic
-        first_indices = np.array([int(np.argmax(load >= expected)) for expected in loads])
+        first_indices = np.array([int(np.argmax(load >= expected_load)) for expected_load in loads])
         assert (load[first_indices] >= loads).all(), "a load is not reached"
         part = (loads - load[first_indices - 1]) / (load[first_indices] - load[first_indices - 1])
 

@@ -25,8 +25,8 @@ def create_map(side, hurst, stretch):
         longest_wavelength=6.4,
         shortest_wavelength=0.8,
     )
-    along_y, along_x = np.gradient(body.heights, stretch * SPACING, SPACING)
-    heights = 0.15 * body.heights / np.sqrt((along_x**2 + along_y**2).mean())
+    slopes_along_y, slopes_along_x = np.gradient(body.heights, stretch * SPACING, SPACING)
+    heights = 0.15 * body.heights / np.sqrt((slopes_along_x**2 + slopes_along_y**2).mean())
     return Surface(heights, spacing=(stretch * SPACING, SPACING))
 
 

@@ -46,11 +46,11 @@ def main():
         populations.append(
             np.nanmean(select_area_and_friction(member_values(result, loads, member_kind="shifts")), axis=-1)
         )
-        sample = Result(
+        sampled_result = Result(
             result.dataset.isel(repetition=slice(2 * SAMPLE_SIZE))
         )  # all surrogates, and an equal number of shifts
         for member_kind, interval_results in intervals.items():
-            interval_results.append(select_area_and_friction(at_load(sample, loads, member_kind=member_kind)))
+            interval_results.append(select_area_and_friction(at_load(sampled_result, loads, member_kind=member_kind)))
         if pair:
             TABLE_FILE.write_text(format_table(np.array(populations), intervals), encoding="utf-8")
 
@@ -74,7 +74,9 @@ def format_table(pair_means, intervals):
         width = np.median((high - low) / mean, axis=0)
         cells = [f"{100 * is_inside[:, k].mean():.0f} %, {100 * width[k]:.1f} %" for k in range(3)]
         lines.append(f"| {members_text} | {truth_text} | {' | '.join(cells)} |")
-    cells = [f"{100 * each:.1f} %" for each in pair_means.std(axis=0, ddof=1) / overall_means]
+    cells = [
+        f"{100 * relative_deviation:.1f} %" for relative_deviation in pair_means.std(axis=0, ddof=1) / overall_means
+    ]
     lines.append(f"| | standard deviation of the {num_pairs} pairs' own means | {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 

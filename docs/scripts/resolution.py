@@ -236,7 +236,7 @@ def render_coarser_cutoff_rows(rows):
         return " | ".join(f"{factor * value:.{digits}f}" for value in values)
 
     lines = [
-        f"| Hurst {rows[0]['hurst']}, {len(rows)} pairs | {' | '.join(f'{each} points' for each in (4, *CUTOFFS))} |",
+        f"| Hurst {rows[0]['hurst']}, {len(rows)} pairs | {' | '.join(f'{count} points' for count in (4, *CUTOFFS))} |",
         "|" + "---|" * (2 + len(CUTOFFS)),
         f"| h' of the gap | {format_means('plastic', 'gradient')} |",
         f"| elastic: A/A0 (%) | {format_means('elastic', 'area', 100)} |",
@@ -261,10 +261,14 @@ def count_pairs_inside_brackets(rows, name, limit_index, upper_key):
     count = 0
     for row in rows:
         values, bracket_ends, gradients = (row["plastic"][item] for item in (name, upper_key, "gradient"))
-        index_pairs = [(fine, coarse) for coarse in range(len(values)) for fine in range(coarse)]
+        index_pairs = [
+            (fine_index, coarse_index) for coarse_index in range(len(values)) for fine_index in range(coarse_index)
+        ]
         count += all(
-            row["limit"][limit_index] <= values[fine] <= bracket_ends[coarse] * (1 + gradients[fine] ** 2 / 8)
-            for fine, coarse in index_pairs
+            row["limit"][limit_index]
+            <= values[fine_index]
+            <= bracket_ends[coarse_index] * (1 + gradients[fine_index] ** 2 / 8)
+            for fine_index, coarse_index in index_pairs
         )
     return f"{count} of {len(rows)}"
 
@@ -272,7 +276,7 @@ def count_pairs_inside_brackets(rows, name, limit_index, upper_key):
 def bracket_widths(rows, name, limit_index, upper_key):
     """Return the median width of brackets relative to the limit (%), at each cutoff but the finest."""
     relative_bounds = np.array([np.array(row["plastic"][upper_key]) / row["limit"][limit_index] for row in rows])
-    return ", ".join(f"{100 * (each - 1):.1f}" for each in np.median(relative_bounds, axis=0)[1:])
+    return ", ".join(f"{100 * (width_ratio - 1):.1f}" for width_ratio in np.median(relative_bounds, axis=0)[1:])
 
 
 def render_bracket_rows(groups):
@@ -361,7 +365,7 @@ def render_extrapolation_rows(extrapolations):
     return [
         header,
         "|---|" + "---|" * len(HURST_EXPONENTS),
-        *(f"| {name} | {' | '.join(each)} |" for name, each in columns.items()),
+        *(f"| {name} | {' | '.join(cells)} |" for name, cells in columns.items()),
     ]
 
 
@@ -455,7 +459,7 @@ def draw_figure(rows_by_exponent, joined_results):
         axis.axhline(value, color="black", lw=1)
         axis.text(wavelengths[0], value, f"plastic limit {limit_label}", va="top", fontsize=8)
         axis.set(xscale="log", xlabel="cutoff wavelength (nm)")
-        axis.set_xticks(wavelengths, [f"{each:g}" for each in wavelengths])
+        axis.set_xticks(wavelengths, [f"{wavelength:g}" for wavelength in wavelengths])
         axis.set_xticks([], minor=True)
     axes[0].set(yscale="log", ylabel="true contact area A/A0 (%)", title="True area")
     axes[0].set_yticks([0.05, 0.1, 0.2, 0.5], ["0.05", "0.1", "0.2", "0.5"])

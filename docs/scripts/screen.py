@@ -120,6 +120,6 @@ def draw_figure(lines: list[str], dark: bool) -> Figure:
 
 
 if __name__ == "__main__":
-    printed = run_readme_example()
+    printed_lines = run_readme_example()
     for name, dark in (("screen", False), ("screen_dark", True)):
-        draw_figure(printed, dark).savefig(ROOT / f"docs/images/{name}.png", dpi=180)
+        draw_figure(printed_lines, dark).savefig(ROOT / f"docs/images/{name}.png", dpi=180)

@@ -51,11 +51,11 @@ def draw_pair(ax: Axes, rule: str, text_colour: str) -> None:
     for centre, offset, height, height_difference in zip(
         lower_centres, UPPER_OFFSETS, centre_heights, max_centre_height - centre_heights, strict=True
     ):
-        opposes = offset < 0  # the upper asperity is to the left: it must climb to move to the right
-        colour = OPPOSING_COLOUR if opposes else NOT_OPPOSING_COLOUR
+        is_opposing = offset < 0  # the upper asperity is to the left: it must climb to move to the right
+        colour = OPPOSING_COLOUR if is_opposing else NOT_OPPOSING_COLOUR
         point = np.array([centre + offset / 2, height_difference + height / 2])
         ax.plot(*point, "o", markersize=5, color=colour, zorder=4)
-        if opposes or rule == "all":
+        if is_opposing or rule == "all":
             tangent = np.array([height, -offset]) / (2 * ASPERITY_RADIUS)
             ax.annotate(
                 "",

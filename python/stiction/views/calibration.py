@@ -135,11 +135,13 @@ def calibration_json(interface: Interface) -> str:
         }
         for fit in interface.fits
     ]
-    advice = [{"what": text, "error_of_mu0": mu0, "error_of_tau0": tau0} for text, mu0, tau0 in interface.advice]
+    advice_records = [
+        {"what": text, "error_of_mu0": mu0, "error_of_tau0": tau0} for text, mu0, tau0 in interface.advice
+    ]
     return record_json(
         "calibrate", values, kind="interface", variation=interface.variation, separated=interface.separated,
         junction_growth=None if interface.growth is None else interface.growth.short_text,
-        excluded=list(interface.excluded), fits=fits, would_separate=advice,
+        excluded=list(interface.excluded), fits=fits, would_separate=advice_records,
     )  # fmt: skip
 
 
@@ -227,11 +229,19 @@ def _draw_tests_panel(axes: Axes, interface: Interface) -> None:
     tests = np.array(interface.tests, dtype=float).reshape(-1, 4)
     max_ratio = 1.15 * max(tests[:, 0].max(initial=0.0), interface.area_per_load)
     area_per_load = np.linspace(0.0, max_ratio, 60)
-    band = np.array([interface.at(item) for item in area_per_load])
+    fitted_coefficients = np.array([interface.at(item) for item in area_per_load])
     axes.fill_between(
-        area_per_load, band[:, 1], band[:, 2], color=ALL_CONTACTS_COLOUR, alpha=0.15, linewidth=0, label="95 %"
+        area_per_load,
+        fitted_coefficients[:, 1],
+        fitted_coefficients[:, 2],
+        color=ALL_CONTACTS_COLOUR,
+        alpha=0.15,
+        linewidth=0,
+        label="95 %",
     )
-    axes.plot(area_per_load, band[:, 0], color=ALL_CONTACTS_COLOUR, linewidth=1, label="$\\mu_0 + \\tau_0 A/F$")
+    axes.plot(
+        area_per_load, fitted_coefficients[:, 0], color=ALL_CONTACTS_COLOUR, linewidth=1, label="$\\mu_0 + \\tau_0 A/F$"
+    )
     is_slid = tests[:, 3] > 0
     axes.errorbar(
         tests[is_slid, 0],
@@ -245,6 +255,6 @@ def _draw_tests_panel(axes: Axes, interface: Interface) -> None:
     )
     if not is_slid.all():
         axes.plot(tests[~is_slid, 0], tests[~is_slid, 1], "^", color=FORCE_COLOUR, markersize=3, label="did not slide")
-    axes.set(xlim=(0, max_ratio), ylim=(0, 1.3 * max(tests[:, 1].max(initial=0.0), band[-1, 0])))
+    axes.set(xlim=(0, max_ratio), ylim=(0, 1.3 * max(tests[:, 1].max(initial=0.0), fitted_coefficients[-1, 0])))
     axes.set(xlabel="true contact area over load $A/F$ (1/GPa)", ylabel="coefficient of static friction")
     axes.legend(loc="lower right")

@@ -60,7 +60,7 @@ def write_result(result: Result, path: Path) -> None:
     """
     if path.suffix.lower() not in EXPORT_WRITERS:
         allowed_extensions = " or ".join(
-            f"{ending} ({description})" for ending, (description, _) in EXPORT_WRITERS.items()
+            f"{file_extension} ({description})" for file_extension, (description, _) in EXPORT_WRITERS.items()
         )
         raise ValueError(f"{printable_path(path)}: the file name must end in {allowed_extensions}")
     EXPORT_WRITERS[path.suffix.lower()][1](result, path)

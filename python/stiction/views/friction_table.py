@@ -82,8 +82,8 @@ def friction_table_text(table: xarray.Dataset) -> str:
 
 
 def _coefficient_range_text(coefficients: xarray.DataArray) -> str:
-    finite = coefficients.values[np.isfinite(coefficients.values)]
-    if not finite.size:
+    finite_coefficients = coefficients.values[np.isfinite(coefficients.values)]
+    if not finite_coefficients.size:
         return "none"
-    low, high = f"{finite.min():.3g}", f"{finite.max():.3g}"
+    low, high = f"{finite_coefficients.min():.3g}", f"{finite_coefficients.max():.3g}"
     return low if low == high else f"{low} to {high}"

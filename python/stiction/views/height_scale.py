@@ -82,8 +82,8 @@ def _height_factor_row(point: xarray.Dataset, rules: list[str], study: Study) ->
         height_unit, unit = choose_prefixed_unit(max(rms_heights), "um")
         cells.append(f"{', '.join(f'{height / height_unit:.3g}' for height in rms_heights)} {unit}")
     for rule in rules:
-        combined = select_sliding_rule(point["friction_combined"], rule)
-        values = [float(combined.sel(statistic=statistic)) for statistic in MEAN_AND_LIMITS]
+        combined_friction = select_sliding_rule(point["friction_combined"], rule)
+        values = [float(combined_friction.sel(statistic=statistic)) for statistic in MEAN_AND_LIMITS]
         cells.append("sticks" if is_unloaded(point) else format_estimate(*values))
     if not has_nominal_area(point, study) or "contact_area_fraction" not in point:
         cells.append(format_significant(mean_over_directions(point, "contact_area"), 3))

@@ -153,17 +153,17 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
     for name, motion_label in _COEFFICIENT_COLUMNS.items():
         if name not in dataset or (name != "friction_all_round" and frames and motion_label not in dataset[name].dims):
             continue  # a single direction equals the mean over all directions
-        selected = rows[rows["name"] == name]
+        selected_rows = rows[rows["name"] == name]
         motion_column = (
-            selected[motion_label].map(_MOTION_LABEL_FORMATTERS[motion_label])
+            selected_rows[motion_label].map(_MOTION_LABEL_FORMATTERS[motion_label])
             if motion_label in dataset[name].dims
             else _COEFFICIENT_COLUMNS["friction_all_round"]
         )
-        selected = selected.assign(
+        selected_rows = selected_rows.assign(
             motion=motion_column,
-            sliding=selected["sliding"] if "sliding" in selected else list_rules_quoted_first(study)[0],
+            sliding=selected_rows["sliding"] if "sliding" in selected_rows else list_rules_quoted_first(study)[0],
         )
-        frames.append(selected[[*coordinate_names, "sliding", "motion", "status", "value", "lower", "upper"]])
+        frames.append(selected_rows[[*coordinate_names, "sliding", "motion", "status", "value", "lower", "upper"]])
     table = pandas.concat(frames, ignore_index=True)
     title = "coefficient of static friction"
     interval_titles = {f"{title}: {end}": f"{title}: sampling {end}" for end in ("lower", "upper")}
@@ -171,15 +171,15 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
         columns={"value": title} | dict(zip(("lower", "upper"), interval_titles.values(), strict=True))
     )
     for name in _csv_quantities(dataset):
-        selected = rows[rows["name"] == name]
+        selected_rows = rows[rows["name"] == name]
         keys_of_quantity = [
-            key for key in (*coordinate_names, "sliding") if key in selected and selected[key].notna().all()
+            key for key in (*coordinate_names, "sliding") if key in selected_rows and selected_rows[key].notna().all()
         ]
         label = quantity_label(name, study).replace("μ", "mu").replace("τ", "tau")
-        unit = "" if selected["unit"].iloc[0] == "1" else f" ({selected['unit'].iloc[0]})"
+        unit = "" if selected_rows["unit"].iloc[0] == "1" else f" ({selected_rows['unit'].iloc[0]})"
         columns = {"value": f"{label}{unit}", "lower": f"{label}{unit}: lower", "upper": f"{label}{unit}: upper"}
         table = table.merge(
-            selected[[*keys_of_quantity, *columns]].rename(columns=columns), on=keys_of_quantity, how="left"
+            selected_rows[[*keys_of_quantity, *columns]].rename(columns=columns), on=keys_of_quantity, how="left"
         )
     coefficients = _mean_coefficients(summary.points)
     assessments = _assessment_table(summary.points, coordinate_names, coefficients)
@@ -293,9 +293,9 @@ def value_records(rows: pandas.DataFrame) -> list[dict[str, Any]]:
     """Convert a data frame to the entry `values` of a record."""
     values = []
     for row in rows.to_dict("records"):
-        selected = {name: row.pop(name) for name in _VALUE_COLUMNS}
+        selected_values = {name: row.pop(name) for name in _VALUE_COLUMNS}
         coordinates = {name: value for name, value in row.items() if value == value}  # omit NaN
-        values.append(json_entry(**selected, coordinates=coordinates))
+        values.append(json_entry(**selected_values, coordinates=coordinates))
     return values
 
 
@@ -324,8 +324,13 @@ def point_record(point: PointSummary) -> dict[str, Any]:
         ],
         "parts": None if point.parts is None else dict(zip(("mu0", "adhesion", "slopes"), point.parts, strict=True)),
         "budget": [
-            {"if_known": remaining.words, "lower": remaining.lower, "upper": remaining.upper, "width": remaining.width}
-            for remaining in point.budget
+            {
+                "if_known": remaining_interval.words,
+                "lower": remaining_interval.lower,
+                "upper": remaining_interval.upper,
+                "width": remaining_interval.width,
+            }
+            for remaining_interval in point.budget
         ],
         "waited": [vars(aged_estimate) for aged_estimate in point.waited],
         "scans": dict(zip(("upper", "lower"), point.scans, strict=True)),

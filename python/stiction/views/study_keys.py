@@ -106,7 +106,7 @@ def key_tables() -> list[tuple[str, str, list[KeyTableRow]]]:
                     default = PydanticUndefined if field.is_required() else field.default
                     classes_by_row.setdefault(_key_row(key, default, field, table_classes), []).append(table_class)
         keys, rows = list(dict.fromkeys(row[0] for row in classes_by_row)), []
-        for (key, default, allowed, meaning), key_owners in sorted(
+        for (key, default, allowed_values, meaning), key_owners in sorted(
             classes_by_row.items(), key=lambda item: keys.index(item[0][0])
         ):
             text = (
@@ -114,13 +114,13 @@ def key_tables() -> list[tuple[str, str, list[KeyTableRow]]]:
                 if len(key_owners) == len(table_classes)
                 else f" Only for {_join_with_and(_models_with_key(key_owners, table_classes, base_classes))}."
             )
-            rows.append((key, default, allowed, meaning + text))
+            rows.append((key, default, allowed_values, meaning + text))
         for table_class in table_classes:
             if issubclass(table_class, SelfAffineSettings):
                 other_keys = table_class.other_keys.items()
                 rows += [
-                    (f"`{key}`", "none", allowed, f"{text} Only for {table_class.place}.")
-                    for key, (allowed, text) in other_keys
+                    (f"`{key}`", "none", allowed_values, f"{text} Only for {table_class.place}.")
+                    for key, (allowed_values, text) in other_keys
                 ]
         tables.append((title, phrases, rows))
     return tables
@@ -135,15 +135,15 @@ def _models_with_key(
     members = {
         item: {table_class for table_class in table_classes if issubclass(table_class, item)} for item in base_classes
     }
-    remaining, class_names = set(owners), []
+    remaining_classes, class_names = set(owners), []
     for item in sorted(base_classes, key=lambda item: -len(members[item])):
-        if members[item] <= remaining:
+        if members[item] <= remaining_classes:
             class_names.append(item.place)
-            remaining -= members[item]
+            remaining_classes -= members[item]
     return class_names + [
         table_class.place
         for table_class in table_classes
-        if table_class in remaining and issubclass(table_class, values.SettingsTableVariant)
+        if table_class in remaining_classes and issubclass(table_class, values.SettingsTableVariant)
     ]
 
 
@@ -162,8 +162,10 @@ def study_keys_text() -> str:
     for title, _, rows in key_tables():
         lines = [title.replace("`", "")]
         for row in rows:
-            key, default, allowed, meaning = (cell.replace("`", "") for cell in row)
-            lines.append(wrap_text(f"{key} = {default}: {allowed}. {meaning}", indent="  ", hanging_indent="    "))
+            key, default, allowed_values, meaning = (cell.replace("`", "") for cell in row)
+            lines.append(
+                wrap_text(f"{key} = {default}: {allowed_values}. {meaning}", indent="  ", hanging_indent="    ")
+            )
         blocks.append("\n".join(lines))
     return "\n\n".join(blocks) + "\n"
 
@@ -179,17 +181,19 @@ def _key_row(
     if key not in ("generator", "press", "mechanics"):
         return f"`{key}`", default, _allowed_values_text(key, field_info), str(field_info.description)
     fields = [table_class.model_fields[key] for table_class in table_classes if key in table_class.model_fields]
-    meanings = dict.fromkeys(f'`"{field.default}"`: {str(field.description).removesuffix(".")}' for field in fields)
-    allowed = list(dict.fromkeys(f'`"{field.default}"`' for field in fields))
-    return f"`{key}`", _toml_default(fields[0].default), _join_with_or(allowed), "; ".join(meanings) + "."
+    case_meanings = dict.fromkeys(
+        f'`"{field.default}"`: {str(field.description).removesuffix(".")}' for field in fields
+    )
+    allowed_values = list(dict.fromkeys(f'`"{field.default}"`' for field in fields))
+    return f"`{key}`", _toml_default(fields[0].default), _join_with_or(allowed_values), "; ".join(case_meanings) + "."
 
 
 def _allowed_values_text(key: str, field_info: Any) -> str:
     if field_info.annotation in _UNCERTAIN_INPUT_TEXTS:
         return _UNCERTAIN_INPUT_TEXTS[field_info.annotation]
     if key == "direction":
-        singular = f'`"+x"`, `"-x"` or {_DEGREES_TEXT}'
-        return f"{singular}, or a list of these"
+        singular_phrase = f'`"+x"`, `"-x"` or {_DEGREES_TEXT}'
+        return f"{singular_phrase}, or a list of these"
     return _ALLOWED_VALUE_TEXTS.get(key) or _join_with_or(
         _allowed_value_phrases(field_info.annotation, field_info.metadata)
     )
@@ -221,8 +225,8 @@ def _allowed_value_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> lis
     if get_origin(annotation) is tuple:
         items = [item for item in get_args(annotation) if item is not Ellipsis]
         text = _join_with_or(list(dict.fromkeys(phrases for item in items for phrases in _allowed_value_phrases(item))))
-        for singular, plural in _NUMBER_LIST_TEXTS:
-            text = text.replace(singular, plural)
+        for singular_phrase, plural_phrase in _NUMBER_LIST_TEXTS:
+            text = text.replace(singular_phrase, plural_phrase)
         return [f"a list of {text}" if Ellipsis in get_args(annotation) else f"a list of {len(items)} {text}"]
     if hasattr(annotation, "__metadata__"):  # an alias of `Annotated`
         return _allowed_value_phrases(annotation.__origin__, annotation.__metadata__)
@@ -240,8 +244,8 @@ def _allowed_value_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> lis
 
 
 _NUMBER_LIST_TEXTS = tuple(
-    (f"a {singular}", f"{singular}s")
-    for singular in ("length", "pressure", "force", "time", "number", "whole number", "name")
+    (f"a {singular_phrase}", f"{singular_phrase}s")
+    for singular_phrase in ("length", "pressure", "force", "time", "number", "whole number", "name")
 )
 _BOUND_WORDS = {"ge": "from", "gt": "above", "le": "to", "lt": "to below"}
 
@@ -252,8 +256,8 @@ def _flatten_constraints(metadata: Sequence[Any]) -> list[Any]:
 
 
 def _format_bound(end: float) -> str:
-    power = round(math.log2(end)) if end > 1e9 else 0
-    return f"2^{power}" if power and 2**power == end else f"{end:,}".replace(",", " ")
+    exponent_of_two = round(math.log2(end)) if end > 1e9 else 0
+    return f"2^{exponent_of_two}" if exponent_of_two and 2**exponent_of_two == end else f"{end:,}".replace(",", " ")
 
 
 def _join_with_or(phrases: list[str]) -> str:

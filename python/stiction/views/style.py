@@ -117,8 +117,8 @@ def friction_parameters_text(mu0: float, tau0: float, effective_modulus: float |
 def spread_label_positions(label_positions: ArrayLike, min_distance: float) -> Floats:
     """Return label positions in the given order, with a minimum distance between neighbours."""
     target_positions = np.asarray(label_positions, dtype=np.float64)
-    order = np.argsort(target_positions)
-    spread_positions = target_positions[order].copy()
+    ascending_order = np.argsort(target_positions)
+    spread_positions = target_positions[ascending_order].copy()
     for _ in range(200):
         missing_distances = min_distance - np.diff(spread_positions)
         if not (missing_distances > 1e-9 * min_distance).any():
@@ -127,7 +127,7 @@ def spread_label_positions(label_positions: ArrayLike, min_distance: float) -> F
         spread_positions[:-1] -= shifts
         spread_positions[1:] += shifts
     result = np.empty_like(spread_positions)
-    result[order] = spread_positions
+    result[ascending_order] = spread_positions
     return result
 
 

@@ -397,8 +397,8 @@ def uncertainty_budget_text(point: PointSummary) -> str:
     )
     if current_limits == reduced_limits:
         return ""
-    action = _REMEDY_TEXTS.get(dominant_input.words, f"Measuring {dominant_input.words}")
-    return f"{action} would give [{reduced_limits.replace(' to ', ', ')}]."
+    action_text = _REMEDY_TEXTS.get(dominant_input.words, f"Measuring {dominant_input.words}")
+    return f"{action_text} would give [{reduced_limits.replace(' to ', ', ')}]."
 
 
 _REMEDY_TEXTS = {
@@ -522,9 +522,16 @@ _UNIT_SCALES: dict[str, tuple[tuple[float, float, str], ...]] = {
 
 def _first_cell_text(headlines: Sequence[PointSummary]) -> str:
     """Return the coordinates of the first cell as text, as in "H = 0.9", or "" if there is only one cell."""
-    hidden = {"load", "mu0", "tau0", *(["fractal_dimension"] if "hurst_exponent" in headlines[0].at else [])}
+    hidden_coordinates = {
+        "load",
+        "mu0",
+        "tau0",
+        *(["fractal_dimension"] if "hurst_exponent" in headlines[0].at else []),
+    }
     names = [
-        name for name in headlines[0].at if name not in hidden and len({point.at[name] for point in headlines}) > 1
+        name
+        for name in headlines[0].at
+        if name not in hidden_coordinates and len({point.at[name] for point in headlines}) > 1
     ]
     return ", ".join(
         f"{_COORDINATE_LABELS.get(name, name)} = {_coordinate_text(name, headlines[0].at[name])}" for name in names
@@ -603,9 +610,13 @@ def _quantity_row(name: str, label: str, estimates: Sequence[xarray.DataArray]) 
         unit_factor, unit_label = choose_prefixed_unit(max(values, default=1.0), unit)
         factor = 1 / unit_factor
     else:
-        largest = max((value for value in map(_largest_absolute_mean, estimates) if math.isfinite(value)), default=0.0)
+        largest_value = max(
+            (value for value in map(_largest_absolute_mean, estimates) if math.isfinite(value)), default=0.0
+        )
         unit_scales = ((0.0, 100.0, "%"),) if QUANTITIES[name].percent else _UNIT_SCALES.get(unit, ((0.0, 1.0, ""),))
-        factor, unit_label = next((factor, name) for min_value, factor, name in unit_scales if largest >= min_value)
+        factor, unit_label = next(
+            (factor, name) for min_value, factor, name in unit_scales if largest_value >= min_value
+        )
     cells = [_estimate_cell(estimate, factor) for estimate in estimates]
     return [] if set(cells) == {"none"} else [[label, unit_label, *cells]]
 
@@ -637,14 +648,14 @@ def friction_by_axis_text(values: xarray.Dataset, *, verbose: bool = False) -> s
     if "friction_by_axis" not in values or values.sizes.get("axis", 0) < 2:
         return ""
     table = values["friction_by_axis"]
-    lay = lay_text(
+    lay_sentence = lay_text(
         select_sliding_rule(
             table, next(rule for rule in SLIDING_RULE_DESCRIPTIONS if rule in np.atleast_1d(values["sliding"].values))
         )
     )
     if not verbose:
-        return wrap_text(lay) if lay.startswith("Grooves: friction") else ""
-    return _coefficient_table("μ_s along an axis", table, "axis", _direction_label) + "\n" + wrap_text(lay)
+        return wrap_text(lay_sentence) if lay_sentence.startswith("Grooves: friction") else ""
+    return _coefficient_table("μ_s along an axis", table, "axis", _direction_label) + "\n" + wrap_text(lay_sentence)
 
 
 def _coefficient_table(
@@ -654,11 +665,11 @@ def _coefficient_table(
     rules = [rule for rule in SLIDING_RULE_DESCRIPTIONS if rule in np.atleast_1d(table["sliding"].values)]
     rows = [[title, *(SLIDING_RULE_TITLES[rule] for rule in rules)]]
     for coordinate in table[dimension].values:
-        selected = table.sel({dimension: coordinate})
+        selected_coefficients = table.sel({dimension: coordinate})
         rows.append(
             [
                 format_coordinate(float(coordinate)),
-                *(_estimate_cell(select_sliding_rule(selected, rule), 1.0) for rule in rules),
+                *(_estimate_cell(select_sliding_rule(selected_coefficients, rule), 1.0) for rule in rules),
             ]
         )
     return format_table(rows)

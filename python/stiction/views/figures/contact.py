@@ -81,12 +81,15 @@ def contact_figure(
     overview_axes.set_title("\n".join(filter(None, title_lines)), loc="left", fontsize=6, pad=3)
     is_in_zoom: NDArray[np.bool_] = np.zeros(len(contact_points), np.bool_)
     if len(contact_points):
-        largest = int(contact_points.force.argmax())
+        largest_contact_index = int(contact_points.force.argmax())
         half_width = max(
             _MIN_ZOOM_SPACINGS * lower.spacing,
-            6 * float(np.sqrt(contact_points.radius[largest] * contact_points.overlap[largest])),
+            6
+            * float(
+                np.sqrt(contact_points.radius[largest_contact_index] * contact_points.overlap[largest_contact_index])
+            ),
         )
-        zoom_centre = float(contact_points.centre[largest, 0])
+        zoom_centre = float(contact_points.centre[largest_contact_index, 0])
         in_window = np.abs(x - zoom_centre) <= half_width
         zoomed_axes.set_title(
             "contact with the largest load", loc="left", fontsize=6, pad=3
@@ -232,8 +235,8 @@ def contacts_figure(
         (is_opposing, OPPOSING_COLOUR, "D", "oppose the motion"),
         (~is_opposing, NOT_OPPOSING_COLOUR, "o", "do not"),
     ):
-        percent = 100 * force[mask].sum() / (force.sum() or 1.0)
-        text = f"{int(mask.sum())} {caption}, with {percent:.0f} % of the load"
+        load_percent = 100 * force[mask].sum() / (force.sum() or 1.0)
+        text = f"{int(mask.sum())} {caption}, with {load_percent:.0f} % of the load"
         marker_style: dict[str, Any] = {"facecolors": "none", "marker": marker}
         axes.scatter(x[mask], y[mask], s=marker_areas[mask], edgecolors="white", linewidths=2.0, **marker_style)
         axes.scatter(
@@ -355,8 +358,8 @@ def _draw_contact_map(
         interpolation="nearest",
         **image_options,
     )
-    if (outlined := np.append(False, is_cut)[contact_indices]).any():
-        axes.contour(outlined, levels=[0.5], colors=EDGE_CONTACT_COLOUR, linewidths=1.2, **image_options)
+    if (has_outline := np.append(False, is_cut)[contact_indices]).any():
+        axes.contour(has_outline, levels=[0.5], colors=EDGE_CONTACT_COLOUR, linewidths=1.2, **image_options)
     axes.set(xlabel=axis_label("x"), ylabel=axis_label("y"))
 
 
@@ -367,23 +370,29 @@ def _draw_profile_contacts(
     x, lower, gap = (picture[name].values for name in ("height_x", "lower_height", "gap"))
     finite = np.isfinite(gap)  # missing heights are interpolated
     bodies = np.array([lower + np.interp(x, x[finite], gap[finite]).clip(0), lower]) * 1000
-    centres, width = (
+    centre_positions, width = (
         picture["contact_x"].values,
         picture["contact_patch_area"].values,
     )  # contact areas in µm² equal contact widths in µm, because profiles are 1 µm wide
-    zoom = slice(*np.searchsorted(x, _zoom_range(x, centres, width, picture["contact_force"].values, is_cut)))
-    for axes, selection in zip(panels, (slice(None), zoom), strict=True):
-        draw_bodies(axes, x[selection], *bodies[:, selection])
-        axes.set(xlim=x[selection][[0, -1]], ylabel=axis_label("height_nm"))
-    panels[0].scatter(
-        centres, np.interp(centres, x, bodies[1]), s=4, c=np.where(is_cut, EDGE_CONTACT_COLOUR, colours), zorder=3
+    zoom_slice = slice(
+        *np.searchsorted(x, _zoom_range(x, centre_positions, width, picture["contact_force"].values, is_cut))
     )
-    panels[0].axvspan(*x[zoom][[0, -1]], color="0.5", alpha=0.25, linewidth=0)
-    lowest, highest = bodies[1, zoom].min(), bodies[1, zoom].max()
+    for axes, point_slice in zip(panels, (slice(None), zoom_slice), strict=True):
+        draw_bodies(axes, x[point_slice], *bodies[:, point_slice])
+        axes.set(xlim=x[point_slice][[0, -1]], ylabel=axis_label("height_nm"))
+    panels[0].scatter(
+        centre_positions,
+        np.interp(centre_positions, x, bodies[1]),
+        s=4,
+        c=np.where(is_cut, EDGE_CONTACT_COLOUR, colours),
+        zorder=3,
+    )
+    panels[0].axvspan(*x[zoom_slice][[0, -1]], color="0.5", alpha=0.25, linewidth=0)
+    lowest, highest = bodies[1, zoom_slice].min(), bodies[1, zoom_slice].max()
     height_range = (highest - lowest) or 1.0
     top = min(highest + 0.6 * height_range, panels[1].get_ylim()[1])
     panels[1].set(ylim=(lowest - 0.1 * height_range, top), xlabel=f"{axis_label('x')}, magnified")
-    for centre, half_width, colour, has_edge in zip(centres, width / 2, colours, is_cut, strict=True):
+    for centre, half_width, colour, has_edge in zip(centre_positions, width / 2, colours, is_cut, strict=True):
         positions = np.linspace(centre - half_width, centre + half_width, 20)
         heights = np.interp(positions, x, bodies[1])
         for line_colour, line_width in [(EDGE_CONTACT_COLOUR, 4.5)] * bool(has_edge) + [(colour, 2.5)]:
@@ -391,11 +400,11 @@ def _draw_profile_contacts(
 
 
 def _zoom_range(
-    x: Floats, centres: Floats, width: Floats, force: Floats, is_cut: NDArray[np.bool_]
+    x: Floats, centre_positions: Floats, width: Floats, force: Floats, is_cut: NDArray[np.bool_]
 ) -> tuple[float, float]:
     """Return the ends of the magnified range around the strongest contact that is not cut by the edge."""
-    zoom_centre = centres[np.argmax(np.where(is_cut, -1.0, force))]
-    distances = np.sort(np.abs(centres - zoom_centre))
+    zoom_centre = centre_positions[np.argmax(np.where(is_cut, -1.0, force))]
+    distances = np.sort(np.abs(centre_positions - zoom_centre))
     min_half_width = max(MIN_ZOOM_POINTS * (x[1] - x[0]), 4 * float(width.max()))
     half_width = float(
         np.clip(1.3 * distances[min(NUM_NEIGHBOURING_CONTACTS, distances.size - 1)], min_half_width, x[-1] / 7)

@@ -97,9 +97,11 @@ def _interpolate_periodic(degrees: Floats, values: Floats, new_degrees: Floats) 
 def _draw_polar_circles(axes: Any, highest: float) -> None:
     """Draw the circles of a polar plot at round values, with labels between two spokes."""
     min_ring_spacing = (highest or 1.0) / MAX_COMPASS_RINGS
-    power = 10.0 ** np.floor(np.log10(min_ring_spacing))
+    power_of_ten = 10.0 ** np.floor(np.log10(min_ring_spacing))
     ring_spacing = float(
-        next(factor * power for factor in (1, 2, 5, 10) if factor * power >= min_ring_spacing * (1 - 1e-9))
+        next(
+            factor * power_of_ten for factor in (1, 2, 5, 10) if factor * power_of_ten >= min_ring_spacing * (1 - 1e-9)
+        )
     )
     ticks = ring_spacing * np.arange(1, int(np.ceil((highest or 1.0) / ring_spacing - 1e-9)) + 1)
     axes.set_ylim(0, ticks[-1])
@@ -172,16 +174,16 @@ def contact_sizes_figure(
     """
     figure = new_figure(96)
     axes: Sequence[Any] = figure.subplots(2, 1)
-    percent = 100 * points["fraction_below"].values
+    fraction_percent = 100 * points["fraction_below"].values
     loads = np.atleast_1d(points["load"].values)
     for load, colour in zip(loads, fractal_dimension_colours(loads), strict=True):
         for ax, name in zip(axes, ("patch_area", "pressure"), strict=True):
             for member_values in (
                 members[name].sel(load=load, method="nearest").transpose("repetition", "fraction_below").values
             ):
-                ax.plot(member_values, percent, color=colour, linewidth=0.3, alpha=0.4)
+                ax.plot(member_values, fraction_percent, color=colour, linewidth=0.3, alpha=0.4)
             mean = points[name].sel(load=load, statistic="mean").values
-            ax.plot(mean, percent, color=colour, linewidth=1.2, label=format_with_unit(float(load), "mN"))
+            ax.plot(mean, fraction_percent, color=colour, linewidth=1.2, label=format_with_unit(float(load), "mN"))
     for ax, name in zip(axes, ("patch_area", "pressure"), strict=True):
         ax.set(ylim=(0, 100), xlabel=axis_label(name), xscale="log")
         set_log_tick_labels(ax)

@@ -130,14 +130,14 @@ def draw_panel_letter(axes: Axes, number: int) -> None:
 
 
 def create_figure_with_axes_rows(
-    rows: int, height: float, above: float, below: float, *, between: float
+    rows: int, height: float, margin_above: float, margin_below: float, *, between: float
 ) -> tuple[Figure, float, Callable[[float, int, float], Axes]]:
     """Return a figure (170 mm wide), its height in mm, and a function that adds axes to a given row."""
-    total_height = above + below + rows * (height + between) - between
+    total_height = margin_above + margin_below + rows * (height + between) - between
     figure = new_figure(total_height, width=PAGE_WIDTH, layout=None)
 
     def add_axes_at(left: float, row: int, width: float) -> Axes:
-        bottom = below + (rows - 1 - row) * (height + between)
+        bottom = margin_below + (rows - 1 - row) * (height + between)
         return figure.add_axes((left / 170, bottom / total_height, width / 170, height / total_height))
 
     return figure, total_height, add_axes_at
@@ -165,9 +165,14 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
     amplitudes = dataset["amplitude"].values
     lines = heading_lines(dataset, study)
     handles = _legend_handles(maps, has_asperities=not study.uses_half_space)
-    above, below = 15.0 + HEADING_HEIGHT * len(lines), 16.0 + (3.0 if len(handles) > MAX_LEGEND_COLUMNS else 0.0)
+    margin_above, margin_below = (
+        15.0 + HEADING_HEIGHT * len(lines),
+        16.0 + (3.0 if len(handles) > MAX_LEGEND_COLUMNS else 0.0),
+    )
     height = 42.0 if amplitudes.size == 1 else 34.0
-    figure, total_height, add_axes_at = create_figure_with_axes_rows(amplitudes.size, height, above, below, between=4.0)
+    figure, total_height, add_axes_at = create_figure_with_axes_rows(
+        amplitudes.size, height, margin_above, margin_below, between=4.0
+    )
     norm = _logarithmic_colour_norm(maps)
     for row, amplitude in enumerate(amplitudes):
         is_last_row = row == amplitudes.size - 1
@@ -196,7 +201,9 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
             ax.set_title(f"at $F_N$ = {format_with_unit(load, 'mN')}", pad=2)
             draw_panel_letter(ax, len(strengths))
         format_fractal_dimension_axis(ax, dataset, last=is_last_row)
-    _draw_colour_bar(figure, (13 / 170, 1 - (above - 5.5) / total_height, 99 / 170, 2.2 / total_height), norm, mu0)
+    _draw_colour_bar(
+        figure, (13 / 170, 1 - (margin_above - 5.5) / total_height, 99 / 170, 2.2 / total_height), norm, mu0
+    )
     draw_heading(figure, lines)
     figure.legend(
         handles=handles, loc="lower center", ncols=len(handles) if len(handles) <= MAX_LEGEND_COLUMNS else 3,
@@ -209,8 +216,8 @@ def _commonly_reached_load(result: Result, lowest: float) -> float:
     """Return a load (mN) that nine of ten ensembles reach. Powers of ten from `lowest` upwards are preferred."""
     elastic_loads = result.means(["normal_elastic"])["normal_elastic"].max(result.study.step_quantity).values
     common_load = float(np.quantile(elastic_loads[elastic_loads > 0], 0.1))
-    power = 10.0 ** np.floor(np.log10(0.9 * common_load))
-    return float(power if power >= lowest else max(common_load, lowest))
+    power_of_ten = 10.0 ** np.floor(np.log10(0.9 * common_load))
+    return float(power_of_ten if power_of_ten >= lowest else max(common_load, lowest))
 
 
 def format_fractal_dimension_axis(axes: Axes, dataset: xarray.Dataset, *, last: bool) -> None:
@@ -236,11 +243,12 @@ def _draw_friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[st
         style: dict[str, Any] = {"color": colour, "linewidth": 1, "markersize": 2, "marker": marker}
         axes.plot(dimension, value[:, index], ":", **style)
         axes.plot(dimension, np.where(is_valid[:, index], value[:, index], np.nan), **style)
-    finite = value[np.isfinite(value)]
+    finite_values = value[np.isfinite(value)]
     # The axis includes all valid values, and invalid values where space permits.
     valid_upper_ends = upper[np.isfinite(upper) & is_valid]
     upper_limit = (
-        1.1 * max(2 * mu0, float(valid_upper_ends.max(initial=0.0)), 2.5 * float(np.min(finite, initial=1.0))) or 1.0
+        1.1 * max(2 * mu0, float(valid_upper_ends.max(initial=0.0)), 2.5 * float(np.min(finite_values, initial=1.0)))
+        or 1.0
     )
     axes.set_ylim(0, upper_limit)
     axes.locator_params("y", nbins=6, steps=[1, 2, 5, 10])
@@ -289,9 +297,9 @@ def _draw_colour_bar(figure: Figure, position: tuple[float, float, float, float]
 def _logarithmic_colour_norm(maps: xarray.Dataset) -> Any:
     """Return a logarithmic colour scale that covers the valid values, or all values if few are valid."""
     values = maps["friction_coefficient"].sel(statistic="mean").values
-    finite = np.isfinite(values) & (values > 0)
-    is_valid = finite & ~(maps["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)
-    positive_values = values[is_valid if is_valid.sum() > 0.1 * finite.sum() else finite]
+    is_positive = np.isfinite(values) & (values > 0)
+    is_valid = is_positive & ~(maps["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)
+    positive_values = values[is_valid if is_valid.sum() > 0.1 * is_positive.sum() else is_positive]
     low, high = np.quantile(positive_values, COLOUR_RANGE_QUANTILES) if positive_values.size else (0.1, 1.0)
     step = 10.0 ** np.floor(np.log10(low)) / 2  # the limits of the scale are multiples of this step
     low, high = max(np.floor(low / step) * step, step), np.ceil(high / step) * step
@@ -306,15 +314,15 @@ def _draw_friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: flo
     axes.set(yscale="log", xlim=(edges[0][0], edges[0][-1]), ylim=(edges[1][0], edges[1][-1]))
     set_log_tick_labels(axes)
     axes.add_patch(_unreached_cell_patch((0, 0), 1, 1, transform=axes.transAxes))
-    finite = np.isfinite(values)
+    is_finite = np.isfinite(values)
     # A coefficient of 0 has no logarithm, and is drawn in the colour of the lowest value.
-    colours = colormaps[FRICTION_COLOUR_MAP](norm(np.where(finite, np.maximum(values, norm.vmin), norm.vmin)))
+    colours = colormaps[FRICTION_COLOUR_MAP](norm(np.where(is_finite, np.maximum(values, norm.vmin), norm.vmin)))
     colours[..., :3] = _fade_colours(colours[..., :3], _compute_fading(friction))
-    colours[..., 3] = finite
+    colours[..., 3] = is_finite
     colours[status == STATUS_SELF_LOCKED] = (*to_rgb(SELF_LOCKED_COLOUR), 1)
     axes.pcolormesh(*edges, colours)
     fraction = panel["share_beyond_hertz"].values
-    _hatch_cells(axes, *edges, finite & (fraction > MAX_AFFECTED_FRACTION))
+    _hatch_cells(axes, *edges, is_finite & (fraction > MAX_AFFECTED_FRACTION))
     if min(values.shape) > 1:
         masked_fractions = np.ma.masked_invalid(fraction)
         if masked_fractions.count() and masked_fractions.min() < MAX_AFFECTED_FRACTION < masked_fractions.max():
@@ -504,12 +512,12 @@ def profiles_figure(study: Study) -> Figure:
     dimensions = surfaces.fractal_dimensions()
     dimensions = dimensions[evenly_spaced_indices(dimensions.size, MAX_DRAWN_PROFILES)]
     amplitude = float(surfaces.amplitudes()[0])
-    window = min(float(surfaces.length_scale), float(surfaces.extent))
+    shown_length = min(float(surfaces.length_scale), float(surfaces.extent))
     figure = new_figure(12 + 13 * dimensions.size)
     axes = figure.subplots(dimensions.size, 2, squeeze=False, sharex="col", sharey=True)
     for row, dimension in enumerate(dimensions):
         _, profile = pair_of(study, 0, fractal_dimension=dimension, amplitude=amplitude)
-        for ax, x_limit in zip(axes[row], (profile.extent, window), strict=True):
+        for ax, x_limit in zip(axes[row], (profile.extent, shown_length), strict=True):
             is_shown = profile.x <= x_limit
             ax.fill_between(
                 profile.x[is_shown], profile.heights[is_shown], profile.heights.min(), color="0.85", linewidth=0

@@ -36,8 +36,10 @@ def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     figure = new_figure(114)
     friction_axes, area_axes = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
     for rule in (rule for rule in SLIDING_RULE_COLOURS if rule in np.atleast_1d(points["sliding"].values)):
-        combined = select_sliding_rule(points["friction_combined"], rule)
-        mean, low, high = (combined.sel(statistic=statistic).where(has_load).values for statistic in MEAN_AND_LIMITS)
+        combined_friction = select_sliding_rule(points["friction_combined"], rule)
+        mean, low, high = (
+            combined_friction.sel(statistic=statistic).where(has_load).values for statistic in MEAN_AND_LIMITS
+        )
         friction_axes.fill_between(rms_gradient, low, high, color=SLIDING_RULE_COLOURS[rule], alpha=0.2, linewidth=0)
         friction_axes.plot(
             rms_gradient,

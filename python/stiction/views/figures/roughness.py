@@ -145,13 +145,13 @@ def _format_spectrum_axes(axes: Axes, unit: str, density: Floats | None = None) 
 def _draw_height_map(figure: Any, axes: Axes, surface: Surface) -> None:
     unit, unit_length = ("mm", 1e3) if max(surface.extent) >= MIN_MILLIMETRE_LENGTH else ("µm", 1.0)
     heights = 1000 * (surface.heights - surface.heights.mean())
-    along_y, along_x = (length / unit_length for length in surface.extent)
+    length_y, length_x = (length / unit_length for length in surface.extent)
     lowest, highest = np.quantile(
         heights, [0.001, 0.999]
     )  # use quantiles, because single dust grains would otherwise dominate the colour range
     image = axes.imshow(
-        heights, extent=(0, along_x, 0, along_y), origin="lower", cmap=HEIGHT_COLOUR_MAP, vmin=lowest, vmax=highest,
-        aspect="equal" if 1 / 4 < along_x / along_y < 4 else "auto",
+        heights, extent=(0, length_x, 0, length_y), origin="lower", cmap=HEIGHT_COLOUR_MAP, vmin=lowest, vmax=highest,
+        aspect="equal" if 1 / 4 < length_x / length_y < 4 else "auto",
     )  # fmt: skip
     colour_bar = figure.colorbar(image, ax=axes, location="top", extend="both", aspect=30, pad=0.02)
     colour_bar.locator = MaxNLocator(5)

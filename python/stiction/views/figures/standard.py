@@ -138,12 +138,12 @@ def _measured_surface_figures(
     study_loads = [float(load) for load in study.friction.load]
     loads = np.unique([*study.contact.loading_steps(), *study_loads])
     points = result.at(loads)
-    unfiltered, title, hardness = points.isel(cut_off=0), format_print_title(study), study.contact.hardness
+    unfiltered_points, title, hardness = points.isel(cut_off=0), format_print_title(study), study.contact.hardness
     first_load = study_loads[0]
     cutoff_dataset, onset = points if points.sizes["cut_off"] > 1 else result.values_at_cutoffs, result.onset
     for number, (mu0_index, tau0_index) in enumerate(np.ndindex(points.sizes["mu0"], points.sizes["tau0"]), 1):
         suffix = "" if number == 1 else f"-{number}"
-        selection = unfiltered.isel(mu0=mu0_index, tau0=tau0_index)
+        selection = unfiltered_points.isel(mu0=mu0_index, tau0=tau0_index)
         dataset = selection.sel(load=first_load, method="nearest")
         yield f"friction{suffix}", partial(load_figure, selection, study_loads, title=title)
         if points.sizes.get("direction", 1) >= MIN_COMPASS_DIRECTIONS:
@@ -161,7 +161,7 @@ def _measured_surface_figures(
                 partial(draw_height_factor_figure, result, scaled_bodies, height_factors, indices, title=title),
             )
     if study.is_areal:
-        yield "closure", partial(closure_figure, unfiltered.sel(load=slice(max(study_loads))), title=title)
+        yield "closure", partial(closure_figure, unfiltered_points.sel(load=slice(max(study_loads))), title=title)
     yield "budget", lambda: uncertainty_budget_figure(result.summary().first, title=title)
     if study.friction.wait:
         yield "waiting", lambda: dwell_time_figure(result.summary().first, title=title)
@@ -172,14 +172,14 @@ def _measured_surface_figures(
     if study.contact.adheres and (loading_cycle := result.loading_cycle) is not None:
         yield "adhesion", partial(adhesion_figure, loading_cycle, title=title)
     if "patch_area" in points and np.isfinite(points["patch_area"].values).any():
-        dataset = unfiltered.isel(mu0=0, tau0=0).sel(load=study_loads, method="nearest")
+        dataset = unfiltered_points.isel(mu0=0, tau0=0).sel(load=study_loads, method="nearest")
         yield "sizes", partial(_contact_sizes_figure, result, dataset, hardness=hardness, title=title)
     if picture is not None and study.is_areal:
         direction = float(np.atleast_1d(points["direction"].values)[0])
         yield "contacts", partial(contacts_figure, picture, direction=direction, hardness=hardness, title=title)
     elif not (study.is_areal or study.uses_half_space):
         yield from _profile_contact_figures(
-            result, study, unfiltered.isel(mu0=0, tau0=0).sel(load=first_load, method="nearest"), first_load
+            result, study, unfiltered_points.isel(mu0=0, tau0=0).sel(load=first_load, method="nearest"), first_load
         )
 
 

@@ -142,14 +142,14 @@ def _add_values_at_nodes(
             f"{num_values}; choose fewer fractal dimensions, amplitudes or directions"
         )
     (node_values,) = nodes.values
-    points, areas = (
+    points, area_points = (
         transpose_to_leading_dimensions(node_values["friction_coefficient"]),
         transpose_to_leading_dimensions(node_values["contact_area"]),
     )
     shape: tuple[int, ...] = points.shape[:-1]
-    areas = np.broadcast_to(areas, points.shape)
+    area_points = np.broadcast_to(area_points, points.shape)
     contact_counts = np.broadcast_to(transpose_to_leading_dimensions(node_values["contact_count"])[..., 0], shape)
-    quantities: dict[str, Floats] = {"friction": points, "area": areas}
+    quantities: dict[str, Floats] = {"friction": points, "area": area_points}
     if "normal_stiffness" in node_values and bool(node_values["normal_stiffness"].notnull().any()):
         quantities["stiffness"] = np.broadcast_to(
             transpose_to_leading_dimensions(node_values["normal_stiffness"]), points.shape
@@ -187,12 +187,12 @@ def _add_values_at_nodes(
     packed_arrays.add("fine", is_interpolated.astype(np.int8))
     rule_index = rules.index(list_rules_quoted_first(study)[0])
     checked_numbers = validity_numbers | _compute_checked_numbers(
-        node_values, points, areas[..., 0], contact_counts, study, members
+        node_values, points, area_points[..., 0], contact_counts, study, members
     )
     checked_numbers = {name: values[:, :, rule_index] for name, values in checked_numbers.items()}
     assessments, assessment_indices = assess_ensemble(study, status[:, :, rule_index], checked_numbers)
     packed_arrays.add("judgement", assessment_indices.astype(float))
-    judgements = [
+    assessment_records = [
         {"verdict": verdict_from_caveats(reasons), "caveats": [_caveat_or_check_record(reason) for reason in reasons]}
         for reasons in assessments
     ]
@@ -209,7 +209,7 @@ def _add_values_at_nodes(
         "axes": slider_facts(axes, study),
         "statuses": statuses,
         "validity": validity_records,
-        "judgements": judgements,
+        "judgements": assessment_records,
         "hasStiffness": "stiffness" in quantities,
         "start": _choose_initial_cell_and_load(is_valid, points, axes, study),
         "maps": _add_colour_ranges(mapped_quantities, packed_arrays),
@@ -258,12 +258,12 @@ def _add_colour_ranges(quantities: dict[str, Floats], packed_arrays: PackedArray
     """
     names = []
     for name, values in quantities.items():
-        positive = np.where(values > 0, values, np.nan)
-        if not np.isfinite(positive).any():
+        positive_values = np.where(values > 0, values, np.nan)
+        if not np.isfinite(positive_values).any():
             continue
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)  # some nodes have no value
-            low, high = np.nanquantile(positive, COLOUR_RANGE_QUANTILES, axis=(0, 4))
+            low, high = np.nanquantile(positive_values, COLOUR_RANGE_QUANTILES, axis=(0, 4))
         packed_arrays.add(f"colours_{name}_low", low)
         packed_arrays.add(f"colours_{name}_high", np.maximum(high, 1.05 * low))
         names.append(name)
@@ -275,8 +275,8 @@ def _choose_initial_cell_and_load(
 ) -> dict[str, int]:
     """Choose the initial cell and load of a page: those with the smallest relative interval of a valid value."""
     strengths = study.friction.mu0[len(study.friction.mu0) // 2], float(study.friction.tau0[0])
-    nodes = [int(np.abs(axis.values - value).argmin()) for axis, value in zip(axes, strengths, strict=True)]
-    index: tuple[Any, ...] = (slice(None), 0, 0, 0, slice(None), *nodes)
+    node_indices = [int(np.abs(axis.values - value).argmin()) for axis, value in zip(axes, strengths, strict=True)]
+    index: tuple[Any, ...] = (slice(None), 0, 0, 0, slice(None), *node_indices)
     width = np.where(is_sound[index] & (points[(*index, 0)] > 0), _relative_half_widths(points)[index], np.nan)
     if not np.isfinite(width).any():
         return {"cell": is_sound.shape[0] // 2, "load": is_sound.shape[4] // 2}

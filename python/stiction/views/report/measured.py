@@ -62,8 +62,8 @@ def measured_report_content(result: Result, study: Study, name: str, picture: xa
     the result is too large.
     """
     dataset = result.dataset
-    files = pair_title(study)
-    name = f"{files} ({name})" if name else files
+    title_of_pair = pair_title(study)
+    name = f"{title_of_pair} ({name})" if name else title_of_pair
     packed_arrays = PackedArrays()
     facts = _result_facts(dataset, result, study)
     facts |= _add_friction_at_nodes(result.nodes, study, packed_arrays) | {"name": name}
@@ -77,7 +77,7 @@ def measured_report_content(result: Result, study: Study, name: str, picture: xa
     )
     study_lines += [] if onset is None else [f"{onset_text(onset)} {onset_note(onset)}"]
     text = "".join(f"<p>{escape_html(line)}</p>" for line in (*study_lines, *_pull_off_lines(result, study)))
-    details = text + "".join(
+    details_markup = text + "".join(
         _history_markup(side, str(dataset.attrs.get(side, "")), study) for side in ("upper", "lower")
     )
     return ReportContent(
@@ -88,7 +88,7 @@ def measured_report_content(result: Result, study: Study, name: str, picture: xa
         facts=facts,
         packed_arrays=packed_arrays,
         num_members=num_members,
-        details_markup=details,
+        details_markup=details_markup,
         contact_markup="" if picture is None else contact_panel(picture, facts["directions"][0]),
         pictures_markup=(
             positions_panel(result, facts["asked"][0], format_print_title(study)) if num_members > 1 else ""
@@ -168,9 +168,9 @@ def _add_friction_at_nodes(nodes: InterpolationNodes, study: Study, packed_array
             .transpose(*(dim for dim in dimensions if dim != "direction"), "statistic")
             .values
         )
-        combined = mean_friction.copy()
+        combined_friction = mean_friction.copy()
         if "friction_combined" in node_values:
-            combined = (
+            combined_friction = (
                 node_values["friction_combined"]
                 .transpose(*(dim for dim in dimensions if dim != "direction"), "statistic")
                 .values
@@ -186,7 +186,7 @@ def _add_friction_at_nodes(nodes: InterpolationNodes, study: Study, packed_array
             directions = sorted(motion["directions"])
             motion_arrays.append(
                 (
-                    combined if is_mean_of_directions else sampled_friction,
+                    combined_friction if is_mean_of_directions else sampled_friction,
                     sampled_friction,
                     _status_codes(status[:, :, directions], sampled_friction[..., 0]),
                     num_solved[:, :, directions].min(axis=2),
@@ -197,18 +197,20 @@ def _add_friction_at_nodes(nodes: InterpolationNodes, study: Study, packed_array
             arrays_by_name[name].append(np.stack(values, axis=2))
     stacked_arrays = {name: np.stack(values) for name, values in arrays_by_name.items()}
     is_interpolated = nodes.is_interpolated(stacked_arrays["shown"])
-    displayed, is_combined = stacked_arrays["shown"], np.zeros((len(member_kinds), len(motions)), bool)
+    displayed_friction, is_combined = stacked_arrays["shown"], np.zeros((len(member_kinds), len(motions)), bool)
     for index, motion in enumerate(motions):
         motion["isWhole"] = len(motion["directions"]) == len(angles)
         motion["angle"] = None if len(motion["directions"]) > 1 else angles[motion["directions"][0]]
         is_combined[0, index] = motion["isWhole"]
     # A value without a combined interval has as many decimals as the mean over all directions.
-    mean_friction = displayed[0, :, :, [is_combined[0].argmax()]]
+    mean_friction = displayed_friction[0, :, :, [is_combined[0].argmax()]]
     mean_decimals = np.moveaxis(count_estimate_decimals(*np.moveaxis(mean_friction, -1, 0))[0], 0, 2)
-    displayed[
-        np.broadcast_to(~is_combined[:, np.newaxis, np.newaxis, :, None, None, None], displayed.shape[:-1]), 1:
+    displayed_friction[
+        np.broadcast_to(~is_combined[:, np.newaxis, np.newaxis, :, None, None, None], displayed_friction.shape[:-1]), 1:
     ] = np.nan
-    packed_arrays.add_estimates("friction", displayed, decimals=np.broadcast_to(mean_decimals, displayed.shape[:-1]))
+    packed_arrays.add_estimates(
+        "friction", displayed_friction, decimals=np.broadcast_to(mean_decimals, displayed_friction.shape[:-1])
+    )
     packed_arrays.add_estimates("sampling", stacked_arrays["sampling"])
     packed_arrays.add("status", stacked_arrays["status"].astype(np.int8))
     packed_arrays.add("fine", is_interpolated.astype(np.int8))

@@ -151,10 +151,12 @@ class ReportContent:
         )
         if self.study.is_measured:
             return f"<h2>The study</h2>{self.details_markup}{study_file}"
-        changes = [f"{key} = {value}" for key, _, value in find_differences(Study(), self.study)]
-        lines = "".join(f"<li><code>{escape_html(line)}</code></li>" for line in changes)
-        summary = f"<p>The defaults, but</p><ul>{lines}</ul>" if changes else "<p>All values are the defaults.</p>"
-        return f"<h2>The study</h2>{summary}{study_file}"
+        changed_settings = [f"{key} = {value}" for key, _, value in find_differences(Study(), self.study)]
+        lines = "".join(f"<li><code>{escape_html(line)}</code></li>" for line in changed_settings)
+        summary_markup = (
+            f"<p>The defaults, but</p><ul>{lines}</ul>" if changed_settings else "<p>All values are the defaults.</p>"
+        )
+        return f"<h2>The study</h2>{summary_markup}{study_file}"
 
 
 def _strip_folders(study: Study) -> Study:

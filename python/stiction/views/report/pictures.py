@@ -166,7 +166,10 @@ _CSS_COLOURS = {
     "#ffffff": "var(--paper)",
     "#c6d9e7": "var(--upper)",
     "#e3d5bb": "var(--lower)",
-    **{dark: f"var(--light, {dark})" for dark in ("#332288", "#440154", "#481d6f", "#453781", "#7a0019")},
+    **{
+        dark_colour: f"var(--light, {dark_colour})"
+        for dark_colour in ("#332288", "#440154", "#481d6f", "#453781", "#7a0019")
+    },
 }
 """Figure colours, and the style sheet variables that replace them on a page, for light and dark mode."""
 
@@ -178,14 +181,14 @@ def inline_svg(figure: Figure, description: str) -> str:
         for artist in artists:
             paths = artist.get_paths() if hasattr(artist, "get_paths") else [artist.get_path()]
             artist.set_rasterized(sum(len(path.vertices) for path in paths) > MAX_SVG_VERTICES)
-    if (layout := figure.get_layout_engine()) is not None:  # with a layout engine, `savefig` would draw twice
-        layout.execute(figure)
+    if (layout_engine := figure.get_layout_engine()) is not None:  # with a layout engine, `savefig` would draw twice
+        layout_engine.execute(figure)
         figure.set_layout_engine("none")
     text = io.StringIO()
     figure.savefig(text, format="svg", dpi=RASTER_DPI, transparent=True, metadata={"Date": None, "Creator": None})
-    drawing = text.getvalue()
-    drawing = re.sub(r"<metadata>.*?</metadata>", "", drawing[drawing.index("<svg") :], flags=re.DOTALL)
-    drawing = re.sub("|".join(_CSS_COLOURS), lambda match: _CSS_COLOURS[match[0]], drawing)
-    drawing = re.sub(r'\bd="[^"]*"', lambda match: re.sub(r"(\.\d)\d+", r"\1", match[0]), drawing)
+    svg_text = text.getvalue()
+    svg_text = re.sub(r"<metadata>.*?</metadata>", "", svg_text[svg_text.index("<svg") :], flags=re.DOTALL)
+    svg_text = re.sub("|".join(_CSS_COLOURS), lambda match: _CSS_COLOURS[match[0]], svg_text)
+    svg_text = re.sub(r'\bd="[^"]*"', lambda match: re.sub(r"(\.\d)\d+", r"\1", match[0]), svg_text)
     opening_tag = f'<svg role="img" aria-label="{html.escape(description)}" fill="var(--ink)" '
-    return f'<div class="figure">{drawing.replace("<svg ", opening_tag, 1)}</div>'
+    return f'<div class="figure">{svg_text.replace("<svg ", opening_tag, 1)}</div>'

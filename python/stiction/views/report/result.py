@@ -119,7 +119,7 @@ def _report_page_of_result(result: Result, name: str, picture: xarray.Dataset | 
         "errorText": _interpolation_error_text(content.facts.get("error")),
     }  # fmt: skip
     main_plots = MAIN_PLOTS[study.is_measured]
-    plots = {
+    plot_panels = {
         name: plot_panel_markup(name, title, description, **options)
         for name, (title, description, options) in PLOT_PANELS.items()
     }
@@ -133,8 +133,8 @@ def _report_page_of_result(result: Result, name: str, picture: xarray.Dataset | 
             touching=content.contact_markup,
             pictures=content.pictures_markup,
             study=content.study_description(),
-            panels="".join(plots[name] for name in main_plots),
-            others="".join(text for name, text in plots.items() if name not in main_plots),
+            panels="".join(plot_panels[name] for name in main_plots),
+            others="".join(text for name, text in plot_panels.items() if name not in main_plots),
         ),
         versions=f"Computed by stiction {result.version}",
         scripts=script_markup(facts | content.facts, content.packed_arrays.encoded_texts()),
