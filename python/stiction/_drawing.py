@@ -85,8 +85,8 @@ def add_scale_bar(ax: Axes, box: tuple[float, float, float, float], **style: Any
 
     left, right, bottom, top = box
     max_length = _MAX_SCALE_BAR_FRACTION * (right - left)
-    power = 10.0 ** math.floor(math.log10(max_length))
-    length = max(factor * power for factor in (1, 2, 5) if factor * power <= max_length)
+    power_of_ten = 10.0 ** math.floor(math.log10(max_length))
+    length = max(factor * power_of_ten for factor in (1, 2, 5) if factor * power_of_ten <= max_length)
     x, y = right - 0.05 * (right - left) - length, bottom + 0.05 * (top - bottom)
     halo = [withStroke(linewidth=2.5, foreground="black")]
     ax.plot([x, x + length], [y, y], color="white", linewidth=1.5, path_effects=halo, solid_capstyle="butt")

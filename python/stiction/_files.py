@@ -32,9 +32,9 @@ _NUM_SEARCHED_BYTES = 2**16
 
 
 @contextmanager
-def new_file(path: Path, failure: type[ValueError]) -> Iterator[Path]:
-    """Yield a temporary file that is renamed to `path` when complete. Raise `failure` if `path` already exists."""
-    with _translate_os_errors(path, failure):
+def new_file(path: Path, error_type: type[ValueError]) -> Iterator[Path]:
+    """Yield a temporary file that is renamed to `path` when complete. Raise `error_type` if `path` already exists."""
+    with _translate_os_errors(path, error_type):
         if os.path.lexists(path):
             raise FileExistsError
         with _open_partial_file(path, os.link) as partial_path:  # unlike rename, link never replaces a file
@@ -42,24 +42,24 @@ def new_file(path: Path, failure: type[ValueError]) -> Iterator[Path]:
 
 
 @contextmanager
-def replacement_file(path: Path, mark: bytes, failure: type[ValueError]) -> Iterator[Path]:
-    """Yield a temporary file that replaces `path` when complete; raise `failure` if an existing file lacks `mark`.
+def replacement_file(path: Path, mark: bytes, error_type: type[ValueError]) -> Iterator[Path]:
+    """Yield a temporary file that replaces `path` when complete; raise `error_type` if an existing file lacks `mark`.
 
     A file without the bytes `mark` near its start or its end was not written by this package.
     """
-    check_replaceable(path, mark, failure)
-    with _translate_os_errors(path, failure), _open_partial_file(path, Path.replace) as partial_path:
+    check_replaceable(path, mark, error_type)
+    with _translate_os_errors(path, error_type), _open_partial_file(path, Path.replace) as partial_path:
         yield partial_path
 
 
-def check_replaceable(path: Path, mark: bytes, failure: type[ValueError]) -> None:
-    """Raise `failure` if the path exists, unless it is a file that contains `mark`.
+def check_replaceable(path: Path, mark: bytes, error_type: type[ValueError]) -> None:
+    """Raise `error_type` if the path exists, unless it is a file that contains `mark`.
 
     A dangling link counts as existing.
     """
-    with _translate_os_errors(path, failure):
+    with _translate_os_errors(path, error_type):
         if os.path.lexists(path) and not _contains_file_mark(path, mark):
-            raise failure(
+            raise error_type(
                 f"{printable_path(path)}: already exists and was not written by stiction; remove it, or choose "
                 "another name"
             )
@@ -72,13 +72,13 @@ def write_atomically(path: Path, content: bytes) -> None:
 
 
 @contextmanager
-def _open_partial_file(path: Path, move: Callable[[Path, Path], object]) -> Iterator[Path]:
+def _open_partial_file(path: Path, move_file: Callable[[Path, Path], object]) -> Iterator[Path]:
     """Yield an empty file in the folder of `path`. Rename it to `path` on success, and remove it otherwise."""
     partial_path = path.parent / new_partial_file_name()
     try:  # create the file inside `try`, so that it is removed even if Ctrl-C arrives right afterwards
         os.close(os.open(partial_path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
         yield partial_path
-        move(partial_path, path)
+        move_file(partial_path, path)
     finally:
         with suppress(OSError):
             partial_path.unlink(missing_ok=True)
@@ -99,11 +99,11 @@ def remove_stale_partial_files(folder: Path) -> None:
                     os.unlink(entry)
 
 
-def _is_stale_partial_file(entry: os.DirEntry[str], machine: str, process: str, run: str) -> bool:
-    if machine != _MACHINE_TOKEN or os.name != "posix":
+def _is_stale_partial_file(entry: os.DirEntry[str], machine_token: str, process: str, process_token: str) -> bool:
+    if machine_token != _MACHINE_TOKEN or os.name != "posix":
         return time.time() - entry.stat(follow_symlinks=False).st_mtime > MAX_PARTIAL_AGE
     if int(process) == os.getpid():
-        return run != _PROCESS_TOKEN
+        return process_token != _PROCESS_TOKEN
     try:
         os.kill(int(process), 0)
     except (ProcessLookupError, OverflowError):
@@ -114,13 +114,13 @@ def _is_stale_partial_file(entry: os.DirEntry[str], machine: str, process: str, 
 
 
 @contextmanager
-def _translate_os_errors(path: Path, failure: type[ValueError]) -> Iterator[None]:
+def _translate_os_errors(path: Path, error_type: type[ValueError]) -> Iterator[None]:
     try:
         yield
     except FileExistsError:
-        raise failure(f"{printable_path(path)}: already exists; remove it, or choose another name") from None
+        raise error_type(f"{printable_path(path)}: already exists; remove it, or choose another name") from None
     except OSError as error:
-        raise failure(f"{printable_path(path)}: cannot be written: {describe_os_error(error)}") from None
+        raise error_type(f"{printable_path(path)}: cannot be written: {describe_os_error(error)}") from None
 
 
 def _contains_file_mark(path: Path, mark: bytes) -> bool:

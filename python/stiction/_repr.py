@@ -129,9 +129,9 @@ def preformatted_html(text: str) -> str:
     return f'<pre tabindex="0" style="{style}">{html.escape(text)}</pre>'
 
 
-def table_html(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def table_html(column_titles: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Return an HTML table whose first column contains the row names."""
-    head = "".join(f"<th>{html.escape(text)}</th>" for text in heads)
+    head = "".join(f"<th>{html.escape(text)}</th>" for text in column_titles)
     body = "".join("<tr>" + "".join(f"<td>{html.escape(text)}</td>" for text in row) + "</tr>" for row in rows)
     return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 

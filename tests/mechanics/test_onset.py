@@ -253,15 +253,13 @@ def half_space_curve(request):
 
 def test_sliding_load_equals_sum_of_friction_at_all_contacts(half_space_curve):
     onset = half_space_curve.onset(1, mu0=0.3, tau0=0.05)
-    max_friction_for_finer_scans = 0.3 * half_space_curve.normal_elastic[1] + 0.05 * half_space_curve.contact_area[1]
-    assert onset.sliding_load == pytest.approx(max_friction_for_finer_scans, rel=1e-9)
+    max_friction = 0.3 * half_space_curve.normal_elastic[1] + 0.05 * half_space_curve.contact_area[1]
+    assert onset.sliding_load == pytest.approx(max_friction, rel=1e-9)
     assert onset.tangential_load[-1] == onset.sliding_load
-    assert onset.traction(-1).sum() * half_space_curve._problem.cell_area == pytest.approx(
-        max_friction_for_finer_scans, rel=1e-9
-    )
+    assert onset.traction(-1).sum() * half_space_curve._problem.cell_area == pytest.approx(max_friction, rel=1e-9)
     # For small slopes, the sliding load equals that of the rule "all", except for terms of second order.
-    max_friction_for_finer_scans = half_space_curve.with_sliding("all").tangential_load(mu0=0.3, tau0=0.05)[1]
-    assert onset.sliding_load == pytest.approx(max_friction_for_finer_scans, rel=0.1**2)
+    max_friction = half_space_curve.with_sliding("all").tangential_load(mu0=0.3, tau0=0.05)[1]
+    assert onset.sliding_load == pytest.approx(max_friction, rel=0.1**2)
     assert onset.slipped_area[-1] == onset.slipped_load[-1] == 1
     assert onset.displacement[-1] == onset.displacement_at_sliding
 
@@ -523,8 +521,8 @@ def test_onset_of_sliding_accepts_sphere_and_elastic_plastic_laws_for_profiles()
     for detection in ("cell", "gap-minimum"):
         curve = press(*bodies, [0.03], detection=detection, shear="-x")
         onset = curve.onset(0, mu0=0.3, tau0=0.05, direction="-x")
-        max_friction_for_finer_scans = 0.3 * curve.normal_elastic[0] + 0.05 * curve.contact_area[0]
-        assert onset.sliding_load == pytest.approx(max_friction_for_finer_scans, rel=1e-9)
+        max_friction = 0.3 * curve.normal_elastic[0] + 0.05 * curve.contact_area[0]
+        assert onset.sliding_load == pytest.approx(max_friction, rel=1e-9)
     assert onset.direction == 180.0
     with pytest.raises(ValueError, match="direction on profiles"):
         curve.onset(0, mu0=0.3, direction=90.0)

@@ -124,7 +124,8 @@ def test_max_friction_of_a_sample_equals_the_upper_end_of_its_range_for_finer_sc
         np.array([0.3, 0.6, 0.2, 0.35]),
     )
     max_values = [
-        friction_range_for_finer_scans(*sample, contacts=38.0)[1] for sample in zip(value, mu0, adhesion, strict=True)
+        friction_range_for_finer_scans(*sample, contact_count=38.0)[1]
+        for sample in zip(value, mu0, adhesion, strict=True)
     ]
     assert max_friction_for_finer_scans(value, mu0, adhesion, 38.0) == pytest.approx(max_values)
     # The real area is far above F/H in the first two samples, so that their adhesive friction grows by `kappa_factor`.

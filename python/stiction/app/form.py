@@ -44,12 +44,12 @@ def page_data_json() -> str:
 
     The data are units of plain numbers, options with commas, and descriptions of the sliding rules.
     """
-    facts = {
+    page_data = {
         "units": {flag: f" {field.unit}" for flag, field in FORM_FIELDS_BY_FLAG.items() if field.unit},
         "texts": [flag for flag, field in FORM_FIELDS_BY_FLAG.items() if field.has_commas],
         "ruleDescriptions": SLIDING_RULE_DESCRIPTIONS,
     }
-    return html.escape(json.dumps(facts, ensure_ascii=False))
+    return html.escape(json.dumps(page_data, ensure_ascii=False))
 
 
 _OPTION_PATTERN = re.compile(r"--([a-z0-9-]+)(?: ([\w,-]+))?")

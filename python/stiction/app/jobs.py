@@ -89,31 +89,33 @@ class JobQueue:
 
     def __init__(self, root: Path) -> None:
         self.root = root
-        self.all: dict[int, Job] = {}
-        self._folders = 0
+        self.jobs_by_number: dict[int, Job] = {}
+        self._folder_count = 0
         self._is_ending = False
         self._job_lock = asyncio.Lock()
         self._reader_slots = asyncio.Semaphore(2)
 
     def add(self, title: str, arguments: list[str], *, folder: Path | None = None, preview: Any = None) -> Job:
         """Add a command to the queue. If a result of the same command is stored, its computation is resumed."""
-        if sum(job.state == "waiting" for job in self.all.values()) >= MAX_WAITING_JOBS:
+        if sum(job.state == "waiting" for job in self.jobs_by_number.values()) >= MAX_WAITING_JOBS:
             raise RejectedRequestError(f"{MAX_WAITING_JOBS} jobs are already waiting; stop one of these jobs first")
         identifying_arguments = [item for item in arguments if not re.match("--(mu0|tau0)=", item)]
         digest = hashlib.sha256("\0".join(identifying_arguments).encode()).hexdigest()[:12]
         folder = folder or self.root / "results" / digest / arguments[0]
-        job = self.all[len(self.all) + 1] = Job(len(self.all) + 1, title, arguments, folder, preview)
+        job = self.jobs_by_number[len(self.jobs_by_number) + 1] = Job(
+            len(self.jobs_by_number) + 1, title, arguments, folder, preview
+        )
         job.task = asyncio.create_task(self._run_job(job))
         return job
 
     async def shut_down(self) -> None:
         """Stop all jobs and wait until they have ended. Their results are no longer shown."""
         self._is_ending = True
-        for job in self.all.values():
+        for job in self.jobs_by_number.values():
             job.stop()
             if job.state == "stopped" and job.task is not None:
                 job.task.cancel()  # the task of a stopped job may still be reading a result
-        await asyncio.gather(*(job.task for job in self.all.values() if job.task), return_exceptions=True)
+        await asyncio.gather(*(job.task for job in self.jobs_by_number.values() if job.task), return_exceptions=True)
 
     async def _run_job(self, job: Job) -> None:
         """Run a job until it ends, and read its final result."""
@@ -144,14 +146,14 @@ class JobQueue:
                 )
         if job.folder.is_relative_to(self.root):
             job.activity = "computing"
-            monitor = asyncio.create_task(self._monitor_progress(job))
+            monitor_task = asyncio.create_task(self._monitor_progress(job))
             try:
                 output_option = "--json" if job.arguments[0] == "pair" else "--part=1/1"
                 arguments = ["stiction", *job.arguments, output_option, f"--output={job.folder}"]
                 await run_module(arguments, grace_time=MAX_SHUTDOWN_TIME, memory=JOB_MEMORY_FRACTION)
             finally:
-                monitor.cancel()
-                await asyncio.wait([monitor])
+                monitor_task.cancel()
+                await asyncio.wait([monitor_task])
         job.activity = "drawing"
         await self._read_result(job)
 
@@ -171,8 +173,8 @@ class JobQueue:
 
     async def _read_result(self, job: Job, scope: str = "", **source: Any) -> None:
         """Read the finished part of a job and write a report on it. For the final result, `scope` is empty."""
-        self._folders += 1
-        files = self.root / "shared" / f"{self._folders}"
+        self._folder_count += 1
+        files = self.root / "shared" / f"{self._folder_count}"
         request = {"folder": str(job.folder), "name": job.folder.name,
                    "command": "" if scope else job.arguments[0],
                    "files": str(files), "root": str(self.root)}  # fmt: skip
@@ -222,7 +224,7 @@ async def run_module(arguments: list[str], *, memory: float, grace_time: float =
     )  # fmt: skip
     output_stream, error_stream = process.stdout, process.stderr
     assert output_stream is not None and error_stream is not None  # noqa: PT018
-    errors = asyncio.create_task(error_stream.read())
+    error_task = asyncio.create_task(error_stream.read())
     try:
         return (await output_stream.readuntil(END_OF_JSON_RECORD)).decode()
     except asyncio.LimitOverrunError:
@@ -233,7 +235,7 @@ async def run_module(arguments: list[str], *, memory: float, grace_time: float =
         if status < 0:
             name = signal.Signals(-status).name
             raise RejectedRequestError(f"the system ended the command ({name}); memory may be insufficient") from None
-        lines = [line.removeprefix("stiction: ") for line in (await errors).decode(errors="replace").splitlines()]
+        lines = [line.removeprefix("stiction: ") for line in (await error_task).decode(errors="replace").splitlines()]
         messages = [line for line in lines if not line.startswith(("warning: ", "try stiction "))]
         raise RejectedRequestError("\n".join(messages[-3:]) or "the command ended without a message") from None
     finally:
@@ -245,4 +247,4 @@ async def run_module(arguments: list[str], *, memory: float, grace_time: float =
             process.kill()
             with suppress(TimeoutError):  # wait, so that the transport closes before the event loop closes
                 await asyncio.wait_for(process.wait(), KILLED_PROCESS_TIMEOUT)
-        errors.cancel()
+        error_task.cancel()

@@ -32,13 +32,13 @@ MAX_IDLE_CONNECTIONS = 64
 class TimeLimitedConnection(H11Protocol):
     """HTTP connection that is closed if its request does not arrive in time."""
 
-    idle: ClassVar[dict[TimeLimitedConnection, asyncio.TimerHandle]] = {}
+    idle_timers: ClassVar[dict[TimeLimitedConnection, asyncio.TimerHandle]] = {}
 
     def connection_made(self, transport: Any) -> None:
         """Start the timer of a new connection."""
         super().connection_made(transport)
-        self.idle[self] = self.loop.call_later(REQUEST_HEADER_TIMEOUT, self._abort)
-        if len(self.idle) > MAX_IDLE_CONNECTIONS:
+        self.idle_timers[self] = self.loop.call_later(REQUEST_HEADER_TIMEOUT, self._abort)
+        if len(self.idle_timers) > MAX_IDLE_CONNECTIONS:
             # The check runs in a second callback, so that the event loop first reads requests that have arrived.
             self.loop.call_soon(self.loop.call_soon, self._close_oldest)
 
@@ -54,11 +54,11 @@ class TimeLimitedConnection(H11Protocol):
         super().connection_lost(exc)
 
     def _close_oldest(self) -> None:
-        if len(self.idle) > MAX_IDLE_CONNECTIONS:
-            next(iter(self.idle))._abort()
+        if len(self.idle_timers) > MAX_IDLE_CONNECTIONS:
+            next(iter(self.idle_timers))._abort()
 
     def _cancel_idle_timer(self) -> None:
-        if (timer := self.idle.pop(self, None)) is not None:
+        if (timer := self.idle_timers.pop(self, None)) is not None:
             timer.cancel()
 
     def _abort(self) -> None:

@@ -294,7 +294,7 @@ class Server:
     async def list_jobs(self, _: Request) -> Response:
         """Return the progress of all jobs."""
         self.last_request_time, self.has_window = asyncio.get_running_loop().time(), True
-        jobs = json.dumps([job.page_data() for job in self.jobs.all.values()])
+        jobs = json.dumps([job.page_data() for job in self.jobs.jobs_by_number.values()])
         return Response(hide_private_paths(jobs, self.root), media_type="application/json")
 
     async def add_job(self, request: Request) -> Response:
@@ -330,7 +330,7 @@ class Server:
         )
 
     def _find_job(self, request: Request) -> Job:
-        return self.jobs.all.get(request.path_params["job"]) or _raise_not_found()
+        return self.jobs.jobs_by_number.get(request.path_params["job"]) or _raise_not_found()
 
     async def stop_job(self, request: Request) -> Response:
         """Stop a job, and keep the part of the result that is finished."""

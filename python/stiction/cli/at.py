@@ -144,13 +144,13 @@ def at(
     if as_json:
         print_output(rows.summary_json("at", summary))
     else:
-        if defaults := text.default_values_text(result.study, mu0=mu0 is None, tau0=tau0 is None):
-            print_output(defaults)
+        if default_text := text.default_values_text(result.study, mu0=mu0 is None, tau0=tau0 is None):
+            print_output(default_text)
         print_output(text.result_text(summary, verbose=verbose, complete_command=VERBOSE_OPTION))
 
 
 def _print_height_factor_results(
-    stored: StoredResult, text: str, scaled: str, loads: list[float], mu0: Any, tau0: Any, *, compute: bool,
+    stored_result: StoredResult, text: str, scaled: str, loads: list[float], mu0: Any, tau0: Any, *, compute: bool,
     workers: int | None, as_json: bool,
 ) -> None:  # fmt: skip
     """Print a result for several height factors. If `compute` is True, first compute the missing results."""
@@ -164,14 +164,14 @@ def _print_height_factor_results(
         try:
             with thread_pool_executor(workers) as executor:
                 compute_height_factors(
-                    stored, height_factors, scaled_bodies, executor, progress=True, announce=show_status
+                    stored_result, height_factors, scaled_bodies, executor, progress=True, announce=show_status
                 )
         except KeyboardInterrupt:
             raise report_interruption(
                 "; results of finished factors are stored; run the same command again to resume"
             ) from None
-    values = evaluate_height_scale(stored, height_factors, loads, mu0=mu0, tau0=tau0, scaled=scaled_bodies)
-    print_output((height_scale_json if as_json else height_scale_text)(values, stored.study))
+    values = evaluate_height_scale(stored_result, height_factors, loads, mu0=mu0, tau0=tau0, scaled=scaled_bodies)
+    print_output((height_scale_json if as_json else height_scale_text)(values, stored_result.study))
 
 
 def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> list[float]:
@@ -226,9 +226,9 @@ def _select_direction(dataset: xarray.Dataset, direction: float) -> xarray.Datas
         raise ValueError(
             f"--direction must be one of the directions in the result ({directions_text}), got {direction:g}"
         )
-    selected = dataset.drop_vars(["friction_all_round", "friction_by_axis"], errors="ignore")
-    if "direction" not in selected.dims:
-        return selected
-    return selected.drop_vars([name for name in UNCERTAINTY_QUANTITIES if name in selected]).sel(
+    selected_dataset = dataset.drop_vars(["friction_all_round", "friction_by_axis"], errors="ignore")
+    if "direction" not in selected_dataset.dims:
+        return selected_dataset
+    return selected_dataset.drop_vars([name for name in UNCERTAINTY_QUANTITIES if name in selected_dataset]).sel(
         direction=direction % 360
     )

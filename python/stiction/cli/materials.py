@@ -26,5 +26,5 @@ def materials(
     from stiction.mechanics.materials import materials as all_materials
     from stiction.views.materials import materials_json, materials_text
 
-    chosen: Any = tuple(material(name) for name in names) if names else all_materials()
-    print_output(materials_json(chosen) if as_json else materials_text(chosen))
+    chosen_materials: Any = tuple(material(name) for name in names) if names else all_materials()
+    print_output(materials_json(chosen_materials) if as_json else materials_text(chosen_materials))

@@ -36,7 +36,7 @@ def run_command(
     workers: WorkersOption = None,
     scheduler: SchedulerOption = None,
     part: PartOption = None,
-    changes: ChangesOption = None,
+    overrides: ChangesOption = None,
     verbose: VerboseOption = False,
 ) -> None:
     """Compute a study, draw its figures and print its friction at a few loads.
@@ -48,7 +48,7 @@ def run_command(
 
     chosen_study, directory = _load_study(study)
     try:
-        chosen_study = chosen_study.with_changes(parse_overrides(changes or []))
+        chosen_study = chosen_study.with_changes(parse_overrides(overrides or []))
     except StudyError as error:
         lines = [f"--set {key}: {reason}" if key else f"--set {reason}" for key, reason in error.faults]
         raise StudyError("\n".join(lines[:MAX_LISTED_FAULTS]), error.faults) from None
@@ -106,13 +106,13 @@ def _load_study(text: str) -> tuple[Study, Path]:
 
 def parse_overrides(assignments: list[str]) -> dict[str, Any]:
     """Parse the values of `--set` into a mapping from dotted keys to new values."""
-    changes = {}
+    overrides = {}
     for assignment in assignments:
         key, equals, value = assignment.partition("=")
         if not equals or not key.strip():
             raise StudyError(f"--set must be KEY=VALUE, such as ensemble.repetitions=10, got {short_repr(assignment)}")
-        changes[key.strip()] = _parse_toml_value(value.strip())
-    return changes
+        overrides[key.strip()] = _parse_toml_value(value.strip())
+    return overrides
 
 
 def _parse_toml_value(text: str) -> Any:

@@ -384,13 +384,16 @@ def solve_with_adhesion(
     return contacts
 
 
-def solve_separation(pressed: ContactSolution, *, tolerance: float) -> tuple[list[ContactSolution], str]:
+def solve_separation(contact_solution: ContactSolution, *, tolerance: float) -> tuple[list[ContactSolution], str]:
     """Return the contacts during separation, and the reason why the minimum load is uncertain ("" if it is certain)."""
-    problem, total_area = pressed.problem, pressed.problem.cell_area * pressed.problem.gap.size
+    problem, total_area = (
+        contact_solution.problem,
+        contact_solution.problem.cell_area * contact_solution.problem.gap.size,
+    )
     solver = AdhesionSolver(problem, tolerance=tolerance, report=None)
-    pressure = pressed.on_grid(pressed.values)
-    start_values = float(pressure.mean()), pressed.load / total_area, pressed.approach
-    start = AdhesionState(pressure.ravel(), np.asarray(pressed.attraction), *start_values)
+    pressure = contact_solution.on_grid(contact_solution.values)
+    start_values = float(pressure.mean()), contact_solution.load / total_area, contact_solution.approach
+    start = AdhesionState(pressure.ravel(), np.asarray(contact_solution.attraction), *start_values)
     descending_states, least_load = [], start.load
     # When the load decreases, the bodies pass only through states that carry less load than all earlier states.
     for state in solver.trace_separation(start)[1:]:
@@ -400,4 +403,4 @@ def solve_separation(pressed: ContactSolution, *, tolerance: float) -> tuple[lis
     later_contacts = [
         to_contact_solution(problem, state, state.load * total_area, state.attraction) for state in descending_states
     ]
-    return [pressed, *later_contacts], solver.uncertainty_reason
+    return [contact_solution, *later_contacts], solver.uncertainty_reason

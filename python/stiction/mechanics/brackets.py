@@ -59,11 +59,13 @@ def plastic_wavelength(
     """
     if math.isnan(gradient):
         return math.nan, math.nan, math.nan
-    best_estimate, rougher, smoother = (None,) * 3 if estimate is None else interval_power_laws(estimate)
+    best_estimate, rougher_estimate, smoother_estimate = (
+        (None,) * 3 if estimate is None else interval_power_laws(estimate)
+    )
     return (
         roughness.wavelength_of(gradient, best_estimate),
-        roughness.wavelength_of(gradient * spread, smoother),
-        roughness.wavelength_of(gradient / spread, rougher),
+        roughness.wavelength_of(gradient * spread, smoother_estimate),
+        roughness.wavelength_of(gradient / spread, rougher_estimate),
     )
 
 
@@ -122,7 +124,7 @@ def max_area_for_finer_scans(area: ArrayLike, plastic_area: ArrayLike, contact_c
 
 
 def friction_range_for_finer_scans(
-    value: float, mu0: float, adhesion: float, contacts: float, upper: float | None = None
+    value: float, mu0: float, adhesion: float, contact_count: float, upper: float | None = None
 ) -> tuple[float, float]:
     """Return the range of mu_s that finer scans of a yielding pair can give if friction acts at all contacts.
 
@@ -130,16 +132,20 @@ def friction_range_for_finer_scans(
     given.
     """
     highest_friction = value if upper is None else upper
-    return min(mu0 + adhesion, value), float(max_friction_for_finer_scans(highest_friction, mu0, adhesion, contacts))
+    return min(mu0 + adhesion, value), float(
+        max_friction_for_finer_scans(highest_friction, mu0, adhesion, contact_count)
+    )
 
 
 def max_friction_for_finer_scans(
-    value: Floats | float, mu0: Floats | float, adhesion: Floats | float, contacts: float
+    value: Floats | float, mu0: Floats | float, adhesion: Floats | float, contact_count: float
 ) -> Floats:
     """Return the largest mu_s that finer scans of a yielding pair can give. Arguments are numbers or samples."""
     # The part of the friction that is due to tau0 is proportional to the area.
     adhesive_friction = np.asarray(value - mu0)
-    increase = max_area_for_finer_scans(adhesive_friction, adhesion, contacts) - np.maximum(adhesive_friction, adhesion)
+    increase = max_area_for_finer_scans(adhesive_friction, adhesion, contact_count) - np.maximum(
+        adhesive_friction, adhesion
+    )
     return np.asarray(np.where(np.asarray(adhesion) > 0, value + increase, value))
 
 

@@ -508,10 +508,10 @@ def fuller_tabor(
 
 
 def _validate_adhesion_arguments(
-    radius: ArrayLike, effective_modulus: ArrayLike, work_of_adhesion: ArrayLike, **others: ArrayLike
+    radius: ArrayLike, effective_modulus: ArrayLike, work_of_adhesion: ArrayLike, **other_arguments: ArrayLike
 ) -> list[Floats]:
     return validate_positive_arguments(
-        radius=radius, effective_modulus=effective_modulus, work_of_adhesion=work_of_adhesion, **others
+        radius=radius, effective_modulus=effective_modulus, work_of_adhesion=work_of_adhesion, **other_arguments
     )
 
 
@@ -673,8 +673,8 @@ def hertz_ellipse(
             overlap=overlap, radius_1=radius_1, radius_2=radius_2, effective_modulus=effective_modulus
         )
     )
-    larger, smaller = np.maximum(r1, r2), np.minimum(r1, r2)
-    ratio = smaller / larger  # ratio of the smaller to the larger radius
+    larger_radius, smaller_radius = np.maximum(r1, r2), np.minimum(r1, r2)
+    ratio = smaller_radius / larger_radius  # ratio of the smaller to the larger radius
     # R_D(0, k², 1)/R_D(0, 1, k²) increases with k, and is below k.
     log_low, log_high = np.log(ratio), np.zeros(ratio.shape)
     for _ in range(_NUM_BISECTIONS):
@@ -682,14 +682,17 @@ def hertz_ellipse(
         squared_ratio = np.exp(2 * log_middle)
         is_above = special.elliprd(0, squared_ratio, 1) > ratio * special.elliprd(0, 1, squared_ratio)
         log_low, log_high = np.where(is_above, log_low, log_middle), np.where(is_above, log_middle, log_high)
-    aspect = np.where(ratio == 1, 1.0, np.exp(0.5 * (log_low + log_high)))
-    complete_integral = special.ellipkm1(aspect**2)
-    major = np.sqrt(2 / 3 * d * larger * special.elliprd(0, aspect**2, 1) / complete_integral)
-    minor = aspect * major
-    semi_axis_1, semi_axis_2 = np.where(r1 >= r2, major, minor), np.where(r1 >= r2, minor, major)
+    aspect_ratio = np.where(ratio == 1, 1.0, np.exp(0.5 * (log_low + log_high)))
+    complete_integral = special.ellipkm1(aspect_ratio**2)
+    major_semi_axis = np.sqrt(2 / 3 * d * larger_radius * special.elliprd(0, aspect_ratio**2, 1) / complete_integral)
+    minor_semi_axis = aspect_ratio * major_semi_axis
+    semi_axis_1, semi_axis_2 = (
+        np.where(r1 >= r2, major_semi_axis, minor_semi_axis),
+        np.where(r1 >= r2, minor_semi_axis, major_semi_axis),
+    )
     return (
-        np.asarray(2 / 3 * np.pi * major * d * e / complete_integral),
-        np.asarray(np.pi * major * minor),
+        np.asarray(2 / 3 * np.pi * major_semi_axis * d * e / complete_integral),
+        np.asarray(np.pi * major_semi_axis * minor_semi_axis),
         (semi_axis_1, semi_axis_2),
     )
 
@@ -972,10 +975,12 @@ def _mean_secant_and_cosine(deviation: Floats) -> tuple[Floats, Floats]:
     bounded_deviation = np.maximum(deviation, _SMALL_SLOPE_LIMIT)
     x = 1 / (4 * bounded_deviation**2)
     factor = 1 / (bounded_deviation * np.sqrt(2 * np.pi))
-    zeroth, first = special.kve(0, x), special.kve(1, x)
-    square = deviation**2
-    mean_secant = np.where(is_small, 1 + square / 2 - 3 * square**2 / 8, (zeroth + first) * factor / 2)
-    return mean_secant, np.where(is_small, 1 - square / 2 + 9 * square**2 / 8, zeroth * factor)
+    bessel_k0, first = special.kve(0, x), special.kve(1, x)
+    squared_deviation = deviation**2
+    mean_secant = np.where(
+        is_small, 1 + squared_deviation / 2 - 3 * squared_deviation**2 / 8, (bessel_k0 + first) * factor / 2
+    )
+    return mean_secant, np.where(is_small, 1 - squared_deviation / 2 + 9 * squared_deviation**2 / 8, bessel_k0 * factor)
 
 
 # ---- Sinusoidal surface (Westergaard) -------------------------------------------------------------------------------

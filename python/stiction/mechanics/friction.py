@@ -265,10 +265,10 @@ def validate_friction_parameter(name: str, values: ArrayLike) -> Floats:
 
 def check_shear_strength(tau0: Floats, effective_modulus: float) -> None:
     """Warn if tau0 was probably meant in MPa instead of GPa."""
-    highest = float(np.max(tau0, initial=0))
-    if highest > MAX_SHEAR_STRENGTH_RATIO * effective_modulus:
+    max_tau0 = float(np.max(tau0, initial=0))
+    if max_tau0 > MAX_SHEAR_STRENGTH_RATIO * effective_modulus:
         warnings.warn(
-            f"tau0 = {highest:g} GPa is above a tenth of the effective modulus {effective_modulus:g} GPa; was it "
+            f"tau0 = {max_tau0:g} GPa is above a tenth of the effective modulus {effective_modulus:g} GPa; was it "
             "meant in MPa?",
             stacklevel=3,
         )

@@ -289,7 +289,7 @@ class HalfSpaceCurve(FrictionCurve):
         problem = solution.problem
         pressure = solution.on_grid(solution.values)
         gap = problem.grids.displacement(pressure - solution.attraction) + problem.gap - solution.approach
-        opposing_grids = [solution.on_grid(opposes[solution.patch - 1]) for opposes in sums.opposing]
+        opposing_grids = [solution.on_grid(opposing_mask[solution.patch - 1]) for opposing_mask in sums.opposing]
         opposing = np.array(opposing_grids).reshape(*self._model.angles().shape, *pressure.shape)
         gap = gap if problem.missing is None else np.where(problem.missing, np.nan, gap)
         values = (pressure, gap, solution.on_grid(solution.patch), opposing, solution.on_grid(solution.share))
@@ -365,9 +365,9 @@ class HalfSpaceCurve(FrictionCurve):
 
         mu0, tau0 = validate_nonzero_strengths(mu0, tau0, self.effective_modulus)
         angle = parse_direction(direction, line=self._problem.gap.ndim == 1)
-        pressed = self._contact_solutions[resolve_index(index, self.load.size, "loads")]
+        contact_solution = self._contact_solutions[resolve_index(index, self.load.size, "loads")]
         tangential_problem = HalfSpaceTangentialProblem(
-            pressed, mu0=mu0, tau0=tau0, poisson=poisson, tolerance=tolerance
+            contact_solution, mu0=mu0, tau0=tau0, poisson=poisson, tolerance=tolerance
         )
         return compute_onset(
             tangential_problem, mu0=mu0, tau0=tau0, direction=angle, steps=steps, displacements=displacements
@@ -505,8 +505,8 @@ def half_space(
         hardness=None if hardness is None else validate_number("hardness", hardness, unit="GPa", above=0),
     )  # fmt: skip
     work_value, range_value = (
-        validate_number(step_kind, to_core_units(step_kind, given, kind), unit=unit, above=above)
-        for step_kind, given, kind, unit, above in (
+        validate_number(step_kind, to_core_units(step_kind, given_values, kind), unit=unit, above=above)
+        for step_kind, given_values, kind, unit, above in (
             ("work_of_adhesion", work_of_adhesion, "work of adhesion", "mN/µm", -math.ulp(0)),
             ("adhesion_range", adhesion_range, "length", "µm", 0),
         )
@@ -521,7 +521,9 @@ def half_space(
                 "tilt must be 'fixed' if the surfaces are periodic or adhesive, or if approaches are given, got 'free'"
             )
         problem = replace(problem, turns=True)
-    loads, approaches = ([given] if isinstance(given, str) else given for given in (loads, approaches))
+    loads, approaches = (
+        [given_values] if isinstance(given_values, str) else given_values for given_values in (loads, approaches)
+    )
     loads = loads_to_core_units("loads", loads, problem.area)
     step_kind, step_values = parse_loads_or_approaches(
         problem, loads, to_core_units("approaches", approaches, "length")

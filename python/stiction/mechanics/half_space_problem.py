@@ -125,18 +125,18 @@ class HalfSpaceProblem:
         """
         if self.missing is not None:
             return np.asarray(self.grids.displacement(self.measured_point_mask, threads=solver_thread_count()))
-        if (cached := _uniform_displacements.get(self.grids)) is None:
-            cached = _uniform_displacements[self.grids] = make_read_only(
+        if (cached_displacement := _uniform_displacements.get(self.grids)) is None:
+            cached_displacement = _uniform_displacements[self.grids] = make_read_only(
                 self.grids.displacement(self.measured_point_mask, threads=solver_thread_count())
             )
-        return cached
+        return cached_displacement
 
     @cached_property
     def interface_slopes(self) -> list[Floats]:
         """Slopes of the deformed interface at every point. Maps have slopes along y and x, and profiles along x."""
         fraction = self.compliance_share
-        interface = (1 - fraction) * self.lower + fraction * self.upper
-        return [slope.ravel() for slope in grid_slopes(interface, self.spacing, periodic=self.periodic)]
+        interface_heights = (1 - fraction) * self.lower + fraction * self.upper
+        return [slope.ravel() for slope in grid_slopes(interface_heights, self.spacing, periodic=self.periodic)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -241,17 +241,19 @@ class ContactSolution:
     def _linear_response(self) -> tuple[Floats, float]:
         return self._compute_response(self.below_hardness)
 
-    def _compute_response(self, free: NDArray[np.bool_]) -> tuple[Floats, float]:
+    def _compute_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
         """Return the pressures (sum: 1 GPa) that displace all free points equally, and this displacement (µm)."""
         if not self.problem.turns:
-            return self.problem.grids.linear_response(self.on_grid(free), threads=solver_thread_count())
-        return TiltResponse.solve(self.problem, self.on_grid(free)).balanced_response()
+            return self.problem.grids.linear_response(self.on_grid(free_mask), threads=solver_thread_count())
+        return TiltResponse.solve(self.problem, self.on_grid(free_mask)).balanced_response()
 
-    def _compute_stiffness(self, free: NDArray[np.bool_]) -> float:
+    def _compute_stiffness(self, free_mask: NDArray[np.bool_]) -> float:
         problem = self.problem
-        if not (problem.has_finite_approach and free.any()):
+        if not (problem.has_finite_approach and free_mask.any()):
             return np.nan
-        compliance = (self._linear_response if free is self.below_hardness else self._compute_response(free))[1]
+        compliance = (self._linear_response if free_mask is self.below_hardness else self._compute_response(free_mask))[
+            1
+        ]
         return problem.cell_area / compliance if compliance > 0 else np.inf
 
 
@@ -294,10 +296,10 @@ def parse_loads_or_approaches(
 ) -> tuple[StepKind, Floats]:
     """Check the given loads or approaches, and return their kind ("loads" or "approaches") and their values."""
     step_kind: StepKind = "loads" if approaches is None else "approaches"
-    given = loads if approaches is None else approaches
-    if given is None or (loads is not None and approaches is not None):
+    given_values = loads if approaches is None else approaches
+    if given_values is None or (loads is not None and approaches is not None):
         raise ValueError("half_space requires either loads or approaches")
-    steps = float_array(step_kind, given, ndim=1)
+    steps = float_array(step_kind, given_values, ndim=1)
     if problem.work_of_adhesion > 0:
         if step_kind == "approaches":
             raise ValueError("approaches must not be given for surfaces with adhesion; give loads instead")
@@ -305,7 +307,7 @@ def parse_loads_or_approaches(
             raise ValueError(f"loads must be strictly increasing or strictly decreasing, got {loads!r}")
     elif not (steps.size > 0 and (steps > 0).all() and (np.diff(steps) > 0).all()):
         unit = "mN" if step_kind == "loads" else "µm"
-        raise ValueError(f"{step_kind} must be above 0 {unit} and strictly increasing, got {given!r}")
+        raise ValueError(f"{step_kind} must be above 0 {unit} and strictly increasing, got {given_values!r}")
     gap, hardness = problem.gap, problem.hardness
     if step_kind == "loads":
         max_load = np.inf if hardness is None else hardness * problem.area
@@ -355,9 +357,9 @@ class TiltResponse:
     )
 
     @classmethod
-    def solve(cls, problem: HalfSpaceProblem, free: NDArray[np.bool_]) -> TiltResponse:
+    def solve(cls, problem: HalfSpaceProblem, free_mask: NDArray[np.bool_]) -> TiltResponse:
         """Compute the response of the points that a mask marks as free."""
-        bound = np.where(free, MAX_LINEAR_RESPONSE_PRESSURE, 0.0)
+        bound = np.where(free_mask, MAX_LINEAR_RESPONSE_PRESSURE, 0.0)
         arms = lever_arms(problem)
 
         def solve_linear_response(gap: Floats) -> tuple[Floats, float]:
@@ -370,7 +372,7 @@ class TiltResponse:
         pressure, approach = solve_linear_response(np.zeros_like(problem.gap))
         moments = mean_moments(pressure, arms)
         mean_displacement = float(
-            np.abs(problem.grids.displacement(pressure, threads=solver_thread_count())[free]).mean()
+            np.abs(problem.grids.displacement(pressure, threads=solver_thread_count())[free_mask]).mean()
         )
         slope_pressures = []
         for arm in arms:

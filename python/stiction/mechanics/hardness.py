@@ -67,13 +67,13 @@ def _interpolate_linearly(x: Floats, nodes: Floats, values: Floats) -> Floats:
 
     A sum over the changes of the slope is faster than a search for the panel of each x.
     """
-    clipped = np.clip(x, nodes[0], nodes[-1])
+    clipped_x = np.clip(x, nodes[0], nodes[-1])
     slopes = np.diff(values, axis=-1) / np.diff(nodes)
     slope_changes = np.diff(slopes, axis=-1, prepend=0.0)
     result = np.repeat(values[..., :1], x.size, axis=-1)
-    distance_above_node = np.empty_like(clipped)
+    distance_above_node = np.empty_like(clipped_x)
     for node, slope_change in zip(nodes[:-1], np.moveaxis(slope_changes, -1, 0), strict=True):
-        np.subtract(clipped, node, out=distance_above_node)
+        np.subtract(clipped_x, node, out=distance_above_node)
         np.maximum(distance_above_node, 0.0, out=distance_above_node)
         result += slope_change[..., np.newaxis] * distance_above_node
     return result

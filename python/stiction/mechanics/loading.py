@@ -126,11 +126,19 @@ class SurfacePair:
         return ContactSums.from_columns(self._call_core(stiction._core.press, float(approaches[-1]), model, arguments))
 
     def find_approaches_between(
-        self, loads: Floats, left: Floats, right: Floats, mu0: float, tau0: float, model: ContactModel
+        self,
+        loads: Floats,
+        lower_approaches: Floats,
+        upper_approaches: Floats,
+        mu0: float,
+        tau0: float,
+        model: ContactModel,
     ) -> Floats:
-        """Find the approach that supports each load. F_N is too small at `left`, and large enough at `right`."""
-        arguments = {"loads": loads, "left": left, "right": right, "mu0": mu0, "tau0": tau0}
-        return np.asarray(self._call_core(stiction._core.approaches_at, float(right.max()), model, arguments))
+        """Find the approach that supports each load. F_N is too small at the lower approach, not at the upper."""
+        arguments = {"loads": loads, "left": lower_approaches, "right": upper_approaches, "mu0": mu0, "tau0": tau0}
+        return np.asarray(
+            self._call_core(stiction._core.approaches_at, float(upper_approaches.max()), model, arguments)
+        )
 
     def _call_core(
         self, function: Callable[..., Any], deepest: float, model: ContactModel, arguments: dict[str, Any]
@@ -163,12 +171,12 @@ def find_approaches_at_loads(
         return friction.compute_load("normal", sums, mu0, tau0)
 
     approaches = np.zeros(1)
-    curve = bodies.press(approaches, model)
-    normal_loads = normal_load(curve)
+    contact_sums = bodies.press(approaches, model)
+    normal_loads = normal_load(contact_sums)
     is_exceeded = normal_loads[0] >= loads
     is_pending = ~is_exceeded
     lower_approach, upper_approach = np.full(loads.size, np.nan), np.full(loads.size, np.nan)
-    has_touched = bool(curve.contact_count.any())
+    has_touched = bool(contact_sums.contact_count.any())
     # Approaches increase by equal ratios until all points touch. Parallel surfaces have no such range of approaches.
     max_approach = float(np.ptp(bodies.upper.heights - bodies.lower.heights))
     count = round(-np.log(_MIN_APPROACH_RATIO) / np.log(_SUCCESSIVE_APPROACH_RATIO)) + 1 if max_approach > 0 else 0
@@ -177,17 +185,17 @@ def find_approaches_at_loads(
         if not is_pending.any():
             break
         batch = sampled_approaches[batch_start : batch_start + _APPROACHES_PER_BATCH]
-        curve = bodies.press(batch, model)
+        contact_sums = bodies.press(batch, model)
         approaches = np.append(approaches[-1], batch)
-        normal_loads = np.append(normal_loads[-1], normal_load(curve))
-        has_touched = has_touched or bool(curve.contact_count.any())
+        normal_loads = np.append(normal_loads[-1], normal_load(contact_sums))
+        has_touched = has_touched or bool(contact_sums.contact_count.any())
         is_crossing = (normal_loads[:-1, np.newaxis] < loads) & (normal_loads[1:, np.newaxis] >= loads)
         newly_reached = is_crossing.any(axis=0) & is_pending
         index = is_crossing.argmax(axis=0)[newly_reached]
         lower_approach[newly_reached], upper_approach[newly_reached] = approaches[index], approaches[index + 1]
         is_pending &= ~newly_reached
     is_reached = ~(is_pending | is_exceeded)
-    is_locked = bool(curve.contact_count[-1] > 0 and normal_loads[-1] <= 0)
+    is_locked = bool(contact_sums.contact_count[-1] > 0 and normal_loads[-1] <= 0)
     status = friction.choose_statuses(touched=has_touched, reached=is_reached, below=is_exceeded, locked=is_locked)
     approach = np.full(loads.size, np.nan)
     if is_reached.any():

@@ -253,8 +253,8 @@ def softer_hardness(upper: Material, lower: Material) -> MaterialValue | None:
     >>> float(softer_hardness(material("mild steel"), material("brass"))) == float(material("brass").hardness)
     True
     """
-    softer = softest_material(_validate_material("upper", upper), _validate_material("lower", lower))
-    return None if softer is None else softer.hardness
+    softer_material = softest_material(_validate_material("upper", upper), _validate_material("lower", lower))
+    return None if softer_material is None else softer_material.hardness
 
 
 def softest_material(*bodies: Material) -> Material | None:

@@ -30,15 +30,17 @@ if TYPE_CHECKING:
 NUM_QUADRATURE_NODES = 24  # number of Gauss-Legendre nodes for integrating a smooth function of an angle
 
 
-def compliance_ratio(poisson: float | Sequence[float], compliance_share: float, across: Floats | float = 0.5) -> Floats:
+def compliance_ratio(
+    poisson: float | Sequence[float], compliance_share: float, transverse_fraction: Floats | float = 0.5
+) -> Floats:
     """Return E*/E*_t, the ratio of the tangential to the normal compliance of two bodies.
 
     The ratio is the mean of (1 - ν sin²)/(1 - ν) over the angle between the motion and the line to a force (Cerruti;
-    Johnson, Contact Mechanics, 1985, eq. 3.75). `across` is the mean of sin²: 1/2 for circles (Mindlin), 1 for line
-    loads across the motion.
+    Johnson, Contact Mechanics, 1985, eq. 3.75). `transverse_fraction` is the mean of sin²: 1/2 for circles
+    (Mindlin), 1 for line loads across the motion.
     """
     upper, lower = parse_poisson_ratios(poisson)
-    ratios = [(1 - value * np.asarray(across)) / (1 - value) for value in (upper, lower)]
+    ratios = [(1 - value * np.asarray(transverse_fraction)) / (1 - value) for value in (upper, lower)]
     return np.asarray((1 - compliance_share) * ratios[0] + compliance_share * ratios[1])
 
 
@@ -53,7 +55,7 @@ def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
 
 
 def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
-    """Return, for each elliptic contact, the mean of sin² that `compliance_ratio` accepts as `across`.
+    """Return, for each elliptic contact, the mean of sin² that `compliance_ratio` accepts as `transverse_fraction`.
 
     The angles (rad) are between the motion and the larger axis.
     """
@@ -171,9 +173,15 @@ class HalfSpaceTangentialProblem:
     """Tangential problem of a half-space contact at one normal load."""
 
     def __init__(
-        self, pressed: ContactSolution, *, mu0: float, tau0: float, poisson: float | Sequence[float], tolerance: float
+        self,
+        contact_solution: ContactSolution,
+        *,
+        mu0: float,
+        tau0: float,
+        poisson: float | Sequence[float],
+        tolerance: float,
     ) -> None:
-        problem = pressed.problem
+        problem = contact_solution.problem
         self.grids, self.cell_area, self.has_displacement = (
             problem.grids,
             problem.cell_area,
@@ -181,12 +189,12 @@ class HalfSpaceTangentialProblem:
         )
         self.shape, self.size = problem.gap.shape, problem.gap.size
         # on a profile, the tractions are line loads perpendicular to the motion
-        across = 1.0 if len(self.shape) == 1 else 0.5
-        self.ratio = float(compliance_ratio(poisson, problem.compliance_share, across))
-        self.points: NDArray[Any] = pressed.points
-        self.pressure = pressed.values
+        transverse_fraction = 1.0 if len(self.shape) == 1 else 0.5
+        self.ratio = float(compliance_ratio(poisson, problem.compliance_share, transverse_fraction))
+        self.points: NDArray[Any] = contact_solution.points
+        self.pressure = contact_solution.values
         area_factor = np.sqrt(1 + sum(slope[self.points] ** 2 for slope in problem.interface_slopes))
-        self.area = pressed.share * self.cell_area * area_factor
+        self.area = contact_solution.share * self.cell_area * area_factor
         self.bound = mu0 * self.pressure + tau0 * self.area / self.cell_area
         self.normal_load = float(self.pressure.sum() * self.cell_area)
         self.sliding_load = float(mu0 * self.normal_load + tau0 * self.area.sum())

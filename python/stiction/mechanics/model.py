@@ -288,15 +288,20 @@ def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> Non
         _history_without_flips(upper),
         _history_without_flips(upper) == _history_without_flips(lower),
     )
-    flips = [body.history.count(FLIPPED_HISTORY_ENTRY) % 2 for body in (upper, lower)]
+    flip_parities = [body.history.count(FLIPPED_HISTORY_ENTRY) % 2 for body in (upper, lower)]
     message = ""
-    if is_same and upper_history[:1] and upper_history[0].startswith("read from") and flips[0] == flips[1]:
+    if (
+        is_same
+        and upper_history[:1]
+        and upper_history[0].startswith("read from")
+        and flip_parities[0] == flip_parities[1]
+    ):
         message = f"upper and lower were both {upper_history[0]} and face the same way: press flipped(upper) on lower"
     elif upper.heights.shape != lower.heights.shape or upper.is_flat:
         return
     elif upper is lower or (is_same and upper_history and _differ_by_a_constant(upper.heights, lower.heights)):
         message = "upper and lower are the same and fit into each other everywhere: press flipped(upper) on lower"
-    elif is_same and (upper_history or (flips[0] and isinstance(upper, Surface))):
+    elif is_same and (upper_history or (flip_parities[0] and isinstance(upper, Surface))):
         if _differ_by_a_constant(upper.heights, -lower.heights):
             message = (
                 "upper is the mirror image of lower: its summits meet themselves, so their slopes cancel; move "

@@ -267,8 +267,8 @@ class Onset(PlotRepr):
     def _resolve_load_index(self, index: Any) -> int:
         return resolve_index(index, len(self._slips), "tangential loads")
 
-    def _values_at_all_points(self, values: Floats, elsewhere: float) -> Floats:
-        all_values = np.full(self._tangential_problem.size, elsewhere)
+    def _values_at_all_points(self, values: Floats, value_elsewhere: float) -> Floats:
+        all_values = np.full(self._tangential_problem.size, value_elsewhere)
         all_values[self._tangential_problem.points] = values
         return all_values
 
@@ -295,29 +295,33 @@ def compute_onset(
     displacements: ArrayLike | None,
 ) -> Onset:  # fmt: skip
     """Compute the onset curve for given fractions of the sliding load, or for given displacements."""
-    at_sliding = tangential_problem.at(tangential_problem.sliding_load)
-    slips: list[SlipState] = []
+    sliding_state = tangential_problem.at(tangential_problem.sliding_load)
+    slip_states: list[SlipState] = []
     if displacements is None:
         for load_fraction in parse_load_fractions(steps).tolist():
-            slips.append(
-                tangential_problem.at(load_fraction * tangential_problem.sliding_load, slips[-1] if slips else None)
+            slip_states.append(
+                tangential_problem.at(
+                    load_fraction * tangential_problem.sliding_load, slip_states[-1] if slip_states else None
+                )
                 if load_fraction < 1
-                else at_sliding
+                else sliding_state
             )
     else:
-        for displacement in _validate_displacements(displacements, at_sliding.displacement).tolist():
-            slips.append(
-                _solve_at_displacement(tangential_problem, displacement, at_sliding, slips[-1] if slips else None)
+        for displacement in _validate_displacements(displacements, sliding_state.displacement).tolist():
+            slip_states.append(
+                _solve_at_displacement(
+                    tangential_problem, displacement, sliding_state, slip_states[-1] if slip_states else None
+                )
             )
     columns = {
-        name: make_read_only(np.array([getattr(slip, name) for slip in slips]))
+        name: make_read_only(np.array([getattr(slip, name) for slip in slip_states]))
         for name in ("displacement", "slipped_area", "slipped_load")
     }
     return Onset(
-        tangential_load=make_read_only(np.array([slip.load for slip in slips])), **columns,
+        tangential_load=make_read_only(np.array([slip.load for slip in slip_states])), **columns,
         normal_load=tangential_problem.normal_load, sliding_load=tangential_problem.sliding_load,
-        displacement_at_sliding=at_sliding.displacement, stiffness=tangential_problem.stiffness,
-        mu0=mu0, tau0=tau0, direction=direction, _tangential_problem=tangential_problem, _slips=tuple(slips),
+        displacement_at_sliding=sliding_state.displacement, stiffness=tangential_problem.stiffness,
+        mu0=mu0, tau0=tau0, direction=direction, _tangential_problem=tangential_problem, _slips=tuple(slip_states),
     )  # fmt: skip
 
 
@@ -399,33 +403,33 @@ def _validate_displacements(displacements: ArrayLike, limit: float) -> Floats:
 
 
 def _solve_at_displacement(
-    tangential_problem: TangentialProblem, target: float, at_sliding: SlipState, near: SlipState | None
+    tangential_problem: TangentialProblem, target_displacement: float, sliding_state: SlipState, near: SlipState | None
 ) -> SlipState:
     """Return the slip state at a displacement (µm). The load is found with a root finder."""
     from scipy.optimize import brentq
 
-    sliding_displacement = at_sliding.displacement
-    states_by_load = {1.0: at_sliding}
+    sliding_displacement = sliding_state.displacement
+    states_by_load = {1.0: sliding_state}
     if near is not None:
         states_by_load[near.load / tangential_problem.sliding_load] = near
 
     def excess_displacement(load_fraction: float) -> float:
         if load_fraction == 0:
-            return -target
+            return -target_displacement
         if load_fraction not in states_by_load:
             nearest_fraction = min(states_by_load, key=lambda value: abs(value - load_fraction))
             states_by_load[load_fraction] = tangential_problem.at(
                 load_fraction * tangential_problem.sliding_load, states_by_load[nearest_fraction]
             )
-        return states_by_load[load_fraction].displacement - target
+        return states_by_load[load_fraction].displacement - target_displacement
 
-    if target >= sliding_displacement * (1 - DISPLACEMENT_TOLERANCE):
-        return at_sliding
+    if target_displacement >= sliding_displacement * (1 - DISPLACEMENT_TOLERANCE):
+        return sliding_state
     load_fraction = brentq(
         excess_displacement,
         min(states_by_load) if near else 0.0,
         1.0,
-        xtol=DISPLACEMENT_TOLERANCE * target / sliding_displacement,
+        xtol=DISPLACEMENT_TOLERANCE * target_displacement / sliding_displacement,
         rtol=1e-12,
     )
     return states_by_load[load_fraction]

@@ -67,7 +67,7 @@ class PatchSums:
 
         Sums that depend on the direction have the shape (directions,).
         """
-        selected = True if sliding == "all" else self.opposing
+        contributes = True if sliding == "all" else self.opposing
         coordinates = {
             "tangential_elastic": self.leaning, "normal_frictional": self.upward, "tangential_frictional": self.forward,
             "normal_adhesive": self.upward_area, "tangential_adhesive": self.forward_area,
@@ -75,7 +75,7 @@ class PatchSums:
         return {
             "contact_area": float(self.area.sum()),
             "normal_elastic": float(self.force.sum()),
-            **{name: values.sum(axis=1, where=selected) for name, values in coordinates.items()},
+            **{name: values.sum(axis=1, where=contributes) for name, values in coordinates.items()},
         }
 
 

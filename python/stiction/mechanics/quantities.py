@@ -89,11 +89,11 @@ _CSV_VIEW: frozenset[OutputView] = frozenset({"csv"})
 _MEASURED_SOURCE: frozenset[QuantitySource] = frozenset({"measured"})
 
 
-def _sum_quantity(name: str, *more: QuantitySource, **properties: Any) -> ResultQuantity:
+def _sum_quantity(name: str, *more_sources: QuantitySource, **properties: Any) -> ResultQuantity:
     """Return the table entry of a contact sum, using the unit and the description declared by the core."""
     unit, words = CORE_SUMS[name] if name in CORE_SUMS else AREAL_CORE_SUMS[name]
     source: QuantitySource = "asperities" if name in CORE_SUMS else "areal"
-    defaults: dict[str, Any] = {"kind": "sum", "along": _STEP_AXIS, "stored": frozenset({source, *more})}
+    defaults: dict[str, Any] = {"kind": "sum", "along": _STEP_AXIS, "stored": frozenset({source, *more_sources})}
     return ResultQuantity(unit=unit, words=words, **defaults | properties)
 
 

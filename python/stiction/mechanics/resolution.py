@@ -229,8 +229,8 @@ def resolution_friction(result: xr.Dataset, *, mu0: float, tau0: float = 0.0) ->
     mu_s = np.divide(tangential, normal, out=np.full_like(normal, np.nan), where=normal > 0)
     coefficients = result.normal_elastic.copy(data=mu_s)
     coefficients.attrs = {"units": "1", "long_name": "coefficient of static friction", "mu0": mu, "tau0_GPa": tau}
-    ordered: xr.DataArray = coefficients.transpose("sliding", "cut_off", "normal_load")
-    return ordered
+    ordered_coefficients: xr.DataArray = coefficients.transpose("sliding", "cut_off", "normal_load")
+    return ordered_coefficients
 
 
 def _validate_strengths(mu0: Any, tau0: Any) -> tuple[float, float]:
@@ -309,7 +309,7 @@ def _solve_at_loads(
             if curve.direction.ndim == 0:
                 curves = [curve_for_rule.with_direction(direction) for direction in along]
             for name in LOAD_SUM_NAMES:
-                sums = [np.atleast_2d(getattr(directed, name)) for directed in curves]
+                sums = [np.atleast_2d(getattr(directed_curve, name)) for directed_curve in curves]
                 results[name][rule_index, indices] = np.mean(sums, axis=(0, 1))
     return results
 
@@ -418,7 +418,7 @@ def _add_plastic_limits(
         name: (dims, values, _variable_attributes(unit, description))
         for name, (dims, values, unit, description) in tables.items()
     }
-    extended = result.assign(variables).assign_coords(
+    extended_result = result.assign(variables).assign_coords(
         hardness=("hardness", list(hardnesses), _variable_attributes("GPa", "hardness")),
         statistic=("statistic", ["value", "lower", "upper"]),
         finer_wavelength=(
@@ -428,12 +428,12 @@ def _add_plastic_limits(
         ),
     )
     if estimate is not None:
-        extended.attrs |= {
+        extended_result.attrs |= {
             "hurst_exponent": estimate.value, "hurst_exponent_lower": estimate.lower,
             "hurst_exponent_upper": estimate.upper, "hurst_caution": estimate.caution or "",
             "band_um": (estimate.shortest_wavelength, estimate.longest_wavelength),
         }  # fmt: skip
-    return extended
+    return extended_result
 
 
 # ---- From spectra only, in closed form ------------------------------------------------------------------------------
@@ -537,8 +537,8 @@ def spectral_resolution(
         )
         for rule in _SLIDING_RULES
     ]  # fmt: skip
-    yielding = np.flatnonzero(modulus * gradient / area_coefficient >= max_pressure)
-    plastic_wavelength = float(wavelength_array[yielding[0]]) if yielding.size else np.nan
+    yielding_indices = np.flatnonzero(modulus * gradient / area_coefficient >= max_pressure)
+    plastic_wavelength = float(wavelength_array[yielding_indices[0]]) if yielding_indices.size else np.nan
     values = {"rms_gradient": gradient, "contact_area_fraction": area, "mean_pressure": p / area}
     return xr.Dataset(
         {

@@ -51,17 +51,19 @@ def solve_with_balanced_tilt(
     def solve_at(rotated_problem: HalfSpaceProblem, load: float, near: Floats | None) -> tuple[ContactSolution, Floats]:
         solver = ContactSolver(rotated_problem, "loads", load, tolerance=tolerance, report=report)
         solution = solver.at(load, near)
-        pressed = to_contact_solution(rotated_problem, solution, load, scale=solver.scale)
-        return pressed, mean_moments(solution.pressure.reshape(shape), arms)
+        contact_solution = to_contact_solution(rotated_problem, solution, load, scale=solver.scale)
+        return contact_solution, mean_moments(solution.pressure.reshape(shape), arms)
 
     near = None
     for load in loads.tolist():
         mean_pressure = load / (problem.cell_area * problem.gap.size)
-        pressed, moments = solve_at(problem, load, near)
+        contact_solution, moments = solve_at(problem, load, near)
         num_tried = 0
         while float(np.abs(moments / (mean_pressure * side_lengths)).max()) > MAX_RELATIVE_FORCE_OFFSET:
-            near = pressed.on_grid(pressed.values).ravel()
-            moments_per_slope = TiltResponse.solve(problem, pressed.on_grid(pressed.below_hardness)).moments_per_slope
+            near = contact_solution.on_grid(contact_solution.values).ravel()
+            moments_per_slope = TiltResponse.solve(
+                problem, contact_solution.on_grid(contact_solution.below_hardness)
+            ).moments_per_slope
             slope_step = np.linalg.solve(
                 np.diag(MIN_MOMENT_RESPONSE * mean_pressure * side_lengths**2 / gap_deviation) - moments_per_slope,
                 moments,
@@ -73,13 +75,15 @@ def solve_with_balanced_tilt(
             # The moments change sign beyond the maximum of the energy along the step.
             while num_tried < MAX_TILT_SOLVES_PER_LOAD:
                 num_tried += 1
-                candidate = solve_at(apply_tilt(pressed.problem, np.asarray(slope_step, np.float64)), load, near)
+                candidate = solve_at(
+                    apply_tilt(contact_solution.problem, np.asarray(slope_step, np.float64)), load, near
+                )
                 if float(candidate[1] @ slope_step) >= -MAX_EDGE_DISPLACEMENT_STEP * float(moments @ slope_step):
                     break
                 slope_step = slope_step / 2
             else:
                 raise RuntimeError(f"no solution at {load:g} mN: no tilt balances the surfaces")
-            pressed, moments = candidate
-        problem, near = pressed.problem, pressed.on_grid(pressed.values).ravel()
-        contacts.append(pressed)
+            contact_solution, moments = candidate
+        problem, near = contact_solution.problem, contact_solution.on_grid(contact_solution.values).ravel()
+        contacts.append(contact_solution)
     return contacts

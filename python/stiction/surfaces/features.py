@@ -61,11 +61,11 @@ def find_significant_peaks(heights: Floats, threshold: float) -> _IndexArray:
         return index
 
     for hill_a, hill_b, saddle_height in zip(first_hill.tolist(), second_hill.tolist(), saddle_heights, strict=True):
-        low, high = find_tree_root(hill_a), find_tree_root(hill_b)
-        if peak_ranks[low] > peak_ranks[high]:
-            low, high = high, low
-        parents[low] = high
-        is_kept[low] = peak_heights[low] - saddle_height >= threshold
+        lower_hill, higher_hill = find_tree_root(hill_a), find_tree_root(hill_b)
+        if peak_ranks[lower_hill] > peak_ranks[higher_hill]:
+            lower_hill, higher_hill = higher_hill, lower_hill
+        parents[lower_hill] = higher_hill
+        is_kept[lower_hill] = peak_heights[lower_hill] - saddle_height >= threshold
     return np.asarray(peaks[is_kept])
 
 
@@ -93,10 +93,10 @@ def _find_saddles(
         (np.s_[:, :-1], np.s_[:, 1:]), (np.s_[:-1], np.s_[1:]),
         (np.s_[:-1, :-1], np.s_[1:, 1:]), (np.s_[:-1, 1:], np.s_[1:, :-1]),
     ):  # fmt: skip
-        differs = hill[point] != hill[neighbour]
-        a, b = hill[point][differs], hill[neighbour][differs]
+        is_between_hills = hill[point] != hill[neighbour]
+        a, b = hill[point][is_between_hills], hill[neighbour][is_between_hills]
         pair_keys.append(np.minimum(a, b) * count + np.maximum(a, b))
-        saddle_ranks.append(np.minimum(rank[point][differs], rank[neighbour][differs]))
+        saddle_ranks.append(np.minimum(rank[point][is_between_hills], rank[neighbour][is_between_hills]))
     pair_key, saddle_rank = np.concatenate(pair_keys), np.concatenate(saddle_ranks)
     order = np.lexsort((saddle_rank, pair_key))
     pair_key, saddle_rank = pair_key[order], saddle_rank[order]
@@ -107,8 +107,8 @@ def _find_saddles(
     )
     tree = minimum_spanning_tree(edges.tocsr()).tocoo()
     tree_saddle_rank = (rank.size - tree.data).astype(np.intp)
-    descending = np.argsort(-tree_saddle_rank)
-    return tree.row[descending], tree.col[descending], tree_saddle_rank[descending]
+    descending_order = np.argsort(-tree_saddle_rank)
+    return tree.row[descending_order], tree.col[descending_order], tree_saddle_rank[descending_order]
 
 
 class FeatureParameters(NamedTuple):

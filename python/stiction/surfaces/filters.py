@@ -137,15 +137,15 @@ def gaussian_low_pass(body: Profile | Surface, cutoff: float, *, periodic: bool 
     mean = body.heights.mean()
     heights = body.heights - mean
     lengths = [cutoff / step for step in body.spacings]
-    measured = None if body.missing is None else (~body.missing).astype(np.float64)
+    measured_weights = None if body.missing is None else (~body.missing).astype(np.float64)
     if periodic:
-        mean_line = _filter_periodic(heights if measured is None else heights * measured, lengths)
-        if measured is not None:
-            mean_line = _divide_by_weights(mean_line, _filter_periodic(measured, lengths), heights)
+        mean_line = _filter_periodic(heights if measured_weights is None else heights * measured_weights, lengths)
+        if measured_weights is not None:
+            mean_line = _divide_by_weights(mean_line, _filter_periodic(measured_weights, lengths), heights)
     elif max(lengths) < _MIN_REGRESSION_POINTS:
         mean_line = _filter_reflected(heights, lengths)
-    elif measured is not None:
-        mean_line = _fit_local_polynomials(heights, measured, lengths, _linear_exponents(heights.ndim))
+    elif measured_weights is not None:
+        mean_line = _fit_local_polynomials(heights, measured_weights, lengths, _linear_exponents(heights.ndim))
     else:
         mean_line = heights
         for axis, length in enumerate(lengths):
@@ -158,15 +158,18 @@ def robust_gaussian_low_pass(body: Profile | Surface, cutoff: float) -> Floats:
     mean = body.heights.mean()
     heights = body.heights - mean
     lengths = [cutoff / step for step in body.spacings]
-    measured = np.ones(heights.shape) if body.missing is None else (~body.missing).astype(np.float64)
-    weights, previous_mean_line = measured, heights
+    measured_weights = np.ones(heights.shape) if body.missing is None else (~body.missing).astype(np.float64)
+    weights, previous_mean_line = measured_weights, heights
     for _ in range(_MAX_ITERATIONS):
         mean_line = _fit_local_polynomials(heights, weights, lengths, _quadratic_exponents(heights.ndim))
         residual = np.abs(heights - mean_line)
-        scale = _BIWEIGHT_SCALE * float(np.median(residual[measured > 0]))
+        scale = _BIWEIGHT_SCALE * float(np.median(residual[measured_weights > 0]))
         if np.abs(mean_line - previous_mean_line).max() <= _ROBUST_TOLERANCE * scale or scale == 0:
             return np.asarray(mean_line + mean)
-        weights, previous_mean_line = measured * np.square(np.maximum(1 - np.square(residual / scale), 0)), mean_line
+        weights, previous_mean_line = (
+            measured_weights * np.square(np.maximum(1 - np.square(residual / scale), 0)),
+            mean_line,
+        )
     raise ValueError(
         f"the robust filter did not converge in {_MAX_ITERATIONS} iterations; use the Gaussian filter instead"
     )
@@ -199,8 +202,8 @@ def _filter_reflected(heights: Floats, lengths: Sequence[float]) -> Floats:
     for axis, length in enumerate(lengths):
         points = heights.shape[axis]
         centred_index = np.arange(points) - (points - 1) / 2
-        others = tuple(other for other in range(heights.ndim) if other != axis)
-        slope = centred_index @ heights.mean(axis=others) / max(float(centred_index @ centred_index), 1.0)
+        other_axes = tuple(other for other in range(heights.ndim) if other != axis)
+        slope = centred_index @ heights.mean(axis=other_axes) / max(float(centred_index @ centred_index), 1.0)
         tilt = tilt + slope * _reshape_along_axis(centred_index, axis, heights.ndim)
         transmission = transmission * _reshape_along_axis(
             gaussian_transmission(np.pi * np.arange(points) / points, length), axis, heights.ndim
@@ -237,9 +240,9 @@ class _FilterKernel:
 
         half_width = min(points - 1, max(math.ceil(_WEIGHT_HALF_WIDTH * length), _MIN_NUM_FILTER_WEIGHTS))
         self.points = points
-        self.padded: int = next_fast_len(points + half_width, real=True)
+        self.padded_size: int = next_fast_len(points + half_width, real=True)
         # These weights reproduce the analytic transmission exactly up to the Nyquist wave number.
-        transform_length = next_fast_len(max(self.padded, 4 * half_width + 2), real=True)
+        transform_length = next_fast_len(max(self.padded_size, 4 * half_width + 2), real=True)
         self._weights = irfft(
             gaussian_transmission(2 * math.pi * rfftfreq(transform_length), length), transform_length
         )[: half_width + 1]
@@ -248,10 +251,10 @@ class _FilterKernel:
     def cyclic_weights(self, power: int) -> Floats:
         """Return the weights times ((x' - x) / cutoff)^power in cyclic order, for convolution with heights at x'."""
         half_weights = self._weights * self._offset**power
-        weights = np.zeros(self.padded)
+        weights = np.zeros(self.padded_size)
         weights[: half_weights.size] = half_weights if power % 2 == 0 else -half_weights
         if half_weights.size > 1:
-            weights[self.padded - half_weights.size + 1 :] = half_weights[:0:-1]
+            weights[self.padded_size - half_weights.size + 1 :] = half_weights[:0:-1]
         return weights
 
 
@@ -263,13 +266,17 @@ def _fit_local_lines(heights: Floats, axis: int, length: float) -> Floats:
     kernel_transforms = [
         _reshape_along_axis(rfft(kernel.cyclic_weights(power)), axis, heights.ndim) for power in range(3)
     ]
-    unpadded = tuple(slice(kernel.points) if index == axis else slice(None) for index in range(heights.ndim))
-    transform = rfft(heights, kernel.padded, axis=axis)
+    unpadded_slices = tuple(slice(kernel.points) if index == axis else slice(None) for index in range(heights.ndim))
+    transform = rfft(heights, kernel.padded_size, axis=axis)
     zeroth_moment, first_moment = (
-        irfft(transform * power, kernel.padded, axis=axis)[unpadded] for power in kernel_transforms[:2]
+        irfft(transform * power, kernel.padded_size, axis=axis)[unpadded_slices] for power in kernel_transforms[:2]
     )
-    ones_transform = rfft(_reshape_along_axis(np.ones(kernel.points), axis, heights.ndim), kernel.padded, axis=axis)
-    m0, m1, m2 = (irfft(ones_transform * power, kernel.padded, axis=axis)[unpadded] for power in kernel_transforms)
+    ones_transform = rfft(
+        _reshape_along_axis(np.ones(kernel.points), axis, heights.ndim), kernel.padded_size, axis=axis
+    )
+    m0, m1, m2 = (
+        irfft(ones_transform * power, kernel.padded_size, axis=axis)[unpadded_slices] for power in kernel_transforms
+    )
     return np.asarray((m2 * zeroth_moment - m1 * first_moment) / (m0 * m2 - m1**2))
 
 
@@ -280,8 +287,8 @@ def _fit_local_polynomials(
     from scipy.fft import irfftn, rfft, rfftn
 
     kernels = [_FilterKernel(*pair) for pair in zip(heights.shape, lengths, strict=True)]
-    padded_shape = [kernel.padded for kernel in kernels]
-    unpadded = tuple(slice(points) for points in heights.shape)
+    padded_shape = [kernel.padded_size for kernel in kernels]
+    unpadded_slices = tuple(slice(points) for points in heights.shape)
     # The last axis has a half transform, and all other axes have full complex transforms, as in rfftn.
     kernel_transforms = [
         [
@@ -296,7 +303,7 @@ def _fit_local_polynomials(
     def weighted_sums(transform: Any, powers: Sequence[int]) -> Floats:
         for axis, power in enumerate(powers):
             transform = transform * kernel_transforms[axis][power]
-        return np.asarray(irfftn(transform, padded_shape)[unpadded])
+        return np.asarray(irfftn(transform, padded_shape)[unpadded_slices])
 
     weights_transform, heights_transform = rfftn(weights, padded_shape), rfftn(weights * heights, padded_shape)
     right_sides = [weighted_sums(heights_transform, powers) for powers in basis]
@@ -329,7 +336,7 @@ def _solve_constant_terms(
         (k, m): moments[_multiply_monomials(basis[k], basis[m])] / total for k in term_indices for m in range(k + 1)
     }
     values = [side / total for side in right_sides]
-    constant = values[0]
+    constant_terms = values[0]
     is_regular = moments[basis[0]] > _MIN_WEIGHT_COVERAGE
     is_covered = is_regular.copy()
     for last in reversed(term_indices[1:]):
@@ -342,4 +349,4 @@ def _solve_constant_terms(
                 rows[k, m] = rows[k, m] - factor * rows[last, m]
     is_regular &= rows[0, 0] > _MIN_PIVOT
     solved = values[0] / np.where(is_regular, rows[0, 0], 1)
-    return np.where(is_regular, solved, np.where(is_covered, constant, heights))
+    return np.where(is_regular, solved, np.where(is_covered, constant_terms, heights))

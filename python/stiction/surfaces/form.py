@@ -44,9 +44,9 @@ def fit_round_form(
     axes = [step * (np.arange(points) - (points - 1) / 2) for points, step in zip(heights.shape, spacing, strict=True)]
     x, y = axes[-1], (axes[0][:, np.newaxis] if len(axes) == 2 else np.zeros(1))
     positions = np.broadcast_to(x, heights.shape), np.broadcast_to(y, heights.shape)
-    measured = np.ones(heights.shape, bool) if missing is None else ~missing
-    measured_positions = positions[0][measured], positions[1][measured]
-    measured_heights = heights[measured]
+    measured_mask = np.ones(heights.shape, bool) if missing is None else ~missing
+    measured_positions = positions[0][measured_mask], positions[1][measured_mask]
+    measured_heights = heights[measured_mask]
     model, initial_values = _FORM_MODELS[form], _estimate_form_parameters(form, measured_positions, measured_heights)
     value_scales = np.maximum(
         np.abs(initial_values), _form_parameter_scales(form, measured_positions, measured_heights)
@@ -60,9 +60,9 @@ def fit_round_form(
     return model(fitted_values, positions), f"{'concave' if curvature > 0 else 'convex'} {form} of {radius}"
 
 
-def _arc_heights(square: Floats, tilt: Floats, curvature: float, cosine: float) -> Floats:
+def _arc_heights(squared_distance: Floats, tilt: Floats, curvature: float, cosine: float) -> Floats:
     """Compute heights on an arc, given the squared distance to its middle and the product of slope and distance."""
-    rise = curvature * square + 2 * tilt * cosine
+    rise = curvature * squared_distance + 2 * tilt * cosine
     root = np.sqrt(np.maximum(cosine**2 - curvature * rise, _MIN_COSINE_SQUARED))
     return np.asarray(rise / (cosine + root))
 
@@ -83,8 +83,8 @@ def _cylinder_heights(values: Floats, points: PointCoordinates) -> Floats:
     x, y = points
     across = y * math.cos(angle) - x * math.sin(angle)
     axis = x * math.cos(angle) + y * math.sin(angle)
-    arc = _arc_heights(across**2, slope * across, curvature, 1 / math.sqrt(1 + slope**2))
-    return np.asarray(height + slope_along_axis * axis + arc)
+    arc_heights = _arc_heights(across**2, slope * across, curvature, 1 / math.sqrt(1 + slope**2))
+    return np.asarray(height + slope_along_axis * axis + arc_heights)
 
 
 _FORM_MODELS: dict[str, _FormModel] = {
@@ -100,8 +100,8 @@ def _estimate_form_parameters(form: RoundForm, points: PointCoordinates, heights
     if form == "circle":
         quadratic_term, slope, height = np.polynomial.polynomial.polyfit(x, heights, 2)[::-1]
         return np.array([height, 2 * quadratic_term, slope])
-    design = np.stack([np.ones_like(x), x, y, x**2, x * y, y**2], axis=1)
-    height, slope_x, slope_y, xx, xy, yy = np.linalg.lstsq(design, heights, rcond=None)[0]
+    design_matrix = np.stack([np.ones_like(x), x, y, x**2, x * y, y**2], axis=1)
+    height, slope_x, slope_y, xx, xy, yy = np.linalg.lstsq(design_matrix, heights, rcond=None)[0]
     if form == "sphere":
         return np.array([height, xx + yy, slope_x, slope_y])
     curvatures, directions = np.linalg.eigh([[2 * xx, xy], [xy, 2 * yy]])

@@ -387,6 +387,6 @@ def weierstrass_mandelbrot_moments(
     m = np.arange(1, directions + 1)
     cosines = np.where(2 * m == directions, 0.0, np.cos(np.pi * m / directions))
     wave_numbers = 2 * np.pi / scale * np.outer(cosines, gamma ** np.arange(frequencies))
-    selected = (wave_numbers != 0) & (np.abs(wave_numbers) * shortest <= 2 * np.pi)
-    variances = np.where(selected, 0.5 * amplitudes**2, 0.0)
+    is_included = (wave_numbers != 0) & (np.abs(wave_numbers) * shortest <= 2 * np.pi)
+    variances = np.where(is_included, 0.5 * amplitudes**2, 0.0)
     return ProfileMoments(*(float((variances * wave_numbers ** (2 * j)).sum()) for j in range(3)))

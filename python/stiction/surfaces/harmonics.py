@@ -40,12 +40,12 @@ def find_texture_harmonics(density: Floats) -> tuple[float, float]:
         Spectrum after a Hann window, at bins 1 to n; bin n is the Nyquist wave number.
     """
     nyquist_bin = density.size
-    padded = np.concatenate([[0.0], density])
-    rising, falling = density[1:] > density[:-1], density[:-1] >= density[1:]
-    peaks = 1 + np.flatnonzero(np.r_[True, rising] & np.r_[falling, True])
+    padded_density = np.concatenate([[0.0], density])
+    is_rising, is_falling = density[1:] > density[:-1], density[:-1] >= density[1:]
+    peaks = 1 + np.flatnonzero(np.r_[True, is_rising] & np.r_[is_falling, True])
     peaks = peaks[(peaks > _MIN_FIRST_HARMONIC_BIN) & (peaks * (1 + _MIN_SIGNIFICANT_HARMONICS) <= nyquist_bin)]
     # Sort peaks by their contribution to the slope variance. The first harmonics of a texture contribute most.
-    peak_order = np.argsort(-padded[peaks] * np.square(peaks))[:_MAX_TESTED_PEAKS]
+    peak_order = np.argsort(-padded_density[peaks] * np.square(peaks))[:_MAX_TESTED_PEAKS]
     best_score, best_harmonics = 0.0, (math.nan, math.nan)
     for peak in peaks[peak_order].tolist():
         first_harmonics = peak + np.arange(-_STEPS_PER_BIN, _STEPS_PER_BIN + 1) / _STEPS_PER_BIN
@@ -53,9 +53,9 @@ def find_texture_harmonics(density: Floats) -> tuple[float, float]:
             harmonic_orders = np.arange(
                 1, min(order_step * _MAX_COMPARED_HARMONICS, int(nyquist_bin / (peak + 1))) + 1, order_step
             )
-            background = _median_between_harmonics(padded, peak * harmonic_orders, order_step * peak)
+            background = _median_between_harmonics(padded_density, peak * harmonic_orders, order_step * peak)
             bins = np.rint(first_harmonics[:, np.newaxis] * harmonic_orders).astype(np.intp)
-            density_ratio = padded[np.minimum(bins, nyquist_bin)] / background
+            density_ratio = padded_density[np.minimum(bins, nyquist_bin)] / background
             scores = np.log(np.maximum(density_ratio, 1.0)).sum(axis=1)
             is_significant = density_ratio[int(np.argmax(scores))] > _MIN_HARMONIC_RATIO
             min_significant = max(_MIN_SIGNIFICANT_HARMONICS, is_significant.size // 3 + 1)
@@ -87,13 +87,13 @@ def density_between_harmonics(density: Floats, count: Floats, distance: float) -
     return np.asarray(low_quantile * gamma_shape / gammaincinv(gamma_shape, _BACKGROUND_DENSITY_QUANTILE))
 
 
-def _median_between_harmonics(padded: Floats, harmonics: Floats, distance: float) -> Floats:
+def _median_between_harmonics(padded_density: Floats, harmonics: Floats, distance: float) -> Floats:
     """Return the median density near each harmonic: up to half the spacing away, but outside the harmonic peak."""
-    bins = np.arange(padded.size)
+    bins = np.arange(padded_density.size)
     medians = []
     for position in harmonics.tolist():
         distances = np.abs(bins - position)
-        nearby_densities = padded[
+        nearby_densities = padded_density[
             (distances > min(_PEAK_HALF_WIDTH, distance / 2 - 0.5)) & (distances <= distance / 2) & (bins > 0)
         ]
         medians.append(float(np.median(nearby_densities)) if nearby_densities.size else math.inf)

@@ -96,8 +96,8 @@ def _bin_short_wavelengths(spectrum: LineSpectrum, periodic: bool) -> BinnedSpec
     q, density, count, spacing = spectrum
     if not periodic:  # exclude the first two harmonics, into which the window leaks longer wavelengths
         q, density, count = q[2:], density[2:], count[2:]
-    selected = q * MAX_FITTED_WAVELENGTH_POINTS * spacing * (1 + 1e-9) >= 2 * math.pi
-    q, density, count = q[selected], density[selected], count[selected]
+    is_fitted = q * MAX_FITTED_WAVELENGTH_POINTS * spacing * (1 + 1e-9) >= 2 * math.pi
+    q, density, count = q[is_fitted], density[is_fitted], count[is_fitted]
     if not q.size or not density.all():
         return None
     _, index = np.unique(np.floor(_BINS_PER_OCTAVE * np.log2(q[-1] / q) + 1e-9), return_inverse=True)

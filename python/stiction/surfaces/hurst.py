@@ -51,38 +51,38 @@ class PowerLawFit:
     """
 
     def __init__(self, log_q: Floats, power: Floats, weight: Floats) -> None:
-        self._total = float(weight.sum())
-        fraction = weight / self._total
-        self._middle = float(fraction @ log_q)
-        self._log_q = log_q - self._middle
-        self._largest = float(power.max())
-        self._power = fraction * power / self._largest
+        self._total_weight = float(weight.sum())
+        fraction = weight / self._total_weight
+        self._mean_log_q = float(fraction @ log_q)
+        self._log_q = log_q - self._mean_log_q
+        self._max_power = float(power.max())
+        self._power = fraction * power / self._max_power
         self.exponent = 0.0
         for _ in range(_NUM_NEWTON_STEPS):  # The loss is a convex log-sum-exp function, so Newton's method converges.
-            scaled = self._power * np.exp(self.exponent * self._log_q)
-            scaled /= scaled.sum()
-            gradient = float(scaled @ self._log_q)
-            step = gradient / float(scaled @ (self._log_q - gradient) ** 2)
+            scaled_power = self._power * np.exp(self.exponent * self._log_q)
+            scaled_power /= scaled_power.sum()
+            gradient = float(scaled_power @ self._log_q)
+            step = gradient / float(scaled_power @ (self._log_q - gradient) ** 2)
             self.exponent -= min(max(step, -2.0), 2.0)
             if abs(step) < 1e-10:
                 break
         self.min_loss = self.loss(self.exponent)
 
     def _log_level(self, exponent: float) -> float:
-        return math.log((self._power * np.exp(exponent * self._log_q)).sum()) + math.log(self._largest)
+        return math.log((self._power * np.exp(exponent * self._log_q)).sum()) + math.log(self._max_power)
 
     def loss(self, exponent: float) -> float:
         """Return the negative log-likelihood at the optimal prefactor, up to a constant."""
-        return self._total * self._log_level(exponent)
+        return self._total_weight * self._log_level(exponent)
 
     @property
     def log_prefactor(self) -> float:
         """Logarithm of the prefactor C in the power law C q^-s."""
-        return self._log_level(self.exponent) + self.exponent * self._middle
+        return self._log_level(self.exponent) + self.exponent * self._mean_log_q
 
     def exponent_interval(self, max_loss: float) -> tuple[float, float]:
         """Return the range of exponents whose loss is at most `max_loss`."""
-        ends = []
+        interval_ends = []
         for sign in (-1.0, 1.0):
             inner_offset, outer_offset = 0.0, 0.1
             while self.loss(self.exponent + sign * outer_offset) < max_loss:
@@ -94,8 +94,8 @@ class PowerLawFit:
                     if self.loss(self.exponent + sign * middle_offset) < max_loss
                     else (inner_offset, middle_offset)
                 )
-            ends.append(self.exponent + sign * outer_offset)
-        return ends[0], ends[1]
+            interval_ends.append(self.exponent + sign * outer_offset)
+        return interval_ends[0], interval_ends[1]
 
 
 @dataclass(frozen=True, repr=False)
@@ -291,8 +291,8 @@ def estimate_hurst_exponent(
             for roll_off_fit in roll_off_fits
             if roll_off_fit.min_loss < max_loss
         ]
-        lower = min([lower, *(ends[0] for ends in intervals)])
-        upper = max([upper, *(ends[1] for ends in intervals)])
+        lower = min([lower, *(interval[0] for interval in intervals)])
+        upper = max([upper, *(interval[1] for interval in intervals)])
     log_prefactor = fit.log_prefactor + 2 * math.log(scale)
     return HurstEstimate(
         value=(fit.exponent - 1) / 2, lower=(lower - 1) / 2, upper=(upper - 1) / 2,
@@ -371,8 +371,8 @@ def _find_self_affine_band(q: Floats, power: Floats, variance_factor: float) -> 
     if q.size >= MIN_BAND_HARMONICS:
         bins = _SpectrumBins.from_harmonics(q, power)
         weight = 1 / (variance_factor / bins.count + _RELATIVE_MODEL_ERROR**2)
-        starts, ends, exponents, losses = _fit_spectrum_pieces(bins, weight)
-        pieces = _select_spectrum_pieces(bins.log_q.size, starts, ends, losses)
+        starts, piece_ends, exponents, losses = _fit_spectrum_pieces(bins, weight)
+        pieces = _select_spectrum_pieces(bins.log_q.size, starts, piece_ends, losses)
         for max_exponent in (3.0, 5.0):  # exponents of the power spectrum for H = 1 and H = 2
             max_width = _MIN_BAND_WIDTH
             best_band: tuple[slice, _SpectrumBins] | None = None
@@ -380,7 +380,7 @@ def _find_self_affine_band(q: Floats, power: Floats, variance_factor: float) -> 
                 if not 1 < exponents[piece] < max_exponent:
                     continue
                 # index of the first harmonic, and index after the last harmonic
-                start, end = int(starts[piece]), int(ends[piece])
+                start, end = int(starts[piece]), int(piece_ends[piece])
                 if bins.slice_bins(start, end).deviance(exponents[piece], weight[start:end]) > _MAX_DEVIANCE:
                     continue
                 end -= end < bins.log_q.size
@@ -431,22 +431,24 @@ def _fit_spectrum_pieces(
     bins: _SpectrumBins, weight: Floats
 ) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats, Floats]:
     """Return the start, the end, the fitted exponent and the loss of every possible piece of a binned spectrum."""
-    starts, ends = (index.astype(np.intp) for index in np.triu_indices(bins.log_q.size + 1, _MIN_PIECE_BINS))
+    starts, piece_ends = (index.astype(np.intp) for index in np.triu_indices(bins.log_q.size + 1, _MIN_PIECE_BINS))
     fits = [
         PowerLawFit(bins.log_q[start:end], bins.power[start:end], weight[start:end])
-        for start, end in zip(starts, ends, strict=True)
+        for start, end in zip(starts, piece_ends, strict=True)
     ]
-    return starts, ends, np.array([fit.exponent for fit in fits]), np.array([fit.min_loss for fit in fits])
+    return starts, piece_ends, np.array([fit.exponent for fit in fits]), np.array([fit.min_loss for fit in fits])
 
 
-def _select_spectrum_pieces(size: int, starts: NDArray[np.intp], ends: NDArray[np.intp], losses: Floats) -> list[int]:
+def _select_spectrum_pieces(
+    size: int, starts: NDArray[np.intp], piece_ends: NDArray[np.intp], losses: Floats
+) -> list[int]:
     """Return the consecutive pieces that cover all bins and have the smallest sum of losses and penalties."""
     min_loss, last_piece = np.full(size + 1, np.inf), np.full(size + 1, -1)
     min_loss[0] = 0.0
-    for piece in np.argsort(ends, kind="stable"):
+    for piece in np.argsort(piece_ends, kind="stable"):
         loss = min_loss[starts[piece]] + losses[piece] + _SPECTRUM_PIECE_PENALTY
-        if loss < min_loss[ends[piece]]:
-            min_loss[ends[piece]], last_piece[ends[piece]] = loss, piece
+        if loss < min_loss[piece_ends[piece]]:
+            min_loss[piece_ends[piece]], last_piece[piece_ends[piece]] = loss, piece
     selected_pieces, end = [], size
     while end > 0 and last_piece[end] >= 0:
         selected_pieces.append(int(last_piece[end]))

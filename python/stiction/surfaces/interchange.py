@@ -105,12 +105,12 @@ def _extract_from_data_array(name: str, other: Any, kind: str, unit: str | None)
         factor = _unit_factor(f"{name}.{axis}", coordinate.attrs.get("units", unit), kind)
         spacing.append(_uniform_spacing(name, axis, np.asarray(coordinate.values, dtype=np.float64)) * factor)
     factor = _unit_factor(name, other.attrs.get("units", unit), kind)
-    converted = _make_extracted_heights(
+    extracted_heights = _make_extracted_heights(
         name, np.asarray(other.values, dtype=np.float64) * factor, tuple(spacing), 1.0, kind
     )
     if other.attrs.get("history") is None:
-        return converted
-    return converted._replace(history=tuple(filter(None, str(other.attrs["history"]).split("\n"))))
+        return extracted_heights
+    return extracted_heights._replace(history=tuple(filter(None, str(other.attrs["history"]).split("\n"))))
 
 
 def _uniform_spacing(name: str, axis: str, positions: Any) -> float:
@@ -126,9 +126,9 @@ def _uniform_spacing(name: str, axis: str, positions: Any) -> float:
 
 def _unit_factor(name: str, unit: Any, kind: str) -> float:
     if unit not in LENGTH_UNITS:
-        allowed = ", ".join(item for item in LENGTH_UNITS if len(item) < 3 and item.isascii())
+        allowed_units = ", ".join(item for item in LENGTH_UNITS if len(item) < 3 and item.isascii())
         raise ValueError(
-            f"{name} must have a unit of length ({allowed}), given as an attribute or by the argument unit, "
+            f"{name} must have a unit of length ({allowed_units}), given as an attribute or by the argument unit, "
             f"got {unit!r} of a {kind}"
         )
     return float(LENGTH_UNITS[unit])

@@ -321,8 +321,12 @@ def _average_in_bins(
     """Return the number of wave vectors and the mean density for every bin of a band."""
     min_wave_number, max_wave_number = (2 * math.pi / length for length in reversed(band))
     if isinstance(body, Profile):
-        ring = isotropic_spectrum(levelled(body, "line"))
-        q, density, wave_vector_counts = ring.wave_number, ring.density, np.maximum(ring.count, 1.0)
+        ring_spectrum = isotropic_spectrum(levelled(body, "line"))
+        q, density, wave_vector_counts = (
+            ring_spectrum.wave_number,
+            ring_spectrum.density,
+            np.maximum(ring_spectrum.count, 1.0),
+        )
     else:
         q, _, density = surface_spectrum(levelled(body, "plane")).waves()
         wave_vector_counts = np.ones(q.size)

@@ -31,15 +31,15 @@ def interpolate_missing_points(heights: Floats, *, extrapolate: bool) -> Floats:
 
     With `extrapolate`, gaps at an edge are filled with the nearest height.
     """
-    filled = heights.copy()
+    filled_heights = heights.copy()
     for to_edge in (False, True)[: 1 + extrapolate]:
-        for lines in (filled, filled.T) if filled.ndim == 2 else (filled[np.newaxis],):
+        for lines in (filled_heights, filled_heights.T) if filled_heights.ndim == 2 else (filled_heights[np.newaxis],):
             for line in lines:
                 is_measured = np.flatnonzero(~np.isnan(line))
                 if 0 < is_measured.size < line.size:
                     inside = np.arange(line.size) if to_edge else np.arange(is_measured[0], is_measured[-1] + 1)
                     line[inside] = np.interp(inside, is_measured, line[is_measured])
-    return filled
+    return filled_heights
 
 
 def find_largest_gap(missing: NDArray[np.bool_]) -> tuple[int, tuple[slice, ...]]:
@@ -48,16 +48,16 @@ def find_largest_gap(missing: NDArray[np.bool_]) -> tuple[int, tuple[slice, ...]
 
     gap_numbers, _ = label(missing, np.ones((3,) * missing.ndim))
     gap_sizes = np.bincount(gap_numbers.ravel())[1:]
-    largest = int(np.argmax(gap_sizes))
-    return int(gap_sizes[largest]), find_objects(gap_numbers)[largest]
+    largest_index = int(np.argmax(gap_sizes))
+    return int(gap_sizes[largest_index]), find_objects(gap_numbers)[largest_index]
 
 
 def describe_missing_points(missing: NDArray[np.bool_], spacing: tuple[float, ...]) -> str:
     """Describe the fraction of missing points and the position of the largest gap."""
-    points, box = find_largest_gap(missing)
+    points, bounding_box = find_largest_gap(missing)
     ends = [
         f"{axis} {format_with_unit(extent.start * step, 'µm')} to {format_with_unit(extent.stop * step, 'µm')}"
-        for axis, extent, step in zip("xy", box[::-1], spacing[::-1], strict=False)
+        for axis, extent, step in zip("xy", bounding_box[::-1], spacing[::-1], strict=False)
     ]
     count = "1 point" if points == 1 else f"{points} points"
     return f"{100 * missing.mean():.2g} % of all points; the largest gap has {count}, at {', '.join(ends)}"
@@ -109,16 +109,16 @@ def _typical_deviations(distances: Floats, is_measured: NDArray[np.bool_], at_ed
     """
     from scipy.ndimage import median_filter
 
-    typical = np.zeros(distances.shape)
+    typical_values = np.zeros(distances.shape)
     for group_mask in (~at_edge, at_edge):
         values = distances[group_mask & is_measured & np.isfinite(distances)]
         if values.size >= _MIN_EDGE_POINTS:
-            typical[group_mask | (typical == 0)] = np.median(values)
+            typical_values[group_mask | (typical_values == 0)] = np.median(values)
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.where(is_measured & np.isfinite(distances) & (typical > 0), distances / typical, 1.0)
+        ratio = np.where(is_measured & np.isfinite(distances) & (typical_values > 0), distances / typical_values, 1.0)
     # A worn surface is smoother on plateaus than in valleys.
     # Points are therefore also compared with their neighbourhood.
-    return np.asarray(typical * np.maximum(median_filter(ratio, size=_WINDOW_WIDTHS[distances.ndim]), 1.0))
+    return np.asarray(typical_values * np.maximum(median_filter(ratio, size=_WINDOW_WIDTHS[distances.ndim]), 1.0))
 
 
 def _deviations_from_neighbours(heights: Floats, remaining_heights: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
@@ -130,11 +130,13 @@ def _deviations_from_neighbours(heights: Floats, remaining_heights: Floats) -> t
     if heights.ndim == 2:
         neighbour_steps = [(0, 1), (1, 0), (1, 1), (1, -1)]
     padding = 2 * max(map(max, neighbour_steps))
-    padded = np.pad(remaining_heights, padding, constant_values=np.nan)
+    padded_heights = np.pad(remaining_heights, padding, constant_values=np.nan)
 
-    def shifted_heights(step: tuple[int, ...], times: int) -> Floats:
+    def shifted_heights(step: tuple[int, ...], multiple: int) -> Floats:
         index = zip(step, heights.shape, strict=True)
-        return padded[tuple(slice(padding + times * offset, padding + times * offset + size) for offset, size in index)]
+        return padded_heights[
+            tuple(slice(padding + multiple * offset, padding + multiple * offset + size) for offset, size in index)
+        ]
 
     neighbour_means = np.stack([(shifted_heights(step, 1) + shifted_heights(step, -1)) / 2 for step in neighbour_steps])
     mean_deviations = np.abs(heights - _finite_median(neighbour_means, _MIN_NEIGHBOUR_ESTIMATES))

@@ -84,8 +84,8 @@ class LinePairs:
         """Return the position (µm) of the upper line of a pair, measured perpendicular to the lines; 0 for profiles."""
         if not isinstance(self.upper, Surface):
             return 0.0
-        across = self.upper.spacing[0 if self.along == "x" else 1]
-        return self._line_number(self.upper, index) * across
+        line_distance = self.upper.spacing[0 if self.along == "x" else 1]
+        return self._line_number(self.upper, index) * line_distance
 
     def pair(self, index: int) -> tuple[Profile, Profile]:
         """Return a pair of profiles with equal spacing."""
@@ -125,8 +125,8 @@ class LinePairs:
         """Return line `index` of a surface. If `shifted` is True, line 0 is a third of the width away from the edge."""
         if isinstance(body, Profile):
             return body
-        extract = body.row if self.along == "x" else body.column
-        return extract(self._line_number(body, index, shifted=shifted))
+        extract_line = body.row if self.along == "x" else body.column
+        return extract_line(self._line_number(body, index, shifted=shifted))
 
     def _line_number(self, surface: Surface, index: int, *, shifted: bool = False) -> int:
         """Return the row or column number of line `index`. All rows or columns are used once before any is reused."""
@@ -219,7 +219,7 @@ def paired_lines(
     count = count if max_count is None else min(count, max_count)
     pairs = LinePairs(upper, lower, travel, level, along, surrogates, seed, has_several_pairs=count > 1, count=count)
     profiles = [pairs.pair(index) for index in range(count)]
-    return [above for above, _ in profiles], [below for _, below in profiles]
+    return [upper_line for upper_line, _ in profiles], [lower_line for _, lower_line in profiles]
 
 
 def _crop_to_equal_length(
@@ -244,8 +244,10 @@ def _crop_to_equal_length(
 def piece_below_slider(lower: Profile, offset: float, slider: Profile) -> Profile:
     """Return the section of the lower profile that lies below a slider at an offset (µm)."""
     start_index = round(offset / lower.spacing)
-    selected = slice(start_index, start_index + len(slider))
-    return Profile(lower.heights[selected], spacing=lower.spacing, missing=select_from_mask(lower.missing, selected))
+    selected_range = slice(start_index, start_index + len(slider))
+    return Profile(
+        lower.heights[selected_range], spacing=lower.spacing, missing=select_from_mask(lower.missing, selected_range)
+    )
 
 
 # ---- Areas -----------------------------------------------------------------------------------------------------------

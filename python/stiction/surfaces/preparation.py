@@ -138,8 +138,8 @@ def _subtract_fit(heights: Floats, basis: list[Floats], missing: NDArray[np.bool
             residual = residual - factor * function
         return residual
     for function in basis:
-        norm = np.broadcast_to(np.square(function), heights.shape).sum()
-        residual = residual - (residual * function).sum() / norm * function
+        squared_norm = np.broadcast_to(np.square(function), heights.shape).sum()
+        residual = residual - (residual * function).sum() / squared_norm * function
     return residual if np.abs(residual).max() > LEVELLING_ROUND_OFF * np.abs(heights).max() else np.zeros(heights.shape)
 
 
@@ -216,9 +216,11 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
     ranges = [
         find_crop_range(*pair) for pair in zip(axes, body.heights.shape, body.spacings, starts, stops, strict=True)
     ]
-    selected = tuple(slice(first, end) for first, end, _ in ranges)
+    selected_slices = tuple(slice(first, end) for first, end, _ in ranges)
     history_entry = f"cropped to {' and '.join(range_text for _, _, range_text in ranges)}"
-    return body.changed(body.heights[selected], history_entry, missing=select_from_mask(body.missing, selected))
+    return body.changed(
+        body.heights[selected_slices], history_entry, missing=select_from_mask(body.missing, selected_slices)
+    )
 
 
 def find_crop_range(along: str, points: int, spacing: float, start: Any, stop: Any) -> tuple[int, int, str]:
@@ -340,8 +342,8 @@ def resample_piece(
     for axis in (0, 1):
         old_spacing, new_spacing, first, points = surface.spacing[axis], spacing[axis], origin[axis], shape[axis]
         if old_spacing == new_spacing:
-            selected = (slice(None),) * axis + (slice(first, first + points),)
-            heights, missing = heights[selected], select_from_mask(missing, selected)
+            selected_slices = (slice(None),) * axis + (slice(first, first + points),)
+            heights, missing = heights[selected_slices], select_from_mask(missing, selected_slices)
             continue
         from scipy.interpolate import CubicSpline
 
@@ -364,10 +366,10 @@ def _mask_between_points(missing: Any, positions: Floats, axis: int) -> Any:
     """Return the mask of missing positions between points. A position is missing if an adjacent point is missing."""
     if missing is None:
         return None
-    below, above = (
+    missing_below, missing_above = (
         np.take(missing, rounding(positions).astype(np.intp), axis=axis) for rounding in _NEIGHBOUR_ROUNDING_FUNCTIONS
     )
-    return below | above
+    return missing_below | missing_above
 
 
 def _resample_along_axis(
@@ -384,8 +386,8 @@ def _resample_along_axis(
     ratio = spacing / actual
     start = max(0.0, (last_index - (points - 1) * ratio) / 2) if align == "middle" else 0.0
     if actual == spacing:
-        selected = slice(int(start), int(start) + points)
-        return heights[selected] if axis == 0 else heights[:, selected]
+        selected_slice = slice(int(start), int(start) + points)
+        return heights[selected_slice] if axis == 0 else heights[:, selected_slice]
     from scipy.interpolate import CubicSpline
 
     # Round-off must not move a position beyond the last point.
@@ -476,9 +478,9 @@ def rotated(surface: Surface, angle: float) -> Surface:
 def _inscribed_rectangle(height: float, width: float, angle: float) -> tuple[float, float]:
     """Return the height and width of the largest axis-parallel rectangle within a rotated rectangle."""
     sine, cosine = abs(math.sin(angle)), abs(math.cos(angle))
-    longer, shorter = max(height, width), min(height, width)
-    if shorter <= 2 * sine * cosine * longer:  # two corners of the result lie on the longer sides
-        half_shorter = shorter / 2
+    longer_side, shorter_side = max(height, width), min(height, width)
+    if shorter_side <= 2 * sine * cosine * longer_side:  # two corners of the result lie on the longer sides
+        half_shorter = shorter_side / 2
         across, along = half_shorter / cosine, half_shorter / sine  # the shorter side limits the size of the result
         return (along, across) if height >= width else (across, along)
     cosine_of_double_angle = cosine**2 - sine**2

@@ -236,8 +236,8 @@ def _align_scans(a: Floats, b: Floats) -> tuple[Floats, Floats, Floats]:
     overlap, positions = _slice_overlap(a.shape, b.shape, shift)
     rounded_shift = np.round(shift)
     if np.abs(shift - rounded_shift).max() < _INTEGER_SHIFT_TOLERANCE:  # an integer shift needs no interpolation
-        shift, positions = rounded_shift, [np.round(place) for place in positions]
-        return a[overlap], b[np.ix_(*(place.astype(np.intp) for place in positions))], shift
+        shift, positions = rounded_shift, [np.round(axis_positions) for axis_positions in positions]
+        return a[overlap], b[np.ix_(*(axis_positions.astype(np.intp) for axis_positions in positions))], shift
     return a[overlap], map_coordinates(b, np.meshgrid(*positions, indexing="ij"), order=5), shift
 
 
@@ -269,15 +269,15 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
         np.maximum(np.prod(squared_deviations, axis=0), 1e-300)
     )
     correlation = np.where(count > min(a.size, b.size) / 2, correlation, -1.0)
-    peak = np.array(np.unravel_index(int(np.argmax(correlation)), correlation.shape))
-    return np.where(peak < a.shape, peak, peak - shape).astype(np.float64)
+    peak_index = np.array(np.unravel_index(int(np.argmax(correlation)), correlation.shape))
+    return np.where(peak_index < a.shape, peak_index, peak_index - shape).astype(np.float64)
 
 
 def _slice_overlap(
     first_shape: tuple[int, ...], second_shape: tuple[int, ...], shift: Floats
 ) -> tuple[tuple[slice, ...], list[Floats]]:
     """Return the overlap of two scans at a shift (points): slices of the first scan, and positions in the second."""
-    selected, positions = [], []
+    selected_slices, positions = [], []
     for points, second_points, axis_shift in zip(first_shape, second_shape, shift.tolist(), strict=True):
         start = max(0, math.ceil(axis_shift) + (_OVERLAP_MARGIN if axis_shift > 0 else 0))
         end = min(
@@ -286,6 +286,6 @@ def _slice_overlap(
         )
         if end - start <= min(points, second_points) / 2:
             raise ValueError("first and second must be scans of the same area that overlap by more than half")
-        selected.append(slice(start, end))
+        selected_slices.append(slice(start, end))
         positions.append(np.clip(np.arange(start, end) - axis_shift, 0, second_points - 1))
-    return tuple(selected), positions
+    return tuple(selected_slices), positions

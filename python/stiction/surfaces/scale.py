@@ -137,9 +137,9 @@ class ScaleDependentRoughness(TextRepr):
         wavelengths = float_array("wavelength", wavelength)
         shortest = estimate.shortest_wavelength
         measured_gradient = self.gradient_at(np.maximum(wavelengths, shortest))
-        extrapolated = np.minimum(wavelengths, shortest)
+        extrapolated_wavelengths = np.minimum(wavelengths, shortest)
         return np.asarray(
-            np.sqrt(np.square(measured_gradient) + extrapolated_mean_square_slope(estimate, extrapolated))
+            np.sqrt(np.square(measured_gradient) + extrapolated_mean_square_slope(estimate, extrapolated_wavelengths))
         )
 
     def wavelength_of(self, gradient: float, estimate: HurstEstimate | None = None) -> float:
@@ -150,7 +150,7 @@ class ScaleDependentRoughness(TextRepr):
         Returns the longest wavelength if this wavelength alone has the gradient. Returns NaN if the gradient is not
         reached; with a power law, the search extends to a millionth of the scan's shortest wavelength.
         """
-        target = validate_number("gradient", gradient, above=0)
+        target_gradient = validate_number("gradient", gradient, above=0)
         shortest = self.wavelength[-1] * (1.0 if estimate is None else _MIN_EXTRAPOLATION_RATIO)
         log_shortest, log_longest = math.log(shortest), math.log(self.wavelength[0])
 
@@ -158,13 +158,13 @@ class ScaleDependentRoughness(TextRepr):
             wavelength = math.exp(log_wavelength)
             return float(self.gradient_at(wavelength) if estimate is None else self.continued(wavelength, estimate))
 
-        if gradient_at_log_wavelength(log_shortest) < target:
+        if gradient_at_log_wavelength(log_shortest) < target_gradient:
             return math.nan
         for _ in range(_NUM_BISECTION_STEPS):
             log_middle = (log_shortest + log_longest) / 2
             log_shortest, log_longest = (
                 (log_middle, log_longest)
-                if gradient_at_log_wavelength(log_middle) >= target
+                if gradient_at_log_wavelength(log_middle) >= target_gradient
                 else (log_shortest, log_middle)
             )
         return math.exp((log_shortest + log_longest) / 2)
@@ -281,14 +281,14 @@ def mean_square_heights(body: Profile | Surface, *, periodic: bool = False) -> t
     return q[q > 0], mean_squares[q > 0]
 
 
-def _interpolate_log_log(wavelength: Floats, values: Floats, targets: ArrayLike) -> Floats:
+def _interpolate_log_log(wavelength: Floats, values: Floats, target_wavelengths: ArrayLike) -> Floats:
     """Interpolate values linearly on logarithmic axes. Beyond the longest wavelength, the values are zero."""
-    wavelengths = float_array("wavelength", targets)
+    wavelengths = float_array("wavelength", target_wavelengths)
     if not (wavelengths > 0).all():
-        raise ValueError(f"wavelength must be above 0 µm, got {targets!r}")
+        raise ValueError(f"wavelength must be above 0 µm, got {target_wavelengths!r}")
     with np.errstate(divide="ignore"):
-        interpolated = np.exp(np.interp(-np.log(wavelengths), -np.log(wavelength), np.log(values)))
-    return np.asarray(np.where(wavelengths > wavelength[0] * (1 + 1e-9), 0.0, interpolated))
+        interpolated_values = np.exp(np.interp(-np.log(wavelengths), -np.log(wavelength), np.log(values)))
+    return np.asarray(np.where(wavelengths > wavelength[0] * (1 + 1e-9), 0.0, interpolated_values))
 
 
 @dataclass(frozen=True, repr=False)
@@ -540,9 +540,9 @@ def _independent_line_counts(transform: NDArray[np.complex128], *, periodic: boo
     lines = transform.shape[0]
     window = np.ones(lines) if periodic else 1 - np.cos(2 * math.pi * np.arange(lines) / lines)
     power = np.square(np.abs(np.fft.fft(transform * window[:, np.newaxis], axis=0)))
-    squares = np.square(power).sum(axis=0)
+    squared_powers = np.square(power).sum(axis=0)
     squared_sum = np.square(power.sum(axis=0))
-    ratio = squared_sum / np.where(squares > 0, squares, 1.0)
+    ratio = squared_sum / np.where(squared_powers > 0, squared_powers, 1.0)
     return np.asarray(np.maximum(2 * ratio - (1 if periodic else 3), 1.0))
 
 
@@ -566,9 +566,9 @@ def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: li
     start = min(2 * math.pi / float(np.nanmin(noise_wavelengths)), end / 2)
     octaves = [(end / 2 ** (n + 1), end / 2**n) for n in range(int(math.log2(end / start) + 1e-9))]
     densities = np.array([
-        (other_density[selected].mean(), expected_noise[selected].mean())
+        (other_density[is_in_octave].mean(), expected_noise[is_in_octave].mean())
         for low, high in octaves
-        if (selected := (other_q > low) & (other_q <= high * ROUND_OFF_FACTOR)).any()
+        if (is_in_octave := (other_q > low) & (other_q <= high * ROUND_OFF_FACTOR)).any()
     ]).reshape(-1, 2)  # fmt: skip
     other_mean, noise_mean = densities.T
     if noise_wavelengths[1 - axis] > 0:
@@ -660,7 +660,7 @@ def _find_noise_wavelength(
     candidate_bins.append(_find_bin_before_rise(wavelengths / spacing, density, chance))
     if last_exponent - 2 * deviation > -_MIN_ALIASED_SURFACE_EXPONENT:
         candidate_bins.append(int(np.argmin(np.where(is_last_octave, density, math.inf))))
-    if not any(bin_ is not None for bin_ in candidate_bins):
+    if not any(candidate_bin is not None for candidate_bin in candidate_bins):
         return no_noise
     noisy_bin = min(noisy_bin for noisy_bin in candidate_bins if noisy_bin is not None)
     trusted_bins = np.flatnonzero(density[: noisy_bin + 1] >= _MIN_TRUSTED_DENSITY_RATIO * density[noisy_bin])
@@ -692,10 +692,10 @@ def _is_noise_floor(wavelengths: Floats, density: Floats, chance: Floats, limit:
         (_NOISE_WAVELENGTH_RATIO * limit, _MAX_FLOOR_EXPONENT),
         (2.01 * float(wavelengths[-1]), _MAX_FLAT_EXPONENT),
     ):
-        selected = wavelengths < max_wavelength
-        if selected.sum() < _NOISE_BINS_PER_OCTAVE // 2:
+        is_short = wavelengths < max_wavelength
+        if is_short.sum() < _NOISE_BINS_PER_OCTAVE // 2:
             return False
-        x, y, variance = -np.log(wavelengths[selected]), np.log(density[selected]), chance[selected]
+        x, y, variance = -np.log(wavelengths[is_short]), np.log(density[is_short]), chance[is_short]
         slope, deviation = _fit_line_slope(x, y, variance)
         weight = 1 / (variance + 0.01)
         scatter = np.square(y - np.average(y, weights=weight)) - variance

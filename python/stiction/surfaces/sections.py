@@ -237,9 +237,9 @@ def _compute_with_setting_class(
         class_by_element = next(k for k, item in enumerate(SETTING_CLASSES) if not result.RSm > item.largest_element)
         return max(class_by_height, class_by_element)
 
-    index, visited = min(possible_classes, key=lambda item: abs(item - _INITIAL_SETTING_CLASS)), set[int]()
-    while (matching_class := find_matching_setting_class(index)) != index and index not in visited:
-        visited.add(index)
+    index, visited_classes = min(possible_classes, key=lambda item: abs(item - _INITIAL_SETTING_CLASS)), set[int]()
+    while (matching_class := find_matching_setting_class(index)) != index and index not in visited_classes:
+        visited_classes.add(index)
         next_class = index + 1 if matching_class > index else index - 1
         if next_class not in possible_classes:
             remedy = _too_short_remedy(profile) if matching_class > index else _too_coarse_message(profile)
@@ -249,7 +249,7 @@ def _compute_with_setting_class(
             )
         index = next_class
     if matching_class != index:  # two classes lead to each other, so neither of them is consistent
-        index = max(index, max(visited & {index - 1, index, index + 1}))
+        index = max(index, max(visited_classes & {index - 1, index, index + 1}))
     elif index - 1 in possible_classes and find_matching_setting_class(index - 1) == index - 1:
         index -= 1
     result = results_by_class[index]
@@ -307,13 +307,13 @@ def _compute_with_cutoff(
         ls = ls if ls >= 2 * spacing else 0.0
     elif ls and not 2 * spacing <= ls * ROUND_OFF_FACTOR <= lc:
         raise ValueError(f"ls must be 0, or between {2 * spacing:g} µm (two points) and {lc:g} µm (lc), got {ls:g} µm")
-    primary = profile if not ls else profile.changed(gaussian_low_pass(profile, ls), "S-filter")
-    waviness = robust_gaussian_low_pass(primary, lc) if robust else gaussian_low_pass(primary, lc)
+    primary_profile = profile if not ls else profile.changed(gaussian_low_pass(profile, ls), "S-filter")
+    waviness = robust_gaussian_low_pass(primary_profile, lc) if robust else gaussian_low_pass(primary_profile, lc)
     section_count = min(sections, math.floor(profile.extent / lc * ROUND_OFF_FACTOR))
     points = min(round(section_count * lc / spacing), len(profile))
     start = (len(profile) - points) // 2
     evaluation_range = slice(start, start + points)
-    roughness = (primary.heights - waviness)[evaluation_range]
+    roughness = (primary_profile.heights - waviness)[evaluation_range]
     section_ends = [min(round(index * lc / spacing), points) for index in range(section_count + 1)]
     values = {
         f"R{stem}": value for stem, value in _roughness_values(roughness, section_ends, spacing, derivative).items()

@@ -136,14 +136,21 @@ def _validate_hurst_exponent_and_rms(hurst_exponent: Any, rms: Any) -> tuple[flo
     return hurst, validate_number("rms", rms, unit="µm", above=0)
 
 
-def _validate_shortest_wavelength(wavelength: Any, finest: float, of: str) -> float:
+def _validate_shortest_wavelength(wavelength: Any, finest_wavelength: float, spacing_name: str) -> float:
     """Check that the grid resolves the shortest wavelength (µm), and return it.
 
     The default is the shortest wavelength of the grid, which is twice the spacing.
     """
-    shortest = finest if wavelength is None else validate_number("shortest_wavelength", wavelength, unit="µm", above=0)
-    if shortest * ROUND_OFF_FACTOR < finest:
-        raise ValueError(f"shortest_wavelength must be at least twice the {of}, {finest:g} µm, got {wavelength!r}")
+    shortest = (
+        finest_wavelength
+        if wavelength is None
+        else validate_number("shortest_wavelength", wavelength, unit="µm", above=0)
+    )
+    if shortest * ROUND_OFF_FACTOR < finest_wavelength:
+        raise ValueError(
+            f"shortest_wavelength must be at least twice the {spacing_name}, {finest_wavelength:g} µm, "
+            f"got {wavelength!r}"
+        )
     return shortest
 
 
@@ -244,20 +251,20 @@ def self_affine_surface(
     for i in range(max_orders[0] + 1):
         # wave number relative to the wave number of the longest wavelength
         relative_wave_number = longest * np.hypot(i / extent_x, j / extent_y)
-        selected = relative_wave_number * shortest <= longest * ROUND_OFF_FACTOR
+        is_included = relative_wave_number * shortest <= longest * ROUND_OFF_FACTOR
         if i == 0:
-            selected &= j > 0  # the coefficients with j < 0 are complex conjugates
-        count = int(np.flatnonzero(selected)[-1]) + 1 if selected.any() else 0
+            is_included &= j > 0  # the coefficients with j < 0 are complex conjugates
+        count = int(np.flatnonzero(is_included)[-1]) + 1 if is_included.any() else 0
         if count == 0:
             continue
         random_words = np.random.PCG64(np.random.SeedSequence([seed, repetition, SIDE_SEED_KEYS[side], i])).random_raw(
             2 * count
         )
         uniform_numbers = (random_words >> np.uint64(11)).astype(np.float64).reshape(count, 2) / 2**53
-        selected = selected[:count]
-        phase, amplitude_number = uniform_numbers[selected].T
-        orders_y = j[:count][selected]
-        squared_amplitude = np.maximum(relative_wave_number[:count][selected], 1.0) ** (-2 - 2 * hurst) * -np.log1p(
+        is_included = is_included[:count]
+        phase, amplitude_number = uniform_numbers[is_included].T
+        orders_y = j[:count][is_included]
+        squared_amplitude = np.maximum(relative_wave_number[:count][is_included], 1.0) ** (-2 - 2 * hurst) * -np.log1p(
             -amplitude_number
         )
         power += float(squared_amplitude.sum()) / 2

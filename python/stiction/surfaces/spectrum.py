@@ -399,12 +399,12 @@ class SurfaceSpectrum(TextRepr):
             for wave_numbers in (q_y[:, 0], q_x)
         )
         # Opposite wave vectors describe the same wave, so only one of them is used.
-        selected = ((q_y > 0) | ((q_y == 0) & (q_x > 0))) & (q < limit * (1 - 1e-9))
-        order = np.argsort(q[selected], kind="stable")
+        is_counted = ((q_y > 0) | ((q_y == 0) & (q_x > 0))) & (q < limit * (1 - 1e-9))
+        order = np.argsort(q[is_counted], kind="stable")
         angle = np.degrees(
-            np.arctan2(np.broadcast_to(q_y, q.shape)[selected], np.broadcast_to(q_x, q.shape)[selected])
+            np.arctan2(np.broadcast_to(q_y, q.shape)[is_counted], np.broadcast_to(q_x, q.shape)[is_counted])
         )[order]
-        return q[selected][order], angle % 180, self.density[selected][order]
+        return q[is_counted][order], angle % 180, self.density[is_counted][order]
 
     def radial(self, per_decade: int = 10) -> RadialSpectrum:
         """Return the spectrum averaged over rings of equal width in log q.

@@ -141,9 +141,9 @@ def as_body(name: str, given: Any, *kinds: type[Body], spacing: Any = None, unit
     ValueError
         If `given` has another type, or is an array without a spacing.
     """
-    allowed = kinds or (Profile, Surface)
-    kind_text = " or a ".join(kind.__name__ for kind in allowed)
-    if isinstance(given, allowed):
+    allowed_kinds = kinds or (Profile, Surface)
+    kind_text = " or a ".join(kind.__name__ for kind in allowed_kinds)
+    if isinstance(given, allowed_kinds):
         if spacing is not None:
             raise ValueError(
                 f"spacing must be omitted, because {name} is a {type(given).__name__} with its own spacing"
@@ -151,12 +151,12 @@ def as_body(name: str, given: Any, *kinds: type[Body], spacing: Any = None, unit
         return given
     is_array = isinstance(given, (np.ndarray, list, tuple))
     if not is_array or spacing is None:
-        hint = "; make one by " + " or ".join(f"{kind.__name__}(z, spacing=...)" for kind in allowed)
+        hint = "; make one by " + " or ".join(f"{kind.__name__}(z, spacing=...)" for kind in allowed_kinds)
         raise ValueError(f"{name} must be a {kind_text}, got {type(given).__name__}{hint if is_array else ''}")
     if unit not in LENGTH_UNITS:
         raise ValueError(f"unit must be a unit of length, such as um or nm, got {short_repr(unit)}")
     heights = float_array(name, given) * float(LENGTH_UNITS[unit])
-    for kind in allowed:
+    for kind in allowed_kinds:
         if kind._ndim == heights.ndim:
             return kind(heights, spacing=spacing, history=("given as an array",))
     raise ValueError(f"{name} must be a {kind_text}, got an array of shape {heights.shape}")

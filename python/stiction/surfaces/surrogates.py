@@ -121,8 +121,8 @@ def _surface_surrogate(surface: Surface, seed: int, repetition: int, side: Side,
     rows, columns = amplitude.shape
     phases = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=columns)
     # Opposite wave vectors have opposite phases. Self-conjugate coefficients are real.
-    opposite = np.roll(phases[::-1, ::-1], (1, 1), axis=(0, 1))
-    heights = ifft2(amplitude * np.exp(1j * (phases - opposite))).real
+    opposite_phases = np.roll(phases[::-1, ::-1], (1, 1), axis=(0, 1))
+    heights = ifft2(amplitude * np.exp(1j * (phases - opposite_phases))).real
     is_real = np.zeros((rows, columns), dtype=bool)
     is_real[np.ix_([0, rows // 2] if rows % 2 == 0 else [0], [0, columns // 2] if columns % 2 == 0 else [0])] = True
     heights += ifft2(np.where(is_real, amplitude * (np.sign(np.cos(phases)) - 1), 0)).real
@@ -270,8 +270,8 @@ def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Float
     bin_index = np.searchsorted(edges, wave_number, side="right") - 1
     bin_index = np.minimum(bin_index, edges.size - 2)
     count = np.bincount(bin_index, spectrum.count).astype(np.float64)
-    measured = np.bincount(bin_index, spectrum.count * spectrum.density) / count
-    measured = np.maximum(measured, _ROUND_OFF_FRACTION * measured.max())
+    measured_density = np.bincount(bin_index, spectrum.count * spectrum.density) / count
+    measured_density = np.maximum(measured_density, _ROUND_OFF_FRACTION * measured_density.max())
     # The corners of the grid belong to rings beyond the Nyquist wave number of both axes.
     edges = np.append(edges, math.sqrt(2) * nyquist_wave_number * (1 + 1e-9))
     # Spectrum of a section through a surface with one ring of unit density, averaged over the harmonics of each bin.
@@ -283,23 +283,23 @@ def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Float
     np.add.at(response, bin_index, spectrum.count[:, np.newaxis] * ring_responses)
     response /= count[:, np.newaxis]
     density = np.full(edges.size - 1, 1.0)
-    density[: measured.size] = measured / np.sqrt(edges[:-2] * edges[1:-1])
+    density[: measured_density.size] = measured_density / np.sqrt(edges[:-2] * edges[1:-1])
     density[-1] = density[-2]
-    density = _fit_densities(response, measured, count, density)
-    predicted = response @ density
+    density = _fit_densities(response, measured_density, count, density)
+    predicted_density = response @ density
     # Scale the densities so that the mean square slope of the profile is reproduced exactly.
     slope_weights = np.bincount(bin_index, spectrum.count * wave_number**2)
-    density *= float(slope_weights @ measured / (slope_weights @ predicted))
+    density *= float(slope_weights @ measured_density / (slope_weights @ predicted_density))
     return edges, density, np.append(count, 0.0)
 
 
-def _fit_densities(response: Floats, measured: Floats, count: Floats, density: Floats) -> Floats:
+def _fit_densities(response: Floats, measured_density: Floats, count: Floats, density: Floats) -> Floats:
     """Fit densities in rings of wave vectors to the spectrum of a section, by maximum likelihood (Fisher scoring)."""
 
     def cost(log_density: Floats) -> float:
-        predicted = response @ np.exp(log_density)
+        predicted_density = response @ np.exp(log_density)
         return float(
-            count @ (measured / predicted + np.log(predicted))
+            count @ (measured_density / predicted_density + np.log(predicted_density))
             + _SMOOTHNESS_PENALTY / 2 * np.square(second_difference @ log_density).sum()
         )
 
@@ -308,11 +308,11 @@ def _fit_densities(response: Floats, measured: Floats, count: Floats, density: F
     lowest_cost = cost(log_density)
     for _ in range(_MAX_SCORING_STEPS):
         contributions = response * np.exp(log_density)
-        fitted = contributions.sum(axis=1)
+        fitted_density = contributions.sum(axis=1)
         gradient = contributions.T @ (
-            count * (1 - measured / fitted) / fitted
+            count * (1 - measured_density / fitted_density) / fitted_density
         ) + _SMOOTHNESS_PENALTY * second_difference.T @ (second_difference @ log_density)
-        relative_contributions = contributions / fitted[:, np.newaxis]
+        relative_contributions = contributions / fitted_density[:, np.newaxis]
         step = np.linalg.solve(
             (relative_contributions.T * count) @ relative_contributions
             + _SMOOTHNESS_PENALTY * second_difference.T @ second_difference,

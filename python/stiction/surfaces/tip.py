@@ -56,27 +56,32 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
     scan = as_body("scan", scan)
     reject_missing_points(scan, "tip reconstruction")
     radius = validate_number("radius", radius, unit="µm", above=0, below=1e9)
-    recorded, spacing = scan.heights, np.array(scan.spacings)
-    height_range = float(np.ptp(recorded))
-    eroded = recorded.copy()
+    recorded_heights, spacing = scan.heights, np.array(scan.spacings)
+    height_range = float(np.ptp(recorded_heights))
+    eroded_heights = recorded_heights.copy()
     for point_slices, neighbour_slices, tip_height in _tip_offsets_and_heights(
-        recorded.shape, spacing, radius, height_range
+        recorded_heights.shape, spacing, radius, height_range
     ):
-        np.minimum(eroded[point_slices], recorded[neighbour_slices] + tip_height, out=eroded[point_slices])
-    num_touched, is_certain = np.zeros(recorded.shape, np.int32), np.zeros(recorded.shape, np.bool_)
-    tolerance = _TIP_CONTACT_TOLERANCE * max(height_range, float(np.abs(recorded).max()))
-    _, half_widths = _tip_half_width(recorded.shape, spacing, radius, height_range)
-    is_inside = np.zeros(recorded.shape, np.bool_)
+        np.minimum(
+            eroded_heights[point_slices],
+            recorded_heights[neighbour_slices] + tip_height,
+            out=eroded_heights[point_slices],
+        )
+    num_touched, is_certain = np.zeros(recorded_heights.shape, np.int32), np.zeros(recorded_heights.shape, np.bool_)
+    tolerance = _TIP_CONTACT_TOLERANCE * max(height_range, float(np.abs(recorded_heights).max()))
+    _, half_widths = _tip_half_width(recorded_heights.shape, spacing, radius, height_range)
+    is_inside = np.zeros(recorded_heights.shape, np.bool_)
     is_inside[
         tuple(
-            slice(half_width, size - half_width) for half_width, size in zip(half_widths, recorded.shape, strict=True)
+            slice(half_width, size - half_width)
+            for half_width, size in zip(half_widths, recorded_heights.shape, strict=True)
         )
     ] = True
     for is_counting in (True, False):
         for point_slices, neighbour_slices, tip_height in _tip_offsets_and_heights(
-            recorded.shape, spacing, radius, height_range
+            recorded_heights.shape, spacing, radius, height_range
         ):
-            touches = eroded[neighbour_slices] - tip_height >= recorded[point_slices] - tolerance
+            touches = eroded_heights[neighbour_slices] - tip_height >= recorded_heights[point_slices] - tolerance
             if is_counting:
                 num_touched[point_slices] += touches
             else:
@@ -84,7 +89,7 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
     history_entry = (
         f"reconstructed for a tip radius of {radius:g} µm, {100 * float(is_certain.mean()):.0f} % of the points certain"
     )
-    return scan.changed(eroded, history_entry), make_read_only(is_certain)
+    return scan.changed(eroded_heights, history_entry), make_read_only(is_certain)
 
 
 def _tip_offsets_and_heights(

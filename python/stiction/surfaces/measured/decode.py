@@ -65,8 +65,8 @@ class DecodedText:
     @cached_property
     def line_starts(self) -> NDArray[np.int64]:
         """Byte offsets at which the lines start and the text ends."""
-        ends = np.flatnonzero(np.frombuffer(self.data, np.uint8) == ord("\n"))
-        return np.concatenate([[0], ends + 1])
+        line_ends = np.flatnonzero(np.frombuffer(self.data, np.uint8) == ord("\n"))
+        return np.concatenate([[0], line_ends + 1])
 
     def has_words(self, lines: NDArray[np.int64]) -> bool:
         """Return whether the given lines contain characters that do not occur in numbers, such as letters."""
@@ -131,13 +131,15 @@ class DecodedText:
             kinds[line_number] = NUMBER_LINE if is_numeric_row else TEXT_LINE
         # Lines of asterisks or dashes between rows of numbers are rows of missing points.
         # Other lines of asterisks or dashes are separators.
-        filled = np.flatnonzero(kinds != BLANK_LINE)
-        is_ruler = (kinds[filled] == TEXT_LINE) & (bits[filled] & (_NON_NUMBER_CHARACTER_BIT | _DIGIT_BIT) == 0)
-        others = np.flatnonzero(~is_ruler)
-        for gap in np.flatnonzero(np.diff(others) > 1).tolist():
-            first, last = others[gap : gap + 2].tolist()
-            if kinds[filled[first]] == NUMBER_LINE == kinds[filled[last]]:
-                kinds[filled[first + 1 : last]] = NUMBER_LINE
+        nonblank_lines = np.flatnonzero(kinds != BLANK_LINE)
+        is_ruler = (kinds[nonblank_lines] == TEXT_LINE) & (
+            bits[nonblank_lines] & (_NON_NUMBER_CHARACTER_BIT | _DIGIT_BIT) == 0
+        )
+        other_lines = np.flatnonzero(~is_ruler)
+        for gap in np.flatnonzero(np.diff(other_lines) > 1).tolist():
+            first, last = other_lines[gap : gap + 2].tolist()
+            if kinds[nonblank_lines[first]] == NUMBER_LINE == kinds[nonblank_lines[last]]:
+                kinds[nonblank_lines[first + 1 : last]] = NUMBER_LINE
         return kinds
 
 
@@ -158,29 +160,30 @@ def decode_text(data: bytes, words: tuple[str, ...] = ()) -> DecodedText:
     if b"\r" in text:
         text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     if not text.isascii():
-        for minus in ("\u2212", "\uff0d", "\ufe63"):
-            text = text.replace(minus.encode(), b"-")
-        space = b"(?:\xc2\xa0|\xe2\x80\xaf|\xe2\x80\x89)"  # no-break space, narrow no-break space and thin space
-        text = re.sub(rb"(?<=[0-9])" + space + rb"(?=[0-9]{3}(?![0-9]))", b"", text)
-        text = re.sub(space, b" ", text)
+        for minus_sign in ("\u2212", "\uff0d", "\ufe63"):
+            text = text.replace(minus_sign.encode(), b"-")
+        # no-break space, narrow no-break space and thin space
+        space_pattern = b"(?:\xc2\xa0|\xe2\x80\xaf|\xe2\x80\x89)"
+        text = re.sub(rb"(?<=[0-9])" + space_pattern + rb"(?=[0-9]{3}(?![0-9]))", b"", text)
+        text = re.sub(space_pattern, b" ", text)
     text = text if text.endswith(b"\n") else text + b"\n"
-    decoded = DecodedText(text, encoding, words)
-    if len(decoded) > MAX_LINES:
+    decoded_text = DecodedText(text, encoding, words)
+    if len(decoded_text) > MAX_LINES:
         raise FormatError(
-            f"has {len(decoded)} lines; at most {MAX_LINES} can be read as text; save the heights as .npy"
+            f"has {len(decoded_text)} lines; at most {MAX_LINES} can be read as text; save the heights as .npy"
         )
-    if (control := int(np.count_nonzero(decoded.character_type_bits & _CONTROL_BIT))) > 0:
-        raise FormatError(f"is binary, not text (control characters in {control} lines)")
-    return decoded
+    if (control_line_count := int(np.count_nonzero(decoded_text.character_type_bits & _CONTROL_BIT))) > 0:
+        raise FormatError(f"is binary, not text (control characters in {control_line_count} lines)")
+    return decoded_text
 
 
 def _to_utf8(data: bytes) -> tuple[str, bytes]:
     """Convert the bytes of a text to UTF-8. Return the name of the original encoding, and the converted bytes."""
-    for mark, encoding in ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16")):
-        if data.startswith(mark):
+    for byte_order_mark, encoding in ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16")):
+        if data.startswith(byte_order_mark):
             return encoding.removesuffix("-sig"), data.decode(encoding, "replace").encode()
-    if (wide := _detect_utf16(data[:4096])) is not None:
-        return wide, data.decode(wide, "replace").encode()
+    if (utf16_encoding := _detect_utf16(data[:4096])) is not None:
+        return utf16_encoding, data.decode(utf16_encoding, "replace").encode()
     if data.isascii():
         return "ascii", data
     try:

@@ -78,13 +78,13 @@ def parse_sheet(rows: Sequence[Sequence[Any]], words: tuple[str, ...] = ()) -> C
 def _reject_zip_bombs(data: bytes) -> None:
     """Reject an archive with too much text or too many XML tags, regardless of the sizes that the archive declares."""
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
-        remaining, tags = MAX_TEXT_BYTES, 0
+        remaining_bytes, tag_count = MAX_TEXT_BYTES, 0
         for name in archive.namelist():
             tags_in_row = -math.inf  # no limit applies before the first row, or in a file that is not a sheet
-            for chunk in read_member_chunks(archive, name, remaining):
-                remaining -= len(chunk)
-                tags += chunk.count(b"<")
-                if tags > MAX_WORKBOOK_TAGS:
+            for chunk in read_member_chunks(archive, name, remaining_bytes):
+                remaining_bytes -= len(chunk)
+                tag_count += chunk.count(b"<")
+                if tag_count > MAX_WORKBOOK_TAGS:
                     raise FormatError(f"contains more than {MAX_WORKBOOK_TAGS} XML tags; save the sheet as .csv")
                 first_part, *rows = (piece.count(b"<") for piece in _ROW_TAG_PATTERN.split(chunk))
                 if max(tags_in_row + first_part, *rows, 0) > MAX_TAGS_PER_ROW:
@@ -116,8 +116,8 @@ def _find_data_rows(rows: Sequence[Sequence[Any]], columns: Sequence[int]) -> ra
     """Return the longest run of rows that have a number in at least one of the columns."""
     has_number = [any(map(_is_number_cell, _select_cells(row, columns))) for row in rows]
     runs = [list(run) for is_run, run in itertools.groupby(range(len(rows)), has_number.__getitem__) if is_run]
-    longest = max(runs, key=len)
-    return range(longest[0], longest[-1] + 1)
+    longest_run = max(runs, key=len)
+    return range(longest_run[0], longest_run[-1] + 1)
 
 
 def _find_table_columns(rows: Sequence[Sequence[Any]]) -> list[int]:
@@ -125,13 +125,13 @@ def _find_table_columns(rows: Sequence[Sequence[Any]]) -> list[int]:
 
     An adjoining column contains words, or numbers in a few rows only. An empty column separates two tables.
     """
-    numeric = _find_numeric_columns(rows)
-    data = _find_data_rows(rows, numeric)
+    numeric_columns = _find_numeric_columns(rows)
+    data = _find_data_rows(rows, numeric_columns)
     filled = {index for row in rows[data.start : data.stop] for index, cell in enumerate(row) if cell is not None}
     columns: list[int] = []
-    for _, group in itertools.groupby(enumerate(sorted(filled | set(numeric))), lambda item: item[1] - item[0]):
-        adjoining = [index for _, index in group]
-        columns += adjoining if set(adjoining) & set(numeric) else []
+    for _, group in itertools.groupby(enumerate(sorted(filled | set(numeric_columns))), lambda item: item[1] - item[0]):
+        adjoining_columns = [index for _, index in group]
+        columns += adjoining_columns if set(adjoining_columns) & set(numeric_columns) else []
     return columns
 
 
@@ -141,7 +141,9 @@ def _select_cells(row: Sequence[Any], columns: Sequence[int]) -> list[Any]:
 
 def _join_row_cells(row: Sequence[Any], columns: Sequence[int]) -> str:
     """Join cells of a row with tabs: the table columns of data rows and heading rows, and all cells of other rows."""
-    selected = _select_cells(row, columns)
-    if any(map(_is_number_cell, selected)) or (selected and all(isinstance(cell, str) for cell in selected)):
-        return "\t".join("" if cell is None else " ".join(str(cell).split()) for cell in selected)
+    selected_cells = _select_cells(row, columns)
+    if any(map(_is_number_cell, selected_cells)) or (
+        selected_cells and all(isinstance(cell, str) for cell in selected_cells)
+    ):
+        return "\t".join("" if cell is None else " ".join(str(cell).split()) for cell in selected_cells)
     return "\t".join(" ".join(str(cell).split()) for cell in row if cell is not None)

@@ -41,8 +41,8 @@ def to_grid(
         )
     node = rows * shape[1] + columns
     if np.unique(node).size < node.size:
-        repeated = int(np.flatnonzero(np.bincount(node, minlength=nodes)[node] > 1)[0])
-        raise FormatError(f"lists more than one point at x {x[repeated]:g}, y {y[repeated]:g}")
+        repeated_index = int(np.flatnonzero(np.bincount(node, minlength=nodes)[node] > 1)[0])
+        raise FormatError(f"lists more than one point at x {x[repeated_index]:g}, y {y[repeated_index]:g}")
     heights = np.full(nodes, np.nan)
     heights[node] = z
     num_absent = nodes - z.size
@@ -71,15 +71,15 @@ def _find_step_and_node_indices(
     if deviations.max() > EXACT_POSITION_TOLERANCE * step:
         step, first = (float(item) for item in np.polyfit(nodes, positions, 1))
         deviations = np.abs(positions - first - nodes * step)
-    worst = int(np.argmax(deviations))
-    allowed = MAX_GRID_OFFSET * step
-    if deviations[worst] > allowed and digits is not None:
-        allowed += float(np.max(digits()))
-    if deviations[worst] > allowed or (count > 1 and deviations[worst] > 0.3 * step):
+    worst_index = int(np.argmax(deviations))
+    allowed_deviation = MAX_GRID_OFFSET * step
+    if deviations[worst_index] > allowed_deviation and digits is not None:
+        allowed_deviation += float(np.max(digits()))
+    if deviations[worst_index] > allowed_deviation or (count > 1 and deviations[worst_index] > 0.3 * step):
         raise FormatError(
-            f"lists points that are not on a grid: point {worst}, counted from 0, is at {name} {positions[worst]:g}, "
-            f"{deviations[worst] / step:.2g} steps of {step:g} from a node; interpolate the points onto a grid, "
-            "or export a matrix"
+            f"lists points that are not on a grid: point {worst_index}, counted from 0, is at {name} "
+            f"{positions[worst_index]:g}, {deviations[worst_index] / step:.2g} steps of {step:g} from a node; "
+            "interpolate the points onto a grid, or export a matrix"
         )
     return step, nodes.astype(np.int64)
 
@@ -89,26 +89,28 @@ def _step_of_rounded_positions(positions: Floats, digits: Callable[[], Floats] |
 
     Returns None if there is no such grid.
     """
-    distinct = np.unique(positions)
-    if digits is None or distinct.size < 3:
+    distinct_positions = np.unique(positions)
+    if digits is None or distinct_positions.size < 3:
         return None
-    nodes = np.arange(distinct.size)
-    step = float(np.polyfit(nodes, distinct, 1)[0])
+    nodes = np.arange(distinct_positions.size)
+    step = float(np.polyfit(nodes, distinct_positions, 1)[0])
     digit = float(np.max(digits()))
-    is_uniform = step >= MIN_ROUNDED_STEP * digit and np.ptp(distinct - step * nodes) <= MAX_SCATTER_DIGITS * digit
+    is_uniform = (
+        step >= MIN_ROUNDED_STEP * digit and np.ptp(distinct_positions - step * nodes) <= MAX_SCATTER_DIGITS * digit
+    )
     return step if is_uniform else None
 
 
 def estimate_step(positions: Floats) -> float | None:
     """Return the median step between positions. Positions that differ only by rounding count as one position."""
-    distinct = np.unique(positions)
-    gaps = np.diff(distinct)
+    distinct_positions = np.unique(positions)
+    gaps = np.diff(distinct_positions)
     if not gaps.size:
         return None
     # Gaps between positions are grid steps, multiples of grid steps at missing nodes, or much smaller rounding errors.
-    ordered = np.sort(gaps)
-    ratios = ordered[1:] / ordered[:-1]
+    ordered_gaps = np.sort(gaps)
+    ratios = ordered_gaps[1:] / ordered_gaps[:-1]
     if ratios.size and ratios.max() > MIN_GAP_RATIO:
-        edges = np.flatnonzero(gaps > ordered[int(np.argmax(ratios))]) + 1
-        distinct = np.array([float(item.mean()) for item in np.split(distinct, edges)])
-    return float(np.median(np.diff(distinct)))
+        edges = np.flatnonzero(gaps > ordered_gaps[int(np.argmax(ratios))]) + 1
+        distinct_positions = np.array([float(item.mean()) for item in np.split(distinct_positions, edges)])
+    return float(np.median(np.diff(distinct_positions)))

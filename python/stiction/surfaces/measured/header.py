@@ -129,10 +129,10 @@ def normalise_line(line: str) -> str:
     return unicodedata.normalize("NFKC", line).replace('"', "").replace("\u03bc", "µ")
 
 
-def parse_declarations(header: Sequence[str], *, below: Sequence[str] = ()) -> HeaderDeclarations:
+def parse_declarations(header: Sequence[str], *, footer: Sequence[str] = ()) -> HeaderDeclarations:
     """Parse the declarations above and below the numbers. The first match of each kind is used."""
-    lines = [normalise_line(line) for line in (*header, *below)]
-    pixel = _find_first_match(
+    lines = [normalise_line(line) for line in (*header, *footer)]
+    pixel_size = _find_first_match(
         _SPACING_PATTERN,
         lines,
         lambda match: _parse_spacing(match) if match[1].casefold().startswith("pixel") else None,
@@ -147,9 +147,9 @@ def parse_declarations(header: Sequence[str], *, below: Sequence[str] = ()) -> H
         or _pair_if_complete(
             [_find_first_match(_AXIS_SPACING_PATTERNS[axis], lines, _parse_bracketed_length) for axis in "yx"]
         )
-        or _pair_if_complete([pixel, pixel])
+        or _pair_if_complete([pixel_size, pixel_size])
     )
-    bare: list[float | None] = [
+    bare_spacings: list[float | None] = [
         _find_first_match(_AXIS_SPACING_PATTERNS[axis], lines, _parse_unitless_number) for axis in "yx"
     ]
     plain_bare = _find_first_match(
@@ -158,8 +158,10 @@ def parse_declarations(header: Sequence[str], *, below: Sequence[str] = ()) -> H
     unit_line = next(
         (line for line in lines if (match := _HEIGHT_UNIT_PATTERN.fullmatch(line)) and is_unit(match[1])), ""
     )
-    scales = [line for line in lines if (match := _HEIGHT_FACTOR_PATTERN.fullmatch(line)) and _unit_of_factor(match)]
-    factor_line = next((line for line in scales if _CONVERSION_WORD_PATTERN.search(line)), "")
+    factor_lines = [
+        line for line in lines if (match := _HEIGHT_FACTOR_PATTERN.fullmatch(line)) and _unit_of_factor(match)
+    ]
+    factor_line = next((line for line in factor_lines if _CONVERSION_WORD_PATTERN.search(line)), "")
     unit, factor = None, None
     if unit_line and (match := _HEIGHT_UNIT_PATTERN.fullmatch(unit_line)):
         unit = parse_length_unit(match[1]) or match[1]
@@ -170,19 +172,19 @@ def parse_declarations(header: Sequence[str], *, below: Sequence[str] = ()) -> H
         match[1] is None and _parse_float(match[2]).is_integer() and _parse_float(match[2]) >= 0 for match in code_lines
     ]
     points = next((int(match[1]) for line in lines if (match := _POINT_COUNT_PATTERN.fullmatch(line))), None)
-    unitless = tuple(value for value in bare if value is not None)
+    unitless_values = tuple(value for value in bare_spacings if value is not None)
     return HeaderDeclarations(
         spacing=_find_first_match(_SPACING_PATTERN, lines, _parse_spacing),
         spacings=spacings,
         size=_pair_if_complete(
             [_find_first_match(pattern, lines, _parse_bracketed_length) for pattern in _SIZE_PATTERNS]
         ),
-        bare_spacing=unitless if unitless else None if plain_bare is None else (plain_bare,),
+        bare_spacing=unitless_values if unitless_values else None if plain_bare is None else (plain_bare,),
         unit=unit,
         factor=factor,
         codes=tuple(_parse_float(match[2]) for match, count in zip(code_lines, is_count, strict=True) if not count),
         counts=tuple(_parse_float(match[2]) for match, count in zip(code_lines, is_count, strict=True) if count),
-        scale="" if factor_line else next(iter(scales), "").strip(),
+        scale="" if factor_line else next(iter(factor_lines), "").strip(),
         points=points,
         tip_radius=_find_first_match(_TIP_RADIUS_PATTERN, lines, _parse_bracketed_length),
         line=factor_line or unit_line,
@@ -195,10 +197,10 @@ def parse_history(header: Sequence[str]) -> list[str]:
 
 
 def _find_first_match(
-    pattern: re.Pattern[str], lines: Sequence[str], read: Callable[[re.Match[str]], _T | None]
+    pattern: re.Pattern[str], lines: Sequence[str], parse_match: Callable[[re.Match[str]], _T | None]
 ) -> _T | None:
     matches = (match for line in lines if (match := pattern.match(line)))
-    return next((value for match in matches if (value := read(match)) is not None), None)
+    return next((value for match in matches if (value := parse_match(match)) is not None), None)
 
 
 def _pair_if_complete(pair: Sequence[_T | None]) -> tuple[_T, _T] | None:
@@ -274,8 +276,8 @@ def _units_in(line: str) -> list[str]:
 
     Units in brackets are returned or, if there are none, units that are separate words.
     """
-    bracketed = [word for word in _BRACKETED_WORD_PATTERN.findall(line) if is_unit(word)]
-    units = [parse_length_unit(word.strip(" \"'.:")) or word for word in bracketed]
+    bracketed_units = [word for word in _BRACKETED_WORD_PATTERN.findall(line) if is_unit(word)]
+    units = [parse_length_unit(word.strip(" \"'.:")) or word for word in bracketed_units]
     return units or [unit for word in re.split(r"[\s,;]+", line) if (unit := parse_length_unit(word.strip(" \"'.:")))]
 
 
@@ -308,11 +310,11 @@ def parse_column_heads(header: Sequence[str], width: int, dialect: Dialect) -> C
 
 def split_column_names(line: str, width: int, dialect: Dialect) -> list[str] | None:
     """Split a line of column names into `width` cells. Its separator may differ from the separator of the numbers."""
-    uncommented = line.lstrip(COMMENT_CHARACTERS) if line.lstrip(" ")[:1] in tuple("#%!/") else line
+    uncommented_line = line.lstrip(COMMENT_CHARACTERS) if line.lstrip(" ")[:1] in tuple("#%!/") else line
     candidates = [
-        dialect.split_line(uncommented),
-        *(uncommented.split(separator) for separator in "\t;,|"),
-        re.split(r"\s{2,}", uncommented.strip()),
+        dialect.split_line(uncommented_line),
+        *(uncommented_line.split(separator) for separator in "\t;,|"),
+        re.split(r"\s{2,}", uncommented_line.strip()),
     ]
     for cells in candidates:
         cells = [cell.strip(" \"'") for cell in cells]
@@ -332,10 +334,11 @@ def _parse_column_names(lines: Sequence[str], width: int, dialect: Dialect) -> t
     if names is None:
         return ()
     if len(lines) > 1 and all(is_unit(cell.strip("[]() ")) or not cell for cell in names):
-        previous = split_column_names(lines[-2], width, dialect)
-        if previous is not None:
+        previous_names = split_column_names(lines[-2], width, dialect)
+        if previous_names is not None:
             return tuple(
-                f"{name} [{unit.strip('[]() ')}]" if unit else name for name, unit in zip(previous, names, strict=True)
+                f"{name} [{unit.strip('[]() ')}]" if unit else name
+                for name, unit in zip(previous_names, names, strict=True)
             )
     return tuple(names)
 
@@ -357,9 +360,9 @@ def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> t
 
 def unit_in_column_name(cell: str) -> str | None:
     """Return the unit at the end of a column name, as in "z (nm)", "z [nm]", "z/nm", "height in nm" and "z nm"."""
-    bracketed = _BRACKETED_WORD_PATTERN.findall(cell)
-    last = bracketed[-1].strip() if bracketed else cell.strip(" \"'")
+    bracketed_texts = _BRACKETED_WORD_PATTERN.findall(cell)
+    last = bracketed_texts[-1].strip() if bracketed_texts else cell.strip(" \"'")
     # a column with another unit is rejected later, if it is used as heights
     if NON_LENGTH_UNIT_PATTERN.fullmatch(last):
         return last
-    return parse_length_unit((last if bracketed else re.split(r"[\s/_]+", last)[-1]).strip(" \"'.:"))
+    return parse_length_unit((last if bracketed_texts else re.split(r"[\s/_]+", last)[-1]).strip(" \"'.:"))

@@ -72,8 +72,10 @@ def validate_read_options(
 ) -> ReadOptions:  # fmt: skip
     """Validate the options for reading a file."""
     codes, words = _parse_missing_markers(missing_value)
-    accepted = tuple(part.strip() for part in accept.split(",")) if isinstance(accept, str) else tuple(accept or ())
-    if not set(accepted) <= set(FILE_CAVEAT_NAMES):
+    accepted_names = (
+        tuple(part.strip() for part in accept.split(",")) if isinstance(accept, str) else tuple(accept or ())
+    )
+    if not set(accepted_names) <= set(FILE_CAVEAT_NAMES):
         raise ValueError(f"accept must be one or more of {', '.join(FILE_CAVEAT_NAMES)}, got {accept!r}")
     check_choice("missing", missing, MissingPointTreatment)
     check_choice("outliers", outliers, OutlierTreatment)
@@ -95,7 +97,7 @@ def validate_read_options(
             raise ValueError(f"{name} must be a name or a number counted from 0, got {selection!r}")
     columns = None if columns is None else tuple(columns)
     dy, dx = (None if item is None else _parse_length("spacing", item) for item in pair)
-    crop = None if crop is None else tuple(float(_parse_length("crop", bound, zero=True)) for bound in crop)
+    crop = None if crop is None else tuple(float(_parse_length("crop", bound, allows_zero=True)) for bound in crop)
     return ReadOptions(
         *_parse_position_and_height_units(unit),
         (dy, dx),
@@ -106,7 +108,7 @@ def validate_read_options(
         crop,
         codes,
         words,
-        accepted,
+        accepted_names,
         isinstance(unit, str),
     )
 
@@ -224,18 +226,18 @@ def _make_profile_or_surface(
     )
     num_missing = int(np.count_nonzero(np.isnan(heights)))
     result = () if num_missing == heights.size else find_caveats(scan)
-    remaining = tuple(value for value in (*raw.caveats, *caveats, *result) if value.name not in options.accept)
-    accepted = sorted({value.name for value in (*raw.caveats, *caveats, *result)} & set(options.accept))
-    steps = [*steps, *(f"accepted: {name}" for name in accepted)]
+    remaining_caveats = tuple(value for value in (*raw.caveats, *caveats, *result) if value.name not in options.accept)
+    accepted_names = sorted({value.name for value in (*raw.caveats, *caveats, *result)} & set(options.accept))
+    steps = [*steps, *(f"accepted: {name}" for name in accepted_names)]
     try:
         heights, missing, filled = _crop_and_fill_gaps(heights, spacing, options)
     except FormatError as error:
-        codes = [item for item in remaining if item.name == "repeated-extreme"]
+        codes = [item for item in remaining_caveats if item.name == "repeated-extreme"]
         raise FormatError("; ".join([str(error), *map(str, codes)])) from None
     history = (f"read from {name}", *raw.history, *steps, *filled)
     heights = make_read_only(heights) if heights.base is None else heights  # a read-only array need not be copied
     body = kind(heights, spacing=spacing[0] if kind is Profile else spacing, history=history, missing=missing)
-    return InterpretedScan(body, unit, num_missing, remaining)
+    return InterpretedScan(body, unit, num_missing, remaining_caveats)
 
 
 # ---- Units and spacings ---------------------------------------------------------------------------------------------
@@ -249,13 +251,13 @@ def _parse_position_and_height_units(unit: Any) -> tuple[str | None, str | None]
     return pair
 
 
-def _parse_length(name: str, text: Any, *, zero: bool = False) -> Quantity:
-    """Parse a length, which must be positive unless `zero` is True (for positions, which may be zero or negative)."""
+def _parse_length(name: str, text: Any, *, allows_zero: bool = False) -> Quantity:
+    """Parse a length, which must be positive unless `allows_zero` is True (for positions, which may be negative)."""
     try:
-        length = quantity(text.strip() if zero and isinstance(text, str) else text, "length")
+        length = quantity(text.strip() if allows_zero and isinstance(text, str) else text, "length")
     except ValueError as error:
         raise ValueError(f"{name} {error}") from None
-    if not (zero or length > 0):
+    if not (allows_zero or length > 0):
         raise ValueError(f"{name} must be above 0, got {text!r}")
     return length
 
@@ -428,22 +430,21 @@ def _profile_spacing(
     with np.errstate(all="ignore"):
         x = _to_micrometres(raw.positions, length)
         if not np.isfinite(x).all() or np.abs(x).max() > _MAX_LENGTH:
-            point = int(np.flatnonzero(~(np.abs(x) <= _MAX_LENGTH))[0])
+            point_index = int(np.flatnonzero(~(np.abs(x) <= _MAX_LENGTH))[0])
             raise FormatError(
-                f"has no usable position at point {point}, counted from 0; each height must have a position"
+                f"has no usable position at point {point_index}, counted from 0; each height must have a position"
             )
         digit = _PositionResolution(raw, length)
-        measured = float((x[-1] - x[0]) / (x.size - 1))
-        direction = -1.0 if measured < 0 else 1.0
+        mean_spacing = float((x[-1] - x[0]) / (x.size - 1))
+        direction = -1.0 if mean_spacing < 0 else 1.0
         if given is not None:
             if _worst_printed_deviation(x, direction * given, digit, MAX_STEP_UNEVENNESS * given) is not None:
-                _reject_uneven_positions(
-                    x, measured, digit
-                )  # the given spacing takes precedence over the measured spacing
-                numbering = "".join(f"; {caveat.remedy}" for caveat in raw.caveats if caveat.name == "numbering")
+                # The given spacing takes precedence over the measured spacing.
+                _reject_uneven_positions(x, mean_spacing, digit)
+                numbering_hint = "".join(f"; {caveat.remedy}" for caveat in raw.caveats if caveat.name == "numbering")
                 raise FormatError(
-                    f"has positions with a spacing of {abs(measured):.7g} µm, but the given spacing is "
-                    f"{given.text}{numbering}"
+                    f"has positions with a spacing of {abs(mean_spacing):.7g} µm, but the given spacing is "
+                    f"{given.text}{numbering_hint}"
                 )
             return direction * given, [f"spacing {given:.7g} µm (as given; positions agree)"], []
         if (
@@ -451,21 +452,21 @@ def _profile_spacing(
             and _worst_printed_deviation(x, direction * declared[0], digit, 1e-9 * declared[0]) is None
         ):
             return direction * declared[0], [f"spacing {declared[0]:.7g} µm (header and positions agree)"], []
-        _reject_uneven_positions(x, measured, digit)
+        _reject_uneven_positions(x, mean_spacing, digit)
     caveats: list[FileCaveat] = []
-    step = f"spacing {abs(measured):.7g} µm from its positions"
+    step = f"spacing {abs(mean_spacing):.7g} µm from its positions"
     if declared is not None:
-        if abs(abs(measured) - declared[0]) > declared[1] + digit.values.max() / (x.size - 1):
+        if abs(abs(mean_spacing) - declared[0]) > declared[1] + digit.values.max() / (x.size - 1):
             caveats.append(
                 FileCaveat(
                     "spacing",
-                    f"its declared spacing is {declared[0]:g} µm, but its positions are {abs(measured):.7g} µm apart, "
-                    "which is used",
+                    f"its declared spacing is {declared[0]:g} µm, but its positions are {abs(mean_spacing):.7g} µm "
+                    "apart, which is used",
                     "check the unit of positions, --unit",
                 )
             )
         step += f", declared as {declared[0]:g} µm"
-    return measured, [step], caveats
+    return mean_spacing, [step], caveats
 
 
 def _declared_spacing(raw: RawHeights) -> tuple[float, float] | None:
@@ -509,25 +510,26 @@ def _worst_position_deviation(x: Floats, spacing: float, digit: Floats, slack: f
     tolerance = np.maximum(digit, np.linspace(digit[0], digit[-1], x.size)) * (1 + 1e-6)
     round_off = 4 * np.finfo(np.float64).eps * np.abs(x).max()
     excess = np.abs(deviations) - tolerance - slack - round_off
-    point = int(np.argmax(excess))
-    return (point, float(deviations[point])) if excess[point] > 0 else None
+    point_index = int(np.argmax(excess))
+    return (point_index, float(deviations[point_index])) if excess[point_index] > 0 else None
 
 
-def _reject_uneven_positions(x: Floats, measured: float, digit: _PositionResolution) -> None:
+def _reject_uneven_positions(x: Floats, mean_spacing: float, digit: _PositionResolution) -> None:
     """Reject positions that are not uniformly spaced, or that have too few digits for their spacing."""
-    if measured == 0:
+    if mean_spacing == 0:
         raise FormatError("has its first and last point at the same position")
-    worst = _worst_printed_deviation(x, measured, digit, MAX_STEP_UNEVENNESS * abs(measured))
-    if worst is not None:
-        point, deviations = worst
+    worst_point = _worst_printed_deviation(x, mean_spacing, digit, MAX_STEP_UNEVENNESS * abs(mean_spacing))
+    if worst_point is not None:
+        point_index, deviations = worst_point
         raise FormatError(
-            f"is not uniform: point {point}, counted from 0, is at {x[point]:.7g} µm, {abs(deviations):.3g} µm from "
-            f"where a uniform spacing of {abs(measured):.6g} µm would place it; resample the profile first"
+            f"is not uniform: point {point_index}, counted from 0, is at {x[point_index]:.7g} µm, "
+            f"{abs(deviations):.3g} µm from where a uniform spacing of {abs(mean_spacing):.6g} µm would place it; "
+            "resample the profile first"
         )
-    is_uniform = np.abs(np.diff(x) - measured).max() <= MAX_STEP_UNEVENNESS * abs(measured)
+    is_uniform = np.abs(np.diff(x) - mean_spacing).max() <= MAX_STEP_UNEVENNESS * abs(mean_spacing)
     if not is_uniform and abs(x[-1] - x[0]) < MIN_EXTENT_IN_DIGITS * digit.values.max():
         raise FormatError(
-            f"has positions with too few digits to compute their spacing (about {abs(measured):.3g} µm); give the "
+            f"has positions with too few digits to compute their spacing (about {abs(mean_spacing):.3g} µm); give the "
             'spacing, as in "0.5 um"'
         )
 
@@ -575,11 +577,12 @@ def _crop_and_fill_gaps(
             '(--missing mask) uses only measured points, and missing="interpolate" (--missing interpolate) '
             "interpolates between their neighbours"
         )
-    if options.outliers == "mask" and (outlying := find_outliers(heights)).any():
+    if options.outliers == "mask" and (outlier_mask := find_outliers(heights)).any():
         missing = "mask" if missing == "error" else missing
-        gaps, heights = gaps | outlying, np.where(outlying, np.nan, heights)
+        gaps, heights = gaps | outlier_mask, np.where(outlier_mask, np.nan, heights)
         steps.append(
-            f"{int(outlying.sum())} outliers beyond {MIN_OUTLIER_DEVIATIONS:g} deviations of their neighbours removed"
+            f"{int(outlier_mask.sum())} outliers beyond {MIN_OUTLIER_DEVIATIONS:g} deviations of their neighbours "
+            "removed"
         )
     if heights.ndim == 1 and (gaps[0] or gaps[-1]):
         measured = np.flatnonzero(~gaps)

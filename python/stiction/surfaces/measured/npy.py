@@ -31,18 +31,18 @@ def write_npy(file: Any, heights: Floats, spacing: tuple[float, ...], history: t
 def read_npy(data: bytes) -> ColumnTable | RawHeights:
     """Read an array of heights, and the spacings and history if they follow. Pickled objects are not loaded."""
     file = io.BytesIO(data)
-    stored = _read_array(file, data)
-    if stored.dtype.kind not in "iuf" or stored.ndim not in (1, 2):
+    stored_array = _read_array(file, data)
+    if stored_array.dtype.kind not in "iuf" or stored_array.ndim not in (1, 2):
         raise FormatError(
-            f"contains an array of type {stored.dtype} and shape {stored.shape}, but heights must be real numbers "
-            "along x, or along y and x"
+            f"contains an array of type {stored_array.dtype} and shape {stored_array.shape}, but heights must be real "
+            "numbers along x, or along y and x"
         )
-    if stored.size == 0:
+    if stored_array.size == 0:
         raise FormatError("contains an array without points")
-    if stored.size > MAX_POINTS:
-        raise FormatError(f"contains {stored.size} points; at most {MAX_POINTS} can be read")
+    if stored_array.size > MAX_POINTS:
+        raise FormatError(f"contains {stored_array.size} points; at most {MAX_POINTS} can be read")
     with np.errstate(all="ignore"):
-        heights = np.array(stored, dtype=np.float64, order="C")
+        heights = np.array(stored_array, dtype=np.float64, order="C")
     metadata = _read_metadata(file, data)
     if metadata is not None and len(metadata[0]) == heights.ndim:
         spacing, history = metadata
@@ -83,11 +83,11 @@ def _read_array(file: io.BytesIO, data: bytes) -> NDArray[Any]:
         raise FormatError(f"is a damaged .npy file, or contains Python objects instead of numbers ({reason})") from None
     if kind.hasobject or any(isinstance(count, bool) for count in shape):
         raise FormatError("is a damaged .npy file, or contains Python objects instead of numbers")
-    points, available = math.prod(shape), len(data) - file.tell()
-    if min(shape, default=0) < 0 or points * kind.itemsize > available:
-        raise FormatError(f"is a damaged .npy file with {available} bytes, too few for its {points} points")
+    points, available_bytes = math.prod(shape), len(data) - file.tell()
+    if min(shape, default=0) < 0 or points * kind.itemsize > available_bytes:
+        raise FormatError(f"is a damaged .npy file with {available_bytes} bytes, too few for its {points} points")
     if points * kind.itemsize == 0:
         return np.empty(shape if points == 0 else (0,), kind)
-    stored = np.frombuffer(data, dtype=kind, count=points, offset=file.tell())
+    stored_array = np.frombuffer(data, dtype=kind, count=points, offset=file.tell())
     file.seek(points * kind.itemsize, io.SEEK_CUR)
-    return stored.reshape(shape, order="F" if fortran_order else "C")
+    return stored_array.reshape(shape, order="F" if fortran_order else "C")

@@ -38,8 +38,8 @@ class ScannedHeights:
     @cached_property
     def non_missing_heights(self) -> Floats:
         """Heights that are not missing."""
-        absent = np.isnan(self.heights)
-        return self.heights[~absent] if absent.any() else self.heights.ravel()
+        is_missing = np.isnan(self.heights)
+        return self.heights[~is_missing] if is_missing.any() else self.heights.ravel()
 
     @cached_property
     def height_range(self) -> float:
@@ -75,10 +75,10 @@ def _find_repeated_extremes(scan: ScannedHeights) -> Iterator[str]:
     """Find extreme values that repeat exactly and are far from all other heights."""
     heights = scan.non_missing_heights
     for _ in range(MAX_MISSING_CODES):
-        code = _find_missing_code(heights)
-        if code is None:
+        missing_code = _find_missing_code(heights)
+        if missing_code is None:
             return
-        value, count, distance = code
+        value, count, distance = missing_code
         number = float(f"{value / scan.factor:.12g}")
         yield (
             f"{count} of {scan.heights.size} heights are exactly {number:.12g}, {format_with_unit(distance, 'µm')} "
@@ -110,11 +110,11 @@ def _find_missing_code(heights: Floats) -> tuple[float, int, float] | None:
     return None
 
 
-def _range_without_excluded(heights: Floats, excluded: NDArray[np.bool_]) -> tuple[float, float]:
-    included = ~excluded
+def _range_without_excluded(heights: Floats, is_excluded: NDArray[np.bool_]) -> tuple[float, float]:
+    is_included = ~is_excluded
     return (
-        float(np.min(heights, where=included, initial=np.inf)),
-        float(np.max(heights, where=included, initial=-np.inf)),
+        float(np.min(heights, where=is_included, initial=np.inf)),
+        float(np.max(heights, where=is_included, initial=-np.inf)),
     )
 
 

@@ -199,11 +199,11 @@ def parse_length_unit(text: str) -> str | None:
     """Return the key of `LENGTH_UNITS` for a unit of length, or None for other units."""
     if text in LENGTH_UNITS:
         return text
-    plain = unicodedata.normalize("NFKC", text)  # normalisation converts ligatures such as ㎛
-    if plain in LENGTH_UNITS:
-        return plain
-    folded = plain.casefold()
-    return folded if len(folded) > 3 and folded in LENGTH_UNITS else None
+    plain_text = unicodedata.normalize("NFKC", text)  # normalisation converts ligatures such as ㎛
+    if plain_text in LENGTH_UNITS:
+        return plain_text
+    casefolded_text = plain_text.casefold()
+    return casefolded_text if len(casefolded_text) > 3 and casefolded_text in LENGTH_UNITS else None
 
 
 # ---- Archives -------------------------------------------------------------------------------------------------------
@@ -215,15 +215,15 @@ def read_member_chunks(archive: zipfile.ZipFile, name: str, max_bytes: int) -> I
     The size that the archive declares is not trusted.
     """
     try:
-        info = archive.getinfo(name)
+        member_info = archive.getinfo(name)
     except KeyError:
         raise FormatError(f"lacks {name[:80]!r}, which should contain its data") from None
-    if info.compress_type not in _COMPRESSION_METHODS:
+    if member_info.compress_type not in _COMPRESSION_METHODS:
         raise FormatError(f"contains {name[:80]!r} with a compression method other than deflate")
-    if info.file_size > max_bytes:
-        raise FormatError(f"contains {name[:80]!r} with {info.file_size} bytes; at most {max_bytes} can be read")
+    if member_info.file_size > max_bytes:
+        raise FormatError(f"contains {name[:80]!r} with {member_info.file_size} bytes; at most {max_bytes} can be read")
     total = 0
-    with archive.open(info) as member:
+    with archive.open(member_info) as member:
         while chunk := member.read(_ARCHIVE_CHUNK_SIZE):
             total += len(chunk)
             if total > max_bytes:

@@ -98,12 +98,14 @@ class FileReading(Generic[_Body]):
         parts = [source.layout or "unknown layout", f"{shape} points", f"{spacing_text} apart", heights]
         parts += [f"{self.missing} of {self.points} missing" if self.missing else "none missing"]
         if source.lines is not None:
-            skipped = " and ".join(
+            skipped_text = " and ".join(
                 f"{count} {where}"
                 for count, where in ((source.lines_above, "above"), (source.lines_below, "below"))
                 if count
             )
-            parts += [f"lines {source.lines[0]} to {source.lines[1]}" + (f" ({skipped} skipped)" if skipped else "")]
+            parts += [
+                f"lines {source.lines[0]} to {source.lines[1]}" + (f" ({skipped_text} skipped)" if skipped_text else "")
+            ]
             text = [source.encoding, source.separator, f"decimal {'comma' if source.decimal_mark == ',' else 'point'}"]
             parts += [", ".join(word for word in text if word)]
         return "; ".join(parts)
@@ -349,11 +351,13 @@ def load_interpreted_file(path: str | os.PathLike[str], **options: Any) -> FileR
 
     Caveats are returned in `caveats`, and no warning is issued.
     """
-    allowed = ("unit", "spacing", "missing", "channel", "columns", "outliers", "crop", "missing_value", "accept")
-    given = {"missing": "error", "outliers": "keep"} | {name: options.pop(name) for name in allowed if name in options}
+    option_names = ("unit", "spacing", "missing", "channel", "columns", "outliers", "crop", "missing_value", "accept")
+    given_options = {"missing": "error", "outliers": "keep"} | {
+        name: options.pop(name) for name in option_names if name in options
+    }
     if options:
-        raise ValueError(f"options for a file must be among {', '.join(allowed)}, got {next(iter(options))}")
-    names = {name: given.get(name) for name in allowed}
+        raise ValueError(f"options for a file must be among {', '.join(option_names)}, got {next(iter(options))}")
+    names = {name: given_options.get(name) for name in option_names}
     return _interpret_file(path, validate_read_options(**names), to_profile_or_surface)  # type: ignore[arg-type]
 
 
@@ -379,7 +383,7 @@ def _interpret_file(
     path = Path(path)
     try:
         raw = select_heights(_read_content(path, options.words), options.channel, options.columns)
-        interpreted = convert(raw, path.name, options)
+        interpreted_scan = convert(raw, path.name, options)
     except OSError as error:
         raise FormatError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
     except MemoryError:
@@ -387,13 +391,13 @@ def _interpret_file(
     except ValueError as error:
         raise FormatError(f"{printable_path(path)}: {error}") from None
     return FileReading(
-        interpreted.body,
+        interpreted_scan.body,
         path.name,
         raw.source,
-        interpreted.unit,
-        interpreted.missing,
+        interpreted_scan.unit,
+        interpreted_scan.missing,
         raw.heights.size,
-        interpreted.caveats,
+        interpreted_scan.caveats,
     )
 
 

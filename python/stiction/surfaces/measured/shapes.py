@@ -109,8 +109,8 @@ def _find_column_or_channel_index(
     if text.isascii() and text.isdigit() and len(text) < 10:
         if int(text) in numbers:
             return numbers.index(int(text))
-        allowed = f"0 to {numbers[-1]}" if len(numbers) > numbers[-1] else ", ".join(map(str, numbers))
-        raise FormatError(f"has no {kind} {text}; the {kind} numbers are {allowed}")
+        allowed_numbers = f"0 to {numbers[-1]}" if len(numbers) > numbers[-1] else ", ".join(map(str, numbers))
+        raise FormatError(f"has no {kind} {text}; the {kind} numbers are {allowed_numbers}")
     raise FormatError(
         f"has no {kind} named {text[:40]!r}; the file has "
         f"{format_name_list(names, numbers) if names else f'{len(numbers)}, all without names'}"
@@ -126,8 +126,8 @@ def format_name_list(names: Sequence[str], numbers: Sequence[int] | None = None)
     """List the first names, each with its number, as text for a message."""
     numbers = range(len(names)) if numbers is None else numbers
     pairs = list(zip(numbers, names, strict=True))
-    shown = ", ".join(f"{index} ({printable_text(name)})" for index, name in pairs[:MAX_LISTED_NAMES])
-    return f"{shown} and {len(names) - MAX_LISTED_NAMES} more" if len(names) > MAX_LISTED_NAMES else shown
+    shown_names = ", ".join(f"{index} ({printable_text(name)})" for index, name in pairs[:MAX_LISTED_NAMES])
+    return f"{shown_names} and {len(names) - MAX_LISTED_NAMES} more" if len(names) > MAX_LISTED_NAMES else shown_names
 
 
 # ---- Columns --------------------------------------------------------------------------------------------------------
@@ -150,7 +150,7 @@ def _heights_of_selected_columns(table: ColumnTable, selected: Sequence[NameOrIn
     return replace(raw, history=(step, *raw.history))
 
 
-def _to_raw_heights(table: ColumnTable, heights: Floats, unit: str | None, **changes: Any) -> RawHeights:
+def _to_raw_heights(table: ColumnTable, heights: Floats, unit: str | None, **attributes: Any) -> RawHeights:
     """Return the heights of a table together with all declarations in its header."""
     declared = table.declared
     # counts above the number of heights cannot be numbers of missing points
@@ -167,7 +167,7 @@ def _to_raw_heights(table: ColumnTable, heights: Floats, unit: str | None, **cha
         size=declared.size, bare_spacing=declared.bare_spacing, source=table.source, caveats=caveats,
         stated_spacings=declared.spacings,
     )  # fmt: skip
-    raw = replace(raw, **changes)
+    raw = replace(raw, **attributes)
     if (tip := declared.tip_radius) is None:
         return raw
     return replace(raw, history=(*raw.history, f"its header gives a tip radius of {tip.length:g} {tip.unit} (--tip)"))
@@ -191,8 +191,8 @@ def _read_profile_columns(table: ColumnTable, *places: int) -> RawHeights:
         bare_spacing=None if declared.bare_spacing is None else declared.bare_spacing[-1:],
     )  # fmt: skip
     if len(places) == 1:
-        filled = np.flatnonzero(~np.isnan(heights))
-        end = int(filled[-1]) + 1 if filled.size and table.values.shape[1] > 1 else heights.size
+        filled_rows = np.flatnonzero(~np.isnan(heights))
+        end = int(filled_rows[-1]) + 1 if filled_rows.size and table.values.shape[1] > 1 else heights.size
         heights, history = _remove_leading_count(heights[:end], table.values.shape[1])
         caveats = () if history else _find_first_number_caveat(table)
         return replace(raw, heights=heights, history=history, caveats=(*raw.caveats, *caveats))
@@ -293,20 +293,20 @@ def _replace_words_by_missing(table: ColumnTable, columns: Sequence[NameOrIndex]
     Raises `FormatError` unless the caller gave such a word for each of these columns, or chose the columns.
     """
     word_places, numbers = [column.place for column in table.word_columns], _column_numbers(table)
-    others = [place for place in range(table.values.shape[1]) if place not in word_places]
+    other_places = [place for place in range(table.values.shape[1]) if place not in word_places]
     for column in table.word_columns:
         name = f" ({printable_text(table.names[column.place])})" if table.names and table.names[column.place] else ""
         text = f"column {numbers[column.place]}{name}"
         if column.missing.any():
             step = f"{int(column.missing.sum())} points missing according to the words in {text}"
-            table = replace(table, values=_with_missing_rows(table.values, column.missing, others))
+            table = replace(table, values=_with_missing_rows(table.values, column.missing, other_places))
         elif columns is None:
-            chosen = [
+            chosen_columns = [
                 numbers[place]
-                for place in others
+                for place in other_places
                 if not (table.names and _NUMBERING_NAME_PATTERN.fullmatch(table.names[place]))
             ]
-            example = ",".join(map(str, chosen[:MAX_SELECTED_PROFILE_COLUMNS]))
+            example = ",".join(map(str, chosen_columns[:MAX_SELECTED_PROFILE_COLUMNS]))
             raise FormatError(
                 f"has words in {text}: {column.words}; choose columns of numbers with columns (--columns {example}) to "
                 "ignore the words, or specify the word for missing points with missing_value "
@@ -315,16 +315,16 @@ def _replace_words_by_missing(table: ColumnTable, columns: Sequence[NameOrIndex]
         else:
             step = f"the words in {text} are ignored"
         table = replace(table, history=(*table.history, step))
-    return replace(_select_table_columns(table, others), word_columns=()) if word_places else table
+    return replace(_select_table_columns(table, other_places), word_columns=()) if word_places else table
 
 
 def _with_missing_rows(values: Floats, missing: NDArray[np.bool_], places: Sequence[int]) -> Floats:
     """Return values with NaN in the missing rows, except in columns of positions."""
-    masked = np.where(missing[:, np.newaxis], np.nan, values)
+    masked_values = np.where(missing[:, np.newaxis], np.nan, values)
     for place in places:
         if has_equal_steps(values[:, place]):
-            masked[:, place] = values[:, place]
-    return masked
+            masked_values[:, place] = values[:, place]
+    return masked_values
 
 
 def _apply_flag_column(table: ColumnTable, columns: Sequence[NameOrIndex] | None) -> ColumnTable:
@@ -334,23 +334,23 @@ def _apply_flag_column(table: ColumnTable, columns: Sequence[NameOrIndex] | None
     """
     for place, name in enumerate(table.names):
         flags = table.values[:, place]
-        senses = [
+        flag_meanings = [
             pattern.fullmatch(name.strip()) is not None
             for pattern in (_VALID_NAME_PATTERN, _INVALID_NAME_PATTERN, _FLAG_NAME_PATTERN)
         ]
-        if table.values.shape[1] < 2 or not any(senses) or not np.isin(flags, (0.0, 1.0)).all():
+        if table.values.shape[1] < 2 or not any(flag_meanings) or not np.isin(flags, (0.0, 1.0)).all():
             continue
-        is_valid, is_invalid, _ = senses
-        zeros, ones = int((flags == 0).sum()), int((flags == 1).sum())
+        is_valid, is_invalid, _ = flag_meanings
+        zero_count, one_count = int((flags == 0).sum()), int((flags == 1).sum())
         other_columns = [index for index in range(table.values.shape[1]) if index != place]
         if not is_valid and not is_invalid:
-            if zeros and ones and columns is None:
+            if zero_count and one_count and columns is None:
                 raise FormatError(
-                    f"has flags of unknown meaning in column {place} ({printable_text(name)}), {zeros} zeros and "
-                    f'{ones} ones; name the column "valid" if 1 marks measured points, or "invalid" if 1 marks missing '
-                    "points; or choose other columns (--columns) to ignore the flags"
+                    f"has flags of unknown meaning in column {place} ({printable_text(name)}), {zero_count} zeros and "
+                    f'{one_count} ones; name the column "valid" if 1 marks measured points, or "invalid" if 1 marks '
+                    "missing points; or choose other columns (--columns) to ignore the flags"
                 )
-            reason = "removed: all its flags are equal" if not (zeros and ones) else "is ignored"
+            reason = "removed: all its flags are equal" if not (zero_count and one_count) else "is ignored"
             step = f"column {place} ({printable_text(name)}) {reason}"
             return replace(_select_table_columns(table, other_columns), history=(*table.history, step))
         missing = flags == (1 if is_invalid else 0)
@@ -387,9 +387,9 @@ class TableShape:
 def _read_by_shape(table: ColumnTable) -> RawHeights:
     """Read the heights of a table with the first `TableShape` that recognises the table."""
     table, step = _remove_numbering(table)
-    empty = np.isnan(table.values).all(axis=0)
-    if table.places is not None and empty.any() and not empty.all():
-        table = _select_table_columns(table, np.flatnonzero(~empty).tolist())
+    is_empty_column = np.isnan(table.values).all(axis=0)
+    if table.places is not None and is_empty_column.any() and not is_empty_column.all():
+        table = _select_table_columns(table, np.flatnonzero(~is_empty_column).tolist())
     shape = next(shape for shape in TABLE_SHAPES if shape.recognises(table))
     raw = shape.read(table)
     source = replace(raw.source, layout=table.source.layout or shape.name)
@@ -406,13 +406,13 @@ def _remove_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]
         if table.names[0].strip() and table.names[0].strip().casefold() not in ("index", "unnamed: 0") and columns == 2:
             return table, ()  # keep the row numbers as positions, with a caveat
         return _select_table_columns(table, range(1, columns)), ("the first column, which numbers the rows, removed",)
-    numbered = rows > 2 and columns > 2 and not table.names and np.isnan(table.values[0, 0])
+    is_numbered = rows > 2 and columns > 2 and not table.names and np.isnan(table.values[0, 0])
     if (
-        numbered
+        is_numbered
         and np.array_equal(table.values[1:, 0], np.arange(rows - 1))
         and np.array_equal(table.values[0, 1:], np.arange(columns - 1))
     ):
-        stripped = replace(
+        stripped_table = replace(
             table,
             values=table.values[1:, 1:],
             units=_column_units(table)[1:],
@@ -420,7 +420,7 @@ def _remove_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]
             row_digits=None,
             places=None,
         )
-        return stripped, ("the first row and column, which number columns and rows, removed",)
+        return stripped_table, ("the first row and column, which number columns and rows, removed",)
     return table, ()
 
 
@@ -482,10 +482,10 @@ def _first_line_has_positions(lines: Floats, digits: Callable[[], Floats] | None
 
 def _correlation_with_index(values: Floats) -> float:
     """Return the magnitude of the correlation between values and their index."""
-    filled = np.flatnonzero(np.isfinite(values))
-    if filled.size < 3 or np.ptp(values[filled]) == 0:
+    filled_rows = np.flatnonzero(np.isfinite(values))
+    if filled_rows.size < 3 or np.ptp(values[filled_rows]) == 0:
         return 0.0
-    return abs(float(np.corrcoef(filled, values[filled])[0, 1]))
+    return abs(float(np.corrcoef(filled_rows, values[filled_rows])[0, 1]))
 
 
 def has_equal_steps(values: Floats, slack: float = 0.0) -> bool:
@@ -560,10 +560,10 @@ def _is_xyz_table(table: ColumnTable) -> bool:
     if not (np.isfinite(x).all() and np.isfinite(y).all()):
         return False
     count = x.size
-    distinct = [np.unique(value).size for value in (x, y)]
+    distinct_counts = [np.unique(value).size for value in (x, y)]
     # On a grid, x and y have few different values. The positions of a profile all differ.
-    return (max(distinct) < count and min(distinct) > 1) or (
-        bool(table.names) and max(distinct) == count and min(distinct) > 1
+    return (max(distinct_counts) < count and min(distinct_counts) > 1) or (
+        bool(table.names) and max(distinct_counts) == count and min(distinct_counts) > 1
     )
 
 
@@ -572,12 +572,12 @@ def _read_xyz_table(table: ColumnTable, *places: int) -> RawHeights:
     digits = [table.column_digit_function(index) for index in places[:2]]
     heights, spacing, step = to_grid(x, y, z, digits)
     units = _column_units(table)
-    lateral = {units[places[0]], units[places[1]]}
-    if len(lateral) > 1:
+    lateral_units = {units[places[0]], units[places[1]]}
+    if len(lateral_units) > 1:
         raise FormatError("has x and y in different units; write both in the same unit")
     source = replace(table.source, layout="points x, y, z on a grid", column=_describe_column(table, places[2]))
     return _to_raw_heights(
-        table, heights, _height_unit(table, places[2]), spacing=spacing, position_unit=next(iter(lateral)),
+        table, heights, _height_unit(table, places[2]), spacing=spacing, position_unit=next(iter(lateral_units)),
         history=(step,), source=source,
     )  # fmt: skip
 

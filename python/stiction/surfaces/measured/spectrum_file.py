@@ -81,9 +81,9 @@ def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> No
         f"# scan: {name}, from {shortest!r} to {longest!r} um, ended by {reason}\n"
         for name, (shortest, longest), reason in zip(names, spectrum.bands, spectrum.reasons, strict=True)
     ]
-    with new_file(path, FormatError) as partial:
+    with new_file(path, FormatError) as partial_file:
         text = pandas.DataFrame(columns).to_csv(index=False, lineterminator="\n")
-        partial.write_text("".join(scans) + text, encoding="utf-8")
+        partial_file.write_text("".join(scans) + text, encoding="utf-8")
 
 
 def is_spectrum_file(path: Path) -> bool:

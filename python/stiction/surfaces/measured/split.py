@@ -157,10 +157,10 @@ def last_digit_value(values: Floats, decimals: int, digits: int) -> Floats:
 def find_numeric_line_runs(text: DecodedText) -> list[tuple[int, int]]:
     """Return the first and the last line of each run of numeric lines. A run may contain blank lines."""
     kinds = text.line_kinds
-    filled = np.flatnonzero(kinds != BLANK_LINE)
-    numbers = kinds[filled] == NUMBER_LINE
+    nonblank_lines = np.flatnonzero(kinds != BLANK_LINE)
+    numbers = kinds[nonblank_lines] == NUMBER_LINE
     edges = np.flatnonzero(np.diff(np.concatenate([[False], numbers, [False]]).astype(np.int8)))
-    return [(int(filled[a]), int(filled[b - 1])) for a, b in edges.reshape(-1, 2).tolist()]
+    return [(int(nonblank_lines[a]), int(nonblank_lines[b - 1])) for a, b in edges.reshape(-1, 2).tolist()]
 
 
 def detect_dialect(text: DecodedText, first: int, last: int) -> Dialect:
@@ -175,11 +175,11 @@ def detect_dialect(text: DecodedText, first: int, last: int) -> Dialect:
     width = max(_MIN_LONG_LINE_LENGTH, _MAX_SAMPLE_CHARACTERS // sample_lines.size)
     sample = [_truncate_line(text.line(item), width) for item in sample_lines.tolist()]
     sample = [line for line in sample if line.strip("\t")]
-    quoted = any('"' in line for line in sample)
-    candidates = [*_PLAIN_DIALECTS, *(_QUOTED_DIALECTS if quoted else ())]
+    has_quotes = any('"' in line for line in sample)
+    candidates = [*_PLAIN_DIALECTS, *(_QUOTED_DIALECTS if has_quotes else ())]
     counts = [sum(is_numeric_row(line, dialect, text) for line in sample) for dialect in candidates]
     if max(counts) < len(sample):
-        candidates += [*_THOUSANDS_DIALECTS, *(_QUOTED_THOUSANDS_DIALECTS if quoted else ())]
+        candidates += [*_THOUSANDS_DIALECTS, *(_QUOTED_THOUSANDS_DIALECTS if has_quotes else ())]
         counts += [sum(is_numeric_row(line, dialect, text) for line in sample) for dialect in candidates[len(counts) :]]
     if not counts or max(counts) == 0:
         raise FormatError(
@@ -255,20 +255,20 @@ def _line_above(text: DecodedText, first: int) -> str:
 
 def _reject_ambiguous_commas(text: DecodedText, first: int, last: int, dialect: Dialect) -> None:
     """Reject a text in which every comma may be a thousands separator ("1,250" is 1.25 or 1250)."""
-    ambiguous = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")
-    example, shown = -1, ""
+    ambiguous_pattern = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")
+    example_line, example_cell = -1, ""
     for line in range(first, last + 1):
         if b"," not in text.raw_line(line):
             continue
         for cell in dialect.split_line(text.line(line)):
             if "," in cell:
-                if ambiguous.fullmatch(cell) is None:
+                if ambiguous_pattern.fullmatch(cell) is None:
                     return
-                example, shown = line, cell
-    if example >= 0:
+                example_line, example_cell = line, cell
+    if example_line >= 0:
         raise FormatError(
-            f"{text.describe_line(example)} has commas that may be decimal marks or thousands separators, "
-            f"as in {shown!r}; write decimal points"
+            f"{text.describe_line(example_line)} has commas that may be decimal marks or thousands separators, "
+            f"as in {example_cell!r}; write decimal points"
         )
 
 
@@ -287,51 +287,54 @@ def parse_number_block(
     lines = _find_row_lines(text, first, last, dialect)
     if not lines.size:
         raise FormatError("has no lines of numbers where its heights should be")
-    blob, joint = _to_plain_rows(text, lines, dialect)
-    starts, cells = _row_offsets_and_widths(blob, joint)
-    usual = Counter(cells.tolist()).most_common(1)[0][0]
-    if usual == 1 and cells.max() == 2 and (cells == 2).sum() > 1:
-        usual = 2  # the table has two columns, but most heights are missing
-    if usual > MAX_CELLS_PER_LINE:
+    blob, cell_separator = _to_plain_rows(text, lines, dialect)
+    starts, cells = _row_offsets_and_widths(blob, cell_separator)
+    usual_width = Counter(cells.tolist()).most_common(1)[0][0]
+    if usual_width == 1 and cells.max() == 2 and (cells == 2).sum() > 1:
+        usual_width = 2  # the table has two columns, but most heights are missing
+    if usual_width > MAX_CELLS_PER_LINE:
         raise FormatError(
-            f"has lines of {usual} cells; at most {MAX_CELLS_PER_LINE} can be read; write one number per line, or save "
-            "the heights as .npy"
+            f"has lines of {usual_width} cells; at most {MAX_CELLS_PER_LINE} can be read; write one number per line, "
+            "or save the heights as .npy"
         )
-    num_skipped = int(np.argmax(cells == usual))
-    if (cells[:num_skipped] > min(usual, MAX_COUNT_LINE_CELLS)).any() or (
-        usual == 2 and _rows_begin_with_positions(blob, joint, num_skipped)
+    num_skipped = int(np.argmax(cells == usual_width))
+    if (cells[:num_skipped] > min(usual_width, MAX_COUNT_LINE_CELLS)).any() or (
+        usual_width == 2 and _rows_begin_with_positions(blob, cell_separator, num_skipped)
     ):
         num_skipped = 0
     omitted = tuple(lines[:num_skipped].tolist())
     lines, cells, blob = lines[num_skipped:], cells[num_skipped:], blob[starts[num_skipped] :] if num_skipped else blob
-    if (cells > usual).any():  # the additional cells may be due to trailing separators
-        rows = [row.rstrip(joint) if n > usual else row for n, row in zip(cells, blob.split(b"\n"), strict=True)]
-        blob = b"\n".join(row + joint * max(0, usual - 1 - row.count(joint)) for row in rows)
-        _, cells = _row_offsets_and_widths(blob, joint)
-    if (wrong := cells != usual).any():
-        tail = ragged and bool(wrong[np.argmax(wrong) :].all())
-        rejected = (cells > usual) | ((cells < usual) & (usual != 2) & (not tail))
-        if rejected.any():
-            row_index = int(np.argmax(rejected))
+    if (cells > usual_width).any():  # the additional cells may be due to trailing separators
+        rows = [
+            row.rstrip(cell_separator) if n > usual_width else row
+            for n, row in zip(cells, blob.split(b"\n"), strict=True)
+        ]
+        blob = b"\n".join(row + cell_separator * max(0, usual_width - 1 - row.count(cell_separator)) for row in rows)
+        _, cells = _row_offsets_and_widths(blob, cell_separator)
+    if (has_wrong_width := cells != usual_width).any():
+        is_tail = ragged and bool(has_wrong_width[np.argmax(has_wrong_width) :].all())
+        is_rejected = (cells > usual_width) | ((cells < usual_width) & (usual_width != 2) & (not is_tail))
+        if is_rejected.any():
+            row_index = int(np.argmax(is_rejected))
             raise FormatError(
                 f"{text.describe_line(int(lines[row_index]))} has {cells[row_index]} cells, but most lines have "
-                f"{usual}; all lines of a table must have the same number of cells"
+                f"{usual_width}; all lines of a table must have the same number of cells"
             )
         rows = blob.split(b"\n")
-        blob = b"\n".join(row + joint * (usual - 1 - row.count(joint)) for row in rows)
-    column = blob.translate(bytes.maketrans(joint, b"\n"))
+        blob = b"\n".join(row + cell_separator * (usual_width - 1 - row.count(cell_separator)) for row in rows)
+    column = blob.translate(bytes.maketrans(cell_separator, b"\n"))
     del blob
-    values = _parse_number_lines(text, lines, usual, column).reshape(-1, usual)
+    values = _parse_number_lines(text, lines, usual_width, column).reshape(-1, usual_width)
     ends = {len(dialect.split_line(text.line(int(row_index)))) for row_index in (*lines[:3], *lines[-3:])}
     while values.shape[1] > max(ends | {1}) and np.isnan(values[:, -1]).all():
         values = values[:, :-1]  # every line ends with a separator
-    short = int(lines[np.argmax(wrong)]) if usual != 2 and wrong.any() else None
+    short = int(lines[np.argmax(has_wrong_width)]) if usual_width != 2 and has_wrong_width.any() else None
     return NumberBlock(text, lines, dialect, values, short, omitted)
 
 
-def _rows_begin_with_positions(blob: bytes, joint: bytes, count: int) -> bool:
+def _rows_begin_with_positions(blob: bytes, cell_separator: bytes, count: int) -> bool:
     """Return whether the first `count` rows begin with positions whose steps continue in the rows below."""
-    first = [row.split(joint)[0] for row in blob.split(b"\n", count + 3)[: count + 3]]
+    first = [row.split(cell_separator)[0] for row in blob.split(b"\n", count + 3)[: count + 3]]
     if not count or not all(map(_is_number, first)):
         return False
     steps = np.diff([float(token or b"nan") for token in first])
@@ -352,11 +355,11 @@ def numbers_in_lines(text: DecodedText, first: int, last: int) -> Floats:
 def _find_row_lines(text: DecodedText, first: int, last: int, dialect: Dialect) -> LineNumbers:
     """Return the lines of a run that are rows of a table, including rows in which all cells are empty."""
     kinds = text.line_kinds[first : last + 1]
-    filled = kinds != BLANK_LINE
-    if dialect.separator is not None and not filled.all():
-        for line in np.flatnonzero(~filled).tolist():
-            filled[line] = dialect.separator.encode() in text.raw_line(first + line)
-    return np.flatnonzero(filled) + first
+    is_nonblank = kinds != BLANK_LINE
+    if dialect.separator is not None and not is_nonblank.all():
+        for line in np.flatnonzero(~is_nonblank).tolist():
+            is_nonblank[line] = dialect.separator.encode() in text.raw_line(first + line)
+    return np.flatnonzero(is_nonblank) + first
 
 
 def _to_plain_rows(text: DecodedText, lines: LineNumbers, dialect: Dialect) -> tuple[bytes, bytes]:
@@ -411,16 +414,16 @@ def _reject_blanks_in_numbers(text: DecodedText, lines: LineNumbers) -> None:
             )
 
 
-def _row_offsets_and_widths(blob: bytes, joint: bytes) -> tuple[LineNumbers, LineNumbers]:
+def _row_offsets_and_widths(blob: bytes, cell_separator: bytes) -> tuple[LineNumbers, LineNumbers]:
     """Return the byte offset of each row, and the number of cells in each row."""
     codes = np.frombuffer(blob, np.uint8)
     starts = np.concatenate([[0], np.flatnonzero(codes == ord("\n")) + 1])
     if starts.size * _MIN_LONG_LINE_LENGTH < len(blob):
-        is_joint, ends = codes == ord(joint), [*starts[1:].tolist(), len(blob)]
+        is_joint, ends = codes == ord(cell_separator), [*starts[1:].tolist(), len(blob)]
         cells = [np.count_nonzero(is_joint[a:b]) + 1 for a, b in zip(starts.tolist(), ends, strict=True)]
         return starts, np.array(cells)
-    joints = np.flatnonzero(codes == ord(joint))
-    return starts, np.diff(np.append(np.searchsorted(joints, starts), joints.size)) + 1
+    separator_positions = np.flatnonzero(codes == ord(cell_separator))
+    return starts, np.diff(np.append(np.searchsorted(separator_positions, starts), separator_positions.size)) + 1
 
 
 def _parse_number_lines(text: DecodedText, lines: LineNumbers, width: int, column: bytes) -> Floats:
@@ -429,11 +432,11 @@ def _parse_number_lines(text: DecodedText, lines: LineNumbers, width: int, colum
 
     # Before version 3.1, the default parser of pandas has errors in the last bit.
     column = column if column[-1:].strip() else column + b"\n"
-    precision = {} if _parse_version(pandas.__version__) >= (3, 1) else {"float_precision": "round_trip"}
+    precision_options = {} if _parse_version(pandas.__version__) >= (3, 1) else {"float_precision": "round_trip"}
     try:
         frame = pandas.read_csv(
             io.BytesIO(column), header=None, names=["z"], dtype=np.float64, skip_blank_lines=False,
-            keep_default_na=False, na_values=["", "nan", "NaN", "NAN"], quoting=csv.QUOTE_NONE, **precision,
+            keep_default_na=False, na_values=["", "nan", "NaN", "NAN"], quoting=csv.QUOTE_NONE, **precision_options,
         )  # fmt: skip
     except (ValueError, pandas.errors.ParserError):
         for place, token in enumerate(column.split(b"\n")):

@@ -85,8 +85,8 @@ def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
     if len(equal_runs := _find_runs_of_equal_width(text, runs, (first, last), dialect)) > 1:
         return _to_channels(text, equal_runs, dialect, word_columns)
     end = int(block.lines[-1]) + 1
-    below = int((text.line_kinds[end:] == 1).sum())
-    if below > MAX_FOOTER_FRACTION * block.lines.size + 2:
+    footer_line_count = int((text.line_kinds[end:] == 1).sum())
+    if footer_line_count > MAX_FOOTER_FRACTION * block.lines.size + 2:
         line = end + int(np.argmax(text.line_kinds[end:] == 1))
         raise FormatError(
             f"{text.describe_line(line)} belongs to another table than lines {first + 1} to {end}; keep only one "
@@ -96,26 +96,31 @@ def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
 
 
 def _to_table(
-    text: DecodedText, block: NumberBlock, begin: int, word_columns: Sequence[FoundWordColumn] = ()
+    text: DecodedText, block: NumberBlock, header_start: int, word_columns: Sequence[FoundWordColumn] = ()
 ) -> ColumnTable:
-    """Convert a block to a table with its footer and its header. The header begins at line `begin`."""
+    """Convert a block to a table with its footer and its header. The header begins at line `header_start`."""
     first, end = int(block.lines[0]), int(block.lines[-1]) + 1
-    header, footer = text.nonempty_lines(begin, first), text.nonempty_lines(end, len(text)) if begin == 0 else []
+    header, footer = (
+        text.nonempty_lines(header_start, first),
+        text.nonempty_lines(end, len(text)) if header_start == 0 else [],
+    )
     width = block.values.shape[1]
-    heads = parse_column_heads(header, width, block.dialect)
-    facts = parse_declarations(text.nonempty_lines(0, first) if begin else header, below=footer)
-    if block.short is not None and not any(heads.names):
+    column_heads = parse_column_heads(header, width, block.dialect)
+    declarations = parse_declarations(text.nonempty_lines(0, first) if header_start else header, footer=footer)
+    if block.short is not None and not any(column_heads.names):
         raise FormatError(
             f"{text.describe_line(block.short)} has fewer cells than the lines above it, and the columns have no "
             "names; all lines of a matrix must have the same number of cells"
         )
     return ColumnTable(
         block.values,
-        names=heads.names,
-        units=heads.units or (None,) * width,
+        names=column_heads.names,
+        units=column_heads.units or (None,) * width,
         digits=block.digits,
         row_digits=block.row_digits,
-        declared=facts if facts.unit is not None else replace(facts, unit=heads.height_unit),
+        declared=declarations
+        if declarations.unit is not None
+        else replace(declarations, unit=column_heads.height_unit),
         history=(
             *(printable_text(step, MAX_HISTORY_STEP_LENGTH) for step in parse_history(header)[:MAX_HISTORY_STEPS]),
             *(f"{text.describe_line(line)} skipped as a count or a size" for line in block.omitted[:MAX_HISTORY_STEPS]),
@@ -137,9 +142,9 @@ def _to_table(
 def make_source(block: NumberBlock) -> HeightSource:
     """Describe the location of a block in its text, and the format of the block."""
     text, first, end = block.text, int(block.lines[0]), int(block.lines[-1]) + 1
-    point = "." if block.dialect.pairs else block.dialect.point
+    decimal_mark = "." if block.dialect.pairs else block.dialect.point
     return HeightSource(
-        encoding=text.encoding, separator=str(block.dialect), decimal_mark=point, lines=(first + 1, end),
+        encoding=text.encoding, separator=str(block.dialect), decimal_mark=decimal_mark, lines=(first + 1, end),
         lines_above=len(text.nonempty_lines(0, first)) if first < 10_000 else first,
         lines_below=int(np.count_nonzero(text.line_kinds[end:])),
     )  # fmt: skip
@@ -147,12 +152,14 @@ def make_source(block: NumberBlock) -> HeightSource:
 
 def _first_line_with_labels(text: DecodedText, first: int, last: int, dialect: Dialect) -> int:
     """Return the first line of a run of rows, or the line above the run if that line has a label for every column."""
-    above = next((line for line in range(first - 1, -1, -1) if text.line(line).strip("\t")), -1)
-    if above < 0 or dialect.separator is None:
+    line_above = next((line for line in range(first - 1, -1, -1) if text.line(line).strip("\t")), -1)
+    if line_above < 0 or dialect.separator is None:
         return first
-    cells, below = dialect.split_line(text.line(above)), dialect.split_line(text.line(first))
-    is_labels = len(cells) == len(below) and cell_kind(cells[0], dialect, text) is None and _are_labels(cells, dialect)
-    return above if is_labels else first
+    cells, cells_below = dialect.split_line(text.line(line_above)), dialect.split_line(text.line(first))
+    is_labels = (
+        len(cells) == len(cells_below) and cell_kind(cells[0], dialect, text) is None and _are_labels(cells, dialect)
+    )
+    return line_above if is_labels else first
 
 
 def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, runs: list[tuple[int, int]]) -> None:
@@ -184,9 +191,9 @@ def _repeats_words(text: DecodedText, dialect: Dialect, kinds: list[str | None],
     """Return whether line `other` repeats the words of `cells` in the same cells. Then neither line is a header."""
     if not 0 <= other < len(text) or (len(cells) > 1 and "number" not in kinds):
         return False
-    others = dialect.split_line(text.line(other))
-    return [cell_kind(cell, dialect, text) for cell in others] == kinds and all(
-        cell == other_cell for cell, other_cell, kind in zip(cells, others, kinds, strict=True) if kind is None
+    other_cells = dialect.split_line(text.line(other))
+    return [cell_kind(cell, dialect, text) for cell in other_cells] == kinds and all(
+        cell == other_cell for cell, other_cell, kind in zip(cells, other_cells, kinds, strict=True) if kind is None
     )
 
 
@@ -207,17 +214,23 @@ def _are_labels(cells: list[str], dialect: Dialect) -> bool:
 
 
 def _find_runs_of_equal_width(
-    text: DecodedText, runs: list[tuple[int, int]], main: tuple[int, int], dialect: Dialect
+    text: DecodedText, runs: list[tuple[int, int]], main_run: tuple[int, int], dialect: Dialect
 ) -> list[tuple[int, int]]:
     """Return the runs with as many columns as the main run, except a short first run with a size or a count."""
-    width = len(dialect.split_line(text.line(main[0])))
+    width = len(dialect.split_line(text.line(main_run[0])))
     equal_runs: list[tuple[int, int]] = []
     for first, last in runs:
         is_as_wide = all(len(dialect.split_line(text.line(line))) == width for line in (first, last))
-        if (first, last) == main or (is_as_wide and (equal_runs or width > 2 or last - first + 1 >= MIN_BLOCK_ROWS)):
+        if (first, last) == main_run or (
+            is_as_wide and (equal_runs or width > 2 or last - first + 1 >= MIN_BLOCK_ROWS)
+        ):
             equal_runs.append((first, last))
     gaps = [(last + 1, first) for (_, last), (first, _) in itertools.pairwise(equal_runs)]
-    if width == 1 and gaps and all(end - begin == 1 and len(text.line(begin).split()) == 1 for begin, end in gaps):
+    if (
+        width == 1
+        and gaps
+        and all(gap_end - gap_start == 1 and len(text.line(gap_start).split()) == 1 for gap_start, gap_end in gaps)
+    ):
         _reject_word(text, gaps[0][0], text.line(gaps[0][0]))
     return equal_runs
 
@@ -226,17 +239,19 @@ def _to_channels(
     text: DecodedText, runs: list[tuple[int, int]], dialect: Dialect, word_columns: Sequence[FoundWordColumn] = ()
 ) -> HeightChannels:
     """Convert blocks with the same number of columns to channels. Each channel has a separate header."""
-    begins = [0, *(last + 1 for _, last in runs)]
+    header_starts = [0, *(last + 1 for _, last in runs)]
     names = []
-    for (first, last), begin in zip(runs, begins, strict=False):
-        header = text.nonempty_lines(begin, first)
+    for (first, last), header_start in zip(runs, header_starts, strict=False):
+        header = text.nonempty_lines(header_start, first)
         name = header[-1].lstrip("#%!/ \t") if header else ""
         names.append(printable_text(" ".join(name.split()) or f"lines {first + 1} to {last + 1}", 40))
     if len(set(names)) < len(names):
         names = [f"{name}, line {first + 1}" for name, (first, _) in zip(names, runs, strict=True)]
 
     def read(line: int) -> RawHeights | ColumnTable:
-        table = _to_table(text, parse_number_block(text, *runs[line], dialect, ragged=True), begins[line], word_columns)
+        table = _to_table(
+            text, parse_number_block(text, *runs[line], dialect, ragged=True), header_starts[line], word_columns
+        )
         return replace(table, source=replace(table.source, column=names[line]))
 
     return HeightChannels(tuple(names), read, None)

@@ -50,9 +50,9 @@ def replace_word_columns(text: DecodedText) -> tuple[DecodedText, tuple[FoundWor
     )
     if not table.words or len(table.lines) < max(MIN_TABLE_ROWS, len(lines) / 2, largest_run):
         return text, ()
-    replaced = text.data.decode("utf-8", "replace").split("\n")
+    replaced_lines = text.data.decode("utf-8", "replace").split("\n")
     for line, cells in zip(table.lines, table.rows, strict=True):
-        replaced[line] = (separator or " ").join(
+        replaced_lines[line] = (separator or " ").join(
             _MISSING_WORD_REPLACEMENT
             if index in table.words
             else f'"{cell}"'
@@ -64,16 +64,16 @@ def replace_word_columns(text: DecodedText) -> tuple[DecodedText, tuple[FoundWor
         FoundWordColumn(place, counts, tuple(table.missing_lines.get(place, ())))
         for place, counts in sorted(table.words.items())
     )
-    return replace(text, data="\n".join(replaced).encode()), tuple(columns)
+    return replace(text, data="\n".join(replaced_lines).encode()), tuple(columns)
 
 
 def describe_words(counts: Mapping[str, int]) -> str:
     """Return the most frequent words of a column with their counts, as in ``'OK' (58) and 'NG' (2)``."""
     words = sorted(counts.items(), key=lambda item: -item[1])
-    shown = [f"{printable_text(word, 20)!r} ({count})" for word, count in words[:MAX_LISTED_WORDS]]
+    shown_words = [f"{printable_text(word, 20)!r} ({count})" for word, count in words[:MAX_LISTED_WORDS]]
     if len(words) > MAX_LISTED_WORDS:
-        shown.append(f"{len(words) - MAX_LISTED_WORDS} others")
-    return " and ".join(filter(None, [", ".join(shown[:-1]), shown[-1]]))
+        shown_words.append(f"{len(words) - MAX_LISTED_WORDS} others")
+    return " and ".join(filter(None, [", ".join(shown_words[:-1]), shown_words[-1]]))
 
 
 def _may_mix_words_and_numbers(text: DecodedText, runs: Sequence[tuple[int, int]]) -> bool:
@@ -106,7 +106,7 @@ def _find_word_table(text: DecodedText, lines: Sequence[int], separator: str | N
     if not widths:
         return table
     width = widths.most_common(1)[0][0]
-    dialect, given = Dialect(separator, "."), {word.casefold() for word in text.words}
+    dialect, given_words = Dialect(separator, "."), {word.casefold() for word in text.words}
     numeric = table.numeric
     numeric |= {
         index
@@ -124,16 +124,16 @@ def _find_word_table(text: DecodedText, lines: Sequence[int], separator: str | N
         table.rows.append(row)
         for index in set(range(width)) - numeric:
             kinds.setdefault(index, Counter())[row[index]] += 1
-            if row[index].casefold() in given:
+            if row[index].casefold() in given_words:
                 table.missing_lines.setdefault(index, []).append(line)
     for index, counts in kinds.items():
-        words = Counter({cell: count for cell, count in counts.items() if _is_word(cell, dialect, text, given)})
+        words = Counter({cell: count for cell, count in counts.items() if _is_word(cell, dialect, text, given_words)})
         if (
-            words and not {cell.casefold() for cell in counts} <= given
+            words and not {cell.casefold() for cell in counts} <= given_words
         ):  # a column that contains only words for missing points is ignored
             table.words[index] = words
     return table
 
 
-def _is_word(cell: str, dialect: Dialect, text: DecodedText, given: set[str]) -> bool:
-    return bool(cell) and (cell.casefold() in given or cell_kind(cell, dialect, text) is None)
+def _is_word(cell: str, dialect: Dialect, text: DecodedText, given_words: set[str]) -> bool:
+    return bool(cell) and (cell.casefold() in given_words or cell_kind(cell, dialect, text) is None)

@@ -101,13 +101,13 @@ def _write_body(body: Profile | Surface, path: str | os.PathLike[str], head: lis
     path = Path(path)
     if path.suffix.lower() not in (".csv", ".npy"):
         raise FormatError(f"{path}: cannot be written: its name must end in .csv or .npy")
-    with new_file(path, FormatError) as partial:
+    with new_file(path, FormatError) as partial_file:
         if path.suffix.lower() == ".npy":
-            with partial.open("wb") as binary:
-                write_npy(binary, heights_with_nan(body), body.spacings, body.history)
+            with partial_file.open("wb") as binary_file:
+                write_npy(binary_file, heights_with_nan(body), body.spacings, body.history)
             return
         history = [f"# history: {' '.join(step.split())}\n" for step in body.history]
-        with partial.open("w", encoding="utf-8", newline="\n") as file:
+        with partial_file.open("w", encoding="utf-8", newline="\n") as file:
             file.writelines(itertools.chain(head, history, rows))
 
 

@@ -51,10 +51,12 @@ def read_x3p(data: bytes) -> RawHeights:
 
 
 def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
-    mains = [name for name in archive.namelist() if name.rpartition("/")[2] == _MAIN_XML_FILE and name.count("/") <= 1]
-    if not mains:
+    main_xml_names = [
+        name for name in archive.namelist() if name.rpartition("/")[2] == _MAIN_XML_FILE and name.count("/") <= 1
+    ]
+    if not main_xml_names:
         raise FormatError(f"is a zip archive without {_MAIN_XML_FILE}, so it is not an X3P file")
-    folder = min(mains, key=len).removesuffix(_MAIN_XML_FILE)  # some programs place all members in a directory
+    folder = min(main_xml_names, key=len).removesuffix(_MAIN_XML_FILE)  # some programs place all members in a directory
     root = _MainXml(archive, folder)
     feature = _get_element_text(root, "Record1/FeatureType")
     if feature not in ("PRF", "SUR"):
@@ -64,39 +66,46 @@ def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
     points = math.prod(shape)
     if not 0 < points <= MAX_POINTS:
         raise FormatError(f"declares {points} points; between 1 and {MAX_POINTS} can be read")
-    absolute = [name for name in "XYZ" if axes[name].absolute]
-    if "Z" not in absolute:
+    absolute_axes = [name for name in "XYZ" if axes[name].absolute]
+    if "Z" not in absolute_axes:
         raise FormatError("has incremental heights, which X3P does not allow")
-    if feature == "SUR" and absolute != ["Z"]:
+    if feature == "SUR" and absolute_axes != ["Z"]:
         raise FormatError("contains a surface with a position for each point, which cannot be read; a grid is required")
-    columns = _read_columns(archive, root, {name: axes[name].stored for name in absolute}, points)
+    columns = _read_columns(archive, root, {name: axes[name].stored for name in absolute_axes}, points)
     heights = axes["Z"].to_lengths(columns["Z"])
     if (link := _get_element_text(root, "Record3/DataLink/ValidPointsLink", "")) != "":
-        bits = np.frombuffer(
+        valid_bits = np.frombuffer(
             b"".join(read_member_chunks(archive, root.folder + link, points // 8 + _MAX_SPARE_MASK_BYTES)),
             dtype=np.uint8,
         )
-        if bits.size * 8 < points:
+        if valid_bits.size * 8 < points:
             raise FormatError(
-                f"has a mask of valid points of only {bits.size} bytes, which is too short for {points} points"
+                f"has a mask of valid points of only {valid_bits.size} bytes, which is too short for {points} points"
             )
-        heights[np.unpackbits(bits, count=points, bitorder="little") == 0] = np.nan
-    caveats = tuple(caveat for name in absolute for caveat in axes[name].caveats)
-    common: dict[str, Any] = {"unit": "m", "position_unit": "m", "caveats": caveats, "source": HeightSource("X3P")}
+        heights[np.unpackbits(valid_bits, count=points, bitorder="little") == 0] = np.nan
+    caveats = tuple(caveat for name in absolute_axes for caveat in axes[name].caveats)
+    common_arguments: dict[str, Any] = {
+        "unit": "m",
+        "position_unit": "m",
+        "caveats": caveats,
+        "source": HeightSource("X3P"),
+    }
     if feature == "SUR":
-        return RawHeights(heights.reshape(shape), spacing=(axes["Y"].increment, axes["X"].increment), **common)
+        return RawHeights(
+            heights.reshape(shape), spacing=(axes["Y"].increment, axes["X"].increment), **common_arguments
+        )
     if shape[0] != 1:
         raise FormatError(f"contains {shape[0]} profiles; only one can be read")
-    if "Y" in absolute and np.ptp(axes["Y"].to_lengths(columns["Y"])) > 0:
+    if "Y" in absolute_axes and np.ptp(axes["Y"].to_lengths(columns["Y"])) > 0:
         raise FormatError("contains a profile whose points also move along y; only profiles along x can be read")
-    if "X" in absolute:
+    if "X" in absolute_axes:
         positions = axes["X"].to_lengths(columns["X"])
         increment = abs(axes["X"].increment)
         digit = {
             "<f4": np.spacing(np.abs(positions).astype(np.float32)).astype(np.float64), "<f8": np.zeros(points),
         }.get(axes["X"].stored, np.full(points, increment))  # fmt: skip
-        return RawHeights(heights, positions=positions, digits=lambda: digit, **common)
-    return RawHeights(heights, spacing=(axes["X"].increment,), **common)
+        return RawHeights(heights, positions=positions, digits=lambda: digit, **common_arguments)
+    return RawHeights(heights, spacing=(axes["X"].increment,), **common_arguments)
 
 
 class _MainXml:
@@ -105,10 +114,10 @@ class _MainXml:
     def __init__(self, archive: zipfile.ZipFile, folder: str) -> None:
         self.folder = folder
         self.texts: dict[str, str] = {}
-        self.listed: list[str] | None = None
-        self._path: list[str] = []
+        self.listed_points: list[str] | None = None
+        self._element_path: list[str] = []
         self._words: list[str] = []
-        self._elements = 0
+        self._element_count = 0
         parser = expat.ParserCreate(namespace_separator="}")  # some programs add a namespace to all elements
         parser.buffer_text = True
         parser.StartDoctypeDeclHandler = parser.EntityDeclHandler = self._reject_document_type
@@ -120,7 +129,7 @@ class _MainXml:
             parser.Parse(chunk)
             num_bytes += len(chunk)
             if num_bytes > _MAX_MAIN_XML_BYTES + (
-                0 if self.listed is None else _MAX_BYTES_PER_POINT * math.prod(_read_shape(self))
+                0 if self.listed_points is None else _MAX_BYTES_PER_POINT * math.prod(_read_shape(self))
             ):
                 raise FormatError(
                     f"has a {_MAIN_XML_FILE} of more than {num_bytes - len(chunk)} bytes, too many for its points"
@@ -132,23 +141,23 @@ class _MainXml:
 
     def _handle_start_tag(self, tag: str, _: object) -> None:
         name = tag.rpartition("}")[2]
-        self._path.append(name)
+        self._element_path.append(name)
         self._words.clear()
         if name == "DataList":
-            self.listed = []
+            self.listed_points = []
         if name != "Datum":
-            self._elements += 1
-            if self._elements > _MAX_XML_ELEMENTS:
+            self._element_count += 1
+            if self._element_count > _MAX_XML_ELEMENTS:
                 raise FormatError(f"has more than {_MAX_XML_ELEMENTS} elements in {_MAIN_XML_FILE}")
 
     def _handle_end_tag(self, _: str) -> None:
         text = "".join(self._words)
         self._words.clear()
-        if self._path[-1] == "Datum" and self.listed is not None:
-            self.listed.append(text.strip())
-        elif len(self._path) <= _MAX_XML_DEPTH:
-            self.texts.setdefault("/".join(self._path[1:]), text)
-        self._path.pop()
+        if self._element_path[-1] == "Datum" and self.listed_points is not None:
+            self.listed_points.append(text.strip())
+        elif len(self._element_path) <= _MAX_XML_DEPTH:
+            self.texts.setdefault("/".join(self._element_path[1:]), text)
+        self._element_path.pop()
 
 
 class _StoredAxis:
@@ -190,8 +199,8 @@ class _StoredAxis:
 
 def _read_shape(root: _MainXml) -> tuple[int, int]:
     """Return the numbers of rows and columns."""
-    if (listed := _get_element_text(root, "Record3/ListDimension", "")) != "":
-        return 1, _parse_count(listed)
+    if (list_dimension := _get_element_text(root, "Record3/ListDimension", "")) != "":
+        return 1, _parse_count(list_dimension)
     x, y, z = (_parse_count(_get_element_text(root, f"Record3/MatrixDimension/Size{name}")) for name in "XYZ")
     if z != 1:
         raise FormatError(f"contains {z} layers; only one can be read")
@@ -202,8 +211,8 @@ def _read_columns(
     archive: zipfile.ZipFile, root: _MainXml, stored: dict[str, str], points: int
 ) -> dict[str, NDArray[Any]]:
     """Return the stored values of all points, for each axis."""
-    if root.listed is not None:
-        return _parse_listed_points(root.listed, list(stored), points)
+    if root.listed_points is not None:
+        return _parse_listed_points(root.listed_points, list(stored), points)
     kind = np.dtype(list(stored.items()))
     link, num_bytes = root.folder + _get_element_text(root, "Record3/DataLink/PointDataLink"), points * kind.itemsize
     size = archive.getinfo(link).file_size if link in archive.namelist() else num_bytes
@@ -217,21 +226,22 @@ def _read_columns(
     return {name: table[name] for name in stored}
 
 
-def _parse_listed_points(rows: list[str], absolute: list[str], points: int) -> dict[str, NDArray[Any]]:
+def _parse_listed_points(rows: list[str], absolute_axes: list[str], points: int) -> dict[str, NDArray[Any]]:
     """Parse points that are listed as text. Semicolons separate axes, and empty strings mark missing points."""
     if len(rows) != points:
         raise FormatError(f"declares {points} points, but lists {len(rows)}")
-    columns: dict[str, NDArray[Any]] = {name: np.full(points, np.nan) for name in absolute}
+    columns: dict[str, NDArray[Any]] = {name: np.full(points, np.nan) for name in absolute_axes}
     for index, row in enumerate(rows):
         cells = [cell.strip() for cell in row.split(";")]
-        cells = [cell for cell in cells if cell] if len(cells) > len(absolute) else cells
+        cells = [cell for cell in cells if cell] if len(cells) > len(absolute_axes) else cells
         if not row:
             continue
-        if len(cells) != len(absolute):
+        if len(cells) != len(absolute_axes):
             raise FormatError(
-                f"lists {row[:40]!r} as point {index}, counted from 0; this point must have {len(absolute)} number(s)"
+                f"lists {row[:40]!r} as point {index}, counted from 0; this point must have "
+                f"{len(absolute_axes)} number(s)"
             )
-        for name, cell in zip(absolute, cells, strict=True):
+        for name, cell in zip(absolute_axes, cells, strict=True):
             columns[name][index] = _parse_float(cell)
     return columns
 

@@ -42,8 +42,12 @@ def _split_header_rows(text: DecodedText) -> list[list[str]]:
     """Return the cells of the lines above the heights."""
     rows = []
     for line in text.first_lines[:60]:
-        quoted = re.findall(r'"([^"]*)"', line)
-        rows.append([normalise_line(cell).strip() for cell in quoted] if quoted else _split_cells(normalise_line(line)))
+        quoted_cells = re.findall(r'"([^"]*)"', line)
+        rows.append(
+            [normalise_line(cell).strip() for cell in quoted_cells]
+            if quoted_cells
+            else _split_cells(normalise_line(line))
+        )
     return rows
 
 
@@ -99,9 +103,9 @@ def _read(text: DecodedText) -> RawHeights:
 def _extract_single_image(text: DecodedText, values: np.ndarray, last: int) -> np.ndarray:
     """Return the heights of an image. Raises `FormatError` if the file also contains the numbers of another image."""
     if (text.line_kinds[last + 1 :] == NUMBER_LINE).any():
-        place = last + 1 + int(np.argmax(text.line_kinds[last + 1 :] == NUMBER_LINE))
+        line_number = last + 1 + int(np.argmax(text.line_kinds[last + 1 :] == NUMBER_LINE))
         raise FormatError(
-            f"{text.describe_line(place)} contains numbers of another image; export each image to its own file"
+            f"{text.describe_line(line_number)} contains numbers of another image; export each image to its own file"
         )
     return values
 

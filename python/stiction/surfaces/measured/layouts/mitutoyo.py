@@ -49,10 +49,10 @@ def _find_cut_off_texts(sheets: WorkbookSheets) -> Iterator[str]:
 def _read(sheets: WorkbookSheets) -> ColumnTable:
     table = parse_sheet(sheets["DATA"])
     cut_offs = (match for cell in _find_cut_off_texts(sheets) if (match := _CUT_OFF_PATTERN.fullmatch(cell)))
-    lateral = next((unit for match in cut_offs if (unit := parse_length_unit(match[1]))), None)
+    lateral_unit = next((unit for match in cut_offs if (unit := parse_length_unit(match[1]))), None)
     if table.values.shape[1] != 2:
         return table
-    return replace(table, units=(lateral, _height_unit(sheets)))
+    return replace(table, units=(lateral_unit, _height_unit(sheets)))
 
 
 WORKBOOK = WorkbookLayout("Mitutoyo workbook", _is_mitutoyo_workbook, _read)

@@ -56,10 +56,13 @@ def _read(text: DecodedText) -> ColumnTable:
         raise FormatError(
             f"declares {counts['traces']} traces of {counts['points']} points, but has {rows} rows of {columns} numbers"
         )
-    bare = table.declared.bare_spacing
+    bare_spacing = table.declared.bare_spacing
     return replace(
         table, values=values, names=(), units=(None,) * values.shape[1], area=True, digits=None, row_digits=None,
-        history=history, declared=replace(table.declared, bare_spacing=bare if bare and len(bare) == 2 else None),
+        history=history,
+        declared=replace(
+            table.declared, bare_spacing=bare_spacing if bare_spacing and len(bare_spacing) == 2 else None
+        ),
     )  # fmt: skip
 
 

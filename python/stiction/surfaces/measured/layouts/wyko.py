@@ -60,8 +60,8 @@ def _read(text: DecodedText) -> RawHeights:
         factor = parse_header_number(header, "Wavelength") / (parse_header_number(header, "Mult", 1.0) or math.nan)
         if not math.isfinite(factor):
             raise FormatError("has a factor Mult of 0")
-    pixel = abs(parse_header_number(header, "Pixel_size"))
-    spacing = (pixel * parse_header_number(header, "Aspect", 1.0), pixel)
+    pixel_size = abs(parse_header_number(header, "Pixel_size"))
+    spacing = (pixel_size * parse_header_number(header, "Aspect", 1.0), pixel_size)
     return RawHeights(
         np.ascontiguousarray(block.values.T), unit="nm", factor=factor, spacing=spacing, position_unit="mm",
         source=make_source(block),

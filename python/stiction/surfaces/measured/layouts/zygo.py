@@ -33,14 +33,14 @@ _MAP_SIZE_LINE_INDEX, _PIXEL_SIZE_LINE_INDEX = 3, 7
 def _read(text: DecodedText) -> RawHeights:
     if not text.line(0).startswith("Zygo XYZ"):
         raise FormatError("is a Zygo phase file; export it as XYZ (.xyz), X3P or .datx")
-    marks = [index for index in range(min(len(text), 60)) if text.line(index) == "#"]
-    if not marks:
+    mark_lines = [index for index in range(min(len(text), 60)) if text.line(index) == "#"]
+    if not mark_lines:
         raise FormatError("lacks the line '#' above its points")
-    first = marks[0] + 1
+    first = mark_lines[0] + 1
     last = next((index - 1 for index in range(len(text) - 1, first, -1) if text.line(index) == "#"), len(text) - 1)
     try:
         x0, y0, columns, rows = (int(word) for word in text.line(_MAP_SIZE_LINE_INDEX).split()[:4])
-        pixel = float(text.line(_PIXEL_SIZE_LINE_INDEX).split()[6])
+        pixel_size = float(text.line(_PIXEL_SIZE_LINE_INDEX).split()[6])
     except (ValueError, IndexError):
         raise FormatError("lacks the map size in line 4, or the pixel size in line 8") from None
     if not (columns > 0 and rows > 0 and rows * columns <= MAX_TABLE_GRID_POINTS):
@@ -59,7 +59,7 @@ def _read(text: DecodedText) -> RawHeights:
         raise FormatError(f"lists points outside its map of {rows} rows of {columns} points")
     matrix = np.full((rows, columns), np.nan)
     matrix[row.astype(np.int64), column.astype(np.int64)] = heights
-    spacing = (pixel, pixel) if pixel > 0 else None
+    spacing = (pixel_size, pixel_size) if pixel_size > 0 else None
     return RawHeights(
         matrix, unit="um", spacing=spacing, position_unit="m" if spacing else None, source=make_source(block)
     )
