@@ -40,12 +40,15 @@ class StoredSumsTask:
         self.path = path
         self.has_shared_folder = has_shared_folder
 
-    def __call__(self, version: str, study: Study, folder: runner.SharedFolder, members: range) -> object:
+    def __call__(self, version: str, study: Study, folder: runner.SharedResultFolder, members: range) -> object:
         if self.path not in _read:
             _read[self.path] = pickle.loads(Path(self.path).read_bytes())
         runner.compute_member_sums = lambda _, member: _read[self.path][member % NUM_DIFFERENT_MEMBERS]
         return _compute_real_block(
-            version, study, folder if self.has_shared_folder else runner.SharedFolder(Path("/nowhere"), ""), members
+            version,
+            study,
+            folder if self.has_shared_folder else runner.SharedResultFolder(Path("/nowhere"), ""),
+            members,
         )
 
 

@@ -56,6 +56,6 @@ def test_experiment_with_fixed_settings_reproduces_documented_numbers(name):
     ):
         result = [
             FRACTURES_SCRIPT["secant_stiffness"](closures, stresses, stress_range)
-            for stress_range in (FRACTURES_SCRIPT["LOW_STRESSES"], FRACTURES_SCRIPT["HIGH_STRESSES"])
+            for stress_range in (FRACTURES_SCRIPT["LOW_STRESS_RANGE"], FRACTURES_SCRIPT["HIGH_STRESS_RANGE"])
         ]
         assert result == pytest.approx(expected, abs=1)

@@ -36,7 +36,7 @@ from stiction.studies.study import parse_dataset_study
 
 Floats = NDArray[np.float64]
 SlidingRule = Literal["opposing", "all"]
-Quantity = Literal["friction", "area", "stiffness"]
+ClaimQuantity = Literal["friction", "area", "stiffness"]
 IntervalMethod = Literal["percentiles", "bands"]
 """Source of the interval of an extreme over D: extremes of resampled ensembles, or simultaneous bands."""
 
@@ -288,7 +288,7 @@ class ResampledMeans:
 
     def at(
         self,
-        quantity: Quantity,
+        quantity: ClaimQuantity,
         load: float | Floats,
         *,
         mu0: float = 0.4,
@@ -519,7 +519,7 @@ def _smallest_friction_to_mu0_ratio(r: ResampledMeans) -> Floats | SimultaneousI
     return _extreme_over_dimensions(r, [r.at("friction", r.middle_load) / 0.4], np.fmin)
 
 
-def _amplitude_ratio_measure(quantity: Quantity, tau0: float) -> MeasureFunction:
+def _amplitude_ratio_measure(quantity: ClaimQuantity, tau0: float) -> MeasureFunction:
     def measure(r: ResampledMeans) -> Floats:
         loads = r.middle_load_of_all_amplitudes()
         if loads is None:
@@ -558,7 +558,7 @@ def _amplitude_effect_on_adhesion_rise(r: ResampledMeans) -> Floats:
 
 
 def _relative_change_measure(
-    quantity: Quantity, changed_parameters: dict[str, float], reference_parameters: dict[str, float]
+    quantity: ClaimQuantity, changed_parameters: dict[str, float], reference_parameters: dict[str, float]
 ) -> MeasureFunction:
     def measure(r: ResampledMeans) -> Floats | SimultaneousInterval:
         return _extreme_over_dimensions(

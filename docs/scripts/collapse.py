@@ -55,7 +55,7 @@ LOW_PRESSURE = 0.01
 RELATIVE_PRESSURES = (0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 2.0)
 NUM_POINTS, EXTENT = 256, 10.0
 
-Pair = tuple[Surface, Surface] | tuple[Profile, Profile]
+BodyPair = tuple[Surface, Surface] | tuple[Profile, Profile]
 
 
 # ---- Cases -----------------------------------------------------------------------------------------------------------
@@ -111,7 +111,7 @@ def iterate_cases() -> Iterator[dict]:
     yield {"family": "measured line", "file": "dektak-1.csv"}
 
 
-def generate_pairs(case: dict) -> tuple[list[Pair], str]:
+def generate_pairs(case: dict) -> tuple[list[BodyPair], str]:
     """Return the pairs of a case and their boundary condition."""
     match case["family"]:
         case "WM area" | "WM line" as family:
@@ -129,7 +129,7 @@ def generate_pairs(case: dict) -> tuple[list[Pair], str]:
             return [generate_self_affine_pair(case, repetition) for repetition in range(6)], "periodic"
 
 
-def generate_fractal_pair(case: dict, repetition: int, family: str) -> Pair:
+def generate_fractal_pair(case: dict, repetition: int, family: str) -> BodyPair:
     bodies = []
     for side in ("upper", "lower"):
         phases = random_phases(SEED, repetition=repetition, side=side, frequencies=case["n"])
@@ -144,7 +144,7 @@ def generate_fractal_pair(case: dict, repetition: int, family: str) -> Pair:
     return tuple(bodies)
 
 
-def generate_self_affine_pair(case: dict, repetition: int) -> Pair:
+def generate_self_affine_pair(case: dict, repetition: int) -> BodyPair:
     """Return two self-affine surfaces, one flatter by a ratio, scaled to a common gradient of the gap."""
     line = case["family"] == "self-affine line"
     bodies = []
@@ -190,7 +190,7 @@ def rms_gradient(heights: np.ndarray, spacing, *, periodic: bool) -> float:
     return float(np.sqrt(sum(np.square(slope).mean() for slope in grid_slopes(heights, spacings, periodic=periodic))))
 
 
-def load_map_pairs(case: dict) -> list[Pair]:
+def load_map_pairs(case: dict) -> list[BodyPair]:
     """Return pairs of quarters of a map; the upper one is flipped."""
     surface = levelled(read_surface(DATA_FOLDER / case["file"]), "plane")
     half_shape = [size // 2 for size in surface.heights.shape]
@@ -202,7 +202,7 @@ def load_map_pairs(case: dict) -> list[Pair]:
     return [(flipped(upper), lower) for upper, lower in permutations(quarter_maps, 2)]
 
 
-def load_profile_pairs(case: dict) -> list[Pair]:
+def load_profile_pairs(case: dict) -> list[BodyPair]:
     """Return pairs of quarters of a profile; the upper one is flipped."""
     line = levelled(read_profile(DATA_FOLDER / case["file"]), "line")
     quarter_length = len(line) // 4
@@ -354,7 +354,7 @@ def load_or_compute_case_results() -> list[dict]:
 
 # ---- Tables and figures ----------------------------------------------------------------------------------------------
 
-FAMILY_TITLES = {
+SURFACE_FAMILY_TITLES = {
     "WM area": "Weierstrass-Mandelbrot maps", "self-affine area": "self-affine maps",
     "stretched area": "stretched maps", "WM line": "Weierstrass-Mandelbrot profiles",
     "self-affine line": "self-affine profiles", "measured area": "AFM map", "measured line": "stylus profile",
@@ -424,7 +424,7 @@ def render_family_rows(points: list[dict]) -> list[str]:
         "| asperity model, τ0 = 2 % of E* | standard error |",
         "|" + "---|" * 14,
     ]
-    for family, family_title in FAMILY_TITLES.items():
+    for family, family_title in SURFACE_FAMILY_TITLES.items():
         for low, high in pairwise(GRADIENT_BINS):
             selected_points = [
                 point for point in points if point["family"] == family and low <= point["rms_gradient"] < high
@@ -455,7 +455,7 @@ def render_limit_rows(points: list[dict]) -> list[str]:
     ]  # fmt: skip
     for point in points:
         case, family = point["case"], point["family"]
-        if family in FAMILY_TITLES:
+        if family in SURFACE_FAMILY_TITLES:
             continue
         case_text = f"H = {case['H']:g}"
         if family == "unequal":
@@ -476,7 +476,7 @@ def draw_friction_and_deviations(points: list[dict]) -> None:
     figure = Figure(figsize=(6.9, 5.6), dpi=200, layout="constrained")
     axes = figure.subplots(2, 2).ravel()
     slope = np.geomspace(0.01, 3, 200)
-    for family, colour in zip(FAMILY_TITLES, COLOURS, strict=True):
+    for family, colour in zip(SURFACE_FAMILY_TITLES, COLOURS, strict=True):
         selected_points = [point for point in points if point["family"] == family]
         if not selected_points:
             continue
@@ -488,7 +488,7 @@ def draw_friction_and_deviations(points: list[dict]) -> None:
         values_of = lambda name: np.array([item.get(name, np.nan) for item in selected_points])  # noqa: E731, B023
         axes[0].plot(mean_slope, values_of(f"{model} opposing 0"), ls="", marker="x", ms=2, color="0.75", zorder=0)
         axes[0].plot(mean_slope, values_of("mu opposing 0"), **marker_style | {"mfc": "white", "ms": 2.2})
-        axes[0].plot(mean_slope, values_of("mu points 0"), **marker_style, label=FAMILY_TITLES[family])
+        axes[0].plot(mean_slope, values_of("mu points 0"), **marker_style, label=SURFACE_FAMILY_TITLES[family])
         if not is_line:
             axes[1].plot(gradient, values_of(f"{model} opposing 2"), ls="", marker="x", ms=2, color="0.75", zorder=0)
             axes[1].plot(gradient, values_of("mu points 2"), **marker_style)
@@ -580,11 +580,11 @@ def draw_limits_of_closed_form(points: list[dict]) -> None:
         fine_pressures, erf(np.sqrt(2) * fine_pressures) / fine_pressures, color="0.3", lw=0.9, ls="--", label="Persson"
     )
     kappa_axes.plot(fine_pressures, np.minimum(1 / fine_pressures, 3), color="0.8", lw=0.7, zorder=0)
-    for family, colour in list(zip(FAMILY_TITLES, COLOURS, strict=True))[:5]:
+    for family, colour in list(zip(SURFACE_FAMILY_TITLES, COLOURS, strict=True))[:5]:
         selected_points = [point for point in points if point["family"] == family]
         spectra_axes.plot(
             [item["nayak"] for item in selected_points], [item["kappa"] for item in selected_points], ls="",
-            color=colour, ms=2.4, marker="s" if family.endswith("line") else "o", label=FAMILY_TITLES[family],
+            color=colour, ms=2.4, marker="s" if family.endswith("line") else "o", label=SURFACE_FAMILY_TITLES[family],
         )  # fmt: skip
     for value, line_style in ((np.sqrt(2 * np.pi), "-."), (np.sqrt(8 / np.pi), "--")):
         spectra_axes.axhline(value, color="0.5", lw=0.8, ls=line_style)
@@ -619,7 +619,7 @@ def main() -> None:
     draw_friction_and_deviations(points)
     draw_limits_of_closed_form(points)
     write_case_means(points)
-    num_main_points = sum(point["family"] in FAMILY_TITLES for point in points)
+    num_main_points = sum(point["family"] in SURFACE_FAMILY_TITLES for point in points)
     num_pairs = sum(point["pairs"] for point in points)
     text = [
         "Relative deviations of friction from the closed form of second order in per cent: mean over the ensembles, "

@@ -29,9 +29,12 @@ YOUNG_MODULUS, POISSON_RATIO = (
     11.0,
     0.33,
 )  # Young's modulus in GPa (measured: 10 to 12) and Poisson's ratio (assumed by the authors)
-LOW_STRESSES, HIGH_STRESSES = (1.0, 2.0), (5.0, 10.0)  # MPa; stresses between which the secant stiffness is computed
+LOW_STRESS_RANGE, HIGH_STRESS_RANGE = (
+    (1.0, 2.0),
+    (5.0, 10.0),
+)  # MPa; stresses between which the secant stiffness is computed
 DIGITISING_STEP = 4.0  # µm; resolution of the digitised heights
-FIT_WAVELENGTHS = 1e3, 10e3  # µm; range of wavelengths for the fit of the Hurst exponent
+FIT_WAVELENGTH_RANGE = 1e3, 10e3  # µm; range of wavelengths for the fit of the Hurst exponent
 MIN_STRESS = 0.2  # MPa; lowest measured stress
 
 
@@ -89,7 +92,7 @@ def estimate_spectrum(gap):
     heights = heights * np.hanning(gap.heights.shape[1])
     wave_number = np.hypot(*np.meshgrid(*(np.fft.fftfreq(n, gap.spacing[0]) for n in gap.heights.shape), indexing="ij"))
     power_density = np.abs(np.fft.fft2(heights)) ** 2 * np.prod(gap.spacing) / heights.size / (9 / 64)
-    is_fitted = (wave_number > 1 / FIT_WAVELENGTHS[1]) & (wave_number < 1 / FIT_WAVELENGTHS[0])
+    is_fitted = (wave_number > 1 / FIT_WAVELENGTH_RANGE[1]) & (wave_number < 1 / FIT_WAVELENGTH_RANGE[0])
     slope, log_factor = np.polyfit(np.log(wave_number[is_fitted]), np.log(power_density[is_fitted]), 1)
     return (
         -slope / 2 - 1,
@@ -120,7 +123,7 @@ def refine_gap(gap, factor, seed=1):
 def shift_gap(gap, displacement, seed=1):
     """Return the gap after one surface moved along x; it is independent and has the spectrum of the gap."""
     _, density = estimate_spectrum(gap)
-    displaced_face = random_roughness_heights(gap.heights.shape, gap.spacing[0], density, FIT_WAVELENGTHS[1], seed)
+    displaced_face = random_roughness_heights(gap.heights.shape, gap.spacing[0], density, FIT_WAVELENGTH_RANGE[1], seed)
     return Surface(
         gap.heights + displacement * np.gradient(displaced_face, gap.spacing[0], axis=1), spacing=gap.spacing
     )
@@ -166,7 +169,7 @@ def main(folder, names):
         (loading_displacement, stress), (unloading_displacement, unloading_stress) = read_load_test(folder, name)
         measured_stiffness = [
             secant_stiffness(loading_displacement, stress, stress_range)
-            for stress_range in (LOW_STRESSES, HIGH_STRESSES)
+            for stress_range in (LOW_STRESS_RANGE, HIGH_STRESS_RANGE)
         ]
         hurst, _ = estimate_spectrum(read_gap(folder, name))
         clipped_fraction = float((read_gap(folder, name).heights >= 1e3).mean())
@@ -182,15 +185,16 @@ def main(folder, names):
         print(f"| measured, loading | {measured_stiffness[0]:.0f} | | {measured_stiffness[1]:.0f} | | |")
         unloading_stiffness = [
             secant_stiffness(unloading_displacement[::-1], unloading_stress[::-1], stress_range)
-            for stress_range in (LOW_STRESSES, HIGH_STRESSES)
+            for stress_range in (LOW_STRESS_RANGE, HIGH_STRESS_RANGE)
         ]
         print(f"| measured, unloading | {unloading_stiffness[0]:.0f} | | {unloading_stiffness[1]:.0f} | | |")
-        stresses = np.unique(np.concatenate([stress, LOW_STRESSES, HIGH_STRESSES]))
+        stresses = np.unique(np.concatenate([stress, LOW_STRESS_RANGE, HIGH_STRESS_RANGE]))
         curves_by_kind = {}
         for label, uncertainty_kind, gap, options in list_gap_variants(folder, name):
             closure, curve = compute_closure(gap, stresses, **options)
             computed_stiffness = [
-                secant_stiffness(closure, stresses, stress_range) for stress_range in (LOW_STRESSES, HIGH_STRESSES)
+                secant_stiffness(closure, stresses, stress_range)
+                for stress_range in (LOW_STRESS_RANGE, HIGH_STRESS_RANGE)
             ]
             deviations = [
                 100 * (value / measured_value - 1)

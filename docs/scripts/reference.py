@@ -18,8 +18,8 @@ from stiction.views.study_keys import markdown_row
 
 ENTRY_PATTERN = re.compile(r"^\.\. (?:autoclass|autofunction|py:data):: (\S+)$", re.MULTILINE)
 """Pattern of a name in a reference page."""
-VERDICT_TITLES = ("claim or test", "verdict", "statement, and its test numbers")
-COLUMN_TITLES = (
+CLAIMS_COLUMN_TITLES = ("claim or test", "verdict", "statement, and its test numbers")
+CLAIMS_BY_SURFACE_COLUMN_TITLES = (
     "claim or test", "profiles, 100 repetitions", "profiles, 2000 repetitions", "height maps, asperities, 25",
     "half-planes, 20", "half-spaces, 30",
 )  # fmt: skip
@@ -33,8 +33,8 @@ def render_pages(docs: Path) -> dict[str, str]:
         "commands.md": render_command_sections(),
         "built_in.md": render_study_table(),
         "parameters.md": render_parameter_tables(),
-        "claims.md": verdict_table(docs / "generated/claims.md", VERDICT_TITLES),
-        "columns.md": verdict_table(docs / "generated/columns.md", COLUMN_TITLES),
+        "claims.md": verdict_table(docs / "generated/claims.md", CLAIMS_COLUMN_TITLES),
+        "columns.md": verdict_table(docs / "generated/columns.md", CLAIMS_BY_SURFACE_COLUMN_TITLES),
     }
 
 

@@ -30,7 +30,7 @@ def scans_folder(tmp_path):
     return tmp_path
 
 
-COMMAND_OUTPUTS = [
+COMMANDS_AND_OUTPUTS = [
     (PAIR_COMMAND, "pair/result.csv"),
     (PAIR_COMMAND, "pair/report.html"),
     (PAIR_COMMAND, "pair/friction.png"),
@@ -49,7 +49,7 @@ COMMAND_OUTPUTS = [
 ]
 
 
-@pytest.mark.parametrize(("arguments", "name"), COMMAND_OUTPUTS)
+@pytest.mark.parametrize(("arguments", "name"), COMMANDS_AND_OUTPUTS)
 @pytest.mark.parametrize("kind", ["file", "link", "dangling"])
 def test_command_does_not_overwrite_a_foreign_file(scans_folder, arguments, name, kind):
     path, target = scans_folder / name, scans_folder / "elsewhere"

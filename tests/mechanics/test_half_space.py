@@ -29,7 +29,7 @@ from stiction import (
 from stiction.studies.members import pair_of
 from support.rough_surfaces import flat_like, periodic_body
 
-MODULUS = 10.0
+EFFECTIVE_MODULUS = 10.0
 DENSE_SOLUTION_TOLERANCE = 1e-8  # relative to the highest pressure; both solutions have a tolerance of 1e-11
 MINDLIN_TOLERANCE = 1e-3  # relative to the displacement of a sphere whose contact radius is 50 points
 ROUND_OFF = 1e-12
@@ -51,7 +51,7 @@ BALL_TOLERANCE = 2e-3  # relative error of the load at a given approach for a co
 
 
 def make_solver(gap, spacing, *, periodic, bound=np.inf, tolerance):
-    grids = _core.HalfSpaceGrids(gap.shape, spacing, effective_modulus=MODULUS, periodic=periodic)
+    grids = _core.HalfSpaceGrids(gap.shape, spacing, effective_modulus=EFFECTIVE_MODULUS, periodic=periodic)
     return _core.HalfSpaceSolver(gap, grids, bound=np.ravel(bound).astype(float), tolerance=tolerance)
 
 
@@ -66,10 +66,10 @@ def create_paraboloid(n, extent, radii):
 @pytest.mark.parametrize("relative_load", [0.02, 0.3])
 def test_half_space_pressure_agrees_with_a_dense_matrix_calculation(shape, boundary, relative_load):
     lower = periodic_body(shape, longest=1, shortest=5)
-    load = relative_load * MODULUS * 0.1
+    load = relative_load * EFFECTIVE_MODULUS * 0.1
     curve = half_space(flat_like(lower), lower, [load], boundary=boundary, tolerance=1e-11)
     spacing = np.array([1 / n for n in shape])
-    matrix = dense_half_space.influence_matrix(shape, spacing, MODULUS, periodic=boundary == "periodic")
+    matrix = dense_half_space.influence_matrix(shape, spacing, EFFECTIVE_MODULUS, periodic=boundary == "periodic")
     result = curve.contact(0)
     gap = lower.heights.max() - lower.heights
     approach = float(np.mean((matrix @ result.pressure.ravel() + gap.ravel())[result.pressure.ravel() > 0]))
@@ -93,7 +93,7 @@ def test_missing_points_have_neither_pressure_nor_gap(shape, boundary, hardness,
     missing = np.zeros(shape, bool)  # The summit and a quarter of all points are missing.
     missing[tuple(slice(n // 2) for n in shape)] = missing[np.unravel_index(body.heights.argmax(), shape)] = True
     lower = type(body)(body.heights, spacing=body.spacing, missing=missing)
-    load, spacing = relative_load * MODULUS * 0.05, np.array([1 / n for n in shape])
+    load, spacing = relative_load * EFFECTIVE_MODULUS * 0.05, np.array([1 / n for n in shape])
     curve = half_space(flat_like(lower), lower, [load], boundary=boundary, hardness=hardness, tolerance=1e-11)
     assert curve.error[0] <= 1e-11
     result = curve.contact(0)
@@ -101,7 +101,7 @@ def test_missing_points_have_neither_pressure_nor_gap(shape, boundary, hardness,
     assert np.isnan(result.gap[missing]).all()
     gap = lower.heights[~missing].max() - lower.heights
     bound = np.where(missing, 0.0, np.inf if hardness is None else hardness)
-    matrix = dense_half_space.influence_matrix(shape, spacing, MODULUS, periodic=boundary == "periodic")
+    matrix = dense_half_space.influence_matrix(shape, spacing, EFFECTIVE_MODULUS, periodic=boundary == "periodic")
     is_between_bounds = ((result.pressure > 0) & (result.pressure < bound)).ravel()
     approach = float(np.mean((matrix @ result.pressure.ravel() + gap.ravel())[is_between_bounds]))
     total = result.pressure.sum() if boundary == "periodic" else None
@@ -126,7 +126,7 @@ def test_bounded_pressures_agree_with_a_dense_matrix_calculation(shape, boundary
     gap = np.zeros(shape) if flat else -(body := periodic_body(shape, longest=1, shortest=5).heights) + body.max()
     bound = random.uniform(0.1, 1.0, shape) * (random.random(shape) < 0.7 if flat else 1.0)
     solver = make_solver(gap, spacing, periodic=periodic, bound=bound, tolerance=1e-11)
-    matrix = dense_half_space.influence_matrix(shape, spacing, MODULUS, periodic=boundary == "periodic")
+    matrix = dense_half_space.influence_matrix(shape, spacing, EFFECTIVE_MODULUS, periodic=boundary == "periodic")
     initial_pressure = None
     for mean in np.array([0.9, 1.0]) * part * bound.mean():
         result = solver.at(mean, near=initial_pressure)
@@ -175,7 +175,7 @@ def test_traction_under_a_sphere_equals_mindlin_solution(ratio):
     is_sticking = (bound > 0) & (result.pressure.reshape(n, n) < bound)
     assert np.sqrt(is_sticking.sum() * spacing**2 / np.pi) == pytest.approx((1 - ratio) ** (1 / 3), abs=spacing)
     # This is the displacement in the middle of a Hertzian pressure distribution with the given maximum.
-    displacement_at_sliding = np.pi * mu0 / 2 / MODULUS * radius
+    displacement_at_sliding = np.pi * mu0 / 2 / EFFECTIVE_MODULUS * radius
     assert result.approach == pytest.approx(
         displacement_at_sliding * (1 - (1 - ratio) ** (2 / 3)), rel=MINDLIN_TOLERANCE
     )
@@ -185,9 +185,9 @@ def test_traction_under_a_sphere_equals_mindlin_solution(ratio):
 def test_half_space_solution_of_a_sinusoid_equals_westergaard_solution(fraction):
     amplitude, full_contact_pressure = (
         1e-4,
-        np.pi * MODULUS * 1e-4,
+        np.pi * EFFECTIVE_MODULUS * 1e-4,
     )  # the slopes are so small that areas equal projected areas
-    wave = {"amplitude": amplitude, "wavelength": 1.0, "effective_modulus": MODULUS}
+    wave = {"amplitude": amplitude, "wavelength": 1.0, "effective_modulus": EFFECTIVE_MODULUS}
     load = full_contact_pressure * np.sin(np.pi / 2 * fraction) ** 2
     errors = []
     for n in (1024, 4096):
@@ -207,7 +207,7 @@ def test_half_space_solution_of_a_sinusoid_equals_westergaard_solution(fraction)
 
 
 def test_westergaard_pressure_gap_and_contact_fraction_agree_with_each_other():
-    wave = {"amplitude": 0.01, "wavelength": 2.0, "effective_modulus": MODULUS}
+    wave = {"amplitude": 0.01, "wavelength": 2.0, "effective_modulus": EFFECTIVE_MODULUS}
     x = np.linspace(-1, 1, 20_001)[:-1]
     for load in (0.001, 0.1, 0.2):
         p = westergaard_pressure(x, load, **wave)
@@ -223,7 +223,7 @@ def test_westergaard_pressure_gap_and_contact_fraction_agree_with_each_other():
 
 def test_half_space_solution_of_a_line_contact_equals_hertz_solution():
     radius, load, errors = 5.0, 0.1, []
-    half_width, max_pressure = hertz_line(load, radius, MODULUS)
+    half_width, max_pressure = hertz_line(load, radius, EFFECTIVE_MODULUS)
     for n in (512, 2048):
         x = (np.arange(n) - n / 2 + 0.31) / n
         gap = Profile(x**2 / (2 * radius), spacing=1 / n)
@@ -239,7 +239,7 @@ def test_half_space_solution_of_a_line_contact_equals_hertz_solution():
 
 @pytest.mark.parametrize("radii", [(5.0, 5.0), (5.0, 15.0)])
 def test_half_space_solution_of_a_point_contact_equals_hertz_solution(radii):
-    force, area, axes = hertz_ellipse(0.01, *radii, MODULUS)
+    force, area, axes = hertz_ellipse(0.01, *radii, EFFECTIVE_MODULUS)
     errors = []
     for n in (64, 128, 256):
         gap = create_paraboloid(n, 1.6, radii)
@@ -255,17 +255,17 @@ def test_half_space_solution_of_a_point_contact_equals_hertz_solution(radii):
 
 
 def test_elliptic_hertz_contact_tends_to_sphere_contact_and_line_contact():
-    force, area, (a, b) = hertz_ellipse(0.01, 3.0, 3.0, MODULUS)
-    np.testing.assert_allclose((force, area), hertz_sphere(0.01, 3.0, MODULUS), rtol=ROUND_OFF)
+    force, area, (a, b) = hertz_ellipse(0.01, 3.0, 3.0, EFFECTIVE_MODULUS)
+    np.testing.assert_allclose((force, area), hertz_sphere(0.01, 3.0, EFFECTIVE_MODULUS), rtol=ROUND_OFF)
     np.testing.assert_allclose(a, b, rtol=ROUND_OFF)
-    force, area, (a, b) = hertz_ellipse(0.01, 1e8, 1.0, MODULUS)
+    force, area, (a, b) = hertz_ellipse(0.01, 1e8, 1.0, EFFECTIVE_MODULUS)
     # Across a long ellipse the pressure is that of a line contact. The load per length is 3 F/(4 a).
-    half_width, _ = hertz_line(3 * force / (4 * a), 1.0, MODULUS)
+    half_width, _ = hertz_line(3 * force / (4 * a), 1.0, EFFECTIVE_MODULUS)
     np.testing.assert_allclose(b, half_width, rtol=1e-6)
     # A curvature ratio of 5 gives an axis ratio of 0.346.
     # The area is 0.968 times that of the equivalent sphere, and the force is 1.0536 times that of the sphere.
-    force, area, (a, b) = hertz_ellipse(0.01, 5.0, 1.0, MODULUS)
-    sphere = hertz_sphere(0.01, 5.0**0.5, MODULUS)
+    force, area, (a, b) = hertz_ellipse(0.01, 5.0, 1.0, EFFECTIVE_MODULUS)
+    sphere = hertz_sphere(0.01, 5.0**0.5, EFFECTIVE_MODULUS)
     np.testing.assert_allclose([b / a, area / sphere[1], force / sphere[0]], [0.346, 0.9680, 1.0536], atol=5e-4)
 
 
@@ -287,7 +287,7 @@ def test_pressure_in_full_contact_equals_the_sum_of_fourier_components_of_the_he
         indexing="ij",
     )
     k = np.sqrt(sum(np.square(wave) for wave in waves))
-    exact = 5.0 + scipy.fft.irfftn(0.5 * MODULUS * k * scipy.fft.rfftn(lower.heights), shape)
+    exact = 5.0 + scipy.fft.irfftn(0.5 * EFFECTIVE_MODULUS * k * scipy.fft.rfftn(lower.heights), shape)
     assert exact.min() > 0
     curve = half_space(flat_like(lower), lower, [5.0], boundary="periodic", tolerance=TIGHT_TOLERANCE)
     np.testing.assert_allclose(curve.contact(0).pressure, exact, rtol=1e-7)
@@ -303,7 +303,7 @@ def test_half_space_results_scale_with_modulus_and_ignore_height_offsets():
         raised_body,
         [0.07, 0.7],
         boundary="periodic",
-        effective_modulus=7 * MODULUS,
+        effective_modulus=7 * EFFECTIVE_MODULUS,
         tolerance=TIGHT_TOLERANCE,
     )
     for name in ("normal_elastic", "tangential_elastic", "normal_frictional", "tangential_frictional"):
@@ -317,7 +317,7 @@ def test_half_space_results_scale_with_modulus_and_ignore_height_offsets():
 
 def test_free_and_periodic_boundaries_agree_for_small_patches():
     differences = []
-    force = float(hertz_sphere(0.01, 4.0, MODULUS)[0])  # the contact radius is then 0.2 µm
+    force = float(hertz_sphere(0.01, 4.0, EFFECTIVE_MODULUS)[0])  # the contact radius is then 0.2 µm
     for extent in (0.5, 1.0, 2.0):
         gap = create_paraboloid(int(64 * extent), extent, (4.0, 4.0))
         free_pressure, periodic_pressure = (
@@ -338,7 +338,7 @@ def test_contact_stiffness_equals_derivative_of_load():
     assert curve.stiffness[1] == pytest.approx(slope, rel=0.01)
 
 
-@pytest.mark.parametrize("hardness", [None, 0.06 * MODULUS], ids=["elastic", "yielding"])
+@pytest.mark.parametrize("hardness", [None, 0.06 * EFFECTIVE_MODULUS], ids=["elastic", "yielding"])
 @pytest.mark.parametrize(("shape", "boundary"), [((63,), "periodic"), ((12, 15), "periodic"), ((12, 15), "free")])
 def test_contact_stiffness_agrees_with_a_dense_matrix_calculation(shape, boundary, hardness):
     """Compare the stiffness with dense matrices; unloading is elastic also at points that yielded.
@@ -346,9 +346,9 @@ def test_contact_stiffness_agrees_with_a_dense_matrix_calculation(shape, boundar
     Without a hardness, the stiffnesses of loading and unloading are equal.
     """
     lower = periodic_body(shape, longest=1, shortest=5)
-    curve = half_space(flat_like(lower), lower, [0.02 * MODULUS], boundary=boundary, hardness=hardness)
+    curve = half_space(flat_like(lower), lower, [0.02 * EFFECTIVE_MODULUS], boundary=boundary, hardness=hardness)
     spacing = np.array([1 / n for n in shape])
-    matrix = dense_half_space.influence_matrix(shape, spacing, MODULUS, periodic=boundary == "periodic")
+    matrix = dense_half_space.influence_matrix(shape, spacing, EFFECTIVE_MODULUS, periodic=boundary == "periodic")
     contact_indices = np.flatnonzero(curve.contact(0).pressure)
     assert 5 < contact_indices.size < 0.8 * lower.heights.size
     uniform_pressure = np.linalg.solve(matrix[np.ix_(contact_indices, contact_indices)], np.ones(contact_indices.size))
@@ -370,9 +370,9 @@ def test_half_space_pressure_agrees_with_tamaas(pressed, boundary):
     tamaas.set_log_level(tamaas.LogLevel.error)
     n = 64
     lower = periodic_body((n, n), shortest=8)
-    load = pressed * MODULUS * 0.1
+    load = pressed * EFFECTIVE_MODULUS * 0.1
     model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], [n, n])
-    model.E, model.nu = MODULUS, 0.0
+    model.E, model.nu = EFFECTIVE_MODULUS, 0.0
     # with a tolerance below 1e-12 the iteration may not end
     solver = tamaas.PolonskyKeerRey(model, lower.heights.copy(), 1e-11)
     if boundary == "free":
@@ -388,8 +388,8 @@ def test_half_space_pressure_agrees_with_tamaas(pressed, boundary):
 
 def test_area_to_load_ratio_kappa_is_near_2_at_light_load():
     lower = periodic_body((256, 256), shortest=32)
-    curve = half_space(flat_like(lower), lower, [0.02 * MODULUS * 0.1], boundary="periodic")
-    assert 1.8 < curve.contact_area[0] * MODULUS * 0.1 / curve.load[0] < 2.5
+    curve = half_space(flat_like(lower), lower, [0.02 * EFFECTIVE_MODULUS * 0.1], boundary="periodic")
+    assert 1.8 < curve.contact_area[0] * EFFECTIVE_MODULUS * 0.1 / curve.load[0] < 2.5
 
 
 def test_pressure_is_limited_by_hardness_and_area_tends_to_load_over_hardness():
@@ -423,7 +423,7 @@ def test_random_half_space_problems_with_hardness_satisfy_the_contact_conditions
     random = np.random.default_rng(8)
     for _ in range(8):
         upper, lower, load, arguments, description = soak.random_problem_with_hardness(random)
-        curve = half_space(upper, lower, [load], effective_modulus=soak.MODULUS, **arguments)
+        curve = half_space(upper, lower, [load], effective_modulus=soak.EFFECTIVE_MODULUS, **arguments)
         assert not soak.find_solution_violations(lower, load, arguments, curve), description
 
 
@@ -433,7 +433,7 @@ def test_random_half_space_problems_with_hardness_satisfy_the_contact_conditions
 def test_half_space_accepts_arbitrarily_low_hardness(shape, boundary, ratio):
     """Solve pairs with E* h'/H from 0.5 to 1000 at loads up to the largest that the hardness permits."""
     lower = periodic_body(shape)
-    hardness = MODULUS * 0.1 / ratio
+    hardness = EFFECTIVE_MODULUS * 0.1 / ratio
     loads = np.array([1e-3, 0.03, 0.3, 0.9, 0.999]) * hardness
     curve = half_space(flat_like(lower), lower, loads, boundary=boundary, hardness=hardness)
     assert (curve.error <= 1e-6).all()
@@ -464,7 +464,7 @@ def test_pressure_with_hardness_agrees_with_tamaas():
     n, load, hardness = 32, 0.05, 0.6
     lower = periodic_body((n, n), longest=1, shortest=5)
     model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], [n, n])
-    model.E, model.nu = MODULUS, 0.0
+    model.E, model.nu = EFFECTIVE_MODULUS, 0.0
     solver = tamaas.KatoSaturated(model, lower.heights.copy(), 1e-12, hardness)
     solver.max_iter = 100_000
     solver.solve(load)
@@ -477,7 +477,7 @@ def test_pressure_with_hardness_agrees_with_tamaas():
 
 def test_half_space_friction_agrees_with_small_slope_formula():
     slope, mu0, tau0 = 0.1, 0.4, 0.2
-    load = 0.005 * MODULUS * slope
+    load = 0.005 * EFFECTIVE_MODULUS * slope
     angles = np.arange(0, 360, 45)
     for sliding, tolerance in (("all", 2e-3), ("opposing", 0.015)):
         for strength in (0.0, tau0):
@@ -489,7 +489,7 @@ def test_half_space_friction_agrees_with_small_slope_formula():
                 curve = half_space(upper, lower, [load], boundary="periodic", direction=angles, sliding=sliding)
                 assert curve.friction_coefficient(mu0=mu0).shape == (8, 1)
                 result.append(curve.friction_coefficient(mu0=mu0, tau0=strength).mean())
-                kappa = curve.contact_area[0] * MODULUS * slope / load
+                kappa = curve.contact_area[0] * EFFECTIVE_MODULUS * slope / load
                 expected.append(gentle_friction(mu0, strength, rms_gradient=slope, kappa=kappa, sliding=sliding))
             assert np.mean(result) == pytest.approx(np.mean(expected), rel=tolerance), (sliding, strength)
 
@@ -577,8 +577,8 @@ def test_friction_at_steep_slopes_agrees_with_second_order_formula():
     values = []
     for seeds in ((1, 2), (3, 4)):
         curve = half_space(
-            *pair_with_gradient(1.0, seeds, slope), [0.02 * MODULUS * slope], boundary="periodic", sliding="all",
-            direction=range(0, 360, 30),
+            *pair_with_gradient(1.0, seeds, slope), [0.02 * EFFECTIVE_MODULUS * slope], boundary="periodic",
+            sliding="all", direction=range(0, 360, 30),
         )  # fmt: skip
         values.append(curve.friction_coefficient(mu0=0.4).mean())
     expected = gentle_friction(0.4, rms_gradient=slope, sliding="all", order=2)
@@ -592,7 +592,7 @@ def test_mean_slope_of_contacts_is_independent_of_compliance_fraction():
     for compliance_fraction in (0.0, 0.5, 1.0):
         curve = half_space(
             *pair_with_gradient(ratio, (1, 2), slope),
-            [0.02 * MODULUS * slope],
+            [0.02 * EFFECTIVE_MODULUS * slope],
             boundary="periodic",
             compliance_share=compliance_fraction,
             direction=range(0, 360, 30),
@@ -732,10 +732,10 @@ def test_gap_vanishes_at_all_contact_points_if_pressures_reach_the_hardness():
 
 @pytest.mark.parametrize("periodic", [True, False])
 def test_displacements_equal_direct_sum_for_any_thread_count(periodic):
-    grids = _core.HalfSpaceGrids((801, 760), (0.1, 0.2), effective_modulus=MODULUS, periodic=periodic)
+    grids = _core.HalfSpaceGrids((801, 760), (0.1, 0.2), effective_modulus=EFFECTIVE_MODULUS, periodic=periodic)
     pressure = np.random.default_rng(4).random((801, 760))
     pressure[np.random.default_rng(5).permutation(801)[:400]] = 0.0
-    expected = dense_half_space.compute_displacement(pressure, (0.1, 0.2), MODULUS, periodic=periodic)
+    expected = dense_half_space.compute_displacement(pressure, (0.1, 0.2), EFFECTIVE_MODULUS, periodic=periodic)
     result = grids.displacement(pressure)
     np.testing.assert_allclose(result, expected, rtol=0, atol=LARGE_GRID_TOLERANCE * np.abs(expected).max())
     for threads in (2, 3):
@@ -747,7 +747,7 @@ def test_half_space_problems_on_equal_grids_share_kernels():
     first_curve = half_space(flat_like(one), one, [0.01])
     second_curve = half_space(flat_like(other), other, [0.02])
     assert first_curve._problem.grids is second_curve._problem.grids
-    stiffer_curve = half_space(flat_like(other), other, [0.02], effective_modulus=2 * MODULUS)
+    stiffer_curve = half_space(flat_like(other), other, [0.02], effective_modulus=2 * EFFECTIVE_MODULUS)
     assert stiffer_curve._problem.grids is not first_curve._problem.grids
     separate_solver = make_solver(first_curve._problem.gap, (1 / 32, 1 / 32), periodic=False, tolerance=1e-6)
     assert np.array_equal(separate_solver.at(0.01).pressure, first_curve.contact(0).pressure.ravel())
@@ -796,7 +796,7 @@ def test_approach_of_a_sphere_on_a_half_space_equals_hertz_solution():
     """Compare with the approach of distant points, δ = (9 F²/(16 E*² R))^(1/3)."""
     ball = create_paraboloid(96, 2.0, (5.0, 5.0))
     curve = half_space(ball, flat_like(ball), approaches=[0.05])
-    force, _ = hertz_sphere(0.05, 5.0, MODULUS)
+    force, _ = hertz_sphere(0.05, 5.0, EFFECTIVE_MODULUS)
     assert curve.load[0] == pytest.approx(force, rel=BALL_TOLERANCE)
 
 

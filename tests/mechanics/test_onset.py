@@ -22,7 +22,7 @@ from stiction import (
 from stiction.mechanics.presliding import fit_iwan, fit_lugre
 from support.rough_surfaces import flat_like, periodic_body, rough_maps
 
-MODULUS = 10.0
+EFFECTIVE_MODULUS = 10.0
 ROUND_OFF = 1e-12
 # relative to the largest value, compared with dense matrices at a solver tolerance of 1e-6
 DENSE_SOLUTION_TOLERANCE = 1e-6
@@ -45,7 +45,7 @@ def create_rough_body(shape, seed=4, slope=0.1):
 def load_at_relative_pressure(body, fraction):
     """Return the load on a unit length or a unit square at a mean pressure that is a fraction of E* h'."""
     steps = [np.diff(body.heights, axis=axis) * body.heights.shape[axis] for axis in range(body.heights.ndim)]
-    return fraction * MODULUS * np.sqrt(sum(np.mean(np.square(step)) for step in steps))
+    return fraction * EFFECTIVE_MODULUS * np.sqrt(sum(np.mean(np.square(step)) for step in steps))
 
 
 # ---- The half-space against closed forms ----------------------------------------------------------------------------
@@ -55,7 +55,7 @@ def load_at_relative_pressure(body, fraction):
 def ball_curve_and_radius():
     lower = create_paraboloid(96, 1.0, (1.0, 1.0))
     radius = 0.25
-    return half_space(flat_like(lower), lower, [4 / 3 * MODULUS * radius**3], tolerance=1e-8), radius
+    return half_space(flat_like(lower), lower, [4 / 3 * EFFECTIVE_MODULUS * radius**3], tolerance=1e-8), radius
 
 
 def test_onset_of_sliding_of_a_ball_equals_cattaneo_mindlin_solution(ball_curve_and_radius):
@@ -73,7 +73,7 @@ def test_onset_of_sliding_of_a_ball_equals_cattaneo_mindlin_solution(ball_curve_
         np.testing.assert_allclose(
             onset.displacement, sliding_displacement * (1 - stick_radius_ratio**2), rtol=MINDLIN_TOLERANCE
         )
-        assert onset.stiffness == pytest.approx(2 * MODULUS * radius / ratio, rel=MINDLIN_TOLERANCE)
+        assert onset.stiffness == pytest.approx(2 * EFFECTIVE_MODULUS * radius / ratio, rel=MINDLIN_TOLERANCE)
         stick_radius = radius * np.sqrt(1 - onset.slipped_area)
         assert (
             np.abs(stick_radius - radius * stick_radius_ratio).max() < 1 / 96
@@ -111,7 +111,7 @@ def test_onset_of_sliding_of_a_cylinder_equals_cattaneo_solution():
     x = (np.arange(n) - n / 2 + 0.31) / n
     lower = Profile(-(x**2) / 2, spacing=1 / n)
     curve = half_space(flat_like(lower), lower, [0.2], tolerance=1e-8)
-    half_width, max_pressure = hertz_line(load=0.2, radius=1.0, effective_modulus=MODULUS)
+    half_width, max_pressure = hertz_line(load=0.2, radius=1.0, effective_modulus=EFFECTIVE_MODULUS)
     onset = curve.onset(0, mu0=0.3, steps=LOAD_FRACTIONS)
     for i, load_fraction in enumerate(LOAD_FRACTIONS):
         stick_half_width = half_width * np.sqrt(1 - load_fraction)
@@ -135,7 +135,7 @@ def test_onset_of_sliding_of_a_cylinder_equals_cattaneo_solution():
 def test_stick_area_has_the_shape_of_the_elliptical_contact():
     radii = (0.5, 1.5)
     lower = create_paraboloid(128, 1.0, radii)
-    load, _, axes = hertz_ellipse(0.04, *radii, MODULUS)
+    load, _, axes = hertz_ellipse(0.04, *radii, EFFECTIVE_MODULUS)
     curve = half_space(flat_like(lower), lower, [float(load)], tolerance=1e-8)
     onset = curve.onset(0, mu0=0.2, poisson=0.0, steps=LOAD_FRACTIONS)
     load_fractions = np.array(LOAD_FRACTIONS)
@@ -189,7 +189,7 @@ def test_onset_of_sliding_agrees_with_active_set_solver(shape, boundary, mu0, ta
     assert 20 < bound.size < 600
     periodic = boundary == "periodic"
     spacing = tuple(1 / n for n in shape) if len(shape) == 1 else lower.spacing
-    compliance = dense_half_space.influence_matrix(shape, spacing, MODULUS, periodic=periodic, points=points)
+    compliance = dense_half_space.influence_matrix(shape, spacing, EFFECTIVE_MODULUS, periodic=periodic, points=points)
     load_fractions = [0.1, 0.5, 0.9]
     onset = curve.onset(0, mu0=mu0, tau0=tau0, poisson=0.0, steps=load_fractions)
     accurate_onset = curve.onset(0, mu0=mu0, tau0=tau0, poisson=0.0, steps=load_fractions, tolerance=1e-10)
@@ -220,7 +220,9 @@ def test_energy_loss_from_masing_rule_equals_loss_in_a_simulated_cycle():
     curve = half_space(flat_like(lower), lower, [load_at_relative_pressure(lower, 0.1)], tolerance=1e-10)
     points, bound, _, _ = compute_traction_bound(curve, 0.3, 0.0)
     assert bound.size > 40
-    compliance = dense_half_space.influence_matrix((16, 16), lower.spacing, MODULUS, periodic=False, points=points)
+    compliance = dense_half_space.influence_matrix(
+        (16, 16), lower.spacing, EFFECTIVE_MODULUS, periodic=False, points=points
+    )
     for load_fraction in (0.5, 0.9):
         onset = curve.onset(0, mu0=0.3, poisson=0.0, steps=[load_fraction])
         max_displacement = onset.displacement[0]
@@ -427,7 +429,7 @@ def test_onset_of_sliding_of_a_single_asperity_equals_mindlin_solution():
         assert onset.sliding_load == pytest.approx(0.3 * load.sum(), rel=ROUND_OFF)
         np.testing.assert_allclose(onset.displacement, sliding_displacement * (1 - (1 - part) ** (2 / 3)), rtol=1e-6)
         np.testing.assert_allclose(onset.slipped_area, 1 - (1 - part) ** (2 / 3), rtol=1e-6)
-        assert onset.stiffness == pytest.approx(2 * MODULUS * radius / ratio, rel=1e-6)
+        assert onset.stiffness == pytest.approx(2 * EFFECTIVE_MODULUS * radius / ratio, rel=1e-6)
         energy_loss = 24 / 5 * (1 - (1 - part) ** (5 / 3)) - 4 * part * (1 + (1 - part) ** (2 / 3))
         np.testing.assert_allclose(
             onset.energy_lost(onset.tangential_load), onset.sliding_load * sliding_displacement * energy_loss, rtol=1e-6
@@ -467,7 +469,7 @@ def test_tangential_stiffness_of_an_elliptical_contact_equals_cerruti_quadrature
     ):  # The unit force has the traction 1/(2π a b) (1 - s²)^(-1/2). For one of two equal bodies 1/G = 4 (1 - ν)/E*.
         return (1 - poisson * np.sin(angle - direction_angle) ** 2) * ellipse_radius(angle)
 
-    shear_modulus = MODULUS * (1 - poisson)  # For equal bodies E* = G/(1 - ν).
+    shear_modulus = EFFECTIVE_MODULUS * (1 - poisson)  # For equal bodies E* = G/(1 - ν).
     displacement = quad(displacement_contribution, 0, 2 * np.pi)[0] / (8 * np.pi * shear_modulus * axes.prod())
     onset = curve.onset(0, mu0=0.3, poisson=poisson, direction=direction)
     assert onset.stiffness == pytest.approx(1 / (2 * displacement), rel=1e-9)
@@ -649,7 +651,9 @@ def test_onset_of_sliding_of_a_ball_equals_closed_form_if_mu0_is_zero(ball_curve
     onset = curve.onset(0, mu0=0.0, tau0=0.2, poisson=0.0, steps=LOAD_FRACTIONS)
     area = np.pi * radius**2
     assert onset.sliding_load == pytest.approx(0.2 * curve.contact_area[0], rel=ROUND_OFF)
-    assert onset.displacement_at_sliding == pytest.approx(2 * 0.2 * area / (np.pi * MODULUS / 2 * radius) / 2, rel=0.01)
+    assert onset.displacement_at_sliding == pytest.approx(
+        2 * 0.2 * area / (np.pi * EFFECTIVE_MODULUS / 2 * radius) / 2, rel=0.01
+    )
     for displacement, load_fraction in zip(onset.displacement, LOAD_FRACTIONS, strict=True):
         relative_displacement = displacement / onset.displacement_at_sliding
         assert 2 / np.pi * (

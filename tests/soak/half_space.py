@@ -26,7 +26,7 @@ ROUND_OFF = 1e-9
 """Allowance for round-off in the check of the solver tolerance."""
 MAX_SUM_ERROR = 1e-12
 """Relative round-off of a sum of up to 262 144 numbers."""
-MODULUS = 10.0
+EFFECTIVE_MODULUS = 10.0
 
 
 def random_heights(random, shape):
@@ -67,10 +67,11 @@ def random_problem(random):
     z, description = random_heights(random, shape)
     slope = np.exp(random.uniform(np.log(1e-4), np.log(3.0)))
     z = slope * z
-    pressure = MODULUS * slope * np.exp(random.uniform(np.log(1e-4), np.log(3.0)))
+    pressure = EFFECTIVE_MODULUS * slope * np.exp(random.uniform(np.log(1e-4), np.log(3.0)))
     hardness = pressure * np.exp(random.uniform(np.log(1.01), np.log(100.0))) if random.random() < 0.25 else None
-    description = f"{shape} {description} slope {slope:.1e} p/E*h' {pressure / MODULUS / slope:.1e} hardness/p " + (
-        f"{hardness / pressure:.2f}" if hardness else "none"
+    description = (
+        f"{shape} {description} slope {slope:.1e} p/E*h' {pressure / EFFECTIVE_MODULUS / slope:.1e} hardness/p "
+        + (f"{hardness / pressure:.2f}" if hardness else "none")
     )
     return assemble_problem(z, pressure, hardness, periodic, description)
 
@@ -81,11 +82,10 @@ def random_problem_with_hardness(random):
     shape = tuple(int(np.exp(random.uniform(np.log(32), np.log(513)))) for _ in range(axes))
     z, description = random_heights(random, shape)
     slope = np.exp(random.uniform(np.log(1e-3), 0.0))
-    hardness = MODULUS * slope * np.exp(random.uniform(np.log(1e-3), np.log(2.0)))
+    hardness = EFFECTIVE_MODULUS * slope * np.exp(random.uniform(np.log(1e-3), np.log(2.0)))
     load_fraction = np.exp(random.uniform(np.log(1e-4), 0.0)) if random.random() < 0.5 else random.uniform(0.5, 0.9999)
-    description = (
-        f"{shape} {description} slope {slope:.1e} H/E*h' {hardness / MODULUS / slope:.1e} F/(H A0) {load_fraction:.4f}"
-    )
+    relative_hardness = hardness / EFFECTIVE_MODULUS / slope
+    description = f"{shape} {description} slope {slope:.1e} H/E*h' {relative_hardness:.1e} F/(H A0) {load_fraction:.4f}"
     return assemble_problem(slope * z, load_fraction * hardness, hardness, bool(random.random() < 0.5), description)
 
 
@@ -104,7 +104,7 @@ def find_solution_violations(lower, load, arguments, curve):
         curve.contact(0).pressure,
         lower.heights.max() - lower.heights,
         (1.0,) * lower.heights.ndim,
-        MODULUS,
+        EFFECTIVE_MODULUS,
         load,
         periodic=arguments["boundary"] == "periodic",
         tolerance=SOLVER_TOLERANCE + ROUND_OFF,
@@ -132,7 +132,7 @@ def solve_problems(create_problem, num_problems, seed):
         upper, lower, load, arguments, description = create_problem(random)
         start = time.process_time()
         try:
-            curve = half_space(upper, lower, [load], effective_modulus=MODULUS, **arguments)
+            curve = half_space(upper, lower, [load], effective_modulus=EFFECTIVE_MODULUS, **arguments)
         except RuntimeError as error:
             num_rejected += 1
             print(f"{number}: rejected: {description}: {error} ({time.process_time() - start:.1f} s)", flush=True)

@@ -5,7 +5,13 @@ import pytest
 from stiction import Profile, approach_at_load, flipped, half_space, levelled, press
 from stiction.mechanics.friction import STATUSES
 from stiction.studies import member_solution
-from stiction.studies.layout import MEMBER_COORDINATES, build_dataset, stack_members, variable_names, variable_specs
+from stiction.studies.layout import (
+    MEMBER_COORDINATE_TYPES,
+    build_dataset,
+    stack_members,
+    variable_names,
+    variable_specs,
+)
 from stiction.studies.member_solution import compute_member_sums, estimate_member_time
 from stiction.studies.members import body_attributes, load_bodies
 from support.studies_of_files import study_of_files, write_maps, write_profiles
@@ -87,7 +93,7 @@ def test_built_dataset_has_the_variables_declared_by_its_study(tmp_path):
         assert dataset[name].dims == item.dims
         assert dataset[name].shape == item.shape
         assert "long_name" in dataset[name].attrs
-    assert set(MEMBER_COORDINATES) <= set(dataset.coords)
+    assert set(MEMBER_COORDINATE_TYPES) <= set(dataset.coords)
     assert float(dataset["nominal_area"]) == pytest.approx(3.6**2)
     assert "turned over" in dataset.attrs["upper"]
 

@@ -126,7 +126,7 @@ def test_slip_map_contains_the_smallest_slip_load_of_each_cell(study, onset, mon
         member_onset.slipped_load[onset["fraction"].values.tolist().index(0.5)], rel=1e-9
     )
     np.testing.assert_allclose(onset["lower_height"], lower.heights, rtol=1e-6)
-    monkeypatch.setattr("stiction.studies.onset.MAX_PICTURE_SIZE", 8)
+    monkeypatch.setattr("stiction.studies.onset.MAX_PICTURE_SIDE_POINTS", 8)
     coarse_slip = compute_study_onset(study, members=1)["slip"].values
     assert coarse_slip.shape == (8, 8)
     for row, column in np.ndindex(8, 8):

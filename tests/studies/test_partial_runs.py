@@ -9,7 +9,7 @@ import pytest
 import xarray
 from stiction import run
 from stiction.studies import runner, store
-from stiction.studies.runner import SharedFolder, compute_missing
+from stiction.studies.runner import SharedResultFolder, compute_missing
 from support.generated_studies import TINY_STUDY, InlineExecutor, assert_same_bits, with_repetitions
 
 pytestmark = pytest.mark.usefixtures("write_blocks_of_four_members")
@@ -55,10 +55,10 @@ class RemoteExecutor(Executor):
 
     def submit(self, function, /, *args):
         if not self.has_folder:
-            args = [replace(arg, path=Path("/nowhere")) if isinstance(arg, SharedFolder) else arg for arg in args]
-            # The function is the method SharedFolder.is_visible.
-            if isinstance(getattr(function, "__self__", None), SharedFolder):
-                function = SharedFolder(Path("/nowhere"), "").is_visible
+            args = [replace(arg, path=Path("/nowhere")) if isinstance(arg, SharedResultFolder) else arg for arg in args]
+            # The function is the method SharedResultFolder.is_visible.
+            if isinstance(getattr(function, "__self__", None), SharedResultFolder):
+                function = SharedResultFolder(Path("/nowhere"), "").is_visible
         return InlineExecutor().submit(function, *args)
 
 

@@ -5,7 +5,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 import numpy as np
 import xarray
 from stiction import Study
-from stiction.studies.layout import MEMBER_COORDINATES, build_dataset, variable_specs
+from stiction.studies.layout import MEMBER_COORDINATE_TYPES, build_dataset, variable_specs
 from stiction.studies.measured_surfaces import BodyAttributes
 
 # Study with several fractal dimensions, amplitudes, repetitions and approaches; it runs in about a second.
@@ -43,7 +43,7 @@ def empty_dataset(study):
         name: np.zeros(variable.shape, variable.dtype) for name, variable in variable_specs(study, numbers).items()
     }
     if study.is_measured:
-        arrays |= {name: np.zeros(numbers.size, dtype) for name, dtype in MEMBER_COORDINATES.items()}
+        arrays |= {name: np.zeros(numbers.size, dtype) for name, dtype in MEMBER_COORDINATE_TYPES.items()}
     return build_dataset(study, numbers, arrays, BodyAttributes(nominal_area=1.0) if study.is_measured else None)
 
 

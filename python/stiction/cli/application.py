@@ -145,7 +145,7 @@ def option_was_given(context: typer.Context, name: str) -> bool:
     return parameter_source is not None and parameter_source.name != "DEFAULT"
 
 
-class _PanelCommand(TyperCommand):
+class _CommandWithHelpPanels(TyperCommand):
     """Command whose help lists the options in panels. Value types and ranges are not shown."""
 
     common: Collection[str] = ()  # parameters listed in the short help of a command that has many parameters
@@ -193,7 +193,7 @@ class _LazyCommandGroup(TyperGroup):
             return None
         with exit_on_interrupt():
             import_module(f"stiction.cli.{modules[cmd_name]}")
-        result = cast("_PanelCommand", typer.main.get_command(_COMMAND_APPLICATIONS[cmd_name]))
+        result = cast("_CommandWithHelpPanels", typer.main.get_command(_COMMAND_APPLICATIONS[cmd_name]))
         result.common = _SHORT_HELP_PARAMETERS.get(cmd_name, ())
         return result
 
@@ -240,7 +240,7 @@ def command(name: str, *lines: str, common: Collection[str] = ()) -> Callable[[F
     """
     application = _COMMAND_APPLICATIONS[name] = typer.Typer(**_TYPER_OPTIONS)
     _SHORT_HELP_PARAMETERS[name] = common
-    return application.command(name, cls=_PanelCommand, epilog=format_help_epilog(*lines))
+    return application.command(name, cls=_CommandWithHelpPanels, epilog=format_help_epilog(*lines))
 
 
 _OPTION_NAMES_BY_ARGUMENT = {"height_scale": "--scale-heights", "compute=True": "--compute"}

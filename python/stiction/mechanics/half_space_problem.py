@@ -257,7 +257,7 @@ class ContactSolution:
         return problem.cell_area / compliance if compliance > 0 else np.inf
 
 
-MAX_GAP_RATIO = 1e6  # maximum ratio of the gap to the length; the model assumes slopes far below 1
+MAX_GAP_TO_LENGTH_RATIO = 1e6  # maximum ratio of the gap to the length; the model assumes slopes far below 1
 
 
 def make_problem(
@@ -278,9 +278,10 @@ def make_problem(
         )
     gap, missing = upper.heights - lower.heights, combine_missing_masks(upper, lower)
     gap -= gap.min() if missing is None else gap[~missing].min()
-    if not gap.max() <= MAX_GAP_RATIO * max(spacing) * max(gap.shape):
+    if not gap.max() <= MAX_GAP_TO_LENGTH_RATIO * max(spacing) * max(gap.shape):
         raise ValueError(
-            f"upper and lower must have a gap of at most {MAX_GAP_RATIO:g} times their length, got {gap.max():.3g} µm"
+            f"upper and lower must have a gap of at most {MAX_GAP_TO_LENGTH_RATIO:g} times their length, "
+            f"got {gap.max():.3g} µm"
         )
     grids = get_half_space_grids(gap.shape, spacing, effective_modulus, periodic=periodic)
     return HalfSpaceProblem(

@@ -44,12 +44,12 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-POSITIONS_INPUT, UNRESOLVED_ROUGHNESS_INPUT = "positions", "unresolved roughness"
-UPPER_SCANS_INPUT, LOWER_SCANS_INPUT = "which piece of the upper part", "which piece of the lower part"
-SAMPLING_INPUTS = (UPPER_SCANS_INPUT, LOWER_SCANS_INPUT, POSITIONS_INPUT)
+POSITIONS_INPUT_NAME, UNRESOLVED_ROUGHNESS_INPUT_NAME = "positions", "unresolved roughness"
+UPPER_SCANS_INPUT_NAME, LOWER_SCANS_INPUT_NAME = "which piece of the upper part", "which piece of the lower part"
+SAMPLING_INPUT_NAMES = (UPPER_SCANS_INPUT_NAME, LOWER_SCANS_INPUT_NAME, POSITIONS_INPUT_NAME)
 """Sources of uncertainty that are not inputs of the study: the choice of scans and of positions."""
 
-INTERFACE_INPUT = "interface"  # name of the input that combines mu0 and tau0
+INTERFACE_INPUT_NAME = "interface"  # name of the input that combines mu0 and tau0
 # quantiles at which an input is fixed for the uncertainty budget
 FIXED_INPUT_QUANTILES = (0.1, 0.5, 0.9)
 MAX_BUDGETED_COEFFICIENTS = 100  # maximum number of coefficients for which uncertainty budgets are computed
@@ -123,10 +123,10 @@ def add_uncertainty(
         scans = surfaces.scan_indices_of_members(table["repetition"].values)
         scan_means = {position: scans_mean(table.values[position], *scans) for position in np.ndindex(*shape)}
     input_names = [
-        *([INTERFACE_INPUT] if strengths else []),
+        *([INTERFACE_INPUT_NAME] if strengths else []),
         *inputs,
-        *(SAMPLING_INPUTS if scan_means else (POSITIONS_INPUT,)),
-        UNRESOLVED_ROUGHNESS_INPUT,
+        *(SAMPLING_INPUT_NAMES if scan_means else (POSITIONS_INPUT_NAME,)),
+        UNRESOLVED_ROUGHNESS_INPUT_NAME,
     ]
     coefficient_intervals, test_intervals = np.full((*shape, 3), np.nan), np.full((*shape, 3), np.nan)
     remaining_intervals, remaining_widths = (
@@ -189,7 +189,7 @@ def add_uncertainty(
     if find_junction_growth(study) is not None:
         tables["fraction_seizing"] = dims, seizing_fractions
     labels = [
-        inputs[name].label if name in inputs else {INTERFACE_INPUT: "the interface"}.get(name, name)
+        inputs[name].label if name in inputs else {INTERFACE_INPUT_NAME: "the interface"}.get(name, name)
         for name in input_names
     ]
     coordinates = {"input": ("input", input_names), "input_words": ("input", labels)} if budget else {}
@@ -336,21 +336,23 @@ class _CoefficientSamples:
         # relative standard deviation of single members in a single direction about the mean over members
         self.scatter = spread / (NORMAL_DECILE_RANGE * value) * math.sqrt(1 + 1 / max(members, 1))
         self.freedom = float(max(members - 1, 1))
-        relative_errors = {POSITIONS_INPUT: relative_error}  # relative standard error of the mean due to each source
+        relative_errors = {
+            POSITIONS_INPUT_NAME: relative_error
+        }  # relative standard error of the mean due to each source
         if scan_mean is not None:
             total_deviation = math.sqrt(sum(scan_mean.variances)) or 1.0
             relative_errors = {
                 n: relative_error * math.sqrt(each) / total_deviation
-                for n, each in zip(SAMPLING_INPUTS, scan_mean.variances, strict=True)
+                for n, each in zip(SAMPLING_INPUT_NAMES, scan_mean.variances, strict=True)
             }
             self.scatter, self.freedom = scan_mean.test / value, min(scan_mean.test_freedom, MAX_DEGREES_OF_FREEDOM)
         self.standard_errors = {name: each for name, each in relative_errors.items() if each > 0}
         unresolved_inputs = (
-            (UNRESOLVED_ROUGHNESS_INPUT,) if self.finest is not None and self.finest[1] > self.finest[0] else ()
+            (UNRESOLVED_ROUGHNESS_INPUT_NAME,) if self.finest is not None and self.finest[1] > self.finest[0] else ()
         )
         self.names = (
             *self.inputs,
-            *((INTERFACE_INPUT,) if strengths else ()),
+            *((INTERFACE_INPUT_NAME,) if strengths else ()),
             *self.standard_errors,
             *unresolved_inputs,
         )
@@ -363,10 +365,10 @@ class _CoefficientSamples:
         """
         fixed = fixed or {}
         values = [self.value]
-        if not set(fixed) & set(SAMPLING_INPUTS):
+        if not set(fixed) & set(SAMPLING_INPUT_NAMES):
             values += self.sampling
-        if UNRESOLVED_ROUGHNESS_INPUT not in fixed and self.finest is not None and self.bracket is not None:
-            values += self.finest if set(fixed) & set(SAMPLING_INPUTS) else self.bracket
+        if UNRESOLVED_ROUGHNESS_INPUT_NAME not in fixed and self.finest is not None and self.bracket is not None:
+            values += self.finest if set(fixed) & set(SAMPLING_INPUT_NAMES) else self.bracket
         return extend_interval(self._sampled_interval(fixed), *values)
 
     def remaining_width(self, name: str) -> float:
@@ -392,7 +394,7 @@ class _CoefficientSamples:
 
         The interval is extended to include the samples with mu0 or tau0 at its bound.
         """
-        strengths = self.strengths[:1] if INTERFACE_INPUT in fixed else self.strengths
+        strengths = self.strengths[:1] if INTERFACE_INPUT_NAME in fixed else self.strengths
         intervals = [
             _equal_tailed_interval(self._friction_samples(fixed, wait, strength) * factor)
             for strength in strengths or (None,)
@@ -490,7 +492,7 @@ class _CoefficientSamples:
             interface_areas = interface_areas * self._area_growth_under_shear(interface_hardness, strength[1], pressure)
             with np.errstate(invalid="ignore"):
                 order = np.argsort(self.friction.coefficient(*strength[:2], interface_areas))
-            indices = order[(columns[INTERFACE_INPUT] * order.size).astype(int)]
+            indices = order[(columns[INTERFACE_INPUT_NAME] * order.size).astype(int)]
             mu0, tau0 = strength[0][indices], strength[1][indices]
             growth = None if growth is None else growth[indices]
             if hardness_samples is not None:
@@ -512,12 +514,12 @@ class _CoefficientSamples:
         seizes = np.broadcast_to(np.isinf(area), (NUM_INPUT_SAMPLES,))
         if is_seizing := bool(seizes.any()):
             coefficients, hardness = np.where(seizes, 1.0, coefficients), np.where(seizes, np.inf, hardness)
-        if UNRESOLVED_ROUGHNESS_INPUT in columns and self.finest is not None:
+        if UNRESOLVED_ROUGHNESS_INPUT_NAME in columns and self.finest is not None:
             lowest_coefficients = np.minimum(mu0 + tau0 / hardness, coefficients)
             highest_coefficients = np.maximum(
                 max_friction_for_finer_scans(coefficients, mu0, tau0 / hardness, self.contacts), lowest_coefficients
             )
-            coefficients = lowest_coefficients + columns[UNRESOLVED_ROUGHNESS_INPUT] * (
+            coefficients = lowest_coefficients + columns[UNRESOLVED_ROUGHNESS_INPUT_NAME] * (
                 highest_coefficients - lowest_coefficients
             )
         if self.standard_errors:

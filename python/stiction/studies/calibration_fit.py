@@ -36,10 +36,10 @@ from stiction.studies.interfaces import (
 MIN_AREA_VARIATION = 0.1
 # Number of nuisance points in each round of adaptation, and maximum number of nuisance points in the result.
 # A nuisance point is a set of values of the nuisance parameters.
-NUM_POINTS_PER_ROUND, MAX_NUISANCE_POINTS = 256, 8192
+NUM_NUISANCE_POINTS_PER_ROUND, MAX_NUISANCE_POINTS = 256, 8192
 # The result starts with the first number of nuisance points.
 # The first number is doubled for each nuisance parameter, up to the second number.
-FINAL_POINT_COUNTS = 256, 1024
+FINAL_NUISANCE_POINT_COUNTS = 256, 1024
 MAX_NORMAL_SCORE = 5.0  # normal scores of nuisance parameters are clipped to this absolute value
 MAX_PROPOSAL_ROUNDS = 8  # maximum number of rounds of adaptation
 # The adaptation ends when the effective sample size exceeds this fraction of the nuisance points.
@@ -55,7 +55,7 @@ OUTLIER_DEGREES_OF_FREEDOM = 4.0  # degrees of freedom of Student's t for tests 
 MEDIAN_RUN_SPREAD = 0.10  # median of the half-Cauchy prior for the relative standard deviation between runs
 
 MAX_GROWTH_BATCH_POINTS = 256  # maximum number of nuisance points in a batch if contacts grow under shear
-GAIN_NUISANCE, RUN_SPREAD_NUISANCE = "gain", "spread between runs"  # names of nuisance parameters
+GAIN_NUISANCE_NAME, RUN_SPREAD_NUISANCE_NAME = "gain", "spread between runs"  # names of nuisance parameters
 
 
 @dataclass(frozen=True)
@@ -146,8 +146,8 @@ class CalibrationProblem:
         ]
         self._run_membership = _run_membership_matrix(tests)
         self.nuisances: list[Hashable] = [
-            *([GAIN_NUISANCE] if common > 0 else []), *scatter_by_surfaces, *dict.fromkeys(input_names),
-            *([RUN_SPREAD_NUISANCE] if len(self._run_membership) else []),
+            *([GAIN_NUISANCE_NAME] if common > 0 else []), *scatter_by_surfaces, *dict.fromkeys(input_names),
+            *([RUN_SPREAD_NUISANCE_NAME] if len(self._run_membership) else []),
         ]  # fmt: skip
         """Names of the nuisance parameters. Each parameter is expressed as a standard normal score."""
         central_coefficients = self._equation_coefficients(np.zeros((1, len(self.nuisances))))
@@ -199,8 +199,8 @@ class CalibrationProblem:
             return np.array([getattr(equation, name) for equation in self._friction])
 
         gain = (
-            np.exp(self.common * scores_by_name[GAIN_NUISANCE])[:, np.newaxis]
-            if GAIN_NUISANCE in scores_by_name
+            np.exp(self.common * scores_by_name[GAIN_NUISANCE_NAME])[:, np.newaxis]
+            if GAIN_NUISANCE_NAME in scores_by_name
             else np.ones((len(scores), 1))
         )
         # The measured coefficient is the gain times the true coefficient. Errors refer to the measured coefficient.
@@ -251,9 +251,9 @@ class CalibrationProblem:
         """Compute the relative standard deviation between runs for each nuisance point."""
         from scipy.special import ndtr
 
-        if RUN_SPREAD_NUISANCE not in self.nuisances:
+        if RUN_SPREAD_NUISANCE_NAME not in self.nuisances:
             return np.zeros(len(scores))
-        probability = np.minimum(ndtr(scores[:, self.nuisances.index(RUN_SPREAD_NUISANCE)]), 1 - 1e-9)
+        probability = np.minimum(ndtr(scores[:, self.nuisances.index(RUN_SPREAD_NUISANCE_NAME)]), 1 - 1e-9)
         return np.asarray(MEDIAN_RUN_SPREAD * np.tan(0.5 * math.pi * probability))
 
     def _weighted_rows(self, columns: tuple[Floats, ...], scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
@@ -310,7 +310,7 @@ class CalibrationProblem:
         from scipy.optimize import least_squares
 
         free_indices = [index for index, value in enumerate(self.known) if value is None]
-        score_indices = [index for index, name in enumerate(self.nuisances) if name != RUN_SPREAD_NUISANCE]
+        score_indices = [index for index, name in enumerate(self.nuisances) if name != RUN_SPREAD_NUISANCE_NAME]
         robust_factors, scale = np.ones(len(self.slid)), 1.0
 
         def to_scores(free_scores: Floats) -> Floats:
@@ -422,7 +422,7 @@ class CalibrationProblem:
         scores_by_name = {
             name: scores[:, index]
             for index, name in enumerate(self.nuisances)
-            if name not in (GAIN_NUISANCE, RUN_SPREAD_NUISANCE)
+            if name not in (GAIN_NUISANCE_NAME, RUN_SPREAD_NUISANCE_NAME)
         }
         return StrengthFit(
             self.sliding, chi_squared, freedom, probability, scale if self.has_errors else 1.0, trend_probability,
@@ -651,22 +651,22 @@ class CalibrationProblem:
         active_indices = [*range(count), *([count] if freedom is not None else [])]
         mean, covariance = self._first_proposal(scale, freedom)
         points, grid, log_weight = self._draw_nuisance_points(
-            mean, covariance, active_indices, NUM_POINTS_PER_ROUND if active_indices else 1
+            mean, covariance, active_indices, NUM_NUISANCE_POINTS_PER_ROUND if active_indices else 1
         )
         for seed in range(1, MAX_PROPOSAL_ROUNDS if active_indices else 0):
-            if _effective_sample_size(log_weight) > MIN_EFFECTIVE_SAMPLE_FRACTION * NUM_POINTS_PER_ROUND:
+            if _effective_sample_size(log_weight) > MIN_EFFECTIVE_SAMPLE_FRACTION * NUM_NUISANCE_POINTS_PER_ROUND:
                 break
             power = 1.0  # a power below 1 reduces the dominance of a few points
-            while power > 1e-3 and _effective_sample_size(power * log_weight) < 0.15 * NUM_POINTS_PER_ROUND:
+            while power > 1e-3 and _effective_sample_size(power * log_weight) < 0.15 * NUM_NUISANCE_POINTS_PER_ROUND:
                 power *= 0.7
             weight = np.exp(power * (log_weight - log_weight.max()))
             mean = np.average(points[:, active_indices], axis=0, weights=weight)
             covariance = np.cov(points[:, active_indices].T, aweights=weight, ddof=0).reshape(len(active_indices), -1)
             covariance = covariance + 1e-6 * np.eye(len(active_indices))
             points, grid, log_weight = self._draw_nuisance_points(
-                mean, covariance, active_indices, NUM_POINTS_PER_ROUND, seed
+                mean, covariance, active_indices, NUM_NUISANCE_POINTS_PER_ROUND, seed
             )
-        num_points = min(FINAL_POINT_COUNTS[0] << len(active_indices), FINAL_POINT_COUNTS[1])
+        num_points = min(FINAL_NUISANCE_POINT_COUNTS[0] << len(active_indices), FINAL_NUISANCE_POINT_COUNTS[1])
         while active_indices:
             points, grid, log_weight = self._draw_nuisance_points(
                 mean, covariance, active_indices, num_points, MAX_PROPOSAL_ROUNDS
@@ -682,7 +682,7 @@ class CalibrationProblem:
 
     def _first_proposal(self, scale: float, freedom: int | None) -> tuple[Floats, Floats]:
         """Return the mean and covariance of the first proposal distribution for nuisance scores and log error scale."""
-        score_indices = [index for index, name in enumerate(self.nuisances) if name != RUN_SPREAD_NUISANCE]
+        score_indices = [index for index, name in enumerate(self.nuisances) if name != RUN_SPREAD_NUISANCE_NAME]
         num_parameters = len(self.nuisances) + (freedom is not None)
         mean, covariance = np.zeros(num_parameters), np.eye(num_parameters)
         mean[: len(self.nuisances)] = self.best_fit.scores

@@ -36,11 +36,11 @@ if TYPE_CHECKING:
     import xarray
 
 CONTACT_PICTURE_FILE = "picture.nc"  # file name in a result folder
-MAX_PICTURE_SIZE = 512  # maximum number of rows or columns of a stored map
+MAX_PICTURE_SIDE_POINTS = 512  # maximum number of rows or columns of a stored map
 LOADS_RELATIVE_TO_PULL_OFF = (0.25, 0.5, 1, 2, 3, 4)  # loads in the adhesion figure, as multiples of the pull-off force
 # ratio of the map size to the size of the magnified window around the largest contact
 ZOOM_DIVISOR = 8
-MIN_ZOOM_SIZE = 16
+MIN_ZOOM_SIDE_POINTS = 16
 
 _CONTACT_VARIABLE_SPECS = {
     "contact_x": ("x", "um", "centre of a contact along x"),
@@ -201,7 +201,7 @@ def _build_map_picture(solution: PressedPair, table: ContactList) -> xarray.Data
     else:
         patch = _build_disc_map(lower, table)
     (rows, columns), (dy, dx) = lower.heights.shape, lower.spacing
-    stride = -(-max(rows, columns) // MAX_PICTURE_SIZE)
+    stride = -(-max(rows, columns) // MAX_PICTURE_SIDE_POINTS)
     length_attributes = {"units": "um"}
     variables: dict[str, Any] = {
         f"{side}_height": (("height_y", "height_x"), body.heights[::stride, ::stride], length_attributes)
@@ -217,7 +217,7 @@ def _build_map_picture(solution: PressedPair, table: ContactList) -> xarray.Data
         largest_contact = int(np.argmax(np.where(is_interior, table.force, -1.0)))
         window_slices = []
         for centre, size in ((table.y[largest_contact] / dy, rows), (table.x[largest_contact] / dx, columns)):
-            window_size = min(max(size // ZOOM_DIVISOR, MIN_ZOOM_SIZE), size)
+            window_size = min(max(size // ZOOM_DIVISOR, MIN_ZOOM_SIDE_POINTS), size)
             first_index = int(np.clip(centre - window_size / 2, 0, size - window_size))
             window_slices.append(slice(first_index, first_index + window_size))
         variables["zoom_pressure"] = (("zoom_y", "zoom_x"), pressure[*window_slices], {"units": "GPa"})

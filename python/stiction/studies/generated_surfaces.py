@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 from stiction._checks import Floats
 from stiction._units import exact_quantity_text, quantity, short_repr
 from stiction.studies.values import (
-    MAX_VALUES,
+    MAX_PARAMETER_VALUES,
     FractalDimensionRange,
     FractalDimensionsOrRange,
     Length,
@@ -29,9 +29,11 @@ from stiction.surfaces.surface import SurfaceAmplitudeMeasure
 
 LengthScale = Annotated[Length, Field(description="L of Eq. 1, which sets the longest wavelength.")]
 Gamma = Annotated[float, Field(gt=1, description="Ratio γ of successive frequencies in Eq. 1.")]
-NumWaveDirections = Annotated[int, Field(ge=1, le=MAX_VALUES, description="M of Eq. 1: number of directions.")]
+NumWaveDirections = Annotated[
+    int, Field(ge=1, le=MAX_PARAMETER_VALUES, description="M of Eq. 1: number of directions.")
+]
 NumFrequencies = Annotated[
-    int, Field(ge=1, le=MAX_VALUES, description="n_max of Eq. 1: number of frequencies per direction.")
+    int, Field(ge=1, le=MAX_PARAMETER_VALUES, description="n_max of Eq. 1: number of frequencies per direction.")
 ]
 BandLimit = Annotated[
     Literal["none", "nyquist"],

@@ -36,7 +36,7 @@ RESULT_TITLE = "stiction study"  # value of the attribute `title` in every resul
 # Maximum size (bytes) of a piece, which is a group of members that are loaded into memory together.
 MAX_PIECE_BYTES = 2**26
 
-MEMBER_COORDINATES: dict[str, np.dtype[Any]] = {
+MEMBER_COORDINATE_TYPES: dict[str, np.dtype[Any]] = {
     "x": np.dtype(np.float64), "y": np.dtype(np.float64), "line": np.dtype(np.int64), "surrogate": np.dtype(np.bool_),
 }  # fmt: skip
 """Data types of the coordinates that describe the members of measured bodies."""
@@ -136,7 +136,7 @@ def stack_members(study: Study, members: Sequence[ArraysByName]) -> ArraysByName
     """Stack the arrays of several members along a new axis, placed after axes such as fractal dimension or cutoff."""
     axis = len(study.surfaces.cells())
     return {
-        name: np.stack([member[name] for member in members], axis=0 if name in MEMBER_COORDINATES else axis)
+        name: np.stack([member[name] for member in members], axis=0 if name in MEMBER_COORDINATE_TYPES else axis)
         for name in members[0]
     }
 
@@ -160,7 +160,7 @@ def build_dataset(
     if study.is_measured:
         coordinates |= {
             name: xarray.Variable(("repetition",), np.asarray(arrays[name], dtype), quantity_attributes(name))
-            for name, dtype in MEMBER_COORDINATES.items()
+            for name, dtype in MEMBER_COORDINATE_TYPES.items()
         }
         modulus = float(study.contact.effective_modulus)
         for name, value in (("nominal_area", bodies.nominal_area), ("effective_modulus", modulus)):

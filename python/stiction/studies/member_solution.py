@@ -365,8 +365,8 @@ _reusable_arrays = threading.local()
 def compute_member_sums(study: Study, index: int) -> ArraysByName:
     """Compute all variables of one member of a study. The arrays have no member axis.
 
-    Measured bodies also have the `MEMBER_COORDINATES`. Values are NaN at loads for which the solver fails. Raises a
-    `ValueError` if the bodies cannot be loaded.
+    Measured bodies also have the `MEMBER_COORDINATE_TYPES`. Values are NaN at loads for which the solver fails. Raises
+    a `ValueError` if the bodies cannot be loaded.
     """
     arrays: ArraysByName = {
         name: np.empty(shape, dtype) for name, (shape, dtype) in array_shapes_and_types(study).items()

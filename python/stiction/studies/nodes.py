@@ -36,7 +36,7 @@ The ratio equals the rounding error of printed limits.
 """
 
 MIN_NODES = 5  # number of interpolation nodes on an axis before refinement
-MAX_NODES, MAX_MEASURED_NODES = 7, 10
+MAX_NODES, MAX_NODES_OF_MEASURED_SURFACES = 7, 10
 """Largest numbers of interpolation nodes on an axis, for generated surfaces and for measured surfaces.
 
 Reports of generated surfaces have more loads and therefore fewer nodes.
@@ -211,7 +211,7 @@ class InterpolationNodes:
             loads = np.unique([*self.loads[[-1]], float(self.study.friction.load[0])])[:NUM_NODE_CHOICE_LOADS]
         else:
             loads = self._sampled_loads
-        max_nodes = MAX_MEASURED_NODES if self.study.is_measured else MAX_NODES
+        max_nodes = MAX_NODES_OF_MEASURED_SURFACES if self.study.is_measured else MAX_NODES
         return refine_axes(initial_axes(self.study), partial(self._friction, loads), max_nodes)
 
     @cached_property

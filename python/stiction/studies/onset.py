@@ -14,7 +14,7 @@ from stiction._checks import Floats
 from stiction.mechanics.half_space import HalfSpaceCurve
 from stiction.mechanics.presliding import fit_iwan, fit_lugre
 from stiction.mechanics.quantities import QUANTITIES, quantity_attributes
-from stiction.studies.contact_picture import MAX_PICTURE_SIZE
+from stiction.studies.contact_picture import MAX_PICTURE_SIDE_POINTS
 from stiction.studies.evaluation import MemberDependence
 from stiction.studies.executors import use_idle_threads
 from stiction.studies.member_solution import PressedPair
@@ -237,7 +237,7 @@ def build_slip_map(pressed_pair: PressedPair, onset: Onset) -> DatasetVariables:
     if not isinstance(lower, Surface):
         return {}
     (rows, columns), (dy, dx) = lower.heights.shape, lower.spacing
-    stride = -(-max(rows, columns) // MAX_PICTURE_SIZE)
+    stride = -(-max(rows, columns) // MAX_PICTURE_SIDE_POINTS)
     variables: DatasetVariables = {
         "slip_y": ("slip_y", np.arange(0, rows, stride) * dy, _MICROMETRE_ATTRIBUTES),
         "slip_x": ("slip_x", np.arange(0, columns, stride) * dx, _MICROMETRE_ATTRIBUTES),

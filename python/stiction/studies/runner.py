@@ -21,7 +21,7 @@ from stiction._core import __version__
 from stiction._files import new_partial_file_name
 from stiction._text import format_bytes, format_duration, printable_path
 from stiction.studies.executors import WORKER_DIED_MESSAGE, executor_or_thread_pool, progress_bar, use_idle_threads
-from stiction.studies.layout import MEMBER_COORDINATES, ArraysByName, build_dataset, member_bytes, stack_members
+from stiction.studies.layout import MEMBER_COORDINATE_TYPES, ArraysByName, build_dataset, member_bytes, stack_members
 from stiction.studies.member_solution import compute_member_sums, estimate_member_time
 from stiction.studies.members import body_attributes, count_points
 from stiction.studies.result import Result
@@ -207,12 +207,12 @@ def _compute_blocks(
 
 
 @contextlib.contextmanager
-def _create_run_token(path: Path) -> Iterator[SharedFolder]:
+def _create_run_token(path: Path) -> Iterator[SharedResultFolder]:
     """Create a token file that exists as long as the run is active.
 
     If a worker finds the token file, the worker can access the folder, and the run is still active.
     """
-    folder = SharedFolder(path.resolve(), new_partial_file_name())
+    folder = SharedResultFolder(path.resolve(), new_partial_file_name())
     token_file = folder.path / BLOCKS_FOLDER / folder.token
     try:
         try:
@@ -245,7 +245,7 @@ def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> x
 
     def accept(members: range, sums: ArraysByName) -> None:
         for name, values in sums.items():
-            position = 0 if name in MEMBER_COORDINATES else axis
+            position = 0 if name in MEMBER_COORDINATE_TYPES else axis
             if name not in arrays:
                 shape = (*values.shape[:position], missing.total, *values.shape[position + 1 :])
                 arrays[name] = np.empty(shape, values.dtype)
@@ -369,7 +369,7 @@ def _compute_ranges(
 
 
 @dataclass(frozen=True)
-class SharedFolder:
+class SharedResultFolder:
     """Result folder. Workers on other machines write their blocks into the folder if they can access it."""
 
     path: Path
@@ -380,7 +380,7 @@ class SharedFolder:
         return (self.path / BLOCKS_FOLDER / self.token).exists()
 
 
-def compute_block(version: str, study: Study, folder: SharedFolder | None, members: range) -> bytes | None:
+def compute_block(version: str, study: Study, folder: SharedResultFolder | None, members: range) -> bytes | None:
     """Compute a block of members and write its file. If the folder is not accessible, return the file content."""
     from stiction.studies.store import encode_members
 

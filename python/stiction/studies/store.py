@@ -34,7 +34,7 @@ from stiction._files import UnreadableFileError, describe_os_error, new_file, re
 from stiction._text import printable_path, printable_text
 from stiction.mechanics.friction import LOAD_SUM_NAMES
 from stiction.studies.layout import (
-    MEMBER_COORDINATES,
+    MEMBER_COORDINATE_TYPES,
     RESULT_TITLE,
     ArraysByName,
     build_dataset,
@@ -208,7 +208,7 @@ class StoredResult:
             name: np.empty(spec.shape, spec.dtype) for name, spec in variable_specs(self.study, numbers).items()
         }
         if self.study.is_measured:
-            arrays |= {name: np.empty(numbers.size, dtype) for name, dtype in MEMBER_COORDINATES.items()}
+            arrays |= {name: np.empty(numbers.size, dtype) for name, dtype in MEMBER_COORDINATE_TYPES.items()}
         block_start = num_copied = 0
         bodies = None
         for block, block_first, block_last in self._block_ranges:
@@ -223,7 +223,7 @@ class StoredResult:
                     )
                 bodies = bodies or content.bodies
                 for name, values in arrays.items():
-                    leading_slices = (slice(None),) * (0 if name in MEMBER_COORDINATES else axis)
+                    leading_slices = (slice(None),) * (0 if name in MEMBER_COORDINATE_TYPES else axis)
                     source_slice = slice(first_in_block - block.first, end_in_block - block.first)
                     values[(*leading_slices, slice(num_copied, num_copied + end_in_block - first_in_block))] = (
                         content.arrays[name][(*leading_slices, source_slice)]
@@ -555,7 +555,7 @@ def _block_template(study: Study, count: int) -> bytes:
     numbers = range(count)
     arrays = {name: np.zeros(spec.shape, spec.dtype) for name, spec in variable_specs(study, numbers).items()}
     if study.is_measured:
-        arrays |= {name: np.zeros(count, dtype) for name, dtype in MEMBER_COORDINATES.items()}
+        arrays |= {name: np.zeros(count, dtype) for name, dtype in MEMBER_COORDINATE_TYPES.items()}
     file_image = io.BytesIO()
     write_dataset(build_dataset(study, numbers, arrays, body_attributes(study)), file_image)
     return file_image.getvalue()
@@ -612,7 +612,7 @@ def decode_members(content: bytes) -> BlockFileContent:
         if study.is_measured:
             arrays |= {
                 name: _read_variable(file, name, numbers.shape).astype(dtype)
-                for name, dtype in MEMBER_COORDINATES.items()
+                for name, dtype in MEMBER_COORDINATE_TYPES.items()
             }
             stored_attributes = {name: file.attrs[name] for name in file.attrs if name not in RESULT_ATTRIBUTES}
             attributes = {

@@ -59,7 +59,7 @@ if TYPE_CHECKING:
     import xarray
 
 MAX_STUDY_BYTES = 1_000_000  # maximum size (bytes) of a study file that is read
-MAX_COMBINATIONS = 1000  # maximum number of combinations of load, mu0 and tau0 of measured surfaces
+MAX_PARAMETER_COMBINATIONS = 1000  # maximum number of combinations of load, mu0 and tau0 of measured surfaces
 
 _DISCRIMINATOR_KEYS = (("surfaces", "kind"), ("surfaces", "generator"), ("surfaces", "press"), ("contact", "mechanics"))
 """Pairs of a table and a key, where the value of the key selects the class of the table."""
@@ -350,9 +350,9 @@ class Study(SettingsTable):
                 f"friction.wait: needs contact.hardness and known.creep, the creep exponent; add {missing_key}"
             )
         num_combinations = len(friction.load) * len(friction.mu0) * len(friction.tau0)
-        if num_combinations > MAX_COMBINATIONS:
+        if num_combinations > MAX_PARAMETER_COMBINATIONS:
             raise ValueError(
-                f"friction: must have at most {MAX_COMBINATIONS} combinations of load, mu0 and tau0, "
+                f"friction: must have at most {MAX_PARAMETER_COMBINATIONS} combinations of load, mu0 and tau0, "
                 f"got {num_combinations}"
             )
         return self

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from stiction.studies.study import Study
 
 # name of the budget entry for wavelengths not attributed to the surface
-UNATTRIBUTED_WAVELENGTHS_INPUT = "waves of unknown origin"
+UNATTRIBUTED_WAVELENGTHS_INPUT_NAME = "waves of unknown origin"
 # An input dominates only if making it exact would narrow the interval by more than this fraction.
 MIN_DOMINANT_INPUT_FRACTION = 0.1
 
@@ -290,7 +290,11 @@ def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> Poi
     # With one or two positions, the width of the interval is infinite or NaN.
     has_interval = math.isfinite(point.upper - point.lower)
     budget = (
-        [UncertaintyBudgetEntry(UNATTRIBUTED_WAVELENGTHS_INPUT, point.lower, point.upper, point.upper - point.lower)]
+        [
+            UncertaintyBudgetEntry(
+                UNATTRIBUTED_WAVELENGTHS_INPUT_NAME, point.lower, point.upper, point.upper - point.lower
+            )
+        ]
         if has_interval
         else []
     )

@@ -33,10 +33,10 @@ from stiction._units import Quantity, quantity, short_repr
 from stiction.mechanics.model import Direction, SlidingRule
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS
 
-MAX_VALUES = 10_000  # maximum number of values of one parameter in a study
+MAX_PARAMETER_VALUES = 10_000  # maximum number of values of one parameter in a study
 MAX_SHORT_LIST_LENGTH = 100  # maximum number of entries in a list of mu0, tau0, cutoffs, loads or times
 MAX_KEY_DOTS = 100  # maximum number of dots in a dotted key of a study file
-MAX_DEGREES = 360  # maximum absolute value of a direction in degrees
+MAX_DIRECTION_DEGREES = 360  # maximum absolute value of a direction in degrees
 
 
 def _make_quantity_reader(kind: str, *, allows_zero: bool = False) -> Callable[[object], Quantity]:
@@ -97,7 +97,7 @@ def require_different(values: tuple[_Item, ...]) -> tuple[_Item, ...]:
 
 # TOML lists become tuples, because a study is immutable.
 as_tuple = BeforeValidator(lambda values: tuple(values) if isinstance(values, list) else values)
-_long_list = (as_tuple, Field(min_length=1, max_length=MAX_VALUES), AfterValidator(_require_increasing))
+_long_list = (as_tuple, Field(min_length=1, max_length=MAX_PARAMETER_VALUES), AfterValidator(_require_increasing))
 _short_list = (as_tuple, Field(min_length=1, max_length=MAX_SHORT_LIST_LENGTH), AfterValidator(_require_increasing))
 FractalDimensions = Annotated[tuple[FractalDimension, ...], *_long_list]
 Lengths = Annotated[tuple[Length, ...], *_long_list]
@@ -122,8 +122,8 @@ def _one_or_tuple(name: str, read: Callable[[object], Any], identity: Callable[[
     def validate(value: object) -> Any:
         if not isinstance(value, (list, tuple)):
             return read(value)
-        if not 1 <= len(value) <= MAX_VALUES:
-            raise ValueError(f"must have from 1 to {MAX_VALUES} {name}s, got {len(value)}")
+        if not 1 <= len(value) <= MAX_PARAMETER_VALUES:
+            raise ValueError(f"must have from 1 to {MAX_PARAMETER_VALUES} {name}s, got {len(value)}")
         values = tuple(map(read, value))
         if len(set(map(identity, values))) < len(values):
             raise ValueError(f"must contain each {name} only once, got {short_repr(list(values))}")
@@ -135,10 +135,10 @@ def _one_or_tuple(name: str, read: Callable[[object], Any], identity: Callable[[
 def _read_direction(value: object) -> Any:
     if isinstance(value, str) and value in ("+x", "-x"):
         return value
-    if isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= MAX_DEGREES:
+    if isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= MAX_DIRECTION_DEGREES:
         return float(value)
     raise ValueError(
-        f'must be "+x", "-x" or degrees from {-MAX_DEGREES} to {MAX_DEGREES}, or a list of these, '
+        f'must be "+x", "-x" or degrees from {-MAX_DIRECTION_DEGREES} to {MAX_DIRECTION_DEGREES}, or a list of these, '
         f"got {short_repr(value)}"
     )
 
@@ -203,7 +203,7 @@ class _ValueRange(SettingsTable):
 
     start: Any
     stop: Any
-    count: int = Field(ge=1, le=MAX_VALUES)
+    count: int = Field(ge=1, le=MAX_PARAMETER_VALUES)
 
     @model_validator(mode="after")
     def _require_valid_range(self) -> Self:

@@ -41,7 +41,7 @@ _QUANTITY_RANGE_TEXTS: tuple[tuple[Any, str], ...] = (
 )
 """Description of the allowed values of each type of quantity in a study file."""
 
-_DEGREES_TEXT = f"degrees from {-values.MAX_DEGREES} to {values.MAX_DEGREES}"
+_DEGREES_TEXT = f"degrees from {-values.MAX_DIRECTION_DEGREES} to {values.MAX_DIRECTION_DEGREES}"
 _ALLOWED_VALUE_TEXTS = {
     "law": " or ".join(
         [

@@ -35,7 +35,12 @@ from stiction.studies.assessment import (
     Caveat,
     find_failed_check_caveats,
 )
-from stiction.studies.budget import LOWER_SCANS_INPUT, POSITIONS_INPUT, UNRESOLVED_ROUGHNESS_INPUT, UPPER_SCANS_INPUT
+from stiction.studies.budget import (
+    LOWER_SCANS_INPUT_NAME,
+    POSITIONS_INPUT_NAME,
+    UNRESOLVED_ROUGHNESS_INPUT_NAME,
+    UPPER_SCANS_INPUT_NAME,
+)
 from stiction.studies.point import (
     CELL_DIMENSIONS,
     MEAN_AND_LIMITS,
@@ -48,7 +53,7 @@ from stiction.studies.point import (
     roughness_exponent,
     select_sliding_rule,
 )
-from stiction.studies.summary import UNATTRIBUTED_WAVELENGTHS_INPUT, PointSummary, Summary
+from stiction.studies.summary import UNATTRIBUTED_WAVELENGTHS_INPUT_NAME, PointSummary, Summary
 from stiction.views.onset import onset_note, onset_rows, onset_text, quantity_label
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS, load_text, motion_direction_text
 from stiction.views.pull_off import pull_off_text
@@ -402,11 +407,11 @@ def uncertainty_budget_text(point: PointSummary) -> str:
 
 
 _REMEDY_TEXTS = {
-    UNATTRIBUTED_WAVELENGTHS_INPUT: "Scanning one place twice",
-    POSITIONS_INPUT: "Using more positions",
-    UNRESOLVED_ROUGHNESS_INPUT: "A finer scan",
-    UPPER_SCANS_INPUT: "Scanning more places of the upper part",
-    LOWER_SCANS_INPUT: "Scanning more places of the lower part",
+    UNATTRIBUTED_WAVELENGTHS_INPUT_NAME: "Scanning one place twice",
+    POSITIONS_INPUT_NAME: "Using more positions",
+    UNRESOLVED_ROUGHNESS_INPUT_NAME: "A finer scan",
+    UPPER_SCANS_INPUT_NAME: "Scanning more places of the upper part",
+    LOWER_SCANS_INPUT_NAME: "Scanning more places of the lower part",
 }  # fmt: skip
 """Actions that reduce the uncertainty from sources other than uncertain inputs."""
 

@@ -17,7 +17,7 @@ MIN_ROUNDED_STEP = 2.0  # minimum step of rounded positions, in units of the las
 # Largest scatter of rounded positions about a grid, in units of the last printed digit.
 # Rounding causes a scatter of at most 1. The excess above 1 is a margin for the error of the fitted step.
 MAX_SCATTER_DIGITS = 1.2
-MIN_GAP_RATIO = 4.0  # minimum ratio of a gap between grid points to a gap due to rounding
+MIN_GRID_GAP_RATIO = 4.0  # minimum ratio of a gap between grid points to a gap due to rounding
 
 
 def to_grid(
@@ -110,7 +110,7 @@ def estimate_step(positions: Floats) -> float | None:
     # Gaps between positions are grid steps, multiples of grid steps at missing nodes, or much smaller rounding errors.
     ordered_gaps = np.sort(gaps)
     ratios = ordered_gaps[1:] / ordered_gaps[:-1]
-    if ratios.size and ratios.max() > MIN_GAP_RATIO:
+    if ratios.size and ratios.max() > MIN_GRID_GAP_RATIO:
         edges = np.flatnonzero(gaps > ordered_gaps[int(np.argmax(ratios))]) + 1
         distinct_positions = np.array([float(item.mean()) for item in np.split(distinct_positions, edges)])
     return float(np.median(np.diff(distinct_positions)))

@@ -45,7 +45,7 @@ from stiction.views.style import (
 )
 
 LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)  # multiples of the length scale that are compared in a figure
-SURFACE_PICTURE_POINTS = 400  # number of rows and number of columns of a surface in a figure
+SURFACE_PICTURE_SIDE_POINTS = 400  # number of rows and number of columns of a surface in a figure
 MAX_DRAWN_PROFILES = 5
 MAX_DRAWN_CURVES = 8
 
@@ -536,7 +536,7 @@ def length_scales_figure(study: Study) -> Figure:
     surfaces: Any = study.surfaces
     dimension = surfaces.fractal_dimensions()[0]
     extent = float(surfaces.extent)
-    num_points = int(min(SURFACE_PICTURE_POINTS, surfaces.points))
+    num_points = int(min(SURFACE_PICTURE_SIDE_POINTS, surfaces.points))
     length_scales = [factor * float(surfaces.length_scale) for factor in LENGTH_SCALE_FACTORS]
     figure = new_figure(66)
     axes = figure.subplots(2, len(length_scales), height_ratios=[1, 1.2], sharex=True)

@@ -39,7 +39,7 @@ class ReportError(ValueError):
 
 
 @dataclass(frozen=True)
-class Page:
+class HtmlPage:
     """HTML page: title, lines below the title, main part, scripts, and the version that computed the result."""
 
     name: str

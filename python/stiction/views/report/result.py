@@ -21,7 +21,7 @@ from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 from stiction.views.report.generated import generated_report_content
 from stiction.views.report.measured import measured_report_content
 from stiction.views.report.page import (
-    Page,
+    HtmlPage,
     ReportError,
     escape_html,
     plot_panel_markup,
@@ -98,7 +98,7 @@ def report_page(result: Result | xarray.Dataset, *, name: str = "", picture: xar
     return _report_page_of_result(Result.of(result), name, picture).html()
 
 
-def _report_page_of_result(result: Result, name: str, picture: xarray.Dataset | None) -> Page:
+def _report_page_of_result(result: Result, name: str, picture: xarray.Dataset | None) -> HtmlPage:
     try:
         study = result.study
     except ValueError as error:
@@ -123,7 +123,7 @@ def _report_page_of_result(result: Result, name: str, picture: xarray.Dataset | 
         name: plot_panel_markup(name, title, description, **options)
         for name, (title, description, options) in PLOT_PANELS.items()
     }
-    return Page(
+    return HtmlPage(
         name=content.name,
         head=content.head,
         body=Template(read_package_file("result.html")).substitute(

@@ -17,7 +17,7 @@ from stiction.views.characterisation import (
     to_characterisation,
 )
 from stiction.views.figures.roughness import characterisation_figure
-from stiction.views.report.page import Page, escape_html, read_package_file
+from stiction.views.report.page import HtmlPage, escape_html, read_package_file
 from stiction.views.report.pictures import inline_svg
 
 # The report advises a finer scan if the shortest octave contributes more than this fraction of the mean square slope.
@@ -31,7 +31,7 @@ FILE_READING_SECTION_TEMPLATE = Template(
 
 def surface_page(
     body: Profile | Surface | Characterisation, *, name: str, command: str, reading: str = "", **options: Any
-) -> Page:
+) -> HtmlPage:
     """Return the report page of a levelled profile or surface, with the command and a table of how the file was read.
 
     `options` are the options of `characterisation_text`.
@@ -43,7 +43,7 @@ def surface_page(
         figure=inline_svg(characterisation_figure(characterisation), "Heights, their distribution, and spectra"),
         reading=reading and FILE_READING_SECTION_TEMPLATE.substitute(table=reading),
     )  # fmt: skip
-    return Page(name, list(characterisation.body.history), main_markup, f"Characterised by stiction {__version__}")
+    return HtmlPage(name, list(characterisation.body.history), main_markup, f"Characterised by stiction {__version__}")
 
 
 def _interpretation_markup(characterisation: Characterisation) -> str:
