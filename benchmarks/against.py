@@ -4,7 +4,7 @@ import numpy as np
 import plain
 from measure import median_time
 from stiction import HertzCylinder, Profile, Study, press, random_phases, weierstrass_mandelbrot_family
-from stiction.studies.member_solution import compute_member_sums
+from stiction.studies.member_solution import compute_member_arrays
 
 NUM_POINTS, PROFILE_LENGTH = 150_000, 40.0
 CONTACT_SUM_NAMES = ("contact_count", "contact_area", "normal_elastic", "tangential_elastic", "normal_frictional",
@@ -14,8 +14,8 @@ CONTACT_SUM_NAMES = ("contact_count", "contact_area", "normal_elastic", "tangent
 def compare_with_plain_program() -> list[tuple[str, str]]:
     study = Study.named("figure6").with_changes({"ensemble.repetitions": 1})
     approaches = study.contact.loading_steps()
-    our_time = median_time(lambda: compute_member_sums(study, 0), 5) / 50
-    sums = compute_member_sums(study, 0)
+    our_time = median_time(lambda: compute_member_arrays(study, 0), 5) / 50
+    sums = compute_member_arrays(study, 0)
     times, largest_difference = [], 0.0
     for dimension_index in (0, 25):  # The fractal dimensions are 1.00 and 1.357.
         dimension = study.surfaces.fractal_dimensions()[dimension_index]

@@ -16,8 +16,8 @@ import numpy as np
 from measure import median_time
 from stiction import Study
 from stiction.studies import runner
-from stiction.studies.layout import member_bytes, stack_members
-from stiction.studies.member_solution import compute_member_sums
+from stiction.studies.layout import compute_member_size, stack_members
+from stiction.studies.member_solution import compute_member_arrays
 from stiction.studies.store import encode_members
 
 STUDY_NAMES = ("figure6", "figure6-areal", "figure6-half-plane")
@@ -43,7 +43,7 @@ class StoredSumsTask:
     def __call__(self, version: str, study: Study, folder: runner.SharedResultFolder, members: range) -> object:
         if self.path not in _read:
             _read[self.path] = pickle.loads(Path(self.path).read_bytes())
-        runner.compute_member_sums = lambda _, member: _read[self.path][member % NUM_DIFFERENT_MEMBERS]
+        runner.compute_member_arrays = lambda _, member: _read[self.path][member % NUM_DIFFERENT_MEMBERS]
         return _compute_real_block(
             version,
             study,
@@ -79,9 +79,9 @@ def measure_storage_rates(
         num_parts = -(-study.ensemble.repetitions // (block_size * NUM_BLOCKS))
         try:
             # Do not measure the first run, which loads all modules.
-            runner.compute_missing(study, Path(folder) / "r", part=(2, num_parts), executor=executor)
+            runner.compute_missing_blocks(study, Path(folder) / "r", part=(2, num_parts), executor=executor)
             start, driver_start = time.perf_counter(), time.process_time()
-            count = runner.compute_missing(study, Path(folder) / "r", part=(1, num_parts), executor=executor)
+            count = runner.compute_missing_blocks(study, Path(folder) / "r", part=(1, num_parts), executor=executor)
             return count / (time.perf_counter() - start), (time.process_time() - driver_start) / count
         finally:
             runner.compute_block = _compute_real_block
@@ -95,9 +95,9 @@ def benchmark_rows() -> list[tuple[str, str]]:
             is_half_plane = name == "figure6-half-plane"  # Each run of this study takes 90 s.
             reduced_study = study.with_changes({"surfaces.fractal_dimension": [1.2]}) if is_half_plane else study
             num_dimensions = study.surfaces.fractal_dimensions().size if is_half_plane else 1
-            sums = compute_member_sums(reduced_study, 0)
+            sums = compute_member_arrays(reduced_study, 0)
             member_time = num_dimensions * median_time(
-                lambda reduced_study=reduced_study: compute_member_sums(reduced_study, 1), 1 if is_half_plane else 3
+                lambda reduced_study=reduced_study: compute_member_arrays(reduced_study, 1), 1 if is_half_plane else 3
             )
             members = randomise_sums({name: values.repeat(num_dimensions, axis=0) for name, values in sums.items()})
             block_size = runner.choose_block_size(study)
@@ -123,7 +123,7 @@ def benchmark_rows() -> list[tuple[str, str]]:
             sent_rate = statistics.median(by_driver[0] for _, by_driver in runs)
             results += [
                 (f"repetition of {name}: time on one core", f"{member_time:.3g} s"),
-                ("... size of the stored sums", f"{member_bytes(study) / 1e3:.0f} kB"),
+                ("... size of the stored sums", f"{compute_member_size(study) / 1e3:.0f} kB"),
                 ("... repetitions in a block", f"{block_size}"),
                 (
                     "... time to encode the sums, and fraction of the computing time",

@@ -2,7 +2,7 @@
 
 from measure import measure_in_units, measure_peak_mebibytes
 from stiction import Study, run
-from stiction.studies.member_solution import compute_member_sums
+from stiction.studies.member_solution import compute_member_arrays
 
 BASE_STUDY = Study.named("figure6").with_changes({"ensemble.repetitions": 1})
 
@@ -10,7 +10,7 @@ BASE_STUDY = Study.named("figure6").with_changes({"ensemble.repetitions": 1})
 def measure_cost_per_pair(changes: dict[str, object], repeats: int = 3) -> float:
     study = BASE_STUDY.with_changes(changes)
     num_pairs = study.surfaces.fractal_dimensions().size
-    return measure_in_units(lambda: compute_member_sums(study, 0), repeats) / num_pairs
+    return measure_in_units(lambda: compute_member_arrays(study, 0), repeats) / num_pairs
 
 
 def run_figure6() -> None:
@@ -18,7 +18,7 @@ def run_figure6() -> None:
 
 
 def run_ten_million_points() -> None:
-    compute_member_sums(BASE_STUDY.with_changes(study_changes_for_points(10_000_000)), 0)
+    compute_member_arrays(BASE_STUDY.with_changes(study_changes_for_points(10_000_000)), 0)
 
 
 def study_changes_for_points(points: int) -> dict[str, object]:

@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 from stiction import Study, area_map, friction_map, stiffness_map
 from stiction.studies import runner, store
-from stiction.studies.member_solution import array_shapes_and_types
-from stiction.studies.runner import compute_missing
+from stiction.studies.member_solution import get_array_shapes_and_types
+from stiction.studies.runner import compute_missing_blocks
 
 NUM_REPETITIONS = 1_000_000
 NUM_ADDED_REPETITIONS = 10_000
@@ -39,7 +39,7 @@ def synthetic_sums_function(study: Study) -> Callable[[Study, int], dict]:
     for _ in range(NUM_DIFFERENT_MEMBERS):
         factor = generator.lognormal(0, 1, (study.surfaces.fractal_dimensions().size, 1, 1))
         sums = {}
-        for index, (name, (shape, dtype)) in enumerate(array_shapes_and_types(study).items()):
+        for index, (name, (shape, dtype)) in enumerate(get_array_shapes_and_types(study).items()):
             values = factor * (index + approach_numbers) ** 1.5 * (1 + 0.1 * generator.random(shape))
             sums[name] = values.astype(dtype)
         stored_members.append(sums)
@@ -54,15 +54,15 @@ def call_and_time(function: Callable[[], object]) -> tuple[object, float]:
 
 def benchmark_rows() -> list[tuple[str, str]]:
     # Repetitions that take no time are stored in blocks of the maximum size.
-    original_functions = runner.compute_member_sums, runner.estimate_member_time
-    runner.compute_member_sums, runner.estimate_member_time = synthetic_sums_function(STUDY), lambda _: 0.0
+    original_functions = runner.compute_member_arrays, runner.estimate_member_time
+    runner.compute_member_arrays, runner.estimate_member_time = synthetic_sums_function(STUDY), lambda _: 0.0
     try:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "r"
-            _, writing_time = call_and_time(lambda: compute_missing(STUDY, path))
+            _, writing_time = call_and_time(lambda: compute_missing_blocks(STUDY, path))
             num_files = sum(len(files) for _, _, files in os.walk(path))
             stored_info, info_time = call_and_time(lambda: store.info(path))
-            result, opening_time = call_and_time(lambda: store.open_stored(path))
+            result, opening_time = call_and_time(lambda: store.open_stored_result(path))
             loads = np.geomspace(20, 60, 20)
             maps_and_times = [
                 call_and_time(lambda compute_map=compute_map: compute_map(result, loads))
@@ -70,11 +70,11 @@ def benchmark_rows() -> list[tuple[str, str]]:
             ]
             assert (maps_and_times[0][0]["status"] == "ok").all()
             longer_study = STUDY.with_changes({"ensemble.repetitions": NUM_REPETITIONS + NUM_ADDED_REPETITIONS})
-            num_stored, continuation_time = call_and_time(lambda: compute_missing(longer_study, path))
+            num_stored, continuation_time = call_and_time(lambda: compute_missing_blocks(longer_study, path))
             assert num_stored == NUM_REPETITIONS + NUM_ADDED_REPETITIONS
-            _, recheck_time = call_and_time(lambda: compute_missing(longer_study, path))
+            _, recheck_time = call_and_time(lambda: compute_missing_blocks(longer_study, path))
     finally:
-        runner.compute_member_sums, runner.estimate_member_time = original_functions
+        runner.compute_member_arrays, runner.estimate_member_time = original_functions
     peak_memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     return [
         (f"{NUM_REPETITIONS:,} repetitions, 2 pairs of 8 approaches each", f"{result.nbytes / 1e9:.2f} GB"),

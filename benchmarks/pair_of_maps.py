@@ -13,7 +13,7 @@ from stiction import half_space, self_affine_surface, write_surface
 from stiction.studies.members import load_bodies
 from stiction.studies.onset import NUM_AREAL_ONSET_MEMBERS, compute_member_onset
 from stiction.studies.resolution import CUTOFF_STUDY_FOLDER
-from stiction.studies.store import open_stored
+from stiction.studies.store import open_stored_result
 from stiction.studies.study import Study
 
 NUM_TIMING_ROUNDS = 3
@@ -46,7 +46,7 @@ def prepare_load_solver(study: Study) -> Callable[[], None]:
     contact, bodies = study.contact, load_bodies(study)
     pairs = [
         bodies.member(member, float(wavelength)).pair
-        for member in range(study.ensemble.repetitions) for wavelength in study.surfaces.cells()["cut_off"]
+        for member in range(study.ensemble.repetitions) for wavelength in study.surfaces.cell_coordinates()["cut_off"]
     ]  # fmt: skip
 
     def solve_loads() -> None:
@@ -80,7 +80,9 @@ def benchmark_rows() -> list[tuple[str, str]]:
         folder = Path(temporary_folder)
         write_scans(folder)
         commands = [measure_command(folder, "0")]
-        study, cutoff_study = (open_stored(folder / "0" / subfolder).study for subfolder in ("", CUTOFF_STUDY_FOLDER))
+        study, cutoff_study = (
+            open_stored_result(folder / "0" / subfolder).study for subfolder in ("", CUTOFF_STUDY_FOLDER)
+        )
         tasks = prepare_load_solver(study), prepare_load_solver(cutoff_study), lambda: compute_onset(study)
         # Do not measure the first solution, which imports modules and computes kernels.
         half_space(*load_bodies(study).member(0, 0.0).pair, [0.1], effective_modulus=100.0)

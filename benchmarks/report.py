@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import xarray
 from stiction import Study, friction_map, run
-from stiction.studies.nodes import relative_excess_error
+from stiction.studies.nodes import compute_error_to_tolerance_ratio
 from stiction.views.report import save_report
 
 BENCHMARK_FOLDER = Path(__file__).parent
@@ -68,7 +68,7 @@ def measure_interpolation_error(driver, dataset: xarray.Dataset) -> float:
             expected_values = np.array(
                 [float(reference_map[name]) for name in ("friction_coefficient", "lower", "upper")]
             )
-            errors.append(float(relative_excess_error(np.array(result), expected_values)))
+            errors.append(float(compute_error_to_tolerance_ratio(np.array(result), expected_values)))
     return float(np.median(errors))
 
 

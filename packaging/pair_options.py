@@ -21,7 +21,7 @@ from stiction.studies.pair_options import (
     FileReadingOptions,
     PairOptions,
     format_python_name,
-    list_choices,
+    list_option_choices,
 )
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -102,7 +102,7 @@ def render_parameter_descriptions() -> str:
     lines = []
     for name in ordered_names:
         option, declared_type = PAIR_OPTIONS[name], types[name].removesuffix(" | None")
-        choices = ", ".join(f'"{choice}"' for choice in list_choices(name))
+        choices = ", ".join(f'"{choice}"' for choice in list_option_choices(name))
         type_text = f"{{{choices}}}" if choices and declared_type != "InterfaceName" else DOCSTRING_TYPES[declared_type]
         unit = f", {DEFAULT_UNITS[option.kind]}" if option.kind else ""
         optional_text = (

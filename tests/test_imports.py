@@ -71,7 +71,7 @@ Views use `Result` and `Summary` instead, and import only constants from these m
 
 OTHER_IMPORTS_OF_VIEWS = {
     "height_scale.ScaledBodies", "nodes.NodeAxis", "nodes.InterpolationNodes",
-    "members.generate_pairs", "members.generate_phases", "members.pair_of", "members.unscaled_profile",
+    "members.generate_profile_pairs", "members.generate_phases", "members.pair_of", "members.generate_unscaled_profile",
 }  # fmt: skip
 """Other names that views may import: types, and functions that generate the surfaces of a study for its figures."""
 

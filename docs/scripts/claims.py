@@ -32,7 +32,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction import Study, open_result, run
 from stiction.mechanics import friction
 from stiction.studies.intervals import LoadCrossings
-from stiction.studies.study import parse_dataset_study
+from stiction.studies.study import parse_study_of_dataset
 
 Floats = NDArray[np.float64]
 SlidingRule = Literal["opposing", "all"]
@@ -216,9 +216,9 @@ class ResampledMeans:
         sliding: SlidingRule | None = None,
         interval_method: IntervalMethod = "percentiles",
     ) -> None:
-        study = parse_dataset_study(dataset)
+        study = parse_study_of_dataset(dataset)
         self._step_quantity = study.contact.step_quantity
-        rules = study.contact.rules()
+        rules = study.contact.sliding_rules()
         if (sliding or rules[0]) not in rules:
             raise ValueError(f"the result has no sliding rule {sliding!r}, it has {', '.join(rules)}")
         motion_dataset = dataset.sel(sliding=sliding or rules[0]) if "sliding" in dataset.dims else dataset
@@ -313,11 +313,11 @@ class ResampledMeans:
         loads = np.broadcast_to(np.asarray(load, dtype=np.float64), self.dimensions.shape)
         result = np.full(normal_load.shape[:2], np.nan)
         for dimension_index in np.flatnonzero(np.isfinite(loads)):
-            load_crossing = LoadCrossings.of(
+            load_crossing = LoadCrossings.from_curves(
                 normal_load[:, dimension_index], loads[dimension_index : dimension_index + 1]
             )
             result[:, dimension_index] = np.where(
-                load_crossing.reached, load_crossing.at(values[:, dimension_index]), np.nan
+                load_crossing.reached, load_crossing.interpolate(values[:, dimension_index]), np.nan
             )[:, 0]
         return result / loads if quantity == "friction" else result
 
@@ -792,7 +792,7 @@ def judge_claims(
     ValueError
         If the result lacks an amplitude that is needed, or has fewer than 20 repetitions or 3 approaches.
     """
-    check_study_suits_claims(parse_dataset_study(dataset))
+    check_study_suits_claims(parse_study_of_dataset(dataset))
     if interval_method not in ("percentiles", "bands"):
         raise ValueError(f"interval_method must be percentiles or bands, got {interval_method!r}")
     resampled = ResampledMeans(dataset, amplitude, sliding=sliding, interval_method=interval_method)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 from scipy.special import stdtrit
-from stiction.studies.intervals import neighbors_mean
+from stiction.studies.intervals import average_correlated_values
 
 DOCS_FOLDER = Path(__file__).parent.parent
 sys.path.insert(0, str(DOCS_FOLDER.parent / "tests"))
@@ -56,7 +56,7 @@ def cosine_coefficient_interval(values):
 
 
 INTERVAL_METHODS = {
-    "this project": neighbors_mean,
+    "this project": average_correlated_values,
     "independent": uncorrelated_interval,
     "lag one": lag_one_corrected_interval,
     "cosines": cosine_coefficient_interval,

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 from stiction import Result, run, self_affine_surface
 from stiction.studies.evaluation import at_load, member_values
-from stiction.studies.pair import study_from_options
-from stiction.studies.pair_options import read_options
+from stiction.studies.pair import build_study_from_options
+from stiction.studies.pair_options import validate_option_values
 
 TABLE_FILE = Path(__file__).parent.parent / "generated/map_intervals.md"
 NUM_PAIRS, NUM_SHIFTS, SAMPLE_SIZE = 40, 400, 16
@@ -41,7 +41,7 @@ def main():
             "seed": pair,
             **STUDY_OPTIONS,
         }
-        result = run(study_from_options(read_options(options)))
+        result = run(build_study_from_options(validate_option_values(options)))
         loads = result.default_loads
         populations.append(
             np.nanmean(select_area_and_friction(member_values(result, loads, member_kind="shifts")), axis=-1)

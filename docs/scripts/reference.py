@@ -12,7 +12,7 @@ from typing import Any
 import stiction
 import typer
 from stiction.cli.application import COMMANDS_BY_GROUP, app
-from stiction.studies.study import study_names, study_summary
+from stiction.studies.study import read_study_description, study_names
 from stiction.surfaces.parameters import PROFILE_PARAMETERS, SURFACE_PARAMETERS
 from stiction.views.study_keys import markdown_row
 
@@ -193,6 +193,6 @@ def render_study_table() -> str:
         [
             "| study | description |",
             "|---|---|",
-            *(_markdown_row(f"`{name}`", study_summary(name)) for name in study_names()),
+            *(_markdown_row(f"`{name}`", read_study_description(name)) for name in study_names()),
         ]
     )

@@ -15,7 +15,7 @@ from stiction.app.form import (
     replace_option_names_in_caveats,
 )
 from stiction.app.preview import preview_scan
-from stiction.studies.pair_options import PAIR_OPTIONS, FileReadingOptions, list_choices
+from stiction.studies.pair_options import PAIR_OPTIONS, FileReadingOptions, list_option_choices
 
 
 def test_form_fields_for_reading_files_have_the_names_of_reader_options():
@@ -31,8 +31,8 @@ def test_form_shows_each_field_in_only_one_section(flag):
 
 def test_choices_of_a_form_field_are_valid_values_of_its_option():
     for name, option in PAIR_OPTIONS.items():
-        if option.field and option.field.choices and list_choices(name):
-            assert {value for value, _ in option.field.choices} <= set(list_choices(name))
+        if option.field and option.field.choices and list_option_choices(name):
+            assert {value for value, _ in option.field.choices} <= set(list_option_choices(name))
 
 
 def test_form_has_default_units_for_quantities_but_not_for_text_fields():

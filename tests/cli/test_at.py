@@ -9,7 +9,7 @@ import xarray
 from stiction import open_result, run, self_affine, self_affine_surface, write_profile, write_surface
 from stiction._number_format import format_estimate
 from stiction.studies.evaluation import at_load
-from stiction.studies.store import open_stored
+from stiction.studies.store import open_stored_result
 from stiction.studies.summary import summarize
 from stiction.views.rows import SCHEMA_VERSION
 from support.command import assert_rejected, call_stiction, check_stiction
@@ -66,7 +66,7 @@ CONDITION_CASES = {
 def test_at_command_prints_library_values_for_any_mu0_and_tau0(results_folder, name):
     options, loads, friction_parameters = CONDITION_CASES[name]
     output_record = json.loads(stiction_output("at", name, *options, "--json", cwd=results_folder))
-    stored_result = open_stored(results_folder / name)
+    stored_result = open_stored_result(results_folder / name)
     if name == "maps":
         loads = [8e-3 * output_record["nominal_area"]]
     expected_points = at_load(stored_result, loads, **friction_parameters)
@@ -100,7 +100,7 @@ def test_at_command_uses_mu0_and_tau0_of_the_study_by_default_and_reports_the_st
 
 def test_at_command_without_options_uses_the_loads_mu0_and_tau0_of_the_study(results_folder):
     record = json.loads(stiction_output("at", "maps", "--json", cwd=results_folder))
-    study = open_stored(results_folder / "maps").study
+    study = open_stored_result(results_folder / "maps").study
     expected_conditions = [
         (float(load), 0.3, float(tau0)) for load in study.friction.load for tau0 in study.friction.tau0
     ]
@@ -108,7 +108,7 @@ def test_at_command_without_options_uses_the_loads_mu0_and_tau0_of_the_study(res
         (answer["at"]["load"], answer["at"]["mu0"], answer["at"]["tau0"]) for answer in record["answers"]
     ] == expected_conditions
     record = json.loads(stiction_output("at", "study", "--load", "1 uN", "--json", cwd=results_folder))
-    friction = open_stored(results_folder / "study").study.friction
+    friction = open_stored_result(results_folder / "study").study.friction
     assert {answer["at"]["tau0"] for answer in record["answers"]} == {0.0, 0.1}
     assert {answer["at"]["mu0"] for answer in record["answers"]} == set(friction.mu0)
 
@@ -118,7 +118,7 @@ def test_at_command_with_direction_option_prints_friction_in_that_direction(resu
     record = json.loads(stiction_output(*arguments, "--direction", "30", "--json", cwd=results_folder))
     assert "the upper body moves at 30°" in stiction_output(*arguments, "--direction", "30", cwd=results_folder)
     assert "the mean over 12 directions and 3 positions" in stiction_output(*arguments, cwd=results_folder)
-    dataset = at_load(open_stored(results_folder / "maps"), [record["answers"][0]["at"]["load"]], tau0=[0.0])
+    dataset = at_load(open_stored_result(results_folder / "maps"), [record["answers"][0]["at"]["load"]], tau0=[0.0])
     expected = dataset["friction_coefficient"].sel(direction=30.0, sliding="all", statistic="mean").squeeze()
     assert record["answers"][0]["rules"][0]["value"] == pytest.approx(float(expected))
 
@@ -174,7 +174,11 @@ def test_info_command_writes_json_with_the_same_schema_for_every_result(results_
     record = json.loads(stiction_output("info", name, "--json", cwd=results_folder))
     assert list(record)[:3] == ["schema", "stiction", "command"]
     assert (record["schema"], record["command"]) == (SCHEMA_VERSION, "info")
-    assert record["finished"] == record["repetitions"] == open_stored(results_folder / name).study.ensemble.repetitions
+    assert (
+        record["finished"]
+        == record["repetitions"]
+        == open_stored_result(results_folder / name).study.ensemble.repetitions
+    )
     assert record["values"]
     assert all({"verdict", "caveats", "sentence"} <= set(answer) for answer in record["answers"])
     assert stiction_output("report", name, "--output", f"{name}.html", cwd=results_folder)
@@ -242,7 +246,7 @@ def test_export_command_writes_netcdf_or_csv_without_overwriting_files(results_f
     stiction_output("export", name, str(tmp_path / "r.nc"), cwd=results_folder)
     with xarray.open_dataset(tmp_path / "r.nc", engine="h5netcdf") as exported_dataset:
         exported_dataset = exported_dataset.load()
-    dataset = open_stored(results_folder / name).dataset()
+    dataset = open_stored_result(results_folder / name).dataset()
     assert set(dataset.data_vars) == set(exported_dataset.data_vars)
     for variable in dataset.data_vars:
         assert exported_dataset[variable].equals(dataset[variable]), variable
@@ -260,11 +264,11 @@ def test_export_command_writes_netcdf_or_csv_without_overwriting_files(results_f
 @pytest.mark.parametrize("name", ["lines", "maps"])
 def test_run_command_adds_repetitions_to_a_result_directory(results_folder, name, tmp_path):
     shutil.copytree(results_folder / name, tmp_path / name)
-    num_repetitions = open_stored(tmp_path / name).study.ensemble.repetitions
+    num_repetitions = open_stored_result(tmp_path / name).study.ensemble.repetitions
     stiction_output(
         "run", str(tmp_path / name), "--set", f"ensemble.repetitions={num_repetitions + 2}", cwd=results_folder
     )
-    assert open_stored(tmp_path / name).finished.size == num_repetitions + 2
+    assert open_stored_result(tmp_path / name).finished_members.size == num_repetitions + 2
     assert_rejected(call_stiction("run", str(tmp_path / name), "--set", "friction.mu0=[-1]", cwd=results_folder), "mu0")
 
 

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 from stiction import Ball, Result, interface, read_interface, self_affine_surface, write_interface, write_surface
-from stiction.studies.store import open_stored
+from stiction.studies.store import open_stored_result
 from stiction.studies.tests_file import parse_friction_tests
 from support.command import assert_rejected, call_stiction, check_stiction
 
@@ -56,7 +56,7 @@ def two_finishes_folder(tmp_path_factory):
             cwd=folder,
             without_figures=True,
         )
-        result = Result(open_stored(folder / name))
+        result = Result(open_stored_result(folder / name))
         for load in (40, 80, 160):
             friction = result.at(f"{load} MPa", mu0=TRUE_MU0, tau0="300 MPa")["friction_all_round"].sel(sliding="all")
             coefficient, force = float(friction.sel(statistic="mean").squeeze()), 1e-3 * load * result.nominal_area

@@ -22,7 +22,7 @@ from stiction.studies.input_caveats import find_input_caveats
 from stiction.studies.member_solution import solve_at_loads
 from stiction.studies.members import load_bodies
 from stiction.studies.pair import MeasuredPair
-from stiction.studies.pair_options import read_options
+from stiction.studies.pair_options import validate_option_values
 from stiction.studies.store import export
 from stiction.studies.values import StudyError
 from support.command import assert_rejected, call_stiction, check_stiction
@@ -79,7 +79,7 @@ def parse_pair_arguments(scans_folder, *arguments):
         contextlib.chdir(scans_folder),
         command.make_context("pair", [str(argument) for argument in arguments]) as context,
     ):
-        return MeasuredPair(read_options(read_given_options(context)))
+        return MeasuredPair(validate_option_values(read_given_options(context)))
 
 
 def parse_study(scans_folder, *arguments):
@@ -682,7 +682,7 @@ def test_pair_command_resumes_with_the_same_options_and_rejects_different_option
     assert (scans_folder / "areas" / "picture.nc").exists()
     assert_rejected(call_stiction(*command, "--shifts", 4, "--rotate", 10, cwd=scans_folder), "contains another study")
     check_stiction(*command, "--shifts", 2, "--rotate", 10, "--replace", cwd=scans_folder)
-    assert store.open_stored(scans_folder / "areas").finished.size == 2
+    assert store.open_stored_result(scans_folder / "areas").finished_members.size == 2
 
 
 @pytest.mark.usefixtures("disable_figures")
@@ -748,7 +748,7 @@ def test_pair_command_run_in_two_parts_completes_the_result(scans_folder):
     arguments = ["pair", *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--mu0", "30", "--offsets", 4, "-o", "parts"]
     for part in ("1/2", "2/2"):
         check_stiction(*arguments, "--part", part, cwd=scans_folder)
-    assert store.open_stored(scans_folder / "parts").finished.size == 4
+    assert store.open_stored_result(scans_folder / "parts").finished_members.size == 4
     completed = check_stiction(*arguments, cwd=scans_folder)
     assert "not in per cent" in completed.stdout  # mu0 = 30 causes a caveat.
 

@@ -18,8 +18,8 @@ from stiction import (
     write_spectrum,
     write_surface,
 )
-from stiction.studies.resolution import evaluate_cutoffs, resolution_limits
-from stiction.studies.store import open_stored
+from stiction.studies.resolution import build_resolution_limits, evaluate_at_cutoffs
+from stiction.studies.store import open_stored_result
 from stiction.surfaces.pairing import SpectralSurfacePairs
 from support.command import assert_rejected, call_stiction, check_stiction
 
@@ -144,8 +144,8 @@ def test_at_and_report_commands_accept_the_result_of_a_pair_of_spectra(spectra_f
     assert study.ensemble.repetitions == 2
     check_stiction("at", "pair", "--load", "30 MPa", cwd=spectra_folder)
     check_stiction("report", "pair", cwd=spectra_folder, without_figures=True)
-    dataset = evaluate_cutoffs(open_stored(spectra_folder / "pair")).isel(load=0, mu0=0, tau0=0)
-    spectral_estimate = resolution_limits(dataset, study)[
+    dataset = evaluate_at_cutoffs(open_stored_result(spectra_folder / "pair")).isel(load=0, mu0=0, tau0=0)
+    spectral_estimate = build_resolution_limits(dataset, study)[
         "spectral"
     ]  # The figure of results against the cutoff shows this estimate.
     assert float(spectral_estimate.mean_pressure.max()) == pytest.approx(4.0)

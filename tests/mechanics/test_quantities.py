@@ -21,7 +21,7 @@ from stiction.mechanics.quantities import (
 )
 from stiction.studies.contact_statistics import LOAD_FRACTION_FORMULAS
 from stiction.studies.evaluation import at_load
-from stiction.studies.study import parse_dataset_study
+from stiction.studies.study import parse_study_of_dataset
 from stiction.studies.summary import summarize
 from stiction.views.rows import summary_table
 from support.studies_of_files import pair_study
@@ -206,7 +206,7 @@ def test_fields_of_a_quantity_in_the_table_are_consistent_with_each_other(name):
 
 def test_csv_columns_are_in_the_order_of_the_table_of_quantities(results_at_loads):
     result = results_at_loads["half-planes"]
-    columns = list(summary_table(summarize(result, parse_dataset_study(result))).columns)
+    columns = list(summary_table(summarize(result, parse_study_of_dataset(result))).columns)
     shown_names = [
         name for name in quantity_names_shown_in("csv") if name in result and "direction" not in result[name].dims
     ]

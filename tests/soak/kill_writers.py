@@ -52,13 +52,13 @@ if "storm" in os.environ and "stiction" in " ".join(sys.orig_argv):
     import pathlib, random, time
     from stiction.studies import runner
     runner.TARGET_BLOCK_TIME = 0.02
-    sums = runner.compute_member_sums
+    sums = runner.compute_member_arrays
     def record(study, member):
         with open(os.environ["storm"], "ab", buffering=0) as file:
             file.write(f"{member} {os.getpid()}\\n".encode())
         time.sleep(1e-3)  # slows the computation, so that each file can be checked
         return sums(study, member)
-    runner.compute_member_sums = record
+    runner.compute_member_arrays = record
     def add_delays(function, seconds):
         def call_with_delays(*arguments, **options):
             time.sleep(random.expovariate(1 / seconds))
@@ -193,7 +193,7 @@ class WriterKillTest:
 
     def read_finished_repetitions(self) -> list[int]:
         try:
-            return store.open_stored(self.result_folder).finished.tolist()
+            return store.open_stored_result(self.result_folder).finished_members.tolist()
         except store.StoreError:
             assert not self.checksums
             return []
@@ -229,12 +229,14 @@ class WriterKillTest:
     def check_and_describe(self) -> str:
         self.check_blocks()
         for number in self.random.sample(sorted(self.checksums), min(MAX_CHECKED_REPETITIONS, len(self.checksums))):
-            sums = member_solution.compute_member_sums(STUDY, number)
+            sums = member_solution.compute_member_arrays(STUDY, number)
             assert checksum(list(sums.values())) == self.checksums[number], f"repetition {number} has other bits"
         for process in self.dask_processes:
             process.kill()
             process.wait()
-        store.create_or_open(self.result_folder, STUDY.with_changes({"ensemble.repetitions": self.num_repetitions}))
+        store.create_or_open_result(
+            self.result_folder, STUDY.with_changes({"ensemble.repetitions": self.num_repetitions})
+        )
         partial_files = [file for file in self.result_folder.rglob("*.partial") if str(os.getpid()) not in file.name]
         assert not partial_files, f"left: {partial_files[:3]}"
         errors = [line for line in (self.folder / "output").read_text().splitlines() if "Error" in line]

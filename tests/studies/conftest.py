@@ -21,11 +21,11 @@ def uninterrupted_dataset():
 @pytest.fixture
 def computed_repetitions(monkeypatch):
     """Return a list to which each computed repetition is appended."""
-    numbers, sums = [], runner.compute_member_sums
+    numbers, sums = [], runner.compute_member_arrays
 
     def record_repetition(study, number):
         numbers.append(number)
         return sums(study, number)
 
-    monkeypatch.setattr(runner, "compute_member_sums", record_repetition)
+    monkeypatch.setattr(runner, "compute_member_arrays", record_repetition)
     return numbers

@@ -9,7 +9,7 @@ from stiction.mechanics.quantities import LOAD_INDEPENDENT_QUANTITIES
 from stiction.studies.assessment import (
     MAX_NEGLECTED_ADHESION_FRACTION,
     TYPICAL_WORK_OF_ADHESION,
-    estimate_adhesion_load,
+    estimate_adhesion_load_ratio,
 )
 from stiction.studies.contact_picture import compute_loading_cycle
 from stiction.studies.evaluation import at_load
@@ -302,7 +302,7 @@ def test_estimated_effect_of_adhesion_agrees_with_solutions_of_pairs():
         options = {"load": load, "mu0": 0.3, "effective_modulus": modulus, "shifts": 1, "onset": 0, "direction": [0]}
         plain_result, result = pair(*bodies, **options), pair(*bodies, **options, **ADHESION_OPTIONS)
         point = next(iterate_points(plain_result.at_study_loads))
-        estimated_increase = estimate_adhesion_load(point, plain_result.study)
+        estimated_increase = estimate_adhesion_load_ratio(point, plain_result.study)
         data = result.dataset.sel(load=float(result.study.friction.load[0]))
         solved_increase = float(data["contact_load"].squeeze() / data["load"]) - 1
         if (estimated_increase > MAX_NEGLECTED_ADHESION_FRACTION) != (

@@ -84,7 +84,7 @@ def result(request):
 def compute_curves(study, upper, lower):
     """Compute the load curve for each sliding rule by calling `press` or `half_space` directly."""
     contact = study.contact
-    for rule in contact.rules():
+    for rule in contact.sliding_rules():
         if contact.mechanics == "asperities":
             yield press(upper, lower, contact.loading_steps(), direction=contact.direction, sliding=rule)
         else:
@@ -106,8 +106,8 @@ def test_results_of_an_areal_study_equal_load_curves_of_single_pairs(name):
             amplitude=dataset["amplitude"].values[a],
         )  # fmt: skip
         member = dataset.isel(fractal_dimension=d, amplitude=a, repetition=r)
-        for rule, curve in zip(study.contact.rules(), compute_curves(study, *pair), strict=True):
-            for quantity in study.sums():
+        for rule, curve in zip(study.contact.sliding_rules(), compute_curves(study, *pair), strict=True):
+            for quantity in study.contact_sum_names():
                 is_directed = quantity in DIRECTED_SUM_QUANTITIES
                 computed_sum = member[quantity].sel(sliding=rule) if is_directed else member[quantity]
                 assert computed_sum.dims == (

@@ -13,15 +13,15 @@ from stiction.mechanics.friction import STATUS_OK
 from stiction.studies import budget, hardness
 from stiction.studies.budget import (
     _CoefficientSamples,
+    _compute_pressure_and_growth_under_shear,
     _equal_tailed_interval,
     _get_arrays_over_dims,
-    _pressure_and_growth_under_shear,
     add_uncertainty,
 )
-from stiction.studies.evaluation import ForcesPerLoad, at_load, build_area_interpolator, member_sums_at_loads
+from stiction.studies.evaluation import ForcesPerLoad, at_load, build_area_interpolator, interpolate_member_sums
 from stiction.studies.executors import thread_pool_executor
-from stiction.studies.hardness import choose_area_nodes, compute_areas_at_nodes, find_uncertain_inputs
-from stiction.studies.input_uncertainty import Z_95, parse_input
+from stiction.studies.hardness import choose_hardness_and_modulus_nodes, compute_areas_at_nodes, find_uncertain_inputs
+from stiction.studies.input_uncertainty import Z_95, parse_uncertain_input
 from stiction.studies.summary import summarize
 from stiction.studies.values import StudyError
 from support.rough_surfaces import rough_maps
@@ -105,15 +105,15 @@ def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solution
     result = pair(*rough_surfaces(rms=rms), hardness="0.3..1.5 GPa", effective_modulus=modulus, **kwargs)
     inputs = find_uncertain_inputs(result.study)
     assert sorted(inputs) == ["effective_modulus", "hardness"]
-    assert choose_area_nodes(result.study)[1].size == (3 if modulus.startswith("48") else 1)
+    assert choose_hardness_and_modulus_nodes(result.study)[1].size == (3 if modulus.startswith("48") else 1)
     table = result.at_study_loads
     point_index = dict.fromkeys(("cut_off", "sliding", "load", "mu0", "tau0"), 0)
     sums, areas = (
-        member_sums_at_loads(result.source, table["load"].values),
+        interpolate_member_sums(result.source, table["load"].values),
         build_area_interpolator(table, result.source),
     )
-    friction = ForcesPerLoad.of(sums.sel(sliding="all").mean())
-    variables = dict(table.variables) | _pressure_and_growth_under_shear(table, result.study, areas)
+    friction = ForcesPerLoad.from_contact_sums(sums.sel(sliding="all").mean())
+    variables = dict(table.variables) | _compute_pressure_and_growth_under_shear(table, result.study, areas)
     numbers = {
         name: values[0, 0, 0, 0, 0] for name, values in _get_arrays_over_dims(variables, table, point_index).items()
     }
@@ -124,7 +124,9 @@ def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solution
         hardness = float(inputs["hardness"].estimate.quantile(probability))
         effective_modulus = float(inputs["effective_modulus"].estimate.quantile(probability))
         direct = pair(*rough_surfaces(rms=rms), hardness=hardness, effective_modulus=effective_modulus, **kwargs)
-        friction_samples = samples._friction_samples({"hardness": probability, "effective_modulus": probability})
+        friction_samples = samples._compute_friction_samples(
+            {"hardness": probability, "effective_modulus": probability}
+        )
         assert friction_samples[0] == pytest.approx(
             direct.value, rel=MAX_WIDE_INTERPOLATION_ERROR if modulus.startswith("48") else MAX_INTERPOLATION_ERROR
         )
@@ -134,7 +136,7 @@ def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solution
 def test_hardness_nodes_include_the_hardness_after_a_dwell_and_are_distinct(dwell_hours) -> None:
     options = {"hardness": "0.2 GPa", "wait": f"{dwell_hours} h", "creep": 0.05, "effective_modulus": "5 GPa"}
     study = pair_study(*rough_surfaces(), load="5 MPa", mu0=0.2, tau0="50 MPa", cutoff="none", **options)
-    nodes, _ = choose_area_nodes(study)
+    nodes, _ = choose_hardness_and_modulus_nodes(study)
     assert nodes[-2:] == pytest.approx([0.2, np.inf], rel=1e-12)
     assert nodes[0] == pytest.approx(0.2 * (3600 * dwell_hours) ** -0.05, rel=1e-9)
     assert np.diff(np.log(nodes)).min() > 0.01
@@ -262,13 +264,13 @@ def test_material_name_can_be_combined_with_numbers_for_the_other_body() -> None
 
 
 def test_hardness_option_accepts_vickers_and_rockwell_numbers() -> None:
-    assert parse_input("hardness", "150 HV", "hardness").value == pytest.approx(150 * 9.80665e-3 / 0.9272)
-    rockwell = parse_input("hardness", "60 HRC", "hardness")
+    assert parse_uncertain_input("hardness", "150 HV", "hardness").value == pytest.approx(150 * 9.80665e-3 / 0.9272)
+    rockwell = parse_uncertain_input("hardness", "60 HRC", "hardness")
     assert rockwell.value == pytest.approx(697 * 9.80665e-3 / 0.9272)
     assert rockwell.low < rockwell.value < rockwell.high
-    assert parse_input("hardness", "58..62 HRC", "hardness").distribution == "log-normal"
+    assert parse_uncertain_input("hardness", "58..62 HRC", "hardness").distribution == "log-normal"
     with pytest.raises(ValueError, match="from 20 to 68 HRC"):
-        parse_input("hardness", "12 HRC", "hardness")
+        parse_uncertain_input("hardness", "12 HRC", "hardness")
     study = pair_study(*rough_surfaces(), load="2 MPa", mu0=0.2, effective_modulus="80 GPa", hardness="150±15 HV")
     assert float(study.contact.hardness) == pytest.approx(1.586, rel=1e-3)
     assert study.known.hardness == "150±15 HV"
@@ -294,7 +296,7 @@ def test_pair_rejects_invalid_ranges_of_inputs(options, pattern) -> None:
 def test_stored_study_preserves_uncertain_inputs() -> None:
     result = pair(*rough_surfaces(), load="2 MPa", mu0="0.1..0.3", effective_modulus="80 GPa", **PAIR_OPTIONS)
     stored_study = Study.from_toml(result.path / "study.toml")
-    assert find_uncertain_inputs(stored_study)["mu0"].estimate == parse_input("mu0", "0.1..0.3")
+    assert find_uncertain_inputs(stored_study)["mu0"].estimate == parse_uncertain_input("mu0", "0.1..0.3")
     with pytest.raises(StudyError, match=r"known.tau0.*unit"):
         stored_study.with_changes({"known.tau0": "20..80"})
 

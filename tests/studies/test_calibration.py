@@ -22,7 +22,7 @@ from stiction import (
     write_interface,
 )
 from stiction.studies.hardness import find_uncertain_inputs, load_areas_at_nodes
-from stiction.studies.interfaces import GROWTH_HEADER_ENTRY, HARDNESS_HEADER_ENTRY, credible_interval
+from stiction.studies.interfaces import GROWTH_HEADER_ENTRY, HARDNESS_HEADER_ENTRY, compute_credible_interval
 from stiction.views.calibration import calibration_text
 from support.rough_surfaces import rough_maps
 
@@ -75,8 +75,8 @@ def test_calibration_with_a_parameter_at_its_bound_agrees_with_brute_force_integ
     weight = np.exp(log_likelihood - log_likelihood.max()).ravel()
     values = np.random.default_rng(0).choice(weight.size, 200_000, p=weight / weight.sum())
     for name, draws, interval in (("mu0", mu0, interface.mu0), ("tau0", tau0, interface.tau0)):
-        expected = credible_interval(draws.ravel()[values], 0.0)
-        result = credible_interval(interface.draws[name].to_numpy(), 0.0)
+        expected = compute_credible_interval(draws.ravel()[values], 0.0)
+        result = compute_credible_interval(interface.draws[name].to_numpy(), 0.0)
         assert result == pytest.approx(expected, abs=SAMPLING_TOLERANCE * (expected[2] - expected[1]))
         assert interval[0] == result[0]
         assert interval[1] <= result[1] < result[2] <= interval[2]

@@ -38,7 +38,7 @@ def scheduler():
 def test_dask_workers_and_threads_give_bit_identical_results(scheduler, tmp_path, monkeypatch):
     expected = run(STUDY).dataset
     monkeypatch.setattr(runner, "write_block", lambda *_: pytest.fail("written by the process that hands out the work"))
-    with executors.connect_cluster(scheduler) as executor:
+    with executors.connect_to_cluster(scheduler) as executor:
         assert_same_bits(run(STUDY, executor=executor).dataset, expected)
         assert_same_bits(run(STUDY, executor=executor, store=tmp_path).dataset, expected)
     assert not list(tmp_path.rglob("*.partial"))
@@ -48,7 +48,7 @@ def test_tasks_of_a_killed_worker_are_computed_again_by_another_worker(scheduler
     study = STUDY.with_changes({"surfaces.fractal_dimension.count": 12})
     with (
         distributed.Client(scheduler, set_as_default=False) as client,
-        executors.connect_cluster(scheduler) as executor,
+        executors.connect_to_cluster(scheduler) as executor,
     ):
         workers = list(client.run(os.getpid).values())
 
@@ -69,7 +69,7 @@ def test_tasks_of_a_killed_worker_are_computed_again_by_another_worker(scheduler
 def test_worker_with_another_version_of_stiction_is_rejected(scheduler, monkeypatch):
     monkeypatch.setattr(runner, "__version__", "0.0.1")
     with (
-        executors.connect_cluster(scheduler) as executor,
+        executors.connect_to_cluster(scheduler) as executor,
         pytest.raises(StudyError, match=r"the worker on .* has stiction .*, but the study was submitted with 0\.0\.1"),
     ):
         run(STUDY, executor=executor)
@@ -80,7 +80,7 @@ def test_absent_scheduler_is_reported_with_its_address(monkeypatch):
     for address in ("tcp://127.0.0.1:1", "", "host", "tcp://host", "tcp://host:port", "file:///etc"):
         with (
             pytest.raises(ClusterError, match=address or "have the form tcp://host:8786"),
-            executors.connect_cluster(address),
+            executors.connect_to_cluster(address),
         ):
             pass
 
@@ -90,6 +90,6 @@ def test_scheduler_without_workers_issues_a_warning():
         address = local_cluster.scheduler_address
         with (
             pytest.warns(UserWarning, match="has no workers yet; waiting for them"),
-            executors.connect_cluster(address),
+            executors.connect_to_cluster(address),
         ):
             pass

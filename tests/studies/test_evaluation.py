@@ -6,7 +6,7 @@ from stiction import Study, approach_at_load, area_map, friction_map, press, run
 from stiction.mechanics.friction import STATUSES
 from stiction.studies import intervals
 from stiction.studies.contact_tables import MAX_AREAL_LOAD_RATIO, choose_load_steps
-from stiction.studies.evaluation import at_load, find_opposite_axes, member_values, reached_loads
+from stiction.studies.evaluation import at_load, choose_loads_in_range, find_axes_with_both_directions, member_values
 from stiction.studies.members import load_bodies
 from support.studies_of_files import study_of_files, write_maps, write_profiles
 
@@ -41,10 +41,12 @@ def test_friction_of_profiles_at_a_load_equals_the_mean_of_press_results_over_po
             ]
             coefficients = np.array([curve.friction_coefficient(**material)[0] for curve in curves])[order]
             coefficients_at_load = table["friction_coefficient"].sel(sliding="opposing", direction=angle).values
-            np.testing.assert_allclose(coefficients_at_load, intervals.neighbors_mean(coefficients), rtol=2e-3)
+            np.testing.assert_allclose(
+                coefficients_at_load, intervals.average_correlated_values(coefficients), rtol=2e-3
+            )
         if load == "elastic":  # The contact area always belongs to the elastic load.
             area = np.array([curve.contact_area[0] for curve in curves])[order]
-            np.testing.assert_allclose(table["contact_area"], intervals.neighbors_mean(area), rtol=1e-9)
+            np.testing.assert_allclose(table["contact_area"], intervals.average_correlated_values(area), rtol=1e-9)
 
 
 def test_friction_is_equal_for_all_definitions_of_load_at_small_slopes(areal_study_and_dataset):
@@ -64,7 +66,7 @@ def test_friction_of_generated_profiles_at_a_load_equals_friction_map():
         "ensemble.repetitions": 4, "surfaces.points": 4000, "surfaces.fractal_dimension": [1.1, 1.3],
     })  # fmt: skip
     result = run(study).dataset
-    load = float(reached_loads(result, 5)[2])
+    load = float(choose_loads_in_range(result, 5)[2])
     table, friction = at_load(result, [load]), friction_map(result, [load])
     np.testing.assert_array_equal(table["friction_coefficient"].sel(statistic="mean"), friction["friction_coefficient"])
     np.testing.assert_array_equal(table["friction_coefficient"].sel(statistic="upper"), friction["upper"])
@@ -96,7 +98,7 @@ def test_intervals_of_generated_results_are_computed_after_averaging_directions(
         "surfaces.fractal_dimension": [1.2, 1.5], "surfaces.amplitude": ["50 nm"],
     })  # fmt: skip
     result = run(study).dataset
-    load = [float(reached_loads(result, 5)[2])]
+    load = [float(choose_loads_in_range(result, 5)[2])]
     table, dataset_over_directions = at_load(result, load), result.mean("direction", keep_attrs=True)
     for name, quantity_map in (
         ("contact_area", area_map(dataset_over_directions, load)),
@@ -111,7 +113,7 @@ def test_intervals_of_measured_results_are_computed_after_averaging_directions(a
     values = member_values(result, [2.0], mu0=0.3)
     point = at_load(result, [2.0], mu0=0.3)
     friction = values["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing")
-    expected = intervals.sample_mean(friction.mean("direction").values)
+    expected = intervals.average_independent_values(friction.mean("direction").values)
     computed_interval = (
         point["friction_all_round"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing").values
     )
@@ -120,7 +122,7 @@ def test_intervals_of_measured_results_are_computed_after_averaging_directions(a
     friction_along_axis = (
         point["friction_by_axis"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing", axis=60.0)
     )
-    np.testing.assert_allclose(friction_along_axis, intervals.sample_mean(axis_means), rtol=ROUND_OFF)
+    np.testing.assert_allclose(friction_along_axis, intervals.average_independent_values(axis_means), rtol=ROUND_OFF)
     low, high = (
         float(point[name].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing"))
         for name in ("spread_low", "spread_high")
@@ -129,10 +131,10 @@ def test_intervals_of_measured_results_are_computed_after_averaging_directions(a
 
 
 def test_axis_of_motion_consists_of_two_opposite_directions():
-    axes, indices = find_opposite_axes(np.array([30.0, 0.0, 210.0, 90.0, 180.0]))
+    axes, indices = find_axes_with_both_directions(np.array([30.0, 0.0, 210.0, 90.0, 180.0]))
     assert axes.tolist() == [0.0, 30.0]
     assert indices.tolist() == [[1, 4], [0, 2]]
-    assert find_opposite_axes(np.array([0.0, 45.0]))[0].size == 0
+    assert find_axes_with_both_directions(np.array([0.0, 45.0]))[0].size == 0
 
 
 def test_unreached_loads_have_status_not_reached(areal_study_and_dataset, profile_study_and_dataset):
@@ -176,9 +178,9 @@ def test_unsolved_load_is_reported_instead_of_interpolated(areal_study_and_datas
 
 def test_load_between_load_steps_that_are_far_apart_has_status_not_reached():
     curve, values = np.array([1e-3, 1.0, 10.0]), np.array([2e-3, 1.5, 12.0])
-    crossing = intervals.LoadCrossings.of(curve, np.array([1e-3, 0.1, 1.0, 3.0]), interpolates_ratio=True)
+    crossing = intervals.LoadCrossings.from_curves(curve, np.array([1e-3, 0.1, 1.0, 3.0]), interpolates_ratio=True)
     assert crossing.reached.tolist() == [True, False, True, True]
-    assert np.isnan(crossing.at(values)).tolist() == [False, True, False, False]
+    assert np.isnan(crossing.interpolate(values)).tolist() == [False, True, False, False]
 
 
 def test_load_steps_are_inserted_between_given_loads_that_are_far_apart():

@@ -14,14 +14,14 @@ from stiction.studies.height_scale import (
     MAX_FACTOR,
     MIN_FACTOR,
     MissingHeightFactorsError,
-    compute_height_factors,
-    evaluate_height_scale,
+    compute_results_at_height_factors,
+    evaluate_at_height_factors,
     find_missing_factors,
     open_results_by_factor,
     parse_height_factors,
     scale_study_heights,
 )
-from stiction.studies.store import STUDY_FILE, open_stored
+from stiction.studies.store import STUDY_FILE, open_stored_result
 from stiction.views.report import report_page
 from support.generated_studies import TINY_STUDY
 from support.rough_surfaces import rough_maps
@@ -60,8 +60,8 @@ def bodies():
 def result(bodies):
     """Return the result of a pair, computed also with both surfaces scaled by 0.5 and 2 and the upper scaled by 2."""
     computed = pair(*bodies, **PAIR_OPTIONS | HARDNESS_OPTION)
-    compute_height_factors(computed.source, [0.5, 2])
-    compute_height_factors(computed.source, [2], "upper")
+    compute_results_at_height_factors(computed.source, [0.5, 2])
+    compute_results_at_height_factors(computed.source, [2], "upper")
     return computed
 
 
@@ -69,7 +69,7 @@ def result(bodies):
 
 
 def test_result_at_height_scale_1_equals_the_unscaled_result(result):
-    scaled_table = evaluate_height_scale(result.source, 1, requested_loads(result)).isel(height_scale=0)
+    scaled_table = evaluate_at_height_factors(result.source, 1, requested_loads(result)).isel(height_scale=0)
     expected = add_uncertainty(at_load(result.source, requested_loads(result)), result.source).isel(cut_off=0)
     for name in (
         "friction_all_round",
@@ -110,7 +110,7 @@ def test_scaling_heights_has_the_same_effect_as_scaling_modulus(hardness):
 
 @pytest.mark.parametrize(("scaled", "factors"), [("both", (2, 2)), ("upper", (2, 1))])
 def test_result_at_stored_height_factor_equals_result_of_scaled_surfaces(bodies, result, scaled, factors):
-    table = evaluate_height_scale(result.source, [2], requested_loads(result), scaled=scaled).isel(height_scale=0)
+    table = evaluate_at_height_factors(result.source, [2], requested_loads(result), scaled=scaled).isel(height_scale=0)
     scaled_result = pair(*scale_heights(bodies, *factors), **PAIR_OPTIONS | HARDNESS_OPTION)
     expected = add_uncertainty(
         at_load(scaled_result.source, requested_loads(scaled_result)), scaled_result.source
@@ -198,7 +198,7 @@ def test_pull_off_force_decreases_with_height_scale():
 @pytest.mark.parametrize("hardness", [{}, HARDNESS_OPTION])
 def test_interpolation_between_height_factors_has_at_most_the_stated_error(hardness):
     computed = pair(*create_smooth_maps(64, rms=0.01), **PAIR_OPTIONS | hardness | {"load": "100 MPa"})
-    compute_height_factors(computed.source, "0.25..4")
+    compute_results_at_height_factors(computed.source, "0.25..4")
     factors = np.array([0.6, 1.7])
     table = computed.at(height_scale=factors)
     for index, factor in enumerate(factors):
@@ -229,12 +229,14 @@ def test_interpolation_next_to_an_unsolved_height_factor_is_nan():
     solved_factors = np.array([0.5, 1.0, 2.0])
     values = np.array([[1.0, np.nan], [2.0, 2.0], [4.0, 4.0]])
     assert (
-        height_scale._interpolate_factors(values, solved_factors, 0.7, (0, 1))[1]
-        != height_scale._interpolate_factors(values, solved_factors, 0.7, (0, 1))[1]
+        height_scale._interpolate_between_factors(values, solved_factors, 0.7, (0, 1))[1]
+        != height_scale._interpolate_between_factors(values, solved_factors, 0.7, (0, 1))[1]
     )
-    np.testing.assert_allclose(height_scale._interpolate_factors(values, solved_factors, 1.5, (1, 2)), [3.0, 3.0])
+    np.testing.assert_allclose(
+        height_scale._interpolate_between_factors(values, solved_factors, 1.5, (1, 2)), [3.0, 3.0]
+    )
     zeros = np.array([[0.0], [0.0], [1.0]])
-    assert height_scale._interpolate_factors(zeros, solved_factors, 0.7, (0, 1)) == 0.0
+    assert height_scale._interpolate_between_factors(zeros, solved_factors, 0.7, (0, 1)) == 0.0
 
 
 # ---- Input -----------------------------------------------------------------------------------------------------------
@@ -313,10 +315,10 @@ def test_results_at_finished_height_factors_are_preserved_after_an_interrupt(bod
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        compute_height_factors(computed.source, [0.5, 2, 4], announce=interrupt_at_second_line)
+        compute_results_at_height_factors(computed.source, [0.5, 2, 4], announce=interrupt_at_second_line)
     assert announced == ["heights times 0.5 (1 of 3)", "heights times 2 (2 of 3)"]
     assert list(open_results_by_factor(computed.source, "both")) == [0.5, 1.0]
-    compute_height_factors(computed.source, [0.5, 2, 4], announce=announced.append)
+    compute_results_at_height_factors(computed.source, [0.5, 2, 4], announce=announced.append)
     assert announced[2:] == ["heights times 2 (1 of 2)", "heights times 4 (2 of 2)"]
     assert open_result(tmp_path).at(height_scale=[0.5, 2, 4]).sizes["height_scale"] == 3
 
@@ -324,7 +326,7 @@ def test_results_at_finished_height_factors_are_preserved_after_an_interrupt(bod
 def test_results_at_stored_height_factors_are_reused_for_new_mu0_but_not_for_new_modulus(bodies, tmp_path):
     kwargs = PAIR_OPTIONS | HARDNESS_OPTION
     first_result = pair(*bodies, directory=tmp_path, **kwargs)
-    compute_height_factors(first_result.source, [2])
+    compute_results_at_height_factors(first_result.source, [2])
     result_at_other_mu0 = pair(*bodies, directory=tmp_path, **kwargs | {"mu0": 0.4})
     table = result_at_other_mu0.at(height_scale=[1, 2])
     assert table["mu0"].values.tolist() == [0.4]
@@ -354,7 +356,7 @@ def test_stored_study_without_height_factor_can_be_opened(bodies, tmp_path):
     computed = pair(*bodies, directory=tmp_path, **PAIR_OPTIONS | HARDNESS_OPTION)
     text = (tmp_path / STUDY_FILE).read_text()
     (tmp_path / STUDY_FILE).write_text(re.sub(r",? *height_factor = [0-9.]+", "", text))
-    assert open_stored(tmp_path).study == computed.study
+    assert open_stored_result(tmp_path).study == computed.study
     doubled_study = scale_study_heights(computed.study, 2.0, "upper")
     assert doubled_study.to_toml().count("height_factor = 2.0") == 1
 

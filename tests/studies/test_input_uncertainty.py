@@ -6,7 +6,12 @@ import re
 
 import numpy as np
 import pytest
-from stiction.studies.input_uncertainty import UNCERTAINTY_PATTERN, draw_samples, parse_input, parse_study_input
+from stiction.studies.input_uncertainty import (
+    UNCERTAINTY_PATTERN,
+    draw_input_samples,
+    parse_study_input,
+    parse_uncertain_input,
+)
 
 
 @pytest.mark.parametrize(
@@ -23,15 +28,15 @@ from stiction.studies.input_uncertainty import UNCERTAINTY_PATTERN, draw_samples
     ],
 )
 def test_input_distribution_has_95_percent_of_samples_between_its_limits(text, kind, ends, distribution) -> None:
-    result = parse_input("input", text, kind)
+    result = parse_uncertain_input("input", text, kind)
     assert result.distribution == distribution
     assert result.quantile([0.025, 0.975]) == pytest.approx(ends, rel=1e-3)
-    values = draw_samples({"input": result})["input"]
+    values = draw_input_samples({"input": result})["input"]
     assert np.quantile(values, [0.025, 0.975]) == pytest.approx(ends, rel=0.01)
 
 
 def test_samples_of_mu0_are_not_negative() -> None:
-    assert draw_samples({"mu0": parse_input("mu0", "0.01±0.02")})["mu0"].min() >= 0
+    assert draw_input_samples({"mu0": parse_uncertain_input("mu0", "0.01±0.02")})["mu0"].min() >= 0
 
 
 @pytest.mark.parametrize(
@@ -48,29 +53,32 @@ def test_samples_of_mu0_are_not_negative() -> None:
 )
 def test_invalid_value_of_an_uncertain_input_is_rejected(text, kind, pattern) -> None:
     with pytest.raises(ValueError, match=pattern):
-        parse_input("mu0", text, kind)
+        parse_uncertain_input("mu0", text, kind)
 
 
 @pytest.mark.parametrize("text", ["150 ± 10 % HV", "150±10% HV", "150 HV ± 10 %", "150 HV10 ± 10 %", "150 ± 15 HV"])
 def test_relative_uncertainty_of_hardness_is_accepted(text: str) -> None:
-    result = parse_input("hardness", text, "hardness")
-    value = parse_input("hardness", "150 HV", "hardness").value
+    result = parse_uncertain_input("hardness", text, "hardness")
+    value = parse_uncertain_input("hardness", "150 HV", "hardness").value
     assert (result.value, result.low, result.high) == pytest.approx((value, 0.804 * value, 1.196 * value), rel=1e-4)
 
 
 @pytest.mark.parametrize("text", ["59.9..60.1 HRC", "60±0.05 HRC", "60 HRC ± 0.05", "60 HRC ± 0.1 %"])
 def test_range_of_a_rockwell_hardness_includes_the_uncertainty_of_its_conversion(text: str) -> None:
-    plain_number, result = (parse_input("hardness", item, "hardness") for item in ("60 HRC", text))
+    plain_number, result = (parse_uncertain_input("hardness", item, "hardness") for item in ("60 HRC", text))
     assert (result.low, result.high) == pytest.approx((plain_number.low, plain_number.high), rel=0.01)
     assert result.high - result.low >= plain_number.high - plain_number.low - 1e-3
-    ranged_input = parse_input("hardness", "55..65 HRC", "hardness")
-    ends = [parse_input("hardness", f"{end} HRC", "hardness").value for end in (55, 65)]
+    ranged_input = parse_uncertain_input("hardness", "55..65 HRC", "hardness")
+    ends = [parse_uncertain_input("hardness", f"{end} HRC", "hardness").value for end in (55, 65)]
     assert ranged_input.low < ends[0] < ends[1] < ranged_input.high
 
 
 @pytest.mark.parametrize("text", ["150HV", "150 HV10", "150 HV 10", "150 HV0.5", "150 HV 0.5"])
 def test_vickers_hardness_can_be_given_with_its_test_load(text: str) -> None:
-    assert parse_input("hardness", text, "hardness").value == parse_input("hardness", "150 HV", "hardness").value
+    assert (
+        parse_uncertain_input("hardness", text, "hardness").value
+        == parse_uncertain_input("hardness", "150 HV", "hardness").value
+    )
     assert UNCERTAINTY_PATTERN.search(text)
 
 

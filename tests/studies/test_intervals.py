@@ -5,10 +5,10 @@ import scipy.stats
 from reference.neighbours import coverage_and_width, estimate_true_mean, simulate_correlated_positions
 from stiction.studies.intervals import (
     MIN_NEIGHBORING_VALUES,
-    neighbors_mean,
-    positions_mean,
-    sample_mean,
-    sample_quantiles,
+    average_correlated_values,
+    average_independent_values,
+    average_line_means,
+    compute_sample_quantiles,
 )
 
 NUM_TRIALS = 500  # With this number of trials, the measured coverage has a standard error of 1 %.
@@ -43,7 +43,7 @@ def test_interval_for_correlated_neighboring_values_covers_the_true_mean_and_is_
     random = np.random.default_rng([positions, int(10 * correlation)])
     truth, smallest_width = estimate_true_mean(distribution, positions, correlation, random)
     coverage, width_ratio, defined_fraction = coverage_and_width(
-        neighbors_mean,
+        average_correlated_values,
         simulate_correlated_positions(distribution, NUM_TRIALS, positions, correlation, random),
         truth,
         smallest_width,
@@ -71,7 +71,7 @@ def test_interval_for_correlated_neighboring_values_agrees_with_a_dense_matrix_c
             np.sqrt(1 - correlation) / np.sqrt(np.linalg.det(matrix) * inverse.sum()) / squares ** ((count - 1) / 2)
         )
     weights = np.array(weights) / np.sum(weights)
-    mean, lower, upper = neighbors_mean(values)
+    mean, lower, upper = average_correlated_values(values)
     skew_factor = scipy.stats.skew(values) / 3 / values.std(ddof=1)
     for end, sign in ((lower, -1), (upper, 1)):
         if end in (values.min(), values.max()):
@@ -86,18 +86,18 @@ def test_interval_for_correlated_neighboring_values_agrees_with_a_dense_matrix_c
 @pytest.mark.parametrize("distribution", ["half zeros", "lognormal 0.5", "bounded"])
 def test_mean_of_neighboring_values_is_equivariant_under_scaling_shift_and_reversal(distribution):
     values = simulate_correlated_positions(distribution, 1, 24, 0.4, np.random.default_rng(3))[0]
-    expected = np.array(neighbors_mean(values))
-    np.testing.assert_allclose(neighbors_mean(1e9 * values), 1e9 * expected, rtol=1e-9)
-    np.testing.assert_allclose(neighbors_mean(values + 5), expected + 5, rtol=1e-9)
-    np.testing.assert_allclose(neighbors_mean(values[::-1]), expected, rtol=1e-9)
-    mean, lower, upper = neighbors_mean(-values)
+    expected = np.array(average_correlated_values(values))
+    np.testing.assert_allclose(average_correlated_values(1e9 * values), 1e9 * expected, rtol=1e-9)
+    np.testing.assert_allclose(average_correlated_values(values + 5), expected + 5, rtol=1e-9)
+    np.testing.assert_allclose(average_correlated_values(values[::-1]), expected, rtol=1e-9)
+    mean, lower, upper = average_correlated_values(-values)
     np.testing.assert_allclose([-mean, -upper, -lower], expected, rtol=1e-9)
 
 
 def test_interval_for_independent_neighboring_values_is_a_student_t_interval():
     values = np.random.default_rng(8).normal(size=5000)
     half_width = 1.96 * values.std() / np.sqrt(values.size)
-    _, lower, upper = neighbors_mean(values)
+    _, lower, upper = average_correlated_values(values)
     assert upper - lower == pytest.approx(2 * half_width, rel=0.05)
 
 
@@ -105,38 +105,38 @@ def test_interval_for_correlated_neighboring_values_lies_within_their_range():
     random = np.random.default_rng(6)
     for distribution in ("half zeros", "bounded", "lognormal 1"):
         for values in simulate_correlated_positions(distribution, 50, MIN_NEIGHBORING_VALUES, 0.6, random):
-            mean, lower, upper = neighbors_mean(values)
+            mean, lower, upper = average_correlated_values(values)
             assert np.isnan(lower) or values.min() <= lower < mean < upper <= values.max()
 
 
 def test_mean_of_too_few_or_identical_neighboring_values_has_no_interval():
-    assert np.isnan(neighbors_mean(np.arange(MIN_NEIGHBORING_VALUES - 1.0))[1:]).all()
-    mean, lower, upper = neighbors_mean(np.zeros(16))
+    assert np.isnan(average_correlated_values(np.arange(MIN_NEIGHBORING_VALUES - 1.0))[1:]).all()
+    mean, lower, upper = average_correlated_values(np.zeros(16))
     assert mean == 0
     assert np.isnan([lower, upper]).all()
-    assert np.isnan(neighbors_mean(np.empty(0))).all()
+    assert np.isnan(average_correlated_values(np.empty(0))).all()
 
 
-# ---- sample_mean ----------------------------------------------------------------------------------------------------
+# ---- average_independent_values --------------------------------------------------------------------------------------
 
 
 def test_sample_mean_interval_has_nominal_coverage():
     generator = np.random.default_rng(11)
-    mean, lower, upper = sample_mean(5 + generator.normal(size=(8, 4000)))
+    mean, lower, upper = average_independent_values(5 + generator.normal(size=(8, 4000)))
     # The coverage is 0.95 within three standard errors of 4000 trials.
     assert abs(float(((lower <= 5) & (upper >= 5)).mean()) - 0.95) < 3 * (0.95 * 0.05 / 4000) ** 0.5
     assert mean.mean() == pytest.approx(5, abs=0.05)
 
 
 def test_sample_mean_of_values_of_both_signs_has_symmetric_interval():
-    mean, lower, upper = sample_mean(np.array([-1.0, 2.0, 3.0]))
+    mean, lower, upper = average_independent_values(np.array([-1.0, 2.0, 3.0]))
     assert upper - mean == pytest.approx(mean - lower)
     assert lower < 0
 
 
 @pytest.mark.parametrize("count", [4, 8, 16])
 def test_interval_of_exponential_sample_mean_is_positive_and_covers_the_mean(count):
-    mean, lower, upper = sample_mean(np.random.default_rng(3).exponential(size=(count, 20_000)))
+    mean, lower, upper = average_independent_values(np.random.default_rng(3).exponential(size=(count, 20_000)))
     assert (lower > 0).all()
     symmetric_upper = mean + (mean - lower)  # the interval is skewed towards large values
     assert (upper > symmetric_upper).all()
@@ -147,16 +147,18 @@ def test_interval_of_exponential_sample_mean_is_positive_and_covers_the_mean(cou
 def test_sample_quantiles_equal_those_of_numpy_with_and_without_missing_values():
     values = np.random.default_rng(7).standard_normal((37, 5, 6))
     probabilities = (0.0, 0.1, 0.5, 0.9, 1.0)
-    np.testing.assert_array_equal(sample_quantiles(values, probabilities), np.quantile(values, probabilities, axis=0))
+    np.testing.assert_array_equal(
+        compute_sample_quantiles(values, probabilities), np.quantile(values, probabilities, axis=0)
+    )
     values[values > 0.5] = np.nan
     values[:, 0, 0], values[1:, 1, 1] = np.nan, np.nan  # a column without values, and one with at most one value
     expected = np.nanquantile(values, probabilities, axis=0)
-    np.testing.assert_array_equal(sample_quantiles(values, probabilities), expected)
+    np.testing.assert_array_equal(compute_sample_quantiles(values, probabilities), expected)
 
 
 def test_sample_mean_ignores_missing_values():
     values = np.array([[1.0, 0.1, np.nan], [2.0, 0.0, 1.0], [3.0, 5.0, np.nan], [np.nan, 0.0, 2.0]])
-    mean, lower, upper = sample_mean(values)
+    mean, lower, upper = average_independent_values(values)
     assert mean == pytest.approx([2.0, 1.275, 1.5])
     half_width = 4.302652730 / 3**0.5  # This factor is Student's t for 2 degrees of freedom.
     assert (lower[0], upper[0]) == pytest.approx((2 * np.exp(-half_width / 2), 2 * np.exp(half_width / 2)))
@@ -168,6 +170,6 @@ def test_sample_mean_ignores_missing_values():
 def test_mean_of_a_column_over_positions_is_independent_of_other_columns(lines):
     values = np.exp(np.random.default_rng(0).normal(size=(64, 50)).cumsum(axis=0) * 0.3)
     lines_of_positions = np.arange(64) * lines // 64
-    all_columns = np.stack(positions_mean(values, lines_of_positions))
-    single_columns = [positions_mean(np.ascontiguousarray(column), lines_of_positions) for column in values.T]
+    all_columns = np.stack(average_line_means(values, lines_of_positions))
+    single_columns = [average_line_means(np.ascontiguousarray(column), lines_of_positions) for column in values.T]
     assert np.array_equal(all_columns, np.array(single_columns).T)

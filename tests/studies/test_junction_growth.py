@@ -177,7 +177,7 @@ def test_contact_area_between_solved_loads_is_interpolated_as_a_power_of_the_loa
     areas_at_nodes = AreasAtNodes(
         loads, np.ones(1), np.ones(1), areas[:, np.newaxis, np.newaxis], None, np.zeros((3, 1))
     )
-    interpolated = areas_at_nodes.interpolate_loads(areas_at_nodes.areas, np.array([0.1, 1.0, 2.0, 4.0]))
+    interpolated = areas_at_nodes.interpolate_at_loads(areas_at_nodes.areas, np.array([0.1, 1.0, 2.0, 4.0]))
     assert interpolated.ravel() == pytest.approx([3.0, 3.0, 3.0 * 2**0.5, 6.0])
 
 

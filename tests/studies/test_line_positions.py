@@ -263,7 +263,7 @@ def test_mean_over_positions_accounts_for_their_correlation(profile_pair):
         .isel(cut_off=0, load=0, mu0=0, tau0=0)
         .sel(sliding="opposing", direction=0.0)
     )
-    np.testing.assert_allclose(mean, intervals.neighbors_mean(values))
+    np.testing.assert_allclose(mean, intervals.average_correlated_values(values))
 
 
 # ---- From scans to pairs ---------------------------------------------------------------------------------------------

@@ -8,12 +8,12 @@ from stiction.studies import member_solution
 from stiction.studies.layout import (
     MEMBER_COORDINATE_TYPES,
     build_dataset,
+    list_variable_names,
     stack_members,
-    variable_names,
     variable_specs,
 )
-from stiction.studies.member_solution import compute_member_sums, estimate_member_time
-from stiction.studies.members import body_attributes, load_bodies
+from stiction.studies.member_solution import compute_member_arrays, estimate_member_time
+from stiction.studies.members import find_body_attributes, load_bodies
 from support.studies_of_files import study_of_files, write_maps, write_profiles
 
 ROUND_OFF = 1e-9
@@ -23,9 +23,9 @@ ROUND_OFF = 1e-9
 def test_values_of_an_areal_member_equal_direct_computation(tmp_path, mechanics):
     study = study_of_files(tmp_path, mechanics=mechanics, spacing=write_maps(tmp_path))
     loads, angles = study.contact.loading_steps(), study.contact.direction_angles()
-    values = compute_member_sums(study, 2)
+    values = compute_member_arrays(study, 2)
     upper, lower = load_bodies(study).member(2, 0.0).pair
-    for rule, sliding in enumerate(study.contact.rules()):
+    for rule, sliding in enumerate(study.contact.sliding_rules()):
         if mechanics == "half-space":
             curve = half_space(upper, lower, loads, effective_modulus=100.0, direction=angles, sliding=sliding)
         else:
@@ -43,12 +43,12 @@ def test_unloading_stiffness_with_hardness_is_computed_for_the_first_members_onl
     study = study_of_files(tmp_path, spacing=write_maps(tmp_path), contact='hardness = "4 GPa"')
     study = study.with_changes({"surfaces.cut_off": ["0 um", "0.3 um", "0.6 um"]})
     is_finite = [
-        np.isfinite(compute_member_sums(study, member)["unloading_stiffness"]).all(axis=-1).tolist()
+        np.isfinite(compute_member_arrays(study, member)["unloading_stiffness"]).all(axis=-1).tolist()
         for member in (3, 4)
     ]
     assert is_finite == [[True, True, False], [False, False, False]]
     elastic_study = study.with_changes({"contact.hardness": None})
-    stiffness = compute_member_sums(elastic_study, 4)
+    stiffness = compute_member_arrays(elastic_study, 4)
     np.testing.assert_array_equal(stiffness["unloading_stiffness"], stiffness["normal_stiffness"])
 
 
@@ -56,7 +56,7 @@ def test_unloading_stiffness_with_hardness_is_computed_for_the_first_members_onl
 def test_values_of_a_profile_member_equal_direct_computation(tmp_path, mechanics):
     study = study_of_files(tmp_path, "lines", mechanics, spacing=write_profiles(tmp_path), load="0.05 mN")
     loads = study.contact.loading_steps()
-    values, member = compute_member_sums(study, 3), load_bodies(study).member(3, 0.0)
+    values, member = compute_member_arrays(study, 3), load_bodies(study).member(3, 0.0)
     scans = [Profile(np.load(tmp_path / f"{side}.npy"), spacing=0.02) for side in ("upper", "lower")]
     upper_profile, lower_profile = (levelled(scan, "line") for scan in scans)
     slider = levelled(Profile(flipped(upper_profile).heights[:600], spacing=0.02), "line")
@@ -64,7 +64,7 @@ def test_values_of_a_profile_member_equal_direct_computation(tmp_path, mechanics
     assert 0 < first_point <= 600
     counterface = Profile(lower_profile.heights[first_point : first_point + 600], spacing=0.02)
     for direction_index, shear in enumerate(("+x", "-x")):
-        for rule, sliding in enumerate(study.contact.rules()):
+        for rule, sliding in enumerate(study.contact.sliding_rules()):
             if mechanics == "half-space":
                 curve = half_space(
                     slider, counterface, loads, effective_modulus=100.0, direction=shear, sliding=sliding
@@ -86,9 +86,9 @@ def test_values_of_a_profile_member_equal_direct_computation(tmp_path, mechanics
 
 def test_built_dataset_has_the_variables_declared_by_its_study(tmp_path):
     study = study_of_files(tmp_path, mechanics="asperities", spacing=write_maps(tmp_path), members=3)
-    parts = [compute_member_sums(study, index) for index in range(3)]
-    dataset = build_dataset(study, range(3), stack_members(study, parts), body_attributes(study))
-    assert set(dataset.data_vars) == set(variable_names(study))
+    parts = [compute_member_arrays(study, index) for index in range(3)]
+    dataset = build_dataset(study, range(3), stack_members(study, parts), find_body_attributes(study))
+    assert set(dataset.data_vars) == set(list_variable_names(study))
     for name, item in variable_specs(study).items():
         assert dataset[name].dims == item.dims
         assert dataset[name].shape == item.shape
@@ -108,7 +108,7 @@ def test_member_with_an_unsolved_load_has_values_at_the_other_loads(tmp_path, mo
         return half_space(upper, lower, loads, **rest)
 
     monkeypatch.setattr(member_solution, "half_space", solve_or_fail)
-    values = compute_member_sums(study, 0)
+    values = compute_member_arrays(study, 0)
     assert values["status"][0].tolist() == [
         STATUSES.index("not-solved" if index == 1 else "ok") for index in range(loads.size)
     ]

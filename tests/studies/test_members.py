@@ -26,7 +26,7 @@ STUDY = Study().with_changes(
 def test_pairs_generated_together_equal_pairs_generated_one_at_a_time(monkeypatch, batch_size):
     monkeypatch.setattr(members_module, "MAX_BATCH_BYTES", batch_size * 8 * STUDY.surfaces.points)
     dimensions = np.array([1.0, 1.2, 1.45])
-    pairs = list(members_module.generate_pairs(STUDY, 1, dimensions, 0.1))
+    pairs = list(members_module.generate_profile_pairs(STUDY, 1, dimensions, 0.1))
     assert len(pairs) == dimensions.size
     for dimension, result in zip(dimensions, pairs, strict=True):
         for body, expected in zip(result, pair_of(STUDY, 1, fractal_dimension=dimension, amplitude=0.1), strict=True):

@@ -7,12 +7,12 @@ from stiction.studies.nodes import (
     MAX_SHOWN_ERROR_RATIO,
     VALUE_TOLERANCE,
     NodeAxis,
-    initial_axes,
+    build_initial_axes,
+    compute_error_to_tolerance_ratio,
+    find_interpolated_panels,
+    find_largest_errors,
     interpolate_table,
-    is_interpolated,
-    largest_errors,
     refine_axes,
-    relative_excess_error,
 )
 from stiction.studies.study import parse_study
 from support.generated_studies import SMALL_STUDY
@@ -61,7 +61,9 @@ def test_node_of_an_uncertain_input_is_used_only_at_values_close_to_it():
 
 
 def test_report_axes_contain_mu0_and_tau0_of_the_study():
-    mu0, tau0 = initial_axes(SMALL_STUDY.with_changes({"friction.mu0": [0.37], "friction.tau0": ["3 MPa", "21 MPa"]}))
+    mu0, tau0 = build_initial_axes(
+        SMALL_STUDY.with_changes({"friction.mu0": [0.37], "friction.tau0": ["3 MPa", "21 MPa"]})
+    )
     assert 0.37 in mu0.rising
     assert {0.003, 0.021} <= set(tau0.rising)
     assert [axis.rising[0] for axis in (mu0, tau0)] == [0, 0]
@@ -70,9 +72,9 @@ def test_report_axes_contain_mu0_and_tau0_of_the_study():
 
 def test_report_axis_of_an_uncertain_input_has_a_separate_node_at_its_value(tmp_path):
     study = study_of_files(tmp_path, spacing=write_maps(tmp_path))
-    assert [axis.ranged.size for axis in initial_axes(study)] == [0, 0]
+    assert [axis.ranged.size for axis in build_initial_axes(study)] == [0, 0]
     text = study.with_changes({"friction.tau0": ["40 MPa"]}).to_toml() + '\n[known]\nmu0 = "0.25..0.35"\n'
-    mu0, tau0 = initial_axes(parse_study(text, "test"))
+    mu0, tau0 = build_initial_axes(parse_study(text, "test"))
     assert mu0.ranged.tolist() == [0.3]
     assert np.abs(mu0.rising - 0.3).min() > 3e-4
     assert tau0.ranged.size == 0
@@ -86,7 +88,7 @@ def test_interpolation_errors_on_refined_report_axes_are_below_ten_times_the_tol
     random = np.random.default_rng(1).uniform([0, 0], [1, 0.2], (50, 2))
     errors = [
         float(
-            relative_excess_error(
+            compute_error_to_tolerance_ratio(
                 interpolate_table(axes, np.moveaxis(table, -1, 0), *point),
                 analytic_friction(point[:1], point[1:])[0, 0],
             )
@@ -94,7 +96,7 @@ def test_interpolation_errors_on_refined_report_axes_are_below_ten_times_the_tol
         for point in random
     ]
     assert np.quantile(errors, 0.9) < 2
-    value_error, ends_error = largest_errors(axes, table, analytic_friction)
+    value_error, ends_error = find_largest_errors(axes, table, analytic_friction)
     assert 0 < value_error < 10 * VALUE_TOLERANCE
     assert 0 < ends_error < 10 * INTERVAL_TOLERANCE
 
@@ -124,8 +126,8 @@ def test_panels_between_nodes_are_not_interpolated_if_errors_exceed_the_printed_
 
     axes = tuple(NodeAxis(np.linspace(0, axis.rising[-1], 21)) for axis in NODE_AXES)
     mu0, tau0 = (axis.rising for axis in axes)
-    assert is_interpolated(axes, analytic_friction(mu0, tau0)).all()
-    is_hidden = ~is_interpolated(axes, analytic_friction_with_cusp(mu0, tau0))
+    assert find_interpolated_panels(axes, analytic_friction(mu0, tau0)).all()
+    is_hidden = ~find_interpolated_panels(axes, analytic_friction_with_cusp(mu0, tau0))
     assert not is_hidden[:, 0].any()  # The cusp is at large tau0 only.
     hidden_mu0 = mu0[is_hidden[:, -2]]
     assert {0.3, 0.4} <= set(hidden_mu0.round(3))
@@ -141,10 +143,10 @@ def test_panels_between_nodes_are_interpolated_only_if_errors_in_their_middles_a
         points[..., 2] += 0.01 / (0.21 - np.asarray(tau0))
         return points
 
-    is_shown = is_interpolated(NODE_AXES, analytic_friction_with_steep_end(*(axis.values for axis in NODE_AXES)))[
-        :-1, :-1
-    ]
-    middles = [axis.split_candidates() for axis in NODE_AXES]
+    is_shown = find_interpolated_panels(
+        NODE_AXES, analytic_friction_with_steep_end(*(axis.values for axis in NODE_AXES))
+    )[:-1, :-1]
+    middles = [axis.panel_split_points() for axis in NODE_AXES]
     table = np.moveaxis(analytic_friction_with_steep_end(*(axis.values for axis in NODE_AXES)), -1, 0)
     error = np.full(is_shown.shape, np.nan)
     for panel_index in np.ndindex(*is_shown.shape):
@@ -162,19 +164,19 @@ def test_panels_with_a_jump_or_an_undefined_node_are_not_interpolated():
     mu0, tau0 = create_grid()
     smooth_values = 0.1 + mu0 + tau0
     points = np.stack([smooth_values, 0.9 * smooth_values, 1.1 * smooth_values], axis=-1)
-    assert is_interpolated(NODE_AXES, points).all()
+    assert find_interpolated_panels(NODE_AXES, points).all()
     points_with_jump = np.where(mu0[..., np.newaxis] > 0.5, 3 * points, points)
-    assert not is_interpolated(NODE_AXES, points_with_jump)[2, :4].any()
+    assert not find_interpolated_panels(NODE_AXES, points_with_jump)[2, :4].any()
     undefined_points = points.copy()
     undefined_points[4, 4] = np.nan
-    assert not is_interpolated(NODE_AXES, undefined_points)[3, 3]
-    assert is_interpolated(NODE_AXES, undefined_points)[:3, :3].all()
+    assert not find_interpolated_panels(NODE_AXES, undefined_points)[3, 3]
+    assert find_interpolated_panels(NODE_AXES, undefined_points)[:3, :3].all()
     unbounded_points = points.copy()
     unbounded_points[:, 4, 2] = np.inf
-    assert not is_interpolated(NODE_AXES, unbounded_points)[:4, 3].any()
-    assert is_interpolated(NODE_AXES, unbounded_points)[:4, :3].all()
+    assert not find_interpolated_panels(NODE_AXES, unbounded_points)[:4, 3].any()
+    assert find_interpolated_panels(NODE_AXES, unbounded_points)[:4, :3].all()
     unbounded_points[..., 2] = np.inf
-    assert is_interpolated(NODE_AXES, unbounded_points).all()
+    assert find_interpolated_panels(NODE_AXES, unbounded_points).all()
 
 
 def test_extra_node_does_not_change_the_interpolation_of_cubic_polynomials():

@@ -9,11 +9,11 @@ import pytest
 import xarray
 from stiction import Profile, Study, approach_at_load, contacts, half_space, open_result, self_affine
 from stiction.studies.executors import thread_pool_executor
-from stiction.studies.intervals import sample_mean
+from stiction.studies.intervals import average_independent_values
 from stiction.studies.members import load_bodies
-from stiction.studies.onset import ONSET_FILE, TRACTION_TOLERANCE, compute_onset, format_backbone_csv, load_onset
-from stiction.studies.runner import compute_missing
-from stiction.studies.store import export, open_stored
+from stiction.studies.onset import ONSET_FILE, TRACTION_TOLERANCE, compute_onset, format_backbone_csv, load_stored_onset
+from stiction.studies.runner import compute_missing_blocks
+from stiction.studies.store import export, open_stored_result
 from stiction.views.onset import onset_record, onset_rows, onset_text
 from stiction.views.report import report_page
 from support.studies_of_files import pair_study, study_of_files, write_maps, write_profiles
@@ -56,9 +56,9 @@ def test_onset_of_a_result_is_the_mean_over_its_members(study, onset):
         onset["displacement"].sel(statistic="mean"), np.mean(exact_displacements, axis=0), rtol=1e-6
     )
     for name in ("displacement", "slipped_area", "tangential_load"):
-        expected = sample_mean(np.array([getattr(member_onset, name) for member_onset in curves]))[0]
+        expected = average_independent_values(np.array([getattr(member_onset, name) for member_onset in curves]))[0]
         np.testing.assert_allclose(onset[name].sel(statistic="mean"), expected, rtol=1e-9, err_msg=name)
-    mean, lower, upper = sample_mean(np.array([member_onset.stiffness for member_onset in curves]))
+    mean, lower, upper = average_independent_values(np.array([member_onset.stiffness for member_onset in curves]))
     np.testing.assert_allclose(onset["stiffness"], [mean, lower, upper], rtol=1e-9)
     assert onset.attrs["members"] == 3
 
@@ -96,7 +96,7 @@ def test_onset_of_a_result_with_several_cutoffs_is_computed_at_the_reported_cuto
     ]
     options = {"load": "10 MPa", "mu0": 0.2, "effective_modulus": "80 GPa", "offsets": 8}
     study = pair_study(*profiles, **options)
-    quoted_cutoff, other_cutoff = study.surfaces.cells()["cut_off"].tolist()
+    quoted_cutoff, other_cutoff = study.surfaces.cell_coordinates()["cut_off"].tolist()
     assert quoted_cutoff > other_cutoff == 0
     onset_by_cutoff = {
         cutoff: compute_study_onset(study.with_changes({"surfaces.cut_off": [f"{cutoff!r} um"]}))
@@ -150,7 +150,7 @@ def test_onset_of_asperities_lists_every_contact(tmp_path):
 
 
 def test_figures_and_report_show_slip_map(study, onset, tmp_path):
-    compute_missing(study, tmp_path)
+    compute_missing_blocks(study, tmp_path)
     export(onset, tmp_path / ONSET_FILE)
     result = open_result(tmp_path)
     assert {"onset", "slip"} <= set(result.figures())
@@ -158,24 +158,24 @@ def test_figures_and_report_show_slip_map(study, onset, tmp_path):
     full_image, detail_image = (axes.images[-1].get_array() for axes in figure.axes[:2])
     assert np.ma.count(full_image) == np.isfinite(onset["slip"]).sum()
     assert np.ma.count(detail_image) > 0
-    page = report_page(open_stored(tmp_path))
+    page = report_page(open_stored_result(tmp_path))
     for heading in ("Onset of sliding", "Order of slip", "light points slip first"):
         assert heading in page
     assert page.count('<div class="figure"><svg role="img"') == 3  # The third figure shows single positions.
     export(onset.drop_vars(["slip", "lower_height"]), tmp_path / ONSET_FILE, replace=True)
     assert "slip" not in open_result(tmp_path).figures()
-    assert "Order of slip" not in report_page(open_stored(tmp_path))
+    assert "Order of slip" not in report_page(open_stored_result(tmp_path))
 
 
 def test_stored_onset_for_another_mu0_is_ignored(study, onset, tmp_path):
-    compute_missing(study, tmp_path)
-    stored_result = open_stored(tmp_path)
-    assert load_onset(stored_result) is None
+    compute_missing_blocks(study, tmp_path)
+    stored_result = open_stored_result(tmp_path)
+    assert load_stored_onset(stored_result) is None
     export(onset, tmp_path / ONSET_FILE)
-    assert load_onset(stored_result).identical(onset)
+    assert load_stored_onset(stored_result).identical(onset)
     onset_at_other_mu0 = onset.assign_attrs(mu0=0.4)
     export(onset_at_other_mu0, tmp_path / ONSET_FILE, replace=True)
-    assert load_onset(stored_result) is None
+    assert load_stored_onset(stored_result) is None
 
 
 def test_csv_table_of_onset_starts_with_a_row_of_zeros(onset):

@@ -38,7 +38,7 @@ def test_stored_onset_of_a_member_equals_onset_of_its_load_curve(study, result):
     for index, dimension in ((0, 1.1), (3, 1.4)):
         upper, lower = pair_of(study, index, fractal_dimension=dimension, amplitude=0.1)
         steps = study.contact.loading_steps()
-        curve = press(upper, lower, steps, model=study.contact.model())
+        curve = press(upper, lower, steps, model=study.contact.contact_model())
         member = result.sel(fractal_dimension=dimension, repetition=index).isel(amplitude=0)
         for step in np.flatnonzero(curve.contact_count):
             onset = curve.onset(step, mu0=0.3, tau0=0.02, steps=[0.5], poisson=0.25)
@@ -102,7 +102,7 @@ def test_displacement_at_sliding_is_mu0_times_the_largest_overlap():
         np.testing.assert_allclose(doubled_dataset[name], dataset[name], rtol=1e-9)
     # With a Poisson ratio of 0, the pre-sliding displacement is mu0 times the largest vertical overlap.
     upper, lower = pair_of(study, 2, fractal_dimension=1.4, amplitude=0.1)
-    contact_list = contacts(upper, lower, 0.02, model=study.contact.model())
+    contact_list = contacts(upper, lower, 0.02, model=study.contact.contact_model())
     largest_overlap = (contact_list.overlap * contact_list.normal[:, 2]).max()
     displacement = dataset["displacement_at_sliding"].sel(fractal_dimension=1.4, repetition=2, approach=0.02).item()
     assert displacement == pytest.approx(0.4 * largest_overlap, rel=1e-9)

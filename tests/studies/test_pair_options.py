@@ -18,7 +18,7 @@ from stiction.studies.pair_options import (
     PairOptions,
     format_command_line_name,
     format_python_name,
-    read_options,
+    validate_option_values,
 )
 from stiction.studies.values import find_table_classes
 
@@ -98,12 +98,12 @@ def test_uncertain_input_has_a_pair_option_of_the_same_name(name):
 )
 def test_error_about_a_wrong_value_names_the_command_line_option(values, message):
     with pytest.raises(ArgumentError) as caught:
-        read_options({"load": "1 mN", **values})
+        validate_option_values({"load": "1 mN", **values})
     assert caught.value.translated_message(format_command_line_name).startswith(message)
 
 
 def test_pair_options_with_value_none_or_false_are_treated_as_not_given():
-    options = read_options({"load": 1.0, "shifts": None, "check": False})
+    options = validate_option_values({"load": 1.0, "shifts": None, "check": False})
     assert all(options.option_value(name) is None for name in PAIR_OPTIONS if name != "load")
 
 

@@ -9,7 +9,7 @@ import pytest
 import xarray
 from stiction import run
 from stiction.studies import runner, store
-from stiction.studies.runner import SharedResultFolder, compute_missing
+from stiction.studies.runner import SharedResultFolder, compute_missing_blocks
 from support.generated_studies import TINY_STUDY, InlineExecutor, assert_same_bits, with_repetitions
 
 pytestmark = pytest.mark.usefixtures("write_blocks_of_four_members")
@@ -21,9 +21,9 @@ def test_parts_of_a_run_add_up_to_a_complete_result(tmp_path, uninterrupted_data
     for part, expected in repetitions_of_parts.items():
         del computed_repetitions[:]
         for _ in range(2):
-            assert compute_missing(TINY_STUDY, tmp_path, part=part) == 8
+            assert compute_missing_blocks(TINY_STUDY, tmp_path, part=part) == 8
         assert sorted(computed_repetitions) == expected
-    partial_dataset = store.open_stored(tmp_path).dataset()
+    partial_dataset = store.open_stored_result(tmp_path).dataset()
     xarray.testing.assert_identical(
         partial_dataset, uninterrupted_dataset.isel(repetition=sorted(itertools.chain(*repetitions_of_parts.values())))
     )
@@ -34,16 +34,16 @@ def test_parts_of_a_run_add_up_to_a_complete_result(tmp_path, uninterrupted_data
 
 
 def test_parts_of_differently_divided_runs_add_up_to_a_complete_result(tmp_path, uninterrupted_dataset):
-    compute_missing(with_repetitions(10), tmp_path, part=(1, 2))
-    compute_missing(TINY_STUDY, tmp_path, part=(3, 5))
-    compute_missing(TINY_STUDY, tmp_path, part=(1, 1))
+    compute_missing_blocks(with_repetitions(10), tmp_path, part=(1, 2))
+    compute_missing_blocks(TINY_STUDY, tmp_path, part=(3, 5))
+    compute_missing_blocks(TINY_STUDY, tmp_path, part=(1, 1))
     assert_same_bits(store.read(tmp_path), uninterrupted_dataset)
 
 
 @pytest.mark.parametrize("part", [(0, 2), (3, 2), (1, 0)])
 def test_computation_of_missing_members_rejects_an_invalid_part_of_a_run(tmp_path, part):
     with pytest.raises(ValueError, match="part must be K of N"):
-        compute_missing(TINY_STUDY, tmp_path / "r", part=part)
+        compute_missing_blocks(TINY_STUDY, tmp_path / "r", part=part)
     assert not (tmp_path / "r").exists()
 
 
@@ -58,7 +58,7 @@ class RemoteExecutor(Executor):
             args = [replace(arg, path=Path("/nowhere")) if isinstance(arg, SharedResultFolder) else arg for arg in args]
             # The function is the method SharedResultFolder.is_visible.
             if isinstance(getattr(function, "__self__", None), SharedResultFolder):
-                function = SharedResultFolder(Path("/nowhere"), "").is_visible
+                function = SharedResultFolder(Path("/nowhere"), "").is_accessible
         return InlineExecutor().submit(function, *args)
 
 
@@ -78,7 +78,7 @@ def test_workers_write_blocks_to_a_shared_directory_or_return_them(tmp_path, uni
     ):
         del written_blocks[:], task_results[:]
         events = []
-        compute_missing(TINY_STUDY, tmp_path / folder_name, executor=executor, announce=events.append)
+        compute_missing_blocks(TINY_STUDY, tmp_path / folder_name, executor=executor, announce=events.append)
         assert len(events) == 1
         assert events[0].startswith("computing 22 repetitions: ")
         assert "in 6 files" in events[0]
@@ -90,14 +90,14 @@ def test_workers_write_blocks_to_a_shared_directory_or_return_them(tmp_path, uni
 
 
 def test_blocks_of_other_members_are_stored_if_one_member_fails(tmp_path, monkeypatch):
-    sums = runner.compute_member_sums
+    sums = runner.compute_member_arrays
 
     def compute_or_fail(study, number):
         if number == 6:
             raise ValueError("member 6")
         return sums(study, number)
 
-    monkeypatch.setattr(runner, "compute_member_sums", compute_or_fail)
+    monkeypatch.setattr(runner, "compute_member_arrays", compute_or_fail)
     with pytest.raises(ValueError, match="member 6"):
         run(TINY_STUDY, store=tmp_path, executor=InlineExecutor())
-    assert store.open_stored(tmp_path).finished.tolist() == [*range(4), *range(8, 22)]
+    assert store.open_stored_result(tmp_path).finished_members.tolist() == [*range(4), *range(8, 22)]

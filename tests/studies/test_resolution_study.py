@@ -8,15 +8,15 @@ from stiction.studies.members import load_bodies
 from stiction.studies.resolution import (
     CUTOFF_STUDY_FOLDER,
     build_cutoff_study,
+    build_resolution_limits,
     estimate_yield_wavelengths,
-    evaluate_cutoffs,
+    evaluate_at_cutoffs,
+    find_plastic_limit,
     find_resolution_effect,
     find_resolved_roughness,
-    plastic_limit,
-    resolution_limits,
 )
-from stiction.studies.runner import compute_missing
-from stiction.studies.store import open_stored
+from stiction.studies.runner import compute_missing_blocks
+from stiction.studies.store import open_stored_result
 from stiction.surfaces.scale import scale_dependent_roughness
 from stiction.surfaces.surface import Surface
 from stiction.views.resolution import cut_off_rows, resolved_wavelengths_text
@@ -36,7 +36,7 @@ def study(folder):
 
 def test_resolution_study_has_fewer_members_and_loads_than_the_original_study(study):
     cutoff_study = build_cutoff_study(study)
-    assert cutoff_study.surfaces.cells()["cut_off"] == pytest.approx([0, 0.2, 0.4], rel=1e-3)
+    assert cutoff_study.surfaces.cell_coordinates()["cut_off"] == pytest.approx([0, 0.2, 0.4], rel=1e-3)
     assert cutoff_study.ensemble.repetitions == 4
     assert cutoff_study.contact.loading_steps().tolist() == [2.0]
     assert cutoff_study.contact.hardness == study.contact.hardness
@@ -45,7 +45,7 @@ def test_resolution_study_has_fewer_members_and_loads_than_the_original_study(st
 
 def test_resolution_study_of_a_filtered_study_starts_at_the_cutoff_of_the_filter(study):
     cutoff_study = build_cutoff_study(study.with_changes({"surfaces.cut_off": ["0.2 um"]}))
-    assert cutoff_study.surfaces.cells()["cut_off"] == pytest.approx([0.2, 0.4], rel=1e-3)
+    assert cutoff_study.surfaces.cell_coordinates()["cut_off"] == pytest.approx([0.2, 0.4], rel=1e-3)
 
 
 def test_resolution_study_is_none_without_cutoffs_to_compare(study, tmp_path):
@@ -61,29 +61,29 @@ def test_resolution_study_is_none_without_cutoffs_to_compare(study, tmp_path):
 
 def test_resolution_stored_for_another_hardness_is_ignored(study, tmp_path):
     small_study = study.with_changes({"contact.load": ["2 mN"], "ensemble.repetitions": 2})
-    compute_missing(small_study, tmp_path)
-    assert evaluate_cutoffs(open_stored(tmp_path)) is None
+    compute_missing_blocks(small_study, tmp_path)
+    assert evaluate_at_cutoffs(open_stored_result(tmp_path)) is None
     cutoff_study = build_cutoff_study(small_study)
-    compute_missing(cutoff_study, tmp_path / CUTOFF_STUDY_FOLDER)
-    result = evaluate_cutoffs(open_stored(tmp_path))
+    compute_missing_blocks(cutoff_study, tmp_path / CUTOFF_STUDY_FOLDER)
+    result = evaluate_at_cutoffs(open_stored_result(tmp_path))
     expected = at_load(run(cutoff_study), [2.0])
     np.testing.assert_array_equal(result["friction_all_round"].values, expected["friction_all_round"].values)
     point = result.isel(load=0, mu0=0, tau0=1)
     rows = cut_off_rows(find_resolution_effect(result, small_study, result.isel(tau0=[1])), 4.0)
     assert [row[0] for row in rows[1:]] == ["none", "200 nm", "400 nm", "plastic limit"]
     assert rows[-1][-1] == f"{0.3 + 0.05 / 4:.3f}"
-    min_friction, min_area_fraction = plastic_limit(point, small_study)
+    min_friction, min_area_fraction = find_plastic_limit(point, small_study)
     assert min_friction == pytest.approx(0.3 + 0.05 / 4)
     assert min_area_fraction == pytest.approx(2.0 / 4 / float(result["nominal_area"]))
-    limits = resolution_limits(point, small_study)
+    limits = build_resolution_limits(point, small_study)
     assert (limits["friction"], limits["area_fraction"]) == (min_friction, min_area_fraction)
     area = result["contact_area_fraction"].sel(statistic="mean").values
     assert (area > min_area_fraction).all()
     # A resolution study that is stored with the result of another hardness is ignored.
     softer_folder = tmp_path / "softer"
-    compute_missing(small_study.with_changes({"contact.hardness": "3 GPa"}), softer_folder)
-    compute_missing(cutoff_study, softer_folder / CUTOFF_STUDY_FOLDER)
-    assert evaluate_cutoffs(open_stored(softer_folder)) is None
+    compute_missing_blocks(small_study.with_changes({"contact.hardness": "3 GPa"}), softer_folder)
+    compute_missing_blocks(cutoff_study, softer_folder / CUTOFF_STUDY_FOLDER)
+    assert evaluate_at_cutoffs(open_stored_result(softer_folder)) is None
 
 
 def test_resolved_wavelengths_of_a_study_equal_those_computed_from_the_gap(study):
@@ -129,7 +129,7 @@ def test_longest_yielding_wavelength_is_listed_for_each_hardness(tmp_path):
             assert estimate.wavelength > 0.2  # This wavelength is above the shortest wavelength of the scan.
         elif estimate.hardness > 1.1 * pressure:
             assert not estimate.wavelength > 0.5
-    limits = resolution_limits(point.expand_dims("cut_off"), elastic_study)
+    limits = build_resolution_limits(point.expand_dims("cut_off"), elastic_study)
     assert np.all(np.diff(limits["finer_area_fraction"][:, 0]) < 0)
 
 

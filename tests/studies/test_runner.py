@@ -17,10 +17,10 @@ import stiction
 from stiction import Study, press, random_phases, run, weierstrass_mandelbrot
 from stiction.mechanics.quantities import SUM_QUANTITIES
 from stiction.studies import executors, member_solution, members, runner
-from stiction.studies.layout import member_bytes
+from stiction.studies.layout import compute_member_size
 from stiction.studies.member_solution import estimate_member_time
 from stiction.studies.store import StoreError
-from stiction.studies.study import parse_dataset_study
+from stiction.studies.study import parse_study_of_dataset
 from stiction.studies.values import StudyError
 from support.generated_studies import TINY_STUDY, InlineExecutor, assert_same_bits, with_repetitions
 
@@ -102,17 +102,19 @@ def test_memory_of_a_task_is_within_the_documented_limit(monkeypatch, points):
     monkeypatch.setattr(member_solution, "MAX_BATCH_BYTES", batch_bytes)
     allocated_arrays = []
     monkeypatch.setattr(
-        member_solution, "_reuse_array", lambda shape: allocated_arrays.append(np.empty(shape)) or allocated_arrays[-1]
+        member_solution,
+        "_get_reused_array",
+        lambda shape: allocated_arrays.append(np.empty(shape)) or allocated_arrays[-1],
     )
     study = RUNNER_STUDY.with_changes({"surfaces.points": points, "surfaces.fractal_dimension.count": 10})
-    member_solution.compute_member_sums(study, 0)
+    member_solution.compute_member_arrays(study, 0)
     (memory,) = allocated_arrays
     assert memory.nbytes <= max(2 * batch_bytes + 2 * 8 * points, 32 * points)
 
 
 def test_result_of_a_run_has_study_version_and_units(result):
     assert result.attrs["stiction_version"] == stiction.__version__
-    assert parse_dataset_study(result) == RUNNER_STUDY
+    assert parse_study_of_dataset(result) == RUNNER_STUDY
     assert all("units" in result[name].attrs and "long_name" in result[name].attrs for name in result.variables)
     assert result["approach"].attrs["units"] == "um"
 
@@ -124,7 +126,7 @@ def test_block_size_limits_the_time_and_memory_of_a_block(name):
         size = runner.choose_block_size(with_repetitions(total, study))
         assert 1 <= size <= runner.MAX_BLOCK_MEMBERS
         assert size == 1 or size * estimate_member_time(study) <= runner.TARGET_BLOCK_TIME
-        assert size == 1 or size * member_bytes(study) <= runner.MAX_BLOCK_BYTES
+        assert size == 1 or size * compute_member_size(study) <= runner.MAX_BLOCK_BYTES
         assert math.ceil(total / size) >= min(total, 4)
         is_worth_its_file = (size - 1) * estimate_member_time(study) < runner.MIN_BLOCK_TIME
         assert is_worth_its_file or math.ceil(total / size) >= min(total, runner.MIN_BLOCKS)
@@ -136,7 +138,7 @@ def test_run_of_a_study_with_impossible_gamma_raises_value_error():
 
 
 def test_run_rejects_a_result_larger_than_memory(tmp_path, monkeypatch):
-    monkeypatch.setattr(runner, "compute_member_sums", lambda *_: pytest.fail("computed"))
+    monkeypatch.setattr(runner, "compute_member_arrays", lambda *_: pytest.fail("computed"))
     study_of_many_members = RUNNER_STUDY.with_changes({"ensemble.repetitions": 10_000_000})
     with pytest.raises(
         ValueError, match=r"the result would take \d+ GiB of memory, more than the limit of 16 GiB; give a store"
@@ -150,12 +152,16 @@ def test_run_rejects_a_result_larger_than_memory(tmp_path, monkeypatch):
         ValueError,
         match=r"a repetition would take \d+ GiB, more than the limit of 16 GiB; reduce the number of values of contact",
     ):
-        runner.compute_missing(study_of_large_members, tmp_path / "r")
+        runner.compute_missing_blocks(study_of_large_members, tmp_path / "r")
     assert list(tmp_path.iterdir()) == []
 
 
 def test_interrupt_cancels_tasks_that_are_not_yet_started(monkeypatch):
-    computed_repetitions, sums, interrupted = [], runner.compute_member_sums(with_repetitions(1), 0), threading.Event()
+    computed_repetitions, sums, interrupted = (
+        [],
+        runner.compute_member_arrays(with_repetitions(1), 0),
+        threading.Event(),
+    )
 
     def record_and_wait(study, number):
         computed_repetitions.append(number)
@@ -166,7 +172,7 @@ def test_interrupt_cancels_tasks_that_are_not_yet_started(monkeypatch):
     def raise_interrupt(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(runner, "compute_member_sums", record_and_wait)
+    monkeypatch.setattr(runner, "compute_member_arrays", record_and_wait)
     monkeypatch.setattr(runner, "progress_bar", lambda *_: contextlib.nullcontext(raise_interrupt))
     monkeypatch.setattr(runner, "SHUTDOWN_TIMEOUT", 0.1)
     interrupt_error = None
@@ -224,7 +230,7 @@ def test_progress_is_printed_as_text_in_a_notebook(capfd, monkeypatch):
 def test_computation_of_missing_members_announces_the_estimated_time_once(tmp_path):
     announcements = []
     for _ in range(2):
-        runner.compute_missing(RUNNER_STUDY, tmp_path, announce=announcements.append)
+        runner.compute_missing_blocks(RUNNER_STUDY, tmp_path, announce=announcements.append)
     (line,) = announcements
     assert line.startswith("computing 5 repetitions: about ")
     assert line.endswith(" of one core, 23 kB in 5 files")
@@ -232,10 +238,10 @@ def test_computation_of_missing_members_announces_the_estimated_time_once(tmp_pa
 
 def test_remaining_time_is_estimated_from_the_time_of_the_first_block():
     missing = SimpleNamespace(count=16)
-    text = runner._format_revised_estimate(missing, 1, 480.0, 2, 8.5)
+    text = runner._format_revised_time_estimate(missing, 1, 480.0, 2, 8.5)
     assert text == "1 of 16 repetitions took 8 min; the rest takes about 56 min more"
     assert (
-        runner._format_revised_estimate(missing, 1, 480.0, 2, 300.0) == ""
+        runner._format_revised_time_estimate(missing, 1, 480.0, 2, 300.0) == ""
     )  # The new estimate is close to the first one.
-    assert runner._format_revised_estimate(missing, 1, 8.0, 2, 1.0) == ""  # Little time remains.
-    assert runner._format_revised_estimate(missing, 4, 480.0, 4, 8.5) == ""  # No repetitions remain.
+    assert runner._format_revised_time_estimate(missing, 1, 8.0, 2, 1.0) == ""  # Little time remains.
+    assert runner._format_revised_time_estimate(missing, 4, 480.0, 4, 8.5) == ""  # No repetitions remain.

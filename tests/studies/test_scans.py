@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from stiction import Profile, Study, Surface, open_result, pair, self_affine_surface
 from stiction.studies.input_caveats import find_study_caveats
-from stiction.studies.intervals import scans_mean, student_quantile
+from stiction.studies.intervals import average_scan_pairs, student_quantile
 from stiction.studies.measured_surfaces import MeasuredBodySettings
 from stiction.studies.pair import MeasuredPair
 from stiction.surfaces.measured.writing import write_surface
@@ -33,13 +33,13 @@ def expected_scan_indices(upper: int, lower: int, times: int = 1):
     return np.tile(upper_scans, times), np.tile(lower_scans, times)
 
 
-# ---- scans_mean ------------------------------------------------------------------------------------------------------
+# ---- average_scan_pairs ----------------------------------------------------------------------------------------------
 
 
 def test_variance_components_of_the_mean_over_scans_are_computed_from_mean_squares() -> None:
     rng = np.random.default_rng(4)
     table = rng.standard_normal((4, 1)) * 3 + rng.standard_normal((1, 5)) * 2 + 0.3 * rng.standard_normal((4, 5))
-    result = scans_mean(table.ravel(), *expected_scan_indices(4, 5))
+    result = average_scan_pairs(table.ravel(), *expected_scan_indices(4, 5))
     rows, columns = table.mean(axis=1), table.mean(axis=0)
     residuals = (table - rows[:, None] - columns + table.mean()).ravel()
     mean_squares = 5 * rows.var(ddof=1), 4 * columns.var(ddof=1), residuals @ residuals / 12
@@ -56,11 +56,11 @@ def test_variance_components_of_the_mean_over_scans_are_computed_from_mean_squar
 
 def test_mean_over_scans_of_one_part_has_student_t_interval() -> None:
     values = np.array([1.0, 1.2, 0.9, 1.3])
-    result = scans_mean(np.tile(values, 3), np.tile(np.arange(4), 3), np.zeros(12, int))
+    result = average_scan_pairs(np.tile(values, 3), np.tile(np.arange(4), 3), np.zeros(12, int))
     half_width = float(student_quantile(3)) * values.std(ddof=1) / 2
     assert (result.mean, result.half_width) == pytest.approx((values.mean(), half_width))
     assert result.variances[1:] == (0.0, 0.0)
-    assert scans_mean(np.ones(3), np.zeros(3, int), np.zeros(3, int)) is None
+    assert average_scan_pairs(np.ones(3), np.zeros(3, int), np.zeros(3, int)) is None
 
 
 def test_mean_over_scans_omits_missing_values() -> None:
@@ -68,7 +68,7 @@ def test_mean_over_scans_omits_missing_values() -> None:
     upper, lower = expected_scan_indices(3, 3, times=2)
     values = rng.standard_normal(18)
     values[4] = np.nan
-    result = scans_mean(values, upper, lower)
+    result = average_scan_pairs(values, upper, lower)
     assert np.isfinite([result.mean, result.half_width, result.test]).all()
 
 
@@ -92,7 +92,7 @@ def test_intervals_from_several_scans_cover_the_true_mean_and_a_single_friction_
             coefficients = simulate_coefficient(
                 random_gradients(upper)[upper_scans], random_gradients(lower)[lower_scans]
             )
-            result = scans_mean(
+            result = average_scan_pairs(
                 coefficients * (1 + 0.02 * rng.standard_normal(coefficients.size)), upper_scans, lower_scans
             )
             covered.append(abs(result.mean - truth) <= result.half_width)

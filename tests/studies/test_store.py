@@ -21,7 +21,7 @@ import pytest
 import xarray
 from stiction import Result, _files, run
 from stiction.studies import layout, runner, store
-from stiction.studies.runner import compute_missing
+from stiction.studies.runner import compute_missing_blocks
 from stiction.studies.store import BLOCKS_FOLDER, STUDY_FILE, BlockFile, ExportError, StoreError, export
 from support.generated_studies import TINY_STUDY, InlineExecutor, assert_same_bits, rewrite_variable, with_repetitions
 
@@ -34,7 +34,7 @@ def finished_folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("finished") / "r"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(runner, "choose_block_size", lambda study: 4)
-        compute_missing(TINY_STUDY, path)
+        compute_missing_blocks(TINY_STUDY, path)
     return path
 
 
@@ -83,7 +83,7 @@ def test_stored_result_equals_the_computed_dataset(tmp_path, uninterrupted_datas
 
 
 def test_two_runs_write_blocks_with_equal_checksums(tmp_path, folder_copy):
-    compute_missing(TINY_STUDY, tmp_path / "again", executor=InlineExecutor())
+    compute_missing_blocks(TINY_STUDY, tmp_path / "again", executor=InlineExecutor())
     assert block_states(folder_copy).keys() == block_states(tmp_path / "again").keys()
 
 
@@ -108,20 +108,20 @@ def test_store_preserves_every_bit_of_values(tmp_path, monkeypatch):
     shape = run(with_repetitions(1), executor=InlineExecutor()).dataset["contact_area"].values[:, :, 0].shape
     sums = {
         name: np.full(shape, 7 if name.endswith("_count") else 0.0 if name in ("contact_area", "normal_elastic") else x)
-        for name, x in zip(TINY_STUDY.sums(), values, strict=False)
+        for name, x in zip(TINY_STUDY.contact_sum_names(), values, strict=False)
     }
-    monkeypatch.setattr(runner, "compute_member_sums", lambda *_: sums)
+    monkeypatch.setattr(runner, "compute_member_arrays", lambda *_: sums)
     result = run(with_repetitions(1), store=tmp_path).dataset
     for name in sums:
         assert result[name].values.tobytes() == sums[name].tobytes(), name
 
 
 def test_stored_result_read_in_pieces_equals_the_computed_dataset(folder_copy, uninterrupted_dataset, monkeypatch):
-    monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.member_bytes(TINY_STUDY))
+    monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.compute_member_size(TINY_STUDY))
     find_block_file(folder_copy, 4).unlink()
     incomplete_dataset = uninterrupted_dataset.isel(repetition=[*range(4), *range(8, 22)])
     piece_pairs = list(
-        zip(Result(store.open_stored(folder_copy)).pieces(), Result(incomplete_dataset).pieces(), strict=True)
+        zip(Result(store.open_stored_result(folder_copy)).pieces(), Result(incomplete_dataset).pieces(), strict=True)
     )
     assert [piece.sizes["repetition"] for piece, _ in piece_pairs] == [8, 8, 2]
     for piece, other in piece_pairs:
@@ -132,7 +132,7 @@ def test_stored_result_read_in_pieces_equals_the_computed_dataset(folder_copy, u
 
 def test_result_that_fits_in_one_piece_is_read_once(folder_copy, uninterrupted_dataset, monkeypatch):
     """Check also that a caller who changes the dataset does not change the cached result."""
-    stored_result, decoded_contents = store.open_stored(folder_copy), []
+    stored_result, decoded_contents = store.open_stored_result(folder_copy), []
     decode_members = store.decode_members
     monkeypatch.setattr(
         store, "decode_members", lambda content: decoded_contents.append(content) or decode_members(content)
@@ -150,7 +150,7 @@ def test_result_that_fits_in_one_piece_is_read_once(folder_copy, uninterrupted_d
 def test_result_larger_than_memory_is_rejected(folder_copy, monkeypatch):
     monkeypatch.setattr(store, "MAX_RESULT_BYTES", 1000)
     with pytest.raises(StoreError, match="GiB of memory"):
-        store.open_stored(folder_copy).dataset()
+        store.open_stored_result(folder_copy).dataset()
 
 
 # ---- Continue and extend -------------------------------------------------------------------------------------------
@@ -197,7 +197,7 @@ def test_overlapping_blocks_are_accepted(folder_copy, uninterrupted_dataset, mon
     for size, first in ((3, 3), (7, 7), (5, 5)):
         monkeypatch.setattr(runner, "choose_block_size", lambda study, size=size: size)
         shutil.rmtree(other_folder, ignore_errors=True)
-        compute_missing(TINY_STUDY, other_folder)
+        compute_missing_blocks(TINY_STUDY, other_folder)
         shutil.copy(find_block_file(other_folder, first), folder_copy / BLOCKS_FOLDER)
     find_block_file(folder_copy, 4).unlink()
     assert_same_bits(store.read(folder_copy), uninterrupted_dataset)
@@ -289,7 +289,7 @@ def test_swapped_or_foreign_blocks_are_detected(folder_copy, tmp_path):
     with pytest.raises(StoreError, match="does not contain the repetitions in its file name"):
         store.read(folder_copy)
     other_folder = tmp_path / "other"
-    compute_missing(TINY_STUDY.with_changes({"ensemble.seed": 1}), other_folder)
+    compute_missing_blocks(TINY_STUDY.with_changes({"ensemble.seed": 1}), other_folder)
     replace_block_content(find_block_file(folder_copy, 4), find_block_file(other_folder, 4).read_bytes())
     with pytest.raises(StoreError, match=r"does not match study\.toml: ensemble\.seed"):
         store.read(folder_copy)
@@ -439,7 +439,7 @@ def test_run_on_full_disk_preserves_finished_blocks(tmp_path, uninterrupted_data
         with pytest.raises(StoreError, match="cannot be written: No space left on device") as caught:
             run(TINY_STUDY, store=tmp_path, executor=InlineExecutor())
         if num_finished:
-            assert store.open_stored(tmp_path).finished.size == num_finished
+            assert store.open_stored_result(tmp_path).finished_members.size == num_finished
             assert f"{num_finished} of 22 repetitions are finished and kept" in str(caught.value)
         assert_no_partial_files(tmp_path)
     monkeypatch.undo()
@@ -510,7 +510,7 @@ def test_partial_file_removed_by_another_process_is_written_again(tmp_path, unin
             self.unlink()
         return replace(self, target)
 
-    compute_missing(with_repetitions(4), tmp_path)
+    compute_missing_blocks(with_repetitions(4), tmp_path)
     monkeypatch.setattr(Path, "replace", remove_and_replace)
     (tmp_path / STUDY_FILE).write_text(f"{store.STUDY_FILE_SIGNATURE} 0.1.0.\n" + TINY_STUDY.to_toml())
     assert_same_bits(run(TINY_STUDY, store=tmp_path).dataset, uninterrupted_dataset)
@@ -594,9 +594,9 @@ def test_run_resumes_after_kill_at_any_disk_operation(tmp_path, uninterrupted_da
 
 @pytest.mark.parametrize("kind", ["dataset", "folder"])
 def test_exported_dataset_equals_the_computed_dataset(folder_copy, uninterrupted_dataset, tmp_path, monkeypatch, kind):
-    monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.member_bytes(TINY_STUDY))
+    monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.compute_member_size(TINY_STUDY))
     file = tmp_path / "r.nc"
-    export(uninterrupted_dataset if kind == "dataset" else store.open_stored(folder_copy).dataset(), file)
+    export(uninterrupted_dataset if kind == "dataset" else store.open_stored_result(folder_copy).dataset(), file)
     assert_same_bits(store.read(file), uninterrupted_dataset)
     assert_same_bits(xarray.load_dataset(file, engine="h5netcdf"), uninterrupted_dataset)
     with pytest.raises(ExportError, match="already exists"):
@@ -644,7 +644,9 @@ def test_stored_block_has_the_same_content_as_a_file_written_by_xarray(uninterru
     block = io.BytesIO()
     store.write_dataset(part, block)
     assert (
-        store.encode_members(TINY_STUDY, range(4, 8), {name: part[name].values for name in TINY_STUDY.sums()})
+        store.encode_members(
+            TINY_STUDY, range(4, 8), {name: part[name].values for name in TINY_STUDY.contact_sum_names()}
+        )
         == block.getvalue()
     )
 
@@ -653,7 +655,7 @@ SCRIPT_WITH_INTERRUPT = r"""
 import os, signal, sys, threading
 from stiction import Study
 from stiction.studies import runner
-study, sums, interrupted = Study.from_toml("s.toml"), runner.compute_member_sums, threading.Event()
+study, sums, interrupted = Study.from_toml("s.toml"), runner.compute_member_arrays, threading.Event()
 def write_line(word):  # one write for each line: the lines of print() may mix with lines of another thread
     os.write(1, f"{word}\n".encode())
 def sum_or_wait(study, member):
@@ -665,11 +667,11 @@ def interrupt(*of):
     interrupted.set()
     signal.default_int_handler(*of)
 signal.signal(signal.SIGINT, interrupt)
-runner.compute_member_sums = sum_or_wait
+runner.compute_member_arrays = sum_or_wait
 runner.choose_block_size = lambda study: 8
 write_line("started")
 try:
-    runner.compute_missing(study, "r", announce=lambda text: write_line("ready"))
+    runner.compute_missing_blocks(study, "r", announce=lambda text: write_line("ready"))
 except KeyboardInterrupt:
     sys.exit(130)
 """
@@ -691,17 +693,17 @@ def test_interrupt_stops_the_run_and_preserves_finished_blocks(tmp_path):
             pending_lines.discard(line)
         process.send_signal(signal.SIGINT)
         assert process.wait(300) == 130
-    stored_result = store.open_stored(tmp_path / "r")
+    stored_result = store.open_stored_result(tmp_path / "r")
     # The interrupt leaves many of the 1000 repetitions unfinished, also on a busy machine.
-    assert 8 <= stored_result.finished.size < 500
+    assert 8 <= stored_result.finished_members.size < 500
     assert_no_partial_files(tmp_path)
-    expected = run(with_repetitions(int(stored_result.finished[-1]) + 1)).dataset
+    expected = run(with_repetitions(int(stored_result.finished_members[-1]) + 1)).dataset
     assert_same_bits(
-        stored_result.dataset().assign_attrs(expected.attrs), expected.isel(repetition=stored_result.finished)
+        stored_result.dataset().assign_attrs(expected.attrs), expected.isel(repetition=stored_result.finished_members)
     )
 
 
 def test_reading_a_result_without_finished_members_raises_store_error(tmp_path):
-    store.create_or_open(tmp_path, TINY_STUDY)
+    store.create_or_open_result(tmp_path, TINY_STUDY)
     with pytest.raises(StoreError, match="none of the 22 repetitions is finished"):
-        Result(store.open_stored(tmp_path)).at_study_loads  # noqa: B018
+        Result(store.open_stored_result(tmp_path)).at_study_loads  # noqa: B018

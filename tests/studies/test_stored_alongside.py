@@ -8,12 +8,12 @@ import xarray
 from stiction.studies import contact_picture, onset
 from stiction.studies.contact_picture import load_contact_picture
 from stiction.studies.executors import thread_pool_executor
-from stiction.studies.onset import compute_onset, load_onset
-from stiction.studies.runner import compute_missing
-from stiction.studies.store import CHECKSUM_PREFIX, StoreError, export, open_stored, read
+from stiction.studies.onset import compute_onset, load_stored_onset
+from stiction.studies.runner import compute_missing_blocks
+from stiction.studies.store import CHECKSUM_PREFIX, StoreError, export, open_stored_result, read
 from support.studies_of_files import study_of_files, write_maps
 
-COMPANION_LOADERS = {"picture.nc": load_contact_picture, "onset.nc": load_onset}
+COMPANION_LOADERS = {"picture.nc": load_contact_picture, "onset.nc": load_stored_onset}
 
 
 @pytest.fixture(scope="module")
@@ -22,8 +22,8 @@ def result_and_datasets(tmp_path_factory):
     folder = tmp_path_factory.mktemp("maps")
     contact_keys = 'load = ["2 mN"]\ndirection = [0, 180]'
     study = study_of_files(folder, spacing=write_maps(folder, shape=(32, 32)), members=2, contact=contact_keys)
-    compute_missing(study, folder / "r")
-    complete_result = open_stored(folder / "r")
+    compute_missing_blocks(study, folder / "r")
+    complete_result = open_stored_result(folder / "r")
     with thread_pool_executor(1) as executor:
         datasets = {
             "picture.nc": contact_picture.contact_picture(complete_result),
@@ -86,4 +86,4 @@ def test_stored_file_that_lacks_a_variable_is_rejected_with_a_one_line_error(com
 def test_stored_onset_is_ignored_if_its_load_steps_differ_from_the_current_ones(complete_result):
     with h5py.File(complete_result.path / "onset.nc", "r+") as file:
         file["fraction"][0] = 0.07
-    assert load_onset(complete_result) is None
+    assert load_stored_onset(complete_result) is None

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from stiction import HertzCylinder, JacksonGreen, Study, friction_map, run, study_names
 from stiction._units import exact_quantity_text, quantity
 from stiction.mechanics.quantities import AREAL_SUM_QUANTITIES, HALF_SPACE_SUM_QUANTITIES, SUM_QUANTITIES
-from stiction.studies.study import find_differences, parse_study
+from stiction.studies.study import find_table_differences, parse_study
 from stiction.studies.values import StudyError
 from stiction.views.study_keys import key_tables, study_keys_text
 
@@ -124,10 +124,10 @@ class TestStudyChanges:
         assert Study().ensemble.repetitions == 100
 
     def test_contact_law_of_a_study_accepts_a_table_of_parameters(self):
-        assert PLASTIC_STUDY.contact.model().law == JacksonGreen(yield_strength=0.2, poisson_ratio=0.3)
+        assert PLASTIC_STUDY.contact.contact_model().law == JacksonGreen(yield_strength=0.2, poisson_ratio=0.3)
         cylinder = Study().with_changes({"contact.law": {"name": "hertz-cylinder", "width": "2 um"}})
-        assert cylinder.contact.model().law == HertzCylinder(width=2.0)
-        assert Study().with_changes({"contact.law": "hertz-cylinder"}).contact.model().law == "hertz-cylinder"
+        assert cylinder.contact.contact_model().law == HertzCylinder(width=2.0)
+        assert Study().with_changes({"contact.law": "hertz-cylinder"}).contact.contact_model().law == "hertz-cylinder"
 
     def test_studies_with_equal_quantities_in_different_units_are_equal(self):
         changed_study = Study().with_changes({"surfaces.amplitude": ["100 nm"]})
@@ -240,11 +240,11 @@ class TestStudyKinds:
     def test_differences_between_two_kinds_of_studies_list_the_keys_of_both_studies(self):
         differences_by_key = {
             key: (first_value, second_value)
-            for key, first_value, second_value in find_differences(Study(), SELF_AFFINE_STUDY)
+            for key, first_value, second_value in find_table_differences(Study(), SELF_AFFINE_STUDY)
         }
         assert differences_by_key["surfaces.kind"] == ('"profile"', '"surface"')
         assert differences_by_key["surfaces.points"] == ("150_000", "none")
-        assert not list(find_differences(AREA_STUDY, AREA_STUDY))
+        assert not list(find_table_differences(AREA_STUDY, AREA_STUDY))
 
     @pytest.mark.parametrize(
         ("study", "sums", "step", "cells"),
@@ -257,7 +257,11 @@ class TestStudyKinds:
         ],
     )
     def test_kind_of_study_determines_its_sums_step_variable_and_cell_dimensions(self, study, sums, step, cells):
-        assert (study.sums(), study.step_quantity, list(study.surfaces.cells())) == (sums, step, cells)
+        assert (study.contact_sum_names(), study.step_quantity, list(study.surfaces.cell_coordinates())) == (
+            sums,
+            step,
+            cells,
+        )
 
     @pytest.mark.parametrize(
         ("study", "key", "value"),

@@ -85,7 +85,7 @@ def test_error_about_a_key_of_another_kind_of_study_names_that_kind(changes, key
 def test_contact_law_is_stored_as_a_table_in_a_study(law, entry):
     study = Study().with_changes({"contact.law": entry if isinstance(entry, str) else entry.model_dump()})
     assert study.contact.law == entry
-    assert type(study.contact.model().law) in (str, type(law))
+    assert type(study.contact.contact_model().law) in (str, type(law))
     if not isinstance(entry, str):
         assert isinstance(entry, (HertzCylinderSettings, JacksonGreenSettings))
         assert entry.law() == law

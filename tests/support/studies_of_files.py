@@ -2,8 +2,8 @@
 
 import numpy as np
 from stiction import run, self_affine, self_affine_surface
-from stiction.studies.pair import study_from_options
-from stiction.studies.pair_options import read_options
+from stiction.studies.pair import build_study_from_options
+from stiction.studies.pair_options import validate_option_values
 from stiction.studies.study import parse_study
 
 SIDES = ("upper", "lower")
@@ -11,7 +11,7 @@ SIDES = ("upper", "lower")
 
 def pair_study(upper, lower, **options):
     """Return the study of two bodies, with options named like the fields of `PairOptions`."""
-    return study_from_options(read_options({"upper": upper, "lower": lower, **options}))
+    return build_study_from_options(validate_option_values({"upper": upper, "lower": lower, **options}))
 
 
 def write_heights(folder, generate_surface, suffix="", seed=3, **options):

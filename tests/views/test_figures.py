@@ -9,9 +9,9 @@ from matplotlib.image import imread
 from stiction import Profile, Result
 from stiction._number_format import format_estimate
 from stiction.studies.contact_picture import contact_picture
-from stiction.studies.evaluation import at_load, reached_loads
+from stiction.studies.evaluation import at_load, choose_loads_in_range
 from stiction.studies.maps import friction_map
-from stiction.studies.study import parse_dataset_study
+from stiction.studies.study import parse_study_of_dataset
 from stiction.views import style
 from stiction.views.figures import draw_figures
 from stiction.views.figures.contact import contact_figure, contact_map_figure, contacts_figure, opposing_contact_mask
@@ -45,7 +45,7 @@ def list_figure_names(dataset, picture=None):
 
 def test_figures_to_draw_are_selected_by_the_study(generated_dataset):
     assert list_figure_names(generated_dataset) == ["friction_mu0_0.1", "friction_mu0_0.4", "friction_mu0_1", "area"]
-    study = parse_dataset_study(generated_dataset).with_changes({"figures.draw": ["profiles", "length-scales"]})
+    study = parse_study_of_dataset(generated_dataset).with_changes({"figures.draw": ["profiles", "length-scales"]})
     assert list_figure_names(generated_dataset.assign_attrs(study=study.to_toml())) == ["profiles", "length_scales"]
 
 
@@ -64,7 +64,7 @@ def test_results_of_measured_surfaces_have_the_standard_figures(maps_at_two_cuto
 
 
 def test_figures_table_json_and_report_have_equal_combined_intervals(maps_at_two_cutoffs):
-    study = parse_dataset_study(maps_at_two_cutoffs).with_changes({"surfaces.both_readings": True})
+    study = parse_study_of_dataset(maps_at_two_cutoffs).with_changes({"surfaces.both_readings": True})
     dataset = maps_at_two_cutoffs.assign_attrs(study=study.to_toml())
     summary, figures = Result.of(dataset).summary(), dict(select_figures(dataset))
     table = summary_table(summary)
@@ -105,7 +105,9 @@ def test_figures_table_json_and_report_have_equal_combined_intervals(maps_at_two
 
 
 def test_figures_are_written_in_every_format(generated_dataset, tmp_path):
-    study = parse_dataset_study(generated_dataset).with_changes({"figures.draw": ["profiles"], "surfaces.points": 2000})
+    study = parse_study_of_dataset(generated_dataset).with_changes(
+        {"figures.draw": ["profiles"], "surfaces.points": 2000}
+    )
     dataset = generated_dataset.assign_attrs(study=study.to_toml())
     paths = draw_figures(dataset, tmp_path, formats=FIGURE_FORMATS)
     assert [path.name for path in paths] == ["profiles.png", "profiles.pdf", "profiles.svg"]
@@ -203,7 +205,7 @@ def test_area_figure_has_a_labelled_curve_for_each_dimension(generated_dataset):
 
 
 def test_reached_loads_lie_within_the_range_of_mean_loads_of_the_dataset(generated_dataset):
-    loads = reached_loads(generated_dataset)
+    loads = choose_loads_in_range(generated_dataset)
     mean_loads = generated_dataset["normal_elastic"].mean("repetition")
     assert loads[0] >= float(mean_loads.isel(approach=0).max()) * (1 - 1e-12)
     assert loads[-1] == pytest.approx(float(mean_loads.max()))

@@ -162,7 +162,7 @@ def test_wavelengths_that_the_tip_does_not_resolve_add_a_caveat():
     study = pair_study(scan, scan, tip="20 um", **options)
     assert instrument_limit(scan, tip_radius=20.0).reason == "tip"
     # The scan is not filtered, because a filter would also smooth the surface where the tip has smoothed it already.
-    assert study.surfaces.cells()["cut_off"].tolist() == [0.0]
+    assert study.surfaces.cell_coordinates()["cut_off"].tolist() == [0.0]
     (caveat,) = find_input_caveats(scan, scan, study)
     assert "does not resolve: the surface is steeper" in caveat.text
     assert "interval does not include" in caveat.text
@@ -175,7 +175,7 @@ def test_wavelengths_that_the_tip_does_not_resolve_add_a_caveat():
     # A noise floor is also filtered if a tip radius is given.
     noisy_scan = Profile(scan.heights + 1e-3 * np.random.default_rng(1).normal(size=3000), spacing=0.01)
     study = pair_study(noisy_scan, noisy_scan, tip="20 um", **options)
-    assert study.surfaces.cells()["cut_off"].tolist() == [instrument_limit(noisy_scan).cut_off, 0.0]
+    assert study.surfaces.cell_coordinates()["cut_off"].tolist() == [instrument_limit(noisy_scan).cut_off, 0.0]
     caveats = find_input_caveats(noisy_scan, noisy_scan, study)
     assert [
         plastic_caveat.severity for plastic_caveat in caveats if "of the mean square slope" in plastic_caveat.text
@@ -210,13 +210,13 @@ class TestNoiseHiddenByRoughness:
         study = pair_study(*noisy_maps, **self.options)
         cutoff = max(find_hidden_noise(noisy_map).cut_off for noisy_map in noisy_maps)
         assert study.surfaces.both_readings
-        assert study.surfaces.cells()["cut_off"].tolist() == [0.0, cutoff]
+        assert study.surfaces.cell_coordinates()["cut_off"].tolist() == [0.0, cutoff]
         caveats = [caveat for caveat in find_input_caveats(*noisy_maps, study) if "may contribute" in caveat.text]
         assert {caveat.severity for caveat in caveats} == {"caution"}
         assert all(caveat.has_readings for caveat in caveats)
         for changes in ({"cutoff": "none"}, {"texture": "ground"}):
             study = pair_study(*noisy_maps, **self.options, **changes)
-            assert study.surfaces.cells()["cut_off"].tolist() == [0.0]
+            assert study.surfaces.cell_coordinates()["cut_off"].tolist() == [0.0]
             assert find_input_caveats(*noisy_maps, study) == ()
 
     def test_noise_of_each_scan_is_removed_at_its_own_cutoff(self):
@@ -224,13 +224,13 @@ class TestNoiseHiddenByRoughness:
         limits = instrument_limit(smooth_map), find_hidden_noise(rough_map)
         assert limits[0].origin == "instrument"
         study = pair_study(rough_map, smooth_map, **self.options)
-        assert study.surfaces.cells()["cut_off"].tolist() == [max(limit.cut_off for limit in limits), 0.0]
-        assert study.surfaces.upper.limited_cut_off(np.inf) == pytest.approx(limits[1].cut_off, rel=1e-12)
-        assert study.surfaces.lower.limited_cut_off(np.inf) == pytest.approx(limits[0].cut_off, rel=1e-12)
+        assert study.surfaces.cell_coordinates()["cut_off"].tolist() == [max(limit.cut_off for limit in limits), 0.0]
+        assert study.surfaces.upper.limit_cut_off(np.inf) == pytest.approx(limits[1].cut_off, rel=1e-12)
+        assert study.surfaces.lower.limit_cut_off(np.inf) == pytest.approx(limits[0].cut_off, rel=1e-12)
 
     def test_maps_without_noise_have_only_an_unfiltered_result(self):
         study = pair_study(*self.create_maps_with_noise(0.0), **self.options)
-        assert study.surfaces.cells()["cut_off"].tolist() == [0.0]
+        assert study.surfaces.cell_coordinates()["cut_off"].tolist() == [0.0]
         assert study.surfaces.both_readings is None
 
     def test_interval_contains_filtered_and_unfiltered_results(self):

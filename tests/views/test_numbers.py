@@ -8,9 +8,9 @@ from stiction import Study, friction_map, run
 from stiction._number_format import format_estimate
 from stiction.studies.budget import add_uncertainty
 from stiction.studies.evaluation import at_load
-from stiction.studies.nodes import NodeAxis, interpolate_table, relative_excess_error
+from stiction.studies.nodes import NodeAxis, compute_error_to_tolerance_ratio, interpolate_table
 from stiction.studies.point import list_rules_quoted_first
-from stiction.studies.study import parse_dataset_study
+from stiction.studies.study import parse_study_of_dataset
 from stiction.studies.summary import summarize
 from stiction.views.report import report_page
 from stiction.views.report.tables import count_estimate_decimals
@@ -72,7 +72,7 @@ def test_interpolation_of_the_report_script_equals_that_of_the_library(report_ev
     table = np.random.default_rng(2).uniform(size=(6, 6))
     table[0, 0] = np.nan
     facts = {
-        name: {"rising": axis.rising.tolist(), "bounds": axis.bounds}
+        name: {"rising": axis.rising.tolist(), "bounds": axis.ranged_node_intervals}
         for name, axis in zip(("mu0", "tau0"), axes, strict=True)
     }
     values = [None if np.isnan(value) else value for value in table.ravel()]
@@ -170,7 +170,7 @@ def compare_friction(dataset, report_evaluator, settings):
         elif status == "ok":
             values = np.array([point[name] for name in ("value", "lower", "upper")])
             expected = np.array([float(reference[name]) for name in ("friction_coefficient", "lower", "upper")])
-            errors.append(float(relative_excess_error(values, expected)))
+            errors.append(float(compute_error_to_tolerance_ratio(values, expected)))
         statuses.append(status)
     return statuses, errors
 
@@ -225,7 +225,7 @@ def test_report_ignores_members_without_a_solution(generated_dataset):
     dataset["normal_elastic"].loc[{"repetition": 3, "approach": dataset["approach"][-1]}] = np.nan
     report_evaluator = ReportEvaluator(report_page(dataset))
     assert report_evaluator.facts["repetitions"] == dataset.sizes["repetition"] - 1
-    friction = parse_dataset_study(dataset).friction
+    friction = parse_study_of_dataset(dataset).friction
     statuses, errors = compare_friction(
         dataset, report_evaluator, [(1, 0, 0, 20, friction.mu0[0], float(friction.tau0[0]))]
     )
@@ -243,9 +243,9 @@ def test_assessments_in_reports_of_generated_profiles_equal_library_assessments(
     dataset = create_arbitrary_sums(0.0) if case_name == "invented" else generated_dataset
     if case_name == "soft":
         dataset = dataset.assign_attrs(
-            study=parse_dataset_study(dataset).with_changes({"contact.effective_modulus": "50 MPa"}).to_toml()
+            study=parse_study_of_dataset(dataset).with_changes({"contact.effective_modulus": "50 MPa"}).to_toml()
         )
-    study, report_evaluator = parse_dataset_study(dataset), ReportEvaluator(report_page(dataset))
+    study, report_evaluator = parse_study_of_dataset(dataset), ReportEvaluator(report_page(dataset))
     assert report_evaluator.facts["quotedRule"] == list_rules_quoted_first(study)[0]
     loads = report_evaluator.facts["loads"]["values"]
     verdicts = set()
@@ -279,7 +279,7 @@ def dataset_and_evaluator(request):
 def test_friction_in_reports_of_measured_surfaces_equals_library_values(dataset_and_evaluator):
     dataset, report_evaluator = dataset_and_evaluator
     facts, errors = report_evaluator.facts, []
-    study = parse_dataset_study(dataset)
+    study = parse_study_of_dataset(dataset)
     study_setting = (0, 0, 0, 0, study.friction.mu0[0], float(study.friction.tau0[0]))
     for _, rule_index, way_index, load_index, mu0, tau0 in (study_setting, *random_settings(report_evaluator, 25, 4)):
         reference = at_load(dataset, [facts["loads"]["values"][load_index]], mu0=[mu0], tau0=[tau0])
@@ -296,7 +296,7 @@ def test_friction_in_reports_of_measured_surfaces_equals_library_values(dataset_
         )
         assert point["status"] == "ok"
         values = np.array([point[name] for name in ("value", "lower", "upper")])
-        errors.append(float(relative_excess_error(values, expected.values)))
+        errors.append(float(compute_error_to_tolerance_ratio(values, expected.values)))
         if (mu0, tau0) == study_setting[4:]:
             assert point["text"] == format_estimate(*expected.values.tolist())
             assert errors[-1] < 0.1
@@ -309,7 +309,7 @@ def test_friction_in_reports_of_measured_surfaces_equals_library_values(dataset_
 
 def test_coefficient_texts_in_a_report_equal_those_of_the_summary(dataset_and_evaluator):
     dataset, report_evaluator = dataset_and_evaluator
-    study = parse_dataset_study(dataset)
+    study = parse_study_of_dataset(dataset)
     reference = at_load(dataset, [float(load_index) for load_index in study.friction.load])
     rules = report_evaluator.facts["rules"]
     for point in summarize(add_uncertainty(reference, dataset), study).points:

@@ -10,8 +10,8 @@ from stiction import friction_map, levelled, self_affine, self_affine_surface
 from stiction.studies.contact_picture import contact_picture
 from stiction.studies.evaluation import at_load
 from stiction.studies.input_caveats import find_input_caveats
-from stiction.studies.nodes import relative_excess_error
-from stiction.studies.study import parse_dataset_study
+from stiction.studies.nodes import compute_error_to_tolerance_ratio
+from stiction.studies.study import parse_study_of_dataset
 from stiction.studies.summary import summarize
 from stiction.views.characterisation import Characterisation
 from stiction.views.report import report_page, save_report
@@ -265,7 +265,7 @@ def test_readout_under_the_pointer_equals_library_values(generated_report, gener
             continue
         assert status == str(reference["status"].values)
         expected = [float(reference[name]) for name in ("friction_coefficient", "lower", "upper")]
-        errors.append(float(relative_excess_error(np.array(values), np.array(expected))))
+        errors.append(float(compute_error_to_tolerance_ratio(np.array(values), np.array(expected))))
     assert np.median(errors) < 1.0
     assert np.max(errors) < MAX_RELATIVE_ERROR
     assert len(statuses) > 1
@@ -454,7 +454,7 @@ def read_values_by_rule(driver):
 def test_friction_displayed_for_maps_equals_library_values_after_controls_are_changed(maps_report, maps_dataset):
     from selenium.webdriver.support.ui import Select
 
-    study = parse_dataset_study(maps_dataset)
+    study = parse_study_of_dataset(maps_dataset)
     surfaces = [getattr(study.surfaces, side).read() for side in ("upper", "lower")]
     input_caveats = find_input_caveats(*surfaces, study, [0.1, 0.5])
     point = summarize(at_load(maps_dataset, [0.1]), study, input_caveats=input_caveats).points[0]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from stiction import Profile, Study, levelled, pair, run, self_affine
 from stiction.studies.nodes import MAX_NODES, NUM_REPORT_LOADS
-from stiction.studies.study import parse_dataset_study
+from stiction.studies.study import parse_study_of_dataset
 from stiction.views.report import ReportError, report_page, save_report
 from stiction.views.report.page import REPORT_FILE_SIGNATURE
 from stiction.views.report.surface import surface_page
@@ -24,7 +24,7 @@ def test_report_escapes_html_in_study_attributes_and_name(generated_dataset, map
     )
     assert "alert(1)</script>" not in page
     assert "stiction &lt;b&gt;" in page
-    assert html.escape(parse_dataset_study(generated_dataset).to_toml()) in page
+    assert html.escape(parse_study_of_dataset(generated_dataset).to_toml()) in page
     dataset_with_script = maps_dataset.assign_attrs(upper="<script>alert(2)</script>\nread")
     assert "<script>alert(2)" not in report_page(dataset_with_script)
 

@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from stiction.app.form import find_first_option_name, replace_option_names
-from stiction.studies.store import open_stored
+from stiction.studies.store import open_stored_result
 
 POLL_INTERVAL = 0.4  # time in seconds between two checks of the progress of a command
 MAX_SHUTDOWN_TIME = 5.0  # time in seconds that a stopped command has to write its results before it is killed
@@ -163,8 +163,8 @@ class JobQueue:
         while True:
             await asyncio.sleep(POLL_INTERVAL)
             with suppress(*REPORTED_EXCEPTIONS):  # raised if there is no result yet or the surfaces do not touch
-                stored_result = await asyncio.to_thread(open_stored, job.folder)
-                job.finished, job.total = stored_result.count, stored_result.study.ensemble.repetitions
+                stored_result = await asyncio.to_thread(open_stored_result, job.folder)
+                job.finished, job.total = stored_result.num_finished, stored_result.study.ensemble.repetitions
                 if job.total > job.finished >= 2 * num_reported:
                     num_reported = job.finished
                     await self._read_result(job, "so far, at {finished} of {total} positions")

@@ -18,7 +18,7 @@ from stiction._checks import Floats
 from stiction._drawing import HEIGHT_COLOUR_MAP
 from stiction._number_format import format_with_unit
 from stiction.app.form import replace_option_names
-from stiction.studies.pair_options import split_list
+from stiction.studies.pair_options import split_option_text
 from stiction.surfaces.measured.reading import load_interpreted_file
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
@@ -33,7 +33,7 @@ LINE_COLOURS = ("#7a8490", "#8a63c7")
 def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
     """Return a summary of a scan with a small image, or the reason why the scan cannot be read."""
     option_texts = {name.replace("-", "_"): text for name, text in reading.items() if text}
-    options: dict[str, Any] = {name: split_list(name, text) for name, text in option_texts.items()}
+    options: dict[str, Any] = {name: split_option_text(name, text) for name, text in option_texts.items()}
     with warnings.catch_warnings(record=True) as caught_warnings:
         warnings.simplefilter("always")
         try:

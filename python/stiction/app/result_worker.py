@@ -13,7 +13,7 @@ from stiction.app.jobs import REPORTED_EXCEPTIONS, hide_private_paths
 from stiction.studies.pair import MeasuredPair
 from stiction.studies.pair_options import PAIR_OPTIONS, format_command_line_name
 from stiction.studies.result import Result, open_result
-from stiction.studies.runner import preview_result
+from stiction.studies.runner import compute_preview_result
 from stiction.studies.study import Study
 from stiction.views.files import result_csv
 from stiction.views.report import report_page
@@ -42,7 +42,7 @@ def main() -> None:
         if "preview" in request:
             files, options = request["preview"]
             study = load_preview_study([Path(file) for file in files], options)
-            result = None if study is None else preview_result(study)
+            result = None if study is None else compute_preview_result(study)
         else:
             result = open_result(request["folder"])
         print(to_json(None if result is None else _write_result_files(result, request)))

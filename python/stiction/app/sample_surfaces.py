@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stiction.app.preview import MAX_PREVIEW_SIDE_POINTS, draw_lines_svg
-from stiction.studies.members import generate_pairs
+from stiction.studies.members import generate_profile_pairs
 from stiction.studies.study import Study
 from stiction.surfaces.measured.writing import write_surface
 from stiction.surfaces.self_affine import self_affine_surface
@@ -32,7 +32,9 @@ def draw_profiles(changes: Any) -> str:
     """Draw an SVG image of two profiles near their first contact. They belong to the study `quick` with `changes`."""
     study = Study.named("quick").with_changes(changes)
     surfaces: Any = study.surfaces
-    upper, lower = next(iter(generate_pairs(study, 0, surfaces.fractal_dimensions()[:1], surfaces.amplitudes()[0])))
+    upper, lower = next(
+        iter(generate_profile_pairs(study, 0, surfaces.fractal_dimensions()[:1], surfaces.amplitudes()[0]))
+    )
     contact_index = int(np.argmin(gap := upper.heights - lower.heights))
     width = min(len(lower), round(4 * surfaces.max_wavelength() / lower.spacing))
     start = max(0, min(contact_index - width // 2, len(lower) - width))

@@ -35,7 +35,7 @@ from stiction.app.form import (
 )
 from stiction.app.jobs import Job, JobQueue, RejectedRequestError, hide_private_paths
 from stiction.mechanics.materials import materials
-from stiction.studies.store import open_stored
+from stiction.studies.store import open_stored_result
 
 MAX_SCAN_BYTES = 300_000_000  # maximum size of an uploaded scan in bytes, equal to the readers' limit for text files
 MAX_TOTAL_SCAN_BYTES = 2_000_000_000  # maximum total size of all uploaded scans in bytes
@@ -384,11 +384,11 @@ class Server:
 
 def _stored_result_list_entry(name: str, folder: Path) -> dict[str, Any]:
     try:
-        stored_result = open_stored(folder)
+        stored_result = open_stored_result(folder)
     except ValueError as error:
         return {"name": name, "error": str(error)}
     return {
-        "name": name, "finished": stored_result.count, "total": stored_result.study.ensemble.repetitions,
+        "name": name, "finished": stored_result.num_finished, "total": stored_result.study.ensemble.repetitions,
         "kind": stored_result.study.surfaces.kind,
     }  # fmt: skip
 

@@ -155,7 +155,11 @@ def _print_height_factor_results(
 ) -> None:  # fmt: skip
     """Print a result for several height factors. If `compute` is True, first compute the missing results."""
     from stiction.studies.executors import thread_pool_executor
-    from stiction.studies.height_scale import compute_height_factors, evaluate_height_scale, parse_height_factors
+    from stiction.studies.height_scale import (
+        compute_results_at_height_factors,
+        evaluate_at_height_factors,
+        parse_height_factors,
+    )
     from stiction.views.height_scale import height_scale_json, height_scale_text
 
     scaled_bodies: Any = scaled
@@ -163,14 +167,14 @@ def _print_height_factor_results(
     if compute:
         try:
             with thread_pool_executor(workers) as executor:
-                compute_height_factors(
+                compute_results_at_height_factors(
                     stored_result, height_factors, scaled_bodies, executor, progress=True, announce=show_status
                 )
         except KeyboardInterrupt:
             raise report_interruption(
                 "; results of finished factors are stored; run the same command again to resume"
             ) from None
-    values = evaluate_height_scale(stored_result, height_factors, loads, mu0=mu0, tau0=tau0, scaled=scaled_bodies)
+    values = evaluate_at_height_factors(stored_result, height_factors, loads, mu0=mu0, tau0=tau0, scaled=scaled_bodies)
     print_output((height_scale_json if as_json else height_scale_text)(values, stored_result.study))
 
 

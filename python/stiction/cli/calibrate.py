@@ -77,7 +77,7 @@ def calibrate(
     need tests with different A/F. If A/F varies too little, the output suggests a further test.
     """
     from stiction.studies.calibration import calibrate as fit_interface
-    from stiction.studies.input_uncertainty import Z_95, parse_input
+    from stiction.studies.input_uncertainty import Z_95, parse_uncertain_input
     from stiction.studies.interfaces import Ball, FrictionTest, write_interface
     from stiction.studies.tests_file import parse_friction_tests
     from stiction.views.calibration import calibration_figure, calibration_json, calibration_text
@@ -110,7 +110,7 @@ def calibrate(
     elif len(bodies) > 1:
         raise ValueError("--measured requires exactly one --pair or --ball, because it describes a single test")
     else:
-        value = parse_input("--measured", measured)
+        value = parse_uncertain_input("--measured", measured)
         error = (value.high - value.low) / (2 * Z_95) or None
         tests = (FrictionTest(next(iter(bodies.values())), load, coefficient=value.value, uncertainty=error),)
     interface = fit_interface(tests, common=common, sliding=sliding, mu0=mu0, tau0=tau0, outliers=outliers)  # type: ignore[arg-type]
@@ -149,11 +149,11 @@ def interfaces(path: InterfacePathArgument = None, as_json: JsonOption = False) 
     not separate the effect of roughness. Each value is a range for the listed pressures and conditions.
     """
     from stiction.studies.interfaces import interfaces as builtin_interfaces
-    from stiction.studies.interfaces import read_interfaces
+    from stiction.studies.interfaces import read_interface_entries
     from stiction.views.calibration import interfaces_text
     from stiction.views.rows import record_json
 
-    values_by_name = builtin_interfaces() if path is None else read_interfaces(path)
+    values_by_name = builtin_interfaces() if path is None else read_interface_entries(path)
     if not (values_by_name or as_json):
         print_output(f"{path} contains no interfaces; stiction calibrate with --output NAME writes one")
         return

@@ -16,7 +16,7 @@ from stiction.cli.options import option
 from stiction.studies.executors import thread_pool_executor
 from stiction.studies.pipeline import complete_result
 from stiction.studies.result import Result
-from stiction.studies.store import StoreError, StudyMismatchError, open_stored
+from stiction.studies.store import StoreError, StudyMismatchError, open_stored_result
 from stiction.studies.study import Study
 from stiction.studies.values import StudyError
 
@@ -42,9 +42,9 @@ def open_executor(workers: int | None, scheduler: str | None) -> contextlib.Abst
         return thread_pool_executor(workers)
     if workers is not None:
         raise StudyError("--workers must not be combined with --scheduler")
-    from stiction.studies.executors import connect_cluster
+    from stiction.studies.executors import connect_to_cluster
 
-    return connect_cluster(scheduler)
+    return connect_to_cluster(scheduler)
 
 
 def parse_part(text: str | None) -> tuple[int, int] | None:
@@ -101,8 +101,8 @@ def compute_result_in_folder(
     except KeyboardInterrupt:
         detail = ""
         with contextlib.suppress(StoreError):  # no result is stored yet
-            stored_result = open_stored(directory)
+            stored_result = open_stored_result(directory)
             num_repetitions = stored_result.study.ensemble.repetitions
-            progress = f"{stored_result.count} of {num_repetitions} repetitions are finished and stored"
+            progress = f"{stored_result.num_finished} of {num_repetitions} repetitions are finished and stored"
             detail = f"; {progress}: run the same command again to resume"
         raise report_interruption(detail) from None

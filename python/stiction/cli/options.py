@@ -44,7 +44,7 @@ VerboseOption = Annotated[
 
 def load_measurement(file: Path, options: Mapping[str, str | None]) -> FileReading[Profile | Surface]:
     """Load a profile or surface from a file, applying the reading options given on the command line."""
-    from stiction.studies.pair_options import split_list
+    from stiction.studies.pair_options import split_option_text
     from stiction.surfaces.measured.reading import load_interpreted_file
     from stiction.surfaces.measured.spectrum_file import is_spectrum_file
 
@@ -54,7 +54,7 @@ def load_measurement(file: Path, options: Mapping[str, str | None]) -> FileReadi
             "a scan"
         )
     show_reader_import_status(file)
-    values: dict[str, Any] = {name: split_list(name, text) for name, text in options.items() if text is not None}
+    values: dict[str, Any] = {name: split_option_text(name, text) for name, text in options.items() if text is not None}
     return load_interpreted_file(file, **values)
 
 

@@ -31,7 +31,7 @@ from stiction.cli.pair_options import (
     read_given_options,
 )
 from stiction.studies.pair import MeasuredPair
-from stiction.studies.pair_options import read_options
+from stiction.studies.pair_options import validate_option_values
 from stiction.studies.result import Result
 from stiction.studies.store import STUDY_FILE
 from stiction.studies.study import Study
@@ -125,18 +125,18 @@ def pair(
     info and export accept.
     """
     from stiction.cli.result_output import choose_message_printer, print_result, print_values, write_pair_files
-    from stiction.studies.members import body_attributes
+    from stiction.studies.members import find_body_attributes
     from stiction.views.files import OUTPUT_FILE_SIGNATURES, check_all_replaceable
     from stiction.views.rows import summary_json
 
     part_number, print_written = parse_part(part), choose_message_printer(as_json)
     check_output_directory(output)
     check_all_replaceable(output, OUTPUT_FILE_SIGNATURES)
-    measured_pair = MeasuredPair(read_options(read_given_options(context)))
+    measured_pair = MeasuredPair(validate_option_values(read_given_options(context)))
     for file in measured_pair.files:
         show_reader_import_status(Path(file.file))
     studies = measured_pair.studies
-    body_attributes(studies[0])  # check the surfaces before any file is written
+    find_body_attributes(studies[0])  # check the surfaces before any file is written
     # Omit the first remark if it states the source of the elasticity, because the result also shows this source.
     first_remark = 0 if verbose else bool(measured_pair.elasticity.source)
     for remark in measured_pair.remarks[first_remark:]:
@@ -195,10 +195,10 @@ def format_preview_line(study: Study) -> str:
 
     Raises `ValueError` if the surfaces do not touch.
     """
-    from stiction.studies.runner import preview_result
+    from stiction.studies.runner import compute_preview_result
     from stiction.views.text import preview_text
 
-    return preview_text(preview_result(study).summary())
+    return preview_text(compute_preview_result(study).summary())
 
 
 def submit_preview(study: Study | None, executor: Executor) -> None:

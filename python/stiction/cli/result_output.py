@@ -23,14 +23,14 @@ VERBOSE_OPTION = "--verbose"  # option that shows all points and caveats
 def open_result_with_warning(directory: Path) -> Result:
     """Open the result in a directory, and print a warning if it is unfinished."""
     from stiction.studies.result import Result
-    from stiction.studies.store import StoreError, open_stored
+    from stiction.studies.store import StoreError, open_stored_result
 
-    stored_result = open_stored(directory)
+    stored_result = open_stored_result(directory)
     num_repetitions = stored_result.study.ensemble.repetitions
-    if not stored_result.count:
+    if not stored_result.num_finished:
         raise StoreError(f"{directory}: none of the {num_repetitions} repetitions is finished yet")
-    if stored_result.count < num_repetitions:
-        print_warning(f"{directory}: only {stored_result.count} of {num_repetitions} repetitions are finished")
+    if stored_result.num_finished < num_repetitions:
+        print_warning(f"{directory}: only {stored_result.num_finished} of {num_repetitions} repetitions are finished")
     return Result(stored_result)
 
 
@@ -91,13 +91,13 @@ def write_pair_files(result: Result, *, print_written: Callable[[str], None]) ->
     these values, so that they agree with the stored study.
     """
     from stiction.studies.result import Result
-    from stiction.studies.store import open_stored
+    from stiction.studies.store import open_stored_result
 
     folder = result.path
     assert folder is not None, "the result of the command is stored"
     file_names: list[str] = []
     for _ in range(MAX_OUTPUT_ATTEMPTS):
-        stored_result = open_stored(folder)
+        stored_result = open_stored_result(folder)
         is_current = stored_result.study.friction == result.study.friction
         if file_names and is_current:
             break

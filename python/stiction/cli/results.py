@@ -20,28 +20,30 @@ DirectoryArgument = Annotated[Path, typer.Argument(metavar="DIR", help="Director
 def info(directory: DirectoryArgument, verbose: VerboseOption = False, as_json: JsonOption = False) -> None:
     """Show the inputs of a result, its progress, its friction at a few loads, and its reliability."""
     from stiction.studies.result import Result
-    from stiction.studies.store import open_stored
-    from stiction.studies.study import Study, find_differences
+    from stiction.studies.store import open_stored_result
+    from stiction.studies.study import Study, find_table_differences
     from stiction.views.text import wrap_text
 
-    stored_result = open_stored(directory)
-    study, num_finished = stored_result.study, stored_result.count
+    stored_result = open_stored_result(directory)
+    study, num_finished = stored_result.study, stored_result.num_finished
     if as_json:
         fields = {
             "study": study.to_toml(), "finished": num_finished, "repetitions": study.ensemble.repetitions,
-            "bytes": stored_result.size, "versions": {"stiction": stored_result.version},
+            "bytes": stored_result.total_file_size, "versions": {"stiction": stored_result.version},
         }  # fmt: skip
         print_result(Result(stored_result), command="info", as_json=True, fields=fields)
         return
     if not study.is_measured:
-        changes = [f"{key} = {value}" for key, _, value in find_differences(Study(), study)]
+        changes = [f"{key} = {value}" for key, _, value in find_table_differences(Study(), study)]
         lines = ["default values except", *changes] if changes else ["default values"]
         for index, line in enumerate(lines):
             print_output(wrap_text(f"{'' if index else 'study':<13}{line}", hanging_indent=" " * 15))
     elif verbose:
         print_output(study.to_toml())
     print_output(f"repetitions  {num_finished} of {study.ensemble.repetitions} finished")
-    print_output(f"size         {stored_result.size / 2**20:.1f} MiB, computed by stiction {stored_result.version}")
+    print_output(
+        f"size         {stored_result.total_file_size / 2**20:.1f} MiB, computed by stiction {stored_result.version}"
+    )
     if num_finished:
         print_output("")
         print_result(Result(stored_result), command="info", verbose=verbose)

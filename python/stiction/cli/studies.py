@@ -12,7 +12,7 @@ from stiction._units import short_repr
 from stiction.cli.application import command, print_output
 from stiction.cli.execution import PartOption, SchedulerOption, WorkersOption
 from stiction.cli.options import VerboseOption, option
-from stiction.studies.study import Study, study_names, study_summary
+from stiction.studies.study import Study, read_study_description, study_names
 from stiction.studies.values import MAX_LISTED_FAULTS, StudyError, parse_toml
 
 ChangesOption = Annotated[
@@ -84,7 +84,7 @@ def studies(
     names = study_names()
     width = max(map(len, names)) + 2
     for name in names:
-        print_output(wrap_text(f"{name:<{width}}{study_summary(name)}", hanging_indent=" " * width))
+        print_output(wrap_text(f"{name:<{width}}{read_study_description(name)}", hanging_indent=" " * width))
 
 
 def _load_study(text: str) -> tuple[Study, Path]:

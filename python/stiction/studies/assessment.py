@@ -22,9 +22,9 @@ from stiction.studies.input_uncertainty import UncertainInput
 from stiction.studies.interfaces import NEGLIGIBLE_GROWTH_EFFECT, VON_MISES_GROWTH_COEFFICIENT, find_interface
 from stiction.studies.point import (
     SlidingRuleCoefficient,
-    adhesion_ranges,
     effective_modulus_at,
     find_contact_status,
+    get_adhesion_ranges,
     has_limited_pressure,
     has_nominal_area,
     is_unloaded,
@@ -183,27 +183,27 @@ STEEP_SURFACE_CHECK = LimitCheck(
 )  # fmt: skip
 
 
-def _fraction_check(
+def _build_fraction_check(
     name: str, text: str, remedy: str, severity: Severity = "fault", limit: float = MAX_AFFECTED_FRACTION
 ) -> LimitCheck:
     return LimitCheck(name, limit, text, remedy, severity, "percent")
 
 
 ASPERITY_CHECKS: CheckGroups = (
-    [_fraction_check(
+    [_build_fraction_check(
         "share_beyond_hertz", "{} of the load is beyond Hertz (overlap above a tenth of the radius)",
         "use a smaller load, or the half-space",
     )],
-    [_fraction_check(
+    [_build_fraction_check(
         "share_below_grid", "{} of the load is on radii below the grid spacing: a finer grid would give another result",
         "use a finer grid, or filter the surfaces",
     )],
 )  # fmt: skip
 
-_OVERLAP_CHECK = _fraction_check(
+_OVERLAP_CHECK = _build_fraction_check(
     "share_overlapping", "{} of the load is on overlapping ellipses, where contacts merge", "use the half-space"
 )
-_EDGE_CHECK = _fraction_check(
+_EDGE_CHECK = _build_fraction_check(
     "share_at_edge", "{} of the load is on contacts at the edge", "use larger maps or a smaller load"
 )
 LARGEST_CONTACT_LOAD_TEXT = "one contact carries {} of the load"
@@ -221,26 +221,26 @@ CONTACT_COUNT_CHECKS = (
           "use a higher load, larger surfaces or more members", about="contact_count"),
     LimitCheck("contacts_missing", 0.0, "too few contacts, {} on average",
           MORE_CONTACTS_REMEDY, about="contact_count"),
-    _fraction_check(
+    _build_fraction_check(
         "share_on_separate", LARGEST_CONTACT_LOAD_TEXT, MORE_CONTACTS_REMEDY, "fault", MAX_LOAD_FRACTION_ON_CONTACT
     ),
     LimitCheck("contacts_wanting", 0.0, "few contacts, {} on average",
           MORE_CONTACTS_REMEDY, "caution", about="contact_count"),
-    _fraction_check(
+    _build_fraction_check(
         "share_on_largest", LARGEST_CONTACT_LOAD_TEXT, MORE_CONTACTS_REMEDY, "caution", CAUTION_LOAD_FRACTION_ON_CONTACT
     ),
 )  # fmt: skip
 """Checks for too few contacts; only the first check that fails is reported."""
 
 CONTACT_CHECKS: CheckGroups = (
-    [_fraction_check(
+    [_build_fraction_check(
         "share_of_pull_off_bounds", "the pull-off force is a lower bound: {} of the members have only a bound",
         "call half_space to see the reason as a warning", "caution", 0.0,
     )],
     [_EDGE_CHECK, _EDGE_CHECK._replace(limit=CAUTION_LOAD_FRACTION_AT_EDGE, severity="caution")],
     [
         LimitCheck("single_cells", MAX_AFFECTED_FRACTION, "contacts are single grid points", _FINER_SCAN_REMEDY),
-        _fraction_check(
+        _build_fraction_check(
             "fraction_on_small",
             "{} of the load is on contacts of at most 4 points: a finer scan would give another result",
             _FINER_SCAN_REMEDY, "caution",
@@ -265,7 +265,7 @@ def find_point_caveats(
         yield NO_COEFFICIENT_CAVEAT
         yield from _find_adhesion_caveats(point, study)
         yield from _find_grid_caveats(point, study)
-        yield from find_failed_check_caveats(CONTACT_CHECKS, _compute_checked_numbers(point, study, value))
+        yield from find_caveats_of_failed_checks(CONTACT_CHECKS, _compute_checked_numbers(point, study, value))
         return
     if status != friction.STATUS_OK or math.isnan(value.value):
         text, remedy = STATUS_EXPLANATIONS.get(status, STATUS_EXPLANATIONS[""])
@@ -278,15 +278,15 @@ def find_point_caveats(
         text = f"only {num_solved:.0f} of {num_members:.0f} members have a coefficient"
         yield Caveat(text, "check the statuses, and try another load", "fault")
     numbers = _compute_checked_numbers(point, study, value)
-    pressure_checks = list_pressure_checks(study, effective_modulus_at(point, study))
-    yield from find_failed_check_caveats(
+    pressure_checks = build_pressure_checks(study, effective_modulus_at(point, study))
+    yield from find_caveats_of_failed_checks(
         ([SINGLE_POSITION_CHECK] if study.is_gap else VALUE_CHECKS, [STEEP_SURFACE_CHECK], *pressure_checks), numbers
     )
     yield from _find_growth_and_mu0_caveats(point, study, value)
     yield from _find_adhesion_caveats(point, study)
     yield from _find_grid_caveats(point, study)
     yield from _find_area_caveats(point, study)
-    yield from find_failed_check_caveats((CONTACT_COUNT_CHECKS, *CONTACT_CHECKS), numbers)
+    yield from find_caveats_of_failed_checks((CONTACT_COUNT_CHECKS, *CONTACT_CHECKS), numbers)
 
 
 def find_smallest_check_limit(name: str) -> float | None:
@@ -297,7 +297,7 @@ def find_smallest_check_limit(name: str) -> float | None:
     )
 
 
-def find_failed_check_caveats(checks: CheckGroups, numbers: Mapping[str, Any]) -> Iterator[Caveat]:
+def find_caveats_of_failed_checks(checks: CheckGroups, numbers: Mapping[str, Any]) -> Iterator[Caveat]:
     """Yield one caveat for each group of checks in which a check fails. The first failed check determines the caveat.
 
     A check passes if its number is missing.
@@ -346,7 +346,7 @@ def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: Sliding
         for group in ([STEEP_SURFACE_CHECK], CONTACT_COUNT_CHECKS, *CONTACT_CHECKS)
         for check in group
     }
-    is_merged = _area_fraction(point, study) > MIN_MERGED_AREA_FRACTION
+    is_merged = _compute_area_fraction(point, study) > MIN_MERGED_AREA_FRACTION
     num_members = float(point["ok"].min()) if "ok" in point else mean_over_directions(point, "members")
     numbers = compute_checked_quantities(
         value.value, value.lower, value.upper, mu0=float(point["mu0"]), tau0=float(point["tau0"]),
@@ -362,7 +362,7 @@ def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: Sliding
     )
 
 
-def list_pressure_checks(study: Study, modulus: float) -> CheckGroups:
+def build_pressure_checks(study: Study, modulus: float) -> CheckGroups:
     """Return checks that compare the mean contact pressure with the pressures at which the bodies would yield.
 
     The limits are the hardness of the softer body or, if it is unknown, typical fractions of E*. Returns no checks if
@@ -399,7 +399,7 @@ def list_pressure_checks(study: Study, modulus: float) -> CheckGroups:
     return ((build_check(yield_limit, text, "use lower heights, a lower D, or a hardness", "caution"),),)
 
 
-def assess_ensemble(
+def assess_ensemble_points(
     study: Study, status: NDArray[Any], numbers: Mapping[str, Any]
 ) -> tuple[list[list[Caveat | LimitCheck]], NDArray[np.intp]]:
     """Assess each point of a result for generated bodies, using the status and the checks of the point.
@@ -415,7 +415,7 @@ def assess_ensemble(
         if mask.any():
             reasons.append(Caveat(*STATUS_EXPLANATIONS.get(name, STATUS_EXPLANATIONS[""]), "fault"))
             reason_numbers.append(np.where(mask, len(reasons), 0))
-    pressure_checks = list_pressure_checks(study, float(study.contact.effective_modulus))
+    pressure_checks = build_pressure_checks(study, float(study.contact.effective_modulus))
     for group in (VALUE_CHECKS, *pressure_checks, [EQUALS_MU0_CHECK], CONTACT_COUNT_CHECKS, *CONTACT_CHECKS):
         indices = np.zeros(status.shape, np.intp)
         for check in (check for check in group if check.name in numbers):
@@ -451,9 +451,13 @@ def _find_growth_and_mu0_caveats(
         )
         shear_strength = float(hardness) * VON_MISES_GROWTH_COEFFICIENT**-0.5
         interface = find_interface(study)
-        if interface is not None and interface.growth is not None and not interface.has_growth(growth):
+        if (
+            interface is not None
+            and interface.junction_growth is not None
+            and not interface.has_equal_junction_growth(growth)
+        ):
             alpha, test_alpha = (
-                estimate.short_text if estimate is not None else "0" for estimate in (growth, interface.growth)
+                estimate.short_text if estimate is not None else "0" for estimate in (growth, interface.junction_growth)
             )
             text = (
                 f"the interface was calibrated with α = {test_alpha} of junction growth, but the pair has α = {alpha}"
@@ -479,7 +483,7 @@ def _find_growth_and_mu0_caveats(
             if study.contact.adheres:  # in the model, adhesive contacts do not grow under shear
                 remedy = "compare with the pair without --adhesion, whose contacts grow"
             yield Caveat(text, remedy, "caution")
-    yield from find_failed_check_caveats(([EQUALS_MU0_CHECK],), _compute_checked_numbers(point, study, value))
+    yield from find_caveats_of_failed_checks(([EQUALS_MU0_CHECK],), _compute_checked_numbers(point, study, value))
 
 
 def _find_seizure_caveats(
@@ -510,7 +514,7 @@ def _find_seizure_caveats(
 def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
     """Yield caveats about neglected or unresolved adhesion, and about input effects that are not in the interval."""
     if not study.contact.adheres:
-        added_load = estimate_adhesion_load(point, study)
+        added_load = estimate_adhesion_load_ratio(point, study)
         # the asperity model has no adhesion
         min_added_load = MAX_NEGLECTED_ADHESION_FRACTION if study.uses_half_space else 1.0
         if study.is_measured and study.contact.work_of_adhesion is None and added_load > min_added_load:
@@ -520,7 +524,7 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
             option_text = "" if study.uses_half_space else "--mechanics half-space and "
             yield Caveat(text, f"specify {option_text}--adhesion ('0 mJ/m^2' if there is none)", "caution")
         return
-    study_range, used_range = adhesion_ranges(point, study)
+    study_range, used_range = get_adhesion_ranges(point, study)
     if used_range > study_range:
         text = (
             f"the range of adhesion is {format_with_unit(used_range, 'um')}, the smallest on this grid, "
@@ -547,7 +551,7 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
         yield Caveat(text, "compute both limits of the ranges", "caution")
 
 
-def estimate_adhesion_load(point: xarray.Dataset, study: Study) -> float:
+def estimate_adhesion_load_ratio(point: xarray.Dataset, study: Study) -> float:
     """Estimate how much typical adhesion would add to the load on the contacts, as a fraction of the applied load.
 
     The attraction per area w/ρ acts on the true area A, and on a rim around contacts of width d = (A/n)^(1/2) in which
@@ -617,7 +621,7 @@ def _find_area_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
         yield Caveat(text, "use a smaller load, or the half-space", "fault")
 
 
-def _area_fraction(point: xarray.Dataset, study: Study) -> float:
+def _compute_area_fraction(point: xarray.Dataset, study: Study) -> float:
     """Return the ratio of true to nominal area. It is NaN for generated profiles, which have no nominal area."""
     if "contact_area_fraction" in point or study.is_measured or not study.is_areal:
         return mean_over_directions(point, "contact_area_fraction")

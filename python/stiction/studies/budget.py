@@ -22,9 +22,9 @@ from stiction.mechanics.quantities import quantity_attributes
 from stiction.studies.evaluation import (
     NEGLIGIBLE_COEFFICIENT,
     ForcesPerLoad,
-    area_growth_ratio,
     build_area_interpolator,
-    member_sums_at_loads,
+    compute_area_growth_ratio,
+    interpolate_member_sums,
     member_values,
 )
 from stiction.studies.hardness import (
@@ -34,9 +34,9 @@ from stiction.studies.hardness import (
     find_junction_growth,
     find_uncertain_inputs,
 )
-from stiction.studies.input_uncertainty import NUM_INPUT_SAMPLES, Z_95, UncertainInput, stratified_points
+from stiction.studies.input_uncertainty import NUM_INPUT_SAMPLES, Z_95, UncertainInput, generate_stratified_points
 from stiction.studies.interfaces import HARDNESS_HEADER_ENTRY, find_interface
-from stiction.studies.intervals import MAX_DEGREES_OF_FREEDOM, ScanPairMean, scans_mean
+from stiction.studies.intervals import MAX_DEGREES_OF_FREEDOM, ScanPairMean, average_scan_pairs
 from stiction.studies.result import Result
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ def add_uncertainty(
         has_joint_hardness = hardness is not None and hardness.estimate.describes_same_hardness(
             study_interface.about.get(HARDNESS_HEADER_ENTRY, "")
         )
-        growth = fit.junction_growth if study_interface.has_growth(find_junction_growth(study)) else None
+        growth = fit.junction_growth if study_interface.has_equal_junction_growth(find_junction_growth(study)) else None
         hardness_and_growth = fit.hardness if has_joint_hardness else None, growth
         strengths = [
             (*each, *hardness_and_growth) for each in ((fit.mu0, fit.tau0), *study_interface.samples_at_bounds)
@@ -121,7 +121,7 @@ def add_uncertainty(
         members = member_values(result, at["load"].values, mu0=at["mu0"].values, tau0=at["tau0"].values)
         table = members["friction_coefficient"].transpose(*dims, "repetition", "direction")
         scans = surfaces.scan_indices_of_members(table["repetition"].values)
-        scan_means = {position: scans_mean(table.values[position], *scans) for position in np.ndindex(*shape)}
+        scan_means = {position: average_scan_pairs(table.values[position], *scans) for position in np.ndindex(*shape)}
     input_names = [
         *([INTERFACE_INPUT_NAME] if strengths else []),
         *inputs,
@@ -137,9 +137,9 @@ def add_uncertainty(
     areas = build_area_interpolator(at, result)
     interval_variables = {name: at.variables[name] for name in _INTERVAL_VARIABLES if name in at.variables}
     values_by_name = _get_arrays_over_dims(
-        interval_variables | _pressure_and_growth_under_shear(at, study, areas), at, dims
+        interval_variables | _compute_pressure_and_growth_under_shear(at, study, areas), at, dims
     )
-    contact_sums = member_sums_at_loads(result, at["load"].values).mean(("repetition", "direction"))
+    contact_sums = interpolate_member_sums(result, at["load"].values).mean(("repetition", "direction"))
     sums_by_name = _get_arrays_over_dims({name: contact_sums.variables[name] for name in LOAD_SUM_NAMES}, at, dims)
     pressures = at["load"].values / float(at["nominal_area"])
     # Consecutive coefficients have the same mu0 and tau0 and therefore share samples.
@@ -147,20 +147,22 @@ def add_uncertainty(
     for position in sorted(np.ndindex(*shape), key=lambda position: [position[index] for index in interface_axes]):
         indices = dict(zip(dims, position, strict=True))
         numbers = {name: values[position] for name, values in values_by_name.items()}
-        forces_per_load = ForcesPerLoad.of({name: values[position] for name, values in sums_by_name.items()})
+        forces_per_load = ForcesPerLoad.from_contact_sums(
+            {name: values[position] for name, values in sums_by_name.items()}
+        )
         samples = _CoefficientSamples(
             numbers, indices, study, inputs, forces_per_load, areas, strengths, scan_means.get(position)
         )
         if not samples.names:
             point = numbers["friction_all_round"]
             if (np.abs(point) < NEGLIGIBLE_COEFFICIENT).all() and {"mu0", "tau0"} & samples.inputs.keys():
-                coefficient_intervals[position] = point[0], *_zero_coefficient_interval(samples, point)
+                coefficient_intervals[position] = point[0], *_compute_interval_of_zero_coefficient(samples, point)
             continue
         coefficient_intervals[position] = samples.value, *samples.interval()
         if not tests:
             continue
         seizing_fractions[position] = samples.seizing_fraction
-        test_intervals[position] = samples.value, *samples.next_test()
+        test_intervals[position] = samples.value, *samples.predict_next_test()
         for index, wait in enumerate(study.friction.wait):
             dwell_intervals[(*position, index)] = samples.friction_after_dwell(float(wait), pressures[samples.load])
         is_quoted = str(at["sliding"].values[indices["sliding"]]) == "all"
@@ -169,9 +171,9 @@ def add_uncertainty(
         ):
             if name in samples.names:
                 remaining_intervals[(index, *position)] = samples.value, *samples.interval({name: 0.5})
-                remaining_widths[(index, *position)] = samples.remaining_width(name)
+                remaining_widths[(index, *position)] = samples.remaining_interval_width(name)
     interval_dims = (*dims, "statistic")
-    combined_intervals = _combined_coefficients(at, study, dims, coefficient_intervals)
+    combined_intervals = _get_combined_coefficients(at, study, dims, coefficient_intervals)
     if not tests:
         return at.assign(
             friction_combined=(interval_dims, combined_intervals, quantity_attributes("friction_combined"))
@@ -200,7 +202,7 @@ def add_uncertainty(
     return at.assign(variables).assign_coords(coordinates)
 
 
-def _pressure_and_growth_under_shear(
+def _compute_pressure_and_growth_under_shear(
     at: xarray.Dataset, study: Study, areas: AreaInterpolator
 ) -> dict[str, xarray.Variable]:
     """Return the pressure H' (GPa) under shear and the junction-growth ratio for each combination of mu0 and tau0.
@@ -218,7 +220,7 @@ def _pressure_and_growth_under_shear(
     if (growth := find_junction_growth(study)) is not None:
         pressure = hardness_under_shear(hardness, mu0[:, np.newaxis], tau0, growth.value)
         rules = at["sliding"].values.tolist()
-        growth_ratios = np.stack([area_growth_ratio(areas, study, rule, mu0, tau0) for rule in rules])
+        growth_ratios = np.stack([compute_area_growth_ratio(areas, study, rule, mu0, tau0) for rule in rules])
         growth_ratios[..., tau0 == 0] = 1.0
     dims = ("mu0", "tau0")
     return {
@@ -241,18 +243,18 @@ def _get_arrays_over_dims(
     }
 
 
-def _zero_coefficient_interval(samples: _CoefficientSamples, point: Floats) -> tuple[float, float]:
+def _compute_interval_of_zero_coefficient(samples: _CoefficientSamples, point: Floats) -> tuple[float, float]:
     """Return the 95 % interval of a coefficient that is 0, for which relative errors are undefined.
 
     The interval contains the coefficient and its sampling interval, and is not below 0.
     """
-    unit_points = stratified_points(2)
+    unit_points = generate_stratified_points(2)
     mu0, tau0 = (
         samples.inputs[name].quantile(unit_points[:, column]) if name in samples.inputs else value
         for column, (name, value) in enumerate((("mu0", samples.mu0), ("tau0", samples.tau0)))
     )
     low, high = extend_interval(
-        _equal_tailed_interval(np.broadcast_to(samples.friction.coefficient(mu0, tau0), (NUM_INPUT_SAMPLES,))),
+        _equal_tailed_interval(np.broadcast_to(samples.friction.compute_coefficient(mu0, tau0), (NUM_INPUT_SAMPLES,))),
         *point.tolist(),
     )
     return max(low, 0.0), high
@@ -268,7 +270,9 @@ def _merge_load_datasets(parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
     return merged.sortby("load").transpose(*parts[0].dims)
 
 
-def _combined_coefficients(at: xarray.Dataset, study: Study, dims: Sequence[str], known_intervals: Floats) -> Floats:
+def _get_combined_coefficients(
+    at: xarray.Dataset, study: Study, dims: Sequence[str], known_intervals: Floats
+) -> Floats:
     """Return the reported coefficients and their interval limits as an array of shape (*dims, statistic)."""
     combined = at["friction_all_round"].transpose(*dims, "statistic").values.copy()
     lower_limits = combined[..., 1]
@@ -369,25 +373,26 @@ class _CoefficientSamples:
             values += self.sampling
         if UNRESOLVED_ROUGHNESS_INPUT_NAME not in fixed and self.finest is not None and self.bracket is not None:
             values += self.finest if set(fixed) & set(SAMPLING_INPUT_NAMES) else self.bracket
-        return extend_interval(self._sampled_interval(fixed), *values)
+        return extend_interval(self._compute_sampled_interval(fixed), *values)
 
-    def remaining_width(self, name: str) -> float:
+    def remaining_interval_width(self, name: str) -> float:
         """Return the mean width of the interval that would remain if the named input were known exactly.
 
         Widths are compared as differences of the friction angle, which stays finite if samples seize.
         """
         angles = [
-            _friction_angle_difference(self._sampled_interval({name: quantile})) for quantile in FIXED_INPUT_QUANTILES
+            _friction_angle_difference(self._compute_sampled_interval({name: quantile}))
+            for quantile in FIXED_INPUT_QUANTILES
         ]
-        (low, high), sampled_width = self.interval(), _friction_angle_difference(self._sampled_interval({}))
+        (low, high), sampled_width = self.interval(), _friction_angle_difference(self._compute_sampled_interval({}))
         return min(float(np.mean(angles)) / sampled_width, 1.0) * (high - low) if sampled_width > 0 else high - low
 
-    def _sampled_interval(self, fixed: Mapping[str, float]) -> tuple[float, float]:
+    def _compute_sampled_interval(self, fixed: Mapping[str, float]) -> tuple[float, float]:
         if self.names == tuple(self.standard_errors) and not fixed:
             return max(self.sampling[0], 0.0), self.sampling[1]
-        return self._scaled_interval(fixed)
+        return self._compute_scaled_interval(fixed)
 
-    def _scaled_interval(
+    def _compute_scaled_interval(
         self, fixed: Mapping[str, float], wait: float = 1.0, factor: Floats | float = 1.0
     ) -> tuple[float, float]:
         """Multiply the coefficient samples by a factor, and return the limits of their 95 % interval.
@@ -396,7 +401,7 @@ class _CoefficientSamples:
         """
         strengths = self.strengths[:1] if INTERFACE_INPUT_NAME in fixed else self.strengths
         intervals = [
-            _equal_tailed_interval(self._friction_samples(fixed, wait, strength) * factor)
+            _equal_tailed_interval(self._compute_friction_samples(fixed, wait, strength) * factor)
             for strength in strengths or (None,)
         ]
         return min(low for low, _ in intervals), max(high for _, high in intervals)
@@ -406,10 +411,10 @@ class _CoefficientSamples:
         """Fraction of input samples for which the contacts seize."""
         if self.growth is None:
             return 0.0
-        samples = self._friction_samples({}, strength=self.strengths[0] if self.strengths else None)
+        samples = self._compute_friction_samples({}, strength=self.strengths[0] if self.strengths else None)
         return float(np.isinf(samples).mean())
 
-    def _pressure_under_shear(self, hardness: Any, mu0: Any, tau0: Any, alpha: Any = None) -> Any:
+    def _compute_pressure_under_shear(self, hardness: Any, mu0: Any, tau0: Any, alpha: Any = None) -> Any:
         """Return the contact pressure H' (GPa) under shear, or NaN at seizure.
 
         By default, `alpha` is the central value in the study.
@@ -419,17 +424,17 @@ class _CoefficientSamples:
         pressure = solve_yield_condition(hardness, mu0, tau0, self.growth.value if alpha is None else alpha)
         return float(pressure) if pressure.ndim == 0 else pressure
 
-    def _area_growth_under_shear(self, hardness: Floats, tau0: Any, pressure: Any, modulus: Any = 1.0) -> Any:
+    def _compute_area_growth_under_shear(self, hardness: Floats, tau0: Any, pressure: Any, modulus: Any = 1.0) -> Any:
         """Return the ratio of the true area at the onset of sliding to the true area before shear.
 
         The ratio is infinite at seizure. It is 1 for tau0 = 0, because friction then does not depend on the area.
-        `pressure` is the value of `_pressure_under_shear` (GPa).
+        `pressure` is the value of `_compute_pressure_under_shear` (GPa).
         """
         if self.growth is None or (np.ndim(tau0) == 0 and tau0 == 0):
             return 1.0
         return self.areas.growth_ratio(self.load, self.rule, hardness, pressure, modulus)
 
-    def next_test(self) -> tuple[float, float]:
+    def predict_next_test(self) -> tuple[float, float]:
         """Return the 95 % prediction interval for a test of one new member in one direction of motion.
 
         Student's t distribution applies to the logarithm of the coefficient, so that the interval is above 0.
@@ -439,12 +444,12 @@ class _CoefficientSamples:
         scores = self.areas.get_or_compute(
             ("t", len(self.names), self.freedom),
             (),
-            lambda: stdtrit(self.freedom, stratified_points(len(self.names) + 1)[:, -1]),
+            lambda: stdtrit(self.freedom, generate_stratified_points(len(self.names) + 1)[:, -1]),
         )
         scatter = math.sqrt(math.log1p(self.scatter**2))
         factor = np.exp(np.minimum(scores * scatter, MAX_LOG_COEFFICIENT_RATIO))
         return extend_interval(
-            self._scaled_interval(dict.fromkeys(self.standard_errors, 0.5), factor=factor), self.value
+            self._compute_scaled_interval(dict.fromkeys(self.standard_errors, 0.5), factor=factor), self.value
         )
 
     def friction_after_dwell(self, wait: float, pressure: float) -> tuple[float, float, float]:
@@ -460,21 +465,23 @@ class _CoefficientSamples:
             return math.nan, math.nan, math.nan
         hardnesses = np.array([final_hardness]), np.array([hardness])
         area, initial_growth = (
-            self._area_growth_under_shear(end, self.tau0, self._pressure_under_shear(end, self.mu0, self.tau0))
+            self._compute_area_growth_under_shear(
+                end, self.tau0, self._compute_pressure_under_shear(end, self.mu0, self.tau0)
+            )
             for end in hardnesses
         )
         if not np.isfinite(area).all():
             return math.nan, math.nan, math.nan
         area = self.areas.area_ratio(self.load, hardnesses[0], 1.0) * area
-        initial_coefficient = self.friction.coefficient(self.mu0, self.tau0, initial_growth)
-        value = self.value * self.friction.coefficient(self.mu0, self.tau0, area) / initial_coefficient
-        return float(value[0]), *extend_interval(self._scaled_interval({}, wait), float(value[0]))
+        initial_coefficient = self.friction.compute_coefficient(self.mu0, self.tau0, initial_growth)
+        value = self.value * self.friction.compute_coefficient(self.mu0, self.tau0, area) / initial_coefficient
+        return float(value[0]), *extend_interval(self._compute_scaled_interval({}, wait), float(value[0]))
 
-    def _friction_samples(
+    def _compute_friction_samples(
         self, fixed: Mapping[str, float], wait: float = 1.0, strength: StrengthArrays | None = None
     ) -> Floats:
-        columns, scores, samples, hardness, modulus = self._input_samples(fixed, wait)
-        area = self._area_samples(fixed, wait)
+        columns, scores, samples, hardness, modulus = self._draw_input_samples(fixed, wait)
+        area = self._compute_area_samples(fixed, wait)
         mu0, tau0 = samples.get("mu0", self.mu0), samples.get("tau0", self.tau0)
         growth = None
         # The interface samples are sorted by coefficient, so quantiles of the samples are quantiles of the coefficient.
@@ -488,10 +495,12 @@ class _CoefficientSamples:
                 if hardness_samples is None
                 else hardness_samples
             )
-            pressure = self._pressure_under_shear(interface_hardness, *strength[:2], growth)
-            interface_areas = interface_areas * self._area_growth_under_shear(interface_hardness, strength[1], pressure)
+            pressure = self._compute_pressure_under_shear(interface_hardness, *strength[:2], growth)
+            interface_areas = interface_areas * self._compute_area_growth_under_shear(
+                interface_hardness, strength[1], pressure
+            )
             with np.errstate(invalid="ignore"):
-                order = np.argsort(self.friction.coefficient(*strength[:2], interface_areas))
+                order = np.argsort(self.friction.compute_coefficient(*strength[:2], interface_areas))
             indices = order[(columns[INTERFACE_INPUT_NAME] * order.size).astype(int)]
             mu0, tau0 = strength[0][indices], strength[1][indices]
             growth = None if growth is None else growth[indices]
@@ -500,16 +509,17 @@ class _CoefficientSamples:
                 area = self.areas.area_ratio(self.load, hardness, modulus)
         if self.growth is not None:
             if strength is None:
-                pressure = self._pressure_samples(fixed, wait)
+                pressure = self._compute_pressure_samples(fixed, wait)
             else:
                 alpha = samples.get("junction_growth", self.growth.value) if growth is None else growth
-                pressure = self._pressure_under_shear(hardness, mu0, tau0, alpha)
-            area = area * self._area_growth_under_shear(hardness, tau0, pressure, modulus)
+                pressure = self._compute_pressure_under_shear(hardness, mu0, tau0, alpha)
+            area = area * self._compute_area_growth_under_shear(hardness, tau0, pressure, modulus)
             hardness = pressure
-        central_coefficient = self.friction.coefficient(self.mu0, self.tau0, self.own_growth)
+        central_coefficient = self.friction.compute_coefficient(self.mu0, self.tau0, self.own_growth)
         with np.errstate(invalid="ignore"):
             coefficients = np.broadcast_to(
-                self.value * self.friction.coefficient(mu0, tau0, area) / central_coefficient, (NUM_INPUT_SAMPLES,)
+                self.value * self.friction.compute_coefficient(mu0, tau0, area) / central_coefficient,
+                (NUM_INPUT_SAMPLES,),
             )
         seizes = np.broadcast_to(np.isinf(area), (NUM_INPUT_SAMPLES,))
         if is_seizing := bool(seizes.any()):
@@ -529,7 +539,7 @@ class _CoefficientSamples:
         coefficients = np.maximum(coefficients, 0.0)
         return np.where(seizes, np.inf, coefficients) if is_seizing else coefficients
 
-    def _input_samples(
+    def _draw_input_samples(
         self, fixed: Mapping[str, float], wait: float
     ) -> tuple[dict[str, Floats], dict[str, Floats], dict[str, Floats], Floats, Floats | float]:
         """Draw samples of the inputs. Return uniform values, normal scores, input values, hardnesses and E* ratios.
@@ -538,8 +548,8 @@ class _CoefficientSamples:
         """
         from scipy.special import ndtri
 
-        def compute() -> Any:
-            unit_points = stratified_points(len(self.names) + 1)
+        def draw_uncached_samples() -> Any:
+            unit_points = generate_stratified_points(len(self.names) + 1)
             columns = dict(zip(self.names, unit_points.T, strict=False))
             columns |= {
                 name: np.full(NUM_INPUT_SAMPLES, quantile) for name, quantile in fixed.items() if name in columns
@@ -551,28 +561,30 @@ class _CoefficientSamples:
             scores = {name: ndtri(columns[name]) for name in self.standard_errors}
             return columns, scores, samples, hardness, compute_relative_modulus(self.study, samples)
 
-        return self.areas.get_or_compute(("inputs", self.names, tuple(fixed.items()), wait), (), compute)  # type: ignore[no-any-return]
+        return self.areas.get_or_compute(("inputs", self.names, tuple(fixed.items()), wait), (), draw_uncached_samples)  # type: ignore[no-any-return]
 
-    def _area_samples(self, fixed: Mapping[str, float], wait: float) -> Floats:
+    def _compute_area_samples(self, fixed: Mapping[str, float], wait: float) -> Floats:
         """Return samples of the true area before shear, divided by the true area for the central inputs.
 
         The samples are cached for each load.
         """
 
-        def compute() -> Floats:
-            *_, hardness, modulus = self._input_samples(fixed, wait)
+        def compute_uncached_samples() -> Floats:
+            *_, hardness, modulus = self._draw_input_samples(fixed, wait)
             return self.areas.area_ratio(self.load, None if self.areas.hardness is None else hardness, modulus)
 
-        return self.areas.get_or_compute(("area ratio", self.names, tuple(fixed.items()), wait, self.load), (), compute)
+        return self.areas.get_or_compute(
+            ("area ratio", self.names, tuple(fixed.items()), wait, self.load), (), compute_uncached_samples
+        )
 
-    def _pressure_samples(self, fixed: Mapping[str, float], wait: float) -> Floats:
+    def _compute_pressure_samples(self, fixed: Mapping[str, float], wait: float) -> Floats:
         """Return samples of the contact pressure H' (GPa) under shear, which are cached for reuse at other loads."""
         assert self.growth is not None, "contacts grow under shear"
-        _, _, samples, hardness, _ = self._input_samples(fixed, wait)
+        _, _, samples, hardness, _ = self._draw_input_samples(fixed, wait)
         central_values = {"mu0": self.mu0, "tau0": self.tau0, "junction_growth": self.growth.value}
         inputs = [samples.get(name, value) for name, value in central_values.items()]
         return self.areas.get_or_compute(
-            "pressure", (hardness, *inputs), lambda: self._pressure_under_shear(hardness, *inputs)
+            "pressure", (hardness, *inputs), lambda: self._compute_pressure_under_shear(hardness, *inputs)
         )
 
 

@@ -132,7 +132,7 @@ def calibrate(
         fits, problems = fits[::-1], problems[::-1]
     first_problem = problems[0]
     is_separated = any(value is not None for value in known_strengths) or (
-        len(tests) > 2 and first_problem.variation >= MIN_AREA_VARIATION
+        len(tests) > 2 and first_problem.area_per_load_variation >= MIN_AREA_VARIATION
     )
     test_points = [
         (float(ratio), float(test.coefficient or 0.0), float(test.uncertainty or math.nan), test.slid)
@@ -142,11 +142,15 @@ def calibrate(
     entries = {"kind": "measured"} | (
         {HARDNESS_HEADER_ENTRY: first_problem.shared_hardness.text} if first_problem.shared_hardness else {}
     )
-    entries |= {GROWTH_HEADER_ENTRY: first_problem.growth.short_text} if first_problem.growth is not None else {}
+    entries |= (
+        {GROWTH_HEADER_ENTRY: first_problem.junction_growth.short_text}
+        if first_problem.junction_growth is not None
+        else {}
+    )
     return Interface(
         tuple(fits),
         first_problem.mean_area_per_load,
-        first_problem.variation,
+        first_problem.area_per_load_variation,
         is_separated,
         advice,
         tuple(test_points),

@@ -22,13 +22,13 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.mechanics.model import SlidingRule
 from stiction.studies.calibration_growth import find_best_mu0, find_tau0_range
-from stiction.studies.input_uncertainty import UncertainInput, parse_input, sobol_points
+from stiction.studies.input_uncertainty import UncertainInput, generate_sobol_points, parse_uncertain_input
 from stiction.studies.interfaces import (
     ERROR_SCALING_PROBABILITY,
     FrictionTest,
     StrengthFit,
     StrengthSamples,
-    depends_on_growth,
+    depends_on_junction_growth,
     evaluate_test_forces,
 )
 
@@ -138,26 +138,27 @@ class CalibrationProblem:
                     scatter_by_surfaces.get(equation.surfaces, 0.0), equation.scatter
                 )
         self._scatter_by_surfaces = scatter_by_surfaces
-        self.has_growth = any(
-            equation.area_factor is not None and equation.area_factor.growth is not None for equation in self._friction
+        self.has_equal_junction_growth = any(
+            equation.area_factor is not None and equation.area_factor.junction_growth is not None
+            for equation in self._friction
         )
         input_names = [
             name for equation in self._friction if equation.area_factor for name in equation.area_factor.nuisance_names
         ]
-        self._run_membership = _run_membership_matrix(tests)
+        self._run_membership = _build_run_membership_matrix(tests)
         self.nuisances: list[Hashable] = [
             *([GAIN_NUISANCE_NAME] if common > 0 else []), *scatter_by_surfaces, *dict.fromkeys(input_names),
             *([RUN_SPREAD_NUISANCE_NAME] if len(self._run_membership) else []),
         ]  # fmt: skip
         """Names of the nuisance parameters. Each parameter is expressed as a standard normal score."""
-        central_coefficients = self._equation_coefficients(np.zeros((1, len(self.nuisances))))
+        central_coefficients = self._compute_equation_coefficients(np.zeros((1, len(self.nuisances))))
         self.area_per_load = central_coefficients[1][0] / central_coefficients[0][0]
         """A/F (1/GPa) of each test at zero scores. If contacts grow, A is the area at the measured coefficient."""
-        self._offsets, self._offset_sizes = self._run_offsets(central_coefficients)
+        self._offsets, self._offset_sizes = self._compute_run_offset_vectors(central_coefficients)
 
     # ---- Equations --------------------------------------------------------------------------------------------------
 
-    def _equation_coefficients(
+    def _compute_equation_coefficients(
         self, scores: Floats, mu0: Floats | None = None, tau0: Floats | None = None
     ) -> tuple[Floats, Floats, Floats]:
         """Compute the coefficients `rub`, `stick` and `right` of the test equations from the nuisance scores.
@@ -181,7 +182,7 @@ class CalibrationProblem:
                 is_measured = mu0 is None or tau0 is None
                 key = (
                     id(equation),
-                    self.measured[test] if is_measured and equation.area_factor.growth is not None else None,
+                    self.measured[test] if is_measured and equation.area_factor.junction_growth is not None else None,
                 )
                 if key not in cached_factors:
                     strength_arrays = (self.measured[test], None) if mu0 is None or tau0 is None else (mu0, tau0)
@@ -195,7 +196,7 @@ class CalibrationProblem:
                 ).reshape(shape)
             return np.broadcast_to(factor, (len(scores), *grid_shape))
 
-        def test_column(name: str) -> Floats:
+        def collect_attribute(name: str) -> Floats:
             return np.array([getattr(equation, name) for equation in self._friction])
 
         gain = (
@@ -204,13 +205,13 @@ class CalibrationProblem:
             else np.ones((len(scores), 1))
         )
         # The measured coefficient is the gain times the true coefficient. Errors refer to the measured coefficient.
-        rub = gain * test_column("rub") - self.measured * test_column("rub_normal")
-        stick = gain * test_column("stick") - self.measured * test_column("stick_normal")
-        right = self.measured - gain * test_column("elastic")
+        rub = gain * collect_attribute("rub") - self.measured * collect_attribute("rub_normal")
+        stick = gain * collect_attribute("stick") - self.measured * collect_attribute("stick_normal")
+        right = self.measured - gain * collect_attribute("elastic")
         factors = np.stack([area_factors_of_test(test) for test in range(len(self._friction))], axis=1)
         return rub, stick.reshape(*stick.shape, *(1 for _ in grid_shape)) * factors, right
 
-    def _run_offsets(self, central_coefficients: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
+    def _compute_run_offset_vectors(self, central_coefficients: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
         """Return the residual changes caused by an offset common to the tests of a run, as unit vectors and norms.
 
         The directions are unit vectors with shape (runs, tests), and the norms, with shape (runs,), are in units of the
@@ -221,7 +222,9 @@ class CalibrationProblem:
         if not len(self._run_membership):
             return np.zeros((0, len(self.slid))), np.zeros(0)
         rub, stick, right = (column[0] for column in central_coefficients)
-        mu0, tau0 = _solve_nonnegative(np.stack([rub, stick, right], axis=1), self._weight, self.known)
+        mu0, tau0 = _solve_nonnegative_least_squares(
+            np.stack([rub, stick, right], axis=1), self._test_weights, self.known
+        )
         residual_shifts = self._run_membership * (rub * mu0 + stick * tau0) / self.error
         # For a standard deviation of 1 between runs, these are the errors of all tests, with or without sliding.
         self._run_errors = (residual_shifts * self.error).sum(axis=0)
@@ -231,23 +234,23 @@ class CalibrationProblem:
         return residual_shifts[is_used] / shift_norms[is_used, np.newaxis], shift_norms[is_used]
 
     @cached_property
-    def _weight(self) -> Floats:
+    def _test_weights(self) -> Floats:
         return np.where(self.slid, 1.0 / self.error**2, 0.0)
 
     @property
     def mean_area_per_load(self) -> float:
         """Weighted mean of A/F (true area per load, 1/GPa). Only tests with sliding are included."""
-        return float(np.average(self.area_per_load, weights=self._weight))
+        return float(np.average(self.area_per_load, weights=self._test_weights))
 
     @property
-    def variation(self) -> float:
+    def area_per_load_variation(self) -> float:
         """Weighted relative standard deviation of A/F (true area per load) among the tests with sliding."""
         return float(
-            np.sqrt(np.average((self.area_per_load - self.mean_area_per_load) ** 2, weights=self._weight))
+            np.sqrt(np.average((self.area_per_load - self.mean_area_per_load) ** 2, weights=self._test_weights))
             / self.mean_area_per_load
         )
 
-    def _run_deviation(self, scores: Floats) -> Floats:
+    def _compute_run_deviation(self, scores: Floats) -> Floats:
         """Compute the relative standard deviation between runs for each nuisance point."""
         from scipy.special import ndtr
 
@@ -256,16 +259,16 @@ class CalibrationProblem:
         probability = np.minimum(ndtr(scores[:, self.nuisances.index(RUN_SPREAD_NUISANCE_NAME)]), 1 - 1e-9)
         return np.asarray(MEDIAN_RUN_SPREAD * np.tan(0.5 * math.pi * probability))
 
-    def _weighted_rows(self, columns: tuple[Floats, ...], scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
+    def _build_weighted_rows(self, columns: tuple[Floats, ...], scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
         """Divide the equations of the tests with sliding by the errors, and decorrelate them within each run.
 
         The equations have the shape (points, tests with sliding, 3). Also returns the logarithms of the normalization
         factors (points,).
         """
         rows = (np.stack(columns, axis=-1) / self.error[:, np.newaxis])[:, self.slid] / scale[:, np.newaxis, np.newaxis]
-        return self._decorrelate_runs(rows, scale, spread)
+        return self._decorrelate_within_runs(rows, scale, spread)
 
-    def _decorrelate_runs(self, rows: Floats, scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
+    def _decorrelate_within_runs(self, rows: Floats, scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
         """Transform rows of shape (points, tests with sliding, k) so that the tests of one run are uncorrelated.
 
         Also returns the logarithms of the normalization factors (points,).
@@ -279,7 +282,7 @@ class CalibrationProblem:
             rows = rows - np.einsum("rn,prk->pnk", run_directions, run_components)
         return rows, np.asarray(norm, dtype=np.float64)
 
-    def _residuals(
+    def _compute_residuals(
         self, scores: Floats, scale: Floats, spread: Floats, mu0: Floats, tau0: Floats
     ) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
         """Return the residuals of the tests with sliding in units of the errors, and the coefficients of the equations.
@@ -287,14 +290,14 @@ class CalibrationProblem:
         The residuals have the shape (points, tests with sliding, ...), and are infinite at seizure. The coefficients
         include junction growth. mu0 and tau0 (GPa) have the shape (points, ...).
         """
-        columns = self._equation_coefficients(scores, mu0, tau0)
+        columns = self._compute_equation_coefficients(scores, mu0, tau0)
         grid_axes = tuple(1 for _ in mu0.shape[1:])
         rub, right = (column.reshape(*column.shape, *grid_axes) for column in (columns[0], columns[2]))
         with np.errstate(invalid="ignore"):
             misfit = right - rub * mu0[:, np.newaxis] - columns[1] * tau0[:, np.newaxis]
             misfit = misfit[:, self.slid] / self.error[self.slid].reshape(-1, *grid_axes)
             misfit = misfit / scale.reshape(-1, 1, *grid_axes)
-            rows = self._decorrelate_runs(misfit.reshape(*misfit.shape[:2], -1), scale, spread)[0]
+            rows = self._decorrelate_within_runs(misfit.reshape(*misfit.shape[:2], -1), scale, spread)[0]
         rows = np.where(np.isfinite(rows), rows, np.inf)
         return rows.reshape(misfit.shape), columns
 
@@ -318,14 +321,14 @@ class CalibrationProblem:
             scores[:, score_indices] = free_scores
             return scores
 
-        def equations(free_scores: Floats) -> Floats:
-            columns = self._equation_coefficients(to_scores(free_scores))
-            rows = self._weighted_rows(
+        def build_equation_rows(free_scores: Floats) -> Floats:
+            columns = self._compute_equation_coefficients(to_scores(free_scores))
+            rows = self._build_weighted_rows(
                 columns, np.full(len(free_scores), scale), np.full(len(free_scores), 1e6 * scale)
             )[0]
             return np.asarray(rows * robust_factors[self.slid, np.newaxis])
 
-        central_equations = equations(np.zeros((1, len(score_indices))))[0]
+        central_equations = build_equation_rows(np.zeros((1, len(score_indices))))[0]
         column_norms = np.maximum(np.linalg.norm(central_equations[:, :2], axis=0), 1e-300)
 
         def to_strengths(x: Floats) -> Floats:
@@ -333,29 +336,33 @@ class CalibrationProblem:
             strength[free_indices] = x[: len(free_indices)] / column_norms[free_indices]
             return strength
 
-        def growth_residuals(points: Floats) -> Floats:
+        def residuals_with_growth(points: Floats) -> Floats:
             """Return residuals that include junction growth. The array has the shape (points, tests with sliding)."""
             mu0, tau0 = np.transpose([to_strengths(x) for x in points])
             scales = np.full(len(points), scale)
-            misfit, _ = self._residuals(to_scores(points[:, len(free_indices) :]), scales, 1e6 * scales, mu0, tau0)
+            misfit, _ = self._compute_residuals(
+                to_scores(points[:, len(free_indices) :]), scales, 1e6 * scales, mu0, tau0
+            )
             return np.asarray(misfit * robust_factors[self.slid])
 
         def residuals(x: Floats) -> Floats:
-            if self.has_growth:
-                return np.concatenate([growth_residuals(x[np.newaxis])[0], x[len(free_indices) :]])
-            rows = equations(x[np.newaxis, len(free_indices) :])[0]
+            if self.has_equal_junction_growth:
+                return np.concatenate([residuals_with_growth(x[np.newaxis])[0], x[len(free_indices) :]])
+            rows = build_equation_rows(x[np.newaxis, len(free_indices) :])[0]
             return np.concatenate([rows[:, 2] - rows[:, :2] @ to_strengths(x), x[len(free_indices) :]])
 
         def jacobian(x: Floats) -> Floats:
             step = 1e-5
-            if self.has_growth:
-                step_residuals = growth_residuals(x + step * np.concatenate([np.zeros((1, x.size)), np.eye(x.size)]))
+            if self.has_equal_junction_growth:
+                step_residuals = residuals_with_growth(
+                    x + step * np.concatenate([np.zeros((1, x.size)), np.eye(x.size)])
+                )
                 test_rows = np.nan_to_num((step_residuals[1:] - step_residuals[0]).T / step)
             else:
                 free_scores = x[len(free_indices) :] + step * np.concatenate(
                     [np.zeros((1, len(score_indices))), np.eye(len(score_indices))]
                 )
-                rows = equations(free_scores)
+                rows = build_equation_rows(free_scores)
                 step_residuals = rows[..., 2] - rows[..., :2] @ to_strengths(x)
                 test_rows = np.concatenate(
                     [
@@ -372,12 +379,12 @@ class CalibrationProblem:
         lower = np.concatenate([np.zeros(len(free_indices)), np.full(len(score_indices), -np.inf)])
         x = np.zeros(len(free_indices) + len(score_indices))
         for _ in range(1 if self.has_errors and not self.outliers else 4):
-            linear_strengths = _solve_nonnegative(
-                equations(x[np.newaxis, len(free_indices) :])[0], np.ones(len(central_equations)), self.known
+            linear_strengths = _solve_nonnegative_least_squares(
+                build_equation_rows(x[np.newaxis, len(free_indices) :])[0], np.ones(len(central_equations)), self.known
             )
             x[: len(free_indices)] = np.array(linear_strengths)[free_indices] * column_norms[free_indices] + 1e-9
             while (
-                self.has_growth
+                self.has_equal_junction_growth
                 and free_indices
                 and not np.isfinite(residuals(x)).all()
                 and x[: len(free_indices)].max() > 1e-9
@@ -407,7 +414,9 @@ class CalibrationProblem:
         chi_squared = float((best.residuals**2).sum() + (best.scores**2).sum())
         num_slid = int(self.slid.sum())
         # If A/F is equal in all tests, only one combination of mu0 and tau0 can be fitted.
-        num_fitted = min(sum(value is None for value in self.known), 1 if self.variation < MIN_AREA_VARIATION else 2)
+        num_fitted = min(
+            sum(value is None for value in self.known), 1 if self.area_per_load_variation < MIN_AREA_VARIATION else 2
+        )
         freedom = max(0, num_slid - num_fitted - max(0, len(self._offsets) - 1))
         probability = float(chi2.sf(chi_squared, freedom)) if self.has_errors and freedom else math.nan
         is_scaled = freedom > 0 and (
@@ -426,46 +435,46 @@ class CalibrationProblem:
         }
         return StrengthFit(
             self.sliding, chi_squared, freedom, probability, scale if self.has_errors else 1.0, trend_probability,
-            mu0, tau0, self._sample_hardness(scores_by_name), self._sample_growth(scores_by_name),
-            self._sample_mean_area_per_load(scores, mu0, tau0), scores_by_name,
+            mu0, tau0, self._compute_hardness_samples(scores_by_name), self._compute_growth_samples(scores_by_name),
+            self._compute_area_per_load_samples(scores, mu0, tau0), scores_by_name,
         )  # fmt: skip
 
-    def _sample_mean_area_per_load(self, scores: Floats, mu0: Floats, tau0: Floats) -> Floats:
+    def _compute_area_per_load_samples(self, scores: Floats, mu0: Floats, tau0: Floats) -> Floats:
         """Return samples of the weighted mean A/F (true area per load, 1/GPa). Only tests with sliding are included."""
-        rub, stick, _ = self._equation_coefficients(scores, mu0, tau0)
+        rub, stick, _ = self._compute_equation_coefficients(scores, mu0, tau0)
         ratio = stick[:, self.slid] / rub[:, self.slid]
-        return np.asarray(np.average(ratio, axis=1, weights=self._weight[self.slid]))
+        return np.asarray(np.average(ratio, axis=1, weights=self._test_weights[self.slid]))
 
     @cached_property
-    def growth(self) -> UncertainInput | None:
+    def junction_growth(self) -> UncertainInput | None:
         """Junction growth α common to all tests, or None if α differs between tests or does not affect them.
 
         The value is 0 if no test has junction growth although it would affect at least one of them.
         """
         growths = [
-            equation.area_factor.growth
+            equation.area_factor.junction_growth
             for equation in self._friction
-            if equation.area_factor and equation.area_factor.growth
+            if equation.area_factor and equation.area_factor.junction_growth
         ]
         if growths:
             return growths[0] if len({growth.text for growth in growths}) == 1 else None
         depend_on_growth = [
-            depends_on_growth(equation, self.best_fit.mu0, self.best_fit.tau0) for equation in self._friction
+            depends_on_junction_growth(equation, self.best_fit.mu0, self.best_fit.tau0) for equation in self._friction
         ]
-        return parse_input("junction_growth", 0.0) if any(depend_on_growth) else None
+        return parse_uncertain_input("junction_growth", 0.0) if any(depend_on_growth) else None
 
-    def _sample_growth(self, scores: Mapping[Hashable, Floats]) -> Floats:
+    def _compute_growth_samples(self, scores: Mapping[Hashable, Floats]) -> Floats:
         """Return samples of the shared junction growth α, or NaN if α differs between tests or does not affect them."""
         from scipy.special import ndtr
 
-        if self.growth is None or self.growth.is_exact:
-            return np.full(NUM_STRENGTH_PAIRS, math.nan if self.growth is None else self.growth.value)
+        if self.junction_growth is None or self.junction_growth.is_exact:
+            return np.full(NUM_STRENGTH_PAIRS, math.nan if self.junction_growth is None else self.junction_growth.value)
         keys = [
             equation.area_factor.nuisance_name("junction_growth")
             for equation in self._friction
-            if equation.area_factor and equation.area_factor.growth
+            if equation.area_factor and equation.area_factor.junction_growth
         ]
-        return np.asarray(self.growth.quantile(ndtr(scores[keys[0]])))
+        return np.asarray(self.junction_growth.quantile(ndtr(scores[keys[0]])))
 
     @cached_property
     def shared_hardness(self) -> Any:
@@ -482,7 +491,7 @@ class CalibrationProblem:
             else None
         )
 
-    def _sample_hardness(self, scores: Mapping[Hashable, Floats]) -> Floats:
+    def _compute_hardness_samples(self, scores: Mapping[Hashable, Floats]) -> Floats:
         """Return samples of the hardness (GPa) that all tests share, or NaN if there is no such hardness."""
         from scipy.special import ndtr
 
@@ -494,45 +503,49 @@ class CalibrationProblem:
 
     # ---- Density of mu0 and tau0 for given nuisance parameters ------------------------------------------------------
 
-    def _evaluate_grid(self, points: Floats) -> _ProbabilityGrid:
+    def _evaluate_probability_grids(self, points: Floats) -> _ProbabilityGrid:
         """Return the grids of mu0 and tau0 for the given nuisance points.
 
         The last coordinate of a point is the logarithm of the scale of the errors.
         """
         from scipy.special import log_ndtr
 
-        if self.has_growth and len(points) > MAX_GROWTH_BATCH_POINTS:
+        if self.has_equal_junction_growth and len(points) > MAX_GROWTH_BATCH_POINTS:
             batches = np.array_split(points, math.ceil(len(points) / MAX_GROWTH_BATCH_POINTS))
-            return _concatenate_grids([self._evaluate_grid(batch) for batch in batches])
+            return _concatenate_grids([self._evaluate_probability_grids(batch) for batch in batches])
         scores, scale = points[:, : len(self.nuisances)], np.exp(points[:, len(self.nuisances)])
-        columns, spread = self._equation_coefficients(scores), self._run_deviation(scores)
-        rows, norm = self._weighted_rows(columns, scale, spread)
-        triangular_factors = _triangular_factors(rows)
+        columns, spread = self._compute_equation_coefficients(scores), self._compute_run_deviation(scores)
+        rows, norm = self._build_weighted_rows(columns, scale, spread)
+        triangular_factors = _compute_triangular_factors(rows)
         if self.outliers:
-            robust_triangle = _triangular_factors(rows * self.best_fit.robust_factors[self.slid, np.newaxis])
+            robust_triangle = _compute_triangular_factors(rows * self.best_fit.robust_factors[self.slid, np.newaxis])
         else:
             rows = robust_triangle = triangular_factors
         depth = MAX_GRID_DEVIANCE * (1.0 if self.slid.all() and not self.outliers else 4.0)
         if self.known[1] is not None:
             low = high = np.full(len(points), self.known[1])
         elif self.known[0] is not None:
-            low, high = _tau0_range_at_mu0(self.known[0], robust_triangle, depth)
+            low, high = _find_tau0_range_at_fixed_mu0(self.known[0], robust_triangle, depth)
         else:
-            low, high = _tau0_range(robust_triangle, depth)
+            low, high = _find_tau0_range_at_best_mu0(robust_triangle, depth)
         limits = _GridLimits(robust_triangle, depth, low, high)
-        if self.has_growth:
-            limits = self._grid_limits_with_growth(limits, scores, scale, spread, columns)
+        if self.has_equal_junction_growth:
+            limits = self._find_grid_limits_with_growth(limits, scores, scale, spread, columns)
         count = 1 if self.known[1] is not None else NUM_TAU0_CELLS
         tau0 = limits.min_tau0[:, np.newaxis] + np.multiply.outer(
             limits.max_tau0 - limits.min_tau0, (np.arange(count) + 0.5) / count
         )
-        start, step = self._mu0_grid_at_tau0(limits, np.arange(len(points))[:, np.newaxis], np.arange(count), tau0)
+        start, step = self._choose_mu0_grid_at_tau0(
+            limits, np.arange(len(points))[:, np.newaxis], np.arange(count), tau0
+        )
         mu0 = start[..., np.newaxis] + step[..., np.newaxis] * (np.arange(self._num_mu0_cells) + 0.5)
         tau0 = tau0[..., np.newaxis]
         rub, stick, right = columns[0], columns[1][..., np.newaxis, np.newaxis], columns[2]
         residuals: Iterable[Floats]
-        if self.has_growth:
-            misfit, (rub, stick, right) = self._residuals(scores, scale, spread, mu0, np.broadcast_to(tau0, mu0.shape))
+        if self.has_equal_junction_growth:
+            misfit, (rub, stick, right) = self._compute_residuals(
+                scores, scale, spread, mu0, np.broadcast_to(tau0, mu0.shape)
+            )
             residuals = np.moveaxis(misfit, 1, 0)
         else:
             test_rows = np.moveaxis(rows, 1, 0)[..., np.newaxis, np.newaxis]
@@ -555,7 +568,9 @@ class CalibrationProblem:
             )
         # The prior is uniform in mu0 and in tau0 A/F for all values of the nuisance parameters.
         best_cell = (
-            log_probability.reshape(len(points), -1).argmax(axis=1) if self.has_growth else np.zeros(len(points), int)
+            log_probability.reshape(len(points), -1).argmax(axis=1)
+            if self.has_equal_junction_growth
+            else np.zeros(len(points), int)
         )
         stick_at_best = stick.reshape(*stick.shape[:2], -1)[np.arange(len(points)), :, best_cell]
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -574,7 +589,7 @@ class CalibrationProblem:
     def _num_mu0_cells(self) -> int:
         return 1 if self.known[0] is not None else NUM_MU0_CELLS
 
-    def _grid_limits_with_growth(
+    def _find_grid_limits_with_growth(
         self, limits: _GridLimits, scores: Floats, scale: Floats, spread: Floats, columns: tuple[Floats, Floats, Floats]
     ) -> _GridLimits:
         """Return grid limits around the best-fit mu0, taking junction growth into account.
@@ -584,10 +599,10 @@ class CalibrationProblem:
         robust_factors = self.best_fit.robust_factors[self.slid] if self.outliers else np.ones(int(self.slid.sum()))
 
         def residuals(mu0: Floats, tau0: Floats) -> Floats:
-            misfit, _ = self._residuals(scores, scale, spread, mu0, tau0)
+            misfit, _ = self._compute_residuals(scores, scale, spread, mu0, tau0)
             return np.asarray(misfit * robust_factors.reshape(-1, *(1 for _ in mu0.shape[1:])))
 
-        def best_at(tau0: Floats) -> tuple[Floats, Floats, Floats]:
+        def find_best_mu0_at(tau0: Floats) -> tuple[Floats, Floats, Floats]:
             if self.known[0] is not None:
                 start = np.full(tau0.shape, self.known[0])
                 return start, np.ones(tau0.shape), (residuals(start, tau0) ** 2).sum(axis=1)
@@ -606,20 +621,24 @@ class CalibrationProblem:
             )
             with np.errstate(divide="ignore"):
                 max_tau0 = (columns[2][:, self.slid] + margin) / np.maximum(columns[1][:, self.slid], 0.0)
-            low, high = find_tau0_range(lambda tau0: best_at(tau0)[2], max_tau0.min(axis=1), limits.deviance_range)
+            low, high = find_tau0_range(
+                lambda tau0: find_best_mu0_at(tau0)[2], max_tau0.min(axis=1), limits.deviance_range
+            )
             limits = replace(limits, min_tau0=low, max_tau0=high)
         count = 1 if self.known[1] is not None else NUM_TAU0_CELLS
         tau0 = limits.min_tau0[:, np.newaxis] + np.multiply.outer(
             limits.max_tau0 - limits.min_tau0, (np.arange(count) + 0.5) / count
         )
-        best, slope, _ = best_at(tau0)
+        best, slope, _ = find_best_mu0_at(tau0)
         above = math.sqrt(limits.deviance_range) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
         # Below the best mu0, residuals change less with mu0 than above it.
         # Residuals change at least as much as without junction growth.
         below = np.maximum(above, math.sqrt(limits.deviance_range) / limits.triangular_factors[:, :1, 0])
         return replace(limits, best_mu0=best, width_below=below, width_above=above)
 
-    def _mu0_grid_at_tau0(self, limits: _GridLimits, point: Any, row: Any, tau0: Floats) -> tuple[Floats, Floats]:
+    def _choose_mu0_grid_at_tau0(
+        self, limits: _GridLimits, point: Any, row: Any, tau0: Floats
+    ) -> tuple[Floats, Floats]:
         """Return the lower limit and the cell width of the mu0 grid at each given tau0."""
         if self.known[0] is not None:
             return np.full(tau0.shape, self.known[0]), np.zeros(tau0.shape)
@@ -649,15 +668,21 @@ class CalibrationProblem:
         """
         count = len(self.nuisances)
         active_indices = [*range(count), *([count] if freedom is not None else [])]
-        mean, covariance = self._first_proposal(scale, freedom)
+        mean, covariance = self._build_first_proposal(scale, freedom)
         points, grid, log_weight = self._draw_nuisance_points(
             mean, covariance, active_indices, NUM_NUISANCE_POINTS_PER_ROUND if active_indices else 1
         )
         for seed in range(1, MAX_PROPOSAL_ROUNDS if active_indices else 0):
-            if _effective_sample_size(log_weight) > MIN_EFFECTIVE_SAMPLE_FRACTION * NUM_NUISANCE_POINTS_PER_ROUND:
+            if (
+                _compute_effective_sample_size(log_weight)
+                > MIN_EFFECTIVE_SAMPLE_FRACTION * NUM_NUISANCE_POINTS_PER_ROUND
+            ):
                 break
             power = 1.0  # a power below 1 reduces the dominance of a few points
-            while power > 1e-3 and _effective_sample_size(power * log_weight) < 0.15 * NUM_NUISANCE_POINTS_PER_ROUND:
+            while (
+                power > 1e-3
+                and _compute_effective_sample_size(power * log_weight) < 0.15 * NUM_NUISANCE_POINTS_PER_ROUND
+            ):
                 power *= 0.7
             weight = np.exp(power * (log_weight - log_weight.max()))
             mean = np.average(points[:, active_indices], axis=0, weights=weight)
@@ -672,15 +697,15 @@ class CalibrationProblem:
                 mean, covariance, active_indices, num_points, MAX_PROPOSAL_ROUNDS
             )
             if (
-                _effective_sample_size(log_weight)
+                _compute_effective_sample_size(log_weight)
                 > min(MIN_EFFECTIVE_SAMPLES, MIN_EFFECTIVE_SAMPLE_FRACTION * num_points)
                 or num_points >= MAX_NUISANCE_POINTS
             ):
                 break
             num_points *= 2
-        return self._resample(points, grid, log_weight)
+        return self._draw_samples_from_grids(points, grid, log_weight)
 
-    def _first_proposal(self, scale: float, freedom: int | None) -> tuple[Floats, Floats]:
+    def _build_first_proposal(self, scale: float, freedom: int | None) -> tuple[Floats, Floats]:
         """Return the mean and covariance of the first proposal distribution for nuisance scores and log error scale."""
         score_indices = [index for index, name in enumerate(self.nuisances) if name != RUN_SPREAD_NUISANCE_NAME]
         num_parameters = len(self.nuisances) + (freedom is not None)
@@ -706,7 +731,7 @@ class CalibrationProblem:
         points = np.zeros((count, len(self.nuisances) + 1))
         log_weight = np.zeros(count)
         if active_indices:
-            unit_points = sobol_points(len(active_indices) + 1, count, seed=seed)
+            unit_points = generate_sobol_points(len(active_indices) + 1, count, seed=seed)
             deviates = ndtri(unit_points[:, :-1])
             chi_squared_ratio = PROPOSAL_DEGREES_OF_FREEDOM / (
                 2 * gammaincinv(PROPOSAL_DEGREES_OF_FREEDOM / 2, unit_points[:, -1])
@@ -715,12 +740,14 @@ class CalibrationProblem:
             points[:, active_indices] = mean + deviates @ np.linalg.cholesky(covariance).T
             power = 0.5 * (PROPOSAL_DEGREES_OF_FREEDOM + len(active_indices))
             log_weight = power * np.log1p((deviates**2).sum(axis=1) / PROPOSAL_DEGREES_OF_FREEDOM)
-        grid = self._evaluate_grid(points)
+        grid = self._evaluate_probability_grids(points)
         log_evidence = np.logaddexp.reduce(grid.log_probability.reshape(count, -1), axis=1)
         log_weight = log_weight + log_evidence - 0.5 * (points[:, : len(self.nuisances)] ** 2).sum(axis=1)
         return points, grid, np.where(np.isfinite(log_weight), log_weight, -np.inf)
 
-    def _resample(self, points: Floats, grid: _ProbabilityGrid, log_weight: Floats) -> tuple[Floats, Floats, Floats]:
+    def _draw_samples_from_grids(
+        self, points: Floats, grid: _ProbabilityGrid, log_weight: Floats
+    ) -> tuple[Floats, Floats, Floats]:
         """Draw samples of mu0, tau0 (GPa) and nuisance scores. Grid cells are drawn in proportion to their weights."""
         generator = np.random.default_rng(0)
         log_cell_probability = grid.log_probability.reshape(len(points), -1)
@@ -738,7 +765,7 @@ class CalibrationProblem:
         point, row, column = np.unravel_index(indices, grid.log_probability.shape)
         low, high = grid.limits.min_tau0[point], grid.limits.max_tau0[point]
         tau0 = low + (high - low) * (row + generator.random(NUM_STRENGTH_PAIRS)) / grid.log_probability.shape[1]
-        start, step = self._mu0_grid_at_tau0(grid.limits, point, row, tau0)
+        start, step = self._choose_mu0_grid_at_tau0(grid.limits, point, row, tau0)
         mu0 = start + step * (column + generator.random(NUM_STRENGTH_PAIRS))
         return mu0, tau0, points[point, : len(self.nuisances)]
 
@@ -751,7 +778,7 @@ class CalibrationProblem:
         """
         mu0, tau0 = self.best_fit.mu0, self.best_fit.tau0
         at = self.best_fit.scores[np.newaxis], np.array([mu0]), np.array([tau0])
-        rub, stick, _ = (column[0] for column in self._equation_coefficients(*at))
+        rub, stick, _ = (column[0] for column in self._compute_equation_coefficients(*at))
         predicted_coefficients = rub * mu0 + stick * tau0
         relative_error = (
             float(np.median(self.error / np.maximum(predicted_coefficients, 1e-12))) if self.has_errors else 0.05
@@ -794,7 +821,7 @@ def _concatenate_grids(grids: Sequence[_ProbabilityGrid]) -> _ProbabilityGrid:
     )
 
 
-def _run_membership_matrix(tests: Sequence[FrictionTest]) -> Floats:
+def _build_run_membership_matrix(tests: Sequence[FrictionTest]) -> Floats:
     """Return a matrix of shape (runs, tests) whose elements are 1 if a test belongs to a run, and 0 otherwise.
 
     The matrix has no rows unless there are at least two runs, one of which has at least two tests.
@@ -806,7 +833,9 @@ def _run_membership_matrix(tests: Sequence[FrictionTest]) -> Floats:
     return np.array([[run == name for run in runs] for name in names], float)
 
 
-def _solve_nonnegative(rows: Floats, weight: Floats, known: Sequence[float | None]) -> tuple[float, float]:
+def _solve_nonnegative_least_squares(
+    rows: Floats, weight: Floats, known: Sequence[float | None]
+) -> tuple[float, float]:
     """Solve weighted equations of shape (tests, 3) for nonnegative mu0 and tau0 (GPa) by least squares."""
     from scipy.optimize import lsq_linear
 
@@ -823,7 +852,7 @@ def _solve_nonnegative(rows: Floats, weight: Floats, known: Sequence[float | Non
     return float(values[0]), float(values[1])
 
 
-def _triangular_factors(rows: Floats) -> Floats:
+def _compute_triangular_factors(rows: Floats) -> Floats:
     """Compute QR decompositions of the coefficient matrices, and return triangular factors with nonnegative diagonals.
 
     The equations have the shape (points, tests, 3), and the factors have the shape (points, 3, 3).
@@ -838,7 +867,7 @@ def _triangular_factors(rows: Floats) -> Floats:
     return np.asarray(factor)
 
 
-def _tau0_range(triangular_factors: Floats, deviance_range: float) -> tuple[Floats, Floats]:
+def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: float) -> tuple[Floats, Floats]:
     """Return the range of tau0 (GPa) where -2 ln(density) at the best mu0 is within `deviance_range` of the minimum."""
     first, second = triangular_factors[:, 0], triangular_factors[:, 1]
     curvature = second[:, 1] ** 2 + first[:, 1] ** 2  # coefficient of tau0² in -2 ln(density) at mu0 = 0
@@ -875,7 +904,9 @@ def _tau0_range(triangular_factors: Floats, deviance_range: float) -> tuple[Floa
     return low, np.maximum(limits[1], low + 1e-9 * np.abs(half_width_at_bound) + 1e-300)
 
 
-def _tau0_range_at_mu0(mu0: float, triangular_factors: Floats, deviance_range: float) -> tuple[Floats, Floats]:
+def _find_tau0_range_at_fixed_mu0(
+    mu0: float, triangular_factors: Floats, deviance_range: float
+) -> tuple[Floats, Floats]:
     """Return the range of tau0 (GPa) where -2 ln(density) at a fixed mu0 is within `deviance_range` of its minimum."""
     first, second = triangular_factors[:, 0], triangular_factors[:, 1]
     curvature = second[:, 1] ** 2 + first[:, 1] ** 2
@@ -885,7 +916,7 @@ def _tau0_range_at_mu0(mu0: float, triangular_factors: Floats, deviance_range: f
     return low, np.maximum(centre + half_width, low + half_width)
 
 
-def _effective_sample_size(log_weight: Floats) -> float:
+def _compute_effective_sample_size(log_weight: Floats) -> float:
     """Compute the effective sample size from the logarithms of the sample weights."""
     weight = np.exp(log_weight - log_weight.max())
     return float(weight.sum() ** 2 / (weight**2).sum())

@@ -26,7 +26,7 @@ from stiction.studies.measured_surfaces import MeasuredSurfaceSettings
 from stiction.studies.member_solution import PressedPair
 from stiction.studies.members import load_bodies, pair_of
 from stiction.studies.result import Result
-from stiction.studies.store import StoredResult, read_companion
+from stiction.studies.store import StoredResult, read_companion_file
 from stiction.studies.study import Study
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
@@ -95,12 +95,12 @@ def contact_picture(result: Result | xarray.Dataset, load: float | None = None) 
     areas = member_table["contact_area"].values
     if not np.isfinite(areas).any():
         return None
-    index = int(member_table["repetition"].values[index_nearest_to_mean(areas)])
+    index = int(member_table["repetition"].values[find_index_nearest_to_mean(areas)])
     member = load_bodies(study).member(index, cut_off)
-    solution = PressedPair.of(study, member.pair, load)
+    solution = PressedPair.solve(study, member.pair, load)
     if solution is None:
         return None
-    table = solution.table()
+    table = solution.tabulate_contacts()
     picture = _build_map_picture(solution, table) if study.is_areal else _build_line_picture(solution)
     for name, (column, unit, long_name) in _CONTACT_VARIABLE_SPECS.items():
         picture[name] = ("contact", getattr(table, column).astype(np.float64), {"units": unit, "long_name": long_name})
@@ -118,13 +118,13 @@ def compute_loading_cycle(result: Result) -> xarray.Dataset | None:
     contact = study.contact
     if not isinstance(contact, HalfSpaceSettings) or not contact.adheres:
         return None
-    max_load, first_cell = float(contact.loading_steps()[-1]), dict.fromkeys(study.surfaces.cells(), 0)
+    max_load, first_cell = float(contact.loading_steps()[-1]), dict.fromkeys(study.surfaces.cell_coordinates(), 0)
     areas = member_values(result, [max_load])["contact_area"].isel(first_cell)
     cell_areas, members = areas.values[:, 0], areas["repetition"].values
-    index = int(members[index_nearest_to_mean(cell_areas)]) if np.isfinite(cell_areas).any() else 0
-    cell = {name: float(values[0]) for name, values in study.surfaces.cells().items()}
+    index = int(members[find_index_nearest_to_mean(cell_areas)]) if np.isfinite(cell_areas).any() else 0
+    cell = {name: float(values[0]) for name, values in study.surfaces.cell_coordinates().items()}
     try:
-        pair = _load_pair(study, index, cell)
+        pair = _get_member_bodies(study, index, cell)
         solve: Any = functools.partial(half_space, *pair, **contact.solver_arguments())
         loads = np.array([0, *LOADS_RELATIVE_TO_PULL_OFF]) * solve([0.0]).pull_off
         loads = np.append(loads[loads < max_load], max_load)
@@ -146,7 +146,7 @@ def load_contact_picture(result: StoredResult) -> xarray.Dataset | None:
     """
     zoom_variables = ("zoom_pressure", "zoom_height") if result.study.uses_half_space else ()
     body_variables = ("upper_height", "patch", *zoom_variables) if result.study.is_areal else ("gap",)
-    return read_companion(
+    return read_companion_file(
         result.path / CONTACT_PICTURE_FILE, (*_CONTACT_VARIABLE_SPECS, "lower_height", *body_variables)
     )
 
@@ -167,7 +167,7 @@ def find_touching_profiles(result: Result, load: float) -> tuple[Profile, Profil
     return upper, lower, float(first_member["approach"]), member.x
 
 
-def index_nearest_to_mean(area: Floats) -> int:
+def find_index_nearest_to_mean(area: Floats) -> int:
     """Return the index of the area that is nearest to the mean of the areas, ignoring NaN."""
     return int(np.nanargmin(np.abs(area - np.nanmean(area))))
 
@@ -261,11 +261,11 @@ def build_contact_table(
     for cell_index in np.ndindex(*(areas.sizes[name] for name in cell_dimensions)):
         cell_areas = areas.isel(dict(zip(cell_dimensions, cell_index, strict=True)))
         cell = {name: float(cell_areas[name]) for name in cell_dimensions}
-        for load, index in _select_members(cell_areas, unique_loads, indices):
-            solution = PressedPair.of(study, _load_pair(study, index, cell), load)
+        for load, index in _select_members_at_loads(cell_areas, unique_loads, indices):
+            solution = PressedPair.solve(study, _get_member_bodies(study, index, cell), load)
             if solution is not None:
                 columns: dict[str, Any] = {f"{name}{_COLUMN_SUFFIXES[name]}": value for name, value in cell.items()}
-                table = solution.table()
+                table = solution.tabulate_contacts()
                 columns |= {"load_mN": load, "x_um": table.x, "y_um": table.y, "force_mN": table.force}
                 columns |= {"area_um2": table.area, "mean_pressure_GPa": table.force / table.area}
                 columns |= {"slope_x": table.slope_x, "slope_y": table.slope_y, "at_edge": table.at_edge}
@@ -288,7 +288,9 @@ def _validate_member_indices(members: int | Sequence[int], available: list[int])
     return indices
 
 
-def _select_members(areas: xarray.DataArray, loads: Floats, indices: list[int] | None) -> Iterator[tuple[float, int]]:
+def _select_members_at_loads(
+    areas: xarray.DataArray, loads: Floats, indices: list[int] | None
+) -> Iterator[tuple[float, int]]:
     """Yield (load, member index) pairs. By default, select the member whose true area is nearest to the mean."""
     for load in loads.tolist():
         if indices is not None:
@@ -296,10 +298,10 @@ def _select_members(areas: xarray.DataArray, loads: Floats, indices: list[int] |
             continue
         area = areas.sel(load=load).values
         if np.isfinite(area).any():
-            yield load, int(areas["repetition"].values[index_nearest_to_mean(area)])
+            yield load, int(areas["repetition"].values[find_index_nearest_to_mean(area)])
 
 
-def _load_pair(study: Study, index: int, cell: dict[str, float]) -> Any:
+def _get_member_bodies(study: Study, index: int, cell: dict[str, float]) -> Any:
     if study.is_measured:
         return load_bodies(study).member(index, cell["cut_off"]).pair
     return pair_of(study, index, **cell)

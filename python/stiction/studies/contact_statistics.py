@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction.mechanics.contact import Contacts
-from stiction.studies.intervals import sample_quantiles
+from stiction.studies.intervals import compute_sample_quantiles
 from stiction.surfaces.profile import Profile, combine_missing_masks
 from stiction.surfaces.surface import Surface
 
@@ -93,7 +93,7 @@ class ContactList:
         order = np.argsort(self.pressure, kind="stable")
         cumulative_weight = np.cumsum(self.weight[order])
         return {name: formula(self) for name, formula in LOAD_FRACTION_FORMULAS.items()} | {
-            "patch_area": sample_quantiles(self.area, QUANTILE_PROBABILITIES),
+            "patch_area": compute_sample_quantiles(self.area, QUANTILE_PROBABILITIES),
             "pressure": np.interp(
                 QUANTILE_PROBABILITIES, (cumulative_weight - self.weight[order] / 2) / cumulative_weight[-1],
                 self.pressure[order],
@@ -114,7 +114,7 @@ def tabulate_contact_patches(solution: ContactSolution) -> ContactList:
     problem, pressure, patch = solution.problem, solution.values, solution.patch - 1
     pressure_sums = np.bincount(patch, weights=pressure)
 
-    def mean_over_patches(values: Floats) -> Floats:
+    def average_in_each_patch(values: Floats) -> Floats:
         return np.asarray(np.bincount(patch, weights=pressure * values) / pressure_sums, np.float64)
 
     indices = np.unravel_index(solution.points, problem.gap.shape)
@@ -125,11 +125,11 @@ def tabulate_contact_patches(solution: ContactSolution) -> ContactList:
     for index, size in zip(indices, problem.gap.shape, strict=True):
         is_at_edge |= (index == 0) | (index == size - 1)
     return ContactList(
-        x=mean_over_patches(positions[-1]), y=mean_over_patches(positions[0] if len(positions) == 2 else zeros),
+        x=average_in_each_patch(positions[-1]), y=average_in_each_patch(positions[0] if len(positions) == 2 else zeros),
         force=np.asarray(problem.cell_area * pressure_sums, np.float64),
         area=np.asarray(problem.cell_area * np.bincount(patch, weights=solution.share), np.float64),
-        slope_x=mean_over_patches(slope_components[-1]),
-        slope_y=mean_over_patches(slope_components[0] if len(slope_components) == 2 else zeros),
+        slope_x=average_in_each_patch(slope_components[-1]),
+        slope_y=average_in_each_patch(slope_components[0] if len(slope_components) == 2 else zeros),
         cells=np.bincount(patch).astype(np.float64),
         at_edge=np.bincount(patch, weights=is_at_edge) > 0, pressure=pressure, weight=np.ones(pressure.size),
     )  # fmt: skip
@@ -157,7 +157,7 @@ def tabulate_asperity_contacts(contacts: Contacts, body: Profile | Surface) -> C
     )  # fmt: skip
 
 
-def compute_steep_contact_load(table: ContactList, slopes: PairSlopes) -> dict[str, float]:
+def compute_steep_contact_load_fraction(table: ContactList, slopes: PairSlopes) -> dict[str, float]:
     """Compute, for each body, the load fraction on contacts that are steeper than 90 % of the body's grid points."""
     magnitude = np.hypot(table.slope_x, table.slope_y)
     total_load = table.force.sum()
@@ -167,7 +167,7 @@ def compute_steep_contact_load(table: ContactList, slopes: PairSlopes) -> dict[s
     }
 
 
-def compute_steep_point_load(solution: ContactSolution, slopes: PairSlopes) -> dict[str, float]:
+def compute_steep_point_load_fraction(solution: ContactSolution, slopes: PairSlopes) -> dict[str, float]:
     """Compute the load fraction on each body's steepest 10 % of grid points from a half-space solution."""
     total_pressure = solution.values.sum()
     return {

@@ -43,10 +43,10 @@ from stiction.studies.values import (
     as_tuple,
     check_keys,
     direction_to_degrees,
+    format_quantities,
     make_key_error,
     select_key_value,
     to_value_array,
-    to_written_form,
 )
 
 DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # default directions of motion for height maps, degrees
@@ -94,7 +94,7 @@ LAW_SETTINGS_CLASSES: dict[str, type[LawSettings]] = {
 """Tables of contact laws with parameters, by the value of the key `name`."""
 
 
-def _read_law(value: object) -> LawName | LawSettings:
+def _parse_law(value: object) -> LawName | LawSettings:
     """Parse a contact law, given as a name or as a table of parameters."""
     for name in CONTACT_LAWS_BY_NAME:
         if value == name:
@@ -111,11 +111,11 @@ def _read_law(value: object) -> LawName | LawSettings:
     return table.model_validate(value)
 
 
-def _write_law(law: LawName | LawSettings) -> object:
+def _serialize_law(law: LawName | LawSettings) -> object:
     return law if isinstance(law, str) else law.model_dump()
 
 
-LawSetting = Annotated[LawName | LawSettings, PlainValidator(_read_law), PlainSerializer(_write_law)]
+LawSetting = Annotated[LawName | LawSettings, PlainValidator(_parse_law), PlainSerializer(_serialize_law)]
 
 
 # ---- Contacts -------------------------------------------------------------------------------------------------------
@@ -145,7 +145,7 @@ class OnsetSettings(SettingsTable):
     poisson_ratio: float = Field(default=0.3, gt=-1, le=0.5, description="Poisson's ratio of both bodies.")
 
     @model_validator(mode="after")
-    def _require_resistance(self) -> OnsetSettings:
+    def _require_mu0_or_tau0(self) -> OnsetSettings:
         if self.mu0 == 0 and float(self.tau0) == 0:
             raise ValueError("mu0 and tau0 must not both be 0, because the bodies would slide without friction")
         return self
@@ -174,7 +174,7 @@ class CommonContactSettings(SettingsTableVariant):
         """Return the approaches (µm) or loads (mN) of all loading steps."""
         raise NotImplementedError
 
-    def rules(self) -> tuple[SlidingRule, ...]:
+    def sliding_rules(self) -> tuple[SlidingRule, ...]:
         """Return all sliding rules that the table specifies."""
         raise NotImplementedError
 
@@ -188,7 +188,7 @@ class CommonContactSettings(SettingsTableVariant):
 
     def motion_coordinates(self) -> dict[str, list[Any]]:
         """Return the sliding rules and directions (degrees) that form dimensions of a result."""
-        return {"sliding": list(self.rules()), "direction": self.direction_angles().tolist()}
+        return {"sliding": list(self.sliding_rules()), "direction": self.direction_angles().tolist()}
 
 
 # ---- Keys by the kind of surfaces -----------------------------------------------------------------------------------
@@ -215,7 +215,7 @@ class GeneratedSurfaceContactSettings(CommonContactSettings):
             raise make_key_error("direction", f'must not be given together with shear = "{self.shear}"')
         return self
 
-    def rules(self) -> tuple[SlidingRule, ...]:
+    def sliding_rules(self) -> tuple[SlidingRule, ...]:
         """Return all sliding rules that the table specifies."""
         return self.sliding if isinstance(self.sliding, tuple) else (self.sliding,)
 
@@ -263,7 +263,7 @@ class MeasuredSurfaceContactSettings(CommonContactSettings):
         """Return the loads (mN) of all loading steps."""
         return to_value_array(self.load)
 
-    def rules(self) -> tuple[SlidingRule, ...]:
+    def sliding_rules(self) -> tuple[SlidingRule, ...]:
         """Return both sliding rules, "all" and "opposing"."""
         return "all", "opposing"
 
@@ -346,7 +346,7 @@ class HalfSpaceSettings(CommonContactSettings):
         if self.hardness is not None and not max_attraction < float(self.hardness):
             raise make_key_error(
                 "hardness", f"must be above work_of_adhesion / adhesion_range = {max_attraction:g} GPa, at which "
-                f"bodies yield without a load, got {to_written_form(self.hardness)!r}",
+                f"bodies yield without a load, got {format_quantities(self.hardness)!r}",
             )  # fmt: skip
         return self
 
@@ -395,16 +395,16 @@ class AsperityModelSettings(CommonContactSettings):
     detection: DetectionSetting = "gap-minimum"
     curvature: CurvatureSetting = "convex"
 
-    def direction_keywords(self) -> dict[str, Any]:
+    def direction_arguments(self) -> dict[str, Any]:
         """Return the contact-model arguments for the direction of motion, or an empty dict if none are needed."""
         return {}
 
-    def model(self, sliding: SlidingRule | None = None) -> ContactModel:
+    def contact_model(self, sliding: SlidingRule | None = None) -> ContactModel:
         """Return the contact model with the given sliding rule. The default is the first rule in the table."""
         return ContactModel(
             effective_modulus=float(self.effective_modulus),
             law=self.law if isinstance(self.law, str) else self.law.law(), detection=self.detection,
-            curvature=self.curvature, sliding=sliding or self.rules()[0], **self.direction_keywords(),
+            curvature=self.curvature, sliding=sliding or self.sliding_rules()[0], **self.direction_arguments(),
         )  # fmt: skip
 
 
@@ -427,7 +427,7 @@ class GeneratedSurfaceAsperitySettings(AsperityModelSettings, GeneratedSurfaceCo
 
     @model_validator(mode="after")
     def _require_valid_onset(self) -> Self:
-        if self.onset is not None and isinstance(parse_contact_law(self.model().law), HertzCylinder):
+        if self.onset is not None and isinstance(parse_contact_law(self.contact_model().law), HertzCylinder):
             raise make_key_error(
                 "onset", "must not be given with cylinders, because the displacement under a line load is unbounded"
             )
@@ -442,7 +442,7 @@ class GeneratedSurfaceAsperitySettings(AsperityModelSettings, GeneratedSurfaceCo
         """Return the approaches (µm) of all loading steps."""
         return to_value_array(self.approach)
 
-    def direction_keywords(self) -> dict[str, Any]:
+    def direction_arguments(self) -> dict[str, Any]:
         """Return the contact-model arguments that set the direction of motion."""
         return {"shear": self.shear, "direction": self.direction}
 
@@ -533,7 +533,7 @@ SHARED_CONTACT_SETTINGS_CLASSES: tuple[type[CommonContactSettings], ...] = (
 """Base classes whose keys several tables share; error messages about misplaced keys name these classes."""
 
 
-def select_contact_class(
+def select_contact_settings_class(
     surfaces: type[GeneratedSurfaceSettings | MeasuredSurfaceSettings], table: Mapping[str, Any]
 ) -> type[ContactSettings]:
     """Return the contact-table class that matches the kind of surfaces and the key `mechanics`."""
@@ -541,11 +541,11 @@ def select_contact_class(
     return cases[select_key_value("mechanics", table, cases)]
 
 
-def read_contact(
+def parse_contact_settings(
     value: Mapping[str, Any], surfaces: GeneratedSurfaceSettings | MeasuredSurfaceSettings
 ) -> ContactSettings:
     """Parse a contact table and check that it is consistent with the surfaces."""
-    case = select_contact_class(type(surfaces), value)
+    case = select_contact_settings_class(type(surfaces), value)
     check_keys(value, case, SHARED_CONTACT_SETTINGS_CLASSES)
     contact = case.model_validate(value)
     if isinstance(contact, MeasuredMapContactSettings):
@@ -562,7 +562,7 @@ def read_contact(
         raise make_key_error("direction", f'must be "+x" or "-x" for profiles, got {short_repr(contact.direction)}')
     if isinstance(contact, AsperityModelSettings) and surfaces.is_areal:
         try:
-            contact.model().for_surfaces()
+            contact.contact_model().for_surfaces()
         except ValueError as error:
             key, _, reason = str(error).partition(" ")
             raise make_key_error(key, reason) from None

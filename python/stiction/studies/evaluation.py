@@ -48,7 +48,7 @@ from stiction.studies.maps import (
     MAP_CELL_DIMENSIONS,
     MOTION_DIMENSIONS,
     choose_strengths,
-    ensemble_map,
+    evaluate_ensemble_quantity,
     find_cell_dimensions,
 )
 from stiction.studies.result import Result
@@ -87,7 +87,7 @@ def at_load(
     ----------
     result : Result, or xarray.Dataset of member sums
     loads : (l,) array_like of float, mN
-        Loads above 0. For adhesive bodies, a load of 0 is evaluated at `negligible_load`.
+        Loads above 0. For adhesive bodies, a load of 0 is evaluated at `find_negligible_load`.
     mu0 : (m,) array_like of float, optional
     tau0 : (t,) array_like of float, GPa, optional
         By default the values in the study. Other values need no new computation of contacts.
@@ -125,7 +125,7 @@ def at_load(
     check_choice("reading", reading, LoadDefinition)
     values = np.unique(np.atleast_1d(float_array("loads", loads)))
     if study.contact.adheres and 0 in values:
-        values = np.unique(np.where(values == 0, negligible_load(result), values))
+        values = np.unique(np.where(values == 0, find_negligible_load(result), values))
     if not values.size or not (values > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {short_repr(loads)}")
     strengths = choose_strengths(result, mu0, tau0)
@@ -133,7 +133,7 @@ def at_load(
     if reading == "mean":
         point = _evaluate_ensemble(result, values, *strengths, names)
     else:
-        members = _members_before_growth(result, values, *strengths, reading, member_kind, names)
+        members = _evaluate_members_before_growth(result, values, *strengths, reading, member_kind, names)
         if study.contact.junction_growth:
             areas = _build_member_area_interpolator(members, result)
             members = _apply_junction_growth(members, study, areas, names)
@@ -144,12 +144,12 @@ def at_load(
             directional_slope = slope.transpose(*cells, "direction").values
             modulus, rules = float(study.contact.effective_modulus), point["sliding"].values
             point = point.assign(
-                small_slope_estimate(cells, gradient.values, directional_slope, rules, *strengths, modulus)
+                estimate_small_slope_friction(cells, gradient.values, directional_slope, rules, *strengths, modulus)
             )
     if is_measured and _is_requested("reading_difference", names):
         # `reading_difference` compares the coefficients at equal elastic load with those at equal normal load.
         other_reading: LoadDefinition = "normal" if reading == "elastic" else "elastic"
-        members = _members_before_growth(result, values, *strengths, other_reading, member_kind, names)
+        members = _evaluate_members_before_growth(result, values, *strengths, other_reading, member_kind, names)
         if areas is not None:
             members = _apply_junction_growth(members, study, areas, ())
         other_coefficient = members["friction_coefficient"].mean(("repetition", "direction"))
@@ -159,22 +159,22 @@ def at_load(
     return point.assign_attrs(reading=reading)
 
 
-def is_unloaded(result: Result) -> bool:
+def has_only_negligible_loads(result: Result) -> bool:
     """Return whether the loads of the study are all negligible compared with the mean pull-off force."""
     study = result.study
     if not (study.contact.adheres and study.friction.load):
         return False
-    return float(study.friction.load[-1]) < NEGLIGIBLE_LOAD_RATIO * max(_mean_pull_offs_by_piece(result))
+    return float(study.friction.load[-1]) < NEGLIGIBLE_LOAD_RATIO * max(_average_pull_off_by_piece(result))
 
 
-def negligible_load(result: Result) -> float:
+def find_negligible_load(result: Result) -> float:
     """Return a load (mN) that is negligible compared with the pull-off force, if possible the smallest load step."""
-    negligible = NEGLIGIBLE_LOAD_RATIO * min(_mean_pull_offs_by_piece(result))
+    negligible = NEGLIGIBLE_LOAD_RATIO * min(_average_pull_off_by_piece(result))
     smallest_step = float(result.study.contact.loading_steps()[0])
     return smallest_step if smallest_step < negligible else 0.1 * negligible
 
 
-def _mean_pull_offs_by_piece(result: Result) -> list[float]:
+def _average_pull_off_by_piece(result: Result) -> list[float]:
     """Return the mean pull-off force (mN) in each piece (group of members) of a result."""
     return [float(np.nanmean(piece["pull_off"].values)) for piece in result.pieces(["pull_off"])]
 
@@ -182,7 +182,7 @@ def _mean_pull_offs_by_piece(result: Result) -> list[float]:
 # ---- Directions ------------------------------------------------------------------------------------------------------
 
 
-def find_opposite_axes(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
+def find_axes_with_both_directions(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
     """Return the axes (0 to 180 degrees) whose two opposite directions are both given, and the direction indices.
 
     The indices have the shape (axes, 2).
@@ -212,20 +212,22 @@ def _evaluate_ensemble(
     """Compute ensemble means at given mean loads. The dimension `statistic` contains means and interval limits."""
     import xarray
 
-    def evaluate_groups(name: str, groups: NDArray[np.intp] | None = None) -> xarray.Dataset:
+    def evaluate_direction_groups(name: str, groups: NDArray[np.intp] | None = None) -> xarray.Dataset:
         """Evaluate a quantity at the given mean normal loads, after averaging over each group of directions."""
 
-        def average_groups(piece: xarray.Dataset) -> xarray.Dataset:
+        def average_direction_groups(piece: xarray.Dataset) -> xarray.Dataset:
             grouped_piece = piece.isel(direction=xarray.DataArray(groups, dims=("group", "way")))
             grouped_piece = grouped_piece.mean("way", skipna=False, keep_attrs=True).rename(group="direction")
             return grouped_piece.assign_coords(
                 direction=("direction", np.arange(grouped_piece.sizes["direction"], dtype=float))
             )
 
-        return ensemble_map(result, loads, mu0, tau0, name, None if groups is None else average_groups)
+        return evaluate_ensemble_quantity(
+            result, loads, mu0, tau0, name, None if groups is None else average_direction_groups
+        )
 
     head = result.head
-    coefficient_table = evaluate_groups("friction_coefficient")
+    coefficient_table = evaluate_direction_groups("friction_coefficient")
     variables: dict[str, Any] = {
         "friction_coefficient": _add_statistic_dimension(coefficient_table, "friction_coefficient")
     }
@@ -234,12 +236,12 @@ def _evaluate_ensemble(
     all_directions, round_means = None, coefficient_table
     if "direction" in head.dims:
         all_directions = np.arange(head.sizes["direction"])[np.newaxis]
-        round_means = evaluate_groups("friction_coefficient", all_directions).isel(direction=0)
+        round_means = evaluate_direction_groups("friction_coefficient", all_directions).isel(direction=0)
         variables["friction_all_round"] = _add_statistic_dimension(round_means, "friction_coefficient")
-        axes, direction_pairs = find_opposite_axes(head["direction"].values)
+        axes, direction_pairs = find_axes_with_both_directions(head["direction"].values)
         if axes.size:
             axis_means = _add_statistic_dimension(
-                evaluate_groups("friction_coefficient", direction_pairs), "friction_coefficient"
+                evaluate_direction_groups("friction_coefficient", direction_pairs), "friction_coefficient"
             )
             dims = ["axis" if each == "direction" else each for each in axis_means.dims]
             variables["friction_by_axis"] = xarray.Variable(dims, axis_means.values, axis_means.attrs)
@@ -250,7 +252,7 @@ def _evaluate_ensemble(
         if quantity == "normal_stiffness" and head.sizes[find_step_dimension(head)] < MIN_STIFFNESS_STEPS:
             continue
         try:
-            group_means = evaluate_groups(quantity, all_directions)
+            group_means = evaluate_direction_groups(quantity, all_directions)
         except ValueError:
             if quantity != "normal_stiffness":  # the stiffness of a half-plane is undefined
                 raise
@@ -262,7 +264,7 @@ def _evaluate_ensemble(
         unloaded_members = member_values(result, loads[:1], mu0=mu0, tau0=tau0)
         for name in ("pull_off", "share_of_pull_off_bounds", "friction_at_no_load"):
             unloaded_values = unloaded_members[name].transpose("repetition", ...)
-            mean = np.stack(intervals.sample_mean(unloaded_values.values), axis=-1)
+            mean = np.stack(intervals.average_independent_values(unloaded_values.values), axis=-1)
             first_rule = {dim: 0 for dim in unloaded_values.dims if dim == "sliding" and dim not in head.dims}
             variables[name] = xarray.Variable(
                 (*unloaded_values.dims[1:], "statistic"), mean, unloaded_values.attrs
@@ -283,7 +285,7 @@ def _add_statistic_dimension(table: xarray.Dataset, name: str) -> xarray.Variabl
     return xarray.Variable((*variable.dims, "statistic"), values, variable.attrs)
 
 
-def reached_loads(result: Result | xarray.Dataset, steps: int = 80) -> Floats:
+def choose_loads_in_range(result: Result | xarray.Dataset, steps: int = 80) -> Floats:
     """Return loads (mN) in a geometric series that covers the load range of a result."""
     elastic_loads = Result.of(result).means(["normal_elastic"])["normal_elastic"]
     highest = float(elastic_loads.max())
@@ -298,7 +300,7 @@ def reached_loads(result: Result | xarray.Dataset, steps: int = 80) -> Floats:
 NUM_DEFAULT_LOADS = 3  # number of loads at which results are shown if the study specifies no loads
 
 
-def default_loads(result: Result) -> Floats:
+def choose_default_loads(result: Result) -> Floats:
     """Return the loads (mN) of the study. If the study has none, return a few loads within the range of the result.
 
     Raises a `ValueError` if there is no contact.
@@ -306,7 +308,7 @@ def default_loads(result: Result) -> Floats:
     settings = result.study.friction
     if settings.load:
         return np.array([float(load) for load in settings.load])
-    log_limits = np.log10(reached_loads(result, 2))
+    log_limits = np.log10(choose_loads_in_range(result, 2))
     loads = 10 ** (log_limits[0] + (log_limits[1] - log_limits[0]) * np.linspace(0.2, 0.8, NUM_DEFAULT_LOADS))
     return np.unique([float(f"{load:.0e}") for load in loads])
 
@@ -331,7 +333,7 @@ def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Datase
 def _average_members(study: Study, members: xarray.Dataset, names: Collection[str] | None) -> xarray.Dataset:
     import xarray
 
-    averaging = MemberDependence.of(study, members)
+    averaging = MemberDependence.from_coordinates(study, members)
     has_several_directions = members.sizes["direction"] > 1
     tables = members.variables
     dims = [str(dim) for dim in tables["friction_coefficient"].dims if dim != "repetition"]
@@ -342,13 +344,13 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
         values = tables[name]
         if values.dtype.kind == "f" and "repetition" in values.dims:
             own = [dim for dim in values.dims if dim != "repetition"]
-            means = averaging.mean(values.transpose("repetition", *own).values)
+            means = averaging.mean_with_interval(values.transpose("repetition", *own).values)
             limit = QUANTITIES[str(name)].bounds[1]
             means = np.where(means > limit, np.maximum(limit, means[..., :1]), means)
             variables[str(name)] = ((*own, "statistic"), means, values.attrs)
     if "contact_area_fraction" in variables:
         own_dims, fraction, attributes = variables["contact_area_fraction"]
-        status, fraction = _contact_status(fraction, uses_half_space=study.uses_half_space)
+        status, fraction = _classify_area_fractions(fraction, uses_half_space=study.uses_half_space)
         variables["contact_area_fraction"] = (own_dims, fraction, attributes)
         variables["contact_status"] = (own_dims[:-1], status, quantity_attributes("contact_status"))
     coefficient = tables["friction_coefficient"].transpose("repetition", *dims).values
@@ -365,10 +367,10 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
     }
     round_mean = coefficient.mean(axis=direction_axis)
     variables["friction_all_round"] = (
-        (*other_dims, "statistic"), _remove_round_off(averaging.mean(round_mean), other_dims, members),
+        (*other_dims, "statistic"), _remove_round_off(averaging.mean_with_interval(round_mean), other_dims, members),
         quantity_attributes("friction_all_round"),
     )  # fmt: skip
-    axes, direction_pairs = find_opposite_axes(members["direction"].values)
+    axes, direction_pairs = find_axes_with_both_directions(members["direction"].values)
     if has_several_directions and axes.size and _is_requested("friction_by_axis", names):
         by_axis = np.stack(
             [np.take(coefficient, pair, axis=direction_axis).mean(axis=direction_axis) for pair in direction_pairs],
@@ -376,12 +378,12 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
         )
         axis_dims = ["axis" if dim == "direction" else dim for dim in dims]
         variables["friction_by_axis"] = (
-            (*axis_dims, "statistic"), _remove_round_off(averaging.mean(by_axis), axis_dims, members),
+            (*axis_dims, "statistic"), _remove_round_off(averaging.mean_with_interval(by_axis), axis_dims, members),
             quantity_attributes("friction_by_axis"),
         )  # fmt: skip
         coordinates["axis"] = ("axis", axes, quantity_attributes("axis"))
     single_members = np.moveaxis(coefficient, direction_axis, 1)
-    low, high = intervals.sample_quantiles(
+    low, high = intervals.compute_sample_quantiles(
         single_members.reshape(-1, *single_members.shape[2:]), SPREAD_QUANTILES
     )  # NaN if no member has a coefficient
     variables |= {
@@ -394,7 +396,7 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
     return xarray.Dataset(variables, coordinates | {"statistic": INTERVAL_STATISTICS}, members.attrs)
 
 
-def _contact_status(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray[Any], Floats]:
+def _classify_area_fractions(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray[Any], Floats]:
     """Return the contact status for each true area fraction, and the area fractions limited to 1.
 
     The fractions have the shape (..., 3). In the asperity model, fractions above 1 become NaN instead.
@@ -418,7 +420,7 @@ class MemberDependence:
     scans: tuple[Any, Any] | None = None
 
     @classmethod
-    def of(cls, study: Study, coordinates: Mapping[Any, Any]) -> MemberDependence:
+    def from_coordinates(cls, study: Study, coordinates: Mapping[Any, Any]) -> MemberDependence:
         """Determine the dependence between members from their positions.
 
         Members on adjacent lines, or at adjacent positions of a line, are neighbours.
@@ -432,17 +434,20 @@ class MemberDependence:
         order = np.lexsort((x, lines, y))
         return cls(order, lines[order])
 
-    def mean(self, values: Floats) -> Floats:
+    def mean_with_interval(self, values: Floats) -> Floats:
         """Average values over the members, ignoring NaN. Return the mean and the limits of its 95 % interval.
 
         The values have the shape (members, ...), and the result has the shape (..., 3).
         """
         if self.scans is not None:
             is_in_group = values.reshape(values.shape[0], -1).T
-            rows = [_mean_and_interval(column, intervals.scans_mean(column, *self.scans)) for column in is_in_group]
+            rows = [
+                _compute_mean_and_interval(column, intervals.average_scan_pairs(column, *self.scans))
+                for column in is_in_group
+            ]
             return np.array(rows).reshape(*values.shape[1:], 3)
         if self.order is None or self.lines is None:
-            return np.stack(intervals.sample_mean(values), axis=-1)
+            return np.stack(intervals.average_independent_values(values), axis=-1)
         flat_values = values[self.order].reshape(values.shape[0], -1)
         # Columns with the same missing members are evaluated together to save time. Most columns lack no member.
         is_finite = np.isfinite(flat_values)
@@ -456,17 +461,17 @@ class MemberDependence:
         for mask_index in np.unique(mask_indices):
             is_in_group, mask = mask_indices == mask_index, masks[mask_index]
             means_and_limits[is_in_group] = np.stack(
-                intervals.positions_mean(flat_values[mask][:, is_in_group], self.lines[mask]), axis=-1
+                intervals.average_line_means(flat_values[mask][:, is_in_group], self.lines[mask]), axis=-1
             )
         return means_and_limits.reshape(*values.shape[1:], 3)
 
 
-def _mean_and_interval(values: Floats, scan_mean: intervals.ScanPairMean | None) -> tuple[float, float, float]:
+def _compute_mean_and_interval(values: Floats, scan_mean: intervals.ScanPairMean | None) -> tuple[float, float, float]:
     """Return the mean of the values and its interval limits. The limits are above 0 if no value is negative."""
     if scan_mean is None:
         finite_values = values[np.isfinite(values)]
         return float(finite_values.mean()) if finite_values.size else np.nan, np.nan, np.nan
-    limits = intervals.mean_interval(scan_mean.mean, scan_mean.half_width, np.nanmin(values) < 0)
+    limits = intervals.interval_around_mean(scan_mean.mean, scan_mean.half_width, np.nanmin(values) < 0)
     return scan_mean.mean, float(limits[0]), float(limits[1])
 
 
@@ -501,11 +506,11 @@ def member_values(
     result = Result.of(result)
     values = np.unique(np.atleast_1d(float_array("loads", loads)))
     strengths = choose_strengths(result, mu0, tau0)
-    members = _members_before_growth(result, values, *strengths, reading, member_kind)
+    members = _evaluate_members_before_growth(result, values, *strengths, reading, member_kind)
     if result.study.contact.junction_growth:
         members = _apply_junction_growth(members, result.study, _build_member_area_interpolator(members, result))
     if reading == "elastic" and set(LATERAL_SUMS) <= set(result.head.data_vars):
-        sums = member_sums_at_loads(result, values, LATERAL_SUMS, member_kind=member_kind)
+        sums = interpolate_member_sums(result, values, LATERAL_SUMS, member_kind=member_kind)
         lateral_sums = {name: sums[name].values[..., np.newaxis, np.newaxis] for name in LATERAL_SUMS}
         lateral = compute_load("lateral", lateral_sums, strengths[0][:, np.newaxis], strengths[1])
         dims = (*sums[LATERAL_SUMS[0]].dims, "mu0", "tau0")
@@ -513,7 +518,7 @@ def member_values(
     return members
 
 
-def _members_before_growth(
+def _evaluate_members_before_growth(
     result: Result, loads: Floats, mu0: Floats, tau0: Floats, reading: LoadDefinition, member_kind: MemberKind | None,
     names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
@@ -539,7 +544,7 @@ def build_area_interpolator(dataset: xarray.Dataset, result: Result | xarray.Dat
     area_per_load = area.mean([dim for dim in area.dims if dim != "load"]).values / loads
     gradient = float(dataset["rms_gradient"].sel(statistic="mean").mean())
     return AreaInterpolator.from_result(
-        loads, area_per_load, gradient, area_load_exponent(result, loads), study, result
+        loads, area_per_load, gradient, compute_area_load_exponent(result, loads), study, result
     )
 
 
@@ -553,17 +558,19 @@ def _build_member_area_interpolator(members: xarray.Dataset, result: Result) -> 
     )
 
 
-def mean_areas(result: Result) -> Floats:
+def compute_mean_areas(result: Result) -> Floats:
     """Return the true area (µm²) at each computed load, averaged over the members.
 
-    `Result.mean_areas` caches these areas.
+    `Result.compute_mean_areas` caches these areas.
     """
     zero = np.zeros(1)
-    areas = _members_before_growth(result, result.study.contact.loading_steps(), zero, zero, "elastic", None, ())
+    areas = _evaluate_members_before_growth(
+        result, result.study.contact.loading_steps(), zero, zero, "elastic", None, ()
+    )
     return np.asarray(areas["contact_area"].mean([dim for dim in areas["contact_area"].dims if dim != "load"]).values)
 
 
-def area_load_exponent(result: Result, loads: Floats) -> Floats:
+def compute_area_load_exponent(result: Result, loads: Floats) -> Floats:
     """Return d ln(A/F) / d ln F at the given loads F (mN), where A is the mean true area."""
     step_loads = result.study.contact.loading_steps()
     if step_loads.size > 1:
@@ -575,7 +582,7 @@ def area_load_exponent(result: Result, loads: Floats) -> Floats:
     return np.zeros(loads.size)
 
 
-def area_growth_ratio(areas: AreaInterpolator, study: Study, rule: str, mu0: Floats, tau0: Floats) -> Floats:
+def compute_area_growth_ratio(areas: AreaInterpolator, study: Study, rule: str, mu0: Floats, tau0: Floats) -> Floats:
     """Return the ratio of the true area at the onset of sliding to the true area before shear.
 
     The ratio has the shape (loads, mu0, tau0), and is infinite at seizure.
@@ -593,7 +600,7 @@ def _apply_junction_growth(
     """Recompute member values after junction growth. The adhesive forces then act on the grown contact area."""
     mu0, tau0 = members["mu0"].values, members["tau0"].values
     rules = members["sliding"].values.tolist()
-    growth_ratios = {rule: area_growth_ratio(areas, study, rule, mu0, tau0) for rule in ("all", *rules)}
+    growth_ratios = {rule: compute_area_growth_ratio(areas, study, rule, mu0, tau0) for rule in ("all", *rules)}
     with np.errstate(invalid="ignore"):
         growth_factor = np.stack([growth_ratios[rule] for rule in rules])[
             :, np.newaxis
@@ -624,7 +631,7 @@ def _apply_junction_growth(
     return members.drop_vars(ADHESIVE_SUMS).assign(grown_variables)
 
 
-def member_sums_at_loads(
+def interpolate_member_sums(
     result: Result | xarray.Dataset,
     loads: Floats,
     names: Sequence[str] = LOAD_SUM_NAMES,
@@ -643,17 +650,19 @@ def member_sums_at_loads(
     def evaluate_piece(piece: xarray.Dataset) -> xarray.Dataset:
         sums, load_crossings = _find_load_crossings(piece, loads, names)
         dims = (*find_cell_dimensions(piece), "repetition", *MOTION_DIMENSIONS, "load")
-        values = np.broadcast_arrays(*map(load_crossings.at, sums.values()))
+        values = np.broadcast_arrays(*map(load_crossings.interpolate, sums.values()))
         coordinates = {str(name): each for name, each in piece.coords.items() if {*each.dims} <= {*dims} - {"load"}}
         return xarray.Dataset(
             {name: (dims, each) for name, each in zip(sums, values, strict=True)},
-            _motion_coordinates(piece, study) | coordinates,
+            _get_missing_motion_coordinates(piece, study) | coordinates,
         )
 
     return _evaluate_pieces(result, member_kind, evaluate_piece)
 
 
-def ensemble_friction(result: Result | xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats) -> xarray.DataArray:
+def compute_ensemble_friction(
+    result: Result | xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats
+) -> xarray.DataArray:
     """Compute the ratio mean(F_T) / mean(F_N) at elastic loads (mN), with its jackknife interval.
 
     The means are taken over members and directions.
@@ -662,7 +671,7 @@ def ensemble_friction(result: Result | xarray.Dataset, loads: Floats, mu0: Float
     """
     import xarray
 
-    contact_sums = member_sums_at_loads(result, loads).mean("direction")
+    contact_sums = interpolate_member_sums(result, loads).mean("direction")
     dims = [str(dim) for dim in contact_sums[LOAD_SUM_NAMES[0]].dims if dim != "repetition"]
     sums = {name: contact_sums[name].transpose("repetition", *dims).values for name in LOAD_SUM_NAMES}
     members = np.stack(compute_loads(sums, mu0, tau0))  # shape (2, members, ..., mu0, tau0)
@@ -692,7 +701,7 @@ class ForcesPerLoad:
     stick_normal: float = 0.0
 
     @classmethod
-    def of(cls, contact_sums: Mapping[str, Any], **more: Any) -> Self:
+    def from_contact_sums(cls, contact_sums: Mapping[str, Any], **more: Any) -> Self:
         """Create the linear functions from the six mean contact sums, which are divided by the elastic load."""
         sums_per_load = {name: float(contact_sums[name] / contact_sums["normal_elastic"]) for name in LOAD_SUM_NAMES}
         return cls(
@@ -701,7 +710,7 @@ class ForcesPerLoad:
             stick_normal=sums_per_load["normal_adhesive"], **more,
         )  # fmt: skip
 
-    def coefficient(self, mu0: Any, tau0: Any, area: Any = 1.0) -> Any:
+    def compute_coefficient(self, mu0: Any, tau0: Any, area: Any = 1.0) -> Any:
         """Compute the friction coefficient for a true area that is `area` times the computed true area."""
         tangential = self.elastic + mu0 * self.rub + tau0 * self.stick * area
         return tangential / (1 + mu0 * self.rub_normal + tau0 * self.stick_normal * area)
@@ -754,7 +763,9 @@ def _evaluate_piece(
     sums_at_steps, load_crossings = _find_load_crossings(piece, loads)
     motions = [name for name in MOTION_DIMENSIONS if name in piece.dims]
     contact_sums = (
-        {name: load_crossings.at(values) for name, values in sums_at_steps.items()} if reading == "elastic" else {}
+        {name: load_crossings.interpolate(values) for name, values in sums_at_steps.items()}
+        if reading == "elastic"
+        else {}
     )
     if reading == "elastic":
         normal, tangential = compute_loads(contact_sums, mu0, tau0)
@@ -768,12 +779,12 @@ def _evaluate_piece(
         normal = np.broadcast_to(normal, tangential.shape)
         with np.errstate(invalid="ignore"):
             positive_normal = np.where(normal > 0, normal, np.nan) if step_dimension == "load" else normal
-        normal_crossing = LoadCrossings.of(
+        normal_crossing = LoadCrossings.from_curves(
             positive_normal, loads, interpolates_ratio=step_dimension == "load"
-        ).without_gap_crossings(normal, loads)
+        ).without_crossings_after_nan(normal, loads)
         is_reached, is_below = (np.moveaxis(each, -1, -3) for each in (normal_crossing.reached, normal_crossing.below))
-        normal, tangential = (np.moveaxis(normal_crossing.at(each), -1, -3) for each in (normal, tangential))
-    status = _member_status(piece, loads, normal, is_reached, is_below)
+        normal, tangential = (np.moveaxis(normal_crossing.interpolate(each), -1, -3) for each in (normal, tangential))
+    status = _determine_member_status(piece, loads, normal, is_reached, is_below)
     with np.errstate(divide="ignore", invalid="ignore"):
         coefficient = np.where(status == friction.STATUS_OK, tangential / normal, np.nan)
     dims = (*member_dims, "sliding", "direction", "load", "mu0", "tau0")
@@ -802,13 +813,13 @@ def _evaluate_piece(
         if name != "normal_elastic" and not _is_requested(name, requested_names):
             continue
         if name in tables and step_dimension in tables[name].dims:
-            interpolated = load_crossings.at(
+            interpolated = load_crossings.interpolate(
                 _to_float_array(tables[name], (*member_dims, step_dimension)), are_sums=QUANTITIES[name].proportional
             )
             variables[name] = ((*member_dims, "load"), interpolated, tables[name].attrs)
     for name in DISTRIBUTION_QUANTITIES:
         if name in tables and _is_requested(name, requested_names):
-            interpolated = load_crossings.at(
+            interpolated = load_crossings.interpolate(
                 _to_float_array(tables[name], (*member_dims, "fraction_below", step_dimension)), are_sums=False
             )
             variables[name] = ((*member_dims, "fraction_below", "load"), interpolated, tables[name].attrs)
@@ -833,14 +844,14 @@ def _evaluate_piece(
         str(name): each.variable for name, each in piece.coords.items() if name not in (step_dimension, "mu0", "tau0")
     }
     parameters = {"load": loads, "mu0": mu0, "tau0": tau0}
-    coordinates |= _motion_coordinates(piece, study) | {
+    coordinates |= _get_missing_motion_coordinates(piece, study) | {
         name: (name, each, quantity_attributes(name)) for name, each in parameters.items()
     }
     variables = _add_ratios(variables, piece.coords.get("nominal_area"))
     variables = {name: each for name, each in variables.items() if _is_requested(name, requested_names)}
     if study.contact.junction_growth:
         for name in ADHESIVE_SUMS:
-            adhesive_sums = contact_sums[name] if contact_sums else load_crossings.at(sums_at_steps[name])
+            adhesive_sums = contact_sums[name] if contact_sums else load_crossings.interpolate(sums_at_steps[name])
             variables[name] = dims[:-2], np.broadcast_to(adhesive_sums, tangential.shape[:-2])
     return xarray.Dataset(variables, coordinates, piece.attrs)
 
@@ -863,14 +874,14 @@ def _find_load_crossings(
         name: _to_float_array(tables[name], (*member_dims, *MOTION_DIMENSIONS, step_dimension), missing=True)
         for name in names
     }
-    return sums, LoadCrossings.of(curve, loads, interpolates_ratio=step_dimension == "load").without_gap_crossings(
-        curve, loads
-    )
+    return sums, LoadCrossings.from_curves(
+        curve, loads, interpolates_ratio=step_dimension == "load"
+    ).without_crossings_after_nan(curve, loads)
 
 
-def _motion_coordinates(piece: xarray.Dataset, study: Study) -> dict[str, Any]:
+def _get_missing_motion_coordinates(piece: xarray.Dataset, study: Study) -> dict[str, Any]:
     """Return coordinates for the sliding rule and the direction unless these are dimensions of the result."""
-    values = {"sliding": list(study.contact.rules()), "direction": list(study.contact.direction_angles())}
+    values = {"sliding": list(study.contact.sliding_rules()), "direction": list(study.contact.direction_angles())}
     return {
         name: ((name,), values[name][:1], quantity_attributes(name))
         for name in MOTION_DIMENSIONS
@@ -918,7 +929,7 @@ def _to_float_array(array: xarray.Variable, dims: tuple[str, ...], *, missing: b
     return np.asarray(values[tuple(slice(None) if dim in own_dims else np.newaxis for dim in dims)])
 
 
-def _member_status(
+def _determine_member_status(
     piece: xarray.Dataset, loads: Floats, normal: Floats, is_reached: Any, is_below: Any
 ) -> NDArray[Any]:
     """Return the status of each member as an array of shape (..., sliding, direction, load, mu0, tau0)."""
@@ -943,7 +954,7 @@ def _member_status(
     return status
 
 
-def small_slope_estimate(
+def estimate_small_slope_friction(
     dims: list[str], gradient: Floats, slope: Floats, rules: Iterable[Any], mu0: Floats, tau0: Floats, modulus: float
 ) -> dict[str, Any]:
     """Compute the small-slope estimate of friction from rms gradients and directional rms slopes of the gaps.

@@ -56,7 +56,7 @@ def thread_pool_executor(workers: int | None = None) -> Iterator[Executor]:
     pool.shutdown()
 
 
-def use_idle_threads(
+def wrap_to_use_idle_threads(
     function: Callable[..., _Result], executor: Executor, tasks: int, points: int
 ) -> Callable[..., _Result]:
     """Wrap a task function so that it uses idle threads for Fourier transforms.
@@ -109,7 +109,7 @@ class ClusterError(ValueError):
 
 
 @contextlib.contextmanager
-def _without_disconnect_log() -> Iterator[None]:
+def _suppress_disconnect_log() -> Iterator[None]:
     """Suppress Dask's log messages about a lost scheduler, because a `ClusterError` already reports the loss."""
     loggers = [logging.getLogger(name) for name in ("distributed.client", "distributed.core", "tornado.application")]
     log_levels = [logger.level for logger in loggers]
@@ -123,7 +123,7 @@ def _without_disconnect_log() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def connect_cluster(address: str) -> Iterator[Executor]:
+def connect_to_cluster(address: str) -> Iterator[Executor]:
     """Connect to the Dask scheduler at the given address, and yield an executor.
 
     Raises a `ClusterError` if the scheduler does not respond, or if its workers die.
@@ -145,7 +145,7 @@ def connect_cluster(address: str) -> Iterator[Executor]:
             f"no Dask scheduler responds at {short_repr(address)}: "
             f"{printable_text(str(error).splitlines()[0], MAX_PATH_LENGTH)}"
         ) from None
-    with _without_disconnect_log(), client:
+    with _suppress_disconnect_log(), client:
         try:
             if not client.nthreads():
                 message = f"the scheduler at {short_repr(address)} has no workers yet; waiting for them"

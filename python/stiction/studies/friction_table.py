@@ -13,7 +13,7 @@ from stiction._units import exact_quantity, short_repr
 from stiction.mechanics.friction import validate_friction_parameter
 from stiction.mechanics.quantities import quantity_attributes
 from stiction.studies import intervals
-from stiction.studies.evaluation import ensemble_friction
+from stiction.studies.evaluation import compute_ensemble_friction
 from stiction.studies.maps import choose_strengths
 from stiction.studies.result import Result
 from stiction.studies.study import Study
@@ -212,11 +212,11 @@ def friction_table(
     dataset, pressure = dataset.isel(load=indices), pressure_steps[indices]
     approach, touching_area, stiffness = (values[..., indices] for values in (approach, touching_area, stiffness))
     pairs = {"contact_area_fraction": touching_area / area, "normal_stiffness": stiffness, "approach": approach}
-    means = {name: np.stack(intervals.sample_mean(values), axis=-1) for name, values in pairs.items()}
+    means = {name: np.stack(intervals.average_independent_values(values), axis=-1) for name, values in pairs.items()}
     is_light_load = means["contact_area_fraction"][..., 0] <= MAX_FITTED_AREA_FRACTION
     is_light_load[is_light_load.sum(axis=-1) < 2] = True
-    coefficient = ensemble_friction(dataset, dataset["load"].values, *strengths)
-    laws = _fit_laws(pressure, is_light_load, pairs)
+    coefficient = compute_ensemble_friction(dataset, dataset["load"].values, *strengths)
+    laws = _fit_area_and_stiffness_laws(pressure, is_light_load, pairs)
     area_factor, stiffness_factor, exponent = (values[..., :1] for values in laws.values())
     fitted_laws = {
         "area": (area_factor * pressure, "contact_area_fraction"),
@@ -242,7 +242,7 @@ def friction_table(
         deviation = np.where(is_light_load, np.abs(means[variable][..., 0] / law - 1), 0.0).max(axis=-1)
         variables[f"{name}_deviation"] = (coordinate_names, deviation, quantity_attributes(f"{name}_deviation"))
     coordinate_values = {
-        "sliding": list(study.contact.rules()), "hurst_exponent": 2 - dataset["fractal_dimension"].values,
+        "sliding": list(study.contact.sliding_rules()), "hurst_exponent": 2 - dataset["fractal_dimension"].values,
         "rms": dataset["amplitude"].values, "pressure": pressure, "mu0": strengths[0], "tau0": strengths[1],
     }  # fmt: skip
     coordinates = {name: (name, values, quantity_attributes(name)) for name, values in coordinate_values.items()}
@@ -256,7 +256,9 @@ def friction_table(
     return table.sortby("hurst_exponent")
 
 
-def _fit_laws(pressure: Floats, is_light_load: NDArray[np.bool_], pairs: dict[str, Floats]) -> dict[str, Floats]:
+def _fit_area_and_stiffness_laws(
+    pressure: Floats, is_light_load: NDArray[np.bool_], pairs: dict[str, Floats]
+) -> dict[str, Floats]:
     """Fit the laws A/A0 = a p and k/A0 = b p^c, and return a, b and c with their 95 % intervals.
 
     Each parameter has the shape (fractal dimension, amplitude, 3). The parameters are NaN if a pair of surfaces has no
@@ -280,7 +282,9 @@ def _fit_laws(pressure: Floats, is_light_load: NDArray[np.bool_], pairs: dict[st
             parameters["stiffness_factor"][cell_index] = np.exp(
                 log_stiffness.mean(axis=1) - exponent * np.log(p).mean()
             )
-    laws = {name: np.stack(intervals.sample_mean(values), axis=-1) for name, values in parameters.items()}
+    laws = {
+        name: np.stack(intervals.average_independent_values(values), axis=-1) for name, values in parameters.items()
+    }
     for name in names[1:]:
         laws[name][~np.isfinite(parameters["stiffness_exponent"]).all(axis=0)] = np.nan
     return laws

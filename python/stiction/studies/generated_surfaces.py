@@ -102,7 +102,7 @@ class CommonGeneratedSurfaceSettings(SettingsTableVariant):
         """Return all amplitudes (µm) of the study."""
         return to_value_array(self.amplitude)
 
-    def cells(self) -> dict[str, Floats]:
+    def cell_coordinates(self) -> dict[str, Floats]:
         """Return the fractal dimensions D and the amplitudes (µm) for which a result is computed."""
         return {"fractal_dimension": self.fractal_dimensions(), "amplitude": self.amplitudes()}
 

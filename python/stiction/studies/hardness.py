@@ -23,10 +23,10 @@ from stiction.mechanics.hardness import area_per_load
 from stiction.mechanics.materials import Material, material, softest_material
 from stiction.mechanics.resolution import KAPPA_AT_SMALL_LOADS
 from stiction.studies.contact_tables import HalfSpaceSettings
-from stiction.studies.input_uncertainty import UncertainInput, parse_input, parse_study_input
-from stiction.studies.members import count_points, load_bodies
+from stiction.studies.input_uncertainty import UncertainInput, parse_study_input, parse_uncertain_input
+from stiction.studies.members import count_grid_points, load_bodies
 from stiction.studies.moduli import UncertainModulus, find_material_hardness, find_material_moduli
-from stiction.studies.store import StoredResult, read_companion
+from stiction.studies.store import StoredResult, read_companion_file
 from stiction.studies.study import Study
 from stiction.surfaces.pairing import SIDES
 
@@ -97,7 +97,7 @@ def find_uncertain_inputs(study: Study) -> dict[str, LabelledUncertainInput]:
     inputs: dict[str, LabelledUncertainInput] = {}
     for name, label, kind in (("mu0", "μ0", ""), ("tau0", "τ0", "pressure")):
         if (text := getattr(uncertainty_settings, name)) is not None:
-            inputs[name] = LabelledUncertainInput(label, parse_input(name, text, kind))  # type: ignore[arg-type]
+            inputs[name] = LabelledUncertainInput(label, parse_uncertain_input(name, text, kind))  # type: ignore[arg-type]
     moduli = find_moduli(study).inputs
     if "effective_modulus" in moduli:
         inputs["effective_modulus"] = LabelledUncertainInput("E*", moduli.pop("effective_modulus"))
@@ -106,7 +106,7 @@ def find_uncertain_inputs(study: Study) -> dict[str, LabelledUncertainInput]:
         label = f"the hardness of the {softer.name}" if softer else "the hardness"
         if uncertainty_settings.hardness is not None:
             inputs["hardness"] = LabelledUncertainInput(
-                label, parse_input("hardness", uncertainty_settings.hardness, "hardness")
+                label, parse_uncertain_input("hardness", uncertainty_settings.hardness, "hardness")
             )
         elif (
             softer
@@ -135,12 +135,12 @@ def _parse_junction_growth(text: str | float, central_value: float) -> Uncertain
 
     The result is cached, because a report needs α for each coefficient.
     """
-    return replace(parse_input("junction_growth", text), value=central_value)
+    return replace(parse_uncertain_input("junction_growth", text), value=central_value)
 
 
 def find_creep_exponent(study: Study) -> UncertainInput | None:
     """Return the uncertain exponent of indentation creep, or None if the study has no dwell times."""
-    return parse_input("creep", study.known.creep) if study.friction.wait and study.known.creep else None
+    return parse_uncertain_input("creep", study.known.creep) if study.friction.wait and study.known.creep else None
 
 
 def find_moduli(study: Study) -> UncertainModulus:
@@ -152,7 +152,8 @@ def find_moduli(study: Study) -> UncertainModulus:
     )
     if uncertainty_settings.effective_modulus is not None:
         return UncertainModulus(
-            central_modulus, parse_input("effective_modulus", uncertainty_settings.effective_modulus, "modulus")
+            central_modulus,
+            parse_uncertain_input("effective_modulus", uncertainty_settings.effective_modulus, "modulus"),
         )
     if uncertainty_settings.young is not None and uncertainty_settings.poisson is not None:
         pairs = [
@@ -163,7 +164,7 @@ def find_moduli(study: Study) -> UncertainModulus:
             for i in range(2)
         ]
         bodies = [
-            {"young": parse_input("young", e, "modulus"), "poisson": parse_study_input("poisson", nu)}
+            {"young": parse_uncertain_input("young", e, "modulus"), "poisson": parse_study_input("poisson", nu)}
             for e, nu in pairs
         ]
         return UncertainModulus(central_modulus, bodies=tuple(bodies))
@@ -189,7 +190,7 @@ def compute_relative_modulus(study: Study, samples: Mapping[str, Floats]) -> Flo
 # ---- Area as a function of hardness ----------------------------------------------------------------------------------
 
 
-def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
+def choose_hardness_and_modulus_nodes(study: Study) -> tuple[Floats, Floats]:
     """Return the hardnesses H/e (GPa) and the relative moduli e for which true areas are computed.
 
     A relative modulus is E* divided by the E* in the study. The last hardness is infinite (elastic bodies). There are
@@ -223,10 +224,10 @@ def choose_area_nodes(study: Study) -> tuple[Floats, Floats]:
     # A node that differs from the hardness of the study only by round-off is removed.
     nodes = nodes[~np.isclose(nodes, float(hardness), rtol=EQUAL_NODE_TOLERANCE, atol=0.0)]
     nodes = np.unique([*nodes, float(hardness), np.inf])
-    return np.unique([*_choose_shear_nodes(study, float(nodes[0])), *nodes]), moduli
+    return np.unique([*_choose_nodes_for_junction_growth(study, float(nodes[0])), *nodes]), moduli
 
 
-def _choose_shear_nodes(study: Study, min_hardness: float) -> Floats:
+def _choose_nodes_for_junction_growth(study: Study, min_hardness: float) -> Floats:
     """Return hardness nodes (GPa) below the smallest hardness. Junction growth requires these additional nodes."""
     if find_junction_growth(study) is None:
         return np.zeros(0)
@@ -239,11 +240,11 @@ def compute_areas_at_nodes(study: Study, executor: Executor) -> xarray.Dataset |
     """Compute true areas (µm²) of the first members at all nodes and loads. Return None if there are no nodes."""
     import xarray
 
-    hardnesses, moduli = choose_area_nodes(study)
+    hardnesses, moduli = choose_hardness_and_modulus_nodes(study)
     if not hardnesses.size:
         return None
     loads = np.array([float(load) for load in study.friction.load])
-    members = _count_area_members(study)
+    members = _choose_num_area_members(study)
     tasks = list(product(range(members), moduli.tolist(), hardnesses.tolist()))
     solutions = np.array(list(executor.map(partial(_solve_member_areas, study, loads), tasks)))
     areas = solutions.reshape(members, moduli.size, hardnesses.size, -1, loads.size)
@@ -261,14 +262,16 @@ def compute_areas_at_nodes(study: Study, executor: Executor) -> xarray.Dataset |
 
 def count_area_solutions(study: Study) -> int:
     """Return the number of contact problems that `compute_areas_at_nodes` solves."""
-    hardnesses, moduli = choose_area_nodes(study)
+    hardnesses, moduli = choose_hardness_and_modulus_nodes(study)
     return (
-        hardnesses.size * moduli.size * _count_area_members(study) * len(study.friction.load) if hardnesses.size else 0
+        hardnesses.size * moduli.size * _choose_num_area_members(study) * len(study.friction.load)
+        if hardnesses.size
+        else 0
     )
 
 
-def _count_area_members(study: Study) -> int:
-    num_map_members = NUM_LARGE_MAP_MEMBERS if count_points(study) >= MIN_LARGE_MAP_POINTS else NUM_MAP_MEMBERS
+def _choose_num_area_members(study: Study) -> int:
+    num_map_members = NUM_LARGE_MAP_MEMBERS if count_grid_points(study) >= MIN_LARGE_MAP_POINTS else NUM_MAP_MEMBERS
     return min(num_map_members if study.is_areal else NUM_PROFILE_MEMBERS, study.ensemble.repetitions)
 
 
@@ -321,11 +324,11 @@ def _compute_opposing_area(curve: HalfSpaceCurve, *, is_areal: bool) -> Floats:
 def load_areas_at_nodes(result: StoredResult) -> xarray.Dataset | None:
     """Load the true areas stored with a result. Return None if they are missing or were computed at other nodes."""
     study = result.study
-    hardnesses, moduli = choose_area_nodes(study) if study.is_measured else (np.zeros(0), np.ones(1))
+    hardnesses, moduli = choose_hardness_and_modulus_nodes(study) if study.is_measured else (np.zeros(0), np.ones(1))
     expected_nodes = hardnesses, moduli, np.array([float(load) for load in study.friction.load])
     names = ("hardness", "relative_modulus", "load")
     stored_dataset = (
-        read_companion(result.path / HARDNESS_AREAS_FILE, (*names, *_list_area_names(study)))
+        read_companion_file(result.path / HARDNESS_AREAS_FILE, (*names, *_list_area_names(study)))
         if hardnesses.size
         else None
     )
@@ -357,7 +360,7 @@ class AreasAtNodes:
     )  # cached tables of A/F, shared by interpolators
 
     @classmethod
-    def load(cls, result: StoredResult) -> AreasAtNodes | None:
+    def from_result(cls, result: StoredResult) -> AreasAtNodes | None:
         """Load the true areas stored with a result, or return None if none are stored for the current nodes."""
         if (stored_areas := load_areas_at_nodes(result)) is None:
             return None
@@ -370,7 +373,7 @@ class AreasAtNodes:
             _estimate_node_errors(stored_areas, None if hardness is None else float(hardness)),
         )  # fmt: skip
 
-    def interpolate_loads(self, areas: Floats, loads: Floats) -> Floats:
+    def interpolate_at_loads(self, areas: Floats, loads: Floats) -> Floats:
         """Interpolate areas of shape (loads, ...) with a power law between successive loads of the study.
 
         Areas are constant outside the loads of the study.
@@ -406,7 +409,7 @@ class TabulatedAreaFunction:
         )
 
     @cached_property
-    def _table(self) -> tuple[Floats, Floats]:
+    def _values_and_differences(self) -> tuple[Floats, Floats]:
         """Values of A/F at equal steps of ln H, and the differences between successive values."""
         areas = area_per_load(np.exp(np.linspace(*self.limits, NUM_AREA_TABLE_STEPS + 1)), *self._arguments)
         return areas, np.diff(areas, axis=-1)
@@ -418,7 +421,7 @@ class TabulatedAreaFunction:
         """
         if table_positions is None:
             return area_per_load(np.exp(log_hardness), *self._arguments)
-        (step_indices, fractions), (areas, differences) = table_positions, self._table
+        (step_indices, fractions), (areas, differences) = table_positions, self._values_and_differences
         return np.asarray(areas.take(step_indices, axis=-1) + differences.take(step_indices, axis=-1) * fractions)
 
 
@@ -477,17 +480,20 @@ class AreaInterpolator:
         """
         own_hardness = None if study.contact.hardness is None else float(study.contact.hardness)
         pressures = loads / float(result.head["nominal_area"])
-        areas_at_nodes = result.load_companion(AreasAtNodes.load)
+        areas_at_nodes = result.load_companion(AreasAtNodes.from_result)
         # With junction growth, friction at all loads depends on the areas at the nodes.
         has_growth = bool(study.contact.junction_growth)
         if areas_at_nodes is not None and (has_growth or set(loads.tolist()) <= set(areas_at_nodes.loads.tolist())):
-            areas, hardnesses = areas_at_nodes.interpolate_loads(areas_at_nodes.areas, loads), areas_at_nodes.hardnesses
+            areas, hardnesses = (
+                areas_at_nodes.interpolate_at_loads(areas_at_nodes.areas, loads),
+                areas_at_nodes.hardnesses,
+            )
             is_carried = np.asarray(np.isfinite(areas).all(axis=(0, 1)))
             if is_carried[-1] and (own_hardness is None or is_carried.sum() > 1):
                 is_finite = is_carried & np.isfinite(hardnesses)
                 opposing_areas = areas_at_nodes.opposing_areas
                 if opposing_areas is not None:
-                    opposing_areas = areas_at_nodes.interpolate_loads(opposing_areas[:, is_finite], loads)
+                    opposing_areas = areas_at_nodes.interpolate_at_loads(opposing_areas[:, is_finite], loads)
                 return cls(
                     own_hardness, hardnesses[is_finite], areas[..., is_finite], areas[..., -1], areas_at_nodes.moduli,
                     growth if areas_at_nodes.moduli.size == 1 else np.zeros(loads.size),
@@ -531,7 +537,9 @@ class AreaInterpolator:
             study_areas = self.get_or_compute(("own", load), (), lambda: area_per_load(own_hardness, *table))
         modulus_factor = np.power(modulus, -(1.0 + self.growth[load]))
         return np.asarray(
-            modulus_factor * _interpolate_moduli(areas, self.moduli, modulus) / study_areas[self.moduli.size // 2]
+            modulus_factor
+            * _interpolate_between_moduli(areas, self.moduli, modulus)
+            / study_areas[self.moduli.size // 2]
         )
 
     def area_ratio_error(self, load: int, hardness: Floats) -> Floats:
@@ -599,19 +607,19 @@ class AreaInterpolator:
             "places", (log_hardness, *table.limits), lambda: find_table_positions(log_hardness.ravel(), *table.limits)
         )
         sampled_areas = table(log_hardness.ravel(), table_positions).reshape(-1, *log_hardness.shape)
-        return _interpolate_moduli(sampled_areas, self.moduli, modulus)
+        return _interpolate_between_moduli(sampled_areas, self.moduli, modulus)
 
     def _area_before_shear(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:
         """Return the true area of the contacts before shear, in the units of `_sheared_area`."""
 
-        def compute() -> Floats:
+        def compute_uncached_area() -> Floats:
             return self._sheared_area(load, rule, hardness, modulus)
 
         # The same arrays of samples are used for many values of mu0 and tau0.
         return (
-            self.get_or_compute(("before", load, rule), (hardness, modulus), compute)
+            self.get_or_compute(("before", load, rule), (hardness, modulus), compute_uncached_area)
             if hardness.size > 1
-            else compute()
+            else compute_uncached_area()
         )
 
     def get_or_compute(self, name: Any, inputs: tuple[Any, ...], compute: Callable[[], _Value]) -> _Value:
@@ -621,14 +629,14 @@ class AreaInterpolator:
         """
         if name in self.cache:
             old_inputs, cached_value = self.cache[name]
-            if all(map(_is_same_input, old_inputs, inputs)):
+            if all(map(_are_same_input, old_inputs, inputs)):
                 return cached_value  # type: ignore[no-any-return]
         cached_value = compute()
         self.cache[name] = inputs, cached_value
         return cached_value
 
 
-def _is_same_input(first: Any, second: Any) -> bool:
+def _are_same_input(first: Any, second: Any) -> bool:
     """Return whether two inputs are the same object or equal numbers."""
     return first is second or (isinstance(first, float) and isinstance(second, float) and first == second)
 
@@ -649,7 +657,7 @@ def _estimate_node_errors(solved: xarray.Dataset, hardness: float | None) -> Flo
     return np.asarray(log_area_ratio.std(axis=-1, ddof=1) / np.sqrt(count))
 
 
-def _interpolate_moduli(values: Floats, moduli: Floats, modulus: Floats | float) -> Floats:
+def _interpolate_between_moduli(values: Floats, moduli: Floats, modulus: Floats | float) -> Floats:
     """Interpolate positive values between three moduli with a parabola in ln(value) and ln E*.
 
     If there is only one modulus, the values are constant.

@@ -22,11 +22,11 @@ from stiction._units import short_repr
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import quantity_attributes
 from stiction.studies.budget import add_uncertainty
-from stiction.studies.evaluation import AREA_ABOVE_NOMINAL_STATUS, at_load, is_unloaded
+from stiction.studies.evaluation import AREA_ABOVE_NOMINAL_STATUS, at_load, has_only_negligible_loads
 from stiction.studies.executors import executor_or_thread_pool
 from stiction.studies.hardness import (
     HARDNESS_AREAS_FILE,
-    choose_area_nodes,
+    choose_hardness_and_modulus_nodes,
     compute_areas_at_nodes,
     count_area_solutions,
     load_areas_at_nodes,
@@ -34,11 +34,11 @@ from stiction.studies.hardness import (
 from stiction.studies.measured_surfaces import MAX_HEIGHT_FACTOR as MAX_FACTOR
 from stiction.studies.measured_surfaces import MIN_HEIGHT_FACTOR as MIN_FACTOR
 from stiction.studies.member_solution import estimate_member_time, estimate_solution_time
-from stiction.studies.members import first_pair
+from stiction.studies.members import get_first_pair
 from stiction.studies.pipeline import remove_result
 from stiction.studies.result import Result
-from stiction.studies.runner import compute_missing
-from stiction.studies.store import STUDY_FILE, StoredResult, StoreError, export, open_stored
+from stiction.studies.runner import compute_missing_blocks
+from stiction.studies.store import STUDY_FILE, StoredResult, StoreError, export, open_stored_result
 from stiction.studies.study import Study, find_member_differences
 from stiction.surfaces.pairing import SIDES
 
@@ -125,11 +125,11 @@ def _parse_factor_text(text: str) -> Floats:
             '{most:g}, as in "0.25..4", got {got}',
             least=MIN_FACTOR, most=MAX_FACTOR, got=short_repr(text),
         ) from None  # fmt: skip
-    nodes = _enclosing_powers_of_two(low, high)
+    nodes = _find_enclosing_powers_of_two(low, high)
     return np.array([low, *nodes[(nodes > low) & (nodes < high)], high])
 
 
-def _enclosing_powers_of_two(low: float, high: float) -> Floats:
+def _find_enclosing_powers_of_two(low: float, high: float) -> Floats:
     """Return powers of 2 that enclose a range of factors, with exponents in steps of `HEIGHT_FACTOR_EXPONENT_STEP`."""
     first, last = (
         math.floor(math.log2(low) / HEIGHT_FACTOR_EXPONENT_STEP),
@@ -142,15 +142,15 @@ def _enclosing_powers_of_two(low: float, high: float) -> Floats:
 def find_missing_factors(factors: Floats, solved_factors: Floats) -> Floats:
     """Return the height factors that must be computed before results can be interpolated to the given factors."""
     missing_factors = np.array(
-        [factor for factor in factors.tolist() if _find_neighbors(solved_factors, factor) is None]
+        [factor for factor in factors.tolist() if _find_neighbor_indices(solved_factors, factor) is None]
     )
     if not missing_factors.size:
         return missing_factors
-    nodes = np.setdiff1d(_enclosing_powers_of_two(missing_factors[0], missing_factors[-1]), solved_factors)
+    nodes = np.setdiff1d(_find_enclosing_powers_of_two(missing_factors[0], missing_factors[-1]), solved_factors)
     return nodes if nodes.size < missing_factors.size else missing_factors
 
 
-def _find_neighbors(solved_factors: Floats, factor: float) -> tuple[int, int] | None:
+def _find_neighbor_indices(solved_factors: Floats, factor: float) -> tuple[int, int] | None:
     """Return the indices of the computed factors just below and just above the given factor.
 
     Both indices are equal if the factor itself was computed. Returns None if the neighboring factors are too far apart.
@@ -179,11 +179,13 @@ def scale_study_heights(study: Study, factor: float, scaled: ScaledBodies) -> St
     check_choice("scaled", scaled, ScaledBodies)
     scaled_sides = SIDES if scaled == "both" else (scaled,)
     surfaces: Any = study.surfaces
-    changed = surfaces.with_files(lambda file, side: file.with_height_factor(factor) if side in scaled_sides else file)
+    changed = surfaces.with_changed_files(
+        lambda file, side: file.with_height_factor(factor) if side in scaled_sides else file
+    )
     return study.model_copy(update={"surfaces": changed})
 
 
-def find_factor_folder(path: Path, factor: float, scaled: ScaledBodies) -> Path:
+def get_factor_folder(path: Path, factor: float, scaled: ScaledBodies) -> Path:
     """Return the subfolder of a result folder that contains the results for a height factor."""
     return path / HEIGHT_SCALE_FOLDER / f"{scaled}-{factor:.6g}"
 
@@ -197,7 +199,7 @@ def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[f
     for folder in (result.path / HEIGHT_SCALE_FOLDER).glob(f"{scaled}-*"):
         try:
             factor = float(folder.name.removeprefix(f"{scaled}-"))
-            stored_result = open_stored(folder)
+            stored_result = open_stored_result(folder)
         except (StoreError, ValueError):
             continue
         expected_study = scale_study_heights(result.study, factor, scaled)
@@ -205,7 +207,9 @@ def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[f
             continue
         # The stored blocks are opened with the friction parameters of the given result.
         stored_result = StoredResult(stored_result.path, expected_study, stored_result.blocks)
-        if stored_result.count == expected_study.ensemble.repetitions and not _lacks_hardness_areas(stored_result):
+        if stored_result.num_finished == expected_study.ensemble.repetitions and not _lacks_areas_at_nodes(
+            stored_result
+        ):
             results[factor] = stored_result
     return dict(sorted(results.items()))
 
@@ -216,7 +220,7 @@ def group_stored_factors(result: StoredResult) -> dict[ScaledBodies, list[float]
     The dict is empty if factor 1 is the only factor.
     """
     study = result.study
-    if not study.is_measured or result.count < study.ensemble.repetitions:
+    if not study.is_measured or result.num_finished < study.ensemble.repetitions:
         return {}
     if not (result.path / HEIGHT_SCALE_FOLDER).is_dir():
         return {}
@@ -226,27 +230,29 @@ def group_stored_factors(result: StoredResult) -> dict[ScaledBodies, list[float]
     return {scaled: values for scaled, values in factors.items() if len(values) > 1}
 
 
-def _lacks_hardness_areas(stored_result: StoredResult) -> bool:
+def _lacks_areas_at_nodes(stored_result: StoredResult) -> bool:
     """Return whether a result requires true areas at other hardnesses or moduli that have not been stored."""
-    needs_areas = bool(choose_area_nodes(stored_result.study)[0].size) and not is_unloaded(Result(stored_result))
+    needs_areas = bool(
+        choose_hardness_and_modulus_nodes(stored_result.study)[0].size
+    ) and not has_only_negligible_loads(Result(stored_result))
     return needs_areas and load_areas_at_nodes(stored_result) is None
 
 
-def estimate_factor_time(study: Study, count: int) -> float:
+def estimate_height_factor_time(study: Study, count: int) -> float:
     """Estimate the time (s) that one core needs to compute the results for a given number of height factors."""
     time_of_nodes = count_area_solutions(study) * estimate_solution_time(study) if study.uses_half_space else 0.0
     return count * (study.ensemble.repetitions * estimate_member_time(study) + time_of_nodes)
 
 
-def compute_height_factors(
+def compute_results_at_height_factors(
     result: StoredResult, factors: Any, scaled: ScaledBodies = "both", executor: Executor | None = None, *,
     progress: bool = False, announce: Callable[[str], Any] = lambda _: None,
 ) -> None:  # fmt: skip
     """Compute the missing results that are required to evaluate a pair at the given height factors.
 
     Each factor is stored as a separate result, so that finished factors are kept if the run is interrupted. `announce`
-    is called with a line of text before each factor. Raises the errors of `evaluate_height_scale` and of
-    `compute_missing`.
+    is called with a line of text before each factor. Raises the errors of `evaluate_at_height_factors` and of
+    `compute_missing_blocks`.
     """
     missing_factors = find_missing_factors(
         parse_height_factors(factors), np.array(list(open_results_by_factor(result, scaled)))
@@ -255,14 +261,14 @@ def compute_height_factors(
         for index, factor in enumerate(missing_factors.tolist(), 1):
             announce(f"heights times {factor:g} ({index} of {missing_factors.size})")
             study = scale_study_heights(result.study, factor, scaled)
-            folder = find_factor_folder(result.path, factor, scaled)
-            existing_result = open_stored(folder) if (folder / STUDY_FILE).exists() else None
+            folder = get_factor_folder(result.path, factor, scaled)
+            existing_result = open_stored_result(folder) if (folder / STUDY_FILE).exists() else None
             if existing_result and find_member_differences(existing_result.study, study):
                 remove_result(existing_result)  # the stored study describes a different pair
-            compute_missing(study, folder, executor=pool, progress=progress)
-            stored_result = open_stored(folder)
+            compute_missing_blocks(study, folder, executor=pool, progress=progress)
+            stored_result = open_stored_result(folder)
             if (
-                _lacks_hardness_areas(stored_result)
+                _lacks_areas_at_nodes(stored_result)
                 and (areas := compute_areas_at_nodes(stored_result.study, pool)) is not None
             ):
                 export(areas, folder / HARDNESS_AREAS_FILE, replace=True)
@@ -271,7 +277,7 @@ def compute_height_factors(
 # ---- Evaluation at a load --------------------------------------------------------------------------------------------
 
 
-def evaluate_height_scale(
+def evaluate_at_height_factors(
     result: StoredResult, factors: Any, loads: Any, *, mu0: Any = None, tau0: Any = None, scaled: ScaledBodies = "both"
 ) -> xarray.Dataset:
     """Evaluate friction, true area and stiffness of a measured pair whose heights are multiplied by given factors.
@@ -312,14 +318,16 @@ def evaluate_height_scale(
 
     factors, study = parse_height_factors(factors), result.study
     scale_study_heights(study, 1.0, scaled)
-    if result.count < study.ensemble.repetitions:
+    if result.num_finished < study.ensemble.repetitions:
         raise ArgumentError("{height_scale} needs a finished result")
     stored_results = open_results_by_factor(result, scaled)
     solved_factors = np.array(list(stored_results))
     if (missing_factors := find_missing_factors(factors, solved_factors)).size:
-        raise MissingHeightFactorsError(missing_factors, estimate_factor_time(study, missing_factors.size))
+        raise MissingHeightFactorsError(missing_factors, estimate_height_factor_time(study, missing_factors.size))
     neighbor_pairs = [
-        neighbor_indices for factor in factors.tolist() if (neighbor_indices := _find_neighbors(solved_factors, factor))
+        neighbor_indices
+        for factor in factors.tolist()
+        if (neighbor_indices := _find_neighbor_indices(solved_factors, factor))
     ]
     points_by_factor = [
         add_uncertainty(at_load(scaled_result, loads, mu0=mu0, tau0=tau0), scaled_result, budget=False).isel(cut_off=0)
@@ -331,7 +339,7 @@ def evaluate_height_scale(
         values = np.stack([point[name].transpose(*unscaled_point[name].dims).values for point in points_by_factor])
         interpolated = np.stack(
             [
-                _interpolate_factors(values, solved_factors, factor, indices)
+                _interpolate_between_factors(values, solved_factors, factor, indices)
                 for factor, indices in zip(factors, neighbor_pairs, strict=True)
             ]
         )
@@ -361,12 +369,14 @@ def evaluate_height_scale(
 def _compute_rms_heights(study: Study) -> dict[str, float]:
     """Return the rms heights (µm) of both bodies of the first member, or an empty dict if scan files are missing."""
     try:
-        return {side: float(np.std(body.heights)) for side, body in zip(SIDES, first_pair(study), strict=True)}
+        return {side: float(np.std(body.heights)) for side, body in zip(SIDES, get_first_pair(study), strict=True)}
     except (ValueError, OSError):
         return {}
 
 
-def _interpolate_factors(values: Floats, solved_factors: Floats, factor: float, neighbors: tuple[int, int]) -> Floats:
+def _interpolate_between_factors(
+    values: Floats, solved_factors: Floats, factor: float, neighbors: tuple[int, int]
+) -> Floats:
     """Interpolate values along the first axis between computed height factors. NaN spreads to adjacent intervals."""
     from scipy.interpolate import PchipInterpolator
 

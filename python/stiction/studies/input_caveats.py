@@ -92,8 +92,8 @@ def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[f
                     elastic=not has_limited_pressure(study),
                 )  # fmt: skip
             for each in scan_caveats:
-                caveats_by_kind[_caveat_kind(each)] = max(
-                    caveats_by_kind.get(_caveat_kind(each), each), each, key=lambda caveat: caveat.cut_off
+                caveats_by_kind[_get_caveat_kind(each)] = max(
+                    caveats_by_kind.get(_get_caveat_kind(each), each), each, key=lambda caveat: caveat.cut_off
                 )
         return list(caveats_by_kind.values())
 
@@ -102,10 +102,12 @@ def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[f
     )
     pairs = [
         (each, other) for each in upper_caveats for other in lower_caveats
-        if _caveat_kind(each) == _caveat_kind(other) and each.severity == other.severity
+        if _get_caveat_kind(each) == _get_caveat_kind(other) and each.severity == other.severity
     ]  # fmt: skip
     paired_caveats = {caveat for pair in pairs for caveat in pair}
-    merged_caveats = [replace(max(pair, key=lambda each: each.cut_off), text=_merge_caveats(*pair)) for pair in pairs]
+    merged_caveats = [
+        replace(max(pair, key=lambda each: each.cut_off), text=_merge_caveat_texts(*pair)) for pair in pairs
+    ]
     unpaired_caveats = [
         [each for each in body_caveats if each not in paired_caveats] for body_caveats in (upper_caveats, lower_caveats)
     ]
@@ -113,13 +115,13 @@ def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[f
     caveats = [
         replace(each, text=f"{name}: {each.text}") for name, body_caveats in named_caveats for each in body_caveats
     ]
-    longest_cutoff = MAX_CUTOFF_FRACTION * min(_shortest_side(body) for body in (upper, lower))
-    caveats = [replace(each, remedy=_without_cutoff(each, longest_cutoff)) for each in caveats]
+    longest_cutoff = MAX_CUTOFF_FRACTION * min(_get_shortest_side_length(body) for body in (upper, lower))
+    caveats = [replace(each, remedy=_adapt_remedy_to_max_cutoff(each, longest_cutoff)) for each in caveats]
     mu0 = max(float(each) for each in study.friction.mu0)
     if mu0 > MAX_PLAUSIBLE_MU0:
         text = f"μ0 = {mu0:g} is larger than μ0 of any known pair of materials"
         caveats.append(Caveat(text, "specify μ0 as a fraction, not in per cent", "caution"))
-    area = float(np.prod(np.minimum(_axis_extents(upper), _axis_extents(lower))))
+    area = float(np.prod(np.minimum(_get_axis_extents(upper), _get_axis_extents(lower))))
     modulus = float(study.contact.effective_modulus)
     for load in loads:
         if load / area > MAX_PRESSURE_OVER_MODULUS * modulus:
@@ -129,7 +131,7 @@ def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[f
     return tuple(caveats)
 
 
-def _without_cutoff(caveat: Caveat, longest: float) -> str:
+def _adapt_remedy_to_max_cutoff(caveat: Caveat, longest: float) -> str:
     """Return the remedy of a caveat, or other advice if the suggested cutoff is above the largest allowed one (µm)."""
     if not longest < caveat.cut_off < math.inf:
         return caveat.remedy
@@ -139,20 +141,20 @@ def _without_cutoff(caveat: Caveat, longest: float) -> str:
     )
 
 
-def _shortest_side(body: Body) -> float:
+def _get_shortest_side_length(body: Body) -> float:
     """Return the length of a profile, or the length of the shorter side of a height map (µm)."""
-    return body.extent if isinstance(body, Profile) else min(_axis_extents(body))
+    return body.extent if isinstance(body, Profile) else min(_get_axis_extents(body))
 
 
 _NUMBER_PATTERN = re.compile(r"\d[\d.]*")
 
 
-def _caveat_kind(caveat: Caveat) -> str:
+def _get_caveat_kind(caveat: Caveat) -> str:
     """Return the text of a caveat without numbers, which identifies the kind of caveat."""
     return _NUMBER_PATTERN.sub("", caveat.text)
 
 
-def _merge_caveats(upper: Caveat, lower: Caveat) -> str:
+def _merge_caveat_texts(upper: Caveat, lower: Caveat) -> str:
     """Merge the texts of two caveats of the same kind. Wherever the texts contain different numbers, give both."""
     other_numbers = iter(_NUMBER_PATTERN.findall(lower.text))
 
@@ -196,7 +198,7 @@ def find_study_caveats(study: Study) -> tuple[Caveat, ...]:
     return find_input_caveats(upper, lower, study, [float(load) for load in study.friction.load])
 
 
-def _axis_extents(body: Body) -> tuple[float, float]:
+def _get_axis_extents(body: Body) -> tuple[float, float]:
     """Return the extents (µm) of a body along both axes.
 
     A profile is 1 µm wide, and the extents of a spectrum are infinite.

@@ -94,7 +94,7 @@ class UncertainInput:
     def describes_same_hardness(self, text: str) -> bool:
         """Return whether a string describes the same hardness distribution, possibly in another unit."""
         try:
-            other_input = self if text == self.text else parse_input("", text, "hardness")
+            other_input = self if text == self.text else parse_uncertain_input("", text, "hardness")
         except ValueError:
             return False
         return self.distribution == other_input.distribution and np.allclose(
@@ -104,9 +104,9 @@ class UncertainInput:
     def quantile(self, probability: ArrayLike) -> Floats:
         """Return the quantiles of the distribution at the given probabilities."""
         values = np.asarray(probability, dtype=np.float64)
-        return np.minimum(self._quantile(values), self.maximum)
+        return np.minimum(self._compute_quantile(values), self.maximum)
 
-    def _quantile(self, probability: Floats) -> Floats:
+    def _compute_quantile(self, probability: Floats) -> Floats:
         from scipy.special import ndtr, ndtri
 
         if self.is_exact:
@@ -124,7 +124,7 @@ class UncertainInput:
         )
 
 
-def parse_input(name: str, source: Any, kind: InputKind = "") -> UncertainInput:
+def parse_uncertain_input(name: str, source: Any, kind: InputKind = "") -> UncertainInput:
     """Parse a number in core units, or a string such as "0.2±0.02", "20..80 MPa", "150 HV" or "150 ± 10 % HV".
 
     Raises
@@ -138,7 +138,7 @@ def parse_input(name: str, source: Any, kind: InputKind = "") -> UncertainInput:
         value = _parse_value(name, source, kind)
         return UncertainInput(value, value, value, "exact", exact_quantity_text(value, "GPa") if kind else repr(value))
     text = " ".join(source.split())
-    parsed = _parse_text(name, _TEST_LOAD_PATTERN.sub("HV", text) if kind == "hardness" else text, kind)
+    parsed = _parse_distribution(name, _TEST_LOAD_PATTERN.sub("HV", text) if kind == "hardness" else text, kind)
     if not parsed.high <= MAX_INPUT_NUMBER:
         raise ValueError(
             f"{name} must be at most {MAX_INPUT_NUMBER:g}, including its uncertainty, got {short_repr(text)}"
@@ -151,7 +151,7 @@ def parse_input(name: str, source: Any, kind: InputKind = "") -> UncertainInput:
     return replace(parsed, text=text)
 
 
-def _parse_text(name: str, text: str, kind: InputKind) -> UncertainInput:
+def _parse_distribution(name: str, text: str, kind: InputKind) -> UncertainInput:
     """Parse a distribution from a string whose words are separated by single spaces."""
     is_rockwell = "HRC" in text and kind == "hardness"
     if match := _RANGE_PATTERN.fullmatch(text):
@@ -162,7 +162,7 @@ def _parse_text(name: str, text: str, kind: InputKind) -> UncertainInput:
         if kind in ("hardness", "modulus") and low == 0:
             raise ValueError(f"{name} must be above 0, got {short_repr(text)}")
         if is_rockwell:
-            return _convert_rockwell(low, high, text)
+            return _convert_rockwell_hardness(low, high, text)
         if is_uniform or low == 0:
             return UncertainInput(0.5 * (low + high), low, high, "uniform", text)
         if kind:
@@ -185,7 +185,7 @@ def _parse_text(name: str, text: str, kind: InputKind) -> UncertainInput:
                     f"{name} must be from {hardness_limits}, including its uncertainty, got {short_repr(text)}"
                 )
             low, high = (_parse_value(name, f"{end:g} HRC", kind) for end in limits)
-            return _convert_rockwell(low, high, text)
+            return _convert_rockwell_hardness(low, high, text)
         else:
             value, deviation = (_parse_value(name, text_part, kind) for text_part in _complete_units(first, last))
         if not deviation > 0:
@@ -198,11 +198,11 @@ def _parse_text(name: str, text: str, kind: InputKind) -> UncertainInput:
         return UncertainInput(value, value - Z_95 * deviation, value + Z_95 * deviation, "normal", text)
     value = _parse_value(name, text, kind)
     if text.endswith("HRC"):
-        return _convert_rockwell(value, value, text)
+        return _convert_rockwell_hardness(value, value, text)
     return UncertainInput(value, value, value, "exact", text)
 
 
-def _convert_rockwell(low: float, high: float, text: str) -> UncertainInput:
+def _convert_rockwell_hardness(low: float, high: float, text: str) -> UncertainInput:
     """Return the distribution of a hardness given in HRC, widened to include the conversion error."""
     half_width = math.hypot(0.5 * math.log(high / low), ROCKWELL_CONVERSION_ERROR)
     value = math.sqrt(low * high)
@@ -262,7 +262,7 @@ def _complete_units(first_text: str, last_text: str) -> tuple[str, str]:
 
 
 @functools.lru_cache(maxsize=32)
-def sobol_points(dimensions: int, count: int = NUM_INPUT_SAMPLES, *, seed: int = 0) -> Floats:
+def generate_sobol_points(dimensions: int, count: int = NUM_INPUT_SAMPLES, *, seed: int = 0) -> Floats:
     """Return points of a scrambled Sobol sequence in the unit cube, as an array of shape (count, dimensions).
 
     `count` must be a power of two.
@@ -273,14 +273,14 @@ def sobol_points(dimensions: int, count: int = NUM_INPUT_SAMPLES, *, seed: int =
     return make_read_only(np.clip(points, 1e-9, 1 - 1e-9))
 
 
-def stratified_points(dimensions: int) -> Floats:
+def generate_stratified_points(dimensions: int) -> Floats:
     """Return `NUM_INPUT_SAMPLES` points of a Sobol sequence, as an array of shape (NUM_INPUT_SAMPLES, dimensions)."""
-    return sobol_points(dimensions, NUM_INPUT_SAMPLES, seed=2016)
+    return generate_sobol_points(dimensions, NUM_INPUT_SAMPLES, seed=2016)
 
 
-def draw_samples(inputs: Mapping[str, UncertainInput]) -> dict[str, Floats]:
+def draw_input_samples(inputs: Mapping[str, UncertainInput]) -> dict[str, Floats]:
     """Draw `NUM_INPUT_SAMPLES` samples of each input."""
-    points = stratified_points(len(inputs))
+    points = generate_stratified_points(len(inputs))
     return {name: value.quantile(points[:, column]) for column, (name, value) in enumerate(inputs.items())}
 
 
@@ -298,7 +298,7 @@ def parse_study_input(name: str, source: Any) -> UncertainInput:
 
     The name is a key of `INPUT_KINDS`. Error messages do not include the name.
     """
-    parsed = parse_input("", source, INPUT_KINDS[name])
+    parsed = parse_uncertain_input("", source, INPUT_KINDS[name])
     if name == "poisson":
         if parsed.high > MAX_POISSON_RATIO:
             limits = f"from 0 to {MAX_POISSON_RATIO:g}, including its uncertainty"
@@ -340,7 +340,7 @@ class UncertainInputSettings(SettingsTable):
 
     @field_validator("*")
     @classmethod
-    def _check_inputs(cls, value: Any, info: ValidationInfo) -> Any:
+    def _validate_inputs(cls, value: Any, info: ValidationInfo) -> Any:
         texts = (value,) if isinstance(value, str) else value or ()
         for text in texts if info.field_name != "interface" else ():
             try:

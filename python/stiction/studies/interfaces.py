@@ -29,7 +29,7 @@ from stiction.mechanics.closed_forms import hardness_under_shear, hertz_sphere, 
 from stiction.mechanics.friction import LOAD_SUM_NAMES, FrictionCurve
 from stiction.mechanics.model import SlidingRule
 from stiction.studies.elasticity import Elasticity
-from stiction.studies.evaluation import ForcesPerLoad, build_area_interpolator, member_sums_at_loads, member_values
+from stiction.studies.evaluation import ForcesPerLoad, build_area_interpolator, interpolate_member_sums, member_values
 from stiction.studies.hardness import (
     AreaInterpolator,
     compute_relative_modulus,
@@ -37,9 +37,14 @@ from stiction.studies.hardness import (
     find_junction_growth,
     find_uncertain_inputs,
 )
-from stiction.studies.input_uncertainty import UncertainInput, draw_samples, parse_input, parse_study_input
+from stiction.studies.input_uncertainty import (
+    UncertainInput,
+    draw_input_samples,
+    parse_study_input,
+    parse_uncertain_input,
+)
 from stiction.studies.moduli import UncertainModulus, parse_elasticity
-from stiction.studies.study import Study, parse_dataset_study
+from stiction.studies.study import Study, parse_study_of_dataset
 
 if TYPE_CHECKING:
     import pandas
@@ -187,7 +192,7 @@ class _AreaFactor:
         return {name: each.quantile(columns[self.nuisance_name(name)]) for name, each in self.known.items()}
 
     @property
-    def growth(self) -> UncertainInput | None:
+    def junction_growth(self) -> UncertainInput | None:
         """Junction growth α, or None if contacts do not grow."""
         return None
 
@@ -230,7 +235,7 @@ class _AreaFactorFromResult(_AreaFactor):
     def from_result(cls, result: Any, load: float, wait: float) -> _AreaFactorFromResult | None:
         """Return the area factor of a result, or None if no uncertain input, creep or growth affects the area."""
         source = getattr(result, "source", result)
-        study = parse_dataset_study(getattr(result, "dataset", result))
+        study = parse_study_of_dataset(getattr(result, "dataset", result))
         uncertain_inputs = {
             name: each.estimate for name, each in find_uncertain_inputs(study).items() if name not in ("mu0", "tau0")
         }
@@ -261,7 +266,7 @@ class _AreaFactorFromResult(_AreaFactor):
         return super().input_values(columns) | scores
 
     @property
-    def growth(self) -> UncertainInput | None:
+    def junction_growth(self) -> UncertainInput | None:
         """Junction growth α, or None if contacts do not grow."""
         return find_junction_growth(self.study)
 
@@ -275,8 +280,10 @@ class _AreaFactorFromResult(_AreaFactor):
         hardness = hardness * self.wait ** -samples["creep"] if "creep" in samples else hardness
         modulus = compute_relative_modulus(self.study, samples)
         factor = self.areas.area_ratio(0, None if self.areas.hardness is None else hardness, modulus)
-        if self.growth is not None and strength is not None:
-            pressure = strength.pressure_under_shear(hardness, samples.get("junction_growth", self.growth.value))
+        if self.junction_growth is not None and strength is not None:
+            pressure = strength.pressure_under_shear(
+                hardness, samples.get("junction_growth", self.junction_growth.value)
+            )
             if strength.tau0 is None:  # keeps the pressure above the nominal pressure, so that the area is finite
                 pressure = np.maximum(pressure, MIN_RELATIVE_PRESSURE * self.areas.pressures[0])
             factor = factor * self.areas.growth_ratio(0, strength.sliding, hardness, pressure, modulus)
@@ -491,9 +498,9 @@ class Interface:
         is_joint = np.isfinite(area_per_load).all() and np.ptp(fit.mu0) > 0 and np.ptp(fit.tau0) > 0
         zeros = np.zeros(fit.mu0.size)
         strengths = []
-        if is_joint and credible_interval(fit.mu0, 0.0)[1] == 0:
+        if is_joint and compute_credible_interval(fit.mu0, 0.0)[1] == 0:
             strengths.append((zeros, fit.tau0 + fit.mu0 / area_per_load))
-        if is_joint and credible_interval(fit.tau0, 0.0)[1] == 0:
+        if is_joint and compute_credible_interval(fit.tau0, 0.0)[1] == 0:
             strengths.append((fit.mu0 + fit.tau0 * area_per_load, zeros))
         return tuple(strengths)
 
@@ -503,9 +510,9 @@ class Interface:
         The interval also covers the intervals for mu0 = 0 and for tau0 = 0, unless the tests exclude these values.
         """
         fit = self.fits[0]
-        value, low, high = credible_interval(coefficient(fit.mu0, fit.tau0), 0.0)
+        value, low, high = compute_credible_interval(coefficient(fit.mu0, fit.tau0), 0.0)
         for strength in self.samples_at_bounds:
-            _, low_at_bound, high_at_bound = credible_interval(coefficient(*strength), 0.0)
+            _, low_at_bound, high_at_bound = compute_credible_interval(coefficient(*strength), 0.0)
             low, high = min(low, low_at_bound), max(high, high_at_bound)
         return value, low, high
 
@@ -567,15 +574,15 @@ class Interface:
                 self.about.get(HARDNESS_HEADER_ENTRY, "")
             ):
                 samples["hardness"] = fit.hardness
-            if "junction_growth" in samples and self.has_growth(area_factor.known["junction_growth"]):
+            if "junction_growth" in samples and self.has_equal_junction_growth(area_factor.known["junction_growth"]):
                 samples["junction_growth"] = fit.junction_growth
-        growth = None if area_factor is None else area_factor.growth
-        depends_on_alpha = growth is not None or depends_on_growth(
+        growth = None if area_factor is None else area_factor.junction_growth
+        depends_on_alpha = growth is not None or depends_on_junction_growth(
             test_forces, float(np.median(fit.mu0)), float(np.median(fit.tau0))
         )
-        if depends_on_alpha and self.growth is not None and not self.has_growth(growth):
+        if depends_on_alpha and self.junction_growth is not None and not self.has_equal_junction_growth(growth):
             test_alpha, result_alpha = (
-                estimate.short_text if estimate is not None else "0" for estimate in (self.growth, growth)
+                estimate.short_text if estimate is not None else "0" for estimate in (self.junction_growth, growth)
             )
             warnings.warn(
                 f"the interface was calibrated with α = {test_alpha} of junction growth, and the result has "
@@ -583,27 +590,27 @@ class Interface:
                 stacklevel=2,
             )
 
-        def coefficient(mu0: Floats, tau0: Floats) -> Floats:
+        def compute_coefficients(mu0: Floats, tau0: Floats) -> Floats:
             strength = StrengthSamples(fit.sliding, mu0, tau0)
             total_area = (
                 area_samples if area_factor is None else area_samples * area_factor.factor_for_inputs(samples, strength)
             )
-            values = test_forces.coefficient(mu0, tau0, np.where(tau0 > 0, total_area, 1.0))
+            values = test_forces.compute_coefficient(mu0, tau0, np.where(tau0 > 0, total_area, 1.0))
             return np.where(np.isfinite(values), values, np.inf)
 
-        return self.interval_of(coefficient)
+        return self.interval_of(compute_coefficients)
 
     @property
-    def growth(self) -> UncertainInput | None:
+    def junction_growth(self) -> UncertainInput | None:
         """Junction growth α of the tests, or None if α differs between tests or does not affect them."""
         if GROWTH_HEADER_ENTRY not in self.about:
             return None
         median = float(f"{np.median(self.fits[0].junction_growth):.4g}")
         return replace(parse_study_input("junction_growth", self.about[GROWTH_HEADER_ENTRY]), value=median)
 
-    def has_growth(self, growth: UncertainInput | None) -> bool:
-        """Return whether the junction growth α of the tests has the distribution `growth` (None for α = 0)."""
-        test_growth = self.growth
+    def has_equal_junction_growth(self, growth: UncertainInput | None) -> bool:
+        """Return whether the junction growth α of the tests has the distribution `junction_growth` (None for α = 0)."""
+        test_growth = self.junction_growth
         if test_growth is None or growth is None:
             return test_growth is not None and test_growth.high == 0
         return test_growth.distribution == growth.distribution and np.allclose(
@@ -611,7 +618,7 @@ class Interface:
         )
 
 
-def credible_interval(values: Floats, bound: float = -math.inf) -> ValueWithLimits:
+def compute_credible_interval(values: Floats, bound: float = -math.inf) -> ValueWithLimits:
     """Return the median of the samples, and the limits of the interval that contains 95 % of them.
 
     The interval has equal tails, unless the shortest interval with 95 % of the samples starts at the bound. Then this
@@ -631,7 +638,7 @@ def credible_interval(values: Floats, bound: float = -math.inf) -> ValueWithLimi
     return float(np.median(sorted_values)), low, high
 
 
-def depends_on_growth(friction: _FrictionTestForces, mu0: float, tau0: float) -> bool:
+def depends_on_junction_growth(friction: _FrictionTestForces, mu0: float, tau0: float) -> bool:
     """Return whether junction growth with α = 27 (von Mises) would noticeably change the friction coefficient."""
     if not friction.stick * friction.hardness > MIN_PLASTIC_AREA_RATIO:
         return False
@@ -647,7 +654,7 @@ def list_sliding_rules(result: Any) -> tuple[str, ...]:
         return SLIDING_RULES
     if isinstance(result, FrictionCurve):
         return (str(getattr(result, "sliding", "all")),)
-    return tuple(parse_dataset_study(getattr(result, "dataset", result)).contact.rules())
+    return tuple(parse_study_of_dataset(getattr(result, "dataset", result)).contact.sliding_rules())
 
 
 def evaluate_test_forces(test: FrictionTest, sliding: SlidingRule) -> _FrictionTestForces:
@@ -658,11 +665,11 @@ def evaluate_test_forces(test: FrictionTest, sliding: SlidingRule) -> _FrictionT
     if isinstance(result, Ball):
         return _FrictionTestForces(stick=result.area_per_load(load), area_factor=test.area_factor)
     if isinstance(result, FrictionCurve):
-        return _evaluate_curve(result, load)
-    return replace(_evaluate_members(result, load, sliding), area_factor=test.area_factor)
+        return _interpolate_forces_per_load(result, load)
+    return replace(_average_forces_per_load(result, load, sliding), area_factor=test.area_factor)
 
 
-def _evaluate_curve(curve: FrictionCurve, load: float) -> _FrictionTestForces:
+def _interpolate_forces_per_load(curve: FrictionCurve, load: float) -> _FrictionTestForces:
     """Interpolate a load curve to a given load, and return the forces per load."""
     loads = np.asarray(curve.normal_elastic)
     if not loads.min() <= load * (1 + 1e-9) or not load * (1 - 1e-9) <= loads.max():
@@ -675,17 +682,17 @@ def _evaluate_curve(curve: FrictionCurve, load: float) -> _FrictionTestForces:
         values = values.reshape(-1, values.shape[-1])[0] / loads
         return float(np.interp(math.log(load), np.log(loads[order]), values[order]))
 
-    return _FrictionTestForces.of(
+    return _FrictionTestForces.from_contact_sums(
         {name: interpolate_sum(name) for name in LOAD_SUM_NAMES},
         hardness=float(getattr(curve, "hardness", None) or math.nan),
     )
 
 
-def _evaluate_members(result: Any, load: float, sliding: SlidingRule) -> _FrictionTestForces:
+def _average_forces_per_load(result: Any, load: float, sliding: SlidingRule) -> _FrictionTestForces:
     """Average the forces per load over the members and directions of a result at a given load."""
     dataset = getattr(result, "dataset", result)
     sums = (
-        member_sums_at_loads(dataset, np.array([load]))
+        interpolate_member_sums(dataset, np.array([load]))
         .sel(sliding=sliding)
         .isel(cut_off=0, load=0, missing_dims="ignore")
     )
@@ -707,11 +714,11 @@ def _evaluate_members(result: Any, load: float, sliding: SlidingRule) -> _Fricti
     )
     means = {name: values[is_reached].mean() for name, values in contact_sums.items()}
     surfaces = dataset.attrs["study"]
-    return _FrictionTestForces.of(
+    return _FrictionTestForces.from_contact_sums(
         means,
         scatter=relative_error,
         surfaces=surfaces,
-        hardness=float(parse_dataset_study(dataset).contact.hardness or math.nan),
+        hardness=float(parse_study_of_dataset(dataset).contact.hardness or math.nan),
     )
 
 
@@ -838,11 +845,11 @@ def read_interface(path: str | Path) -> Interface:
         or not (np.isfinite(table[:, :2]) & (table[:, :2] >= 0)).all()
     ):
         raise ValueError(f"{printable_path(path)} is a damaged interface file (mu0 and tau0 must be at least 0)")
-    fit = _build_fit(sliding, *table.T)
+    fit = _build_strength_fit(sliding, *table.T)
     return Interface((fit,), area_per_load, variation, separated, about=header)
 
 
-def _build_fit(sliding: Any, mu0: Any, tau0: Any, *more: Any) -> StrengthFit:
+def _build_strength_fit(sliding: Any, mu0: Any, tau0: Any, *more: Any) -> StrengthFit:
     return StrengthFit(sliding, math.nan, 0, math.nan, 1.0, math.nan, mu0, tau0, *more)
 
 
@@ -869,7 +876,7 @@ def interfaces() -> dict[str, dict[str, str]]:
     return {str(name): table for name, table in tomllib.loads(text).items()}
 
 
-def read_interfaces(path: str | Path) -> dict[str, dict[str, str]]:
+def read_interface_entries(path: str | Path) -> dict[str, dict[str, str]]:
     """Read one interface file, or all interface files in a folder, and return the entries by file name.
 
     Other files in the folder are ignored.
@@ -930,12 +937,12 @@ def interface(name_or_path: str | Path) -> Interface:
         known_names = "; ".join(interfaces())
         raise ValueError(f"interface must be a file or one of {known_names}, got {str(name_or_path)!r}")
     ranges: dict[str, UncertainInput] = {
-        "mu0": parse_input("mu0", published_entry["mu0"]),
-        "tau0": parse_input("tau0", published_entry["tau0"], "pressure"),
+        "mu0": parse_uncertain_input("mu0", published_entry["mu0"]),
+        "tau0": parse_uncertain_input("tau0", published_entry["tau0"], "pressure"),
     }
-    values = draw_samples(ranges)
+    values = draw_input_samples(ranges)
     unknown_samples = np.full(values["mu0"].size, math.nan)
-    fit = _build_fit("all", values["mu0"], values["tau0"], unknown_samples, unknown_samples, unknown_samples)
+    fit = _build_strength_fit("all", values["mu0"], values["tau0"], unknown_samples, unknown_samples, unknown_samples)
     description = {key: text for key, text in published_entry.items() if key not in ranges}
     return Interface((fit,), math.nan, math.nan, separated=True, about={"name": str(name_or_path), **description})
 

@@ -51,7 +51,7 @@ class LoadCrossings:
     scale: tuple[Floats, Floats] | None = None
 
     @classmethod
-    def of(cls, curve: Floats, loads: Floats, *, interpolates_ratio: bool = False) -> LoadCrossings:
+    def from_curves(cls, curve: Floats, loads: Floats, *, interpolates_ratio: bool = False) -> LoadCrossings:
         """Find where curves first rise through the given loads, by linear interpolation between loading steps.
 
         The curves have the shape (..., k), and the loads have the shape (l,). With `interpolates_ratio`, the ratio of
@@ -60,8 +60,8 @@ class LoadCrossings:
         """
         if interpolates_ratio:
             with np.errstate(divide="ignore", invalid="ignore"):
-                log_crossings = cls.of(np.log(curve), np.log(loads))
-                below, above = log_crossings._bracketing_values(curve)
+                log_crossings = cls.from_curves(np.log(curve), np.log(loads))
+                below, above = log_crossings._get_bracketing_values(curve)
                 is_close = ~(above > MAX_INTERPOLATED_LOAD_RATIO * below) | (above == loads)
             return cls(
                 log_crossings.index,
@@ -82,19 +82,19 @@ class LoadCrossings:
         fraction = np.divide(loads - before, step_difference, out=np.ones_like(before), where=step_difference > 0)
         return cls(index, fraction, reached, ~reached & is_at_least_load[..., 0, :])
 
-    def without_gap_crossings(self, curve: Floats, loads: Floats) -> LoadCrossings:
+    def without_crossings_after_nan(self, curve: Floats, loads: Floats) -> LoadCrossings:
         """Remove each crossing between two loading steps if the curve is NaN at the first of these steps."""
-        before, at_crossing = self._bracketing_values(curve)
+        before, at_crossing = self._get_bracketing_values(curve)
         return replace(self, reached=self.reached & (np.isfinite(before) | (at_crossing == loads)))
 
-    def _bracketing_values(self, curve: Floats) -> tuple[Floats, Floats]:
+    def _get_bracketing_values(self, curve: Floats) -> tuple[Floats, Floats]:
         """Return the curve values at the loading steps before and after each crossing, as arrays of shape (..., l)."""
         before, after = (
             np.take_along_axis(curve, index, axis=-1) for index in (np.maximum(self.index - 1, 0), self.index)
         )
         return before, after
 
-    def at(self, values: Floats, *, are_sums: bool = True) -> Floats:
+    def interpolate(self, values: Floats, *, are_sums: bool = True) -> Floats:
         """Interpolate values at the given loads. At loads that are not reached, the result is NaN.
 
         The values have the shape (..., more, k), and the result has the shape (..., more, l).
@@ -143,13 +143,15 @@ class MeansAtLoads:
     """
 
     def __init__(self, normal: Floats, values: Floats, repetitions: int, loads: Floats) -> None:
-        self.crossing = LoadCrossings.of(normal, loads)
+        self.crossing = LoadCrossings.from_curves(normal, loads)
         # Each point (p,) is a pair of a curve and a load that the curve reaches.
         self._curve, load = np.nonzero(self.crossing.reached)
         self._index, self._fraction = self.crossing.index[self._curve, load], self.crossing.fraction[self._curve, load]
         self._repetitions = repetitions
         self._load = loads[load]
-        self._mean_load, self._mean = (self._at(each[..., np.newaxis])[:, 0] for each in (normal, values))
+        self._mean_load, self._mean = (
+            self._interpolate_at_crossings(each[..., np.newaxis])[:, 0] for each in (normal, values)
+        )
         self._slope = _fit_slopes(values[self._curve], normal[self._curve], self._index)
         self._num_carrying = np.zeros(normal.shape[0], np.intp)
         self._has_negative_values = np.zeros(normal.shape[0], np.bool_)
@@ -169,7 +171,7 @@ class MeansAtLoads:
             # Loads and values of each repetition have the shape (p, r).
             # `load_change` and `mean_change` are the changes of the means if a repetition is omitted.
             repetition_load, repetition_mean = (
-                self._at(each[..., first : first + batch_size]) for each in (normal, values)
+                self._interpolate_at_crossings(each[..., first : first + batch_size]) for each in (normal, values)
             )
             self._loads.add(repetition_load)
             self._values.add(repetition_mean)
@@ -188,10 +190,12 @@ class MeansAtLoads:
         half_width = self._logarithms.half_width()
         with np.errstate(invalid="ignore", over="ignore"):
             logarithmic_limits = np.sort([mean * np.exp(-half_width), mean * np.exp(half_width)], axis=0)
-        is_symmetric = ~self._values.keeps_sign_without_any_value(mean) | ~self._logarithms.is_finite()
+        is_symmetric = ~self._values.keeps_sign_if_one_value_is_omitted(mean) | ~self._logarithms.is_finite()
         half_width = self._differences.half_width()
         lower_bound = np.where(self._has_negative_values, -np.inf, 0.0)[self._curve]
-        is_undetermined = ~self._loads.keeps_sign_without_any_value(self._load) | (self._num_carrying < 2)[self._curve]
+        is_undetermined = (
+            ~self._loads.keeps_sign_if_one_value_is_omitted(self._load) | (self._num_carrying < 2)[self._curve]
+        )
         lower = np.where(
             is_undetermined,
             np.nan,
@@ -200,7 +204,7 @@ class MeansAtLoads:
         upper = np.where(is_undetermined, np.nan, np.where(is_symmetric, mean + half_width, logarithmic_limits[1]))
         return self._arrange_over_loads(lower), self._arrange_over_loads(upper)
 
-    def _at(self, values: Floats) -> Floats:
+    def _interpolate_at_crossings(self, values: Floats) -> Floats:
         """Interpolate values of shape (c, k, r) at the crossings, and return an array of shape (p, r)."""
         after, before = values[self._curve, self._index], values[self._curve, np.maximum(self._index - 1, 0)]
         return np.asarray(before + self._fraction[:, np.newaxis] * (after - before))
@@ -224,7 +228,7 @@ class _RunningExtremes:
         self._least = np.minimum(self._least, values.min(axis=1, initial=np.inf))
         self._most = np.maximum(self._most, values.max(axis=1, initial=-np.inf))
 
-    def keeps_sign_without_any_value(self, mean: Floats) -> NDArray[np.bool_]:
+    def keeps_sign_if_one_value_is_omitted(self, mean: Floats) -> NDArray[np.bool_]:
         """Return whether the sum keeps the sign of the mean no matter which single value is omitted."""
         return np.asarray(np.where(mean > 0, self._sum - self._most > 0, (mean < 0) & (self._sum - self._least < 0)))
 
@@ -281,7 +285,7 @@ def _fit_slopes(values: Floats, normal: Floats, index: NDArray[np.intp]) -> Floa
 # ---- Means over a sample ---------------------------------------------------------------------------------------------
 
 
-def sample_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
+def average_independent_values(values: Floats) -> tuple[Floats, Floats, Floats]:
     """Average values along the first axis, ignoring NaN, and return the mean with its Student's t interval.
 
     If no value is negative, the logarithm of the mean is used, so that the interval is above 0.
@@ -294,10 +298,10 @@ def sample_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
     quantile = student_quantile(np.maximum(count - 1, 1))
     half_width = np.where(count >= MIN_SAMPLE_SIZE, quantile * error, np.nan)
     mean = np.where(count > 0, mean, np.nan)
-    return mean, *mean_interval(mean, half_width, (finite < 0).any(axis=0))
+    return mean, *interval_around_mean(mean, half_width, (finite < 0).any(axis=0))
 
 
-def mean_interval(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) -> tuple[Floats, Floats]:
+def interval_around_mean(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) -> tuple[Floats, Floats]:
     """Return the limits of the interval around a mean, given the half width of the interval.
 
     The interval is symmetric in the logarithm of the mean, unless `is_signed` is true or the mean is not positive.
@@ -310,7 +314,7 @@ def mean_interval(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) 
     return np.where(by_logarithm, lower, mean - half_width), np.where(by_logarithm, upper, mean + half_width)
 
 
-def sample_quantiles(values: Floats, probabilities: Sequence[float]) -> Floats:
+def compute_sample_quantiles(values: Floats, probabilities: Sequence[float]) -> Floats:
     """Return quantiles along the first axis, ignoring NaN. The first axis of the result runs over the probabilities.
 
     The quantiles equal those of `numpy.nanquantile`, which loops over columns and takes ten times as long.
@@ -330,7 +334,7 @@ def sample_quantiles(values: Floats, probabilities: Sequence[float]) -> Floats:
 
 
 @lru_cache(maxsize=32)
-def _mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
+def _compute_mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
     """Return the constants 1' R^-1 1, variance inflation, t quantile and t density of the autoregressive models."""
     rho, lags = _NEIGHBOR_CORRELATIONS, np.arange(1, count)
     weight_sums = (count - (count - 2) * rho) / (1 + rho)
@@ -339,7 +343,7 @@ def _mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
     return weight_sums, inflation, float(student_quantile(count - 1)), density
 
 
-def neighbors_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
+def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
     """Return the mean of correlated values measured at neighboring positions (first axis), with its interval.
 
     The model is a mixture of autoregressive processes with correlations ρ from 0 to 0.95, weighted by their likelihood
@@ -355,11 +359,11 @@ def neighbors_mean(values: Floats) -> tuple[Floats, Floats, Floats]:
         batch_size = max(1, NUM_BATCH_VALUES // (4 * count))
         for first in range(0, mean.size, batch_size):
             chunk = slice(first, first + batch_size)
-            lower[chunk], upper[chunk] = _neighbors_interval(rows[chunk], mean[chunk])
+            lower[chunk], upper[chunk] = _compute_interval_of_correlated_mean(rows[chunk], mean[chunk])
     return tuple(each.reshape(values.shape[1:]) for each in (mean, lower, upper))  # type: ignore[return-value]
 
 
-def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
+def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
     """Return the limits of the interval for each row mean, or NaN if all values in the row are equal.
 
     The values have the shape (c, r).
@@ -373,7 +377,7 @@ def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
     y, rho = deviations / np.where(has_spread, deviation, 1.0)[:, np.newaxis], _NEIGHBOR_CORRELATIONS
     y[~has_spread] = np.linspace(-1.0, 1.0, count)
     # For an autoregressive process, 1' R^-1 1, 1' R^-1 y and y' R^-1 y are closed forms in these sums.
-    weight_sums, inflation, quantile, density = _mixture_constants(count)
+    weight_sums, inflation, quantile, density = _compute_mixture_constants(count)
     end_values = y[:, [0, -1]]
     inner_sums, end_squares = y[:, 1:-1].sum(axis=1)[:, np.newaxis], np.square(end_values).sum(axis=1)[:, np.newaxis]
     products = (y[:, 1:] * y[:, :-1]).sum(axis=1)[:, np.newaxis]
@@ -408,7 +412,7 @@ def _neighbors_interval(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
     return np.where(has_spread, lower, np.nan), np.where(has_spread, upper, np.nan)
 
 
-def positions_mean(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Floats, Floats]:
+def average_line_means(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Floats, Floats]:
     """Average values along each line, and return the mean of the line averages with its 95 % interval."""
     if not values.shape[0]:
         return tuple(np.full(values.shape[1:], np.nan) for _ in range(3))  # type: ignore[return-value]
@@ -421,7 +425,7 @@ def positions_mean(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Flo
         np.add.at(sums, index, values)
         overall_mean = np.ascontiguousarray(np.moveaxis(sums, 0, -1)).sum(axis=-1) / counts.sum()
         line_means = (overall_mean + (sums - counts * overall_mean) / counts.mean())[np.argsort(first_indices)]
-    mean, lower, upper = neighbors_mean(line_means)
+    mean, lower, upper = average_correlated_values(line_means)
     return mean, np.maximum(lower, values.min(axis=0)), np.minimum(upper, values.max(axis=0))
 
 
@@ -445,7 +449,7 @@ class ScanPairMean:
         return float(student_quantile(min(self.freedom, MAX_DEGREES_OF_FREEDOM))) * math.sqrt(sum(self.variances))
 
 
-def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp]) -> ScanPairMean | None:
+def average_scan_pairs(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp]) -> ScanPairMean | None:
     """Return the mean over all pairs of scans and its variance components, or None if there are fewer than two pairs.
 
     The values have the shape (r, ...). The model has two-way random effects (Searle, Casella & McCulloch, Variance
@@ -491,12 +495,13 @@ def scans_mean(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp])
     )
     return ScanPairMean(
         mean, tuple(variance_components / count),
-        _satterthwaite(variance_components.sum(), weights, component_freedoms), math.sqrt(test_components.sum()),
-        _single_test_freedom(test_components, np.append(component_freedoms[:2], freedom_in_pairs)),
+        _satterthwaite_degrees_of_freedom(variance_components.sum(), weights, component_freedoms),
+        math.sqrt(test_components.sum()),
+        _single_test_degrees_of_freedom(test_components, np.append(component_freedoms[:2], freedom_in_pairs)),
     )  # fmt: skip
 
 
-def _single_test_freedom(components: Floats, freedoms: Floats) -> float:
+def _single_test_degrees_of_freedom(components: Floats, freedoms: Floats) -> float:
     """Return the degrees of freedom of the variance of a single test. This variance is a sum of components.
 
     The degrees of freedom are limited, so that the interval is at least as wide as the interval from each component
@@ -507,7 +512,7 @@ def _single_test_freedom(components: Floats, freedoms: Floats) -> float:
     from scipy.special import stdtridf
 
     variance = float(components.sum())
-    approximate_freedom = min(_satterthwaite(variance, components, freedoms), MAX_DEGREES_OF_FREEDOM)
+    approximate_freedom = min(_satterthwaite_degrees_of_freedom(variance, components, freedoms), MAX_DEGREES_OF_FREEDOM)
     if not variance > 0:
         return approximate_freedom
     max_component_width = float((student_quantile(freedoms) * np.sqrt(components / variance)).max())
@@ -516,7 +521,7 @@ def _single_test_freedom(components: Floats, freedoms: Floats) -> float:
     return float(stdtridf(0.5 + CONFIDENCE_LEVEL / 2, max_component_width))
 
 
-def _satterthwaite(variance: float, components: Floats, freedoms: Floats) -> float:
+def _satterthwaite_degrees_of_freedom(variance: float, components: Floats, freedoms: Floats) -> float:
     """Return the degrees of freedom of a variance that is a sum of estimated components (Satterthwaite, 1946)."""
     squares = float((components**2 / freedoms).sum())
     return float(variance**2 / squares) if squares > 0 else math.inf

@@ -67,7 +67,7 @@ def coordinate_specs_and_values(
     Each entry is a pair of the description of an array and its values.
     """
     values_by_name: dict[str, NDArray[Any]] = {
-        **study.surfaces.cells(),
+        **study.surfaces.cell_coordinates(),
         "repetition": np.arange(study.ensemble.repetitions) if repetitions is None else np.array(repetitions, np.int64),
         **{name: np.array(entries) for name, entries in study.motion_coordinates().items()},
         study.step_quantity: study.contact.loading_steps(),
@@ -94,7 +94,7 @@ def variable_specs(study: Study, repetitions: Sequence[int] | NDArray[np.intp] |
     """Return the array specifications of all variables of a result, for all or some repetitions."""
     sizes = {name: values.size for name, (_, values) in coordinate_specs_and_values(study, repetitions).items()}
     variables = {}
-    for name in variable_names(study):
+    for name in list_variable_names(study):
         dims = _list_dims(study, name)
         dtype = np.dtype(QUANTITIES[name].dtype)
         attributes: dict[str, Any] = dict(quantity_attributes(name))
@@ -104,21 +104,23 @@ def variable_specs(study: Study, repetitions: Sequence[int] | NDArray[np.intp] |
     return variables
 
 
-def member_bytes(study: Study) -> int:
+def compute_member_size(study: Study) -> int:
     """Return the total size in bytes of all arrays of one member."""
     return sum(spec.size for spec in variable_specs(study, [0]).values())
 
 
-def members_per_piece(size: int) -> int:
+def compute_members_per_piece(size: int) -> int:
     """Return how many members (a power of two) fit in one piece of a result, if each member takes `size` bytes."""
     return 1 << max(0, (MAX_PIECE_BYTES // max(1, size)).bit_length() - 1)
 
 
-def variable_names(study: Study) -> tuple[str, ...]:
+def list_variable_names(study: Study) -> tuple[str, ...]:
     """Return the variable names of a result. These are contact sums and, for measured bodies, contact statistics."""
     if not study.is_measured:
-        return study.sums()
-    return tuple(dict.fromkeys((*study.sums(), *STATISTIC_QUANTITIES, *DISTRIBUTION_QUANTITIES, *GAP_QUANTITIES)))
+        return study.contact_sum_names()
+    return tuple(
+        dict.fromkeys((*study.contact_sum_names(), *STATISTIC_QUANTITIES, *DISTRIBUTION_QUANTITIES, *GAP_QUANTITIES))
+    )
 
 
 def _list_dims(study: Study, name: str) -> tuple[str, ...]:
@@ -129,12 +131,16 @@ def _list_dims(study: Study, name: str) -> tuple[str, ...]:
     dims = {"step": study.step_quantity, "fraction_below": "fraction_below"} | {
         motion: motion for motion in study.motion_coordinates()
     }
-    return (*study.surfaces.cells(), "repetition", *(dims[axis] for axis in QUANTITIES[name].along if axis in dims))
+    return (
+        *study.surfaces.cell_coordinates(),
+        "repetition",
+        *(dims[axis] for axis in QUANTITIES[name].along if axis in dims),
+    )
 
 
 def stack_members(study: Study, members: Sequence[ArraysByName]) -> ArraysByName:
     """Stack the arrays of several members along a new axis, placed after axes such as fractal dimension or cutoff."""
-    axis = len(study.surfaces.cells())
+    axis = len(study.surfaces.cell_coordinates())
     return {
         name: np.stack([member[name] for member in members], axis=0 if name in MEMBER_COORDINATE_TYPES else axis)
         for name in members[0]
@@ -229,9 +235,9 @@ def nondimensional(
     check_instance("result", result, xarray.Dataset, "an xarray.Dataset")
     if "study" in result.attrs:
         from stiction.studies.generated_surfaces import GeneratedSurfaceSettings
-        from stiction.studies.study import parse_dataset_study
+        from stiction.studies.study import parse_study_of_dataset
 
-        study = parse_dataset_study(result)
+        study = parse_study_of_dataset(result)
         if length is None and isinstance(study.surfaces, GeneratedSurfaceSettings):
             length = study.surfaces.max_wavelength()
         result_modulus: Any = float(study.contact.effective_modulus)

@@ -41,7 +41,7 @@ _VARIABLES_BY_QUANTITY = {
 """Contact sums that each derived quantity requires. All other quantities are stored directly."""
 
 
-def _needed_variable_names(quantity: str) -> tuple[str, ...]:
+def _list_required_variables(quantity: str) -> tuple[str, ...]:
     """Return the names of the stored variables from which a quantity is computed."""
     return _VARIABLES_BY_QUANTITY.get(quantity, tuple(dict.fromkeys((*_LOAD_VARIABLES, quantity))))
 
@@ -89,7 +89,7 @@ def friction_map(
     >>> friction_map(run(Study.named("quick").with_changes(small)), [1e-3], mu0=0.4)["friction_coefficient"].dims
     ('fractal_dimension', 'amplitude', 'load', 'mu0', 'tau0')
     """
-    return ensemble_map(Result.of(result), loads, mu0, tau0, "friction_coefficient")
+    return evaluate_ensemble_quantity(Result.of(result), loads, mu0, tau0, "friction_coefficient")
 
 
 def area_map(
@@ -129,7 +129,7 @@ def area_map(
     >>> area_map(run(Study.named("quick").with_changes(small)), [1e-3])["contact_area"].dims
     ('fractal_dimension', 'amplitude', 'load', 'mu0', 'tau0')
     """
-    return ensemble_map(Result.of(result), loads, mu0, tau0, "contact_area")
+    return evaluate_ensemble_quantity(Result.of(result), loads, mu0, tau0, "contact_area")
 
 
 def stiffness_map(
@@ -187,7 +187,7 @@ def stiffness_map(
         )
     if step_dimension == "load" and any(piece["approach"].isnull().any() for piece in result.pieces(["approach"])):
         raise ValueError("a free half-plane has no approach and therefore no stiffness; use periodic boundaries")
-    return ensemble_map(result, loads, mu0, tau0, "normal_stiffness")
+    return evaluate_ensemble_quantity(result, loads, mu0, tau0, "normal_stiffness")
 
 
 def find_cell_dimensions(dataset: xarray.Dataset) -> list[str]:
@@ -200,7 +200,7 @@ def move_repetitions_last(array: xarray.DataArray, dims: Sequence[str]) -> NDArr
     return np.ascontiguousarray(array.transpose(*dims, "repetition").values)
 
 
-def solved_pieces(
+def iterate_solved_pieces(
     result: Result, names: Iterable[str] | None = None, transform: DatasetTransformation | None = None
 ) -> Iterator[xarray.Dataset]:
     """Yield the pieces of a result, omitting members for which the solver failed at any load."""
@@ -214,7 +214,7 @@ def solved_pieces(
         yield solved_piece if transform is None else transform(solved_piece)
 
 
-def ensemble_map(
+def evaluate_ensemble_quantity(
     result: Result, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, quantity_name: str,
     transform: DatasetTransformation | None = None,
 ) -> xarray.Dataset:  # fmt: skip
@@ -230,7 +230,7 @@ def ensemble_map(
     missing += [name for name in MAP_CELL_DIMENSIONS if name in dataset.dims and not dataset.sizes[name]]
     if missing or not find_cell_dimensions(dataset):
         raise ValueError(f"the dataset has no dimension {(missing or ['fractal_dimension'])[0]!r}")
-    for name in _needed_variable_names(quantity_name):
+    for name in _list_required_variables(quantity_name):
         if name not in dataset:
             raise ValueError(f"the dataset has no variable {name!r}")
     ensemble_quantity = _EnsembleQuantity(
@@ -239,7 +239,7 @@ def ensemble_map(
     # The first pass finds the steps at which the mean loads are reached.
     # The second pass computes the intervals at these steps.
     averages, quantity_sums, count = _average_sums(
-        lambda: solved_pieces(result, ensemble_quantity.names(), transform),
+        lambda: iterate_solved_pieces(result, ensemble_quantity.required_variables(), transform),
         quantity_name,
         ensemble_quantity.step_dimension,
     )
@@ -247,7 +247,9 @@ def ensemble_map(
         raise ValueError("no member of the result could be computed at all loads")
     means_by_cell = {}
     for cell_index in np.ndindex(ensemble_quantity.cells):
-        normal, values = (each[..., 0] for each in ensemble_quantity.curves(cell_index, averages, quantity_sums))
+        normal, values = (
+            each[..., 0] for each in ensemble_quantity.compute_curves(cell_index, averages, quantity_sums)
+        )
         means_by_cell[cell_index] = intervals.MeansAtLoads(normal, values, count, load_values)
     batch_size = max(
         1,
@@ -258,16 +260,16 @@ def ensemble_map(
         ),
     )
     with executor_or_thread_pool(None) as pool:
-        for piece in solved_pieces(result, ensemble_quantity.names(), transform):
+        for piece in iterate_solved_pieces(result, ensemble_quantity.required_variables(), transform):
             sums_by_cell = [_compute_sums(piece, quantity_name, ensemble_quantity.step_dimension)] * len(means_by_cell)
 
-            def add(cell_index: tuple[int, ...], sums: tuple[ContactSums, ContactSums]) -> None:
+            def add_members_to_cell(cell_index: tuple[int, ...], sums: tuple[ContactSums, ContactSums]) -> None:
                 for first in range(0, sums[0].contact_count.shape[-1], batch_size):
                     means_by_cell[cell_index].add(
-                        *ensemble_quantity.curves(cell_index, *sums, slice(first, first + batch_size))
+                        *ensemble_quantity.compute_curves(cell_index, *sums, slice(first, first + batch_size))
                     )
 
-            list(pool.map(add, means_by_cell, sums_by_cell))
+            list(pool.map(add_members_to_cell, means_by_cell, sums_by_cell))
     return ensemble_quantity.build_dataset(means_by_cell, averages, quantity_sums)
 
 
@@ -283,14 +285,14 @@ class _EnsembleQuantity:
         # The validity of the model is known only if the dataset contains all contact sums.
         self.has_all_sums = all(name in head for name in SUM_QUANTITIES)
 
-    def names(self) -> tuple[str, ...]:
+    def required_variables(self) -> tuple[str, ...]:
         """Return the names of the variables that must be read from the result."""
-        variables = _needed_variable_names(self.quantity)
+        variables = _list_required_variables(self.quantity)
         if self.quantity == "normal_stiffness" and self.step_dimension == "load":
             variables = (*variables, "approach")  # the stiffness is a derivative with respect to the approach
         return (*variables, *(name for name in SUM_QUANTITIES if self.has_all_sums and name not in variables))
 
-    def curves(
+    def compute_curves(
         self,
         cell: tuple[int, ...],
         sums: ContactSums,
@@ -303,7 +305,7 @@ class _EnsembleQuantity:
         )
         strengths = self.mu0[:, np.newaxis, np.newaxis, np.newaxis], self.tau0[:, np.newaxis, np.newaxis]
         normal = friction.compute_load("normal", cell_sums, *strengths)
-        values = np.broadcast_to(_compute_values(cell_quantity_sums, self.quantity, *strengths), normal.shape)
+        values = np.broadcast_to(_compute_quantity_values(cell_quantity_sums, self.quantity, *strengths), normal.shape)
         return tuple(array.reshape(-1, *normal.shape[2:]) for array in (normal, values))  # type: ignore[return-value]
 
     def build_dataset(
@@ -322,7 +324,7 @@ class _EnsembleQuantity:
             for array, curve_values in zip((mean, lower, upper), (means.mean, *means.interval()), strict=True):
                 array[cell] = _reshape_curves(curve_values, self.shape)
             cell_averages = averages.apply(operator.itemgetter((*cell, slice(None), 0)))
-            normal = self.curves(cell, averages, quantity_sums)[0][..., 0]
+            normal = self.compute_curves(cell, averages, quantity_sums)[0][..., 0]
             # True if the pair is self-locked at the largest approach.
             is_locked = (cell_averages.contact_count[-1] > 0) & (normal[:, -1:] <= 0)
             cell_status = friction.choose_statuses(
@@ -332,7 +334,7 @@ class _EnsembleQuantity:
             status[cell] = _reshape_curves(cell_status, self.shape)
             if self.has_all_sums:
                 sums_at_loads = {
-                    name: means.crossing.at(np.tile(getattr(cell_averages, name), (normal.shape[0], 1)))
+                    name: means.crossing.interpolate(np.tile(getattr(cell_averages, name), (normal.shape[0], 1)))
                     for name in SUM_QUANTITIES
                 }
                 for name, validity_value in vars(Validity.from_sums(ContactSums(**sums_at_loads))).items():
@@ -401,7 +403,7 @@ def _compute_sums(dataset: xarray.Dataset, quantity: str, step_dimension: str) -
     )
 
 
-def _compute_values(sums: ContactSums, quantity: str, mu0: Floats, tau0: Floats) -> Floats:
+def _compute_quantity_values(sums: ContactSums, quantity: str, mu0: Floats, tau0: Floats) -> Floats:
     if not (quantity in _VARIABLES_BY_QUANTITY or QUANTITIES[quantity].weighted):
         return sums.contact_area
     return friction.compute_load("tangential" if quantity == "friction_coefficient" else "normal", sums, mu0, tau0)

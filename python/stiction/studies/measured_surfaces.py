@@ -30,11 +30,11 @@ from stiction.studies.values import (
     SignedLength,
     as_tuple,
     as_written,
+    format_quantities,
     make_key_error,
     read_length,
-    require_different,
+    require_distinct,
     to_value_array,
-    to_written_form,
 )
 from stiction.surfaces.cut_off import MAX_CUTOFF_FRACTION, cut_off
 from stiction.surfaces.filters import validate_cutoff
@@ -115,10 +115,10 @@ def _parse_crop(value: object) -> tuple[Quantity, ...] | None:
     return tuple(quantity(text.strip() if isinstance(text, str) else text, "length") for text in texts)
 
 
-def _validate_one_or_list(read: Callable[[object], Any], max_count: int = 2) -> PlainValidator:
+def _build_one_or_list_validator(read: Callable[[object], Any], max_count: int = 2) -> PlainValidator:
     """Return a validator that accepts None, a single value, or a list of 2 to `max_count` values."""
 
-    def values(value: object) -> Any:
+    def parse_one_or_list(value: object) -> Any:
         if not isinstance(value, (list, tuple)):
             return None if value is None else read(value)
         if not 2 <= len(value) <= max_count:
@@ -126,7 +126,7 @@ def _validate_one_or_list(read: Callable[[object], Any], max_count: int = 2) -> 
             raise ValueError(f"must be one value or a list of {allowed}, got {short_repr(value)}")
         return tuple(map(read, value))
 
-    return PlainValidator(values)
+    return PlainValidator(parse_one_or_list)
 
 
 MIN_HEIGHT_FACTOR, MAX_HEIGHT_FACTOR = 0.01, 100.0  # limits of `height_factor`
@@ -149,12 +149,12 @@ class MeasuredBodySettings(SettingsTable):
 
     def __eq__(self, value: object) -> bool:
         """Compare all fields except the body, which the checksum identifies."""
-        return isinstance(value, MeasuredBodySettings) and self._identity() == value._identity()
+        return isinstance(value, MeasuredBodySettings) and self._comparison_key() == value._comparison_key()
 
     def __hash__(self) -> int:
-        return hash(self._identity())
+        return hash(self._comparison_key())
 
-    def _identity(self) -> tuple[Any, ...]:
+    def _comparison_key(self) -> tuple[Any, ...]:
         return tuple(value for name, value in self if name != "body")
 
     file: str = Field(min_length=1, max_length=MAX_FILE_NAME_LENGTH, description="Name of the file.")
@@ -163,17 +163,18 @@ class MeasuredBodySettings(SettingsTable):
         pattern="^[0-9a-f]{64}$",
         description="SHA-256 checksum; a file of this name with another checksum is rejected.",
     )
-    unit: Annotated[str | tuple[str, str] | None, _validate_one_or_list(_parse_unit)] = Field(
+    unit: Annotated[str | tuple[str, str] | None, _build_one_or_list_validator(_parse_unit)] = Field(
         default=None, description="Unit of all lengths in the file, or units of positions and heights."
     )
-    spacing: Annotated[Quantity | tuple[Quantity, Quantity] | None, _validate_one_or_list(read_length), as_written] = (
-        Field(default=None, description="Distance between neighbouring points, or between rows and between columns.")
-    )
+    spacing: Annotated[
+        Quantity | tuple[Quantity, Quantity] | None, _build_one_or_list_validator(read_length), as_written
+    ] = Field(default=None, description="Distance between neighbouring points, or between rows and between columns.")
     channel: Annotated[
         ColumnNameOrIndex | None, PlainValidator(lambda value: None if value is None else _parse_column(value))
     ] = Field(default=None, description="Channel or sheet to read, if the file has several.")
     columns: Annotated[
-        ColumnNameOrIndex | tuple[ColumnNameOrIndex, ...] | None, _validate_one_or_list(_parse_column, max_count=3)
+        ColumnNameOrIndex | tuple[ColumnNameOrIndex, ...] | None,
+        _build_one_or_list_validator(_parse_column, max_count=3),
     ] = Field(
         default=None, description="Columns to read from a table: positions and heights; x, y and z; or heights only."
     )
@@ -214,7 +215,7 @@ class MeasuredBodySettings(SettingsTable):
 
     @model_validator(mode="before")
     @classmethod
-    def _parse_list(cls, value: Any) -> Any:
+    def _parse_scan_list(cls, value: Any) -> Any:
         if not isinstance(value, (list, tuple)) or not value:
             return value
         first_table, *other_tables = ({"file": item} if isinstance(item, str) else item for item in value)
@@ -230,7 +231,7 @@ class MeasuredBodySettings(SettingsTable):
         """File name without its folder. If there are further scans, their number is appended."""
         return Path(self.file).name + (f" and {len(self.others)} more" if self.others else "")
 
-    def _map_scans(self, change: Callable[[MeasuredBodySettings], MeasuredBodySettings]) -> MeasuredBodySettings:
+    def _apply_to_scans(self, change: Callable[[MeasuredBodySettings], MeasuredBodySettings]) -> MeasuredBodySettings:
         return change(self).model_copy(update={"others": self.others and tuple(map(change, self.others))})
 
     @classmethod
@@ -253,9 +254,9 @@ class MeasuredBodySettings(SettingsTable):
 
     def with_saved_bodies(self, folder: Path, side: str) -> MeasuredBodySettings:
         """Write bodies that are in memory to files in a folder. The returned entry refers to these files."""
-        return self._map_scans(lambda scan: scan._save_body(folder, side))
+        return self._apply_to_scans(lambda scan: scan._with_saved_body(folder, side))
 
-    def _save_body(self, folder: Path, side: str) -> MeasuredBodySettings:
+    def _with_saved_body(self, folder: Path, side: str) -> MeasuredBodySettings:
         if self.body is None:
             return self
         assert self.sha256 is not None
@@ -283,9 +284,9 @@ class MeasuredBodySettings(SettingsTable):
 
         Raises a `ValueError` if the checksum of the file differs.
         """
-        return _scale_heights(self.height_factor, self._read())  # type: ignore[no-any-return]
+        return _scale_heights(self.height_factor, self._read_unscaled())  # type: ignore[no-any-return]
 
-    def _read(self) -> Body:
+    def _read_unscaled(self) -> Body:
         """Read the body without multiplying its heights by the height factor."""
         if self.body is not None:
             return self.body.body  # type: ignore[no-any-return]
@@ -305,18 +306,18 @@ class MeasuredBodySettings(SettingsTable):
         if not MIN_HEIGHT_FACTOR <= total_factor <= MAX_HEIGHT_FACTOR:
             limits = f"from {MIN_HEIGHT_FACTOR:g} to {MAX_HEIGHT_FACTOR:g}"
             raise ValueError(f"height_factor must be {limits}, got {total_factor:g} for {self.name}")
-        return self._map_scans(lambda scan: scan.model_copy(update={"height_factor": factor * scan.height_factor}))
+        return self._apply_to_scans(lambda scan: scan.model_copy(update={"height_factor": factor * scan.height_factor}))
 
     @property
     def bodies(self) -> list[Profile | Surface]:
         """Scans of the body that are profiles or surfaces. Spectra are omitted."""
         return [body for scan in self.scans if isinstance(body := scan.read(), (Profile, Surface))]
 
-    def limited_cut_off(self, wavelength: float) -> float:
+    def limit_cut_off(self, wavelength: float) -> float:
         """Return the cutoff wavelength (µm) of the pair, limited to the largest cutoff allowed for this scan."""
         return wavelength if self.max_cut_off is None else min(wavelength, float(self.max_cut_off))
 
-    def interpolation_extent(self) -> Floats:
+    def find_interpolated_fraction_and_gap(self) -> Floats:
         """Return the fraction of points that were interpolated, and the size of the largest data gap.
 
         The size is an area (µm²) for height maps, and a length (µm) for profiles.
@@ -370,7 +371,7 @@ class MeasuredBodySettings(SettingsTable):
 
     def with_absolute_paths(self, directory: Path) -> MeasuredBodySettings:
         """Return a copy of the entry with absolute paths. Relative paths are resolved against `directory`."""
-        return self._map_scans(
+        return self._apply_to_scans(
             lambda scan: (
                 scan if scan.body else scan.model_copy(update={"file": str((directory / scan.file).absolute())})
             )
@@ -378,7 +379,7 @@ class MeasuredBodySettings(SettingsTable):
 
     def with_checksums(self) -> MeasuredBodySettings:
         """Return a copy of the entry with all checksums, computing those that are missing."""
-        return self._map_scans(
+        return self._apply_to_scans(
             lambda scan: scan if scan.sha256 is not None else scan.model_copy(update={"sha256": scan.checksum()})
         )
 
@@ -420,9 +421,9 @@ def _read_body(file: MeasuredBodySettings) -> Body:
 @functools.lru_cache(maxsize=16)
 def _load_reading(file: MeasuredBodySettings) -> FileReading[Profile | Surface]:
     return load_interpreted_file(
-        file.file, unit=file.unit, spacing=to_written_form(file.spacing), missing=file.missing, channel=file.channel,
-        columns=file.columns, outliers=file.outliers, crop=to_written_form(file.crop), missing_value=file.missing_value,
-        accept=file.accept,
+        file.file, unit=file.unit, spacing=format_quantities(file.spacing), missing=file.missing, channel=file.channel,
+        columns=file.columns, outliers=file.outliers, crop=format_quantities(file.crop),
+        missing_value=file.missing_value, accept=file.accept,
     )  # fmt: skip
 
 
@@ -504,15 +505,15 @@ class CommonMeasuredSurfaceSettings(SettingsTableVariant):
         "interval at the first cutoff then also covers the interval at the second.",
     )
 
-    def cells(self) -> dict[str, Floats]:
+    def cell_coordinates(self) -> dict[str, Floats]:
         """Return the cutoffs (µm) for which a result is computed."""
         return {"cut_off": to_value_array(self.cut_off)}
 
     def quoted_cut_off(self) -> float:
         """Return the cutoff (µm) of the quoted result, which is the first cutoff in the study."""
-        return float(self.cells()["cut_off"][0])
+        return float(self.cell_coordinates()["cut_off"][0])
 
-    def with_files(self, change: Callable[[MeasuredBodySettings, str], MeasuredBodySettings]) -> Self:
+    def with_changed_files(self, change: Callable[[MeasuredBodySettings, str], MeasuredBodySettings]) -> Self:
         """Return a copy of the table in which each file is replaced by `change(file, side)`."""
         return self.model_copy(update={side: change(getattr(self, side), side) for side in SIDES})
 
@@ -535,14 +536,14 @@ class CommonMeasuredSurfaceSettings(SettingsTableVariant):
         pair_index = members % (upper * lower)
         return pair_index % upper, (pair_index + pair_index // math.lcm(upper, lower)) % lower
 
-    def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> MemberSource:
+    def build_member_source(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> MemberSource:
         """Low-pass filter each scan at its own cutoff (µm, 0 for no filter), and form members from the filtered scans.
 
         Raises a `ValueError` if there are no members.
         """
         raise NotImplementedError
 
-    def filtered(self, scans: tuple[Body, Body], cut_offs: CutoffPair) -> Iterator[Profile | Surface]:
+    def filter_scans(self, scans: tuple[Body, Body], cut_offs: CutoffPair) -> Iterator[Profile | Surface]:
         """Yield both scans after low-pass filtering each scan at its own cutoff (µm, 0 for no filter)."""
         for scan, wavelength in zip(scans, cut_offs, strict=True):
             if isinstance(scan, JoinedSpectrum):
@@ -591,7 +592,7 @@ class MeasuredLineSettings(CommonMeasuredSurfaceSettings):
     positions: (
         Annotated[
             tuple[LengthOrZero, ...], as_tuple, Field(min_length=1, max_length=MAX_RELATIVE_POSITIONS),
-            AfterValidator(require_different),
+            AfterValidator(require_distinct),
         ]
         | None
     ) = Field(
@@ -606,9 +607,9 @@ class MeasuredLineSettings(CommonMeasuredSurfaceSettings):
             raise make_key_error("positions", "must not be given with offsets or travel")
         return self
 
-    def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> LineMemberSource:
+    def build_member_source(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> LineMemberSource:
         """Return members that consist of lines from both scans or from their surrogates, at several positions."""
-        upper, lower = self.filtered(scans, cut_offs)
+        upper, lower = self.filter_scans(scans, cut_offs)
         level: ProfileTrend | None = None if self.level == "none" else self.level
         positions = None if self.positions is None else tuple(map(float, self.positions))
         travel = max(positions) if positions else None if self.travel is None else float(self.travel)
@@ -667,10 +668,10 @@ class LineMemberSource:
     def find_shared_properties(self) -> SharedMemberProperties:
         """Return the properties that all members have in common."""
         slider, counterface = self.pairs.pair(0)
-        return _shared_line_properties(slider, counterface, len(slider) / len(counterface), self.scans)
+        return _find_shared_line_properties(slider, counterface, len(slider) / len(counterface), self.scans)
 
 
-def _shared_line_properties(
+def _find_shared_line_properties(
     slider: Profile, counterface: Profile, used_fraction: float, scans: tuple[Any, Any]
 ) -> SharedMemberProperties:
     """Return the properties shared by all members of a study of lines.
@@ -706,7 +707,7 @@ class MeasuredMapSettings(CommonMeasuredSurfaceSettings):
     positions: (
         Annotated[
             tuple[Annotated[tuple[SignedLength, SignedLength], as_tuple], ...], as_tuple,
-            Field(min_length=1, max_length=MAX_RELATIVE_POSITIONS), AfterValidator(require_different),
+            Field(min_length=1, max_length=MAX_RELATIVE_POSITIONS), AfterValidator(require_distinct),
         ]
         | None
     ) = Field(
@@ -720,9 +721,11 @@ class MeasuredMapSettings(CommonMeasuredSurfaceSettings):
         """Index of the first member that consists of pieces of the measured maps. Earlier members are surrogates."""
         return self.surrogates
 
-    def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> MapMemberSource | GapMemberSource:
+    def build_member_source(
+        self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int
+    ) -> MapMemberSource | GapMemberSource:
         """Return the members, which are surrogates followed by pairs of map pieces, or a single measured gap."""
-        upper, lower = self.filtered(scans, cut_offs)
+        upper, lower = self.filter_scans(scans, cut_offs)
         if not (isinstance(upper, Surface) and isinstance(lower, Surface)):
             raise ValueError('surfaces.press must be "lines" or "surrogates" for a profile, got "areas"')
         if self.gap:
@@ -751,18 +754,18 @@ class SurrogateSettings(CommonMeasuredSurfaceSettings):
         default="plane", description="Form to remove from each file; a plane is a straight line for a profile."
     )
 
-    def members(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> MapMemberSource:
+    def build_member_source(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> MapMemberSource:
         """Return the members. Each is a pair of random height maps with the spectra of two scans."""
         first, second = scans
         if isinstance(first, JoinedSpectrum) or isinstance(second, JoinedSpectrum):
-            shortest_cutoff = float(self.cells()["cut_off"].min())
+            shortest_cutoff = float(self.cell_coordinates()["cut_off"].min())
             return MapMemberSource(
                 SpectralSurfacePairs(
                     to_joined_spectrum(first), to_joined_spectrum(second), self.level, seed, cut_offs, shortest_cutoff
                 ),
                 scans,
             )
-        upper, lower = self.filtered(scans, cut_offs)
+        upper, lower = self.filter_scans(scans, cut_offs)
         if isinstance(upper, Surface) and isinstance(lower, Surface):
             return MapMemberSource(build_map_pairs(upper, lower, self.level, seed), scans)
         if not (isinstance(upper, Profile) and isinstance(lower, Profile)):

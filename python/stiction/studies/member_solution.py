@@ -37,22 +37,22 @@ from stiction.studies.contact_statistics import (
     QUANTILE_PROBABILITIES,
     ContactList,
     PairSlopes,
-    compute_steep_contact_load,
-    compute_steep_point_load,
+    compute_steep_contact_load_fraction,
+    compute_steep_point_load_fraction,
     tabulate_asperity_contacts,
     tabulate_contact_patches,
 )
 from stiction.studies.contact_tables import AsperityModelSettings, CommonContactSettings, HalfSpaceSettings
-from stiction.studies.layout import ArraysByName, variable_names, variable_specs
+from stiction.studies.layout import ArraysByName, list_variable_names, variable_specs
 from stiction.studies.members import (
     MAX_BATCH_BYTES,
-    count_points,
+    count_grid_points,
     fill_profile_family,
-    first_pair,
-    generate_pairs,
+    generate_profile_pairs,
+    generate_unscaled_surface,
+    get_first_pair,
     load_bodies,
-    scaled_surface,
-    unscaled_surface,
+    scale_surface_to_amplitude,
 )
 from stiction.studies.study import Study
 from stiction.surfaces.pairing import SIDES
@@ -85,10 +85,13 @@ def solve_at_loads(
     about a third of the time.
     """
     contact = study.contact
-    num_loads, motion_shape = contact.loading_steps().size, (len(contact.rules()), contact.direction_angles().size)
+    num_loads, motion_shape = (
+        contact.loading_steps().size,
+        (len(contact.sliding_rules()), contact.direction_angles().size),
+    )
     values = {
         name: _build_unsolved_values(name, motion_shape, num_loads)
-        for name in variable_names(study)
+        for name in list_variable_names(study)
         if name not in GAP_QUANTITIES
     }
     slopes = PairSlopes.from_pair(upper, lower) if study.is_measured else None
@@ -137,7 +140,12 @@ def _solve_half_space(
     is_areal = isinstance(upper, Surface)
     first_direction: list[float] | Literal["+x"] = contact.direction_angles().tolist() if is_areal else "+x"
     solve = functools.partial(
-        half_space, upper, lower, **contact.solver_arguments(), direction=first_direction, sliding=contact.rules()[0]
+        half_space,
+        upper,
+        lower,
+        **contact.solver_arguments(),
+        direction=first_direction,
+        sliding=contact.sliding_rules()[0],
     )
     sum_names = (*HALF_SPACE_SUM_QUANTITIES, *(ADHESION_QUANTITIES[:1] if contact.adheres else ()))
 
@@ -151,7 +159,7 @@ def _solve_half_space(
                 for direction in _list_profile_directions(contact)
             ]
         )
-        rules = enumerate(contact.rules())
+        rules = enumerate(contact.sliding_rules())
         return [
             [direction if rule == 0 else direction.with_sliding(sliding) for direction in direction_curves]
             for rule, sliding in rules
@@ -184,7 +192,7 @@ def _solve_half_space(
             load_solution = curve.at(index)
             for name, value in (
                 tabulate_contact_patches(load_solution).compute_statistics()
-                | compute_steep_point_load(load_solution, slopes)
+                | compute_steep_point_load_fraction(load_solution, slopes)
             ).items():
                 values[name][load] = value
     if contact.adheres:
@@ -204,7 +212,7 @@ def _solve_asperities(
     With the detection criterion "cell", the load jumps at some approaches. Sums at a load within a jump are
     interpolated between the states just before and just after the jump.
     """
-    model, is_areal = contact.model(), isinstance(upper, Surface)
+    model, is_areal = contact.contact_model(), isinstance(upper, Surface)
     if is_areal:  # A map needs one load curve for all directions, but a profile needs one for each direction.
         models = [replace(model, direction=contact.direction_angles().tolist(), shear="+x").for_surfaces()]
     else:
@@ -249,7 +257,7 @@ def _solve_asperities(
         return np.asarray(np.rint(interpolated) if QUANTITIES[name].dtype is int else interpolated)
 
     names = [name for name in (*SUM_QUANTITIES, *AREAL_SUM_QUANTITIES) if name in values]
-    for rule, sliding in enumerate(contact.rules()):
+    for rule, sliding in enumerate(contact.sliding_rules()):
         curves: list[Any] = [press_bodies(approaches, model=replace(item, sliding=sliding)) for item in models]
         for name in names:
             if name not in DIRECTED_SUM_QUANTITIES:
@@ -265,7 +273,7 @@ def _solve_asperities(
     values["closure_stiffness"][solved_loads] = stiffness / np.prod(upper.extent) * STIFFNESS_UNIT_FACTOR
     for load in solved_loads:
         table = tabulate_asperity_contacts(list_contacts(float(approach[load]), model=first_model), upper)
-        for name, value in (table.compute_statistics() | compute_steep_contact_load(table, slopes)).items():
+        for name, value in (table.compute_statistics() | compute_steep_contact_load_fraction(table, slopes)).items():
             values[name][load] = value
 
 
@@ -292,7 +300,7 @@ class PressedPair:
     model: ContactModel | None = None  # contact model of the asperities; None for the half-space model
 
     @classmethod
-    def of(cls, study: Study, pair: tuple[Any, Any], load: float) -> PressedPair | None:
+    def solve(cls, study: Study, pair: tuple[Any, Any], load: float) -> PressedPair | None:
         """Compute the contact between both bodies at a load (mN), or return None if the solver fails."""
         upper, lower = pair
         contact = study.contact
@@ -302,7 +310,7 @@ class PressedPair:
             except RuntimeError:
                 return None
             return cls(upper, lower, curve)
-        model = replace(contact.model(), shear="+x", direction=None, sliding="all")
+        model = replace(contact.contact_model(), shear="+x", direction=None, sliding="all")
         model = model.for_profiles() if isinstance(upper, Profile) else replace(model, direction=0.0).for_surfaces()
         approach, status = find_approaches_at_loads(
             SurfacePair(upper, lower), np.array([load]), mu0=0.0, tau0=0.0, model=model
@@ -313,7 +321,7 @@ class PressedPair:
         load_curve: LoadCurve = press(*bodies, approach, model=model)  # type: ignore[call-overload]
         return cls(upper, lower, load_curve, model=model)
 
-    def table(self) -> ContactList:
+    def tabulate_contacts(self) -> ContactList:
         """Return a table of the contacts between the two bodies."""
         if isinstance(self.curve, HalfSpaceCurve):
             return tabulate_contact_patches(self.curve.at(0))
@@ -362,17 +370,17 @@ iterations.
 _reusable_arrays = threading.local()
 
 
-def compute_member_sums(study: Study, index: int) -> ArraysByName:
+def compute_member_arrays(study: Study, index: int) -> ArraysByName:
     """Compute all variables of one member of a study. The arrays have no member axis.
 
     Measured bodies also have the `MEMBER_COORDINATE_TYPES`. Values are NaN at loads for which the solver fails. Raises
     a `ValueError` if the bodies cannot be loaded.
     """
     arrays: ArraysByName = {
-        name: np.empty(shape, dtype) for name, (shape, dtype) in array_shapes_and_types(study).items()
+        name: np.empty(shape, dtype) for name, (shape, dtype) in get_array_shapes_and_types(study).items()
     }
     for cell_index, part in (
-        _solve_measured(study, index, arrays) if study.is_measured else _solve_generated(study, index)
+        _solve_measured_member(study, index, arrays) if study.is_measured else _solve_generated_member(study, index)
     ):
         for name, values in part.items():
             arrays[name][cell_index] = values.reshape(arrays[name][cell_index].shape)
@@ -380,9 +388,9 @@ def compute_member_sums(study: Study, index: int) -> ArraysByName:
 
 
 @functools.lru_cache(maxsize=4)
-def array_shapes_and_types(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
+def get_array_shapes_and_types(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
     """Return the shape and data type of each variable, for a single member."""
-    num_cell_dims = len(study.surfaces.cells())
+    num_cell_dims = len(study.surfaces.cell_coordinates())
     return {
         name: ((*spec.shape[:num_cell_dims], *spec.shape[num_cell_dims + 1 :]), spec.dtype)
         for name, spec in variable_specs(study, [0]).items()
@@ -391,9 +399,9 @@ def array_shapes_and_types(study: Study) -> dict[str, tuple[tuple[int, ...], np.
 
 def estimate_member_time(study: Study) -> float:
     """Estimate the time (s) for computing one member on one core."""
-    num_cells = math.prod(values.size for values in study.surfaces.cells().values())
+    num_cells = math.prod(values.size for values in study.surfaces.cell_coordinates().values())
     num_loads = study.contact.loading_steps().size
-    num_points, is_areal = count_points(study), study.is_areal
+    num_points, is_areal = count_grid_points(study), study.is_areal
     if study.uses_half_space and study.contact.adheres:
         min_stiffness = PULL_OFF_ITERATION_FACTORS[is_areal] / MAX_PULL_OFF_ITERATIONS
         num_pull_off_iterations = PULL_OFF_ITERATION_FACTORS[is_areal] / max(
@@ -425,12 +433,12 @@ def estimate_solution_time(study: Study) -> float:
     if study.contact.adheres:
         return additional_time + ITERATIONS_PER_LOAD * _estimate_iteration_time(study)
     coefficient, exponent = SOLUTION_TIME_COEFFICIENTS[is_areal]
-    return additional_time + coefficient * math.pow(count_points(study), exponent)
+    return additional_time + coefficient * math.pow(count_grid_points(study), exponent)
 
 
 def _estimate_iteration_time(study: Study) -> float:
     coefficient, exponent = ITERATION_TIME_COEFFICIENTS[study.is_areal]
-    return coefficient * math.pow(count_points(study), exponent)
+    return coefficient * math.pow(count_grid_points(study), exponent)
 
 
 @functools.lru_cache(maxsize=16)
@@ -442,7 +450,7 @@ def _estimate_relative_stiffness(study: Study) -> float:
     """
     contact, gap = study.contact, np.zeros((0, 0))
     with contextlib.suppress(ValueError, OSError):
-        upper, lower = first_pair(study)
+        upper, lower = get_first_pair(study)
         gap = np.asarray(upper.heights - lower.heights)
     if not gap.size:
         return 0.0
@@ -455,23 +463,26 @@ def _estimate_relative_stiffness(study: Study) -> float:
 # ---- Generated bodies ------------------------------------------------------------------------------------------------
 
 
-def _solve_generated(study: Study, repetition: int) -> Iterator[tuple[Any, ArraysByName]]:
+def _solve_generated_member(study: Study, repetition: int) -> Iterator[tuple[Any, ArraysByName]]:
     """Yield the contact sums of one repetition, with their indices, for each fractal dimension and amplitude."""
     if not (study.is_areal or study.uses_half_space or study.contact.onset):
         yield from _solve_profile_batches(study, repetition)
         return
     press_pair = solve_at_loads if study.uses_half_space else _solve_at_approaches
-    cells: Any = study.surfaces.cells()
+    cells: Any = study.surfaces.cell_coordinates()
     dimensions, amplitudes = cells["fractal_dimension"], cells["amplitude"]
     if not study.is_areal:
         for a, amplitude in enumerate(amplitudes):
-            for d, pair in enumerate(generate_pairs(study, repetition, dimensions, amplitude)):
+            for d, pair in enumerate(generate_profile_pairs(study, repetition, dimensions, amplitude)):
                 yield (d, a), press_pair(study, *pair)
         return
     for d, dimension in enumerate(dimensions):
-        upper, lower = (unscaled_surface(study, repetition, side, dimension) for side in SIDES)
+        upper, lower = (generate_unscaled_surface(study, repetition, side, dimension) for side in SIDES)
         for a, amplitude in enumerate(amplitudes):
-            yield (d, a), press_pair(study, *(scaled_surface(study, body, amplitude) for body in (upper, lower)))
+            yield (
+                (d, a),
+                press_pair(study, *(scale_surface_to_amplitude(study, body, amplitude) for body in (upper, lower))),
+            )
 
 
 def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> ArraysByName:
@@ -486,7 +497,7 @@ def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile 
         name: np.stack([getattr(curve, name) for curve in curves])
         if name in DIRECTED_SUM_QUANTITIES
         else getattr(curves[0], name)
-        for name in study.sums()
+        for name in study.contact_sum_names()
         if name not in ONSET_QUANTITIES
     }
     return sums | _compute_onsets(study, curves[0]) if study.contact.onset else sums
@@ -511,7 +522,7 @@ def _compute_onsets(study: Study, curve: LoadCurve) -> ArraysByName:
 
 @functools.lru_cache(maxsize=4)
 def _list_contact_models(contact: Any) -> tuple[ContactModel, ...]:
-    return tuple(contact.model(rule) for rule in contact.rules())
+    return tuple(contact.contact_model(rule) for rule in contact.sliding_rules())
 
 
 @functools.lru_cache(maxsize=4)
@@ -529,7 +540,7 @@ def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slic
     steps, models = _list_loading_steps(study.contact), _list_contact_models(study.contact)
     dimensions, amplitudes = surfaces.fractal_dimensions(), surfaces.amplitudes()
     batch_size = min(dimensions.size, max(1, MAX_BATCH_BYTES // (8 * surfaces.points)))
-    height_buffer = _reuse_array((2 * batch_size + 2, surfaces.points))
+    height_buffer = _get_reused_array((2 * batch_size + 2, surfaces.points))
     for first in range(0, dimensions.size, batch_size):
         batch_dimensions = dimensions[first : first + batch_size]
         upper_heights, lower_heights = (
@@ -544,14 +555,14 @@ def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slic
             models=[model.for_profiles().core() for model in models],
         )  # fmt: skip
         shape = batch_dimensions.size, amplitudes.size, len(models), steps.size
-        tables = {name: columns[name].reshape(shape) for name in study.sums()}
+        tables = {name: columns[name].reshape(shape) for name in study.contact_sum_names()}
         yield (
             slice(first, first + batch_dimensions.size),
             {name: table if name in DIRECTED_SUM_QUANTITIES else table[:, :, :1] for name, table in tables.items()},
         )
 
 
-def _reuse_array(shape: tuple[int, ...]) -> Floats:
+def _get_reused_array(shape: tuple[int, ...]) -> Floats:
     """Return an uninitialised array that all tasks of a thread reuse, because memory allocation is slow.
 
     The array is aligned to cache lines of the processor, so that vector writes do not cross cache lines.
@@ -567,10 +578,10 @@ def _reuse_array(shape: tuple[int, ...]) -> Floats:
 # ---- Measured bodies -------------------------------------------------------------------------------------------------
 
 
-def _solve_measured(study: Study, index: int, arrays: ArraysByName) -> Iterator[tuple[int, ArraysByName]]:
+def _solve_measured_member(study: Study, index: int, arrays: ArraysByName) -> Iterator[tuple[int, ArraysByName]]:
     """Yield each cutoff's index and the contact sums of the member. Write the member coordinates to `arrays`."""
     computes_unloading = index - study.surfaces.first_scan_member_index < NUM_UNLOADING_MEMBERS
-    for cell_index, wavelength in enumerate(study.surfaces.cells()["cut_off"]):
+    for cell_index, wavelength in enumerate(study.surfaces.cell_coordinates()["cut_off"]):
         member = load_bodies(study).member(index, float(wavelength))
         arrays |= {name: np.asarray(getattr(member, name)) for name in ("x", "y", "line", "surrogate")}
         yield (

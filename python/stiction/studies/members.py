@@ -43,7 +43,7 @@ def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
     )  # fmt: skip
 
 
-def _weierstrass_keywords(surfaces: Any) -> dict[str, Any]:
+def _get_weierstrass_arguments(surfaces: Any) -> dict[str, Any]:
     """Return the arguments of Eq. 1 that a study specifies. Phases and grid are not included."""
     return {
         "length_scale": float(surfaces.length_scale), "gamma": surfaces.gamma, "convention": surfaces.convention,
@@ -59,11 +59,11 @@ def fill_profile_family(study: Study, heights: Floats, dimensions: Floats, repet
     surfaces: Any = study.surfaces
     phases = generate_phases(study, repetition, side)
     return fractal.fill_profile_family(
-        heights, phases, dimensions, extent=float(surfaces.extent), **_weierstrass_keywords(surfaces)
+        heights, phases, dimensions, extent=float(surfaces.extent), **_get_weierstrass_arguments(surfaces)
     )
 
 
-def unscaled_profile(study: Study, repetition: int, side: Side, dimension: float) -> Profile:
+def generate_unscaled_profile(study: Study, repetition: int, side: Side, dimension: float) -> Profile:
     """Generate a profile of given fractal dimension without scaling it to an amplitude."""
     surfaces: Any = study.surfaces
     heights = np.empty((1, surfaces.points))
@@ -71,7 +71,7 @@ def unscaled_profile(study: Study, repetition: int, side: Side, dimension: float
     return Profile(heights[0], spacing=surfaces.spacing)
 
 
-def generate_pairs(
+def generate_profile_pairs(
     study: Study, repetition: int, dimensions: Floats, amplitude: float
 ) -> Iterator[tuple[Profile, Profile]]:
     """Yield a pair of profiles for each fractal dimension.
@@ -93,7 +93,7 @@ def generate_pairs(
             yield upper, lower
 
 
-def unscaled_surface(study: Study, repetition: int, side: Side, dimension: float) -> Surface:
+def generate_unscaled_surface(study: Study, repetition: int, side: Side, dimension: float) -> Surface:
     """Generate a surface of given fractal dimension without scaling it to an amplitude."""
     surfaces: Any = study.surfaces
     if isinstance(surfaces, SelfAffineSettings):
@@ -107,11 +107,11 @@ def unscaled_surface(study: Study, repetition: int, side: Side, dimension: float
         )  # fmt: skip
     phases = generate_phases(study, repetition, side)
     return fractal.weierstrass_mandelbrot_surface(
-        phases, dimension, shape=surfaces.shape, extent=surfaces.extents(), **_weierstrass_keywords(surfaces)
+        phases, dimension, shape=surfaces.shape, extent=surfaces.extents(), **_get_weierstrass_arguments(surfaces)
     )
 
 
-def scaled_surface(study: Study, surface: Surface, amplitude: float) -> Surface:
+def scale_surface_to_amplitude(study: Study, surface: Surface, amplitude: float) -> Surface:
     """Scale a surface to an amplitude. The study specifies how amplitudes are measured."""
     surfaces: Any = study.surfaces
     return surface.with_amplitude(amplitude, surfaces.amplitude_measure)
@@ -157,17 +157,19 @@ def pair_of(
         )
     if study.is_areal:
         upper, lower = (
-            scaled_surface(study, unscaled_surface(study, repetition, side, fractal_dimension), amplitude)
+            scale_surface_to_amplitude(
+                study, generate_unscaled_surface(study, repetition, side, fractal_dimension), amplitude
+            )
             for side in SIDES
         )
         return upper, lower
-    return next(generate_pairs(study, repetition, np.array([fractal_dimension]), amplitude))
+    return next(generate_profile_pairs(study, repetition, np.array([fractal_dimension]), amplitude))
 
 
 # ---- Measured bodies -------------------------------------------------------------------------------------------------
 
 
-def _grid_properties(body: Any) -> tuple[Any, ...]:
+def _get_grid_properties(body: Any) -> tuple[Any, ...]:
     """Return the type, shape and spacing of a scan, for comparison with other scans.
 
     The spacing is rounded, because positions in a file are subject to round-off.
@@ -186,7 +188,7 @@ class PreparedBodies:
         self._surfaces, self._seed = surfaces, seed
         self._parts = [[scan.read() for scan in getattr(surfaces, side).scans] for side in SIDES]
         for side, scans in zip(SIDES, self._parts, strict=True):
-            if len(scans) > 1 and len({_grid_properties(scan) for scan in scans}) > 1:
+            if len(scans) > 1 and len({_get_grid_properties(scan) for scan in scans}) > 1:
                 raise ValueError(
                     f"surfaces.{side}: the scans of a part must have the same number of points and the same spacing"
                 )
@@ -195,9 +197,9 @@ class PreparedBodies:
                 raise ValueError(f"surfaces.{side}: two scans of a part are identical; give each scan only once")
         if surfaces.first_scan_member_index and math.prod(surfaces.scan_counts) > 1:
             raise ValueError("surfaces.surrogates: must be 0 if a part has several scans")
-        self.members = functools.lru_cache(MAX_CACHED_PAIRS)(self._prepare_members)
+        self.members = functools.lru_cache(MAX_CACHED_PAIRS)(self._prepare_member_source)
 
-    def _prepare_members(self, wavelength: float, upper: int = 0, lower: int = 0) -> MemberSource:
+    def _prepare_member_source(self, wavelength: float, upper: int = 0, lower: int = 0) -> MemberSource:
         """Low-pass filter two scans at a cutoff (µm, 0 for no filter), and form members from the filtered scans.
 
         Raises a `ValueError` if the scans have no members.
@@ -205,8 +207,8 @@ class PreparedBodies:
         surfaces, indices = self._surfaces, (upper, lower)
         scan_pair = self._parts[0][upper], self._parts[1][lower]
         files = (getattr(surfaces, side).scans[index] for side, index in zip(SIDES, indices, strict=True))
-        upper_cutoff, lower_cutoff = (file.limited_cut_off(wavelength) for file in files)
-        return surfaces.members(scan_pair, (upper_cutoff, lower_cutoff), self._seed)
+        upper_cutoff, lower_cutoff = (file.limit_cut_off(wavelength) for file in files)
+        return surfaces.build_member_source(scan_pair, (upper_cutoff, lower_cutoff), self._seed)
 
     def member(self, index: int, wavelength: float) -> EnsembleMember:
         """Return the member with a given index. Its scans are filtered at a cutoff (µm, 0 for no filter)."""
@@ -232,7 +234,7 @@ class PreparedBodies:
         for side, scan in zip(SIDES, properties.scans, strict=True):
             attributes[f"{side}_spacing_um"] = np.atleast_1d(np.asarray(scan.spacing, np.float64))
             attributes[f"{side}_extent_um"] = np.atleast_1d(np.asarray(scan.extent, np.float64))
-            if (interpolated := getattr(self._surfaces, side).interpolation_extent()).any():
+            if (interpolated := getattr(self._surfaces, side).find_interpolated_fraction_and_gap()).any():
                 attributes[f"{side}_filled"] = interpolated
         return BodyAttributes(
             nominal_area=float(properties.area) * self._find_measured_fraction(), attributes=attributes
@@ -250,22 +252,22 @@ class PreparedBodies:
         return float(np.mean(fractions)) if fractions else 1.0
 
 
-def count_points(study: Study) -> int:
+def count_grid_points(study: Study) -> int:
     """Return the number of grid points of a member. If the scan files are missing, return a typical number."""
     settings: Any = study.surfaces
     if not study.is_measured:
         return math.prod(settings.shape) if study.is_areal else int(settings.points)
     with contextlib.suppress(ValueError, OSError):
-        return int(np.prod(body_attributes(study).attributes["shape"]))
+        return int(np.prod(find_body_attributes(study).attributes["shape"]))
     return TYPICAL_SCAN_POINTS[study.is_areal]
 
 
-def first_pair(study: Study) -> Any:
+def get_first_pair(study: Study) -> Any:
     """Return both bodies of the first member. They belong to the first cutoff or, if generated, to the first cell.
 
     Raises a `ValueError` if files are missing.
     """
-    cell = {name: float(values[0]) for name, values in study.surfaces.cells().items()}
+    cell = {name: float(values[0]) for name, values in study.surfaces.cell_coordinates().items()}
     return load_bodies(study).member(0, cell["cut_off"]).pair if study.is_measured else pair_of(study, 0, **cell)
 
 
@@ -285,6 +287,6 @@ def _load_cached_bodies(surfaces: MeasuredSurfaceSettings, seed: int, _: object)
     return PreparedBodies(surfaces, seed)
 
 
-def body_attributes(study: Study) -> BodyAttributes:
+def find_body_attributes(study: Study) -> BodyAttributes:
     """Return the attributes of the bodies in a study. Generated bodies have none."""
     return load_bodies(study).attributes() if study.is_measured else BodyAttributes()

@@ -76,18 +76,18 @@ def _compute_compliance(young: Any, poisson: Any) -> Any:
 
 def find_material_moduli(body: Material) -> dict[str, UncertainInput]:
     """Return Young's modulus (GPa) and Poisson's ratio of a material, each with the range given by its source."""
-    poisson = replace(_input_from_range(body.poisson_ratio, "normal"), maximum=MAX_POISSON_RATIO)
-    return {"young": _input_from_range(body.young_modulus, "log-normal"), "poisson": poisson}
+    poisson = replace(_build_input_from_range(body.poisson_ratio, "normal"), maximum=MAX_POISSON_RATIO)
+    return {"young": _build_input_from_range(body.young_modulus, "log-normal"), "poisson": poisson}
 
 
-def _input_from_range(value: MaterialValue, distribution: InputDistribution) -> UncertainInput:
+def _build_input_from_range(value: MaterialValue, distribution: InputDistribution) -> UncertainInput:
     low, high = float(value.low), float(value.high)
     return UncertainInput(float(value), low, high, distribution if low < high else "exact", f"{low:g}..{high:g}")
 
 
 def find_material_hardness(value: MaterialValue) -> UncertainInput:
     """Return the hardness (GPa) of a material, with the range given by its source."""
-    return _input_from_range(value, "log-normal")
+    return _build_input_from_range(value, "log-normal")
 
 
 def parse_elasticity(

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction.studies.budget import SAME_INPUT_TOLERANCE, add_uncertainty
-from stiction.studies.evaluation import at_load, reached_loads
+from stiction.studies.evaluation import at_load, choose_loads_in_range
 from stiction.studies.hardness import find_uncertain_inputs
 
 if TYPE_CHECKING:
@@ -81,41 +81,44 @@ class NodeAxis:
         return np.concatenate([self.rising, self.ranged])
 
     @property
-    def bounds(self) -> list[tuple[float, float]]:
+    def ranged_node_intervals(self) -> list[tuple[float, float]]:
         """Interval around each ranged node. All values in the interval are treated as equal to the node."""
         return [
             (float(node / (1 + SAME_INPUT_TOLERANCE)), float(node / (1 - SAME_INPUT_TOLERANCE))) for node in self.ranged
         ]
 
-    def with_nodes(self, additional: Sequence[float]) -> NodeAxis:
+    def with_added_nodes(self, additional: Sequence[float]) -> NodeAxis:
         """Return a copy of the axis with additional rising nodes."""
         return NodeAxis(np.unique([*self.rising, *additional]), self.ranged)
 
-    def split_candidates(self) -> Floats:
+    def panel_split_points(self) -> Floats:
         """Return the midpoint of each panel between rising nodes, shifted if it would be too close to a ranged node."""
         midpoints = (self.rising[1:] + self.rising[:-1]) / 2
-        return np.where(self._is_ranged(midpoints), 0.5 * (midpoints + self.rising[1:]), midpoints)
+        return np.where(self._is_at_ranged_node(midpoints), 0.5 * (midpoints + self.rising[1:]), midpoints)
 
     @property
-    def panel_middles(self) -> Floats:
+    def panel_midpoints(self) -> Floats:
         """Midpoint of the panel that starts at each node, or the node itself if no panel starts there."""
-        return np.concatenate([self.split_candidates(), self.rising[-1:], self.ranged])
+        return np.concatenate([self.panel_split_points(), self.rising[-1:], self.ranged])
 
     @property
-    def panel_ends(self) -> NDArray[np.intp]:
+    def panel_end_indices(self) -> NDArray[np.intp]:
         """Index of the node at which the panel of each node ends, or the node's own index if it has no panel."""
         indices = np.arange(self.values.size)
         return np.where(indices < self.rising.size - 1, indices + 1, indices)
 
-    def _is_ranged(self, values: Floats) -> Any:
+    def _is_at_ranged_node(self, values: Floats) -> Any:
         return np.logical_or.reduce(
-            [np.zeros(values.shape, bool), *((low <= values) & (values <= high) for low, high in self.bounds)]
+            [
+                np.zeros(values.shape, bool),
+                *((low <= values) & (values <= high) for low, high in self.ranged_node_intervals),
+            ]
         )
 
     def weights(self, value: float, *, cubic: bool = True) -> Floats:
         """Return the weight of each node for the interpolation at a given value of mu0 or tau0."""
         weights = np.zeros(self.values.size)
-        for index, (low, high) in enumerate(self.bounds):
+        for index, (low, high) in enumerate(self.ranged_node_intervals):
             if low <= value <= high:
                 weights[self.rising.size + index] = 1.0
                 return weights
@@ -190,7 +193,7 @@ class InterpolationNodes:
         if self.study.is_measured:
             return np.asarray(self.study.contact.loading_steps())
         try:
-            low, high = (float(f"{load:.3g}") for load in reached_loads(self.result, 2))
+            low, high = (float(f"{load:.3g}") for load in choose_loads_in_range(self.result, 2))
         except ValueError:
             return np.zeros(0)
         return np.array([float(f"{load:.5g}") for load in np.geomspace(low, high, NUM_REPORT_LOADS)])
@@ -212,13 +215,13 @@ class InterpolationNodes:
         else:
             loads = self._sampled_loads
         max_nodes = MAX_NODES_OF_MEASURED_SURFACES if self.study.is_measured else MAX_NODES
-        return refine_axes(initial_axes(self.study), partial(self._friction, loads), max_nodes)
+        return refine_axes(build_initial_axes(self.study), partial(self._evaluate_friction, loads), max_nodes)
 
     @cached_property
     def values(self) -> tuple[xarray.Dataset, ...]:
         """Values and intervals for each kind of members, at all loads and nodes."""
         names = ADDITIONAL_NODE_VARIABLES if self.study.is_measured else None
-        return tuple(self._at(self.loads, self.axes, kind, names) for kind in self.member_kinds)
+        return tuple(self._evaluate_at_nodes(self.loads, self.axes, kind, names) for kind in self.member_kinds)
 
     @cached_property
     def load_quantities(self) -> tuple[xarray.Dataset, ...]:
@@ -228,21 +231,21 @@ class InterpolationNodes:
         )
 
     @cached_property
-    def error(self) -> tuple[float, float]:
+    def interpolation_errors(self) -> tuple[float, float]:
         """Largest interpolation errors of values and interval limits, evaluated at a few points between nodes."""
         loads = self.loads if self.study.is_measured else self._sampled_loads
-        table = self._coefficient_table(self.values[0].sel(load=loads))
-        return largest_errors(self.axes, table, partial(self._friction, loads))
+        table = self._extract_coefficient_table(self.values[0].sel(load=loads))
+        return find_largest_errors(self.axes, table, partial(self._evaluate_friction, loads))
 
-    def is_interpolated(self, points: Floats) -> NDArray[np.bool_]:
+    def find_interpolated_panels(self, points: Floats) -> NDArray[np.bool_]:
         """Return a mask that is True for each panel in which values may be interpolated."""
-        return is_interpolated(self.axes, points)
+        return find_interpolated_panels(self.axes, points)
 
     @property
     def _sampled_loads(self) -> Floats:
         return self.loads[:: max(1, self.loads.size // NUM_SAMPLED_LOADS)]
 
-    def _at(
+    def _evaluate_at_nodes(
         self, loads: Floats, axes: tuple[NodeAxis, NodeAxis], kind: MemberKind | None, names: Collection[str] | None
     ) -> xarray.Dataset:
         """Evaluate the result at the nodes. For measured bodies, the intervals are combined intervals.
@@ -256,18 +259,20 @@ class InterpolationNodes:
             at = at_load(self.result, loads, mu0=mu0, tau0=tau0, member_kind=kind, names=names)
         return at if kind == "surrogates" else add_uncertainty(at, self.result, budget=False, tests=False)
 
-    def _friction(self, loads: Floats, mu0: Floats, tau0: Floats) -> Floats:
+    def _evaluate_friction(self, loads: Floats, mu0: Floats, tau0: Floats) -> Floats:
         """Return friction coefficients with their intervals for all combinations of mu0 and tau0."""
         names = ("contact_count",) if self.study.is_measured else ()
-        return self._coefficient_table(self._at(loads, (NodeAxis(mu0), NodeAxis(tau0)), self.member_kinds[0], names))
+        return self._extract_coefficient_table(
+            self._evaluate_at_nodes(loads, (NodeAxis(mu0), NodeAxis(tau0)), self.member_kinds[0], names)
+        )
 
-    def _coefficient_table(self, at: xarray.Dataset) -> Floats:
+    def _extract_coefficient_table(self, at: xarray.Dataset) -> Floats:
         """Return the reported coefficients and their interval limits as an array."""
         name = "friction_combined" if self.study.is_measured else "friction_coefficient"
         return np.asarray(at[name].transpose(..., "load", "mu0", "tau0", "statistic").values)
 
 
-def initial_axes(study: Study) -> tuple[NodeAxis, NodeAxis]:
+def build_initial_axes(study: Study) -> tuple[NodeAxis, NodeAxis]:
     """Return the initial nodes of mu0 and tau0 (GPa), from 0 to the largest value that a report shows."""
     ranged_names = set(find_uncertain_inputs(study)) | ({"mu0", "tau0"} if study.known.interface else set())
     modulus, hardness = float(study.contact.effective_modulus), study.contact.hardness
@@ -296,7 +301,9 @@ def _build_axis(study_values: Floats, largest: float, *, is_ranged: bool) -> Nod
     if is_ranged:
         axis = NodeAxis(default_nodes, study_values[study_values > 0])
         return NodeAxis(
-            np.where(axis._is_ranged(default_nodes), default_nodes * (1 + 5 * SAME_INPUT_TOLERANCE), default_nodes),
+            np.where(
+                axis._is_at_ranged_node(default_nodes), default_nodes * (1 + 5 * SAME_INPUT_TOLERANCE), default_nodes
+            ),
             axis.ranged,
         )
     node_distances = np.diff(default_nodes)
@@ -314,7 +321,7 @@ def refine_axes(
     """Add nodes to each axis until interpolation errors are within tolerance along two lines parallel to the axis.
 
     An axis has at most `max_nodes` rising nodes after refinement. Nodes are added first where the measured error, or
-    the estimated error of `is_interpolated`, is largest relative to its tolerance.
+    the estimated error of `find_interpolated_panels`, is largest relative to its tolerance.
 
     Parameters
     ----------
@@ -329,7 +336,7 @@ def refine_axes(
         values_by_node: dict[float, Floats] = {}  # cached values with their interval limits, by position on the axis
         for _ in range(MAX_AXIS_REFINEMENTS):
             axis = refined_axes[index]
-            midpoints = axis.split_candidates()
+            midpoints = axis.panel_split_points()
             axis_values = np.concatenate([axis.values, midpoints])
             if (new_values := np.array([value for value in axis_values.tolist() if value not in values_by_node])).size:
                 table = (
@@ -352,12 +359,12 @@ def refine_axes(
                     for neighbor in range(2)
                 ]
             estimated_excess = (
-                relative_excess_error(exact_values + _estimated_error(*value_changes), exact_values)
+                compute_error_to_tolerance_ratio(exact_values + _estimate_errors(*value_changes), exact_values)
                 * INTERVAL_TOLERANCE
                 / MAX_SHOWN_ERROR_RATIO
             )
             errors = (
-                np.maximum(relative_excess_error(interpolated, exact_values), estimated_excess)
+                np.maximum(compute_error_to_tolerance_ratio(interpolated, exact_values), estimated_excess)
                 .reshape(midpoints.size, -1)
                 .max(axis=1)
             )
@@ -365,11 +372,11 @@ def refine_axes(
             new_nodes = midpoints[candidate_order[errors[candidate_order] > max(1.0, errors.max() / 4)]]
             if not new_nodes.size:
                 break
-            refined_axes[index] = axis.with_nodes(new_nodes.tolist())
+            refined_axes[index] = axis.with_added_nodes(new_nodes.tolist())
     return refined_axes[0], refined_axes[1]
 
 
-def relative_excess_error(estimated: Floats, exact: Floats) -> Floats:
+def compute_error_to_tolerance_ratio(estimated: Floats, exact: Floats) -> Floats:
     """Return the error-to-tolerance ratio of the value or of the interval limits, whichever ratio is larger."""
     value, width = np.abs(exact[..., 0]), exact[..., 2] - exact[..., 1]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -381,7 +388,7 @@ def relative_excess_error(estimated: Floats, exact: Floats) -> Floats:
     )
 
 
-def largest_errors(
+def find_largest_errors(
     axes: tuple[NodeAxis, NodeAxis], table: Floats, evaluate: Callable[[Floats, Floats], Floats]
 ) -> tuple[float, float]:
     """Return the largest interpolation errors of values and interval limits at a few points between the nodes.
@@ -394,7 +401,7 @@ def largest_errors(
         axis.rising[0] + np.ptp(axis.rising) * fractions
         for axis, fractions in zip(axes, ERROR_CHECK_POSITIONS, strict=True)
     )
-    can_interpolate = is_interpolated(axes, table)
+    can_interpolate = find_interpolated_panels(axes, table)
     exact = evaluate(mu0, tau0)
     value_errors, limit_errors = [0.0], [0.0]
     for row, column in np.ndindex(mu0.size, tau0.size):
@@ -422,13 +429,13 @@ def interpolate_table(axes: tuple[NodeAxis, NodeAxis], table: Floats, mu0: float
     The interpolation is cubic, or bilinear if one of the 16 nodes has no value.
     """
     cubic, linear = (
-        _weighted_sums(table, axes[0].weights(mu0, cubic=each), axes[1].weights(tau0, cubic=each))
+        _compute_weighted_sums(table, axes[0].weights(mu0, cubic=each), axes[1].weights(tau0, cubic=each))
         for each in (True, False)
     )
     return np.where(np.isfinite(cubic), cubic, linear)
 
 
-def is_interpolated(axes: tuple[NodeAxis, NodeAxis], points: Floats) -> NDArray[np.bool_]:
+def find_interpolated_panels(axes: tuple[NodeAxis, NodeAxis], points: Floats) -> NDArray[np.bool_]:
     """Return a mask that is True for each panel (rectangle between nodes) in which values may be interpolated.
 
     A panel has the indices of its first corner. Along a ranged node, only the other axis is interpolated. The error in
@@ -446,8 +453,8 @@ def is_interpolated(axes: tuple[NodeAxis, NodeAxis], points: Floats) -> NDArray[
     value, lower, upper = corners = np.stack(
         [
             table[..., rows[:, np.newaxis], columns]
-            for rows in (np.arange(axes[0].values.size), axes[0].panel_ends)
-            for columns in (np.arange(axes[1].values.size), axes[1].panel_ends)
+            for rows in (np.arange(axes[0].values.size), axes[0].panel_end_indices)
+            for columns in (np.arange(axes[1].values.size), axes[1].panel_end_indices)
         ],
         axis=1,
     )  # shape (3, 4, ..., m, t)
@@ -459,18 +466,18 @@ def is_interpolated(axes: tuple[NodeAxis, NodeAxis], points: Floats) -> NDArray[
 def _interpolate_at_midpoints(axes: tuple[NodeAxis, NodeAxis], table: Floats, *, cubic: bool) -> tuple[Floats, Floats]:
     """Return interpolated values at the midpoints of the panels, and the estimated errors. Undefined values are NaN."""
     mu0_weights, tau0_weights = (
-        np.stack([axis.weights(value, cubic=cubic) for value in axis.panel_middles]) for axis in axes
+        np.stack([axis.weights(value, cubic=cubic) for value in axis.panel_midpoints]) for axis in axes
     )
     mu0_corrections, tau0_corrections = (
-        np.stack([axis.weight_changes_with_extra_node(value, cubic=cubic) for value in axis.panel_middles], axis=1)
+        np.stack([axis.weight_changes_with_extra_node(value, cubic=cubic) for value in axis.panel_midpoints], axis=1)
         for axis in axes
     )
-    mu0_error = _estimated_error(*(_weighted_sums(table, change, tau0_weights) for change in mu0_corrections))
-    tau0_error = _estimated_error(*(_weighted_sums(table, mu0_weights, change) for change in tau0_corrections))
-    return _weighted_sums(table, mu0_weights, tau0_weights), mu0_error + tau0_error
+    mu0_error = _estimate_errors(*(_compute_weighted_sums(table, change, tau0_weights) for change in mu0_corrections))
+    tau0_error = _estimate_errors(*(_compute_weighted_sums(table, mu0_weights, change) for change in tau0_corrections))
+    return _compute_weighted_sums(table, mu0_weights, tau0_weights), mu0_error + tau0_error
 
 
-def _estimated_error(by_node_before: Floats, by_node_after: Floats) -> Floats:
+def _estimate_errors(by_node_before: Floats, by_node_after: Floats) -> Floats:
     """Estimate interpolation errors from the changes that adding a node before or after would cause.
 
     The error is the geometric mean of the two changes, or one change if the other is NaN.
@@ -483,7 +490,7 @@ def _estimated_error(by_node_before: Floats, by_node_after: Floats) -> Floats:
     )
 
 
-def _weighted_sums(table: NDArray[Any], over_mu0: Floats, over_tau0: Floats) -> Floats:
+def _compute_weighted_sums(table: NDArray[Any], over_mu0: Floats, over_tau0: Floats) -> Floats:
     """Compute weighted sums of the values at the nodes.
 
     Weights of mu0 with shape (k, m) and weights of tau0 with shape (l, t) give sums with shape (..., k, l). Weights of

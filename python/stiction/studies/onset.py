@@ -16,10 +16,10 @@ from stiction.mechanics.presliding import fit_iwan, fit_lugre
 from stiction.mechanics.quantities import QUANTITIES, quantity_attributes
 from stiction.studies.contact_picture import MAX_PICTURE_SIDE_POINTS
 from stiction.studies.evaluation import MemberDependence
-from stiction.studies.executors import use_idle_threads
+from stiction.studies.executors import wrap_to_use_idle_threads
 from stiction.studies.member_solution import PressedPair
-from stiction.studies.members import count_points, load_bodies
-from stiction.studies.store import read_companion
+from stiction.studies.members import count_grid_points, load_bodies
+from stiction.studies.store import read_companion_file
 from stiction.studies.study import Study
 from stiction.surfaces.surface import Surface
 
@@ -78,11 +78,11 @@ def compute_onset(
     compute_curve: Any = partial(
         compute_member_onset, study, load=load, mu0=mu0, tau0=tau0, cut_off=surfaces.quoted_cut_off()
     )
-    compute_curve = use_idle_threads(compute_curve, executor, len(indices), count_points(study))
+    compute_curve = wrap_to_use_idle_threads(compute_curve, executor, len(indices), count_grid_points(study))
     curves = [curve for curve in executor.map(compute_curve, indices) if curve]
     if not curves:
         return None
-    onset = _average_members(study, curves, {"load_mN": load, "mu0": mu0, "tau0_GPa": tau0})
+    onset = _average_onset_curves(study, curves, {"load_mN": load, "mu0": mu0, "tau0_GPa": tau0})
     return onset.assign(curves[0]["map"])
 
 
@@ -93,7 +93,7 @@ def compute_member_onset(
     member = load_bodies(study).member(index, cut_off)
     poisson = study.contact.poisson_ratio or (DEFAULT_POISSON_RATIO, DEFAULT_POISSON_RATIO)
     try:
-        pressed_pair = PressedPair.of(study, member.pair, load)
+        pressed_pair = PressedPair.solve(study, member.pair, load)
         if pressed_pair is None:
             return None
         options: dict[str, Any] = (
@@ -115,16 +115,18 @@ def compute_member_onset(
 # ---- Means over members ----------------------------------------------------------------------------------------------
 
 
-def _average_members(study: Study, curves: Sequence[dict[str, Any]], attributes: dict[str, Any]) -> xarray.Dataset:
+def _average_onset_curves(study: Study, curves: Sequence[dict[str, Any]], attributes: dict[str, Any]) -> xarray.Dataset:
     import xarray
 
-    averaging = MemberDependence.of(
+    averaging = MemberDependence.from_coordinates(
         study, {name: [curve[name] for curve in curves] for name in ("line", "x", "y", "repetition")}
     )
     variables: dict[str, Any] = {}
     for name in (*_CURVE_TITLES, *_ONSET_SCALAR_NAMES):
         dims = ("fraction", "statistic") if name in _CURVE_TITLES else ("statistic",)
-        values = np.clip(averaging.mean(np.array([curve[name] for curve in curves])), *QUANTITIES[name].bounds)
+        values = np.clip(
+            averaging.mean_with_interval(np.array([curve[name] for curve in curves])), *QUANTITIES[name].bounds
+        )
         variables[name] = (dims, values, quantity_attributes(name))
     # The default long name refers to the onset of sliding, but the curve also contains smaller loads.
     variables["tangential_load"][2]["long_name"] = "tangential load"
@@ -181,7 +183,7 @@ def _fit_presliding_models(onset: xarray.Dataset) -> dict[str, float]:
 # ---- Stored with a result -------------------------------------------------------------------------------------------
 
 
-def load_onset(result: StoredResult) -> xarray.Dataset | None:
+def load_stored_onset(result: StoredResult) -> xarray.Dataset | None:
     """Load the onset of sliding that is stored with a result.
 
     Returns None if the onset is missing, or if its load, mu0 or tau0 differ from the study.
@@ -191,7 +193,7 @@ def load_onset(result: StoredResult) -> xarray.Dataset | None:
     if not result.study.is_measured:
         return None
     settings = result.study.friction
-    onset = read_companion(
+    onset = read_companion_file(
         Path(result.path) / ONSET_FILE, ("fraction", "statistic", *_ONSET_SCALAR_NAMES[:-1], *_CURVE_TITLES)
     )
     if (
@@ -252,7 +254,7 @@ def build_slip_map(pressed_pair: PressedPair, onset: Onset) -> DatasetVariables:
         attributes = {"units": "1", "long_name": "ratio of tangential to sliding load at which a point slips"}
         slip_start = _find_block_minima(slip_fraction.reshape(rows, columns), stride)
         return variables | {"slip": (("slip_y", "slip_x"), slip_start.astype(np.float32), attributes)}
-    table = pressed_pair.table()
+    table = pressed_pair.tabulate_contacts()
     contact_variables = {
         "slip": (slip_fraction, "1", "ratio of tangential to sliding load at which a contact slides as a whole"),
         "x": (table.x, "um", "middle of a contact along x"),

@@ -38,7 +38,7 @@ from stiction.studies.measured_surfaces import (
     BodyAttributes,
     MeasuredBodySettings,
 )
-from stiction.studies.members import body_attributes
+from stiction.studies.members import find_body_attributes
 from stiction.studies.pair_options import (
     CONTACT_MODEL_NAMES,
     OPTION_CHECK_ORDER,
@@ -47,8 +47,8 @@ from stiction.studies.pair_options import (
     Mechanics,
     OptionKind,
     PairOptions,
-    read_options,
-    split_list,
+    split_option_text,
+    validate_option_values,
 )
 from stiction.studies.study import DEFAULT_SEED, Study
 from stiction.studies.values import StudyError, validate_table
@@ -103,7 +103,7 @@ class MeasuredPair:
 
         The keywords are field names of `PairOptions`.
         """
-        return cls(read_options(values))
+        return cls(validate_option_values(values))
 
     def _find_quantity_kind(self, name: str) -> OptionKind:
         kind = PAIR_OPTIONS[name].kind
@@ -138,7 +138,7 @@ class MeasuredPair:
             tip_radii = self._parse_quantities("tip", options.tip)
             properties["tip"] = tip_radii[index % len(tip_radii)]
         if processes := split_values(options.texture or ()):
-            properties["texture"] = self._check_process(processes[index % len(processes)])
+            properties["texture"] = self._validate_machining_process(processes[index % len(processes)])
         is_array = isinstance(body, np.ndarray)
         if not isinstance(body, (str, Path)):
             for name in READING_OPTION_NAMES:
@@ -149,11 +149,11 @@ class MeasuredPair:
                         f"{{{name}}} must not be given for a body in memory, got {{{name}}}; "
                         "if the option is for the other file, read that file into memory first"
                     )
-            body = self._body_from_array(side, index, body) if is_array else body
+            body = self._build_body_from_array(side, index, body) if is_array else body
             return MeasuredBodySettings.from_body(body, side).model_copy(update=properties)
         settings = properties | {"file": str(body)}
         for name in READING_OPTION_NAMES:
-            if (value := self._select_value(name, index)) in (None, ""):
+            if (value := self._select_option_value(name, index)) in (None, ""):
                 continue
             text = (
                 value
@@ -162,7 +162,7 @@ class MeasuredPair:
                 if name == "spacing"
                 else str(value)
             )
-            settings[name] = split_list(name, text)
+            settings[name] = split_option_text(name, text)
         try:
             return validate_table(MeasuredBodySettings, settings, f"pair: {side}")
         except StudyError as error:
@@ -171,7 +171,7 @@ class MeasuredPair:
                 raise
             raise ArgumentError(f"{{{key}}} of {{{side}}} {{why}}", why=reason) from None
 
-    def _select_value(self, name: str, index: int) -> Any:
+    def _select_option_value(self, name: str, index: int) -> Any:
         """Return the value of an option for one body. A single value applies to both bodies."""
         option_values = self.options.option_value(name)
         values = option_values if isinstance(option_values, list) else [option_values]
@@ -181,7 +181,7 @@ class MeasuredPair:
             )
         return values[index % len(values)] if values else None
 
-    def _check_process(self, name: Any) -> Any:
+    def _validate_machining_process(self, name: Any) -> Any:
         if name not in MACHINING_PROCESSES:
             raise ArgumentError(
                 f"{{texture}} must be {', '.join(MACHINING_PROCESSES)} or two of these processes, got {{got}}",
@@ -189,17 +189,17 @@ class MeasuredPair:
             )
         return name
 
-    def _body_from_array(self, side: str, index: int, heights: Any) -> Body:
+    def _build_body_from_array(self, side: str, index: int, heights: Any) -> Body:
         """Convert an array of heights to a body, using the given spacing and unit."""
-        spacing: Any = self._select_value("spacing", index)
-        unit: Any = self._select_value("unit", index) or "um"
+        spacing: Any = self._select_option_value("spacing", index)
+        unit: Any = self._select_option_value("unit", index) or "um"
         if spacing is None:
             raise ArgumentError(
                 f"{{spacing}} must be given for an array, got {{{side}}} without a spacing; "
                 'give spacing="0.1 um", and {unit} if the heights are not in um'
             )
         try:
-            return as_body(side, heights, spacing=_split_commas(spacing), unit=_split_commas(unit))  # type: ignore[no-any-return]
+            return as_body(side, heights, spacing=_split_at_commas(spacing), unit=_split_at_commas(unit))  # type: ignore[no-any-return]
         except ValueError as error:
             raise ArgumentError(f"{{{side}}}{{why}}", why=str(error).removeprefix(side)) from None
 
@@ -233,12 +233,12 @@ class MeasuredPair:
     # ---- Contact model -----------------------------------------------------------------------------------------------
 
     @property
-    def has_missing(self) -> bool:
+    def has_masked_points(self) -> bool:
         """True if at least one body has masked points."""
         return any(getattr(body, "missing", None) is not None for body in self.bodies)
 
     @property
-    def press(self) -> str:
+    def press_mode(self) -> str:
         """Kind of members that the contact model presses together: "areas", "lines" or "surrogates"."""
         if self.has_spectrum or self.options.lay == "isotropic":
             return "surrogates"
@@ -248,7 +248,9 @@ class MeasuredPair:
     def contact_models(self) -> tuple[Mechanics, ...]:
         """Contact models to compute. The first model is used for the result."""
         default: Mechanics = (
-            "half-space" if self.press != "lines" or self.has_missing or self._uses_plastic_lines else "asperities"
+            "half-space"
+            if self.press_mode != "lines" or self.has_masked_points or self._uses_plastic_lines
+            else "asperities"
         )
         if self.options.check:
             return default, CONTACT_MODEL_NAMES[1 - CONTACT_MODEL_NAMES.index(default)]
@@ -275,12 +277,12 @@ class MeasuredPair:
     @property
     def has_surrogates(self) -> bool:
         """True if the study generates surrogates, i.e. random surfaces that have the measured spectra."""
-        return self.press == "surrogates" or self.options.surrogates not in (None, "none")
+        return self.press_mode == "surrogates" or self.options.surrogates not in (None, "none")
 
     @cached_property
     def elasticity(self) -> Elasticity:
         """Elasticity of both bodies. Uncertain inputs enter with their central values."""
-        modulus, young, poisson = (self._nominal_value(name) for name in ("effective_modulus", "young", "poisson"))
+        modulus, young, poisson = (self._central_value(name) for name in ("effective_modulus", "young", "poisson"))
         return determine_elasticity(modulus, young, poisson, self.options.upper_material, self.options.lower_material)
 
     @cached_property
@@ -309,7 +311,7 @@ class MeasuredPair:
             raise ArgumentError(f"{{{name}}} {{why}}", why=str(error).strip()) from None
 
     @cached_property
-    def strength(self) -> Interface | None:
+    def given_interface(self) -> Interface | None:
         """Joint distribution of mu0 and tau0 defined by the interface, or None if no interface is given."""
         if self.options.interface is None:
             return None
@@ -320,10 +322,10 @@ class MeasuredPair:
         except ValueError as error:
             raise ArgumentError("{interface} {why}", why=str(error).removeprefix("interface ")) from None
 
-    def _nominal_value(self, name: str) -> Any:
+    def _central_value(self, name: str) -> Any:
         """Return the value of an option. Uncertain inputs are replaced by central values rounded to four digits."""
-        if name in ("mu0", "tau0") and self.strength is not None:
-            return round_median_strength(self.strength)[name == "tau0"]
+        if name in ("mu0", "tau0") and self.given_interface is not None:
+            return round_median_strength(self.given_interface)[name == "tau0"]
         if name == "tau0" and self.options.tau0 is None:
             return 0.0
         if name not in self.uncertain_inputs:
@@ -332,7 +334,7 @@ class MeasuredPair:
         return central_values if len(central_values) > 1 else central_values[0]
 
     @property
-    def _uncertainty_table(self) -> dict[str, Any]:
+    def _known_inputs_table(self) -> dict[str, Any]:
         """Table `known` of the study. It contains the uncertain inputs and, if any modulus is uncertain, all moduli."""
         names = set(self.uncertain_inputs) | {
             name for name in ("hardness", "creep") if self.options.option_value(name) is not None
@@ -343,12 +345,16 @@ class MeasuredPair:
         for name in sorted(names):
             inputs = self.uncertain_inputs.get(name) or self._parse_inputs(name)
             settings[name] = [item.text for item in inputs] if name in ("young", "poisson") else inputs[0].text
-        if self.contact_models[0] == "half-space" and (growth := self._growth) is not None and not growth.is_exact:
+        if (
+            self.contact_models[0] == "half-space"
+            and (growth := self._junction_growth) is not None
+            and not growth.is_exact
+        ):
             settings["junction_growth"] = growth.text
-        if self.strength is not None:
+        if self.given_interface is not None:
             name = str(self.options.interface)
             settings["interface"] = name if name in interfaces() else str(Path(name).resolve())
-            mu0, tau0 = self.strength.strength_intervals
+            mu0, tau0 = self.given_interface.strength_intervals
             for name, interval, scale, unit in (("mu0", mu0, 1.0, ""), ("tau0", tau0, 1e3, " MPa")):
                 low, high = (f"{scale * end:.4g}" for end in interval[1:])
                 settings |= {name: f"{low}..{high}{unit}"} if float(low) < float(high) else {}
@@ -358,7 +364,7 @@ class MeasuredPair:
     def loads(self) -> list[Quantity]:
         """Requested loads (mN) in ascending order. Pressures are converted with the nominal area."""
         area = self._nominal_area if any(per_area for _, per_area in self._given_loads) else 1.0
-        width_factor = 1.0 if self.options.width is None else PROFILE_WIDTH / self._width
+        width_factor = 1.0 if self.options.width is None else PROFILE_WIDTH / self._profile_width
         # Products are rounded, so that the loads have no spurious last digits.
         forces = {
             float(load) if (factor := area if per_area else width_factor) == 1 else float(f"{load * factor:.12g}")
@@ -367,7 +373,9 @@ class MeasuredPair:
         # Zero load is replaced by a small fraction of the attraction on a grid cell.
         # This attraction is a lower bound on the pull-off force.
         if 0.0 in forces:
-            forces = {force or float(f"{ZERO_LOAD_REPLACEMENT * self._cell_attraction:.3g}") for force in forces}
+            forces = {
+                force or float(f"{ZERO_LOAD_REPLACEMENT * self._max_cell_adhesion_force:.3g}") for force in forces
+            }
         return [quantity(exact_quantity_text(force, "mN"), "force") for force in sorted(forces)]
 
     @property
@@ -375,12 +383,12 @@ class MeasuredPair:
         return not all(load > 0 for load, _ in self._given_loads)
 
     @property
-    def _cell_attraction(self) -> float:
+    def _max_cell_adhesion_force(self) -> float:
         """Largest adhesive force (mN) on a grid cell, i.e. w/ρ times cell area (w: work, ρ: range of adhesion)."""
         num_points = int(np.prod(self._body_attributes.attributes["shape"]))
         spacings = np.atleast_1d(np.asarray(self._body_attributes.attributes["spacing_um"], float))
         work_of_adhesion, study_range = (
-            float(self._adhesion.get(name) or 0.0) for name in ("work_of_adhesion", "adhesion_range")
+            float(self._adhesion_entries.get(name) or 0.0) for name in ("work_of_adhesion", "adhesion_range")
         )
         min_range = min_resolved_adhesion_range(
             work_of_adhesion, float(spacings.max()), self.elasticity.effective_modulus
@@ -390,7 +398,7 @@ class MeasuredPair:
         )
 
     @property
-    def _width(self) -> float:
+    def _profile_width(self) -> float:
         """Width (µm) over which a force on two profiles is distributed."""
         width = self._parse_quantity("width", self.options.width)
         if not width > 0:
@@ -407,7 +415,9 @@ class MeasuredPair:
         if not (loads := split_values(self.options.load)):
             raise ArgumentError("{load} must have at least one value, got {got}", got=repr(self.options.load))
         reject_decimal_commas("load", self.options.load)
-        return [parse_load("load", load, or_zero=bool(self._adhesion.get("work_of_adhesion"))) for load in loads]
+        return [
+            parse_load("load", load, or_zero=bool(self._adhesion_entries.get("work_of_adhesion"))) for load in loads
+        ]
 
     # ---- Studies -----------------------------------------------------------------------------------------------------
 
@@ -420,7 +430,7 @@ class MeasuredPair:
     def studies(self) -> list[Study]:
         """Study of the result. If a check was requested, a study with the other contact model follows."""
         contact_tables = [self._build_contact_table(mechanics) for mechanics in self.contact_models]
-        load_texts = [exact_quantity_text(load, "mN") for load in self._load_steps(contact_tables).tolist()]
+        load_texts = [exact_quantity_text(load, "mN") for load in self._choose_load_steps(contact_tables).tolist()]
         return [self._build_study(contact | {"load": load_texts}) for contact in contact_tables]
 
     @property
@@ -429,7 +439,7 @@ class MeasuredPair:
 
         None if lines are pressed, if points are masked, or if the result itself uses the asperity model.
         """
-        if self.press == "lines" or self.contact_models[0] == "asperities" or self.has_missing:
+        if self.press_mode == "lines" or self.contact_models[0] == "asperities" or self.has_masked_points:
             return None
         return self._build_study(self._build_contact_table("asperities") | {"load": self.loads})
 
@@ -448,9 +458,9 @@ class MeasuredPair:
 
     def _build_study(self, contact: dict[str, Any]) -> Study:
         strengths = reject_negative_values(
-            "tau0", self._parse_quantities("tau0", self._nominal_value("tau0")), self.options.tau0
+            "tau0", self._parse_quantities("tau0", self._central_value("tau0")), self.options.tau0
         )
-        coefficients = parse_coefficients("mu0", self._nominal_value("mu0"))
+        coefficients = parse_coefficients("mu0", self._central_value("mu0"))
         friction = {"mu0": sorted(set(coefficients)), "tau0": _sort_unique(strengths), "load": self.loads}
         if self.options.wait is not None and contact["mechanics"] == "half-space":
             if self._hardness is None:
@@ -459,12 +469,12 @@ class MeasuredPair:
         tables = {
             "surfaces": self._build_surfaces_table(), "contact": contact, "friction": friction,
             "ensemble": self._build_ensemble_table(),
-            "known": self._uncertainty_table,
+            "known": self._known_inputs_table,
         }  # fmt: skip
         return _validate_study(tables).with_checksums()
 
     def _build_surfaces_table(self) -> dict[str, Any]:
-        press, level = self.press, self.options.level
+        press, level = self.press_mode, self.options.level
         table: dict[str, Any] = {"kind": "measured", "press": press, "upper": self.files[0], "lower": self.files[1]}
         if self.options.cutoff == "none":
             table["vouched"] = True
@@ -525,10 +535,10 @@ class MeasuredPair:
         }  # fmt: skip
 
     def _build_ensemble_table(self) -> dict[str, Any]:
-        if self.press == "lines":
+        if self.press_mode == "lines":
             num_lines, num_offsets = self._count_positions()
             num_members = num_lines * num_offsets
-        elif self.press == "surrogates":
+        elif self.press_mode == "surrogates":
             num_members = self._parse_num_surrogates(DEFAULT_NUM_SURROGATES)
         else:
             num_shifts = 1 if self.options.gap is not None else self.options.shifts or DEFAULT_NUM_SHIFTS
@@ -552,7 +562,7 @@ class MeasuredPair:
         if self.options.positions is None:
             return None
         lengths = self._parse_quantities("positions", self.options.positions)
-        if self.press == "lines":
+        if self.press_mode == "lines":
             return list(reject_negative_values("positions", lengths, self.options.positions))
         if len(lengths) % 2:
             raise ArgumentError(
@@ -603,19 +613,19 @@ class MeasuredPair:
             table |= {} if self.options.tilt is None else {"tilt": self.options.tilt}
             if (hardness := self._hardness) is not None:
                 table["hardness"] = hardness
-            if (growth := self._growth) is not None:
+            if (growth := self._junction_growth) is not None:
                 table["junction_growth"] = growth.value
             elif self.options.junction_growth is not None:
                 table["junction_growth"] = 0.0
-            table |= self._adhesion
+            table |= self._adhesion_entries
         else:
-            table |= {"law": self._build_law(), "detection": self.options.detection or "gap-minimum"}
+            table |= {"law": self._build_contact_law_entry(), "detection": self.options.detection or "gap-minimum"}
             if self.options.curvature is not None:
                 table["curvature"] = self.options.curvature
         return table
 
     @property
-    def _adhesion(self) -> dict[str, Quantity]:
+    def _adhesion_entries(self) -> dict[str, Quantity]:
         """Entries of the contact table that describe adhesion, i.e. work of adhesion and range of adhesion.
 
         Each must be a single value, because the contacts are computed for a single value.
@@ -632,15 +642,17 @@ class MeasuredPair:
         return quantities
 
     @property
-    def _growth(self) -> UncertainInput | None:
+    def _junction_growth(self) -> UncertainInput | None:
         """Junction growth α, or None if contacts do not grow.
 
         The default is the value for the interface or, without an interface, for the softer material.
         """
         alpha_text = self.options.junction_growth
         if alpha_text is None:
-            can_grow = self._hardness is not None and not self._adhesion.get("work_of_adhesion")
-            interface_growth = self.strength.growth if can_grow and self.strength is not None else None
+            can_grow = self._hardness is not None and not self._adhesion_entries.get("work_of_adhesion")
+            interface_growth = (
+                self.given_interface.junction_growth if can_grow and self.given_interface is not None else None
+            )
             if interface_growth is not None:
                 return interface_growth if interface_growth.value else None
             softer = softest_material(*map(material, self.elasticity.materials or ())) if can_grow else None
@@ -652,7 +664,7 @@ class MeasuredPair:
             alpha = parse_study_input("junction_growth", alpha_text)
         except ValueError as error:
             raise ArgumentError("{junction_growth} {why}", why=str(error).strip()) from None
-        if alpha.value and self._adhesion.get("work_of_adhesion"):
+        if alpha.value and self._adhesion_entries.get("work_of_adhesion"):
             raise ArgumentError(
                 "{junction_growth} must be 0 if {work_of_adhesion} is given, got {got}", got=repr(alpha_text)
             )
@@ -667,12 +679,12 @@ class MeasuredPair:
         if self.elasticity.materials and self.elasticity.hardness is None:
             raise ArgumentError("{hardness} must not be given: {got}", got=self.elasticity.hardness_source)
         self._parse_inputs("hardness")  # raises an error that lists the hardness scales
-        hardness = self._parse_quantity("hardness", self._nominal_value("hardness"))
+        hardness = self._parse_quantity("hardness", self._central_value("hardness"))
         if not hardness > 0:
             raise ArgumentError("{hardness} must be above 0, got {got}", got=repr(self.options.hardness))
         return hardness
 
-    def _build_law(self) -> Any:
+    def _build_contact_law_entry(self) -> Any:
         """Return the contact law of the asperity model and its parameters, in the format of a study file."""
         if self.contact_law != JacksonGreen.name:
             return self.contact_law
@@ -687,7 +699,7 @@ class MeasuredPair:
             strength = self._parse_quantity("yield_strength", strength)
         return {"name": self.contact_law, "yield_strength": strength, "poisson_ratio": ratio}
 
-    def _load_steps(self, contacts: list[dict[str, Any]]) -> Floats:
+    def _choose_load_steps(self, contacts: list[dict[str, Any]]) -> Floats:
         """Return the loads (mN) at which contacts are computed. All contact models use the same loads."""
         max_load = None
         hardness = next((contact["hardness"] for contact in contacts if "hardness" in contact), None)
@@ -696,7 +708,7 @@ class MeasuredPair:
                 raise ArgumentError("{load} must be below the hardness ({hardest:.4g} GPa)", hardest=float(hardness))
             max_load = float(hardness) * self._nominal_area
             if not self.loads[-1] < max_load:
-                is_line_pair = self.are_profiles and self.press == "lines"
+                is_line_pair = self.are_profiles and self.press_mode == "lines"
                 raise ArgumentError(
                     "{load} must be below {max_load:.4g} mN, the hardness times the nominal area of {area:.4g} µm²"
                     + (
@@ -709,9 +721,9 @@ class MeasuredPair:
         # No value is interpolated between a load of zero and the other loads, so no loads are inserted between them.
         preloads = loads[:1] if self._has_zero_load else []
         regular_loads = loads[len(preloads) :] or loads
-        num_smaller = NUM_ADHESION_LOADS if self._adhesion.get("work_of_adhesion") else 1
+        num_smaller = NUM_ADHESION_LOADS if self._adhesion_entries.get("work_of_adhesion") else 1
         steps = choose_load_steps(
-            regular_loads, press=self.press,
+            regular_loads, press=self.press_mode,
             mechanics="half-space" if "half-space" in self.contact_models else "asperities",
             max_load=max_load, num_smaller=0 if regular_loads == preloads else num_smaller,
         )  # fmt: skip
@@ -725,7 +737,7 @@ class MeasuredPair:
             "ensemble": self._build_ensemble_table(),
             "friction": placeholder_friction,
         }
-        return body_attributes(_validate_study(tables))
+        return find_body_attributes(_validate_study(tables))
 
     @property
     def _nominal_area(self) -> float:
@@ -759,17 +771,17 @@ def _find_option(key: str) -> str | None:
     )
 
 
-def study_from_options(options: PairOptions) -> Study:
+def build_study_from_options(options: PairOptions) -> Study:
     """Create a study of two bodies, each of which is read from a file or passed as an object.
 
     Raises a `ValueError` if the contact of the bodies cannot be computed.
     """
     study = MeasuredPair(options).study
-    body_attributes(study)
+    find_body_attributes(study)
     return study
 
 
-def _split_commas(value: Any) -> Any:
+def _split_at_commas(value: Any) -> Any:
     """Split a string at commas. Values that are not strings are returned unchanged."""
     return split_values(value) if isinstance(value, str) and "," in value else value
 

@@ -46,7 +46,7 @@ class Topography(Protocol):
         """Heights as a NumPy array or a similar object."""
 
 
-def _read_value(value: object) -> object:
+def _parse_single_value(value: object) -> object:
     value = unwrap_scalar(value)
     if isinstance(value, (list, tuple, range, np.ndarray)):
         raise ValueError(f"must be one value, got {short_repr(value)}")
@@ -55,13 +55,17 @@ def _read_value(value: object) -> object:
     return value
 
 
-def _read_values(value: object) -> object:
+def _parse_value_list(value: object) -> object:
     value = unwrap_scalar(value)
     items = value.tolist() if isinstance(value, np.ndarray) else value
-    return [_read_value(item) for item in items] if isinstance(items, (list, tuple, range)) else _read_value(value)
+    return (
+        [_parse_single_value(item) for item in items]
+        if isinstance(items, (list, tuple, range))
+        else _parse_single_value(value)
+    )
 
 
-def _read_whole_number(value: object, minimum: int) -> int:
+def _parse_whole_number(value: object, minimum: int) -> int:
     if isinstance(value, str) and value.strip().removeprefix("-").isdecimal():
         value = int(value)
     try:
@@ -70,32 +74,32 @@ def _read_whole_number(value: object, minimum: int) -> int:
         raise ValueError(str(error).strip()) from None
 
 
-def _read_count(value: object) -> int:
-    return _read_whole_number(value, 1)
+def _parse_positive_integer(value: object) -> int:
+    return _parse_whole_number(value, 1)
 
 
-def _read_non_negative(value: object) -> int:
-    return _read_whole_number(value, 0)
+def _parse_nonnegative_integer(value: object) -> int:
+    return _parse_whole_number(value, 0)
 
 
-def _read_degrees(value: object) -> float:
+def _parse_degrees(value: object) -> float:
     try:
         return validate_number("", float(value) if isinstance(value, str) else value)
     except ValueError:
         raise ValueError(f"must be a finite number of degrees, got {short_repr(unwrap_scalar(value))}") from None
 
 
-def _read_positions(value: object) -> object:
+def _parse_positions(value: object) -> object:
     """Parse a list of lengths, or a list of (x, y) pairs of lengths, into a flat list."""
     value = unwrap_scalar(value)
     items = value.tolist() if isinstance(value, np.ndarray) else value
     if not isinstance(items, (list, tuple)):
-        return _read_values(items)
+        return _parse_value_list(items)
     rows = [item if isinstance(item, (list, tuple)) else (item,) for item in items]
-    return [_read_value(item) for row in rows for item in row]
+    return [_parse_single_value(item) for row in rows for item in row]
 
 
-def _read_surrogates(value: object) -> object:
+def _parse_surrogates(value: object) -> object:
     value = unwrap_scalar(value)
     if isinstance(value, bool) or not isinstance(value, (str, int)):
         allowed = ", ".join(get_args(SurrogateBodies))
@@ -110,20 +114,20 @@ BodyScans: TypeAlias = Annotated[Scan | Sequence[Scan], SkipValidation]
 """A single scan of a body, or scans at several places on the body."""
 Gap: TypeAlias = Annotated[HeightMap, SkipValidation]
 InterfaceName: TypeAlias = Annotated[str | Path | Interface, SkipValidation]
-QuantityInput: TypeAlias = Annotated[str | float, PlainValidator(_read_value)]
+QuantityInput: TypeAlias = Annotated[str | float, PlainValidator(_parse_single_value)]
 """Number in the unit of the option, or string with a unit."""
 QuantityInputs: TypeAlias = Annotated[
-    str | float | Sequence[str | float] | NDArray[np.float64], PlainValidator(_read_values)
+    str | float | Sequence[str | float] | NDArray[np.float64], PlainValidator(_parse_value_list)
 ]  # fmt: skip
 """Single value or several values; in a string, commas separate the values."""
 Positions: TypeAlias = Annotated[
-    str | float | Sequence[str | float | Sequence[str | float]] | NDArray[np.float64], PlainValidator(_read_positions)
+    str | float | Sequence[str | float | Sequence[str | float]] | NDArray[np.float64], PlainValidator(_parse_positions)
 ]  # fmt: skip
 """Positions along profiles, or positions (x, y) on maps, possibly as a flat list."""
-Count: TypeAlias = Annotated[int, PlainValidator(_read_count)]
-Seed: TypeAlias = Annotated[int, PlainValidator(_read_non_negative)]
-Degrees: TypeAlias = Annotated[float, PlainValidator(_read_degrees)]
-SurrogateChoice: TypeAlias = Annotated[int | str, PlainValidator(_read_surrogates)]
+Count: TypeAlias = Annotated[int, PlainValidator(_parse_positive_integer)]
+Seed: TypeAlias = Annotated[int, PlainValidator(_parse_nonnegative_integer)]
+Degrees: TypeAlias = Annotated[float, PlainValidator(_parse_degrees)]
+SurrogateChoice: TypeAlias = Annotated[int | str, PlainValidator(_parse_surrogates)]
 
 Mechanics = Literal["half-space", "asperities"]
 CONTACT_MODEL_NAMES: tuple[Mechanics, ...] = get_args(Mechanics)
@@ -155,7 +159,7 @@ class PairProperties(Protocol):
         """True if at least one body is given as a spectrum that joins several scans."""
 
     @property
-    def has_missing(self) -> bool:
+    def has_masked_points(self) -> bool:
         """True if at least one body has masked points."""
 
     @property
@@ -167,7 +171,7 @@ class PairProperties(Protocol):
         """Number of scans of each body, as a pair (upper, lower)."""
 
     @property
-    def press(self) -> str:
+    def press_mode(self) -> str:
         """Kind of members that the contact model presses together: "areas", "lines" or "surrogates"."""
 
     @property
@@ -217,25 +221,25 @@ def has_two_profiles(pair: PairProperties) -> bool:
 @make_condition("is for two profiles that are pressed as lines; other bodies have a nominal area")
 def presses_profiles_as_lines(pair: PairProperties) -> bool:
     """Return whether both bodies are profiles and are pressed as lines."""
-    return pair.are_profiles and pair.press == "lines"
+    return pair.are_profiles and pair.press_mode == "lines"
 
 
 @make_condition("generates surfaces from a spectrum and needs scans without masked points")
 def has_complete_scans_for_surrogates(pair: PairProperties) -> bool:
     """Return True unless surrogates are requested for a scan that has masked points."""
-    return not (pair.has_missing and pair.has_surrogates)
+    return not (pair.has_masked_points and pair.has_surrogates)
 
 
 @make_condition("uses the asperity model and needs scans without masked points")
 def has_complete_scans_for_asperities(pair: PairProperties) -> bool:
     """Return True unless the asperity model is used for a scan that has masked points."""
-    return not pair.has_missing or "asperities" not in pair.contact_models
+    return not pair.has_masked_points or "asperities" not in pair.contact_models
 
 
 @make_condition("needs scans without masked points; {missing} interpolate fills them, and {crop} excludes them")
 def has_complete_scans(pair: PairProperties) -> bool:
     """Return whether the scans have no masked points."""
-    return not pair.has_missing
+    return not pair.has_masked_points
 
 
 @make_condition("must not be combined with a spectrum, because its surfaces are generated")
@@ -247,37 +251,37 @@ def has_no_spectrum(pair: PairProperties) -> bool:
 @make_condition("is for surfaces and surrogates; two profiles are one pair")
 def has_several_line_pairs(pair: PairProperties) -> bool:
     """Return whether several pairs of lines can be formed, either from maps or from surrogates of profiles."""
-    return not pair.are_profiles or (pair.press == "lines" and pair.has_surrogates)
+    return not pair.are_profiles or (pair.press_mode == "lines" and pair.has_surrogates)
 
 
 @make_condition("is for lines; for maps give {lines} as well")
 def presses_lines(pair: PairProperties) -> bool:
     """Return whether lines are pressed, rather than areas."""
-    return pair.press == "lines"
+    return pair.press_mode == "lines"
 
 
 @make_condition("is for lines of surfaces")
 def presses_lines_of_maps(pair: PairProperties) -> bool:
     """Return whether the pressed bodies are lines of height maps."""
-    return pair.press == "lines" and not pair.are_profiles
+    return pair.press_mode == "lines" and not pair.are_profiles
 
 
 @make_condition("is for the areas of two maps, without {lines}")
 def presses_areas(pair: PairProperties) -> bool:
     """Return whether two height maps are pressed as areas."""
-    return pair.press == "areas"
+    return pair.press_mode == "areas"
 
 
 @make_condition("is for areas; lines are always moved in both directions")
 def presses_maps_or_surrogates(pair: PairProperties) -> bool:
     """Return whether areas of height maps or of surrogates are pressed."""
-    return pair.press != "lines"
+    return pair.press_mode != "lines"
 
 
 @make_condition("is for lines, or for the areas of two maps")
 def presses_scans(pair: PairProperties) -> bool:
     """Return whether `press` is "lines" or "areas", rather than "surrogates"."""
-    return pair.press != "surrogates"
+    return pair.press_mode != "surrogates"
 
 
 @make_condition("must not be given with {positions}")
@@ -341,13 +345,13 @@ def has_no_hardness_for_asperities(pair: PairProperties) -> bool:
 
 
 @make_condition("is for {mechanics} half-space, and for {law} jackson-green")
-def has_plastic_contacts(pair: PairProperties) -> bool:
+def has_model_with_hardness(pair: PairProperties) -> bool:
     """Return whether one of the selected contact models can use a hardness."""
     return "half-space" in pair.contact_models or pair.contact_law == JacksonGreen.name
 
 
 @make_condition("needs {creep}, the exponent of indentation creep")
-def has_creep(pair: PairProperties) -> bool:
+def has_creep_exponent(pair: PairProperties) -> bool:
     """Return whether a creep exponent is given."""
     return pair.options.creep is not None
 
@@ -581,7 +585,7 @@ class MaterialOptions(OptionGroup):
     hardness: Annotated[QuantityInput | None, PairOption(
         "PRESSURE", 'Hardness of the softer body, the largest contact pressure: "2 GPa", "150 HV" or "150 HV ± 10 %".',
         kind="pressure", usual="the material's hardness", is_common=True, key="contact.hardness",
-        applies=(has_plastic_contacts,), field=FormField(label="hardness, GPa", place="body", unit="GPa"),
+        applies=(has_model_with_hardness,), field=FormField(label="hardness, GPa", place="body", unit="GPa"),
     )] = None  # fmt: skip
     yield_strength: Annotated[QuantityInput | None, PairOption(
         "PRESSURE", "Yield strength of the softer body, for {law} jackson-green.", kind="pressure",
@@ -595,7 +599,7 @@ class MaterialOptions(OptionGroup):
     wait: Annotated[QuantityInputs | None, PairOption(
         "TIMES", 'Dwell times under load before sliding, "1 min,1 h". The given hardness applies after 1 s.',
         kind="time",
-        key="friction.wait", applies=(has_creep, has_half_space_result),
+        key="friction.wait", applies=(has_creep_exponent, has_half_space_result),
     )] = None  # fmt: skip
     creep: Annotated[QuantityInput | None, PairOption(
         "NUMBER", 'Exponent m of indentation creep, "0.03" or "0.02..0.05": the hardness falls as (t/1 s)^-m.',
@@ -755,12 +759,12 @@ OPTION_GROUPS: tuple[type[OptionGroup], ...] = (
 """Groups of options in the order of the help."""
 
 
-def _find_declaration(field: FieldInfo) -> PairOption:
+def _find_option_declaration(field: FieldInfo) -> PairOption:
     return next(item for item in field.metadata if isinstance(item, PairOption))
 
 
 PAIR_OPTIONS: dict[str, PairOption] = {
-    name: _find_declaration(field) for group in OPTION_GROUPS for name, field in group.model_fields.items()
+    name: _find_option_declaration(field) for group in OPTION_GROUPS for name, field in group.model_fields.items()
 }  # fmt: skip
 """All options by field name."""
 
@@ -770,7 +774,7 @@ READING_OPTION_NAMES: tuple[str, ...] = tuple(
 """Names of the options that are passed to `read_measurement`."""
 
 
-def split_list(name: str, text: str) -> str | tuple[str, ...]:
+def split_option_text(name: str, text: str) -> str | tuple[str, ...]:
     """Split the text of an option at commas, or return the text unchanged if the option has a single value."""
     return tuple(split_values(text)) if PAIR_OPTIONS[name].is_list and "," in text else text
 
@@ -783,7 +787,7 @@ OPTION_CHECK_ORDER: tuple[str, ...] = tuple(
 """Names of the options in the order of their checks."""
 
 
-def list_choices(name: str) -> tuple[str, ...]:
+def list_option_choices(name: str) -> tuple[str, ...]:
     """Return the words that an option accepts, or an empty tuple if its values are not a fixed list of words."""
     annotation = PairOptions.model_fields[name].annotation
     literal_type = next((argument for argument in get_args(annotation) if get_args(argument)), annotation)
@@ -821,7 +825,7 @@ def convert_validation_errors() -> Iterator[None]:
         name, value = str(first_error["loc"][0]) if first_error["loc"] else "", first_error["input"]
         match first_error["type"]:
             case "literal_error":
-                choices = list_choices(name)
+                choices = list_option_choices(name)
                 suggestions = difflib.get_close_matches(str(value), choices, n=1)
                 hint = f"; did you mean {suggestions[0]}?" if suggestions else ""
                 reason = f"must be {' or '.join(choices)}, got {short_repr(value)}{hint}"
@@ -839,7 +843,7 @@ def convert_validation_errors() -> Iterator[None]:
         raise ArgumentError(f"{{{name}}} {{reason}}", reason=reason) from None
 
 
-def read_options(values: dict[str, object]) -> PairOptions:
+def validate_option_values(values: dict[str, object]) -> PairOptions:
     """Validate option values given by field name, and create options from them.
 
     Raises an `ArgumentError` if a value is invalid.

@@ -16,7 +16,7 @@ from stiction._core import __version__
 from stiction._files import check_replaceable, replacement_file
 from stiction._text import format_duration
 from stiction.studies.contact_picture import CONTACT_PICTURE_FILE, contact_picture
-from stiction.studies.evaluation import is_unloaded
+from stiction.studies.evaluation import has_only_negligible_loads
 from stiction.studies.hardness import (
     HARDNESS_AREAS_FILE,
     compute_areas_at_nodes,
@@ -30,11 +30,11 @@ from stiction.studies.onset import (
     ONSET_TABLE_SIGNATURE,
     compute_onset,
     format_backbone_csv,
-    load_onset,
+    load_stored_onset,
 )
 from stiction.studies.resolution import CUTOFF_STUDY_FOLDER, build_cutoff_study
 from stiction.studies.result import Result
-from stiction.studies.runner import complete_blocks, compute_missing, prepare_folder
+from stiction.studies.runner import complete_blocks, compute_missing_blocks, prepare_result_folder
 from stiction.studies.store import (
     BLOCKS_FOLDER,
     CHECKSUM_PREFIX,
@@ -42,9 +42,9 @@ from stiction.studies.store import (
     StoredResult,
     StoreError,
     export,
-    open_stored,
+    open_stored_result,
 )
-from stiction.studies.study import Study, find_differences, find_member_differences, format_differences
+from stiction.studies.study import Study, find_member_differences, find_table_differences, format_study_differences
 
 LinePrintFunction = Callable[[str], Any]  # function that prints a line
 
@@ -80,18 +80,18 @@ def complete_result(
     """
     for name, signature in (_COMPANION_FILES if study.is_measured and part is None else {}).items():
         check_replaceable(folder / name, signature, StoreError)
-    existing_result = open_stored(folder) if (folder / STUDY_FILE).exists() else None
+    existing_result = open_stored_result(folder) if (folder / STUDY_FILE).exists() else None
     if replace and existing_result:
         remove_result(existing_result)
-    stored_result, num_members = prepare_folder(study, folder, part), study.ensemble.repetitions
-    num_existing = stored_result.count
+    stored_result, num_members = prepare_result_folder(study, folder, part), study.ensemble.repetitions
+    num_existing = stored_result.num_finished
     differences = (
-        find_differences(existing_result.study, stored_result.study) if existing_result and num_existing else []
+        find_table_differences(existing_result.study, stored_result.study) if existing_result and num_existing else []
     )
     if friction_differences := [difference for difference in differences if difference[0].startswith("friction.")]:
         print_remark(
             f"{folder} has results for other friction; its {num_existing} repetitions are kept, and its table, report "
-            f"and figures are replaced\n{format_differences(friction_differences)}"
+            f"and figures are replaced\n{format_study_differences(friction_differences)}"
         )
     is_measured = stored_result.study.is_measured
     seconds = (num_members - num_existing) * estimate_member_time(stored_result.study)
@@ -101,11 +101,12 @@ def complete_result(
     )
     if part is not None:
         print_finished(
-            f"part {part[0]}/{part[1]} is finished; {stored_result.count} of {num_members} repetitions are in {folder}"
+            f"part {part[0]}/{part[1]} is finished; {stored_result.num_finished} of {num_members} repetitions are in "
+            f"{folder}"
         )
         return Result(stored_result)
     result = Result(stored_result)
-    if is_measured and load_areas_at_nodes(stored_result) is None and not is_unloaded(result):
+    if is_measured and load_areas_at_nodes(stored_result) is None and not has_only_negligible_loads(result):
         # If hardness or moduli are ranges, some members are also computed at values other than the nominal values.
         seconds = (
             count_area_solutions(stored_result.study) * estimate_solution_time(stored_result.study)
@@ -114,7 +115,7 @@ def complete_result(
         )
         if seconds > MIN_ANNOUNCED_TIME:
             print_remark(f"at other hardnesses and moduli: about {format_duration(seconds)} of one core")
-        _write_companion(
+        _write_companion_file(
             stored_result, HARDNESS_AREAS_FILE, lambda: compute_areas_at_nodes(stored_result.study, executor)
         )
     if num_existing < num_members and (num_existing or not is_measured):
@@ -127,19 +128,19 @@ def complete_result(
         print_finished(f"{folder} already contains this study{version_text}")
     show_result(result)
     if is_measured and (num_existing < num_members or not (stored_result.path / CONTACT_PICTURE_FILE).exists()):
-        _write_companion(stored_result, CONTACT_PICTURE_FILE, lambda: contact_picture(result))
-    compute_companions(result, executor, onset, progress=progress, announce=announce, print_remark=print_remark)
+        _write_companion_file(stored_result, CONTACT_PICTURE_FILE, lambda: contact_picture(result))
+    compute_companion_files(result, executor, onset, progress=progress, announce=announce, print_remark=print_remark)
     return result
 
 
-def _write_companion(stored_result: StoredResult, name: str, compute: Callable[[], Any]) -> None:
+def _write_companion_file(stored_result: StoredResult, name: str, compute: Callable[[], Any]) -> None:
     """Compute and write a companion file. Do nothing if there are no data, or if body files are missing."""
     with contextlib.suppress(ValueError):
         if (dataset := compute()) is not None:
             export(dataset, stored_result.path / name, replace=True)
 
 
-def compute_companions(
+def compute_companion_files(
     result: Result, executor: Executor, onset: int | None = None, *, progress: bool = False,
     announce: LinePrintFunction = _ignore_line, print_remark: LinePrintFunction = _ignore_line,
 ) -> None:  # fmt: skip
@@ -148,10 +149,10 @@ def compute_companions(
     if stored_result is None or not stored_result.study.is_measured:
         return
     try:
-        cutoff_study = None if is_unloaded(result) else build_cutoff_study(stored_result.study)
+        cutoff_study = None if has_only_negligible_loads(result) else build_cutoff_study(stored_result.study)
         if cutoff_study is not None:
             folder = stored_result.path / CUTOFF_STUDY_FOLDER
-            existing_result = open_stored(folder) if (folder / STUDY_FILE).exists() else None
+            existing_result = open_stored_result(folder) if (folder / STUDY_FILE).exists() else None
             if existing_result and find_member_differences(existing_result.study, cutoff_study):
                 remove_result(
                     existing_result
@@ -160,8 +161,8 @@ def compute_companions(
             (print_remark if seconds > MIN_ANNOUNCED_TIME else announce)(
                 f"cutoff study: about {format_duration(seconds)} of one core"
             )
-            compute_missing(cutoff_study, folder, executor=executor, progress=progress)
-        stored_onset = load_onset(stored_result)
+            compute_missing_blocks(cutoff_study, folder, executor=executor, progress=progress)
+        stored_onset = load_stored_onset(stored_result)
         if onset == 0 or (stored_onset is not None and onset in (None, int(stored_onset.attrs["members"]))):
             return
         announce("onset of sliding")

@@ -53,7 +53,7 @@ CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions th
 MEAN_AND_LIMITS = ("mean", "lower", "upper")  # labels of a mean and of the limits of its 95 % interval
 
 
-def roughness_exponent(study: Study, dimension: float) -> tuple[str, float]:
+def get_roughness_exponent(study: Study, dimension: float) -> tuple[str, float]:
     """Return the name and value of the roughness exponent. The name is H for self-affine surfaces, and D otherwise."""
     has_hurst = getattr(study.surfaces, "generator", "") == "self-affine"
     return ("H", round(2 - dimension, 12)) if has_hurst else ("D", dimension)
@@ -95,7 +95,7 @@ def mean_contact_pressure(point: xarray.Dataset) -> float:
 def list_rules_quoted_first(study: Study) -> list[str]:
     """Return the sliding rules of a study, starting with the quoted rule."""
     rules = SLIDING_RULE_ORDER if study.is_measured else SLIDING_RULE_ORDER[::-1]
-    return sorted(study.contact.rules(), key=rules.index)
+    return sorted(study.contact.sliding_rules(), key=rules.index)
 
 
 def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
@@ -105,17 +105,17 @@ def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
     """
     if "nominal_area" not in point.coords:
         return False
-    return study.is_areal or study.uses_half_space or "cylinder" in contact_law_name(study)
+    return study.is_areal or study.uses_half_space or "cylinder" in get_contact_law_name(study)
 
 
-def contact_law_name(study: Study) -> str:
+def get_contact_law_name(study: Study) -> str:
     """Return the name of the contact law in lower case, or an empty string for the half-space model."""
     return str(study.contact.law or "").lower()
 
 
 def has_limited_pressure(study: Study) -> bool:
     """Return whether the contact pressure is limited by a hardness or a yield strength."""
-    return study.contact.hardness is not None or "jackson" in contact_law_name(study)
+    return study.contact.hardness is not None or "jackson" in get_contact_law_name(study)
 
 
 def effective_modulus_at(point: xarray.Dataset, study: Study) -> float:
@@ -123,7 +123,7 @@ def effective_modulus_at(point: xarray.Dataset, study: Study) -> float:
     return float(point["effective_modulus"] if "effective_modulus" in point.coords else study.contact.effective_modulus)
 
 
-def adhesion_ranges(point: xarray.Dataset, study: Study) -> tuple[float, float]:
+def get_adhesion_ranges(point: xarray.Dataset, study: Study) -> tuple[float, float]:
     """Return the range of adhesion (µm) in the study, and the range used. A coarse grid requires a larger range."""
     contact: Any = study.contact
     given_range = float(contact.adhesion_range or DEFAULT_ADHESION_RANGE)
@@ -141,18 +141,18 @@ def is_unloaded(point: xarray.Dataset) -> bool:
     )
 
 
-def study_hardness(study: Study) -> float:
+def get_study_hardness(study: Study) -> float:
     """Return the hardness (GPa) of a study, or NaN if the study has no hardness."""
     hardness = study.contact.hardness
     return math.nan if hardness is None else float(hardness)
 
 
-def plastic_adhesive_friction(point: xarray.Dataset, study: Study) -> float | None:
+def compute_plastic_adhesive_friction(point: xarray.Dataset, study: Study) -> float | None:
     """Return tau0/H', the adhesive part of the friction coefficient for fully plastic contacts.
 
     The value is NaN at seizure, or None without a hardness.
     """
-    hardness = study_hardness(study)
+    hardness = get_study_hardness(study)
     if math.isnan(hardness) or not study.uses_half_space:
         return None
     mu0, tau0, growth = float(point["mu0"]), float(point["tau0"]), study.contact.junction_growth or 0.0

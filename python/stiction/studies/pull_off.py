@@ -52,13 +52,13 @@ def find_pull_off_values(point: xarray.Dataset, rule: str) -> PullOffValues | No
     if "pull_off" not in point or "pull_off_pressure" not in point:
         return None
     force, pressure, friction = (
-        _read_interval(select_sliding_rule(point[name], rule))
+        _get_value_and_interval(select_sliding_rule(point[name], rule))
         for name in ("pull_off", "pull_off_pressure", "friction_at_no_load")
     )
     bound_fraction = float(point["share_of_pull_off_bounds"].sel(statistic="mean"))
     return PullOffValues(force, pressure, friction, bound_fraction > 0)
 
 
-def _read_interval(table: xarray.DataArray) -> ValueWithInterval:
+def _get_value_and_interval(table: xarray.DataArray) -> ValueWithInterval:
     value, lower, upper = (float(table.sel(statistic=statistic)) for statistic in MEAN_AND_LIMITS)
     return value, lower, upper

@@ -15,19 +15,19 @@ from stiction._units import exact_quantity_text
 from stiction.mechanics import brackets
 from stiction.mechanics.resolution import TYPICAL_HARDNESSES, spectral_resolution
 from stiction.studies.evaluation import at_load
-from stiction.studies.members import body_attributes, load_bodies
+from stiction.studies.members import find_body_attributes, load_bodies
 from stiction.studies.point import (
+    compute_plastic_adhesive_friction,
     effective_modulus_at,
     find_contact_status,
+    get_study_hardness,
     iterate_points,
     list_rules_quoted_first,
     mean_contact_pressure,
     mean_over_directions,
-    plastic_adhesive_friction,
-    study_hardness,
 )
 from stiction.studies.result import Result
-from stiction.studies.store import STUDY_FILE, StoredResult, StoreError, open_stored
+from stiction.studies.store import STUDY_FILE, StoredResult, StoreError, open_stored_result
 from stiction.studies.study import Study, find_member_differences
 from stiction.surfaces.hurst import HurstEstimate
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
@@ -57,8 +57,8 @@ def build_cutoff_study(study: Study) -> Study | None:
     """
     if not study.is_measured or not study.uses_half_space:
         return None
-    cutoffs = study.surfaces.cells()["cut_off"].tolist()
-    attributes = body_attributes(study).attributes
+    cutoffs = study.surfaces.cell_coordinates()["cut_off"].tolist()
+    attributes = find_body_attributes(study).attributes
     max_spacing = max(float(np.max(attributes[f"{side}_spacing_um"])) for side in ("upper", "lower"))
     side = min(float(np.min(attributes[f"{side}_extent_um"])) for side in ("upper", "lower"))
     if len(cutoffs) > 1:
@@ -91,7 +91,7 @@ def build_cutoff_study(study: Study) -> Study | None:
     return study.with_changes(changes)
 
 
-def evaluate_cutoffs(result: StoredResult) -> xarray.Dataset | None:
+def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
     """Evaluate a measured pair at several cutoffs, for the loads of its study.
 
     The cutoffs are those of the result itself or of the cutoff study in its folder. Returns None if there is neither.
@@ -100,18 +100,18 @@ def evaluate_cutoffs(result: StoredResult) -> xarray.Dataset | None:
     if not study.is_measured:
         return None
     loads = [float(load) for load in study.friction.load]
-    if study.surfaces.cells()["cut_off"].size > 1:
+    if study.surfaces.cell_coordinates()["cut_off"].size > 1:
         return at_load(Result(result), loads)
     folder = Path(result.path) / CUTOFF_STUDY_FOLDER
     if not (folder / STUDY_FILE).exists():
         return None
     try:
-        stored_result = open_stored(folder)
+        stored_result = open_stored_result(folder)
         expected_study = build_cutoff_study(study)
     except (StoreError, ValueError):
         return None
     if (
-        not stored_result.finished.size
+        not stored_result.finished_members.size
         or expected_study is None
         or find_member_differences(stored_result.study, expected_study)
     ):
@@ -150,7 +150,7 @@ class ResolvedRoughness:
         kappa_factor = float(brackets.kappa_uncertainty_factor(np.array(contact_count)))
         return brackets.plastic_wavelength(self.roughness, self.estimate, gradient, kappa_factor)
 
-    def extrapolate(self, area_fraction: float, contact_count: float) -> tuple[Floats, Floats, Floats]:
+    def extrapolate_to_finer_scans(self, area_fraction: float, contact_count: float) -> tuple[Floats, Floats, Floats]:
         """Extrapolate the gap gradient and the area fraction to finer scans, assuming elastic bodies.
 
         Returns the shortest wavelengths (µm) of the finer scans, the gradients, and the area fractions. Gradients and
@@ -172,13 +172,13 @@ def find_resolved_roughness(study: Study) -> ResolvedRoughness | None:
     if not study.is_measured:
         return None
     try:
-        return _find_resolved_roughness(study)
+        return _compute_resolved_roughness(study)
     except (ValueError, OSError):
         return None
 
 
 @functools.lru_cache(maxsize=4)
-def _find_resolved_roughness(study: Study) -> ResolvedRoughness:
+def _compute_resolved_roughness(study: Study) -> ResolvedRoughness:
     surfaces: Any = study.surfaces
     bodies = load_bodies(study)
     cut_off = surfaces.quoted_cut_off()
@@ -200,15 +200,15 @@ def _find_resolved_roughness(study: Study) -> ResolvedRoughness:
 # ---- Limits of finer scans -----------------------------------------------------------------------------------------
 
 
-def plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, float] | None:
+def find_plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, float] | None:
     """Return lower bounds on mu_s and the area fraction for all finer scans, or None if contacts cannot yield.
 
     The bound on mu_s, with friction at all contacts, is mu0 + tau0/H'. The bound on the area fraction is p/H, where p
     is the nominal pressure.
     """
-    if (adhesive_friction := plastic_adhesive_friction(point, study)) is None:
+    if (adhesive_friction := compute_plastic_adhesive_friction(point, study)) is None:
         return None
-    area_fraction = float(point["load"]) / (study_hardness(study) * float(point["nominal_area"]))
+    area_fraction = float(point["load"]) / (get_study_hardness(study) * float(point["nominal_area"]))
     return float(point["mu0"]) + adhesive_friction, area_fraction
 
 
@@ -260,7 +260,7 @@ class ResolutionEffect:
 def find_resolution_effect(at: xarray.Dataset, study: Study, cutoffs: xarray.Dataset | None) -> ResolutionEffect | None:
     """Return the effect of the scan resolution, or None if roughness and results at cutoffs are both unavailable.
 
-    `cutoffs` is a result of `evaluate_cutoffs`, or a dataset of `Result.at` at several cutoffs.
+    `cutoffs` is a result of `evaluate_at_cutoffs`, or a dataset of `Result.at` at several cutoffs.
     """
     roughness = find_resolved_roughness(study)
     if roughness is None and cutoffs is None:
@@ -276,7 +276,7 @@ def find_resolution_effect(at: xarray.Dataset, study: Study, cutoffs: xarray.Dat
     return ResolutionEffect(
         roughness=roughness, cutoffs=tuple(_build_cutoff_result(point, study) for point in iterate_points(cutoffs)),
         members=mean_over_directions(cutoffs, "members"),
-        plastic_limit=plastic_limit(first_loads, study), yielding=tuple(yield_estimates),
+        plastic_limit=find_plastic_limit(first_loads, study), yielding=tuple(yield_estimates),
     )  # fmt: skip
 
 
@@ -311,16 +311,16 @@ def estimate_yield_wavelengths(
     )
 
 
-def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
+def build_resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
     """Return the elastic and plastic limits that are drawn in the figure of the cutoff study.
 
-    `dataset` is a result of `evaluate_cutoffs` at one load, mu0 and tau0. Keys: ``friction`` and ``area_fraction``, the
-    plastic limit (None without a hardness); ``shortest``, the shortest resolved wavelength in µm (None if the files are
-    missing); ``wavelength`` (µm), ``finer_area_fraction`` and ``finer_friction`` (rule "all"), arrays (n, 3) of value,
-    lower and upper end of the elastic result, extrapolated with the Hurst exponent (empty with a hardness);
+    `dataset` is a result of `evaluate_at_cutoffs` at one load, mu0 and tau0. Keys: ``friction`` and ``area_fraction``,
+    the plastic limit (None without a hardness); ``shortest``, the shortest resolved wavelength in µm (None if the files
+    are missing); ``wavelength`` (µm), ``finer_area_fraction`` and ``finer_friction`` (rule "all"), arrays (n, 3) of
+    value, lower and upper end of the elastic result, extrapolated with the Hurst exponent (empty with a hardness);
     ``spectral``, the result of `spectral_resolution` for joined spectra of several scans (None for single scans).
     """
-    plastic_bounds, resolved_roughness = plastic_limit(dataset, study), find_resolved_roughness(study)
+    plastic_bounds, resolved_roughness = find_plastic_limit(dataset, study), find_resolved_roughness(study)
     table: dict[str, Any] = {
         "friction": None,
         "area_fraction": None,
@@ -328,7 +328,7 @@ def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
         "wavelength": np.empty(0),
         "finer_area_fraction": np.empty((0, 3)),
         "finer_friction": np.empty((0, 3)),
-        "spectral": _spectral_estimate(dataset, study),
+        "spectral": _estimate_from_spectra(dataset, study),
     }
     if plastic_bounds is not None:
         return table | dict(zip(("friction", "area_fraction"), plastic_bounds, strict=True))
@@ -336,7 +336,7 @@ def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
     fraction = mean_over_directions(dataset.isel(cut_off=0), "contact_area_fraction")
     if resolved_roughness is None or not fraction > 0 or not study.uses_half_space:
         return table
-    wavelengths, gradients, fractions = resolved_roughness.extrapolate(
+    wavelengths, gradients, fractions = resolved_roughness.extrapolate_to_finer_scans(
         fraction, mean_over_directions(dataset.isel(cut_off=0), "contact_count")
     )
     relative_gradients = gradients[:, :1]
@@ -348,14 +348,14 @@ def resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, Any]:
     return table | {"wavelength": wavelengths, "finer_area_fraction": fractions, "finer_friction": coefficients}
 
 
-def _spectral_estimate(dataset: xarray.Dataset, study: Study) -> xarray.Dataset | None:
+def _estimate_from_spectra(dataset: xarray.Dataset, study: Study) -> xarray.Dataset | None:
     """Return the closed-form estimate from the spectra of both bodies, or None if neither is a joined spectrum."""
     files = [getattr(study.surfaces, side, None) for side in ("upper", "lower")]
     try:
         bodies = [file.read() for file in files if file is not None]
     except (ValueError, OSError):
         return None
-    pressure, hardness = float(dataset["load"]) / float(dataset["nominal_area"]), study_hardness(study)
+    pressure, hardness = float(dataset["load"]) / float(dataset["nominal_area"]), get_study_hardness(study)
     if not any(isinstance(body, JoinedSpectrum) for body in bodies) or hardness <= pressure:
         return None
     upper, lower = (to_joined_spectrum(body).roughness() for body in bodies)

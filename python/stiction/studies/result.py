@@ -15,9 +15,9 @@ from stiction._checks import check_bool, check_instance
 from stiction._repr import figure_html, preformatted_html, render_png
 from stiction._units import loads_to_core_units, short_repr, to_core_units
 from stiction.mechanics.quantities import QUANTITIES
-from stiction.studies.layout import members_per_piece
-from stiction.studies.store import StoredResult, export, open_stored
-from stiction.studies.study import Study, parse_dataset_study
+from stiction.studies.layout import compute_members_per_piece
+from stiction.studies.store import StoredResult, export, open_stored_result
+from stiction.studies.study import Study, parse_study_of_dataset
 
 if TYPE_CHECKING:
     import pandas
@@ -78,7 +78,7 @@ class Result:
     @cached_property
     def study(self) -> Study:
         """Study from which the result was computed."""
-        return self.source.study if isinstance(self.source, StoredResult) else parse_dataset_study(self.source)
+        return self.source.study if isinstance(self.source, StoredResult) else parse_study_of_dataset(self.source)
 
     @property
     def path(self) -> Path | None:
@@ -102,13 +102,13 @@ class Result:
         if not isinstance(self.source, StoredResult):
             return self.source
         # If the result has no members, `StoredResult.dataset` raises the error.
-        return next(self.source.pieces()) if self.source.count else self.source.dataset()
+        return next(self.source.pieces()) if self.source.num_finished else self.source.dataset()
 
     @cached_property
     def members(self) -> NDArray[np.intp]:
         """Indices of the finished members."""
         if isinstance(self.source, StoredResult):
-            return self.source.finished
+            return self.source.finished_members
         return np.asarray(self.source["repetition"].values, dtype=np.intp)
 
     @property
@@ -127,7 +127,9 @@ class Result:
             yield from self.source.pieces(names)
             return
         count = self.source.sizes["repetition"]
-        piece_size = members_per_piece(sum(each.nbytes for each in self.source.data_vars.values()) // max(1, count))
+        piece_size = compute_members_per_piece(
+            sum(each.nbytes for each in self.source.data_vars.values()) // max(1, count)
+        )
         selected = self.source if names is None else self.source[list(names)]
         for first in range(0, count, piece_size):
             yield selected.isel(repetition=slice(first, first + piece_size))
@@ -153,9 +155,9 @@ class Result:
     @cached_property
     def num_solved(self) -> int:
         """Number of members that the solver completed at all loads or approaches."""
-        from stiction.studies.maps import solved_pieces
+        from stiction.studies.maps import iterate_solved_pieces
 
-        return sum(piece.sizes["repetition"] for piece in solved_pieces(self, ["normal_elastic"]))
+        return sum(piece.sizes["repetition"] for piece in iterate_solved_pieces(self, ["normal_elastic"]))
 
     def load_companion(self, read: Callable[[StoredResult], _Read | None]) -> _Read | None:
         """Read data stored alongside the result by calling `read`, and cache the data.
@@ -179,16 +181,16 @@ class Result:
 
         None if the onset is not stored.
         """
-        from stiction.studies.onset import load_onset
+        from stiction.studies.onset import load_stored_onset
 
-        return self.load_companion(load_onset)
+        return self.load_companion(load_stored_onset)
 
     @property
     def values_at_cutoffs(self) -> xarray.Dataset | None:
         """Values of a few members at several cutoff wavelengths, or None if no cutoff study is stored."""
-        from stiction.studies.resolution import evaluate_cutoffs
+        from stiction.studies.resolution import evaluate_at_cutoffs
 
-        return self.load_companion(evaluate_cutoffs)
+        return self.load_companion(evaluate_at_cutoffs)
 
     @property
     def contact_picture(self) -> xarray.Dataset | None:
@@ -247,9 +249,9 @@ class Result:
 
         Raises a `ValueError` if there is no contact.
         """
-        from stiction.studies.evaluation import reached_loads
+        from stiction.studies.evaluation import choose_loads_in_range
 
-        return reached_loads(self, steps)
+        return choose_loads_in_range(self, steps)
 
     @cached_property
     def default_loads(self) -> NDArray[np.float64]:
@@ -257,16 +259,16 @@ class Result:
 
         Raises a `ValueError` if there is no contact.
         """
-        from stiction.studies.evaluation import default_loads
+        from stiction.studies.evaluation import choose_default_loads
 
-        return default_loads(self)
+        return choose_default_loads(self)
 
     @cached_property
     def mean_areas(self) -> NDArray[np.float64]:
         """True area (µm²) at each computed load, averaged over the members."""
-        from stiction.studies.evaluation import mean_areas
+        from stiction.studies.evaluation import compute_mean_areas
 
-        return mean_areas(self)
+        return compute_mean_areas(self)
 
     @cached_property
     def at_study_loads(self) -> xarray.Dataset:
@@ -362,7 +364,7 @@ class Result:
                     f"quantities must be names in the table of quantities, got {short_repr(unknown_names[0])}"
                 )
         if height_scale is not None:
-            return self._at_height_scale(height_scale, load, mu0, tau0, reading, scaled, compute)
+            return self._evaluate_at_height_factors(height_scale, load, mu0, tau0, reading, scaled, compute)
         loads = self.default_loads if load is None else self._to_forces(load)
         strengths = to_core_units("tau0", tau0, "pressure")
         if per_member:
@@ -371,10 +373,14 @@ class Result:
             at_load(self, loads, mu0=mu0, tau0=strengths, reading=reading, names=quantities), self, budget=budget
         )
 
-    def _at_height_scale(
+    def _evaluate_at_height_factors(
         self, factors: Any, load: Any, mu0: Any, tau0: Any, reading: Any, scaled: Any, compute: bool
     ) -> xarray.Dataset:
-        from stiction.studies.height_scale import compute_height_factors, evaluate_height_scale, parse_height_factors
+        from stiction.studies.height_scale import (
+            compute_results_at_height_factors,
+            evaluate_at_height_factors,
+            parse_height_factors,
+        )
 
         check_bool("compute", compute)
         if reading not in (None, "elastic"):
@@ -385,8 +391,8 @@ class Result:
         loads = self.default_loads if load is None else self._to_forces(load)
         strengths = to_core_units("tau0", tau0, "pressure")
         if compute:
-            compute_height_factors(self.stored, factors, scaled)
-        return evaluate_height_scale(self.stored, factors, loads, mu0=mu0, tau0=strengths, scaled=scaled)
+            compute_results_at_height_factors(self.stored, factors, scaled)
+        return evaluate_at_height_factors(self.stored, factors, loads, mu0=mu0, tau0=strengths, scaled=scaled)
 
     @property
     def nominal_area(self) -> float | None:
@@ -525,7 +531,7 @@ class Result:
 
     def figures(self) -> list[str]:
         """Return the names of the figures that `figure` can draw."""
-        return [name for name, _ in self._drawing_functions()]
+        return [name for name, _ in self._list_drawing_functions()]
 
     def figure(self, name: str) -> Figure:
         """Draw one of the figures with Matplotlib.
@@ -544,7 +550,7 @@ class Result:
 
         from stiction.views.style import MATPLOTLIB_STYLE
 
-        drawing_functions = dict(self._drawing_functions())
+        drawing_functions = dict(self._list_drawing_functions())
         if name not in drawing_functions:
             raise ValueError(f"name must be one of {', '.join(map(repr, drawing_functions))}, got {name!r}")
         with mpl.rc_context(MATPLOTLIB_STYLE):
@@ -552,7 +558,7 @@ class Result:
         vars(figure)["_repr_png_"] = partial(render_png, figure)  # allows a notebook to show the figure without pyplot
         return figure
 
-    def _drawing_functions(self) -> Sequence[tuple[str, Any]]:
+    def _list_drawing_functions(self) -> Sequence[tuple[str, Any]]:
         from stiction.views.figures.standard import select_figures
 
         return list(select_figures(self))
@@ -585,11 +591,11 @@ class Result:
     def __repr__(self) -> str:
         """Return the text that is shown if the result is printed on a terminal."""
         try:
-            return self._terminal_text().rstrip()
+            return self._render_terminal_text().rstrip()
         except ValueError as error:  # raised if there is no contact or no finished member
             return f"no answer: {error}"
 
-    def _terminal_text(self) -> str:
+    def _render_terminal_text(self) -> str:
         from stiction.views import text
 
         summary = self.summary()
@@ -630,4 +636,4 @@ def open_result(directory: str | Path) -> Result:
     >>> dict(open_result(folder).dataset.sizes)["repetition"]
     2
     """
-    return Result(open_stored(Path(directory)))
+    return Result(open_stored_result(Path(directory)))

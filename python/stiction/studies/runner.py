@@ -20,12 +20,23 @@ import numpy as np
 from stiction._core import __version__
 from stiction._files import new_partial_file_name
 from stiction._text import format_bytes, format_duration, printable_path
-from stiction.studies.executors import WORKER_DIED_MESSAGE, executor_or_thread_pool, progress_bar, use_idle_threads
-from stiction.studies.layout import MEMBER_COORDINATE_TYPES, ArraysByName, build_dataset, member_bytes, stack_members
-from stiction.studies.member_solution import compute_member_sums, estimate_member_time
-from stiction.studies.members import body_attributes, count_points
+from stiction.studies.executors import (
+    WORKER_DIED_MESSAGE,
+    executor_or_thread_pool,
+    progress_bar,
+    wrap_to_use_idle_threads,
+)
+from stiction.studies.layout import (
+    MEMBER_COORDINATE_TYPES,
+    ArraysByName,
+    build_dataset,
+    compute_member_size,
+    stack_members,
+)
+from stiction.studies.member_solution import compute_member_arrays, estimate_member_time
+from stiction.studies.members import count_grid_points, find_body_attributes
 from stiction.studies.result import Result
-from stiction.studies.store import BLOCKS_FOLDER, StoredResult, StoreError, create_or_open, write_block
+from stiction.studies.store import BLOCKS_FOLDER, StoredResult, StoreError, create_or_open_result, write_block
 from stiction.studies.study import Study
 from stiction.studies.values import StudyError
 
@@ -48,7 +59,7 @@ MAX_BYTES_IN_MEMORY = 2**34  # maximum size (bytes) of a result without a store,
 def choose_block_size(study: Study) -> int:
     """Return the number of members to store in each block."""
     size_by_time = int(min(TARGET_BLOCK_TIME / max(estimate_member_time(study), 1e-9), MAX_BLOCK_MEMBERS))
-    size_by_bytes = MAX_BLOCK_BYTES // member_bytes(study)
+    size_by_bytes = MAX_BLOCK_BYTES // compute_member_size(study)
     num_members = study.ensemble.repetitions
     min_size = min(math.ceil(MIN_BLOCK_TIME / max(estimate_member_time(study), 1e-9)), num_members // 4)
     return max(1, min(size_by_time, size_by_bytes, max(num_members // MIN_BLOCKS, min_size)))
@@ -98,7 +109,7 @@ def run(
     >>> run(Study.named("quick").with_changes(small)).dataset["contact_area"].dims
     ('fractal_dimension', 'amplitude', 'repetition', 'approach')
     """
-    size = study.ensemble.repetitions * member_bytes(study)
+    size = study.ensemble.repetitions * compute_member_size(study)
     if store is None and size > MAX_BYTES_IN_MEMORY:
         raise StudyError(
             f"the result would take {size / 2**30:.0f} GiB of memory, more than the limit of "
@@ -106,10 +117,10 @@ def run(
         )
     if store is None:
         return Result(_run_in_memory(study.with_checksums(), executor, progress))
-    return Result(complete_blocks(prepare_folder(study, store), executor=executor, progress=progress))
+    return Result(complete_blocks(prepare_result_folder(study, store), executor=executor, progress=progress))
 
 
-def compute_missing(
+def compute_missing_blocks(
     study: Study, folder: str | Path, *, part: tuple[int, int] | None = None, executor: Executor | None = None,
     progress: bool = False, announce: Callable[[str], None] | None = None,
 ) -> int:  # fmt: skip
@@ -121,27 +132,27 @@ def compute_missing(
     `announce` receives a line about the work ahead. Returns the number of finished repetitions of the study, or of the
     part. Raises the errors of `run`.
     """
-    stored_result = prepare_folder(study, folder, part)
+    stored_result = prepare_result_folder(study, folder, part)
     stored_result = complete_blocks(stored_result, part=part, executor=executor, progress=progress, announce=announce)
     missing = _UnfinishedMembers(stored_result, part)
     return missing.total - missing.count
 
 
-def prepare_folder(study: Study, folder: str | Path, part: tuple[int, int] | None = None) -> StoredResult:
+def prepare_result_folder(study: Study, folder: str | Path, part: tuple[int, int] | None = None) -> StoredResult:
     """Create the folder in which a study is stored, or open the existing folder.
 
-    Raises the errors of `compute_missing`.
+    Raises the errors of `compute_missing_blocks`.
     """
     if part is not None and not 1 <= part[0] <= part[1]:
         raise ValueError(f"part must be K of N, as in 3/16, got {part[0]}/{part[1]}")
-    if (size := member_bytes(study)) > MAX_BYTES_IN_MEMORY:
-        keys = " or ".join(f"surfaces.{name}" for name in study.surfaces.cells())
+    if (size := compute_member_size(study)) > MAX_BYTES_IN_MEMORY:
+        keys = " or ".join(f"surfaces.{name}" for name in study.surfaces.cell_coordinates())
         raise StudyError(
             f"a repetition would take {size / 2**30:.0f} GiB, more than the limit of "
             f"{MAX_BYTES_IN_MEMORY / 2**30:.0f} GiB; reduce the number of values of "
             f"contact.{study.step_quantity} or {keys}"
         )
-    return create_or_open(folder, study.with_checksums(Path(folder)))
+    return create_or_open_result(folder, study.with_checksums(Path(folder)))
 
 
 def complete_blocks(
@@ -151,7 +162,7 @@ def complete_blocks(
     """Compute the blocks that are missing in a stored result, and return the complete result.
 
     `update` receives a new estimate of the run time after the first block, if much time remains and the first estimate
-    was too low. Raises the errors of `compute_missing`.
+    was too low. Raises the errors of `compute_missing_blocks`.
     """
     missing = _UnfinishedMembers(stored_result, part)
     with contextlib.ExitStack() as stack:
@@ -160,7 +171,7 @@ def complete_blocks(
             progress_bar("repetitions", missing.total, missing.total - missing.count, progress)
         )
         if missing.count:
-            stack.enter_context(_count_finished_on_error(stored_result))
+            stack.enter_context(_add_finished_count_to_errors(stored_result))
             _compute_blocks(stored_result, missing, pool, advance, announce, update)
     stored_result = stored_result.reload()
     if _UnfinishedMembers(stored_result, part).count:
@@ -179,14 +190,14 @@ def _compute_blocks(
     num_workers = getattr(pool, "_max_workers", None)  # number of workers; None for a cluster, where it varies
     start_time, is_first = time.monotonic(), update is not None and num_workers is not None
 
-    def accept(members: range, content: bytes | None) -> None:
+    def accept_block(members: range, content: bytes | None) -> None:
         nonlocal is_first
         if content is not None:
             write_block(stored_result.path, members[0], content, len(members))
         advance(len(members))
         if is_first and update is not None and num_workers is not None:
             is_first = False
-            estimate = _format_revised_estimate(
+            estimate = _format_revised_time_estimate(
                 missing,
                 len(members),
                 time.monotonic() - start_time,
@@ -199,11 +210,13 @@ def _compute_blocks(
     with contextlib.ExitStack() as stack:
         is_local = isinstance(pool, ThreadPoolExecutor)
         folder = None if is_local else stack.enter_context(_create_run_token(stored_result.path))
-        is_visible = folder is not None and pool.submit(folder.is_visible).result()
+        is_visible = folder is not None and pool.submit(folder.is_accessible).result()
         if announce is not None:
-            announce(_describe_work(stored_result, missing, is_local or is_visible, num_workers or 1))
+            announce(_describe_remaining_work(stored_result, missing, is_local or is_visible, num_workers or 1))
         max_tasks = MAX_SUBMITTED_TASKS if is_visible else MAX_RETURNED_TASKS
-        _compute_ranges(missing, pool, max_tasks, accept, compute_block, __version__, stored_result.study, folder)
+        _submit_member_ranges(
+            missing, pool, max_tasks, accept_block, compute_block, __version__, stored_result.study, folder
+        )
 
 
 @contextlib.contextmanager
@@ -226,24 +239,24 @@ def _create_run_token(path: Path) -> Iterator[SharedResultFolder]:
 
 
 @contextlib.contextmanager
-def _count_finished_on_error(stored_result: StoredResult) -> Iterator[None]:
+def _add_finished_count_to_errors(stored_result: StoredResult) -> Iterator[None]:
     """Add the number of finished members to the messages of storage errors and of errors about dead workers."""
     try:
         yield
     except (StoreError, BrokenExecutor) as error:
         reason = WORKER_DIED_MESSAGE if isinstance(error, BrokenExecutor) else error
         raise StoreError(
-            f"{reason}\n{stored_result.reload().count} of {stored_result.study.ensemble.repetitions} repetitions are "
-            "finished and kept; run the study in the same folder again to resume"
+            f"{reason}\n{stored_result.reload().num_finished} of {stored_result.study.ensemble.repetitions} "
+            "repetitions are finished and kept; run the study in the same folder again to resume"
         ) from None
 
 
 def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> xarray.Dataset:
     missing = _UnfinishedMembers(StoredResult(Path(), study, ()), None)
-    axis = len(study.surfaces.cells())
+    axis = len(study.surfaces.cell_coordinates())
     arrays: ArraysByName = {}
 
-    def accept(members: range, sums: ArraysByName) -> None:
+    def accept_arrays(members: range, sums: ArraysByName) -> None:
         for name, values in sums.items():
             position = 0 if name in MEMBER_COORDINATE_TYPES else axis
             if name not in arrays:
@@ -255,19 +268,23 @@ def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> x
     with contextlib.ExitStack() as stack:
         pool = stack.enter_context(executor_or_thread_pool(executor))
         advance = stack.enter_context(progress_bar("repetitions", missing.total, 0, progress))
-        _compute_ranges(missing, pool, MAX_SUBMITTED_TASKS, accept, compute_block_arrays, __version__, study)
-    return build_dataset(study, range(missing.total), arrays, body_attributes(study))
+        _submit_member_ranges(
+            missing, pool, MAX_SUBMITTED_TASKS, accept_arrays, compute_block_arrays, __version__, study
+        )
+    return build_dataset(study, range(missing.total), arrays, find_body_attributes(study))
 
 
 LONG_RUN_TIME = 600.0  # estimated time (s) on all threads above which advice on shortening the run is printed
 
 
-def _describe_work(stored_result: StoredResult, missing: _UnfinishedMembers, is_visible: bool, workers: int) -> str:
+def _describe_remaining_work(
+    stored_result: StoredResult, missing: _UnfinishedMembers, is_visible: bool, workers: int
+) -> str:
     """Describe the remaining work in one line: run time, number and size of files, and whether disk space is short."""
     study = stored_result.study
     free_bytes = shutil.disk_usage(stored_result.path).free
     num_files = sum(1 for _ in missing)
-    size = missing.count * member_bytes(study)
+    size = missing.count * compute_member_size(study)
     space_text = f", with {format_bytes(free_bytes)} free" if size > free_bytes / 2 else ""
     writer_text = "" if is_visible else "; the workers cannot reach the folder, so this process writes the files"
     seconds = missing.count * estimate_member_time(study)
@@ -288,7 +305,7 @@ def _describe_work(stored_result: StoredResult, missing: _UnfinishedMembers, is_
 MIN_REPORTED_TIME = 60.0  # remaining time (s) above which a new estimate of the run time is printed
 
 
-def _format_revised_estimate(
+def _format_revised_time_estimate(
     missing: _UnfinishedMembers, members: int, seconds: float, workers: int, cost: float
 ) -> str:
     """Return a line with a better estimate of the run time, based on the first block.
@@ -311,7 +328,7 @@ class _UnfinishedMembers:
         first, step = (1, 1) if part is None else part
         self._blocks = range(first - 1, -(-members // self.block_size), step)
         self._is_finished = np.zeros(members, np.bool_)
-        self._is_finished[stored_result.finished] = True
+        self._is_finished[stored_result.finished_members] = True
         finished_by_block = [
             self._is_finished[block * self.block_size : (block + 1) * self.block_size] for block in self._blocks
         ]
@@ -329,7 +346,7 @@ class _UnfinishedMembers:
                 yield range(first + start, first + end)
 
 
-def _compute_ranges(
+def _submit_member_ranges(
     missing: _UnfinishedMembers, pool: Executor, max_tasks: int, accept: Callable[[range, Any], None],
     task: Callable[..., Any], *arguments: Any,
 ) -> None:  # fmt: skip
@@ -338,24 +355,24 @@ def _compute_ranges(
     At most `max_tasks` tasks are queued at a time. An error cancels the remaining tasks.
     """
     ranges = iter(missing)
-    task = use_idle_threads(task, pool, sum(1 for _ in missing), count_points(arguments[1]))
+    task = wrap_to_use_idle_threads(task, pool, sum(1 for _ in missing), count_grid_points(arguments[1]))
     pending_members: dict[Future[Any], range] = {}
     # `concurrent.futures.wait` would lock all futures, and would leave some of them locked if it were interrupted.
     finished_futures: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
 
-    def submit(count: int) -> None:
+    def submit_tasks(count: int) -> None:
         for members in itertools.islice(ranges, count):
             future = pool.submit(task, *arguments, members)
             pending_members[future] = members
             future.add_done_callback(finished_futures.put)
 
     try:
-        submit(max_tasks)
+        submit_tasks(max_tasks)
         while pending_members:
             future = finished_futures.get()
             accept(pending_members[future], future.result())
             del pending_members[future]
-            submit(max_tasks - len(pending_members))
+            submit_tasks(max_tasks - len(pending_members))
     finally:
         for future in pending_members:
             future.cancel()
@@ -375,7 +392,7 @@ class SharedResultFolder:
     path: Path
     token: str  # name of the token file, which exists in the blocks folder during a run
 
-    def is_visible(self) -> bool:
+    def is_accessible(self) -> bool:
         """Return whether this process can access the folder."""
         return (self.path / BLOCKS_FOLDER / self.token).exists()
 
@@ -384,7 +401,7 @@ def compute_block(version: str, study: Study, folder: SharedResultFolder | None,
     """Compute a block of members and write its file. If the folder is not accessible, return the file content."""
     from stiction.studies.store import encode_members
 
-    is_visible = folder is not None and folder.is_visible()
+    is_visible = folder is not None and folder.is_accessible()
     content = encode_members(study, members, compute_block_arrays(version, study, members))
     if folder is None or not is_visible:
         return content
@@ -402,7 +419,7 @@ def compute_block_arrays(version: str, study: Study, members: range) -> ArraysBy
             f"the worker on {socket.gethostname()} has stiction {__version__}, but the study was submitted with "
             f"{version}; install the same version on all machines"
         )
-    return stack_members(study, [compute_member_sums(study, member) for member in members])
+    return stack_members(study, [compute_member_arrays(study, member) for member in members])
 
 
 # ---- The first members ----------------------------------------------------------------------------------------------
@@ -410,7 +427,7 @@ def compute_block_arrays(version: str, study: Study, members: range) -> ArraysBy
 NUM_PREVIEW_MEMBERS = 4
 
 
-def preview_result(study: Study) -> Result:
+def compute_preview_result(study: Study) -> Result:
     """Compute a preview result from the first few members of a study.
 
     Raises a `ValueError` if their contact cannot be computed.
@@ -418,5 +435,5 @@ def preview_result(study: Study) -> Result:
     The computation takes less than a second with the asperity model, which serves as a preview of a half-space result.
     """
     members = range(min(NUM_PREVIEW_MEMBERS, study.ensemble.repetitions))
-    arrays = stack_members(study, [compute_member_sums(study, member) for member in members])
-    return Result(build_dataset(study, members, arrays, body_attributes(study)))
+    arrays = stack_members(study, [compute_member_arrays(study, member) for member in members])
+    return Result(build_dataset(study, members, arrays, find_body_attributes(study)))

@@ -38,20 +38,20 @@ from stiction.studies.layout import (
     RESULT_TITLE,
     ArraysByName,
     build_dataset,
+    compute_member_size,
+    compute_members_per_piece,
     coordinate_specs_and_values,
-    member_bytes,
-    members_per_piece,
     variable_specs,
 )
 from stiction.studies.measured_surfaces import BodyAttributes
-from stiction.studies.members import body_attributes
+from stiction.studies.members import find_body_attributes
 from stiction.studies.study import (
     MAX_STUDY_BYTES,
     Study,
     StudyDifference,
-    find_differences,
     find_member_differences,
-    format_differences,
+    find_table_differences,
+    format_study_differences,
     parse_study,
 )
 
@@ -122,12 +122,12 @@ class StoredResult:
         return block_ranges
 
     @property
-    def count(self) -> int:
+    def num_finished(self) -> int:
         """Number of finished members."""
         return sum(last - first for _, first, last in self._block_ranges)
 
     @cached_property
-    def finished(self) -> NDArray[np.intp]:
+    def finished_members(self) -> NDArray[np.intp]:
         """Indices of the finished members, in ascending order."""
         return np.concatenate(
             [np.empty(0, np.intp), *(np.arange(first, last) for _, first, last in self._block_ranges)]
@@ -139,18 +139,18 @@ class StoredResult:
         return self.first_block_content.version if self.blocks else __version__
 
     @cached_property
-    def size(self) -> int:
+    def total_file_size(self) -> int:
         """Total size of the block files in bytes."""
         return sum((self.path / BLOCKS_FOLDER / block.name).lstat().st_size for block in self.blocks)
 
     @property
     def nbytes(self) -> int:
         """Size in bytes of the result when it is loaded into memory."""
-        return self.count * member_bytes(self.study)
+        return self.num_finished * compute_member_size(self.study)
 
     def reload(self) -> StoredResult:
         """Return the result with an updated list of the blocks in its folder."""
-        return StoredResult(self.path, self.study, _list_blocks(self.path))
+        return StoredResult(self.path, self.study, _list_block_files(self.path))
 
     @cached_property
     def first_block_content(self) -> BlockFileContent:
@@ -164,7 +164,7 @@ class StoredResult:
         does not match its study.
         """
         num_members = self.study.ensemble.repetitions
-        if not self.count:
+        if not self.num_finished:
             raise StoreError(f"{printable_path(self.path)}: none of the {num_members} repetitions is finished yet")
         if self.nbytes > MAX_RESULT_BYTES:
             raise StoreError(
@@ -173,37 +173,39 @@ class StoredResult:
                 f"{printable_path(self.path / BLOCKS_FOLDER)} with xarray.open_mfdataset"
             )
         return (
-            self._single_piece.copy(deep=True) if self._piece_length >= self.count else self._read_range(0, self.count)
+            self._whole_dataset.copy(deep=True)
+            if self._members_per_piece >= self.num_finished
+            else self._read_member_range(0, self.num_finished)
         )
 
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
         """Yield the result in consecutive pieces, with only one piece in memory at a time (see `Result.pieces`)."""
-        selected, count = None if names is None else list(names), self.count
-        for first in range(0, count, self._piece_length):
+        selected, count = None if names is None else list(names), self.num_finished
+        for first in range(0, count, self._members_per_piece):
             piece = (
-                self._single_piece
-                if self._piece_length >= count
-                else self._read_range(first, min(first + self._piece_length, count))
+                self._whole_dataset
+                if self._members_per_piece >= count
+                else self._read_member_range(first, min(first + self._members_per_piece, count))
             )
             yield piece.copy() if selected is None else piece[selected]
 
     @cached_property
-    def _piece_length(self) -> int:
+    def _members_per_piece(self) -> int:
         """Number of members in a piece of the result."""
-        return members_per_piece(member_bytes(self.study))
+        return compute_members_per_piece(compute_member_size(self.study))
 
     @cached_property
-    def _single_piece(self) -> xarray.Dataset:
+    def _whole_dataset(self) -> xarray.Dataset:
         """Whole result as a dataset of read-only arrays that all tables and figures share."""
-        dataset = self._read_range(0, self.count)
+        dataset = self._read_member_range(0, self.num_finished)
         for variable in dataset.data_vars.values():
             variable.values.flags.writeable = False
         return dataset
 
-    def _read_range(self, first: int, last: int) -> xarray.Dataset:
-        """Return a dataset of the finished members `self.finished[first:last]`, in ascending order."""
-        version, numbers = self.version, self.finished[first:last]
-        axis = len(self.study.surfaces.cells())
+    def _read_member_range(self, first: int, last: int) -> xarray.Dataset:
+        """Return a dataset of the finished members `self.finished_members[first:last]`, in ascending order."""
+        version, numbers = self.version, self.finished_members[first:last]
+        axis = len(self.study.surfaces.cell_coordinates())
         arrays: ArraysByName = {
             name: np.empty(spec.shape, spec.dtype) for name, spec in variable_specs(self.study, numbers).items()
         }
@@ -219,7 +221,7 @@ class StoredResult:
                 content = self.first_block_content if block is self._block_ranges[0][0] else self._read_block(block)
                 if differences := find_member_differences(content.study, self.study):
                     raise _build_damage_error(
-                        self.path, block, f"does not match {STUDY_FILE}: {format_differences(differences[:1])}"
+                        self.path, block, f"does not match {STUDY_FILE}: {format_study_differences(differences[:1])}"
                     )
                 bodies = bodies or content.bodies
                 for name, values in arrays.items():
@@ -284,19 +286,19 @@ def read(path: str | Path) -> xarray.Dataset:
             ) from None
         dataset = build_dataset(content.study, content.numbers, content.arrays, content.bodies)
         return dataset.assign_attrs(stiction_version=content.version)
-    stored_result = open_stored(path)
+    stored_result = open_stored_result(path)
     result = stored_result.dataset()
     num_members = stored_result.study.ensemble.repetitions
-    if stored_result.count < num_members:
+    if stored_result.num_finished < num_members:
         warnings.warn(
-            f"{printable_path(path)}: {stored_result.count} of {num_members} repetitions are finished; the result "
-            "contains only these",
+            f"{printable_path(path)}: {stored_result.num_finished} of {num_members} repetitions are finished; the "
+            "result contains only these",
             stacklevel=2,
         )
     return result
 
 
-def read_companion(path: Path, names: Iterable[str]) -> xarray.Dataset | None:
+def read_companion_file(path: Path, names: Iterable[str]) -> xarray.Dataset | None:
     """Read a companion file of a result, and check that the file contains the given variables.
 
     Returns None if the file does not exist. Raises a `StoreError` if the file is damaged.
@@ -323,7 +325,7 @@ def read_companion(path: Path, names: Iterable[str]) -> xarray.Dataset | None:
     return dataset
 
 
-def open_stored(path: str | Path) -> StoredResult:
+def open_stored_result(path: str | Path) -> StoredResult:
     """Open the result in a folder without reading its blocks.
 
     Raises a `StoreError` if the folder has no result.
@@ -333,7 +335,7 @@ def open_stored(path: str | Path) -> StoredResult:
         raise StoreError(f"{printable_path(path)}: no such directory")
     if path.is_file():
         raise StoreError(f"{printable_path(path)} is a file, but a result is a directory")
-    blocks = _list_blocks(path)
+    blocks = _list_block_files(path)
     try:
         study = _read_study_file(path)
     except FileNotFoundError:
@@ -351,16 +353,16 @@ def info(path: str | Path) -> StoreInfo:
     StoreError
         If there is no result at that path, or it is damaged.
     """
-    stored_result = open_stored(path)
+    stored_result = open_stored_result(path)
     return StoreInfo(
         stored_result.study,
-        stored_result.count,
-        stored_result.size,
+        stored_result.num_finished,
+        stored_result.total_file_size,
         {"stiction": printable_text(stored_result.version)},
     )
 
 
-def _list_blocks(path: Path) -> tuple[BlockFile, ...]:
+def _list_block_files(path: Path) -> tuple[BlockFile, ...]:
     try:
         names = sorted(os.listdir(path / BLOCKS_FOLDER))
     except (FileNotFoundError, NotADirectoryError):
@@ -385,7 +387,7 @@ def _read_study_file(path: Path) -> Study:
 # ---- Writing --------------------------------------------------------------------------------------------------------
 
 
-def create_or_open(path: str | Path, study: Study) -> StoredResult:
+def create_or_open_result(path: str | Path, study: Study) -> StoredResult:
     """Create a result in a folder. If the folder already contains a result of the same study, open it to resume.
 
     Stale partial files are removed. Raises a `StoreError` if the folder cannot be written, contains another study, or
@@ -394,21 +396,21 @@ def create_or_open(path: str | Path, study: Study) -> StoredResult:
     path = Path(path)
     if path.is_file():
         raise StoreError(f"{printable_path(path)} is a file; give a directory for the results")
-    stored_result = StoredResult(path, study, _list_blocks(path))
+    stored_result = StoredResult(path, study, _list_block_files(path))
     if stored_result.blocks:
         _check_resumable(stored_result)
-    if os.path.lexists(path / STUDY_FILE) and not _has_study(path, study):
+    if os.path.lexists(path / STUDY_FILE) and not _contains_study(path, study):
         _check_replaceable(path, study)
     try:
         (path / BLOCKS_FOLDER).mkdir(parents=True, exist_ok=True)
         for folder in (path, path / BLOCKS_FOLDER):
             _files.remove_stale_partial_files(folder)
-        if not _has_study(path, study):
+        if not _contains_study(path, study):
             _files.write_atomically(
                 path / STUDY_FILE, f"{STUDY_FILE_SIGNATURE} {__version__}.\n\n{study.to_toml()}".encode()
             )
     except (OSError, RuntimeError) as error:  # A symbolic link that refers to itself raises a RuntimeError.
-        if stored_result.count < study.ensemble.repetitions:
+        if stored_result.num_finished < study.ensemble.repetitions:
             reason = describe_os_error(error) if isinstance(error, OSError) else error
             raise StoreError(f"{printable_path(path)}: cannot be written: {reason}") from None
     return stored_result
@@ -429,7 +431,7 @@ def _check_resumable(stored_result: StoredResult) -> None:
             f"{printable_path(path)}: repetition {last_member} is finished, and ensemble.repetitions = {num_members} "
             f"would discard it; set it to at least {last_member + 1}, or choose another directory"
         )
-    if stored_result.count == num_members:
+    if stored_result.num_finished == num_members:
         return
     if content.version != __version__:
         version = printable_text(content.version)
@@ -456,10 +458,10 @@ def _check_replaceable(path: Path, study: Study) -> None:
         raise StoreError(
             f"{printable_path(path / STUDY_FILE)}: {error}; choose another directory, or remove this file"
         ) from None
-    raise StudyMismatchError(path, stored_study, find_differences(stored_study, study))
+    raise StudyMismatchError(path, stored_study, find_table_differences(stored_study, study))
 
 
-def _has_study(path: Path, study: Study) -> bool:
+def _contains_study(path: Path, study: Study) -> bool:
     """Return whether the folder contains the given study."""
     try:
         return _read_study_file(path) == study
@@ -472,7 +474,9 @@ class StudyMismatchError(StoreError):
 
     def __init__(self, path: Path, stored: Study, differences: list[StudyDifference], advice: str = "") -> None:
         advice = advice or "give another directory, or replace the stored result"
-        super().__init__(f"{printable_path(path)} contains another study; {advice}\n{format_differences(differences)}")
+        super().__init__(
+            f"{printable_path(path)} contains another study; {advice}\n{format_study_differences(differences)}"
+        )
         self.path, self.stored, self.differences = path, stored, differences
 
     def with_remedy(self, advice: str) -> StudyMismatchError:
@@ -537,7 +541,7 @@ def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, ND
     import h5py
 
     with _template_lock:
-        template = _block_template(study, len(numbers))
+        template = _encode_block_of_zeros(study, len(numbers))
     file_image = io.BytesIO(template)
     with h5py.File(file_image, "r+") as file:
         file["repetition"][...] = numbers
@@ -547,7 +551,7 @@ def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, ND
 
 
 @functools.lru_cache(maxsize=4)
-def _block_template(study: Study, count: int) -> bytes:
+def _encode_block_of_zeros(study: Study, count: int) -> bytes:
     """Return the bytes of a block file with `count` members, in which all values are 0.
 
     Copying a template is much faster than writing a new file, because names and units take longer to write than values.
@@ -557,7 +561,7 @@ def _block_template(study: Study, count: int) -> bytes:
     if study.is_measured:
         arrays |= {name: np.zeros(count, dtype) for name, dtype in MEMBER_COORDINATE_TYPES.items()}
     file_image = io.BytesIO()
-    write_dataset(build_dataset(study, numbers, arrays, body_attributes(study)), file_image)
+    write_dataset(build_dataset(study, numbers, arrays, find_body_attributes(study)), file_image)
     return file_image.getvalue()
 
 
@@ -602,7 +606,7 @@ def decode_members(content: bytes) -> BlockFileContent:
         title, text, version = (file.attrs.get(name) for name in ("title", "study", "stiction_version"))
         if title != RESULT_TITLE or not isinstance(text, str):
             raise DamagedFileError("has no attribute 'study'")
-        study = _parse_study(text)
+        study = _parse_stored_study(text)
         numbers = _read_variable(file, "repetition")
         arrays = {name: _read_variable(file, name, spec.shape) for name, spec in variable_specs(study, numbers).items()}
         for name in ("contact_area", *LOAD_SUM_NAMES):
@@ -647,7 +651,7 @@ def _open_netcdf(content: bytes) -> Iterator[h5py.File]:
 
 
 @functools.lru_cache(maxsize=8)
-def _parse_study(text: str) -> Study:
+def _parse_stored_study(text: str) -> Study:
     try:
         return parse_study(text, "its study")
     except ValueError as error:

@@ -27,8 +27,8 @@ from stiction.studies.contact_tables import (
     ContactSettings,
     MeasuredMapContactSettings,
     choose_load_steps,
-    read_contact,
-    select_contact_class,
+    parse_contact_settings,
+    select_contact_settings_class,
 )
 from stiction.studies.generated_surfaces import (
     GeneratedProfileSettings,
@@ -81,14 +81,14 @@ SURFACE_SETTINGS_CLASSES: tuple[type[SurfaceSettings], ...] = get_args(
 )  # all classes that can represent the table `[surfaces]`
 
 
-def _classes_by_key(key: str, *cases: type[SurfaceSettings]) -> tuple[str, dict[str, type[SurfaceSettings]]]:
+def _map_key_to_classes(key: str, *cases: type[SurfaceSettings]) -> tuple[str, dict[str, type[SurfaceSettings]]]:
     return key, {case.model_fields[key].default: case for case in cases}
 
 
 _SURFACE_CLASSES_BY_KIND = {
-    "profile": _classes_by_key("kind", GeneratedProfileSettings),
-    "surface": _classes_by_key("generator", WeierstrassMandelbrotSettings, SelfAffineSettings),
-    "measured": _classes_by_key("press", *get_args(MeasuredSurfaceSettings)),
+    "profile": _map_key_to_classes("kind", GeneratedProfileSettings),
+    "surface": _map_key_to_classes("generator", WeierstrassMandelbrotSettings, SelfAffineSettings),
+    "measured": _map_key_to_classes("press", *get_args(MeasuredSurfaceSettings)),
 }
 """Key that selects the class of a surfaces table, and the classes, for each value of `kind`.
 
@@ -96,7 +96,7 @@ The first class is the default.
 """
 
 
-def select_surface_class(table: Mapping[str, Any]) -> type[SurfaceSettings]:
+def select_surface_settings_class(table: Mapping[str, Any]) -> type[SurfaceSettings]:
     """Return the class for the table `[surfaces]`, as selected by its keys `kind`, `generator` and `press`."""
     key, cases = _SURFACE_CLASSES_BY_KIND[select_key_value("kind", table, _SURFACE_CLASSES_BY_KIND)]
     return cases[select_key_value(key, table, cases)]
@@ -158,7 +158,7 @@ SHARED_FRICTION_SETTINGS_CLASSES: tuple[type[SettingsTableVariant], ...] = (
 """Base classes whose keys several friction tables share."""
 
 
-def select_friction_class(surfaces: type[SurfaceSettings], mechanics: str) -> type[FrictionSettings]:
+def select_friction_settings_class(surfaces: type[SurfaceSettings], mechanics: str) -> type[FrictionSettings]:
     """Return the class of the table `[friction]` for the given surfaces and contact model."""
     if issubclass(surfaces, get_args(MeasuredSurfaceSettings)):
         return MeasuredSurfaceFrictionSettings
@@ -182,7 +182,7 @@ class EnsembleSettings(SettingsTable):
 FigureName = Literal["profiles", "length-scales", "friction", "area", "onset"]
 
 
-def _require_distinct_names(names: tuple[str, ...]) -> tuple[str, ...]:
+def _require_distinct_figures(names: tuple[str, ...]) -> tuple[str, ...]:
     for name in names:
         if names.count(name) > 1:
             raise ValueError(f"must contain each figure once, got {name!r} {names.count(name)} times")
@@ -192,7 +192,7 @@ def _require_distinct_names(names: tuple[str, ...]) -> tuple[str, ...]:
 class FigureSettings(SettingsTable):
     """Figures to draw for a result of generated surfaces."""
 
-    draw: Annotated[tuple[FigureName, ...], as_tuple, AfterValidator(_require_distinct_names)] = Field(
+    draw: Annotated[tuple[FigureName, ...], as_tuple, AfterValidator(_require_distinct_figures)] = Field(
         default=("friction", "area"), description="Figures that `run` and `plot` draw."
     )
 
@@ -220,7 +220,7 @@ def _add_bracketing_loads(
         loads = [float(quantity(load, "force")) for load in requested]
         upper_load = max(loads) * MAX_AREAL_LOAD_RATIO
         if contact.get("hardness") is not None:
-            max_load = float(quantity(contact["hardness"], "pressure")) * _nominal_area(surfaces)
+            max_load = float(quantity(contact["hardness"], "pressure")) * _compute_nominal_area(surfaces)
             # If the upper load is too large, the validation reports an error.
             upper_load = min(upper_load, max(loads) * max(math.sqrt(max_load / max(loads)), 1.001))
     except (ValueError, TypeError, AttributeError):  # the validation of the key reports the error
@@ -234,13 +234,13 @@ def _add_bracketing_loads(
     }
 
 
-def _nominal_area(surfaces: Mapping[str, Any]) -> float:
+def _compute_nominal_area(surfaces: Mapping[str, Any]) -> float:
     """Return the nominal area (µm²) of generated surfaces from the table that describes them."""
-    table: Any = select_surface_class(surfaces).model_validate(surfaces)
+    table: Any = select_surface_settings_class(surfaces).model_validate(surfaces)
     return math.prod(table.extents()) if table.is_areal else float(table.extent) * PROFILE_WIDTH
 
 
-def _empty_table() -> Any:
+def _build_empty_table() -> Any:
     """Return an empty table. Validation replaces it with an instance of the class that matches the surfaces."""
     return {}
 
@@ -261,15 +261,15 @@ class Study(SettingsTable):
     """
 
     surfaces: SurfaceSettings = GeneratedProfileSettings()
-    contact: ContactSettings = Field(default_factory=_empty_table)
-    friction: FrictionSettings = Field(default_factory=_empty_table)
+    contact: ContactSettings = Field(default_factory=_build_empty_table)
+    friction: FrictionSettings = Field(default_factory=_build_empty_table)
     ensemble: EnsembleSettings = EnsembleSettings()
     figures: FigureSettings = FigureSettings()
     known: UncertainInputSettings = UncertainInputSettings()
 
     @model_validator(mode="before")
     @classmethod
-    def _add_curve_loads(cls, data: Any) -> Any:
+    def _add_loads_for_interpolation(cls, data: Any) -> Any:
         """Add loads below and above the requested loads, so that results can be interpolated at all requested loads.
 
         The requested loads are `friction.load`. For generated surfaces with the half-space, a list `contact.load` is
@@ -284,7 +284,11 @@ class Study(SettingsTable):
         if not are_tables or "load" in contact or "load" not in friction:
             return data
         try:
-            mechanics = select_contact_class(select_surface_class(surfaces), contact).model_fields["mechanics"].default
+            mechanics = (
+                select_contact_settings_class(select_surface_settings_class(surfaces), contact)
+                .model_fields["mechanics"]
+                .default
+            )
             loads = [float(quantity(load, "force")) for load in friction["load"]]
             curve_loads = choose_load_steps(loads, press=surfaces.get("press", "areas"), mechanics=mechanics)
         except (ValueError, TypeError):  # the validation of the key reports the error
@@ -296,19 +300,19 @@ class Study(SettingsTable):
 
     @field_validator("surfaces", mode="before")
     @classmethod
-    def _read_surfaces(cls, value: object) -> SurfaceSettings:
+    def _validate_surfaces_table(cls, value: object) -> SurfaceSettings:
         """Validate the table `[surfaces]` with the class that its keys select."""
         if isinstance(value, SURFACE_SETTINGS_CLASSES):
             return value
         if not isinstance(value, Mapping):
             raise ValueError(f"must be a table, got {short_repr(value)}")
-        case = select_surface_class(value)
+        case = select_surface_settings_class(value)
         check_keys(value, case, SURFACE_SETTINGS_CLASSES)
         return case.model_validate(value)
 
     @field_validator("contact", "friction", mode="before")
     @classmethod
-    def _read_dependent_table(cls, value: object, info: ValidationInfo) -> Any:
+    def _validate_dependent_table(cls, value: object, info: ValidationInfo) -> Any:
         """Validate a table with the class that matches the surfaces, or return an empty table for invalid surfaces."""
         surfaces = info.data.get("surfaces")
         if surfaces is None:
@@ -316,13 +320,13 @@ class Study(SettingsTable):
         if not isinstance(value, Mapping):
             raise ValueError(f"must be a table, got {short_repr(value)}")
         if info.field_name == "contact":
-            return read_contact(value, surfaces)
+            return parse_contact_settings(value, surfaces)
         if value.get("load") == [] and isinstance(surfaces, MeasuredSurfaceSettings):
             raise make_key_error("load", "must have at least one load, got []")
         # if the contact is None, only the error of its table is reported
         contact = info.data.get("contact")
         mechanics = "half-space" if contact is None else contact.mechanics
-        case = select_friction_class(type(surfaces), mechanics)
+        case = select_friction_settings_class(type(surfaces), mechanics)
         check_keys(value, case, SHARED_FRICTION_SETTINGS_CLASSES)
         return case.model_validate(value)
 
@@ -382,7 +386,7 @@ class Study(SettingsTable):
         """Name of the quantity prescribed at each loading step, which is "approach" or "load"."""
         return self.contact.step_quantity
 
-    def sums(self) -> tuple[str, ...]:
+    def contact_sum_names(self) -> tuple[str, ...]:
         """Return the names of the contact sums that are stored for each member and loading step."""
         if self.uses_half_space:
             return HALF_SPACE_SUM_QUANTITIES + (ADHESION_QUANTITIES if self.contact.adheres else ())
@@ -403,14 +407,14 @@ class Study(SettingsTable):
         if not isinstance(self.surfaces, MeasuredSurfaceSettings):
             return self
 
-        def known(file: MeasuredBodySettings, side: str) -> MeasuredBodySettings:
+        def complete_file_entry(file: MeasuredBodySettings, side: str) -> MeasuredBodySettings:
             return (
                 (file if folder is None else file.with_saved_bodies(folder, side))
                 .with_absolute_paths(Path.cwd())
                 .with_checksums()
             )
 
-        return self.model_copy(update={"surfaces": self.surfaces.with_files(known)})
+        return self.model_copy(update={"surfaces": self.surfaces.with_changed_files(complete_file_entry)})
 
     @classmethod
     def named(cls, name: str) -> Study:
@@ -448,7 +452,7 @@ class Study(SettingsTable):
         if not isinstance(study.surfaces, MeasuredSurfaceSettings):
             return study
         folder = Path(path).absolute().parent
-        surfaces = study.surfaces.with_files(lambda file, _: file.with_absolute_paths(folder))
+        surfaces = study.surfaces.with_changed_files(lambda file, _: file.with_absolute_paths(folder))
         return study.model_copy(update={"surfaces": surfaces})
 
     def with_changes(self, changes: Mapping[str, Any]) -> Study:
@@ -464,7 +468,7 @@ class Study(SettingsTable):
         StudyError
             If a key is unknown, or if a value is impossible.
         """
-        data = self._base_tables(changes)
+        data = self._convert_base_tables(changes)
         for key, value in changes.items():
             table: Any = data
             if not isinstance(key, str):
@@ -487,7 +491,7 @@ class Study(SettingsTable):
             tables.append("\n".join([f"[{name}]", *lines]) + "\n")
         return "\n".join(tables)
 
-    def _base_tables(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    def _convert_base_tables(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
         """Return the tables of the study before any changes, converted to the classes that the changes require."""
         tables = self._to_tables()
         selectors = {
@@ -495,18 +499,20 @@ class Study(SettingsTable):
         }
         selectors = {key: value for key, value in selectors.items() if value is not None}
         try:
-            surfaces = select_surface_class(selectors)
-            contact = select_contact_class(surfaces, selectors)
+            surfaces = select_surface_settings_class(selectors)
+            contact = select_contact_settings_class(surfaces, selectors)
         except PydanticCustomError:  # the validation of the key reports the error
             return tables
         tables["surfaces"] = _convert_table(self.surfaces, surfaces)
         tables["contact"] = _convert_table(self.contact, contact)
         if not issubclass(surfaces, get_args(MeasuredSurfaceSettings)):
-            friction = select_friction_class(surfaces, contact.model_fields["mechanics"].default)
-            self._reset_loads(tables, changes, is_allowed="load" in friction.model_fields)
+            friction = select_friction_settings_class(surfaces, contact.model_fields["mechanics"].default)
+            self._remove_dependent_loads(tables, changes, is_allowed="load" in friction.model_fields)
         return tables
 
-    def _reset_loads(self, data: dict[str, dict[str, Any]], changes: Mapping[str, Any], *, is_allowed: bool) -> None:
+    def _remove_dependent_loads(
+        self, data: dict[str, dict[str, Any]], changes: Mapping[str, Any], *, is_allowed: bool
+    ) -> None:
         """For generated surfaces, remove loads that the changes make invalid or that depend on changed loads."""
         if "contact.load" in changes or not is_allowed:
             data["friction"].pop("load", None)
@@ -515,7 +521,7 @@ class Study(SettingsTable):
 
     def _to_tables(self) -> dict[str, dict[str, Any]]:
         names = [name for name in type(self).model_fields if name != "figures" or not self.is_measured]
-        return {name: written_entries(getattr(self, name)) for name in names}
+        return {name: drop_none_entries(getattr(self, name)) for name in names}
 
 
 def _convert_table(table: SettingsTable, case: type[SettingsTable]) -> dict[str, Any]:
@@ -524,10 +530,10 @@ def _convert_table(table: SettingsTable, case: type[SettingsTable]) -> dict[str,
     changed = {key for key, value in table if value != table_class.model_fields[key].default}
     keys = [key for key, field in case.model_fields.items() if key in changed or not field.is_required()]
     values = {key: getattr(table, key) if key in changed else case.model_fields[key].default for key in keys}
-    return written_entries(case.model_construct(**values))
+    return drop_none_entries(case.model_construct(**values))
 
 
-def written_entries(table: SettingsTable) -> dict[str, Any]:
+def drop_none_entries(table: SettingsTable) -> dict[str, Any]:
     """Return the entries of a table that are not None, in the order used in study files."""
     data = table.model_dump(exclude_none=True)
     order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
@@ -557,12 +563,12 @@ def study_names() -> list[str]:
     return sorted(item.name.removesuffix(".toml") for item in _STUDY_LIBRARY.iterdir() if item.name.endswith(".toml"))
 
 
-def study_summary(name: str) -> str:
+def read_study_description(name: str) -> str:
     """Return the one-sentence description of a built-in study."""
     return (_STUDY_LIBRARY / f"{name}.toml").read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
 
 
-def parse_dataset_study(dataset: xarray.Dataset) -> Study:
+def parse_study_of_dataset(dataset: xarray.Dataset) -> Study:
     """Return the study stored in the dataset of a result.
 
     Raises a `StudyError` if the dataset has no attribute 'study'.
@@ -578,7 +584,7 @@ def find_step_dimension(dataset: xarray.Dataset) -> str:
     return "load" if "load" in dataset.dims else "approach"
 
 
-def find_differences(first: SettingsTable, second: SettingsTable, prefix: str = "") -> list[StudyDifference]:
+def find_table_differences(first: SettingsTable, second: SettingsTable, prefix: str = "") -> list[StudyDifference]:
     """List the differences between two tables, in the order of keys in study files."""
     serialized, differences = (first.model_dump(), second.model_dump()), []
     for name in dict.fromkeys((*type(first).model_fields, *type(second).model_fields)):
@@ -589,7 +595,7 @@ def find_differences(first: SettingsTable, second: SettingsTable, prefix: str = 
         if table_values[0] == table_values[1]:
             continue
         if isinstance(table_values[0], SettingsTable) and isinstance(table_values[1], SettingsTable):
-            differences += find_differences(table_values[0], table_values[1], f"{prefix}{name}.")
+            differences += find_table_differences(table_values[0], table_values[1], f"{prefix}{name}.")
         else:
             differences.append(
                 (
@@ -608,13 +614,13 @@ def find_member_differences(first: Study, second: Study) -> list[StudyDifference
     """
     return [
         difference
-        for difference in find_differences(first, second)
+        for difference in find_table_differences(first, second)
         if (difference[0].startswith(("surfaces.", "contact.")) or difference[0] == "ensemble.seed")
         and not difference[0].endswith((".upper.file", ".lower.file"))
     ]
 
 
-def format_differences(differences: list[StudyDifference]) -> str:
+def format_study_differences(differences: list[StudyDifference]) -> str:
     """Format the first few differences between two studies as lines for a message."""
     lines = [
         f"{key} = {short_repr(stored)} there, {short_repr(other)} here"

@@ -22,13 +22,13 @@ from stiction.studies.point import (
     CELL_DIMENSIONS,
     MEAN_AND_LIMITS,
     SlidingRuleCoefficient,
+    compute_plastic_adhesive_friction,
     find_contact_status,
+    get_roughness_exponent,
     is_unloaded,
     iterate_points,
     list_rules_quoted_first,
     mean_over_directions,
-    plastic_adhesive_friction,
-    roughness_exponent,
     select_sliding_rule,
 )
 from stiction.studies.pull_off import PullOffValues, find_pull_off_values
@@ -263,19 +263,19 @@ def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
     """Extend the intervals at the quoted cutoff to include those at the other cutoff, whose points come last."""
     cut_off = points[0].at["cut_off"]  # the value at the first cutoff is quoted
     points_at_other_cutoff = {
-        _coordinates_without_cutoff(point): point for point in points if point.at["cut_off"] != cut_off
+        _get_coordinates_without_cutoff(point): point for point in points if point.at["cut_off"] != cut_off
     }
     quoted_points = [point for point in points if point.at["cut_off"] == cut_off]
     covering_points = [
-        _include_cutoff_point(point, points_at_other_cutoff[_coordinates_without_cutoff(point)])
-        if _coordinates_without_cutoff(point) in points_at_other_cutoff
+        _include_cutoff_point(point, points_at_other_cutoff[_get_coordinates_without_cutoff(point)])
+        if _get_coordinates_without_cutoff(point) in points_at_other_cutoff
         else point
         for point in quoted_points
     ]
     return [*covering_points, *(replace(point, covered=True) for point in points_at_other_cutoff.values())]
 
 
-def _coordinates_without_cutoff(point: PointSummary) -> tuple[tuple[str, float], ...]:
+def _get_coordinates_without_cutoff(point: PointSummary) -> tuple[tuple[str, float], ...]:
     """Return the coordinates of a point except its cutoff."""
     return tuple(item for item in point.at.items() if item[0] != "cut_off")
 
@@ -331,7 +331,7 @@ def _include_cutoff_value(value: SlidingRuleCoefficient, other_value: SlidingRul
 
 def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence[Caveat] = ()) -> PointSummary:
     """Summarize one point of a dataset that `Result.at` returned, including caveats about the bodies."""
-    rules = tuple(_build_rule_value(point, rule) for rule in list_rules_quoted_first(study))
+    rules = tuple(_build_rule_coefficient(point, rule) for rule in list_rules_quoted_first(study))
     rule_statuses = np.unique(select_sliding_rule(point["status"], rules[0].rule).values)
     failed_statuses = [str(status) for status in rule_statuses if status != friction.STATUS_OK]
     # A missing coefficient in one direction makes the mean over all directions NaN.
@@ -347,14 +347,14 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
         rules=rules,
         status=status,
         caveats=tuple(sorted(caveats, key=lambda caveat: caveat.severity != "fault")),
-        at=_point_coordinates(point, study),
+        at=_get_point_coordinates(point, study),
         bracket=None
-        if any(_is_invalid_bracket_caveat(caveat) for caveat in caveats)
-        else _resolution_bracket(point, study, rule_with_sampling_interval),
-        budget=_remaining_intervals(point, rules[0].rule),
-        parts=_friction_contributions(point, rules[0]),
-        from_roughness=_roughness_contribution(point, study, rules[0]),
-        waited=_dwell_time_values(point, rules[0].rule),
+        if any(_invalidates_finer_scan_bounds(caveat) for caveat in caveats)
+        else _find_bounds_for_finer_scans(point, study, rule_with_sampling_interval),
+        budget=_list_remaining_intervals(point, rules[0].rule),
+        parts=_compute_friction_contributions(point, rules[0]),
+        from_roughness=_estimate_roughness_contribution(point, study, rules[0]),
+        waited=_list_dwell_time_coefficients(point, rules[0].rule),
         sticking=find_pull_off_values(point, rules[0].rule),
     )
 
@@ -362,36 +362,36 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
 # ---- Values ----------------------------------------------------------------------------------------------------------
 
 
-def _build_rule_value(point: xarray.Dataset, rule: str) -> SlidingRuleCoefficient:
+def _build_rule_coefficient(point: xarray.Dataset, rule: str) -> SlidingRuleCoefficient:
     table = select_sliding_rule(point, rule)
     name = "friction_all_round" if "friction_all_round" in table else "friction_coefficient"
     value, lower, upper = (table[name].sel(statistic=each).item() for each in MEAN_AND_LIMITS)
     limits = (max(lower, 0.0) if lower < 0 <= value else lower), upper
-    lower, upper = _interval_limits(table, "friction_known") or limits
-    next_test = _interval_limits(table, "friction_next_test") or (math.nan, math.nan)
+    lower, upper = _get_interval_limits(table, "friction_known") or limits
+    next_test = _get_interval_limits(table, "friction_next_test") or (math.nan, math.nan)
     low, high, slopes = (mean_over_directions(table, each) for each in ("spread_low", "spread_high", "gentle_friction"))
     return SlidingRuleCoefficient(rule, value, lower, upper, limits, next_test, low, high, slopes)
 
 
-def _interval_limits(table: xarray.Dataset, name: str) -> tuple[float, float] | None:
+def _get_interval_limits(table: xarray.Dataset, name: str) -> tuple[float, float] | None:
     lower, upper = (
         float(table[name].sel(statistic=each)) if name in table else math.nan for each in MEAN_AND_LIMITS[1:]
     )
     return (lower, upper) if math.isfinite(lower) and not math.isnan(upper) else None
 
 
-def _remaining_intervals(point: xarray.Dataset, rule: str) -> tuple[UncertaintyBudgetEntry, ...]:
+def _list_remaining_intervals(point: xarray.Dataset, rule: str) -> tuple[UncertaintyBudgetEntry, ...]:
     """Return the intervals that would remain if one input at a time were exact, sorted by increasing width."""
     if "friction_if_known" not in point:
         return ()
     budget, intervals = select_sliding_rule(point, rule), []
     for index, label in enumerate(budget["input_words"].values.tolist()):
-        if (limits := _interval_limits(budget.isel(input=index), "friction_if_known")) is not None:
+        if (limits := _get_interval_limits(budget.isel(input=index), "friction_if_known")) is not None:
             intervals.append(UncertaintyBudgetEntry(label, *limits, float(budget["width_if_known"][index])))
     return tuple(sorted(intervals, key=lambda left: left.width))
 
 
-def _dwell_time_values(point: xarray.Dataset, rule: str) -> tuple[DwellTimeCoefficient, ...]:
+def _list_dwell_time_coefficients(point: xarray.Dataset, rule: str) -> tuple[DwellTimeCoefficient, ...]:
     if "friction_waited" not in point:
         return ()
     table = select_sliding_rule(point["friction_waited"], rule).transpose("wait", "statistic")
@@ -399,7 +399,9 @@ def _dwell_time_values(point: xarray.Dataset, rule: str) -> tuple[DwellTimeCoeff
     return tuple(DwellTimeCoefficient(seconds, *value_and_limits) for seconds, value_and_limits in seconds_and_values)
 
 
-def _friction_contributions(point: xarray.Dataset, rule: SlidingRuleCoefficient) -> tuple[float, float, float] | None:
+def _compute_friction_contributions(
+    point: xarray.Dataset, rule: SlidingRuleCoefficient
+) -> tuple[float, float, float] | None:
     """Return the contributions of mu0, tau0 and slopes to friction at all contacts, or None for other sliding rules."""
     if rule.rule != "all" or not math.isfinite(rule.value):
         return None
@@ -411,37 +413,37 @@ def _friction_contributions(point: xarray.Dataset, rule: SlidingRuleCoefficient)
     return mu0, adhesive_part, rule.value - mu0 - adhesive_part
 
 
-def _point_coordinates(point: xarray.Dataset, study: Study) -> dict[str, float]:
+def _get_point_coordinates(point: xarray.Dataset, study: Study) -> dict[str, float]:
     """Return the coordinates of a point, including the Hurst exponent if the surfaces are self-affine."""
     coordinates = {
         name: float(point[name]) for name in (*CELL_DIMENSIONS, "load", "mu0", "tau0") if name in point.coords
     }
     if (
         "fractal_dimension" in coordinates
-        and (roughness := roughness_exponent(study, coordinates["fractal_dimension"]))[0] == "H"
+        and (roughness := get_roughness_exponent(study, coordinates["fractal_dimension"]))[0] == "H"
     ):
         coordinates["hurst_exponent"] = roughness[1]
     return coordinates
 
 
-def _roughness_contribution(point: xarray.Dataset, study: Study, rule: SlidingRuleCoefficient) -> float | None:
+def _estimate_roughness_contribution(point: xarray.Dataset, study: Study, rule: SlidingRuleCoefficient) -> float | None:
     """Return the part of the friction coefficient that depends on the scans, or None if this part is unknown.
 
     Friction acts at all contacts. The contribution of the inputs alone is mu0 and, with a hardness H, tau0/H if all
     contacts yield. With adhesion the result is None, because the load on the contacts also depends on the scans.
     """
-    contributions = _friction_contributions(point, rule)
+    contributions = _compute_friction_contributions(point, rule)
     if contributions is None or not study.is_measured or study.contact.adheres:
         return None
-    return rule.value - contributions[0] - (plastic_adhesive_friction(point, study) or 0.0)
+    return rule.value - contributions[0] - (compute_plastic_adhesive_friction(point, study) or 0.0)
 
 
-def _is_invalid_bracket_caveat(caveat: Caveat) -> bool:
+def _invalidates_finer_scan_bounds(caveat: Caveat) -> bool:
     """Return whether a caveat invalidates the bracket. All faults do, except the fault for too few contacts."""
     return caveat.severity == "fault" and caveat.remedy != MORE_CONTACTS_REMEDY
 
 
-def _resolution_bracket(
+def _find_bounds_for_finer_scans(
     point: xarray.Dataset, study: Study, all_rub: SlidingRuleCoefficient
 ) -> tuple[float, float] | None:
     """Return bounds on the friction coefficient that hold for all finer scans to second order in the slope.
@@ -453,7 +455,7 @@ def _resolution_bracket(
     has_bracket = study.is_measured and study.uses_half_space and not study.contact.adheres
     if hardness is None or not has_bracket or all_rub.rule != "all" or not math.isfinite(all_rub.value):
         return None
-    mu0, adhesive_friction = float(point["mu0"]), plastic_adhesive_friction(point, study)
+    mu0, adhesive_friction = float(point["mu0"]), compute_plastic_adhesive_friction(point, study)
     if adhesive_friction is None or math.isnan(adhesive_friction):
         return None
     upper = all_rub.upper if math.isfinite(all_rub.upper) else None

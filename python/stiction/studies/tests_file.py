@@ -68,13 +68,13 @@ def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[F
         for row in reader:  # cells in quotation marks may contain line breaks
             rows.append(row)
             line_numbers.append(lines[reader.line_num - 1][0])
-        table = _FrictionTestTable(_parse_titles(rows[0]), line_numbers[1:], rows[1:], bodies, separator)
+        table = _FrictionTestTable(_parse_column_titles(rows[0]), line_numbers[1:], rows[1:], bodies, separator)
         return tuple(table.parse_rows())
     except (ValueError, csv.Error) as error:
         raise ValueError(f"{printable_path(path)}: {error}") from None
 
 
-def _parse_titles(title_row: list[str]) -> dict[str, tuple[int, str]]:
+def _parse_column_titles(title_row: list[str]) -> dict[str, tuple[int, str]]:
     """Return the index and unit of each column, keyed by the standard name of the column."""
     columns: dict[str, tuple[int, str]] = {}
     for index, cell in enumerate(title_row):
@@ -179,17 +179,17 @@ class _FrictionTestTable:
             if cells.get(key):
                 arguments[key] = self._parse_quantity(key, cells[key])
         if "coefficient" in cells:
-            value = _parse_number("coefficient", cells["coefficient"])
+            value = _parse_decimal_number("coefficient", cells["coefficient"])
             arguments["coefficient"] = value / 100 if self.titles["coefficient"][1] == "%" else value
         return FrictionTest(bodies[name], self._parse_quantity("load", cells["load"]), **arguments)
 
     def _parse_quantity(self, name: str, cell: str) -> float | str:
         unit = self.titles[name][1]
-        value = _parse_number(name, cell)
+        value = _parse_decimal_number(name, cell)
         return f"{cell.replace(',', '.')} {unit}" if unit else value
 
 
-def _parse_number(name: str, text: str) -> float:
+def _parse_decimal_number(name: str, text: str) -> float:
     try:
         if text.count(",") + text.count(".") > 1:
             raise ValueError

@@ -39,23 +39,23 @@ MAX_KEY_DOTS = 100  # maximum number of dots in a dotted key of a study file
 MAX_DIRECTION_DEGREES = 360  # maximum absolute value of a direction in degrees
 
 
-def _make_quantity_reader(kind: str, *, allows_zero: bool = False) -> Callable[[object], Quantity]:
-    def read(text: object) -> Quantity:
+def _make_quantity_parser(kind: str, *, allows_zero: bool = False) -> Callable[[object], Quantity]:
+    def parse_checked_quantity(text: object) -> Quantity:
         value = quantity(text, kind)
         if not (value > 0 or (allows_zero and float(value) == 0)):
             raise ValueError(f"must be {'at least' if allows_zero else 'above'} 0, got {value.text!r}")
         return value
 
-    return read
+    return parse_checked_quantity
 
 
-read_length = _make_quantity_reader("length")
+read_length = _make_quantity_parser("length")
 
 
-def to_written_form(value: Any) -> Any:
+def format_quantities(value: Any) -> Any:
     """Format quantities and floats as text, including those in tuples. Other values are returned unchanged."""
     if isinstance(value, tuple):
-        return tuple(map(to_written_form, value))
+        return tuple(map(format_quantities, value))
     if isinstance(value, Quantity):
         return value.text
     return f"{value:g}" if isinstance(value, float) else value
@@ -64,20 +64,22 @@ def to_written_form(value: Any) -> Any:
 def _require_increasing(values: tuple[float, ...]) -> tuple[float, ...]:
     for previous, value in itertools.pairwise(values):
         if not value > previous:
-            raise ValueError(f"must increase, but {to_written_form(previous)} is followed by {to_written_form(value)}")
+            raise ValueError(
+                f"must increase, but {format_quantities(previous)} is followed by {format_quantities(value)}"
+            )
     return values
 
 
-as_written = PlainSerializer(to_written_form)
+as_written = PlainSerializer(format_quantities)
 Length = Annotated[Quantity, PlainValidator(read_length), as_written]
 SignedLength = Annotated[Quantity, PlainValidator(lambda text: quantity(text, "length")), as_written]
-LengthOrZero = Annotated[Quantity, PlainValidator(_make_quantity_reader("length", allows_zero=True)), as_written]
-Modulus = Annotated[Quantity, PlainValidator(_make_quantity_reader("pressure")), as_written]
-PressureOrZero = Annotated[Quantity, PlainValidator(_make_quantity_reader("pressure", allows_zero=True)), as_written]
-Force = Annotated[Quantity, PlainValidator(_make_quantity_reader("force")), as_written]
-Time = Annotated[Quantity, PlainValidator(_make_quantity_reader("time")), as_written]
+LengthOrZero = Annotated[Quantity, PlainValidator(_make_quantity_parser("length", allows_zero=True)), as_written]
+Modulus = Annotated[Quantity, PlainValidator(_make_quantity_parser("pressure")), as_written]
+PressureOrZero = Annotated[Quantity, PlainValidator(_make_quantity_parser("pressure", allows_zero=True)), as_written]
+Force = Annotated[Quantity, PlainValidator(_make_quantity_parser("force")), as_written]
+Time = Annotated[Quantity, PlainValidator(_make_quantity_parser("time")), as_written]
 WorkOfAdhesion = Annotated[
-    Quantity, PlainValidator(_make_quantity_reader("work of adhesion", allows_zero=True)), as_written
+    Quantity, PlainValidator(_make_quantity_parser("work of adhesion", allows_zero=True)), as_written
 ]
 Fraction = Annotated[float, Field(ge=0, le=1)]
 NumGridPoints = Annotated[int, Field(ge=MIN_POINTS, le=MAX_POINTS)]
@@ -88,7 +90,7 @@ FrictionCoefficient = Annotated[float, Field(ge=0, le=MAX_INPUT_NUMBER)]
 _Item = TypeVar("_Item")
 
 
-def require_different(values: tuple[_Item, ...]) -> tuple[_Item, ...]:
+def require_distinct(values: tuple[_Item, ...]) -> tuple[_Item, ...]:
     """Return a tuple unchanged if all of its elements differ. Otherwise, raise a `ValueError`."""
     if len(set(values)) < len(values):
         raise ValueError("must differ from each other, but two values are equal")
@@ -109,14 +111,16 @@ CutOffs = Annotated[
     tuple[LengthOrZero, ...],
     as_tuple,
     Field(min_length=1, max_length=MAX_SHORT_LIST_LENGTH),
-    AfterValidator(require_different),
+    AfterValidator(require_distinct),
 ]
 _optional_short_list = (as_tuple, Field(max_length=MAX_SHORT_LIST_LENGTH), AfterValidator(_require_increasing))
 LoadsOfInterest = Annotated[tuple[Force, ...], *_optional_short_list]
 Times = Annotated[tuple[Time, ...], *_optional_short_list]
 
 
-def _one_or_tuple(name: str, read: Callable[[object], Any], identity: Callable[[Any], Any]) -> PlainValidator:
+def _build_one_or_tuple_validator(
+    name: str, read: Callable[[object], Any], identity: Callable[[Any], Any]
+) -> PlainValidator:
     """Return a validator that accepts a single value, or a list of several different values."""
 
     def validate(value: object) -> Any:
@@ -132,7 +136,7 @@ def _one_or_tuple(name: str, read: Callable[[object], Any], identity: Callable[[
     return PlainValidator(validate)
 
 
-def _read_direction(value: object) -> Any:
+def _parse_direction(value: object) -> Any:
     if isinstance(value, str) and value in ("+x", "-x"):
         return value
     if isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= MAX_DIRECTION_DEGREES:
@@ -148,17 +152,22 @@ def direction_to_degrees(direction: Direction) -> float:
     return {"+x": 0.0, "-x": 180.0}[direction] if isinstance(direction, str) else direction % 360.0
 
 
-def _read_sliding(value: object) -> Any:
+def _parse_sliding_rule(value: object) -> Any:
     if value not in ("opposing", "all"):
         raise ValueError(f'must be "opposing" or "all", or a list of both, got {short_repr(value)}')
     return value
 
 
 Directions = (
-    Annotated[Direction | tuple[Direction, ...], _one_or_tuple("direction", _read_direction, direction_to_degrees)]
+    Annotated[
+        Direction | tuple[Direction, ...],
+        _build_one_or_tuple_validator("direction", _parse_direction, direction_to_degrees),
+    ]
     | None
 )
-SlidingRules = Annotated[SlidingRule | tuple[SlidingRule, ...], _one_or_tuple("rule", _read_sliding, str)]
+SlidingRules = Annotated[
+    SlidingRule | tuple[SlidingRule, ...], _build_one_or_tuple_validator("rule", _parse_sliding_rule, str)
+]
 
 
 class SettingsTable(BaseModel):
@@ -211,7 +220,8 @@ class _ValueRange(SettingsTable):
             raise ValueError("a range with count = 1 must have equal start and stop")
         if self.count > 1 and not self.stop > self.start:
             raise ValueError(
-                f"must have a stop above its start, got {to_written_form(self.start)} to {to_written_form(self.stop)}"
+                f"must have a stop above its start, got {format_quantities(self.start)} to "
+                f"{format_quantities(self.stop)}"
             )
         return self
 

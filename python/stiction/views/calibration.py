@@ -39,7 +39,7 @@ def calibration_text(interface: Interface) -> str:
         lines += [f"μ0 = {format_with_interval(*interface.mu0)}", f"τ0 = {format_with_interval(*tau0)} MPa"]
     else:
         lines += [wrap_text(item, hanging_indent="  ") for item in _describe_unseparated_mu0_tau0(interface)]
-    if interface.growth is not None:
+    if interface.junction_growth is not None:
         lines += [wrap_text(_junction_growth_text(interface), hanging_indent="  ")]
     lines += [
         "",
@@ -81,9 +81,9 @@ def _describe_unseparated_mu0_tau0(interface: Interface) -> Iterator[str]:
 
 def _junction_growth_text(interface: Interface) -> str:
     """Return a sentence about the junction growth parameter α, with its fitted interval if α is a range."""
-    assert interface.growth is not None, "tests have α"
-    text = f"Junction growth: the tests have α = {interface.growth.short_text}"
-    if interface.growth.is_exact:
+    assert interface.junction_growth is not None, "tests have α"
+    text = f"Junction growth: the tests have α = {interface.junction_growth.short_text}"
+    if interface.junction_growth.is_exact:
         return f"{text}. A pair with this interface uses the same value."
     low, value, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.5, 0.975])
     text += f", and are consistent with {format_with_interval(value, low, high)}"
@@ -140,7 +140,7 @@ def calibration_json(interface: Interface) -> str:
     ]
     return record_json(
         "calibrate", values, kind="interface", variation=interface.variation, separated=interface.separated,
-        junction_growth=None if interface.growth is None else interface.growth.short_text,
+        junction_growth=None if interface.junction_growth is None else interface.junction_growth.short_text,
         excluded=list(interface.excluded), fits=fits, would_separate=advice_records,
     )  # fmt: skip
 

@@ -45,7 +45,7 @@ HEIGHT_SCALE_NOTE = (
 
 
 def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
-    """Format an `evaluate_height_scale` dataset. Each load, mu0 and tau0 has a table with one row per height factor."""
+    """Format a dataset from `evaluate_at_height_factors`. Each load, mu0 and tau0 has a table with a row per factor."""
     scaled_surfaces = SCALED_SURFACE_TEXTS[dataset.attrs["scaled"]]
     lines = [
         wrap_text(
@@ -99,7 +99,7 @@ def _height_factor_row(point: xarray.Dataset, rules: list[str], study: Study) ->
 
 
 def height_scale_json(dataset: xarray.Dataset, study: Study) -> str:
-    """Return a dataset from `evaluate_height_scale` as a JSON record."""
+    """Return a dataset from `evaluate_at_height_factors` as a JSON record."""
     fields = {"kind": "pair", "scaled": dataset.attrs["scaled"], "solved": dataset.attrs["solved"].tolist()}
     fields |= {name: float(dataset[name]) for name in ("effective_modulus", "nominal_area") if name in dataset.coords}
     return rows.record_json("at", rows.value_records(rows.values_frame(dataset)), **fields)

@@ -14,7 +14,7 @@ from stiction._errors import ArgumentError
 from stiction.mechanics.half_space import TiltMode
 from stiction.mechanics.model import CurvatureRequirement, Detection
 from stiction.studies.interfaces import Interface, write_interface
-from stiction.studies.pair import study_from_options
+from stiction.studies.pair import build_study_from_options
 from stiction.studies.pair_options import (
     BodyScans,
     Count,
@@ -317,7 +317,7 @@ def pair(
             folder.mkdir(parents=True, exist_ok=True)
             write_interface(interface, folder / "interface.csv")
             options = options.model_copy(update={"interface": folder / "interface.csv"})
-        study = study_from_options(options)
+        study = build_study_from_options(options)
         with executor_or_thread_pool(executor) as workers:
             return complete_result(study, folder, workers, replace=replace, onset=onset, progress=progress)
     except ArgumentError as error:

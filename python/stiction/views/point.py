@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._number_format import format_with_unit
-from stiction.studies.point import adhesion_ranges, has_nominal_area, is_unloaded
+from stiction.studies.point import get_adhesion_ranges, has_nominal_area, is_unloaded
 
 if TYPE_CHECKING:
     import xarray
@@ -30,7 +30,7 @@ def material_names_text(study: Study) -> str:
 def adhesion_text(point: xarray.Dataset, study: Study) -> str:
     """Return the work of adhesion and the range of the attraction, as in "adhesion 50 mJ/m² over 0.5 nm"."""
     work_of_adhesion = 1e6 * float(study.contact.work_of_adhesion or 0.0)
-    return f"adhesion {work_of_adhesion:.3g} mJ/m² over {format_with_unit(adhesion_ranges(point, study)[1], 'um')}"
+    return f"adhesion {work_of_adhesion:.3g} mJ/m² over {format_with_unit(get_adhesion_ranges(point, study)[1], 'um')}"
 
 
 def load_text(point: xarray.Dataset, study: Study) -> str:

@@ -14,12 +14,12 @@ from stiction.mechanics.closed_forms import gentle_friction
 from stiction.studies.hardness import find_uncertain_inputs
 from stiction.studies.interfaces import find_interface
 from stiction.studies.point import (
-    contact_law_name,
     effective_modulus_at,
+    get_contact_law_name,
+    get_roughness_exponent,
     has_limited_pressure,
     mean_contact_pressure,
     mean_over_directions,
-    roughness_exponent,
 )
 from stiction.studies.summary import PointSummary
 from stiction.surfaces.pairing import SIDES
@@ -123,7 +123,7 @@ def inputs_text(point: PointSummary) -> str:
     values, study = point.values, point.study
     items = [load_text(values, study)]
     if "fractal_dimension" in values.coords:
-        name, value = roughness_exponent(study, float(values["fractal_dimension"]))
+        name, value = get_roughness_exponent(study, float(values["fractal_dimension"]))
         items.append(f"{name} = {value:.3g}")
     if "amplitude" in values.coords:
         items.append(f"amplitude {format_with_unit(float(values['amplitude']), 'um')}")
@@ -141,7 +141,7 @@ def inputs_text(point: PointSummary) -> str:
         if alpha := study.contact.junction_growth:
             items.append(f"α = {study.known.junction_growth or f'{alpha:g}'}")
     elif study.is_measured:
-        items.append("yielding by Jackson and Green" if "jackson" in contact_law_name(study) else "elastic")
+        items.append("yielding by Jackson and Green" if "jackson" in get_contact_law_name(study) else "elastic")
     if study.contact.adheres:
         items.append(adhesion_text(values, study))
     if "spacing_um" in values.attrs:
@@ -233,14 +233,16 @@ def list_assumptions(study: Study) -> tuple[str, ...]:
         return ()
     surfaces, contact, assumptions = study.surfaces, study.contact, []
     if surfaces.press == "lines":
-        is_plane = study.uses_half_space or "cylinder" in contact_law_name(study)
+        is_plane = study.uses_half_space or "cylinder" in get_contact_law_name(study)
         assumptions.append(
             f"{'parallel grooves across the scans' if is_plane else 'contacts of spheres'} on {PROFILE_STRIP_TEXT}"
         )
     elif surfaces.press == "surrogates":
         assumptions.append("isotropic surfaces")
     assumptions += [] if study.uses_half_space else ["contacts that do not interact"]
-    assumptions += [] if contact.hardness is not None or "jackson" in contact_law_name(study) else ["elastic contact"]
+    assumptions += (
+        [] if contact.hardness is not None or "jackson" in get_contact_law_name(study) else ["elastic contact"]
+    )
     assumptions += ["no adhesion"] if contact.work_of_adhesion is None else []
     return tuple(assumptions)
 

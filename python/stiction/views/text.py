@@ -33,7 +33,7 @@ from stiction.studies.assessment import (
     VERDICTS_BY_SEVERITY,
     WIDE_INTERVAL_TEXT,
     Caveat,
-    find_failed_check_caveats,
+    find_caveats_of_failed_checks,
 )
 from stiction.studies.budget import (
     LOWER_SCANS_INPUT_NAME,
@@ -45,12 +45,12 @@ from stiction.studies.point import (
     CELL_DIMENSIONS,
     MEAN_AND_LIMITS,
     find_contact_status,
+    get_roughness_exponent,
     has_nominal_area,
     is_unloaded,
     iterate_points,
     list_rules_quoted_first,
     mean_over_directions,
-    roughness_exponent,
     select_sliding_rule,
 )
 from stiction.studies.summary import UNATTRIBUTED_WAVELENGTHS_INPUT_NAME, PointSummary, Summary
@@ -763,14 +763,14 @@ def overview_text(
     tables, has_marks = [], False
     for indices in np.ndindex(*(dataset.sizes[name] for name in outer_dimensions)):
         subset = dataset.isel(dict(zip(outer_dimensions, indices, strict=True)))
-        labels = [[*(_COORDINATE_LABELS[name] for name in varying_names), roughness_exponent(study, 1.0)[0]]]
+        labels = [[*(_COORDINATE_LABELS[name] for name in varying_names), get_roughness_exponent(study, 1.0)[0]]]
         rows = [[format_with_unit(load, "mN") for load in dataset["load"].values.tolist()]]
         for mu0, tau0, dimension_index in np.ndindex(
             *(dataset.sizes[name] for name in ("mu0", "tau0", "fractal_dimension"))
         ):
             point = subset.isel(mu0=mu0, tau0=tau0, fractal_dimension=dimension_index)
             values = [_coordinate_text(name, float(point[name])) for name in varying_names]
-            labels.append([*values, f"{roughness_exponent(study, float(point['fractal_dimension']))[1]:.4g}"])
+            labels.append([*values, f"{get_roughness_exponent(study, float(point['fractal_dimension']))[1]:.4g}"])
             rows.append([_overview_cell(point.isel(load=index)) for index in range(dataset.sizes["load"])])
         has_marks = has_marks or any(cell.endswith("*") for row in rows for cell in row)
         column_widths = [max(map(len, column)) for column in zip(*labels, strict=True)]
@@ -803,9 +803,9 @@ def _select_ends_and_middle(dataset: xarray.Dataset) -> xarray.Dataset:
 
 def _omission_text(dataset: xarray.Dataset, full_dataset: xarray.Dataset, study: Study) -> str:
     """Return how many values an overview omits and how to print them, or an empty string if all values are printed."""
-    num_dimensions = study.surfaces.cells()["fractal_dimension"].size
+    num_dimensions = study.surfaces.cell_coordinates()["fractal_dimension"].size
     shown_and_available = {
-        roughness_exponent(study, 1.0)[0]: (dataset.sizes["fractal_dimension"], num_dimensions),
+        get_roughness_exponent(study, 1.0)[0]: (dataset.sizes["fractal_dimension"], num_dimensions),
         "μ0": (dataset.sizes["mu0"], full_dataset.sizes["mu0"]),
         "τ0": (dataset.sizes["tau0"], full_dataset.sizes["tau0"]),
     }
@@ -839,6 +839,6 @@ def _overview_cell(values: xarray.Dataset) -> str:
     checked_fractions = {
         name: mean_over_directions(values, name) for name in ("share_beyond_hertz", "share_below_grid")
     }
-    failed_checks = find_failed_check_caveats(ASPERITY_CHECKS, checked_fractions)
+    failed_checks = find_caveats_of_failed_checks(ASPERITY_CHECKS, checked_fractions)
     mean, lower, upper = (float(values[name].sel(statistic=statistic)) for statistic in MEAN_AND_LIMITS)
     return format_estimate(mean, lower, upper) + "*" * any(failed_checks)

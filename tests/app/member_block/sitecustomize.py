@@ -11,7 +11,7 @@ BLOCKED_MEMBER_FILE = Path(os.environ.get("STICTION_TEST_HOLD", "/nowhere"))
 if BLOCKED_MEMBER_FILE.exists():
     from stiction.studies import runner
 
-    compute_sums, compute_preview = runner.compute_member_sums, runner.preview_result
+    compute_sums, compute_preview = runner.compute_member_arrays, runner.compute_preview_result
 
     def is_blocked(member):
         try:
@@ -19,18 +19,18 @@ if BLOCKED_MEMBER_FILE.exists():
         except FileNotFoundError:  # removed at any moment
             return False
 
-    def compute_member_sums(study, member):
+    def compute_member_arrays(study, member):
         """Return the sums of a member once the file no longer blocks it."""
         while is_blocked(member):
             time.sleep(0.02)
         return compute_sums(study, member)
 
-    def preview_result(study):
+    def compute_preview_result(study):
         """Return the preview, which is never blocked."""
-        runner.compute_member_sums = compute_sums
+        runner.compute_member_arrays = compute_sums
         try:
             return compute_preview(study)
         finally:
-            runner.compute_member_sums = compute_member_sums
+            runner.compute_member_arrays = compute_member_arrays
 
-    runner.compute_member_sums, runner.preview_result = compute_member_sums, preview_result
+    runner.compute_member_arrays, runner.compute_preview_result = compute_member_arrays, compute_preview_result

@@ -24,7 +24,7 @@ from stiction._number_format import format_with_unit
 from stiction._units import exact_quantity
 from stiction.mechanics.friction import STATUS_OK, STATUS_SELF_LOCKED
 from stiction.studies.assessment import MAX_AFFECTED_FRACTION
-from stiction.studies.members import generate_phases, pair_of, unscaled_profile
+from stiction.studies.members import generate_phases, generate_unscaled_profile, pair_of
 from stiction.studies.point import MEAN_AND_LIMITS
 from stiction.studies.result import Result
 from stiction.studies.study import Study
@@ -106,7 +106,7 @@ def iterate_motion_datasets(dataset: xarray.Dataset) -> Iterator[tuple[str, xarr
 def heading_lines(dataset: xarray.Dataset, study: Study) -> list[str]:
     """Return heading lines for the model and motion, if they differ from the paper, and for an unfinished ensemble."""
     contact = study.contact
-    rule = dataset["sliding"].item() if "sliding" in dataset.coords else contact.rules()[0]
+    rule = dataset["sliding"].item() if "sliding" in dataset.coords else contact.sliding_rules()[0]
     angle = dataset["direction"].item() if "direction" in dataset.coords else float(contact.direction_angles()[0])
     lines = []
     if study.is_areal or study.uses_half_space or rule != "opposing":
@@ -542,7 +542,7 @@ def length_scales_figure(study: Study) -> Figure:
     axes = figure.subplots(2, len(length_scales), height_ratios=[1, 1.2], sharex=True)
     for column, length_scale in enumerate(length_scales):
         scaled_study = study.with_changes({"surfaces.length_scale": exact_quantity(length_scale, "um")})
-        profile = unscaled_profile(scaled_study, 0, "lower", dimension)
+        profile = generate_unscaled_profile(scaled_study, 0, "lower", dimension)
         surface = weierstrass_mandelbrot_surface(
             generate_phases(study, 0, "lower"),
             dimension,

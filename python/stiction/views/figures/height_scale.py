@@ -26,7 +26,7 @@ def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     Parameters
     ----------
     points : xarray.Dataset
-        Result of `evaluate_height_scale` at one load, mu0 and tau0.
+        Result of `evaluate_at_height_factors` at one load, mu0 and tau0.
     title : str
     """
     height_factors = np.asarray(points["height_scale"].values, dtype=np.float64)

@@ -138,7 +138,7 @@ def _pad_range(values: Floats) -> tuple[float, float]:
 def cut_off_figure(points: xarray.Dataset, *, title: str = "", limits: Mapping[str, Any] | None = None) -> Figure:
     """Draw friction coefficient and true contact area against the cutoff wavelength at one load (80 mm wide).
 
-    `points` is a result of `evaluate_cutoffs` at one load, mu0 and tau0. Unfiltered surfaces (cutoff 0) are drawn at
+    `points` is a result of `evaluate_at_cutoffs` at one load, mu0 and tau0. Unfiltered surfaces (cutoff 0) are drawn at
     their shortest wavelength or, if this is unknown, to the left of the first cutoff. `limits` adds a line at the
     plastic limit, dashed extrapolated values, and grey unresolved wavelengths.
     """

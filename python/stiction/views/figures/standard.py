@@ -13,7 +13,7 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
-from stiction.studies.resolution import resolution_limits
+from stiction.studies.resolution import build_resolution_limits
 from stiction.studies.result import Result
 from stiction.studies.study import Study
 from stiction.views.figures.budget import dwell_time_figure, uncertainty_budget_figure
@@ -184,7 +184,7 @@ def _measured_surface_figures(
 
 
 def _cut_off_figure(dataset: xarray.Dataset, study: Study, *, title: str) -> Figure:
-    return cut_off_figure(dataset, title=title, limits=resolution_limits(dataset, study))
+    return cut_off_figure(dataset, title=title, limits=build_resolution_limits(dataset, study))
 
 
 def draw_height_factor_figure(
@@ -224,5 +224,5 @@ def _profile_contact_figures(
     upper, lower, approach, offset = touching_profiles
     mu0, tau0 = float(point["mu0"]), float(point["tau0"])
     options: dict[str, Any] = {"mu0": mu0, "tau0": tau0, "load": load, "offset": offset}
-    options |= {"title": format_print_title(study), "model": contact.model(contact.rules()[0])}
+    options |= {"title": format_print_title(study), "model": contact.contact_model(contact.sliding_rules()[0])}
     yield "contact", partial(contact_figure, upper, lower, approach, **options)

@@ -26,7 +26,7 @@ from stiction.studies.assessment import (
     MIN_MERGED_AREA_FRACTION,
     Caveat,
     LimitCheck,
-    assess_ensemble,
+    assess_ensemble_points,
     compute_checked_quantities,
     verdict_from_caveats,
 )
@@ -183,14 +183,14 @@ def _add_values_at_nodes(
     status = np.broadcast_to(transpose_to_leading_dimensions(node_values["status"]), shape)
     statuses, codes = _status_records_and_codes(status, validity_numbers, validity_records)
     packed_arrays.add("status", codes.astype(np.int8))
-    is_interpolated = np.logical_and.reduce([nodes.is_interpolated(values) for values in quantities.values()])
+    is_interpolated = np.logical_and.reduce([nodes.find_interpolated_panels(values) for values in quantities.values()])
     packed_arrays.add("fine", is_interpolated.astype(np.int8))
     rule_index = rules.index(list_rules_quoted_first(study)[0])
     checked_numbers = validity_numbers | _compute_checked_numbers(
         node_values, points, area_points[..., 0], contact_counts, study, members
     )
     checked_numbers = {name: values[:, :, rule_index] for name, values in checked_numbers.items()}
-    assessments, assessment_indices = assess_ensemble(study, status[:, :, rule_index], checked_numbers)
+    assessments, assessment_indices = assess_ensemble_points(study, status[:, :, rule_index], checked_numbers)
     packed_arrays.add("judgement", assessment_indices.astype(float))
     assessment_records = [
         {"verdict": verdict_from_caveats(reasons), "caveats": [_caveat_or_check_record(reason) for reason in reasons]}
@@ -213,7 +213,7 @@ def _add_values_at_nodes(
         "hasStiffness": "stiffness" in quantities,
         "start": _choose_initial_cell_and_load(is_valid, points, axes, study),
         "maps": _add_colour_ranges(mapped_quantities, packed_arrays),
-        "error": nodes.error,
+        "error": nodes.interpolation_errors,
     }
 
 
@@ -335,7 +335,7 @@ def _render_picture_panels(result: Result, study: Study, head: xarray.Dataset, c
     if not (study.is_areal or study.uses_half_space):
         approaches = head["approach"].values[has_contact]
         panels.append(profiles_panel(study, float(approaches[approaches.size // 2])))
-    if set(ONSET_QUANTITIES) & set(study.sums()):
+    if set(ONSET_QUANTITIES) & set(study.contact_sum_names()):
         panels.append(onset_by_dimension_panel(result.dataset))
     return "".join(panels)
 
@@ -352,7 +352,7 @@ def _heading_lines(study: Study) -> list[str]:
     contact: Any = study.contact
     side_lengths = surfaces.extents() if study.is_areal else (float(surfaces.extent),)
     model_name = "half-space" if study.uses_half_space else "asperity"
-    law_text = "" if study.uses_half_space else f", law {contact.model(rules[0]).law}"
+    law_text = "" if study.uses_half_space else f", law {contact.contact_model(rules[0]).law}"
     return [
         f"{surfaces.place[0].upper()}{surfaces.place[1:]}, {' x '.join(f'{length:g}' for length in side_lengths)} µm, "
         f"pressed with the {model_name} model{law_text}; "

@@ -150,7 +150,11 @@ def _add_friction_at_nodes(nodes: InterpolationNodes, study: Study, packed_array
     if len(angles) > 1:
         motions.insert(0, {"words": averaged_directions_text(angles), "directions": list(range(len(angles)))})
     num_values = (
-        len(member_kinds) * len(study.surfaces.cells()["cut_off"]) * nodes.loads.size * len(rules) * len(motions)
+        len(member_kinds)
+        * len(study.surfaces.cell_coordinates()["cut_off"])
+        * nodes.loads.size
+        * len(rules)
+        * len(motions)
     )
     num_values *= axes[0].values.size * axes[1].values.size
     if num_values > MAX_MEASURED_REPORT_VALUES:
@@ -196,7 +200,7 @@ def _add_friction_at_nodes(nodes: InterpolationNodes, study: Study, packed_array
         for name, values in zip(arrays_by_name, zip(*motion_arrays, strict=True), strict=True):
             arrays_by_name[name].append(np.stack(values, axis=2))
     stacked_arrays = {name: np.stack(values) for name, values in arrays_by_name.items()}
-    is_interpolated = nodes.is_interpolated(stacked_arrays["shown"])
+    is_interpolated = nodes.find_interpolated_panels(stacked_arrays["shown"])
     displayed_friction, is_combined = stacked_arrays["shown"], np.zeros((len(member_kinds), len(motions)), bool)
     for index, motion in enumerate(motions):
         motion["isWhole"] = len(motion["directions"]) == len(angles)
@@ -222,7 +226,7 @@ def _add_friction_at_nodes(nodes: InterpolationNodes, study: Study, packed_array
         "rules": rules,
         "directions": angles,
         "axes": slider_facts(axes, study),
-        "error": nodes.error,
+        "error": nodes.interpolation_errors,
         "statuses": [
             {"name": name, "isOk": name == friction.STATUS_OK, "isTrusted": True} for name in ORDERED_STATUSES
         ],

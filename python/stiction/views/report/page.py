@@ -24,7 +24,7 @@ from stiction._files import replacement_file
 from stiction._number_format import to_json
 from stiction._text import printable_text
 from stiction.studies.nodes import NodeAxis
-from stiction.studies.study import Study, find_differences
+from stiction.studies.study import Study, find_table_differences
 from stiction.views.report.tables import PackedArrays
 
 REPORT_FILE_SIGNATURE = "<!doctype html>\n<!-- A report of stiction -->\n"
@@ -151,7 +151,7 @@ class ReportContent:
         )
         if self.study.is_measured:
             return f"<h2>The study</h2>{self.details_markup}{study_file}"
-        changed_settings = [f"{key} = {value}" for key, _, value in find_differences(Study(), self.study)]
+        changed_settings = [f"{key} = {value}" for key, _, value in find_table_differences(Study(), self.study)]
         lines = "".join(f"<li><code>{escape_html(line)}</code></li>" for line in changed_settings)
         summary_markup = (
             f"<p>The defaults, but</p><ul>{lines}</ul>" if changed_settings else "<p>All values are the defaults.</p>"
@@ -171,7 +171,7 @@ def _strip_folders(study: Study) -> Study:
 
 def study_motions(study: Study) -> tuple[list[str], list[float]]:
     """Return the sliding rules and the directions (degrees) of a study, in the order in which the sums are stored."""
-    return list(study.contact.rules()), [float(angle) for angle in study.contact.direction_angles()]
+    return list(study.contact.sliding_rules()), [float(angle) for angle in study.contact.direction_angles()]
 
 
 def slider_facts(axes: tuple[NodeAxis, NodeAxis], study: Study) -> dict[str, Any]:
@@ -184,7 +184,8 @@ def slider_facts(axes: tuple[NodeAxis, NodeAxis], study: Study) -> dict[str, Any
     for name, axis, initial_value, unit in zip(("mu0", "tau0"), axes, initial_values, (1.0, 1e3), strict=True):
         max_value = unit * float(axis.rising[-1])
         facts[name] = {
-            "rising": (unit * axis.rising).tolist(), "bounds": (unit * np.array(axis.bounds)).reshape(-1, 2).tolist(),
+            "rising": (unit * axis.rising).tolist(),
+            "bounds": (unit * np.array(axis.ranged_node_intervals)).reshape(-1, 2).tolist(),
             "most": max_value, "step": 0.01 if name == "mu0" else float(f"{max_value / 200:.0e}"),
             "start": float(f"{unit * float(initial_value):.12g}"),
         }  # fmt: skip

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from stiction._number_format import format_percent, format_with_unit
 from stiction.studies.contact_tables import AsperityModelSettings
-from stiction.studies.members import generate_pairs
+from stiction.studies.members import generate_profile_pairs
 from stiction.studies.result import Result
 from stiction.studies.study import Study
 from stiction.views.figures.contact import contact_figure, contact_map_figure, opposing_contact_mask
@@ -30,15 +30,15 @@ from stiction.views.style import MATPLOTLIB_STYLE
 
 def profiles_panel(study: Study, approach: float) -> str:
     """Return the panel (markup) that shows two generated profiles at an approach (µm)."""
-    cells, contact = study.surfaces.cells(), study.contact
+    cells, contact = study.surfaces.cell_coordinates(), study.contact
     dimensions, amplitude = cells["fractal_dimension"], float(cells["amplitude"][0])
     middle_dimension = dimensions[dimensions.size // 2 :][:1]
-    upper, lower = next(iter(generate_pairs(study, 0, middle_dimension, amplitude)))
+    upper, lower = next(iter(generate_profile_pairs(study, 0, middle_dimension, amplitude)))
     assert isinstance(contact, AsperityModelSettings)
     options: dict[str, Any] = {"mu0": study.friction.mu0[0], "tau0": float(study.friction.tau0[0])}
     options |= {
         "title": f"$D$ = {middle_dimension[0]:.3g}, amplitude {format_with_unit(amplitude, 'um')}",
-        "model": contact.model(),
+        "model": contact.contact_model(),
     }
     return _panel_markup(
         "Two of the profiles in contact",
