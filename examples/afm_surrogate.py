@@ -1,4 +1,4 @@
-"""Press a worn map and its surrogate, each on itself, to show the effect of the height distribution."""
+"""Press a worn map and its surrogate, each against itself, to show the effect of the height distribution."""
 
 import matplotlib
 

@@ -1,4 +1,4 @@
-"""Compute a contact law for a discrete-element code. The law then presses a grain, which is pushed until it slides."""
+"""Compute a contact law for a discrete-element code, and use it for a grain that is pressed and then pushed."""
 
 import matplotlib
 

@@ -1,4 +1,4 @@
-"""Press terrain around the Jacksboro fault, scaled from 1 m to 1 µm. Without tau0, friction has no length scale."""
+"""Press terrain around the Jacksboro fault at a scale of 1 µm to 1 m. Without tau0, friction has no length scale."""
 
 import math
 
@@ -26,7 +26,7 @@ surface = levelled(
 print(characterisation_text(surface), end="")
 characterisation_figure(surface).savefig("fault_surface.png")
 
-# Press lines of the terrain on other lines, with E* = 40 GPa, as for rock.
+# Press lines of the terrain against other lines, with E* = 40 GPa, as for rock.
 # Loads are made nondimensional with E* and the length L of a line: F/(E* L²).
 length = surface.extent[1]
 loads = np.geomspace(1e-7, 1e-4, 4) * 40.0 * length**2

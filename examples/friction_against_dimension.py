@@ -1,4 +1,4 @@
-"""Compute friction against the fractal dimension for your modulus and roughness, and print it with its interval."""
+"""Print friction, with its interval, for several fractal dimensions and for your own modulus and roughness."""
 
 from stiction import Study, friction_map, run
 

@@ -42,7 +42,7 @@ for angle in ANGLES:
 figure, (friction_axes, area_axes) = plt.subplots(2, 1, figsize=(5.4, 4.8), sharex=True, layout="constrained")
 for tau0, colour in zip((0.0, 0.5), SHEAR_STRENGTH_COLOURS, strict=True):
     for axis, style, direction_text in ((0.0, "-", "across the lower grooves"), (90.0, "--", "along them")):
-        # The results are means over both directions along an axis, which cancel the effect of a tilt.
+        # Averaging over both directions along an axis cancels the effect of a tilt.
         selection = {"sliding": "opposing", "tau0": tau0, "axis": axis}
         mean_friction, lower_end, upper_end = np.transpose(
             [table["friction_by_axis"].sel(selection) for table in tables]

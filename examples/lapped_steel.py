@@ -1,4 +1,4 @@
-"""Compute the static friction of lapped steel on lapped steel against load for generated profiles of three finishes."""
+"""Compute static friction of lapped steel on lapped steel as a function of load, for profiles with three finishes."""
 
 import matplotlib
 

@@ -34,7 +34,7 @@ tables = [
 figure, (friction_axes, area_axes) = plt.subplots(1, 2, figsize=(6.2, 3.3), layout="constrained")
 for tau0, colour in zip((0.0, 0.5), SHEAR_STRENGTH_COLOURS, strict=True):
     for rule, style, rule_text in (("opposing", "-", "opposing contacts"), ("all", "--", "all contacts")):
-        # The results are means over all directions, which cancel the effect of a tilt.
+        # Averaging over all directions cancels the effect of a tilt.
         mean_friction, lower_end, upper_end = np.transpose(
             [table["friction_all_round"].sel(sliding=rule, tau0=tau0) for table in tables]
         )
