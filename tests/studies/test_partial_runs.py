@@ -56,7 +56,7 @@ class RemoteExecutor(Executor):
     def submit(self, function, /, *args):
         if not self.has_folder:
             args = [replace(arg, path=Path("/nowhere")) if isinstance(arg, SharedResultFolder) else arg for arg in args]
-            # The function is the method SharedResultFolder.is_visible.
+            # The function is the method SharedResultFolder.is_accessible.
             if isinstance(getattr(function, "__self__", None), SharedResultFolder):
                 function = SharedResultFolder(Path("/nowhere"), "").is_accessible
         return InlineExecutor().submit(function, *args)
