@@ -44,7 +44,7 @@ def draw_surface(ax: Axes, heights: Floats, spacing: tuple[float, float]) -> Axe
 
 
 def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats, Floats]) -> Axes:
-    """Draw the spectral density of all harmonics, and the averages in bins, against wave number on logarithmic axes."""
+    """Draw the spectral density of all harmonics, and its averages in bins, against wave number on logarithmic axes."""
     wave_number, density = harmonics
     is_positive = density > 0
     if not is_positive.any():

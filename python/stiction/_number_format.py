@@ -42,7 +42,7 @@ def format_with_interval(mean: float, lower: float, upper: float, *, digits: int
 
 
 def format_estimate(mean: float, lower: float = math.nan, upper: float = math.nan) -> str:
-    """Format a number and its interval to one digit of the half-width, or a number alone to two significant digits."""
+    """Format a number and its interval, rounded to one digit of the half-width. A number alone gets two digits."""
     if math.isnan(mean):
         return "none"
     if math.isnan(lower) or math.isnan(upper):
@@ -51,7 +51,7 @@ def format_estimate(mean: float, lower: float = math.nan, upper: float = math.na
 
 
 def format_limits(low: float, high: float) -> str:
-    """Format the ends of a range to one digit of the half-width, with at least two digits for the larger end."""
+    """Format the ends of a range, rounded to one digit of the half-width. The larger end has at least two digits."""
     if math.isinf(high):
         return f"{format_significant(low)} to {UNBOUNDED_END_TEXT}"
     decimals = _num_decimals(max(abs(low), abs(high)), low, high, 1)
@@ -71,7 +71,7 @@ def format_significant(value: float, digits: int = 2) -> str:
 
 
 def _num_decimals(mean: float, lower: float, upper: float, digits: int) -> int:
-    """Return the number of decimals for a value: `digits` digits of its half-width, but 2 to 4 digits of the value."""
+    """Return the number of decimals at which a half-width has `digits` digits, and its value has 2 to 4 digits."""
     value_decimals = -math.floor(math.log10(abs(mean))) if mean else 0
     if not upper > lower:
         return value_decimals + MAX_SIGNIFICANT_DIGITS - 1

@@ -25,7 +25,7 @@ MAX_ONE_COLUMN_WIDTH = 4.0  # figures up to this width (inches) count as one-col
 PNG_COMPRESSION = 4
 
 _SMALLER_UNITS = {"µm": (1e-3, "nm"), "GPa": (1e-3, "MPa"), "mN": (1e-3, "µN")}
-"""Next smaller unit of each unit, with the conversion factor. It is used for values below 0.1."""
+"""Next smaller unit of each unit, with the conversion factor. Values below 0.1 are printed in the smaller unit."""
 
 
 class TextRepr:

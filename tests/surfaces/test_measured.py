@@ -488,7 +488,7 @@ def test_damaged_and_oversized_workbooks_are_rejected(write_file, monkeypatch):
     )
     assert "is a damaged workbook" in error_message(write_file(data[:-60], "a.xlsx"))
     assert "is a damaged workbook" in error_message(write_file(x3p_bytes(HEIGHTS_IN_METRES), "a.xlsx"))
-    assert "is named .xlsx, but its content is not a zip archive" in error_message(write_file("1,2\n", "a.xlsx"))
+    assert "extension .xlsx, but its content is not a zip archive" in error_message(write_file("1,2\n", "a.xlsx"))
     monkeypatch.setattr(excel, "MAX_WORKBOOK_TAGS", 300_000)
     large_workbook = io.BytesIO()
     with (
@@ -633,9 +633,9 @@ def npy_bytes(array):
         (npy_bytes(np.zeros(9, complex)), "a.npy", "array of type complex128"),
         (npy_bytes(np.zeros((2, 2, 2))), "a.npy", "shape (2, 2, 2)"),
         (npy_bytes(np.zeros((5, 5))), "a.npy", "5 rows of 5 columns"),
-        (npy_bytes(np.zeros(9)), "a.csv", "is named .csv, but its content is a NumPy array (.npy)"),
-        (b"0,1\n", "a.npy", "is named .npy, but its content is not a NumPy array (.npy)"),
-        (b"0,1\n", "a.x3p", "is named .x3p, but its content is not a zip archive"),
+        (npy_bytes(np.zeros(9)), "a.csv", "has the file name extension .csv, but its content is a NumPy array (.npy)"),
+        (b"0,1\n", "a.npy", "has the file name extension .npy, but its content is not a NumPy array (.npy)"),
+        (b"0,1\n", "a.x3p", "has the file name extension .x3p, but its content is not a zip archive"),
         (bytes(range(256)) * 9, "a.csv", "is binary, not text"),
         (b"\x93NUMPY\x01\x00" + b"\xff" * 300, "a.npy", "damaged"),
         (b"\x93NUMPY\x01\x00" + (9002).to_bytes(2, "little") + b"(" * 9000 + b" \n", "a.npy", "damaged"),
@@ -802,7 +802,7 @@ def test_x3p_profile_that_is_not_along_x_is_rejected(write_file):
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:
         archive.writestr("main.xml", main[: main.index("<Datum>")] + points + main[main.index("</DataList>") :])
-    assert "points also move along y" in error_message(write_file(stream.getvalue(), "a.x3p"))
+    assert "y coordinate varies" in error_message(write_file(stream.getvalue(), "a.x3p"))
 
 
 def test_x3p_heights_agree_with_another_reader(write_file):

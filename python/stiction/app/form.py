@@ -15,10 +15,10 @@ FORM_FIELDS_BY_FLAG: dict[str, FormField] = {
     for name, option in PAIR_OPTIONS.items()
     if option.field is not None
 }
-"""Form fields by the names of their options, without dashes."""
+"""Form fields, keyed by the names of their options without dashes."""
 
 FILE_READING_FLAGS = tuple(flag for flag, field in FORM_FIELDS_BY_FLAG.items() if field.place == "scan")
-"""Names of the reading options that the form contains separately for each scan."""
+"""Names of the reading options for which the form has a separate field for each scan."""
 
 
 def fields_html(place: Literal["scan", "more"]) -> str:
@@ -77,6 +77,6 @@ def replace_option_names(message: str) -> str:
 
 
 def replace_option_names_in_caveats(record: dict[str, Any]) -> dict[str, Any]:
-    """Return the record of a point with field labels instead of option names in its caveats."""
+    """Return the record of a point after replacing the option names in its caveats with field labels."""
     caveats = [{name: replace_option_names(text) for name, text in caveat.items()} for caveat in record["caveats"]]
     return record | {"caveats": caveats}

@@ -201,7 +201,7 @@ class JobQueue:
 
 
 def memory_limit_prefix(memory: float) -> list[str]:
-    """Return a command prefix that limits memory and kills the process if its parent dies, or an empty list."""
+    """Return a command prefix that limits memory and kills the process if its parent dies; empty if not supported."""
     if not (shutil.which("setpriv") and shutil.which("prlimit")):
         return []
     import resource

@@ -298,7 +298,7 @@ class Server:
         return Response(hide_private_paths(jobs, self.root), media_type="application/json")
 
     async def add_job(self, request: Request) -> Response:
-        """Add a command to the queue: `pair` for two scans, `run` for generated surfaces, or an existing result."""
+        """Add a job to the queue: `pair` for two scans, `run` for generated surfaces, `info` for an existing result."""
         _request_body_length(request, MAX_REQUEST_BYTES)
         if not isinstance(request_data := await request.json(), dict):
             raise HTTPException(400)

@@ -1,4 +1,4 @@
-"""Command line interface `stiction`: parses arguments and prints results, with one module per group of commands."""
+"""Command-line interface `stiction`, which parses arguments and prints results. Each group of commands has a module."""
 
 from __future__ import annotations
 

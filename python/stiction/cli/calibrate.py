@@ -86,7 +86,7 @@ def calibrate(
     bodies: dict[str, Any] = {folder.resolve().name: open_result_with_warning(folder) for folder in pair or ()}
     if len(bodies) < len(pair or ()):
         raise ValueError(
-            "directories of --pair must have different names, because they identify the pairs in the column 'pair'"
+            "directories of --pair must have different names, because the names identify the pairs in the column 'pair'"
         )
     if ball is not None:
         ball_radius = parse_quantity("ball", ball, "length")
@@ -121,7 +121,7 @@ def calibrate(
         )
         if 1 / min_area_per_load > BALL_YIELD_PRESSURE_RATIO * elasticity.hardness:
             print_message(
-                f"the mean pressure under the ball, {1e3 / min_area_per_load:.3g} MPa, may exceed the onset of yield; "
+                f"the mean pressure under the ball, {1e3 / min_area_per_load:.3g} MPa, may exceed the yield limit; "
                 "A/F is computed for elastic contact"
             )
     if output is not None:

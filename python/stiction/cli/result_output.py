@@ -43,7 +43,7 @@ def print_values(
     result: Result, *, command: str, as_json: bool = False, verbose: bool = False,
     fields: dict[str, Any] | None = None,
 ) -> Callable[[], None]:  # fmt: skip
-    """Print the values of a result. The returned function prints the cutoff study and the onset of sliding.
+    """Print the values of a result. Return a function that prints the cutoff study and the onset of sliding.
 
     With `as_json`, the returned function prints one JSON record with the additional `fields`.
     """

@@ -26,7 +26,7 @@ TABLE_FILE_SIGNATURES = {
     CSV_FILE_NAME: b"stiffness over area (GPa/um)",
     LAWS_FILE_NAME: b"b of k/A0 = b p^c",
 }
-"""Bytes that identify the files of an earlier table, which may be overwritten, unlike all other files."""
+"""Bytes that identify the files of an earlier table. Only such files may be overwritten."""
 
 
 @command(

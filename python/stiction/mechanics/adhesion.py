@@ -276,7 +276,7 @@ class AdhesionSolver:
                     continue
                 decrement = MINIMUM_LOAD_TOLERANCE
             states = sorted([*states, trial_state], key=lambda state: -state.contact_load)
-        self.uncertainty_reason = f"{MAX_TRIAL_LOADS} loads are too few"
+        self.uncertainty_reason = f"{MAX_TRIAL_LOADS} trial loads were too few to find the minimum"
         return states
 
     def extend_unloading_states(self, states: list[AdhesionState]) -> list[AdhesionState]:
@@ -316,7 +316,7 @@ class AdhesionSolver:
         )
 
     def refine_minimum_load(self, states: list[AdhesionState]) -> list[AdhesionState]:
-        """Add states where interpolation predicts a lower external load than any state has. Return all states."""
+        """Add states where interpolation predicts a lower external load than that of any state. Return all states."""
         states = list(states)
         for _ in range(MAX_REFINEMENT_SOLUTIONS):
             minimum_index = min(range(len(states)), key=lambda index: states[index].load)

@@ -24,7 +24,7 @@ EXTRAPOLATED_WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))
 
 
 def kappa_uncertainty_factor(contact_count: Floats) -> Floats:
-    """Return the factor by which the area coefficient κ may change when the scan becomes finer (95 % of cases).
+    """Return the largest factor by which a finer scan changes the area coefficient κ, in 95 % of cases.
 
     The coefficient κ = A E* h'/F relates the real contact area A to the load F and to the rms gradient h'.
 
@@ -53,7 +53,7 @@ def estimate_gap_hurst_exponent(gap: Profile | Surface, periodic: bool) -> Hurst
 def plastic_wavelength(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, gradient: float, spread: float
 ) -> tuple[float, float, float]:
-    """Return the wavelength at which the rms gradient of the gap reaches a given value, and its interval.
+    """Return the wavelength, with its interval, at which the rms gradient of the gap reaches a given value.
 
     The interval is computed from the factor `spread` of the gradient. NaN is returned if there is no such wavelength.
     """
@@ -72,7 +72,7 @@ def plastic_wavelength(
 def extrapolated_gradients(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, shortest: float, gradient: float
 ) -> Floats:
-    """Extrapolate the gradient of this scan to finer scans. Return the gradient and its interval for each wavelength.
+    """Extrapolate the gradient of a scan to finer scans. Return the gradient and its interval for each wavelength.
 
     NaN is returned if there is no Hurst exponent.
     """
@@ -89,7 +89,7 @@ def extrapolated_gradients(
 
 
 def elastic_area_fraction(gradients: Floats, area_of_slope: Floats, spread: Floats) -> Floats:
-    """Compute area fractions of elastic contacts for given gradients. `area_of_slope` applies to a gradient of 1.
+    """Compute area fractions of elastic contacts for given gradients. `area_of_slope` is the value for a gradient of 1.
 
     The arrays have the dimensions wavelength, load and statistic.
     """

@@ -1,4 +1,4 @@
-"""Exact solutions for single contacts and sinusoidal surfaces; tests also use these solutions as references.
+"""Closed-form solutions for single contacts, sinusoidal surfaces and rough surfaces. Tests use them as references.
 
 The module uses plain NumPy and is independent of the core. All arguments broadcast.
 """
@@ -903,7 +903,7 @@ def gentle_friction(
     See Also
     --------
     slope_friction : Single contact on a slope.
-    spectral_resolution : Friction over the shortest wavelength.
+    spectral_resolution : Friction as a function of the shortest wavelength.
 
     Notes
     -----

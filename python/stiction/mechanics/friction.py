@@ -168,7 +168,7 @@ def compute_load(load: str, sums: Any, mu0: ArrayLike, tau0: ArrayLike) -> Float
 
 
 def compute_loads(sums: Any, mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
-    """Compute the normal and tangential loads (mN) from contact sums. The axes mu0 and tau0 are appended."""
+    """Compute the normal and tangential loads (mN) from contact sums. Array axes for mu0 and tau0 are appended."""
     columns = {name: sums[name][..., np.newaxis, np.newaxis] for name in LOAD_SUM_NAMES}
     mu0 = mu0[:, np.newaxis]
     return compute_load("normal", columns, mu0, tau0), compute_load("tangential", columns, mu0, tau0)

@@ -312,11 +312,11 @@ class HalfSpaceCurve(FrictionCurve):
         return self._problem.hardness
 
     def with_sliding(self, sliding: SlidingRule) -> HalfSpaceCurve:
-        """Return the curve for another sliding rule, computed from the same contacts without a new solution."""
+        """Return the curve for another sliding rule. The contacts are the same and are not computed again."""
         return self._with_sums(replace(self._model, sliding=sliding), self._sums)
 
     def with_direction(self, direction: Direction | Sequence[Direction]) -> HalfSpaceCurve:
-        """Return the curve for other directions of motion, computed from the same contacts without a new solution.
+        """Return the curve for other directions of motion. The contacts are the same and are not computed again.
 
         Parameters
         ----------
@@ -414,8 +414,8 @@ def half_space(
         Unit of the heights of arrays.
     approaches : (k,) array_like of float, µm
         Displacements of the upper surface since first contact, instead of loads. They are measured at points far away,
-        or at the mean plane if periodic. Above 0 and strictly increasing; or strings, "5 nm". Each approach takes about
-        six solutions.
+        or at the mean plane if periodic. Above 0 and strictly increasing; or strings, "5 nm". For each approach, about
+        six contact problems are solved.
     effective_modulus : float, GPa
         E*, with 1/E* = (1 - ν1²)/E1 + (1 - ν2²)/E2. By default 10 GPa for generated surfaces; required for surfaces
         that were read from files.

@@ -25,7 +25,7 @@ from stiction.surfaces.surface import Surface
 MAX_CACHED_GRID_POINTS = 2**20
 """Largest number of grid points for which unused kernels remain cached. Kernels for so many points take 35 MB.
 
-Computing the kernels takes a quarter of the time of a free solution.
+Computing the kernels takes a quarter of the time of solving a contact with free boundaries.
 """
 
 # In a linear response to a tilt, the edge displacement is this fraction of the mean displacement under the load.

@@ -1,4 +1,4 @@
-"""Real contact area per load, interpolated between the hardnesses for which contacts were solved.
+"""Real contact area per load, interpolated between the hardnesses for which contacts were computed.
 
 With the elastic mean pressure p, (A/F)^m = H^-m + p^-m contains both limits: the plastic area F/H and the elastic area.
 For self-affine surfaces (Hurst exponents 0.5 and 0.8, p from 0.17 to 2.9 GPa, H from 0.23 to 1.7 GPa), m was 3.2
@@ -17,7 +17,7 @@ MIXING_EXPONENT_FACTOR, MIXING_EXPONENT_POWER = 3.2, 0.28
 
 
 def area_per_load(hardness: ArrayLike, nodes: ArrayLike, at_nodes: ArrayLike, elastic: ArrayLike) -> Floats:
-    """Interpolate the real area per load, A/F (1/GPa), between the hardnesses for which contacts were solved.
+    """Interpolate the real area per load, A/F (1/GPa), between the hardnesses for which contacts were computed.
 
     Parameters
     ----------

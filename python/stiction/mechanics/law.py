@@ -45,7 +45,7 @@ class ContactLaw:
 
 @dataclass(frozen=True)
 class HertzSphere(ContactLaw):
-    """Elastic spheres: F = 4/3 E* R^(1/2) overlap^(3/2), A = π R overlap. Exact if the contact radius is a << R.
+    """Elastic spheres: F = 4/3 E* R^(1/2) overlap^(3/2), A = π R overlap. Exact if a << R (a: contact radius).
 
     Notes
     -----
@@ -61,7 +61,7 @@ class HertzSphere(ContactLaw):
 
 @dataclass(frozen=True)
 class HertzCylinder(ContactLaw):
-    """Elastic parallel cylinders: F = π/4 E* overlap w, A = 2 w (R overlap)^(1/2). Exact if the half-width is a << R.
+    """Elastic parallel cylinders: F = π/4 E* overlap w, A = 2 w (R overlap)^(1/2). Exact if a << R (a: half-width).
 
     Parameters
     ----------

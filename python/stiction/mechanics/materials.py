@@ -187,7 +187,7 @@ def materials() -> tuple[Material, ...]:
 
 
 def compliance_fraction(upper: Material, lower: Material) -> float:
-    """Return the fraction that the lower body contributes to the compliance of two bodies.
+    """Return the fraction of the compliance of two bodies that the lower body contributes.
 
     Parameters
     ----------

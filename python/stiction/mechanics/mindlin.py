@@ -55,7 +55,7 @@ def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
 
 
 def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
-    """Return, for each elliptic contact, the mean of sin² that `compliance_ratio` accepts as `transverse_fraction`.
+    """Return the mean of sin² for each elliptic contact. `compliance_ratio` accepts this mean as `transverse_fraction`.
 
     The angles (rad) are between the motion and the larger axis.
     """

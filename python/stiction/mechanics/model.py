@@ -304,13 +304,13 @@ def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> Non
     elif is_same and (upper_history or (flip_parities[0] and isinstance(upper, Surface))):
         if _differ_by_a_constant(upper.heights, -lower.heights):
             message = (
-                "upper is the mirror image of lower: its summits meet themselves, so their slopes cancel; move "
-                "one of them, or press another piece"
+                "upper is the mirror image of lower: each summit meets its image, so the slopes cancel; move "
+                "one of the surfaces, or press another piece"
             )
         elif _differ_by_a_constant(upper.heights, -lower.heights[::-1]):
             message = (
                 "upper is lower turned over, so the gap is the same on both sides of its middle row, and slopes "
-                "along y cancel; move one of them, or press another piece"
+                "along y cancel; move one of the surfaces, or press another piece"
             )
     if message:
         warnings.warn(message, stacklevel=3)

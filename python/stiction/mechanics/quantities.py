@@ -29,10 +29,10 @@ with an onset of sliding, and of measured bodies.
 """
 
 IntervalKind = Literal["sampling", "combined", "prediction", "conditional"]
-"""Kinds of intervals: of the mean over members, with all uncertain inputs, of one more test, with one exact input."""
+"""Kinds of intervals: of the mean over members, with all uncertain inputs, of a further test, with one input exact."""
 
 OutputView = Literal["table", "verbose", "report", "csv", "hatch"]
-"""Places that show a quantity: table, verbose table, selection list of the report, CSV file, hatching of maps."""
+"""Views that can contain a quantity: table, verbose table, selection list of the report, CSV file, hatching of maps."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -471,7 +471,7 @@ HALF_SPACE_SUM_QUANTITIES = (
 """Numbers that a half-space result stores for each pair at each load."""
 
 ZERO_LOAD_SUM_QUANTITIES = select_quantity_names(lambda each: "adhesion" in each.stored and each.along == _MOTION_AXES)
-"""Sums from which the tangential load that starts sliding at zero normal load is computed for any mu0 and tau0."""
+"""Sums that determine the tangential load at the onset of sliding without a normal load, for any mu0 and tau0."""
 
 PULL_OFF_QUANTITIES = select_quantity_names(lambda each: "adhesion" in each.stored and not each.along)
 """Pull-off force of a member, and a number that is 1 if this force is only a lower bound and 0 otherwise."""

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 Severity = Literal["caution", "fault"]
 
 YIELD_PRESSURE_RATIO, METAL_YIELD_PRESSURE_RATIO = 1 / 20, 1 / 100
-"""Ratios of the mean contact pressure to E* above which every material (first) and most metals (second) have yielded.
+"""Ratios of mean contact pressure to E*. Above the first, every material has yielded; above the second, most metals.
 """
 
 # Bodies whose E* (GPa) is below this limit are assumed to be rubber or gels, which do not yield.
@@ -48,7 +48,7 @@ MAX_RUBBER_MODULUS = 0.1
 
 MIN_TOTAL_CONTACTS = 10  # minimum total number of contacts in all members for which a mean may be quoted
 MIN_CONTACTS_PER_MEMBER, CAUTION_CONTACTS_PER_MEMBER = 5, 10
-"""Mean contact counts per member below which a coefficient is not quoted (first) or has a caveat (second)."""
+"""Mean contact counts per member below which a coefficient must not be quoted (first) or has a caveat (second)."""
 
 MAX_LOAD_FRACTION_ON_CONTACT = 0.5  # no value is quoted if a single contact carries more than this fraction of the load
 # A caveat is issued if contacts at the edge carry more than this fraction of the load.
@@ -67,7 +67,7 @@ NEARLY_BULK_STRENGTH_RATIO = 0.7  # ratio of τ0 to H/√α above which an inter
 MAX_SEIZING_FRACTION = 0.025
 
 MIN_LOAD_FRACTION_AT_HARDNESS = 0.1
-"""Fraction of the load on plastic contacts above which τ0 is compared with the shear strength of the softer body."""
+"""Fraction of the load on plastic contacts. Above it, τ0 is compared with the shear strength of the softer body."""
 
 # A caveat is issued if adhesion adds more than this fraction of the applied load.
 MAX_NEGLECTED_ADHESION_FRACTION = 0.05
@@ -143,7 +143,7 @@ VERDICTS_BY_SEVERITY = {"fault": "Do not quote", "caution": "Quote with care", "
 
 STATUS_EXPLANATIONS = {
     "not-reached": (
-        "no computed load is as large, or the computed loads around it are more than a factor of 10 apart",
+        "no computed load is as large as this one, or the nearest computed loads differ by more than a factor of 10",
         "use a smaller load, or add larger loads (or approaches) to the study",
     ),
     "below-range": ("the first step of the result carries more than this load", "use a larger load, or smaller steps"),
@@ -191,17 +191,18 @@ def _build_fraction_check(
 
 ASPERITY_CHECKS: CheckGroups = (
     [_build_fraction_check(
-        "share_beyond_hertz", "{} of the load is beyond Hertz (overlap above a tenth of the radius)",
+        "share_beyond_hertz", "{} of the load is on contacts beyond Hertz theory (overlap above a tenth of the radius)",
         "use a smaller load, or the half-space",
     )],
     [_build_fraction_check(
-        "share_below_grid", "{} of the load is on radii below the grid spacing: a finer grid would give another result",
+        "share_below_grid",
+        "{} of the load is on contacts with radii below the grid spacing: a finer grid would give another result",
         "use a finer grid, or filter the surfaces",
     )],
 )  # fmt: skip
 
 _OVERLAP_CHECK = _build_fraction_check(
-    "share_overlapping", "{} of the load is on overlapping ellipses, where contacts merge", "use the half-space"
+    "share_overlapping", "{} of the load is on contacts with overlapping ellipses, which merge", "use the half-space"
 )
 _EDGE_CHECK = _build_fraction_check(
     "share_at_edge", "{} of the load is on contacts at the edge", "use larger maps or a smaller load"
@@ -494,8 +495,8 @@ def _find_seizure_caveats(
     seizing_fraction = mean_over_directions(point, "fraction_seizing")
     if seizing_fraction > 0:
         text = (
-            f"{format_percent(seizing_fraction)} of the samples of the inputs seize: τ0 is at least H/√α, and "
-            "junctions grow without limit"
+            f"the contacts seize for {format_percent(seizing_fraction)} of the samples of the inputs: τ0 is at least "
+            "H/√α, and junctions grow without limit"
             + ("; the interval has no upper limit" if seizing_fraction > MAX_SEIZING_FRACTION else "")
         )
         yield Caveat(

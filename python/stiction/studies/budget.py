@@ -66,7 +66,7 @@ _INTERVAL_VARIABLES = (
 """Variables that determine the interval of a coefficient."""
 
 StrengthArrays = tuple[Floats, Floats, Floats | None, Floats | None]
-"""Samples of mu0, tau0 (GPa), hardness (GPa) and α of junction growth; None if the interface lacks the last two."""
+"""Samples of mu0, tau0 (GPa), hardness (GPa) and α of junction growth. Each of the last two may be None."""
 
 
 def add_uncertainty(
@@ -232,7 +232,7 @@ def _compute_pressure_and_growth_under_shear(
 def _get_arrays_over_dims(
     variables: Mapping[str, Any], at: xarray.Dataset, dims: Sequence[str]
 ) -> dict[str, NDArray[Any]]:
-    """Return variables of a dataset as arrays whose first axes are the given dimensions.
+    """Return variables of a dataset as arrays whose first array axes are the given dimensions.
 
     Variables that lack a dimension are constant along it. The arrays are much faster to index than variables.
     """

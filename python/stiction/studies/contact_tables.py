@@ -91,7 +91,7 @@ LAW_SETTINGS_CLASSES: dict[str, type[LawSettings]] = {
     "hertz-cylinder": HertzCylinderSettings,
     "jackson-green": JacksonGreenSettings,
 }
-"""Tables of contact laws with parameters, by the value of the key `name`."""
+"""Classes for the tables of contact laws that have parameters, by the value of the key `name`."""
 
 
 def _parse_law(value: object) -> LawName | LawSettings:

@@ -63,7 +63,7 @@ SPREAD_QUANTILES = (0.1, 0.9)  # quantiles of the values of single members, stor
 NEGLIGIBLE_COEFFICIENT = 1e-9
 """Largest coefficient that is attributed to round-off, for an interface without strength."""
 NEGLIGIBLE_LOAD_RATIO = 0.01
-"""Ratio of load to pull-off force below which the load is negligible and a coefficient has no meaning."""
+"""Smallest ratio of load to pull-off force for which the load is not negligible and a coefficient has a meaning."""
 
 
 ADHESIVE_SUMS = ("normal_adhesive", "tangential_adhesive")  # contact sums that increase with junction growth
@@ -183,7 +183,7 @@ def _average_pull_off_by_piece(result: Result) -> list[float]:
 
 
 def find_axes_with_both_directions(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Return the axes (0 to 180 degrees) whose two opposite directions are both given, and the direction indices.
+    """Return the axes of motion (0 to 180 degrees) for which both opposite directions are given, and their indices.
 
     The indices have the shape (axes, 2).
     """

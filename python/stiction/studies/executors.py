@@ -25,7 +25,7 @@ CONNECTION_TIMEOUT = "15s"
 
 @contextlib.contextmanager
 def executor_or_thread_pool(executor: Executor | None) -> Iterator[Executor]:
-    """Enter the given executor, or create a thread pool that is shut down at the end.
+    """Provide the given executor, or a thread pool that is shut down at the end, as a context.
 
     Raises a `StudyError` if a worker process ends.
     """
@@ -41,7 +41,7 @@ def executor_or_thread_pool(executor: Executor | None) -> Iterator[Executor]:
 
 @contextlib.contextmanager
 def thread_pool_executor(workers: int | None = None) -> Iterator[Executor]:
-    """Enter a thread pool, which has one thread per core by default.
+    """Provide a thread pool as a context. By default, it has one thread per core.
 
     Raises a `RuntimeError` if no thread can start.
     """

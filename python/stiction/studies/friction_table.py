@@ -46,7 +46,7 @@ def table_study(
     repetitions: int = 12,
     seed: int = 2016,
 ) -> Study:
-    """Create the study for a friction table. It presses periodic half-spaces with self-affine surfaces together.
+    """Create the study for a friction table. The study presses periodic half-spaces with self-affine surfaces together.
 
     Parameters
     ----------

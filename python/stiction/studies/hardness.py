@@ -390,7 +390,7 @@ class AreasAtNodes:
 
 
 TablePositions = tuple[NDArray[np.intp], Floats]
-"""Steps of a table below given hardnesses, and positions of the hardnesses between the steps as fractions."""
+"""Index of the table step below each given hardness, and distance of the hardness from this step as a fraction."""
 
 
 class TabulatedAreaFunction:

@@ -53,7 +53,7 @@ The robust standard deviation is the median of the absolute second differences, 
 """
 
 MIN_SPIKE_HEIGHT = 6.0
-"""Largest distance between a point of a map and the median of its neighbourhood, unless the point is a spike.
+"""Largest distance between a point of a map and the median of its neighbourhood at which the point is not a spike.
 
 It is a multiple of the robust standard deviation of the heights. The distance is at most 4 for machined surfaces, and 5
 for white noise.
@@ -70,7 +70,7 @@ CUTOFF_REMEDY = (
 )
 MAX_SPECTRA_RATIO = 2.0  # A caveat is issued if spectra of the same surface differ by more than this factor.
 MAX_PRESSURE_OVER_MODULUS = 0.1
-"""Ratio of nominal pressure to E* above which the load is probably the load on the whole component."""
+"""Largest plausible ratio of nominal pressure to E*. A larger load is probably the load on the whole component."""
 
 
 def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[float] = ()) -> tuple[Caveat, ...]:
@@ -155,7 +155,7 @@ def _get_caveat_kind(caveat: Caveat) -> str:
 
 
 def _merge_caveat_texts(upper: Caveat, lower: Caveat) -> str:
-    """Merge the texts of two caveats of the same kind. Wherever the texts contain different numbers, give both."""
+    """Merge the texts of two caveats of the same kind. Where the numbers in the texts differ, include both numbers."""
     other_numbers = iter(_NUMBER_PATTERN.findall(lower.text))
 
     def merge_number(own_number: re.Match[str]) -> str:
@@ -215,12 +215,12 @@ def have_different_spectra(joined: JoinedSpectrum) -> bool:
 
 
 def _find_spectrum_caveats(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
-    """Yield a caveat if the spectra of scans disagree, and another if all scans lack some wavelengths."""
+    """Yield a caveat if the spectra of scans disagree, and another one if all scans lack the same wavelengths."""
     if have_different_spectra(spectrum):
         text = "scans of the surface differ by more than a factor of two in power"
         yield Caveat(text, "compare them with characterise --together, and exclude the wrong one", "caution")
     if (spectrum.count == 0).any():
-        yield Caveat("no scan contains some of the wavelengths", "scan the missing wavelengths", "caution")
+        yield Caveat("some wavelengths are missing in all scans", "scan the missing wavelengths", "caution")
 
 
 def _find_instrument_caveats(

@@ -241,7 +241,7 @@ class _AreaFactorFromResult(_AreaFactor):
         }
         creep = find_creep_exponent(study)
         if wait != 1 and creep is None:
-            raise ValueError("wait requires a result that was computed with wait and creep")
+            raise ValueError("wait requires a result that was computed with the options wait and creep")
         if not uncertain_inputs and creep is None and find_junction_growth(study) is None:
             return None
         members = member_values(source, [load], mu0=[0.0], tau0=[0.0])

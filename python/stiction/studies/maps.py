@@ -362,12 +362,12 @@ class _EnsembleQuantity:
 
 
 def _reshape_curves(curve_table: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """Reshape a table with one row per curve and one column per load. The new axes are load, mu0 and tau0."""
+    """Reshape a table with one row per curve and one column per load. The new array axes are load, mu0 and tau0."""
     return np.moveaxis(curve_table.reshape(*shape[-2:], shape[-3]), -1, 0)
 
 
 def _compute_sums(dataset: xarray.Dataset, quantity: str, step_dimension: str) -> tuple[ContactSums, ContactSums]:
-    """Return the contact sums, and the sums from which a quantity is computed. The first axes describe the motion."""
+    """Return the contact sums, and the sums that determine a quantity. The first array axes describe the motion."""
     dims = [
         *(motion for motion in MOTION_DIMENSIONS if motion in dataset.dims),
         *find_cell_dimensions(dataset),

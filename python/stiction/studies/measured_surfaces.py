@@ -510,7 +510,7 @@ class CommonMeasuredSurfaceSettings(SettingsTableVariant):
         return {"cut_off": to_value_array(self.cut_off)}
 
     def quoted_cut_off(self) -> float:
-        """Return the cutoff (µm) of the quoted result, which is the first cutoff in the study."""
+        """Return the cutoff (µm) of the reported result, which is the first cutoff in the study."""
         return float(self.cell_coordinates()["cut_off"][0])
 
     def with_changed_files(self, change: Callable[[MeasuredBodySettings, str], MeasuredBodySettings]) -> Self:

@@ -343,7 +343,8 @@ MEMBER_TIME_COEFFICIENTS = {
 
 "onset" is the time of one onset of sliding. "profile", "asperities" and "point" are times per grid point of generated
 profiles, of generated areas, and of measured areas with the asperity model. "area" and "line" are times per load of
-asperities on measured areas and lines. "half-space" and "half-plane" are times per load in addition to the solution.
+asperities on measured areas and lines. "half-space" and "half-plane" are times per load in addition to the time of the
+solution.
 """
 
 SOLUTION_TIME_COEFFICIENTS = {False: (6e-8, 1.25), True: (3e-8, 1.15)}

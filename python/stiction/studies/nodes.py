@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 VALUE_TOLERANCE = 1e-4  # largest relative error of an interpolated value; the report prints up to four digits
 INTERVAL_TOLERANCE = 1e-2  # largest error of an interpolated interval limit, relative to the interval width
 MAX_SHOWN_ERROR_RATIO = 0.025
-"""Ratio of interpolation error to interval width above which a report hides the number.
+"""Largest ratio of interpolation error to interval width for which a report shows the number.
 
 The ratio equals the rounding error of printed limits.
 """
@@ -200,7 +200,7 @@ class InterpolationNodes:
 
     @cached_property
     def member_kinds(self) -> list[MemberKind | None]:
-        """Kinds of members ("shifts", "surrogates"). The quoted friction is that of the first kind."""
+        """Kinds of members ("shifts", "surrogates"). The reported friction is that of the first kind."""
         head = self.result.head
         if "surrogate" not in head.coords:
             return [None]

@@ -798,7 +798,7 @@ def list_option_choices(name: str) -> tuple[str, ...]:
 
 
 _OPTION_ALIASES = {"wavelength": "cutoff"}
-"""Name of the option that is equivalent to each of these arguments of surface functions."""
+"""Equivalent option for each of these arguments of surface functions."""
 
 
 def format_command_line_name(name: str) -> str:

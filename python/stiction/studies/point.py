@@ -44,9 +44,9 @@ def iterate_points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
 
 
 SLIDING_RULE_ORDER = ("all", "opposing")
-"""Sliding rules, starting with the quoted rule for measured bodies.
+"""Sliding rules, starting with the rule that is reported for measured bodies.
 
-Under the quoted rule, friction acts at all contacts, because mu0 is measured on smooth faces.
+Under the reported rule, friction acts at all contacts, because mu0 is measured on smooth faces.
 """
 
 CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions that the cells of a study may have
@@ -93,7 +93,7 @@ def mean_contact_pressure(point: xarray.Dataset) -> float:
 
 
 def list_rules_quoted_first(study: Study) -> list[str]:
-    """Return the sliding rules of a study, starting with the quoted rule."""
+    """Return the sliding rules of a study, starting with the rule whose coefficient is reported."""
     rules = SLIDING_RULE_ORDER if study.is_measured else SLIDING_RULE_ORDER[::-1]
     return sorted(study.contact.sliding_rules(), key=rules.index)
 

@@ -160,7 +160,7 @@ class Result:
         return sum(piece.sizes["repetition"] for piece in iterate_solved_pieces(self, ["normal_elastic"]))
 
     def load_companion(self, read: Callable[[StoredResult], _Read | None]) -> _Read | None:
-        """Read data stored alongside the result by calling `read`, and cache the data.
+        """Call `read` to load data that are stored alongside the result, and cache the data.
 
         Returns None for results in memory.
 
@@ -220,7 +220,7 @@ class Result:
 
     @property
     def height_factors(self) -> dict[ScaledBodies, list[float]]:
-        """Lists of the stored height factors that scale both bodies, only the upper body, or only the lower body."""
+        """Stored height factors, in separate lists for both bodies, only the upper body and only the lower body."""
         from stiction.studies.height_scale import group_stored_factors
 
         return {} if self.stored is None else group_stored_factors(self.stored)
@@ -439,7 +439,7 @@ class Result:
     def summary(
         self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None
     ) -> Summary:
-        """Summarize the values that may be quoted at the given loads, mu0 and tau0.
+        """Summarize the values to report at the given loads, mu0 and tau0.
 
         By default the loads, mu0 and tau0 are the values in the study.
         The default summary is computed only once.
@@ -464,7 +464,7 @@ class Result:
 
     @property
     def value(self) -> float:
-        """Coefficient of static friction at the quoted point, or NaN if the result has no coefficient."""
+        """Coefficient of static friction at the reported point, or NaN if the result has no coefficient."""
         return self._first_quoted_point.value
 
     @property
@@ -474,7 +474,7 @@ class Result:
 
     @property
     def of_positions(self) -> tuple[float, float]:
-        """Limits of the 95 % sampling interval of the mean over positions, for inputs at their central values."""
+        """Limits of the 95 % confidence interval of the mean over positions. Inputs have their central values."""
         return self._first_quoted_point.rules[0].positions
 
     @property
@@ -524,7 +524,7 @@ class Result:
     # ---- Tables, figures and reports ---------------------------------------------------------------------------------
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """Return the table that CSV files contain. It has one row per load, mu0, tau0, sliding rule and direction."""
+        """Return the table written to CSV files, with one row per load, mu0, tau0, sliding rule and direction."""
         from stiction.views.rows import summary_table
 
         return summary_table(self.summary())

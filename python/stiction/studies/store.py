@@ -511,7 +511,7 @@ RESULT_ATTRIBUTES = ("title", "study", "stiction_version", "_NCProperties")
 CHECKSUM_PREFIX = b"stiction crc32 "
 """Bytes before the checksum at the end of an exported file. The checksum is verified first, because HDF5 may never
 return from reading a damaged file. HDF5 ignores bytes after its own data, and programs that modify the file remove the
-seal.
+checksum.
 """
 
 _template_lock = threading.Lock()  # lets concurrent threads create only one template
@@ -592,7 +592,7 @@ def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
 
 
 def append_checksum(file: io.BytesIO) -> None:
-    """Append a seal, i.e. the checksum of all preceding bytes, to the file."""
+    """Append the checksum of all preceding bytes to the file, after the bytes `CHECKSUM_PREFIX`."""
     file.seek(0, io.SEEK_END)
     file.write(CHECKSUM_PREFIX + b"%08x" % zlib.crc32(file.getbuffer()))
 

@@ -336,7 +336,7 @@ class Study(SettingsTable):
         if friction.load and not steps[0] <= float(friction.load[0]) <= float(friction.load[-1]) <= steps[-1]:
             raise ValueError(
                 f"friction.load: must be from {steps[0]:g} to {steps[-1]:g} mN, the limits of contact.load; omit "
-                "contact.load to choose its loads around friction.load"
+                "contact.load to compute loads around friction.load"
             )
         if not self.is_measured:
             if self.is_areal and (
@@ -608,7 +608,7 @@ def find_table_differences(first: SettingsTable, second: SettingsTable, prefix: 
 
 
 def find_member_differences(first: Study, second: Study) -> list[StudyDifference]:
-    """List the differences between two studies that affect their members.
+    """List those differences between two studies that affect the members.
 
     Members do not depend on the table `[friction]`, on figures, or on file paths.
     """

@@ -1,4 +1,4 @@
-"""Summary of a result. It contains all values that may be quoted, and is computed once for all views.
+"""Summary of a result. It contains all values to report, and is computed only once for all views.
 
 A summary has one point for each cell, load, mu0 and tau0. The terminal, JSON, CSV, figures, reports and notebooks show
 these points, and compute no further values.
@@ -156,7 +156,7 @@ class PointSummary:
 
     @property
     def value(self) -> float:
-        """Coefficient of static friction, evaluated with the quoted sliding rule."""
+        """Coefficient of static friction, evaluated with the reported sliding rule."""
         return self.rules[0].value
 
     @property
@@ -233,12 +233,12 @@ class Summary:
 
     @property
     def headlines(self) -> list[PointSummary]:
-        """Points to quote. Points at a second cutoff are omitted, because the quoted intervals already cover them."""
+        """Points to report. Points at a second cutoff are omitted, because the reported intervals cover them."""
         return [point for point in self.points if not point.covered]
 
     @property
     def first(self) -> PointSummary:
-        """First of the quoted points."""
+        """First of the reported points."""
         return self.headlines[0]
 
 
@@ -260,7 +260,7 @@ def summarize(at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Cavea
 
 
 def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
-    """Extend the intervals at the quoted cutoff to include those at the other cutoff, whose points come last."""
+    """Extend the intervals at the first cutoff to include those at the second cutoff. Return the first points first."""
     cut_off = points[0].at["cut_off"]  # the value at the first cutoff is quoted
     points_at_other_cutoff = {
         _get_coordinates_without_cutoff(point): point for point in points if point.at["cut_off"] != cut_off
@@ -281,7 +281,7 @@ def _get_coordinates_without_cutoff(point: PointSummary) -> tuple[tuple[str, flo
 
 
 def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> PointSummary:
-    """Return the quoted point after extending its intervals and caveats to include those at the other cutoff.
+    """Return the reported point after extending its intervals and caveats to include those at the other cutoff.
 
     Filtering does not improve an assessment, so a fault at the other cutoff is a fault here too.
     """
@@ -402,7 +402,7 @@ def _list_dwell_time_coefficients(point: xarray.Dataset, rule: str) -> tuple[Dwe
 def _compute_friction_contributions(
     point: xarray.Dataset, rule: SlidingRuleCoefficient
 ) -> tuple[float, float, float] | None:
-    """Return the contributions of mu0, tau0 and slopes to friction at all contacts, or None for other sliding rules."""
+    """Return the contributions of mu0, tau0 and slopes if friction acts at all contacts, and otherwise None."""
     if rule.rule != "all" or not math.isfinite(rule.value):
         return None
     load = float(point["load"])
@@ -446,7 +446,7 @@ def _invalidates_finer_scan_bounds(caveat: Caveat) -> bool:
 def _find_bounds_for_finer_scans(
     point: xarray.Dataset, study: Study, all_rub: SlidingRuleCoefficient
 ) -> tuple[float, float] | None:
-    """Return bounds on the friction coefficient that hold for all finer scans to second order in the slope.
+    """Return bounds, valid to second order in the slope, on the friction coefficient for all finer scans.
 
     The upper bound is the upper limit of the interval, plus an allowance for load that shorter wavelengths shift
     between contacts of different members. The bounds may be equal.

@@ -1,4 +1,4 @@
-"""Friction tests in a text file. A heading contains column names and units, and each row below it one test."""
+"""Friction tests in a text file. A heading contains column names and units. Each row below it contains one test."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ class NoiseFloorFit(NamedTuple):
 
 
 def fit_noise_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float, float]) -> NoiseFloorFit:
-    """Fit spectra by power laws plus a common non-negative noise floor. The exponents stay within a given range."""
+    """Fit power laws plus a common non-negative noise floor to spectra. The exponents stay within a given range."""
     from scipy.optimize import minimize
 
     max_floor_level = min(float(spectrum.density.min()) / spectrum.floor for spectrum in spectra)

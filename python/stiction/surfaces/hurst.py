@@ -276,7 +276,9 @@ def estimate_hurst_exponent(
             None,
         )
         if (count := int(selection.sum())) < MIN_BAND_HARMONICS:
-            raise ValueError(f"band must contain at least {MIN_BAND_HARMONICS} harmonics, got {band!r} µm with {count}")
+            raise ValueError(
+                f"band must contain at least {MIN_BAND_HARMONICS} harmonics, got {band!r} µm with {count} harmonics"
+            )
     q, power = wave_number[selection], power[selection]
     bins = _SpectrumBins.from_harmonics(q, power)
     exponent = PowerLawFit(np.log(q), power, np.ones(q.size)).exponent

@@ -309,8 +309,8 @@ def _reliable_band(body: Profile | Surface, limit: float | None, tip: float | No
     longest = MAX_WAVELENGTH_FRACTION * side_length
     if not shortest < longest:
         raise ValueError(
-            f"scans must have a reliable band, but the lower limit of a scan of {side_length:g} µm, {shortest:g} µm "
-            f"({reason}), is above its upper limit, {longest:g} µm, a third of its side"
+            f"scans must have a reliable band, but a scan with a side of {side_length:g} µm is reliable only "
+            f"above {shortest:g} µm ({reason}) and below {longest:g} µm (a third of the side)"
         )
     return (shortest, longest), reason
 

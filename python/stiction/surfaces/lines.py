@@ -162,7 +162,7 @@ def line_roughness(
 def lines_along_both(
     surface: Surface, *, band: tuple[float, float] | None = None
 ) -> tuple[LineRoughness, LineRoughness]:
-    """Compute the roughness of a surface along x and along y. If possible, both exponents are fitted in the same band.
+    """Compute the roughness of a surface along x and y. If possible, both Hurst exponents are fitted in the same band.
 
     Parameters
     ----------

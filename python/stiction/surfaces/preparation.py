@@ -490,7 +490,7 @@ def _inscribed_rectangle(height: float, width: float, angle: float) -> tuple[flo
 
 
 def resampled(profile: Profile, spacing: float) -> Profile:
-    """Resample a profile to another spacing (µm) by its natural cubic spline.
+    """Resample a profile to another spacing (µm) using its natural cubic spline.
 
     The profile is unchanged if the spacing is equal.
     """

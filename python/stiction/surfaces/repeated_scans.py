@@ -257,7 +257,7 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
     )
 
     def sum_products(power_of_a: int, power_of_b: int) -> Floats:
-        """Return a sum over the overlap of both scans for every shift. It sums a power of `a` times a power of `b`."""
+        """Return, for every shift, the sum of a power of `a` times a power of `b` over the overlap of both scans."""
         return np.asarray(irfftn(transforms_of_a[power_of_a] * np.conj(transforms_of_b[power_of_b]), shape))
 
     count = np.maximum(np.rint(sum_products(0, 0)), 1)

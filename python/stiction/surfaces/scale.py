@@ -121,7 +121,7 @@ class ScaleDependentRoughness(TextRepr):
         return np.asarray(1 - np.square(self.gradient_at(wavelength) / self.gradient[-1]))
 
     def continued(self, wavelength: ArrayLike, estimate: HurstEstimate) -> Floats:
-        r"""Return h'_rms for wavelengths down to each given wavelength (µm), which may be below the resolution.
+        r"""Return h'_rms for wavelengths down to each given wavelength (µm), even if the scan does not resolve it.
 
         The power law of a Hurst exponent extrapolates the spectrum.
 
@@ -496,7 +496,7 @@ def round_up_wavelength(wavelength: float) -> float:
 
 
 def equivalent_cutoff(roughness: ScaleDependentRoughness, fraction: float, upper: float, lower: float) -> float:
-    """Return the cutoff between two wavelengths (µm) that removes a given fraction of the mean square slope."""
+    """Find the cutoff (µm) between two limits that removes a given fraction of the mean square slope."""
     q, slope_contributions = 2 * math.pi / roughness.wavelength, np.diff(np.square(roughness.gradient), prepend=0.0)
     log_lower, log_upper = math.log(lower), math.log(max(upper, lower))
     for _ in range(_NUM_BISECTION_STEPS):

@@ -170,11 +170,11 @@ def interfaces_text(interfaces: Sequence[Mapping[str, str]]) -> str:
 
 _FRICTION_LAW_KEYS = ("name", "kind", "motion", "mu0", "tau0")
 _KEYS_PRINTED_WITHOUT_NAME = ("conditions", "source")
-"""Keys of an interface whose values are printed without the key."""
+"""Keys of an interface for which only the value is printed, without the key."""
 
 
 def calibration_figure(interface: Interface) -> Figure:
-    """Draw measured and fitted coefficients against A/F, and the joint distribution of mu0 and tau0 (170 mm wide).
+    """Draw a figure, 170 mm wide, of coefficients against A/F and of the joint distribution of mu0 and tau0.
 
     Parameters
     ----------

@@ -50,7 +50,7 @@ EXPORT_WRITERS: dict[str, tuple[str, Callable[[Result, Path], None]]] = {
     ".csv": ("a table", lambda result, path: write_new_text_file(path, result_csv(result))),
     ".tex": ("a LaTeX table", lambda result, path: write_new_text_file(path, latex_table(result.summary()))),
 }
-"""Description and writer of each output format, by the ending of the file name."""
+"""Description and writer of each output format, by file name extension."""
 
 
 def write_result(result: Result, path: Path) -> None:

@@ -14,7 +14,7 @@ _LATEX_ESCAPES = str.maketrans({character: f"\\{character}" for character in "&%
 
 
 def latex_table(summary: Summary) -> str:
-    r"""Return the quoted points of a summary as a LaTeX ``tabular``: conditions, coefficients and assessment.
+    r"""Return the reported points of a summary as a LaTeX ``tabular``: conditions, coefficients and assessment.
 
     Conditions common to all points are comments above the table. Intervals are the combined 95 % intervals, with the
     same digits as on the terminal.

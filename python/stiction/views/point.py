@@ -18,7 +18,7 @@ SLIDING_RULE_DESCRIPTIONS = {
     "all": "friction at all contacts",
     "opposing": "friction at opposing contacts only (the paper's rule)",
 }
-"""Descriptions of the sliding rules, in the order in which results are quoted."""
+"""Descriptions of the sliding rules, in the order in which results are reported."""
 
 
 def material_names_text(study: Study) -> str:

@@ -44,7 +44,7 @@ MAX_LABEL_LENGTH = 24  # maximum number of characters of a scan name that a figu
 
 
 def joined_spectrum_text(joined: JoinedSpectrum) -> str:
-    """Format the wavelengths that each scan contributes, its deviation from the other scans, and cumulative slopes."""
+    """Format cumulative slopes and, for each scan, its contributed wavelengths and its deviation from the others."""
     rows = [["scan", "wavelengths used", "limited by", "compared with the others"]]
     for name, (shortest, longest), reason, power_ratio, expected_deviation in zip(
         joined.names, joined.bands, joined.reasons, joined.disagreement, joined.chance, strict=True
@@ -100,7 +100,7 @@ def joined_spectrum_record(joined: JoinedSpectrum) -> dict[str, Any]:
 
 
 def joined_spectrum_figure(joined: JoinedSpectrum) -> Figure:
-    """Draw spectra, cumulative slope and curvature, and mean contact pressure against wavelength (170 mm wide).
+    """Draw a figure, 170 mm wide, of spectra, cumulative slope and curvature, and contact pressure against wavelength.
 
     The pressure is that of contact with a second surface of the same kind. The elastic pressure divided by E* is h'/κ
     of the gap, as in `spectral_resolution`. A material yields where this ratio reaches its hardness divided by E*;
@@ -249,7 +249,7 @@ def octave_noise_csv(comparison: RepeatedScans) -> str:
 
 
 def repeated_scans_figure(comparison: RepeatedScans) -> Figure:
-    """Draw the noise, and the heights that both scans share, against wavelength (85 mm wide)."""
+    """Draw a figure, 85 mm wide, of the noise and of the heights that both scans share, against wavelength."""
     import matplotlib as mpl
 
     with mpl.rc_context(MATPLOTLIB_STYLE):

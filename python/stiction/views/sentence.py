@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 # The sentence states the definition of the load if this definition changes the coefficient by more than this fraction.
 MIN_STATED_LOAD_DEFINITION_EFFECT = 0.01
 MIN_STATED_KAPPA_DEVIATION = 0.2
-"""Relative difference of A E* h'/F from its usual value above which the small-slope estimate does not apply."""
+"""Largest relative difference of A E* h'/F from its usual value for which the small-slope estimate applies."""
 
 DEFAULT_KAPPA = float(signature(gentle_friction).parameters["kappa"].default)
 """Usual value of A E* h'/F, which `gentle_friction` assumes."""

@@ -141,7 +141,7 @@ def evenly_spaced_indices(count: int, max_count: int) -> NDArray[np.intp]:
 FIGURE_FORMATS = ("png", "pdf", "svg")  # file formats of figures
 
 FIGURE_FILE_SIGNATURES = {".png": b"Software\0stiction", ".pdf": b"(stiction ", ".svg": b"<dc:title>stiction "}
-"""Metadata that identify figures of this package, for each ending of the file name."""
+"""Metadata that identify figures of this package, by file name extension."""
 
 
 def parse_formats(formats: Sequence[str]) -> tuple[str, ...]:

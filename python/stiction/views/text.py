@@ -417,7 +417,7 @@ _REMEDY_TEXTS = {
 
 
 def single_test_text(point: PointSummary) -> str:
-    """Return text with the prediction interval of a single test and the sampling interval of the mean."""
+    """Return text with the prediction interval of a single test and the confidence interval of the mean."""
     estimate = point.rules[0]
     if not math.isfinite(estimate.next_test[0]) or estimate.next_test == (estimate.lower, estimate.upper):
         return ""
@@ -544,7 +544,7 @@ def _first_cell_text(headlines: Sequence[PointSummary]) -> str:
 
 
 def quantities_text(points_of_cell: xarray.Dataset, study: Study, *, verbose: bool = False, cell: str = "") -> str:
-    """Format the means and 95 % intervals of the quoted sliding rule, one row per quantity and one column per load."""
+    """Format means and 95 % intervals of the reported sliding rule, one row per quantity and one column per load."""
     dataset = points_of_cell.isel({name: 0 for name in ("mu0", "tau0") if name in points_of_cell.dims})
     dataset = dataset.sel(sliding=list_rules_quoted_first(study)[0]) if "sliding" in dataset.dims else dataset
     loads = list(iterate_points(dataset))
@@ -707,7 +707,7 @@ def friction_by_direction_text(values: xarray.Dataset) -> str:
 
 
 def resolution_text(summary: Summary) -> str:
-    """Format resolved wavelengths, the cutoff study of the first point and, without a hardness, yield estimates."""
+    """Format resolved wavelengths, the cutoff study of the first point and, if hardness is unknown, yield estimates."""
     paragraphs: list[str] = []
     if (resolution := summary.resolution) is None:
         return ""

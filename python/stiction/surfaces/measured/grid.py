@@ -78,8 +78,8 @@ def _find_step_and_node_indices(
     if deviations[worst_index] > allowed_deviation or (count > 1 and deviations[worst_index] > 0.3 * step):
         raise FormatError(
             f"lists points that are not on a grid: point {worst_index}, counted from 0, is at {name} "
-            f"{positions[worst_index]:g}, {deviations[worst_index] / step:.2g} steps of {step:g} from a node; "
-            "interpolate the points onto a grid, or export a matrix"
+            f"{positions[worst_index]:g}, and its distance from a node is {deviations[worst_index] / step:.2g} times "
+            f"the grid step of {step:g}; interpolate the points onto a grid, or export a matrix"
         )
     return step, nodes.astype(np.int64)
 

@@ -30,8 +30,8 @@ def read_instrument_file(path: Path) -> HeightChannels:
             import SurfaceTopography  # noqa: F401
     except ImportError:
         raise FormatError(
-            f"ends in {path.suffix}; the package SurfaceTopography may be able to read it (pip install "
-            "SurfaceTopography); the name of a text file should end in .csv or .txt"
+            f"has a name that ends in {path.suffix}; the package SurfaceTopography may be able to read it (pip "
+            "install SurfaceTopography); the name of a text file should end in .csv or .txt"
         ) from None
     with _open_reader(path) as reader:
         if reader.format() in _TEXT_FORMATS:

@@ -36,7 +36,7 @@ MissingPointTreatment = Literal["error", "interpolate", "mask"]
 OutlierTreatment = Literal["keep", "mask"]
 
 MIN_EXTENT_IN_DIGITS = 1000
-"""Extent of the positions, in units of their last printed digit, above which slightly uneven positions are accepted.
+"""Smallest extent of slightly uneven positions that are accepted, in units of the last printed digit.
 
 The spacing then has a relative error of at most 1/1000.
 """

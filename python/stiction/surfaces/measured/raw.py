@@ -71,7 +71,7 @@ class FormatWarning(UserWarning):
 
 @dataclass(frozen=True)
 class FileCaveat:
-    """Named caveat about a file, with the option or the edit of the file that resolves the caveat."""
+    """Named caveat about a file, with a remedy: an option, or a change to the file."""
 
     name: str
     text: str

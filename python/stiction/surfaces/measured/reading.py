@@ -52,16 +52,16 @@ READERS: dict[str, Callable[[bytes], ReaderResult]] = {
     ".xlsx": read_excel,
     **dict.fromkeys(TEXT_SUFFIXES, read_text),
 }
-"""Readers by the ending of the file name in lower case.
+"""Readers by file name extension in lower case.
 
-SurfaceTopography reads all other files, and binary files with the ending of a text file.
+SurfaceTopography reads all other files, and binary files with the extension of a text file.
 """
 
 _FILE_SIGNATURES = {
     b"\x93NUMPY": ((".npy",), "a NumPy array (.npy)"),
     b"PK": ((".x3p", ".xlsx"), "a zip archive, as X3P and workbooks are"),
 }
-"""First bytes of certain file types, with the usual endings and a description of each type."""
+"""First bytes of certain file types, with the usual file name extensions and a description of each type."""
 
 MissingValueCodes = str | float | Sequence[str | float]
 _Body = TypeVar("_Body", bound=Profile | Surface)
@@ -419,7 +419,7 @@ def _read_content(path: Path, words: tuple[str, ...]) -> ReaderResult:
     for signature, (suffixes, name) in _FILE_SIGNATURES.items():
         if reader is not None and start.startswith(signature) != (suffix in suffixes):
             name = name if start.startswith(signature) else f"not {name}"
-            raise FormatError(f"is named {suffix or 'without an ending'}, but its content is {name}")
+            raise FormatError(f"has the file name extension {suffix or '(none)'}, but its content is {name}")
     if reader is None and start.startswith(b"\x93NUMPY"):
         reader = read_npy
     if reader is None and is_text(start) and size <= MAX_TEXT_BYTES:
@@ -447,8 +447,8 @@ def _read_binary_file(path: Path) -> ReaderResult:
         except FormatError as error:
             raise FormatError(f"is binary, not text, and {error}") from None
     raise FormatError(
-        f"is a binary file, although its ending is {path.suffix or 'missing'}; the package SurfaceTopography "
-        "may be able to read it (pip install SurfaceTopography)"
+        f"is a binary file, although its file name extension is {path.suffix or 'missing'}; the package "
+        "SurfaceTopography may be able to read it (pip install SurfaceTopography)"
     )
 
 

@@ -88,7 +88,7 @@ def _find_channel_index(channels: HeightChannels, selected: NameOrIndex | None) 
         return _find_column_or_channel_index(channels.names, selected, range(len(channels.names)), "channel")
     if channels.default is None:
         raise FormatError(
-            f"contains the channels {format_name_list(channels.names)}; choose one with channel (--channel)"
+            f"contains the channels {format_name_list(channels.names)}; select one with the option channel (--channel)"
         )
     return channels.default
 
@@ -308,8 +308,8 @@ def _replace_words_by_missing(table: ColumnTable, columns: Sequence[NameOrIndex]
             ]
             example = ",".join(map(str, chosen_columns[:MAX_SELECTED_PROFILE_COLUMNS]))
             raise FormatError(
-                f"has words in {text}: {column.words}; choose columns of numbers with columns (--columns {example}) to "
-                "ignore the words, or specify the word for missing points with missing_value "
+                f"has words in {text}: {column.words}; select columns of numbers with the option columns "
+                f"(--columns {example}) to ignore the words, or specify the word for missing points with missing_value "
                 f"(--missing-value {column.rarest})"
             )
         else:
@@ -597,8 +597,9 @@ def _reject_ambiguous_columns(table: ColumnTable) -> RawHeights:
     names = f": {format_name_list(table.names, numbers)}" if table.names else ", numbered from 0"
     raise FormatError(
         f"has {columns} columns of numbers that may be positions and several heights{names}; choose one column "
-        "(heights), two columns (positions and heights) or three columns (x, y and z) with columns (--columns); a "
-        f"surface is a matrix of at least four columns without names{_describe_missing_information(table)}"
+        "(heights), two columns (positions and heights) or three columns (x, y and z) with the option columns "
+        f"(--columns); a surface is a matrix of at least four columns without names"
+        f"{_describe_missing_information(table)}"
     )
 
 

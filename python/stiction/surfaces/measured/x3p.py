@@ -97,7 +97,7 @@ def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
     if shape[0] != 1:
         raise FormatError(f"contains {shape[0]} profiles; only one can be read")
     if "Y" in absolute_axes and np.ptp(axes["Y"].to_lengths(columns["Y"])) > 0:
-        raise FormatError("contains a profile whose points also move along y; only profiles along x can be read")
+        raise FormatError("contains a profile whose y coordinate varies; only profiles along x can be read")
     if "X" in absolute_axes:
         positions = axes["X"].to_lengths(columns["X"])
         increment = abs(axes["X"].increment)

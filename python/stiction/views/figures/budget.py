@@ -23,7 +23,7 @@ MAX_DRAWN_INPUTS = 5  # maximum number of inputs in the figure
 
 
 def uncertainty_budget_figure(point: PointSummary, *, title: str = "") -> Figure:
-    """Draw the contributions to friction, the combined interval and the uncertainty budget (80 mm wide)."""
+    """Draw a figure, 80 mm wide, of the contributions to friction, the combined interval and the uncertainty budget."""
     width = point.upper - point.lower
     remaining_inputs = [item for item in point.budget if item.width < (1 - MIN_DRAWN_REDUCTION) * width][
         :MAX_DRAWN_INPUTS
@@ -56,7 +56,7 @@ def uncertainty_budget_figure(point: PointSummary, *, title: str = "") -> Figure
 
 
 def dwell_time_figure(point: PointSummary, *, title: str = "") -> Figure:
-    """Draw the coefficient against dwell time with its 95 % interval (80 mm wide)."""
+    """Draw a figure, 80 mm wide, of the coefficient and its 95 % interval against the dwell time."""
     estimate = point.rules[0]
     rows = [(1.0, estimate.value, estimate.lower, estimate.upper)]
     rows += [

@@ -27,7 +27,7 @@ MAX_COMPASS_RINGS = 5
 
 
 def direction_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw the friction coefficient against the direction of motion for each sliding rule (80 mm wide).
+    """Draw a figure, 80 mm wide, of the friction coefficient against the direction of motion for each sliding rule.
 
     `points` is a result of `at_load` at one load, cell, mu0 and tau0. A smooth curve connects the directions.
     """
@@ -113,7 +113,7 @@ def _draw_polar_circles(axes: Any, highest: float) -> None:
 
 
 def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw the friction coefficient of each member in each direction, without averaging over directions (80 mm wide).
+    """Draw a figure, 80 mm wide, of the friction coefficient of each member in each direction.
 
     `values` has the dimensions repetition, direction and sliding. `points` contains the means of `values`, as for
     `direction_figure`. Members of a single traverse are drawn against the offset, other members in ascending order.
@@ -167,7 +167,7 @@ def _has_single_profile_pair(values: xarray.DataArray) -> bool:
 def contact_sizes_figure(
     members: xarray.Dataset, points: xarray.Dataset, *, hardness: float | None = None, title: str = ""
 ) -> Figure:
-    """Draw the size distribution of contacts, and the pressure distribution over the contact area (80 mm wide).
+    """Draw a figure, 80 mm wide, of the distributions of contact size and of pressure over the contact area.
 
     `members` contains patch_area (µm²) and pressure (GPa) over repetition, load and fraction_below, which are drawn as
     thin lines. `points` contains the means of a single cell, as returned by `at_load`. The hardness (GPa) is marked.

@@ -147,7 +147,7 @@ def create_figure_with_axes_rows(
 
 
 def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
-    """Draw friction as maps over fractal dimension and load, and as curves over fractal dimension.
+    """Draw friction as maps against fractal dimension and load, and as curves against fractal dimension.
 
     There is one map for the lowest and one for the highest tau0, and a row for each amplitude. Cells are hatched if the
     model is not valid, and grey if the 95 % interval is wide. The load of the curves is the highest power of ten that

@@ -43,7 +43,7 @@ INTERVAL_BAND_LEGENDS = {
 
 
 def load_figure(points: xarray.Dataset, study_loads: Sequence[float] = (), *, title: str = "") -> Figure:
-    """Draw friction coefficient and true contact area against load (80 mm wide).
+    """Draw a figure, 80 mm wide, of friction coefficient and true contact area against load.
 
     `points` is a result of `add_uncertainty` for one cell, mu0 and tau0. The loads of the study (mN) are marked. The
     bands of friction are the combined interval and, in a darker colour, the sampling interval of the mean over
@@ -65,7 +65,7 @@ def load_figure(points: xarray.Dataset, study_loads: Sequence[float] = (), *, ti
 
 
 def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw closure and closure stiffness against nominal pressure for a dataset from `at_load` (80 mm wide)."""
+    """Draw a figure, 80 mm wide, of closure and closure stiffness in an `at_load` dataset against nominal pressure."""
     pressure_per_load = 1000 / float(points["nominal_area"])  # nominal pressure per load, MPa/mN
     figure = new_figure(100)
     for ax, name in zip(figure.subplots(2, 1, sharex=True), ("closure", "closure_stiffness"), strict=True):
@@ -81,7 +81,7 @@ def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
 
 
 def adhesion_figure(branches: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw load against approach (if known) and against true contact area, for loading and unloading (80 mm wide).
+    """Draw a figure, 80 mm wide, of load against approach (if known) and true contact area, for loading and unloading.
 
     `branches` is a result of `loading_cycle`. The pull-off force is marked.
     """
@@ -136,7 +136,7 @@ def _pad_range(values: Floats) -> tuple[float, float]:
 
 
 def cut_off_figure(points: xarray.Dataset, *, title: str = "", limits: Mapping[str, Any] | None = None) -> Figure:
-    """Draw friction coefficient and true contact area against the cutoff wavelength at one load (80 mm wide).
+    """Draw a figure, 80 mm wide, of friction coefficient and true area at one load against the cutoff wavelength.
 
     `points` is a result of `evaluate_at_cutoffs` at one load, mu0 and tau0. Unfiltered surfaces (cutoff 0) are drawn at
     their shortest wavelength or, if this is unknown, to the left of the first cutoff. `limits` adds a line at the
@@ -152,7 +152,7 @@ def cut_off_figure(points: xarray.Dataset, *, title: str = "", limits: Mapping[s
 
 
 UNFILTERED_POSITION_RATIO = 1.5
-"""Ratio of the shortest cutoff to the position at which unfiltered scans are drawn if their wavelength is unknown."""
+"""Ratio of the shortest cutoff to the cutoff at which unfiltered scans are drawn if their resolution is unknown."""
 
 MAX_ESTIMATE_WAVELENGTH_RATIO = 8.0  # longest wavelength of the closed-form estimate, relative to the longest cutoff
 MIN_EXTRAPOLATED_WAVELENGTH_RATIO = 1 / 16  # shortest wavelength of extrapolated values, relative to the first cutoff

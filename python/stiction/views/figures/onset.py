@@ -44,7 +44,7 @@ LOAD_CYCLE_COLOURS = ("0.55", FRICTION_COLOUR)  # colours of the load cycles
 
 
 def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw tangential load against displacement, load cycles, and slipping fractions against load (80 mm wide).
+    """Draw a figure, 80 mm wide: load against displacement, load cycles, and slipping fractions against load.
 
     `onset` is a result of `compute_onset`. A half-plane has no displacement, so only the slipping fractions are drawn.
     """
@@ -129,7 +129,7 @@ def contains_slip_map(onset: xarray.Dataset) -> bool:
 
 
 def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw, on a height map, the tangential load at which each contact point starts to slip (80 mm wide).
+    """Draw a figure, 80 mm wide: the tangential load at which each contact point starts to slip, on a height map.
 
     `onset` is a result of `compute_onset` for areal contact. With the asperity model, each contact is one marker, whose
     colour shows the load at which the contact slides.

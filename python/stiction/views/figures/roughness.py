@@ -27,7 +27,7 @@ MIN_MILLIMETRE_LENGTH = 1000.0  # length (µm) above which an axis is labelled i
 
 
 def characterisation_figure(body: Profile | Surface | Characterisation, **options: Any) -> Figure:
-    """Draw heights, height distribution and spectra of a profile (80 mm wide) or a surface (170 mm wide).
+    """Draw heights, height distribution and spectra. The figure is 80 mm wide for a profile, and 170 mm for a surface.
 
     Options are those of `characterisation_text`.
     """
@@ -54,7 +54,7 @@ def characterisation_figure(body: Profile | Surface | Characterisation, **option
 
 
 def _draw_profile_heights(axes: Axes, profile: Profile) -> None:
-    """Draw heights along a profile. Long profiles show means and ranges of neighbouring points."""
+    """Draw heights along a profile. Long profiles are drawn as means and ranges of neighbouring points."""
     group_size = -(-len(profile) // MAX_DRAWN_PROFILE_POINTS)
     heights = profile.heights - profile.heights.min()
     height_groups = np.pad(1000 * heights, (0, -len(profile) % group_size), mode="edge").reshape(-1, group_size)

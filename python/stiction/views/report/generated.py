@@ -130,7 +130,7 @@ def _study_facts(head: xarray.Dataset, study: Study, loads: Floats) -> dict[str,
 def _add_values_at_nodes(
     nodes: InterpolationNodes, study: Study, head: xarray.Dataset, members: int, packed_arrays: PackedArrays
 ) -> dict[str, Any]:
-    """Add all quantities at the nodes. The axes are cell, amplitude, rule, motion, load, mu0 and tau0."""
+    """Add all quantities at the nodes. The array axes are cell, amplitude, rule, motion, load, mu0 and tau0."""
     rules, angles = study_motions(study)
     axes, loads = nodes.axes, nodes.loads
     num_curves = (

@@ -141,7 +141,7 @@ _CURVE_PANELS = {
 
 
 def _add_friction_at_nodes(nodes: InterpolationNodes, study: Study, packed_arrays: PackedArrays) -> dict[str, Any]:
-    """Add friction at the nodes to `packed_arrays`. The axes are kind, cutoff, rule, motion, load, mu0 and tau0."""
+    """Add friction at the nodes to `packed_arrays`. Array axes: kind, cutoff, rule, motion, load, mu0 and tau0."""
     (rules, angles), axes, member_kinds = study_motions(study), nodes.axes, nodes.member_kinds
     motions: list[dict[str, Any]] = [
         {"words": motion_direction_text(angle), "directions": [direction_index]}
@@ -241,7 +241,7 @@ ORDERED_STATUSES = (friction.STATUS_OK, *sorted(name for name in friction.STATUS
 
 
 def _status_codes(statuses: Any, values: Floats) -> Any:
-    """Return the status code of each mean over directions. The axes are cutoff, sliding rule, load, mu0 and tau0."""
+    """Return the status code of each mean over directions. Array axes: cutoff, sliding rule, load, mu0 and tau0."""
     codes = np.select([statuses == name for name in ORDERED_STATUSES], range(len(ORDERED_STATUSES)))
     lowest_codes = np.where(codes == 0, len(ORDERED_STATUSES), codes).min(axis=2)
     not_solved_code = ORDERED_STATUSES.index(friction.STATUS_NOT_SOLVED)

@@ -86,7 +86,7 @@ def _read(text: DecodedText) -> RawHeights:
         if values.shape[1] != counts[0] or values.shape[0] > counts[1]:
             raise FormatError(
                 f"declares a map of {counts[1]} rows of {counts[0]} heights, but has {values.shape[0]} rows of "
-                f"{values.shape[1]}; export it again"
+                f"{values.shape[1]} heights; export it again"
             )
         caveats.append(
             FileCaveat(

@@ -52,7 +52,8 @@ def _read(text: DecodedText) -> RawHeights:
     block = parse_number_block(text, first, first + columns - 1, Dialect(None, "," if decimal_comma else "."))
     if block.values.shape != (columns, rows):
         raise FormatError(
-            f"declares {columns} lines of {rows} heights, but has {block.values.shape[0]} of {block.values.shape[1]}"
+            f"declares {columns} lines of {rows} heights, but has {block.values.shape[0]} lines of "
+            f"{block.values.shape[1]} heights"
         )
     flags = re.findall(r"[0-9]+", text.line(0).partition("Format")[2])
     factor = None
