@@ -22,7 +22,7 @@ TRACE_OPTIONS = {
 """Numbers of points, lengths in µm, and noise and converter step in nm of each finish."""
 MAP_SIDE_POINTS = 256
 PIXEL_SIZE = 0.2  # µm
-CONVERTER_HEIGHT_STEP = 5e-11  # m
+ADC_HEIGHT_STEP = 5e-11  # m
 SIDES = ("upper", "lower")
 
 MAIN_XML = """<?xml version="1.0" encoding="UTF-8"?>
@@ -75,7 +75,7 @@ def create_map_in_converter_steps(side: str) -> np.ndarray:
     y, x = np.indices((MAP_SIDE_POINTS, MAP_SIDE_POINTS)) * PIXEL_SIZE
     noise = np.random.default_rng(SIDES.index(side)).normal(0.0, 1e-4, (MAP_SIDE_POINTS, MAP_SIDE_POINTS))
     heights = face.heights + 2e-3 * x - 1e-3 * y + noise
-    return np.round((heights - heights.mean()) * 1e-6 / CONVERTER_HEIGHT_STEP).astype("<i2")
+    return np.round((heights - heights.mean()) * 1e-6 / ADC_HEIGHT_STEP).astype("<i2")
 
 
 def write_x3p(path: Path, height_steps: np.ndarray) -> None:
@@ -84,7 +84,7 @@ def write_x3p(path: Path, height_steps: np.ndarray) -> None:
     rows, columns = height_steps.shape
     checksum = hashlib.md5(data, usedforsecurity=False).hexdigest()
     main_xml = MAIN_XML.format(
-        pixel=PIXEL_SIZE * 1e-6, step=CONVERTER_HEIGHT_STEP, columns=columns, rows=rows, checksum=checksum
+        pixel=PIXEL_SIZE * 1e-6, step=ADC_HEIGHT_STEP, columns=columns, rows=rows, checksum=checksum
     ).encode()
     checksum_text = f"{hashlib.md5(main_xml, usedforsecurity=False).hexdigest()} *main.xml\n".encode()
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:

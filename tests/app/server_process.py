@@ -15,7 +15,7 @@ from urllib.parse import quote
 from stiction import self_affine_surface, write_surface
 
 MAX_WAITING_TIME = 60.0  # seconds
-MEMBER_BLOCK_FOLDER = Path(__file__).parent / "member_block"
+BLOCKING_SITECUSTOMIZE_FOLDER = Path(__file__).parent / "member_block"
 
 
 class ServerProcess:
@@ -113,7 +113,7 @@ def start_server(folder, *options, code=""):
     (folder / "tmp").mkdir(exist_ok=True)
     arguments = ["-c", code] if code else ["-m", "stiction", "app", *options]
     environment = {"TMPDIR": folder / "tmp", "BROWSER": "true", "XDG_DATA_HOME": folder}
-    environment |= {"PYTHONPATH": MEMBER_BLOCK_FOLDER, "STICTION_TEST_HOLD": folder / "hold"}
+    environment |= {"PYTHONPATH": BLOCKING_SITECUSTOMIZE_FOLDER, "STICTION_TEST_HOLD": folder / "hold"}
     process = subprocess.Popen(
         [sys.executable, *arguments], cwd=folder, stderr=subprocess.PIPE, text=True,
         env=os.environ | {name: str(value) for name, value in environment.items()},

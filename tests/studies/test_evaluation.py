@@ -8,7 +8,7 @@ from stiction.studies import intervals
 from stiction.studies.contact_tables import MAX_AREAL_LOAD_RATIO, choose_load_steps
 from stiction.studies.evaluation import at_load, choose_loads_in_range, find_axes_with_both_directions, member_values
 from stiction.studies.members import load_bodies
-from support.studies_of_files import study_of_files, write_maps, write_profiles
+from support.studies_of_files import create_study_from_files, write_maps, write_profiles
 
 ROUND_OFF = 1e-9
 
@@ -16,14 +16,16 @@ ROUND_OFF = 1e-9
 @pytest.fixture(scope="module")
 def areal_study_and_dataset(tmp_path_factory):
     folder = tmp_path_factory.mktemp("areas")
-    study = study_of_files(folder, spacing=write_maps(folder), members=5)
+    study = create_study_from_files(folder, spacing=write_maps(folder), members=5)
     return study, run(study).dataset
 
 
 @pytest.fixture(scope="module")
 def profile_study_and_dataset(tmp_path_factory):
     folder = tmp_path_factory.mktemp("lines")
-    study = study_of_files(folder, "lines", "asperities", spacing=write_profiles(folder), members=12, load="0.05 mN")
+    study = create_study_from_files(
+        folder, "lines", "asperities", spacing=write_profiles(folder), members=12, load="0.05 mN"
+    )
     return study, run(study).dataset
 
 

@@ -14,14 +14,14 @@ from stiction.studies.layout import (
 )
 from stiction.studies.member_solution import compute_member_arrays, estimate_member_time
 from stiction.studies.members import find_body_attributes, load_bodies
-from support.studies_of_files import study_of_files, write_maps, write_profiles
+from support.studies_of_files import create_study_from_files, write_maps, write_profiles
 
 ROUND_OFF = 1e-9
 
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
 def test_values_of_an_areal_member_equal_direct_computation(tmp_path, mechanics):
-    study = study_of_files(tmp_path, mechanics=mechanics, spacing=write_maps(tmp_path))
+    study = create_study_from_files(tmp_path, mechanics=mechanics, spacing=write_maps(tmp_path))
     loads, angles = study.contact.loading_steps(), study.contact.direction_angles()
     values = compute_member_arrays(study, 2)
     upper, lower = load_bodies(study).member(2, 0.0).pair
@@ -40,7 +40,7 @@ def test_values_of_an_areal_member_equal_direct_computation(tmp_path, mechanics)
 
 
 def test_unloading_stiffness_with_hardness_is_computed_for_the_first_members_only(tmp_path):
-    study = study_of_files(tmp_path, spacing=write_maps(tmp_path), contact='hardness = "4 GPa"')
+    study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path), contact='hardness = "4 GPa"')
     study = study.with_changes({"surfaces.cut_off": ["0 um", "0.3 um", "0.6 um"]})
     is_finite = [
         np.isfinite(compute_member_arrays(study, member)["unloading_stiffness"]).all(axis=-1).tolist()
@@ -54,7 +54,7 @@ def test_unloading_stiffness_with_hardness_is_computed_for_the_first_members_onl
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
 def test_values_of_a_profile_member_equal_direct_computation(tmp_path, mechanics):
-    study = study_of_files(tmp_path, "lines", mechanics, spacing=write_profiles(tmp_path), load="0.05 mN")
+    study = create_study_from_files(tmp_path, "lines", mechanics, spacing=write_profiles(tmp_path), load="0.05 mN")
     loads = study.contact.loading_steps()
     values, member = compute_member_arrays(study, 3), load_bodies(study).member(3, 0.0)
     scans = [Profile(np.load(tmp_path / f"{side}.npy"), spacing=0.02) for side in ("upper", "lower")]
@@ -85,7 +85,7 @@ def test_values_of_a_profile_member_equal_direct_computation(tmp_path, mechanics
 
 
 def test_built_dataset_has_the_variables_declared_by_its_study(tmp_path):
-    study = study_of_files(tmp_path, mechanics="asperities", spacing=write_maps(tmp_path), members=3)
+    study = create_study_from_files(tmp_path, mechanics="asperities", spacing=write_maps(tmp_path), members=3)
     parts = [compute_member_arrays(study, index) for index in range(3)]
     dataset = build_dataset(study, range(3), stack_members(study, parts), find_body_attributes(study))
     assert set(dataset.data_vars) == set(list_variable_names(study))
@@ -99,7 +99,7 @@ def test_built_dataset_has_the_variables_declared_by_its_study(tmp_path):
 
 
 def test_member_with_an_unsolved_load_has_values_at_the_other_loads(tmp_path, monkeypatch):
-    study = study_of_files(tmp_path, spacing=write_maps(tmp_path), members=1)
+    study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path), members=1)
     loads = study.contact.loading_steps()
 
     def solve_or_fail(upper, lower, loads, **rest):
@@ -119,7 +119,7 @@ def test_member_with_an_unsolved_load_has_values_at_the_other_loads(tmp_path, mo
 def test_estimated_solution_time_of_a_member_is_independent_of_the_member_count(tmp_path):
     spacing = write_maps(tmp_path)
     study_of_few_members, study_of_many_members = (
-        study_of_files(tmp_path, spacing=spacing, members=count) for count in (2, 200)
+        create_study_from_files(tmp_path, spacing=spacing, members=count) for count in (2, 200)
     )
     assert estimate_member_time(study_of_few_members) == estimate_member_time(study_of_many_members) > 0
 
@@ -128,7 +128,7 @@ def test_estimated_solution_time_of_an_adhesive_member_increases_with_compliance
     spacing = write_maps(tmp_path)
     estimated_times = [
         estimate_member_time(
-            study_of_files(tmp_path, spacing=spacing).with_changes(
+            create_study_from_files(tmp_path, spacing=spacing).with_changes(
                 {"contact.mechanics": "half-space", "contact.work_of_adhesion": "50 mJ/m^2",
                  "contact.effective_modulus": modulus}
             )
@@ -140,7 +140,7 @@ def test_estimated_solution_time_of_an_adhesive_member_increases_with_compliance
 
 
 def test_changed_scan_file_is_rejected_when_bodies_are_loaded(tmp_path):
-    study = study_of_files(tmp_path, spacing=write_maps(tmp_path)).with_checksums()
+    study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path)).with_checksums()
     load_bodies(study)
     np.save(tmp_path / "upper.npy", np.load(tmp_path / "upper.npy") * 2)
     with pytest.raises(ValueError, match=r"upper\.npy has changed since"):

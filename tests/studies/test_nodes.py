@@ -16,7 +16,7 @@ from stiction.studies.nodes import (
 )
 from stiction.studies.study import parse_study
 from support.generated_studies import SMALL_STUDY
-from support.studies_of_files import study_of_files, write_maps
+from support.studies_of_files import create_study_from_files, write_maps
 
 NODE_AXES = NodeAxis(np.array([0.0, 0.1, 0.25, 0.6, 1.0])), NodeAxis(np.array([0.0, 0.02, 0.05, 0.1, 0.2]))
 
@@ -71,7 +71,7 @@ def test_report_axes_contain_mu0_and_tau0_of_the_study():
 
 
 def test_report_axis_of_an_uncertain_input_has_a_separate_node_at_its_value(tmp_path):
-    study = study_of_files(tmp_path, spacing=write_maps(tmp_path))
+    study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path))
     assert [axis.ranged.size for axis in build_initial_axes(study)] == [0, 0]
     text = study.with_changes({"friction.tau0": ["40 MPa"]}).to_toml() + '\n[known]\nmu0 = "0.25..0.35"\n'
     mu0, tau0 = build_initial_axes(parse_study(text, "test"))

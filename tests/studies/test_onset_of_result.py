@@ -16,7 +16,7 @@ from stiction.studies.runner import compute_missing_blocks
 from stiction.studies.store import export, open_stored_result
 from stiction.views.onset import onset_record, onset_rows, onset_text
 from stiction.views.report import report_page
-from support.studies_of_files import pair_study, study_of_files, write_maps, write_profiles
+from support.studies_of_files import create_study_from_files, pair_study, write_maps, write_profiles
 
 
 def compute_study_onset(study, **options):
@@ -30,7 +30,7 @@ def study(tmp_path_factory):
     contact_keys = (
         'hardness = "4 GPa"\ncompliance_share = 0.3\npoisson_ratio = [0.3, 0.4]\nload = ["2 mN"]\ndirection = [0, 180]'
     )
-    return study_of_files(folder, spacing=write_maps(folder), members=4, contact=contact_keys).with_changes(
+    return create_study_from_files(folder, spacing=write_maps(folder), members=4, contact=contact_keys).with_changes(
         {"friction.tau0": ["50 MPa"]}
     )
 
@@ -77,7 +77,7 @@ def test_onset_curve_increases_to_full_slip_at_sliding_load(onset):
 def test_onset_displacement_is_finite_for_asperities_but_not_for_half_planes(tmp_path):
     spacing = write_profiles(tmp_path)
     for mechanics, load in (("asperities", "20 uN"), ("half-space", "2 mN")):
-        lines = study_of_files(tmp_path, "lines", mechanics, spacing=spacing, members=8, load=load)
+        lines = create_study_from_files(tmp_path, "lines", mechanics, spacing=spacing, members=8, load=load)
         result = compute_study_onset(lines)
         assert result.attrs["members"] >= 6
         assert math.isfinite(float(result["displacement_at_sliding"].sel(statistic="mean"))) == (
@@ -138,7 +138,7 @@ def test_slip_map_contains_the_smallest_slip_load_of_each_cell(study, onset, mon
 
 
 def test_onset_of_asperities_lists_every_contact(tmp_path):
-    study = study_of_files(tmp_path, mechanics="asperities", spacing=write_maps(tmp_path), members=2)
+    study = create_study_from_files(tmp_path, mechanics="asperities", spacing=write_maps(tmp_path), members=2)
     result = compute_study_onset(study, members=1)
     pair = load_bodies(study).member(0, 0.0).pair
     approach = approach_at_load(*pair, 2.0, mu0=0.0, effective_modulus=100.0, sliding="all")

@@ -20,7 +20,7 @@ from stiction.studies.store import open_stored_result
 from stiction.surfaces.scale import scale_dependent_roughness
 from stiction.surfaces.surface import Surface
 from stiction.views.resolution import cut_off_rows, resolved_wavelengths_text
-from support.studies_of_files import study_of_files, write_maps, write_profiles
+from support.studies_of_files import create_study_from_files, write_maps, write_profiles
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +31,9 @@ def folder(tmp_path_factory):
 @pytest.fixture(scope="module")
 def study(folder):
     spacing = write_maps(folder, shape=(128, 128))
-    return study_of_files(folder, spacing=spacing, members=5, contact='hardness = "4 GPa"\ndirection = [0, 180]')
+    return create_study_from_files(
+        folder, spacing=spacing, members=5, contact='hardness = "4 GPa"\ndirection = [0, 180]'
+    )
 
 
 def test_resolution_study_has_fewer_members_and_loads_than_the_original_study(study):
@@ -55,7 +57,9 @@ def test_resolution_study_is_none_without_cutoffs_to_compare(study, tmp_path):
         build_cutoff_study(study.with_changes({"contact.mechanics": "asperities", "contact.law": "hertz-sphere"}))
         is None
     )
-    small_study = study_of_files(tmp_path, spacing=write_maps(tmp_path))  # 48 points are too few for a second cutoff.
+    small_study = create_study_from_files(
+        tmp_path, spacing=write_maps(tmp_path)
+    )  # 48 points are too few for a second cutoff.
     assert build_cutoff_study(small_study) is None
 
 
@@ -116,7 +120,7 @@ def test_longest_yielding_wavelength_is_listed_for_each_hardness(tmp_path):
     for side in ("upper", "lower"):
         surface = self_affine_surface(3, hurst_exponent=0.7, rms=0.03, shape=(192, 192), spacing=0.1, side=side)
         np.save(tmp_path / f"{side}.npy", surface.heights)
-    elastic_study = study_of_files(
+    elastic_study = create_study_from_files(
         tmp_path, spacing="0.1 um", members=2, contact='direction = [0, 180]\nload = ["2 mN"]'
     )
     point = at_load(run(elastic_study), [2.0]).isel(cut_off=0, load=0, mu0=0, tau0=1)
@@ -135,7 +139,7 @@ def test_longest_yielding_wavelength_is_listed_for_each_hardness(tmp_path):
 
 def test_resolved_wavelengths_are_none_if_a_scan_file_is_missing(tmp_path):
     spacing = write_profiles(tmp_path)
-    line_study = study_of_files(tmp_path, "lines", spacing=spacing, members=3)
+    line_study = create_study_from_files(tmp_path, "lines", spacing=spacing, members=3)
     assert find_resolved_roughness(line_study).shortest == pytest.approx(0.04)
     (tmp_path / "upper.npy").unlink()
     assert find_resolved_roughness(line_study.with_changes({"ensemble.repetitions": 2})) is None

@@ -11,7 +11,7 @@ from stiction.studies.executors import thread_pool_executor
 from stiction.studies.onset import compute_onset, load_stored_onset
 from stiction.studies.runner import compute_missing_blocks
 from stiction.studies.store import CHECKSUM_PREFIX, StoreError, export, open_stored_result, read
-from support.studies_of_files import study_of_files, write_maps
+from support.studies_of_files import create_study_from_files, write_maps
 
 COMPANION_LOADERS = {"picture.nc": load_contact_picture, "onset.nc": load_stored_onset}
 
@@ -21,7 +21,7 @@ def result_and_datasets(tmp_path_factory):
     """Return a stored result of two maps, and the datasets of the files stored alongside by file name."""
     folder = tmp_path_factory.mktemp("maps")
     contact_keys = 'load = ["2 mN"]\ndirection = [0, 180]'
-    study = study_of_files(folder, spacing=write_maps(folder, shape=(32, 32)), members=2, contact=contact_keys)
+    study = create_study_from_files(folder, spacing=write_maps(folder, shape=(32, 32)), members=2, contact=contact_keys)
     compute_missing_blocks(study, folder / "r")
     complete_result = open_stored_result(folder / "r")
     with thread_pool_executor(1) as executor:

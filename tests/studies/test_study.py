@@ -298,7 +298,7 @@ class TestStudyKinds:
         assert f"changes: {key}" in str(caught.value)
         assert len(str(caught.value)) < 400
 
-    def test_error_about_a_key_of_another_kind_of_surfaces_names_both_kinds(self):
+    def test_error_for_a_key_of_the_wrong_surface_kind_names_both_kinds(self):
         with pytest.raises(StudyError, match=r"belongs to fractal profiles, not to Weierstrass-Mandelbrot surfaces"):
             SURFACE_STUDY.with_changes({"surfaces.points": 100})
         with pytest.raises(StudyError, match=r"belongs to areas of measured maps, not to lines of measured files"):

@@ -34,7 +34,7 @@ def write_profiles(folder, points=1200):
     return "0.02 um"
 
 
-def study_of_files(
+def create_study_from_files(
     folder, press="areas", mechanics="half-space", *, spacing, members=6, load="2 mN", more="", contact="", kind=""
 ):
     """Return a study of the files upper.npy and lower.npy in a directory; `kind` is a suffix of their names."""
@@ -76,7 +76,7 @@ def run_pair_of_maps(folder, cut_off='["0 um"]'):
     )
     contact = 'load = ["0.05 mN", "0.1 mN", "0.5 mN"]\ndirection = [0, 90, 180, 270]'
     options = {"spacing": "0.1 um", "members": 4, "load": "0.1 mN", "contact": contact, "kind": "-maps"}
-    study = study_of_files(folder, more=f"cut_off = {cut_off}", **options)
+    study = create_study_from_files(folder, more=f"cut_off = {cut_off}", **options)
     return run(study.with_changes(RESULT_STUDY_CHANGES | {"friction.load": ["0.1 mN", "0.5 mN"]})).dataset
 
 
@@ -85,4 +85,6 @@ def run_pair_of_profiles(folder):
     write_heights(folder, self_affine, "-lines", 4, rms=0.02, points=600, spacing=0.1)
     contact = 'load = ["1 uN", "10 uN", "100 uN"]'
     options = {"spacing": "0.1 um", "members": 12, "load": "10 uN", "contact": contact, "kind": "-lines"}
-    return run(study_of_files(folder, "lines", "asperities", **options).with_changes(RESULT_STUDY_CHANGES)).dataset
+    return run(
+        create_study_from_files(folder, "lines", "asperities", **options).with_changes(RESULT_STUDY_CHANGES)
+    ).dataset

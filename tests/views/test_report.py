@@ -13,7 +13,7 @@ from stiction.views.report import ReportError, report_page, save_report
 from stiction.views.report.page import REPORT_FILE_SIGNATURE
 from stiction.views.report.surface import surface_page
 from support.generated_studies import SMALL_STUDY, empty_dataset
-from support.studies_of_files import study_of_files as study_of_files
+from support.studies_of_files import create_study_from_files as create_study_from_files
 from support.studies_of_files import write_maps
 
 
@@ -127,6 +127,6 @@ def test_report_shows_how_each_file_was_read(tmp_path):
 def test_report_states_alpha_of_junction_growth(tmp_path):
     spacing = write_maps(tmp_path)
     contact = 'load = ["1 mN", "2 mN"]\nhardness = "2 GPa"\njunction_growth = 9'
-    study = study_of_files(tmp_path, spacing=spacing, members=3, contact=contact)
+    study = create_study_from_files(tmp_path, spacing=spacing, members=3, contact=contact)
     page = html.unescape(report_page(run(study)))
     assert "hardness 2 GPa, junction growth α = 9." in page

@@ -187,7 +187,7 @@ class JobQueue:
         if not source:
             job.finished, job.total = response["finished"], response["total"]
 
-    async def evaluate(self, job: Job, numbers: list[float], dimension: float | None) -> str:
+    async def evaluate_result(self, job: Job, numbers: list[float], dimension: float | None) -> str:
         """Return the record of a result at a load (mN), mu0 and tau0 (GPa)."""
         load, mu0, tau0 = numbers
         options = [f"--load={load!r} mN", f"--mu0={mu0!r}", f"--tau0={tau0!r} GPa"]

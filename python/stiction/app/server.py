@@ -341,7 +341,7 @@ class Server:
         """Return the values of a result for other mu0 and tau0."""
         job, query = self._find_job(request), request.query_params
         load_mu0_tau0 = [float(query.get(name, "nan")) for name in ("load", "mu0", "tau0")]
-        output = await self.jobs.evaluate(job, load_mu0_tau0, float(query["d"]) if "d" in query else None)
+        output = await self.jobs.evaluate_result(job, load_mu0_tau0, float(query["d"]) if "d" in query else None)
         answers = json.loads(output)["answers"]
         return JSONResponse({"answers": [replace_option_names_in_caveats(record) for record in answers]})
 

@@ -539,7 +539,7 @@ def quantity_attributes(name: str) -> dict[str, str]:
     return {"units": quantity.unit, "long_name": quantity.words} if quantity.unit else {"long_name": quantity.words}
 
 
-def spreadsheet_column(name: str) -> tuple[str, float]:
+def column_title_and_factor(name: str) -> tuple[str, float]:
     """Return the spreadsheet column title of a quantity, and the factor that converts its values to the column unit."""
     quantity = QUANTITIES[name]
     unit = quantity.column_unit or quantity.unit

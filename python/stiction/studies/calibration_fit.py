@@ -777,8 +777,8 @@ class CalibrationProblem:
         The planned tests have the median relative error of the present tests, or 5 % if the errors are unknown.
         """
         mu0, tau0 = self.best_fit.mu0, self.best_fit.tau0
-        at = self.best_fit.scores[np.newaxis], np.array([mu0]), np.array([tau0])
-        rub, stick, _ = (column[0] for column in self._compute_equation_coefficients(*at))
+        best_fit_arguments = self.best_fit.scores[np.newaxis], np.array([mu0]), np.array([tau0])
+        rub, stick, _ = (column[0] for column in self._compute_equation_coefficients(*best_fit_arguments))
         predicted_coefficients = rub * mu0 + stick * tau0
         relative_error = (
             float(np.median(self.error / np.maximum(predicted_coefficients, 1e-12))) if self.has_errors else 0.05

@@ -268,7 +268,7 @@ class MeasuredSurfaceContactSettings(CommonContactSettings):
         return "all", "opposing"
 
 
-class MeasuredLineContactSettings(MeasuredSurfaceContactSettings):
+class MeasuredLinesContactSettings(MeasuredSurfaceContactSettings):
     """Keys of the contact table for measured lines (profiles or lines of maps), which slide in both directions."""
 
     place: ClassVar[str] = "measured lines"
@@ -463,7 +463,7 @@ class GeneratedMapAsperitySettings(GeneratedSurfaceAsperitySettings):
     curvature: CurvatureSetting = "signed"
 
 
-class MeasuredLineAsperitySettings(AsperityModelSettings, MeasuredLineContactSettings):
+class MeasuredLineAsperitySettings(AsperityModelSettings, MeasuredLinesContactSettings):
     """Contact table of the asperity model for measured lines."""
 
     place: ClassVar[str] = "asperities of measured lines"
@@ -491,7 +491,7 @@ class GeneratedMapHalfSpaceSettings(HalfSpaceSettings, GeneratedSurfaceLoadSetti
     place: ClassVar[str] = "the half-space of generated areas"
 
 
-class MeasuredLineHalfSpaceSettings(HalfSpaceSettings, MeasuredLineContactSettings):
+class MeasuredLineHalfSpaceSettings(HalfSpaceSettings, MeasuredLinesContactSettings):
     """Contact table of the half-plane model for measured lines."""
 
     place: ClassVar[str] = "the half-space of measured lines"

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import xarray
 
 FRICTION_TABLE_TITLE = "stiction table"  # `title` attribute of a friction table
-MIN_STIFFNESS_PRESSURES = 3  # minimum number of pressures needed to compute a stiffness
+MIN_NUM_PRESSURES_FOR_STIFFNESS = 3  # minimum number of pressures needed to compute a stiffness
 # The surfaces are isotropic, so coefficients are averaged over these directions of motion (degrees).
 AVERAGED_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 MAX_FITTED_AREA_FRACTION = 0.1  # maximum true area fraction of the results to which the laws are fitted
@@ -203,7 +203,7 @@ def friction_table(
         dataset[name].transpose(*_DIMENSION_ORDER).values for name in ("approach", "contact_area")
     )
     stiffness = np.full(approach.shape, np.nan)
-    if pressure_steps.size >= MIN_STIFFNESS_PRESSURES:
+    if pressure_steps.size >= MIN_NUM_PRESSURES_FOR_STIFFNESS:
         # The approach is nearly linear in ln(load), so the derivative with respect to ln(load) is accurate.
         stiffness = pressure_steps / np.gradient(approach, np.log(pressure_steps), axis=-1, edge_order=2)
     # Only results at the requested loads are reported.

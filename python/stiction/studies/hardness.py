@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
     from stiction.studies.result import Result
 
-HARDNESS_AREAS_FILE = "hardness.nc"
+AREAS_BY_HARDNESS_FILE = "hardness.nc"
 """Name of the companion file with the true areas of the first members at the nodes."""
 
 NUM_MAP_MEMBERS, NUM_LARGE_MAP_MEMBERS, NUM_PROFILE_MEMBERS = 4, 2, 16
@@ -328,7 +328,7 @@ def load_areas_at_nodes(result: StoredResult) -> xarray.Dataset | None:
     expected_nodes = hardnesses, moduli, np.array([float(load) for load in study.friction.load])
     names = ("hardness", "relative_modulus", "load")
     stored_dataset = (
-        read_companion_file(result.path / HARDNESS_AREAS_FILE, (*names, *_list_area_names(study)))
+        read_companion_file(result.path / AREAS_BY_HARDNESS_FILE, (*names, *_list_area_names(study)))
         if hardnesses.size
         else None
     )
@@ -409,7 +409,7 @@ class TabulatedAreaFunction:
         )
 
     @cached_property
-    def _values_and_differences(self) -> tuple[Floats, Floats]:
+    def _area_table(self) -> tuple[Floats, Floats]:
         """Values of A/F at equal steps of ln H, and the differences between successive values."""
         areas = area_per_load(np.exp(np.linspace(*self.limits, NUM_AREA_TABLE_STEPS + 1)), *self._arguments)
         return areas, np.diff(areas, axis=-1)
@@ -421,7 +421,7 @@ class TabulatedAreaFunction:
         """
         if table_positions is None:
             return area_per_load(np.exp(log_hardness), *self._arguments)
-        (step_indices, fractions), (areas, differences) = table_positions, self._values_and_differences
+        (step_indices, fractions), (areas, differences) = table_positions, self._area_table
         return np.asarray(areas.take(step_indices, axis=-1) + differences.take(step_indices, axis=-1) * fractions)
 
 

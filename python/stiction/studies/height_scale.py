@@ -25,7 +25,7 @@ from stiction.studies.budget import add_uncertainty
 from stiction.studies.evaluation import AREA_ABOVE_NOMINAL_STATUS, at_load, has_only_negligible_loads
 from stiction.studies.executors import executor_or_thread_pool
 from stiction.studies.hardness import (
-    HARDNESS_AREAS_FILE,
+    AREAS_BY_HARDNESS_FILE,
     choose_hardness_and_modulus_nodes,
     compute_areas_at_nodes,
     count_area_solutions,
@@ -271,7 +271,7 @@ def compute_results_at_height_factors(
                 _lacks_areas_at_nodes(stored_result)
                 and (areas := compute_areas_at_nodes(stored_result.study, pool)) is not None
             ):
-                export(areas, folder / HARDNESS_AREAS_FILE, replace=True)
+                export(areas, folder / AREAS_BY_HARDNESS_FILE, replace=True)
 
 
 # ---- Evaluation at a load --------------------------------------------------------------------------------------------

@@ -18,7 +18,7 @@ from stiction._text import format_duration
 from stiction.studies.contact_picture import CONTACT_PICTURE_FILE, contact_picture
 from stiction.studies.evaluation import has_only_negligible_loads
 from stiction.studies.hardness import (
-    HARDNESS_AREAS_FILE,
+    AREAS_BY_HARDNESS_FILE,
     compute_areas_at_nodes,
     count_area_solutions,
     load_areas_at_nodes,
@@ -52,7 +52,7 @@ MIN_ANNOUNCED_TIME = 20.0  # computing time (s) above which an estimate of the t
 
 _COMPANION_FILES = {
     CONTACT_PICTURE_FILE: CHECKSUM_PREFIX,
-    HARDNESS_AREAS_FILE: CHECKSUM_PREFIX,
+    AREAS_BY_HARDNESS_FILE: CHECKSUM_PREFIX,
     ONSET_FILE: CHECKSUM_PREFIX,
     ONSET_TABLE_FILE: ONSET_TABLE_SIGNATURE,
 }
@@ -116,7 +116,7 @@ def complete_result(
         if seconds > MIN_ANNOUNCED_TIME:
             print_remark(f"at other hardnesses and moduli: about {format_duration(seconds)} of one core")
         _write_companion_file(
-            stored_result, HARDNESS_AREAS_FILE, lambda: compute_areas_at_nodes(stored_result.study, executor)
+            stored_result, AREAS_BY_HARDNESS_FILE, lambda: compute_areas_at_nodes(stored_result.study, executor)
         )
     if num_existing < num_members and (num_existing or not is_measured):
         print_finished(
@@ -180,7 +180,7 @@ def remove_result(stored_result: StoredResult) -> None:
     """Remove all files of a result (study, blocks, areas, onset) from a folder, but no other files."""
     for block in stored_result.blocks:
         (stored_result.path / BLOCKS_FOLDER / block.name).unlink(missing_ok=True)
-    area_files = (HARDNESS_AREAS_FILE,) if stored_result.study.is_measured else ()
+    area_files = (AREAS_BY_HARDNESS_FILE,) if stored_result.study.is_measured else ()
     onset_files = (ONSET_FILE, ONSET_TABLE_FILE) if (stored_result.path / ONSET_FILE).exists() else ()
     for name in (STUDY_FILE, *area_files, *onset_files):
         (stored_result.path / name).unlink(missing_ok=True)

@@ -25,7 +25,7 @@ _MIN_REGRESSION_POINTS = 4.0  # straight lines are fitted near the ends only if 
 _WEIGHT_HALF_WIDTH = 1.6
 # Minimum number of weights on each side of a point.
 # With a cutoff of two or three points, the weights decay slowly, to 1e-5 at this distance.
-_MIN_NUM_FILTER_WEIGHTS = 64
+_MIN_HALF_WIDTH_POINTS = 64
 # The mean line is estimated only where at least this fraction of the weights lies on measured points.
 _MIN_WEIGHT_COVERAGE = 1e-6
 _MIN_PIVOT = 1e-9  # the normalised local equations count as singular if a pivot is below this limit
@@ -238,7 +238,7 @@ class _FilterKernel:
     def __init__(self, points: int, length: float) -> None:
         from scipy.fft import irfft, next_fast_len, rfftfreq
 
-        half_width = min(points - 1, max(math.ceil(_WEIGHT_HALF_WIDTH * length), _MIN_NUM_FILTER_WEIGHTS))
+        half_width = min(points - 1, max(math.ceil(_WEIGHT_HALF_WIDTH * length), _MIN_HALF_WIDTH_POINTS))
         self.points = points
         self.padded_size: int = next_fast_len(points + half_width, real=True)
         # These weights reproduce the analytic transmission exactly up to the Nyquist wave number.

@@ -256,9 +256,9 @@ def estimate_hurst_exponent(
     check_bool("periodic", periodic)
     reject_flat_body(body)
     if isinstance(body, Profile):
-        dimensions, (wave_number, power, scale) = 1, _harmonics_to_fit(body, periodic)
+        dimensions, (wave_number, power, scale) = 1, _profile_harmonics_to_fit(body, periodic)
     else:
-        dimensions, (wave_number, power, scale) = 2, _wave_vectors_to_fit(body, periodic)
+        dimensions, (wave_number, power, scale) = 2, _areal_harmonics_to_fit(body, periodic)
     variance_factor = 1.0 if periodic else HANN_VARIANCE_FACTOR**dimensions
 
     selection: slice | NDArray[np.bool_]
@@ -303,7 +303,7 @@ def estimate_hurst_exponent(
     )  # fmt: skip
 
 
-def _harmonics_to_fit(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]:
+def _profile_harmonics_to_fit(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]:
     """Return the wave numbers and powers to fit for a profile, and the scale (µm) that normalises its heights."""
     heights = profile.heights - profile.heights.mean()
     if not periodic:
@@ -322,7 +322,7 @@ def _harmonics_to_fit(profile: Profile, periodic: bool) -> tuple[Floats, Floats,
     return spectrum.wave_number[is_harmonic], power, scale
 
 
-def _wave_vectors_to_fit(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
+def _areal_harmonics_to_fit(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
     """Return wave numbers and densities times wave number, and the scale (µm) that normalises the heights."""
     heights = surface.heights - surface.heights.mean()
     if not periodic:

@@ -8,7 +8,7 @@ import numpy as np
 import xarray
 
 from stiction._number_format import format_with_interval, format_with_unit
-from stiction.mechanics.quantities import spreadsheet_column
+from stiction.mechanics.quantities import column_title_and_factor
 from stiction.studies.friction_table import MAX_LAW_DEVIATION
 from stiction.views.spreadsheet import frame_to_csv
 from stiction.views.text import format_table, wrap_text
@@ -18,7 +18,7 @@ _COLUMN_TITLES = {
     "normal_stiffness": ("stiffness over area (GPa/um)", 1.0), "approach": ("approach (um)", 1.0),
     "stiffness_factor": ("b of k/A0 = b p^c (GPa/um at 1 GPa)", 1.0),
 }  # fmt: skip
-"""Titles that replace those of `spreadsheet_column`, each with the factor that converts values to its unit."""
+"""Titles that replace those of `column_title_and_factor`, each with the factor that converts values to its unit."""
 
 _LOAD_QUANTITIES = tuple(_COLUMN_TITLES)[:4]
 _LAW_PARAMETERS = ("area_factor", "stiffness_factor", "stiffness_exponent")
@@ -39,7 +39,7 @@ def laws_csv(table: xarray.Dataset) -> str:
 def _table_csv(law_table: xarray.Dataset, columns_by_name: tuple[str, ...]) -> str:
     columns: dict[str, Any] = {}
     for name, values in law_table.data_vars.items():
-        title, factor = _COLUMN_TITLES.get(str(name)) or spreadsheet_column(str(name))
+        title, factor = _COLUMN_TITLES.get(str(name)) or column_title_and_factor(str(name))
         if "statistic" not in values.dims:
             columns[title] = values * factor
             continue
@@ -47,9 +47,9 @@ def _table_csv(law_table: xarray.Dataset, columns_by_name: tuple[str, ...]) -> s
             columns[f"{title}{suffix}"] = values.sel(statistic=statistic, drop=True) * factor
     frame = xarray.Dataset(columns).to_dataframe(dim_order=list(columns_by_name)).reset_index()
     for name in columns_by_name:
-        if (factor := spreadsheet_column(name)[1]) != 1:
+        if (factor := column_title_and_factor(name)[1]) != 1:
             frame[name] *= factor
-    frame = frame.rename(columns={name: spreadsheet_column(name)[0] for name in columns_by_name})
+    frame = frame.rename(columns={name: column_title_and_factor(name)[0] for name in columns_by_name})
     return frame_to_csv(frame)
 
 

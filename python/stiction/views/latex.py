@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from stiction._number_format import format_estimate, format_percent, format_significant
-from stiction.mechanics.quantities import spreadsheet_column
+from stiction.mechanics.quantities import column_title_and_factor
 from stiction.studies.summary import PointSummary, Summary
 
 _RULE_HEADINGS = {"all": r"$\mu_s$, all contacts", "opposing": r"$\mu_s$, opposing contacts"}
@@ -60,11 +60,11 @@ def _point_cells(point: PointSummary, has_area: bool) -> list[str]:
 
 def _column_heading(name: str) -> str:
     """Return the column heading of a coordinate, with its unit."""
-    return _COORDINATE_HEADINGS.get(name, spreadsheet_column(name)[0].translate(_LATEX_ESCAPES))
+    return _COORDINATE_HEADINGS.get(name, column_title_and_factor(name)[0].translate(_LATEX_ESCAPES))
 
 
 def _coordinate_text(name: str, point: PointSummary) -> str:
-    factor = 1.0 if name in _COORDINATE_HEADINGS else spreadsheet_column(name)[1]
+    factor = 1.0 if name in _COORDINATE_HEADINGS else column_title_and_factor(name)[1]
     return format_significant(factor * point.at[name], 4)
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from stiction._core import __version__
 from stiction._number_format import format_estimate, format_time, to_json
 from stiction.mechanics.friction import STATUS_OK
-from stiction.mechanics.quantities import QUANTITIES, quantity_names_shown_in, spreadsheet_column
+from stiction.mechanics.quantities import QUANTITIES, column_title_and_factor, quantity_names_shown_in
 from stiction.studies.point import CELL_DIMENSIONS, list_rules_quoted_first
 from stiction.studies.summary import PointSummary, Summary
 from stiction.views.onset import onset_record, quantity_label
@@ -191,9 +191,10 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
     column_index = other_columns.index(title) + 1
     table = table[[*other_columns[:column_index], *interval_titles, *other_columns[column_index:]]]
     for key in coordinate_names:
-        table[key] *= spreadsheet_column(key)[1]
+        table[key] *= column_title_and_factor(key)[1]
     return table.rename(
-        columns={key: spreadsheet_column(key)[0] for key in coordinate_names} | {"motion": "upper body to (degree)"}
+        columns={key: column_title_and_factor(key)[0] for key in coordinate_names}
+        | {"motion": "upper body to (degree)"}
     )
 
 

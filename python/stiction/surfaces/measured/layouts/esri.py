@@ -36,8 +36,8 @@ _HEADER_NAMES = (
 
 
 def _parse_header(text: DecodedText) -> dict[str, str]:
-    words = (line.replace("=", " ").split() for line in text.first_lines[:12])
-    return {row[0].casefold(): " ".join(row[1:]) for row in words if row and row[0].casefold() in _HEADER_NAMES}
+    rows = (line.replace("=", " ").split() for line in text.first_lines[:12])
+    return {row[0].casefold(): " ".join(row[1:]) for row in rows if row and row[0].casefold() in _HEADER_NAMES}
 
 
 def _read(text: DecodedText) -> RawHeights:
