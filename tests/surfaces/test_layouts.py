@@ -489,7 +489,7 @@ def test_ambiguous_commas_are_resolved_by_column_names_or_rejected(tmp_path):
 def test_titled_blocks_of_equal_width_are_read_as_channels(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("\n".join(["Height", *format_rows(HEIGHTS), "Phase", *format_rows(2 * HEIGHTS)]))
-    with pytest.raises(FormatError, match=r"contains the channels 0 \(Height\), 1 \(Phase\); choose one with channel"):
+    with pytest.raises(FormatError, match=r"contains the channels 0 \(Height\), 1 \(Phase\); choose one with"):
         read_measurement(path, unit="um", spacing="0.5 um")
     body = read_measurement(path, unit="um", spacing="9 um", channel="Phase")
     assert np.array_equal(body.heights, 2 * HEIGHTS)

@@ -434,7 +434,7 @@ def test_profiles_and_surfaces_are_read_from_workbooks(write_file):
     two_channel_file = write_file(
         workbook_bytes(("raw", SHEET_ROWS), ("Filtered", [[*row[1:3], 5] for row in SHEET_ROWS])), "b.xlsx"
     )
-    assert "contains the channels 0 (raw), 1 (Filtered); choose one with channel" in error_message(two_channel_file)
+    assert "contains the channels 0 (raw), 1 (Filtered); choose one with" in error_message(two_channel_file)
     assert read_profile(two_channel_file, channel="raw").history[1] == "channel 0 (raw) of 0 (raw), 1 (Filtered)"
     assert "has no channel named 'rough'; the file has 0 (raw), 1 (Filtered)" in error_message(
         two_channel_file, channel="rough"

@@ -81,7 +81,7 @@ class Onset(PlotRepr):
         Number of equal steps of the tangential load up to the sliding load, or fractions of the sliding load, above 0
         and up to 1. By default 20.
     displacements : (k,) array_like of float, µm, optional
-        Displacements instead of steps. On the half-space, each takes about ten solutions.
+        Displacements instead of steps. On the half-space, about ten contact problems are solved for each displacement.
 
     Attributes
     ----------

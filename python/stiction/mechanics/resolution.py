@@ -84,7 +84,7 @@ def resolution(
     tip_radius : float, µm, optional
         Tip radius of the instrument, for `instrument_limit`.
     progress : callable, optional
-        Called with the number of finished solutions and their total number.
+        Called with the number of solved contact problems and their total number.
 
     Returns
     -------

@@ -88,7 +88,7 @@ def _find_channel_index(channels: HeightChannels, selected: NameOrIndex | None) 
         return _find_column_or_channel_index(channels.names, selected, range(len(channels.names)), "channel")
     if channels.default is None:
         raise FormatError(
-            f"contains the channels {format_name_list(channels.names)}; select one with the option channel (--channel)"
+            f"contains the channels {format_name_list(channels.names)}; choose one with the option channel (--channel)"
         )
     return channels.default
 
