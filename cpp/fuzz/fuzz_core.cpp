@@ -110,7 +110,8 @@ void fuzz_contact(Source& source) {
             "no more contacts than points");
     require(!(sums[k].contact_area < 0.0), "no negative area");
     const std::vector<stiction::Contact> table = stiction::contacts(pair, approaches[k], model);
-    // `contacts` searches only up to this approach, which may change the index ranges but must not change the contacts.
+    // `contacts` searches only up to this approach.
+    // This limit may change the index ranges, but must not change the contacts.
     require(static_cast<stiction::Index>(table.size()) == sums[k].contact_count, "contacts and press agree");
     for (const stiction::Contact& contact : table) {
       require(contact.overlap > 0.0 && contact.radii.minor > 0.0, "contacts overlap and are convex together");
@@ -119,7 +120,7 @@ void fuzz_contact(Source& source) {
   }
 }
 
-// Two maps of equal shape, with heights of any scale. Some points have equal heights, and some regions are level.
+// Two maps of equal shape, with heights of any magnitude. Some points have equal heights, and some regions are level.
 struct Maps {
   stiction::Matrix upper;
   stiction::Matrix lower;
@@ -186,7 +187,7 @@ void fuzz_areal(Source& source) {
             "minima lie in the map");
   }
   // The projected ellipse of a contact on a steep wall is extremely narrow.
-  // Round-off then decides which part of the ellipse lies inside the map.
+  // Round-off can then change the computed part of the ellipse that lies inside the map.
   const bool steep =
       std::any_of(candidates.all.begin(), candidates.all.end(), [](const stiction::ArealCandidate& candidate) {
         return candidate.normal.z() < 1e-5 || candidate.radii.major > 1e12 * candidate.radii.minor;
@@ -204,7 +205,7 @@ void fuzz_areal(Source& source) {
   for (std::size_t k = 0; k < approaches.size(); ++k) {
     const stiction::ArealSums& row = sums[k];
     const double round_off_factor = 1.0 + 1e-12;
-    const double min_normal = 1e-300;  // loads below this limit are denormal numbers
+    const double min_normal = 1e-300;  // tolerance for the round-off of denormal numbers
     require(!(row.contact_area < 0.0), "no negative area");
     require(row.unanswered_count <= row.grid_minimum_count, "no more unanswered minima than grid minima");
     require(!(row.load_at_edge > round_off_factor * row.normal_elastic),

@@ -88,12 +88,13 @@ void subtract(const double* upper, const double* lower, Index size, double offse
 }
 
 // Mark the grid minima of a row at which the gap is at most `deepest`.
-// None of the eight neighbours of a grid minimum is lower by more than round-off.
+// At a grid minimum, the gap is not larger than at any of the eight neighbours, except for round-off.
 // The first and the last point of the row are excluded.
 STICTION_MULTIVERSION
 void mark_grid_minima(const double* above, const double* at, const double* below, Index size, double deepest,
                       double round_off, unsigned char* marks) {
-  constexpr Index block = 32;  // number of points that are tested together, because few blocks contain such a low gap
+  // Number of points that are tested together, because the gap is larger than `deepest` in most blocks.
+  constexpr Index block = 32;
   for (Index first = 1; first + 1 < size; first += block) {
     const Index end = std::min(first + block, size - 1);
     unsigned char any = 0;
@@ -113,7 +114,7 @@ void mark_grid_minima(const double* above, const double* at, const double* below
 // Tile of a map: its cells, and the surrounding points that influence the spline in these cells.
 // The arrays of a tile fit into the processor cache.
 struct Tile {
-  CellRange cells;  // cells of the tile, as indices in the map
+  CellRange cells;  // cells of the tile, as a range of cells of the map
   Index row;        // row of the first point in the map
   Index column;     // column of the first point in the map
   Index rows;       // number of rows of points
@@ -214,7 +215,7 @@ ContactGeometry contact_geometry(const Vector2& slope, double xx, double xy, dou
   const double radius = length(half_difference, b);
   const double larger = 0.5 * (a + c) + radius;
   const double smaller = (xx * yy - xy * xy) / (q2 * q2) / larger;
-  // The eigenvector of the smaller eigenvalue is computed from the matrix row without cancellation.
+  // The eigenvector of the smaller eigenvalue is computed from the matrix row in which no cancellation occurs.
   Vector2 vector =
       half_difference > 0.0 ? Vector2(-b, half_difference + radius) : Vector2(radius - half_difference, -b);
   vector = radius > 0.0 ? Vector2(vector.normalized()) : Vector2(1.0, 0.0);
@@ -288,7 +289,7 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
     for (const Minimum& minimum : minima_in_tile) {
       spline_minima.push_back({minimum, at_minimum(spline, minimum)});
       // Slopes that may be due to round-off count as zero.
-      // Without this rule, round-off would decide by chance whether a contact opposes the motion.
+      // Without this rule, round-off alone would determine whether a contact opposes the motion.
       for (double* slope : {&spline_minima.back().lower.x, &spline_minima.back().lower.y}) {
         *slope = std::abs(*slope) > level_limit ? *slope : 0.0;
       }

@@ -17,7 +17,7 @@ MapEdges::MapEdges(const ArealCandidates& candidates, const ArealCandidate& cand
   const double x = candidate.position.x();
   const double y = candidate.position.y();
   distance_ = {(width - x) / half_width, (height - y) / half_height, x / half_width,
-               y / half_height};  // in counter-clockwise order
+               y / half_height};  // sides in counter-clockwise order
   const double cosine = ellipse.xy / (half_width * half_height);
   const double sine = std::sqrt(candidate.ellipse.major) * std::sqrt(candidate.ellipse.minor) * candidate.normal.z() /
                       (half_width * half_height);
@@ -35,7 +35,7 @@ MapEdges::MapEdges(const ArealCandidates& candidates, const ArealCandidate& cand
 // The pressure varies as (1 - r²)^(1/2).
 // The sector therefore contributes (1/2π) ∫ 1 - (1 - h²/cos²φ)^(3/2) dφ to the force fraction.
 // Where |tan φ| > (1 - h²)^(1/2)/h, the side lies outside the circle, and the whole sector counts.
-// The closed forms below avoid cancellation if the map is a small part of the ellipse.
+// The closed-form expressions below avoid cancellation if only a small part of the ellipse lies inside the map.
 // For example, if a single side cuts the circle, the fraction (2 + 3 h - h³)/4 of the force lies inside the map.
 InsideFractions MapEdges::fractions_inside(double overlap) const {
   InsideFractions sum{0.0, 0.0};

@@ -11,7 +11,7 @@ namespace {
 // Return whether two ellipses overlap if the vector between their centres is r.
 // The ellipses are separate if t (1 - t) rᵀ [(1 - t) A + t B]⁻¹ r > 1 for some t in (0, 1).
 // Perram & Wertheim, J. Comput. Phys. 58 (1985) 409.
-// Multiplied by the determinant of the bracket, this condition states that a cubic in t is positive.
+// After multiplication by the determinant of the bracket, this condition states that a cubic in t is positive.
 // The cubic is negative at t = 0 and at t = 1.
 bool ellipses_overlap(const ProjectedEllipse& a, double a_size, const ProjectedEllipse& b, double b_size,
                       const Vector2& r) {
@@ -29,7 +29,7 @@ bool ellipses_overlap(const ProjectedEllipse& a, double a_size, const ProjectedE
   }
   const double root = std::sqrt(discriminant);
   const double t =
-      // This is the value of t at which the cubic has its maximum.
+      // Value of t at which the cubic has its maximum.
       second < 0.0 ? first / (root - second) : -(root + second) / (3.0 * third);
   const double s = 1.0 - t;
   const bool apart =
@@ -54,7 +54,7 @@ std::size_t first_contact_step(const ArealCandidate& candidate, Values approache
                                   approaches.begin());
 }
 
-// Ellipses grow about fixed centres as the approach increases.
+// The centres of the ellipses are fixed, and the ellipses grow with the approach.
 // Two overlapping ellipses therefore overlap at all larger approaches.
 std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, Values approaches,
                                         const CancellationCheck& check_cancellation) {
@@ -91,7 +91,8 @@ std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, 
       const auto at = [&](std::size_t k) {
         return ellipses_overlap(left.shape, a.overlap(approaches[k]), right.shape, b.overlap(approaches[k]), apart);
       };
-      // At approaches where each ellipse already overlaps some other ellipse, this pair cannot change the result.
+      // At approaches at which both ellipses of a pair already overlap other ellipses, the pair cannot change the
+      // result.
       std::size_t begin = std::max(left.begin, right.begin);
       std::size_t end = std::max(first[left.index], first[right.index]);
       if (begin >= end || std::abs(apart.y()) > left.half_height + right.half_height || !at(end - 1)) {

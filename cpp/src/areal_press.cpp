@@ -179,7 +179,7 @@ std::vector<ArealSums> press(const ArealCandidates& candidates, Values approache
     directions_xy[d] = directions[d].x();
     directions_xy[direction_count + d] = directions[d].y();
   }
-  // Contacts are sorted by the step at which they begin, so that the contacts of a block begin at similar steps.
+  // Contacts are sorted by their first step, so that the contacts of a block have similar first steps.
   struct Start {
     std::size_t candidate;
     std::size_t begin;

@@ -14,14 +14,14 @@ namespace {
 
 // ---- Tridiagonal system along one direction -------------------------------------------------------------------------
 //
-// At inner points, c_(i-1) + 4 c_i + c_(i+1) = 6 z_i. At the ends, c = z, because the second derivative is zero.
+// At inner points, c_(i-1) + 4 c_i + c_(i+1) = 6 z_i. At the end points, c = z, because the second derivative is zero.
 // The coefficient beyond an end is twice the coefficient at the end minus the coefficient of the inner neighbour.
 
 // Elimination along a row would be sequential, so the inverse is applied instead.
 // The inverse is -6 a / ((1 - a s) (1 - a / s)), where s is a shift by one point, and a = sqrt(3) - 2.
 // The factor 1 / (1 - a s) is the product of 1 + a s, 1 + a² s², 1 + a⁴ s⁴ and so on.
 // Each of these factors is applied in a pass in which no point depends on another point.
-// Beyond its ends, the row of heights is continued by point reflection, and so is its spline.
+// Beyond its ends, the row of heights is continued by point reflection. Its spline is continued in the same way.
 constexpr std::array<Index, 5> shifts{1, 2, 4, 8, 16};
 // Number of points after which the inverse is truncated. The error is 0.268^32 = 5e-19 of a height.
 constexpr Index reach = 32;
@@ -119,7 +119,7 @@ void solve_columns(double* values, Index points, Index lines, Index stride, cons
   }
 }
 
-// Compute factor (after - before): the slope at a point from the coefficients of the points on both sides.
+// Compute the slope at a point as factor · (after - before), from the coefficients of the points on both sides.
 STICTION_MULTIVERSION
 void scaled_differences(const double* before, const double* after, Index size, double factor, double* result) {
   for (Index i = 0; i < size; ++i) {

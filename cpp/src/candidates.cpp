@@ -41,7 +41,7 @@ class SplinedProfile {
   double slope(std::size_t i) const { return slope_[i - begin_]; }
   double curvature(std::size_t i) const { return curvature_[i - begin_]; }
 
-  // Height, slope and curvature of the spline at the distance t [µm] from point i, between points i and i + 1.
+  // Height, slope and curvature of the spline at a distance t [µm] to the right of point i, up to point i + 1.
   double height(std::size_t i, double t) const {
     return height(i) + t * (slope(i) + 0.5 * t * (curvature(i) + t / (3.0 * spacing_) * curvature_change(i)));
   }

@@ -29,7 +29,8 @@ constexpr double stencil_sum = 0.04;
 // Number of points along each axis of the periodic area from which the stencil is computed.
 constexpr std::size_t stencil_points = 32;
 
-// Return the stride of rows in memory. Rows start at cache-line boundaries that are an odd number of lines apart.
+// Return the stride of rows in memory.
+// Rows start at cache-line boundaries, and successive rows start an odd number of cache lines apart.
 // With this stride, a column is spread over all cache sets.
 template <class Real>
 std::size_t padded_stride(std::size_t count) {
@@ -459,7 +460,7 @@ std::vector<double> stiffness(const TransformShape& shape, const Grid& grid, dou
 // On a line, the pressure acts between the origin and x.
 // In the overload below, the pressure acts on the rectangle between the origin and the corner (x, y).
 double corner_integral(double x, double effective_modulus) {
-  // This is the integral of -2/(π E*) ln|x|. A different length unit would only shift all displacements equally.
+  // Integral of -2/(π E*) ln|x|. A different length unit would only shift all displacements equally.
   return -2 / (pi * effective_modulus) * x * (std::log(std::abs(x)) - 1.0);
 }
 
@@ -469,8 +470,8 @@ double corner_integral(double x, double y, double effective_modulus) {
 
 double cell_edge(std::size_t i, double spacing) { return (static_cast<double>(i) - 0.5) * spacing; }
 
-// Compute the displacements, by column, in the row of cells at a distance of `row` rows from a loaded cell.
-// The pressure on the cell is 1 GPa. On a line the distance is 0.
+// Compute the displacement in each column of the row of cells that is `row` rows from a loaded cell.
+// The pressure on the loaded cell is 1 GPa. On a line, `row` is 0.
 void compute_influence_row(const Grid& grid, double effective_modulus, std::size_t row, std::span<double> influence) {
   const std::size_t count = influence.size();
   const auto corner = [&](std::size_t i, std::size_t j) {

@@ -9,7 +9,8 @@ namespace stiction {
 namespace {
 
 // The arithmetic-geometric mean of 1 and k gives both elliptic integrals without cancellation.
-// K = π / (2 mean), and ratio = (K - E) / (e² K). This ratio tends to 1/2 for k -> 1, and to 1 - 1/K for k -> 0.
+// K = π / (2 mean), and ratio = (K - E) / (e² K).
+// The variable `ratio` tends to 1/2 for k -> 1, and to 1 - 1/K for k -> 0.
 // The formulas are in Abramowitz & Stegun (1964), section 17.6.
 struct Integrals {
   double mean;
@@ -41,7 +42,8 @@ double log_slope(double k, double ratio) {
   const double e2 = (1.0 - k) * (1.0 + k);
   const double complement = 1.0 - ratio;
   if (e2 < 1e-4) {
-    // This is the limit for e -> 0. Its error is about e², which hardly affects the number of iterations.
+    // The returned number is the limit for e -> 0.
+    // Its error is about e², which hardly affects the number of iterations.
     return 1.5;
   }
   return 2.0 + ((k * k * ratio - complement) / e2 + ratio * complement) / (ratio * complement);
@@ -65,7 +67,7 @@ Ellipse hertz_ellipse(double longer, double shorter) {
     k = std::fmin(1.0, k * std::exp(step));
     values = integrals(k);
     if (std::abs(step) < 1e-9) {
-      break;  // the iteration converges quadratically and, near k = 1, cubically
+      break;  // the iteration converges quadratically; near k = 1, it converges cubically
     }
   }
   const double major = 2.0 * longer * values.ratio;

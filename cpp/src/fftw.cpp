@@ -17,10 +17,11 @@ std::mutex& unguarded_planner_mutex() {
   return mutex;
 }
 
-// Executing FFTW plans is thread-safe, but creating them is not.
+// Several threads may execute FFTW plans at the same time, but only one thread may create a plan.
 std::mutex& planner_mutex() {
 #if defined(__unix__) || defined(__APPLE__)
-  // Without these fork handlers, a process forked while another thread creates a plan would inherit a locked mutex.
+  // A child process may be forked while another thread creates a plan.
+  // Without these fork handlers, the child would inherit a locked mutex.
   [[maybe_unused]] static const int fork_handlers =
       pthread_atfork([] { unguarded_planner_mutex().lock(); }, [] { unguarded_planner_mutex().unlock(); },
                      [] { unguarded_planner_mutex().unlock(); });

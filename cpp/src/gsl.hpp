@@ -1,5 +1,5 @@
 // Interface to GSL. Only this file and gsl.cpp use GSL.
-// Status codes become exceptions, and no exception passes through GSL's stack frames.
+// Status codes are converted to exceptions, and no exception passes through GSL's stack frames.
 #pragma once
 
 #include "stiction/array.hpp"

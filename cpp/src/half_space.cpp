@@ -20,18 +20,19 @@ constexpr std::size_t min_points_per_axis = 16;
 // Maximum number of points of a coarser grid whose kernels are cached.
 // The same limit applies to the storage of influence coefficients.
 constexpr std::size_t max_cached_points = std::size_t{1} << 20;
-// Solver tolerance on the coarser grids. It can be loose, because the discretisation error exceeds it on these grids.
+// Solver tolerance on the coarser grids.
+// The tolerance can be large, because the discretisation error is even larger on these grids.
 constexpr double coarse_tolerance = 3e-3;
-// Largest ratio of two loads on an area for which the solution at one load is a good starting point for the other load.
+// Maximum ratio of two loads on an area. Up to this ratio, the solution at one load is a good start for the other load.
 constexpr double max_load_ratio = 1.3;
 // Maximum number of iterations on the finest grid, and maximum number of iterations on each coarser grid.
 // The finest grid rarely requires a hundred iterations. The solutions on coarser grids are only starting points.
 constexpr std::int64_t max_iterations = 2000;
 constexpr std::int64_t max_coarse_iterations = 100;
-// Maximum number of times that displacements are evaluated in double precision.
+// Maximum number of evaluations of displacements in double precision.
 // More evaluations are needed only if round-off prevents convergence.
 constexpr int max_exact_evaluations = 20;
-// Largest accepted relative deviation between displacements that should be equal.
+// Largest accepted relative difference between displacements that should be equal.
 // The error of the compliance is the square of this deviation, about 1e-7.
 constexpr double compliance_tolerance = 1e-3;
 // Factor by which the accepted deviation is reduced in problems that define only differences of displacements.
@@ -44,7 +45,7 @@ constexpr std::size_t max_dense_points = 1024;
 // The limit is a fraction of the displacement that a single cell would have under the same pressure.
 constexpr double round_off = 1e-9;
 // The search for the load at a given approach is limited by three numbers:
-// - the largest number of loads that are tried, although more than six are rarely needed
+// - the largest number of loads that are tried, although more than six loads are rarely needed
 // - the largest ratio of successive loads
 // - the smallest distance of a new load from the ends of the bracket, as a fraction of the bracket
 constexpr int max_loads = 60;
@@ -214,7 +215,8 @@ class LevelSolver {
   bool has_response_ = false;
 };
 
-// Return ln(approach / target) minus the logarithm of the ratio of the remaining distances to full contact.
+// Return ln(approach / target) - ln((full_contact - approach) / (full_contact - target)).
+// The second logarithm is 0 if `full_contact` is infinite.
 double log_excess(double approach, double target, double full_contact) {
   if (approach >= full_contact) {
     return std::numeric_limits<double>::infinity();
@@ -239,7 +241,7 @@ double product(const double* left, const double* right, std::size_t size) {
   return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
-// Return the pressures at some points that displace all these points by 1.
+// Return pressures at the given points that displace all these points by 1.
 // The pressures are computed by conjugate gradients with the dense matrix of the points.
 // If a pressure is negative, the result is empty. Round-off may cause this at contacts of single points.
 std::vector<double> solve_dense(Values influence, const Grid& grid, const std::vector<std::size_t>& points,
@@ -427,7 +429,7 @@ HalfSpaceSolution HalfSpaceSolver::at(double mean_pressure, Values near, const T
   return solve_finest(std::move(start), mean_pressure, workspace, pool, progress);
 }
 
-// Find the root of `log_excess` as a function of the logarithm of the load, by the secant method (Illinois).
+// Find the root of `log_excess` as a function of the logarithm of the load, by the secant method (Illinois algorithm).
 // Periodic surfaces are in full contact if the approach is at least the mean gap.
 // On periodic surfaces, the excess includes the remaining distance to full contact.
 HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, const ThreadPool& pool,
@@ -458,7 +460,7 @@ HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, con
     const double excess = log_excess(solution.approach, approach, full_contact);
     const bool above = excess > 0.0;
     std::optional<End>& other = ends[above ? 0 : 1];
-    // If this condition holds, the other end of the bracket has not moved in two successive steps.
+    // If this condition holds, the other end of the bracket was not replaced in two successive steps.
     if (previous_above == above && other) {
       other->excess *= 0.5;
     }
@@ -541,8 +543,9 @@ LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool
   if (points.empty()) {
     throw std::invalid_argument("linear_response: in_contact must contain at least one point");
   }
-  // The pressures are positive at all points, like charges on a conductor.
-  // The given pressures vanish at the edges, where the solution is largest, so the start is uniform.
+  // The pressures are positive at all points, like the charges on a conductor.
+  // The given pressures vanish at the edges, where the solution is largest.
+  // The iteration therefore starts from a uniform pressure.
   std::vector<double> start(in_contact.size(), 0.0);
   for (const std::size_t i : points) {
     start[i] = 1.0 / static_cast<double>(points.size());

@@ -28,7 +28,7 @@ std::unique_ptr<double[], AlignedDelete> allocate_aligned(std::size_t size) {
   return std::unique_ptr<double[], AlignedDelete>(new (std::align_val_t{cache_line}) double[size]);
 }
 
-// Exponent of the largest number of turns that a phase may make over the grid. This number is a power of two.
+// Base-2 logarithm of the largest number of turns that a phase may make along the grid.
 // If phases made more turns, fewer than 20 binary digits (1e-6) would remain for the fraction of a turn.
 // The exponent is 44 if a long double has 64 binary digits, and 33 if a long double is a double.
 constexpr int max_turns_exponent = std::numeric_limits<long double>::digits - 20;
@@ -37,7 +37,7 @@ constexpr int max_turns_exponent = std::numeric_limits<long double>::digits - 20
 constexpr Index block = 1024;
 // Number of blocks after which the recurrence of a harmonic is restarted from its phase.
 constexpr Index blocks_per_restart = 8;
-// Number of points by which a harmonic advances at a time. Each SIMD lane has its own recurrence.
+// Number of points by which the recurrence of a harmonic advances in each step. Each SIMD lane has its own recurrence.
 constexpr std::size_t lanes = 32;
 constexpr std::size_t doublings = 5;
 static_assert(lanes == 1 << doublings && block % lanes == 0);
@@ -62,12 +62,13 @@ Complex unit_phasor(Turns turns) { return std::polar(1.0, to_radians(turns)); }
 // The error of the recurrence grows only with the number of steps, even for very small θ.
 struct Harmonic {
   alignas(cache_line) std::array<double, lanes> z;  // values at the next `lanes` points
-  alignas(cache_line) std::array<double, lanes> d;  // difference from the values `lanes` points before
-  double rate;                                      // 4 sin²(θ/2)
-  Complex amplitude;                                // complex amplitude at x = 0
-  Complex backward;                                 // 1 - e^(-i θ), to full relative accuracy
-  std::array<Complex, doublings> rotations;         // e^(i k Δx), e^(2 i k Δx), ..., e^(lanes/2 i k Δx)
-  Turns step;                                       // k Δx
+  // Difference from the values at the point that is `lanes` points before.
+  alignas(cache_line) std::array<double, lanes> d;
+  double rate;                               // 4 sin²(θ/2)
+  Complex amplitude;                         // complex amplitude at x = 0
+  Complex backward;                          // 1 - e^(-i θ), to full relative accuracy
+  std::array<Complex, doublings> rotations;  // e^(i k Δx), e^(2 i k Δx), ..., e^(lanes/2 i k Δx)
+  Turns step;                                // k Δx
 
   Harmonic(Complex amplitude_at_zero, Turns turns_per_point) : amplitude(amplitude_at_zero), step(turns_per_point) {
     for (std::size_t w = 0; w < rotations.size(); ++w) {
@@ -78,8 +79,9 @@ struct Harmonic {
     rate = 4.0 * std::sin(half_angle) * std::sin(half_angle);
   }
 
-  // Start from the phase at a point. The first `lanes` values are computed by repeated doubling of a run of values.
-  // Doubling copies the run and rotates the copy.
+  // Start from the phase at a point.
+  // The first `lanes` values are computed by doubling the length of a run of values several times.
+  // Each doubling appends a rotated copy of the run.
   STICTION_MULTIVERSION void start(Index point) {
     std::array<double, lanes> imaginary;
     const Complex first = amplitude * unit_phasor(step * static_cast<Turns>(point));
@@ -99,14 +101,14 @@ struct Harmonic {
   }
 };
 
-// Harmonics of one frequency n, and the sum Σ_m cos φ_mn over these harmonics.
+// Harmonics of one frequency n, and the sum of cos φ_mn over these harmonics.
 struct Group {
   std::vector<Harmonic> harmonics;
   double constant = 0.0;
 };
 
 // Directions m and M - m have opposite wavenumbers.
-// Since cos(-k x + φ') = cos(k x - φ'), they form one harmonic with amplitude e^(i φ) + e^(-i φ').
+// Because cos(-k x + φ') = cos(k x - φ'), both directions form one harmonic with amplitude e^(i φ) + e^(-i φ').
 // For m = M/2, the wavenumber is 0 and the harmonic cancels. Direction m = M has no partner.
 std::vector<Group> make_groups(MatrixView phases, const HarmonicGrid& grid) {
   const long double max_turns = std::ldexp(1.0L, max_turns_exponent);
@@ -280,7 +282,7 @@ void product(const Eigen::Map<const Matrix>& weights, const double* values, doub
   }
   if (rows >= 4) {
     for (; done < rows; done += 4) {
-      const Index row = std::min(done, rows - 4);  // the last tile may repeat some rows of the tile before
+      const Index row = std::min(done, rows - 4);  // the last tile may overlap the previous tile
       four_rows(weights.row(row).data(), values, frequencies, sums + row * stride, step);
       after(done, row + 4);
     }
@@ -294,7 +296,7 @@ void product(const Eigen::Map<const Matrix>& weights, const double* values, doub
 
 // ---- Surfaces -------------------------------------------------------------------------------------------------------
 
-// Number of points in a run along an axis. A run is computed from the phase at its first point.
+// Number of points in a run of points along an axis. Each run is computed from the phase at its first point.
 constexpr Index points_per_run = 64;
 static_assert(block % points_per_run == 0);
 
@@ -322,7 +324,7 @@ struct Rotations {
     }
   }
 
-  // Compute one run of cosines and sines.
+  // Compute the cosines and sines of one run of points.
   void fill(Index first, double* cosine, double* sine) const {
     const Complex at = unit_phasor(step * static_cast<Turns>(first));
     rotate_table(cosines.data(), sines.data(), at.real(), at.imag(), cosine, sine);
@@ -330,7 +332,8 @@ struct Rotations {
 };
 
 // Directions m and M - m have opposite wavenumbers along x and equal wavenumbers along y.
-// Their sum is -w Re[even e^(i Y)] cos X + w Im[odd e^(i Y)] sin X, with even, odd = e^(i φ) ± e^(i φ').
+// The sum of their harmonics is -w Re[even e^(i Y)] cos X + w Im[odd e^(i Y)] sin X, with even, odd = e^(i φ) ± e^(i
+// φ').
 // A direction without a partner has even = odd = e^(i φ).
 struct ArealHarmonic {
   Complex even;
@@ -354,7 +357,7 @@ Wavenumbers pair_wavenumbers(const HarmonicArea& area, Index m, Index directions
           number * std::cos(angle) * static_cast<long double>(area.spacing_x)};
 }
 
-// Harmonics of the surface, and the sum Σ w cos φ over these harmonics. The amplitudes include the weights w.
+// Harmonics of the surface, and the sum of w cos φ over these harmonics. The amplitudes include the weights w.
 struct ArealSum {
   std::vector<ArealHarmonic> harmonics;
   double constant = 0.0;

@@ -14,7 +14,7 @@ struct Point {
   double f;
 };
 
-// Bracketing search for one root. `latest` is the latest estimate, and `previous` is the estimate before the latest.
+// Bracketing search for one root. `latest` is the latest estimate, and `previous` is the estimate before it.
 // The estimates `latest` and `opposite` lie on opposite sides of the root.
 struct RootSearch {
   Point latest;
@@ -118,7 +118,7 @@ std::vector<double> find_crossings(const BatchFunction& function, Values levels,
     searches.push_back({first, last, last, 0.5, false});
     searches.back().check_convergence(tolerance);
   }
-  constexpr int max_steps = 2000;  // even a bisection over the range of all doubles takes fewer steps
+  constexpr int max_steps = 2000;  // even bisection of the range of all doubles takes fewer steps
   for (int step = 0; step < max_steps; ++step) {
     std::vector<double> arguments;
     for (const RootSearch& search : searches) {

@@ -167,7 +167,7 @@ STICTION_INLINE void classify(const PackNet<Width>& net, double max_value, const
   const P max_abs_xy = xy_high > -xy_low ? xy_high : -xy_low;
   const auto zero_slope = (x_low <= slack) & (x_high >= -slack) & (y_low <= slack) & (y_high >= -slack);
   const auto curved_up = (xx_high > 2.0 * slack) & (yy_high > 2.0 * slack);
-  // Parts in which every point is a saddle point are excluded.
+  // Parts of a cell are excluded if the Hessian is indefinite at every point, because a minimum is then impossible.
   const auto no_saddle = 36.0 * xx_high * yy_high >= 81.0 * min_abs_xy * min_abs_xy;
   const auto possible = zero_slope & curved_up & no_saddle & (low <= zero + max_value);
   const auto convex = (xx_low > zero) & (yy_low > zero) & (36.0 * xx_low * yy_low > 81.0 * max_abs_xy * max_abs_xy);
@@ -178,7 +178,7 @@ STICTION_INLINE void classify(const PackNet<Width>& net, double max_value, const
 
 template <class P>
 STICTION_INLINE void to_bernstein(P& c0, P& c1, P& c2, P& c3) {
-  // Multiplications are used, because divisions would dominate the run time.
+  // Multiplication by 1/3 replaces division, because divisions would take most of the run time.
   constexpr double third = 1.0 / 3.0;
   constexpr double sixth = 1.0 / 6.0;
   const P a = sixth * (c0 + 4.0 * c1 + c2);
@@ -473,7 +473,7 @@ std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& ran
     }
   }
   std::stable_sort(all_minima.begin(), all_minima.end(), precedes);
-  // Remove minima that were found twice, in two cells or in two parts of a cell.
+  // Remove the second copy of minima that were found twice, in two cells or in two parts of a cell.
   // At this stage, both copies of a minimum that was found twice belong to the same cell.
   std::vector<Minimum> result;
   result.reserve(all_minima.size());

@@ -7,8 +7,8 @@
 
 #include <cstddef>
 
-// Multiversioning is disabled if the loader does not support it, as on other platforms and with other C libraries.
-// Multiversioning is also disabled under sanitizers, whose start-up is incompatible with resolver functions.
+// Multiversioning requires the loader of the GNU C library on x86-64 Linux, which selects a version of each function.
+// Multiversioning is disabled under sanitizers, because their start-up code is incompatible with resolver functions.
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
 #define STICTION_SANITIZED
 #elif defined(__has_feature)
@@ -36,14 +36,14 @@
 #define STICTION_MULTIVERSION
 #endif
 
-// Clang reports a function as unused if only the loader selects it.
+// Clang reports a function as unused if only the loader refers to the function.
 #if defined(__clang__)
 #pragma clang diagnostic ignored "-Wunused-function"
 #endif
 
 /// Define void name(parameters) from a template name_kernel<Width>(arguments).
 /// Width is the number of doubles in a register of the instruction set.
-/// GCC stores SIMD types that are wider than a register in memory, and access to them is 20 times slower.
+/// If a SIMD type is wider than a register, GCC stores it in memory, and access to it is 20 times slower.
 #if defined(STICTION_WIDE)
 #define STICTION_KERNEL(name, parameters, arguments)                                                            \
   __attribute__((target(STICTION_WIDEST))) void name parameters { name##_kernel<8> arguments; } /* AVX-512 */   \
@@ -60,7 +60,7 @@
 namespace stiction {
 
 // SIMD types of GCC and Clang, and variants of these types for unaligned memory.
-// Each width has its own definition, because attributes of types that depend on a template parameter are ignored.
+// Each width has its own definition, because compilers ignore attributes of types that depend on a template parameter.
 template <std::size_t Width>
 struct PackOf;
 template <>
@@ -92,7 +92,7 @@ using Pack = typename PackOf<Width>::Type;
 inline constexpr std::size_t widest_pack = 8;
 
 // Load a register from unaligned memory.
-// std::memcpy is not used, because GCC would split the copy before the instruction set is known.
+// std::memcpy is not used, because GCC splits the copy before it knows the instruction set.
 template <std::size_t Width>
 STICTION_INLINE Pack<Width> load(const double* values) {
   return reinterpret_cast<const typename PackOf<Width>::Unaligned*>(values)->pack;

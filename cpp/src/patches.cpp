@@ -9,8 +9,9 @@
 namespace stiction {
 namespace {
 
-// At each open side, the points under pressure extend beyond the true contact by this fraction of a cell.
-// On lines, the fraction is half of 0.38 +- 0.03 points per contact, measured on Westergaard's sinusoid.
+// At each open side of a cell, the points under pressure extend beyond the true contact by this fraction of the cell.
+// On lines, the fraction is half of 0.38 +- 0.03 points per contact, determined with Westergaard's solution for a
+// sinusoid.
 constexpr double line_side_fraction = 0.19;
 constexpr double area_side_fraction = (std::numbers::pi - 1 + std::numbers::ln2) / 24;
 
@@ -144,7 +145,7 @@ PatchSums patch_sums(Values force, Values area, Values slope_y, Values slope_x, 
       const std::size_t at = direction * count + static_cast<std::size_t>(patch[i] - 1);
       const double rise = slope_x[i] * x + along_y(i) * y;  // -q s·n
       const double across = slope_x[i] * y - along_y(i) * x;
-      // The tangent t is -s + (s·n) n divided by the length sqrt(1 - (s·n)²) = level/q, so q F t_z = -F rise/level.
+      // The tangent t is (-s + (s·n) n) / sqrt(1 - (s·n)²). The square root equals level/q, so q F t_z = -F rise/level.
       const double level = std::sqrt(1 + across * across);
       const double upward = -rise / level;
       sums.leaning[at] += rise * force[i];

@@ -9,7 +9,8 @@
 namespace stiction {
 namespace {
 
-// Maximum number of conjugate-gradient steps for the blocks, and squared relative residual at which the steps end.
+// Maximum number of conjugate-gradient steps for the blocks.
+// The steps end earlier if the squared relative residual falls below the second number.
 constexpr int max_block_steps = 5;
 constexpr double block_tolerance = 1e-4;
 // Largest relative change of the number of free points for which the foundation stiffness is reused.
@@ -107,7 +108,7 @@ std::span<const float> Preconditioner::operator()(std::span<const std::int32_t> 
 
 void Preconditioner::update_foundation(std::span<const std::int32_t> free_points, const ThreadPool& pool) {
   for (const std::int32_t point : free_points) {
-    remainder_[static_cast<std::size_t>(point)] = 1.0F;  // operator() overwrites this element
+    remainder_[static_cast<std::size_t>(point)] = 1.0F;  // operator() replaces this value
   }
   apply_stencil(free_points, remainder_, pool);
   sum_on_blocks(free_points, foundation_, pool);

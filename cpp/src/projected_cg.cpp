@@ -15,7 +15,7 @@
 namespace stiction {
 namespace {
 
-// Limits of the ratio of the optimal step length to the trial length.
+// Limits of the ratio of the optimal step length to the trial step length.
 // If the ratio is outside these limits, the current step is shortened or the next step is lengthened.
 constexpr double min_length_factor = 0.5;
 constexpr double max_length_factor = 2.0;
@@ -25,11 +25,11 @@ constexpr int max_failed_steps = 6;
 constexpr double failure_factor = 0.25;
 // Upper limit of the load change at a free point, relative to the load on all free points.
 // Above this limit, round-off would affect the load.
-// Without a limit, the step length would grow without end, because steps that hit a bound are always too short.
+// Without this limit, the step length would grow indefinitely, because steps that reach a bound are always too short.
 constexpr double max_change_ratio = 1e3;
 constexpr int max_newton_steps = 200;
 constexpr std::size_t lanes = 8;
-// Number of grid points per task, and number of free points per task.
+// Number of grid points per task in loops over the grid, and number of free points per task in loops over free points.
 constexpr std::size_t grid_points_per_task = std::size_t{1} << 16;
 constexpr std::size_t free_points_per_task = std::size_t{1} << 16;
 
@@ -43,7 +43,7 @@ void add_scaled(const float* response, std::size_t size, double factor, double* 
 
 // Mark the free points of a block.
 // A free point has a pressure between 0 and its bound, or a gap that drives the pressure away from the bound.
-// Points at a bound with a NaN gap are free too. Returns whether the block has any free point.
+// Points at a bound with a NaN gap are free too. Returns whether the block contains a free point.
 STICTION_MULTIVERSION
 bool mark_free(const double* pressure, const double* potential, const double* bound, std::size_t size, double approach,
                std::uint8_t* marks) {
@@ -60,7 +60,7 @@ bool mark_free(const double* pressure, const double* potential, const double* bo
   return any != 0;
 }
 
-// Write from + slope · first, from + slope · (first + 1), and so on.
+// Write the values of a linear function: from + slope · first, from + slope · (first + 1), and so on.
 STICTION_MULTIVERSION
 void write_line(float from, float slope, std::int32_t first, std::int32_t count, float* values) {
   for (std::int32_t j = 0; j < count; ++j) {
@@ -70,7 +70,7 @@ void write_line(float from, float slope, std::int32_t first, std::int32_t count,
 
 struct Moments {
   double sum = 0.0;
-  double moment = 0.0;  // Σ value · (first, first + 1, ...)
+  double moment = 0.0;  // sum of each value multiplied by its index, counted from `first`
 };
 
 STICTION_MULTIVERSION
@@ -187,7 +187,7 @@ double shift_to_sum(std::span<const double> pressure, std::span<const double> bo
     }
     (excess > 0.0 ? left : right) = shift;
     double next = current.between > 0.0 ? shift + excess / current.between : left + 0.5 * (right - left);
-    // If `next` is not finite, no pressure lies strictly between the bounds, and the bracket is open on one side.
+    // If `next` is not finite, no pressure lies strictly between the bounds, and one end of the bracket is infinite.
     if (!std::isfinite(next)) {
       const auto [lowest, highest] = std::minmax_element(pressure.begin(), pressure.end());
       const double max_bound = *std::max_element(bound.begin(), bound.end());
@@ -565,7 +565,7 @@ std::span<const float> ProjectedCgSolver::step(std::span<const float> preconditi
   return step_;
 }
 
-// Return the largest fraction of the step that stays within the bounds.
+// Return the largest fraction of the step for which all pressures stay within their bounds.
 double ProjectedCgSolver::max_feasible_fraction() const {
   double fraction = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < stepped_points_.size(); ++k) {
@@ -610,8 +610,8 @@ bool ProjectedCgSolver::advance(std::span<const float> response, const ThreadPoo
     conjugate_ = false;
     return false;
   }
-  // A full step that hits bounds is accepted if it lowers the energy.
-  // A fraction of this step would leave some pressure at points where the full step removes all pressure.
+  // A full step that is clipped at bounds is accepted if it lowers the energy.
+  // A fraction of the step would leave some pressure at points at which the full step removes all pressure.
   const double fraction = clipped_
                               ? (optimum >= min_length_factor ? 1.0 : optimum)
                               : (optimum <= 1.0 ? optimum : std::min(optimum, std::max(max_feasible_fraction(), 1.0)));

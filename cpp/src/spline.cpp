@@ -41,7 +41,7 @@ void right_sides(const double* heights, Index size, double scale, double* result
 
 // Compute the slope at a point as the mean of the slopes of the two adjacent cubics.
 // Both slopes are equal to within round-off.
-// The expression is symmetric in x, so a mirrored profile has bit-identical mirrored slopes.
+// The expression is symmetric in x. The slopes of a mirrored profile are therefore bit-identical except for their sign.
 STICTION_MULTIVERSION
 void slopes(const double* heights, const double* curvature, Index size, double spacing, double* result) {
   const double height_factor = 0.5 / spacing;
@@ -64,7 +64,7 @@ double last_slope(Values heights, double curvature_before, double spacing) {
 
 // ---- Superposition --------------------------------------------------------------------------------------------------
 
-// Number of points on each side after which the curvature due to a unit load is negligible (0.268^28 = 1e-16).
+// Distance in points beyond which the curvature due to a unit load is negligible (0.268^28 = 1e-16).
 constexpr Index reach = 28;
 // Curvatures are computed in chunks of `chunk` points plus one point on each side, rounded up to multiples of `stride`.
 constexpr Index stride = 32;
@@ -140,7 +140,7 @@ void natural_spline_from(Values heights, double spacing, Index first, std::span<
   const double* y = heights.data();
   const double scale = load_scale(spacing);
   const Index last = size - 1;
-  // At an end without curvature, the load has odd symmetry.
+  // At an end point, the curvature is zero, and the load is continued with odd symmetry.
   // Beyond the end, the load is the mirror image of the load inside, with opposite sign.
   const auto load_at = [&](Index j) {
     const Index i = (j % (2 * last) + 2 * last) % (2 * last);

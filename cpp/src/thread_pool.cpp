@@ -11,7 +11,7 @@
 
 namespace stiction {
 
-// A round is the set of tasks of one call.
+// A round is the set of tasks of one call of `run`.
 // A round ends without waiting for threads that have not started any task of the round.
 // A thread that wakes up after the end of a round waits for the next round.
 struct ThreadPool::Workers {
@@ -81,7 +81,7 @@ struct ThreadPool::Workers {
     }
   }
 
-  // Run tasks of a round until no task is left. After an exception, the remaining tasks are only counted.
+  // Run tasks of a round until no task is left. After an exception, the remaining tasks are counted but not run.
   void run_tasks(const Round& current, std::size_t thread, const CancellationCheck& check_cancellation) {
     std::uint64_t ticket = next_task;
     while (ticket >> 32 == current.number && static_cast<std::uint32_t>(ticket) < current.tasks) {

@@ -56,7 +56,7 @@ TEST_CASE("contact_geometry: relative curvatures are measured in the tangent pla
 
 TEST_CASE("areal press: a paraboloid on a flat has one elliptic contact for all directions and sliding rules") {
   // The spline has zero curvature at the edges, which are 15 points away.
-  // The edges change the result by a relative amount of only 0.268^15.
+  // The relative change of the result due to the edges is only 0.268^15.
   constexpr double tolerance = 1e-7;
   const Matrix upper = paraboloid(31, 41, 3.0, 1.0);
   const Matrix lower = Matrix::Zero(31, 41);
@@ -84,8 +84,9 @@ TEST_CASE("areal press: a paraboloid on a flat has one elliptic contact for all 
 }
 
 TEST_CASE("tangent: is a unit tangent and matches the sliding factors, also at walls along the motion") {
-  // Nearly vertical walls that lean by 1e-12, rotated by `turn` relative to the motion.
-  // The tangent t is almost perpendicular to the motion, so (s·n) n - s cancels.
+  // Walls whose normals have the vertical component `up`, rotated by `turn` relative to the motion.
+  // If `up` and `turn` are small, the tangent t is almost perpendicular to the motion.
+  // The vector form (s·n) n - s would then suffer from cancellation.
   for (const double turn : {0.0, 1e-9, 1e-6, 1e-3, 0.5}) {
     for (const double up : {1e-12, 1e-3, 0.5}) {
       const double level = std::sqrt(1.0 - up * up);

@@ -13,7 +13,7 @@
 
 namespace {
 
-// Sinusoids with a wavelength of 1 µm above a flat.
+// Sinusoids with wavelengths of 1 µm and 0.157 µm on a line that rises slightly.
 std::vector<double> sinusoid(std::size_t size) {
   std::vector<double> heights(size);
   for (std::size_t i = 0; i < size; ++i) {
@@ -28,7 +28,7 @@ struct Cancelled {};
 }  // namespace
 
 TEST_CASE("gap_minimum: finds the minimum of a parabola and no other stationary point") {
-  // The gap has the slope g' = 2 (t - 0.3), which is -0.6 and 1.4 at the ends of [0, 1).
+  // The gap has the slope g' = 2 (t - 0.3), which is -0.6 at t = 0 and 1.4 at t = 1.
   CHECK(*stiction::gap_minimum(-0.6, 2.0, 1.4, 2.0, 1.0) == doctest::Approx(0.3).epsilon(1e-15));
   CHECK_FALSE(stiction::gap_minimum(0.6, -2.0, -1.4, -2.0, 1.0).has_value());  // the gap has a maximum
   // The minimum lies to the left of the interval.

@@ -15,7 +15,8 @@ using stiction::hertz_ellipse;
 TEST_CASE("hertz_ellipse: matches Johnson's equations with GSL's elliptic integrals") {
   for (const double k : {0.99, 0.9, 0.5, 0.1, 0.02, 1e-3}) {
     const double e2 = 1.0 - k * k;
-    // K - E and E - k² K cancel near k = 1. Near k = 0, the round-off of e limits the accuracy of k² = 1 - e².
+    // Near k = 1, the terms of K - E and of E - k² K nearly cancel.
+    // Near k = 0, the round-off of e limits the accuracy of k² = 1 - e².
     const double tolerance = 1e-14 / e2 + 1e-15 / (k * k);
     const double first = gsl_sf_ellint_Kcomp(std::sqrt(e2), GSL_PREC_DOUBLE);
     const double second = gsl_sf_ellint_Ecomp(std::sqrt(e2), GSL_PREC_DOUBLE);

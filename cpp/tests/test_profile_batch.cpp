@@ -14,7 +14,7 @@ namespace {
 using stiction::Index;
 using stiction::Matrix;
 
-constexpr Index points = 3000;  // number of points; it is no multiple of the block size or of the chunk size
+constexpr Index points = 3000;  // number of points; neither a multiple of the block size nor of the chunk size
 constexpr Index rows = 3;
 constexpr double spacing = 0.002;
 const std::vector<double> approaches{0.002, 0.01, 0.03};

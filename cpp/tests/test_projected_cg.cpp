@@ -15,7 +15,7 @@ namespace {
 constexpr double round_off = 1e-6;  // relative error of steps in single precision
 const std::vector<double> none{std::numeric_limits<double>::infinity()};
 
-// Independent springs, for which K p = p / stiffness. The exact preconditioner is the stiffness itself.
+// Independent springs with K p = p / stiffness. The exact preconditioner is the stiffness itself.
 struct Springs {
   std::vector<double> gap;
   double stiffness;
@@ -68,7 +68,7 @@ TEST_CASE("ProjectedCgSolver: independent springs under pressure have equal pote
 }
 
 TEST_CASE("ProjectedCgSolver: a bound limits the pressure and other points carry the remaining load") {
-  // The first spring carries 4, so (δ - 1 + δ - 2) 2 = 6. This gives δ = 3.
+  // The first spring carries its maximum load of 4, so (δ - 1 + δ - 2) 2 = 6. This gives δ = 3.
   const auto solver = Springs{{0.0, 1.0, 2.0, 9.0}, 2.0}.solve(10.0, {4.0}, false);
   const std::array<double, 4> expected{4.0, 4.0, 2.0, 0.0};
   for (std::size_t i = 0; i < expected.size(); ++i) {
@@ -77,7 +77,7 @@ TEST_CASE("ProjectedCgSolver: a bound limits the pressure and other points carry
 }
 
 TEST_CASE("ProjectedCgSolver: respects a separate bound for each point") {
-  // The second spring carries no load, and the third spring carries 1, so (δ + δ - 4) 2 = 9.
+  // The second spring carries no load, and the third spring carries its maximum load of 1, so (δ + δ - 4) 2 = 9.
   // This gives δ = 4.25, and both of these springs overlap.
   for (const bool line : {false, true}) {
     const auto solver = Springs{{0.0, 1.0, 2.0, 4.0}, 2.0}.solve(10.0, {100.0, 0.0, 1.0, 9.0}, line);
@@ -103,7 +103,7 @@ TEST_CASE("ProjectedCgSolver: with the whole load at the bounds, the approach li
 
 TEST_CASE("ProjectedCgSolver: steps in which all points reach their bounds preserve the load") {
   ProjectedCgSolver solver(std::vector<double>{0.5, 0.9, 0.1}, 1.5, std::vector<double>{1.0}, false);
-  // The gap drives the pressure from one point to the other point, and the compliance is small.
+  // The difference of the gaps drives the load from one point to the other point, and the compliance is small.
   // Therefore the optimal step length grows with each step.
   for (int count = 0; count < 100; ++count) {
     const bool odd = count % 2 == 1;

@@ -1,4 +1,4 @@
-// Test of reentrancy: several concurrent threads obtain the same results as a single thread.
+// Test of reentrancy: several concurrent threads compute the same results as a single thread.
 // The test also runs under the thread sanitizer.
 #include "stiction/amplitude.hpp"
 #include "stiction/contact.hpp"
@@ -44,7 +44,7 @@ std::vector<double> press_profiles(unsigned seed) {
 
 TEST_CASE("library: concurrent threads obtain the results of a single thread") {
   constexpr unsigned tasks = 8;
-  // The concurrent threads run first, so that several threads compete for each initialisation on first use.
+  // The concurrent threads run first, so that several threads compete for each one-time initialisation.
   std::vector<std::vector<double>> together(tasks);
   std::vector<std::thread> threads;
   for (unsigned task = 0; task < tasks; ++task) {

@@ -36,7 +36,7 @@ def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Flo
         raise ValueError(f"{name} must be an array of real numbers, got {type(values).__name__}") from None
     if ndim is not None and array.ndim != ndim:
         raise ValueError(f"{name} must have {ndim} dimension(s), got shape {array.shape}")
-    # A sum is faster than a test of each element. A sum of finite numbers is infinite only if it overflows.
+    # Summing an array is faster than testing each element. A sum of finite numbers is infinite only if it overflows.
     with np.errstate(over="ignore", invalid="ignore"):
         total = array.sum()
     if not np.isfinite(total) and (is_nonfinite := ~np.isfinite(array)).any():

@@ -18,7 +18,7 @@ HEIGHT_COLOUR_MAP = "gray"
 _MAX_NANOMETRE_RANGE = 0.5  # range of heights (µm) below which heights are drawn in nm
 _MAX_SCALE_BAR_FRACTION = 0.25  # maximum length of the scale bar, relative to the width of the map
 PRESSURE_COLOUR_MAP = "inferno"
-MAX_LEGEND_LINES = 12  # a legend is drawn only if there are at most this many lines
+MAX_LEGEND_LINES = 12  # maximum number of lines in a figure with a legend
 
 
 def to_readable_height_unit(heights: Floats) -> tuple[Floats, str]:

@@ -21,10 +21,11 @@ PARTIAL_NAME_PATTERN = re.compile(r"\.stiction-([0-9a-f]{8})-([0-9]+)-([0-9a-f]{
 The name contains the machine, the process id, the run and a random number.
 """
 
-MAX_PARTIAL_AGE = 3600.0  # age in seconds above which a partial file left by another machine counts as stale
+# a partial file left by another machine counts as stale if its age in seconds exceeds this limit
+MAX_PARTIAL_AGE = 3600.0
 _MACHINE_TOKEN = f"{zlib.crc32(platform.node().encode()):08x}"
 _PROCESS_TOKEN = secrets.token_hex(4)  # random token that identifies this run; a process id may be reused
-# The mark that identifies a file is searched in this many bytes at the beginning and at the end of the file.
+# Number of bytes at the beginning and at the end of a file in which its identifying mark is searched for.
 _NUM_SEARCHED_BYTES = 2**16
 
 
@@ -75,7 +76,7 @@ def write_atomically(path: Path, content: bytes) -> None:
 def _open_partial_file(path: Path, move_file: Callable[[Path, Path], object]) -> Iterator[Path]:
     """Yield an empty file in the folder of `path`. Rename it to `path` on success, and remove it otherwise."""
     partial_path = path.parent / new_partial_file_name()
-    try:  # create the file inside `try`, so that it is removed even if Ctrl-C arrives right afterwards
+    try:  # create the file inside `try`, so that the file is removed even if Ctrl-C arrives immediately afterwards
         os.close(os.open(partial_path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
         yield partial_path
         move_file(partial_path, path)

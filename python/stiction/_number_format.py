@@ -8,7 +8,8 @@ from typing import Any
 
 MAX_SIGNIFICANT_DIGITS = 4  # maximum number of significant digits of a value, however narrow its interval
 UNBOUNDED_END_TEXT = "\N{INFINITY}"  # text for the upper end of an unbounded interval
-MAX_FULL_PRECISION_END_RATIO = 100.0  # an interval end above this multiple of the value is printed with one digit
+# the upper end of an interval is printed with one digit if it exceeds this multiple of the value
+MAX_FULL_PRECISION_END_RATIO = 100.0
 
 _PREFIXED_UNITS = {
     "mN": ((1e6, 1e6, "kN"), (1e3, 1e3, "N"), (0.01, 1.0, "mN"), (1e-5, 1e-3, "µN"), (0.0, 1e-6, "nN")),
@@ -100,7 +101,7 @@ def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
 
 
 MIN_PRINTED_PERCENTAGE = (
-    0.001  # smallest percentage that is printed as a number; below it, "less than" this number is printed
+    0.001  # smallest percentage that is printed; smaller percentages are printed as "less than" this number
 )
 
 

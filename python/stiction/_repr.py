@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
 NOTEBOOK_IMAGE_DPI = 110  # resolution of a notebook image in dots per inch
 NOTEBOOK_IMAGE_SIZE = (4.6, 3.2)  # width and height of a notebook image in inches
-MAX_ONE_COLUMN_WIDTH = 4.0  # figures up to this width (inches) count as one-column figures and get a higher resolution
+# maximum width (inches) of one-column figures, which get a higher resolution than wider figures
+MAX_ONE_COLUMN_WIDTH = 4.0
 # At this zlib level, compression takes half as long as at the default level 6, but map images are 10 % larger.
 PNG_COMPRESSION = 4
 

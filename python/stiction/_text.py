@@ -8,7 +8,7 @@ import unicodedata
 
 MAX_PATH_LENGTH = 300  # maximum number of characters of a path in a message
 MAX_WORD_LENGTH = 80  # maximum number of characters of a key, version or name in a message
-MAX_QUOTED_LINE_LENGTH = 1000  # maximum number of characters of a line that is quoted in a message
+MAX_QUOTED_LINE_LENGTH = 1000  # maximum number of characters of a line from a file in a message
 
 # Unicode categories that are escaped: control and format characters, surrogates, line and paragraph separators.
 _UNPRINTABLE_CATEGORIES = {"Cc", "Cf", "Cs", "Zl", "Zp"}

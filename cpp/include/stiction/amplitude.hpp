@@ -24,9 +24,9 @@ struct HeightStatistics {
   double max;
 };
 
-/// Accumulates the height statistics of a profile that is added in chunks, from left to right.
+/// Accumulator of the height statistics of a profile. The profile is added in chunks, from left to right.
 /// Each SIMD lane has a separate sum, minimum and maximum.
-/// If every chunk except the last has a multiple of `lanes` heights, the result does not depend on the chunk sizes.
+/// The result does not depend on the chunk sizes if they are multiples of `lanes`. The last chunk may have any size.
 class HeightAccumulator {
  public:
   static constexpr std::size_t lanes = 32;
@@ -50,7 +50,7 @@ struct Scaling {
   double factor;
 };
 
-/// Return the scaling that gives a profile with these statistics the amplitude `amplitude` [µm].
+/// Return the scaling that changes the amplitude of a profile with the given statistics to `amplitude` [µm].
 /// Returns nothing for a flat profile, because a flat profile cannot be scaled.
 std::optional<Scaling> find_scaling(double amplitude, AmplitudeMeasure measure, Values heights,
                                     const HeightStatistics& statistics);

@@ -9,15 +9,15 @@
 // If the edge of the map cuts a contact ellipse, only the part of the ellipse inside the map counts.
 // The Hertzian pressure is integrated over the part of the ellipse inside the map.
 // The force and the area of a contact therefore never decrease with the approach.
-// A long valley contributes only with the part that lies inside the map.
+// Only the part of a long valley that lies inside the map contributes.
 //
-// In some cases, round-off would decide by chance whether there is a contact.
+// In some cases, round-off alone would determine whether there is a contact.
 // The rules below decide these cases, so that rotating, mirroring, swapping or shifting a pair preserves the result.
 // Curvatures and slopes are expressed in units of the grid spacing.
 // Curvatures and slopes below 2^-26 of the range of the gap count as zero.
 // - A minimum that is not curved upwards in every direction is a level valley or plateau.
-//   A level valley or plateau is not a contact, because it has no lowest point.
-//   The grid points of a level plateau count as grid minima without a spline minimum.
+// A level valley or plateau is not a contact, because it has no lowest point.
+// The grid points of a level plateau count as grid minima without a spline minimum.
 // - A surface that is not concave counts as a summit, even if it is flat in one or both directions.
 // - A contact whose slope along the motion is zero does not oppose the motion.
 #pragma once
@@ -51,7 +51,7 @@ struct SurfacePair {
 struct ContactGeometry {
   Vector3 normal;  ///< unit vector from the lower to the upper surface, (-p, 1)/q
   Radii radii;     ///< principal radii of the relative curvature, both > 0
-  Vector3 along;   ///< unit vector in the tangent plane, along which the radius is larger
+  Vector3 along;   ///< unit vector in the tangent plane, in the direction of the larger radius
 };
 
 /// Compute the contact geometry from the slope and from a positive definite Hessian.
@@ -65,7 +65,7 @@ struct ArealCandidate {
   /// Gap [µm] at the minimum when the first grid points come into contact.
   /// The gap is slightly negative if the spline dips below the grid points.
   double gap;
-  double edge_overlap;  ///< overlap [µm] at which the elastic ellipse reaches the edge of the map
+  double edge_overlap;  ///< overlap [µm] at which the contact ellipse of elastic bodies reaches the edge of the map
   Vector3 normal;
   Radii radii;
   Vector3 along;    ///< direction of the larger semi-axis of the ellipse
@@ -77,12 +77,14 @@ struct ArealCandidate {
 /// Contact candidates of two maps, valid for all approaches up to `deepest`.
 struct ArealCandidates {
   std::vector<ArealCandidate> all;  ///< candidates in the order of their cells, row by row
-  std::vector<double> grid_minima;  ///< gaps [µm] at points without a lower neighbour, in ascending order
-  std::vector<double> unanswered;   ///< gaps of grid minima that have no spline minimum in the four adjacent cells
-  double deepest;                   ///< largest approach [µm]
-  Vector2 spacing;                  ///< distance between columns, and between rows, of the maps [µm]
-  Index rows;                       ///< number of rows of the maps
-  Index columns;                    ///< number of columns of the maps
+  /// Gaps [µm] at grid points where no neighbour has a smaller gap, in ascending order.
+  std::vector<double> grid_minima;
+  /// Gaps [µm] at grid minima for which the four adjacent cells contain no minimum of the spline.
+  std::vector<double> unanswered;
+  double deepest;   ///< largest approach [µm]
+  Vector2 spacing;  ///< distance between columns, and between rows, of the maps [µm]
+  Index rows;       ///< number of rows of the maps
+  Index columns;    ///< number of columns of the maps
 };
 
 /// Relative tolerance within which two heights count as equal.
@@ -90,13 +92,15 @@ struct ArealCandidates {
 inline constexpr double round_off_fraction = 0x1p-46;
 
 /// Relative tolerance within which a valley counts as level.
-/// A height difference between neighbouring points counts as zero below this fraction of the range of the gap.
+/// Height differences between neighbouring points count as zero if they are below this fraction of the range of the
+/// gap.
 /// This tolerance limits the accuracy with which a minimum is located to about 1e-8 of a grid spacing.
 inline constexpr double level_fraction = 0x1p-26;
 
 /// Find all contact candidates with a gap of at most `deepest` [µm] >= 0.
 /// The curvature rule `convex` requires both surfaces to be summits; `signed_` requires only a minimum of the gap.
-/// The maps must have equal shapes, at least 4 rows and 4 columns, and finite heights. They must not be parallel.
+/// The maps must have equal shapes, at least 4 rows and 4 columns, and finite heights.
+/// The two maps must not be parallel.
 /// Throws std::invalid_argument.
 ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature curvature,
                            const CancellationCheck& check_cancellation = {});
@@ -107,9 +111,11 @@ struct ArealSums : Sums {
   double lateral_frictional = 0.0;  ///< -Σ F c·t [mN] per unit mu0
   double lateral_adhesive = 0.0;    ///< -Σ A c·t [mN] per GPa of tau0
   double load_overlapping = 0.0;    ///< Σ F n_z [mN] of contacts whose ellipse overlaps another ellipse
-  double load_at_edge = 0.0;        ///< Σ F n_z [mN] of contacts whose ellipse the edge of the map cuts
-  Index grid_minimum_count = 0;     ///< number of points within the approach without a lower neighbour
-  Index unanswered_count = 0;       ///< number of these points that have no spline minimum nearby
+  double load_at_edge = 0.0;        ///< Σ F n_z [mN] of contacts whose ellipse is cut by the edge of the map
+  /// Number of grid minima: points whose gap is within the approach and not larger than any neighbour's gap.
+  Index grid_minimum_count = 0;
+  /// Number of these grid minima for which the adjacent cells contain no minimum of the spline.
+  Index unanswered_count = 0;
 };
 
 /// Name, unit and description of a member of `ArealSums` that is not a member of `Sums`.
@@ -140,7 +146,7 @@ inline constexpr std::array areal_quantities{
 std::vector<Contact> contacts(const ArealCandidates& candidates, double approach, const Law& law,
                               const Vector2& direction);
 
-/// Compute the contact sums for every direction and approach. The result has the order (direction, approach).
+/// Compute the contact sums for every direction and approach. The results are ordered by direction, then by approach.
 /// Approaches [µm] must be at least 0 and strictly increasing. Directions are horizontal unit vectors.
 /// HertzSphere is applied to the contact ellipse. Other laws for spheres are applied to a sphere of the mean radius.
 /// Throws std::invalid_argument for invalid arguments and for HertzCylinder.

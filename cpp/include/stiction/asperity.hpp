@@ -36,7 +36,8 @@ struct Asperities {
   std::vector<double> curvature;  ///< curvatures f'' [1/µm]
   std::vector<Vector3> normal;    ///< unit normals that point out of the solid
   std::vector<double> radius;     ///< radii R of the osculating spheres [µm]
-  std::vector<Vector3> centre;    ///< sphere centres [µm], if point j of the profile is at (j Δx, 0, z_j)
+  /// Sphere centres [µm] in coordinates in which point j of the profile is at (j Δx, 0, z_j).
+  std::vector<Vector3> centre;
 };
 
 /// Compute the asperities of a profile from its heights [µm] and its spacing [µm] > 0.

@@ -3,7 +3,7 @@
 //
 // Every type of asperity pair has the members `contact_at(approach)` and `is_separated(approach)`.
 // Code that works with all types of asperity pairs uses only these two members.
-// Positions are relative to the point of the lower surface at which the asperities face each other.
+// Positions are relative to a point of the lower surface. At this point, the two asperities face each other.
 // The approach [µm] is the displacement of the upper surface towards the lower surface since first contact.
 // `gap` [µm] is the height difference between the two surface points at first contact of the surfaces.
 #pragma once
@@ -43,7 +43,8 @@ enum class Curvature { convex, signed_ };
 /// Two spheres, at most one of which is concave (Eq. 4).
 /// With the penetration p = δ - gap, the vector between the centres is X = -p e_z + R_l n_l - R_u n_u.
 /// The overlap is R_u + R_l minus the signed length of X.
-/// For a nearly flat surface, this difference of two large numbers would lose all digits by cancellation.
+/// For a nearly flat surface, this difference of two large numbers would have no correct digits because of
+/// cancellation.
 /// The overlap is therefore evaluated as ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|).
 /// To avoid the same cancellation, the contact centre is measured from the smaller sphere.
 struct SpherePair {
@@ -59,7 +60,7 @@ struct SpherePair {
 
   /// Compute the contact point at a given approach [µm].
   ContactPoint contact_at(double approach) const;
-  /// Return whether contact_at(approach).overlap <= 0, without a division or a square root.
+  /// Return whether contact_at(approach).overlap <= 0. This function needs no division and no square root.
   bool is_separated(double approach) const;
   /// Return (R_u + R_l)² - X² [µm²], with the sign of R_u R_l.
   double overlap_numerator(double penetration) const {
@@ -107,7 +108,7 @@ inline ContactClass classify(const ContactPoint& contact_point, double half_cell
   return contact_point.normal.z() > 0.0 ? ContactClass::contact : ContactClass::crossed;
 }
 
-// ---- Kernels, inline because they dominate the cost per contact -----------------------------------------------------
+// ---- Kernels (inline, because they take most of the time per contact) -----------------------------------------------
 
 inline ContactPoint SpherePair::contact_at(double approach) const {
   const double penetration = approach - gap;

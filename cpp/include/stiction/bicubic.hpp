@@ -5,12 +5,12 @@
 
 namespace stiction {
 
-/// A map must have at least this number of rows and at least this number of columns.
+/// Minimum number of rows, and minimum number of columns, of a map.
 /// A natural cubic spline has zero curvature at its end points. It requires at least two inner points.
 constexpr Index min_map_points = 4;
 
 /// Replace heights [µm] by the coefficients [µm] of the B-spline that interpolates the heights.
-/// The heights are the inner elements of the array (at least 4 by 4). The outermost rows and columns are only output.
+/// The heights are the inner elements of the array (at least 4 by 4). The outermost rows and columns are outputs only.
 /// The round-off of the coefficients is about 1e-16 of the largest height. Throws std::invalid_argument.
 void natural_bicubic(Eigen::Ref<Matrix> coefficients);
 
@@ -20,7 +20,8 @@ void natural_bicubic(Eigen::Ref<Matrix> coefficients);
 void natural_slopes(const MatrixView& heights, const Vector2& spacing, Eigen::Ref<Matrix> along_x,
                     Eigen::Ref<Matrix> along_y);
 
-/// Value and derivatives of a spline at a point. In the derivatives, x and y are in units of the grid spacing.
+/// Value and derivatives of a spline at a point.
+/// The derivatives are with respect to x and y in units of the grid spacing.
 struct Jet {
   double value;  ///< value of the spline [µm]
   double x;

@@ -7,14 +7,15 @@
 namespace stiction {
 
 /// Callback that can cancel a calculation by throwing.
-/// The library calls the callback at least every few milliseconds, and passes its exception on to the caller.
+/// The library calls the callback at least every few milliseconds.
+/// The caller receives the exception that the callback throws.
 /// A default-constructed check never cancels.
 class CancellationCheck {
  public:
   CancellationCheck() = default;
   explicit CancellationCheck(std::function<void()> callback) : callback_(std::move(callback)) {}
 
-  /// Run the callback in every 32nd call only, because the callback takes longer than some steps of a calculation.
+  /// Run the callback only on every 32nd call, because the callback takes longer than some steps of a calculation.
   void operator()() const {
     if (callback_ && ++calls_ % 32 == 0) {
       callback_();

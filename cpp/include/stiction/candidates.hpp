@@ -35,7 +35,8 @@ struct ProfilePair {
   double spacing;
 };
 
-/// Two asperities that face each other. At approaches of at least `gap`, they touch if the rules of `classify` are met.
+/// Two asperities that face each other. // The asperities touch if the approach is at least `gap` and the rules of
+/// `classify` are met.
 struct Candidate {
   /// Index of the grid point. With `gap_minimum`, this is the grid point to the left of the minimum.
   Index index;
@@ -49,7 +50,7 @@ struct Candidate {
 };
 
 /// Call visit(candidate), from left to right, for every candidate whose gap is at most `deepest` [µm] >= 0.
-/// With Detection::cell, candidates that cannot touch within their cell up to `deepest` may be omitted.
+/// With Detection::cell, a candidate may be omitted if it cannot touch within its cell at approaches up to `deepest`.
 /// Both profiles must have the same number of heights, at least 4. Heights must be finite, and the spacing positive.
 /// Throws std::invalid_argument.
 void for_each_candidate(const ProfilePair& pair, double deepest, Detection detection, Curvature curvature,

@@ -1,5 +1,6 @@
 // Contact of two rough profiles: Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 4 to 7.
-// The candidates that touch at an approach are the contacts. A contact law gives the force and area of each contact.
+// The contacts at an approach are the candidates that touch at this approach.
+// A contact law gives the force and area of each contact.
 // The contact sums are sums over all contacts of the pair.
 #pragma once
 
@@ -30,8 +31,8 @@ struct Contact {
   Vector3 normal;   ///< unit vector from the lower to the upper surface
   Vector3 tangent;  ///< unit vector of the friction force on the upper surface
   Radii radii;      ///< principal radii of the relative curvature
-  Vector2 axes;     ///< semi-axes of the contact patch [µm], the larger one first
-  Vector3 along;    ///< unit vector of the larger semi-axis, which is y on profiles
+  Vector2 axes;     ///< semi-axes of the contact patch [µm]; the first is the larger
+  Vector3 along;    ///< unit vector along the larger semi-axis; on profiles, this vector is along y
   double overlap;   ///< overlap of the asperities along the normal [µm]
   double force;     ///< normal force [mN]
   double area;      ///< contact area [µm²]
@@ -46,7 +47,8 @@ std::vector<Contact> contacts(const ProfilePair& pair, double approach, const Co
 std::vector<Contact> contacts(const Candidates& candidates, double approach, const ContactModel& model,
                               const CancellationCheck& check_cancellation = {});
 
-/// Compute the contact sums at approaches [µm] >= 0 in strictly increasing order. Throws as `contacts` does.
+/// Compute the contact sums at several approaches [µm].
+/// Approaches must be at least 0 and strictly increasing. Throws as `contacts` does.
 /// The overload for candidates uses only the law, the direction and the sliding rule of the model.
 /// The candidates determine the detection and the curvature rule.
 std::vector<Sums> press(const ProfilePair& pair, Values approaches, const ContactModel& model,

@@ -39,11 +39,12 @@ struct IndexRange {
   std::size_t end;
 };
 
-/// Return, in increasing order, index ranges that contain all grid points at which contact is possible.
+/// Return index ranges that contain all grid points at which contact is possible. The ranges are in increasing order.
 /// Contact is possible at points whose gap at first contact is at most `max_gap` [µm].
 std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilter& prefilter, double max_gap);
 
-/// Return an upper bound [µm] on the depth by which the splined gap dips below its values on the grid.
+/// Return an upper bound [µm] on the difference between the smallest grid value and the smallest value of the splined
+/// gap.
 /// The bound is 3/8 of the largest second difference.
 /// The second derivative f'' of a natural spline is at most 3/Δx² times the largest second difference.
 /// A cubic dips below its end points by at most Δx² / 8 times its largest |f''|.
@@ -81,7 +82,7 @@ void mark_minima(Derivatives derivatives, std::size_t size, unsigned char* marks
 std::optional<double> gap_minimum(double slope, double curvature, double next_slope, double next_curvature,
                                   double spacing, bool at_first_point = false);
 
-// ---- Kernel, inline because it runs for many intervals --------------------------------------------------------------
+// ---- Kernel (inline, because it runs for many intervals) ------------------------------------------------------------
 
 inline std::optional<double> gap_minimum(double slope, double curvature, double next_slope, double next_curvature,
                                          double spacing, bool at_first_point) {
@@ -95,10 +96,11 @@ inline std::optional<double> gap_minimum(double slope, double curvature, double 
     return std::nullopt;
   }
   const double root = std::sqrt(discriminant);
-  // The quadratic increases at this root. This formula for the root avoids cancellation.
+  // At this root, the quadratic increases. This formula for the root avoids cancellation.
   const double t = curvature >= 0.0 ? -2.0 * slope / (curvature + root) : (root - curvature) / (2.0 * half_rate);
   if (slope < 0.0 && next_slope > 0.0) {
-    // The signs at the ends guarantee a root in the interval. Only round-off can put the computed root outside.
+    // The signs at the ends guarantee a root in the interval.
+    // Only round-off can place the computed root outside the interval.
     return std::clamp(t, 0.0, spacing);
   }
   return t > 0.0 && t < spacing ? std::optional(t) : std::nullopt;

@@ -12,14 +12,16 @@
 
 namespace stiction {
 
-/// Grid on the surface of a half-space: an area, or a line, which is a single row of cells that are 1 µm wide.
+/// Grid on the surface of a half-space.
+/// The grid is an area, or a line, which is a single row of cells that are 1 µm wide.
 struct Grid {
   std::size_t rows = 1;
   std::size_t columns = 1;
   double spacing_y = 1.0;
   double spacing_x = 1.0;
   bool line = true;
-  bool periodic = false;  ///< True if the grid repeats periodically. Otherwise, there is no load outside the grid.
+  /// True if the grid repeats periodically. Otherwise, the half-space outside the grid is free of load.
+  bool periodic = false;
 
   std::size_t size() const { return rows * columns; }
 };
@@ -78,7 +80,8 @@ class ElasticKernel {
   void apply_foundation_compliance(std::span<const float> loads, double foundation, std::span<float> result,
                                    Workspace& workspace, const ThreadPool& pool = ThreadPool()) const;
 
-  /// Return the stiffness operator E*|k|/2 of an area, truncated to a stencil of 3 x 3 points (row by row).
+  /// Return the stiffness operator E*|k|/2 of an area, truncated to a stencil of 3 x 3 points.
+  /// The weights are stored row by row.
   /// The weight of the centre is chosen so that the sum of all weights is small.
   const std::array<double, 9>& stencil() const { return stencil_; }
 

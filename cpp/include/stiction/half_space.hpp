@@ -1,4 +1,4 @@
-// Normal contact of an elastic half-space with a rigid rough surface, solved on successively finer grids.
+// Normal contact of an elastic half-space with a rigid rough surface, computed on successively finer grids.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -16,7 +16,7 @@
 
 namespace stiction {
 
-/// Grid hierarchy and elastic kernels that all contact problems on the same grid share.
+/// Grid hierarchy and elastic kernels, shared by all contact problems on the same grid.
 /// Each coarser grid has about half as many points along an axis as the next finer grid.
 /// The coarsest grid has about 16 points along an axis.
 /// Several threads may use the same object at the same time.
@@ -54,7 +54,8 @@ class HalfSpaceGrids {
   mutable std::vector<double> influence_;
 };
 
-/// Solution of a contact problem: pressures [GPa], approach [µm], relative error (see HalfSpaceSolver), iterations.
+/// Solution of a contact problem: pressures [GPa], approach [µm], relative error and number of iterations.
+/// HalfSpaceSolver defines the error.
 struct HalfSpaceSolution {
   std::vector<double> pressure;
   double approach = 0.0;
@@ -62,7 +63,7 @@ struct HalfSpaceSolution {
   std::int64_t iterations = 0;  ///< number of iterations on the finest grid
 };
 
-/// Progress callback. Each iteration on the finest grid calls it with the iteration number and the error.
+/// Progress callback. Each iteration on the finest grid calls this function with the iteration number and the error.
 /// An exception that the callback throws ends the calculation.
 using HalfSpaceProgress = std::function<void(std::int64_t, double)>;
 
@@ -88,12 +89,13 @@ class HalfSpaceSolver {
   /// The displacements are those due to the mean pressure [GPa].
   double scale(double mean_pressure) const;
 
-  /// Solve for a mean pressure over the grid [GPa].
+  /// Solve the contact problem for a given mean pressure [GPa] on the grid.
   /// If `near` contains the pressures at another load, the solver starts from these pressures.
   HalfSpaceSolution at(double mean_pressure, Values near = {}, const ThreadPool& pool = ThreadPool(),
                        const HalfSpaceProgress& progress = {}) const;
 
-  /// Solve for an approach [µm]. This takes about six solutions at trial loads, because the load is found by iteration.
+  /// Solve the contact problem for a given approach [µm].
+  /// The load is found by iteration, so the problem is solved for about six trial loads.
   HalfSpaceSolution at_approach(double approach, Values near = {}, const ThreadPool& pool = ThreadPool(),
                                 const HalfSpaceProgress& progress = {}) const;
 
@@ -118,7 +120,7 @@ class HalfSpaceSolver {
 /// Linear response of a fixed contact area to a normal load that displaces all contact points equally.
 struct LinearResponse {
   double compliance = 0.0;       ///< dδ/dp [µm/GPa], where p is the sum of the pressures; 0 at full contact
-  std::vector<double> pressure;  ///< pressure on the grid, with a sum of 1
+  std::vector<double> pressure;  ///< pressures on the grid; the sum of all pressures is 1
 };
 
 /// Compute the linear response of the contact area `in_contact`. The relative error of the compliance is about 1e-7.

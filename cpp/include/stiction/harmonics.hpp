@@ -30,7 +30,8 @@ std::vector<double> frequency_weights(double hurst_exponent, Index frequencies, 
 
 /// Write Σ_n weights(d, n) G_n(x_j) [µm] to row d, column j of `profiles` (rows of weights, points).
 /// The shape of phases [rad] is (directions M, frequencies N). The shape of weights [µm] is (any number of rows, N).
-/// The phase of a harmonic is stored as a 64-bit fraction of a turn, which wraps exactly for any number of turns.
+/// The phase of a harmonic is stored as a 64-bit fraction of a turn.
+/// This fraction wraps exactly for any number of turns.
 /// Aliased harmonics are therefore as accurate as the product of a long double wavenumber and the position.
 /// Returns the height statistics of each row, so that the caller needs no further pass over the row.
 /// Throws std::invalid_argument if shapes do not match, values are out of range, or phases cannot be resolved.
@@ -55,8 +56,9 @@ struct HarmonicArea {
 };
 
 /// Write the areal form of Eq. 1 to `heights` [µm] (rows along y, columns along x).
-/// The phases are (2π γ^(n-1) / L) (x cos(π m/M) + y sin(π m/M)) + φ_mn. Each frequency has one weight w_n [µm].
-/// By cos(a + b) = cos a cos b - sin a sin b, each harmonic is the sum of two products of a column and a row.
+/// The phases are (2π γ^(n-1) / L) (x cos(π m/M) + y sin(π m/M)) + φ_mn.
+/// All harmonics of a frequency have the same weight w_n [µm].
+/// According to cos(a + b) = cos a cos b - sin a sin b, each harmonic is the sum of two products of a column and a row.
 /// Accuracy and exceptions are the same as those of `harmonic_profiles`.
 void harmonic_surface(MatrixView phases, Values weights, const HarmonicArea& area, Eigen::Ref<Matrix> heights,
                       const CancellationCheck& check_cancellation = {});

@@ -1,4 +1,4 @@
-// Local minima of a bicubic spline, such as the gap between two maps.
+// Local minima of a bicubic spline. The spline may be the gap between two maps, for example.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -16,7 +16,7 @@ struct Minimum {
   /// Position in the cell along x, in units of the spacing. The position is at least -1e-6 and below 1 - 1e-6.
   double u;
   double v;  ///< position in the cell along y, in units of the spacing
-  /// Value and derivatives of the spline at the minimum. The first derivatives are zero except for round-off.
+  /// Value and derivatives of the spline at the minimum. The first derivatives are zero to within round-off.
   Jet at;
 };
 
@@ -30,7 +30,8 @@ struct CellRange {
 
 /// Find all minima of a spline in a range of cells, in the order of the cells, row by row.
 /// The spline is specified by its coefficients (see natural_bicubic).
-/// Minima above `max_value` [µm], minima on the edge of the map and valleys whose curvature is round-off do not count.
+/// The result does not include minima above `max_value` [µm] and minima on the edge of the map.
+/// Valleys whose curvature is due to round-off are not included either.
 /// A minimum within 1e-6 of the boundary of two cells belongs to the right or the upper of these cells.
 /// The cell to which such a minimum belongs may lie outside the given range of cells.
 ///

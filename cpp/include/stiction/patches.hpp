@@ -16,12 +16,14 @@ struct Patches {
   std::vector<std::int64_t> points;      ///< indices of the points on the grid
   std::vector<double> pressure;          ///< pressure at each point [GPa]
   std::vector<double> contact_fraction;  ///< contact fraction of the cell of each point
-  std::vector<std::int32_t> patch;       ///< patch number of each point, from 1, in order of the first points
-  std::int32_t count = 0;                ///< number of patches
+  /// Patch number of each point; patches are numbered from 1 in the order of their first points.
+  std::vector<std::int32_t> patch;
+  std::int32_t count = 0;  ///< number of patches
 };
 
 /// Find the connected patches formed by the points under pressure.
-/// A point is connected to its neighbours (eight on areas), also across the edges of a periodic grid.
+/// On areas, a point is connected to its eight neighbours. On lines, a point is connected to its two neighbours.
+/// On a periodic grid, points are also connected across the edges.
 /// A side of a cell under pressure is open if the adjacent cell carries no pressure.
 /// Each open side reduces the contact fraction of the cell by 0.19 on lines, and by (π - 1 + ln 2)/24 on areas.
 /// Yastrebov, Anciaux & Molinari, Tribology International 114 (2017) 161.
@@ -30,7 +32,7 @@ struct Patches {
 /// Throws std::invalid_argument if the number of pressures differs from the number of grid points.
 Patches patches_of(Values pressure, const Grid& grid, double hardness);
 
-/// Sums over each patch. Sums that depend on the direction are matrices (directions, patches).
+/// Sums over each patch. Sums that depend on the direction are matrices of shape (directions, patches).
 struct PatchSums {
   std::vector<double> force;         ///< Σ F n_z [mN]
   std::vector<double> area;          ///< contact area along the deformed interface [µm²]

@@ -1,4 +1,4 @@
-// Preconditioner of the areal half-space solver: an approximate inverse of the elastic kernel on the free points.
+// Preconditioner of the areal half-space solver: approximate inverse of the elastic kernel on the free points.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -18,7 +18,8 @@ namespace stiction {
 /// A 3 x 3 stencil S on the free points describes the short-range interaction of neighbouring points.
 /// At long range, distant points cause a slowly varying displacement.
 /// A kernel K' on blocks of points describes this displacement. Bilinear weights P relate the blocks to the points.
-/// So K is about S⁻¹ + P'K'P, and its inverse is S - SP'(K'⁻¹ + PSP')⁻¹PS. On periodic blocks, K'⁻¹ is E*|k|/2.
+/// So K is approximately S⁻¹ + P'K'P, and the inverse of this sum is S - SP'(K'⁻¹ + PSP')⁻¹PS.
+/// On periodic blocks, K'⁻¹ is E*|k|/2.
 /// The system in brackets describes a half-space on an elastic foundation whose stiffness on each block is PS1.
 /// A few conjugate-gradient steps solve this system.
 /// With this preconditioner, the number of solver iterations is almost independent of the grid size.
@@ -44,7 +45,8 @@ class Preconditioner {
                                     Workspace& workspace, const ThreadPool& pool = ThreadPool());
 
  private:
-  /// Apply the stencil at each free point to values on the grid, which are continued periodically beyond the edges.
+  /// Apply the stencil at each free point to values on the grid.
+  /// The values are continued periodically beyond the edges.
   void apply_stencil(std::span<const std::int32_t> free_points, std::span<const float> values, const ThreadPool& pool);
   /// Sum the result of the stencil over each block, using the bilinear weights.
   void sum_on_blocks(std::span<const std::int32_t> free_points, std::vector<float>& sums, const ThreadPool& pool);

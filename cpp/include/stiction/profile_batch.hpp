@@ -1,4 +1,4 @@
-// Contact of many pairs of profiles in one call, for example for one set of phases and many fractal dimensions.
+// Contact of many pairs of profiles in one call. For example, the pairs may differ only in their fractal dimension.
 // Each pair consists of one row of a matrix and the same row of a second matrix.
 #pragma once
 
@@ -24,9 +24,9 @@ struct Amplitudes {
   AmplitudeMeasure measure;
 };
 
-/// Compute the contact sums of each pair, which is a row of `upper` and the same row of `lower`.
+/// Compute the contact sums of each pair of profiles. A pair is one row of `upper` and the same row of `lower`.
 /// The profiles are scaled to each amplitude, and the sums are computed for each model and approach.
-/// The result has the order (row, amplitude, model, approach). The heights are overwritten.
+/// The results are ordered by row, amplitude, model and approach. The heights are overwritten.
 /// For the last amplitude, the profiles are scaled in place, which halves the memory traffic.
 /// For all amplitudes except the last, the profiles are scaled into the two rows of `scratch`.
 /// Throws as `press` does, and also if shapes do not match or a profile is flat.

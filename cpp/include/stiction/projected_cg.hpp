@@ -22,8 +22,8 @@ namespace stiction {
 /// A point at a bound is free if its gap drives its pressure away from the bound.
 /// One iteration consists of these calls:
 ///
-///     restart(potential), then  update_free_points()  ->  residual()  ->  step(M residual, K previous step)
-///     ->  advance(K step)
+/// restart(potential), then  update_free_points()  ->  residual()  ->  step(M residual, K previous step)
+/// ->  advance(K step)
 ///
 /// Let the residual r be extended from the free points to the constrained points.
 /// On the free points, r·(inverse of K)r is the minimum of r·Mr over all extensions of r.
@@ -34,7 +34,7 @@ namespace stiction {
 /// The interpolation continues across the edges of the grid, because M is periodic.
 ///
 /// Each step leads from one feasible distribution of pressures to another.
-/// Only pressures at free points change, so restoring the sum never puts a small pressure on other points.
+/// Only pressures at free points change. Restoring the sum therefore never causes a small pressure at other points.
 /// The method is described by Polonsky & Keer, Wear 231 (1999) 206. The energy never increases.
 class ProjectedCgSolver {
  public:
@@ -71,7 +71,8 @@ class ProjectedCgSolver {
   /// `response` must stay valid until the next `update_free_points`. Returns whether the pressure changed.
   bool advance(std::span<const float> response, const ThreadPool& pool = ThreadPool());
 
-  /// Scale the pressures that are below their bounds, so that all pressures have the exact sum to within round-off.
+  /// Scale the pressures that are below their bounds, so that the sum of all pressures equals the total to within
+  /// round-off.
   /// After this scaling, the potential must be recomputed.
   void rescale_to_total();
 
@@ -96,7 +97,7 @@ class ProjectedCgSolver {
   struct Segment {
     std::int32_t first;
     std::int32_t count;
-    std::int32_t offset;  // number of constrained points before `first` in the same run
+    std::int32_t offset;  // number of constrained points of the run that precede `first`
   };
 
   void check(std::span<const float> grid) const;
@@ -113,28 +114,30 @@ class ProjectedCgSolver {
   std::vector<double> pressure_;
   std::vector<double> potential_;
   double total_;
-  std::array<double, block> uniform_bound_{};  // repetitions of the bound, if all points share a single bound
-  std::vector<double> bounds_;                 // bound of each point; empty if all points share a single bound
+  std::array<double, block> uniform_bound_{};  // copies of the bound, if all points have the same bound
+  std::vector<double> bounds_;                 // bound of each point; empty if all points have the same bound
   bool line_;
-  std::vector<std::int32_t> free_points_;     // points where residual_ may differ from 0
-  std::vector<std::int32_t> stepped_points_;  // points where step_ may differ from 0
+  std::vector<std::int32_t> free_points_;     // points at which residual_ may differ from 0
+  std::vector<std::int32_t> stepped_points_;  // points at which step_ may differ from 0
   std::vector<float> residual_;               // residual on the grid
   std::vector<float> step_;                   // direction of the step on the grid
   std::vector<double> preconditioned_;        // preconditioned residual at free points
   std::vector<double> target_;                // pressure at free points after a full step
   std::vector<double> free_bounds_;           // bound at free points
-  // K times the last step. This response times `pending_fraction_` has not been added to the potential yet.
+  // K times the last step.
+  // The product of this response and `pending_fraction_` has not been added to the potential yet.
   std::span<const float> pending_response_;
   double pending_fraction_ = 0.0;
-  std::vector<std::vector<std::int32_t>> task_free_points_;  // free points that each task of a thread has found
+  std::vector<std::vector<std::int32_t>> task_free_points_;  // free points found by each task
   double approach_ = 0.0;
-  double mean_potential_ = 0.0;           // mean potential of free points
-  double step_length_ = 1.0;              // length of the next preconditioned step
-  double descent_length_ = 1.0;           // length of the next steepest-descent step
-  double previous_descent_length_ = 1.0;  // steepest-descent length before the last preconditioned step
-  int failed_steps_ = 0;                  // number of failed preconditioned steps since the last successful step
-  int descent_steps_left_ = 0;            // number of steepest-descent steps that remain
-  double curvature_ = 0.0;                // scalar product of the step and K step
+  double mean_potential_ = 0.0;  // mean potential of free points
+  double step_length_ = 1.0;     // length of the next preconditioned step
+  double descent_length_ = 1.0;  // length of the next steepest-descent step
+  // Length of the steepest-descent step that preceded the last preconditioned step.
+  double previous_descent_length_ = 1.0;
+  int failed_steps_ = 0;        // number of failed preconditioned steps since the last successful step
+  int descent_steps_left_ = 0;  // number of remaining steepest-descent steps
+  double curvature_ = 0.0;      // scalar product of the step and K step
   bool conjugate_ = false;
   bool steepest_descent_ = false;
   bool clipped_ = false;

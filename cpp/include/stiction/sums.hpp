@@ -1,4 +1,5 @@
-// Sums over contacts. The normal and tangential loads are linear functions of mu0 and tau0, with sums as coefficients.
+// Sums over contacts. The normal and tangential loads are linear functions of mu0 and tau0.
+// Their coefficients are sums.
 // Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 6 and 7 and section 2.5.
 //
 // The upper surface is about to move along a horizontal unit vector s.
@@ -26,7 +27,8 @@ enum class Sliding { opposing, all };
 /// Parse a sliding rule: "opposing" or "all". Throws std::invalid_argument for any other name.
 Sliding sliding(std::string_view name);
 
-/// Sums over the contacts at one approach. Both loads are F = elastic + mu0 frictional + tau0 adhesive.
+/// Sums over the contacts at one approach. // The normal and the tangential load are both computed as elastic + mu0 ·
+/// frictional + tau0 · adhesive.
 struct Sums {
   Index contact_count = 0;
   double contact_area = 0.0;           ///< Σ A                 [µm²]
@@ -83,7 +85,7 @@ inline constexpr std::array quantities{
 /// Return the unit vector of the friction force on the upper surface, for a contact with the given normal (n_z > 0).
 Vector3 tangent(const Vector3& normal, const Vector2& direction);
 
-/// Return whether the normal force of a contact on the upper surface points against the motion.
+/// Return whether the normal force of a contact on the upper surface is directed against the motion.
 inline bool opposes(const Vector3& normal, const Vector2& direction) { return normal.head<2>().dot(direction) < 0.0; }
 
 /// Factors of the force components that a sliding contact exerts on the upper surface.
@@ -112,7 +114,7 @@ Status status(const Sums& sums, double mu0, double tau0 = 0.0);
 /// Return F_T / F_N, or NaN unless the status is `ok`.
 double friction_coefficient(const Sums& sums, double mu0, double tau0 = 0.0);
 
-// ---- Kernel, inlined because it dominates the cost per contact ------------------------------------------------------
+// ---- Kernel (inline, because it takes most of the time per contact) -------------------------------------------------
 
 inline Vector3 tangent(const Vector3& normal, const Vector2& direction) {
   const double along = normal.head<2>().dot(direction);
@@ -129,7 +131,7 @@ inline Vector3 tangent(const Vector3& normal, const Vector2& direction) {
           along * (normal.z() / length)};
 }
 
-/// Largest ratio overlap/radius for which Hertz theory is trusted. Hertz theory assumes a << R.
+/// Largest ratio of overlap to radius for which Hertz theory counts as valid. Hertz theory assumes a << R.
 inline constexpr double hertz_limit = 0.1;
 
 inline SlidingFactors sliding_factors(const Vector3& normal, const Vector2& direction) {

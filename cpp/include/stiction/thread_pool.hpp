@@ -1,5 +1,6 @@
 // Thread pool for the tasks of one calculation.
-// OpenMP is not used, because tasks may throw, and because the calling thread checks for cancellation between tasks.
+// OpenMP is not used, because tasks may throw exceptions.
+// In addition, the calling thread checks for cancellation between tasks.
 #pragma once
 
 #include "stiction/cancellation.hpp"

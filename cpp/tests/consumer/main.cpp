@@ -17,7 +17,8 @@ constexpr double spacing = 0.001;         // spacing, µm
 constexpr stiction::Index points = 4000;  // length of a profile: 4 µm
 const stiction::ContactModel model{stiction::HertzSphere{10.0}};
 
-/// Return a fractal profile [µm] of total height 0.1 µm and dimension 1.3 as defined in the paper, H = 4 - 2D.
+/// Return a fractal profile [µm] with a total height of 0.1 µm and a fractal dimension of 1.3, as defined in the paper
+/// (H = 4 - 2D).
 std::vector<double> fractal_profile(unsigned seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> phase(0.0, 2.0 * std::numbers::pi);

@@ -3,17 +3,17 @@
 // Page of the app: form, uploads, jobs and results. The server sends numbers as text.
 
 const byId = (id) => document.getElementById(id);
-const UPDATE_DELAY = 400; // time without a change after which the values are updated, milliseconds
-const POLL_INTERVAL = 500; // milliseconds between two requests for the progress of jobs
+const UPDATE_DELAY = 400; // time in milliseconds between the last change and the update of the values
+const POLL_INTERVAL = 500; // time in milliseconds between two requests for the progress of jobs
 const sides = ["upper", "lower"];
 const scans = {upper: null, lower: null};
-const arriving = {upper: 0, lower: 0}; // number of files of each side that are being uploaded or read
+const arriving = {upper: 0, lower: 0}; // number of files of each side that are currently being uploaded or read
 // Number of the latest upload or preview request of each side; responses to earlier requests are ignored.
 const latestRequests = {upper: 0, lower: 0};
 const form = byId("pair");
 let jobs = [];
-let current = null; // number of the job that is shown
-let reportAddress = ""; // address of the job's report in the frame
+let current = null; // number of the job that is displayed
+let reportAddress = ""; // address of the job's report, which is displayed in the frame
 let selection = null; // values selected in the report, or null if they equal the inputs
 
 const createNode = (tag, properties = {}, ...children) => {
@@ -22,7 +22,8 @@ const createNode = (tag, properties = {}, ...children) => {
   return node;
 };
 
-// Only this page has the key, whereas a browser also sends cookies to other servers on this computer.
+// The key is kept in the local storage of this page.
+// A cookie would also be sent to other servers on this computer.
 if (location.hash) {
   localStorage.setItem("key", location.hash.slice(1));
   history.replaceState(null, "", "/");
@@ -45,7 +46,7 @@ function showError(element, text) {
   element.textContent = text;
 }
 
-/** Show the error of a job at the scan or the field that the message names. */
+/** Show the error message of a job next to the scan or the field that is named in the message. */
 function showJobError(job) {
   for (const input of document.querySelectorAll("[aria-invalid]")) input.removeAttribute("aria-invalid");
   const text = job.error;
@@ -68,7 +69,7 @@ function connectDrop(side) {
   input.id = `${side}-file`;
   input.addEventListener("change", () => {
     const [file] = input.files;
-    input.value = ""; // otherwise the browser would ignore a second choice of the same file
+    input.value = ""; // without this line, the browser would ignore a second choice of the same file
     if (file) uploadScan(side, file);
   });
   for (const name of ["dragenter", "dragover", "dragleave", "drop"])
@@ -138,7 +139,7 @@ async function loadSamples() {
 const {units: UNITS, texts: TEXTS, ruleDescriptions: RULE_DESCRIPTIONS} = JSON.parse(document.body.dataset.facts);
 const entry = (name) => form[name].value.trim().replace(",", ".");
 
-/** Return the options of `stiction pair` for the form. Fields for both bodies occur twice. */
+/** Convert the entries of the form to options of `stiction pair`. A field for both bodies has two entries. */
 function pairOptions() {
   const options = {};
   for (const [name, text] of new FormData(form)) {
@@ -146,7 +147,7 @@ function pairOptions() {
     const hasUnit = /\p{L}{2}|[A-Z]/u.test(value); // true for "150 HV", false for "1e-3"
     (options[name] ??= []).push(value && !hasUnit ? value + (UNITS[name] ?? "") : value);
   }
-  options.missing = [options.missing.find(Boolean)]; // one value for both scans
+  options.missing = [options.missing.find(Boolean)]; // a single value applies to both scans
   if (options.young) {
     for (const side of sides) delete options[side];
     for (const name of ["young", "poisson"]) options[name] = [options[name].join(",")];
@@ -162,7 +163,7 @@ function scanProblem(side) {
   return scans[side].holds ? "" : `the ${side} scan could not be read, see above`;
 }
 
-/** Submit the form of two scans, or list its missing entries. */
+/** Submit the form for a pair of scans, or list the missing entries of the form. */
 async function submitPair(event) {
   event.preventDefault();
   const problems = [...sides.filter(scanProblem).map((side) => [byId(`${side}-file`), scanProblem(side)]),
@@ -184,7 +185,7 @@ async function submitJob(errorId, body) {
     byId("page").hidden = true;
     saveState();
     await poll();
-    byId("job").scrollIntoView({block: "nearest"}); // on a phone, the result is below the form
+    byId("job").scrollIntoView({block: "nearest"}); // on a phone, the result is displayed below the form
   } catch (error) {
     showError(byId(errorId), error.message);
   }
@@ -193,7 +194,7 @@ async function submitJob(errorId, body) {
 let pollTimer = 0;
 let latestPoll = 0; // number of the latest progress request; responses to earlier requests are ignored
 
-/** Request the progress of all jobs periodically. Requests are short, because a browser has few connections. */
+/** Request the progress of all jobs periodically. Each request is short, because browsers open few connections. */
 async function poll() {
   clearTimeout(pollTimer);
   const request = (latestPoll += 1);

@@ -25,14 +25,15 @@ from stiction.app.form import find_first_option_name, replace_option_names
 from stiction.studies.store import open_stored_result
 
 POLL_INTERVAL = 0.4  # time in seconds between two checks of the progress of a command
-MAX_SHUTDOWN_TIME = 5.0  # time in seconds that a stopped command has to write its results before it is killed
-KILLED_PROCESS_TIMEOUT = 1.0  # maximum time in seconds to wait until a killed process has ended
+# maximum time in seconds that a stopped command may take to write its results; then it is killed
+MAX_SHUTDOWN_TIME = 5.0
+KILLED_PROCESS_TIMEOUT = 1.0  # maximum time in seconds for which the app waits until a killed process has ended
 MAX_WAITING_JOBS = 8  # maximum number of jobs in the queue
 MAX_OUTPUT_BYTES = 2**25  # maximum number of bytes that a command may print
 JOB_MEMORY_FRACTION = 0.5  # maximum fraction of the machine's memory that the running job may use
 READER_MEMORY_FRACTION = 0.25  # maximum fraction of the machine's memory that each of the two reader processes may use
 SCOPE_TEXT_SUFFIX = ", here and in the pictures"
-END_OF_JSON_RECORD = b"\n}\n"  # end of the JSON record that a command prints before it draws figures
+END_OF_JSON_RECORD = b"\n}\n"  # end of the JSON record; a command prints this record before it draws figures
 
 
 REPORTED_EXCEPTIONS = (OSError, ValueError, ImportError, MemoryError, RuntimeError)
@@ -56,10 +57,10 @@ class Job:
     title: str
     arguments: list[str]  # arguments of the `stiction` command
     folder: Path
-    preview: tuple[list[str], Any] | None = None  # scans and options of a preview that uses the asperity model
+    preview: tuple[list[str], Any] | None = None  # scans and options of a preview; the preview uses the asperity model
     state: str = "waiting"  # waiting, running, done, stopped or failed
     activity: str = "waiting for the previous job"
-    scope: str = ""  # description of the members of an intermediate result; empty for the final result
+    scope: str = ""  # description of the members of an intermediate result; empty for a final result
     finished: int = 0
     total: int = 0
     versions: int = 0
@@ -127,7 +128,8 @@ class JobQueue:
         except asyncio.CancelledError:
             final_state, has_begun = "stopped", job.state == "running"
             job.state, job.activity = final_state, "reading the finished part"
-            with suppress(*REPORTED_EXCEPTIONS):  # raised if there is no result or the surfaces do not touch
+            # an exception means that there is no result, or that the surfaces do not touch
+            with suppress(*REPORTED_EXCEPTIONS):
                 if has_begun and not self._is_ending:
                     await self._read_result(job)
         except REPORTED_EXCEPTIONS as error:
@@ -138,7 +140,7 @@ class JobQueue:
     async def _run_command(self, job: Job) -> None:
         if job.preview is not None and not job.folder.exists():
             job.activity = "computing a preview"
-            with suppress(*REPORTED_EXCEPTIONS):  # the command itself will report the error
+            with suppress(*REPORTED_EXCEPTIONS):  # the command itself reports this error
                 await self._read_result(
                     job,
                     "preview with the asperity model, without hardness, at {finished} positions",
@@ -162,7 +164,8 @@ class JobQueue:
         num_reported = 2  # an interval requires at least two members
         while True:
             await asyncio.sleep(POLL_INTERVAL)
-            with suppress(*REPORTED_EXCEPTIONS):  # raised if there is no result yet or the surfaces do not touch
+            # an exception means that there is no result yet, or that the surfaces do not touch
+            with suppress(*REPORTED_EXCEPTIONS):
                 stored_result = await asyncio.to_thread(open_stored_result, job.folder)
                 job.finished, job.total = stored_result.num_finished, stored_result.study.ensemble.repetitions
                 if job.total > job.finished >= 2 * num_reported:
@@ -245,6 +248,6 @@ async def run_module(arguments: list[str], *, memory: float, grace_time: float =
                 await asyncio.wait_for(process.wait(), grace_time)
         if process.returncode is None:
             process.kill()
-            with suppress(TimeoutError):  # wait, so that the transport closes before the event loop closes
+            with suppress(TimeoutError):  # wait, so that the transport is closed before the event loop is closed
                 await asyncio.wait_for(process.wait(), KILLED_PROCESS_TIMEOUT)
         error_task.cancel()

@@ -22,7 +22,7 @@ WORKING_DIRECTORY_PREFIX = "stiction-app-"
 SERVER_IDLE_TIMEOUT = 90.0
 """Seconds without a request after which the server exits; browsers limit hidden windows to one request per minute."""
 
-FIRST_WINDOW_TIMEOUT = 600.0  # time in seconds within which the first window must be opened
+FIRST_WINDOW_TIMEOUT = 600.0  # time in seconds within which the first browser window must connect
 
 REQUEST_HEADER_TIMEOUT = 20.0  # time in seconds within which a connection must send its request headers
 MAX_IDLE_CONNECTIONS = 64
@@ -39,7 +39,8 @@ class TimeLimitedConnection(H11Protocol):
         super().connection_made(transport)
         self.idle_timers[self] = self.loop.call_later(REQUEST_HEADER_TIMEOUT, self._abort)
         if len(self.idle_timers) > MAX_IDLE_CONNECTIONS:
-            # The check runs in a second callback, so that the event loop first reads requests that have arrived.
+            # The check is delayed by a second callback, so that the event loop first reads the requests that have
+            # already arrived.
             self.loop.call_soon(self.loop.call_soon, self._close_oldest)
 
     def data_received(self, data: bytes) -> None:
@@ -104,7 +105,7 @@ async def _serve(
 
     for number in (signal.SIGHUP, signal.SIGTERM, signal.SIGINT):
         loop.add_signal_handler(number, request_shutdown)
-    # The signal handlers of uvicorn would raise the signal again, which would prevent the removal of the directory.
+    # Uvicorn's handlers would raise the signal again. The directory would then not be removed.
     http_server.capture_signals = suppress  # type: ignore[method-assign,assignment]
     server.last_request_time = loop.time()
     task = asyncio.create_task(http_server.serve(sockets=[listener]))

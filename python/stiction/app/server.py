@@ -44,10 +44,11 @@ MAX_REQUEST_TIME = 120.0  # maximum time in seconds for a request and its respon
 MAX_CONCURRENT_REQUESTS = 64  # maximum number of simultaneous requests; a browser sends at most six at a time
 MAX_SCAN_NAME_LENGTH = 60  # maximum number of characters of a scan name
 MAX_LISTED_RESULTS = 100  # maximum number of results in the list of results
-MAX_PREVIEWED_SCAN_POINTS = 2**21  # no preview is drawn for scans with more points than this
+MAX_PREVIEWED_SCAN_POINTS = 2**21  # maximum number of points of a scan for which a preview is drawn
 REQUEST_EXCEPTIONS = (ValueError, TypeError, RecursionError, OSError, ClientDisconnect)
 ACCESS_KEY_HEADER = "x-stiction-key"
-PUBLIC_PATHS = ("/", "/app.js", "/app.css")  # paths that need no key, because they contain no private content
+# paths that can be requested without the key, because they contain no private content
+PUBLIC_PATHS = ("/", "/app.js", "/app.css")
 
 ALLOWED_OPTIONS_BY_COMMAND = {"pair": tuple(FORM_FIELDS_BY_FLAG), "run": ("set",)}
 """Options of each command that the page may set."""
@@ -155,7 +156,7 @@ class Server:
         finally:
             self._running_requests.discard(task)
         if rejection is not None:
-            with suppress(RuntimeError):  # raised if the response has already started
+            with suppress(RuntimeError):  # an exception means that the response has already started
                 await rejection(scope, receive, send_with_headers)
 
     def _rejection_response(self, request: Request) -> Response | None:
@@ -253,8 +254,8 @@ class Server:
             partial_path.rename(path)
             self.scans[scan_identifier] = path
         except OSError as error:
-            with suppress(RuntimeError):  # the request is complete
-                # The rest of the upload is read, because otherwise the browser would not receive the error.
+            with suppress(RuntimeError):  # an exception means that the request has already ended
+                # The rest of the upload is read. Otherwise, the browser would not receive the error message.
                 async for _ in request.stream():
                     pass
             raise RejectedRequestError(f"the scan cannot be stored: {error.strerror}") from None

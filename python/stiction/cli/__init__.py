@@ -32,7 +32,7 @@ def main() -> None:
         with exit_on_interrupt():
             from stiction.cli.application import run_command_line
         status = run_command_line()
-    except KeyboardInterrupt:  # Ctrl-C was pressed while libraries were imported
+    except KeyboardInterrupt:  # Ctrl-C was pressed during the import of libraries
         status = EXIT_INTERRUPTED
     if status == EXIT_INTERRUPTED:  # exit without waiting for threads that still run a computation
         with suppress(OSError):
@@ -52,7 +52,7 @@ def exit_on_interrupt() -> Iterator[None]:
 
     is_main = threading.current_thread() is threading.main_thread()
     if not is_main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        yield  # keep a custom handler, and keep ignoring SIGINT in a background job
+        yield  # keep a custom handler; in a background job, keep ignoring SIGINT
         return
     try:
         signal.signal(signal.SIGINT, exit_process)
@@ -75,7 +75,7 @@ def _address_space_limit() -> float:
     """Return the address-space limit of this process in bytes, or infinity if there is none."""
     try:
         import resource
-    except ImportError:  # Windows
+    except ImportError:  # Windows has no module `resource`
         return math.inf
     soft_limit = resource.getrlimit(resource.RLIMIT_AS)[0]
     return math.inf if soft_limit == resource.RLIM_INFINITY else soft_limit

@@ -75,7 +75,8 @@ def print_output(text: str) -> None:
         _clear_line()
         typer.echo("\n".join(lines))
     except OSError as error:
-        # Redirect standard output to the null device, because Python flushes the rest at exit, which would fail again.
+        # Redirect standard output to the null device, because Python flushes the remaining output at exit.
+        # This would raise the same error again.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if not isinstance(error, BrokenPipeError):
             raise
@@ -129,7 +130,7 @@ def format_help_epilog(*lines: str) -> str:
     return "\b\n" + "\n".join(["Examples:", *(f"  {line}" for line in lines), "", EXIT_STATUS_HELP])
 
 
-# Matches a default value that is specified as text, which typer prints in parentheses.
+# Matches a default value that is specified as text. Typer prints such a default in parentheses.
 _DEFAULT_VALUE_PATTERN = re.compile(r"\[default: \(([^()]*)\)")
 _RANGE_LIMITS_PATTERN = re.compile(r"(; )?\bx[<>]=?[-\d.]+")
 _OPTION_TYPE_PATTERN = re.compile(r" <[\w\[\] ]+>$")  # matches the type that typer appends to an option
@@ -153,7 +154,8 @@ class _CommandWithHelpPanels(TyperCommand):
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         values = [text.partition("=")[2] if text.startswith("--") and "=" in text else text for text in args]
         remainder = super().parse_args(ctx, args)
-        if "" in values and "." not in values:  # Path("") would be the current directory
+        # the empty string must be excluded, because Path("") is the current directory
+        if "" in values and "." not in values:
             for parameter in cast("list[Any]", self.params):
                 value = ctx.params.get(parameter.name)
                 if Path() in (value if isinstance(value, (list, tuple)) else [value]):
@@ -205,7 +207,7 @@ class _LazyCommandGroup(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         try:
             return super().invoke(ctx)
-        except KeyboardInterrupt:  # typer would exit without a message
+        except KeyboardInterrupt:  # without this clause, typer would exit without a message
             raise report_interruption() from None
 
 
@@ -258,7 +260,7 @@ def run_command_line() -> int:
     """Run the command in `sys.argv` and return the exit status."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="replace")  # print "?" for characters that the encoding does not contain
+            stream.reconfigure(errors="replace")  # print "?" instead of characters that the encoding does not support
     warnings.showwarning = print_warning
     _PRINTED_WARNINGS.clear()
     # NumPy's warnings about NaN are suppressed, because the output explains missing values.
@@ -274,7 +276,7 @@ def run_command_line() -> int:
             context = getattr(error, "ctx", None)
             command = context.command_path if context else "stiction"
             message = error.format_message()
-            # Replace the validation library's wording for a number that is out of range.
+            # Replace the wording of the validation library for numbers that are out of range.
             message = re.sub(r"^Invalid value for '([^']+)': Input should be ", r"\1 must be ", message)
             message = _with_command_suggestion(message)
             print_message(f"{message}\ntry {command} --help")

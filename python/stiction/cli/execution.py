@@ -100,7 +100,7 @@ def compute_result_in_folder(
         raise error.with_remedy(_conflict_advice(error, study, is_replaceable="replace" in options)) from None
     except KeyboardInterrupt:
         detail = ""
-        with contextlib.suppress(StoreError):  # no result is stored yet
+        with contextlib.suppress(StoreError):  # an exception means that no result is stored yet
             stored_result = open_stored_result(directory)
             num_repetitions = stored_result.study.ensemble.repetitions
             progress = f"{stored_result.num_finished} of {num_repetitions} repetitions are finished and stored"

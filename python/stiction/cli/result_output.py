@@ -57,7 +57,7 @@ def print_values(
             summary = result.summary()
     except StoreError:
         raise
-    except ValueError as error:  # the surfaces do not touch
+    except ValueError as error:  # the error means that the surfaces do not touch
         if as_json:
             print_output(rows.record_json(command, [], **(fields or {}), remark=str(error)))
         else:
@@ -75,7 +75,7 @@ def print_values(
             )
 
     def print_remainder() -> None:
-        complete_summary = result.summary()  # this summary includes studies that were computed in the meantime
+        complete_summary = result.summary()  # this summary also includes studies that were computed in the meantime
         if as_json:
             print_output(rows.summary_json(command, complete_summary, **(fields or {})))
         elif study.is_measured and (remainder := text.resolution_and_onset_text(complete_summary, verbose=verbose)):

@@ -30,15 +30,15 @@ from stiction.mechanics.half_space_problem import (
 
 # Number of plain steps between two extrapolated steps. Plain steps damp the modes that extrapolated steps overshoot.
 NUM_UNACCELERATED_STEPS = 2
-MAX_EXTRAPOLATION_FACTOR = 10.0  # maximum extrapolated step, as a multiple of the plain step
-# maximum number of contact solutions for one external load, including solutions during jumps
+MAX_EXTRAPOLATION_FACTOR = 10.0  # maximum length of an extrapolated step, as a multiple of the length of the plain step
+# maximum number of times the contact problem is solved for one external load, including jumps
 MAX_SOLUTIONS_PER_LOAD = 2000
-MAX_SOLUTIONS_PER_CONTACT_LOAD = 60  # maximum number of contact solutions for one contact load
-MAX_STALLED_SOLUTIONS = 20  # maximum number of successive solutions that do not reduce the residual
+MAX_SOLUTIONS_PER_CONTACT_LOAD = 60  # maximum number of times the contact problem is solved for one contact load
+MAX_STALLED_SOLUTIONS = 20  # maximum number of successive contact solutions without a reduction of the residual
 # maximum accepted relative residual of the attraction, as a multiple of the tolerance
 MAX_RESIDUAL_TO_TOLERANCE_RATIO = 10.0
 MIN_SOLUTION_TOLERANCE = (
-    1e-8  # minimum tolerance of a contact solution; at smaller tolerances, round-off may stall the solver
+    1e-8  # minimum tolerance of a contact solution; with a smaller tolerance, round-off may prevent convergence
 )
 # tolerance of a contact solution, as a fraction of the residual of the previous solution
 TOLERANCE_TO_RESIDUAL_RATIO = 0.05
@@ -49,13 +49,13 @@ MAX_ATTRACTION_INCREASE = 1e-3
 MIN_CONTACT_LOAD_RATIO = 1e-3
 CONTACT_LOAD_REDUCTION_RATIO = 0.6  # ratio of successive contact loads during separation
 MINIMUM_LOAD_TOLERANCE = 0.01  # accepted relative error of the minimum load
-# relative difference between the minimum load and the first lower load that the search tries
+# relative difference between the minimum load so far and the next lower load that is tried
 FIRST_LOAD_DECREMENT = 0.05
-# An additional solution is computed only if the interpolated load is below the minimum load by at least this fraction.
+# An additional contact solution is computed only if the interpolated load is lower than the minimum by this fraction.
 MIN_LOAD_IMPROVEMENT = 0.003
 # loads are interpolated only if the two contact loads differ by at least this fraction
 MIN_CONTACT_LOAD_DIFFERENCE = 0.01
-MAX_REFINEMENT_SOLUTIONS = 6  # maximum number of additional solutions at interpolated loads
+MAX_REFINEMENT_SOLUTIONS = 6  # maximum number of additional contact solutions at interpolated loads
 MAX_TRIAL_LOADS = 24  # maximum number of external loads that are tried during separation
 
 
@@ -136,7 +136,7 @@ class AdhesionSolver:
                 return state, True
             if count == MAX_SOLUTIONS_PER_LOAD:
                 raise EquilibriumNotFoundError("the computation of the attraction did not converge")
-            # ignore the first states, which may lie near an equilibrium by chance
+            # ignore the first states; by chance, one of them may lie near an equilibrium
             if residual < min(previous_residual, least_residual) and count > 1:
                 slowest_state, least_residual = state, residual
             previous_residual = residual
@@ -155,7 +155,7 @@ class AdhesionSolver:
         grids, gap = self.problem.grids, self.problem.gap
         attraction = np.zeros_like(gap) if near is None else near.attraction
         pressure = None if near is None else near.pressure
-        # Attraction after the plain step, kept if the last step was extrapolated.
+        # Attraction after the plain step. It is stored as a fallback if the step is extrapolated.
         plain_attraction: Floats | None = None
         residual = least_residual = math.inf
         tolerance_ratio, stalled_count = TOLERANCE_TO_RESIDUAL_RATIO, 0
@@ -191,7 +191,8 @@ class AdhesionSolver:
                 )
             stalled_count = 0 if residual < least_residual else stalled_count + 1
             least_residual = min(least_residual, residual)
-            if stalled_count > MAX_STALLED_SOLUTIONS:  # the remaining residual may be due to inexact contact solutions
+            # the remaining residual may be caused by inexact contact solutions
+            if stalled_count > MAX_STALLED_SOLUTIONS:
                 tolerance_ratio, stalled_count = tolerance_ratio / 10, 0
             ratio = residual / previous_residual if previous_residual else 0.0
             extrapolation_factor = 1 / (1 - ratio) if ratio < 1 - 1 / longest else longest

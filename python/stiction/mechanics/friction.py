@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 Status = Literal["ok", "self-locked", "no-contact", "not-reached", "below-range", "not-solved", "seizure"]
 """Status of a point of a curve: "ok" if a friction coefficient exists, and otherwise the reason why none exists."""
 
-# The order of the statuses must not change, because files store the index of a status.
+# The sequence of the statuses must not change, because files store the index of a status in this sequence.
 STATUSES: tuple[Status, ...] = get_args(Status)
 STATUS_OK: Status = "ok"
 STATUS_SELF_LOCKED: Status = "self-locked"
@@ -226,7 +226,7 @@ class FrictionCurve(PlotRepr):
         strengths = validate_friction_parameter("tau0", tau0)
         check_shear_strength(strengths, self.effective_modulus)
         parameters = np.broadcast_arrays(validate_friction_parameter("mu0", mu0), strengths)
-        # In the result, the axes of mu0 and tau0 precede the axes of the sums (steps, or directions and steps).
+        # The array axes of mu0 and tau0 precede the array axes of the sums (steps, or directions and steps).
         index = (..., *([np.newaxis] * self.tangential_elastic.ndim))
         return parameters[0][index], parameters[1][index]
 

@@ -38,7 +38,8 @@ if TYPE_CHECKING:
     from stiction.mechanics.half_space_problem import ContactSolution, HalfSpaceProblem, StepKind
     from stiction.mechanics.patches import PatchSums
 
-# The solver is imported only on demand, because it imports SciPy. This import takes longer than all others.
+# The solver is imported only on demand, because it imports SciPy.
+# The import of SciPy takes longer than all other imports.
 
 BoundaryCondition = Literal["free", "periodic"]
 TiltMode = Literal["fixed", "free"]

@@ -28,11 +28,12 @@ MAX_CACHED_GRID_POINTS = 2**20
 Computing the kernels takes a quarter of the time of solving a contact with free boundaries.
 """
 
-# In a linear response to a tilt, the edge displacement is this fraction of the mean displacement under the load.
+# In a linear response to a tilt, the edge displacement is this fraction of the mean displacement due to the load.
 TILT_DISPLACEMENT_RATIO = 0.01
 # relative tolerance of the solver for linear responses with a fixed set of contact points
 LINEAR_RESPONSE_TOLERANCE = 1e-7
-# Upper bound on the pressure in linear responses to a mean pressure of 1. It is high enough even for coarse grids.
+# Upper bound on the pressure in linear responses to a mean pressure of 1.
+# The bound is high enough even for coarse grids.
 MAX_LINEAR_RESPONSE_PRESSURE = 1e9
 MAX_CELL_ASPECT_RATIO = 1e6  # maximum ratio of the longer to the shorter side of a grid cell
 
@@ -86,9 +87,9 @@ class HalfSpaceProblem:
     hardness: float | None
     work_of_adhesion: float = 0.0
     adhesion_range: float = 0.0
-    # mask of the points at which a height is missing in at least one surface; these points make no contact
+    # mask of the points without contact: at these points, a height is missing in at least one surface
     missing: NDArray[np.bool_] | None = None
-    # slopes along y and x (only along x for profiles) by which the upper surface is rotated about its centre
+    # slopes along y and x (profiles: only along x) of the rotation of the upper surface about its centre
     tilt: Floats | float = 0.0
     turns: bool = False  # True if the upper surface rotates until the resultant force acts at the centre
 
@@ -257,7 +258,8 @@ class ContactSolution:
         return problem.cell_area / compliance if compliance > 0 else np.inf
 
 
-MAX_GAP_TO_LENGTH_RATIO = 1e6  # maximum ratio of the gap to the length; the model assumes slopes far below 1
+# maximum ratio of the gap to the length; at this ratio, slopes are far too large for the model
+MAX_GAP_TO_LENGTH_RATIO = 1e6
 
 
 def make_problem(
@@ -352,7 +354,7 @@ class TiltResponse:
     pressure: Floats  # pressure under the load, GPa
     approach: float  # approach under the load, µm
     moments: Floats  # (n,) moments of the pressure under the load, GPa µm
-    slope_pressures: list[Floats]  # response of the pressure (GPa) to a unit slope along each axis, at constant load
+    slope_pressures: list[Floats]  # change of the pressure (GPa) per unit slope along each axis, at constant load
     moments_per_slope: (
         Floats  # (n, n) change of the moments per unit slope; negative definite unless only one point is free
     )
@@ -411,7 +413,8 @@ class ContactSolver:
         gap, self.scale = problem.gap, 1.0
         if (missing := problem.missing) is not None:
             # Missing points receive a gap that never closes.
-            # This gap increases the standard deviation of all gaps, so the tolerance of the solver is rescaled.
+            # This gap increases the standard deviation of all gaps, so the tolerance of the solver is rescaled
+            # accordingly.
             measured_gap = gap[~missing]
             mean_displacement = np.ptp(problem.grids.displacement(np.where(missing, 0.0, limit / problem.area)))
             gap = np.where(missing, 2 * measured_gap.max() + 4 * (mean_displacement if name == "loads" else limit), gap)

@@ -28,12 +28,12 @@ from stiction.surfaces.surface import Surface
 # At smaller approaches, one contact bears the whole load.
 _MIN_APPROACH_RATIO = 1e-6
 # Ratio of successive sampled approaches.
-# A load that the curve crosses twice between two samples may be missed.
+# If the curve crosses a load twice between two samples, the crossings may be missed.
 _SUCCESSIVE_APPROACH_RATIO = 1.1
 # Number of approaches in a batch.
 # Sampling stops after the batch in which all loads are reached, because larger approaches take longer to sample.
 _APPROACHES_PER_BATCH = 16
-# Candidates are searched to this multiple of the requested depth.
+# Candidates are searched for up to this multiple of the requested depth.
 _SEARCH_DEPTH_FACTOR = 5.0
 
 
@@ -154,7 +154,7 @@ class SurfacePair:
             or cached_candidates.deepest < deepest
             or cached_candidates.curvature != model.curvature
         ):
-            # Search deeper than requested, because the next request is often deeper.
+            # Search for candidates beyond the requested depth, because the next request is often deeper.
             cached_candidates = candidates(
                 self.upper, self.lower, deepest=_SEARCH_DEPTH_FACTOR * deepest, curvature=model.curvature
             )
@@ -177,7 +177,8 @@ def find_approaches_at_loads(
     is_pending = ~is_exceeded
     lower_approach, upper_approach = np.full(loads.size, np.nan), np.full(loads.size, np.nan)
     has_touched = bool(contact_sums.contact_count.any())
-    # Approaches increase by equal ratios until all points touch. Parallel surfaces have no such range of approaches.
+    # Successive approaches have equal ratios, up to the approach at which all points touch.
+    # Parallel surfaces have no such range of approaches.
     max_approach = float(np.ptp(bodies.upper.heights - bodies.lower.heights))
     count = round(-np.log(_MIN_APPROACH_RATIO) / np.log(_SUCCESSIVE_APPROACH_RATIO)) + 1 if max_approach > 0 else 0
     sampled_approaches = max_approach * np.geomspace(_MIN_APPROACH_RATIO, 1.0, count)

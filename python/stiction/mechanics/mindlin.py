@@ -106,12 +106,12 @@ class AsperityTangentialProblem:
         """Return the state in which all contacts together support a tangential load."""
         from scipy.optimize import brentq
 
-        del near  # the initial guess is unused, because this solution is not iterative
+        del near  # no initial guess is used, because this solution is not iterative
         max_displacement = float(self.sliding_displacement.max())
         displacement = max_displacement
         if load < self.sliding_load:
             # The load is a concave function of the displacement.
-            # The initial tangent therefore gives a lower bound on the displacement.
+            # The tangent at zero displacement therefore gives a lower bound on the displacement.
             min_displacement = min(load / self.stiffness, max_displacement)
             displacement = brentq(
                 lambda value: self._tangential_loads(self._slip_depth(value)).sum() - load,
@@ -188,7 +188,7 @@ class HalfSpaceTangentialProblem:
             problem.has_finite_approach,
         )
         self.shape, self.size = problem.gap.shape, problem.gap.size
-        # on a profile, the tractions are line loads perpendicular to the motion
+        # on a profile, each traction acts on a line perpendicular to the motion
         transverse_fraction = 1.0 if len(self.shape) == 1 else 0.5
         self.ratio = float(compliance_ratio(poisson, problem.compliance_share, transverse_fraction))
         self.points: NDArray[Any] = contact_solution.points

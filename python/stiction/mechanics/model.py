@@ -27,7 +27,7 @@ DEFAULT_EFFECTIVE_MODULUS = 10.0  # effective modulus used in the paper, GPa
 PROFILE_WIDTH = 1.0  # width of a profile, µm
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 FLIPPED_HISTORY_ENTRY = "turned over"  # history entry that the function `flipped` adds
-# Heights count as equal if they differ by at most this fraction of their range.
+# Two heights count as equal if they differ by at most this fraction of the height range.
 _SAME_HEIGHT_TOLERANCE = 1e-9
 
 
@@ -200,7 +200,7 @@ def make_model(keywords: Mapping[str, object], default: ContactModel | None = No
         return model
     if unknown_keywords := parameters.keys() - ContactModelArguments.__annotations__.keys():
         raise TypeError(f"unknown keyword argument {min(unknown_keywords)!r}")
-    # `shear` and `direction` exclude each other, so setting one of them resets the other.
+    # `shear` and `direction` cannot be combined, so setting one of them resets the other.
     if "shear" in parameters and parameters.get("direction") is None:
         parameters["direction"] = None
     elif parameters.get("direction") is not None and "shear" not in parameters:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from stiction.mechanics.presliding import FourParameterIwan, LuGre
 
-# Loads that differ by less than this fraction of the sliding load share one solution.
+# Two loads have the same solution if they differ by less than this fraction of the sliding load.
 LOAD_TOLERANCE = 1e-9
 # Tolerance of a requested displacement, as a fraction of the displacement at which the surfaces begin to slide.
 DISPLACEMENT_TOLERANCE = 1e-7

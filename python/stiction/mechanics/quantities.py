@@ -46,19 +46,21 @@ class ResultQuantity:
     kind: QuantityKind
     along: tuple[QuantityAxis, ...] = ()
     dtype: type = float
-    # Numerator, if the quantity is a ratio. For a sum at zero load, the corresponding sum under load.
+    # Name of the numerator, if the quantity is a ratio.
+    # If the quantity is a sum at zero load, name of the corresponding sum under load.
     numerator: str = ""
-    denominator: tuple[str, ...] = ()  # quantities whose sum is the denominator of a ratio
-    bounds: tuple[float, float] = (-math.inf, math.inf)  # limits that the ends of an interval cannot exceed
+    denominator: tuple[str, ...] = ()  # names of the quantities whose sum is the denominator of a ratio
+    bounds: tuple[float, float] = (-math.inf, math.inf)  # limits for the ends of an interval
     interval: IntervalKind = "sampling"  # kind of the 95 % interval
     percent: bool = False  # True if tables and reports show the quantity in percent
     column_unit: str = ""  # unit in spreadsheets, if it differs from `unit`
     column_factor: float = 1.0
     # True if the value is roughly proportional to the load.
-    # The ratio of such a value to the load is interpolated over the logarithm of the load.
+    # The ratio of such a value to the load is interpolated linearly in the logarithm of the load.
     proportional: bool = False
     weighted: bool = False  # True if the mean over an ensemble is weighted by the load
-    bound_fraction: str = ""  # name of the quantity that gives the fraction of members with only a lower bound
+    # name of the quantity that is the fraction of members for which only a lower bound is known
+    bound_fraction: str = ""
     stored: frozenset[QuantitySource] = frozenset()
     shown: frozenset[OutputView] = frozenset()
 
@@ -400,7 +402,7 @@ QUANTITIES: dict[str, ResultQuantity] = {
     "energy_lost": _statistic_quantity(
         "mN um", "energy loss in a cycle between plus and minus this load", along=("fraction",),
     ),
-    # ---- Laws of tables --------------------------------------------------------------------------------------------
+    # ---- Laws fitted to friction tables ----------------------------------------------------------------------------
     "area_factor": _statistic_quantity("1/GPa", "a of A/A0 = a p", along=()),
     "stiffness_factor": _statistic_quantity("GPa/um/GPa^c", "b of k/A0 = b p^c", along=()),
     "stiffness_exponent": _statistic_quantity("1", "c of k/A0 = b p^c", along=()),
@@ -451,7 +453,7 @@ def quantity_names_shown_in(view: OutputView) -> tuple[str, ...]:
     return select_quantity_names(lambda each: view in each.shown)
 
 
-# ---- Selections ------------------------------------------------------------------------------------------------------
+# ---- Selections of quantities ----------------------------------------------------------------------------------------
 
 SUM_QUANTITIES = tuple(CORE_SUMS)
 """Sums of a `LoadCurve` at each approach: the fields of `ContactSums`, in the order of the core."""

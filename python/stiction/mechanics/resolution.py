@@ -29,17 +29,18 @@ if TYPE_CHECKING:
 TYPICAL_HARDNESSES = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
 """Default hardnesses (GPa) for which the plastic wavelength is computed, from polymers and soft metals to ceramics."""
 
-_MAX_CUTOFF_RATIO = 1 / 30  # longest default cutoff wavelength, as a fraction of the shortest side of the surfaces
-# The first sliding rule is the rule to which most measured values of mu0 refer.
+# longest default cutoff wavelength, as a fraction of the shortest side length of the surfaces
+_MAX_CUTOFF_RATIO = 1 / 30
+# Most measured values of mu0 refer to the first of these sliding rules.
 _SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")
 _FOUR_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 _PLASTIC_WAVELENGTH_DESCRIPTION = "wavelength at which the elastic mean pressure reaches the hardness"
 KAPPA_AT_SMALL_LOADS = 2.2  # A E* h'/F at small loads; the value on Gaussian surfaces is 2.1 to 2.4
-# fields of a curve that have one value per load and do not depend on the direction
+# fields of a curve that do not depend on the direction and have one value per load
 _CURVE_FIELDS = ("contact_area", "contact_count", "load_share_at_hardness", "error")
 _VARIABLE_NAMES_BY_FIELD = {
     "load_share_at_hardness": "load_fraction_at_hardness"
-}  # result variables that are named differently from the fields of the curve
+}  # result variables whose names differ from the names of the fields of the curve
 
 
 def resolution(
@@ -241,7 +242,7 @@ def _validate_strengths(mu0: Any, tau0: Any) -> tuple[float, float]:
     return mu, tau
 
 
-# ---- Solving --------------------------------------------------------------------------------------------------------
+# ---- Contact solutions ----------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -314,7 +315,7 @@ def _solve_at_loads(
     return results
 
 
-# ---- Over cutoffs ----------------------------------------------------------------------------------------------------
+# ---- Results as functions of the cutoff ------------------------------------------------------------------------------
 
 
 def _make_cutoff_dataset(
@@ -368,7 +369,7 @@ def _variable_attributes(unit: str, text: str) -> dict[str, str]:
     return {"units": unit, "long_name": text}
 
 
-# ---- Limits ---------------------------------------------------------------------------------------------------------
+# ---- Plastic limits -------------------------------------------------------------------------------------------------
 
 
 def _add_plastic_limits(
@@ -394,7 +395,8 @@ def _add_plastic_limits(
     gradients = brackets.extrapolated_gradients(roughness, estimate, pair.shortest_cut_off, gradient)
     area_of_slope = kappa * loads / (modulus * pair.nominal_area * brackets.interface_area_ratio(np.array(gradient)))
     area_fractions = brackets.elastic_area_fraction(gradients, area_of_slope, spread)
-    central_gradients = gradients[:, :1, np.newaxis]  # the interval of the gradient barely affects the slope correction
+    # the uncertainty of the gradient barely affects the slope correction
+    central_gradients = gradients[:, :1, np.newaxis]
     grid = ("finer_wavelength", "normal_load", "statistic")
     tables: dict[str, tuple[Any, Floats, str, str]] = {
         "elastic_kappa": (grid[1], kappa, "1", "A E* h'/F of the elastic solution of the scan"),
@@ -436,7 +438,7 @@ def _add_plastic_limits(
     return extended_result
 
 
-# ---- From spectra only, in closed form ------------------------------------------------------------------------------
+# ---- Closed-form estimates from spectra -----------------------------------------------------------------------------
 
 
 def spectral_resolution(

@@ -23,12 +23,14 @@ from stiction.mechanics.half_space_problem import (
     to_contact_solution,
 )
 
-# Maximum distance of the resultant force from the centre along an axis, as a fraction of the length of the axis.
+# Maximum distance of the resultant force from the centre along an axis, as a fraction of the side length along this
+# axis.
 MAX_RELATIVE_FORCE_OFFSET = 1e-4
-MAX_TILT_SOLVES_PER_LOAD = 60  # maximum number of solutions per load
-MAX_EDGE_DISPLACEMENT_STEP = 0.5  # maximum edge displacement in one step, in standard deviations of the gap
+MAX_TILT_SOLVES_PER_LOAD = 60  # maximum number of times the contact problem is solved per load
+# maximum displacement of the edge in one step, as a multiple of the standard deviation of the gap
+MAX_EDGE_DISPLACEMENT_STEP = 0.5
 # Smallest change of the moment per unit slope for which the tilt is defined.
-# The change is relative to the load times the squared length, divided by the standard deviation of the gap.
+# The change is divided by (mean pressure) · (side length)² / (standard deviation of the gap).
 MIN_MOMENT_RESPONSE = 1e-6
 
 
@@ -72,7 +74,7 @@ def solve_with_balanced_tilt(
                 1.0, MAX_EDGE_DISPLACEMENT_STEP * gap_deviation / float(np.abs(slope_step * side_lengths / 2).max())
             )
             # The energy is a concave function of the slopes.
-            # The moments change sign beyond the maximum of the energy along the step.
+            # A step beyond the maximum of the energy changes the sign of the moments.
             while num_tried < MAX_TILT_SOLVES_PER_LOAD:
                 num_tried += 1
                 candidate = solve_at(

@@ -43,15 +43,16 @@ YIELD_PRESSURE_RATIO, METAL_YIELD_PRESSURE_RATIO = 1 / 20, 1 / 100
 """Ratios of mean contact pressure to E*. Above the first, every material has yielded; above the second, most metals.
 """
 
-# Bodies whose E* (GPa) is below this limit are assumed to be rubber or gels, which do not yield.
+# Bodies with an E* (GPa) below this limit are assumed to consist of rubber or gel, which do not yield.
 MAX_RUBBER_MODULUS = 0.1
 
-MIN_TOTAL_CONTACTS = 10  # minimum total number of contacts in all members for which a mean may be quoted
+MIN_TOTAL_CONTACTS = 10  # minimum total number of contacts in all members for which a mean may be reported
 MIN_CONTACTS_PER_MEMBER, CAUTION_CONTACTS_PER_MEMBER = 5, 10
 """Mean contact counts per member below which a coefficient must not be quoted (first) or has a caveat (second)."""
 
-MAX_LOAD_FRACTION_ON_CONTACT = 0.5  # no value is quoted if a single contact carries more than this fraction of the load
-# A caveat is issued if contacts at the edge carry more than this fraction of the load.
+# no value is reported if a single contact carries more than this fraction of the load
+MAX_LOAD_FRACTION_ON_CONTACT = 0.5
+# A caveat is issued if the contacts at the edge carry more than this fraction of the load.
 CAUTION_LOAD_FRACTION_AT_EDGE = 0.25
 CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # A caveat is issued if one contact carries more than this fraction of the load.
 
@@ -62,8 +63,9 @@ MAX_AFFECTED_FRACTION = 0.5
 MAX_INTERPOLATED_FRACTION = 0.02  # A caveat is issued if more than this fraction of the scan points is interpolated.
 MAX_SPACING_RATIO = 3.0  # A caveat is issued if the grid spacings of the two scans differ by more than this factor.
 
-NEARLY_BULK_STRENGTH_RATIO = 0.7  # ratio of τ0 to H/√α above which an interface counts as nearly as strong as the bulk
-# An interval has no upper limit if the interface seizes in more than this fraction of the samples.
+# an interface counts as nearly as strong as the bulk if the ratio of τ0 to H/√α exceeds this limit
+NEARLY_BULK_STRENGTH_RATIO = 0.7
+# An interval has no upper end if the interface seizes in more than this fraction of the samples.
 MAX_SEIZING_FRACTION = 0.025
 
 MIN_LOAD_FRACTION_AT_HARDNESS = 0.1
@@ -79,7 +81,7 @@ docs/explanation/adhesion.md describes the fit.
 """
 
 MAX_DEVIATION_FROM_MU0 = 0.02  # a coefficient counts as equal to mu0 if the relative difference is below this limit
-ROUND_UP_FACTOR = 1 + 1e-12  # factor that makes ties such as 2.25 round up, as they do in the report
+ROUND_UP_FACTOR = 1 + 1e-12  # factor that makes ties such as 2.25 round up, in the same way as in the report
 MAX_RELATIVE_HALF_WIDTH = 0.5  # A caveat is issued if the relative half width of an interval exceeds this value.
 
 
@@ -114,7 +116,8 @@ class LimitCheck(NamedTuple):
     remedy: str
     severity: Severity = "fault"
     shown: str = "digits"  # format of the number: "digit" for one digit, "digits" for two, "percent", or a unit
-    about: str = ""  # name of the number that the text shows; by default, the number that is compared with the limit
+    # name of the number that is mentioned in the text; by default, the number that is compared with the limit
+    about: str = ""
 
     @property
     def shown_name(self) -> str:
@@ -273,7 +276,7 @@ def find_point_caveats(
         yield Caveat(text, remedy, "fault")
         return
     num_members = mean_over_directions(point, "members")
-    # minimum number of solved members in any sliding direction
+    # smallest number of solved members in any sliding direction
     num_solved = float(point["ok"].min()) if "ok" in point else math.nan
     if num_solved < MAX_AFFECTED_FRACTION * num_members:
         text = f"only {num_solved:.0f} of {num_members:.0f} members have a coefficient"
@@ -340,7 +343,7 @@ def compute_checked_quantities(
 def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> dict[str, Any]:
     area, count = mean_over_directions(point, "contact_area"), mean_over_directions(point, "contact_count")
     spacings = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)
-    # area of a grid cell if the half-space model is applied to maps; otherwise NaN
+    # area of a grid cell for height maps in the half-space model, otherwise NaN
     cell_area = float(np.prod(spacings)) if spacings.size == 2 and study.uses_half_space else math.nan
     quantities = {
         check.name: mean_over_directions(point, check.name)
@@ -516,7 +519,7 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
     """Yield caveats about neglected or unresolved adhesion, and about input effects that are not in the interval."""
     if not study.contact.adheres:
         added_load = estimate_adhesion_load_ratio(point, study)
-        # the asperity model has no adhesion
+        # the asperity model does not include adhesion
         min_added_load = MAX_NEGLECTED_ADHESION_FRACTION if study.uses_half_space else 1.0
         if study.is_measured and study.contact.work_of_adhesion is None and added_load > min_added_load:
             added_text = f"at least {format_percent(added_load)}" if added_load < 1 else "more than 100 %"

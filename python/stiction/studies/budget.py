@@ -50,13 +50,14 @@ SAMPLING_INPUT_NAMES = (UPPER_SCANS_INPUT_NAME, LOWER_SCANS_INPUT_NAME, POSITION
 """Sources of uncertainty that are not inputs of the study: the choice of scans and of positions."""
 
 INTERFACE_INPUT_NAME = "interface"  # name of the input that combines mu0 and tau0
-# quantiles at which an input is fixed for the uncertainty budget
+# quantiles of an input; the uncertainty budget is computed with the input fixed at each of these quantiles
 FIXED_INPUT_QUANTILES = (0.1, 0.5, 0.9)
 MAX_BUDGETED_COEFFICIENTS = 100  # maximum number of coefficients for which uncertainty budgets are computed
-# relative difference up to which mu0 or tau0 counts as equal to its value in the study
+# mu0 or tau0 counts as equal to its value in the study up to this relative difference
 SAME_INPUT_TOLERANCE = 1e-3
-MAX_LOG_COEFFICIENT_RATIO = 50.0  # upper bound on ln(single test / mean), which prevents overflow
-TAIL_SUBSAMPLING = 61  # the bound of a tail is estimated from one in this number of samples
+# upper bound on ln(coefficient of a single test / mean coefficient), which prevents overflow
+MAX_LOG_COEFFICIENT_RATIO = 50.0
+TAIL_SUBSAMPLING = 61  # a bound on the tail is estimated from a subsample that contains one in this number of samples
 NORMAL_DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 
@@ -87,7 +88,8 @@ def add_uncertainty(
     study = result.study
     if not study.is_measured or at.attrs.get("reading") != "elastic":
         return at
-    # The loads of the study are evaluated separately, because other loads must not change the intervals at these loads.
+    # The loads of the study are evaluated separately, so that additional loads do not change the intervals at these
+    # loads.
     is_study_load = np.isin(at["load"].values, [float(load) for load in study.friction.load])
     if is_study_load.any() and not is_study_load.all():
         parts = [
@@ -142,7 +144,7 @@ def add_uncertainty(
     contact_sums = interpolate_member_sums(result, at["load"].values).mean(("repetition", "direction"))
     sums_by_name = _get_arrays_over_dims({name: contact_sums.variables[name] for name in LOAD_SUM_NAMES}, at, dims)
     pressures = at["load"].values / float(at["nominal_area"])
-    # Consecutive coefficients have the same mu0 and tau0 and therefore share samples.
+    # Consecutive coefficients have the same mu0 and tau0, and therefore use the same samples.
     interface_axes = [dims.index(name) for name in ("mu0", "tau0")]
     for position in sorted(np.ndindex(*shape), key=lambda position: [position[index] for index in interface_axes]):
         indices = dict(zip(dims, position, strict=True))
@@ -277,9 +279,11 @@ def _get_combined_coefficients(
     combined = at["friction_all_round"].transpose(*dims, "statistic").values.copy()
     lower_limits = combined[..., 1]
     combined[..., 1] = np.where((lower_limits < 0) & (combined[..., 0] >= 0), 0.0, lower_limits)
-    is_known = ~np.isnan(known_intervals).any(axis=-1)  # an interval with an infinite upper limit is also known
+    # an interval counts as known even if its upper limit is infinite
+    is_known = ~np.isnan(known_intervals).any(axis=-1)
     combined[is_known] = known_intervals[is_known]
-    if study.surfaces.both_readings and "cut_off" in dims:  # the quoted first cutoff gets the interval of all cutoffs
+    # the interval of the first cutoff covers the intervals of all cutoffs
+    if study.surfaces.both_readings and "cut_off" in dims:
         by_cutoff = np.moveaxis(combined, dims.index("cut_off"), 0)
         by_cutoff[0, ..., 1], by_cutoff[0, ..., 2] = (
             np.fmin.reduce(by_cutoff[..., 1]),
@@ -313,14 +317,15 @@ class _CoefficientSamples:
                 self.inputs.pop(name, None)
                 strengths = ()
         value, lower, upper = point["friction_all_round"].tolist()
-        if study.is_gap:  # a gap has a single position
+        if study.is_gap:  # a gap has only one relative position
             lower = upper = value
         if not (value > 0 and math.isfinite(lower) and math.isfinite(upper)):
             return
         self.value, self.sampling = value, (lower, upper)
-        # range of coefficients that finer scans could give, widened by the sampling interval
+        # range of coefficients that finer scans could give, widened by the confidence interval due to sampling
         self.bracket: tuple[float, float] | None = None
-        # The first entry contains joint samples of mu0 and tau0. In the other entries, mu0 or tau0 is at its bound.
+        # The first entry contains joint samples of mu0 and tau0.
+        # In each of the other entries, mu0 or tau0 equals its bound.
         self.strengths = strengths
         self.rule = str(point["sliding"])
         self.growth = find_junction_growth(study)  # estimate of the junction-growth coefficient α
@@ -337,7 +342,7 @@ class _CoefficientSamples:
         relative_width = math.log(upper / lower) if lower > 0 else (upper - lower) / value
         relative_error, members = relative_width / (2 * Z_95), int(point["ok"].min())
         spread = 0.0 if study.is_gap else float(point["spread_high"]) - float(point["spread_low"])
-        # relative standard deviation of single members in a single direction about the mean over members
+        # relative standard deviation of single members in a single direction from the mean over members
         self.scatter = spread / (NORMAL_DECILE_RANGE * value) * math.sqrt(1 + 1 / max(members, 1))
         self.freedom = float(max(members - 1, 1))
         relative_errors = {
@@ -484,7 +489,8 @@ class _CoefficientSamples:
         area = self._compute_area_samples(fixed, wait)
         mu0, tau0 = samples.get("mu0", self.mu0), samples.get("tau0", self.tau0)
         growth = None
-        # The interface samples are sorted by coefficient, so quantiles of the samples are quantiles of the coefficient.
+        # The interface samples are sorted by coefficient, so a quantile of the samples is also a quantile of the
+        # coefficient.
         if strength is not None:
             hardness_samples, growth = strength[2:]
             interface_areas = (

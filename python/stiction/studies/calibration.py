@@ -29,7 +29,7 @@ from stiction.studies.interfaces import (
     list_sliding_rules,
 )
 
-MIN_SLIDING_TESTS = 3  # minimum number of tests with sliding from which the errors can be estimated
+MIN_SLIDING_TESTS = 3  # minimum number of tests with sliding for an estimate of the errors
 
 
 def calibrate(

@@ -34,7 +34,7 @@ from stiction.studies.interfaces import (
 
 # Smallest relative standard deviation of A/F between the tests at which both mu0 and tau0 are fitted.
 MIN_AREA_VARIATION = 0.1
-# Number of nuisance points in each round of adaptation, and maximum number of nuisance points in the result.
+# Numbers of nuisance points: in each round of adaptation, and at most in the result.
 # A nuisance point is a set of values of the nuisance parameters.
 NUM_NUISANCE_POINTS_PER_ROUND, MAX_NUISANCE_POINTS = 256, 8192
 # The result starts with the first number of nuisance points.
@@ -44,7 +44,7 @@ MAX_NORMAL_SCORE = 5.0  # normal scores of nuisance parameters are clipped to th
 MAX_PROPOSAL_ROUNDS = 8  # maximum number of rounds of adaptation
 # The adaptation ends when the effective sample size exceeds this fraction of the nuisance points.
 MIN_EFFECTIVE_SAMPLE_FRACTION = 0.4
-# nuisance points are added to the result until the effective sample size exceeds this value
+# nuisance points are added to the result until the effective sample size reaches this value
 MIN_EFFECTIVE_SAMPLES = 300.0
 NUM_TAU0_CELLS, NUM_MU0_CELLS = 41, 31  # numbers of grid cells along tau0 and along mu0
 NUM_STRENGTH_PAIRS = 4000  # number of pairs of mu0 and tau0 that represent their joint distribution
@@ -77,7 +77,7 @@ class _GridLimits:
 
     triangular_factors: Floats  # triangular QR factors of the equations (points, 3, 3)
     deviance_range: float
-    # lower and upper limits of tau0 in GPa (points,)
+    # lower and upper limits of tau0 in GPa, with shape (points,)
     min_tau0: Floats
     max_tau0: Floats
     # best-fit mu0 with junction growth (points, tau0); None if no test has growing contacts
@@ -91,7 +91,7 @@ class _ProbabilityGrid:
     """Grids of mu0 and tau0, with the log probability of each cell. Each nuisance point has its own grid."""
 
     limits: _GridLimits
-    # logarithms of the probabilities (points, tau0, mu0), excluding the prior of the nuisance parameters
+    # logarithms of the probabilities without the prior of the nuisance parameters (points, tau0, mu0)
     log_probability: Floats
 
 
@@ -226,7 +226,7 @@ class CalibrationProblem:
             np.stack([rub, stick, right], axis=1), self._test_weights, self.known
         )
         residual_shifts = self._run_membership * (rub * mu0 + stick * tau0) / self.error
-        # For a standard deviation of 1 between runs, these are the errors of all tests, with or without sliding.
+        # Errors of all tests, with or without sliding, if the standard deviation between runs is 1.
         self._run_errors = (residual_shifts * self.error).sum(axis=0)
         residual_shifts = np.where(self.slid, residual_shifts, 0.0)
         shift_norms = np.linalg.norm(residual_shifts, axis=1)
@@ -389,7 +389,7 @@ class CalibrationProblem:
                 and not np.isfinite(residuals(x)).all()
                 and x[: len(free_indices)].max() > 1e-9
             ):
-                x[: len(free_indices)] /= 2  # halve the strengths while the interface seizes
+                x[: len(free_indices)] /= 2  # halve the fitted strengths while the interface seizes
             if x.size:
                 x = least_squares(residuals, x, jacobian, bounds=(lower, np.inf), xtol=1e-9, ftol=1e-9).x
             misfit = residuals(x)[: len(central_equations)] / robust_factors[self.slid]
@@ -580,7 +580,8 @@ class CalibrationProblem:
             )  # fmt: skip
         if self.known[1] is None:
             log_volume = log_volume + np.log((limits.max_tau0 - limits.min_tau0) / count)
-        log_volume = np.where(np.isfinite(log_volume), log_volume, 0.0)  # avoids NaN if the interface seizes everywhere
+        # prevents NaN if the interface seizes everywhere
+        log_volume = np.where(np.isfinite(log_volume), log_volume, 0.0)
         log_mu0_step = np.log(step) if self.known[0] is None else np.zeros(step.shape)
         log_probability += (norm + log_volume)[:, np.newaxis, np.newaxis] + log_mu0_step[..., np.newaxis]
         return _ProbabilityGrid(limits, np.where(np.isfinite(log_probability), log_probability, -np.inf))
@@ -611,7 +612,8 @@ class CalibrationProblem:
             return find_best_mu0(residuals, start, tau0)
 
         if self.known[1] is None:
-            # Each test gives an upper bound on tau0, computed for mu0 = 0 and the area at the measured coefficient.
+            # Each test gives an upper bound on tau0.
+            # The bound is computed with mu0 = 0 and with the area at the measured coefficient.
             error = np.hypot(scale[:, np.newaxis] * self.error, spread[:, np.newaxis] * self._run_errors)
             margin = (
                 2
@@ -631,8 +633,8 @@ class CalibrationProblem:
         )
         best, slope, _ = find_best_mu0_at(tau0)
         above = math.sqrt(limits.deviance_range) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
-        # Below the best mu0, residuals change less with mu0 than above it.
-        # Residuals change at least as much as without junction growth.
+        # Residuals vary more slowly with mu0 below its best-fit value than above it.
+        # They vary at least as fast as without junction growth.
         below = np.maximum(above, math.sqrt(limits.deviance_range) / limits.triangular_factors[:, :1, 0])
         return replace(limits, best_mu0=best, width_below=below, width_above=above)
 
@@ -678,7 +680,7 @@ class CalibrationProblem:
                 > MIN_EFFECTIVE_SAMPLE_FRACTION * NUM_NUISANCE_POINTS_PER_ROUND
             ):
                 break
-            power = 1.0  # a power below 1 reduces the dominance of a few points
+            power = 1.0  # a power below 1 reduces the influence of a few points with large weights
             while (
                 power > 1e-3
                 and _compute_effective_sample_size(power * log_weight) < 0.15 * NUM_NUISANCE_POINTS_PER_ROUND
@@ -753,10 +755,11 @@ class CalibrationProblem:
         log_cell_probability = grid.log_probability.reshape(len(points), -1)
         with np.errstate(invalid="ignore"):
             log_excess = log_weight - np.logaddexp.reduce(log_cell_probability, axis=1)
-        log_excess = np.where(np.isfinite(log_weight), log_excess, 0.0)  # avoids NaN if the interface seizes everywhere
+        # prevents NaN if the interface seizes everywhere
+        log_excess = np.where(np.isfinite(log_weight), log_excess, 0.0)
         log_cell_weight = log_cell_probability + log_excess[:, np.newaxis]
         cumulative_weight = np.cumsum(np.exp(log_cell_weight - log_cell_weight.max()))
-        # Systematic resampling draws each cell in proportion to its weight.
+        # Systematic resampling selects each cell in proportion to its weight.
         target_weights = (
             (np.arange(NUM_STRENGTH_PAIRS) + generator.random()) / NUM_STRENGTH_PAIRS * cumulative_weight[-1]
         )
@@ -784,7 +787,7 @@ class CalibrationProblem:
             float(np.median(self.error / np.maximum(predicted_coefficients, 1e-12))) if self.has_errors else 0.05
         )
         area_per_load, count = self.mean_area_per_load, len(self.error)
-        # For Hertzian contact, A/F is proportional to F^(-1/3). The loads cover a factor of 100.
+        # For Hertzian contact, A/F is proportional to F^(-1/3). The recommended loads span a factor of 100.
         ball_ratio = 10 ** (1 / 3)
         plans = (
             (
@@ -878,7 +881,7 @@ def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: flo
     tau0_at_zero_mu0 = first[:, 2] / np.where(first[:, 1] == 0, 1e-300, first[:, 1])
 
     def deviance(tau0: Floats) -> Floats:
-        mu0 = first[:, 2] - first[:, 1] * tau0  # best mu0 times a positive factor
+        mu0 = first[:, 2] - first[:, 1] * tau0  # best mu0, multiplied by a positive factor
         return np.asarray((second[:, 2] - second[:, 1] * tau0) ** 2 + np.minimum(mu0, 0.0) ** 2)
 
     min_deviance = np.min(

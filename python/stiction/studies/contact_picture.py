@@ -37,8 +37,8 @@ if TYPE_CHECKING:
 
 CONTACT_PICTURE_FILE = "picture.nc"  # file name in a result folder
 MAX_PICTURE_SIDE_POINTS = 512  # maximum number of rows or columns of a stored map
-LOADS_RELATIVE_TO_PULL_OFF = (0.25, 0.5, 1, 2, 3, 4)  # loads in the adhesion figure, as multiples of the pull-off force
-# ratio of the map size to the size of the magnified window around the largest contact
+LOADS_RELATIVE_TO_PULL_OFF = (0.25, 0.5, 1, 2, 3, 4)  # loads in the adhesion figure, in multiples of the pull-off force
+# ratio of the size of the map to the size of the window that magnifies the largest contact
 ZOOM_DIVISOR = 8
 MIN_ZOOM_SIDE_POINTS = 16
 
@@ -56,7 +56,7 @@ _CONTACT_VARIABLE_SPECS = {
     "contact_at_edge": ("at_edge", "1", "whether a contact reaches the edge of the scans"),
 }
 
-# unit suffix that is appended to each dimension name to form a column name
+# suffix with a unit for each dimension; a column name consists of a dimension name and its suffix
 _COLUMN_SUFFIXES = {"fractal_dimension": "", "amplitude": "_um", "cut_off": "_um"}
 
 

@@ -18,7 +18,7 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     from stiction.mechanics.half_space_problem import ContactSolution
 
-STEEP_POINT_FRACTION = 0.1  # fraction of the grid points of a body that count as steep
+STEEP_POINT_FRACTION = 0.1  # fraction of the grid points of a body that are classified as steep
 
 QUANTILE_PROBABILITIES = tuple(round(0.05 * step, 2) for step in range(1, 20))
 """Probabilities of the stored quantiles of contact area, and of pressure weighted by true contact area."""
@@ -32,8 +32,8 @@ class PairSlopes:
 
     upper: list[Floats]
     lower: list[Floats]
-    steep_masks: dict[str, NDArray[np.bool_]]  # masks of the steep points of each body
-    steepness_limits: dict[str, float]  # smallest slope at the steep points of each body
+    steep_masks: dict[str, NDArray[np.bool_]]  # masks of the steep points, by body
+    steepness_limits: dict[str, float]  # smallest slope at the steep points, by body
     measured_mask: Any = ...  # mask of the points that are measured on both bodies
 
     @classmethod
@@ -78,15 +78,16 @@ class ContactList:
     """Table of the contacts between two bodies at one load, with the pressure distribution. Lengths are in µm."""
 
     x: Floats  # centre of each contact along x, weighted by the pressure
-    y: Floats  # centre of each contact along y, weighted by the pressure; 0 for profiles
+    y: Floats  # centre of each contact along y, weighted by the pressure; always 0 for profiles
     force: Floats  # normal load on each contact (mN)
     area: Floats  # projected area of each contact (µm²)
-    slope_x: Floats  # mean slope of each contact along x; a contact opposes motion in directions of positive slope
-    slope_y: Floats  # mean slope of each contact along y; 0 for profiles
+    # mean slope of each contact along x; in a direction of positive slope, the contact opposes the motion
+    slope_x: Floats
+    slope_y: Floats  # mean slope of each contact along y; always 0 for profiles
     cells: Floats  # number of grid cells that each contact covers
     at_edge: NDArray[np.bool_]  # True if the contact reaches the edge of the grid
     pressure: Floats  # values of the contact pressure (p,), GPa
-    weight: Floats  # weight of each pressure (p,), proportional to the contact area under this pressure
+    weight: Floats  # weight of each pressure (p,), proportional to the contact area with this pressure
 
     def compute_statistics(self) -> dict[str, Any]:
         """Compute the stored contact statistics: load fractions, and quantiles of contact area and contact pressure."""

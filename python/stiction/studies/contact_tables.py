@@ -51,13 +51,15 @@ from stiction.studies.values import (
 
 DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # default directions of motion for height maps, degrees
 MAX_DIRECTIONS = 360  # maximum number of directions of motion for height maps
-# In the asperity model, the load curve of two profiles extends below and above the given loads by this factor.
+# In the asperity model, the load curve of two profiles starts below the smallest load by this factor.
+# It ends above the largest load by the same factor.
 ASPERITY_LOAD_MARGIN_FACTOR = 30.0
 NUM_ASPERITY_LOADS = 25
-# In the half-plane model, the load curve of two profiles extends below and above the given loads by this factor.
+# In the half-plane model, the load curve of two profiles starts below the smallest load by this factor.
+# It ends above the largest load by the same factor.
 HALF_PLANE_LOAD_MARGIN_FACTOR = 10.0
 NUM_HALF_PLANE_LOADS = 7
-MAX_AREAL_LOAD_RATIO = 10**0.5  # maximum ratio of successive loads at which the contact of height maps is solved
+MAX_AREAL_LOAD_RATIO = 10**0.5  # maximum ratio of successive loads in the contact solutions of height maps
 
 
 # ---- Laws -----------------------------------------------------------------------------------------------------------
@@ -191,7 +193,7 @@ class CommonContactSettings(SettingsTableVariant):
         return {"sliding": list(self.sliding_rules()), "direction": self.direction_angles().tolist()}
 
 
-# ---- Keys by the kind of surfaces -----------------------------------------------------------------------------------
+# ---- Study-file keys for each kind of surfaces ----------------------------------------------------------------------
 
 
 class GeneratedSurfaceContactSettings(CommonContactSettings):
@@ -586,7 +588,7 @@ def parse_contact_settings(
 def _extend_loads(given_loads: Floats, margin: float, num_loads: int) -> Floats:
     """Add loads (mN) from a geometric series that extends below and above the given loads."""
     load_series = np.geomspace(given_loads.min() / margin, given_loads.max() * margin, num_loads)
-    # Loads of the series that nearly equal a given load are omitted.
+    # A load of the series is omitted if it nearly equals a given load.
     is_new = np.abs(load_series[:, np.newaxis] / given_loads - 1).min(axis=1) > 1e-6
     return np.unique(np.concatenate([given_loads, load_series[is_new]]))
 
@@ -624,7 +626,7 @@ def choose_load_steps(
                 [_insert_intermediate_loads(given_loads), smaller_loads, [given_loads.max() * MAX_AREAL_LOAD_RATIO]]
             )
         )
-    # The given loads remain exact, and the additional loads are rounded to six digits.
+    # The given loads are not rounded. The additional loads are rounded to six digits.
     requested_loads = set(given_loads.tolist())
     rounded = np.array([load if load in requested_loads else float(f"{load:.6g}") for load in load_steps.tolist()])
     min_load, max_valid_load = VALID_RANGES["force"]

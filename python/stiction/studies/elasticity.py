@@ -19,7 +19,7 @@ class Elasticity:
     """Elasticity of a pair of bodies, including the properties of the softer body."""
 
     effective_modulus: float  # effective modulus E* (GPa)
-    compliance_share: float = 0.5  # fraction of the compliance due to the lower body; 0.5 if only E* is given
+    compliance_share: float = 0.5  # fraction of the compliance contributed by the lower body; 0.5 if only E* is given
     poisson_ratio: float | None = None  # Poisson's ratio of the softer body
     hardness: float | None = None  # hardness of the softer body, GPa
     source: str = ""  # description of the modulus, if materials are given

@@ -147,7 +147,8 @@ def at_load(
                 estimate_small_slope_friction(cells, gradient.values, directional_slope, rules, *strengths, modulus)
             )
     if is_measured and _is_requested("reading_difference", names):
-        # `reading_difference` compares the coefficients at equal elastic load with those at equal normal load.
+        # `reading_difference` compares the coefficients at equal elastic load with the coefficients at equal normal
+        # load.
         other_reading: LoadDefinition = "normal" if reading == "elastic" else "elastic"
         members = _evaluate_members_before_growth(result, values, *strengths, other_reading, member_kind, names)
         if areas is not None:
@@ -231,7 +232,7 @@ def _evaluate_ensemble(
     variables: dict[str, Any] = {
         "friction_coefficient": _add_statistic_dimension(coefficient_table, "friction_coefficient")
     }
-    # Area and stiffness depend slightly on mu0 and tau0, because friction changes the normal load.
+    # Friction changes the normal load, so area and stiffness depend slightly on mu0 and tau0.
     variables["status"] = coefficient_table["status"].variable
     all_directions, round_means = None, coefficient_table
     if "direction" in head.dims:
@@ -297,7 +298,7 @@ def choose_loads_in_range(result: Result | xarray.Dataset, steps: int = 80) -> F
     return np.asarray(np.geomspace(lowest, highest, steps))
 
 
-NUM_DEFAULT_LOADS = 3  # number of loads at which results are shown if the study specifies no loads
+NUM_DEFAULT_LOADS = 3  # number of loads for which results are shown if the study specifies no loads
 
 
 def choose_default_loads(result: Result) -> Floats:
@@ -358,7 +359,7 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
     status = tables["status"].transpose("repetition", *dims).values
     ok = status == friction.STATUS_OK
     counts = np.stack([(status == each).sum(axis=0) for each in STATUSES])
-    # Points at which no member has a coefficient get the most frequent status.
+    # If no member has a coefficient at a point, the point gets the most frequent status of the members.
     most_frequent_status = np.array(STATUSES, STATUS_DTYPE)[counts.argmax(axis=0)]
     common_status = np.where(ok.any(axis=0), np.array("ok", STATUS_DTYPE), most_frequent_status)
     other_dims = [dim for dim in dims if dim != "direction"]
@@ -449,7 +450,8 @@ class MemberDependence:
         if self.order is None or self.lines is None:
             return np.stack(intervals.average_independent_values(values), axis=-1)
         flat_values = values[self.order].reshape(values.shape[0], -1)
-        # Columns with the same missing members are evaluated together to save time. Most columns lack no member.
+        # To save time, columns with the same missing members are evaluated together.
+        # In most columns, no member is missing.
         is_finite = np.isfinite(flat_values)
         is_incomplete = ~is_finite.all(axis=0)
         masks, mask_indices = [np.ones(len(flat_values), bool)], np.zeros(flat_values.shape[1], np.intp)
@@ -801,7 +803,7 @@ def _evaluate_piece(
             np.take(frictional_sums, rules.index(rule), axis=len(member_dims)) for rule in ("opposing", "all")
         ]
         with np.errstate(divide="ignore", invalid="ignore"):
-            # The denominator is the sum of F |t·s|, which equals the load to first order in the slopes.
+            # The denominator is the sum of F |t·s|. To first order in the slopes, this sum equals the load.
             opposing_fraction = sums_by_rule[0] / sums_by_rule[1]
         variables["share_opposing"] = (
             (*member_dims, "direction", "load"),
@@ -827,7 +829,7 @@ def _evaluate_piece(
         if name in tables:
             variables[name] = tables[name]
     if "pull_off" in tables:
-        # An element is 1 if the pull-off force of the member is only a lower bound, and 0 otherwise.
+        # An element is 1 if only a lower bound on the pull-off force of the member is known, and 0 otherwise.
         bounds = (_to_float_array(tables["pull_off_is_bound"], member_dims) != 0).astype(np.float64)
         variables["share_of_pull_off_bounds"] = (member_dims, bounds, quantity_attributes("share_of_pull_off_bounds"))
         zero_load_sums = {
@@ -862,7 +864,7 @@ def _find_load_crossings(
     """Return the members' contact sums, and the points at which the load curves reach the given loads."""
     step_dimension = find_step_dimension(piece)
     member_dims = (*find_cell_dimensions(piece), "repetition")
-    # Access to variables without coordinates is much faster than to arrays with coordinates.
+    # Access to variables is much faster than access to data arrays, because variables have no coordinates.
     tables = piece.variables
     elastic_loads = _to_float_array(tables["normal_elastic"], (*member_dims, step_dimension))
     curve = (
@@ -941,7 +943,8 @@ def _determine_member_status(
     status = np.array(np.broadcast_to(status, normal.shape), STATUS_DTYPE)
     step_dimension = find_step_dimension(piece)
     if "status" in piece:
-        # A member without a coefficient gets the status of the first step at or above the load, except "ok".
+        # A member without a coefficient gets the status of the first step at or above the load, unless this status is
+        # "ok".
         status_codes = _to_float_array(
             piece.variables["status"], (*find_cell_dimensions(piece), "repetition", step_dimension)
         ).astype(int)

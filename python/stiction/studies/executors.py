@@ -16,7 +16,7 @@ from stiction._text import MAX_PATH_LENGTH, printable_text
 from stiction._units import short_repr
 from stiction.studies.values import StudyError
 
-# minimum number of grid points at which several threads speed up a Fourier transform
+# minimum number of grid points for which several threads make a Fourier transform faster
 MIN_THREADED_POINTS = 2**16
 WORKER_DIED_MESSAGE = "a worker process ended unexpectedly; the available memory may be too small"
 _Result = TypeVar("_Result")
@@ -94,7 +94,7 @@ def progress_bar(label: str, total: int, finished: int, enabled: bool) -> Iterat
         progress.TimeElapsedColumn(), progress.TextColumn("left"), progress.TimeRemainingColumn(),
     )  # fmt: skip
     is_notebook = Console().is_jupyter
-    # Without ipywidgets, rich shows no bar in a notebook but prints one line of text at the end.
+    # Without ipywidgets, rich shows no progress bar in a notebook, but prints one line of text at the end.
     console = Console(stderr=True, force_jupyter=None if find_spec("ipywidgets") else False)
     is_hidden = not (console.is_terminal or is_notebook)
     with progress.Progress(

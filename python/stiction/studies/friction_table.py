@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 
 FRICTION_TABLE_TITLE = "stiction table"  # `title` attribute of a friction table
 MIN_NUM_PRESSURES_FOR_STIFFNESS = 3  # minimum number of pressures needed to compute a stiffness
-# The surfaces are isotropic, so coefficients are averaged over these directions of motion (degrees).
+# Coefficients are averaged over these directions of motion (degrees), because the surfaces are isotropic.
 AVERAGED_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
-MAX_FITTED_AREA_FRACTION = 0.1  # maximum true area fraction of the results to which the laws are fitted
+MAX_FITTED_AREA_FRACTION = 0.1  # maximum true area fraction of results that are used to fit the laws
 MAX_LAW_DEVIATION = 0.1  # A caveat is issued if the means deviate from a fitted law by more than this fraction.
 _DIMENSION_ORDER = ("repetition", "fractal_dimension", "amplitude", "load")
 

@@ -62,7 +62,7 @@ MAX_NEGLECTED_MODULUS_HALF_RANGE = 0.2
 The area at another modulus is then derived from the dependence of the area on the load.
 """
 
-# nodes count as equal if they differ by at most this relative amount, to allow for round-off
+# relative difference up to which two nodes count as equal, to allow for round-off
 EQUAL_NODE_TOLERANCE = 1e-9
 
 JUNCTION_GROWTH_NODE_SPACING, NUM_JUNCTION_GROWTH_NODES = 0.6, 3
@@ -72,7 +72,8 @@ Below these nodes, all contacts are assumed to be plastic, with an area proporti
 """
 
 NUM_AREA_TABLE_STEPS = 2**15  # number of steps of ln H in a table of areas
-AREA_TABLE_MARGIN_FACTORS = 1e3, 4.0  # factors by which a table extends below the smallest and above the largest node
+# range of a table: below the smallest node by the first factor, and above the largest node by the second factor
+AREA_TABLE_MARGIN_FACTORS = 1e3, 4.0
 
 NODE_QUANTILES = (0.005, 0.995)
 """Quantiles of an input that define the outermost nodes."""
@@ -221,7 +222,7 @@ def choose_hardness_and_modulus_nodes(study: Study) -> tuple[Floats, Floats]:
         np.exp(half_width * (2 * np.array(HARDNESS_NODE_POSITIONS[moduli.size]) - 1)) if half_width > 0 else np.ones(0)
     )
     nodes = np.sqrt(hardness_range.prod()) * positions
-    # A node that differs from the hardness of the study only by round-off is removed.
+    # A node is removed if it differs from the hardness of the study only by round-off.
     nodes = nodes[~np.isclose(nodes, float(hardness), rtol=EQUAL_NODE_TOLERANCE, atol=0.0)]
     nodes = np.unique([*nodes, float(hardness), np.inf])
     return np.unique([*_choose_nodes_for_junction_growth(study, float(nodes[0])), *nodes]), moduli
@@ -381,7 +382,7 @@ class AreasAtNodes:
         position = np.interp(np.log(loads), np.log(self.loads), np.arange(self.loads.size))
         lower_indices = np.floor(position).astype(int)
         weight = (position - lower_indices).reshape(-1, *[1] * (areas.ndim - 1))
-        # At a load of the study, the areas at the next load may be NaN and must not be used.
+        # At a load of the study, the areas at the next larger load must not be used, because they may be NaN.
         return np.asarray(areas[lower_indices] ** (1 - weight) * areas[np.ceil(position).astype(int)] ** weight)
 
     def errors_at_nearest_load(self, loads: Floats) -> Floats:
@@ -481,7 +482,7 @@ class AreaInterpolator:
         own_hardness = None if study.contact.hardness is None else float(study.contact.hardness)
         pressures = loads / float(result.head["nominal_area"])
         areas_at_nodes = result.load_companion(AreasAtNodes.from_result)
-        # With junction growth, friction at all loads depends on the areas at the nodes.
+        # With junction growth, the friction at all loads depends on the areas at the nodes.
         has_growth = bool(study.contact.junction_growth)
         if areas_at_nodes is not None and (has_growth or set(loads.tolist()) <= set(areas_at_nodes.loads.tolist())):
             areas, hardnesses = (
@@ -574,13 +575,14 @@ class AreaInterpolator:
                 load, rule, hardness, modulus
             )
 
-        # the lowest pressure is NaN at seizure
+        # if the interface seizes, the lowest pressure is NaN
         min_pressure = self.get_or_compute(
             "lowest", (pressure_under_shear,), lambda: pressure_under_shear.min(initial=np.inf)
         )
         if min_pressure > self.pressures.max():
             return compute_ratio(pressure_under_shear)
-        # Pressures at which no load is carried are replaced by H. All loads share this array and its table positions.
+        # Where no load is carried, the pressure is replaced by H.
+        # The resulting array and its positions in the table are used for all loads.
         replaced_pressure = self.get_or_compute(
             "carrying",
             (pressure_under_shear, hardness),
@@ -601,7 +603,7 @@ class AreaInterpolator:
                 areas = self.opposing_areas[[load]]
             self.tables[key] = TabulatedAreaFunction(self.node_hardnesses, areas, elastic_areas)
         table = self.tables[key]
-        # Calls for consecutive loads and sliding rules pass the same arrays.
+        # The result is cached, because calls for consecutive loads and sliding rules pass the same arrays.
         log_hardness = self.get_or_compute("log hardness", (hardness, modulus), lambda: np.log(hardness / modulus))
         table_positions = self.get_or_compute(
             "places", (log_hardness, *table.limits), lambda: find_table_positions(log_hardness.ravel(), *table.limits)
@@ -615,7 +617,7 @@ class AreaInterpolator:
         def compute_uncached_area() -> Floats:
             return self._sheared_area(load, rule, hardness, modulus)
 
-        # The same arrays of samples are used for many values of mu0 and tau0.
+        # The result is cached, because the same arrays of samples are used for many values of mu0 and tau0.
         return (
             self.get_or_compute(("before", load, rule), (hardness, modulus), compute_uncached_area)
             if hardness.size > 1

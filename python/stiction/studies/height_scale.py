@@ -205,7 +205,7 @@ def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[f
         expected_study = scale_study_heights(result.study, factor, scaled)
         if find_member_differences(stored_result.study, expected_study):
             continue
-        # The stored blocks are opened with the friction parameters of the given result.
+        # The stored blocks are combined with the friction parameters of the given result.
         stored_result = StoredResult(stored_result.path, expected_study, stored_result.blocks)
         if stored_result.num_finished == expected_study.ensemble.repetitions and not _lacks_areas_at_nodes(
             stored_result

@@ -37,8 +37,9 @@ INSTRUMENT_LIMIT_REASONS = {
 }
 """Explanations of why wavelengths are not attributed to the surface, by reason."""
 
-MAX_HEIGHT_OVER_EXTENT = 10.0  # ratio of height to length above which the height unit must be wrong
-MAX_PLAUSIBLE_MU0 = 2.0  # largest plausible mu0, above all published values, even for clean metals in vacuum
+# maximum plausible ratio of height to length; above this limit, the height unit must be wrong
+MAX_HEIGHT_OVER_EXTENT = 10.0
+MAX_PLAUSIBLE_MU0 = 2.0  # largest plausible mu0; it exceeds all published values, even for clean metals in vacuum
 
 MAX_FORM_FRACTION = 0.6
 """Fraction of the mean square height due to a fitted parabola, above which a caveat about form is issued.
@@ -68,14 +69,15 @@ CUTOFF_REMEDY = (
     " if they come from the instrument; use --texture turned, milled, ground, ... or --cutoff none if they belong to "
     f"the surface; {REPEATED_SCANS_REMEDY}"
 )
-MAX_SPECTRA_RATIO = 2.0  # A caveat is issued if spectra of the same surface differ by more than this factor.
+MAX_SPECTRA_RATIO = 2.0  # A caveat is issued if the spectra of the same surface differ by more than this factor.
 MAX_PRESSURE_OVER_MODULUS = 0.1
 """Largest plausible ratio of nominal pressure to E*. A larger load is probably the load on the whole component."""
 
 
 def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[float] = ()) -> tuple[Caveat, ...]:
     """Return caveats about two bodies that were read from files, about their study, and about the given loads (mN)."""
-    is_form_subtracted = study.surfaces.level == "quadratic"  # No caveat about form is issued if form is subtracted.
+    # No caveat about form error is issued if the form is subtracted.
+    is_form_subtracted = study.surfaces.level == "quadratic"
     is_vouched = bool(study.surfaces.vouched)
 
     def find_body_caveats(file: MeasuredBodySettings, body: Body) -> list[Caveat]:
@@ -232,7 +234,7 @@ def _find_instrument_caveats(
         limit_with_tip = (
             limit if tip_radius is None else instrument_limit(body, tip_radius=tip_radius, texture=textured)
         )
-    except ValueError:  # The body is flat.
+    except ValueError:  # an exception means that the body is flat
         return
     shortest_resolved = limit.wavelength if limit.slope_fraction > MAX_NOISE_SLOPE_FRACTION else 0.0
     if shortest_resolved:
@@ -260,7 +262,7 @@ def _find_instrument_caveats(
         text = f"{_describe_slope_fraction(limit_with_tip)}, which the tip does not resolve: the surface is steeper"
         if elastic:
             text += ", and the interval does not include this"
-        # Without a hardness, steeper slopes reduce the true area without limit.
+        # If no hardness is given, the true area decreases indefinitely with increasing slope.
         peak_severity: Severity = "fault" if elastic and limit_with_tip.matters else "caution"
         remedy = "use a sharper tip" + (", or specify a hardness" if elastic else "")
         yield Caveat(text, remedy, peak_severity, limit_with_tip.cut_off)
@@ -280,7 +282,7 @@ def _find_instrument_caveats(
 
 def _describe_slope_fraction(limit: InstrumentLimit) -> str:
     """Describe the fraction of the mean square slope that comes from unreliable wavelengths."""
-    # The fraction is rounded, so that caveats of similar scans are equal.
+    # The fraction is rounded, so that similar scans have identical caveats.
     fraction_text = f"{100 * limit.slope_fraction:.0f} %"
     axis_text = f" along {limit.axis}" if limit.axis else ""
     wavelength_text = format_with_unit(limit.wavelength, "um")

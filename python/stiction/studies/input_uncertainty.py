@@ -26,7 +26,7 @@ from stiction.studies.values import SettingsTable, as_tuple
 
 InputDistribution = Literal["exact", "normal", "log-normal", "uniform"]
 Z_95 = 1.959963984540054  # half width of the 95 % interval of a normal distribution, in standard deviations
-# With this many samples, the budget fractions of two inputs that contribute equally differ by less than 0.01.
+# If two inputs contribute equally, their budget fractions differ by less than 0.01 with this number of samples.
 NUM_INPUT_SAMPLES = 2**14
 MIN_RELATIVE_UNCERTAINTY = 1e-9  # smallest relative standard uncertainty that is accepted
 UNCERTAINTY_PATTERN = re.compile(r"\.\.|±|\+/?-|(?<![^\W\d_])(HV|HRC)(?![^\W\d_])")
@@ -47,7 +47,7 @@ _VICKERS_BY_ROCKWELL = {
 }
 """Vickers hardness of steels as a function of Rockwell C hardness, from ISO 18265 (2013), table A.1, and ASTM E140."""
 
-# Relative half width of the range of a hardness converted from HRC. It represents an error of 10 to 20 HV.
+# Relative half width of the range of a hardness converted from HRC. This range represents an error of 10 to 20 HV.
 ROCKWELL_CONVERSION_ERROR = 0.05
 _GPA_PER_VICKERS = 9.80665e-3 / 0.9272
 """Mean pressure (GPa) at 1 HV, which is 1 kgf per mm² of indentation surface.
@@ -57,14 +57,14 @@ The projected area is 0.9272 of this surface.
 
 _RANGE_PATTERN = re.compile(r"\s*(uniform\s+)?(.+?)\s*\.\.\s*(.+?)\s*")
 _PLUS_MINUS_PATTERN = re.compile(r"\s*(.+?)\s*(?:±|\+-|\+/-)\s*(.+?)\s*")
-# matches an uncertainty in per cent, which may be followed by the unit of the value
+# matches an uncertainty in per cent; the unit of the value may follow
 _PERCENT_PATTERN = re.compile(r"(.+?)\s*%\s*(.*)")
 _TRAILING_UNIT_PATTERN = re.compile(r"(?<![^\W\d_])(?!inf\b|nan\b)[^\W\d_]+\s*$", re.IGNORECASE)
 # matches a Vickers scale with its test load, as in "HV10" or "HV 0.5"
 _TEST_LOAD_PATTERN = re.compile(r"(?<![^\W\d_])HV\s*[0-9]+(\.[0-9]+)?(?![0-9.]*\s*[^\W\d_])")
 InputKind = Literal["", "pressure", "modulus", "hardness"]
 MAX_POISSON_RATIO = 0.5  # Poisson's ratio of an incompressible body
-# Maximum junction-growth coefficient α; α is 27 for a von Mises body whose H is 3 yield strengths.
+# Maximum junction-growth coefficient α; α is 27 for a von Mises body with H equal to three times its yield strength.
 MAX_JUNCTION_GROWTH = 100.0
 # Maximum creep exponent; at this exponent, the hardness falls to a third in each decade of time.
 MAX_CREEP_EXPONENT = 0.5
@@ -74,11 +74,11 @@ MAX_CREEP_EXPONENT = 0.5
 class UncertainInput:
     """Probability distribution of an uncertain input, in core units."""
 
-    value: float  # central value: the number, or the middle of the range (geometric mean if log-normal)
-    low: float  # lower limit of the 95 % interval, or of a uniform distribution
-    high: float  # upper limit of the 95 % interval, or of a uniform distribution
+    value: float  # central value: the number, or the middle of the range (geometric mean for a log-normal distribution)
+    low: float  # lower limit of the 95 % interval, or of the uniform distribution
+    high: float  # upper limit of the 95 % interval, or of the uniform distribution
     distribution: InputDistribution
-    text: str  # input as written by the user
+    text: str  # text of the input as written by the user
     maximum: float = math.inf  # upper bound of the samples
 
     @property
@@ -116,7 +116,9 @@ class UncertainInput:
         if self.distribution == "log-normal":
             return np.asarray(self.value * np.exp(ndtri(probability) / Z_95 * 0.5 * math.log(self.high / self.low)))
         deviation = (self.high - self.low) / (2 * Z_95)
-        probability_below_zero = ndtr(-self.value / deviation)  # probability of values below 0, which are excluded
+        probability_below_zero = ndtr(
+            -self.value / deviation
+        )  # probability of values below 0; such values are excluded
         return np.asarray(
             np.maximum(
                 self.value + deviation * ndtri(probability_below_zero + probability * (1 - probability_below_zero)), 0.0

@@ -63,7 +63,7 @@ _NUMERIC_HEADER_ENTRIES = ("area_per_load", "variation")
 EXCLUSION_PROBABILITY, ERROR_SCALING_PROBABILITY = 0.01, 0.05
 """Probabilities of the residuals: below the first, a sliding rule is excluded; below the second, errors are scaled."""
 
-# A lower limit that is this close to the bound is set to the bound. The distance is relative to the interval width.
+# A lower limit is set to the bound if its distance from the bound is below this fraction of the interval width.
 BOUND_TOLERANCE = 0.01
 INTERVAL_COVERAGE = 0.95  # probability with which an interval contains the true value
 SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")
@@ -77,9 +77,9 @@ GROWTH_HEADER_ENTRY = "junction growth of the draws"
 The entry is missing if no test depends on α, or if α differs between tests.
 """
 
-MIN_RELATIVE_PRESSURE = 1.001  # smallest ratio of the pressure in sliding contacts to the nominal pressure
+MIN_RELATIVE_PRESSURE = 1.001  # smallest ratio of the contact pressure in sliding contacts to the nominal pressure
 VON_MISES_GROWTH_COEFFICIENT = (
-    27.0  # α at which the shear strength of a body is its hardness divided by √27 (von Mises)
+    27.0  # value of α for which the shear strength of a body is its hardness divided by √27 (von Mises)
 )
 MIN_PLASTIC_AREA_RATIO, NEGLIGIBLE_GROWTH_EFFECT = 0.5, 0.05
 """Limits above which a coefficient depends on α.
@@ -123,7 +123,7 @@ class Ball:
     lower_material: str | None = field(default=None, kw_only=True)
     elasticity: Elasticity = field(
         init=False, repr=False, compare=False
-    )  # elastic properties computed from the central values of the moduli
+    )  # elastic properties computed from the central values of both moduli
     moduli: UncertainModulus = field(init=False, repr=False, hash=False)  # moduli of both bodies with their uncertainty
 
     def __post_init__(self) -> None:
@@ -161,7 +161,7 @@ class StrengthSamples:
 
     sliding: SlidingRule
     mu0: Floats
-    # None if `mu0` is the ratio T/F in sliding contacts
+    # None if `mu0` is the ratio T/F of sliding contacts
     tau0: Floats | None = None
 
     def pressure_under_shear(self, hardness: Floats, alpha: Floats | float) -> Floats:
@@ -284,7 +284,8 @@ class _AreaFactorFromResult(_AreaFactor):
             pressure = strength.pressure_under_shear(
                 hardness, samples.get("junction_growth", self.junction_growth.value)
             )
-            if strength.tau0 is None:  # keeps the pressure above the nominal pressure, so that the area is finite
+            # keeps the pressure above the nominal pressure, so that the computed area is finite
+            if strength.tau0 is None:
                 pressure = np.maximum(pressure, MIN_RELATIVE_PRESSURE * self.areas.pressures[0])
             factor = factor * self.areas.growth_ratio(0, strength.sliding, hardness, pressure, modulus)
             hardness = np.where(np.isfinite(factor), pressure, hardness)
@@ -400,14 +401,14 @@ class StrengthFit:
     """Joint distribution of mu0 and tau0 fitted with one sliding rule, and the quality of the fit."""
 
     sliding: SlidingRule
-    chi_squared: float  # chi-squared of the best fit, computed with the given errors
+    chi_squared: float  # chi-squared of the best fit for the given errors
     freedom: int  # number of tests with sliding minus number of fitted parameters
     probability: float  # probability of a larger chi_squared; NaN if there are no errors or no degrees of freedom
     scale: float  # factor by which the errors were multiplied
     trend: float  # p-value of the trend of the residuals with the load
     mu0: Floats  # samples of mu0
     tau0: Floats  # samples of tau0 (GPa), paired with `mu0`
-    hardness: Floats  # samples of the hardness (GPa), paired with `mu0`; NaN if the tests have different hardnesses
+    hardness: Floats  # samples of the hardness (GPa), paired with `mu0`; NaN if the hardness differs between tests
     junction_growth: Floats  # samples of α, paired with `mu0`; NaN if α differs between tests or has no effect
     area_per_load: Floats  # samples of A/F (1/GPa) at the onset of sliding in the tests; NaN if unknown
     scores: Mapping[Hashable, Floats] = field(default_factory=dict)  # normal scores of the nuisance parameters
@@ -564,7 +565,7 @@ class Interface:
         test_forces = evaluate_test_forces(FrictionTest(result, load, coefficient=0.0), fit.sliding)
 
         def draw_scores(name: Hashable) -> Floats:
-            # Inputs that also occur in the tests keep their samples from the fit.
+            # If an input also occurs in the tests, its samples from the fit are used.
             return fit.scores[name] if name in fit.scores else generator.standard_normal(len(fit.mu0))
 
         area_samples = np.exp(test_forces.scatter * draw_scores(test_forces.surfaces))

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 
 CONFIDENCE_LEVEL = 0.95
-NUM_SLOPE_FIT_STEPS = 4  # a slope is fitted to this many steps on each side of a crossing
+NUM_SLOPE_FIT_STEPS = 4  # number of steps on each side of a crossing to which a slope is fitted
 MAX_INTERPOLATED_LOAD_RATIO = 10.01
 """Largest ratio of two successive computed loads between which values are interpolated."""
 NUM_BATCH_VALUES = 2**15  # number of values in a batch that fits into the processor cache
@@ -25,8 +25,8 @@ MIN_SAMPLE_SIZE = 3  # minimum number of values for which an interval is compute
 MIN_NEIGHBORING_VALUES = 8  # minimum number of values at neighbouring positions for which an interval is computed
 _NEIGHBOR_CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_NEWTON_STEPS = 50
-_MIN_SKEWNESS = 1e-9  # skewness below which an interval is computed as symmetric
-MAX_DEGREES_OF_FREEDOM = 1e6  # degrees of freedom above which Student's t distribution is practically normal
+_MIN_SKEWNESS = 1e-9  # an interval is computed as symmetric if the skewness is below this limit
+MAX_DEGREES_OF_FREEDOM = 1e6  # above this number of degrees of freedom, Student's t distribution counts as normal
 
 
 def student_quantile(freedom: ArrayLike) -> Floats:
@@ -44,10 +44,10 @@ class LoadCrossings:
     """
 
     index: NDArray[np.intp]  # index of the step at or after each crossing (..., l)
-    fraction: Floats  # position of each crossing between the steps, from 0 to 1 (..., l)
+    fraction: Floats  # position of each crossing between two steps, from 0 to 1 (..., l)
     reached: NDArray[np.bool_]  # True for loads that the curve reaches (..., l)
     below: NDArray[np.bool_]  # True for loads below the first step (..., l)
-    # Curves and requested loads, if ratios of value to load are interpolated.
+    # Curves and requested loads, if the ratio of value to load is interpolated.
     scale: tuple[Floats, Floats] | None = None
 
     @classmethod
@@ -112,8 +112,8 @@ class LoadCrossings:
         values = np.broadcast_to(values, (*shape, values.shape[-1]))
         after = np.take_along_axis(values, index, axis=-1)
         before = np.take_along_axis(values, np.maximum(index - 1, 0), axis=-1)
-        # For a crossing exactly at a step, the value at the previous step may be NaN.
-        with np.errstate(invalid="ignore"):  # Values may be infinite, such as the stiffness of complete contact.
+        # If a crossing is exactly at a step, the value at the previous step may be NaN.
+        with np.errstate(invalid="ignore"):  # Values may be infinite, for example the stiffness at complete contact.
             interpolated = np.where(fraction == 1, after, before + fraction * (after - before))
         if are_sums and self.scale is not None:
             interpolated = interpolated * self.scale[1]
@@ -169,7 +169,7 @@ class MeansAtLoads:
         )
         for first in range(0, normal.shape[2], batch_size):
             # Loads and values of each repetition have the shape (p, r).
-            # `load_change` and `mean_change` are the changes of the means if a repetition is omitted.
+            # `load_change` and `mean_change` are the changes of the means due to omitting a repetition.
             repetition_load, repetition_mean = (
                 self._interpolate_at_crossings(each[..., first : first + batch_size]) for each in (normal, values)
             )
@@ -351,7 +351,7 @@ def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
     of the values. It is NaN if there are fewer than `MIN_NEIGHBORING_VALUES` values or if all values are equal.
     """
     count = values.shape[0]
-    # Each row (c, r) is summed separately, so that its result does not depend on the other rows.
+    # Each row (c, r) is summed separately, so that the sum does not depend on the other rows.
     rows = np.ascontiguousarray(values.reshape(count, math.prod(values.shape[1:])).T)
     mean = rows.mean(axis=1) if count else np.full(rows.shape[0], np.nan)
     lower, upper = np.full((2, mean.size), np.nan)
@@ -376,7 +376,7 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
     has_spread = (deviation > 0) & (values != values[:, :1]).any(axis=1)
     y, rho = deviations / np.where(has_spread, deviation, 1.0)[:, np.newaxis], _NEIGHBOR_CORRELATIONS
     y[~has_spread] = np.linspace(-1.0, 1.0, count)
-    # For an autoregressive process, 1' R^-1 1, 1' R^-1 y and y' R^-1 y are closed forms in these sums.
+    # For an autoregressive process, 1' R^-1 1, 1' R^-1 y and y' R^-1 y are closed-form expressions of these sums.
     weight_sums, inflation, quantile, density = _compute_mixture_constants(count)
     end_values = y[:, [0, -1]]
     inner_sums, end_squares = y[:, 1:-1].sum(axis=1)[:, np.newaxis], np.square(end_values).sum(axis=1)[:, np.newaxis]
@@ -419,7 +419,7 @@ def average_line_means(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats,
     _, first_indices, index = np.unique(lines, return_index=True, return_inverse=True)
     line_means = values
     if first_indices.size > 1:
-        # Each line gives one value. The mean of these values equals the mean of all values.
+        # The values of each line are replaced by one value. The mean of these values equals the mean of all values.
         counts = np.bincount(index).reshape(-1, *(1,) * (values.ndim - 1))
         sums = np.zeros((first_indices.size, *values.shape[1:]))
         np.add.at(sums, index, values)
@@ -440,7 +440,7 @@ class ScanPairMean:
     # variances of the mean due to upper scans, lower scans and positions
     variances: tuple[float, ...]
     freedom: float  # degrees of freedom of the variance of the mean (Satterthwaite, 1946)
-    test: float  # standard deviation of a single new test about the mean
+    test: float  # standard deviation of a single new test from the mean
     test_freedom: float  # degrees of freedom of the variance of a single new test
 
     @property
@@ -482,7 +482,7 @@ def average_scan_pairs(values: Floats, upper: NDArray[np.intp], lower: NDArray[n
     freedom = float(freedoms[~is_separate].sum())
     residual = float(sums[~is_separate].sum()) / max(freedom, 1.0)
     variance_components = np.append(np.where(is_separate, squares - residual, 0.0)[:2], residual)
-    # The residual mean square is subtracted once for each mean square that is not pooled.
+    # For each mean square that is not pooled, the residual mean square is subtracted once.
     weights = np.append(np.where(is_separate, squares, 0.0)[:2], (1 - is_separate.sum()) * residual)
     component_freedoms = np.maximum([*freedoms[:2], freedom], 1.0)
     deviations_in_pairs = (flat_values - pair_means[upper, lower][:, np.newaxis]).ravel()

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import xarray
 
 DatasetTransformation: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
-# maximum number of curve values of one map cell that are in memory at the same time
+# maximum number of curve values of one map cell in memory at the same time
 MAX_VALUES_IN_MEMORY = 2**20
 # dimensions that a result may have besides members and steps
 MAP_CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")
@@ -282,7 +282,7 @@ class _EnsembleQuantity:
         self.dims = [*(motion for motion in MOTION_DIMENSIONS if motion in head.dims), *find_cell_dimensions(head)]
         self.cells = tuple(head.sizes[dim] for dim in self.dims)
         self.shape = (*self.cells, loads.size, mu0.size, tau0.size)
-        # The validity of the model is known only if the dataset contains all contact sums.
+        # The validity of the model can be assessed only if the dataset contains all contact sums.
         self.has_all_sums = all(name in head for name in SUM_QUANTITIES)
 
     def required_variables(self) -> tuple[str, ...]:
@@ -325,7 +325,7 @@ class _EnsembleQuantity:
                 array[cell] = _reshape_curves(curve_values, self.shape)
             cell_averages = averages.apply(operator.itemgetter((*cell, slice(None), 0)))
             normal = self.compute_curves(cell, averages, quantity_sums)[0][..., 0]
-            # True if the pair is self-locked at the largest approach.
+            # True if friction is self-locked at the largest approach.
             is_locked = (cell_averages.contact_count[-1] > 0) & (normal[:, -1:] <= 0)
             cell_status = friction.choose_statuses(
                 touched=bool(cell_averages.contact_count.any()), reached=means.crossing.reached,

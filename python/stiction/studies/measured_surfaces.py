@@ -353,7 +353,7 @@ class MeasuredBodySettings(SettingsTable):
         """
         path = Path(self.file)
         try:
-            check_is_file(path)  # reading a device or a pipe may never end
+            check_is_file(path)  # reading from a device or a pipe may never end
             with path.open("rb") as file:
                 return hashlib.file_digest(file, "sha256").hexdigest()
         except UnreadableFileError as error:
@@ -451,7 +451,7 @@ class SharedMemberProperties:
     shape: Sequence[int]
     spacing: Sequence[float]
     used_fractions: Sequence[float]
-    scans: Sequence[Any]  # scans before they are cut into members
+    scans: Sequence[Any]  # scans before they are divided into members
 
 
 @dataclass(frozen=True)
@@ -626,9 +626,10 @@ class LineMemberSource:
 
     pairs: LinePairs
     scans: tuple[Body, Body]
-    # number of positions on each pair of lines, if there are several pairs
+    # number of relative positions of each pair of lines, if there are several pairs
     offsets: int = 1
-    positions: tuple[float, ...] | None = None  # positions (µm) on each pair, or None for a quasi-random sequence
+    # relative positions (µm) of each pair, or None for a quasi-random sequence
+    positions: tuple[float, ...] | None = None
 
     def member(self, index: int) -> EnsembleMember:
         """Return a member, which consists of a slider and the section of the counterface below the slider."""
@@ -652,7 +653,7 @@ class LineMemberSource:
         if is_unshifted or max_steps == 0:
             offset_steps = 0
         elif offsets == 1 and pairs.travel is not None and position == 0:
-            offset_steps = max_steps  # a single position is placed at the end of the travel
+            offset_steps = max_steps  # a single relative position is placed at the end of the travel
         else:
             offset_steps = 1 + min(int(quasi_random_point(position + 1, 1)[0] * max_steps), max_steps - 1)
         return self._member_at(slider, counterface, offset_steps, line)
@@ -800,7 +801,7 @@ class MapMemberSource:
 
     pairs: MapPairs | IsotropicSurfacePairs | SpectralSurfacePairs
     scans: tuple[Body, Body]
-    # number of pairs of surrogates, which are the first members; None if all members are surrogates
+    # number of pairs of surrogates (the first members); None if all members are surrogates
     surrogates: int | None = None
 
     def member(self, index: int) -> EnsembleMember:
@@ -821,7 +822,7 @@ class MapMemberSource:
         """Return the properties that all members have in common."""
         pairs = self.pairs
         scans: Sequence[Any] = self.scans
-        if isinstance(pairs, SpectralSurfacePairs):  # surrogates have a spacing of half the shortest wavelength
+        if isinstance(pairs, SpectralSurfacePairs):  # a scan resolves wavelengths of at least two points
             wavelengths = (max(body.shortest, pairs.finest_spacing) for body in (pairs.upper, pairs.lower))
             scans = [SimpleNamespace(spacing=shortest / 2, extent=pairs.side_length) for shortest in wavelengths]
         return SharedMemberProperties(

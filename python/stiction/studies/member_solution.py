@@ -213,7 +213,8 @@ def _solve_asperities(
     interpolated between the states just before and just after the jump.
     """
     model, is_areal = contact.contact_model(), isinstance(upper, Surface)
-    if is_areal:  # A map needs one load curve for all directions, but a profile needs one for each direction.
+    # A map needs one load curve for all directions, whereas a profile needs one load curve for each direction.
+    if is_areal:
         models = [replace(model, direction=contact.direction_angles().tolist(), shear="+x").for_surfaces()]
     else:
         models = [
@@ -221,7 +222,7 @@ def _solve_asperities(
             for direction in _list_profile_directions(contact)
         ]
     first_model = replace(models[0], direction=0.0) if is_areal else models[0]
-    # Without friction, the normal force equals the elastic load.
+    # Without friction, the normal load equals the elastic load.
     approach, status = find_approaches_at_loads(
         SurfacePair(upper, lower), contact.loading_steps(), mu0=0.0, tau0=0.0, model=first_model
     )
@@ -296,7 +297,7 @@ class PressedPair:
 
     upper: Any
     lower: Any
-    curve: HalfSpaceCurve | LoadCurve  # load curve that contains only the given load, for motion along +x
+    curve: HalfSpaceCurve | LoadCurve  # load curve that contains only the given load, for a motion along +x
     model: ContactModel | None = None  # contact model of the asperities; None for the half-space model
 
     @classmethod
@@ -333,7 +334,8 @@ class PressedPair:
 # ---- Members of a study ----------------------------------------------------------------------------------------------
 
 CACHE_LINE_BYTES = 64  # size of a cache line of the processor in bytes
-SLIP_LOAD_FRACTION = 0.5  # The normal load on the slipping contact is stored at this fraction of the sliding load.
+# tangential load, as a fraction of the sliding load, at which the normal load on the slipping contact is stored
+SLIP_LOAD_FRACTION = 0.5
 
 MEMBER_TIME_COEFFICIENTS = {
     "onset": 1e-3, "profile": 1.1e-8, "asperities": 3e-8, "point": 1.35e-7, "area": 2e-3, "line": 3.6e-4,

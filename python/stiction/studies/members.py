@@ -28,7 +28,7 @@ from stiction.surfaces.surface import Surface
 MAX_BATCH_BYTES = 64_000_000
 MAX_CACHED_PAIRS = 16  # number of pairs of filtered and levelled scans in the cache
 NUM_AVERAGED_MEMBERS = 16  # number of members over which the fraction of measured points is averaged
-# number of grid points assumed for missing files, for profiles (False) and for maps (True)
+# assumed number of grid points of missing files, for profiles (False) and for maps (True)
 TYPICAL_SCAN_POINTS = {False: 4000, True: 400**2}
 
 # ---- Generated bodies ------------------------------------------------------------------------------------------------

@@ -46,7 +46,7 @@ NUM_REPORT_LOADS = 40  # number of loads in a report of generated surfaces
 # number of loads at which nodes are chosen and errors are measured (generated surfaces)
 NUM_SAMPLED_LOADS = 4
 NUM_NODE_CHOICE_LOADS = 2  # number of loads at which nodes are chosen (measured surfaces)
-# quantities besides friction that are evaluated at the nodes (measured surfaces)
+# quantities that are evaluated at the nodes in addition to friction (measured surfaces)
 ADDITIONAL_NODE_VARIABLES = ("contact_count", "gentle_friction")
 # maximum number of mu0 or tau0 values in a study that become nodes; longer lists are thinned
 MAX_STUDY_NODES = 9
@@ -57,9 +57,9 @@ MIN_NODE_DISTANCE = 0.35
 ERROR_CHECK_POSITIONS = (np.array([0.07, 0.23, 0.61]), np.array([0.04, 0.31]))
 """Positions at which errors are measured, as fractions of the ranges of mu0 (first) and tau0 (second)."""
 
-# A value counts as a node if its distance from the node is below this fraction of the axis length.
+# A value is treated as a node if its distance from the node is below this fraction of the axis length.
 NODE_TOLERANCE = 1e-9
-MAX_TAU0_OVER_MODULUS = 0.02  # upper end of the tau0 axis relative to E*, if the study has no larger value
+MAX_TAU0_OVER_MODULUS = 0.02  # upper end of the tau0 axis as a fraction of E*, if no tau0 in the study is larger
 MAX_TAU0_OVER_HARDNESS = 0.7 * 27**-0.5
 """Largest tau0 on the axis relative to the hardness, if the study has no larger value (0.7 of von Mises' strength)."""
 
@@ -254,7 +254,7 @@ class InterpolationNodes:
         """
         mu0, tau0 = (axis.values for axis in axes)
         with warnings.catch_warnings():
-            # the report marks values of tau0 that are large relative to E*
+            # the report itself marks values of tau0 that are large relative to E*
             warnings.simplefilter("ignore", UserWarning)
             at = at_load(self.result, loads, mu0=mu0, tau0=tau0, member_kind=kind, names=names)
         return at if kind == "surrogates" else add_uncertainty(at, self.result, budget=False, tests=False)

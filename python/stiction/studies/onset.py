@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     from stiction.studies.store import StoredResult
 
 ONSET_FILE = "onset.nc"  # file name in a result folder
-ONSET_TABLE_FILE = "onset.csv"  # file name of the mean onset curve, a table that can be used in a Masing model
-ONSET_TABLE_SIGNATURE = b"fraction of the sliding load,"  # first bytes that identify the table
+ONSET_TABLE_FILE = "onset.csv"  # file name of the mean onset curve as a table, for use in a Masing model
+ONSET_TABLE_SIGNATURE = b"fraction of the sliding load,"  # first bytes of the file, which identify the table
 NUM_ONSET_MEMBERS, NUM_AREAL_ONSET_MEMBERS = 16, 4
 """Default numbers of members whose onset is computed: in general (first), and for maps with the half-space (second)."""
 
@@ -39,7 +39,7 @@ NUM_ONSET_MEMBERS, NUM_AREAL_ONSET_MEMBERS = 16, 4
 ONSET_LOAD_FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
 """Fractions of the sliding load at which the curve is evaluated."""
 
-TRACTION_TOLERANCE = 1e-5  # relative tolerance of tractions, which gives errors of about 1e-7 in displacements
+TRACTION_TOLERANCE = 1e-5  # relative tolerance of tractions; it causes errors of about 1e-7 in displacements
 DEFAULT_POISSON_RATIO = 0.3  # default Poisson's ratio of both bodies
 _CURVE_TITLES = {
     "tangential_load": "tangential load",
@@ -100,7 +100,7 @@ def compute_member_onset(
             {"tolerance": TRACTION_TOLERANCE} if isinstance(pressed_pair.curve, HalfSpaceCurve) else {}
         )
         onset = pressed_pair.curve.onset(0, mu0=mu0, tau0=tau0, steps=ONSET_LOAD_FRACTIONS, poisson=poisson, **options)
-    except (RuntimeError, ValueError):  # raised if the solver failed or the contact law has no onset
+    except (RuntimeError, ValueError):  # an exception means that the solver failed or that the contact law has no onset
         return None
     curve: dict[str, Any] = {
         name: getattr(onset, name) for name in (*_CURVE_TITLES, *_ONSET_SCALAR_NAMES[:-1]) if name != "energy_lost"
@@ -166,9 +166,9 @@ def _fit_presliding_models(onset: xarray.Dataset) -> dict[str, float]:
     try:
         iwan = fit_iwan(displacement, load, sliding_load=sliding_load, stiffness=float(curve["stiffness"]))
         lugre = fit_lugre(displacement, load, sliding_load=sliding_load)
-    except ValueError:  # raised because the curve of a free half-plane has no displacements
+    except ValueError:  # an exception means that the curve of a free half-plane has no displacements
         return {}
-    chi = round(iwan.chi, 12) + 0.0  # adding 0.0 changes -0 to 0
+    chi = round(iwan.chi, 12) + 0.0  # adding 0.0 converts -0 to 0
     values = {
         "iwan": (sliding_load, iwan.stiffness, chi, iwan.beta, float(np.abs(iwan.residual).max() / sliding_load)),
         "lugre": (lugre.stiffness, float(np.abs(lugre.residual).max() / sliding_load)),
@@ -180,7 +180,7 @@ def _fit_presliding_models(onset: xarray.Dataset) -> dict[str, float]:
     }
 
 
-# ---- Stored with a result -------------------------------------------------------------------------------------------
+# ---- Files stored with a result -------------------------------------------------------------------------------------
 
 
 def load_stored_onset(result: StoredResult) -> xarray.Dataset | None:

@@ -61,8 +61,9 @@ from stiction.surfaces.surface import Surface, as_body
 
 # default number of positions of a pair of profiles (a few seconds of computing time)
 DEFAULT_NUM_POSITIONS = 64
-NUM_ADHESION_LOADS = 4  # number of additional loads, over two decades below the requested loads, for adhesive contacts
-ZERO_LOAD_REPLACEMENT = 1e-3  # load that replaces a load of zero, relative to the attraction on a grid cell
+# number of additional loads for adhesive contacts, spread across the two decades below the requested loads
+NUM_ADHESION_LOADS = 4
+ZERO_LOAD_REPLACEMENT = 1e-3  # load that replaces a load of zero, as a fraction of the attraction on a grid cell
 DEFAULT_CONTACT_LAW = "hertz-sphere"  # default contact law of the asperity model
 HARDNESS_TO_YIELD_RATIO = 2.84  # ratio of hardness to yield strength in the law of Jackson and Green
 
@@ -365,7 +366,7 @@ class MeasuredPair:
         """Requested loads (mN) in ascending order. Pressures are converted with the nominal area."""
         area = self._nominal_area if any(per_area for _, per_area in self._given_loads) else 1.0
         width_factor = 1.0 if self.options.width is None else PROFILE_WIDTH / self._profile_width
-        # Products are rounded, so that the loads have no spurious last digits.
+        # Products are rounded, so that the last digits of the loads contain no round-off.
         forces = {
             float(load) if (factor := area if per_area else width_factor) == 1 else float(f"{load * factor:.12g}")
             for load, per_area in self._given_loads
@@ -483,7 +484,7 @@ class MeasuredPair:
         else:
             table["cut_off"] = _sort_unique(self._parse_quantities("cutoff", self.options.cutoff))
         if level is None and self.options.gap is not None and self.options.tilt == "fixed":
-            level = "mean"  # Subtracting only the mean keeps the measured tilt between the faces.
+            level = "mean"  # Subtracting only the mean preserves the measured tilt between the faces.
         if level is not None:
             table["level"] = "plane" if press == "surrogates" and level == "line" else level
         if press == "areas":
@@ -678,7 +679,8 @@ class MeasuredPair:
             return None if value is None else quantity(exact_quantity_text(value, "GPa"), "pressure")
         if self.elasticity.materials and self.elasticity.hardness is None:
             raise ArgumentError("{hardness} must not be given: {got}", got=self.elasticity.hardness_source)
-        self._parse_inputs("hardness")  # raises an error that lists the hardness scales
+        # if the hardness is invalid, this call raises an error that lists the hardness scales
+        self._parse_inputs("hardness")
         hardness = self._parse_quantity("hardness", self._central_value("hardness"))
         if not hardness > 0:
             raise ArgumentError("{hardness} must be above 0, got {got}", got=repr(self.options.hardness))

@@ -188,7 +188,7 @@ class OptionCondition:
     """Condition for using an option, and the message of the error raised if the condition is not met."""
 
     holds: Callable[[PairProperties], bool]
-    message: str  # text after the option name; {name} stands for another option
+    message: str  # text of the message after the option name; {name} stands for another option
 
 
 def make_condition(message: str) -> Callable[[Callable[[PairProperties], bool]], OptionCondition]:
@@ -400,7 +400,7 @@ class FormField:
     choices: tuple[tuple[str, str], ...] = ()  # values and labels of a drop-down list
     size: int = 0  # width of the field in characters; 0 for the default width
     unit: str = ""  # unit that is appended to a number without a unit
-    has_commas: bool = False  # True if commas separate values and are not decimal commas
+    has_commas: bool = False  # True if commas separate values; False if they are decimal commas
     keyboard: Literal["", "numeric", "decimal"] = ""  # virtual keyboard on a phone
 
 
@@ -408,7 +408,7 @@ class FormField:
 class PairOption:
     """Declaration of a pair option, shared by the command line, the Python interface, study files and the app."""
 
-    value: str  # placeholder for the value on the command line, such as PRESSURE; empty for a switch
+    value: str  # placeholder for the value on the command line, such as PRESSURE; empty for a switch without a value
     help: str  # one or two sentences of help; {name} stands for another option
     kind: OptionKind | None = None
     usual: str = ""  # description of the default value

@@ -107,7 +107,7 @@ def complete_result(
         return Result(stored_result)
     result = Result(stored_result)
     if is_measured and load_areas_at_nodes(stored_result) is None and not has_only_negligible_loads(result):
-        # If hardness or moduli are ranges, some members are also computed at values other than the nominal values.
+        # If hardness or moduli are ranges, some members are also computed at other values within these ranges.
         seconds = (
             count_area_solutions(stored_result.study) * estimate_solution_time(stored_result.study)
             if stored_result.study.uses_half_space
@@ -156,7 +156,7 @@ def compute_companion_files(
             if existing_result and find_member_differences(existing_result.study, cutoff_study):
                 remove_result(
                     existing_result
-                )  # the stored members differ from the cutoff study, for example in their loads
+                )  # the stored members and the cutoff study differ, for example in their loads
             seconds = cutoff_study.ensemble.repetitions * estimate_member_time(cutoff_study)
             (print_remark if seconds > MIN_ANNOUNCED_TIME else announce)(
                 f"cutoff study: about {format_duration(seconds)} of one core"
@@ -167,7 +167,7 @@ def compute_companion_files(
             return
         announce("onset of sliding")
         new_onset = compute_onset(stored_result.study, executor, members=onset)
-    except ValueError as error:  # raised if the files of the bodies are missing
+    except ValueError as error:  # an exception means that files of the bodies are missing
         print_remark(f"cutoff study and onset are not computed: {error}")
         return
     if new_onset is not None:

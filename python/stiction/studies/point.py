@@ -28,8 +28,9 @@ class SlidingRuleCoefficient:
     value: float  # mean coefficient over the directions
     lower: float  # lower limit of the combined 95 % interval
     upper: float  # upper limit of the combined 95 % interval
-    positions: tuple[float, float] = (math.nan, math.nan)  # sampling interval of the mean over positions
-    next_test: tuple[float, float] = (math.nan, math.nan)  # prediction interval of a single test in a single direction
+    # confidence interval of the mean due to sampling of relative positions
+    positions: tuple[float, float] = (math.nan, math.nan)
+    next_test: tuple[float, float] = (math.nan, math.nan)  # prediction interval for a single test in a single direction
     low: float = math.nan  # 10 % quantile of the coefficients of single members
     high: float = math.nan  # 90 % quantile of the coefficients of single members
     slopes: float = math.nan  # small-slope estimate (`gentle_friction`); NaN for generated bodies

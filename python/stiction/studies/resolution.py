@@ -42,7 +42,7 @@ CUTOFF_STUDY_FOLDER = "resolution"  # name of the folder of the cutoff study in 
 NUM_AREAL_MEMBERS = 4
 NUM_LINE_MEMBERS = 16  # number of members in a cutoff study of profiles
 # Maximum number of cutoffs.
-# The first cutoff is the shortest resolved wavelength, and each further cutoff is twice as long as the previous one.
+# The first cutoff is the shortest resolved wavelength, and each further cutoff is twice as long as the previous cutoff.
 MAX_CUTOFFS = 4
 FOUR_DIGIT_ROUNDING_ERROR = 5e-4  # largest relative error of a number rounded to four digits
 MAX_RELATIVE_CUTOFF = 1 / 30  # maximum ratio of a cutoff to the shortest side of the scans
@@ -68,7 +68,7 @@ def build_cutoff_study(study: Study) -> Study | None:
         if cutoffs[0] == 0
         else cutoffs[0] * 2.0 ** np.arange(1, MAX_CUTOFFS)
     )
-    # Lengths are rounded up, because the grid has no wavelengths below two points.
+    # Lengths are rounded up, because a grid cannot represent wavelengths shorter than two points.
     cutoff_texts = [
         cutoffs[0],
         *(
@@ -182,7 +182,8 @@ def _compute_resolved_roughness(study: Study) -> ResolvedRoughness:
     surfaces: Any = study.surfaces
     bodies = load_bodies(study)
     cut_off = surfaces.quoted_cut_off()
-    # The gap is computed for the first member that consists of pieces of the scans, or otherwise for a surrogate.
+    # The gap is computed for the first member that consists of pieces of the scans.
+    # If there is no such member, the gap is computed for a surrogate.
     first_scan_index = surfaces.first_scan_member_index
     index = first_scan_index if first_scan_index < study.ensemble.repetitions else 0
     upper, lower = bodies.member(index, cut_off).pair
@@ -217,7 +218,7 @@ class YieldWavelengthEstimate:
     """Estimates for a hardness H (GPa): the wavelength (µm) at which the pressure reaches H, and mu0 + tau0/H."""
 
     hardness: float
-    wavelength: float  # wavelength (µm), or NaN if the pressure reaches H at no wavelength
+    wavelength: float  # wavelength (µm) at which the pressure reaches H, or NaN if no wavelength has this pressure
     lower: float
     upper: float
     friction: float

@@ -101,7 +101,7 @@ class Result:
         """
         if not isinstance(self.source, StoredResult):
             return self.source
-        # If the result has no members, `StoredResult.dataset` raises the error.
+        # If the result has no members, `StoredResult.dataset` raises an error.
         return next(self.source.pieces()) if self.source.num_finished else self.source.dataset()
 
     @cached_property
@@ -143,7 +143,7 @@ class Result:
             count += piece.sizes["repetition"]
             for name in names:
                 dims = [str(dim) for dim in piece[name].dims if dim != "repetition"]
-                # Sums are fast if the repetitions are contiguous in memory.
+                # Summation is fast if the repetitions are contiguous in memory.
                 values = np.ascontiguousarray(piece[name].transpose(*dims, "repetition").values)
                 piece_sum = xarray.Variable(dims, values.sum(axis=-1))
                 sums[name] = piece_sum if name not in sums else sums[name] + piece_sum
@@ -282,7 +282,8 @@ class Result:
         surfaces: Any = self.study.surfaces
         if isinstance(surfaces.fractal_dimension, tuple):
             return values
-        # A few values of a range suffice for a curve, but all values of a list are needed.
+        # If the fractal dimensions are a range, a few values suffice for a curve.
+        # If they are a list, all values are needed.
         num_dimensions = values.sizes["fractal_dimension"]
         shown_indices = np.unique(
             np.linspace(0, num_dimensions - 1, min(NUM_OVERVIEW_FRACTAL_DIMENSIONS, num_dimensions)).round().astype(int)
@@ -434,7 +435,7 @@ class Result:
         loads = self.default_loads[:1] if load is None else self._to_forces(load)
         return build_contact_table(self, loads, members)
 
-    # ---- Quoted values -----------------------------------------------------------------------------------------------
+    # ---- Reported values ---------------------------------------------------------------------------------------------
 
     def summary(
         self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None
@@ -592,7 +593,7 @@ class Result:
         """Return the text that is shown if the result is printed on a terminal."""
         try:
             return self._render_terminal_text().rstrip()
-        except ValueError as error:  # raised if there is no contact or no finished member
+        except ValueError as error:  # an exception means that there is no contact or no finished member
             return f"no answer: {error}"
 
     def _render_terminal_text(self) -> str:

@@ -43,14 +43,15 @@ from stiction.studies.values import StudyError
 if TYPE_CHECKING:
     import xarray
 
-# Computing time (s) of a block. A crash then loses little work, and writing a block takes a few per cent of this time.
+# Computing time (s) of a block. If the program crashes, little work is lost.
+# Writing a block takes a few per cent of this time.
 TARGET_BLOCK_TIME = 1.5
 MAX_BLOCK_MEMBERS = 4096
 MAX_BLOCK_BYTES = 2**24
-MIN_BLOCKS = 16  # minimum number of blocks, which limits the wait for the last block
+MIN_BLOCKS = 16  # minimum number of blocks; with several blocks, the wait for the last block is short
 MIN_BLOCK_TIME = 0.06  # minimum computing time (s) of a block; writing its file takes some milliseconds
-MAX_SUBMITTED_TASKS = 1000  # maximum number of queued tasks if the workers write the block files
-# maximum number of queued tasks if this process writes the block files
+MAX_SUBMITTED_TASKS = 1000  # maximum number of submitted tasks if the workers write the block files
+# maximum number of submitted tasks if this process writes the block files
 MAX_RETURNED_TASKS = 256
 SHUTDOWN_TIMEOUT = 3.0  # time (s) for which an interrupted run waits for unfinished blocks
 MAX_BYTES_IN_MEMORY = 2**34  # maximum size (bytes) of a result without a store, and of a single repetition
@@ -187,7 +188,8 @@ def _compute_blocks(
 
     Workers that can access the folder write the block files.
     """
-    num_workers = getattr(pool, "_max_workers", None)  # number of workers; None for a cluster, where it varies
+    # number of workers; None for a cluster, whose number of workers varies
+    num_workers = getattr(pool, "_max_workers", None)
     start_time, is_first = time.monotonic(), update is not None and num_workers is not None
 
     def accept_block(members: range, content: bytes | None) -> None:
@@ -274,7 +276,8 @@ def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> x
     return build_dataset(study, range(missing.total), arrays, find_body_attributes(study))
 
 
-LONG_RUN_TIME = 600.0  # estimated time (s) on all threads above which advice on shortening the run is printed
+# if the estimated time (s) on all threads exceeds this limit, advice on shortening the run is printed
+LONG_RUN_TIME = 600.0
 
 
 def _describe_remaining_work(
@@ -302,7 +305,7 @@ def _describe_remaining_work(
     )
 
 
-MIN_REPORTED_TIME = 60.0  # remaining time (s) above which a new estimate of the run time is printed
+MIN_REPORTED_TIME = 60.0  # if the remaining time (s) exceeds this limit, a new estimate of the run time is printed
 
 
 def _format_revised_time_estimate(
@@ -357,7 +360,7 @@ def _submit_member_ranges(
     ranges = iter(missing)
     task = wrap_to_use_idle_threads(task, pool, sum(1 for _ in missing), count_grid_points(arguments[1]))
     pending_members: dict[Future[Any], range] = {}
-    # `concurrent.futures.wait` would lock all futures, and would leave some of them locked if it were interrupted.
+    # `concurrent.futures.wait` would lock all futures. If it were interrupted, some futures would remain locked.
     finished_futures: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
 
     def submit_tasks(count: int) -> None:
@@ -390,7 +393,7 @@ class SharedResultFolder:
     """Result folder. Workers on other machines write their blocks into the folder if they can access it."""
 
     path: Path
-    token: str  # name of the token file, which exists in the blocks folder during a run
+    token: str  # name of the token file; the token file exists in the blocks folder during a run
 
     def is_accessible(self) -> bool:
         """Return whether this process can access the folder."""
@@ -422,7 +425,7 @@ def compute_block_arrays(version: str, study: Study, members: range) -> ArraysBy
     return stack_members(study, [compute_member_arrays(study, member) for member in members])
 
 
-# ---- The first members ----------------------------------------------------------------------------------------------
+# ---- Preview from the first members ---------------------------------------------------------------------------------
 
 NUM_PREVIEW_MEMBERS = 4
 

@@ -61,7 +61,7 @@ if TYPE_CHECKING:
 
 STUDY_FILE = "study.toml"
 BLOCKS_FOLDER = "blocks"
-STUDY_FILE_SIGNATURE = "# Written by stiction"  # first words of each study file written by stiction
+STUDY_FILE_SIGNATURE = "# Written by stiction"  # first words of every study file written by stiction
 MAX_RESULT_BYTES = 2**31  # maximum size (bytes) of a result that is read into memory as a whole
 MAX_COMPANION_BYTES = 2**26  # maximum size (bytes) of a companion file that is read
 _BLOCK_NAME_PATTERN = re.compile(r"([0-9]{7,18})-([0-9]{7,18})-([0-9a-f]{8})\.nc")
@@ -91,7 +91,7 @@ class StoreInfo:
     """Description of a result folder, with study, progress, size and version."""
 
     study: Study
-    finished: int  # number of finished repetitions out of study.ensemble.repetitions
+    finished: int  # number of finished repetitions; the total is study.ensemble.repetitions
     size: int  # size on disk in bytes
     versions: dict[str, str]  # versions of the software that created the result
 
@@ -503,7 +503,7 @@ def write_block(path: Path, first_member: int, content: bytes, num_members: int)
 
 # ---- The file of a block ---------------------------------------------------------------------------------------------
 
-# If the checksum of a block file is valid, only the study and the shapes of the arrays are verified.
+# If the checksum of a block file is correct, only the study and the shapes of the arrays are verified in addition.
 
 # attributes of a result that do not describe the bodies
 RESULT_ATTRIBUTES = ("title", "study", "stiction_version", "_NCProperties")
@@ -514,7 +514,7 @@ return from reading a damaged file. HDF5 ignores bytes after its own data, and p
 checksum.
 """
 
-_template_lock = threading.Lock()  # lets concurrent threads create only one template
+_template_lock = threading.Lock()  # ensures that only one of several concurrent threads creates the template
 
 
 class DamagedFileError(Exception):
@@ -530,7 +530,7 @@ class BlockFileContent:
     numbers: NDArray[np.int64]
     arrays: ArraysByName
     bodies: BodyAttributes
-    is_exact: bool  # True if the coordinates are bitwise equal to the coordinates in the study
+    is_exact: bool  # True if the coordinates are bitwise equal to the coordinates of the study
 
 
 def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, NDArray[Any]]) -> bytes:
@@ -646,7 +646,7 @@ def _open_netcdf(content: bytes) -> Iterator[h5py.File]:
         with h5py.File(io.BytesIO(content), "r") as file:
             yield file
     except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError, MemoryError):
-        # h5py raises these exceptions for files that are not HDF5.
+        # h5py raises these exceptions for files that are not HDF5 files.
         raise DamagedFileError("is not a readable netCDF file") from None
 
 
@@ -697,7 +697,7 @@ def export(dataset: xarray.Dataset, path: str | Path, *, replace: bool = False) 
     """
     path = Path(path)
     with replacement_file(path, CHECKSUM_PREFIX, ExportError) if replace else new_file(path, ExportError) as partial:
-        content = io.BytesIO()  # The file is written to memory first, because HDF5 may crash if the disk is full.
+        content = io.BytesIO()  # The file is first created in memory, because HDF5 may crash if the disk is full.
         write_dataset(dataset, content)
         append_checksum(content)
         partial.write_bytes(content.getbuffer())

@@ -223,7 +223,7 @@ def _add_bracketing_loads(
             max_load = float(quantity(contact["hardness"], "pressure")) * _compute_nominal_area(surfaces)
             # If the upper load is too large, the validation reports an error.
             upper_load = min(upper_load, max(loads) * max(math.sqrt(max_load / max(loads)), 1.001))
-    except (ValueError, TypeError, AttributeError):  # the validation of the key reports the error
+    except (ValueError, TypeError, AttributeError):  # the validation of this key reports the error
         return {}
     bracketing_loads = [
         exact_quantity_text(float(f"{load:.6g}"), "mN") for load in (min(loads) / MAX_AREAL_LOAD_RATIO, upper_load)
@@ -291,7 +291,7 @@ class Study(SettingsTable):
             )
             loads = [float(quantity(load, "force")) for load in friction["load"]]
             curve_loads = choose_load_steps(loads, press=surfaces.get("press", "areas"), mechanics=mechanics)
-        except (ValueError, TypeError):  # the validation of the key reports the error
+        except (ValueError, TypeError):  # the validation of this key reports the error
             return data
         return {
             **data,
@@ -323,7 +323,7 @@ class Study(SettingsTable):
             return parse_contact_settings(value, surfaces)
         if value.get("load") == [] and isinstance(surfaces, MeasuredSurfaceSettings):
             raise make_key_error("load", "must have at least one load, got []")
-        # if the contact is None, only the error of its table is reported
+        # if the contact is None, only the error of the table `[contact]` is reported
         contact = info.data.get("contact")
         mechanics = "half-space" if contact is None else contact.mechanics
         case = select_friction_settings_class(type(surfaces), mechanics)
@@ -501,7 +501,7 @@ class Study(SettingsTable):
         try:
             surfaces = select_surface_settings_class(selectors)
             contact = select_contact_settings_class(surfaces, selectors)
-        except PydanticCustomError:  # the validation of the key reports the error
+        except PydanticCustomError:  # the validation of this key reports the error
             return tables
         tables["surfaces"] = _convert_table(self.surfaces, surfaces)
         tables["contact"] = _convert_table(self.contact, contact)
@@ -538,7 +538,7 @@ def drop_none_entries(table: SettingsTable) -> dict[str, Any]:
     data = table.model_dump(exclude_none=True)
     order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
     if isinstance(table, MeasuredMapContactSettings):
-        order["direction"] = 1  # written last
+        order["direction"] = 1  # the key is written last
     return dict(sorted(data.items(), key=lambda item: order.get(item[0], 0)))
 
 
@@ -589,7 +589,7 @@ def find_table_differences(first: SettingsTable, second: SettingsTable, prefix: 
     serialized, differences = (first.model_dump(), second.model_dump()), []
     for name in dict.fromkeys((*type(first).model_fields, *type(second).model_fields)):
         field = type(first).model_fields.get(name) or type(second).model_fields[name]
-        if not field.repr:  # bodies in memory are compared by checksum
+        if not field.repr:  # bodies in memory are compared by their checksums
             continue
         table_values = getattr(first, name, None), getattr(second, name, None)
         if table_values[0] == table_values[1]:

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 # name of the budget entry for wavelengths not attributed to the surface
 UNATTRIBUTED_WAVELENGTHS_INPUT_NAME = "waves of unknown origin"
-# An input dominates only if making it exact would narrow the interval by more than this fraction.
+# An input counts as dominant only if making it exact would narrow the interval by more than this fraction.
 MIN_DOMINANT_INPUT_FRACTION = 0.1
 
 
@@ -261,7 +261,7 @@ def summarize(at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Cavea
 
 def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
     """Extend the intervals at the first cutoff to include those at the second cutoff. Return the first points first."""
-    cut_off = points[0].at["cut_off"]  # the value at the first cutoff is quoted
+    cut_off = points[0].at["cut_off"]  # the value at the first cutoff is reported
     points_at_other_cutoff = {
         _get_coordinates_without_cutoff(point): point for point in points if point.at["cut_off"] != cut_off
     }
@@ -334,11 +334,11 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
     rules = tuple(_build_rule_coefficient(point, rule) for rule in list_rules_quoted_first(study))
     rule_statuses = np.unique(select_sliding_rule(point["status"], rules[0].rule).values)
     failed_statuses = [str(status) for status in rule_statuses if status != friction.STATUS_OK]
-    # A missing coefficient in one direction makes the mean over all directions NaN.
+    # If the coefficient is missing in one direction, the mean over all directions is NaN.
     status = failed_statuses[0] if failed_statuses and math.isnan(rules[0].value) else friction.STATUS_OK
     cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
     rule_with_sampling_interval = replace(rules[0], lower=rules[0].positions[0], upper=rules[0].positions[1])
-    # Only a cutoff that the user requested removes caveats.
+    # Caveats are removed only because of a cutoff that the user requested.
     kept_caveats = [each for each in input_caveats if study.surfaces.both_readings or cut_off < each.cut_off]
     caveats = [*kept_caveats, *find_point_caveats(point, study, rule_with_sampling_interval, status)]
     return PointSummary(

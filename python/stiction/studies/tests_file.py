@@ -65,7 +65,8 @@ def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[F
     try:
         reader = csv.reader((f"{line}\n" for _, line in lines), delimiter=separator)
         rows, line_numbers = [], []
-        for row in reader:  # cells in quotation marks may contain line breaks
+        # a row may extend over several lines, because cells in quotation marks may contain line breaks
+        for row in reader:
             rows.append(row)
             line_numbers.append(lines[reader.line_num - 1][0])
         table = _FrictionTestTable(_parse_column_titles(rows[0]), line_numbers[1:], rows[1:], bodies, separator)

@@ -34,7 +34,7 @@ from stiction.mechanics.model import Direction, SlidingRule
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS
 
 MAX_PARAMETER_VALUES = 10_000  # maximum number of values of one parameter in a study
-MAX_SHORT_LIST_LENGTH = 100  # maximum number of entries in a list of mu0, tau0, cutoffs, loads or times
+MAX_SHORT_LIST_LENGTH = 100  # maximum number of entries in a list of mu0 values, tau0 values, cutoffs, loads or times
 MAX_KEY_DOTS = 100  # maximum number of dots in a dotted key of a study file
 MAX_DIRECTION_DEGREES = 360  # maximum absolute value of a direction in degrees
 
@@ -179,7 +179,7 @@ class SettingsTable(BaseModel):
 class SettingsTableVariant(SettingsTable):
     """Base class for study-file tables with several variants. Each variant is a class with different keys."""
 
-    place: ClassVar[str]  # name of the class in messages
+    place: ClassVar[str]  # phrase for this variant of the table in messages
 
     @classmethod
     def selectors(cls) -> dict[str, Any]:
@@ -269,7 +269,7 @@ class LoadRange(_SteppedValueRange):
     stop: Force
 
 
-# Values are tagged as a range or a list before validation, so that messages refer to a single type.
+# Values are tagged as a range or a list before validation, so that messages refer to only one of these types.
 RANGE_TAG, LIST_TAG = "a range", "a list"
 
 
@@ -298,7 +298,7 @@ def to_value_array(values: _ValueRange | tuple[float, ...]) -> Floats:
     return np.array(values, dtype=np.float64) if isinstance(values, tuple) else values.values()
 
 
-# ---- Keys that exist only in some classes of a table ----------------------------------------------------------------
+# ---- Keys that only some variants of a table have -------------------------------------------------------------------
 
 
 def check_keys(
@@ -376,7 +376,7 @@ def parse_toml(text: str) -> dict[str, Any]:
 
     Raises a `ValueError` if the text is invalid or nested too deeply.
     """
-    # tomllib parses a dotted key in a time that increases with the square of its number of parts.
+    # The time in which tomllib parses a dotted key increases with the square of the number of parts of the key.
     pieces = re.split(r"([=,#{}\[\]\n])", text)
     key_texts = [piece for piece, end in itertools.pairwise(pieces) if end in ("=", "]")]
     try:

@@ -7,7 +7,7 @@ from stiction.surfaces.filters import gaussian_low_pass, validate_cutoff
 from stiction.surfaces.surface import AnyBody, as_body
 
 # Longest cutoff wavelength, as a fraction of the shortest side of the body.
-# A filter with a longer cutoff would leave too few periods.
+# With a longer cutoff, too few periods would remain after filtering.
 MAX_CUTOFF_FRACTION = 1 / 3
 
 

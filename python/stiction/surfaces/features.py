@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 
-# A hill or dale with a height below this fraction of the maximum height is merged with a neighbour (Wolf pruning).
+# A hill or dale is merged with a neighbour if its height is below this fraction of the maximum height (Wolf pruning).
 PRUNING_FRACTION = 0.05
 NUM_AVERAGED_FEATURES = 5  # number of peaks or pits over which the five-point parameters are averaged
 
@@ -39,7 +39,7 @@ def find_significant_peaks(heights: Floats, threshold: float) -> _IndexArray:
     saddles.
     """
     order = np.argsort(heights, axis=None, kind="stable")
-    rank = np.empty(heights.size, np.int64)  # points of equal height are ordered by their flat index
+    rank = np.empty(heights.size, np.int64)  # points of equal height are ordered by their index in the flattened array
     rank[order] = np.arange(heights.size)
     hill_of_point = _find_peak_of_each_point(rank.reshape(heights.shape), order)
     peaks, hill_of_point = np.unique(hill_of_point, return_inverse=True)

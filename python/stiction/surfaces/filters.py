@@ -17,16 +17,17 @@ from stiction.surfaces.surface import AnyBody, Surface, as_body
 
 FilterKind = Literal["S", "L"]
 MonomialExponents = tuple[int, ...]
-# Shortest cutoff, in points. At this cutoff, the filter transmits 96 % of the amplitude of the shortest wavelength.
+# Shortest cutoff, in points.
+# At this cutoff, the filter still transmits 96 % of the amplitude of the shortest wavelength.
 MIN_CUTOFF_POINTS = 0.5
-_MIN_REGRESSION_POINTS = 4.0  # straight lines are fitted near the ends only if the cutoff has at least this many points
+_MIN_REGRESSION_POINTS = 4.0  # minimum cutoff, in points, at which straight lines are fitted near the ends
 # Half width of the weight function, in cutoff wavelengths.
 # Beyond this distance, all weights are below 1e-15 of the largest weight.
 _WEIGHT_HALF_WIDTH = 1.6
 # Minimum number of weights on each side of a point.
 # With a cutoff of two or three points, the weights decay slowly, to 1e-5 at this distance.
 _MIN_HALF_WIDTH_POINTS = 64
-# The mean line is estimated only where at least this fraction of the weights lies on measured points.
+# The mean line is estimated at a point only if at least this fraction of the weights belongs to measured points.
 _MIN_WEIGHT_COVERAGE = 1e-6
 _MIN_PIVOT = 1e-9  # the normalised local equations count as singular if a pivot is below this limit
 # Biweight scale, in median absolute deviations.
@@ -241,7 +242,7 @@ class _FilterKernel:
         half_width = min(points - 1, max(math.ceil(_WEIGHT_HALF_WIDTH * length), _MIN_HALF_WIDTH_POINTS))
         self.points = points
         self.padded_size: int = next_fast_len(points + half_width, real=True)
-        # These weights reproduce the analytic transmission exactly up to the Nyquist wave number.
+        # Up to the Nyquist wave number, these weights reproduce the analytic transmission exactly.
         transform_length = next_fast_len(max(self.padded_size, 4 * half_width + 2), real=True)
         self._weights = irfft(
             gaussian_transmission(2 * math.pi * rfftfreq(transform_length), length), transform_length
@@ -289,7 +290,7 @@ def _fit_local_polynomials(
     kernels = [_FilterKernel(*pair) for pair in zip(heights.shape, lengths, strict=True)]
     padded_shape = [kernel.padded_size for kernel in kernels]
     unpadded_slices = tuple(slice(points) for points in heights.shape)
-    # The last axis has a half transform, and all other axes have full complex transforms, as in rfftn.
+    # As in rfftn, the last array axis has a half transform, and all other array axes have full complex transforms.
     kernel_transforms = [
         [
             _reshape_along_axis(

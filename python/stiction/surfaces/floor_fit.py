@@ -10,8 +10,9 @@ import numpy as np
 
 from stiction._checks import Floats
 
-MIN_FLOOR_LIKELIHOOD_GAIN = 2.0  # minimum log-likelihood gain of a significant noise floor over power laws alone
-# initial level of the fitted floor, as a fraction of the maximum level that the lowest density allows
+# a noise floor is significant if adding it to the power laws increases the log-likelihood by at least this amount
+MIN_FLOOR_LIKELIHOOD_GAIN = 2.0
+# initial level of the fitted floor, as a fraction of the maximum level; the lowest density sets this maximum
 _INITIAL_FLOOR_FRACTION = 0.3
 
 
@@ -21,14 +22,15 @@ class BinnedSpectrum(NamedTuple):
     log_q: Floats  # logarithm of the wave number
     density: Floats
     weight: Floats  # shape parameters of the gamma distributions of the densities
-    floor: float = 1.0  # density of a floor of level 1; for white noise of variance 1, this is the spacing
+    # density of a floor of level 1; if level 1 is white noise of variance 1, this density is the spacing
+    floor: float = 1.0
 
 
 class NoiseFloorFit(NamedTuple):
     """Power laws with a common noise floor, fitted to spectra. The densities are A q^-s + level * floor."""
 
     level: float
-    gain: float  # log-likelihood gain over the best power laws without a floor
+    gain: float  # increase of the log-likelihood relative to the best power laws without a floor
     exponents: tuple[float, ...]  # exponent s of each spectrum
     ratios: tuple[float, ...]  # ratio of the floor to the power law at the largest wave number of each spectrum
 

@@ -8,12 +8,13 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# Minimum distance between harmonics, in bins. At a smaller distance, the spectrum between them cannot be assessed.
+# Minimum distance between harmonics, in bins.
+# If the distance is smaller, the spectrum between the harmonics cannot be assessed.
 MIN_HARMONIC_DISTANCE = 10
 # Smallest bin in which a first harmonic may lie.
-# The limit is above 2, because a Hann window spreads a spectral line over two bins on each side.
+# The limit is above 2, because a Hann window spreads a spectral line to two bins on each side.
 _MIN_FIRST_HARMONIC_BIN = 2.5
-_MAX_COMPARED_HARMONICS = 8  # maximum number of harmonics that are compared with the spectrum between them
+_MAX_COMPARED_HARMONICS = 8  # maximum number of harmonics that are compared with the spectrum between the harmonics
 # Minimum number of significant harmonics above the first.
 # In addition, at least a third of the compared harmonics must be significant.
 _MIN_SIGNIFICANT_HARMONICS = 2
@@ -21,9 +22,10 @@ _MAX_TESTED_PEAKS = 6  # maximum number of peaks that are tested as the first ha
 # Minimum ratio of the density of a harmonic to the density between harmonics.
 # About one bin in 1000 exceeds this ratio by chance.
 _MIN_HARMONIC_RATIO = 10.0
-_PEAK_HALF_WIDTH = 2.5  # half width of a harmonic's peak after a Hann window, in bins
+_PEAK_HALF_WIDTH = 2.5  # half width of the peak of a harmonic in a Hann-windowed spectrum, in bins
 _STEPS_PER_BIN = 16  # number of steps per bin in the refinement of the first harmonic
-# This quantile of the density over one period is unaffected by harmonics, including aliased harmonics.
+# Within one period of the harmonics, this quantile of the density is not affected by harmonics, not even by aliased
+# ones.
 _BACKGROUND_DENSITY_QUANTILE = 0.3
 
 
@@ -44,7 +46,8 @@ def find_texture_harmonics(density: Floats) -> tuple[float, float]:
     is_rising, is_falling = density[1:] > density[:-1], density[:-1] >= density[1:]
     peaks = 1 + np.flatnonzero(np.r_[True, is_rising] & np.r_[is_falling, True])
     peaks = peaks[(peaks > _MIN_FIRST_HARMONIC_BIN) & (peaks * (1 + _MIN_SIGNIFICANT_HARMONICS) <= nyquist_bin)]
-    # Sort peaks by their contribution to the slope variance. The first harmonics of a texture contribute most.
+    # Sort peaks by their contribution to the slope variance.
+    # The first harmonics of a texture contribute most to this variance.
     peak_order = np.argsort(-padded_density[peaks] * np.square(peaks))[:_MAX_TESTED_PEAKS]
     best_score, best_harmonics = 0.0, (math.nan, math.nan)
     for peak in peaks[peak_order].tolist():

@@ -19,28 +19,29 @@ from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_bo
 
 _NUM_NEWTON_STEPS, _NUM_HALVINGS = 50, 30
 MAX_HURST_INTERVAL_WIDTH = (
-    0.5  # the estimate of H is informative only if its 95 % interval is not wider than this limit
+    0.5  # the estimate of H is informative only if the width of its 95 % interval is at most this limit
 )
 MIN_BAND_HARMONICS = 8  # minimum number of harmonics in a band
 _NO_BAND_MESSAGE = "the spectrum has no self-affine band of half a decade or more (0 < H < 2); specify one with band"
 _TREND_ROUND_OFF = 1e-13  # round-off of a subtracted straight line, relative to the largest height
 # Number of lowest harmonics that are excluded if a Hann window is applied.
-# These harmonics contain contributions of the mean and of longer wavelengths.
+# These harmonics are affected by the mean and by longer wavelengths.
 _NUM_EXCLUDED_HARMONICS = 2
 
 _CHI_SQUARED_95 = 3.841  # 95 % quantile of the chi-squared distribution with one degree of freedom
 _BINS_PER_DECADE = 12
-_MIN_PIECE_BINS = 4  # minimum number of bins in a piece of the spectrum that has its own power law
+_MIN_PIECE_BINS = 4  # minimum number of bins in a piece of the spectrum; each piece has its own power law
 # Assumed relative deviation of the true spectrum from a power law in each bin.
 # Every measured spectrum deviates from a power law by at least this much.
 _RELATIVE_MODEL_ERROR = 0.1
-# Minimum log-likelihood gain of an additional piece, which has three parameters and begins at one of about 50 bins.
+# An additional piece of the spectrum must increase the log-likelihood by at least this amount.
+# Such a piece has three parameters, and can begin at any of about 50 bins.
 _SPECTRUM_PIECE_PENALTY = 10.0
 # Largest accepted deviance per bin. Random scatter about a power law causes a deviance of about 1 per bin.
 # A spectrum with a larger deviance consists of separate peaks.
 _MAX_DEVIANCE = 10.0
-_MIN_BAND_WIDTH = math.log(3)  # minimum width of a band in ln q (half a decade)
-# Minimum log-likelihood gain of a roll-off, which adds one parameter.
+_MIN_BAND_WIDTH = math.log(3)  # minimum width of a band in ln(q); this width is half a decade
+# A roll-off adds one parameter. It must increase the log-likelihood by at least this amount.
 _ROLL_OFF_PENALTY = 2.0
 
 
@@ -285,7 +286,7 @@ def estimate_hurst_exponent(
     dispersion = max(1.0, bins.deviance(exponent, bins.count / variance_factor))
     fit = PowerLawFit(np.log(q), power, np.full(q.size, 1 / (variance_factor * dispersion)))
     lower, upper = fit.exponent_interval(fit.min_loss + _CHI_SQUARED_95 / 2)
-    if piece is not None:  # the interval includes the uncertainty of the end of the roll-off
+    if piece is not None:  # the interval also includes the uncertainty of the end of the roll-off
         roll_off_fits = _fit_roll_offs(piece, piece.count / (variance_factor * dispersion))
         max_loss = min(roll_off_fit.min_loss for roll_off_fit in roll_off_fits) + _CHI_SQUARED_95 / 2
         intervals = [
@@ -387,7 +388,7 @@ def _find_self_affine_band(q: Floats, power: Floats, variance_factor: float) -> 
                     continue
                 end -= end < bins.log_q.size
                 first_bin = start + (start > 0)
-                if start == 0:  # remove a roll-off that is too short to be a separate piece
+                if start == 0:  # omit a roll-off that is too short for a separate piece
                     roll_off_losses = [law.min_loss for law in _fit_roll_offs(bins.slice_bins(0, end), weight[:end])]
                     start = (
                         int(np.argmin(roll_off_losses))
@@ -415,7 +416,7 @@ def _remove_noisy_end(
     if not fit.is_significant:
         return selection, piece
     (exponent,), (noise_ratio,) = fit.exponents, fit.ratios
-    # The band ends where the noise reaches the accepted deviation from the power law.
+    # The band ends at the wave number at which the noise equals the accepted deviation from the power law.
     max_log_q = math.log(q[selection][-1]) + min(0.0, math.log(_RELATIVE_MODEL_ERROR / noise_ratio) / exponent)
     end = int(np.searchsorted(np.log(q), max_log_q, side="right"))
     if end - selection.start < MIN_BAND_HARMONICS or max_log_q - math.log(q[selection.start]) < _MIN_BAND_WIDTH:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from stiction._checks import Floats
 
-# Coordinates count as a uniform grid if their steps differ by less than this fraction.
+# A grid counts as uniform if the steps between its coordinates differ by less than this fraction.
 SPACING_TOLERANCE = 1e-6
 
 

@@ -27,7 +27,8 @@ MAX_WAVELENGTH_FRACTION = (
     # Longest wavelength that is used from a scan, as a fraction of the shortest side of the scan.
     # At longer wavelengths, the measured spectrum depends on the window.
 )
-# Number of wave vectors per independent value. Opposite wave vectors are equal, and the window correlates neighbours.
+# Number of wave vectors per independent value.
+# Opposite wave vectors have equal values, and the window correlates the values of neighbouring wave vectors.
 _WAVE_VECTORS_PER_INDEPENDENT_VALUE = 4.0
 
 
@@ -110,7 +111,8 @@ class JoinedSpectrum(TextRepr):
             is_compared = is_shared & np.isfinite(ratio)
             weight = self.contribution[scan, is_compared]
             if is_compared.any() and (weight < 1).any():
-                # The combined density includes the density of the scan itself, which is removed before the comparison.
+                # The combined density includes the density of the scan itself.
+                # This contribution is removed before the comparison.
                 other_density = (1 - weight * ratio[is_compared]) / (1 - weight)
                 with np.errstate(divide="ignore", invalid="ignore"):
                     log_ratios = np.log(ratio[is_compared] / other_density)
@@ -274,7 +276,7 @@ def joined_spectrum(
             np.log(q[is_occupied]),
             np.log(weighted_density.sum(axis=0)[is_occupied] / total_count[is_occupied]),
         )
-    )  # interpolate linearly in logarithms across gaps
+    )  # across gaps, interpolate linearly between logarithms
     with np.errstate(divide="ignore", invalid="ignore"):
         return JoinedSpectrum(
             wave_number=make_read_only(q), density=make_read_only(density), count=make_read_only(total_count),

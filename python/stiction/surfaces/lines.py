@@ -16,13 +16,15 @@ from stiction.surfaces.roughness import roughness_parameters
 from stiction.surfaces.spectrum import PowerSpectrum, RadialSpectrum, is_within_wavelength_band, power_spectrum
 from stiction.surfaces.surface import Surface, as_body, reject_flat_body
 
-# Maximum number of lines whose Hurst exponents are fitted. Neighbouring lines are correlated, so more lines add little.
+# Maximum number of lines whose Hurst exponents are fitted.
+# Neighbouring lines are correlated, so additional lines add little information.
 MAX_FITTED_LINES = 64
 _BOTH_AXES: tuple[LineOrientation, LineOrientation] = ("x", "y")
-MAX_POWER_LAW_MISFIT = 1.5  # largest accepted rms factor between a spectrum and the fitted power law
-# Two bands of wavelengths count as equal if their ends differ by at most this factor.
+MAX_POWER_LAW_MISFIT = 1.5  # largest accepted rms factor between a spectrum and its fitted power law
+# Two wavelength bands count as equal if their limits differ by at most this factor.
 _MAX_EQUAL_BAND_RATIO = 1.5
-# Variance of ln(density) in a bin due to deviations from a power law. The statistical variance is added.
+# Variance of ln(density) in a bin due to deviations from a power law.
+# The statistical variance is added to this variance.
 _LOG_MODEL_VARIANCE = 0.04
 _MIN_LINE_POINTS = 7  # minimum number of points for the seven-point slope formula
 
@@ -141,7 +143,7 @@ def line_roughness(
             fitted_lines.append(unlevelled_line)
     free_fits = [fit for line in fitted_lines if (fit := _estimate_line_hurst_exponent(line, band)) is not None]
     if band is not None and not free_fits and (rough_lines := [line for line in fitted_lines if not line.is_flat]):
-        estimate_hurst_exponent(rough_lines[0], band=band)  # this raises an error that explains the failed fit
+        estimate_hurst_exponent(rough_lines[0], band=band)  # this call raises an error that explains why the fit failed
     band_fits = free_fits
     if band is None and 2 * len(free_fits) >= len(fitted_lines):
         band_ends = np.median([(fit.shortest_wavelength, fit.longest_wavelength) for fit in free_fits], axis=0)

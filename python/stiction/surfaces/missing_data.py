@@ -17,9 +17,10 @@ MAX_OUTLIER_GROUP_SIZE = 4  # maximum number of adjacent outliers; a larger grou
 
 _WINDOW_WIDTHS = {1: 31, 2: 7}  # width of the local window in points, for profiles (1) and for maps (2)
 # Minimum number of estimates of a height from neighbouring points.
-# With three estimates, one estimate may contain another outlier.
+# Three estimates are enough even if one of them is affected by another outlier.
 _MIN_NEIGHBOUR_ESTIMATES = 3
-# Maximum number of lines through neighbouring points, out of at least five, that may pass near an outlier by chance.
+# Maximum number of lines that may pass near an outlier by chance.
+# These lines connect neighbouring points, and there are at least five of them.
 _MAX_COINCIDENT_LINES = 2
 _MAX_OUTLIER_PASSES = 8
 # The scatter of edge points is estimated separately only if there are at least this many edge points.
@@ -150,7 +151,7 @@ def _deviations_from_neighbours(heights: Floats, remaining_heights: Floats) -> t
         if heights.ndim == 1
         else np.concatenate(extrapolations)
     )
-    line_deviations = np.sort(np.abs(heights - extrapolated_heights), axis=0)  # sorting puts NaN last
+    line_deviations = np.sort(np.abs(heights - extrapolated_heights), axis=0)  # NaN is sorted last
     count = np.isfinite(line_deviations).sum(axis=0)
     if heights.ndim == 1:
         return mean_deviations, line_deviations[0], count < len(extrapolated_heights)
@@ -165,7 +166,7 @@ def _deviations_from_neighbours(heights: Floats, remaining_heights: Floats) -> t
 
 def _finite_median(values: Floats, min_count: int) -> Floats:
     """Return the median of the finite values along the first axis, or NaN if there are fewer than `min_count`."""
-    sorted_values = np.sort(values, axis=0)  # sorting puts NaN last
+    sorted_values = np.sort(values, axis=0)  # NaN is sorted last
     count = np.isfinite(sorted_values).sum(axis=0)
     lower, upper = np.maximum(count - 1, 0) // 2, np.minimum(count // 2, len(values) - 1)
     middle_values = (np.take_along_axis(sorted_values, index[np.newaxis], axis=0)[0] for index in (lower, upper))

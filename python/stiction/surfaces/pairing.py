@@ -30,10 +30,10 @@ from stiction.surfaces.surface import Surface, as_body
 from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
 # Default number of pairs of lines.
-# This number of pairs suffices for an interval, and the computation takes a second or two.
+# With this number of pairs, an interval can be estimated, and the computation takes only one or two seconds.
 DEFAULT_LINE_COUNT = 128
 # The largest shift of a map is its length divided by this number.
-# After a shift by a quarter of the length, three quarters of the maps overlap.
+# After a shift by a quarter of the length, the two maps overlap in three quarters of their length.
 MAX_SHIFT_DIVISOR = 4
 MIN_PIECE_SIDE_POINTS = 16  # minimum number of rows and of columns in a piece of a map
 MAX_SURROGATE_SIDE_POINTS = 512  # maximum number of rows and of columns of an areal surrogate
@@ -42,7 +42,7 @@ SIDES: tuple[Side, Side] = ("upper", "lower")
 _GOLDEN_RATIO = (5**0.5 - 1) / 2
 _PLASTIC_NUMBER = 1.324717957244746  # real root of x^3 = x + 1, the base of two-dimensional quasi-random points
 _QUINTIC_ROOT = 1.1673039782614187  # real root of x^5 = x + 1
-GRID_POINTS_PER_WAVELENGTH = 4  # number of grid points per shortest wavelength of generated surfaces
+GRID_POINTS_PER_WAVELENGTH = 4  # number of grid points per shortest wavelength in surfaces generated from spectra
 
 
 def quasi_random_point(index: int, dimensions: int) -> tuple[float, ...]:
@@ -71,7 +71,7 @@ class LinePairs:
     surrogates: SurrogateBodies = "none"
     seed: int = 2016
     has_several_pairs: bool = False
-    count: int | None = None  # number of equally spaced pairs, or None for a sequence of any length
+    count: int | None = None  # number of equally spaced pairs, or None for a sequence of unlimited length
 
     def max_pair_count(self) -> int | None:
         """Return the number of different pairs, or None if the number is unlimited."""
@@ -134,7 +134,7 @@ class LinePairs:
         start = max(line_count // 3, 1) if shifted else 0
         if self.count is not None:
             return (start + index * line_count // self.count) % line_count
-        # The step is close to the golden ratio times the width, and has no common divisor with the width.
+        # The step is close to the product of the golden ratio and the width, and has no common divisor with the width.
         step = max(1, round(line_count * _GOLDEN_RATIO))
         while math.gcd(step, line_count) > 1:
             step += 1
@@ -264,11 +264,11 @@ class MapPairs:
     image.
     """
 
-    upper: Surface  # map after flipping, with heights measured upwards
+    upper: Surface  # map after flipping; its heights are measured upwards
     lower: Surface
     level: SurfaceTrend = "plane"  # trend that is subtracted from every piece
     seed: int = 2016  # seed of the surrogates
-    # Shifts (x, y) of the upper map (µm), which replace the default sequence of shifts.
+    # Shifts (x, y) of the upper map in µm. They replace the default sequence of shifts.
     shifts: tuple[tuple[float, float], ...] | None = None
 
     @cached_property

@@ -17,9 +17,9 @@ ProfileTrend = Literal["mean", "line", "quadratic"]
 SurfaceTrend = Literal["mean", "plane", "quadratic"]
 ProfileForm = Literal["mean", "line", "quadratic", "cubic", "quartic", "quintic", "sextic", "circle"]
 SurfaceForm = Literal["mean", "plane", "quadratic", "cubic", "quartic", "quintic", "sextic", "sphere", "cylinder"]
-GridAlignment = Literal["start", "middle"]  # part of the longer body that is kept: its start or its middle
+GridAlignment = Literal["start", "middle"]  # part of the longer body that is kept: the start or the middle
 # Tolerance for positions on a grid, as a fraction of the spacing.
-# With this tolerance, the position 0.3 µm is point 3 at a spacing of 0.1 µm despite round-off.
+# With this tolerance, the position 0.3 µm is point 3 of a grid with a spacing of 0.1 µm, despite round-off.
 GRID_POSITION_TOLERANCE = 1e-9
 LEVELLING_ROUND_OFF = 1e-14  # round-off of a subtracted straight line, relative to the largest height
 _TREND_DEGREES = {"mean": 0, "line": 1, "plane": 1, "quadratic": 2, "cubic": 3, "quartic": 4, "quintic": 5, "sextic": 6}
@@ -32,7 +32,7 @@ _LEVELLING_HISTORY_ENTRIES = {
     "plane": "levelled by a plane",
 }
 
-# At this distance from the end of a spline, in points, the end condition no longer affects the spline.
+# At this distance from the end of a spline, in points, the effect of the end condition is negligible.
 _SPLINE_MARGIN_POINTS = 32
 _ALIGNMENT_TEXTS = {"start": "first", "middle": "middle"}
 _NEIGHBOUR_ROUNDING_FUNCTIONS = (np.floor, np.ceil)

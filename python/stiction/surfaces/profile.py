@@ -21,9 +21,10 @@ if TYPE_CHECKING:
 
 AmplitudeMeasure = Literal["height", "Ra", "Rq"]
 Side = Literal["lower", "upper"]  # name of one body of a pair
-LineOrientation = Literal["x", "y"]  # axis along which the lines of a surface run: "x" for rows, "y" for columns
+# axis along which the lines of a surface are oriented: "x" for rows, "y" for columns
+LineOrientation = Literal["x", "y"]
 MAX_POINTS = 100_000_000  # maximum number of points of a generated body; its heights take 0.8 GB
-MIN_POINTS = 4  # minimum number of points, so that a natural cubic spline has two interior points
+MIN_POINTS = 4  # minimum number of points; a natural cubic spline then has two interior points
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -40,7 +41,7 @@ class Body(PlotRepr):
 
     def _store(self, heights: Floats, spacing: Any) -> None:
         """Store heights and a spacing that are known to be valid, and check the history and the mask."""
-        # copy the array, because another object may still modify it
+        # copy the array, because other objects may still modify it
         if heights.flags.writeable or not heights.flags.owndata:
             heights = make_read_only(heights.copy())
         object.__setattr__(self, "heights", heights)
@@ -56,7 +57,7 @@ class Body(PlotRepr):
             object.__setattr__(self, "missing", make_read_only(missing) if missing.any() else None)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # Unpickle with the constructor, which makes the heights read-only again.
+        # Objects are unpickled with the constructor, which makes the heights read-only again.
         return partial(type(self), spacing=self.spacing, history=self.history, missing=self.missing), (self.heights,)
 
     @property

@@ -26,7 +26,7 @@ def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, 
     sign[heights < -DISCRIMINATION_FRACTION * pit] = -1
     counted_points = np.flatnonzero(sign)
     sign_changes = np.flatnonzero(np.diff(sign[counted_points]))
-    # last point of each hill or dale, and first point of the next hill or dale
+    # last point of each hill or dale, and first point of the hill or dale that follows it
     last_points, next_points = counted_points[sign_changes], counted_points[sign_changes + 1]
     is_above = heights > 0
     crossings = np.flatnonzero(is_above[:-1] != is_above[1:])
@@ -36,7 +36,7 @@ def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, 
     first_crossing = crossing_positions[np.searchsorted(crossings, last_points)]
     last_crossing = crossing_positions[np.searchsorted(crossings, next_points) - 1]
     feature_ends = (first_crossing + last_crossing) / 2
-    # Find the highest and the lowest point between successive ends of hills and dales.
+    # Find the highest and the lowest point of each hill or dale.
     starts = np.ceil(feature_ends).astype(np.intp)
     highest = np.maximum.reduceat(heights, starts)[:-1]
     lowest = np.minimum.reduceat(heights, starts)[:-1]

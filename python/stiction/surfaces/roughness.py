@@ -327,7 +327,7 @@ def _developed_area_ratio(heights: Floats, spacing: tuple[float, float]) -> floa
     """Return the area of the triangles between points divided by the projected area, minus 1."""
     area_sum = 0.0
     corners = heights[:-1, :-1], heights[:-1, 1:], heights[1:, :-1], heights[1:, 1:]
-    # Each triangle has one side along x and one side along y, which determine its slopes.
+    # The slopes of each triangle are determined by its side along x and its side along y.
     for step_x in (corners[1] - corners[0], corners[3] - corners[2]):
         for step_y in (corners[2] - corners[0], corners[3] - corners[1]):
             squared_gradient = np.square(step_x / spacing[1]) + np.square(step_y / spacing[0])
@@ -343,10 +343,10 @@ def _decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[flo
     """
     correlation = autocorrelation(deviation)
     max_shift = [points // 2 for points in deviation.shape]
-    # opposite directions have the same autocorrelation
+    # opposite directions have equal autocorrelations
     angle = math.pi * np.arange(_NUM_DIRECTIONS) / _NUM_DIRECTIONS
     # The search step is half of the smaller grid spacing.
-    # The search ends where a direction leaves the central half of the surface.
+    # In each direction, the search ends at a shift of half the length of the surface along x or y.
     points_per_length = np.abs(np.stack([np.sin(angle) / spacing[0], np.cos(angle) / spacing[1]]))
     with np.errstate(divide="ignore"):
         max_distance = np.min(np.array(max_shift)[:, np.newaxis] / points_per_length, axis=0)

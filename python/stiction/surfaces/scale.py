@@ -31,37 +31,38 @@ _MIN_EXPONENT_DEVIATIONS = 3.0
 # Largest wavelength, in points, at which a hump in the spectrum is attributed to the instrument.
 # A hump at a longer wavelength is attributed to the surface.
 _MAX_HUMP_WAVELENGTH_POINTS = 24.0
-# Wavelengths are trusted if their density is at least this multiple of the lowest density.
+# Wavelengths count as reliable if their spectral density is at least this multiple of the lowest density.
 _MIN_TRUSTED_DENSITY_RATIO = 4.0
-# A spectrum rises where its density exceeds this multiple of the lowest density at longer wavelengths.
+# A spectrum counts as rising if its density exceeds this multiple of the lowest density at longer wavelengths.
 # The spectrum of a surface never rises in this way.
 _MIN_RISE_DENSITY_RATIO = 3.0
 # Largest fraction of the mean square slope that may come from wavelengths not attributed to the surface.
-# With a larger fraction, a result may not be quoted.
+# If the fraction is larger, a result must not be reported.
 MAX_UNATTRIBUTED_FRACTION = 0.1
-# Ratio of a cutoff to the wavelength that it is meant to remove.
+# Ratio of a cutoff to the wavelength that the filter is meant to remove.
 # At this ratio, the Gaussian filter transmits 8 % of the amplitude of the wavelength.
 CUTOFF_WAVELENGTH_RATIO = 1.9
-_MIN_SLOPE_FRACTION = 1e-4  # a fraction of the mean square slope below this limit may be due to round-off
-# In the last octave, the spectral exponent of a rough surface is at least this large, even with aliasing.
+_MIN_SLOPE_FRACTION = 1e-4  # fractions of the mean square slope below this limit may be due to round-off
+# In the octave of the shortest wavelengths, the spectral exponent of a rough surface is at least this large, even with
+# aliasing.
 _MIN_ALIASED_SURFACE_EXPONENT = 0.6
 # Heights count as quantised if rounding explains at least this fraction of the mean square second difference.
 _MIN_QUANTISATION_FRACTION = 0.3
-# A spectrum counts as flat if its exponent and the rms deviation of its log density are below this limit.
+# A spectrum counts as flat if both its exponent and the rms deviation of its log density are below this limit.
 _MAX_FLAT_EXPONENT = 0.35
 # Largest exponent of a noise floor if the fitted range also contains a part of the spectrum of the surface.
 _MAX_FLOOR_EXPONENT = 0.7
-# Below this fraction of the wavelength limit, a spectrum consists only of noise.
+# At wavelengths below this fraction of the wavelength limit, a spectrum consists only of noise.
 _NOISE_WAVELENGTH_RATIO = 0.7
-# reasons that are always due to the instrument, never to the surface
+# reasons that always refer to the instrument and never to the surface
 INSTRUMENT_REASONS = ("noise floor", "quantisation")
-_MAX_EQUAL_NOISE_RATIO = 2.0  # largest ratio of the noise densities along two axes that count as equal
+_MAX_EQUAL_NOISE_RATIO = 2.0  # two noise densities along different axes count as equal up to this ratio
 # Noise may be hidden in a spectrum whose density is at least this fraction of the noise density.
 # The limit is below 1 to allow for scatter.
 _MIN_HIDING_DENSITY_RATIO = 0.8
-# Below this number of lines with independent noise, no noise is assumed to be hidden along the other axis.
+# If there are fewer lines with independent noise, no noise is assumed to be hidden along the other axis.
 _MIN_INDEPENDENT_LINES = 8.0
-# Extrapolations end at this fraction of the shortest wavelength of the scan.
+# Spectra are extrapolated down to this fraction of the shortest wavelength of the scan.
 _MIN_EXTRAPOLATION_RATIO = 1e-6
 _NUM_BISECTION_STEPS = 60
 
@@ -192,7 +193,7 @@ def extrapolated_mean_square_slope(estimate: HurstEstimate, wavelength: Floats) 
     exponent = 2 - 2 * estimate.value
     start, end = 2 * math.pi / estimate.shortest_wavelength, 2 * math.pi / np.asarray(wavelength)
     ratio = np.log(end / start)
-    # This expression equals (end^x - start^x) / x, and remains valid for x = 0.
+    # The integral equals (end^x - start^x) / x. The expression below remains valid for x = 0.
     integral = start**exponent * (np.expm1(exponent * ratio) / exponent if exponent != 0 else ratio)
     return np.asarray(estimate.prefactor / (estimate.dimensions * math.pi) * integral)
 
@@ -507,7 +508,7 @@ def equivalent_cutoff(roughness: ScaleDependentRoughness, fraction: float, upper
         log_lower, log_upper = (
             (log_middle, log_upper) if transmitted_fraction > 1 - fraction else (log_lower, log_middle)
         )
-    # Rounding to two digits lets repeated scans have the same cutoff.
+    # The cutoff is rounded to two digits, so that repeated scans can have the same cutoff.
     return max(lower, float(f"{math.exp(log_upper):.1e}"))
 
 
@@ -591,10 +592,12 @@ def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: li
 class _SpectrumDisturbance(NamedTuple):
     """Disturbance of a line spectrum: the wavelengths not attributed to the surface, and the texture period."""
 
-    wavelength_limit: float  # upper limit of the unattributed wavelengths, µm; NaN if there are none
+    # upper limit of the wavelengths not attributed to the surface, µm; NaN if there are no such wavelengths
+    wavelength_limit: float
     noise_kind: str
     mean_square_slope: (
-        float  # mean square slope of the lines at the unattributed wavelengths, without texture harmonics
+        # mean square slope of the lines due to the wavelengths not attributed to the surface, without texture harmonics
+        float
     )
     period: float  # period of a texture, µm; NaN if there is no texture
 
@@ -608,7 +611,7 @@ def _find_disturbance(
     if first_harmonic > 0:
         if harmonic_distance < MIN_HARMONIC_DISTANCE:
             return _SpectrumDisturbance(math.nan, "noise floor", 0.0, period)
-        # Cusps of unequal depth cause a hump near the first harmonic, which is therefore excluded.
+        # The first harmonic is excluded, because cusps of unequal depth cause a hump near it.
         above_first_harmonic = slice(int(first_harmonic), None)
         density, q, count = (
             density_between_harmonics(density, count, harmonic_distance)[above_first_harmonic],
@@ -620,7 +623,7 @@ def _find_disturbance(
         return _SpectrumDisturbance(math.nan, kind, 0.0, period)
     is_unattributed = q * wavelength_limit > 2 * math.pi
     mean_square_slope = float((np.square(q) * density)[is_unattributed].sum() * (q[1] - q[0]) / math.pi)
-    # a noise floor has the same density at all wave numbers as at the end of the spectrum
+    # a noise floor has the same density at all wave numbers, namely the density at the end of the spectrum
     if kind in INSTRUMENT_REASONS:
         floor_density = float(density[q * math.sqrt(2) > q[-1]].mean())
         mean_square_slope = min(mean_square_slope, floor_density * float(np.square(q).sum() * (q[1] - q[0])) / math.pi)
@@ -635,7 +638,8 @@ def _find_noise_wavelength(
     The limit is NaN if there is no noise.
     """
     no_noise = math.nan, "noise floor"
-    if not periodic:  # exclude the first two harmonics, into which the window leaks longer wavelengths
+    # exclude the first two harmonics, because the window spreads longer wavelengths to these harmonics
+    if not periodic:
         q, density, count = q[2:], density[2:], count[2:]
     if q.size < _NOISE_BINS_PER_OCTAVE:
         return no_noise
@@ -760,7 +764,7 @@ def _is_quantised(body: Profile | Surface) -> bool:
     level_steps = np.diff(np.unique(body.heights))
     mean_square_second_difference = float(np.square(np.diff(body.heights, 2)).mean())
     # Rounding to a step s has the variance s²/12.
-    # Second differences of white noise have six times the variance of the noise.
+    # The variance of the second differences of white noise is six times the variance of the noise.
     return bool(
         level_steps.size < body.heights.size / 4
         and np.median(level_steps) ** 2 / 2 > _MIN_QUANTISATION_FRACTION * mean_square_second_difference

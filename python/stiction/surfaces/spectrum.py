@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 ROUND_OFF_FACTOR = 1 + 1e-9  # factor that allows for round-off in ratios of lengths
 _PEAK_BINS_PER_DECADE = 24  # number of bins per decade in the search for peaks
-_PEAK_WINDOW_BINS = 6  # number of bins on each side of a bin that determine its median level
+_PEAK_WINDOW_BINS = 6  # number of bins on each side of a bin from which the median level around the bin is determined
 
 HANN_VARIANCE_FACTOR = 35 / 18
 """Factor by which a Hann window w increases the variance of sums over harmonics: mean(w⁴) / mean(w²)²."""
@@ -92,7 +92,7 @@ class PowerSpectrum(PlotRepr):
 
 def _average_in_bins(per_decade: int, q: Floats, density: Floats, count: Floats) -> tuple[Floats, Floats, Floats]:
     """Return the geometric mean wave number, the mean density and the number of harmonics for each bin in log q."""
-    # Harmonics are multiples of the first harmonic.
+    # The wave numbers of the harmonics are multiples of the first wave number.
     # The summand 1e-9 prevents round-off from moving a harmonic at an exact decade to another bin.
     _, index = np.unique(np.floor(per_decade * np.log10(q / q[0]) + 1e-9), return_inverse=True)
     total_count = np.bincount(index, count).astype(np.float64)

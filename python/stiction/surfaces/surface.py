@@ -90,7 +90,7 @@ class Surface(Body):
 
     def _extract_profile(self, index: Any, axis: int, step: str) -> Profile:
         mask = select_from_mask(self.missing, index)
-        # a line without measured points keeps its interpolated heights
+        # if a line has no measured points, its interpolated heights are used
         mask = None if mask is None or mask.all() else mask
         return Profile(self.heights[index], spacing=self.spacing[axis], history=(*self.history, step), missing=mask)
 

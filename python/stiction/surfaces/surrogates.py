@@ -13,10 +13,10 @@ from stiction.surfaces.spectrum import RadialSpectrum, power_spectrum, surface_s
 from stiction.surfaces.surface import AnyBody, Surface, as_body, parse_shape, reject_flat_body
 
 _RINGS_PER_DECADE = 12  # number of rings of wave number per decade; empty rings are merged with their neighbours
-# Weight of the smoothness penalty, in harmonics. The penalty dominates in rings with only one or two harmonics.
+# Weight of the smoothness penalty, as a number of harmonics. The penalty dominates in rings with one or two harmonics.
 _SMOOTHNESS_PENALTY = 2.0
-_ROUND_OFF_FRACTION = 1e-14  # a density below this fraction of the largest density is round-off
-_MAX_SCORING_STEPS = 1000  # maximum number of iterations of the fit; about ten are typical
+_ROUND_OFF_FRACTION = 1e-14  # a density counts as round-off if it is below this fraction of the largest density
+_MAX_SCORING_STEPS = 1000  # maximum number of iterations of the fit; about ten are usually enough
 # The fit has converged if the logarithm of each density changes by less than this amount in one iteration.
 _CONVERGENCE_TOLERANCE = 1e-6
 # Default maximum number of rows and of columns of a surrogate.
@@ -120,7 +120,7 @@ def _surface_surrogate(surface: Surface, seed: int, repetition: int, side: Side,
     amplitude = np.sqrt(ifftshift(surface_spectrum(surface, periodic=periodic).density))
     rows, columns = amplitude.shape
     phases = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=columns)
-    # Opposite wave vectors have opposite phases. Self-conjugate coefficients are real.
+    # Opposite wave vectors have opposite phases. Coefficients that are their own conjugates are real.
     opposite_phases = np.roll(phases[::-1, ::-1], (1, 1), axis=(0, 1))
     heights = ifft2(amplitude * np.exp(1j * (phases - opposite_phases))).real
     is_real = np.zeros((rows, columns), dtype=bool)
@@ -251,7 +251,7 @@ def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> F
     rows, columns = power.shape
     random_values = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=2 * columns)
     phases, uniform_numbers = random_values[:, :columns], random_values[:, columns:] / (2 * math.pi)
-    # The real part combines opposite wave vectors, which halves the power.
+    # Taking the real part combines opposite wave vectors, and halves the power.
     coefficients = np.sqrt(-2 * power * np.log1p(-uniform_numbers)) * np.exp(1j * phases)
     return np.asarray(ifft2(coefficients, overwrite_x=True).real)
 
@@ -262,7 +262,7 @@ def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Float
     reject_flat_body(profile)
     reject_missing_points(profile, "an isotropic surrogate")
     spectrum = power_spectrum(profile, periodic=periodic)
-    # Each harmonic represents the wave numbers up to half a step away on both sides.
+    # Each harmonic represents a range of wave numbers that extends by half a step to both sides.
     wave_number, resolution, nyquist_wave_number = spectrum.wave_number, spectrum.resolution, math.pi / profile.spacing
     bins = np.floor(_RINGS_PER_DECADE * np.log10(wave_number / wave_number[0]) + 1e-9)
     first_harmonics = np.flatnonzero(np.diff(bins, prepend=-1))

@@ -12,7 +12,8 @@ from stiction._checks import Floats, make_read_only, validate_number
 from stiction.surfaces.profile import Profile, reject_missing_points
 from stiction.surfaces.surface import Surface, as_body
 
-_TIP_CONTACT_TOLERANCE = 1e-9  # the tip counts as touching at distances up to this fraction of the height of the scan
+# distances up to this fraction of the height of the scan count as contact of the tip with the surface
+_TIP_CONTACT_TOLERANCE = 1e-9
 
 
 def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile | Surface, NDArray[np.bool_]]:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MIN_PRINTED_AREA_RANGE = 1e-6  # relative range of A/F above which the interval of A/F is printed
-MAX_SHOWN_SAMPLES = 800  # maximum number of samples of the joint distribution in the figure
+MAX_SHOWN_SAMPLES = 800  # maximum number of samples of the joint distribution that the figure shows
 
 
 def calibration_text(interface: Interface) -> str:

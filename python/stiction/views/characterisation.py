@@ -51,15 +51,16 @@ from stiction.views.rows import json_entry, record_json
 from stiction.views.spreadsheet import frame_to_csv
 from stiction.views.text import wrap_text
 
-ASSUMED_MU0 = 0.4  # molecular friction coefficient mu0 of the small-slope estimate
+ASSUMED_MU0 = 0.4  # molecular friction coefficient mu0 that is assumed in the small-slope estimate
 RADIAL_BINS_PER_DECADE = 20  # number of bins per decade in the spectrum of a surface
 NUM_SLOPE_WAVELENGTHS = 4  # number of wavelengths for which slopes are printed: 2, 4, 8, ... grid spacings
 # Unreliable wavelengths are ignored if they contribute less than this fraction of the mean square slope.
 NEGLIGIBLE_SLOPE_FRACTION = 0.01
 _MIN_PEAK_RATIO = 3.0  # minimum ratio of the density of a peak to the density at longer wavelengths
-_MIN_LONGER_WAVELENGTHS = 4  # minimum number of longer wavelengths with which a possible peak is compared
+_MIN_LONGER_WAVELENGTHS = 4  # minimum number of longer wavelengths for a comparison with a possible peak
 _MIN_PEAK_FRACTION = 0.1  # a peak is reported if it contributes at least this fraction of m4
-_MAX_DISPERSION = 2.0  # the scatter is reported if the dispersion of the spectrum about its fit is above this limit
+# the scatter is reported if the dispersion of the spectrum relative to its fit exceeds this limit
+_MAX_DISPERSION = 2.0
 # Variance of the logarithmic density in a bin of a Hann-windowed spectrum, multiplied by the number of harmonics.
 _HANN_LOG_VARIANCE = 2.0
 
@@ -232,7 +233,7 @@ class Characterisation:
     def friction_estimates(self) -> tuple[float, ...]:
         """Small-slope friction estimates for two bodies like this one, along x (and along y); empty for a flat body."""
         # The mean square slope of the gap between two such bodies is twice the mean square slope of one body.
-        # The slopes are reversed, so that the estimate along x comes first.
+        # The list is reversed, so that the estimate along x comes first.
         mean_square_slopes = [2 * float(np.square(slopes).mean()) for slopes in compute_slopes(self.body)][::-1]
         return tuple(
             float(

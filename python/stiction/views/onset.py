@@ -56,7 +56,7 @@ def _stiffness_display_factor(table: xarray.DataArray) -> tuple[float, str]:
     return (1e-3, "N/µm") if _mean_with_limits(table)[0] >= MIN_STIFFNESS_PRINTED_IN_NEWTON else (1.0, "mN/µm")
 
 
-MIN_STIFFNESS_PRINTED_IN_NEWTON = 1e4  # stiffness in mN/µm above which stiffnesses are printed in N/µm
+MIN_STIFFNESS_PRINTED_IN_NEWTON = 1e4  # stiffnesses above this limit (mN/µm) are printed in N/µm
 
 
 def onset_rows(onset: xarray.Dataset) -> list[list[str]]:

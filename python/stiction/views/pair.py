@@ -313,7 +313,7 @@ def pair(
                 tip=tip,
                 onset=onset,
             )
-        if isinstance(interface, Interface):  # the study refers to the interface by its file
+        if isinstance(interface, Interface):  # the study file contains the file name of the interface
             folder.mkdir(parents=True, exist_ok=True)
             write_interface(interface, folder / "interface.csv")
             options = options.model_copy(update={"interface": folder / "interface.csv"})

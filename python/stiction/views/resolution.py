@@ -79,7 +79,7 @@ def cut_off_note(resolution: ResolutionEffect) -> str:
     return text
 
 
-# ---- Yield estimates for studies without a hardness ------------------------------------------------------------------
+# ---- Estimates of yielding for studies without a hardness ------------------------------------------------------------
 
 
 def yield_wavelength_rows(estimates: Sequence[YieldWavelengthEstimate], scan: ResolvedRoughness) -> TextRows:

@@ -126,7 +126,7 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
         columns["status"] = np.where(np.isfinite(columns["value"]), STATUS_OK, "no-mean")
     is_directed = name in QUANTITIES and QUANTITIES[name].is_directed
     for coordinate in COORDINATE_ORDER:
-        # A single sliding rule or direction is a scalar coordinate, but it becomes a column too.
+        # If a dataset has a single sliding rule or direction, it is a scalar coordinate. It becomes a column too.
         is_scalar = coordinate in dataset.coords and not dataset.coords[coordinate].ndim
         if coordinate in dims or (is_scalar and (is_directed or coordinate not in ("sliding", "direction"))):
             columns[coordinate] = broadcast_to_rows(dataset.variables[coordinate])
@@ -152,7 +152,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
     frames: list[pandas.DataFrame] = []
     for name, motion_label in _COEFFICIENT_COLUMNS.items():
         if name not in dataset or (name != "friction_all_round" and frames and motion_label not in dataset[name].dims):
-            continue  # a single direction equals the mean over all directions
+            continue  # the values of a single direction equal the means over all directions
         selected_rows = rows[rows["name"] == name]
         motion_column = (
             selected_rows[motion_label].map(_MOTION_LABEL_FORMATTERS[motion_label])
@@ -295,7 +295,7 @@ def value_records(rows: pandas.DataFrame) -> list[dict[str, Any]]:
     values = []
     for row in rows.to_dict("records"):
         selected_values = {name: row.pop(name) for name in _VALUE_COLUMNS}
-        coordinates = {name: value for name, value in row.items() if value == value}  # omit NaN
+        coordinates = {name: value for name, value in row.items() if value == value}  # omit coordinates that are NaN
         values.append(json_entry(**selected_values, coordinates=coordinates))
     return values
 
@@ -304,7 +304,8 @@ def point_record(point: PointSummary) -> dict[str, Any]:
     """Return the record of a point: values to quote, intervals, assessment and caveats."""
     return {
         "at": point.at,
-        "headline": not point.covered,  # False for a filter variant that is covered by the interval of another point
+        # False for a variant of the filter whose value is covered by the interval of another point
+        "headline": not point.covered,
         "status": point.status,
         "rules": [
             {

@@ -37,7 +37,8 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-# The sentence states the definition of the load if this definition changes the coefficient by more than this fraction.
+# The sentence states the definition of the load if the choice of definition changes the coefficient by more than this
+# fraction.
 MIN_STATED_LOAD_DEFINITION_EFFECT = 0.01
 MIN_STATED_KAPPA_DEVIATION = 0.2
 """Largest relative difference of A E* h'/F from its usual value for which the small-slope estimate applies."""
@@ -224,7 +225,7 @@ def _averaged_members_text(point: PointSummary) -> str:
     return f"{point.members:.0f} {member_name}"
 
 
-PROFILE_STRIP_TEXT = "a strip 1 µm wide"  # the paper assumes this width for profiles
+PROFILE_STRIP_TEXT = "a strip 1 µm wide"  # text for the width that the paper assumes for profiles
 
 
 def list_assumptions(study: Study) -> tuple[str, ...]:

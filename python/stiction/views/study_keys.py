@@ -102,7 +102,7 @@ def key_tables() -> list[tuple[str, str, list[KeyTableRow]]]:
         classes_by_row: dict[KeyTableRow, list[type[values.SettingsTable]]] = {}
         for table_class in table_classes:
             for key, field in table_class.model_fields.items():
-                if field.repr:  # keys without `repr` describe bodies in memory and do not occur in files
+                if field.repr:  # keys without `repr` describe bodies in memory and do not occur in study files
                     default = PydanticUndefined if field.is_required() else field.default
                     classes_by_row.setdefault(_key_row(key, default, field, table_classes), []).append(table_class)
         keys, rows = list(dict.fromkeys(row[0] for row in classes_by_row)), []
@@ -213,7 +213,7 @@ def _allowed_value_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> lis
     for quantity_type, phrases in _QUANTITY_RANGE_TEXTS:
         if annotation is quantity_type or any(item in metadata for item in quantity_type.__metadata__[:1]):
             return [phrases]
-    if annotation is Quantity:  # lengths in measured files have a separate parser
+    if annotation is Quantity:  # lengths in measured files are parsed by a separate function
         return ["a length"]
     if get_origin(annotation) is Literal:
         return [f"`{_toml_text(value)}`" for value in get_args(annotation)]
@@ -228,9 +228,9 @@ def _allowed_value_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> lis
         for singular_phrase, plural_phrase in _NUMBER_LIST_TEXTS:
             text = text.replace(singular_phrase, plural_phrase)
         return [f"a list of {text}" if Ellipsis in get_args(annotation) else f"a list of {len(items)} {text}"]
-    if hasattr(annotation, "__metadata__"):  # an alias of `Annotated`
+    if hasattr(annotation, "__metadata__"):  # the annotation is an alias of `Annotated`
         return _allowed_value_phrases(annotation.__origin__, annotation.__metadata__)
-    if get_origin(annotation) is not None:  # a union
+    if get_origin(annotation) is not None:  # the annotation is a union
         alternatives = [_allowed_value_phrases(item) for item in get_args(annotation) if item is not type(None)]
         return list(dict.fromkeys(phrases for alternative in alternatives for phrases in alternative))
     bounds = {

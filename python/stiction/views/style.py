@@ -19,8 +19,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 INCHES_PER_MILLIMETRE = 1 / 25.4
-COLUMN_WIDTH = 80 * INCHES_PER_MILLIMETRE  # width of one column; at this width, no text is smaller than 6 pt
-PAGE_WIDTH = 170 * INCHES_PER_MILLIMETRE  # width of two columns
+# width of a figure of one column; with this width, no text is smaller than 6 pt
+COLUMN_WIDTH = 80 * INCHES_PER_MILLIMETRE
+PAGE_WIDTH = 170 * INCHES_PER_MILLIMETRE  # width of a figure of two columns
 
 MATPLOTLIB_STYLE: dict[Any, Any] = {
     **dict.fromkeys(("font.size", "axes.titlesize", "axes.labelsize"), 7),
@@ -31,31 +32,31 @@ MATPLOTLIB_STYLE: dict[Any, Any] = {
     "legend.frameon": False,
     "figure.dpi": 300,
     "hatch.linewidth": 0.4,
-    "pdf.fonttype": 42,  # embed fonts, as journals require
+    "pdf.fonttype": 42,  # embed fonts, because journals require it
     "svg.fonttype": "path",
-    "svg.hashsalt": "stiction",  # make files of equal figures identical
+    "svg.hashsalt": "stiction",  # make the files of equal figures identical
     "axes.unicode_minus": True,
 }
 
-# Colours from Okabe and Ito (2008) and Tol (2021). They remain distinguishable with colour vision deficiencies.
+# Colours from Okabe and Ito (2008) and Tol (2021). They are distinguishable to people with colour vision deficiencies.
 OPPOSING_COLOUR = "#d55e00"
 NOT_OPPOSING_COLOUR = "#0072b2"  # colour of contacts whose slope does not oppose the motion
-ALL_CONTACTS_COLOUR = "#332288"  # colour of the rule with friction at all contacts
+ALL_CONTACTS_COLOUR = "#332288"  # colour of the sliding rule with friction at all contacts
 SLIDING_RULE_COLOURS = {
     "all": ALL_CONTACTS_COLOUR,
     "opposing": OPPOSING_COLOUR,
 }  # colours of the sliding rules, in the order of legends
-AREA_COLOUR = "#009e73"  # true contact area
-FORCE_COLOUR = "#000000"  # elastic forces
-FRICTION_COLOUR = "#cc79a7"  # friction forces
-UPPER_BODY_COLOUR = "#c6d9e7"  # the upper body
-LOWER_BODY_COLOUR = "#e3d5bb"  # the lower body
+AREA_COLOUR = "#009e73"  # colour of the true contact area
+FORCE_COLOUR = "#000000"  # colour of elastic forces
+FRICTION_COLOUR = "#cc79a7"  # colour of friction forces
+UPPER_BODY_COLOUR = "#c6d9e7"  # colour of the upper body
+LOWER_BODY_COLOUR = "#e3d5bb"  # colour of the lower body
 SHEAR_STRENGTH_COLOURS = ("#444444", "#aa4499")  # colours of the lowest and the highest adhesive shear strength
-MAP_AXIS_COLOURS = {"x": "#0072b2", "y": "#d55e00"}  # colours of the curves for the x axis and the y axis of a map
-SELF_LOCKED_COLOUR = "#7a0019"  # self-locking contacts
+MAP_AXIS_COLOURS = {"x": "#0072b2", "y": "#d55e00"}  # colours of the curves along the x axis and the y axis of a map
+SELF_LOCKED_COLOUR = "#7a0019"  # colour of cells in which friction is self-locked
 FRICTION_COLOUR_MAP = "plasma"
 """Colour map of friction coefficients. Fractal dimensions use viridis, heights use grey, and pressures use inferno."""
-SLIP_COLOUR_MAP = "YlOrRd"  # colour map of the tangential load at which a point slips
+SLIP_COLOUR_MAP = "YlOrRd"  # colour map for the tangential load at which a point slips
 
 SLIDING_RULE_LABELS = {"all": "friction at all contacts", "opposing": "at opposing contacts only"}
 """Legend labels of the sliding rules."""

@@ -139,7 +139,7 @@ def format_table(rows: TextRows, width: int | None = None, *, labels: int = 1) -
     return "\n".join(blocks)
 
 
-MIN_LABEL_WIDTH = 16  # smallest width of the first column of a table, in characters
+MIN_LABEL_WIDTH = 16  # minimum width of the first column of a table, in characters
 
 
 def _wrap_first_cell(row: Sequence[str], width: int) -> list[Sequence[str]]:
@@ -331,7 +331,7 @@ def _select_printed_points(headlines: Sequence[PointSummary]) -> Sequence[PointS
     return [point for point in headlines if all(point.at[name] in selected_values[name] for name in selected_values)]
 
 
-MAX_PRINTED_POINTS = 15  # maximum number of rows in the first table, if there are several points
+MAX_PRINTED_POINTS = 15  # maximum number of rows in the first table if a result has several points
 
 
 def _coefficient_text(point: PointSummary, index: int) -> str:
@@ -362,7 +362,7 @@ def _point_details_text(point: PointSummary) -> str:
     )
 
 
-# roughness that contributes less than this fraction of the coefficient is negligible
+# roughness counts as negligible if it contributes less than this fraction of the coefficient
 NEGLIGIBLE_ROUGHNESS_FRACTION = 0.05
 
 
@@ -505,7 +505,7 @@ def _count_texts_fitting_lines(texts: Sequence[str], lines: int) -> int:
     return int(np.searchsorted(np.cumsum([text.count("\n") + 1 for text in texts]), lines, side="right"))
 
 
-MAX_CAVEAT_GROUPS = 6  # maximum number of printed groups of caveats, if there are several points
+MAX_CAVEAT_GROUPS = 6  # maximum number of printed groups of caveats if a result has several points
 
 
 def _caveat_line(caveat: Caveat, suffix: str = "") -> str:
@@ -553,7 +553,7 @@ def quantities_text(points_of_cell: xarray.Dataset, study: Study, *, verbose: bo
     is_in_words = len(loads) == 1 and study.is_measured and not verbose
     for name in (*quantity_names_shown_in("table"), *(quantity_names_shown_in("verbose") if verbose else ())):
         is_hidden = {
-            "mean_pressure": is_in_words,  # hidden, because the printed load and area give the mean pressure
+            "mean_pressure": is_in_words,  # not printed, because the printed load and area determine the mean pressure
             "contact_area": has_area_fraction and not verbose, "contact_area_fraction": not has_area_fraction,
             **dict.fromkeys(("closure", "closure_stiffness"), not (verbose or study.is_gap)),
             **dict.fromkeys(LOAD_INDEPENDENT_QUANTITIES, not verbose),
@@ -598,7 +598,7 @@ def _wrap_headings(headings: Sequence[str]) -> TextRows:
     return list(itertools.zip_longest(*lines, fillvalue=""))
 
 
-MAX_HEADING_WIDTH = 20  # maximum width of a heading above a column of numbers, in characters
+MAX_HEADING_WIDTH = 20  # maximum width of the heading of a column of numbers, in characters
 
 
 def is_bound_on_pull_off(name: str, dataset: xarray.Dataset) -> bool:
@@ -788,7 +788,7 @@ def overview_text(
     return "\n".join(tables) + f"\n\n{assessment_text(headlines, max_lines, complete_command=complete_command)}"
 
 
-# maximum number of rows in an overview; longer overviews show only a few values of mu0 and tau0
+# maximum number of rows in an overview; a longer overview shows only a few values of mu0 and tau0
 MAX_OVERVIEW_ROWS = 40
 
 

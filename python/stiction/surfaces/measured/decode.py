@@ -14,9 +14,9 @@ from stiction.surfaces.measured.raw import FormatError
 MAX_LINES, MAX_CELLS_PER_LINE = 25_000_000, 4_000_000
 """Maximum number of lines of a text, and maximum number of cells of a line."""
 
-# maximum number of lines that are searched for a layout, and maximum number of characters per line
+# maximum number of lines that are searched for a known layout, and maximum number of searched characters per line
 MAX_FIRST_LINES, MAX_FIRST_LINE_LENGTH = 200, 1000
-_MAX_SHOWN_LENGTH = 60  # maximum number of characters of a line that is quoted in a message
+_MAX_SHOWN_LENGTH = 60  # maximum number of characters of a line in a message
 
 BLANK_LINE, NUMBER_LINE, TEXT_LINE = 0, 1, 2
 """Kinds of lines. A number line contains only numbers, separators and marks of missing points."""
@@ -129,7 +129,7 @@ class DecodedText:
             remainder, marks = self.missing_word_pattern.subn(b"", self.raw_line(line_number))
             is_numeric_row = marks and not remainder.translate(None, NUMERIC_CHARACTERS)
             kinds[line_number] = NUMBER_LINE if is_numeric_row else TEXT_LINE
-        # Lines of asterisks or dashes between rows of numbers are rows of missing points.
+        # A line of asterisks or dashes between rows of numbers is a row of missing points.
         # Other lines of asterisks or dashes are separators.
         nonblank_lines = np.flatnonzero(kinds != BLANK_LINE)
         is_ruler = (kinds[nonblank_lines] == TEXT_LINE) & (
@@ -193,7 +193,7 @@ def _to_utf8(data: bytes) -> tuple[str, bytes]:
     else:
         return "utf-8", data
     start = data[:100_000]
-    # The sample ends after a complete line, so that it contains only complete characters.
+    # The sample ends at the end of a line, so that all its characters are complete.
     start = start[: start.rfind(b"\n") + 1] or start
     candidates = []
     for encoding in _LEGACY_ENCODINGS:

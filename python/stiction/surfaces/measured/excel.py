@@ -17,10 +17,10 @@ from stiction.surfaces.measured.decode import decode_text
 from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, ColumnTable, FormatError, HeightChannels, read_member_chunks
 from stiction.surfaces.measured.text import parse_table
 
-# Maximum number of XML tags in a workbook. A number takes four tags, so this allows 2.5 million heights.
+# Maximum number of XML tags in a workbook. Each number takes four tags, so a workbook may contain 2.5 million heights.
 MAX_WORKBOOK_TAGS = 10_000_000
 # Maximum number of XML tags in a row: eight tags for each column of the largest sheet.
-# The number is limited because a row is stored in memory.
+# The number of tags is limited because each row is stored in memory.
 MAX_TAGS_PER_ROW = 8 * 16_384
 _ROW_TAG_PATTERN = re.compile(rb"<(?:[\w.-]{1,40}:)?row[\s/>]")
 
@@ -80,7 +80,7 @@ def _reject_zip_bombs(data: bytes) -> None:
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         remaining_bytes, tag_count = MAX_TEXT_BYTES, 0
         for name in archive.namelist():
-            tags_in_row = -math.inf  # no limit applies before the first row, or in a file that is not a sheet
+            tags_in_row = -math.inf  # no limit applies before the first row; a file that is not a sheet has no rows
             for chunk in read_member_chunks(archive, name, remaining_bytes):
                 remaining_bytes -= len(chunk)
                 tag_count += chunk.count(b"<")
@@ -94,7 +94,7 @@ def _reject_zip_bombs(data: bytes) -> None:
 
 def _read_rows(sheet: Any) -> list[tuple[Any, ...]]:
     """Return the cells of a sheet up to its last filled row."""
-    sheet.reset_dimensions()  # the dimensions that are stored in a sheet may be wrong
+    sheet.reset_dimensions()  # the dimensions that the file declares for a sheet may be wrong
     rows = [tuple(row) for row in sheet.iter_rows(values_only=True)]
     while rows and all(cell is None for cell in rows[-1]):
         rows.pop()

@@ -9,15 +9,16 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.surfaces.measured.raw import FormatError
 
-EXACT_POSITION_TOLERANCE = 1e-3  # largest deviation of nominally exact positions from a grid, in grid steps
-# Largest deviation of a point from the grid, in grid steps, beyond the rounding of the printed position.
+EXACT_POSITION_TOLERANCE = 1e-3  # largest deviation of nominally exact positions from a uniform grid, in grid steps
+# Largest deviation of a point from the grid, in grid steps.
+# The rounding error of the printed position is allowed in addition.
 MAX_GRID_OFFSET = 0.05
 MAX_NODES_PER_POINT = 4  # maximum number of grid nodes per listed point
 MIN_ROUNDED_STEP = 2.0  # minimum step of rounded positions, in units of the last printed digit
 # Largest scatter of rounded positions about a grid, in units of the last printed digit.
-# Rounding causes a scatter of at most 1. The excess above 1 is a margin for the error of the fitted step.
+# Rounding causes a scatter of at most 1. The rest is a margin for the error of the fitted step.
 MAX_SCATTER_DIGITS = 1.2
-MIN_GRID_GAP_RATIO = 4.0  # minimum ratio of a gap between grid points to a gap due to rounding
+MIN_GRID_GAP_RATIO = 4.0  # minimum ratio of the gaps between grid points to the gaps that are due to rounding
 
 
 def to_grid(
@@ -107,7 +108,8 @@ def estimate_step(positions: Floats) -> float | None:
     gaps = np.diff(distinct_positions)
     if not gaps.size:
         return None
-    # Gaps between positions are grid steps, multiples of grid steps at missing nodes, or much smaller rounding errors.
+    # A gap between two positions is a grid step, a multiple of it where nodes are missing, or a much smaller rounding
+    # error.
     ordered_gaps = np.sort(gaps)
     ratios = ordered_gaps[1:] / ordered_gaps[:-1]
     if ratios.size and ratios.max() > MIN_GRID_GAP_RATIO:

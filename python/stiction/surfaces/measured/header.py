@@ -12,7 +12,7 @@ from stiction.surfaces.measured.raw import LENGTH_UNITS, DeclaredLength, HeaderD
 from stiction.surfaces.measured.split import Dialect
 
 _T = TypeVar("_T")
-COMMENT_CHARACTERS = "#%!/ "  # characters that begin comment lines in various programs
+COMMENT_CHARACTERS = "#%!/ "  # characters at the start of comment lines in various programs
 
 _DECIMAL_PATTERN = r"[+-]?[0-9]{1,20}(?:[.,][0-9]{1,20})?(?:[eE][+-]?[0-9]{1,3})?"
 _SEPARATOR_PATTERN = r"\s*(?:[:=,;\t]|\s)\s*"
@@ -121,7 +121,7 @@ class ColumnHeadings:
 
     names: tuple[str, ...] = ()
     units: tuple[str | None, ...] = ()
-    height_unit: str | None = None  # unit of the heights, if a line names heights and no other quantity
+    height_unit: str | None = None  # unit of the heights, if a line mentions heights but no other quantity
 
 
 def normalise_line(line: str) -> str:
@@ -322,7 +322,7 @@ def split_column_names(line: str, width: int, dialect: Dialect) -> list[str] | N
             cells.pop()
         if len(cells) == width:
             return cells
-        if len(cells) == width - 1 and line[:1] in "\t;, ":  # the column of row numbers may have no name
+        if len(cells) == width - 1 and line[:1] in "\t;, ":  # the heading of the column of row numbers may be missing
             return ["", *cells]
     return None
 
@@ -362,7 +362,7 @@ def unit_in_column_name(cell: str) -> str | None:
     """Return the unit at the end of a column name, as in "z (nm)", "z [nm]", "z/nm", "height in nm" and "z nm"."""
     bracketed_texts = _BRACKETED_WORD_PATTERN.findall(cell)
     last = bracketed_texts[-1].strip() if bracketed_texts else cell.strip(" \"'")
-    # a column with another unit is rejected later, if it is used as heights
+    # a column with another unit is rejected later, but only if it is used as heights
     if NON_LENGTH_UNIT_PATTERN.fullmatch(last):
         return last
     return parse_length_unit((last if bracketed_texts else re.split(r"[\s/_]+", last)[-1]).strip(" \"'.:"))

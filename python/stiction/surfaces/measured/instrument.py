@@ -53,7 +53,7 @@ def _open_reader(path: Path) -> Iterator[Any]:
             yield reader
     except FormatError:
         raise
-    except Exception as error:  # the readers raise many kinds of errors
+    except Exception as error:  # the readers of SurfaceTopography raise many kinds of errors
         detail = f" ({type(error).__name__}: {' '.join(str(error).split())[:120]})"
         # omit the message of this error, which lists the errors of all readers
         if type(error).__name__ == "CannotDetectFileFormat":
@@ -69,11 +69,12 @@ def _read_channel(path: Path, index: int, name: str) -> RawHeights:
         points = int(np.prod(channel.nb_grid_pts))
         if points > MAX_POINTS:
             raise FormatError(f"contains {points} points; at most {MAX_POINTS} can be read")
-        # different units of positions and values mean that the values are not lengths
+        # if positions and values have different units, the values are not lengths
         if isinstance(channel.unit, tuple):
             raise FormatError(f"has a channel {index} ({name}) that does not contain heights; choose another channel")
         has_sizes = channel.physical_sizes is not None
-        # SurfaceTopography requires sizes even if the file has none. The spacing computed from them is not used.
+        # SurfaceTopography requires sizes even if the file contains no sizes.
+        # The spacing computed from these sizes is not used.
         sizes = {} if has_sizes else {"physical_sizes": tuple(map(float, np.atleast_1d(channel.nb_grid_pts)))}
         source = HeightSource(f"{reader.format()} by SurfaceTopography", column=name)
         body = channel.topography(**sizes)

@@ -62,7 +62,7 @@ class ReadOptions:
     codes: tuple[float, ...] = ()  # numbers that mark missing points, as written in the file
     words: tuple[str, ...] = ()  # words that mark missing points
     accept: tuple[str, ...] = ()  # names of accepted caveats
-    # True if `unit` is a single unit, which also applies to lengths that have no unit in the file
+    # True if `unit` is a single unit; it then also applies to lengths without a unit in the file
     one_unit: bool = False
 
 
@@ -288,7 +288,7 @@ def _position_unit(raw: RawHeights, options: ReadOptions) -> str | None:
 
 def _to_micrometres(values: _Length, unit: str) -> _Length:
     factor = LENGTH_UNITS[unit]
-    # Division by an integer, where possible, converts 100 nm to exactly 0.1 µm.
+    # If possible, divide by an integer, so that 100 nm is converted to exactly 0.1 µm.
     return values / round(1 / factor) if factor < 1 else values * factor
 
 
@@ -506,7 +506,7 @@ def _worst_position_deviation(x: Floats, spacing: float, digit: Floats, slack: f
     steps = np.arange(x.size)
     deviations = x - x[0] - steps * spacing
     # Rounding displaces the first and the last point by up to half a digit each.
-    # Truncation displaces these two points by less than one digit relative to each other.
+    # Truncation changes the distance between these two points by less than one digit.
     tolerance = np.maximum(digit, np.linspace(digit[0], digit[-1], x.size)) * (1 + 1e-6)
     round_off = 4 * np.finfo(np.float64).eps * np.abs(x).max()
     excess = np.abs(deviations) - tolerance - slack - round_off

@@ -14,7 +14,7 @@ from stiction._checks import Floats
 from stiction._repr import format_with_unit
 from stiction.surfaces.measured.raw import FileCaveat
 
-# An extreme value may be a code for missing points if at least this many points have this value.
+# The largest or smallest height may be a code for missing points if at least this many points have this height.
 MIN_MISSING_CODE_REPEATS = 2
 # Minimum distance of a code for missing points from all other heights, relative to the range of the other heights.
 MIN_MISSING_CODE_DISTANCE = 2.0
@@ -22,7 +22,7 @@ MIN_MISSING_CODE_DISTANCE = 2.0
 MIN_DISTINCT_HEIGHTS = 5
 MAX_MISSING_CODES = 3  # maximum number of codes for missing points in a scan
 MIN_CHECKED_POINTS = 20  # minimum number of points for a check; smaller arrays are assumed to be examples
-# Limits of spacing and extent in µm: an ångström, a centimetre and a metre.
+# Minimum spacing (one ångström), maximum spacing (one centimetre) and maximum extent (one metre), in µm.
 MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6
 
 
@@ -33,7 +33,7 @@ class ScannedHeights:
     heights: Floats
     spacing: tuple[float, ...]  # µm, along (y and) x
     factor: float = 1.0  # conversion factor from the numbers in the file to µm
-    from_text: bool = True  # True if the numbers were read from text; integers in text may be counts
+    from_text: bool = True  # True if the numbers were read from text; integers in text may be counts instead of heights
 
     @cached_property
     def non_missing_heights(self) -> Floats:

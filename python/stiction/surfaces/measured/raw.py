@@ -28,9 +28,10 @@ not in words.
 """
 
 MAX_FILE_BYTES = 2_000_000_000
-MAX_TEXT_BYTES = 300_000_000  # parsing text needs about ten times its size in memory
+# maximum size of a text file in bytes; parsing a text needs about ten times its size in memory
+MAX_TEXT_BYTES = 300_000_000
 _ARCHIVE_CHUNK_SIZE = 1 << 16
-# compression methods of archives that can be read in pieces of limited size
+# compression methods of archive members that can be read in pieces of limited size
 _COMPRESSION_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
@@ -114,14 +115,14 @@ class RawHeights:
     heights: Floats  # (n,) or (rows, columns)
     unit: str | None = None
     positions: Floats | None = None  # (n,) positions of a profile
-    # function that returns the place value of the last printed digit of each position, (n,)
+    # function that returns the place value of the last printed digit of each position, with shape (n,)
     digits: PlaceValueFunction | None = None
     position_unit: str | None = None  # unit of the positions or, without positions, of the spacing
     spacing: tuple[float, ...] | None = None  # spacing (Δx,) or (Δy, Δx) if there are no positions
     stated: DeclaredLength | None = None  # declared spacing
     stated_spacings: tuple[DeclaredLength, DeclaredLength] | None = None  # declared spacings of rows and columns
     size: tuple[DeclaredLength, DeclaredLength] | None = None  # declared height and width of a map
-    history: tuple[str, ...] = ()  # descriptions of the selections made in the file
+    history: tuple[str, ...] = ()  # descriptions of the selections made when the file was read
     source: HeightSource = HeightSource()
     codes: tuple[float, ...] = ()  # values that the file declares as missing points
     factor: float | None = None  # declared factor that converts the numbers to `unit`
@@ -134,7 +135,7 @@ class WordColumn:
     """Column of words beside columns of numbers, for example a column of flags."""
 
     place: int  # column number
-    words: str  # the most frequent words with their counts
+    words: str  # the most frequent words and their counts
     rarest: str  # the least frequent word
     missing: NDArray[np.bool_]  # (rows,) True at rows whose word marks a missing point according to the caller
 
@@ -148,11 +149,12 @@ class ColumnTable:
     units: tuple[str | None, ...] = ()
     # function that returns the place value of the last printed digit of each number in a column
     digits: Callable[[int], Floats] | None = None
-    # function that returns the place value of the last printed digit of each number in a row, (columns,)
+    # function that returns the place value of the last printed digit of each number in a row, with shape (columns,)
     row_digits: Callable[[int], Floats] | None = None
     declared: HeaderDeclarations = field(default_factory=lambda: HeaderDeclarations())
     history: tuple[str, ...] = ()  # processing steps applied before the heights were written
-    # True for a NumPy array. Two columns are positions and heights only if the first column has equal steps.
+    # True for a NumPy array.
+    # An array with two columns contains positions and heights only if the first column has equal steps.
     area: bool = False
     source: HeightSource = HeightSource()
     places: tuple[int, ...] | None = None  # column numbers in the file, if columns were skipped
@@ -173,7 +175,7 @@ class HeaderDeclarations:
     spacings: tuple[DeclaredLength, DeclaredLength] | None = None  # spacings of the rows and of the columns of a map
     size: tuple[DeclaredLength, DeclaredLength] | None = None  # height and width of a map
     bare_spacing: tuple[float, ...] | None = None  # spacing without a unit, (Δx,) or (Δy, Δx)
-    unit: str | None = None  # unit of the heights, which may not be a unit of length
+    unit: str | None = None  # unit of the heights; not necessarily a unit of length
     factor: float | None = None  # factor that converts the numbers to `unit`
     codes: tuple[float, ...] = ()  # values that mark missing points
     counts: tuple[float, ...] = ()  # integers that are either codes for missing points or counts of missing points
@@ -199,7 +201,8 @@ def parse_length_unit(text: str) -> str | None:
     """Return the key of `LENGTH_UNITS` for a unit of length, or None for other units."""
     if text in LENGTH_UNITS:
         return text
-    plain_text = unicodedata.normalize("NFKC", text)  # normalisation converts ligatures such as ㎛
+    # normalisation converts ligatures such as ㎛ to separate characters
+    plain_text = unicodedata.normalize("NFKC", text)
     if plain_text in LENGTH_UNITS:
         return plain_text
     casefolded_text = plain_text.casefold()

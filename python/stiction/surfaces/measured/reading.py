@@ -369,7 +369,7 @@ def _read_body(
     """Read a profile or surface from a file, and issue the caveats about the file as warnings."""
     reading = _interpret_file(path, options, convert)
     for caveat in reading.caveats:
-        # stack level 3 refers to the code that calls a public reader
+        # stack level 3 is the code that calls a public reader
         warnings.warn(f"{printable_path(path)}: {caveat}", FormatWarning, stacklevel=3)
     return reading.body
 

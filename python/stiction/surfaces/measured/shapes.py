@@ -35,14 +35,15 @@ MIN_MATRIX_COLUMNS = 4  # minimum number of columns of a height matrix in a text
 MAX_TABLE_GRID_POINTS = 100_000_000  # maximum number of points of a map
 MAX_LISTED_NAMES = 12  # maximum number of names in a message
 MAX_SELECTED_PROFILE_COLUMNS = 3  # maximum number of columns that a caller can choose: x, y and z
-MIN_JITTERED_POSITIONS = 8  # slightly uneven positions count as measured only if there are at least this many
+MIN_JITTERED_POSITIONS = 8  # slightly uneven positions count as measured only if there are at least this many positions
 MAX_JITTER = 0.5  # largest range of the steps between measured positions, relative to the mean step
 # a surface counts as tilted if the correlation between heights and point index exceeds this limit
 MIN_TILT_CORRELATION = 0.98
-# The first number is suspicious if this many following numbers all have the same, larger number of decimals.
+# The first number is suspicious if it has fewer decimals than the following numbers.
+# At least this many following numbers must have the same number of decimals.
 MIN_COMPARED_NUMBERS = 20
 # Smallest step of positions, in units of the last printed digit.
-# Equal steps below this limit may also occur in coarsely rounded heights.
+# Equal steps below this limit may also occur between coarsely rounded heights.
 MIN_STEP_DIGITS = 3.0
 NameOrIndex = str | int
 
@@ -51,7 +52,7 @@ _NUMBERING_NAME_PATTERN = re.compile(
 )
 _VALID_NAME_PATTERN = re.compile(r"\W*(?:valid\w*|gültig\w*|is[ _]?valid|ok|1/0)\b.*|.*[\[(]1/0[\])]", re.I)
 _INVALID_NAME_PATTERN = re.compile(r"\W*(?:invalid\w*|ungültig\w*|is[ _]?invalid)\b.*", re.I)
-# column names that leave open whether 1 marks valid or invalid points
+# column names that do not show whether 1 marks valid or invalid points
 _FLAG_NAME_PATTERN = re.compile(r"\W*(?:flags?|status|0/1)\b.*|.*[\[(]0/1[\])]", re.I)
 _X_COLUMN_PATTERN, _Y_COLUMN_PATTERN = (
     re.compile(rf"\W*{axis}(?![a-z0-9]).*|.*\b{axis}[\s_-]*(?:pos|coord).*", re.I) for axis in "xy"
@@ -153,7 +154,7 @@ def _heights_of_selected_columns(table: ColumnTable, selected: Sequence[NameOrIn
 def _to_raw_heights(table: ColumnTable, heights: Floats, unit: str | None, **attributes: Any) -> RawHeights:
     """Return the heights of a table together with all declarations in its header."""
     declared = table.declared
-    # counts above the number of heights cannot be numbers of missing points
+    # a count that exceeds the number of heights cannot be the number of missing points
     counts = tuple(count for count in declared.counts if count > heights.size)
     caveats: tuple[FileCaveat, ...] = ()
     if declared.scale:
@@ -197,7 +198,7 @@ def _read_profile_columns(table: ColumnTable, *places: int) -> RawHeights:
         caveats = () if history else _find_first_number_caveat(table)
         return replace(raw, heights=heights, history=history, caveats=(*raw.caveats, *caveats))
     positions = table.values[:, places[0]]
-    # these rows lie below the end of the shorter of two adjacent tables
+    # these rows lie below the end of the shorter of two adjacent tables in the file
     is_empty = np.isnan(positions) & np.isnan(heights)
     end = heights.size - int(np.argmin(is_empty[::-1])) if not is_empty.all() else heights.size
     digits = table.column_digit_function(places[0])
@@ -476,7 +477,7 @@ def _first_line_has_positions(lines: Floats, digits: Callable[[], Floats] | None
     if np.ptp(steps) > MAX_JITTER * abs(steps.mean()) or not ((steps > 0).all() or (steps < 0).all()):
         return False
     # Measured positions have unequal steps.
-    # The heights of a tilted surface may rise in the same way, but then they do so in every line.
+    # The heights of a tilted surface may also have unequal steps, but then the heights rise in every line.
     return any(_correlation_with_index(other) < MIN_TILT_CORRELATION for other in other_lines)
 
 

@@ -19,12 +19,12 @@ from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, FormatError
 WAVE_NUMBER_COLUMN, DENSITY_COLUMN, WAVE_COUNT_COLUMN = "wave number (1/um)", "C2D (um4)", "waves"
 """Columns of a spectrum file. Tables from other programs lack the last column."""
 
-# beginnings of the names of the two columns for each scan
+# beginnings of the names of two columns; each scan has these two columns
 FRACTION_COLUMN_PREFIX, RATIO_COLUMN_PREFIX = "fraction of ", "power over the joined of "
 _SCAN_LINE_PATTERN = re.compile(
     r"# scan: (?P<name>.+), from (?P<shortest>\S+) to (?P<longest>\S+) um, ended by (?P<reason>.+)"
 )
-_NUM_HEADER_BYTES = 100_000  # number of bytes at the beginning of a file that are searched for column names
+_NUM_HEADER_BYTES = 100_000  # number of bytes at the beginning of a file in which column names are searched for
 # relative tolerance of the ratio of successive wave numbers, due to rounding of printed numbers
 _RATIO_TOLERANCE = 1e-3
 
@@ -144,7 +144,7 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
         raise FormatError(f"{printable_path(path)}: cannot be read: {error.strerror}") from None
     except UnreadableFileError as error:
         raise FormatError(f"{printable_path(path)}: {error}") from None
-    except ValueError:  # from pandas
+    except ValueError:  # raised by pandas
         raise FormatError(f"{printable_path(path)} is not a table with the columns of a spectrum") from None
     scans = [match for line in text.splitlines() if (match := _SCAN_LINE_PATTERN.fullmatch(line))]
     names = [match["name"] for match in scans]

@@ -22,12 +22,13 @@ from stiction.surfaces.measured.decode import (
 )
 from stiction.surfaces.measured.raw import FormatError
 
-_MAX_SAMPLE_LINES = 60  # maximum number of lines for detecting the separator and the decimal mark
-_MAX_SAMPLE_CHARACTERS = 10_000  # maximum number of characters for detecting the separator and the decimal mark
-_MIN_LONG_LINE_LENGTH = 200  # cells are counted line by line if the mean line length is above this limit
+_MAX_SAMPLE_LINES = 60  # maximum number of lines from which the separator and the decimal mark are detected
+# maximum number of characters from which the separator and the decimal mark are detected
+_MAX_SAMPLE_CHARACTERS = 10_000
+_MIN_LONG_LINE_LENGTH = 200  # above this mean line length, cells are counted line by line
 MAX_SAMPLED_ROWS = 20_000  # maximum number of rows from which the printed digits of a column are determined
-MAX_COUNT_LINE_CELLS = 2  # maximum number of cells in a line of counts or sizes above the numbers
-_QUOTED_SEPARATOR = "\x1f"  # separator of cells after quotes have been removed
+MAX_COUNT_LINE_CELLS = 2  # maximum number of cells in a line of counts or sizes that precedes the numbers
+_QUOTED_SEPARATOR = "\x1f"  # separator of cells, used after quotation marks have been removed
 _EXPONENT_PATTERN = r"(?:[eE]([+-]?[0-9]{1,3}))?"
 
 LineNumbers = NDArray[np.int64]
@@ -51,7 +52,7 @@ class Dialect:
     separator: str | None
     point: str
     thousands: str = ""
-    pairs: bool = False  # True if the comma is both separator and decimal mark, so that two cells form one number
+    pairs: bool = False  # True if the comma is both separator and decimal mark; two cells then form one number
 
     def __str__(self) -> str:
         names = {"\t": "tab", None: "space", ";": "semicolon", ",": "comma", "|": "bar"}
@@ -102,7 +103,7 @@ class NumberBlock:
     lines: LineNumbers  # line numbers of the rows, counted from 0
     dialect: Dialect
     values: Floats  # (rows, columns)
-    # First line from which lines have fewer cells, for example below the end of the shorter of two profiles.
+    # Number of the first line that has fewer cells, for example below the end of the shorter of two profiles.
     short: int | None = None
     omitted: tuple[int, ...] = ()  # line numbers of counts and sizes that precede the rows
 
@@ -119,7 +120,8 @@ class NumberBlock:
         max_decimals = -1000
         count = self.lines.size
         sample = np.arange(count)
-        # Half of the sampled rows are at the beginning, and the other half is spread over the remaining rows.
+        # Half of the sampled rows are at the beginning, and the other half are distributed evenly over the remaining
+        # rows.
         if count > MAX_SAMPLED_ROWS:
             half = MAX_SAMPLED_ROWS // 2
             sample = np.concatenate([sample[:half], np.linspace(half, count - 1, half).astype(np.int64)])
@@ -291,7 +293,7 @@ def parse_number_block(
     starts, cells = _row_offsets_and_widths(blob, cell_separator)
     usual_width = Counter(cells.tolist()).most_common(1)[0][0]
     if usual_width == 1 and cells.max() == 2 and (cells == 2).sum() > 1:
-        usual_width = 2  # the table has two columns, but most heights are missing
+        usual_width = 2  # the table has two columns, but in most rows the height is missing
     if usual_width > MAX_CELLS_PER_LINE:
         raise FormatError(
             f"has lines of {usual_width} cells; at most {MAX_CELLS_PER_LINE} can be read; write one number per line, "
@@ -397,7 +399,7 @@ def _to_plain_rows(text: DecodedText, lines: LineNumbers, dialect: Dialect) -> t
 
 
 _MISSING_MARK_PATTERN = re.compile(rb"(?<![^\s;,|\"])(?:\*{1,40}|-{2,40})(?![^\s;,|\"])")
-_BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")  # this pattern matches a number that contains a blank
+_BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")  # matches a number that contains a blank
 
 
 def _has_adjacent_dashes(blob: bytes) -> bool:

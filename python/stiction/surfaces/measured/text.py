@@ -34,7 +34,7 @@ from stiction.surfaces.measured.word_columns import FoundWordColumn, describe_wo
 
 MAX_HISTORY_STEP_LENGTH = 1000  # maximum number of characters of a history entry in a header
 MAX_HISTORY_STEPS = 1000
-# Maximum number of numeric lines below the data, as a fraction of the number of data lines.
+# Maximum number of lines with numbers below the data, as a fraction of the number of data lines.
 MAX_FOOTER_FRACTION = 0.1
 # Minimum number of rows of a separate block above the data. A smaller block is a size or a count.
 MIN_BLOCK_ROWS = 2
@@ -78,7 +78,7 @@ def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
     first, last = max(runs, key=lambda run: int(text.line_starts[run[1] + 1] - text.line_starts[run[0]]))
     dialect = detect_dialect(text, first, last)
     labels = _first_line_with_labels(text, first, last, dialect)
-    if labels < first:  # the line of labels starts with a word instead of a number
+    if labels < first:  # the line of labels starts with a word and not with a number
         first, text = labels, replace(text, words=(*text.words, dialect.split_line(text.line(labels))[0]))
     _reject_unreadable_line(text, dialect, len(dialect.split_line(text.line(last))), runs)
     block = parse_number_block(text, first, last, dialect, ragged=True)
@@ -178,7 +178,7 @@ def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, run
             continue
         cells = dialect.split_line(text.line(line))
         kinds = [cell_kind(cell, dialect, text) for cell in cells]
-        # a line of the form "name value" above the data is not a row of numbers
+        # above the data, a line of the form "name value" is not a row of numbers
         numbers = 2 * kinds.count("number") - (line < runs[0][0] and kinds[:1] == [None])
         if len(cells) != width or None not in kinds or _are_labels(cells, dialect):
             continue

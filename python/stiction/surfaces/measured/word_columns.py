@@ -13,12 +13,12 @@ from stiction._text import printable_text
 from stiction.surfaces.measured.decode import BLANK_LINE, NUMBER_LINE, TEXT_LINE, DecodedText
 from stiction.surfaces.measured.split import Dialect, cell_kind, find_numeric_line_runs, split_cells
 
-# The comma is tried last, because it may be the decimal mark in cells with another separator.
+# The comma is tried last, because it may be the decimal mark if the cells have another separator.
 _CELL_SEPARATORS = ("\t", ";", "|", None, ",")
 _NUMBER_CELL_PATTERN = re.compile(r"[+-]?(?:[0-9]{1,40}(?:[.,][0-9]{0,40})?|[.,][0-9]{1,40})(?:[eE][+-]?[0-9]{1,3})?")
 _MISSING_WORD_REPLACEMENT = "nan"  # text that replaces each word
-_MAX_SEPARATOR_SEARCH_LINES = 400  # number of lines that are examined to find the possible separators
-MIN_TABLE_ROWS = 4  # columns of words are searched only if there are at least this many rows
+_MAX_SEPARATOR_SEARCH_LINES = 400  # number of lines that are searched for possible separators
+MIN_TABLE_ROWS = 4  # minimum number of rows of a table in which columns of words are searched for
 MAX_LISTED_WORDS = 4  # maximum number of words of a column that a message lists
 
 
@@ -42,7 +42,8 @@ def replace_word_columns(text: DecodedText) -> tuple[DecodedText, tuple[FoundWor
         separator: _find_word_table(text, lines[:_MAX_SEPARATOR_SEARCH_LINES], separator)
         for separator in _CELL_SEPARATORS
     }
-    separator = max(samples, key=lambda key: len(samples[key].numeric))  # take the first of equally good separators
+    # if several separators are equally good, the first of them is used
+    separator = max(samples, key=lambda key: len(samples[key].numeric))
     if not samples[separator].words:
         return text, ()
     table = (
@@ -93,7 +94,7 @@ class _WordTable:
     lines: list[int] = field(default_factory=list)
     rows: list[list[str]] = field(default_factory=list)
     words: dict[int, Counter[str]] = field(default_factory=dict)  # count of each word, by column
-    # lines in which a word marks a missing point, by column
+    # numbers of the lines in which a word marks a missing point, by column
     missing_lines: dict[int, list[int]] = field(default_factory=dict)
 
 

@@ -56,7 +56,8 @@ def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
     ]
     if not main_xml_names:
         raise FormatError(f"is a zip archive without {_MAIN_XML_FILE}, so it is not an X3P file")
-    folder = min(main_xml_names, key=len).removesuffix(_MAIN_XML_FILE)  # some programs place all members in a directory
+    # some programs store all members in a directory of the archive
+    folder = min(main_xml_names, key=len).removesuffix(_MAIN_XML_FILE)
     root = _MainXml(archive, folder)
     feature = _get_element_text(root, "Record1/FeatureType")
     if feature not in ("PRF", "SUR"):

@@ -17,7 +17,7 @@ from stiction.views.style import (
     new_figure,
 )
 
-# inputs are not drawn if making them exact would narrow the interval by less than this fraction
+# an input is drawn only if making it exact would narrow the interval by at least this fraction
 MIN_DRAWN_REDUCTION = 0.02
 MAX_DRAWN_INPUTS = 5  # maximum number of inputs in the figure
 

@@ -30,12 +30,13 @@ from stiction.views.style import (
     new_figure,
 )
 
-_MIN_ZOOM_SPACINGS = 40  # minimum number of grid spacings on each side of the magnified contact
+_MIN_ZOOM_SPACINGS = 40  # minimum distance, in grid spacings, that is shown on each side of the magnified contact
 _MAX_NANOMETRE_RANGE = 0.5  # range of heights (µm) below which the axis is labelled in nm
 _MAX_ARROW_LENGTH = 0.45  # maximum length of an arrow, inches
 EDGE_CONTACT_COLOUR = "#e00030"  # colour of contacts that are cut by the edge of the map
-NUM_NEIGHBOURING_CONTACTS = 5  # number of neighbouring contacts in the magnified range, besides the strongest contact
-MIN_ZOOM_POINTS = 60  # minimum number of points shown on each side of the strongest contact
+# number of neighbouring contacts in the magnified range, in addition to the strongest contact
+NUM_NEIGHBOURING_CONTACTS = 5
+MIN_ZOOM_POINTS = 60  # minimum number of points that are shown on each side of the strongest contact
 
 
 def contact_figure(
@@ -93,7 +94,7 @@ def contact_figure(
         in_window = np.abs(x - zoom_centre) <= half_width
         zoomed_axes.set_title(
             "contact with the largest load", loc="left", fontsize=6, pad=3
-        )  # the layout reserves space for the title
+        )  # the layout must reserve space for the title
         draw_bodies(zoomed_axes, x[in_window], *(body[in_window] for body in bodies))
         zoomed_axes.set_xlim(x[in_window][0], x[in_window][-1])
         overview_axes.axvspan(zoom_centre - half_width, zoom_centre + half_width, color="0.5", alpha=0.25, linewidth=0)
@@ -368,12 +369,12 @@ def _draw_profile_contacts(
 ) -> None:
     """Draw both profiles at full length, and magnified around the contact with the largest load."""
     x, lower, gap = (picture[name].values for name in ("height_x", "lower_height", "gap"))
-    finite = np.isfinite(gap)  # missing heights are interpolated
+    finite = np.isfinite(gap)  # missing heights are interpolated between measured heights
     bodies = np.array([lower + np.interp(x, x[finite], gap[finite]).clip(0), lower]) * 1000
     centre_positions, width = (
         picture["contact_x"].values,
         picture["contact_patch_area"].values,
-    )  # contact areas in µm² equal contact widths in µm, because profiles are 1 µm wide
+    )  # contact areas in µm² are numerically equal to contact widths in µm, because profiles are 1 µm wide
     zoom_slice = slice(
         *np.searchsorted(x, _zoom_range(x, centre_positions, width, picture["contact_force"].values, is_cut))
     )

@@ -44,21 +44,21 @@ from stiction.views.style import (
     spread_label_positions,
 )
 
-LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)  # multiples of the length scale that are compared in a figure
-SURFACE_PICTURE_SIDE_POINTS = 400  # number of rows and number of columns of a surface in a figure
+LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)  # multiples of the length scale for which surfaces are compared in a figure
+SURFACE_PICTURE_SIDE_POINTS = 400  # number of rows, and number of columns, of a surface in a figure
 MAX_DRAWN_PROFILES = 5
 MAX_DRAWN_CURVES = 8
 
 COLOUR_RANGE_QUANTILES = (0.01, 0.95)
 """Quantiles of the friction coefficients at the ends of the colour scale, which excludes a few very high values."""
 
-MAX_DRAWN_STRENGTHS = 2  # maximum number of adhesive shear strengths in a figure (the lowest and the highest)
+MAX_DRAWN_STRENGTHS = 2  # maximum number of adhesive shear strengths in a figure: the lowest and the highest are drawn
 
 FADING_PARAMETERS = (0.3, 1.2, 0.85)
 """Relative interval widths at which the fading of a cell starts and reaches its maximum, and this maximum."""
 
 CURVE_LABEL_SPACING = 2.4  # distance between curve labels, mm
-# factor between the axis limits and the extreme means; bands that extend further are cut off
+# maximum ratio of an axis limit to the extreme mean; wider bands are cut off at the axis limit
 MAX_DRAWN_BAND_RATIO = 2.0
 HEADING_HEIGHT = 4.0  # height of a heading line above a figure, mm
 MAX_LEGEND_COLUMNS = 4  # maximum number of legend columns
@@ -233,7 +233,8 @@ def format_fractal_dimension_axis(axes: Axes, dataset: xarray.Dataset, *, last: 
 def _draw_friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], mu0: float) -> None:
     """Draw friction curves for the lowest and highest shear strength. They are dotted where the model is invalid."""
     dimension = curves["fractal_dimension"].values
-    is_valid = ~(curves["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)  # axes: fractal dimension, shear strength
+    # array axes: fractal dimension, shear strength
+    is_valid = ~(curves["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)
     value, lower, upper = (
         curves["friction_coefficient"].sel(statistic=statistic).values for statistic in MEAN_AND_LIMITS
     )
@@ -244,7 +245,8 @@ def _draw_friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[st
         axes.plot(dimension, value[:, index], ":", **style)
         axes.plot(dimension, np.where(is_valid[:, index], value[:, index], np.nan), **style)
     finite_values = value[np.isfinite(value)]
-    # The axis includes all valid values, and invalid values where space permits.
+    # The range of the vertical axis includes all valid values.
+    # It includes invalid values only if there is enough space.
     valid_upper_ends = upper[np.isfinite(upper) & is_valid]
     upper_limit = (
         1.1 * max(2 * mu0, float(valid_upper_ends.max(initial=0.0)), 2.5 * float(np.min(finite_values, initial=1.0)))
@@ -301,7 +303,7 @@ def _logarithmic_colour_norm(maps: xarray.Dataset) -> Any:
     is_valid = is_positive & ~(maps["share_beyond_hertz"].values > MAX_AFFECTED_FRACTION)
     positive_values = values[is_valid if is_valid.sum() > 0.1 * is_positive.sum() else is_positive]
     low, high = np.quantile(positive_values, COLOUR_RANGE_QUANTILES) if positive_values.size else (0.1, 1.0)
-    step = 10.0 ** np.floor(np.log10(low)) / 2  # the limits of the scale are multiples of this step
+    step = 10.0 ** np.floor(np.log10(low)) / 2  # the limits of the colour scale are multiples of this step
     low, high = max(np.floor(low / step) * step, step), np.ceil(high / step) * step
     return LogNorm(low, max(high, low + step))
 
@@ -315,7 +317,7 @@ def _draw_friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: flo
     set_log_tick_labels(axes)
     axes.add_patch(_unreached_cell_patch((0, 0), 1, 1, transform=axes.transAxes))
     is_finite = np.isfinite(values)
-    # A coefficient of 0 has no logarithm, and is drawn in the colour of the lowest value.
+    # A coefficient of 0 has no logarithm. It is drawn in the colour of the lowest value.
     colours = colormaps[FRICTION_COLOUR_MAP](norm(np.where(is_finite, np.maximum(values, norm.vmin), norm.vmin)))
     colours[..., :3] = _fade_colours(colours[..., :3], _compute_fading(friction))
     colours[..., 3] = is_finite
@@ -345,10 +347,11 @@ def _hatch_cells(axes: Axes, x: Floats, y: Floats, is_hatched: NDArray[np.bool_]
         vertices += [(left, bottom), (right, bottom), (right, top), (left, top), (left, bottom)]
     if vertices:
         codes = np.tile([Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY], len(vertices) // 5)
-        for colour, width in (("black", 1.3), ("white", 0.5)):  # one of the two colours is visible on any cell
+        # two lines are drawn, because one of the two colours is visible on any cell
+        for colour, width in (("black", 1.3), ("white", 0.5)):
             patch = PathPatch(Path(vertices, codes), **_INVALID_CELL_STYLE | {"edgecolor": colour})
             patch.set_hatch_linewidth(width)
-            axes.add_artist(patch)  # `add_patch` would also compute the limits of thousands of cells
+            axes.add_artist(patch)  # `add_patch` would also compute the limits of the axes from thousands of cells
 
 
 _INVALID_CELL_STYLE: dict[str, Any] = {"facecolor": "none", "edgecolor": "white", "hatch": "\\\\\\\\", "linewidth": 0}
@@ -470,7 +473,7 @@ def _draw_area_curves(
             ax.text(0.5, 0.5, "no load reached", transform=ax.transAxes, ha="center")
             continue
         ax.set_yscale("log")
-        # The axis limits depend on the means only, so that very wide bands may be cut off.
+        # The axis limits are computed from the means only, so very wide bands may be cut off.
         values = (area_factor * area)[area > 0]
         ax.set_ylim(values.min() / MAX_DRAWN_BAND_RATIO, values.max() * MAX_DRAWN_BAND_RATIO)
         set_log_tick_labels(ax)

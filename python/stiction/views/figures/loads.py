@@ -32,7 +32,8 @@ from stiction.views.style import (
 MAX_FRICTION_AXIS_RATIO = 4.0
 """Maximum ratio of the friction axis limit to the highest mean; wide intervals from few members are cut off."""
 
-MAX_DRAWN_DIRECTIONS = 2  # maximum number of directions drawn individually, in addition to their mean
+# up to this number of directions, each direction is drawn in addition to the mean over all directions
+MAX_DRAWN_DIRECTIONS = 2
 
 
 INTERVAL_BAND_LEGENDS = {
@@ -66,7 +67,7 @@ def load_figure(points: xarray.Dataset, study_loads: Sequence[float] = (), *, ti
 
 def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     """Draw a figure, 80 mm wide, of closure and closure stiffness in an `at_load` dataset against nominal pressure."""
-    pressure_per_load = 1000 / float(points["nominal_area"])  # nominal pressure per load, MPa/mN
+    pressure_per_load = 1000 / float(points["nominal_area"])  # ratio of nominal pressure to load, MPa/mN
     figure = new_figure(100)
     for ax, name in zip(figure.subplots(2, 1, sharex=True), ("closure", "closure_stiffness"), strict=True):
         x = pressure_per_load * np.asarray(points["load"].values, dtype=np.float64)
@@ -87,7 +88,8 @@ def adhesion_figure(branches: xarray.Dataset, *, title: str = "") -> Figure:
     """
     is_unloading = branches["going"].values
     load, area = branches["load"].values, branches["contact_area"].values
-    is_visible = load <= LOADS_RELATIVE_TO_PULL_OFF[-1] * -load.min() * 1.001  # loads within the limits of the figure
+    # mask of the loads that are within the axis limits
+    is_visible = load <= LOADS_RELATIVE_TO_PULL_OFF[-1] * -load.min() * 1.001
     prefix_factor, unit = choose_prefixed_unit(float(abs(load[is_visible]).max()), "mN")
     figure = new_figure(70)
     abscissas = [(branches["approach"].values * 1000, "approach (nm)")] if branches["approach"].notnull().all() else []
@@ -269,7 +271,7 @@ def _sliding_rules(points: xarray.Dataset) -> list[str]:
 
 def _draw_single_directions(axes: Axes, dataset: xarray.Dataset, x: Floats, colour: str) -> None:
     if not 1 < dataset.sizes.get("direction", 1) <= MAX_DRAWN_DIRECTIONS or colour == SLIDING_RULE_COLOURS["all"]:
-        return  # with friction at all contacts, both directions have the same results
+        return  # if friction acts at all contacts, both directions have the same results
     for direction, line_style in zip(dataset["direction"].values, ("--", ":"), strict=False):
         mean = dataset["friction_coefficient"].sel(direction=direction, statistic="mean").values
         name = f"  upper body to {direction_text(float(direction))} alone"

@@ -198,7 +198,7 @@ def _densest_contact_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice],
     return (rows, columns), map_extent(onset.isel(slip_y=rows, slip_x=columns), "slip")
 
 
-# ---- Over fractal dimension -----------------------------------------------------------------------------------------
+# ---- Onset of sliding against fractal dimension ---------------------------------------------------------------------
 
 
 _ONSET_PANELS = {

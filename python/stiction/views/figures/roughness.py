@@ -23,7 +23,7 @@ MAX_DRAWN_PROFILE_POINTS = 1500  # maximum number of profile points in the figur
 NUM_HEIGHT_BINS = 40  # number of bins of the height distribution
 MEASURED_COLOUR, FITTED_COLOUR = "#0072b2", "#d55e00"  # colours of measured and fitted curves
 TICK_STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10)  # spacings of ticks, in units of a power of ten
-MIN_MILLIMETRE_LENGTH = 1000.0  # length (µm) above which an axis is labelled in mm
+MIN_MILLIMETRE_LENGTH = 1000.0  # an axis longer than this length (µm) is labelled in mm
 
 
 def characterisation_figure(body: Profile | Surface | Characterisation, **options: Any) -> Figure:
@@ -122,7 +122,7 @@ def _draw_line_spectrum(axes: Axes, line: LineRoughness, axis: str, colour: str)
         exponent, scatter = float(line.hurst_exponents.mean()), float(line.hurst_exponents.std())
         min_wave_number, max_wave_number = (2 * math.pi / end for end in line.band[::-1])
         is_in_band = has_power & (spectrum.wave_number >= min_wave_number) & (spectrum.wave_number <= max_wave_number)
-        # The fitted line is drawn at the mean level of the spectrum in the band.
+        # The level of the fitted line is the mean level of the spectrum in the band.
         mean_log_factor = np.log(
             spectrum.wave_number[is_in_band] ** (1 + 2 * exponent) * spectrum.density[is_in_band]
         ).mean()
@@ -148,7 +148,7 @@ def _draw_height_map(figure: Any, axes: Axes, surface: Surface) -> None:
     length_y, length_x = (length / unit_length for length in surface.extent)
     lowest, highest = np.quantile(
         heights, [0.001, 0.999]
-    )  # use quantiles, because single dust grains would otherwise dominate the colour range
+    )  # quantiles are used, because otherwise single dust grains would dominate the colour range
     image = axes.imshow(
         heights, extent=(0, length_x, 0, length_y), origin="lower", cmap=HEIGHT_COLOUR_MAP, vmin=lowest, vmax=highest,
         aspect="equal" if 1 / 4 < length_x / length_y < 4 else "auto",

@@ -125,7 +125,7 @@ def _generated_surface_figures(dataset: xarray.Dataset, study: Study) -> Iterato
             case "area":
                 for suffix, motion_dataset in iterate_motion_datasets(dataset):
                     yield f"area{suffix}", partial(area_figure, motion_dataset)
-            case "onset":  # the onset is stored only for a single direction and for friction at all contacts
+            case "onset":  # the onset is stored only for a study with a single direction and friction at all contacts
                 yield "onset", partial(onset_by_dimension_figure, next(iterate_motion_datasets(dataset))[1])
 
 

@@ -1,4 +1,4 @@
-// Controls, file output and the URL fragment of a page.
+// Controls, file output and URL fragment of a report page.
 
 const facts = JSON.parse(document.getElementById("facts").textContent);
 const byId = (id) => document.getElementById(id);
@@ -9,10 +9,10 @@ const data = (value, text) => element("data", {value: String(value)}, text);
 
 // ---- Drawing --------------------------------------------------------------------------------------------------------
 
-const REDRAW_DELAY = 150; // hidden and slow plots are drawn after this time without changes, milliseconds
+const REDRAW_DELAY = 150; // time in milliseconds without changes after which hidden or slow plots are drawn
 const pending = new Set();
-let drawings = {}; // drawing functions by the id of their element
-let slow = () => false; // returns true if a plot is drawn only after `REDRAW_DELAY`
+let drawings = {}; // drawing function for each element id
+let slow = () => false; // function that returns true if plots are drawn only after `REDRAW_DELAY`
 let atRest = () => {};
 let frame = 0;
 let redrawTimer = 0;
@@ -46,7 +46,7 @@ function drawPending(isChosen) {
 
 // ---- Controls -------------------------------------------------------------------------------------------------------
 
-/** Connect a slider and a number field that set one value, from 0 to the largest evaluated value. */
+/** Connect a slider and a number field that set the same value, from 0 to the largest evaluated value. */
 function amount(id, {value, most, step, unit, changed}) {
   const [slider, number] = [byId(id), byId(`${id}-number`)];
   Object.assign(slider, {min: 0, max: most, step});
@@ -72,7 +72,7 @@ function amount(id, {value, most, step, unit, changed}) {
   });
 }
 
-/** Connect a slider that selects an index of a list. */
+/** Connect a slider that selects an item of a list by its index. */
 function index(id, {value, count, name, changed}) {
   const slider = byId(id);
   slider.max = count - 1;
@@ -91,7 +91,7 @@ function index(id, {value, count, name, changed}) {
   return {set: (position) => { slider.value = position; show(); }};
 }
 
-/** Fill a list of choices; hide it if there is only one. */
+/** Fill a list of choices. Hide the list if it has only one choice. */
 function choice(id, names, value, changed) {
   const list = byId(id);
   list.append(...names.map((name, i) => element("option", {value: i}, name)));
@@ -109,7 +109,7 @@ function save(name, blob) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
 
-/** Add the buttons of a plot: zoom, axis scale, and download of the figure or of its numbers.
+/** Add the buttons of a plot: zoom, axis scale, download of the figure, and download of its numbers.
  * The figure has a title and a caption, and `rows` returns the table of numbers. */
 function toolbar(place, rows, {hasAxes = true, hasScales = false} = {}) {
   const plotName = place.getAttribute("aria-label").split(";")[0];
@@ -141,10 +141,10 @@ function toolbar(place, rows, {hasAxes = true, hasScales = false} = {}) {
 
 // ---- URL fragment ---------------------------------------------------------------------------------------------------
 
-/** Return the fields of the URL fragment, as texts by name. */
+/** Return the fields of the URL fragment: a text for each name. */
 const addressFields = () => Object.fromEntries(new URLSearchParams(location.hash.slice(1)));
 
-/** Return a number from the URL fragment if it is within limits, otherwise a default. */
+/** Return a number from the URL fragment. If the number is not within limits, return a default number. */
 function parseNumber(text, low, high, fallback) {
   const value = text === undefined || text === "" ? NaN : Number(text);
   return value >= low && value <= high ? value : fallback;
@@ -172,7 +172,7 @@ async function unpacked(id) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-/** Run the script of a page, and show an error that it throws. */
+/** Run the script of a page. If the script throws an error, show the error. */
 function start(main) {
   const isOld = typeof DecompressionStream === "undefined";
   for (const form of document.forms) form.addEventListener("submit", (event) => event.preventDefault());

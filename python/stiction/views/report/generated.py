@@ -47,10 +47,10 @@ from stiction.views.report.page import (
 from stiction.views.report.pictures import onset_by_dimension_panel, profiles_panel
 from stiction.views.report.tables import PackedArrays
 
-# Maximum number of coefficients on a page.
+# Maximum number of friction coefficients on a page.
 # The number of coefficients is the product of the numbers of nodes, loads, cells, rules and directions.
 MAX_GENERATED_REPORT_VALUES = 1_000_000
-# The page warns if the mean of overlap / radius exceeds this value.
+# The page issues a warning if the mean of overlap / radius exceeds this value.
 # The limit for quantities that are fractions of the load is `MAX_AFFECTED_FRACTION`.
 MAX_OVERLAP_RADIUS_RATIO = 0.1
 SURFACE_PARAMETER_DIMENSIONS = ("fractal_dimension", "amplitude")
@@ -262,7 +262,7 @@ def _add_colour_ranges(quantities: dict[str, Floats], packed_arrays: PackedArray
         if not np.isfinite(positive_values).any():
             continue
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RuntimeWarning)  # some nodes have no value
+            warnings.simplefilter("ignore", RuntimeWarning)  # some nodes have no value, which causes warnings about NaN
             low, high = np.nanquantile(positive_values, COLOUR_RANGE_QUANTILES, axis=(0, 4))
         packed_arrays.add(f"colours_{name}_low", low)
         packed_arrays.add(f"colours_{name}_high", np.maximum(high, 1.05 * low))

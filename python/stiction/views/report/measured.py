@@ -48,11 +48,11 @@ from stiction.views.resolution import resolved_wavelengths_text
 from stiction.views.sentence import quotable_sentence, small_slope_estimate_text
 from stiction.views.text import dwell_time_text, uncertainty_budget_text
 
-# Maximum number of coefficients on a page.
+# Maximum number of friction coefficients on a page.
 # The number of coefficients is the product of the numbers of nodes, loads, cutoffs, rules and directions.
 MAX_MEASURED_REPORT_VALUES = 400_000
 
-_UNIT_LABELS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # labels of units without an SI prefix
+_UNIT_LABELS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # labels of units for which no SI prefix is chosen
 
 
 def measured_report_content(result: Result, study: Study, name: str, picture: xarray.Dataset | None) -> ReportContent:
@@ -206,7 +206,7 @@ def _add_friction_at_nodes(nodes: InterpolationNodes, study: Study, packed_array
         motion["isWhole"] = len(motion["directions"]) == len(angles)
         motion["angle"] = None if len(motion["directions"]) > 1 else angles[motion["directions"][0]]
         is_combined[0, index] = motion["isWhole"]
-    # A value without a combined interval has as many decimals as the mean over all directions.
+    # A value without a combined interval is printed with as many decimals as the mean over all directions.
     mean_friction = displayed_friction[0, :, :, [is_combined[0].argmax()]]
     mean_decimals = np.moveaxis(count_estimate_decimals(*np.moveaxis(mean_friction, -1, 0))[0], 0, 2)
     displayed_friction[
@@ -290,7 +290,7 @@ def _history_markup(side: str, history: str, study: Study) -> str:
     return file_text + (f"<ul>{lines}</ul>" if lines else "") + readings
 
 
-MAX_FILE_READING_TABLES = 4  # maximum number of scans per part for which the report shows how their files were read
+MAX_FILE_READING_TABLES = 4  # maximum number of scans per body for which the report shows how the files were read
 
 
 def _scan_reading_table(scan: MeasuredBodySettings) -> str:

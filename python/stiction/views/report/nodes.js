@@ -1,9 +1,9 @@
 "use strict";
 
-// Values between nodes of mu0 and tau0: unpacking and interpolation of the values that the library computed at nodes.
+// Interpolation of values in mu0 and tau0. The library computed the values at nodes; this script unpacks them.
 // These functions do not access the document.
 
-/** Decode doubles from their leading bytes, which are stored as all first bytes, then all second bytes, and so on. */
+/** Decode doubles from their leading bytes. All first bytes are stored first, then all second bytes, and so on. */
 function doubles(planes, leading) {
   const count = planes.length / leading;
   const values = new Float64Array(count);
@@ -15,10 +15,12 @@ function doubles(planes, leading) {
 
 // ---- Interpolation -------------------------------------------------------------------------------------------------
 
-const ROUND_OFF = 1e-9; // values closer to a node than this fraction of the axis are treated as the node
+// A value is treated as a node if its distance from the node is below this fraction of the axis length
+const ROUND_OFF = 1e-9;
 
 /** Return node indices with weights for interpolation at a value on an axis {rising, bounds}.
- * They are the node at the value, or else two neighbours (`linear`) and up to four neighbours (`cubic`).
+ * If a node equals the value, the list has only this node.
+ * Otherwise, `linear` has two neighbours and `cubic` has up to four neighbours.
  * `panel` is the index of the first neighbour. */
 function weightsAt({rising, bounds}, value) {
   const last = rising.length - 1;
@@ -34,7 +36,7 @@ function weightsAt({rising, bounds}, value) {
   return {panel, isNode: false, linear, cubic: last < 3 ? linear : over(Math.min(Math.max(panel - 1, 0), last - 3), 4)};
 }
 
-/** Return the weights of the nodes around a pair of mu0 and tau0. */
+/** Return the weights of the nodes around a given pair of mu0 and tau0. */
 function placeAt({mu0, tau0}, valueOfMu0, valueOfTau0) {
   const [m, t] = [weightsAt(mu0, valueOfMu0), weightsAt(tau0, valueOfTau0)];
   const columns = tau0.rising.length + tau0.bounds.length;
@@ -46,7 +48,7 @@ function placeAt({mu0, tau0}, valueOfMu0, valueOfTau0) {
 
 const weighted = (table, first, weights) => weights.reduce((sum, [node, weight]) => sum + weight * table[first + node], 0);
 
-/** Interpolate a table at a place by cubics, or bilinearly if one of the 16 nodes has no value. */
+/** Interpolate a table at a place by cubic polynomials. If one of the 16 nodes has no value, interpolate bilinearly. */
 function between(table, first, {cubic, linear}) {
   const value = weighted(table, first, cubic);
   return Number.isFinite(value) ? value : weighted(table, first, linear);
@@ -55,7 +57,7 @@ function between(table, first, {cubic, linear}) {
 /** Return the table entry at the node nearest to a place. */
 const atNearest = (table, first, {linear}) => table[first + linear[0][0]];
 
-/** Return the status code at a place: the code of the nearest node, unless a neighbouring node has no value. */
+/** Return the status code at a place. It is the code of the nearest node, unless a neighbouring node has no value. */
 function statusAt(table, first, {linear}, statuses) {
   const [nearest, ...others] = linear.map(([node]) => table[first + node]);
   if (!statuses[nearest].isOk) return nearest;
@@ -64,7 +66,7 @@ function statusAt(table, first, {linear}, statuses) {
 
 const NO_INTERVAL = -128; // code of an interval that is not printed
 
-/** Return a value and its interval at a place. The interval is unbounded if it is unbounded at a neighbouring node. */
+/** Return a value and its interval at a place. The interval is unbounded if the interval at a neighbouring node is. */
 function pointAt({offsets, floats, small}, name, index, place) {
   const first = index * place.size;
   const interpolated = (part) => between(floats, offsets[`${name}_${part}`] + first, place);
@@ -82,18 +84,18 @@ function inDecimals(value, digits) {
   return (Number(text) === 0 ? text.replace("-", "") : text).replace("-", "−");
 }
 
-/** Format both ends of an interval; empty if the library prints no interval. */
+/** Format both ends of an interval. The text is empty if the library prints no interval. */
 function formatEnds({lower, upper, decimals, upperDecimals}) {
   if (upperDecimals === NO_INTERVAL || Number.isNaN(lower) || Number.isNaN(upper)) return "";
   return `[${inDecimals(lower, decimals)}, ${upper === Infinity ? "∞)" : `${inDecimals(upper, upperDecimals)}]`}`;
 }
 
-/** Format a value with its interval, with the decimals of the library. */
+/** Format a value and its interval with the same decimals as the library. */
 function quoted(point) {
   if (!Number.isFinite(point.value)) return "none";
   return [inDecimals(point.value, point.decimals), formatEnds(point)].filter(Boolean).join(" ");
 }
 
-/** Return a text whose {} is replaced by a number {factor, decimals, unit}. */
+/** Replace {} in a text with a formatted number. The format is {factor, decimals, unit}. */
 const filled = (text, number, value) => (number
   ? text.replace("{}", `${inDecimals(number.factor * value, number.decimals)}${number.unit}`) : text);

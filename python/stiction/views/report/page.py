@@ -85,7 +85,7 @@ def script_markup(facts: dict[str, Any], packed_arrays: Mapping[str, str]) -> st
     )
 
 
-MAX_SHOWN_LINE_LENGTH = 400  # maximum number of shown characters of a line from a file
+MAX_SHOWN_LINE_LENGTH = 400  # maximum number of characters of a line from a file that the page shows
 
 
 def escape_html(text: object) -> str:

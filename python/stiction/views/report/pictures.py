@@ -158,7 +158,8 @@ def _panel_markup(
     return f'<section class="{css_class}" aria-label="{name}"><h2>{name}</h2>{svg}{caption_html}</section>'
 
 
-MAX_SVG_VERTICES = 1000  # maximum number of vertices in vector graphics; artists with more vertices are rasterized
+# maximum number of vertices of an artist in vector graphics; artists with more vertices are rasterized
+MAX_SVG_VERTICES = 1000
 RASTER_DPI = 200  # resolution of rasterized artists
 
 _CSS_COLOURS = {

@@ -1,9 +1,10 @@
-// SVG plots. Every function takes the element to draw in and the data, and does not use the state of the page.
+// SVG plots. The arguments of each function are an element and the data.
+// The functions do not use the state of the page.
 // Colours are variables of the style sheet, so that dark mode and print need no redrawing.
 
 // ---- Elements -------------------------------------------------------------------------------------------------------
 
-/** Return a function that creates elements with attributes and children; text is never markup. */
+/** Return a function that creates elements with attributes and children. Text is never interpreted as markup. */
 const maker = (space) => (name, attributes = {}, ...children) => {
   const node = document.createElementNS(`http://www.w3.org/${space}`, name);
   for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
@@ -23,7 +24,7 @@ function positionIn(place, {clientX, clientY}) {
   return [clientX - left, clientY - top];
 }
 
-/** Return a text element in which _F_ is in italics and ~N~ a subscript. */
+/** Return a text element. It shows the text _F_ in italics and the text ~N~ as a subscript. */
 function rich(words, attributes) {
   const text = shape("text", attributes);
   let drop = 0;
@@ -41,7 +42,7 @@ const rem = () => parseFloat(getComputedStyle(document.documentElement).fontSize
 
 const path = (points) => points.map(([x, y], i) => `${i ? "L" : "M"}${x.toFixed(1)} ${y.toFixed(1)}`).join("");
 
-/** Split points into runs of consecutive known points. */
+/** Split a list of points into runs of consecutive known points. */
 function runs(points, isKnown) {
   const found = [[]];
   for (const point of points) isKnown(point) ? found.at(-1).push(point) : found.push([]);
@@ -58,11 +59,11 @@ function superscript(exponent) {
 }
 
 
-/** Return the ticks of an axis with their texts; a logarithmic axis also has ticks without text. */
+/** Return the ticks of an axis with their labels. A logarithmic axis also has ticks without labels. */
 function ticksOf(low, high, isLog, most) {
   if (!(high > low)) return [{value: low, text: tickText(low)}];
   if (isLog && high / low > 4) {
-    const first = Math.ceil(Math.log10(low) - 1e-9); // the ticks include the decade before the first power of ten
+    const first = Math.ceil(Math.log10(low) - 1e-9); // the ticks also cover the decade below the first power of ten
     const decades = Array.from({length: Math.ceil(Math.log10(high)) - first + 2}, (_, i) => first - 1 + i);
     const named = high / low > 200 ? [1] : high / low > 20 ? [1, 3] : [1, 2, 3, 5];
     const every = Math.max(1, Math.ceil((Math.log10(high / low) * named.length) / most));
@@ -95,7 +96,7 @@ function edges(centres) {
   return [2 * centres[0] - middles[0], ...middles, 2 * centres.at(-1) - middles.at(-1)];
 }
 
-/** Return the edges [x, y, x, y] between true and false cells; cells with other values have no edges. */
+/** Return the edges [x, y, x, y] between true cells and false cells. Cells with other values have no edges. */
 function boundary(cells, x, y) {
   const lines = [];
   const differ = (first, second) => typeof first === "boolean" && typeof second === "boolean" && first !== second;
@@ -114,7 +115,7 @@ function nearest(list, value) {
 
 // ---- Axes -----------------------------------------------------------------------------------------------------------
 
-/** Return a function from values on an axis {low, high, isLog} to positions between two ends, pixels. */
+/** Return a function that converts values on an axis {low, high, isLog} to positions in pixels between two ends. */
 function createScale({low, high, isLog}, from, to) {
   const on = isLog ? Math.log : (value) => value;
   const off = isLog ? Math.exp : (value) => value;
@@ -124,10 +125,10 @@ function createScale({low, high, isLog}, from, to) {
   return at;
 }
 
-/** Return an axis limited to its zoomed view, or the whole axis without a view. */
+/** Return an axis that is limited to its zoomed view, or the whole axis if there is no view. */
 const viewed = (axis, view) => (view ? {...axis, low: view[0], high: view[1]} : axis);
 
-/** Draw axes {low, high, isLog, title} in an element and return their scales; the group `inside` is clipped. */
+/** Draw axes {low, high, isLog, title} in an element, and return their scales. The group `inside` is clipped. */
 function axes(place, wholeX, wholeY, top = 0) {
   const unit = rem();
   const [x, y] = [viewed(wholeX, place.view?.x), viewed(wholeY, place.view?.y)];
@@ -165,9 +166,9 @@ function axes(place, wholeX, wholeY, top = 0) {
 
 // ---- Zoom -----------------------------------------------------------------------------------------------------------
 
-const CLOSEST = 1e-3; // minimum fraction of an axis that a zoomed view shows
+const CLOSEST = 1e-3; // smallest fraction of an axis that a zoomed view may show
 
-/** Return the ends of a view of an axis after zooming about a position (0 to 1) or moving by a fraction of the view. */
+/** Return the ends of an axis view after zooming about a position (0 to 1) or moving by a fraction of the view. */
 function zoomedEnds({low, high, isLog}, {low: from, high: to}, times, about, move = 0) {
   const [on, off] = isLog ? [Math.log, Math.exp] : [(value) => value, (value) => value];
   const [start, span] = [on(from), on(to) - on(from)];
@@ -181,16 +182,16 @@ function zoomedEnds({low, high, isLog}, {low: from, high: to}, times, about, mov
 function zoom(place, redrawn, {times = 1, x = 0.5, y = 0.5, moveX = 0, moveY = 0}) {
   if (!place.axes?.X) return;
   const {wholeX, wholeY} = place.axes;
-  const {view} = place; // this view may be newer than the drawn one, because several events can precede a frame
+  const {view} = place; // this view may be newer than the drawn view, because several events can precede a frame
   place.view = {x: zoomedEnds(wholeX, viewed(wholeX, view?.x), times, x, moveX), y: zoomedEnds(wholeY, viewed(wholeY, view?.y), times, y, moveY)};
   redrawn();
 }
 
 const isNear = (event) => event.ctrlKey || event.metaKey; // a pinch on a touch pad is sent as a wheel event with Ctrl
 
-/** Connect the pointer, wheel and key events of a plot; call this once, because the axes may change afterwards.
- * `pick` returns a function that undoes the choice.
- * A plot is zoomed or moved by dragging a rectangle, Ctrl and the wheel, two fingers, Shift and dragging, or keys. */
+/** Connect the pointer, wheel and key events of a plot. One call per plot is enough, even if its axes change later.
+ * The function `pick` returns a function that undoes the choice of a point.
+ * The user zooms or moves a plot with a drawn rectangle, Ctrl and wheel, two fingers, Shift and dragging, or keys. */
 function interactive(place, {point, leave, pick, redrawn}) {
   let from = null;
   let rectangle = null;
@@ -289,7 +290,7 @@ function interactive(place, {point, leave, pick, redrawn}) {
   });
 }
 
-/** Show a tooltip at a position in a plot; an empty text removes it. */
+/** Show a tooltip at a position in a plot. An empty text removes the tooltip. */
 function tip(place, words, [x, y] = [0, 0]) {
   place.tip ??= element("div", {class: "tip", "aria-hidden": "true"});
   place.tip.hidden = !words;
@@ -301,7 +302,7 @@ function tip(place, words, [x, y] = [0, 0]) {
   place.tip.style.top = `${Math.max(0, y - height - 10)}px`;
 }
 
-/** Show the tooltip of the point of a plot nearest to the pointer, if it is close; `place.hits` are {x, y, words}. */
+/** Show the tooltip of the point that is nearest to the pointer, if it is close. `place.hits` lists {x, y, words}. */
 function tipOfNearest(place, here) {
   const hits = place.hits ?? [];
   const apart = ({x, y}) => Math.hypot(x - here[0], y - here[1]);
@@ -311,11 +312,11 @@ function tipOfNearest(place, here) {
 
 // ---- Colours --------------------------------------------------------------------------------------------------------
 
-// Colours of the map plasma (public domain) at multiples of one sixteenth.
+// Colours of the colour map plasma (public domain) at multiples of 1/16.
 const PLASMA = ["0d0887", "310597", "4c02a1", "6600a7", "7e03a8", "9511a1", "aa2395", "bc3587", "cc4778", "da5a6a",
   "e66c5c", "f0804e", "f89540", "fdac33", "fdc527", "f8df25", "f0f921"];
 
-/** Return the colour of plasma, [red, green, blue], at a fraction of its length. */
+/** Return the colour [red, green, blue] of the colour map plasma at a fraction of its length. */
 function colourAt(share) {
   const place = share * (PLASMA.length - 1);
   const i = Math.min(Math.floor(place), PLASMA.length - 2);
@@ -349,7 +350,7 @@ function hatch(name, id) {
     shape("path", {d: lines, "stroke-width": 1.3, "stroke-linecap": "round", style: "stroke: var(--muted); fill: none"}));
 }
 
-/** Return a hatch for values beyond the model: white lines with dark edges, visible on light and on dark pages. */
+/** Return a hatch pattern for values outside the range of the model: white lines with dark edges. */
 function beyondModel(id) {
   const d = "M-2 6L2 10M0 0L8 8M6 -2L10 2";
   return pattern(id,
@@ -366,7 +367,7 @@ function swatch(...shapes) {
 const ringed = (x, y, size, width = 2.5) => [["var(--paper)", 2 * width + 1], ["var(--ring)", width]].map(([colour, w]) =>
   shape("circle", {cx: x, cy: y, r: size, "stroke-width": w, style: `fill: none; stroke: ${colour}`}));
 
-/** Draw a quantity over dimension and load, and return the entries of the legend.
+/** Draw a map of a quantity against fractal dimension and load, and return the entries of the legend.
  * `map` is {status, value, trusted}, `colours` are the ends of the scale, and `picked` is the chosen cell [d, l]. */
 function drawMap(place, {facts, map, loads, colours: [low, high], ticks, picked, title}) {
   const x = edges(facts.cells.values);
@@ -396,7 +397,7 @@ function drawMap(place, {facts, map, loads, colours: [low, high], ticks, picked,
       "stroke-width": 0.4}));
   });
   for (const [name, cells] of Object.entries(others)) {
-    if (name === "ok") continue; // there is friction, but no interval whose width could be drawn
+    if (name === "ok") continue; // friction is known, but there is no interval whose width could be drawn
     const id = `${place.id}-${name}`;
     inside.append(hatch(name, id), shape("path", {d: cells.join(""), fill: `url(#${id})`}));
     legend.push([swatch(() => hatch(name, `${id}-legend`), (each) => shape("rect", {...each, fill: `url(#${id}-legend)`})),
@@ -443,11 +444,11 @@ function colourBar(id, frame, low, high, ticks, title, unit) {
 
 // ---- Curves ---------------------------------------------------------------------------------------------------------
 
-const MAX_BAND = 2.5; // maximum end of a band on a linear scale, relative to the highest value
-const MAX_LOG_BAND = 100; // maximum ratio of an end to the highest or lowest value on a logarithmic scale
+const MAX_BAND = 2.5; // maximum upper end of a band on a linear scale, relative to the highest value
+const MAX_LOG_BAND = 100; // maximum ratio of a band end to the highest or lowest value on a logarithmic scale
 const MIN_LOG_RANGE = 10; // minimum ratio of the ends of a logarithmic scale
 
-/** Return the range of an axis of values with intervals. Wide bands are cut off, so that the curves remain visible. */
+/** Return the axis range for values with intervals. Wide bands are cut off, so that the curves remain visible. */
 function rangeOf(points, isLog) {
   const ok = points.filter((point) => Number.isFinite(point.value));
   const ends = ok.flatMap((point) => [point.value, point.lower, point.upper]).filter((value) => value > 0);
@@ -461,7 +462,7 @@ function rangeOf(points, isLog) {
   return [low / missing, high * missing];
 }
 
-/** Arrange the names of series in rows above the axes; return the rows. */
+/** Arrange the names of series in rows above the axes, and return these rows. */
 function legendRows(place, series) {
   const [unit, wide] = [rem(), Math.max(place.clientWidth, 8 * rem()) - 5.4 * rem()];
   const rows = [[]];
@@ -488,8 +489,8 @@ function drawLegend({picture, box, unit}, rows) {
 }
 
 /** Draw series {points of {x, value, lower, upper, trusted}, colour, name} as curves with bands.
- * A ring marks the picked x, and `levels` {value, name, colour} are drawn as horizontal lines.
- * Single points are marked if there are few. Return the range of the values. */
+ * A ring marks the picked x. Horizontal lines are drawn at `levels` {value, name, colour}.
+ * Single points are marked if there are few points. The function returns the range of the values. */
 function drawCurves(place, series, x, {title, isLog, picked, levels = []}) {
   const all = series.flatMap(({points}) => points);
   const isUsed = (place.isLog ?? isLog) && all.some(({value}) => value > 0);
@@ -498,7 +499,7 @@ function drawCurves(place, series, x, {title, isLog, picked, levels = []}) {
   const drawn = axes(place, x, {low, high, isLog: isUsed, title}, rows.length ? 0.4 + 1.25 * rows.length : 0);
   const {X, Y, y: shownY, box, inside, unit} = drawn;
   drawLegend(drawn, rows);
-  const room = 0.05 * (isUsed ? 1 : shownY.high - shownY.low); // paths are cut off beyond this margin
+  const room = 0.05 * (isUsed ? 1 : shownY.high - shownY.low); // curves and bands are cut off beyond this margin
   const inRange = (value) => (isUsed ? Math.min(Math.max(value, low / 2), high * 2) : Math.min(Math.max(value, low - room), high + room));
   const at = ({x: value}, y) => [X(value), Y(inRange(y))];
   const isDrawn = ({value}) => Number.isFinite(value) && !(isUsed && value <= 0);
@@ -530,7 +531,7 @@ function drawCurves(place, series, x, {title, isLog, picked, levels = []}) {
 
 // ---- Measured surfaces ----------------------------------------------------------------------------------------------
 
-/** Return a smooth closed path through points (Catmull-Rom), so that no corner looks like data. */
+/** Return a smooth closed path through points (Catmull-Rom), so that no corner can be mistaken for data. */
 function smooth(points) {
   const at = (i) => points[(i + points.length) % points.length];
   const bend = (from, before, after) => [from[0] + (after[0] - before[0]) / 6, from[1] + (after[1] - before[1]) / 6];
@@ -539,7 +540,7 @@ function smooth(points) {
     `C${text(bend(at(i), at(i - 1), at(i + 1)))} ${text(bend(at(i + 1), at(i + 2), at(i)))} ${text(at(i + 1))}`).join("")}z`;
 }
 
-/** Draw friction over directions for series {points of {value, lower, upper}, colour, name}.
+/** Draw friction against direction for series {points of {value, lower, upper}, colour, name}.
  * A ring marks the picked direction. */
 function drawCompass(place, directions, series, picked, describe) {
   const unit = rem();
@@ -598,7 +599,7 @@ function wrapped(words, maxLength) {
   return lines.filter(Boolean);
 }
 
-/** Return a plot as the text of an SVG file in the colours of print, with a title, a caption and the address of the view. */
+/** Return the text of an SVG file of a plot in print colours, with a title, a caption and the address of the view. */
 function pictureText(place, title, words) {
   const picture = place.querySelector("svg").cloneNode(true);
   const [width, height] = ["width", "height"].map((name) => Number(picture.getAttribute(name)));
@@ -632,7 +633,7 @@ async function pictureBytes(text, times) {
   return new Promise((done) => canvas.toBlob(done, "image/png"));
 }
 
-/** Return a table as CSV; no text is interpreted as a formula. */
+/** Return a table as CSV. Spreadsheets do not interpret any of its texts as a formula. */
 function csvText(rows) {
   const field = (value) => {
     if (typeof value === "number") return Number.isFinite(value) ? String(value) : "";

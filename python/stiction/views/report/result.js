@@ -6,7 +6,7 @@ const {isMeasured, cells, axes: nodeAxes} = facts;
 const loads = facts.loads.values;
 const state = {
   mu0: nodeAxes?.mu0.start ?? 0,
-  tau0: nodeAxes?.tau0.start ?? 0, // MPa
+  tau0: nodeAxes?.tau0.start ?? 0, // shear strength in MPa
   rule: 0,
   way: 0,
   kind: 0,
@@ -14,7 +14,7 @@ const state = {
   dimension: facts.start.cell,
   load: facts.start.load,
   quantity: "friction",
-  pointed: null, // (dimension, load) of the cell under the pointer
+  pointed: null, // (dimension, load) indices of the cell under the pointer
 };
 const numbers = {offsets: facts.tables, floats: null, small: null};
 let mapped = null;
@@ -33,7 +33,7 @@ function indexOf(rule, cell, load, way = state.way) {
 }
 
 /** Return friction for a rule: value, interval, status and kind of interval.
- * A value without a combined interval has the sampling interval of positions, which is drawn but not printed. */
+ * Without a combined interval, the interval is due to sampling of positions. It is then drawn but not printed. */
 function frictionAt(rule, cell, load, at = place(), way = state.way) {
   const index = indexOf(rule, cell, load, way);
   const first = index * at.size;
@@ -49,7 +49,7 @@ function frictionAt(rule, cell, load, at = place(), way = state.way) {
   return {...result, ...point, ...ends, sampling, isCombined};
 }
 
-/** Return a quantity other than friction by the name of its plot. */
+/** Return the quantity (other than friction) that is shown in the plot with the given name. */
 function quantityAt(id, cell, load, at = place()) {
   if (isMeasured) {
     const own = facts.quantities.find(({name}) => name === facts.curves[id].of);
@@ -81,14 +81,14 @@ function showParameters() {
     ...dimensionIfAny(), ...amplitudeIfAny(), motionWords()].join(", ") + ".";
 }
 
-/** Return the name of an interval. Generated surfaces have only the sampling interval of repetitions. */
+/** Return the name of an interval. The interval for generated surfaces is always due to sampling of repetitions. */
 function intervalName(isCombined) {
   if (!isMeasured) return "interval";
   if (!isCombined) return "sampling interval of positions only";
   return `interval, combined uncertainty${facts.ranged && !isAtRange() ? ", μ0 and τ0 exact where the study has other values" : ""}`;
 }
 
-/** Return whether mu0 and tau0 are within the uncertainty ranges of the study. */
+/** Return whether mu0 and tau0 are both within the uncertainty ranges of the study. */
 const isAtRange = () => [["mu0", state.mu0], ["tau0", state.tau0]].every(([name, value]) => !nodeAxes[name].bounds.length ||
   nodeAxes[name].bounds.some(([low, high]) => low <= value && value <= high));
 
@@ -135,7 +135,7 @@ function contributionBar({parts, ends: [low, high], value, texts}) {
     from += part;
   });
   if (low !== null) {
-    const to = high ?? most; // an unbounded interval extends to the end of the bar
+    const to = high ?? most; // an unbounded interval is drawn up to the end of the bar
     bar.append(shape("line", {x1: percent(low), x2: percent(to), y1: 14, y2: 14, stroke: "var(--ink)", "stroke-width": 2}));
     for (const end of high === null ? [low] : [low, high]) bar.append(shape("line", {x1: percent(end), x2: percent(end), y1: 8, y2: 20, stroke: "var(--ink)", "stroke-width": 2}));
   }
@@ -195,7 +195,7 @@ function judgement(points, d, l) {
     `${near.loadText} it is: ${near.verdict}. `, back)] : []);
 }
 
-const MAX_OPEN_CAVEATS = 3; // caveats shown without opening the list
+const MAX_OPEN_CAVEATS = 3; // number of caveats that are shown while the list of caveats is closed
 
 function verdictElements(verdict, caveats) {
   const kind = VERDICT_CLASSES[verdict];
@@ -238,7 +238,7 @@ function figuresOf(at, d, l) {
 
 const TITLES = {friction: "_μ_~s~", width: "±", area: "_A_ (µm²)", stiffness: "mN/µm"};
 
-/** Return the mapped quantity over (load, dimension): values, statuses, and whether each value is trusted. */
+/** Return the quantity of the map by (load, dimension): values, statuses, and whether each value counts as valid. */
 function mapAt() {
   const [at, rule] = [place(), facts.rules[state.rule]];
   const of = {
@@ -282,7 +282,7 @@ const QUANTITY = {
 const hasQuantity = (id) => (isMeasured ? facts.quantities.some(({name}) => name === facts.curves[id]?.of)
   : id === "area" || (id === "stiffness" && facts.hasStiffness));
 
-/** Return a series for each curve; quantities other than friction have only one series. */
+/** Return a series for each curve. Quantities other than friction have only one series. */
 function seriesOf(id, points) {
   const drawn = id === "friction" ? curves() : [{...curves()[0], name: "", colour: "var(--area)"}];
   return drawn.map((curve) => ({...curve, points: points(curve.rule)}));
@@ -363,7 +363,7 @@ const mapRows = () => [["fractal dimension", "load (mN)", state.quantity, "statu
 
 // ---- Controls -------------------------------------------------------------------------------------------------------
 
-let sliders = {}; // sliders of load and dimension
+let sliders = {}; // sliders for load and dimension
 
 function showStrengthNotice() {
   const isStrong = state.tau0 > facts.tau0Sane;
@@ -371,17 +371,18 @@ function showStrengthNotice() {
   byId("strong").textContent = `τ0 is above a tenth of the effective modulus, ${facts.saneText}.`;
 }
 
-/** Pick a dimension and a load; return a function that undoes the choice. */
+/** Pick a dimension and a load. Return a function that undoes this choice. */
 function pick(d, l) {
   const before = [state.dimension, state.load];
-  Object.assign(state, {dimension: d, load: l, pointed: null}); // touch screens send no leave event
+  // The pointer is reset here, because touch screens send no leave event
+  Object.assign(state, {dimension: d, load: l, pointed: null});
   sliders.dimension.set(d);
   sliders.load.set(l);
   redraw(...FRICTION);
   return () => pick(...before);
 }
 
-/** Set all controls to a point of the study. */
+/** Set all controls to the values of one point of the study. */
 function goTo({load, mu0, tau0: strength, cut_off: cutOff}) {
   for (const [id, value] of [["mu0", mu0], ["tau0", Number((1000 * strength).toPrecision(12))]]) {
     byId(`${id}-number`).value = value;
@@ -489,7 +490,7 @@ function connectMap(fields) {
   });
 }
 
-/** Return the value of a cell of the map with its interval, or its status. */
+/** Return the value and interval of a map cell, or the status of the cell if it has no value. */
 function textOfCell(d, l) {
   if (mapped.value[l][d] === null) return mapped.status[l][d];
   if (state.quantity === "width") return `±${inDecimals(100 * mapped.value[l][d], 0)} %`;

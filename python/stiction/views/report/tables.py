@@ -19,12 +19,14 @@ from stiction._number_format import (
     format_estimate,
 )
 
-STORED_FLOAT_BYTES = 4  # number of leading bytes of a double that a page stores; they give a relative precision of 5e-7
-NO_INTERVAL_CODE = -128  # value stored instead of the number of decimals of the upper end if no interval is printed
-MAX_DECIMALS = 100  # maximum number of decimals, and maximum number of rounded digits before the decimal point
+# number of leading bytes of a double that are stored in a page; they give a relative precision of 5e-7
+STORED_FLOAT_BYTES = 4
+NO_INTERVAL_CODE = -128  # number that replaces the number of decimals of the upper end if no interval is printed
+# maximum number of decimals; also maximum number of digits before the decimal point that are rounded
+MAX_DECIMALS = 100
 
 
-_COMPRESSION_LEVEL = 7  # zlib level; compression takes a sixth as long as at level 9 and gives 0.5 % more bytes
+_COMPRESSION_LEVEL = 7  # zlib level; compression takes a sixth of the time of level 9 and produces 0.5 % more bytes
 
 
 def encode_doubles(values: ArrayLike, num_leading_bytes: int) -> str:
