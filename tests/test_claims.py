@@ -77,7 +77,7 @@ def test_first_resampled_ensemble_gives_the_same_maps_as_the_result(result, resa
             assert np.allclose(resampled_values, reference, rtol=1e-12, equal_nan=True)
 
 
-def test_resampled_intervals_agree_with_those_of_the_friction_map(result, resampled_means):
+def test_resampled_intervals_agree_with_intervals_of_the_friction_map(result, resampled_means):
     resampled_values = resampled_means.at("friction", resampled_means.middle_load)[1:]
     lower, upper = np.quantile(resampled_values, [0.025, 0.975], axis=0)
     expected_map = friction_map(result, [resampled_means.middle_load], mu0=[0.4], tau0=[0.0]).sel(amplitude=0.1)
@@ -246,7 +246,7 @@ def test_value_computed_for_a_part_of_a_claim_equals_the_known_value():
     assert compute_part_value("8d", **TRUE_AND_FALSE_DATA["8d"][1]) > 0.25
 
 
-def test_true_and_false_test_data_exist_for_every_part_of_a_claim():
+def test_parts_of_claims_have_test_data_that_make_them_true_and_test_data_that_make_them_false():
     assert list(TRUE_AND_FALSE_DATA) == [part.name for part in CLAIM_PARTS]
 
 
@@ -312,14 +312,14 @@ def test_part_of_a_claim_is_undefined_if_its_range_has_only_one_fractal_dimensio
     assert judge_part("4c", result).verdict == "undefined"
 
 
-def test_verdict_from_confidence_bands_is_undefined_if_most_dimensions_are_self_locked():
+def test_verdict_from_confidence_bands_is_undefined_if_friction_is_self_locked_at_most_fractal_dimensions():
     # Above D = 1.6, only one dimension is not self-locked.
     assert judge_part("3b", create_result(), interval_method="bands").verdict == "undefined"
     with pytest.raises(ValueError, match="interval_method"):
         judge_claims(create_result(), interval_method="means")
 
 
-def test_part_of_a_claim_is_undefined_if_most_of_its_range_has_no_values():
+def test_part_of_a_claim_is_undefined_if_there_are_no_values_in_most_of_its_range():
     # Friction is self-locked where the normal load is negative, which is at all D above 1.45.
     sum_functions = {"normal_frictional": lambda d, a, f: np.where(d > 1.45, -5.0, 0.0) * f}
     outcomes_by_name = {outcome.part.name: outcome for outcome in judge_claims(create_result(**sum_functions))}

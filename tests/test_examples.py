@@ -56,7 +56,7 @@ def script_output(tmp_path_factory):
 
 @pytest.mark.docs
 @pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.py")), ids=lambda path: path.name)
-def test_example_scripts_run_without_error(path, script_output):
+def test_example_scripts_finish_without_error(path, script_output):
     assert script_output(path)
 
 
@@ -206,7 +206,7 @@ def has_code(page):
 
 @pytest.mark.docs
 @parametrize_pages([page for page in PAGE_FILES if has_code(page) and page.name != "cluster.md"])
-def test_code_of_a_documentation_page_runs_without_error(page, tmp_path, monkeypatch):
+def test_code_on_a_documentation_page_is_run_without_error(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name in ("upper", "lower", "lapped"):  # Create the files that the pages assume to exist.
         side = "lower" if name == "lapped" else name
@@ -237,7 +237,7 @@ def test_code_of_a_documentation_page_runs_without_error(page, tmp_path, monkeyp
 
 @pytest.mark.docs
 @pytest.mark.skipif(not (ROOT / "docs").exists(), reason="the folder docs is not in this tree")
-def test_page_on_measured_surfaces_shows_the_output_of_its_example(script_output):
+def test_documentation_page_about_measured_surfaces_shows_the_output_of_its_example(script_output):
     table = script_output(ROOT / "examples/characterise_profile.py")
     shown_outputs = [block.text for block in code_blocks(ROOT / "docs/howto/characterise.md") if block.kind == "text"]
     # Before the table, the command prints a line about how it read the file.
@@ -245,7 +245,7 @@ def test_page_on_measured_surfaces_shows_the_output_of_its_example(script_output
 
 
 @pytest.mark.skipif(not DEV_SCRIPT.exists(), reason="the script dev is not in this tree")
-def test_dev_usage_text_lists_all_commands():
+def test_usage_text_of_dev_lists_all_commands():
     commands = set(re.findall(r'^    "(\w+)": ', DEV_SCRIPT.read_text(encoding="utf-8"), re.MULTILINE))
     assert commands == dev_commands()
 
@@ -273,7 +273,7 @@ SLURM_TASK_ENVIRONMENT = {
 @parametrize_pages([page for page in PAGE_FILES if page.name == "cluster.md"])
 # The package distributed closes sockets and event loops late, so pytest would report resource warnings.
 @pytest.mark.filterwarnings("ignore")
-def test_code_of_the_page_on_clusters_runs_without_error(page, tmp_path, monkeypatch):
+def test_code_on_the_documentation_page_about_clusters_is_run_without_error(page, tmp_path, monkeypatch):
     """Run the page with a local Dask scheduler, and with a stand-in for Slurm that starts jobs on this machine."""
     distributed = pytest.importorskip("distributed")
     for name, script_text in (("sbatch", SBATCH_SCRIPT), ("scancel", SCANCEL_SCRIPT)):
@@ -344,7 +344,7 @@ def test_drawings_of_conventions_equal_the_output_of_their_scripts(tmp_path, nam
     assert difference is None, f"{difference}; run docs/scripts/{name}.py and check the new drawing"
 
 
-def test_constants_in_the_guide_for_extensions_exist():
+def test_constants_named_in_the_guide_for_extensions_exist():
     folders = ("python", "tests", "docs/scripts")
     sources = "".join(path.read_text("utf-8") for folder in folders for path in (ROOT / folder).rglob("*.py"))
     constants = re.findall(r"`([A-Z][A-Z_]+)`", (ROOT / "docs/howto/extending.md").read_text("utf-8"))
@@ -352,7 +352,7 @@ def test_constants_in_the_guide_for_extensions_exist():
     assert [name for name in constants if not re.search(rf"^{name}\b", sources, re.MULTILINE)] == []
 
 
-def test_reference_documentation_lists_every_key_option_and_study():
+def test_reference_documentation_lists_every_key_and_every_option_and_every_study():
     reference = load_script("reference")
     pages = reference.render_pages(ROOT / "docs")
     tables = [

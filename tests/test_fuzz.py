@@ -14,7 +14,7 @@ def test_random_arrays_are_accepted_or_raise_value_error():
     assert min(outcomes.values()) > 500  # Both outcomes, acceptance and ValueError, must be frequent.
 
 
-def test_random_study_files_run_or_are_rejected_without_traceback(tmp_path):
+def test_random_study_files_are_run_or_rejected_without_traceback(tmp_path):
     outcomes = Counter(fuzzing.fuzz_study_file(np.random.default_rng([2, i]), tmp_path) for i in range(30))
     assert outcomes[2] > 10
     assert outcomes[0] > 1

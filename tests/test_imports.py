@@ -76,7 +76,7 @@ OTHER_IMPORTS_OF_VIEWS = {
 """Other names that views may import: types, and functions that generate the surfaces of a study for its figures."""
 
 
-def test_views_do_not_import_stores_readers_or_statistics():
+def test_views_import_neither_stores_nor_readers_nor_statistics():
     modules = {path.stem for path in (PACKAGE_FOLDER / "studies").glob("*.py")}
     assert modules >= MODULES_CLOSED_TO_VIEWS
     for source in sorted(path.relative_to(PACKAGE_FOLDER) for path in (PACKAGE_FOLDER / "views").rglob("*.py")):
@@ -106,14 +106,14 @@ def test_command_line_module_imports_nothing_before_the_command_starts():
     assert not [node for node in body if isinstance(node, (ast.Import, ast.ImportFrom))]
 
 
-def test_help_and_version_options_load_no_numeric_packages():
+def test_options_help_and_version_load_no_numeric_packages():
     for option in ("--help", "--version"):
         assert loaded_dependencies(
             f"sys.argv[1:] = ['{option}']; from stiction.cli.application import run_command_line; run_command_line()"
         ) <= (DEPENDENCIES_OF_HELP)
 
 
-def test_studies_command_does_not_load_tables_figures_or_readers():
+def test_studies_command_loads_no_modules_for_tables_or_figures_or_readers():
     code = "sys.argv[1:] = ['studies']; from stiction.cli.application import run_command_line; run_command_line()"
     assert loaded_dependencies(code) <= ALLOWED_DEPENDENCIES | DEPENDENCIES_OF_HELP
 
@@ -151,7 +151,7 @@ def test_command_group_lists_every_command_and_finds_its_module():
 
 
 @pytest.mark.parametrize("folder", ["python", "tests", "benchmarks", "docs", "examples"])
-def test_docstrings_do_not_begin_with_the_preposition_of(folder):
+def test_docstrings_do_not_begin_with_the_word_of(folder):
     """Check this because a docstring must be understandable without the line above it."""
     paths = sorted((Path(__file__).parent.parent / folder).rglob("*.py"))
     assert [path for path in paths if re.search(r'^ *"""Of ', path.read_text("utf-8"), re.MULTILINE)] == []

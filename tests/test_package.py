@@ -39,7 +39,7 @@ def parse_sections(docstring):
 
 
 @pytest.mark.parametrize("name", PUBLIC_FUNCTION_NAMES)
-def test_docstring_of_public_function_has_all_sections(name):
+def test_docstring_of_a_public_function_has_all_sections(name):
     function = getattr(stiction, name)
     sections = parse_sections(inspect.getdoc(function))
     entries = re.findall(r"^(\S.*?)(?: : .*)?$", sections.get("Parameters", ""), re.MULTILINE)

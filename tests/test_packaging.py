@@ -64,7 +64,7 @@ def test_conda_recipe_has_the_dependencies_of_the_package(release_script, monkey
     assert list(release_script.missing_recipe_lines()) == ["- numpy >=99"]
 
 
-def test_documented_glibc_version_is_the_version_that_wheels_are_checked_for(release_script):
+def test_documented_glibc_version_equals_the_version_that_the_wheel_check_accepts(release_script):
     major, minor = sys.modules["prove"].MAX_GLIBC
     assert f"glibc {major}.{minor} or newer" in read_file("docs/howto/installing.md")
 

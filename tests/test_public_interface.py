@@ -82,7 +82,7 @@ def test_public_names_have_examples_and_full_signatures():
             assert not kinds & {inspect.Parameter.VAR_KEYWORD, inspect.Parameter.VAR_POSITIONAL}, name
 
 
-def test_press_and_contacts_accept_every_argument_in_their_signature(upper, lower):
+def test_functions_press_and_contacts_accept_every_argument_in_their_signature(upper, lower):
     for call, approach in ((press, [0.01]), (contacts, 0.01)):
         parameters = inspect.signature(call).parameters
         arguments = {
@@ -134,7 +134,7 @@ def test_public_classes_define_their_own_repr():
             assert not has_generated_repr or name in CLASSES_WITH_GENERATED_REPR, name
 
 
-def test_dir_of_the_package_lists_public_names_only():
+def test_dir_function_lists_only_public_names_of_the_package():
     assert set(dir(stiction)) >= set(stiction.__all__)
     assert [name for name in dir(stiction) if name not in stiction.__all__ and not name.startswith("__")] == []
 
@@ -182,7 +182,7 @@ def test_reprs_contain_units(upper, lower, curve):
     assert re.search(r"levelled +by a plane$", repr(surface_parameters(stiction.levelled(lower, "plane"))))
 
 
-def test_html_of_results_contains_a_figure_or_table(upper, lower, curve):
+def test_html_representation_of_a_result_contains_a_figure_or_table(upper, lower, curve):
     for item in displayed_objects(upper, lower, curve):
         html_text = item._repr_html_()
         assert '<img alt="Plot' in html_text or "<table" in html_text
@@ -193,7 +193,7 @@ def test_html_of_results_contains_a_figure_or_table(upper, lower, curve):
             assert ax.get_xlabel() or not ax.get_xticks().size
 
 
-def test_plot_of_a_load_curve_draws_friction_coefficients(curve):
+def test_plot_of_a_load_curve_shows_friction_coefficients(curve):
     ax = curve.plot(Figure().subplots(), mu0=[0.1, 0.3], tau0=0.05)
     drawn_coefficients = np.array([line.get_ydata() for line in ax.get_lines()])
     np.testing.assert_array_equal(
@@ -202,7 +202,7 @@ def test_plot_of_a_load_curve_draws_friction_coefficients(curve):
     assert ax.get_legend().get_texts()[0].get_text() == "μ0 = 0.1, τ0 = 50 MPa, 0°"
 
 
-def test_plot_rejects_a_spectrum_of_zeros():
+def test_plot_method_rejects_a_spectrum_of_zeros():
     zero_spectrum = power_spectrum(Profile(np.zeros(16), spacing=1.0))
     with pytest.raises(ValueError, match="must not be 0 everywhere"):
         zero_spectrum.plot(Figure().subplots())
@@ -433,7 +433,7 @@ def test_contact_functions_warn_about_a_surface_pressed_on_itself(scanned_surfac
             call()
 
 
-def test_press_of_two_different_surfaces_issues_no_warning(scanned_surface, upper, lower):
+def test_press_function_issues_no_warning_about_two_different_surfaces(scanned_surface, upper, lower):
     with warnings.catch_warnings(action="error"):
         press(upper, lower, "5 nm")
         press(flipped(scanned_surface), upper, "5 nm", effective_modulus=10.0)
@@ -448,7 +448,7 @@ def test_press_of_two_different_surfaces_issues_no_warning(scanned_surface, uppe
         )
 
 
-def test_surface_on_its_mirror_image_has_no_elastic_tangential_load(lower):
+def test_surface_pressed_on_its_mirror_image_has_no_elastic_tangential_load(lower):
     """The slopes of a surface in contact with its mirror image cancel."""
     mirrored_surface = Surface(-lower.heights, spacing=lower.spacing)
     result = half_space(mirrored_surface, lower, "1 mN", direction=[0, 90], sliding="all")
@@ -514,12 +514,12 @@ def test_pair_function_and_pair_command_give_equal_results(command_result, funct
     assert (stored_result.value, stored_result.verdict) == (function_result.value, function_result.verdict)
 
 
-def test_at_command_reads_a_result_of_the_pair_function(function_result, surface_folder):
+def test_command_at_reads_a_result_of_the_pair_function(function_result, surface_folder):
     completed = check_stiction("at", "function", "--load", "10 MPa", cwd=surface_folder)
     assert f"{function_result.value:.2f}" in completed.stdout
 
 
-def test_result_of_pair_for_surfaces_in_memory_equals_that_for_files(function_result):
+def test_pair_function_gives_equal_results_for_surfaces_in_memory_and_for_files(function_result):
     """Compare surfaces in memory with the same heights read from files."""
     load = float(function_result.study.friction.load[0])
     options = PAIR_ARGUMENTS | {"load": load, "tau0": 0.05, "effective_modulus": 80.0}
@@ -529,7 +529,7 @@ def test_result_of_pair_for_surfaces_in_memory_equals_that_for_files(function_re
     assert result.value == function_result.value
 
 
-def test_result_of_pair_has_value_interval_verdict_and_table(function_result, tmp_path):
+def test_result_of_the_pair_function_has_a_value_and_interval_and_verdict_and_table(function_result, tmp_path):
     first_point = function_result.summary().points[0]
     assert function_result.value == first_point.value
     assert function_result.interval == (first_point.lower, first_point.upper)
@@ -548,7 +548,7 @@ def test_result_can_be_evaluated_at_other_loads_and_conditions(function_result):
     assert (table["mu0"].item(), table["tau0"].item()) == (0.25, 0.02)
 
 
-def test_result_of_pair_draws_every_figure(function_result):
+def test_result_of_the_pair_function_can_draw_every_figure(function_result):
     for name in function_result.figures():
         assert isinstance(figure := function_result.figure(name), Figure)
     assert figure._repr_png_().startswith(b"\x89PNG")
@@ -572,7 +572,7 @@ REJECTED_ARGUMENTS = [
 
 
 @pytest.mark.parametrize(("changes", "pattern"), REJECTED_ARGUMENTS)
-def test_pair_rejects_invalid_input_with_a_one_line_error(upper, lower, changes, pattern):
+def test_pair_function_rejects_invalid_input_with_a_one_line_error(upper, lower, changes, pattern):
     arguments = {"first": upper, "second": lower} | PAIR_ARGUMENTS | changes
     with pytest.raises(ValueError, match=pattern) as caught:
         pair(arguments.pop("first"), arguments.pop("second"), **arguments)
@@ -580,12 +580,12 @@ def test_pair_rejects_invalid_input_with_a_one_line_error(upper, lower, changes,
     assert "\n" not in str(caught.value)
 
 
-def test_pair_warns_about_a_flipped_surface(upper, lower):
+def test_pair_function_warns_about_a_flipped_surface(upper, lower):
     with pytest.warns(UserWarning, match="first is flipped, but pair flips the first body itself"):
         pair(flipped(upper), lower, mechanics="asperities", **PAIR_ARGUMENTS)
 
 
-def test_pair_replaces_a_result_of_another_study_only_on_request(function_result, surface_folder, tmp_path):
+def test_pair_function_replaces_a_result_of_another_study_only_on_request(function_result, surface_folder, tmp_path):
     folder = tmp_path / "result"
     options = PAIR_ARGUMENTS | {"mechanics": "asperities", "directory": folder}
     pair(surface_folder / "upper.npy", surface_folder / "lower.npy", **options)

@@ -73,7 +73,7 @@ class TestFileWriting:
                 pass
         assert os.listdir(tmp_path) == []
 
-    def test_written_file_has_the_default_file_mode(self, tmp_path, writer):
+    def test_written_file_has_the_default_permissions(self, tmp_path, writer):
         (tmp_path / "usual").write_text("")
         with writer(tmp_path / "f", ValueError) as partial:
             partial.write_bytes(b"mark")

@@ -42,19 +42,19 @@ def test_names_are_grouped_by_kind_and_counted_once(words_tool):
 
 
 @pytest.mark.parametrize("name", ["said", "_said", "SAID"])
-def test_check_reports_names_that_are_rejected_in_their_folder(words_tool, name):
+def test_word_check_reports_names_that_are_rejected_in_their_folder(words_tool, name):
     files = {"tests/x.py": f"{name} = 1\n", "packaging/x.py": f"{name} = 1\n"}
     faults = list(words_tool.find_name_faults(files, {"tests": ["said"]}))
     assert len(faults) == 1
     assert faults[0].startswith(f"tests/x.py:1: {name} ")
 
 
-def test_check_reports_rejected_sentence_openings(words_tool):
+def test_word_check_reports_rejected_openings_of_sentences(words_tool):
     files = {"dev": '"""What a file contains."""\n\n\ndef read():\n    """Return what a file contains."""\n'}
     assert len(list(words_tool.find_opening_faults(files, {"all": ["What"]}))) == 1
 
 
-def test_check_reports_tests_that_do_not_begin_with_their_unit(words_tool):
+def test_word_check_reports_names_of_tests_that_do_not_begin_with_their_unit(words_tool):
     files = {
         "tests/test_x.py": "def test_the_profile_reader_accepts_csv_files():\n    pass\n\n\n"
         "def test_profile_reader_accepts_csv_files():\n    pass\n"

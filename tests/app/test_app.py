@@ -210,7 +210,7 @@ def test_form_has_a_field_for_each_option_of_the_pair_command(empty_page):
     assert [value for name, value in options if name == "accept"] == ["whole-numbers", ""]
 
 
-def test_caveats_about_a_scan_disappear_after_setting_options_in_the_form(empty_page, tmp_path):
+def test_caveats_about_a_scan_disappear_after_options_are_set_in_the_form(empty_page, tmp_path):
     heights = np.round(np.random.default_rng(0).standard_normal((32, 32)) * 20)
     heights[3, 4:20] = -9999
     np.savetxt(tmp_path / "map.txt", heights, fmt="%d")
@@ -248,7 +248,7 @@ def test_preview_uses_the_latest_options_if_an_older_response_arrives_last(empty
     assert texts["wrong"] == ""
 
 
-def test_late_response_does_not_replace_newer_job_progress(empty_page):
+def test_late_response_does_not_replace_newer_progress_of_a_job(empty_page):
     empty_page.execute_script(
         "const fetchNow = window.fetch; let isFirst = true; window.delayed = 0;"
         "window.fetch = async (...options) => {"
@@ -262,7 +262,7 @@ def test_late_response_does_not_replace_newer_job_progress(empty_page):
     assert -1 not in empty_page.execute_async_script(script)
 
 
-def test_copy_button_label_is_restored_after_two_clicks(empty_page):
+def test_label_of_the_copy_button_is_restored_after_two_clicks(empty_page):
     script = (
         "for (const text of ['x', 'x']) copy(byId('copy'), text);"
         "setTimeout(() => arguments[0](byId('copy').textContent), 2500)"
@@ -271,14 +271,16 @@ def test_copy_button_label_is_restored_after_two_clicks(empty_page):
     assert empty_page.execute_async_script(script) == label
 
 
-def test_form_distinguishes_scans_being_read_from_missing_scans(empty_page):
+def test_form_has_separate_messages_for_missing_scans_and_for_scans_that_are_still_being_read(empty_page):
     empty_page.execute_script("arriving.lower = 1")
     empty_page.find_element("css selector", "#pair .go").send_keys("\n")
     message = empty_page.find_element("id", "pair-wrong").text
     assert re.search(r"upper scan.* missing.*lower scan.* being read", message, re.DOTALL)
 
 
-def test_app_result_of_metal_profiles_equals_command_result(empty_page, tmp_path, monkeypatch, create_rough_profiles):
+def test_app_and_pair_command_give_equal_results_for_metal_profiles(
+    empty_page, tmp_path, monkeypatch, create_rough_profiles
+):
     for side, profile in zip(("upper", "lower"), create_rough_profiles(1.1, points=1500), strict=True):
         write_profile(Profile(profile.heights, spacing=0.05), tmp_path / f"{side}.csv")
         choose_scan(empty_page, side, tmp_path / f"{side}.csv")
@@ -291,7 +293,9 @@ def test_app_result_of_metal_profiles_equals_command_result(empty_page, tmp_path
     assert 0.2 < result[0]["all"][0] < 0.5
 
 
-def test_app_result_of_maps_equals_command_result_after_each_user_action(app, empty_page, map_files, monkeypatch):
+def test_app_and_pair_command_give_equal_results_for_maps_after_each_user_action(
+    app, empty_page, map_files, monkeypatch
+):
     """After each step, the app shows the result that the command prints: upload, compute, change mu0, save, reload."""
     roughness = json.loads(call_stiction("characterise", map_files[0], "--json", cwd=app.folder).stdout)["values"]
     height = format_with_unit(next(item["value"] for item in roughness if item["name"] == "Sq"), "um")
@@ -412,7 +416,9 @@ def is_stopping_or_stopped(job):
     return "stopping" in job["words"] or job["state"] == "stopped"
 
 
-def test_command_error_is_shown_at_the_form_field_it_concerns(empty_page, map_files, tmp_path, monkeypatch):
+def test_error_message_of_the_command_is_shown_at_the_form_field_that_caused_the_error(
+    empty_page, map_files, tmp_path, monkeypatch
+):
     broken_file, text_file = tmp_path / "broken.x3p", tmp_path / "plain.txt"
     broken_file.write_bytes(b"PK\3\4" + bytes(100))
     np.savetxt(text_file, np.random.default_rng(0).standard_normal((24, 24)))
@@ -514,7 +520,7 @@ def test_cookie_sent_to_another_port_does_not_grant_access(app, empty_page):
         assert app.request(method, path, b"{}", X_Stiction_Key=None)[0] == 403
 
 
-def test_app_computes_profiles_with_the_asperity_model_by_default(
+def test_app_uses_the_asperity_model_by_default_for_profiles_without_hardness(
     empty_page, tmp_path, monkeypatch, create_rough_profiles
 ):
     for side, profile in zip(("upper", "lower"), create_rough_profiles(1.1, points=1500), strict=True):
@@ -529,7 +535,7 @@ def test_app_computes_profiles_with_the_asperity_model_by_default(
     assert read_displayed_result(empty_page) == run_shown_command(empty_page, tmp_path, monkeypatch)
 
 
-def test_form_values_change_the_profile_preview_and_the_computed_fractal_dimension(empty_page):
+def test_profile_preview_and_computed_fractal_dimension_follow_changes_of_form_values(empty_page):
     empty_page.find_element("css selector", "#made > summary").click()
     image_address_script = "return document.getElementById('profile').src"
     previous_address = wait_until(lambda: empty_page.execute_script(image_address_script), bool)

@@ -18,7 +18,7 @@ from stiction.app.preview import preview_scan
 from stiction.studies.pair_options import PAIR_OPTIONS, FileReadingOptions, list_option_choices
 
 
-def test_form_fields_for_reading_files_have_the_names_of_reader_options():
+def test_form_fields_of_reader_options_have_the_names_of_these_options():
     names = {flag.replace("-", "_") for flag in FILE_READING_FLAGS}
     assert names < set(FileReadingOptions.model_fields)
 
@@ -56,12 +56,12 @@ def test_form_has_default_units_for_quantities_but_not_for_text_fields():
         ("a.csv: cannot be read", "a.csv: cannot be read", ""),
     ],
 )
-def test_error_message_replaces_option_names_by_form_labels(message, expected_message, option):
+def test_option_names_in_error_messages_are_replaced_with_form_labels(message, expected_message, option):
     assert replace_option_names(message) == expected_message
     assert find_first_option_name(message) == option
 
 
-def test_caveats_replace_option_names_by_form_labels():
+def test_option_names_in_caveats_are_replaced_with_form_labels():
     caveats = [{"text": "adhesion is neglected", "remedy": "specify --adhesion or --lines", "severity": "caution"}]
     assert replace_option_names_in_caveats({"value": 1, "caveats": caveats}) == {
         "value": 1,
@@ -86,7 +86,7 @@ def test_preview_refers_to_form_fields_and_choices_by_their_labels(tmp_path):
 
 
 @pytest.mark.parametrize("choice", [value for value, _ in FORM_FIELDS_BY_FLAG["missing"].choices])
-def test_preview_supports_every_form_choice_for_missing_points(choice, tmp_path):
+def test_preview_accepts_every_choice_for_missing_points_in_the_form(choice, tmp_path):
     heights = np.random.default_rng(1).standard_normal((16, 16))
     heights[5, 5:8] = np.nan
     np.save(tmp_path / "missing.npy", heights)

@@ -34,7 +34,7 @@ def app(tmp_path_factory):
         yield server
 
 
-def test_access_token_is_valid_only_once_and_cookie_is_http_only(app):
+def test_access_token_is_valid_only_once_and_cookie_is_inaccessible_to_scripts(app):
     assert "HttpOnly" in app.cookie_line
     assert "samesite=strict" in app.cookie_line.lower()
     assert app.request("GET", f"/?token={app.token}", cookie="")[0] == 403
@@ -64,7 +64,7 @@ def test_requests_from_other_origins_are_rejected(app, origin):
         assert app.request(method, path, b"{}", Origin=origin.format(port=app.port))[0] == 403
 
 
-def test_cross_site_get_requests_and_post_requests_without_origin_are_rejected(app):
+def test_cross_site_requests_and_post_requests_without_origin_are_rejected(app):
     assert app.request("POST", "/demo", b"", Origin=None)[0] == 403
     assert app.request("GET", "/", Sec_Fetch_Site="cross-site")[0] == 403
     assert app.request("GET", "/", Sec_Fetch_Site="same-site")[0] == 403
@@ -235,7 +235,7 @@ def test_temporary_folder_is_private_and_is_removed_when_the_server_stops(tmp_pa
 
 
 @pytest.mark.soak
-def test_unfinished_uploads_count_towards_the_storage_limit(app):
+def test_unfinished_uploads_are_included_in_the_storage_limit(app):
     header_lines = (
         f"Host: 127.0.0.1:{app.port}\r\nOrigin: {app.origin}\r\nCookie: {app.cookie}\r\nX-Stiction-Key: {app.key}"
     )
@@ -380,7 +380,7 @@ def test_server_at_its_request_limit_rejects_further_requests_with_a_message(app
     assert wait_until(lambda: app.request("GET", "/jobs")[0], lambda status: status == 200)
 
 
-def test_late_response_is_replaced_by_a_timeout_message(tmp_path, monkeypatch):
+def test_response_that_takes_too_long_is_replaced_by_a_timeout_message(tmp_path, monkeypatch):
     monkeypatch.setattr(server, "MAX_REQUEST_TIME", 0.05)
     app = server.Server(tmp_path, tmp_path, 1)
     monkeypatch.setattr(app, "_rejection_response", lambda request: None)
@@ -395,7 +395,7 @@ def test_late_response_is_replaced_by_a_timeout_message(tmp_path, monkeypatch):
     assert b"took longer" in messages[1]["body"]
 
 
-def test_server_terminated_during_requests_and_jobs_prints_no_traceback(tmp_path):
+def test_server_prints_no_traceback_if_terminated_during_requests_and_jobs(tmp_path):
     with start_server(tmp_path, "--keep") as server, server.block_commands(0):
         server.log_in()
         upper, lower = (server.upload(path) for path in write_maps(tmp_path))

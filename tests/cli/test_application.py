@@ -24,7 +24,7 @@ def run_shell_script(script, *arguments, cwd):
     return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False, timeout=120)
 
 
-def test_run_command_completes_if_its_output_pipe_is_closed(tmp_path):
+def test_command_run_finishes_even_if_its_output_pipe_is_closed(tmp_path):
     completed = run_shell_script('"$@" | true', "run", "quick", *SMALL_STUDY_OPTIONS, cwd=tmp_path)
     assert completed.returncode == 0
     assert all(
@@ -175,12 +175,12 @@ def test_report_and_export_commands_accept_long_file_names(tmp_path):
         (("pair", "a.csv", "b.csv", "--mu0", 0.2, "--load", "1 mN", "--mechanics", "halfspace"), "half-space?"),
     ],
 )
-def test_error_about_misspelt_command_or_choice_suggests_a_correction(arguments, suggestion, tmp_path):
+def test_error_about_a_misspelt_command_or_choice_suggests_a_correction(arguments, suggestion, tmp_path):
     assert_rejected(call_stiction(*arguments, cwd=tmp_path), suggestion)
 
 
 @pytest.mark.parametrize("redirections", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
-def test_command_with_closed_standard_streams_writes_its_result(tmp_path, redirections):
+def test_result_is_written_even_if_standard_streams_are_closed(tmp_path, redirections):
     completed = run_shell_script(f'"$@" {redirections}', "run", "quick", *SMALL_STUDY_OPTIONS, cwd=tmp_path)
     assert (completed.returncode, completed.stderr) == (0, "" if "2" in redirections else completed.stderr)
     assert "Traceback" not in completed.stderr

@@ -63,7 +63,7 @@ CONDITION_CASES = {
 
 
 @pytest.mark.parametrize("name", CONDITION_CASES)
-def test_at_command_prints_library_values_for_any_mu0_and_tau0(results_folder, name):
+def test_command_at_prints_the_values_of_the_library_for_any_mu0_and_tau0(results_folder, name):
     options, loads, friction_parameters = CONDITION_CASES[name]
     output_record = json.loads(stiction_output("at", name, *options, "--json", cwd=results_folder))
     stored_result = open_stored_result(results_folder / name)
@@ -85,7 +85,7 @@ def test_at_command_prints_library_values_for_any_mu0_and_tau0(results_folder, n
     assert expected_points[0].verdict in text
 
 
-def test_at_command_uses_mu0_and_tau0_of_the_study_by_default_and_reports_the_status(results_folder):
+def test_command_at_uses_mu0_and_tau0_of_the_study_by_default_and_reports_the_status(results_folder):
     record = json.loads(stiction_output("at", "lines", "--load", "0.1 mN", "--json", cwd=results_folder))
     assert [(answer["at"]["mu0"], answer["at"]["tau0"]) for answer in record["answers"]] == [(0.3, 0.0), (0.3, 0.02)]
     text = stiction_output("at", "study", "--load", "1 uN", "--mu0", "0.4", cwd=results_folder)
@@ -98,7 +98,7 @@ def test_at_command_uses_mu0_and_tau0_of_the_study_by_default_and_reports_the_st
     assert "! no computed load" in text
 
 
-def test_at_command_without_options_uses_the_loads_mu0_and_tau0_of_the_study(results_folder):
+def test_command_at_without_options_uses_mu0_and_tau0_and_the_loads_of_the_study(results_folder):
     record = json.loads(stiction_output("at", "maps", "--json", cwd=results_folder))
     study = open_stored_result(results_folder / "maps").study
     expected_conditions = [
@@ -113,7 +113,7 @@ def test_at_command_without_options_uses_the_loads_mu0_and_tau0_of_the_study(res
     assert {answer["at"]["mu0"] for answer in record["answers"]} == set(friction.mu0)
 
 
-def test_at_command_with_direction_option_prints_friction_in_that_direction(results_folder):
+def test_command_at_prints_friction_in_the_direction_given_by_an_option(results_folder):
     arguments = ("at", "maps", "--load", "10 MPa", "--tau0", "0 MPa")
     record = json.loads(stiction_output(*arguments, "--direction", "30", "--json", cwd=results_folder))
     assert "the upper body moves at 30°" in stiction_output(*arguments, "--direction", "30", cwd=results_folder)
@@ -123,7 +123,7 @@ def test_at_command_with_direction_option_prints_friction_in_that_direction(resu
     assert record["answers"][0]["rules"][0]["value"] == pytest.approx(float(expected))
 
 
-def test_at_command_accepts_comma_separated_and_repeated_options(results_folder):
+def test_command_at_accepts_comma_separated_values_and_repeated_options(results_folder):
     arguments = ("at", "study", "--tau0", "0 MPa,100 MPa", "--json")
     record_of_lists = json.loads(
         stiction_output(*arguments, "--load", "1 uN,2 uN", "--mu0", "0.3,0.4", "--d", "1.3,1.0", cwd=results_folder)
@@ -162,7 +162,7 @@ def test_at_command_accepts_comma_separated_and_repeated_options(results_folder)
         (("nowhere", "--load", "1 mN"), ["nowhere: no such directory"]),
     ],
 )
-def test_at_command_error_names_the_rejected_option(results_folder, arguments, expected_words):
+def test_error_from_command_at_names_the_rejected_option(results_folder, arguments, expected_words):
     assert_rejected(call_stiction("at", *arguments, cwd=results_folder), *expected_words)
 
 
@@ -195,7 +195,7 @@ def test_info_command_writes_json_with_the_same_schema_for_every_result(results_
     assert len(set(loads)) == {"maps": 2, "lines": 1}[name]
 
 
-def test_scale_heights_option_requires_compute_option_and_prints_table_or_json(results_folder, tmp_path):
+def test_height_scaling_requires_the_compute_option_and_prints_a_table_or_json(results_folder, tmp_path):
     shutil.copytree(results_folder / "maps", tmp_path / "maps")
     arguments = ("at", "maps", "--scale-heights", "0.5,1,2", "--load", "10 MPa", "--mu0", "0.25")
     assert_rejected(
@@ -237,7 +237,7 @@ def test_scale_heights_option_requires_compute_option_and_prints_table_or_json(r
         ("study", ("--scale-heights", "2", "--load", "1 uN", "--compute"), "needs two measured surfaces"),
     ],
 )  # fmt: skip
-def test_scale_heights_option_rejects_invalid_input(results_folder, name, arguments, expected_message):
+def test_height_scaling_rejects_invalid_options(results_folder, name, arguments, expected_message):
     assert_rejected(call_stiction("at", name, *arguments, cwd=results_folder), expected_message)
 
 
@@ -262,7 +262,7 @@ def test_export_command_writes_netcdf_or_csv_without_overwriting_files(results_f
 
 @pytest.mark.usefixtures("disable_figures")
 @pytest.mark.parametrize("name", ["lines", "maps"])
-def test_run_command_adds_repetitions_to_a_result_directory(results_folder, name, tmp_path):
+def test_command_run_adds_repetitions_to_a_result_directory(results_folder, name, tmp_path):
     shutil.copytree(results_folder / name, tmp_path / name)
     num_repetitions = open_stored_result(tmp_path / name).study.ensemble.repetitions
     stiction_output(
@@ -272,7 +272,9 @@ def test_run_command_adds_repetitions_to_a_result_directory(results_folder, name
     assert_rejected(call_stiction("run", str(tmp_path / name), "--set", "friction.mu0=[-1]", cwd=results_folder), "mu0")
 
 
-def test_plot_command_writes_requested_formats_to_the_output_directory(results_folder, tmp_path, monkeypatch):
+def test_plot_command_writes_figures_in_the_requested_formats_to_the_output_directory(
+    results_folder, tmp_path, monkeypatch
+):
     calls = []
 
     def record_call(_, output_folder, *, formats):

@@ -151,7 +151,7 @@ def test_calibrate_command_rejects_conflicting_arguments(tmp_path, arguments, ex
     assert_rejected(call_stiction("calibrate", *arguments, cwd=tmp_path), expected_words)
 
 
-def test_calibrate_command_accepts_semicolons_and_a_test_without_sliding(tmp_path):
+def test_calibrate_command_accepts_columns_separated_by_semicolons_and_a_test_without_sliding(tmp_path):
     text = "load (mN);coefficient;uncertainty;slid\n" + "\n".join(
         f"{load};{coefficient};{0.03 * coefficient};1" for load, coefficient, _ in ball_test_rows()
     )
@@ -161,7 +161,7 @@ def test_calibrate_command_accepts_semicolons_and_a_test_without_sliding(tmp_pat
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "latin-1", "utf-16", "utf-16-le"])
-def test_friction_test_file_accepts_semicolons_and_decimal_commas_in_any_encoding(tmp_path, encoding):
+def test_friction_tests_are_read_from_files_with_semicolons_and_decimal_commas_in_any_encoding(tmp_path, encoding):
     rows = [
         f"{1e3 * load:g};{load * coefficient:.6g};{0.03 * load * coefficient:.6g}"
         for load, coefficient, _ in ball_test_rows()
@@ -185,7 +185,7 @@ def test_friction_test_file_accepts_semicolons_and_decimal_commas_in_any_encodin
         )
 
 
-def test_line_numbers_in_error_messages_count_quoted_line_breaks(tmp_path):
+def test_line_numbers_in_error_messages_include_line_breaks_inside_quotation_marks(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text('load (mN),coefficient,run\n1,0.2,"first\nrun"\n# a comment\n2,0.3,second\n3,much,third\n')
     with pytest.raises(ValueError, match="line 6: coefficient must be a number"):
@@ -198,7 +198,7 @@ def test_line_numbers_in_error_messages_count_quoted_line_breaks(tmp_path):
     ]
 
 
-def test_units_in_a_friction_test_file_are_converted(tmp_path):
+def test_units_in_a_file_of_friction_tests_are_converted(tmp_path):
     (tmp_path / "a.csv").write_text("load (mN),coefficient (%),uncertainty (mN)\n2000,50,20\n")
     (tmp_path / "b.csv").write_text("load (N),friction force (N),uncertainty (%)\n2,1,2\n")
     for name in ("a.csv", "b.csv"):
@@ -214,7 +214,7 @@ def test_units_in_a_friction_test_file_are_converted(tmp_path):
         ("--upper", "PMMA", "--lower", "glass"),
     ],
 )
-def test_calibrated_interval_of_tau0_contains_the_values_fitted_at_both_modulus_limits(tmp_path, ranges):
+def test_calibrated_interval_of_tau0_contains_the_values_fitted_at_both_limits_of_the_modulus(tmp_path, ranges):
     write_table(tmp_path / "forces.csv", ball_test_rows())
     arguments = ("calibrate", "forces.csv", "--ball", "5 mm", "--json", "--sliding", "all")
     completed = check_stiction(*arguments, *ranges, cwd=tmp_path, without_figures=True)

@@ -68,7 +68,7 @@ def join_lines(text):
     return " ".join(text.split())
 
 
-def test_characterise_command_prints_library_results_of_a_profile(scans_folder, profile):
+def test_characterise_command_and_library_give_equal_results_for_a_profile(scans_folder, profile):
     levelled_profile = levelled(profile, "line")
     history, output_table, figure = run_characterise("scan.csv", cwd=scans_folder)
     assert join_lines(output_table) == normalized_table(characterisation_text(levelled_profile))
@@ -104,7 +104,9 @@ def test_characterise_command_prints_at_most_40_lines_without_verbose_option(sca
     assert set(short_lines) - {f"{num_omitted}{ending}", "wrote short.html, without a figure"} <= set(all_lines)
 
 
-def test_characterise_command_applies_unit_level_band_and_output_options(scans_folder, profile):
+def test_characterise_command_applies_options_for_units_and_levelling_and_the_fitted_band_and_the_output_file(
+    scans_folder, profile
+):
     profile_in_nm = Profile(profile.heights / 1000, spacing=0.01)
     history, output_table, figure = run_characterise(
         "heights.npy", "--unit", "um,nm", "--spacing", "0.01um", "--level", "quadratic", "--band", "0.1 um, 5000nm",
@@ -141,7 +143,7 @@ def test_characterise_command_fills_or_masks_missing_points_and_selects_columns(
     assert history[:2] == ["read from wide.csv", "columns 1 (x (um)), 2 (z (um))"]
 
 
-def test_characterise_command_prints_roughness_of_a_map_and_its_profiles(scans_folder, surface):
+def test_characterise_command_prints_the_roughness_of_a_map_and_of_its_profiles(scans_folder, surface):
     options = ["map.npy", "--unit", "um", "--spacing", "0.05 um,0.1 um"]
     history, output_table, figure = run_characterise(*options, cwd=scans_folder)
     assert join_lines(output_table) == normalized_table(characterisation_text(levelled(surface, "plane")))
@@ -168,7 +170,7 @@ def test_characterise_command_overwrites_only_its_own_figures(scans_folder):
     assert (scans_folder / "scan.png").read_bytes() == photograph
 
 
-def test_command_line_in_a_characterise_report_omits_directories(scans_folder):
+def test_command_line_shown_in_a_characterisation_report_omits_directories(scans_folder):
     options = ["--level", "quadratic", "--tip", "2 um"]
     completed = call_stiction(
         "characterise", scans_folder / "scan.csv", *options, cwd=scans_folder, without_figures=True
@@ -350,7 +352,7 @@ def test_characterise_command_writes_mean_and_noise_of_repeated_scans(tmp_path):
     assert json.loads(completed.stdout)["limit_um"] == comparison.limit
 
 
-def test_dry_run_option_prints_the_layout_number_of_points_and_unit_of_each_file(scans_folder):
+def test_dry_run_option_prints_the_layout_and_unit_and_point_count_of_each_file(scans_folder):
     completed = check_stiction(
         "characterise", "scan.csv", "heights.npy", "--unit", "um", "--spacing", "10 nm", "--dry-run", cwd=scans_folder
     )
@@ -369,7 +371,7 @@ def test_dry_run_option_prints_the_layout_number_of_points_and_unit_of_each_file
     )
 
 
-def test_undeclared_missing_value_code_is_reported_as_a_caveat(scans_folder):
+def test_undeclared_code_for_missing_points_is_reported_as_a_caveat(scans_folder):
     heights = np.load(scans_folder / "heights.npy")
     heights[[5, 70]] = -9999
     np.save(scans_folder / "codes.npy", heights)

@@ -26,7 +26,7 @@ def folder_and_output(tmp_path_factory):
     return folder, completed
 
 
-def test_run_command_writes_result_and_figures_to_output_directory(folder_and_output):
+def test_command_run_writes_the_result_and_figures_to_the_output_directory(folder_and_output):
     folder, completed = folder_and_output
     figures = {"friction_mu0_0.1.png", "friction_mu0_0.4.png", "friction_mu0_1.png", "area.png"}
     assert {path.name for path in (folder / "quick").iterdir()} == {"study.toml", "blocks", *figures}
@@ -38,7 +38,7 @@ def test_run_command_writes_result_and_figures_to_output_directory(folder_and_ou
     assert float(dataset["contact_count"].sum()) > 0
 
 
-def test_run_command_recomputes_nothing_if_the_result_is_complete(folder_and_output):
+def test_command_run_recomputes_nothing_if_the_result_is_complete(folder_and_output):
     folder, _ = folder_and_output
     for arguments in (
         ("quick", *SMALL_STUDY_OPTIONS),
@@ -52,7 +52,7 @@ def test_run_command_recomputes_nothing_if_the_result_is_complete(folder_and_out
     assert (folder / "quick" / "area.png").exists()
 
 
-def test_run_command_adds_repetitions_and_reports_missing_repetitions(folder_and_output, tmp_path):
+def test_command_run_adds_repetitions_and_reports_missing_repetitions(folder_and_output, tmp_path):
     assert_rejected(
         call_stiction("run", "quick", *SMALL_STUDY_OPTIONS, "--set", "ensemble.seed=1", cwd=folder_and_output[0]),
         "ensemble.seed",
@@ -79,7 +79,7 @@ def test_run_command_adds_repetitions_and_reports_missing_repetitions(folder_and
     assert "of 5 repetitions are finished" in completed.stderr
 
 
-def test_run_command_in_two_parts_gives_the_same_result_as_a_single_run(folder_and_output, tmp_path):
+def test_result_of_a_run_in_two_parts_equals_that_of_a_single_run(folder_and_output, tmp_path):
     for part in ("1/2", "2/2"):
         completed = check_stiction("run", "quick", *SMALL_STUDY_OPTIONS, "--part", part, cwd=tmp_path)
         assert f"part {part} is finished" in completed.stdout
@@ -87,7 +87,7 @@ def test_run_command_in_two_parts_gives_the_same_result_as_a_single_run(folder_a
     assert store.read(tmp_path / "quick").equals(store.read(folder_and_output[0] / "quick"))
 
 
-def test_run_command_stores_the_study_of_the_given_file(tmp_path):
+def test_command_run_stores_the_study_from_the_given_file(tmp_path):
     study = Study().with_changes(
         {
             "surfaces.fractal_dimension": [1.2], "surfaces.points": 4000, "surfaces.extent": "2 um",
@@ -99,7 +99,7 @@ def test_run_command_stores_the_study_of_the_given_file(tmp_path):
     assert store.info(tmp_path / "there").study == study
 
 
-def test_studies_command_lists_names_and_prints_study_file(tmp_path):
+def test_studies_command_lists_the_names_of_studies_and_prints_a_study_file(tmp_path):
     listed_lines = call_stiction("studies", cwd=tmp_path).stdout.splitlines()
     assert [line.split()[0] for line in listed_lines] == study_names()
     assert all(re.fullmatch(r"[\w-]+ +[A-Z][^#]+\.", line) for line in listed_lines)
@@ -108,7 +108,7 @@ def test_studies_command_lists_names_and_prints_study_file(tmp_path):
     assert Study.from_toml(tmp_path / "figure5.toml") == Study.named("figure5")
 
 
-def test_version_and_help_options_print_build_and_commands(tmp_path):
+def test_version_option_prints_the_build_and_help_option_lists_the_commands(tmp_path):
     version, build_line = call_stiction("--version", cwd=tmp_path).stdout.splitlines()
     assert version == f"stiction {stiction.__version__}"
     assert all(value in build_line for value in stiction._core.build().values())
@@ -125,7 +125,7 @@ COMMAND_NAMES = [name for group in COMMANDS_BY_GROUP.values() for name in group]
 
 
 @pytest.mark.parametrize("name", COMMAND_NAMES)
-def test_help_text_has_valid_examples_and_exit_statuses(name, monkeypatch):
+def test_help_text_contains_valid_examples_and_lists_exit_statuses(name, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     command = typer.main.get_command(app).get_command(None, name)
     text = command.get_help(command.context_class(command, info_name=f"stiction {name}"))

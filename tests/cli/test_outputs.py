@@ -66,7 +66,7 @@ def test_command_does_not_overwrite_a_foreign_file(scans_folder, arguments, name
     assert target.read_text() == "my own measurements" if kind != "dangling" else not target.exists()
 
 
-def test_pair_output_files_contain_values_for_the_latest_stored_study(scans_folder):
+def test_output_files_of_the_pair_command_contain_values_for_the_latest_stored_study(scans_folder):
     check_stiction(*PAIR_COMMAND, cwd=scans_folder)
     folder = scans_folder / "pair"
     result, report = open_result(folder), (folder / "report.html").read_bytes()
@@ -102,7 +102,7 @@ def test_command_overwrites_its_own_output(scans_folder, arguments, names):
     assert all((output_folder / name).stat().st_ino != inode for name, inode in inodes.items())
 
 
-def test_characterise_command_does_not_overwrite_a_repeated_scan(scans_folder):
+def test_characterise_command_does_not_overwrite_one_of_several_repeated_scans(scans_folder):
     content = (scans_folder / "upper.csv").read_bytes()
     completed = call_stiction(*CHARACTERISE_COMMAND, "--repeated", "--output", "upper.csv", cwd=scans_folder)
     assert_rejected(completed, "upper.csv: already exists")

@@ -156,7 +156,7 @@ REPETITIONS_KEY = "ensemble.repetitions"
         ),
     ],
 )
-def test_pair_command_option_sets_the_corresponding_study_key(scans_folder, files, options, values):
+def test_option_of_the_pair_command_sets_the_corresponding_key_of_the_study(scans_folder, files, options, values):
     load = [] if "--load" in options else LOAD_OPTION
     study = parse_study(scans_folder, *files, *MATERIAL_OPTIONS, *load, *options)
     for key, value in values.items():
@@ -219,7 +219,7 @@ def test_study_of_profiles_has_file_checksums_and_spreads_offsets_over_the_trave
     assert 1.5 < max(offsets) <= 2
 
 
-def test_young_and_poisson_options_set_effective_modulus_and_compliance(scans_folder):
+def test_options_for_young_modulus_and_poisson_ratio_set_effective_modulus_and_compliance(scans_folder):
     arguments = ["--young", "20 GPa,30 GPa", "--poisson", "0.3,0.2", "--mu0", "0.3", "--mechanics", "half-space"]
     contact = parse_study(scans_folder, *PROFILE_FILES, *arguments, *LOAD_OPTION).contact
     modulus = float(effective_modulus(20.0, 0.3, 30.0, 0.2))
@@ -227,7 +227,7 @@ def test_young_and_poisson_options_set_effective_modulus_and_compliance(scans_fo
     assert contact.compliance_share == pytest.approx(modulus * (1 - 0.2**2) / 30)
 
 
-def test_jackson_green_hardness_is_2_84_times_yield_strength(scans_folder):
+def test_hardness_by_jackson_and_green_is_2_point_84_times_the_yield_strength(scans_folder):
     arguments = [*PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--law", "jackson-green", "--poisson", "0.3"]
     law_by_hardness, law_by_yield_strength = (parse_study(scans_folder, *arguments, *option).contact.law for option in
                   (("--hardness", "568 MPa"), ("--yield-strength", "200 MPa")))  # fmt: skip
@@ -251,7 +251,7 @@ def test_load_steps_extend_beyond_requested_loads_unless_hardness_limits_the_loa
         np.testing.assert_array_equal(study.contact.loading_steps(), check_study.contact.loading_steps())
 
 
-def test_material_names_set_modulus_hardness_and_yield_strength(scans_folder):
+def test_material_name_sets_the_modulus_and_the_hardness_and_the_yield_strength(scans_folder):
     from stiction.mechanics.materials import compliance_fraction, material, softer_hardness
 
     steel, brass = material("steel"), material("brass")
@@ -387,7 +387,7 @@ def test_preview_and_model_check_ignore_dwell_time(scans_folder):
         assert not parsed_pair.preview_study.friction.wait
 
 
-def test_csv_table_and_json_output_have_equal_intervals(scans_folder, tmp_path):
+def test_csv_table_and_json_output_contain_equal_intervals(scans_folder, tmp_path):
     options = ["--hardness", "0.5..1.5 GPa", "--load", "7 MPa", "--shifts", 4, "--direction", "0,90", "--onset", 0]
     call_stiction(
         "pair",
@@ -415,7 +415,7 @@ def test_csv_table_and_json_output_have_equal_intervals(scans_folder, tmp_path):
 @pytest.mark.parametrize(
     "bodies", [["hole.csv", "lower.csv", "--offsets", 2], ["--gap", "hole.npy", *MAP_ARGUMENTS[2:]]]
 )
-def test_pair_command_writes_report_of_scans_with_missing_points(scans_folder, tmp_path, bodies):
+def test_pair_command_writes_a_report_about_scans_with_missing_points(scans_folder, tmp_path, bodies):
     profile_heights, map_heights = create_profile("upper").heights.copy(), create_surface("upper").heights.copy()
     profile_heights[300:340] = map_heights[10:14, 20:26] = np.nan
     np.savetxt(
@@ -443,7 +443,9 @@ def test_pair_command_writes_report_of_scans_with_missing_points(scans_folder, t
         ),
     ],
 )
-def test_pair_command_rejects_missing_materials_and_files_given_as_materials(scans_folder, arguments, expected_words):
+def test_pair_command_rejects_a_missing_material_and_a_file_name_given_as_material(
+    scans_folder, arguments, expected_words
+):
     assert_rejected(call_stiction("pair", *arguments, *LOAD_OPTION, "--mu0", "0.3", cwd=scans_folder), *expected_words)
 
 
@@ -643,7 +645,7 @@ def map_pair_output(scans_folder):
     return completed
 
 
-def test_pair_command_stores_the_result_figures_report_and_model_check(
+def test_pair_command_stores_the_result_and_the_figures_and_the_report_and_the_model_check(
     scans_folder, model_check_output, map_pair_output
 ):
     for folder in ("pair", "pair/half-space", "areas"):
@@ -744,7 +746,7 @@ def test_concurrent_pair_commands_can_write_the_same_files(scans_folder, monkeyp
 
 
 @pytest.mark.usefixtures("disable_figures")
-def test_pair_command_run_in_two_parts_completes_the_result(scans_folder):
+def test_two_parts_of_a_run_by_the_pair_command_form_a_complete_result(scans_folder):
     arguments = ["pair", *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--mu0", "30", "--offsets", 4, "-o", "parts"]
     for part in ("1/2", "2/2"):
         check_stiction(*arguments, "--part", part, cwd=scans_folder)
@@ -754,7 +756,7 @@ def test_pair_command_run_in_two_parts_completes_the_result(scans_folder):
 
 
 @pytest.mark.usefixtures("disable_figures")
-def test_run_command_rejects_changed_scan_file(scans_folder):
+def test_command_run_rejects_a_changed_scan_file(scans_folder):
     arguments = [
         "pair",
         "scan.npy",
@@ -812,7 +814,7 @@ def folder_options_and_record(tmp_path_factory):
     return folder, options, json.loads(completed.stdout)
 
 
-def test_pair_command_reports_resolution_and_plastic_limit(folder_options_and_record):
+def test_pair_command_reports_resolved_wavelengths_and_the_range_for_finer_scans(folder_options_and_record):
     folder, _, record = folder_options_and_record
     resolution, answer = record["resolution"], record["answers"][0]
     assert resolution["waves"]["shortest_um"] == pytest.approx(0.2)
@@ -845,7 +847,7 @@ def test_pair_command_reports_onset_of_sliding(folder_options_and_record):
     assert "plastic limit" in completed.stdout
 
 
-def test_pair_with_a_noisy_scan_is_solved_both_unfiltered_and_filtered(tmp_path):
+def test_pair_with_a_noisy_scan_is_solved_without_filter_and_with_filter(tmp_path):
     clean_profile = self_affine(4, hurst_exponent=0.7, rms=0.003, points=1500, spacing=0.0167, shortest_wavelength=0.2)
     frequency = np.fft.rfftfreq(1500, 0.0167)
     phases = np.exp(2j * np.pi * np.random.default_rng(3).uniform(size=frequency.size))
@@ -922,7 +924,7 @@ def test_declared_texture_prevents_filtering_and_unknown_texture_is_rejected():
         stiction.pair(profile_with_line, clean_profile, texture="shiny", **options)
 
 
-def test_profiles_of_metals_use_the_half_space_model_by_default(scans_folder):
+def test_half_space_model_is_the_default_for_profiles_of_metals(scans_folder):
     options = ["--mu0", "0.3", *LOAD_OPTION, "--upper", "steel"]
     assert parse_study(scans_folder, *PROFILE_FILES, *options, "--lower", "brass").contact.mechanics == "half-space"
     assert (
@@ -951,7 +953,7 @@ def test_width_option_converts_the_force_to_the_force_on_a_strip_1_um_wide(scans
 
 
 @pytest.mark.usefixtures("disable_figures")
-def test_result_of_profiles_states_its_assumptions(scans_folder, tmp_path):
+def test_result_for_profiles_lists_the_assumptions_of_the_model(scans_folder, tmp_path):
     arguments = ["pair", *PROFILE_FILES, "--upper", "steel", "--lower", "brass", "--mu0", "0.2", "--load", "40 MPa"]
     record = json.loads(
         check_stiction(*arguments, "--offsets", 8, "-o", tmp_path / "out", "--json", cwd=scans_folder).stdout

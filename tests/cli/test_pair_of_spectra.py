@@ -103,7 +103,7 @@ def test_surrogates_have_the_given_spectra_and_equal_phases_at_all_cutoffs(spect
     assert SpectralSurfacePairs(*spectra, cut_off=(0.4, 0.4), finest_spacing=0.4).spacing[0] == pytest.approx(0.1)
 
 
-def test_friction_interval_from_joined_spectra_contains_friction_of_full_surfaces(spectra, surfaces):
+def test_friction_interval_from_joined_spectra_contains_the_friction_of_the_complete_surfaces(spectra, surfaces):
     elastic_options = {name: value for name, value in MATERIAL_OPTIONS.items() if name != "hardness"} | {
         "load": "200 MPa"
     }
@@ -125,7 +125,7 @@ def test_friction_interval_from_joined_spectra_contains_friction_of_full_surface
     )  # A coarse scan lacks the short wavelengths, which determine the area.
 
 
-def test_at_and_report_commands_accept_the_result_of_a_pair_of_spectra(spectra_folder):
+def test_commands_at_and_report_accept_the_result_of_a_pair_of_spectra(spectra_folder):
     completed = check_stiction(
         "pair",
         "upper.csv",
@@ -154,7 +154,9 @@ def test_at_and_report_commands_accept_the_result_of_a_pair_of_spectra(spectra_f
     assert cutoffs[1] == pytest.approx(read_spectrum(spectra_folder / "upper.csv").shortest, rel=1e-3)
 
 
-def test_pair_command_accepts_a_spectrum_with_a_scan_and_detects_changed_spectra(spectra_folder, surfaces, spectra):
+def test_pair_command_accepts_a_spectrum_paired_with_a_scan_and_detects_changed_spectra(
+    spectra_folder, surfaces, spectra
+):
     command = ["pair", "upper.csv", "lower.npy", *COMMAND_OPTIONS, "--surrogates", "2", "--output", "mixed"]
     check_stiction(*command, cwd=spectra_folder, without_figures=True)
     changed_folder = spectra_folder / "changed"
@@ -185,7 +187,7 @@ REJECTED_OUTPUT_OPTION = ["--output", "rejected"]
         (["characterise", "upper.csv", "--output", "rejected.html"], "spectrum"),
     ],
 )
-def test_commands_reject_spectra_where_only_scans_are_accepted(spectra_folder, arguments, expected_words):
+def test_commands_that_accept_only_scans_reject_spectra(spectra_folder, arguments, expected_words):
     assert_rejected(call_stiction(*arguments, cwd=spectra_folder), expected_words)
 
 

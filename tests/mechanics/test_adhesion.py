@@ -112,7 +112,7 @@ def test_adhesive_contact_minimizes_energy_up_to_the_pull_off_force(case):
 
 
 @pytest.mark.parametrize(("rms", "modulus", "load"), [(1e-3, 80.0, 0.01), (3e-3, 80.0, 0.1), (3e-3, 2.0, 2e-3)])
-def test_adhesive_contact_agrees_with_tamaas_solution_at_the_same_mean_gap(rms, modulus, load):
+def test_adhesive_contact_agrees_with_a_solution_by_tamaas_at_the_same_mean_gap(rms, modulus, load):
     tamaas = pytest.importorskip("tamaas")
     (flat, lower), adhesive = create_rough_bodies(rms, 5e-5, points=64, modulus=modulus)
     area = lower.heights.size * lower.spacing[0] ** 2
@@ -226,7 +226,7 @@ PULL_OFF_TOLERANCE = 0.01
 
 
 @pytest.mark.parametrize("tension", [1.02, 1.05, 1.13, 1.7, 2.3])
-def test_pull_off_force_of_a_sinusoid_in_full_contact_equals_opening_load(tension):
+def test_pull_off_force_of_a_sinusoid_in_full_contact_is_the_tension_that_opens_the_contact(tension):
     """Complete contact under a load of 0.05 p* opens where the lowest pressure is 0: at a tension of w/ρ - p*."""
     points, height = 512, 0.005
     x, full_contact_pressure = np.arange(points) / points, np.pi * height
@@ -290,7 +290,7 @@ def create_soft_bodies_in_complete_contact():
     return create_rough_bodies(5e-3, 1.1e-5, modulus=1.4e-3, spacing=0.01, length=0.013)
 
 
-def test_attraction_decreases_at_every_point_as_the_load_decreases_to_pull_off():
+def test_attraction_decreases_at_every_point_when_the_load_decreases_towards_pull_off():
     bodies, adhesive = create_soft_bodies_in_complete_contact()
     curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
     attraction = AdhesionSolver(curve._problem, tolerance=1e-6, report=None)
@@ -355,7 +355,7 @@ def test_work_of_loading_and_unloading_equals_the_change_in_energy(case):
 
 
 @pytest.mark.soak
-def test_random_adhesive_contacts_converge_and_few_give_only_a_bound_of_pull_off_force():
+def test_solutions_of_random_adhesive_contacts_converge_and_few_give_only_a_lower_bound_of_the_pull_off_force():
     """Solve 200 random pairs with E* from 1 MPa to 200 GPa and w from 1 mJ/m² to 1 J/m².
 
     Some of them have a hardness.
@@ -391,7 +391,7 @@ def test_maugis_dugdale_solution_tends_to_jkr_and_dmt_solutions():
         assert np.isnan(law(-1.0, 1.0, 1.0, **work)[0])
 
 
-def test_maugis_dugdale_contact_radius_ends_at_the_pull_off_force():
+def test_maugis_dugdale_contact_radius_is_nan_for_tensions_beyond_the_pull_off_force():
     adhesive = {"work_of_adhesion": 5e-5, "adhesion_range": 5e-4}
     pull_off = float(maugis_dugdale(0.0, 3.0, 80.0, **adhesive)[1])
     radius, _ = maugis_dugdale([-1.001 * pull_off, -0.999 * pull_off], 3.0, 80.0, **adhesive)
@@ -434,7 +434,7 @@ def test_friction_coefficient_of_adhesive_surfaces_increases_at_low_loads():
     assert curve.with_sliding("opposing").normal_elastic == pytest.approx(curve.normal_elastic)
 
 
-def test_half_space_pressures_are_bit_identical_with_zero_adhesion_and_without_adhesion():
+def test_half_space_pressures_for_zero_work_of_adhesion_equal_those_without_adhesion_bit_for_bit():
     bodies, adhesive = create_ball_on_flat(1.0)
     curve_without_adhesion = half_space(*bodies, [1e-4, 2e-4], effective_modulus=1.0)
     zero_adhesion_curve = half_space(

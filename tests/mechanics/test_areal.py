@@ -71,7 +71,7 @@ def assert_sums_close(one, other, tolerance, names=DIRECTION_INDEPENDENT_SUMS + 
 class TestSurfacesAgainstReference:
     @pytest.mark.parametrize("sliding", ["opposing", "all"])
     @pytest.mark.parametrize("curvature", ["signed", "convex"])
-    def test_areal_load_curve_equals_the_reference_implementation(self, sliding, curvature):
+    def test_areal_load_curve_agrees_with_the_reference_implementation(self, sliding, curvature):
         total = 0
         for seed in (3, 4):
             upper, lower = create_rough_surfaces(seed)
@@ -91,7 +91,7 @@ class TestSurfacesAgainstReference:
                         assert abs(getattr(curve, name)[row, k] - expected[name]) <= REFERENCE_TOLERANCE * size
         assert total > 20
 
-    def test_areal_contacts_equal_the_reference_implementation(self):
+    def test_areal_contacts_agree_with_the_reference_implementation(self):
         upper, lower = create_rough_surfaces()
         table = contacts(upper, lower, 0.15, direction=20.0)
         contact_list = areal.find_contacts(upper.heights, lower.heights, upper.spacing, 0.15)
@@ -293,7 +293,7 @@ class TestSurfaceScalingAndSymmetry:
             factor = 1 if name.endswith(("count", "area", "adhesive")) else 3
             assert np.allclose(getattr(stiffer_curve, name), factor * getattr(original_curve, name), rtol=ROUND_OFF)
 
-    def test_contacts_oppose_motion_in_exactly_one_of_two_opposite_directions(self):
+    def test_contact_opposes_the_motion_in_exactly_one_of_two_opposite_directions(self):
         upper, lower = create_rough_surfaces()
         forward_contacts, backward_contacts, contacts_under_all_rule = (
             contacts(upper, lower, 0.1, direction=angle, sliding=rule)
@@ -319,7 +319,7 @@ class TestSurfaceScalingAndSymmetry:
             INVARIANCE_TOLERANCE,
         )
 
-    def test_contact_sums_for_several_directions_equal_those_for_each_direction_alone(self):
+    def test_contact_sums_for_several_directions_equal_contact_sums_for_each_direction_alone(self):
         upper, lower = create_rough_surfaces()
         curve_of_all_directions = self.press_in_all_directions(upper, lower)
         assert curve_of_all_directions.direction.tolist() == [angle % 360 for angle in ANGLES]
@@ -377,14 +377,14 @@ class TestContactLawsOnMaps:
             table.axes[:, 1] / table.axes[:, 0], elastic_table.axes[:, 1] / elastic_table.axes[:, 0], rtol=1e-9
         )
 
-    def test_press_rejects_cylinder_law_for_maps(self):
+    def test_press_function_rejects_the_cylinder_law_for_maps(self):
         for law in (HertzCylinder(), "hertz-cylinder"):
             with pytest.raises(ValueError, match="ellipses"):
                 press(*create_rough_surfaces(), [0.1], law=law)
 
 
 class TestValidityIndicators:
-    def test_fraction_of_overlapping_ellipses_agrees_with_sampled_points(self):
+    def test_load_fraction_of_overlapping_contact_ellipses_agrees_with_a_count_by_sampled_points(self):
         upper, lower = create_rough_surfaces(6)
         approaches = np.linspace(0.05, 0.25, 9)
         curve = press(upper, lower, approaches)
@@ -426,7 +426,7 @@ class TestValidityIndicators:
             return False
         return bool(Path(one).contains_points(other).any() or Path(other).contains_points(one).any())
 
-    def test_contact_at_the_edge_carries_load_only_inside_the_map(self):
+    def test_contact_cut_by_the_map_edge_has_the_load_and_area_of_its_part_inside_the_map(self):
         body = surface_from_function(lambda x, y: -((x - 0.2) ** 2 + (y - 0.6) ** 2) / 0.4)
         flat = Surface(np.zeros_like(body.heights), spacing=0.02)
         # The edge is at a distance of 0.2. With R = 0.2, the contact radius is 0.2 at an overlap of 0.2.
@@ -475,7 +475,7 @@ class TestApproachAtLoad:
         computed_approach = approach_at_load(flat, ball, 4 / 3 * 10.0 * 0.01**1.5, mu0=0.3)
         assert float(computed_approach) == pytest.approx(0.01 - contact_gap, rel=SPLINE_TOLERANCE)
 
-    def test_candidates_can_be_pressed_repeatedly_at_approaches_up_to_their_limit(self):
+    def test_contact_candidates_can_be_pressed_repeatedly_at_approaches_up_to_the_maximum(self):
         upper, lower = create_rough_surfaces()
         points = candidates(upper, lower, deepest=0.2)
         assert points.curvature == "signed"
@@ -497,7 +497,7 @@ class TestApproachAtLoad:
 class TestSlidingRulesOnProfiles:
     """Tests of the sliding rules on profiles."""
 
-    def test_profile_loads_equal_the_sums_over_contacts_if_friction_acts_at_all_contacts(self):
+    def test_loads_of_profiles_equal_sums_over_contacts_if_friction_acts_at_all_contacts(self):
         upper, lower = (
             self_affine(5, hurst_exponent=0.8, rms=0.05, points=4000, spacing=0.01, shortest_wavelength=0.2, side=side)
             for side in ("upper", "lower")
@@ -534,11 +534,11 @@ class TestInvalidArguments:
             ({"direction": 10.0, "shear": "-x"}, "shear"),
         ],
     )
-    def test_press_rejects_invalid_contact_models_for_maps(self, changes, match):
+    def test_press_function_rejects_invalid_contact_models_for_maps(self, changes, match):
         with pytest.raises(ValueError, match=match):
             press(*create_rough_surfaces(), [0.1], **changes)
 
-    def test_press_and_contacts_reject_invalid_surfaces(self):
+    def test_functions_press_and_contacts_reject_invalid_surfaces(self):
         upper, lower = create_rough_surfaces()
         flat = Surface(np.zeros((10, 10)), spacing=1.0)
         for invalid_surfaces, match in (
@@ -559,7 +559,7 @@ class TestInvalidArguments:
         with pytest.raises(ValueError, match="direction must be a single direction"):
             approach_at_load(upper, lower, 0.1, mu0=0.3, direction=[0, 90])
 
-    def test_contact_model_fields_that_are_not_set_are_none(self):
+    def test_unset_fields_of_a_contact_model_are_none(self):
         model = ContactModel()
         assert (model.detection, model.curvature) == (None, None)
         assert ContactModel(direction=[0, 90]) == ContactModel(direction=(0, 90))
@@ -637,7 +637,7 @@ class TestSmallSlopeSurfaces:
         assert abs(curve_with_all_contacts.friction_coefficient(mu0=mu0).mean() - mu0) < mean_square_slope
 
 
-def test_press_rejects_straight_grooves():
+def test_press_function_rejects_straight_grooves():
     along = 0.01 * np.cos(np.linspace(0, 12, 40))
     grooves = [Surface(np.tile(sign * along, (30, 1)), spacing=0.1) for sign in (1.0, -0.5)]
     with pytest.raises(ValueError, match="must vary along y"):
@@ -757,7 +757,7 @@ def test_load_curve_of_flat_valleys_is_invariant_under_rotation_mirroring_and_ex
     assert num_pressed > 2
 
 
-def test_points_of_flat_valleys_count_as_unresolved():
+def test_points_of_flat_valleys_are_classified_as_unresolved():
     # The surface has a flat-bottomed trench next to a pit with a round bottom.
     y, x = np.meshgrid(np.arange(40), np.arange(60), indexing="ij")
     upper = -0.05 * (np.abs(x - 15) <= 6) - 0.06 * np.maximum(0, 1 - ((x - 45) ** 2 + (y - 20) ** 2) / 100)
@@ -766,7 +766,7 @@ def test_points_of_flat_valleys_count_as_unresolved():
     assert curve.grid_minimum_count[0] == 13 * 38 + 1 == curve.unanswered_count[0] + 1
 
 
-def test_summits_in_contact_with_a_flat_surface_count_as_convex():
+def test_summits_in_contact_with_a_flat_surface_are_classified_as_convex():
     upper, lower = create_rough_surfaces()
     for flat in (
         np.zeros_like(upper.heights),
@@ -780,7 +780,7 @@ def test_summits_in_contact_with_a_flat_surface_count_as_convex():
             assert convex.contact_count[-1] > 5
 
 
-def test_areal_candidates_include_every_minimum_of_the_gap():
+def test_areal_contact_candidates_include_every_minimum_of_the_gap():
     # The roughness extends down to the grid spacing, with many small minima near saddles.
     upper, lower = create_rough_surfaces(shape=(40, 40), spacing=0.05, shortest_wavelength=None, hurst_exponent=0.3)
     gap = upper.heights - lower.heights
@@ -811,7 +811,7 @@ def test_loads_along_and_across_the_motion_equal_sums_over_reference_contacts():
     assert_close(curve.lateral_load(mu0=0.3, tau0=0.07), -np.array([-s[1], s[0], 0]) @ total, REFERENCE_TOLERANCE)
 
 
-def test_load_fraction_of_overlapping_ellipses_is_reported():
+def test_load_fraction_of_overlapping_contact_ellipses_is_reported():
     # The surface has two adjacent summits whose ellipses meet, and a distant summit.
     def bump_height(x, y):
         centres = ((0.6, 0.6, 0.0), (0.8, 0.6, 0.0), (2.0, 0.6, 0.0))
@@ -827,7 +827,7 @@ def test_load_fraction_of_overlapping_ellipses_is_reported():
     assert np.allclose(curve.validity.share_overlapping, [0, 0, 2 / 3, 2 / 3], atol=0.02)
 
 
-def test_load_of_a_valley_longer_than_the_map_tends_to_line_contact():
+def test_load_on_a_valley_longer_than_the_map_tends_to_the_load_of_a_line_contact():
     # As the bow decreases, the ellipse grows, and its part on the map approaches a line contact.
     y, x = np.meshgrid((np.arange(41) - 20.3) * 0.05, (np.arange(81) - 40.3) * 0.02, indexing="ij")
     flat = Surface(np.zeros_like(x), spacing=(0.05, 0.02))

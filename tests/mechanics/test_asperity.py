@@ -9,7 +9,9 @@ SPLINE_TOLERANCE = 1e-12
 
 @pytest.mark.parametrize("side", ["lower", "upper"])
 @pytest.mark.parametrize("dimension", [1.0, 1.7])
-def test_slope_and_curvature_of_asperities_equal_scipy_natural_spline(create_rough_profiles, dimension, side):
+def test_slope_and_curvature_of_asperities_equal_those_of_a_natural_spline_from_scipy(
+    create_rough_profiles, dimension, side
+):
     profile = create_rough_profiles(dimension)[0]
     slope, curvature, normal, radius = pressing.fit_spheres(profile.heights, profile.spacing, upper=side == "upper")
     asperity_table = asperities(profile, side)
@@ -29,7 +31,7 @@ def test_asperities_of_a_circle_have_the_radius_and_centre_of_the_circle(create_
         assert np.allclose(arc.centre[inner], [apex, 0, height], atol=4e-6)
 
 
-def test_asperities_at_profile_ends_have_zero_curvature_and_arrays_are_read_only():
+def test_asperities_at_profile_ends_have_zero_curvature_and_result_arrays_are_read_only():
     profile = Profile(np.sin(np.arange(30.0)), spacing=0.1)
     lower = asperities(profile, "lower")
     assert lower.curvature[[0, -1]].tolist() == [0, 0]
@@ -37,11 +39,11 @@ def test_asperities_at_profile_ends_have_zero_curvature_and_arrays_are_read_only
     assert not any(array.flags.writeable for array in vars(lower).values())
 
 
-def test_asperities_function_rejects_an_unknown_side():
+def test_asperities_function_rejects_a_side_other_than_upper_and_lower():
     with pytest.raises(ValueError, match="side must be one of 'lower', 'upper', got 'left'"):
         asperities(Profile(np.arange(9.0), spacing=1), "left")
 
 
-def test_asperities_function_rejects_a_surface():
+def test_asperities_function_rejects_a_surface_instead_of_a_profile():
     with pytest.raises(ValueError, match="profile must be a Profile, got Surface"):
         asperities(Surface(np.eye(9), spacing=1), "lower")

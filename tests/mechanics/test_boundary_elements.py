@@ -78,7 +78,7 @@ def test_periodic_asperity_model_is_invariant_under_shifts():
         )
 
 
-def test_asperity_model_with_interaction_is_closer_to_boundary_elements():
+def test_asperity_model_agrees_better_with_boundary_elements_if_asperities_interact():
     """Compare both asperity models with boundary elements for H = 0.75, bandwidth 32 and p̄ = 0.02 E* h'rms.
 
     The profile has half of the points of the published table. Another law or detection, and lost or doubly counted

@@ -42,7 +42,7 @@ def pair():
 
 class TestContactCandidates:
     @pytest.mark.parametrize("curvature", ["convex", "signed"])
-    def test_pressing_candidates_gives_the_same_loads_as_pressing_their_surfaces(self, pair, curvature):
+    def test_loads_from_pressed_candidates_equal_loads_from_pressed_surfaces(self, pair, curvature):
         points = candidates(*pair, deepest=0.03, curvature=curvature)
         steps = [0.0, 0.001, 0.02]
         curve_of_candidates = press(points, steps, shear="-x")
@@ -71,7 +71,7 @@ class TestContactCandidates:
         assert (points.radii[:, 0] == points.radii[:, 1]).all()
         assert not points.gap.flags.writeable
 
-    def test_pressing_candidates_rejects_options_that_contradict_the_search_for_candidates(self, pair):
+    def test_press_function_rejects_options_that_contradict_the_search_for_candidates(self, pair):
         points = candidates(*pair, deepest=0.03)
         with pytest.raises(
             ValueError, match=r"approach must be at most 0.03 µm, the limit of the candidates, got 0.04 µm"
@@ -90,7 +90,7 @@ class TestContactCandidates:
 
 
 class TestContactModel:
-    def test_keyword_arguments_of_press_override_fields_of_the_contact_model(self, pair):
+    def test_keyword_arguments_of_the_press_function_override_fields_of_the_contact_model(self, pair):
         assert set(ContactModelArguments.__annotations__) == {"model"} | {
             field.name for field in dataclasses.fields(ContactModel)
         }
@@ -125,7 +125,7 @@ class TestContactModel:
             press(*pair, [0.01], modulus=3.0)
 
 
-def test_sum_names_match_those_of_the_core_and_contact_law_names_are_unique():
+def test_names_of_contact_sums_match_the_core_and_names_of_contact_laws_are_unique():
     assert tuple(field.name for field in dataclasses.fields(ContactSums)) == SUM_QUANTITIES
     assert all(name in QUANTITIES for name in (*SUM_QUANTITIES, *COMMON_VALIDITY_QUANTITIES))
     assert tuple(CONTACT_LAWS_BY_NAME) == LawName.__args__

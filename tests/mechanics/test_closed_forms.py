@@ -73,7 +73,7 @@ def reference():
 class TestAgainstContactMechanicsPackage:
     @settings(max_examples=50)
     @given(overlap=length_strategy, radius=length_strategy, modulus=modulus_strategy)
-    def test_hertz_solution_of_a_sphere_agrees_with_the_contact_mechanics_package(
+    def test_hertz_solution_of_a_sphere_agrees_with_the_package_contactmechanics(
         self, reference, overlap, radius, modulus
     ):
         force, area = hertz_sphere(overlap, radius, modulus)
@@ -83,7 +83,7 @@ class TestAgainstContactMechanicsPackage:
         contact_radius, _ = reference[0].radius_and_pressure(float(force), radius, modulus)
         assert math.pi * contact_radius**2 == pytest.approx(float(area), rel=REORDERING_TOLERANCE)
 
-    def test_westergaard_contact_fraction_agrees_with_the_contact_mechanics_package(self, reference):
+    def test_westergaard_contact_fraction_agrees_with_the_package_contactmechanics(self, reference):
         # ContactMechanics gives the half-width of the contact in wavelengths.
         # Its pressure is in units of π E* Δ / λ, where 2Δ is the total height of the sinusoid.
         pressures = np.linspace(0.01, 0.99, 20)
@@ -134,7 +134,7 @@ class TestWeierstrassMandelbrotMoments:
             moment_sums / count, [exact_moments.height, exact_moments.slope, exact_moments.curvature], rtol=0.05
         )
 
-    def test_exact_spectral_moments_depend_on_the_dimension_convention_and_the_band_limit(self):
+    def test_exact_spectral_moments_depend_on_the_convention_for_the_fractal_dimension_and_on_the_band_limit(self):
         paper_moments = weierstrass_mandelbrot_moments(1.6)
         classical_moments = weierstrass_mandelbrot_moments(1.2, convention="classical")
         assert classical_moments.height == pytest.approx(paper_moments.height, rel=REORDERING_TOLERANCE)
@@ -234,6 +234,6 @@ def test_closed_form_error_names_the_argument_that_is_not_positive():
         hertz_sphere(np.array([[0.1, -0.5]]), 1.0, 10.0)
 
 
-def test_small_slope_friction_rejects_an_array_as_order():
+def test_small_slope_friction_rejects_an_array_given_as_the_order():
     with pytest.raises(ValueError, match="order must be 1 or 2"):
         stiction.gentle_friction(0.4, rms_gradient=0.04, order=np.array([1, 2]))

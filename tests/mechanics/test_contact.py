@@ -50,7 +50,7 @@ class TestProfilesAgainstReference:
     @pytest.mark.parametrize("curvature", ["convex", "signed"])
     @pytest.mark.parametrize("bodies", ["rough on rough", "flat on rough", "rough on flat"])
     @pytest.mark.parametrize("dimension", [1.0, 1.7])
-    def test_load_curve_of_profiles_equals_the_reference_implementation(
+    def test_load_curve_of_profiles_agrees_with_the_reference_implementation(
         self, create_rough_profiles, dimension, bodies, curvature, detection
     ):
         upper, lower = create_rough_profiles(dimension, points=150_000)
@@ -69,7 +69,7 @@ class TestProfilesAgainstReference:
             expected = np.transpose([list(pressing.sum_contacts(row, sigma).values()) for row in rows])
             assert_close(stack_sums(curve), expected, REFERENCE_TOLERANCES[detection])
 
-    def test_contacts_of_profiles_equal_the_reference_implementation(self, create_rough_profiles):
+    def test_contacts_of_profiles_agree_with_the_reference_implementation(self, create_rough_profiles):
         upper, lower = create_rough_profiles(1.4)
         table = contacts(upper, lower, 0.01, effective_modulus=3.0)
         rows = pressing.find_contacts(upper.heights, lower.heights, upper.spacing, 0.01, effective_modulus=3.0)
@@ -184,7 +184,7 @@ class TestProfilesAgainstExactSolutions:
         assert np.allclose(table.normal[0], np.array([-slope, 0, 1]) / math.hypot(1, slope), atol=1e-12)
 
     @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
-    def test_loads_on_a_nearly_flat_surface_equal_loads_on_a_flat(self, create_circular_arc, detection):
+    def test_nearly_flat_surface_carries_the_same_loads_as_a_flat_surface(self, create_circular_arc, detection):
         # The radius is 5e7 to 5e13 µm. A difference of such lengths would lose an overlap of 10 pm.
         ball = create_circular_arc(10.003, 12.0, 0.01, 2001, "lower")
         approaches = [1e-5, 1e-4, 1e-3]
@@ -391,14 +391,14 @@ class TestGapMinimumDetection:
             assert_close(curves_by_points[points][:, 1:], finest[:, 1:], self.PAIR_TOLERANCE)
             assert_close(curves_by_points[points][:, 1:].sum(axis=0), finest[:, 1:].sum(axis=0), self.SUM_TOLERANCE)
 
-    def test_load_curve_has_second_order_convergence_in_the_spacing(self, curves_by_points):
+    def test_error_of_the_load_curve_decreases_with_the_square_of_the_grid_spacing(self, curves_by_points):
         # The position of first contact within a cell is random. Therefore mean errors over the pairs are compared.
         finest, coarser = curves_by_points[self.POINT_COUNTS[-1]], self.POINT_COUNTS[:-1]
         errors = [np.abs(curves_by_points[points][:, 1:3] / finest[:, 1:3] - 1).mean() for points in coarser]
         order = -np.polyfit(np.log(coarser), np.log(errors), 1)[0]
         assert 1.7 < order < 2.3
 
-    def test_loads_with_cell_detection_tend_to_loads_with_gap_minimum_detection_on_fine_grids(self):
+    def test_loads_of_contacts_detected_in_cells_and_at_gap_minima_become_equal_on_fine_grids(self):
         differences = []
         for points, approach in ((150_000, 0.02), (600_000, 0.005), (2_400_000, 0.00125)):
             areas = []
@@ -423,7 +423,7 @@ class TestGapMinimumDetection:
 
 
 class TestProfileContactArguments:
-    def test_axes_of_friction_parameters_precede_the_axis_of_approaches(self, create_rough_profiles):
+    def test_array_axes_of_friction_parameters_precede_the_array_axis_of_approaches(self, create_rough_profiles):
         curve = press(*create_rough_profiles(1.2), [0.005, 0.01, 0.02])
         assert curve.normal_load(mu0=0.1).shape == (3,)
         assert curve.normal_load(mu0=[0.1, 0.2], tau0=0.1).shape == (2, 3)
@@ -457,13 +457,13 @@ class TestProfileContactArguments:
             ({"shear": "+y"}, "shear must be one of"),
         ],
     )
-    def test_press_and_contacts_reject_invalid_arguments(self, create_rough_profiles, call, change, message):
+    def test_functions_press_and_contacts_reject_invalid_arguments(self, create_rough_profiles, call, change, message):
         upper, lower = create_rough_profiles(1.2)
         arguments = {"approach": 0.01} | change
         with pytest.raises(ValueError, match=message):
             call(upper, lower, arguments.pop("approach"), **arguments)
 
-    def test_press_rejects_profiles_on_different_grids(self, create_rough_profiles):
+    def test_press_function_rejects_profiles_on_different_grids(self, create_rough_profiles):
         upper, lower = create_rough_profiles(1.2)
         with pytest.raises(ValueError, match="equal numbers of points"):
             press(Profile(upper.heights[:-1], spacing=upper.spacing), lower, [0.01])
@@ -480,7 +480,7 @@ class TestProfileContactArguments:
             ([0.1, np.nan], "finite"),
         ],
     )
-    def test_press_rejects_invalid_approaches(self, create_rough_profiles, approaches, message):
+    def test_press_function_rejects_invalid_approaches(self, create_rough_profiles, approaches, message):
         with pytest.raises(ValueError, match=message):
             press(*create_rough_profiles(1.2), approaches)
 
@@ -493,7 +493,7 @@ class TestProfileContactArguments:
         assert not any(array.flags.writeable for array in arrays)
 
 
-def test_press_releases_the_interpreter_lock(create_rough_profiles):
+def test_press_function_releases_the_interpreter_lock(create_rough_profiles):
     upper, lower = create_rough_profiles(1.5)
     approaches = np.linspace(1e-4, 0.04, 20)
     assert releases_interpreter_lock(lambda: press(upper, lower, approaches))

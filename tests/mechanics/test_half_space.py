@@ -206,7 +206,7 @@ def test_half_space_solution_of_a_sinusoid_equals_westergaard_solution(fraction)
     assert errors[1] < 0.15 / (4096 * fraction)
 
 
-def test_westergaard_pressure_gap_and_contact_fraction_agree_with_each_other():
+def test_westergaard_pressure_and_gap_and_contact_fraction_agree_with_each_other():
     wave = {"amplitude": 0.01, "wavelength": 2.0, "effective_modulus": EFFECTIVE_MODULUS}
     x = np.linspace(-1, 1, 20_001)[:-1]
     for load in (0.001, 0.1, 0.2):
@@ -315,7 +315,7 @@ def test_half_space_results_scale_with_modulus_and_ignore_height_offsets():
     np.testing.assert_allclose(stiffer_curve.stiffness, 7 * original_curve.stiffness, rtol=1e-5)
 
 
-def test_free_and_periodic_boundaries_agree_for_small_patches():
+def test_results_with_free_and_periodic_boundaries_agree_for_small_contact_patches():
     differences = []
     force = float(hertz_sphere(0.01, 4.0, EFFECTIVE_MODULUS)[0])  # the contact radius is then 0.2 µm
     for extent in (0.5, 1.0, 2.0):
@@ -386,13 +386,13 @@ def test_half_space_pressure_agrees_with_tamaas(pressed, boundary):
     assert np.abs(result - exact).max() < 1e-7 * exact.max()
 
 
-def test_area_to_load_ratio_kappa_is_near_2_at_light_load():
+def test_ratio_kappa_of_area_to_load_is_near_2_at_light_load():
     lower = periodic_body((256, 256), shortest=32)
     curve = half_space(flat_like(lower), lower, [0.02 * EFFECTIVE_MODULUS * 0.1], boundary="periodic")
     assert 1.8 < curve.contact_area[0] * EFFECTIVE_MODULUS * 0.1 / curve.load[0] < 2.5
 
 
-def test_pressure_is_limited_by_hardness_and_area_tends_to_load_over_hardness():
+def test_pressure_is_limited_by_the_hardness_and_area_tends_to_load_divided_by_hardness():
     lower = periodic_body((128, 128), shortest=16)
     load = 0.01
     elastic_curve = half_space(flat_like(lower), lower, [load], boundary="periodic")
@@ -534,7 +534,7 @@ def friction_on_random_slopes(sigma_along, sigma_across, m, *, rule):
 
 @pytest.mark.parametrize("rule", ["opposing", "all"])
 @pytest.mark.parametrize(("gradient", "slope"), [(0.1, 0.07), (1.0, 0.5), (2.0, 1.9)])
-def test_second_order_small_slope_friction_equals_the_sum_over_random_slopes(rule, gradient, slope):
+def test_small_slope_friction_of_second_order_equals_a_sum_over_random_slopes(rule, gradient, slope):
     slope_across = np.sqrt(gradient**2 - slope**2)
     for ratio in (1.0, 0.3):
         gradient_factor = ratio / (1 + ratio**2)
@@ -543,7 +543,7 @@ def test_second_order_small_slope_friction_equals_the_sum_over_random_slopes(rul
         assert gentle_friction(0.4, order=2, **keywords) == pytest.approx(expected, rel=QUADRATURE_TOLERANCE)
 
 
-def test_first_and_second_order_of_small_slope_friction_agree_for_tiny_slopes_and_grooves():
+def test_small_slope_friction_of_first_and_second_order_agrees_for_tiny_slopes_and_grooves():
     for rule in ("opposing", "all"):
         for arguments in ({"rms_gradient": 1e-5}, {"rms_gradient": 0.5, "rms_slope": 0.5}, {"rms_gradient": 2e-9}):
             first_order, second_order = (
@@ -646,7 +646,7 @@ def test_contact_patches_connect_across_periodic_edges():
     assert (periodic_curve.contact(0).patches > 0).sum() == (periodic_curve.contact(0).pressure > 0).sum()
 
 
-def test_half_space_raises_an_error_if_the_tolerance_is_below_round_off():
+def test_half_space_raises_an_error_if_the_tolerance_is_below_the_round_off_error():
     lower = periodic_body((64, 64))
     with pytest.raises(RuntimeError, match="no solution at"):
         half_space(flat_like(lower), lower, [0.01], boundary="periodic", tolerance=1e-18)
@@ -696,7 +696,7 @@ def test_half_space_rejects_invalid_arguments(arguments, message):
         half_space(**options)
 
 
-def test_half_space_curve_is_read_only_and_rejects_invalid_indices():
+def test_half_space_load_curve_is_read_only_and_rejects_invalid_indices():
     curve = half_space(flat_like(EXAMPLE_LINE), EXAMPLE_LINE, [1.0])
     assert isinstance(curve, HalfSpaceCurve)
     with pytest.raises(ValueError, match="read-only"):
@@ -731,7 +731,7 @@ def test_gap_vanishes_at_all_contact_points_if_pressures_reach_the_hardness():
 
 
 @pytest.mark.parametrize("periodic", [True, False])
-def test_displacements_equal_direct_sum_for_any_thread_count(periodic):
+def test_half_space_displacements_equal_a_direct_sum_for_any_number_of_threads(periodic):
     grids = _core.HalfSpaceGrids((801, 760), (0.1, 0.2), effective_modulus=EFFECTIVE_MODULUS, periodic=periodic)
     pressure = np.random.default_rng(4).random((801, 760))
     pressure[np.random.default_rng(5).permutation(801)[:400]] = 0.0
@@ -879,7 +879,7 @@ def test_half_space_rejects_extreme_gaps(height):
         half_space(flat_like(body), high_body, [0.01])
 
 
-def test_onset_rejects_an_interface_without_strength():
+def test_onset_method_rejects_an_interface_without_strength():
     body = periodic_body((32, 32), shortest=8)
     with pytest.raises(ValueError, match="must not both be 0"):
         half_space(flat_like(body), body, [0.01]).onset(0, mu0=1e-160)
@@ -915,7 +915,7 @@ def test_closure_of_a_masked_surface_differs_from_closure_of_the_complete_surfac
     )
 
 
-def test_half_space_curve_and_onset_can_be_pickled_and_copied():
+def test_half_space_load_curve_and_onset_result_can_be_pickled_and_copied():
     surface_options = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (32, 32), "spacing": 0.1}
     curve = half_space(
         *(self_affine_surface(3, side=side, **surface_options) for side in ("upper", "lower")), [0.01, 0.02]

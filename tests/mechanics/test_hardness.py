@@ -62,7 +62,7 @@ def test_contact_area_interpolated_over_hardness_equals_its_formula() -> None:
     np.testing.assert_allclose(area_per_load(hardness, nodes, areas_at_nodes, elastic_areas), expected, rtol=1e-13)
 
 
-def test_area_interpolated_over_hardness_equals_solved_areas_at_nodes_and_elastic_limit() -> None:
+def test_area_interpolated_over_hardness_equals_solved_areas_at_the_nodes_and_in_the_elastic_limit() -> None:
     assert area_per_load([0.5], [0.5, 1.0], [2.1, 1.1], 0.3)[0] == pytest.approx(2.1)
     area_at_hardness_node = area_per_load([1e3], [1e2, 1e4], [0.3, 0.3], 0.3)
     assert area_at_hardness_node[0] == pytest.approx(0.3)

@@ -21,7 +21,7 @@ def test_approach_of_circular_arcs_at_a_load_equals_hertz_solution(create_circul
     np.testing.assert_allclose(result + apex_height, overlaps, rtol=ARC_TOLERANCE, atol=1e-9)
 
 
-def test_approach_at_load_returns_an_array_with_the_shape_of_loads(create_rough_profiles):
+def test_approaches_at_several_loads_have_the_array_shape_of_the_loads(create_rough_profiles):
     upper, lower = create_rough_profiles(1.2)
     loads = np.array([[1e-4, 1e-3, 3e-3], [2e-3, 2e-4, 1e-2]])
     result = approach_at_load(upper, lower, loads, mu0=0.4)
@@ -32,7 +32,7 @@ def test_approach_at_load_returns_an_array_with_the_shape_of_loads(create_rough_
 @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
 @pytest.mark.parametrize("dimension", [1.1, 1.4, 1.6])
 @pytest.mark.parametrize("shear", ["+x", "-x"])
-def test_approach_at_load_is_the_smallest_approach_with_that_load(create_rough_profiles, dimension, detection, shear):
+def test_approach_at_a_load_is_the_smallest_approach_with_that_load(create_rough_profiles, dimension, detection, shear):
     upper, lower = create_rough_profiles(dimension)
     choices = {"detection": detection, "shear": shear, "effective_modulus": 20.0}
     friction = {"mu0": 0.4, "tau0": 0.2}
@@ -56,7 +56,7 @@ def test_approach_at_load_is_the_smallest_approach_with_that_load(create_rough_p
         assert (loads_below_result >= load).mean() < 0.03
 
 
-def test_approach_at_load_increases_with_friction(create_rough_profiles):
+def test_approach_at_a_given_load_increases_with_friction(create_rough_profiles):
     upper, lower = create_rough_profiles(1.3)
     approach_without_friction, approach_with_friction = (
         approach_at_load(upper, lower, 1e-3, mu0=mu0) for mu0 in (0.0, 1.0)
@@ -64,7 +64,7 @@ def test_approach_at_load_increases_with_friction(create_rough_profiles):
     assert approach_with_friction > approach_without_friction
 
 
-def test_approach_at_load_is_nan_for_unreachable_loads(create_circular_arc):
+def test_approach_at_an_unreachable_load_is_nan(create_circular_arc):
     flat = Profile(np.zeros(401), spacing=0.01)
     assert np.isnan(approach_at_load(flat, flat, 1.0, mu0=0.3))
     ball = create_circular_arc(2.003, 3.0, 0.01, 401, "lower")
@@ -85,7 +85,7 @@ def test_approach_at_load_is_nan_for_unreachable_loads(create_circular_arc):
         ({"shear": "x"}, "shear must be one of"),
     ],
 )
-def test_approach_at_load_rejects_invalid_arguments(create_rough_profiles, arguments, words):
+def test_search_for_the_approach_at_a_load_rejects_invalid_arguments(create_rough_profiles, arguments, words):
     upper, lower = create_rough_profiles(1.2)
     with pytest.raises(ValueError, match=words):
         approach_at_load(upper, lower, **({"loads": 1e-3, "mu0": 0.4} | arguments))

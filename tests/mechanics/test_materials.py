@@ -54,14 +54,14 @@ def test_material_values_are_physically_possible_and_have_sources(listed_materia
         ("silicon nitride", 300, 16), ("PMMA", 3, 0.2), ("gold", 78, 0.3), ("silicon", 165, 11), ("lead", 16, 0.04),
     ],
 )  # fmt: skip
-def test_material_ranges_contain_reference_values(name, young, hardness):
+def test_ranges_of_material_properties_contain_reference_values(name, young, hardness):
     result = material(name)
     assert 0.9 * result.young_modulus.low <= young <= 1.1 * result.young_modulus.high
     assert 0.9 * result.hardness.low <= hardness <= 1.1 * result.hardness.high
 
 
 @FOR_EACH_MATERIAL
-def test_material_accepts_every_alias_in_any_spelling(listed_material):
+def test_material_lookup_accepts_every_alias_in_any_spelling(listed_material):
     for name in (listed_material.name, *listed_material.aliases):
         assert material(name) is material(name.upper()) is material(name.replace("-", " ")) is listed_material
 
@@ -82,12 +82,12 @@ def test_materials_have_unique_names():
         ([0.1] * 100, r"^name must be the name of a material, got \[0\.1, [0-9., ]{20,35}\.\.\.$"),
     ],
 )
-def test_material_error_suggests_the_nearest_name(name, message):
+def test_error_about_an_unknown_material_suggests_the_nearest_name(name, message):
     with pytest.raises(ValueError, match=message):
         material(name)
 
 
-def test_modulus_compliance_and_hardness_of_two_materials_equal_closed_forms():
+def test_modulus_and_compliance_and_hardness_of_two_materials_equal_closed_forms():
     steel, brass = material("steel"), material("brass")
     expected_modulus = 1 / sum((1 - item.poisson_ratio**2) / item.young_modulus for item in (steel, brass))
     assert effective_modulus(steel, brass) == pytest.approx(expected_modulus, rel=ROUND_OFF)

@@ -89,7 +89,7 @@ def test_onset_of_sliding_of_a_ball_equals_cattaneo_mindlin_solution(ball_curve_
         )
 
 
-def test_slip_of_a_ball_spreads_from_the_edge_inwards(ball_curve_and_radius):
+def test_slip_under_a_ball_spreads_from_the_contact_edge_inwards(ball_curve_and_radius):
     curve, radius = ball_curve_and_radius
     x = (np.arange(96) - 48 + 0.31) / 96
     distance = np.hypot(x[:, None], x).ravel()
@@ -333,7 +333,7 @@ def test_onset_of_sliding_of_profiles_agrees_with_ciavarella_jaeger_theory(bound
 
 
 @pytest.mark.parametrize("factor", [10.0, 0.01])
-def test_displacement_stiffness_and_energy_loss_before_sliding_scale_with_size(half_space_curve, factor):
+def test_displacement_and_stiffness_and_energy_loss_before_sliding_scale_with_size(half_space_curve, factor):
     problem = half_space_curve._problem
     lower = Surface(-problem.gap * factor, spacing=problem.spacing[0] * factor)
     boundary = "periodic" if problem.periodic else "free"
@@ -352,7 +352,7 @@ def test_displacement_stiffness_and_energy_loss_before_sliding_scale_with_size(h
     )
 
 
-def test_onset_of_sliding_reaches_requested_displacements(half_space_curve):
+def test_onset_of_sliding_is_computed_at_requested_displacements(half_space_curve):
     sliding_displacement = half_space_curve.onset(0, mu0=0.3, steps=1).displacement_at_sliding
     onset = half_space_curve.onset(
         0, mu0=0.3, displacements=[0.2 * sliding_displacement, 0.7 * sliding_displacement, sliding_displacement]
@@ -362,7 +362,7 @@ def test_onset_of_sliding_reaches_requested_displacements(half_space_curve):
     np.testing.assert_allclose(onset_at_loads.displacement, onset.displacement, rtol=1e-6)
 
 
-def test_onset_of_sliding_is_finite_if_contact_pressures_reach_the_hardness():
+def test_tangential_stiffness_at_the_onset_of_sliding_is_finite_if_contact_pressures_reach_the_hardness():
     lower = create_rough_body((64, 64))
     load = load_at_relative_pressure(lower, 0.1)
     curve = half_space(flat_like(lower), lower, [load], hardness=1.0)
@@ -380,7 +380,7 @@ def test_onset_of_sliding_is_finite_if_contact_pressures_reach_the_hardness():
     assert 0 < onset.stiffness < np.inf
 
 
-def test_surfaces_in_full_contact_are_rigid_until_sliding():
+def test_surfaces_in_full_contact_have_infinite_initial_tangential_stiffness():
     lower = create_rough_body((32, 32))
     curve = half_space(flat_like(lower), lower, [3.0], boundary="periodic")
     onset = curve.onset(0, mu0=0.2, steps=10)
@@ -504,7 +504,7 @@ def test_onset_of_sliding_of_many_asperities_is_the_sum_over_their_contacts(bodi
         assert ((slip_loads <= load) == np.isclose(onset.traction(i), onset.traction(-1), rtol=1e-12)).all()
 
 
-def test_energy_lost_equals_area_of_the_hysteresis_loop(bodies_and_curve):
+def test_energy_loss_equals_the_area_of_the_hysteresis_loop(bodies_and_curve):
     onset = bodies_and_curve[1].onset(1, mu0=0.3, tau0=0.1, steps=400)
     for load_fraction in (0.5, 1.0):
         displacement, load = onset.loop(load_fraction * onset.sliding_load)
@@ -618,13 +618,13 @@ REJECTED_ARGUMENTS = [
 
 
 @pytest.mark.parametrize(("arguments", "message"), REJECTED_ARGUMENTS)
-def test_onset_rejects_invalid_arguments(ball_curve_and_radius, arguments, message):
+def test_onset_method_rejects_invalid_arguments(ball_curve_and_radius, arguments, message):
     for curve in (ball_curve_and_radius[0], press_single_ball()):
         with pytest.raises(ValueError, match=message):
             curve.onset(0, **arguments)
 
 
-def test_onset_rejects_invalid_indices_steps_and_amplitudes(ball_curve_and_radius):
+def test_onset_method_rejects_invalid_indices_and_steps_and_amplitudes(ball_curve_and_radius):
     with pytest.raises(ValueError, match="index must be at least -1 and below 1, the number of loads"):
         ball_curve_and_radius[0].onset(1, mu0=0.3)
     with pytest.raises(ValueError, match="index must be at least -1 and below 1, the number of approaches"):

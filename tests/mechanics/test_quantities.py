@@ -114,7 +114,7 @@ def test_table_of_quantities_contains_every_result_variable_with_its_unit(datase
             assert item.attrs.get("units", "") == QUANTITIES[name].unit, f"{name} of {title}"
 
 
-def test_stored_variables_have_the_dimensions_and_dtypes_in_the_table_of_quantities(datasets_by_title):
+def test_stored_variables_have_the_dimensions_and_dtypes_listed_in_the_table_of_quantities(datasets_by_title):
     for title, dataset in datasets_by_title.items():
         for name in map(str, dataset.data_vars):
             quantity = QUANTITIES[name]
@@ -126,7 +126,7 @@ def test_stored_variables_have_the_dimensions_and_dtypes_in_the_table_of_quantit
             assert quantity.stored, f"{name} of {title}"
 
 
-def test_variables_at_a_load_have_the_dimensions_in_the_table_of_quantities(results_at_loads):
+def test_variables_at_a_load_have_the_dimensions_listed_in_the_table_of_quantities(results_at_loads):
     for title, dataset in results_at_loads.items():
         for name in map(str, dataset.data_vars):
             if name == "status":  # The status belongs to the coefficient, not to the contact.
@@ -141,7 +141,7 @@ def test_variables_at_a_load_have_the_dimensions_in_the_table_of_quantities(resu
                 ), f"{name} of {title}"
 
 
-def test_intervals_at_a_load_are_within_the_bounds_in_the_table_of_quantities(results_at_loads):
+def test_intervals_at_a_load_lie_between_the_limits_listed_in_the_table_of_quantities(results_at_loads):
     for title, name, item in iterate_variables(results_at_loads):
         if name in QUANTITIES and "statistic" in item.dims and item.dtype.kind == "f":
             ends, mean = item.sel(statistic=["lower", "upper"]), item.sel(statistic="mean")
@@ -150,7 +150,7 @@ def test_intervals_at_a_load_are_within_the_bounds_in_the_table_of_quantities(re
             assert not (ends > max(high, float(mean.max()))).any(), f"{name} of {title}"
 
 
-def test_variables_of_each_member_have_the_units_in_the_table_of_quantities():
+def test_variables_of_each_member_have_the_units_listed_in_the_table_of_quantities():
     options = {"mu0": 0.2, "effective_modulus": 10.0}
     longer_profile = Profile(rough_heights((600,), 5), spacing=0.5)
     result = {
@@ -165,7 +165,7 @@ def test_variables_of_each_member_have_the_units_in_the_table_of_quantities():
             assert item.attrs.get("units", "") == QUANTITIES[name].unit, f"{name} of {title}"
 
 
-def test_resolution_dataset_variables_have_the_units_in_the_table_of_quantities():
+def test_variables_of_a_resolution_dataset_have_the_units_listed_in_the_table_of_quantities():
     result = resolution(*create_surfaces(), [1.0], mu0=0.2, effective_modulus=10.0, hardness=1.0)
     shared_names = {*map(str, result.data_vars)} & {*QUANTITIES}
     assert {"contact_area", "contact_count", "mean_pressure", "error", *LOAD_SUM_NAMES} <= shared_names

@@ -73,7 +73,9 @@ def test_results_at_each_cutoff_equal_half_space_solutions_of_filtered_surfaces(
     assert abs(elastic_friction.sel(sliding="all")).max() < 0.02  # Forces on uphill and downhill slopes cancel.
 
 
-def test_results_with_a_finer_cutoff_lie_between_the_plastic_limit_and_coarser_results(pair_and_resolution_result):
+def test_results_at_a_shorter_cutoff_lie_between_the_plastic_limit_and_results_at_longer_cutoffs(
+    pair_and_resolution_result,
+):
     *_, load, result = pair_and_resolution_result
     area = result.contact_area_fraction[:, 0].values
     mu = result.friction_coefficient.sel(sliding="all")[:, 0].values
@@ -117,7 +119,7 @@ def test_range_for_finer_scans_at_each_cutoff_contains_results_of_finer_scans(pa
     assert float(max_area_for_finer_scans(0.9, 1.0, 1000)) == 1.0
 
 
-def test_max_friction_of_a_sample_equals_the_upper_end_of_its_range_for_finer_scans():
+def test_maximum_friction_for_finer_scans_equals_the_upper_end_of_the_range_for_finer_scans():
     mu0, adhesion, value = (
         np.array([0.1, 0.2, 0.2, 0.3]),
         np.array([0.05, 0.02, 0.0, 0.1]),
@@ -134,7 +136,7 @@ def test_max_friction_of_a_sample_equals_the_upper_end_of_its_range_for_finer_sc
     assert max_values[2] == value[2]
 
 
-def test_range_for_finer_scans_allows_a_larger_contact_area_if_contacts_are_few():
+def test_range_for_finer_scans_allows_for_a_larger_contact_area_if_contacts_are_few():
     """Use a pair of seven contacts whose finest result has more area than a coarser result."""
     bodies = rough_maps(
         28, rms=0.01, points=256, spacing=0.01, repetition=2004, longest_wavelength=0.64, shortest_wavelength=0.04
@@ -237,7 +239,7 @@ def test_extrapolated_interval_contains_friction_of_a_finer_scan():
     assert num_contained >= 5  # at a coverage of 95 %, the probability of two misses is 1 in 30
 
 
-def test_resolution_result_of_profiles_averages_friction_over_both_directions():
+def test_friction_of_profiles_at_each_cutoff_is_the_mean_over_both_directions():
     upper, lower = (
         self_affine(2, hurst_exponent=0.8, rms=0.02, points=1024, spacing=0.01, longest_wavelength=2.0, side=side)
         for side in ("upper", "lower")
@@ -278,7 +280,7 @@ def test_resolution_dataset_has_units_and_can_be_written_to_netcdf(pair_and_reso
         xr.testing.assert_equal(stored_dataset.load(), result)
 
 
-def test_resolution_result_is_nan_at_an_unsolved_load_and_progress_is_complete(monkeypatch):
+def test_resolution_result_is_nan_at_an_unsolved_load_and_reported_progress_still_reaches_the_end(monkeypatch):
     from stiction.mechanics import resolution as module
 
     upper, lower = create_rough_surfaces(points=32, spacing=0.16)

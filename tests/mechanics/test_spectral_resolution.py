@@ -19,7 +19,7 @@ def roughness_of_bodies(bodies):
     return [scale_dependent_roughness(body, periodic=True) for body in bodies]
 
 
-def test_spectral_resolution_limits_the_elastic_pressure_to_the_hardness():
+def test_elastic_pressure_in_the_spectral_estimate_is_limited_to_the_hardness():
     upper, lower = roughness_of_bodies(create_rough_surfaces())
     result = spectral_resolution(upper, lower, **PAIR_OPTIONS)
     gradient = np.hypot(upper.gradient_at(result.wavelength), lower.gradient_at(result.wavelength))
@@ -44,7 +44,7 @@ def test_spectral_resolution_limits_the_elastic_pressure_to_the_hardness():
     assert math.isnan(elastic_result.plastic_wavelength)
 
 
-def test_spectral_resolution_agrees_with_half_space_model():
+def test_spectral_estimate_of_the_effect_of_resolution_agrees_with_the_half_space_model():
     bodies = create_rough_surfaces()
     upper, lower = roughness_of_bodies(bodies)
     load = 0.05 * (256 * 0.02) ** 2
@@ -63,7 +63,7 @@ def test_spectral_resolution_agrees_with_half_space_model():
         assert estimated_friction == pytest.approx(solved_friction, rel=tolerance)
 
 
-def test_spectral_resolution_of_a_surface_on_a_flat_uses_only_slopes_of_the_surface():
+def test_spectral_estimate_for_a_surface_on_a_flat_uses_only_slopes_of_the_surface():
     upper = roughness_of_bodies(create_rough_surfaces(64))[0]
     result = spectral_resolution(upper, None, **PAIR_OPTIONS)
     assert result.rms_gradient.values == pytest.approx(upper.gradient_at(result.wavelength))
@@ -85,7 +85,7 @@ def test_spectral_resolution_of_a_surface_on_a_flat_uses_only_slopes_of_the_surf
         ({"wavelengths": [0.0]}, "wavelength must be above 0"),
     ],
 )
-def test_spectral_resolution_rejects_invalid_arguments(changes, message):
+def test_spectral_resolution_function_rejects_invalid_arguments(changes, message):
     upper, lower = roughness_of_bodies(create_rough_surfaces(32))
     with pytest.raises(ValueError, match=message):
         spectral_resolution(upper, lower, **PAIR_OPTIONS | changes)

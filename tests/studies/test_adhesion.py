@@ -92,7 +92,7 @@ def test_friction_coefficient_with_adhesion_increases_as_the_load_decreases(adhe
     assert table["mean_pressure"].sel(statistic="mean").values == pytest.approx(contact_load / area, rel=0.2)
 
 
-def test_pull_off_force_is_shown_in_rows_text_report_and_figure(adhesive_result, tmp_path):
+def test_pull_off_force_is_shown_in_rows_and_text_and_the_report_and_a_figure(adhesive_result, tmp_path):
     text = repr(adhesive_result)
     assert text.startswith("Sticks without a load: yes. Pull-off force ")
     for term in ("pull-off force", "pull-off pressure", "friction at no load", "contact load"):
@@ -117,14 +117,14 @@ def test_pull_off_force_is_shown_in_rows_text_report_and_figure(adhesive_result,
     assert len(adhesive_result.figure("adhesion").axes) == 2
 
 
-def test_roughness_contribution_is_none_for_adhesive_pairs(adhesive_result):
+def test_roughness_contribution_is_undefined_for_adhesive_pairs(adhesive_result):
     """The attraction, which depends on the roughness, raises the contribution of mu0 above mu0."""
     for point in adhesive_result.summary().points:
         assert point.parts[0] > 1.02 * point.at["mu0"]
         assert point.from_roughness is None
 
 
-def test_pair_at_zero_load_assesses_whether_the_surfaces_stick(adhesive_result):
+def test_result_at_zero_load_states_whether_the_surfaces_stick(adhesive_result):
     unloaded_result, two_load_result = (run_pair(load=load, **ADHESION_OPTIONS) for load in (0, ["0", "20 MPa"]))
     (unloaded_point,) = unloaded_result.summary().points
     assert unloaded_point.is_unloaded
@@ -160,7 +160,7 @@ def test_pair_at_zero_load_assesses_whether_the_surfaces_stick(adhesive_result):
         at_load(run_pair().source, [0.0])
 
 
-def test_verbose_text_prints_coefficients_along_axes_only_at_loads_above_zero():
+def test_verbose_text_lists_coefficients_along_the_x_and_y_axes_only_at_loads_above_zero():
     two_load_result = run_pair(load=["0", "20 MPa"], **ADHESION_OPTIONS)
     text = result_text(two_load_result.summary(), verbose=True)
     axis_lines = text[text.index("μ_s along an axis") :].split("\n\n")[0].splitlines()[1:]
@@ -201,7 +201,7 @@ def test_assessment_of_sticking_agrees_with_interval_of_pull_off_pressure(pressu
     assert pull_off_values.sticking_assessment == sticks
 
 
-def test_explicit_zero_adhesion_leaves_values_unchanged_and_adds_no_caveat(adhesive_result):
+def test_work_of_adhesion_given_as_zero_leaves_values_unchanged_and_adds_no_caveat(adhesive_result):
     caveat_text = "would increase"
     default_result, zero_adhesion_result = run_pair(), run_pair(work_of_adhesion="0 mJ/m^2")
     for name in default_result.dataset.data_vars:
@@ -261,7 +261,7 @@ def test_study_of_generated_surfaces_accepts_adhesion(surfaces):
         ),
     ],
 )
-def test_pair_rejects_invalid_adhesion_options(changes, pattern):
+def test_pair_function_rejects_invalid_adhesion_options(changes, pattern):
     with pytest.raises(ValueError, match=pattern):
         run_pair(**changes)
 
@@ -277,7 +277,7 @@ def test_adhesion_range_below_grid_limit_adds_a_caveat():
 
 @pytest.mark.soak
 @pytest.mark.filterwarnings("ignore:adhesion_range")
-def test_estimated_effect_of_adhesion_agrees_with_solutions_of_pairs():
+def test_estimated_effect_of_adhesion_agrees_with_solutions_that_include_adhesion():
     """Compare estimated and solved effects of adhesion of 60 random pairs near the limit of a caveat."""
     random, misjudged_increases, roughness = (
         np.random.default_rng(7),
@@ -319,7 +319,7 @@ def test_estimated_effect_of_adhesion_agrees_with_solutions_of_pairs():
 
 
 @pytest.mark.filterwarnings("ignore:the pull-off force is at least")
-def test_complete_contact_is_reported_as_status_in_text_rows_and_json(tmp_path):
+def test_status_of_complete_contact_is_reported_in_text_and_rows_and_json(tmp_path):
     soft_result = run_pair(
         effective_modulus="2 MPa", load="1 MPa", tau0="0.1 MPa", adhesion_range="25 nm", **ADHESION_OPTIONS
     )

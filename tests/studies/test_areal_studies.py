@@ -147,7 +147,7 @@ def test_stored_areal_study_can_be_read_and_continued(name, tmp_path):
         run(changed_study, store=tmp_path / "r")
 
 
-def test_friction_map_with_both_sliding_rules_equals_the_map_with_each_rule(result):
+def test_friction_map_for_both_sliding_rules_equals_the_separate_maps_for_each_rule(result):
     mean_loads = result["normal_elastic"].mean("repetition")
     load = float(mean_loads.isel({mean_loads.dims[-1]: -2}).min())
     maps = friction_map(result, [load])
@@ -161,7 +161,7 @@ def test_friction_map_with_both_sliding_rules_equals_the_map_with_each_rule(resu
     assert np.array_equal(nondimensional_coefficient.values, maps["friction_coefficient"].values, equal_nan=True)
 
 
-def test_friction_map_of_half_space_study_equals_ratio_of_mean_loads():
+def test_friction_map_of_a_half_space_study_equals_the_ratio_of_mean_loads():
     """Compare with the ratio at solved loads; mu0 = tau0 = 0, so that friction does not change the normal load."""
     dataset = run(HALF_SPACE_STUDY).dataset
     loads = HALF_SPACE_STUDY.contact.loading_steps()
@@ -173,7 +173,7 @@ def test_friction_map_of_half_space_study_equals_ratio_of_mean_loads():
     )
 
 
-def test_stiffness_map_of_half_space_study_equals_derivative_of_approach():
+def test_stiffness_map_of_a_half_space_study_equals_the_derivative_of_load_with_respect_to_approach():
     dataset = run(HALF_SPACE_STUDY.with_changes({"contact.sliding": "all", "contact.direction": 90})).dataset
     loads = HALF_SPACE_STUDY.contact.loading_steps()
     stiffness = stiffness_map(dataset, [loads[1]], mu0=[0.0], tau0=[0.0])["normal_stiffness"].squeeze()

@@ -48,7 +48,7 @@ def rough_surfaces(seed: int = 5, rms: float = 0.01, points: int = 64, refinemen
     )
 
 
-def test_interval_for_exact_inputs_equals_the_sampling_interval() -> None:
+def test_combined_interval_for_exact_inputs_equals_the_confidence_interval_due_to_sampling() -> None:
     result = pair(*rough_surfaces(), load="2 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", **PAIR_OPTIONS)
     assert result.interval == pytest.approx(result.of_positions, rel=1e-9)
     assert result.budget["input"].tolist() == ["positions"]
@@ -56,7 +56,7 @@ def test_interval_for_exact_inputs_equals_the_sampling_interval() -> None:
     assert low < result.of_positions[0] < result.of_positions[1] < high
 
 
-def test_interval_at_a_load_is_independent_of_other_loads() -> None:
+def test_interval_at_a_load_is_independent_of_the_other_requested_loads() -> None:
     result = pair(
         *rough_surfaces(), load=["2 MPa", "4 MPa"], mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa",
         hardness="0.5..1.5 GPa", mechanics="half-space", **PAIR_OPTIONS,
@@ -79,7 +79,7 @@ def test_friction_interval_equals_the_interval_of_mu0_if_only_mu0_is_uncertain()
     assert uniform_result.value == pytest.approx(0.2, rel=1e-3)
 
 
-def test_adhesive_friction_at_interval_ends_is_proportional_to_tau0() -> None:
+def test_adhesive_friction_at_the_ends_of_the_interval_is_proportional_to_tau0() -> None:
     result = pair(
         *rough_surfaces(rms=0.001), load="2 MPa", mu0=0.2, tau0="20..80 MPa", effective_modulus="80 GPa", **PAIR_OPTIONS
     )  # fmt: skip
@@ -143,7 +143,7 @@ def test_hardness_nodes_include_the_hardness_after_a_dwell_and_are_distinct(dwel
 
 
 @pytest.mark.parametrize("infinite", [0, 300, 500])
-def test_interval_ends_equal_quantiles_of_the_samples(infinite) -> None:
+def test_ends_of_the_combined_interval_equal_quantiles_of_the_samples(infinite) -> None:
     samples = np.random.default_rng(3).lognormal(size=2**14)
     samples[:infinite] = np.inf
     method = "inverted_cdf" if infinite else "linear"
@@ -286,7 +286,7 @@ def test_hardness_option_accepts_vickers_and_rockwell_numbers() -> None:
         ({"hardness": "1 GPa", "wait": "1 h", "creep": 5}, "creep must be at most 0.5"),
     ],
 )
-def test_pair_rejects_invalid_ranges_of_inputs(options, pattern) -> None:
+def test_pair_function_rejects_invalid_ranges_of_inputs(options, pattern) -> None:
     with pytest.raises(ValueError, match=pattern):
         pair(
             *rough_surfaces(), **{"load": "2 MPa", "mu0": 0.2, "effective_modulus": "80 GPa", **PAIR_OPTIONS, **options}
@@ -359,7 +359,7 @@ def test_interval_contains_the_friction_coefficient_for_truncated_distributions_
     assert result.interval[0] <= result.value <= result.interval[1]
 
 
-def test_combined_interval_contains_sampling_interval_for_random_statistics(monkeypatch) -> None:
+def test_combined_interval_contains_the_confidence_interval_due_to_sampling_for_random_statistics(monkeypatch) -> None:
     monkeypatch.setattr(budget, "MAX_BUDGETED_COEFFICIENTS", 0)  # This saves the time for computing budgets.
     # Replace values by random statistics. Some have a bracket wider than the interval of the inputs.
     random = np.random.default_rng(5)
@@ -443,7 +443,7 @@ CONTAINMENT_INPUTS = (
 
 @pytest.mark.parametrize("inputs", CONTAINMENT_INPUTS)
 @pytest.mark.parametrize("noise", [0.0, 0.1])
-def test_combined_interval_contains_sampling_interval_and_range_for_finer_scans(
+def test_combined_interval_contains_the_confidence_interval_due_to_sampling_and_the_range_for_finer_scans(
     inputs: dict[str, Any], noise: float
 ) -> None:
     """Check the nested intervals of pairs with and without noise; the value must not be close to an end."""

@@ -83,7 +83,7 @@ def test_calibration_with_a_parameter_at_its_bound_agrees_with_brute_force_integ
     assert interface.tau0[1] == 0.0
 
 
-def test_common_error_widens_the_interval_of_the_determined_combination_of_mu0_and_tau0() -> None:
+def test_common_error_of_tests_widens_the_interval_of_the_combination_of_mu0_and_tau0_that_they_determine() -> None:
     tests = simulate_ball_tests()
     narrow_interval, wide_interval = (
         calibrate(tests, common=common, sliding="all").identified for common in (0.0, 0.1)
@@ -106,7 +106,7 @@ def test_friction_tests_on_a_single_pair_determine_only_a_combination_of_mu0_and
     assert interface.excluded == ()
 
 
-def test_calibration_advice_predicts_the_errors_after_ball_tests_over_two_decades_of_load() -> None:
+def test_calibration_advice_predicts_the_errors_that_remain_after_ball_tests_with_a_hundredfold_range_of_load() -> None:
     curve = compute_rough_load_curve(0.02, 1)
     tests = [FrictionTest(curve, load, coefficient=0.3, uncertainty=0.009) for load in curve.load]
     interface = calibrate(tests)
@@ -271,7 +271,7 @@ def test_prediction_for_the_tested_pair_omits_the_error_of_its_contact_area() ->
     assert np.ptp(prediction_for_other_pair[1:]) > 2 * np.ptp(prediction_for_same_pair[1:])
 
 
-def test_prediction_interval_includes_samples_with_mu0_at_its_bound(tmp_path) -> None:
+def test_prediction_interval_includes_samples_with_mu0_at_the_lower_bound(tmp_path) -> None:
     tests = simulate_ball_tests(mu0=0.0, seed=11)
     interface = calibrate(tests, common=0.0, sliding="all")
     assert interface.mu0[1] == 0.0
@@ -289,12 +289,12 @@ def test_prediction_interval_includes_samples_with_mu0_at_its_bound(tmp_path) ->
         assert strength.tau0[2] >= np.quantile(tau0_at_bound, 0.975) * 0.999999
 
 
-def test_calibration_with_mu0_fixed_at_zero_reports_no_samples_at_bounds() -> None:
+def test_calibration_with_mu0_fixed_at_zero_reports_no_samples_at_the_lower_bound() -> None:
     interface = calibrate(simulate_ball_tests(mu0=0.0), common=0.0, mu0=0.0, sliding="all")
     assert interface.samples_at_bounds == ()
 
 
-def test_error_of_area_ratio_between_hardnesses_is_the_standard_error_over_members() -> None:
+def test_error_of_the_area_ratio_between_two_hardnesses_is_the_standard_error_over_members() -> None:
     tested_pair = pair(*rough_surface_pair(0.03), hardness="0.5..1.5 GPa", **PAIR_OPTIONS)
     test = FrictionTest(tested_pair, "20 MPa", coefficient=0.25, uncertainty=0.0025)
     area_factor = test.area_factor
@@ -329,7 +329,7 @@ def test_unknown_uncertainties_of_friction_tests_are_estimated_from_their_scatte
     assert 0.5 < ratio < 2.5
 
 
-def test_friction_tests_without_sliding_count_as_lower_bounds() -> None:
+def test_friction_tests_without_sliding_are_treated_as_lower_bounds() -> None:
     sliding_tests = simulate_ball_tests()
     identified_values = calibrate(sliding_tests[:2], sliding="all").identified
     level = sliding_tests[0].coefficient * 1.05
@@ -415,7 +415,7 @@ def test_calibration_with_junction_growth_agrees_with_a_brute_force_calculation(
         assert value_and_interval == pytest.approx(expected, abs=2 * SAMPLING_TOLERANCE * np.ptp(expected[1:]))
 
 
-def test_friction_tests_on_ball_and_plastic_pair_determine_junction_growth() -> None:
+def test_friction_tests_on_both_a_ball_and_a_plastic_pair_determine_junction_growth() -> None:
     interface = calibrate(simulate_junction_growth_tests("0..27", 9.0), common=0.0, sliding="all")
     low, middle, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.5, 0.975])
     assert low < 9.0 < high
@@ -614,7 +614,7 @@ def simulate_coverage(kind: str, count: int) -> np.ndarray:
     return np.array(is_covered)
 
 
-def test_predictions_from_ball_tests_cover_true_friction() -> None:
+def test_predictions_from_ball_tests_contain_the_true_friction() -> None:
     assert (
         simulate_coverage("ball", 40)[:, 1].sum() >= 34
     )  # At a coverage of 95 %, the probability of fewer than 34 of 40 is 0.4 %.
@@ -622,14 +622,14 @@ def test_predictions_from_ball_tests_cover_true_friction() -> None:
 
 @pytest.mark.soak
 @pytest.mark.parametrize("kind", FRICTION_TEST_SERIES)
-def test_predictions_cover_true_friction_for_every_kind_of_test_series(kind: str) -> None:
+def test_predictions_contain_the_true_friction_for_every_kind_of_test_series(kind: str) -> None:
     coverage = simulate_coverage(kind, 300).mean(axis=0)
     print(kind, coverage.round(3))
     assert coverage[1] > 0.92
     assert coverage.min() > 0.9
 
 
-def test_calibration_intervals_agree_with_intervals_computed_by_minos() -> None:
+def test_calibration_intervals_agree_with_intervals_by_the_minos_algorithm() -> None:
     iminuit = pytest.importorskip("iminuit")
     tests = simulate_ball_tests(seed=5)
 

@@ -44,7 +44,7 @@ def test_dask_workers_and_threads_give_bit_identical_results(scheduler, tmp_path
     assert not list(tmp_path.rglob("*.partial"))
 
 
-def test_tasks_of_a_killed_worker_are_computed_again_by_another_worker(scheduler, tmp_path, monkeypatch):
+def test_tasks_of_a_killed_worker_are_repeated_by_another_worker(scheduler, tmp_path, monkeypatch):
     study = STUDY.with_changes({"surfaces.fractal_dimension.count": 12})
     with (
         distributed.Client(scheduler, set_as_default=False) as client,

@@ -29,7 +29,9 @@ def profile_study_and_dataset(tmp_path_factory):
     return study, run(study).dataset
 
 
-def test_friction_of_profiles_at_a_load_equals_the_mean_of_press_results_over_positions(profile_study_and_dataset):
+def test_friction_of_profiles_at_a_load_equals_the_mean_over_positions_of_results_from_the_press_function(
+    profile_study_and_dataset,
+):
     study, result = profile_study_and_dataset
     pairs = [load_bodies(study).member(index, 0.0).pair for index in range(12)]
     order = np.argsort(result["x"].values)  # The interval of the mean depends on the order of positions.
@@ -63,7 +65,7 @@ def test_friction_is_equal_for_all_definitions_of_load_at_small_slopes(areal_stu
     }  # fmt: skip
 
 
-def test_friction_of_generated_profiles_at_a_load_equals_friction_map():
+def test_friction_of_generated_profiles_at_a_load_equals_the_friction_map():
     study = Study.named("quick").with_changes({
         "ensemble.repetitions": 4, "surfaces.points": 4000, "surfaces.fractal_dimension": [1.1, 1.3],
     })  # fmt: skip
@@ -139,7 +141,7 @@ def test_axis_of_motion_consists_of_two_opposite_directions():
     assert find_axes_with_both_directions(np.array([0.0, 45.0]))[0].size == 0
 
 
-def test_unreached_loads_have_status_not_reached(areal_study_and_dataset, profile_study_and_dataset):
+def test_unreached_loads_have_the_status_not_reached(areal_study_and_dataset, profile_study_and_dataset):
     for _, result in (areal_study_and_dataset, profile_study_and_dataset):
         highest = float(result["load"][-1])
         table = at_load(result, [2 * highest])
@@ -160,7 +162,7 @@ def test_member_without_solution_at_a_load_is_omitted_from_the_mean(areal_study_
 
 
 @pytest.mark.parametrize("reading", ["elastic", "normal"])
-def test_unsolved_load_is_reported_instead_of_interpolated(areal_study_and_dataset, reading):
+def test_unsolved_load_has_the_status_not_solved_and_no_interpolated_value(areal_study_and_dataset, reading):
     _, result = areal_study_and_dataset
     step = 1
     incomplete = result.copy(deep=True)

@@ -104,7 +104,7 @@ def test_fit_of_laws_recovers_exact_power_laws(dataset):
     assert result["stiffness_exponent"].values == pytest.approx(1)
 
 
-def test_friction_table_interval_half_width_is_2_to_14_times_the_standard_error(dataset, table):
+def test_half_width_of_intervals_in_the_friction_table_is_2_to_14_times_the_standard_error(dataset, table):
     """Compare the upper half-width with the standard error of the coefficients of the pairs."""
     friction = table["friction_coefficient"].isel(hurst_exponent=0, rms=0, mu0=0, tau0=0, pressure=3).sel(sliding="all")
     mean, lower, upper = friction.values
@@ -176,13 +176,13 @@ def test_table_command_rejects_invalid_options(tmp_path, changes, message):
         ({"shortest_wavelength": 100}, "must be below the longest wavelength"),
     ],
 )  # fmt: skip
-def test_friction_table_study_rejects_impossible_values_without_mentioning_pydantic(arguments, message):
+def test_study_of_a_friction_table_rejects_impossible_values_without_mentioning_pydantic(arguments, message):
     with pytest.raises(ValueError, match=message) as error:
         table_study(**arguments)
     assert "pydantic" not in str(error.value)
 
 
-def test_friction_table_study_accepts_single_numbers_instead_of_lists():
+def test_study_of_a_friction_table_accepts_single_numbers_instead_of_lists():
     assert table_study(rms=0.03, mu0=0.3, hurst_exponents=0.8) == table_study(
         rms=[0.03], mu0=[0.3], hurst_exponents=[0.8]
     )

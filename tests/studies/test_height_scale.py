@@ -83,7 +83,7 @@ def test_result_at_height_scale_1_equals_the_unscaled_result(result):
         )
 
 
-def test_contact_area_of_plastic_contacts_equals_load_over_hardness_at_every_height_factor(bodies):
+def test_area_of_plastic_contacts_equals_load_divided_by_hardness_at_every_height_factor(bodies):
     computed = pair(*bodies, **PAIR_OPTIONS | {"hardness": "0.1 GPa"})
     table = computed.at(height_scale=[0.5, 1, 4], compute=True)
     assert mean_values(table["contact_area_fraction"]) == pytest.approx(0.02 / 0.1, rel=0.02)
@@ -162,7 +162,7 @@ def test_spectrum_is_scaled_by_the_square_of_the_height_factor():
 
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
-def test_profile_heights_can_be_scaled_in_both_contact_models(mechanics):
+def test_heights_of_profiles_can_be_scaled_in_both_contact_models(mechanics):
     profiles = [self_affine(2, hurst_exponent=0.8, rms=0.05, points=600, spacing=0.05, side=side) for side in
              ("upper", "lower")]  # fmt: skip
     kwargs = {
@@ -242,7 +242,7 @@ def test_interpolation_next_to_an_unsolved_height_factor_is_nan():
 # ---- Input -----------------------------------------------------------------------------------------------------------
 
 
-def test_height_factors_can_be_given_as_numbers_lists_and_ranges():
+def test_height_factors_can_be_given_as_numbers_or_lists_or_ranges():
     assert parse_height_factors("0.5..2").tolist() == [0.5, 0.707107, 1.0, 1.41421, 2.0]
     assert parse_height_factors("0.3 .. 0.6").tolist() == [0.3, 0.353553, 0.5, 0.6]
     assert parse_height_factors("2,0.5,1").tolist() == parse_height_factors([2, 0.5, 1]).tolist() == [0.5, 1.0, 2.0]
@@ -276,7 +276,7 @@ def test_height_factors_outside_the_allowed_range_are_rejected(factors):
         parse_height_factors(factors)
 
 
-def test_height_scale_rejects_unsuitable_results_and_invalid_options(bodies, result):
+def test_scaling_of_heights_rejects_unsuitable_results_and_invalid_options(bodies, result):
     with pytest.raises(ValueError, match="two measured surfaces, got generated surfaces"):
         scale_study_heights(TINY_STUDY, 2.0, "both")
     gap = pair(gap=bodies[0], **{name: value for name, value in PAIR_OPTIONS.items() if name != "shifts"})

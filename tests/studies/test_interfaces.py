@@ -165,7 +165,7 @@ def test_damaged_interface_file_is_reported_by_name_and_is_not_listed(film_file,
     assert [entry["name"] for entry in json.loads(completed.stdout)["interfaces"]] == ["good"]
 
 
-def test_calibration_functions_reject_wrong_types(film_file) -> None:
+def test_calibration_functions_reject_arguments_of_wrong_types(film_file) -> None:
     for function, pattern in (
         (lambda: calibrate(5), "tests must be a sequence of FrictionTest"),
         (lambda: calibrate([5]), "tests must be a sequence of FrictionTest"),

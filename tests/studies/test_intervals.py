@@ -37,7 +37,7 @@ DEFAULT_CASES = ((16, 0.8), (64, 0.4), (200, 0.0))  # The other cases run only i
     ],
 )
 @pytest.mark.parametrize("distribution", ["half zeros", "bounded", "lognormal 0.5"])
-def test_interval_for_correlated_neighboring_values_covers_the_true_mean_and_is_narrow(
+def test_interval_for_correlated_neighboring_values_contains_the_true_mean_and_is_narrow(
     distribution, positions, correlation
 ):
     random = np.random.default_rng([positions, int(10 * correlation)])
@@ -84,7 +84,7 @@ def test_interval_for_correlated_neighboring_values_agrees_with_a_dense_matrix_c
 
 
 @pytest.mark.parametrize("distribution", ["half zeros", "lognormal 0.5", "bounded"])
-def test_mean_of_neighboring_values_is_equivariant_under_scaling_shift_and_reversal(distribution):
+def test_mean_of_neighboring_values_is_equivariant_under_scaling_and_shifting_and_reversal(distribution):
     values = simulate_correlated_positions(distribution, 1, 24, 0.4, np.random.default_rng(3))[0]
     expected = np.array(average_correlated_values(values))
     np.testing.assert_allclose(average_correlated_values(1e9 * values), 1e9 * expected, rtol=1e-9)
@@ -120,7 +120,7 @@ def test_mean_of_too_few_or_identical_neighboring_values_has_no_interval():
 # ---- average_independent_values --------------------------------------------------------------------------------------
 
 
-def test_sample_mean_interval_has_nominal_coverage():
+def test_interval_of_a_sample_mean_has_nominal_coverage():
     generator = np.random.default_rng(11)
     mean, lower, upper = average_independent_values(5 + generator.normal(size=(8, 4000)))
     # The coverage is 0.95 within three standard errors of 4000 trials.
@@ -128,14 +128,14 @@ def test_sample_mean_interval_has_nominal_coverage():
     assert mean.mean() == pytest.approx(5, abs=0.05)
 
 
-def test_sample_mean_of_values_of_both_signs_has_symmetric_interval():
+def test_interval_of_a_sample_mean_is_symmetric_if_values_have_both_signs():
     mean, lower, upper = average_independent_values(np.array([-1.0, 2.0, 3.0]))
     assert upper - mean == pytest.approx(mean - lower)
     assert lower < 0
 
 
 @pytest.mark.parametrize("count", [4, 8, 16])
-def test_interval_of_exponential_sample_mean_is_positive_and_covers_the_mean(count):
+def test_interval_of_a_mean_of_exponential_samples_is_positive_and_contains_the_true_mean(count):
     mean, lower, upper = average_independent_values(np.random.default_rng(3).exponential(size=(count, 20_000)))
     assert (lower > 0).all()
     symmetric_upper = mean + (mean - lower)  # the interval is skewed towards large values

@@ -101,7 +101,7 @@ def test_contact_area_and_stiffness_before_shear_are_independent_of_junction_gro
         assert growth_result.at()[name].equals(result_without_growth.at()[name])
 
 
-def test_friction_interval_covers_results_at_both_ends_of_the_junction_growth_range():
+def test_friction_interval_contains_results_at_both_ends_of_the_junction_growth_range():
     result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | INTERFACE_STRENGTH, junction_growth="0..27")
     results_at_ends = [
         pair(*rough_surfaces(), **PLASTIC_OPTIONS | INTERFACE_STRENGTH, junction_growth=value)
@@ -114,7 +114,7 @@ def test_friction_interval_covers_results_at_both_ends_of_the_junction_growth_ra
     assert result.budget["input"].iloc[0] == "the junction growth α"
 
 
-def test_interface_stronger_than_the_bulk_gives_status_seizure():
+def test_interface_stronger_than_the_bulk_gives_the_status_seizure():
     result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | {"mu0": 0.2, "tau0": 0.11}, junction_growth=27)
     assert (result.at()["status"] == "seizure").all()
     assert np.isnan(result.value)
@@ -122,14 +122,14 @@ def test_interface_stronger_than_the_bulk_gives_status_seizure():
 
 
 @pytest.mark.parametrize(("tau0", "has_end"), [("60..90 MPa", True), ("70..130 MPa", False)])
-def test_interval_has_no_upper_end_if_many_samples_seize(tau0, has_end):
+def test_friction_interval_has_no_upper_end_if_seizure_occurs_in_many_samples(tau0, has_end):
     result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | {"mu0": 0.2, "tau0": tau0}, junction_growth="20..27")
     assert np.isfinite(result.interval[1]) == has_end
     assert np.isfinite(result.interval[0])
     assert (result.at()["status"] == "ok").all()
 
 
-def test_budget_includes_junction_growth_if_few_samples_seize():
+def test_uncertainty_budget_includes_junction_growth_if_seizure_occurs_in_few_samples():
     result = pair(
         *rough_surfaces(),
         **PLASTIC_OPTIONS | INTERFACE_STRENGTH | {"hardness": "0.23..1.7 GPa"},
@@ -167,7 +167,7 @@ def test_junction_growth_is_included_for_metals_by_default(upper, lower, text):
     ({"junction_growth": 9, "work_of_adhesion": "50 mJ/m^2"}, "work_of_adhesion"),
     ({"junction_growth": float("nan")}, "junction_growth"),
 ])  # fmt: skip
-def test_pair_rejects_invalid_values_of_junction_growth(arguments, term):
+def test_pair_function_rejects_invalid_values_of_junction_growth(arguments, term):
     with pytest.raises(ValueError, match=term):
         pair(*rough_surfaces(), **PLASTIC_OPTIONS | INTERFACE_STRENGTH | arguments)
 

@@ -67,7 +67,7 @@ def result(profile_pair):
 
 @pytest.mark.parametrize("shear", ["+x", "-x"])
 @pytest.mark.parametrize("offset", [0.0, 4.0, 10.0])
-def test_pair_and_press_give_equal_results_for_profiles_at_each_position(profile_pair, result, shear, offset):
+def test_functions_pair_and_press_give_equal_results_for_profiles_at_each_position(profile_pair, result, shear, offset):
     upper, lower = profile_pair
     counterface = cropped(lower, offset, offset + 20)
     model = {"detection": "gap-minimum", "shear": shear}
@@ -160,7 +160,7 @@ def test_stiffness_of_two_arcs_equals_hertz_solution(create_circular_arc):
     np.testing.assert_allclose(member["normal_stiffness"], 1.5 * load / overlap, rtol=1e-4)
 
 
-def test_dataset_of_member_values_has_units_names_and_history(result):
+def test_dataset_of_member_values_has_units_and_names_and_a_history(result):
     members = result.at(per_member=True)
     assert members["contact_area"].attrs["units"] == "um^2"
     assert members["normal_stiffness"].attrs["units"] == "mN/um"
@@ -220,7 +220,7 @@ def test_nondimensional_values_require_a_modulus_and_known_units(result):
 # ---- Statuses and means ----------------------------------------------------------------------------------------------
 
 
-def test_positions_without_result_have_a_status_and_are_omitted_from_the_mean():
+def test_positions_without_a_result_have_a_status_and_are_omitted_from_the_mean():
     x = np.arange(2001) * 0.01 - 10.0
     flat, ball = Profile(np.zeros(2001), spacing=0.01), Profile(-0.05 * x**2, spacing=0.01)
     reached_result = run_pair(flat, ball, [1e-3, 1e9], mu0=0.3)
@@ -367,7 +367,7 @@ def test_pairing_of_lines_replaces_the_selected_profile_by_surrogates():
         ({"direction": [0]}, "direction is for areas"),
     ],
 )
-def test_pair_rejects_invalid_positions_of_profiles(profile_pair, arguments, pattern):
+def test_pair_function_rejects_invalid_positions_of_profiles(profile_pair, arguments, pattern):
     upper, lower = profile_pair
     options = {"load": [0.01], "mu0": 0.3, "effective_modulus": 10.0, "positions": [0.0]} | arguments
     with pytest.raises(ValueError, match=pattern):
@@ -399,7 +399,7 @@ def two_rough_profiles():
     )
 
 
-def test_opposing_load_fraction_equals_the_sum_over_contacts():
+def test_load_fraction_of_opposing_contacts_equals_the_sum_over_contacts():
     upper, lower = two_rough_profiles()
     slider = cropped(upper, 0, 15)
     result = read_member_values(run_pair(slider, lower, [0.3], mu0=0.3, positions=[1.0])).isel(x=0, load=0)
@@ -427,7 +427,7 @@ def small_pair():
 
 
 @pytest.mark.parametrize("sliding", ["opposing", "all"])
-def test_half_plane_values_at_positions_equal_half_space_solutions(small_pair, sliding):
+def test_results_of_the_half_plane_model_at_each_position_equal_half_space_solutions(small_pair, sliding):
     upper, lower = small_pair
     model = {"mechanics": "half-space", "effective_modulus": 8.0}
     result = run_pair(upper, lower, LOADS, positions=[0.0, 2.5], **INTERFACE_OPTIONS, **model)
@@ -466,6 +466,6 @@ def test_half_plane_values_at_positions_equal_half_space_solutions(small_pair, s
         ({"mechanics": "half-space", "law": "hertz-cylinder"}, "law is for mechanics asperities"),
     ],
 )
-def test_pair_of_profiles_rejects_unknown_mechanics_and_a_contact_law_for_half_spaces(small_pair, arguments, pattern):
+def test_pair_function_rejects_unknown_mechanics_and_a_contact_law_for_half_spaces(small_pair, arguments, pattern):
     with pytest.raises(ValueError, match=pattern):
         pair_study(*small_pair, load=LOADS, effective_modulus=10.0, **INTERFACE_OPTIONS, **arguments)

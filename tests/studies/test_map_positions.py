@@ -120,7 +120,7 @@ class TestListedPositions:
         assert result.dataset.attrs["shape"].tolist() == [64, 80]
         assert result.dataset.sizes["repetition"] == 1
 
-    def test_positions_can_be_given_as_lists_strings_or_arrays(self):
+    def test_positions_can_be_given_as_lists_or_strings_or_arrays(self):
         upper, lower = self.create_maps()
         studies = [
             pair_study(upper, lower, load=[0.1], mu0=0.3, effective_modulus=10.0, positions=positions)
@@ -140,12 +140,12 @@ class TestListedPositions:
             ({"direction": "north"}, "direction"),
         ],
     )
-    def test_pair_rejects_invalid_positions_for_maps(self, changes, pattern):
+    def test_pair_function_rejects_invalid_positions_for_maps(self, changes, pattern):
         options = {"load": [0.1], "mu0": 0.3, "effective_modulus": 10.0}
         with pytest.raises(ValueError, match=pattern):
             stiction.pair(*self.create_maps(), **options | changes)
 
-    def test_pair_of_map_and_profile_presses_lines_of_the_map_at_positions(self):
+    def test_lines_of_a_map_are_pressed_on_a_profile_at_given_positions(self):
         upper, lower = self.create_maps()
         options = {"lines": 2, "positions": [0.0, 0.8]}
         study = pair_study(upper, lower.row(0), load=[0.01], mu0=0.3, effective_modulus=10.0, **options)
@@ -300,12 +300,12 @@ def cut_middle(body):
         ({"mechanics": "asperities", "hardness": 1.0}, "hardness is for mechanics half-space"),
     ],
 )
-def test_pair_rejects_invalid_input_for_maps(changes, pattern):
+def test_pair_function_rejects_invalid_input_for_maps(changes, pattern):
     with pytest.raises(ValueError, match=pattern):
         stiction.pair(*surface_pair(), **{"load": [0.1], "mu0": 0.3, "effective_modulus": 10.0} | changes)
 
 
-def test_pair_rejects_maps_that_are_too_small():
+def test_pair_function_rejects_maps_that_are_too_small():
     small = Surface(np.zeros((MIN_PIECE_SIDE_POINTS, 30)), spacing=1.0)
     with pytest.raises(ValueError, match="overlap in at least 16 rows and columns"):
         pair_study(small, small, load=[0.1], mu0=0.3, effective_modulus=10.0)

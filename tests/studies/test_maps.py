@@ -38,14 +38,14 @@ def test_friction_map_interpolates_loads_linearly_in_the_approach():
     assert np.allclose(values, [0.5, 1.0 / 1.5, 0.75, 1.6 / 3, 1.7 / 4], rtol=ROUND_OFF)
 
 
-def test_friction_map_is_ratio_of_means_that_include_members_without_contact():
+def test_friction_map_is_the_ratio_of_mean_loads_over_all_members_including_those_without_contact():
     result = create_result([[1.0, 3.0], [0.0, 1.0], [0.0, 0.0]], [[0.9, 0.9], [0.0, 0.6], [0.0, 0.0]])
     # The mean normal loads are 1/3 and 4/3, and the mean tangential loads are 0.3 and 0.5.
     values = compute_friction_map(result, [4 / 3])["friction_coefficient"].values
     assert np.allclose(values, [0.5 / (4 / 3)], rtol=ROUND_OFF)
 
 
-def test_friction_map_uses_the_first_upward_crossing_of_the_load():
+def test_friction_map_uses_the_first_approach_at_which_the_rising_load_reaches_the_requested_load():
     result = create_result([1.0, 3.0, 2.0, 5.0], [0.1, 0.3, 0.8, 5.0])
     assert np.allclose(compute_friction_map(result, [2.5])["friction_coefficient"], [0.25 / 2.5], rtol=ROUND_OFF)
     # The first upward crossing may follow a range of negative load.

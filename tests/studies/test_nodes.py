@@ -34,7 +34,7 @@ def analytic_friction(mu0, tau0):
 
 
 @pytest.mark.parametrize("power", [0, 1, 2, 3])
-def test_report_interpolation_reproduces_cubic_polynomials_exactly(power):
+def test_interpolation_in_a_report_reproduces_cubic_polynomials_exactly(power):
     mu0, tau0 = create_grid()
     table = (mu0 + 0.3) ** power * (tau0 - 0.1) ** power
     for point in ((0.07, 0.015), (0.3, 0.07), (0.99, 0.199), (0.25, 0.13)):
@@ -43,7 +43,7 @@ def test_report_interpolation_reproduces_cubic_polynomials_exactly(power):
         )
 
 
-def test_report_interpolation_is_bilinear_next_to_undefined_nodes():
+def test_interpolation_in_a_report_is_bilinear_next_to_undefined_nodes():
     mu0, tau0 = create_grid()
     table = mu0 + 2 * tau0
     table[-1, -1] = np.nan
@@ -52,7 +52,7 @@ def test_report_interpolation_is_bilinear_next_to_undefined_nodes():
     assert interpolate_table(NODE_AXES, table, 0.6, 0.2) == pytest.approx(1.0)  # This point is a node.
 
 
-def test_node_of_an_uncertain_input_is_used_only_at_values_close_to_it():
+def test_node_of_an_uncertain_input_is_used_only_at_values_close_to_the_node():
     axis = NodeAxis(np.array([0.0, 0.1, 0.3, 0.7, 1.0]), np.array([0.2]))
     assert axis.weights(0.2).tolist() == [0, 0, 0, 0, 0, 1]
     assert axis.weights(0.2001)[-1] == 1
@@ -70,7 +70,7 @@ def test_report_axes_contain_mu0_and_tau0_of_the_study():
     assert tau0.rising[-1] == 0.021  # a study of generated surfaces limits the range of tau0
 
 
-def test_report_axis_of_an_uncertain_input_has_a_separate_node_at_its_value(tmp_path):
+def test_report_axis_of_an_uncertain_input_has_a_separate_node_at_the_value_of_the_input(tmp_path):
     study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path))
     assert [axis.ranged.size for axis in build_initial_axes(study)] == [0, 0]
     text = study.with_changes({"friction.tau0": ["40 MPa"]}).to_toml() + '\n[known]\nmu0 = "0.25..0.35"\n'
@@ -135,7 +135,7 @@ def test_panels_between_nodes_are_not_interpolated_if_errors_exceed_the_printed_
     assert hidden_mu0.max() <= 0.5 + 2 / 20
 
 
-def test_panels_between_nodes_are_interpolated_only_if_errors_in_their_middles_are_small():
+def test_panels_between_nodes_are_interpolated_only_if_the_error_in_the_middle_of_each_panel_is_small():
     """Compare the mask with true errors for an upper end that diverges at large tau0."""
 
     def analytic_friction_with_steep_end(mu0, tau0):

@@ -74,7 +74,7 @@ def test_onset_curve_increases_to_full_slip_at_sliding_load(onset):
     assert onset.attrs["lugre_sigma0_mN_per_um"] > 0
 
 
-def test_onset_displacement_is_finite_for_asperities_but_not_for_half_planes(tmp_path):
+def test_onset_displacement_is_finite_for_asperities_and_undefined_for_half_planes(tmp_path):
     spacing = write_profiles(tmp_path)
     for mechanics, load in (("asperities", "20 uN"), ("half-space", "2 mN")):
         lines = create_study_from_files(tmp_path, "lines", mechanics, spacing=spacing, members=8, load=load)
@@ -137,7 +137,7 @@ def test_slip_map_contains_the_smallest_slip_load_of_each_cell(study, onset, mon
         )
 
 
-def test_onset_of_asperities_lists_every_contact(tmp_path):
+def test_onset_result_of_the_asperity_model_lists_every_contact(tmp_path):
     study = create_study_from_files(tmp_path, mechanics="asperities", spacing=write_maps(tmp_path), members=2)
     result = compute_study_onset(study, members=1)
     pair = load_bodies(study).member(0, 0.0).pair

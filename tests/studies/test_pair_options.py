@@ -30,7 +30,7 @@ def pair_command():
     return group.get_command(group.context_class(group), "pair")
 
 
-def test_generated_signatures_of_pair_match_its_options():
+def test_generated_signatures_of_the_pair_function_match_the_pair_options():
     """Check that packaging/pair_options.py was run after the last change of an option."""
     script = ROOT / "packaging/pair_options.py"
     completed = subprocess.run([sys.executable, script, "--check"], capture_output=True, text=True, check=False)
@@ -60,7 +60,7 @@ def test_groups_of_pair_options_are_disjoint_and_complete():
 
 
 @pytest.mark.parametrize("name", [name for name, option in PAIR_OPTIONS.items() if option.key])
-def test_pair_option_refers_to_an_existing_study_key(name):
+def test_pair_option_refers_to_an_existing_key_of_a_study(name):
     tables = [Study]
     for key_part in PAIR_OPTIONS[name].key.split("."):
         fields = [table.model_fields[key_part] for table in tables if key_part in table.model_fields]
@@ -107,7 +107,7 @@ def test_pair_options_with_value_none_or_false_are_treated_as_not_given():
     assert all(options.option_value(name) is None for name in PAIR_OPTIONS if name != "load")
 
 
-def test_short_help_of_pair_command_lists_thirteen_options_but_not_cutoff(monkeypatch):
+def test_short_help_of_the_pair_command_lists_thirteen_options_without_the_cutoff(monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     pair = pair_command()
     help_text = pair.get_help(pair.context_class(pair, info_name="stiction pair"))
@@ -118,7 +118,7 @@ def test_short_help_of_pair_command_lists_thirteen_options_but_not_cutoff(monkey
     assert "--cutoff" not in help_text
 
 
-def test_long_help_of_pair_command_lists_all_options(capsys):
+def test_long_help_of_the_pair_command_lists_all_options(capsys):
     with pytest.raises(typer.Exit):
         pair_command().make_context("stiction pair", ["--help-all"])
     text = capsys.readouterr().out

@@ -50,7 +50,7 @@ def test_resolution_study_of_a_filtered_study_starts_at_the_cutoff_of_the_filter
     assert cutoff_study.surfaces.cell_coordinates()["cut_off"] == pytest.approx([0.2, 0.4], rel=1e-3)
 
 
-def test_resolution_study_is_none_without_cutoffs_to_compare(study, tmp_path):
+def test_resolution_study_is_none_if_there_are_no_cutoffs_to_compare(study, tmp_path):
     assert build_cutoff_study(Study.named("quick")) is None
     assert build_cutoff_study(study.with_changes({"surfaces.cut_off": ["0 um", "0.3 um"]})) is None
     assert (
@@ -63,7 +63,7 @@ def test_resolution_study_is_none_without_cutoffs_to_compare(study, tmp_path):
     assert build_cutoff_study(small_study) is None
 
 
-def test_resolution_stored_for_another_hardness_is_ignored(study, tmp_path):
+def test_resolution_result_stored_for_another_hardness_is_ignored(study, tmp_path):
     small_study = study.with_changes({"contact.load": ["2 mN"], "ensemble.repetitions": 2})
     compute_missing_blocks(small_study, tmp_path)
     assert evaluate_at_cutoffs(open_stored_result(tmp_path)) is None

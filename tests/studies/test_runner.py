@@ -76,7 +76,7 @@ def test_result_of_a_run_depends_on_every_study_key(result):
         assert changed_sums, key
 
 
-def test_run_gives_bit_identical_results_for_all_executors_and_block_sizes(result, monkeypatch):
+def test_results_are_bit_identical_for_all_executors_and_block_sizes(result, monkeypatch):
     for workers in (1, 2):
         with ThreadPoolExecutor(workers) as pool:
             assert_same_bits(run(RUNNER_STUDY, executor=pool).dataset, result)
@@ -88,7 +88,7 @@ def test_run_gives_bit_identical_results_for_all_executors_and_block_sizes(resul
         assert_same_bits(run(RUNNER_STUDY, executor=InlineExecutor()).dataset, result)
 
 
-def test_run_gives_bit_identical_results_for_all_batch_sizes(result, monkeypatch):
+def test_results_are_bit_identical_for_all_batch_sizes(result, monkeypatch):
     for rows in (1, 3):
         for module in (members, member_solution):
             monkeypatch.setattr(module, "MAX_BATCH_BYTES", rows * 8 * RUNNER_STUDY.surfaces.points)
@@ -112,7 +112,7 @@ def test_memory_of_a_task_is_within_the_documented_limit(monkeypatch, points):
     assert memory.nbytes <= max(2 * batch_bytes + 2 * 8 * points, 32 * points)
 
 
-def test_result_of_a_run_has_study_version_and_units(result):
+def test_result_of_a_run_contains_the_study_and_the_version_and_units(result):
     assert result.attrs["stiction_version"] == stiction.__version__
     assert parse_study_of_dataset(result) == RUNNER_STUDY
     assert all("units" in result[name].attrs and "long_name" in result[name].attrs for name in result.variables)
@@ -137,7 +137,7 @@ def test_run_of_a_study_with_impossible_gamma_raises_value_error():
         run(RUNNER_STUDY.with_changes({"surfaces.gamma": 100.0}))
 
 
-def test_run_rejects_a_result_larger_than_memory(tmp_path, monkeypatch):
+def test_run_function_rejects_a_result_larger_than_memory(tmp_path, monkeypatch):
     monkeypatch.setattr(runner, "compute_member_arrays", lambda *_: pytest.fail("computed"))
     study_of_many_members = RUNNER_STUDY.with_changes({"ensemble.repetitions": 10_000_000})
     with pytest.raises(

@@ -78,7 +78,7 @@ def simulate_coefficient(upper, lower):
 
 
 @pytest.mark.parametrize("spread", [0.0, 0.05, 0.2])
-def test_intervals_from_several_scans_cover_the_true_mean_and_a_single_friction_test(spread) -> None:
+def test_intervals_from_several_scans_contain_the_true_mean_and_the_result_of_a_single_friction_test(spread) -> None:
     rng = np.random.default_rng(2016)
 
     def random_gradients(*shape):
@@ -112,7 +112,7 @@ def test_intervals_from_several_scans_cover_the_true_mean_and_a_single_friction_
 # ---- Pairs of scans --------------------------------------------------------------------------------------------------
 
 
-def test_pair_has_equally_many_members_for_each_combination_of_scans() -> None:
+def test_pair_has_the_same_number_of_members_for_each_combination_of_scans() -> None:
     result = pair(
         [rough_scan(i, "upper") for i in range(2)],
         [rough_scan(i, "lower") for i in range(4)],
@@ -152,7 +152,7 @@ def test_variability_between_scans_contributes_to_interval_and_budget(spread) ->
     assert low <= result.interval[0] < result.interval[1] <= high
 
 
-def test_pair_accepts_scans_as_a_list_a_directory_or_file_names(tmp_path) -> None:
+def test_pair_function_accepts_scans_as_a_list_or_as_a_directory_or_as_file_names(tmp_path) -> None:
     (tmp_path / "part").mkdir()
     names = []
     for index in range(2):
@@ -171,7 +171,7 @@ def test_pair_accepts_scans_as_a_list_a_directory_or_file_names(tmp_path) -> Non
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="requires named pipes")
-def test_pair_rejects_pipe_in_directory_of_scans(tmp_path) -> None:
+def test_pair_function_rejects_a_directory_of_scans_that_contains_a_pipe(tmp_path) -> None:
     (tmp_path / "part").mkdir()
     for index in range(2):
         write_surface(rough_scan(index, "upper"), tmp_path / "part" / f"a{index}.npy")
@@ -180,7 +180,7 @@ def test_pair_rejects_pipe_in_directory_of_scans(tmp_path) -> None:
         pair(tmp_path / "part", rough_scan(9, "lower"), mechanics="asperities", onset=0, shifts=4, **PAIR_OPTIONS)
 
 
-def test_pair_rejects_scans_with_different_grids_and_identical_scans(tmp_path) -> None:
+def test_pair_function_rejects_identical_scans_and_scans_with_different_grids(tmp_path) -> None:
     arguments = {"mechanics": "asperities", "onset": 0, **PAIR_OPTIONS}
     with pytest.raises(ValueError, match=r"surfaces.upper: the scans of a part must have the same number of points"):
         pair([rough_scan(1, "upper"), rough_scan(2, "upper", points=40)], rough_scan(1, "lower"), **arguments)
@@ -200,7 +200,7 @@ def test_pair_rejects_scans_with_different_grids_and_identical_scans(tmp_path) -
 
 @pytest.mark.soak
 @pytest.mark.parametrize("spread", [0.0, 0.2])
-def test_interval_over_few_scans_covers_the_mean_over_many_scans(spread) -> None:
+def test_interval_from_few_scans_contains_the_mean_over_many_scans(spread) -> None:
     rng = np.random.default_rng(7)
     arguments = {"mechanics": "asperities", "onset": 0, **PAIR_OPTIONS}
 
@@ -221,7 +221,7 @@ def test_interval_over_few_scans_covers_the_mean_over_many_scans(spread) -> None
     assert covered >= 17
 
 
-def test_repeated_extreme_value_adds_a_caveat_unless_accepted_or_declared_missing(tmp_path, monkeypatch):
+def test_repeated_extreme_height_adds_a_caveat_unless_it_is_accepted_or_declared_missing(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     heights = np.cumsum(np.random.default_rng(1).normal(size=400)) * 0.01
     heights[[5, 77]] = -9999

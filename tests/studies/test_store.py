@@ -102,7 +102,7 @@ def test_single_block_can_be_read_as_a_result(folder_copy, uninterrupted_dataset
     assert_same_bits(store.read(find_block_file(folder_copy, 4)), uninterrupted_dataset.isel(repetition=slice(4, 8)))
 
 
-def test_store_preserves_every_bit_of_values(tmp_path, monkeypatch):
+def test_stored_values_are_preserved_bit_for_bit(tmp_path, monkeypatch):
     """Store values with signed zeros, NaN, and the smallest and large numbers."""
     values = itertools.cycle([-0.0, np.nan, 0.0, 5e-324, 1e99])
     shape = run(with_repetitions(1), executor=InlineExecutor()).dataset["contact_area"].values[:, :, 0].shape
@@ -156,7 +156,7 @@ def test_result_larger_than_memory_is_rejected(folder_copy, monkeypatch):
 # ---- Continue and extend -------------------------------------------------------------------------------------------
 
 
-def test_complete_result_is_read_without_any_computation(folder_copy, uninterrupted_dataset, computed_repetitions):
+def test_reading_a_complete_result_computes_nothing(folder_copy, uninterrupted_dataset, computed_repetitions):
     states_before = block_states(folder_copy)
     assert_same_bits(run(TINY_STUDY, store=folder_copy).dataset, uninterrupted_dataset)
     assert block_states(folder_copy) == states_before
@@ -166,7 +166,7 @@ def test_complete_result_is_read_without_any_computation(folder_copy, uninterrup
     assert computed_repetitions == []
 
 
-def test_run_computes_only_missing_blocks(folder_copy, uninterrupted_dataset, computed_repetitions):
+def test_continued_run_computes_only_missing_blocks(folder_copy, uninterrupted_dataset, computed_repetitions):
     for first in (4, 20):
         find_block_file(folder_copy, first).unlink()
     states_before = block_states(folder_copy)
@@ -177,7 +177,9 @@ def test_run_computes_only_missing_blocks(folder_copy, uninterrupted_dataset, co
     assert states_before.items() <= block_states(folder_copy).items()
 
 
-def test_run_with_more_repetitions_computes_only_new_members(tmp_path, uninterrupted_dataset, computed_repetitions):
+def test_continued_run_with_more_repetitions_computes_only_new_members(
+    tmp_path, uninterrupted_dataset, computed_repetitions
+):
     states_before = {}
     for total in (6, 7, 22):
         result = run(with_repetitions(total), store=tmp_path).dataset
@@ -217,7 +219,7 @@ def test_concurrent_writers_store_the_same_result(tmp_path, uninterrupted_datase
 @pytest.mark.parametrize(
     "change", [{"ensemble.seed": 1}, {"surfaces.gamma": 1.6}, {"contact.effective_modulus": "11 GPa"}], ids=str
 )
-def test_run_rejects_the_store_of_another_study_and_names_the_changed_key(folder_copy, change):
+def test_run_function_rejects_the_store_of_another_study_and_names_the_changed_key(folder_copy, change):
     states_before = block_states(folder_copy)
     with pytest.raises(StoreError, match=next(iter(change))):
         run(TINY_STUDY.with_changes(change), store=folder_copy)
@@ -252,7 +254,7 @@ def test_result_is_not_continued_if_its_load_steps_differ_from_those_of_the_stud
         run(with_repetitions(23), store=folder_copy)
 
 
-def test_foreign_study_file_without_blocks_is_not_overwritten(tmp_path, uninterrupted_dataset):
+def test_study_file_written_by_hand_is_not_overwritten_even_without_blocks(tmp_path, uninterrupted_dataset):
     (tmp_path / STUDY_FILE).write_text("# by hand\n" + TINY_STUDY.to_toml())
     with pytest.raises(StoreError, match="contains another study"):
         run(TINY_STUDY.with_changes({"ensemble.seed": 1}), store=tmp_path)
@@ -312,7 +314,7 @@ def test_invalid_block_is_reported_with_a_one_line_error(folder_copy, damage):
     assert len(str(caught.value).splitlines()) == 1
 
 
-def test_foreign_files_are_left_unchanged(folder_copy, uninterrupted_dataset):
+def test_files_of_other_programs_are_left_unchanged(folder_copy, uninterrupted_dataset):
     names = ["notes.txt", "0000004-0000007.nc", "0000007-0000004-00000000.nc", ".hidden", "4-7-00000000.nc"]
     for name in names:
         (folder_copy / BLOCKS_FOLDER / name).write_text("mine")
@@ -408,7 +410,7 @@ def test_block_that_contradicts_its_study_is_reported_with_a_one_line_error(fold
         store.read(folder_copy)
 
 
-def test_units_in_block_files_are_ignored_when_reading(folder_copy, uninterrupted_dataset):
+def test_units_stored_in_block_files_are_ignored(folder_copy, uninterrupted_dataset):
     file = find_block_file(folder_copy, 4)
     with h5py.File(file, "r+") as opened_file:
         opened_file["approach"].attrs["units"] = "seconds since 1970-01-01"
@@ -570,7 +572,7 @@ for step in range(1, 1000):
 """
 
 
-def test_run_resumes_after_kill_at_any_disk_operation(tmp_path, uninterrupted_dataset):
+def test_run_resumes_after_it_was_killed_at_any_disk_operation(tmp_path, uninterrupted_dataset):
     """Kill successive runs at their first, second, ... disk operation, with half of the file written; each resumes."""
     (tmp_path / "s.toml").write_text(TINY_STUDY.to_toml())
     completed = subprocess.run(

@@ -110,7 +110,7 @@ class TestBuiltInStudies:
 class TestStudyChanges:
     """Test `Study.with_changes`."""
 
-    def test_changes_to_a_study_replace_values_named_by_dotted_keys(self):
+    def test_changes_to_a_study_replace_the_values_at_the_given_dotted_keys(self):
         study = Study().with_changes(
             {
                 "ensemble.repetitions": 3, "surfaces.fractal_dimension": [1.2, 1.5], "contact.approach.count": 7,
@@ -237,7 +237,7 @@ class TestStudyKinds:
         restored_study = study.with_changes({"surfaces.kind": "profile", "contact.mechanics": "asperities"})
         assert (restored_study.contact.detection, restored_study.surfaces.gamma) == ("cell", 1.6)
 
-    def test_differences_between_two_kinds_of_studies_list_the_keys_of_both_studies(self):
+    def test_comparison_of_two_kinds_of_studies_lists_the_keys_of_both_studies(self):
         differences_by_key = {
             key: (first_value, second_value)
             for key, first_value, second_value in find_table_differences(Study(), SELF_AFFINE_STUDY)
@@ -256,7 +256,7 @@ class TestStudyKinds:
             (LINE_STUDY, (*SUM_QUANTITIES, "approach"), "load", ["cut_off"]),
         ],
     )
-    def test_kind_of_study_determines_its_sums_step_variable_and_cell_dimensions(self, study, sums, step, cells):
+    def test_kind_of_a_study_determines_its_sums_and_step_variable_and_cell_dimensions(self, study, sums, step, cells):
         assert (study.contact_sum_names(), study.step_quantity, list(study.surfaces.cell_coordinates())) == (
             sums,
             step,
@@ -304,7 +304,7 @@ class TestStudyKinds:
         with pytest.raises(StudyError, match=r"belongs to areas of measured maps, not to lines of measured files"):
             LINE_STUDY.with_changes({"surfaces.rotate": 3.0})
 
-    def test_study_rejects_too_many_combinations_of_load_mu0_and_tau0(self):
+    def test_study_rejects_too_many_combinations_of_loads_with_mu0_and_tau0(self):
         strengths = {
             "friction.mu0": [index / 100 for index in range(100)],
             "friction.tau0": ["0 MPa", "1 MPa", "2 MPa"],
@@ -334,7 +334,7 @@ class TestMeasuredStudies:
         with pytest.raises(StudyError, match=r"contact.load"):
             parse_study(MEASURED_STUDY_TEXT.replace('load = ["1 mN", "10 mN"]', ""), "no load")
 
-    def test_paths_in_a_study_file_are_relative_to_it_and_scans_have_checksums(self, tmp_path, monkeypatch):
+    def test_paths_in_a_study_file_are_relative_to_its_directory_and_scans_have_checksums(self, tmp_path, monkeypatch):
         heights = np.random.default_rng(1).normal(size=(24, 20))
         np.save(tmp_path / "scan.npy", heights)
         text = MEASURED_STUDY_TEXT.replace(
@@ -396,12 +396,12 @@ def test_randomly_mutated_study_file_is_either_read_or_rejected(seed):
     assert num_accepted
 
 
-def test_studies_of_figures_7_and_8_have_the_amplitudes_of_the_paper():
+def test_built_in_studies_of_figures_7_and_8_have_the_amplitudes_of_the_paper():
     for name in ("figure7", "figure8"):
         assert Study.named(name).surfaces.amplitudes().tolist() == [0.05, 0.1, 0.2]
 
 
-def test_study_of_figure_5_has_mu0_and_tau0_of_the_paper():
+def test_built_in_study_of_figure_5_has_mu0_and_tau0_of_the_paper():
     friction = Study.named("figure5").friction
     assert friction.mu0 == (0.4,)
     assert [float(tau0) for tau0 in friction.tau0] == [0.01]
@@ -425,7 +425,7 @@ class TestRequestedLoads:
         )
         assert study.contact.loading_steps()[0] == 0.05, "given loads of the curve are unchanged"
 
-    def test_solved_loads_stay_below_hardness_times_area(self):
+    def test_solved_loads_stay_below_the_product_of_hardness_and_area(self):
         study_with_hardness = self.LISTED_LOADS_STUDY.with_changes(
             {"contact.hardness": "60 MPa", "contact.load": ["4 mN"]}
         )

@@ -24,7 +24,7 @@ def test_stored_study_of_each_kind_is_read_and_written_unchanged(case_name):
     assert pickle.loads(pickle.dumps(study)) == study
 
 
-def test_stored_study_with_key_of_another_contact_model_is_rejected():
+def test_stored_study_with_a_key_of_another_contact_model_is_rejected():
     text = STORED_STUDIES["half-space_of_measured_areas"].replace("[friction]", 'law = "hertz-sphere"\n\n[friction]')
     with pytest.raises(StudyError) as caught:
         parse_study(text, STUDY_FILE)

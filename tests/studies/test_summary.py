@@ -60,7 +60,7 @@ def call_counts(surface_folder):
     return counts
 
 
-def test_pair_computes_summary_uncertainty_and_input_caveats_only_once(call_counts):
+def test_pair_function_computes_the_summary_and_the_uncertainty_and_input_caveats_only_once(call_counts):
     assert call_counts == {"summarize": 1, "add_uncertainty": 1, "find_study_caveats": 1}
 
 
@@ -98,7 +98,7 @@ def test_summary_at_another_mu0_has_a_combined_interval_and_input_caveats(surfac
     assert set(expected_caveats) <= {caveat.text for caveat in point.caveats}
 
 
-def test_means_of_member_values_equal_means_of_the_result(surface_folder, call_counts):
+def test_averages_of_member_values_equal_the_mean_values_of_the_result(surface_folder, call_counts):
     result = open_result(surface_folder / "pair")
     members = result.at("20 MPa", per_member=True)
     means = result.at("20 MPa")
@@ -110,7 +110,7 @@ def test_means_of_member_values_equal_means_of_the_result(surface_folder, call_c
         result.at("20 MPa", per_member=True, budget=True)
 
 
-def test_info_and_at_commands_report_equal_assessment_and_caveats(surface_folder, call_counts, monkeypatch, capsys):
+def test_commands_info_and_at_report_the_same_assessment_and_caveats(surface_folder, call_counts, monkeypatch, capsys):
     records = []
     for arguments in (["info", surface_folder / "pair", "--json"], ["at", surface_folder / "pair", "--json"]):
         capsys.readouterr()
@@ -122,7 +122,7 @@ def test_info_and_at_commands_report_equal_assessment_and_caveats(surface_folder
         ]
 
 
-def test_at_command_advises_against_quoting_a_result_of_few_contacts(tmp_path, monkeypatch, capsys):
+def test_command_at_advises_against_quoting_a_result_from_few_contacts(tmp_path, monkeypatch, capsys):
     study = Study.named("quick").with_changes({"ensemble.repetitions": 8, "surfaces.points": 3000})
     run(study, store=tmp_path / "study")
     capsys.readouterr()

@@ -41,7 +41,7 @@ def test_low_pass_filter_equals_locally_weighted_line_fit(points):
     assert np.abs(smoothed_heights - expected).max() < tolerance
 
 
-def test_low_pass_filter_of_a_surface_acts_along_both_axes():
+def test_low_pass_filter_smooths_a_surface_along_both_axes():
     surface = self_affine_map(1, 0.7, (40, 60), spacing=(0.5, 0.25))
     filtered_rows = np.array([weighted_line_by_definition(row, 0.25, 4.0) for row in surface.heights])
     filtered_heights = np.array([weighted_line_by_definition(column, 0.5, 4.0) for column in filtered_rows.T]).T
@@ -74,7 +74,7 @@ def test_low_pass_filter_of_a_periodic_surface_is_isotropic():
 
 
 @pytest.mark.parametrize("wavelength", [0.2, 0.3, 1.0, 13.0])
-def test_low_pass_filter_preserves_lines_and_planes_up_to_the_ends(wavelength):
+def test_low_pass_filter_preserves_straight_lines_and_planes_up_to_the_edges(wavelength):
     x = 0.1 * np.arange(400)
     line = Profile(100 + 3 * x, spacing=0.1)
     plane = Surface(5 - 3 * x[:, np.newaxis] + 2 * x, spacing=0.1)
@@ -82,7 +82,7 @@ def test_low_pass_filter_preserves_lines_and_planes_up_to_the_ends(wavelength):
         assert np.abs(cut_off(body, wavelength).heights - body.heights).max() < ROUND_OFF * 200
 
 
-def test_low_pass_filter_is_linear_symmetric_and_invariant_under_scaling():
+def test_low_pass_filter_is_linear_and_symmetric_and_invariant_under_scaling():
     first_profile, second_profile = rough_profile(1, points=300), rough_profile(2, points=300)
     sum_of_both = cut_off(Profile(first_profile.heights + 2 * second_profile.heights, spacing=0.01), 0.2).heights
     assert sum_of_both == pytest.approx(

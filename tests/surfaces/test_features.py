@@ -15,7 +15,7 @@ from support.rough_surfaces import self_affine_map
 
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("pruning", [0.0, 0.05, 0.2])
-def test_significant_peaks_equal_those_found_by_literal_wolf_pruning(seed, pruning):
+def test_significant_peaks_equal_those_found_by_a_slow_implementation_of_wolf_pruning(seed, pruning):
     heights = self_affine_map(seed, 0.6, (22, 27)).heights
     for sign in (1, -1):
         threshold = pruning * float(np.ptp(heights))
@@ -55,7 +55,7 @@ def test_feature_parameters_count_a_plateau_as_one_peak():
     assert find_significant_peaks(heights, 1.5).size == 1
 
 
-def test_five_point_heights_are_nan_with_fewer_than_five_peaks():
+def test_five_point_heights_are_nan_if_there_are_fewer_than_five_peaks():
     y, x = np.arange(20.0)[:, np.newaxis], np.arange(30.0)
     result = feature_parameters(-((x - 15) ** 2) - (y - 10) ** 2, (1.0, 1.0))
     assert math.isnan(result.peak_height)

@@ -46,7 +46,7 @@ class TestGaussianFilter:
             result = filtered(wave, cutoff=cutoff, kind=kind).heights[middle]
             assert np.abs(result - factor * wave.heights[middle]).max() < 1e-9
 
-    def test_l_filter_removes_lines_and_planes_up_to_the_ends(self):
+    def test_l_filter_removes_straight_lines_and_planes_up_to_the_edges(self):
         x = 0.1 * np.arange(60)
         for body in (Profile(3 + 2 * x, spacing=0.1), Surface(3 + 2 * x + x[:, np.newaxis], spacing=0.1)):
             assert np.abs(filtered(body, cutoff=5.0, kind="L").heights).max() < ROUND_OFF * 100
@@ -108,7 +108,7 @@ class TestRobustFilter:
         assert np.abs(result - form).max() < 3e-3  # limit of three deviations of the noise, which occur at corners
         assert np.abs(linear - form).max() > 0.05
 
-    def test_robust_surface_filter_of_normal_heights_agrees_with_quadratic_fit(self):
+    def test_robust_filter_of_a_surface_with_normally_distributed_heights_agrees_with_a_quadratic_fit(self):
         surface = self_affine_map(1, 0.7, (16, 20), spacing=(0.5, 0.25))
         terms = [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (2, 0)]
         result = filtered(surface, cutoff=4.0, robust=True).heights
@@ -134,7 +134,7 @@ def test_filter_rejects_invalid_arguments(options, message):
         filtered(rough_profile(points=300), **options)
 
 
-def test_filter_accepts_the_complete_length_as_cutoff():
+def test_filter_accepts_a_cutoff_as_long_as_the_profile():
     assert filtered(rough_profile(points=300), cutoff=3.0, kind="L").heights.size == 300
 
 

@@ -21,12 +21,12 @@ def hurst_of_dimension(dimension, convention):
 
 
 class TestRandomPhases:
-    def test_random_phases_equal_recorded_values(self):
+    def test_random_phases_are_reproducible_across_versions(self):
         # The values are recorded. NumPy guarantees raw PCG64 words across versions.
         phases = random_phases(2016, repetition=7, side="upper", directions=2, frequencies=2)
         assert phases.tolist() == RECORDED_PHASES
 
-    def test_random_phases_depend_only_on_seed_repetition_and_side(self):
+    def test_random_phases_depend_only_on_the_seed_and_repetition_and_side(self):
         phases = random_phases(1, repetition=2, side="upper")
         assert phases.shape == (40, 40)
         assert np.array_equal(phases, random_phases(1, repetition=2, side="upper"))
@@ -84,7 +84,7 @@ class TestFractalProfile:
     def test_fractal_profile_starts_at_height_zero(self):
         assert weierstrass_mandelbrot(random_phases(1), 1.5, **SMALL_GRID).heights[0] == pytest.approx(0, abs=1e-13)
 
-    def test_profile_of_classical_dimension_d_equals_profile_of_paper_dimension_1_plus_d_over_2(self):
+    def test_profile_of_classical_dimension_d_equals_profile_of_dimension_1_plus_half_d_in_the_paper(self):
         phases = random_phases(4)
         for dimension in (1.0, 1.3, 1.9):
             classical = weierstrass_mandelbrot(phases, dimension, convention="classical", **SMALL_GRID)

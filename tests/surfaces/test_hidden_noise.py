@@ -47,7 +47,7 @@ class TestNoiseFloorFit:
         assert fit.gain == pytest.approx(0.0, abs=1e-3)
         assert fit.exponents == pytest.approx((2.2,), rel=1e-3)
 
-    def test_gain_of_a_noise_floor_is_the_increase_in_log_likelihood(self):
+    def test_reported_gain_of_a_fitted_noise_floor_is_the_increase_in_log_likelihood(self):
         spectrum = self.create_spectrum(2.2, 1.0, weight=3.0)
         fit = fit_noise_floor([spectrum], exponents=(1.0, 5.0))
 
@@ -71,7 +71,7 @@ def test_hidden_noise_is_not_reported_for_surfaces_without_noise(hurst):
 
 
 @pytest.mark.parametrize(("hurst", "noise_rms"), [(0.6, 0.15), (0.7, 0.1), (0.8, 0.08)])
-def test_hidden_white_noise_is_estimated_if_the_spectrum_has_no_flat_end(hurst, noise_rms):
+def test_hidden_white_noise_is_estimated_even_if_the_spectrum_is_not_flat_at_short_wavelengths(hurst, noise_rms):
     for seed in range(NUM_SURFACES):
         heights, rng = rough_heights(seed, hurst)
         clean_surface, noisy_surface = (

@@ -35,7 +35,7 @@ class TestProfileHurstExponent:
             for case in product((True, False), ({}, BAND), (True, False))
         ],
     )
-    def test_hurst_interval_of_profiles_covers_the_true_exponent(self, periodic, band, arguments):
+    def test_hurst_interval_of_profiles_contains_the_true_exponent(self, periodic, band, arguments):
         num_misses, errors = 0, []
         for case, hurst in enumerate(np.linspace(0.3, 0.9, self.NUM_CASES)):
             profile = rough_profile(11, repetition=case, hurst_exponent=hurst, points=4096, periodic=periodic, **band)
@@ -58,7 +58,7 @@ class TestProfileHurstExponent:
         spectrum = power_spectrum(profile, periodic=True)
         assert np.allclose(result.density(spectrum.wave_number[:-1]), spectrum.density[:-1], rtol=1e-8, atol=0)
 
-    def test_fitted_band_ends_at_roll_off_and_cut_off(self):
+    def test_fitted_band_extends_from_roll_off_to_cut_off(self):
         profile = rough_profile(points=60_000, longest_wavelength=10.0, shortest_wavelength=0.1)
         result = estimate_hurst_exponent(profile)
         # One bin, which is a fifth of the wavelength, is omitted at the edge where the pieces meet.
@@ -87,7 +87,7 @@ class TestProfileHurstExponent:
         assert np.mean([estimate.value for estimate in result]) == pytest.approx(0.3, abs=0.05)
         assert num_covered >= 24  # In a trial, 35 of 40 intervals contained the exponent.
 
-    def test_hurst_estimate_is_invariant_under_tilt_scaling_and_reversal(self):
+    def test_hurst_estimate_is_invariant_under_tilt_and_scaling_and_reversal(self):
         profile = rough_profile(points=4096)
         original_estimate = estimate_hurst_exponent(profile)
         for heights, spacing in (
@@ -110,7 +110,7 @@ class TestProfileHurstExponent:
         result = estimate_hurst_exponent(rough_profile(), band=(0.05, 2.0))
         assert 0.05 <= result.shortest_wavelength < result.longest_wavelength <= 2.0 * (1 + 1e-9)
 
-    def test_hurst_interval_in_a_given_band_covers_the_weierstrass_mandelbrot_exponent(self):
+    def test_hurst_interval_in_a_given_band_contains_the_weierstrass_mandelbrot_exponent(self):
         for dimension in (1.2, 1.6):
             profile = weierstrass_mandelbrot(random_phases(1), dimension, points=50_000)
             result = estimate_hurst_exponent(profile, band=(0.005, 0.9))
@@ -160,7 +160,7 @@ class TestProfileHurstExponent:
             estimate_hurst_exponent(Profile([0.0, 1.0] * 50, spacing=1.0), periodic=True)
 
 
-def test_hurst_caution_reports_wide_interval_and_exponents_outside_0_to_1():
+def test_wide_interval_of_the_hurst_exponent_or_values_outside_0_to_1_cause_a_caution():
     estimate = estimate_hurst_exponent(rough_profile(points=4096))
     assert estimate.caution is None
     assert estimate.interval_classical == (2 - estimate.upper, 2 - estimate.lower)
@@ -195,7 +195,7 @@ class TestSurfaceHurstExponent:
             ),
         ],
     )
-    def test_hurst_interval_of_surfaces_covers_the_true_exponent(self, longest, arguments):
+    def test_hurst_interval_of_surfaces_contains_the_true_exponent(self, longest, arguments):
         misses = 0
         for case, hurst in enumerate(np.linspace(0.3, 0.9, self.NUM_CASES)):
             surface = self_affine_map(case, hurst, longest=longest, whole=2)

@@ -42,7 +42,7 @@ def true_spectrum(complete_surface, wave_number, per_decade):
     ])  # fmt: skip
 
 
-def test_joined_spectrum_agrees_with_spectrum_and_slope_of_the_surface(complete_surface):
+def test_joined_spectrum_agrees_with_the_spectrum_and_the_slope_of_the_surface(complete_surface):
     combined_spectrum = joined_spectrum(scans_of_instruments(complete_surface), per_decade=5)
     is_reliable = combined_spectrum.count > 300
     assert is_reliable.sum() > 5
@@ -90,7 +90,7 @@ def test_joined_spectrum_excludes_wavelengths_limited_by_tip_or_noise(complete_s
     assert arguments.reasons == ("given",)
 
 
-def test_joined_spectrum_is_positive_in_gaps_between_scans(complete_surface):
+def test_joined_spectrum_is_positive_at_wavelengths_between_the_bands_of_the_scans(complete_surface):
     coarse_scan, fine_scan = scans_of_instruments(complete_surface)[:2]
     combined_spectrum = joined_spectrum([coarse_scan, fine_scan], shortest_wavelengths=[1.5, None], per_decade=20)
     joined_with_gap = joined_spectrum([coarse_scan, fine_scan], shortest_wavelengths=[2.5, None], per_decade=10)

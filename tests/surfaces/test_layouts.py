@@ -270,7 +270,7 @@ def read_scan_or_none(path, **options):
 
 @pytest.mark.parametrize("name", EXPORT_FORMATS)
 @pytest.mark.parametrize("encoding", ENCODINGS)
-def test_instrument_map_exports_are_read_exactly_or_rejected_in_any_encoding(tmp_path, name, encoding):
+def test_maps_exported_by_instruments_are_read_exactly_or_rejected_in_any_encoding(tmp_path, name, encoding):
     write, options, variants = EXPORT_FORMATS[name]
     accepted = 0
     for variant in variants:
@@ -302,7 +302,7 @@ def test_instrument_map_exports_are_read_exactly_or_rejected_in_any_encoding(tmp
         {"separator": " ", "comma": False, "head": "# x (µm)  z (µm)"}, {"head": "x;z\nµm;µm"},
     ],
 )  # fmt: skip
-def test_profile_exports_are_read_exactly_or_rejected_in_any_encoding(tmp_path, variant, encoding):
+def test_profiles_exported_by_instruments_are_read_exactly_or_rejected_in_any_encoding(tmp_path, variant, encoding):
     try:
         data = profile_text(**variant).encode(encoding)
     except UnicodeEncodeError:
@@ -339,7 +339,7 @@ def test_layout_parsers_recognise_only_their_own_files():
         ("x (um),Phase\n" + "".join(f"{x},{x % 7}.5\n" for x in range(40)), {"unit": "um"}),
     ],
 )
-def test_heights_in_units_other_than_length_are_rejected(tmp_path, text, options):
+def test_heights_in_units_that_are_not_lengths_are_rejected(tmp_path, text, options):
     (tmp_path / "a.txt").write_text(text, encoding="utf-8")
     assert read_scan_or_none(tmp_path / "a.txt", **options) is None
 
@@ -404,7 +404,7 @@ def test_first_number_with_fewer_decimals_than_the_others_adds_a_caveat(tmp_path
     assert not load_interpreted_file(path, **options).caveats
 
 
-def test_words_in_a_line_of_data_are_rejected_with_the_line_number(tmp_path):
+def test_words_in_a_line_of_data_are_rejected_with_an_error_that_states_the_line_number(tmp_path):
     path = tmp_path / "a.csv"
     lines = [f"{0.5 * at},{z}" for at, z in enumerate(LINE_HEIGHTS)]
     for line_index in (0, 30, 59):
@@ -457,7 +457,7 @@ def test_codes_for_missing_points_are_reported_and_can_be_masked(tmp_path):
         assert load_interpreted_file(path, accept="repeated-extreme,tall").caveats == ()
 
 
-def test_column_of_flags_declares_missing_points(tmp_path):
+def test_flags_in_a_column_mark_missing_points(tmp_path):
     lines = [f"{0.5 * at};{-30 if at in (4, 5) else z};{int(at not in (4, 5))}" for at, z in enumerate(LINE_HEIGHTS)]
     for head in ("X;Y;valid\n[um];[um];[1/0]", "x (um);z (um);Valid"):
         (tmp_path / "a.hfm").write_text("\n".join([head, *lines]))
@@ -531,7 +531,7 @@ def test_height_factor_and_pixel_size_of_a_header_are_applied(tmp_path):
         read_measurement(path, unit="nm")
 
 
-def test_report_on_a_file_states_its_layout_units_and_number_of_points(tmp_path):
+def test_description_of_a_file_states_its_layout_and_unit_and_number_of_points(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text(
         "made by hand\nx (um);z (um)\n" + "\n".join(f"{0.5 * at};{z}" for at, z in enumerate(LINE_HEIGHTS)) + "\nend\n"
@@ -573,7 +573,7 @@ def test_map_written_in_any_format_is_read_with_equal_heights_and_spacing(tmp_pa
 
 
 @pytest.mark.parametrize("name", EXPORT_FORMATS)
-def test_damaged_exports_are_read_or_rejected(tmp_path, name):
+def test_damaged_files_from_instruments_are_read_or_rejected(tmp_path, name):
     write, options, _ = EXPORT_FORMATS[name]
     source = np.random.default_rng(len(name))
     path = tmp_path / "a.txt"
@@ -596,7 +596,7 @@ def test_decimal_numbers_are_converted_with_correct_rounding(tmp_path):
         assert body.heights.tolist() == [float(text) for text in texts]
 
 
-def test_positions_count_as_uniform_if_deviations_are_within_rounding(tmp_path):
+def test_positions_are_accepted_as_uniform_if_deviations_are_within_rounding(tmp_path):
     path = tmp_path / "a.csv"
     for step, form in ((0.5, ".1f"), (0.156245, ".1f"), (0.156245, ".6f")):
         lines = [f"{step * at:{form}},{z}" for at, z in enumerate(np.tile(LINE_HEIGHTS, 20))]
@@ -628,7 +628,7 @@ def lines_in_table_shape(shape, heights):
 
 @pytest.mark.parametrize("shape", ["column", "positions", "triplets", "labelled", "matrix"])
 @pytest.mark.parametrize("declaration", ["factor", "code", "unit", "spacing", "scale", "count"])
-def test_header_declarations_apply_to_tables_of_every_shape(tmp_path, shape, declaration):
+def test_declarations_in_a_header_apply_to_tables_of_every_shape(tmp_path, shape, declaration):
     heights = HEIGHTS.copy()
     heights[2, 3:5] = {"code": 77.25, "count": 0.0}.get(declaration, 1.0)
     line = {
@@ -685,7 +685,7 @@ def test_positions_that_contradict_the_header_are_rejected(tmp_path, shape, decl
         ("Z conversion scale: 2 nm", 2e-3), ("Height multiplier: 2 nm", 2e-3), ("Z scale (nm/count): 2", 2e-3),
     ],
 )  # fmt: skip
-def test_scale_in_a_header_multiplies_heights_only_if_it_describes_a_conversion(tmp_path, line, factor):
+def test_number_labelled_scale_in_a_header_multiplies_heights_only_if_it_describes_a_conversion(tmp_path, line, factor):
     path = tmp_path / "a.txt"
     path.write_text("\n".join([line, *format_rows(HEIGHTS)]))
     if factor is None:
@@ -736,7 +736,7 @@ def test_short_row_above_a_matrix_is_rejected_unless_it_states_the_matrix_size(t
     assert f"line 1 ('{NUM_COLUMNS} {NUM_ROWS}') skipped as a count or a size" in body.history
 
 
-def test_counts_of_missing_points_are_not_read_as_missing_value_codes(tmp_path):
+def test_counts_of_missing_points_are_not_read_as_codes_for_missing_points(tmp_path):
     path, options = tmp_path / "a.txt", {"unit": "um", "spacing": "0.5 um", "missing": "mask"}
     integer_heights = np.round(20 * HEIGHTS)
     number = int(integer_heights[integer_heights > 0][0])
@@ -786,7 +786,7 @@ def table_with_words(separator=",", words=("OK", "NG"), word_column=2, names=Tru
 @pytest.mark.parametrize("separator", [",", ";", "\t", " ", ", "])
 @pytest.mark.parametrize("words", [("OK", "NG"), ("pass", "fail"), ("", "spike"), ("A1", "B2")])
 @pytest.mark.parametrize("word_column", [0, 1, 2])
-def test_error_about_a_table_with_words_names_the_column_of_words(tmp_path, separator, words, word_column):
+def test_error_names_the_table_column_that_contains_words(tmp_path, separator, words, word_column):
     if separator == " " and not words[0]:
         words = ("nan", words[1])
     path = tmp_path / "a.csv"
@@ -804,7 +804,7 @@ def test_error_about_a_table_with_words_names_the_column_of_words(tmp_path, sepa
 
 
 @pytest.mark.parametrize("words", [("OK", "OK"), ("OK", ""), ("OK", "NG")])
-def test_columns_option_skips_a_column_of_words_in_a_table_without_column_names(tmp_path, words):
+def test_columns_option_can_exclude_a_column_of_words_from_a_table_without_column_names(tmp_path, words):
     path = tmp_path / "a.txt"
     path.write_text(table_with_words(";", words, names=False))
     with pytest.raises(FormatError, match=r"words in column 2: 'OK'"):
@@ -812,20 +812,20 @@ def test_columns_option_skips_a_column_of_words_in_a_table_without_column_names(
     assert read_measurement(path, unit="um", columns=[0, 1]).heights.tolist() == LINE_HEIGHTS.tolist()
 
 
-def test_column_of_heights_with_words_is_not_read_as_flags(tmp_path):
+def test_column_that_contains_both_heights_and_words_is_not_read_as_flags(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text(table_with_words(",", ("Err", "Err")))
     assert read_measurement(path, columns=[0, 1], missing_value="Err").heights.tolist() == LINE_HEIGHTS.tolist()
 
 
-def test_word_in_the_last_line_of_a_table_is_rejected_as_not_a_number(tmp_path):
+def test_word_in_the_last_line_of_a_table_is_rejected_because_it_is_not_a_number(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text("\n".join(["x (um),z (um)", *(f"{0.5 * at},{z}" for at, z in enumerate(LINE_HEIGHTS)), "7.0,Err"]))
     with pytest.raises(FormatError, match="'Err' is not a number"):
         read_measurement(path)
 
 
-def test_columns_option_skips_flags_without_a_known_meaning(tmp_path):
+def test_columns_option_can_exclude_a_column_of_flags_without_a_known_meaning(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text(
         "\n".join(["x (um),z (um),flag", *(f"{0.5 * at},{z},{at % 2}" for at, z in enumerate(LINE_HEIGHTS))])
@@ -841,7 +841,7 @@ def test_columns_option_skips_flags_without_a_known_meaning(tmp_path):
     [("sdf", "NumPoints = "), ("sdf", "NumProfiles = "), ("wyko", "X Size\t"), ("wyko", "Y Size\t"),
      ("esri", "ncols "), ("esri", "nrows "), ("spip", "# x-pixels = "), ("spip", "# y-pixels = ")],
 )  # fmt: skip
-def test_counts_in_headers_that_are_not_whole_numbers_are_rejected(tmp_path, name, key, count):
+def test_counts_that_are_not_whole_numbers_are_rejected_in_headers(tmp_path, name, key, count):
     write, options, _ = EXPORT_FORMATS[name]
     lines = [f"{key}{count}" if line.startswith(key) else line for line in write().split("\n")]
     (tmp_path / "a.txt").write_text("\n".join(lines))

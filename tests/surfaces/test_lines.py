@@ -70,7 +70,7 @@ def test_line_roughness_is_invariant_under_levelling():
         assert levelled_result.hurst_exponents == pytest.approx(result.hurst_exponents, abs=1e-6)
 
 
-def test_line_roughness_fits_exponents_of_all_lines_in_a_common_band():
+def test_hurst_exponents_of_all_lines_are_fitted_in_a_common_band():
     hurst = 0.6
     result = line_roughness(surface_of_stacked_rows(hurst, lines=MAX_FITTED_LINES + 9, longest_wavelength=4.0), "x")
     assert result.fitted == MAX_FITTED_LINES == result.hurst_exponents.size
@@ -98,7 +98,7 @@ def test_flat_lines_contribute_to_the_rms_height_but_have_no_hurst_exponent():
     assert (result.Pq, result.Pdq, result.band, result.hurst_exponents.size, result.with_band) == (0, 0, None, 0, 0)
 
 
-def test_line_roughness_has_no_band_if_few_lines_have_a_band():
+def test_line_roughness_has_no_common_band_if_few_lines_have_a_fitted_band():
     waves = np.sin(np.arange(700) / 20) + np.arange(9)[:, np.newaxis]
     result = line_roughness(Surface(waves, spacing=1.0), "x")
     assert result.band is None
@@ -140,7 +140,7 @@ def two_scale_surface(seed=1, points=160):
     return Surface(heights / heights.std(), spacing=1.0)
 
 
-def test_lines_along_both_axes_are_fitted_in_a_common_band(monkeypatch):
+def test_hurst_exponents_of_lines_along_both_axes_are_fitted_in_a_common_band(monkeypatch):
     monkeypatch.setattr(lines, "MAX_FITTED_LINES", 24)
     surface = two_scale_surface()
     roughness_x, roughness_y = lines_along_both(surface)
@@ -161,7 +161,7 @@ def test_lines_along_straight_grooves_have_no_hurst_exponent():
     assert np.isnan(roughness_y.misfit)
 
 
-def test_misfit_is_near_1_for_a_power_law_and_larger_for_a_spectrum_with_a_bend():
+def test_misfit_of_a_power_law_is_near_1_for_a_power_law_spectrum_and_larger_for_a_spectrum_with_a_bend():
     straight_grooves = Surface(
         [
             self_affine(2, hurst_exponent=0.7, rms=0.1, points=512, spacing=1.0, periodic=True, amplitudes="fixed",

@@ -79,7 +79,7 @@ def test_core_material_and_void_volumes_add_up_to_the_core_height(heights):
     assert result.core_material + result.core_void == pytest.approx(upper - lower, rel=1e-12)
 
 
-def test_repr_of_a_parameter_set_shows_units_and_missing_values():
+def test_repr_of_roughness_parameters_shows_units_and_missing_values():
     result = surface_parameters(Surface(np.add.outer(np.zeros(30), np.sin(np.arange(60.0))), spacing=0.5))
     lines = dict(line.strip().split(None, 1) for line in repr(result).splitlines()[1:])
     assert lines["Str"] == "none"

@@ -88,7 +88,7 @@ TEXTS_BY_FORMAT = {
 
 @pytest.mark.parametrize("text", TEXTS_BY_FORMAT.values(), ids=TEXTS_BY_FORMAT.keys())
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])
-def test_profile_read_from_any_text_format_has_equal_heights_and_spacing(write_file, text, encoding):
+def test_profile_written_in_any_text_format_is_read_with_equal_heights_and_spacing(write_file, text, encoding):
     if encoding == "latin-1":
         text = text.replace("μ", "µ")
     profile = read_profile(write_file(text, encoding=encoding))
@@ -97,7 +97,7 @@ def test_profile_read_from_any_text_format_has_equal_heights_and_spacing(write_f
     assert profile.history[0] == "read from scan.csv"
 
 
-def test_reader_requires_units_and_spacings_that_are_not_in_the_file(write_file):
+def test_reader_requires_unit_and_spacing_as_options_if_the_file_does_not_state_them(write_file):
     file_without_units = write_file("0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n")
     assert 'does not contain the unit of its heights; give the unit, as in "um"' in error_message(file_without_units)
     assert read_profile(file_without_units, unit="um").heights.tolist() == HEIGHTS
@@ -117,7 +117,7 @@ def test_reader_requires_units_and_spacings_that_are_not_in_the_file(write_file)
         "Radius: 2.5 µm, ID 3\n", "a text of no use\n", "um\n-----\nx,z\n", "z (um)\n",
     ],
 )  # fmt: skip
-def test_units_elsewhere_in_the_header_do_not_apply_to_columns(write_file, text_above):
+def test_units_of_other_quantities_in_the_header_do_not_apply_to_columns(write_file, text_above):
     data = "0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n"
     assert "does not contain the unit of its heights" in error_message(write_file(text_above + data))
     if "z (um)" not in text_above:
@@ -225,7 +225,7 @@ def test_declared_spacing_that_disagrees_with_positions_is_reported(write_file):
     assert "says" not in read_profile(write_file("Resolution,20 nm\n" + data)).history[1]
 
 
-def test_missing_points_are_interpolated_inside_and_removed_at_the_ends(write_file):
+def test_missing_points_are_interpolated_inside_a_profile_and_removed_at_its_ends(write_file):
     path = write_file("x (um),z (nm)\n0,\n0.1,1000\n0.2,NaN\n0.3,***\n0.4,4000\n0.5,0\n0.6,--\n")
     profile = read_profile(path, missing="interpolate")
     assert profile.heights.tolist() == [1, 2, 3, 4, 0]
@@ -376,7 +376,7 @@ def test_rounded_positions_in_any_column_count_as_uniform(write_file):
 
 
 @pytest.mark.parametrize("separator", [",", ";", "|", "\t"])
-def test_index_column_of_pandas_is_ignored(write_file, separator):
+def test_index_column_written_by_pandas_is_ignored(write_file, separator):
     pandas = pytest.importorskip("pandas")
     frame = pandas.DataFrame({"x (um)": POSITIONS, "z (um)": [*HEIGHTS[:4], np.nan]})
     for table in (frame, frame.rename_axis("index")):
@@ -458,7 +458,7 @@ WORD_TABLES = {
 
 
 @pytest.mark.parametrize("table", WORD_TABLES)
-def test_words_in_workbooks_have_the_same_effect_as_in_text_files(write_file, table):
+def test_words_are_treated_in_workbooks_in_the_same_way_as_in_text_files(write_file, table):
     names, cells = WORD_TABLES[table]
     rows = [names, *([at / 4, *cells(z)] for at, z in enumerate(LONG_HEIGHTS))]
     text = "".join(",".join("" if cell is None else str(cell) for cell in row) + "\n" for row in rows)
@@ -504,7 +504,7 @@ def test_damaged_and_oversized_workbooks_are_rejected(write_file, monkeypatch):
     assert "pip install openpyxl" in error_message(write_file(data, "a.xlsx"))
 
 
-def test_formats_without_channels_reject_the_channel_option(write_file):
+def test_channel_option_is_rejected_for_files_in_formats_without_channels(write_file):
     assert "has no channels, but channel 1 was selected" in error_message(
         write_file(TEXTS_BY_FORMAT["comma"]), channel=1
     )
@@ -522,14 +522,14 @@ def test_channel_of_an_instrument_file_can_be_selected(measured_file_path):
     assert "has no channel 3; the channel numbers are 0 to 2" in error_message(path, read_surface, channel=3)
 
 
-def test_units_of_a_text_file_with_an_unknown_ending_are_read_from_its_header(write_file):
+def test_units_of_a_text_file_with_an_unknown_file_name_extension_are_read_from_the_header(write_file):
     text = "x (um),z (nm)\n0,500\n0.1,-250\n0.2,1000\n0.3,125\n0.4,2000\n"
     file_with_unknown_suffix = write_file(text, "scan.v2")
     assert read_profile(file_with_unknown_suffix).heights.tolist() == HEIGHTS
     assert "declares its heights in nm, but the given unit is um" in error_message(file_with_unknown_suffix, unit="um")
 
 
-def test_registered_reader_reads_files_with_its_suffix(write_file, monkeypatch):
+def test_custom_reader_is_used_for_files_with_the_registered_suffix(write_file, monkeypatch):
     monkeypatch.setitem(READERS, ".dec", lambda data: RawHeights(np.array(data.split(), dtype=float), unit="um"))
     assert read_measurement(write_file("0.5 -0.25 1 0.125 2", "a.DEC"), spacing="1 um").heights.tolist() == HEIGHTS
 
@@ -598,7 +598,7 @@ def test_trailing_data_of_an_npy_file_are_read_only_if_written_by_stiction(write
         read_surface(write_file(npy_bytes(np.eye(4)) + negative_spacing + npy_bytes(np.array([""])), "c.npy"))
 
 
-def test_writing_does_not_overwrite_files_or_leave_partial_files(tmp_path, monkeypatch):
+def test_writing_a_scan_does_not_overwrite_files_or_leave_partial_files(tmp_path, monkeypatch):
     profile = Profile(HEIGHTS, spacing=0.1)
     (tmp_path / "a.csv").write_text("mine", encoding="utf-8")
     for path, message in (
@@ -644,11 +644,11 @@ def npy_bytes(array):
         (b"no such format", "a.abc", "a known format"),
     ],
 )
-def test_scan_files_with_wrong_content_are_rejected(write_file, content, name, message):
+def test_scan_files_with_content_that_is_not_a_scan_are_rejected(write_file, content, name, message):
     assert message in error_message(write_file(content, name))
 
 
-def test_missing_files_directories_and_pipes_are_rejected_as_scans(tmp_path):
+def test_directories_and_pipes_and_missing_files_are_rejected_as_scans(tmp_path):
     assert "No such file" in error_message(tmp_path / "none.csv")
     assert "is a directory" in error_message(tmp_path)
     os.mkfifo(tmp_path / "pipe.csv")  # reading it would block
@@ -773,7 +773,7 @@ def test_x3p_surfaces_and_profiles_are_read(write_file, data_type, max_error):
     assert profile_with_positions.spacing == pytest.approx(0.5)
 
 
-def test_x3p_integers_are_multiplied_by_their_increment(write_file):
+def test_integers_in_an_x3p_file_are_multiplied_by_their_increment(write_file):
     integers_without_increment = x3p_bytes(
         HEIGHTS_IN_METRES, data_type="I", increment=1e-9, replacements=[("<Increment>1e-09</Increment>", "")]
     )
@@ -805,7 +805,7 @@ def test_x3p_profile_that_is_not_along_x_is_rejected(write_file):
     assert "y coordinate varies" in error_message(write_file(stream.getvalue(), "a.x3p"))
 
 
-def test_x3p_heights_agree_with_another_reader(write_file):
+def test_heights_from_an_x3p_file_agree_with_those_of_another_reader(write_file):
     topography = pytest.importorskip("SurfaceTopography")
     path = write_file(x3p_bytes(HEIGHTS_IN_METRES), "a.x3p")
     with topography.open_topography(str(path)) as reader:
@@ -816,7 +816,7 @@ def test_x3p_heights_agree_with_another_reader(write_file):
     assert surface.spacing == pytest.approx(tuple(factor * item for item in reversed(topography_read.pixel_size)))
 
 
-def test_x3p_missing_points_are_reported_and_can_be_interpolated(write_file):
+def test_missing_points_in_an_x3p_file_are_reported_and_can_be_interpolated(write_file):
     is_valid = np.ones(HEIGHTS_IN_METRES.shape, dtype=bool)
     is_valid[2, 4] = False
     path = write_file(x3p_bytes(HEIGHTS_IN_METRES, is_valid=is_valid.ravel()), "a.x3p")
@@ -947,7 +947,7 @@ def test_x3p_file_with_a_document_type_declaration_is_rejected_in_any_encoding(w
     )
 
 
-def test_x3p_archive_larger_than_its_declared_points_is_not_unpacked(write_file):
+def test_x3p_archive_larger_than_required_by_its_number_of_points_is_not_unpacked(write_file):
     # Two archives unpack to 50 MB instead of 432 bytes.
     # One archive declares its true size, and the other archive declares a false size.
     well_declared_archive = x3p_archive(X3P_WITHOUT_CHECKSUM, bytes(50_000_000))
@@ -973,7 +973,7 @@ def test_x3p_archive_larger_than_its_declared_points_is_not_unpacked(write_file)
 
 
 @pytest.mark.parametrize("number", ["1_0e-6", "١e-6", "0x1p-3", "1e", "1,5", "infinity", "--1", "1e-6e"])
-def test_x3p_numbers_must_conform_to_xml_schema(write_file, number):
+def test_numbers_in_an_x3p_file_must_conform_to_xml_schema(write_file, number):
     main_text = X3P_WITHOUT_CHECKSUM.replace("<Increment>1e-06<", f"<Increment>{number}<")
     assert main_text != X3P_WITHOUT_CHECKSUM
     assert "instead of a number" in error_message(write_file(x3p_archive(main_text), "a.x3p"), read_surface)

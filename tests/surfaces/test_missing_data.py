@@ -148,7 +148,7 @@ def test_outlier_detection_finds_spikes_but_no_larger_features(hurst, tmp_path):
 
 
 @pytest.mark.parametrize("shape", [(2000,), (96, 96)])
-def test_outlier_detection_finds_groups_and_edge_points(shape):
+def test_outlier_detection_finds_groups_of_outliers_and_outliers_at_the_edge(shape):
     heights = filtered_noise(np.random.default_rng(1), shape, 0.8)
     mean_difference = float(np.abs(np.diff(heights)).mean())
     spike_indices = [(0,), (400,), (401,), (800,), (802,), (1999,)]
@@ -230,7 +230,7 @@ def test_invalid_mask_is_rejected(mask):
         Profile(np.zeros(4), spacing=1.0, missing=mask)
 
 
-def test_pair_rejects_maps_without_a_position_measured_in_both_maps(complete_surface):
+def test_pair_function_rejects_maps_without_a_position_measured_in_both_maps(complete_surface):
     rows = np.broadcast_to((np.arange(64) % 2 == 0)[:, np.newaxis], (64, 64))
     scan = Surface(complete_surface.heights, spacing=0.1, missing=rows)
     with pytest.raises(ValueError, match="share at least one measured position"):

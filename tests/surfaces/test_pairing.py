@@ -21,7 +21,7 @@ def test_quasi_random_points_are_evenly_spread(dimensions):
 
 
 class TestLinePairs:
-    def test_line_pairs_use_every_line_before_any_line_is_repeated(self):
+    def test_line_pairs_include_every_line_before_a_line_is_repeated(self):
         body = create_surface((30, 64))
         pairs = LinePairs(body, body, level=None, has_several_pairs=True)
         assert pairs.max_pair_count() == 30
@@ -88,18 +88,18 @@ class TestMapPairs:
         squared_residuals = np.linalg.lstsq(plane, height_differences.ravel(), rcond=None)[1]
         assert np.sqrt(squared_residuals / height_differences.size) < 1e-9
 
-    def test_pieces_of_equal_maps_have_three_quarters_of_their_length(self):
+    def test_pieces_paired_from_equal_maps_have_three_quarters_of_the_map_length(self):
         upper, lower = create_surface(side="upper"), create_surface()
         pairs = MapPairs(upper, lower)
         assert pairs.area == pytest.approx(4.8**2)
         assert pairs.used_fractions == pytest.approx((0.5625, 0.5625))
 
-    def test_map_pairs_reject_overlaps_with_too_few_points(self):
+    def test_pairing_of_maps_rejects_overlaps_with_too_few_points(self):
         with pytest.raises(ValueError, match="overlap in at least 16 rows and columns"):
             MapPairs(create_surface((20, 64)), create_surface((20, 64))).pair(0)
 
 
-def test_isotropic_surface_pairs_have_the_length_of_the_shorter_profile():
+def test_pairs_of_isotropic_surfaces_have_the_length_of_the_shorter_profile():
     one, other = (
         self_affine(1, hurst_exponent=0.8, rms=0.05, points=points, spacing=spacing, side=side)
         for points, spacing, side in ((200, 0.02, "upper"), (300, 0.01, "lower"))

@@ -50,7 +50,7 @@ def test_levelling_is_accurate_for_a_large_tilt():
     assert np.abs(levelled(tilted_profile, "line").heights - 1e-3 * profile.heights).max() < 1e-10
 
 
-def test_levelling_rejects_a_trend_meant_for_another_kind_of_body():
+def test_levelling_of_a_profile_rejects_trends_of_surfaces_and_conversely():
     with pytest.raises(ValueError, match=r"trend must be one of 'mean', 'line', .*, got 'plane'"):
         levelled(rough_profile(9), "plane")
     with pytest.raises(ValueError, match=r"trend must be one of 'mean', 'plane', .*, got 'line'"):
@@ -71,7 +71,7 @@ def test_adjacent_crops_joined_together_equal_the_original_profile(points, cut_f
     assert np.array_equal(cropped(profile, 0, profile.extent).heights, profile.heights)
 
 
-def test_crop_starts_at_the_next_grid_point():
+def test_cropped_profile_starts_at_the_next_grid_point():
     profile = Profile(np.arange(10.0), spacing=0.1)
     assert cropped(profile, 0.15, 0.65).heights.tolist() == [2, 3, 4, 5, 6]
     assert cropped(profile, 0.3, 0.7).heights.tolist() == [3, 4, 5, 6]
@@ -88,7 +88,7 @@ def test_crop_starts_at_the_next_grid_point():
         (0, "1", "stop must be a number with a unit"),
     ],
 )
-def test_crop_rejects_positions_outside_the_profile(start, stop, match):
+def test_cropping_rejects_positions_outside_the_profile(start, stop, match):
     with pytest.raises(ValueError, match=match):
         cropped(rough_profile(10), start, stop)
 
@@ -96,7 +96,7 @@ def test_crop_rejects_positions_outside_the_profile(start, stop, match):
 # ---- Turning over ---------------------------------------------------------------------------------------------------
 
 
-def test_flipped_scan_touches_the_original_scan_at_its_peak():
+def test_flipped_scan_touches_the_original_scan_at_the_highest_peak():
     peak_profile = Profile(-np.square(np.linspace(-1, 1, 101)), spacing=0.02)
     contact_table = contacts(flipped(peak_profile), peak_profile, 1e-4, detection="gap-minimum")
     assert contact_table.index.tolist() in (
@@ -109,7 +109,7 @@ def test_flipped_scan_touches_the_original_scan_at_its_peak():
 # ---- A common grid --------------------------------------------------------------------------------------------------
 
 
-def test_common_grid_preserves_the_finer_profile_and_interpolates_the_other():
+def test_common_grid_preserves_the_finer_profile_and_interpolates_the_coarser_profile():
     fine_profile, coarse_profile = rough_profile(100, 0.1), rough_profile(20, 0.25)
     for a, b, fine_index in ((fine_profile, coarse_profile, 0), (coarse_profile, fine_profile, 1)):
         pair = on_common_grid(a, b)
@@ -122,14 +122,14 @@ def test_common_grid_preserves_the_finer_profile_and_interpolates_the_other():
         assert np.abs(shared_heights - coarse_profile.heights[::2]).max() < ROUND_OFF
 
 
-def test_profiles_on_equal_grids_are_unchanged_on_their_common_grid():
+def test_profiles_that_already_have_equal_grids_are_unchanged():
     a, b = rough_profile(30), rough_profile(20)
     common = on_common_grid(a, b)
     assert np.array_equal(common[0].heights, a.heights[:20])
     assert common[1] is b
 
 
-def test_spline_interpolation_error_decreases_with_fourth_power_of_spacing():
+def test_error_of_spline_interpolation_decreases_with_the_fourth_power_of_the_spacing():
     errors = []
     for points in (40, 80):
         coarse_profile = Profile(np.sin(np.arange(points + 1) * 20 / points), spacing=20 / points)

@@ -36,7 +36,7 @@ def test_heights_of_a_profile_are_a_read_only_copy(body):
     ("measure", "compute_amplitude"),
     [("height", np.ptp), ("Ra", lambda y: np.abs(y - y.mean()).mean()), ("Rq", np.std)],
 )
-def test_profile_scaled_to_an_amplitude_has_this_amplitude(measure, compute_amplitude):
+def test_profile_scaled_to_a_given_amplitude_has_this_amplitude(measure, compute_amplitude):
     scaled_profile = Profile(HEIGHTS + 7, spacing=1.0).with_amplitude(0.3, measure)
     assert compute_amplitude(scaled_profile.heights) == pytest.approx(0.3, abs=ROUND_OFF)
     assert scaled_profile.heights.mean() == pytest.approx(0, abs=ROUND_OFF)

@@ -33,7 +33,9 @@ class TestRoughnessParameters:
         assert result.Pku == pytest.approx(1.5, rel=ROUND_OFF)
 
     @pytest.mark.parametrize(("derivative", "order", "factor"), [("neighbours", 2, 24), ("seven-point", 6, 140)])
-    def test_slope_error_of_a_sinusoid_equals_the_error_of_the_difference_formula(self, derivative, order, factor):
+    def test_error_of_the_computed_slope_of_a_sinusoid_equals_the_error_of_the_difference_formula(
+        self, derivative, order, factor
+    ):
         exact_slope = 2 * np.pi / WAVELENGTH * AMPLITUDE / np.sqrt(2)
         for n in (16, 32):
             # The sinusoid is long, so that the six points without a seven-point slope have little weight.
@@ -94,12 +96,12 @@ class TestAgainstSurfaceTopographyPackage:
             return levelled(read_profile(request.getfixturevalue("measured_file_path")("dektak-1.csv")), "line")
         return levelled(rough_profile(), "mean")
 
-    def test_levelling_agrees_with_the_surface_topography_package(self, line_scan_class, measured_file_path):
+    def test_levelling_agrees_with_the_package_surfacetopography(self, line_scan_class, measured_file_path):
         profile = read_profile(measured_file_path("dektak-1.csv"))
         other_profile = line_scan_class(profile.heights.copy(), profile.extent, unit="um").detrend("height")
         assert np.abs(other_profile.heights() - levelled(profile, "line").heights).max() < self.TRANSFORM_TOLERANCE
 
-    def test_height_and_slope_agree_with_the_surface_topography_package(self, line_scan_class, profile):
+    def test_height_and_slope_agree_with_the_package_surfacetopography(self, line_scan_class, profile):
         other_profile = line_scan_class(profile.heights, profile.extent, unit="um")
         parameters = roughness_parameters(profile, derivative="neighbours")
         assert parameters.Pq == pytest.approx(other_profile.rms_height_from_profile(), rel=self.TRANSFORM_TOLERANCE)
@@ -112,7 +114,7 @@ class TestAgainstSurfaceTopographyPackage:
         assert periodic_scan.rms_slope_from_profile() == pytest.approx(expected, rel=self.TRANSFORM_TOLERANCE)
 
     @pytest.mark.parametrize("periodic", [True, False])
-    def test_spectrum_agrees_with_the_surface_topography_package(self, line_scan_class, profile, periodic):
+    def test_spectrum_agrees_with_the_package_surfacetopography(self, line_scan_class, profile, periodic):
         other_profile = line_scan_class(profile.heights, profile.extent, unit="um", periodic=periodic)
         q, density = other_profile.power_spectrum_from_profile(resampling_method=None)
         computed_spectrum = power_spectrum(profile, periodic=periodic)
@@ -296,7 +298,7 @@ def test_surface_parameters_scale_with_size_and_are_invariant_under_rotation():
     )
 
 
-def test_surface_parameters_agree_with_the_surface_topography_package():
+def test_surface_parameters_agree_with_the_package_surfacetopography():
     topography = pytest.importorskip("SurfaceTopography")
     surface = gaussian_surface()
     (dy, dx), (rows, columns) = surface.spacing, surface.heights.shape

@@ -128,14 +128,14 @@ def test_extrapolation_is_continuous_at_a_hurst_exponent_of_1():
 
 
 class TestInstrumentLimit:
-    def test_instrument_limit_of_the_smallest_surface_is_set_by_pixels(self):
+    def test_instrument_limit_of_the_smallest_surface_is_set_by_the_pixel_size(self):
         small = Surface([[0.0, 1.0], [2.0, 0.0]], spacing=1.0)
         assert instrument_limit(small).reason == "pixels"
         with pytest.raises(ValueError, match=r"surface must have more than \(2, 2\) points"):
             surface_spectrum(small).radial()
 
     @pytest.mark.parametrize("hurst", [0.3, 0.5, 0.8])
-    def test_instrument_limit_of_a_noise_free_surface_is_set_by_pixels(self, hurst):
+    def test_instrument_limit_of_a_noise_free_surface_is_set_by_the_pixel_size(self, hurst):
         for repetition in range(5):
             profile = self_affine(1, hurst_exponent=hurst, rms=0.1, points=8192, spacing=0.01, repetition=repetition)
             assert instrument_limit(profile).reason == "pixels"
@@ -165,7 +165,7 @@ class TestInstrumentLimit:
         assert result.reason == "noise floor"
         assert result.noise > 10
 
-    def test_tip_limit_is_the_wavelength_where_curvature_reaches_that_of_the_tip(self):
+    def test_tip_limit_is_the_wavelength_at_which_the_surface_curvature_reaches_the_curvature_of_the_tip(self):
         surface = self_affine_surface(1, hurst_exponent=0.8, rms=0.1, shape=(256, 256), spacing=0.01)
         roughness = scale_dependent_roughness(surface)
         for radius in (0.02, 0.1, 1.0):
@@ -185,7 +185,7 @@ class TestInstrumentLimit:
         assert result.slope_fraction == pytest.approx(0.138, abs=0.001)
         assert instrument_limit(read_profile(measured_file_path("dektak-1.csv"))).reason == "pixels"
 
-    def test_coloured_noise_is_detected_and_filtering_restores_the_true_slope(self):
+    def test_coloured_noise_is_detected_and_a_filter_restores_the_true_slope(self):
         points, spacing, num_filtered, num_correct = 4000, 1 / 60, 0, 0
         frequency = np.fft.rfftfreq(points, spacing)
         bands_by_colour = {
@@ -237,7 +237,7 @@ def make_body(heights, spacing=0.1):
 class TestMachinedTexture:
     @pytest.mark.parametrize("dimensions", [1, 2])
     @pytest.mark.parametrize("machining", MACHINED_SURFACES)
-    def test_clean_surface_has_no_wavelengths_attributed_to_the_instrument(self, machining, dimensions):
+    def test_surface_without_noise_has_no_wavelengths_attributed_to_the_instrument(self, machining, dimensions):
         limits = [
             instrument_limit(
                 make_body(MACHINED_SURFACES[machining](np.random.default_rng([seed, dimensions]), dimensions))
@@ -258,7 +258,7 @@ class TestMachinedTexture:
             heights = filtered_noise(np.random.default_rng(seed), (2048,), hurst)
             assert math.isnan(instrument_limit(make_body(heights)).period)
 
-    def test_noise_on_a_turned_profile_has_unknown_origin_unless_texture_is_declared(self):
+    def test_noise_on_a_turned_profile_has_unknown_origin_unless_the_texture_is_declared(self):
         rng = np.random.default_rng(3)
         heights = turned_surface(rng, 1, feed=(40, 40), rough=0.02, depth_variation=0.0)
         noisy_body = make_body(heights + 0.05 * heights.std() * rng.normal(size=heights.size))
@@ -266,7 +266,7 @@ class TestMachinedTexture:
         assert (result.reason, result.origin, result.matters) == ("noise floor", "unknown", True)
         assert instrument_limit(noisy_body, texture=True).origin == "instrument"
 
-    def test_single_line_in_the_spectrum_has_unknown_origin_unless_texture_is_declared(self):
+    def test_single_spectral_line_has_unknown_origin_unless_the_texture_is_declared(self):
         rng = np.random.default_rng(1)
         smooth_heights = filtered_noise(rng, (4096,), 0.8, longest=300, shortest=20)
         body_with_line = make_body(smooth_heights + 0.05 * np.sin(2 * np.pi * np.arange(4096) / 8))
@@ -274,7 +274,7 @@ class TestMachinedTexture:
         assert (result.reason, result.origin, result.matters) == ("line", "unknown", True)
         assert instrument_limit(body_with_line, texture=True).reason == "pixels"
 
-    def test_white_noise_of_a_map_with_declared_texture_is_instrument_noise(self):
+    def test_white_noise_of_a_map_with_declared_texture_is_attributed_to_the_instrument(self):
         rng = np.random.default_rng(2)
         smooth_heights = filtered_noise(rng, (128, 128), 0.8, longest=60, shortest=6)
         noisy_body = make_body(smooth_heights + 0.05 * rng.normal(size=smooth_heights.shape))
@@ -316,7 +316,7 @@ class TestNoiseOfAnisotropicMap:
         return filtered_noise(rng, (192, 192), 0.8, longest=60, shortest=5, stretch=6.0), rng
 
     @pytest.mark.parametrize("noise_rms", [0.002, 0.05])
-    def test_filter_at_the_instrument_limit_removes_white_noise_from_grooves(self, grooves, noise_rms):
+    def test_filtering_at_the_instrument_limit_removes_white_noise_from_grooves(self, grooves, noise_rms):
         heights, rng = grooves
         noise = noise_rms * rng.normal(size=heights.shape)
         scan = Surface(heights + noise, spacing=0.1)
@@ -331,7 +331,7 @@ class TestNoiseOfAnisotropicMap:
         )
         assert filtered_slope == pytest.approx(clean_slope, rel=0.04)
 
-    def test_slope_fraction_includes_noise_hidden_by_roughness_across_grooves(self):
+    def test_slope_fraction_of_noise_includes_noise_that_roughness_across_grooves_hides(self):
         rng = np.random.default_rng(4)
         heights = filtered_noise(rng, (192, 192), 0.8, longest=60, stretch=30.0)
         noise = 0.03 * rng.normal(size=heights.shape)
@@ -346,7 +346,7 @@ class TestNoiseOfAnisotropicMap:
         result = instrument_limit(Surface(heights, spacing=(0.001, 0.1)))
         assert result.reason in ("noise floor", "pixels")
 
-    def test_offsets_between_rows_are_noise_only_along_y(self, grooves):
+    def test_height_offsets_between_rows_are_treated_as_noise_only_along_y(self, grooves):
         heights, rng = grooves
         noise = 0.05 * rng.normal(size=(192, 1)) + np.zeros(heights.shape)
         result = instrument_limit(Surface(heights + noise, spacing=0.1))
@@ -378,7 +378,7 @@ def test_interpolation_of_gradient_and_wavelength_rejects_invalid_arguments():
 
 
 @pytest.mark.parametrize("colour", ["white", "band"])
-def test_filter_at_the_instrument_cutoff_preserves_the_slope_of_the_noise_free_surface(colour):
+def test_filtering_at_the_instrument_cutoff_preserves_the_slope_of_the_noise_free_surface(colour):
     """Check that the cutoff removes little slope. A cutoff at the limit itself would reduce h' by 20 %."""
     for seed in range(6):
         clean_surface = self_affine_surface(

@@ -49,12 +49,12 @@ class TestSectionsOfSinusoid:
         assert computed_parameters.Rmr == pytest.approx(0.5, abs=0.002)
         assert computed_parameters.Rdc == pytest.approx(2 * amplitude * math.cos(math.pi * 0.2), rel=0.002)
 
-    def test_s_filter_halves_a_sinusoid_at_its_nesting_index(self):
+    def test_s_filter_halves_the_amplitude_of_a_sinusoid_with_the_nesting_index_as_wavelength(self):
         # A sinusoid whose wavelength is λs retains half of its amplitude.
         computed_parameters = section_parameters(sinusoid(8.0, waves=700), lc=800, ls=8)
         assert computed_parameters.Ra == pytest.approx(0.5 * 2 / math.pi, rel=2e-3)
 
-    def test_waviness_of_a_sinusoid_at_the_cutoff_has_half_the_amplitude(self):
+    def test_waviness_of_a_sinusoid_with_the_cutoff_wavelength_has_half_the_amplitude(self):
         computed_parameters = section_parameters(sinusoid(800.0, waves=40), lc=800, ls=0)
         assert computed_parameters.Wq == pytest.approx(0.5 / math.sqrt(2), rel=0.02)
         assert computed_parameters.WSm == pytest.approx(800, rel=0.01)
@@ -120,7 +120,7 @@ class TestSectionParameterDefinitions:
             assert getattr(computed_parameters, f"W{suffix}") == pytest.approx(value, rel=2e-4, abs=1e-6), suffix
 
 
-def test_profile_elements_ignore_small_hills_and_dales():
+def test_small_hills_and_dales_are_not_counted_as_profile_elements():
     # A dale with a depth of 5 % between two hills does not end an element.
     wave = np.concatenate([np.sin(np.linspace(0, np.pi, 50)), [-0.05], np.sin(np.linspace(0, np.pi, 50))])
     heights = np.concatenate([wave, -wave] * 4)
@@ -136,7 +136,7 @@ def test_profile_elements_are_invariant_under_reversal_and_flip(seed):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_profile_elements_equal_those_counted_point_by_point(seed):
+def test_mean_profile_element_equals_that_of_the_reference_implementation(seed):
     heights = ground_profile(seed, points=1500).heights
     assert mean_profile_element(heights, 0.5, 0.7) == pytest.approx(
         reference_roughness.mean_profile_element(heights, 0.5, 0.7), rel=1e-9
@@ -152,7 +152,7 @@ class TestSettingClass:
             (30.0, 20.0, "Sc5", 8000, 25),
         ],
     )  # fmt: skip
-    def test_setting_class_is_chosen_from_ra_and_rsm(self, amplitude, wavelength, name, lc, ls):
+    def test_class_of_settings_is_chosen_from_ra_and_rsm(self, amplitude, wavelength, name, lc, ls):
         x = 0.5 * np.arange(20_000)
         profile = Profile(amplitude * np.sin(2 * np.pi * x / wavelength), spacing=0.5)
         computed_parameters = section_parameters(profile).filters

@@ -38,7 +38,7 @@ class TestPowerSpectrum:
         assert np.delete(spectrum.density, line).max() < ROUND_OFF * spectrum.density[line]
 
     @pytest.mark.parametrize("points", [1000, 1001])
-    def test_spectrum_integrates_to_mean_square_height(self, points):
+    def test_integral_of_the_spectrum_equals_the_mean_square_height(self, points):
         profile = rough_profile(points=points)
         spectrum = power_spectrum(profile, periodic=True)
         mean_square = roughness_parameters(profile).Pq ** 2
@@ -146,7 +146,7 @@ def test_spectral_moments_of_a_surface_are_variances_along_any_direction():
     assert result.nayak_parameter == pytest.approx(1, rel=1e-9)
 
 
-def test_steepest_direction_of_a_surface_is_across_its_lay():
+def test_steepest_direction_of_a_surface_is_perpendicular_to_its_lay():
     phase = np.arange(128)[:, np.newaxis] * 0.2 * np.pi * 5 / 32 + np.arange(128) * 0.2 * np.pi * 10 / 32
     spectrum = surface_spectrum(Surface(np.cos(phase), spacing=1.0))
     assert spectrum.steepest_direction() == pytest.approx(math.degrees(math.atan2(1, 2)), abs=0.5)
@@ -175,7 +175,7 @@ def test_radial_spectrum_includes_every_coefficient_exactly_once():
     assert (radial.density * radial.count).sum() == pytest.approx(density.sum(), rel=AREAL_ROUND_OFF)
 
 
-def test_radial_spectrum_agrees_with_the_surface_topography_package():
+def test_radial_spectrum_agrees_with_the_package_surfacetopography():
     topography = pytest.importorskip("SurfaceTopography")
     surface = self_affine_map(4, 0.8, (96, 128))
     topography_surface = topography.Topography(surface.heights.T - surface.heights.mean(), (64.0, 48.0), periodic=True)

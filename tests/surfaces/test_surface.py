@@ -33,7 +33,7 @@ def test_surface_rejects_invalid_heights(heights, spacing, match):
         Surface(heights, spacing=spacing)
 
 
-def test_row_and_column_methods_reject_an_invalid_index():
+def test_methods_that_return_a_row_or_column_reject_an_invalid_index():
     with pytest.raises(ValueError, match="index"):
         Surface(np.zeros((3, 5)), spacing=1.0).row(3)
     with pytest.raises(ValueError, match="index"):

@@ -154,7 +154,7 @@ def test_rotated_surface_equals_the_rotated_function(angle, shape):
         assert "% cut off" in rotated_surface.history[-1]
 
 
-def test_rotated_grooves_have_the_rotation_angle_as_texture_direction():
+def test_texture_direction_of_rotated_grooves_is_the_rotation_angle():
     x = 0.1 * np.arange(300)
     grooved_surface = Surface(np.sin(2 * np.pi * x / 2.0) + np.zeros((300, 1)), spacing=0.1)
     assert surface_parameters(rotated(grooved_surface, 33)).Std == pytest.approx(33, abs=2)

@@ -66,7 +66,7 @@ class TestSurrogate:
 
     @pytest.mark.parametrize("hurst", [0.4, 0.8])
     @pytest.mark.parametrize("longest", [4.0, 40.0])
-    def test_surrogate_preserves_slope_and_short_wavelengths(self, hurst, longest):
+    def test_surrogate_preserves_the_slope_and_short_wavelengths(self, hurst, longest):
         slope_ratios, short_wave_ratios = [], []
         for r in range(20):
             profile = rough_profile(points=4096, longest_wavelength=longest, hurst_exponent=hurst, repetition=r)
@@ -86,7 +86,7 @@ class TestSurrogate:
         assert np.max(np.abs(np.log(slope_ratios))) < 0.05
         assert np.mean(short_wave_ratios) == pytest.approx(1, abs=0.03)
 
-    def test_surrogate_is_reproducible_and_depends_on_seed(self):
+    def test_surrogate_is_reproducible_and_depends_on_the_seed(self):
         profile = rough_profile()
         assert np.array_equal(surrogate(profile, 1).heights, surrogate(profile, 1).heights)
         others = [surrogate(profile, 1, repetition=r) for r in range(3)] + [surrogate(profile, 1, side="upper")]
@@ -128,7 +128,7 @@ def test_isotropic_surface_spectrum_is_recovered_from_a_section(hurst):
 
 
 @pytest.mark.parametrize("hurst", [0.4, 0.9])
-def test_rms_gradient_of_isotropic_surface_is_root_2_times_slope_of_section(hurst):
+def test_rms_gradient_of_an_isotropic_surface_is_root_2_times_the_rms_slope_of_its_section(hurst):
     body = create_map(hurst)
     original_spectrum = surface_spectrum(body, periodic=True)
     gradient = np.sqrt(original_spectrum.moments(0).slope + original_spectrum.moments(90).slope)
@@ -162,7 +162,7 @@ def test_mean_slope_of_isotropic_surfaces_equals_the_mean_slope_of_their_section
     assert spectrum.count.sum() == pytest.approx(255.5)
 
 
-def test_isotropic_surface_scales_with_its_section_and_depends_on_seed():
+def test_isotropic_surface_scales_with_its_section_and_depends_on_the_seed():
     section = create_map(0.7, shape=(64, 512)).row(3)
     original_surface = isotropic_surface(section, 7, shape=(64, 96), repetition=2, side="upper")
     enlarged_surface = isotropic_surface(

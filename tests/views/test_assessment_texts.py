@@ -30,7 +30,7 @@ def caveat_texts(point):
     return "; ".join(caveat.text for caveat in point.caveats)
 
 
-def test_summary_of_measured_surfaces_quotes_friction_at_all_contacts_first():
+def test_summary_of_measured_surfaces_lists_friction_at_all_contacts_first():
     point = summarize_single_point(measured_result(), measured_study(hardness=3.0))
     assert [rule.rule for rule in point.rules] == ["all", "opposing"]
     assert (point.value, point.lower, point.upper) == pytest.approx((0.21, 0.1995, 0.2205))
@@ -57,7 +57,7 @@ def test_summary_of_measured_surfaces_quotes_friction_at_all_contacts_first():
     assert summarize_single_point(dataset, measured_study()).value == 0.21
 
 
-def test_summary_of_generated_surfaces_quotes_friction_at_opposing_contacts():
+def test_summary_of_generated_surfaces_reports_friction_at_opposing_contacts():
     points = summarize(generated_result(), generated_study()).points
     assert [point.at["fractal_dimension"] for point in points] == [1.1] * 4 + [1.4] * 4
     assert [rule.rule for rule in points[0].rules] == ["opposing"]
@@ -65,7 +65,7 @@ def test_summary_of_generated_surfaces_quotes_friction_at_opposing_contacts():
     assert "elastic" not in inputs_text(points[0])
 
 
-def test_summary_has_a_point_for_every_condition():
+def test_summary_contains_an_assessment_for_every_condition():
     points = summarize(measured_result(loads=(1.0, 10.0), mu0=(0.2, 0.3), tau0=(0.0, 0.05)), measured_study()).points
     assert [(point.at["load"], point.at["mu0"], point.at["tau0"]) for point in points] == [
         (load, mu0, tau0) for load in (1.0, 10.0) for mu0 in (0.2, 0.3) for tau0 in (0.0, 0.05)
@@ -97,7 +97,7 @@ FAULT_CASES = {
 }
 
 
-def test_quotable_sentence_contains_assessment_caveats_version_and_adhesion():
+def test_quotable_sentence_contains_the_assessment_and_caveats_and_version_and_adhesion():
     caveat = Caveat("a parabola carries the load", "try --level quadratic", "caution")
     dataset = measured_result().assign_attrs(stiction_version="1.2.3")
     (point,) = summarize(dataset, measured_study(), input_caveats=[caveat]).points
@@ -108,7 +108,7 @@ def test_quotable_sentence_contains_assessment_caveats_version_and_adhesion():
 
 
 @pytest.mark.parametrize("case_name", FAULT_CASES)
-def test_sentence_of_a_point_with_a_fault_contains_no_coefficient(case_name):
+def test_sentence_about_a_result_with_a_fault_contains_no_coefficient(case_name):
     fault_changes, unaffected_changes, word = FAULT_CASES[case_name]
     point = summarize_single_point(measured_result(**fault_changes), measured_study())
     assert point.verdict == "Do not quote"
@@ -129,7 +129,7 @@ CAUTION_CASES = {
 
 
 @pytest.mark.parametrize("case_name", CAUTION_CASES)
-def test_point_with_caution_has_a_caveat_with_the_reason(case_name):
+def test_result_with_a_caution_has_a_caveat_that_states_the_reason(case_name):
     caution_changes, expected_words = CAUTION_CASES[case_name]
     point = summarize_single_point(measured_result(**caution_changes), measured_study())
     assert point.verdict == "Quote with care"
@@ -169,7 +169,7 @@ def test_surrogates_much_smaller_than_the_scan_add_a_caveat():
         ({"mean_pressure": 20.0}, {"mechanics": "asperities", "law": "jackson-green"}),
     ],
 )
-def test_verdict_recommends_quoting_a_point_without_caveats(numbers, study):
+def test_verdict_on_a_result_without_caveats_recommends_quoting_the_result(numbers, study):
     assert summarize_single_point(measured_result(**numbers), measured_study(**study)).verdict == "Quote it"
 
 
@@ -232,7 +232,7 @@ def test_caveats_about_inputs_are_listed_after_faults():
         (list(range(0, 180, 30)), "the mean over 0°, 30°, 60°, 90°, 120° and 150°"),
     ],
 )
-def test_text_on_averaged_directions_describes_one_two_or_evenly_spaced_directions(directions, description):
+def test_text_about_averaged_directions_describes_one_or_two_or_evenly_spaced_directions(directions, description):
     assert averaged_directions_text(directions) == description
 
 
@@ -261,7 +261,7 @@ def test_sentence_states_the_definition_of_load_if_it_changes_the_coefficient_no
         assert ("with another definition of the load μ_s differs by 2 %" in sentence) == is_given
 
 
-def test_small_slope_estimate_lists_neglected_effects():
+def test_text_about_the_small_slope_estimate_lists_neglected_effects():
     gradient, pressure = 0.2, 100 * 0.2 / DEFAULT_KAPPA
     dataset_at_matching_pressure = measured_result(rms_gradient=gradient, mean_pressure=pressure)
     for dataset, hardness, effects in (
@@ -314,7 +314,7 @@ def test_interval_contains_filtered_and_unfiltered_results(is_floor):
     assert summary_of_all.headlines == list(summary_of_all.points)
 
 
-def test_filtered_result_retains_faults_of_the_unfiltered_result():
+def test_faults_of_the_unfiltered_result_also_apply_to_the_filtered_result():
     dataset = measured_result(cut_offs=(0.5, 0.0), half_width_ratio=0.02, all_contacts=0.25)
     dataset["friction_all_round"].loc[{"cut_off": 0.0, "statistic": "upper"}] = (
         2.0  # The interval of the unfiltered scan is too wide.
@@ -388,7 +388,7 @@ def test_neglected_junction_growth_adds_a_caveat_if_it_would_raise_friction_by_5
     assert not any("junction growth" in caveat.text for caveat in caveats_of_elastic_contact)
 
 
-def test_tau0_of_zero_adds_a_caveat():
+def test_zero_tau0_adds_a_caveat():
     dataset = measured_result(tau0=(0.0,))
     dataset["friction_all_round"] = dataset["friction_all_round"] / 0.21 * 0.2012
     caveats = [caveat.text for caveat in summarize(dataset, measured_study()).points[0].caveats]
@@ -416,7 +416,7 @@ def test_text_of_inputs_states_no_range_for_a_given_hardness(study):
     assert not any("softer material" in caveat.text for caveat in point.caveats)
 
 
-def test_range_for_finer_scans_is_absent_if_the_point_has_a_fault():
+def test_range_for_finer_scans_is_omitted_if_the_result_has_a_fault():
     point = summarize(measured_result(all_contacts=47.0, rms_gradient=300.0), measured_study(hardness=2.0)).points[0]
     assert (point.verdict, point.bracket) == ("Do not quote", None)
     assert "finer scan" not in coefficients_text([point])
@@ -441,7 +441,7 @@ def test_few_contacts_are_not_a_fault_if_contacts_have_merged(changes):
     )
 
 
-def test_roughness_contribution_equals_value_minus_mu0_and_tau0_terms():
+def test_roughness_contribution_equals_the_coefficient_minus_the_contributions_of_mu0_and_tau0():
     study = measured_study(hardness=3.0)
     point = summarize_single_point(measured_result(all_contacts=0.23), study)
     assert point.from_roughness == pytest.approx(0.23 - 0.2 - 0.05 / 3.0)

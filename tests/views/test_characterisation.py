@@ -46,7 +46,7 @@ def texts_by_label(text):
 
 
 class TestCharacterisationText:
-    def test_profile_text_shows_results_of_the_library(self, profile):
+    def test_text_about_a_profile_shows_results_of_the_library(self, profile):
         texts, estimate = texts_by_label(characterisation_text(profile)), estimate_hurst_exponent(profile)
         parameters = roughness_parameters(profile)
         assert texts["Pa"] == f"{1000 * parameters.Pa:.4g} nm"
@@ -60,12 +60,14 @@ class TestCharacterisationText:
         assert texts["m4"].endswith(" 1/µm²")
         assert "Hann" in texts["spectrum"]
 
-    def test_profile_text_states_given_band_and_periodicity(self, profile):
+    def test_text_about_a_profile_states_the_given_band_and_periodicity(self, profile):
         texts = texts_by_label(characterisation_text(profile, band=(0.1, 2.0), periodic=True))
         assert "given" in texts["fitted band"]
         assert "periodic" in texts["spectrum"]
 
-    def test_characterisation_text_omits_hurst_exponent_without_band_and_rejects_bad_profiles(self, profile):
+    def test_characterisation_text_has_no_hurst_exponent_if_there_is_no_band_and_rejects_invalid_profiles(
+        self, profile
+    ):
         assert "none" in texts_by_label(characterisation_text(PROFILE_WITHOUT_BAND))["Hurst exponent H"]
         with pytest.raises(ValueError, match="band"):
             characterisation_text(profile, band=(1.0, 1.001))
@@ -91,7 +93,7 @@ def test_instrument_limit_is_negligible_if_its_slope_fraction_is_small(profile):
         assert (characterisation.instrument_limit.slope_fraction < NEGLIGIBLE_SLOPE_FRACTION) == (rms < 1e-4)
 
 
-def test_spectrum_without_power_law_has_no_hurst_exponent(profile):
+def test_spectrum_that_is_not_a_power_law_has_no_hurst_exponent(profile):
     filter_gain = np.interp(power_spectrum(profile).wave_number, [0.1, 3.0, 3.01, 300], [1.0, 1.0, 0.02, 0.02])
     heights = np.fft.irfft(np.fft.rfft(profile.heights) * np.concatenate([[0.0], filter_gain]), len(profile))
     characterisation = Characterisation(Profile(heights, spacing=0.01), band=(0.1, 5.0))
@@ -199,7 +201,7 @@ def surface_characterisation(surface):
     return Characterisation(surface)
 
 
-def test_surface_text_and_figure_show_results_of_the_library(surface, surface_characterisation):
+def test_text_and_figure_about_a_surface_show_results_of_the_library(surface, surface_characterisation):
     text = characterisation_text(surface_characterisation)
     texts, parameters, estimate = texts_by_label(text), surface_parameters(surface), estimate_hurst_exponent(surface)
     assert texts["Sa"] == f"{1000 * parameters.Sa:.4g} nm"
@@ -283,7 +285,7 @@ class TestSectionParameters:
         assert texts["filters"].startswith("Gaussian, λc 800 µm, λs 2.5 µm (Sc3 of ISO 21920-3, for Ra 0.6363 µm and")
         assert texts["filters"].endswith("5 sections of 800 µm")
 
-    def test_profile_shorter_than_a_section_has_a_status_instead_of_section_parameters(self):
+    def test_profile_shorter_than_one_section_has_a_status_instead_of_section_parameters(self):
         characterisation = Characterisation(Profile(self.TURNED_PROFILE.heights[:100], spacing=0.5))
         texts = {row.label: row.texts[0] for row in characterisation.rows}
         values = {value["name"]: value for row in characterisation.rows for value in row.values}

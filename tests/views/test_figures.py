@@ -63,7 +63,7 @@ def test_results_of_measured_surfaces_have_the_standard_figures(maps_at_two_cuto
     assert not {"compass", "contacts", "cut_off"} & set(list_figure_names(profiles_dataset))
 
 
-def test_figures_table_json_and_report_have_equal_combined_intervals(maps_at_two_cutoffs):
+def test_figures_and_table_and_json_and_report_contain_equal_combined_intervals(maps_at_two_cutoffs):
     study = parse_study_of_dataset(maps_at_two_cutoffs).with_changes({"surfaces.both_readings": True})
     dataset = maps_at_two_cutoffs.assign_attrs(study=study.to_toml())
     summary, figures = Result.of(dataset).summary(), dict(select_figures(dataset))
@@ -120,7 +120,7 @@ def test_figures_are_written_in_every_format(generated_dataset, tmp_path):
     assert [path.read_bytes() for path in paths] == contents  # Drawing again writes identical files.
 
 
-def test_drawing_figures_rejects_empty_results_and_preserves_files_of_other_programs(tmp_path):
+def test_functions_that_draw_figures_reject_empty_results_and_preserve_files_of_other_programs(tmp_path):
     from matplotlib.figure import Figure
 
     for ending in FIGURE_FORMATS:
@@ -174,7 +174,7 @@ def test_friction_curves_equal_the_friction_map_at_their_load(generated_dataset)
 @pytest.mark.parametrize(
     "selection", [{"fractal_dimension": [2]}, {"repetition": [3]}, {"approach": [7, 8, 9]}], ids=str
 )
-def test_friction_and_area_figures_of_small_results_issue_no_warning(generated_dataset, selection, tmp_path):
+def test_figures_of_friction_and_area_for_small_results_cause_no_warning(generated_dataset, selection, tmp_path):
     dataset = generated_dataset.isel(amplitude=[0], **selection)
     save_figure(friction_figure(dataset, 0.0), tmp_path / "friction.png")
     save_figure(area_figure(dataset), tmp_path / "area.png")
@@ -193,7 +193,7 @@ def test_cells_with_wide_intervals_fade_to_grey_of_equal_luminance():
     assert grey == pytest.approx([purple @ luminance] * 3)
 
 
-def test_area_figure_has_a_labelled_curve_for_each_dimension(generated_dataset):
+def test_area_figure_has_a_labelled_curve_for_each_fractal_dimension(generated_dataset):
     figure = area_figure(generated_dataset)
     area_axes = figure.axes[0]
     assert len(area_axes.lines) == 2 * 4  # Each curve has a line within the range of the model and a line beyond it.
@@ -219,7 +219,7 @@ def draw_figure(dataset, wanted_name, picture=None):
     return next(draw for name, draw in select_figures(dataset, picture) if name == wanted_name)()
 
 
-def test_load_figure_draws_the_means_of_the_result(maps_at_two_cutoffs):
+def test_load_figure_shows_the_mean_values_of_the_result(maps_at_two_cutoffs):
     figure = draw_figure(maps_at_two_cutoffs, "friction")
     friction_axes, area_axes = figure.axes
     reference = at_load(maps_at_two_cutoffs, maps_at_two_cutoffs["load"].values, mu0=[0.3], tau0=[0.0]).isel(
@@ -239,7 +239,7 @@ def test_load_figure_draws_the_means_of_the_result(maps_at_two_cutoffs):
     assert marked_loads == [0.1, 0.5]  # The dashed lines are at the requested loads.
 
 
-def test_figure_lines_have_the_colours_of_their_sliding_rules(maps_at_two_cutoffs):
+def test_lines_in_a_figure_have_the_colours_of_their_sliding_rules(maps_at_two_cutoffs):
     for name in ("friction", "cut_off", "compass", "positions"):
         used_colours = {line.get_color() for line in draw_figure(maps_at_two_cutoffs, name).axes[0].lines}
         assert (
@@ -249,7 +249,7 @@ def test_figure_lines_have_the_colours_of_their_sliding_rules(maps_at_two_cutoff
         )
 
 
-def test_compass_figure_draws_the_mean_in_each_direction_on_an_axis_from_zero(maps_at_two_cutoffs):
+def test_compass_figure_shows_the_mean_in_each_direction_on_an_axis_that_starts_at_zero(maps_at_two_cutoffs):
     axes = draw_figure(maps_at_two_cutoffs, "compass").axes[0]
     reference = at_load(maps_at_two_cutoffs, [0.1], mu0=[0.3], tau0=[0.0]).isel(cut_off=0, load=0, mu0=0, tau0=0)
     points, curve = axes.lines[:2]
@@ -260,7 +260,9 @@ def test_compass_figure_draws_the_mean_in_each_direction_on_an_axis_from_zero(ma
     assert 4 <= len(axes.get_yticks()) <= 6
 
 
-def test_positions_figure_sorts_map_values_and_plots_profile_values_at_positions(maps_at_two_cutoffs, profiles_dataset):
+def test_positions_figure_shows_values_of_maps_in_increasing_order_and_values_of_profiles_by_position(
+    maps_at_two_cutoffs, profiles_dataset
+):
     line_of_maps = draw_figure(maps_at_two_cutoffs, "positions").axes[0].lines[0]
     assert np.array_equal(line_of_maps.get_xdata(), np.arange(1, 17))  # There are 4 members in 4 directions.
     assert (np.diff(line_of_maps.get_ydata()) >= 0).all()
@@ -268,7 +270,7 @@ def test_positions_figure_sorts_map_values_and_plots_profile_values_at_positions
     assert set(line_of_profiles.get_xdata()) == set(profiles_dataset["x"].values)
 
 
-def test_contacts_figure_marks_every_contact_and_its_load_percentages_sum_to_100(maps_at_two_cutoffs):
+def test_contacts_figure_marks_every_contact_and_load_percentages_that_add_up_to_100(maps_at_two_cutoffs):
     picture = contact_picture(maps_at_two_cutoffs)
     figure = contacts_figure(picture, direction=90.0)
     axes = figure.axes[0]

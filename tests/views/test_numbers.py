@@ -89,7 +89,7 @@ def test_interpolation_of_the_report_script_equals_that_of_the_library(report_ev
         )
 
 
-def test_interval_in_report_is_unbounded_next_to_a_node_without_upper_end(report_evaluator):
+def test_interval_in_a_report_is_unbounded_next_to_a_node_without_upper_end(report_evaluator):
     script = """(mu0) => {
       const axes = {mu0: {rising: [0, 1, 2], bounds: []}, tau0: {rising: [0, 1, 2], bounds: []}};
       const three = (list) => list.flatMap((each) => [each, each, each]);
@@ -102,7 +102,7 @@ def test_interval_in_report_is_unbounded_next_to_a_node_without_upper_end(report
     assert report_evaluator(script, 1.01) == [np.inf, "2.0 [1.0, ∞)"]
 
 
-def test_status_in_report_is_not_ok_next_to_a_node_without_value(report_evaluator):
+def test_status_in_a_report_is_other_than_ok_next_to_a_node_without_a_value(report_evaluator):
     script = """(mu0) => statusAt([0, 0, 0, 0, 1, 1], 0, placeAt({mu0: {rising: [0, 1, 2], bounds: []},
       tau0: {rising: [0, 1], bounds: []}}, mu0, 0), [{isOk: true}, {isOk: false}])"""
     assert [report_evaluator(script, mu0) for mu0 in (0.9, 1.0, 1.1, 2.0)] == [0, 0, 1, 1]
@@ -199,7 +199,7 @@ def test_friction_in_reports_of_generated_profiles_equals_library_values(
 
 
 @pytest.mark.parametrize("tangential_factor", [0.0, 1.0])
-def test_friction_in_reports_of_arbitrary_load_sums_equals_library_values_at_nodes(tangential_factor):
+def test_friction_in_reports_about_arbitrary_load_sums_equals_library_values_at_nodes(tangential_factor):
     dataset = create_arbitrary_sums(tangential_factor)
     report_evaluator = ReportEvaluator(report_page(dataset))
     axes = report_evaluator.facts["axes"]

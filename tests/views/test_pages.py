@@ -170,7 +170,7 @@ def zoom_by_wheel(driver, plot):
 @pytest.mark.parametrize(
     ("page_name", "plot"), [(page_name, plot) for page_name, plots in PLOTS_WITH_AXES.items() for plot in sorted(plots)]
 )
-def test_plot_zooms_and_pans_by_mouse_keyboard_and_touch(driver, pages, page_name, plot):
+def test_plot_can_be_zoomed_and_panned_by_mouse_or_keyboard_or_touch(driver, pages, page_name, plot):
     from selenium.webdriver.common.keys import Keys
 
     browser.open_page(driver, pages[page_name])
@@ -219,7 +219,7 @@ def test_plot_zooms_and_pans_by_mouse_keyboard_and_touch(driver, pages, page_nam
     assert log_is_empty(driver)
 
 
-def test_report_of_scan_has_table_and_small_slope_estimate(driver, pages, profile):
+def test_report_of_a_scan_has_a_table_and_a_small_slope_estimate(driver, pages, profile):
     browser.open_page(driver, pages["profile"])
     table = driver.execute_script(
         "return [...document.querySelectorAll('tr')].map((row) => [...row.cells].map((cell) => cell.innerText))"
@@ -395,7 +395,7 @@ def test_figures_and_tables_are_saved_as_svg_png_and_csv(driver, pages, tmp_path
     assert [float(row["mu_s"]) for row in rows if row["mu_s"]] == values
 
 
-def test_map_shows_selected_quantity_and_amplitude(generated_report):
+def test_map_shows_the_selected_quantity_and_amplitude(generated_report):
     from selenium.webdriver.support.ui import Select
 
     def read_map():

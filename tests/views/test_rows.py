@@ -112,7 +112,7 @@ def test_json_record_has_the_same_keys_for_all_results(case_name):
     assert not {"sliding", "direction", "mu0", "axis"} & set(area_value["at"])
 
 
-def test_json_record_has_null_for_ends_of_unbounded_intervals():
+def test_json_record_has_null_for_infinite_ends_of_intervals():
     summary = summarize(measured_result(), measured_study())
     point, unbounded_interval = summary.points[0], UncertaintyBudgetEntry("the hardness", 0.2, math.inf, math.inf)
     rules = tuple(replace(rule, upper=math.inf, next_test=(0.1, math.inf)) for rule in point.rules)

@@ -75,7 +75,7 @@ def test_result_text_starts_with_coefficient_and_verdict():
     assert lines[verdict_index + 1].startswith("  ! 60 % of the load is on contacts at the edge")
 
 
-def test_result_text_of_maps_fits_on_24_lines():
+def test_result_text_of_maps_fits_in_24_lines():
     text = result_text(summarize(*DATASETS_AND_STUDIES["maps"]))
     assert len(text.splitlines()) <= 24
     for words in ("No grooves", "read from a.di"):
@@ -97,7 +97,7 @@ def test_result_text_has_one_line_for_each_condition():
     assert "with μ0 = 0.2, E* = 100 GPa" in " ".join(lines[5:7])
 
 
-def test_caveat_that_applies_to_some_points_states_their_number():
+def test_caveat_that_applies_to_some_of_the_conditions_states_their_number():
     dataset = measured_result(loads=(1.0, 10.0))
     dataset["share_at_edge"].loc[{"load": 1.0}] = 0.6
     text = result_text(summarize(dataset, measured_study()))
@@ -171,7 +171,7 @@ def test_grooves_are_reported_if_friction_intervals_along_the_axes_are_disjoint(
     assert friction_by_axis_text(measured_result(directions=(0.0, 180.0)).isel(cut_off=0, load=0, mu0=0, tau0=0)) == ""
 
 
-def test_overview_has_one_row_per_parameter_combination_and_marks_invalid_values():
+def test_overview_has_one_row_for_each_combination_of_parameters_and_marks_invalid_values():
     dataset = generated_result(dimensions=(1.1, 1.2, 1.3, 1.4, 1.5))
     dataset["share_beyond_hertz"].loc[{"fractal_dimension": 1.4}] = 0.6
     dataset["status"].loc[{"fractal_dimension": 1.5, "load": 0.01}] = "not-reached"
@@ -198,7 +198,7 @@ def test_overview_states_the_number_of_omitted_caveats():
     assert len(short_text.splitlines()) < len(text.splitlines())
 
 
-def test_result_text_of_many_points_has_at_most_40_lines():
+def test_result_text_for_many_conditions_has_at_most_40_lines():
     dataset = generated_result(loads=tuple(np.linspace(0.01, 1, 30)), dimensions=tuple(np.linspace(1.1, 1.5, 15)))
     summary = summarize(dataset, generated_study())
     lines = result_text(summary, complete_command="--verbose").splitlines()
