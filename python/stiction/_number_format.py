@@ -43,7 +43,7 @@ def format_with_interval(mean: float, lower: float, upper: float, *, digits: int
 
 
 def format_estimate(mean: float, lower: float = math.nan, upper: float = math.nan) -> str:
-    """Format a number and its interval, rounded to one digit of the half-width. A number alone gets two digits."""
+    """Format a number with its interval to one digit of the half-width, or without an interval to two digits."""
     if math.isnan(mean):
         return "none"
     if math.isnan(lower) or math.isnan(upper):
@@ -72,7 +72,7 @@ def format_significant(value: float, digits: int = 2) -> str:
 
 
 def _num_decimals(mean: float, lower: float, upper: float, digits: int) -> int:
-    """Return the number of decimals at which a half-width has `digits` digits, and its value has 2 to 4 digits."""
+    """Return how many decimals to print for `digits` digits of the half-width, and for 2 to 4 digits of the value."""
     value_decimals = -math.floor(math.log10(abs(mean))) if mean else 0
     if not upper > lower:
         return value_decimals + MAX_SIGNIFICANT_DIGITS - 1

@@ -166,7 +166,7 @@ def test_reader_rejects_options_that_contradict_the_file(write_file):
         ),
         (
             "x (um),z (um)\n0,1\n0.1,2\n0.25,1\n0.3,5\n0.4,1\n",
-            "is not uniform: point 2, counted from 0, is at 0.25 µm, 0.05 µm from where",
+            "is not uniform: point 2, counted from 0, is at 0.25 µm, which is 0.05 µm from where",
         ),
         ("x (um),z (um)\n0,1\n0,2.5\n0,1\n0,5\n", "first and last point at the same position"),
         (

@@ -41,7 +41,9 @@ def test_heights_larger_than_the_scan_length_add_a_caveat(rough_profile):
     assert any(text.startswith("upper: heights span") for text in caveat_texts(tall_profile, rough_profile))
     surface = Surface(np.eye(8), spacing=1.0)
     assert caveat_texts(surface, surface) == []
-    assert caveat_texts(Surface(10 * np.eye(8), spacing=1.0), surface) == ["upper: heights span 10 µm over 8 µm"]
+    assert caveat_texts(Surface(10 * np.eye(8), spacing=1.0), surface) == [
+        "upper: heights span 10 µm on a length of 8 µm"
+    ]
     # Heights that are impossible for a scan are a fault.
     tall_profile = Profile(rough_profile.heights * 1e6, spacing=rough_profile.spacing)
     caveats = find_input_caveats(tall_profile, rough_profile, measured_study())

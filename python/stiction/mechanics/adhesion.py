@@ -350,7 +350,7 @@ def state_of_lowest_load(states: list[AdhesionState]) -> AdhesionState:
 def _interpolate_minimum_load(
     states: list[AdhesionState], upper: AdhesionState, lower: AdhesionState
 ) -> tuple[float, float]:
-    """Interpolate the external pressure between contact states. Return its minimum and the contact pressure there.
+    """Interpolate the external pressure between states. Return its minimum, and the contact pressure at the minimum.
 
     The mean attraction is interpolated by a polynomial in the logarithm of the contact load.
     """

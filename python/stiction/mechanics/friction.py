@@ -67,7 +67,7 @@ class ContactSums:
         return ContactSums(**{name: columns[name] for name in SUM_QUANTITIES})
 
     def apply(self, function: Callable[[NDArray[Any]], Any]) -> ContactSums:
-        """Apply a function, such as an index or a mean, to every sum, and return the new sums."""
+        """Apply a function, such as indexing or averaging, to every sum, and return the new sums."""
         return ContactSums(**{name: function(getattr(self, name)) for name in SUM_QUANTITIES})
 
 

@@ -465,7 +465,7 @@ def to_contact_solution(
     problem: HalfSpaceProblem, solution: _core.HalfSpaceSolution | AdhesionState, load: float | None,
     attraction: Floats | float = 0.0, *, scale: float = 1.0,
 ) -> ContactSolution:  # fmt: skip
-    """Convert a solver solution to a `ContactSolution`. If the load (mN) is None, compute it from the pressures."""
+    """Convert a solver result to a `ContactSolution`. If the load (mN) is None, compute it from the pressures."""
     hardness = np.inf if problem.hardness is None else problem.hardness
     pressure = solution.pressure.reshape(problem.gap.shape)
     contact_arrays: Any = _core.patches_of(pressure, periodic=problem.periodic, hardness=hardness)

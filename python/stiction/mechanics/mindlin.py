@@ -232,7 +232,7 @@ class HalfSpaceTangentialProblem:
         )
         if not solution.error <= self.tolerance:
             raise RuntimeError(
-                f"no solution at {load:g} mN, {load_fraction:g} of the sliding load: error {solution.error:.2g} after "
+                f"no solution at {load:g} mN ({load_fraction:g} of the sliding load): error {solution.error:.2g} after "
                 f"{solution.iterations} iterations, above the tolerance {self.tolerance:g}"
             )
         return self._make_slip_state(load, solution.pressure[self.points], solution.approach * self.ratio)

@@ -19,7 +19,7 @@ QuantityKind = Literal["sum", "statistic", "ratio", "validity", "uncertainty", "
 QuantityAxis = Literal[
     "sliding", "direction", "axis", "step", "mu0", "tau0", "fraction_below", "fraction", "input", "wait"
 ]
-"""Dimensions that a quantity may have besides cells and members. `step` is the approach or the load."""
+"""Dimensions of quantities in addition to the cells and members of a result. `step` is the approach or the load."""
 
 QuantitySource = Literal["asperities", "areal", "half-space", "adhesion", "onset", "measured"]
 """Kinds of studies whose results may store a quantity.

@@ -376,7 +376,7 @@ def _add_plastic_limits(
     result: xr.Dataset, pair: _BodyPair, loads: Floats, elastic: dict[str, Floats], modulus: float,
     hardness: float | None, parameters: tuple[float, float] | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Extend a dataset by the plastic limit, the plastic wavelength and elastic values extrapolated to it."""
+    """Add the plastic limit, the plastic wavelength and extrapolated elastic values to a dataset."""
     gap = pair.gap(pair.upper, pair.lower)
     roughness = scale_dependent_roughness(gap, periodic=pair.periodic)
     estimate = brackets.estimate_gap_hurst_exponent(gap, pair.periodic)

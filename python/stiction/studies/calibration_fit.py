@@ -96,7 +96,7 @@ class _ProbabilityGrid:
 
 
 class CalibrationProblem:
-    """Linear equations rub · mu0 + stick · tau0 = right for friction tests, with errors and nuisance parameters.
+    """Linear equations `rub` mu0 + `stick` tau0 = `right` for friction tests, with errors and nuisance parameters.
 
     Parameters
     ----------
@@ -260,7 +260,7 @@ class CalibrationProblem:
         return np.asarray(MEDIAN_RUN_SPREAD * np.tan(0.5 * math.pi * probability))
 
     def _build_weighted_rows(self, columns: tuple[Floats, ...], scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
-        """Divide the equations of the tests with sliding by the errors, and decorrelate them within each run.
+        """Divide the equations of tests with sliding by the errors, and decorrelate the equations within each run.
 
         The equations have the shape (points, tests with sliding, 3). Also returns the logarithms of the normalization
         factors (points,).

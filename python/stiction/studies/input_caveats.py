@@ -35,7 +35,7 @@ INSTRUMENT_LIMIT_REASONS = {
     "hump": "the spectrum has a hump",
     "tip": "features are sharper than the tip resolves",
 }
-"""Explanations of why wavelengths are not attributed to the surface, by reason."""
+"""Explanations of why wavelengths are not attributed to the surface, keyed by the short name of the reason."""
 
 # maximum plausible ratio of height to length; above this limit, the height unit must be wrong
 MAX_HEIGHT_OVER_EXTENT = 10.0
@@ -292,7 +292,7 @@ def _describe_slope_fraction(limit: InstrumentLimit) -> str:
 def _find_form_caveats(body: Profile | Surface, *, form: bool) -> Iterator[Caveat]:
     height, extent = float(np.ptp(body.heights)), float(np.min(body.extent))
     if height > extent / 2:
-        text = f"heights span {format_with_unit(height, 'um')} over {format_with_unit(extent, 'um')}"
+        text = f"heights span {format_with_unit(height, 'um')} on a length of {format_with_unit(extent, 'um')}"
         yield Caveat(
             text, "check the unit of heights", "fault" if height > MAX_HEIGHT_OVER_EXTENT * extent else "caution"
         )

@@ -429,7 +429,7 @@ class MeasuredPair:
 
     @cached_property
     def studies(self) -> list[Study]:
-        """Study of the result. If a check was requested, a study with the other contact model follows."""
+        """Studies to compute: for the result and, if a check was requested, another with the other contact model."""
         contact_tables = [self._build_contact_table(mechanics) for mechanics in self.contact_models]
         load_texts = [exact_quantity_text(load, "mN") for load in self._choose_load_steps(contact_tables).tolist()]
         return [self._build_study(contact | {"load": load_texts}) for contact in contact_tables]

@@ -90,8 +90,8 @@ def complete_result(
     )
     if friction_differences := [difference for difference in differences if difference[0].startswith("friction.")]:
         print_remark(
-            f"{folder} has results for other friction; its {num_existing} repetitions are kept, and its table, report "
-            f"and figures are replaced\n{format_study_differences(friction_differences)}"
+            f"{folder} has results for other friction parameters; its {num_existing} repetitions are kept, and its "
+            f"table, report and figures are replaced\n{format_study_differences(friction_differences)}"
         )
     is_measured = stored_result.study.is_measured
     seconds = (num_members - num_existing) * estimate_member_time(stored_result.study)

@@ -113,8 +113,8 @@ class LinePairs:
         if start < 0 or 2 * slider_points < min(upper_points, track_points) - 1:
             max_travel = (track_points - min(upper_points, track_points) // 2) * spacing
             raise ValueError(
-                f"travel must be between 0 and {max_travel:g} µm, the largest position that leaves half of the "
-                f"shorter profile as slider, got {self.travel!r}"
+                f"travel must be between 0 and {max_travel:g} µm, because a slider of half of the shorter profile "
+                f"must remain, got {self.travel!r}"
             )
         slider_profile = (
             upper_line if slider_points == upper_points else cropped(upper_line, 0.0, slider_points * spacing)

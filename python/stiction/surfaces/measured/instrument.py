@@ -37,7 +37,7 @@ def read_instrument_file(path: Path) -> HeightChannels:
         if reader.format() in _TEXT_FORMATS:
             raise FormatError(
                 "is text that cannot be read as a table of heights; rename it so that its name ends in .csv or .txt, "
-                "which shows the reason"
+                "and read it again to see the reason"
             )
         names = tuple(str(channel.name)[:80] for channel in reader.channels)
         default = int(reader.default_channel.index)

@@ -460,8 +460,8 @@ def _profile_spacing(
             caveats.append(
                 FileCaveat(
                     "spacing",
-                    f"its declared spacing is {declared[0]:g} µm, but its positions are {abs(mean_spacing):.7g} µm "
-                    "apart, which is used",
+                    f"its declared spacing is {declared[0]:g} µm, but the spacing of its positions is "
+                    f"{abs(mean_spacing):.7g} µm, which is used",
                     "check the unit of positions, --unit",
                 )
             )
@@ -522,7 +522,7 @@ def _reject_uneven_positions(x: Floats, mean_spacing: float, digit: _PositionRes
     if worst_point is not None:
         point_index, deviations = worst_point
         raise FormatError(
-            f"is not uniform: point {point_index}, counted from 0, is at {x[point_index]:.7g} µm, "
+            f"is not uniform: point {point_index}, counted from 0, is at {x[point_index]:.7g} µm, which is "
             f"{abs(deviations):.3g} µm from where a uniform spacing of {abs(mean_spacing):.6g} µm would place it; "
             "resample the profile first"
         )

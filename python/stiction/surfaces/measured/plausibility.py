@@ -81,8 +81,8 @@ def _find_repeated_extremes(scan: ScannedHeights) -> Iterator[str]:
         value, count, distance = missing_code
         number = float(f"{value / scan.factor:.12g}")
         yield (
-            f"{count} of {scan.heights.size} heights are exactly {number:.12g}, {format_with_unit(distance, 'µm')} "
-            f"from all others, like a code for missing points|{number:.12g}"
+            f"{count} of {scan.heights.size} heights are exactly {number:.12g}, which is "
+            f"{format_with_unit(distance, 'µm')} from all others, like a code for missing points|{number:.12g}"
         )
         heights = heights[heights != value]
 
@@ -150,7 +150,7 @@ def _find_excessive_height_range(scan: ScannedHeights) -> Iterator[str]:
     length = max(points * step for points, step in zip(scan.heights.shape, scan.spacing, strict=True))
     if scan.height_range > length:
         height_range = format_with_unit(scan.height_range, "µm")
-        yield f"heights span {height_range} over a scan of {format_with_unit(length, 'µm')}"
+        yield f"heights span {height_range}, but the scan is only {format_with_unit(length, 'µm')} long"
 
 
 PLAUSIBILITY_CHECKS = (
