@@ -46,7 +46,7 @@ constexpr std::array<PassFactors, shifts.size()> row_passes() {
 }
 
 // Solve along one row in place, including one coefficient beyond each end.
-// `work` contains 2 `length` values, where `length` is the result of `work_length`.
+// `work` contains 2 · length values, where `length` is the result of `work_length`.
 template <std::size_t Width>
 STICTION_INLINE void solve_row_kernel(double* row, Index points, Index length, double* work) {
   constexpr std::array<PassFactors, shifts.size()> passes = row_passes();

@@ -33,9 +33,9 @@ constexpr std::int64_t max_coarse_iterations = 100;
 // More evaluations are needed only if round-off prevents convergence.
 constexpr int max_exact_evaluations = 20;
 // Largest accepted relative difference between displacements that should be equal.
-// The error of the compliance is the square of this deviation, about 1e-7.
+// The error of the compliance is the square of this difference, about 1e-7.
 constexpr double compliance_tolerance = 1e-3;
-// Factor by which the accepted deviation is reduced in problems that define only differences of displacements.
+// Factor by which the accepted difference is reduced in problems that define only differences of displacements.
 // In such problems, the compliance is not an energy.
 constexpr double difference_tolerance = 0.03;
 // Maximum number of contact points whose dense matrix is solved directly.

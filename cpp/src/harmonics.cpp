@@ -30,7 +30,7 @@ std::unique_ptr<double[], AlignedDelete> allocate_aligned(std::size_t size) {
 
 // Base-2 logarithm of the largest number of turns that a phase may make along the grid.
 // If phases made more turns, fewer than 20 binary digits (1e-6) would remain for the fraction of a turn.
-// The exponent is 44 if a long double has 64 binary digits, and 33 if a long double is a double.
+// This logarithm is 44 if a long double has 64 binary digits, and 33 if a long double is a double.
 constexpr int max_turns_exponent = std::numeric_limits<long double>::digits - 20;
 
 // Number of points per block. The group profiles of one block must fit into the second-level cache.
@@ -62,7 +62,7 @@ Complex unit_phasor(Turns turns) { return std::polar(1.0, to_radians(turns)); }
 // The error of the recurrence grows only with the number of steps, even for very small θ.
 struct Harmonic {
   alignas(cache_line) std::array<double, lanes> z;  // values at the next `lanes` points
-  // Difference from the values at the point that is `lanes` points before.
+  // Difference from the value that is `lanes` points earlier.
   alignas(cache_line) std::array<double, lanes> d;
   double rate;                               // 4 sin²(θ/2)
   Complex amplitude;                         // complex amplitude at x = 0
@@ -332,8 +332,8 @@ struct Rotations {
 };
 
 // Directions m and M - m have opposite wavenumbers along x and equal wavenumbers along y.
-// The sum of their harmonics is -w Re[even e^(i Y)] cos X + w Im[odd e^(i Y)] sin X, with even, odd = e^(i φ) ± e^(i
-// φ').
+// The sum of their harmonics is -w Re[even e^(i Y)] cos X + w Im[odd e^(i Y)] sin X,
+// where even, odd = e^(i φ) ± e^(i φ').
 // A direction without a partner has even = odd = e^(i φ).
 struct ArealHarmonic {
   Complex even;

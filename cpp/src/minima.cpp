@@ -101,7 +101,7 @@ void mark_possible_cells(const double* lowest, const double* x_low, const double
   }
 }
 
-// ---- Classification of cells and parts of cells, several at a time --------------------------------------------------
+// ---- Vectorised classification of cells and of parts of cells -------------------------------------------------------
 
 // Bernstein coefficients of a bicubic on a square, with x as the inner index.
 using Net = std::array<std::array<double, 4>, 4>;
@@ -136,7 +136,8 @@ STICTION_INLINE void classify(const PackNet<Width>& net, double max_value, const
   P x_high = x_low;
   P y_low = net[1][0] - net[0][0];
   P y_high = y_low;
-  // These are second differences. The second derivatives xx, xy and yy are 6, 9 and 6 times these differences.
+  // The following differences are second differences.
+  // The second derivatives xx, xy and yy are 6, 9 and 6 times these differences.
   P xx_low = net[0][2] - 2.0 * net[0][1] + net[0][0];
   P xx_high = xx_low;
   P xy_low = (net[1][1] - net[1][0]) - (net[0][1] - net[0][0]);

@@ -54,7 +54,7 @@
   void name parameters { name##_kernel<2> arguments; }
 #endif
 
-// Functions called in a hot loop must be inlined, so that they are compiled for its instruction sets.
+// Functions called in a hot loop must be inlined, so that they are compiled for the same instruction sets.
 #define STICTION_INLINE __attribute__((always_inline)) inline
 
 namespace stiction {

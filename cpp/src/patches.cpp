@@ -10,8 +10,7 @@ namespace stiction {
 namespace {
 
 // At each open side of a cell, the points under pressure extend beyond the true contact by this fraction of the cell.
-// On lines, the fraction is half of 0.38 +- 0.03 points per contact, determined with Westergaard's solution for a
-// sinusoid.
+// On lines, the fraction is half of 0.38 +- 0.03 points per contact, from Westergaard's solution for a sinusoid.
 constexpr double line_side_fraction = 0.19;
 constexpr double area_side_fraction = (std::numbers::pi - 1 + std::numbers::ln2) / 24;
 

@@ -10,7 +10,7 @@ namespace stiction {
 namespace {
 
 // Maximum number of conjugate-gradient steps for the blocks.
-// The steps end earlier if the squared relative residual falls below the second number.
+// The steps end earlier if the squared relative residual falls below `block_tolerance`.
 constexpr int max_block_steps = 5;
 constexpr double block_tolerance = 1e-4;
 // Largest relative change of the number of free points for which the foundation stiffness is reused.

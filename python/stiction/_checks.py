@@ -30,7 +30,7 @@ def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Flo
         array = np.asarray(values)
         if array.dtype.kind not in "iuf" and array.size:
             raise TypeError
-        with np.errstate(over="ignore"):  # a long double may overflow to infinity, which is rejected below
+        with np.errstate(over="ignore"):  # a long double may overflow to infinity; infinity is rejected below
             array = array.astype(np.float64, order="C", copy=False)
     except (TypeError, ValueError, OverflowError):
         raise ValueError(f"{name} must be an array of real numbers, got {type(values).__name__}") from None

@@ -25,7 +25,7 @@ The name contains the machine, the process id, the run and a random number.
 MAX_PARTIAL_AGE = 3600.0
 _MACHINE_TOKEN = f"{zlib.crc32(platform.node().encode()):08x}"
 _PROCESS_TOKEN = secrets.token_hex(4)  # random token that identifies this run; a process id may be reused
-# Number of bytes at the beginning and at the end of a file in which its identifying mark is searched for.
+# The mark that identifies a file is searched for in this many bytes at the start and at the end of the file.
 _NUM_SEARCHED_BYTES = 2**16
 
 

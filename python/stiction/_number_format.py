@@ -6,7 +6,7 @@ import json
 import math
 from typing import Any
 
-MAX_SIGNIFICANT_DIGITS = 4  # maximum number of significant digits of a value, however narrow its interval
+MAX_SIGNIFICANT_DIGITS = 4  # maximum number of significant digits of a value, even if its interval is very narrow
 UNBOUNDED_END_TEXT = "\N{INFINITY}"  # text for the upper end of an unbounded interval
 # the upper end of an interval is printed with one digit if it exceeds this multiple of the value
 MAX_FULL_PRECISION_END_RATIO = 100.0

@@ -5,7 +5,7 @@
 //
 // No compiled function takes, returns or contains an Eigen array that owns its memory.
 // Eigen's allocation and alignment of memory depend on compiler flags (-mavx, -fsanitize=address).
-// A program and this library may be compiled with different flags, but the linker keeps only one copy of each template
+// A program and this library may be compiled with different flags, but the linker keeps only one copy of a template
 // function.
 #pragma once
 

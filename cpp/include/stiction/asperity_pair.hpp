@@ -32,7 +32,7 @@ struct Radii {
 struct ContactPoint {
   Vector3 normal;  ///< unit vector from the lower to the upper surface
   Vector3 centre;  ///< position of the contact centre [µm]
-  /// Overlap of the asperities along the normal [µm]. It is zero or negative if the asperities are separated.
+  /// Overlap of the asperities along the normal [µm]. The overlap is zero or negative if the asperities are separated.
   double overlap;
 };
 
@@ -43,12 +43,11 @@ enum class Curvature { convex, signed_ };
 /// Two spheres, at most one of which is concave (Eq. 4).
 /// With the penetration p = δ - gap, the vector between the centres is X = -p e_z + R_l n_l - R_u n_u.
 /// The overlap is R_u + R_l minus the signed length of X.
-/// For a nearly flat surface, this difference of two large numbers would have no correct digits because of
-/// cancellation.
+/// For a nearly flat surface, this difference of two large numbers would have no correct digits.
 /// The overlap is therefore evaluated as ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|).
 /// To avoid the same cancellation, the contact centre is measured from the smaller sphere.
 struct SpherePair {
-  Vector3 separation;      ///< X at p = 0 [µm]
+  Vector3 separation;      ///< vector X at penetration p = 0 [µm]
   double gap;              ///< gap at first contact of the surfaces [µm]
   double radius_sum;       ///< |R_u + R_l| [µm]
   double sign;             ///< sign of R_u R_l
@@ -68,7 +67,8 @@ struct SpherePair {
   }
 };
 
-/// A sphere and a flat, which is the limit of an infinite radius. The contact normal is the normal of the flat.
+/// A sphere and a flat. The flat is the limit of a sphere of infinite radius.
+/// The contact normal is the normal of the flat.
 struct SphereOnFlat {
   Vector3 normal;        ///< normal of the flat, pointing upwards
   Vector3 centre;        ///< centre of the sphere, relative to its surface point [µm]

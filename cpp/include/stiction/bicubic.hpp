@@ -32,7 +32,7 @@ struct Jet {
 };
 
 /// Evaluate the spline in the cell between rows `row`, `row + 1` and columns `column`, `column + 1`.
-/// u and v are the fractions of the cell along x and along y.
+/// u and v are the positions in the cell along x and y, as fractions of the cell size.
 /// u and v may lie slightly outside [0, 1]; the polynomial of the cell is then extrapolated.
 Jet bicubic_at(const MatrixView& coefficients, Index row, Index column, double u, double v);
 

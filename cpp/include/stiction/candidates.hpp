@@ -35,8 +35,8 @@ struct ProfilePair {
   double spacing;
 };
 
-/// Two asperities that face each other. // The asperities touch if the approach is at least `gap` and the rules of
-/// `classify` are met.
+/// Two asperities that face each other.
+/// The asperities touch if the approach is at least `gap` and the rules of `classify` are met.
 struct Candidate {
   /// Index of the grid point. With `gap_minimum`, this is the grid point to the left of the minimum.
   Index index;
@@ -49,7 +49,7 @@ struct Candidate {
   AsperityPair asperity_pair;  ///< asperity pair, whose contact points are relative to `position`
 };
 
-/// Call visit(candidate), from left to right, for every candidate whose gap is at most `deepest` [µm] >= 0.
+/// Call visit(candidate) for every candidate whose gap is at most `deepest` [µm] >= 0, from left to right.
 /// With Detection::cell, a candidate may be omitted if it cannot touch within its cell at approaches up to `deepest`.
 /// Both profiles must have the same number of heights, at least 4. Heights must be finite, and the spacing positive.
 /// Throws std::invalid_argument.

@@ -48,7 +48,7 @@ std::vector<Contact> contacts(const Candidates& candidates, double approach, con
                               const CancellationCheck& check_cancellation = {});
 
 /// Compute the contact sums at several approaches [µm].
-/// Approaches must be at least 0 and strictly increasing. Throws as `contacts` does.
+/// Approaches must be at least 0 and strictly increasing. Throws the same exceptions as `contacts`.
 /// The overload for candidates uses only the law, the direction and the sliding rule of the model.
 /// The candidates determine the detection and the curvature rule.
 std::vector<Sums> press(const ProfilePair& pair, Values approaches, const ContactModel& model,

@@ -43,8 +43,7 @@ struct IndexRange {
 /// Contact is possible at points whose gap at first contact is at most `max_gap` [µm].
 std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilter& prefilter, double max_gap);
 
-/// Return an upper bound [µm] on the difference between the smallest grid value and the smallest value of the splined
-/// gap.
+/// Return an upper bound [µm] on the amount by which the splined gap falls below the smallest gap on the grid.
 /// The bound is 3/8 of the largest second difference.
 /// The second derivative f'' of a natural spline is at most 3/Δx² times the largest second difference.
 /// A cubic dips below its end points by at most Δx² / 8 times its largest |f''|.

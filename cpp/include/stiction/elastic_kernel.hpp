@@ -49,7 +49,7 @@ class Workspace {
 /// On a free grid, the displacements of uniformly loaded cells are superposed on a grid of twice the size.
 /// Sources: Love 1929; Johnson, Contact Mechanics (1985), eq. 3.25.
 /// On lines, the displacement depends logarithmically on the distance from the load.
-/// The approximate inverse E*|k|/2 is periodic even on a free grid, which halves the size of the transform.
+/// The approximate inverse E*|k|/2 is periodic even on a free grid. This halves the size of the transform.
 /// In a preconditioner, the interaction of opposite edges that results from this periodicity is harmless.
 class ElasticKernel {
  public:

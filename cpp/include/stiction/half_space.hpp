@@ -28,7 +28,8 @@ class HalfSpaceGrids {
     std::shared_ptr<const ElasticKernel> blocks;  ///< kernels of the blocks of an area, see Preconditioner
   };
 
-  /// Create the grids. Kernels are computed on first use. Throws std::invalid_argument as ElasticKernel does.
+  /// Create the grids. Kernels are computed on first use.
+  /// Throws std::invalid_argument in the same cases as ElasticKernel.
   HalfSpaceGrids(const Grid& finest, double effective_modulus);
 
   const std::vector<Grid>& levels() const { return levels_; }
@@ -64,7 +65,7 @@ struct HalfSpaceSolution {
 };
 
 /// Progress callback. Each iteration on the finest grid calls this function with the iteration number and the error.
-/// An exception that the callback throws ends the calculation.
+/// An exception thrown by the callback ends the calculation.
 using HalfSpaceProgress = std::function<void(std::int64_t, double)>;
 
 /// Solver for the contact of surfaces with a given gap, at successive loads.
@@ -78,7 +79,8 @@ class HalfSpaceSolver {
  public:
   /// Create the solver. `gap` [µm] must outlive the solver.
   /// A gap of 0 everywhere defines a traction problem instead of a contact problem.
-  /// `bound` [GPa] has a single value for all points, which may be infinite, or one value for each point.
+  /// `bound` [GPa] contains either a single value for all points or one value for each point.
+  /// A single value may be infinite.
   /// Points with a bound of 0 carry no pressure and may overlap.
   /// Throws std::invalid_argument for wrong sizes and for a tolerance that is not positive.
   HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrids> grids, Values bound, double tolerance,

@@ -29,7 +29,7 @@ struct Amplitudes {
 /// The results are ordered by row, amplitude, model and approach. The heights are overwritten.
 /// For the last amplitude, the profiles are scaled in place, which halves the memory traffic.
 /// For all amplitudes except the last, the profiles are scaled into the two rows of `scratch`.
-/// Throws as `press` does, and also if shapes do not match or a profile is flat.
+/// Throws the same exceptions as `press`. Also throws if shapes do not match or a profile is flat.
 std::vector<Sums> press_profile_batches(ProfileBatch upper, ProfileBatch lower, double spacing,
                                         const Amplitudes& amplitudes, Values approaches,
                                         std::span<const ContactModel> models, Eigen::Ref<Matrix> scratch,

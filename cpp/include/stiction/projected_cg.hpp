@@ -40,7 +40,7 @@ class ProjectedCgSolver {
  public:
   /// Start from the pressures `pressure` >= 0, which are first projected onto the bounds and the sum.
   /// `line` is true if the points form a line, so that neighbours in memory are neighbours on the grid.
-  /// `bound` has a single value for all points, which may be infinite, or one value for each point.
+  /// `bound` contains either a single value for all points or one value for each point. A single value may be infinite.
   /// Points with a bound of 0 carry no pressure.
   /// Throws std::invalid_argument for 2³¹ points or more, and for negative bounds.
   /// Also throws if the total is not positive, or not below the sum of the bounds.
@@ -71,8 +71,7 @@ class ProjectedCgSolver {
   /// `response` must stay valid until the next `update_free_points`. Returns whether the pressure changed.
   bool advance(std::span<const float> response, const ThreadPool& pool = ThreadPool());
 
-  /// Scale the pressures that are below their bounds, so that the sum of all pressures equals the total to within
-  /// round-off.
+  /// Scale the pressures that are below their bounds, so that all pressures add up to the total.
   /// After this scaling, the potential must be recomputed.
   void rescale_to_total();
 

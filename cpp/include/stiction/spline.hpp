@@ -16,7 +16,7 @@ void natural_spline(Values heights, double spacing, std::span<double> slope, std
 /// The size of the outputs determines the number of points.
 /// The spline is a superposition of unit splines, each of which is due to a load at a single point.
 /// Each unit spline decays by a factor of 2 - sqrt(3) = 0.268 per point, so only nearby points contribute.
-/// Throws as natural_spline does. Also throws if a point lies beyond the profile.
+/// Throws the same exceptions as natural_spline. Also throws if a point lies beyond the profile.
 void natural_spline_from(Values heights, double spacing, Index first, std::span<double> slope,
                          std::span<double> curvature);
 

@@ -27,8 +27,8 @@ enum class Sliding { opposing, all };
 /// Parse a sliding rule: "opposing" or "all". Throws std::invalid_argument for any other name.
 Sliding sliding(std::string_view name);
 
-/// Sums over the contacts at one approach. // The normal and the tangential load are both computed as elastic + mu0 ·
-/// frictional + tau0 · adhesive.
+/// Sums over the contacts at one approach.
+/// The normal and the tangential load are both computed as elastic + mu0 · frictional + tau0 · adhesive.
 struct Sums {
   Index contact_count = 0;
   double contact_area = 0.0;           ///< Σ A                 [µm²]
@@ -120,7 +120,7 @@ inline Vector3 tangent(const Vector3& normal, const Vector2& direction) {
   const double along = normal.head<2>().dot(direction);
   const double across = normal.y() * direction.x() - normal.x() * direction.y();
   if (across == 0.0) {
-    // If the normal lies in the plane of s and z, as for all profiles, no normalisation is required.
+    // If the normal lies in the plane of s and z, no normalisation is required. This is the case for all profiles.
     return {-normal.z() * direction.x(), -normal.z() * direction.y(), along};
   }
   // Components of the tangent along s, across s and upwards.

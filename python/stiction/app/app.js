@@ -32,7 +32,7 @@ const key = localStorage.getItem("key") ?? "";
 /** Return an address that contains the key, for links and frames that the browser loads itself. */
 const withKey = (address) => `${address}${address.includes("?") ? "&" : "?"}key=${key}`;
 
-/** Return the JSON response of the server; throw an error with its message if it rejects the request. */
+/** Return the JSON response of the server. If the server rejects the request, throw its error message. */
 async function requestJson(address, options = {}) {
   const response = await fetch(address, {...options, headers: {"x-stiction-key": key}}).catch(() => { throw new Error("the server does not respond"); });
   if (!response.ok) throw new Error(await response.text());
@@ -40,7 +40,7 @@ async function requestJson(address, options = {}) {
 }
 const postJson = (address, body = {}) => requestJson(address, {method: "POST", body: JSON.stringify(body)});
 
-/** Show an error message; an empty message hides its element. */
+/** Show an error message in an element. An empty message hides the element. */
 function showError(element, text) {
   element.hidden = !text;
   element.textContent = text;
@@ -135,7 +135,7 @@ async function loadSamples() {
   form.requestSubmit();
 }
 
-// Units of plain numbers, fields in which a comma separates values, and descriptions of the sliding rules.
+// Units for numbers without a unit, fields in which a comma separates values, and descriptions of the sliding rules.
 const {units: UNITS, texts: TEXTS, ruleDescriptions: RULE_DESCRIPTIONS} = JSON.parse(document.body.dataset.facts);
 const entry = (name) => form[name].value.trim().replace(",", ".");
 
@@ -156,7 +156,7 @@ function pairOptions() {
     .flatMap(([name, [first, second = first]]) => (first === second ? [[name, first]] : [[name, first], [name, second]]));
 }
 
-/** Return the reason why a scan is not ready; empty if it is. */
+/** Return the reason why a scan is not ready. The text is empty if the scan is ready. */
 function scanProblem(side) {
   if (arriving[side]) return `the ${side} scan is still being read`;
   if (!scans[side]) return `the ${side} scan is missing`;

@@ -75,8 +75,8 @@ def print_output(text: str) -> None:
         _clear_line()
         typer.echo("\n".join(lines))
     except OSError as error:
-        # Redirect standard output to the null device, because Python flushes the remaining output at exit.
-        # This would raise the same error again.
+        # Python flushes the remaining output at exit, which would raise the same error again.
+        # To prevent this error, redirect standard output to the null device.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if not isinstance(error, BrokenPipeError):
             raise
@@ -291,11 +291,12 @@ def run_command_line() -> int:
         print_message(error.translated_message(_option_name))
     except (ValueError, ImportError) as error:
         print_message(str(error) or type(error).__name__)
-    except (RuntimeError, SystemError) as error:  # raised if a thread cannot start or a library is out of memory
+    # these errors mean that a thread cannot start, or that a library is out of memory
+    except (RuntimeError, SystemError) as error:
         print_message(f"{error or type(error).__name__}; a limit on memory or processes may be the cause")
     except KeyboardInterrupt:
         return report_interruption().exit_code
-    except SystemExit:  # raised by the parser if the pipe for its help text is closed
+    except SystemExit:  # the parser raises SystemExit if the pipe for the help text is closed
         return 0
     return EXIT_BAD_INPUT
 

@@ -51,7 +51,8 @@ CONTACT_LOAD_REDUCTION_RATIO = 0.6  # ratio of successive contact loads during s
 MINIMUM_LOAD_TOLERANCE = 0.01  # accepted relative error of the minimum load
 # relative difference between the minimum load so far and the next lower load that is tried
 FIRST_LOAD_DECREMENT = 0.05
-# An additional contact solution is computed only if the interpolated load is lower than the minimum by this fraction.
+# An additional contact solution is computed only if the interpolated load is lower than the minimum load.
+# The relative difference must be at least this fraction.
 MIN_LOAD_IMPROVEMENT = 0.003
 # loads are interpolated only if the two contact loads differ by at least this fraction
 MIN_CONTACT_LOAD_DIFFERENCE = 0.01

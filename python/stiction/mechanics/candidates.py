@@ -27,7 +27,7 @@ from stiction.mechanics.model import (
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-# A gap counts as grooved if its variation along one axis is less than this fraction of its range.
+# A gap counts as grooved if its variation along one axis is less than this fraction of the range of the gap.
 _GROOVE_TOLERANCE = 1e-9
 
 

@@ -805,7 +805,7 @@ def hardness_under_shear(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, a
 def solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Floats:
     """Solve for the pressure that `hardness_under_shear` returns, without checking the arguments."""
     shear = alpha * (mu0 * tau0)
-    # Difference of two squares, which is zero or negative if the contact seizes.
+    # If the contact seizes, this difference of two squares is zero or negative.
     excess = np.square(hardness) - alpha * tau0**2
     with np.errstate(invalid="ignore"):
         pressure = excess / (shear + np.sqrt(shear**2 + (1 + alpha * mu0**2) * excess))

@@ -89,7 +89,7 @@ class HalfSpaceProblem:
     adhesion_range: float = 0.0
     # mask of the points without contact: at these points, a height is missing in at least one surface
     missing: NDArray[np.bool_] | None = None
-    # slopes along y and x (profiles: only along x) of the rotation of the upper surface about its centre
+    # slopes by which the upper surface is rotated about its centre: along y and x, or only along x for profiles
     tilt: Floats | float = 0.0
     turns: bool = False  # True if the upper surface rotates until the resultant force acts at the centre
 
@@ -413,8 +413,7 @@ class ContactSolver:
         gap, self.scale = problem.gap, 1.0
         if (missing := problem.missing) is not None:
             # Missing points receive a gap that never closes.
-            # This gap increases the standard deviation of all gaps, so the tolerance of the solver is rescaled
-            # accordingly.
+            # This gap increases the standard deviation of all gaps, so the tolerance of the solver is rescaled.
             measured_gap = gap[~missing]
             mean_displacement = np.ptp(problem.grids.displacement(np.where(missing, 0.0, limit / problem.area)))
             gap = np.where(missing, 2 * measured_gap.max() + 4 * (mean_displacement if name == "loads" else limit), gap)

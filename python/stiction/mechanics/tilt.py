@@ -23,8 +23,7 @@ from stiction.mechanics.half_space_problem import (
     to_contact_solution,
 )
 
-# Maximum distance of the resultant force from the centre along an axis, as a fraction of the side length along this
-# axis.
+# Maximum distance of the resultant force from the centre along an axis, as a fraction of the side length.
 MAX_RELATIVE_FORCE_OFFSET = 1e-4
 MAX_TILT_SOLVES_PER_LOAD = 60  # maximum number of times the contact problem is solved per load
 # maximum displacement of the edge in one step, as a multiple of the standard deviation of the gap

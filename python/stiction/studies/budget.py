@@ -88,8 +88,7 @@ def add_uncertainty(
     study = result.study
     if not study.is_measured or at.attrs.get("reading") != "elastic":
         return at
-    # The loads of the study are evaluated separately, so that additional loads do not change the intervals at these
-    # loads.
+    # The loads of the study are evaluated separately, so that additional loads do not affect the results.
     is_study_load = np.isin(at["load"].values, [float(load) for load in study.friction.load])
     if is_study_load.any() and not is_study_load.all():
         parts = [
@@ -489,8 +488,7 @@ class _CoefficientSamples:
         area = self._compute_area_samples(fixed, wait)
         mu0, tau0 = samples.get("mu0", self.mu0), samples.get("tau0", self.tau0)
         growth = None
-        # The interface samples are sorted by coefficient, so a quantile of the samples is also a quantile of the
-        # coefficient.
+        # The interface samples are sorted by coefficient, so their quantiles are also quantiles of the coefficient.
         if strength is not None:
             hardness_samples, growth = strength[2:]
             interface_areas = (

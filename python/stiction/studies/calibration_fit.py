@@ -32,9 +32,10 @@ from stiction.studies.interfaces import (
     evaluate_test_forces,
 )
 
-# Smallest relative standard deviation of A/F between the tests at which both mu0 and tau0 are fitted.
+# Both mu0 and tau0 are fitted only if A/F differs enough between the tests.
+# This number is the minimum relative standard deviation of A/F.
 MIN_AREA_VARIATION = 0.1
-# Numbers of nuisance points: in each round of adaptation, and at most in the result.
+# Number of nuisance points in each round of adaptation, and maximum number of nuisance points in the result.
 # A nuisance point is a set of values of the nuisance parameters.
 NUM_NUISANCE_POINTS_PER_ROUND, MAX_NUISANCE_POINTS = 256, 8192
 # The result starts with the first number of nuisance points.
@@ -204,7 +205,8 @@ class CalibrationProblem:
             if GAIN_NUISANCE_NAME in scores_by_name
             else np.ones((len(scores), 1))
         )
-        # The measured coefficient is the gain times the true coefficient. Errors refer to the measured coefficient.
+        # The measured coefficient is the product of the gain and the true coefficient.
+        # Errors refer to the measured coefficient.
         rub = gain * collect_attribute("rub") - self.measured * collect_attribute("rub_normal")
         stick = gain * collect_attribute("stick") - self.measured * collect_attribute("stick_normal")
         right = self.measured - gain * collect_attribute("elastic")

@@ -147,8 +147,7 @@ def at_load(
                 estimate_small_slope_friction(cells, gradient.values, directional_slope, rules, *strengths, modulus)
             )
     if is_measured and _is_requested("reading_difference", names):
-        # `reading_difference` compares the coefficients at equal elastic load with the coefficients at equal normal
-        # load.
+        # `reading_difference` compares the coefficients at equal elastic load and at equal normal load.
         other_reading: LoadDefinition = "normal" if reading == "elastic" else "elastic"
         members = _evaluate_members_before_growth(result, values, *strengths, other_reading, member_kind, names)
         if areas is not None:
@@ -943,8 +942,8 @@ def _determine_member_status(
     status = np.array(np.broadcast_to(status, normal.shape), STATUS_DTYPE)
     step_dimension = find_step_dimension(piece)
     if "status" in piece:
-        # A member without a coefficient gets the status of the first step at or above the load, unless this status is
-        # "ok".
+        # A member without a coefficient gets the status of the first step at or above the load.
+        # If the status of this step is "ok", the status of the member is kept.
         status_codes = _to_float_array(
             piece.variables["status"], (*find_cell_dimensions(piece), "repetition", step_dimension)
         ).astype(int)

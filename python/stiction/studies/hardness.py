@@ -353,7 +353,7 @@ class AreasAtNodes:
     loads: Floats  # loads of the study (l,), mN
     hardnesses: Floats  # hardnesses divided by relative moduli, H/e, at the nodes (n,), GPa
     moduli: Floats  # relative moduli e at the nodes (m,)
-    areas: Floats  # areas per load times relative modulus, e A/F, at the nodes (l, m, n), 1/GPa
+    areas: Floats  # products of relative modulus and area per load, e A/F, at the nodes (l, m, n), 1/GPa
     opposing_areas: Floats | None  # areas per load A/F of contacts that oppose the motion (l, n), 1/GPa
     errors: Floats  # standard errors of the area at each node, relative to the area in the study (l, n)
     tables: dict[Any, TabulatedAreaFunction] = field(
@@ -450,8 +450,8 @@ class AreaInterpolator:
 
     hardness: float | None  # hardness of the study (GPa), or None for elastic bodies
     node_hardnesses: Floats  # hardnesses divided by relative moduli, H/e, at the nodes (n,), GPa
-    node_areas: Floats  # areas per load times relative modulus, e A/F, at the nodes (loads, m, n), 1/GPa
-    elastic_areas: Floats  # areas per load times relative modulus, e A/F, of elastic bodies (loads, m), 1/GPa
+    node_areas: Floats  # products of relative modulus and area per load, e A/F, at the nodes (loads, m, n), 1/GPa
+    elastic_areas: Floats  # products of relative modulus and area per load, e A/F, for elastic bodies (loads, m), 1/GPa
     moduli: Floats  # relative moduli e at the nodes (m,)
     growth: Floats  # logarithmic derivatives d ln(A/F) / d ln F (loads,)
     errors: Floats  # standard errors of the area at each node, relative to the area in the study (loads, n)

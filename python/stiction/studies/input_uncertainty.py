@@ -26,7 +26,7 @@ from stiction.studies.values import SettingsTable, as_tuple
 
 InputDistribution = Literal["exact", "normal", "log-normal", "uniform"]
 Z_95 = 1.959963984540054  # half width of the 95 % interval of a normal distribution, in standard deviations
-# If two inputs contribute equally, their budget fractions differ by less than 0.01 with this number of samples.
+# With this number of samples, the budget fractions of two inputs with equal contributions differ by less than 0.01.
 NUM_INPUT_SAMPLES = 2**14
 MIN_RELATIVE_UNCERTAINTY = 1e-9  # smallest relative standard uncertainty that is accepted
 UNCERTAINTY_PATTERN = re.compile(r"\.\.|±|\+/?-|(?<![^\W\d_])(HV|HRC)(?![^\W\d_])")

@@ -330,7 +330,7 @@ def compute_sample_quantiles(values: Floats, probabilities: Sequence[float]) -> 
     return np.asarray(np.where(weight < 0.5, low + (high - low) * weight, high - (high - low) * (1 - weight)))
 
 
-# ---- Means over neighbours -------------------------------------------------------------------------------------------
+# ---- Means over neighbouring positions -------------------------------------------------------------------------------
 
 
 @lru_cache(maxsize=32)

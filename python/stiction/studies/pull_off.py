@@ -28,7 +28,7 @@ class PullOffValues:
     pull_off: ValueWithInterval
     pressure: ValueWithInterval
     friction: ValueWithInterval
-    is_bound: bool  # True if the pull-off force of some members is only a lower bound
+    is_bound: bool  # True if only a lower bound on the pull-off force is known for some members
 
     @property
     def sticking_assessment(self) -> Literal["yes", "no", "uncertain"]:

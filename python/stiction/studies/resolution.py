@@ -198,7 +198,7 @@ def _compute_resolved_roughness(study: Study) -> ResolvedRoughness:
     )  # fmt: skip
 
 
-# ---- Limits of finer scans -----------------------------------------------------------------------------------------
+# ---- Limits that finer scans would have ----------------------------------------------------------------------------
 
 
 def find_plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, float] | None:

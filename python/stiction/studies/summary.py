@@ -338,7 +338,7 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
     status = failed_statuses[0] if failed_statuses and math.isnan(rules[0].value) else friction.STATUS_OK
     cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
     rule_with_sampling_interval = replace(rules[0], lower=rules[0].positions[0], upper=rules[0].positions[1])
-    # Caveats are removed only because of a cutoff that the user requested.
+    # A cutoff removes caveats only if the user requested this cutoff.
     kept_caveats = [each for each in input_caveats if study.surfaces.both_readings or cut_off < each.cut_off]
     caveats = [*kept_caveats, *find_point_caveats(point, study, rule_with_sampling_interval, status)]
     return PointSummary(

@@ -22,7 +22,7 @@ class BinnedSpectrum(NamedTuple):
     log_q: Floats  # logarithm of the wave number
     density: Floats
     weight: Floats  # shape parameters of the gamma distributions of the densities
-    # density of a floor of level 1; if level 1 is white noise of variance 1, this density is the spacing
+    # spectral density of a floor of level 1; for white noise of variance 1, this density equals the spacing
     floor: float = 1.0
 
 

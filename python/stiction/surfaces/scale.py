@@ -43,8 +43,7 @@ MAX_UNATTRIBUTED_FRACTION = 0.1
 # At this ratio, the Gaussian filter transmits 8 % of the amplitude of the wavelength.
 CUTOFF_WAVELENGTH_RATIO = 1.9
 _MIN_SLOPE_FRACTION = 1e-4  # fractions of the mean square slope below this limit may be due to round-off
-# In the octave of the shortest wavelengths, the spectral exponent of a rough surface is at least this large, even with
-# aliasing.
+# In the octave of the shortest wavelengths, the exponent of a rough surface is at least this large, even with aliasing.
 _MIN_ALIASED_SURFACE_EXPONENT = 0.6
 # Heights count as quantised if rounding explains at least this fraction of the mean square second difference.
 _MIN_QUANTISATION_FRACTION = 0.3

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 ROUND_OFF_FACTOR = 1 + 1e-9  # factor that allows for round-off in ratios of lengths
 _PEAK_BINS_PER_DECADE = 24  # number of bins per decade in the search for peaks
-_PEAK_WINDOW_BINS = 6  # number of bins on each side of a bin from which the median level around the bin is determined
+_PEAK_WINDOW_BINS = 6  # number of bins on each side of a bin that are used for the median level around this bin
 
 HANN_VARIANCE_FACTOR = 35 / 18
 """Factor by which a Hann window w increases the variance of sums over harmonics: mean(w⁴) / mean(w²)²."""

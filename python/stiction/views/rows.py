@@ -126,7 +126,7 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
         columns["status"] = np.where(np.isfinite(columns["value"]), STATUS_OK, "no-mean")
     is_directed = name in QUANTITIES and QUANTITIES[name].is_directed
     for coordinate in COORDINATE_ORDER:
-        # If a dataset has a single sliding rule or direction, it is a scalar coordinate. It becomes a column too.
+        # A single sliding rule or a single direction is stored as a scalar coordinate. It becomes a column too.
         is_scalar = coordinate in dataset.coords and not dataset.coords[coordinate].ndim
         if coordinate in dims or (is_scalar and (is_directed or coordinate not in ("sliding", "direction"))):
             columns[coordinate] = broadcast_to_rows(dataset.variables[coordinate])

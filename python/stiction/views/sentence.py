@@ -37,8 +37,7 @@ if TYPE_CHECKING:
 
     from stiction.studies.study import Study
 
-# The sentence states the definition of the load if the choice of definition changes the coefficient by more than this
-# fraction.
+# The sentence states how the load is defined if this choice changes the coefficient by more than this fraction.
 MIN_STATED_LOAD_DEFINITION_EFFECT = 0.01
 MIN_STATED_KAPPA_DEVIATION = 0.2
 """Largest relative difference of A E* h'/F from its usual value for which the small-slope estimate applies."""

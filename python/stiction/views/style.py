@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 INCHES_PER_MILLIMETRE = 1 / 25.4
-# width of a figure of one column; with this width, no text is smaller than 6 pt
+# width of a one-column figure; with this width, no text is smaller than 6 pt
 COLUMN_WIDTH = 80 * INCHES_PER_MILLIMETRE
-PAGE_WIDTH = 170 * INCHES_PER_MILLIMETRE  # width of a figure of two columns
+PAGE_WIDTH = 170 * INCHES_PER_MILLIMETRE  # width of a two-column figure
 
 MATPLOTLIB_STYLE: dict[Any, Any] = {
     **dict.fromkeys(("font.size", "axes.titlesize", "axes.labelsize"), 7),

@@ -108,8 +108,7 @@ def estimate_step(positions: Floats) -> float | None:
     gaps = np.diff(distinct_positions)
     if not gaps.size:
         return None
-    # A gap between two positions is a grid step, a multiple of it where nodes are missing, or a much smaller rounding
-    # error.
+    # A gap between positions is a grid step, a multiple of a grid step (at missing nodes), or a small rounding error.
     ordered_gaps = np.sort(gaps)
     ratios = ordered_gaps[1:] / ordered_gaps[:-1]
     if ratios.size and ratios.max() > MIN_GRID_GAP_RATIO:

@@ -43,7 +43,7 @@ The spacing then has a relative error of at most 1/1000.
 
 _SPACING_RANGE = (1e-6, 1e6)
 _MAX_LENGTH = 1e9  # maximum value in µm; larger values have a wrong unit or mark missing points
-MISSING_CODE_TOLERANCE = 1e-6  # relative tolerance for missing-value codes stored in single precision
+MISSING_CODE_TOLERANCE = 1e-6  # relative tolerance for codes for missing points that are stored in single precision
 _Length = TypeVar("_Length", float, Floats)
 
 

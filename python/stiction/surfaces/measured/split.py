@@ -120,8 +120,7 @@ class NumberBlock:
         max_decimals = -1000
         count = self.lines.size
         sample = np.arange(count)
-        # Half of the sampled rows are at the beginning, and the other half are distributed evenly over the remaining
-        # rows.
+        # Half of the sampled rows are at the beginning. The other half are spread evenly over the remaining rows.
         if count > MAX_SAMPLED_ROWS:
             half = MAX_SAMPLED_ROWS // 2
             sample = np.concatenate([sample[:half], np.linspace(half, count - 1, half).astype(np.int64)])

@@ -143,7 +143,7 @@ def create_figure_with_axes_rows(
     return figure, total_height, add_axes_at
 
 
-# ---- Friction coefficient over fractal dimension and load -----------------------------------------------------------
+# ---- Friction coefficient against fractal dimension and load --------------------------------------------------------
 
 
 def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:

@@ -15,7 +15,7 @@ function doubles(planes, leading) {
 
 // ---- Interpolation -------------------------------------------------------------------------------------------------
 
-// A value is treated as a node if its distance from the node is below this fraction of the axis length
+// A value is treated as a node if its distance from the node is below this fraction of the axis length.
 const ROUND_OFF = 1e-9;
 
 /** Return node indices with weights for interpolation at a value on an axis {rising, bounds}.
@@ -66,7 +66,7 @@ function statusAt(table, first, {linear}, statuses) {
 
 const NO_INTERVAL = -128; // code of an interval that is not printed
 
-/** Return a value and its interval at a place. The interval is unbounded if the interval at a neighbouring node is. */
+/** Return a value and its interval at a place. An interval is unbounded if it is at a neighbouring node. */
 function pointAt({offsets, floats, small}, name, index, place) {
   const first = index * place.size;
   const interpolated = (part) => between(floats, offsets[`${name}_${part}`] + first, place);

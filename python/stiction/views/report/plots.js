@@ -302,7 +302,7 @@ function tip(place, words, [x, y] = [0, 0]) {
   place.tip.style.top = `${Math.max(0, y - height - 10)}px`;
 }
 
-/** Show the tooltip of the point that is nearest to the pointer, if it is close. `place.hits` lists {x, y, words}. */
+/** Show the tooltip of the point nearest to the pointer, if this point is close. `place.hits` lists {x, y, words}. */
 function tipOfNearest(place, here) {
   const hits = place.hits ?? [];
   const apart = ({x, y}) => Math.hypot(x - here[0], y - here[1]);

@@ -374,7 +374,7 @@ function showStrengthNotice() {
 /** Pick a dimension and a load. Return a function that undoes this choice. */
 function pick(d, l) {
   const before = [state.dimension, state.load];
-  // The pointer is reset here, because touch screens send no leave event
+  // The pointer is reset here, because touch screens send no leave event.
   Object.assign(state, {dimension: d, load: l, pointed: null});
   sliders.dimension.set(d);
   sliders.load.set(l);

@@ -22,7 +22,7 @@ from stiction._number_format import (
 # number of leading bytes of a double that are stored in a page; they give a relative precision of 5e-7
 STORED_FLOAT_BYTES = 4
 NO_INTERVAL_CODE = -128  # number that replaces the number of decimals of the upper end if no interval is printed
-# maximum number of decimals; also maximum number of digits before the decimal point that are rounded
+# maximum number of decimals, and maximum number of digits before the decimal point that may be rounded
 MAX_DECIMALS = 100
 
 

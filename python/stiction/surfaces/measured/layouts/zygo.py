@@ -26,8 +26,7 @@ from stiction.surfaces.measured.shapes import MAX_TABLE_GRID_POINTS
 from stiction.surfaces.measured.split import Dialect, parse_number_block
 from stiction.surfaces.measured.text import make_source
 
-# Zero-based indices of two header lines: the line with the origin and size of the map, and the line with the pixel
-# size.
+# Zero-based index of the header line with the origin and size of the map, and index of the line with the pixel size.
 _MAP_SIZE_LINE_INDEX, _PIXEL_SIZE_LINE_INDEX = 3, 7
 
 
