@@ -216,7 +216,7 @@ def test_positions_may_deviate_from_uniform_spacing_only_by_rounding_or_truncati
 
 def test_declared_spacing_that_disagrees_with_positions_is_reported(write_file):
     data = "x (um),z (um)\n" + "".join(f"{0.1 * i:.1f},{i % 3}.5\n" for i in range(50))
-    with pytest.warns(FormatWarning, match=r"declared spacing is 0.2 µm, but its positions are 0.1 µm apart"):
+    with pytest.warns(FormatWarning, match=r"declared spacing is 0.2 µm, but the spacing of its positions is 0.1 µm"):
         profile = read_profile(write_file("Spacing,0.2 um\n" + data))
     assert profile.spacing == pytest.approx(0.1)
     assert profile.history[1] == "spacing 0.1 µm from its positions, declared as 0.2 µm"

@@ -439,7 +439,7 @@ def _estimate_roughness_contribution(point: xarray.Dataset, study: Study, rule: 
 
 
 def _invalidates_finer_scan_bounds(caveat: Caveat) -> bool:
-    """Return whether a caveat invalidates the bracket. All faults do, except the fault for too few contacts."""
+    """Return whether a caveat invalidates the bounds for finer scans. All faults do so, except too few contacts."""
     return caveat.severity == "fault" and caveat.remedy != MORE_CONTACTS_REMEDY
 
 
