@@ -112,7 +112,7 @@ TEST_CASE("areal press: an ellipse much larger than the map contributes the area
     const auto table = stiction::contacts(all_candidates, approach, stiction::HertzSphere{10.0}, {1.0, 0.0});
     REQUIRE(table.size() == 1);
     // The expected area is the area of the map.
-    // The maximum force is this area times the central pressure 2 E* (d / R)^(1/2) / π.
+    // The maximum force is the product of this area and the central pressure 2 E* (d / R)^(1/2) / π.
     const double area = 40.0 * 30.0 * spacing * spacing;
     CHECK(table[0].area == doctest::Approx(area).epsilon(1e-12));
     const double radius = std::sqrt(table[0].radii.major * table[0].radii.minor);

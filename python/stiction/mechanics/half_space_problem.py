@@ -87,7 +87,7 @@ class HalfSpaceProblem:
     hardness: float | None
     work_of_adhesion: float = 0.0
     adhesion_range: float = 0.0
-    # mask of the points without contact: at these points, a height is missing in at least one surface
+    # mask of the points at which at least one height is missing; the surfaces cannot touch at these points
     missing: NDArray[np.bool_] | None = None
     # slopes by which the upper surface is rotated about its centre: along y and x, or only along x for profiles
     tilt: Floats | float = 0.0

@@ -53,7 +53,7 @@ AmplitudeDefinition = Annotated[
 ]
 
 
-# largest product of the numbers of directions and frequencies, to which the run time is proportional
+# largest product of the numbers of directions and frequencies; the run time is proportional to this product
 MAX_HARMONICS = 1_000_000
 
 

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 ONSET_FILE = "onset.nc"  # file name in a result folder
 ONSET_TABLE_FILE = "onset.csv"  # file name of the mean onset curve as a table, for use in a Masing model
-ONSET_TABLE_SIGNATURE = b"fraction of the sliding load,"  # first bytes of the file, which identify the table
+ONSET_TABLE_SIGNATURE = b"fraction of the sliding load,"  # first bytes of the file; they identify the table
 NUM_ONSET_MEMBERS, NUM_AREAL_ONSET_MEMBERS = 16, 4
 """Default numbers of members whose onset is computed: in general (first), and for maps with the half-space (second)."""
 

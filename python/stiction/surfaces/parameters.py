@@ -190,7 +190,7 @@ class ParameterSet(TextRepr):
 
     def __getattr__(self, name: str) -> float:
         """Return the value of a parameter by name."""
-        # while an object is copied, `values` may not exist yet
+        # `values` does not exist yet while an object is being copied
         values: Mapping[str, float] = self.__dict__.get("values", {})
         if name in values:
             return values[name]

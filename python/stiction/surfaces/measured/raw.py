@@ -28,7 +28,7 @@ not in words.
 """
 
 MAX_FILE_BYTES = 2_000_000_000
-# maximum size of a text file in bytes; parsing a text needs about ten times its size in memory
+# maximum size of a text file in bytes; parsing requires ten times as much memory as the text
 MAX_TEXT_BYTES = 300_000_000
 _ARCHIVE_CHUNK_SIZE = 1 << 16
 # compression methods of archive members that can be read in pieces of limited size

@@ -19,7 +19,7 @@ from stiction._number_format import (
     format_estimate,
 )
 
-# number of leading bytes of a double that are stored in a page; they give a relative precision of 5e-7
+# number of leading bytes of a double that are stored in a page; four bytes give a relative precision of 5e-7
 STORED_FLOAT_BYTES = 4
 NO_INTERVAL_CODE = -128  # number that replaces the number of decimals of the upper end if no interval is printed
 # maximum number of decimals, and maximum number of digits before the decimal point that may be rounded
