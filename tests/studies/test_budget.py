@@ -155,6 +155,24 @@ def test_ends_of_the_combined_interval_equal_quantiles_of_the_samples(infinite) 
         _equal_tailed_interval(samples)
 
 
+# In the periodic samples, every 61st value is the largest, so that the estimated bounds of the tails are wrong.
+SAMPLES_WITH_UNUSUAL_TAILS = {
+    "two": np.array([1.0, 2.0]),
+    "forty": np.random.default_rng(1).lognormal(size=40),
+    "equal": np.full(2**14, 3.0),
+    "rounded": np.random.default_rng(2).lognormal(size=2**14).round(1),
+    "ascending": np.sort(np.random.default_rng(3).lognormal(size=2**14)),
+    "periodic": np.where(np.arange(2**14) % 61 == 0, 5.0, np.random.default_rng(4).random(2**14)),
+}
+
+
+@pytest.mark.parametrize("samples", SAMPLES_WITH_UNUSUAL_TAILS.values(), ids=SAMPLES_WITH_UNUSUAL_TAILS)
+def test_interval_ends_equal_quantiles_of_samples_with_unusual_tails(samples) -> None:
+    expected_ends = np.quantile(samples, [0.025, 0.975]).tolist()
+    assert _equal_tailed_interval(samples) == pytest.approx(expected_ends, rel=1e-14)
+    assert _equal_tailed_interval(-samples) == pytest.approx([-expected_ends[1], -expected_ends[0]], rel=1e-14)
+
+
 def test_areas_at_other_hardnesses_are_solved_for_only_two_members_of_large_maps(monkeypatch) -> None:
     options = {"mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "hardness": "1..3 GPa", "shifts": 4}
     study = pair_study(*rough_surfaces(), load="2 MPa", mechanics="half-space", direction=[0.0, 180.0], **options)
