@@ -66,7 +66,7 @@ function statusAt(table, first, {linear}, statuses) {
 
 const NO_INTERVAL = -128; // code of an interval that is not printed
 
-/** Return a value and its interval at a place. The interval is unbounded if it is unbounded at any neighbouring node. */
+/** Return a value and its interval at a place. The interval is unbounded if it is unbounded at a neighbouring node. */
 function pointAt({offsets, floats, small}, name, index, place) {
   const first = index * place.size;
   const interpolated = (part) => between(floats, offsets[`${name}_${part}`] + first, place);
