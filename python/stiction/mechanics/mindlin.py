@@ -129,7 +129,7 @@ class AsperityTangentialProblem:
         )  # fmt: skip
 
     def dissipated_energy(self, slip: SlipState) -> float:
-        """Return the energy (mN µm) dissipated by slip: Σ Q (δ - 2 Q/k) over springs of strength Q and stiffness k."""
+        """Return the energy (mN µm) dissipated by slip: Σ Q (δ - 2 Q/k) for springs of strength Q and stiffness k."""
         depth = self._slip_depth(slip.displacement)
         nodes, weights = np.polynomial.legendre.leggauss(NUM_QUADRATURE_NODES)
         # Integrate over φ, where t = cos φ, from the edge (φ = 0) to the end of the slip zone.

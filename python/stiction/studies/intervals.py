@@ -315,7 +315,7 @@ def interval_around_mean(mean: ArrayLike, half_width: ArrayLike, is_signed: Arra
 
 
 def compute_sample_quantiles(values: Floats, probabilities: Sequence[float]) -> Floats:
-    """Return quantiles along the first axis, ignoring NaN. The first axis of the result runs over the probabilities.
+    """Return quantiles along the first axis, ignoring NaN. The first axis of the result is that of the probabilities.
 
     The quantiles equal those of `numpy.nanquantile`, which loops over columns and takes ten times as long.
     """

@@ -832,7 +832,7 @@ class MapMemberSource:
 
 @dataclass(frozen=True, eq=False)
 class GapMemberSource:
-    """The only member of a study of a measured gap. It has a flat face and a rough face, separated by the gap."""
+    """Source of the only member in a study of a measured gap: a flat face and a rough face, separated by the gap."""
 
     flat: Surface
     rough: Surface

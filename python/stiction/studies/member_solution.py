@@ -467,7 +467,7 @@ def _estimate_relative_stiffness(study: Study) -> float:
 
 
 def _solve_generated_member(study: Study, repetition: int) -> Iterator[tuple[Any, ArraysByName]]:
-    """Yield the contact sums of one repetition, with their indices, for each fractal dimension and amplitude."""
+    """Yield, for each fractal dimension and amplitude, their indices and the contact sums of one repetition."""
     if not (study.is_areal or study.uses_half_space or study.contact.onset):
         yield from _solve_profile_batches(study, repetition)
         return

@@ -470,7 +470,7 @@ class Result:
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Limits of the combined 95 % interval of `value`. It includes inputs, positions and unresolved roughness."""
+        """Limits of the combined 95 % interval of `value`. It reflects inputs, positions and unresolved roughness."""
         return self._first_quoted_point.lower, self._first_quoted_point.upper
 
     @property

@@ -26,7 +26,7 @@ from stiction.surfaces.measured.raw import (
 )
 
 MAX_STEP_UNEVENNESS = 1e-3
-"""Largest deviation of a point from a uniform grid, in spacings, that is accepted.
+"""Largest accepted deviation of a point from a uniform grid, as a fraction of the spacing.
 
 Such a deviation has no visible effect on the heights. It occurs in positions that were stored in single precision.
 """

@@ -510,7 +510,7 @@ def _draw_area_curves(
 
 
 def profiles_figure(study: Study) -> Figure:
-    """Draw profiles with equal phases for several fractal dimensions, at full length and over one length scale."""
+    """Draw profiles with equal phases for several fractal dimensions: the full length, and one length scale."""
     surfaces: Any = study.surfaces
     dimensions = surfaces.fractal_dimensions()
     dimensions = dimensions[evenly_spaced_indices(dimensions.size, MAX_DRAWN_PROFILES)]

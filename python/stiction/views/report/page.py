@@ -160,7 +160,7 @@ class ReportContent:
 
 
 def _strip_folders(study: Study) -> Study:
-    """Remove folders from the file names of a study, because they do not exist on the computers of other readers."""
+    """Remove folders from the file names of a study, because the folders do not exist on other computers."""
     if not study.is_measured:
         return study
     surfaces: Any = study.surfaces
