@@ -167,7 +167,7 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
     const double half_excess = 0.5 * (upper_radius - lower_radius);
     const double middle = lower_x + 0.5 * separation_x;
     const double limit = half_cell + round_off * (std::abs(lower_x) + std::abs(separation_x) + std::abs(half_excess));
-    // The contact centre is at middle - half_excess separation_x / distance.
+    // The contact centre is at x = middle - half_excess * separation_x / distance.
     // The distance of the sphere centres lies between `min_distance` and `max_distance`.
     // Both sides of the comparison are multiplied by the distance, which avoids a division.
     // Points with NaN are marked, so that the exact rules are applied to these points.

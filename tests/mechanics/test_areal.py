@@ -554,9 +554,9 @@ class TestInvalidArguments:
                 press(*invalid_surfaces, [0.1])
             with pytest.raises(ValueError, match=match):
                 contacts(*invalid_surfaces, 0.1)
-        with pytest.raises(ValueError, match="direction must be a single direction"):
+        with pytest.raises(ValueError, match="direction must be a single angle"):
             contacts(upper, lower, 0.1, direction=[0, 90])
-        with pytest.raises(ValueError, match="direction must be a single direction"):
+        with pytest.raises(ValueError, match="direction must be a single angle"):
             approach_at_load(upper, lower, 0.1, mu0=0.3, direction=[0, 90])
 
     def test_unset_fields_of_a_contact_model_are_none(self):

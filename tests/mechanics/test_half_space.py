@@ -807,7 +807,7 @@ def test_approach_of_a_sphere_on_a_half_space_equals_hertz_solution():
         ({"loads": [1.0], "approaches": [1.0]}, "half_space requires either loads or approaches"),
         ({"approaches": [0.0]}, "approaches must be above 0 µm and strictly increasing"),
         ({"approaches": [2e-3, 1e-3]}, "approaches must be above 0 µm and strictly increasing"),
-        ({"approaches": [1e-3], "boundary": "free"}, "approaches must not be given on a free half-plane"),
+        ({"approaches": [1e-3], "boundary": "free"}, "approaches must not be given for a free half-plane"),
         ({"approaches": [1e-3], "hardness": 1.0}, "approaches must not be given for surfaces with a hardness"),
         ({"approaches": [1.0]}, "approaches must be below .* at which all points are in contact"),
     ],

@@ -80,7 +80,7 @@ class HalfSpaceSolver {
   /// Create the solver. `gap` [µm] must outlive the solver.
   /// A gap of 0 everywhere defines a traction problem instead of a contact problem.
   /// `bound` [GPa] contains either a single value for all points or one value for each point.
-  /// A single value may be infinite.
+  /// If it contains a single value, this value may be infinite.
   /// Points with a bound of 0 carry no pressure and may overlap.
   /// Throws std::invalid_argument for wrong sizes and for a tolerance that is not positive.
   HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrids> grids, Values bound, double tolerance,

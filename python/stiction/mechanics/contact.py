@@ -156,7 +156,7 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
     approach = validate_number("approach", to_core_units("approach", approach, "length"), unit="µm")
     if model.angles().ndim > 0:
         raise ValueError(
-            f"direction must be a single direction, got {model.direction!r}, because a contact has only one tangent"
+            f"direction must be a single angle, because a contact has only one tangent, got {model.direction!r}"
         )
     if isinstance(upper, Surface):
         minima = candidates(upper, lower, deepest=max(0.0, float(approach)), curvature=model.curvature)

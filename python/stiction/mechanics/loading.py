@@ -100,9 +100,7 @@ def approach_at_load(
         raise ValueError(f"loads must be above 0 mN, got {short_repr(loads)}")
     model = make_pair_model(upper, lower, contact)
     if model.angles().ndim > 0:
-        raise ValueError(
-            f"direction must be a single direction, got {model.direction!r}, because F_N depends on the direction"
-        )
+        raise ValueError(f"direction must be a single angle, because F_N depends on it, got {model.direction!r}")
     mu0, tau0 = friction.validate_mu0_and_tau0(mu0, tau0, model.effective_modulus)
     approach, _ = find_approaches_at_loads(
         SurfacePair(upper, lower), target_loads.ravel(), mu0=mu0, tau0=tau0, model=model

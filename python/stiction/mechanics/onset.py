@@ -355,7 +355,7 @@ def parse_direction(direction: Direction, *, line: bool) -> float:
     """Return a single direction in degrees from +x towards +y. For profiles, the direction must be along x."""
     model = ContactModel(direction=direction)
     if model.angles().ndim > 0:
-        raise ValueError(f"direction must be a single direction, got {direction!r}")
+        raise ValueError(f"direction must be a single angle, got {direction!r}")
     if line:
         model.for_profiles()
     return float(model.angles())
@@ -392,7 +392,7 @@ def _validate_displacements(displacements: ArrayLike, limit: float) -> Floats:
         raise ValueError(f"displacements must be above 0 µm and strictly increasing, got {displacements!r}")
     if not np.isfinite(limit):
         raise ValueError(
-            "displacements must not be given on a free half-plane, because it has no finite displacement; give "
+            "displacements must not be given for a free half-plane, because its displacement is infinite at any load; give "
             "steps, or press with boundary='periodic'"
         )
     if not displacement_array[-1] <= limit:

@@ -427,7 +427,7 @@ class TabulatedAreaFunction:
 
 
 def find_table_positions(log_hardness: Floats, first: float, last: float) -> TablePositions | None:
-    """Find the positions of hardnesses in a table whose ln H extends from `first` to `last`.
+    """Find the positions of values of ln H in a table with equal steps of ln H from `first` to `last`.
 
     The result is None if a hardness is outside the table, or if the hardnesses are too few to justify a table.
     """

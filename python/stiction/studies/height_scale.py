@@ -231,7 +231,7 @@ def group_stored_factors(result: StoredResult) -> dict[ScaledBodies, list[float]
 
 
 def _lacks_areas_at_nodes(stored_result: StoredResult) -> bool:
-    """Return whether a result requires true areas at other hardnesses or moduli, but none are stored."""
+    """Return True if a result requires true areas at hardnesses or moduli other than its own, and none are stored."""
     needs_areas = bool(
         choose_hardness_and_modulus_nodes(stored_result.study)[0].size
     ) and not has_only_negligible_loads(Result(stored_result))

@@ -852,4 +852,4 @@ class GapMemberSource:
 
 
 MeasuredSurfaceSettings = MeasuredMapSettings | MeasuredLineSettings | SurrogateSettings
-"""Table `[surfaces]` of a study of measured files, with a class for each kind of members."""
+"""Table `[surfaces]` of a study of measured files, with a class for each kind of member."""

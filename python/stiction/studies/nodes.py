@@ -219,13 +219,13 @@ class InterpolationNodes:
 
     @cached_property
     def values(self) -> tuple[xarray.Dataset, ...]:
-        """Values and intervals for each kind of members, at all loads and nodes."""
+        """Values and intervals for each kind of member, at all loads and nodes."""
         names = ADDITIONAL_NODE_VARIABLES if self.study.is_measured else None
         return tuple(self._evaluate_at_nodes(self.loads, self.axes, kind, names) for kind in self.member_kinds)
 
     @cached_property
     def load_quantities(self) -> tuple[xarray.Dataset, ...]:
-        """Quantities of measured bodies that depend only on the load, for each kind of members."""
+        """Quantities of measured bodies that depend only on the load, for each kind of member."""
         return tuple(
             at_load(self.result, self.loads, mu0=[0.0], tau0=[0.0], member_kind=kind) for kind in self.member_kinds
         )
@@ -250,7 +250,7 @@ class InterpolationNodes:
     ) -> xarray.Dataset:
         """Evaluate the result at the nodes. For measured bodies, the intervals are combined intervals.
 
-        Only the quoted kind of members has combined intervals. Surrogates in addition to maps do not.
+        Only the quoted kind of member has combined intervals. Surrogates in addition to maps do not.
         """
         mu0, tau0 = (axis.values for axis in axes)
         with warnings.catch_warnings():

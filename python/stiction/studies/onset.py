@@ -89,7 +89,7 @@ def compute_onset(
 def compute_member_onset(
     study: Study, index: int, *, load: float, mu0: float, tau0: float, cut_off: float
 ) -> dict[str, Any] | None:
-    """Compute the onset curve of a member, with its index and position. Return None if the solver fails."""
+    """Return the onset curve, slip map, index and position of a member, or None if the solver fails."""
     member = load_bodies(study).member(index, cut_off)
     poisson = study.contact.poisson_ratio or (DEFAULT_POISSON_RATIO, DEFAULT_POISSON_RATIO)
     try:

@@ -43,7 +43,7 @@ from stiction.studies.values import StudyError
 if TYPE_CHECKING:
     import xarray
 
-# Computing time (s) of a block. If the program crashes, little work is lost.
+# Target computing time (s) of a block. It is short, so that little work is lost if the program crashes.
 # Writing a block takes a few per cent of this time.
 TARGET_BLOCK_TIME = 1.5
 MAX_BLOCK_MEMBERS = 4096

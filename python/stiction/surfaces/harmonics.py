@@ -1,4 +1,4 @@
-"""Harmonics of a periodic texture in a spectrum, such as the feed marks of turning and milling."""
+"""Harmonics, in a spectrum, of a periodic texture such as the feed marks of turning and milling."""
 
 from __future__ import annotations
 

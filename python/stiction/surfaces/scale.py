@@ -594,10 +594,8 @@ class _SpectrumDisturbance(NamedTuple):
     # upper limit of the wavelengths not attributed to the surface, µm; NaN if there are no such wavelengths
     wavelength_limit: float
     noise_kind: str
-    mean_square_slope: (
-        # mean square slope of the lines due to the wavelengths not attributed to the surface, without texture harmonics
-        float
-    )
+    # mean square slope of the lines that is due to wavelengths other than those of the surface and its texture
+    mean_square_slope: float
     period: float  # period of a texture, µm; NaN if there is no texture
 
 

@@ -501,7 +501,7 @@ _CAVEAT_NUMBER_PATTERN = re.compile(r"\d[\d.]* ?(?:%|(?:[kMGmµn]?(?:Pa|N|m|m²)
 
 
 def _count_texts_fitting_lines(texts: Sequence[str], lines: int) -> int:
-    """Return how many of the first texts fit on a given number of lines."""
+    """Return how many texts, counted from the first, fit on a given number of lines."""
     return int(np.searchsorted(np.cumsum([text.count("\n") + 1 for text in texts]), lines, side="right"))
 
 
