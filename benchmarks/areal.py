@@ -1,4 +1,4 @@
-"""Measure areal contact in units of one FFT of the map, and compare it with a boundary-element solver.
+"""Measure the time of areal contact in units of one FFT of the map, and compare it with a boundary-element solver.
 
 Times are processor times of one thread, which other jobs do not affect. Times of two threads are wall times.
 """
@@ -44,7 +44,7 @@ def measure_time(call: Callable[[], object]) -> float:
 
 
 def median_times(*calls: Callable[[], object], repeats: int = NUM_REPEATS) -> list[float]:
-    """Return the median time of each call. Alternating the calls spreads the load of the machine over all of them."""
+    """Return the median time of each call. The calls alternate, so that other jobs slow all of them equally."""
     times = [[measure_time(call) for call in calls] for _ in range(repeats)]
     return [statistics.median(column) for column in zip(*times, strict=True)]
 

@@ -34,7 +34,7 @@ _compute_real_block = runner.compute_block
 
 
 class StoredSumsTask:
-    """Task of an executor that computes nothing and reads stored sums from a file once per process."""
+    """Executor task that computes nothing: it reads stored sums from a file once per process."""
 
     def __init__(self, path: str, has_shared_folder: bool) -> None:
         self.path = path
@@ -56,7 +56,7 @@ _read: dict[str, list[dict]] = {}
 
 
 def randomise_sums(sums: dict) -> list[dict]:
-    """Return the sums of a repetition with random digits, so that they compress like real sums. Zeros are kept."""
+    """Return the sums of a repetition with random digits, so that they compress like real sums. Zeros are unchanged."""
     generator = np.random.default_rng(0)
 
     def change_digits(values: np.ndarray) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Measure how time and memory increase with points, dimensions and approaches."""
+"""Measure how time and memory increase with the numbers of points, fractal dimensions and approaches."""
 
 from measure import measure_in_units, measure_peak_mebibytes
 from stiction import Study, run

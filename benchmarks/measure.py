@@ -3,7 +3,8 @@
 The unit of time, U, is one real FFT of 150 000 numbers, which is measured between the other calls.
 
 The C library requests the memory of an FFT from the system at each call, until a large block has been freed once. Then
-it keeps the memory, and U is up to half as long. U is measured in this state, so costs in U are upper bounds.
+the library keeps the memory, and U is smaller by a factor of up to two. U is measured in this state, so costs in units
+of U are upper bounds.
 """
 
 import multiprocessing
@@ -40,7 +41,7 @@ def measure_time_unit(repeats: int = 40) -> float:
 
 
 def measure_in_units(call: Callable[[], object], repeats: int = 5) -> float:
-    """Return the median of call time divided by U. U is timed around each call, because the clock rate drifts."""
+    """Return the median ratio of the call time to U. U is timed around each call, because the clock rate drifts."""
     ratios = []
     for _ in range(repeats):
         unit_before = measure_time_unit(10)

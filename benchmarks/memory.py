@@ -1,4 +1,4 @@
-"""Measure the memory of commands for results that are larger than the available memory.
+"""Measure the memory use of commands on results that are larger than the available memory.
 
 Each command runs in a new process. The results have 10 000 repetitions of small surfaces, and 200 repetitions of
 figure6.

@@ -1,4 +1,4 @@
-"""Measure a pair of figure6 and its parts in units of U, and the gain from a second thread."""
+"""Measure the time of a pair of figure6 and of its parts in units of U, and the speed-up by a second thread."""
 
 from concurrent.futures import Executor, ThreadPoolExecutor
 
@@ -8,7 +8,7 @@ from stiction import Study, random_phases, run, weierstrass_mandelbrot_family
 from stiction.studies.member_solution import _get_reused_array, compute_member_arrays
 from stiction.studies.members import fill_profile_family
 
-# With this large number, the last repetition, which a single thread computes, takes a small fraction of the time.
+# The number is large, so that the last repetition, which a single thread computes, takes little of the time.
 NUM_REPETITIONS = 60
 STUDY = Study.named("figure6").with_changes({"ensemble.repetitions": NUM_REPETITIONS})
 NUM_PAIRS = NUM_REPETITIONS * 50

@@ -19,7 +19,7 @@ def generate_profile(phases, dimension, *, extent, points, amplitude, gamma=1.5)
 
 
 def press(upper, lower, spacing, approaches, modulus=10.0):
-    """Return count, area and sums of forces at each approach: cell detection, convex curvature, motion along x."""
+    """Return contact count, area and force sums at each approach: cell detection, convex curvature, motion along x."""
     knots = np.arange(upper.size)
     bodies = []
     for heights, sign in ((upper, -1.0), (lower, 1.0)):

@@ -1,7 +1,4 @@
-"""Measure the size of the interactive report on figure6, and its response time in headless Chromium.
-
-The browser is headless Chromium.
-"""
+"""Measure the size of the interactive report on figure6, and its response time in headless Chromium."""
 
 import statistics
 import sys

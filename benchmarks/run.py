@@ -1,4 +1,4 @@
-"""Run benchmarks and print their tables. A run of all benchmarks also writes the table and the plot of the docs."""
+"""Run benchmarks and print their tables. A run of all benchmarks also writes the documented table and plot."""
 
 import argparse
 from importlib import import_module

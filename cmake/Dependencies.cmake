@@ -7,7 +7,7 @@ elseif(Eigen3_VERSION VERSION_LESS 3.4)
   message(FATAL_ERROR "Eigen 3.4 or newer is needed to build stiction, found ${Eigen3_VERSION} in ${Eigen3_DIR}")
 endif()
 
-# Only GSL's tridiagonal solver is used, which exists since its first versions. Tested from 2.7.
+# Only the tridiagonal solver of GSL is used, which all versions contain. Version 2.7 and newer ones are tested.
 set(STICTION_GSL_OLDEST 2.5)
 find_package(GSL QUIET)
 if(NOT GSL_FOUND)

@@ -52,7 +52,7 @@ nb_execution_in_temp = True
 nb_execution_timeout = 300
 nb_execution_raise_on_error = True
 nb_merge_streams = True
-nb_output_stderr = "remove"  # progress and times of commands
+nb_output_stderr = "remove"  # The standard error of commands contains progress and times.
 # IPython passes on the output of `%%sh` cells in pieces of 100 bytes; join them, so that lines are not broken.
 direct.single_nb_execution = functools.partial(direct.single_nb_execution, coalesce_streams=True)
 # Cells run the commands of the environment that builds the pages, without progress bars.
@@ -97,7 +97,7 @@ def list_markdown_pages(app: Sphinx) -> list[Path]:
 
 
 def improve_accessibility(app: Sphinx, exception: Exception | None) -> None:
-    """Make elements that scroll reachable by keyboard, add the level of headings, and name landmarks."""
+    """Make scrollable elements reachable by keyboard, set the levels of headings, and name landmarks."""
     generated_pages = [Path(app.outdir) / name for name in ("genindex.html", "search.html")]
     for page in (*list_markdown_pages(app), *generated_pages) if exception is None else ():
         text = page.read_text("utf-8")
@@ -152,7 +152,7 @@ def check_for_build_paths(app: Sphinx, exception: Exception | None) -> None:
 
 
 def check_for_broken_emphasis(app: Sphinx, exception: Exception | None) -> None:
-    """End the build with an error if a paragraph ends in a star, because an E* in it ended the emphasis early."""
+    """End the build with an error if a paragraph ends in a star, because an E* ended the emphasis too early."""
     for page in list_markdown_pages(app) if exception is None else ():
         if match := re.search(r"[^\n<>]{0,40}[.!?)]\*</p>", page.read_text("utf-8")):
             raise SphinxError(f"{page.name} has emphasis that ends too early: {match[0]}")
@@ -193,7 +193,7 @@ class PublicNameLinkTransform(SphinxPostTransform):
 
 
 class CommandPromptTransform(SphinxPostTransform):
-    """Transform that shows commands of cells with a prompt, and written files under their name."""
+    """Transform that adds a prompt to commands in cells, and the file name to files that cells write."""
 
     default_priority = 4
 
@@ -260,7 +260,7 @@ def write_formula_font(app: Sphinx) -> None:
 def to_mathml(node: nodes.math | nodes.math_block) -> str:
     """Return a formula as MathML, which browsers display without further downloads."""
     formula = convert(node.astext(), display="block" if isinstance(node, nodes.math_block) else "inline")
-    if ">\\" in formula:  # an unknown command remains in the output
+    if ">\\" in formula:  # The converter leaves unknown commands unchanged in the output.
         raise SphinxError(f"the formula contains an unknown command: {node.astext()}")
     return re.sub(r"<mi>(cos|sin|tan|arcsin|arctan|ln|log)</mi>", r"<mi>\1</mi><mspace width='0.17em'/>", formula)
 
@@ -275,7 +275,7 @@ _ASCII_NAMES_BY_SYMBOL = {"μ0": "mu0", "τ0": "tau0", "μ_s": "mu_s"}
 
 
 class EnglishSymbolSearch(SearchEnglish):
-    """English search in which a symbol and its ASCII name are the same word."""
+    """English search index in which a symbol and its ASCII name are the same word."""
 
     def split(self, input: str) -> list[str]:  # noqa: A002  (name of the argument in Sphinx)
         """Return the words of a text, and the alternative spelling of symbols."""

@@ -116,7 +116,7 @@ def check_wheel(wheel: Path, folder: Path) -> None:
         extensions = [name for name in names if re.fullmatch(r"stiction/_core\.cpython-[\w-]+\.so", name)]
         if len(extensions) != 1:
             exit_with_error(f"{wheel.name} holds {len(extensions)} extensions, not one")
-        # auditwheel adds a bill of materials; here it lists no bundled libraries.
+        # auditwheel adds a bill of materials, which lists no libraries, because this wheel bundles none.
         message = {name for name in names if name.startswith(f"{ARCHIVE_STEM}.dist-info/sboms/")}
         check_equal_names(
             "the wheel, of the package and its licences",
@@ -193,7 +193,7 @@ class IsolatedEnvironment:
         self.install_from_wheels("pip>=25.1")
 
     def can_hide_folders(self) -> bool:
-        """Return whether mounts can hide directories. This needs root and affects no other process."""
+        """Return whether directories can be hidden by mounts. Mounts need root and affect no other process."""
         may_mount = sys.platform == "linux" and os.geteuid() == 0 and shutil.which("unshare") is not None
         return (
             may_mount
@@ -201,7 +201,7 @@ class IsolatedEnvironment:
         )
 
     def hiding_script(self) -> str:
-        """Return shell commands that hide directories behind empty ones, and files behind /dev/null."""
+        """Return shell commands that hide directories behind empty directories, and files behind /dev/null."""
         folders = [ROOT, *map(Path, ("/usr/include", "/usr/local/include", "/usr/share/eigen3", "/usr/lib/gcc"))]
         programs = [
             program
@@ -231,7 +231,7 @@ class IsolatedEnvironment:
         )
 
     def check_outside_is_hidden(self) -> None:
-        """Check that everything visible outside the environment is hidden inside."""
+        """Check that compilers and libraries that are visible outside the environment are hidden inside it."""
         system_folders = os.pathsep.join(map(str, SYSTEM_PROGRAM_FOLDERS))
         if self.hides_by_mount:
             visible_outside = run_command(sys.executable, "-c", INSPECTION_SCRIPT, system_folders, "/usr").splitlines()

@@ -1,7 +1,8 @@
 """Build the source distribution and a wheel from it for each installed Python, and verify all of them.
 
 `./dev wheel` runs this; `./dev wheel --quick` leaves out the tests, which otherwise run with the Python of ./dev.
-Releases are built by cibuildwheel, which needs containers. This script needs none, and finds most problems before.
+Releases are built by cibuildwheel, which needs containers. This script needs no
+containers, and finds most problems before a release.
 """
 
 import argparse
@@ -111,7 +112,7 @@ def repair_wheel(unrepaired_wheel: Path, folder: Path) -> Path:
 
 
 def verify_wheel(wheel: Path, python: Path, *, with_tests: bool) -> bool:
-    """Verify a wheel in a process of its Python version. This process creates the test environments."""
+    """Verify a wheel in a new process of its Python version, which creates the test environments."""
     command: list[str | Path] = [python, ROOT / "packaging/prove.py", *([] if with_tests else ["--quick"]), wheel]
     return subprocess.run(command, check=False, cwd=ROOT).returncode == 0
 

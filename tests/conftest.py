@@ -4,7 +4,7 @@ import os
 import signal
 from pathlib import Path
 
-# Tests run in one process for each core; additional threads for linear algebra would slow them down.
+# Tests run in one process for each core; additional threads for linear algebra would slow the tests down.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import hypothesis

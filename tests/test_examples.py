@@ -130,7 +130,7 @@ SMALL_STUDY_CHANGES = {
 
 
 def reduce_study_size(command):
-    """Return the command with a smaller study, in which relative sizes of repetitions are preserved."""
+    """Return the command with a smaller study, whose number of repetitions still depends on that of the command."""
     match shlex.split(command)[1]:
         case "run" if shlex.split(command)[2] != "pair":
             changes = dict(SMALL_STUDY_CHANGES)

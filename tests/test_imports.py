@@ -16,7 +16,7 @@ LAYERS = ("surfaces", "mechanics", "studies", "views", "app", "cli")
 """Layers from low to high. Each layer may import from itself and from lower layers."""
 
 MODULE_IMPORTING_VIEWS = "studies/result.py"
-"""Module below the views whose methods may import views, because a result draws figures and writes reports."""
+"""Module in a layer below the views; its methods may import views, because a result draws figures and reports."""
 
 ALLOWED_DEPENDENCIES = {
     "numpy",

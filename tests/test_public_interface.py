@@ -120,7 +120,7 @@ CLASSES_WITH_GENERATED_REPR = {
     "JacksonGreen",
     "Material",
 }
-"""Classes whose repr is the call that creates them, or lists the sources of their values."""
+"""Classes whose repr is the call that creates the object, or lists the sources of its values."""
 
 
 def test_public_classes_define_their_own_repr():
@@ -129,7 +129,7 @@ def test_public_classes_define_their_own_repr():
             dataclass_options = getattr(kind, "__dataclass_params__", None)
             has_generated_repr = (
                 dataclass_options is not None and dataclass_options.repr and kind.__repr__.__doc__ is None
-            )  # a repr of the package has a docstring
+            )  # each `__repr__` that is written in the package has a docstring
             assert kind.__repr__ is not object.__repr__ or name in PUBLIC_EXCEPTIONS, name
             assert not has_generated_repr or name in CLASSES_WITH_GENERATED_REPR, name
 

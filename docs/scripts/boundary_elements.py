@@ -1,6 +1,6 @@
 """Measure the error of neglecting asperity interaction: writes images/boundary_elements*.png and prints the table.
 
-Takes about three minutes on two cores.
+The script takes about three minutes on two cores.
 """
 
 import sys
@@ -42,7 +42,10 @@ KAPPA_BY_THEORY = {"Bush–Gibson–Thomas": np.sqrt(2 * np.pi), "Persson": np.s
 def compute_profile_results(
     bandwidth: int, hurst: float, repetition: int, refinement: int = 1, tolerance: float = SOLVER_TOLERANCE
 ) -> np.ndarray:
-    """Return contact fraction, count and stiffness (GPa/µm): (load, boundary elements | model | interacting, 3)."""
+    """Return contact fraction, contact count and stiffness (GPa/µm) in an array (load, 3 models, 3 quantities).
+
+    The models are boundary elements, the asperity model, and the asperity model with interaction.
+    """
     points, _ = PAIR_COUNTS_BY_BANDWIDTH[bandwidth]
     generator = np.random.default_rng([SEED, repetition])
     heights = band_limited_profile(generator, hurst, bandwidth, refinement * points)
@@ -64,7 +67,7 @@ def compute_profile_results(
 
 
 def mean_with_interval(ratios: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the geometric mean over axis 0, and the ends of its 95 % interval (Student's t); NaNs are ignored."""
+    """Return the geometric mean over array axis 0, and the ends of its 95 % t interval; NaNs are ignored."""
     log_ratios = np.log(ratios)
     n = np.isfinite(log_ratios).sum(axis=0)
     mean = np.nanmean(log_ratios, axis=0)
@@ -292,7 +295,7 @@ def main() -> None:
             for bandwidth_and_exponent in bandwidths_and_exponents
         }
         check_results = {key: np.array([job.result() for job in values]) for key, values in check_jobs.items()}
-    # Westergaard against cylinders, with r = p̄/p* and p* = E* h'rms / √2.
+    # The curve is the ratio of cylinders to Westergaard's solution, with r = p̄/p* and p* = E* h'rms / √2.
     draw_ratios(
         results,
         FRACTION_COLUMN,

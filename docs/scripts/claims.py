@@ -1,7 +1,7 @@
 """Test the claims of the paper: writes the tables of claims.md and friction.md into docs/generated.
 
 `./dev claims` runs this script after it has computed the studies of the figures in build/claims. `--repetitions 2000`
-adds tables for 2000 repetitions, and `--columns` adds areas, half-planes and half-spaces with a fraction of them.
+adds tables for 2000 repetitions, and `--columns` adds areas, half-planes and half-spaces with fewer repetitions.
 
 Hanaor, Gan & Einav, Tribology International 93 (2016) 229. A claim has one or more parts. A part is a number
 with a range. The part is true if the number's 95 % interval is inside the range, false if it is outside, and undecided
@@ -10,10 +10,10 @@ undecided otherwise. All numbers and ranges were defined before any of them was 
 
 Intervals are percentiles over resampled ensembles (bootstrap over the repetitions). Fractal
 dimensions are excluded if the quantity has no value, or has none in more than one of forty resampled ensembles, because
-friction is self-locking or the load is not reached. The outcome lists them.
+friction is self-locking or the load is not reached. The outcome lists excluded dimensions.
 
-This rule has two faults. The largest of many noisy values grows with the noise, so that its interval may exclude the
-value itself; and above D = 1.65 a few pairs that are nearly self-locking dominate a mean. A second rule
+The percentile rule has two faults. The largest of many noisy values grows with the noise, so that its interval may
+exclude the value itself; and above D = 1.65 a few pairs that are nearly self-locking dominate a mean. A second rule
 (`IntervalMethod` "bands") avoids both: the interval of an extreme over D follows from simultaneous bands for all
 values, and for profiles with asperities D is at most 1.65.
 """
@@ -38,7 +38,7 @@ Floats = NDArray[np.float64]
 SlidingRule = Literal["opposing", "all"]
 ClaimQuantity = Literal["friction", "area", "stiffness"]
 IntervalMethod = Literal["percentiles", "bands"]
-"""Source of the interval of an extreme over D: extremes of resampled ensembles, or simultaneous bands."""
+"""Method for the interval of an extreme value over D: extremes of resampled ensembles, or simultaneous bands."""
 
 Verdict = Literal["true", "false", "undecided", "undefined"]
 
@@ -48,7 +48,7 @@ MIN_REPETITIONS = 20
 """Minimum number of repetitions for a verdict."""
 
 MAX_BAND_FRACTAL_DIMENSION = 1.65
-"""Largest fractal dimension in bands of profiles with asperities."""
+"""Largest fractal dimension in the simultaneous bands for profiles with the asperity model."""
 
 NUM_RESAMPLES = 400
 
@@ -93,7 +93,7 @@ class ClaimsTableColumn:
         Values by key of the study.
     sliding : {"opposing", "all"}
     divisor : int
-        Repetitions of the default study divided by repetitions of this study, which costs more.
+        Number of repetitions of the default study divided by that of this study, which takes longer per repetition.
     directory : str
         Directory of the result; columns that differ only in the sliding rule share it.
     """
@@ -158,7 +158,7 @@ CLAIMS_TABLE_COLUMNS: Mapping[str, ClaimsTableColumn] = {
 
 
 def column_titles(repetitions: int) -> dict[str, str]:
-    """Return the heading of each column, which is its title with its number of repetitions, by title."""
+    """Return the heading of each column by title: the title with the number of repetitions."""
     return {
         name: f"{name}, {column.to_study(repetitions).ensemble.repetitions}"
         for name, column in CLAIMS_TABLE_COLUMNS.items()
@@ -203,9 +203,9 @@ def has_claim_amplitudes(amplitudes: Floats) -> bool:
 
 
 class ResampledMeans:
-    """Ensemble means of a result and of its bootstrap resamples, arrays (resample, D) for one amplitude at a time.
+    """Ensemble means of a result and of its bootstrap resamples.
 
-    Resample 0 is the ensemble itself.
+    Arrays (resample, D) are for one amplitude at a time. Resample 0 is the ensemble itself.
     """
 
     def __init__(
@@ -276,10 +276,10 @@ class ResampledMeans:
         return interpolate_load_range(*self._reached_load_range(self._amplitudes), 0.5)
 
     def finite_value_mask(self, values: Floats, is_requested: Any) -> Any:
-        """Return a mask of the fractal dimensions with a value (resample, D); the excluded ones are recorded.
+        """Return a mask of the fractal dimensions for which `values` (resample, D) exist, and record the others.
 
-        The mask is empty if fewer than half have a value, or if the range has only one: the rest would not represent
-        the range.
+        The mask is all false if fewer than half of the requested dimensions have a value, or if only one dimension is
+        requested, because the remaining dimensions would not represent the range.
         """
         is_usable = is_requested & np.isfinite(values[0]) & (np.isfinite(values).mean(axis=0) > 1 - 1 / 40)
         self.excluded_dimensions.update(float(dimension) for dimension in self.dimensions[is_requested & ~is_usable])
@@ -295,7 +295,7 @@ class ResampledMeans:
         tau0: float = 0.0,
         amplitude: float | None = None,
     ) -> Floats:
-        """Return a quantity (resample, D) at one load, or at a load for each D; NaN if it is not reached."""
+        """Return a quantity (resample, D) at one load, or at a load for each D; NaN if the load is not reached."""
         resampled_sums: Any = SimpleNamespace(
             **{name: self.mean_sums(name, amplitude or self.amplitude) for name in _CONTACT_SUM_NAMES}
         )
@@ -337,7 +337,7 @@ def interpolate_load_range(lowest: Any, highest: Any, part: float) -> Floats:
 
 @dataclass(frozen=True)
 class SimultaneousInterval:
-    """Number with its interval from simultaneous bands."""
+    """Value of a part of a claim, with its interval from simultaneous bands."""
 
     value: float
     lower: float
@@ -349,7 +349,7 @@ MeasureFunction = Callable[[ResampledMeans], "Floats | SimultaneousInterval"]
 
 @dataclass(frozen=True)
 class ClaimPart:
-    """Number of a claim, and the range in which the claim is true."""
+    """Part of a claim: a measured value, and the range of values for which the part is true."""
 
     name: str
     statement: str
@@ -359,7 +359,7 @@ class ClaimPart:
 
     @property
     def claim_number(self) -> int:
-        """Number of the claim."""
+        """Number of the claim, without the letter of the part."""
         return int(self.name.rstrip("abcd"))
 
 
@@ -429,7 +429,7 @@ def _least_linear_area_exponent(r: ResampledMeans) -> Floats:
         return np.full(exponents.shape[0], np.nan)
     return np.asarray(
         usable_exponents[:, np.argmax(np.abs(usable_exponents[0] - 1))]
-    )  # the least linear D of the ensemble
+    )  # D with the least linear area in the ensemble itself
 
 
 def _friction_ratio_upper_to_low_dimensions(r: ResampledMeans) -> Floats:
@@ -505,7 +505,7 @@ def _dimension_of_smallest_friction(r: ResampledMeans) -> Floats:
         return np.full(values.shape[0], np.nan)
     minimum_indices = np.argmin(np.where(np.isfinite(values[:, is_used]), values[:, is_used], np.inf), axis=1)
     result = np.asarray(r.dimensions[is_used][minimum_indices])
-    # A smallest value at the last D is not a minimum: friction may fall further within the range of the claim.
+    # A smallest value at the last D is not a minimum, because friction may decrease further in the claimed range.
     highest_dimension = r.dimensions[is_used][-1]
     return np.full(result.shape, np.nan) if result[0] == highest_dimension < _DIMENSION_RANGE_OF_MINIMUM[1] else result
 
@@ -721,7 +721,7 @@ CLAIM_PARTS = (
 
 @dataclass(frozen=True)
 class ClaimPartOutcome:
-    """Measured number of a part, and its verdict.
+    """Measured value of a part of a claim, and the verdict on the part.
 
     Attributes
     ----------
@@ -785,7 +785,7 @@ def judge_claims(
     sliding : {"opposing", "all"}, optional
         Sliding rule of the result; the first by default.
     interval_method : {"percentiles", "bands"}
-        Rule for extremes over D, see above.
+        Rule for extreme values over D; the docstring of this script explains both rules.
 
     Raises
     ------

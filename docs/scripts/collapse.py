@@ -1,7 +1,7 @@
 """Test the small-slope curve of friction: writes images/collapse*.png, generated/collapse.md and collapse.csv.
 
 Each point is an ensemble of pairs of maps or profiles, evaluated by the half-space and by the asperity model. Finished
-points are stored in build/collapse.jsonl and are not computed again. It takes about ten minutes on one core.
+points are stored in build/collapse.jsonl and are not computed again. The script takes about ten minutes on one core.
 """
 
 from __future__ import annotations
@@ -42,13 +42,13 @@ from stiction.mechanics.patches import grid_slopes, patch_sums
 DOCS_FOLDER = Path(__file__).parents[1]
 RESULTS_FILE = DOCS_FOLDER.parent / "build/collapse.jsonl"
 DATA_FOLDER = Path(os.environ.get("STICTION_TEST_DATA", DOCS_FOLDER.parents[1] / "shared/data"))
-"""Directory of measured maps; cases without their file are left out."""
+"""Directory of measured maps; cases whose file is missing are left out."""
 
 EFFECTIVE_MODULUS = 10.0
 SEED = 13
 MU0 = 0.4
 TAU0_BY_LABEL = {"0": 0.0, "2": 0.02 * EFFECTIVE_MODULUS}
-"""Adhesive shear strength in GPa, by its percentage of E*."""
+"""Adhesive shear strengths in GPa, by their percentage of E*."""
 SLIDING_RULES = ("opposing", "all")
 LOW_PRESSURE = 0.01
 """Mean pressure in units of E* h', for a contact fraction of about 0.02."""
@@ -145,7 +145,7 @@ def generate_fractal_pair(case: dict, repetition: int, family: str) -> BodyPair:
 
 
 def generate_self_affine_pair(case: dict, repetition: int) -> BodyPair:
-    """Return two self-affine surfaces, one flatter by a ratio, scaled to a common gradient of the gap."""
+    """Return two self-affine surfaces, one flatter by a ratio, scaled to the gap gradient of the case."""
     line = case["family"] == "self-affine line"
     bodies = []
     for side in ("upper", "lower"):
@@ -280,7 +280,7 @@ def compute_pair_results(case: dict, upper, lower, boundary: str) -> dict:
             for curve_with_rule in (curve.with_sliding(rule) for curve in curves)
         ]
         pair_results[f"mu {rule} {name}"] = float(np.mean(values))
-    # Repeat with each grid point judged by its own slope, instead of each contact patch.
+    # Repeat with the sliding rule applied to each grid point by its own slope, instead of to each contact patch.
     motion_vectors = np.array([[np.cos(angle), np.sin(angle)], [-np.cos(angle), -np.sin(angle)]])
     point_labels = np.arange(1, contact_areas.size + 1, dtype=np.int32)
     point_sums = LoadSums(
@@ -338,7 +338,7 @@ def load_results() -> dict[str, dict]:
 
 
 def load_or_compute_case_results() -> list[dict]:
-    """Return the result of every case whose data exist, from storage or computed."""
+    """Return the result of every case whose data exist. Results that are not stored are computed."""
     RESULTS_FILE.parent.mkdir(exist_ok=True)
     stored_results = load_results()
     cases = [case for case in iterate_cases() if "file" not in case or (DATA_FOLDER / case["file"]).exists()]

@@ -36,12 +36,12 @@ class ContactingProfiles:
 
     @property
     def first_contact_displacement(self) -> float:
-        """Return the displacement of the upper profile until grid points touch, µm."""
+        """Return the displacement (µm) of the upper profile at which grid points first touch."""
         return float((self.upper.heights - self.lower.heights).min())
 
     @property
     def upper_displacement(self) -> float:
-        """Return the displacement of the upper profile at the approach, µm."""
+        """Return the displacement (µm) of the upper profile at the approach of the drawing."""
         return self.first_contact_displacement + APPROACH
 
 

@@ -1,6 +1,6 @@
 """Draw docs/images/first.png and first_dark.png: two lapped surfaces of examples/scans, their contacts and friction.
 
-It takes half a minute on one core.
+The script takes half a minute on one core.
 """
 
 import tempfile
@@ -44,7 +44,7 @@ DARK_STYLE = {
 
 
 def compute_friction():
-    """Return value and ends of the combined interval at every load, by sliding rule."""
+    """Return the coefficient and the ends of its combined interval at every load, by sliding rule."""
     with tempfile.TemporaryDirectory() as folder:
         result = pair(
             SCANS_FOLDER / "lapped_upper.csv",
@@ -60,7 +60,7 @@ def compute_friction():
 
 
 def solve_contact():
-    """Return x and heights of the lower profile, and the contact of one pair under MARKED_LOAD."""
+    """Return x and heights of the lower profile, and the solution of one pair under MARKED_LOAD."""
     upper, lower = (levelled(read_profile(SCANS_FOLDER / f"lapped_{side}.csv"), "line") for side in ("upper", "lower"))
     curve = half_space(flipped(upper), lower, [MARKED_LOAD], effective_modulus=78.7, hardness=1.27, boundary="free")
     return lower.x, lower.heights, curve.contact(0)

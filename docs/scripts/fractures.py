@@ -121,7 +121,7 @@ def refine_gap(gap, factor, seed=1):
 
 
 def shift_gap(gap, displacement, seed=1):
-    """Return the gap after one surface moved along x; it is independent and has the spectrum of the gap."""
+    """Return the gap after a shift of one surface along x. This surface is random and has the spectrum of the gap."""
     _, density = estimate_spectrum(gap)
     displaced_face = random_roughness_heights(gap.heights.shape, gap.spacing[0], density, FIT_WAVELENGTH_RANGE[1], seed)
     return Surface(
@@ -218,7 +218,7 @@ def main(folder, names):
 
 
 def combine_variant_intervals(curves_by_kind):
-    """Return the ends of closure and stiffness: root sum of squares of the largest deviation of each kind."""
+    """Return the interval ends of closure and stiffness: root sum of squares of the largest deviation of each kind."""
     intervals = []
     for quantity_index in (0, 1):
         reference_curve = curves_by_kind[""][0][quantity_index]

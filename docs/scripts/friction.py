@@ -1,4 +1,4 @@
-"""Draw friction over each parameter: writes images/friction.png from the results of `./dev claims --columns`.
+"""Draw friction against each parameter: writes images/friction.png from the results of `./dev claims --columns`.
 
 It reads build/claims/columns, which `./dev claims --repetitions 2000 --columns` writes.
 """
@@ -42,7 +42,7 @@ def gap_gradients(dimensions: np.ndarray) -> np.ndarray:
 
 
 def draw_curve(ax: Axes, result: ResampledMeans, values: np.ndarray, name: str, *, is_hollow: bool = False) -> None:
-    """Draw the values of the ensemble over D, with a 95 % band where the resamples have values."""
+    """Draw the values of the ensemble against D, with a 95 % band where the resamples have values."""
     colour, marker, label = CURVE_STYLES[name]
     has_interval = np.isfinite(values).mean(axis=0) > 0.975
     lower, upper = np.nanquantile(values[1:, has_interval], [0.025, 0.975], axis=0)

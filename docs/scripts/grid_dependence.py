@@ -23,7 +23,7 @@ MU0 = 0.4
 
 
 def compute_grid_results(detection: str) -> dict[str, np.ndarray]:
-    """Return loads (mN) and area (µm²) at an approach of 10 nm, (dimension, points, repetition)."""
+    """Return loads (mN) and area (µm²) at an approach of 10 nm, as arrays (dimension, points, repetition)."""
     columns: dict[str, list[np.ndarray]] = {"load": [], "normal": [], "tangential": [], "area": [], "below": []}
     for points in POINT_COUNTS:
         study = Study().with_changes(
@@ -45,7 +45,7 @@ def compute_grid_results(detection: str) -> dict[str, np.ndarray]:
 
 
 def ratio_of_means(numerator: np.ndarray, denominator: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the ratio of means over the last axis, and its 95 % interval by the jackknife of its logarithm."""
+    """Return the ratio of means over the last array axis, and its 95 % interval by the jackknife of its logarithm."""
     numerator, denominator = np.broadcast_arrays(numerator, denominator)
     repetitions = numerator.shape[-1]
 

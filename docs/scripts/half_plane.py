@@ -2,8 +2,8 @@
 
     python docs/scripts/half_plane.py [DIRECTORY]
 
-Results are stored in DIRECTORY (build/half_plane). Missing ones are computed, in 40 minutes on one core; with --as-is
-only finished half-planes are drawn.
+Results are stored in DIRECTORY (build/half_plane). Missing results are computed, which takes 40 minutes on one core.
+With --as-is, stored results are drawn even if they are incomplete.
 """
 
 import sys

@@ -1,6 +1,6 @@
 """Compare the asperity model with the elastic half-space: writes images/half_space.png and generated/half_space.md.
 
-It takes about a minute on one core.
+The script takes about a minute on one core.
 """
 
 import math
@@ -26,7 +26,7 @@ RELATIVE_PRESSURES = (0.002, 0.02, 0.1)
 """Mean pressures in units of E* times the rms slope of the gap."""
 HURST_EXPONENTS = (0.5, 0.8)
 NUM_PAIRS = {("lines", 8): 24, ("lines", 32): 24, ("lines", 128): 16, ("surfaces", 8): 12, ("surfaces", 32): 6}
-"""Number of pairs by kind and bandwidth (longest over shortest wavelength)."""
+"""Number of pairs by kind and bandwidth (ratio of the longest to the shortest wavelength)."""
 NUM_LONGEST_WAVELENGTHS = {"lines": 4, "surfaces": 2}
 """Length in units of the longest wavelength."""
 POINTS_PER_SHORTEST_WAVELENGTH = {"lines": 16, "surfaces": 8}
@@ -92,7 +92,7 @@ def solve_half_space(upper, lower, loads: np.ndarray) -> np.ndarray:
 
 
 def solve_asperities(upper, lower, loads: np.ndarray, max_approach: float) -> np.ndarray:
-    """Return the results of the asperity model where its elastic load first reaches that of the half-space."""
+    """Return the results of the asperity model when its elastic load first reaches that of the half-space."""
     law = {"law": HertzCylinder(), "detection": "gap-minimum"} if isinstance(upper, Profile) else {}
     approaches = np.geomspace(1e-5, 1.0, 400) * max_approach
     names = [
@@ -136,13 +136,13 @@ def compute_pair_results(kind: str, bandwidth: int, hurst: float, repetition: in
 
 
 def mean_and_half_width(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the mean over axis 0 and half of its 95 % interval (Student's t)."""
+    """Return the mean over array axis 0 and half of its 95 % interval (Student's t)."""
     n = len(values)
     return values.mean(axis=0), student.ppf(0.975, n - 1) * values.std(axis=0, ddof=1) / math.sqrt(n)
 
 
 def ratio_with_interval(values: np.ndarray, column: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the geometric mean (load,) of asperities over half-space, and the ends of its interval."""
+    """Return the geometric mean (load,) of the ratio of asperities to half-space, and the ends of its interval."""
     mean, half_width = mean_and_half_width(np.log(values[:, :, 1, column] / values[:, :, 0, column]))
     return np.exp(mean), np.exp(mean - half_width), np.exp(mean + half_width)
 

@@ -1,4 +1,4 @@
-"""Measure the coverage of the intervals of traverses, and their width relative to the best possible interval."""
+"""Measure the coverage of intervals for traverses, and their width relative to the best possible interval."""
 
 import sys
 from pathlib import Path

@@ -1,6 +1,6 @@
 """Compute the onset of sliding of rough surfaces: writes images/onset*.png and generated/onset_*.md.
 
-It takes about four minutes on one core. Arguments, as in ``onset.py dimension``, select tables.
+The script takes about four minutes on one core. Arguments, as in ``onset.py dimension``, select tables.
 """
 
 import math
@@ -26,7 +26,7 @@ POISSON_RATIO = 0.3
 TAU0_OVER_MODULUS = (0.0, 0.02)
 """tau0 in units of E*, at an rms gradient of the gap of 0.14."""
 BANDWIDTHS = (8, 16, 32)
-"""Longest over shortest wavelength."""
+"""Ratio of the longest to the shortest wavelength."""
 RELATIVE_PRESSURES = (0.002, 0.02, 0.1)
 """Mean pressure in units of E* h'."""
 NUM_PAIRS = 6
@@ -124,7 +124,7 @@ def compare_asperities() -> list[str]:
 
 
 def compare_kernels() -> list[str]:
-    """Return the initial stiffness with the full tangential kernel over that with the isotropic kernel, ν = 0.3."""
+    """Return the ratio of initial stiffnesses with the full and with the isotropic tangential kernel at ν = 0.3."""
     lines = table_header("roughness", "exact kernel", "exact kernel without transverse displacement")
     upper, lower, unit = create_pair(8, 0, points=32)
     gap = upper.heights - lower.heights
@@ -175,7 +175,7 @@ def _sticking_contact_stiffness(is_contact: np.ndarray, *, is_fixed_along_y: boo
     num_unknowns = count * (1 + is_fixed_along_y)
     expected = np.zeros(num_unknowns)
     expected[:count] = 1.0
-    # The kernel has no mean; a constant makes it positive definite, and is subtracted from the result.
+    # The kernel has zero mean. An added constant makes it positive definite, and is subtracted from the result.
     mean_compliance = 10.0 / EFFECTIVE_MODULUS
 
     def compute_displacement_with_mean(q: np.ndarray) -> np.ndarray:
@@ -265,7 +265,7 @@ def compare_slopes() -> list[str]:
 
 
 def compute_onset_over_dimension() -> list[str]:
-    """Compute the onset of profiles (built-in study) and of maps over D; draw the one of profiles."""
+    """Compute the onset of profiles (built-in study) and of maps against D, and draw the onset of profiles."""
     lines = run(Study.named("presliding"), progress=True)
     figure = lines.figure("onset")
     figure.savefig(DOCS_FOLDER / "images/onset_dimension.png", dpi=300)

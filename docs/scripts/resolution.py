@@ -1,7 +1,7 @@
-"""Measure results against scan resolution: writes docs/generated/resolution.md and docs/images/resolution.png.
+"""Measure how results depend on scan resolution: writes docs/generated/resolution.md and docs/images/resolution.png.
 
-The argument selects the part to compute: "settling", "bracketing", "continuing" or "joining". Without one, table and
-figure are written from the results in the directory `resolution`. Seeds are fixed; all parts take 15 minutes.
+The argument selects the part to compute: "settling", "bracketing", "continuing" or "joining". Without an argument,
+table and figure are written from the results in the directory `resolution`. Seeds are fixed; all parts take 15 minutes.
 """
 
 import json
@@ -229,7 +229,7 @@ def load_results(name):
 
 
 def render_coarser_cutoff_rows(rows):
-    """Return the table of one Hurst exponent: differences of results at coarser cutoffs from the finest."""
+    """Return the table of one Hurst exponent: differences of results at coarser cutoffs from the finest result."""
 
     def format_means(model, name, factor=1.0, digits=3):
         values = np.mean([row[model][name] for row in rows], axis=0)
@@ -257,7 +257,7 @@ def render_coarser_cutoff_rows(rows):
 
 
 def count_pairs_inside_brackets(rows, name, limit_index, upper_key):
-    """Count pairs whose finer results are all between the limit and the end of a coarser bracket."""
+    """Count pairs for which every bracket, from the limit to its end, contains all results at finer cutoffs."""
     count = 0
     for row in rows:
         values, bracket_ends, gradients = (row["plastic"][item] for item in (name, upper_key, "gradient"))
@@ -280,7 +280,7 @@ def bracket_widths(rows, name, limit_index, upper_key):
 
 
 def render_bracket_rows(groups):
-    """Return the fractions of pairs inside their brackets and narrower ones, and the widths of the brackets."""
+    """Return the fractions of pairs inside their brackets and inside narrower brackets, and the bracket widths."""
     lines = [
         "| bracket: from the plastic limit to | A/A0: pairs inside | A/A0: upper bound above the plastic limit (%) "
         "| μ_s, friction at all contacts: pairs inside | μ_s: upper bound above the plastic limit (%) |",
@@ -304,7 +304,7 @@ def render_bracket_rows(groups):
 
 
 def render_yield_deviation_rows(rows_by_exponent):
-    """Return deviations of the coarsest result from the finest at elastic pressures of one and two hardnesses."""
+    """Return deviations of the coarsest result from the finest at elastic pressures of 1 and 2 times the hardness."""
     lines = [
         f"| μ_s, friction at all contacts, at {CUTOFFS[-1]} points | elastic mean pressure / hardness "
         "| mean difference from the finest (%) | largest difference (%) |",
@@ -323,7 +323,7 @@ def render_yield_deviation_rows(rows_by_exponent):
 
 
 def count_covered_pairs(rows, name):
-    """Count pairs whose predicted interval contains the true value; a missing value counts as 0."""
+    """Count pairs whose predicted interval contains the true value; a missing interval is replaced by zeros."""
     intervals = np.nan_to_num([row[f"said_{name}"][1:] for row in rows])
     true_values = np.array([row[name] for row in rows])
     return f"{int(((intervals[:, 0] <= true_values) & (true_values <= intervals[:, 1])).sum())} of {len(rows)}"

@@ -1,6 +1,6 @@
 """Draw the screenshots of the report and of the app in docs/images, in headless Chromium, with README's example.
 
-It takes about a minute on one core.
+The script takes about a minute on one core.
 """
 
 import base64

@@ -20,9 +20,9 @@ FIGURE_WIDTH, FIGURE_HEIGHT = 170.0, 44.0  # mm
 ASPERITY_RADIUS = 1.0  # asperity radius, the unit of all lengths
 UPPER_OFFSETS = np.array(
     [-0.5, 0.6, -0.6, 0.5]
-)  # along the sliding direction, of each upper asperity from its lower asperity
-SPACING = 3.0  # between lower asperities
-FLAT_HEIGHT = 0.45  # height of the flat between asperities above their centres
+)  # offset of each upper asperity from its lower asperity along the sliding direction
+SPACING = 3.0  # distance between lower asperities
+FLAT_HEIGHT = 0.45  # height, above the centres of asperities, of the flat between asperities
 ARROW_LENGTH = 1.15  # length of friction arrows
 NUM_POINTS = 1200
 RULE_TITLES = {"all": "friction at all contacts", "opposing": "friction at opposing contacts only"}

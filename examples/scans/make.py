@@ -4,7 +4,7 @@
 
 There are two stylus profiles of honed steel and two of lapped steel as text, and two interferometer maps of ground
 steel as X3P. They have the tilt of an unlevelled specimen, instrument noise, and heights in whole converter steps. The
-honed profiles are long and quiet enough for the assessment "Quote it".
+honed profiles are long enough and have little enough noise for the assessment "Quote it".
 """
 
 import hashlib

@@ -108,7 +108,7 @@ def wait_until(compute_value, is_met):
 def start_server(folder, *options, code=""):
     """Start a server in a directory that also contains its temporary files.
 
-    The command `stiction app` starts the server, or `code` if it is given.
+    The server is started by the command `stiction app`, or by `code` if it is given.
     """
     (folder / "tmp").mkdir(exist_ok=True)
     arguments = ["-c", code] if code else ["-m", "stiction", "app", *options]

@@ -54,7 +54,7 @@ def driver(app, tmp_path_factory):
 
 @pytest.fixture
 def empty_page(driver, app):
-    """Page of the app without inputs; after the test, no unexpected error may be in the log of the browser."""
+    """Page of the app without inputs; after the test, the log of the browser must contain no unexpected error."""
     driver.get(f"{app.origin}/app.css")  # This page has no scripts that could write to the storage again.
     driver.execute_script("sessionStorage.clear()")
     driver.get(app.origin)
@@ -391,7 +391,7 @@ def test_stopped_job_is_stored_and_can_be_resumed(empty_page, tmp_path, app):
 
 
 def check_queue_of_two_windows(empty_page, app):
-    """Start a job in a second window while the first window computes one, wait until it is queued, and stop both."""
+    """Queue a job from a second window while the job of the first window runs, and stop both jobs."""
     first_window = empty_page.current_window_handle
     empty_page.switch_to.new_window("tab")
     try:
@@ -568,7 +568,7 @@ def test_app_lists_and_opens_results_in_the_working_directory(empty_page, app):
 
 
 def test_app_has_no_accessibility_violations(empty_page, map_files):
-    """The page is checked without and with a result, on a light screen and on a dark phone."""
+    """The page is checked with and without a result, on a large screen in light mode and on a phone in dark mode."""
     axe_script = browser.load_axe_script()
 
     def check_accessibility():

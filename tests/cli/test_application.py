@@ -139,7 +139,8 @@ def test_malicious_study_file_is_rejected_with_a_short_printable_error(tmp_path,
 
 def test_commands_reject_pipes_and_devices_as_input_files(tmp_path):
     for name in ("fifo.toml", "fifo.csv"):
-        os.mkfifo(tmp_path / name)  # Opening a pipe for reading blocks until another program opens it for writing.
+        # A program that opens a pipe for reading waits until another program opens the pipe for writing.
+        os.mkfifo(tmp_path / name)
     for name in ("fifo.toml", "/dev/zero"):
         assert_rejected(call_stiction("run", name, "-o", "o", cwd=tmp_path), f"{name}: is not a regular file")
     assert_rejected(call_stiction("characterise", "fifo.csv", cwd=tmp_path), "fifo.csv: is not a file")

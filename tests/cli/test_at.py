@@ -1,4 +1,4 @@
-"""Tests of the commands at, info, export, plot and run on a study, a pair of profiles and a pair of maps."""
+"""Tests of the commands `at`, `info`, `export`, `plot` and `run` on a study, a pair of profiles and a pair of maps."""
 
 import csv
 import json

@@ -1,4 +1,4 @@
-"""Tests of the commands run, studies and plot, of the help texts and of completion."""
+"""Tests of the commands `run`, `studies` and `plot`, of help texts and of shell completion."""
 
 import re
 import shlex

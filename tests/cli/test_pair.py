@@ -122,7 +122,7 @@ REPETITIONS_KEY = "ensemble.repetitions"
         (PROFILE_FILES, ["--mechanics", "half-space", "--hardness", "3 GPa"], {"contact.hardness": 3.0}),
         (PROFILE_FILES, ["--mu0", "0.4,0.3,0.4"], {"friction.mu0": (0.3, 0.4)}),
         (PROFILE_FILES, ["--tau0", "50 MPa,0 MPa,0.05 GPa"], {"friction.tau0": (0.0, 0.05)}),
-        (PROFILE_FILES, ["--load", "2 MPa", "--load", "0.01 mN"], {"friction.load": (0.01, 0.02)}),  # on 10 µm²
+        (PROFILE_FILES, ["--load", "2 MPa", "--load", "0.01 mN"], {"friction.load": (0.01, 0.02)}),  # area 10 µm²
         (
             PROFILE_FILES,
             ["--lay", "isotropic", "--level", "line"],
@@ -556,7 +556,7 @@ RUBBER_ON_GLASS_OPTIONS = [
 )
 def test_pair_command_output_fits_in_24_lines(scans_folder, arguments, tmp_path):
     completed = check_stiction("pair", *arguments, "-o", tmp_path / "out", cwd=scans_folder, columns=80)
-    # The paths are not counted: they are longer here than in the current directory.
+    # Paths are not counted, because they are longer in this test than in the current directory.
     text_before_paths, _, paths = (completed.stderr + completed.stdout).partition("wrote ")
     assert "report.html" in paths
     num_lines = 1 + sum(1 + max(len(line) - 1, 0) // 80 for line in text_before_paths.splitlines())

@@ -30,7 +30,7 @@ MEAN_GAP_TOLERANCE = 1e-4
 """Relative difference of loads at equal mean gap. Each solution has a tolerance of 1e-5."""
 
 POINT_FRACTION_TOLERANCE = 1e-3
-"""Fraction of the grid points, with almost zero pressure, at which two solvers may differ."""
+"""Maximum fraction of the grid points at which two solvers disagree about contact; their pressure is almost zero."""
 
 ROUND_OFF = 1e-12
 MAX_LOWER_BOUND_FORCES = 2  # At most this number of 200 random pairs may have only a lower bound of the pull-off force.
@@ -47,17 +47,17 @@ MAUGIS_TOLERANCE = 0.02
 """Relative difference of pull-off force and contact radius of a ball from Maugis' solution."""
 
 GRID_POSITION_TOLERANCE = 0.005
-"""Relative difference of the pull-off force of a ball due to half the spacing, or due to a more distant free edge."""
+"""Relative difference of the pull-off force of a ball if the spacing is halved, or if the free edge is more distant."""
 
 CLOSED_FORM_TOLERANCE = 0.02
 """Relative difference of loads and lengths between a short-range attraction (at least 4 points) and zero range."""
 
 STEP_SUM_TOLERANCE = 3e-3
-"""Relative difference between the work as a sum over 40 steps and the integral."""
+"""Relative difference between the work summed over 40 steps and the integral."""
 
 
 def create_ball_on_flat(tabor, *, points=64, length=10.0):
-    """Return a ball of radius 1 µm on a flat, scaled by its contact radius (µm), with a range of 1 nm."""
+    """Return a ball of radius 1 µm on a flat, with an adhesion range of 1 nm and the given Tabor parameter."""
     height = tabor * 1e-3
     spacing = length * height**0.5 / points
     x = (np.arange(points) - points // 2) * spacing
@@ -152,7 +152,7 @@ def test_pull_off_force_of_a_sphere_equals_maugis_solution_for_any_period(tabor)
 
 @pytest.mark.parametrize("tabor", [0.1, 0.3, 1.0])
 def test_dugdale_contact_of_a_sphere_agrees_with_maugis_solution_on_any_grid(tabor, monkeypatch):
-    """Check that differences from Maugis are due to the exponential law, not to the grid or the edge."""
+    """Check that differences from Maugis' solution are due to the exponential law, not to the grid or the edge."""
     length = 8 * max(1, tabor**-0.5)
     exponential = [
         half_space(*bodies, [0.0], **adhesive).pull_off
@@ -192,8 +192,8 @@ def test_contact_of_an_adhesive_cylinder_equals_barquins_solution():
 def test_adhesive_contact_of_a_sinusoid_equals_johnson_solution_and_jumps_to_full_contact(alpha):
     """Check p/p* = sin²s - α (tan s)^(1/2), s = πa/λ (Johnson, Int. J. Solids Structures 32 (1995) 423).
 
-    Full contact needs no load above α = 0.57, and 0.09 p* at α = 0.5. Accelerated steps must not reach it at a smaller
-    load.
+    Full contact needs no load above α = 0.57, and 0.09 p* at α = 0.5. Accelerated steps must not reach full
+    contact at a smaller load.
     """
     points, height = 2048, 0.005
     x, full_contact_pressure = np.arange(points) / points, np.pi * height

@@ -307,7 +307,7 @@ class TestSurfaceScalingAndSymmetry:
             for rule in ("opposing", "all")
         }
         opposing_curve, curve_with_all_contacts = curves["opposing"], curves["all"]
-        # The sums for both directions add up to the total, if friction is reversed.
+        # Each contact is counted in one direction. Elastic loads change sign with the direction, and friction does not.
         assert_close(
             opposing_curve.tangential_elastic[0] - opposing_curve.tangential_elastic[1],
             curve_with_all_contacts.tangential_elastic[0],

@@ -81,7 +81,7 @@ def test_periodic_asperity_model_is_invariant_under_shifts():
 def test_asperity_model_agrees_better_with_boundary_elements_if_asperities_interact():
     """Compare both asperity models with boundary elements for H = 0.75, bandwidth 32 and p̄ = 0.02 E* h'rms.
 
-    The profile has half of the points of the published table. Another law or detection, and lost or doubly counted
+    The profile has half as many points as in the published table. Another law or detection, and lost or doubly counted
     contacts, would change the ratios of the model without interaction by more than the 2 % that the grid causes. The
     ratios of the model with interaction are near 1, so interaction explains the difference.
     """

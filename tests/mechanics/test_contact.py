@@ -174,7 +174,7 @@ class TestProfilesAgainstExactSolutions:
         plane = Profile(1.0 + slope * ball.x, spacing=spacing)
         upper, lower = (plane, ball) if below else (ball, plane)
         contact_gap = (upper.heights - lower.heights).min()
-        # The distance from the plane is that of the centre of the ball, at height -R or R, after the approach.
+        # The overlap follows from the distance of the ball centre from the plane after the approach.
         height = 1.0 + slope * 10.003 + (-contact_gap - 1e-3) * (1 if below else 0)
         centre = -radius if below else radius - contact_gap - 1e-3
         overlap = radius - abs(height - centre) / math.hypot(1, slope)
@@ -301,7 +301,7 @@ class TestProfileScalingAndSymmetry:
     @GIVEN_RANDOM_PAIRS
     @HYPOTHESIS_SETTINGS
     def test_load_curve_scales_with_size(self, law, pair, approach, choices):
-        """Forces and areas of spheres scale with size squared, those of cylinders of equal width with size."""
+        """Forces and areas of spheres scale with the square of the size; for cylinders they scale with the size."""
         assume(is_insensitive_to_round_off(*pair, approach, choices))
         size = 3.7
         scaled_pair = [Profile(size * p.heights, spacing=size * p.spacing) for p in pair]
@@ -357,10 +357,10 @@ class TestProfileScalingAndSymmetry:
 
 
 class TestGapMinimumDetection:
-    """Tests of results that do not depend on the grid with detection="gap-minimum", unlike with detection="cell"."""
+    """Tests of results that depend on the grid with detection="cell", but not with detection="gap-minimum"."""
 
     POINT_COUNTS = (37_500, 75_000, 150_000, 300_000, 600_000)
-    # First contact is defined by grid points, which adds up to g'' Δx² / 8 to an approach of 10 nm.
+    # First contact is defined by grid points, so an approach of 10 nm increases by at most g'' Δx² / 8.
     # Therefore three digits agree for each pair, and more digits for a sum over pairs.
     PAIR_TOLERANCE = 1e-3
     SUM_TOLERANCE = 2e-4

@@ -262,7 +262,7 @@ def test_elliptic_hertz_contact_tends_to_sphere_contact_and_line_contact():
     # Across a long ellipse the pressure is that of a line contact. The load per length is 3 F/(4 a).
     half_width, _ = hertz_line(3 * force / (4 * a), 1.0, EFFECTIVE_MODULUS)
     np.testing.assert_allclose(b, half_width, rtol=1e-6)
-    # A curvature ratio of 5 gives an axis ratio of 0.346.
+    # A curvature ratio of 5 gives a ratio of semi-axes of 0.346.
     # The area is 0.968 times that of the equivalent sphere, and the force is 1.0536 times that of the sphere.
     force, area, (a, b) = hertz_ellipse(0.01, 5.0, 1.0, EFFECTIVE_MODULUS)
     sphere = hertz_sphere(0.01, 5.0**0.5, EFFECTIVE_MODULUS)
@@ -373,7 +373,7 @@ def test_half_space_pressure_agrees_with_tamaas(pressed, boundary):
     load = pressed * EFFECTIVE_MODULUS * 0.1
     model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], [n, n])
     model.E, model.nu = EFFECTIVE_MODULUS, 0.0
-    # with a tolerance below 1e-12 the iteration may not end
+    # with a tolerance below 1e-12 the iteration might never end
     solver = tamaas.PolonskyKeerRey(model, lower.heights.copy(), 1e-11)
     if boundary == "free":
         tamaas.ModelFactory.registerNonPeriodic(model, "dcfft")
@@ -431,7 +431,7 @@ def test_random_half_space_problems_with_hardness_satisfy_the_contact_conditions
 @pytest.mark.parametrize("shape", [(256,), (40, 40)])
 @pytest.mark.parametrize("ratio", [0.5, 10, 1000])
 def test_half_space_accepts_arbitrarily_low_hardness(shape, boundary, ratio):
-    """Solve pairs with E* h'/H from 0.5 to 1000 at loads up to the largest that the hardness permits."""
+    """Solve pairs with E* h'/H from 0.5 to 1000 at loads up to the largest load that the hardness permits."""
     lower = periodic_body(shape)
     hardness = EFFECTIVE_MODULUS * 0.1 / ratio
     loads = np.array([1e-3, 0.03, 0.3, 0.9, 0.999]) * hardness
@@ -599,7 +599,7 @@ def test_mean_slope_of_contacts_is_independent_of_compliance_fraction():
         )
         mean_slopes.append((curve.tangential_elastic / curve.normal_elastic).mean())
     assert np.ptp(mean_slopes) < 0.05 * np.mean(mean_slopes)
-    # Patches oppose with less than the mean slope of their points, and the difference is largest for broad spectra.
+    # A patch opposes with a slope below the mean slope of its points. The difference is largest for broad spectra.
     assert 0.7 < np.mean(mean_slopes) / (slope / np.sqrt(4 * np.pi) * ratio / (1 + ratio**2)) < 1.0
 
 
@@ -709,7 +709,7 @@ def test_half_space_load_curve_is_read_only_and_rejects_invalid_indices():
 
 @pytest.mark.parametrize("load", [0.02, 0.05, 0.1])
 def test_ball_on_a_level_flat_has_no_opposing_contact_in_any_direction(load):
-    # The only patch is level. A residual asymmetry of the solution must not change its class.
+    # The only patch is level. A residual asymmetry of the solution must not turn it into an opposing patch.
     x = (np.arange(65) - 32) * 0.05
     ball = Surface(-(x**2 + x[:, np.newaxis] ** 2) / 20, spacing=0.05)
     flat = Surface(np.zeros((65, 65)), spacing=0.05)

@@ -99,7 +99,7 @@ def iterate_variables(datasets):
 
 
 def normalized_dims(name, dataset):
-    """Return the dimensions of a variable after cells and members, as listed in the table of quantities."""
+    """Return the dimensions of a variable, other than cells and members, as listed in the table of quantities."""
     omitted_dims = {"fractal_dimension", "amplitude", "cut_off", "repetition", "statistic"}
     renamed_dims = {"approach": "step", "load": "step"}
     return {renamed_dims.get(str(dim), str(dim)) for dim in dataset[name].dims} - omitted_dims

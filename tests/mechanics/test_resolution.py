@@ -25,7 +25,7 @@ from stiction.mechanics.brackets import (
 from support.rough_surfaces import rough_maps
 
 ROUND_OFF = 1e-12
-EDGE_TOLERANCE = 0.1  # relative error of the area that cells at contact edges cause on a coarse grid
+EDGE_TOLERANCE = 0.1  # relative error of the area due to cells at contact edges on a coarse grid
 STEEL_ARGUMENTS = {"hardness": 4.0, "effective_modulus": 115.0, "mu0": 0.2, "tau0": 0.2}
 
 

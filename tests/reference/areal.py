@@ -192,7 +192,7 @@ def find_contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, co
 
 
 def sum_contacts(contact_list, angle, sliding="opposing"):
-    """Sum the contacts for a motion of the upper body; `angle` is in degrees from +x towards +y."""
+    """Return sums over contacts for a motion of the upper body; `angle` is in degrees from +x towards +y."""
     s = np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle)), 0])
     across = np.array([-s[1], s[0], 0])
     total = dict.fromkeys(

@@ -43,7 +43,7 @@ def influence_table(shape, spacing, modulus, *, periodic):
 
 
 def influence_matrix(shape, spacing, modulus, *, periodic, points=None):
-    """Return the matrix of displacements at points under 1 GPa at each point; `points` are indices (default: all)."""
+    """Return the matrix of displacements at points due to 1 GPa at each point; `points` are indices (default: all)."""
     table = influence_table(shape, spacing, modulus, periodic=periodic)
     points = np.argwhere(np.ones(shape)) if points is None else points
     offsets = points[:, None, :] - points[None, :, :]

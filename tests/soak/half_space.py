@@ -117,7 +117,7 @@ def find_solution_violations(lower, load, arguments, curve):
 
 
 def main(num_problems=NUM_PROBLEMS, seed=SEED, num_hard_problems=NUM_HARD_PROBLEMS):
-    """Solve all problems, print slow, rejected and wrong ones, and return the number of failures."""
+    """Solve all problems, print the slow, rejected and wrong solutions, and return the number of failures."""
     num_wrong = solve_problems(random_problem, num_problems, seed)[1]
     num_rejected, num_wrong_hard = solve_problems(random_problem_with_hardness, num_hard_problems, seed)
     return num_wrong + num_rejected + num_wrong_hard

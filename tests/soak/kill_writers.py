@@ -77,7 +77,7 @@ class WriterKillTest:
     def __init__(self, folder: Path, random_generator: random.Random, executors: tuple[str, ...]) -> None:
         self.folder, self.random, self.executors = folder, random_generator, executors
         self.num_repetitions = STUDY.ensemble.repetitions
-        self.time_to_first_write = 1.0  # seconds from the start of a command to its first block, measured last
+        self.time_to_first_write = 1.0  # latest measured time (s) from the start of a command to its first block
         self.result_folder = folder / "out"
         self.log_file = folder / "computed"
         (folder / "site").mkdir()

@@ -28,7 +28,7 @@ from support.rough_surfaces import rough_maps
 from support.studies_of_files import pair_study
 
 SIDES = ("upper", "lower")
-MAX_SAMPLING_ERROR = 0.02  # largest error of an interval end by random samples, relative to the interval width
+MAX_SAMPLING_ERROR = 0.02  # largest error of an interval end due to random samples, relative to the interval width
 # Largest relative errors of friction that is interpolated between solutions, for a narrow and a wide range of E*.
 MAX_INTERPOLATION_ERROR, MAX_WIDE_INTERPOLATION_ERROR = 0.005, 0.008
 PAIR_OPTIONS = {"shifts": 4, "direction": [0.0, 180.0], "onset": 0}

@@ -188,7 +188,7 @@ def test_uncertainty_of_a_shared_hardness_cancels_in_the_prediction(tmp_path) ->
     assert upper - lower < 0.03
     unrelated_pair = pair(
         *rough_surface_pair(0.02), hardness="0.5..1.51 GPa", **PAIR_OPTIONS
-    )  # This text of the hardness differs, so the hardness is independent of the calibrated pair.
+    )  # The hardness is given as another text, so it is independent of the hardness of the calibrated pair.
     assert np.ptp(strength.predict(unrelated_pair, "50 MPa")[1:]) > 3 * (upper - lower)
     # The combined interval of a pair shares the hardness with an interface file, too.
     write_interface(strength, tmp_path / "film.csv")
@@ -420,7 +420,7 @@ def test_friction_tests_on_both_a_ball_and_a_plastic_pair_determine_junction_gro
     low, middle, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.5, 0.975])
     assert low < 9.0 < high
     assert middle == pytest.approx(9.0, abs=1.0)
-    assert high - low < 8.0  # The given range of α alone would have a width of 25.7.
+    assert high - low < 8.0  # The interval from the given range of α alone would have a width of 25.7.
 
 
 def test_friction_tests_on_one_plastic_pair_do_not_determine_junction_growth() -> None:

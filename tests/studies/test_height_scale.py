@@ -58,7 +58,7 @@ def bodies():
 
 @pytest.fixture(scope="module")
 def result(bodies):
-    """Return the result of a pair, computed also with both surfaces scaled by 0.5 and 2 and the upper scaled by 2."""
+    """Return a result, solved also with both surfaces scaled by 0.5 and 2 and with only the upper scaled by 2."""
     computed = pair(*bodies, **PAIR_OPTIONS | HARDNESS_OPTION)
     compute_results_at_height_factors(computed.source, [0.5, 2])
     compute_results_at_height_factors(computed.source, [2], "upper")

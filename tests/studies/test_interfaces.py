@@ -29,7 +29,7 @@ from support.command import assert_rejected, call_stiction, check_stiction
 INTERFACE_KINDS = ("measured", "lumped", "bound")
 
 MAX_SAMPLING_ERROR = 0.04
-"""Largest error of an interval end by 4000 random samples, as a fraction of the interval width."""
+"""Largest error of an interval end due to 4000 random samples, as a fraction of the interval width."""
 
 PAIR_OPTIONS = {"load": "20 MPa", "effective_modulus": "3 GPa", "shifts": 4, "onset": 0}
 

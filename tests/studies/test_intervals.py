@@ -17,7 +17,7 @@ MAX_WIDTH_RATIO = 1.5  # largest ratio of the median width to the width for a kn
 MIN_DEFINED_FRACTION = 0.85
 """Smallest fraction of traverses with an interval; if half of 16 correlated values are zero, all may be zero."""
 
-# Coverage by positions and correlation: the coverage from many trials in docs/scripts/intervals.py, minus 0.03.
+# Minimum coverage by number of positions and correlation: the coverage from docs/scripts/intervals.py minus 0.03.
 MIN_COVERAGE = {
     (16, 0.0): 0.95, (16, 0.4): 0.92, (16, 0.8): 0.78,
     (32, 0.0): 0.94, (32, 0.4): 0.90, (32, 0.8): 0.84,

@@ -173,8 +173,8 @@ MAX_COVERAGE = 0.975
 def simulate_ensembles(repetitions, ensembles, *, spread, scatter, seed, touching=1.0):
     """Return ensembles whose loads are power laws of the approach times lognormal factors.
 
-    The dimension `fractal_dimension` numbers the ensembles. The factors of F_N and F_T are correlated, and mu_s is
-    proportional to F_N^-0.1, so that an error of the approach at a load changes the friction coefficient.
+    The dimension `fractal_dimension` is the index of the ensemble. The factors of F_N and F_T are correlated, and mu_s
+    is proportional to F_N^-0.1, so that an error of the approach at a load changes the friction coefficient.
     """
     random = np.random.default_rng(seed)
     shape = (ensembles, 1, repetitions, 1)

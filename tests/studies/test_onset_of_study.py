@@ -53,7 +53,7 @@ def test_stored_onset_of_a_member_equals_onset_of_its_load_curve(study, result):
 
 
 def test_study_results_are_equal_with_and_without_onset(study, result):
-    """With an onset, each pair is computed alone; without, pairs of several dimensions are computed together."""
+    """With an onset, each pair is computed alone; otherwise pairs of several dimensions are computed together."""
     dataset_without_onset = run(study.with_changes({"contact.onset": None, "figures.draw": ["area"]})).dataset
     assert not set(ONSET_QUANTITIES) & set(dataset_without_onset.data_vars)
     for name in dataset_without_onset.data_vars:

@@ -103,7 +103,7 @@ def test_single_block_can_be_read_as_a_result(folder_copy, uninterrupted_dataset
 
 
 def test_stored_values_are_preserved_bit_for_bit(tmp_path, monkeypatch):
-    """Store values with signed zeros, NaN, and the smallest and large numbers."""
+    """Store values with signed zeros, NaN, the smallest positive number and a large number."""
     values = itertools.cycle([-0.0, np.nan, 0.0, 5e-324, 1e99])
     shape = run(with_repetitions(1), executor=InlineExecutor()).dataset["contact_area"].values[:, :, 0].shape
     sums = {
@@ -573,7 +573,7 @@ for step in range(1, 1000):
 
 
 def test_run_resumes_after_it_was_killed_at_any_disk_operation(tmp_path, uninterrupted_dataset):
-    """Kill successive runs at their first, second, ... disk operation, with half of the file written; each resumes."""
+    """Kill each run at its first, second, ... disk operation, with half of the file written; the next run resumes."""
     (tmp_path / "s.toml").write_text(TINY_STUDY.to_toml())
     completed = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", SCRIPT_WITH_KILLS],
@@ -696,7 +696,7 @@ def test_interrupt_stops_the_run_and_preserves_finished_blocks(tmp_path):
         process.send_signal(signal.SIGINT)
         assert process.wait(300) == 130
     stored_result = store.open_stored_result(tmp_path / "r")
-    # The interrupt leaves many of the 1000 repetitions unfinished, also on a busy machine.
+    # The interrupt leaves many of the 1000 repetitions unfinished, even on a busy machine.
     assert 8 <= stored_result.finished_members.size < 500
     assert_no_partial_files(tmp_path)
     expected = run(with_repetitions(int(stored_result.finished_members[-1]) + 1)).dataset

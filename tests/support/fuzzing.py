@@ -1,7 +1,7 @@
 """Call functions and commands with random inputs, which must be accepted, or rejected without a traceback.
 
 Functions must raise `ValueError`; commands must end with exit status 2. The caller provides a NumPy generator, so
-that a seed repeats a run.
+that runs with the same seed are equal.
 """
 
 import io

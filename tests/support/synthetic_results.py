@@ -49,7 +49,7 @@ def measured_result(
     *, loads=(10.0,), mu0=(0.2,), tau0=(0.05,), directions=(0.0, 90.0, 180.0, 270.0), cut_offs=(0.0,),
     half_width_ratio=0.05, all_contacts=0.21, opposing=0.11, by_axis=None, status="ok", members=16, ok=16, **changes,
 ):  # fmt: skip
-    """Return a result of measured surfaces with equal numbers at every load, mu0 and tau0; `changes` replace some."""
+    """Return a result of measured surfaces with equal numbers at every load, mu0 and tau0; `changes` replace them."""
     axes = sorted({direction % 180 for direction in directions})
     sizes = {
         "cut_off": len(cut_offs), "sliding": 2, "direction": len(directions), "axis": len(axes), "load": len(loads),

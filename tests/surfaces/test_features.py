@@ -1,6 +1,6 @@
 """Tests of feature parameters.
 
-Peaks, pits and Wolf pruning are compared with literal merging of hills and with egg boxes.
+Peaks, pits and Wolf pruning are compared with a slow program that merges hills, and with egg-box surfaces.
 """
 
 import math

@@ -105,7 +105,7 @@ class TestRobustFilter:
         scratched_heights[:, 20:22] -= 1.0
         result = filtered(Surface(scratched_heights, spacing=0.1), cutoff=2.0, robust=True).heights
         linear = filtered(Surface(scratched_heights, spacing=0.1), cutoff=2.0).heights
-        assert np.abs(result - form).max() < 3e-3  # limit of three deviations of the noise, which occur at corners
+        assert np.abs(result - form).max() < 3e-3  # three deviations of the noise; corners have the largest errors
         assert np.abs(linear - form).max() > 0.05
 
     def test_robust_filter_of_a_surface_with_normally_distributed_heights_agrees_with_a_quadratic_fit(self):

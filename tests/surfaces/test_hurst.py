@@ -20,8 +20,7 @@ from support.rough_surfaces import rough_profile, self_affine_map, sinusoid
 
 BAND = {"longest_wavelength": 4.0, "shortest_wavelength": 0.08}
 DEFAULT_CASE = (False, BAND, False)
-"""Case that also runs outside the stress suite: whether the profile is periodic, its band, and whether the band is
-specified."""
+"""Case that also runs outside the stress suite: (is the profile periodic?, band, is the band specified?)."""
 
 
 class TestProfileHurstExponent:

@@ -774,7 +774,7 @@ def test_column_of_undefined_flags_is_rejected(tmp_path):
 
 
 def table_with_words(separator=",", words=("OK", "NG"), word_column=2, names=True):
-    """Return a profile of LINE_HEIGHTS with a column of words, of which the second marks points 4, 5 and 33."""
+    """Return a profile of LINE_HEIGHTS with a column of two words; the second word marks points 4, 5 and 33."""
     lines = [["x(um)", "z(um)"]] * names + [[f"{0.5 * at:.1f}", f"{z}"] for at, z in enumerate(LINE_HEIGHTS)]
     flags = ["judgment"] * names + [words[at in (4, 5, 33)] for at in range(LINE_HEIGHTS.size)]
     return "\n".join(

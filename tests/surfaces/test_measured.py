@@ -367,7 +367,8 @@ def test_columns_can_be_selected_by_name_or_number(write_file):
 
 
 def test_rounded_positions_in_any_column_count_as_uniform(write_file):
-    # Positions with one decimal follow a column with many decimals. They are uniform within their digits in any column.
+    # The positions have one decimal, and the first column has more decimals. Uniformity is judged by the digits of the
+    # positions.
     true_positions = 0.156245 * np.arange(900)
     lines = "".join(f"{i}.123456,{x:.1f},{i % 7}.5\n" for i, x in enumerate(true_positions))
     profile = read_profile(write_file(lines), columns=(1, 2), unit="um")
@@ -389,7 +390,7 @@ def test_index_column_written_by_pandas_is_ignored(write_file, separator):
     surface = read_surface(write_file(pandas.DataFrame(heights).to_csv(sep=separator)), unit="um", spacing="1 um")
     assert np.array_equal(surface.heights, heights)
     assert surface.history[1] == "the first row and column, which number columns and rows, removed"
-    # If the first column does not number the rows, it contains data.
+    # If the first column does not contain row numbers, it contains data.
     assert "has 3 columns" in error_message(
         write_file(columns_text(POSITIONS, POSITIONS, HEIGHTS, header="index,x (um),z (um)\n"))
     )
@@ -658,7 +659,7 @@ def test_directories_and_pipes_and_missing_files_are_rejected_as_scans(tmp_path)
 def test_oversized_files_are_rejected_before_reading(tmp_path, monkeypatch):
     for name, size in (("a.csv", raw.MAX_TEXT_BYTES + 1), ("a.npy", raw.MAX_FILE_BYTES + 1)):
         with (tmp_path / name).open("wb") as file:
-            file.truncate(size)  # of holes
+            file.truncate(size)  # The file occupies no disk space.
         assert f"has {size} bytes" in error_message(tmp_path / name)
     monkeypatch.setattr(npy_files, "MAX_POINTS", 8)
     (tmp_path / "b.npy").write_bytes(npy_bytes(np.zeros(9)))
@@ -908,7 +909,7 @@ def test_randomly_damaged_files_are_either_read_or_rejected_with_a_one_line_erro
     assert outcomes["refused"] > count / 3
 
 
-# ---- Archives of strangers ------------------------------------------------------------------------------------------
+# ---- Archives from unknown sources ----------------------------------------------------------------------------------
 
 
 def x3p_archive(main, data=bytes(432), method=zipfile.ZIP_DEFLATED):

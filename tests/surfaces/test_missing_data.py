@@ -190,7 +190,7 @@ def test_outlier_detection_has_few_false_positives(machining):
     num_outliers = sum(
         int(find_outliers(MACHINED_SURFACES[machining](np.random.default_rng(seed), 1)).sum()) for seed in range(5)
     )
-    assert num_outliers <= 10  # The five profiles have 10240 points together.
+    assert num_outliers <= 10  # The five profiles have 10240 points in total.
 
 
 def test_nominal_area_excludes_missing_points_and_interpolation_adds_a_caveat(complete_surface, scan_path):

@@ -1,4 +1,4 @@
-"""Tests of pairs of surfaces: lines and pieces cover both scans, and each pair depends only on its number."""
+"""Tests of pairs of surfaces: lines and pieces cover both scans, and each pair depends only on its index."""
 
 import numpy as np
 import pytest

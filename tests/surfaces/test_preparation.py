@@ -93,7 +93,7 @@ def test_cropping_rejects_positions_outside_the_profile(start, stop, match):
         cropped(rough_profile(10), start, stop)
 
 
-# ---- Turning over ---------------------------------------------------------------------------------------------------
+# ---- Flipping -------------------------------------------------------------------------------------------------------
 
 
 def test_flipped_scan_touches_the_original_scan_at_the_highest_peak():

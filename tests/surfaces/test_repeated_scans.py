@@ -62,7 +62,7 @@ def test_comparison_of_repeated_scans_recovers_noise_of_any_spectrum(dimensions,
     has_common = (true_common > 3 * true_noise) & (np.bincount(octave_index) > 15)
     assert has_common.any()
     np.testing.assert_allclose(result.common[has_common], true_common[has_common], rtol=NOISE_TOLERANCE)
-    # In the mean after filtering, noise contributes a tenth of the mean square slope.
+    # After filtering, noise contributes a tenth of the mean square slope on average.
     q, scan_spectrum = mean_square_heights(result.scan)
     filtered_slope_weights = q**2 * np.exp(-2 * np.log(2) * (q * result.limit / (2 * np.pi)) ** 2)
     noise_slope = mean_square_heights(body_class((noise[0] - noise[1]) / 2, spacing=spacing))

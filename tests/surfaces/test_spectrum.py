@@ -129,7 +129,7 @@ def test_spectral_moments_of_a_surface_are_variances_along_any_direction():
     surface = self_affine_map(2, 0.7)
     spectrum = surface_spectrum(surface, periodic=True)
     assert spectrum.moments(37).height == pytest.approx(surface.heights.var(), rel=AREAL_ROUND_OFF)
-    # Moments along x are those of the rows. The mean of a row is a wavelength of the surface.
+    # Moments of the surface along x are mean moments of the rows. Variations of the row mean have no slope along x.
     rows = [spectral_moments(surface.row(index), periodic=True) for index in range(128)]
     assert spectrum.moments(0).slope == pytest.approx(np.mean([row.slope for row in rows]), rel=1e-9)
     assert spectrum.moments(0).curvature == pytest.approx(np.mean([row.curvature for row in rows]), rel=1e-9)

@@ -111,7 +111,7 @@ def create_map(hurst, side="lower", shape=(256, 2048), spacing=0.1):
 
 @pytest.mark.parametrize("hurst", [0.4, 0.9])
 def test_isotropic_surface_spectrum_is_recovered_from_a_section(hurst):
-    """Check a profile whose spectrum C1D(k) is exactly the sum of a known C2D over all wavenumbers across."""
+    """Check a profile whose spectrum C1D(k) is exactly the sum of a known C2D over all transverse wavenumbers."""
     points, spacing = 512, 0.5
     q = 2 * np.pi * np.fft.fftfreq(points, spacing)
     known_density = np.maximum(np.hypot(q[:, np.newaxis], q), 20 * q[1]) ** (-2 - 2 * hurst)

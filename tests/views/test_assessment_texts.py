@@ -164,7 +164,7 @@ def test_surrogates_much_smaller_than_the_scan_add_a_caveat():
         (
             {"contact_count": 9.0, "contact_area_fraction": 0.4},
             {},
-        ),  # merged contacts are counted as one, so that a small number is no caveat
+        ),  # merged contacts are counted as one contact, so a small count causes no caveat
         ({"mean_pressure": 20.0}, {"hardness": 2.0}),
         ({"mean_pressure": 20.0}, {"mechanics": "asperities", "law": "jackson-green"}),
     ],

@@ -165,7 +165,7 @@ def test_friction_curves_equal_the_friction_map_at_their_load(generated_dataset)
     number, unit = curves.get_title().removeprefix("at $F_N$ = ").split()
     load = float(number) * {"mN": 1, "µN": 1e-3, "nN": 1e-6}[unit]
     friction = friction_map(dataset, [load], mu0=[0.4]).isel(amplitude=0, mu0=0, load=0)
-    assert ((friction["status"] == "ok").sum("fractal_dimension") >= 3).all()  # of 4
+    assert ((friction["status"] == "ok").sum("fractal_dimension") >= 3).all()  # of 4 fractal dimensions
     dotted_lines = [line.get_ydata() for line in curves.lines if line.get_linestyle() == ":"]
     for line_values, tau0 in zip(dotted_lines, (0, -1), strict=True):
         np.testing.assert_array_equal(line_values, friction["friction_coefficient"].isel(tau0=tau0).values)

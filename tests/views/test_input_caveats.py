@@ -173,7 +173,7 @@ def test_wavelengths_that_the_tip_does_not_resolve_add_a_caveat():
     plastic_study = study.with_changes({"contact.mechanics": "half-space", "contact.hardness": "2 GPa"})
     (plastic_caveat,) = find_input_caveats(scan, scan, plastic_study)
     assert plastic_caveat.severity == "caution"
-    assert "interval" not in plastic_caveat.text  # bounds of finer scans contain steeper surfaces
+    assert "interval" not in plastic_caveat.text  # the range for finer scans already allows for steeper surfaces
     # A noise floor is also filtered if a tip radius is given.
     noisy_scan = Profile(scan.heights + 1e-3 * np.random.default_rng(1).normal(size=3000), spacing=0.01)
     study = pair_study(noisy_scan, noisy_scan, tip="20 um", **options)

@@ -73,7 +73,7 @@ def test_range_for_finer_scans_of_noisy_scans_contains_the_result_without_noise(
 
 
 def scan_with_tip(surface, radius):
-    """Return the heights that a spherical tip of a given radius scans."""
+    """Return the heights that a spherical tip of a given radius records."""
     offsets = SPACING * np.arange(-int(radius / SPACING), int(radius / SPACING) + 1)
     squared_distance = offsets[:, None] ** 2 + offsets**2
     tip_shape = np.sqrt(np.maximum(radius**2 - squared_distance, 0)) - radius

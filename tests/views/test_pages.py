@@ -61,12 +61,12 @@ PLOTS_WITH_AXES = {
     "maps": {"friction", "area", "stiffness"},
     "lines": {"friction", "area", "stiffness"},
 }
-"""Plots of each report that can be zoomed. The compass is not among them, because it shows all angles from 0."""
+"""Zoomable plots of each report. The compass is not zoomable, because it shows all angles and starts at zero."""
 
 
 @pytest.fixture
 def generated_report(driver, pages):
-    """Browser with the report of the generated profiles; after the test its log must be empty."""
+    """Browser with the report of the generated profiles; after the test the browser log must be empty."""
     browser.open_page(driver, pages["study"])
     yield driver
     assert log_is_empty(driver)
@@ -74,7 +74,7 @@ def generated_report(driver, pages):
 
 @pytest.fixture
 def maps_report(driver, pages):
-    """Browser with the report of two maps; after the test its log must be empty."""
+    """Browser with the report of two maps; after the test the browser log must be empty."""
     browser.open_page(driver, pages["maps"])
     yield driver
     assert log_is_empty(driver)

@@ -61,7 +61,7 @@ def result_and_driver(request, driver, tmp_path_factory):
 
 
 def expected_point(table, facts, rule, cell, load, way):
-    """Return the status, value and ends that the library has at a setting."""
+    """Return the status, value and interval ends that the library computes at a setting."""
     indices_by_dim = {"load": load, "mu0": 0, "tau0": 0, "sliding": rule}
     indices_by_dim |= {"cut_off": cell} if facts["isMeasured"] else {"fractal_dimension": cell, "amplitude": 0}
     direction_choice = facts["ways"][way]

@@ -16,11 +16,11 @@ if BLOCKED_MEMBER_FILE.exists():
     def is_blocked(member):
         try:
             return member >= int(BLOCKED_MEMBER_FILE.read_text(encoding="utf-8") or 0)
-        except FileNotFoundError:  # removed at any moment
+        except FileNotFoundError:  # The file may be removed at any moment.
             return False
 
     def compute_member_arrays(study, member):
-        """Return the sums of a member once the file no longer blocks it."""
+        """Return the sums of a member after the file no longer blocks it."""
         while is_blocked(member):
             time.sleep(0.02)
         return compute_sums(study, member)
