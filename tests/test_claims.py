@@ -250,7 +250,7 @@ def test_parts_of_claims_have_test_data_that_make_them_true_and_test_data_that_m
     assert list(TRUE_AND_FALSE_DATA) == [part.name for part in CLAIM_PARTS]
 
 
-def test_confidence_bands_of_a_minimum_of_noisy_data_are_wider_than_percentiles():
+def test_confidence_bands_of_a_minimum_of_noisy_data_are_wider_than_percentile_intervals():
     # The friction is independent of D except for noise, which lowers the smallest value over D.
     noise = np.random.default_rng(1).lognormal(0, 0.5, size=(8, 1, 40, 1))
     result = create_result(**sum_functions_with_friction(lambda d, a, f: 0.2 * noise))

@@ -593,7 +593,7 @@ def test_app_has_no_accessibility_violations(empty_page, map_files):
         set_window_size(empty_page)
 
 
-def test_server_counts_as_abandoned_only_if_a_browser_window_has_been_open():
+def test_server_is_treated_as_abandoned_only_if_a_browser_window_has_been_open():
     window = SimpleNamespace(last_request_time=100.0, has_window=True)
     assert not is_abandoned(window, 100.0 + SERVER_IDLE_TIMEOUT)
     assert is_abandoned(window, 100.5 + SERVER_IDLE_TIMEOUT)

@@ -65,7 +65,7 @@ def test_exhausted_system_resource_is_reported_without_traceback(tmp_path, monke
     assert_rejected(call_stiction("run", "quick", *SMALL_STUDY_OPTIONS, cwd=tmp_path), expected_message)
 
 
-def test_interrupt_during_import_exits_with_status_130(monkeypatch):
+def test_command_that_is_interrupted_during_imports_exits_with_status_130(monkeypatch):
     def raise_interrupt():
         raise KeyboardInterrupt
 
@@ -157,7 +157,7 @@ def test_unprintable_file_name_is_escaped_in_a_one_line_error(tmp_path):
         assert completed.stderr.strip().isprintable()
 
 
-def test_report_and_export_commands_accept_long_file_names(tmp_path):
+def test_commands_report_and_export_accept_long_file_names(tmp_path):
     check_stiction("run", "quick", *SMALL_STUDY_OPTIONS, "-o", ".", cwd=tmp_path)
     long_name = "x" * 240
     for command, option, file_ending in (

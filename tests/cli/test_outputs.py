@@ -51,7 +51,7 @@ COMMANDS_AND_OUTPUTS = [
 
 @pytest.mark.parametrize(("arguments", "name"), COMMANDS_AND_OUTPUTS)
 @pytest.mark.parametrize("kind", ["file", "link", "dangling"])
-def test_command_does_not_overwrite_a_foreign_file(scans_folder, arguments, name, kind):
+def test_command_does_not_overwrite_a_file_of_another_program(scans_folder, arguments, name, kind):
     path, target = scans_folder / name, scans_folder / "elsewhere"
     path.parent.mkdir(exist_ok=True)
     if kind != "dangling":

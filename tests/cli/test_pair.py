@@ -204,7 +204,7 @@ def test_study_rejects_free_tilt_with_periodic_boundary(scans_folder):
         study.with_changes({"contact.boundary": "periodic"})
 
 
-def test_study_of_profiles_has_file_checksums_and_spreads_offsets_over_the_travel(scans_folder):
+def test_study_of_profiles_contains_checksums_of_its_files_and_offsets_up_to_the_travel(scans_folder):
     study = parse_study(
         scans_folder, *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--travel", "2 um", "--offsets", 1
     )

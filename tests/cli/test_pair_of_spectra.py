@@ -213,7 +213,7 @@ def test_spectrum_file_preserves_all_digits(spectra, tmp_path):
         write_spectrum("joined", tmp_path / "other.csv")
 
 
-def test_pair_accepts_a_spectrum_from_a_table_without_metadata(tmp_path):
+def test_pair_command_accepts_a_spectrum_from_a_table_without_metadata(tmp_path):
     wave_numbers = np.geomspace(1.0, 30.0, 8)
     rows = "".join(f"{wave_number!r},{1e-4 * wave_number**-3.6!r}\n" for wave_number in wave_numbers.tolist())
     (tmp_path / "table.csv").write_text("wave number (1/um),C2D (um4)\n" + rows)

@@ -704,7 +704,7 @@ COUNT_NAMES = ("contact_count", "grid_minimum_count", "unanswered_count")
 
 
 @pytest.mark.parametrize("kind", FLAT_VALLEY_SURFACE_KINDS)
-def test_load_curve_of_flat_valleys_is_invariant_under_rotation_mirroring_and_exchange(kind):
+def test_load_curve_of_flat_valleys_is_invariant_under_rotation_and_mirroring_and_exchange_of_bodies(kind):
     generator = np.random.default_rng(FLAT_VALLEY_SURFACE_KINDS.index(kind))
     num_pressed = 0
     for _ in range(12):

@@ -201,7 +201,7 @@ CLOSED_FORMS = (
 
 
 @pytest.mark.parametrize(("name", "positional", "named"), CLOSED_FORMS, ids=[form[0] for form in CLOSED_FORMS])
-def test_closed_forms_of_extreme_arguments_are_finite_or_raise_value_error(name, positional, named):
+def test_closed_forms_return_finite_values_or_raise_value_error_for_extreme_arguments(name, positional, named):
     """Replace one argument at a time by an extreme value, with NumPy's warnings as errors."""
     function = getattr(stiction, name)
     function(*positional, **named)

@@ -170,7 +170,7 @@ def test_verbose_text_lists_coefficients_along_the_x_and_y_axes_only_at_loads_ab
     assert "nan" not in text
 
 
-def test_loads_between_zero_and_the_first_solved_load_have_status_not_reached(adhesive_result):
+def test_loads_between_zero_and_the_first_solved_load_have_the_status_not_reached(adhesive_result):
     two_load_result = run_pair(load=["0", "20 MPa"], **ADHESION_OPTIONS)
     loads = two_load_result.study.contact.loading_steps()
     table = at_load(two_load_result.source, np.sqrt(loads[1:] * loads[:-1])).isel(cut_off=0, mu0=0, tau0=0)

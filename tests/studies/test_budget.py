@@ -324,7 +324,7 @@ MIN_COVERAGE = 0.92  # 95 % intervals must contain at least this fraction of 300
 
 
 @pytest.mark.parametrize("num_truths", TRUTH_COUNT_CASES)
-def test_combined_interval_covers_true_friction_for_random_inputs(num_truths) -> None:
+def test_combined_interval_contains_the_true_friction_for_random_inputs(num_truths) -> None:
     ranges = {"mu0": "0.15..0.25", "tau0": "20..80 MPa", "hardness": "0.5..1.5 GPa", "effective_modulus": "70..90 GPa"}
     num_covered = num_covered_tests = 0
     rng = np.random.default_rng(2016)

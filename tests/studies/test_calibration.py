@@ -434,7 +434,7 @@ def test_friction_tests_on_one_plastic_pair_do_not_determine_junction_growth() -
 
 
 @pytest.mark.parametrize(("alpha", "truth"), [(9.0, 9.0), ("0..27", 9.0), ("0..27", 20.0)])
-def test_prediction_for_a_harder_pair_covers_the_direct_solution(alpha: Any, truth: float) -> None:
+def test_prediction_interval_for_a_harder_pair_contains_the_direct_solution(alpha: Any, truth: float) -> None:
     interface = calibrate(simulate_junction_growth_tests(alpha, truth), sliding="all")
     expected = solve_coefficient(0.2, 0.05, truth, 0.02, 1.25)
     value, low, high = interface.predict(compute_plastic_pair(alpha, 0.02, "1.25 GPa"), "20 MPa")
@@ -451,7 +451,7 @@ def test_prediction_that_neglects_junction_growth_exceeds_the_direct_solution() 
     assert interface.about[GROWTH_HEADER_ENTRY] == "0"
 
 
-def test_prediction_warns_if_result_and_tests_have_different_junction_growth() -> None:
+def test_prediction_issues_a_warning_if_result_and_tests_have_different_junction_growth() -> None:
     interface = calibrate(simulate_junction_growth_tests(9.0, 9.0), sliding="all")
     with pytest.warns(UserWarning, match=r"calibrated with α = 9 .* the result has α = 0"):
         interface.predict(compute_plastic_pair(0), "20 MPa")

@@ -60,7 +60,7 @@ def result(film_file):
     return pair(*rough_surfaces(), interface=film_file, **PAIR_OPTIONS)
 
 
-def test_pair_samples_mu0_and_tau0_of_an_interface_jointly(film_file, result) -> None:
+def test_pair_function_samples_mu0_and_tau0_of_an_interface_jointly(film_file, result) -> None:
     _, adhesion, _ = result.summary().points[0].parts
     fit = interface(film_file).fits[0]
     area = adhesion / np.median(fit.tau0)
@@ -100,7 +100,7 @@ def test_independent_ranges_of_mu0_and_tau0_replace_a_missing_interface_file(fil
 
 
 @pytest.mark.parametrize("name", sorted(interfaces()))
-def test_named_interface_has_kind_and_source_and_is_accepted_by_pair(name) -> None:
+def test_named_interface_has_kind_and_source_and_is_accepted_by_the_pair_function(name) -> None:
     entry = interfaces()[name]
     assert set(entry) == {"kind", "tau0", "mu0", "pressure", "conditions", "motion", "source"}
     assert entry["kind"] in INTERFACE_KINDS
@@ -120,7 +120,7 @@ def test_named_interface_has_kind_and_source_and_is_accepted_by_pair(name) -> No
         ({"interface": 3}, "interface must be a name, or a file"),
     ],
 )
-def test_pair_rejects_an_interface_combined_with_mu0(options, pattern) -> None:
+def test_pair_function_rejects_an_interface_combined_with_mu0(options, pattern) -> None:
     with pytest.raises(ValueError, match=pattern):
         pair(*rough_surfaces(), **PAIR_OPTIONS, **options)
 
@@ -139,7 +139,7 @@ def test_interfaces_command_lists_interfaces_that_the_pair_command_accepts(tmp_p
     assert_rejected(call_stiction(*options, "--interface", "x", "--mu0", 1, cwd=tmp_path), "--mu0 must not be combined")
 
 
-def test_calibrated_interface_is_accepted_by_pair_and_stored_with_the_result(film_file, result) -> None:
+def test_calibrated_interface_is_accepted_by_the_pair_function_and_stored_with_the_result(film_file, result) -> None:
     result_of_loaded_interface = pair(*rough_surfaces(), interface=interface(film_file), **PAIR_OPTIONS)
     assert result_of_loaded_interface.interval == pytest.approx(result.interval, rel=1e-6)
     assert (result_of_loaded_interface.path / "interface.csv").is_file()

@@ -60,7 +60,7 @@ def test_node_of_an_uncertain_input_is_used_only_at_values_close_to_the_node():
     assert axis.weights(0.21).sum() == pytest.approx(1)
 
 
-def test_report_axes_contain_mu0_and_tau0_of_the_study():
+def test_node_axes_of_a_report_contain_mu0_and_tau0_of_the_study():
     mu0, tau0 = build_initial_axes(
         SMALL_STUDY.with_changes({"friction.mu0": [0.37], "friction.tau0": ["3 MPa", "21 MPa"]})
     )
@@ -70,7 +70,7 @@ def test_report_axes_contain_mu0_and_tau0_of_the_study():
     assert tau0.rising[-1] == 0.021  # a study of generated surfaces limits the range of tau0
 
 
-def test_report_axis_of_an_uncertain_input_has_a_separate_node_at_the_value_of_the_input(tmp_path):
+def test_node_axis_of_an_uncertain_input_has_a_separate_node_at_the_value_of_the_input(tmp_path):
     study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path))
     assert [axis.ranged.size for axis in build_initial_axes(study)] == [0, 0]
     text = study.with_changes({"friction.tau0": ["40 MPa"]}).to_toml() + '\n[known]\nmu0 = "0.25..0.35"\n'
@@ -80,7 +80,7 @@ def test_report_axis_of_an_uncertain_input_has_a_separate_node_at_the_value_of_t
     assert tau0.ranged.size == 0
 
 
-def test_interpolation_errors_on_refined_report_axes_are_below_ten_times_the_tolerance():
+def test_interpolation_errors_on_refined_node_axes_are_below_ten_times_the_tolerance():
     coarse_axes = tuple(NodeAxis(axis.rising[[0, 2, 4]]) for axis in NODE_AXES)
     axes = refine_axes(coarse_axes, analytic_friction)
     assert sum(axis.rising.size for axis in axes) > 6
@@ -101,7 +101,7 @@ def test_interpolation_errors_on_refined_report_axes_are_below_ten_times_the_tol
     assert 0 < ends_error < 10 * INTERVAL_TOLERANCE
 
 
-def test_limited_refinement_of_report_axes_adds_nodes_where_errors_are_largest():
+def test_limited_refinement_of_node_axes_adds_nodes_where_errors_are_largest():
     def analytic_friction_with_steep_end(mu0, tau0):
         """Return points whose upper end rises steeply at large tau0."""
         points = analytic_friction(mu0, tau0)

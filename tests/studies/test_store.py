@@ -219,7 +219,7 @@ def test_concurrent_writers_store_the_same_result(tmp_path, uninterrupted_datase
 @pytest.mark.parametrize(
     "change", [{"ensemble.seed": 1}, {"surfaces.gamma": 1.6}, {"contact.effective_modulus": "11 GPa"}], ids=str
 )
-def test_run_function_rejects_the_store_of_another_study_and_names_the_changed_key(folder_copy, change):
+def test_run_function_rejects_the_stored_result_of_another_study_and_names_the_changed_key(folder_copy, change):
     states_before = block_states(folder_copy)
     with pytest.raises(StoreError, match=next(iter(change))):
         run(TINY_STUDY.with_changes(change), store=folder_copy)
@@ -285,7 +285,7 @@ def test_flipped_bit_in_a_block_is_reported_with_its_file_name(
     assert computed_repetitions == [4, 5, 6, 7]
 
 
-def test_swapped_or_foreign_blocks_are_detected(folder_copy, tmp_path):
+def test_blocks_that_are_swapped_or_belong_to_another_result_are_detected(folder_copy, tmp_path):
     content = find_block_file(folder_copy, 8).read_bytes()
     replace_block_content(find_block_file(folder_copy, 4), content)
     with pytest.raises(StoreError, match="does not contain the repetitions in its file name"):
@@ -605,7 +605,7 @@ def test_exported_dataset_equals_the_computed_dataset(folder_copy, uninterrupted
         export(uninterrupted_dataset, file)
 
 
-def test_reading_a_foreign_netcdf_file_raises_store_error(tmp_path, uninterrupted_dataset):
+def test_reading_a_netcdf_file_of_another_program_raises_store_error(tmp_path, uninterrupted_dataset):
     means = uninterrupted_dataset.mean("repetition")
     export(means, tmp_path / "means.nc")
     xarray.testing.assert_identical(xarray.load_dataset(tmp_path / "means.nc", engine="h5netcdf"), means)

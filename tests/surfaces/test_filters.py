@@ -98,7 +98,7 @@ class TestRobustFilter:
         result = filtered(scratched_profile, cutoff=0.3, robust=True).heights
         assert np.abs(result - expected).max() < 1e-3 * total_height(profile)
 
-    def test_robust_surface_filter_recovers_a_paraboloid_with_noise_and_scratches(self):
+    def test_robust_surface_filter_recovers_a_paraboloid_despite_noise_and_scratches(self):
         y, x = 0.1 * np.arange(40)[:, np.newaxis], 0.1 * np.arange(50)
         form = 0.3 * x**2 - 0.2 * y**2 + 0.1 * x * y
         scratched_heights = form + 1e-3 * np.random.default_rng(1).normal(size=form.shape)

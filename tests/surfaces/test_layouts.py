@@ -658,7 +658,7 @@ def test_declarations_in_a_header_apply_to_tables_of_every_shape(tmp_path, shape
 
 @pytest.mark.parametrize("shape", ["triplets", "labelled"])
 @pytest.mark.parametrize("line", ["Z unit: nm", "Heights in nm", "Height [nm]"])
-def test_heights_and_positions_may_have_different_units(tmp_path, shape, line):
+def test_heights_and_positions_can_have_different_units(tmp_path, shape, line):
     path = tmp_path / "a.txt"
     path.write_text("\n".join([line, *lines_in_table_shape(shape, HEIGHTS)]))
     with pytest.raises(FormatError, match="the unit of its positions"):

@@ -196,7 +196,7 @@ def test_rows_without_heights_are_read_as_missing_points(tmp_path, rows):
     assert np.flatnonzero(missing.all(axis=1)).tolist() == list(rows)
 
 
-def test_positions_may_deviate_from_uniform_spacing_only_by_rounding_or_truncation(write_file):
+def test_positions_are_accepted_if_they_deviate_from_uniform_spacing_only_by_rounding_or_truncation(write_file):
     true_positions = 0.156245 * np.arange(9600)
     for printed_positions in (
         [f"{x:.1f}" for x in true_positions],
@@ -366,7 +366,7 @@ def test_columns_can_be_selected_by_name_or_number(write_file):
     )
 
 
-def test_rounded_positions_in_any_column_count_as_uniform(write_file):
+def test_rounded_positions_in_any_column_are_accepted_as_uniform(write_file):
     # The positions have one decimal, and the first column has more decimals. Uniformity is judged by the digits of the
     # positions.
     true_positions = 0.156245 * np.arange(900)

@@ -68,7 +68,7 @@ class TestMapPairs:
                     assert all(o >= 0 and o + 24 <= n for o, n in zip(origin, body.heights.shape, strict=True))
         assert pairs.used_fractions == pytest.approx((24 * 24 / (200 * 120), 24 * 24 / 32**2))
 
-    def test_paired_map_pieces_have_the_finer_spacing_of_both_maps(self):
+    def test_paired_pieces_of_maps_have_the_finer_of_the_two_spacings(self):
         fine_map = create_surface((64, 64), 0.05)
         coarse_map = Surface(create_surface((64, 64), 0.05, seed=5).heights[::2, ::2], spacing=0.1)
         pairs = MapPairs(fine_map, coarse_map)

@@ -16,7 +16,7 @@ def test_grid_of_a_profile_starts_at_zero_and_extends_over_all_points():
 
 
 @pytest.mark.parametrize("body", [Profile(HEIGHTS, spacing=1.0), Surface(np.zeros((4, 4)), spacing=1.0)])
-def test_heights_of_a_profile_are_a_read_only_copy(body):
+def test_heights_of_a_profile_are_a_read_only_copy_of_the_given_heights(body):
     """Check the copy of heights also for a read-only view and for a pickled profile."""
     source_heights = np.array(body.heights)
     view = source_heights.view()

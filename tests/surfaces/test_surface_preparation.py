@@ -179,7 +179,7 @@ def test_surrogate_of_a_periodic_surface_has_the_same_spectrum(shape):
     assert not np.array_equal(surrogate(surface, 7, repetition=1, periodic=True).heights, other.heights)
 
 
-def test_surrogate_of_a_surface_preserves_heights_slopes_and_lay():
+def test_surrogate_of_a_surface_preserves_its_heights_and_slopes_and_lay():
     # The lay is at 31 degrees. Mirror images along both axes would mix this direction with -31 degrees.
     size = 256
     q_y, q_x = 2 * np.pi * np.fft.fftfreq(2 * size)[:, np.newaxis], 2 * np.pi * np.fft.fftfreq(2 * size)

@@ -50,7 +50,7 @@ def test_heights_larger_than_the_scan_length_add_a_caveat(rough_profile):
     assert [caveat.severity for caveat in caveats if "heights span" in caveat.text] == ["fault"]
 
 
-def test_form_error_adds_a_caveat_unless_it_is_removed(rough_profile):
+def test_form_error_adds_a_caveat_unless_the_form_is_removed(rough_profile):
     x = np.linspace(-1, 1, 2000)
     for curvature_height, has_caveat in ((1.0, True), (0.01, False)):
         curved_profile = Profile(rough_profile.heights + curvature_height * x**2, spacing=rough_profile.spacing)

@@ -359,7 +359,7 @@ def drawing_functions(report_evaluator):
         (5.0, 5.0, False, ["5"]),
     ],
 )
-def test_axis_ticks_have_round_values_within_the_axis(drawing_functions, low, high, is_log, expected_texts):
+def test_axis_ticks_have_round_values_within_the_axis_limits(drawing_functions, low, high, is_log, expected_texts):
     ticks = drawing_functions("(...at) => ticksOf(...at)", low, high, is_log, 6)
     assert [tick["text"] for tick in ticks if tick["text"]] == expected_texts
     assert all(low * (1 - 1e-9) <= tick["value"] <= high * (1 + 1e-9) for tick in ticks)

@@ -367,7 +367,7 @@ def test_address_of_a_report_restores_its_settings(driver, pages):
     assert log_is_empty(driver)
 
 
-def test_figures_and_tables_are_saved_as_svg_png_and_csv(driver, pages, tmp_path):
+def test_figures_and_tables_are_saved_as_svg_or_png_or_csv_files(driver, pages, tmp_path):
     driver.execute_cdp_cmd("Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(tmp_path)})
     browser.open_page(driver, pages["study"])
     for name in ("map", "friction"):

@@ -128,7 +128,7 @@ def test_json_record_has_null_for_infinite_ends_of_intervals():
     assert (answer["finer_scans"]["to"], answer["parts"]["adhesion"], answer["from_roughness"]) == (None, None, None)
 
 
-def test_json_record_contains_verdict_caveats_and_values():
+def test_json_record_contains_the_verdict_and_caveats_and_values():
     record = json.loads(
         summary_json(
             "pair", summarize(measured_result(share_at_edge=0.6, half_width_ratio=0.02), measured_study()), positions=3

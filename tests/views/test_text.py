@@ -114,7 +114,7 @@ def test_remedy_is_listed_only_if_it_changes_printed_digits():
         assert ("would give" in assessment_text([point_with_budget])) == is_listed
 
 
-def test_table_wider_than_terminal_is_split_into_columns():
+def test_table_wider_than_the_terminal_is_split_into_parts_with_fewer_columns():
     rows = [["name", "first column", "second column"], ["a", "1", "2"]]
     assert format_table(rows, 80).splitlines() == ["name  first column  second column", "a     1             2"]
     assert format_table(rows, 20).splitlines() == ["name  first column", "a     1", "name  second column", "a     2"]
@@ -267,7 +267,7 @@ def test_formatted_numbers_have_the_documented_digits():
         (123456.0, "GPa", "123000 GPa"), (8.68e-8, "GPa", "86.8 Pa"),
     ],
 )  # fmt: skip
-def test_quantity_is_printed_in_the_unit_with_the_fewest_zeros(value, unit, text):
+def test_quantity_is_printed_in_the_unit_that_requires_the_fewest_zeros(value, unit, text):
     assert format_with_unit(value, unit) == text
 
 
