@@ -323,8 +323,8 @@ def parse_loads_or_approaches(
         )
     if not problem.has_finite_approach:
         raise ValueError(
-            "approaches must not be given for a free half-plane, because its approach is infinite at any load; give loads, or "
-            "use boundary='periodic'"
+            "approaches must not be given for a free half-plane, because its approach is infinite at any load; "
+            "give loads, or use boundary='periodic'"
         )
     if problem.periodic and not steps[-1] < gap.mean():
         raise ValueError(

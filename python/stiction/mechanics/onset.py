@@ -392,8 +392,8 @@ def _validate_displacements(displacements: ArrayLike, limit: float) -> Floats:
         raise ValueError(f"displacements must be above 0 µm and strictly increasing, got {displacements!r}")
     if not np.isfinite(limit):
         raise ValueError(
-            "displacements must not be given for a free half-plane, because its displacement is infinite at any load; give "
-            "steps, or press with boundary='periodic'"
+            "displacements must not be given for a free half-plane, because its displacement is infinite at any load; "
+            "give steps, or press with boundary='periodic'"
         )
     if not displacement_array[-1] <= limit:
         raise ValueError(

@@ -250,7 +250,7 @@ class _FilterKernel:
         self._offset = np.arange(half_width + 1) / length
 
     def cyclic_weights(self, power: int) -> Floats:
-        """Return the weights in cyclic order, multiplied by ((x' - x) / cutoff)^power, for convolution with heights at x'."""
+        """Return cyclic weights multiplied by ((x' - x) / cutoff)^power, for convolution with heights at x'."""
         half_weights = self._weights * self._offset**power
         weights = np.zeros(self.padded_size)
         weights[: half_weights.size] = half_weights if power % 2 == 0 else -half_weights

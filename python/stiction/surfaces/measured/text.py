@@ -89,8 +89,8 @@ def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
     if footer_line_count > MAX_FOOTER_FRACTION * block.lines.size + 2:
         line = end + int(np.argmax(text.line_kinds[end:] == 1))
         raise FormatError(
-            f"{text.describe_line(line)} does not belong to the same table as lines {first + 1} to {end}; keep only one "
-            "table in the file"
+            f"{text.describe_line(line)} does not belong to the same table as lines {first + 1} to {end}; keep only "
+            "one table in the file"
         )
     return _to_table(text, block, 0, word_columns)
 
