@@ -38,6 +38,8 @@ def test_command_run_finishes_even_if_its_output_pipe_is_closed(tmp_path):
 def test_output_to_a_full_device_is_reported_and_unencodable_characters_are_replaced(tmp_path):
     completed = run_shell_script('"$@" > /dev/full', "studies", cwd=tmp_path)
     assert_rejected(completed, "stiction: ", "No space left on device")
+    assert run_shell_script('"$@" > /dev/full 2>&1', "studies", cwd=tmp_path).returncode == 2
+    assert run_shell_script('"$@" 2> /dev/full', "info", "none", cwd=tmp_path).returncode == 2
     completed = subprocess.run(
         [sys.executable, "-m", "stiction", "run", "quick", *SMALL_STUDY_OPTIONS, "--set", "figures.draw=[]"],
         cwd=tmp_path, capture_output=True, check=False, timeout=120, env=os.environ | {"PYTHONIOENCODING": "latin-1"},

@@ -463,6 +463,28 @@ def test_run_does_not_recreate_a_result_folder_removed_during_the_run(tmp_path, 
     assert store.info(tmp_path / "moved").finished == 8
 
 
+def test_run_reports_a_study_file_removed_during_the_run(tmp_path, monkeypatch):
+    write_block = store.write_block
+
+    def write_and_remove_study_file(folder, first, written, count):
+        write_block(folder, first, written, count)
+        (folder / STUDY_FILE).unlink(missing_ok=True)
+
+    monkeypatch.setattr(runner, "write_block", write_and_remove_study_file)
+    with pytest.raises(StoreError, match="files were removed while the study was running; run the study again"):
+        run(TINY_STUDY, store=tmp_path, executor=InlineExecutor())
+
+
+def test_empty_study_file_is_reported_and_restored_by_the_next_run(folder_copy, computed_repetitions):
+    study_text = (folder_copy / STUDY_FILE).read_text(encoding="utf-8")
+    (folder_copy / STUDY_FILE).write_text("\n")
+    with pytest.raises(StoreError, match="is empty; run the study again in this directory to restore the file"):
+        store.read(folder_copy)
+    run(TINY_STUDY, store=folder_copy)
+    assert computed_repetitions == []
+    assert (folder_copy / STUDY_FILE).read_text(encoding="utf-8") == study_text
+
+
 def test_complete_result_on_a_read_only_disk_can_be_read(folder_copy, computed_repetitions, monkeypatch):
     def fail_read_only(*_):
         raise OSError(errno.EROFS, os.strerror(errno.EROFS))

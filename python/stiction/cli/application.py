@@ -13,7 +13,7 @@ import textwrap
 import warnings
 from _thread import interrupt_main, start_new_thread
 from collections.abc import Callable, Collection, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, cast
@@ -32,13 +32,14 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def print_message(text: str, kind: str = "") -> None:
-    """Print a message on standard error. Control characters in the message are escaped."""
+    """Print a message on standard error if possible. Control characters in the message are escaped."""
     lines = [f"stiction: {kind}{printable_text(line, MAX_QUOTED_LINE_LENGTH)}" for line in text.split("\n") if line]
     if sys.stderr.isatty():
         width = shutil.get_terminal_size().columns
         lines = [textwrap.fill(line, width, subsequent_indent="  ", break_long_words=False) for line in lines]
-    _clear_line()
-    print("\n".join(lines), file=sys.stderr)
+    with suppress(OSError):  # standard error may be closed, or redirected to a full disk
+        _clear_line()
+        print("\n".join(lines), file=sys.stderr)
 
 
 def report_interruption(detail: str = "") -> typer.Exit:

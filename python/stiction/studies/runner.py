@@ -36,7 +36,14 @@ from stiction.studies.layout import (
 from stiction.studies.member_solution import compute_member_arrays, estimate_member_time
 from stiction.studies.members import count_grid_points, find_body_attributes
 from stiction.studies.result import Result
-from stiction.studies.store import BLOCKS_FOLDER, StoredResult, StoreError, create_or_open_result, write_block
+from stiction.studies.store import (
+    BLOCKS_FOLDER,
+    STUDY_FILE,
+    StoredResult,
+    StoreError,
+    create_or_open_result,
+    write_block,
+)
 from stiction.studies.study import Study
 from stiction.studies.values import StudyError
 
@@ -175,8 +182,10 @@ def complete_blocks(
             stack.enter_context(_add_finished_count_to_errors(stored_result))
             _compute_blocks(stored_result, missing, pool, advance, announce, update)
     stored_result = stored_result.reload()
-    if _UnfinishedMembers(stored_result, part).count:
-        raise StoreError(f"{printable_path(stored_result.path)} was removed or replaced while it was being written")
+    if _UnfinishedMembers(stored_result, part).count or not (stored_result.path / STUDY_FILE).exists():
+        raise StoreError(
+            f"{printable_path(stored_result.path)}: files were removed while the study was running; run the study again"
+        )
     return stored_result
 
 

@@ -381,6 +381,10 @@ def _read_study_file(path: Path) -> Study:
         text = read_file_bytes(path / STUDY_FILE, MAX_STUDY_BYTES).decode()
     except (UnreadableFileError, UnicodeDecodeError) as error:
         raise StoreError(f"{printable_path(path / STUDY_FILE)} is not a study: {printable_text(error)}") from None
+    if not text.strip():  # valid TOML of a study with default values, but more likely left by a crash of the machine
+        raise StoreError(
+            f"{printable_path(path / STUDY_FILE)} is empty; run the study again in this directory to restore the file"
+        )
     return parse_study(text, str(path / STUDY_FILE))
 
 
@@ -447,9 +451,10 @@ def _check_resumable(stored_result: StoredResult) -> None:
 
 
 def _check_replaceable(path: Path, study: Study) -> None:
-    """Raise a `StoreError` unless stiction wrote the study file in a folder and may replace it."""
+    """Raise a `StoreError` unless the study file in a folder is empty or was written by stiction."""
     try:
-        if read_file_bytes(path / STUDY_FILE, MAX_STUDY_BYTES).startswith(STUDY_FILE_SIGNATURE.encode()):
+        content = read_file_bytes(path / STUDY_FILE, MAX_STUDY_BYTES).strip()
+        if not content or content.startswith(STUDY_FILE_SIGNATURE.encode()):
             return
         stored_study = _read_study_file(path)
     except OSError as error:
