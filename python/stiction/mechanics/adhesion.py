@@ -99,8 +99,8 @@ class AdhesionSolver:
         No point may be closer than in `earlier_state`; the bodies then support the load when they are pulled apart.
         Otherwise, or if the iteration fails, `EquilibriumNotFoundError` is raised.
         """
-        least_residual, best_count = math.inf, 0
-        for count, (state, residual) in enumerate(
+        least_residual, best_iteration = math.inf, 0
+        for iteration, (state, residual) in enumerate(
             self._iterate_to_equilibrium(near, lambda _: contact_load, MAX_EXTRAPOLATION_FACTOR)
         ):
             if (
@@ -111,8 +111,8 @@ class AdhesionSolver:
             if residual <= self.max_residual:
                 break
             if residual < least_residual:
-                least_residual, best_count = residual, count
-            if count - best_count > MAX_STALLED_SOLUTIONS or count == MAX_SOLUTIONS_PER_CONTACT_LOAD:
+                least_residual, best_iteration = residual, iteration
+            if iteration - best_iteration > MAX_STALLED_SOLUTIONS or iteration == MAX_SOLUTIONS_PER_CONTACT_LOAD:
                 break
         raise EquilibriumNotFoundError("the computation of the attraction did not converge")
 
@@ -132,13 +132,13 @@ class AdhesionSolver:
         iterations = self._iterate_to_equilibrium(
             near, lambda mean_attraction: max(load + mean_attraction, min_contact), longest
         )
-        for count, (state, residual) in enumerate(iterations):
+        for iteration, (state, residual) in enumerate(iterations):
             if residual <= self.max_residual:
                 return state, True
-            if count == MAX_SOLUTIONS_PER_LOAD:
+            if iteration == MAX_SOLUTIONS_PER_LOAD:
                 raise EquilibriumNotFoundError("the computation of the attraction did not converge")
             # ignore the first states; by chance, one of them may lie near an equilibrium
-            if residual < min(previous_residual, least_residual) and count > 1:
+            if residual < min(previous_residual, least_residual) and iteration > 1:
                 slowest_state, least_residual = state, residual
             previous_residual = residual
         assert slowest_state is not None
@@ -160,7 +160,7 @@ class AdhesionSolver:
         plain_attraction: Floats | None = None
         residual = least_residual = math.inf
         tolerance_ratio, stalled_count = TOLERANCE_TO_RESIDUAL_RATIO, 0
-        for count in itertools.count():
+        for iteration in itertools.count():
             mean_attraction = float(attraction.mean())
             mean_pressure = contact_load(mean_attraction)
             if mean_pressure < self.min_contact and plain_attraction is not None:
@@ -182,12 +182,21 @@ class AdhesionSolver:
                 raise EquilibriumNotFoundError("the computation of the pressures did not converge")
             pressure = solution.pressure
             displacement = grids.displacement(pressure.reshape(gap.shape), threads=solver_thread_count())
-            change = self.attraction_at_gap(attracted_gap + displacement - solution.approach) - attraction
-            previous_residual, residual = residual, float(np.abs(change).mean()) / (mean_pressure + mean_attraction)
-            convergence = solution.approach, solution.error, solution.iterations
+            attraction_change = self.attraction_at_gap(attracted_gap + displacement - solution.approach) - attraction
+            previous_residual, residual = (
+                residual,
+                float(np.abs(attraction_change).mean()) / (mean_pressure + mean_attraction),
+            )
+            approach_error_and_iterations = solution.approach, solution.error, solution.iterations
             if residual > self.max_residual or tolerance <= self.tolerance:
                 yield (
-                    AdhesionState(pressure, attraction, mean_pressure, mean_pressure - mean_attraction, *convergence),
+                    AdhesionState(
+                        pressure,
+                        attraction,
+                        mean_pressure,
+                        mean_pressure - mean_attraction,
+                        *approach_error_and_iterations,
+                    ),
                     residual,
                 )
             stalled_count = 0 if residual < least_residual else stalled_count + 1
@@ -195,13 +204,13 @@ class AdhesionSolver:
             # the remaining residual may be caused by inexact contact solutions
             if stalled_count > MAX_STALLED_SOLUTIONS:
                 tolerance_ratio, stalled_count = tolerance_ratio / 10, 0
-            ratio = residual / previous_residual if previous_residual else 0.0
-            extrapolation_factor = 1 / (1 - ratio) if ratio < 1 - 1 / longest else longest
-            next_attraction, plain_attraction = np.clip(attraction + change, 0.0, self.max_attraction), None
-            if count % (NUM_UNACCELERATED_STEPS + 1) == NUM_UNACCELERATED_STEPS and longest > 1:
+            residual_ratio = residual / previous_residual if previous_residual else 0.0
+            extrapolation_factor = 1 / (1 - residual_ratio) if residual_ratio < 1 - 1 / longest else longest
+            next_attraction, plain_attraction = np.clip(attraction + attraction_change, 0.0, self.max_attraction), None
+            if iteration % (NUM_UNACCELERATED_STEPS + 1) == NUM_UNACCELERATED_STEPS and longest > 1:
                 plain_attraction, next_attraction = (
                     next_attraction,
-                    np.clip(attraction + extrapolation_factor * change, 0.0, self.max_attraction),
+                    np.clip(attraction + extrapolation_factor * attraction_change, 0.0, self.max_attraction),
                 )
             attraction = next_attraction
 
@@ -323,16 +332,28 @@ class AdhesionSolver:
         for _ in range(MAX_REFINEMENT_SOLUTIONS):
             minimum_index = min(range(len(states)), key=lambda index: states[index].load)
             candidates = []
-            for first in (minimum_index - 1, minimum_index):
-                pair = states[max(first, 0) : first + 2]
-                if len(pair) == 2 and pair[1].contact_load < (1 - MIN_CONTACT_LOAD_DIFFERENCE) * pair[0].contact_load:
-                    candidates.append((*_interpolate_minimum_load(states[max(first - 1, 0) : first + 3], *pair), first))
-            load, contact_load, first = min(candidates, default=(0.0, 0.0, 0))
+            for first_index in (minimum_index - 1, minimum_index):
+                adjacent_states = states[max(first_index, 0) : first_index + 2]
+                if (
+                    len(adjacent_states) == 2
+                    and adjacent_states[1].contact_load
+                    < (1 - MIN_CONTACT_LOAD_DIFFERENCE) * adjacent_states[0].contact_load
+                ):
+                    candidates.append(
+                        (
+                            *_interpolate_minimum_load(
+                                states[max(first_index - 1, 0) : first_index + 3], *adjacent_states
+                            ),
+                            first_index,
+                        )
+                    )
+            load, contact_load, first_index = min(candidates, default=(0.0, 0.0, 0))
             if load >= (1 + MIN_LOAD_IMPROVEMENT) * states[minimum_index].load:
                 break
             try:
                 states.insert(
-                    first + 1, self.solve_at_contact_load(states[first], contact_load, earlier_state=states[0])
+                    first_index + 1,
+                    self.solve_at_contact_load(states[first_index], contact_load, earlier_state=states[0]),
                 )
             except EquilibriumNotFoundError:
                 break
@@ -372,8 +393,8 @@ def solve_with_adhesion(
     problem: HalfSpaceProblem, loads: Floats, *, tolerance: float, progress: Callable[[int, int, float], object] | None
 ) -> list[ContactSolution]:
     """Solve the contact at each external load (mN), starting from the contact at the previous load."""
-    contacts: list[ContactSolution] = []
-    report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
+    solutions: list[ContactSolution] = []
+    report = None if progress is None else lambda iteration, error: progress(len(solutions), iteration, error)
     solver = AdhesionSolver(problem, tolerance=tolerance, report=report)
     total_area = problem.cell_area * problem.gap.size
     state = None
@@ -382,8 +403,8 @@ def solve_with_adhesion(
             state = solver.at(load / total_area, state)
         except RuntimeError as error:
             raise RuntimeError(f"no solution at {load:g} mN: {error}") from None
-        contacts.append(to_contact_solution(problem, state, load, state.attraction))
-    return contacts
+        solutions.append(to_contact_solution(problem, state, load, state.attraction))
+    return solutions
 
 
 def solve_separation(contact_solution: ContactSolution, *, tolerance: float) -> tuple[list[ContactSolution], str]:
@@ -402,7 +423,7 @@ def solve_separation(contact_solution: ContactSolution, *, tolerance: float) -> 
         if state.load < least_load:
             descending_states.append(state)
             least_load = state.load
-    later_contacts = [
+    later_solutions = [
         to_contact_solution(problem, state, state.load * total_area, state.attraction) for state in descending_states
     ]
-    return [contact_solution, *later_contacts], solver.uncertainty_reason
+    return [contact_solution, *later_solutions], solver.uncertainty_reason

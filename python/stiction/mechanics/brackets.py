@@ -80,8 +80,8 @@ def extrapolated_gradients(
     if estimate is None:
         return np.full((finer_wavelengths.size, 3), np.nan)
     # Scale the extrapolated gradients so that they equal the gradient of this scan at its shortest wavelength.
-    scale = gradient / float(roughness.gradient_at(shortest))
-    gradients = scale * np.stack(
+    gradient_ratio = gradient / float(roughness.gradient_at(shortest))
+    gradients = gradient_ratio * np.stack(
         [roughness.continued(finer_wavelengths, power_law) for power_law in interval_power_laws(estimate)], axis=1
     )
     gradients[:, 1:] = np.sort(gradients[:, 1:], axis=1)

@@ -392,15 +392,15 @@ def maugis_dugdale(
     )
     arrays = np.broadcast_arrays(float_array("load", load), r, e, w, length)
     radii, pull_off_forces = np.empty(arrays[0].shape), np.empty(arrays[0].shape)
-    for position in np.ndindex(radii.shape):
-        force, r1, e1, w1, l1 = (float(array[position]) for array in arrays)
+    for index in np.ndindex(radii.shape):
+        force, r1, e1, w1, l1 = (float(array[index]) for array in arrays)
         modulus = 4 / 3 * e1
         force_unit, attraction_strength = np.pi * w1 * r1, 2 * (r1 * w1**2 / (np.pi * modulus**2 * l1**3)) ** (1 / 3)
         minimum = minimize_scalar(
             lambda x, s=attraction_strength: _maugis_radius_and_load(x, s)[1], bounds=(-20, 40), method="bounded"
         )
-        pull_off_forces[position] = -minimum.fun * force_unit
-        radii[position] = np.nan
+        pull_off_forces[index] = -minimum.fun * force_unit
+        radii[index] = np.nan
         if force / force_unit >= minimum.fun:
             lower_limit = minimum.x - 1
             while (
@@ -416,9 +416,9 @@ def maugis_dugdale(
                 lower_limit,
                 minimum.x,
             )
-            radii[position] = _maugis_radius_and_load(log_ratio, attraction_strength)[0] * (
-                force_unit * r1 / modulus
-            ) ** (1 / 3)
+            radii[index] = _maugis_radius_and_load(log_ratio, attraction_strength)[0] * (force_unit * r1 / modulus) ** (
+                1 / 3
+            )
     return np.asarray(radii), np.asarray(pull_off_forces)
 
 
@@ -486,25 +486,31 @@ def fuller_tabor(
     from scipy.optimize import minimize_scalar
 
     r, e, w = _validate_adhesion_arguments(radius, effective_modulus, work_of_adhesion)
-    parameter = validate_positive_arguments(deviation=deviation)[0] / (0.75 * np.cbrt((np.pi * w / e) ** 2 * r))
-    relative_pull_off = np.empty(parameter.shape)
-    for position in np.ndindex(relative_pull_off.shape):
-        spread = float(parameter[position])
+    relative_deviations = validate_positive_arguments(deviation=deviation)[0] / (
+        0.75 * np.cbrt((np.pi * w / e) ** 2 * r)
+    )
+    relative_pull_off = np.empty(relative_deviations.shape)
+    for index in np.ndindex(relative_pull_off.shape):
+        relative_deviation = float(relative_deviations[index])
         # Lengths are relative to the contact radius at zero load or to the height δ; loads are relative to 3/2 π w R.
-        a = np.linspace(6 ** (-2 / 3), 1 + np.sqrt(3 + 3 * spread), 4000)
+        a = np.linspace(6 ** (-2 / 3), 1 + np.sqrt(3 + 3 * relative_deviation), 4000)
         force, height = 4 * (a**3 - a**1.5), (a**2 - np.sqrt(a) * 2 / 3) * 6 ** (4 / 3) / 3
 
-        def load(gap: float, spread: float = spread, force: Floats = force, height: Floats = height) -> float:
-            height_density = np.exp(-(((height + gap) / spread) ** 2) / 2) / (spread * np.sqrt(2 * np.pi))
+        def load(
+            gap: float, relative_deviation: float = relative_deviation, force: Floats = force, height: Floats = height
+        ) -> float:
+            height_density = np.exp(-(((height + gap) / relative_deviation) ** 2) / 2) / (
+                relative_deviation * np.sqrt(2 * np.pi)
+            )
             return float(trapezoid(force * height_density, height))
 
-        gaps = np.linspace(-4 * spread, 6 * spread + 1, 200)
+        gaps = np.linspace(-4 * relative_deviation, 6 * relative_deviation + 1, 200)
         coarse_optimum = gaps[int(np.argmin([load(gap) for gap in gaps]))]
         gap_step = gaps[1] - gaps[0]
-        relative_pull_off[position] = -minimize_scalar(
+        relative_pull_off[index] = -minimize_scalar(
             load, bounds=(coarse_optimum - gap_step, coarse_optimum + gap_step), method="bounded"
         ).fun
-    return np.asarray(parameter), relative_pull_off
+    return np.asarray(relative_deviations), relative_pull_off
 
 
 def _validate_adhesion_arguments(
@@ -683,15 +689,15 @@ def hertz_ellipse(
         is_above = special.elliprd(0, squared_ratio, 1) > ratio * special.elliprd(0, 1, squared_ratio)
         log_low, log_high = np.where(is_above, log_low, log_middle), np.where(is_above, log_middle, log_high)
     aspect_ratio = np.where(ratio == 1, 1.0, np.exp(0.5 * (log_low + log_high)))
-    complete_integral = special.ellipkm1(aspect_ratio**2)
-    major_semi_axis = np.sqrt(2 / 3 * d * larger_radius * special.elliprd(0, aspect_ratio**2, 1) / complete_integral)
+    elliptic_integral = special.ellipkm1(aspect_ratio**2)
+    major_semi_axis = np.sqrt(2 / 3 * d * larger_radius * special.elliprd(0, aspect_ratio**2, 1) / elliptic_integral)
     minor_semi_axis = aspect_ratio * major_semi_axis
     semi_axis_1, semi_axis_2 = (
         np.where(r1 >= r2, major_semi_axis, minor_semi_axis),
         np.where(r1 >= r2, minor_semi_axis, major_semi_axis),
     )
     return (
-        np.asarray(2 / 3 * np.pi * major_semi_axis * d * e / complete_integral),
+        np.asarray(2 / 3 * np.pi * major_semi_axis * d * e / elliptic_integral),
         np.asarray(np.pi * major_semi_axis * minor_semi_axis),
         (semi_axis_1, semi_axis_2),
     )
@@ -804,12 +810,14 @@ def hardness_under_shear(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, a
 
 def solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Floats:
     """Solve for the pressure that `hardness_under_shear` returns, without checking the arguments."""
-    shear = alpha * (mu0 * tau0)
+    half_linear_coefficient = alpha * (mu0 * tau0)
     # If the contact seizes, this difference of two squares is zero or negative.
-    excess = np.square(hardness) - alpha * tau0**2
+    constant_term = np.square(hardness) - alpha * tau0**2
     with np.errstate(invalid="ignore"):
-        pressure = excess / (shear + np.sqrt(shear**2 + (1 + alpha * mu0**2) * excess))
-    return np.where(excess > 0, pressure, np.nan)
+        pressure = constant_term / (
+            half_linear_coefficient + np.sqrt(half_linear_coefficient**2 + (1 + alpha * mu0**2) * constant_term)
+        )
+    return np.where(constant_term > 0, pressure, np.nan)
 
 
 @reject_overflow
@@ -949,7 +957,7 @@ def gentle_friction(
     check_shear_strength(tau, float(np.min(modulus, initial=np.inf)))
     m = mu + factor * tau / (modulus * gradient)
     ratio_factor = ratio / (1 + ratio**2)
-    mean = slope * ratio_factor / np.sqrt(2 * np.pi)
+    mean_opposing_slope = slope * ratio_factor / np.sqrt(2 * np.pi)
     mean_secant, mean_cosine = np.ones(()), np.ones(())
     if order == 2:
         transverse_mean_square = gradient**2 - slope**2
@@ -959,11 +967,16 @@ def gentle_friction(
             ratio_factor * np.sqrt(np.maximum(transverse_mean_square, 0))
         )
     if sliding == "all":
-        return np.asarray(np.broadcast_arrays(m * mean_secant, mean)[0].copy())
-    locking_term = m * mean_cosine * mean
+        return np.asarray(np.broadcast_arrays(m * mean_secant, mean_opposing_slope)[0].copy())
+    locking_term = m * mean_cosine * mean_opposing_slope
     is_free = locking_term < 1
     return np.asarray(
-        np.divide(m * mean_secant / 2 + mean, 1 - locking_term, out=np.full(is_free.shape, np.nan), where=is_free)
+        np.divide(
+            m * mean_secant / 2 + mean_opposing_slope,
+            1 - locking_term,
+            out=np.full(is_free.shape, np.nan),
+            where=is_free,
+        )
     )
 
 
@@ -975,10 +988,10 @@ def _mean_secant_and_cosine(deviation: Floats) -> tuple[Floats, Floats]:
     bounded_deviation = np.maximum(deviation, _SMALL_SLOPE_LIMIT)
     x = 1 / (4 * bounded_deviation**2)
     factor = 1 / (bounded_deviation * np.sqrt(2 * np.pi))
-    bessel_k0, first = special.kve(0, x), special.kve(1, x)
+    bessel_k0, bessel_k1 = special.kve(0, x), special.kve(1, x)
     squared_deviation = deviation**2
     mean_secant = np.where(
-        is_small, 1 + squared_deviation / 2 - 3 * squared_deviation**2 / 8, (bessel_k0 + first) * factor / 2
+        is_small, 1 + squared_deviation / 2 - 3 * squared_deviation**2 / 8, (bessel_k0 + bessel_k1) * factor / 2
     )
     return mean_secant, np.where(is_small, 1 - squared_deviation / 2 + 9 * squared_deviation**2 / 8, bessel_k0 * factor)
 

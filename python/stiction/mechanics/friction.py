@@ -206,8 +206,8 @@ class FrictionCurve(PlotRepr):
 
     def status(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> NDArray[np.str_]:
         """Return "ok", "self-locked" (F_N <= 0) or "no-contact". Shape and arguments are as for `normal_load`."""
-        normal = compute_load("normal", self, *self._broadcast_parameters(mu0, tau0))
-        return statuses_of_approaches(self.contact_count, normal)
+        normal_load = compute_load("normal", self, *self._broadcast_parameters(mu0, tau0))
+        return statuses_of_approaches(self.contact_count, normal_load)
 
     def plot(self, ax: Axes | None = None, *, mu0: ArrayLike | None = None, tau0: ArrayLike = 0.0) -> Axes:
         """Draw the real contact area or, if mu0 is given, the friction coefficient as a function of the load.

@@ -293,8 +293,8 @@ class HalfSpaceCurve(FrictionCurve):
         opposing_grids = [solution.on_grid(opposing_mask[solution.patch - 1]) for opposing_mask in sums.opposing]
         opposing = np.array(opposing_grids).reshape(*self._model.angles().shape, *pressure.shape)
         gap = gap if problem.missing is None else np.where(problem.missing, np.nan, gap)
-        values = (pressure, gap, solution.on_grid(solution.patch), opposing, solution.on_grid(solution.share))
-        pressure, gap, patches, opposing, share, heights = map(make_read_only, (*values, problem.lower.copy()))
+        field_arrays = (pressure, gap, solution.on_grid(solution.patch), opposing, solution.on_grid(solution.share))
+        pressure, gap, patches, opposing, share, heights = map(make_read_only, (*field_arrays, problem.lower.copy()))
         return HalfSpaceContact(pressure, gap, patches, opposing, share, heights, problem.spacing)
 
     @property
@@ -530,8 +530,8 @@ def half_space(
         problem, loads, to_core_units("approaches", approaches, "length")
     )
     warn_if_same_body(upper, lower)
-    contacts = _solve_contacts(problem, step_kind, step_values, tolerance=tolerance, progress=progress)
-    return _make_curve(problem, model, contacts, tolerance)
+    solutions = _solve_contacts(problem, step_kind, step_values, tolerance=tolerance, progress=progress)
+    return _make_curve(problem, model, solutions, tolerance)
 
 
 def _solve_contacts(
@@ -549,15 +549,15 @@ def _solve_contacts(
         from stiction.mechanics.tilt import solve_with_balanced_tilt
 
         return solve_with_balanced_tilt(problem, steps, tolerance=tolerance, progress=progress)
-    contacts: list[ContactSolution] = []
-    report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
+    solutions: list[ContactSolution] = []
+    report = None if progress is None else lambda iteration, error: progress(len(solutions), iteration, error)
     solver = ContactSolver(problem, name, steps[-1], tolerance=tolerance, report=report)
     nearby_pressure = None
     for step in steps.tolist():
         solution = solver.at(step, nearby_pressure)
         nearby_pressure = solution.pressure
-        contacts.append(to_contact_solution(problem, solution, step if name == "loads" else None, scale=solver.scale))
-    return contacts
+        solutions.append(to_contact_solution(problem, solution, step if name == "loads" else None, scale=solver.scale))
+    return solutions
 
 
 def _add_adhesion(

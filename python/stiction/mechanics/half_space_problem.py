@@ -362,12 +362,16 @@ class TiltResponse:
     @classmethod
     def solve(cls, problem: HalfSpaceProblem, free_mask: NDArray[np.bool_]) -> TiltResponse:
         """Compute the response of the points that a mask marks as free."""
-        bound = np.where(free_mask, MAX_LINEAR_RESPONSE_PRESSURE, 0.0)
+        max_pressure = np.where(free_mask, MAX_LINEAR_RESPONSE_PRESSURE, 0.0)
         arms = lever_arms(problem)
 
         def solve_linear_response(gap: Floats) -> tuple[Floats, float]:
             solver = _core.HalfSpaceSolver(
-                gap, problem.grids, bound=bound, tolerance=LINEAR_RESPONSE_TOLERANCE, threads=solver_thread_count()
+                gap,
+                problem.grids,
+                bound=max_pressure,
+                tolerance=LINEAR_RESPONSE_TOLERANCE,
+                threads=solver_thread_count(),
             )
             result = solver.at(1.0, threads=solver_thread_count())
             return result.pressure.reshape(gap.shape), result.approach
@@ -409,7 +413,7 @@ class ContactSolver:
         report: Callable[[int, float], object] | None,
     ) -> None:  # fmt: skip
         self.problem, self.name, self.tolerance, self.report = problem, name, tolerance, report
-        bound = np.array([np.inf if problem.hardness is None else problem.hardness])
+        max_pressure = np.array([np.inf if problem.hardness is None else problem.hardness])
         gap, self.scale = problem.gap, 1.0
         if (missing := problem.missing) is not None:
             # Missing points receive a gap that never closes.
@@ -419,7 +423,7 @@ class ContactSolver:
             gap = np.where(missing, 2 * measured_gap.max() + 4 * (mean_displacement if name == "loads" else limit), gap)
             self.scale = float(gap.std() / measured_gap.std()) if np.ptp(measured_gap) > 0 else 1.0
         self._core = _core.HalfSpaceSolver(
-            gap, problem.grids, bound=bound, tolerance=tolerance / self.scale, threads=solver_thread_count()
+            gap, problem.grids, bound=max_pressure, tolerance=tolerance / self.scale, threads=solver_thread_count()
         )
 
     def at(self, step: float, near: Floats | None) -> _core.HalfSpaceSolution:
@@ -470,5 +474,5 @@ def to_contact_solution(
     contact_arrays: Any = _core.patches_of(pressure, periodic=problem.periodic, hardness=hardness)
     points, values, fraction, patch = map(make_read_only, contact_arrays)
     load = float(values.sum()) * problem.cell_area if load is None else load
-    convergence = solution.approach, solution.error * scale, solution.iterations
-    return ContactSolution(problem, load, points, values, fraction, patch, *convergence, attraction)
+    approach_error_and_iterations = solution.approach, solution.error * scale, solution.iterations
+    return ContactSolution(problem, load, points, values, fraction, patch, *approach_error_and_iterations, attraction)

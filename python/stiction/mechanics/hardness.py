@@ -56,9 +56,9 @@ def _estimate_log_area_per_load(log_hardness: Floats, log_elastic: Floats) -> Fl
 
     Using logarithms is several times faster than using powers.
     """
-    ratio = log_hardness + log_elastic
-    exponent = MIXING_EXPONENT_FACTOR * np.exp(MIXING_EXPONENT_POWER * ratio)
-    mixing_term = np.log(1 + np.exp(-exponent * np.abs(ratio))) / exponent
+    log_ratio = log_hardness + log_elastic
+    exponent = MIXING_EXPONENT_FACTOR * np.exp(MIXING_EXPONENT_POWER * log_ratio)
+    mixing_term = np.log(1 + np.exp(-exponent * np.abs(log_ratio))) / exponent
     return np.asarray(np.maximum(-log_hardness, log_elastic) + mixing_term)
 
 

@@ -206,9 +206,9 @@ class Onset(PlotRepr):
             float(self._validate_amplitudes(validate_number("amplitude", amplitude, unit="mN", above=0)))
         )
         is_below = self.tangential_load < turning_point.load * (1 - LOAD_TOLERANCE)
-        load = np.concatenate([[0.0], self.tangential_load[is_below], [turning_point.load]])
-        unloading_path = np.concatenate([[0.0], self.displacement[is_below], [turning_point.displacement]])
-        unloading_branch = turning_point.displacement - 2 * unloading_path, turning_point.load - 2 * load
+        loading_load = np.concatenate([[0.0], self.tangential_load[is_below], [turning_point.load]])
+        loading_displacement = np.concatenate([[0.0], self.displacement[is_below], [turning_point.displacement]])
+        unloading_branch = turning_point.displacement - 2 * loading_displacement, turning_point.load - 2 * loading_load
         return np.concatenate([unloading_branch[0], -unloading_branch[0]]), np.concatenate(
             [unloading_branch[1], -unloading_branch[1]]
         )

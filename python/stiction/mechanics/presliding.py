@@ -63,16 +63,16 @@ class FourParameterIwan(TextRepr):
 
     def load(self, displacement: ArrayLike) -> Floats:
         """Return the tangential load (mN) in first loading at displacements (µm) of at least 0."""
-        distance = _validate_displacement(displacement)
-        ratio = np.minimum(distance / self.displacement_at_sliding, 1.0)
+        displacements = _validate_displacement(displacement)
+        ratio = np.minimum(displacements / self.displacement_at_sliding, 1.0)
         slip_fraction = ratio ** (self.chi + 1) / ((self.chi + 2) * (1 + self.beta))
-        load_before_sliding = self.stiffness * distance * (1 - slip_fraction)
+        load_before_sliding = self.stiffness * displacements * (1 - slip_fraction)
         return np.asarray(np.where(ratio < 1, load_before_sliding, self.sliding_load))
 
     def energy_lost(self, displacement: ArrayLike) -> Floats:
         """Return the energy loss (mN µm) per cycle with a given displacement amplitude (µm)."""
-        distance, sliding_displacement = _validate_displacement(displacement), self.displacement_at_sliding
-        ratio = np.minimum(distance / sliding_displacement, 1.0)
+        displacements, sliding_displacement = _validate_displacement(displacement), self.displacement_at_sliding
+        ratio = np.minimum(displacements / sliding_displacement, 1.0)
         slip_fraction = ratio ** (self.chi + 1) / ((self.chi + 2) * (1 + self.beta))
         # Masing's rule: the loss is 8 · (area under the loading curve) - 4 · load · displacement.
         loss_before_sliding = (
@@ -81,10 +81,10 @@ class FourParameterIwan(TextRepr):
             * slip_fraction
             * (self.chi + 1)
             / (self.chi + 3)
-            * np.minimum(distance, sliding_displacement) ** 2
+            * np.minimum(displacements, sliding_displacement) ** 2
         )
         return np.asarray(
-            loss_before_sliding + 4 * self.sliding_load * np.maximum(distance - sliding_displacement, 0.0)
+            loss_before_sliding + 4 * self.sliding_load * np.maximum(displacements - sliding_displacement, 0.0)
         )
 
 
@@ -140,8 +140,11 @@ def fit_iwan(displacement: Floats, load: Floats, *, sliding_load: float, stiffne
         return (iwan_model(values, load).load(displacement) - load) / sliding_load
 
     bounds = [-1 + 1e-6, 0.0], [0.0, np.inf]
-    starts = [[chi, beta] for chi in (-0.8, -0.5, -0.1) for beta in (0.01, 1.0)]
-    fits = [least_squares(relative_error, start, bounds=bounds, xtol=1e-12, ftol=1e-12, gtol=1e-12) for start in starts]
+    initial_parameters = [[chi, beta] for chi in (-0.8, -0.5, -0.1) for beta in (0.01, 1.0)]
+    fits = [
+        least_squares(relative_error, start, bounds=bounds, xtol=1e-12, ftol=1e-12, gtol=1e-12)
+        for start in initial_parameters
+    ]
     best_fit = min(fits, key=lambda fit: float(fit.cost))
     return iwan_model(best_fit.x, make_read_only(best_fit.fun * sliding_load))
 
@@ -174,7 +177,7 @@ def _check_curve(displacement: Floats, load: Floats, min_points: int) -> None:
 
 
 def _validate_displacement(displacement: ArrayLike) -> Floats:
-    distance = float_array("displacement", displacement)
-    if not (distance >= 0).all():
+    displacements = float_array("displacement", displacement)
+    if not (displacements >= 0).all():
         raise ValueError(f"displacement must be at least 0 µm, got {displacement!r}")
-    return distance
+    return displacements

@@ -226,8 +226,8 @@ def resolution_friction(result: xr.Dataset, *, mu0: float, tau0: float = 0.0) ->
 
     check_instance("result", result, xr.Dataset, "an xarray.Dataset of resolution")
     mu, tau = _validate_strengths(mu0, tau0)
-    normal, tangential = (compute_load(load, result, mu, tau) for load in ("normal", "tangential"))
-    mu_s = np.divide(tangential, normal, out=np.full_like(normal, np.nan), where=normal > 0)
+    normal_load, tangential_load = (compute_load(load, result, mu, tau) for load in ("normal", "tangential"))
+    mu_s = np.divide(tangential_load, normal_load, out=np.full_like(normal_load, np.nan), where=normal_load > 0)
     coefficients = result.normal_elastic.copy(data=mu_s)
     coefficients.attrs = {"units": "1", "long_name": "coefficient of static friction", "mu0": mu, "tau0_GPa": tau}
     ordered_coefficients: xr.DataArray = coefficients.transpose("sliding", "cut_off", "normal_load")
@@ -332,20 +332,20 @@ def _make_cutoff_dataset(
     with np.errstate(divide="ignore", invalid="ignore"):
         values |= {"contact_area_fraction": area / pair.nominal_area, "mean_pressure": loads / area}
         kappa = area * modulus * gradient[:, np.newaxis] / loads
-    grid = ("cut_off", "normal_load")
+    dimensions = ("cut_off", "normal_load")
     variables: dict[str, Any] = {
         "shortest_wavelength": (
             "cut_off", [max(length, pair.shortest_cut_off) for length in lengths],
             _variable_attributes("µm", "shortest resolved wavelength"),
         ),
         "rms_gradient": ("cut_off", gradient, quantity_attributes("rms_gradient")),
-        "kappa": (grid, kappa, _variable_attributes("1", "A E* h'/F")),
+        "kappa": (dimensions, kappa, _variable_attributes("1", "A E* h'/F")),
         **{
-            _VARIABLE_NAMES_BY_FIELD.get(name, name): (grid, column, quantity_attributes(name))
+            _VARIABLE_NAMES_BY_FIELD.get(name, name): (dimensions, column, quantity_attributes(name))
             for name, column in values.items() if name not in LOAD_SUM_NAMES
         },
         **{
-            name: (("sliding", *grid), np.moveaxis(values[name], 1, 0), quantity_attributes(name))
+            name: (("sliding", *dimensions), np.moveaxis(values[name], 1, 0), quantity_attributes(name))
             for name in LOAD_SUM_NAMES
         },
     }  # fmt: skip
@@ -382,11 +382,11 @@ def _add_plastic_limits(
     estimate = brackets.estimate_gap_hurst_exponent(gap, pair.periodic)
     area = elastic["contact_area"]
     kappa = area * modulus * float(result.rms_gradient[0]) / loads
-    spread = brackets.kappa_uncertainty_factor(elastic["contact_count"])
+    kappa_uncertainty = brackets.kappa_uncertainty_factor(elastic["contact_count"])
     if hardness is not None:
         result = brackets.add_finer_scan_bounds(result, hardness, parameters)
     hardnesses = TYPICAL_HARDNESSES if hardness is None else (hardness,)
-    gradients_at_hardness = [zip(kappa * item / modulus, spread, strict=True) for item in hardnesses]
+    gradients_at_hardness = [zip(kappa * item / modulus, kappa_uncertainty, strict=True) for item in hardnesses]
     plastic_wavelengths = np.array([
         [brackets.plastic_wavelength(roughness, estimate, *bounds) for bounds in item]
         for item in gradients_at_hardness
@@ -394,19 +394,21 @@ def _add_plastic_limits(
     gradient = float(result.rms_gradient[0])
     gradients = brackets.extrapolated_gradients(roughness, estimate, pair.shortest_cut_off, gradient)
     area_of_slope = kappa * loads / (modulus * pair.nominal_area * brackets.interface_area_ratio(np.array(gradient)))
-    area_fractions = brackets.elastic_area_fraction(gradients, area_of_slope, spread)
+    area_fractions = brackets.elastic_area_fraction(gradients, area_of_slope, kappa_uncertainty)
     # the uncertainty of the gradient barely affects the slope correction
     central_gradients = gradients[:, :1, np.newaxis]
-    grid = ("finer_wavelength", "normal_load", "statistic")
-    tables: dict[str, tuple[Any, Floats, str, str]] = {
-        "elastic_kappa": (grid[1], kappa, "1", "A E* h'/F of the elastic solution of the scan"),
+    dimensions = ("finer_wavelength", "normal_load", "statistic")
+    quantities: dict[str, tuple[Any, Floats, str, str]] = {
+        "elastic_kappa": (dimensions[1], kappa, "1", "A E* h'/F of the elastic solution of the scan"),
         "elastic_area_fraction": (
-            grid[1], area / pair.nominal_area, "1", "ratio of real to nominal area of the elastic solution"
+            dimensions[1], area / pair.nominal_area, "1", "ratio of real to nominal area of the elastic solution"
         ),
-        "plastic_wavelength": (("hardness", *grid[1:]), plastic_wavelengths, "µm", _PLASTIC_WAVELENGTH_DESCRIPTION),
-        "continued_rms_gradient": (grid[::2], gradients, "1", "gradient of the gap, extrapolated"),
+        "plastic_wavelength": (
+            ("hardness", *dimensions[1:]), plastic_wavelengths, "µm", _PLASTIC_WAVELENGTH_DESCRIPTION
+        ),
+        "continued_rms_gradient": (dimensions[::2], gradients, "1", "gradient of the gap, extrapolated"),
         "continued_elastic_area_fraction": (
-            grid, area_fractions * brackets.interface_area_ratio(central_gradients), "1",
+            dimensions, area_fractions * brackets.interface_area_ratio(central_gradients), "1",
             "elastic ratio of real to nominal area, extrapolated",
         ),
     }  # fmt: skip
@@ -414,11 +416,11 @@ def _add_plastic_limits(
         friction = parameters[0] + parameters[1] * area_fractions * pair.nominal_area / loads[:, np.newaxis]
         friction = friction * brackets.transverse_slope_factor(central_gradients, roughness.dimensions)
         description = "elastic mu_s with friction at all contacts, extrapolated"
-        tables["continued_elastic_friction_coefficient"] = grid, friction, "1", description
+        quantities["continued_elastic_friction_coefficient"] = dimensions, friction, "1", description
     finer_wavelengths = np.array(brackets.EXTRAPOLATED_WAVELENGTH_RATIOS) * pair.shortest_cut_off
     variables = {
         name: (dims, values, _variable_attributes(unit, description))
-        for name, (dims, values, unit, description) in tables.items()
+        for name, (dims, values, unit, description) in quantities.items()
     }
     extended_result = result.assign(variables).assign_coords(
         hardness=("hardness", list(hardnesses), _variable_attributes("GPa", "hardness")),

@@ -43,8 +43,8 @@ def solve_with_balanced_tilt(
     problem: HalfSpaceProblem, loads: Floats, *, tolerance: float, progress: Callable[[int, int, float], object] | None
 ) -> list[ContactSolution]:
     """Find the tilt at which the resultant force acts at the centre. Return the contact at each load (mN)."""
-    contacts: list[ContactSolution] = []
-    report = None if progress is None else lambda iteration, error: progress(len(contacts), iteration, error)
+    contact_solutions: list[ContactSolution] = []
+    report = None if progress is None else lambda iteration, error: progress(len(contact_solutions), iteration, error)
     arms, shape = lever_arms(problem), problem.gap.shape
     side_lengths = np.array(shape) * np.array(problem.spacing)
     gap_deviation = float(problem.gap[problem.measured_point_mask > 0].std()) or 1.0
@@ -86,5 +86,5 @@ def solve_with_balanced_tilt(
                 raise RuntimeError(f"no solution at {load:g} mN: no tilt balances the surfaces")
             contact_solution, moments = candidate
         problem, near = contact_solution.problem, contact_solution.on_grid(contact_solution.values).ravel()
-        contacts.append(contact_solution)
-    return contacts
+        contact_solutions.append(contact_solution)
+    return contact_solutions

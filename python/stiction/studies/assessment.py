@@ -379,11 +379,11 @@ def build_pressure_checks(study: Study, modulus: float) -> CheckGroups:
     def build_check(limit: float, text: str, remedy: str, severity: Severity) -> LimitCheck:
         return LimitCheck("mean_pressure", limit, text, remedy, severity, "GPa")
 
-    softer = softest_material(*find_materials(study))
-    if softer is not None and softer.hardness is not None:
-        low, high = softer.hardness.low, softer.hardness.high
+    softer_material = softest_material(*find_materials(study))
+    if softer_material is not None and softer_material.hardness is not None:
+        low, high = softer_material.hardness.low, softer_material.hardness.high
         range_text = " to ".join(dict.fromkeys(format_with_unit(end, "GPa") for end in (low, high)))
-        text = f"the mean pressure in contact is {{}}, and {softer.name} yields at {range_text}"
+        text = f"the mean pressure in contact is {{}}, and {softer_material.name} yields at {range_text}"
         remedy = "use --mechanics half-space or --law jackson-green"
         return ((build_check(high, text, remedy, "fault"), build_check(low, text, remedy, "caution")),)
     if modulus < MAX_RUBBER_MODULUS:
@@ -587,8 +587,11 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
     spacings = [float(np.max(point.attrs[f"{side}_spacing_um"])) for side in sides]
     coarser_body, finer_body = (sides[spacings.index(select(spacings))] for select in (max, min))
     if max(spacings) > MAX_SPACING_RATIO * min(spacings):
-        ratio = format_significant(max(spacings) / min(spacings), 2)
-        text = f"the {coarser_body} scan is {ratio} times coarser than the {finer_body}, so it lacks short wavelengths"
+        ratio_text = format_significant(max(spacings) / min(spacings), 2)
+        text = (
+            f"the {coarser_body} scan is {ratio_text} times coarser than the {finer_body}, "
+            "so it lacks short wavelengths"
+        )
         yield Caveat(text, "scan both bodies with similar spacings", "caution")
     mean_contact_area = mean_over_directions(point, "contact_area") / mean_over_directions(point, "contact_count")
     for side in sides:

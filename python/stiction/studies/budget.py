@@ -99,18 +99,18 @@ def add_uncertainty(
     inputs, strengths = find_uncertain_inputs(study), []
     if (study_interface := find_interface(study)) is not None:
         fit, hardness = study_interface.fits[0], inputs.get("hardness")
-        has_joint_hardness = hardness is not None and hardness.estimate.describes_same_hardness(
+        fit_has_same_hardness = hardness is not None and hardness.estimate.describes_same_hardness(
             study_interface.about.get(HARDNESS_HEADER_ENTRY, "")
         )
         growth = fit.junction_growth if study_interface.has_equal_junction_growth(find_junction_growth(study)) else None
-        hardness_and_growth = fit.hardness if has_joint_hardness else None, growth
+        hardness_and_growth = fit.hardness if fit_has_same_hardness else None, growth
         strengths = [
             (*each, *hardness_and_growth) for each in ((fit.mu0, fit.tau0), *study_interface.samples_at_bounds)
         ]
         replaced_names = (
             "mu0",
             "tau0",
-            *(("hardness",) if has_joint_hardness else ()),
+            *(("hardness",) if fit_has_same_hardness else ()),
             *(("junction_growth",) if growth is not None else ()),
         )
         inputs = {name: each for name, each in inputs.items() if name not in replaced_names}
@@ -384,12 +384,16 @@ class _CoefficientSamples:
 
         Widths are compared as differences of the friction angle, which stays finite if samples seize.
         """
-        angles = [
+        friction_angle_widths = [
             _friction_angle_difference(self._compute_sampled_interval({name: quantile}))
             for quantile in FIXED_INPUT_QUANTILES
         ]
         (low, high), sampled_width = self.interval(), _friction_angle_difference(self._compute_sampled_interval({}))
-        return min(float(np.mean(angles)) / sampled_width, 1.0) * (high - low) if sampled_width > 0 else high - low
+        return (
+            min(float(np.mean(friction_angle_widths)) / sampled_width, 1.0) * (high - low)
+            if sampled_width > 0
+            else high - low
+        )
 
     def _compute_sampled_interval(self, fixed: Mapping[str, float]) -> tuple[float, float]:
         if self.names == tuple(self.standard_errors) and not fixed:
@@ -467,16 +471,16 @@ class _CoefficientSamples:
         final_hardness = hardness * wait**-creep.value
         if pressure >= final_hardness:
             return math.nan, math.nan, math.nan
-        hardnesses = np.array([final_hardness]), np.array([hardness])
+        final_and_initial_hardness = np.array([final_hardness]), np.array([hardness])
         area, initial_growth = (
             self._compute_area_growth_under_shear(
-                end, self.tau0, self._compute_pressure_under_shear(end, self.mu0, self.tau0)
+                each_hardness, self.tau0, self._compute_pressure_under_shear(each_hardness, self.mu0, self.tau0)
             )
-            for end in hardnesses
+            for each_hardness in final_and_initial_hardness
         )
         if not np.isfinite(area).all():
             return math.nan, math.nan, math.nan
-        area = self.areas.area_ratio(self.load, hardnesses[0], 1.0) * area
+        area = self.areas.area_ratio(self.load, final_and_initial_hardness[0], 1.0) * area
         initial_coefficient = self.friction.compute_coefficient(self.mu0, self.tau0, initial_growth)
         value = self.value * self.friction.compute_coefficient(self.mu0, self.tau0, area) / initial_coefficient
         return float(value[0]), *extend_interval(self._compute_scaled_interval({}, wait), float(value[0]))
@@ -484,13 +488,13 @@ class _CoefficientSamples:
     def _compute_friction_samples(
         self, fixed: Mapping[str, float], wait: float = 1.0, strength: StrengthArrays | None = None
     ) -> Floats:
-        columns, scores, samples, hardness, modulus = self._draw_input_samples(fixed, wait)
+        probabilities, scores, samples, hardness, modulus = self._draw_input_samples(fixed, wait)
         area = self._compute_area_samples(fixed, wait)
         mu0, tau0 = samples.get("mu0", self.mu0), samples.get("tau0", self.tau0)
-        growth = None
+        growth_samples = None
         # The interface samples are sorted by coefficient, so their quantiles are also quantiles of the coefficient.
         if strength is not None:
-            hardness_samples, growth = strength[2:]
+            hardness_samples, growth_samples = strength[2:]
             interface_areas = (
                 1.0 if hardness_samples is None else self.areas.area_ratio(self.load, hardness_samples, 1.0)
             )
@@ -499,15 +503,15 @@ class _CoefficientSamples:
                 if hardness_samples is None
                 else hardness_samples
             )
-            pressure = self._compute_pressure_under_shear(interface_hardness, *strength[:2], growth)
+            pressure = self._compute_pressure_under_shear(interface_hardness, *strength[:2], growth_samples)
             interface_areas = interface_areas * self._compute_area_growth_under_shear(
                 interface_hardness, strength[1], pressure
             )
             with np.errstate(invalid="ignore"):
                 order = np.argsort(self.friction.compute_coefficient(*strength[:2], interface_areas))
-            indices = order[(columns[INTERFACE_INPUT_NAME] * order.size).astype(int)]
+            indices = order[(probabilities[INTERFACE_INPUT_NAME] * order.size).astype(int)]
             mu0, tau0 = strength[0][indices], strength[1][indices]
-            growth = None if growth is None else growth[indices]
+            growth_samples = None if growth_samples is None else growth_samples[indices]
             if hardness_samples is not None:
                 hardness = hardness_samples[indices] * hardness / float(self.areas.hardness or 1.0)
                 area = self.areas.area_ratio(self.load, hardness, modulus)
@@ -515,7 +519,7 @@ class _CoefficientSamples:
             if strength is None:
                 pressure = self._compute_pressure_samples(fixed, wait)
             else:
-                alpha = samples.get("junction_growth", self.growth.value) if growth is None else growth
+                alpha = samples.get("junction_growth", self.growth.value) if growth_samples is None else growth_samples
                 pressure = self._compute_pressure_under_shear(hardness, mu0, tau0, alpha)
             area = area * self._compute_area_growth_under_shear(hardness, tau0, pressure, modulus)
             hardness = pressure
@@ -525,15 +529,15 @@ class _CoefficientSamples:
                 self.value * self.friction.compute_coefficient(mu0, tau0, area) / central_coefficient,
                 (NUM_INPUT_SAMPLES,),
             )
-        seizes = np.broadcast_to(np.isinf(area), (NUM_INPUT_SAMPLES,))
-        if is_seizing := bool(seizes.any()):
-            coefficients, hardness = np.where(seizes, 1.0, coefficients), np.where(seizes, np.inf, hardness)
-        if UNRESOLVED_ROUGHNESS_INPUT_NAME in columns and self.finest is not None:
+        seizing_mask = np.broadcast_to(np.isinf(area), (NUM_INPUT_SAMPLES,))
+        if is_seizing := bool(seizing_mask.any()):
+            coefficients, hardness = np.where(seizing_mask, 1.0, coefficients), np.where(seizing_mask, np.inf, hardness)
+        if UNRESOLVED_ROUGHNESS_INPUT_NAME in probabilities and self.finest is not None:
             lowest_coefficients = np.minimum(mu0 + tau0 / hardness, coefficients)
             highest_coefficients = np.maximum(
                 max_friction_for_finer_scans(coefficients, mu0, tau0 / hardness, self.contacts), lowest_coefficients
             )
-            coefficients = lowest_coefficients + columns[UNRESOLVED_ROUGHNESS_INPUT_NAME] * (
+            coefficients = lowest_coefficients + probabilities[UNRESOLVED_ROUGHNESS_INPUT_NAME] * (
                 highest_coefficients - lowest_coefficients
             )
         if self.standard_errors:
@@ -541,7 +545,7 @@ class _CoefficientSamples:
                 sum(error * scores[name] for name, error in self.standard_errors.items())
             )
         coefficients = np.maximum(coefficients, 0.0)
-        return np.where(seizes, np.inf, coefficients) if is_seizing else coefficients
+        return np.where(seizing_mask, np.inf, coefficients) if is_seizing else coefficients
 
     def _draw_input_samples(
         self, fixed: Mapping[str, float], wait: float
@@ -554,16 +558,16 @@ class _CoefficientSamples:
 
         def draw_uncached_samples() -> Any:
             unit_points = generate_stratified_points(len(self.names) + 1)
-            columns = dict(zip(self.names, unit_points.T, strict=False))
-            columns |= {
-                name: np.full(NUM_INPUT_SAMPLES, quantile) for name, quantile in fixed.items() if name in columns
+            probabilities = dict(zip(self.names, unit_points.T, strict=False))
+            probabilities |= {
+                name: np.full(NUM_INPUT_SAMPLES, quantile) for name, quantile in fixed.items() if name in probabilities
             }
-            samples = {name: self.inputs[name].quantile(columns[name]) for name in self.inputs}
+            samples = {name: self.inputs[name].quantile(probabilities[name]) for name in self.inputs}
             hardness = samples.get("hardness", np.full(NUM_INPUT_SAMPLES, self.areas.hardness or np.nan))
             if (creep := find_creep_exponent(self.study)) is not None:
                 hardness = hardness * wait ** -creep.quantile(unit_points[:, -1])
-            scores = {name: ndtri(columns[name]) for name in self.standard_errors}
-            return columns, scores, samples, hardness, compute_relative_modulus(self.study, samples)
+            scores = {name: ndtri(probabilities[name]) for name in self.standard_errors}
+            return probabilities, scores, samples, hardness, compute_relative_modulus(self.study, samples)
 
         return self.areas.get_or_compute(("inputs", self.names, tuple(fixed.items()), wait), (), draw_uncached_samples)  # type: ignore[no-any-return]
 

@@ -97,7 +97,9 @@ class _ProbabilityGrid:
 
 
 class CalibrationProblem:
-    """Linear equations `rub` mu0 + `stick` tau0 = `right` for friction tests, with errors and nuisance parameters.
+    """Linear equations for mu0 and tau0 from friction tests, with errors and nuisance parameters.
+
+    In each equation, the sum of mu0 and tau0, multiplied by their coefficients, equals the right side.
 
     Parameters
     ----------
@@ -162,11 +164,12 @@ class CalibrationProblem:
     def _compute_equation_coefficients(
         self, scores: Floats, mu0: Floats | None = None, tau0: Floats | None = None
     ) -> tuple[Floats, Floats, Floats]:
-        """Compute the coefficients `rub`, `stick` and `right` of the test equations from the nuisance scores.
+        """Compute the coefficients of mu0 and tau0 and the right sides of the test equations from the nuisance scores.
 
         The scores have the shape (points, nuisances), and the coefficients have the shape (points, tests). If mu0 and
-        tau0 (GPa) of shape (points, ...) are given, `stick` has the shape (points, tests, ...) and includes the
-        junction growth at these values. Otherwise the junction growth is computed from the measured coefficients.
+        tau0 (GPa) of shape (points, ...) are given, the coefficients of tau0 have the shape (points, tests, ...) and
+        include the junction growth at these values. Otherwise the junction growth is computed from the measured
+        coefficients.
         """
         from scipy.special import ndtr
 
@@ -207,11 +210,15 @@ class CalibrationProblem:
         )
         # The measured coefficient is the product of the gain and the true coefficient.
         # Errors refer to the measured coefficient.
-        rub = gain * collect_attribute("rub") - self.measured * collect_attribute("rub_normal")
-        stick = gain * collect_attribute("stick") - self.measured * collect_attribute("stick_normal")
-        right = self.measured - gain * collect_attribute("elastic")
+        mu0_coefficient = gain * collect_attribute("rub") - self.measured * collect_attribute("rub_normal")
+        tau0_coefficient = gain * collect_attribute("stick") - self.measured * collect_attribute("stick_normal")
+        right_side = self.measured - gain * collect_attribute("elastic")
         factors = np.stack([area_factors_of_test(test) for test in range(len(self._friction))], axis=1)
-        return rub, stick.reshape(*stick.shape, *(1 for _ in grid_shape)) * factors, right
+        return (
+            mu0_coefficient,
+            tau0_coefficient.reshape(*tau0_coefficient.shape, *(1 for _ in grid_shape)) * factors,
+            right_side,
+        )
 
     def _compute_run_offset_vectors(self, central_coefficients: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
         """Return the residual changes caused by an offset common to the tests of a run, as unit vectors and norms.
@@ -223,11 +230,11 @@ class CalibrationProblem:
         self._run_errors = np.zeros(len(self.slid))
         if not len(self._run_membership):
             return np.zeros((0, len(self.slid))), np.zeros(0)
-        rub, stick, right = (column[0] for column in central_coefficients)
+        mu0_coefficient, tau0_coefficient, right_side = (column[0] for column in central_coefficients)
         mu0, tau0 = _solve_nonnegative_least_squares(
-            np.stack([rub, stick, right], axis=1), self._test_weights, self.known
+            np.stack([mu0_coefficient, tau0_coefficient, right_side], axis=1), self._test_weights, self.known
         )
-        residual_shifts = self._run_membership * (rub * mu0 + stick * tau0) / self.error
+        residual_shifts = self._run_membership * (mu0_coefficient * mu0 + tau0_coefficient * tau0) / self.error
         # Errors of all tests, with or without sliding, if the standard deviation between runs is 1.
         self._run_errors = (residual_shifts * self.error).sum(axis=0)
         residual_shifts = np.where(self.slid, residual_shifts, 0.0)
@@ -275,14 +282,14 @@ class CalibrationProblem:
 
         Also returns the logarithms of the normalization factors (points,).
         """
-        norm = -np.count_nonzero(self.slid) * np.log(scale)
+        log_norm = -np.count_nonzero(self.slid) * np.log(scale)
         if len(self._offsets):
             run_directions = self._offsets[:, self.slid]
             ratio = 1 + np.square(np.multiply.outer(spread / scale, self._offset_sizes))
-            norm = norm - 0.5 * np.log(ratio).sum(axis=1)
+            log_norm = log_norm - 0.5 * np.log(ratio).sum(axis=1)
             run_components = np.einsum("rn,pnk->prk", run_directions, rows) * (1 - 1 / np.sqrt(ratio))[..., np.newaxis]
             rows = rows - np.einsum("rn,prk->pnk", run_directions, run_components)
-        return rows, np.asarray(norm, dtype=np.float64)
+        return rows, np.asarray(log_norm, dtype=np.float64)
 
     def _compute_residuals(
         self, scores: Floats, scale: Floats, spread: Floats, mu0: Floats, tau0: Floats
@@ -294,9 +301,9 @@ class CalibrationProblem:
         """
         columns = self._compute_equation_coefficients(scores, mu0, tau0)
         grid_axes = tuple(1 for _ in mu0.shape[1:])
-        rub, right = (column.reshape(*column.shape, *grid_axes) for column in (columns[0], columns[2]))
+        mu0_coefficient, right_side = (column.reshape(*column.shape, *grid_axes) for column in (columns[0], columns[2]))
         with np.errstate(invalid="ignore"):
-            misfit = right - rub * mu0[:, np.newaxis] - columns[1] * tau0[:, np.newaxis]
+            misfit = right_side - mu0_coefficient * mu0[:, np.newaxis] - columns[1] * tau0[:, np.newaxis]
             misfit = misfit[:, self.slid] / self.error[self.slid].reshape(-1, *grid_axes)
             misfit = misfit / scale.reshape(-1, 1, *grid_axes)
             rows = self._decorrelate_within_runs(misfit.reshape(*misfit.shape[:2], -1), scale, spread)[0]
@@ -395,7 +402,7 @@ class CalibrationProblem:
             if x.size:
                 x = least_squares(residuals, x, jacobian, bounds=(lower, np.inf), xtol=1e-9, ftol=1e-9).x
             misfit = residuals(x)[: len(central_equations)] / robust_factors[self.slid]
-            slope = jacobian(x) if x.size else np.zeros((len(misfit), 0))
+            jacobian_matrix = jacobian(x) if x.size else np.zeros((len(misfit), 0))
             if not self.has_errors:
                 residual_scale = np.median(np.abs(misfit)) / 0.6745 if self.outliers else np.sqrt((misfit**2).mean())
                 scale, misfit = scale * max(float(residual_scale), 1e-9), misfit / max(float(residual_scale), 1e-9)
@@ -406,7 +413,7 @@ class CalibrationProblem:
         scores = np.zeros(len(self.nuisances))
         scores[score_indices] = x[len(free_indices) :]
         mu0, tau0 = to_strengths(x)
-        return _BestFit(float(mu0), float(tau0), scores, misfit, slope, robust_factors, scale)
+        return _BestFit(float(mu0), float(tau0), scores, misfit, jacobian_matrix, robust_factors, scale)
 
     def fit(self) -> StrengthFit:
         """Compute the joint distribution of mu0 and tau0, and the quality of the fit."""
@@ -443,8 +450,8 @@ class CalibrationProblem:
 
     def _compute_area_per_load_samples(self, scores: Floats, mu0: Floats, tau0: Floats) -> Floats:
         """Return samples of the weighted mean A/F (true area per load, 1/GPa). Only tests with sliding are included."""
-        rub, stick, _ = self._compute_equation_coefficients(scores, mu0, tau0)
-        ratio = stick[:, self.slid] / rub[:, self.slid]
+        mu0_coefficient, tau0_coefficient, _ = self._compute_equation_coefficients(scores, mu0, tau0)
+        ratio = tau0_coefficient[:, self.slid] / mu0_coefficient[:, self.slid]
         return np.asarray(np.average(ratio, axis=1, weights=self._test_weights[self.slid]))
 
     @cached_property
@@ -517,35 +524,35 @@ class CalibrationProblem:
             return _concatenate_grids([self._evaluate_probability_grids(batch) for batch in batches])
         scores, scale = points[:, : len(self.nuisances)], np.exp(points[:, len(self.nuisances)])
         columns, spread = self._compute_equation_coefficients(scores), self._compute_run_deviation(scores)
-        rows, norm = self._build_weighted_rows(columns, scale, spread)
+        rows, log_norm = self._build_weighted_rows(columns, scale, spread)
         triangular_factors = _compute_triangular_factors(rows)
         if self.outliers:
             robust_triangle = _compute_triangular_factors(rows * self.best_fit.robust_factors[self.slid, np.newaxis])
         else:
             rows = robust_triangle = triangular_factors
-        depth = MAX_GRID_DEVIANCE * (1.0 if self.slid.all() and not self.outliers else 4.0)
+        deviance_range = MAX_GRID_DEVIANCE * (1.0 if self.slid.all() and not self.outliers else 4.0)
         if self.known[1] is not None:
             low = high = np.full(len(points), self.known[1])
         elif self.known[0] is not None:
-            low, high = _find_tau0_range_at_fixed_mu0(self.known[0], robust_triangle, depth)
+            low, high = _find_tau0_range_at_fixed_mu0(self.known[0], robust_triangle, deviance_range)
         else:
-            low, high = _find_tau0_range_at_best_mu0(robust_triangle, depth)
-        limits = _GridLimits(robust_triangle, depth, low, high)
+            low, high = _find_tau0_range_at_best_mu0(robust_triangle, deviance_range)
+        limits = _GridLimits(robust_triangle, deviance_range, low, high)
         if self.has_equal_junction_growth:
             limits = self._find_grid_limits_with_growth(limits, scores, scale, spread, columns)
-        count = 1 if self.known[1] is not None else NUM_TAU0_CELLS
+        num_tau0_cells = 1 if self.known[1] is not None else NUM_TAU0_CELLS
         tau0 = limits.min_tau0[:, np.newaxis] + np.multiply.outer(
-            limits.max_tau0 - limits.min_tau0, (np.arange(count) + 0.5) / count
+            limits.max_tau0 - limits.min_tau0, (np.arange(num_tau0_cells) + 0.5) / num_tau0_cells
         )
-        start, step = self._choose_mu0_grid_at_tau0(
-            limits, np.arange(len(points))[:, np.newaxis], np.arange(count), tau0
+        mu0_start, mu0_step = self._choose_mu0_grid_at_tau0(
+            limits, np.arange(len(points))[:, np.newaxis], np.arange(num_tau0_cells), tau0
         )
-        mu0 = start[..., np.newaxis] + step[..., np.newaxis] * (np.arange(self._num_mu0_cells) + 0.5)
+        mu0 = mu0_start[..., np.newaxis] + mu0_step[..., np.newaxis] * (np.arange(self._num_mu0_cells) + 0.5)
         tau0 = tau0[..., np.newaxis]
-        rub, stick, right = columns[0], columns[1][..., np.newaxis, np.newaxis], columns[2]
+        mu0_coefficient, tau0_coefficient, right_side = columns[0], columns[1][..., np.newaxis, np.newaxis], columns[2]
         residuals: Iterable[Floats]
         if self.has_equal_junction_growth:
-            misfit, (rub, stick, right) = self._compute_residuals(
+            misfit, (mu0_coefficient, tau0_coefficient, right_side) = self._compute_residuals(
                 scores, scale, spread, mu0, np.broadcast_to(tau0, mu0.shape)
             )
             residuals = np.moveaxis(misfit, 1, 0)
@@ -564,9 +571,12 @@ class CalibrationProblem:
             error = scale * self.error[test]
             if len(self._run_membership):
                 error = np.hypot(error, spread * self._run_errors[test])
-            rub_of_test, right_of_test = (column[:, test, np.newaxis, np.newaxis] for column in (rub, right))
+            mu0_coefficient_of_test, right_side_of_test = (
+                column[:, test, np.newaxis, np.newaxis] for column in (mu0_coefficient, right_side)
+            )
             log_probability += log_ndtr(
-                (rub_of_test * mu0 + stick[:, test] * tau0 - right_of_test) / error[:, np.newaxis, np.newaxis]
+                (mu0_coefficient_of_test * mu0 + tau0_coefficient[:, test] * tau0 - right_side_of_test)
+                / error[:, np.newaxis, np.newaxis]
             )
         # The prior is uniform in mu0 and in tau0 A/F for all values of the nuisance parameters.
         best_cell = (
@@ -574,18 +584,21 @@ class CalibrationProblem:
             if self.has_equal_junction_growth
             else np.zeros(len(points), int)
         )
-        stick_at_best = stick.reshape(*stick.shape[:2], -1)[np.arange(len(points)), :, best_cell]
+        tau0_coefficient_at_best = tau0_coefficient.reshape(*tau0_coefficient.shape[:2], -1)[
+            np.arange(len(points)), :, best_cell
+        ]
         with np.errstate(divide="ignore", invalid="ignore"):
             log_volume = sum(
                 np.log(np.abs(column[:, self.slid]).mean(axis=1))
-                for column, value in zip((rub, stick_at_best), self.known, strict=True) if value is None
-            )  # fmt: skip
+                for column, value in zip((mu0_coefficient, tau0_coefficient_at_best), self.known, strict=True)
+                if value is None
+            )
         if self.known[1] is None:
-            log_volume = log_volume + np.log((limits.max_tau0 - limits.min_tau0) / count)
+            log_volume = log_volume + np.log((limits.max_tau0 - limits.min_tau0) / num_tau0_cells)
         # prevents NaN if the interface seizes everywhere
         log_volume = np.where(np.isfinite(log_volume), log_volume, 0.0)
-        log_mu0_step = np.log(step) if self.known[0] is None else np.zeros(step.shape)
-        log_probability += (norm + log_volume)[:, np.newaxis, np.newaxis] + log_mu0_step[..., np.newaxis]
+        log_mu0_step = np.log(mu0_step) if self.known[0] is None else np.zeros(mu0_step.shape)
+        log_probability += (log_norm + log_volume)[:, np.newaxis, np.newaxis] + log_mu0_step[..., np.newaxis]
         return _ProbabilityGrid(limits, np.where(np.isfinite(log_probability), log_probability, -np.inf))
 
     @property
@@ -629,16 +642,16 @@ class CalibrationProblem:
                 lambda tau0: find_best_mu0_at(tau0)[2], max_tau0.min(axis=1), limits.deviance_range
             )
             limits = replace(limits, min_tau0=low, max_tau0=high)
-        count = 1 if self.known[1] is not None else NUM_TAU0_CELLS
+        num_tau0_cells = 1 if self.known[1] is not None else NUM_TAU0_CELLS
         tau0 = limits.min_tau0[:, np.newaxis] + np.multiply.outer(
-            limits.max_tau0 - limits.min_tau0, (np.arange(count) + 0.5) / count
+            limits.max_tau0 - limits.min_tau0, (np.arange(num_tau0_cells) + 0.5) / num_tau0_cells
         )
         best, slope, _ = find_best_mu0_at(tau0)
-        above = math.sqrt(limits.deviance_range) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
+        width_above = math.sqrt(limits.deviance_range) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
         # Residuals vary more slowly with mu0 below its best-fit value than above it.
         # They vary at least as fast as without junction growth.
-        below = np.maximum(above, math.sqrt(limits.deviance_range) / limits.triangular_factors[:, :1, 0])
-        return replace(limits, best_mu0=best, width_below=below, width_above=above)
+        width_below = np.maximum(width_above, math.sqrt(limits.deviance_range) / limits.triangular_factors[:, :1, 0])
+        return replace(limits, best_mu0=best, width_below=width_below, width_above=width_above)
 
     def _choose_mu0_grid_at_tau0(
         self, limits: _GridLimits, point: Any, row: Any, tau0: Floats
@@ -651,16 +664,16 @@ class CalibrationProblem:
             best = (triangular_factors[..., 0, 2] - triangular_factors[..., 0, 1] * tau0) / triangular_factors[
                 ..., 0, 0
             ]
-            below = above = math.sqrt(limits.deviance_range) / triangular_factors[..., 0, 0]
+            width_below = width_above = math.sqrt(limits.deviance_range) / triangular_factors[..., 0, 0]
         else:
             count = limits.best_mu0.shape[1]
             slope = np.gradient(limits.best_mu0, axis=1) if count > 1 else np.zeros(limits.best_mu0.shape)
             width = (limits.max_tau0 - limits.min_tau0)[point] / count
             cell_offset = (tau0 - limits.min_tau0[point]) / np.where(width > 0, width, 1.0) - row - 0.5
             best = limits.best_mu0[point, row] + slope[point, row] * np.where(width > 0, cell_offset, 0.0)
-            below, above = limits.width_below[point, row], limits.width_above[point, row]
-        low = np.maximum(best - below, 0.0)
-        high = np.maximum(best + above, low + above)
+            width_below, width_above = limits.width_below[point, row], limits.width_above[point, row]
+        low = np.maximum(best - width_below, 0.0)
+        high = np.maximum(best + width_above, low + width_above)
         return low, (high - low) / NUM_MU0_CELLS
 
     # ---- Nuisance parameters ----------------------------------------------------------------------------------------
@@ -716,9 +729,11 @@ class CalibrationProblem:
         mean, covariance = np.zeros(num_parameters), np.eye(num_parameters)
         mean[: len(self.nuisances)] = self.best_fit.scores
         if score_indices:
-            num_residuals, slope = len(self.best_fit.residuals), self.best_fit.jacobian
-            scaled_slope = np.concatenate([slope[:num_residuals] * self.best_fit.scale / scale, slope[num_residuals:]])
-            inverse_hessian = np.linalg.pinv(scaled_slope.T @ scaled_slope, rcond=1e-12, hermitian=True)[
+            num_residuals, jacobian_matrix = len(self.best_fit.residuals), self.best_fit.jacobian
+            scaled_jacobian = np.concatenate(
+                [jacobian_matrix[:num_residuals] * self.best_fit.scale / scale, jacobian_matrix[num_residuals:]]
+            )
+            inverse_hessian = np.linalg.pinv(scaled_jacobian.T @ scaled_jacobian, rcond=1e-12, hermitian=True)[
                 -len(score_indices) :, -len(score_indices) :
             ]
             covariance[np.ix_(score_indices, score_indices)] = 1.2 * inverse_hessian
@@ -770,8 +785,8 @@ class CalibrationProblem:
         point, row, column = np.unravel_index(indices, grid.log_probability.shape)
         low, high = grid.limits.min_tau0[point], grid.limits.max_tau0[point]
         tau0 = low + (high - low) * (row + generator.random(NUM_STRENGTH_PAIRS)) / grid.log_probability.shape[1]
-        start, step = self._choose_mu0_grid_at_tau0(grid.limits, point, row, tau0)
-        mu0 = start + step * (column + generator.random(NUM_STRENGTH_PAIRS))
+        mu0_start, mu0_step = self._choose_mu0_grid_at_tau0(grid.limits, point, row, tau0)
+        mu0 = mu0_start + mu0_step * (column + generator.random(NUM_STRENGTH_PAIRS))
         return mu0, tau0, points[point, : len(self.nuisances)]
 
     # ---- Advice -----------------------------------------------------------------------------------------------------
@@ -783,8 +798,10 @@ class CalibrationProblem:
         """
         mu0, tau0 = self.best_fit.mu0, self.best_fit.tau0
         best_fit_arguments = self.best_fit.scores[np.newaxis], np.array([mu0]), np.array([tau0])
-        rub, stick, _ = (column[0] for column in self._compute_equation_coefficients(*best_fit_arguments))
-        predicted_coefficients = rub * mu0 + stick * tau0
+        mu0_coefficient, tau0_coefficient, _ = (
+            column[0] for column in self._compute_equation_coefficients(*best_fit_arguments)
+        )
+        predicted_coefficients = mu0_coefficient * mu0 + tau0_coefficient * tau0
         relative_error = (
             float(np.median(self.error / np.maximum(predicted_coefficients, 1e-12))) if self.has_errors else 0.05
         )
@@ -803,8 +820,8 @@ class CalibrationProblem:
         for plan, further_areas_per_load in plans:
             areas_per_load = np.concatenate([np.full(count, area_per_load), further_areas_per_load])
             errors = relative_error * np.maximum(mu0 + tau0 * areas_per_load, 1e-12)
-            matrix = np.stack([1 / errors, areas_per_load / errors], axis=1)
-            covariance = np.linalg.inv(matrix.T @ matrix)
+            design_matrix = np.stack([1 / errors, areas_per_load / errors], axis=1)
+            covariance = np.linalg.inv(design_matrix.T @ design_matrix)
             plans_with_errors.append((plan, math.sqrt(covariance[0, 0]), math.sqrt(covariance[1, 1])))
         return tuple(plans_with_errors)
 
@@ -832,10 +849,10 @@ def _build_run_membership_matrix(tests: Sequence[FrictionTest]) -> Floats:
     The matrix has no rows unless there are at least two runs, one of which has at least two tests.
     """
     runs = [test.run for test in tests]
-    names = [run for run in dict.fromkeys(runs) if run is not None]
-    if len(names) < 2 or all(runs.count(name) < 2 for name in names):
+    run_names = [run for run in dict.fromkeys(runs) if run is not None]
+    if len(run_names) < 2 or all(runs.count(name) < 2 for name in run_names):
         return np.zeros((0, len(runs)))
-    return np.array([[run == name for run in runs] for name in names], float)
+    return np.array([[run == name for run in runs] for name in run_names], float)
 
 
 def _solve_nonnegative_least_squares(

@@ -37,16 +37,16 @@ def find_best_mu0(residuals: ResidualFunction, start: Floats, tau0: Floats) -> t
         Sum of squares of the residuals; infinite at seizure.
     """
     mu0 = start
-    for step in range(NUM_NEWTON_STEPS + 1):
+    for iteration in range(NUM_NEWTON_STEPS + 1):
         mu0_step = MU0_DERIVATIVE_STEP * (0.1 + mu0)
-        pair_of_steps = residuals(np.stack([mu0, mu0 + mu0_step], axis=-1), np.stack([tau0, tau0], axis=-1))
+        residual_pairs = residuals(np.stack([mu0, mu0 + mu0_step], axis=-1), np.stack([tau0, tau0], axis=-1))
         with np.errstate(invalid="ignore", divide="ignore"):
-            derivative = (pair_of_steps[..., 1] - pair_of_steps[..., 0]) / mu0_step[:, np.newaxis]
+            derivative = (residual_pairs[..., 1] - residual_pairs[..., 0]) / mu0_step[:, np.newaxis]
             curvature = (derivative**2).sum(axis=1)
-            new_mu0 = mu0 - (derivative * pair_of_steps[..., 0]).sum(axis=1) / curvature
-        if step < NUM_NEWTON_STEPS:
+            new_mu0 = mu0 - (derivative * residual_pairs[..., 0]).sum(axis=1) / curvature
+        if iteration < NUM_NEWTON_STEPS:
             mu0 = np.where(np.isfinite(new_mu0), np.maximum(new_mu0, 0.0), mu0 / 2)
-    return mu0, np.sqrt(curvature), (pair_of_steps[..., 0] ** 2).sum(axis=1)
+    return mu0, np.sqrt(curvature), (residual_pairs[..., 0] ** 2).sum(axis=1)
 
 
 def find_tau0_range(
@@ -64,11 +64,14 @@ def find_tau0_range(
     """
     low, high = np.zeros(max_tau0.shape), max_tau0
     fractions = np.linspace(0.0, 1.0, NUM_TAU0_SEARCH_POINTS)
-    rows = np.arange(max_tau0.size)
+    row_indices = np.arange(max_tau0.size)
     for _ in range(NUM_TAU0_SEARCHES):
         tau0 = low[:, np.newaxis] + np.multiply.outer(high - low, fractions)
         deviances = sum_of_squares(tau0)
         is_within = deviances <= deviances.min(axis=1, keepdims=True) + deviance_range
         first, last = is_within.argmax(axis=1), NUM_TAU0_SEARCH_POINTS - 1 - is_within[:, ::-1].argmax(axis=1)
-        low, high = tau0[rows, np.maximum(first - 1, 0)], tau0[rows, np.minimum(last + 1, NUM_TAU0_SEARCH_POINTS - 1)]
+        low, high = (
+            tau0[row_indices, np.maximum(first - 1, 0)],
+            tau0[row_indices, np.minimum(last + 1, NUM_TAU0_SEARCH_POINTS - 1)],
+        )
     return low, high

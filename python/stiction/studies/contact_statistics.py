@@ -54,16 +54,16 @@ class PairSlopes:
     def compute_gap_slopes(self, angles: Floats) -> tuple[float, Floats]:
         """Compute the rms gradient of the gap, and the rms slopes of the gap along the given directions (degrees)."""
         gap_slopes = [(above - below)[self.measured_mask] for above, below in zip(self.upper, self.lower, strict=True)]
-        squares = [float(np.square(slope).mean()) for slope in gap_slopes]
+        mean_squares = [float(np.square(slope).mean()) for slope in gap_slopes]
         if len(gap_slopes) == 1:
-            return float(np.sqrt(squares[0])), np.full(angles.size, np.sqrt(squares[0]))
+            return float(np.sqrt(mean_squares[0])), np.full(angles.size, np.sqrt(mean_squares[0]))
         radians = np.radians(angles)
-        squares_by_direction = (
-            squares[1] * np.cos(radians) ** 2
-            + squares[0] * np.sin(radians) ** 2
+        mean_squares_by_direction = (
+            mean_squares[1] * np.cos(radians) ** 2
+            + mean_squares[0] * np.sin(radians) ** 2
             + float((gap_slopes[0] * gap_slopes[1]).mean()) * np.sin(2 * radians)
         )
-        return float(np.sqrt(sum(squares))), np.sqrt(np.maximum(squares_by_direction, 0.0))
+        return float(np.sqrt(sum(mean_squares))), np.sqrt(np.maximum(mean_squares_by_direction, 0.0))
 
 
 def compute_slopes(body: Profile | Surface) -> list[Floats]:
@@ -140,20 +140,21 @@ def tabulate_asperity_contacts(contacts: Contacts, body: Profile | Surface) -> C
     """Create the table of contacts from an asperity-model solution for two bodies that share a grid."""
     spacing, extent = body.spacings, np.atleast_1d(body.extent)
     normal = contacts.normal
-    tilt = -normal[:, :2] / normal[:, 2:]
+    contact_slopes = -normal[:, :2] / normal[:, 2:]
     x, y = contacts.centre[:, 0], contacts.centre[:, 1]
     half_width = contacts.axes[:, 0]
     if len(spacing) == 1:
-        cells = 2 * half_width / spacing[0]
+        width_in_cells = 2 * half_width / spacing[0]
         at_edge = (x - half_width < 0) | (x + half_width > extent[0])
     else:
-        cells = contacts.area / float(np.prod(spacing))
+        width_in_cells = contacts.area / float(np.prod(spacing))
         at_edge = (
             (x - half_width < 0) | (x + half_width > extent[1]) | (y - half_width < 0) | (y + half_width > extent[0])
         )
     return ContactList(
         x=x, y=y if len(spacing) == 2 else np.zeros(x.size), force=contacts.force * normal[:, 2], area=contacts.area,
-        slope_x=tilt[:, 0], slope_y=tilt[:, 1] if len(spacing) == 2 else np.zeros(x.size), cells=cells,
+        slope_x=contact_slopes[:, 0], slope_y=contact_slopes[:, 1] if len(spacing) == 2 else np.zeros(x.size),
+        cells=width_in_cells,
         at_edge=at_edge, pressure=contacts.force / contacts.area, weight=contacts.area,
     )  # fmt: skip
 

@@ -103,14 +103,15 @@ def _parse_law(value: object) -> LawName | LawSettings:
             return name  # type: ignore[return-value]
     if isinstance(value, LawSettings):
         return value
-    table = LAW_SETTINGS_CLASSES.get(str(value.get("name"))) if isinstance(value, Mapping) else None
-    if table is None:
+    settings_class = LAW_SETTINGS_CLASSES.get(str(value.get("name"))) if isinstance(value, Mapping) else None
+    if settings_class is None:
         names = " or ".join(f'"{name}"' for name in CONTACT_LAWS_BY_NAME)
-        tables = " or ".join(
-            f'"{name}" ({", ".join(list(table.model_fields)[1:])})' for name, table in LAW_SETTINGS_CLASSES.items()
+        tables_text = " or ".join(
+            f'"{name}" ({", ".join(list(settings_class.model_fields)[1:])})'
+            for name, settings_class in LAW_SETTINGS_CLASSES.items()
         )
-        raise ValueError(f"must be {names}, or a table with the name {tables}, got {short_repr(value)}")
-    return table.model_validate(value)
+        raise ValueError(f"must be {names}, or a table with the name {tables_text}, got {short_repr(value)}")
+    return settings_class.model_validate(value)
 
 
 def _serialize_law(law: LawName | LawSettings) -> object:
@@ -539,17 +540,17 @@ def select_contact_settings_class(
     surfaces: type[GeneratedSurfaceSettings | MeasuredSurfaceSettings], table: Mapping[str, Any]
 ) -> type[ContactSettings]:
     """Return the contact-table class that matches the kind of surfaces and the key `mechanics`."""
-    cases = CONTACT_SETTINGS_CLASSES[surfaces.bodies]
-    return cases[select_key_value("mechanics", table, cases)]
+    settings_classes = CONTACT_SETTINGS_CLASSES[surfaces.bodies]
+    return settings_classes[select_key_value("mechanics", table, settings_classes)]
 
 
 def parse_contact_settings(
     value: Mapping[str, Any], surfaces: GeneratedSurfaceSettings | MeasuredSurfaceSettings
 ) -> ContactSettings:
     """Parse a contact table and check that it is consistent with the surfaces."""
-    case = select_contact_settings_class(type(surfaces), value)
-    check_keys(value, case, SHARED_CONTACT_SETTINGS_CLASSES)
-    contact = case.model_validate(value)
+    settings_class = select_contact_settings_class(type(surfaces), value)
+    check_keys(value, settings_class, SHARED_CONTACT_SETTINGS_CLASSES)
+    contact = settings_class.model_validate(value)
     if isinstance(contact, MeasuredMapContactSettings):
         direction = contact.direction
         if direction is None or len(contact.directions_of_motion()) > MAX_DIRECTIONS:

@@ -124,16 +124,16 @@ def _combine_materials(upper: str, lower: str) -> Elasticity:
     """Return the elasticity of two materials, and the hardness of the softer material if this material can yield."""
     upper_body, lower_body = _load_material("upper_material", upper), _load_material("lower_material", lower)
     modulus = _round_to_three_digits(effective_modulus(upper_body, lower_body))
-    softer = softest_material(upper_body, lower_body) or min(
+    softer_material = softest_material(upper_body, lower_body) or min(
         (upper_body, lower_body), key=lambda body: body.young_modulus
     )
-    hardness, hardness_source = softer.hardness, f"{softer.name} does not yield"
+    hardness, hardness_source = softer_material.hardness, f"{softer_material.name} does not yield"
     if hardness is not None:
         range_text = "" if hardness.low == hardness.high else f", of {hardness.low:g} to {hardness.high:g} GPa"
         hardness_source = f"hardness {_round_to_three_digits(hardness):g} GPa{range_text} ({hardness.source})"
     return Elasticity(
         modulus, compliance_share=_round_to_three_digits(compliance_fraction(upper_body, lower_body)),
-        poisson_ratio=float(softer.poisson_ratio),
+        poisson_ratio=float(softer_material.poisson_ratio),
         hardness=None if hardness is None else _round_to_three_digits(hardness),
         source=f"{upper_body.name} on {lower_body.name}: E* {modulus:g} GPa", hardness_source=hardness_source,
         materials=(upper_body.name, lower_body.name),

@@ -123,33 +123,33 @@ def at_load(
     is_measured = study.is_measured
     reading = reading or ("elastic" if is_measured else "mean")
     check_choice("reading", reading, LoadDefinition)
-    values = np.unique(np.atleast_1d(float_array("loads", loads)))
-    if study.contact.adheres and 0 in values:
-        values = np.unique(np.where(values == 0, find_negligible_load(result), values))
-    if not values.size or not (values > 0).all():
+    unique_loads = np.unique(np.atleast_1d(float_array("loads", loads)))
+    if study.contact.adheres and 0 in unique_loads:
+        unique_loads = np.unique(np.where(unique_loads == 0, find_negligible_load(result), unique_loads))
+    if not unique_loads.size or not (unique_loads > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {short_repr(loads)}")
     strengths = choose_strengths(result, mu0, tau0)
     areas = None
     if reading == "mean":
-        point = _evaluate_ensemble(result, values, *strengths, names)
+        point = _evaluate_ensemble(result, unique_loads, *strengths, names)
     else:
-        members = _evaluate_members_before_growth(result, values, *strengths, reading, member_kind, names)
+        members = _evaluate_members_before_growth(result, unique_loads, *strengths, reading, member_kind, names)
         if study.contact.junction_growth:
             areas = _build_member_area_interpolator(members, result)
             members = _apply_junction_growth(members, study, areas, names)
         point = _average_members(study, members, names)
         if is_measured:
             gradient, slope = (point[name].sel(statistic="mean") for name in ("rms_gradient", "rms_slope"))
-            cells = [str(dim) for dim in gradient.dims]
-            directional_slope = slope.transpose(*cells, "direction").values
+            cell_dims = [str(dim) for dim in gradient.dims]
+            directional_slope = slope.transpose(*cell_dims, "direction").values
             modulus, rules = float(study.contact.effective_modulus), point["sliding"].values
             point = point.assign(
-                estimate_small_slope_friction(cells, gradient.values, directional_slope, rules, *strengths, modulus)
+                estimate_small_slope_friction(cell_dims, gradient.values, directional_slope, rules, *strengths, modulus)
             )
     if is_measured and _is_requested("reading_difference", names):
         # `reading_difference` compares the coefficients at equal elastic load and at equal normal load.
         other_reading: LoadDefinition = "normal" if reading == "elastic" else "elastic"
-        members = _evaluate_members_before_growth(result, values, *strengths, other_reading, member_kind, names)
+        members = _evaluate_members_before_growth(result, unique_loads, *strengths, other_reading, member_kind, names)
         if areas is not None:
             members = _apply_junction_growth(members, study, areas, ())
         other_coefficient = members["friction_coefficient"].mean(("repetition", "direction"))
@@ -169,9 +169,9 @@ def has_only_negligible_loads(result: Result) -> bool:
 
 def find_negligible_load(result: Result) -> float:
     """Return a load (mN) that is negligible compared with the pull-off force, if possible the smallest load step."""
-    negligible = NEGLIGIBLE_LOAD_RATIO * min(_average_pull_off_by_piece(result))
+    negligible_load = NEGLIGIBLE_LOAD_RATIO * min(_average_pull_off_by_piece(result))
     smallest_step = float(result.study.contact.loading_steps()[0])
-    return smallest_step if smallest_step < negligible else 0.1 * negligible
+    return smallest_step if smallest_step < negligible_load else 0.1 * negligible_load
 
 
 def _average_pull_off_by_piece(result: Result) -> list[float]:
@@ -288,13 +288,15 @@ def _add_statistic_dimension(table: xarray.Dataset, name: str) -> xarray.Variabl
 def choose_loads_in_range(result: Result | xarray.Dataset, steps: int = 80) -> Floats:
     """Return loads (mN) in a geometric series that covers the load range of a result."""
     elastic_loads = Result.of(result).means(["normal_elastic"])["normal_elastic"]
-    highest = float(elastic_loads.max())
-    if not highest > 0:
+    highest_load = float(elastic_loads.max())
+    if not highest_load > 0:
         raise ValueError("no pair of this result is in contact at any step, so there is nothing to draw")
-    lowest = float(elastic_loads.isel({find_step_dimension(elastic_loads.to_dataset(name="load_of_step")): 0}).max())
-    if not 1e-6 * highest < lowest < 0.5 * highest:
-        lowest = 1e-6 * highest if lowest < highest / 2 else highest / 10
-    return np.asarray(np.geomspace(lowest, highest, steps))
+    lowest_load = float(
+        elastic_loads.isel({find_step_dimension(elastic_loads.to_dataset(name="load_of_step")): 0}).max()
+    )
+    if not 1e-6 * highest_load < lowest_load < 0.5 * highest_load:
+        lowest_load = 1e-6 * highest_load if lowest_load < highest_load / 2 else highest_load / 10
+    return np.asarray(np.geomspace(lowest_load, highest_load, steps))
 
 
 NUM_DEFAULT_LOADS = 3  # number of loads for which results are shown if the study specifies no loads
@@ -333,29 +335,29 @@ def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Datase
 def _average_members(study: Study, members: xarray.Dataset, names: Collection[str] | None) -> xarray.Dataset:
     import xarray
 
-    averaging = MemberDependence.from_coordinates(study, members)
+    member_dependence = MemberDependence.from_coordinates(study, members)
     has_several_directions = members.sizes["direction"] > 1
-    tables = members.variables
-    dims = [str(dim) for dim in tables["friction_coefficient"].dims if dim != "repetition"]
+    member_variables = members.variables
+    dims = [str(dim) for dim in member_variables["friction_coefficient"].dims if dim != "repetition"]
     variables: dict[str, Any] = {}
     for name in members.data_vars:
         if name in ("normal_load", "tangential_load") and not _is_requested(name, names):
             continue  # Normal and tangential loads are reported only for single members.
-        values = tables[name]
+        values = member_variables[name]
         if values.dtype.kind == "f" and "repetition" in values.dims:
-            own = [dim for dim in values.dims if dim != "repetition"]
-            means = averaging.mean_with_interval(values.transpose("repetition", *own).values)
+            value_dims = [dim for dim in values.dims if dim != "repetition"]
+            means = member_dependence.mean_with_interval(values.transpose("repetition", *value_dims).values)
             limit = QUANTITIES[str(name)].bounds[1]
             means = np.where(means > limit, np.maximum(limit, means[..., :1]), means)
-            variables[str(name)] = ((*own, "statistic"), means, values.attrs)
+            variables[str(name)] = ((*value_dims, "statistic"), means, values.attrs)
     if "contact_area_fraction" in variables:
         own_dims, fraction, attributes = variables["contact_area_fraction"]
         status, fraction = _classify_area_fractions(fraction, uses_half_space=study.uses_half_space)
         variables["contact_area_fraction"] = (own_dims, fraction, attributes)
         variables["contact_status"] = (own_dims[:-1], status, quantity_attributes("contact_status"))
-    coefficient = tables["friction_coefficient"].transpose("repetition", *dims).values
+    coefficient = member_variables["friction_coefficient"].transpose("repetition", *dims).values
     direction_axis = dims.index("direction") + 1
-    status = tables["status"].transpose("repetition", *dims).values
+    status = member_variables["status"].transpose("repetition", *dims).values
     ok = status == friction.STATUS_OK
     counts = np.stack([(status == each).sum(axis=0) for each in STATUSES])
     # If no member has a coefficient at a point, the point gets the most frequent status of the members.
@@ -367,18 +369,20 @@ def _average_members(study: Study, members: xarray.Dataset, names: Collection[st
     }
     round_mean = coefficient.mean(axis=direction_axis)
     variables["friction_all_round"] = (
-        (*other_dims, "statistic"), _remove_round_off(averaging.mean_with_interval(round_mean), other_dims, members),
+        (*other_dims, "statistic"),
+        _remove_round_off(member_dependence.mean_with_interval(round_mean), other_dims, members),
         quantity_attributes("friction_all_round"),
     )  # fmt: skip
     axes, direction_pairs = find_axes_with_both_directions(members["direction"].values)
     if has_several_directions and axes.size and _is_requested("friction_by_axis", names):
-        by_axis = np.stack(
+        coefficient_by_axis = np.stack(
             [np.take(coefficient, pair, axis=direction_axis).mean(axis=direction_axis) for pair in direction_pairs],
             axis=direction_axis,
         )
         axis_dims = ["axis" if dim == "direction" else dim for dim in dims]
         variables["friction_by_axis"] = (
-            (*axis_dims, "statistic"), _remove_round_off(averaging.mean_with_interval(by_axis), axis_dims, members),
+            (*axis_dims, "statistic"),
+            _remove_round_off(member_dependence.mean_with_interval(coefficient_by_axis), axis_dims, members),
             quantity_attributes("friction_by_axis"),
         )  # fmt: skip
         coordinates["axis"] = ("axis", axes, quantity_attributes("axis"))
@@ -440,10 +444,10 @@ class MemberDependence:
         The values have the shape (members, ...), and the result has the shape (..., 3).
         """
         if self.scans is not None:
-            is_in_group = values.reshape(values.shape[0], -1).T
+            columns = values.reshape(values.shape[0], -1).T
             rows = [
                 _compute_mean_and_interval(column, intervals.average_scan_pairs(column, *self.scans))
-                for column in is_in_group
+                for column in columns
             ]
             return np.array(rows).reshape(*values.shape[1:], 3)
         if self.order is None or self.lines is None:
@@ -505,13 +509,13 @@ def member_values(
     if reading == "mean":
         raise ValueError("reading must be 'elastic' or 'normal', because a single member has no mean load")
     result = Result.of(result)
-    values = np.unique(np.atleast_1d(float_array("loads", loads)))
+    unique_loads = np.unique(np.atleast_1d(float_array("loads", loads)))
     strengths = choose_strengths(result, mu0, tau0)
-    members = _evaluate_members_before_growth(result, values, *strengths, reading, member_kind)
+    members = _evaluate_members_before_growth(result, unique_loads, *strengths, reading, member_kind)
     if result.study.contact.junction_growth:
         members = _apply_junction_growth(members, result.study, _build_member_area_interpolator(members, result))
     if reading == "elastic" and set(LATERAL_SUMS) <= set(result.head.data_vars):
-        sums = interpolate_member_sums(result, values, LATERAL_SUMS, member_kind=member_kind)
+        sums = interpolate_member_sums(result, unique_loads, LATERAL_SUMS, member_kind=member_kind)
         lateral_sums = {name: sums[name].values[..., np.newaxis, np.newaxis] for name in LATERAL_SUMS}
         lateral = compute_load("lateral", lateral_sums, strengths[0][:, np.newaxis], strengths[1])
         dims = (*sums[LATERAL_SUMS[0]].dims, "mu0", "tau0")
@@ -564,9 +568,9 @@ def compute_mean_areas(result: Result) -> Floats:
 
     `Result.compute_mean_areas` caches these areas.
     """
-    zero = np.zeros(1)
+    zero_strength = np.zeros(1)
     areas = _evaluate_members_before_growth(
-        result, result.study.contact.loading_steps(), zero, zero, "elastic", None, ()
+        result, result.study.contact.loading_steps(), zero_strength, zero_strength, "elastic", None, ()
     )
     return np.asarray(areas["contact_area"].mean([dim for dim in areas["contact_area"].dims if dim != "load"]).values)
 
@@ -675,11 +679,11 @@ def compute_ensemble_friction(
     contact_sums = interpolate_member_sums(result, loads).mean("direction")
     dims = [str(dim) for dim in contact_sums[LOAD_SUM_NAMES[0]].dims if dim != "repetition"]
     sums = {name: contact_sums[name].transpose("repetition", *dims).values for name in LOAD_SUM_NAMES}
-    members = np.stack(compute_loads(sums, mu0, tau0))  # shape (2, members, ..., mu0, tau0)
-    load_sums = members.sum(axis=1)
+    member_loads = np.stack(compute_loads(sums, mu0, tau0))  # shape (2, members, ..., mu0, tau0)
+    load_sums = member_loads.sum(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
         mean = np.where(load_sums[0] > 0, load_sums[1] / load_sums[0], np.nan)
-        sums_without_member = load_sums[:, np.newaxis] - members
+        sums_without_member = load_sums[:, np.newaxis] - member_loads
         jackknife_changes = sums_without_member[1] / sums_without_member[0] - mean
     jackknife_sums = intervals.PowerSums(mean.shape)
     jackknife_sums.add(np.moveaxis(jackknife_changes, 0, -1))
@@ -758,9 +762,9 @@ def _evaluate_piece(
     """
     import xarray
 
-    cells, step_dimension = find_cell_dimensions(piece), find_step_dimension(piece)
-    member_dims = (*cells, "repetition")
-    tables = piece.variables
+    cell_dims, step_dimension = find_cell_dimensions(piece), find_step_dimension(piece)
+    member_dims = (*cell_dims, "repetition")
+    piece_variables = piece.variables
     sums_at_steps, load_crossings = _find_load_crossings(piece, loads)
     motions = [name for name in MOTION_DIMENSIONS if name in piece.dims]
     contact_sums = (
@@ -813,26 +817,29 @@ def _evaluate_piece(
     for name in INTERPOLATED_QUANTITIES:
         if name != "normal_elastic" and not _is_requested(name, requested_names):
             continue
-        if name in tables and step_dimension in tables[name].dims:
+        if name in piece_variables and step_dimension in piece_variables[name].dims:
             interpolated = load_crossings.interpolate(
-                _to_float_array(tables[name], (*member_dims, step_dimension)), are_sums=QUANTITIES[name].proportional
+                _to_float_array(piece_variables[name], (*member_dims, step_dimension)),
+                are_sums=QUANTITIES[name].proportional,
             )
-            variables[name] = ((*member_dims, "load"), interpolated, tables[name].attrs)
+            variables[name] = ((*member_dims, "load"), interpolated, piece_variables[name].attrs)
     for name in DISTRIBUTION_QUANTITIES:
-        if name in tables and _is_requested(name, requested_names):
+        if name in piece_variables and _is_requested(name, requested_names):
             interpolated = load_crossings.interpolate(
-                _to_float_array(tables[name], (*member_dims, "fraction_below", step_dimension)), are_sums=False
+                _to_float_array(piece_variables[name], (*member_dims, "fraction_below", step_dimension)), are_sums=False
             )
-            variables[name] = ((*member_dims, "fraction_below", "load"), interpolated, tables[name].attrs)
+            variables[name] = ((*member_dims, "fraction_below", "load"), interpolated, piece_variables[name].attrs)
     for name in (*GAP_QUANTITIES, "pull_off"):
-        if name in tables:
-            variables[name] = tables[name]
-    if "pull_off" in tables:
+        if name in piece_variables:
+            variables[name] = piece_variables[name]
+    if "pull_off" in piece_variables:
         # An element is 1 if only a lower bound on the pull-off force of the member is known, and 0 otherwise.
-        bounds = (_to_float_array(tables["pull_off_is_bound"], member_dims) != 0).astype(np.float64)
+        bounds = (_to_float_array(piece_variables["pull_off_is_bound"], member_dims) != 0).astype(np.float64)
         variables["share_of_pull_off_bounds"] = (member_dims, bounds, quantity_attributes("share_of_pull_off_bounds"))
         zero_load_sums = {
-            name: _to_float_array(tables[name], (*member_dims, *MOTION_DIMENSIONS), missing=True)[..., None, None]
+            name: _to_float_array(piece_variables[name], (*member_dims, *MOTION_DIMENSIONS), missing=True)[
+                ..., None, None
+            ]
             for name in ZERO_LOAD_SUM_QUANTITIES
         }
         friction_at_no_load = compute_load("unloaded", zero_load_sums, mu0[:, np.newaxis], tau0).mean(
@@ -864,15 +871,15 @@ def _find_load_crossings(
     step_dimension = find_step_dimension(piece)
     member_dims = (*find_cell_dimensions(piece), "repetition")
     # Access to variables is much faster than access to data arrays, because variables have no coordinates.
-    tables = piece.variables
-    elastic_loads = _to_float_array(tables["normal_elastic"], (*member_dims, step_dimension))
+    piece_variables = piece.variables
+    elastic_loads = _to_float_array(piece_variables["normal_elastic"], (*member_dims, step_dimension))
     curve = (
         elastic_loads
         if step_dimension == "approach"
         else np.where(np.isfinite(elastic_loads), piece[step_dimension].values, np.nan)
     )
     sums = {
-        name: _to_float_array(tables[name], (*member_dims, *MOTION_DIMENSIONS, step_dimension), missing=True)
+        name: _to_float_array(piece_variables[name], (*member_dims, *MOTION_DIMENSIONS, step_dimension), missing=True)
         for name in names
     }
     return sums, LoadCrossings.from_curves(

@@ -207,16 +207,23 @@ def friction_table(
         # The approach is nearly linear in ln(load), so the derivative with respect to ln(load) is accurate.
         stiffness = pressure_steps / np.gradient(approach, np.log(pressure_steps), axis=-1, edge_order=2)
     # Only results at the requested loads are reported.
-    requested = [float(load) for load in study.friction.load] or dataset["load"].values
-    indices = np.flatnonzero(np.isin(dataset["load"].values, requested))
+    requested_loads = [float(load) for load in study.friction.load] or dataset["load"].values
+    indices = np.flatnonzero(np.isin(dataset["load"].values, requested_loads))
     dataset, pressure = dataset.isel(load=indices), pressure_steps[indices]
     approach, touching_area, stiffness = (values[..., indices] for values in (approach, touching_area, stiffness))
-    pairs = {"contact_area_fraction": touching_area / area, "normal_stiffness": stiffness, "approach": approach}
-    means = {name: np.stack(intervals.average_independent_values(values), axis=-1) for name, values in pairs.items()}
+    values_of_pairs = {
+        "contact_area_fraction": touching_area / area,
+        "normal_stiffness": stiffness,
+        "approach": approach,
+    }
+    means = {
+        name: np.stack(intervals.average_independent_values(values), axis=-1)
+        for name, values in values_of_pairs.items()
+    }
     is_light_load = means["contact_area_fraction"][..., 0] <= MAX_FITTED_AREA_FRACTION
     is_light_load[is_light_load.sum(axis=-1) < 2] = True
     coefficient = compute_ensemble_friction(dataset, dataset["load"].values, *strengths)
-    laws = _fit_area_and_stiffness_laws(pressure, is_light_load, pairs)
+    laws = _fit_area_and_stiffness_laws(pressure, is_light_load, values_of_pairs)
     area_factor, stiffness_factor, exponent = (values[..., :1] for values in laws.values())
     fitted_laws = {
         "area": (area_factor * pressure, "contact_area_fraction"),
@@ -257,7 +264,7 @@ def friction_table(
 
 
 def _fit_area_and_stiffness_laws(
-    pressure: Floats, is_light_load: NDArray[np.bool_], pairs: dict[str, Floats]
+    pressure: Floats, is_light_load: NDArray[np.bool_], values_of_pairs: dict[str, Floats]
 ) -> dict[str, Floats]:
     """Fit the laws A/A0 = a p and k/A0 = b p^c, and return a, b and c with their 95 % intervals.
 
@@ -265,12 +272,13 @@ def _fit_area_and_stiffness_laws(
     area or no stiffness.
     """
     names = ("area_factor", "stiffness_factor", "stiffness_exponent")
-    parameters = {name: np.full(pairs["approach"].shape[:-1], np.nan) for name in names}
+    parameters = {name: np.full(values_of_pairs["approach"].shape[:-1], np.nan) for name in names}
     for cell in np.ndindex(*is_light_load.shape[:2]):
         cell_index = (slice(None), *cell)
         p = pressure[is_light_load[cell]]
         area_fractions, stiffnesses = (
-            pairs[name][cell_index][:, is_light_load[cell]] for name in ("contact_area_fraction", "normal_stiffness")
+            values_of_pairs[name][cell_index][:, is_light_load[cell]]
+            for name in ("contact_area_fraction", "normal_stiffness")
         )
         with np.errstate(divide="ignore", invalid="ignore"):
             parameters["area_factor"][cell_index] = np.exp(np.mean(np.log(area_fractions / p), axis=1))

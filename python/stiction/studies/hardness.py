@@ -103,18 +103,18 @@ def find_uncertain_inputs(study: Study) -> dict[str, LabelledUncertainInput]:
     if "effective_modulus" in moduli:
         inputs["effective_modulus"] = LabelledUncertainInput("E*", moduli.pop("effective_modulus"))
     if contact.hardness is not None:
-        softer = softest_material(*bodies)
-        label = f"the hardness of the {softer.name}" if softer else "the hardness"
+        softer_material = softest_material(*bodies)
+        label = f"the hardness of the {softer_material.name}" if softer_material else "the hardness"
         if uncertainty_settings.hardness is not None:
             inputs["hardness"] = LabelledUncertainInput(
                 label, parse_uncertain_input("hardness", uncertainty_settings.hardness, "hardness")
             )
         elif (
-            softer
-            and softer.hardness
-            and abs(float(contact.hardness) / softer.hardness - 1) < THREE_DIGIT_ROUNDING_ERROR
+            softer_material
+            and softer_material.hardness
+            and abs(float(contact.hardness) / softer_material.hardness - 1) < THREE_DIGIT_ROUNDING_ERROR
         ):
-            inputs["hardness"] = LabelledUncertainInput(label, find_material_hardness(softer.hardness))
+            inputs["hardness"] = LabelledUncertainInput(label, find_material_hardness(softer_material.hardness))
     if (growth := find_junction_growth(study)) is not None:
         inputs["junction_growth"] = LabelledUncertainInput("the junction growth α", growth)
     for key, value in moduli.items():
@@ -218,10 +218,10 @@ def choose_hardness_and_modulus_nodes(study: Study) -> tuple[Floats, Floats]:
         hardness_factors = np.power.outer([1.0, *study.friction.wait], -creep.quantile(NODE_QUANTILES))
         hardness_range = hardness_range * [hardness_factors.min(), hardness_factors.max()]
     half_width = np.hypot(np.ptp(np.log(hardness_range)) / 2, np.log(moduli[-1]))
-    positions = (
+    relative_nodes = (
         np.exp(half_width * (2 * np.array(HARDNESS_NODE_POSITIONS[moduli.size]) - 1)) if half_width > 0 else np.ones(0)
     )
-    nodes = np.sqrt(hardness_range.prod()) * positions
+    nodes = np.sqrt(hardness_range.prod()) * relative_nodes
     # A node is removed if it differs from the hardness of the study only by round-off.
     nodes = nodes[~np.isclose(nodes, float(hardness), rtol=EQUAL_NODE_TOLERANCE, atol=0.0)]
     nodes = np.unique([*nodes, float(hardness), np.inf])
@@ -245,10 +245,10 @@ def compute_areas_at_nodes(study: Study, executor: Executor) -> xarray.Dataset |
     if not hardnesses.size:
         return None
     loads = np.array([float(load) for load in study.friction.load])
-    members = _choose_num_area_members(study)
-    tasks = list(product(range(members), moduli.tolist(), hardnesses.tolist()))
+    num_members = _choose_num_area_members(study)
+    tasks = list(product(range(num_members), moduli.tolist(), hardnesses.tolist()))
     solutions = np.array(list(executor.map(partial(_solve_member_areas, study, loads), tasks)))
-    areas = solutions.reshape(members, moduli.size, hardnesses.size, -1, loads.size)
+    areas = solutions.reshape(num_members, moduli.size, hardnesses.size, -1, loads.size)
     dims = ("repetition", "relative_modulus", "hardness", "load")
     return xarray.Dataset(
         {name: (dims, areas[..., index, :], {"units": "um^2"}) for index, name in enumerate(_list_area_names(study))},
@@ -602,13 +602,15 @@ class AreaInterpolator:
                 )
                 areas = self.opposing_areas[[load]]
             self.tables[key] = TabulatedAreaFunction(self.node_hardnesses, areas, elastic_areas)
-        table = self.tables[key]
+        area_function = self.tables[key]
         # The result is cached, because calls for consecutive loads and sliding rules pass the same arrays.
         log_hardness = self.get_or_compute("log hardness", (hardness, modulus), lambda: np.log(hardness / modulus))
         table_positions = self.get_or_compute(
-            "places", (log_hardness, *table.limits), lambda: find_table_positions(log_hardness.ravel(), *table.limits)
+            "places",
+            (log_hardness, *area_function.limits),
+            lambda: find_table_positions(log_hardness.ravel(), *area_function.limits),
         )
-        sampled_areas = table(log_hardness.ravel(), table_positions).reshape(-1, *log_hardness.shape)
+        sampled_areas = area_function(log_hardness.ravel(), table_positions).reshape(-1, *log_hardness.shape)
         return _interpolate_between_moduli(sampled_areas, self.moduli, modulus)
 
     def _area_before_shear(self, load: int, rule: str, hardness: Floats, modulus: Floats | float) -> Floats:

@@ -102,8 +102,10 @@ def parse_height_factors(factors: Any) -> Floats:
     values = _parse_factor_text(factors) if isinstance(factors, str) else float_array("height_scale", factors)
     values = np.unique([float(f"{factor:.{NUM_FACTOR_DIGITS}g}") for factor in np.ravel(values).tolist()])
     if not values.size or not ((values >= MIN_FACTOR) & (values <= MAX_FACTOR)).all():
-        allowed = f"from {MIN_FACTOR:g} to {MAX_FACTOR:g}"
-        raise ArgumentError("{height_scale} must be {allowed}, got {got}", allowed=allowed, got=short_repr(factors))
+        allowed_range = f"from {MIN_FACTOR:g} to {MAX_FACTOR:g}"
+        raise ArgumentError(
+            "{height_scale} must be {allowed}, got {got}", allowed=allowed_range, got=short_repr(factors)
+        )
     return values
 
 
@@ -179,10 +181,10 @@ def scale_study_heights(study: Study, factor: float, scaled: ScaledBodies) -> St
     check_choice("scaled", scaled, ScaledBodies)
     scaled_sides = SIDES if scaled == "both" else (scaled,)
     surfaces: Any = study.surfaces
-    changed = surfaces.with_changed_files(
+    changed_surfaces = surfaces.with_changed_files(
         lambda file, side: file.with_height_factor(factor) if side in scaled_sides else file
     )
-    return study.model_copy(update={"surfaces": changed})
+    return study.model_copy(update={"surfaces": changed_surfaces})
 
 
 def get_factor_folder(path: Path, factor: float, scaled: ScaledBodies) -> Path:
@@ -384,12 +386,12 @@ def _interpolate_between_factors(
     if lower == upper:
         return np.asarray(values[lower])
     flat_values = values.reshape(solved_factors.size, -1)
-    finite = np.isfinite(flat_values)
+    finite_mask = np.isfinite(flat_values)
     interpolated = np.full(flat_values.shape[1], np.nan)
-    is_available = finite[lower] & finite[upper]
+    is_available = finite_mask[lower] & finite_mask[upper]
     log_factors = np.log(solved_factors)
-    for is_finite in np.unique(finite[:, is_available], axis=1).T:
-        mask = is_available & (finite == is_finite[:, np.newaxis]).all(axis=0)
+    for is_finite in np.unique(finite_mask[:, is_available], axis=1).T:
+        mask = is_available & (finite_mask == is_finite[:, np.newaxis]).all(axis=0)
         is_positive = mask & (flat_values[is_finite] > 0).all(axis=0)
         for is_selected, transform, inverse in (
             (is_positive, np.log, np.exp),

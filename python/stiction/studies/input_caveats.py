@@ -102,13 +102,13 @@ def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[f
     upper_caveats, lower_caveats = map(
         find_body_caveats, (getattr(study.surfaces, side) for side in SIDES), (upper, lower)
     )
-    pairs = [
+    caveat_pairs = [
         (each, other) for each in upper_caveats for other in lower_caveats
         if _get_caveat_kind(each) == _get_caveat_kind(other) and each.severity == other.severity
     ]  # fmt: skip
-    paired_caveats = {caveat for pair in pairs for caveat in pair}
+    paired_caveats = {caveat for pair in caveat_pairs for caveat in pair}
     merged_caveats = [
-        replace(max(pair, key=lambda each: each.cut_off), text=_merge_caveat_texts(*pair)) for pair in pairs
+        replace(max(pair, key=lambda each: each.cut_off), text=_merge_caveat_texts(*pair)) for pair in caveat_pairs
     ]
     unpaired_caveats = [
         [each for each in body_caveats if each not in paired_caveats] for body_caveats in (upper_caveats, lower_caveats)

@@ -172,9 +172,9 @@ def _parse_distribution(name: str, text: str, kind: InputKind) -> UncertainInput
         return UncertainInput(0.5 * (low + high), low, high, "normal", text)
     if match := _PLUS_MINUS_PATTERN.fullmatch(text):
         first, last = match.groups()
-        if percent := _PERCENT_PATTERN.fullmatch(last):
-            value = _parse_value(name, f"{first} {percent[2]}".strip(), kind)
-            deviation = value * _parse_value(name, percent[1], "") / 100
+        if percent_match := _PERCENT_PATTERN.fullmatch(last):
+            value = _parse_value(name, f"{first} {percent_match[2]}".strip(), kind)
+            deviation = value * _parse_value(name, percent_match[1], "") / 100
             deviation = math.hypot(deviation, ROCKWELL_CONVERSION_ERROR * value / Z_95) if is_rockwell else deviation
         elif is_rockwell:
             central_value, standard_uncertainty = (
@@ -303,8 +303,8 @@ def parse_study_input(name: str, source: Any) -> UncertainInput:
     parsed = parse_uncertain_input("", source, INPUT_KINDS[name])
     if name == "poisson":
         if parsed.high > MAX_POISSON_RATIO:
-            limits = f"from 0 to {MAX_POISSON_RATIO:g}, including its uncertainty"
-            raise ValueError(f"must be {limits}, got {short_repr(source)}")
+            allowed_range = f"from 0 to {MAX_POISSON_RATIO:g}, including its uncertainty"
+            raise ValueError(f"must be {allowed_range}, got {short_repr(source)}")
         parsed = replace(parsed, maximum=MAX_POISSON_RATIO)
     if name == "junction_growth" and parsed.high > MAX_JUNCTION_GROWTH:
         raise ValueError(f"must be from 0 to {MAX_JUNCTION_GROWTH:g}, got {short_repr(source)}")

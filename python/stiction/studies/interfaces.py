@@ -496,12 +496,12 @@ class Interface:
         """
         fit = self.fits[0]
         area_per_load = fit.area_per_load
-        is_joint = np.isfinite(area_per_load).all() and np.ptp(fit.mu0) > 0 and np.ptp(fit.tau0) > 0
+        are_both_fitted = np.isfinite(area_per_load).all() and np.ptp(fit.mu0) > 0 and np.ptp(fit.tau0) > 0
         zeros = np.zeros(fit.mu0.size)
         strengths = []
-        if is_joint and compute_credible_interval(fit.mu0, 0.0)[1] == 0:
+        if are_both_fitted and compute_credible_interval(fit.mu0, 0.0)[1] == 0:
             strengths.append((zeros, fit.tau0 + fit.mu0 / area_per_load))
-        if is_joint and compute_credible_interval(fit.tau0, 0.0)[1] == 0:
+        if are_both_fitted and compute_credible_interval(fit.tau0, 0.0)[1] == 0:
             strengths.append((fit.mu0 + fit.tau0 * area_per_load, zeros))
         return tuple(strengths)
 
@@ -941,9 +941,9 @@ def interface(name_or_path: str | Path) -> Interface:
         "mu0": parse_uncertain_input("mu0", published_entry["mu0"]),
         "tau0": parse_uncertain_input("tau0", published_entry["tau0"], "pressure"),
     }
-    values = draw_input_samples(ranges)
-    unknown_samples = np.full(values["mu0"].size, math.nan)
-    fit = _build_strength_fit("all", values["mu0"], values["tau0"], unknown_samples, unknown_samples, unknown_samples)
+    samples = draw_input_samples(ranges)
+    unknown_samples = np.full(samples["mu0"].size, math.nan)
+    fit = _build_strength_fit("all", samples["mu0"], samples["tau0"], unknown_samples, unknown_samples, unknown_samples)
     description = {key: text for key, text in published_entry.items() if key not in ranges}
     return Interface((fit,), math.nan, math.nan, separated=True, about={"name": str(name_or_path), **description})
 

@@ -167,11 +167,12 @@ class MeansAtLoads:
         mean, mean_load, load, slope = (
             each[:, np.newaxis] for each in (self._mean, self._mean_load, self._load, self._slope)
         )
-        for first in range(0, normal.shape[2], batch_size):
+        for batch_start in range(0, normal.shape[2], batch_size):
             # Loads and values of each repetition have the shape (p, r).
             # `load_change` and `mean_change` are the changes of the means due to omitting a repetition.
             repetition_load, repetition_mean = (
-                self._interpolate_at_crossings(each[..., first : first + batch_size]) for each in (normal, values)
+                self._interpolate_at_crossings(each[..., batch_start : batch_start + batch_size])
+                for each in (normal, values)
             )
             self._loads.add(repetition_load)
             self._values.add(repetition_mean)
@@ -257,11 +258,13 @@ class PowerSums:
         first, second, third, fourth = self._sums
         mean = first / count
         with np.errstate(invalid="ignore", over="ignore"):
-            squares = np.maximum(second - count * mean**2, 0)
-            fourths = fourth - 4 * mean * third + 6 * mean**2 * second - 3 * count * mean**4
-            kurtosis = count * np.divide(fourths, squares**2, out=np.full_like(squares, 3.0 / count), where=squares > 0)
+            square_sum = np.maximum(second - count * mean**2, 0)
+            fourth_power_sum = fourth - 4 * mean * third + 6 * mean**2 * second - 3 * count * mean**4
+            kurtosis = count * np.divide(
+                fourth_power_sum, square_sum**2, out=np.full_like(square_sum, 3.0 / count), where=square_sum > 0
+            )
             freedom = np.clip(2 * count / np.maximum(kurtosis - 1, 1e-9), 1, max(count - 1, 1))
-            error = np.sqrt((count - 1) / count * squares)
+            error = np.sqrt((count - 1) / count * square_sum)
         return np.asarray(student_quantile(freedom) * error)
 
 
@@ -357,9 +360,9 @@ def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
     lower, upper = np.full((2, mean.size), np.nan)
     if count >= MIN_NEIGHBORING_VALUES:
         batch_size = max(1, NUM_BATCH_VALUES // (4 * count))
-        for first in range(0, mean.size, batch_size):
-            chunk = slice(first, first + batch_size)
-            lower[chunk], upper[chunk] = _compute_interval_of_correlated_mean(rows[chunk], mean[chunk])
+        for batch_start in range(0, mean.size, batch_size):
+            batch = slice(batch_start, batch_start + batch_size)
+            lower[batch], upper[batch] = _compute_interval_of_correlated_mean(rows[batch], mean[batch])
     return tuple(each.reshape(values.shape[1:]) for each in (mean, lower, upper))  # type: ignore[return-value]
 
 
@@ -477,27 +480,27 @@ def average_scan_pairs(values: Floats, upper: NDArray[np.intp], lower: NDArray[n
     sums = np.array(
         [sizes[1] * np.square(row_means - mean).sum(), sizes[0] * np.square(column_means - mean).sum(), residual_sum]
     )
-    squares = sums / np.maximum(freedoms, 1)
-    is_separate = (freedoms > 0) & (squares > squares[2]) & [True, True, False]
+    mean_squares = sums / np.maximum(freedoms, 1)
+    is_separate = (freedoms > 0) & (mean_squares > mean_squares[2]) & [True, True, False]
     freedom = float(freedoms[~is_separate].sum())
-    residual = float(sums[~is_separate].sum()) / max(freedom, 1.0)
-    variance_components = np.append(np.where(is_separate, squares - residual, 0.0)[:2], residual)
+    residual_variance = float(sums[~is_separate].sum()) / max(freedom, 1.0)
+    variance_components = np.append(np.where(is_separate, mean_squares - residual_variance, 0.0)[:2], residual_variance)
     # For each mean square that is not pooled, the residual mean square is subtracted once.
-    weights = np.append(np.where(is_separate, squares, 0.0)[:2], (1 - is_separate.sum()) * residual)
+    weights = np.append(np.where(is_separate, mean_squares, 0.0)[:2], (1 - is_separate.sum()) * residual_variance)
     component_freedoms = np.maximum([*freedoms[:2], freedom], 1.0)
     deviations_in_pairs = (flat_values - pair_means[upper, lower][:, np.newaxis]).ravel()
     deviations_in_pairs = deviations_in_pairs[np.isfinite(deviations_in_pairs)]
     freedom_in_pairs = max(deviations_in_pairs.size - count, 1)
-    scan_components = variance_components[:2] / sizes[::-1]
-    test_components = np.append(
-        scan_components * (1 + 1 / sizes),
-        float(deviations_in_pairs @ deviations_in_pairs) / freedom_in_pairs + residual * (1 + 1 / count),
+    scan_mean_variances = variance_components[:2] / sizes[::-1]
+    new_test_variances = np.append(
+        scan_mean_variances * (1 + 1 / sizes),
+        float(deviations_in_pairs @ deviations_in_pairs) / freedom_in_pairs + residual_variance * (1 + 1 / count),
     )
     return ScanPairMean(
         mean, tuple(variance_components / count),
         _satterthwaite_degrees_of_freedom(variance_components.sum(), weights, component_freedoms),
-        math.sqrt(test_components.sum()),
-        _single_test_degrees_of_freedom(test_components, np.append(component_freedoms[:2], freedom_in_pairs)),
+        math.sqrt(new_test_variances.sum()),
+        _single_test_degrees_of_freedom(new_test_variances, np.append(component_freedoms[:2], freedom_in_pairs)),
     )  # fmt: skip
 
 

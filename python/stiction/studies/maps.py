@@ -226,10 +226,10 @@ def evaluate_ensemble_quantity(
         raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
     dataset = result.head
     strengths = choose_strengths(result, mu0, tau0)
-    missing = [name for name in ("repetition", find_step_dimension(dataset)) if not dataset.sizes.get(name)]
-    missing += [name for name in MAP_CELL_DIMENSIONS if name in dataset.dims and not dataset.sizes[name]]
-    if missing or not find_cell_dimensions(dataset):
-        raise ValueError(f"the dataset has no dimension {(missing or ['fractal_dimension'])[0]!r}")
+    missing_dimensions = [name for name in ("repetition", find_step_dimension(dataset)) if not dataset.sizes.get(name)]
+    missing_dimensions += [name for name in MAP_CELL_DIMENSIONS if name in dataset.dims and not dataset.sizes[name]]
+    if missing_dimensions or not find_cell_dimensions(dataset):
+        raise ValueError(f"the dataset has no dimension {(missing_dimensions or ['fractal_dimension'])[0]!r}")
     for name in _list_required_variables(quantity_name):
         if name not in dataset:
             raise ValueError(f"the dataset has no variable {name!r}")
@@ -264,9 +264,11 @@ def evaluate_ensemble_quantity(
             sums_by_cell = [_compute_sums(piece, quantity_name, ensemble_quantity.step_dimension)] * len(means_by_cell)
 
             def add_members_to_cell(cell_index: tuple[int, ...], sums: tuple[ContactSums, ContactSums]) -> None:
-                for first in range(0, sums[0].contact_count.shape[-1], batch_size):
+                for batch_start in range(0, sums[0].contact_count.shape[-1], batch_size):
                     means_by_cell[cell_index].add(
-                        *ensemble_quantity.compute_curves(cell_index, *sums, slice(first, first + batch_size))
+                        *ensemble_quantity.compute_curves(
+                            cell_index, *sums, slice(batch_start, batch_start + batch_size)
+                        )
                     )
 
             list(pool.map(add_members_to_cell, means_by_cell, sums_by_cell))

@@ -304,8 +304,8 @@ class MeasuredBodySettings(SettingsTable):
         """
         total_factor = factor * self.height_factor
         if not MIN_HEIGHT_FACTOR <= total_factor <= MAX_HEIGHT_FACTOR:
-            limits = f"from {MIN_HEIGHT_FACTOR:g} to {MAX_HEIGHT_FACTOR:g}"
-            raise ValueError(f"height_factor must be {limits}, got {total_factor:g} for {self.name}")
+            allowed_range = f"from {MIN_HEIGHT_FACTOR:g} to {MAX_HEIGHT_FACTOR:g}"
+            raise ValueError(f"height_factor must be {allowed_range}, got {total_factor:g} for {self.name}")
         return self._apply_to_scans(lambda scan: scan.model_copy(update={"height_factor": factor * scan.height_factor}))
 
     @property
@@ -633,29 +633,32 @@ class LineMemberSource:
 
     def member(self, index: int) -> EnsembleMember:
         """Return a member, which consists of a slider and the section of the counterface below the slider."""
-        pairs, offsets = self.pairs, self.offsets if self.positions is None else len(self.positions)
-        line, position = divmod(index, offsets) if pairs.has_several_pairs else (0, index)
-        count = pairs.max_pair_count()
-        if count is not None and line >= count:
-            raise ValueError(f"the surfaces have {count} pairs of lines, but member {index} needs pair {line + 1}")
+        pairs, num_offsets = self.pairs, self.offsets if self.positions is None else len(self.positions)
+        line, offset_index = divmod(index, num_offsets) if pairs.has_several_pairs else (0, index)
+        max_pair_count = pairs.max_pair_count()
+        if max_pair_count is not None and line >= max_pair_count:
+            raise ValueError(
+                f"the surfaces have {max_pair_count} pairs of lines, but member {index} needs pair {line + 1}"
+            )
         slider, counterface = pairs.pair(line)
         max_steps = len(counterface) - len(slider)
         if self.positions is not None:
-            if position >= offsets:
+            if offset_index >= num_offsets:
                 raise ValueError(
-                    f"surfaces.positions has {offsets} positions, but member {index} needs position {position + 1}"
+                    f"surfaces.positions has {num_offsets} positions, "
+                    f"but member {index} needs position {offset_index + 1}"
                 )
-            return self._member_at(slider, counterface, round(self.positions[position] / slider.spacing), line)
-        if max_steps == 0 and position > 0:
+            return self._member_at(slider, counterface, round(self.positions[offset_index] / slider.spacing), line)
+        if max_steps == 0 and offset_index > 0:
             raise ValueError("several positions require a slider that is shorter than its counterface; give a travel")
         # Offset 0 is excluded for a single pair, because the two lines may be identical.
-        is_unshifted = pairs.has_several_pairs and offsets == 1 and pairs.travel is None
+        is_unshifted = pairs.has_several_pairs and num_offsets == 1 and pairs.travel is None
         if is_unshifted or max_steps == 0:
             offset_steps = 0
-        elif offsets == 1 and pairs.travel is not None and position == 0:
+        elif num_offsets == 1 and pairs.travel is not None and offset_index == 0:
             offset_steps = max_steps  # a single relative position is placed at the end of the travel
         else:
-            offset_steps = 1 + min(int(quasi_random_point(position + 1, 1)[0] * max_steps), max_steps - 1)
+            offset_steps = 1 + min(int(quasi_random_point(offset_index + 1, 1)[0] * max_steps), max_steps - 1)
         return self._member_at(slider, counterface, offset_steps, line)
 
     def _member_at(self, slider: Profile, counterface: Profile, steps: int, line: int) -> EnsembleMember:

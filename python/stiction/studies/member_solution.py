@@ -382,10 +382,10 @@ def compute_member_arrays(study: Study, index: int) -> ArraysByName:
     arrays: ArraysByName = {
         name: np.empty(shape, dtype) for name, (shape, dtype) in get_array_shapes_and_types(study).items()
     }
-    for cell_index, part in (
+    for cell_index, cell_arrays in (
         _solve_measured_member(study, index, arrays) if study.is_measured else _solve_generated_member(study, index)
     ):
-        for name, values in part.items():
+        for name, values in cell_arrays.items():
             arrays[name][cell_index] = values.reshape(arrays[name][cell_index].shape)
     return arrays
 
@@ -544,8 +544,8 @@ def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slic
     dimensions, amplitudes = surfaces.fractal_dimensions(), surfaces.amplitudes()
     batch_size = min(dimensions.size, max(1, MAX_BATCH_BYTES // (8 * surfaces.points)))
     height_buffer = _get_reused_array((2 * batch_size + 2, surfaces.points))
-    for first in range(0, dimensions.size, batch_size):
-        batch_dimensions = dimensions[first : first + batch_size]
+    for batch_start in range(0, dimensions.size, batch_size):
+        batch_dimensions = dimensions[batch_start : batch_start + batch_size]
         upper_heights, lower_heights = (
             height_buffer[: batch_dimensions.size],
             height_buffer[batch_size : batch_size + batch_dimensions.size],
@@ -560,7 +560,7 @@ def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slic
         shape = batch_dimensions.size, amplitudes.size, len(models), steps.size
         tables = {name: columns[name].reshape(shape) for name in study.contact_sum_names()}
         yield (
-            slice(first, first + batch_dimensions.size),
+            slice(batch_start, batch_start + batch_dimensions.size),
             {name: table if name in DIRECTED_SUM_QUANTITIES else table[:, :, :1] for name, table in tables.items()},
         )
 

@@ -80,8 +80,8 @@ def generate_profile_pairs(
     """
     surfaces: Any = study.surfaces
     batch_size = max(1, MAX_BATCH_BYTES // (8 * surfaces.points))
-    for first in range(0, dimensions.size, batch_size):
-        batch_dimensions = dimensions[first : first + batch_size]
+    for batch_start in range(0, dimensions.size, batch_size):
+        batch_dimensions = dimensions[batch_start : batch_start + batch_size]
         body_heights = [np.empty((batch_dimensions.size, surfaces.points)) for _ in SIDES]
         for side, heights in zip(SIDES, body_heights, strict=True):
             fill_profile_family(study, heights, batch_dimensions, repetition, side)

@@ -405,11 +405,11 @@ def find_largest_errors(
     exact = evaluate(mu0, tau0)
     value_errors, limit_errors = [0.0], [0.0]
     for row, column in np.ndindex(mu0.size, tau0.size):
-        at = mu0[row], tau0[column]
+        position = mu0[row], tau0[column]
         panel_indices = [
-            int(np.searchsorted(axis.rising, each, side="right") - 1) for axis, each in zip(axes, at, strict=True)
+            int(np.searchsorted(axis.rising, each, side="right") - 1) for axis, each in zip(axes, position, strict=True)
         ]
-        interpolated = interpolate_table(axes, np.moveaxis(table, -1, 0), *at)
+        interpolated = interpolate_table(axes, np.moveaxis(table, -1, 0), *position)
         exact_point = np.moveaxis(exact[..., row, column, :], -1, 0)
         width = exact_point[2] - exact_point[1]
         with np.errstate(divide="ignore", invalid="ignore"):

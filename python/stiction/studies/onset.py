@@ -118,14 +118,14 @@ def compute_member_onset(
 def _average_onset_curves(study: Study, curves: Sequence[dict[str, Any]], attributes: dict[str, Any]) -> xarray.Dataset:
     import xarray
 
-    averaging = MemberDependence.from_coordinates(
+    member_dependence = MemberDependence.from_coordinates(
         study, {name: [curve[name] for curve in curves] for name in ("line", "x", "y", "repetition")}
     )
     variables: dict[str, Any] = {}
     for name in (*_CURVE_TITLES, *_ONSET_SCALAR_NAMES):
         dims = ("fraction", "statistic") if name in _CURVE_TITLES else ("statistic",)
         values = np.clip(
-            averaging.mean_with_interval(np.array([curve[name] for curve in curves])), *QUANTITIES[name].bounds
+            member_dependence.mean_with_interval(np.array([curve[name] for curve in curves])), *QUANTITIES[name].bounds
         )
         variables[name] = (dims, values, quantity_attributes(name))
     # The default long name refers to the onset of sliding, but the curve also contains smaller loads.

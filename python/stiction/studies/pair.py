@@ -527,8 +527,8 @@ class MeasuredPair:
                 for scan, limit in zip(file.scans, file_limits, strict=True)
             )
             filtered_files.append(first_file.model_copy(update={"others": tuple(other_files) or None}))
-        certain_limits = [limit for limit in present_limits if isinstance(limit, InstrumentLimit)]
-        are_noise_floors = bool(certain_limits) and all(limit.origin == "instrument" for limit in certain_limits)
+        instrument_limits = [limit for limit in present_limits if isinstance(limit, InstrumentLimit)]
+        are_noise_floors = bool(instrument_limits) and all(limit.origin == "instrument" for limit in instrument_limits)
         cut_offs = ["0 um", exact_quantity_text(longest_cutoff, "um")]
         return {
             "cut_off": cut_offs[::-1] if are_noise_floors else cut_offs, "both_readings": True,
@@ -656,8 +656,8 @@ class MeasuredPair:
             )
             if interface_growth is not None:
                 return interface_growth if interface_growth.value else None
-            softer = softest_material(*map(material, self.elasticity.materials or ())) if can_grow else None
-            value = softer and softer.junction_growth
+            softer_material = softest_material(*map(material, self.elasticity.materials or ())) if can_grow else None
+            value = softer_material and softer_material.junction_growth
             alpha_text = f"{value.low:g}..{value.high:g}" if value else 0.0
         elif self._hardness is None:
             raise ArgumentError("{junction_growth} needs {hardness}, because elastic contacts do not grow")
@@ -721,15 +721,15 @@ class MeasuredPair:
                 )  # fmt: skip
         loads = self.loads
         # No value is interpolated between a load of zero and the other loads, so no loads are inserted between them.
-        preloads = loads[:1] if self._has_zero_load else []
-        regular_loads = loads[len(preloads) :] or loads
+        zero_load_replacements = loads[:1] if self._has_zero_load else []
+        regular_loads = loads[len(zero_load_replacements) :] or loads
         num_smaller = NUM_ADHESION_LOADS if self._adhesion_entries.get("work_of_adhesion") else 1
         steps = choose_load_steps(
             regular_loads, press=self.press_mode,
             mechanics="half-space" if "half-space" in self.contact_models else "asperities",
-            max_load=max_load, num_smaller=0 if regular_loads == preloads else num_smaller,
+            max_load=max_load, num_smaller=0 if regular_loads == zero_load_replacements else num_smaller,
         )  # fmt: skip
-        return np.union1d(steps, np.array(preloads, np.float64))
+        return np.union1d(steps, np.array(zero_load_replacements, np.float64))
 
     @cached_property
     def _body_attributes(self) -> BodyAttributes:

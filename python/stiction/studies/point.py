@@ -38,8 +38,8 @@ class SlidingRuleCoefficient:
 
 def iterate_points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
     """Yield one dataset for each point, i.e. for each combination of roughness or cutoff, load, mu0 and tau0."""
-    cells = [name for name in CELL_DIMENSIONS if name in at.dims]
-    dims = [*cells, *(name for name in ("load", "mu0", "tau0") if name in at.dims)]
+    cell_dims = [name for name in CELL_DIMENSIONS if name in at.dims]
+    dims = [*cell_dims, *(name for name in ("load", "mu0", "tau0") if name in at.dims)]
     for indices in np.ndindex(*(at.sizes[name] for name in dims)):
         yield at.isel(dict(zip(dims, indices, strict=True)))
 
@@ -80,8 +80,10 @@ def find_contact_status(point: xarray.Dataset, study: Study) -> str:
     """Return the status of the true area at a point: "ok", "complete", or (asperity model only) "above-nominal"."""
     if "contact_status" in point:
         return str(point["contact_status"].values)
-    above = mean_over_directions(point, "contact_area_fraction") > 1
-    return (FULL_CONTACT_STATUS if study.uses_half_space else AREA_ABOVE_NOMINAL_STATUS) if above else STATUS_OK
+    is_above_nominal = mean_over_directions(point, "contact_area_fraction") > 1
+    return (
+        (FULL_CONTACT_STATUS if study.uses_half_space else AREA_ABOVE_NOMINAL_STATUS) if is_above_nominal else STATUS_OK
+    )
 
 
 def mean_contact_pressure(point: xarray.Dataset) -> float:

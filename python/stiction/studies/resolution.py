@@ -63,24 +63,24 @@ def build_cutoff_study(study: Study) -> Study | None:
     side = min(float(np.min(attributes[f"{side}_extent_um"])) for side in ("upper", "lower"))
     if len(cutoffs) > 1:
         return None
-    candidates = (
+    candidate_cutoffs = (
         2 * max_spacing * 2.0 ** np.arange(MAX_CUTOFFS)
         if cutoffs[0] == 0
         else cutoffs[0] * 2.0 ** np.arange(1, MAX_CUTOFFS)
     )
     # Lengths are rounded up, because a grid cannot represent wavelengths shorter than two points.
-    cutoff_texts = [
+    rounded_cutoffs = [
         cutoffs[0],
         *(
-            float(f"{candidate * (1 + FOUR_DIGIT_ROUNDING_ERROR):.4g}")
-            for candidate in candidates
-            if candidate <= MAX_RELATIVE_CUTOFF * side
+            float(f"{cutoff * (1 + FOUR_DIGIT_ROUNDING_ERROR):.4g}")
+            for cutoff in candidate_cutoffs
+            if cutoff <= MAX_RELATIVE_CUTOFF * side
         ),
     ]
-    if len(cutoff_texts) < 2:
+    if len(rounded_cutoffs) < 2:
         return None
     changes: dict[str, Any] = {
-        "surfaces.cut_off": [exact_quantity_text(candidate, "um") for candidate in cutoff_texts],
+        "surfaces.cut_off": [exact_quantity_text(cutoff, "um") for cutoff in rounded_cutoffs],
         "contact.load": [load.text for load in study.friction.load],
         "ensemble.repetitions": min(
             study.ensemble.repetitions, NUM_AREAL_MEMBERS if study.is_areal else NUM_LINE_MEMBERS
@@ -301,11 +301,13 @@ def estimate_yield_wavelengths(
     modulus, pressure = effective_modulus_at(point, study), mean_contact_pressure(point)
     if not pressure > 0:
         return ()
-    count = mean_over_directions(point, "contact_count")
+    contact_count = mean_over_directions(point, "contact_count")
     mu0, tau0 = float(point["mu0"]), float(point["tau0"])
     return tuple(
         YieldWavelengthEstimate(
-            hardness, *resolved_roughness.find_yield_wavelength(hardness / pressure, count), mu0 + tau0 / hardness
+            hardness,
+            *resolved_roughness.find_yield_wavelength(hardness / pressure, contact_count),
+            mu0 + tau0 / hardness,
         )
         for hardness in TYPICAL_HARDNESSES
         if hardness < modulus / 2

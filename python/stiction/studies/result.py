@@ -130,9 +130,9 @@ class Result:
         piece_size = compute_members_per_piece(
             sum(each.nbytes for each in self.source.data_vars.values()) // max(1, count)
         )
-        selected = self.source if names is None else self.source[list(names)]
-        for first in range(0, count, piece_size):
-            yield selected.isel(repetition=slice(first, first + piece_size))
+        selected_dataset = self.source if names is None else self.source[list(names)]
+        for piece_start in range(0, count, piece_size):
+            yield selected_dataset.isel(repetition=slice(piece_start, piece_start + piece_size))
 
     def means(self, names: Iterable[str]) -> xarray.Dataset:
         """Average variables over all members. Only one piece of the result is held in memory at a time."""

@@ -142,8 +142,8 @@ def compute_missing_blocks(
     """
     stored_result = prepare_result_folder(study, folder, part)
     stored_result = complete_blocks(stored_result, part=part, executor=executor, progress=progress, announce=announce)
-    missing = _UnfinishedMembers(stored_result, part)
-    return missing.total - missing.count
+    unfinished_members = _UnfinishedMembers(stored_result, part)
+    return unfinished_members.total - unfinished_members.count
 
 
 def prepare_result_folder(study: Study, folder: str | Path, part: tuple[int, int] | None = None) -> StoredResult:
@@ -172,15 +172,17 @@ def complete_blocks(
     `update` receives a new estimate of the run time after the first block, if much time remains and the first estimate
     was too low. Raises the errors of `compute_missing_blocks`.
     """
-    missing = _UnfinishedMembers(stored_result, part)
+    unfinished_members = _UnfinishedMembers(stored_result, part)
     with contextlib.ExitStack() as stack:
         pool = stack.enter_context(executor_or_thread_pool(executor))
         advance = stack.enter_context(
-            progress_bar("repetitions", missing.total, missing.total - missing.count, progress)
+            progress_bar(
+                "repetitions", unfinished_members.total, unfinished_members.total - unfinished_members.count, progress
+            )
         )
-        if missing.count:
+        if unfinished_members.count:
             stack.enter_context(_add_finished_count_to_errors(stored_result))
-            _compute_blocks(stored_result, missing, pool, advance, announce, update)
+            _compute_blocks(stored_result, unfinished_members, pool, advance, announce, update)
     stored_result = stored_result.reload()
     if _UnfinishedMembers(stored_result, part).count or not (stored_result.path / STUDY_FILE).exists():
         raise StoreError(
@@ -190,7 +192,7 @@ def complete_blocks(
 
 
 def _compute_blocks(
-    stored_result: StoredResult, missing: _UnfinishedMembers, pool: Executor, advance: Callable[[int], None],
+    stored_result: StoredResult, unfinished_members: _UnfinishedMembers, pool: Executor, advance: Callable[[int], None],
     announce: Callable[[str], None] | None, update: Callable[[str], None] | None,
 ) -> None:  # fmt: skip
     """Compute the blocks that are missing in a stored result, and write them to files.
@@ -209,7 +211,7 @@ def _compute_blocks(
         if is_first and update is not None and num_workers is not None:
             is_first = False
             estimate = _format_revised_time_estimate(
-                missing,
+                unfinished_members,
                 len(members),
                 time.monotonic() - start_time,
                 num_workers,
@@ -223,10 +225,12 @@ def _compute_blocks(
         folder = None if is_local else stack.enter_context(_create_run_token(stored_result.path))
         is_visible = folder is not None and pool.submit(folder.is_accessible).result()
         if announce is not None:
-            announce(_describe_remaining_work(stored_result, missing, is_local or is_visible, num_workers or 1))
+            announce(
+                _describe_remaining_work(stored_result, unfinished_members, is_local or is_visible, num_workers or 1)
+            )
         max_tasks = MAX_SUBMITTED_TASKS if is_visible else MAX_RETURNED_TASKS
         _submit_member_ranges(
-            missing, pool, max_tasks, accept_block, compute_block, __version__, stored_result.study, folder
+            unfinished_members, pool, max_tasks, accept_block, compute_block, __version__, stored_result.study, folder
         )
 
 
@@ -263,26 +267,26 @@ def _add_finished_count_to_errors(stored_result: StoredResult) -> Iterator[None]
 
 
 def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> xarray.Dataset:
-    missing = _UnfinishedMembers(StoredResult(Path(), study, ()), None)
+    unfinished_members = _UnfinishedMembers(StoredResult(Path(), study, ()), None)
     axis = len(study.surfaces.cell_coordinates())
     arrays: ArraysByName = {}
 
     def accept_arrays(members: range, sums: ArraysByName) -> None:
         for name, values in sums.items():
-            position = 0 if name in MEMBER_COORDINATE_TYPES else axis
+            member_axis = 0 if name in MEMBER_COORDINATE_TYPES else axis
             if name not in arrays:
-                shape = (*values.shape[:position], missing.total, *values.shape[position + 1 :])
+                shape = (*values.shape[:member_axis], unfinished_members.total, *values.shape[member_axis + 1 :])
                 arrays[name] = np.empty(shape, values.dtype)
-            arrays[name][(*(slice(None),) * position, slice(members.start, members.stop))] = values
+            arrays[name][(*(slice(None),) * member_axis, slice(members.start, members.stop))] = values
         advance(len(members))
 
     with contextlib.ExitStack() as stack:
         pool = stack.enter_context(executor_or_thread_pool(executor))
-        advance = stack.enter_context(progress_bar("repetitions", missing.total, 0, progress))
+        advance = stack.enter_context(progress_bar("repetitions", unfinished_members.total, 0, progress))
         _submit_member_ranges(
-            missing, pool, MAX_SUBMITTED_TASKS, accept_arrays, compute_block_arrays, __version__, study
+            unfinished_members, pool, MAX_SUBMITTED_TASKS, accept_arrays, compute_block_arrays, __version__, study
         )
-    return build_dataset(study, range(missing.total), arrays, find_body_attributes(study))
+    return build_dataset(study, range(unfinished_members.total), arrays, find_body_attributes(study))
 
 
 # if the estimated time (s) on all threads exceeds this limit, advice on shortening the run is printed
@@ -290,17 +294,17 @@ LONG_RUN_TIME = 600.0
 
 
 def _describe_remaining_work(
-    stored_result: StoredResult, missing: _UnfinishedMembers, is_visible: bool, workers: int
+    stored_result: StoredResult, unfinished_members: _UnfinishedMembers, is_visible: bool, workers: int
 ) -> str:
     """Describe the remaining work in one line: run time, number and size of files, and whether disk space is short."""
     study = stored_result.study
     free_bytes = shutil.disk_usage(stored_result.path).free
-    num_files = sum(1 for _ in missing)
-    size = missing.count * compute_member_size(study)
+    num_files = sum(1 for _ in unfinished_members)
+    size = unfinished_members.count * compute_member_size(study)
     space_text = f", with {format_bytes(free_bytes)} free" if size > free_bytes / 2 else ""
     writer_text = "" if is_visible else "; the workers cannot reach the folder, so this process writes the files"
-    seconds = missing.count * estimate_member_time(study)
-    elapsed_time = seconds / min(workers, missing.count)
+    seconds = unfinished_members.count * estimate_member_time(study)
+    elapsed_time = seconds / min(workers, unfinished_members.count)
     time_text = f"about {format_duration(seconds)} of one core"
     time_text += (
         f", {format_duration(elapsed_time)} on {workers} threads"
@@ -309,7 +313,7 @@ def _describe_remaining_work(
     )
     advice = "; fewer repetitions or smaller scans reduce the time" if elapsed_time > LONG_RUN_TIME else ""
     return (
-        f"computing {missing.count} repetitions: {time_text}, {format_bytes(size)} in {num_files} "
+        f"computing {unfinished_members.count} repetitions: {time_text}, {format_bytes(size)} in {num_files} "
         f"{'file' if num_files == 1 else 'files'}{space_text}{writer_text}{advice}"
     )
 
@@ -318,16 +322,16 @@ MIN_REPORTED_TIME = 60.0  # if the remaining time (s) exceeds this limit, a new 
 
 
 def _format_revised_time_estimate(
-    missing: _UnfinishedMembers, members: int, seconds: float, workers: int, cost: float
+    unfinished_members: _UnfinishedMembers, members: int, seconds: float, workers: int, cost: float
 ) -> str:
     """Return a line with a better estimate of the run time, based on the first block.
 
     The line is empty if little time remains, or if the first estimate was right.
     """
-    remaining_time = seconds * (missing.count / (members * workers) - 1)
+    remaining_time = seconds * (unfinished_members.count / (members * workers) - 1)
     if remaining_time < MIN_REPORTED_TIME or seconds < 2 * members * cost:
         return ""
-    progress_text = f"{members} of {missing.count} repetitions took {format_duration(seconds)}"
+    progress_text = f"{members} of {unfinished_members.count} repetitions took {format_duration(seconds)}"
     return f"{progress_text}; the rest takes about {format_duration(remaining_time)} more"
 
 
@@ -335,11 +339,11 @@ class _UnfinishedMembers:
     """Unfinished members of a study or of one part of it. Each range of members lies within one block."""
 
     def __init__(self, stored_result: StoredResult, part: tuple[int, int] | None) -> None:
-        members = stored_result.study.ensemble.repetitions
+        num_members = stored_result.study.ensemble.repetitions
         self.block_size = choose_block_size(stored_result.study)
         first, step = (1, 1) if part is None else part
-        self._blocks = range(first - 1, -(-members // self.block_size), step)
-        self._is_finished = np.zeros(members, np.bool_)
+        self._blocks = range(first - 1, -(-num_members // self.block_size), step)
+        self._is_finished = np.zeros(num_members, np.bool_)
         self._is_finished[stored_result.finished_members] = True
         finished_by_block = [
             self._is_finished[block * self.block_size : (block + 1) * self.block_size] for block in self._blocks
@@ -359,15 +363,15 @@ class _UnfinishedMembers:
 
 
 def _submit_member_ranges(
-    missing: _UnfinishedMembers, pool: Executor, max_tasks: int, accept: Callable[[range, Any], None],
+    unfinished_members: _UnfinishedMembers, pool: Executor, max_tasks: int, accept: Callable[[range, Any], None],
     task: Callable[..., Any], *arguments: Any,
 ) -> None:  # fmt: skip
     """Submit a task for each range of missing members, and pass the result of the task to `accept`.
 
     At most `max_tasks` tasks are queued at a time. An error cancels the remaining tasks.
     """
-    ranges = iter(missing)
-    task = wrap_to_use_idle_threads(task, pool, sum(1 for _ in missing), count_grid_points(arguments[1]))
+    ranges = iter(unfinished_members)
+    task = wrap_to_use_idle_threads(task, pool, sum(1 for _ in unfinished_members), count_grid_points(arguments[1]))
     pending_members: dict[Future[Any], range] = {}
     # `concurrent.futures.wait` would lock all futures. If it were interrupted, some futures would remain locked.
     finished_futures: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()

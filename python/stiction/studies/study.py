@@ -205,19 +205,19 @@ def _add_bracketing_loads(
     This applies to the half-space of generated surfaces. Returns an empty dictionary if no loads are requested, if the
     study has its own load curve, or if a table is invalid.
     """
-    requested = friction.get("load") or (
+    requested_loads = friction.get("load") or (
         contact.get("load") if isinstance(contact.get("load"), (list, tuple)) else None
     )
     has_curve_loads = bool(friction.get("load")) and "load" in contact
     if (
         contact.get("mechanics") != "half-space"
-        or not isinstance(requested, (list, tuple))
-        or not requested
+        or not isinstance(requested_loads, (list, tuple))
+        or not requested_loads
         or has_curve_loads
     ):
         return {}
     try:
-        loads = [float(quantity(load, "force")) for load in requested]
+        loads = [float(quantity(load, "force")) for load in requested_loads]
         upper_load = max(loads) * MAX_AREAL_LOAD_RATIO
         if contact.get("hardness") is not None:
             max_load = float(quantity(contact["hardness"], "pressure")) * _compute_nominal_area(surfaces)
@@ -229,8 +229,8 @@ def _add_bracketing_loads(
         exact_quantity_text(float(f"{load:.6g}"), "mN") for load in (min(loads) / MAX_AREAL_LOAD_RATIO, upper_load)
     ]
     return {
-        "contact": {**contact, "load": [bracketing_loads[0], *requested, bracketing_loads[1]]},
-        "friction": {**friction, "load": [*requested]},
+        "contact": {**contact, "load": [bracketing_loads[0], *requested_loads, bracketing_loads[1]]},
+        "friction": {**friction, "load": [*requested_loads]},
     }
 
 
@@ -306,9 +306,9 @@ class Study(SettingsTable):
             return value
         if not isinstance(value, Mapping):
             raise ValueError(f"must be a table, got {short_repr(value)}")
-        case = select_surface_settings_class(value)
-        check_keys(value, case, SURFACE_SETTINGS_CLASSES)
-        return case.model_validate(value)
+        settings_class = select_surface_settings_class(value)
+        check_keys(value, settings_class, SURFACE_SETTINGS_CLASSES)
+        return settings_class.model_validate(value)
 
     @field_validator("contact", "friction", mode="before")
     @classmethod
@@ -326,9 +326,9 @@ class Study(SettingsTable):
         # if the contact is None, only the error of the table `[contact]` is reported
         contact = info.data.get("contact")
         mechanics = "half-space" if contact is None else contact.mechanics
-        case = select_friction_settings_class(type(surfaces), mechanics)
-        check_keys(value, case, SHARED_FRICTION_SETTINGS_CLASSES)
-        return case.model_validate(value)
+        settings_class = select_friction_settings_class(type(surfaces), mechanics)
+        check_keys(value, settings_class, SHARED_FRICTION_SETTINGS_CLASSES)
+        return settings_class.model_validate(value)
 
     @model_validator(mode="after")
     def _require_consistent_tables(self) -> Study:
@@ -390,9 +390,9 @@ class Study(SettingsTable):
         """Return the names of the contact sums that are stored for each member and loading step."""
         if self.uses_half_space:
             return HALF_SPACE_SUM_QUANTITIES + (ADHESION_QUANTITIES if self.contact.adheres else ())
-        approach = ("approach",) if self.step_quantity == "load" else ()
-        onset = ONSET_QUANTITIES if self.contact.onset is not None else ()
-        return SUM_QUANTITIES + (AREAL_SUM_QUANTITIES if self.is_areal else ()) + approach + onset
+        approach_names = ("approach",) if self.step_quantity == "load" else ()
+        onset_names = ONSET_QUANTITIES if self.contact.onset is not None else ()
+        return SUM_QUANTITIES + (AREAL_SUM_QUANTITIES if self.is_areal else ()) + approach_names + onset_names
 
     def motion_coordinates(self) -> dict[str, list[Any]]:
         """Return the sliding rules and directions (degrees) that are dimensions of a result."""

@@ -302,12 +302,11 @@ def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> Poi
         other_entry = other_budget.get(entry.words, entry)
         low, high = min(entry.lower, other_entry.lower), max(entry.upper, other_entry.upper)
         budget.append(UncertaintyBudgetEntry(entry.words, low, high, high - low))
-    value = other_point.rules[0]
+    other_coefficient = other_point.rules[0]
     is_measured = point.at["cut_off"] == 0
-    text = (
-        f"; {'without' if is_measured else 'with'} them μ_s is {format_estimate(value.value, value.lower, value.upper)}"
-    )
-    text = text if math.isfinite(value.value) else ""
+    other_text = format_estimate(other_coefficient.value, other_coefficient.lower, other_coefficient.upper)
+    text = f"; {'without' if is_measured else 'with'} them μ_s is {other_text}"
+    text = text if math.isfinite(other_coefficient.value) else ""
     own_caveats = [replace(each, text=each.text + text) if each.has_readings else each for each in point.caveats]
     caveat_texts = {each.text for each in point.caveats}
     other_caveats = [

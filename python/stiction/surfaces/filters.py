@@ -105,9 +105,13 @@ def filtered(
     body = as_body("body", body)
     if robust and periodic:
         raise ValueError("periodic must be False for a robust filter, got True")
-    length = validate_cutoff("cutoff", cutoff, body, longest=1.0)
-    mean_line = robust_gaussian_low_pass(body, length) if robust else gaussian_low_pass(body, length, periodic=periodic)
-    description = f"{'robust Gaussian regression' if robust else 'Gaussian'}, {length:g} µm"
+    cutoff_length = validate_cutoff("cutoff", cutoff, body, longest=1.0)
+    mean_line = (
+        robust_gaussian_low_pass(body, cutoff_length)
+        if robust
+        else gaussian_low_pass(body, cutoff_length, periodic=periodic)
+    )
+    description = f"{'robust Gaussian regression' if robust else 'Gaussian'}, {cutoff_length:g} µm"
     if kind == "S":
         return body.changed(mean_line, f"S-filter ({description})")  # type: ignore[return-value]
     return body.changed(body.heights - mean_line, f"L-filter ({description})")  # type: ignore[return-value]
@@ -137,19 +141,23 @@ def gaussian_low_pass(body: Profile | Surface, cutoff: float, *, periodic: bool 
     """Compute the mean line or mean surface of the linear Gaussian filter with a cutoff (µm)."""
     mean = body.heights.mean()
     heights = body.heights - mean
-    lengths = [cutoff / step for step in body.spacings]
+    cutoffs_in_points = [cutoff / step for step in body.spacings]
     measured_weights = None if body.missing is None else (~body.missing).astype(np.float64)
     if periodic:
-        mean_line = _filter_periodic(heights if measured_weights is None else heights * measured_weights, lengths)
+        mean_line = _filter_periodic(
+            heights if measured_weights is None else heights * measured_weights, cutoffs_in_points
+        )
         if measured_weights is not None:
-            mean_line = _divide_by_weights(mean_line, _filter_periodic(measured_weights, lengths), heights)
-    elif max(lengths) < _MIN_REGRESSION_POINTS:
-        mean_line = _filter_reflected(heights, lengths)
+            mean_line = _divide_by_weights(mean_line, _filter_periodic(measured_weights, cutoffs_in_points), heights)
+    elif max(cutoffs_in_points) < _MIN_REGRESSION_POINTS:
+        mean_line = _filter_reflected(heights, cutoffs_in_points)
     elif measured_weights is not None:
-        mean_line = _fit_local_polynomials(heights, measured_weights, lengths, _linear_exponents(heights.ndim))
+        mean_line = _fit_local_polynomials(
+            heights, measured_weights, cutoffs_in_points, _linear_exponents(heights.ndim)
+        )
     else:
         mean_line = heights
-        for axis, length in enumerate(lengths):
+        for axis, length in enumerate(cutoffs_in_points):
             mean_line = _fit_local_lines(mean_line, axis, length) if mean_line.shape[axis] > 1 else mean_line
     return np.asarray(mean_line + mean)
 
@@ -158,11 +166,11 @@ def robust_gaussian_low_pass(body: Profile | Surface, cutoff: float) -> Floats:
     """Compute the mean line or mean surface of the robust Gaussian regression filter with a cutoff (µm)."""
     mean = body.heights.mean()
     heights = body.heights - mean
-    lengths = [cutoff / step for step in body.spacings]
+    cutoffs_in_points = [cutoff / step for step in body.spacings]
     measured_weights = np.ones(heights.shape) if body.missing is None else (~body.missing).astype(np.float64)
     weights, previous_mean_line = measured_weights, heights
     for _ in range(_MAX_ITERATIONS):
-        mean_line = _fit_local_polynomials(heights, weights, lengths, _quadratic_exponents(heights.ndim))
+        mean_line = _fit_local_polynomials(heights, weights, cutoffs_in_points, _quadratic_exponents(heights.ndim))
         residual = np.abs(heights - mean_line)
         scale = _BIWEIGHT_SCALE * float(np.median(residual[measured_weights > 0]))
         if np.abs(mean_line - previous_mean_line).max() <= _ROBUST_TOLERANCE * scale or scale == 0:
@@ -198,18 +206,18 @@ def _filter_reflected(heights: Floats, lengths: Sequence[float]) -> Floats:
     """
     from scipy.fft import dctn, idctn
 
-    tilt = np.zeros_like(heights)
+    tilt_plane = np.zeros_like(heights)
     transmission = np.ones_like(heights)
     for axis, length in enumerate(lengths):
         points = heights.shape[axis]
         centred_index = np.arange(points) - (points - 1) / 2
         other_axes = tuple(other for other in range(heights.ndim) if other != axis)
         slope = centred_index @ heights.mean(axis=other_axes) / max(float(centred_index @ centred_index), 1.0)
-        tilt = tilt + slope * _reshape_along_axis(centred_index, axis, heights.ndim)
+        tilt_plane = tilt_plane + slope * _reshape_along_axis(centred_index, axis, heights.ndim)
         transmission = transmission * _reshape_along_axis(
             gaussian_transmission(np.pi * np.arange(points) / points, length), axis, heights.ndim
         )
-    return np.asarray(tilt + idctn(dctn(heights - tilt, norm="ortho") * transmission, norm="ortho"))
+    return np.asarray(tilt_plane + idctn(dctn(heights - tilt_plane, norm="ortho") * transmission, norm="ortho"))
 
 
 def _divide_by_weights(sums: Floats, weights: Floats, heights: Floats) -> Floats:

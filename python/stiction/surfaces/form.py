@@ -42,8 +42,10 @@ def fit_round_form(
     """
     from scipy.optimize import least_squares
 
-    axes = [step * (np.arange(points) - (points - 1) / 2) for points, step in zip(heights.shape, spacing, strict=True)]
-    x, y = axes[-1], (axes[0][:, np.newaxis] if len(axes) == 2 else np.zeros(1))
+    axis_coordinates = [
+        step * (np.arange(points) - (points - 1) / 2) for points, step in zip(heights.shape, spacing, strict=True)
+    ]
+    x, y = axis_coordinates[-1], (axis_coordinates[0][:, np.newaxis] if len(axis_coordinates) == 2 else np.zeros(1))
     positions = np.broadcast_to(x, heights.shape), np.broadcast_to(y, heights.shape)
     measured_mask = np.ones(heights.shape, bool) if missing is None else ~missing
     measured_positions = positions[0][measured_mask], positions[1][measured_mask]
@@ -83,9 +85,9 @@ def _cylinder_heights(values: Floats, points: PointCoordinates) -> Floats:
     height, curvature, slope, slope_along_axis, angle = values
     x, y = points
     across = y * math.cos(angle) - x * math.sin(angle)
-    axis = x * math.cos(angle) + y * math.sin(angle)
+    along_axis = x * math.cos(angle) + y * math.sin(angle)
     arc_heights = _arc_heights(across**2, slope * across, curvature, 1 / math.sqrt(1 + slope**2))
-    return np.asarray(height + slope_along_axis * axis + arc_heights)
+    return np.asarray(height + slope_along_axis * along_axis + arc_heights)
 
 
 _FORM_MODELS: dict[str, _FormModel] = {

@@ -157,11 +157,13 @@ def fill_profile_family(
     phase_array = float_array("phases", phases, ndim=2)
     dimensions = float_array("fractal_dimensions", fractal_dimensions, ndim=1)
     extent = validate_number("extent", extent, unit="µm", above=0)
-    frequencies = phase_array.shape[1]
+    num_frequencies = phase_array.shape[1]
     scale, gamma = _validate_length_scale_and_gamma(length_scale, gamma, band_limit)
-    amplitudes = [_frequency_amplitudes(dimension, frequencies, scale, gamma, convention) for dimension in dimensions]
+    amplitudes = [
+        _frequency_amplitudes(dimension, num_frequencies, scale, gamma, convention) for dimension in dimensions
+    ]
     return stiction._core.harmonic_profiles(
-        phase_array, np.array(amplitudes).reshape(len(amplitudes), frequencies), family,
+        phase_array, np.array(amplitudes).reshape(len(amplitudes), num_frequencies), family,
         spacing=extent / family.shape[1], length_scale=scale, gamma=gamma, band_limited=band_limit == "nyquist",
     )  # fmt: skip
 
@@ -312,11 +314,11 @@ def weierstrass_mandelbrot_surface(
     phase_array = float_array("phases", phases, ndim=2)
     if not phase_array.size:
         raise ValueError(f"phases must have at least one direction and one frequency, got shape {phase_array.shape}")
-    frequencies = phase_array.shape[1]
+    num_frequencies = phase_array.shape[1]
     rows, columns = parse_shape(shape, least=2)
     extents = parse_lengths("extent", extent)
     scale, gamma = _validate_length_scale_and_gamma(length_scale, gamma, band_limit)
-    amplitudes = _frequency_amplitudes(fractal_dimension, frequencies, scale, gamma, convention)
+    amplitudes = _frequency_amplitudes(fractal_dimension, num_frequencies, scale, gamma, convention)
     heights = np.empty((rows, columns))
     spacing = extents[0] / rows, extents[1] / columns
     stiction._core.harmonic_surface(

@@ -264,13 +264,13 @@ def estimate_hurst_exponent(
 
     selection: slice | NDArray[np.bool_]
     if band is None:
-        selection, piece = _find_self_affine_band(wave_number, power, variance_factor)
-        selection, piece = _remove_noisy_end(wave_number, power, variance_factor, selection, piece)
+        selection, piece_bins = _find_self_affine_band(wave_number, power, variance_factor)
+        selection, piece_bins = _remove_noisy_end(wave_number, power, variance_factor, selection, piece_bins)
     else:
         if not isinstance(band, (tuple, list)) or len(band) != 2:
             raise ValueError(f"band must be a pair (shortest, longest) of wavelengths, got {band!r}")
         shortest = validate_number("band", band[0], unit="µm", above=0)
-        selection, piece = (
+        selection, piece_bins = (
             is_within_wavelength_band(
                 wave_number, shortest, validate_number("band", band[1], unit="µm", above=shortest)
             ),
@@ -286,8 +286,8 @@ def estimate_hurst_exponent(
     dispersion = max(1.0, bins.deviance(exponent, bins.count / variance_factor))
     fit = PowerLawFit(np.log(q), power, np.full(q.size, 1 / (variance_factor * dispersion)))
     lower, upper = fit.exponent_interval(fit.min_loss + _CHI_SQUARED_95 / 2)
-    if piece is not None:  # the interval also includes the uncertainty of the end of the roll-off
-        roll_off_fits = _fit_roll_offs(piece, piece.count / (variance_factor * dispersion))
+    if piece_bins is not None:  # the interval also includes the uncertainty of the end of the roll-off
+        roll_off_fits = _fit_roll_offs(piece_bins, piece_bins.count / (variance_factor * dispersion))
         max_loss = min(roll_off_fit.min_loss for roll_off_fit in roll_off_fits) + _CHI_SQUARED_95 / 2
         intervals = [
             roll_off_fit.exponent_interval(max_loss)

@@ -107,16 +107,16 @@ class JoinedSpectrum(TextRepr):
         """
         is_shared = (self.contribution > 0).sum(axis=0) > 1
         ratios = np.full(len(self.bands), np.nan)
-        for scan, ratio in enumerate(self.ratio):
+        for scan_index, ratio in enumerate(self.ratio):
             is_compared = is_shared & np.isfinite(ratio)
-            weight = self.contribution[scan, is_compared]
+            weight = self.contribution[scan_index, is_compared]
             if is_compared.any() and (weight < 1).any():
                 # The combined density includes the density of the scan itself.
                 # This contribution is removed before the comparison.
                 other_density = (1 - weight * ratio[is_compared]) / (1 - weight)
                 with np.errstate(divide="ignore", invalid="ignore"):
                     log_ratios = np.log(ratio[is_compared] / other_density)
-                ratios[scan] = (
+                ratios[scan_index] = (
                     math.exp(float(np.average(log_ratios, weights=self.count[is_compared])))
                     if (other_density > 0).all()
                     else np.inf
@@ -129,12 +129,14 @@ class JoinedSpectrum(TextRepr):
         is_shared = (self.contribution > 0).sum(axis=0) > 1
         independent_counts = self.contribution * self.count / _WAVE_VECTORS_PER_INDEPENDENT_VALUE
         result = np.full(len(self.bands), np.nan)
-        for scan, scan_counts in enumerate(independent_counts):
+        for scan_index, scan_counts in enumerate(independent_counts):
             is_compared = is_shared & (scan_counts > 0)
             if is_compared.any():
                 other_counts = independent_counts[:, is_compared].sum(axis=0) - scan_counts[is_compared]
                 weight = self.count[is_compared] / self.count[is_compared].sum()
-                result[scan] = math.sqrt(float(np.square(weight) @ (1 / scan_counts[is_compared] + 1 / other_counts)))
+                result[scan_index] = math.sqrt(
+                    float(np.square(weight) @ (1 / scan_counts[is_compared] + 1 / other_counts))
+                )
         return make_read_only(result)
 
     def roughness(self) -> ScaleDependentRoughness:

@@ -36,10 +36,12 @@ def interpolate_missing_points(heights: Floats, *, extrapolate: bool) -> Floats:
     for to_edge in (False, True)[: 1 + extrapolate]:
         for lines in (filled_heights, filled_heights.T) if filled_heights.ndim == 2 else (filled_heights[np.newaxis],):
             for line in lines:
-                is_measured = np.flatnonzero(~np.isnan(line))
-                if 0 < is_measured.size < line.size:
-                    inside = np.arange(line.size) if to_edge else np.arange(is_measured[0], is_measured[-1] + 1)
-                    line[inside] = np.interp(inside, is_measured, line[is_measured])
+                measured_indices = np.flatnonzero(~np.isnan(line))
+                if 0 < measured_indices.size < line.size:
+                    target_indices = (
+                        np.arange(line.size) if to_edge else np.arange(measured_indices[0], measured_indices[-1] + 1)
+                    )
+                    line[target_indices] = np.interp(target_indices, measured_indices, line[measured_indices])
     return filled_heights
 
 
@@ -60,8 +62,8 @@ def describe_missing_points(missing: NDArray[np.bool_], spacing: tuple[float, ..
         f"{axis} {format_with_unit(extent.start * step, 'µm')} to {format_with_unit(extent.stop * step, 'µm')}"
         for axis, extent, step in zip("xy", bounding_box[::-1], spacing[::-1], strict=False)
     ]
-    count = "1 point" if points == 1 else f"{points} points"
-    return f"{100 * missing.mean():.2g} % of all points; the largest gap has {count}, at {', '.join(ends)}"
+    count_text = "1 point" if points == 1 else f"{points} points"
+    return f"{100 * missing.mean():.2g} % of all points; the largest gap has {count_text}, at {', '.join(ends)}"
 
 
 def find_outliers(heights: Floats) -> NDArray[np.bool_]:

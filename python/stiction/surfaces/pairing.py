@@ -378,14 +378,14 @@ class MapPairs:
 
     def map_shift(self, index: int) -> tuple[float, float]:
         """Return the shift of the upper map along x and y, µm."""
-        upper, lower = self.piece_origins(index)
+        upper_origin, lower_origin = self.piece_origins(index)
         dy, dx = self.spacing
-        return (lower[1] - upper[1]) * dx, (lower[0] - upper[0]) * dy
+        return (lower_origin[1] - upper_origin[1]) * dx, (lower_origin[0] - upper_origin[0]) * dy
 
     def pair(self, index: int) -> tuple[Surface, Surface]:
         """Return the two levelled pieces at one relative position."""
-        upper, lower = self.piece_origins(index)
-        return self._cut_piece(self.upper, upper), self._cut_piece(self.lower, lower)
+        upper_origin, lower_origin = self.piece_origins(index)
+        return self._cut_piece(self.upper, upper_origin), self._cut_piece(self.lower, lower_origin)
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
         """Return levelled pieces from surrogates of the whole maps."""

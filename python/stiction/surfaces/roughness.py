@@ -326,10 +326,10 @@ def _slopes_along(heights: Floats, axis: int, derivative: Derivative) -> Floats:
 def _developed_area_ratio(heights: Floats, spacing: tuple[float, float]) -> float:
     """Return the area of the triangles between points divided by the projected area, minus 1."""
     area_sum = 0.0
-    corners = heights[:-1, :-1], heights[:-1, 1:], heights[1:, :-1], heights[1:, 1:]
+    corner_heights = heights[:-1, :-1], heights[:-1, 1:], heights[1:, :-1], heights[1:, 1:]
     # The slopes of each triangle are determined by its side along x and its side along y.
-    for step_x in (corners[1] - corners[0], corners[3] - corners[2]):
-        for step_y in (corners[2] - corners[0], corners[3] - corners[1]):
+    for step_x in (corner_heights[1] - corner_heights[0], corner_heights[3] - corner_heights[2]):
+        for step_y in (corner_heights[2] - corner_heights[0], corner_heights[3] - corner_heights[1]):
             squared_gradient = np.square(step_x / spacing[1]) + np.square(step_y / spacing[0])
             # This form of sqrt(1 + squares) - 1 avoids cancellation.
             area_sum += float(np.mean(squared_gradient / (1 + np.sqrt(1 + squared_gradient)))) / 4
@@ -354,23 +354,23 @@ def _decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[flo
     decay_distance = np.full(_NUM_DIRECTIONS, np.nan)
     previous_correlation = np.ones(_NUM_DIRECTIONS)
     for index in range(1, int(max_distance.max() / step) + 1):
-        searching = np.flatnonzero(np.isnan(decay_distance) & (index * step <= max_distance))
-        if not searching.size:
+        undecayed_indices = np.flatnonzero(np.isnan(decay_distance) & (index * step <= max_distance))
+        if not undecayed_indices.size:
             break
         distance = index * step
-        y = distance * np.sin(angle[searching]) / spacing[0]
-        x = distance * np.cos(angle[searching]) / spacing[1]
+        y = distance * np.sin(angle[undecayed_indices]) / spacing[0]
+        x = distance * np.cos(angle[undecayed_indices]) / spacing[1]
         current_correlation = _interpolate_bilinear(correlation, y, x)
         has_decayed = current_correlation < DECAY_AUTOCORRELATION
-        last_correlation = previous_correlation[searching]
-        decay_distance[searching[has_decayed]] = (
+        last_correlation = previous_correlation[undecayed_indices]
+        decay_distance[undecayed_indices[has_decayed]] = (
             distance
             - step
             + step
             * (last_correlation[has_decayed] - DECAY_AUTOCORRELATION)
             / (last_correlation[has_decayed] - current_correlation[has_decayed])
         )
-        previous_correlation[searching] = current_correlation
+        previous_correlation[undecayed_indices] = current_correlation
     if np.isnan(decay_distance).all():
         return math.nan, math.nan
     return float(np.nanmin(decay_distance)), math.nan if np.isnan(decay_distance).any() else float(decay_distance.max())

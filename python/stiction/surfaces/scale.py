@@ -431,29 +431,36 @@ def instrument_limit(
     spacing = max(body.spacings)
     spectra = line_spectra(body, periodic)
     disturbances = [_find_disturbance(*disturbance, periodic=periodic, textured=texture) for disturbance in spectra]
-    total_slope = sum(float(np.square(q) @ density) * float(q[0]) / math.pi for q, density, *_ in spectra)
+    total_mean_square_slope = sum(float(np.square(q) @ density) * float(q[0]) / math.pi for q, density, *_ in spectra)
     # Along an axis without roughness, the spectrum contains only round-off.
     noise_wavelengths = [
-        disturbance.wavelength_limit if disturbance.mean_square_slope > _MIN_SLOPE_FRACTION * total_slope else math.nan
+        disturbance.wavelength_limit
+        if disturbance.mean_square_slope > _MIN_SLOPE_FRACTION * total_mean_square_slope
+        else math.nan
         for disturbance in disturbances
     ]
-    noise_slopes = [
+    noise_mean_square_slopes = [
         disturbance.mean_square_slope if limit > 0 else 0.0
         for disturbance, limit in zip(disturbances, noise_wavelengths, strict=True)
     ]
     period = next((disturbance.period for disturbance in disturbances if disturbance.period > 0), math.nan)
-    noisier_axis, is_common, noise_wavelength, noise_slope = 0, True, noise_wavelengths[0], noise_slopes[0]
+    noisier_axis, is_common, noise_wavelength, noise_mean_square_slope = (
+        0,
+        True,
+        noise_wavelengths[0],
+        noise_mean_square_slopes[0],
+    )
     if len(spectra) == 2 and any(limit > 0 for limit in noise_wavelengths):
-        is_common, hidden_slope = _compare_noise_along_axes(spectra, noise_wavelengths)
+        is_common, hidden_mean_square_slope = _compare_noise_along_axes(spectra, noise_wavelengths)
         # If the noise differs between the axes, report the axis with the larger contribution.
-        noisier_axis = int(np.nanargmax(noise_wavelengths if is_common else noise_slopes))
+        noisier_axis = int(np.nanargmax(noise_wavelengths if is_common else noise_mean_square_slopes))
         is_floor = [disturbance.noise_kind in INSTRUMENT_REASONS for disturbance in disturbances]
         noise_wavelength = float(np.nanmin(noise_wavelengths)) if is_common else noise_wavelengths[noisier_axis]
-        noise_slope = hidden_slope + sum(
-            noise_slopes[axis] for axis in range(2) if is_common or is_floor[axis] == is_floor[noisier_axis]
+        noise_mean_square_slope = hidden_mean_square_slope + sum(
+            noise_mean_square_slopes[axis] for axis in range(2) if is_common or is_floor[axis] == is_floor[noisier_axis]
         )
     noise_kind = disturbances[noisier_axis].noise_kind
-    noise_slope_fraction = min(noise_slope / total_slope, 1.0)
+    noise_slope_fraction = min(noise_mean_square_slope / total_mean_square_slope, 1.0)
     if not noise_slope_fraction > _MIN_SLOPE_FRACTION:
         noise_wavelength = math.nan
     origin: LimitOrigin = (

@@ -227,13 +227,15 @@ def self_affine_surface(
     rows, columns = parse_shape(shape, least=4)
     spacing_y, spacing_x = parse_lengths("spacing", spacing)
     extent_y, extent_x = rows * spacing_y, columns * spacing_x
-    longer = max(extent_y, extent_x)
+    longer_extent = max(extent_y, extent_x)
     shortest = _validate_shortest_wavelength(shortest_wavelength, 2 * max(spacing_y, spacing_x), "larger spacing")
-    longest = longer
+    longest = longer_extent
     if longest_wavelength is not None:
         longest = validate_number("longest_wavelength", longest_wavelength, unit="µm", above=shortest)
-        if longest > longer * ROUND_OFF_FACTOR:
-            raise ValueError(f"longest_wavelength must be at most the longer side, {longer:g} µm, got {longest!r}")
+        if longest > longer_extent * ROUND_OFF_FACTOR:
+            raise ValueError(
+                f"longest_wavelength must be at most the longer side, {longer_extent:g} µm, got {longest!r}"
+            )
     check_choice("side", side, Side)
     seed = validate_whole_number("seed", seed, minimum=0)
     repetition = validate_whole_number("repetition", repetition, minimum=0)
@@ -273,7 +275,7 @@ def self_affine_surface(
         if i == 0:
             transform[-orders_y, i] = coefficients.conj()
     if not power > 0:
-        raise ValueError(f"shortest_wavelength must be at most the longer side, {longer:g} µm, got {shortest:g}")
+        raise ValueError(f"shortest_wavelength must be at most the longer side, {longer_extent:g} µm, got {shortest:g}")
     transform *= rms / math.sqrt(power) * rows * columns / 2
     heights = irfft2(transform, (rows, columns), overwrite_x=True)
     return Surface(make_read_only(heights), spacing=(spacing_y, spacing_x))

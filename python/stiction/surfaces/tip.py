@@ -103,9 +103,9 @@ def _tip_offsets_and_heights(
         squared_distance = float(np.square(offsets * spacing).sum())
         if squared_distance > half_width**2 * (1 + 1e-12):
             continue
-        offset_sizes = list(zip(offsets.tolist(), shape, strict=True))
+        offsets_and_sizes = list(zip(offsets.tolist(), shape, strict=True))
         point_slices, neighbour_slices = (
-            tuple(slice(max(0, sign * offset), size + min(0, sign * offset)) for offset, size in offset_sizes)
+            tuple(slice(max(0, sign * offset), size + min(0, sign * offset)) for offset, size in offsets_and_sizes)
             for sign in (-1, 1)
         )
         yield point_slices, neighbour_slices, radius - math.sqrt(max(0.0, radius**2 - squared_distance))

@@ -62,14 +62,16 @@ def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
         headings = {"all": "μ_s all contacts", "opposing": "μ_s opposing contacts"}
         has_fraction = has_nominal_area(point, study) and "contact_area_fraction" in point
         pull_off_heading = ["pull-off"] if "pull_off_pressure" in point else []
-        area = "A/A0" if has_fraction else "A (µm²)"
-        table = [["factor", "gradient", *rms_headings, *(headings[rule] for rule in rules), area, *pull_off_heading]]
+        area_heading = "A/A0" if has_fraction else "A (µm²)"
+        table = [
+            ["factor", "gradient", *rms_headings, *(headings[rule] for rule in rules), area_heading, *pull_off_heading]
+        ]
         table += [
             _height_factor_row(point.isel(height_scale=index), rules, study)
             for index in range(point.sizes["height_scale"])
         ]
-        load = load_text(point.drop_vars("pull_off", errors="ignore"), study)
-        lines += ["", wrap_text(f"At {load}, {material_text}:"), format_table(table)]
+        load_description = load_text(point.drop_vars("pull_off", errors="ignore"), study)
+        lines += ["", wrap_text(f"At {load_description}, {material_text}:"), format_table(table)]
     lines += ["", wrap_text(HEIGHT_SCALE_NOTE)]
     return "\n".join(lines) + "\n"
 

@@ -95,8 +95,8 @@ def onset_note(onset: xarray.Dataset) -> str:
     """Return a note about the number of averaged members and the assumptions for the onset of sliding."""
     attributes = onset.attrs
     members = int(attributes["members"])
-    count = "one member" if members == 1 else f"{members} members"
-    text = f"The onset of sliding is for {count}, with friction at all contacts."
+    count_text = "one member" if members == 1 else f"{members} members"
+    text = f"The onset of sliding is for {count_text}, with friction at all contacts."
     if not int(attributes.get("poisson_given", 1)) and np.isfinite(onset["stiffness"].values[0]):
         text += f" Poisson's ratio is assumed to be {float(np.ravel(attributes['poisson_ratio'])[0]):g}."
     return text

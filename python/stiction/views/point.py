@@ -60,5 +60,5 @@ def averaged_directions_text(directions: Any) -> str:
 
 def motion_direction_text(direction: float) -> str:
     """Return a direction in words, as in "to +x" or "at 30°"."""
-    axes = {0.0: "+x", 90.0: "+y", 180.0: "\N{MINUS SIGN}x", 270.0: "\N{MINUS SIGN}y"}
-    return f"to {axes[direction]}" if direction in axes else f"at {direction:g}°"
+    axis_names = {0.0: "+x", 90.0: "+y", 180.0: "\N{MINUS SIGN}x", 270.0: "\N{MINUS SIGN}y"}
+    return f"to {axis_names[direction]}" if direction in axis_names else f"at {direction:g}°"

@@ -132,13 +132,13 @@ def joined_spectrum_figure(joined: JoinedSpectrum) -> Figure:
 
 def _draw_spectra_panel(axes: Axes, joined: JoinedSpectrum) -> None:
     wavelengths = 2 * math.pi / joined.wave_number
-    for scan, (name, power_ratio) in enumerate(zip(joined.names, joined.ratio, strict=True)):
+    for scan_index, (name, power_ratio) in enumerate(zip(joined.names, joined.ratio, strict=True)):
         label = name if len(name) <= MAX_LABEL_LENGTH else f"…{name[1 - MAX_LABEL_LENGTH :]}"
         axes.plot(
             wavelengths,
             power_ratio * joined.density,
             "o",
-            color=SCAN_COLOURS[scan % len(SCAN_COLOURS)],
+            color=SCAN_COLOURS[scan_index % len(SCAN_COLOURS)],
             markersize=2.5,
             label=label,
         )

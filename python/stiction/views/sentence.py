@@ -175,12 +175,13 @@ def _interface_text(study: Study) -> str:
 
 def _hardness_range_text(study: Study) -> str:
     """Return the range of the hardness, or an empty string if the hardness has no range."""
-    interface = find_uncertain_inputs(study).get("hardness")
-    if interface is None:
+    hardness_input = find_uncertain_inputs(study).get("hardness")
+    if hardness_input is None:
         return ""
     if study.known.hardness is not None:
         return f" ({study.known.hardness})"
-    return f" ({format_with_unit(interface.estimate.low, 'GPa')} to {format_with_unit(interface.estimate.high, 'GPa')})"
+    low, high = (format_with_unit(end, "GPa") for end in (hardness_input.estimate.low, hardness_input.estimate.high))
+    return f" ({low} to {high})"
 
 
 _LOAD_DEFINITION_TEXTS = {

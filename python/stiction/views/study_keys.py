@@ -132,14 +132,14 @@ def _models_with_key(
     base_classes: Sequence[type[values.SettingsTableVariant]],
 ) -> list[str]:
     """Return the names of the models that have a key. A base class replaces its models if all of them have the key."""
-    members = {
+    subclasses = {
         item: {table_class for table_class in table_classes if issubclass(table_class, item)} for item in base_classes
     }
     remaining_classes, class_names = set(owners), []
-    for item in sorted(base_classes, key=lambda item: -len(members[item])):
-        if members[item] <= remaining_classes:
+    for item in sorted(base_classes, key=lambda item: -len(subclasses[item])):
+        if subclasses[item] <= remaining_classes:
             class_names.append(item.place)
-            remaining_classes -= members[item]
+            remaining_classes -= subclasses[item]
     return class_names + [
         table_class.place
         for table_class in table_classes

@@ -105,8 +105,8 @@ def fractal_dimension_colours(dimensions: ArrayLike) -> Floats:
 
 def direction_text(degrees: float) -> str:
     """Return the direction of motion of the upper body (degrees from +x towards +y) as text for figures."""
-    axes = {0.0: "$+x$", 90.0: "$+y$", 180.0: "$-x$", 270.0: "$-y$"}
-    return axes.get(float(degrees) % 360, f"{degrees:g}° from $+x$")
+    axis_names = {0.0: "$+x$", 90.0: "$+y$", 180.0: "$-x$", 270.0: "$-y$"}
+    return axis_names.get(float(degrees) % 360, f"{degrees:g}° from $+x$")
 
 
 def friction_parameters_text(mu0: float, tau0: float, effective_modulus: float | None = None) -> str:

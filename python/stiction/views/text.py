@@ -547,10 +547,10 @@ def quantities_text(points_of_cell: xarray.Dataset, study: Study, *, verbose: bo
     """Format means and 95 % intervals of the reported sliding rule, one row per quantity and one column per load."""
     dataset = points_of_cell.isel({name: 0 for name in ("mu0", "tau0") if name in points_of_cell.dims})
     dataset = dataset.sel(sliding=list_rules_quoted_first(study)[0]) if "sliding" in dataset.dims else dataset
-    loads = list(iterate_points(dataset))
-    has_area_fraction = "contact_area_fraction" in dataset and has_nominal_area(loads[0], study)
+    points = list(iterate_points(dataset))
+    has_area_fraction = "contact_area_fraction" in dataset and has_nominal_area(points[0], study)
     rows: list[list[str]] = []
-    is_in_words = len(loads) == 1 and study.is_measured and not verbose
+    is_in_words = len(points) == 1 and study.is_measured and not verbose
     for name in (*quantity_names_shown_in("table"), *(quantity_names_shown_in("verbose") if verbose else ())):
         is_hidden = {
             "mean_pressure": is_in_words,  # not printed, because the printed load and area determine the mean pressure
@@ -563,26 +563,28 @@ def quantities_text(points_of_cell: xarray.Dataset, study: Study, *, verbose: bo
             label = quantity_label(name, study) + (
                 " at least" if name in LOAD_INDEPENDENT_QUANTITIES and is_bound_on_pull_off(name, dataset) else ""
             )
-            rows += _quantity_row(name, label, [point[name] for point in loads])
+            rows += _quantity_row(name, label, [point[name] for point in points])
             if name == "contact_area_fraction" and rows:
-                rows[-1] = _replace_values_by_statuses(rows[-1], [find_contact_status(point, study) for point in loads])
+                rows[-1] = _replace_values_by_statuses(
+                    rows[-1], [find_contact_status(point, study) for point in points]
+                )
     for name, probability in _VERBOSE_QUANTILES if verbose else ():
         if name in dataset:
             label = f"{QUANTITIES[name].table_label}, {100 * probability:.0f}th percentile"
             rows += _quantity_row(
-                name, label, [point[name].sel(fraction_below=probability, method="nearest") for point in loads]
+                name, label, [point[name].sel(fraction_below=probability, method="nearest") for point in points]
             )
     if verbose and "rms_gradient" in dataset:
         rows += _quantity_row(
-            "rms_gradient", QUANTITIES["rms_gradient"].table_label, [point["rms_gradient"] for point in loads]
+            "rms_gradient", QUANTITIES["rms_gradient"].table_label, [point["rms_gradient"] for point in points]
         )
     if is_in_words:
         label = "; ".join(f"{name} {value.removesuffix(' no interval')} {unit}".rstrip() for name, unit, value in rows)
         return wrap_text(f"{label[:1].upper()}{label[1:]}.")
     first_heading = f"{cell}, mean [95 %]" if cell else "mean [95 %]"
-    headings = [first_heading, *(load_text(point, study) for point in loads)]
+    headings = [first_heading, *(load_text(point, study) for point in points)]
     columns = [[f"{name} ({unit})" if unit else name, *cells] for name, unit, *cells in rows]
-    if len(loads) == 1:
+    if len(points) == 1:
         return format_table([headings, *columns])
     return format_table(
         [

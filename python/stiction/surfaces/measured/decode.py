@@ -126,8 +126,8 @@ class DecodedText:
         kinds[bits & (_DIGIT_BIT | _NON_NUMBER_CHARACTER_BIT | _NUMBER_SYMBOL_BIT) == 0] = BLANK_LINE
         kinds[(bits & _DIGIT_BIT == 0) & (bits & _NUMBER_SYMBOL_BIT != 0)] = TEXT_LINE
         for line_number in np.flatnonzero(bits & _NON_NUMBER_CHARACTER_BIT).tolist():
-            remainder, marks = self.missing_word_pattern.subn(b"", self.raw_line(line_number))
-            is_numeric_row = marks and not remainder.translate(None, NUMERIC_CHARACTERS)
+            remainder, mark_count = self.missing_word_pattern.subn(b"", self.raw_line(line_number))
+            is_numeric_row = mark_count and not remainder.translate(None, NUMERIC_CHARACTERS)
             kinds[line_number] = NUMBER_LINE if is_numeric_row else TEXT_LINE
         # A line of asterisks or dashes between rows of numbers is a row of missing points.
         # Other lines of asterisks or dashes are separators.
@@ -145,10 +145,10 @@ class DecodedText:
 
 def is_text(data: bytes) -> bool:
     """Return whether the bytes of a file begin with text in any encoding."""
-    start = data[:4096]
-    if start.startswith((b"\xff\xfe", b"\xfe\xff")) or _detect_utf16(start):
+    first_bytes = data[:4096]
+    if first_bytes.startswith((b"\xff\xfe", b"\xfe\xff")) or _detect_utf16(first_bytes):
         return True
-    return not start.translate(None, bytes(sorted({*range(256)} - {*range(9), *range(14, 26), *range(27, 32)})))
+    return not first_bytes.translate(None, bytes(sorted({*range(256)} - {*range(9), *range(14, 26), *range(27, 32)})))
 
 
 def decode_text(data: bytes, words: tuple[str, ...] = ()) -> DecodedText:
@@ -192,13 +192,13 @@ def _to_utf8(data: bytes) -> tuple[str, bytes]:
         pass
     else:
         return "utf-8", data
-    start = data[:100_000]
+    first_bytes = data[:100_000]
     # The sample ends at the end of a line, so that all its characters are complete.
-    start = start[: start.rfind(b"\n") + 1] or start
+    first_bytes = first_bytes[: first_bytes.rfind(b"\n") + 1] or first_bytes
     candidates = []
     for encoding in _LEGACY_ENCODINGS:
         try:
-            text = start.decode(encoding)
+            text = first_bytes.decode(encoding)
         except UnicodeDecodeError:
             continue
         candidates.append((len(_ENCODING_HINT_PATTERN.findall(text)), encoding))

@@ -52,11 +52,13 @@ def read_excel(data: bytes, words: tuple[str, ...] = ()) -> HeightChannels:
         content = layout.read(sheets)
         assert isinstance(content, ColumnTable)
         return HeightChannels(("DATA",), lambda _: _with_layout(content, layout.name), 0)
-    filled = [name for name, rows in sheets.items() if _find_numeric_columns(rows)]
-    if not filled:
+    filled_sheets = [name for name, rows in sheets.items() if _find_numeric_columns(rows)]
+    if not filled_sheets:
         raise FormatError("is a workbook without a column of numbers")
     return HeightChannels(
-        tuple(filled), lambda index: parse_sheet(sheets[filled[index]], words), 0 if len(filled) == 1 else None
+        tuple(filled_sheets),
+        lambda index: parse_sheet(sheets[filled_sheets[index]], words),
+        0 if len(filled_sheets) == 1 else None,
     )
 
 
@@ -107,9 +109,11 @@ def _is_number_cell(cell: Any) -> bool:
 
 def _find_numeric_columns(rows: Sequence[Sequence[Any]]) -> list[int]:
     """Return the columns with two or more numbers and at least a quarter as many numbers as the fullest column."""
-    numbers: Counter[int] = Counter(index for row in rows for index, cell in enumerate(row) if _is_number_cell(cell))
-    max_count = max(numbers.values(), default=0)
-    return sorted(index for index, count in numbers.items() if count > 1 and 4 * count >= max_count)
+    number_counts: Counter[int] = Counter(
+        index for row in rows for index, cell in enumerate(row) if _is_number_cell(cell)
+    )
+    max_count = max(number_counts.values(), default=0)
+    return sorted(index for index, count in number_counts.items() if count > 1 and 4 * count >= max_count)
 
 
 def _find_data_rows(rows: Sequence[Sequence[Any]], columns: Sequence[int]) -> range:
@@ -126,10 +130,14 @@ def _find_table_columns(rows: Sequence[Sequence[Any]]) -> list[int]:
     An adjoining column contains words, or numbers in a few rows only. An empty column separates two tables.
     """
     numeric_columns = _find_numeric_columns(rows)
-    data = _find_data_rows(rows, numeric_columns)
-    filled = {index for row in rows[data.start : data.stop] for index, cell in enumerate(row) if cell is not None}
+    data_rows = _find_data_rows(rows, numeric_columns)
+    filled_columns = {
+        index for row in rows[data_rows.start : data_rows.stop] for index, cell in enumerate(row) if cell is not None
+    }
     columns: list[int] = []
-    for _, group in itertools.groupby(enumerate(sorted(filled | set(numeric_columns))), lambda item: item[1] - item[0]):
+    for _, group in itertools.groupby(
+        enumerate(sorted(filled_columns | set(numeric_columns))), lambda item: item[1] - item[0]
+    ):
         adjoining_columns = [index for _, index in group]
         columns += adjoining_columns if set(adjoining_columns) & set(numeric_columns) else []
     return columns

@@ -34,23 +34,23 @@ def to_grid(
         for name, index, get_digits in zip("xy", (x, y), digits, strict=True)
     )
     shape = (int(rows.max()) + 1, int(columns.max()) + 1)
-    nodes = shape[0] * shape[1]
-    if nodes > MAX_NODES_PER_POINT * z.size + 10:
+    node_count = shape[0] * shape[1]
+    if node_count > MAX_NODES_PER_POINT * z.size + 10:
         raise FormatError(
             f"lists {z.size} points that are not on a grid, because the grid would have {shape[0]} × {shape[1]} "
             "nodes; interpolate them onto a grid, or export a matrix"
         )
-    node = rows * shape[1] + columns
-    if np.unique(node).size < node.size:
-        repeated_index = int(np.flatnonzero(np.bincount(node, minlength=nodes)[node] > 1)[0])
+    node_indices = rows * shape[1] + columns
+    if np.unique(node_indices).size < node_indices.size:
+        repeated_index = int(np.flatnonzero(np.bincount(node_indices, minlength=node_count)[node_indices] > 1)[0])
         raise FormatError(f"lists more than one point at x {x[repeated_index]:g}, y {y[repeated_index]:g}")
-    heights = np.full(nodes, np.nan)
-    heights[node] = z
-    num_absent = nodes - z.size
-    step = f"{z.size} points on a grid of {shape[0]} × {shape[1]}" + (
+    heights = np.full(node_count, np.nan)
+    heights[node_indices] = z
+    num_absent = node_count - z.size
+    history_entry = f"{z.size} points on a grid of {shape[0]} × {shape[1]}" + (
         f", {num_absent} nodes absent" if num_absent else ""
     )
-    return heights.reshape(shape), (dy, dx), step
+    return heights.reshape(shape), (dy, dx), history_entry
 
 
 def _find_step_and_node_indices(
@@ -65,8 +65,8 @@ def _find_step_and_node_indices(
             f"lists points that all have the same {name}, so they form a profile; choose other columns (--columns)"
         )
     nodes = np.round((positions - positions.min()) / step)
-    count = int(nodes.max())
-    step = float(positions.max() - positions.min()) / count
+    last_node = int(nodes.max())
+    step = float(positions.max() - positions.min()) / last_node
     deviations = np.abs(positions - positions.min() - nodes * step)
     # Measured end positions are as uncertain as all other positions.
     if deviations.max() > EXACT_POSITION_TOLERANCE * step:
@@ -76,7 +76,7 @@ def _find_step_and_node_indices(
     allowed_deviation = MAX_GRID_OFFSET * step
     if deviations[worst_index] > allowed_deviation and digits is not None:
         allowed_deviation += float(np.max(digits()))
-    if deviations[worst_index] > allowed_deviation or (count > 1 and deviations[worst_index] > 0.3 * step):
+    if deviations[worst_index] > allowed_deviation or (last_node > 1 and deviations[worst_index] > 0.3 * step):
         raise FormatError(
             f"lists points that are not on a grid: point {worst_index}, counted from 0, is at {name} "
             f"{positions[worst_index]:g}, and its distance from a node is {deviations[worst_index] / step:.2g} times "

@@ -152,7 +152,7 @@ def parse_declarations(header: Sequence[str], *, footer: Sequence[str] = ()) -> 
     bare_spacings: list[float | None] = [
         _find_first_match(_AXIS_SPACING_PATTERNS[axis], lines, _parse_unitless_number) for axis in "yx"
     ]
-    plain_bare = _find_first_match(
+    plain_bare_spacing = _find_first_match(
         _SPACING_PATTERN, lines, lambda match: _parse_unitless_number(match) if not match[5] else None
     )
     unit_line = next(
@@ -171,7 +171,7 @@ def parse_declarations(header: Sequence[str], *, footer: Sequence[str] = ()) -> 
     is_count = [
         match[1] is None and _parse_float(match[2]).is_integer() and _parse_float(match[2]) >= 0 for match in code_lines
     ]
-    points = next((int(match[1]) for line in lines if (match := _POINT_COUNT_PATTERN.fullmatch(line))), None)
+    point_count = next((int(match[1]) for line in lines if (match := _POINT_COUNT_PATTERN.fullmatch(line))), None)
     unitless_values = tuple(value for value in bare_spacings if value is not None)
     return HeaderDeclarations(
         spacing=_find_first_match(_SPACING_PATTERN, lines, _parse_spacing),
@@ -179,13 +179,17 @@ def parse_declarations(header: Sequence[str], *, footer: Sequence[str] = ()) -> 
         size=_pair_if_complete(
             [_find_first_match(pattern, lines, _parse_bracketed_length) for pattern in _SIZE_PATTERNS]
         ),
-        bare_spacing=unitless_values if unitless_values else None if plain_bare is None else (plain_bare,),
+        bare_spacing=unitless_values
+        if unitless_values
+        else None
+        if plain_bare_spacing is None
+        else (plain_bare_spacing,),
         unit=unit,
         factor=factor,
         codes=tuple(_parse_float(match[2]) for match, count in zip(code_lines, is_count, strict=True) if not count),
         counts=tuple(_parse_float(match[2]) for match, count in zip(code_lines, is_count, strict=True) if count),
         scale="" if factor_line else next(iter(factor_lines), "").strip(),
-        points=points,
+        points=point_count,
         tip_radius=_find_first_match(_TIP_RADIUS_PATTERN, lines, _parse_bracketed_length),
         line=factor_line or unit_line,
     )

@@ -40,8 +40,8 @@ def read_instrument_file(path: Path) -> HeightChannels:
                 "and read it again to see the reason"
             )
         names = tuple(str(channel.name)[:80] for channel in reader.channels)
-        default = int(reader.default_channel.index)
-    return HeightChannels(names, lambda index: _read_channel(path, index, names[index]), default)
+        default_index = int(reader.default_channel.index)
+    return HeightChannels(names, lambda index: _read_channel(path, index, names[index]), default_index)
 
 
 @contextmanager
@@ -75,17 +75,17 @@ def _read_channel(path: Path, index: int, name: str) -> RawHeights:
         has_sizes = channel.physical_sizes is not None
         # SurfaceTopography requires sizes even if the file contains no sizes.
         # The spacing computed from these sizes is not used.
-        sizes = {} if has_sizes else {"physical_sizes": tuple(map(float, np.atleast_1d(channel.nb_grid_pts)))}
+        size_arguments = {} if has_sizes else {"physical_sizes": tuple(map(float, np.atleast_1d(channel.nb_grid_pts)))}
         source = HeightSource(f"{reader.format()} by SurfaceTopography", column=name)
-        body = channel.topography(**sizes)
-        heights = np.ma.filled(np.ma.asarray(body.heights(), dtype=np.float64), np.nan)
-        unit = None if body.unit is None else str(body.unit)
-        if not body.is_uniform:
-            positions = np.array(body.positions(), dtype=np.float64)
+        topography = channel.topography(**size_arguments)
+        heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan)
+        unit = None if topography.unit is None else str(topography.unit)
+        if not topography.is_uniform:
+            positions = np.array(topography.positions(), dtype=np.float64)
             return RawHeights(heights, unit=unit, positions=positions, position_unit=unit, source=source)
         spacing = None
         if has_sizes:
-            along_x_first = np.atleast_1d(body.pixel_size)
-            spacing = tuple(float(item) for item in reversed(along_x_first))
+            pixel_size_xy = np.atleast_1d(topography.pixel_size)
+            spacing = tuple(float(item) for item in reversed(pixel_size_xy))
     # The first axis of a SurfaceTopography array is x.
     return RawHeights(np.ascontiguousarray(heights.T), unit=unit, spacing=spacing, position_unit=unit, source=source)

@@ -192,12 +192,12 @@ def to_surface(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedS
     _require_unit_or_spacing(raw, options)
     heights, unit, caveats, steps = _convert_heights(raw, options)
     if raw.size is not None and raw.spacing is None:
-        (dy, dx), notes = _spacings_from_size(raw.size, heights.shape, options.spacing)
-        steps += notes
+        (dy, dx), size_history = _spacings_from_size(raw.size, heights.shape, options.spacing)
+        steps += size_history
     elif raw.spacing is not None:
-        length = _resolve_unit("positions", raw.position_unit, _position_unit(raw, options))
+        length_unit = _resolve_unit("positions", raw.position_unit, _position_unit(raw, options))
         dy, dx = (
-            _validate_spacing_agreement(_to_micrometres(declared, length), given)
+            _validate_spacing_agreement(_to_micrometres(declared, length_unit), given)
             for declared, given in zip(raw.spacing, options.spacing, strict=True)
         )
         _reject_contradicting_grid(raw, (dy, dx))
@@ -225,16 +225,18 @@ def _make_profile_or_surface(
         heights, spacing, factor=LENGTH_UNITS[unit] * (raw.factor or 1.0), from_text=raw.source.lines is not None
     )
     num_missing = int(np.count_nonzero(np.isnan(heights)))
-    result = () if num_missing == heights.size else find_caveats(scan)
-    remaining_caveats = tuple(value for value in (*raw.caveats, *caveats, *result) if value.name not in options.accept)
-    accepted_names = sorted({value.name for value in (*raw.caveats, *caveats, *result)} & set(options.accept))
+    found_caveats = () if num_missing == heights.size else find_caveats(scan)
+    remaining_caveats = tuple(
+        value for value in (*raw.caveats, *caveats, *found_caveats) if value.name not in options.accept
+    )
+    accepted_names = sorted({value.name for value in (*raw.caveats, *caveats, *found_caveats)} & set(options.accept))
     steps = [*steps, *(f"accepted: {name}" for name in accepted_names)]
     try:
-        heights, missing, filled = _crop_and_fill_gaps(heights, spacing, options)
+        heights, missing, crop_and_fill_steps = _crop_and_fill_gaps(heights, spacing, options)
     except FormatError as error:
         codes = [item for item in remaining_caveats if item.name == "repeated-extreme"]
         raise FormatError("; ".join([str(error), *map(str, codes)])) from None
-    history = (f"read from {name}", *raw.history, *steps, *filled)
+    history = (f"read from {name}", *raw.history, *steps, *crop_and_fill_steps)
     heights = make_read_only(heights) if heights.base is None else heights  # a read-only array need not be copied
     body = kind(heights, spacing=spacing[0] if kind is Profile else spacing, history=history, missing=missing)
     return InterpretedScan(body, unit, num_missing, remaining_caveats)
@@ -310,16 +312,18 @@ def _convert_heights(raw: RawHeights, options: ReadOptions) -> tuple[Floats, str
         heights = _to_micrometres(numbers, unit)
         lowest, highest = np.fmin.reduce(heights, axis=None), np.fmax.reduce(heights, axis=None)
         while not (lowest >= -_MAX_LENGTH and highest <= _MAX_LENGTH) and not np.isnan(lowest):
-            value = highest if highest > _MAX_LENGTH else lowest
-            is_missing = heights == value
-            if is_missing.sum() < 2 or np.isinf(value):
+            extreme = highest if highest > _MAX_LENGTH else lowest
+            is_missing = heights == extreme
+            if is_missing.sum() < 2 or np.isinf(extreme):
                 num_outside = int((np.abs(heights) > _MAX_LENGTH).sum())
                 raise FormatError(
-                    f"contains an impossible height of {value:.3g} µm ({num_outside} such values); if it marks "
-                    f"missing points, use --missing-value {value / LENGTH_UNITS[unit]:.6g}"
+                    f"contains an impossible height of {extreme:.3g} µm ({num_outside} such values); if it marks "
+                    f"missing points, use --missing-value {extreme / LENGTH_UNITS[unit]:.6g}"
                 )
             heights = np.where(is_missing, np.nan, heights)
-            steps.append(f"{int(is_missing.sum())} points of {value:.3g} µm, an impossible height, are missing points")
+            steps.append(
+                f"{int(is_missing.sum())} points of {extreme:.3g} µm, an impossible height, are missing points"
+            )
             lowest, highest = np.fmin.reduce(heights, axis=None), np.fmax.reduce(heights, axis=None)
     return heights, unit, caveats, steps
 
@@ -328,11 +332,11 @@ def _height_unit(raw: RawHeights, given: str | None) -> tuple[str, list[FileCave
     """Return the height unit, caveats and history entries. If the file has a factor and a unit, ignore a given unit."""
     if raw.factor is None or given is None or raw.unit is None or parse_length_unit(raw.unit) is None:
         return _resolve_unit("heights", raw.unit, given), [], []
-    actual, caller_unit = str(parse_length_unit(raw.unit)), str(parse_length_unit(given))
-    if LENGTH_UNITS[actual] == LENGTH_UNITS[caller_unit]:
-        return actual, [], []
-    text = f"unit is {given}, but the file converts its heights to {actual} by a factor, which is applied"
-    return actual, [FileCaveat("unit-not-needed", text, "omit --unit")], []
+    file_unit, caller_unit = str(parse_length_unit(raw.unit)), str(parse_length_unit(given))
+    if LENGTH_UNITS[file_unit] == LENGTH_UNITS[caller_unit]:
+        return file_unit, [], []
+    text = f"unit is {given}, but the file converts its heights to {file_unit} by a factor, which is applied"
+    return file_unit, [FileCaveat("unit-not-needed", text, "omit --unit")], []
 
 
 _NO_MAP_SPACING_MESSAGE = (
@@ -364,12 +368,12 @@ def _reject_contradicting_spacing(raw: RawHeights, given: tuple[float, ...]) -> 
     """Reject a given spacing that contradicts the spacing in the header, whatever unit the header spacing may have."""
     if raw.bare_spacing is None:
         return
-    actual = raw.bare_spacing if len(raw.bare_spacing) == len(given) else raw.bare_spacing * len(given)
-    ratios = [value / bare for value, bare in zip(given, actual[: len(given)], strict=True) if bare > 0]
+    bare_spacing = raw.bare_spacing if len(raw.bare_spacing) == len(given) else raw.bare_spacing * len(given)
+    ratios = [value / bare for value, bare in zip(given, bare_spacing[: len(given)], strict=True) if bare > 0]
     units = set(LENGTH_UNITS.values())
     if ratios and not any(all(abs(ratio / unit - 1) <= 1e-3 for ratio in ratios) for unit in units):
         raise FormatError(
-            f"declares a spacing of {' and '.join(f'{item:g}' for item in actual)} without a unit in its header, "
+            f"declares a spacing of {' and '.join(f'{item:g}' for item in bare_spacing)} without a unit in its header, "
             f"but the given spacing is {' and '.join(f'{item:g}' for item in given)} µm"
         )
 
@@ -377,14 +381,21 @@ def _reject_contradicting_spacing(raw: RawHeights, given: tuple[float, ...]) -> 
 def _reject_contradicting_grid(raw: RawHeights, spacing: tuple[float, float]) -> None:
     """Reject a grid (spacings in µm) that contradicts the declared spacings or the declared size."""
     for step, declared in zip(spacing, raw.stated_spacings or (), strict=False):
-        actual = declared.length * LENGTH_UNITS[declared.unit]
-        if abs(actual - step) > max(0.51 * declared.digit * LENGTH_UNITS[declared.unit], MAX_STEP_UNEVENNESS * actual):
-            raise FormatError(f"declares a spacing of {actual:g} µm, but its positions are {step:g} µm apart")
+        declared_length = declared.length * LENGTH_UNITS[declared.unit]
+        if abs(declared_length - step) > max(
+            0.51 * declared.digit * LENGTH_UNITS[declared.unit], MAX_STEP_UNEVENNESS * declared_length
+        ):
+            raise FormatError(f"declares a spacing of {declared_length:g} µm, but its positions are {step:g} µm apart")
     for step, points, declared in zip(spacing, raw.heights.shape, raw.size or (), strict=False):
-        actual, digit = declared.length * LENGTH_UNITS[declared.unit], declared.digit * LENGTH_UNITS[declared.unit]
-        tolerance = max(0.51 * digit, MAX_STEP_UNEVENNESS * actual)
-        if not (points - 1) * step - tolerance <= actual <= points * step + tolerance:
-            raise FormatError(f"declares a size of {actual:g} µm, but its positions span {(points - 1) * step:g} µm")
+        declared_length, digit = (
+            declared.length * LENGTH_UNITS[declared.unit],
+            declared.digit * LENGTH_UNITS[declared.unit],
+        )
+        tolerance = max(0.51 * digit, MAX_STEP_UNEVENNESS * declared_length)
+        if not (points - 1) * step - tolerance <= declared_length <= points * step + tolerance:
+            raise FormatError(
+                f"declares a size of {declared_length:g} µm, but its positions span {(points - 1) * step:g} µm"
+            )
 
 
 def _spacings_from_size(
@@ -426,15 +437,15 @@ def _profile_spacing(
             )
         _reject_contradicting_spacing(raw, (given,))
         return given, [], []
-    length = _resolve_unit("positions", raw.position_unit, unit)
+    length_unit = _resolve_unit("positions", raw.position_unit, unit)
     with np.errstate(all="ignore"):
-        x = _to_micrometres(raw.positions, length)
+        x = _to_micrometres(raw.positions, length_unit)
         if not np.isfinite(x).all() or np.abs(x).max() > _MAX_LENGTH:
             point_index = int(np.flatnonzero(~(np.abs(x) <= _MAX_LENGTH))[0])
             raise FormatError(
                 f"has no usable position at point {point_index}, counted from 0; each height must have a position"
             )
-        digit = _PositionResolution(raw, length)
+        digit = _PositionResolution(raw, length_unit)
         mean_spacing = float((x[-1] - x[0]) / (x.size - 1))
         direction = -1.0 if mean_spacing < 0 else 1.0
         if given is not None:
@@ -454,7 +465,7 @@ def _profile_spacing(
             return direction * declared[0], [f"spacing {declared[0]:.7g} µm (header and positions agree)"], []
         _reject_uneven_positions(x, mean_spacing, digit)
     caveats: list[FileCaveat] = []
-    step = f"spacing {abs(mean_spacing):.7g} µm from its positions"
+    history_entry = f"spacing {abs(mean_spacing):.7g} µm from its positions"
     if declared is not None:
         if abs(abs(mean_spacing) - declared[0]) > declared[1] + digit.values.max() / (x.size - 1):
             caveats.append(
@@ -465,8 +476,8 @@ def _profile_spacing(
                     "check the unit of positions, --unit",
                 )
             )
-        step += f", declared as {declared[0]:g} µm"
-    return mean_spacing, [step], caveats
+        history_entry += f", declared as {declared[0]:g} µm"
+    return mean_spacing, [history_entry], caveats
 
 
 def _declared_spacing(raw: RawHeights) -> tuple[float, float] | None:
@@ -563,40 +574,44 @@ def _crop_and_fill_gaps(
         ends = zip(
             options.crop[::-2], options.crop[-2::-2], heights.shape, spacing, "yx"[2 - heights.ndim :], strict=True
         )
-        pieces = [find_crop_range(f" along {axis}", size, step, start, stop) for stop, start, size, step, axis in ends]
-        heights = heights[tuple(slice(first, end) for first, end, _ in pieces)]
-        steps.append(f"cropped to {' and '.join(words for _, _, words in pieces[::-1])}")
-    gaps, missing = np.isnan(heights), options.missing
-    if gaps.any() and gaps.all():
+        crop_ranges = [
+            find_crop_range(f" along {axis}", size, step, start, stop) for stop, start, size, step, axis in ends
+        ]
+        heights = heights[tuple(slice(first, end) for first, end, _ in crop_ranges)]
+        steps.append(f"cropped to {' and '.join(words for _, _, words in crop_ranges[::-1])}")
+    is_gap, missing = np.isnan(heights), options.missing
+    if is_gap.any() and is_gap.all():
         raise FormatError("has no heights: all points are missing")
-    if gaps.any() and missing == "error":
-        first = np.argwhere(gaps)[0].tolist()
-        position = f"point {first[0]}" if gaps.ndim == 1 else f"row {first[0]}, column {first[1]}"
+    if is_gap.any() and missing == "error":
+        first = np.argwhere(is_gap)[0].tolist()
+        position = f"point {first[0]}" if is_gap.ndim == 1 else f"row {first[0]}, column {first[1]}"
         raise FormatError(
-            f'lacks {int(gaps.sum())} of {gaps.size} heights, the first at {position}, counted from 0; missing="mask" '
-            '(--missing mask) uses only measured points, and missing="interpolate" (--missing interpolate) '
-            "interpolates between their neighbours"
+            f"lacks {int(is_gap.sum())} of {is_gap.size} heights, the first at {position}, counted from 0; "
+            'missing="mask" (--missing mask) uses only measured points, and missing="interpolate" '
+            "(--missing interpolate) interpolates between their neighbours"
         )
     if options.outliers == "mask" and (outlier_mask := find_outliers(heights)).any():
         missing = "mask" if missing == "error" else missing
-        gaps, heights = gaps | outlier_mask, np.where(outlier_mask, np.nan, heights)
+        is_gap, heights = is_gap | outlier_mask, np.where(outlier_mask, np.nan, heights)
         steps.append(
             f"{int(outlier_mask.sum())} outliers beyond {MIN_OUTLIER_DEVIATIONS:g} deviations of their neighbours "
             "removed"
         )
-    if heights.ndim == 1 and (gaps[0] or gaps[-1]):
-        measured = np.flatnonzero(~gaps)
-        inside = slice(int(measured[0]), int(measured[-1]) + 1)
-        steps.append(f"{heights.size - (inside.stop - inside.start)} missing points at its ends removed")
-        heights, gaps = heights[inside], gaps[inside]
-    if not gaps.any():
+    if heights.ndim == 1 and (is_gap[0] or is_gap[-1]):
+        measured = np.flatnonzero(~is_gap)
+        measured_range = slice(int(measured[0]), int(measured[-1]) + 1)
+        steps.append(
+            f"{heights.size - (measured_range.stop - measured_range.start)} missing points at its ends removed"
+        )
+        heights, is_gap = heights[measured_range], is_gap[measured_range]
+    if not is_gap.any():
         return heights, None, steps
-    filled = interpolate_missing_points(heights, extrapolate=missing == "mask")
-    if num_left := int(np.isnan(filled).sum()):
+    filled_heights = interpolate_missing_points(heights, extrapolate=missing == "mask")
+    if num_left := int(np.isnan(filled_heights).sum()):
         raise FormatError(
             f"has {num_left} missing points at its edges, which lack neighbours on one side for interpolation; "
             'missing="mask" (--missing mask) uses only measured points'
         )
     treatment = "masked" if missing == "mask" else "interpolated"
-    steps.append(f"{int(gaps.sum())} missing points {treatment}, {describe_missing_points(gaps, spacing)}")
-    return filled, gaps if missing == "mask" else None, steps
+    steps.append(f"{int(is_gap.sum())} missing points {treatment}, {describe_missing_points(is_gap, spacing)}")
+    return filled_heights, is_gap if missing == "mask" else None, steps

@@ -106,8 +106,12 @@ class FileReading(Generic[_Body]):
             parts += [
                 f"lines {source.lines[0]} to {source.lines[1]}" + (f" ({skipped_text} skipped)" if skipped_text else "")
             ]
-            text = [source.encoding, source.separator, f"decimal {'comma' if source.decimal_mark == ',' else 'point'}"]
-            parts += [", ".join(word for word in text if word)]
+            format_words = [
+                source.encoding,
+                source.separator,
+                f"decimal {'comma' if source.decimal_mark == ',' else 'point'}",
+            ]
+            parts += [", ".join(word for word in format_words if word)]
         return "; ".join(parts)
 
     def to_json_fields(self) -> dict[str, Any]:
@@ -357,8 +361,8 @@ def load_interpreted_file(path: str | os.PathLike[str], **options: Any) -> FileR
     }
     if options:
         raise ValueError(f"options for a file must be among {', '.join(option_names)}, got {next(iter(options))}")
-    names = {name: given_options.get(name) for name in option_names}
-    return _interpret_file(path, validate_read_options(**names), to_profile_or_surface)  # type: ignore[arg-type]
+    option_values = {name: given_options.get(name) for name in option_names}
+    return _interpret_file(path, validate_read_options(**option_values), to_profile_or_surface)  # type: ignore[arg-type]
 
 
 def _read_body(
@@ -415,14 +419,14 @@ def _read_content(path: Path, words: tuple[str, ...]) -> ReaderResult:
         raise FormatError(f"has {size} bytes; at most {MAX_FILE_BYTES} can be read")
     reader = READERS.get(suffix)
     with path.open("rb") as file:
-        start = file.read(4096)
+        first_bytes = file.read(4096)
     for signature, (suffixes, name) in _FILE_SIGNATURES.items():
-        if reader is not None and start.startswith(signature) != (suffix in suffixes):
-            name = name if start.startswith(signature) else f"not {name}"
+        if reader is not None and first_bytes.startswith(signature) != (suffix in suffixes):
+            name = name if first_bytes.startswith(signature) else f"not {name}"
             raise FormatError(f"has the file name extension {suffix or '(none)'}, but its content is {name}")
-    if reader is None and start.startswith(b"\x93NUMPY"):
+    if reader is None and first_bytes.startswith(b"\x93NUMPY"):
         reader = read_npy
-    if reader is None and is_text(start) and size <= MAX_TEXT_BYTES:
+    if reader is None and is_text(first_bytes) and size <= MAX_TEXT_BYTES:
         try:
             if find_layout(decode_text(path.read_bytes(), words)) is not None:
                 reader = read_text
@@ -430,10 +434,10 @@ def _read_content(path: Path, words: tuple[str, ...]) -> ReaderResult:
             pass
     if reader is read_text and size > MAX_TEXT_BYTES:
         raise FormatError(f"has {size} bytes of text; at most {MAX_TEXT_BYTES} can be read; save the heights as .npy")
-    if reader is read_text and not is_text(start):
+    if reader is read_text and not is_text(first_bytes):
         return _read_binary_file(path)
     if reader is None:
-        return _read_instrument_or_text_file(path, start, words)
+        return _read_instrument_or_text_file(path, first_bytes, words)
     if reader in (read_text, read_excel):
         return reader(path.read_bytes(), words)
     return reader(path.read_bytes())

@@ -70,9 +70,9 @@ def select_heights(
         if len(content.names) == 1:
             return raw
         name = printable_text(content.names[index])
-        step = f"channel {index} ({name}) of {format_name_list(content.names)}"
+        history_entry = f"channel {index} ({name}) of {format_name_list(content.names)}"
         column = f"{name}, {raw.source.column}" if raw.source.column not in ("", name) else name
-        return replace(raw, history=(step, *raw.history), source=replace(raw.source, column=column))
+        return replace(raw, history=(history_entry, *raw.history), source=replace(raw.source, column=column))
     if channel is not None:
         raise FormatError(f"has no channels, but channel {channel!r} was selected")
     if isinstance(content, ColumnTable):
@@ -146,9 +146,9 @@ def _heights_of_selected_columns(table: ColumnTable, selected: Sequence[NameOrIn
         f"{numbers[index]} ({printable_text(table.names[index])})" if table.names else str(numbers[index])
         for index in indices
     )
-    step = f"column {description}" if len(indices) == 1 else f"columns {description}"
+    history_entry = f"column {description}" if len(indices) == 1 else f"columns {description}"
     raw = _read_xyz_table(table, *indices) if len(indices) == 3 else _read_profile_columns(table, *indices[-2:])
-    return replace(raw, history=(step, *raw.history))
+    return replace(raw, history=(history_entry, *raw.history))
 
 
 def _to_raw_heights(table: ColumnTable, heights: Floats, unit: str | None, **attributes: Any) -> RawHeights:
@@ -299,7 +299,7 @@ def _replace_words_by_missing(table: ColumnTable, columns: Sequence[NameOrIndex]
         name = f" ({printable_text(table.names[column.place])})" if table.names and table.names[column.place] else ""
         text = f"column {numbers[column.place]}{name}"
         if column.missing.any():
-            step = f"{int(column.missing.sum())} points missing according to the words in {text}"
+            history_entry = f"{int(column.missing.sum())} points missing according to the words in {text}"
             table = replace(table, values=_with_missing_rows(table.values, column.missing, other_places))
         elif columns is None:
             chosen_columns = [
@@ -314,8 +314,8 @@ def _replace_words_by_missing(table: ColumnTable, columns: Sequence[NameOrIndex]
                 f"(--missing-value {column.rarest})"
             )
         else:
-            step = f"the words in {text} are ignored"
-        table = replace(table, history=(*table.history, step))
+            history_entry = f"the words in {text} are ignored"
+        table = replace(table, history=(*table.history, history_entry))
     return replace(_select_table_columns(table, other_places), word_columns=()) if word_places else table
 
 
@@ -352,12 +352,16 @@ def _apply_flag_column(table: ColumnTable, columns: Sequence[NameOrIndex] | None
                     "missing points; or choose other columns (--columns) to ignore the flags"
                 )
             reason = "removed: all its flags are equal" if not (zero_count and one_count) else "is ignored"
-            step = f"column {place} ({printable_text(name)}) {reason}"
-            return replace(_select_table_columns(table, other_columns), history=(*table.history, step))
+            history_entry = f"column {place} ({printable_text(name)}) {reason}"
+            return replace(_select_table_columns(table, other_columns), history=(*table.history, history_entry))
         missing = flags == (1 if is_invalid else 0)
         values = _with_missing_rows(table.values, missing, other_columns)
-        step = f"{int(missing.sum())} points missing according to the flags in column {place} ({printable_text(name)})"
-        return replace(_select_table_columns(table, other_columns, values=values), history=(*table.history, step))
+        history_entry = (
+            f"{int(missing.sum())} points missing according to the flags in column {place} ({printable_text(name)})"
+        )
+        return replace(
+            _select_table_columns(table, other_columns, values=values), history=(*table.history, history_entry)
+        )
     return table
 
 
@@ -387,14 +391,14 @@ class TableShape:
 
 def _read_by_shape(table: ColumnTable) -> RawHeights:
     """Read the heights of a table with the first `TableShape` that recognises the table."""
-    table, step = _remove_numbering(table)
+    table, numbering_history = _remove_numbering(table)
     is_empty_column = np.isnan(table.values).all(axis=0)
     if table.places is not None and is_empty_column.any() and not is_empty_column.all():
         table = _select_table_columns(table, np.flatnonzero(~is_empty_column).tolist())
     shape = next(shape for shape in TABLE_SHAPES if shape.recognises(table))
     raw = shape.read(table)
     source = replace(raw.source, layout=table.source.layout or shape.name)
-    return replace(raw, history=(*step, *raw.history), source=source)
+    return replace(raw, history=(*numbering_history, *raw.history), source=source)
 
 
 def _remove_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]:
@@ -571,7 +575,7 @@ def _is_xyz_table(table: ColumnTable) -> bool:
 def _read_xyz_table(table: ColumnTable, *places: int) -> RawHeights:
     x, y, z = (table.values[:, index] for index in places)
     digits = [table.column_digit_function(index) for index in places[:2]]
-    heights, spacing, step = to_grid(x, y, z, digits)
+    heights, spacing, history_entry = to_grid(x, y, z, digits)
     units = _column_units(table)
     lateral_units = {units[places[0]], units[places[1]]}
     if len(lateral_units) > 1:
@@ -579,7 +583,7 @@ def _read_xyz_table(table: ColumnTable, *places: int) -> RawHeights:
     source = replace(table.source, layout="points x, y, z on a grid", column=_describe_column(table, places[2]))
     return _to_raw_heights(
         table, heights, _height_unit(table, places[2]), spacing=spacing, position_unit=next(iter(lateral_units)),
-        history=(step,), source=source,
+        history=(history_entry,), source=source,
     )  # fmt: skip
 
 

@@ -116,24 +116,24 @@ class NumberBlock:
 
         The digits are counted in at most `MAX_SAMPLED_ROWS` rows.
         """
-        decimals = digits = 0
+        num_decimals = num_digits = 0
         max_decimals = -1000
         count = self.lines.size
-        sample = np.arange(count)
+        sampled_lines = np.arange(count)
         # Half of the sampled rows are at the beginning. The other half are spread evenly over the remaining rows.
         if count > MAX_SAMPLED_ROWS:
             half = MAX_SAMPLED_ROWS // 2
-            sample = np.concatenate([sample[:half], np.linspace(half, count - 1, half).astype(np.int64)])
-        for line in sample.tolist():
+            sampled_lines = np.concatenate([sampled_lines[:half], np.linspace(half, count - 1, half).astype(np.int64)])
+        for line in sampled_lines.tolist():
             row = self.row_cells(line)
             match = self.dialect.number_pattern.fullmatch(row[column]) if column < len(row) else None
             if match is not None and (match[2] or match[3]):
-                decimals = len(match[3] or "") - int(match[4] or 0)
-                digits = max(digits, len((match[2] + (match[3] or "")).lstrip("0")))
+                num_decimals = len(match[3] or "") - int(match[4] or 0)
+                num_digits = max(num_digits, len((match[2] + (match[3] or "")).lstrip("0")))
             else:
-                decimals = 0
-            max_decimals = max(max_decimals, decimals)
-        return last_digit_value(self.values[:, column], max_decimals, digits)
+                num_decimals = 0
+            max_decimals = max(max_decimals, num_decimals)
+        return last_digit_value(self.values[:, column], max_decimals, num_digits)
 
     def row_digits(self, line: int) -> Floats:
         """Return the value of one unit in the last printed digit of each number in a row."""
@@ -142,25 +142,25 @@ class NumberBlock:
             for cell in self.row_cells(line)
             if (match := self.dialect.number_pattern.fullmatch(cell)) and match[0]
         ]
-        decimals = max((len(match[3] or "") - int(match[4] or 0) for match in matches), default=0)
-        digits = max((len((match[2] + (match[3] or "")).lstrip("0")) for match in matches), default=0)
-        return last_digit_value(self.values[line], decimals, digits)
+        num_decimals = max((len(match[3] or "") - int(match[4] or 0) for match in matches), default=0)
+        num_digits = max((len((match[2] + (match[3] or "")).lstrip("0")) for match in matches), default=0)
+        return last_digit_value(self.values[line], num_decimals, num_digits)
 
 
 def last_digit_value(values: Floats, decimals: int, digits: int) -> Floats:
     """Return the value of one unit in the last printed digit, given the numbers of decimals and significant digits."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        size = np.floor(np.log10(np.abs(values)))
-    by_digits = np.where(np.isfinite(size), size, -400) + 1 - digits
-    return np.asarray(10.0 ** np.clip(np.maximum(-decimals, by_digits), -300, 300))
+        decimal_exponents = np.floor(np.log10(np.abs(values)))
+    last_digit_exponents = np.where(np.isfinite(decimal_exponents), decimal_exponents, -400) + 1 - digits
+    return np.asarray(10.0 ** np.clip(np.maximum(-decimals, last_digit_exponents), -300, 300))
 
 
 def find_numeric_line_runs(text: DecodedText) -> list[tuple[int, int]]:
     """Return the first and the last line of each run of numeric lines. A run may contain blank lines."""
     kinds = text.line_kinds
     nonblank_lines = np.flatnonzero(kinds != BLANK_LINE)
-    numbers = kinds[nonblank_lines] == NUMBER_LINE
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], numbers, [False]]).astype(np.int8)))
+    is_number_line = kinds[nonblank_lines] == NUMBER_LINE
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], is_number_line, [False]]).astype(np.int8)))
     return [(int(nonblank_lines[a]), int(nonblank_lines[b - 1])) for a, b in edges.reshape(-1, 2).tolist()]
 
 
@@ -173,8 +173,8 @@ def detect_dialect(text: DecodedText, first: int, last: int) -> Dialect:
         np.concatenate([np.arange(max(first, last + 1 - _MAX_SAMPLE_LINES), last + 1), np.arange(first, first + 40)])
     )
     sample_lines = sample_lines[sample_lines <= last]
-    width = max(_MIN_LONG_LINE_LENGTH, _MAX_SAMPLE_CHARACTERS // sample_lines.size)
-    sample = [_truncate_line(text.line(item), width) for item in sample_lines.tolist()]
+    max_sample_length = max(_MIN_LONG_LINE_LENGTH, _MAX_SAMPLE_CHARACTERS // sample_lines.size)
+    sample = [_truncate_line(text.line(item), max_sample_length) for item in sample_lines.tolist()]
     sample = [line for line in sample if line.strip("\t")]
     has_quotes = any('"' in line for line in sample)
     candidates = [*_PLAIN_DIALECTS, *(_QUOTED_DIALECTS if has_quotes else ())]
@@ -204,12 +204,12 @@ def detect_dialect(text: DecodedText, first: int, last: int) -> Dialect:
 
 def is_numeric_row(line: str, dialect: Dialect, text: DecodedText) -> bool:
     """Return whether all cells of a line are numbers or missing-point markers, and at least one is a number."""
-    any_number = False
+    has_number = False
     for cell in dialect.split_line(line):
         if (kind := cell_kind(cell, dialect, text)) is None:
             return False
-        any_number |= kind != "mark"
-    return any_number
+        has_number |= kind != "mark"
+    return has_number
 
 
 def cell_kind(cell: str, dialect: Dialect, text: DecodedText) -> str | None:
@@ -289,36 +289,40 @@ def parse_number_block(
     if not lines.size:
         raise FormatError("has no lines of numbers where its heights should be")
     blob, cell_separator = _to_plain_rows(text, lines, dialect)
-    starts, cells = _row_offsets_and_widths(blob, cell_separator)
-    usual_width = Counter(cells.tolist()).most_common(1)[0][0]
-    if usual_width == 1 and cells.max() == 2 and (cells == 2).sum() > 1:
+    starts, row_widths = _row_offsets_and_widths(blob, cell_separator)
+    usual_width = Counter(row_widths.tolist()).most_common(1)[0][0]
+    if usual_width == 1 and row_widths.max() == 2 and (row_widths == 2).sum() > 1:
         usual_width = 2  # the table has two columns, but in most rows the height is missing
     if usual_width > MAX_CELLS_PER_LINE:
         raise FormatError(
             f"has lines of {usual_width} cells; at most {MAX_CELLS_PER_LINE} can be read; write one number per line, "
             "or save the heights as .npy"
         )
-    num_skipped = int(np.argmax(cells == usual_width))
-    if (cells[:num_skipped] > min(usual_width, MAX_COUNT_LINE_CELLS)).any() or (
+    num_skipped = int(np.argmax(row_widths == usual_width))
+    if (row_widths[:num_skipped] > min(usual_width, MAX_COUNT_LINE_CELLS)).any() or (
         usual_width == 2 and _rows_begin_with_positions(blob, cell_separator, num_skipped)
     ):
         num_skipped = 0
     omitted = tuple(lines[:num_skipped].tolist())
-    lines, cells, blob = lines[num_skipped:], cells[num_skipped:], blob[starts[num_skipped] :] if num_skipped else blob
-    if (cells > usual_width).any():  # the additional cells may be due to trailing separators
+    lines, row_widths, blob = (
+        lines[num_skipped:],
+        row_widths[num_skipped:],
+        blob[starts[num_skipped] :] if num_skipped else blob,
+    )
+    if (row_widths > usual_width).any():  # the additional cells may be due to trailing separators
         rows = [
             row.rstrip(cell_separator) if n > usual_width else row
-            for n, row in zip(cells, blob.split(b"\n"), strict=True)
+            for n, row in zip(row_widths, blob.split(b"\n"), strict=True)
         ]
         blob = b"\n".join(row + cell_separator * max(0, usual_width - 1 - row.count(cell_separator)) for row in rows)
-        _, cells = _row_offsets_and_widths(blob, cell_separator)
-    if (has_wrong_width := cells != usual_width).any():
+        _, row_widths = _row_offsets_and_widths(blob, cell_separator)
+    if (has_wrong_width := row_widths != usual_width).any():
         is_tail = ragged and bool(has_wrong_width[np.argmax(has_wrong_width) :].all())
-        is_rejected = (cells > usual_width) | ((cells < usual_width) & (usual_width != 2) & (not is_tail))
+        is_rejected = (row_widths > usual_width) | ((row_widths < usual_width) & (usual_width != 2) & (not is_tail))
         if is_rejected.any():
             row_index = int(np.argmax(is_rejected))
             raise FormatError(
-                f"{text.describe_line(int(lines[row_index]))} has {cells[row_index]} cells, but most lines have "
+                f"{text.describe_line(int(lines[row_index]))} has {row_widths[row_index]} cells, but most lines have "
                 f"{usual_width}; all lines of a table must have the same number of cells"
             )
         rows = blob.split(b"\n")
@@ -326,19 +330,19 @@ def parse_number_block(
     column = blob.translate(bytes.maketrans(cell_separator, b"\n"))
     del blob
     values = _parse_number_lines(text, lines, usual_width, column).reshape(-1, usual_width)
-    ends = {len(dialect.split_line(text.line(int(row_index)))) for row_index in (*lines[:3], *lines[-3:])}
-    while values.shape[1] > max(ends | {1}) and np.isnan(values[:, -1]).all():
+    end_widths = {len(dialect.split_line(text.line(int(row_index)))) for row_index in (*lines[:3], *lines[-3:])}
+    while values.shape[1] > max(end_widths | {1}) and np.isnan(values[:, -1]).all():
         values = values[:, :-1]  # every line ends with a separator
-    short = int(lines[np.argmax(has_wrong_width)]) if usual_width != 2 and has_wrong_width.any() else None
-    return NumberBlock(text, lines, dialect, values, short, omitted)
+    first_short_line = int(lines[np.argmax(has_wrong_width)]) if usual_width != 2 and has_wrong_width.any() else None
+    return NumberBlock(text, lines, dialect, values, first_short_line, omitted)
 
 
 def _rows_begin_with_positions(blob: bytes, cell_separator: bytes, count: int) -> bool:
     """Return whether the first `count` rows begin with positions whose steps continue in the rows below."""
-    first = [row.split(cell_separator)[0] for row in blob.split(b"\n", count + 3)[: count + 3]]
-    if not count or not all(map(_is_number, first)):
+    first_cells = [row.split(cell_separator)[0] for row in blob.split(b"\n", count + 3)[: count + 3]]
+    if not count or not all(map(_is_number, first_cells)):
         return False
-    steps = np.diff([float(token or b"nan") for token in first])
+    steps = np.diff([float(token or b"nan") for token in first_cells])
     return bool(np.isclose(steps, steps[-1], rtol=0.1, atol=0.0).all())
 
 
@@ -420,9 +424,9 @@ def _row_offsets_and_widths(blob: bytes, cell_separator: bytes) -> tuple[LineNum
     codes = np.frombuffer(blob, np.uint8)
     starts = np.concatenate([[0], np.flatnonzero(codes == ord("\n")) + 1])
     if starts.size * _MIN_LONG_LINE_LENGTH < len(blob):
-        is_joint, ends = codes == ord(cell_separator), [*starts[1:].tolist(), len(blob)]
-        cells = [np.count_nonzero(is_joint[a:b]) + 1 for a, b in zip(starts.tolist(), ends, strict=True)]
-        return starts, np.array(cells)
+        is_separator, ends = codes == ord(cell_separator), [*starts[1:].tolist(), len(blob)]
+        row_widths = [np.count_nonzero(is_separator[a:b]) + 1 for a, b in zip(starts.tolist(), ends, strict=True)]
+        return starts, np.array(row_widths)
     separator_positions = np.flatnonzero(codes == ord(cell_separator))
     return starts, np.diff(np.append(np.searchsorted(separator_positions, starts), separator_positions.size)) + 1
 

@@ -179,10 +179,10 @@ def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, run
         cells = dialect.split_line(text.line(line))
         kinds = [cell_kind(cell, dialect, text) for cell in cells]
         # above the data, a line of the form "name value" is not a row of numbers
-        numbers = 2 * kinds.count("number") - (line < runs[0][0] and kinds[:1] == [None])
+        weighted_number_count = 2 * kinds.count("number") - (line < runs[0][0] and kinds[:1] == [None])
         if len(cells) != width or None not in kinds or _are_labels(cells, dialect):
             continue
-        has_most_numbers = width > 1 and numbers >= width
+        has_most_numbers = width > 1 and weighted_number_count >= width
         if has_most_numbers or _repeats_words(text, dialect, kinds, cells, line + step):
             _reject_word(text, line, next(cell for cell, kind in zip(cells, kinds, strict=True) if kind is None))
 

@@ -73,9 +73,11 @@ def direction_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     direction_labels = ("$+x$", "45°", "$+y$", "135°", "$-x$", "225°", "$-y$", "315°")
     axes.set_xticks(np.radians(np.arange(0, 360, 45)), direction_labels)
     modulus = float(dataset["effective_modulus"]) if "effective_modulus" in dataset.coords else None
-    load = f"{axis_label('friction_coefficient')} at {format_with_unit(float(dataset['load']), 'mN')}"
+    coefficient_and_load_text = (
+        f"{axis_label('friction_coefficient')} at {format_with_unit(float(dataset['load']), 'mN')}"
+    )
     parameters = friction_parameters_text(float(dataset["mu0"]), float(dataset["tau0"]), modulus)
-    figure.suptitle("\n".join(filter(None, (title, load, parameters))), fontsize=6)
+    figure.suptitle("\n".join(filter(None, (title, coefficient_and_load_text, parameters))), fontsize=6)
     figure.legend(
         *axes.get_legend_handles_labels(),
         loc="outside lower center",

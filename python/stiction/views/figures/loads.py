@@ -241,12 +241,12 @@ def _friction_and_area_figure(
         0, min(friction_axes.get_ylim()[1], MAX_FRICTION_AXIS_RATIO * highest) if highest > 0 else None
     )
     if limits:
-        left = min(
+        left_limit = min(
             [*x, *(value for value in limits["wavelength"] if value >= MIN_EXTRAPOLATED_WAVELENGTH_RATIO * x.min())]
         )
         _draw_resolution_limits(friction_axes, area_axes, limits, x)
         area_axes.set_xlim(
-            left / 1.2, (1.2 if limits.get("spectral") is None else MAX_ESTIMATE_WAVELENGTH_RATIO) * x.max()
+            left_limit / 1.2, (1.2 if limits.get("spectral") is None else MAX_ESTIMATE_WAVELENGTH_RATIO) * x.max()
         )
     friction_axes.set_ylabel(axis_label("friction_coefficient"))
     area_axes.set_ylabel(axis_label("contact_area_fraction" if has_fraction else "contact_area"))

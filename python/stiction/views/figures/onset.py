@@ -247,8 +247,8 @@ def onset_by_dimension_figure(dataset: xarray.Dataset) -> Figure:
             if amplitudes.size > 1 and number == 0:
                 axes.set_title(f"$a$ = {1000 * amplitude:g} nm", loc="right", pad=2)
     draw_heading(figure, lines)
-    handles, text = figure.axes[0].get_legend_handles_labels()
-    figure.legend(handles, text, loc="lower left", ncols=len(handles), borderaxespad=0.3)
+    handles, labels = figure.axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="lower left", ncols=len(handles), borderaxespad=0.3)
     figure.text(
         0.99,
         1.5 / height,
@@ -261,7 +261,7 @@ def onset_by_dimension_figure(dataset: xarray.Dataset) -> Figure:
 
 
 def _draw_onset_curves(axes: Axes, dataset: xarray.Dataset, name: str) -> None:
-    factor, text, is_logarithmic = _ONSET_PANELS[name]
+    factor, y_label, is_logarithmic = _ONSET_PANELS[name]
     dimension = dataset["fractal_dimension"].values
     for load, colour in zip(dataset["load"].values, LOAD_COLOURS, strict=False):
         dataset_at_load = dataset.sel(load=load)
@@ -280,4 +280,4 @@ def _draw_onset_curves(axes: Axes, dataset: xarray.Dataset, name: str) -> None:
         axes.set(yscale="log", ylim=(mean_values.min() / 2, mean_values.max() * 2))
     elif not is_logarithmic:
         axes.set_ylim(0, 50)
-    axes.set_ylabel(text)
+    axes.set_ylabel(y_label)

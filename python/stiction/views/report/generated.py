@@ -308,8 +308,8 @@ def _compute_checked_numbers(
 
 def _caveat_or_check_record(reason: Caveat | LimitCheck) -> dict[str, Any]:
     """Return a caveat or check as a record: text, remedy, severity, and the format of the number in the text."""
-    number = _number_format_of_check(reason) if isinstance(reason, LimitCheck) and "{}" in reason.text else None
-    return {"text": reason.text, "remedy": reason.remedy, "severity": reason.severity, "number": number}
+    number_format = _number_format_of_check(reason) if isinstance(reason, LimitCheck) and "{}" in reason.text else None
+    return {"text": reason.text, "remedy": reason.remedy, "severity": reason.severity, "number": number_format}
 
 
 def _number_format_of_check(check: LimitCheck) -> dict[str, Any]:
@@ -363,10 +363,10 @@ def _heading_lines(study: Study) -> list[str]:
 
 def _describe_pairs(study: Study, facts: dict[str, Any]) -> str:
     num_dimensions, num_amplitudes, num_steps = len(facts["cells"]["values"]), len(facts["amplitudes"]), facts["steps"]
-    number = format_count(facts["repetitions"], "pair of surfaces", "pairs of surfaces")
+    pair_count_text = format_count(facts["repetitions"], "pair of surfaces", "pairs of surfaces")
     cells_text = f"{'each of ' if num_dimensions > 1 else ''}{format_count(num_dimensions, 'fractal dimension')}"
     cells_text += f" and {format_count(num_amplitudes, 'amplitude')}" if num_amplitudes > 1 else ""
     steps_text = (
         format_count(num_steps, "load") if study.uses_half_space else format_count(num_steps, "approach", "approaches")
     )
-    return f"{number} at {cells_text}, pressed together at {steps_text}"
+    return f"{pair_count_text} at {cells_text}, pressed together at {steps_text}"

@@ -268,12 +268,12 @@ def _heading_lines(study: Study, facts: dict[str, Any]) -> list[str]:
             f", junction growth α = {study.known.junction_growth or format(study.contact.junction_growth, 'g')}"
         )
     modulus_text = format_with_unit(facts["modulus"], "GPa")
-    materials = f"{material_names_text(study).capitalize()}. " if material_names_text(study) else ""
+    materials_text = f"{material_names_text(study).capitalize()}. " if material_names_text(study) else ""
     size_text = (
         f"nominal area {facts['area']:.4g} µm²" if study.is_areal else f"length {facts['area']:.4g} µm, width 1 µm"
     )
     return [
-        f"{materials}{surfaces.pressed}, {size_text}, pressed with the {model_name} model; "
+        f"{materials_text}{surfaces.pressed}, {size_text}, pressed with the {model_name} model; "
         f"E* = {modulus_text}{plasticity_text}."
     ]
 
@@ -354,8 +354,8 @@ _FRICTION_CONTRIBUTION_LABELS = ("μ0", "τ0 on the true area", "slopes")
 
 def _contribution_record(point: PointSummary) -> dict[str, Any] | None:
     """Return the coefficient for friction at all contacts, its interval, and its contributions as numbers and text."""
-    rule_estimate = next((rule for rule in point.rules if rule.rule == "all"), None)
-    if point.parts is None or rule_estimate is None or not math.isfinite(rule_estimate.value):
+    all_contacts_estimate = next((rule for rule in point.rules if rule.rule == "all"), None)
+    if point.parts is None or all_contacts_estimate is None or not math.isfinite(all_contacts_estimate.value):
         return None
     contribution_texts = []
     for index, (contribution, label) in enumerate(zip(point.parts, _FRICTION_CONTRIBUTION_LABELS, strict=True)):
@@ -363,7 +363,7 @@ def _contribution_record(point: PointSummary) -> dict[str, Any] | None:
         contribution_texts.append(f"{sign}{abs(contribution):.3f} ({label})")
     return {
         "parts": point.parts,
-        "ends": [rule_estimate.lower, rule_estimate.upper],
-        "value": rule_estimate.value,
+        "ends": [all_contacts_estimate.lower, all_contacts_estimate.upper],
+        "value": all_contacts_estimate.value,
         "texts": contribution_texts,
     }

@@ -48,10 +48,14 @@ def file_reading_rows(reading: FileReading[Any], options: Mapping[str, Any]) -> 
         ("missing points", f"{reading.missing} of {reading.points}"),
     ]
     if source.lines is not None:
-        text = [source.encoding, source.separator, f"decimal {'comma' if source.decimal_mark == ',' else 'point'}"]
+        format_words = [
+            source.encoding,
+            source.separator,
+            f"decimal {'comma' if source.decimal_mark == ',' else 'point'}",
+        ]
         skipped_lines_text = f"{source.lines_above} above and {source.lines_below} below skipped"
         rows += [
-            ("text", ", ".join(word for word in text if word)),
+            ("text", ", ".join(word for word in format_words if word)),
             ("lines", f"{source.lines[0]} to {source.lines[1]}; {skipped_lines_text}"),
         ]
     rows.append(

@@ -53,7 +53,7 @@ def _interpretation_markup(characterisation: Characterisation) -> str:
         for caveat in characterisation.caveats
     )
     values = [f"{value:.2f}" for value in characterisation.friction_estimates]
-    axes = " along x and y" if len(values) == 2 else ""
+    axes_text = " along x and y" if len(values) == 2 else ""
     limit = characterisation.instrument_limit
     grid_wavelength = limit.pixels
     fraction = float(characterisation.roughness.fraction_below(2 * grid_wavelength))
@@ -73,8 +73,8 @@ def _interpretation_markup(characterisation: Characterisation) -> str:
             "scan before you quote a number."
         )
     paragraphs = [
-        f"Small-slope estimate for two such surfaces: μₛ = {' and '.join(values)}{axes}, for elastic contact without "
-        f"adhesion and μ0 = {ASSUMED_MU0:g}."
+        f"Small-slope estimate for two such surfaces: μₛ = {' and '.join(values)}{axes_text}, for elastic contact "
+        f"without adhesion and μ0 = {ASSUMED_MU0:g}."
         if values
         else "The surface is flat, and so has no small-slope estimate.",
         finer_scan_text,
