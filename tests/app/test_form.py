@@ -25,8 +25,10 @@ def test_form_fields_of_reader_options_have_the_names_of_these_options():
 
 @pytest.mark.parametrize("flag", FORM_FIELDS_BY_FLAG)
 def test_form_shows_each_field_in_only_one_section(flag):
-    places = [place for place in ("scan", "more") if f'name="{flag}"' in fields_html(place)]
-    assert places == ([FORM_FIELDS_BY_FLAG[flag].place] if FORM_FIELDS_BY_FLAG[flag].place in ("scan", "more") else [])
+    sections = [place for place in ("scan", "more") if f'name="{flag}"' in fields_html(place)]
+    assert sections == (
+        [FORM_FIELDS_BY_FLAG[flag].place] if FORM_FIELDS_BY_FLAG[flag].place in ("scan", "more") else []
+    )
 
 
 def test_choices_of_a_form_field_are_valid_values_of_its_option():
@@ -36,10 +38,10 @@ def test_choices_of_a_form_field_are_valid_values_of_its_option():
 
 
 def test_form_has_default_units_for_quantities_but_not_for_text_fields():
-    numbers = json.loads(html.unescape(page_data_json()))
-    assert numbers["units"]["hardness"] == " GPa"
-    assert set(numbers["units"]) | set(numbers["texts"]) <= set(FORM_FIELDS_BY_FLAG)
-    assert not set(numbers["units"]) & set(numbers["texts"])
+    page_data = json.loads(html.unescape(page_data_json()))
+    assert page_data["units"]["hardness"] == " GPa"
+    assert set(page_data["units"]) | set(page_data["texts"]) <= set(FORM_FIELDS_BY_FLAG)
+    assert not set(page_data["units"]) & set(page_data["texts"])
 
 
 @pytest.mark.parametrize(

@@ -268,17 +268,17 @@ def test_pull_off_force_of_rough_surfaces_is_the_largest_local_maximum_of_tensio
     adhesive = {"effective_modulus": 1.72, "work_of_adhesion": 5.85e-5, "boundary": "periodic"}
     adhesive["adhesion_range"] = 1.001 * min_resolved_adhesion_range(5.85e-5, 0.01, 1.72)
     curve = half_space(*bodies, [0.0], **adhesive)
-    attraction = AdhesionSolver(curve._problem, tolerance=1e-6, report=None)
-    states = [attraction.iterate_at_load(None, 0.0)[0]]
+    adhesion_solver = AdhesionSolver(curve._problem, tolerance=1e-6, report=None)
+    states = [adhesion_solver.iterate_at_load(None, 0.0)[0]]
     while states[-1].contact_load > 0.02 * states[0].contact_load:
         states.append(
-            attraction.solve_at_contact_load(states[-1], 0.98 * states[-1].contact_load, earlier_state=states[0])
+            adhesion_solver.solve_at_contact_load(states[-1], 0.98 * states[-1].contact_load, earlier_state=states[0])
         )
     loads = np.array([state.load for state in states])
     first_local_minimum = loads[np.flatnonzero(np.diff(loads) > 0.02 * -loads.min())[0]]
     # This state is a local minimum of the energy, but not the global minimum.
     assert first_local_minimum > 0.9 * loads.min()
-    largest_tension = attraction.mean_pressure_to_force(-loads.min())
+    largest_tension = adhesion_solver.mean_pressure_to_force(-loads.min())
     assert curve.pull_off == pytest.approx(largest_tension, rel=PULL_OFF_TOLERANCE)
     tensile_curve = half_space(*bodies, [0.0, -0.95 * largest_tension], **adhesive)
     assert tensile_curve.normal_elastic[1] == pytest.approx(-0.95 * largest_tension, rel=1e-3)
@@ -293,20 +293,20 @@ def create_soft_bodies_in_complete_contact():
 def test_attraction_decreases_at_every_point_when_the_load_decreases_towards_pull_off():
     bodies, adhesive = create_soft_bodies_in_complete_contact()
     curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
-    attraction = AdhesionSolver(curve._problem, tolerance=1e-6, report=None)
+    adhesion_solver = AdhesionSolver(curve._problem, tolerance=1e-6, report=None)
     force, is_bound = curve.pull_off_bound
     assert not is_bound
-    pull_off = force / attraction.mean_pressure_to_force(1.0)
-    state = attraction.iterate_at_load(None, 0.0)[0]
+    pull_off = force / adhesion_solver.mean_pressure_to_force(1.0)
+    state = adhesion_solver.iterate_at_load(None, 0.0)[0]
     assert state.pressure.all()
-    assert -attraction.find_opening_state(state).load < 0.95 * pull_off
+    assert -adhesion_solver.find_opening_state(state).load < 0.95 * pull_off
     for fraction in (0.3, 0.6, 0.9, 0.99):
-        next_state, is_stable = attraction.iterate_at_load(state, -fraction * pull_off)
+        next_state, is_stable = adhesion_solver.iterate_at_load(state, -fraction * pull_off)
         assert is_stable
         assert next_state.load == pytest.approx(-fraction * pull_off, abs=1e-4 * next_state.mean_attraction)
-        assert (next_state.attraction <= state.attraction + 1e-4 * attraction.max_attraction).all()
+        assert (next_state.attraction <= state.attraction + 1e-4 * adhesion_solver.max_attraction).all()
         state = next_state
-    assert not attraction.iterate_at_load(state, -(1 + PULL_OFF_TOLERANCE) * pull_off)[1]
+    assert not adhesion_solver.iterate_at_load(state, -(1 + PULL_OFF_TOLERANCE) * pull_off)[1]
 
 
 def test_pull_off_force_is_a_lower_bound_if_no_tensile_load_is_solved(monkeypatch):
@@ -381,14 +381,14 @@ def test_solutions_of_random_adhesive_contacts_converge_and_few_give_only_a_lowe
 
 
 def test_maugis_dugdale_solution_tends_to_jkr_and_dmt_solutions():
-    work = {"work_of_adhesion": 1e-4}
+    adhesion_arguments = {"work_of_adhesion": 1e-4}
     loads = np.array([2e-4, 0.0, -2e-4])
-    jkr_limit = maugis_dugdale(loads, 1.0, 1e-4, **work, adhesion_range=1e-3)
-    dmt_limit = maugis_dugdale(loads, 1.0, 1e4, **work, adhesion_range=1e-3)
-    assert np.allclose(jkr_limit, jkr(loads, 1.0, 1e-4, **work), rtol=1e-3)
-    assert np.allclose(dmt_limit, dmt(loads, 1.0, 1e4, **work), rtol=1e-2)
+    jkr_limit = maugis_dugdale(loads, 1.0, 1e-4, **adhesion_arguments, adhesion_range=1e-3)
+    dmt_limit = maugis_dugdale(loads, 1.0, 1e4, **adhesion_arguments, adhesion_range=1e-3)
+    assert np.allclose(jkr_limit, jkr(loads, 1.0, 1e-4, **adhesion_arguments), rtol=1e-3)
+    assert np.allclose(dmt_limit, dmt(loads, 1.0, 1e4, **adhesion_arguments), rtol=1e-2)
     for law in (jkr, dmt):
-        assert np.isnan(law(-1.0, 1.0, 1.0, **work)[0])
+        assert np.isnan(law(-1.0, 1.0, 1.0, **adhesion_arguments)[0])
 
 
 def test_maugis_dugdale_contact_radius_is_nan_for_tensions_beyond_the_pull_off_force():

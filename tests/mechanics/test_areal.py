@@ -340,21 +340,26 @@ class TestSurfaceScalingAndSymmetry:
             self.press_in_all_directions(upper, lower, angles="-x").tangential_elastic
             == curve_of_all_directions.tangential_elastic[3]
         ).all()
-        shear = self.press_in_all_directions(upper, lower, angles=None, shear="-x")
-        assert (shear.tangential_elastic == curve_of_all_directions.tangential_elastic[3]).all()
+        curve_of_shear = self.press_in_all_directions(upper, lower, angles=None, shear="-x")
+        assert (curve_of_shear.tangential_elastic == curve_of_all_directions.tangential_elastic[3]).all()
 
     def test_candidates_of_a_tiled_map_include_minima_on_tile_seams(self):
         # The map has several tiles of 256 cells per side, and a minimum on a seam between two tiles.
         size = 300
         y, x = np.meshgrid(np.arange(size), np.arange(size), indexing="ij")
         heights = -np.cos(2 * np.pi * x / 16) - np.cos(2 * np.pi * y / 16)
-        points = candidates(
+        contact_candidates = candidates(
             Surface(heights * 0.1, spacing=0.1), Surface(np.zeros((size, size)), spacing=0.1), deepest=0.05
         )
         # The expected minima are 16 points apart, except on the edges.
-        assert len(points) == 18**2
-        assert np.allclose(np.round(points.position[:, :2] / 1.6), points.position[:, :2] / 1.6, atol=1e-3)
-        assert np.ptp(points.radii[np.abs(points.position[:, :2] / 0.1 - 150).max(axis=1) < 100]) < 1e-9
+        assert len(contact_candidates) == 18**2
+        assert np.allclose(
+            np.round(contact_candidates.position[:, :2] / 1.6), contact_candidates.position[:, :2] / 1.6, atol=1e-3
+        )
+        assert (
+            np.ptp(contact_candidates.radii[np.abs(contact_candidates.position[:, :2] / 0.1 - 150).max(axis=1) < 100])
+            < 1e-9
+        )
 
 
 class TestContactLawsOnMaps:
@@ -389,10 +394,10 @@ class TestValidityIndicators:
         approaches = np.linspace(0.05, 0.25, 9)
         curve = press(upper, lower, approaches)
         angles = np.linspace(0, 2 * np.pi, 2000)
-        points = candidates(upper, lower, deepest=0.25)
+        contact_candidates = candidates(upper, lower, deepest=0.25)
         gap_spline = areal.SplineSurface(upper.heights - lower.heights, upper.spacing)
         for k, approach in enumerate(approaches):
-            table = contacts(points, approach)
+            table = contacts(contact_candidates, approach)
             loads = table.force * table.normal[:, 2]
             rims = [self.ellipse_rim_points(gap_spline, table, i, angles) for i in range(len(table))]
             is_overlapping = [
@@ -477,21 +482,21 @@ class TestApproachAtLoad:
 
     def test_contact_candidates_can_be_pressed_repeatedly_at_approaches_up_to_the_maximum(self):
         upper, lower = create_rough_surfaces()
-        points = candidates(upper, lower, deepest=0.2)
-        assert points.curvature == "signed"
-        assert (points.gap <= 0.2).all()
+        contact_candidates = candidates(upper, lower, deepest=0.2)
+        assert contact_candidates.curvature == "signed"
+        assert (contact_candidates.gap <= 0.2).all()
         for choices in ({}, {"direction": [0, 70]}, {"sliding": "all"}, {"effective_modulus": 3.0}):
             curve_of_candidates, curve_of_surfaces = (
-                press(points, [0.05, 0.1], **choices),
+                press(contact_candidates, [0.05, 0.1], **choices),
                 press(upper, lower, [0.05, 0.1], **choices),
             )
             assert isinstance(curve_of_candidates, SurfaceLoadCurve)
             for name in DIRECTION_INDEPENDENT_SUMS + DIRECTION_DEPENDENT_SUMS:
                 assert (getattr(curve_of_candidates, name) == getattr(curve_of_surfaces, name)).all()
         with pytest.raises(ValueError, match="the limit of the candidates"):
-            press(points, [0.3])
+            press(contact_candidates, [0.3])
         with pytest.raises(ValueError, match="curvature"):
-            press(points, [0.1], curvature="convex")
+            press(contact_candidates, [0.1], curvature="convex")
 
 
 class TestSlidingRulesOnProfiles:
@@ -785,10 +790,10 @@ def test_areal_contact_candidates_include_every_minimum_of_the_gap():
     upper, lower = create_rough_surfaces(shape=(40, 40), spacing=0.05, shortest_wavelength=None, hurst_exponent=0.3)
     gap = upper.heights - lower.heights
     deepest = 2 * np.ptp(gap)
-    points = candidates(upper, lower, deepest=deepest)
-    places = areal.find_minima(gap, (0.05, 0.05))
-    assert len(points) >= len(places) > 100
-    max_offsets = np.abs(points.position[:, None, :2] - places).max(axis=2)
+    contact_candidates = candidates(upper, lower, deepest=deepest)
+    minimum_positions = areal.find_minima(gap, (0.05, 0.05))
+    assert len(contact_candidates) >= len(minimum_positions) > 100
+    max_offsets = np.abs(contact_candidates.position[:, None, :2] - minimum_positions).max(axis=2)
     assert max_offsets.min(axis=0).max() < 1e-6
 
 
@@ -842,7 +847,7 @@ def test_load_on_a_valley_longer_than_the_map_tends_to_the_load_of_a_line_contac
         overlap = 0.02 - body.heights.max()
         a, b, integral_k = areal.compute_semi_axes(bow, 1.0, overlap)
         peak_pressure = 10 * overlap / integral_k / b  # 3 F / (2 π a b)
-        line = np.pi / 2 * peak_pressure * b * 2.0
-        assert 1 - 0.2 * 2.0 / a < load[-1] / line < 1 + 1e-6
+        line_contact_load = np.pi / 2 * peak_pressure * b * 2.0
+        assert 1 - 0.2 * 2.0 / a < load[-1] / line_contact_load < 1 + 1e-6
     assert (np.diff(load) < 0).all()
     assert 1.1 < load[0] / load[-1] < 4

@@ -26,9 +26,9 @@ def test_asperities_of_a_circle_have_the_radius_and_centre_of_the_circle(create_
     apex, radius = 0.5, 2.0
     for side, height in (("lower", -radius), ("upper", radius)):
         arc = asperities(create_circular_arc(apex, radius, 0.002, 500, side), side)
-        inner = slice(20, -20)
-        assert np.allclose(arc.radius[inner], radius, rtol=2e-6)
-        assert np.allclose(arc.centre[inner], [apex, 0, height], atol=4e-6)
+        inner_range = slice(20, -20)
+        assert np.allclose(arc.radius[inner_range], radius, rtol=2e-6)
+        assert np.allclose(arc.centre[inner_range], [apex, 0, height], atol=4e-6)
 
 
 def test_asperities_at_profile_ends_have_zero_curvature_and_result_arrays_are_read_only():

@@ -43,48 +43,51 @@ def pair():
 class TestContactCandidates:
     @pytest.mark.parametrize("curvature", ["convex", "signed"])
     def test_loads_from_pressed_candidates_equal_loads_from_pressed_surfaces(self, pair, curvature):
-        points = candidates(*pair, deepest=0.03, curvature=curvature)
+        contact_candidates = candidates(*pair, deepest=0.03, curvature=curvature)
         steps = [0.0, 0.001, 0.02]
-        curve_of_candidates = press(points, steps, shear="-x")
+        curve_of_candidates = press(contact_candidates, steps, shear="-x")
         curve_of_surfaces = press(*pair, steps, shear="-x", detection="gap-minimum", curvature=curvature)
         for name in SUM_QUANTITIES:
             assert np.array_equal(getattr(curve_of_candidates, name), getattr(curve_of_surfaces, name)), name
-        table = contacts(points, 0.02)
-        assert set(table.index) <= set(points.index)
+        table = contacts(contact_candidates, 0.02)
+        assert set(table.index) <= set(contact_candidates.index)
         assert np.array_equal(
             table.force, contacts(*pair, 0.02, model=ContactModel(detection="gap-minimum", curvature=curvature)).force
         )
 
     def test_candidates_lie_at_minima_of_the_gap(self, pair):
         upper, lower = pair
-        points = candidates(upper, lower, deepest=0.03)
-        assert isinstance(points, Candidates)
-        assert (points.gap <= 0.03).all()
-        assert (points.position[:, 1] == 0).all()
-        assert (np.abs(points.position[:, 0] - lower.x[points.index] - lower.spacing / 2) <= lower.spacing / 2).all()
+        contact_candidates = candidates(upper, lower, deepest=0.03)
+        assert isinstance(contact_candidates, Candidates)
+        assert (contact_candidates.gap <= 0.03).all()
+        assert (contact_candidates.position[:, 1] == 0).all()
+        assert (
+            np.abs(contact_candidates.position[:, 0] - lower.x[contact_candidates.index] - lower.spacing / 2)
+            <= lower.spacing / 2
+        ).all()
         grid = upper.heights - lower.heights
         spline = CubicSpline(lower.x, grid, bc_type="natural")
-        x = points.position[:, 0]
-        assert np.abs(spline(x) - grid.min() - points.gap).max() < SPLINE_TOLERANCE * np.ptp(grid)
+        x = contact_candidates.position[:, 0]
+        assert np.abs(spline(x) - grid.min() - contact_candidates.gap).max() < SPLINE_TOLERANCE * np.ptp(grid)
         assert np.abs(spline(x, 1)).max() < SPLINE_TOLERANCE * np.abs(spline(lower.x, 1)).max()
         assert (spline(x, 2) > 0).all()
-        assert (points.radii[:, 0] == points.radii[:, 1]).all()
-        assert not points.gap.flags.writeable
+        assert (contact_candidates.radii[:, 0] == contact_candidates.radii[:, 1]).all()
+        assert not contact_candidates.gap.flags.writeable
 
     def test_press_function_rejects_options_that_contradict_the_search_for_candidates(self, pair):
-        points = candidates(*pair, deepest=0.03)
+        contact_candidates = candidates(*pair, deepest=0.03)
         with pytest.raises(
             ValueError, match=r"approach must be at most 0.03 µm, the limit of the candidates, got 0.04 µm"
         ):
-            press(points, [0.04])
+            press(contact_candidates, [0.04])
         with pytest.raises(ValueError, match=r"^detection must be 'gap-minimum' for these candidates, got 'cell'"):
-            press(points, [0.01], detection="cell")
+            press(contact_candidates, [0.01], detection="cell")
         with pytest.raises(ValueError, match=r"^curvature must be 'convex' for these candidates, got 'signed'"):
-            contacts(points, 0.01, curvature="signed")
+            contacts(contact_candidates, 0.01, curvature="signed")
         with pytest.raises(ValueError, match="deepest"):
             candidates(*pair, deepest="deep")
         with pytest.raises(ValueError, match="lower must not be given together with candidates"):
-            press(points, pair[1], [0.01])
+            press(contact_candidates, pair[1], [0.01])
         with pytest.raises(ValueError, match="must have equal spacings"):
             candidates(pair[0], Profile(pair[1].heights, spacing=1.0), deepest=0.1)
 
@@ -171,12 +174,12 @@ def create_noise_bodies(body, shape):
     ids=["press", "press areas", "profile", "surface"],
 )
 def test_long_computation_stops_on_ctrl_c(call):
-    before, start = signal.signal(signal.SIGPROF, signal.default_int_handler), time.process_time()
+    previous_handler, start = signal.signal(signal.SIGPROF, signal.default_int_handler), time.process_time()
     try:
         with pytest.raises(KeyboardInterrupt):  # noqa: PT012, the signal arrives after an unknown time
             signal.setitimer(signal.ITIMER_PROF, SIGNAL_DELAY)
             call()
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0)
-        signal.signal(signal.SIGPROF, before)
+        signal.signal(signal.SIGPROF, previous_handler)
     assert time.process_time() - start < SIGNAL_DELAY + MAX_DELAY_AFTER_SIGNAL

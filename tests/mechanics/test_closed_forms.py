@@ -109,10 +109,10 @@ def test_asperity_model_of_a_sinusoid_tends_to_westergaard_solution_at_light_loa
         pressures, amplitude=amplitude, wavelength=wavelength, effective_modulus=modulus
     )
     difference = curve.contact_area / (10 * wavelength) / exact_fraction - 1
-    relative = pressures / (math.pi * modulus * amplitude / wavelength)
+    relative_pressures = pressures / (math.pi * modulus * amplitude / wavelength)
     # The difference is one term of the series, to 10 %. The apex of the spline is accurate to 1e-5 of the overlap.
-    assert np.allclose(difference, -relative / 6, rtol=0.1, atol=1e-5)
-    assert relative[1] > 5 * relative[0]
+    assert np.allclose(difference, -relative_pressures / 6, rtol=0.1, atol=1e-5)
+    assert relative_pressures[1] > 5 * relative_pressures[0]
 
 
 class TestWeierstrassMandelbrotMoments:

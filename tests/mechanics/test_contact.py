@@ -58,10 +58,11 @@ class TestProfilesAgainstReference:
         upper = flat if bodies.startswith("flat") else upper
         lower = flat if bodies.endswith("flat") else lower
         approaches = [0.001, 0.004, 0.02]
-        reference = REFERENCE_FUNCTIONS[detection]
-        signed = curvature == "signed"
+        reference_function = REFERENCE_FUNCTIONS[detection]
+        is_signed = curvature == "signed"
         rows = [
-            reference(upper.heights, lower.heights, upper.spacing, approach, signed=signed) for approach in approaches
+            reference_function(upper.heights, lower.heights, upper.spacing, approach, signed=is_signed)
+            for approach in approaches
         ]
         assert sum(map(len, rows)) >= 5
         for shear, sigma in (("+x", 1), ("-x", -1)):
@@ -188,13 +189,13 @@ class TestProfilesAgainstExactSolutions:
         # The radius is 5e7 to 5e13 µm. A difference of such lengths would lose an overlap of 10 pm.
         ball = create_circular_arc(10.003, 12.0, 0.01, 2001, "lower")
         approaches = [1e-5, 1e-4, 1e-3]
-        flat = press(Profile(np.ones(2001), spacing=0.01), ball, approaches, detection=detection)
-        assert flat.contact_count.tolist() == [1, 1, 1]
+        curve_on_flat = press(Profile(np.ones(2001), spacing=0.01), ball, approaches, detection=detection)
+        assert curve_on_flat.contact_count.tolist() == [1, 1, 1]
         for bow in (1e-12, 1e-10, 1e-8, 1e-6):
             bowed_profile = Profile(1 + bow * ((ball.x - 10) / 10) ** 2, spacing=0.01)
             curve = press(bowed_profile, ball, approaches, detection=detection)
             assert curve.contact_count.tolist() == [1, 1, 1]
-            assert_close(curve.normal_elastic, flat.normal_elastic, 1e-9 + 0.3 * bow)
+            assert_close(curve.normal_elastic, curve_on_flat.normal_elastic, 1e-9 + 0.3 * bow)
 
     def test_two_flats_have_no_contact(self):
         flat = Profile(np.zeros(20), spacing=0.1)
@@ -395,8 +396,8 @@ class TestGapMinimumDetection:
         # The position of first contact within a cell is random. Therefore mean errors over the pairs are compared.
         finest, coarser = curves_by_points[self.POINT_COUNTS[-1]], self.POINT_COUNTS[:-1]
         errors = [np.abs(curves_by_points[points][:, 1:3] / finest[:, 1:3] - 1).mean() for points in coarser]
-        order = -np.polyfit(np.log(coarser), np.log(errors), 1)[0]
-        assert 1.7 < order < 2.3
+        convergence_order = -np.polyfit(np.log(coarser), np.log(errors), 1)[0]
+        assert 1.7 < convergence_order < 2.3
 
     def test_loads_of_contacts_detected_in_cells_and_at_gap_minima_become_equal_on_fine_grids(self):
         differences = []

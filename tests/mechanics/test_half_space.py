@@ -187,19 +187,19 @@ def test_half_space_solution_of_a_sinusoid_equals_westergaard_solution(fraction)
         1e-4,
         np.pi * EFFECTIVE_MODULUS * 1e-4,
     )  # the slopes are so small that areas equal projected areas
-    wave = {"amplitude": amplitude, "wavelength": 1.0, "effective_modulus": EFFECTIVE_MODULUS}
+    wave_arguments = {"amplitude": amplitude, "wavelength": 1.0, "effective_modulus": EFFECTIVE_MODULUS}
     load = full_contact_pressure * np.sin(np.pi / 2 * fraction) ** 2
     errors = []
     for n in (1024, 4096):
         x = (np.arange(n) + 0.31) / n
         lower = Profile(amplitude * np.cos(2 * np.pi * x), spacing=1 / n)
         curve = half_space(flat_like(lower), lower, [load], boundary="periodic", tolerance=TIGHT_TOLERANCE)
-        exact = westergaard_contact_fraction(load, **wave)
+        exact = westergaard_contact_fraction(load, **wave_arguments)
         result = curve.contact(0)
-        errors.append(np.abs(result.pressure - westergaard_pressure(x, load, **wave)).mean() / load)
+        errors.append(np.abs(result.pressure - westergaard_pressure(x, load, **wave_arguments)).mean() / load)
         # The edge of the contact is accurate to one point, and the gap next to the edge has the corresponding accuracy.
         assert abs(curve.contact_area[0] - exact) < 1 / n
-        gap = westergaard_gap(x, load, **wave)
+        gap = westergaard_gap(x, load, **wave_arguments)
         assert np.abs(result.gap - gap).max() < 2 * amplitude / n**0.5 * max(fraction, 0.1) * 0.1
     # Mean errors decrease with the spacing to first order or faster, for any position of the edges.
     assert errors[1] < errors[0] / 2.5
@@ -207,18 +207,20 @@ def test_half_space_solution_of_a_sinusoid_equals_westergaard_solution(fraction)
 
 
 def test_westergaard_pressure_and_gap_and_contact_fraction_agree_with_each_other():
-    wave = {"amplitude": 0.01, "wavelength": 2.0, "effective_modulus": EFFECTIVE_MODULUS}
+    wave_arguments = {"amplitude": 0.01, "wavelength": 2.0, "effective_modulus": EFFECTIVE_MODULUS}
     x = np.linspace(-1, 1, 20_001)[:-1]
     for load in (0.001, 0.1, 0.2):
-        p = westergaard_pressure(x, load, **wave)
+        p = westergaard_pressure(x, load, **wave_arguments)
         # The integration over square-root edges has this relative error.
         assert p.mean() == pytest.approx(load, rel=2e-5)
-        assert np.mean(p > 0) == pytest.approx(min(1.0, float(westergaard_contact_fraction(load, **wave))), abs=2e-4)
-        gap = westergaard_gap(x, load, **wave)
+        assert np.mean(p > 0) == pytest.approx(
+            min(1.0, float(westergaard_contact_fraction(load, **wave_arguments))), abs=2e-4
+        )
+        gap = westergaard_gap(x, load, **wave_arguments)
         assert (gap[p > 0] == 0).all()
         assert (gap[p == 0] >= 0).all()
     # Without load the gap is the sinusoid itself.
-    np.testing.assert_allclose(westergaard_gap(x, 1e-12, **wave), 0.01 * (1 - np.cos(np.pi * x)), atol=1e-9)
+    np.testing.assert_allclose(westergaard_gap(x, 1e-12, **wave_arguments), 0.01 * (1 - np.cos(np.pi * x)), atol=1e-9)
 
 
 def test_half_space_solution_of_a_line_contact_equals_hertz_solution():
@@ -623,15 +625,17 @@ def test_half_space_results_are_invariant_under_mirroring_and_exchange_of_bodies
 def test_half_space_solution_of_an_extruded_profile_equals_the_solution_of_the_profile():
     lines = [periodic_body((256,), seed=seed, shortest=16) for seed in (1, 2)]
     wide_surfaces = [Surface(np.tile(line.heights, (8, 1)), spacing=(1 / 8, 1 / 256)) for line in lines]
-    one = half_space(*lines, [0.01], boundary="periodic", tolerance=TIGHT_TOLERANCE)
-    other = half_space(*wide_surfaces, [0.01], boundary="periodic", direction=[0.0, 90.0], tolerance=TIGHT_TOLERANCE)
-    np.testing.assert_allclose(other.contact(0).pressure[3], one.contact(0).pressure, atol=1e-6)
-    np.testing.assert_allclose(other.tangential_elastic[0], one.tangential_elastic, rtol=1e-6)
-    np.testing.assert_array_equal(other.contact_count, one.contact_count)
-    assert other.friction_coefficient(mu0=0.4).shape == (2, 1)
-    assert (other.status(mu0=0.4) == "ok").all()
+    line_curve = half_space(*lines, [0.01], boundary="periodic", tolerance=TIGHT_TOLERANCE)
+    surface_curve = half_space(
+        *wide_surfaces, [0.01], boundary="periodic", direction=[0.0, 90.0], tolerance=TIGHT_TOLERANCE
+    )
+    np.testing.assert_allclose(surface_curve.contact(0).pressure[3], line_curve.contact(0).pressure, atol=1e-6)
+    np.testing.assert_allclose(surface_curve.tangential_elastic[0], line_curve.tangential_elastic, rtol=1e-6)
+    np.testing.assert_array_equal(surface_curve.contact_count, line_curve.contact_count)
+    assert surface_curve.friction_coefficient(mu0=0.4).shape == (2, 1)
+    assert (surface_curve.status(mu0=0.4) == "ok").all()
     # There are no slopes along the grooves, so no contact opposes the motion.
-    np.testing.assert_allclose(other.tangential_load(mu0=0.4)[1], 0.0, atol=1e-9)
+    np.testing.assert_allclose(surface_curve.tangential_load(mu0=0.4)[1], 0.0, atol=1e-9)
 
 
 def test_contact_patches_connect_across_periodic_edges():

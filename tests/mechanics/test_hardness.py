@@ -30,9 +30,9 @@ def test_contact_area_interpolated_over_hardness_agrees_with_direct_solutions(rm
     nodes = 0.23 * (1.7 / 0.23) ** np.sort([*HARDNESS_NODE_POSITIONS, 0.5])
     expected = np.geomspace(0.23, 1.7, 9)
     result = area_per_load(expected, nodes, [solve_area_per_load(float(node)) for node in nodes], elastic_area)
-    direct = np.array([solve_area_per_load(float(item)) for item in expected])
-    assert result == pytest.approx(direct, rel=AREA_TOLERANCE)
-    assert 0.2 + 0.05 * result == pytest.approx(0.2 + 0.05 * direct, rel=FRICTION_TOLERANCE)
+    direct_solutions = np.array([solve_area_per_load(float(item)) for item in expected])
+    assert result == pytest.approx(direct_solutions, rel=AREA_TOLERANCE)
+    assert 0.2 + 0.05 * result == pytest.approx(0.2 + 0.05 * direct_solutions, rel=FRICTION_TOLERANCE)
 
 
 def test_contact_area_interpolated_over_hardness_equals_its_formula() -> None:

@@ -218,9 +218,11 @@ def test_csv_columns_are_in_the_order_of_the_table_of_quantities(results_at_load
 
 
 def test_modules_do_not_infer_properties_of_quantities_from_their_names():
-    parts = "share|fraction|count|load|area|pull_off|slipped|stiffness|unloaded|friction|pressure"
+    name_pattern = "share|fraction|count|load|area|pull_off|slipped|stiffness|unloaded|friction|pressure"
     tests = "startswith|endswith|replace|removeprefix|removesuffix"
-    pattern = re.compile(rf"""["']_?({parts})\w*["'] in (str\()?name\b|\bname\)?\.({tests})\(\(?["']_?({parts})""")
+    pattern = re.compile(
+        rf"""["']_?({name_pattern})\w*["'] in (str\()?name\b|\bname\)?\.({tests})\(\(?["']_?({name_pattern})"""
+    )
     root = Path(stiction.__file__).parent
     files = [
         path for folder in ("mechanics", "studies", "views", "cli", "app") for path in (root / folder).rglob("*.py")

@@ -89,6 +89,6 @@ def test_spectral_resolution_function_rejects_invalid_arguments(changes, message
     upper, lower = roughness_of_bodies(create_rough_surfaces(32))
     with pytest.raises(ValueError, match=message):
         spectral_resolution(upper, lower, **PAIR_OPTIONS | changes)
-    line = scale_dependent_roughness(Profile(np.sin(np.arange(99.0)), spacing=0.1))
+    profile_roughness = scale_dependent_roughness(Profile(np.sin(np.arange(99.0)), spacing=0.1))
     with pytest.raises(ValueError, match="must be ScaleDependentRoughness objects computed from surfaces"):
-        spectral_resolution(line, lower, **PAIR_OPTIONS)
+        spectral_resolution(profile_roughness, lower, **PAIR_OPTIONS)

@@ -163,14 +163,14 @@ class WriterKillTest:
                     time.sleep(self.random.uniform(0, 3))  # Another worker may start in this time.
                 self.kill("--scheduler", process)
             case "parts":
-                parts = {i: self.start_command("--part", f"{i}/4", "--workers", "1") for i in range(1, 5)}
-                self.wait_for_write(*parts.values())
+                part_processes = {i: self.start_command("--part", f"{i}/4", "--workers", "1") for i in range(1, 5)}
+                self.wait_for_write(*part_processes.values())
                 restarted_part = self.random.randint(1, 4)
-                self.kill("--part", parts[restarted_part])
-                parts[restarted_part] = self.start_command("--part", f"{restarted_part}/4", "--workers", "1")
-                self.wait_for_write(*parts.values())
-                for part_number in self.random.sample(sorted(parts), 4):
-                    self.kill("--part", parts[part_number])
+                self.kill("--part", part_processes[restarted_part])
+                part_processes[restarted_part] = self.start_command("--part", f"{restarted_part}/4", "--workers", "1")
+                self.wait_for_write(*part_processes.values())
+                for part_number in self.random.sample(sorted(part_processes), 4):
+                    self.kill("--part", part_processes[part_number])
                     time.sleep(self.random.uniform(0, 0.3))
 
     def start_scheduler(self) -> None:

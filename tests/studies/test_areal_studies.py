@@ -99,7 +99,7 @@ def compute_curves(study, upper, lower):
 def test_results_of_an_areal_study_equal_load_curves_of_single_pairs(name):
     study = STUDIES[name]
     dataset = run(study).dataset
-    step = study.contact.step_quantity
+    step_quantity = study.contact.step_quantity
     for d, a, r in ((0, 1, 0), (1, 0, 2)):
         pair = pair_of(
             study, r, fractal_dimension=dataset["fractal_dimension"].values[d],
@@ -111,7 +111,7 @@ def test_results_of_an_areal_study_equal_load_curves_of_single_pairs(name):
                 is_directed = quantity in DIRECTED_SUM_QUANTITIES
                 computed_sum = member[quantity].sel(sliding=rule) if is_directed else member[quantity]
                 assert computed_sum.dims == (
-                    ("direction", step) if is_directed and "direction" in dataset.dims else (step,)
+                    ("direction", step_quantity) if is_directed and "direction" in dataset.dims else (step_quantity,)
                 )
                 assert computed_sum.values.tobytes() == getattr(curve, quantity).tobytes(), quantity
     assert (dataset["normal_elastic"].values.max(axis=-1) > 0).all()

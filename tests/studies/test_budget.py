@@ -123,12 +123,13 @@ def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solution
     for probability in (0.03, 0.7):
         hardness = float(inputs["hardness"].estimate.quantile(probability))
         effective_modulus = float(inputs["effective_modulus"].estimate.quantile(probability))
-        direct = pair(*rough_surfaces(rms=rms), hardness=hardness, effective_modulus=effective_modulus, **kwargs)
+        direct_result = pair(*rough_surfaces(rms=rms), hardness=hardness, effective_modulus=effective_modulus, **kwargs)
         friction_samples = samples._compute_friction_samples(
             {"hardness": probability, "effective_modulus": probability}
         )
         assert friction_samples[0] == pytest.approx(
-            direct.value, rel=MAX_WIDE_INTERPOLATION_ERROR if modulus.startswith("48") else MAX_INTERPOLATION_ERROR
+            direct_result.value,
+            rel=MAX_WIDE_INTERPOLATION_ERROR if modulus.startswith("48") else MAX_INTERPOLATION_ERROR,
         )
 
 

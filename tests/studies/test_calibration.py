@@ -223,10 +223,10 @@ def test_calibration_infers_the_true_modulus_within_its_range() -> None:
     # The true modulus is 1.8 standard deviations above the middle of its range; a ball of exact modulus reveals it.
     ranged_ball, exact_ball = Ball("5 mm", "2..4.5 GPa"), Ball("5 mm", "30 GPa")
     modulus = 3.0 * 1.5 ** (1.8 / 1.96)
-    truth = Ball("5 mm", modulus)
+    true_ball = Ball("5 mm", modulus)
     tests = [
         FrictionTest(body, load, coefficient=y, uncertainty=0.005 * y)
-        for body, area in ((ranged_ball, truth), (exact_ball, exact_ball))
+        for body, area in ((ranged_ball, true_ball), (exact_ball, exact_ball))
         for load in LOADS
         for y in [MU0 + TAU0 * area.area_per_load(load)]
     ]
@@ -252,8 +252,8 @@ def test_calibration_over_a_range_of_moduli_agrees_with_a_brute_force_calculatio
     random = np.random.default_rng(0)
     samples_at_mean_modulus = random.multivariate_normal(best, covariance, 400_000)
     # A/F is proportional to E*^(-2/3), and the prior is flat in tau0 A/F, so tau0 is proportional to E*^(2/3).
-    relative = np.exp(random.standard_normal(400_000) / 1.96 * 0.5 * math.log(high / low))
-    tau0 = samples_at_mean_modulus[:, 1] * relative ** (2 / 3)
+    relative_moduli = np.exp(random.standard_normal(400_000) / 1.96 * 0.5 * math.log(high / low))
+    tau0 = samples_at_mean_modulus[:, 1] * relative_moduli ** (2 / 3)
     for result, draws in ((interface.mu0, samples_at_mean_modulus[:, 0]), (interface.tau0, tau0)):
         expected = np.quantile(draws, [0.5, 0.025, 0.975])
         assert result == pytest.approx(expected, abs=SAMPLING_TOLERANCE * np.ptp(expected))
@@ -301,8 +301,8 @@ def test_error_of_the_area_ratio_between_two_hardnesses_is_the_standard_error_ov
     assert area_factor is not None
     assert area_factor.error in area_factor.nuisance_names
     solved_areas = load_areas_at_nodes(tested_pair.source)["contact_area"].isel(load=0, relative_modulus=0).to_pandas()
-    relative = np.log(solved_areas.div(solved_areas[float(tested_pair.study.contact.hardness)], axis=0))
-    expected = relative.sem(axis=0)
+    log_area_ratios = np.log(solved_areas.div(solved_areas[float(tested_pair.study.contact.hardness)], axis=0))
+    expected = log_area_ratios.sem(axis=0)
     for hardness in expected.index[:-1]:
         assert area_factor.areas.area_ratio_error(0, np.array([hardness])) == pytest.approx(expected[hardness])
     fit = calibrate([test] * 4).fits[0]
@@ -332,13 +332,15 @@ def test_unknown_uncertainties_of_friction_tests_are_estimated_from_their_scatte
 def test_friction_tests_without_sliding_are_treated_as_lower_bounds() -> None:
     sliding_tests = simulate_ball_tests()
     identified_values = calibrate(sliding_tests[:2], sliding="all").identified
-    level = sliding_tests[0].coefficient * 1.05
-    static_tests = [FrictionTest(BALL, LOADS[0], coefficient=level, uncertainty=0.01, slid=False)] * 3
+    static_coefficient = sliding_tests[0].coefficient * 1.05
+    static_tests = [FrictionTest(BALL, LOADS[0], coefficient=static_coefficient, uncertainty=0.01, slid=False)] * 3
     bounded_interface = calibrate([*sliding_tests[:2], *static_tests], sliding="all")
     area_per_load = BALL.area_per_load(LOADS[0])
-    before = np.quantile(calibrate(sliding_tests[:2], sliding="all").draws.eval(f"mu0 + tau0 * {area_per_load}"), 0.05)
-    after = np.quantile(bounded_interface.draws.eval(f"mu0 + tau0 * {area_per_load}"), 0.05)
-    assert after > before
+    limit_before = np.quantile(
+        calibrate(sliding_tests[:2], sliding="all").draws.eval(f"mu0 + tau0 * {area_per_load}"), 0.05
+    )
+    limit_after = np.quantile(bounded_interface.draws.eval(f"mu0 + tau0 * {area_per_load}"), 0.05)
+    assert limit_after > limit_before
     assert identified_values[0] > 0
 
 

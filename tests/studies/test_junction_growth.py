@@ -53,13 +53,15 @@ def test_friction_with_junction_growth_equals_solution_at_hardness_under_shear(r
     tau0 = 0.1 * hardness
     inputs = PLASTIC_OPTIONS | {"mu0": 0.2, "tau0": tau0, "hardness": hardness}
     pressure = float(hardness_under_shear(hardness, 0.2, tau0, 27.0))
-    direct = pair(*rough_surfaces(), **inputs | {"hardness": pressure}, junction_growth=0)
+    direct_result = pair(*rough_surfaces(), **inputs | {"hardness": pressure}, junction_growth=0)
     result = pair(*rough_surfaces(), **inputs, junction_growth=27)
     assert mean_coefficient(result, rule) == pytest.approx(
-        mean_coefficient(direct, rule), rel=INTERPOLATION_TOLERANCES[rule]
+        mean_coefficient(direct_result, rule), rel=INTERPOLATION_TOLERANCES[rule]
     )
     area = result.at()["contact_area_at_onset"].sel(statistic="mean").squeeze()
-    assert float(area) == pytest.approx(float(direct.at()["contact_area"].sel(statistic="mean").squeeze()), rel=0.02)
+    assert float(area) == pytest.approx(
+        float(direct_result.at()["contact_area"].sel(statistic="mean").squeeze()), rel=0.02
+    )
 
 
 def test_result_at_zero_junction_growth_equals_default_result(result_without_growth):
@@ -195,6 +197,6 @@ def test_tabulated_areas_agree_with_exact_areas_inside_and_outside_the_range_of_
     hardness = np.geomspace(0.04, 5.0, 20_000)
     for part, tolerance in ((hardness, 1e-5), (hardness[:50], 1e-12), (3 * hardness, 1e-12)):
         exact_areas = area_per_load(part, nodes, areas_at_nodes, elastic_areas)
-        places = find_table_positions(np.log(part), *areas.limits)
-        assert (places is not None) == (tolerance == 1e-5)
-        assert areas(np.log(part), places) == pytest.approx(exact_areas, rel=tolerance)
+        table_positions = find_table_positions(np.log(part), *areas.limits)
+        assert (table_positions is not None) == (tolerance == 1e-5)
+        assert areas(np.log(part), table_positions) == pytest.approx(exact_areas, rel=tolerance)

@@ -215,10 +215,10 @@ def test_contact_statistics_equal_direct_computation(mechanics):
     assert area.sum() == pytest.approx(float(member["contact_area"]), rel=0.02)
     assert float(member["share_on_largest"]) == pytest.approx(force.max() / force.sum(), rel=1e-6)
     assert member["patch_area"].values == pytest.approx(np.quantile(area, QUANTILE_PROBABILITIES), rel=1e-6)
-    middle = float(member["pressure"].sel(fraction_below=0.5, method="nearest"))
-    assert 0 < middle < float(member["pressure"].sel(fraction_below=0.9, method="nearest"))
+    median_pressure = float(member["pressure"].sel(fraction_below=0.5, method="nearest"))
+    assert 0 < median_pressure < float(member["pressure"].sel(fraction_below=0.9, method="nearest"))
     mean = 0.1 / float(member["contact_area"])
-    assert 0.5 * mean < middle < 1.5 * mean
+    assert 0.5 * mean < median_pressure < 1.5 * mean
 
 
 def test_load_fraction_on_steepest_slopes_equals_its_definition():
@@ -284,8 +284,8 @@ def cut_middle(body):
     """Return the middle three quarters of a surface, levelled by a plane."""
     rows, columns = (points - points // 4 for points in body.heights.shape)
     top, left = (body.heights.shape[0] - rows) // 2, (body.heights.shape[1] - columns) // 2
-    middle = Surface(body.heights[top : top + rows, left : left + columns], spacing=body.spacing)
-    return levelled(middle, "plane")
+    middle_piece = Surface(body.heights[top : top + rows, left : left + columns], spacing=body.spacing)
+    return levelled(middle_piece, "plane")
 
 
 @pytest.mark.parametrize(
@@ -306,6 +306,6 @@ def test_pair_function_rejects_invalid_input_for_maps(changes, pattern):
 
 
 def test_pair_function_rejects_maps_that_are_too_small():
-    small = Surface(np.zeros((MIN_PIECE_SIDE_POINTS, 30)), spacing=1.0)
+    small_surface = Surface(np.zeros((MIN_PIECE_SIDE_POINTS, 30)), spacing=1.0)
     with pytest.raises(ValueError, match="overlap in at least 16 rows and columns"):
-        pair_study(small, small, load=[0.1], mu0=0.3, effective_modulus=10.0)
+        pair_study(small_surface, small_surface, load=[0.1], mu0=0.3, effective_modulus=10.0)

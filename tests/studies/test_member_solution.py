@@ -86,8 +86,8 @@ def test_values_of_a_profile_member_equal_direct_computation(tmp_path, mechanics
 
 def test_dataset_built_from_member_results_has_the_variables_declared_by_its_study(tmp_path):
     study = create_study_from_files(tmp_path, mechanics="asperities", spacing=write_maps(tmp_path), members=3)
-    parts = [compute_member_arrays(study, index) for index in range(3)]
-    dataset = build_dataset(study, range(3), stack_members(study, parts), find_body_attributes(study))
+    arrays_of_members = [compute_member_arrays(study, index) for index in range(3)]
+    dataset = build_dataset(study, range(3), stack_members(study, arrays_of_members), find_body_attributes(study))
     assert set(dataset.data_vars) == set(list_variable_names(study))
     for name, item in variable_specs(study).items():
         assert dataset[name].dims == item.dims

@@ -119,10 +119,10 @@ def test_limited_refinement_of_node_axes_adds_nodes_where_errors_are_largest():
 def test_panels_between_nodes_are_not_interpolated_if_errors_exceed_the_printed_tolerance():
     def analytic_friction_with_cusp(mu0, tau0):
         """Return points whose upper end has a cusp along mu0, at large tau0."""
-        points = analytic_friction(mu0, tau0)
+        friction_values = analytic_friction(mu0, tau0)
         cusp_height = np.maximum(0.0, 0.1 - np.abs(np.asarray(mu0)[:, np.newaxis] - 0.4)) * (np.asarray(tau0) > 0.08)
-        points[..., 2] += 5 * cusp_height
-        return points
+        friction_values[..., 2] += 5 * cusp_height
+        return friction_values
 
     axes = tuple(NodeAxis(np.linspace(0, axis.rising[-1], 21)) for axis in NODE_AXES)
     mu0, tau0 = (axis.rising for axis in axes)
@@ -139,9 +139,9 @@ def test_panels_between_nodes_are_interpolated_only_if_the_error_in_the_middle_o
     """Compare the mask with true errors for an upper end that diverges at large tau0."""
 
     def analytic_friction_with_steep_end(mu0, tau0):
-        points = analytic_friction(mu0, tau0)
-        points[..., 2] += 0.01 / (0.21 - np.asarray(tau0))
-        return points
+        friction_values = analytic_friction(mu0, tau0)
+        friction_values[..., 2] += 0.01 / (0.21 - np.asarray(tau0))
+        return friction_values
 
     is_shown = find_interpolated_panels(
         NODE_AXES, analytic_friction_with_steep_end(*(axis.values for axis in NODE_AXES))
@@ -163,15 +163,15 @@ def test_panels_between_nodes_are_interpolated_only_if_the_error_in_the_middle_o
 def test_panels_with_a_jump_or_an_undefined_node_are_not_interpolated():
     mu0, tau0 = create_grid()
     smooth_values = 0.1 + mu0 + tau0
-    points = np.stack([smooth_values, 0.9 * smooth_values, 1.1 * smooth_values], axis=-1)
-    assert find_interpolated_panels(NODE_AXES, points).all()
-    points_with_jump = np.where(mu0[..., np.newaxis] > 0.5, 3 * points, points)
+    friction_values = np.stack([smooth_values, 0.9 * smooth_values, 1.1 * smooth_values], axis=-1)
+    assert find_interpolated_panels(NODE_AXES, friction_values).all()
+    points_with_jump = np.where(mu0[..., np.newaxis] > 0.5, 3 * friction_values, friction_values)
     assert not find_interpolated_panels(NODE_AXES, points_with_jump)[2, :4].any()
-    undefined_points = points.copy()
+    undefined_points = friction_values.copy()
     undefined_points[4, 4] = np.nan
     assert not find_interpolated_panels(NODE_AXES, undefined_points)[3, 3]
     assert find_interpolated_panels(NODE_AXES, undefined_points)[:3, :3].all()
-    unbounded_points = points.copy()
+    unbounded_points = friction_values.copy()
     unbounded_points[:, 4, 2] = np.inf
     assert not find_interpolated_panels(NODE_AXES, unbounded_points)[:4, 3].any()
     assert find_interpolated_panels(NODE_AXES, unbounded_points)[:4, :3].all()

@@ -73,19 +73,23 @@ def test_onset_of_generated_maps_uses_the_first_direction():
 
 def test_onset_at_a_load_is_a_mean_over_members_weighted_by_load(result):
     """Compare with means at a solved approach, weighted by the normal load of each member."""
-    step = result.isel(approach=3)
-    normal_loads = step["normal_elastic"] + 0.3 * step["normal_frictional"] + 0.02 * step["normal_adhesive"]
+    result_at_step = result.isel(approach=3)
+    normal_loads = (
+        result_at_step["normal_elastic"]
+        + 0.3 * result_at_step["normal_frictional"]
+        + 0.02 * result_at_step["normal_adhesive"]
+    )
     for dimension_index in range(2):
         selection = {"fractal_dimension": dimension_index, "amplitude": 0}
         load = float(normal_loads.isel(selection).mean())
         point = at_load(result, [load], mu0=0.3, tau0=0.02).isel(selection | {"load": 0, "mu0": 0, "tau0": 0})
         weight = normal_loads.isel(selection).values / normal_loads.isel(selection).values.sum()
         for name in ("displacement_at_sliding", "fraction_slipped"):
-            values = step[name].isel(selection).values
+            values = result_at_step[name].isel(selection).values
             mean, lower, upper = point[name].values
             assert mean == pytest.approx(weight @ values, rel=1e-9)
             assert lower < mean < upper
-        stiffness = step["tangential_stiffness"].isel(selection).values.mean()
+        stiffness = result_at_step["tangential_stiffness"].isel(selection).values.mean()
         assert float(point["tangential_stiffness"].sel(statistic="mean")) == pytest.approx(stiffness, rel=1e-9)
 
 

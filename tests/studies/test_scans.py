@@ -96,10 +96,12 @@ def test_intervals_from_several_scans_contain_the_true_mean_and_the_result_of_a_
                 coefficients * (1 + 0.02 * rng.standard_normal(coefficients.size)), upper_scans, lower_scans
             )
             covered.append(abs(result.mean - truth) <= result.half_width)
-            test = float(
+            new_coefficient = float(
                 simulate_coefficient(random_gradients(1), random_gradients(1))[0] * (1 + 0.02 * rng.standard_normal())
             )
-            covered_tests.append(abs(test - result.mean) <= float(student_quantile(result.test_freedom)) * result.test)
+            covered_tests.append(
+                abs(new_coefficient - result.mean) <= float(student_quantile(result.test_freedom)) * result.test
+            )
     coverage_by_counts = np.reshape(covered, (len(SCAN_COUNTS), -1)).mean(axis=1)
     print(
         f"spread {spread}: covers {np.mean(covered):.3f} {coverage_by_counts.round(3)}, "
@@ -212,12 +214,12 @@ def test_interval_from_few_scans_contains_the_mean_over_many_scans(spread) -> No
             for side, gradients_of_part in zip(("upper", "lower"), gradients, strict=True)
         ]
 
-    truth = pair(
+    true_result = pair(
         *generate_scans(100, 24), shifts=576, **arguments
     ).value  # every part has the same distribution of gradients
     results = [pair(*generate_scans(part, 3 + part % 4), shifts=32, **arguments) for part in range(20)]
-    covered = sum(item.interval[0] <= truth <= item.interval[1] for item in results)
-    print(f"spread {spread}: {covered} of 20 cover {truth:.4f}")
+    covered = sum(item.interval[0] <= true_result <= item.interval[1] for item in results)
+    print(f"spread {spread}: {covered} of 20 cover {true_result:.4f}")
     assert covered >= 17
 
 

@@ -648,11 +648,11 @@ def test_files_written_at_different_times_are_byte_identical(uninterrupted_datas
 
 def test_stored_block_has_the_same_content_as_a_file_written_by_xarray(uninterrupted_dataset):
     """Compare the variables, types and attributes of files that the store and xarray write."""
-    part = uninterrupted_dataset.isel(repetition=slice(4, 8))
-    dataset_of_types = part.assign_coords(
+    dataset_part = uninterrupted_dataset.isel(repetition=slice(4, 8))
+    dataset_of_types = dataset_part.assign_coords(
         place=("repetition", [True, False, True, False]), words=("approach", [*"abcd"]), area=3.0
     )
-    for dataset in (part, dataset_of_types, part.mean("repetition")):
+    for dataset in (dataset_part, dataset_of_types, dataset_part.mean("repetition")):
         store_file, xarray_file = io.BytesIO(), io.BytesIO()
         store.write_dataset(dataset, store_file)
         dataset.to_netcdf(
@@ -666,10 +666,10 @@ def test_stored_block_has_the_same_content_as_a_file_written_by_xarray(uninterru
                 assert store_variables[name].dtype == xarray_variables[name].dtype
                 assert store_variables[name].attrs.keys() == xarray_variables[name].attrs.keys()
     block = io.BytesIO()
-    store.write_dataset(part, block)
+    store.write_dataset(dataset_part, block)
     assert (
         store.encode_members(
-            TINY_STUDY, range(4, 8), {name: part[name].values for name in TINY_STUDY.contact_sum_names()}
+            TINY_STUDY, range(4, 8), {name: dataset_part[name].values for name in TINY_STUDY.contact_sum_names()}
         )
         == block.getvalue()
     )

@@ -108,7 +108,7 @@ def generated_result(
 ):
     """Return a result of generated profiles in one direction, with the sliding rule of the paper."""
     sizes = {"fractal_dimension": len(dimensions), "amplitude": 1, "load": len(loads), "mu0": 1, "tau0": 2}
-    cells = ("fractal_dimension", "amplitude", "load", "mu0", "tau0")
+    cell_dimensions = ("fractal_dimension", "amplitude", "load", "mu0", "tau0")
 
     def fill_dimensions(values, dims):
         shape = [sizes[dim] for dim in dims]
@@ -116,15 +116,15 @@ def generated_result(
 
     loaded = {"contact_area": 1.0, "contact_count": 30.0, "normal_stiffness": 0.2, "mean_pressure": 0.05,
               "share_beyond_hertz": 0.1, "share_below_grid": 0.1} | changes  # fmt: skip
-    shape = [sizes[dim] for dim in cells]
+    shape = [sizes[dim] for dim in cell_dimensions]
     return xarray.Dataset(
         {
-            "friction_coefficient": fill_dimensions(friction, cells),
-            "friction_all_round": fill_dimensions(friction, cells),
-            "status": (cells, np.full(shape, status, STATUS_DTYPE)),
+            "friction_coefficient": fill_dimensions(friction, cell_dimensions),
+            "friction_all_round": fill_dimensions(friction, cell_dimensions),
+            "status": (cell_dimensions, np.full(shape, status, STATUS_DTYPE)),
             "members": ((), 100),
-            "reading_difference": (cells[:3], np.full(shape[:3], 0.02)),
-            **{name: fill_dimensions(value, cells[:3]) for name, value in loaded.items()},
+            "reading_difference": (cell_dimensions[:3], np.full(shape[:3], 0.02)),
+            **{name: fill_dimensions(value, cell_dimensions[:3]) for name, value in loaded.items()},
         },
         {
             "fractal_dimension": list(dimensions), "amplitude": [0.1], "load": list(loads), "mu0": [0.4],

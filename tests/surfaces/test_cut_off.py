@@ -56,8 +56,8 @@ def test_low_pass_filter_has_gaussian_transmission_that_is_one_half_at_the_cutof
     for length in (0.25, 0.4, 0.5, 1.0, 5.0, 20.0):
         waves = np.stack([np.cos(2 * np.pi * x / length), np.sin(2 * np.pi * x / length)], axis=1)
         smoothed_heights = cut_off(Profile(7 + waves[:, 0], spacing=0.1), wavelength, periodic=periodic).heights - 7
-        middle = slice(700, 1300)
-        amplitude = np.hypot(*np.linalg.lstsq(waves[middle], smoothed_heights[middle], rcond=None)[0])
+        middle_range = slice(700, 1300)
+        amplitude = np.hypot(*np.linalg.lstsq(waves[middle_range], smoothed_heights[middle_range], rcond=None)[0])
         expected = math.exp(-math.log(2) * (wavelength / length) ** 2)
         assert amplitude == pytest.approx(expected, abs=ROUND_OFF if periodic else TRUNCATION_TOLERANCE)
         assert gaussian_transmission(2 * np.pi / length, wavelength) == pytest.approx(expected, rel=ROUND_OFF)

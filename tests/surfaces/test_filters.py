@@ -41,10 +41,10 @@ class TestGaussianFilter:
         wavelength, cutoff = 0.4, 0.4 * ratio
         wave = Profile(np.sin(2 * np.pi * np.arange(800) / 80), spacing=wavelength / 80)
         gaussian_transmission = math.exp(-math.pi * (math.sqrt(math.log(2) / math.pi) * ratio) ** 2)
-        middle = slice(360, 440)  # the middle is at least a wavelength away from the ends, beyond all weights
+        middle_range = slice(360, 440)  # the middle is at least a wavelength away from the ends, beyond all weights
         for kind, factor in (("S", gaussian_transmission), ("L", 1 - gaussian_transmission)):
-            result = filtered(wave, cutoff=cutoff, kind=kind).heights[middle]
-            assert np.abs(result - factor * wave.heights[middle]).max() < 1e-9
+            result = filtered(wave, cutoff=cutoff, kind=kind).heights[middle_range]
+            assert np.abs(result - factor * wave.heights[middle_range]).max() < 1e-9
 
     def test_l_filter_removes_straight_lines_and_planes_up_to_the_edges(self):
         x = 0.1 * np.arange(60)
@@ -148,5 +148,5 @@ def test_filter_with_a_short_cutoff_attenuates_noise_at_edges_and_gaps(points, h
     smoothed_heights = filtered(surface, cutoff=0.1 * points).heights
     assert np.abs(smoothed_heights[~missing]).max() < 1.05 * np.abs(heights).max()
     assert np.square(smoothed_heights[~missing]).mean() < np.square(heights).mean()
-    tilt = Surface(np.add.outer(0.3 * np.arange(48), np.arange(40)), spacing=0.1)
-    np.testing.assert_allclose(filtered(tilt, cutoff=0.1 * points).heights, tilt.heights, atol=1e-9)
+    tilted_plane = Surface(np.add.outer(0.3 * np.arange(48), np.arange(40)), spacing=0.1)
+    np.testing.assert_allclose(filtered(tilted_plane, cutoff=0.1 * points).heights, tilted_plane.heights, atol=1e-9)

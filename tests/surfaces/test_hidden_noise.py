@@ -94,8 +94,8 @@ def test_estimated_noise_fraction_of_slope_allows_for_unequal_spacings():
         find_hidden_noise(Surface(noisy_heights, spacing=spacing)) for spacing in (0.1, (0.1, 0.1001))
     )
     assert noise_on_stretched_grid.slope_fraction == pytest.approx(noise_on_square_grid.slope_fraction, rel=0.01)
-    total = mean_square_slope(Surface(noisy_heights, spacing=(0.2, 0.1)))
-    fraction = 1 - mean_square_slope(Surface(heights, spacing=(0.2, 0.1))) / total
+    total_mean_square_slope = mean_square_slope(Surface(noisy_heights, spacing=(0.2, 0.1)))
+    fraction = 1 - mean_square_slope(Surface(heights, spacing=(0.2, 0.1))) / total_mean_square_slope
     assert find_hidden_noise(Surface(noisy_heights, spacing=(0.2, 0.1))).slope_fraction == pytest.approx(
         fraction, abs=0.08
     )
@@ -127,5 +127,5 @@ def test_hidden_noise_is_not_estimated_for_small_surfaces(shape):
 
 
 def test_hidden_noise_is_not_reported_for_clean_straight_grooves():
-    line = filtered_noise(np.random.default_rng(3), (256,), 0.8, longest=60)
-    assert find_hidden_noise(Surface(np.tile(line, (64, 1)), spacing=SPACING)) is None
+    line_heights = filtered_noise(np.random.default_rng(3), (256,), 0.8, longest=60)
+    assert find_hidden_noise(Surface(np.tile(line_heights, (64, 1)), spacing=SPACING)) is None

@@ -44,10 +44,11 @@ GWYDDION_WORDS = {
 def gwyddion_text(language="en", comma=False, missing="nan", unit="µm", minus="-"):
     channel, width, height, units = GWYDDION_WORDS[language]
     size = (format_number(4.5, comma, form=".3f"), format_number(3.5, comma, form=".3f"))
-    head = [f"# {channel} Topo", f"# {width} {size[0]} µm", f"# {height} {size[1]} µm", f"# {units} {unit}"]
+    header_lines = [f"# {channel} Topo", f"# {width} {size[0]} µm", f"# {height} {size[1]} µm", f"# {units} {unit}"]
     return (
         "\n".join(
-            head + [line.replace("-", minus) for line in format_rows(HEIGHTS_WITH_HOLES, comma=comma, missing=missing)]
+            header_lines
+            + [line.replace("-", minus) for line in format_rows(HEIGHTS_WITH_HOLES, comma=comma, missing=missing)]
         )
         + "\n"
     )
@@ -63,7 +64,7 @@ KEYENCE_WORDS = {
 
 def keyence_text(language="en", separator=",", comma=False, unit="um", quoted=True):
     kind, pixel, across, down, units, output, height = KEYENCE_WORDS[language]
-    head = [
+    header_lines = [
         ["Model", "VK-X3000 Series"],
         [kind, "ImageDataCsv"],
         [pixel, format_number(500.0, comma, form=".3f"), "nm"],
@@ -75,30 +76,34 @@ def keyence_text(language="en", separator=",", comma=False, unit="um", quoted=Tr
         ["Reference", ""],
     ]
     body = [[format_number(value, comma) for value in row] for row in HEIGHTS_WITH_HOLES]
-    lines = [*head, [], [height], *body]
+    lines = [*header_lines, [], [height], *body]
     quote = '"' if quoted else ""
     return "\r\n".join(separator.join(f"{quote}{cell}{quote}" for cell in line) for line in lines) + "\r\n"
 
 
 def olympus_text(separator=",", comma=False, missing=""):
-    names = ["DataLine", *(f"POS = {at + 1}" for at in range(NUM_COLUMNS))]
+    names = ["DataLine", *(f"POS = {index + 1}" for index in range(NUM_COLUMNS))]
     resolution = format_number(0.5, comma, form=".3f")
-    head = [["Model", "OLS5000"], *([f"{axis} Resolution[um]", resolution] for axis in "XY"), ["Z Resolution[um]", "1"]]
-    body = [
-        [str(at + 1), *(format_number(value, comma, missing) for value in row)]
-        for at, row in enumerate(HEIGHTS_WITH_HOLES)
+    header_rows = [
+        ["Model", "OLS5000"],
+        *([f"{axis} Resolution[um]", resolution] for axis in "XY"),
+        ["Z Resolution[um]", "1"],
     ]
-    return "\r\n".join(separator.join(line) for line in [*head, names, *body]) + "\r\n"
+    body = [
+        [str(index + 1), *(format_number(value, comma, missing) for value in row)]
+        for index, row in enumerate(HEIGHTS_WITH_HOLES)
+    ]
+    return "\r\n".join(separator.join(line) for line in [*header_rows, names, *body]) + "\r\n"
 
 
 def zygo_text(order=1, separator=" ", origin=0, end=True):
-    head = [
+    header_lines = [
         "Zygo XYZ Data File - Format 1",
         '0 8 0 0 "x"',
         "0 0 0 0 0 0",
         f"{origin} {origin} {NUM_COLUMNS} {NUM_ROWS}",
     ]
-    head += [
+    header_lines += [
         '"a"',
         '"b"',
         '"c"',
@@ -115,29 +120,46 @@ def zygo_text(order=1, separator=" ", origin=0, end=True):
         )
         for row, column in np.ndindex(NUM_ROWS, NUM_COLUMNS)
     ]
-    return "\n".join([*head, "#", *points[::order], *["#"] * end]) + "\n"
+    return "\n".join([*header_lines, "#", *points[::order], *["#"] * end]) + "\n"
 
 
 def wyko_text(real=1, intensity=True, missing="Bad", aspect=False, comma=False):
-    head = [f"Wyko ASCII Data File Format 0\t{real}\t1", f"X Size\t{NUM_COLUMNS}", f"Y Size\t{NUM_ROWS}"]
-    head += ["Block Name\tType\tLength\tValue", "Pixel_size\t7\t4\t0.0005", "Wavelength\t7\t4\t500", "Mult\t7\t4\t2"]
-    head += ["Aspect\t7\t4\t1"] * aspect
+    header_lines = [f"Wyko ASCII Data File Format 0\t{real}\t1", f"X Size\t{NUM_COLUMNS}", f"Y Size\t{NUM_ROWS}"]
+    header_lines += [
+        "Block Name\tType\tLength\tValue",
+        "Pixel_size\t7\t4\t0.0005",
+        "Wavelength\t7\t4\t500",
+        "Mult\t7\t4\t2",
+    ]
+    header_lines += ["Aspect\t7\t4\t1"] * aspect
     scale = 1000 if real else 1000 / 250
     body = format_rows(HEIGHTS_WITH_HOLES.T * scale, missing=missing, form=".6f", comma=comma)
     more = ["Intensity\t6\t320", *format_rows(np.abs(HEIGHTS.T))] if intensity else []
-    return "\n".join([*head, "RAW_DATA\t3\t320", *body, *more]) + "\n"
+    return "\n".join([*header_lines, "RAW_DATA\t3\t320", *body, *more]) + "\n"
 
 
 def esri_text(case=str, code="-9999", separator=" ", size="cellsize 0.5", comma=False):
-    head = [f"ncols {NUM_COLUMNS}", f"nrows {NUM_ROWS}", "xllcorner 0", "yllcorner 0", size, f"NODATA_value {code}"]
-    head = [case(line) for line in head]
-    return "\n".join([*head, *format_rows(HEIGHTS_WITH_HOLES[::-1], separator, missing=code, comma=comma)]) + "\n"
+    header_lines = [
+        f"ncols {NUM_COLUMNS}",
+        f"nrows {NUM_ROWS}",
+        "xllcorner 0",
+        "yllcorner 0",
+        size,
+        f"NODATA_value {code}",
+    ]
+    header_lines = [case(line) for line in header_lines]
+    return (
+        "\n".join([*header_lines, *format_rows(HEIGHTS_WITH_HOLES[::-1], separator, missing=code, comma=comma)]) + "\n"
+    )
 
 
 def spip_text(unit="# z-unit = µm", factor=1.0, missing="nan", separator="\t", lengths=("4500", "3500")):
-    head = ["# File Format = ASCII", f"# x-pixels = {NUM_COLUMNS}", f"# y-pixels = {NUM_ROWS}"]
-    head += [f"# x-length = {lengths[0]}", f"# y-length = {lengths[1]}", unit, "# Start of Data:"]
-    return "\n".join([*head, *format_rows(HEIGHTS_WITH_HOLES / factor, separator, missing=missing, form=".6f")]) + "\n"
+    header_lines = ["# File Format = ASCII", f"# x-pixels = {NUM_COLUMNS}", f"# y-pixels = {NUM_ROWS}"]
+    header_lines += [f"# x-length = {lengths[0]}", f"# y-length = {lengths[1]}", unit, "# Start of Data:"]
+    return (
+        "\n".join([*header_lines, *format_rows(HEIGHTS_WITH_HOLES / factor, separator, missing=missing, form=".6f")])
+        + "\n"
+    )
 
 
 def sdf_text(magic="aISO-1.0", profiles=NUM_ROWS, missing="BAD", break_after=NUM_COLUMNS, space=" = "):
@@ -145,27 +167,27 @@ def sdf_text(magic="aISO-1.0", profiles=NUM_ROWS, missing="BAD", break_after=NUM
     texts = {"ManufacID": "OWN", "NumPoints": points, "NumProfiles": profiles, "Xscale": "5.0E-7",
             "Yscale": "5.0E-7" if profiles > 1 else "0", "Zscale": "1.0E-6", "DataType": 7}  # fmt: skip
     cells = [format_number(value, missing=missing) for value in values]
-    lines = [" ".join(cells[at : at + break_after]) for at in range(0, len(cells), break_after)]
+    lines = [" ".join(cells[index : index + break_after]) for index in range(0, len(cells), break_after)]
     return (
         "\n".join([magic, *(f"{key}{space}{value}" for key, value in texts.items()), "*", *lines, "*", "", "*"]) + "\n"
     )
 
 
 def tencor_text(numbered=True, separator="\t", pad=""):
-    head = [
+    header_lines = [
         "Data\tPLATE",
         f"Number of Points\t{NUM_COLUMNS}",
         f"Number of Traces\t{NUM_ROWS}",
         "X-Resolution\t0.500000",
     ]
-    head += ["Y-Resolution\t0.500000", "", "Trace\tData"]
+    header_lines += ["Y-Resolution\t0.500000", "", "Trace\tData"]
     body = [
         separator.join(
-            [*([str(at + 1)] if numbered else []), *(pad + format_number(1e4 * value, form=".1f") for value in row)]
+            [*([str(index + 1)] if numbered else []), *(pad + format_number(1e4 * value, form=".1f") for value in row)]
         )
-        for at, row in enumerate(HEIGHTS)
+        for index, row in enumerate(HEIGHTS)
     ]
-    return "\r\n".join([*head, *body]) + "\r\n"
+    return "\r\n".join([*header_lines, *body]) + "\r\n"
 
 
 def triplet_text(order=1, separator=" ", head="", missing=None, comma=False, jitter=0.0):
@@ -175,8 +197,8 @@ def triplet_text(order=1, separator=" ", head="", missing=None, comma=False, jit
         if missing is not None or not np.isnan(HEIGHTS_WITH_HOLES[y, x])
     ]
     lines = []
-    for at, (y, x) in enumerate(grid_indices):
-        deviation = jitter * ((at % 3) - 1)
+    for index, (y, x) in enumerate(grid_indices):
+        deviation = jitter * ((index % 3) - 1)
         cells = [
             format_number(0.5 * x + deviation, comma),
             format_number(0.5 * y - deviation, comma),
@@ -187,17 +209,18 @@ def triplet_text(order=1, separator=" ", head="", missing=None, comma=False, jit
 
 
 def labelled_matrix_text(separator=",", corner="", comma=False, missing="", form=".2f"):
-    head = separator.join([corner, *(format_number(0.5 * x, comma, form=form) for x in range(NUM_COLUMNS))])
+    header_line = separator.join([corner, *(format_number(0.5 * x, comma, form=form) for x in range(NUM_COLUMNS))])
     body = [
         separator.join([format_number(0.5 * y, comma, form=form), line])
         for y, line in enumerate(format_rows(HEIGHTS_WITH_HOLES, separator, comma=comma, missing=missing))
     ]
-    return "\n".join([head, *body]) + "\n"
+    return "\n".join([header_line, *body]) + "\n"
 
 
 def profile_text(separator=";", comma=True, head="x (µm);z (µm)", minus="-", end="\n"):
     lines = [
-        f"{format_number(0.5 * at, comma)}{separator}{format_number(z, comma)}" for at, z in enumerate(LINE_HEIGHTS)
+        f"{format_number(0.5 * index, comma)}{separator}{format_number(z, comma)}"
+        for index, z in enumerate(LINE_HEIGHTS)
     ]
     return end.join([head, *lines]).replace("-", minus) + end
 
@@ -373,7 +396,7 @@ def test_positions_in_wide_tables_are_not_read_as_heights(tmp_path):
 def test_counts_and_sizes_in_headers_are_not_read_as_heights(tmp_path):
     path, options = tmp_path / "a.txt", {"unit": "um", "spacing": "0.5 um"}
     column_text = "".join(f"{z:.4f}\n" for z in LINE_HEIGHTS)
-    pairs = "".join(f"{0.5 * at:.4f}, {z:.4f}\n" for at, z in enumerate(LINE_HEIGHTS))
+    pairs = "".join(f"{0.5 * index:.4f}, {z:.4f}\n" for index, z in enumerate(LINE_HEIGHTS))
     for text in (
         f"60\n{column_text}",
         f"60 (Data size)\n{column_text}",
@@ -406,7 +429,7 @@ def test_first_number_with_fewer_decimals_than_the_others_adds_a_caveat(tmp_path
 
 def test_words_in_a_line_of_data_are_rejected_with_an_error_that_states_the_line_number(tmp_path):
     path = tmp_path / "a.csv"
-    lines = [f"{0.5 * at},{z}" for at, z in enumerate(LINE_HEIGHTS)]
+    lines = [f"{0.5 * index},{z}" for index, z in enumerate(LINE_HEIGHTS)]
     for line_index in (0, 30, 59):
         changed_lines = lines.copy()
         changed_lines[line_index] = changed_lines[line_index].split(",")[0] + ",Err"
@@ -425,8 +448,10 @@ def test_words_in_a_line_of_data_are_rejected_with_an_error_that_states_the_line
 def test_lines_of_repeated_words_are_not_read_as_header_or_footer(tmp_path, cells, first_line, count):
     """Repeated words are neither a header nor a footer."""
     path = tmp_path / "a.csv"
-    lines = [cells.format(x=0.5 * at, z=z) for at, z in enumerate(LINE_HEIGHTS)]
-    lines[first_line:first_line] = [cells.format(x="Err", z="Err" if cells == "{z}" else at) for at in range(count)]
+    lines = [cells.format(x=0.5 * index, z=z) for index, z in enumerate(LINE_HEIGHTS)]
+    lines[first_line:first_line] = [
+        cells.format(x="Err", z="Err" if cells == "{z}" else index) for index in range(count)
+    ]
     path.write_text("\n".join(lines))
     with pytest.raises(FormatError, match=r"'Err' is not a number; --missing-value Err treats it"):
         read_measurement(path, unit="um")
@@ -443,7 +468,7 @@ def test_rows_of_dashes_between_numbers_are_read_as_missing_points(tmp_path):
 def test_codes_for_missing_points_are_reported_and_can_be_masked(tmp_path):
     path = tmp_path / "a.csv"
     for code in ("-9999", "-32768", "99999.0", "0.000"):
-        body = [f"{0.5 * at},{code if at in (7, 8, 33) else z + 500}" for at, z in enumerate(LINE_HEIGHTS)]
+        body = [f"{0.5 * index},{code if index in (7, 8, 33) else z + 500}" for index, z in enumerate(LINE_HEIGHTS)]
         path.write_text("x (um),z (um)\n" + "\n".join(body))
         reading = load_interpreted_file(path)
         assert "repeated-extreme" in [caveat.name for caveat in reading.caveats]
@@ -458,7 +483,10 @@ def test_codes_for_missing_points_are_reported_and_can_be_masked(tmp_path):
 
 
 def test_flags_in_a_column_mark_missing_points(tmp_path):
-    lines = [f"{0.5 * at};{-30 if at in (4, 5) else z};{int(at not in (4, 5))}" for at, z in enumerate(LINE_HEIGHTS)]
+    lines = [
+        f"{0.5 * index};{-30 if index in (4, 5) else z};{int(index not in (4, 5))}"
+        for index, z in enumerate(LINE_HEIGHTS)
+    ]
     for head in ("X;Y;valid\n[um];[um];[1/0]", "x (um);z (um);Valid"):
         (tmp_path / "a.hfm").write_text("\n".join([head, *lines]))
         body = read_measurement(tmp_path / "a.hfm", missing="mask")
@@ -468,7 +496,10 @@ def test_flags_in_a_column_mark_missing_points(tmp_path):
 def test_side_by_side_profiles_are_selected_by_the_columns_option(tmp_path):
     path = tmp_path / "a.csv"
     for end in (";", ""):
-        lines = [f"{0.5 * at};{z};" + (f"{0.25 * at};{-z}" if at < 40 else end) for at, z in enumerate(LINE_HEIGHTS)]
+        lines = [
+            f"{0.5 * index};{z};" + (f"{0.25 * index};{-z}" if index < 40 else end)
+            for index, z in enumerate(LINE_HEIGHTS)
+        ]
         path.write_text("x;y;x;y\num;um;um;um\n" + "\n".join(lines))
         assert read_measurement(path, columns=(0, 1)).heights.tolist() == LINE_HEIGHTS.tolist()
         second_profile = read_measurement(path, columns=(2, 3))
@@ -478,7 +509,7 @@ def test_side_by_side_profiles_are_selected_by_the_columns_option(tmp_path):
 
 
 def test_ambiguous_commas_are_resolved_by_column_names_or_rejected(tmp_path):
-    lines = [f"{format_number(0.5 * at, True)},{format_number(z, True)}" for at, z in enumerate(LINE_HEIGHTS)]
+    lines = [f"{format_number(0.5 * index, True)},{format_number(z, True)}" for index, z in enumerate(LINE_HEIGHTS)]
     path = tmp_path / "a.csv"
     path.write_text("x (um),z (um)\n" + "\n".join(lines))
     assert read_measurement(path).heights.tolist() == LINE_HEIGHTS.tolist()
@@ -497,7 +528,7 @@ def test_titled_blocks_of_equal_width_are_read_as_channels(tmp_path):
 
 def test_titled_single_lines_of_numbers_are_listed_as_channels(tmp_path):
     path = tmp_path / "a.txt"
-    path.write_text("\n".join(f"Trace {at}\n{line}" for at, line in enumerate(format_rows(HEIGHTS))))
+    path.write_text("\n".join(f"Trace {index}\n{line}" for index, line in enumerate(format_rows(HEIGHTS))))
     with pytest.raises(
         FormatError,
         match=rf"contains the channels 0 \(Trace 0\), .*{NUM_ROWS - 1} \(Trace {NUM_ROWS - 1}\); choose one",
@@ -508,7 +539,7 @@ def test_titled_single_lines_of_numbers_are_listed_as_channels(tmp_path):
 def test_matrix_with_a_short_last_line_is_rejected(tmp_path):
     path = tmp_path / "a.txt"
     cells = [format_number(value) for value in HEIGHTS.ravel()]
-    path.write_text("\n".join(" ".join(cells[at : at + 10]) for at in range(0, len(cells), 10)))
+    path.write_text("\n".join(" ".join(cells[index : index + 10]) for index in range(0, len(cells), 10)))
     with pytest.raises(FormatError, match=r"line 7 .* has fewer cells than the lines above it"):
         read_measurement(path, **MASK_AND_UNIT, spacing="1 um")
 
@@ -522,8 +553,10 @@ def test_missing_unit_and_spacing_are_reported_in_one_message(tmp_path):
 
 def test_height_factor_and_pixel_size_of_a_header_are_applied(tmp_path):
     path = tmp_path / "a.txt"
-    head = f"h={NUM_ROWS} w={NUM_COLUMNS}\npixel size=5e-007 m\ndata unit=rad\nheight conversion factor (-> m)=2e-008\n"
-    path.write_text(head + "\n".join(format_rows(HEIGHTS, " ")))
+    header = (
+        f"h={NUM_ROWS} w={NUM_COLUMNS}\npixel size=5e-007 m\ndata unit=rad\nheight conversion factor (-> m)=2e-008\n"
+    )
+    path.write_text(header + "\n".join(format_rows(HEIGHTS, " ")))
     body = read_measurement(path)
     assert np.allclose(body.heights, 0.02 * HEIGHTS)
     assert body.spacing == pytest.approx((0.5, 0.5))
@@ -534,7 +567,9 @@ def test_height_factor_and_pixel_size_of_a_header_are_applied(tmp_path):
 def test_description_of_a_file_states_its_layout_and_unit_and_number_of_points(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text(
-        "made by hand\nx (um);z (um)\n" + "\n".join(f"{0.5 * at};{z}" for at, z in enumerate(LINE_HEIGHTS)) + "\nend\n"
+        "made by hand\nx (um);z (um)\n"
+        + "\n".join(f"{0.5 * index};{z}" for index, z in enumerate(LINE_HEIGHTS))
+        + "\nend\n"
     )
     reading = load_interpreted_file(path)
     record = reading.to_json_fields()
@@ -577,13 +612,13 @@ def test_damaged_files_from_instruments_are_read_or_rejected(tmp_path, name):
     write, options, _ = EXPORT_FORMATS[name]
     source = np.random.default_rng(len(name))
     path = tmp_path / "a.txt"
-    for at in range(60):
+    for index in range(60):
         data = bytearray(write().encode())
         for _ in range(2):
             fuzzing.scramble_bytes(source, data)
         path.write_bytes(data)
         # The test fails if the reader raises any error other than FormatError.
-        body = read_scan_or_none(path, **(options if at % 2 else {}))
+        body = read_scan_or_none(path, **(options if index % 2 else {}))
         assert body is None or np.isfinite(body.heights).all()
 
 
@@ -599,7 +634,7 @@ def test_decimal_numbers_are_converted_with_correct_rounding(tmp_path):
 def test_positions_are_accepted_as_uniform_if_deviations_are_within_rounding(tmp_path):
     path = tmp_path / "a.csv"
     for step, form in ((0.5, ".1f"), (0.156245, ".1f"), (0.156245, ".6f")):
-        lines = [f"{step * at:{form}},{z}" for at, z in enumerate(np.tile(LINE_HEIGHTS, 20))]
+        lines = [f"{step * index:{form}},{z}" for index, z in enumerate(np.tile(LINE_HEIGHTS, 20))]
         path.write_text("x (um),z (um)\n" + "\n".join(lines))
         assert read_measurement(path).spacing == pytest.approx(step, rel=1e-3)
     lines[500] = lines[500].replace(lines[500].split(",")[0], f"{step * 500 + 0.05:.6f}")
@@ -617,7 +652,7 @@ def lines_in_table_shape(shape, heights):
     if shape == "column":
         return [f"{value:.4f}" for value in heights.ravel()]
     if shape == "positions":
-        return [f"{0.5 * at:.1f} {value:.4f}" for at, value in enumerate(heights.ravel())]
+        return [f"{0.5 * index:.1f} {value:.4f}" for index, value in enumerate(heights.ravel())]
     if shape == "triplets":
         return [f"{0.5 * x:.1f} {0.5 * y:.1f} {heights[y, x]:.4f}" for y, x in np.ndindex(count, width)]
     if shape == "labelled":
@@ -701,9 +736,9 @@ def test_number_labelled_scale_in_a_header_multiplies_heights_only_if_it_describ
 
 def test_positions_are_not_read_as_heights_if_the_spacing_is_declared(tmp_path):
     path = tmp_path / "a.txt"
-    head = ["# x spacing: 0.25 um", "# y spacing: 0.5 um"]
+    header_lines = ["# x spacing: 0.25 um", "# y spacing: 0.5 um"]
     for first_column in (0.5 * np.arange(NUM_ROWS), 3 + 0.5 * np.arange(NUM_ROWS)):
-        path.write_text("\n".join([*head, *format_rows(np.column_stack([first_column, HEIGHTS]))]))
+        path.write_text("\n".join([*header_lines, *format_rows(np.column_stack([first_column, HEIGHTS]))]))
         body = load_interpreted_file(path, unit="um", accept="tall").body
         assert np.array_equal(body.heights, HEIGHTS)
         assert body.spacing == (0.5, 0.25)
@@ -714,10 +749,10 @@ def test_positions_are_not_read_as_heights_if_the_spacing_is_declared(tmp_path):
         0.3 * np.arange(NUM_ROWS),
         -0.5 * np.arange(NUM_ROWS),
     ):
-        path.write_text("\n".join([*head, *format_rows(np.column_stack([first_column, HEIGHTS]))]))
+        path.write_text("\n".join([*header_lines, *format_rows(np.column_stack([first_column, HEIGHTS]))]))
         with pytest.raises(FormatError, match="first column has equal steps"):
             read_measurement(path, unit="um")
-    path.write_text("\n".join([*head, *format_rows(np.vstack([0.25 * np.arange(NUM_COLUMNS), HEIGHTS]))]))
+    path.write_text("\n".join([*header_lines, *format_rows(np.vstack([0.25 * np.arange(NUM_COLUMNS), HEIGHTS]))]))
     with pytest.raises(FormatError, match="first row has equal steps"):
         read_measurement(path, unit="um")
 
@@ -759,7 +794,9 @@ def test_column_of_undefined_flags_is_rejected(tmp_path):
         ("flag", 1, False), ("status", 0, False), ("z ok [0/1]", 1, False), ("invalid", 1, True), ("valid", 0, True),
         ("flag [1/0]", 0, True),
     ):  # fmt: skip
-        body = [f"{0.5 * at};{z};{flag if at in flagged_points else 1 - flag}" for at, z in enumerate(LINE_HEIGHTS)]
+        body = [
+            f"{0.5 * index};{z};{flag if index in flagged_points else 1 - flag}" for index, z in enumerate(LINE_HEIGHTS)
+        ]
         path.write_text("\n".join([f"x (um);z (um);{name}", *body]))
         if is_read:
             assert np.flatnonzero(read_measurement(path, missing="mask").missing).tolist() == list(flagged_points)
@@ -768,15 +805,15 @@ def test_column_of_undefined_flags_is_rejected(tmp_path):
                 read_measurement(path, missing="mask")
     for value in (0, 1):
         path.write_text(
-            "\n".join(["x (um);z (um);flag", *(f"{0.5 * at};{z};{value}" for at, z in enumerate(LINE_HEIGHTS))])
+            "\n".join(["x (um);z (um);flag", *(f"{0.5 * index};{z};{value}" for index, z in enumerate(LINE_HEIGHTS))])
         )
         assert read_measurement(path).heights.tolist() == LINE_HEIGHTS.tolist()
 
 
 def table_with_words(separator=",", words=("OK", "NG"), word_column=2, names=True):
     """Return a profile of LINE_HEIGHTS with a column of two words; the second word marks points 4, 5 and 33."""
-    lines = [["x(um)", "z(um)"]] * names + [[f"{0.5 * at:.1f}", f"{z}"] for at, z in enumerate(LINE_HEIGHTS)]
-    flags = ["judgment"] * names + [words[at in (4, 5, 33)] for at in range(LINE_HEIGHTS.size)]
+    lines = [["x(um)", "z(um)"]] * names + [[f"{0.5 * index:.1f}", f"{z}"] for index, z in enumerate(LINE_HEIGHTS)]
+    flags = ["judgment"] * names + [words[index in (4, 5, 33)] for index in range(LINE_HEIGHTS.size)]
     return "\n".join(
         separator.join([*cells[:word_column], word, *cells[word_column:]])
         for cells, word in zip(lines, flags, strict=True)
@@ -820,7 +857,9 @@ def test_column_that_contains_both_heights_and_words_is_not_read_as_flags(tmp_pa
 
 def test_word_in_the_last_line_of_a_table_is_rejected_because_it_is_not_a_number(tmp_path):
     path = tmp_path / "a.csv"
-    path.write_text("\n".join(["x (um),z (um)", *(f"{0.5 * at},{z}" for at, z in enumerate(LINE_HEIGHTS)), "7.0,Err"]))
+    path.write_text(
+        "\n".join(["x (um),z (um)", *(f"{0.5 * index},{z}" for index, z in enumerate(LINE_HEIGHTS)), "7.0,Err"])
+    )
     with pytest.raises(FormatError, match="'Err' is not a number"):
         read_measurement(path)
 
@@ -828,7 +867,7 @@ def test_word_in_the_last_line_of_a_table_is_rejected_because_it_is_not_a_number
 def test_columns_option_can_exclude_a_column_of_flags_without_a_known_meaning(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text(
-        "\n".join(["x (um),z (um),flag", *(f"{0.5 * at},{z},{at % 2}" for at, z in enumerate(LINE_HEIGHTS))])
+        "\n".join(["x (um),z (um),flag", *(f"{0.5 * index},{z},{index % 2}" for index, z in enumerate(LINE_HEIGHTS))])
     )
     with pytest.raises(FormatError, match=r"--columns"):
         read_measurement(path)
@@ -871,8 +910,8 @@ def test_spacing_whose_unit_is_in_a_separate_cell_is_read(tmp_path, line, spacin
 
 def test_wsxm_amplitudes_along_x_and_y_are_read_as_the_map_size(tmp_path):
     path = tmp_path / "a.txt"
-    head = "WSxM file copyright UAM\nWSxM ASCII Matrix file\nX Amplitude: 4500 nm\nY Amplitude: 3.5 µm\n\n"
-    path.write_text(head + "\n".join(format_rows(HEIGHTS)), encoding="utf-8")
+    header = "WSxM file copyright UAM\nWSxM ASCII Matrix file\nX Amplitude: 4500 nm\nY Amplitude: 3.5 µm\n\n"
+    path.write_text(header + "\n".join(format_rows(HEIGHTS)), encoding="utf-8")
     surface = read_scan_or_none(path, unit="nm")
     assert surface.spacing == pytest.approx((0.5, 0.5))
     assert surface.heights == pytest.approx(1e-3 * HEIGHTS)
@@ -882,7 +921,7 @@ def test_wsxm_amplitudes_along_x_and_y_are_read_as_the_map_size(tmp_path):
 def test_tip_radius_in_a_header_is_added_to_the_history(tmp_path, line):
     path = tmp_path / "a.csv"
     path.write_text(
-        "\n".join([line, "x (µm);z (µm)", *(f"{0.5 * at};{z}" for at, z in enumerate(LINE_HEIGHTS))]), "utf-8"
+        "\n".join([line, "x (µm);z (µm)", *(f"{0.5 * index};{z}" for index, z in enumerate(LINE_HEIGHTS))]), "utf-8"
     )
     assert "its header gives a tip radius of 2.5 µm (--tip)" in read_scan_or_none(path).history
 
@@ -909,7 +948,9 @@ def test_points_that_deviate_from_a_grid_by_more_than_rounding_are_rejected(tmp_
     path = tmp_path / "a.xyz"
     positions = np.array([0.0, 0.25, 0.5, 0.9, 1.0, 1.25, 1.5])
     y, x = np.meshgrid(positions, positions, indexing="ij")
-    path.write_text("\n".join(f"{a:.2f} {b:.2f} 1.{at}" for at, (a, b) in enumerate(zip(x.flat, y.flat, strict=True))))
+    path.write_text(
+        "\n".join(f"{a:.2f} {b:.2f} 1.{index}" for index, (a, b) in enumerate(zip(x.flat, y.flat, strict=True)))
+    )
     with pytest.raises(FormatError, match="not on a grid"):
         read_measurement(path, unit="um")
 
@@ -917,7 +958,7 @@ def test_points_that_deviate_from_a_grid_by_more_than_rounding_are_rejected(tmp_
 def test_status_column_of_an_olympus_map_is_not_read_as_heights(tmp_path):
     path = tmp_path / "a.csv"
     lines = olympus_text().splitlines()
-    names_index = next(at for at, line in enumerate(lines) if line.startswith("DataLine"))
+    names_index = next(index for index, line in enumerate(lines) if line.startswith("DataLine"))
     lines[names_index] += ",Status"
     lines_with_status = [*lines[: names_index + 1], *(f"{line},1" for line in lines[names_index + 1 :])]
     path.write_text("\n".join(lines_with_status))

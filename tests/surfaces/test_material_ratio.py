@@ -99,10 +99,10 @@ def test_parameter_values_scale_with_size_as_their_units_require():
     # This sum is equal only if all names are unique.
     assert len(ROUGHNESS_PARAMETERS) == len(SURFACE_PARAMETERS) + sum(map(len, PROFILE_PARAMETERS.values()))
     # If heights become ten times as large, a parameter changes by a power of this factor that depends on its unit.
-    power = {"µm": 1, "1/µm": 1, "": 0, "degrees": 0, "1/µm²": 0}
+    power_by_unit = {"µm": 1, "1/µm": 1, "": 0, "degrees": 0, "1/µm²": 0}
     lateral_powers = {"Sal": 0, "Ssw": 0, "Sdq": 1, "Sdr": 2}
     enlarged_parameters = surface_parameters(Surface(10 * surface.heights, spacing=(500.0, 500.0)))
     original_parameters = surface_parameters(Surface(surface.heights, spacing=(500.0, 500.0)))
     for name, value in original_parameters.values.items():
-        factor = 10.0 ** lateral_powers.get(name, power[ROUGHNESS_PARAMETERS[name].unit])
+        factor = 10.0 ** lateral_powers.get(name, power_by_unit[ROUGHNESS_PARAMETERS[name].unit])
         assert enlarged_parameters.values[name] == pytest.approx(factor * value, rel=1e-4, nan_ok=True), name

@@ -793,16 +793,18 @@ def test_integers_in_an_x3p_file_are_multiplied_by_their_increment(write_file):
 
 def test_x3p_profile_that_is_not_along_x_is_rejected(write_file):
     y_axis = "<CY><AxisType>A</AxisType><DataType>D</DataType></CY>"
-    old = "<CY><AxisType>I</AxisType><DataType>D</DataType><Increment>2e-06</Increment></CY>"
-    points = "".join(
+    old_axis_xml = "<CY><AxisType>I</AxisType><DataType>D</DataType><Increment>2e-06</Increment></CY>"
+    points_xml = "".join(
         f"<Datum>{1e-6 * i!r};{y!r};{z!r}</Datum>" for i, (y, z) in enumerate((1e-6 * np.eye(9)[:, :2]).tolist())
     )
-    data = x3p_bytes(HEIGHTS_IN_METRES[0], as_list=True, positions=np.arange(9.0), replacements=[(old, y_axis)])
+    data = x3p_bytes(
+        HEIGHTS_IN_METRES[0], as_list=True, positions=np.arange(9.0), replacements=[(old_axis_xml, y_axis)]
+    )
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         main = archive.read("main.xml").decode()
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:
-        archive.writestr("main.xml", main[: main.index("<Datum>")] + points + main[main.index("</DataList>") :])
+        archive.writestr("main.xml", main[: main.index("<Datum>")] + points_xml + main[main.index("</DataList>") :])
     assert "y coordinate varies" in error_message(write_file(stream.getvalue(), "a.x3p"))
 
 

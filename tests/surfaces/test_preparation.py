@@ -22,9 +22,9 @@ def rough_profile(points, spacing=0.1, seed=1):
 @pytest.mark.parametrize(("trend", "degree"), [("mean", 0), ("line", 1), ("quadratic", 2)])
 def test_levelling_a_profile_subtracts_the_least_squares_polynomial(trend, degree):
     profile = rough_profile(101)
-    reference = profile.heights - np.polynomial.Polynomial.fit(profile.x, profile.heights, degree)(profile.x)
+    detrended_heights = profile.heights - np.polynomial.Polynomial.fit(profile.x, profile.heights, degree)(profile.x)
     result = levelled(profile, trend)
-    assert np.abs(result.heights - reference).max() < ROUND_OFF
+    assert np.abs(result.heights - detrended_heights).max() < ROUND_OFF
     assert result.spacing == profile.spacing
 
 
@@ -66,8 +66,8 @@ def test_levelling_of_a_profile_rejects_trends_of_surfaces_and_conversely():
 def test_adjacent_crops_joined_together_equal_the_original_profile(points, cut_fraction, spacing):
     profile = rough_profile(points, spacing)
     cut_position = min(max(round(cut_fraction * points), 4), points - 4) * spacing
-    left, right = cropped(profile, stop=cut_position), cropped(profile, cut_position)
-    assert np.array_equal(np.concatenate([left.heights, right.heights]), profile.heights)
+    left_piece, right_piece = cropped(profile, stop=cut_position), cropped(profile, cut_position)
+    assert np.array_equal(np.concatenate([left_piece.heights, right_piece.heights]), profile.heights)
     assert np.array_equal(cropped(profile, 0, profile.extent).heights, profile.heights)
 
 
@@ -135,8 +135,8 @@ def test_error_of_spline_interpolation_decreases_with_the_fourth_power_of_the_sp
         coarse_profile = Profile(np.sin(np.arange(points + 1) * 20 / points), spacing=20 / points)
         fine_profile = Profile(np.zeros(2001), spacing=0.01)
         splined_profile = on_common_grid(fine_profile, coarse_profile)[1]
-        inner = slice(500, 1500)
-        errors.append(np.abs(splined_profile.heights - np.sin(splined_profile.x))[inner].max())
+        inner_range = slice(500, 1500)
+        errors.append(np.abs(splined_profile.heights - np.sin(splined_profile.x))[inner_range].max())
     assert np.log2(errors[0] / errors[1]) > MIN_SPLINE_ORDER
 
 

@@ -131,9 +131,9 @@ def test_tip_reconstruction_inverts_dilation_at_points_marked_as_certain(body):
     smooth_reconstruction = tip_reconstructed(
         type(body)(dilated_surface(smooth_body, radius), spacing=body.spacing), radius
     )
-    inner = tuple(slice(20, -20) for _ in smooth_reconstruction[1].shape)
+    inner_slices = tuple(slice(20, -20) for _ in smooth_reconstruction[1].shape)
     assert smooth_reconstruction[1][
-        inner
+        inner_slices
     ].all()  # A ball reaches every point of features whose radius is larger than its own.
 
 

@@ -108,9 +108,9 @@ class TestAgainstSurfaceTopographyPackage:
         assert parameters.Pdq == pytest.approx(other_profile.rms_slope_from_profile(), rel=self.TRANSFORM_TOLERANCE)
         # For periodic profiles SurfaceTopography includes the step from the last point to the first point.
         periodic_scan = line_scan_class(profile.heights, profile.extent, unit="um", periodic=True)
-        step = (profile.heights[0] - profile.heights[-1]) / profile.spacing
+        end_slope = (profile.heights[0] - profile.heights[-1]) / profile.spacing
         points = len(profile)
-        expected = np.sqrt(((points - 1) * parameters.Pdq**2 + step**2) / points)
+        expected = np.sqrt(((points - 1) * parameters.Pdq**2 + end_slope**2) / points)
         assert periodic_scan.rms_slope_from_profile() == pytest.approx(expected, rel=self.TRANSFORM_TOLERANCE)
 
     @pytest.mark.parametrize("periodic", [True, False])

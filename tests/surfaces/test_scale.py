@@ -129,10 +129,10 @@ def test_extrapolation_is_continuous_at_a_hurst_exponent_of_1():
 
 class TestInstrumentLimit:
     def test_instrument_limit_of_the_smallest_surface_is_set_by_the_pixel_size(self):
-        small = Surface([[0.0, 1.0], [2.0, 0.0]], spacing=1.0)
-        assert instrument_limit(small).reason == "pixels"
+        small_surface = Surface([[0.0, 1.0], [2.0, 0.0]], spacing=1.0)
+        assert instrument_limit(small_surface).reason == "pixels"
         with pytest.raises(ValueError, match=r"surface must have more than \(2, 2\) points"):
-            surface_spectrum(small).radial()
+            surface_spectrum(small_surface).radial()
 
     @pytest.mark.parametrize("hurst", [0.3, 0.5, 0.8])
     def test_instrument_limit_of_a_noise_free_surface_is_set_by_the_pixel_size(self, hurst):
@@ -152,8 +152,8 @@ class TestInstrumentLimit:
         profile = self_affine(
             1, hurst_exponent=0.9, rms=0.1, points=2**14, spacing=0.01, periodic=True, amplitudes="fixed"
         )
-        random = np.random.default_rng(1).normal(size=profile.heights.size)
-        result = instrument_limit(Profile(profile.heights + noise * random, spacing=0.01), periodic=True)
+        random_heights = np.random.default_rng(1).normal(size=profile.heights.size)
+        result = instrument_limit(Profile(profile.heights + noise * random_heights, spacing=0.01), periodic=True)
         assert result.reason == "noise floor"
         # The spectrum is A n^-2.8 for harmonics n, and its sum is the mean square.
         harmonic = profile.extent / result.noise

@@ -32,10 +32,10 @@ class TestPowerSpectrum:
     def test_spectrum_of_a_sinusoid_is_a_single_line(self):
         profile = sinusoid(16)
         spectrum = power_spectrum(profile, periodic=True)
-        line = int(np.argmax(spectrum.density))
-        assert spectrum.wave_number[line] == pytest.approx(2 * np.pi / WAVELENGTH, rel=ROUND_OFF)
-        assert spectrum.density[line] == pytest.approx(AMPLITUDE**2 * profile.extent / 4, rel=ROUND_OFF)
-        assert np.delete(spectrum.density, line).max() < ROUND_OFF * spectrum.density[line]
+        peak_index = int(np.argmax(spectrum.density))
+        assert spectrum.wave_number[peak_index] == pytest.approx(2 * np.pi / WAVELENGTH, rel=ROUND_OFF)
+        assert spectrum.density[peak_index] == pytest.approx(AMPLITUDE**2 * profile.extent / 4, rel=ROUND_OFF)
+        assert np.delete(spectrum.density, peak_index).max() < ROUND_OFF * spectrum.density[peak_index]
 
     @pytest.mark.parametrize("points", [1000, 1001])
     def test_integral_of_the_spectrum_equals_the_mean_square_height(self, points):
@@ -71,9 +71,11 @@ class TestPowerSpectrum:
         density_on_fine_grid = np.maximum(np.arange(1, 8192) * 4.0 / 163.84, 1.0) ** -2.6
         expected *= 0.1**2 * np.pi / (density_on_fine_grid.sum() * 2 * np.pi / 163.84)
         # The spectrum of a thousand harmonics and 40 profiles scatters by 1 %, and leakage is at most 1.2 %.
-        high = q > 100
-        assert np.mean(density_with_window[high] / expected[high]) == pytest.approx(1, abs=0.02)
-        assert np.mean(density_without_window[high] / expected[high]) > 1.3
+        is_high_frequency = q > 100
+        assert np.mean(density_with_window[is_high_frequency] / expected[is_high_frequency]) == pytest.approx(
+            1, abs=0.02
+        )
+        assert np.mean(density_without_window[is_high_frequency] / expected[is_high_frequency]) > 1.3
 
     @pytest.mark.parametrize("invalid_arguments", [{"periodic": "yes"}, {"periodic": None}])
     def test_power_spectrum_rejects_invalid_arguments(self, invalid_arguments):
@@ -95,11 +97,16 @@ class TestSpectralMoments:
 
     def test_spectral_moments_of_adjacent_bands_add_up(self):
         profile = rough_profile()
-        whole = spectral_moments(profile)
+        all_moments = spectral_moments(profile)
         # The profile has no wavelength of exactly 0.35 µm, so no harmonic is counted twice.
-        parts = spectral_moments(profile, shortest_wavelength=0.35), spectral_moments(profile, longest_wavelength=0.35)
+        band_moments = (
+            spectral_moments(profile, shortest_wavelength=0.35),
+            spectral_moments(profile, longest_wavelength=0.35),
+        )
         for name in ("height", "slope", "curvature"):
-            assert sum(getattr(part, name) for part in parts) == pytest.approx(getattr(whole, name), rel=ROUND_OFF)
+            assert sum(getattr(part, name) for part in band_moments) == pytest.approx(
+                getattr(all_moments, name), rel=ROUND_OFF
+            )
 
     def test_spectral_moments_reject_invalid_arguments(self):
         with pytest.raises(ValueError, match="longest_wavelength must be above"):

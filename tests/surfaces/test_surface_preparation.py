@@ -137,11 +137,11 @@ def test_rotation_by_multiples_of_90_degrees_preserves_heights(quarter_turns):
 def test_rotated_surface_equals_the_rotated_function(angle, shape):
     surface, height = bumpy_surface(shape, (0.1, 0.1))
     rotated_surface = rotated(surface, angle)
-    middle = [(points - 1) * 0.05 for points in shape]
+    middle_position = [(points - 1) * 0.05 for points in shape]
     rotated_middle = [(points - 1) * 0.05 for points in rotated_surface.heights.shape]
     y, x = rotated_surface.y[:, np.newaxis] - rotated_middle[0], rotated_surface.x - rotated_middle[1]
     c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
-    original_y, original_x = middle[0] - s * x + c * y, middle[1] + c * x + s * y
+    original_y, original_x = middle_position[0] - s * x + c * y, middle_position[1] + c * x + s * y
     # The rotated points lie inside the original extent, except for rounding.
     for original_positions, length in ((original_y, shape[0]), (original_x, shape[1])):
         assert original_positions.min() > -1e-9
@@ -168,15 +168,15 @@ def test_rotation_rejects_a_narrow_strip():
 @pytest.mark.parametrize("shape", [(40, 50), (41, 50), (40, 51), (41, 51)])
 def test_surrogate_of_a_periodic_surface_has_the_same_spectrum(shape):
     surface = Surface(3.0 + np.random.default_rng(1).normal(size=shape), spacing=(0.2, 0.1))
-    other = surrogate(surface, 7, periodic=True)
-    density, surrogate_density = (surface_spectrum(item, periodic=True).density for item in (surface, other))
+    other_surrogate = surrogate(surface, 7, periodic=True)
+    density, surrogate_density = (surface_spectrum(item, periodic=True).density for item in (surface, other_surrogate))
     assert surrogate_density == pytest.approx(density, rel=1e-9, abs=1e-9 * density.max())
-    assert other.heights.mean() == pytest.approx(3, abs=0.2)
-    assert other.heights.mean() == pytest.approx(surface.heights.mean(), rel=ROUND_OFF)
+    assert other_surrogate.heights.mean() == pytest.approx(3, abs=0.2)
+    assert other_surrogate.heights.mean() == pytest.approx(surface.heights.mean(), rel=ROUND_OFF)
     # The surfaces have about 2000 independent heights.
-    assert abs(np.corrcoef(surface.heights.ravel(), other.heights.ravel())[0, 1]) < 0.1
-    assert np.array_equal(surrogate(surface, 7, periodic=True).heights, other.heights)
-    assert not np.array_equal(surrogate(surface, 7, repetition=1, periodic=True).heights, other.heights)
+    assert abs(np.corrcoef(surface.heights.ravel(), other_surrogate.heights.ravel())[0, 1]) < 0.1
+    assert np.array_equal(surrogate(surface, 7, periodic=True).heights, other_surrogate.heights)
+    assert not np.array_equal(surrogate(surface, 7, repetition=1, periodic=True).heights, other_surrogate.heights)
 
 
 def test_surrogate_of_a_surface_preserves_its_heights_and_slopes_and_lay():

@@ -46,9 +46,11 @@ class TestSurrogate:
             rough_profile(points=1001),
             Profile(rough_profile().heights + 7.0, spacing=0.01),
         ):
-            other = surrogate(profile, 5, repetition=2)
-            assert other.heights.mean() == pytest.approx(profile.heights.mean(), abs=ROUND_OFF)
-            assert roughness_parameters(other).Pq == pytest.approx(roughness_parameters(profile).Pq, rel=1e-11)
+            other_surrogate = surrogate(profile, 5, repetition=2)
+            assert other_surrogate.heights.mean() == pytest.approx(profile.heights.mean(), abs=ROUND_OFF)
+            assert roughness_parameters(other_surrogate).Pq == pytest.approx(
+                roughness_parameters(profile).Pq, rel=1e-11
+            )
 
     @pytest.mark.parametrize("points", [8, 9, 10, 11])
     def test_surrogate_spectrum_equals_the_averaged_spectrum_of_the_mirrored_profile(self, points):
@@ -72,13 +74,14 @@ class TestSurrogate:
             profile = rough_profile(points=4096, longest_wavelength=longest, hurst_exponent=hurst, repetition=r)
             tilt = np.polynomial.Polynomial.fit(profile.x, profile.heights, 1)(profile.x)
             profile = Profile(profile.heights - tilt, spacing=profile.spacing)
-            other = surrogate(profile, 5, repetition=r)
+            other_surrogate = surrogate(profile, 5, repetition=r)
             slope_ratios.append(
-                roughness_parameters(other, derivative="neighbours").Pdq
+                roughness_parameters(other_surrogate, derivative="neighbours").Pdq
                 / roughness_parameters(profile, derivative="neighbours").Pdq
             )
             original_slope, surrogate_slope = (
-                spectral_moments(p, longest_wavelength=0.1, periodic=p is other).slope for p in (profile, other)
+                spectral_moments(p, longest_wavelength=0.1, periodic=p is other_surrogate).slope
+                for p in (profile, other_surrogate)
             )
             short_wave_ratios.append(surrogate_slope / original_slope)
         # The windowed sum over 2000 harmonics of one profile scatters by 3 %. Each end adds a corner.
