@@ -157,7 +157,7 @@ def replace_section(text: str, start: str, end: str, new: str) -> str:
     return head + start + new + end + text_after_end
 
 
-def generated_texts() -> dict[Path, str]:
+def generate_file_texts() -> dict[Path, str]:
     """Return the generated text of each file."""
     pair_function_text = PAIR_FUNCTION_FILE.read_text("utf-8")
     pair_function_text = replace_section(
@@ -194,11 +194,11 @@ def format_code(text: str) -> str:
 
 def main() -> None:
     """Write the files, or with --check compare them with the generated text."""
-    outdated_files = [path for path, text in generated_texts().items() if path.read_text("utf-8") != text]
+    outdated_files = [path for path, text in generate_file_texts().items() if path.read_text("utf-8") != text]
     if "--check" in sys.argv:
         names = ", ".join(str(path.relative_to(ROOT)) for path in outdated_files)
         sys.exit(f"{names}: run packaging/pair_options.py" if outdated_files else 0)
-    for path, text in generated_texts().items():
+    for path, text in generate_file_texts().items():
         path.write_text(text, "utf-8")
 
 

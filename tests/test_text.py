@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 import stiction
 from stiction import _files
-from stiction._files import UnreadableFileError, new_file, read_file_bytes, replacement_file
+from stiction._files import UnreadableFileError, create_file_atomically, read_file_bytes, replace_file_atomically
 from stiction._text import printable_path, printable_text
 
 
@@ -41,7 +41,9 @@ def test_file_reading_limits_the_size_and_rejects_special_files(tmp_path):
         read_file_bytes(tmp_path, 100)
 
 
-@pytest.mark.parametrize("writer", [new_file, lambda path, failure: replacement_file(path, b"mark", failure)])
+@pytest.mark.parametrize(
+    "writer", [create_file_atomically, lambda path, failure: replace_file_atomically(path, b"mark", failure)]
+)
 class TestFileWriting:
     def test_file_writing_uses_unpredictable_temporary_names(self, tmp_path, writer):
         names = []
@@ -81,9 +83,9 @@ class TestFileWriting:
 
 
 def test_concurrent_writers_of_a_file_replace_it_as_a_whole(tmp_path):
-    with replacement_file(tmp_path / "f", b"mark", ValueError) as first_file:
+    with replace_file_atomically(tmp_path / "f", b"mark", ValueError) as first_file:
         first_file.write_bytes(b"mark one")
-        with replacement_file(tmp_path / "f", b"mark", ValueError) as second_file:
+        with replace_file_atomically(tmp_path / "f", b"mark", ValueError) as second_file:
             second_file.write_bytes(b"mark two")
         assert (tmp_path / "f").read_bytes() == b"mark two"
     assert (tmp_path / "f").read_bytes() == b"mark one"

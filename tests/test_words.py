@@ -51,7 +51,7 @@ def test_word_check_reports_names_that_are_rejected_in_their_folder(words_tool, 
 
 def test_word_check_reports_rejected_openings_of_sentences(words_tool):
     files = {"dev": '"""What a file contains."""\n\n\ndef read():\n    """Return what a file contains."""\n'}
-    assert len(list(words_tool.find_opening_faults(files, {"all": ["What"]}))) == 1
+    assert len(list(words_tool.find_first_word_faults(files, {"all": ["What"]}))) == 1
 
 
 def test_word_check_reports_names_of_tests_that_do_not_begin_with_their_unit(words_tool):

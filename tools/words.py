@@ -58,7 +58,7 @@ def read_commit_files() -> TextsByPath:
     return texts
 
 
-def read_checkout_files() -> TextsByPath:
+def read_tracked_python_files() -> TextsByPath:
     """Return the Python files of the working tree."""
     tracked_files = subprocess.run(
         ["git", "ls-files"], cwd=ROOT, capture_output=True, check=True, text=True
@@ -274,7 +274,7 @@ def find_test_name_faults(files: TextsByPath, words_by_folder: Mapping[str, list
                 yield f"{path}:{node.lineno}: {node.name} does not begin with the unit that is tested"
 
 
-def find_opening_faults(files: TextsByPath, words_by_folder: Mapping[str, list[str]]) -> Iterator[str]:
+def find_first_word_faults(files: TextsByPath, words_by_folder: Mapping[str, list[str]]) -> Iterator[str]:
     for place, sentence in chain(docstring_summaries(files), comments(files)):
         if sentence.split()[0] in rejected_words(words_by_folder, place.split(":")[0]):
             yield f"{place}: {sentence[:60]!r} does not begin with a verb or with the thing that it describes"
@@ -309,11 +309,11 @@ def find_repetition_faults(meanings_by_name: Mapping[str, set[str]], accepted_na
 
 
 def check_words_and_names() -> None:
-    files, rules = read_checkout_files(), tomllib.loads(WORD_RULES_FILE.read_text("utf-8"))
+    files, rules = read_tracked_python_files(), tomllib.loads(WORD_RULES_FILE.read_text("utf-8"))
     faults = [
         *find_name_faults(files, rules["names"]),
         *find_test_name_faults(files, rules["test_names"]),
-        *find_opening_faults(files, rules["openings"]),
+        *find_first_word_faults(files, rules["openings"]),
         *find_repetition_faults(modules_by_repeated_class(files), rules["repeated"]["classes"]),
         *find_repetition_faults(modules_by_repeated_constant(files), rules["repeated"]["constants"]),
     ]

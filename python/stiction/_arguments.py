@@ -95,7 +95,7 @@ def parse_coefficients(name: str, value: Any) -> list[float]:
     return numbers
 
 
-def reject_negative_values(name: str, values: list[Any], argument: Any) -> list[Any]:
+def validate_nonnegative_values(name: str, values: list[Any], argument: Any) -> list[Any]:
     """Return the values of an argument; raise an `ArgumentError` if a value is negative."""
     if not all(value >= 0 for value in values):
         raise ArgumentError(f"{{{name}}} must be at least 0, got {{got}}", got=repr(argument))

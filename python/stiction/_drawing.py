@@ -64,7 +64,7 @@ def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats
     return ax
 
 
-def draw_repeated_scans(ax: Axes, comparison: Any) -> Axes:
+def draw_scan_comparison(ax: Axes, comparison: Any) -> Axes:
     """Draw the rms height common to both scans, and the rms noise of a single scan, for each octave of wavelength."""
     for name, style, label in (("common", "o-", "in both"), ("noise", "s--", "noise of one")):
         heights = 1000 * getattr(comparison, name)
@@ -152,7 +152,7 @@ def draw_friction(
     if not np.isfinite(coefficient).any():
         raise ValueError("no load has a friction coefficient, so there is nothing to draw")
     ax.set(xscale="log", xlabel="normal load (mN)")
-    label_lists = _material_labels(mu0, tau0)
+    label_lists = _friction_parameter_labels(mu0, tau0)
     if np.ndim(direction):
         label_lists.append([f"{angle:g}°" for angle in np.asarray(direction).tolist()])
     legend_labels = [", ".join(filter(None, labels)) for labels in product(*label_lists)]
@@ -166,7 +166,7 @@ def draw_friction(
     return ax
 
 
-def _material_labels(mu0: ArrayLike, tau0: ArrayLike) -> list[list[str]]:
+def _friction_parameter_labels(mu0: ArrayLike, tau0: ArrayLike) -> list[list[str]]:
     """Return one label per pair of mu0 and tau0, as a nested list. The list is empty if both are scalars."""
     parameters = np.broadcast_arrays(np.asarray(mu0, dtype=np.float64), np.asarray(tau0, dtype=np.float64))
     if parameters[0].ndim == 0:

@@ -33,7 +33,7 @@ _NUM_SEARCHED_BYTES = 2**16
 
 
 @contextmanager
-def new_file(path: Path, error_type: type[ValueError]) -> Iterator[Path]:
+def create_file_atomically(path: Path, error_type: type[ValueError]) -> Iterator[Path]:
     """Yield a temporary file that is renamed to `path` when complete. Raise `error_type` if `path` already exists."""
     with _translate_os_errors(path, error_type):
         if os.path.lexists(path):
@@ -43,7 +43,7 @@ def new_file(path: Path, error_type: type[ValueError]) -> Iterator[Path]:
 
 
 @contextmanager
-def replacement_file(path: Path, mark: bytes, error_type: type[ValueError]) -> Iterator[Path]:
+def replace_file_atomically(path: Path, mark: bytes, error_type: type[ValueError]) -> Iterator[Path]:
     """Yield a temporary file that replaces `path` when complete; raise `error_type` if an existing file lacks `mark`.
 
     A file without the bytes `mark` near its start or its end was not written by this package.

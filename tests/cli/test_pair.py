@@ -454,7 +454,7 @@ def test_pair_command_rejects_a_missing_material_and_a_file_name_given_as_materi
 
 def test_preview_is_printed_to_standard_error_on_terminals(scans_folder, monkeypatch):
     for module in ("application", "pair"):
-        monkeypatch.setattr(f"stiction.cli.{module}.has_terminal", lambda: True)
+        monkeypatch.setattr(f"stiction.cli.{module}.is_stderr_terminal", lambda: True)
     command = [
         "pair",
         *MAP_ARGUMENTS,
@@ -590,7 +590,7 @@ def test_friction_value_and_assessment_are_bold_only_on_terminals(capsys, monkey
 
 
 def test_slow_import_of_a_reader_package_is_announced_once(scans_folder, monkeypatch):
-    monkeypatch.setattr("stiction.cli.application.has_terminal", lambda: True)
+    monkeypatch.setattr("stiction.cli.application.is_stderr_terminal", lambda: True)
     (scans_folder / "scan.di").write_text("nothing")
     monkeypatch.delitem(sys.modules, "SurfaceTopography", raising=False)
     messages = []

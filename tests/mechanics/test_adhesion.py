@@ -269,10 +269,12 @@ def test_pull_off_force_of_rough_surfaces_is_the_largest_local_maximum_of_tensio
     adhesive["adhesion_range"] = 1.001 * min_resolved_adhesion_range(5.85e-5, 0.01, 1.72)
     curve = half_space(*bodies, [0.0], **adhesive)
     adhesion_solver = AdhesionSolver(curve._problem, tolerance=1e-6, report=None)
-    states = [adhesion_solver.iterate_at_load(None, 0.0)[0]]
+    states = [adhesion_solver.find_equilibrium_at_pressure(None, 0.0)[0]]
     while states[-1].contact_load > 0.02 * states[0].contact_load:
         states.append(
-            adhesion_solver.solve_at_contact_load(states[-1], 0.98 * states[-1].contact_load, earlier_state=states[0])
+            adhesion_solver.solve_at_contact_pressure(
+                states[-1], 0.98 * states[-1].contact_load, earlier_state=states[0]
+            )
         )
     loads = np.array([state.load for state in states])
     first_local_minimum = loads[np.flatnonzero(np.diff(loads) > 0.02 * -loads.min())[0]]
@@ -297,16 +299,16 @@ def test_attraction_decreases_at_every_point_when_the_load_decreases_towards_pul
     force, is_bound = curve.pull_off_bound
     assert not is_bound
     pull_off = force / adhesion_solver.mean_pressure_to_force(1.0)
-    state = adhesion_solver.iterate_at_load(None, 0.0)[0]
+    state = adhesion_solver.find_equilibrium_at_pressure(None, 0.0)[0]
     assert state.pressure.all()
     assert -adhesion_solver.find_opening_state(state).load < 0.95 * pull_off
     for fraction in (0.3, 0.6, 0.9, 0.99):
-        next_state, is_stable = adhesion_solver.iterate_at_load(state, -fraction * pull_off)
+        next_state, is_stable = adhesion_solver.find_equilibrium_at_pressure(state, -fraction * pull_off)
         assert is_stable
         assert next_state.load == pytest.approx(-fraction * pull_off, abs=1e-4 * next_state.mean_attraction)
         assert (next_state.attraction <= state.attraction + 1e-4 * adhesion_solver.max_attraction).all()
         state = next_state
-    assert not adhesion_solver.iterate_at_load(state, -(1 + PULL_OFF_TOLERANCE) * pull_off)[1]
+    assert not adhesion_solver.find_equilibrium_at_pressure(state, -(1 + PULL_OFF_TOLERANCE) * pull_off)[1]
 
 
 def test_pull_off_force_is_a_lower_bound_if_no_tensile_load_is_solved(monkeypatch):

@@ -9,7 +9,7 @@ import pytest
 from stiction import FormatError, FormatWarning, Surface, read_measurement, write_surface
 from stiction.surfaces.measured.decode import decode_text
 from stiction.surfaces.measured.layouts import TEXT_LAYOUTS
-from stiction.surfaces.measured.reading import load_interpreted_file
+from stiction.surfaces.measured.reading import read_with_interpretation
 from support import fuzzing
 
 random = np.random.default_rng(8)
@@ -422,9 +422,9 @@ def test_first_number_with_fewer_decimals_than_the_others_adds_a_caveat(tmp_path
     path.write_text("0.5\n" + "".join(f"{z:.4f}\n" for z in LINE_HEIGHTS))
     with pytest.warns(FormatWarning, match="first-number"):
         read_measurement(path, **options)
-    assert not load_interpreted_file(path, **options, accept="first-number").caveats
+    assert not read_with_interpretation(path, **options, accept="first-number").caveats
     path.write_text("0.5\n" + "".join(f"{z:g}\n" for z in LINE_HEIGHTS))
-    assert not load_interpreted_file(path, **options).caveats
+    assert not read_with_interpretation(path, **options).caveats
 
 
 def test_words_in_a_line_of_data_are_rejected_with_an_error_that_states_the_line_number(tmp_path):
@@ -470,16 +470,16 @@ def test_codes_for_missing_points_are_reported_and_can_be_masked(tmp_path):
     for code in ("-9999", "-32768", "99999.0", "0.000"):
         body = [f"{0.5 * index},{code if index in (7, 8, 33) else z + 500}" for index, z in enumerate(LINE_HEIGHTS)]
         path.write_text("x (um),z (um)\n" + "\n".join(body))
-        reading = load_interpreted_file(path)
+        reading = read_with_interpretation(path)
         assert "repeated-extreme" in [caveat.name for caveat in reading.caveats]
         assert f"--missing-value {float(code):g}" in reading.caveats[0].remedy
         with pytest.warns(FormatWarning, match="repeated-extreme"):
             read_measurement(path)
-        masked_reading = load_interpreted_file(path, missing_value=float(code), missing="mask", accept="tall")
+        masked_reading = read_with_interpretation(path, missing_value=float(code), missing="mask", accept="tall")
         assert masked_reading.missing == 3
         assert np.flatnonzero(masked_reading.body.missing).tolist() == [7, 8, 33]
         assert not masked_reading.caveats
-        assert load_interpreted_file(path, accept="repeated-extreme,tall").caveats == ()
+        assert read_with_interpretation(path, accept="repeated-extreme,tall").caveats == ()
 
 
 def test_flags_in_a_column_mark_missing_points(tmp_path):
@@ -571,7 +571,7 @@ def test_description_of_a_file_states_its_layout_and_unit_and_number_of_points(t
         + "\n".join(f"{0.5 * index};{z}" for index, z in enumerate(LINE_HEIGHTS))
         + "\nend\n"
     )
-    reading = load_interpreted_file(path)
+    reading = read_with_interpretation(path)
     record = reading.to_json_fields()
     assert record["layout"] == "positions and heights"
     assert record["points"] == [60]
@@ -677,7 +677,7 @@ def test_declarations_in_a_header_apply_to_tables_of_every_shape(tmp_path, shape
         options["spacing"] = "0.5 um"
     path = tmp_path / "a.txt"
     path.write_text("\n".join([line, *lines_in_table_shape(shape, heights)]), encoding="utf-8")
-    reading = load_interpreted_file(path, **options)
+    reading = read_with_interpretation(path, **options)
     body, is_profile = reading.body, shape in ("column", "positions")
     expected = heights.ravel() if is_profile else heights
     scale = {"factor": 1e-3, "unit": 1e-3}.get(declaration, 1.0)
@@ -728,7 +728,7 @@ def test_number_labelled_scale_in_a_header_multiplies_heights_only_if_it_describ
             read_measurement(path, spacing="0.5 um")
         with pytest.warns(FormatWarning, match="scale"):
             body = read_measurement(path, unit="nm", spacing="0.5 um")
-        assert not load_interpreted_file(path, unit="nm", spacing="0.5 um", accept="scale").caveats
+        assert not read_with_interpretation(path, unit="nm", spacing="0.5 um", accept="scale").caveats
     else:
         body = read_measurement(path, spacing="0.5 um")
     assert np.allclose(body.heights, (factor or 1e-3) * HEIGHTS, rtol=1e-12)
@@ -739,7 +739,7 @@ def test_positions_are_not_read_as_heights_if_the_spacing_is_declared(tmp_path):
     header_lines = ["# x spacing: 0.25 um", "# y spacing: 0.5 um"]
     for first_column in (0.5 * np.arange(NUM_ROWS), 3 + 0.5 * np.arange(NUM_ROWS)):
         path.write_text("\n".join([*header_lines, *format_rows(np.column_stack([first_column, HEIGHTS]))]))
-        body = load_interpreted_file(path, unit="um", accept="tall").body
+        body = read_with_interpretation(path, unit="um", accept="tall").body
         assert np.array_equal(body.heights, HEIGHTS)
         assert body.spacing == (0.5, 0.25)
         assert "the first column removed: positions 0.5 um apart, as its header declares" in body.history

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import grey_dilation
 from stiction import Profile, Surface, compare_repeated_scans, self_affine, self_affine_surface, tip_reconstructed
-from stiction.surfaces.scale import mean_square_heights
+from stiction.surfaces.scale import mean_square_height_spectrum
 
 # Relative error of the noise per octave at wavelengths above four points.
 # The noise scatters by 3 % in the shortest octave and by 1 % on maps.
@@ -48,13 +48,13 @@ def test_comparison_of_repeated_scans_recovers_noise_of_any_spectrum(dimensions,
     assert np.abs(np.array(result.shift) / spacing - np.array(shift_in_points) / 2).max() < max_shift_error
     assert result.correlation > 0.99
     true_noise = np.mean(
-        [mean_square_heights(body_class(scan_noise, spacing=spacing))[1] for scan_noise in noise], axis=0
+        [mean_square_height_spectrum(body_class(scan_noise, spacing=spacing))[1] for scan_noise in noise], axis=0
     )
-    q = mean_square_heights(body_class(noise[0], spacing=spacing))[0]
+    q = mean_square_height_spectrum(body_class(noise[0], spacing=spacing))[0]
     octave_index = np.maximum(np.floor(np.log2(np.pi / (q * spacing)) + 1e-9), 0).astype(int)
     true_noise = np.sqrt(np.bincount(octave_index, true_noise))
     clean_body = body_class(true_heights[tuple(slice(0, 2 * points, 2) for _ in shape)], spacing=spacing)
-    true_common = np.sqrt(np.bincount(octave_index, mean_square_heights(clean_body)[1]))
+    true_common = np.sqrt(np.bincount(octave_index, mean_square_height_spectrum(clean_body)[1]))
     has_noise = (true_noise > 0.01 * rms) & (np.bincount(octave_index) > 60)
     has_noise[0] = False  # The noise is accurate at wavelengths above four points only.
     assert has_noise.sum() >= (1 if colour == "band" else 3)
@@ -63,9 +63,9 @@ def test_comparison_of_repeated_scans_recovers_noise_of_any_spectrum(dimensions,
     assert has_common.any()
     np.testing.assert_allclose(result.common[has_common], true_common[has_common], rtol=NOISE_TOLERANCE)
     # After filtering, noise contributes a tenth of the mean square slope on average.
-    q, scan_spectrum = mean_square_heights(result.scan)
+    q, scan_spectrum = mean_square_height_spectrum(result.scan)
     filtered_slope_weights = q**2 * np.exp(-2 * np.log(2) * (q * result.limit / (2 * np.pi)) ** 2)
-    noise_slope = mean_square_heights(body_class((noise[0] - noise[1]) / 2, spacing=spacing))
+    noise_slope = mean_square_height_spectrum(body_class((noise[0] - noise[1]) / 2, spacing=spacing))
     noise_slope = noise_slope[1] @ (
         noise_slope[0] ** 2 * np.exp(-2 * np.log(2) * (noise_slope[0] * result.limit / (2 * np.pi)) ** 2)
     )

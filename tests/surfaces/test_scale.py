@@ -19,7 +19,7 @@ from stiction import (
     spectral_moments,
     surface_spectrum,
 )
-from stiction.surfaces.scale import interval_power_laws, line_spectra
+from stiction.surfaces.scale import fitted_and_limiting_power_laws, line_spectra
 from support.machined_surfaces import MACHINED_SURFACES, filtered_noise, scale_to_unit_rms, turned_surface
 from support.rough_surfaces import rough_profile, self_affine_map, sinusoid
 
@@ -108,7 +108,7 @@ def test_extrapolation_of_a_coarse_scan_agrees_with_a_fine_scan(hurst, is_areal)
     true_roughness = scale_dependent_roughness(fine_surface, periodic=True)
     coarse_roughness = scale_dependent_roughness(coarse_surface, periodic=True)
     estimate = estimate_hurst_exponent(coarse_surface, periodic=True)
-    lines = [coarse_roughness.continued([0.02, 0.04, 0.1], line) for line in interval_power_laws(estimate)]
+    lines = [coarse_roughness.continued([0.02, 0.04, 0.1], line) for line in fitted_and_limiting_power_laws(estimate)]
     expected = true_roughness.gradient_at([0.02, 0.04, 0.1])
     assert lines[0] == pytest.approx(expected, rel=0.15)
     assert (lines[2] <= lines[0]).all()

@@ -203,7 +203,7 @@ class JobQueue:
             return hide_private_paths(await run_module(arguments, memory=READER_MEMORY_FRACTION), self.root)
 
 
-def memory_limit_prefix(memory: float) -> list[str]:
+def memory_limit_command_prefix(memory: float) -> list[str]:
     """Return a command prefix that limits memory and kills the process if its parent dies; empty if not supported."""
     if not (shutil.which("setpriv") and shutil.which("prlimit")):
         return []
@@ -222,7 +222,7 @@ async def run_module(arguments: list[str], *, memory: float, grace_time: float =
     write its results. Raises `RejectedRequestError` with the message of the process.
     """
     process = await asyncio.create_subprocess_exec(
-        *memory_limit_prefix(memory), sys.executable, "-P", "-m", *arguments, stdin=asyncio.subprocess.DEVNULL,
+        *memory_limit_command_prefix(memory), sys.executable, "-P", "-m", *arguments, stdin=asyncio.subprocess.DEVNULL,
         stdout=PIPE, stderr=PIPE, limit=MAX_OUTPUT_BYTES,
     )  # fmt: skip
     output_stream, error_stream = process.stdout, process.stderr

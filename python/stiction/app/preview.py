@@ -19,7 +19,7 @@ from stiction._drawing import HEIGHT_COLOUR_MAP
 from stiction._number_format import format_with_unit
 from stiction.app.form import replace_option_names
 from stiction.studies.pair_options import split_option_text
-from stiction.surfaces.measured.reading import load_interpreted_file
+from stiction.surfaces.measured.reading import read_with_interpretation
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.roughness import reject_flat_or_small_surface, rms_gradient, roughness_parameters
@@ -37,7 +37,7 @@ def preview_scan(file: str, reading: dict[str, str]) -> dict[str, Any]:
     with warnings.catch_warnings(record=True) as caught_warnings:
         warnings.simplefilter("always")
         try:
-            scan = load_interpreted_file(file, **options)
+            scan = read_with_interpretation(file, **options)
             body = scan.body
             levelled_body = levelled(body, "line" if isinstance(body, Profile) else "plane")  # type: ignore[call-overload]
             if isinstance(levelled_body, Profile):

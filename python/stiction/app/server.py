@@ -23,7 +23,7 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, RedirectResponse, Response
 from starlette.routing import Route
 
-from stiction._files import replacement_file
+from stiction._files import replace_file_atomically
 from stiction._units import short_repr
 from stiction.app import sample_surfaces
 from stiction.app.form import (
@@ -217,7 +217,9 @@ class Server:
             raise RejectedRequestError(f"{sys.executable}: a menu entry cannot contain this path")
         applications_folder = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local/share") / "applications"
         applications_folder.mkdir(parents=True, exist_ok=True)
-        with replacement_file(applications_folder / "stiction.desktop", b"Name=stiction\n", ValueError) as partial_path:
+        with replace_file_atomically(
+            applications_folder / "stiction.desktop", b"Name=stiction\n", ValueError
+        ) as partial_path:
             partial_path.write_text(
                 "[Desktop Entry]\nType=Application\nName=stiction\nComment=Static friction of two surfaces\n"
                 f'Exec="{sys.executable}" -P -m stiction app\nPath={self.working_directory}\nCategories=Science;\n',

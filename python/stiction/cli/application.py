@@ -51,18 +51,18 @@ def report_interruption(detail: str = "") -> typer.Exit:
 
 def show_status(text: str) -> None:
     """Show the current operation on a terminal, in a line that the next message overwrites."""
-    if has_terminal():
+    if is_stderr_terminal():
         line = f"stiction: {printable_text(text, MAX_QUOTED_LINE_LENGTH)}"[: shutil.get_terminal_size().columns - 1]
         _clear_line(f"{line}\r")
 
 
 def _clear_line(replacement: str = "") -> None:
     """Clear the current line of a terminal without moving the cursor to another line."""
-    if has_terminal():
+    if is_stderr_terminal():
         print(f"\x1b[2K{replacement}", end="", file=sys.__stderr__ or sys.stderr, flush=True)
 
 
-def has_terminal() -> bool:
+def is_stderr_terminal() -> bool:
     """Return whether standard error is a terminal."""
     return sys.stderr.isatty()
 

@@ -16,8 +16,8 @@ from stiction._arguments import (
     parse_quantities,
     parse_quantity,
     reject_decimal_commas,
-    reject_negative_values,
     split_values,
+    validate_nonnegative_values,
 )
 from stiction._errors import ArgumentError
 from stiction.cli.application import command, print_output, report_interruption, show_status
@@ -115,7 +115,7 @@ def at(
     mu0_values = None if mu0 is None else parse_coefficients("mu0", mu0)
     tau0_values = None
     if tau0 is not None:
-        tau0_values = reject_negative_values("tau0", parse_quantities("tau0", tau0, "pressure"), tau0)
+        tau0_values = validate_nonnegative_values("tau0", parse_quantities("tau0", tau0, "pressure"), tau0)
     if scale_heights is None:
         reject_options(context, "requires --scale-heights", "scaled", "compute", "workers")
     else:

@@ -45,7 +45,7 @@ VerboseOption = Annotated[
 def load_measurement(file: Path, options: Mapping[str, str | None]) -> FileReading[Profile | Surface]:
     """Load a profile or surface from a file, applying the reading options given on the command line."""
     from stiction.studies.pair_options import split_option_text
-    from stiction.surfaces.measured.reading import load_interpreted_file
+    from stiction.surfaces.measured.reading import read_with_interpretation
     from stiction.surfaces.measured.spectrum_file import is_spectrum_file
 
     if is_spectrum_file(file):
@@ -55,7 +55,7 @@ def load_measurement(file: Path, options: Mapping[str, str | None]) -> FileReadi
         )
     show_reader_import_status(file)
     values: dict[str, Any] = {name: split_option_text(name, text) for name, text in options.items() if text is not None}
-    return load_interpreted_file(file, **values)
+    return read_with_interpretation(file, **values)
 
 
 def show_reader_import_status(file: Path) -> None:

@@ -12,7 +12,7 @@ from typing import Annotated, Any
 import typer
 
 from stiction._text import printable_text
-from stiction.cli.application import command, has_terminal, print_message, print_output
+from stiction.cli.application import command, is_stderr_terminal, print_message, print_output
 from stiction.cli.execution import (
     PartOption,
     SchedulerOption,
@@ -190,7 +190,7 @@ def pair(
         write_pair_files(result, print_written=print_written)
 
 
-def format_preview_line(study: Study) -> str:
+def compute_preview_line(study: Study) -> str:
     """Return a line of text with a preview of the friction coefficient. Only the first members are computed.
 
     Raises `ValueError` if the surfaces do not touch.
@@ -208,5 +208,5 @@ def submit_preview(study: Study | None, executor: Executor) -> None:
         if not future.cancelled() and future.exception() is None:  # the future fails if the surfaces do not touch
             print_message(future.result())
 
-    if study is not None and has_terminal():
-        executor.submit(format_preview_line, study).add_done_callback(print_preview)
+    if study is not None and is_stderr_terminal():
+        executor.submit(compute_preview_line, study).add_done_callback(print_preview)

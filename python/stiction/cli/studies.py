@@ -28,7 +28,7 @@ ChangesOption = Annotated[
     "    --set 'contact.effective_modulus=70 GPa' --output stiffer",
     "stiction run pair --set ensemble.repetitions=64  # more positions of a pair",
 )
-def run_command(
+def run_study_command(
     study: Annotated[
         str, typer.Argument(metavar="STUDY", help="Built-in study, study file (TOML), or directory of a result.")
     ],

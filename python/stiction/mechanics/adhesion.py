@@ -91,7 +91,7 @@ class AdhesionSolver:
         """Return the attraction (GPa) at given gaps (µm). A negative gap counts as 0."""
         return np.asarray(self.max_attraction * np.exp(np.maximum(gap, 0) / -self.range))
 
-    def solve_at_contact_load(
+    def solve_at_contact_pressure(
         self, near: AdhesionState, contact_load: float, *, earlier_state: AdhesionState
     ) -> AdhesionState:
         """Iterate from a nearby state to the equilibrium at a mean contact pressure (GPa). Return the final state.
@@ -116,7 +116,7 @@ class AdhesionSolver:
                 break
         raise EquilibriumNotFoundError("the computation of the attraction did not converge")
 
-    def iterate_at_load(
+    def find_equilibrium_at_pressure(
         self, near: AdhesionState | None, load: float, *, longest: float = MAX_EXTRAPOLATION_FACTOR
     ) -> tuple[AdhesionState, bool]:
         """Find the equilibrium at an external pressure (GPa). Return a state, and True if this state is in equilibrium.
@@ -217,10 +217,10 @@ class AdhesionSolver:
     def at(self, load: float, near: AdhesionState | None) -> AdhesionState:
         """Find the equilibrium at an external pressure (GPa). The iteration starts from `near`, or without contact."""
         if near is None and load < 0:
-            near = self.iterate_at_load(None, 0.0)[0]
-        state, is_balanced = self.iterate_at_load(near, load)
+            near = self.find_equilibrium_at_pressure(None, 0.0)[0]
+        state, is_balanced = self.find_equilibrium_at_pressure(near, load)
         if not is_balanced:
-            state, is_balanced = self.iterate_at_load(near, load, longest=1.0)
+            state, is_balanced = self.find_equilibrium_at_pressure(near, load, longest=1.0)
         if not is_balanced:
             assert near is not None
             least_load = f"{self.mean_pressure_to_force(state_of_lowest_load(self.trace_separation(near)).load):.4g} mN"
@@ -260,12 +260,12 @@ class AdhesionSolver:
                 load = min(max(load, (1 + decrement) * least_load), (1 + MINIMUM_LOAD_TOLERANCE) * least_load)
             try:
                 trial_state, is_balanced = (
-                    self.iterate_at_load(extrapolated_start, load)
+                    self.find_equilibrium_at_pressure(extrapolated_start, load)
                     if load > unsupported_load
                     else (extrapolated_start, False)
                 )
                 if not is_balanced and load >= (1 + MINIMUM_LOAD_TOLERANCE) * least_load:
-                    trial_state, is_balanced = self.iterate_at_load(plain_start, load, longest=1.0)
+                    trial_state, is_balanced = self.find_equilibrium_at_pressure(plain_start, load, longest=1.0)
                     if not is_balanced:
                         return states
                     plain_start, unsupported_load = trial_state, -math.inf
@@ -280,7 +280,9 @@ class AdhesionSolver:
             else:
                 unsupported_load = load
                 try:
-                    trial_state = self.solve_at_contact_load(trial_state, trial_state.contact_load, earlier_state=start)
+                    trial_state = self.solve_at_contact_pressure(
+                        trial_state, trial_state.contact_load, earlier_state=start
+                    )
                 except EquilibriumNotFoundError:
                     continue
                 if trial_state.load >= least_load:
@@ -296,7 +298,7 @@ class AdhesionSolver:
         while states[-1].contact_load > self.min_contact and states[-1] is state_of_lowest_load(states):
             try:
                 states.append(
-                    self.solve_at_contact_load(
+                    self.solve_at_contact_pressure(
                         states[-1], CONTACT_LOAD_REDUCTION_RATIO * states[-1].contact_load, earlier_state=states[0]
                     )
                 )
@@ -353,7 +355,7 @@ class AdhesionSolver:
             try:
                 states.insert(
                     first_index + 1,
-                    self.solve_at_contact_load(states[first_index], contact_load, earlier_state=states[0]),
+                    self.solve_at_contact_pressure(states[first_index], contact_load, earlier_state=states[0]),
                 )
             except EquilibriumNotFoundError:
                 break

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from stiction._checks import Floats
 from stiction.surfaces.hurst import HurstEstimate, estimate_hurst_exponent
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.scale import ScaleDependentRoughness, interval_power_laws
+from stiction.surfaces.scale import ScaleDependentRoughness, fitted_and_limiting_power_laws
 from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ def plastic_wavelength(
     if math.isnan(gradient):
         return math.nan, math.nan, math.nan
     best_estimate, rougher_estimate, smoother_estimate = (
-        (None,) * 3 if estimate is None else interval_power_laws(estimate)
+        (None,) * 3 if estimate is None else fitted_and_limiting_power_laws(estimate)
     )
     return (
         roughness.wavelength_of(gradient, best_estimate),
@@ -82,7 +82,8 @@ def extrapolated_gradients(
     # Scale the extrapolated gradients so that they equal the gradient of this scan at its shortest wavelength.
     gradient_ratio = gradient / float(roughness.gradient_at(shortest))
     gradients = gradient_ratio * np.stack(
-        [roughness.continued(finer_wavelengths, power_law) for power_law in interval_power_laws(estimate)], axis=1
+        [roughness.continued(finer_wavelengths, power_law) for power_law in fitted_and_limiting_power_laws(estimate)],
+        axis=1,
     )
     gradients[:, 1:] = np.sort(gradients[:, 1:], axis=1)
     return gradients

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, check_choice, float_array
-from stiction.mechanics.friction import check_shear_strength, validate_friction_parameter
+from stiction.mechanics.friction import validate_friction_parameter, warn_if_tau0_is_large
 from stiction.mechanics.materials import Material
 from stiction.mechanics.model import SlidingRule
 
@@ -42,7 +42,7 @@ def reject_overflow(function: Callable[_P, _R]) -> Callable[_P, _R]:
     """Wrap a function so that it raises a `ValueError` if a number exceeds the range of double precision."""
 
     @functools.wraps(function)
-    def checked(*args: _P.args, **kwargs: _P.kwargs) -> _R:
+    def call_with_overflow_check(*args: _P.args, **kwargs: _P.kwargs) -> _R:
         try:
             with np.errstate(over="raise", divide="raise", invalid="raise", under="ignore"):
                 return function(*args, **kwargs)
@@ -52,7 +52,7 @@ def reject_overflow(function: Callable[_P, _R]) -> Callable[_P, _R]:
                 "double precision"
             ) from None
 
-    return checked
+    return call_with_overflow_check
 
 
 @overload
@@ -954,7 +954,7 @@ def gentle_friction(
     check_choice("sliding", sliding, SlidingRule)
     if np.ndim(order) or order not in (1, 2):
         raise ValueError(f"order must be 1 or 2, got {order!r}")
-    check_shear_strength(tau, float(np.min(modulus, initial=np.inf)))
+    warn_if_tau0_is_large(tau, float(np.min(modulus, initial=np.inf)))
     m = mu + factor * tau / (modulus * gradient)
     ratio_factor = ratio / (1 + ratio**2)
     mean_opposing_slope = slope * ratio_factor / np.sqrt(2 * np.pi)

@@ -224,7 +224,7 @@ class FrictionCurve(PlotRepr):
 
     def _broadcast_parameters(self, mu0: ArrayLike, tau0: ArrayLike) -> tuple[Floats, Floats]:
         strengths = validate_friction_parameter("tau0", tau0)
-        check_shear_strength(strengths, self.effective_modulus)
+        warn_if_tau0_is_large(strengths, self.effective_modulus)
         parameters = np.broadcast_arrays(validate_friction_parameter("mu0", mu0), strengths)
         # The array axes of mu0 and tau0 precede the array axes of the sums (steps, or directions and steps).
         index = (..., *([np.newaxis] * self.tangential_elastic.ndim))
@@ -263,7 +263,7 @@ def validate_friction_parameter(name: str, values: ArrayLike) -> Floats:
     return array
 
 
-def check_shear_strength(tau0: Floats, effective_modulus: float) -> None:
+def warn_if_tau0_is_large(tau0: Floats, effective_modulus: float) -> None:
     """Warn if tau0 was probably meant in MPa instead of GPa."""
     max_tau0 = float(np.max(tau0, initial=0))
     if max_tau0 > MAX_SHEAR_STRENGTH_RATIO * effective_modulus:
@@ -281,5 +281,5 @@ def validate_mu0_and_tau0(mu0: Any, tau0: Any, effective_modulus: Any) -> tuple[
         for name, value, unit in (("mu0", mu0, ""), ("tau0", tau0, "GPa"))
     ]
     modulus = validate_number("effective_modulus", effective_modulus, unit="GPa", above=0)
-    check_shear_strength(np.asarray(values[1]), modulus)
+    warn_if_tau0_is_large(np.asarray(values[1]), modulus)
     return values[0], values[1]

@@ -195,7 +195,7 @@ class HalfSpaceCurve(FrictionCurve):
         force, is_bound = self.pull_off_bound
         if is_bound:
             warnings.warn(
-                f"the pull-off force is at least {force:.4g} mN: {self._separation_contacts[1]}", stacklevel=2
+                f"the pull-off force is at least {force:.4g} mN: {self._separation_solutions[1]}", stacklevel=2
             )
         return force
 
@@ -209,7 +209,7 @@ class HalfSpaceCurve(FrictionCurve):
         """Values of `pull_off` (mN) and `pull_off_is_bound`. Unlike `pull_off`, this property issues no warning."""
         if self.work_of_adhesion == 0:
             return 0.0, False
-        return -self._separation_contacts[0][-1].load, bool(self._separation_contacts[1])
+        return -self._separation_solutions[0][-1].load, bool(self._separation_solutions[1])
 
     @property
     def parting(self) -> HalfSpaceCurve:
@@ -219,10 +219,10 @@ class HalfSpaceCurve(FrictionCurve):
         """
         if self.work_of_adhesion == 0:
             raise ValueError("parting requires adhesion; call half_space with a work_of_adhesion above 0")
-        return _make_curve(self._problem, self._model, self._separation_contacts[0], self._tolerance)
+        return _make_curve(self._problem, self._model, self._separation_solutions[0], self._tolerance)
 
     @cached_property
-    def _separation_contacts(self) -> tuple[list[ContactSolution], str]:
+    def _separation_solutions(self) -> tuple[list[ContactSolution], str]:
         """Contacts during separation, and the reason why the largest tension is uncertain ("" if it is certain)."""
         from stiction.mechanics.adhesion import solve_separation
 
@@ -290,7 +290,7 @@ class HalfSpaceCurve(FrictionCurve):
         problem = solution.problem
         pressure = solution.on_grid(solution.values)
         gap = problem.grids.displacement(pressure - solution.attraction) + problem.gap - solution.approach
-        opposing_grids = [solution.on_grid(opposing_mask[solution.patch - 1]) for opposing_mask in sums.opposing]
+        opposing_grids = [solution.on_grid(opposing_mask[solution.patch - 1]) for opposing_mask in sums.opposes_motion]
         opposing = np.array(opposing_grids).reshape(*self._model.angles().shape, *pressure.shape)
         gap = gap if problem.missing is None else np.where(problem.missing, np.nan, gap)
         field_arrays = (pressure, gap, solution.on_grid(solution.patch), opposing, solution.on_grid(solution.share))
@@ -598,7 +598,7 @@ def _make_curve(
 def _sum_patches(
     model: ContactModel, contacts: Sequence[ContactSolution], sums: Sequence[PatchSums]
 ) -> list[dict[str, Any]]:
-    totals = [solution.total(model.sliding) for solution in sums]
+    totals = [solution.totals(model.sliding) for solution in sums]
     for solution, total in zip(contacts, totals, strict=True):
         total["normal_elastic"] -= solution.attraction_force
     return totals

@@ -16,7 +16,7 @@ MIXING_EXPONENT_FACTOR, MIXING_EXPONENT_POWER = 3.2, 0.28
 """Constants of the exponent m: its value if hardness and elastic pressure are equal, and the power of their ratio."""
 
 
-def area_per_load(hardness: ArrayLike, nodes: ArrayLike, at_nodes: ArrayLike, elastic: ArrayLike) -> Floats:
+def interpolate_area_per_load(hardness: ArrayLike, nodes: ArrayLike, at_nodes: ArrayLike, elastic: ArrayLike) -> Floats:
     """Interpolate the real area per load, A/F (1/GPa), between the hardnesses for which contacts were computed.
 
     Parameters
@@ -35,8 +35,8 @@ def area_per_load(hardness: ArrayLike, nodes: ArrayLike, at_nodes: ArrayLike, el
 
     Examples
     --------
-    >>> from stiction.mechanics.hardness import area_per_load
-    >>> area_per_load([1.0], [0.5, 2.0], [2.0, 0.5], 0.01).round(2)
+    >>> from stiction.mechanics.hardness import interpolate_area_per_load
+    >>> interpolate_area_per_load([1.0], [0.5, 2.0], [2.0, 0.5], 0.01).round(2)
     array([1.])
     """
     target_hardnesses, node_hardnesses = (

@@ -169,7 +169,7 @@ def materials() -> tuple[Material, ...]:
     table = tomllib.loads(text)
     citations = table["sources"]
 
-    def parse_value(row: dict[str, Any], name: str) -> Any:
+    def parse_material_value(row: dict[str, Any], name: str) -> Any:
         if name not in row:
             return None
         low, high, source = row[name]
@@ -177,9 +177,9 @@ def materials() -> tuple[Material, ...]:
 
     return tuple(
         Material(
-            row["name"], kind, parse_value(row, "young_modulus"), parse_value(row, "poisson_ratio"),
-            parse_value(row, "hardness"),
-            tuple(row.get("aliases", ())), parse_value(table["junction_growth"], kind),
+            row["name"], kind, parse_material_value(row, "young_modulus"), parse_material_value(row, "poisson_ratio"),
+            parse_material_value(row, "hardness"),
+            tuple(row.get("aliases", ())), parse_material_value(table["junction_growth"], kind),
         )
         for kind in get_args(MaterialKind)
         for row in sorted(table[kind], key=lambda row: row["name"].casefold())

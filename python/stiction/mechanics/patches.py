@@ -58,16 +58,16 @@ class PatchSums:
     steepness: float  # rms slope over the contact area, weighted by the force
 
     @property
-    def opposing(self) -> NDArray[np.bool_]:
+    def opposes_motion(self) -> NDArray[np.bool_]:
         """Mask of the patches whose force on the upper surface opposes the motion, with shape (directions, patches)."""
         return np.asarray(self.leaning > MAX_LEVEL_PATCH_SLOPE * self.steepness * self.force)
 
-    def total(self, sliding: SlidingRule) -> dict[str, Any]:
+    def totals(self, sliding: SlidingRule) -> dict[str, Any]:
         """Return the area and normal force of all patches, and the other sums over patches that contribute to friction.
 
         Sums that depend on the direction have the shape (directions,).
         """
-        contributes = True if sliding == "all" else self.opposing
+        contributes = True if sliding == "all" else self.opposes_motion
         coordinates = {
             "tangential_elastic": self.leaning, "normal_frictional": self.upward, "tangential_frictional": self.forward,
             "normal_adhesive": self.upward_area, "tangential_adhesive": self.forward_area,

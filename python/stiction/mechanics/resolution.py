@@ -265,7 +265,7 @@ class _BodyPair:
         """Shortest possible cutoff wavelength (µm), twice the largest grid spacing."""
         return 2 * max(self.upper.spacings)
 
-    def gap(self, upper: Profile | Surface, lower: Profile | Surface) -> Profile | Surface:
+    def compute_gap(self, upper: Profile | Surface, lower: Profile | Surface) -> Profile | Surface:
         return replace(upper, heights=upper.heights - lower.heights, history=())
 
     def choose_cut_offs(self, cut_offs: float | Sequence[float] | None) -> list[float]:
@@ -325,7 +325,7 @@ def _make_cutoff_dataset(
     """Return areas, pressures and contact sums as functions of the cutoff. Values without a solution are NaN."""
     import xarray as xr
 
-    gaps = [pair.gap(*pair.bodies_with_cut_off(length)) for length in lengths]
+    gaps = [pair.compute_gap(*pair.bodies_with_cut_off(length)) for length in lengths]
     gradient = np.array([brackets.gap_rms_gradient(gap, periodic=pair.periodic) for gap in gaps])
     values = {name: np.array([solution[name] for solution in solutions]) for name in (*_CURVE_FIELDS, *LOAD_SUM_NAMES)}
     area = values["contact_area"]
@@ -377,7 +377,7 @@ def _add_plastic_limits(
     hardness: float | None, parameters: tuple[float, float] | None,
 ) -> xr.Dataset:  # fmt: skip
     """Add the plastic limit, the plastic wavelength and extrapolated elastic values to a dataset."""
-    gap = pair.gap(pair.upper, pair.lower)
+    gap = pair.compute_gap(pair.upper, pair.lower)
     roughness = scale_dependent_roughness(gap, periodic=pair.periodic)
     estimate = brackets.estimate_gap_hurst_exponent(gap, pair.periodic)
     area = elastic["contact_area"]

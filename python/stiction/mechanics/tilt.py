@@ -49,7 +49,9 @@ def solve_with_balanced_tilt(
     side_lengths = np.array(shape) * np.array(problem.spacing)
     gap_deviation = float(problem.gap[problem.measured_point_mask > 0].std()) or 1.0
 
-    def solve_at(rotated_problem: HalfSpaceProblem, load: float, near: Floats | None) -> tuple[ContactSolution, Floats]:
+    def solve_contact_and_moments(
+        rotated_problem: HalfSpaceProblem, load: float, near: Floats | None
+    ) -> tuple[ContactSolution, Floats]:
         solver = ContactSolver(rotated_problem, "loads", load, tolerance=tolerance, report=report)
         solution = solver.at(load, near)
         contact_solution = to_contact_solution(rotated_problem, solution, load, scale=solver.scale)
@@ -58,7 +60,7 @@ def solve_with_balanced_tilt(
     near = None
     for load in loads.tolist():
         mean_pressure = load / (problem.cell_area * problem.gap.size)
-        contact_solution, moments = solve_at(problem, load, near)
+        contact_solution, moments = solve_contact_and_moments(problem, load, near)
         num_tried = 0
         while float(np.abs(moments / (mean_pressure * side_lengths)).max()) > MAX_RELATIVE_FORCE_OFFSET:
             near = contact_solution.on_grid(contact_solution.values).ravel()
@@ -76,7 +78,7 @@ def solve_with_balanced_tilt(
             # A step beyond the maximum of the energy changes the sign of the moments.
             while num_tried < MAX_TILT_SOLVES_PER_LOAD:
                 num_tried += 1
-                candidate = solve_at(
+                candidate = solve_contact_and_moments(
                     apply_tilt(contact_solution.problem, np.asarray(slope_step, np.float64)), load, near
                 )
                 if float(candidate[1] @ slope_step) >= -MAX_EDGE_DISPLACEMENT_STEP * float(moments @ slope_step):

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solve_together_or_separately
-from stiction.mechanics.hardness import area_per_load
+from stiction.mechanics.hardness import interpolate_area_per_load
 from stiction.mechanics.materials import Material, material, softest_material
 from stiction.mechanics.resolution import KAPPA_AT_SMALL_LOADS
 from stiction.studies.contact_tables import HalfSpaceSettings
@@ -395,7 +395,7 @@ TablePositions = tuple[NDArray[np.intp], Floats]
 
 
 class TabulatedAreaFunction:
-    """Function that computes A/F from ln H. For many hardnesses, it is several times faster than `area_per_load`.
+    """Function that computes A/F from ln H, for many hardnesses much faster than `interpolate_area_per_load`.
 
     Areas at many hardnesses are interpolated linearly in a table of A/F with `NUM_AREA_TABLE_STEPS` equal steps of ln
     H, with a relative error below 1e-5. Areas at few hardnesses, or outside the table, are computed exactly.
@@ -412,7 +412,7 @@ class TabulatedAreaFunction:
     @cached_property
     def _area_table(self) -> tuple[Floats, Floats]:
         """Values of A/F at equal steps of ln H, and the differences between successive values."""
-        areas = area_per_load(np.exp(np.linspace(*self.limits, NUM_AREA_TABLE_STEPS + 1)), *self._arguments)
+        areas = interpolate_area_per_load(np.exp(np.linspace(*self.limits, NUM_AREA_TABLE_STEPS + 1)), *self._arguments)
         return areas, np.diff(areas, axis=-1)
 
     def __call__(self, log_hardness: Floats, table_positions: TablePositions | None) -> Floats:
@@ -421,7 +421,7 @@ class TabulatedAreaFunction:
         `table_positions` is the result of `find_table_positions` for the limits of the table.
         """
         if table_positions is None:
-            return area_per_load(np.exp(log_hardness), *self._arguments)
+            return interpolate_area_per_load(np.exp(log_hardness), *self._arguments)
         (step_indices, fractions), (areas, differences) = table_positions, self._area_table
         return np.asarray(areas.take(step_indices, axis=-1) + differences.take(step_indices, axis=-1) * fractions)
 
@@ -507,7 +507,7 @@ class AreaInterpolator:
             return cls(
                 None, np.zeros(0), no_areas[:, np.newaxis], elastic_ratio, np.ones(1), growth, no_areas, pressures
             )
-        # Without nodes, the model `area_per_load` is scaled to the area at the hardness of the study.
+        # Without nodes, the model `interpolate_area_per_load` is scaled to the area at the hardness of the study.
         elastic_areas = np.full(
             (loads.size, 1), KAPPA_AT_SMALL_LOADS / (float(study.contact.effective_modulus) * gradient)
         )
@@ -533,9 +533,11 @@ class AreaInterpolator:
         else:
             table = self.node_hardnesses, self.node_areas[load], self.elastic_areas[load]
             ratio = np.asarray(hardness / modulus)
-            areas = area_per_load(ratio.ravel(), *table).reshape(-1, *(ratio.shape or (1,)))
+            areas = interpolate_area_per_load(ratio.ravel(), *table).reshape(-1, *(ratio.shape or (1,)))
             own_hardness = np.array([self.hardness])
-            study_areas = self.get_or_compute(("own", load), (), lambda: area_per_load(own_hardness, *table))
+            study_areas = self.get_or_compute(
+                ("own", load), (), lambda: interpolate_area_per_load(own_hardness, *table)
+            )
         modulus_factor = np.power(modulus, -(1.0 + self.growth[load]))
         return np.asarray(
             modulus_factor

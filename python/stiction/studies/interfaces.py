@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._checks import Floats, check_choice, check_instance, validate_number
-from stiction._files import UnreadableFileError, describe_os_error, read_file_bytes, replacement_file
+from stiction._files import UnreadableFileError, describe_os_error, read_file_bytes, replace_file_atomically
 from stiction._text import printable_path
 from stiction._units import is_pressure, loads_to_core_units, to_core_units
 from stiction.mechanics.closed_forms import hardness_under_shear, hertz_sphere, tabor_friction
@@ -780,7 +780,7 @@ def write_interface(interface: Interface, path: str | Path, about: Mapping[str, 
     fit = interface.fits[0]
     columns = [fit.mu0, fit.tau0, fit.hardness, fit.junction_growth, fit.area_per_load]
     np.savetxt(file_text, np.stack(columns, axis=1), fmt="%.9g", delimiter=",")
-    with replacement_file(Path(path), INTERFACE_FILE_HEADER.encode(), ValueError) as file:
+    with replace_file_atomically(Path(path), INTERFACE_FILE_HEADER.encode(), ValueError) as file:
         file.write_text(file_text.getvalue(), encoding="utf-8")
 
 

@@ -437,7 +437,7 @@ def choose_strengths(result: Result, mu0: ArrayLike | None, tau0: ArrayLike | No
         study = result.study
         mu0 = study.friction.mu0 if mu0 is None else mu0
         tau0 = [float(value) for value in study.friction.tau0] if tau0 is None else tau0
-        friction.check_shear_strength(
+        friction.warn_if_tau0_is_large(
             friction.validate_friction_parameter("tau0", tau0), float(study.contact.effective_modulus)
         )
     return tuple(

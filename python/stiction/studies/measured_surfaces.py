@@ -43,7 +43,7 @@ from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.measured.interpret import MissingPointTreatment, OutlierTreatment
 from stiction.surfaces.measured.plausibility import FILE_CAVEAT_NAMES, ScannedHeights, find_caveats
 from stiction.surfaces.measured.raw import LENGTH_UNITS, FileCaveat
-from stiction.surfaces.measured.reading import FileReading, load_interpreted_file
+from stiction.surfaces.measured.reading import FileReading, read_with_interpretation
 from stiction.surfaces.measured.spectrum_file import is_spectrum_file, read_spectrum, write_spectrum
 from stiction.surfaces.measured.writing import heights_with_nan, write_profile, write_surface
 from stiction.surfaces.missing_data import find_largest_gap
@@ -420,7 +420,7 @@ def _read_body(file: MeasuredBodySettings) -> Body:
 
 @functools.lru_cache(maxsize=16)
 def _load_reading(file: MeasuredBodySettings) -> FileReading[Profile | Surface]:
-    return load_interpreted_file(
+    return read_with_interpretation(
         file.file, unit=file.unit, spacing=format_quantities(file.spacing), missing=file.missing, channel=file.channel,
         columns=file.columns, outliers=file.outliers, crop=format_quantities(file.crop),
         missing_value=file.missing_value, accept=file.accept,

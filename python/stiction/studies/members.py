@@ -99,7 +99,8 @@ def generate_unscaled_surface(study: Study, repetition: int, side: Side, dimensi
     if isinstance(surfaces, SelfAffineSettings):
         longest_wavelength, shortest_wavelength = surfaces.longest_wavelength, surfaces.shortest_wavelength
         return self_affine_surface(
-            study.ensemble.seed, hurst_exponent=fractal.hurst_exponent(dimension, convention="classical"), rms=1.0,
+            study.ensemble.seed,
+            hurst_exponent=fractal.hurst_from_fractal_dimension(dimension, convention="classical"), rms=1.0,
             shape=surfaces.shape, spacing=surfaces.spacings(),
             longest_wavelength=None if longest_wavelength is None else float(longest_wavelength),
             shortest_wavelength=None if shortest_wavelength is None else float(shortest_wavelength),

@@ -16,8 +16,8 @@ from stiction._arguments import (
     parse_quantities,
     parse_quantity,
     reject_decimal_commas,
-    reject_negative_values,
     split_values,
+    validate_nonnegative_values,
 )
 from stiction._checks import Floats
 from stiction._errors import ArgumentError
@@ -458,7 +458,7 @@ class MeasuredPair:
         return remarks
 
     def _build_study(self, contact: dict[str, Any]) -> Study:
-        strengths = reject_negative_values(
+        strengths = validate_nonnegative_values(
             "tau0", self._parse_quantities("tau0", self._central_value("tau0")), self.options.tau0
         )
         coefficients = parse_coefficients("mu0", self._central_value("mu0"))
@@ -564,7 +564,7 @@ class MeasuredPair:
             return None
         lengths = self._parse_quantities("positions", self.options.positions)
         if self.press_mode == "lines":
-            return list(reject_negative_values("positions", lengths, self.options.positions))
+            return list(validate_nonnegative_values("positions", lengths, self.options.positions))
         if len(lengths) % 2:
             raise ArgumentError(
                 "{positions} must be pairs of x and y for maps, got {got} values", got=str(len(lengths))
@@ -639,7 +639,7 @@ class MeasuredPair:
                 message = f"{{{name}}} must be one value, got {{got}}; compute both limits of a range separately"
                 raise ArgumentError(message, got=repr(value))
             quantities[name] = self._parse_quantity(name, value)
-            reject_negative_values(name, [quantities[name]], value)
+            validate_nonnegative_values(name, [quantities[name]], value)
         return quantities
 
     @property

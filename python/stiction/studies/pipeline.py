@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from stiction._core import __version__
-from stiction._files import check_replaceable, replacement_file
+from stiction._files import check_replaceable, replace_file_atomically
 from stiction._text import format_duration
 from stiction.studies.contact_picture import CONTACT_PICTURE_FILE, contact_picture
 from stiction.studies.evaluation import has_only_negligible_loads
@@ -172,7 +172,9 @@ def compute_companion_files(
         return
     if new_onset is not None:
         export(new_onset, stored_result.path / ONSET_FILE, replace=True)
-        with replacement_file(stored_result.path / ONSET_TABLE_FILE, ONSET_TABLE_SIGNATURE, StoreError) as partial_path:
+        with replace_file_atomically(
+            stored_result.path / ONSET_TABLE_FILE, ONSET_TABLE_SIGNATURE, StoreError
+        ) as partial_path:
             partial_path.write_text(format_backbone_csv(new_onset), encoding="utf-8")
 
 

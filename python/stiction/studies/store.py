@@ -30,7 +30,13 @@ from numpy.typing import NDArray
 
 import stiction._files as _files
 from stiction._core import __version__
-from stiction._files import UnreadableFileError, describe_os_error, new_file, read_file_bytes, replacement_file
+from stiction._files import (
+    UnreadableFileError,
+    create_file_atomically,
+    describe_os_error,
+    read_file_bytes,
+    replace_file_atomically,
+)
 from stiction._text import printable_path, printable_text
 from stiction.mechanics.friction import LOAD_SUM_NAMES
 from stiction.studies.layout import (
@@ -701,7 +707,11 @@ def export(dataset: xarray.Dataset, path: str | Path, *, replace: bool = False) 
         If the file exists or cannot be written.
     """
     path = Path(path)
-    with replacement_file(path, CHECKSUM_PREFIX, ExportError) if replace else new_file(path, ExportError) as partial:
+    with (
+        replace_file_atomically(path, CHECKSUM_PREFIX, ExportError)
+        if replace
+        else create_file_atomically(path, ExportError) as partial
+    ):
         content = io.BytesIO()  # The file is first created in memory, because HDF5 may crash if the disk is full.
         write_dataset(dataset, content)
         append_checksum(content)

@@ -70,7 +70,7 @@ def random_phases(
     return phases.reshape(directions, frequencies)
 
 
-def hurst_exponent(fractal_dimension: float, *, convention: FractalConvention = "paper") -> float:
+def hurst_from_fractal_dimension(fractal_dimension: float, *, convention: FractalConvention = "paper") -> float:
     """Return the Hurst exponent H of Eq. 1 for a fractal dimension D.
 
     It is 4 - 2D in the paper's convention and 2 - D in the classical convention.
@@ -178,7 +178,7 @@ def _frequency_amplitudes(
     dimension: Any, frequencies: int, scale: float, gamma: float, convention: FractalConvention
 ) -> Floats:
     """Return the amplitude of every frequency of Eq. 1, µm."""
-    hurst = hurst_exponent(dimension, convention=convention)
+    hurst = hurst_from_fractal_dimension(dimension, convention=convention)
     return np.array(stiction._core.frequency_weights(hurst, frequencies, gamma, scale))
 
 

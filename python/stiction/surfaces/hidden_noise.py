@@ -16,7 +16,7 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import (
     MAX_UNATTRIBUTED_FRACTION,
     LineSpectrum,
-    equivalent_cutoff,
+    cutoff_for_slope_fraction,
     line_spectra,
     scale_dependent_roughness,
 )
@@ -76,7 +76,7 @@ def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> Hid
         return None
     roughness = scale_dependent_roughness(body, periodic=periodic)
     longest, shortest = MAX_FITTED_WAVELENGTH_POINTS * max(body.spacings), MIN_CUTOFF_POINTS * min(body.spacings)
-    return HiddenNoise(noise_fraction, equivalent_cutoff(roughness, noise_fraction, longest, shortest))
+    return HiddenNoise(noise_fraction, cutoff_for_slope_fraction(roughness, noise_fraction, longest, shortest))
 
 
 def _short_wavelength_noise_variance(surface: Surface, periodic: bool) -> float:

@@ -69,17 +69,17 @@ class PowerLawFit:
                 break
         self.min_loss = self.loss(self.exponent)
 
-    def _log_level(self, exponent: float) -> float:
+    def _log_power_at_mean_q(self, exponent: float) -> float:
         return math.log((self._power * np.exp(exponent * self._log_q)).sum()) + math.log(self._max_power)
 
     def loss(self, exponent: float) -> float:
         """Return the negative log-likelihood at the optimal prefactor, up to a constant."""
-        return self._total_weight * self._log_level(exponent)
+        return self._total_weight * self._log_power_at_mean_q(exponent)
 
     @property
     def log_prefactor(self) -> float:
         """Logarithm of the prefactor C in the power law C q^-s."""
-        return self._log_level(self.exponent) + self.exponent * self._mean_log_q
+        return self._log_power_at_mean_q(self.exponent) + self.exponent * self._mean_log_q
 
     def exponent_interval(self, max_loss: float) -> tuple[float, float]:
         """Return the range of exponents whose loss is at most `max_loss`."""

@@ -349,7 +349,7 @@ def resample_piece(
 
         old_points = heights.shape[axis]
         positions = np.minimum((first + np.arange(points)) * (new_spacing / old_spacing), old_points - 1)
-        missing = _mask_between_points(missing, positions, axis)
+        missing = _resample_missing_mask(missing, positions, axis)
         begin = max(0, math.floor(positions[0]) - _SPLINE_MARGIN_POINTS)
         end = min(old_points, math.ceil(positions[-1]) + 1 + _SPLINE_MARGIN_POINTS)
         cropped_heights = np.take(heights, np.arange(begin, end), axis=axis)
@@ -362,7 +362,7 @@ def resample_piece(
     return surface.changed(np.asarray(heights), history_entry, spacing=spacing, missing=missing)
 
 
-def _mask_between_points(missing: Any, positions: Floats, axis: int) -> Any:
+def _resample_missing_mask(missing: Any, positions: Floats, axis: int) -> Any:
     """Return the mask of missing positions between points. A position is missing if an adjacent point is missing."""
     if missing is None:
         return None
@@ -393,7 +393,7 @@ def _resample_along_axis(
     # Round-off must not move a position beyond the last point.
     positions = np.minimum(start + np.arange(points) * ratio, last_index)
     if heights.dtype == np.bool_:
-        return _mask_between_points(heights, positions, axis)
+        return _resample_missing_mask(heights, positions, axis)
     return np.asarray(CubicSpline(np.arange(last_index + 1), heights, axis=axis, bc_type="natural")(positions))
 
 

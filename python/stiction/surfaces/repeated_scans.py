@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._checks import Floats, make_read_only
-from stiction._drawing import draw_repeated_scans
+from stiction._drawing import draw_scan_comparison
 from stiction._repr import PlotRepr, axes_or_new_axes
 from stiction.surfaces.filters import gaussian_transmission
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile, reject_missing_points
-from stiction.surfaces.scale import mean_square_heights, round_up_wavelength
+from stiction.surfaces.scale import mean_square_height_spectrum, round_up_wavelength
 from stiction.surfaces.surface import Surface, as_body
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ class RepeatedScans(PlotRepr):
 
         Draws into the given axes, or into new ones, and returns them.
         """
-        return draw_repeated_scans(axes_or_new_axes(ax), self)
+        return draw_scan_comparison(axes_or_new_axes(ax), self)
 
 
 def compare_repeated_scans(first: Profile | Surface, second: Profile | Surface) -> RepeatedScans:
@@ -151,12 +151,12 @@ def compare_repeated_scans(first: Profile | Surface, second: Profile | Surface) 
         (first_heights + second_heights) / 2, spacing=first.spacing, history=(*first.history, history_entry)
     )
     scan = levelled(scan, trend)
-    q, mean_scan_spectrum = mean_square_heights(scan)
+    q, mean_scan_spectrum = mean_square_height_spectrum(scan)
     are_identical = np.array_equal(first_heights, second_heights)
     half_difference_spectrum = (
         np.zeros(q.size)
         if are_identical
-        else mean_square_heights(
+        else mean_square_height_spectrum(
             levelled(body_class((first_heights - second_heights) / 2, spacing=first.spacing), trend)
         )[1]
     )
@@ -168,7 +168,7 @@ def compare_repeated_scans(first: Profile | Surface, second: Profile | Surface) 
     )
     wavelength = make_read_only(np.asarray(shortest * np.exp2(np.arange(noise.size)), np.float64))
     noise_rms, longest = float(np.std(first_heights - second_heights) / math.sqrt(2)), float(np.min(scan.extent)) / 3
-    limit = _find_noise_limit(q, mean_scan_spectrum, half_difference_spectrum, shortest, longest)
+    limit = _find_noise_cutoff(q, mean_scan_spectrum, half_difference_spectrum, shortest, longest)
     return RepeatedScans(
         scan, shift, correlation, wavelength, make_read_only(noise), make_read_only(common), noise_rms, limit
     )
@@ -188,7 +188,7 @@ def _check_scans(first: Any, second: Any) -> None:
         )
 
 
-def _find_noise_limit(q: Floats, mean_scan_spectrum: Floats, noise: Floats, shortest: float, longest: float) -> float:
+def _find_noise_cutoff(q: Floats, mean_scan_spectrum: Floats, noise: Floats, shortest: float, longest: float) -> float:
     """Return the shortest cutoff (µm) at which noise is at most `MAX_NOISE_FRACTION` of the mean square slope."""
     if noise @ q**2 <= MAX_NOISE_FRACTION * (mean_scan_spectrum @ q**2):
         return shortest

@@ -306,12 +306,12 @@ def rms_gradient(surface: Surface, derivative: Derivative) -> float:
     """Compute the root-mean-square gradient Sdq of a surface."""
     z = surface.heights - surface.heights.mean()
     mean_squares = (
-        float(np.mean(_slopes_along(z, axis, derivative) ** 2)) / surface.spacing[axis] ** 2 for axis in (0, 1)
+        float(np.mean(_slopes_along_axis(z, axis, derivative) ** 2)) / surface.spacing[axis] ** 2 for axis in (0, 1)
     )
     return math.sqrt(sum(mean_squares))
 
 
-def _slopes_along(heights: Floats, axis: int, derivative: Derivative) -> Floats:
+def _slopes_along_axis(heights: Floats, axis: int, derivative: Derivative) -> Floats:
     """Return the slopes along an axis, in units of height per point."""
     if derivative == "neighbours":
         return np.diff(heights, axis=axis)

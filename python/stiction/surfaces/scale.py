@@ -170,7 +170,7 @@ class ScaleDependentRoughness(TextRepr):
         return math.exp((log_shortest + log_longest) / 2)
 
 
-def interval_power_laws(estimate: HurstEstimate) -> tuple[HurstEstimate, HurstEstimate, HurstEstimate]:
+def fitted_and_limiting_power_laws(estimate: HurstEstimate) -> tuple[HurstEstimate, HurstEstimate, HurstEstimate]:
     """Return the fitted power law, and two power laws whose exponents are the ends of the uncertainty interval.
 
     All three power laws agree at the centre of the band.
@@ -247,7 +247,7 @@ def scale_dependent_roughness(
     check_bool("periodic", periodic)
     body = as_body("body", body, spacing=spacing, unit=unit)
     reject_flat_body(body)
-    q, mean_squares = mean_square_heights(body, periodic=periodic)
+    q, mean_squares = mean_square_height_spectrum(body, periodic=periodic)
     dimensions, curvature_factor = (1, 1.0) if isinstance(body, Profile) else (2, 0.25)
     index = np.floor(_ROUGHNESS_BINS_PER_DECADE * np.log10(q / q.min()) + 1e-9).astype(np.intp)
     count = np.bincount(index)
@@ -262,7 +262,7 @@ def scale_dependent_roughness(
     )  # fmt: skip
 
 
-def mean_square_heights(body: Profile | Surface, *, periodic: bool = False) -> tuple[Floats, Floats]:
+def mean_square_height_spectrum(body: Profile | Surface, *, periodic: bool = False) -> tuple[Floats, Floats]:
     """Return the wave numbers (1/µm) of a body, and the mean square height (µm²) at each wave number.
 
     Bodies that are not periodic are levelled first.
@@ -484,7 +484,7 @@ def instrument_limit(
             1 - curvature_fraction**2,
         )
         shortest = MIN_CUTOFF_POINTS * min(body.spacings)
-        cut_off_wavelength = equivalent_cutoff(
+        cut_off_wavelength = cutoff_for_slope_fraction(
             roughness, fractions[0], np.nanmax(noise_wavelengths) if is_noise else limit, shortest
         )
     along_x, along_y = noise_wavelengths if len(noise_wavelengths) == 2 else (math.nan, math.nan)
@@ -502,7 +502,7 @@ def round_up_wavelength(wavelength: float) -> float:
     return round(math.ceil(wavelength / digit - 1e-9) * digit, 12)
 
 
-def equivalent_cutoff(roughness: ScaleDependentRoughness, fraction: float, upper: float, lower: float) -> float:
+def cutoff_for_slope_fraction(roughness: ScaleDependentRoughness, fraction: float, upper: float, lower: float) -> float:
     """Find the cutoff (µm) between two limits that removes a given fraction of the mean square slope."""
     q, slope_contributions = 2 * math.pi / roughness.wavelength, np.diff(np.square(roughness.gradient), prepend=0.0)
     log_lower, log_upper = math.log(lower), math.log(max(upper, lower))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from stiction._files import check_replaceable, new_file, replacement_file
+from stiction._files import check_replaceable, create_file_atomically, replace_file_atomically
 from stiction._text import printable_path
 from stiction.studies.result import Result
 from stiction.views.latex import latex_table
@@ -30,13 +30,13 @@ def check_all_replaceable(folder: Path, file_marks: Mapping[str, bytes]) -> None
 
 def replace_text_file(path: Path, text: str, file_mark: bytes) -> None:
     """Write a text file. Replace an existing file only if it contains `file_mark`; otherwise raise a `ValueError`."""
-    with replacement_file(path, file_mark, ValueError) as partial_path:
+    with replace_file_atomically(path, file_mark, ValueError) as partial_path:
         partial_path.write_text(text, encoding="utf-8")
 
 
 def write_new_text_file(path: Path, text: str) -> None:
     """Write a new text file. Raise a `ValueError` if the file exists or cannot be written."""
-    with new_file(path, ValueError) as partial_path:
+    with create_file_atomically(path, ValueError) as partial_path:
         partial_path.write_text(text, encoding="utf-8")
 
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
 from stiction._core import __version__
-from stiction._files import replacement_file
+from stiction._files import replace_file_atomically
 from stiction._repr import write_png
 from stiction.mechanics.quantities import QUANTITIES
 
@@ -172,7 +172,7 @@ def save_figure(figure: Figure, path: Path) -> None:
     }
     with (
         mpl.rc_context(MATPLOTLIB_STYLE),
-        replacement_file(path, FIGURE_FILE_SIGNATURES[suffix], ValueError) as partial,
+        replace_file_atomically(path, FIGURE_FILE_SIGNATURES[suffix], ValueError) as partial,
     ):
         if suffix == ".png":
             write_png(figure, partial, dpi=figure.dpi, metadata=metadata[suffix])

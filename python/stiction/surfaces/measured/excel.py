@@ -51,7 +51,7 @@ def read_excel(data: bytes, words: tuple[str, ...] = ()) -> HeightChannels:
     if layout is not None:
         content = layout.read(sheets)
         assert isinstance(content, ColumnTable)
-        return HeightChannels(("DATA",), lambda _: _with_layout(content, layout.name), 0)
+        return HeightChannels(("DATA",), lambda _: _record_layout(content, layout.name), 0)
     filled_sheets = [name for name, rows in sheets.items() if _find_numeric_columns(rows)]
     if not filled_sheets:
         raise FormatError("is a workbook without a column of numbers")
@@ -62,7 +62,7 @@ def read_excel(data: bytes, words: tuple[str, ...] = ()) -> HeightChannels:
     )
 
 
-def _with_layout(table: ColumnTable, layout: str) -> ColumnTable:
+def _record_layout(table: ColumnTable, layout: str) -> ColumnTable:
     return replace(table, source=replace(table.source, layout=layout))
 
 

@@ -159,14 +159,14 @@ def parse_declarations(header: Sequence[str], *, footer: Sequence[str] = ()) -> 
         (line for line in lines if (match := _HEIGHT_UNIT_PATTERN.fullmatch(line)) and is_unit(match[1])), ""
     )
     factor_lines = [
-        line for line in lines if (match := _HEIGHT_FACTOR_PATTERN.fullmatch(line)) and _unit_of_factor(match)
+        line for line in lines if (match := _HEIGHT_FACTOR_PATTERN.fullmatch(line)) and _parse_factor_unit(match)
     ]
     factor_line = next((line for line in factor_lines if _CONVERSION_WORD_PATTERN.search(line)), "")
     unit, factor = None, None
     if unit_line and (match := _HEIGHT_UNIT_PATTERN.fullmatch(unit_line)):
         unit = parse_length_unit(match[1]) or match[1]
     if factor_line and (match := _HEIGHT_FACTOR_PATTERN.fullmatch(factor_line)):
-        unit, factor = _unit_of_factor(match), _parse_float(match[3])
+        unit, factor = _parse_factor_unit(match), _parse_float(match[3])
     code_lines = [match for line in lines if (match := _MISSING_CODE_PATTERN.fullmatch(line))]
     is_count = [
         match[1] is None and _parse_float(match[2]).is_integer() and _parse_float(match[2]) >= 0 for match in code_lines
@@ -246,7 +246,7 @@ def _parse_float(digits: str) -> float:
     return float(digits.replace(",", "."))
 
 
-def _unit_of_factor(match: re.Match[str]) -> str | None:
+def _parse_factor_unit(match: re.Match[str]) -> str | None:
     unit = match[1] or match[2] or match[4]
     return parse_length_unit(unit) if unit else None
 
@@ -260,22 +260,22 @@ def _is_declaration(line: str) -> bool:
     )
 
 
-def _find_last_name_line(lines: Sequence[str]) -> str | None:
+def _find_last_line_with_letters(lines: Sequence[str]) -> str | None:
     """Return the last line that contains letters, without comment characters at its start."""
     return next((line.lstrip(COMMENT_CHARACTERS) for line in reversed(lines) if any(map(str.isalpha, line))), None)
 
 
-def _names_only_heights(line: str) -> bool:
+def _mentions_only_heights(line: str) -> bool:
     """Return whether a header line names heights with their unit, but neither positions nor other lengths."""
     return bool(
-        len(_units_in(line)) == 1
+        len(_find_units(line)) == 1
         and not _has_number_outside_brackets(line)
         and _HEIGHT_NAME_PATTERN.search(line)
         and not _POSITION_NAME_PATTERN.search(line)
     )
 
 
-def _units_in(line: str) -> list[str]:
+def _find_units(line: str) -> list[str]:
     """Return the units in a line.
 
     Units in brackets are returned or, if there are none, units that are separate words.
@@ -301,15 +301,15 @@ def is_unit(word: str) -> bool:
 # ---- Column names ---------------------------------------------------------------------------------------------------
 
 
-def parse_column_heads(header: Sequence[str], width: int, dialect: Dialect) -> ColumnHeadings:
+def parse_column_headings(header: Sequence[str], width: int, dialect: Dialect) -> ColumnHeadings:
     """Parse the names and units of `width` columns from the lines above them."""
     lines = [line for line in map(normalise_line, header) if not _is_declaration(line)]
     if not lines:
         return ColumnHeadings()
     names, units = _parse_column_names(lines, width, dialect), _parse_column_units(lines, width, dialect)
-    name_line = _find_last_name_line(lines)
-    is_of_heights = width > 2 and not any(units) and name_line is not None and _names_only_heights(name_line)
-    return ColumnHeadings(names, units, _units_in(name_line)[0] if is_of_heights and name_line is not None else None)
+    name_line = _find_last_line_with_letters(lines)
+    is_of_heights = width > 2 and not any(units) and name_line is not None and _mentions_only_heights(name_line)
+    return ColumnHeadings(names, units, _find_units(name_line)[0] if is_of_heights and name_line is not None else None)
 
 
 def split_column_names(line: str, width: int, dialect: Dialect) -> list[str] | None:
@@ -349,16 +349,16 @@ def _parse_column_names(lines: Sequence[str], width: int, dialect: Dialect) -> t
 
 def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[str | None, ...]:
     """Return the unit of each column from the line of names above the data."""
-    name_line = _find_last_name_line(lines)
+    name_line = _find_last_line_with_letters(lines)
     if name_line is None or _has_number_outside_brackets(name_line):
         return (None,) * width
     cells = split_column_names(name_line, width, dialect) if width > 1 else None
     if cells is not None and any(unit_in_column_name(cell) for cell in cells):
         return tuple(unit_in_column_name(cell) for cell in cells)
-    units = _units_in(name_line)
+    units = _find_units(name_line)
     if len(units) == width:
         return tuple(units)
-    is_for_all = width > 2 and len(units) == 1 and not _names_only_heights(name_line)
+    is_for_all = width > 2 and len(units) == 1 and not _mentions_only_heights(name_line)
     return (units[0] if is_for_all else None,) * width
 
 

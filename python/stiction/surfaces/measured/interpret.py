@@ -449,7 +449,7 @@ def _profile_spacing(
         mean_spacing = float((x[-1] - x[0]) / (x.size - 1))
         direction = -1.0 if mean_spacing < 0 else 1.0
         if given is not None:
-            if _worst_printed_deviation(x, direction * given, digit, MAX_STEP_UNEVENNESS * given) is not None:
+            if _worst_unexplained_deviation(x, direction * given, digit, MAX_STEP_UNEVENNESS * given) is not None:
                 # The given spacing takes precedence over the measured spacing.
                 _reject_uneven_positions(x, mean_spacing, digit)
                 numbering_hint = "".join(f"; {caveat.remedy}" for caveat in raw.caveats if caveat.name == "numbering")
@@ -460,7 +460,7 @@ def _profile_spacing(
             return direction * given, [f"spacing {given:.7g} µm (as given; positions agree)"], []
         if (
             declared is not None
-            and _worst_printed_deviation(x, direction * declared[0], digit, 1e-9 * declared[0]) is None
+            and _worst_unexplained_deviation(x, direction * declared[0], digit, 1e-9 * declared[0]) is None
         ):
             return direction * declared[0], [f"spacing {declared[0]:.7g} µm (header and positions agree)"], []
         _reject_uneven_positions(x, mean_spacing, digit)
@@ -503,7 +503,7 @@ class _PositionResolution:
             return _to_micrometres(self._raw.digits(), self._unit)
 
 
-def _worst_printed_deviation(
+def _worst_unexplained_deviation(
     x: Floats, spacing: float, digit: _PositionResolution, slack: float
 ) -> tuple[int, float] | None:
     """Call `_worst_position_deviation` with the printed digits of positions, which are computed only if required."""
@@ -529,7 +529,7 @@ def _reject_uneven_positions(x: Floats, mean_spacing: float, digit: _PositionRes
     """Reject positions that are not uniformly spaced, or that have too few digits for their spacing."""
     if mean_spacing == 0:
         raise FormatError("has its first and last point at the same position")
-    worst_point = _worst_printed_deviation(x, mean_spacing, digit, MAX_STEP_UNEVENNESS * abs(mean_spacing))
+    worst_point = _worst_unexplained_deviation(x, mean_spacing, digit, MAX_STEP_UNEVENNESS * abs(mean_spacing))
     if worst_point is not None:
         point_index, deviations = worst_point
         raise FormatError(

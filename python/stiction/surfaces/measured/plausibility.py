@@ -75,7 +75,7 @@ def _find_repeated_extremes(scan: ScannedHeights) -> Iterator[str]:
     """Find extreme values that repeat exactly and are far from all other heights."""
     heights = scan.non_missing_heights
     for _ in range(MAX_MISSING_CODES):
-        missing_code = _find_missing_code(heights)
+        missing_code = _find_missing_point_marker(heights)
         if missing_code is None:
             return
         value, count, distance = missing_code
@@ -87,7 +87,7 @@ def _find_repeated_extremes(scan: ScannedHeights) -> Iterator[str]:
         heights = heights[heights != value]
 
 
-def _find_missing_code(heights: Floats) -> tuple[float, int, float] | None:
+def _find_missing_point_marker(heights: Floats) -> tuple[float, int, float] | None:
     """Return a repeated extreme value, its count, and its distance from the other heights.
 
     Returns None if there is no such value.

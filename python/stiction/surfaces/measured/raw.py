@@ -161,7 +161,7 @@ class ColumnTable:
     caveats: tuple[FileCaveat, ...] = ()
     word_columns: tuple[WordColumn, ...] = ()  # columns that contain words; their values are NaN
 
-    def column_digit_function(self, column: int) -> PlaceValueFunction | None:
+    def last_digit_value_function(self, column: int) -> PlaceValueFunction | None:
         """Return a function that computes the value of one last-digit unit for each number in a column."""
         digits = self.digits
         return None if digits is None else lambda: digits(column)

@@ -350,7 +350,7 @@ def read_measurement(
     )
 
 
-def load_interpreted_file(path: str | os.PathLike[str], **options: Any) -> FileReading[Profile | Surface]:
+def read_with_interpretation(path: str | os.PathLike[str], **options: Any) -> FileReading[Profile | Surface]:
     """Read a profile or surface, and record how its file was interpreted. Options are those of `read_measurement`.
 
     Caveats are returned in `caveats`, and no warning is issued.

@@ -201,7 +201,7 @@ def _read_profile_columns(table: ColumnTable, *places: int) -> RawHeights:
     # these rows lie below the end of the shorter of two adjacent tables in the file
     is_empty = np.isnan(positions) & np.isnan(heights)
     end = heights.size - int(np.argmin(is_empty[::-1])) if not is_empty.all() else heights.size
-    digits = table.column_digit_function(places[0])
+    digits = table.last_digit_value_function(places[0])
     return replace(
         raw, heights=heights[:end], positions=positions[:end], position_unit=_column_units(table)[places[0]],
         digits=None if digits is None else lambda: digits()[:end],
@@ -300,7 +300,7 @@ def _replace_words_by_missing(table: ColumnTable, columns: Sequence[NameOrIndex]
         text = f"column {numbers[column.place]}{name}"
         if column.missing.any():
             history_entry = f"{int(column.missing.sum())} points missing according to the words in {text}"
-            table = replace(table, values=_with_missing_rows(table.values, column.missing, other_places))
+            table = replace(table, values=_fill_missing_rows_with_nan(table.values, column.missing, other_places))
         elif columns is None:
             chosen_columns = [
                 numbers[place]
@@ -319,7 +319,7 @@ def _replace_words_by_missing(table: ColumnTable, columns: Sequence[NameOrIndex]
     return replace(_select_table_columns(table, other_places), word_columns=()) if word_places else table
 
 
-def _with_missing_rows(values: Floats, missing: NDArray[np.bool_], places: Sequence[int]) -> Floats:
+def _fill_missing_rows_with_nan(values: Floats, missing: NDArray[np.bool_], places: Sequence[int]) -> Floats:
     """Return values with NaN in the missing rows, except in columns of positions."""
     masked_values = np.where(missing[:, np.newaxis], np.nan, values)
     for place in places:
@@ -355,7 +355,7 @@ def _apply_flag_column(table: ColumnTable, columns: Sequence[NameOrIndex] | None
             history_entry = f"column {place} ({printable_text(name)}) {reason}"
             return replace(_select_table_columns(table, other_columns), history=(*table.history, history_entry))
         missing = flags == (1 if is_invalid else 0)
-        values = _with_missing_rows(table.values, missing, other_columns)
+        values = _fill_missing_rows_with_nan(table.values, missing, other_columns)
         history_entry = (
             f"{int(missing.sum())} points missing according to the flags in column {place} ({printable_text(name)})"
         )
@@ -451,7 +451,7 @@ def _remove_position_column(table: ColumnTable) -> tuple[ColumnTable, tuple[str,
         return table, ()
     rows, columns = heights.shape
     row_digits = table.row_digits
-    first_column = _first_line_has_positions(heights.T, table.column_digit_function(0))
+    first_column = _first_line_has_positions(heights.T, table.last_digit_value_function(0))
     first_row = _first_line_has_positions(heights, None if row_digits is None else lambda: row_digits(0))
     spacings = table.declared.spacings
     if first_column and not first_row and spacings is not None:
@@ -527,9 +527,9 @@ def _is_labelled_matrix(table: ColumnTable) -> bool:
     if min(values.shape) < 5 or not np.isnan(values[0, 0]) or table.area:
         return False
     row_digits = table.row_digits
-    return _has_equal_steps_as_printed(values[:, 0], table.column_digit_function(0)) and _has_equal_steps_as_printed(
-        values[0], None if row_digits is None else lambda: row_digits(0)
-    )
+    return _has_equal_steps_as_printed(
+        values[:, 0], table.last_digit_value_function(0)
+    ) and _has_equal_steps_as_printed(values[0], None if row_digits is None else lambda: row_digits(0))
 
 
 def _read_labelled_matrix(table: ColumnTable) -> RawHeights:
@@ -574,7 +574,7 @@ def _is_xyz_table(table: ColumnTable) -> bool:
 
 def _read_xyz_table(table: ColumnTable, *places: int) -> RawHeights:
     x, y, z = (table.values[:, index] for index in places)
-    digits = [table.column_digit_function(index) for index in places[:2]]
+    digits = [table.last_digit_value_function(index) for index in places[:2]]
     heights, spacing, history_entry = to_grid(x, y, z, digits)
     units = _column_units(table)
     lateral_units = {units[places[0]], units[places[1]]}

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from stiction._checks import check_instance, make_read_only
-from stiction._files import UnreadableFileError, new_file, read_file_bytes
+from stiction._files import UnreadableFileError, create_file_atomically, read_file_bytes
 from stiction._text import printable_path
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, FormatError
@@ -81,7 +81,7 @@ def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> No
         f"# scan: {name}, from {shortest!r} to {longest!r} um, ended by {reason}\n"
         for name, (shortest, longest), reason in zip(names, spectrum.bands, spectrum.reasons, strict=True)
     ]
-    with new_file(path, FormatError) as partial_file:
+    with create_file_atomically(path, FormatError) as partial_file:
         text = pandas.DataFrame(columns).to_csv(index=False, lineterminator="\n")
         partial_file.write_text("".join(scans) + text, encoding="utf-8")
 

@@ -111,7 +111,7 @@ class NumberBlock:
         """Return the cells of a row."""
         return self.dialect.split_line(self.text.line(int(self.lines[line])))
 
-    def digits(self, column: int) -> Floats:
+    def column_last_digit_values(self, column: int) -> Floats:
         """Return the value of one unit in the last printed digit of each number in a column.
 
         The digits are counted in at most `MAX_SAMPLED_ROWS` rows.
@@ -135,7 +135,7 @@ class NumberBlock:
             max_decimals = max(max_decimals, num_decimals)
         return last_digit_value(self.values[:, column], max_decimals, num_digits)
 
-    def row_digits(self, line: int) -> Floats:
+    def row_last_digit_values(self, line: int) -> Floats:
         """Return the value of one unit in the last printed digit of each number in a row."""
         matches = [
             match

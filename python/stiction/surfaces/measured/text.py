@@ -10,7 +10,7 @@ import numpy as np
 
 from stiction._text import printable_text
 from stiction.surfaces.measured.decode import TEXT_LINE, DecodedText, decode_text
-from stiction.surfaces.measured.header import parse_column_heads, parse_declarations, parse_history
+from stiction.surfaces.measured.header import parse_column_headings, parse_declarations, parse_history
 from stiction.surfaces.measured.layout import TextLayout
 from stiction.surfaces.measured.raw import (
     ColumnTable,
@@ -48,7 +48,7 @@ def read_text(data: bytes, words: tuple[str, ...] = ()) -> ReaderResult:
 def parse_content(text: DecodedText) -> ReaderResult:
     """Parse a text with the first layout that recognises it, or otherwise as a table."""
     layout = find_layout(text)
-    return parse_table(text) if layout is None else with_source(layout.read(text), text, layout.name)
+    return parse_table(text) if layout is None else record_layout_and_encoding(layout.read(text), text, layout.name)
 
 
 def find_layout(text: DecodedText) -> TextLayout | None:
@@ -58,11 +58,11 @@ def find_layout(text: DecodedText) -> TextLayout | None:
     return next((layout for layout in TEXT_LAYOUTS if layout.recognises(text)), None)
 
 
-def with_source(content: ReaderResult, text: DecodedText, layout: str) -> ReaderResult:
+def record_layout_and_encoding(content: ReaderResult, text: DecodedText, layout: str) -> ReaderResult:
     """Record the layout and the encoding of a text in the source of its content, and return the content."""
     if isinstance(content, HeightChannels):
         read_channel = content.read
-        return replace(content, read=lambda line: with_source(read_channel(line), text, layout))  # type: ignore[arg-type, return-value]
+        return replace(content, read=lambda line: record_layout_and_encoding(read_channel(line), text, layout))  # type: ignore[arg-type, return-value]
     return replace(content, source=replace(content.source, layout=layout, encoding=text.encoding))
 
 
@@ -77,7 +77,7 @@ def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
         )
     first, last = max(runs, key=lambda run: int(text.line_starts[run[1] + 1] - text.line_starts[run[0]]))
     dialect = detect_dialect(text, first, last)
-    labels = _first_line_with_labels(text, first, last, dialect)
+    labels = _include_label_line(text, first, last, dialect)
     if labels < first:  # the line of labels starts with a word and not with a number
         first, text = labels, replace(text, words=(*text.words, dialect.split_line(text.line(labels))[0]))
     _reject_unreadable_line(text, dialect, len(dialect.split_line(text.line(last))), runs)
@@ -105,7 +105,7 @@ def _to_table(
         text.nonempty_lines(end, len(text)) if header_start == 0 else [],
     )
     width = block.values.shape[1]
-    column_heads = parse_column_heads(header, width, block.dialect)
+    column_heads = parse_column_headings(header, width, block.dialect)
     declarations = parse_declarations(text.nonempty_lines(0, first) if header_start else header, footer=footer)
     if block.short is not None and not any(column_heads.names):
         raise FormatError(
@@ -116,8 +116,8 @@ def _to_table(
         block.values,
         names=column_heads.names,
         units=column_heads.units or (None,) * width,
-        digits=block.digits,
-        row_digits=block.row_digits,
+        digits=block.column_last_digit_values,
+        row_digits=block.row_last_digit_values,
         declared=declarations
         if declarations.unit is not None
         else replace(declarations, unit=column_heads.height_unit),
@@ -125,7 +125,7 @@ def _to_table(
             *(printable_text(step, MAX_HISTORY_STEP_LENGTH) for step in parse_history(header)[:MAX_HISTORY_STEPS]),
             *(f"{text.describe_line(line)} skipped as a count or a size" for line in block.omitted[:MAX_HISTORY_STEPS]),
         ),
-        source=make_source(block),
+        source=make_height_provenance(block),
         word_columns=tuple(
             WordColumn(
                 column.place,
@@ -139,7 +139,7 @@ def _to_table(
     )
 
 
-def make_source(block: NumberBlock) -> HeightSource:
+def make_height_provenance(block: NumberBlock) -> HeightSource:
     """Describe the location of a block in its text, and the format of the block."""
     text, first, end = block.text, int(block.lines[0]), int(block.lines[-1]) + 1
     decimal_mark = "." if block.dialect.pairs else block.dialect.point
@@ -150,14 +150,16 @@ def make_source(block: NumberBlock) -> HeightSource:
     )  # fmt: skip
 
 
-def _first_line_with_labels(text: DecodedText, first: int, last: int, dialect: Dialect) -> int:
+def _include_label_line(text: DecodedText, first: int, last: int, dialect: Dialect) -> int:
     """Return the first line of a run of rows, or the line above the run if that line has a label for every column."""
     line_above = next((line for line in range(first - 1, -1, -1) if text.line(line).strip("\t")), -1)
     if line_above < 0 or dialect.separator is None:
         return first
     cells, cells_below = dialect.split_line(text.line(line_above)), dialect.split_line(text.line(first))
     is_labels = (
-        len(cells) == len(cells_below) and cell_kind(cells[0], dialect, text) is None and _are_labels(cells, dialect)
+        len(cells) == len(cells_below)
+        and cell_kind(cells[0], dialect, text) is None
+        and _are_position_labels(cells, dialect)
     )
     return line_above if is_labels else first
 
@@ -180,7 +182,7 @@ def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, run
         kinds = [cell_kind(cell, dialect, text) for cell in cells]
         # above the data, a line of the form "name value" is not a row of numbers
         weighted_number_count = 2 * kinds.count("number") - (line < runs[0][0] and kinds[:1] == [None])
-        if len(cells) != width or None not in kinds or _are_labels(cells, dialect):
+        if len(cells) != width or None not in kinds or _are_position_labels(cells, dialect):
             continue
         has_most_numbers = width > 1 and weighted_number_count >= width
         if has_most_numbers or _repeats_words(text, dialect, kinds, cells, line + step):
@@ -204,7 +206,7 @@ def _reject_word(text: DecodedText, line: int, word: str) -> None:
     )
 
 
-def _are_labels(cells: list[str], dialect: Dialect) -> bool:
+def _are_position_labels(cells: list[str], dialect: Dialect) -> bool:
     """Return whether all cells of a line except the first cell are positions."""
     matches = [dialect.number_pattern.fullmatch(cell) for cell in cells[1:]]
     if len(cells) < 5 or not all(match and (match[2] or match[3]) for match in matches):

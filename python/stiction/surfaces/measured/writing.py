@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from stiction._checks import Floats, check_instance
-from stiction._files import new_file
+from stiction._files import create_file_atomically
 from stiction.surfaces.measured.npy import write_npy
 from stiction.surfaces.measured.raw import FormatError
 from stiction.surfaces.measured.shapes import MIN_MATRIX_COLUMNS
@@ -101,7 +101,7 @@ def _write_body(body: Profile | Surface, path: str | os.PathLike[str], head: lis
     path = Path(path)
     if path.suffix.lower() not in (".csv", ".npy"):
         raise FormatError(f"{path}: cannot be written: its name must end in .csv or .npy")
-    with new_file(path, FormatError) as partial_file:
+    with create_file_atomically(path, FormatError) as partial_file:
         if path.suffix.lower() == ".npy":
             with partial_file.open("wb") as binary_file:
                 write_npy(binary_file, heights_with_nan(body), body.spacings, body.history)

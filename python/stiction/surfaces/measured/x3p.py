@@ -175,7 +175,7 @@ class _StoredAxis:
             )
         self.absolute = kind == "A"
         self.stored = _VALUE_TYPES[stored]
-        self.increment = _get_element_number(root, f"{path}/Increment", math.nan)
+        self.increment = _parse_element_number(root, f"{path}/Increment", math.nan)
         self.caveats: tuple[FileCaveat, ...] = ()
         if self.absolute and stored in ("F", "D"):  # floating-point lengths must not be multiplied by an increment
             if abs(self.increment) > 0 and self.increment != 1:
@@ -191,7 +191,7 @@ class _StoredAxis:
             self.increment = 1.0
         elif self.absolute and not abs(self.increment) > 0:
             raise FormatError(f"has integers for {name}, but no Increment as their factor")
-        self.offset = _get_element_number(root, f"{path}/Offset", 0.0)
+        self.offset = _parse_element_number(root, f"{path}/Offset", 0.0)
 
     def to_lengths(self, stored: NDArray[Any]) -> Floats:
         with np.errstate(all="ignore"):
@@ -256,7 +256,7 @@ def _get_element_text(root: _MainXml, path: str, default: str | None = None) -> 
     return default
 
 
-def _get_element_number(root: _MainXml, path: str, default: float) -> float:
+def _parse_element_number(root: _MainXml, path: str, default: float) -> float:
     text = _get_element_text(root, path, "")
     return _parse_float(text) if text else default
 

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from stiction._core import __version__
-from stiction._files import replacement_file
+from stiction._files import replace_file_atomically
 from stiction._number_format import to_json
 from stiction._text import printable_text
 from stiction.studies.nodes import NodeAxis
@@ -64,7 +64,7 @@ class HtmlPage:
 
     def save(self, path: Path) -> None:
         """Write the page. Replace an existing file only if it is a report; otherwise raise a `ReportError`."""
-        with replacement_file(path, REPORT_FILE_SIGNATURE.encode(), ReportError) as partial:
+        with replace_file_atomically(path, REPORT_FILE_SIGNATURE.encode(), ReportError) as partial:
             partial.write_bytes(self.html().encode("utf-8", "replace"))
 
 

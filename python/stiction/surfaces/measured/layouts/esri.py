@@ -19,7 +19,7 @@ from stiction.surfaces.measured.decode import DecodedText
 from stiction.surfaces.measured.layout import TextLayout, parse_header_integer, parse_header_number
 from stiction.surfaces.measured.raw import FormatError, RawHeights
 from stiction.surfaces.measured.split import detect_dialect, find_numeric_line_runs, parse_number_block
-from stiction.surfaces.measured.text import make_source
+from stiction.surfaces.measured.text import make_height_provenance
 
 _HEADER_NAMES = (
     "ncols",
@@ -56,7 +56,7 @@ def _read(text: DecodedText) -> RawHeights:
     dy = values.get("cellsize", values.get("dy"))
     heights = np.ascontiguousarray(block.values.reshape(shape)[::-1])
     return RawHeights(
-        heights, bare_spacing=None if dx is None or dy is None else (dy, dx), source=make_source(block),
+        heights, bare_spacing=None if dx is None or dy is None else (dy, dx), source=make_height_provenance(block),
         codes=(values["nodata_value"],) if "nodata_value" in values else (),
         history=("rows reversed: the first line has the largest y",),
     )  # fmt: skip

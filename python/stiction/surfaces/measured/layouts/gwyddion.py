@@ -37,7 +37,7 @@ def _parse_channel_comments(lines: Sequence[str]) -> list[str]:
     return comments[-4:]
 
 
-def _is_channel_comments(comments: Sequence[str]) -> bool:
+def _are_channel_comments(comments: Sequence[str]) -> bool:
     lengths = [_LENGTH_COMMENT_PATTERN.fullmatch(line) for line in comments]
     return (
         len(comments) >= 3
@@ -47,7 +47,7 @@ def _is_channel_comments(comments: Sequence[str]) -> bool:
     )
 
 
-def _with_channel_header(table: ColumnTable, comments: Sequence[str]) -> ColumnTable:
+def _apply_channel_comments(table: ColumnTable, comments: Sequence[str]) -> ColumnTable:
     width, height = (_LENGTH_COMMENT_PATTERN.fullmatch(line) for line in comments[1:3])
     assert width is not None
     assert height is not None
@@ -70,7 +70,7 @@ def _with_channel_header(table: ColumnTable, comments: Sequence[str]) -> ColumnT
 def _read(text: DecodedText) -> ReaderResult:
     content = parse_table(text)
     if isinstance(content, ColumnTable):
-        return _with_channel_header(content, _parse_channel_comments(text.first_lines))
+        return _apply_channel_comments(content, _parse_channel_comments(text.first_lines))
     assert isinstance(content, HeightChannels)
     read_block = content.read
 
@@ -82,11 +82,11 @@ def _read(text: DecodedText) -> ReaderResult:
         header_start = first
         while header_start > 0 and text.line(header_start - 1).startswith("#"):
             header_start -= 1
-        return _with_channel_header(table, _parse_channel_comments(text.nonempty_lines(header_start, first)))
+        return _apply_channel_comments(table, _parse_channel_comments(text.nonempty_lines(header_start, first)))
 
     return replace(content, read=read_channel_table)
 
 
 LAYOUT = TextLayout(
-    "Gwyddion text", lambda text: _is_channel_comments(_parse_channel_comments(text.first_lines[:6])), _read
+    "Gwyddion text", lambda text: _are_channel_comments(_parse_channel_comments(text.first_lines[:6])), _read
 )

@@ -25,7 +25,7 @@ from stiction.surfaces.measured.header import is_unit, normalise_line
 from stiction.surfaces.measured.layout import TextLayout
 from stiction.surfaces.measured.raw import FileCaveat, FormatError, RawHeights, parse_length_unit
 from stiction.surfaces.measured.split import detect_dialect, find_numeric_line_runs, parse_number_block
-from stiction.surfaces.measured.text import make_source
+from stiction.surfaces.measured.text import make_height_provenance
 
 _UNSIGNED_NUMBER_PATTERN = re.compile(r"[0-9]+(?:[.,][0-9]+)?")
 
@@ -96,7 +96,7 @@ def _read(text: DecodedText) -> RawHeights:
         )  # fmt: skip
     return RawHeights(
         values, unit=height_unit and (parse_length_unit(height_unit) or height_unit), spacing=(spacing, spacing),
-        position_unit=parse_length_unit(unit), source=make_source(block), caveats=tuple(caveats),
+        position_unit=parse_length_unit(unit), source=make_height_provenance(block), caveats=tuple(caveats),
     )  # fmt: skip
 
 

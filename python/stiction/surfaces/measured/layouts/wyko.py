@@ -27,7 +27,7 @@ from stiction.surfaces.measured.decode import DecodedText
 from stiction.surfaces.measured.layout import TextLayout, parse_header_integer, parse_header_number
 from stiction.surfaces.measured.raw import FormatError, RawHeights
 from stiction.surfaces.measured.split import Dialect, parse_number_block
-from stiction.surfaces.measured.text import make_source
+from stiction.surfaces.measured.text import make_height_provenance
 
 _HEIGHT_BLOCK_NAMES = ("RAW_DATA", "RAW DATA", "OPD", "SAMPLE_DATA")
 _FIRST_LINE_START = "Wyko ASCII Data File"
@@ -65,7 +65,7 @@ def _read(text: DecodedText) -> RawHeights:
     spacing = (pixel_size * parse_header_number(header, "Aspect", 1.0), pixel_size)
     return RawHeights(
         np.ascontiguousarray(block.values.T), unit="nm", factor=factor, spacing=spacing, position_unit="mm",
-        source=make_source(block),
+        source=make_height_provenance(block),
     )  # fmt: skip
 
 

@@ -24,7 +24,7 @@ from stiction.surfaces.measured.layout import TextLayout
 from stiction.surfaces.measured.raw import FormatError, RawHeights
 from stiction.surfaces.measured.shapes import MAX_TABLE_GRID_POINTS
 from stiction.surfaces.measured.split import Dialect, parse_number_block
-from stiction.surfaces.measured.text import make_source
+from stiction.surfaces.measured.text import make_height_provenance
 
 # Zero-based index of the header line with the origin and size of the map, and index of the line with the pixel size.
 _MAP_SIZE_LINE_INDEX, _PIXEL_SIZE_LINE_INDEX = 3, 7
@@ -61,7 +61,7 @@ def _read(text: DecodedText) -> RawHeights:
     matrix[row.astype(np.int64), column.astype(np.int64)] = heights
     spacing = (pixel_size, pixel_size) if pixel_size > 0 else None
     return RawHeights(
-        matrix, unit="um", spacing=spacing, position_unit="m" if spacing else None, source=make_source(block)
+        matrix, unit="um", spacing=spacing, position_unit="m" if spacing else None, source=make_height_provenance(block)
     )
 
 
