@@ -613,7 +613,7 @@ REJECTED_ARGUMENTS = [
     ({"mu0": 0.3, "poisson": 0.6}, "poisson must be"),
     ({"mu0": 0.3, "poisson": (0.1, 0.2, 0.3)}, "poisson must be"),
     ({"mu0": 0.3, "direction": "up"}, "direction must be"),
-    ({"mu0": 0.3, "direction": [0.0, 90.0]}, "direction must be a single direction"),
+    ({"mu0": 0.3, "direction": [0.0, 90.0]}, "direction must be a single angle"),
 ]
 
 
