@@ -33,7 +33,7 @@ NUM_RUNS = 3
 _compute_real_block = runner.compute_block
 
 
-class StoredSumsTask:
+class StoredSumsReader:
     """Executor task that computes nothing: it reads stored sums from a file once per process."""
 
     def __init__(self, path: str, has_shared_folder: bool) -> None:
@@ -74,7 +74,7 @@ def measure_storage_rates(
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "sums.pickle"
         file.write_bytes(pickle.dumps(sums))
-        runner.compute_block = StoredSumsTask(str(file), has_shared_folder)
+        runner.compute_block = StoredSumsReader(str(file), has_shared_folder)
         block_size = runner.choose_block_size(study)
         num_parts = -(-study.ensemble.repetitions // (block_size * NUM_BLOCKS))
         try:

@@ -11,7 +11,7 @@ import tempfile
 import time
 from pathlib import Path
 
-STUDY_ARGUMENTS = {
+STUDY_ARGUMENTS_BY_TITLE = {
     "10 000 of quick": ["quick", "ensemble.repetitions=10000", "surfaces.points=500", "surfaces.directions=4",
                         "surfaces.frequencies=6"],
     "200 of figure6": ["figure6", "ensemble.repetitions=200"],
@@ -63,7 +63,7 @@ def resident_memory(pid: int) -> int:
 
 def benchmark_rows() -> list[tuple[str, str]]:
     values = []
-    for study_title, (name, *changes) in STUDY_ARGUMENTS.items():
+    for study_title, (name, *changes) in STUDY_ARGUMENTS_BY_TITLE.items():
         with tempfile.TemporaryDirectory() as folder:
             set_options = [argument for change in changes for argument in ("--set", change)]
             for command, arguments in COMMAND_ARGUMENTS_BY_NAME.items():

@@ -114,7 +114,7 @@ STEEL_ON_STEEL_OPTIONS = STEEL_ON_BRASS_OPTIONS | {
     "tau0": "20±2 MPa",
     "hardness": "2±0.1 GPa",
 }
-EXAMPLE_REPORTS: dict[str, tuple[str, dict[str, Any]]] = {
+EXAMPLE_REPORT_INPUTS: dict[str, tuple[str, dict[str, Any]]] = {
     "quoted": (
         "honed_{}.csv",
         STEEL_ON_STEEL_OPTIONS | {"work_of_adhesion": "0 mJ/m^2", "load": "20 mN", "lay": "grooves"},
@@ -135,7 +135,7 @@ def write_example_reports(app: Sphinx, exception: Exception | None) -> None:
     folder = Path(app.outdir) / "live"
     folder.mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory() as folder_of_results:
-        for name, (files, options) in EXAMPLE_REPORTS.items():
+        for name, (files, options) in EXAMPLE_REPORT_INPUTS.items():
             scans = (SCANS_FOLDER / files.format(side) for side in ("upper", "lower"))
             pair(*scans, **options, directory=Path(folder_of_results) / name).save_report(folder / f"{name}.html")
     save_report(run(Study.named("quick")), folder / "study.html", name="quick")
@@ -230,7 +230,9 @@ def add_description(
 
 # ---- Formulas -------------------------------------------------------------------------------------------------------
 
-MATH_CODE_POINTS = "U+20-7E,U+A0-FF,U+300-3FF,U+2000-20CF,U+2100-22FF,U+2300-23FF,U+27C0-27FF,U+2980-2AFF,U+1D400-1D7FF"
+MATH_CODE_POINT_RANGES = (
+    "U+20-7E,U+A0-FF,U+300-3FF,U+2000-20CF,U+2100-22FF,U+2300-23FF,U+27C0-27FF,U+2980-2AFF,U+1D400-1D7FF"
+)
 
 
 def write_formula_font(app: Sphinx) -> None:
@@ -251,7 +253,7 @@ def write_formula_font(app: Sphinx) -> None:
     with resources.as_file(resources.files("ziamath") / "fonts/STIXTwoMath-Regular.ttf") as source:
         font = load_font(str(source), options)
     subsetter = Subsetter(options)
-    subsetter.populate(unicodes=parse_unicodes(MATH_CODE_POINTS.replace("U+", "")))
+    subsetter.populate(unicodes=parse_unicodes(MATH_CODE_POINT_RANGES.replace("U+", "")))
     subsetter.subset(font)
     path.parent.mkdir(parents=True, exist_ok=True)
     save_font(font, str(path), options)

@@ -34,11 +34,11 @@ PYTHON_OPTION_NAMES = [name for name, option in PAIR_OPTIONS.items() if option.i
 
 DOCSTRING_TYPES = {
     "BodyScans": "str, path, Profile, Surface, JoinedSpectrum or array, or several",
-    "Gap": "str, path, Surface or array",
-    "InterfaceName": "str, path or Interface",
+    "GapInput": "str, path, Surface or array",
+    "InterfaceInput": "str, path or Interface",
     "QuantityInput": "str or float",
     "QuantityInputs": "str or float, or several",
-    "Count": "int",
+    "PositiveInteger": "int",
     "Seed": "int",
     "Degrees": "float",
     "Positions": "str or float, or several",
@@ -103,7 +103,9 @@ def render_parameter_descriptions() -> str:
     for name in ordered_names:
         option, declared_type = PAIR_OPTIONS[name], types[name].removesuffix(" | None")
         choices = ", ".join(f'"{choice}"' for choice in list_option_choices(name))
-        type_text = f"{{{choices}}}" if choices and declared_type != "InterfaceName" else DOCSTRING_TYPES[declared_type]
+        type_text = (
+            f"{{{choices}}}" if choices and declared_type != "InterfaceInput" else DOCSTRING_TYPES[declared_type]
+        )
         unit = f", {DEFAULT_UNITS[option.kind]}" if option.kind else ""
         optional_text = (
             "" if PairOptions.model_fields[name].is_required() or name in BODY_OPTION_NAMES else ", optional"

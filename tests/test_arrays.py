@@ -87,7 +87,7 @@ def test_lengths_can_be_given_as_strings_with_units():
 
 
 BODY_ARGUMENT_NAMES = ("body", "profile", "surface", "upper", "lower", "scan", "first")
-OTHER_ARGUMENTS = {
+NON_BODY_ARGUMENTS = {
     "path": "never.csv",
     "level": "mean",
     "angle": 10.0,
@@ -106,7 +106,7 @@ OTHER_ARGUMENTS = {
 def test_functions_of_a_body_reject_arguments_that_are_not_bodies(name, wrong_value):
     function = getattr(stiction, name)
     arguments = {
-        value.name: wrong_value if value.name in BODY_ARGUMENT_NAMES else OTHER_ARGUMENTS.get(value.name, 1.0)
+        value.name: wrong_value if value.name in BODY_ARGUMENT_NAMES else NON_BODY_ARGUMENTS.get(value.name, 1.0)
         for value in inspect.signature(function).parameters.values()
         if value.name in BODY_ARGUMENT_NAMES or (value.default is value.empty and value.kind is not value.VAR_KEYWORD)
     }

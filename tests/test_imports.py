@@ -60,7 +60,7 @@ def test_layers_import_only_from_lower_layers(layer):
             )
 
 
-MODULES_CLOSED_TO_VIEWS = {
+MODULES_RESTRICTED_FOR_VIEWS = {
     "budget", "contact_picture", "evaluation", "height_scale", "intervals", "maps", "member_solution", "members",
     "nodes", "onset", "pipeline", "runner", "store",
 }  # fmt: skip
@@ -69,7 +69,7 @@ MODULES_CLOSED_TO_VIEWS = {
 Views use `Result` and `Summary` instead, and import only constants from these modules.
 """
 
-OTHER_IMPORTS_OF_VIEWS = {
+ALLOWED_IMPORTS_OF_VIEWS = {
     "height_scale.ScaledBodies", "nodes.NodeAxis", "nodes.InterpolationNodes",
     "members.generate_profile_pairs", "members.generate_phases", "members.pair_of", "members.generate_unscaled_profile",
 }  # fmt: skip
@@ -78,14 +78,14 @@ OTHER_IMPORTS_OF_VIEWS = {
 
 def test_views_import_neither_stores_nor_readers_nor_statistics():
     modules = {path.stem for path in (PACKAGE_FOLDER / "studies").glob("*.py")}
-    assert modules >= MODULES_CLOSED_TO_VIEWS
+    assert modules >= MODULES_RESTRICTED_FOR_VIEWS
     for source in sorted(path.relative_to(PACKAGE_FOLDER) for path in (PACKAGE_FOLDER / "views").rglob("*.py")):
         if source.as_posix() == "views/pair.py":  # The module of `stiction.pair` is not a view.
             continue
         for name in imported_names(source):
             *layers, module, imported = name.split(".")
-            if layers == ["stiction", "studies"] and module in MODULES_CLOSED_TO_VIEWS:
-                assert imported.isupper() or f"{module}.{imported}" in OTHER_IMPORTS_OF_VIEWS, f"{source}: {name}"
+            if layers == ["stiction", "studies"] and module in MODULES_RESTRICTED_FOR_VIEWS:
+                assert imported.isupper() or f"{module}.{imported}" in ALLOWED_IMPORTS_OF_VIEWS, f"{source}: {name}"
 
 
 def loaded_dependencies(code):

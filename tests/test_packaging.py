@@ -128,7 +128,7 @@ def test_release_script_writes_the_repository_address_into_all_files(release_scr
 
 # ---- The sample scans -----------------------------------------------------------------------------------------------
 
-MAX_STEP_DIFFERENCE = 1.0
+MAX_HEIGHT_DIFFERENCE_IN_STEPS = 1.0
 """Largest difference of a height in converter steps; processors may round the last bit differently."""
 
 
@@ -148,5 +148,8 @@ def test_sample_scans_equal_the_output_of_their_script(tmp_path, monkeypatch):
             )
             assert stored_scan.spacing == created_scan.spacing
             np.testing.assert_allclose(
-                stored_scan.heights, created_scan.heights, rtol=0, atol=1.01 * MAX_STEP_DIFFERENCE * converter_step
+                stored_scan.heights,
+                created_scan.heights,
+                rtol=0,
+                atol=1.01 * MAX_HEIGHT_DIFFERENCE_IN_STEPS * converter_step,
             )

@@ -224,7 +224,7 @@ def test_surface_is_unchanged_by_an_xarray_round_trip(lower):
 
 XARRAY_METHODS = {name for kind in (xarray.Dataset, xarray.DataArray) for name in dir(kind) if not name.startswith("_")}
 
-ACCEPTED_METHOD_NAMES = {"load"}
+ACCEPTED_NAME_CONFLICTS = {"load"}
 """Names that are also methods of xarray: ``result["load"]`` needs brackets, because ``result.load`` reads a file."""
 
 
@@ -269,7 +269,7 @@ def test_names_in_datasets_do_not_clash_with_xarray_methods(upper, lower, surfac
     }
     result |= set(QUANTITIES)
     array = lower.to_xarray()
-    assert (result | {*array.dims, array.name}) & XARRAY_METHODS == ACCEPTED_METHOD_NAMES
+    assert (result | {*array.dims, array.name}) & XARRAY_METHODS == ACCEPTED_NAME_CONFLICTS
 
 
 def test_contacts_of_a_result_are_returned_as_a_data_frame(function_result):
@@ -556,7 +556,7 @@ def test_result_of_the_pair_function_can_draw_every_figure(function_result):
         function_result.figure("picture")
 
 
-REJECTED_ARGUMENTS = [
+REJECTED_ARGUMENT_CASES = [
     ({"load": "10 nm"}, "load must be a force or a pressure with its unit"),
     ({"load": []}, "load must have at least one value"),
     ({"tau0": "3 mN"}, "tau0 has the unit 'mN', which is not a unit of pressure"),
@@ -571,7 +571,7 @@ REJECTED_ARGUMENTS = [
 ]
 
 
-@pytest.mark.parametrize(("changes", "pattern"), REJECTED_ARGUMENTS)
+@pytest.mark.parametrize(("changes", "pattern"), REJECTED_ARGUMENT_CASES)
 def test_pair_function_rejects_invalid_input_with_a_one_line_error(upper, lower, changes, pattern):
     arguments = {"first": upper, "second": lower} | PAIR_ARGUMENTS | changes
     with pytest.raises(ValueError, match=pattern) as caught:

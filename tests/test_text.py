@@ -49,7 +49,7 @@ class TestFileWriting:
         names = []
         for index in range(2):
             with writer(tmp_path / f"f{index}", ValueError) as partial_file:
-                assert _files.PARTIAL_NAME_PATTERN.fullmatch(partial_file.name)
+                assert _files.PARTIAL_FILE_NAME_PATTERN.fullmatch(partial_file.name)
                 assert not partial_file.is_symlink()
                 names.append(partial_file.name)
                 partial_file.write_bytes(b"mark")

@@ -29,7 +29,7 @@ WORD_RULES_FILE = ROOT / "tools/words.toml"
 SENTENCE_KINDS = ("docstring", "comment", "message", "documentation", "commit subject")
 NAME_KINDS = ("function", "class", "constant", "variable", "test")
 MIN_COMMENT_LENGTH = 25  # minimum length in characters; most shorter comments are units and markers
-MIN_WORDS = 7  # minimum number of words in a drawn sentence of the documentation
+MIN_SENTENCE_WORDS = 7  # minimum number of words in a drawn sentence of the documentation
 MAX_COMMITS = 200  # number of newest commits whose subjects are drawn
 MAX_SAMPLE_LENGTH = 300  # maximum number of printed characters of a sentence
 MAX_FUNCTION_LINES = 40  # Longer functions are excluded, because a reader could not explain them quickly.
@@ -157,7 +157,7 @@ def documentation_sentences(files: TextsByPath) -> Iterator[SampledText]:
                 paragraph = re.sub(r"^([-*]|\d+\.) ", "", " ".join(block.split()))
                 if paragraph and not paragraph.startswith(("#", "|", "(", ":", "<", "![")):
                     for sentence in re.split(r"(?<=[.:])\s+(?=[A-Z*`[μτ])", paragraph):
-                        if len(sentence.split()) >= MIN_WORDS:
+                        if len(sentence.split()) >= MIN_SENTENCE_WORDS:
                             yield name, sentence
 
 

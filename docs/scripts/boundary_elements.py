@@ -32,7 +32,7 @@ RELATIVE_LOADS = np.geomspace(0.002, 0.2, 9)
 """Mean pressures in units of E* times the rms slope."""
 TABLE_LOAD_INDICES = (0, 4, 8)
 SEED = 2016
-NUM_CHECKS = 3
+NUM_CHECKED_PROFILES = 3
 
 COLOURS, MARKERS = ("#0072B2", "#D55E00", "#009E73"), "os^"  # Okabe & Ito
 FRACTION_COLUMN, COUNT_COLUMN, STIFFNESS_COLUMN = range(3)
@@ -258,7 +258,7 @@ def render_check_rows(results: dict, checks: dict) -> list[str]:
         )
         for name, changes in (("finer", finer_grid_changes), ("tighter", tighter_tolerance_changes)):
             for hurst in HURST_EXPONENTS:
-                values_and_check = results[bandwidth, hurst][:NUM_CHECKS], checks[name, bandwidth, hurst]
+                values_and_check = results[bandwidth, hurst][:NUM_CHECKED_PROFILES], checks[name, bandwidth, hurst]
                 values_before, values_after = (
                     np.log(values[:, :, 1] / values[:, :, 0]).mean(axis=0) for values in values_and_check
                 )
@@ -285,7 +285,8 @@ def main() -> None:
         options = {"finer": {"refinement": 2}, "tighter": {"tolerance": 1e-12}}
         check_jobs = {
             (check, *bandwidth_and_exponent): [
-                pool.submit(compute_profile_results, *bandwidth_and_exponent, k, **arguments) for k in range(NUM_CHECKS)
+                pool.submit(compute_profile_results, *bandwidth_and_exponent, k, **arguments)
+                for k in range(NUM_CHECKED_PROFILES)
             ]
             for check, arguments in options.items()
             for bandwidth_and_exponent in bandwidths_and_exponents
@@ -320,7 +321,8 @@ def main() -> None:
         "period of four longest wavelengths.",
         "Ratios of the area for different numbers of contacts. The columns are for longest / shortest wavelengths of "
         "8, 32 and 128. The ratios are means over all H and loads; there is no value for fewer than 6 repetitions.",
-        f"Effect of the grid and the solver: largest change of the mean ratio of {NUM_CHECKS} profiles, over all H.",
+        f"Effect of the grid and the solver: largest change of the mean ratio of {NUM_CHECKED_PROFILES} profiles, "
+        "over all H.",
     )
     text = "\n\n".join(f"{heading}\n\n" + "\n".join(rows) for heading, rows in zip(headings, tables, strict=True))
     (DOCS_FOLDER / "generated/boundary_elements.md").write_text(text + "\n", encoding="utf-8")

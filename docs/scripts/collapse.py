@@ -50,7 +50,7 @@ MU0 = 0.4
 TAU0_BY_LABEL = {"0": 0.0, "2": 0.02 * EFFECTIVE_MODULUS}
 """Adhesive shear strengths in GPa, by their percentage of E*."""
 SLIDING_RULES = ("opposing", "all")
-LOW_PRESSURE = 0.01
+LOW_RELATIVE_PRESSURE = 0.01
 """Mean pressure in units of E* h', for a contact fraction of about 0.02."""
 RELATIVE_PRESSURES = (0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 2.0)
 NUM_POINTS, EXTENT = 256, 10.0
@@ -85,7 +85,9 @@ def iterate_cases() -> Iterator[dict]:
     band = {"longest": 5.0, "shortest": 0.3125}
     for hurst, gradient, load in product((0.5, 0.8), (0.1, 0.4), RELATIVE_PRESSURES):
         yield {"family": "load", "H": hurst, **band, "h": gradient, "load": load}
-    for slope_ratio, compliance_share, load in product((1.0, 2.0, 4.0, None), (0.0, 0.5, 1.0), (LOW_PRESSURE, 0.1)):
+    for slope_ratio, compliance_share, load in product(
+        (1.0, 2.0, 4.0, None), (0.0, 0.5, 1.0), (LOW_RELATIVE_PRESSURE, 0.1)
+    ):
         yield {
             "family": "unequal",
             "H": 0.8,
@@ -240,7 +242,7 @@ def compute_pair_results(case: dict, upper, lower, boundary: str) -> dict:
     mean_square_slope = np.mean([np.square(slope).mean() for slope in gap_slopes])
     body_gradients = [rms_gradient(body.heights, spacing, periodic=is_periodic) for body in (upper, lower)]
     nominal_area = float(np.prod(spacing)) * heights.size  # profiles have a thickness of 1 µm
-    load = case.get("load", LOW_PRESSURE) * EFFECTIVE_MODULUS * gap_gradient * nominal_area
+    load = case.get("load", LOW_RELATIVE_PRESSURE) * EFFECTIVE_MODULUS * gap_gradient * nominal_area
     pair_results = {
         "rms_gradient": gap_gradient,
         "rms_slope": float(np.sqrt(np.square(slope_along_motion).mean())),
@@ -360,7 +362,7 @@ SURFACE_FAMILY_TITLES = {
     "self-affine line": "self-affine profiles", "measured area": "AFM map", "measured line": "stylus profile",
 }  # fmt: skip
 COLOURS = ("#0072B2", "#009E73", "#56B4E9", "#D55E00", "#E69F00", "#CC79A7", "0.2")
-GRADIENT_BINS = (0.0, 0.1, 0.3, 0.6, 1.0, 4.0)
+GRADIENT_BIN_EDGES = (0.0, 0.1, 0.3, 0.6, 1.0, 4.0)
 """Edges of the ranges of h' in the table."""
 RULE_TITLES = {
     "points": "opposing, point by point",
@@ -425,7 +427,7 @@ def render_family_rows(points: list[dict]) -> list[str]:
         "|" + "---|" * 14,
     ]
     for family, family_title in SURFACE_FAMILY_TITLES.items():
-        for low, high in pairwise(GRADIENT_BINS):
+        for low, high in pairwise(GRADIENT_BIN_EDGES):
             selected_points = [
                 point for point in points if point["family"] == family and low <= point["rms_gradient"] < high
             ]
@@ -464,7 +466,7 @@ def render_limit_rows(points: list[dict]) -> list[str]:
         elif family == "other spectra":
             case_text += f" on H = {case['H_lower']:g}, c_l = {case['share']:g}"
         cells = [
-            case_text, f"{point['rms_gradient']:.2g}", f"{case.get('load', LOW_PRESSURE):g}",
+            case_text, f"{point['rms_gradient']:.2g}", f"{case.get('load', LOW_RELATIVE_PRESSURE):g}",
             f"{point['fraction']:.2g}", f"{point['kappa']:.2f}",
             *(format_residuals_in_percent([point], f"mu {rule} 0").split(" ")[0] for rule in RULE_TITLES),
         ]  # fmt: skip
@@ -625,7 +627,7 @@ def main() -> None:
         "Relative deviations of friction from the closed form of second order in per cent: mean over the ensembles, "
         "and the largest deviation. The closed form uses the κ of each pair, and nothing is fitted. "
         f"There are {num_main_points} ensembles here and {len(points) - num_main_points} in the next table, "
-        f"with {num_pairs} pairs in total. μ0 is 0.4. The mean pressure is {LOW_PRESSURE:g} E* h', except for "
+        f"with {num_pairs} pairs in total. μ0 is 0.4. The mean pressure is {LOW_RELATIVE_PRESSURE:g} E* h', except for "
         "measured surfaces, for which it is 0.003 and 0.02 E* h'.",
         "\n".join(render_family_rows(points)),
         "Limits of the closed form, with τ0 = 0: deviations in per cent for loads up to full contact, for bodies of "

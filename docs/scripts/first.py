@@ -24,15 +24,15 @@ from stiction.views.style import (
 
 ROOT = Path(__file__).resolve().parents[2]
 SCANS_FOLDER = ROOT / "examples/scans"
-EXAMPLE_INPUTS = {"upper": "steel", "lower": "brass", "hardness": "120 HV ± 10 %", "mu0": 0.2, "tau0": "50 MPa"}
+EXAMPLE_PAIR_OPTIONS = {"upper": "steel", "lower": "brass", "hardness": "120 HV ± 10 %", "mu0": 0.2, "tau0": "50 MPa"}
 """Options of `pair` in the example of README, without the load."""
 CURVE_LOADS = np.geomspace(1.0, 100.0, 9)
-PROFILE_HALF_WIDTH = 20.0
+DRAWN_PROFILE_HALF_WIDTH = 20.0
 """Half of the width of the left plot, µm."""
 MARKED_LOAD = 10.0
 FIGURE_WIDTH, FIGURE_HEIGHT = 124.0, 56.0
 """Size in mm; the width is 470 px at 96 dots per inch."""
-MAX_MARKER_DISTANCE = 150.0
+MAX_MARKER_DISTANCE_FROM_MIDDLE = 150.0
 """Largest distance of the shown contacts from the middle of the profile, µm."""
 DARK_STYLE = {
     "text.color": "0.9",
@@ -52,7 +52,7 @@ def compute_friction():
             load=CURVE_LOADS.tolist(),
             onset=0,
             directory=folder,
-            **EXAMPLE_INPUTS,
+            **EXAMPLE_PAIR_OPTIONS,
         )
         quoted_points = result.summary().headlines
         rules = [{item.rule: (item.value, item.lower, item.upper) for item in point.rules} for point in quoted_points]
@@ -80,7 +80,7 @@ def draw_figure(curves, dark):
     is_contact = contact.pressure > 0
     # Show the opposing contact that is nearest to another contact.
     opposing_x, assisting_x = (
-        x[is_contact & is_selected & (np.abs(x - x.mean()) < MAX_MARKER_DISTANCE)]
+        x[is_contact & is_selected & (np.abs(x - x.mean()) < MAX_MARKER_DISTANCE_FROM_MIDDLE)]
         for is_selected in (contact.opposing, ~contact.opposing)
     )
     distances = np.abs(np.subtract.outer(opposing_x, assisting_x))
@@ -90,10 +90,10 @@ def draw_figure(curves, dark):
     for is_selected, colour in ((contact.opposing, OPPOSING_COLOUR), (~contact.opposing, NOT_OPPOSING_COLOUR)):
         selected_points = is_contact & is_selected
         left.plot(x[selected_points], 1000 * lower[selected_points], "o", markersize=2.5, color=colour)
-    is_shown = np.abs(x - middle_x) < PROFILE_HALF_WIDTH
+    is_shown = np.abs(x - middle_x) < DRAWN_PROFILE_HALF_WIDTH
     heights = 1000 * lower[is_shown]
     left.set(
-        xlim=(middle_x - PROFILE_HALF_WIDTH, middle_x + PROFILE_HALF_WIDTH),
+        xlim=(middle_x - DRAWN_PROFILE_HALF_WIDTH, middle_x + DRAWN_PROFILE_HALF_WIDTH),
         ylim=(heights.min() - 10, heights.max() + 130),
     )
     left.set(xlabel="x (µm)", ylabel="height (nm)", title="two lapped faces, and where they touch")

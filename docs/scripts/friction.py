@@ -15,7 +15,7 @@ from stiction.studies import store
 DOCS_FOLDER = Path(__file__).parents[1]
 RESULTS_FOLDER = DOCS_FOLDER.parent / "build/claims/columns"
 MU0, TAU0, AMPLITUDE = 0.4, 0.2, 0.1
-MAP_SIZE, EXTENT = 256, 10.0
+MAP_SIDE_POINTS, EXTENT = 256, 10.0
 CURVE_STYLES = {
     "lines": ("#D55E00", "s", "profiles, spheres"),
     "half-spaces": ("#0072B2", "o", "height maps, half-space"),
@@ -29,13 +29,13 @@ def gap_gradients(dimensions: np.ndarray) -> np.ndarray:
         heights = [
             np.ptp(
                 weierstrass_mandelbrot_surface(
-                    random_phases(2016, repetition=repetition), dimension, shape=(MAP_SIZE, MAP_SIZE), extent=EXTENT,
+                    random_phases(2016, repetition=repetition), dimension, shape=(MAP_SIDE_POINTS,) * 2, extent=EXTENT,
                     band_limit="nyquist",
                 ).heights
             )
             for repetition in range(10)
         ]  # fmt: skip
-        moments = weierstrass_mandelbrot_moments(dimension, shortest_wavelength=2 * EXTENT / MAP_SIZE)
+        moments = weierstrass_mandelbrot_moments(dimension, shortest_wavelength=2 * EXTENT / MAP_SIDE_POINTS)
         # The factor 4 is for two directions and two bodies.
         values.append(AMPLITUDE * np.mean(1 / np.array(heights)) * np.sqrt(4 * moments.slope))
     return np.array(values)

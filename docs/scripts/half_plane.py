@@ -22,7 +22,7 @@ FIGURE_LOADS = (0.05, 0.25)
 MU0 = 0.4
 TAU0_VALUES = (0.0, 0.2)
 """tau0 in GPa."""
-COLOURS = {0.0: "#0072B2", 0.2: "#D55E00"}  # Okabe & Ito
+COLOURS_BY_TAU0 = {0.0: "#0072B2", 0.2: "#D55E00"}  # Okabe & Ito
 
 
 def load_results(directory: Path) -> dict:
@@ -60,12 +60,17 @@ def main(directory: Path) -> None:
                     dimension, mean = curve["fractal_dimension"].values, curve["friction_coefficient"].values
                     is_half_plane = name == "half-plane"
                     ax.plot(
-                        dimension, mean, "-" if is_half_plane else "--", lw=1.1, color=COLOURS[strength],
+                        dimension, mean, "-" if is_half_plane else "--", lw=1.1, color=COLOURS_BY_TAU0[strength],
                         label=f"{name}, $\\tau_0$ = {1000 * strength:g} MPa",
                     )  # fmt: skip
                     low, high = (curve[end].values for end in ("lower", "upper"))
                     ax.fill_between(
-                        dimension, low, high, color=COLOURS[strength], alpha=0.25 if is_half_plane else 0.12, lw=0
+                        dimension,
+                        low,
+                        high,
+                        color=COLOURS_BY_TAU0[strength],
+                        alpha=0.25 if is_half_plane else 0.12,
+                        lw=0,
                     )
                 ax.set_title(f"{rule}, $F_N$ = {load:g} mN", fontsize=8)
                 ax.tick_params(labelsize=7)

@@ -25,7 +25,7 @@ TAU0_OVER_MODULUS = (0.0, 0.02)
 RELATIVE_PRESSURES = (0.002, 0.02, 0.1)
 """Mean pressures in units of E* times the rms slope of the gap."""
 HURST_EXPONENTS = (0.5, 0.8)
-NUM_PAIRS = {("lines", 8): 24, ("lines", 32): 24, ("lines", 128): 16, ("surfaces", 8): 12, ("surfaces", 32): 6}
+PAIR_COUNTS = {("lines", 8): 24, ("lines", 32): 24, ("lines", 128): 16, ("surfaces", 8): 12, ("surfaces", 32): 6}
 """Number of pairs by kind and bandwidth (ratio of the longest to the shortest wavelength)."""
 NUM_LONGEST_WAVELENGTHS = {"lines": 4, "surfaces": 2}
 """Length in units of the longest wavelength."""
@@ -160,7 +160,7 @@ def draw_figure(results: dict) -> None:
     for (column, label), axes_pair in zip(rows, axes, strict=True):
         for kind, ax in zip(NUM_LONGEST_WAVELENGTHS, axes_pair, strict=True):
             for k, ((body_kind, bandwidth), hurst) in enumerate(
-                (case, h) for case in NUM_PAIRS if case[0] == kind for h in HURST_EXPONENTS
+                (case, h) for case in PAIR_COUNTS if case[0] == kind for h in HURST_EXPONENTS
             ):
                 mean, low, high = ratio_with_interval(results[body_kind, bandwidth, hurst], column)
                 ax.errorbar(
@@ -244,9 +244,9 @@ def format_tables(results: dict) -> str:
 
 
 def main(workers: int = 1) -> None:
-    keys = [(kind, bandwidth, hurst) for (kind, bandwidth), hurst in product(NUM_PAIRS, HURST_EXPONENTS)]
+    keys = [(kind, bandwidth, hurst) for (kind, bandwidth), hurst in product(PAIR_COUNTS, HURST_EXPONENTS)]
     with ProcessPoolExecutor(workers) as pool:
-        jobs = {key: [pool.submit(compute_pair_results, *key, k) for k in range(NUM_PAIRS[key[:2]])] for key in keys}
+        jobs = {key: [pool.submit(compute_pair_results, *key, k) for k in range(PAIR_COUNTS[key[:2]])] for key in keys}
         results = {key: np.array([job.result() for job in item]) for key, item in jobs.items()}
     draw_figure(results)
     (DOCS_FOLDER / "generated/half_space.md").write_text(format_tables(results), encoding="utf-8")

@@ -7,10 +7,10 @@ import numpy as np
 from stiction import Surface, half_space, self_affine_surface
 
 NUM_POINTS, SHORTEST_WAVELENGTH, NUM_SEEDS = 512, 8, 3
-MEAN_PRESSURES = (0.01, 0.05, 0.1, 0.2, 0.4)  # mean pressure in units of E* h'
+RELATIVE_MEAN_PRESSURES = (0.01, 0.05, 0.1, 0.2, 0.4)  # mean pressure in units of E* h'
 
 
-def compute_contact_statistics(hurst, seed, *, wavelength_ratio=16, pressures=MEAN_PRESSURES):
+def compute_contact_statistics(hurst, seed, *, wavelength_ratio=16, pressures=RELATIVE_MEAN_PRESSURES):
     """Return contact fraction, gap / rms height, stiffness x rms height / pressure, and Nayak's parameter."""
     rough_surface = self_affine_surface(
         seed,

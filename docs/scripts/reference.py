@@ -16,7 +16,7 @@ from stiction.studies.study import read_study_description, study_names
 from stiction.surfaces.parameters import PROFILE_PARAMETERS, SURFACE_PARAMETERS
 from stiction.views.study_keys import markdown_row
 
-ENTRY_PATTERN = re.compile(r"^\.\. (?:autoclass|autofunction|py:data):: (\S+)$", re.MULTILINE)
+API_ENTRY_PATTERN = re.compile(r"^\.\. (?:autoclass|autofunction|py:data):: (\S+)$", re.MULTILINE)
 """Pattern of a name in a reference page."""
 CLAIMS_COLUMN_TITLES = ("claim or test", "verdict", "statement, and its test numbers")
 CLAIMS_BY_SURFACE_COLUMN_TITLES = (
@@ -77,7 +77,8 @@ def render_api_tables(docs: Path) -> str:
         assert title is not None
         lines += [f"## [{title[1]}](api_{group}.md)", "", "| name | description |", "|---|---|"]
         lines += [
-            _markdown_row(f"`{name.split('.')[-1]}`", _docstring_summary(name)) for name in ENTRY_PATTERN.findall(text)
+            _markdown_row(f"`{name.split('.')[-1]}`", _docstring_summary(name))
+            for name in API_ENTRY_PATTERN.findall(text)
         ]
         lines.append("")
     return "\n".join(lines)
@@ -88,7 +89,7 @@ def find_link_targets(docs: Path) -> dict[str, str]:
     result = (
         name
         for group in PAGE_GROUPS
-        for name in ENTRY_PATTERN.findall((docs / f"reference/api_{group}.md").read_text("utf-8"))
+        for name in API_ENTRY_PATTERN.findall((docs / f"reference/api_{group}.md").read_text("utf-8"))
     )
     return {name.split(".")[-1]: name if name.startswith("stiction.") else f"stiction.{name}" for name in result}
 

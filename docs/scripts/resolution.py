@@ -26,9 +26,9 @@ LARGE_MAP_SIDE_POINTS, SMALL_MAP_SIDE_POINTS, SPACING = 1024, 512, 0.01  # spaci
 EFFECTIVE_MODULUS, HARDNESS, MU0, TAU0 = 115.0, 4.0, 0.2, 0.2  # GPa
 PRESSURE, HIGH_PRESSURE = 0.02, 0.2  # GPa
 HURST_EXPONENTS = (0.4, 0.8)
-GAP_GRADIENTS = {0.4: 0.6, 0.8: 0.25}
+GAP_GRADIENTS_BY_HURST_EXPONENT = {0.4: 0.6, 0.8: 0.25}
 """Rms gradient of the gap by Hurst exponent, with all wavelengths from four points upwards."""
-CUTOFFS = (8, 16, 32, 64)
+CUTOFFS_IN_POINTS = (8, 16, 32, 64)
 """Cutoff wavelengths in points; the surface itself has wavelengths from four points upwards."""
 BANDS_PER_DECADE = 5
 NUM_PAIRS, NUM_BRACKET_TEST_PAIRS, NUM_EXTRAPOLATION_TEST_PAIRS = 6, 50, 50
@@ -49,7 +49,7 @@ def create_pair(hurst, index, points, longest):
         )
         for side in ("upper", "lower")
     ]  # fmt: skip
-    height_factor = GAP_GRADIENTS[hurst] / gap_gradient(bodies)
+    height_factor = GAP_GRADIENTS_BY_HURST_EXPONENT[hurst] / gap_gradient(bodies)
     return [Surface(height_factor * body.heights, spacing=SPACING) for body in bodies]
 
 
@@ -59,9 +59,11 @@ def compute_coarser_cutoffs():
     for hurst in HURST_EXPONENTS:
         for index in range(NUM_PAIRS):
             bodies = create_pair(hurst, index, LARGE_MAP_SIDE_POINTS, LARGE_MAP_SIDE_POINTS // 4)
-            results.append({"hurst": hurst, **compute_pair_results(bodies, CUTOFFS, HARDNESS, "plastic")})
-            results[-1] |= compute_pair_results(bodies, CUTOFFS, None, "elastic")
-            results[-1] |= {"softer": compute_pair_results(bodies, CUTOFFS[-1:], HARDNESS / 2, "plastic")["plastic"]}
+            results.append({"hurst": hurst, **compute_pair_results(bodies, CUTOFFS_IN_POINTS, HARDNESS, "plastic")})
+            results[-1] |= compute_pair_results(bodies, CUTOFFS_IN_POINTS, None, "elastic")
+            results[-1] |= {
+                "softer": compute_pair_results(bodies, CUTOFFS_IN_POINTS[-1:], HARDNESS / 2, "plastic")["plastic"]
+            }
             print(hurst, index, results[-1]["plastic"]["area"], results[-1]["plastic"]["all"], flush=True)
             save_results("settling", results)
 
@@ -72,7 +74,7 @@ def compute_brackets():
     for hurst in HURST_EXPONENTS:
         for index in range(NUM_BRACKET_TEST_PAIRS):
             bodies = create_pair(hurst, 2000 + index, LARGE_MAP_SIDE_POINTS // 4, LARGE_MAP_SIDE_POINTS // 16)
-            results.append({"hurst": hurst, **compute_pair_results(bodies, CUTOFFS[:2], HARDNESS, "plastic")})
+            results.append({"hurst": hurst, **compute_pair_results(bodies, CUTOFFS_IN_POINTS[:2], HARDNESS, "plastic")})
             print(hurst, index, results[-1]["plastic"]["area"], flush=True)
             save_results("bracketing", results)
 
@@ -121,7 +123,7 @@ def compute_extrapolations():
             fine_bodies = create_pair(hurst, 1000 + index, SMALL_MAP_SIDE_POINTS, SMALL_MAP_SIDE_POINTS)
             coarse_bodies = [simulate_coarser_scan(body, 32, 4) for body in fine_bodies]
             # The mean elastic contact pressure reaches this hardness at about 10 points.
-            hardness = EFFECTIVE_MODULUS * GAP_GRADIENTS[hurst] / 2.2 * (4 / 10) ** (1 - hurst)
+            hardness = EFFECTIVE_MODULUS * GAP_GRADIENTS_BY_HURST_EXPONENT[hurst] / 2.2 * (4 / 10) ** (1 - hurst)
             options = {
                 "mu0": MU0,
                 "tau0": TAU0,
@@ -236,8 +238,10 @@ def render_coarser_cutoff_rows(rows):
         return " | ".join(f"{factor * value:.{digits}f}" for value in values)
 
     lines = [
-        f"| Hurst {rows[0]['hurst']}, {len(rows)} pairs | {' | '.join(f'{count} points' for count in (4, *CUTOFFS))} |",
-        "|" + "---|" * (2 + len(CUTOFFS)),
+        f"| Hurst {rows[0]['hurst']}, {len(rows)} pairs | "
+        + " | ".join(f"{count} points" for count in (4, *CUTOFFS_IN_POINTS))
+        + " |",
+        "|" + "---|" * (2 + len(CUTOFFS_IN_POINTS)),
         f"| h' of the gap | {format_means('plastic', 'gradient')} |",
         f"| elastic: A/A0 (%) | {format_means('elastic', 'area', 100)} |",
         f"| elastic: mean pressure (GPa) | {format_means('elastic', 'pressure', 1, 1)} |",
@@ -306,7 +310,7 @@ def render_bracket_rows(groups):
 def render_yield_deviation_rows(rows_by_exponent):
     """Return deviations of the coarsest result from the finest at elastic pressures of 1 and 2 times the hardness."""
     lines = [
-        f"| μ_s, friction at all contacts, at {CUTOFFS[-1]} points | elastic mean pressure / hardness "
+        f"| μ_s, friction at all contacts, at {CUTOFFS_IN_POINTS[-1]} points | elastic mean pressure / hardness "
         "| mean difference from the finest (%) | largest difference (%) |",
         "|---|---|---|---|",
     ]
@@ -441,7 +445,7 @@ def draw_figure(rows_by_exponent, joined_results):
 
     figure, axes = plt.subplots(1, 3, figsize=(12, 3.8), layout="constrained")
     colours = dict(zip(HURST_EXPONENTS, ("#0072b2", "#d55e00"), strict=True))
-    wavelengths = 1e3 * SPACING * np.array([4, *CUTOFFS])
+    wavelengths = 1e3 * SPACING * np.array([4, *CUTOFFS_IN_POINTS])
     for hurst, rows in rows_by_exponent.items():
         for axis, name, factor in ((axes[0], "area", 100), (axes[1], "all", 1)):
             for model, line in (("plastic", "-o"), ("elastic", "--s")):

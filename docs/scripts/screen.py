@@ -5,13 +5,13 @@ import sys
 import tempfile
 
 import matplotlib as mpl
-from first import EXAMPLE_INPUTS, ROOT, SCANS_FOLDER
+from first import EXAMPLE_PAIR_OPTIONS, ROOT, SCANS_FOLDER
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from stiction.views.style import INCHES_PER_MILLIMETRE, MATPLOTLIB_STYLE
 
 COMMAND_OPTIONS = [
-    text for name, value in (EXAMPLE_INPUTS | {"load": "50 MPa"}).items() for text in (f"--{name}", str(value))
+    text for name, value in (EXAMPLE_PAIR_OPTIONS | {"load": "50 MPa"}).items() for text in (f"--{name}", str(value))
 ]
 NUM_COLUMNS = 80  # characters in a line of the terminal
 LINE_HEIGHT, CHARACTER_WIDTH = 4.2, 1.98  # mm

@@ -13,7 +13,7 @@ import tempfile
 from pathlib import Path
 
 import stiction as st
-from first import EXAMPLE_INPUTS, ROOT, SCANS_FOLDER
+from first import EXAMPLE_PAIR_OPTIONS, ROOT, SCANS_FOLDER
 from stiction.views.report import save_report
 
 IMAGE_FOLDER = ROOT / "docs/images"
@@ -43,7 +43,7 @@ def save_report_screenshots(driver, folder: Path) -> None:
         SCANS_FOLDER / "lapped_lower.csv",
         directory=folder / "pair",
         load="50 MPa",
-        **EXAMPLE_INPUTS,
+        **EXAMPLE_PAIR_OPTIONS,
     )
     save_report(result, folder / "report.html")
     for suffix, dark in (("", False), ("_dark", True)):

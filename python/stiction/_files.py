@@ -15,14 +15,14 @@ from pathlib import Path
 
 from stiction._text import printable_path
 
-PARTIAL_NAME_PATTERN = re.compile(r"\.stiction-([0-9a-f]{8})-([0-9]+)-([0-9a-f]{8})-[0-9a-f]{8}\.partial")
+PARTIAL_FILE_NAME_PATTERN = re.compile(r"\.stiction-([0-9a-f]{8})-([0-9]+)-([0-9a-f]{8})-[0-9a-f]{8}\.partial")
 """Pattern of the names of partial files. A killed process leaves its partial file behind.
 
 The name contains the machine, the process id, the run and a random number.
 """
 
 # a partial file left by another machine counts as stale if its age in seconds exceeds this limit
-MAX_PARTIAL_AGE = 3600.0
+MAX_PARTIAL_FILE_AGE = 3600.0
 _MACHINE_TOKEN = f"{zlib.crc32(platform.node().encode()):08x}"
 _PROCESS_TOKEN = secrets.token_hex(4)  # random token that identifies this run; a process id may be reused
 # The mark that identifies a file is searched for in this many bytes at the start and at the end of the file.
@@ -94,7 +94,7 @@ def remove_stale_partial_files(folder: Path) -> None:
     """Remove partial files left by processes that have died. Errors, such as missing permissions, are ignored."""
     with suppress(OSError):
         for entry in os.scandir(folder):
-            match = PARTIAL_NAME_PATTERN.fullmatch(entry.name)
+            match = PARTIAL_FILE_NAME_PATTERN.fullmatch(entry.name)
             if match and entry.is_file(follow_symlinks=False) and _is_stale_partial_file(entry, *match.groups()):
                 with suppress(OSError):
                     os.unlink(entry)
@@ -102,7 +102,7 @@ def remove_stale_partial_files(folder: Path) -> None:
 
 def _is_stale_partial_file(entry: os.DirEntry[str], machine_token: str, process: str, process_token: str) -> bool:
     if machine_token != _MACHINE_TOKEN or os.name != "posix":
-        return time.time() - entry.stat(follow_symlinks=False).st_mtime > MAX_PARTIAL_AGE
+        return time.time() - entry.stat(follow_symlinks=False).st_mtime > MAX_PARTIAL_FILE_AGE
     if int(process) == os.getpid():
         return process_token != _PROCESS_TOKEN
     try:

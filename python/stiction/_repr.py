@@ -29,7 +29,7 @@ _SMALLER_UNITS = {"µm": (1e-3, "nm"), "GPa": (1e-3, "MPa"), "mN": (1e-3, "µN")
 """Next smaller unit of each unit, with the conversion factor. Values below 0.1 are printed in the smaller unit."""
 
 
-class TextRepr:
+class TextReprMixin:
     """Mixin for a text representation that lists all numbers, and the shapes and ranges of all arrays."""
 
     def __repr__(self) -> str:
@@ -39,14 +39,14 @@ class TextRepr:
         return "\n".join([type(self).__name__, *(f"  {name:<{width}}  {text}" for name, text in rows)])
 
 
-class PlotRepr(TextRepr):
+class PlotReprMixin(TextReprMixin):
     """Mixin that shows text and a plot in a notebook. The class must have a method ``plot(ax=None)``."""
 
     def _repr_html_(self) -> str:
         return f"<div>{preformatted_html(repr(self))}{plot_html(self.plot)}</div>"  # type: ignore[attr-defined]
 
 
-class TableRepr(TextRepr):
+class TableReprMixin(TextReprMixin):
     """Mixin that shows a table of values with units in a notebook."""
 
     def _repr_html_(self) -> str:

@@ -19,7 +19,7 @@ _UNIT_FACTORS = {
 }
 """Factors to the core units µm, GPa, mN, s and mN/µm, with both Unicode characters for micro."""
 
-VALID_RANGES = {
+VALID_QUANTITY_RANGES = {
     "length": (1e-6, 1e6), "pressure": (1e-9, 1e4), "force": (1e-12, 1e12), "time": (1e-3, 1e10),
     "work of adhesion": (1e-9, 1),
 }  # fmt: skip
@@ -70,7 +70,7 @@ def quantity(text: object, kind: str) -> Quantity:
             f'must be a {kind} with its unit, as in "1 {next(iter(units))}" ({allowed}), got {short_repr(text)}'
         )
     match = _QUANTITY_PATTERN.fullmatch(text)
-    lowest, highest = VALID_RANGES[kind]
+    lowest, highest = VALID_QUANTITY_RANGES[kind]
     core_unit = next(name for name, factor in units.items() if factor == "1")
     if (
         match is None

@@ -53,7 +53,7 @@ def stiction_output(*arguments, cwd):
 # ---- at --------------------------------------------------------------------------------------------------------------
 
 
-CONDITION_CASES = {
+LOAD_AND_PARAMETER_CASES = {
     "study": (
         ("--load", "1 uN", "--d", "1.3", "--mu0", "0.35", "--tau0", "20 MPa"), [1e-3], {"mu0": [0.35], "tau0": [0.02]},
     ),
@@ -62,9 +62,9 @@ CONDITION_CASES = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", CONDITION_CASES)
+@pytest.mark.parametrize("name", LOAD_AND_PARAMETER_CASES)
 def test_command_at_prints_the_values_of_the_library_for_any_mu0_and_tau0(results_folder, name):
-    options, loads, friction_parameters = CONDITION_CASES[name]
+    options, loads, friction_parameters = LOAD_AND_PARAMETER_CASES[name]
     output_record = json.loads(stiction_output("at", name, *options, "--json", cwd=results_folder))
     stored_result = open_stored_result(results_folder / name)
     if name == "maps":

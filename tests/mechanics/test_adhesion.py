@@ -326,7 +326,7 @@ def test_pull_off_force_is_a_lower_bound_if_stability_is_undecided(monkeypatch):
     bodies, adhesive = create_soft_bodies_in_complete_contact()
     curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
     assert curve.contact(0).pressure.all()
-    monkeypatch.setattr(adhesion, "MAX_SOLUTIONS_PER_LOAD", 3)
+    monkeypatch.setattr(adhesion, "MAX_SOLVES_PER_LOAD", 3)
     assert curve.pull_off_is_bound
 
 

@@ -663,7 +663,7 @@ def test_periodic_flats_have_uniform_pressure():
     np.testing.assert_allclose(curve.contact_area, 96.0, rtol=ROUND_OFF)
 
 
-EXAMPLE_LINE = Profile(np.arange(8.0) % 3, spacing=1.0)
+EXAMPLE_PROFILE = Profile(np.arange(8.0) % 3, spacing=1.0)
 EXAMPLE_MAP = Surface(np.arange(64.0).reshape(8, 8) % 5, spacing=1.0)
 
 
@@ -695,13 +695,13 @@ EXAMPLE_MAP = Surface(np.arange(64.0).reshape(8, 8) % 5, spacing=1.0)
     ],
 )
 def test_half_space_rejects_invalid_arguments(arguments, message):
-    options = {"upper": EXAMPLE_LINE, "lower": EXAMPLE_LINE, "loads": [1.0]} | arguments
+    options = {"upper": EXAMPLE_PROFILE, "lower": EXAMPLE_PROFILE, "loads": [1.0]} | arguments
     with pytest.raises(ValueError, match=message):
         half_space(**options)
 
 
 def test_half_space_load_curve_is_read_only_and_rejects_invalid_indices():
-    curve = half_space(flat_like(EXAMPLE_LINE), EXAMPLE_LINE, [1.0])
+    curve = half_space(flat_like(EXAMPLE_PROFILE), EXAMPLE_PROFILE, [1.0])
     assert isinstance(curve, HalfSpaceCurve)
     with pytest.raises(ValueError, match="read-only"):
         curve.load[0] = 2.0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from stiction import half_space
 from stiction.mechanics.hardness import MIXING_EXPONENT_FACTOR, MIXING_EXPONENT_POWER, area_per_load
-from stiction.studies.hardness import HARDNESS_NODE_POSITIONS
+from stiction.studies.hardness import HARDNESS_NODE_POSITIONS_BY_MODULI_COUNT
 from support.rough_surfaces import rough_maps
 
 FRICTION_TOLERANCE, AREA_TOLERANCE = 0.01, 0.03
@@ -27,7 +27,7 @@ def test_contact_area_interpolated_over_hardness_agrees_with_direct_solutions(rm
         return float(curve.contact_area[0] / curve.normal_elastic[0])
 
     elastic_area = solve_area_per_load(None)
-    nodes = 0.23 * (1.7 / 0.23) ** np.sort([*HARDNESS_NODE_POSITIONS, 0.5])
+    nodes = 0.23 * (1.7 / 0.23) ** np.sort([*HARDNESS_NODE_POSITIONS_BY_MODULI_COUNT, 0.5])
     expected = np.geomspace(0.23, 1.7, 9)
     result = area_per_load(expected, nodes, [solve_area_per_load(float(node)) for node in nodes], elastic_area)
     direct_solutions = np.array([solve_area_per_load(float(item)) for item in expected])

@@ -598,7 +598,7 @@ def test_onset_data_frame_contains_units_and_fitted_models_contain_residuals(bod
 
 # ---- Bad input ------------------------------------------------------------------------------------------------------
 
-REJECTED_ARGUMENTS = [
+REJECTED_ARGUMENT_CASES = [
     ({"mu0": -0.1}, "mu0 must not be negative"),
     ({"mu0": [0.1, 0.2]}, "mu0 must be a finite number"),
     ({"mu0": 0.0}, "mu0 and tau0 must not both be 0"),
@@ -617,7 +617,7 @@ REJECTED_ARGUMENTS = [
 ]
 
 
-@pytest.mark.parametrize(("arguments", "message"), REJECTED_ARGUMENTS)
+@pytest.mark.parametrize(("arguments", "message"), REJECTED_ARGUMENT_CASES)
 def test_onset_method_rejects_invalid_arguments(ball_curve_and_radius, arguments, message):
     for curve in (ball_curve_and_radius[0], press_single_ball()):
         with pytest.raises(ValueError, match=message):

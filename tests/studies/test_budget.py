@@ -453,14 +453,14 @@ def test_friction_coefficient_is_exactly_zero_if_mu0_and_tau0_are_zero() -> None
     assert "τ0 is 0, so the coefficient is the given μ0; the surfaces add 0" in [each.text for each in result.caveats]
 
 
-CONTAINMENT_INPUTS = (
+UNCERTAIN_INPUT_CASES = (
     {"mu0": "0.2±0.05", "tau0": "20..80 MPa", "effective_modulus": "40..60 GPa"},
     {"mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "50 GPa", "hardness": "1..3 GPa"},
     {"mu0": "0.2±0.05", "tau0": "20..80 MPa", "effective_modulus": "50 GPa", "hardness": "2 GPa"},
 )
 
 
-@pytest.mark.parametrize("inputs", CONTAINMENT_INPUTS)
+@pytest.mark.parametrize("inputs", UNCERTAIN_INPUT_CASES)
 @pytest.mark.parametrize("noise", [0.0, 0.1])
 def test_combined_interval_contains_the_confidence_interval_due_to_sampling_and_the_range_for_finer_scans(
     inputs: dict[str, Any], noise: float

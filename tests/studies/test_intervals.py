@@ -4,7 +4,7 @@ import scipy.special
 import scipy.stats
 from reference.neighbours import coverage_and_width, estimate_true_mean, simulate_correlated_positions
 from stiction.studies.intervals import (
-    MIN_NEIGHBORING_VALUES,
+    MIN_NEIGHBOURING_VALUES,
     average_correlated_values,
     average_independent_values,
     average_line_means,
@@ -104,13 +104,13 @@ def test_interval_for_independent_neighboring_values_is_a_student_t_interval():
 def test_interval_for_correlated_neighboring_values_lies_within_their_range():
     random = np.random.default_rng(6)
     for distribution in ("half zeros", "bounded", "lognormal 1"):
-        for values in simulate_correlated_positions(distribution, 50, MIN_NEIGHBORING_VALUES, 0.6, random):
+        for values in simulate_correlated_positions(distribution, 50, MIN_NEIGHBOURING_VALUES, 0.6, random):
             mean, lower, upper = average_correlated_values(values)
             assert np.isnan(lower) or values.min() <= lower < mean < upper <= values.max()
 
 
 def test_mean_of_too_few_or_identical_neighboring_values_has_no_interval():
-    assert np.isnan(average_correlated_values(np.arange(MIN_NEIGHBORING_VALUES - 1.0))[1:]).all()
+    assert np.isnan(average_correlated_values(np.arange(MIN_NEIGHBOURING_VALUES - 1.0))[1:]).all()
     mean, lower, upper = average_correlated_values(np.zeros(16))
     assert mean == 0
     assert np.isnan([lower, upper]).all()

@@ -133,7 +133,7 @@ def test_table_and_text_and_figure_and_report_show_the_onset(study, tmp_path):
     )
 
 
-REJECTED_STUDY_CHANGES = [
+REJECTED_STUDY_CHANGE_CASES = [
     ({"contact.onset": {"mu0": 0.0}}, "mu0 and tau0 must not both be 0"),
     ({"contact.onset": {"tau0": "3 mN"}}, r"contact\.onset\.tau0: .*pressure"),
     ({"contact.onset": {"load": 1.0}}, r"contact\.onset\.load: unknown key"),
@@ -142,7 +142,7 @@ REJECTED_STUDY_CHANGES = [
 ]
 
 
-@pytest.mark.parametrize(("changes", "pattern"), REJECTED_STUDY_CHANGES)
+@pytest.mark.parametrize(("changes", "pattern"), REJECTED_STUDY_CHANGE_CASES)
 def test_study_rejects_invalid_onset_settings(changes, pattern):
     with pytest.raises(StudyError, match=pattern) as caught:
         Study().with_changes(changes)

@@ -504,7 +504,7 @@ def test_complete_result_on_a_read_only_disk_can_be_read(folder_copy, computed_r
 def test_partial_files_of_ended_processes_are_removed(folder_copy):
     ended_process = subprocess.Popen([sys.executable, "-c", ""])
     ended_process.wait()
-    machine, _, process_token = _files.PARTIAL_NAME_PATTERN.fullmatch(_files.new_partial_file_name()).groups()
+    machine, _, process_token = _files.PARTIAL_FILE_NAME_PATTERN.fullmatch(_files.new_partial_file_name()).groups()
     is_kept = {
         f".stiction-{machine}-{ended_process.pid}-00000000-00000000.partial": False,
         # An earlier process had the same process id.

@@ -207,8 +207,10 @@ lower = { file = "other/scan.csv", columns = ["x", 3], channel = 0 }
 mu0 = [0.3, 0.4]
 load = ["1 mN", "10 mN"]
 """
-AREA_STUDY = parse_study(MEASURED_STUDY_TEXT, "areas")
-LINE_STUDY = parse_study(MEASURED_STUDY_TEXT.replace('"measured"', '"measured"\npress = "lines"\noffsets = 4'), "lines")
+MEASURED_AREA_STUDY = parse_study(MEASURED_STUDY_TEXT, "areas")
+MEASURED_LINE_STUDY = parse_study(
+    MEASURED_STUDY_TEXT.replace('"measured"', '"measured"\npress = "lines"\noffsets = 4'), "lines"
+)
 SURFACE_STUDY = Study().with_changes({"surfaces.kind": "surface", "contact.direction": ["+x", 90]})
 SELF_AFFINE_STUDY = SURFACE_STUDY.with_changes({"surfaces.generator": "self-affine"})
 HALF_SPACE_STUDY = SURFACE_STUDY.with_changes({"contact.mechanics": "half-space", "contact.hardness": "1 GPa"})
@@ -221,7 +223,8 @@ class TestStudyKinds:
     """Test studies of different kinds of surfaces and contact models."""
 
     @pytest.mark.parametrize(
-        "study", [SURFACE_STUDY, SELF_AFFINE_STUDY, HALF_SPACE_STUDY, PLASTIC_STUDY, AREA_STUDY, LINE_STUDY]
+        "study",
+        [SURFACE_STUDY, SELF_AFFINE_STUDY, HALF_SPACE_STUDY, PLASTIC_STUDY, MEASURED_AREA_STUDY, MEASURED_LINE_STUDY],
     )
     def test_study_is_unchanged_by_text_and_pickle_round_trips(self, study):
         assert parse_study(study.to_toml(), "text") == study
@@ -244,7 +247,7 @@ class TestStudyKinds:
         }
         assert differences_by_key["surfaces.kind"] == ('"profile"', '"surface"')
         assert differences_by_key["surfaces.points"] == ("150_000", "none")
-        assert not list(find_table_differences(AREA_STUDY, AREA_STUDY))
+        assert not list(find_table_differences(MEASURED_AREA_STUDY, MEASURED_AREA_STUDY))
 
     @pytest.mark.parametrize(
         ("study", "sums", "step", "cells"),
@@ -252,8 +255,8 @@ class TestStudyKinds:
             (Study(), SUM_QUANTITIES, "approach", ["fractal_dimension", "amplitude"]),
             (SURFACE_STUDY, SUM_QUANTITIES + AREAL_SUM_QUANTITIES, "approach", ["fractal_dimension", "amplitude"]),
             (HALF_SPACE_STUDY, HALF_SPACE_SUM_QUANTITIES, "load", ["fractal_dimension", "amplitude"]),
-            (AREA_STUDY, HALF_SPACE_SUM_QUANTITIES, "load", ["cut_off"]),
-            (LINE_STUDY, (*SUM_QUANTITIES, "approach"), "load", ["cut_off"]),
+            (MEASURED_AREA_STUDY, HALF_SPACE_SUM_QUANTITIES, "load", ["cut_off"]),
+            (MEASURED_LINE_STUDY, (*SUM_QUANTITIES, "approach"), "load", ["cut_off"]),
         ],
     )
     def test_kind_of_a_study_determines_its_sums_and_step_variable_and_cell_dimensions(self, study, sums, step, cells):
@@ -282,14 +285,14 @@ class TestStudyKinds:
             (Study(), "contact.direction", 90),
             (SURFACE_STUDY, "contact.sliding", "both"),
             (SURFACE_STUDY, "figures.draw", ["profiles"]),
-            (AREA_STUDY, "surfaces.level", "line"),
-            (AREA_STUDY, "surfaces.upper.fil", "scan.npy"),
-            (AREA_STUDY, "surfaces.upper.spacing", ["1 um", "1 um", "1 um"]),
-            (AREA_STUDY, "surfaces.upper.unit", "inch"),
-            (AREA_STUDY, "surfaces.upper.columns", [0, -1]),
-            (AREA_STUDY, "contact.direction", [index / 2 for index in range(500)]),
-            (AREA_STUDY, "friction.load", ["1 N"]),
-            (AREA_STUDY, "figures.draw", ["area"]),
+            (MEASURED_AREA_STUDY, "surfaces.level", "line"),
+            (MEASURED_AREA_STUDY, "surfaces.upper.fil", "scan.npy"),
+            (MEASURED_AREA_STUDY, "surfaces.upper.spacing", ["1 um", "1 um", "1 um"]),
+            (MEASURED_AREA_STUDY, "surfaces.upper.unit", "inch"),
+            (MEASURED_AREA_STUDY, "surfaces.upper.columns", [0, -1]),
+            (MEASURED_AREA_STUDY, "contact.direction", [index / 2 for index in range(500)]),
+            (MEASURED_AREA_STUDY, "friction.load", ["1 N"]),
+            (MEASURED_AREA_STUDY, "figures.draw", ["area"]),
         ],
     )
     def test_error_after_changing_the_kind_of_a_study_names_the_invalid_key(self, study, key, value):
@@ -302,7 +305,7 @@ class TestStudyKinds:
         with pytest.raises(StudyError, match=r"belongs to fractal profiles, not to Weierstrass-Mandelbrot surfaces"):
             SURFACE_STUDY.with_changes({"surfaces.points": 100})
         with pytest.raises(StudyError, match=r"belongs to areas of measured maps, not to lines of measured files"):
-            LINE_STUDY.with_changes({"surfaces.rotate": 3.0})
+            MEASURED_LINE_STUDY.with_changes({"surfaces.rotate": 3.0})
 
     def test_study_rejects_too_many_combinations_of_loads_with_mu0_and_tau0(self):
         strengths = {
@@ -310,23 +313,23 @@ class TestStudyKinds:
             "friction.tau0": ["0 MPa", "1 MPa", "2 MPa"],
         }
         with pytest.raises(StudyError, match=r"friction: .*at most 1000, got 600|at most 1000"):
-            AREA_STUDY.with_changes(strengths | {"friction.load": [f"{1 + index} mN" for index in range(8)]})
+            MEASURED_AREA_STUDY.with_changes(strengths | {"friction.load": [f"{1 + index} mN" for index in range(8)]})
 
 
 class TestMeasuredStudies:
     """Test studies of measured surfaces."""
 
     def test_measured_study_has_both_sliding_rules_and_all_directions_by_default(self):
-        assert AREA_STUDY.motion_coordinates() == {
+        assert MEASURED_AREA_STUDY.motion_coordinates() == {
             "sliding": ["all", "opposing"],
             "direction": [30.0 * step for step in range(12)],
         }
-        assert LINE_STUDY.motion_coordinates() == {"sliding": ["all", "opposing"], "direction": [0.0, 180.0]}
-        assert AREA_STUDY.with_changes({"contact.direction": -330}).motion_coordinates()["direction"] == [30.0]
+        assert MEASURED_LINE_STUDY.motion_coordinates() == {"sliding": ["all", "opposing"], "direction": [0.0, 180.0]}
+        assert MEASURED_AREA_STUDY.with_changes({"contact.direction": -330}).motion_coordinates()["direction"] == [30.0]
 
     def test_solved_loads_extend_below_and_above_requested_loads(self):
-        assert AREA_STUDY.contact.loading_steps() == pytest.approx([10**-0.5, 1, 10**0.5, 10, 10**1.5])
-        for study in (LINE_STUDY, LINE_STUDY.with_changes({"contact.mechanics": "half-space"})):
+        assert MEASURED_AREA_STUDY.contact.loading_steps() == pytest.approx([10**-0.5, 1, 10**0.5, 10, 10**1.5])
+        for study in (MEASURED_LINE_STUDY, MEASURED_LINE_STUDY.with_changes({"contact.mechanics": "half-space"})):
             steps = study.contact.loading_steps()
             assert {1.0, 10.0} <= set(steps)
             assert steps[0] < 0.2
@@ -358,7 +361,7 @@ class TestMeasuredStudies:
         monkeypatch.chdir(tmp_path)
         assert parse_study(text, "here").with_checksums().surfaces.upper.file == str(tmp_path / "scan.npy")
         with pytest.raises(ValueError, match="cannot be read"):
-            AREA_STUDY.surfaces.upper.with_absolute_paths(tmp_path / "none").with_checksums()
+            MEASURED_AREA_STUDY.surfaces.upper.with_absolute_paths(tmp_path / "none").with_checksums()
         assert Study().with_checksums() == Study()
 
 
@@ -374,7 +377,14 @@ def test_randomly_mutated_study_file_is_either_read_or_rejected(seed):
     random = np.random.default_rng(seed)
     texts = [
         study.to_toml().splitlines()
-        for study in (Study(), SURFACE_STUDY, SELF_AFFINE_STUDY, HALF_SPACE_STUDY, AREA_STUDY, LINE_STUDY)
+        for study in (
+            Study(),
+            SURFACE_STUDY,
+            SELF_AFFINE_STUDY,
+            HALF_SPACE_STUDY,
+            MEASURED_AREA_STUDY,
+            MEASURED_LINE_STUDY,
+        )
     ]
     num_accepted = 0
     for _ in range(300):

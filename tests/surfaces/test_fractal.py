@@ -13,7 +13,7 @@ from stiction import (
 # Tolerance relative to the total height, for the round-off of 1600 cosines and of a recurrence of 256 steps.
 # Phases have 64 bits; long double phases of the reference have errors of about 1e-10 rad at the highest frequency.
 DIRECT_SUM_TOLERANCE = 1e-12
-SMALL_GRID = {"points": 3000, "extent": 2.0}
+SMALL_GRID_ARGUMENTS = {"points": 3000, "extent": 2.0}
 
 
 def hurst_of_dimension(dimension, convention):
@@ -76,29 +76,31 @@ class TestFractalProfile:
     def test_fractal_profile_equals_direct_sum_for_any_parameters(self):
         for directions, gamma, length_scale in ((1, 1.5, 1.0), (2, 2.0, 0.3), (7, 1.1, 5.0), (40, 1.7, 2.0)):
             phases = random_phases(9, directions=directions, frequencies=12)
-            settings = {"length_scale": length_scale, "gamma": gamma, **SMALL_GRID}
+            settings = {"length_scale": length_scale, "gamma": gamma, **SMALL_GRID_ARGUMENTS}
             profile = weierstrass_mandelbrot(phases, 1.4, **settings)
             expected = direct_sum.weierstrass_mandelbrot(phases, 1.2, **settings)
             assert np.abs(profile.heights - expected).max() < DIRECT_SUM_TOLERANCE * np.ptp(profile.heights)
 
     def test_fractal_profile_starts_at_height_zero(self):
-        assert weierstrass_mandelbrot(random_phases(1), 1.5, **SMALL_GRID).heights[0] == pytest.approx(0, abs=1e-13)
+        assert weierstrass_mandelbrot(random_phases(1), 1.5, **SMALL_GRID_ARGUMENTS).heights[0] == pytest.approx(
+            0, abs=1e-13
+        )
 
     def test_profile_of_classical_dimension_d_equals_profile_of_dimension_1_plus_half_d_in_the_paper(self):
         phases = random_phases(4)
         for dimension in (1.0, 1.3, 1.9):
-            classical = weierstrass_mandelbrot(phases, dimension, convention="classical", **SMALL_GRID)
-            paper = weierstrass_mandelbrot(phases, 1 + dimension / 2, **SMALL_GRID)
+            classical = weierstrass_mandelbrot(phases, dimension, convention="classical", **SMALL_GRID_ARGUMENTS)
+            paper = weierstrass_mandelbrot(phases, 1 + dimension / 2, **SMALL_GRID_ARGUMENTS)
             assert np.allclose(classical.heights, paper.heights, rtol=0, atol=1e-12)
 
     def test_batch_of_profiles_equals_single_profiles_bit_for_bit(self):
         phases = random_phases(6)
         dimensions = [1.0, 1.2, 1.65]
-        heights_by_dimension = weierstrass_mandelbrot_family(phases, dimensions, **SMALL_GRID)
+        heights_by_dimension = weierstrass_mandelbrot_family(phases, dimensions, **SMALL_GRID_ARGUMENTS)
         assert heights_by_dimension.shape == (3, 3000)
         for row, dimension in zip(heights_by_dimension, dimensions, strict=True):
-            assert np.array_equal(row, weierstrass_mandelbrot(phases, dimension, **SMALL_GRID).heights)
-        assert weierstrass_mandelbrot_family(phases, [], **SMALL_GRID).shape == (0, 3000)
+            assert np.array_equal(row, weierstrass_mandelbrot(phases, dimension, **SMALL_GRID_ARGUMENTS).heights)
+        assert weierstrass_mandelbrot_family(phases, [], **SMALL_GRID_ARGUMENTS).shape == (0, 3000)
 
     @pytest.mark.parametrize(
         "invalid_arguments",
@@ -157,7 +159,7 @@ class TestFractalSurface:
     def test_first_row_of_a_fractal_surface_equals_a_profile(self):
         phases = random_phases(8)
         surface = weierstrass_mandelbrot_surface(phases, 1.5, shape=(5, 3000), extent=(1.0, 2.0), length_scale=0.7)
-        profile = weierstrass_mandelbrot(phases, 1.5, length_scale=0.7, **SMALL_GRID)
+        profile = weierstrass_mandelbrot(phases, 1.5, length_scale=0.7, **SMALL_GRID_ARGUMENTS)
         row = surface.row(0)
         assert row.spacing == profile.spacing
         assert np.abs(row.heights - profile.heights).max() < DIRECT_SUM_TOLERANCE * np.ptp(profile.heights)

@@ -18,8 +18,8 @@ from stiction import (
 )
 from support.rough_surfaces import rough_profile, self_affine_map, sinusoid
 
-BAND = {"longest_wavelength": 4.0, "shortest_wavelength": 0.08}
-DEFAULT_CASE = (False, BAND, False)
+BAND_ARGUMENTS = {"longest_wavelength": 4.0, "shortest_wavelength": 0.08}
+DEFAULT_CASE = (False, BAND_ARGUMENTS, False)
 """Case that also runs outside the stress suite: (is the profile periodic?, band, is the band specified?)."""
 
 
@@ -31,7 +31,7 @@ class TestProfileHurstExponent:
         ("periodic", "band", "arguments"),
         [
             case if case == DEFAULT_CASE else pytest.param(*case, marks=pytest.mark.soak)
-            for case in product((True, False), ({}, BAND), (True, False))
+            for case in product((True, False), ({}, BAND_ARGUMENTS), (True, False))
         ],
     )
     def test_hurst_interval_of_profiles_contains_the_true_exponent(self, periodic, band, arguments):

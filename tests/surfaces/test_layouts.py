@@ -225,7 +225,7 @@ def profile_text(separator=";", comma=True, head="x (µm);z (µm)", minus="-", e
     return end.join([head, *lines]).replace("-", minus) + end
 
 
-MASK_OPTION, MASK_AND_UNIT = {"missing": "mask"}, {"missing": "mask", "unit": "um"}
+MASK_OPTION, MASK_AND_UNIT_OPTIONS = {"missing": "mask"}, {"missing": "mask", "unit": "um"}
 EXPORT_FORMATS = {
     "gwyddion": (
         gwyddion_text, MASK_OPTION,
@@ -249,7 +249,7 @@ EXPORT_FORMATS = {
          {"missing": "nan"}],
     ),
     "esri": (
-        esri_text, {**MASK_AND_UNIT, "spacing": "0.5 um"},
+        esri_text, {**MASK_AND_UNIT_OPTIONS, "spacing": "0.5 um"},
         [{}, {"case": str.upper}, {"code": "1e+30"}, {"size": "dx 0.5\ndy 0.5"}, {"separator": "\t"},
          {"code": "-32768"}],
     ),
@@ -267,13 +267,13 @@ EXPORT_FORMATS = {
         [{}, {"numbered": False}, {"pad": "   "}, {"separator": ","}, {"separator": ";"}],
     ),
     "triplets": (
-        triplet_text, MASK_AND_UNIT,
+        triplet_text, MASK_AND_UNIT_OPTIONS,
         [{}, {"order": -1}, {"separator": ";", "comma": True}, {"separator": ",", "head": "x (um),y (um),z (um)"},
          {"separator": "\t", "head": "X\tY\tZ"}, {"missing": "nan"}, {"separator": ",", "missing": "nan"},
          {"jitter": 0.02}],
     ),
     "labelled": (
-        labelled_matrix_text, MASK_AND_UNIT,
+        labelled_matrix_text, MASK_AND_UNIT_OPTIONS,
         [{}, {"separator": ";", "comma": True}, {"separator": "\t"}, {"corner": "y/x"}, {"missing": "nan"},
          {"form": ".1f"}],
     ),
@@ -541,7 +541,7 @@ def test_matrix_with_a_short_last_line_is_rejected(tmp_path):
     cells = [format_number(value) for value in HEIGHTS.ravel()]
     path.write_text("\n".join(" ".join(cells[index : index + 10]) for index in range(0, len(cells), 10)))
     with pytest.raises(FormatError, match=r"line 7 .* has fewer cells than the lines above it"):
-        read_measurement(path, **MASK_AND_UNIT, spacing="1 um")
+        read_measurement(path, **MASK_AND_UNIT_OPTIONS, spacing="1 um")
 
 
 def test_missing_unit_and_spacing_are_reported_in_one_message(tmp_path):

@@ -22,7 +22,7 @@ from stiction.studies.pair import MeasuredPair
 from stiction.surfaces.missing_data import find_outliers
 from support.machined_surfaces import MACHINED_SURFACES, filtered_noise
 
-HOLE_INDEX = np.s_[20:44, 30:50]
+HOLE_SLICES = np.s_[20:44, 30:50]
 READ_OPTIONS = {"unit": "um", "spacing": "0.1 um"}
 PAIR_OPTIONS = {
     "load": "5 MPa",
@@ -42,7 +42,7 @@ def complete_surface():
 @pytest.fixture
 def scan_path(complete_surface, tmp_path):
     heights = complete_surface.heights.copy()
-    heights[HOLE_INDEX] = np.nan
+    heights[HOLE_SLICES] = np.nan
     np.save(tmp_path / "hole.npy", heights)
     return tmp_path / "hole.npy"
 

@@ -9,7 +9,7 @@ from stiction import Profile, Surface, contacts, cropped, flipped, levelled, on_
 ROUND_OFF = 1e-13  # relative round-off of sums of a hundred numbers of order one
 # Minimum order of convergence: four, which holds away from the ends, minus a margin.
 # Natural end conditions reduce the order only near the ends.
-MIN_SPLINE_ORDER = 3.7
+MIN_SPLINE_CONVERGENCE_ORDER = 3.7
 
 
 def rough_profile(points, spacing=0.1, seed=1):
@@ -137,7 +137,7 @@ def test_error_of_spline_interpolation_decreases_with_the_fourth_power_of_the_sp
         splined_profile = on_common_grid(fine_profile, coarse_profile)[1]
         inner_range = slice(500, 1500)
         errors.append(np.abs(splined_profile.heights - np.sin(splined_profile.x))[inner_range].max())
-    assert np.log2(errors[0] / errors[1]) > MIN_SPLINE_ORDER
+    assert np.log2(errors[0] / errors[1]) > MIN_SPLINE_CONVERGENCE_ORDER
 
 
 def test_common_grid_has_at_least_four_points_for_any_two_profiles():

@@ -9,7 +9,7 @@ from stiction.studies.input_caveats import (
     MAX_FORM_FRACTION,
     MAX_PLAUSIBLE_MU0,
     MAX_PRESSURE_OVER_MODULUS,
-    MIN_SPIKE_RATIO,
+    MIN_SPIKE_SHARPNESS_RATIO,
     find_input_caveats,
     find_scan_caveats,
 )
@@ -67,7 +67,7 @@ def test_form_error_adds_a_caveat_unless_the_form_is_removed(rough_profile):
 
 def test_spikes_of_a_profile_add_a_caveat_that_states_their_number(rough_profile):
     heights = rough_profile.heights.copy()
-    heights[[500, 1200]] += 2 * MIN_SPIKE_RATIO * np.abs(np.diff(heights, 2)).max()
+    heights[[500, 1200]] += 2 * MIN_SPIKE_SHARPNESS_RATIO * np.abs(np.diff(heights, 2)).max()
     caveats = caveat_texts(Profile(heights, spacing=rough_profile.spacing), rough_profile)
     assert [text for text in caveats if "as sharp as usual" in text] == [
         "upper: 6 points are more than 12 times as sharp as usual, and would come into contact first"

@@ -10,7 +10,8 @@ from support import browser
 pytest.importorskip("selenium", reason="selenium is not installed")
 pytestmark = browser.BROWSER_MARKS
 
-NUM_MATERIALS, NUM_SETTINGS = 10, 50  # numbers of (mu0, tau0), and of settings of all controls, for each kind of result
+NUM_FRICTION_PARAMETER_PAIRS = 10  # number of (mu0, tau0) for each kind of result
+NUM_SETTINGS = 50  # number of settings of all controls for each kind of result
 MAX_WIDTH_ERROR = 0.15  # largest error, relative to the width of the interval
 MAX_HIDDEN_FRACTION = 0.6  # largest fraction of the settings at which the library has a number and the report has none
 HALF_PLANE_STUDY_CHANGES = {
@@ -75,11 +76,11 @@ def test_report_agrees_with_the_library_at_random_settings(result_and_driver):
     result, driver = result_and_driver
     facts, axes, loads = driver.execute_script("return [facts, nodeAxes, loads]")
     random, errors, num_hidden = np.random.default_rng(7), [], 0
-    for _ in range(NUM_MATERIALS):
+    for _ in range(NUM_FRICTION_PARAMETER_PAIRS):
         mu0, tau0 = (float(random.uniform(0, axes[name]["most"])) for name in ("mu0", "tau0"))
         tau0 /= 1000
         table = result.at(loads, mu0=[mu0], tau0=[tau0])
-        for _ in range(NUM_SETTINGS // NUM_MATERIALS):
+        for _ in range(NUM_SETTINGS // NUM_FRICTION_PARAMETER_PAIRS):
             sizes = [len(facts["rules"]), len(facts["cells"]["values"]), len(loads), len(facts["ways"])]
             setting_indices = [int(random.integers(size)) for size in sizes]
             status, *numbers = driver.execute_script(READ_POINT_SCRIPT, mu0, tau0, *setting_indices)

@@ -20,7 +20,7 @@ from support.synthetic_results import (
     value_and_ends,
 )
 
-SEVERAL_CONDITIONS = {"loads": (1.0, 10.0), "mu0": (0.2, 0.3), "tau0": (0.0, 0.05), "cut_offs": (0.0, 0.2)}
+MULTI_VALUE_ARGUMENTS = {"loads": (1.0, 10.0), "mu0": (0.2, 0.3), "tau0": (0.0, 0.05), "cut_offs": (0.0, 0.2)}
 
 
 def parse_csv(text):
@@ -28,7 +28,7 @@ def parse_csv(text):
 
 
 def test_data_frame_contains_all_numeric_variables():
-    dataset = measured_result(**SEVERAL_CONDITIONS)
+    dataset = measured_result(**MULTI_VALUE_ARGUMENTS)
     rows = values_frame(dataset)
     numeric_names = [name for name, table in dataset.data_vars.items() if table.dtype.kind in "if"]
     assert set(rows["name"]) == set(numeric_names)
@@ -58,7 +58,7 @@ def test_csv_table_has_a_row_with_verdict_and_caveats_for_each_direction():
     rows = parse_csv(
         frame_to_csv(
             summary_table(
-                summarize(measured_result(**SEVERAL_CONDITIONS), measured_study(), input_caveats=[input_caveat])
+                summarize(measured_result(**MULTI_VALUE_ARGUMENTS), measured_study(), input_caveats=[input_caveat])
             )
         )
     )
@@ -88,7 +88,7 @@ def test_csv_table_has_a_row_with_verdict_and_caveats_for_each_direction():
 
 
 DATASETS_AND_STUDIES = {
-    "maps": (measured_result(**SEVERAL_CONDITIONS), measured_study()),
+    "maps": (measured_result(**MULTI_VALUE_ARGUMENTS), measured_study()),
     "missing": (measured_result(status="no-contact", all_contacts=np.nan, opposing=np.nan, ok=0), measured_study()),
     "generated": (generated_result(), generated_study()),
     "one point": (generated_result().isel(fractal_dimension=[0], load=[0], tau0=[0]), generated_study()),

@@ -34,7 +34,7 @@ def set_terminal_width(monkeypatch):
     monkeypatch.setenv("COLUMNS", str(TERMINAL_WIDTH))
 
 
-SEVERAL_CONDITIONS = {
+MULTI_VALUE_ARGUMENTS = {
     "loads": (0.5, 1.0, 10.0, 100.0),
     "mu0": (0.2, 0.3),
     "tau0": (0.0, 0.05),
@@ -44,7 +44,7 @@ SEVERAL_CONDITIONS = {
 DATASETS_AND_STUDIES = {
     "maps": (measured_result(), measured_study()),
     "with a hardness": (measured_result(rms_gradient=0.7), measured_study(hardness=3.0)),
-    "many": (measured_result(**SEVERAL_CONDITIONS), measured_study()),
+    "many": (measured_result(**MULTI_VALUE_ARGUMENTS), measured_study()),
     "with caveats": (measured_result(share_at_edge=0.6, contact_count=5.0, reading_difference=0.1), measured_study()),
     "lines": (measured_result(directions=(0.0, 180.0)), measured_study(press="lines", mechanics="asperities")),
     "without a solution": (

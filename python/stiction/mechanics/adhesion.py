@@ -32,9 +32,9 @@ from stiction.mechanics.half_space_problem import (
 NUM_UNACCELERATED_STEPS = 2
 MAX_EXTRAPOLATION_FACTOR = 10.0  # maximum length of an extrapolated step, as a multiple of the length of the plain step
 # maximum number of times the contact problem is solved for one external load, including jumps
-MAX_SOLUTIONS_PER_LOAD = 2000
-MAX_SOLUTIONS_PER_CONTACT_LOAD = 60  # maximum number of times the contact problem is solved for one contact load
-MAX_STALLED_SOLUTIONS = 20  # maximum number of successive contact solutions without a reduction of the residual
+MAX_SOLVES_PER_LOAD = 2000
+MAX_SOLVES_PER_CONTACT_LOAD = 60  # maximum number of times the contact problem is solved for one contact load
+MAX_STALLED_SOLVES = 20  # maximum number of successive contact solutions without a reduction of the residual
 # maximum accepted relative residual of the attraction, as a multiple of the tolerance
 MAX_RESIDUAL_TO_TOLERANCE_RATIO = 10.0
 MIN_SOLUTION_TOLERANCE = (
@@ -56,7 +56,7 @@ FIRST_LOAD_DECREMENT = 0.05
 MIN_LOAD_IMPROVEMENT = 0.003
 # loads are interpolated only if the two contact loads differ by at least this fraction
 MIN_CONTACT_LOAD_DIFFERENCE = 0.01
-MAX_REFINEMENT_SOLUTIONS = 6  # maximum number of additional contact solutions at interpolated loads
+MAX_REFINEMENT_SOLVES = 6  # maximum number of additional contact solutions at interpolated loads
 MAX_TRIAL_LOADS = 24  # maximum number of external loads that are tried during separation
 
 
@@ -112,7 +112,7 @@ class AdhesionSolver:
                 break
             if residual < least_residual:
                 least_residual, best_iteration = residual, iteration
-            if iteration - best_iteration > MAX_STALLED_SOLUTIONS or iteration == MAX_SOLUTIONS_PER_CONTACT_LOAD:
+            if iteration - best_iteration > MAX_STALLED_SOLVES or iteration == MAX_SOLVES_PER_CONTACT_LOAD:
                 break
         raise EquilibriumNotFoundError("the computation of the attraction did not converge")
 
@@ -125,7 +125,7 @@ class AdhesionSolver:
 
         If the bodies separate, the iterated state with the smallest change is returned with False. Separation is
         certain only with plain steps (`longest` = 1), because extrapolated steps may pass an equilibrium.
-        `EquilibriumNotFoundError` is raised if `MAX_SOLUTIONS_PER_LOAD` solutions do not decide.
+        `EquilibriumNotFoundError` is raised if `MAX_SOLVES_PER_LOAD` solutions do not decide.
         """
         min_contact = self.min_contact if near is None else -math.inf
         slowest_state, least_residual, previous_residual = near, math.inf, math.inf
@@ -135,7 +135,7 @@ class AdhesionSolver:
         for iteration, (state, residual) in enumerate(iterations):
             if residual <= self.max_residual:
                 return state, True
-            if iteration == MAX_SOLUTIONS_PER_LOAD:
+            if iteration == MAX_SOLVES_PER_LOAD:
                 raise EquilibriumNotFoundError("the computation of the attraction did not converge")
             # ignore the first states; by chance, one of them may lie near an equilibrium
             if residual < min(previous_residual, least_residual) and iteration > 1:
@@ -202,7 +202,7 @@ class AdhesionSolver:
             stalled_count = 0 if residual < least_residual else stalled_count + 1
             least_residual = min(least_residual, residual)
             # the remaining residual may be caused by inexact contact solutions
-            if stalled_count > MAX_STALLED_SOLUTIONS:
+            if stalled_count > MAX_STALLED_SOLVES:
                 tolerance_ratio, stalled_count = tolerance_ratio / 10, 0
             residual_ratio = residual / previous_residual if previous_residual else 0.0
             extrapolation_factor = 1 / (1 - residual_ratio) if residual_ratio < 1 - 1 / longest else longest
@@ -331,7 +331,7 @@ class AdhesionSolver:
     def refine_minimum_load(self, states: list[AdhesionState]) -> list[AdhesionState]:
         """Add states where interpolation predicts a lower external load than that of any state. Return all states."""
         states = list(states)
-        for _ in range(MAX_REFINEMENT_SOLUTIONS):
+        for _ in range(MAX_REFINEMENT_SOLVES):
             minimum_index = min(range(len(states)), key=lambda index: states[index].load)
             candidates = []
             for first_index in (minimum_index - 1, minimum_index):

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 import stiction._core
 from stiction._checks import Floats, check_choice, make_read_only, validate_number
-from stiction._repr import TextRepr
+from stiction._repr import TextReprMixin
 from stiction._units import to_core_units
 from stiction.mechanics.candidates import Candidates, candidates, candidates_and_model
 from stiction.mechanics.model import ContactModelArguments, add_model_keywords_to_signature, warn_if_same_body
@@ -22,7 +22,7 @@ from stiction.surfaces.surface import Surface, as_body
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Contacts(TextRepr):
+class Contacts(TextReprMixin):
     """All contacts of a pair at one approach, one per row, in grid order. All arrays are read-only.
 
     Vectors are (x, y, z) with z as height; y is 0 on profiles. Positions are in the frame of the lower surface.
@@ -173,7 +173,7 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Asperities(TextRepr):
+class Asperities(TextReprMixin):
     """Osculating spheres of a profile, one for each point. All arrays are read-only.
 
     Attributes

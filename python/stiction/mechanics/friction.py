@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, float_array, validate_number
 from stiction._drawing import draw_contact_area, draw_friction
-from stiction._repr import PlotRepr, TextRepr, axes_or_new_axes
+from stiction._repr import PlotReprMixin, TextReprMixin, axes_or_new_axes
 from stiction._units import short_repr
 from stiction.mechanics.quantities import QUANTITIES, SUM_QUANTITIES
 
@@ -72,7 +72,7 @@ class ContactSums:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Validity(TextRepr):
+class Validity(TextReprMixin):
     """Validity indicators of the model. Load fractions refer to the load Σ F n_z and are NaN if there is no contact.
 
     Attributes
@@ -174,7 +174,7 @@ def compute_loads(sums: Any, mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]
     return compute_load("normal", columns, mu0, tau0), compute_load("tangential", columns, mu0, tau0)
 
 
-class FrictionCurve(PlotRepr):
+class FrictionCurve(PlotReprMixin):
     """Loads and friction of a pair at each step (approach or load), computed from stored contact sums."""
 
     contact_count: NDArray[Any]

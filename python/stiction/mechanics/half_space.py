@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._caching import cached_property
 from stiction._checks import Floats, check_choice, make_read_only, validate_fraction, validate_number
-from stiction._repr import PlotRepr, axes_or_new_axes
+from stiction._repr import PlotReprMixin, axes_or_new_axes
 from stiction._units import loads_to_core_units, to_core_units
 from stiction.mechanics.friction import FrictionCurve
 from stiction.mechanics.model import (
@@ -58,7 +58,7 @@ def min_resolved_adhesion_range(work: float, spacing: float, effective_modulus: 
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class HalfSpaceContact(PlotRepr):
+class HalfSpaceContact(PlotReprMixin):
     """Half-space contact of two surfaces at one load. The fields are read-only arrays on the grid.
 
     Attributes

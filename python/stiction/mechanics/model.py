@@ -18,7 +18,7 @@ from stiction.mechanics.law import ContactLaw, HertzCylinder, LawName, parse_con
 from stiction.surfaces.profile import MAX_POINTS, Profile, reject_missing_points
 from stiction.surfaces.surface import Surface, as_body
 
-Detection = Literal["cell", "gap-minimum"]
+DetectionMethod = Literal["cell", "gap-minimum"]
 CurvatureRequirement = Literal["convex", "signed"]
 ShearDirection = Literal["+x", "-x"]
 Direction = Literal["+x", "-x"] | float
@@ -70,7 +70,7 @@ class ContactModel:
 
     effective_modulus: float = DEFAULT_EFFECTIVE_MODULUS
     law: ContactLaw | LawName = "hertz-sphere"
-    detection: Detection | None = None
+    detection: DetectionMethod | None = None
     curvature: CurvatureRequirement | None = None
     shear: ShearDirection = "+x"
     direction: Direction | Sequence[Direction] | None = None
@@ -78,7 +78,7 @@ class ContactModel:
 
     def __post_init__(self) -> None:
         if self.detection is not None:
-            check_choice("detection", self.detection, Detection)
+            check_choice("detection", self.detection, DetectionMethod)
         if self.curvature is not None:
             check_choice("curvature", self.curvature, CurvatureRequirement)
         check_choice("shear", self.shear, ShearDirection)
@@ -135,7 +135,7 @@ class ContactModel:
             )
         return self._with_defaults("gap-minimum", self.curvature or "signed")
 
-    def _with_defaults(self, detection: Detection, curvature: CurvatureRequirement) -> ContactModel:
+    def _with_defaults(self, detection: DetectionMethod, curvature: CurvatureRequirement) -> ContactModel:
         if (self.detection, self.curvature) == (detection, curvature):
             return self
         return replace(self, detection=detection, curvature=curvature)
@@ -184,7 +184,7 @@ class ContactModelArguments(TypedDict, total=False):
     model: ContactModel
     effective_modulus: float
     law: ContactLaw | LawName
-    detection: Detection | None
+    detection: DetectionMethod | None
     curvature: CurvatureRequirement | None
     shear: ShearDirection
     direction: Direction | Sequence[Direction] | None

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, float_array, make_read_only, validate_number, validate_whole_number
-from stiction._repr import PlotRepr, axes_or_new_axes
+from stiction._repr import PlotReprMixin, axes_or_new_axes
 from stiction.mechanics.friction import validate_mu0_and_tau0
 from stiction.mechanics.model import ContactModel, Direction
 
@@ -63,7 +63,7 @@ class TangentialProblem(Protocol):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Onset(PlotRepr):
+class Onset(PlotReprMixin):
     """Onset of sliding of two surfaces: a tangential load grows from 0 at constant normal load. Arrays are read-only.
 
     An onset is returned by ``curve.onset(index, mu0=..., tau0=...)`` of a `HalfSpaceCurve`, `LoadCurve` or

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stiction._checks import Floats, float_array, make_read_only
-from stiction._repr import TextRepr
+from stiction._repr import TextReprMixin
 
 MIN_FIT_POINTS = 3  # minimum number of points for a fit of two parameters
 # The first displacement counts as round-off if it is below this fraction of the last displacement.
@@ -17,7 +17,7 @@ ROUND_OFF_DISPLACEMENT_RATIO = 1e-12
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FourParameterIwan(TextRepr):
+class FourParameterIwan(TextReprMixin):
     """Four-parameter Iwan model: parallel sliders with a power-law distribution of strengths (Segalman).
 
     Attributes
@@ -89,7 +89,7 @@ class FourParameterIwan(TextRepr):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LuGre(TextRepr):
+class LuGre(TextReprMixin):
     """LuGre presliding model, in which bristles deflect and finally yield at the sliding load.
 
     Attributes

@@ -37,7 +37,7 @@ _FOUR_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 _PLASTIC_WAVELENGTH_DESCRIPTION = "wavelength at which the elastic mean pressure reaches the hardness"
 KAPPA_AT_SMALL_LOADS = 2.2  # A E* h'/F at small loads; the value on Gaussian surfaces is 2.1 to 2.4
 # fields of a curve that do not depend on the direction and have one value per load
-_CURVE_FIELDS = ("contact_area", "contact_count", "load_share_at_hardness", "error")
+_DIRECTION_INDEPENDENT_FIELDS = ("contact_area", "contact_count", "load_share_at_hardness", "error")
 _VARIABLE_NAMES_BY_FIELD = {
     "load_share_at_hardness": "load_fraction_at_hardness"
 }  # result variables whose names differ from the names of the fields of the curve
@@ -299,10 +299,10 @@ def _solve_at_loads(
 
     Returns numbers (load,) and sums (rule, load), averaged over directions, which are NaN without a solution.
     """
-    results = {name: np.full(loads.size, np.nan) for name in _CURVE_FIELDS}
+    results = {name: np.full(loads.size, np.nan) for name in _DIRECTION_INDEPENDENT_FIELDS}
     results |= {name: np.full((len(_SLIDING_RULES), loads.size), np.nan) for name in LOAD_SUM_NAMES}
     for indices, curve in solve_together_or_separately(functools.partial(half_space, upper, lower, **options), loads):
-        for name in _CURVE_FIELDS:
+        for name in _DIRECTION_INDEPENDENT_FIELDS:
             results[name][indices] = getattr(curve, name)
         for rule_index, sliding in enumerate(_SLIDING_RULES):
             curve_for_rule = curve if sliding == curve.sliding else curve.with_sliding(sliding)
@@ -327,7 +327,10 @@ def _make_cutoff_dataset(
 
     gaps = [pair.compute_gap(*pair.bodies_with_cut_off(length)) for length in lengths]
     gradient = np.array([brackets.gap_rms_gradient(gap, periodic=pair.periodic) for gap in gaps])
-    values = {name: np.array([solution[name] for solution in solutions]) for name in (*_CURVE_FIELDS, *LOAD_SUM_NAMES)}
+    values = {
+        name: np.array([solution[name] for solution in solutions])
+        for name in (*_DIRECTION_INDEPENDENT_FIELDS, *LOAD_SUM_NAMES)
+    }
     area = values["contact_area"]
     with np.errstate(divide="ignore", invalid="ignore"):
         values |= {"contact_area_fraction": area / pair.nominal_area, "mean_pressure": loads / area}

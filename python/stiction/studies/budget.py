@@ -57,7 +57,8 @@ MAX_BUDGETED_COEFFICIENTS = 100  # maximum number of coefficients for which unce
 SAME_INPUT_TOLERANCE = 1e-3
 # upper bound on ln(coefficient of a single test / mean coefficient), which prevents overflow
 MAX_LOG_COEFFICIENT_RATIO = 50.0
-TAIL_SUBSAMPLING = 61  # a bound on the tail is estimated from a subsample that contains one in this number of samples
+# a bound on the tail is estimated from a subsample that contains one in this number of samples
+TAIL_SUBSAMPLING_STRIDE = 61
 NORMAL_DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 
@@ -641,8 +642,8 @@ def _smallest_values(values: Floats, count: int) -> Floats:
 
     For small fractions of many values, this takes a quarter of the time of partitioning all values.
     """
-    subsample = values[::TAIL_SUBSAMPLING]
-    bound_rank = 3 * count // (2 * TAIL_SUBSAMPLING) + 1
+    subsample = values[::TAIL_SUBSAMPLING_STRIDE]
+    bound_rank = 3 * count // (2 * TAIL_SUBSAMPLING_STRIDE) + 1
     if bound_rank < subsample.size:
         smallest = values[values <= np.partition(subsample, bound_rank)[bound_rank]]
     if bound_rank >= subsample.size or smallest.size < count:

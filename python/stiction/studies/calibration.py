@@ -18,8 +18,8 @@ from stiction._units import short_repr, to_core_units
 from stiction.mechanics.model import SlidingRule
 from stiction.studies.calibration_fit import MIN_AREA_VARIATION, CalibrationProblem
 from stiction.studies.interfaces import (
-    ERROR_SCALING_PROBABILITY,
-    EXCLUSION_PROBABILITY,
+    ERROR_SCALING_P_VALUE_LIMIT,
+    EXCLUSION_P_VALUE_LIMIT,
     GROWTH_HEADER_ENTRY,
     HARDNESS_HEADER_ENTRY,
     SLIDING_RULES,
@@ -126,8 +126,8 @@ def calibrate(
     fits = [problem.fit() for problem in problems]
     if (
         len(fits) == 2
-        and fits[0].probability < EXCLUSION_PROBABILITY
-        and fits[1].probability > ERROR_SCALING_PROBABILITY
+        and fits[0].probability < EXCLUSION_P_VALUE_LIMIT
+        and fits[1].probability > ERROR_SCALING_P_VALUE_LIMIT
     ):
         fits, problems = fits[::-1], problems[::-1]
     first_problem = problems[0]

@@ -24,7 +24,7 @@ from stiction.mechanics.model import SlidingRule
 from stiction.studies.calibration_growth import find_best_mu0, find_tau0_range
 from stiction.studies.input_uncertainty import UncertainInput, generate_sobol_points, parse_uncertain_input
 from stiction.studies.interfaces import (
-    ERROR_SCALING_PROBABILITY,
+    ERROR_SCALING_P_VALUE_LIMIT,
     FrictionTest,
     StrengthFit,
     StrengthSamples,
@@ -429,7 +429,7 @@ class CalibrationProblem:
         freedom = max(0, num_slid - num_fitted - max(0, len(self._offsets) - 1))
         probability = float(chi2.sf(chi_squared, freedom)) if self.has_errors and freedom else math.nan
         is_scaled = freedom > 0 and (
-            not self.has_errors or (probability < ERROR_SCALING_PROBABILITY and not self.outliers)
+            not self.has_errors or (probability < ERROR_SCALING_P_VALUE_LIMIT and not self.outliers)
         )
         scale = best.scale * math.sqrt(chi_squared / freedom) if is_scaled else 1.0
         loads = np.log(self.load[self.slid])

@@ -39,7 +39,7 @@ CONTACT_PICTURE_FILE = "picture.nc"  # file name in a result folder
 MAX_PICTURE_SIDE_POINTS = 512  # maximum number of rows or columns of a stored map
 LOADS_RELATIVE_TO_PULL_OFF = (0.25, 0.5, 1, 2, 3, 4)  # loads in the adhesion figure, in multiples of the pull-off force
 # ratio of the size of the map to the size of the window that magnifies the largest contact
-ZOOM_DIVISOR = 8
+ZOOM_FACTOR = 8
 MIN_ZOOM_SIDE_POINTS = 16
 
 _CONTACT_VARIABLE_SPECS = {
@@ -217,7 +217,7 @@ def _build_map_picture(solution: PressedPair, table: ContactList) -> xarray.Data
         largest_contact = int(np.argmax(np.where(is_interior, table.force, -1.0)))
         window_slices = []
         for centre, size in ((table.y[largest_contact] / dy, rows), (table.x[largest_contact] / dx, columns)):
-            window_size = min(max(size // ZOOM_DIVISOR, MIN_ZOOM_SIDE_POINTS), size)
+            window_size = min(max(size // ZOOM_FACTOR, MIN_ZOOM_SIDE_POINTS), size)
             first_index = int(np.clip(centre - window_size / 2, 0, size - window_size))
             window_slices.append(slice(first_index, first_index + window_size))
         variables["zoom_pressure"] = (("zoom_y", "zoom_x"), pressure[*window_slices], {"units": "GPa"})

@@ -11,20 +11,20 @@ from numpy.typing import ArrayLike
 from pydantic import Field, PlainSerializer, PlainValidator, model_validator
 
 from stiction._checks import Floats, float_array
-from stiction._units import VALID_RANGES, quantity, short_repr
+from stiction._units import VALID_QUANTITY_RANGES, quantity, short_repr
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, BoundaryCondition, TiltMode
 from stiction.mechanics.law import CONTACT_LAWS_BY_NAME, HertzCylinder, JacksonGreen, LawName, parse_contact_law
 from stiction.mechanics.model import (
     PROFILE_WIDTH,
     ContactModel,
     CurvatureRequirement,
-    Detection,
+    DetectionMethod,
     Direction,
     ShearDirection,
     SlidingRule,
 )
 from stiction.studies.generated_surfaces import GeneratedProfileSettings, GeneratedSurfaceSettings
-from stiction.studies.input_uncertainty import MAX_JUNCTION_GROWTH
+from stiction.studies.input_uncertainty import MAX_JUNCTION_GROWTH_COEFFICIENT
 from stiction.studies.measured_surfaces import MeasuredSurfaceSettings
 from stiction.studies.values import (
     ApproachesOrRange,
@@ -88,20 +88,20 @@ class JacksonGreenSettings(SettingsTable):
         return JacksonGreen(yield_strength=float(self.yield_strength), poisson_ratio=self.poisson_ratio)
 
 
-LawSettings = HertzCylinderSettings | JacksonGreenSettings
-LAW_SETTINGS_CLASSES: dict[str, type[LawSettings]] = {
+LawTableSettings = HertzCylinderSettings | JacksonGreenSettings
+LAW_SETTINGS_CLASSES: dict[str, type[LawTableSettings]] = {
     "hertz-cylinder": HertzCylinderSettings,
     "jackson-green": JacksonGreenSettings,
 }
 """Classes for the tables of contact laws that have parameters, by the value of the key `name`."""
 
 
-def _parse_law(value: object) -> LawName | LawSettings:
+def _parse_law(value: object) -> LawName | LawTableSettings:
     """Parse a contact law, given as a name or as a table of parameters."""
     for name in CONTACT_LAWS_BY_NAME:
         if value == name:
             return name  # type: ignore[return-value]
-    if isinstance(value, LawSettings):
+    if isinstance(value, LawTableSettings):
         return value
     settings_class = LAW_SETTINGS_CLASSES.get(str(value.get("name"))) if isinstance(value, Mapping) else None
     if settings_class is None:
@@ -114,11 +114,11 @@ def _parse_law(value: object) -> LawName | LawSettings:
     return settings_class.model_validate(value)
 
 
-def _serialize_law(law: LawName | LawSettings) -> object:
+def _serialize_law(law: LawName | LawTableSettings) -> object:
     return law if isinstance(law, str) else law.model_dump()
 
 
-LawSetting = Annotated[LawName | LawSettings, PlainValidator(_parse_law), PlainSerializer(_serialize_law)]
+LawNameOrSettings = Annotated[LawName | LawTableSettings, PlainValidator(_parse_law), PlainSerializer(_serialize_law)]
 
 
 # ---- Contacts -------------------------------------------------------------------------------------------------------
@@ -126,7 +126,7 @@ LawSetting = Annotated[LawName | LawSettings, PlainValidator(_parse_law), PlainS
 _MaterialName = Annotated[str, Field(min_length=1, max_length=80)]
 _PoissonRatio = Annotated[float, Field(gt=-1, le=0.5)]
 DetectionSetting = Annotated[
-    Detection,
+    DetectionMethod,
     Field(description="Criterion for a contact: as in the paper, or minima of the gap (the only criterion for areas)."),
 ]
 CurvatureSetting = Annotated[
@@ -309,7 +309,7 @@ class HalfSpaceSettings(CommonContactSettings):
     junction_growth: float | None = Field(
         default=None,
         ge=0,
-        le=MAX_JUNCTION_GROWTH,
+        le=MAX_JUNCTION_GROWTH_COEFFICIENT,
         description="α of p² + α s² = H², the growth of plastic contacts under shear; 0 with a caveat if omitted.",
     )
     compliance_share: Fraction = Field(
@@ -391,7 +391,7 @@ class AsperityModelSettings(CommonContactSettings):
     mechanics: Literal["asperities"] = Field(
         default="asperities", description="Contact model: Hertzian contacts that do not interact."
     )
-    law: LawSetting = Field(
+    law: LawNameOrSettings = Field(
         default="hertz-sphere",
         description='Contact law; `{ name = "jackson-green", yield_strength = ..., poisson_ratio = ... }`.',
     )
@@ -630,6 +630,6 @@ def choose_load_steps(
     # The given loads are not rounded. The additional loads are rounded to six digits.
     requested_loads = set(given_loads.tolist())
     rounded = np.array([load if load in requested_loads else float(f"{load:.6g}") for load in load_steps.tolist()])
-    min_load, max_valid_load = VALID_RANGES["force"]
+    min_load, max_valid_load = VALID_QUANTITY_RANGES["force"]
     rounded = rounded[(min_load <= rounded) & (rounded <= max_valid_load)]
     return rounded if max_load is None else rounded[rounded < max_load]

@@ -15,7 +15,7 @@ from stiction.mechanics.materials import compliance_fraction, material, names_ma
 
 
 @dataclass(frozen=True)
-class Elasticity:
+class PairElasticity:
     """Elasticity of a pair of bodies, including the properties of the softer body."""
 
     effective_modulus: float  # effective modulus E* (GPa)
@@ -32,7 +32,7 @@ class Elasticity:
 def determine_elasticity(
     effective_modulus: Any = None, young: Any = None, poisson: Any = None, upper_material: str | None = None,
     lower_material: str | None = None,
-) -> Elasticity:  # fmt: skip
+) -> PairElasticity:  # fmt: skip
     """Determine the elasticity of a pair from E*, from Young's moduli and Poisson's ratios, or from material names.
 
     Raises a `ValueError` if none or several of these alternatives are given, or if a value is invalid.
@@ -73,7 +73,7 @@ def determine_elasticity(
         value = float(parse_quantity("effective_modulus", modulus, "pressure"))
         if not value > 0:
             raise ArgumentError("{effective_modulus} must be above 0, got {got}", got=repr(modulus))
-        return Elasticity(value, poisson_ratio=None if poisson_ratios is None else poisson_ratios[0])
+        return PairElasticity(value, poisson_ratio=None if poisson_ratios is None else poisson_ratios[0])
     moduli = [float(value) for value in parse_quantities("young", young, "pressure")]
     if len(moduli) > 2:
         raise ArgumentError("{young} must be one or two moduli, got {got}", got=repr(young))
@@ -85,7 +85,7 @@ def determine_elasticity(
     return _combine_moduli(upper_modulus, upper_ratio, lower_modulus, lower_ratio)
 
 
-def _combine_material_with_moduli(upper: str | None, lower: str | None, young: Any, poisson: Any) -> Elasticity:
+def _combine_material_with_moduli(upper: str | None, lower: str | None, young: Any, poisson: Any) -> PairElasticity:
     moduli = [float(value) for value in parse_quantities("young", young, "pressure")]
     poisson_ratios = [] if poisson is None else parse_numbers("poisson", poisson)
     if len(moduli) != 1 or len(poisson_ratios) != 1 or not 0 <= poisson_ratios[0] <= 0.5:
@@ -112,15 +112,15 @@ def _combine_material_with_moduli(upper: str | None, lower: str | None, young: A
     )  # fmt: skip
 
 
-def _combine_moduli(upper: float, upper_ratio: float, lower: float, lower_ratio: float) -> Elasticity:
+def _combine_moduli(upper: float, upper_ratio: float, lower: float, lower_ratio: float) -> PairElasticity:
     modulus = float(effective_modulus(upper, upper_ratio, lower, lower_ratio))
-    return Elasticity(
+    return PairElasticity(
         modulus, compliance_share=modulus * (1 - lower_ratio**2) / lower,
         poisson_ratio=upper_ratio if upper <= lower else lower_ratio, poisson_ratios=(upper_ratio, lower_ratio),
     )  # fmt: skip
 
 
-def _combine_materials(upper: str, lower: str) -> Elasticity:
+def _combine_materials(upper: str, lower: str) -> PairElasticity:
     """Return the elasticity of two materials, and the hardness of the softer material if this material can yield."""
     upper_body, lower_body = _load_material("upper_material", upper), _load_material("lower_material", lower)
     modulus = _round_to_three_digits(effective_modulus(upper_body, lower_body))
@@ -131,7 +131,7 @@ def _combine_materials(upper: str, lower: str) -> Elasticity:
     if hardness is not None:
         range_text = "" if hardness.low == hardness.high else f", of {hardness.low:g} to {hardness.high:g} GPa"
         hardness_source = f"hardness {_round_to_three_digits(hardness):g} GPa{range_text} ({hardness.source})"
-    return Elasticity(
+    return PairElasticity(
         modulus, compliance_share=_round_to_three_digits(compliance_fraction(upper_body, lower_body)),
         poisson_ratio=float(softer_material.poisson_ratio),
         hardness=None if hardness is None else _round_to_three_digits(hardness),

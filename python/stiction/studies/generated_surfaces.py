@@ -28,7 +28,7 @@ from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
 from stiction.surfaces.surface import SurfaceAmplitudeMeasure
 
 LengthScale = Annotated[Length, Field(description="L of Eq. 1, which sets the longest wavelength.")]
-Gamma = Annotated[float, Field(gt=1, description="Ratio γ of successive frequencies in Eq. 1.")]
+FrequencyRatio = Annotated[float, Field(gt=1, description="Ratio γ of successive frequencies in Eq. 1.")]
 NumWaveDirections = Annotated[
     int, Field(ge=1, le=MAX_PARAMETER_VALUES, description="M of Eq. 1: number of directions.")
 ]
@@ -124,7 +124,7 @@ class GeneratedProfileSettings(CommonGeneratedSurfaceSettings):
         default=150_000, ge=MIN_POINTS, le=MAX_POINTS,
         description="Number of points of a profile; the spacing is the extent divided by this number.",
     )  # fmt: skip
-    gamma: Gamma = 1.5
+    gamma: FrequencyRatio = 1.5
     directions: NumWaveDirections = 40
     frequencies: NumFrequencies = 40
     convention: FractalDimensionConvention = "paper"
@@ -170,7 +170,7 @@ class WeierstrassMandelbrotSettings(GeneratedMapSettings):
     )
     amplitude_measure: AmplitudeDefinition = "height"
     length_scale: LengthScale = quantity("1 um", "length")
-    gamma: Gamma = 1.5
+    gamma: FrequencyRatio = 1.5
     directions: NumWaveDirections = 40
     frequencies: NumFrequencies = 40
     convention: FractalDimensionConvention = "paper"

@@ -50,7 +50,10 @@ some contacts yield.
 
 MIN_ERROR_MEMBERS = 2  # minimum number of members from which the error of the interpolated area is estimated
 
-HARDNESS_NODE_POSITIONS = {1: (0.0, 0.15, 0.35, 0.65, 0.85, 1.0), 3: (0.0, 0.1, 0.25, 0.4, 0.6, 0.75, 0.9, 1.0)}
+HARDNESS_NODE_POSITIONS_BY_MODULI_COUNT = {
+    1: (0.0, 0.15, 0.35, 0.65, 0.85, 1.0),
+    3: (0.0, 0.1, 0.25, 0.4, 0.6, 0.75, 0.9, 1.0),
+}
 """Positions of the nodes within the range of ln H, as fractions from 0 to 1, for one or three moduli.
 
 The hardness of the study and infinite hardness (elastic bodies) are additional nodes.
@@ -219,7 +222,9 @@ def choose_hardness_and_modulus_nodes(study: Study) -> tuple[Floats, Floats]:
         hardness_range = hardness_range * [hardness_factors.min(), hardness_factors.max()]
     half_width = np.hypot(np.ptp(np.log(hardness_range)) / 2, np.log(moduli[-1]))
     relative_nodes = (
-        np.exp(half_width * (2 * np.array(HARDNESS_NODE_POSITIONS[moduli.size]) - 1)) if half_width > 0 else np.ones(0)
+        np.exp(half_width * (2 * np.array(HARDNESS_NODE_POSITIONS_BY_MODULI_COUNT[moduli.size]) - 1))
+        if half_width > 0
+        else np.ones(0)
     )
     nodes = np.sqrt(hardness_range.prod()) * relative_nodes
     # A node is removed if it differs from the hardness of the study only by round-off.

@@ -24,10 +24,10 @@ from stiction.surfaces.spectrum import find_spectral_peak, power_spectrum
 from stiction.surfaces.surface import Surface
 
 if TYPE_CHECKING:
-    from stiction.studies.measured_surfaces import Body, MeasuredBodySettings
+    from stiction.studies.measured_surfaces import MeasuredBody, MeasuredBodySettings
     from stiction.studies.study import Study
 
-INSTRUMENT_LIMIT_REASONS = {
+INSTRUMENT_LIMIT_REASON_TEXTS = {
     "noise floor": "the spectrum is flat, as for noise",
     "quantisation": "the spectrum is flat, as for quantised heights",
     "line": "the spectrum has a line",
@@ -47,13 +47,13 @@ MAX_FORM_FRACTION = 0.6
 The fraction is about one half if the longest wavelengths dominate the heights of a surface without form error.
 """
 
-MIN_SPIKE_RATIO = 12.0
+MIN_SPIKE_SHARPNESS_RATIO = 12.0
 """Largest second difference at a point that is not a spike, as a multiple of the robust standard deviation.
 
 The robust standard deviation is the median of the absolute second differences, divided by 0.67.
 """
 
-MIN_SPIKE_HEIGHT = 6.0
+MIN_SPIKE_HEIGHT_RATIO = 6.0
 """Largest distance between a point of a map and the median of its neighbourhood at which the point is not a spike.
 
 It is a multiple of the robust standard deviation of the heights. The distance is at most 4 for machined surfaces, and 5
@@ -74,13 +74,15 @@ MAX_PRESSURE_OVER_MODULUS = 0.1
 """Largest plausible ratio of nominal pressure to E*. A larger load is probably the load on the whole component."""
 
 
-def find_input_caveats(upper: Body, lower: Body, study: Study, loads: Sequence[float] = ()) -> tuple[Caveat, ...]:
+def find_input_caveats(
+    upper: MeasuredBody, lower: MeasuredBody, study: Study, loads: Sequence[float] = ()
+) -> tuple[Caveat, ...]:
     """Return caveats about two bodies that were read from files, about their study, and about the given loads (mN)."""
     # No caveat about form error is issued if the form is subtracted.
     is_form_subtracted = study.surfaces.level == "quadratic"
     is_vouched = bool(study.surfaces.vouched)
 
-    def find_body_caveats(file: MeasuredBodySettings, body: Body) -> list[Caveat]:
+    def find_body_caveats(file: MeasuredBodySettings, body: MeasuredBody) -> list[Caveat]:
         """Return the caveats about the scans of a body. For each kind, keep only the caveat with the longest cutoff."""
         caveats_by_kind: dict[str, Caveat] = {}
         for scan_entry, scan in zip(file.scans, (body, *(other.read() for other in file.scans[1:])), strict=True):
@@ -143,7 +145,7 @@ def _adapt_remedy_to_max_cutoff(caveat: Caveat, longest: float) -> str:
     )
 
 
-def _get_shortest_side_length(body: Body) -> float:
+def _get_shortest_side_length(body: MeasuredBody) -> float:
     """Return the length of a profile, or the length of the shorter side of a height map (µm)."""
     return body.extent if isinstance(body, Profile) else min(_get_axis_extents(body))
 
@@ -200,7 +202,7 @@ def find_study_caveats(study: Study) -> tuple[Caveat, ...]:
     return find_input_caveats(upper, lower, study, [float(load) for load in study.friction.load])
 
 
-def _get_axis_extents(body: Body) -> tuple[float, float]:
+def _get_axis_extents(body: MeasuredBody) -> tuple[float, float]:
     """Return the extents (µm) of a body along both axes.
 
     A profile is 1 µm wide, and the extents of a spectrum are infinite.
@@ -240,7 +242,7 @@ def _find_instrument_caveats(
     if shortest_resolved:
         is_known = limit.origin == "instrument"
         source = "where" if is_known else "perhaps from the instrument:"
-        text = f"{_describe_slope_fraction(limit)}, {source} {INSTRUMENT_LIMIT_REASONS[limit.reason]}"
+        text = f"{_describe_slope_fraction(limit)}, {source} {INSTRUMENT_LIMIT_REASON_TEXTS[limit.reason]}"
         remedy = f"--cutoff '{format_with_unit(limit.cut_off, 'um')}' removes this fraction"
         if limit.matters:
             remedy += ", --cutoff none keeps it" if is_known else CUTOFF_REMEDY
@@ -316,14 +318,20 @@ def _find_spike_caveats(body: Profile | Surface) -> Iterator[Caveat]:
 
     if isinstance(body, Profile):
         distances = typical_distances = np.abs(np.diff(body.heights, 2))
-        max_ratio, description = MIN_SPIKE_RATIO, f"more than {MIN_SPIKE_RATIO:g} times as sharp as usual"
+        max_ratio, description = (
+            MIN_SPIKE_SHARPNESS_RATIO,
+            f"more than {MIN_SPIKE_SHARPNESS_RATIO:g} times as sharp as usual",
+        )
     else:
         heights = levelled(body, "plane").heights
         distances, typical_distances = (
             np.abs(heights - median_filter(heights, size=3)),
             np.abs(heights - np.median(heights)),
         )
-        max_ratio, description = MIN_SPIKE_HEIGHT, f"more than {MIN_SPIKE_HEIGHT:g} rms heights from their neighbours"
+        max_ratio, description = (
+            MIN_SPIKE_HEIGHT_RATIO,
+            f"more than {MIN_SPIKE_HEIGHT_RATIO:g} rms heights from their neighbours",
+        )
     usual_distance = float(np.median(typical_distances)) / 0.6745
     num_spikes = int(np.count_nonzero(distances > max_ratio * usual_distance)) if usual_distance > 0 else 0
     if num_spikes:

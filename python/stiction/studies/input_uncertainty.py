@@ -61,11 +61,11 @@ _PLUS_MINUS_PATTERN = re.compile(r"\s*(.+?)\s*(?:±|\+-|\+/-)\s*(.+?)\s*")
 _PERCENT_PATTERN = re.compile(r"(.+?)\s*%\s*(.*)")
 _TRAILING_UNIT_PATTERN = re.compile(r"(?<![^\W\d_])(?!inf\b|nan\b)[^\W\d_]+\s*$", re.IGNORECASE)
 # matches a Vickers scale with its test load, as in "HV10" or "HV 0.5"
-_TEST_LOAD_PATTERN = re.compile(r"(?<![^\W\d_])HV\s*[0-9]+(\.[0-9]+)?(?![0-9.]*\s*[^\W\d_])")
+_VICKERS_TEST_LOAD_PATTERN = re.compile(r"(?<![^\W\d_])HV\s*[0-9]+(\.[0-9]+)?(?![0-9.]*\s*[^\W\d_])")
 InputKind = Literal["", "pressure", "modulus", "hardness"]
 MAX_POISSON_RATIO = 0.5  # Poisson's ratio of an incompressible body
 # Maximum junction-growth coefficient α; α is 27 for a von Mises body with H equal to three times its yield strength.
-MAX_JUNCTION_GROWTH = 100.0
+MAX_JUNCTION_GROWTH_COEFFICIENT = 100.0
 # Maximum creep exponent; at this exponent, the hardness falls to a third in each decade of time.
 MAX_CREEP_EXPONENT = 0.5
 
@@ -140,7 +140,7 @@ def parse_uncertain_input(name: str, source: Any, kind: InputKind = "") -> Uncer
         value = _parse_value(name, source, kind)
         return UncertainInput(value, value, value, "exact", exact_quantity_text(value, "GPa") if kind else repr(value))
     text = " ".join(source.split())
-    parsed = _parse_distribution(name, _TEST_LOAD_PATTERN.sub("HV", text) if kind == "hardness" else text, kind)
+    parsed = _parse_distribution(name, _VICKERS_TEST_LOAD_PATTERN.sub("HV", text) if kind == "hardness" else text, kind)
     if not parsed.high <= MAX_INPUT_NUMBER:
         raise ValueError(
             f"{name} must be at most {MAX_INPUT_NUMBER:g}, including its uncertainty, got {short_repr(text)}"
@@ -306,8 +306,8 @@ def parse_study_input(name: str, source: Any) -> UncertainInput:
             allowed_range = f"from 0 to {MAX_POISSON_RATIO:g}, including its uncertainty"
             raise ValueError(f"must be {allowed_range}, got {short_repr(source)}")
         parsed = replace(parsed, maximum=MAX_POISSON_RATIO)
-    if name == "junction_growth" and parsed.high > MAX_JUNCTION_GROWTH:
-        raise ValueError(f"must be from 0 to {MAX_JUNCTION_GROWTH:g}, got {short_repr(source)}")
+    if name == "junction_growth" and parsed.high > MAX_JUNCTION_GROWTH_COEFFICIENT:
+        raise ValueError(f"must be from 0 to {MAX_JUNCTION_GROWTH_COEFFICIENT:g}, got {short_repr(source)}")
     if name == "creep" and parsed.high > MAX_CREEP_EXPONENT:
         raise ValueError(f"must be at most {MAX_CREEP_EXPONENT:g}, got {short_repr(source)}")
     return parsed

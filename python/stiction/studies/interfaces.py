@@ -28,7 +28,7 @@ from stiction._units import is_pressure, loads_to_core_units, to_core_units
 from stiction.mechanics.closed_forms import hardness_under_shear, hertz_sphere, tabor_friction
 from stiction.mechanics.friction import LOAD_SUM_NAMES, FrictionCurve
 from stiction.mechanics.model import SlidingRule
-from stiction.studies.elasticity import Elasticity
+from stiction.studies.elasticity import PairElasticity
 from stiction.studies.evaluation import ForcesPerLoad, build_area_interpolator, interpolate_member_sums, member_values
 from stiction.studies.hardness import (
     AreaInterpolator,
@@ -60,7 +60,7 @@ INTERFACE_FILE_COLUMNS = (
 MAX_INTERFACE_BYTES = 50_000_000  # maximum size of an interface file in bytes
 _NUMERIC_HEADER_ENTRIES = ("area_per_load", "variation")
 
-EXCLUSION_PROBABILITY, ERROR_SCALING_PROBABILITY = 0.01, 0.05
+EXCLUSION_P_VALUE_LIMIT, ERROR_SCALING_P_VALUE_LIMIT = 0.01, 0.05
 """Probabilities of the residuals: below the first, a sliding rule is excluded; below the second, errors are scaled."""
 
 # A lower limit is set to the bound if its distance from the bound is below this fraction of the interval width.
@@ -121,7 +121,7 @@ class Ball:
     poisson: Any = field(default=None, kw_only=True)
     upper_material: str | None = field(default=None, kw_only=True)
     lower_material: str | None = field(default=None, kw_only=True)
-    elasticity: Elasticity = field(
+    elasticity: PairElasticity = field(
         init=False, repr=False, compare=False
     )  # elastic properties computed from the central values of both moduli
     moduli: UncertainModulus = field(init=False, repr=False, hash=False)  # moduli of both bodies with their uncertainty
@@ -524,8 +524,8 @@ class Interface:
     @property
     def excluded(self) -> tuple[SlidingRule, ...]:
         """Sliding rules that the tests exclude. The tuple is empty if no sliding rule fits the tests."""
-        accepted_rules = [fit.sliding for fit in self.fits if fit.probability > ERROR_SCALING_PROBABILITY]
-        return tuple(fit.sliding for fit in self.fits if fit.probability < EXCLUSION_PROBABILITY and accepted_rules)
+        accepted_rules = [fit.sliding for fit in self.fits if fit.probability > ERROR_SCALING_P_VALUE_LIMIT]
+        return tuple(fit.sliding for fit in self.fits if fit.probability < EXCLUSION_P_VALUE_LIMIT and accepted_rules)
 
     @cached_property
     def draws(self) -> pandas.DataFrame:

@@ -22,8 +22,8 @@ MAX_INTERPOLATED_LOAD_RATIO = 10.01
 """Largest ratio of two successive computed loads between which values are interpolated."""
 NUM_BATCH_VALUES = 2**15  # number of values in a batch that fits into the processor cache
 MIN_SAMPLE_SIZE = 3  # minimum number of values for which an interval is computed
-MIN_NEIGHBORING_VALUES = 8  # minimum number of values at neighbouring positions for which an interval is computed
-_NEIGHBOR_CORRELATIONS = np.linspace(0.0, 0.95, 20)
+MIN_NEIGHBOURING_VALUES = 8  # minimum number of values at neighbouring positions for which an interval is computed
+_NEIGHBOUR_CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_NEWTON_STEPS = 50
 _MIN_SKEWNESS = 1e-9  # an interval is computed as symmetric if the skewness is below this limit
 MAX_DEGREES_OF_FREEDOM = 1e6  # above this number of degrees of freedom, Student's t distribution counts as normal
@@ -339,7 +339,7 @@ def compute_sample_quantiles(values: Floats, probabilities: Sequence[float]) -> 
 @lru_cache(maxsize=32)
 def _compute_mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
     """Return the constants 1' R^-1 1, variance inflation, t quantile and t density of the autoregressive models."""
-    rho, lags = _NEIGHBOR_CORRELATIONS, np.arange(1, count)
+    rho, lags = _NEIGHBOUR_CORRELATIONS, np.arange(1, count)
     weight_sums = (count - (count - 2) * rho) / (1 + rho)
     inflation = (count + 2 * ((count - lags) * rho[:, np.newaxis] ** lags).sum(axis=1)) / count**2
     density = math.exp(math.lgamma(count / 2) - math.lgamma((count - 1) / 2)) / math.sqrt(math.pi * (count - 1))
@@ -351,14 +351,14 @@ def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
 
     The model is a mixture of autoregressive processes with correlations ρ from 0 to 0.95, weighted by their likelihood
     and by sqrt(1 - ρ), on a scale without skewness (docs/explanation/intervals.md). The interval lies within the range
-    of the values. It is NaN if there are fewer than `MIN_NEIGHBORING_VALUES` values or if all values are equal.
+    of the values. It is NaN if there are fewer than `MIN_NEIGHBOURING_VALUES` values or if all values are equal.
     """
     count = values.shape[0]
     # Each row (c, r) is summed separately, so that the sum does not depend on the other rows.
     rows = np.ascontiguousarray(values.reshape(count, math.prod(values.shape[1:])).T)
     mean = rows.mean(axis=1) if count else np.full(rows.shape[0], np.nan)
     lower, upper = np.full((2, mean.size), np.nan)
-    if count >= MIN_NEIGHBORING_VALUES:
+    if count >= MIN_NEIGHBOURING_VALUES:
         batch_size = max(1, NUM_BATCH_VALUES // (4 * count))
         for batch_start in range(0, mean.size, batch_size):
             batch = slice(batch_start, batch_start + batch_size)
@@ -377,7 +377,7 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
     count, deviations = values.shape[1], values - mean[:, np.newaxis]
     deviation = np.sqrt(np.square(deviations).sum(axis=1) / (count - 1))
     has_spread = (deviation > 0) & (values != values[:, :1]).any(axis=1)
-    y, rho = deviations / np.where(has_spread, deviation, 1.0)[:, np.newaxis], _NEIGHBOR_CORRELATIONS
+    y, rho = deviations / np.where(has_spread, deviation, 1.0)[:, np.newaxis], _NEIGHBOUR_CORRELATIONS
     y[~has_spread] = np.linspace(-1.0, 1.0, count)
     # For an autoregressive process, 1' R^-1 1, 1' R^-1 y and y' R^-1 y are closed-form expressions of these sums.
     weight_sums, inflation, quantile, density = _compute_mixture_constants(count)

@@ -180,7 +180,7 @@ def build_dataset(
 
 # ---- Nondimensional results ------------------------------------------------------------------------------------------
 
-_UNIT_DIVISORS = {
+_NORMALISATIONS_BY_UNIT = {
     "mN": (1, 2, "(E* L²)"),
     "mN/um": (1, 1, "(E* L)"),
     "mN/GPa": (0, 2, "L²"),
@@ -255,9 +255,9 @@ def nondimensional(
         units = variable.attrs.get("units", "1")
         if units in ("1", "degree"):
             return variable
-        if units not in _UNIT_DIVISORS:
+        if units not in _NORMALISATIONS_BY_UNIT:
             raise ValueError(f"{name} has the unknown unit {units!r}")
-        modulus_power, length_power, divisor = _UNIT_DIVISORS[units]
+        modulus_power, length_power, divisor = _NORMALISATIONS_BY_UNIT[units]
         attributes = {
             **variable.attrs,
             "units": "1",

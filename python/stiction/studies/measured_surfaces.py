@@ -63,7 +63,7 @@ from stiction.surfaces.profile import LineOrientation, Profile
 from stiction.surfaces.surface import Surface, parse_lengths
 
 ColumnNameOrIndex = int | str
-Body = Profile | Surface | JoinedSpectrum  # kinds of bodies in a file
+MeasuredBody = Profile | Surface | JoinedSpectrum  # kinds of bodies in a file
 MAX_FILE_NAME_LENGTH = 4096  # maximum length of a file name in characters
 MachiningProcess = Literal["turned", "milled", "ground", "honed", "lapped", "sanded", "blasted", "eroded"]
 MACHINING_PROCESSES: tuple[str, ...] = get_args(MachiningProcess)
@@ -279,14 +279,14 @@ class MeasuredBodySettings(SettingsTable):
             file=str(path), missing="mask" if has_missing else "error", **options
         ).with_checksums()
 
-    def read(self) -> Body:
+    def read(self) -> MeasuredBody:
         """Read the profile, surface or spectrum (µm).
 
         Raises a `ValueError` if the checksum of the file differs.
         """
         return _scale_heights(self.height_factor, self._read_unscaled())  # type: ignore[no-any-return]
 
-    def _read_unscaled(self) -> Body:
+    def _read_unscaled(self) -> MeasuredBody:
         """Read the body without multiplying its heights by the height factor."""
         if self.body is not None:
             return self.body.body  # type: ignore[no-any-return]
@@ -393,7 +393,7 @@ def _scale_heights(factor: float, body: Any) -> Any:
     return body.changed(body.heights * factor, f"heights times {factor:g}")
 
 
-def _compute_checksum(body: Body) -> str:
+def _compute_checksum(body: MeasuredBody) -> str:
     """Compute the SHA-256 checksum of a body in memory, including its grid and history."""
     if isinstance(body, JoinedSpectrum):
         content = repr(body.history).encode() + body.density.tobytes()
@@ -403,7 +403,7 @@ def _compute_checksum(body: Body) -> str:
 
 
 @functools.lru_cache(maxsize=16)
-def _read_body(file: MeasuredBodySettings) -> Body:
+def _read_body(file: MeasuredBodySettings) -> MeasuredBody:
     """Read the body from a file.
 
     The argument includes the checksum, so that the cache holds each version of a file once.
@@ -445,8 +445,8 @@ class SharedMemberProperties:
     Lengths are in µm, one per axis: (x,) for profiles, (y, x) for surfaces.
     """
 
-    upper: Body
-    lower: Body
+    upper: MeasuredBody
+    lower: MeasuredBody
     area: float
     shape: Sequence[int]
     spacing: Sequence[float]
@@ -536,14 +536,18 @@ class CommonMeasuredSurfaceSettings(SettingsTableVariant):
         pair_index = members % (upper * lower)
         return pair_index % upper, (pair_index + pair_index // math.lcm(upper, lower)) % lower
 
-    def build_member_source(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> MemberSource:
+    def build_member_source(
+        self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
+    ) -> MemberSource:
         """Low-pass filter each scan at its own cutoff (µm, 0 for no filter), and form members from the filtered scans.
 
         Raises a `ValueError` if there are no members.
         """
         raise NotImplementedError
 
-    def filter_scans(self, scans: tuple[Body, Body], cut_offs: CutoffPair) -> Iterator[Profile | Surface]:
+    def filter_scans(
+        self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair
+    ) -> Iterator[Profile | Surface]:
         """Yield both scans after low-pass filtering each scan at its own cutoff (µm, 0 for no filter)."""
         for scan, wavelength in zip(scans, cut_offs, strict=True):
             if isinstance(scan, JoinedSpectrum):
@@ -607,7 +611,9 @@ class MeasuredLineSettings(CommonMeasuredSurfaceSettings):
             raise make_key_error("positions", "must not be given with offsets or travel")
         return self
 
-    def build_member_source(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> LineMemberSource:
+    def build_member_source(
+        self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
+    ) -> LineMemberSource:
         """Return members that consist of lines from both scans or from their surrogates, at several positions."""
         upper, lower = self.filter_scans(scans, cut_offs)
         level: ProfileTrend | None = None if self.level == "none" else self.level
@@ -625,7 +631,7 @@ class LineMemberSource:
     """Members of a study that presses profiles or lines of height maps."""
 
     pairs: LinePairs
-    scans: tuple[Body, Body]
+    scans: tuple[MeasuredBody, MeasuredBody]
     # number of relative positions of each pair of lines, if there are several pairs
     offsets: int = 1
     # relative positions (µm) of each pair, or None for a quasi-random sequence
@@ -726,7 +732,7 @@ class MeasuredMapSettings(CommonMeasuredSurfaceSettings):
         return self.surrogates
 
     def build_member_source(
-        self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int
+        self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
     ) -> MapMemberSource | GapMemberSource:
         """Return the members, which are surrogates followed by pairs of map pieces, or a single measured gap."""
         upper, lower = self.filter_scans(scans, cut_offs)
@@ -758,7 +764,9 @@ class SurrogateSettings(CommonMeasuredSurfaceSettings):
         default="plane", description="Form to remove from each file; a plane is a straight line for a profile."
     )
 
-    def build_member_source(self, scans: tuple[Body, Body], cut_offs: CutoffPair, seed: int) -> MapMemberSource:
+    def build_member_source(
+        self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
+    ) -> MapMemberSource:
         """Return the members. Each is a pair of random height maps with the spectra of two scans."""
         first, second = scans
         if isinstance(first, JoinedSpectrum) or isinstance(second, JoinedSpectrum):
@@ -803,7 +811,7 @@ class MapMemberSource:
     """Members of a study that presses height maps or surrogates of scans."""
 
     pairs: MapPairs | IsotropicSurfacePairs | SpectralSurfacePairs
-    scans: tuple[Body, Body]
+    scans: tuple[MeasuredBody, MeasuredBody]
     # number of pairs of surrogates (the first members); None if all members are surrogates
     surrogates: int | None = None
 

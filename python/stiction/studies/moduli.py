@@ -10,7 +10,7 @@ from stiction._arguments import split_values
 from stiction._checks import Floats
 from stiction._errors import ArgumentError
 from stiction.mechanics.materials import Material, MaterialValue, material
-from stiction.studies.elasticity import Elasticity, determine_elasticity
+from stiction.studies.elasticity import PairElasticity, determine_elasticity
 from stiction.studies.input_uncertainty import (
     MAX_POISSON_RATIO,
     UNCERTAINTY_PATTERN,
@@ -93,7 +93,7 @@ def find_material_hardness(value: MaterialValue) -> UncertainInput:
 def parse_elasticity(
     effective_modulus: Any = None, young: Any = None, poisson: Any = None, upper_material: str | None = None,
     lower_material: str | None = None,
-) -> tuple[Elasticity, UncertainModulus]:  # fmt: skip
+) -> tuple[PairElasticity, UncertainModulus]:  # fmt: skip
     """Return the elasticity for the central argument values, and the moduli with their uncertainties.
 
     The arguments have the meanings of `determine_elasticity`, but may be ranges or have an uncertainty. Raises a

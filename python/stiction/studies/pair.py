@@ -27,15 +27,15 @@ from stiction.mechanics.law import JacksonGreen
 from stiction.mechanics.materials import material, softest_material
 from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.studies.contact_tables import choose_load_steps
-from stiction.studies.elasticity import Elasticity, determine_elasticity
+from stiction.studies.elasticity import PairElasticity, determine_elasticity
 from stiction.studies.input_uncertainty import INPUT_KINDS, UNCERTAINTY_PATTERN, UncertainInput, parse_study_input
 from stiction.studies.interfaces import Interface, interface, interfaces, round_median_strength
 from stiction.studies.measured_surfaces import (
     DEFAULT_NUM_SHIFTS,
     DEFAULT_NUM_SURROGATES,
     MACHINING_PROCESSES,
-    Body,
     BodyAttributes,
+    MeasuredBody,
     MeasuredBodySettings,
 )
 from stiction.studies.members import find_body_attributes
@@ -54,7 +54,7 @@ from stiction.studies.study import DEFAULT_SEED, Study
 from stiction.studies.values import StudyError, validate_table
 from stiction.surfaces.hidden_noise import HiddenNoise, find_hidden_noise
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
-from stiction.surfaces.pairing import DEFAULT_LINE_COUNT, SIDES, SurrogateBodies
+from stiction.surfaces.pairing import DEFAULT_NUM_LINE_PAIRS, SIDES, SurrogateBodies
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import InstrumentLimit, instrument_limit
 from stiction.surfaces.surface import Surface, as_body
@@ -190,7 +190,7 @@ class MeasuredPair:
             )
         return name
 
-    def _build_body_from_array(self, side: str, index: int, heights: Any) -> Body:
+    def _build_body_from_array(self, side: str, index: int, heights: Any) -> MeasuredBody:
         """Convert an array of heights to a body, using the given spacing and unit."""
         spacing: Any = self._select_option_value("spacing", index)
         unit: Any = self._select_option_value("unit", index) or "um"
@@ -205,7 +205,7 @@ class MeasuredPair:
             raise ArgumentError(f"{{{side}}}{{why}}", why=str(error).removeprefix(side)) from None
 
     @cached_property
-    def bodies(self) -> tuple[Body, Body]:
+    def bodies(self) -> tuple[MeasuredBody, MeasuredBody]:
         """First scan of the slider and first scan of the counterface."""
         upper, lower = (file.read() for file in self.files)
         return upper, lower
@@ -281,7 +281,7 @@ class MeasuredPair:
         return self.press_mode == "surrogates" or self.options.surrogates not in (None, "none")
 
     @cached_property
-    def elasticity(self) -> Elasticity:
+    def elasticity(self) -> PairElasticity:
         """Elasticity of both bodies. Uncertain inputs enter with their central values."""
         modulus, young, poisson = (self._central_value(name) for name in ("effective_modulus", "young", "poisson"))
         return determine_elasticity(modulus, young, poisson, self.options.upper_material, self.options.lower_material)
@@ -573,7 +573,7 @@ class MeasuredPair:
 
     def _count_positions(self) -> tuple[int, int]:
         """Return the number of line pairs, and the number of relative positions for each line pair."""
-        num_lines, num_offsets = self.options.lines or DEFAULT_LINE_COUNT, self.options.offsets
+        num_lines, num_offsets = self.options.lines or DEFAULT_NUM_LINE_PAIRS, self.options.offsets
         if self.are_profiles and not self.has_surrogates:
             positions = self._listed_positions
             return 1, len(

@@ -20,7 +20,7 @@ from stiction._errors import ArgumentError
 from stiction._units import short_repr
 from stiction.mechanics.half_space import TiltMode
 from stiction.mechanics.law import JacksonGreen
-from stiction.mechanics.model import CurvatureRequirement, Detection
+from stiction.mechanics.model import CurvatureRequirement, DetectionMethod
 from stiction.studies.interfaces import Interface
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.measured.interpret import MissingPointTreatment, OutlierTreatment
@@ -107,13 +107,13 @@ def _parse_surrogates(value: object) -> object:
     return value
 
 
-HeightMap: TypeAlias = str | Path | Profile | Surface | NDArray[np.generic] | HeightData | Topography
+HeightInput: TypeAlias = str | Path | Profile | Surface | NDArray[np.generic] | HeightData | Topography
 """Measured profile or surface: a file, a body of this or of another library, or an array of heights."""
-Scan: TypeAlias = HeightMap | JoinedSpectrum
-BodyScans: TypeAlias = Annotated[Scan | Sequence[Scan], SkipValidation]
+ScanInput: TypeAlias = HeightInput | JoinedSpectrum
+BodyScans: TypeAlias = Annotated[ScanInput | Sequence[ScanInput], SkipValidation]
 """A single scan of a body, or scans at several places on the body."""
-Gap: TypeAlias = Annotated[HeightMap, SkipValidation]
-InterfaceName: TypeAlias = Annotated[str | Path | Interface, SkipValidation]
+GapInput: TypeAlias = Annotated[HeightInput, SkipValidation]
+InterfaceInput: TypeAlias = Annotated[str | Path | Interface, SkipValidation]
 QuantityInput: TypeAlias = Annotated[str | float, PlainValidator(_parse_single_value)]
 """Number in the unit of the option, or string with a unit."""
 QuantityInputs: TypeAlias = Annotated[
@@ -124,7 +124,7 @@ Positions: TypeAlias = Annotated[
     str | float | Sequence[str | float | Sequence[str | float]] | NDArray[np.float64], PlainValidator(_parse_positions)
 ]  # fmt: skip
 """Positions along profiles, or positions (x, y) on maps, possibly as a flat list."""
-Count: TypeAlias = Annotated[int, PlainValidator(_parse_positive_integer)]
+PositiveInteger: TypeAlias = Annotated[int, PlainValidator(_parse_positive_integer)]
 Seed: TypeAlias = Annotated[int, PlainValidator(_parse_nonnegative_integer)]
 Degrees: TypeAlias = Annotated[float, PlainValidator(_parse_degrees)]
 SurrogateChoice: TypeAlias = Annotated[int | str, PlainValidator(_parse_surrogates)]
@@ -446,7 +446,7 @@ class SurfaceOptions(OptionGroup):
     lower: Annotated[BodyScans | None, PairOption(
         "LOWER", "The counterface; both may be the same file.", flag="LOWER", argument="second",
     )] = None  # fmt: skip
-    gap: Annotated[Gap | None, PairOption(
+    gap: Annotated[GapInput | None, PairOption(
         "FILE", "A map of the gap between two faces, for example of a fracture, instead of {upper} and {lower}.",
         applies=(is_gap_map,),
     )] = None  # fmt: skip
@@ -459,7 +459,7 @@ class SurfaceOptions(OptionGroup):
             choices=(("grooves", "across grooves"), ("isotropic", "none, isotropic")),
         ),
     )] = None  # fmt: skip
-    lines: Annotated[Count | None, PairOption(
+    lines: Annotated[PositiveInteger | None, PairOption(
         "N", "Press this many pairs of lines of two maps instead of their areas; for surrogates of profiles, the "
         "number of surrogates.", usual="128 of surrogates, and of a map and a profile",
         applies=(has_no_spectrum, has_several_line_pairs, has_two_bodies),
@@ -641,7 +641,7 @@ class FrictionOptions(OptionGroup):
         kind="pressure", usual="0 MPa", key="friction.tau0", is_common=True, applies=(has_no_interface,),
         field=FormField(label="τ0, MPa", place="load", unit="MPa"),
     )] = None  # fmt: skip
-    interface: Annotated[InterfaceName | None, PairOption(
+    interface: Annotated[InterfaceInput | None, PairOption(
         "NAME|FILE", "Joint values of {mu0} and {tau0}: a file from stiction calibrate, or a name listed by stiction "
         "interfaces.",
         key="known.interface", is_common=True,
@@ -678,7 +678,7 @@ class ContactOptions(OptionGroup):
         "hertz-sphere|hertz-cylinder|jackson-green", "Contact law of asperities.", usual="hertz-sphere",
         key="contact.law", applies=(uses_asperity_model, has_law_for_lay),
     )] = None  # fmt: skip
-    detection: Annotated[Detection | None, PairOption(
+    detection: Annotated[DetectionMethod | None, PairOption(
         "gap-minimum|cell", "Criterion that detects contacts of asperities.", usual="gap-minimum",
         key="contact.detection",
         applies=(uses_asperity_model,),
@@ -694,12 +694,12 @@ class EnsembleOptions(OptionGroup):
 
     title: ClassVar[str] = "Ensemble"
 
-    shifts: Annotated[Count | None, PairOption(
+    shifts: Annotated[PositiveInteger | None, PairOption(
         "N", "Relative positions of two maps.", usual="16", key="ensemble.repetitions",
         applies=(has_two_bodies, presses_areas, has_no_positions),
         field=FormField(label="positions", keyboard="numeric", example="16"),
     )] = None  # fmt: skip
-    offsets: Annotated[Count | None, PairOption(
+    offsets: Annotated[PositiveInteger | None, PairOption(
         "N", "Positions along the lower profile.", usual="64, or 1 for several lines", key="surfaces.offsets",
         applies=(presses_lines, has_no_positions),
     )] = None  # fmt: skip
@@ -723,7 +723,7 @@ class EnsembleOptions(OptionGroup):
     )] = None  # fmt: skip
 
 
-class ComputationOptions(OptionGroup):
+class ExtraComputationOptions(OptionGroup):
     """Options that request additional computations."""
 
     title: ClassVar[str] = "Computing"
@@ -740,7 +740,7 @@ class PairOptions(
     FrictionOptions,
     ContactOptions,
     EnsembleOptions,
-    ComputationOptions,
+    ExtraComputationOptions,
 ):
     """All options for a pair of two measured bodies."""
 
@@ -754,7 +754,7 @@ class PairOptions(
 
 OPTION_GROUPS: tuple[type[OptionGroup], ...] = (
     FrictionOptions, MaterialOptions, ContactOptions, SurfaceOptions, EnsembleOptions,
-    FileReadingOptions, ComputationOptions,
+    FileReadingOptions, ExtraComputationOptions,
 )  # fmt: skip
 """Groups of options in the order of the help."""
 

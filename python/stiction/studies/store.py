@@ -517,7 +517,7 @@ def write_block(path: Path, first_member: int, content: bytes, num_members: int)
 # If the checksum of a block file is correct, only the study and the shapes of the arrays are verified in addition.
 
 # attributes of a result that do not describe the bodies
-RESULT_ATTRIBUTES = ("title", "study", "stiction_version", "_NCProperties")
+NON_BODY_ATTRIBUTES = ("title", "study", "stiction_version", "_NCProperties")
 
 CHECKSUM_PREFIX = b"stiction crc32 "
 """Bytes before the checksum at the end of an exported file. The checksum is verified first, because HDF5 may never
@@ -629,7 +629,7 @@ def decode_members(content: bytes) -> BlockFileContent:
                 name: _read_variable(file, name, numbers.shape).astype(dtype)
                 for name, dtype in MEMBER_COORDINATE_TYPES.items()
             }
-            stored_attributes = {name: file.attrs[name] for name in file.attrs if name not in RESULT_ATTRIBUTES}
+            stored_attributes = {name: file.attrs[name] for name in file.attrs if name not in NON_BODY_ATTRIBUTES}
             attributes = {
                 name: value if isinstance(value, str) else np.atleast_1d(value)
                 for name, value in stored_attributes.items()

@@ -70,7 +70,7 @@ _LEADING_KEYS = (
 )  # fmt: skip
 """Keys that are written first in their tables."""
 
-_STUDY_LIBRARY = resources.files("stiction.studies") / "library"
+_STUDY_LIBRARY_FOLDER = resources.files("stiction.studies") / "library"
 DEFAULT_SEED = 2016  # default seed of the random number generator
 StudyDifference = tuple[str, str, str]  # dotted key, with its TOML values in the first and the second study
 MAX_LISTED_DIFFERENCES = 4  # maximum number of differences in a message
@@ -429,7 +429,7 @@ class Study(SettingsTable):
             raise StudyError(
                 f"there is no built-in study {short_repr(name)}; the studies are {', '.join(study_names())}"
             )
-        return parse_study((_STUDY_LIBRARY / f"{name}.toml").read_text(encoding="utf-8"), name)
+        return parse_study((_STUDY_LIBRARY_FOLDER / f"{name}.toml").read_text(encoding="utf-8"), name)
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Study:
@@ -560,12 +560,14 @@ def study_names() -> list[str]:
     >>> "quick" in study_names()
     True
     """
-    return sorted(item.name.removesuffix(".toml") for item in _STUDY_LIBRARY.iterdir() if item.name.endswith(".toml"))
+    return sorted(
+        item.name.removesuffix(".toml") for item in _STUDY_LIBRARY_FOLDER.iterdir() if item.name.endswith(".toml")
+    )
 
 
 def read_study_description(name: str) -> str:
     """Return the one-sentence description of a built-in study."""
-    return (_STUDY_LIBRARY / f"{name}.toml").read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
+    return (_STUDY_LIBRARY_FOLDER / f"{name}.toml").read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
 
 
 def parse_study_of_dataset(dataset: xarray.Dataset) -> Study:

@@ -20,7 +20,7 @@ MonomialExponents = tuple[int, ...]
 # Shortest cutoff, in points.
 # At this cutoff, the filter still transmits 96 % of the amplitude of the shortest wavelength.
 MIN_CUTOFF_POINTS = 0.5
-_MIN_REGRESSION_POINTS = 4.0  # minimum cutoff, in points, at which straight lines are fitted near the ends
+_MIN_REGRESSION_CUTOFF_POINTS = 4.0  # minimum cutoff, in points, at which straight lines are fitted near the ends
 # Half width of the weight function, in cutoff wavelengths.
 # Beyond this distance, all weights are below 1e-15 of the largest weight.
 _WEIGHT_HALF_WIDTH = 1.6
@@ -149,7 +149,7 @@ def gaussian_low_pass(body: Profile | Surface, cutoff: float, *, periodic: bool 
         )
         if measured_weights is not None:
             mean_line = _divide_by_weights(mean_line, _filter_periodic(measured_weights, cutoffs_in_points), heights)
-    elif max(cutoffs_in_points) < _MIN_REGRESSION_POINTS:
+    elif max(cutoffs_in_points) < _MIN_REGRESSION_CUTOFF_POINTS:
         mean_line = _filter_reflected(heights, cutoffs_in_points)
     elif measured_weights is not None:
         mean_line = _fit_local_polynomials(

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats, check_bool, validate_number
-from stiction._repr import TableRepr
+from stiction._repr import TableReprMixin
 from stiction.surfaces.floor_fit import BinnedSpectrum, fit_noise_floor
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
@@ -100,7 +100,7 @@ class PowerLawFit:
 
 
 @dataclass(frozen=True, repr=False)
-class HurstEstimate(TableRepr):
+class HurstEstimate(TableReprMixin):
     """Hurst exponent of a profile or a surface, with its uncertainty and the fitted wavelength band.
 
     Attributes

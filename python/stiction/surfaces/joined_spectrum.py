@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from stiction._checks import Floats, make_read_only, validate_number, validate_whole_number
-from stiction._repr import TextRepr
+from stiction._repr import TextReprMixin
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile, Side
 from stiction.surfaces.scale import ScaleDependentRoughness, instrument_limit
@@ -33,7 +33,7 @@ _WAVE_VECTORS_PER_INDEPENDENT_VALUE = 4.0
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class JoinedSpectrum(TextRepr):
+class JoinedSpectrum(TextReprMixin):
     """Spectrum of an isotropic surface over all wavelengths that its scans resolve.
 
     Attributes

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from stiction._checks import Floats, check_choice, make_read_only
-from stiction._repr import TextRepr
+from stiction._repr import TextReprMixin
 from stiction.surfaces.hurst import HurstEstimate, estimate_hurst_exponent
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import LineOrientation, Profile
@@ -30,7 +30,7 @@ _MIN_LINE_POINTS = 7  # minimum number of points for the seven-point slope formu
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LineRoughness(TextRepr):
+class LineRoughness(TextReprMixin):
     """Roughness of the rows or columns of a surface, each measured from its own least-squares line.
 
     Attributes

@@ -31,7 +31,7 @@ from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
 # Default number of pairs of lines.
 # With this number of pairs, an interval can be estimated, and the computation takes only one or two seconds.
-DEFAULT_LINE_COUNT = 128
+DEFAULT_NUM_LINE_PAIRS = 128
 # The largest shift of a map is its length divided by this number.
 # After a shift by a quarter of the length, the two maps overlap in three quarters of their length.
 MAX_SHIFT_DIVISOR = 4
@@ -156,7 +156,7 @@ def paired_lines(
     *,
     travel: float | None = None,
     level: ProfileTrend | None = "line",
-    lines: int = DEFAULT_LINE_COUNT,
+    lines: int = DEFAULT_NUM_LINE_PAIRS,
     along: LineOrientation = "x",
     surrogates: SurrogateBodies = "none",
     seed: int = 2016,

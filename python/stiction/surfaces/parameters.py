@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from stiction._repr import TextRepr, format_number_and_unit, table_html
+from stiction._repr import TextReprMixin, format_number_and_unit, table_html
 
 NOT_LEVELLED_VALUE = "no"  # value of `levelled` if heights are not levelled
 
@@ -174,7 +174,7 @@ ROUGHNESS_PARAMETERS = {
 
 
 @dataclass(frozen=True, repr=False)
-class ParameterSet(TextRepr):
+class ParameterSet(TextReprMixin):
     """Values of roughness parameters, available as attributes.
 
     Attributes

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 import stiction._core
 from stiction._checks import Floats, check_choice, float_array, make_read_only, validate_number
 from stiction._drawing import draw_profile, draw_surface
-from stiction._repr import PlotRepr, axes_or_new_axes
+from stiction._repr import PlotReprMixin, axes_or_new_axes
 from stiction.surfaces.interchange import describe_body, extract_heights, to_data_array
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ MIN_POINTS = 4  # minimum number of points; a natural cubic spline then has two 
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Body(PlotRepr):
+class Body(PlotReprMixin):
     """Base class of profiles and surfaces: heights on a uniform grid, with their history."""
 
     _ndim: ClassVar[int]

@@ -10,7 +10,7 @@ import numpy as np
 
 from stiction._checks import Floats, make_read_only
 from stiction._drawing import draw_scan_comparison
-from stiction._repr import PlotRepr, axes_or_new_axes
+from stiction._repr import PlotReprMixin, axes_or_new_axes
 from stiction.surfaces.filters import gaussian_transmission
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile, reject_missing_points
@@ -36,7 +36,7 @@ _INTEGER_SHIFT_TOLERANCE = 1e-4
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RepeatedScans(PlotRepr):
+class RepeatedScans(PlotReprMixin):
     """Comparison of two scans of the same area, with one value for each octave of the wavelength.
 
     Attributes

@@ -22,7 +22,7 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import surface_spectrum
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_body
 
-Derivative = Literal["seven-point", "neighbours"]
+DerivativeFormula = Literal["seven-point", "neighbours"]
 SEVEN_POINT_WEIGHTS = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0])
 DECAY_AUTOCORRELATION = 0.2  # autocorrelation that defines the decay lengths: the default of ISO 25178-3
 _NUM_DIRECTIONS = 720  # number of directions along which the autocorrelation is evaluated
@@ -56,7 +56,7 @@ class RoughnessParameters(ParameterSet):
 
 
 def roughness_parameters(
-    profile: BodyLike, *, derivative: Derivative = "seven-point", spacing: Any = None, unit: str = "um"
+    profile: BodyLike, *, derivative: DerivativeFormula = "seven-point", spacing: Any = None, unit: str = "um"
 ) -> RoughnessParameters:
     """Compute the P-parameters of a profile about its mean (ISO 21920-2).
 
@@ -102,7 +102,7 @@ def roughness_parameters(
     0.5
     """
     profile = as_body("profile", profile, Profile, spacing=spacing, unit=unit)
-    check_choice("derivative", derivative, Derivative)
+    check_choice("derivative", derivative, DerivativeFormula)
     reject_flat_body(profile)
     z = profile.heights
     if z.size < SEVEN_POINT_WEIGHTS.size:
@@ -112,7 +112,7 @@ def roughness_parameters(
     return RoughnessParameters(values, describe_levelling(profile.history))
 
 
-def height_and_slope_parameters(z: Floats, spacing: float, derivative: Derivative) -> dict[str, float]:
+def height_and_slope_parameters(z: Floats, spacing: float, derivative: DerivativeFormula) -> dict[str, float]:
     """Compute height and slope parameters about the mean line. The names omit the profile letter (P, R or W)."""
     scale = float(np.abs(z).max()) or 1.0
     scaled_heights = z / scale  # scaling prevents overflow and underflow of the fourth power
@@ -145,7 +145,7 @@ class SurfaceParameters(ParameterSet):
 
 
 def surface_parameters(
-    surface: BodyLike, *, derivative: Derivative = "seven-point", spacing: Any = None, unit: str = "um"
+    surface: BodyLike, *, derivative: DerivativeFormula = "seven-point", spacing: Any = None, unit: str = "um"
 ) -> SurfaceParameters:
     r"""Compute the ISO 25178-2 parameters of a surface, with heights measured from their mean.
 
@@ -212,7 +212,7 @@ def surface_parameters(
     (0.707107, 0.0, 1.5)
     """
     surface = as_body("surface", surface, Surface, spacing=spacing, unit=unit)
-    check_choice("derivative", derivative, Derivative)
+    check_choice("derivative", derivative, DerivativeFormula)
     reject_flat_or_small_surface(surface)
     z = surface.heights
     deviation = z - z.mean()
@@ -302,7 +302,7 @@ def _feature_parameter_values(deviation: Floats, scale: float, spacing: tuple[fl
     }
 
 
-def rms_gradient(surface: Surface, derivative: Derivative) -> float:
+def rms_gradient(surface: Surface, derivative: DerivativeFormula) -> float:
     """Compute the root-mean-square gradient Sdq of a surface."""
     z = surface.heights - surface.heights.mean()
     mean_squares = (
@@ -311,7 +311,7 @@ def rms_gradient(surface: Surface, derivative: Derivative) -> float:
     return math.sqrt(sum(mean_squares))
 
 
-def _slopes_along_axis(heights: Floats, axis: int, derivative: Derivative) -> Floats:
+def _slopes_along_axis(heights: Floats, axis: int, derivative: DerivativeFormula) -> Floats:
     """Return the slopes along an axis, in units of height per point."""
     if derivative == "neighbours":
         return np.diff(heights, axis=axis)

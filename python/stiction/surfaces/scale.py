@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, check_bool, float_array, make_read_only, validate_number
-from stiction._repr import TableRepr, TextRepr
+from stiction._repr import TableReprMixin, TextReprMixin
 from stiction.surfaces.filters import MIN_CUTOFF_POINTS, gaussian_transmission
 from stiction.surfaces.harmonics import MIN_HARMONIC_DISTANCE, density_between_harmonics, find_texture_harmonics
 from stiction.surfaces.hurst import HurstEstimate
@@ -73,7 +73,7 @@ LineSpectrum = tuple[Floats, Floats, Floats, float]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ScaleDependentRoughness(TextRepr):
+class ScaleDependentRoughness(TextReprMixin):
     """Rms slope and curvature as functions of the shortest included wavelength.
 
     Attributes
@@ -292,7 +292,7 @@ def _interpolate_log_log(wavelength: Floats, values: Floats, target_wavelengths:
 
 
 @dataclass(frozen=True, repr=False)
-class InstrumentLimit(TableRepr):
+class InstrumentLimit(TableReprMixin):
     """Wavelength below which a scan shows the instrument rather than the surface, and the reason for this limit.
 
     Attributes

@@ -16,7 +16,12 @@ from stiction.surfaces.material_ratio import core_parameters, heights_at_materia
 from stiction.surfaces.parameters import PROFILE_PARAMETERS, ParameterSet
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.profile_elements import mean_profile_element
-from stiction.surfaces.roughness import SEVEN_POINT_WEIGHTS, Derivative, describe_levelling, height_and_slope_parameters
+from stiction.surfaces.roughness import (
+    SEVEN_POINT_WEIGHTS,
+    DerivativeFormula,
+    describe_levelling,
+    height_and_slope_parameters,
+)
 from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
 from stiction.surfaces.surface import BodyLike, as_body, reject_flat_body
 
@@ -45,7 +50,7 @@ SETTING_CLASSES = (
 )
 """Setting classes of ISO 21920-3. Limits of Ra and, for periodic profiles, of RSm (as in ISO 4288) select a class."""
 
-_INITIAL_SETTING_CLASS = 2  # index of the class at which the search starts
+_INITIAL_SETTING_CLASS_INDEX = 2  # index of the class at which the search starts
 
 
 class SectionLengthError(ValueError):
@@ -126,7 +131,7 @@ class SectionParameters(ParameterSet):
 
 def section_parameters(
     profile: BodyLike, *, lc: float | str | None = None, ls: float | str | None = None,
-    sections: int = DEFAULT_SECTION_COUNT, robust: bool = False, derivative: Derivative = "seven-point",
+    sections: int = DEFAULT_SECTION_COUNT, robust: bool = False, derivative: DerivativeFormula = "seven-point",
     spacing: Any = None, unit: str = "um",
 ) -> SectionParameters:  # fmt: skip
     r"""Compute the R- and W-parameters of a profile as specified on technical drawings.
@@ -194,7 +199,7 @@ def section_parameters(
     """
     profile = as_body("profile", profile, Profile, spacing=spacing, unit=unit)
     reject_flat_body(profile)
-    check_choice("derivative", derivative, Derivative)
+    check_choice("derivative", derivative, DerivativeFormula)
     check_bool("robust", robust)
     sections = validate_whole_number("sections", sections, minimum=1)
     short_cutoff = None if ls is None else validate_number("ls", ls, unit="µm")
@@ -209,7 +214,7 @@ def section_parameters(
 
 
 def _compute_with_setting_class(
-    profile: Profile, ls: float | None, sections: int, robust: bool, derivative: Derivative
+    profile: Profile, ls: float | None, sections: int, robust: bool, derivative: DerivativeFormula
 ) -> SectionParameters:
     """Compute the parameters with the setting class that matches the resulting Ra and RSm."""
     lengths = [setting.section_length for setting in SETTING_CLASSES]
@@ -237,7 +242,10 @@ def _compute_with_setting_class(
         class_by_element = next(k for k, item in enumerate(SETTING_CLASSES) if not result.RSm > item.largest_element)
         return max(class_by_height, class_by_element)
 
-    index, visited_classes = min(possible_classes, key=lambda item: abs(item - _INITIAL_SETTING_CLASS)), set[int]()
+    index, visited_classes = (
+        min(possible_classes, key=lambda item: abs(item - _INITIAL_SETTING_CLASS_INDEX)),
+        set[int](),
+    )
     while (matching_class := find_matching_setting_class(index)) != index and index not in visited_classes:
         visited_classes.add(index)
         next_class = index + 1 if matching_class > index else index - 1
@@ -288,7 +296,7 @@ def _too_coarse_message(profile: Profile) -> str:
 
 
 def _compute_with_cutoff(
-    profile: Profile, lc: float, ls: float | None, sections: int, robust: bool, derivative: Derivative
+    profile: Profile, lc: float, ls: float | None, sections: int, robust: bool, derivative: DerivativeFormula
 ) -> SectionParameters:
     """Compute the parameters for a given section length (µm)."""
     spacing = profile.spacing
@@ -324,7 +332,7 @@ def _compute_with_cutoff(
     return SectionParameters({name: values[name] for name in names}, describe_levelling(profile.history), filters)
 
 
-def _roughness_values(z: Floats, ends: list[int], spacing: float, derivative: Derivative) -> dict[str, float]:
+def _roughness_values(z: Floats, ends: list[int], spacing: float, derivative: DerivativeFormula) -> dict[str, float]:
     section_heights = [z[start:stop] for start, stop in itertools.pairwise(ends)]
     peak, pit = (float(np.mean([(sign * heights).max() for heights in section_heights])) for sign in (1, -1))
     mean_spacing, mean_height = mean_profile_element(z, peak, pit)
@@ -338,6 +346,6 @@ def _roughness_values(z: Floats, ends: list[int], spacing: float, derivative: De
     return height_and_slope_parameters(z, spacing, derivative) | values
 
 
-def _waviness_values(z: Floats, spacing: float, derivative: Derivative) -> dict[str, float]:
+def _waviness_values(z: Floats, spacing: float, derivative: DerivativeFormula) -> dict[str, float]:
     mean_spacing, mean_height = mean_profile_element(z, float(z.max()), float(-z.min()))
     return height_and_slope_parameters(z, spacing, derivative) | {"Sm": mean_spacing * spacing, "c": mean_height}

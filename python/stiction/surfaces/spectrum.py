@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats, check_bool, make_read_only, validate_number, validate_whole_number
 from stiction._drawing import draw_spectrum
-from stiction._repr import PlotRepr, TableRepr, TextRepr, axes_or_new_axes
+from stiction._repr import PlotReprMixin, TableReprMixin, TextReprMixin, axes_or_new_axes
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_body
 
@@ -31,7 +31,7 @@ HANN_VARIANCE_FACTOR = 35 / 18
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PowerSpectrum(PlotRepr):
+class PowerSpectrum(PlotReprMixin):
     """Power spectral density of a profile in the convention of Jacobs, Junge & Pastewka (2017).
 
     Attributes
@@ -180,7 +180,7 @@ def profile_spectrum(heights: Floats, spacing: float, *, windowed: bool) -> Powe
 
 
 @dataclass(frozen=True, repr=False)
-class ProfileMoments(TableRepr):
+class ProfileMoments(TableReprMixin):
     """Variances of a profile and of its derivatives: the spectral moments m0, m2 and m4.
 
     Attributes
@@ -285,7 +285,7 @@ def is_within_wavelength_band(wave_number: Floats, shortest: float, longest: flo
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RadialSpectrum(TextRepr):
+class RadialSpectrum(TextReprMixin):
     """Surface spectrum averaged over the directions of the wave vector.
 
     Attributes
@@ -314,7 +314,7 @@ class RadialSpectrum(TextRepr):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SurfaceSpectrum(TextRepr):
+class SurfaceSpectrum(TextReprMixin):
     """Power spectral density of a surface in the convention of Jacobs, Junge & Pastewka (2017).
 
     Attributes

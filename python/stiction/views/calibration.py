@@ -13,7 +13,7 @@ from stiction._checks import check_instance
 from stiction._number_format import format_percent, format_with_interval, format_with_unit
 from stiction._repr import render_png
 from stiction.studies.calibration_fit import MIN_AREA_VARIATION
-from stiction.studies.interfaces import ERROR_SCALING_PROBABILITY, EXCLUSION_PROBABILITY, Interface, StrengthFit
+from stiction.studies.interfaces import ERROR_SCALING_P_VALUE_LIMIT, EXCLUSION_P_VALUE_LIMIT, Interface, StrengthFit
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 from stiction.views.rows import json_entry, record_json
 from stiction.views.style import ALL_CONTACTS_COLOUR, FORCE_COLOUR, MATPLOTLIB_STYLE, PAGE_WIDTH, new_figure
@@ -104,11 +104,11 @@ def _describe_fit(interface: Interface, fit: StrengthFit) -> Iterator[str]:
             yield (
                 f"{text}: residuals are larger than the errors allow, so the errors were multiplied by {fit.scale:.2g}."
             )
-        elif fit.probability < ERROR_SCALING_PROBABILITY:
+        elif fit.probability < ERROR_SCALING_P_VALUE_LIMIT:
             yield f"{text}: a poor fit."
         else:
             yield f"{text}."
-    if fit.trend < EXCLUSION_PROBABILITY:
+    if fit.trend < EXCLUSION_P_VALUE_LIMIT:
         yield f"{rule}: residuals vary with the load (probability {fit.trend:.1g}), so the law does not fit."
 
 

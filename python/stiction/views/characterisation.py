@@ -15,7 +15,7 @@ from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies.assessment import Caveat
 from stiction.studies.contact_statistics import compute_slopes
-from stiction.studies.input_caveats import INSTRUMENT_LIMIT_REASONS, find_scan_caveats
+from stiction.studies.input_caveats import INSTRUMENT_LIMIT_REASON_TEXTS, find_scan_caveats
 from stiction.surfaces.filters import filtered, validate_cutoff
 from stiction.surfaces.hurst import HurstEstimate, estimate_hurst_exponent
 from stiction.surfaces.lines import MAX_POWER_LAW_MISFIT, LineRoughness, lines_along_both, power_law_misfit
@@ -392,10 +392,12 @@ class Characterisation:
                 f"only the grid spacing{'' if self.tip_radius is None else '; the tip follows all wavelengths'}"
             )
         elif limit.slope_fraction < NEGLIGIBLE_SLOPE_FRACTION:
-            limit_text = f"below {wavelength} {INSTRUMENT_LIMIT_REASONS[limit.reason]}: negligible, {contribution_text}"
+            limit_text = (
+                f"below {wavelength} {INSTRUMENT_LIMIT_REASON_TEXTS[limit.reason]}: negligible, {contribution_text}"
+            )
         else:
             assessment = "unreliable" if limit.origin == "instrument" else "perhaps not from the surface"
-            reason = f"{INSTRUMENT_LIMIT_REASONS[limit.reason]}, {contribution_text}"
+            reason = f"{INSTRUMENT_LIMIT_REASON_TEXTS[limit.reason]}, {contribution_text}"
             limit_text = f"{assessment} below {wavelength}: {reason}; --cutoff '{cutoff_text}' removes this fraction"
         if self.textured and (limit.reason == "pixels" or limit.origin == "instrument"):
             limit_text += "; no line or hump to attribute to the surface (--texture)"

@@ -12,21 +12,21 @@ from warnings import warn
 
 from stiction._errors import ArgumentError
 from stiction.mechanics.half_space import TiltMode
-from stiction.mechanics.model import CurvatureRequirement, Detection
+from stiction.mechanics.model import CurvatureRequirement, DetectionMethod
 from stiction.studies.interfaces import Interface, write_interface
 from stiction.studies.pair import build_study_from_options
 from stiction.studies.pair_options import (
     BodyScans,
-    Count,
     Degrees,
-    Gap,
-    InterfaceName,
+    GapInput,
+    InterfaceInput,
     LawChoice,
     Lay,
     LevellingForm,
     Mechanics,
     PairOptions,
     Positions,
+    PositiveInteger,
     QuantityInput,
     QuantityInputs,
     Seed,
@@ -50,7 +50,7 @@ def pair(
     width: QuantityInput | None = None,
     mu0: QuantityInputs | None = None,
     tau0: QuantityInputs | None = None,
-    interface: InterfaceName | None = None,
+    interface: InterfaceInput | None = None,
     direction: QuantityInputs | None = None,
     upper: str | None = None,
     lower: str | None = None,
@@ -67,17 +67,17 @@ def pair(
     mechanics: Mechanics | None = None,
     tilt: TiltMode | None = None,
     law: LawChoice | None = None,
-    detection: Detection | None = None,
+    detection: DetectionMethod | None = None,
     curvature: CurvatureRequirement | None = None,
-    gap: Gap | None = None,
+    gap: GapInput | None = None,
     lay: Lay | None = None,
-    lines: Count | None = None,
+    lines: PositiveInteger | None = None,
     along: LineOrientation | None = None,
     level: LevellingForm | None = None,
     cutoff: QuantityInputs | None = None,
     rotate: Degrees | None = None,
-    shifts: Count | None = None,
-    offsets: Count | None = None,
+    shifts: PositiveInteger | None = None,
+    offsets: PositiveInteger | None = None,
     travel: QuantityInput | None = None,
     positions: Positions | None = None,
     surrogates: SurrogateChoice | None = None,

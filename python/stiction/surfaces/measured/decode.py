@@ -18,7 +18,7 @@ MAX_LINES, MAX_CELLS_PER_LINE = 25_000_000, 4_000_000
 MAX_FIRST_LINES, MAX_FIRST_LINE_LENGTH = 200, 1000
 _MAX_SHOWN_LENGTH = 60  # maximum number of characters of a line in a message
 
-BLANK_LINE, NUMBER_LINE, TEXT_LINE = 0, 1, 2
+BLANK_LINE_CODE, NUMBER_LINE_CODE, TEXT_LINE_CODE = 0, 1, 2
 """Kinds of lines. A number line contains only numbers, separators and marks of missing points."""
 
 _LEGACY_ENCODINGS = ("cp1252", "cp932", "gb18030", "euc-kr", "cp437", "latin-1")
@@ -122,24 +122,24 @@ class DecodedText:
     def line_kinds(self) -> NDArray[np.uint8]:
         """Kind of each line: blank, numbers or text."""
         bits = self.character_type_bits
-        kinds = np.full(bits.size, NUMBER_LINE, np.uint8)
-        kinds[bits & (_DIGIT_BIT | _NON_NUMBER_CHARACTER_BIT | _NUMBER_SYMBOL_BIT) == 0] = BLANK_LINE
-        kinds[(bits & _DIGIT_BIT == 0) & (bits & _NUMBER_SYMBOL_BIT != 0)] = TEXT_LINE
+        kinds = np.full(bits.size, NUMBER_LINE_CODE, np.uint8)
+        kinds[bits & (_DIGIT_BIT | _NON_NUMBER_CHARACTER_BIT | _NUMBER_SYMBOL_BIT) == 0] = BLANK_LINE_CODE
+        kinds[(bits & _DIGIT_BIT == 0) & (bits & _NUMBER_SYMBOL_BIT != 0)] = TEXT_LINE_CODE
         for line_number in np.flatnonzero(bits & _NON_NUMBER_CHARACTER_BIT).tolist():
             remainder, mark_count = self.missing_word_pattern.subn(b"", self.raw_line(line_number))
             is_numeric_row = mark_count and not remainder.translate(None, NUMERIC_CHARACTERS)
-            kinds[line_number] = NUMBER_LINE if is_numeric_row else TEXT_LINE
+            kinds[line_number] = NUMBER_LINE_CODE if is_numeric_row else TEXT_LINE_CODE
         # A line of asterisks or dashes between rows of numbers is a row of missing points.
         # Other lines of asterisks or dashes are separators.
-        nonblank_lines = np.flatnonzero(kinds != BLANK_LINE)
-        is_ruler = (kinds[nonblank_lines] == TEXT_LINE) & (
+        nonblank_lines = np.flatnonzero(kinds != BLANK_LINE_CODE)
+        is_ruler = (kinds[nonblank_lines] == TEXT_LINE_CODE) & (
             bits[nonblank_lines] & (_NON_NUMBER_CHARACTER_BIT | _DIGIT_BIT) == 0
         )
         other_lines = np.flatnonzero(~is_ruler)
         for gap in np.flatnonzero(np.diff(other_lines) > 1).tolist():
             first, last = other_lines[gap : gap + 2].tolist()
-            if kinds[nonblank_lines[first]] == NUMBER_LINE == kinds[nonblank_lines[last]]:
-                kinds[nonblank_lines[first + 1 : last]] = NUMBER_LINE
+            if kinds[nonblank_lines[first]] == NUMBER_LINE_CODE == kinds[nonblank_lines[last]]:
+                kinds[nonblank_lines[first + 1 : last]] = NUMBER_LINE_CODE
         return kinds
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from stiction.surfaces.measured.raw import FormatError, HeightChannels, HeightSource, RawHeights
+from stiction.surfaces.measured.raw import FormatError, HeightChannels, HeightProvenance, RawHeights
 from stiction.surfaces.profile import MAX_POINTS
 
 _TEXT_FORMATS = ("asc", "xyz")
@@ -76,7 +76,7 @@ def _read_channel(path: Path, index: int, name: str) -> RawHeights:
         # SurfaceTopography requires sizes even if the file contains no sizes.
         # The spacing computed from these sizes is not used.
         size_arguments = {} if has_sizes else {"physical_sizes": tuple(map(float, np.atleast_1d(channel.nb_grid_pts)))}
-        source = HeightSource(f"{reader.format()} by SurfaceTopography", column=name)
+        source = HeightProvenance(f"{reader.format()} by SurfaceTopography", column=name)
         topography = channel.topography(**size_arguments)
         heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan)
         unit = None if topography.unit is None else str(topography.unit)

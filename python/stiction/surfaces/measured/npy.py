@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction._text import printable_text
-from stiction.surfaces.measured.raw import ColumnTable, FormatError, HeightSource, RawHeights
+from stiction.surfaces.measured.raw import ColumnTable, FormatError, HeightProvenance, RawHeights
 from stiction.surfaces.profile import MAX_POINTS
 
 SPACING_FIELDS = ("spacing_y_um", "spacing_x_um")
@@ -47,10 +47,15 @@ def read_npy(data: bytes) -> ColumnTable | RawHeights:
     if metadata is not None and len(metadata[0]) == heights.ndim:
         spacing, history = metadata
         return RawHeights(
-            heights, unit="um", spacing=spacing, position_unit="um", history=history, source=HeightSource("NumPy array")
+            heights,
+            unit="um",
+            spacing=spacing,
+            position_unit="um",
+            history=history,
+            source=HeightProvenance("NumPy array"),
         )
     values = heights.reshape(-1, 1) if heights.ndim == 1 else heights
-    return ColumnTable(values, area=True, source=HeightSource("NumPy array"))
+    return ColumnTable(values, area=True, source=HeightProvenance("NumPy array"))
 
 
 def _read_metadata(file: io.BytesIO, data: bytes) -> tuple[tuple[float, ...], tuple[str, ...]] | None:

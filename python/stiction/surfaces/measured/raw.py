@@ -92,8 +92,8 @@ class DeclaredLength:
 
 
 @dataclass(frozen=True)
-class HeightSource:
-    """Origin of the heights in a file: layout, column, encoding, separators and line numbers."""
+class HeightProvenance:
+    """Provenance of the heights in a file: layout, column, encoding, separators and line numbers."""
 
     layout: str = ""
     column: str = ""  # column, channel or block that contains the heights
@@ -123,7 +123,7 @@ class RawHeights:
     stated_spacings: tuple[DeclaredLength, DeclaredLength] | None = None  # declared spacings of rows and columns
     size: tuple[DeclaredLength, DeclaredLength] | None = None  # declared height and width of a map
     history: tuple[str, ...] = ()  # descriptions of the selections made when the file was read
-    source: HeightSource = HeightSource()
+    source: HeightProvenance = HeightProvenance()
     codes: tuple[float, ...] = ()  # values that the file declares as missing points
     factor: float | None = None  # declared factor that converts the numbers to `unit`
     bare_spacing: tuple[float, ...] | None = None  # declared spacing without a unit
@@ -156,7 +156,7 @@ class ColumnTable:
     # True for a NumPy array.
     # An array with two columns contains positions and heights only if the first column has equal steps.
     area: bool = False
-    source: HeightSource = HeightSource()
+    source: HeightProvenance = HeightProvenance()
     places: tuple[int, ...] | None = None  # column numbers in the file, if columns were skipped
     caveats: tuple[FileCaveat, ...] = ()
     word_columns: tuple[WordColumn, ...] = ()  # columns that contain words; their values are NaN

@@ -34,7 +34,7 @@ from stiction.surfaces.measured.raw import (
     FileCaveat,
     FormatError,
     FormatWarning,
-    HeightSource,
+    HeightProvenance,
     RawHeights,
     ReaderResult,
 )
@@ -73,7 +73,7 @@ class FileReading(Generic[_Body]):
 
     body: _Body
     file: str
-    source: HeightSource
+    source: HeightProvenance
     unit: str
     """Unit of the heights in the file."""
     missing: int

@@ -77,7 +77,7 @@ def select_heights(
         raise FormatError(f"has no channels, but channel {channel!r} was selected")
     if isinstance(content, ColumnTable):
         table = _apply_flag_column(_replace_words_by_missing(content, columns), columns)
-        raw = _heights_of_selected_columns(table, columns) if columns is not None else _read_by_shape(table)
+        raw = _heights_of_selected_columns(table, columns) if columns is not None else _read_by_layout(table)
         return replace(raw, history=(*table.history, *raw.history), caveats=(*table.caveats, *raw.caveats))
     if columns is not None:
         raise FormatError("has no columns, but columns were selected")
@@ -381,23 +381,23 @@ def _select_table_columns(table: ColumnTable, selection: Sequence[int], values: 
 
 
 @dataclass(frozen=True)
-class TableShape:
-    """Shape of a table, with functions that recognise and read it."""
+class TableLayout:
+    """Layout of a table, with functions that recognise and read it."""
 
     name: str
     recognises: Callable[[ColumnTable], bool]
     read: Callable[[ColumnTable], RawHeights]
 
 
-def _read_by_shape(table: ColumnTable) -> RawHeights:
-    """Read the heights of a table with the first `TableShape` that recognises the table."""
+def _read_by_layout(table: ColumnTable) -> RawHeights:
+    """Read the heights of a table with the first `TableLayout` that recognises the table."""
     table, numbering_history = _remove_numbering(table)
     is_empty_column = np.isnan(table.values).all(axis=0)
     if table.places is not None and is_empty_column.any() and not is_empty_column.all():
         table = _select_table_columns(table, np.flatnonzero(~is_empty_column).tolist())
-    shape = next(shape for shape in TABLE_SHAPES if shape.recognises(table))
-    raw = shape.read(table)
-    source = replace(raw.source, layout=table.source.layout or shape.name)
+    layout = next(layout for layout in TABLE_LAYOUTS if layout.recognises(table))
+    raw = layout.read(table)
+    source = replace(raw.source, layout=table.source.layout or layout.name)
     return replace(raw, history=(*numbering_history, *raw.history), source=source)
 
 
@@ -629,11 +629,11 @@ def _has_separate_columns(table: ColumnTable) -> bool:
     return not table.area and (columns < MIN_MATRIX_COLUMNS or len(set(_column_units(table))) > 1 or bool(table.names))
 
 
-TABLE_SHAPES: tuple[TableShape, ...] = (
-    TableShape(
+TABLE_LAYOUTS: tuple[TableLayout, ...] = (
+    TableLayout(
         "heights, a column", lambda table: table.values.shape[1] == 1, lambda table: _read_profile_columns(table, 0)
     ),
-    TableShape(
+    TableLayout(
         "positions and heights",
         lambda table: (
             table.values.shape[1] == 2
@@ -641,19 +641,19 @@ TABLE_SHAPES: tuple[TableShape, ...] = (
         ),
         lambda table: _read_profile_columns(table, 0, 1),
     ),
-    TableShape(
+    TableLayout(
         "points x, y, z on a grid",
         _is_xyz_table,
         lambda table: _read_xyz_table(table, *(_find_xyz_columns(table) or ())),
     ),
-    TableShape(
+    TableLayout(
         "points x, y, z on a line",
         _is_line_of_points,
         lambda table: _read_profile_columns(table, *(_find_xyz_columns(table) or ())[::2]),
     ),
-    TableShape("matrix with positions along its sides", _is_labelled_matrix, _read_labelled_matrix),
-    TableShape("columns to choose from", _has_separate_columns, _reject_ambiguous_columns),
-    TableShape("matrix", lambda table: True, _read_matrix),
+    TableLayout("matrix with positions along its sides", _is_labelled_matrix, _read_labelled_matrix),
+    TableLayout("columns to choose from", _has_separate_columns, _reject_ambiguous_columns),
+    TableLayout("matrix", lambda table: True, _read_matrix),
 )
 """Shapes of tables; the first that recognises a table is used:
 - heights, a column: ``0.5`` ``-0.2`` ``1.0``, one number per line

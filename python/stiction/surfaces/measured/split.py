@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction.surfaces.measured.decode import (
-    BLANK_LINE,
+    BLANK_LINE_CODE,
     MAX_CELLS_PER_LINE,
-    NUMBER_LINE,
+    NUMBER_LINE_CODE,
     NUMERIC_CHARACTERS,
     DecodedText,
 )
@@ -158,8 +158,8 @@ def last_digit_value(values: Floats, decimals: int, digits: int) -> Floats:
 def find_numeric_line_runs(text: DecodedText) -> list[tuple[int, int]]:
     """Return the first and the last line of each run of numeric lines. A run may contain blank lines."""
     kinds = text.line_kinds
-    nonblank_lines = np.flatnonzero(kinds != BLANK_LINE)
-    is_number_line = kinds[nonblank_lines] == NUMBER_LINE
+    nonblank_lines = np.flatnonzero(kinds != BLANK_LINE_CODE)
+    is_number_line = kinds[nonblank_lines] == NUMBER_LINE_CODE
     edges = np.flatnonzero(np.diff(np.concatenate([[False], is_number_line, [False]]).astype(np.int8)))
     return [(int(nonblank_lines[a]), int(nonblank_lines[b - 1])) for a, b in edges.reshape(-1, 2).tolist()]
 
@@ -360,7 +360,7 @@ def numbers_in_lines(text: DecodedText, first: int, last: int) -> Floats:
 def _find_row_lines(text: DecodedText, first: int, last: int, dialect: Dialect) -> LineNumbers:
     """Return the lines of a run that are rows of a table, including rows in which all cells are empty."""
     kinds = text.line_kinds[first : last + 1]
-    is_nonblank = kinds != BLANK_LINE
+    is_nonblank = kinds != BLANK_LINE_CODE
     if dialect.separator is not None and not is_nonblank.all():
         for line in np.flatnonzero(~is_nonblank).tolist():
             is_nonblank[line] = dialect.separator.encode() in text.raw_line(first + line)

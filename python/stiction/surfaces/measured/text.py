@@ -9,14 +9,14 @@ from dataclasses import replace
 import numpy as np
 
 from stiction._text import printable_text
-from stiction.surfaces.measured.decode import TEXT_LINE, DecodedText, decode_text
+from stiction.surfaces.measured.decode import TEXT_LINE_CODE, DecodedText, decode_text
 from stiction.surfaces.measured.header import parse_column_headings, parse_declarations, parse_history
 from stiction.surfaces.measured.layout import TextLayout
 from stiction.surfaces.measured.raw import (
     ColumnTable,
     FormatError,
     HeightChannels,
-    HeightSource,
+    HeightProvenance,
     RawHeights,
     ReaderResult,
     WordColumn,
@@ -139,11 +139,11 @@ def _to_table(
     )
 
 
-def make_height_provenance(block: NumberBlock) -> HeightSource:
+def make_height_provenance(block: NumberBlock) -> HeightProvenance:
     """Describe the location of a block in its text, and the format of the block."""
     text, first, end = block.text, int(block.lines[0]), int(block.lines[-1]) + 1
     decimal_mark = "." if block.dialect.pairs else block.dialect.point
-    return HeightSource(
+    return HeightProvenance(
         encoding=text.encoding, separator=str(block.dialect), decimal_mark=decimal_mark, lines=(first + 1, end),
         lines_above=len(text.nonempty_lines(0, first)) if first < 10_000 else first,
         lines_below=int(np.count_nonzero(text.line_kinds[end:])),
@@ -174,7 +174,7 @@ def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, run
     for line, step in sorted(neighbours):
         if (
             not 0 <= line < len(text)
-            or text.line_kinds[line] != TEXT_LINE
+            or text.line_kinds[line] != TEXT_LINE_CODE
             or text.line(line).startswith(("#", "%", "!", "/"))
         ):
             continue

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from stiction._text import printable_text
-from stiction.surfaces.measured.decode import BLANK_LINE, NUMBER_LINE, TEXT_LINE, DecodedText
+from stiction.surfaces.measured.decode import BLANK_LINE_CODE, NUMBER_LINE_CODE, TEXT_LINE_CODE, DecodedText
 from stiction.surfaces.measured.split import Dialect, cell_kind, find_numeric_line_runs, split_cells
 
 # The comma is tried last, because it may be the decimal mark if the cells have another separator.
@@ -36,7 +36,7 @@ def replace_word_columns(text: DecodedText) -> tuple[DecodedText, tuple[FoundWor
     runs = find_numeric_line_runs(text)
     if not (text.words or _may_mix_words_and_numbers(text, runs)):
         return text, ()
-    lines = np.flatnonzero(text.line_kinds != BLANK_LINE).tolist()
+    lines = np.flatnonzero(text.line_kinds != BLANK_LINE_CODE).tolist()
     largest_run = max((last + 1 - first for first, last in runs), default=0)
     samples = {
         separator: _find_word_table(text, lines[:_MAX_SEPARATOR_SEARCH_LINES], separator)
@@ -81,9 +81,9 @@ def _may_mix_words_and_numbers(text: DecodedText, runs: Sequence[tuple[int, int]
     """Return whether rows from the line above the first numbers onwards may contain both words and numbers."""
     if not runs:
         return True
-    kinds = text.line_kinds[text.line_kinds != BLANK_LINE]
-    numbers = np.flatnonzero(kinds == NUMBER_LINE)
-    return bool((kinds[numbers[0] :] == TEXT_LINE).any()) or (
+    kinds = text.line_kinds[text.line_kinds != BLANK_LINE_CODE]
+    numbers = np.flatnonzero(kinds == NUMBER_LINE_CODE)
+    return bool((kinds[numbers[0] :] == TEXT_LINE_CODE).any()) or (
         numbers[0] > 0 and any(map(_NUMBER_CELL_PATTERN.fullmatch, re.split(r"[\t;|, ]+", text.line(runs[0][0] - 1))))
     )
 

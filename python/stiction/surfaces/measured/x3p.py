@@ -18,7 +18,7 @@ from stiction.surfaces.measured.raw import (
     MAX_TEXT_BYTES,
     FileCaveat,
     FormatError,
-    HeightSource,
+    HeightProvenance,
     RawHeights,
     read_member_chunks,
 )
@@ -89,7 +89,7 @@ def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
         "unit": "m",
         "position_unit": "m",
         "caveats": caveats,
-        "source": HeightSource("X3P"),
+        "source": HeightProvenance("X3P"),
     }
     if feature == "SUR":
         return RawHeights(

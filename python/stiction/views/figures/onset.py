@@ -16,7 +16,7 @@ from stiction._checks import Floats
 from stiction._drawing import add_scale_bar
 from stiction._number_format import format_with_unit
 from stiction.studies.assessment import MAX_AFFECTED_FRACTION
-from stiction.studies.contact_picture import MIN_ZOOM_SIDE_POINTS, ZOOM_DIVISOR
+from stiction.studies.contact_picture import MIN_ZOOM_SIDE_POINTS, ZOOM_FACTOR
 from stiction.studies.contact_tables import AsperityModelSettings
 from stiction.studies.point import MEAN_AND_LIMITS
 from stiction.studies.result import Result
@@ -186,7 +186,7 @@ def _densest_contact_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice],
     from scipy.ndimage import gaussian_filter
 
     is_contact = np.isfinite(onset["slip"].values)
-    window_shape = [min(max(length // ZOOM_DIVISOR, MIN_ZOOM_SIDE_POINTS), length) for length in is_contact.shape]
+    window_shape = [min(max(length // ZOOM_FACTOR, MIN_ZOOM_SIDE_POINTS), length) for length in is_contact.shape]
     contact_density = gaussian_filter(
         is_contact.astype(np.float64), [width / 4 for width in window_shape], mode="constant"
     )

@@ -1,6 +1,7 @@
 """Text and workbook layouts of instruments, one per module.
 
-Each module defines `LAYOUT`, a `TextLayout`, or `WORKBOOK`, a `WorkbookLayout`. Its docstring contains an example.
+Each module defines `LAYOUT`, a `TextLayout`, or `WORKBOOK_LAYOUT`, a `WorkbookLayout`. Its docstring contains an
+example.
 """
 
 from __future__ import annotations
@@ -14,5 +15,5 @@ _LAYOUT_MODULES = [import_module(f"{__name__}.{module.name}") for module in pkgu
 
 TEXT_LAYOUTS: tuple[TextLayout, ...] = tuple(module.LAYOUT for module in _LAYOUT_MODULES if hasattr(module, "LAYOUT"))
 WORKBOOK_LAYOUTS: tuple[WorkbookLayout, ...] = tuple(
-    module.WORKBOOK for module in _LAYOUT_MODULES if hasattr(module, "WORKBOOK")
+    module.WORKBOOK_LAYOUT for module in _LAYOUT_MODULES if hasattr(module, "WORKBOOK_LAYOUT")
 )

@@ -20,7 +20,7 @@ import re
 
 import numpy as np
 
-from stiction.surfaces.measured.decode import NUMBER_LINE, DecodedText
+from stiction.surfaces.measured.decode import NUMBER_LINE_CODE, DecodedText
 from stiction.surfaces.measured.header import is_unit, normalise_line
 from stiction.surfaces.measured.layout import TextLayout
 from stiction.surfaces.measured.raw import FileCaveat, FormatError, RawHeights, parse_length_unit
@@ -102,8 +102,8 @@ def _read(text: DecodedText) -> RawHeights:
 
 def _extract_single_image(text: DecodedText, values: np.ndarray, last: int) -> np.ndarray:
     """Return the heights of an image. Raises `FormatError` if the file also contains the numbers of another image."""
-    if (text.line_kinds[last + 1 :] == NUMBER_LINE).any():
-        line_number = last + 1 + int(np.argmax(text.line_kinds[last + 1 :] == NUMBER_LINE))
+    if (text.line_kinds[last + 1 :] == NUMBER_LINE_CODE).any():
+        line_number = last + 1 + int(np.argmax(text.line_kinds[last + 1 :] == NUMBER_LINE_CODE))
         raise FormatError(
             f"{text.describe_line(line_number)} contains numbers of another image; export each image to its own file"
         )

@@ -55,4 +55,4 @@ def _read(sheets: WorkbookSheets) -> ColumnTable:
     return replace(table, units=(lateral_unit, _height_unit(sheets)))
 
 
-WORKBOOK = WorkbookLayout("Mitutoyo workbook", _is_mitutoyo_workbook, _read)
+WORKBOOK_LAYOUT = WorkbookLayout("Mitutoyo workbook", _is_mitutoyo_workbook, _read)

@@ -21,7 +21,7 @@ import re
 
 from stiction.surfaces.measured.decode import DecodedText
 from stiction.surfaces.measured.layout import TextLayout, parse_header_integer, parse_header_number
-from stiction.surfaces.measured.raw import FormatError, HeightSource, RawHeights
+from stiction.surfaces.measured.raw import FormatError, HeightProvenance, RawHeights
 from stiction.surfaces.measured.split import numbers_in_lines
 
 _SDF_VERSION_PATTERN = re.compile(r"a(ISO|NPL|BCR|EUNA|GBS)-?\S{0,12}", re.IGNORECASE)
@@ -50,7 +50,7 @@ def _read(text: DecodedText) -> RawHeights:
         heights, spacing = heights.reshape(rows, columns), [parse_header_number(header, "Yscale"), *spacing]
     if not min(spacing) > 0:
         raise FormatError(f"has a spacing of {min(spacing):g} m, but the spacing must be above 0")
-    source = HeightSource(separator="space", decimal_mark=".", lines=(end + 2, last + 1), lines_above=end + 1)
+    source = HeightProvenance(separator="space", decimal_mark=".", lines=(end + 2, last + 1), lines_above=end + 1)
     return RawHeights(
         heights, unit="um", factor=parse_header_number(header, "Zscale") * 1e6,
         spacing=tuple(step * 1e6 for step in spacing), position_unit="um", source=source,
