@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from stiction import half_space
-from stiction.mechanics.hardness import MIXING_EXPONENT_FACTOR, MIXING_EXPONENT_POWER, area_per_load
+from stiction.mechanics.hardness import MIXING_EXPONENT_FACTOR, MIXING_EXPONENT_POWER, interpolate_area_per_load
 from stiction.studies.hardness import HARDNESS_NODE_POSITIONS_BY_MODULI_COUNT
 from support.rough_surfaces import rough_maps
 
@@ -29,7 +29,9 @@ def test_contact_area_interpolated_over_hardness_agrees_with_direct_solutions(rm
     elastic_area = solve_area_per_load(None)
     nodes = 0.23 * (1.7 / 0.23) ** np.sort([*HARDNESS_NODE_POSITIONS_BY_MODULI_COUNT, 0.5])
     expected = np.geomspace(0.23, 1.7, 9)
-    result = area_per_load(expected, nodes, [solve_area_per_load(float(node)) for node in nodes], elastic_area)
+    result = interpolate_area_per_load(
+        expected, nodes, [solve_area_per_load(float(node)) for node in nodes], elastic_area
+    )
     direct_solutions = np.array([solve_area_per_load(float(item)) for item in expected])
     assert result == pytest.approx(direct_solutions, rel=AREA_TOLERANCE)
     assert 0.2 + 0.05 * result == pytest.approx(0.2 + 0.05 * direct_solutions, rel=FRICTION_TOLERANCE)
@@ -59,12 +61,14 @@ def test_contact_area_interpolated_over_hardness_equals_its_formula() -> None:
         ]
         for row, area in zip(areas_at_nodes, elastic_areas, strict=True)
     ]
-    np.testing.assert_allclose(area_per_load(hardness, nodes, areas_at_nodes, elastic_areas), expected, rtol=1e-13)
+    np.testing.assert_allclose(
+        interpolate_area_per_load(hardness, nodes, areas_at_nodes, elastic_areas), expected, rtol=1e-13
+    )
 
 
 def test_area_interpolated_over_hardness_equals_solved_areas_at_the_nodes_and_in_the_elastic_limit() -> None:
-    assert area_per_load([0.5], [0.5, 1.0], [2.1, 1.1], 0.3)[0] == pytest.approx(2.1)
-    area_at_hardness_node = area_per_load([1e3], [1e2, 1e4], [0.3, 0.3], 0.3)
+    assert interpolate_area_per_load([0.5], [0.5, 1.0], [2.1, 1.1], 0.3)[0] == pytest.approx(2.1)
+    area_at_hardness_node = interpolate_area_per_load([1e3], [1e2, 1e4], [0.3, 0.3], 0.3)
     assert area_at_hardness_node[0] == pytest.approx(0.3)
-    areas = area_per_load([0.5, 1.0], [0.5], [[2.1], [2.2]], [0.3, 0.3])
+    areas = interpolate_area_per_load([0.5, 1.0], [0.5], [[2.1], [2.2]], [0.3, 0.3])
     assert areas.shape == (2, 2)

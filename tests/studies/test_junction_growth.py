@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from stiction import Surface, hardness_under_shear, pair, self_affine_surface, tabor_friction
-from stiction.mechanics.hardness import area_per_load
+from stiction.mechanics.hardness import interpolate_area_per_load
 from stiction.studies.hardness import AreasAtNodes, TabulatedAreaFunction, find_table_positions
 from stiction.studies.interfaces import StrengthSamples
 
@@ -196,7 +196,7 @@ def test_tabulated_areas_agree_with_exact_areas_inside_and_outside_the_range_of_
     areas = TabulatedAreaFunction(nodes, areas_at_nodes, elastic_areas)
     hardness = np.geomspace(0.04, 5.0, 20_000)
     for part, tolerance in ((hardness, 1e-5), (hardness[:50], 1e-12), (3 * hardness, 1e-12)):
-        exact_areas = area_per_load(part, nodes, areas_at_nodes, elastic_areas)
+        exact_areas = interpolate_area_per_load(part, nodes, areas_at_nodes, elastic_areas)
         table_positions = find_table_positions(np.log(part), *areas.limits)
         assert (table_positions is not None) == (tolerance == 1e-5)
         assert areas(np.log(part), table_positions) == pytest.approx(exact_areas, rel=tolerance)
