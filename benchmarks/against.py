@@ -20,7 +20,7 @@ def compare_with_plain_program() -> list[tuple[str, str]]:
     for dimension_index in (0, 25):  # The fractal dimensions are 1.00 and 1.357.
         dimension = study.surfaces.fractal_dimensions()[dimension_index]
 
-        def compute_pair(dimension=dimension):
+        def press_with_plain_program(dimension=dimension):
             upper, lower = (
                 plain.generate_profile(
                     random_phases(2016, side=side), dimension, extent=PROFILE_LENGTH, points=NUM_POINTS, amplitude=0.1
@@ -29,8 +29,12 @@ def compare_with_plain_program() -> list[tuple[str, str]]:
             )
             return plain.press(upper, lower, PROFILE_LENGTH / NUM_POINTS, approaches)
 
-        times.append(median_time(lambda compute_pair=compute_pair: check_finite(compute_pair()), 1))
-        plain_sums = compute_pair()
+        times.append(
+            median_time(
+                lambda press_with_plain_program=press_with_plain_program: assert_finite(press_with_plain_program()), 1
+            )
+        )
+        plain_sums = press_with_plain_program()
         our_sums = np.array([sums[name][dimension_index, 0] for name in CONTACT_SUM_NAMES])
         assert np.array_equal(our_sums[0], plain_sums[0])
         largest_difference = max(
@@ -44,7 +48,7 @@ def compare_with_plain_program() -> list[tuple[str, str]]:
     ]
 
 
-def check_finite(values: np.ndarray) -> None:
+def assert_finite(values: np.ndarray) -> None:
     assert np.isfinite(values).all()
 
 
@@ -111,12 +115,12 @@ def compare_with_boundary_elements() -> list[tuple[str, str]]:
     model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_1d, [1.0], [points])
     model.E, model.nu = modulus, 0.0
 
-    def solve():
+    def compute_contact_fraction():
         solver = tamaas.PolonskyKeerRey(model, heights, 1e-8)
         solver.solve(load)
         return float((model.traction > 0).mean())
 
-    area = solve()
+    area = compute_contact_fraction()
     # Without interaction between asperities, the area is smaller.
     assert 0.05 < float(curve.contact_area[20]) / area < 1
     stiction_time = median_time(
@@ -125,7 +129,7 @@ def compare_with_boundary_elements() -> list[tuple[str, str]]:
     return [
         (
             "tamaas, one load of a profile of 8192 points, time relative to a curve of 40 approaches",
-            f"{median_time(solve, 5) / stiction_time:.0f}",
+            f"{median_time(compute_contact_fraction, 5) / stiction_time:.0f}",
         ),
         ("our area over tamaas' at that load", f"{float(curve.contact_area[20]) / area:.2f}"),
     ]

@@ -37,7 +37,7 @@ def press_with_both_rules(upper, lower):
     return [press(points, APPROACHES, direction=DIRECTIONS, sliding=rule) for rule in SLIDING_RULES]
 
 
-def measure_time(call: Callable[[], object]) -> float:
+def measure_thread_time(call: Callable[[], object]) -> float:
     start = time.thread_time()
     call()
     return time.thread_time() - start
@@ -45,7 +45,7 @@ def measure_time(call: Callable[[], object]) -> float:
 
 def median_times(*calls: Callable[[], object], repeats: int = NUM_REPEATS) -> list[float]:
     """Return the median time of each call. The calls alternate, so that other jobs slow all of them equally."""
-    times = [[measure_time(call) for call in calls] for _ in range(repeats)]
+    times = [[measure_thread_time(call) for call in calls] for _ in range(repeats)]
     return [statistics.median(column) for column in zip(*times, strict=True)]
 
 

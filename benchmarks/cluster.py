@@ -16,7 +16,7 @@ import numpy as np
 from measure import median_time
 from stiction import Study
 from stiction.studies import runner
-from stiction.studies.layout import compute_member_size, stack_members
+from stiction.studies.layout import compute_bytes_per_member, stack_members
 from stiction.studies.member_solution import compute_member_arrays
 from stiction.studies.store import encode_members
 
@@ -123,7 +123,7 @@ def benchmark_rows() -> list[tuple[str, str]]:
             sent_rate = statistics.median(by_driver[0] for _, by_driver in runs)
             results += [
                 (f"repetition of {name}: time on one core", f"{member_time:.3g} s"),
-                ("... size of the stored sums", f"{compute_member_size(study) / 1e3:.0f} kB"),
+                ("... size of the stored sums", f"{compute_bytes_per_member(study) / 1e3:.0f} kB"),
                 ("... repetitions in a block", f"{block_size}"),
                 (
                     "... time to encode the sums, and fraction of the computing time",

@@ -1,6 +1,6 @@
 """Measure how time and memory increase with the numbers of points, fractal dimensions and approaches."""
 
-from measure import measure_in_units, measure_peak_mebibytes
+from measure import measure_in_time_units, measure_peak_mebibytes
 from stiction import Study, run
 from stiction.studies.member_solution import compute_member_arrays
 
@@ -10,7 +10,7 @@ BASE_STUDY = Study.named("figure6").with_changes({"ensemble.repetitions": 1})
 def measure_cost_per_pair(changes: dict[str, object], repeats: int = 3) -> float:
     study = BASE_STUDY.with_changes(changes)
     num_pairs = study.surfaces.fractal_dimensions().size
-    return measure_in_units(lambda: compute_member_arrays(study, 0), repeats) / num_pairs
+    return measure_in_time_units(lambda: compute_member_arrays(study, 0), repeats) / num_pairs
 
 
 def run_figure6() -> None:

@@ -54,7 +54,7 @@ def solve_by_stiction(heights: np.ndarray, load: float) -> HalfSpaceCurve:
     )
 
 
-def tamaas_solver(tolerance: float, *, is_free: bool = False) -> Callable[[np.ndarray, float], np.ndarray]:
+def create_tamaas_solver(tolerance: float, *, is_free: bool = False) -> Callable[[np.ndarray, float], np.ndarray]:
     import tamaas
 
     tamaas.initialize(1)
@@ -74,7 +74,7 @@ def tamaas_solver(tolerance: float, *, is_free: bool = False) -> Callable[[np.nd
     return solve
 
 
-def aspher_solver(tolerance: float) -> Callable[[np.ndarray, float], np.ndarray]:
+def create_aspher_solver(tolerance: float) -> Callable[[np.ndarray, float], np.ndarray]:
     import aspher
 
     def solve(heights: np.ndarray, load: float) -> np.ndarray:
@@ -99,9 +99,9 @@ def measure_time_and_error(solve: Callable[..., Any], heights: np.ndarray, load:
 
 def benchmark_rows(grid_sizes: tuple[int, ...] = (512, 1024)) -> list[tuple[str, str]]:
     # Each solver measures its error differently. These tolerances give about the same common error for all solvers.
-    solvers = {"tamaas": tamaas_solver(STICTION_SOLVER_TOLERANCE)}
+    solvers = {"tamaas": create_tamaas_solver(STICTION_SOLVER_TOLERANCE)}
     if importlib.util.find_spec("aspher"):
-        solvers["aspher"] = aspher_solver(1.5e-7)
+        solvers["aspher"] = create_aspher_solver(1.5e-7)
     result = []
     for n in grid_sizes:
         heights = create_heights((n, n), 4, n // 16)
@@ -132,7 +132,7 @@ def print_pressure_differences(grid_sizes: tuple[int, ...] = (256, 512, 1024)) -
         body = Surface(heights, spacing=1 / n)
         flat = Surface(np.zeros(heights.shape), spacing=1 / n)
         for free in (False, True):
-            solve = tamaas_solver(1e-10, is_free=free)
+            solve = create_tamaas_solver(1e-10, is_free=free)
             for pressure in (0.002, 0.03, 0.5):
                 load = pressure * EFFECTIVE_MODULUS * RMS_SLOPE
                 boundary: BoundaryCondition = "free" if free else "periodic"

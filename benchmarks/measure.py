@@ -40,7 +40,7 @@ def measure_time_unit(repeats: int = 40) -> float:
     return median_time(lambda: np.fft.rfft(_FFT_INPUT), repeats)
 
 
-def measure_in_units(call: Callable[[], object], repeats: int = 5) -> float:
+def measure_in_time_units(call: Callable[[], object], repeats: int = 5) -> float:
     """Return the median ratio of the call time to U. U is timed around each call, because the clock rate drifts."""
     ratios = []
     for _ in range(repeats):

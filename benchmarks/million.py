@@ -31,7 +31,7 @@ NUM_DIFFERENT_MEMBERS = 4099
 """Number of different repetitions. It is a prime, so that all blocks differ."""
 
 
-def synthetic_sums_function(study: Study) -> Callable[[Study, int], dict]:
+def create_synthetic_sums_function(study: Study) -> Callable[[Study, int], dict]:
     """Return synthetic sums: powers of the approach (Hertz's law) times a random factor for each repetition."""
     generator = np.random.default_rng(study.ensemble.seed)
     approach_numbers = np.arange(1.0, 1 + study.contact.loading_steps().size)
@@ -55,7 +55,7 @@ def call_and_time(function: Callable[[], object]) -> tuple[object, float]:
 def benchmark_rows() -> list[tuple[str, str]]:
     # Repetitions that take no time are stored in blocks of the maximum size.
     original_functions = runner.compute_member_arrays, runner.estimate_member_time
-    runner.compute_member_arrays, runner.estimate_member_time = synthetic_sums_function(STUDY), lambda _: 0.0
+    runner.compute_member_arrays, runner.estimate_member_time = create_synthetic_sums_function(STUDY), lambda _: 0.0
     try:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "r"

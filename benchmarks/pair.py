@@ -3,7 +3,7 @@
 from concurrent.futures import Executor, ThreadPoolExecutor
 
 import numpy as np
-from measure import measure_in_units, measure_time_unit, median_time
+from measure import measure_in_time_units, measure_time_unit, median_time
 from stiction import Study, random_phases, run, weierstrass_mandelbrot_family
 from stiction.studies.member_solution import _get_reused_array, compute_member_arrays
 from stiction.studies.members import fill_profile_family
@@ -43,7 +43,7 @@ def benchmark_rows() -> list[tuple[str, str]]:
         with ThreadPoolExecutor(1) as one_thread, ThreadPoolExecutor(2) as two_threads:
             measure_speedup(study, one_thread, two_threads)  # The first run only allocates memory.
             pair_time = (
-                measure_in_units(lambda study=study, one_thread=one_thread: run(study, executor=one_thread), 3)
+                measure_in_time_units(lambda study=study, one_thread=one_thread: run(study, executor=one_thread), 3)
                 / NUM_PAIRS
             )
             median_speedup = float(
@@ -68,11 +68,11 @@ def benchmark_rows() -> list[tuple[str, str]]:
 
     dimensions = STUDY.surfaces.fractal_dimensions()
     phases = random_phases(2016)
-    one_profile_time = measure_in_units(lambda: weierstrass_mandelbrot_family(phases, dimensions[:1]))
+    one_profile_time = measure_in_time_units(lambda: weierstrass_mandelbrot_family(phases, dimensions[:1]))
     profile_buffer = _get_reused_array((dimensions.size, 150_000))
     generation_time = (
         2
-        * measure_in_units(lambda: fill_profile_family(STUDY, profile_buffer, dimensions, 0, "upper"))
+        * measure_in_time_units(lambda: fill_profile_family(STUDY, profile_buffer, dimensions, 0, "upper"))
         / dimensions.size
     )
     result += [
@@ -87,6 +87,6 @@ def benchmark_rows() -> list[tuple[str, str]]:
         ):
             changes = {"contact.detection": detection} | ({"contact.approach": approach} if approach else {})
             study = STUDY.with_changes(changes)
-            pair_time = measure_in_units(lambda study=study: compute_member_arrays(study, 0)) / dimensions.size
+            pair_time = measure_in_time_units(lambda study=study: compute_member_arrays(study, 0)) / dimensions.size
             result.append((f"scaling and contact, {detection}: {task}", f"{pair_time - generation_time:.2f} U a pair"))
     return result

@@ -32,7 +32,7 @@ def write_scans(folder: Path) -> None:
         write_surface(surface, folder / f"{side}.npy")
 
 
-def measure_command(folder: Path, output: str) -> tuple[float, float]:
+def measure_command_times(folder: Path, output: str) -> tuple[float, float]:
     """Return processor time and wall time of the command."""
     usage_before, wall_start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     command = Path(sys.executable).with_name("stiction")
@@ -60,11 +60,11 @@ def prepare_load_solver(study: Study) -> Callable[[], None]:
     return solve_loads
 
 
-def compute_onset(study: Study) -> None:
+def compute_member_onsets(study: Study) -> None:
     load, mu0, tau0 = (float(item[0]) for item in (study.friction.load, study.friction.mu0, study.friction.tau0))
     for member in range(NUM_AREAL_ONSET_MEMBERS):
         result = compute_member_onset(
-            study, member, load=load, mu0=mu0, tau0=tau0, cut_off=study.surfaces.quoted_cut_off()
+            study, member, load=load, mu0=mu0, tau0=tau0, cut_off=study.surfaces.reported_cut_off()
         )
         assert result is not None
 
@@ -79,17 +79,17 @@ def benchmark_rows() -> list[tuple[str, str]]:
     with tempfile.TemporaryDirectory() as temporary_folder:
         folder = Path(temporary_folder)
         write_scans(folder)
-        commands = [measure_command(folder, "0")]
+        commands = [measure_command_times(folder, "0")]
         study, cutoff_study = (
             open_stored_result(folder / "0" / subfolder).study for subfolder in ("", CUTOFF_STUDY_FOLDER)
         )
-        tasks = prepare_load_solver(study), prepare_load_solver(cutoff_study), lambda: compute_onset(study)
+        tasks = prepare_load_solver(study), prepare_load_solver(cutoff_study), lambda: compute_member_onsets(study)
         # Do not measure the first solution, which imports modules and computes kernels.
         half_space(*load_bodies(study).member(0, 0.0).pair, [0.1], effective_modulus=100.0)
         processor_times = []
         for round_index in range(NUM_TIMING_ROUNDS):
             processor_times.append([measure_processor_time(task) for task in tasks])
-            commands.append(measure_command(folder, str(round_index + 1)))
+            commands.append(measure_command_times(folder, str(round_index + 1)))
     command_time, wall_time = (statistics.median(column) for column in zip(*commands[1:], strict=True))
     position_time, cutoff_time, onset_time = (
         statistics.median(column) for column in zip(*processor_times, strict=True)

@@ -25,7 +25,7 @@ hypothesis.settings.load_profile("without time limits")
 
 
 @pytest.fixture(scope="session")
-def measured_file_path():
+def find_measured_file():
     """Return a function that returns the path of a measured file, and skips the test if the file is absent."""
     folder = Path(os.environ.get("STICTION_TEST_DATA", Path(__file__).parents[2] / "shared" / "data"))
 

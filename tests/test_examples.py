@@ -41,7 +41,7 @@ def test_docstring_examples_give_the_documented_output(name):
 
 
 @pytest.fixture(scope="module")
-def script_output(tmp_path_factory):
+def run_script_once(tmp_path_factory):
     """Return a function that runs a script once in an empty directory, and returns its output."""
 
     @functools.cache
@@ -56,8 +56,8 @@ def script_output(tmp_path_factory):
 
 @pytest.mark.docs
 @pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.py")), ids=lambda path: path.name)
-def test_example_scripts_finish_without_error(path, script_output):
-    assert script_output(path)
+def test_example_scripts_finish_without_error(path, run_script_once):
+    assert run_script_once(path)
 
 
 # ---- Pages ----------------------------------------------------------------------------------------------------------
@@ -237,8 +237,8 @@ def test_code_on_a_documentation_page_is_run_without_error(page, tmp_path, monke
 
 @pytest.mark.docs
 @pytest.mark.skipif(not (ROOT / "docs").exists(), reason="the folder docs is not in this tree")
-def test_documentation_page_about_measured_surfaces_shows_the_output_of_its_example(script_output):
-    table = script_output(ROOT / "examples/characterise_profile.py")
+def test_documentation_page_about_measured_surfaces_shows_the_output_of_its_example(run_script_once):
+    table = run_script_once(ROOT / "examples/characterise_profile.py")
     shown_outputs = [block.text for block in code_blocks(ROOT / "docs/howto/characterise.md") if block.kind == "text"]
     # Before the table, the command prints a line about how it read the file.
     assert table in [text.partition("\n")[2] for text in shown_outputs]

@@ -9,7 +9,7 @@ from support import fuzzing
 
 
 def test_random_arrays_are_accepted_or_raise_value_error():
-    outcomes = Counter(type(fuzzing.fuzz_arrays(np.random.default_rng([1, i]))) for i in range(2000))
+    outcomes = Counter(type(fuzzing.fuzz_numeric_function(np.random.default_rng([1, i]))) for i in range(2000))
     assert set(outcomes) == {type(None), ValueError}
     assert min(outcomes.values()) > 500  # Both outcomes, acceptance and ValueError, must be frequent.
 
@@ -28,5 +28,7 @@ def stored_result(tmp_path_factory):
 
 
 def test_random_damage_to_a_store_is_detected_or_harmless(tmp_path, stored_result):
-    outcomes = Counter(fuzzing.fuzz_store(np.random.default_rng([3, i]), stored_result, tmp_path) for i in range(12))
+    outcomes = Counter(
+        fuzzing.fuzz_stored_result(np.random.default_rng([3, i]), stored_result, tmp_path) for i in range(12)
+    )
     assert outcomes[2] > 2

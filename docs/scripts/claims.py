@@ -418,7 +418,7 @@ def _smallest_area_load_r_squared(r: ResampledMeans) -> Floats | SimultaneousInt
     )
 
 
-def _least_linear_area_exponent(r: ResampledMeans) -> Floats:
+def _area_exponent_farthest_from_one(r: ResampledMeans) -> Floats:
     load, area = np.log(r.mean_sums("normal_elastic", r.amplitude)), np.log(r.mean_sums("contact_area", r.amplitude))
     is_known = np.isfinite(load + area)
     load, area = np.where(is_known, load, 0.0), np.where(is_known, area, 0.0)
@@ -487,7 +487,7 @@ def _largest_change_by_weak_adhesion(r: ResampledMeans) -> Floats | Simultaneous
     return _extreme_over_dimensions(r, [np.abs(ratio - 1) for ratio in _adhesion_friction_ratios(r, 0.001)], np.fmax)
 
 
-def _dimension_ratio_measure(start: float, stop: float) -> MeasureFunction:
+def _make_dimension_ratio_measure(start: float, stop: float) -> MeasureFunction:
     def measure(r: ResampledMeans) -> Floats:
         log_friction_values = np.log(r.at("friction", r.middle_load, tau0=0.2))
         return np.exp(
@@ -519,7 +519,7 @@ def _smallest_friction_to_mu0_ratio(r: ResampledMeans) -> Floats | SimultaneousI
     return _extreme_over_dimensions(r, [r.at("friction", r.middle_load) / 0.4], np.fmin)
 
 
-def _amplitude_ratio_measure(quantity: ClaimQuantity, tau0: float) -> MeasureFunction:
+def _make_amplitude_ratio_measure(quantity: ClaimQuantity, tau0: float) -> MeasureFunction:
     def measure(r: ResampledMeans) -> Floats:
         loads = r.middle_load_of_all_amplitudes()
         if loads is None:
@@ -557,7 +557,7 @@ def _amplitude_effect_on_adhesion_rise(r: ResampledMeans) -> Floats:
     )
 
 
-def _relative_change_measure(
+def _make_relative_change_measure(
     quantity: ClaimQuantity, changed_parameters: dict[str, float], reference_parameters: dict[str, float]
 ) -> MeasureFunction:
     def measure(r: ResampledMeans) -> Floats | SimultaneousInterval:
@@ -589,7 +589,7 @@ CLAIM_PARTS = (
         "exponent p of A ∝ F_N^p at the D with the largest deviation from 1",
         0.9,
         1.1,
-        _least_linear_area_exponent,
+        _area_exponent_farthest_from_one,
     ),
     ClaimPart(
         "2a",
@@ -641,14 +641,14 @@ CLAIM_PARTS = (
         "mu_s at tau0 = 200 MPa, D = 1 to 1.2, divided by mu_s at D = 1.3 to 1.5",
         1.0,
         math.inf,
-        _dimension_ratio_measure(*_LOW_DIMENSION_RANGE),
+        _make_dimension_ratio_measure(*_LOW_DIMENSION_RANGE),
     ),
     ClaimPart(
         "4b",
         "mu_s at tau0 = 200 MPa, D = 1.6 to 1.7, divided by mu_s at D = 1.3 to 1.5",
         1.0,
         math.inf,
-        _dimension_ratio_measure(*_HIGH_DIMENSION_RANGE),
+        _make_dimension_ratio_measure(*_HIGH_DIMENSION_RANGE),
     ),
     ClaimPart(
         "4c",
@@ -661,14 +661,14 @@ CLAIM_PARTS = (
     ),
     ClaimPart("6", "smallest mu_s/mu0 for any D, mu0 = 0.4", -math.inf, 1.0, _smallest_friction_to_mu0_ratio),
     ClaimPart(
-        "7a", "A/F_N at 0.2 µm divided by A/F_N at 0.05 µm", -math.inf, 1.0, _amplitude_ratio_measure("area", 0.0)
+        "7a", "A/F_N at 0.2 µm divided by A/F_N at 0.05 µm", -math.inf, 1.0, _make_amplitude_ratio_measure("area", 0.0)
     ),
     ClaimPart(
         "7b",
         "mu_s at tau0 = 200 MPa, 0.2 µm, divided by mu_s at 0.05 µm",
         -math.inf,
         1.0,
-        _amplitude_ratio_measure("friction", 0.2),
+        _make_amplitude_ratio_measure("friction", 0.2),
     ),
     ClaimPart(
         "7c",
@@ -689,28 +689,28 @@ CLAIM_PARTS = (
         f"{_LARGEST_CHANGE_TEXT} area for any D if mu0 changes from 0.1 to 1",
         -math.inf,
         0.1,
-        _relative_change_measure("area", *_MU0_BEFORE_AND_AFTER),
+        _make_relative_change_measure("area", *_MU0_BEFORE_AND_AFTER),
     ),
     ClaimPart(
         "8b",
         f"{_LARGEST_CHANGE_TEXT} area for any D if tau0 changes from 0 to 200 MPa",
         -math.inf,
         0.1,
-        _relative_change_measure("area", *_TAU0_BEFORE_AND_AFTER),
+        _make_relative_change_measure("area", *_TAU0_BEFORE_AND_AFTER),
     ),
     ClaimPart(
         "8c",
         f"{_LARGEST_CHANGE_TEXT} stiffness for any D if mu0 changes from 0.1 to 1",
         -math.inf,
         0.1,
-        _relative_change_measure("stiffness", *_MU0_BEFORE_AND_AFTER),
+        _make_relative_change_measure("stiffness", *_MU0_BEFORE_AND_AFTER),
     ),
     ClaimPart(
         "8d",
         f"{_LARGEST_CHANGE_TEXT} stiffness for any D if tau0 changes from 0 to 200 MPa",
         -math.inf,
         0.1,
-        _relative_change_measure("stiffness", *_TAU0_BEFORE_AND_AFTER),
+        _make_relative_change_measure("stiffness", *_TAU0_BEFORE_AND_AFTER),
     ),
 )
 """Parts of all claims, at mu0 = 0.4, tau0 = 0 and the middle load unless stated otherwise."""

@@ -113,7 +113,7 @@ def iterate_cases() -> Iterator[dict]:
     yield {"family": "measured line", "file": "dektak-1.csv"}
 
 
-def generate_profile_pairs(case: dict) -> tuple[list[BodyPair], str]:
+def generate_case_pairs(case: dict) -> tuple[list[BodyPair], str]:
     """Return the pairs of a case and their boundary condition."""
     match case["family"]:
         case "WM area" | "WM line" as family:
@@ -219,7 +219,7 @@ def load_profile_pairs(case: dict) -> list[BodyPair]:
 
 def compute_case_results(case: dict) -> dict:
     """Return slopes, κ, contact counts and friction of each pair by both models, averaged over both directions."""
-    pairs, boundary = generate_profile_pairs(case)
+    pairs, boundary = generate_case_pairs(case)
     return {"case": case, "pairs": [compute_pair_results(case, *pair, boundary) for pair in pairs]}
 
 

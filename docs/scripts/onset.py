@@ -72,7 +72,7 @@ def format_ratio_interval(ratios: list[float]) -> str:
     return f"{math.exp(mean):.2f} [{math.exp(mean - half_width):.2f}, {math.exp(mean + half_width):.2f}]"
 
 
-def compare_asperities() -> list[str]:
+def compare_asperity_model() -> list[str]:
     """Return the ratio of the asperity model to the half-space at equal elastic load."""
     lines = table_header(
         "longest / shortest wavelength",
@@ -123,7 +123,7 @@ def compare_asperities() -> list[str]:
     return lines
 
 
-def compare_kernels() -> list[str]:
+def compare_tangential_kernels() -> list[str]:
     """Return the ratio of initial stiffnesses with the full and with the isotropic tangential kernel at ν = 0.3."""
     lines = table_header("roughness", "exact kernel", "exact kernel without transverse displacement")
     upper, lower, unit = create_pair(8, 0, points=32)
@@ -217,7 +217,7 @@ def measure_solution_times() -> list[str]:
     return lines
 
 
-def compare_models() -> list[str]:
+def fit_presliding_models() -> list[str]:
     """Fit the Iwan and LuGre models to the curve."""
     lines = table_header(
         "boundary", "mean pressure / (E\\* h')", "τ0 / E\\*", "Iwan: χ, β", "Iwan: rms error of the load",
@@ -245,7 +245,7 @@ def compare_models() -> list[str]:
     return lines
 
 
-def compare_slopes() -> list[str]:
+def compare_gap_slopes() -> list[str]:
     lines = table_header("h' of the gap", "sliding load / (μ0 F + τ0 A)")
     for slope in (0.05, 0.1, 0.3, 0.6):
         upper, lower, unit = create_pair(16, 0, slope=slope / math.sqrt(2))
@@ -363,10 +363,10 @@ def draw_figure() -> None:
 
 def main(*names: str) -> None:
     tables = {
-        "asperities": compare_asperities,
-        "kernel": compare_kernels,
-        "slopes": compare_slopes,
-        "fits": compare_models,
+        "asperities": compare_asperity_model,
+        "kernel": compare_tangential_kernels,
+        "slopes": compare_gap_slopes,
+        "fits": fit_presliding_models,
         "costs": measure_solution_times,
         "dimension": compute_onset_over_dimension,
     }

@@ -277,7 +277,7 @@ def count_pairs_inside_brackets(rows, name, limit_index, upper_key):
     return f"{count} of {len(rows)}"
 
 
-def bracket_widths(rows, name, limit_index, upper_key):
+def median_bracket_widths(rows, name, limit_index, upper_key):
     """Return the median width of brackets relative to the limit (%), at each cutoff but the finest."""
     relative_bounds = np.array([np.array(row["plastic"][upper_key]) / row["limit"][limit_index] for row in rows])
     return ", ".join(f"{100 * (width_ratio - 1):.1f}" for width_ratio in np.median(relative_bounds, axis=0)[1:])
@@ -300,7 +300,7 @@ def render_bracket_rows(groups):
                 for limit_index, name in enumerate(("area", "all"))
                 for item in (
                     count_pairs_inside_brackets(rows, name, limit_index, prefix + name),
-                    bracket_widths(rows, name, limit_index, prefix + name),
+                    median_bracket_widths(rows, name, limit_index, prefix + name),
                 )
             ]
             lines.append(f"| {bracket_title}; {group_title} | {' | '.join(cells)} |")
@@ -339,7 +339,7 @@ def render_extrapolation_rows(extrapolations):
         [row for row in rows if row["exponent"] is not None] for rows in extrapolations_by_exponent
     ]
 
-    def median(rows, name):
+    def median_over_rows(rows, name):
         return np.median(np.nan_to_num([row[name] for row in rows]), axis=0)
 
     columns = {
@@ -348,18 +348,21 @@ def render_extrapolation_rows(extrapolations):
             for a, b in zip(extrapolations_by_exponent, extrapolations_with_exponent, strict=True)
         ],
         "elastic μ_s at the scan's 32 points": [
-            f"{median(rows, 'at_scan'):.4f}" for rows in extrapolations_with_exponent
+            f"{median_over_rows(rows, 'at_scan'):.4f}" for rows in extrapolations_with_exponent
         ],
-        "elastic μ_s at 4 points, solved": [f"{median(rows, 'friction'):.4f}" for rows in extrapolations_with_exponent],
+        "elastic μ_s at 4 points, solved": [
+            f"{median_over_rows(rows, 'friction'):.4f}" for rows in extrapolations_with_exponent
+        ],
         "estimated from the scan": [
-            "{:.4f} [{:.4f}, {:.4f}]".format(*median(rows, "said_friction")) for rows in extrapolations_with_exponent
+            "{:.4f} [{:.4f}, {:.4f}]".format(*median_over_rows(rows, "said_friction"))
+            for rows in extrapolations_with_exponent
         ],
         "in its interval": [count_covered_pairs(rows, "friction") for rows in extrapolations_with_exponent],
         "wavelength at which plasticity reaches, solved (nm)": [
-            f"{1e3 * median(rows, 'wavelength'):.0f}" for rows in extrapolations_with_exponent
+            f"{1e3 * median_over_rows(rows, 'wavelength'):.0f}" for rows in extrapolations_with_exponent
         ],
         "estimated from the scan (nm)": [
-            "{:.0f} [{:.0f}, {:.0f}]".format(*1e3 * median(rows, "said_wavelength"))
+            "{:.0f} [{:.0f}, {:.0f}]".format(*1e3 * median_over_rows(rows, "said_wavelength"))
             for rows in extrapolations_with_exponent
         ],
         "in its interval ": [count_covered_pairs(rows, "wavelength") for rows in extrapolations_with_exponent],

@@ -85,7 +85,7 @@ def choose_scan(driver, side, path):
     return wait_until(lambda: read_scan_texts(driver, side), lambda texts: texts["wrong"] or "…" not in texts["hint"])
 
 
-def drop_scan(driver, side, path):
+def drop_scan_file(driver, side, path):
     """Drop a file on the field of a scan, as with the mouse."""
     driver.execute_script(
         "const files = new DataTransfer(); files.items.add(new File([arguments[1]], arguments[2]));"
@@ -149,10 +149,10 @@ def run_shown_command(driver, folder, monkeypatch):
     command_line = driver.find_element("id", "command").get_property("textContent")
     monkeypatch.setattr(result_output, "write_figures", lambda *_, **__: None)
     completed = check_stiction(*shlex.split(command_line)[1:], "--json", cwd=folder)
-    return result_of_record(json.loads(completed.stdout))
+    return extract_first_answer(json.loads(completed.stdout))
 
 
-def result_of_record(record):
+def extract_first_answer(record):
     first_answer = record["answers"][0]
     return {
         item["rule"]: [item["value"], item["lower"], item["upper"]] for item in first_answer["rules"]
@@ -299,7 +299,7 @@ def test_app_and_pair_command_give_equal_results_for_maps_after_each_user_action
     """After each step, the app shows the result that the command prints: upload, compute, change mu0, save, reload."""
     roughness = json.loads(call_stiction("characterise", map_files[0], "--json", cwd=app.folder).stdout)["values"]
     height = format_with_unit(next(item["value"] for item in roughness if item["name"] == "Sq"), "um")
-    assert f"Sq {height}," in drop_scan(empty_page, "upper", map_files[0])["hint"]
+    assert f"Sq {height}," in drop_scan_file(empty_page, "upper", map_files[0])["hint"]
     assert "Sq" in choose_scan(empty_page, "lower", map_files[1])["hint"]
     fill_fields(empty_page, METAL_FORM_VALUES)
     press_start_button(empty_page)
@@ -348,7 +348,7 @@ def test_app_and_pair_command_give_equal_results_for_maps_after_each_user_action
             body.decode().lower().startswith(expected_start.lower()) or expected_start in body.decode().splitlines()[0]
         )
         assert str(app.folder) not in body.decode(), name
-    assert result_of_record(json.loads(app.request("GET", f"/jobs/{job}/result.json")[2])) == expected
+    assert extract_first_answer(json.loads(app.request("GET", f"/jobs/{job}/result.json")[2])) == expected
 
     assert (
         app.request("GET", f"/jobs/{job}/at?load=1&mu0=0.2&tau0=0&d=1.2")[0] == 400
@@ -383,7 +383,7 @@ def test_stopped_job_is_stored_and_can_be_resumed(empty_page, tmp_path, app):
     studies = app.find_private_folders()[0].glob("results/*/pair/study.toml")
     (folder,) = [path.parent for path in studies if "repetitions = 400" in path.read_text("utf-8")]
     info = call_stiction("info", folder, "--json", cwd=app.folder)
-    assert read_displayed_result(empty_page) == result_of_record(json.loads(info.stdout))
+    assert read_displayed_result(empty_page) == extract_first_answer(json.loads(info.stdout))
     with app.block_commands(200):
         press_start_button(empty_page)
         wait_until(lambda: app.list_jobs()[-1]["finished"], lambda count: count > stopped_job["finished"])
@@ -423,7 +423,7 @@ def test_error_message_of_the_command_is_shown_at_the_form_field_that_caused_the
     broken_file.write_bytes(b"PK\3\4" + bytes(100))
     np.savetxt(text_file, np.random.default_rng(0).standard_normal((24, 24)))
 
-    def command_error(path, *options):
+    def get_command_error(path, *options):
         """Return the error message of the command, with field labels instead of option names."""
         message = call_stiction("characterise", path.name, *options, cwd=tmp_path).stderr
         return replace_option_names(message.removeprefix("stiction: ").strip())
@@ -435,12 +435,12 @@ def test_error_message_of_the_command_is_shown_at_the_form_field_that_caused_the
             name, value,
         )  # fmt: skip
 
-    assert choose_scan(empty_page, "upper", broken_file)["wrong"] == command_error(broken_file)
+    assert choose_scan(empty_page, "upper", broken_file)["wrong"] == get_command_error(broken_file)
     # The browser reports a second choice of the same file only if the field is empty.
     assert empty_page.find_element("id", "upper-file").get_property("value") == ""
-    assert choose_scan(empty_page, "upper", text_file)["wrong"] == command_error(text_file)
+    assert choose_scan(empty_page, "upper", text_file)["wrong"] == get_command_error(text_file)
     set_file_form_field("unit", "nm")
-    expected_message = command_error(text_file, "--unit", "nm")
+    expected_message = get_command_error(text_file, "--unit", "nm")
     wait_until(lambda: read_scan_texts(empty_page, "upper")["wrong"], lambda wrong: wrong == expected_message)
     set_file_form_field("spacing", "0.1 um")
     wait_until(lambda: read_scan_texts(empty_page, "upper")["hint"], lambda hint: "2.4 µm" in hint)

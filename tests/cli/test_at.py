@@ -41,11 +41,11 @@ def results_folder(tmp_path_factory, no_figures):
     )
     with no_figures():
         for name, arguments in PAIR_ARGUMENTS.items():
-            assert stiction_output("pair", *arguments, "--output", name, cwd=path)
+            assert get_stiction_output("pair", *arguments, "--output", name, cwd=path)
     return path
 
 
-def stiction_output(*arguments, cwd):
+def get_stiction_output(*arguments, cwd):
     completed = check_stiction(*arguments, cwd=cwd, without_figures=True)
     return completed.stdout
 
@@ -65,7 +65,7 @@ LOAD_AND_PARAMETER_CASES = {
 @pytest.mark.parametrize("name", LOAD_AND_PARAMETER_CASES)
 def test_command_at_prints_the_values_of_the_library_for_any_mu0_and_tau0(results_folder, name):
     options, loads, friction_parameters = LOAD_AND_PARAMETER_CASES[name]
-    output_record = json.loads(stiction_output("at", name, *options, "--json", cwd=results_folder))
+    output_record = json.loads(get_stiction_output("at", name, *options, "--json", cwd=results_folder))
     stored_result = open_stored_result(results_folder / name)
     if name == "maps":
         loads = [8e-3 * output_record["nominal_area"]]
@@ -79,19 +79,19 @@ def test_command_at_prints_the_values_of_the_library_for_any_mu0_and_tau0(result
     )
     for answer, point in zip(output_record["answers"], expected_points, strict=True):
         assert [rule["value"] for rule in answer["rules"]] == pytest.approx([rule.value for rule in point.rules])
-    text = stiction_output("at", name, *options, cwd=results_folder)
+    text = get_stiction_output("at", name, *options, cwd=results_folder)
     first_rule = expected_points[0].rules[0]
     assert format_estimate(first_rule.value, first_rule.lower, first_rule.upper) in text
     assert expected_points[0].verdict in text
 
 
 def test_command_at_uses_mu0_and_tau0_of_the_study_by_default_and_reports_the_status(results_folder):
-    record = json.loads(stiction_output("at", "lines", "--load", "0.1 mN", "--json", cwd=results_folder))
+    record = json.loads(get_stiction_output("at", "lines", "--load", "0.1 mN", "--json", cwd=results_folder))
     assert [(answer["at"]["mu0"], answer["at"]["tau0"]) for answer in record["answers"]] == [(0.3, 0.0), (0.3, 0.02)]
-    text = stiction_output("at", "study", "--load", "1 uN", "--mu0", "0.4", cwd=results_folder)
+    text = get_stiction_output("at", "study", "--load", "1 uN", "--mu0", "0.4", cwd=results_folder)
     assert text.splitlines()[0].endswith("τ0 = 0, 100 MPa (--tau0).")
     assert [line.split()[0] for line in text.splitlines()[1:6]] == ["D", "1", "1", "1.2", "1.2"]
-    text = stiction_output(
+    text = get_stiction_output(
         "at", "study", "--load", "1 N", "--d", "1.3", "--mu0", "0.3", "--tau0", "0 MPa", cwd=results_folder
     )
     assert text.startswith("μ_s = not-reached")
@@ -99,7 +99,7 @@ def test_command_at_uses_mu0_and_tau0_of_the_study_by_default_and_reports_the_st
 
 
 def test_command_at_without_options_uses_mu0_and_tau0_and_the_loads_of_the_study(results_folder):
-    record = json.loads(stiction_output("at", "maps", "--json", cwd=results_folder))
+    record = json.loads(get_stiction_output("at", "maps", "--json", cwd=results_folder))
     study = open_stored_result(results_folder / "maps").study
     expected_conditions = [
         (float(load), 0.3, float(tau0)) for load in study.friction.load for tau0 in study.friction.tau0
@@ -107,7 +107,7 @@ def test_command_at_without_options_uses_mu0_and_tau0_and_the_loads_of_the_study
     assert [
         (answer["at"]["load"], answer["at"]["mu0"], answer["at"]["tau0"]) for answer in record["answers"]
     ] == expected_conditions
-    record = json.loads(stiction_output("at", "study", "--load", "1 uN", "--json", cwd=results_folder))
+    record = json.loads(get_stiction_output("at", "study", "--load", "1 uN", "--json", cwd=results_folder))
     friction = open_stored_result(results_folder / "study").study.friction
     assert {answer["at"]["tau0"] for answer in record["answers"]} == {0.0, 0.1}
     assert {answer["at"]["mu0"] for answer in record["answers"]} == set(friction.mu0)
@@ -115,9 +115,9 @@ def test_command_at_without_options_uses_mu0_and_tau0_and_the_loads_of_the_study
 
 def test_command_at_prints_friction_in_the_direction_given_by_an_option(results_folder):
     arguments = ("at", "maps", "--load", "10 MPa", "--tau0", "0 MPa")
-    record = json.loads(stiction_output(*arguments, "--direction", "30", "--json", cwd=results_folder))
-    assert "the upper body moves at 30°" in stiction_output(*arguments, "--direction", "30", cwd=results_folder)
-    assert "the mean over 12 directions and 3 positions" in stiction_output(*arguments, cwd=results_folder)
+    record = json.loads(get_stiction_output(*arguments, "--direction", "30", "--json", cwd=results_folder))
+    assert "the upper body moves at 30°" in get_stiction_output(*arguments, "--direction", "30", cwd=results_folder)
+    assert "the mean over 12 directions and 3 positions" in get_stiction_output(*arguments, cwd=results_folder)
     dataset = at_load(open_stored_result(results_folder / "maps"), [record["answers"][0]["at"]["load"]], tau0=[0.0])
     expected = dataset["friction_coefficient"].sel(direction=30.0, sliding="all", statistic="mean").squeeze()
     assert record["answers"][0]["rules"][0]["value"] == pytest.approx(float(expected))
@@ -126,10 +126,12 @@ def test_command_at_prints_friction_in_the_direction_given_by_an_option(results_
 def test_command_at_accepts_comma_separated_values_and_repeated_options(results_folder):
     arguments = ("at", "study", "--tau0", "0 MPa,100 MPa", "--json")
     record_of_lists = json.loads(
-        stiction_output(*arguments, "--load", "1 uN,2 uN", "--mu0", "0.3,0.4", "--d", "1.3,1.0", cwd=results_folder)
+        get_stiction_output(*arguments, "--load", "1 uN,2 uN", "--mu0", "0.3,0.4", "--d", "1.3,1.0", cwd=results_folder)
     )
     record_of_repeated_options = json.loads(
-        stiction_output(*arguments, "--load", "1 uN", "--load", "2 uN", "--mu0", "0.4", "--d", "1", cwd=results_folder)
+        get_stiction_output(
+            *arguments, "--load", "1 uN", "--load", "2 uN", "--mu0", "0.4", "--d", "1", cwd=results_folder
+        )
     )
     conditions = [answer["at"] for answer in record_of_lists["answers"]]
     assert len(conditions) == 2 * 2 * 2 * 2
@@ -171,7 +173,7 @@ def test_error_from_command_at_names_the_rejected_option(results_folder, argumen
 
 @pytest.mark.parametrize("name", ["study", "lines", "maps"])
 def test_info_command_writes_json_with_the_same_schema_for_every_result(results_folder, name):
-    record = json.loads(stiction_output("info", name, "--json", cwd=results_folder))
+    record = json.loads(get_stiction_output("info", name, "--json", cwd=results_folder))
     assert list(record)[:3] == ["schema", "stiction", "command"]
     assert (record["schema"], record["command"]) == (SCHEMA_VERSION, "info")
     assert (
@@ -181,8 +183,8 @@ def test_info_command_writes_json_with_the_same_schema_for_every_result(results_
     )
     assert record["values"]
     assert all({"verdict", "caveats", "sentence"} <= set(answer) for answer in record["answers"])
-    assert stiction_output("report", name, "--output", f"{name}.html", cwd=results_folder)
-    text = stiction_output("info", name, cwd=results_folder)
+    assert get_stiction_output("report", name, "--output", f"{name}.html", cwd=results_folder)
+    text = get_stiction_output("info", name, cwd=results_folder)
     assert f"{record['finished']} of {record['repetitions']} finished" in text
     if name == "study":
         assert text.count("μ_s [95 %] at ") == 2, "a table for each amplitude"
@@ -202,11 +204,11 @@ def test_height_scaling_requires_the_compute_option_and_prints_a_table_or_json(r
         call_stiction(*arguments, cwd=tmp_path),
         "--scale-heights needs results at 2 factors", "--compute",
     )  # fmt: skip
-    text = stiction_output(*arguments, "--compute", cwd=tmp_path)
+    text = get_stiction_output(*arguments, "--compute", cwd=tmp_path)
     rows = [line.split() for line in text.splitlines() if line[:1].isdigit()]
     assert [row[0] for row in rows[:3]] == ["0.5", "1", "2"]
-    assert stiction_output(*arguments, cwd=tmp_path) == text
-    record = json.loads(stiction_output(*arguments, "--json", cwd=tmp_path))
+    assert get_stiction_output(*arguments, cwd=tmp_path) == text
+    record = json.loads(get_stiction_output(*arguments, "--json", cwd=tmp_path))
     assert (record["kind"], record["scaled"], record["solved"]) == ("pair", "both", [0.5, 1.0, 2.0])
     load = 10e-3 * record["nominal_area"]
     dataset = open_result(tmp_path / "maps").at(load, mu0=0.25, height_scale=[0.5, 1, 2])
@@ -218,7 +220,7 @@ def test_height_scaling_requires_the_compute_option_and_prints_a_table_or_json(r
             assert value["value"] == pytest.approx(
                 float(dataset["friction_combined"].sel(selection | {"statistic": "mean"}).item())
             )
-    assert "height_scale" in stiction_output("plot", "maps", "--output", "figures", cwd=tmp_path)
+    assert "height_scale" in get_stiction_output("plot", "maps", "--output", "figures", cwd=tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -243,16 +245,16 @@ def test_height_scaling_rejects_invalid_options(results_folder, name, arguments,
 
 @pytest.mark.parametrize("name", ["study", "lines", "maps"])
 def test_export_command_writes_netcdf_or_csv_without_overwriting_files(results_folder, name, tmp_path):
-    stiction_output("export", name, str(tmp_path / "r.nc"), cwd=results_folder)
+    get_stiction_output("export", name, str(tmp_path / "r.nc"), cwd=results_folder)
     with xarray.open_dataset(tmp_path / "r.nc", engine="h5netcdf") as exported_dataset:
         exported_dataset = exported_dataset.load()
     dataset = open_stored_result(results_folder / name).dataset()
     assert set(dataset.data_vars) == set(exported_dataset.data_vars)
     for variable in dataset.data_vars:
         assert exported_dataset[variable].equals(dataset[variable]), variable
-    stiction_output("export", name, str(tmp_path / "r.csv"), cwd=results_folder)
+    get_stiction_output("export", name, str(tmp_path / "r.csv"), cwd=results_folder)
     rows = list(csv.DictReader((tmp_path / "r.csv").read_text(encoding="utf-8").splitlines()))
-    record = json.loads(stiction_output("info", name, "--json", cwd=results_folder))
+    record = json.loads(get_stiction_output("info", name, "--json", cwd=results_folder))
     assert {row["verdict"] for row in rows} == {answer["verdict"] for answer in record["answers"]}
     for file_name in ("r.nc", "r.csv"):
         assert_rejected(call_stiction("export", name, str(tmp_path / file_name), cwd=results_folder), "already exists")
@@ -265,7 +267,7 @@ def test_export_command_writes_netcdf_or_csv_without_overwriting_files(results_f
 def test_command_run_adds_repetitions_to_a_result_directory(results_folder, name, tmp_path):
     shutil.copytree(results_folder / name, tmp_path / name)
     num_repetitions = open_stored_result(tmp_path / name).study.ensemble.repetitions
-    stiction_output(
+    get_stiction_output(
         "run", str(tmp_path / name), "--set", f"ensemble.repetitions={num_repetitions + 2}", cwd=results_folder
     )
     assert open_stored_result(tmp_path / name).finished_members.size == num_repetitions + 2
@@ -282,7 +284,7 @@ def test_plot_command_writes_figures_in_the_requested_formats_to_the_output_dire
         return [output_folder / "a.pdf"]
 
     monkeypatch.setattr("stiction.views.figures.draw_figures", record_call)
-    text = stiction_output(
+    text = get_stiction_output(
         "plot", "lines", "--output", str(tmp_path / "figures"), "--format", "pdf,svg", cwd=results_folder
     )
     assert text.splitlines() == [f"wrote {tmp_path / 'figures' / 'a.pdf'}"]

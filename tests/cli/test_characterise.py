@@ -60,10 +60,10 @@ def run_characterise(*arguments, cwd):
 
 
 def normalized_table(text):
-    return join_lines(text[text.index("points") :])
+    return normalize_whitespace(text[text.index("points") :])
 
 
-def join_lines(text):
+def normalize_whitespace(text):
     """Return a text with a single space instead of each line break or run of spaces."""
     return " ".join(text.split())
 
@@ -71,7 +71,7 @@ def join_lines(text):
 def test_characterise_command_and_library_give_equal_results_for_a_profile(scans_folder, profile):
     levelled_profile = levelled(profile, "line")
     history, output_table, figure = run_characterise("scan.csv", cwd=scans_folder)
-    assert join_lines(output_table) == normalized_table(characterisation_text(levelled_profile))
+    assert normalize_whitespace(output_table) == normalized_table(characterisation_text(levelled_profile))
     assert history == [
         "read from scan.csv",
         "spacing 0.01 µm (header and positions agree)",
@@ -82,7 +82,7 @@ def test_characterise_command_and_library_give_equal_results_for_a_profile(scans
     history, output_table, figure = run_characterise(
         "heights.npy", "--unit", "um", "--spacing", "10 nm", cwd=scans_folder
     )
-    assert join_lines(output_table) == normalized_table(characterisation_text(levelled_profile))
+    assert normalize_whitespace(output_table) == normalized_table(characterisation_text(levelled_profile))
     assert history == ["read from heights.npy", levelled_profile.history[-1]]
 
 
@@ -112,13 +112,13 @@ def test_characterise_command_applies_options_for_units_and_levelling_and_the_fi
         "heights.npy", "--unit", "um,nm", "--spacing", "0.01um", "--level", "quadratic", "--band", "0.1 um, 5000nm",
         "--output", "mine.PNG", cwd=scans_folder,
     )  # fmt: skip
-    assert join_lines(output_table) == normalized_table(
+    assert normalize_whitespace(output_table) == normalized_table(
         characterisation_text(levelled(profile_in_nm, "quadratic"), band=(0.1, 5.0))
     )
     assert history[-1] == "levelled by a parabola"
     assert figure == scans_folder / "mine.PNG"
     history, output_table, _ = run_characterise("scan.csv", "--level", "none", cwd=scans_folder)
-    assert join_lines(output_table) == normalized_table(characterisation_text(profile))
+    assert normalize_whitespace(output_table) == normalized_table(characterisation_text(profile))
     assert not any("levelled" in step for step in history)
 
 
@@ -133,20 +133,20 @@ def test_characterise_command_fills_or_masks_missing_points_and_selects_columns(
             f"1 missing points {history_word}, 0.033 % of all points" in step and "0.98 µm to 0.99 µm" in step
             for step in history
         )
-        assert "outliers none" in join_lines(output_table)
+        assert "outliers none" in normalize_whitespace(output_table)
     lines = (scans_folder / "scan.csv").read_text(encoding="utf-8").splitlines()
     header_index = lines.index("x (um),z (um)")
     data_lines = [f"{index},{line},7" for index, line in enumerate(lines[header_index + 1 :])]
     (scans_folder / "wide.csv").write_text("\n".join(["n,x (um),z (um),t (s)", *data_lines]), encoding="utf-8")
     history, output_table, _ = run_characterise("wide.csv", "--columns", "x,z", cwd=scans_folder)
-    assert join_lines(output_table) == normalized_table(characterisation_text(levelled(profile, "line")))
+    assert normalize_whitespace(output_table) == normalized_table(characterisation_text(levelled(profile, "line")))
     assert history[:2] == ["read from wide.csv", "columns 1 (x (um)), 2 (z (um))"]
 
 
 def test_characterise_command_prints_the_roughness_of_a_map_and_of_its_profiles(scans_folder, surface):
     options = ["map.npy", "--unit", "um", "--spacing", "0.05 um,0.1 um"]
     history, output_table, figure = run_characterise(*options, cwd=scans_folder)
-    assert join_lines(output_table) == normalized_table(characterisation_text(levelled(surface, "plane")))
+    assert normalize_whitespace(output_table) == normalized_table(characterisation_text(levelled(surface, "plane")))
     assert history == ["read from map.npy", "levelled by a plane"]
     assert imread(figure).shape[1] == pytest.approx(170 / 25.4 * 300, abs=2)
     rows = {profile[:19].strip(): profile[20:].rstrip() for profile in output_table.splitlines()}
@@ -155,7 +155,7 @@ def test_characterise_command_prints_the_roughness_of_a_map_and_of_its_profiles(
     assert float(rows["Sq"].split()[0]) == pytest.approx(np.std(levelled(surface, "plane").heights), rel=1e-3)
     for option, profile in (("--row", surface.row(7)), ("--column", surface.column(7))):
         history, output_table, _ = run_characterise(*options, option, 7, cwd=scans_folder)
-        assert join_lines(output_table) == normalized_table(characterisation_text(levelled(profile, "line")))
+        assert normalize_whitespace(output_table) == normalized_table(characterisation_text(levelled(profile, "line")))
         assert history == ["read from map.npy", f"{option[2:]} 7", "levelled by a line"]
 
 
@@ -259,16 +259,16 @@ def test_characterise_command_rejects_invalid_input(scans_folder, arguments, exp
     assert completed.stderr.startswith("stiction: ")
 
 
-def test_characterise_command_reads_a_stylus_profile(measured_file_path, tmp_path):
-    history, output_table, _ = run_characterise(measured_file_path("dektak-1.csv"), cwd=tmp_path)
+def test_characterise_command_reads_a_stylus_profile(find_measured_file, tmp_path):
+    history, output_table, _ = run_characterise(find_measured_file("dektak-1.csv"), cwd=tmp_path)
     assert "spacing 0.1562454 µm from its positions, declared as 0.156 µm" in history
     assert "Pq                  94.24 nm\n" in output_table
     assert "points              9600, 156.2 nm apart, over 1.5 mm\n" in output_table
 
 
-def test_characterise_command_reads_an_atomic_force_microscope_map(measured_file_path, tmp_path):
+def test_characterise_command_reads_an_atomic_force_microscope_map(find_measured_file, tmp_path):
     pytest.importorskip("SurfaceTopography")
-    history, output_table, _ = run_characterise(measured_file_path("di-4.di"), cwd=tmp_path)
+    history, output_table, _ = run_characterise(find_measured_file("di-4.di"), cwd=tmp_path)
     assert history[1] == "channel 0 (ZSensor) of 0 (ZSensor), 1 (AmplitudeError), 2 (Phase)"
     rows = {line[:19].strip(): line[20:].split() for line in output_table[output_table.index("lines  ") :].splitlines()}
     rows["Sq"] = output_table[output_table.index("\nSq") :].split()[1:3]
@@ -288,7 +288,9 @@ def test_characterise_command_filters_a_scan_at_a_cutoff_and_reports_a_blunt_tip
     filtered_profile = cut_off(levelled(profile, "line"), 0.5)
     history, output_table, _ = run_characterise("scan.csv", "--cutoff", "500 nm", "--tip", "1 um", cwd=scans_folder)
     assert history[-1] == filtered_profile.history[-1]
-    assert normalized_table(characterisation_text(filtered_profile, tip_radius=1.0)) == join_lines(output_table)
+    assert normalized_table(characterisation_text(filtered_profile, tip_radius=1.0)) == normalize_whitespace(
+        output_table
+    )
     _, table_of_blunt_tip, _ = run_characterise("scan.csv", "--tip", "100 um", cwd=scans_folder)
     assert "sharper tip" in table_of_blunt_tip
     assert "the tip resolves" in table_of_blunt_tip

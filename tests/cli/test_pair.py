@@ -780,8 +780,8 @@ def test_command_run_rejects_a_changed_scan_file(scans_folder):
 
 
 @pytest.mark.usefixtures("disable_figures")
-def test_stylus_profile_paired_with_itself_is_shifted_by_the_travel(measured_file_path, tmp_path):
-    file = measured_file_path("dektak-1.csv")
+def test_stylus_profile_paired_with_itself_is_shifted_by_the_travel(find_measured_file, tmp_path):
+    file = find_measured_file("dektak-1.csv")
     shift_options = ["--travel", "200 um", "--offsets", "1", "--load", "10 mN", "--json"]
     check_stiction("pair", file, file, *MATERIAL_OPTIONS, *shift_options, cwd=tmp_path)
     result = store.read(tmp_path / "pair")
@@ -790,9 +790,9 @@ def test_stylus_profile_paired_with_itself_is_shifted_by_the_travel(measured_fil
 
 @pytest.mark.usefixtures("disable_figures")
 @pytest.mark.parametrize("lines", [4, 16])  # the mean of four lines has no interval
-def test_pair_command_presses_an_afm_map_on_its_surrogates(measured_file_path, tmp_path, lines):
+def test_pair_command_presses_an_afm_map_on_its_surrogates(find_measured_file, tmp_path, lines):
     pytest.importorskip("SurfaceTopography")
-    file = measured_file_path("di-4.di")
+    file = find_measured_file("di-4.di")
     arguments = ["--lines", lines, "--surrogates", "lower", "--along", "y", "--json"]
     check_stiction("pair", file, file, *MATERIAL_OPTIONS, *LOAD_OPTION, *arguments, cwd=tmp_path)
     assert store.read(tmp_path / "pair")["surrogate"].values.all()

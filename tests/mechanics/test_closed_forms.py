@@ -62,8 +62,8 @@ def test_jackson_green_law_of_the_core_equals_the_published_fit(ratio, radius, m
 
 
 @pytest.fixture(scope="session")
-def reference():
-    """Return reference solutions of the ContactMechanics package (Hertz, Westergaard), if it is installed."""
+def reference_modules():
+    """Return the ContactMechanics modules of reference solutions (Hertz, Westergaard), if the package is installed."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         names = ("Hertz", "Westergaard")
@@ -74,23 +74,23 @@ class TestAgainstContactMechanicsPackage:
     @settings(max_examples=50)
     @given(overlap=length_strategy, radius=length_strategy, modulus=modulus_strategy)
     def test_hertz_solution_of_a_sphere_agrees_with_the_package_contactmechanics(
-        self, reference, overlap, radius, modulus
+        self, reference_modules, overlap, radius, modulus
     ):
         force, area = hertz_sphere(overlap, radius, modulus)
-        assert reference[0].normal_load(overlap, radius, modulus) == pytest.approx(
+        assert reference_modules[0].normal_load(overlap, radius, modulus) == pytest.approx(
             float(force), rel=REORDERING_TOLERANCE
         )
-        contact_radius, _ = reference[0].radius_and_pressure(float(force), radius, modulus)
+        contact_radius, _ = reference_modules[0].radius_and_pressure(float(force), radius, modulus)
         assert math.pi * contact_radius**2 == pytest.approx(float(area), rel=REORDERING_TOLERANCE)
 
-    def test_westergaard_contact_fraction_agrees_with_the_package_contactmechanics(self, reference):
+    def test_westergaard_contact_fraction_agrees_with_the_package_contactmechanics(self, reference_modules):
         # ContactMechanics gives the half-width of the contact in wavelengths.
         # Its pressure is in units of π E* Δ / λ, where 2Δ is the total height of the sinusoid.
         pressures = np.linspace(0.01, 0.99, 20)
         contact_fraction = westergaard_contact_fraction(
             pressures * math.pi, amplitude=1.0, wavelength=1.0, effective_modulus=1.0
         )
-        expected = 2 * np.array([reference[1].contact_radius(p) for p in pressures])
+        expected = 2 * np.array([reference_modules[1].contact_radius(p) for p in pressures])
         assert np.allclose(contact_fraction, expected, rtol=REORDERING_TOLERANCE, atol=0)
 
 

@@ -42,7 +42,7 @@ def create_rough_body(shape, seed=4, slope=0.1):
     return periodic_body(shape, seed=seed, longest=2, shortest=max(shape[-1] // 8, 4), slope=slope)
 
 
-def load_at_relative_pressure(body, fraction):
+def compute_load_at_relative_pressure(body, fraction):
     """Return the load on a unit length or a unit square at a mean pressure that is a fraction of E* h'."""
     steps = [np.diff(body.heights, axis=axis) * body.heights.shape[axis] for axis in range(body.heights.ndim)]
     return fraction * EFFECTIVE_MODULUS * np.sqrt(sum(np.mean(np.square(step)) for step in steps))
@@ -183,7 +183,7 @@ def test_onset_of_sliding_agrees_with_active_set_solver(shape, boundary, mu0, ta
     lower = create_rough_body(shape, slope=1e-4)
     tau0 *= 1e-2  # The adhesive strength must have the order of magnitude of the pressures.
     curve = half_space(
-        flat_like(lower), lower, [load_at_relative_pressure(lower, 0.05)], boundary=boundary, tolerance=1e-10
+        flat_like(lower), lower, [compute_load_at_relative_pressure(lower, 0.05)], boundary=boundary, tolerance=1e-10
     )
     points, bound, pressure, fraction = compute_traction_bound(curve, mu0, tau0)
     assert 20 < bound.size < 600
@@ -217,7 +217,7 @@ def test_onset_of_sliding_agrees_with_active_set_solver(shape, boundary, mu0, ta
 
 def test_energy_loss_from_masing_rule_equals_loss_in_a_simulated_cycle():
     lower = create_rough_body((16, 16), slope=1e-4)
-    curve = half_space(flat_like(lower), lower, [load_at_relative_pressure(lower, 0.1)], tolerance=1e-10)
+    curve = half_space(flat_like(lower), lower, [compute_load_at_relative_pressure(lower, 0.1)], tolerance=1e-10)
     points, bound, _, _ = compute_traction_bound(curve, 0.3, 0.0)
     assert bound.size > 40
     compliance = dense_half_space.influence_matrix(
@@ -249,7 +249,7 @@ def test_energy_loss_from_masing_rule_equals_loss_in_a_simulated_cycle():
 @pytest.fixture(scope="module", params=["periodic", "free"])
 def half_space_curve(request):
     lower = create_rough_body((128, 128))
-    load = load_at_relative_pressure(lower, 0.02)
+    load = compute_load_at_relative_pressure(lower, 0.02)
     return half_space(flat_like(lower), lower, [0.3 * load, 0.6 * load, load], boundary=request.param, tolerance=1e-8)
 
 
@@ -293,7 +293,7 @@ def test_ratio_of_normal_to_initial_tangential_stiffness_equals_mindlin_ratio(ha
 
 def test_poisson_ratio_of_a_rigid_body_does_not_change_tangential_stiffness():
     lower = create_rough_body((32, 32))
-    curve = half_space(flat_like(lower), lower, [load_at_relative_pressure(lower, 0.05)], compliance_share=1.0)
+    curve = half_space(flat_like(lower), lower, [compute_load_at_relative_pressure(lower, 0.05)], compliance_share=1.0)
     stiffness_values = [
         curve.onset(0, mu0=0.3, poisson=poisson, steps=1).stiffness for poisson in ((0.0, 0.4), 0.4, 0.0)
     ]
@@ -318,7 +318,7 @@ def test_onset_of_sliding_of_maps_agrees_with_ciavarella_jaeger_theory(half_spac
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 def test_onset_of_sliding_of_profiles_agrees_with_ciavarella_jaeger_theory(boundary):
     lower = create_rough_body((1024,))
-    load = load_at_relative_pressure(lower, 0.05)
+    load = compute_load_at_relative_pressure(lower, 0.05)
     curve = half_space(flat_like(lower), lower, [0.3 * load, 0.6 * load, load], boundary=boundary, tolerance=1e-8)
     for poisson in (0.0, 0.3):
         onset = curve.onset(2, mu0=0.2, poisson=poisson, steps=[0.4, 0.7])
@@ -364,7 +364,7 @@ def test_onset_of_sliding_is_computed_at_requested_displacements(half_space_curv
 
 def test_tangential_stiffness_at_the_onset_of_sliding_is_finite_if_contact_pressures_reach_the_hardness():
     lower = create_rough_body((64, 64))
-    load = load_at_relative_pressure(lower, 0.1)
+    load = compute_load_at_relative_pressure(lower, 0.1)
     curve = half_space(flat_like(lower), lower, [load], hardness=1.0)
     assert 0.05 < curve.load_share_at_hardness[0] < 1
     onset = curve.onset(0, mu0=0.3, tau0=0.02)

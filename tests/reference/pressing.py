@@ -98,7 +98,7 @@ def sum_loads(rows, sigma, mu0, tau0):
 
 
 @lru_cache(maxsize=1)
-def _find_minima(upper, lower):
+def _find_gap_minima(upper, lower):
     """Return splines of both profiles, positions of gap minima, and their heights above first contact."""
     upper, lower = np.frombuffer(upper), np.frombuffer(lower)
     x = np.arange(upper.size) * 1.0
@@ -111,7 +111,7 @@ def _find_minima(upper, lower):
 
 def find_contacts_at_minima(upper, lower, spacing, approach, *, effective_modulus=10.0, signed=False):
     """Return rows like `find_contacts` for contacts at the minima of the splined gap."""
-    spline_u, spline_l, positions, heights = _find_minima(upper.tobytes(), lower.tobytes())
+    spline_u, spline_l, positions, heights = _find_gap_minima(upper.tobytes(), lower.tobytes())
     rows = []
     for position, height in zip(positions[heights <= approach], heights[heights <= approach], strict=True):
         slope = spline_l(position, 1) / spacing

@@ -121,21 +121,21 @@ def wolf_pruned_peaks(heights, threshold):
     points = [(j, i) for j in range(heights.shape[0]) for i in range(heights.shape[1])]
     peak_of = {}
 
-    def find_spectral_peak(point):
+    def climb_to_peak(point):
         if point not in peak_of:
             highest = max(neighbour_points(point, heights.shape), key=lambda neighbour: heights[neighbour])
-            peak_of[point] = find_spectral_peak(highest) if heights[highest] > heights[point] else point
+            peak_of[point] = climb_to_peak(highest) if heights[highest] > heights[point] else point
         return peak_of[point]
 
     saddles = {}
     for point in points:
         for neighbour in neighbour_points(point, heights.shape):
-            a, b = find_spectral_peak(point), find_spectral_peak(neighbour)
+            a, b = climb_to_peak(point), climb_to_peak(neighbour)
             if a != b:
                 level = min(heights[point], heights[neighbour])
                 saddles.setdefault(a, {})
                 saddles[a][b] = max(saddles[a].get(b, -math.inf), level)
-    peaks = {find_spectral_peak(point) for point in points}
+    peaks = {climb_to_peak(point) for point in points}
     while len(peaks) > 1:
         lowest = min(peaks, key=lambda peak: heights[peak] - max(saddles[peak].values()))
         neighbour_peak = max(saddles[lowest], key=lambda neighbour: saddles[lowest][neighbour])

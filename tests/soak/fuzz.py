@@ -39,8 +39,10 @@ def main():
         folder, stored_result = Path(name), Path(name) / "pristine"
         stored_result.mkdir()
         run(fuzzing.small_fuzz_study(), store=stored_result)
-        findings = fuzz("arrays", options.count, options.seed, fuzzing.fuzz_arrays)
-        findings += fuzz("stores", options.count, options.seed, lambda r: fuzzing.fuzz_store(r, stored_result, folder))
+        findings = fuzz("arrays", options.count, options.seed, fuzzing.fuzz_numeric_function)
+        findings += fuzz(
+            "stores", options.count, options.seed, lambda r: fuzzing.fuzz_stored_result(r, stored_result, folder)
+        )
         findings += fuzz("study files", options.count, options.seed, lambda r: fuzzing.fuzz_study_file(r, folder))
     sys.exit(1 if findings else 0)
 

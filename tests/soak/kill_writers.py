@@ -226,7 +226,7 @@ class WriterKillTest:
                 assert int(number) not in self.finished_at_start[int(process_id)], f"{number} was computed again"
         self.num_computed = len(lines)
 
-    def check_and_describe(self) -> str:
+    def check_and_summarise_result(self) -> str:
         self.check_blocks()
         for number in self.random.sample(sorted(self.checksums), min(MAX_CHECKED_REPETITIONS, len(self.checksums))):
             sums = member_solution.compute_member_arrays(STUDY, number)
@@ -271,7 +271,7 @@ def main() -> None:
                         test.run_and_kill()
                         test.check_blocks()
                     kills = kills + test.kills
-                    print(f"storm: {kind}: {kills.total()} kills; {test.check_and_describe()}", flush=True)
+                    print(f"storm: {kind}: {kills.total()} kills; {test.check_and_summarise_result()}", flush=True)
                 finally:
                     for process in test.processes:
                         process.kill()

@@ -19,7 +19,7 @@ from stiction.studies.pull_off import PullOffValues
 from stiction.views.pull_off import pull_off_text
 from stiction.views.rows import summary_json, summary_table
 from stiction.views.spreadsheet import frame_to_csv
-from stiction.views.text import result_text, values_text
+from stiction.views.text import main_values_text, result_text
 from support.rough_surfaces import rough_maps
 
 REPEATED_SOLUTION_TOLERANCE = 1e-9
@@ -144,7 +144,7 @@ def test_result_at_zero_load_states_whether_the_surfaces_stick(adhesive_result):
     assert record["verdict"] == "Do not quote"
     assert pull_off_text(unloaded_point.sticking).removesuffix(".") in unloaded_result.sentence
     assert pull_off_text(unloaded_point.sticking, "μ0 = 0.3").endswith(" with μ0 = 0.3.")
-    text_of_two_mu0 = values_text(unloaded_result.summary(0, mu0=[0.2, 0.3]))
+    text_of_two_mu0 = main_values_text(unloaded_result.summary(0, mu0=[0.2, 0.3]))
     assert "with μ0 = 0.2." in " ".join(text_of_two_mu0.split())
     with pytest.raises(ValueError, match="load must be above 0, got 0"):
         run_pair(load=0)

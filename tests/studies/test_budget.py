@@ -13,8 +13,8 @@ from stiction.mechanics.friction import STATUS_OK
 from stiction.studies import budget, hardness
 from stiction.studies.budget import (
     _CoefficientSamples,
+    _compute_equal_tailed_interval,
     _compute_pressure_and_growth_under_shear,
-    _equal_tailed_interval,
     _get_arrays_over_dims,
     add_uncertainty,
 )
@@ -148,12 +148,12 @@ def test_ends_of_the_combined_interval_equal_quantiles_of_the_samples(infinite) 
     samples = np.random.default_rng(3).lognormal(size=2**14)
     samples[:infinite] = np.inf
     method = "inverted_cdf" if infinite else "linear"
-    assert _equal_tailed_interval(samples) == pytest.approx(
+    assert _compute_equal_tailed_interval(samples) == pytest.approx(
         np.quantile(samples, [0.025, 0.975], method=method).tolist(), rel=1e-14
     )
     samples[0] = np.nan
     with pytest.raises(ValueError, match="have no coefficient"):
-        _equal_tailed_interval(samples)
+        _compute_equal_tailed_interval(samples)
 
 
 # In the periodic samples, every 61st value is the largest, so that the estimated bounds of the tails are wrong.
@@ -170,8 +170,8 @@ SAMPLES_WITH_UNUSUAL_TAILS = {
 @pytest.mark.parametrize("samples", SAMPLES_WITH_UNUSUAL_TAILS.values(), ids=SAMPLES_WITH_UNUSUAL_TAILS)
 def test_interval_ends_equal_quantiles_of_samples_with_unusual_tails(samples) -> None:
     expected_ends = np.quantile(samples, [0.025, 0.975]).tolist()
-    assert _equal_tailed_interval(samples) == pytest.approx(expected_ends, rel=1e-14)
-    assert _equal_tailed_interval(-samples) == pytest.approx([-expected_ends[1], -expected_ends[0]], rel=1e-14)
+    assert _compute_equal_tailed_interval(samples) == pytest.approx(expected_ends, rel=1e-14)
+    assert _compute_equal_tailed_interval(-samples) == pytest.approx([-expected_ends[1], -expected_ends[0]], rel=1e-14)
 
 
 def test_areas_at_other_hardnesses_are_solved_for_only_two_members_of_large_maps(monkeypatch) -> None:

@@ -17,7 +17,7 @@ import stiction
 from stiction import Study, press, random_phases, run, weierstrass_mandelbrot
 from stiction.mechanics.quantities import SUM_QUANTITIES
 from stiction.studies import executors, member_solution, members, runner
-from stiction.studies.layout import compute_member_size
+from stiction.studies.layout import compute_bytes_per_member
 from stiction.studies.member_solution import estimate_member_time
 from stiction.studies.store import StoreError
 from stiction.studies.study import parse_study_of_dataset
@@ -126,7 +126,7 @@ def test_block_size_limits_the_time_and_memory_of_a_block(name):
         size = runner.choose_block_size(with_repetitions(total, study))
         assert 1 <= size <= runner.MAX_BLOCK_MEMBERS
         assert size == 1 or size * estimate_member_time(study) <= runner.TARGET_BLOCK_TIME
-        assert size == 1 or size * compute_member_size(study) <= runner.MAX_BLOCK_BYTES
+        assert size == 1 or size * compute_bytes_per_member(study) <= runner.MAX_BLOCK_BYTES
         assert math.ceil(total / size) >= min(total, 4)
         is_worth_its_file = (size - 1) * estimate_member_time(study) < runner.MIN_BLOCK_TIME
         assert is_worth_its_file or math.ceil(total / size) >= min(total, runner.MIN_BLOCKS)

@@ -117,7 +117,7 @@ def test_stored_values_are_preserved_bit_for_bit(tmp_path, monkeypatch):
 
 
 def test_stored_result_read_in_pieces_equals_the_computed_dataset(folder_copy, uninterrupted_dataset, monkeypatch):
-    monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.compute_member_size(TINY_STUDY))
+    monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.compute_bytes_per_member(TINY_STUDY))
     find_block_file(folder_copy, 4).unlink()
     incomplete_dataset = uninterrupted_dataset.isel(repetition=[*range(4), *range(8, 22)])
     piece_pairs = list(
@@ -618,7 +618,7 @@ def test_run_resumes_after_it_was_killed_at_any_disk_operation(tmp_path, uninter
 
 @pytest.mark.parametrize("kind", ["dataset", "folder"])
 def test_exported_dataset_equals_the_computed_dataset(folder_copy, uninterrupted_dataset, tmp_path, monkeypatch, kind):
-    monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.compute_member_size(TINY_STUDY))
+    monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.compute_bytes_per_member(TINY_STUDY))
     file = tmp_path / "r.nc"
     export(uninterrupted_dataset if kind == "dataset" else store.open_stored_result(folder_copy).dataset(), file)
     assert_same_bits(store.read(file), uninterrupted_dataset)

@@ -12,7 +12,7 @@ from stiction._units import exact_quantity_text, quantity
 from stiction.mechanics.quantities import AREAL_SUM_QUANTITIES, HALF_SPACE_SUM_QUANTITIES, SUM_QUANTITIES
 from stiction.studies.study import find_table_differences, parse_study
 from stiction.studies.values import StudyError
-from stiction.views.study_keys import key_tables, study_keys_text
+from stiction.views.study_keys import list_key_tables, study_keys_text
 
 
 class TestQuantityConversion:
@@ -477,7 +477,7 @@ class TestStudyKeys:
 
     def test_documented_types_of_study_keys_match_their_parsers(self):
         documented_values = {}
-        for title, _, rows in key_tables():
+        for title, _, rows in list_key_tables():
             for key, _, values, _ in rows:
                 documented_values.setdefault((title, key.strip("`")), values)
         assert documented_values["`[contact]`", "effective_modulus"] == "a pressure above 0"

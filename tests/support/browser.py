@@ -48,7 +48,7 @@ def open_page(driver, path, width=1280, height=900):
     driver.get("about:blank")
     driver.get_log("performance")
     driver.get(path.as_uri())
-    wait_until_drawn(driver)
+    wait_until_page_is_drawn(driver)
 
 
 def open_more_section(driver):
@@ -60,7 +60,7 @@ def open_more_section(driver):
     wait_for_drawing(driver)
 
 
-def wait_until_drawn(driver):
+def wait_until_page_is_drawn(driver):
     wait_for(driver, lambda driver: driver.execute_script(READY_SCRIPT))
     wait_for_drawing(driver)
 

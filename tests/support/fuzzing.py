@@ -111,7 +111,7 @@ def small_fuzz_study():
     return Study().with_changes({key: _parse_value(value) for key, value in _SMALL_STUDY_CHANGES.items()})
 
 
-def fuzz_store(random, original, folder):
+def fuzz_stored_result(random, original, folder):
     """Run `stiction info`, `export` and `plot` on a damaged result, and return the last exit status."""
     copy = folder / "copy"
     shutil.rmtree(copy, ignore_errors=True)
@@ -308,7 +308,7 @@ def random_array(random, size):
     return values
 
 
-def fuzz_arrays(random):
+def fuzz_numeric_function(random):
     """Call a numeric function with random arguments; return the ValueError that it raises, or None."""
     size = int(random.integers(0, 120))
     try:

@@ -511,9 +511,9 @@ def test_channel_option_is_rejected_for_files_in_formats_without_channels(write_
     )
 
 
-def test_channel_of_an_instrument_file_can_be_selected(measured_file_path):
+def test_channel_of_an_instrument_file_can_be_selected(find_measured_file):
     pytest.importorskip("SurfaceTopography")
-    path = measured_file_path("di-4.di")
+    path = find_measured_file("di-4.di")
     surface = read_surface(path)
     channels = "0 (ZSensor), 1 (AmplitudeError), 2 (Phase)"
     assert surface.history[1] == f"channel 0 (ZSensor) of {channels}"
@@ -868,8 +868,8 @@ def test_x3p_file_with_contradictions_is_rejected(write_file, change, message):
 # ---- Measured files and damaged ones --------------------------------------------------------------------------------
 
 
-def test_measured_stylus_profile_is_read_with_its_header(measured_file_path):
-    path = measured_file_path("dektak-1.csv")
+def test_measured_stylus_profile_is_read_with_its_header(find_measured_file):
+    path = find_measured_file("dektak-1.csv")
     profile = read_profile(path)
     assert len(profile) == 9600
     assert profile.spacing == pytest.approx(1499.8 / 9599, rel=1e-12)
@@ -880,9 +880,9 @@ def test_measured_stylus_profile_is_read_with_its_header(measured_file_path):
     assert "0.1562454 µm, but the given spacing is 0.156 um" in error_message(path, spacing="0.156 um")
 
 
-def test_measured_map_of_an_atomic_force_microscope_is_read(measured_file_path):
+def test_measured_map_of_an_atomic_force_microscope_is_read(find_measured_file):
     pytest.importorskip("SurfaceTopography")
-    surface = read_surface(measured_file_path("di-4.di"))
+    surface = read_surface(find_measured_file("di-4.di"))
     assert surface.heights.shape == (512, 512)
     assert surface.extent == pytest.approx((10.0, 10.0))
     levelled_surface = levelled(surface, "plane")

@@ -93,11 +93,11 @@ class TestAgainstSurfaceTopographyPackage:
     @pytest.fixture(params=["generated", "measured"])
     def profile(self, request):
         if request.param == "measured":
-            return levelled(read_profile(request.getfixturevalue("measured_file_path")("dektak-1.csv")), "line")
+            return levelled(read_profile(request.getfixturevalue("find_measured_file")("dektak-1.csv")), "line")
         return levelled(rough_profile(), "mean")
 
-    def test_levelling_agrees_with_the_package_surfacetopography(self, line_scan_class, measured_file_path):
-        profile = read_profile(measured_file_path("dektak-1.csv"))
+    def test_levelling_agrees_with_the_package_surfacetopography(self, line_scan_class, find_measured_file):
+        profile = read_profile(find_measured_file("dektak-1.csv"))
         other_profile = line_scan_class(profile.heights.copy(), profile.extent, unit="um").detrend("height")
         assert np.abs(other_profile.heights() - levelled(profile, "line").heights).max() < self.TRANSFORM_TOLERANCE
 

@@ -175,15 +175,15 @@ class TestInstrumentLimit:
         assert result.reason == "tip"
         assert math.isnan(instrument_limit(surface, tip_radius=1e-5).tip)
 
-    def test_instrument_limits_of_measured_scans_equal_recorded_values(self, measured_file_path):
-        surface = read_surface(measured_file_path("di-4.di"))
+    def test_instrument_limits_of_measured_scans_equal_recorded_values(self, find_measured_file):
+        surface = read_surface(find_measured_file("di-4.di"))
         result = instrument_limit(surface)
         assert result.reason == "noise floor"
         assert math.isnan(result.noise_x)  # Along the fast axis of the scan there is no noise floor.
         assert result.noise_y == pytest.approx(6.37 * surface.spacing[0], rel=0.01)
         assert result.noise == result.wavelength == 0.125
         assert result.slope_fraction == pytest.approx(0.138, abs=0.001)
-        assert instrument_limit(read_profile(measured_file_path("dektak-1.csv"))).reason == "pixels"
+        assert instrument_limit(read_profile(find_measured_file("dektak-1.csv"))).reason == "pixels"
 
     def test_coloured_noise_is_detected_and_a_filter_restores_the_true_slope(self):
         points, spacing, num_filtered, num_correct = 4000, 1 / 60, 0, 0
@@ -311,13 +311,15 @@ class TestNoiseOfAnisotropicMap:
     """Grooves along y; noise limits the spectrum at longer wavelengths along the grooves than across them."""
 
     @pytest.fixture(params=[1, 2, 3])
-    def grooves(self, request):
+    def grooved_heights_and_rng(self, request):
         rng = np.random.default_rng(request.param)
         return filtered_noise(rng, (192, 192), 0.8, longest=60, shortest=5, stretch=6.0), rng
 
     @pytest.mark.parametrize("noise_rms", [0.002, 0.05])
-    def test_filtering_at_the_instrument_limit_removes_white_noise_from_grooves(self, grooves, noise_rms):
-        heights, rng = grooves
+    def test_filtering_at_the_instrument_limit_removes_white_noise_from_grooves(
+        self, grooved_heights_and_rng, noise_rms
+    ):
+        heights, rng = grooved_heights_and_rng
         noise = noise_rms * rng.normal(size=heights.shape)
         scan = Surface(heights + noise, spacing=0.1)
         result = instrument_limit(scan)
@@ -346,8 +348,8 @@ class TestNoiseOfAnisotropicMap:
         result = instrument_limit(Surface(heights, spacing=(0.001, 0.1)))
         assert result.reason in ("noise floor", "pixels")
 
-    def test_height_offsets_between_rows_are_treated_as_noise_only_along_y(self, grooves):
-        heights, rng = grooves
+    def test_height_offsets_between_rows_are_treated_as_noise_only_along_y(self, grooved_heights_and_rng):
+        heights, rng = grooved_heights_and_rng
         noise = 0.05 * rng.normal(size=(192, 1)) + np.zeros(heights.shape)
         result = instrument_limit(Surface(heights + noise, spacing=0.1))
         assert result.axis == "y"

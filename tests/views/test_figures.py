@@ -14,7 +14,12 @@ from stiction.studies.maps import friction_map
 from stiction.studies.study import parse_study_of_dataset
 from stiction.views import style
 from stiction.views.figures import draw_figures
-from stiction.views.figures.contact import contact_figure, contact_map_figure, contacts_figure, opposing_contact_mask
+from stiction.views.figures.contact import (
+    contact_forces_figure,
+    contact_map_figure,
+    contacts_and_pressure_figure,
+    opposing_contact_mask,
+)
 from stiction.views.figures.ensemble import (
     FADING_PARAMETERS,
     _compute_fading,
@@ -272,7 +277,7 @@ def test_positions_figure_shows_values_of_maps_in_increasing_order_and_values_of
 
 def test_contacts_figure_marks_every_contact_and_load_percentages_that_add_up_to_100(maps_at_two_cutoffs):
     picture = contact_picture(maps_at_two_cutoffs)
-    figure = contacts_figure(picture, direction=90.0)
+    figure = contacts_and_pressure_figure(picture, direction=90.0)
     axes = figure.axes[0]
     marker_positions = np.concatenate([collection.get_offsets() for collection in axes.collections[1::2]])
     assert {tuple(marker_position) for marker_position in marker_positions} == set(
@@ -302,7 +307,7 @@ def test_contact_map_draws_every_contact(maps_at_two_cutoffs, profiles_dataset):
 
 def test_force_arrows_stay_inside_their_frame(create_circular_arc, tmp_path):
     upper, lower = (create_circular_arc(2.0, 5.0, 0.01, 401, side) for side in ("upper", "lower"))
-    figure = contact_figure(upper, lower, 0.02, mu0=0.3, load=0.1)
+    figure = contact_forces_figure(upper, lower, 0.02, mu0=0.3, load=0.1)
     zoomed_axes = figure.axes[1]
     figure.draw_without_rendering()
     frame = zoomed_axes.get_window_extent()
@@ -313,7 +318,7 @@ def test_force_arrows_stay_inside_their_frame(create_circular_arc, tmp_path):
     assert "heights magnified" in zoomed_axes.get_title(loc="left")
     # Two flat profiles without contact are drawn, too.
     flat_profile = Profile(np.zeros(200), spacing=0.01)
-    save_figure(contact_figure(flat_profile, flat_profile, 0.0, mu0=0.3), tmp_path / "contact.png")
+    save_figure(contact_forces_figure(flat_profile, flat_profile, 0.0, mu0=0.3), tmp_path / "contact.png")
 
 
 # ---- Style -----------------------------------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ from stiction._number_format import format_estimate
 from stiction.studies.budget import add_uncertainty
 from stiction.studies.evaluation import at_load
 from stiction.studies.nodes import NodeAxis, compute_error_to_tolerance_ratio, interpolate_table
-from stiction.studies.point import list_rules_quoted_first
+from stiction.studies.point import list_sliding_rules_reported_first
 from stiction.studies.study import parse_study_of_dataset
 from stiction.studies.summary import summarize
 from stiction.views.report import report_page
@@ -246,7 +246,7 @@ def test_assessments_in_reports_of_generated_profiles_equal_library_assessments(
             study=parse_study_of_dataset(dataset).with_changes({"contact.effective_modulus": "50 MPa"}).to_toml()
         )
     study, report_evaluator = parse_study_of_dataset(dataset), ReportEvaluator(report_page(dataset))
-    assert report_evaluator.facts["quotedRule"] == list_rules_quoted_first(study)[0]
+    assert report_evaluator.facts["quotedRule"] == list_sliding_rules_reported_first(study)[0]
     loads = report_evaluator.facts["loads"]["values"]
     verdicts = set()
     for mu0, tau0 in itertools.product(study.friction.mu0[:2], study.friction.tau0[:2]):

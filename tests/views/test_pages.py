@@ -356,13 +356,13 @@ def test_address_of_a_report_restores_its_settings(driver, pages):
     assert "mu0=0.37" in address
     driver.get("about:blank")
     driver.get(address)
-    browser.wait_until_drawn(driver)
+    browser.wait_until_page_is_drawn(driver)
     assert find_element(driver, "answer").text == answer_text
     assert driver.execute_script("return [state.mu0, state.tau0]") == [0.37, 41]
     # Invalid values in the address are replaced by defaults.
     driver.get("about:blank")
     driver.get(pages["study"].as_uri() + "#mu0=-3&tau0=NaN&load=x&d=&way=7&rule=%00&pair=<b>")
-    browser.wait_until_drawn(driver)
+    browser.wait_until_page_is_drawn(driver)
     assert driver.execute_script("return [state.mu0, state.tau0, state.way, state.rule]") == [0.4, 0, 0, 0]
     assert log_is_empty(driver)
 

@@ -144,7 +144,7 @@ def at(
     if as_json:
         print_output(rows.summary_json("at", summary))
     else:
-        if default_text := text.default_values_text(result.study, mu0=mu0 is None, tau0=tau0 is None):
+        if default_text := text.default_friction_parameters_text(result.study, mu0=mu0 is None, tau0=tau0 is None):
             print_output(default_text)
         print_output(text.result_text(summary, verbose=verbose, complete_command=VERBOSE_OPTION))
 

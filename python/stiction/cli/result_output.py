@@ -67,7 +67,7 @@ def print_values(
         max_lines = MAX_CAVEAT_LINES if command == "pair" else None
         if study.is_measured:
             print_output(
-                text.values_text(summary, verbose=verbose, max_lines=max_lines, complete_command=VERBOSE_OPTION)
+                text.main_values_text(summary, verbose=verbose, max_lines=max_lines, complete_command=VERBOSE_OPTION)
             )
         else:
             print_output(

@@ -67,7 +67,7 @@ def table_command(
     from stiction.studies.friction_table import friction_table, table_study
     from stiction.studies.store import export
     from stiction.views.files import check_all_replaceable, replace_text_file
-    from stiction.views.friction_table import friction_table_csv, friction_table_text, laws_csv
+    from stiction.views.friction_table import fitted_laws_csv, friction_table_csv, friction_table_text
 
     modulus = determine_elasticity(effective_modulus, young, poisson).effective_modulus
     wavelength_limits = parse_quantities("wavelengths", wavelengths, "length")
@@ -96,7 +96,7 @@ def table_command(
     table = friction_table(result, **friction_parameters)
     print_output(friction_table_text(table))
     export(table, output / NETCDF_FILE_NAME, replace=(output / NETCDF_FILE_NAME).exists())
-    for name, text in ((CSV_FILE_NAME, friction_table_csv(table)), (LAWS_FILE_NAME, laws_csv(table))):
+    for name, text in ((CSV_FILE_NAME, friction_table_csv(table)), (LAWS_FILE_NAME, fitted_laws_csv(table))):
         replace_text_file(output / name, text, TABLE_FILE_SIGNATURES[name])
     for name in (NETCDF_FILE_NAME, CSV_FILE_NAME, LAWS_FILE_NAME):
         print_output(f"wrote {printable_path(output / name)}")

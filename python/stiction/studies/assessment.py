@@ -376,7 +376,7 @@ def build_pressure_checks(study: Study, modulus: float) -> CheckGroups:
     if has_limited_pressure(study):
         return ()
 
-    def build_check(limit: float, text: str, remedy: str, severity: Severity) -> LimitCheck:
+    def build_pressure_check(limit: float, text: str, remedy: str, severity: Severity) -> LimitCheck:
         return LimitCheck("mean_pressure", limit, text, remedy, severity, "GPa")
 
     softer_material = softest_material(*find_materials(study))
@@ -385,7 +385,9 @@ def build_pressure_checks(study: Study, modulus: float) -> CheckGroups:
         range_text = " to ".join(dict.fromkeys(format_with_unit(end, "GPa") for end in (low, high)))
         text = f"the mean pressure in contact is {{}}, and {softer_material.name} yields at {range_text}"
         remedy = "use --mechanics half-space or --law jackson-green"
-        return ((build_check(high, text, remedy, "fault"), build_check(low, text, remedy, "caution")),)
+        return (
+            (build_pressure_check(high, text, remedy, "fault"), build_pressure_check(low, text, remedy, "caution")),
+        )
     if modulus < MAX_RUBBER_MODULUS:
         return ()
     yield_limit, high = YIELD_PRESSURE_RATIO * modulus, METAL_YIELD_PRESSURE_RATIO * modulus
@@ -395,12 +397,12 @@ def build_pressure_checks(study: Study, modulus: float) -> CheckGroups:
         remedy = "give the hardness of the softer body"
         return (
             (
-                build_check(yield_limit, yielded_text, remedy, "fault"),
-                build_check(high, hardness_text, "give its hardness", "caution"),
+                build_pressure_check(yield_limit, yielded_text, remedy, "fault"),
+                build_pressure_check(high, hardness_text, "give its hardness", "caution"),
             ),
         )
     text = "the mean pressure in contact is {}, at which almost no material is still elastic"
-    return ((build_check(yield_limit, text, "use lower heights, a lower D, or a hardness", "caution"),),)
+    return ((build_pressure_check(yield_limit, text, "use lower heights, a lower D, or a hardness", "caution"),),)
 
 
 def assess_ensemble_points(

@@ -256,7 +256,9 @@ def _compute_interval_of_zero_coefficient(samples: _CoefficientSamples, point: F
         for column, (name, value) in enumerate((("mu0", samples.mu0), ("tau0", samples.tau0)))
     )
     low, high = extend_interval(
-        _equal_tailed_interval(np.broadcast_to(samples.friction.compute_coefficient(mu0, tau0), (NUM_INPUT_SAMPLES,))),
+        _compute_equal_tailed_interval(
+            np.broadcast_to(samples.friction.compute_coefficient(mu0, tau0), (NUM_INPUT_SAMPLES,))
+        ),
         *point.tolist(),
     )
     return max(low, 0.0), high
@@ -386,10 +388,13 @@ class _CoefficientSamples:
         Widths are compared as differences of the friction angle, which stays finite if samples seize.
         """
         friction_angle_widths = [
-            _friction_angle_difference(self._compute_sampled_interval({name: quantile}))
+            _compute_friction_angle_difference(self._compute_sampled_interval({name: quantile}))
             for quantile in FIXED_INPUT_QUANTILES
         ]
-        (low, high), sampled_width = self.interval(), _friction_angle_difference(self._compute_sampled_interval({}))
+        (low, high), sampled_width = (
+            self.interval(),
+            _compute_friction_angle_difference(self._compute_sampled_interval({})),
+        )
         return (
             min(float(np.mean(friction_angle_widths)) / sampled_width, 1.0) * (high - low)
             if sampled_width > 0
@@ -410,7 +415,7 @@ class _CoefficientSamples:
         """
         strengths = self.strengths[:1] if INTERFACE_INPUT_NAME in fixed else self.strengths
         intervals = [
-            _equal_tailed_interval(self._compute_friction_samples(fixed, wait, strength) * factor)
+            _compute_equal_tailed_interval(self._compute_friction_samples(fixed, wait, strength) * factor)
             for strength in strengths or (None,)
         ]
         return min(low for low, _ in intervals), max(high for _, high in intervals)
@@ -490,7 +495,7 @@ class _CoefficientSamples:
         self, fixed: Mapping[str, float], wait: float = 1.0, strength: StrengthArrays | None = None
     ) -> Floats:
         probabilities, scores, samples, hardness, modulus = self._draw_input_samples(fixed, wait)
-        area = self._compute_area_samples(fixed, wait)
+        area = self._compute_area_ratio_samples(fixed, wait)
         mu0, tau0 = samples.get("mu0", self.mu0), samples.get("tau0", self.tau0)
         growth_samples = None
         # The interface samples are sorted by coefficient, so their quantiles are also quantiles of the coefficient.
@@ -572,7 +577,7 @@ class _CoefficientSamples:
 
         return self.areas.get_or_compute(("inputs", self.names, tuple(fixed.items()), wait), (), draw_uncached_samples)  # type: ignore[no-any-return]
 
-    def _compute_area_samples(self, fixed: Mapping[str, float], wait: float) -> Floats:
+    def _compute_area_ratio_samples(self, fixed: Mapping[str, float], wait: float) -> Floats:
         """Return samples of the true area before shear, divided by the true area for the central inputs.
 
         The samples are cached for each load.
@@ -602,12 +607,12 @@ def extend_interval(ends: tuple[float, float], *values: float) -> tuple[float, f
     return min(ends[0], *values), max(ends[1], *values)
 
 
-def _friction_angle_difference(ends: tuple[float, float]) -> float:
+def _compute_friction_angle_difference(ends: tuple[float, float]) -> float:
     """Return the difference (rad) between the friction angles that correspond to the limits of an interval."""
     return math.atan(ends[1]) - math.atan(ends[0])
 
 
-def _equal_tailed_interval(values: NDArray[Any]) -> tuple[float, float]:
+def _compute_equal_tailed_interval(values: NDArray[Any]) -> tuple[float, float]:
     """Return the limits of the equal-tailed interval that contains 95 % of the samples.
 
     The upper limit is infinite if more than 2.5 % of the samples are infinite.
@@ -626,18 +631,18 @@ def _equal_tailed_interval(values: NDArray[Any]) -> tuple[float, float]:
     probabilities = np.array([0.025, 0.975])
     if np.isinf(values).any():  # quantiles are not interpolated if samples are infinite
         low_rank, high_rank = np.maximum(np.ceil(probabilities * values.size).astype(int) - 1, 0).tolist()
-        return float(_smallest_values(values, low_rank + 1)[-1]), float(
-            -_smallest_values(-values, values.size - high_rank)[-1]
+        return float(_select_smallest_values(values, low_rank + 1)[-1]), float(
+            -_select_smallest_values(-values, values.size - high_rank)[-1]
         )
     positions = probabilities * (values.size - 1)
     low_rank, high_rank = np.minimum(positions.astype(int), values.size - 2).tolist()
-    low, above_low = _smallest_values(values, low_rank + 2)[-2:]
-    above_high, high = -_smallest_values(-values, values.size - high_rank)[-2:]
+    low, above_low = _select_smallest_values(values, low_rank + 2)[-2:]
+    above_high, high = -_select_smallest_values(-values, values.size - high_rank)[-2:]
     low_fraction, high_fraction = positions - [low_rank, high_rank]
     return float(low + low_fraction * (above_low - low)), float(high + high_fraction * (above_high - high))
 
 
-def _smallest_values(values: Floats, count: int) -> Floats:
+def _select_smallest_values(values: Floats, count: int) -> Floats:
     """Return the smallest `count` values, of which only the last two are sorted.
 
     For small fractions of many values, this takes a quarter of the time of partitioning all values.

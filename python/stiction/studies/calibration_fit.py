@@ -190,7 +190,7 @@ class CalibrationProblem:
                 )
                 if key not in cached_factors:
                     strength_arrays = (self.measured[test], None) if mu0 is None or tau0 is None else (mu0, tau0)
-                    cached_factors[key] = equation.area_factor.factor_for_probabilities(
+                    cached_factors[key] = equation.area_factor.area_factor_for_probabilities(
                         probability, StrengthSamples(self.sliding, *strength_arrays)
                     )
                 factor = factor * cached_factors[key]
@@ -259,7 +259,7 @@ class CalibrationProblem:
             / self.mean_area_per_load
         )
 
-    def _compute_run_deviation(self, scores: Floats) -> Floats:
+    def _compute_deviation_between_runs(self, scores: Floats) -> Floats:
         """Compute the relative standard deviation between runs for each nuisance point."""
         from scipy.special import ndtr
 
@@ -268,7 +268,9 @@ class CalibrationProblem:
         probability = np.minimum(ndtr(scores[:, self.nuisances.index(RUN_SPREAD_NUISANCE_NAME)]), 1 - 1e-9)
         return np.asarray(MEDIAN_RUN_SPREAD * np.tan(0.5 * math.pi * probability))
 
-    def _build_weighted_rows(self, columns: tuple[Floats, ...], scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
+    def _build_weighted_equations(
+        self, columns: tuple[Floats, ...], scale: Floats, spread: Floats
+    ) -> tuple[Floats, Floats]:
         """Divide the equations of tests with sliding by the errors, and decorrelate the equations within each run.
 
         The equations have the shape (points, tests with sliding, 3). Also returns the logarithms of the normalization
@@ -332,7 +334,7 @@ class CalibrationProblem:
 
         def build_equation_rows(free_scores: Floats) -> Floats:
             columns = self._compute_equation_coefficients(to_scores(free_scores))
-            rows = self._build_weighted_rows(
+            rows = self._build_weighted_equations(
                 columns, np.full(len(free_scores), scale), np.full(len(free_scores), 1e6 * scale)
             )[0]
             return np.asarray(rows * robust_factors[self.slid, np.newaxis])
@@ -523,8 +525,8 @@ class CalibrationProblem:
             batches = np.array_split(points, math.ceil(len(points) / MAX_GROWTH_BATCH_POINTS))
             return _concatenate_grids([self._evaluate_probability_grids(batch) for batch in batches])
         scores, scale = points[:, : len(self.nuisances)], np.exp(points[:, len(self.nuisances)])
-        columns, spread = self._compute_equation_coefficients(scores), self._compute_run_deviation(scores)
-        rows, log_norm = self._build_weighted_rows(columns, scale, spread)
+        columns, spread = self._compute_equation_coefficients(scores), self._compute_deviation_between_runs(scores)
+        rows, log_norm = self._build_weighted_equations(columns, scale, spread)
         triangular_factors = _compute_triangular_factors(rows)
         if self.outliers:
             robust_triangle = _compute_triangular_factors(rows * self.best_fit.robust_factors[self.slid, np.newaxis])

@@ -90,7 +90,7 @@ def contact_picture(result: Result | xarray.Dataset, load: float | None = None) 
     if not isinstance(study.surfaces, MeasuredSurfaceSettings):
         return None
     load = float(study.friction.load[0]) if load is None else load
-    cut_off = study.surfaces.quoted_cut_off()
+    cut_off = study.surfaces.reported_cut_off()
     member_table = member_values(result, [load]).isel(load=0).sel(cut_off=cut_off)
     areas = member_table["contact_area"].values
     if not np.isfinite(areas).any():
@@ -101,7 +101,9 @@ def contact_picture(result: Result | xarray.Dataset, load: float | None = None) 
     if solution is None:
         return None
     table = solution.tabulate_contacts()
-    picture = _build_map_picture(solution, table) if study.is_areal else _build_line_picture(solution)
+    picture = (
+        _build_map_picture_dataset(solution, table) if study.is_areal else _build_profile_picture_dataset(solution)
+    )
     for name, (column, unit, long_name) in _CONTACT_VARIABLE_SPECS.items():
         picture[name] = ("contact", getattr(table, column).astype(np.float64), {"units": unit, "long_name": long_name})
     return picture.assign_attrs({"member": index, "load_mN": load, "x": member.x, "y": member.y})
@@ -172,7 +174,7 @@ def find_index_nearest_to_mean(area: Floats) -> int:
     return int(np.nanargmin(np.abs(area - np.nanmean(area))))
 
 
-def _build_line_picture(solution: PressedPair) -> xarray.Dataset:
+def _build_profile_picture_dataset(solution: PressedPair) -> xarray.Dataset:
     import xarray
 
     upper, lower = solution.upper, solution.lower
@@ -188,7 +190,7 @@ def _build_line_picture(solution: PressedPair) -> xarray.Dataset:
     )
 
 
-def _build_map_picture(solution: PressedPair, table: ContactList) -> xarray.Dataset:
+def _build_map_picture_dataset(solution: PressedPair, table: ContactList) -> xarray.Dataset:
     import xarray
 
     upper, lower, pressure = solution.upper, solution.lower, None

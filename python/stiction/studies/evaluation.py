@@ -47,7 +47,7 @@ from stiction.studies.intervals import LoadCrossings
 from stiction.studies.maps import (
     MAP_CELL_DIMENSIONS,
     MOTION_DIMENSIONS,
-    choose_strengths,
+    choose_mu0_and_tau0,
     evaluate_ensemble_quantity,
     find_cell_dimensions,
 )
@@ -128,7 +128,7 @@ def at_load(
         unique_loads = np.unique(np.where(unique_loads == 0, find_negligible_load(result), unique_loads))
     if not unique_loads.size or not (unique_loads > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {short_repr(loads)}")
-    strengths = choose_strengths(result, mu0, tau0)
+    strengths = choose_mu0_and_tau0(result, mu0, tau0)
     areas = None
     if reading == "mean":
         point = _evaluate_ensemble(result, unique_loads, *strengths, names)
@@ -510,7 +510,7 @@ def member_values(
         raise ValueError("reading must be 'elastic' or 'normal', because a single member has no mean load")
     result = Result.of(result)
     unique_loads = np.unique(np.atleast_1d(float_array("loads", loads)))
-    strengths = choose_strengths(result, mu0, tau0)
+    strengths = choose_mu0_and_tau0(result, mu0, tau0)
     members = _evaluate_members_before_growth(result, unique_loads, *strengths, reading, member_kind)
     if result.study.contact.junction_growth:
         members = _apply_junction_growth(members, result.study, _build_member_area_interpolator(members, result))
@@ -855,7 +855,7 @@ def _evaluate_piece(
     coordinates |= _get_missing_motion_coordinates(piece, study) | {
         name: (name, each, quantity_attributes(name)) for name, each in parameters.items()
     }
-    variables = _add_ratios(variables, piece.coords.get("nominal_area"))
+    variables = _replace_sums_by_ratios(variables, piece.coords.get("nominal_area"))
     variables = {name: each for name, each in variables.items() if _is_requested(name, requested_names)}
     if study.contact.junction_growth:
         for name in ADHESIVE_SUMS:
@@ -897,7 +897,7 @@ def _get_missing_motion_coordinates(piece: xarray.Dataset, study: Study) -> dict
     }
 
 
-def _add_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
+def _replace_sums_by_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
     """Add ratios of contact sums to the variables, and remove the sums that are needed only for these ratios."""
     dims, elastic = variables["normal_elastic"][:2]
     ratios: dict[str, Any] = {}

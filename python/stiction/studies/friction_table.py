@@ -14,7 +14,7 @@ from stiction.mechanics.friction import validate_friction_parameter
 from stiction.mechanics.quantities import quantity_attributes
 from stiction.studies import intervals
 from stiction.studies.evaluation import compute_ensemble_friction
-from stiction.studies.maps import choose_strengths
+from stiction.studies.maps import choose_mu0_and_tau0
 from stiction.studies.result import Result
 from stiction.studies.study import Study
 from stiction.studies.values import validate_table
@@ -196,7 +196,7 @@ def friction_table(
     dataset, study = result.dataset, result.study
     if "load" not in dataset.dims or study.surfaces.kind != "surface":
         raise ValueError("result must be from a study of generated height maps with the half-space model")
-    strengths = choose_strengths(result, mu0, tau0)
+    strengths = choose_mu0_and_tau0(result, mu0, tau0)
     area = float(np.prod(study.surfaces.extents()))
     pressure_steps = dataset["load"].values / area
     approach, touching_area = (

@@ -266,7 +266,7 @@ def compute_areas_at_nodes(study: Study, executor: Executor) -> xarray.Dataset |
     )  # fmt: skip
 
 
-def count_area_solutions(study: Study) -> int:
+def count_contact_solutions_at_nodes(study: Study) -> int:
     """Return the number of contact problems that `compute_areas_at_nodes` solves."""
     hardnesses, moduli = choose_hardness_and_modulus_nodes(study)
     return (
@@ -296,7 +296,7 @@ def _solve_member_areas(study: Study, loads: Floats, task: tuple[int, float, flo
     index, modulus, hardness_over_modulus = task
     bodies, contact, hardness = load_bodies(study), study.contact, modulus * hardness_over_modulus
     surfaces: Any = study.surfaces
-    upper, lower = bodies.member(index, surfaces.quoted_cut_off()).pair
+    upper, lower = bodies.member(index, surfaces.reported_cut_off()).pair
     assert isinstance(contact, HalfSpaceSettings), "the mechanics must be half-space"
     modulus *= float(contact.effective_modulus)
     solver_arguments = contact.solver_arguments() | {
@@ -315,11 +315,11 @@ def _solve_member_areas(study: Study, loads: Floats, task: tuple[int, float, flo
     ):
         areas[0, carried_indices[indices]] = curve.contact_area
         if len(areas) > 1:
-            areas[1, carried_indices[indices]] = _compute_opposing_area(curve, is_areal=study.is_areal)
+            areas[1, carried_indices[indices]] = _compute_weighted_opposing_area(curve, is_areal=study.is_areal)
     return areas
 
 
-def _compute_opposing_area(curve: HalfSpaceCurve, *, is_areal: bool) -> Floats:
+def _compute_weighted_opposing_area(curve: HalfSpaceCurve, *, is_areal: bool) -> Floats:
     """Return, for each load, the slope-weighted area (µm²) of the contacts that oppose the motion."""
     opposing_curve = curve.with_sliding("opposing")
     direction_curves = [opposing_curve] if is_areal else [opposing_curve, opposing_curve.with_direction("-x")]
@@ -415,7 +415,7 @@ class TabulatedAreaFunction:
         )
 
     @cached_property
-    def _area_table(self) -> tuple[Floats, Floats]:
+    def _area_per_load_table(self) -> tuple[Floats, Floats]:
         """Values of A/F at equal steps of ln H, and the differences between successive values."""
         areas = interpolate_area_per_load(np.exp(np.linspace(*self.limits, NUM_AREA_TABLE_STEPS + 1)), *self._arguments)
         return areas, np.diff(areas, axis=-1)
@@ -427,7 +427,7 @@ class TabulatedAreaFunction:
         """
         if table_positions is None:
             return interpolate_area_per_load(np.exp(log_hardness), *self._arguments)
-        (step_indices, fractions), (areas, differences) = table_positions, self._area_table
+        (step_indices, fractions), (areas, differences) = table_positions, self._area_per_load_table
         return np.asarray(areas.take(step_indices, axis=-1) + differences.take(step_indices, axis=-1) * fractions)
 
 

@@ -28,7 +28,7 @@ from stiction.studies.hardness import (
     AREAS_BY_HARDNESS_FILE,
     choose_hardness_and_modulus_nodes,
     compute_areas_at_nodes,
-    count_area_solutions,
+    count_contact_solutions_at_nodes,
     load_areas_at_nodes,
 )
 from stiction.studies.measured_surfaces import MAX_HEIGHT_FACTOR as MAX_FACTOR
@@ -242,7 +242,9 @@ def _lacks_areas_at_nodes(stored_result: StoredResult) -> bool:
 
 def estimate_height_factor_time(study: Study, count: int) -> float:
     """Estimate the time (s) that one core needs to compute the results for a given number of height factors."""
-    time_of_nodes = count_area_solutions(study) * estimate_solution_time(study) if study.uses_half_space else 0.0
+    time_of_nodes = (
+        count_contact_solutions_at_nodes(study) * estimate_solution_time(study) if study.uses_half_space else 0.0
+    )
     return count * (study.ensemble.repetitions * estimate_member_time(study) + time_of_nodes)
 
 

@@ -196,13 +196,13 @@ class _AreaFactor:
         """Junction growth α, or None if contacts do not grow."""
         return None
 
-    def factor_for_probabilities(
+    def area_factor_for_probabilities(
         self, columns: Mapping[Any, Floats], strength: StrengthSamples | None = None
     ) -> Floats:
         """Compute the ratio of true area to computed area from cumulative probabilities of nuisance parameters."""
-        return self.factor_for_inputs(self.input_values(columns), strength)
+        return self.area_factor_for_inputs(self.input_values(columns), strength)
 
-    def factor_for_inputs(self, samples: Mapping[str, Floats], strength: StrengthSamples | None = None) -> Floats:
+    def area_factor_for_inputs(self, samples: Mapping[str, Floats], strength: StrengthSamples | None = None) -> Floats:
         """Return the ratio of the true area to the computed area for given values of the inputs.
 
         If a strength is given, the true area is the area at the onset of sliding with junction growth, which is
@@ -217,7 +217,7 @@ class _BallAreaFactor(_AreaFactor):
 
     moduli: UncertainModulus
 
-    def factor_for_inputs(self, samples: Mapping[str, Floats], strength: StrengthSamples | None = None) -> Floats:
+    def area_factor_for_inputs(self, samples: Mapping[str, Floats], strength: StrengthSamples | None = None) -> Floats:
         """Return the true area divided by the true area for the central moduli. The interface strength is ignored."""
         return np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3)
 
@@ -270,7 +270,7 @@ class _AreaFactorFromResult(_AreaFactor):
         """Junction growth α, or None if contacts do not grow."""
         return find_junction_growth(self.study)
 
-    def factor_for_inputs(self, samples: Mapping[str, Floats], strength: StrengthSamples | None = None) -> Floats:
+    def area_factor_for_inputs(self, samples: Mapping[str, Floats], strength: StrengthSamples | None = None) -> Floats:
         """Return the ratio of the true area to the computed area for given values of the inputs.
 
         If a strength is given, the true area is the area at the onset of sliding with junction growth, which is
@@ -367,7 +367,7 @@ class FrictionTest:
         object.__setattr__(self, "coefficient", coefficient)
         object.__setattr__(self, "load", load)
         if self.uncertainty is not None:
-            uncertainty = self._uncertainty_of_coefficient(load)
+            uncertainty = self._compute_coefficient_uncertainty(load)
             if not uncertainty >= MIN_COEFFICIENT_UNCERTAINTY:
                 raise ValueError(
                     "uncertainty of a coefficient must be at least "
@@ -375,7 +375,7 @@ class FrictionTest:
                 )
             object.__setattr__(self, "uncertainty", uncertainty)
 
-    def _uncertainty_of_coefficient(self, load: float) -> float:
+    def _compute_coefficient_uncertainty(self, load: float) -> float:
         """Convert the given uncertainty to the standard uncertainty of the coefficient at a load (mN)."""
         uncertainty, is_force = self.uncertainty, self.force is not None
         if isinstance(uncertainty, str) and uncertainty.strip().endswith("%"):
@@ -594,7 +594,9 @@ class Interface:
         def compute_coefficients(mu0: Floats, tau0: Floats) -> Floats:
             strength = StrengthSamples(fit.sliding, mu0, tau0)
             total_area = (
-                area_samples if area_factor is None else area_samples * area_factor.factor_for_inputs(samples, strength)
+                area_samples
+                if area_factor is None
+                else area_samples * area_factor.area_factor_for_inputs(samples, strength)
             )
             values = test_forces.compute_coefficient(mu0, tau0, np.where(tau0 > 0, total_area, 1.0))
             return np.where(np.isfinite(values), values, np.inf)

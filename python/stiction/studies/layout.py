@@ -54,7 +54,7 @@ class ArraySpec:
     attributes: dict[str, Any]
 
     @property
-    def size(self) -> int:
+    def nbytes(self) -> int:
         """Size of the array in bytes."""
         return self.dtype.itemsize * math.prod(self.shape)
 
@@ -104,9 +104,9 @@ def variable_specs(study: Study, repetitions: Sequence[int] | NDArray[np.intp] |
     return variables
 
 
-def compute_member_size(study: Study) -> int:
+def compute_bytes_per_member(study: Study) -> int:
     """Return the total size in bytes of all arrays of one member."""
-    return sum(spec.size for spec in variable_specs(study, [0]).values())
+    return sum(spec.nbytes for spec in variable_specs(study, [0]).values())
 
 
 def compute_members_per_piece(size: int) -> int:
@@ -251,7 +251,7 @@ def nondimensional(
     length = validate_number("length", length, unit="µm", above=0)
     modulus_value = validate_number("effective_modulus", effective_modulus, unit="GPa", above=0)
 
-    def divide(name: str, variable: xarray.Variable) -> xarray.Variable:
+    def divide_by_units(name: str, variable: xarray.Variable) -> xarray.Variable:
         units = variable.attrs.get("units", "1")
         if units in ("1", "degree"):
             return variable
@@ -268,8 +268,8 @@ def nondimensional(
         )
 
     return xarray.Dataset(
-        {str(name): divide(str(name), array.variable) for name, array in result.data_vars.items()},
-        {str(name): divide(str(name), array.variable) for name, array in result.coords.items()},
+        {str(name): divide_by_units(str(name), array.variable) for name, array in result.data_vars.items()},
+        {str(name): divide_by_units(str(name), array.variable) for name, array in result.coords.items()},
         # The attribute `study` is omitted, because this attribute contains values with units.
         {name: value for name, value in result.attrs.items() if name != "study"}
         | {"length_um": length, "effective_modulus_GPa": modulus_value},

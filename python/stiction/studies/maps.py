@@ -225,7 +225,7 @@ def evaluate_ensemble_quantity(
     if not load_values.size or not (load_values > 0).all():
         raise ValueError(f"loads must be a list of numbers above 0 mN, got {loads!r}")
     dataset = result.head
-    strengths = choose_strengths(result, mu0, tau0)
+    strengths = choose_mu0_and_tau0(result, mu0, tau0)
     missing_dimensions = [name for name in ("repetition", find_step_dimension(dataset)) if not dataset.sizes.get(name)]
     missing_dimensions += [name for name in MAP_CELL_DIMENSIONS if name in dataset.dims and not dataset.sizes[name]]
     if missing_dimensions or not find_cell_dimensions(dataset):
@@ -238,7 +238,7 @@ def evaluate_ensemble_quantity(
     )
     # The first pass finds the steps at which the mean loads are reached.
     # The second pass computes the intervals at these steps.
-    averages, quantity_sums, count = _average_sums(
+    averages, quantity_sums, count = _average_contact_and_quantity_sums(
         lambda: iterate_solved_pieces(result, ensemble_quantity.required_variables(), transform),
         quantity_name,
         ensemble_quantity.step_dimension,
@@ -261,7 +261,9 @@ def evaluate_ensemble_quantity(
     )
     with executor_or_thread_pool(None) as pool:
         for piece in iterate_solved_pieces(result, ensemble_quantity.required_variables(), transform):
-            sums_by_cell = [_compute_sums(piece, quantity_name, ensemble_quantity.step_dimension)] * len(means_by_cell)
+            sums_by_cell = [
+                _compute_contact_and_quantity_sums(piece, quantity_name, ensemble_quantity.step_dimension)
+            ] * len(means_by_cell)
 
             def add_members_to_cell(cell_index: tuple[int, ...], sums: tuple[ContactSums, ContactSums]) -> None:
                 for batch_start in range(0, sums[0].contact_count.shape[-1], batch_size):
@@ -368,7 +370,9 @@ def _reshape_curves(curve_table: NDArray[Any], shape: tuple[int, ...]) -> NDArra
     return np.moveaxis(curve_table.reshape(*shape[-2:], shape[-3]), -1, 0)
 
 
-def _compute_sums(dataset: xarray.Dataset, quantity: str, step_dimension: str) -> tuple[ContactSums, ContactSums]:
+def _compute_contact_and_quantity_sums(
+    dataset: xarray.Dataset, quantity: str, step_dimension: str
+) -> tuple[ContactSums, ContactSums]:
     """Return the contact sums, and the sums that determine a quantity. The first array axes describe the motion."""
     dims = [
         *(motion for motion in MOTION_DIMENSIONS if motion in dataset.dims),
@@ -378,30 +382,30 @@ def _compute_sums(dataset: xarray.Dataset, quantity: str, step_dimension: str) -
     ]
     shape = [dataset.sizes[dim] for dim in dims]
 
-    def get_values(name: str) -> NDArray[Any]:
+    def get_values_or_nan(name: str) -> NDArray[Any]:
         if name not in dataset:
             return np.broadcast_to(np.nan, shape)
         own_dims = [dim for dim in dims if dim in dataset[name].dims]
         values = move_repetitions_last(dataset[name], own_dims[:-1])
         return np.broadcast_to(values.reshape([dataset.sizes[dim] if dim in own_dims else 1 for dim in dims]), shape)
 
-    columns = {name: get_values(name) for name in SUM_QUANTITIES}
+    columns = {name: get_values_or_nan(name) for name in SUM_QUANTITIES}
     sums = ContactSums.from_columns(columns)
     if QUANTITIES[quantity].weighted:
         return sums, ContactSums.from_columns(
-            columns | {name: columns[name] * get_values(quantity) for name in _LOAD_VARIABLES[1:]}
+            columns | {name: columns[name] * get_values_or_nan(quantity) for name in _LOAD_VARIABLES[1:]}
         )
     if quantity not in _VARIABLES_BY_QUANTITY:
-        return sums, ContactSums.from_columns(columns | {"contact_area": get_values(quantity)})
+        return sums, ContactSums.from_columns(columns | {"contact_area": get_values_or_nan(quantity)})
     if quantity != "normal_stiffness":
         return sums, sums
 
-    def derivative(values: NDArray[Any]) -> Floats:
+    def compute_derivative(values: NDArray[Any]) -> Floats:
         return np.asarray(np.gradient(values, dataset[step_dimension].values, axis=-2, edge_order=2))
 
-    approach_step = derivative(get_values("approach")) if step_dimension == "load" else 1.0
+    approach_step = compute_derivative(get_values_or_nan("approach")) if step_dimension == "load" else 1.0
     return sums, ContactSums.from_columns(
-        columns | {name: derivative(columns[name]) / approach_step for name in _LOAD_VARIABLES[1:]}
+        columns | {name: compute_derivative(columns[name]) / approach_step for name in _LOAD_VARIABLES[1:]}
     )
 
 
@@ -411,17 +415,17 @@ def _compute_quantity_values(sums: ContactSums, quantity: str, mu0: Floats, tau0
     return friction.compute_load("tangential" if quantity == "friction_coefficient" else "normal", sums, mu0, tau0)
 
 
-def _average_sums(
+def _average_contact_and_quantity_sums(
     solved_members: Callable[[], Iterator[xarray.Dataset]], quantity: str, step_dimension: str
 ) -> tuple[ContactSums, ContactSums, int]:
-    """Average both sets of sums from `_compute_sums` over the members. Also return the number of members."""
+    """Average both sums of `_compute_contact_and_quantity_sums` over the members, and count the members."""
     total_sums: list[ContactSums] = []
     count = 0
     for piece in solved_members():
         count += piece.sizes["repetition"]
         piece_sums = [
             sums.apply(lambda values: values.sum(axis=-1, keepdims=True))
-            for sums in _compute_sums(piece, quantity, step_dimension)
+            for sums in _compute_contact_and_quantity_sums(piece, quantity, step_dimension)
         ]
         total_sums = [
             ContactSums(**{name: getattr(first, name) + getattr(second, name) for name in SUM_QUANTITIES})
@@ -431,7 +435,7 @@ def _average_sums(
     return sums, quantity_sums, count
 
 
-def choose_strengths(result: Result, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
+def choose_mu0_and_tau0(result: Result, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
     """Return mu0 and tau0 (GPa) as arrays. Values that are None are replaced by those in the study."""
     if mu0 is None or tau0 is None or "study" in result.head.attrs:
         study = result.study

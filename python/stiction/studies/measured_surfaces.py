@@ -509,7 +509,7 @@ class CommonMeasuredSurfaceSettings(SettingsTableVariant):
         """Return the cutoffs (µm) for which a result is computed."""
         return {"cut_off": to_value_array(self.cut_off)}
 
-    def quoted_cut_off(self) -> float:
+    def reported_cut_off(self) -> float:
         """Return the cutoff (µm) of the reported result, which is the first cutoff in the study."""
         return float(self.cell_coordinates()["cut_off"][0])
 

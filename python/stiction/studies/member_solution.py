@@ -408,7 +408,7 @@ def estimate_member_time(study: Study) -> float:
     if study.uses_half_space and study.contact.adheres:
         min_stiffness = PULL_OFF_ITERATION_FACTORS[is_areal] / MAX_PULL_OFF_ITERATIONS
         num_pull_off_iterations = PULL_OFF_ITERATION_FACTORS[is_areal] / max(
-            _estimate_relative_stiffness(study), min_stiffness
+            _estimate_elasticity_to_adhesion_ratio(study), min_stiffness
         )
         return num_cells * (
             (num_loads + 1) * estimate_solution_time(study) + num_pull_off_iterations * _estimate_iteration_time(study)
@@ -445,7 +445,7 @@ def _estimate_iteration_time(study: Study) -> float:
 
 
 @functools.lru_cache(maxsize=16)
-def _estimate_relative_stiffness(study: Study) -> float:
+def _estimate_elasticity_to_adhesion_ratio(study: Study) -> float:
     """Return E* Sq Sdq / (4 w) for the gap of the first member, or 0 if files are missing.
 
     By the Cauchy-Schwarz inequality, this ratio is at least the elastic energy per area of complete contact, divided by

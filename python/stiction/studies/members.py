@@ -222,7 +222,7 @@ class PreparedBodies:
 
     def attributes(self) -> BodyAttributes:
         """Return the body attributes that a result stores, namely nominal area, history, grid and missing data."""
-        properties = self.members(self._surfaces.quoted_cut_off()).find_shared_properties()
+        properties = self.members(self._surfaces.reported_cut_off()).find_shared_properties()
         attributes: dict[str, Any] = {
             side: "\n".join(body.history)
             for side, body in zip(SIDES, (properties.upper, properties.lower), strict=True)
@@ -248,7 +248,7 @@ class PreparedBodies:
         fractions = []
         with contextlib.suppress(ValueError, IndexError):  # a study may have fewer members than NUM_AVERAGED_MEMBERS
             for index in range(NUM_AVERAGED_MEMBERS):
-                missing = combine_missing_masks(*self.member(index, self._surfaces.quoted_cut_off()).pair)
+                missing = combine_missing_masks(*self.member(index, self._surfaces.reported_cut_off()).pair)
                 fractions.append(1.0 if missing is None else 1 - float(missing.mean()))
         return float(np.mean(fractions)) if fractions else 1.0
 

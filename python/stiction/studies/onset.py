@@ -76,7 +76,7 @@ def compute_onset(
     num_members = (NUM_AREAL_ONSET_MEMBERS if is_slow else NUM_ONSET_MEMBERS) if members is None else members
     indices = range(first_index, min(first_index + num_members, study.ensemble.repetitions))
     compute_curve: Any = partial(
-        compute_member_onset, study, load=load, mu0=mu0, tau0=tau0, cut_off=surfaces.quoted_cut_off()
+        compute_member_onset, study, load=load, mu0=mu0, tau0=tau0, cut_off=surfaces.reported_cut_off()
     )
     compute_curve = wrap_to_use_idle_threads(compute_curve, executor, len(indices), count_grid_points(study))
     curves = [curve for curve in executor.map(compute_curve, indices) if curve]

@@ -283,7 +283,9 @@ class MeasuredPair:
     @cached_property
     def elasticity(self) -> PairElasticity:
         """Elasticity of both bodies. Uncertain inputs enter with their central values."""
-        modulus, young, poisson = (self._central_value(name) for name in ("effective_modulus", "young", "poisson"))
+        modulus, young, poisson = (
+            self._get_central_option_value(name) for name in ("effective_modulus", "young", "poisson")
+        )
         return determine_elasticity(modulus, young, poisson, self.options.upper_material, self.options.lower_material)
 
     @cached_property
@@ -323,7 +325,7 @@ class MeasuredPair:
         except ValueError as error:
             raise ArgumentError("{interface} {why}", why=str(error).removeprefix("interface ")) from None
 
-    def _central_value(self, name: str) -> Any:
+    def _get_central_option_value(self, name: str) -> Any:
         """Return the value of an option. Uncertain inputs are replaced by central values rounded to four digits."""
         if name in ("mu0", "tau0") and self.given_interface is not None:
             return round_median_strength(self.given_interface)[name == "tau0"]
@@ -335,7 +337,7 @@ class MeasuredPair:
         return central_values if len(central_values) > 1 else central_values[0]
 
     @property
-    def _known_inputs_table(self) -> dict[str, Any]:
+    def _uncertain_inputs_table(self) -> dict[str, Any]:
         """Table `known` of the study. It contains the uncertain inputs and, if any modulus is uncertain, all moduli."""
         names = set(self.uncertain_inputs) | {
             name for name in ("hardness", "creep") if self.options.option_value(name) is not None
@@ -459,9 +461,9 @@ class MeasuredPair:
 
     def _build_study(self, contact: dict[str, Any]) -> Study:
         strengths = validate_nonnegative_values(
-            "tau0", self._parse_quantities("tau0", self._central_value("tau0")), self.options.tau0
+            "tau0", self._parse_quantities("tau0", self._get_central_option_value("tau0")), self.options.tau0
         )
-        coefficients = parse_coefficients("mu0", self._central_value("mu0"))
+        coefficients = parse_coefficients("mu0", self._get_central_option_value("mu0"))
         friction = {"mu0": sorted(set(coefficients)), "tau0": _sort_unique(strengths), "load": self.loads}
         if self.options.wait is not None and contact["mechanics"] == "half-space":
             if self._hardness is None:
@@ -470,7 +472,7 @@ class MeasuredPair:
         tables = {
             "surfaces": self._build_surfaces_table(), "contact": contact, "friction": friction,
             "ensemble": self._build_ensemble_table(),
-            "known": self._known_inputs_table,
+            "known": self._uncertain_inputs_table,
         }  # fmt: skip
         return _validate_study(tables).with_checksums()
 
@@ -523,7 +525,7 @@ class MeasuredPair:
         filtered_files = []
         for file, file_limits in zip(self.files, limits_by_file, strict=True):
             first_file, *other_files = (
-                scan.model_copy(update={"max_cut_off": _to_length(0.0 if limit is None else limit.cut_off)})
+                scan.model_copy(update={"max_cut_off": _to_length_quantity(0.0 if limit is None else limit.cut_off)})
                 for scan, limit in zip(file.scans, file_limits, strict=True)
             )
             filtered_files.append(first_file.model_copy(update={"others": tuple(other_files) or None}))
@@ -681,7 +683,7 @@ class MeasuredPair:
             raise ArgumentError("{hardness} must not be given: {got}", got=self.elasticity.hardness_source)
         # if the hardness is invalid, this call raises an error that lists the hardness scales
         self._parse_inputs("hardness")
-        hardness = self._parse_quantity("hardness", self._central_value("hardness"))
+        hardness = self._parse_quantity("hardness", self._get_central_option_value("hardness"))
         if not hardness > 0:
             raise ArgumentError("{hardness} must be above 0, got {got}", got=repr(self.options.hardness))
         return hardness
@@ -821,7 +823,7 @@ def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | Hid
     return None if scan.texture is not None else find_hidden_noise(body)
 
 
-def _to_length(wavelength: float) -> Quantity:
+def _to_length_quantity(wavelength: float) -> Quantity:
     return quantity(exact_quantity_text(wavelength, "um"), "length")
 
 

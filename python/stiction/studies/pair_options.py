@@ -327,13 +327,13 @@ def uses_asperity_model(pair: PairProperties) -> bool:
 
 
 @make_condition("must not be combined with {lay} grooves, which needs the law of cylinders")
-def has_law_for_lay(pair: PairProperties) -> bool:
+def has_contact_law_for_lay(pair: PairProperties) -> bool:
     """Return whether the contact law suits the lay. For grooves, the law for elastic cylinders is required."""
     return pair.options.lay != "grooves" or pair.contact_law == "hertz-cylinder"
 
 
 @make_condition("is for {law} jackson-green")
-def has_law_with_yield(pair: PairProperties) -> bool:
+def has_contact_law_with_yield(pair: PairProperties) -> bool:
     """Return whether the Jackson-Green contact law is used, which requires a yield strength."""
     return pair.contact_law == JacksonGreen.name
 
@@ -345,7 +345,7 @@ def has_no_hardness_for_asperities(pair: PairProperties) -> bool:
 
 
 @make_condition("is for {mechanics} half-space, and for {law} jackson-green")
-def has_model_with_hardness(pair: PairProperties) -> bool:
+def has_contact_model_with_hardness(pair: PairProperties) -> bool:
     """Return whether one of the selected contact models can use a hardness."""
     return "half-space" in pair.contact_models or pair.contact_law == JacksonGreen.name
 
@@ -585,12 +585,12 @@ class MaterialOptions(OptionGroup):
     hardness: Annotated[QuantityInput | None, PairOption(
         "PRESSURE", 'Hardness of the softer body, the largest contact pressure: "2 GPa", "150 HV" or "150 HV ± 10 %".',
         kind="pressure", usual="the material's hardness", is_common=True, key="contact.hardness",
-        applies=(has_model_with_hardness,), field=FormField(label="hardness, GPa", place="body", unit="GPa"),
+        applies=(has_contact_model_with_hardness,), field=FormField(label="hardness, GPa", place="body", unit="GPa"),
     )] = None  # fmt: skip
     yield_strength: Annotated[QuantityInput | None, PairOption(
         "PRESSURE", "Yield strength of the softer body, for {law} jackson-green.", kind="pressure",
         usual="the hardness divided by 2.84",
-        applies=(uses_asperity_model, has_law_with_yield, has_no_hardness_for_asperities),
+        applies=(uses_asperity_model, has_contact_law_with_yield, has_no_hardness_for_asperities),
     )] = None  # fmt: skip
     junction_growth: Annotated[QuantityInput | None, PairOption(
         "NUMBER", 'α of p² + α s² = H², by which plastic contacts grow under shear, "9" or "0..27"; 0 for none.',
@@ -676,7 +676,7 @@ class ContactOptions(OptionGroup):
     )] = None  # fmt: skip
     law: Annotated[LawChoice | None, PairOption(
         "hertz-sphere|hertz-cylinder|jackson-green", "Contact law of asperities.", usual="hertz-sphere",
-        key="contact.law", applies=(uses_asperity_model, has_law_for_lay),
+        key="contact.law", applies=(uses_asperity_model, has_contact_law_for_lay),
     )] = None  # fmt: skip
     detection: Annotated[DetectionMethod | None, PairOption(
         "gap-minimum|cell", "Criterion that detects contacts of asperities.", usual="gap-minimum",

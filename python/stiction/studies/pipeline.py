@@ -20,7 +20,7 @@ from stiction.studies.evaluation import has_only_negligible_loads
 from stiction.studies.hardness import (
     AREAS_BY_HARDNESS_FILE,
     compute_areas_at_nodes,
-    count_area_solutions,
+    count_contact_solutions_at_nodes,
     load_areas_at_nodes,
 )
 from stiction.studies.member_solution import estimate_member_time, estimate_solution_time
@@ -109,7 +109,7 @@ def complete_result(
     if is_measured and load_areas_at_nodes(stored_result) is None and not has_only_negligible_loads(result):
         # If hardness or moduli are ranges, some members are also computed at other values within these ranges.
         seconds = (
-            count_area_solutions(stored_result.study) * estimate_solution_time(stored_result.study)
+            count_contact_solutions_at_nodes(stored_result.study) * estimate_solution_time(stored_result.study)
             if stored_result.study.uses_half_space
             else 0.0
         )

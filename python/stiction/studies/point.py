@@ -95,7 +95,7 @@ def mean_contact_pressure(point: xarray.Dataset) -> float:
     return load / area if area > 0 else math.nan
 
 
-def list_rules_quoted_first(study: Study) -> list[str]:
+def list_sliding_rules_reported_first(study: Study) -> list[str]:
     """Return the sliding rules of a study, starting with the rule whose coefficient is reported."""
     rules = SLIDING_RULE_ORDER if study.is_measured else SLIDING_RULE_ORDER[::-1]
     return sorted(study.contact.sliding_rules(), key=rules.index)

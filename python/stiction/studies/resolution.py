@@ -22,7 +22,7 @@ from stiction.studies.point import (
     find_contact_status,
     get_study_hardness,
     iterate_points,
-    list_rules_quoted_first,
+    list_sliding_rules_reported_first,
     mean_contact_pressure,
     mean_over_directions,
 )
@@ -181,7 +181,7 @@ def find_resolved_roughness(study: Study) -> ResolvedRoughness | None:
 def _compute_resolved_roughness(study: Study) -> ResolvedRoughness:
     surfaces: Any = study.surfaces
     bodies = load_bodies(study)
-    cut_off = surfaces.quoted_cut_off()
+    cut_off = surfaces.reported_cut_off()
     # The gap is computed for the first member that consists of pieces of the scans.
     # If there is no such member, the gap is computed for a surrogate.
     first_scan_index = surfaces.first_scan_member_index
@@ -284,7 +284,7 @@ def find_resolution_effect(at: xarray.Dataset, study: Study, cutoffs: xarray.Dat
 def _build_cutoff_result(point: xarray.Dataset, study: Study) -> CutoffResult:
     values = {name: mean_over_directions(point, name) for name in ("rms_gradient", "contact_area_fraction")}
     values["mean_pressure"] = mean_contact_pressure(point)
-    for rule in list_rules_quoted_first(study):
+    for rule in list_sliding_rules_reported_first(study):
         values[f"friction_{rule}"] = mean_over_directions(point.sel(sliding=rule), "friction_all_round")
     at = {name: float(point[name]) for name in ("cut_off", "load", "mu0", "tau0")}
     return CutoffResult(at, values, find_contact_status(point, study))
@@ -331,7 +331,7 @@ def build_resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, 
         "wavelength": np.empty(0),
         "finer_area_fraction": np.empty((0, 3)),
         "finer_friction": np.empty((0, 3)),
-        "spectral": _estimate_from_spectra(dataset, study),
+        "spectral": _estimate_friction_from_spectra(dataset, study),
     }
     if plastic_bounds is not None:
         return table | dict(zip(("friction", "area_fraction"), plastic_bounds, strict=True))
@@ -351,7 +351,7 @@ def build_resolution_limits(dataset: xarray.Dataset, study: Study) -> dict[str, 
     return table | {"wavelength": wavelengths, "finer_area_fraction": fractions, "finer_friction": coefficients}
 
 
-def _estimate_from_spectra(dataset: xarray.Dataset, study: Study) -> xarray.Dataset | None:
+def _estimate_friction_from_spectra(dataset: xarray.Dataset, study: Study) -> xarray.Dataset | None:
     """Return the closed-form estimate from the spectra of both bodies, or None if neither is a joined spectrum."""
     files = [getattr(study.surfaces, side, None) for side in ("upper", "lower")]
     try:

@@ -460,28 +460,28 @@ class Result:
         return self.summarize_dataset(self.at_study_loads)
 
     @property
-    def _first_quoted_point(self) -> PointSummary:
+    def _first_reported_point(self) -> PointSummary:
         return self.summary().first
 
     @property
     def value(self) -> float:
         """Coefficient of static friction at the reported point, or NaN if the result has no coefficient."""
-        return self._first_quoted_point.value
+        return self._first_reported_point.value
 
     @property
     def interval(self) -> tuple[float, float]:
         """Limits of the combined 95 % interval of `value`. It reflects inputs, positions and unresolved roughness."""
-        return self._first_quoted_point.lower, self._first_quoted_point.upper
+        return self._first_reported_point.lower, self._first_reported_point.upper
 
     @property
     def of_positions(self) -> tuple[float, float]:
         """Limits of the 95 % confidence interval of the mean over positions. Inputs have their central values."""
-        return self._first_quoted_point.rules[0].positions
+        return self._first_reported_point.rules[0].positions
 
     @property
     def next_test(self) -> tuple[float, float]:
         """Limits of the 95 % prediction interval for one test at one position in one direction of motion."""
-        return self._first_quoted_point.rules[0].next_test
+        return self._first_reported_point.rules[0].next_test
 
     @property
     def budget(self) -> pandas.DataFrame:
@@ -492,7 +492,7 @@ class Result:
         """
         import pandas
 
-        point = self._first_quoted_point
+        point = self._first_reported_point
         total_width = point.upper - point.lower
         rows = [
             (interval.words, interval.lower, interval.upper, interval.width, 1 - interval.width / total_width)
@@ -503,7 +503,7 @@ class Result:
     @property
     def verdict(self) -> str:
         """Assessment of `value`: "Quote it", "Quote with care" or "Do not quote"."""
-        return self._first_quoted_point.verdict
+        return self._first_reported_point.verdict
 
     @property
     def assessment(self) -> str:
@@ -513,14 +513,14 @@ class Result:
     @property
     def caveats(self) -> tuple[Caveat, ...]:
         """Caveats about `value`, each with a remedy. Faults come first."""
-        return self._first_quoted_point.caveats
+        return self._first_reported_point.caveats
 
     @property
     def sentence(self) -> str:
         """Sentence that contains `value` and all conditions under which it holds."""
         from stiction.views.sentence import quotable_sentence
 
-        return quotable_sentence(self._first_quoted_point)
+        return quotable_sentence(self._first_reported_point)
 
     # ---- Tables, figures and reports ---------------------------------------------------------------------------------
 

@@ -30,7 +30,7 @@ from stiction.studies.layout import (
     MEMBER_COORDINATE_TYPES,
     ArraysByName,
     build_dataset,
-    compute_member_size,
+    compute_bytes_per_member,
     stack_members,
 )
 from stiction.studies.member_solution import compute_member_arrays, estimate_member_time
@@ -67,7 +67,7 @@ MAX_BYTES_IN_MEMORY = 2**34  # maximum size (bytes) of a result without a store,
 def choose_block_size(study: Study) -> int:
     """Return the number of members to store in each block."""
     size_by_time = int(min(TARGET_BLOCK_TIME / max(estimate_member_time(study), 1e-9), MAX_BLOCK_MEMBERS))
-    size_by_bytes = MAX_BLOCK_BYTES // compute_member_size(study)
+    size_by_bytes = MAX_BLOCK_BYTES // compute_bytes_per_member(study)
     num_members = study.ensemble.repetitions
     min_size = min(math.ceil(MIN_BLOCK_TIME / max(estimate_member_time(study), 1e-9)), num_members // 4)
     return max(1, min(size_by_time, size_by_bytes, max(num_members // MIN_BLOCKS, min_size)))
@@ -117,7 +117,7 @@ def run(
     >>> run(Study.named("quick").with_changes(small)).dataset["contact_area"].dims
     ('fractal_dimension', 'amplitude', 'repetition', 'approach')
     """
-    size = study.ensemble.repetitions * compute_member_size(study)
+    size = study.ensemble.repetitions * compute_bytes_per_member(study)
     if store is None and size > MAX_BYTES_IN_MEMORY:
         raise StudyError(
             f"the result would take {size / 2**30:.0f} GiB of memory, more than the limit of "
@@ -153,7 +153,7 @@ def prepare_result_folder(study: Study, folder: str | Path, part: tuple[int, int
     """
     if part is not None and not 1 <= part[0] <= part[1]:
         raise ValueError(f"part must be K of N, as in 3/16, got {part[0]}/{part[1]}")
-    if (size := compute_member_size(study)) > MAX_BYTES_IN_MEMORY:
+    if (size := compute_bytes_per_member(study)) > MAX_BYTES_IN_MEMORY:
         keys = " or ".join(f"surfaces.{name}" for name in study.surfaces.cell_coordinates())
         raise StudyError(
             f"a repetition would take {size / 2**30:.0f} GiB, more than the limit of "
@@ -300,7 +300,7 @@ def _describe_remaining_work(
     study = stored_result.study
     free_bytes = shutil.disk_usage(stored_result.path).free
     num_files = sum(1 for _ in unfinished_members)
-    size = unfinished_members.count * compute_member_size(study)
+    size = unfinished_members.count * compute_bytes_per_member(study)
     space_text = f", with {format_bytes(free_bytes)} free" if size > free_bytes / 2 else ""
     writer_text = "" if is_visible else "; the workers cannot reach the folder, so this process writes the files"
     seconds = unfinished_members.count * estimate_member_time(study)

@@ -44,7 +44,7 @@ from stiction.studies.layout import (
     RESULT_TITLE,
     ArraysByName,
     build_dataset,
-    compute_member_size,
+    compute_bytes_per_member,
     compute_members_per_piece,
     coordinate_specs_and_values,
     variable_specs,
@@ -152,7 +152,7 @@ class StoredResult:
     @property
     def nbytes(self) -> int:
         """Size in bytes of the result when it is loaded into memory."""
-        return self.num_finished * compute_member_size(self.study)
+        return self.num_finished * compute_bytes_per_member(self.study)
 
     def reload(self) -> StoredResult:
         """Return the result with an updated list of the blocks in its folder."""
@@ -198,7 +198,7 @@ class StoredResult:
     @cached_property
     def _members_per_piece(self) -> int:
         """Number of members in a piece of the result."""
-        return compute_members_per_piece(compute_member_size(self.study))
+        return compute_members_per_piece(compute_bytes_per_member(self.study))
 
     @cached_property
     def _whole_dataset(self) -> xarray.Dataset:

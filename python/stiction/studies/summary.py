@@ -27,7 +27,7 @@ from stiction.studies.point import (
     get_roughness_exponent,
     is_unloaded,
     iterate_points,
-    list_rules_quoted_first,
+    list_sliding_rules_reported_first,
     mean_over_directions,
     select_sliding_rule,
 )
@@ -330,7 +330,7 @@ def _include_cutoff_value(value: SlidingRuleCoefficient, other_value: SlidingRul
 
 def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence[Caveat] = ()) -> PointSummary:
     """Summarize one point of a dataset that `Result.at` returned, including caveats about the bodies."""
-    rules = tuple(_build_rule_coefficient(point, rule) for rule in list_rules_quoted_first(study))
+    rules = tuple(_build_rule_coefficient(point, rule) for rule in list_sliding_rules_reported_first(study))
     rule_statuses = np.unique(select_sliding_rule(point["status"], rules[0].rule).values)
     failed_statuses = [str(status) for status in rule_statuses if status != friction.STATUS_OK]
     # If the coefficient is missing in one direction, the mean over all directions is NaN.

@@ -31,7 +31,7 @@ def friction_table_csv(table: xarray.Dataset) -> str:
     return _table_csv(table[list(_LOAD_QUANTITIES)], _COORDINATE_COLUMNS)
 
 
-def laws_csv(table: xarray.Dataset) -> str:
+def fitted_laws_csv(table: xarray.Dataset) -> str:
     """Return the fitted laws A/A0 = a p and k/A0 = b p^c (p in GPa) as CSV, with one row per H and Sq."""
     return _table_csv(table[list(_LAW_QUANTITIES)], _COORDINATE_COLUMNS[1:3])
 

@@ -71,19 +71,25 @@ def onset_rows(onset: xarray.Dataset) -> list[list[str]]:
         _stiffness_display_factor(onset["unloading_stiffness"]),
     )
     rows = [
-        ["sliding load (mN)", _format_cell(onset["sliding_load"])],
-        [f"pre-sliding displacement ({length_unit})", _format_cell(onset["displacement_at_sliding"], length_factor)],
-        [f"tangential stiffness ({stiffness_unit})", _format_cell(onset["stiffness"], stiffness_factor)],
+        ["sliding load (mN)", _format_mean_with_limits(onset["sliding_load"])],
+        [
+            f"pre-sliding displacement ({length_unit})",
+            _format_mean_with_limits(onset["displacement_at_sliding"], length_factor),
+        ],
+        [f"tangential stiffness ({stiffness_unit})", _format_mean_with_limits(onset["stiffness"], stiffness_factor)],
         [
             f"normal stiffness during unloading, as measured by ultrasound ({unloading_unit})",
-            _format_cell(onset["unloading_stiffness"], unloading_factor),
+            _format_mean_with_limits(onset["unloading_stiffness"], unloading_factor),
         ],
-        ["contact that slips at half of the sliding load (%)", _format_cell(half_load_onset["slipped_area"], 100.0)],
-        ["load on the slipping contact (%)", _format_cell(half_load_onset["slipped_load"], 100.0)],
+        [
+            "contact that slips at half of the sliding load (%)",
+            _format_mean_with_limits(half_load_onset["slipped_area"], 100.0),
+        ],
+        ["load on the slipping contact (%)", _format_mean_with_limits(half_load_onset["slipped_load"], 100.0)],
         *(
             [
                 f"energy dissipated in a cycle of {amplitude:g} times the sliding load (pJ)",
-                _format_cell(onset["energy_lost"].sel(fraction=amplitude), 1000.0),
+                _format_mean_with_limits(onset["energy_lost"].sel(fraction=amplitude), 1000.0),
             ]
             for amplitude in CYCLE_AMPLITUDES
         ),
@@ -105,15 +111,15 @@ def onset_note(onset: xarray.Dataset) -> str:
 def onset_record(onset: xarray.Dataset) -> dict[str, Any]:
     """Return the load-displacement curve, its characteristic values and the fitted models as a JSON record (mN, µm)."""
 
-    def statistic_records(dataset: xarray.Dataset, *names: str) -> dict[str, Any]:
+    def mean_and_limits_records(dataset: xarray.Dataset, *names: str) -> dict[str, Any]:
         return {name: dict(zip(MEAN_AND_LIMITS, _mean_with_limits(dataset[name]), strict=True)) for name in names}
 
-    characteristic_values = statistic_records(
+    characteristic_values = mean_and_limits_records(
         onset, "sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness"
     )
     curve_names = ("tangential_load", "displacement", "slipped_area", "slipped_load", "energy_lost")
     curve = [
-        {"fraction": float(fraction), **statistic_records(onset.sel(fraction=fraction), *curve_names)}
+        {"fraction": float(fraction), **mean_and_limits_records(onset.sel(fraction=fraction), *curve_names)}
         for fraction in onset["fraction"].values
     ]
     attributes = {str(name): value for name, value in onset.attrs.items()}
@@ -139,7 +145,7 @@ def _mean_with_limits(table: xarray.DataArray, factor: float = 1.0) -> tuple[flo
     return mean, lower, upper
 
 
-def _format_cell(table: xarray.DataArray, factor: float = 1.0) -> str:
+def _format_mean_with_limits(table: xarray.DataArray, factor: float = 1.0) -> str:
     return format_with_interval(*_mean_with_limits(table, factor))
 
 

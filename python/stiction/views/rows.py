@@ -19,7 +19,7 @@ from stiction._core import __version__
 from stiction._number_format import format_estimate, format_time, to_json
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import QUANTITIES, column_title_and_factor, quantity_names_shown_in
-from stiction.studies.point import CELL_DIMENSIONS, list_rules_quoted_first
+from stiction.studies.point import CELL_DIMENSIONS, list_sliding_rules_reported_first
 from stiction.studies.summary import PointSummary, Summary
 from stiction.views.onset import onset_record, quantity_label
 from stiction.views.pull_off import pull_off_record
@@ -161,7 +161,9 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
         )
         selected_rows = selected_rows.assign(
             motion=motion_column,
-            sliding=selected_rows["sliding"] if "sliding" in selected_rows else list_rules_quoted_first(study)[0],
+            sliding=selected_rows["sliding"]
+            if "sliding" in selected_rows
+            else list_sliding_rules_reported_first(study)[0],
         )
         frames.append(selected_rows[[*coordinate_names, "sliding", "motion", "status", "value", "lower", "upper"]])
     table = pandas.concat(frames, ignore_index=True)
@@ -181,7 +183,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
         table = table.merge(
             selected_rows[[*keys_of_quantity, *columns]].rename(columns=columns), on=keys_of_quantity, how="left"
         )
-    coefficients = _mean_coefficients(summary.points)
+    coefficients = _build_coefficient_columns(summary.points)
     assessments = _assessment_table(summary.points, coordinate_names, coefficients)
     table = table.merge(assessments, on=[*coordinate_names, "sliding"], how="left")
     table.loc[table["motion"] != _COEFFICIENT_COLUMNS["friction_all_round"], [*interval_titles, *coefficients]] = (
@@ -207,7 +209,7 @@ def _csv_quantities(dataset: xarray.Dataset) -> list[str]:
     ]
 
 
-def _mean_coefficients(points: Sequence[PointSummary]) -> dict[str, list[float]]:
+def _build_coefficient_columns(points: Sequence[PointSummary]) -> dict[str, list[float]]:
     """Return columns of direction-averaged coefficients: values after dwell times, and the roughness contribution.
 
     Each column has one value per rule and point. Values for rules other than the quoted rule are NaN.

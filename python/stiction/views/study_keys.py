@@ -95,7 +95,7 @@ _KEY_TABLES: tuple[
 """Tables of a study file: title, description, model classes, and base classes with shared keys."""
 
 
-def key_tables() -> list[tuple[str, str, list[KeyTableRow]]]:
+def list_key_tables() -> list[tuple[str, str, list[KeyTableRow]]]:
     """Return the title, the description and the rows of each table of keys. Each row describes one key."""
     tables = []
     for title, phrases, table_classes, base_classes in _KEY_TABLES:
@@ -150,7 +150,7 @@ def _models_with_key(
 def study_keys_markdown() -> str:
     """Return all keys of study files as tables in Markdown."""
     lines = []
-    for title, phrases, rows in key_tables():
+    for title, phrases, rows in list_key_tables():
         lines += [f"## {title}", "", phrases, "", "| key | default | allowed | meaning |", "|---|---|---|---|"]
         lines += [*map(markdown_row, rows), ""]
     return "\n".join(lines)
@@ -159,7 +159,7 @@ def study_keys_markdown() -> str:
 def study_keys_text() -> str:
     """Return all keys of study files for a terminal, one paragraph per key."""
     blocks = []
-    for title, _, rows in key_tables():
+    for title, _, rows in list_key_tables():
         lines = [title.replace("`", "")]
         for row in rows:
             key, default, allowed_values, meaning = (cell.replace("`", "") for cell in row)

@@ -49,7 +49,7 @@ from stiction.studies.point import (
     has_nominal_area,
     is_unloaded,
     iterate_points,
-    list_rules_quoted_first,
+    list_sliding_rules_reported_first,
     mean_over_directions,
     select_sliding_rule,
 )
@@ -177,12 +177,12 @@ def result_text(
     complete : str
         Option or method that shows omitted points and caveats.
     """
-    return values_text(
+    return main_values_text(
         summary, verbose=verbose, max_lines=max_lines, complete_command=complete_command
     ) + resolution_and_onset_text(summary, verbose=verbose)
 
 
-def default_values_text(study: Study, *, mu0: bool, tau0: bool) -> str:
+def default_friction_parameters_text(study: Study, *, mu0: bool, tau0: bool) -> str:
     """Return a line with the mu0 and tau0 of the study if there are several values, or an empty string."""
     friction = study.friction
     assignment_texts = []
@@ -195,7 +195,7 @@ def default_values_text(study: Study, *, mu0: bool, tau0: bool) -> str:
     return wrap_text(f"Values of the study by default: {'; '.join(assignment_texts)}.") if assignment_texts else ""
 
 
-def values_text(
+def main_values_text(
     summary: Summary,
     *,
     verbose: bool = False,
@@ -230,7 +230,9 @@ def values_text(
     )
     has_values = any(math.isfinite(point.value) or point.is_unloaded for point in quoted_points)
     quantities_paragraph = (
-        quantities_text(first_cell, study, verbose=verbose, cell=_first_cell_text(quoted_points)) if has_values else ""
+        quantities_text(first_cell, study, verbose=verbose, cell=_first_cell_coordinates_text(quoted_points))
+        if has_values
+        else ""
     )
     conditions_paragraph = _point_details_text(quoted_points[0]) if len(quoted_points) == 1 else ""
     if verbose:
@@ -525,7 +527,7 @@ _UNIT_SCALES: dict[str, tuple[tuple[float, float, str], ...]] = {
 """Units in which values without SI prefixes are printed: minimum value, factor and unit name."""
 
 
-def _first_cell_text(headlines: Sequence[PointSummary]) -> str:
+def _first_cell_coordinates_text(headlines: Sequence[PointSummary]) -> str:
     """Return the coordinates of the first cell as text, as in "H = 0.9", or "" if there is only one cell."""
     hidden_coordinates = {
         "load",
@@ -546,7 +548,7 @@ def _first_cell_text(headlines: Sequence[PointSummary]) -> str:
 def quantities_text(points_of_cell: xarray.Dataset, study: Study, *, verbose: bool = False, cell: str = "") -> str:
     """Format means and 95 % intervals of the reported sliding rule, one row per quantity and one column per load."""
     dataset = points_of_cell.isel({name: 0 for name in ("mu0", "tau0") if name in points_of_cell.dims})
-    dataset = dataset.sel(sliding=list_rules_quoted_first(study)[0]) if "sliding" in dataset.dims else dataset
+    dataset = dataset.sel(sliding=list_sliding_rules_reported_first(study)[0]) if "sliding" in dataset.dims else dataset
     points = list(iterate_points(dataset))
     has_area_fraction = "contact_area_fraction" in dataset and has_nominal_area(points[0], study)
     rows: list[list[str]] = []
@@ -561,7 +563,7 @@ def quantities_text(points_of_cell: xarray.Dataset, study: Study, *, verbose: bo
         }.get(name, False)  # fmt: skip
         if name in dataset and not is_hidden and dataset[name].sizes.get("direction", 1) == 1:
             label = quantity_label(name, study) + (
-                " at least" if name in LOAD_INDEPENDENT_QUANTITIES and is_bound_on_pull_off(name, dataset) else ""
+                " at least" if name in LOAD_INDEPENDENT_QUANTITIES and is_pull_off_lower_bound(name, dataset) else ""
             )
             rows += _quantity_row(name, label, [point[name] for point in points])
             if name == "contact_area_fraction" and rows:
@@ -603,7 +605,7 @@ def _wrap_headings(headings: Sequence[str]) -> TextRows:
 MAX_HEADING_WIDTH = 20  # maximum width of the heading of a column of numbers, in characters
 
 
-def is_bound_on_pull_off(name: str, dataset: xarray.Dataset) -> bool:
+def is_pull_off_lower_bound(name: str, dataset: xarray.Dataset) -> bool:
     """Return whether a quantity is a pull-off force or pressure for which some members give only lower bounds."""
     bound_fraction = QUANTITIES[name].bound_fraction
     return bool(bound_fraction) and float(dataset[bound_fraction].sel(statistic="mean").max()) > 0

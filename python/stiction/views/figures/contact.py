@@ -39,7 +39,7 @@ NUM_NEIGHBOURING_CONTACTS = 5
 MIN_ZOOM_POINTS = 60  # minimum number of points that are shown on each side of the strongest contact
 
 
-def contact_figure(
+def contact_forces_figure(
     upper: Profile,
     lower: Profile,
     approach: float,
@@ -179,12 +179,12 @@ def _draw_forces(
     )  # components x and z
     positions = positions * (1.0, scale)
 
-    def unit_vectors(vectors: Floats, factors: tuple[float, float]) -> Floats:
+    def scale_to_unit_vectors(vectors: Floats, factors: tuple[float, float]) -> Floats:
         scaled_vectors = vectors * factors
         return np.asarray(scaled_vectors / np.hypot(*scaled_vectors.T)[:, np.newaxis])
 
-    elastic = contact_points.force[:, np.newaxis] * unit_vectors(normals, (magnification, 1.0))
-    friction = friction_forces[:, np.newaxis] * unit_vectors(tangents, (1.0, magnification))
+    elastic = contact_points.force[:, np.newaxis] * scale_to_unit_vectors(normals, (magnification, 1.0))
+    friction = friction_forces[:, np.newaxis] * scale_to_unit_vectors(tangents, (1.0, magnification))
     largest_force = max(float(np.hypot(*force[is_drawn].T).max(initial=0.0)) for force in (elastic, friction))
     for force, colour in ((elastic, FORCE_COLOUR), (friction, FRICTION_COLOUR)):
         is_nonzero = is_drawn & (np.hypot(*force.T) > 0)
@@ -215,7 +215,7 @@ def opposing_contact_mask(picture: xarray.Dataset, direction: float) -> NDArray[
     return np.asarray(x * np.cos(np.radians(direction)) + y * np.sin(np.radians(direction)) > 0)
 
 
-def contacts_figure(
+def contacts_and_pressure_figure(
     picture: xarray.Dataset, *, direction: float = 0.0, hardness: float | None = None, title: str = ""
 ) -> Figure:
     """Draw the contacts on a height map of the lower body, and the pressure around the contact with the largest load.

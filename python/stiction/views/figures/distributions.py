@@ -26,7 +26,7 @@ MIN_COMPASS_DIRECTIONS = 3  # minimum number of directions for a compass figure
 MAX_COMPASS_RINGS = 5
 
 
-def direction_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
+def friction_by_direction_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     """Draw a figure, 80 mm wide, of the friction coefficient against the direction of motion for each sliding rule.
 
     `points` is a result of `at_load` at one load, cell, mu0 and tau0. A smooth curve connects the directions.
@@ -118,8 +118,8 @@ def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title:
     """Draw a figure, 80 mm wide, of the friction coefficient of each member in each direction.
 
     `values` has the dimensions repetition, direction and sliding. `points` contains the means of `values`, as for
-    `direction_figure`. Members of a single traverse are drawn against the offset, other members in ascending order.
-    Directions are not averaged, because a test slides in one direction.
+    `friction_by_direction_figure`. Members of a single traverse are drawn against the offset, other members in
+    ascending order. Directions are not averaged, because a test slides in one direction.
     """
     figure = new_figure(62)
     axes = figure.subplots()

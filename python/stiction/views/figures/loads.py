@@ -43,7 +43,7 @@ INTERVAL_BAND_LEGENDS = {
 """Legend texts of the interval bands for results with (True) and without (False) a combined interval."""
 
 
-def load_figure(points: xarray.Dataset, study_loads: Sequence[float] = (), *, title: str = "") -> Figure:
+def friction_by_load_figure(points: xarray.Dataset, study_loads: Sequence[float] = (), *, title: str = "") -> Figure:
     """Draw a figure, 80 mm wide, of friction coefficient and true contact area against load.
 
     `points` is a result of `add_uncertainty` for one cell, mu0 and tau0. The loads of the study (mN) are marked. The
@@ -215,7 +215,7 @@ def _friction_and_area_figure(
     figure = new_figure(114)
     friction_axes, area_axes = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
     has_combined = dimension == "load" and "friction_combined" in points
-    for rule in _sliding_rules(points):
+    for rule in _list_sliding_rules(points):
         dataset, colour = select_sliding_rule(points, rule), SLIDING_RULE_COLOURS[rule]
         mean, low, high = (dataset["friction_all_round"].sel(statistic=name).values for name in MEAN_AND_LIMITS)
         friction_axes.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
@@ -264,7 +264,7 @@ def _friction_and_area_figure(
     return figure
 
 
-def _sliding_rules(points: xarray.Dataset) -> list[str]:
+def _list_sliding_rules(points: xarray.Dataset) -> list[str]:
     rules = np.atleast_1d(points["sliding"].values).tolist() if "sliding" in points.coords else ["opposing"]
     return [rule for rule in SLIDING_RULE_COLOURS if rule in rules]
 
@@ -286,7 +286,9 @@ def _mark_incomplete_points(axes: Axes, points: xarray.Dataset, dimension: str, 
     is_incomplete = (num_solved > 0).values & (num_solved < points["members"].max()).values
     if not is_incomplete.any():
         return
-    mean = select_sliding_rule(points["friction_all_round"], _sliding_rules(points)[0]).sel(statistic="mean").values
+    mean = (
+        select_sliding_rule(points["friction_all_round"], _list_sliding_rules(points)[0]).sel(statistic="mean").values
+    )
     axes.plot(
         x[is_incomplete], mean[is_incomplete], "x", color="0.3", markersize=4, label="some members have no result"
     )

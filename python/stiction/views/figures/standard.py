@@ -17,11 +17,11 @@ from stiction.studies.resolution import build_resolution_limits
 from stiction.studies.result import Result
 from stiction.studies.study import Study
 from stiction.views.figures.budget import dwell_time_figure, uncertainty_budget_figure
-from stiction.views.figures.contact import contact_figure, contacts_figure
+from stiction.views.figures.contact import contact_forces_figure, contacts_and_pressure_figure
 from stiction.views.figures.distributions import (
     MIN_COMPASS_DIRECTIONS,
     contact_sizes_figure,
-    direction_figure,
+    friction_by_direction_figure,
     positions_figure,
 )
 from stiction.views.figures.ensemble import (
@@ -32,7 +32,7 @@ from stiction.views.figures.ensemble import (
     profiles_figure,
 )
 from stiction.views.figures.height_scale import height_scale_figure
-from stiction.views.figures.loads import adhesion_figure, closure_figure, cut_off_figure, load_figure
+from stiction.views.figures.loads import adhesion_figure, closure_figure, cut_off_figure, friction_by_load_figure
 from stiction.views.figures.onset import contains_slip_map, onset_by_dimension_figure, onset_figure, slip_figure
 from stiction.views.style import MATPLOTLIB_STYLE, parse_formats, save_figure
 
@@ -145,9 +145,9 @@ def _measured_surface_figures(
         suffix = "" if number == 1 else f"-{number}"
         selection = unfiltered_points.isel(mu0=mu0_index, tau0=tau0_index)
         dataset = selection.sel(load=first_load, method="nearest")
-        yield f"friction{suffix}", partial(load_figure, selection, study_loads, title=title)
+        yield f"friction{suffix}", partial(friction_by_load_figure, selection, study_loads, title=title)
         if points.sizes.get("direction", 1) >= MIN_COMPASS_DIRECTIONS:
-            yield f"compass{suffix}", partial(direction_figure, dataset, title=title)
+            yield f"compass{suffix}", partial(friction_by_direction_figure, dataset, title=title)
         yield f"positions{suffix}", partial(draw_positions_figure, result, dataset, title=title)
         if cutoff_dataset is not None:
             dataset = cutoff_dataset.isel(mu0=mu0_index, tau0=tau0_index).sel(load=first_load, method="nearest")
@@ -176,7 +176,10 @@ def _measured_surface_figures(
         yield "sizes", partial(_contact_sizes_figure, result, dataset, hardness=hardness, title=title)
     if picture is not None and study.is_areal:
         direction = float(np.atleast_1d(points["direction"].values)[0])
-        yield "contacts", partial(contacts_figure, picture, direction=direction, hardness=hardness, title=title)
+        yield (
+            "contacts",
+            partial(contacts_and_pressure_figure, picture, direction=direction, hardness=hardness, title=title),
+        )
     elif not (study.is_areal or study.uses_half_space):
         yield from _profile_contact_figures(
             result, study, unfiltered_points.isel(mu0=0, tau0=0).sel(load=first_load, method="nearest"), first_load
@@ -225,4 +228,4 @@ def _profile_contact_figures(
     mu0, tau0 = float(point["mu0"]), float(point["tau0"])
     options: dict[str, Any] = {"mu0": mu0, "tau0": tau0, "load": load, "offset": offset}
     options |= {"title": format_print_title(study), "model": contact.contact_model(contact.sliding_rules()[0])}
-    yield "contact", partial(contact_figure, upper, lower, approach, **options)
+    yield "contact", partial(contact_forces_figure, upper, lower, approach, **options)

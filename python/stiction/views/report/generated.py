@@ -31,7 +31,7 @@ from stiction.studies.assessment import (
     verdict_from_caveats,
 )
 from stiction.studies.nodes import InterpolationNodes, NodeAxis
-from stiction.studies.point import list_rules_quoted_first
+from stiction.studies.point import list_sliding_rules_reported_first
 from stiction.studies.result import Result
 from stiction.studies.study import Study, study_names
 from stiction.views.figures.ensemble import COLOUR_RANGE_QUANTILES
@@ -41,8 +41,8 @@ from stiction.views.report.page import (
     ReportContent,
     ReportError,
     format_count,
-    slider_facts,
-    study_motions,
+    list_rules_and_directions,
+    slider_settings,
 )
 from stiction.views.report.pictures import onset_by_dimension_panel, profiles_panel
 from stiction.views.report.tables import PackedArrays
@@ -70,7 +70,7 @@ def generated_report_content(result: Result, study: Study, name: str) -> ReportC
         .values
     )
     packed_arrays, loads = PackedArrays(), result.nodes.loads
-    facts = _study_facts(head, study, loads) | {"name": name or _built_in_study_name(study), "repetitions": members}
+    facts = _study_page_data(head, study, loads) | {"name": name or _built_in_study_name(study), "repetitions": members}
     facts |= {
         "hasIntervals": members > 1,
         "kinds": ["pairs of surfaces"],
@@ -92,9 +92,9 @@ def generated_report_content(result: Result, study: Study, name: str) -> ReportC
     )
 
 
-def _study_facts(head: xarray.Dataset, study: Study, loads: Floats) -> dict[str, Any]:
+def _study_page_data(head: xarray.Dataset, study: Study, loads: Floats) -> dict[str, Any]:
     surfaces: Any = study.surfaces
-    rules, angles = study_motions(study)
+    rules, angles = list_rules_and_directions(study)
     convention = " (classical)" if surfaces.convention == "classical" else ""
     dimensions, amplitudes = (head[name].values for name in SURFACE_PARAMETER_DIMENSIONS)
     return {
@@ -114,7 +114,7 @@ def _study_facts(head: xarray.Dataset, study: Study, loads: Floats) -> dict[str,
             {"words": motion_direction_text(angle), "directions": [direction_index], "isWhole": True, "angle": angle}
             for direction_index, angle in enumerate(angles)
         ],
-        "quotedRule": list_rules_quoted_first(study)[0],
+        "quotedRule": list_sliding_rules_reported_first(study)[0],
         "start": {"cell": dimensions.size // 2, "load": loads.size // 2},
         "validity": [],
         "statuses": [],
@@ -131,7 +131,7 @@ def _add_values_at_nodes(
     nodes: InterpolationNodes, study: Study, head: xarray.Dataset, members: int, packed_arrays: PackedArrays
 ) -> dict[str, Any]:
     """Add all quantities at the nodes. The array axes are cell, amplitude, rule, motion, load, mu0 and tau0."""
-    rules, angles = study_motions(study)
+    rules, angles = list_rules_and_directions(study)
     axes, loads = nodes.axes, nodes.loads
     num_curves = (
         math.prod(head.sizes[name] for name in SURFACE_PARAMETER_DIMENSIONS) * loads.size * len(rules) * len(angles)
@@ -185,7 +185,7 @@ def _add_values_at_nodes(
     packed_arrays.add("status", codes.astype(np.int8))
     is_interpolated = np.logical_and.reduce([nodes.find_interpolated_panels(values) for values in quantities.values()])
     packed_arrays.add("fine", is_interpolated.astype(np.int8))
-    rule_index = rules.index(list_rules_quoted_first(study)[0])
+    rule_index = rules.index(list_sliding_rules_reported_first(study)[0])
     checked_numbers = validity_numbers | _compute_checked_numbers(
         node_values, points, area_points[..., 0], contact_counts, study, members
     )
@@ -206,7 +206,7 @@ def _add_values_at_nodes(
         "width": _relative_half_widths(points)
     }
     return {
-        "axes": slider_facts(axes, study),
+        "axes": slider_settings(axes, study),
         "statuses": statuses,
         "validity": validity_records,
         "judgements": assessment_records,
@@ -347,7 +347,7 @@ def _built_in_study_name(study: Study) -> str:
 
 
 def _heading_lines(study: Study) -> list[str]:
-    rules, angles = study_motions(study)
+    rules, angles = list_rules_and_directions(study)
     surfaces: Any = study.surfaces
     contact: Any = study.contact
     side_lengths = surfaces.extents() if study.is_areal else (float(surfaces.extent),)

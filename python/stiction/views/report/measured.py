@@ -32,8 +32,8 @@ from stiction.views.report.page import (
     ReportError,
     escape_html,
     format_count,
-    slider_facts,
-    study_motions,
+    list_rules_and_directions,
+    slider_settings,
 )
 from stiction.views.report.pictures import (
     adhesion_panel,
@@ -65,7 +65,7 @@ def measured_report_content(result: Result, study: Study, name: str, picture: xa
     title_of_pair = pair_title(study)
     name = f"{title_of_pair} ({name})" if name else title_of_pair
     packed_arrays = PackedArrays()
-    facts = _result_facts(dataset, result, study)
+    facts = _result_page_data(dataset, result, study)
     facts |= _add_friction_at_nodes(result.nodes, study, packed_arrays) | {"name": name}
     facts["quantities"] = _quantity_records(result.nodes.load_quantities)
     picture = result.contact_picture if picture is None else picture
@@ -102,7 +102,7 @@ def measured_report_content(result: Result, study: Study, name: str, picture: xa
 _MEMBER_KIND_TEXTS = {None: "pairs", "shifts": "positions of the two surfaces", "surrogates": "pairs of surrogates"}
 
 
-def _result_facts(dataset: xarray.Dataset, result: Result, study: Study) -> dict[str, Any]:
+def _result_page_data(dataset: xarray.Dataset, result: Result, study: Study) -> dict[str, Any]:
     area, loads = float(dataset["nominal_area"]), study.contact.loading_steps().tolist()
     cut_offs = dataset["cut_off"].values.tolist()
     assessments = _assessment_records(result)
@@ -142,7 +142,7 @@ _CURVE_PANELS = {
 
 def _add_friction_at_nodes(nodes: InterpolationNodes, study: Study, packed_arrays: PackedArrays) -> dict[str, Any]:
     """Add friction at the nodes to `packed_arrays`. Array axes: kind, cutoff, rule, motion, load, mu0 and tau0."""
-    (rules, angles), axes, member_kinds = study_motions(study), nodes.axes, nodes.member_kinds
+    (rules, angles), axes, member_kinds = list_rules_and_directions(study), nodes.axes, nodes.member_kinds
     motions: list[dict[str, Any]] = [
         {"words": motion_direction_text(angle), "directions": [direction_index]}
         for direction_index, angle in enumerate(angles)
@@ -225,7 +225,7 @@ def _add_friction_at_nodes(nodes: InterpolationNodes, study: Study, packed_array
         "ways": motions,
         "rules": rules,
         "directions": angles,
-        "axes": slider_facts(axes, study),
+        "axes": slider_settings(axes, study),
         "error": nodes.interpolation_errors,
         "statuses": [
             {"name": name, "isOk": name == friction.STATUS_OK, "isTrusted": True} for name in ORDERED_STATUSES

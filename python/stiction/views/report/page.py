@@ -169,12 +169,12 @@ def _strip_folders(study: Study) -> Study:
     return study.model_copy(update={"surfaces": surfaces.model_copy(update=renamed_files)})
 
 
-def study_motions(study: Study) -> tuple[list[str], list[float]]:
+def list_rules_and_directions(study: Study) -> tuple[list[str], list[float]]:
     """Return the sliding rules and the directions (degrees) of a study, in the order in which the sums are stored."""
     return list(study.contact.sliding_rules()), [float(angle) for angle in study.contact.direction_angles()]
 
 
-def slider_facts(axes: tuple[NodeAxis, NodeAxis], study: Study) -> dict[str, Any]:
+def slider_settings(axes: tuple[NodeAxis, NodeAxis], study: Study) -> dict[str, Any]:
     """Return the nodes of mu0 and tau0 (MPa) for a page, with the step and the initial value of each slider."""
     initial_values = (
         study.friction.mu0[0 if study.is_measured else len(study.friction.mu0) // 2],

@@ -18,7 +18,7 @@ from stiction.studies.contact_tables import AsperityModelSettings
 from stiction.studies.members import generate_profile_pairs
 from stiction.studies.result import Result
 from stiction.studies.study import Study
-from stiction.views.figures.contact import contact_figure, contact_map_figure, opposing_contact_mask
+from stiction.views.figures.contact import contact_forces_figure, contact_map_figure, opposing_contact_mask
 from stiction.views.figures.loads import adhesion_figure
 from stiction.views.figures.onset import contains_slip_map, onset_by_dimension_figure, onset_figure, slip_figure
 from stiction.views.figures.standard import draw_height_factor_figure, draw_positions_figure
@@ -44,7 +44,7 @@ def profiles_panel(study: Study, approach: float) -> str:
         "Two of the profiles in contact",
         "Two profiles, and the contact with the largest load with the forces on the upper body.",
         "The first pair of profiles, at the middle fractal dimension and approach of the study.",
-        lambda: contact_figure(upper, lower, approach, **options),
+        lambda: contact_forces_figure(upper, lower, approach, **options),
     )
 
 
