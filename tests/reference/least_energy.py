@@ -4,7 +4,7 @@ import numpy as np
 from scipy.fft import fft2, fftfreq, ifft2
 from scipy.optimize import minimize
 
-MAX_GAP_CHANGE = 60.0
+MAX_GAP_OPENING = 60.0
 """Upper bound of the change of the gap, in adhesion ranges; the bodies are then separated."""
 
 
@@ -27,7 +27,7 @@ def minimize_energy(heights, spacing, load, gap, *, effective_modulus, work_of_a
         return energy / (strength * adhesion_range), gradient.ravel() / strength
 
     start = gap.ravel() / adhesion_range
-    bounds = [(0, MAX_GAP_CHANGE + item) for item in heights.ravel() / adhesion_range]
+    bounds = [(0, MAX_GAP_OPENING + item) for item in heights.ravel() / adhesion_range]
     options = {"maxiter": 20_000, "maxfun": 50_000, "ftol": 1e-16, "gtol": 1e-9, "maxcor": 30}
     result = minimize(energy_and_gradient, start, jac=True, method="L-BFGS-B", bounds=bounds, options=options)
     gap = result.x.reshape(heights.shape) * adhesion_range

@@ -21,6 +21,7 @@ from stiction.studies.height_scale import (
     parse_height_factors,
     scale_study_heights,
 )
+from stiction.studies.measured_surfaces import MeasuredBodySettings
 from stiction.studies.store import STUDY_FILE, open_stored_result
 from stiction.views.report import report_page
 from support.generated_studies import TINY_STUDY
@@ -274,6 +275,13 @@ def test_height_factors_can_be_given_as_numbers_or_lists_or_ranges():
 def test_height_factors_outside_the_allowed_range_are_rejected(factors):
     with pytest.raises(ValueError, match="height_scale"):
         parse_height_factors(factors)
+
+
+def test_height_factor_is_rejected_if_its_product_with_the_factor_of_any_scan_is_too_large():
+    body = MeasuredBodySettings.model_validate([{"file": "a.csv"}, {"file": "b.csv", "height_factor": 50.0}])
+    assert [scan.height_factor for scan in body.with_height_factor(2.0).scans] == [2.0, 100.0]
+    with pytest.raises(ValueError, match=r"height_factor must be from 0\.01 to 100, got 500 for b\.csv"):
+        body.with_height_factor(10.0)
 
 
 def test_scaling_of_heights_rejects_unsuitable_results_and_invalid_options(bodies, result):

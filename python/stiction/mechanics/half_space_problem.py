@@ -225,17 +225,20 @@ class ContactSolution:
     def closure_stiffness(self) -> float:
         """Derivative dp/dc (GPa/µm) of nominal pressure with respect to closure while the contact points do not change.
 
-        The stiffness is infinite at full contact.
+        The closure is the decrease of the mean gap: the approach minus the mean displacement of the surface. The
+        stiffness is infinite at full contact, and NaN if all points have yielded.
         """
         problem = self.problem
         if not self.below_hardness.any():
             return np.nan
         if problem.periodic and problem.missing is None:
             return self.stiffness / problem.area
-        pressure, approach = self._linear_response
-        closure = approach * problem.area / problem.cell_area - float(
-            (pressure * problem.uniform_pressure_displacement).sum()
-        )
+        # Both terms are per 1 GPa of nominal pressure. By reciprocity, the mean displacement due to these pressures is
+        # the mean of the displacement due to a uniform pressure, weighted with these pressures (sum: 1 GPa).
+        pressures_of_unit_sum, approach_of_unit_sum = self._linear_response
+        approach = approach_of_unit_sum * problem.area / problem.cell_area
+        mean_displacement = float((pressures_of_unit_sum * problem.uniform_pressure_displacement).sum())
+        closure = approach - mean_displacement
         return 1 / closure if closure > 0 else np.inf
 
     @cached_property

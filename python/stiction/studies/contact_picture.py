@@ -249,7 +249,10 @@ def _build_disc_map(lower: Surface, table: ContactList) -> NDArray[Any]:
 def build_contact_table(
     result: Result, loads: ArrayLike, members: int | Sequence[int] | None = None
 ) -> pandas.DataFrame:
-    """Return a table of all contacts in some members at elastic loads (mN). `Result.contacts` describes the columns."""
+    """Return a table of the contacts in the selected members at loads (mN) of the elastic solution.
+
+    `Result.contacts` describes the columns.
+    """
     import pandas
 
     study = result.study

@@ -160,7 +160,7 @@ def at_load(
 
 
 def has_only_negligible_loads(result: Result) -> bool:
-    """Return whether the loads of the study are all negligible compared with the mean pull-off force."""
+    """Return whether the loads of the study are all negligible compared with the largest mean pull-off force."""
     study = result.study
     if not (study.contact.adheres and study.friction.load):
         return False
@@ -175,7 +175,7 @@ def find_negligible_load(result: Result) -> float:
 
 
 def _average_pull_off_by_piece(result: Result) -> list[float]:
-    """Return the mean pull-off force (mN) in each piece (group of members) of a result."""
+    """Return the mean pull-off force (mN) over the members in each piece of a result that is read at a time."""
     return [float(np.nanmean(piece["pull_off"].values)) for piece in result.pieces(["pull_off"])]
 
 

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 
 CONFIDENCE_LEVEL = 0.95
-NUM_SLOPE_FIT_STEPS = 4  # number of steps on each side of a crossing to which a slope is fitted
+NUM_SLOPE_FIT_STEPS = 4  # a slope is fitted to this number of steps on each side of a crossing
 MAX_INTERPOLATED_LOAD_RATIO = 10.01
 """Largest ratio of two successive computed loads between which values are interpolated."""
 NUM_BATCH_VALUES = 2**15  # number of values in a batch that fits into the processor cache

@@ -298,14 +298,15 @@ class MeasuredBodySettings(SettingsTable):
         return _read_body(self.model_copy(update={"sha256": self.checksum(), "others": None, "height_factor": 1.0}))
 
     def with_height_factor(self, factor: float) -> MeasuredBodySettings:
-        """Return a copy of the entry in which all heights are multiplied by a factor.
+        """Return a copy of the entry in which the heights of all scans are multiplied by a factor.
 
-        Raises a `ValueError` if the product with the existing factor is out of range.
+        Raises a `ValueError` if the product with the existing factor of a scan is out of range.
         """
-        total_factor = factor * self.height_factor
-        if not MIN_HEIGHT_FACTOR <= total_factor <= MAX_HEIGHT_FACTOR:
-            allowed_range = f"from {MIN_HEIGHT_FACTOR:g} to {MAX_HEIGHT_FACTOR:g}"
-            raise ValueError(f"height_factor must be {allowed_range}, got {total_factor:g} for {self.name}")
+        for scan in self.scans:
+            total_factor = factor * scan.height_factor
+            if not MIN_HEIGHT_FACTOR <= total_factor <= MAX_HEIGHT_FACTOR:
+                allowed_range = f"from {MIN_HEIGHT_FACTOR:g} to {MAX_HEIGHT_FACTOR:g}"
+                raise ValueError(f"height_factor must be {allowed_range}, got {total_factor:g} for {scan.name}")
         return self._apply_to_scans(lambda scan: scan.model_copy(update={"height_factor": factor * scan.height_factor}))
 
     @property
@@ -849,7 +850,7 @@ class GapMemberSource:
     rough: Surface
 
     def member(self, index: int) -> EnsembleMember:
-        """Return the flat face and the rough face as a member."""
+        """Return the ensemble member that consists of the flat face and the rough face."""
         if index > 0:
             raise ValueError(f"a gap has only member 0, got member {index}")
         return EnsembleMember((self.flat, self.rough), 0.0, 0.0)

@@ -438,7 +438,10 @@ def _estimate_roughness_contribution(point: xarray.Dataset, study: Study, rule: 
 
 
 def _invalidates_finer_scan_bounds(caveat: Caveat) -> bool:
-    """Return whether a caveat invalidates the bounds for finer scans. All faults do so, except too few contacts."""
+    """Return whether a caveat invalidates the bounds for finer scans.
+
+    Every caveat of severity "fault" does so, except the caveat about too few contacts.
+    """
     return caveat.severity == "fault" and caveat.remedy != MORE_CONTACTS_REMEDY
 
 

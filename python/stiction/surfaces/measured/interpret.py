@@ -401,17 +401,22 @@ def _reject_contradicting_grid(raw: RawHeights, spacing: tuple[float, float]) ->
 def _spacings_from_size(
     size: tuple[DeclaredLength, DeclaredLength], shape: tuple[int, ...], given: tuple[Quantity | None, Quantity | None]
 ) -> tuple[tuple[float, float], list[str]]:
-    """Return the spacings computed from a declared size, and a history entry."""
+    """Return the spacings computed from the size that a file declares, and a history entry.
+
+    A spacing given by the user is preferred, and must agree with the declared size within its rounding or 0.1 %.
+    """
     spacings = []
-    for actual, points, declared in zip(size, shape, given, strict=True):
-        length = actual.length * LENGTH_UNITS[actual.unit] / points
-        tolerance = max(0.51 * actual.digit * LENGTH_UNITS[actual.unit] / points, MAX_STEP_UNEVENNESS * length)
-        if declared is not None and abs(declared - length) > tolerance:
+    for declared_size, num_points, given_spacing in zip(size, shape, given, strict=True):
+        unit = LENGTH_UNITS[declared_size.unit]
+        spacing = declared_size.length * unit / num_points
+        tolerance = max(0.51 * declared_size.digit * unit / num_points, MAX_STEP_UNEVENNESS * spacing)
+        if given_spacing is not None and abs(given_spacing - spacing) > tolerance:
             raise FormatError(
-                f"declares a size that implies a spacing of {length:.7g} µm, but the given spacing is {declared.text}"
+                f"declares a size that implies a spacing of {spacing:.7g} µm, but the given spacing is "
+                f"{given_spacing.text}"
             )
-        spacings.append(length if declared is None else float(declared))
-    height, width = (f"{actual.length:g} {actual.unit}" for actual in size)
+        spacings.append(spacing if given_spacing is None else float(given_spacing))
+    height, width = (f"{declared_size.length:g} {declared_size.unit}" for declared_size in size)
     return (spacings[0], spacings[1]), [f"its size is {width} along x and {height} along y (header)"]
 
 

@@ -180,7 +180,7 @@ def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, run
             continue
         cells = dialect.split_line(text.line(line))
         kinds = [cell_kind(cell, dialect, text) for cell in cells]
-        # above the data, a line of the form "name value" is not a row of numbers
+        # above the data, a line of the form "name value" does not count as a row of numbers
         weighted_number_count = 2 * kinds.count("number") - (line < runs[0][0] and kinds[:1] == [None])
         if len(cells) != width or None not in kinds or _are_position_labels(cells, dialect):
             continue
