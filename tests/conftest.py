@@ -11,7 +11,7 @@ import hypothesis
 import numpy as np
 import pytest
 from stiction import Profile, random_phases, run, weierstrass_mandelbrot
-from support.command import disable_drawing
+from support.command import disable_drawing, disable_reports
 from support.generated_studies import SMALL_STUDY
 
 # Background jobs of a shell ignore SIGINT, which some tests send to themselves.
@@ -89,4 +89,19 @@ def no_figures():
 def disable_figures(no_figures):
     """Disable figures during a test."""
     with no_figures():
+        yield
+
+
+@pytest.fixture(scope="module")
+def no_contact_pictures():
+    """Disable the contact pictures that are stored with results, for faster tests of values and intervals."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("stiction.studies.pipeline.contact_picture", lambda _: None)
+        yield
+
+
+@pytest.fixture
+def no_reports():
+    """Replace the reports that commands write by empty pages during a test, for faster tests of other output."""
+    with disable_reports():
         yield

@@ -12,7 +12,7 @@ from stiction.studies.evaluation import at_load
 from stiction.studies.store import open_stored_result
 from stiction.studies.summary import summarize
 from stiction.views.rows import SCHEMA_VERSION
-from support.command import assert_rejected, call_stiction, check_stiction
+from support.command import assert_rejected, call_stiction, check_stiction, disable_reports
 from support.generated_studies import SMALL_STUDY
 
 MATERIAL_OPTIONS = ("--effective-modulus", "10 GPa", "--mu0", "0.3", "--tau0", "0 MPa,20 MPa")
@@ -39,7 +39,7 @@ def results_folder(tmp_path_factory, no_figures):
         SMALL_STUDY.with_changes({"ensemble.repetitions": 4, "friction.tau0": ["0 MPa", "100 MPa"]}),
         store=path / "study",
     )
-    with no_figures():
+    with no_figures(), disable_reports():
         for name, arguments in PAIR_ARGUMENTS.items():
             assert get_stiction_output("pair", *arguments, "--output", name, cwd=path)
     return path
@@ -262,7 +262,7 @@ def test_export_command_writes_netcdf_or_csv_without_overwriting_files(results_f
         assert_rejected(call_stiction("export", name, file_name, cwd=results_folder), "must end in .nc", ".csv")
 
 
-@pytest.mark.usefixtures("disable_figures")
+@pytest.mark.usefixtures("disable_figures", "no_reports")
 @pytest.mark.parametrize("name", ["lines", "maps"])
 def test_command_run_adds_repetitions_to_a_result_directory(results_folder, name, tmp_path):
     shutil.copytree(results_folder / name, tmp_path / name)

@@ -67,7 +67,7 @@ def test_command_does_not_overwrite_a_file_of_another_program(scans_folder, argu
 
 
 def test_output_files_of_the_pair_command_contain_values_for_the_latest_stored_study(scans_folder):
-    check_stiction(*PAIR_COMMAND, cwd=scans_folder)
+    check_stiction(*PAIR_COMMAND, cwd=scans_folder, without_figures=True)
     folder = scans_folder / "pair"
     result, report = open_result(folder), (folder / "report.html").read_bytes()
     study_file = folder / "study.toml"
@@ -95,10 +95,10 @@ def test_pair_command_does_not_overwrite_its_input_scan(scans_folder, scan_name)
     ],
 )
 def test_command_overwrites_its_own_output(scans_folder, arguments, names):
-    check_stiction(*arguments, cwd=scans_folder)
+    check_stiction(*arguments, cwd=scans_folder, without_figures=True)
     output_folder = scans_folder / arguments[0]
     inodes = {name: (output_folder / name).stat().st_ino for name in names}
-    check_stiction(*arguments, *(["--mu0", "0.3"]), cwd=scans_folder)
+    check_stiction(*arguments, *(["--mu0", "0.3"]), cwd=scans_folder, without_figures=True)
     assert all((output_folder / name).stat().st_ino != inode for name, inode in inodes.items())
 
 
@@ -110,7 +110,7 @@ def test_characterise_command_does_not_overwrite_one_of_several_repeated_scans(s
 
 
 def test_export_command_leaves_no_file_on_a_full_disk(scans_folder, monkeypatch):
-    check_stiction(*PAIR_COMMAND, cwd=scans_folder)
+    check_stiction(*PAIR_COMMAND, cwd=scans_folder, without_figures=True, without_report=True)
 
     def write_half_and_fail(path, text, **_):
         path.write_bytes(text.encode()[: len(text) // 2])
@@ -135,6 +135,7 @@ def test_csv_table_escapes_file_names_that_start_like_formulas(scans_folder, fir
 
 
 def test_pair_command_prints_the_estimated_time_only_for_long_computations(scans_folder, monkeypatch):
-    assert "computing" not in check_stiction(*PAIR_COMMAND, "-o", "short", cwd=scans_folder).stderr
+    options = {"cwd": scans_folder, "without_figures": True, "without_report": True}
+    assert "computing" not in check_stiction(*PAIR_COMMAND, "-o", "short", **options).stderr
     monkeypatch.setattr(pipeline, "MIN_ANNOUNCED_TIME", 0.0)
-    assert "computing 2 repetitions: about " in check_stiction(*PAIR_COMMAND, "-o", "long", cwd=scans_folder).stderr
+    assert "computing 2 repetitions: about " in check_stiction(*PAIR_COMMAND, "-o", "long", **options).stderr

@@ -398,6 +398,7 @@ def test_csv_table_and_json_output_contain_equal_intervals(scans_folder, tmp_pat
         tmp_path / "out",
         cwd=scans_folder,
         without_figures=True,
+        without_report=True,
     )
     table = pandas.read_csv(tmp_path / "out" / "result.csv", comment="#").set_index("sliding")
     columns = [f"coefficient of static friction: {limit}" for limit in ("lower", "upper")]
@@ -469,7 +470,7 @@ def test_preview_is_printed_to_standard_error_on_terminals(scans_folder, monkeyp
         "-o",
         "first",
     ]
-    completed = check_stiction(*command, cwd=scans_folder, without_figures=True)
+    completed = check_stiction(*command, cwd=scans_folder, without_figures=True, without_report=True)
     assert "preliminary" in completed.stderr
     assert json.loads(completed.stdout)["command"] == "pair"
     with contextlib.chdir(scans_folder):
@@ -483,7 +484,7 @@ def test_preview_is_printed_to_standard_error_on_terminals(scans_folder, monkeyp
     ):
         with contextlib.chdir(scans_folder):
             assert parse_pair_arguments(scans_folder, *arguments, *MATERIAL_OPTIONS).preview_study is None
-    repeated_call = call_stiction(*command, cwd=scans_folder, without_figures=True)
+    repeated_call = call_stiction(*command, cwd=scans_folder, without_figures=True, without_report=True)
     assert "preliminary" not in repeated_call.stderr
 
 
@@ -521,7 +522,7 @@ RUBBER_ON_GLASS_OPTIONS = [
 ]
 
 
-@pytest.mark.usefixtures("disable_figures")
+@pytest.mark.usefixtures("disable_figures", "no_reports")
 @pytest.mark.parametrize(
     "arguments",
     [
@@ -658,12 +659,12 @@ def test_pair_command_stores_the_result_and_the_figures_and_the_report_and_the_m
         assert "</html>" in (scans_folder / folder / "report.html").read_text("utf-8")
     assert "By half-space" in model_check_output.stdout
     command = ["pair", *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--offsets", 4, "--check", "--json"]
-    command = call_stiction(*command, cwd=scans_folder, without_figures=True)
+    command = call_stiction(*command, cwd=scans_folder, without_figures=True, without_report=True)
     assert json.loads(command.stdout)["check"][0]["values"]
     assert "wrote" in map_pair_output.stdout
 
 
-@pytest.mark.usefixtures("disable_figures")
+@pytest.mark.usefixtures("disable_figures", "no_reports")
 def test_pair_command_resumes_with_the_same_options_and_rejects_different_options(scans_folder, map_pair_output):
     command = [
         "pair",
@@ -687,7 +688,7 @@ def test_pair_command_resumes_with_the_same_options_and_rejects_different_option
     assert store.open_stored_result(scans_folder / "areas").finished_members.size == 2
 
 
-@pytest.mark.usefixtures("disable_figures")
+@pytest.mark.usefixtures("disable_figures", "no_reports")
 def test_pair_command_with_changed_tau0_reuses_stored_repetitions(scans_folder):
     command = (
         "pair",
@@ -710,7 +711,7 @@ def test_pair_command_with_changed_tau0_reuses_stored_repetitions(scans_folder):
     assert sorted((scans_folder / "friction" / "blocks").iterdir()) == blocks
 
 
-@pytest.mark.usefixtures("disable_figures")
+@pytest.mark.usefixtures("disable_figures", "no_reports")
 def test_concurrent_pair_commands_can_write_the_same_files(scans_folder, monkeypatch):
     """Two equal commands in one directory write the same files, and both must succeed."""
     from stiction.studies import contact_picture, onset
@@ -745,7 +746,7 @@ def test_concurrent_pair_commands_can_write_the_same_files(scans_folder, monkeyp
     assert "μ_s" in completed.stdout
 
 
-@pytest.mark.usefixtures("disable_figures")
+@pytest.mark.usefixtures("disable_figures", "no_reports")
 def test_two_parts_of_a_run_by_the_pair_command_form_a_complete_result(scans_folder):
     arguments = ["pair", *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--mu0", "30", "--offsets", 4, "-o", "parts"]
     for part in ("1/2", "2/2"):
@@ -755,7 +756,7 @@ def test_two_parts_of_a_run_by_the_pair_command_form_a_complete_result(scans_fol
     assert "not in per cent" in completed.stdout  # mu0 = 30 causes a caveat.
 
 
-@pytest.mark.usefixtures("disable_figures")
+@pytest.mark.usefixtures("disable_figures", "no_reports")
 def test_command_run_rejects_a_changed_scan_file(scans_folder):
     arguments = [
         "pair",
@@ -779,7 +780,7 @@ def test_command_run_rejects_a_changed_scan_file(scans_folder):
 # ---- Measured data --------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.usefixtures("disable_figures")
+@pytest.mark.usefixtures("disable_figures", "no_reports")
 def test_stylus_profile_paired_with_itself_is_shifted_by_the_travel(find_measured_file, tmp_path):
     file = find_measured_file("dektak-1.csv")
     shift_options = ["--travel", "200 um", "--offsets", "1", "--load", "10 mN", "--json"]
@@ -788,7 +789,7 @@ def test_stylus_profile_paired_with_itself_is_shifted_by_the_travel(find_measure
     assert float(result["x"][0]) == pytest.approx(200, abs=1)
 
 
-@pytest.mark.usefixtures("disable_figures")
+@pytest.mark.usefixtures("disable_figures", "no_reports")
 @pytest.mark.parametrize("lines", [4, 16])  # the mean of four lines has no interval
 def test_pair_command_presses_an_afm_map_on_its_surrogates(find_measured_file, tmp_path, lines):
     pytest.importorskip("SurfaceTopography")
@@ -810,7 +811,9 @@ def folder_options_and_record(tmp_path_factory):
         np.save(folder / f"{side}.npy", surface.heights)
     options = ["--upper", "steel", "--lower", "brass", "--mu0", "0.2", "--tau0", "50 MPa", "--load", "10 MPa"]
     options += ["--shifts", 3, "--direction", "0,180", "--onset", 3]
-    completed = check_stiction("pair", *MAP_ARGUMENTS, *options, "--json", cwd=folder)
+    completed = check_stiction(
+        "pair", *MAP_ARGUMENTS, *options, "--json", cwd=folder, without_figures=True, without_report=True
+    )
     return folder, options, json.loads(completed.stdout)
 
 
@@ -827,7 +830,7 @@ def test_pair_command_reports_resolved_wavelengths_and_the_range_for_finer_scans
     pair_folder = folder / "pair"
     assert (pair_folder / "onset.csv").exists()
     assert [path.name for path in pair_folder.glob("*.png")] == ["friction.png"]
-    check_stiction("plot", "pair", cwd=folder)
+    check_stiction("plot", "pair", cwd=folder, without_figures=True)
     assert {"cut_off.png", "onset.png", "slip.png"} <= {path.name for path in pair_folder.iterdir()}
 
 
@@ -839,7 +842,9 @@ def test_pair_command_reports_onset_of_sliding(folder_options_and_record):
     assert 0 < onset["displacement_at_sliding"]["mean"] < 0.1
     # A repeated command computes nothing and prints the same sentence.
     (folder / "pair/onset.csv").unlink()
-    completed = call_stiction("pair", *MAP_ARGUMENTS, *arguments, "--verbose", cwd=folder, without_figures=True)
+    completed = call_stiction(
+        "pair", *MAP_ARGUMENTS, *arguments, "--verbose", cwd=folder, without_figures=True, without_report=True
+    )
     assert "already contains this study" in completed.stdout
     assert not (folder / "pair/onset.csv").exists()
     assert onset["sentence"][:12] in completed.stdout
@@ -952,7 +957,7 @@ def test_width_option_converts_the_force_to_the_force_on_a_strip_1_um_wide(scans
             parse_study(scans_folder, *PROFILE_FILES, *arguments, *rejected_options, "--width", "5 mm")
 
 
-@pytest.mark.usefixtures("disable_figures")
+@pytest.mark.usefixtures("disable_figures", "no_reports")
 def test_result_for_profiles_lists_the_assumptions_of_the_model(scans_folder, tmp_path):
     arguments = ["pair", *PROFILE_FILES, "--upper", "steel", "--lower", "brass", "--mu0", "0.2", "--load", "40 MPa"]
     record = json.loads(

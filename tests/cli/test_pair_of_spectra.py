@@ -136,6 +136,7 @@ def test_commands_at_and_report_accept_the_result_of_a_pair_of_spectra(spectra_f
         "--json",
         cwd=spectra_folder,
         without_figures=True,
+        without_report=True,
     )
     record = json.loads(completed.stdout)
     study = Study.from_toml(spectra_folder / "pair" / "study.toml")
@@ -158,13 +159,13 @@ def test_pair_command_accepts_a_spectrum_paired_with_a_scan_and_detects_changed_
     spectra_folder, surfaces, spectra
 ):
     command = ["pair", "upper.csv", "lower.npy", *COMMAND_OPTIONS, "--surrogates", "2", "--output", "mixed"]
-    check_stiction(*command, cwd=spectra_folder, without_figures=True)
+    check_stiction(*command, cwd=spectra_folder, without_figures=True, without_report=True)
     changed_folder = spectra_folder / "changed"
     changed_folder.mkdir()
     for name in ("upper.csv", "lower.csv"):
         (changed_folder / name).write_bytes((spectra_folder / name).read_bytes())
     command = ["pair", "upper.csv", "lower.csv", *COMMAND_OPTIONS, "--surrogates", "2"]
-    check_stiction(*command, cwd=changed_folder, without_figures=True)
+    check_stiction(*command, cwd=changed_folder, without_figures=True, without_report=True)
     (changed_folder / "upper.csv").write_bytes((spectra_folder / "lower.csv").read_bytes())
     assert_rejected(
         call_stiction("run", "pair", "--set", "ensemble.repetitions=3", cwd=changed_folder), "has changed since"

@@ -9,6 +9,8 @@ from types import SimpleNamespace
 from unittest import mock
 
 from stiction import cli
+from stiction.views.files import replace_text_file
+from stiction.views.report.page import REPORT_FILE_SIGNATURE
 
 
 def disable_drawing():
@@ -16,14 +18,25 @@ def disable_drawing():
     return mock.patch("matplotlib.figure.Figure.draw", return_value=None)
 
 
-def call_stiction(*arguments, cwd, columns=200, without_figures=False):
+def disable_reports():
+    """Return a context manager that replaces the reports of results by empty pages, to save time."""
+
+    def write_empty_page(_, path, **__):
+        replace_text_file(path, REPORT_FILE_SIGNATURE, REPORT_FILE_SIGNATURE.encode())
+
+    return mock.patch("stiction.views.report.save_report", write_empty_page)
+
+
+def call_stiction(*arguments, cwd, columns=200, without_figures=False, without_report=False):
     """Run `stiction` in this process and return its exit status and output.
 
-    This is faster than a new process. If `without_figures` is true, figures are empty.
+    This is faster than a new process. If `without_figures` is true, figures are empty. If `without_report` is true,
+    the report on a result is empty.
     """
     out, err = io.StringIO(), io.StringIO()
     with (
         disable_drawing() if without_figures else contextlib.nullcontext(),
+        disable_reports() if without_report else contextlib.nullcontext(),
         contextlib.chdir(cwd),
         contextlib.redirect_stdout(out),
         contextlib.redirect_stderr(err),
