@@ -27,6 +27,8 @@ from stiction.views.report import report_page
 from support.generated_studies import TINY_STUDY
 from support.rough_surfaces import rough_maps
 
+pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+
 SCALING_TOLERANCE = 1e-9  # relative difference between two ways of scaling the same bodies
 SOLUTION_TOLERANCE = 1e-3  # relative difference between solutions of one problem in different units
 MAX_FRICTION_ERROR, MAX_AREA_ERROR = 0.005, 0.02  # relative errors of interpolation between solved factors
@@ -198,13 +200,13 @@ def test_pull_off_force_decreases_with_height_scale():
 
 @pytest.mark.parametrize("hardness", [{}, HARDNESS_OPTION])
 def test_interpolation_between_height_factors_has_at_most_the_stated_error(hardness):
-    computed = pair(*create_smooth_maps(64, rms=0.01), **PAIR_OPTIONS | hardness | {"load": "100 MPa"})
+    computed = pair(*create_smooth_maps(rms=0.01), **PAIR_OPTIONS | hardness | {"load": "100 MPa"})
     compute_results_at_height_factors(computed.source, "0.25..4")
     factors = np.array([0.6, 1.7])
     table = computed.at(height_scale=factors)
     for index, factor in enumerate(factors):
         exact_table = pair(
-            *scale_heights(create_smooth_maps(64, rms=0.01), factor), **PAIR_OPTIONS | hardness | {"load": "100 MPa"}
+            *scale_heights(create_smooth_maps(rms=0.01), factor), **PAIR_OPTIONS | hardness | {"load": "100 MPa"}
         ).at()
         coefficient, area = mean_values(table["friction_all_round"])[index], mean_values(table["contact_area"])[index]
         assert coefficient == pytest.approx(mean_values(exact_table["friction_all_round"]), rel=MAX_FRICTION_ERROR)

@@ -7,6 +7,8 @@ from stiction.mechanics.hardness import interpolate_area_per_load
 from stiction.studies.hardness import AreasAtNodes, TabulatedAreaFunction, find_table_positions
 from stiction.studies.interfaces import StrengthSamples
 
+pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+
 TABOR_TOLERANCE = 5e-3
 """Relative difference of the friction of a fully plastic pair from Tabor's closed form."""
 
@@ -18,7 +20,7 @@ PLASTIC_OPTIONS = {"effective_modulus": 100.0, "hardness": 0.5, "load": "20 MPa"
 
 
 def rough_surfaces(rms=0.05):
-    roughness = {"shape": (64, 64), "spacing": 0.1, "hurst_exponent": 0.8, "rms": rms, "shortest_wavelength": 0.4}
+    roughness = {"shape": (48, 48), "spacing": 0.1, "hurst_exponent": 0.8, "rms": rms, "shortest_wavelength": 0.4}
     return tuple(
         Surface(self_affine_surface(5, side=side, **roughness).heights, spacing=0.1) for side in ("upper", "lower")
     )
@@ -47,17 +49,15 @@ def test_friction_of_fully_plastic_contacts_equals_tabor_friction():
     assert mean_coefficient(result) == pytest.approx(expected, rel=TABOR_TOLERANCE)
 
 
-@pytest.mark.parametrize("rule", ["all", "opposing"])
 @pytest.mark.parametrize("hardness", [0.5, 3.0])
-def test_friction_with_junction_growth_equals_solution_at_hardness_under_shear(rule, hardness):
+def test_friction_with_junction_growth_equals_solution_at_hardness_under_shear(hardness):
     tau0 = 0.1 * hardness
     inputs = PLASTIC_OPTIONS | {"mu0": 0.2, "tau0": tau0, "hardness": hardness}
     pressure = float(hardness_under_shear(hardness, 0.2, tau0, 27.0))
     direct_result = pair(*rough_surfaces(), **inputs | {"hardness": pressure}, junction_growth=0)
     result = pair(*rough_surfaces(), **inputs, junction_growth=27)
-    assert mean_coefficient(result, rule) == pytest.approx(
-        mean_coefficient(direct_result, rule), rel=INTERPOLATION_TOLERANCES[rule]
-    )
+    for rule, tolerance in INTERPOLATION_TOLERANCES.items():
+        assert mean_coefficient(result, rule) == pytest.approx(mean_coefficient(direct_result, rule), rel=tolerance)
     area = result.at()["contact_area_at_onset"].sel(statistic="mean").squeeze()
     assert float(area) == pytest.approx(
         float(direct_result.at()["contact_area"].sel(statistic="mean").squeeze()), rel=0.02
