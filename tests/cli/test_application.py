@@ -197,6 +197,31 @@ def test_low_memory_limit_is_reported_without_traceback(tmp_path, limit):
     assert_rejected(completed, "memory is limited to", "at least 1073 MB")
 
 
+INTERRUPT_SCRIPT = """
+import _thread, signal
+from stiction import cli
+def fail(*_):
+    raise RuntimeError("can't start new thread")
+if not {can_start_thread}:
+    _thread.start_new_thread = fail
+with cli.exit_on_interrupt():
+    signal.raise_signal(signal.SIGINT)
+"""
+"""Script that receives the signal of Ctrl-C while modules are imported."""
+
+
+@pytest.mark.parametrize(
+    ("can_start_thread", "status", "message"),
+    [(True, 130, "stiction: interrupted\n"), (False, 2, "stiction: no thread can be started; the number of ")],
+)
+def test_interrupt_signal_without_further_threads_is_reported_as_process_limit(can_start_thread, status, message):
+    """OpenBLAS raises this signal if it cannot start its threads."""
+    script = INTERRUPT_SCRIPT.format(can_start_thread=can_start_thread)
+    completed = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False, timeout=60)
+    assert completed.returncode == status
+    assert completed.stderr.startswith(message)
+
+
 COMMANDS_WITH_EMPTY_NAMES = [
     (["pair", "", "lower.csv"], "UPPER"), (["pair", "upper.csv", ""], "LOWER"),
     (["pair", "a.csv,,b.csv", "c"], "UPPER"), (["pair", "--gap", ""], "--gap"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import _thread
 import math
 import os
 import signal
@@ -44,11 +45,17 @@ def main() -> None:
 
 @contextmanager
 def exit_on_interrupt() -> Iterator[None]:
-    """Exit on Ctrl-C while modules are imported, because some modules catch every exception."""
+    """Exit on Ctrl-C while modules are imported, because some modules catch every exception.
+
+    OpenBLAS raises the same signal if it cannot start its threads, for example if the number of processes is limited.
+    """
 
     def exit_process(*_: object) -> None:
-        os.write(2, b"stiction: interrupted\n")
-        os._exit(EXIT_INTERRUPTED)
+        if _can_start_thread():
+            os.write(2, b"stiction: interrupted\n")
+            os._exit(EXIT_INTERRUPTED)
+        os.write(2, b"stiction: no thread can be started; the number of processes may be limited (ulimit -u)\n")
+        os._exit(EXIT_BAD_INPUT)
 
     is_main = threading.current_thread() is threading.main_thread()
     if not is_main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
@@ -59,6 +66,14 @@ def exit_on_interrupt() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def _can_start_thread() -> bool:
+    try:
+        _thread.start_new_thread(lambda: None, ())
+    except RuntimeError:
+        return False
+    return True
 
 
 def _redirect_closed_streams() -> None:
