@@ -379,9 +379,9 @@ def parse_toml(text: str) -> dict[str, Any]:
     # The time in which tomllib parses a dotted key increases with the square of the number of parts of the key.
     pieces = re.split(r"([=,#{}\[\]\n])", text)
     key_texts = [piece for piece, end in itertools.pairwise(pieces) if end in ("=", "]")]
+    if any(key_text.count(".") > MAX_KEY_DOTS for key_text in key_texts):
+        raise ValueError("is nested too deeply")
     try:
-        if any(key_text.count(".") > MAX_KEY_DOTS for key_text in key_texts):
-            raise RecursionError
         return tomllib.loads(text)
     except RecursionError:
         raise ValueError("is nested too deeply") from None
