@@ -649,9 +649,9 @@ def _select_smallest_values(values: Floats, count: int) -> Floats:
     """
     subsample = values[::TAIL_SUBSAMPLING_STRIDE]
     bound_rank = 3 * count // (2 * TAIL_SUBSAMPLING_STRIDE) + 1
-    if bound_rank < subsample.size:
-        smallest = values[values <= np.partition(subsample, bound_rank)[bound_rank]]
-    if bound_rank >= subsample.size or smallest.size < count:
+    bound = np.partition(subsample, bound_rank)[bound_rank] if bound_rank < subsample.size else np.inf
+    smallest = values[values <= bound]
+    if smallest.size < count:  # The subsample is not representative.
         smallest = values.copy()
     smallest.partition([max(count - 2, 0), count - 1])
     return np.asarray(smallest[:count])
