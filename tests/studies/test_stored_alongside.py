@@ -3,6 +3,7 @@
 import random
 
 import h5py
+import numpy as np
 import pytest
 import xarray
 from stiction.studies import contact_picture, onset
@@ -80,6 +81,26 @@ def test_stored_file_that_lacks_a_variable_is_rejected_with_a_one_line_error(com
         del file[variable]
     with pytest.raises(StoreError, match=rf"{name}: .*remove the file, and run the study again") as caught:
         COMPANION_LOADERS[name](complete_result)
+    assert len(str(caught.value).splitlines()) == 1
+
+
+IMPOSSIBLE_CHANGES = [
+    ("picture.nc", "contact_force", np.nan), ("picture.nc", "contact_force", -1.0), ("picture.nc", "patch", -1),
+    ("picture.nc", "height_x", 0.0), ("picture.nc", "contact_x", np.inf), ("picture.nc", "@load_mN", "text"),
+    ("picture.nc", "@x", h5py.Empty("f8")), ("onset.nc", "slip_x", 0.0), ("onset.nc", "displacement", 1e308),
+    ("onset.nc", "@mu0", np.nan), ("onset.nc", "@members", 0), ("onset.nc", "@poisson_ratio", 0.3),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("file_name", "name", "value"), IMPOSSIBLE_CHANGES)
+def test_stored_file_with_impossible_values_is_rejected_with_the_name(complete_result, file_name, name, value):
+    with h5py.File(complete_result.path / file_name, "r+") as file:
+        if name.startswith("@"):
+            file.attrs[name[1:]] = value
+        else:
+            file[name][...] = value
+    with pytest.raises(StoreError, match=rf"{file_name}: .*{name.removeprefix('@')}.*remove the file") as caught:
+        COMPANION_LOADERS[file_name](complete_result)
     assert len(str(caught.value).splitlines()) == 1
 
 

@@ -28,6 +28,9 @@ These are studies of asperities, of asperities of surfaces, of the half-space, o
 with an onset of sliding, and of measured bodies.
 """
 
+MAX_STORED_VALUE = 1e100
+"""Largest magnitude of a finite stored value. Sums of products of two stored values do not overflow."""
+
 IntervalKind = Literal["sampling", "combined", "prediction", "conditional"]
 """Kinds of intervals: of the mean over members, with all uncertain inputs, of a further test, with one input exact."""
 
@@ -51,6 +54,8 @@ class ResultQuantity:
     numerator: str = ""
     denominator: tuple[str, ...] = ()  # names of the quantities whose sum is the denominator of a ratio
     bounds: tuple[float, float] = (-math.inf, math.inf)  # limits for the ends of an interval
+    # limits of the values that a result may store; stored values may be infinite if a limit is infinite
+    stored_bounds: tuple[float, float] = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
     interval: IntervalKind = "sampling"  # kind of the 95 % interval
     percent: bool = False  # True if tables and reports show the quantity in percent
     column_unit: str = ""  # unit in spreadsheets, if it differs from `unit`
@@ -83,7 +88,17 @@ _STEP_AXIS: tuple[QuantityAxis, ...] = ("step",)
 _MOTION_AXES: tuple[QuantityAxis, ...] = ("sliding", "direction")
 _FRICTION_AXES: tuple[QuantityAxis, ...] = (*_MOTION_AXES, "step", "mu0", "tau0")
 _MEAN_FRICTION_AXES: tuple[QuantityAxis, ...] = ("sliding", "step", "mu0", "tau0")
-_FRACTION_QUANTITY_FIELDS: dict[str, Any] = {"unit": "1", "percent": True, "bounds": (-math.inf, 1.0)}
+_ROUND_OFF = 1e-6  # amount by which a stored fraction may exceed 1
+_STORED_FRACTION = (0.0, 1.0 + _ROUND_OFF)
+_ANY_STORED_VALUE = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
+_NOT_NEGATIVE = (0.0, MAX_STORED_VALUE)
+_STORED_STIFFNESS = (-MAX_STORED_VALUE, math.inf)  # The stiffness of a closed gap is infinite.
+_FRACTION_QUANTITY_FIELDS: dict[str, Any] = {
+    "unit": "1",
+    "percent": True,
+    "bounds": (-math.inf, 1.0),
+    "stored_bounds": _STORED_FRACTION,
+}
 _DEFAULT_VIEWS: frozenset[OutputView] = frozenset({"table", "report", "csv"})
 _VERBOSE_VIEWS: frozenset[OutputView] = frozenset({"verbose", "report", "csv"})
 _VERBOSE_TABLE_VIEWS: frozenset[OutputView] = frozenset({"verbose", "csv"})
@@ -95,26 +110,29 @@ def _sum_quantity(name: str, *more_sources: QuantitySource, **properties: Any) -
     """Return the table entry of a contact sum, using the unit and the description declared by the core."""
     unit, words = CORE_SUMS[name] if name in CORE_SUMS else AREAL_CORE_SUMS[name]
     source: QuantitySource = "asperities" if name in CORE_SUMS else "areal"
-    defaults: dict[str, Any] = {"kind": "sum", "along": _STEP_AXIS, "stored": frozenset({source, *more_sources})}
+    defaults: dict[str, Any] = {
+        "kind": "sum", "along": _STEP_AXIS, "stored": frozenset({source, *more_sources}),
+        "stored_bounds": _NOT_NEGATIVE,
+    }  # fmt: skip
     return ResultQuantity(unit=unit, words=words, **defaults | properties)
 
 
 def _directed_sum_quantities() -> dict[str, ResultQuantity]:
-    along = (*_MOTION_AXES, "step")
+    directed: dict[str, Any] = {"along": (*_MOTION_AXES, "step"), "stored_bounds": _ANY_STORED_VALUE}
     normal_sums: dict[str, ResultQuantity] = {
-        f"normal_{contribution}": _sum_quantity(f"normal_{contribution}", "half-space", along=along)
+        f"normal_{contribution}": _sum_quantity(f"normal_{contribution}", "half-space", **directed)
         for contribution in ("frictional", "adhesive")
     }
     contributions = ("elastic", "frictional", "adhesive")
     tangential_sums = {
-        f"tangential_{contribution}": _sum_quantity(f"tangential_{contribution}", "half-space", along=along)
+        f"tangential_{contribution}": _sum_quantity(f"tangential_{contribution}", "half-space", **directed)
         for contribution in contributions
     }
     return (
         normal_sums
         | tangential_sums
         | {
-            f"lateral_{contribution}": _sum_quantity(f"lateral_{contribution}", along=along)
+            f"lateral_{contribution}": _sum_quantity(f"lateral_{contribution}", **directed)
             for contribution in contributions
         }
     )
@@ -177,7 +195,7 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     "status": ResultQuantity(
         unit="", words="ok, or the reason why there is no value", kind="statistic", along=_STEP_AXIS, dtype=int,
-        stored=_MEASURED_SOURCE,
+        stored=_MEASURED_SOURCE, stored_bounds=_NOT_NEGATIVE,
     ),
     "friction_known": _uncertainty_quantity("coefficient of static friction, combined 95 % interval", "combined"),
     "friction_next_test": _uncertainty_quantity(
@@ -220,18 +238,21 @@ QUANTITIES: dict[str, ResultQuantity] = {
         unit="GPa", words="mean pressure in contact", kind="ratio", along=_STEP_AXIS, numerator="contact_load",
         denominator=("contact_area",), shown=_DEFAULT_VIEWS,
     ),
-    "normal_stiffness": _statistic_quantity("mN/um", "normal stiffness", stored=_MEASURED_SOURCE, shown=_DEFAULT_VIEWS),
+    "normal_stiffness": _statistic_quantity(
+        "mN/um", "normal stiffness", stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS, shown=_DEFAULT_VIEWS,
+    ),
     "closure": _statistic_quantity(
         "um", "closure, the decrease of the mean gap since first contact", "closure", stored=_MEASURED_SOURCE,
         shown=_DEFAULT_VIEWS,
     ),
     "closure_stiffness": _statistic_quantity(
         "MPa/mm", "derivative of the nominal pressure with respect to the closure", "stiffness of closure",
-        stored=_MEASURED_SOURCE, shown=_DEFAULT_VIEWS,
+        stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS, shown=_DEFAULT_VIEWS,
     ),
     "contact_load": ResultQuantity(
         unit="mN", words="load on the contacts: normal load plus attraction", brief="contact load",
-        kind="sum", along=_STEP_AXIS, proportional=True, stored=frozenset({"adhesion"}), shown=_DEFAULT_VIEWS,
+        kind="sum", along=_STEP_AXIS, proportional=True, stored=frozenset({"adhesion"}),
+        stored_bounds=_NOT_NEGATIVE, shown=_DEFAULT_VIEWS,
     ),
     "pull_off": ResultQuantity(
         unit="mN", words="pull-off force", kind="statistic", bound_fraction="share_of_pull_off_bounds",
@@ -248,11 +269,12 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     "tangential_stiffness": _statistic_quantity(
         "mN/um", "initial tangential stiffness", proportional=True, stored=frozenset({"onset"}),
+        stored_bounds=_STORED_STIFFNESS,
         shown=frozenset({"table", "csv"}),
     ),
     "displacement_at_sliding": _statistic_quantity(
         "um", "displacement of the upper body before it slides", "pre-sliding displacement", weighted=True,
-        stored=frozenset({"onset"}), shown=frozenset({"table", "csv"}),
+        stored=frozenset({"onset"}), stored_bounds=_NOT_NEGATIVE, shown=frozenset({"table", "csv"}),
     ),
     "fraction_slipped": _statistic_quantity(
         **_FRACTION_QUANTITY_FIELDS, words="fraction of the normal load that slips at half of the sliding load",
@@ -327,11 +349,11 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     "error": _statistic_quantity(
         "1", "error of the half-space solution, in standard deviations of the gap", "error of the solution",
-        stored=_MEASURED_SOURCE, shown=_VERBOSE_TABLE_VIEWS,
+        stored=_MEASURED_SOURCE, stored_bounds=_NOT_NEGATIVE, shown=_VERBOSE_TABLE_VIEWS,
     ),
     "unloading_stiffness": _statistic_quantity(
         "mN/um", "normal stiffness during unloading, as measured by ultrasound", stored=_MEASURED_SOURCE,
-        shown=_CSV_VIEW,
+        stored_bounds=_STORED_STIFFNESS, shown=_CSV_VIEW,
     ),
     "nominal_pressure": ResultQuantity(
         unit="GPa", words="normal load divided by the nominal area", brief="pressure on the nominal area", kind="ratio",
@@ -343,11 +365,11 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     "pull_off_is_bound": ResultQuantity(
         unit="1", words="1 if the pull-off force is only a lower bound, otherwise 0", kind="statistic",
-        stored=frozenset({"adhesion"}),
+        stored=frozenset({"adhesion"}), stored_bounds=(0.0, 1.0),
     ),
     "patch_area": ResultQuantity(
         unit="um^2", words="projected areas of contacts", brief="area of a contact", kind="statistic",
-        along=("step", "fraction_below"), stored=_MEASURED_SOURCE,
+        along=("step", "fraction_below"), stored=_MEASURED_SOURCE, stored_bounds=_NOT_NEGATIVE,
     ),
     "pressure": ResultQuantity(
         unit="GPa", words="pressures over the true area", brief="pressure", kind="statistic",
@@ -362,11 +384,11 @@ QUANTITIES: dict[str, ResultQuantity] = {
     },
     "rms_gradient": ResultQuantity(
         unit="1", words="root-mean-square gradient of the gap", brief="rms gradient of the gap", kind="statistic",
-        stored=_MEASURED_SOURCE,
+        stored=_MEASURED_SOURCE, stored_bounds=_NOT_NEGATIVE,
     ),
     "rms_slope": ResultQuantity(
         unit="1", words="root-mean-square slope of the gap along the motion", brief="rms slope of the gap",
-        kind="statistic", along=("direction",), stored=_MEASURED_SOURCE,
+        kind="statistic", along=("direction",), stored=_MEASURED_SOURCE, stored_bounds=_NOT_NEGATIVE,
     ),
     "reading_difference": ResultQuantity(
         unit="1", words="largest relative difference of friction between definitions of the load", kind="uncertainty",
@@ -421,8 +443,10 @@ QUANTITIES: dict[str, ResultQuantity] = {
     "axis": _coordinate_quantity("degree", "axis of the motion in either direction, from +x towards +y"),
     "x": _coordinate_quantity("um", "shift of the upper body along +x"),
     "y": _coordinate_quantity("um", "shift of the upper body along +y"),
-    "line": _coordinate_quantity("1", "pair of lines", dtype=int),
-    "surrogate": _coordinate_quantity("", "True if the member is a pair of surrogates", dtype=bool),
+    "line": _coordinate_quantity("1", "pair of lines", dtype=int, stored_bounds=_NOT_NEGATIVE),
+    "surrogate": _coordinate_quantity(
+        "", "True if the member is a pair of surrogates", dtype=bool, stored_bounds=(0.0, 1.0),
+    ),
     "nominal_area": _coordinate_quantity("um^2", "nominal area of a member"),
     "direction": _coordinate_quantity(
         "degree", "direction in which the upper body is about to move, from +x towards +y"

@@ -27,7 +27,9 @@ from stiction.studies.member_solution import PressedPair
 from stiction.studies.members import load_bodies, pair_of
 from stiction.studies.result import Result
 from stiction.studies.store import StoredResult, read_companion_file
+from stiction.studies.stored_values import ANY_STORED_VALUE, POSITIVE_STORED_VALUE, AttributeSpec, VariableSpec
 from stiction.studies.study import Study
+from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
@@ -146,11 +148,29 @@ def load_contact_picture(result: StoredResult) -> xarray.Dataset | None:
 
     Raises a `StoreError` if the file is damaged.
     """
-    zoom_variables = ("zoom_pressure", "zoom_height") if result.study.uses_half_space else ()
-    body_variables = ("upper_height", "patch", *zoom_variables) if result.study.is_areal else ("gap",)
-    return read_companion_file(
-        result.path / CONTACT_PICTURE_FILE, (*_CONTACT_VARIABLE_SPECS, "lower_height", *body_variables)
-    )
+    specs = {name: VariableSpec(dims=("contact",)) for name in _CONTACT_VARIABLE_SPECS}
+    specs["contact_force"] = VariableSpec(dims=("contact",), bounds=POSITIVE_STORED_VALUE)
+    if not result.study.is_areal:
+        specs |= {name: VariableSpec(dims=("height_x",), may_be_nan=True) for name in ("lower_height", "gap")}
+    else:
+        map_dims = ("height_y", "height_x")
+        specs |= {f"{side}_height": VariableSpec(dims=map_dims, may_be_nan=True) for side in SIDES}
+        specs["patch"] = VariableSpec(dims=map_dims, dtype=int, bounds=(0, ANY_STORED_VALUE[1]))
+    if result.study.is_areal and result.study.uses_half_space:
+        zoom_dims = ("zoom_y", "zoom_x")
+        specs |= {name: VariableSpec(dims=zoom_dims, may_be_nan=True) for name in ("zoom_pressure", "zoom_height")}
+    axes = sorted({dim for spec in specs.values() for dim in spec.dims} - {"contact"})
+    specs |= {name: VariableSpec(dims=(name,), ascending_dim=name) for name in axes}
+    return read_companion_file(result.path / CONTACT_PICTURE_FILE, specs, _CONTACT_PICTURE_ATTRIBUTE_SPECS)
+
+
+_CONTACT_PICTURE_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
+    "member": AttributeSpec(dtype=int, bounds=(0, ANY_STORED_VALUE[1])),
+    "load_mN": AttributeSpec(bounds=POSITIVE_STORED_VALUE),
+    # The shift is NaN for surrogates, which have no position.
+    "x": AttributeSpec(may_be_nan=True),
+    "y": AttributeSpec(may_be_nan=True),
+}
 
 
 def find_touching_profiles(result: Result, load: float) -> tuple[Profile, Profile, float, float] | None:

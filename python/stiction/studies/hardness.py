@@ -21,12 +21,14 @@ from stiction._checks import Floats
 from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solve_together_or_separately
 from stiction.mechanics.hardness import interpolate_area_per_load
 from stiction.mechanics.materials import Material, material, softest_material
+from stiction.mechanics.quantities import QUANTITIES
 from stiction.mechanics.resolution import KAPPA_AT_SMALL_LOADS
 from stiction.studies.contact_tables import HalfSpaceSettings
 from stiction.studies.input_uncertainty import UncertainInput, parse_study_input, parse_uncertain_input
 from stiction.studies.members import count_grid_points, load_bodies
 from stiction.studies.moduli import UncertainModulus, find_material_hardness, find_material_moduli
 from stiction.studies.store import StoredResult, read_companion_file
+from stiction.studies.stored_values import VariableSpec
 from stiction.studies.study import Study
 from stiction.surfaces.pairing import SIDES
 
@@ -333,11 +335,12 @@ def load_areas_at_nodes(result: StoredResult) -> xarray.Dataset | None:
     hardnesses, moduli = choose_hardness_and_modulus_nodes(study) if study.is_measured else (np.zeros(0), np.ones(1))
     expected_nodes = hardnesses, moduli, np.array([float(load) for load in study.friction.load])
     names = ("hardness", "relative_modulus", "load")
-    stored_dataset = (
-        read_companion_file(result.path / AREAS_BY_HARDNESS_FILE, (*names, *_list_area_names(study)))
-        if hardnesses.size
-        else None
-    )
+    area_dims = ("repetition", "relative_modulus", "hardness", "load")
+    area_bounds = QUANTITIES["contact_area"].stored_bounds
+    specs = {name: VariableSpec(dims=(name,), bounds=(0.0, math.inf)) for name in names} | {
+        name: VariableSpec(dims=area_dims, bounds=area_bounds, may_be_nan=True) for name in _list_area_names(study)
+    }
+    stored_dataset = read_companion_file(result.path / AREAS_BY_HARDNESS_FILE, specs) if hardnesses.size else None
     if stored_dataset is None:
         return None
     stored_nodes = [stored_dataset[name].values for name in names]

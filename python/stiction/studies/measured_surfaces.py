@@ -21,6 +21,8 @@ from stiction._files import UnreadableFileError, check_is_file, describe_os_erro
 from stiction._text import printable_path
 from stiction._units import Quantity, quantity, short_repr
 from stiction.mechanics.model import PROFILE_WIDTH
+from stiction.mechanics.quantities import MAX_STORED_VALUE
+from stiction.studies.stored_values import POSITIVE_STORED_VALUE, AttributeSpec
 from stiction.studies.values import (
     CutOffs,
     Length,
@@ -455,12 +457,33 @@ class SharedMemberProperties:
     scans: Sequence[Any]  # scans before they are divided into members
 
 
+BODY_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
+    **{side: AttributeSpec(dtype=str) for side in SIDES},  # history of the body
+    "shape": AttributeSpec(dtype=int, sizes=(1, 2), bounds=(1, MAX_STORED_VALUE)),
+    "spacing_um": AttributeSpec(sizes=(1, 2), bounds=POSITIVE_STORED_VALUE),
+    "fraction_used": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE)),
+    **{
+        f"{side}_{name}_um": AttributeSpec(sizes=(1, 2), bounds=POSITIVE_STORED_VALUE)
+        for side in SIDES
+        for name in ("spacing", "extent")
+    },
+    # fraction of interpolated points, and area (µm²) or length (µm) of the largest gap
+    **{f"{side}_filled": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE), is_required=False) for side in SIDES},
+}
+"""Attributes of a result that describe measured bodies. A value for each axis is in the order of the array axes."""
+
+
 @dataclass(frozen=True)
 class BodyAttributes:
     """Metadata that a result stores for measured bodies. All fields are empty for generated bodies."""
 
     nominal_area: float | None = None  # nominal area of each member (µm²)
-    attributes: dict[str, Any] = field(default_factory=dict)
+    attributes: dict[str, Any] = field(default_factory=dict)  # values by name, as in `BODY_ATTRIBUTE_SPECS`
+
+    @classmethod
+    def from_values(cls, nominal_area: float, values: Mapping[str, Any]) -> BodyAttributes:
+        """Convert values of all body attributes, or of all but the optional ones, to the types that a result stores."""
+        return cls(nominal_area, {name: BODY_ATTRIBUTE_SPECS[name].encode(value) for name, value in values.items()})
 
 
 class MemberSource(Protocol):

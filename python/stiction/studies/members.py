@@ -228,18 +228,16 @@ class PreparedBodies:
             for side, body in zip(SIDES, (properties.upper, properties.lower), strict=True)
         }
         attributes |= {
-            "shape": np.array(properties.shape, np.int64),
-            "spacing_um": np.array(properties.spacing, np.float64),
-            "fraction_used": np.array(properties.used_fractions, np.float64),
+            "shape": properties.shape,
+            "spacing_um": properties.spacing,
+            "fraction_used": properties.used_fractions,
         }
         for side, scan in zip(SIDES, properties.scans, strict=True):
-            attributes[f"{side}_spacing_um"] = np.atleast_1d(np.asarray(scan.spacing, np.float64))
-            attributes[f"{side}_extent_um"] = np.atleast_1d(np.asarray(scan.extent, np.float64))
+            attributes[f"{side}_spacing_um"] = scan.spacing
+            attributes[f"{side}_extent_um"] = scan.extent
             if (interpolated := getattr(self._surfaces, side).find_interpolated_fraction_and_gap()).any():
                 attributes[f"{side}_filled"] = interpolated
-        return BodyAttributes(
-            nominal_area=float(properties.area) * self._find_measured_fraction(), attributes=attributes
-        )
+        return BodyAttributes.from_values(float(properties.area) * self._find_measured_fraction(), attributes)
 
     def _find_measured_fraction(self) -> float:
         """Return the area fraction in which both bodies were measured, averaged over the first members."""

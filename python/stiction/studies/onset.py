@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from functools import partial
@@ -20,6 +21,7 @@ from stiction.studies.executors import wrap_to_use_idle_threads
 from stiction.studies.member_solution import PressedPair
 from stiction.studies.members import count_grid_points, load_bodies
 from stiction.studies.store import read_companion_file
+from stiction.studies.stored_values import ANY_STORED_VALUE, AttributeSpec, VariableSpec
 from stiction.studies.study import Study
 from stiction.surfaces.surface import Surface
 
@@ -182,6 +184,46 @@ def _fit_presliding_models(onset: xarray.Dataset) -> dict[str, float]:
 
 # ---- Files stored with a result -------------------------------------------------------------------------------------
 
+_UNBOUNDED = (-math.inf, math.inf)  # The stiffness of a closed gap and the ends of some intervals are infinite.
+
+_ONSET_VARIABLE_SPECS: dict[str, VariableSpec] = {
+    "fraction": VariableSpec(dims=("fraction",)),
+    "statistic": VariableSpec(dims=("statistic",), dtype=str),
+    **{
+        name: VariableSpec(
+            dims=("statistic",), bounds=_UNBOUNDED, may_be_nan=True, is_required=name != _ONSET_SCALAR_NAMES[-1]
+        )
+        for name in _ONSET_SCALAR_NAMES
+    },
+    **{
+        name: VariableSpec(dims=("fraction", "statistic"), bounds=_UNBOUNDED, may_be_nan=True) for name in _CURVE_TITLES
+    },
+    **{name: VariableSpec(dims=(name,), is_required=False, ascending_dim=name) for name in ("slip_y", "slip_x")},
+    **{
+        name: VariableSpec(dims=("slip_y", "slip_x"), may_be_nan=True, is_required=False)
+        for name in ("lower_height", "slip")
+    },
+    **{
+        f"contact_{name}": VariableSpec(dims=("contact",), may_be_nan=True, is_required=False)
+        for name in ("slip", "x", "y", "area")
+    },
+}
+"""Variables of `ONSET_FILE`. Only areal contacts have a slip map."""
+
+_ONSET_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
+    "load_mN": AttributeSpec(),
+    "mu0": AttributeSpec(),
+    "tau0_GPa": AttributeSpec(),
+    "members": AttributeSpec(dtype=int, bounds=(1, ANY_STORED_VALUE[1])),
+    "poisson_ratio": AttributeSpec(sizes=(2,)),
+    "poisson_given": AttributeSpec(dtype=int, is_required=False),
+    **{
+        f"{model}_{name}": AttributeSpec(is_required=False)
+        for model, names in PRESLIDING_PARAMETERS.items()
+        for name in names
+    },
+}
+
 
 def load_stored_onset(result: StoredResult) -> xarray.Dataset | None:
     """Load the onset of sliding that is stored with a result.
@@ -193,13 +235,12 @@ def load_stored_onset(result: StoredResult) -> xarray.Dataset | None:
     if not result.study.is_measured:
         return None
     settings = result.study.friction
-    onset = read_companion_file(
-        Path(result.path) / ONSET_FILE, ("fraction", "statistic", *_ONSET_SCALAR_NAMES[:-1], *_CURVE_TITLES)
-    )
+    onset = read_companion_file(Path(result.path) / ONSET_FILE, _ONSET_VARIABLE_SPECS, _ONSET_ATTRIBUTE_SPECS)
     if (
         onset is None
         or _ONSET_SCALAR_NAMES[-1] not in onset
         or onset["fraction"].values.tolist() != list(ONSET_LOAD_FRACTIONS)
+        or onset["statistic"].values.tolist() != _STATISTIC_NAMES
     ):
         return None
     conditions = [float(onset.attrs[name]) for name in ("load_mN", "mu0", "tau0_GPa")]

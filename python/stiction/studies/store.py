@@ -38,7 +38,8 @@ from stiction._files import (
     replace_file_atomically,
 )
 from stiction._text import printable_path, printable_text
-from stiction.mechanics.friction import LOAD_SUM_NAMES
+from stiction.mechanics.friction import STATUS_OK, STATUSES
+from stiction.mechanics.quantities import GAP_QUANTITIES, QUANTITIES
 from stiction.studies.layout import (
     MEMBER_COORDINATE_TYPES,
     RESULT_TITLE,
@@ -49,8 +50,19 @@ from stiction.studies.layout import (
     coordinate_specs_and_values,
     variable_specs,
 )
-from stiction.studies.measured_surfaces import BodyAttributes
+from stiction.studies.measured_surfaces import BODY_ATTRIBUTE_SPECS, BodyAttributes
 from stiction.studies.members import find_body_attributes
+from stiction.studies.stored_values import (
+    MIN_POSITIVE_STORED_VALUE,
+    POSITIVE_STORED_VALUE,
+    AttributeSpec,
+    DamagedFileError,
+    VariableSpec,
+    check_attributes,
+    check_increase,
+    check_missing_values,
+    check_values,
+)
 from stiction.studies.study import (
     MAX_STUDY_BYTES,
     Study,
@@ -304,8 +316,10 @@ def read(path: str | Path) -> xarray.Dataset:
     return result
 
 
-def read_companion_file(path: Path, names: Iterable[str]) -> xarray.Dataset | None:
-    """Read a companion file of a result, and check that the file contains the given variables.
+def read_companion_file(
+    path: Path, variables: Mapping[str, VariableSpec], attributes: Mapping[str, AttributeSpec] | None = None
+) -> xarray.Dataset | None:
+    """Read a companion file of a result, and compare its variables and attributes with their specifications.
 
     Returns None if the file does not exist. Raises a `StoreError` if the file is damaged.
     """
@@ -315,10 +329,15 @@ def read_companion_file(path: Path, names: Iterable[str]) -> xarray.Dataset | No
         file_content = read_file_bytes(path, MAX_COMPANION_BYTES)
         options: dict[str, Any] = {"engine": "h5netcdf", "decode_cf": False, "phony_dims": "sort"}
         with _open_netcdf(file_content) as file:
-            for name in names:
-                _read_variable(file, name)
+            for name, spec in variables.items():
+                if spec.is_required or name in file:
+                    _read_variable(file, name)
+            check_attributes(file.attrs, attributes or {})
             with xarray.open_dataset(io.BytesIO(file_content), **options) as dataset:
                 dataset.load()
+        for name, spec in variables.items():
+            if name in dataset.variables:
+                _check_variable(name, dataset[name], spec)
     except FileNotFoundError:
         return None
     except (OSError, UnreadableFileError, DamagedFileError) as error:
@@ -326,9 +345,17 @@ def read_companion_file(path: Path, names: Iterable[str]) -> xarray.Dataset | No
         raise StoreError(
             f"{printable_path(path)}: {reason}; remove the file, and run the study again to recreate it"
         ) from None
-    attributes = {name: np.asarray(value) for name, value in dataset.attrs.items()}
-    dataset.attrs = {name: value.item() if value.size == 1 else value for name, value in attributes.items()}
+    values_by_name = {name: np.asarray(value) for name, value in dataset.attrs.items()}
+    dataset.attrs = {name: value.item() if value.size == 1 else value for name, value in values_by_name.items()}
     return dataset
+
+
+def _check_variable(name: str, variable: xarray.DataArray, spec: VariableSpec) -> None:
+    if variable.dims != spec.dims:
+        raise DamagedFileError(f"has {name} with the dimensions {variable.dims} instead of {spec.dims}")
+    check_values(name, variable.values, dtype=spec.dtype, bounds=spec.bounds, may_be_nan=spec.may_be_nan)
+    if spec.ascending_dim:
+        check_increase(name, variable.values, variable.dims.index(spec.ascending_dim))
 
 
 def open_stored_result(path: str | Path) -> StoredResult:
@@ -514,8 +541,6 @@ def write_block(path: Path, first_member: int, content: bytes, num_members: int)
 
 # ---- The file of a block ---------------------------------------------------------------------------------------------
 
-# If the checksum of a block file is correct, only the study and the shapes of the arrays are verified in addition.
-
 # attributes of a result that do not describe the bodies
 NON_BODY_ATTRIBUTES = ("title", "study", "stiction_version", "_NCProperties")
 
@@ -526,10 +551,6 @@ checksum.
 """
 
 _template_lock = threading.Lock()  # ensures that only one of several concurrent threads creates the template
-
-
-class DamagedFileError(Exception):
-    """Error raised if a file is not a valid result. The message contains the reason."""
 
 
 @dataclass(frozen=True)
@@ -611,37 +632,82 @@ def append_checksum(file: io.BytesIO) -> None:
 def decode_members(content: bytes) -> BlockFileContent:
     """Decode the members from the bytes of a block file.
 
-    Raises a `DamagedFileError` if the arrays do not match the study in the file.
+    Raises a `DamagedFileError` if the arrays do not match the study in the file, or if an array or an attribute has
+    values that no computation returns.
     """
     with _open_netcdf(content) as file:
         title, text, version = (file.attrs.get(name) for name in ("title", "study", "stiction_version"))
         if title != RESULT_TITLE or not isinstance(text, str):
             raise DamagedFileError("has no attribute 'study'")
+        if not isinstance(version, str):
+            raise DamagedFileError("has no attribute 'stiction_version'")
         study = _parse_stored_study(text)
         numbers = _read_variable(file, "repetition")
+        check_values("repetition", numbers, dtype=int, bounds=(0, np.iinfo(np.int64).max))
+        if numbers.ndim != 1 or np.unique(numbers).size < numbers.size:
+            raise DamagedFileError("has repeated values of repetition")
         arrays = {name: _read_variable(file, name, spec.shape) for name, spec in variable_specs(study, numbers).items()}
-        for name in ("contact_area", *LOAD_SUM_NAMES):
-            if np.isinf(arrays[name]).any():
-                raise DamagedFileError(f"contains an infinite value of {name}")
+        check_member_arrays(study, arrays)
+        arrays = {name: values.astype(QUANTITIES[name].dtype, copy=False) for name, values in arrays.items()}
         bodies = BodyAttributes()
         if study.is_measured:
-            arrays |= {
-                name: _read_variable(file, name, numbers.shape).astype(dtype)
-                for name, dtype in MEMBER_COORDINATE_TYPES.items()
-            }
+            for name, dtype in MEMBER_COORDINATE_TYPES.items():
+                coordinate = _read_variable(file, name, numbers.shape)
+                # Surrogates have no position, so x and y are NaN.
+                check_values(
+                    name, coordinate, dtype=QUANTITIES[name].dtype, bounds=QUANTITIES[name].stored_bounds,
+                    may_be_nan=True,
+                )  # fmt: skip
+                arrays[name] = coordinate.astype(dtype)
             stored_attributes = {name: file.attrs[name] for name in file.attrs if name not in NON_BODY_ATTRIBUTES}
+            check_attributes(stored_attributes, BODY_ATTRIBUTE_SPECS)
             attributes = {
                 name: value if isinstance(value, str) else np.atleast_1d(value)
                 for name, value in stored_attributes.items()
             }
-            bodies = BodyAttributes(float(_read_variable(file, "nominal_area")), attributes)
+            nominal_area = _read_variable(file, "nominal_area", ())
+            check_values("nominal_area", nominal_area, bounds=POSITIVE_STORED_VALUE)
+            bodies = BodyAttributes(float(nominal_area), attributes)
         coordinates = {
             name: spec_and_values
             for name, spec_and_values in coordinate_specs_and_values(study, []).items()
             if name != "repetition"
         }
         is_exact = [np.array_equal(_read_variable(file, name), values) for name, (_, values) in coordinates.items()]
-    return BlockFileContent(study, str(version), numbers, arrays, bodies, all(is_exact))
+    return BlockFileContent(study, version, numbers, arrays, bodies, all(is_exact))
+
+
+def check_member_arrays(study: Study, arrays: ArraysByName) -> None:
+    """Raise a `DamagedFileError` if arrays of members have values that no computation of the study returns.
+
+    Values may be NaN only where a solver can fail, which is at given loads and for the pull-off force. If a solver
+    fails at a load, all contact sums are NaN. A contact that carries a load has an area.
+    """
+    can_fail = study.step_quantity == "load"
+    smallest_values, names_with_nan = {}, []
+    for name, values in arrays.items():
+        quantity = QUANTITIES[name]
+        smallest_values[name], has_nan = check_values(
+            name, values, dtype=quantity.dtype, bounds=quantity.stored_bounds,
+            may_be_nan=can_fail and name not in GAP_QUANTITIES,
+        )  # fmt: skip
+        names_with_nan += [name] * has_nan
+    load, area = arrays["normal_elastic"], arrays["contact_area"]
+    for name, values in (("normal_elastic", load), ("contact_area", area)):
+        is_small = smallest_values[name] < MIN_POSITIVE_STORED_VALUE
+        if is_small and ((values > 0) & (values < MIN_POSITIVE_STORED_VALUE)).any():
+            raise DamagedFileError(f"has {name} with a value between 0 and {MIN_POSITIVE_STORED_VALUE:g}")
+    if smallest_values["contact_area"] == 0 and ((area == 0) & (load > 0)).any():
+        raise DamagedFileError("has contact_area = 0 at a load above 0")
+    is_missing = np.isnan(load) if names_with_nan else np.zeros(load.shape, dtype=bool)
+    for name, values in arrays.items():
+        is_step_sum = QUANTITIES[name].kind == "sum" and "step" in QUANTITIES[name].along
+        if names_with_nan and is_step_sum and values.dtype.kind == "f":
+            check_missing_values(name, values, is_missing)
+    if "status" in arrays:
+        check_values("status", arrays["status"], dtype=int, bounds=(0, len(STATUSES) - 1))
+        if not np.array_equal(arrays["status"] != STATUSES.index(STATUS_OK), is_missing):
+            raise DamagedFileError("has values of status that contradict normal_elastic")
 
 
 @contextmanager

@@ -1,0 +1,142 @@
+"""Checks of the variables and attributes of stored files.
+
+A file with a correct checksum may still contain values that no computation returns, for example if another program
+changed the file. Each variable and attribute has a specification, with which it is compared when the file is read.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction.mechanics.quantities import MAX_STORED_VALUE
+
+MIN_POSITIVE_STORED_VALUE = 1 / MAX_STORED_VALUE
+"""Smallest value above 0 of a stored load, area or length. The quotient of two stored values is therefore finite."""
+
+ANY_STORED_VALUE = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
+"""Bounds of stored values without other limits."""
+
+POSITIVE_STORED_VALUE = (MIN_POSITIVE_STORED_VALUE, MAX_STORED_VALUE)
+"""Bounds of stored values that are above 0, such as areas and grid spacings."""
+
+_CHUNK_SIZE = 2**14  # number of values that are compared at a time
+
+_DTYPE_KINDS: dict[type, tuple[str, str]] = {
+    float: ("fiu", "numbers"), int: ("iu", "integers"), bool: ("biu", "integers"), str: ("OUS", "text"),
+}  # fmt: skip
+"""Kinds of NumPy data types that may be stored for a type, and a phrase for them. NetCDF has no Boolean type."""
+
+
+class DamagedFileError(Exception):
+    """Error raised if a file is not a valid result. The message contains the reason."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class VariableSpec:
+    """Dimensions, type and bounds of a variable of a stored file."""
+
+    dims: tuple[str, ...] = ()
+    dtype: type = float
+    bounds: tuple[float, float] = ANY_STORED_VALUE
+    may_be_nan: bool = False
+    is_required: bool = True
+    ascending_dim: str = ""  # dimension along which the values increase strictly; empty if they need not increase
+
+
+@dataclass(frozen=True, kw_only=True)
+class AttributeSpec:
+    """Type, permitted numbers of values and bounds of an attribute of a stored file."""
+
+    dtype: type = float
+    sizes: tuple[int, ...] = (1,)
+    bounds: tuple[float, float] = ANY_STORED_VALUE
+    may_be_nan: bool = False
+    is_required: bool = True
+
+    def encode(self, value: Any) -> Any:
+        """Return a value as a file stores it: text, or a one-dimensional array."""
+        return str(value) if self.dtype is str else np.atleast_1d(np.asarray(value, self.dtype))
+
+
+def check_values(
+    name: str, values: NDArray[Any], *, dtype: type = float, bounds: tuple[float, float] = ANY_STORED_VALUE,
+    may_be_nan: bool = False,
+) -> tuple[float, bool]:  # fmt: skip
+    """Raise a `DamagedFileError` if stored values have another type than `dtype`, or are outside of `bounds`.
+
+    Returns the smallest finite value, or infinity if there is none, and whether a value is NaN.
+    """
+    kinds, type_text = _DTYPE_KINDS[dtype]
+    if values.dtype.kind not in kinds:
+        raise DamagedFileError(f"has {name} with the data type {values.dtype}, but {name} consists of {type_text}")
+    if dtype is str or not values.size:
+        return math.inf, False
+    smallest, largest = _find_extremes(values)
+    has_nan = math.isnan(smallest)
+    if has_nan and not may_be_nan:
+        raise DamagedFileError(f"has {name} with a value that is not a number")
+    if has_nan or math.isinf(smallest) or math.isinf(largest):
+        # Infinite values are permitted if the bounds are infinite. Finite values have finite bounds in any case.
+        is_permitted = np.isnan(values) | np.isin(values, [bound for bound in bounds if math.isinf(bound)])
+        smallest, largest = _find_extremes(values[~is_permitted]) if not is_permitted.all() else (math.inf, -math.inf)
+    lower, upper = max(bounds[0], -MAX_STORED_VALUE), min(bounds[1], MAX_STORED_VALUE)
+    if smallest < lower or largest > upper:
+        value = smallest if smallest < lower else largest
+        limit_text = f"at least {lower:g}" if smallest < lower else f"at most {upper:g}"
+        raise DamagedFileError(f"has {name} = {value:g}, but {name} must be {limit_text}")
+    return smallest, has_nan
+
+
+def _find_extremes(values: NDArray[Any]) -> tuple[float, float]:
+    """Return the smallest and the largest value, which are both NaN if a value is NaN.
+
+    Each chunk of the values is read once from memory, because it fits into the cache.
+    """
+    flat = values.reshape(-1)
+    starts = range(0, flat.size, _CHUNK_SIZE)
+    ends = [(flat[start : start + _CHUNK_SIZE].min(), flat[start : start + _CHUNK_SIZE].max()) for start in starts]
+    smallest, largest = np.array(ends, np.float64).T
+    return float(smallest.min()), float(largest.max())
+
+
+def check_attributes(attributes: Mapping[str, Any], specs: Mapping[str, AttributeSpec]) -> None:
+    """Raise a `DamagedFileError` if an attribute is missing, or differs from its specification."""
+    for name, spec in specs.items():
+        if name not in attributes:
+            if spec.is_required:
+                raise DamagedFileError(f"has no attribute '{name}'")
+            continue
+        value = attributes[name]
+        if spec.dtype is str:
+            if not isinstance(value, str):
+                raise DamagedFileError(f"has the attribute '{name}', which is not text")
+            continue
+        values = np.atleast_1d(np.asarray(value))
+        check_values(
+            f"the attribute '{name}'", values, dtype=spec.dtype, bounds=spec.bounds, may_be_nan=spec.may_be_nan
+        )
+        if values.ndim != 1 or values.size not in spec.sizes:
+            sizes_text = " or ".join(map(str, spec.sizes))
+            raise DamagedFileError(f"has {values.size} values of the attribute '{name}' instead of {sizes_text}")
+
+
+def check_increase(name: str, values: NDArray[Any], axis: int = 0) -> None:
+    """Raise a `DamagedFileError` if stored values do not increase strictly along an axis."""
+    if not (np.diff(values, axis=axis) > 0).all():
+        raise DamagedFileError(f"has {name} with values that do not increase")
+
+
+def check_missing_values(name: str, values: NDArray[Any], is_missing: NDArray[np.bool_]) -> None:
+    """Raise a `DamagedFileError` if a contact sum is not NaN at the loads at which the solver failed, and only there.
+
+    `is_missing` has the shape (..., loads), and `values` may have further axes before the last.
+    """
+    further_axes = tuple(range(is_missing.ndim - 1, values.ndim - 1))
+    if not np.array_equal(np.isnan(values), np.broadcast_to(np.expand_dims(is_missing, further_axes), values.shape)):
+        raise DamagedFileError(f"has {name} and normal_elastic with values that are NaN at different loads")
