@@ -595,7 +595,8 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
             "so it lacks short wavelengths"
         )
         yield Caveat(text, "scan both bodies with similar spacings", "caution")
-    mean_contact_area = mean_over_directions(point, "contact_area") / mean_over_directions(point, "contact_count")
+    count = mean_over_directions(point, "contact_count")
+    mean_contact_area = mean_over_directions(point, "contact_area") / count if count > 0 else math.nan
     for side in sides:
         interpolated_fraction, largest_gap = np.asarray(point.attrs.get(f"{side}_filled", (0.0, 0.0))).tolist()
         if interpolated_fraction > MAX_INTERPOLATED_FRACTION or largest_gap > mean_contact_area:
