@@ -55,6 +55,7 @@ def two_finishes_folder(tmp_path_factory):
             name,
             cwd=folder,
             without_figures=True,
+            without_report=True,
         )
         result = Result(open_stored_result(folder / name))
         for load in (40, 80, 160):

@@ -48,6 +48,7 @@ def call_counts(surface_folder):
         patch_to_count_calls(summary, "summarize")
         patch_to_count_calls(budget, "add_uncertainty")
         patch_to_count_calls(input_caveats, "find_study_caveats")
+        monkeypatch.setattr("matplotlib.figure.Figure.draw", lambda *_: None)
         run_command(
             monkeypatch,
             "pair",

@@ -13,9 +13,14 @@ from stiction.views.files import replace_text_file
 from stiction.views.report.page import REPORT_FILE_SIGNATURE
 
 
+@contextlib.contextmanager
 def disable_drawing():
-    """Return a context manager that disables drawing by Matplotlib, to save time."""
-    return mock.patch("matplotlib.figure.Figure.draw", return_value=None)
+    """Return a context manager that disables drawing and the layout of figures by Matplotlib, to save time."""
+    with (
+        mock.patch("matplotlib.figure.Figure.draw", return_value=None),
+        mock.patch("matplotlib.layout_engine.ConstrainedLayoutEngine.execute", return_value=None),
+    ):
+        yield
 
 
 def disable_reports():
