@@ -53,7 +53,7 @@ def small_named_study(name, **changes):
 
 
 @pytest.fixture(scope="module")
-def datasets_by_title():
+def datasets_by_title(no_contact_pictures):
     """Return datasets of members of all kinds of studies."""
     areal_changes = {"surfaces.shape": [64, 64], "surfaces.extent": ["2 um", "2 um"]}
     half_space = {"shifts": 3, "mechanics": "half-space", "direction": [0, 180]}

@@ -26,6 +26,8 @@ from stiction.studies.interfaces import GROWTH_HEADER_ENTRY, HARDNESS_HEADER_ENT
 from stiction.views.calibration import calibration_text
 from support.rough_surfaces import rough_maps
 
+pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+
 BALL = Ball("5 mm", "3 GPa")
 LOADS = np.geomspace(5.0, 2000.0, 8)
 MU0, TAU0, RELATIVE_ERROR = 0.15, 0.012, 0.03

@@ -26,6 +26,8 @@ from stiction.studies.input_uncertainty import Z_95
 from stiction.studies.interfaces import find_interface
 from support.command import assert_rejected, call_stiction, check_stiction
 
+pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+
 INTERFACE_KINDS = ("measured", "lumped", "bound")
 
 MAX_SAMPLING_ERROR = 0.04
@@ -133,7 +135,9 @@ def test_interfaces_command_lists_interfaces_that_the_pair_command_accepts(tmp_p
     for side, body in zip(("upper", "lower"), rough_surfaces(), strict=True):
         write_surface(body, tmp_path / f"{side}.csv")
     options = ("pair", "upper.csv", "lower.csv", "--load", "20 MPa", "--effective-modulus", "3 GPa", "--shifts", "2")
-    completed = check_stiction(*options, "--interface", "steel on ice", "--onset", 0, cwd=tmp_path)
+    completed = check_stiction(
+        *options, "--interface", "steel on ice", "--onset", 0, cwd=tmp_path, without_figures=True, without_report=True
+    )
     assert "interface steel on ice (lumped, kinetic)" in " ".join(completed.stdout.split())
     assert_rejected(call_stiction(*options, cwd=tmp_path), "give --mu0 or --interface")
     assert_rejected(call_stiction(*options, "--interface", "x", "--mu0", 1, cwd=tmp_path), "--mu0 must not be combined")

@@ -14,6 +14,8 @@ from stiction.studies.pair import MeasuredPair
 from stiction.surfaces.measured.writing import write_surface
 from stiction.views.sentence import point_note_text
 
+pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+
 PAIR_OPTIONS = {"load": "2 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "direction": [0.0, 180.0]}
 SCAN_COUNTS = [(3, 3), (3, 6), (4, 5), (6, 6)]  # numbers of scans of the upper and of the lower part
 MIN_COVERAGE, MAX_COVERAGE = 0.92, 0.98  # limits of the coverage of 95 % intervals for 200 simulated parts

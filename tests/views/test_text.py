@@ -199,7 +199,7 @@ def test_overview_states_the_number_of_omitted_caveats():
 
 
 def test_result_text_for_many_conditions_has_at_most_40_lines():
-    dataset = generated_result(loads=tuple(np.linspace(0.01, 1, 30)), dimensions=tuple(np.linspace(1.1, 1.5, 15)))
+    dataset = generated_result(loads=tuple(np.linspace(0.01, 1, 15)), dimensions=tuple(np.linspace(1.1, 1.5, 15)))
     summary = summarize(dataset, generated_study())
     lines = result_text(summary, complete_command="--verbose").splitlines()
     assert len(lines) <= 40
