@@ -118,7 +118,7 @@ def test_table_and_text_and_figure_and_report_show_the_onset(study, tmp_path):
     result = open_result(tmp_path / "result")
     column = "pre-sliding displacement at mu0 = 0.3, tau0 = 20 MPa (um)"
     assert {column, f"{column}: lower", "initial tangential stiffness (mN/um)"} <= set(result.to_dataframe().columns)
-    text = " ".join(quantities_text(at_load(result.source, [1e-3]).isel(fractal_dimension=0), study).split())
+    text = " ".join(quantities_text(result.summary(1e-3).points[:1]).split())
     assert "pre-sliding displacement at μ0 = 0.3, τ0 = 20 MPa" in text
     assert "load that slips at half of sliding at μ0 =" in text
     assert result.figures() == ["onset"]

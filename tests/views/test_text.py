@@ -134,15 +134,14 @@ def test_wrapped_text_keeps_each_number_and_its_unit_on_one_line():
 
 def test_verbose_text_contains_values_of_the_dataset():
     dataset = measured_result(contact_count=123.0, share_on_largest=0.0421)
-    text = quantities_text(dataset.isel(cut_off=0), measured_study(), verbose=True)
+    text = quantities_text(summarize(dataset, measured_study()).points, verbose=True)
     rows = {line.split("  ")[0]: line.split("  ", 1)[1].strip() for line in text.splitlines()}
     count_text = next(value for name, value in rows.items() if "contacts" in name and "(" not in name)
     assert count_text == format_with_interval(*value_and_ends(123.0))
     assert rows["load on the largest contact (%)"] == format_with_interval(*value_and_ends(4.21))
     assert "error of the solution" in rows
-    text_of_asperity_model = quantities_text(
-        measured_result(error=np.nan).isel(cut_off=0), measured_study(), verbose=True
-    )
+    points_of_asperity_model = summarize(measured_result(error=np.nan), measured_study()).points
+    text_of_asperity_model = quantities_text(points_of_asperity_model, verbose=True)
     assert "error of the solution" not in text_of_asperity_model
 
 
@@ -272,9 +271,8 @@ def test_quantity_is_printed_in_the_unit_that_requires_the_fewest_zeros(value, u
 
 
 def test_large_areas_and_lengths_are_printed_in_larger_units():
-    text = quantities_text(
-        measured_result(contact_area=1.01e7, contact_area_fraction=None), measured_study(), verbose=True
-    )
+    dataset = measured_result(contact_area=1.01e7, contact_area_fraction=None)
+    text = quantities_text(summarize(dataset, measured_study()).points, verbose=True)
     assert "true contact area (mm²)" in text
     area_row = next(line for line in text.splitlines() if line.startswith("true contact area"))
     assert area_row.split("  ")[-1].strip().startswith("10.1")

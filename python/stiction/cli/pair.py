@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from concurrent.futures import Executor, Future
 from functools import partial
 from pathlib import Path
@@ -124,7 +123,13 @@ def pair(
     files; repeat an option to set UPPER and LOWER separately. The result is a study in DIR that run, at, plot, report,
     info and export accept.
     """
-    from stiction.cli.result_output import choose_message_printer, print_result, print_values, write_pair_files
+    from stiction.cli.result_output import (
+        choose_message_printer,
+        print_pair_values,
+        print_resolution_and_onset,
+        print_result_json,
+        write_pair_files,
+    )
     from stiction.studies.members import find_body_attributes
     from stiction.views.files import OUTPUT_FILE_SIGNATURES, check_all_replaceable
     from stiction.views.rows import summary_json
@@ -146,14 +151,15 @@ def pair(
             for scan in file.scans:
                 if scan.reading is not None:
                     print_output(f"{printable_text(scan.name)}: {scan.reading}")
-    remainder_printers: list[Callable[[], None]] = []
+    printed_results: list[Result] = []
 
-    def print_finished_result(result: Result) -> None:
+    def print_values(result: Result) -> None:
         if as_json:
             return
-        if remainder_printers:
+        if printed_results:
             print_output(f"\nBy {result.study.contact.mechanics}:\n")
-        remainder_printers.append(print_values(result, command="pair", verbose=verbose))
+        print_pair_values(result, verbose=verbose)
+        printed_results.append(result)
 
     with open_executor(workers, scheduler) as executor:
         results: list[Result] = []
@@ -169,10 +175,10 @@ def pair(
                 part=part_number,
                 replace=replace,
                 onset=measured_pair.options.onset,
-                show_result=print_finished_result,
+                show_result=print_values,
             )
-            for print_remainder in remainder_printers[len(results) :]:
-                print_remainder()
+            for printed_result in printed_results[len(results) :]:
+                print_resolution_and_onset(printed_result, verbose=verbose)
             results.append(result)
     if part_number is not None:
         return
@@ -180,12 +186,9 @@ def pair(
         check_records = [json.loads(summary_json("pair", result.summary())) for result in results[1:]]
         readings = [scan.reading for file in measured_pair.files for scan in file.scans]
         fields: dict[str, Any] = {"files": [reading.to_json_fields() for reading in readings if reading is not None]}
-        print_result(
-            results[0],
-            command="pair",
-            as_json=True,
-            fields=fields | ({"check": check_records} if check_records else {}),
-        )
+        if check_records:
+            fields["check"] = check_records
+        print_result_json(results[0], "pair", **fields)
     for result in results:
         write_pair_files(result, print_written=print_written)
 

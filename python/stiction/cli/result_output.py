@@ -12,6 +12,7 @@ from stiction.cli.application import print_message, print_output, print_warning,
 
 if TYPE_CHECKING:
     from stiction.studies.result import Result
+    from stiction.studies.summary import Summary
 
 
 # Maximum number of lines for caveats. With this limit, the output of `pair` and `run` fits on 24 terminal lines.
@@ -34,54 +35,65 @@ def open_result_with_warning(directory: Path) -> Result:
     return Result(stored_result)
 
 
-def print_result(result: Result, **options: Any) -> None:
-    """Print a result at the loads of its study. Keyword arguments are passed to `print_values`."""
-    print_values(result, **options)()
+def print_result(result: Result, *, verbose: bool = False) -> None:
+    """Print a result at the loads of its study: values, assessment, cutoff study and onset of sliding."""
+    from stiction.views import text
+
+    summary = _summarize(result)
+    if isinstance(summary, str):
+        print_output(f"μ_s  none: {summary}")
+    elif summary.study.is_measured:
+        print_output(text.result_text(summary, verbose=verbose, complete_command=VERBOSE_OPTION))
+    else:
+        max_lines = None if verbose else MAX_CAVEAT_LINES
+        print_output(text.overview_text(summary, max_lines, complete_command=VERBOSE_OPTION))
 
 
-def print_values(
-    result: Result, *, command: str, as_json: bool = False, verbose: bool = False,
-    fields: dict[str, Any] | None = None,
-) -> Callable[[], None]:  # fmt: skip
-    """Print the values of a result. Return a function that prints the cutoff study and the onset of sliding.
+def print_pair_values(result: Result, *, verbose: bool = False) -> None:
+    """Print the values of a measured pair without the cutoff study and the onset of sliding."""
+    from stiction.views.text import main_values_text
 
-    With `as_json`, the returned function prints one JSON record with the additional `fields`.
-    """
+    summary = _summarize(result)
+    if isinstance(summary, str):
+        print_output(f"μ_s  none: {summary}")
+    else:
+        options: dict[str, Any] = {"max_lines": MAX_CAVEAT_LINES, "complete_command": VERBOSE_OPTION}
+        print_output(main_values_text(summary, verbose=verbose, **options))
+
+
+def print_resolution_and_onset(result: Result, *, verbose: bool = False) -> None:
+    """Print the cutoff study and the onset of sliding of a measured pair, if the result has values."""
+    from stiction.views.text import resolution_and_onset_text
+
+    summary = _summarize(result)
+    if not isinstance(summary, str) and (text := resolution_and_onset_text(summary, verbose=verbose)):
+        print_output(text)
+
+
+def print_result_json(result: Result, command: str, **fields: Any) -> None:
+    """Print a result at the loads of its study as a JSON record of a command, with additional fields."""
+    from stiction.views.rows import record_json, summary_json
+
+    summary = _summarize(result)
+    print_output(
+        record_json(command, [], **fields, remark=summary)
+        if isinstance(summary, str)
+        else summary_json(command, summary, **fields)
+    )
+
+
+def _summarize(result: Result) -> Summary | str:
+    """Return the summary of a result, or the reason why the result has no values: the surfaces do not touch."""
     from stiction.studies.store import StoreError
-    from stiction.views import rows, text
 
-    study = result.study
     try:
         # The warning about tau0 was already printed when the study was created.
         with warnings.catch_warnings(action="ignore"):
-            summary = result.summary()
+            return result.summary()
     except StoreError:
         raise
-    except ValueError as error:  # the error means that the surfaces do not touch
-        if as_json:
-            print_output(rows.record_json(command, [], **(fields or {}), remark=str(error)))
-        else:
-            print_output(f"μ_s  none: {error}")
-        return lambda: None
-    if not as_json:
-        max_lines = MAX_CAVEAT_LINES if command == "pair" else None
-        if study.is_measured:
-            print_output(
-                text.main_values_text(summary, verbose=verbose, max_lines=max_lines, complete_command=VERBOSE_OPTION)
-            )
-        else:
-            print_output(
-                text.overview_text(summary, None if verbose else MAX_CAVEAT_LINES, complete_command=VERBOSE_OPTION)
-            )
-
-    def print_remainder() -> None:
-        complete_summary = result.summary()  # this summary also includes studies that were computed in the meantime
-        if as_json:
-            print_output(rows.summary_json(command, complete_summary, **(fields or {})))
-        elif study.is_measured and (remainder := text.resolution_and_onset_text(complete_summary, verbose=verbose)):
-            print_output(remainder)
-
-    return print_remainder
+    except ValueError as error:
+        return str(error)
 
 
 def write_pair_files(result: Result, *, print_written: Callable[[str], None]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -11,7 +11,7 @@ from stiction._arguments import split_values
 from stiction._text import printable_path
 from stiction.cli.application import command, print_output
 from stiction.cli.options import JsonOption, VerboseOption, option
-from stiction.cli.result_output import open_result_with_warning, print_result, write_figures
+from stiction.cli.result_output import open_result_with_warning, print_result, print_result_json, write_figures
 
 DirectoryArgument = Annotated[Path, typer.Argument(metavar="DIR", help="Directory of a result of `pair` or `run`.")]
 
@@ -27,11 +27,11 @@ def info(directory: DirectoryArgument, verbose: VerboseOption = False, as_json: 
     stored_result = open_stored_result(directory)
     study, num_finished = stored_result.study, stored_result.num_finished
     if as_json:
-        fields = {
+        fields: dict[str, Any] = {
             "study": study.to_toml(), "finished": num_finished, "repetitions": study.ensemble.repetitions,
             "bytes": stored_result.total_file_size, "versions": {"stiction": stored_result.version},
         }  # fmt: skip
-        print_result(Result(stored_result), command="info", as_json=True, fields=fields)
+        print_result_json(Result(stored_result), "info", **fields)
         return
     if not study.is_measured:
         changes = [f"{key} = {value}" for key, _, value in find_table_differences(Study(), study)]
@@ -46,7 +46,7 @@ def info(directory: DirectoryArgument, verbose: VerboseOption = False, as_json: 
     )
     if num_finished:
         print_output("")
-        print_result(Result(stored_result), command="info", verbose=verbose)
+        print_result(Result(stored_result), verbose=verbose)
 
 
 @command("plot", "stiction plot figure6", "stiction plot pair --format pdf,svg --output figures")

@@ -58,7 +58,7 @@ def run_study_command(
         result = compute_result_in_folder(chosen_study, directory, executor, part=part_number)
     if part_number is None:
         print_output("")
-        print_result(result, command="run", verbose=verbose)
+        print_result(result, verbose=verbose)
         print_output("")
         write_figures(result, directory)
 

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     import xarray
 
     from stiction.studies.study import Study
+    from stiction.views.resolution import Paragraph
 
 HALF_SLIDING_LOAD_FRACTION = 0.5
 CYCLE_AMPLITUDES = (0.5, 0.9)  # amplitudes of cyclic tangential loading, relative to the sliding load
@@ -106,6 +107,11 @@ def onset_note(onset: xarray.Dataset) -> str:
     if not int(attributes.get("poisson_given", 1)) and np.isfinite(onset["stiffness"].values[0]):
         text += f" Poisson's ratio is assumed to be {float(np.ravel(attributes['poisson_ratio'])[0]):g}."
     return text
+
+
+def onset_paragraph(onset: xarray.Dataset, *, verbose: bool) -> Paragraph:
+    """Return a sentence about the onset of sliding and, if `verbose`, a note about the assumptions and a table."""
+    return [f"{onset_text(onset)} {onset_note(onset)}", onset_rows(onset)] if verbose else [onset_text(onset)]
 
 
 def onset_record(onset: xarray.Dataset) -> dict[str, Any]:

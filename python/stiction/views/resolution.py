@@ -12,8 +12,24 @@ from stiction.mechanics.friction import STATUS_OK
 if TYPE_CHECKING:
     from stiction.studies.resolution import ResolutionEffect, ResolvedRoughness, YieldWavelengthEstimate
 
-TextRows = list[list[str]]
+TextRows = Sequence[Sequence[str]]
+Paragraph = Sequence[str | TextRows]
+"""Sentences and tables that follow one another without an empty line."""
+
 SLIDING_RULE_TITLES = {"all": "all contacts", "opposing": "opposing contacts"}
+
+
+def resolution_paragraphs(resolution: ResolutionEffect, hardness: float | None) -> list[Paragraph]:
+    """Return resolved wavelengths, the cutoff study of the first point and, without a hardness, yield estimates."""
+    paragraphs: list[Paragraph] = []
+    scan = resolution.roughness
+    if scan is not None:
+        paragraphs.append([resolved_wavelengths_text(scan)])
+    if resolution.cutoffs:
+        paragraphs.append([cut_off_rows(resolution, hardness), cut_off_note(resolution)])
+    if scan is not None and resolution.yielding and (rows := yield_wavelength_rows(resolution.yielding[0][1], scan)):
+        paragraphs.append([ELASTIC_RESULT_CAVEAT, rows])
+    return paragraphs
 
 
 # ---- Resolved wavelengths --------------------------------------------------------------------------------------------

@@ -7,7 +7,7 @@ import math
 import re
 import shutil
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -44,27 +44,16 @@ from stiction.studies.budget import (
 from stiction.studies.point import (
     CELL_DIMENSIONS,
     MEAN_AND_LIMITS,
-    find_contact_status,
     get_roughness_exponent,
     has_nominal_area,
-    is_unloaded,
-    iterate_points,
-    list_sliding_rules_reported_first,
     mean_over_directions,
     select_sliding_rule,
 )
 from stiction.studies.summary import UNATTRIBUTED_WAVELENGTHS_INPUT_NAME, PointSummary, Summary
-from stiction.views.onset import onset_note, onset_rows, onset_text, quantity_label
+from stiction.views.onset import onset_paragraph, quantity_label
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS, load_text, motion_direction_text
 from stiction.views.pull_off import pull_off_text
-from stiction.views.resolution import (
-    ELASTIC_RESULT_CAVEAT,
-    SLIDING_RULE_TITLES,
-    cut_off_note,
-    cut_off_rows,
-    resolved_wavelengths_text,
-    yield_wavelength_rows,
-)
+from stiction.views.resolution import SLIDING_RULE_TITLES, Paragraph, TextRows, resolution_paragraphs
 from stiction.views.sentence import (
     finer_scan_text,
     inputs_text,
@@ -81,7 +70,6 @@ if TYPE_CHECKING:
 
 COMPLETE_OUTPUT_METHOD = "summary()"  # method of a result that prints all points and caveats
 MIN_TERMINAL_WIDTH = 40  # minimum text width in characters, also used if the terminal is narrower
-TextRows = Sequence[Sequence[str]]
 
 
 # ---- Layout ----------------------------------------------------------------------------------------------------------
@@ -154,6 +142,14 @@ def _join_cells(cells: Sequence[str], column_widths: Sequence[int]) -> str:
     ).rstrip()
 
 
+def format_paragraph(paragraph: Paragraph) -> str:
+    """Format sentences and tables within the width of the terminal. A sentence below a table is indented."""
+    return "\n".join(
+        wrap_text(item, indent="  " if index else "") if isinstance(item, str) else format_table(item)
+        for index, item in enumerate(paragraph)
+    )
+
+
 # ---- Text of a result ------------------------------------------------------------------------------------------------
 
 
@@ -203,75 +199,81 @@ def main_values_text(
     complete_command: str = COMPLETE_OUTPUT_METHOD,
 ) -> str:
     """Return `result_text` without the cutoff study and the onset of sliding."""
-    dataset, study, quoted_points = summary.at, summary.study, summary.headlines
+    quoted_points = summary.headlines
+    first_point = quoted_points[0]
     printed_points = quoted_points if verbose else _select_printed_points(quoted_points)
-    first_cell = dataset.sel({name: quoted_points[0].at[name] for name in CELL_DIMENSIONS if name in dataset.dims})
-    first_cell = first_cell.sel(load=sorted({point.at["load"] for point in printed_points}))
-    paragraphs = [history_text(dataset, study)] if verbose else []
-    loaded_points = [point for point in quoted_points if not point.is_unloaded]
-    pull_off_estimate = quoted_points[0].sticking
     varying_names = [name for name in ("mu0", "tau0") if len({point.at[name] for point in quoted_points}) > 1]
     inputs = ", ".join(
-        f"{_COORDINATE_LABELS[name]} = {_coordinate_text(name, quoted_points[0].at[name])}" for name in varying_names
+        f"{_COORDINATE_LABELS[name]} = {_coordinate_text(name, first_point.at[name])}" for name in varying_names
     )
     lines = (
-        [wrap_text(pull_off_text(pull_off_estimate, inputs))]
-        if pull_off_estimate is not None and pull_off_estimate.pull_off[0] > 0
+        [wrap_text(pull_off_text(first_point.sticking, inputs))]
+        if first_point.sticking is not None and first_point.sticking.pull_off[0] > 0
         else []
     )
-    lines += [coefficients_text(printed_points)] if loaded_points else []
+    if not all(point.is_unloaded for point in quoted_points):
+        lines.append(coefficients_text(printed_points))
     if len(printed_points) < len(quoted_points):
         lines.append(
             wrap_text(f"Shown: {len(printed_points)} of {len(quoted_points)} points; {complete_command} shows all.")
         )
     caveat_limits = {} if verbose else {"max_lines": max_lines, "max_groups": MAX_CAVEAT_GROUPS}
-    paragraphs.append(
-        "\n".join([*lines, assessment_text(quoted_points, complete_command=complete_command, **caveat_limits)])
-    )
-    has_values = any(math.isfinite(point.value) or point.is_unloaded for point in quoted_points)
-    quantities_paragraph = (
-        quantities_text(first_cell, study, verbose=verbose, cell=_first_cell_coordinates_text(quoted_points))
-        if has_values
-        else ""
-    )
-    conditions_paragraph = _point_details_text(quoted_points[0]) if len(quoted_points) == 1 else ""
+    lines.append(assessment_text(quoted_points, complete_command=complete_command, **caveat_limits))
+    conditions_paragraph = _point_details_text(first_point) if len(quoted_points) == 1 else ""
+    quantities_paragraph, direction_paragraphs = "", []
+    if any(math.isfinite(point.value) or point.is_unloaded for point in quoted_points):
+        points_of_first_cell = _select_points_of_first_cell(
+            quoted_points, {point.at["load"] for point in printed_points}
+        )
+        quantities_paragraph = quantities_text(
+            points_of_first_cell, verbose=verbose, cell=_first_cell_coordinates_text(quoted_points)
+        )
+        for point in [point for point in points_of_first_cell if not point.is_unloaded][:1]:
+            direction_paragraphs.append(friction_by_axis_text(point.values, verbose=verbose))
+            if verbose:
+                direction_paragraphs.append(friction_by_direction_text(point.values))
     if verbose:
-        paragraphs += [
+        paragraphs = [
+            history_text(first_point),
+            "\n".join(lines),
             conditions_paragraph,
-            wrap_text(small_slope_estimate_text(quoted_points[0])),
+            wrap_text(small_slope_estimate_text(first_point)),
             quantities_paragraph,
+            *direction_paragraphs,
         ]
     else:
-        paragraphs.append("\n".join(filter(None, (conditions_paragraph, quantities_paragraph))))
-    if (
-        has_values
-        and (
-            values := next(
-                (loaded_points for loaded_points in iterate_points(first_cell) if not is_unloaded(loaded_points)), None
-            )
-        )
-        is not None
-    ):
-        paragraphs += [
-            friction_by_axis_text(values, verbose=verbose),
-            friction_by_direction_text(values) if verbose else "",
+        paragraphs = [
+            "\n".join(lines),
+            "\n".join(filter(None, (conditions_paragraph, quantities_paragraph))),
+            *direction_paragraphs,
         ]
-    return "\n\n".join(paragraph for paragraph in paragraphs if paragraph) + "\n"
+    return "\n\n".join(filter(None, paragraphs)) + "\n"
+
+
+def _select_points_of_first_cell(points: Sequence[PointSummary], loads: Collection[float]) -> list[PointSummary]:
+    """Select the points at the first cell, the first mu0 and the first tau0 for given loads, in the order of loads."""
+    first_coordinates = points[0].at.items()
+    return sorted(
+        (
+            point
+            for point in points
+            if point.at["load"] in loads
+            and all(point.at[name] == value for name, value in first_coordinates if name != "load")
+        ),
+        key=lambda point: point.at["load"],
+    )
 
 
 def resolution_and_onset_text(summary: Summary, *, verbose: bool = False) -> str:
     """Return text about the onset of sliding and, if `verbose`, the cutoff study. Missing results are omitted."""
-    onset = summary.onset
-    paragraphs = []
-    if any(math.isfinite(point.value) for point in summary.points):
-        if verbose:
-            paragraphs.append(resolution_text(summary))
-        if onset is not None and verbose:
-            text = f"{onset_text(onset)} {onset_note(onset)}"
-            paragraphs.append(f"{wrap_text(text)}\n{format_table(onset_rows(onset))}")
-        elif onset is not None:
-            paragraphs.append(wrap_text(onset_text(onset)))
-    return "".join(f"\n{paragraph}\n" if verbose else f"{paragraph}\n" for paragraph in paragraphs if paragraph)
+    if not any(math.isfinite(point.value) for point in summary.points):
+        return ""
+    paragraphs: list[Paragraph] = []
+    if verbose and summary.resolution is not None:
+        paragraphs += resolution_paragraphs(summary.resolution, summary.points[0].hardness)
+    if summary.onset is not None:
+        paragraphs.append(onset_paragraph(summary.onset, verbose=verbose))
+    return "".join(f"\n{text}\n" if verbose else f"{text}\n" for text in map(format_paragraph, paragraphs))
 
 
 def coefficients_text(headlines: Sequence[PointSummary]) -> str:
@@ -545,12 +547,12 @@ def _first_cell_coordinates_text(headlines: Sequence[PointSummary]) -> str:
     )
 
 
-def quantities_text(points_of_cell: xarray.Dataset, study: Study, *, verbose: bool = False, cell: str = "") -> str:
-    """Format means and 95 % intervals of the reported sliding rule, one row per quantity and one column per load."""
-    dataset = points_of_cell.isel({name: 0 for name in ("mu0", "tau0") if name in points_of_cell.dims})
-    dataset = dataset.sel(sliding=list_sliding_rules_reported_first(study)[0]) if "sliding" in dataset.dims else dataset
-    points = list(iterate_points(dataset))
-    has_area_fraction = "contact_area_fraction" in dataset and has_nominal_area(points[0], study)
+def quantities_text(points: Sequence[PointSummary], *, verbose: bool = False, cell: str = "") -> str:
+    """Format means and 95 % intervals of the reported sliding rule, one row per quantity and one column per point."""
+    study, rule = points[0].study, points[0].rules[0].rule
+    datasets = [point.values.sel(sliding=rule) if "sliding" in point.values.dims else point.values for point in points]
+    dataset = datasets[0]
+    has_area_fraction = "contact_area_fraction" in dataset and has_nominal_area(dataset, study)
     rows: list[list[str]] = []
     is_in_words = len(points) == 1 and study.is_measured and not verbose
     for name in (*quantity_names_shown_in("table"), *(quantity_names_shown_in("verbose") if verbose else ())):
@@ -565,26 +567,24 @@ def quantities_text(points_of_cell: xarray.Dataset, study: Study, *, verbose: bo
             label = quantity_label(name, study) + (
                 " at least" if name in LOAD_INDEPENDENT_QUANTITIES and is_pull_off_lower_bound(name, dataset) else ""
             )
-            rows += _quantity_row(name, label, [point[name] for point in points])
+            rows += _quantity_row(name, label, [values[name] for values in datasets])
             if name == "contact_area_fraction" and rows:
-                rows[-1] = _replace_values_by_statuses(
-                    rows[-1], [find_contact_status(point, study) for point in points]
-                )
+                rows[-1] = _replace_values_by_statuses(rows[-1], [point.contact_status for point in points])
     for name, probability in _VERBOSE_QUANTILES if verbose else ():
         if name in dataset:
             label = f"{QUANTITIES[name].table_label}, {100 * probability:.0f}th percentile"
             rows += _quantity_row(
-                name, label, [point[name].sel(fraction_below=probability, method="nearest") for point in points]
+                name, label, [values[name].sel(fraction_below=probability, method="nearest") for values in datasets]
             )
     if verbose and "rms_gradient" in dataset:
         rows += _quantity_row(
-            "rms_gradient", QUANTITIES["rms_gradient"].table_label, [point["rms_gradient"] for point in points]
+            "rms_gradient", QUANTITIES["rms_gradient"].table_label, [values["rms_gradient"] for values in datasets]
         )
     if is_in_words:
         label = "; ".join(f"{name} {value.removesuffix(' no interval')} {unit}".rstrip() for name, unit, value in rows)
         return wrap_text(f"{label[:1].upper()}{label[1:]}.")
     first_heading = f"{cell}, mean [95 %]" if cell else "mean [95 %]"
-    headings = [first_heading, *(load_text(point, study) for point in points)]
+    headings = [first_heading, *(load_text(values, study) for values in datasets)]
     columns = [[f"{name} ({unit})" if unit else name, *cells] for name, unit, *cells in rows]
     if len(points) == 1:
         return format_table([headings, *columns])
@@ -710,23 +710,9 @@ def friction_by_direction_text(values: xarray.Dataset) -> str:
     return _coefficient_table("μ_s, upper body", values["friction_coefficient"], "direction", motion_direction_text)
 
 
-def resolution_text(summary: Summary) -> str:
-    """Format resolved wavelengths, the cutoff study of the first point and, if hardness is unknown, yield estimates."""
-    paragraphs: list[str] = []
-    if (resolution := summary.resolution) is None:
-        return ""
-    if (scan := resolution.roughness) is not None:
-        paragraphs.append(wrap_text(resolved_wavelengths_text(scan)))
-    if resolution.cutoffs:
-        table = format_table(cut_off_rows(resolution, summary.points[0].hardness))
-        paragraphs.append(table + "\n" + wrap_text(cut_off_note(resolution), indent="  "))
-    if scan is not None and resolution.yielding and (rows := yield_wavelength_rows(resolution.yielding[0][1], scan)):
-        paragraphs.append(wrap_text(ELASTIC_RESULT_CAVEAT) + "\n" + format_table(rows))
-    return "\n\n".join(paragraphs)
-
-
-def history_text(dataset: xarray.Dataset, study: Study) -> str:
+def history_text(point: PointSummary) -> str:
     """Return text that describes the preparation of the surfaces and the contact model."""
+    dataset, study = point.values, point.study
     preparation_steps = {
         name: str(dataset.attrs[name]).replace("\n", "; ") for name in ("upper", "lower") if name in dataset.attrs
     }
@@ -759,90 +745,94 @@ def overview_text(
     several values of them. Caveats follow in at most `max_lines` lines; `complete_command` names the option
     that shows all others.
     """
-    dataset, study, headlines = summary.at, summary.study, summary.headlines
-    reduced_dataset = dataset if _count_table_rows(dataset) <= MAX_OVERVIEW_ROWS else _select_ends_and_middle(dataset)
-    full_dataset, dataset = dataset, reduced_dataset
-    outer_dimensions = [name for name in ("amplitude", "sliding") if name in dataset.dims]
-    varying_names = [name for name in ("mu0", "tau0") if dataset.sizes[name] > 1]
-    tables, has_marks = [], False
-    for indices in np.ndindex(*(dataset.sizes[name] for name in outer_dimensions)):
-        subset = dataset.isel(dict(zip(outer_dimensions, indices, strict=True)))
-        labels = [[*(_COORDINATE_LABELS[name] for name in varying_names), get_roughness_exponent(study, 1.0)[0]]]
-        rows = [[format_with_unit(load, "mN") for load in dataset["load"].values.tolist()]]
-        for mu0, tau0, dimension_index in np.ndindex(
-            *(dataset.sizes[name] for name in ("mu0", "tau0", "fractal_dimension"))
-        ):
-            point = subset.isel(mu0=mu0, tau0=tau0, fractal_dimension=dimension_index)
-            values = [_coordinate_text(name, float(point[name])) for name in varying_names]
-            labels.append([*values, f"{get_roughness_exponent(study, float(point['fractal_dimension']))[1]:.4g}"])
-            rows.append([_overview_cell(point.isel(load=index)) for index in range(dataset.sizes["load"])])
-        has_marks = has_marks or any(cell.endswith("*") for row in rows for cell in row)
-        column_widths = [max(map(len, column)) for column in zip(*labels, strict=True)]
-        names = [
-            "  ".join(text.ljust(column_width) for text, column_width in zip(row, column_widths, strict=True))
-            for row in labels
-        ]
-        table = format_table([[name, *cells] for name, cells in zip(names, rows, strict=True)])
-        tables.append(f"{wrap_text(_overview_title(subset, varying_names))}\n{table}")
-    if has_marks:
+    study, points = summary.study, summary.headlines
+    printed_points = _select_overview_points(points)
+    varying_names = [name for name in ("mu0", "tau0") if len({point.at[name] for point in printed_points}) > 1]
+    tables = [
+        _overview_table([point for point in printed_points if point.at["amplitude"] == amplitude], rule, varying_names)
+        for amplitude, rule in itertools.product(
+            dict.fromkeys(point.at["amplitude"] for point in printed_points), study.contact.sliding_rules()
+        )
+    ]
+    if any("*" in table for table in tables):
         note = "* outside the model: more than half of the load is on overlaps > R/10, or on radii < spacing"
         tables.append(wrap_text(note))
-    if omission_note := _omission_text(dataset, full_dataset, study):
+    if omission_note := _omission_text(printed_points, points, study):
         tables.append(wrap_text(omission_note))
-    return "\n".join(tables) + f"\n\n{assessment_text(headlines, max_lines, complete_command=complete_command)}"
+    return "\n".join(tables) + f"\n\n{assessment_text(points, max_lines, complete_command=complete_command)}"
 
 
 # maximum number of rows in an overview; a longer overview shows only a few values of mu0 and tau0
 MAX_OVERVIEW_ROWS = 40
 
 
-def _count_table_rows(dataset: xarray.Dataset) -> int:
-    return math.prod(dataset.sizes.get(name, 1) for name in ("mu0", "tau0", *CELL_DIMENSIONS))
+def _select_overview_points(points: Sequence[PointSummary]) -> Sequence[PointSummary]:
+    """Return the points of an overview. A long overview has only the middle mu0, and the first and last tau0."""
+    names = ("mu0", "tau0", *(name for name in CELL_DIMENSIONS if name in points[0].at))
+    if len({tuple(point.at[name] for name in names) for point in points}) <= MAX_OVERVIEW_ROWS:
+        return points
+    mu0, tau0 = (list(dict.fromkeys(point.at[name] for point in points)) for name in ("mu0", "tau0"))
+    return [
+        point for point in points if point.at["mu0"] == mu0[len(mu0) // 2] and point.at["tau0"] in (tau0[0], tau0[-1])
+    ]
 
 
-def _select_ends_and_middle(dataset: xarray.Dataset) -> xarray.Dataset:
-    """Select the middle mu0 and the first and last tau0 of a dataset."""
-    return dataset.isel(mu0=[dataset.sizes["mu0"] // 2], tau0=sorted({0, dataset.sizes["tau0"] - 1}))
-
-
-def _omission_text(dataset: xarray.Dataset, full_dataset: xarray.Dataset, study: Study) -> str:
-    """Return how many values an overview omits and how to print them, or an empty string if all values are printed."""
-    num_dimensions = study.surfaces.cell_coordinates()["fractal_dimension"].size
-    shown_and_available = {
-        get_roughness_exponent(study, 1.0)[0]: (dataset.sizes["fractal_dimension"], num_dimensions),
-        "μ0": (dataset.sizes["mu0"], full_dataset.sizes["mu0"]),
-        "τ0": (dataset.sizes["tau0"], full_dataset.sizes["tau0"]),
+def _overview_table(points: Sequence[PointSummary], rule: str, varying_names: Sequence[str]) -> str:
+    """Format the coefficients under a sliding rule with one row per mu0, tau0 and cell, and one column per load."""
+    row_names = ("mu0", "tau0", "fractal_dimension")
+    cells_by_row: dict[tuple[float, ...], list[str]] = {
+        key: [] for key in itertools.product(*(dict.fromkeys(point.at[name] for point in points) for name in row_names))
     }
+    for point in points:
+        cells_by_row[tuple(point.at[name] for name in row_names)].append(_overview_cell(point, rule))
+    exponent_name, _ = get_roughness_exponent(points[0].study, 1.0)
+    labels = [[*(_COORDINATE_LABELS[name] for name in varying_names), exponent_name]]
+    for key in cells_by_row:
+        texts = {name: _coordinate_text(name, value) for name, value in zip(row_names, key, strict=True)}
+        exponent_text = f"{get_roughness_exponent(points[0].study, key[2])[1]:.4g}"
+        labels.append([*(texts[name] for name in varying_names), exponent_text])
+    loads = [format_with_unit(load, "mN") for load in dict.fromkeys(point.at["load"] for point in points)]
+    column_widths = [max(map(len, column)) for column in zip(*labels, strict=True)]
+    rows = [
+        ["  ".join(text.ljust(column_width) for text, column_width in zip(label, column_widths, strict=True)), *cells]
+        for label, cells in zip(labels, [loads, *cells_by_row.values()], strict=True)
+    ]
+    return f"{wrap_text(_overview_title(points[0], rule, varying_names))}\n{format_table(rows)}"
+
+
+def _omission_text(printed_points: Sequence[PointSummary], points: Sequence[PointSummary], study: Study) -> str:
+    """Return how many values an overview omits and how to print them, or an empty string if all values are printed."""
+    num_values = {name: len({point.at[name] for point in points}) for name in ("fractal_dimension", "mu0", "tau0")}
+    num_values["fractal_dimension"] = study.surfaces.cell_coordinates()["fractal_dimension"].size
     count_texts = [
-        f"{num_shown} of {num_available} values of {name}"
-        for name, (num_shown, num_available) in shown_and_available.items()
-        if num_shown < num_available
+        f"{num_printed} of {num_available} values of "
+        f"{get_roughness_exponent(study, 1.0)[0] if name == 'fractal_dimension' else _COORDINATE_LABELS[name]}"
+        for name, num_available in num_values.items()
+        if (num_printed := len({point.at[name] for point in printed_points})) < num_available
     ]
     return f"Shown: {', '.join(count_texts)}; use stiction at for all." if count_texts else ""
 
 
-def _overview_title(dataset: xarray.Dataset, varying: Sequence[str]) -> str:
+def _overview_title(point: PointSummary, rule: str, varying_names: Sequence[str]) -> str:
     assignment_texts = {
-        "mu0": f"μ0 = {float(dataset['mu0'][0]):g}",
-        "tau0": f"τ0 = {_coordinate_text('tau0', float(dataset['tau0'][0]))}",
+        "mu0": f"μ0 = {point.at['mu0']:g}",
+        "tau0": f"τ0 = {_coordinate_text('tau0', point.at['tau0'])}",
     }
-    shared_conditions = [text for name, text in assignment_texts.items() if name not in varying]
-    if "amplitude" in dataset.coords and dataset["amplitude"].ndim == 0:
-        shared_conditions.append(f"amplitude {format_with_unit(float(dataset['amplitude']), 'um')}")
-    if "sliding" in dataset.coords and dataset["sliding"].ndim == 0:
-        shared_conditions.append(SLIDING_RULE_DESCRIPTIONS[str(dataset["sliding"].values)])
-    return f"μ_s [95 %] at {', '.join(shared_conditions)}" if shared_conditions else "μ_s [95 %]"
+    shared_conditions = [text for name, text in assignment_texts.items() if name not in varying_names]
+    shared_conditions.append(f"amplitude {format_with_unit(point.at['amplitude'], 'um')}")
+    if "sliding" in point.values.coords:
+        shared_conditions.append(SLIDING_RULE_DESCRIPTIONS[rule])
+    return f"μ_s [95 %] at {', '.join(shared_conditions)}"
 
 
-def _overview_cell(values: xarray.Dataset) -> str:
-    statuses = np.unique(np.atleast_1d(values["status"].values))
-    bad_statuses = [str(status) for status in statuses if status != friction.STATUS_OK]
+def _overview_cell(point: PointSummary, rule: str) -> str:
+    values = select_sliding_rule(point.values, rule)
+    bad_statuses = [str(status) for status in np.unique(values["status"].values) if status != friction.STATUS_OK]
     if bad_statuses:
         return bad_statuses[0]
-    name = "friction_all_round" if "friction_all_round" in values else "friction_coefficient"
     checked_fractions = {
         name: mean_over_directions(values, name) for name in ("share_beyond_hertz", "share_below_grid")
     }
-    failed_checks = find_caveats_of_failed_checks(ASPERITY_CHECKS, checked_fractions)
-    mean, lower, upper = (float(values[name].sel(statistic=statistic)) for statistic in MEAN_AND_LIMITS)
-    return format_estimate(mean, lower, upper) + "*" * any(failed_checks)
+    estimate = next(estimate for estimate in point.rules if estimate.rule == rule)
+    estimate_text = format_estimate(estimate.value, estimate.lower, estimate.upper)
+    return estimate_text + "*" * any(find_caveats_of_failed_checks(ASPERITY_CHECKS, checked_fractions))
