@@ -215,7 +215,7 @@ class TestNoiseHiddenByRoughness:
         assert study.surfaces.cell_coordinates()["cut_off"].tolist() == [0.0, cutoff]
         caveats = [caveat for caveat in find_input_caveats(*noisy_maps, study) if "may contribute" in caveat.text]
         assert {caveat.severity for caveat in caveats} == {"caution"}
-        assert all(caveat.has_readings for caveat in caveats)
+        assert all(caveat.has_second_cutoff for caveat in caveats)
         for changes in ({"cutoff": "none"}, {"texture": "ground"}):
             study = pair_study(*noisy_maps, **self.options, **changes)
             assert study.surfaces.cell_coordinates()["cut_off"].tolist() == [0.0]

@@ -94,7 +94,7 @@ class Caveat:
     severity: Severity
     cut_off: float = math.inf
     """Cutoff wavelength (µm) at and above which the caveat does not apply."""
-    has_readings: bool = False
+    has_second_cutoff: bool = False
     """True if the interval covers the results with and without the wavelengths that the caveat concerns."""
     name: str = ""
     """Name (in `QUANTITIES` or `_compute_checked_numbers`) of the number compared with a limit; may be empty."""

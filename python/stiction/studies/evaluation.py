@@ -148,8 +148,10 @@ def at_load(
             )
     if is_measured and _is_requested("reading_difference", names):
         # `reading_difference` compares the coefficients at equal elastic load and at equal normal load.
-        other_reading: LoadDefinition = "normal" if reading == "elastic" else "elastic"
-        members = _evaluate_members_before_growth(result, unique_loads, *strengths, other_reading, member_kind, names)
+        other_definition: LoadDefinition = "normal" if reading == "elastic" else "elastic"
+        members = _evaluate_members_before_growth(
+            result, unique_loads, *strengths, other_definition, member_kind, names
+        )
         if areas is not None:
             members = _apply_junction_growth(members, study, areas, ())
         other_coefficient = members["friction_coefficient"].mean(("repetition", "direction"))

@@ -92,7 +92,7 @@ def find_input_caveats(
             else:
                 scan_caveats += find_scan_caveats(
                     scan, form=not is_form_subtracted, instrument=not is_vouched, tip_radius=file.tip,
-                    textured=file.texture is not None, has_readings=bool(study.surfaces.both_readings),
+                    textured=file.texture is not None, has_second_cutoff=bool(study.surfaces.both_readings),
                     elastic=not has_limited_pressure(study),
                 )  # fmt: skip
             for each in scan_caveats:
@@ -176,17 +176,17 @@ def find_scan_caveats(
     instrument: bool = True,
     tip_radius: float | None = None,
     textured: bool = False,
-    has_readings: bool = False,
+    has_second_cutoff: bool = False,
     elastic: bool = False,
 ) -> list[Caveat]:
     """Return caveats about heights, form and spikes of a scan, and about wavelengths not attributed to the surface.
 
-    If `textured` is true, the spectrum may have lines and humps. `has_readings` is true if the study also has the
+    If `textured` is true, the spectrum may have lines and humps. `has_second_cutoff` is true if the study also has the
     filtered scan, and `elastic` is true if the study has no hardness.
     """
     return [
         *_find_form_caveats(body, form=form),
-        *(_find_instrument_caveats(body, tip_radius, textured, has_readings, elastic) if instrument else ()),
+        *(_find_instrument_caveats(body, tip_radius, textured, has_second_cutoff, elastic) if instrument else ()),
     ]
 
 
@@ -228,7 +228,7 @@ def _find_spectrum_caveats(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
 
 
 def _find_instrument_caveats(
-    body: Profile | Surface, tip_radius: float | None, textured: bool, has_readings: bool, elastic: bool
+    body: Profile | Surface, tip_radius: float | None, textured: bool, has_second_cutoff: bool, elastic: bool
 ) -> Iterator[Caveat]:
     """Yield caveats about wavelengths that come from the instrument, or that the tip does not resolve."""
     try:
@@ -248,8 +248,8 @@ def _find_instrument_caveats(
             remedy += ", --cutoff none keeps it" if is_known else CUTOFF_REMEDY
             if is_known and textured:
                 remedy += "; --texture concerns lines and humps only"
-        severity: Severity = "fault" if limit.matters and not (is_known and has_readings) else "caution"
-        yield Caveat(text, remedy, severity, limit.cut_off, has_readings and limit.matters)
+        severity: Severity = "fault" if limit.matters and not (is_known and has_second_cutoff) else "caution"
+        yield Caveat(text, remedy, severity, limit.cut_off, has_second_cutoff and limit.matters)
     hidden_noise = None if limit.matters or textured else find_hidden_noise(body)
     if hidden_noise is not None:
         text = (
@@ -259,7 +259,7 @@ def _find_instrument_caveats(
         remedy = (
             f"--cutoff '{format_with_unit(hidden_noise.cut_off, 'um')}' removes this fraction, --cutoff none keeps it"
         )
-        yield Caveat(text, f"{remedy}; {REPEATED_SCANS_REMEDY}", "caution", hidden_noise.cut_off, has_readings)
+        yield Caveat(text, f"{remedy}; {REPEATED_SCANS_REMEDY}", "caution", hidden_noise.cut_off, has_second_cutoff)
     if limit_with_tip.reason == "tip" and limit_with_tip.slope_fraction > MAX_NOISE_SLOPE_FRACTION:
         text = f"{_describe_slope_fraction(limit_with_tip)}, which the tip does not resolve: the surface is steeper"
         if elastic:

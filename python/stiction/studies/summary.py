@@ -307,12 +307,12 @@ def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> Poi
     other_text = format_estimate(other_coefficient.value, other_coefficient.lower, other_coefficient.upper)
     text = f"; {'without' if is_measured else 'with'} them μ_s is {other_text}"
     text = text if math.isfinite(other_coefficient.value) else ""
-    own_caveats = [replace(each, text=each.text + text) if each.has_readings else each for each in point.caveats]
+    own_caveats = [replace(each, text=each.text + text) if each.has_second_cutoff else each for each in point.caveats]
     caveat_texts = {each.text for each in point.caveats}
     other_caveats = [
         replace(each, text=f"as measured: {each.text}")
         for each in other_point.faults
-        if not (is_measured or each.has_readings or each.text in caveat_texts)
+        if not (is_measured or each.has_second_cutoff or each.text in caveat_texts)
     ]
     caveats = sorted([*own_caveats, *other_caveats], key=lambda caveat: caveat.severity != "fault")
     sorted_budget = tuple(sorted(budget, key=lambda entry: entry.width))
