@@ -98,23 +98,11 @@ def adhesion_figure(branches: xarray.Dataset, *, title: str = "") -> Figure:
     abscissas.append((100 * area / nominal_area, axis_label("contact_area_fraction")))
     for axes, (x, x_label) in zip(panels, abscissas, strict=True):
         axes.axhline(0, color="0.6", linewidth=0.5)
-        axes.plot(
-            x[~is_unloading],
-            load[~is_unloading] / prefix_factor,
-            "o-",
-            color=ALL_CONTACTS_COLOUR,
-            markersize=3,
-            linewidth=1,
-            label="loading",
-        )
-        axes.plot(
-            x[is_unloading],
-            load[is_unloading] / prefix_factor,
-            "--",
-            color=OPPOSING_COLOUR,
-            linewidth=1.2,
-            label="unloading",
-        )
+        for is_drawn, line_style, options in (
+            (~is_unloading, "o-", {"color": ALL_CONTACTS_COLOUR, "markersize": 3, "linewidth": 1, "label": "loading"}),
+            (is_unloading, "--", {"color": OPPOSING_COLOUR, "linewidth": 1.2, "label": "unloading"}),
+        ):
+            axes.plot(x[is_drawn], load[is_drawn] / prefix_factor, line_style, **options)
         pull_off_index = int(load.argmin())
         axes.plot(
             x[pull_off_index],
