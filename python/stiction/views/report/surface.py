@@ -23,11 +23,6 @@ from stiction.views.report.pictures import inline_svg
 # The report advises a finer scan if the shortest octave contributes more than this fraction of the mean square slope.
 MAX_SHORTEST_OCTAVE_FRACTION = 0.1
 
-FILE_READING_SECTION_TEMPLATE = Template(
-    '<section class="panel wide" aria-label="How the file was read">'
-    '<div class="scroll" tabindex="0" role="region" aria-label="Table of the file">${table}</div></section>'
-)
-
 
 def surface_page(
     body: Profile | Surface | Characterisation, *, name: str, command: str, reading: str = "", **options: Any
@@ -41,7 +36,7 @@ def surface_page(
         meaning=_interpretation_markup(characterisation), command=escape_html(command),
         table=_table_markup([*characterisation.rows, *characterisation.line_table_rows]),
         figure=inline_svg(characterisation_figure(characterisation), "Heights, their distribution, and spectra"),
-        reading=reading and FILE_READING_SECTION_TEMPLATE.substitute(table=reading),
+        reading=reading and Template(read_package_file("file_reading.html")).substitute(table=reading).rstrip(),
     )  # fmt: skip
     return HtmlPage(name, list(characterisation.body.history), main_markup, f"Characterised by stiction {__version__}")
 
