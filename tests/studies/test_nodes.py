@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from stiction import pair, run, self_affine_surface
 from stiction.studies.nodes import (
     INTERVAL_TOLERANCE,
     MAX_SHOWN_ERROR_RATIO,
@@ -15,6 +16,7 @@ from stiction.studies.nodes import (
     refine_axes,
 )
 from stiction.studies.study import parse_study
+from stiction.studies.values_at_nodes import ORDERED_STATUSES, evaluate_generated_nodes, evaluate_measured_nodes
 from support.generated_studies import SMALL_STUDY
 from support.studies_of_files import create_study_from_files, write_maps
 
@@ -186,3 +188,50 @@ def test_extra_node_does_not_change_the_interpolation_of_cubic_polynomials():
     assert change_with_node_below @ axis.values**3 == pytest.approx(0, abs=1e-12)
     assert (axis.weights(0.7) + change_with_node_below) @ axis.values**4 == pytest.approx(0.7**4)
     assert [change.any() for change in axis.weight_changes_with_extra_node(0.6)] == [False, False]  # 0.6 is a node.
+
+
+def test_values_at_nodes_of_measured_surfaces_equal_the_summary_at_the_inputs_of_the_study():
+    upper, lower = (
+        self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(32, 32), spacing=0.1, side=side)
+        for side in ("upper", "lower")
+    )
+    result = pair(
+        upper, lower, load=["10 MPa", "20 MPa"], effective_modulus="80 GPa", mu0=0.2, tau0="30 MPa", shifts=3,
+        direction=[0, 90],
+    )  # fmt: skip
+    nodes = result.nodes
+    values = evaluate_measured_nodes(nodes)
+    num_nodes = tuple(axis.values.size for axis in nodes.axes)
+    # one kind of member, one cutoff, two sliding rules, three motions (the mean and two directions), two loads
+    assert values.friction.shape == (1, 1, 2, 3, nodes.loads.size, *num_nodes, 3)
+    assert nodes.num_coefficients == values.friction[..., 0].size
+    assert values.has_combined.tolist() == [[True, False, False]]
+    assert np.isnan(values.friction[:, :, :, 1:, ..., 1:]).all()
+    mu0_index, tau0_index = (
+        int(np.abs(axis.values - value).argmin()) for axis, value in zip(nodes.axes, (0.2, 0.03), strict=True)
+    )
+    for point in result.summary().points:
+        load_index = int(np.abs(nodes.loads - point.at["load"]).argmin())
+        for rule in point.rules:
+            rule_index = result.study.contact.sliding_rules().index(rule.rule)
+            index = (0, 0, rule_index, 0, load_index, mu0_index, tau0_index)
+            assert values.friction[index].tolist() == pytest.approx([rule.value, rule.lower, rule.upper], rel=1e-9)
+            assert values.sampling[index].tolist() == pytest.approx([rule.value, *rule.positions], rel=1e-9)
+            assert values.slopes[(*index[:4], mu0_index, tau0_index)] == pytest.approx(rule.slopes, rel=1e-9)
+            assert ORDERED_STATUSES[values.status_codes[index]] == point.status
+            assert values.num_solved[index] == point.members
+
+
+def test_values_at_nodes_of_generated_surfaces_contain_an_assessment_of_each_point():
+    result = run(SMALL_STUDY)
+    nodes = result.nodes
+    values = evaluate_generated_nodes(nodes, result.num_solved)
+    friction = values.estimates["friction"]
+    assert nodes.num_coefficients == friction[..., 0].size
+    assert values.statuses.shape == friction.shape[:-1]
+    assert values.assessment_indices.shape == friction[:, :, 0, ..., 0].shape
+    assert values.assessment_indices.max() == len(values.assessments) - 1
+    has_fault = np.array([any(reason.severity == "fault" for reason in reasons) for reasons in values.assessments])
+    rule_index = list(result.study.contact.sliding_rules()).index("opposing")
+    is_missing = np.isnan(friction[:, :, rule_index, ..., 0])
+    assert has_fault[values.assessment_indices][is_missing].all()

@@ -6,6 +6,7 @@ between nodes.
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
@@ -206,6 +207,23 @@ class InterpolationNodes:
             return [None]
         surrogate = self.result.dataset["surrogate"].values.astype(bool)
         return ["shifts", "surrogates"] if surrogate.any() and not surrogate.all() else [None]
+
+    @property
+    def motions(self) -> list[list[int]]:
+        """Indices of the directions over which each reported motion averages.
+
+        Measured surfaces start with the mean over all directions.
+        """
+        directions = list(range(len(self.study.contact.direction_angles())))
+        single_directions = [[index] for index in directions]
+        return [directions, *single_directions] if self.study.is_measured and len(directions) > 1 else single_directions
+
+    @property
+    def num_coefficients(self) -> int:
+        """Number of coefficients at all nodes, for all kinds, cells, sliding rules, motions and loads."""
+        cell_sizes = [values.size for values in self.study.surfaces.cell_coordinates().values()]
+        num_curves = math.prod(cell_sizes) * len(self.study.contact.sliding_rules()) * len(self.motions)
+        return len(self.member_kinds) * num_curves * self.loads.size * math.prod(axis.values.size for axis in self.axes)
 
     @cached_property
     def axes(self) -> tuple[NodeAxis, NodeAxis]:

@@ -14,26 +14,13 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction._number_format import choose_prefixed_unit, format_with_unit
 from stiction.mechanics import friction
-from stiction.mechanics.quantities import (
-    AREAL_VALIDITY_QUANTITIES,
-    COMMON_VALIDITY_QUANTITIES,
-    ONSET_QUANTITIES,
-    QUANTITIES,
-    QUANTITIES_AT_HARDNESS,
-)
-from stiction.studies.assessment import (
-    MAX_AFFECTED_FRACTION,
-    MIN_MERGED_AREA_FRACTION,
-    Caveat,
-    LimitCheck,
-    assess_ensemble_points,
-    compute_checked_quantities,
-    verdict_from_caveats,
-)
+from stiction.mechanics.quantities import ONSET_QUANTITIES, QUANTITIES
+from stiction.studies.assessment import MAX_AFFECTED_FRACTION, Caveat, LimitCheck, verdict_from_caveats
 from stiction.studies.nodes import InterpolationNodes, NodeAxis
 from stiction.studies.point import list_sliding_rules_reported_first
 from stiction.studies.result import Result
-from stiction.studies.study import Study, study_names
+from stiction.studies.study import Study, find_table_differences, study_names
+from stiction.studies.values_at_nodes import GeneratedValuesAtNodes, evaluate_generated_nodes
 from stiction.views.figures.ensemble import COLOUR_RANGE_QUANTILES
 from stiction.views.point import motion_direction_text
 from stiction.views.report.page import (
@@ -56,39 +43,40 @@ MAX_OVERLAP_RADIUS_RATIO = 0.1
 SURFACE_PARAMETER_DIMENSIONS = ("fractal_dimension", "amplitude")
 
 
-def generated_report_content(result: Result, study: Study, name: str) -> ReportContent:
+def generated_report_content(result: Result, name: str) -> ReportContent:
     """Return the report on a result for generated surfaces. The default title is the name of the study.
 
     Raises a `ReportError` if it is too large for a page or has no members.
     """
-    head, num_members = result.head, result.members.size
-    if not num_members or not (members := result.num_solved):
+    study, nodes, num_members = result.study, result.nodes, result.members.size
+    if not num_members or not (num_solved := result.num_solved):
         raise ReportError("the result must have a member with a solution at every load, got none")
-    contact_counts = (
-        result.means(["contact_count"])["contact_count"]
-        .transpose(*SURFACE_PARAMETER_DIMENSIONS, study.step_quantity)
-        .values
-    )
-    packed_arrays, loads = PackedArrays(), result.nodes.loads
-    facts = _study_page_data(head, study, loads) | {"name": name or _built_in_study_name(study), "repetitions": members}
+    packed_arrays = PackedArrays()
+    name = name or _built_in_study_name(study)
+    facts = _study_page_data(result.head, study, nodes.loads) | {"name": name, "repetitions": num_solved}
     facts |= {
-        "hasIntervals": members > 1,
+        "hasIntervals": num_solved > 1,
         "kinds": ["pairs of surfaces"],
         "combined": [True],
         "answers": [],
         "asked": [],
     }
-    if loads.size:
-        facts |= _add_values_at_nodes(result.nodes, study, head, members, packed_arrays)
+    if nodes.loads.size:
+        if nodes.num_coefficients > MAX_GENERATED_REPORT_VALUES:
+            raise ReportError(
+                f"the result must have at most {MAX_GENERATED_REPORT_VALUES} coefficients at nodes for a report, got "
+                f"{nodes.num_coefficients}; choose fewer fractal dimensions, amplitudes or directions"
+            )
+        facts |= _pack_values(nodes, evaluate_generated_nodes(nodes, num_solved), packed_arrays)
     return ReportContent(
         study=study,
-        name=facts["name"],
+        name=name,
         head=_heading_lines(study),
         pairs_text=_describe_pairs(study, facts),
         facts=facts,
         packed_arrays=packed_arrays,
         num_members=num_members,
-        pictures_markup=_render_picture_panels(result, study, head, contact_counts),
+        pictures_markup=_render_picture_panels(result),
     )
 
 
@@ -127,49 +115,17 @@ def _study_page_data(head: xarray.Dataset, study: Study, loads: Floats) -> dict[
     }
 
 
-def _add_values_at_nodes(
-    nodes: InterpolationNodes, study: Study, head: xarray.Dataset, members: int, packed_arrays: PackedArrays
+def _pack_values(
+    nodes: InterpolationNodes, values: GeneratedValuesAtNodes, packed_arrays: PackedArrays
 ) -> dict[str, Any]:
     """Add all quantities at the nodes. The array axes are cell, amplitude, rule, motion, load, mu0 and tau0."""
-    rules, angles = list_rules_and_directions(study)
-    axes, loads = nodes.axes, nodes.loads
-    num_curves = (
-        math.prod(head.sizes[name] for name in SURFACE_PARAMETER_DIMENSIONS) * loads.size * len(rules) * len(angles)
-    )
-    if (num_values := num_curves * axes[0].values.size * axes[1].values.size) > MAX_GENERATED_REPORT_VALUES:
-        raise ReportError(
-            f"the result must have at most {MAX_GENERATED_REPORT_VALUES} coefficients at nodes for a report, got "
-            f"{num_values}; choose fewer fractal dimensions, amplitudes or directions"
-        )
-    (node_values,) = nodes.values
-    points, area_points = (
-        transpose_to_leading_dimensions(node_values["friction_coefficient"]),
-        transpose_to_leading_dimensions(node_values["contact_area"]),
-    )
-    shape: tuple[int, ...] = points.shape[:-1]
-    area_points = np.broadcast_to(area_points, points.shape)
-    contact_counts = np.broadcast_to(transpose_to_leading_dimensions(node_values["contact_count"])[..., 0], shape)
-    quantities: dict[str, Floats] = {"friction": points, "area": area_points}
-    if "normal_stiffness" in node_values and bool(node_values["normal_stiffness"].notnull().any()):
-        quantities["stiffness"] = np.broadcast_to(
-            transpose_to_leading_dimensions(node_values["normal_stiffness"]), points.shape
-        )
-    for name, values in quantities.items():
-        packed_arrays.add_estimates(name, values)
-    validity_numbers: dict[str, Floats] = {}
+    study, points = nodes.study, values.estimates["friction"]
+    for name, estimates in values.estimates.items():
+        packed_arrays.add_estimates(name, estimates)
     validity_records: list[dict[str, Any]] = []
-    for name in (
-        name
-        for name in (*COMMON_VALIDITY_QUANTITIES, *AREAL_VALIDITY_QUANTITIES, *QUANTITIES_AT_HARDNESS)
-        if name in node_values
-    ):
-        values = transpose_to_leading_dimensions(node_values[name])
-        values = np.broadcast_to(values if values.ndim == len(shape) else values[..., 0], shape)
-        if not np.isfinite(values).any() or (name in QUANTITIES_AT_HARDNESS and not np.nan_to_num(values).any()):
-            continue
+    for index, (name, means) in enumerate(values.validity.items()):
         quantity = QUANTITIES[name]
-        validity_numbers[name] = values
-        packed_arrays.add(f"validity_{len(validity_records)}", values)
+        packed_arrays.add(f"validity_{index}", means)
         validity_records.append(
             {
                 "words": quantity.table_label[0].upper() + quantity.table_label[1:],
@@ -180,50 +136,35 @@ def _add_values_at_nodes(
                 "unit": " %" if quantity.percent else "",
             }
         )
-    status = np.broadcast_to(transpose_to_leading_dimensions(node_values["status"]), shape)
-    statuses, codes = _status_records_and_codes(status, validity_numbers, validity_records)
+    statuses, codes = _status_records_and_codes(values.statuses, values.validity, validity_records)
     packed_arrays.add("status", codes.astype(np.int8))
-    is_interpolated = np.logical_and.reduce([nodes.find_interpolated_panels(values) for values in quantities.values()])
-    packed_arrays.add("fine", is_interpolated.astype(np.int8))
-    rule_index = rules.index(list_sliding_rules_reported_first(study)[0])
-    checked_numbers = validity_numbers | _compute_checked_numbers(
-        node_values, points, area_points[..., 0], contact_counts, study, members
-    )
-    checked_numbers = {name: values[:, :, rule_index] for name, values in checked_numbers.items()}
-    assessments, assessment_indices = assess_ensemble_points(study, status[:, :, rule_index], checked_numbers)
-    packed_arrays.add("judgement", assessment_indices.astype(float))
-    assessment_records = [
-        {"verdict": verdict_from_caveats(reasons), "caveats": [_caveat_or_check_record(reason) for reason in reasons]}
-        for reasons in assessments
-    ]
-    limit_checks = {reason for reasons in assessments for reason in reasons if isinstance(reason, LimitCheck)}
-    for name in sorted({limit_check.shown_name for limit_check in limit_checks if "{}" in limit_check.text}):
-        packed_arrays.add(f"number_{name}", checked_numbers[name])
+    packed_arrays.add("fine", values.is_interpolated.astype(np.int8))
+    packed_arrays.add("judgement", values.assessment_indices.astype(float))
+    reasons = [reason for assessment in values.assessments for reason in assessment]
+    for name in sorted({each.shown_name for each in reasons if isinstance(each, LimitCheck) and "{}" in each.text}):
+        packed_arrays.add(f"number_{name}", values.checked_numbers[name])
     is_valid = codes == 0
-    for validity_record, values in zip(validity_records, validity_numbers.values(), strict=True):
-        is_valid = is_valid & ~(values > validity_record["limit"])
-    mapped_quantities = {name: values[..., 0] for name, values in quantities.items()} | {
+    for validity_record, means in zip(validity_records, values.validity.values(), strict=True):
+        is_valid = is_valid & ~(means > validity_record["limit"])
+    mapped_quantities = {name: estimates[..., 0] for name, estimates in values.estimates.items()} | {
         "width": _relative_half_widths(points)
     }
     return {
-        "axes": slider_settings(axes, study),
+        "axes": slider_settings(nodes.axes, study),
         "statuses": statuses,
         "validity": validity_records,
-        "judgements": assessment_records,
-        "hasStiffness": "stiffness" in quantities,
-        "start": _choose_initial_cell_and_load(is_valid, points, axes, study),
+        "judgements": [
+            {
+                "verdict": verdict_from_caveats(assessment),
+                "caveats": [_caveat_or_check_record(reason) for reason in assessment],
+            }
+            for assessment in values.assessments
+        ],
+        "hasStiffness": "stiffness" in values.estimates,
+        "start": _choose_initial_cell_and_load(is_valid, points, nodes.axes, study),
         "maps": _add_colour_ranges(mapped_quantities, packed_arrays),
         "error": nodes.interpolation_errors,
     }
-
-
-LEADING_DIMENSIONS = (*SURFACE_PARAMETER_DIMENSIONS, "sliding", "direction", "load", "mu0", "tau0")
-
-
-def transpose_to_leading_dimensions(table: xarray.DataArray) -> Floats:
-    """Transpose values so that `LEADING_DIMENSIONS` come first. Missing dimensions get a length of 1."""
-    table = table.expand_dims([dim for dim in LEADING_DIMENSIONS if dim not in table.dims])
-    return np.asarray(table.transpose(*LEADING_DIMENSIONS, ...).values)
 
 
 def _status_records_and_codes(
@@ -287,25 +228,6 @@ def _choose_initial_cell_and_load(
 # ---- The assessment --------------------------------------------------------------------------------------------------
 
 
-def _compute_checked_numbers(
-    node_values: xarray.Dataset, points: Floats, area: Floats, contacts: Floats, study: Study, members: int
-) -> dict[str, Any]:
-    """Compute, for every node, the numbers that the assessment of generated surfaces compares with limits."""
-    load, mu0, tau0 = (transpose_to_leading_dimensions(node_values[name]) for name in ("load", "mu0", "tau0"))
-    contact_load = (
-        transpose_to_leading_dimensions(node_values["contact_load"])[..., 0] if "contact_load" in node_values else load
-    )
-    surfaces: Any = study.surfaces
-    nominal_area = float(np.prod(surfaces.extents())) if study.is_areal else math.inf
-    with np.errstate(divide="ignore", invalid="ignore"):
-        pressure = np.where(area > 0, contact_load / area, np.nan)
-    value, lower, upper = np.moveaxis(points, -1, 0)
-    return compute_checked_quantities(
-        value, lower, upper, mu0=mu0, tau0=tau0, pressure=pressure, contact_count=contacts, members=members,
-        is_merged=area / nominal_area > MIN_MERGED_AREA_FRACTION,
-    )  # fmt: skip
-
-
 def _caveat_or_check_record(reason: Caveat | LimitCheck) -> dict[str, Any]:
     """Return a caveat or check as a record: text, remedy, severity, and the format of the number in the text."""
     number_format = _number_format_of_check(reason) if isinstance(reason, LimitCheck) and "{}" in reason.text else None
@@ -327,13 +249,15 @@ def _number_format_of_check(check: LimitCheck) -> dict[str, Any]:
 # ---- Texts and figures -----------------------------------------------------------------------------------------------
 
 
-def _render_picture_panels(result: Result, study: Study, head: xarray.Dataset, counts: Floats) -> str:
+def _render_picture_panels(result: Result) -> str:
     """Draw two of the profiles in contact and, if the study includes it, the onset of sliding."""
+    study = result.study
+    counts = result.means(["contact_count"])["contact_count"].transpose(*SURFACE_PARAMETER_DIMENSIONS, ...).values
     if not (has_contact := (counts > 0).any(axis=(0, 1))).any():
         return ""
     panels = []
     if not (study.is_areal or study.uses_half_space):
-        approaches = head["approach"].values[has_contact]
+        approaches = result.head["approach"].values[has_contact]
         panels.append(profiles_panel(study, float(approaches[approaches.size // 2])))
     if set(ONSET_QUANTITIES) & set(study.contact_sum_names()):
         panels.append(onset_by_dimension_panel(result.dataset))
@@ -342,8 +266,10 @@ def _render_picture_panels(result: Result, study: Study, head: xarray.Dataset, c
 
 def _built_in_study_name(study: Study) -> str:
     """Return the name of the built-in study that equals this study apart from the repetitions, or "study"."""
-    changes = {"ensemble.repetitions": study.ensemble.repetitions}
-    return next((name for name in study_names() if Study.named(name).with_changes(changes) == study), "study")
+    for name in study_names():
+        if {key for key, *_ in find_table_differences(Study.named(name), study)} <= {"ensemble.repetitions"}:
+            return name
+    return "study"
 
 
 def _heading_lines(study: Study) -> list[str]:

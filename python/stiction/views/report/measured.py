@@ -14,13 +14,14 @@ from stiction._checks import Floats
 from stiction._number_format import format_with_unit
 from stiction._text import printable_text
 from stiction.mechanics import friction
-from stiction.mechanics.quantities import QUANTITIES, quantity_names_shown_in
+from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.assessment import find_smallest_check_limit
 from stiction.studies.measured_surfaces import MeasuredBodySettings
 from stiction.studies.nodes import InterpolationNodes
 from stiction.studies.result import Result
 from stiction.studies.study import Study
-from stiction.studies.summary import PointSummary
+from stiction.studies.summary import PointSummary, Summary
+from stiction.studies.values_at_nodes import ORDERED_STATUSES, MeasuredValuesAtNodes, evaluate_measured_nodes
 from stiction.views.figures.standard import format_print_title, pair_title
 from stiction.views.onset import onset_note, onset_text
 from stiction.views.point import averaged_directions_text, material_names_text, motion_direction_text
@@ -55,31 +56,27 @@ MAX_MEASURED_REPORT_VALUES = 400_000
 _UNIT_LABELS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # labels of units for which no SI prefix is chosen
 
 
-def measured_report_content(result: Result, study: Study, name: str, picture: xarray.Dataset | None) -> ReportContent:
+def measured_report_content(result: Result, name: str, picture: xarray.Dataset | None) -> ReportContent:
     """Return the report on a result for measured bodies. The title consists of the file names and, if given, `name`.
 
     `picture` is a result of `contact_picture`; by default the picture stored with the result. Raises a `ReportError` if
     the result is too large.
     """
-    dataset = result.dataset
-    title_of_pair = pair_title(study)
-    name = f"{title_of_pair} ({name})" if name else title_of_pair
-    packed_arrays = PackedArrays()
-    facts = _result_page_data(dataset, result, study)
-    facts |= _add_friction_at_nodes(result.nodes, study, packed_arrays) | {"name": name}
-    facts["quantities"] = _quantity_records(result.nodes.load_quantities)
+    study, summary, nodes = result.study, result.summary(), result.nodes
+    if nodes.num_coefficients > MAX_MEASURED_REPORT_VALUES:
+        raise ReportError(
+            f"the result must have at most {MAX_MEASURED_REPORT_VALUES} coefficients for a report, got "
+            f"{nodes.num_coefficients}"
+        )
+    values = evaluate_measured_nodes(nodes)
+    packed_arrays, num_members = PackedArrays(), result.members.size
+    _pack_friction(values, packed_arrays)
+    pair_name, title = pair_title(study), format_print_title(study)
+    name = f"{pair_name} ({name})" if name else pair_name
+    facts = _result_page_data(result.head, summary, num_members, nodes.member_kinds)
+    facts |= _node_page_data(nodes, values, study)
+    facts |= {"name": name, "quantities": _quantity_records(values.load_quantities)}
     picture = result.contact_picture if picture is None else picture
-    num_members = int(facts["repetitions"])
-    onset = result.onset
-    resolution = result.summary().resolution
-    study_lines = (
-        [] if resolution is None or resolution.roughness is None else [resolved_wavelengths_text(resolution.roughness)]
-    )
-    study_lines += [] if onset is None else [f"{onset_text(onset)} {onset_note(onset)}"]
-    text = "".join(f"<p>{escape_html(line)}</p>" for line in (*study_lines, *_pull_off_lines(result, study)))
-    details_markup = text + "".join(
-        _history_markup(side, str(dataset.attrs.get(side, "")), study) for side in ("upper", "lower")
-    )
     return ReportContent(
         study=study,
         name=name,
@@ -88,28 +85,29 @@ def measured_report_content(result: Result, study: Study, name: str, picture: xa
         facts=facts,
         packed_arrays=packed_arrays,
         num_members=num_members,
-        details_markup=details_markup,
+        details_markup=_summary_markup(summary)
+        + "".join(_history_markup(side, str(result.head.attrs.get(side, "")), study) for side in ("upper", "lower")),
         contact_markup="" if picture is None else contact_panel(picture, facts["directions"][0]),
-        pictures_markup=(
-            positions_panel(result, facts["asked"][0], format_print_title(study)) if num_members > 1 else ""
-        )
-        + ("" if onset is None else onset_panels(onset, format_print_title(study)))
-        + height_factor_panels(result, format_print_title(study))
-        + adhesion_panel(result.loading_cycle, format_print_title(study)),
+        pictures_markup=(positions_panel(result, facts["asked"][0], title) if num_members > 1 else "")
+        + ("" if summary.onset is None else onset_panels(summary.onset, title))
+        + height_factor_panels(result, title)
+        + adhesion_panel(result.loading_cycle, title),
     )
 
 
-_MEMBER_KIND_TEXTS = {None: "pairs", "shifts": "positions of the two surfaces", "surrogates": "pairs of surrogates"}
+_MEMBER_KIND_TEXTS: dict[str | None, str] = {
+    None: "pairs",
+    "shifts": "positions of the two surfaces",
+    "surrogates": "pairs of surrogates",
+}
 
 
-def _result_page_data(dataset: xarray.Dataset, result: Result, study: Study) -> dict[str, Any]:
-    area, loads = float(dataset["nominal_area"]), study.contact.loading_steps().tolist()
-    cut_offs = dataset["cut_off"].values.tolist()
-    assessments = _assessment_records(result)
-    quoted_cutoffs = (
-        assessment["at"].get("cut_off", cut_offs[0]) for assessment in assessments if not assessment["covered"]
-    )
-    quoted_cutoff = next(quoted_cutoffs, cut_offs[0])
+def _result_page_data(
+    head: xarray.Dataset, summary: Summary, num_members: int, member_kinds: Sequence[str | None]
+) -> dict[str, Any]:
+    study = summary.study
+    area, loads = float(head["nominal_area"]), study.contact.loading_steps().tolist()
+    cut_offs = head["cut_off"].values.tolist()
     study_loads = [float(load) for load in study.friction.load]
     return {
         "isMeasured": True, "cell": CELL_AXIS_LABELS["cut_off"],
@@ -117,22 +115,23 @@ def _result_page_data(dataset: xarray.Dataset, result: Result, study: Study) -> 
             "values": cut_offs,
             "texts": [f"cutoff {format_with_unit(value, 'um')}" if value > 0 else "no cutoff" for value in cut_offs],
         },
-        "amplitudes": [], "repetitions": int(dataset.sizes["repetition"]), "asked": study_loads,
-        "kinds": [_MEMBER_KIND_TEXTS[kind] for kind in result.nodes.member_kinds],
+        "amplitudes": [], "repetitions": num_members, "asked": study_loads,
+        "kinds": [_MEMBER_KIND_TEXTS[kind] for kind in member_kinds],
         "loads": {
             "values": loads,
             "texts": [f"{format_with_unit(load, 'mN')} ({format_with_unit(load / area, 'GPa')})" for load in loads],
             "unit": f"; 1 mN is {1000 / area:.4g} MPa",
         },
         "start": {
-            "cell": cut_offs.index(quoted_cutoff), "load": int(np.argmin(np.abs(np.array(loads) - study_loads[0]))),
+            "cell": cut_offs.index(summary.first.at.get("cut_off", cut_offs[0])),
+            "load": int(np.argmin(np.abs(np.array(loads) - study_loads[0]))),
         },
-        "answers": assessments, "validity": [], "curves": _CURVE_PANELS,
-        "modulus": float(dataset["effective_modulus"]), "area": area,
+        "answers": [_assessment_record(point) for point in summary.points], "validity": [], "curves": _CURVE_PANELS,
+        "modulus": float(head["effective_modulus"]), "area": area,
     }  # fmt: skip
 
 
-_CURVE_PANELS = {
+_CURVE_PANELS: dict[str, dict[str, Any]] = {
     "area": {"of": "contact_area_fraction", "title": "true contact area _A_/_A_~0~ (%)", "factor": 100},
     "stiffness": {"of": "stiffness_per_area", "title": "normal stiffness over area (GPa/mm)", "factor": 1},
     "unloading": {"of": "unloading_stiffness_per_area", "title": "normal stiffness over area (GPa/mm)", "factor": 1},
@@ -140,122 +139,57 @@ _CURVE_PANELS = {
 """Quantity, axis title and unit conversion factor for each additional plot against load."""
 
 
-def _add_friction_at_nodes(nodes: InterpolationNodes, study: Study, packed_arrays: PackedArrays) -> dict[str, Any]:
-    """Add friction at the nodes to `packed_arrays`. Array axes: kind, cutoff, rule, motion, load, mu0 and tau0."""
-    (rules, angles), axes, member_kinds = list_rules_and_directions(study), nodes.axes, nodes.member_kinds
-    motions: list[dict[str, Any]] = [
-        {"words": motion_direction_text(angle), "directions": [direction_index]}
-        for direction_index, angle in enumerate(angles)
-    ]
-    if len(angles) > 1:
-        motions.insert(0, {"words": averaged_directions_text(angles), "directions": list(range(len(angles)))})
-    num_values = (
-        len(member_kinds)
-        * len(study.surfaces.cell_coordinates()["cut_off"])
-        * nodes.loads.size
-        * len(rules)
-        * len(motions)
-    )
-    num_values *= axes[0].values.size * axes[1].values.size
-    if num_values > MAX_MEASURED_REPORT_VALUES:
-        raise ReportError(
-            f"the result must have at most {MAX_MEASURED_REPORT_VALUES} coefficients for a report, got {num_values}"
-        )
-    member_counts: list[int] = []
-    arrays_by_name: dict[str, list[Any]] = {name: [] for name in ("shown", "sampling", "status", "answered", "slopes")}
-    for node_values in nodes.values:
-        member_counts.append(int(node_values["members"]))
-        dimensions = ("cut_off", "sliding", "direction", "load", "mu0", "tau0")
-        friction_by_direction = node_values["friction_coefficient"].transpose(*dimensions, "statistic").values
-        mean_friction = (
-            node_values["friction_all_round"]
-            .transpose(*(dim for dim in dimensions if dim != "direction"), "statistic")
-            .values
-        )
-        combined_friction = mean_friction.copy()
-        if "friction_combined" in node_values:
-            combined_friction = (
-                node_values["friction_combined"]
-                .transpose(*(dim for dim in dimensions if dim != "direction"), "statistic")
-                .values
-            )
-        status, num_solved = (node_values[name].transpose(*dimensions).values for name in ("status", "ok"))
-        slopes = node_values["gentle_friction"].transpose("cut_off", "sliding", "direction", "mu0", "tau0").values
-        motion_arrays = []
-        for motion in motions:
-            is_mean_of_directions = len(motion["directions"]) == len(angles)
-            sampled_friction = (
-                mean_friction if is_mean_of_directions else friction_by_direction[:, :, motion["directions"][0]]
-            )
-            directions = sorted(motion["directions"])
-            motion_arrays.append(
-                (
-                    combined_friction if is_mean_of_directions else sampled_friction,
-                    sampled_friction,
-                    _status_codes(status[:, :, directions], sampled_friction[..., 0]),
-                    num_solved[:, :, directions].min(axis=2),
-                    slopes[:, :, directions].mean(axis=2),
-                )
-            )
-        for name, values in zip(arrays_by_name, zip(*motion_arrays, strict=True), strict=True):
-            arrays_by_name[name].append(np.stack(values, axis=2))
-    stacked_arrays = {name: np.stack(values) for name, values in arrays_by_name.items()}
-    is_interpolated = nodes.find_interpolated_panels(stacked_arrays["shown"])
-    displayed_friction, is_combined = stacked_arrays["shown"], np.zeros((len(member_kinds), len(motions)), bool)
-    for index, motion in enumerate(motions):
-        motion["isWhole"] = len(motion["directions"]) == len(angles)
-        motion["angle"] = None if len(motion["directions"]) > 1 else angles[motion["directions"][0]]
-        is_combined[0, index] = motion["isWhole"]
-    # A value without a combined interval is printed with as many decimals as the mean over all directions.
-    mean_friction = displayed_friction[0, :, :, [is_combined[0].argmax()]]
-    mean_decimals = np.moveaxis(count_estimate_decimals(*np.moveaxis(mean_friction, -1, 0))[0], 0, 2)
-    displayed_friction[
-        np.broadcast_to(~is_combined[:, np.newaxis, np.newaxis, :, None, None, None], displayed_friction.shape[:-1]), 1:
-    ] = np.nan
+def _pack_friction(values: MeasuredValuesAtNodes, packed_arrays: PackedArrays) -> None:
+    """Add friction at the nodes. Values without a combined interval have the decimals of the mean over directions."""
+    mean_decimals, _ = count_estimate_decimals(*np.moveaxis(values.friction[0, :, :, :1], -1, 0))
     packed_arrays.add_estimates(
-        "friction", displayed_friction, decimals=np.broadcast_to(mean_decimals, displayed_friction.shape[:-1])
+        "friction", values.friction, decimals=np.broadcast_to(mean_decimals, values.friction.shape[:-1])
     )
-    packed_arrays.add_estimates("sampling", stacked_arrays["sampling"])
-    packed_arrays.add("status", stacked_arrays["status"].astype(np.int8))
-    packed_arrays.add("fine", is_interpolated.astype(np.int8))
-    packed_arrays.add("answered", stacked_arrays["answered"].astype(float))
-    slopes = stacked_arrays["slopes"]
-    packed_arrays.add_estimates("slopes", np.stack([slopes, *(np.full(slopes.shape, np.nan),) * 2], axis=-1))
+    packed_arrays.add_estimates("sampling", values.sampling)
+    packed_arrays.add("status", values.status_codes.astype(np.int8))
+    packed_arrays.add("fine", values.is_interpolated.astype(np.int8))
+    packed_arrays.add("answered", values.num_solved.astype(float))
+    no_limit = np.full(values.slopes.shape, np.nan)
+    packed_arrays.add_estimates("slopes", np.stack([values.slopes, no_limit, no_limit], axis=-1))
+
+
+def _node_page_data(nodes: InterpolationNodes, values: MeasuredValuesAtNodes, study: Study) -> dict[str, Any]:
+    rules, angles = list_rules_and_directions(study)
     return {
-        "ways": motions,
+        "ways": [
+            {
+                "words": averaged_directions_text(angles)
+                if len(motion) > 1
+                else motion_direction_text(angles[motion[0]]),
+                "directions": motion,
+                "isWhole": len(motion) == len(angles),
+                "angle": None if len(motion) > 1 else angles[motion[0]],
+            }
+            for motion in nodes.motions
+        ],
         "rules": rules,
         "directions": angles,
-        "axes": slider_settings(axes, study),
+        "axes": slider_settings(nodes.axes, study),
         "error": nodes.interpolation_errors,
         "statuses": [
             {"name": name, "isOk": name == friction.STATUS_OK, "isTrusted": True} for name in ORDERED_STATUSES
         ],
-        "combined": [member_kind != "surrogates" for member_kind in member_kinds],
-        "memberCounts": member_counts,
-        "ranged": bool(axes[0].ranged.size or axes[1].ranged.size),
+        "combined": [kind != "surrogates" for kind in nodes.member_kinds],
+        "memberCounts": values.member_counts,
+        "ranged": any(axis.ranged.size for axis in nodes.axes),
     }
 
 
-ORDERED_STATUSES = (friction.STATUS_OK, *sorted(name for name in friction.STATUSES if name != friction.STATUS_OK))
-"""Statuses in the order of their codes. If several directions have no value, the lowest code is reported."""
-
-
-def _status_codes(statuses: Any, values: Floats) -> Any:
-    """Return the status code of each mean over directions. Array axes: cutoff, sliding rule, load, mu0 and tau0."""
-    codes = np.select([statuses == name for name in ORDERED_STATUSES], range(len(ORDERED_STATUSES)))
-    lowest_codes = np.where(codes == 0, len(ORDERED_STATUSES), codes).min(axis=2)
-    not_solved_code = ORDERED_STATUSES.index(friction.STATUS_NOT_SOLVED)
-    return np.where(
-        np.isfinite(values), 0, np.where(lowest_codes == len(ORDERED_STATUSES), not_solved_code, lowest_codes)
-    )
-
-
-def _pull_off_lines(result: Result, study: Study) -> list[str]:
-    """Return a list with a sentence about the pull-off force at the first mu0 and tau0; empty if nothing adheres."""
-    if not study.contact.adheres:
-        return []
-    pull_off_estimate = result.summary().points[0].sticking
-    return [] if pull_off_estimate is None else [pull_off_text(pull_off_estimate)]
+def _summary_markup(summary: Summary) -> str:
+    """Return paragraphs about the resolved wavelengths, the onset of sliding and the pull-off force."""
+    lines = []
+    if summary.resolution is not None and summary.resolution.roughness is not None:
+        lines.append(resolved_wavelengths_text(summary.resolution.roughness))
+    if summary.onset is not None:
+        lines.append(f"{onset_text(summary.onset)} {onset_note(summary.onset)}")
+    if summary.study.contact.adheres and (pull_off_values := summary.points[0].sticking) is not None:
+        lines.append(pull_off_text(pull_off_values))
+    return "".join(f"<p>{escape_html(line)}</p>" for line in lines)
 
 
 def _heading_lines(study: Study, facts: dict[str, Any]) -> list[str]:
@@ -301,11 +235,10 @@ def _scan_reading_table(scan: MeasuredBodySettings) -> str:
     return ""
 
 
-def _quantity_records(evaluations: Sequence[xarray.Dataset]) -> list[dict[str, Any]]:
+def _quantity_records(estimates_by_name: dict[str, Floats]) -> list[dict[str, Any]]:
     """Return a record for each quantity except friction, with its values, interval ends, decimals and texts."""
     records = []
-    for name in (name for name in quantity_names_shown_in("report") if name in evaluations[0]):
-        estimates = np.stack([values[name].transpose("cut_off", "load", "statistic").values for values in evaluations])
+    for name, estimates in estimates_by_name.items():
         if not np.isfinite(estimates[0]).any() or (
             name == "load_share_at_hardness" and not np.nan_to_num(estimates[0]).any()
         ):
@@ -328,25 +261,22 @@ def _quantity_records(evaluations: Sequence[xarray.Dataset]) -> list[dict[str, A
     return records
 
 
-def _assessment_records(result: Result) -> list[dict[str, Any]]:
-    return [
-        {
-            "at": point.at, "loadText": format_with_unit(point.at["load"], "mN"), "verdict": point.verdict,
-            "covered": point.covered,
-            "sentence": printable_text(quotable_sentence(point), MAX_SHOWN_LINE_LENGTH * 4),
-            "caveats": [
-                {
-                    name: printable_text(getattr(caveat, name), MAX_SHOWN_LINE_LENGTH)
-                    for name in ("text", "remedy", "severity")
-                }
-                for caveat in point.caveats
-            ],
-            "slopes": small_slope_estimate_text(point),
-            "bar": _contribution_record(point),
-            "most": " ".join(filter(None, (uncertainty_budget_text(point), dwell_time_text(point)))) or None,
-        }
-        for point in result.summary().points
-    ]  # fmt: skip
+def _assessment_record(point: PointSummary) -> dict[str, Any]:
+    return {
+        "at": point.at, "loadText": format_with_unit(point.at["load"], "mN"), "verdict": point.verdict,
+        "covered": point.covered,
+        "sentence": printable_text(quotable_sentence(point), MAX_SHOWN_LINE_LENGTH * 4),
+        "caveats": [
+            {
+                name: printable_text(getattr(caveat, name), MAX_SHOWN_LINE_LENGTH)
+                for name in ("text", "remedy", "severity")
+            }
+            for caveat in point.caveats
+        ],
+        "slopes": small_slope_estimate_text(point),
+        "bar": _contribution_record(point),
+        "most": " ".join(filter(None, (uncertainty_budget_text(point), dwell_time_text(point)))) or None,
+    }  # fmt: skip
 
 
 _FRICTION_CONTRIBUTION_LABELS = ("μ0", "τ0 on the true area", "slopes")

@@ -104,8 +104,8 @@ def _report_page_of_result(result: Result, name: str, picture: xarray.Dataset | 
     except ValueError as error:
         raise ReportError(str(error)) from None
     content = (
-        measured_report_content(result, study, name, picture)
-        if study.is_measured else generated_report_content(result, study, name)
+        measured_report_content(result, name, picture)
+        if study.is_measured else generated_report_content(result, name)
     )  # fmt: skip
     facts = {
         "percent": f"{100 * CONFIDENCE_LEVEL:g} %", "ticks": COLOUR_BAR_TICKS,

@@ -1,0 +1,243 @@
+"""Arrays of a result at the nodes of mu0 and tau0. A report shows these arrays, and evaluates no further values."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction._checks import Floats
+from stiction.mechanics import friction
+from stiction.mechanics.quantities import (
+    AREAL_VALIDITY_QUANTITIES,
+    COMMON_VALIDITY_QUANTITIES,
+    QUANTITIES_AT_HARDNESS,
+    quantity_names_shown_in,
+)
+from stiction.studies.assessment import (
+    MIN_MERGED_AREA_FRACTION,
+    Caveat,
+    LimitCheck,
+    assess_ensemble_points,
+    compute_checked_quantities,
+)
+from stiction.studies.nodes import InterpolationNodes
+from stiction.studies.point import list_sliding_rules_reported_first
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stiction.studies.study import Study
+
+ORDERED_STATUSES = (friction.STATUS_OK, *sorted(name for name in friction.STATUSES if name != friction.STATUS_OK))
+"""Statuses in the order of their codes. If several directions have no value, the lowest code is reported."""
+
+LEADING_DIMENSIONS = ("fractal_dimension", "amplitude", "sliding", "direction", "load", "mu0", "tau0")
+
+
+# ---- Measured surfaces -----------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredValuesAtNodes:
+    """Values of measured surfaces at nodes.
+
+    The first axes of the arrays are kind of member, cutoff, sliding rule, motion, load, mu0 and tau0. The last axis of
+    estimates contains value, lower limit and upper limit.
+
+    Attributes
+    ----------
+    friction : ndarray of float
+        Estimates with combined intervals. The limits are NaN where `has_combined` is false.
+    sampling : ndarray of float
+        Estimates with sampling intervals of the mean over positions.
+    status_codes : ndarray of int
+        Indices into `ORDERED_STATUSES`.
+    num_solved : ndarray of int
+        Numbers of members with a value.
+    slopes : ndarray of float
+        Small-slope estimates (kind, cutoff, rule, motion, mu0, tau0).
+    is_interpolated : ndarray of bool
+        True for each panel in which values may be interpolated.
+    has_combined : ndarray of bool
+        True for each kind of member and motion with a combined interval.
+    member_counts : list of int
+        Number of members of each kind.
+    load_quantities : dict
+        Estimates (kind, cutoff, load) of each quantity that depends only on the load, by name.
+    """
+
+    friction: Floats
+    sampling: Floats
+    status_codes: NDArray[np.intp]
+    num_solved: NDArray[Any]
+    slopes: Floats
+    is_interpolated: NDArray[np.bool_]
+    has_combined: NDArray[np.bool_]
+    member_counts: list[int]
+    load_quantities: dict[str, Floats]
+
+
+def evaluate_measured_nodes(nodes: InterpolationNodes) -> MeasuredValuesAtNodes:
+    """Evaluate measured surfaces at nodes."""
+    estimates, sampling, status_codes, num_solved, slopes = (
+        np.stack(arrays)
+        for arrays in zip(*(_stack_motions(values, nodes.motions) for values in nodes.values), strict=True)
+    )
+    is_interpolated = nodes.find_interpolated_panels(estimates)
+    # Only the mean over all directions of the quoted kind of member has a combined interval.
+    has_combined = np.zeros((len(nodes.values), len(nodes.motions)), bool)
+    has_combined[0] = [len(motion) == len(nodes.motions[0]) for motion in nodes.motions]
+    estimates[
+        np.broadcast_to(~has_combined[:, np.newaxis, np.newaxis, :, None, None, None], estimates.shape[:-1]), 1:
+    ] = np.nan
+    return MeasuredValuesAtNodes(
+        friction=estimates,
+        sampling=sampling,
+        status_codes=status_codes,
+        num_solved=num_solved,
+        slopes=slopes,
+        is_interpolated=is_interpolated,
+        has_combined=has_combined,
+        member_counts=[int(values["members"]) for values in nodes.values],
+        load_quantities={
+            name: np.stack(
+                [values[name].transpose("cut_off", "load", "statistic").values for values in nodes.load_quantities]
+            )
+            for name in quantity_names_shown_in("report")
+            if name in nodes.load_quantities[0]
+        },
+    )
+
+
+def _stack_motions(values: xarray.Dataset, motions: list[list[int]]) -> list[NDArray[Any]]:
+    """Return combined estimates, sampling estimates, status codes, numbers of members and slopes of all motions."""
+    dims = ("cut_off", "sliding", "direction", "load", "mu0", "tau0")
+    dims_of_mean = tuple(dim for dim in dims if dim != "direction")
+    by_direction = values["friction_coefficient"].transpose(*dims, "statistic").values
+    mean = values["friction_all_round"].transpose(*dims_of_mean, "statistic").values
+    combined = (
+        values["friction_combined"].transpose(*dims_of_mean, "statistic").values
+        if "friction_combined" in values
+        else mean
+    )
+    status, num_solved = (values[name].transpose(*dims).values for name in ("status", "ok"))
+    slopes = values["gentle_friction"].transpose("cut_off", "sliding", "direction", "mu0", "tau0").values
+    arrays_by_motion = []
+    for directions in motions:
+        is_mean = len(directions) == by_direction.shape[2]
+        sampling = mean if is_mean else by_direction[:, :, directions[0]]
+        arrays_by_motion.append(
+            (
+                combined if is_mean else sampling,
+                sampling,
+                _find_status_codes(status[:, :, directions], sampling[..., 0]),
+                num_solved[:, :, directions].min(axis=2),
+                slopes[:, :, directions].mean(axis=2),
+            )
+        )
+    return [np.stack(arrays, axis=2) for arrays in zip(*arrays_by_motion, strict=True)]
+
+
+def _find_status_codes(statuses: NDArray[Any], values: Floats) -> NDArray[np.intp]:
+    """Return the status code of each mean over directions. Array axes: cutoff, sliding rule, load, mu0 and tau0."""
+    codes = np.select([statuses == name for name in ORDERED_STATUSES], range(len(ORDERED_STATUSES)))
+    lowest_codes = np.where(codes == 0, len(ORDERED_STATUSES), codes).min(axis=2)
+    not_solved_code = ORDERED_STATUSES.index(friction.STATUS_NOT_SOLVED)
+    return np.where(
+        np.isfinite(values), 0, np.where(lowest_codes == len(ORDERED_STATUSES), not_solved_code, lowest_codes)
+    )
+
+
+# ---- Generated surfaces ----------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class GeneratedValuesAtNodes:
+    """Values of generated surfaces at nodes.
+
+    The first axes of the arrays are fractal dimension, amplitude, sliding rule, direction, load, mu0 and tau0. The last
+    axis of estimates contains value, lower limit and upper limit.
+
+    Attributes
+    ----------
+    estimates : dict
+        Estimates of ``friction``, ``area`` and, if it was computed, ``stiffness``.
+    validity : dict
+        Means of the quantities that show whether the contact model is valid, by name.
+    statuses : ndarray of str
+    is_interpolated : ndarray of bool
+        True for each panel in which values may be interpolated.
+    checked_numbers : dict
+        Numbers that the assessment compares with limits, for the quoted sliding rule.
+    assessments : list of list of Caveat or LimitCheck
+        Distinct assessments, each with faults first.
+    assessment_indices : ndarray of int
+        Index of the assessment of each point, for the quoted sliding rule.
+    """
+
+    estimates: dict[str, Floats]
+    validity: dict[str, Floats]
+    statuses: NDArray[Any]
+    is_interpolated: NDArray[np.bool_]
+    checked_numbers: dict[str, Any]
+    assessments: list[list[Caveat | LimitCheck]]
+    assessment_indices: NDArray[np.intp]
+
+
+def evaluate_generated_nodes(nodes: InterpolationNodes, num_members: int) -> GeneratedValuesAtNodes:
+    """Evaluate generated surfaces at nodes. `num_members` is the number of solved members."""
+    study, (node_values,) = nodes.study, nodes.values
+    points = _transpose(node_values["friction_coefficient"])
+    shape: tuple[int, ...] = points.shape[:-1]
+    estimates = {"friction": points, "area": np.broadcast_to(_transpose(node_values["contact_area"]), points.shape)}
+    if "normal_stiffness" in node_values and bool(node_values["normal_stiffness"].notnull().any()):
+        estimates["stiffness"] = np.broadcast_to(_transpose(node_values["normal_stiffness"]), points.shape)
+    validity: dict[str, Floats] = {}
+    for name in (*COMMON_VALIDITY_QUANTITIES, *AREAL_VALIDITY_QUANTITIES, *QUANTITIES_AT_HARDNESS):
+        if name not in node_values:
+            continue
+        values = _transpose(node_values[name])
+        values = np.broadcast_to(values if values.ndim == len(shape) else values[..., 0], shape)
+        if np.isfinite(values).any() and (name not in QUANTITIES_AT_HARDNESS or np.nan_to_num(values).any()):
+            validity[name] = values
+    statuses = np.broadcast_to(_transpose(node_values["status"]), shape)
+    checked_numbers = validity | _compute_checked_numbers(node_values, estimates, study, num_members)
+    rule_index = study.contact.sliding_rules().index(list_sliding_rules_reported_first(study)[0])
+    checked_numbers = {name: values[:, :, rule_index] for name, values in checked_numbers.items()}
+    return GeneratedValuesAtNodes(
+        estimates,
+        validity,
+        statuses,
+        np.logical_and.reduce([nodes.find_interpolated_panels(values) for values in estimates.values()]),
+        checked_numbers,
+        *assess_ensemble_points(study, statuses[:, :, rule_index], checked_numbers),
+    )
+
+
+def _compute_checked_numbers(
+    node_values: xarray.Dataset, estimates: dict[str, Floats], study: Study, num_members: int
+) -> dict[str, Any]:
+    """Compute, for every node, the numbers that the assessment of generated surfaces compares with limits."""
+    load, mu0, tau0 = (_transpose(node_values[name]) for name in ("load", "mu0", "tau0"))
+    contact_load = _transpose(node_values["contact_load"])[..., 0] if "contact_load" in node_values else load
+    area = estimates["area"][..., 0]
+    surfaces: Any = study.surfaces
+    nominal_area = float(np.prod(surfaces.extents())) if study.is_areal else math.inf
+    with np.errstate(divide="ignore", invalid="ignore"):
+        pressure = np.where(area > 0, contact_load / area, np.nan)
+    value, lower, upper = np.moveaxis(estimates["friction"], -1, 0)
+    return compute_checked_quantities(
+        value, lower, upper, mu0=mu0, tau0=tau0, pressure=pressure,
+        contact_count=np.broadcast_to(_transpose(node_values["contact_count"])[..., 0], area.shape),
+        members=num_members, is_merged=area / nominal_area > MIN_MERGED_AREA_FRACTION,
+    )  # fmt: skip
+
+
+def _transpose(table: xarray.DataArray) -> Floats:
+    """Transpose values so that `LEADING_DIMENSIONS` come first. Missing dimensions get a length of 1."""
+    table = table.expand_dims([dim for dim in LEADING_DIMENSIONS if dim not in table.dims])
+    return np.asarray(table.transpose(*LEADING_DIMENSIONS, ...).values)
