@@ -259,10 +259,10 @@ def rejected_words(words_by_folder: Mapping[str, list[str]], path: str) -> set[s
 
 
 def find_name_faults(files: TextsByPath, words_by_folder: Mapping[str, list[str]]) -> Iterator[str]:
+    words_by_path = {path: rejected_words(words_by_folder, path) for path in files}
     for path, node in iterate_syntax_nodes(files):
-        words_not_allowed = rejected_words(words_by_folder, path)
         for kind, name in bound_names(node):
-            if name.strip("_").lower() in words_not_allowed:
+            if name.strip("_").lower() in words_by_path[path]:
                 yield f"{path}:{getattr(node, 'lineno', 1)}: {name} is no noun of the field, for a {kind}"
 
 
@@ -295,7 +295,9 @@ def modules_by_repeated_constant(files: TextsByPath) -> dict[str, set[str]]:
     for path, text in sorted(files.items()):
         if not is_python(path) or not is_in_folders(path, IMPORTABLE_FOLDERS):
             continue
-        for node in ast.parse(text).body:
+        module = list_syntax_nodes(text)[0]
+        assert isinstance(module, ast.Module)
+        for node in module.body:
             if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None:
                 for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
                     if isinstance(target, ast.Name) and is_constant(target.id):
