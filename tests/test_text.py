@@ -111,7 +111,7 @@ def test_modules_contain_no_string_statements_without_effect():
 
 
 def is_attribute_assignment(node):
-    return ast.unparse(node).startswith("self.") and isinstance(node, ast.Assign | ast.AnnAssign)
+    return isinstance(node, ast.Assign | ast.AnnAssign) and ast.unparse(node).startswith("self.")
 
 
 def is_string_node(node):

@@ -6,10 +6,11 @@ import re
 
 import numpy as np
 import pytest
-from stiction import Profile, Study, levelled, pair, run, self_affine
+from stiction import Profile, Result, Study, levelled, pair, run, self_affine
 from stiction.studies.nodes import MAX_NODES, NUM_REPORT_LOADS
 from stiction.studies.study import parse_study_of_dataset
 from stiction.views.report import ReportError, report_page, save_report
+from stiction.views.report.generated import generated_report_content
 from stiction.views.report.page import REPORT_FILE_SIGNATURE
 from stiction.views.report.surface import surface_page
 from support.generated_studies import SMALL_STUDY, empty_dataset
@@ -67,7 +68,11 @@ def test_report_rejects_a_dataset_without_study(generated_dataset):
         report_page(generated_dataset.drop_attrs())
 
 
-def test_saving_a_report_overwrites_reports_but_no_other_files(generated_dataset, tmp_path):
+def test_saving_a_report_overwrites_reports_but_no_other_files(generated_dataset, tmp_path, monkeypatch):
+    # The content is computed only once, because this test checks which files are written.
+    study = parse_study_of_dataset(generated_dataset)
+    content = generated_report_content(Result.of(generated_dataset), study, "")
+    monkeypatch.setattr("stiction.views.report.result.generated_report_content", lambda *_: content)
     path = tmp_path / "report.html"
     path.write_text(f"{REPORT_FILE_SIGNATURE}old")
     save_report(generated_dataset, path)
