@@ -39,7 +39,10 @@ THREE_POSITION_OPTIONS = PAIR_OPTIONS | {
 }  # This number is enough for comparisons of solutions at equal positions.
 
 
-def rough_surfaces(seed: int = 5, rms: float = 0.01, points: int = 64, refinement: int = 1) -> list[Surface]:
+LARGE_MAP_POINTS = 64  # number of points along a side of the maps in tests of interpolation between solutions
+
+
+def rough_surfaces(seed: int = 5, rms: float = 0.01, points: int = 48, refinement: int = 1) -> list[Surface]:
     return rough_maps(
         seed,
         hurst_exponent=0.7,
@@ -104,7 +107,9 @@ def test_replacing_a_result_also_replaces_its_solutions_at_other_hardnesses(tmp_
 @pytest.mark.parametrize(("rms", "modulus"), [(0.03, "70..90 GPa"), (0.003, "70..90 GPa"), (0.003, "48..112 GPa")])
 def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solutions(rms, modulus) -> None:
     kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", **THREE_POSITION_OPTIONS)
-    result = pair(*rough_surfaces(rms=rms), hardness="0.3..1.5 GPa", effective_modulus=modulus, **kwargs)
+    result = pair(
+        *rough_surfaces(rms=rms, points=LARGE_MAP_POINTS), hardness="0.3..1.5 GPa", effective_modulus=modulus, **kwargs
+    )
     inputs = find_uncertain_inputs(result.study)
     assert sorted(inputs) == ["effective_modulus", "hardness"]
     assert choose_hardness_and_modulus_nodes(result.study)[1].size == (3 if modulus.startswith("48") else 1)
@@ -125,7 +130,12 @@ def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solution
     for probability in (0.03, 0.7):
         hardness = float(inputs["hardness"].estimate.quantile(probability))
         effective_modulus = float(inputs["effective_modulus"].estimate.quantile(probability))
-        direct_result = pair(*rough_surfaces(rms=rms), hardness=hardness, effective_modulus=effective_modulus, **kwargs)
+        direct_result = pair(
+            *rough_surfaces(rms=rms, points=LARGE_MAP_POINTS),
+            hardness=hardness,
+            effective_modulus=effective_modulus,
+            **kwargs,
+        )
         friction_samples = samples._compute_friction_samples(
             {"hardness": probability, "effective_modulus": probability}
         )
@@ -191,14 +201,22 @@ def test_areas_at_other_hardnesses_are_solved_for_only_two_members_of_large_maps
 def test_friction_after_a_dwell_equals_friction_at_reduced_hardness(rms) -> None:
     kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", **PAIR_OPTIONS)
     aged_point = (
-        pair(*rough_surfaces(rms=rms), hardness="0.8 GPa", wait=["1 s", "1 h", "10 d"], creep=0.04, **kwargs)
+        pair(
+            *rough_surfaces(rms=rms, points=LARGE_MAP_POINTS),
+            hardness="0.8 GPa",
+            wait=["1 s", "1 h", "10 d"],
+            creep=0.04,
+            **kwargs,
+        )
         .summary()
         .points[0]
     )
     assert [dwell.seconds for dwell in aged_point.waited] == [1, 3600, 864000]
     assert aged_point.waited[0].value == pytest.approx(aged_point.value, rel=1e-9)
     for dwell in aged_point.waited[1:]:
-        softer_result = pair(*rough_surfaces(rms=rms), hardness=0.8 * dwell.seconds**-0.04, **kwargs)
+        softer_result = pair(
+            *rough_surfaces(rms=rms, points=LARGE_MAP_POINTS), hardness=0.8 * dwell.seconds**-0.04, **kwargs
+        )
         assert dwell.value == pytest.approx(softer_result.value, rel=MAX_INTERPOLATION_ERROR)
         assert dwell.lower < dwell.value < dwell.upper
     if rms == 0.03:  # All contacts yield, so the exact area grows as a power of the dwell time.
@@ -209,7 +227,7 @@ def test_friction_after_a_dwell_equals_friction_at_reduced_hardness(rms) -> None
 def test_range_of_creep_exponent_widens_only_intervals_after_a_dwell() -> None:
     kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", hardness="0.8 GPa", **PAIR_OPTIONS)
     exact_point, ranged_point = (
-        pair(*rough_surfaces(rms=0.03), wait="1 d", creep=m, **kwargs).summary().points[0]
+        pair(*rough_surfaces(rms=0.03, points=LARGE_MAP_POINTS), wait="1 d", creep=m, **kwargs).summary().points[0]
         for m in ("0.03", "0.02..0.04")
     )
     assert exact_point.waited[0].value == pytest.approx(
@@ -237,7 +255,7 @@ def test_hardness_of_named_materials_has_a_range_and_explicit_hardness_is_exact(
 
 def test_area_interpolated_over_modulus_agrees_with_direct_elastic_solutions() -> None:
     kwargs = dict(load="0.2 MPa", mu0=0.2, tau0="50 kPa", **PAIR_OPTIONS)
-    result = pair(*rough_surfaces(rms=0.01), effective_modulus="1.5..6 MPa", **kwargs)
+    result = pair(*rough_surfaces(rms=0.01, points=LARGE_MAP_POINTS), effective_modulus="1.5..6 MPa", **kwargs)
     table, study = result.at_study_loads, result.study
     areas = build_area_interpolator(table, result.source)
 
@@ -246,7 +264,9 @@ def test_area_interpolated_over_modulus_agrees_with_direct_elastic_solutions() -
 
     for ratio in (0.6, 1.5):
         scaled_result = pair(
-            *rough_surfaces(rms=0.01), effective_modulus=float(study.contact.effective_modulus) * ratio, **kwargs
+            *rough_surfaces(rms=0.01, points=LARGE_MAP_POINTS),
+            effective_modulus=float(study.contact.effective_modulus) * ratio,
+            **kwargs,
         )
         assert mean_contact_area(scaled_result) / mean_contact_area(result) == pytest.approx(
             areas.area_ratio(0, None, ratio).item(), rel=MAX_INTERPOLATION_ERROR

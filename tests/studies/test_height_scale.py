@@ -24,6 +24,7 @@ from stiction.studies.height_scale import (
 from stiction.studies.measured_surfaces import MeasuredBodySettings
 from stiction.studies.store import STUDY_FILE, open_stored_result
 from stiction.views.report import report_page
+from support.command import disable_drawing
 from support.generated_studies import TINY_STUDY
 from support.rough_surfaces import rough_maps
 
@@ -380,10 +381,12 @@ def test_figure_and_report_show_stored_height_factors(bodies, result, tmp_path):
     assert axes[0].lines[0].get_xdata() == pytest.approx(
         mean_values(result.at(height_scale=[0.5, 1, 2])["rms_gradient"])
     )
-    page = report_page(result.source)
+    with disable_drawing():
+        page = report_page(result.source)
     assert "Another finish of both surfaces" in page
     assert "Another finish of the upper surface" in page
     assert "Another finish of the lower surface" not in page
     unscaled_result = pair(*bodies, directory=tmp_path, **PAIR_OPTIONS | HARDNESS_OPTION)
     assert "height_scale" not in unscaled_result.figures()
-    assert "Another finish" not in report_page(unscaled_result.source)
+    with disable_drawing():
+        assert "Another finish" not in report_page(unscaled_result.source)
