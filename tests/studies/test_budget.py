@@ -482,6 +482,13 @@ def test_friction_coefficient_is_exactly_zero_if_mu0_and_tau0_are_zero() -> None
     assert "τ0 is 0, so the coefficient is the given μ0; the surfaces add 0" in [each.text for each in result.caveats]
 
 
+@pytest.mark.parametrize("seed", [0, 1, 5])
+def test_friction_coefficient_of_two_members_is_exactly_zero_if_mu0_and_tau0_are_zero(seed: int) -> None:
+    result = pair(*rough_surfaces(seed, points=24), mu0=0.0, **SIX_DIRECTION_OPTIONS | {"shifts": 2})
+    assert result.value == 0
+    assert not np.nan_to_num(result.at().friction_by_axis.sel(sliding="all", statistic="mean").values).any()
+
+
 UNCERTAIN_INPUT_CASES = (
     {"mu0": "0.2±0.05", "tau0": "20..80 MPa", "effective_modulus": "40..60 GPa"},
     {"mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "50 GPa", "hardness": "1..3 GPa"},

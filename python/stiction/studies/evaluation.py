@@ -329,9 +329,10 @@ def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Datase
     import xarray
 
     table = xarray.DataArray(means, dims=[*dims, "statistic"])
-    is_round_off = (abs(table) < NEGLIGIBLE_COEFFICIENT).all("statistic")
-    is_zero = is_round_off & (members["mu0"] == 0) & (members["tau0"] == 0)
-    return np.asarray(table.where(~is_zero, 0.0).transpose(*table.dims).values)
+    # The limits of the interval are NaN if there are few members.
+    exceeds_round_off = (abs(table) >= NEGLIGIBLE_COEFFICIENT).any("statistic")
+    is_zero = ~exceeds_round_off & (members["mu0"] == 0) & (members["tau0"] == 0)
+    return np.asarray(table.where(~is_zero | table.isnull(), 0.0).transpose(*table.dims).values)
 
 
 def _average_members(study: Study, members: xarray.Dataset, names: Collection[str] | None) -> xarray.Dataset:
