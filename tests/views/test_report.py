@@ -70,8 +70,7 @@ def test_report_rejects_a_dataset_without_study(generated_dataset):
 
 def test_saving_a_report_overwrites_reports_but_no_other_files(generated_dataset, tmp_path, monkeypatch):
     # The content is computed only once, because this test checks which files are written.
-    study = parse_study_of_dataset(generated_dataset)
-    content = generated_report_content(Result.of(generated_dataset), study, "")
+    content = generated_report_content(Result.of(generated_dataset), "")
     monkeypatch.setattr("stiction.views.report.result.generated_report_content", lambda *_: content)
     path = tmp_path / "report.html"
     path.write_text(f"{REPORT_FILE_SIGNATURE}old")
