@@ -41,12 +41,13 @@ def print_result(result: Result, *, verbose: bool = False) -> None:
 
     summary = _summarize(result)
     if isinstance(summary, str):
-        print_output(f"μ_s  none: {summary}")
+        output = f"μ_s  none: {summary}"
     elif summary.study.is_measured:
-        print_output(text.result_text(summary, verbose=verbose, complete_command=VERBOSE_OPTION))
+        output = text.result_text(summary, verbose=verbose, complete_command=VERBOSE_OPTION)
     else:
         max_lines = None if verbose else MAX_CAVEAT_LINES
-        print_output(text.overview_text(summary, max_lines, complete_command=VERBOSE_OPTION))
+        output = text.overview_text(summary, max_lines, complete_command=VERBOSE_OPTION)
+    print_output(output)
 
 
 def print_pair_values(result: Result, *, verbose: bool = False) -> None:

@@ -111,6 +111,11 @@ def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
     return study.is_areal or study.uses_half_space or "cylinder" in get_contact_law_name(study)
 
 
+def nominal_pressure_at(point: xarray.Dataset, study: Study) -> float:
+    """Return the load of a point over the nominal area (GPa), or NaN if the nominal area is not meaningful."""
+    return float(point["load"]) / float(point["nominal_area"]) if has_nominal_area(point, study) else math.nan
+
+
 def get_contact_law_name(study: Study) -> str:
     """Return the name of the contact law in lower case, or an empty string for the half-space model."""
     return str(study.contact.law or "").lower()

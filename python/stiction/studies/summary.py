@@ -23,12 +23,16 @@ from stiction.studies.point import (
     MEAN_AND_LIMITS,
     SlidingRuleCoefficient,
     compute_plastic_adhesive_friction,
+    effective_modulus_at,
     find_contact_status,
+    get_adhesion_ranges,
     get_roughness_exponent,
     is_unloaded,
     iterate_points,
     list_sliding_rules_reported_first,
+    mean_contact_pressure,
     mean_over_directions,
+    nominal_pressure_at,
     select_sliding_rule,
 )
 from stiction.studies.pull_off import PullOffValues, find_pull_off_values
@@ -143,6 +147,31 @@ class PointSummary:
     def is_unloaded(self) -> bool:
         """True if the load is negligible compared with the pull-off force."""
         return is_unloaded(self.values)
+
+    @property
+    def roughness_exponent(self) -> tuple[str, float]:
+        """Name and value of the roughness exponent: H for self-affine surfaces, and D otherwise."""
+        return get_roughness_exponent(self.study, self.at["fractal_dimension"])
+
+    @property
+    def nominal_pressure(self) -> float:
+        """Load over the nominal area (GPa), or NaN if the nominal area is not meaningful for the contact model."""
+        return nominal_pressure_at(self.values, self.study)
+
+    @property
+    def mean_pressure(self) -> float:
+        """Mean contact pressure (GPa)."""
+        return mean_contact_pressure(self.values)
+
+    @property
+    def effective_modulus(self) -> float:
+        """Effective modulus E* (GPa)."""
+        return effective_modulus_at(self.values, self.study)
+
+    @property
+    def adhesion_range(self) -> float:
+        """Range of the attraction (µm) that the solver used for adhesive bodies."""
+        return get_adhesion_ranges(self.values, self.study)[1]
 
     def quantity(self, name: str) -> tuple[float, float, float]:
         """Return the mean of a quantity over directions with its 95 % interval, or NaN if the quantity is unknown."""

@@ -21,6 +21,7 @@ from stiction.studies.point import (
     is_unloaded,
     iterate_points,
     mean_over_directions,
+    nominal_pressure_at,
     select_sliding_rule,
 )
 from stiction.views import rows
@@ -70,7 +71,7 @@ def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
             _height_factor_row(point.isel(height_scale=index), rules, study)
             for index in range(point.sizes["height_scale"])
         ]
-        load_description = load_text(point.drop_vars("pull_off", errors="ignore"), study)
+        load_description = load_text(float(point["load"]), nominal_pressure_at(point, study))
         lines += ["", wrap_text(f"At {load_description}, {material_text}:"), format_table(table)]
     lines += ["", wrap_text(HEIGHT_SCALE_NOTE)]
     return "\n".join(lines) + "\n"

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stiction._number_format import format_with_unit
-from stiction.studies.point import get_adhesion_ranges, has_nominal_area, is_unloaded
 
 if TYPE_CHECKING:
-    import xarray
-
     from stiction.studies.study import Study
+    from stiction.studies.summary import PointSummary
 
 SLIDING_RULE_DESCRIPTIONS = {
     "all": "friction at all contacts",
@@ -27,20 +26,15 @@ def material_names_text(study: Study) -> str:
     return "" if material_names is None else " on ".join(material_names)
 
 
-def adhesion_text(point: xarray.Dataset, study: Study) -> str:
-    """Return the work of adhesion and the range of the attraction, as in "adhesion 50 mJ/m² over 0.5 nm"."""
-    work_of_adhesion = 1e6 * float(study.contact.work_of_adhesion or 0.0)
-    return f"adhesion {work_of_adhesion:.3g} mJ/m² over {format_with_unit(get_adhesion_ranges(point, study)[1], 'um')}"
+def load_text(load: float, nominal_pressure: float) -> str:
+    """Return a load (mN) with its nominal pressure (GPa) unless it is NaN, as in "10 mN (100 MPa)"."""
+    pressure_text = "" if math.isnan(nominal_pressure) else f" ({format_with_unit(nominal_pressure, 'GPa')})"
+    return f"{format_with_unit(load, 'mN')}{pressure_text}"
 
 
-def load_text(point: xarray.Dataset, study: Study) -> str:
-    """Return the load of a point with its nominal pressure, as in "10 mN (100 MPa)"."""
-    load = float(point["load"])
-    if is_unloaded(point):
-        return "no load"
-    if not has_nominal_area(point, study):
-        return format_with_unit(load, "mN")
-    return f"{format_with_unit(load, 'mN')} ({format_with_unit(load / float(point['nominal_area']), 'GPa')})"
+def point_load_text(point: PointSummary) -> str:
+    """Return the load of a point with its nominal pressure, or "no load" if the load is negligible."""
+    return "no load" if point.is_unloaded else load_text(point.at["load"], point.nominal_pressure)
 
 
 def averaged_directions_text(directions: Any) -> str:

@@ -13,22 +13,14 @@ from stiction._number_format import format_estimate, format_percent, format_sign
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.studies.hardness import find_uncertain_inputs
 from stiction.studies.interfaces import find_interface
-from stiction.studies.point import (
-    effective_modulus_at,
-    get_contact_law_name,
-    get_roughness_exponent,
-    has_limited_pressure,
-    mean_contact_pressure,
-    mean_over_directions,
-)
+from stiction.studies.point import get_contact_law_name, has_limited_pressure
 from stiction.studies.summary import PointSummary
 from stiction.surfaces.pairing import SIDES
 from stiction.views.point import (
     SLIDING_RULE_DESCRIPTIONS,
-    adhesion_text,
     averaged_directions_text,
-    load_text,
     material_names_text,
+    point_load_text,
 )
 from stiction.views.pull_off import pull_off_text
 
@@ -121,9 +113,9 @@ def roughness_contribution_text(point: PointSummary) -> str:
 def inputs_text(point: PointSummary) -> str:
     """Return text with the load, the materials and the resolution of a point."""
     values, study = point.values, point.study
-    items = [load_text(values, study)]
+    items = [point_load_text(point)]
     if "fractal_dimension" in values.coords:
-        name, value = get_roughness_exponent(study, float(values["fractal_dimension"]))
+        name, value = point.roughness_exponent
         items.append(f"{name} = {value:.3g}")
     if "amplitude" in values.coords:
         items.append(f"amplitude {format_with_unit(float(values['amplitude']), 'um')}")
@@ -134,7 +126,7 @@ def inputs_text(point: PointSummary) -> str:
         items.append(_interface_text(study))
     if materials := material_names_text(study):
         items.append(materials)
-    items.append(f"E* = {format_with_unit(effective_modulus_at(values, study), 'GPa')}")
+    items.append(f"E* = {format_with_unit(point.effective_modulus, 'GPa')}")
     hardness = study.contact.hardness
     if hardness is not None:
         items.append(f"hardness {format_with_unit(float(hardness), 'GPa')}{_hardness_range_text(study)}")
@@ -143,7 +135,9 @@ def inputs_text(point: PointSummary) -> str:
     elif study.is_measured:
         items.append("yielding by Jackson and Green" if "jackson" in get_contact_law_name(study) else "elastic")
     if study.contact.adheres:
-        items.append(adhesion_text(values, study))
+        work_of_adhesion = 1e6 * float(study.contact.work_of_adhesion or 0.0)
+        range_text = format_with_unit(point.adhesion_range, "um")
+        items.append(f"adhesion {work_of_adhesion:.3g} mJ/m² over {range_text}")
     if "spacing_um" in values.attrs:
         spacings = np.unique(np.atleast_1d(values.attrs["spacing_um"]).astype(float)).tolist()
         items.append(f"points {' and '.join(format_with_unit(spacing, 'um') for spacing in spacings)} apart")
@@ -199,14 +193,14 @@ def point_note_text(point: PointSummary) -> str:
         items.append("the mean over both directions")
     elif "direction" in values.coords and (study.is_measured or values["direction"].size > 1):
         items.append(averaged_directions_text(np.atleast_1d(values["direction"].values)).removesuffix(" all round"))
-    if mean_over_directions(values, "members") > 1:
+    if point.members > 1:
         items = (
             [f"{items[0]} and {_averaged_members_text(point)}"]
             if items
             else [f"the mean over {_averaged_members_text(point)}"]
         )
     items += [_scan_count_text(study)] if study.is_measured else []
-    definition_effect = mean_over_directions(values, "reading_difference")
+    definition_effect = point.quantity("reading_difference")[0]
     if definition_effect > MIN_STATED_LOAD_DEFINITION_EFFECT:
         definition_text = _LOAD_DEFINITION_TEXTS.get(
             str(values.attrs.get("reading")), "the load has one of three definitions"
@@ -282,7 +276,7 @@ def _scan_count_text(study: Study) -> str:
 
 def small_slope_estimate_text(point: PointSummary) -> str:
     """Return a sentence with the small-slope estimate and, if it does not apply, the reason; "" without an estimate."""
-    values, study = point.values, point.study
+    study = point.study
     rules = [rule for rule in point.rules if math.isfinite(rule.slopes)]
     if not rules:
         return ""
@@ -290,12 +284,8 @@ def small_slope_estimate_text(point: PointSummary) -> str:
         f"{format_estimate(rule.slopes)} with {SLIDING_RULE_DESCRIPTIONS[rule.rule]}" for rule in rules
     )
     hardness_note = " (the hardness is not considered)" if has_limited_pressure(study) else ""
-    kappa = (
-        mean_over_directions(values, "rms_gradient")
-        * effective_modulus_at(values, study)
-        / mean_contact_pressure(values)
-    )
-    if float(values["tau0"]) > 0 and abs(kappa / DEFAULT_KAPPA - 1) > MIN_STATED_KAPPA_DEVIATION:
+    kappa = point.quantity("rms_gradient")[0] * point.effective_modulus / point.mean_pressure
+    if point.at["tau0"] > 0 and abs(kappa / DEFAULT_KAPPA - 1) > MIN_STATED_KAPPA_DEVIATION:
         return (
             f"The small-slope estimate does not apply: it assumes A E* h'/F = {DEFAULT_KAPPA:g}, and this pair "
             f"has {format_significant(kappa)}. It would be {estimates}{hardness_note}."

@@ -41,17 +41,10 @@ from stiction.studies.budget import (
     UNRESOLVED_ROUGHNESS_INPUT_NAME,
     UPPER_SCANS_INPUT_NAME,
 )
-from stiction.studies.point import (
-    CELL_DIMENSIONS,
-    MEAN_AND_LIMITS,
-    get_roughness_exponent,
-    has_nominal_area,
-    mean_over_directions,
-    select_sliding_rule,
-)
+from stiction.studies.point import CELL_DIMENSIONS, MEAN_AND_LIMITS, mean_over_directions, select_sliding_rule
 from stiction.studies.summary import UNATTRIBUTED_WAVELENGTHS_INPUT_NAME, PointSummary, Summary
 from stiction.views.onset import onset_paragraph, quantity_label
-from stiction.views.point import SLIDING_RULE_DESCRIPTIONS, load_text, motion_direction_text
+from stiction.views.point import SLIDING_RULE_DESCRIPTIONS, motion_direction_text, point_load_text
 from stiction.views.pull_off import pull_off_text
 from stiction.views.resolution import SLIDING_RULE_TITLES, Paragraph, TextRows, resolution_paragraphs
 from stiction.views.sentence import (
@@ -298,7 +291,7 @@ def coefficients_text(headlines: Sequence[PointSummary]) -> str:
     for point in headlines:
         values = [_coefficient_text(point, index) for index in range(len(point.rules))]
         coordinates = [
-            load_text(point.values, point.study) if name == "load" else _coordinate_text(name, point.at[name])
+            point_load_text(point) if name == "load" else _coordinate_text(name, point.at[name])
             for name in varying_names
         ]
         rows.append([*coordinates, *values, point.verdict])
@@ -552,7 +545,7 @@ def quantities_text(points: Sequence[PointSummary], *, verbose: bool = False, ce
     study, rule = points[0].study, points[0].rules[0].rule
     datasets = [point.values.sel(sliding=rule) if "sliding" in point.values.dims else point.values for point in points]
     dataset = datasets[0]
-    has_area_fraction = "contact_area_fraction" in dataset and has_nominal_area(dataset, study)
+    has_area_fraction = "contact_area_fraction" in dataset and not math.isnan(points[0].nominal_pressure)
     rows: list[list[str]] = []
     is_in_words = len(points) == 1 and study.is_measured and not verbose
     for name in (*quantity_names_shown_in("table"), *(quantity_names_shown_in("verbose") if verbose else ())):
@@ -584,7 +577,7 @@ def quantities_text(points: Sequence[PointSummary], *, verbose: bool = False, ce
         label = "; ".join(f"{name} {value.removesuffix(' no interval')} {unit}".rstrip() for name, unit, value in rows)
         return wrap_text(f"{label[:1].upper()}{label[1:]}.")
     first_heading = f"{cell}, mean [95 %]" if cell else "mean [95 %]"
-    headings = [first_heading, *(load_text(values, study) for values in datasets)]
+    headings = [first_heading, *map(point_load_text, points)]
     columns = [[f"{name} ({unit})" if unit else name, *cells] for name, unit, *cells in rows]
     if len(points) == 1:
         return format_table([headings, *columns])
@@ -785,12 +778,11 @@ def _overview_table(points: Sequence[PointSummary], rule: str, varying_names: Se
     }
     for point in points:
         cells_by_row[tuple(point.at[name] for name in row_names)].append(_overview_cell(point, rule))
-    exponent_name, _ = get_roughness_exponent(points[0].study, 1.0)
-    labels = [[*(_COORDINATE_LABELS[name] for name in varying_names), exponent_name]]
+    exponents = {point.at["fractal_dimension"]: point.roughness_exponent[1] for point in points}
+    labels = [[*(_COORDINATE_LABELS[name] for name in varying_names), points[0].roughness_exponent[0]]]
     for key in cells_by_row:
         texts = {name: _coordinate_text(name, value) for name, value in zip(row_names, key, strict=True)}
-        exponent_text = f"{get_roughness_exponent(points[0].study, key[2])[1]:.4g}"
-        labels.append([*(texts[name] for name in varying_names), exponent_text])
+        labels.append([*(texts[name] for name in varying_names), f"{exponents[key[2]]:.4g}"])
     loads = [format_with_unit(load, "mN") for load in dict.fromkeys(point.at["load"] for point in points)]
     column_widths = [max(map(len, column)) for column in zip(*labels, strict=True)]
     rows = [
@@ -806,7 +798,7 @@ def _omission_text(printed_points: Sequence[PointSummary], points: Sequence[Poin
     num_values["fractal_dimension"] = study.surfaces.cell_coordinates()["fractal_dimension"].size
     count_texts = [
         f"{num_printed} of {num_available} values of "
-        f"{get_roughness_exponent(study, 1.0)[0] if name == 'fractal_dimension' else _COORDINATE_LABELS[name]}"
+        f"{points[0].roughness_exponent[0] if name == 'fractal_dimension' else _COORDINATE_LABELS[name]}"
         for name, num_available in num_values.items()
         if (num_printed := len({point.at[name] for point in printed_points})) < num_available
     ]
