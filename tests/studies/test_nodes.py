@@ -228,10 +228,12 @@ def test_values_at_nodes_of_generated_surfaces_contain_an_assessment_of_each_poi
     values = evaluate_generated_nodes(nodes, result.num_solved)
     friction = values.estimates["friction"]
     assert nodes.num_coefficients == friction[..., 0].size
-    assert values.statuses.shape == friction.shape[:-1]
+    assert values.status_codes.shape == friction.shape[:-1]
+    assert not values.is_valid[values.status_codes > 0].any()
     assert values.assessment_indices.shape == friction[:, :, 0, ..., 0].shape
     assert values.assessment_indices.max() == len(values.assessments) - 1
     has_fault = np.array([any(reason.severity == "fault" for reason in reasons) for reasons in values.assessments])
     rule_index = list(result.study.contact.sliding_rules()).index("opposing")
     is_missing = np.isnan(friction[:, :, rule_index, ..., 0])
+    assert [verdict == "Do not quote" for verdict in values.verdicts] == has_fault.tolist()
     assert has_fault[values.assessment_indices][is_missing].all()

@@ -14,15 +14,18 @@ from stiction.mechanics import friction
 from stiction.mechanics.quantities import (
     AREAL_VALIDITY_QUANTITIES,
     COMMON_VALIDITY_QUANTITIES,
+    QUANTITIES,
     QUANTITIES_AT_HARDNESS,
     quantity_names_shown_in,
 )
 from stiction.studies.assessment import (
+    MAX_AFFECTED_FRACTION,
     MIN_MERGED_AREA_FRACTION,
     Caveat,
     LimitCheck,
     assess_ensemble_points,
     compute_checked_quantities,
+    verdict_from_caveats,
 )
 from stiction.studies.nodes import InterpolationNodes
 from stiction.studies.point import list_sliding_rules_reported_first
@@ -154,6 +157,17 @@ def _find_status_codes(statuses: NDArray[Any], values: Floats) -> NDArray[np.int
 
 # ---- Generated surfaces ----------------------------------------------------------------------------------------------
 
+# Largest mean of overlap / radius for which the contact model is valid.
+# The limit for quantities that are fractions of the load is `MAX_AFFECTED_FRACTION`.
+MAX_OVERLAP_RADIUS_RATIO = 0.1
+
+GENERATED_STATUSES = (
+    (friction.STATUS_OK, True),
+    (friction.STATUS_OK, False),
+    *((name, False) for name in friction.STATUSES if name != friction.STATUS_OK),
+)
+"""Statuses in the order of their codes, each with whether the values are within the limits of the model."""
+
 
 @dataclass(frozen=True, eq=False)
 class GeneratedValuesAtNodes:
@@ -168,7 +182,10 @@ class GeneratedValuesAtNodes:
         Estimates of ``friction``, ``area`` and, if it was computed, ``stiffness``.
     validity : dict
         Means of the quantities that show whether the contact model is valid, by name.
-    statuses : ndarray of str
+    status_codes : ndarray of int
+        Indices into `GENERATED_STATUSES`.
+    is_valid : ndarray of bool
+        True if there is a coefficient, and no quantity in `validity` exceeds its limit.
     is_interpolated : ndarray of bool
         True for each panel in which values may be interpolated.
     checked_numbers : dict
@@ -181,11 +198,22 @@ class GeneratedValuesAtNodes:
 
     estimates: dict[str, Floats]
     validity: dict[str, Floats]
-    statuses: NDArray[Any]
+    status_codes: NDArray[np.intp]
+    is_valid: NDArray[np.bool_]
     is_interpolated: NDArray[np.bool_]
     checked_numbers: dict[str, Any]
     assessments: list[list[Caveat | LimitCheck]]
     assessment_indices: NDArray[np.intp]
+
+    @property
+    def verdicts(self) -> list[str]:
+        """Verdict of each assessment."""
+        return [verdict_from_caveats(assessment) for assessment in self.assessments]
+
+
+def get_validity_limit(name: str) -> float:
+    """Return the largest mean of a quantity for which the contact model is valid."""
+    return MAX_AFFECTED_FRACTION if QUANTITIES[name].percent else MAX_OVERLAP_RADIUS_RATIO
 
 
 def evaluate_generated_nodes(nodes: InterpolationNodes, num_members: int) -> GeneratedValuesAtNodes:
@@ -208,10 +236,17 @@ def evaluate_generated_nodes(nodes: InterpolationNodes, num_members: int) -> Gen
     checked_numbers = validity | _compute_checked_numbers(node_values, estimates, study, num_members)
     rule_index = study.contact.sliding_rules().index(list_sliding_rules_reported_first(study)[0])
     checked_numbers = {name: values[:, :, rule_index] for name, values in checked_numbers.items()}
+    is_beyond_limit = {name: values > get_validity_limit(name) for name, values in validity.items()}
+    hatched_masks = [mask for name, mask in is_beyond_limit.items() if "hatch" in QUANTITIES[name].shown]
+    status_codes = np.where(np.logical_or.reduce([np.zeros(shape, bool), *hatched_masks]), 1, 0)
+    for code, (name, _) in enumerate(GENERATED_STATUSES):
+        if name != friction.STATUS_OK:
+            status_codes[statuses == name] = code
     return GeneratedValuesAtNodes(
         estimates,
         validity,
-        statuses,
+        status_codes,
+        (status_codes == 0) & ~np.logical_or.reduce([np.zeros(shape, bool), *is_beyond_limit.values()]),
         np.logical_and.reduce([nodes.find_interpolated_panels(values) for values in estimates.values()]),
         checked_numbers,
         *assess_ensemble_points(study, statuses[:, :, rule_index], checked_numbers),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -15,12 +14,17 @@ from stiction._checks import Floats
 from stiction._number_format import choose_prefixed_unit, format_with_unit
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import ONSET_QUANTITIES, QUANTITIES
-from stiction.studies.assessment import MAX_AFFECTED_FRACTION, Caveat, LimitCheck, verdict_from_caveats
+from stiction.studies.assessment import Caveat, LimitCheck
 from stiction.studies.nodes import InterpolationNodes, NodeAxis
 from stiction.studies.point import list_sliding_rules_reported_first
 from stiction.studies.result import Result
 from stiction.studies.study import Study, find_table_differences, study_names
-from stiction.studies.values_at_nodes import GeneratedValuesAtNodes, evaluate_generated_nodes
+from stiction.studies.values_at_nodes import (
+    GENERATED_STATUSES,
+    GeneratedValuesAtNodes,
+    evaluate_generated_nodes,
+    get_validity_limit,
+)
 from stiction.views.figures.ensemble import COLOUR_RANGE_QUANTILES
 from stiction.views.point import motion_direction_text
 from stiction.views.report.page import (
@@ -37,9 +41,6 @@ from stiction.views.report.tables import PackedArrays
 # Maximum number of friction coefficients on a page.
 # The number of coefficients is the product of the numbers of nodes, loads, cells, rules and directions.
 MAX_GENERATED_REPORT_VALUES = 1_000_000
-# The page issues a warning if the mean of overlap / radius exceeds this value.
-# The limit for quantities that are fractions of the load is `MAX_AFFECTED_FRACTION`.
-MAX_OVERLAP_RADIUS_RATIO = 0.1
 SURFACE_PARAMETER_DIMENSIONS = ("fractal_dimension", "amplitude")
 
 
@@ -119,71 +120,49 @@ def _pack_values(
     nodes: InterpolationNodes, values: GeneratedValuesAtNodes, packed_arrays: PackedArrays
 ) -> dict[str, Any]:
     """Add all quantities at the nodes. The array axes are cell, amplitude, rule, motion, load, mu0 and tau0."""
-    study, points = nodes.study, values.estimates["friction"]
     for name, estimates in values.estimates.items():
         packed_arrays.add_estimates(name, estimates)
-    validity_records: list[dict[str, Any]] = []
-    for index, (name, means) in enumerate(values.validity.items()):
-        quantity = QUANTITIES[name]
+    for index, means in enumerate(values.validity.values()):
         packed_arrays.add(f"validity_{index}", means)
-        validity_records.append(
-            {
-                "words": quantity.table_label[0].upper() + quantity.table_label[1:],
-                "limit": MAX_AFFECTED_FRACTION if quantity.percent else MAX_OVERLAP_RADIUS_RATIO,
-                "isDrawn": "hatch" in quantity.shown,
-                "factor": 100 if quantity.percent else 1,
-                "decimals": 0 if quantity.percent else 2,
-                "unit": " %" if quantity.percent else "",
-            }
-        )
-    statuses, codes = _status_records_and_codes(values.statuses, values.validity, validity_records)
-    packed_arrays.add("status", codes.astype(np.int8))
+    packed_arrays.add("status", values.status_codes.astype(np.int8))
     packed_arrays.add("fine", values.is_interpolated.astype(np.int8))
     packed_arrays.add("judgement", values.assessment_indices.astype(float))
     reasons = [reason for assessment in values.assessments for reason in assessment]
     for name in sorted({each.shown_name for each in reasons if isinstance(each, LimitCheck) and "{}" in each.text}):
         packed_arrays.add(f"number_{name}", values.checked_numbers[name])
-    is_valid = codes == 0
-    for validity_record, means in zip(validity_records, values.validity.values(), strict=True):
-        is_valid = is_valid & ~(means > validity_record["limit"])
+    points = values.estimates["friction"]
     mapped_quantities = {name: estimates[..., 0] for name, estimates in values.estimates.items()} | {
         "width": _relative_half_widths(points)
     }
     return {
-        "axes": slider_settings(nodes.axes, study),
-        "statuses": statuses,
-        "validity": validity_records,
+        "axes": slider_settings(nodes.axes, nodes.study),
+        "statuses": [
+            {"name": name, "isOk": name == friction.STATUS_OK, "isTrusted": is_trusted}
+            for name, is_trusted in GENERATED_STATUSES
+        ],
+        "validity": [_validity_record(name) for name in values.validity],
         "judgements": [
-            {
-                "verdict": verdict_from_caveats(assessment),
-                "caveats": [_caveat_or_check_record(reason) for reason in assessment],
-            }
-            for assessment in values.assessments
+            {"verdict": verdict, "caveats": [_caveat_or_check_record(reason) for reason in assessment]}
+            for verdict, assessment in zip(values.verdicts, values.assessments, strict=True)
         ],
         "hasStiffness": "stiffness" in values.estimates,
-        "start": _choose_initial_cell_and_load(is_valid, points, nodes.axes, study),
+        "start": _choose_initial_cell_and_load(values.is_valid, points, nodes.axes, nodes.study),
         "maps": _add_colour_ranges(mapped_quantities, packed_arrays),
         "error": nodes.interpolation_errors,
     }
 
 
-def _status_records_and_codes(
-    names: NDArray[Any], validity_numbers: dict[str, Floats], validity_records: Sequence[dict[str, Any]]
-) -> tuple[list[dict[str, Any]], NDArray[np.intp]]:
-    """Return the statuses in the order of their codes, and the code of each point.
-
-    Code 0 means a trusted value, and code 1 means a value outside the limits of the model.
-    """
-    statuses = [{"name": friction.STATUS_OK, "isOk": True, "isTrusted": is_trusted} for is_trusted in (True, False)]
-    is_invalid = np.zeros(names.shape, bool)
-    for validity_record, values in zip(validity_records, validity_numbers.values(), strict=True):
-        if validity_record["isDrawn"]:
-            is_invalid |= values > validity_record["limit"]
-    codes = np.where(is_invalid, 1, 0)
-    for name in (status for status in friction.STATUSES if status != friction.STATUS_OK):
-        codes[names == name] = len(statuses)
-        statuses.append({"name": name, "isOk": False, "isTrusted": False})
-    return statuses, codes
+def _validity_record(name: str) -> dict[str, Any]:
+    """Return how a page prints a quantity that shows whether the contact model is valid, and its limit."""
+    quantity = QUANTITIES[name]
+    return {
+        "words": quantity.table_label[0].upper() + quantity.table_label[1:],
+        "limit": get_validity_limit(name),
+        "isDrawn": "hatch" in quantity.shown,
+        "factor": 100 if quantity.percent else 1,
+        "decimals": 0 if quantity.percent else 2,
+        "unit": " %" if quantity.percent else "",
+    }
 
 
 def _relative_half_widths(points: Floats) -> Floats:
