@@ -62,39 +62,32 @@ MIN_STIFFNESS_PRINTED_IN_NEWTON = 1e4  # stiffnesses above this limit (mN/µm) a
 
 def onset_rows(onset: xarray.Dataset) -> list[list[str]]:
     """Return table rows with means and intervals for the onset of sliding; the first row contains the headings."""
-    attributes = onset.attrs
-    load, tau0 = format_with_unit(float(attributes["load_mN"]), "mN"), _tau0_text(float(attributes["tau0_GPa"]))
-    header = f"{load}, μ0 = {float(attributes['mu0']):g}, τ0 = {tau0}"
     half_load_onset = onset.sel(fraction=HALF_SLIDING_LOAD_FRACTION)
-    (length_factor, length_unit), (stiffness_factor, stiffness_unit), (unloading_factor, unloading_unit) = (
-        _length_display_factor(onset["displacement_at_sliding"]),
-        _stiffness_display_factor(onset["stiffness"]),
-        _stiffness_display_factor(onset["unloading_stiffness"]),
+    length_factor, length_unit = _length_display_factor(onset["displacement_at_sliding"])
+    (stiffness_factor, stiffness_unit), (unloading_factor, unloading_unit) = (
+        _stiffness_display_factor(onset[name]) for name in ("stiffness", "unloading_stiffness")
     )
-    rows = [
-        ["sliding load (mN)", _format_mean_with_limits(onset["sliding_load"])],
-        [
-            f"pre-sliding displacement ({length_unit})",
-            _format_mean_with_limits(onset["displacement_at_sliding"], length_factor),
-        ],
-        [f"tangential stiffness ({stiffness_unit})", _format_mean_with_limits(onset["stiffness"], stiffness_factor)],
-        [
-            f"normal stiffness during unloading, as measured by ultrasound ({unloading_unit})",
-            _format_mean_with_limits(onset["unloading_stiffness"], unloading_factor),
-        ],
-        [
-            "contact that slips at half of the sliding load (%)",
-            _format_mean_with_limits(half_load_onset["slipped_area"], 100.0),
-        ],
-        ["load on the slipping contact (%)", _format_mean_with_limits(half_load_onset["slipped_load"], 100.0)],
-        *(
-            [
-                f"energy dissipated in a cycle of {amplitude:g} times the sliding load (pJ)",
-                _format_mean_with_limits(onset["energy_lost"].sel(fraction=amplitude), 1000.0),
-            ]
-            for amplitude in CYCLE_AMPLITUDES
+    tables = {
+        "sliding load (mN)": (onset["sliding_load"], 1.0),
+        f"pre-sliding displacement ({length_unit})": (onset["displacement_at_sliding"], length_factor),
+        f"tangential stiffness ({stiffness_unit})": (onset["stiffness"], stiffness_factor),
+        f"normal stiffness during unloading, as measured by ultrasound ({unloading_unit})": (
+            onset["unloading_stiffness"],
+            unloading_factor,
         ),
-    ]
+        "contact that slips at half of the sliding load (%)": (half_load_onset["slipped_area"], 100.0),
+        "load on the slipping contact (%)": (half_load_onset["slipped_load"], 100.0),
+        **{
+            f"energy dissipated in a cycle of {amplitude:g} times the sliding load (pJ)": (
+                onset["energy_lost"].sel(fraction=amplitude),
+                1000.0,
+            )
+            for amplitude in CYCLE_AMPLITUDES
+        },
+    }
+    rows = [[label, format_with_interval(*_mean_with_limits(*table))] for label, table in tables.items()]
+    load, tau0 = format_with_unit(float(onset.attrs["load_mN"]), "mN"), _tau0_text(float(onset.attrs["tau0_GPa"]))
+    header = f"{load}, μ0 = {float(onset.attrs['mu0']):g}, τ0 = {tau0}"
     return [["onset of sliding", header], *(row for row in rows if row[1] != "none")]
 
 
@@ -149,10 +142,6 @@ def onset_record(onset: xarray.Dataset) -> dict[str, Any]:
 def _mean_with_limits(table: xarray.DataArray, factor: float = 1.0) -> tuple[float, float, float]:
     mean, lower, upper = (factor * float(table.sel(statistic=statistic)) for statistic in MEAN_AND_LIMITS)
     return mean, lower, upper
-
-
-def _format_mean_with_limits(table: xarray.DataArray, factor: float = 1.0) -> str:
-    return format_with_interval(*_mean_with_limits(table, factor))
 
 
 def quantity_label(name: str, study: Study) -> str:
