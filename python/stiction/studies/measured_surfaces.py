@@ -63,6 +63,7 @@ from stiction.surfaces.pairing import (
 from stiction.surfaces.preparation import ProfileTrend, SurfaceTrend, flipped, levelled, rotated
 from stiction.surfaces.profile import LineOrientation, Profile
 from stiction.surfaces.surface import Surface, parse_lengths
+from stiction.surfaces.tip import sharpened
 
 ColumnNameOrIndex = int | str
 MeasuredBody = Profile | Surface | JoinedSpectrum  # kinds of bodies in a file
@@ -132,6 +133,7 @@ def _build_one_or_list_validator(read: Callable[[object], Any], max_count: int =
 
 
 MIN_HEIGHT_FACTOR, MAX_HEIGHT_FACTOR = 0.01, 100.0  # limits of `height_factor`
+MAX_TIP_CORRECTION = 10.0  # largest value of `tip_correction`
 
 
 class BodyInMemory:
@@ -195,6 +197,13 @@ class MeasuredBodySettings(SettingsTable):
     )
     tip: Length | None = Field(
         default=None, description="Radius of the stylus or probe, which limits the wavelengths that it resolves."
+    )
+    tip_correction: float | None = Field(
+        default=None,
+        gt=0,
+        le=MAX_TIP_CORRECTION,
+        description="Multiple of the tip correction (scan minus tip reconstruction) to subtract from the heights. "
+        "`pair` uses it in its secondary study of a blunt tip.",
     )
     texture: MachiningProcess | None = Field(
         default=None,
@@ -276,7 +285,9 @@ class MeasuredBodySettings(SettingsTable):
             )
             write_body(body, path)
         has_missing = not isinstance(body, JoinedSpectrum) and body.missing is not None
-        options = {name: getattr(self, name) for name in ("tip", "texture", "max_cut_off", "height_factor")}
+        options = {
+            name: getattr(self, name) for name in ("tip", "tip_correction", "texture", "max_cut_off", "height_factor")
+        }
         return MeasuredBodySettings(
             file=str(path), missing="mask" if has_missing else "error", **options
         ).with_checksums()
@@ -291,7 +302,7 @@ class MeasuredBodySettings(SettingsTable):
     def _read_unscaled(self) -> MeasuredBody:
         """Read the body without multiplying its heights by the height factor."""
         if self.body is not None:
-            return self.body.body  # type: ignore[no-any-return]
+            return _correct_for_tip(self, self.body.body)
         if self.sha256 is not None and self.checksum() != self.sha256:
             raise ValueError(
                 f"{printable_path(self.file)} has changed since the study was created: its SHA-256 is not "
@@ -310,6 +321,24 @@ class MeasuredBodySettings(SettingsTable):
                 allowed_range = f"from {MIN_HEIGHT_FACTOR:g} to {MAX_HEIGHT_FACTOR:g}"
                 raise ValueError(f"height_factor must be {allowed_range}, got {total_factor:g} for {scan.name}")
         return self._apply_to_scans(lambda scan: scan.model_copy(update={"height_factor": factor * scan.height_factor}))
+
+    def with_masked_outliers(self, *, interpolate: bool) -> MeasuredBodySettings:
+        """Return a copy of the entry in which the outliers of all scans become missing points.
+
+        If `interpolate` is true, the heights of these points are interpolated unless missing points are masked already.
+        """
+
+        def mask_outliers(scan: MeasuredBodySettings) -> MeasuredBodySettings:
+            missing = "interpolate" if interpolate and scan.missing == "error" else scan.missing
+            return scan.model_copy(update={"outliers": "mask", "missing": missing})
+
+        return self._apply_to_scans(mask_outliers)
+
+    def with_tip_correction(self, factor: float) -> MeasuredBodySettings:
+        """Return a copy of the entry in which all scans with a tip radius have the given tip correction."""
+        return self._apply_to_scans(
+            lambda scan: scan if scan.tip is None else scan.model_copy(update={"tip_correction": factor})
+        )
 
     @property
     def bodies(self) -> list[Profile | Surface]:
@@ -418,7 +447,14 @@ def _read_body(file: MeasuredBodySettings) -> MeasuredBody:
                     f"{printable_path(file.file)} is a spectrum, which has no {name}; remove the key {name}"
                 )
         return read_spectrum(file.file)
-    return _load_reading(file).body
+    return _correct_for_tip(file, _load_reading(file).body)
+
+
+def _correct_for_tip(file: MeasuredBodySettings, body: MeasuredBody) -> MeasuredBody:
+    """Subtract the multiple of the tip correction that a file entry specifies, if any, from the heights of a scan."""
+    if file.tip is None or file.tip_correction is None or isinstance(body, JoinedSpectrum):
+        return body
+    return sharpened(body, float(file.tip), file.tip_correction)
 
 
 @functools.lru_cache(maxsize=16)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats, make_read_only, validate_number
+from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile, reject_missing_points
 from stiction.surfaces.surface import Surface, as_body
 
@@ -59,15 +60,7 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
     radius = validate_number("radius", radius, unit="µm", above=0, below=1e9)
     recorded_heights, spacing = scan.heights, np.array(scan.spacings)
     height_range = float(np.ptp(recorded_heights))
-    eroded_heights = recorded_heights.copy()
-    for point_slices, neighbour_slices, tip_height in _tip_offsets_and_heights(
-        recorded_heights.shape, spacing, radius, height_range
-    ):
-        np.minimum(
-            eroded_heights[point_slices],
-            recorded_heights[neighbour_slices] + tip_height,
-            out=eroded_heights[point_slices],
-        )
+    eroded_heights = _erode_by_tip(recorded_heights, spacing, radius)
     num_touched, is_certain = np.zeros(recorded_heights.shape, np.int32), np.zeros(recorded_heights.shape, np.bool_)
     tolerance = _TIP_CONTACT_TOLERANCE * max(height_range, float(np.abs(recorded_heights).max()))
     _, half_widths = _tip_half_width(recorded_heights.shape, spacing, radius, height_range)
@@ -91,6 +84,41 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
         f"reconstructed for a tip radius of {radius:g} µm, {100 * float(is_certain.mean()):.0f} % of the points certain"
     )
     return scan.changed(eroded_heights, history_entry), make_read_only(is_certain)
+
+
+def sharpened(scan: Profile | Surface, radius: float, factor: float) -> Profile | Surface:
+    """Subtract a multiple of the tip correction from a scan. The tip correction is scan minus tip reconstruction.
+
+    The factor 1 yields the reconstruction. Larger factors yield estimates of the roughness that the tip did not reach.
+    Missing points stay missing, and their interpolated heights are used. The correction is computed for the levelled
+    scan, because at the lower edge of a tilted scan, the points that the tip touches are outside the scan.
+
+    Parameters
+    ----------
+    scan : Profile or Surface
+        Recorded heights.
+    radius : float, µm
+        Radius of the stylus or probe tip, above 0.
+    factor : float
+        Multiple of the tip correction.
+    """
+    level_scan = levelled(scan, "line") if isinstance(scan, Profile) else levelled(scan, "plane")
+    heights = level_scan.heights
+    tip_correction = heights - _erode_by_tip(heights, np.array(scan.spacings), radius)
+    history_entry = f"sharpened by {factor:g} times the correction for a tip radius of {radius:g} µm"
+    return scan.changed(scan.heights - factor * tip_correction, history_entry)
+
+
+def _erode_by_tip(heights: Floats, spacing: Floats, radius: float) -> Floats:
+    """Return the highest surface for which a spherical tip would record the given heights (µm)."""
+    eroded_heights = heights.copy()
+    for point_slices, neighbour_slices, tip_height in _tip_offsets_and_heights(
+        heights.shape, spacing, radius, float(np.ptp(heights))
+    ):
+        np.minimum(
+            eroded_heights[point_slices], heights[neighbour_slices] + tip_height, out=eroded_heights[point_slices]
+        )
+    return eroded_heights
 
 
 def _tip_offsets_and_heights(
