@@ -19,9 +19,11 @@ from stiction.mechanics.brackets import friction_range_for_finer_scans, max_fric
 from stiction.mechanics.closed_forms import hardness_under_shear, solve_yield_condition
 from stiction.mechanics.friction import LOAD_SUM_NAMES
 from stiction.mechanics.quantities import quantity_attributes
+from stiction.studies.alternatives import ALTERNATIVE_LABELS, AlternativeName
 from stiction.studies.evaluation import (
     NEGLIGIBLE_COEFFICIENT,
     ForcesPerLoad,
+    at_load,
     build_area_interpolator,
     compute_area_growth_ratio,
     interpolate_member_sums,
@@ -62,6 +64,12 @@ TAIL_SUBSAMPLING_STRIDE = 61
 NORMAL_DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 
+COVERED_NAMES = ("friction_combined", "friction_known", "friction_next_test", "friction_waited", "friction_if_known")
+"""Intervals of the coefficient that cover the results for alternative preparations of the scans."""
+
+AREA_NAMES = ("contact_area", "contact_area_fraction", "contact_area_at_onset", "mean_pressure")
+"""Quantities whose intervals also cover the results for alternative preparations of the scans."""
+
 _INTERVAL_VARIABLES = (
     "friction_all_round", "spread_low", "spread_high", "ok", "members", "contact_count", "mu0", "tau0", "sliding",
 )  # fmt: skip
@@ -84,16 +92,33 @@ def add_uncertainty(
     roughness) and the variables `friction_if_known` and `width_if_known`: the interval that would remain if the input
     were exact, and its width. Without `tests`, only `friction_combined` is added. Results of generated bodies are
     returned unchanged.
+
+    All these intervals, and the intervals of the true area, cover the results for the alternative preparations of the
+    scans that are stored with the result. Each of these preparations is an `input` too.
     """
     result = Result.of(result)
-    study = result.study
-    if not study.is_measured or at.attrs.get("reading") != "elastic":
+    if not result.study.is_measured or at.attrs.get("reading") != "elastic":
         return at
+    own = _add_own_uncertainty(at, result, budget=budget, tests=tests)
+    if not result.alternatives:
+        return own
+    names = [name for name in (*AREA_NAMES, "contact_count") if name in at]
+    loads, mu0, tau0 = (at[name].values for name in ("load", "mu0", "tau0"))
+    alternatives = {
+        name: add_uncertainty(at_load(other, loads, mu0=mu0, tau0=tau0, names=names), other, budget=budget, tests=tests)
+        for name, other in result.alternatives.items()
+    }
+    return _cover_alternatives(own, alternatives)
+
+
+def _add_own_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool, tests: bool) -> xarray.Dataset:
+    """Add the variables of `add_uncertainty` without the results for alternative preparations of the scans."""
+    study = result.study
     # The loads of the study are evaluated separately, so that additional loads do not affect the results.
     is_study_load = np.isin(at["load"].values, [float(load) for load in study.friction.load])
     if is_study_load.any() and not is_study_load.all():
         parts = [
-            add_uncertainty(at.isel(load=np.flatnonzero(mask)), result, budget=budget, tests=tests)
+            _add_own_uncertainty(at.isel(load=np.flatnonzero(mask)), result, budget=budget, tests=tests)
             for mask in (is_study_load, ~is_study_load)
         ]
         return _merge_load_datasets(parts)
@@ -202,6 +227,60 @@ def add_uncertainty(
         coordinates["wait"] = ("wait", np.array(study.friction.wait, float), {"units": "s"})  # type: ignore[assignment]
     variables = {name: (own_dims, values, quantity_attributes(name)) for name, (own_dims, values) in tables.items()}
     return at.assign(variables).assign_coords(coordinates)
+
+
+def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeName, xarray.Dataset]) -> xarray.Dataset:
+    """Extend intervals to cover the intervals for alternative preparations of the scans.
+
+    An uncertainty budget gets a row for each alternative, which contains the interval without this alternative. The
+    other rows are extended by the same rows of the alternatives.
+    """
+    variables = {}
+    for name in (each for each in (*COVERED_NAMES, *AREA_NAMES) if each in own):
+        dims = own[name].dims
+        others = [other[name].transpose(*dims).values for other in alternatives.values()]
+        variables[name] = (dims, _cover_intervals(own[name].values, others), own[name].attrs)
+    covered = own.assign(variables)
+    if "friction_if_known" not in own:
+        return covered
+    dims = own["friction_if_known"].dims[1:]
+    is_budgeted = ~np.isnan(own["width_if_known"].transpose("input", *dims[:-1]).values).all(axis=0)
+    intervals = {name: each["friction_known"].transpose(*dims).values for name, each in alternatives.items()}
+    own_intervals = own["friction_known"].transpose(*dims).values
+    rows = np.stack(
+        [
+            np.where(
+                is_budgeted[..., np.newaxis],
+                _cover_intervals(own_intervals, [each for other, each in intervals.items() if other != name]),
+                np.nan,
+            )
+            for name in alternatives
+        ]
+    )
+    labels = [ALTERNATIVE_LABELS[name] for name in alternatives]
+    other_inputs = covered.drop_vars(["friction_if_known", "width_if_known", "input", "input_words"])
+    remaining = np.concatenate([covered["friction_if_known"].transpose("input", *dims).values, rows])
+    return other_inputs.assign(
+        friction_if_known=(("input", *dims), remaining, own["friction_if_known"].attrs),
+        width_if_known=(("input", *dims[:-1]), remaining[..., 2] - remaining[..., 1], own["width_if_known"].attrs),
+    ).assign_coords(
+        input=("input", [*own["input"].values.tolist(), *alternatives]),
+        input_words=("input", [*own["input_words"].values.tolist(), *labels]),
+    )
+
+
+def _cover_intervals(own: Floats, others: Sequence[Floats]) -> Floats:
+    """Extend intervals, given as value, lower and upper limit along the last axis, to cover other intervals.
+
+    Values are unchanged, and unknown intervals stay unknown.
+    """
+    covering = own.copy()
+    is_known = ~np.isnan(own[..., 1:]).any(axis=-1)
+    for index, reduce in ((1, np.fmin.reduce), (2, np.fmax.reduce)):
+        covering[..., index] = np.where(
+            is_known, reduce([each[..., index] for each in (own, *others)]), own[..., index]
+        )
+    return covering
 
 
 def _compute_pressure_and_growth_under_shear(

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stiction._number_format import format_percent, format_with_unit
+from stiction.studies.alternatives import SPIKES_ALTERNATIVE, TIP_ALTERNATIVE, AlternativeName
 from stiction.studies.assessment import Caveat, Severity
 from stiction.studies.point import has_limited_pressure
 from stiction.surfaces.cut_off import MAX_CUTOFF_FRACTION
 from stiction.surfaces.hidden_noise import find_hidden_noise
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
+from stiction.surfaces.missing_data import find_outliers
 from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
@@ -75,9 +77,13 @@ MAX_PRESSURE_OVER_MODULUS = 0.1
 
 
 def find_input_caveats(
-    upper: MeasuredBody, lower: MeasuredBody, study: Study, loads: Sequence[float] = ()
-) -> tuple[Caveat, ...]:
-    """Return caveats about two bodies that were read from files, about their study, and about the given loads (mN)."""
+    upper: MeasuredBody, lower: MeasuredBody, study: Study, loads: Sequence[float] = (),
+    alternatives: Collection[str] = (),
+) -> tuple[Caveat, ...]:  # fmt: skip
+    """Return caveats about two bodies that were read from files, about their study, and about the given loads (mN).
+
+    `alternatives` contains the names of the alternative preparations that the interval includes.
+    """
     # No caveat about form error is issued if the form is subtracted.
     is_form_subtracted = study.surfaces.level == "quadratic"
     is_vouched = bool(study.surfaces.vouched)
@@ -93,7 +99,7 @@ def find_input_caveats(
                 scan_caveats += find_scan_caveats(
                     scan, form=not is_form_subtracted, instrument=not is_vouched, tip_radius=file.tip,
                     textured=file.texture is not None, has_second_cutoff=bool(study.surfaces.both_readings),
-                    elastic=not has_limited_pressure(study),
+                    elastic=not has_limited_pressure(study), alternatives=alternatives,
                 )  # fmt: skip
             for each in scan_caveats:
                 caveats_by_kind[_get_caveat_kind(each)] = max(
@@ -178,20 +184,28 @@ def find_scan_caveats(
     textured: bool = False,
     has_second_cutoff: bool = False,
     elastic: bool = False,
+    alternatives: Collection[str] = (),
 ) -> list[Caveat]:
     """Return caveats about heights, form and spikes of a scan, and about wavelengths not attributed to the surface.
 
     If `textured` is true, the spectrum may have lines and humps. `has_second_cutoff` is true if the study also has the
-    filtered scan, and `elastic` is true if the study has no hardness.
+    filtered scan, and `elastic` is true if the study has no hardness. `alternatives` contains the names of the
+    alternative preparations that the interval includes.
     """
+    instrument_caveats = _find_instrument_caveats(
+        body, tip_radius, textured, has_second_cutoff, elastic, TIP_ALTERNATIVE in alternatives
+    )
     return [
-        *_find_form_caveats(body, form=form),
-        *(_find_instrument_caveats(body, tip_radius, textured, has_second_cutoff, elastic) if instrument else ()),
+        *_find_form_caveats(body, form=form, has_masked_result=SPIKES_ALTERNATIVE in alternatives),
+        *(instrument_caveats if instrument else ()),
     ]
 
 
-def find_study_caveats(study: Study) -> tuple[Caveat, ...]:
-    """Return caveats about the scan files of a study of measured surfaces, or an empty tuple if files are missing."""
+def find_study_caveats(study: Study, alternatives: Collection[str] = ()) -> tuple[Caveat, ...]:
+    """Return caveats about the scan files of a study of measured surfaces, or an empty tuple if files are missing.
+
+    `alternatives` contains the names of the alternative preparations that the interval includes.
+    """
     surfaces = study.surfaces
     if surfaces.kind != "measured":
         return ()
@@ -199,7 +213,34 @@ def find_study_caveats(study: Study) -> tuple[Caveat, ...]:
         upper, lower = surfaces.upper.read(), surfaces.lower.read()
     except (ValueError, OSError):
         return ()
-    return find_input_caveats(upper, lower, study, [float(load) for load in study.friction.load])
+    return find_input_caveats(upper, lower, study, [float(load) for load in study.friction.load], alternatives)
+
+
+def find_alternatives(study: Study) -> list[AlternativeName]:
+    """Return the alternative preparations that the interval of a study of measured surfaces has to include.
+
+    Spikes require one if they are outliers that can be masked. A blunt tip requires one for elastic bodies, because the
+    interval of bodies with a hardness includes all finer roughness. Raises a `ValueError` if a file cannot be read.
+    """
+    surfaces: Any = study.surfaces
+    scans = [
+        (settings, body)
+        for side in SIDES
+        for settings in getattr(surfaces, side).scans
+        if not isinstance(body := settings.read(), JoinedSpectrum)
+    ]
+    names: list[AlternativeName] = []
+    if any(
+        settings.outliers == "keep" and count_spikes(body) and find_outliers(body.heights).any()
+        for settings, body in scans
+    ):
+        names.append(SPIKES_ALTERNATIVE)
+    if not (study.is_gap or surfaces.vouched or has_limited_pressure(study)) and any(
+        not body.is_flat and find_tip_limit(body, settings.tip, textured=settings.texture is not None) is not None
+        for settings, body in scans
+    ):
+        names.append(TIP_ALTERNATIVE)
+    return names
 
 
 def _get_axis_extents(body: MeasuredBody) -> tuple[float, float]:
@@ -228,14 +269,13 @@ def _find_spectrum_caveats(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
 
 
 def _find_instrument_caveats(
-    body: Profile | Surface, tip_radius: float | None, textured: bool, has_second_cutoff: bool, elastic: bool
-) -> Iterator[Caveat]:
+    body: Profile | Surface, tip_radius: float | None, textured: bool, has_second_cutoff: bool, elastic: bool,
+    has_tip_estimate: bool,
+) -> Iterator[Caveat]:  # fmt: skip
     """Yield caveats about wavelengths that come from the instrument, or that the tip does not resolve."""
     try:
         limit = instrument_limit(body, texture=textured)
-        limit_with_tip = (
-            limit if tip_radius is None else instrument_limit(body, tip_radius=tip_radius, texture=textured)
-        )
+        tip_limit = find_tip_limit(body, tip_radius, textured=textured)
     except ValueError:  # an exception means that the body is flat
         return
     shortest_resolved = limit.wavelength if limit.slope_fraction > MAX_NOISE_SLOPE_FRACTION else 0.0
@@ -260,14 +300,14 @@ def _find_instrument_caveats(
             f"--cutoff '{format_with_unit(hidden_noise.cut_off, 'um')}' removes this fraction, --cutoff none keeps it"
         )
         yield Caveat(text, f"{remedy}; {REPEATED_SCANS_REMEDY}", "caution", hidden_noise.cut_off, has_second_cutoff)
-    if limit_with_tip.reason == "tip" and limit_with_tip.slope_fraction > MAX_NOISE_SLOPE_FRACTION:
-        text = f"{_describe_slope_fraction(limit_with_tip)}, which the tip does not resolve: the surface is steeper"
+    if tip_limit is not None:
+        text = f"{_describe_slope_fraction(tip_limit)}, which the tip does not resolve: the surface is steeper"
         if elastic:
-            text += ", and the interval does not include this"
+            text += f", and the interval {'includes an estimate of' if has_tip_estimate else 'does not include'} this"
         # If no hardness is given, the true area decreases indefinitely with increasing slope.
-        peak_severity: Severity = "fault" if elastic and limit_with_tip.matters else "caution"
+        peak_severity: Severity = "fault" if elastic and tip_limit.matters else "caution"
         remedy = "use a sharper tip" + (", or specify a hardness" if elastic else "")
-        yield Caveat(text, remedy, peak_severity, limit_with_tip.cut_off)
+        yield Caveat(text, remedy, peak_severity, tip_limit.cut_off)
     if not isinstance(body, Profile):
         return
     peak = find_spectral_peak(power_spectrum(levelled(body, "line")))
@@ -282,6 +322,18 @@ def _find_instrument_caveats(
         )
 
 
+def find_tip_limit(body: Profile | Surface, tip_radius: float | None, *, textured: bool) -> InstrumentLimit | None:
+    """Return the limit of the wavelengths that the tip resolves, or None if shorter wavelengths have small slopes.
+
+    Returns None also if noise, rather than the tip, limits the resolved wavelengths. Raises a `ValueError` if the body
+    is flat.
+    """
+    if tip_radius is None:
+        return None
+    limit = instrument_limit(body, tip_radius=tip_radius, texture=textured)
+    return limit if limit.reason == "tip" and limit.slope_fraction > MAX_NOISE_SLOPE_FRACTION else None
+
+
 def _describe_slope_fraction(limit: InstrumentLimit) -> str:
     """Describe the fraction of the mean square slope that comes from unreliable wavelengths."""
     # The fraction is rounded, so that similar scans have identical caveats.
@@ -291,7 +343,7 @@ def _describe_slope_fraction(limit: InstrumentLimit) -> str:
     return f"{fraction_text} of the mean square slope comes from wavelengths below {wavelength_text}{axis_text}"
 
 
-def _find_form_caveats(body: Profile | Surface, *, form: bool) -> Iterator[Caveat]:
+def _find_form_caveats(body: Profile | Surface, *, form: bool, has_masked_result: bool) -> Iterator[Caveat]:
     height, extent = float(np.ptp(body.heights)), float(np.min(body.extent))
     if height > extent / 2:
         text = f"heights span {format_with_unit(height, 'um')} on a length of {format_with_unit(extent, 'um')}"
@@ -309,32 +361,32 @@ def _find_form_caveats(body: Profile | Surface, *, form: bool) -> Iterator[Cavea
             percentage = f"{100 * parabola_fraction:.0f} %"
             text = f"form (a parabola) contributes {percentage} of the mean square height, and carries the load"
             yield Caveat(text, "try --level quadratic", "caution")
-    yield from _find_spike_caveats(body)
+    if num_spikes := count_spikes(body):
+        points_text = "1 point is" if num_spikes == 1 else f"{num_spikes} points are"
+        description = (
+            f"more than {MIN_SPIKE_SHARPNESS_RATIO:g} times as sharp as usual"
+            if isinstance(body, Profile)
+            else f"more than {MIN_SPIKE_HEIGHT_RATIO:g} rms heights from their neighbours"
+        )
+        text = f"{points_text} {description}, and would come into contact first"
+        if has_masked_result:
+            text += "; the interval includes the result for masked outliers"
+        yield Caveat(text, "if they are instrument spikes, remove them (--outliers mask)", "caution")
 
 
-def _find_spike_caveats(body: Profile | Surface) -> Iterator[Caveat]:
-    """Yield a caveat about spikes, i.e. sharp points of a profile or map points far above or below their neighbours."""
+def count_spikes(body: Profile | Surface) -> int:
+    """Count spikes, i.e. sharp points of a profile, or map points far above or below their neighbours."""
     from scipy.ndimage import median_filter
 
     if isinstance(body, Profile):
         distances = typical_distances = np.abs(np.diff(body.heights, 2))
-        max_ratio, description = (
-            MIN_SPIKE_SHARPNESS_RATIO,
-            f"more than {MIN_SPIKE_SHARPNESS_RATIO:g} times as sharp as usual",
-        )
+        max_ratio = MIN_SPIKE_SHARPNESS_RATIO
     else:
         heights = levelled(body, "plane").heights
         distances, typical_distances = (
             np.abs(heights - median_filter(heights, size=3)),
             np.abs(heights - np.median(heights)),
         )
-        max_ratio, description = (
-            MIN_SPIKE_HEIGHT_RATIO,
-            f"more than {MIN_SPIKE_HEIGHT_RATIO:g} rms heights from their neighbours",
-        )
+        max_ratio = MIN_SPIKE_HEIGHT_RATIO
     usual_distance = float(np.median(typical_distances)) / 0.6745
-    num_spikes = int(np.count_nonzero(distances > max_ratio * usual_distance)) if usual_distance > 0 else 0
-    if num_spikes:
-        points_text = "1 point is" if num_spikes == 1 else f"{num_spikes} points are"
-        text = f"{points_text} {description}, and would come into contact first"
-        yield Caveat(text, "if they are instrument spikes, remove them (--outliers mask)", "caution")
+    return int(np.count_nonzero(distances > max_ratio * usual_distance)) if usual_distance > 0 else 0

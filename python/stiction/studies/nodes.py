@@ -244,9 +244,12 @@ class InterpolationNodes:
     @cached_property
     def load_quantities(self) -> tuple[xarray.Dataset, ...]:
         """Quantities of measured bodies that depend only on the load, for each kind of member."""
-        return tuple(
+        quantities = [
             at_load(self.result, self.loads, mu0=[0.0], tau0=[0.0], member_kind=kind) for kind in self.member_kinds
-        )
+        ]
+        if self.result.alternatives:  # the intervals of the true area cover those of alternative preparations
+            quantities[0] = add_uncertainty(quantities[0], self.result, budget=False, tests=False)
+        return tuple(quantities)
 
     @cached_property
     def interpolation_errors(self) -> tuple[float, float]:

@@ -15,6 +15,7 @@ from typing import Any
 from stiction._core import __version__
 from stiction._files import check_replaceable, replace_file_atomically
 from stiction._text import format_duration
+from stiction.studies.alternatives import ALTERNATIVE_LABELS, build_alternative_study, get_alternative_folder
 from stiction.studies.contact_picture import CONTACT_PICTURE_FILE, contact_picture
 from stiction.studies.evaluation import has_only_negligible_loads
 from stiction.studies.hardness import (
@@ -23,6 +24,7 @@ from stiction.studies.hardness import (
     count_contact_solutions_at_nodes,
     load_areas_at_nodes,
 )
+from stiction.studies.input_caveats import find_alternatives
 from stiction.studies.member_solution import estimate_member_time, estimate_solution_time
 from stiction.studies.onset import (
     ONSET_FILE,
@@ -106,18 +108,9 @@ def complete_result(
         )
         return Result(stored_result)
     result = Result(stored_result)
-    if is_measured and load_areas_at_nodes(stored_result) is None and not has_only_negligible_loads(result):
-        # If hardness or moduli are ranges, some members are also computed at other values within these ranges.
-        seconds = (
-            count_contact_solutions_at_nodes(stored_result.study) * estimate_solution_time(stored_result.study)
-            if stored_result.study.uses_half_space
-            else 0.0
-        )
-        if seconds > MIN_ANNOUNCED_TIME:
-            print_remark(f"at other hardnesses and moduli: about {format_duration(seconds)} of one core")
-        _write_companion_file(
-            stored_result, AREAS_BY_HARDNESS_FILE, lambda: compute_areas_at_nodes(stored_result.study, executor)
-        )
+    if is_measured and not has_only_negligible_loads(result):
+        _compute_missing_areas(stored_result, executor, print_remark)
+        _compute_alternatives(stored_result, executor, progress=progress, print_remark=print_remark)
     if num_existing < num_members and (num_existing or not is_measured):
         print_finished(
             f"wrote {folder}"
@@ -131,6 +124,45 @@ def complete_result(
         _write_companion_file(stored_result, CONTACT_PICTURE_FILE, lambda: contact_picture(result))
     compute_companion_files(result, executor, onset, progress=progress, announce=announce, print_remark=print_remark)
     return result
+
+
+def _compute_missing_areas(stored_result: StoredResult, executor: Executor, print_remark: LinePrintFunction) -> None:
+    """Compute some members at other hardnesses and moduli if hardness or moduli are ranges, unless already stored."""
+    study = stored_result.study
+    if load_areas_at_nodes(stored_result) is not None:
+        return
+    seconds = count_contact_solutions_at_nodes(study) * estimate_solution_time(study) if study.uses_half_space else 0.0
+    if seconds > MIN_ANNOUNCED_TIME:
+        print_remark(f"at other hardnesses and moduli: about {format_duration(seconds)} of one core")
+    _write_companion_file(stored_result, AREAS_BY_HARDNESS_FILE, lambda: compute_areas_at_nodes(study, executor))
+
+
+def _compute_alternatives(
+    stored_result: StoredResult, executor: Executor, *, progress: bool, print_remark: LinePrintFunction
+) -> None:
+    """Compute the results for alternative preparations of the scans, which the combined interval includes.
+
+    If such a result cannot be computed, the pair keeps its result, and a remark gives the reason.
+    """
+    try:
+        names = find_alternatives(stored_result.study)
+    except ValueError:  # an exception means that files of the bodies are missing
+        return
+    for name in names:
+        folder = get_alternative_folder(stored_result.path, name)
+        try:
+            study = build_alternative_study(stored_result.study, name)
+            existing_result = open_stored_result(folder) if (folder / STUDY_FILE).exists() else None
+            if existing_result and find_member_differences(existing_result.study, study):
+                remove_result(existing_result)  # the stored study describes a different pair
+            num_missing = study.ensemble.repetitions - (existing_result.num_finished if existing_result else 0)
+            seconds = num_missing * estimate_member_time(study)
+            if seconds > MIN_ANNOUNCED_TIME:
+                print_remark(f"interval for {ALTERNATIVE_LABELS[name]}: about {format_duration(seconds)} of one core")
+            compute_missing_blocks(study, folder, executor=executor, progress=progress)
+            _compute_missing_areas(open_stored_result(folder), executor, print_remark)
+        except (ValueError, ArithmeticError, OSError, MemoryError) as error:
+            print_remark(f"the interval does not include {ALTERNATIVE_LABELS[name]}: {error}")
 
 
 def _write_companion_file(stored_result: StoredResult, name: str, compute: Callable[[], Any]) -> None:

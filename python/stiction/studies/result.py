@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
+    from stiction.studies.alternatives import AlternativeName
     from stiction.studies.assessment import Caveat
     from stiction.studies.height_scale import ScaledBodies
     from stiction.studies.nodes import InterpolationNodes
@@ -193,6 +194,13 @@ class Result:
         return self.load_companion(evaluate_at_cutoffs)
 
     @property
+    def alternatives(self) -> dict[AlternativeName, Result]:
+        """Stored results for alternative preparations of the scans, by name. The combined interval includes them."""
+        from stiction.studies.alternatives import load_alternatives
+
+        return self.load_companion(load_alternatives) or {}
+
+    @property
     def contact_picture(self) -> xarray.Dataset | None:
         """Heights, contacts and pressures of a typical member, or None if no contact picture is stored."""
         from stiction.studies.contact_picture import load_contact_picture
@@ -240,7 +248,7 @@ class Result:
         """
         from stiction.studies.input_caveats import find_study_caveats
 
-        return find_study_caveats(self.study)
+        return find_study_caveats(self.study, list(self.alternatives))
 
     # ---- Evaluation at a load ----------------------------------------------------------------------------------------
 

@@ -28,6 +28,7 @@ from stiction.mechanics.quantities import (
     STIFFNESS_PER_AREA_QUANTITIES,
     quantity_names_shown_in,
 )
+from stiction.studies.alternatives import ALTERNATIVE_LABELS, SPIKES_ALTERNATIVE, TIP_ALTERNATIVE
 from stiction.studies.assessment import (
     ASPERITY_CHECKS,
     VERDICTS_BY_SEVERITY,
@@ -407,6 +408,8 @@ _REMEDY_TEXTS = {
     UNATTRIBUTED_WAVELENGTHS_INPUT_NAME: "Scanning one place twice",
     POSITIONS_INPUT_NAME: "Using more positions",
     UNRESOLVED_ROUGHNESS_INPUT_NAME: "A finer scan",
+    ALTERNATIVE_LABELS[SPIKES_ALTERNATIVE]: "A scan without spikes",
+    ALTERNATIVE_LABELS[TIP_ALTERNATIVE]: "A sharper tip",
     UPPER_SCANS_INPUT_NAME: "Scanning more places of the upper part",
     LOWER_SCANS_INPUT_NAME: "Scanning more places of the lower part",
 }  # fmt: skip

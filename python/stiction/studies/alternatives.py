@@ -1,0 +1,89 @@
+"""Alternative preparations of the scans of a measured pair, whose results the combined interval includes.
+
+Each alternative preparation is a separate study with the members and loads of the pair, stored in the folder of its
+result: *spikes* masks outliers, and *tip* estimates the roughness that a blunt tip did not reach.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, get_args
+
+from stiction.studies.store import STUDY_FILE, StoredResult, StoreError, open_stored_result
+from stiction.studies.study import Study, find_member_differences
+
+if TYPE_CHECKING:
+    from stiction.studies.result import Result
+
+ALTERNATIVES_FOLDER = "alternatives"
+"""Name of the subfolder of a result folder that contains a study for each alternative preparation."""
+
+AlternativeName = Literal["spikes", "tip"]
+SPIKES_ALTERNATIVE, TIP_ALTERNATIVE = get_args(AlternativeName)
+
+ALTERNATIVE_LABELS: dict[AlternativeName, str] = {
+    SPIKES_ALTERNATIVE: "spikes in the scans",
+    TIP_ALTERNATIVE: "roughness that the tip did not reach",
+}
+"""Labels of the alternative preparations in the uncertainty budget."""
+
+TIP_CORRECTION = 4.0
+"""Multiple of the tip correction that the alternative preparation *tip* subtracts from the scans.
+
+In 160 pairs of generated maps (Hurst exponents from 0.5 to 0.9, tip radii from 0.5 to 50 µm, half of the scans with
+noise), the true area of the pair without tip was at least 0.97 of the area after this correction in 90 % of the cases,
+and in 31 % after the tip reconstruction alone.
+"""
+
+
+def build_alternative_study(study: Study, name: AlternativeName) -> Study:
+    """Return a copy of a study of measured surfaces with an alternative preparation of the scans.
+
+    Outliers are masked in all alternatives, because a tip correction would broaden downward spikes. Where the study
+    cannot have missing points, the heights of outliers are interpolated.
+    """
+    surfaces: Any = study.surfaces
+    allows_missing_points = (
+        study.uses_half_space
+        and not study.contact.adheres
+        and not getattr(surfaces, "surrogates", 0)
+        and surfaces.press != "surrogates"
+    )
+
+    def prepare(file: Any, _: str) -> Any:
+        file = file.with_masked_outliers(interpolate=not allows_missing_points)
+        return file.with_tip_correction(TIP_CORRECTION) if name == TIP_ALTERNATIVE else file
+
+    return study.model_copy(update={"surfaces": surfaces.with_changed_files(prepare)})
+
+
+def get_alternative_folder(path: Path, name: AlternativeName) -> Path:
+    """Return the subfolder of a result folder that contains the results for an alternative preparation."""
+    return path / ALTERNATIVES_FOLDER / name
+
+
+def load_alternatives(result: StoredResult) -> dict[AlternativeName, Result] | None:
+    """Open the finished results of all alternative preparations that are stored alongside a result.
+
+    The results are opened with the friction parameters of the given result. Returns None if none are stored.
+    """
+    from stiction.studies.result import Result
+
+    if not result.study.is_measured or not (result.path / ALTERNATIVES_FOLDER).is_dir():
+        return None
+    alternatives: dict[AlternativeName, Result] = {}
+    for name in get_args(AlternativeName):
+        folder = get_alternative_folder(result.path, name)
+        if not (folder / STUDY_FILE).exists():
+            continue
+        try:
+            stored_result = open_stored_result(folder)
+        except (StoreError, ValueError):
+            continue
+        study = build_alternative_study(result.study, name)
+        if (
+            stored_result.num_finished == study.ensemble.repetitions == stored_result.study.ensemble.repetitions
+            and not find_member_differences(stored_result.study, study)
+        ):
+            alternatives[name] = Result(StoredResult(stored_result.path, study, stored_result.blocks))
+    return alternatives or None
