@@ -163,6 +163,14 @@ def test_interval_of_the_true_area_includes_the_alternative(name, request):
         assert contains(interval, alternative.summary().first.quantity(quantity)[0])
 
 
+def test_figure_states_that_the_area_band_includes_errors_of_the_scans(blunt_result):
+    legend_titles = [
+        result.figure("friction").legends[0].get_title().get_text()
+        for result in (blunt_result, ResultWithoutAlternatives(blunt_result.stored))
+    ]
+    assert ["errors of the scans" in title for title in legend_titles] == [True, False]
+
+
 def test_budget_lists_the_interval_without_the_alternative(blunt_result):
     budget = blunt_result.budget.set_index("input")
     own_interval = ResultWithoutAlternatives(blunt_result.stored).interval

@@ -232,15 +232,16 @@ def _add_own_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool, te
 def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeName, xarray.Dataset]) -> xarray.Dataset:
     """Extend intervals to cover the intervals for alternative preparations of the scans.
 
-    An uncertainty budget gets a row for each alternative, which contains the interval without this alternative. The
-    other rows are extended by the same rows of the alternatives.
+    The names of the alternatives become the attribute `alternatives`. An uncertainty budget gets a row for each
+    alternative, which contains the interval without this alternative. The other rows are extended by the same rows of
+    the alternatives.
     """
     variables = {}
     for name in (each for each in (*COVERED_NAMES, *AREA_NAMES) if each in own):
         dims = own[name].dims
         others = [other[name].transpose(*dims).values for other in alternatives.values()]
         variables[name] = (dims, _cover_intervals(own[name].values, others), own[name].attrs)
-    covered = own.assign(variables)
+    covered = own.assign(variables).assign_attrs(alternatives=list(alternatives))
     if "friction_if_known" not in own:
         return covered
     dims = own["friction_if_known"].dims[1:]
