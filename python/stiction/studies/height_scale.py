@@ -22,23 +22,20 @@ from stiction._units import short_repr
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import quantity_attributes
 from stiction.studies.budget import add_uncertainty
-from stiction.studies.evaluation import AREA_ABOVE_NOMINAL_STATUS, at_load, has_only_negligible_loads
+from stiction.studies.evaluation import AREA_ABOVE_NOMINAL_STATUS, at_load
 from stiction.studies.executors import executor_or_thread_pool
-from stiction.studies.hardness import (
-    AREAS_BY_HARDNESS_FILE,
-    choose_hardness_and_modulus_nodes,
-    compute_areas_at_nodes,
-    count_contact_solutions_at_nodes,
-    load_areas_at_nodes,
-)
 from stiction.studies.measured_surfaces import MAX_HEIGHT_FACTOR as MAX_FACTOR
 from stiction.studies.measured_surfaces import MIN_HEIGHT_FACTOR as MIN_FACTOR
-from stiction.studies.member_solution import estimate_member_time, estimate_solution_time
+from stiction.studies.member_solution import estimate_member_time
 from stiction.studies.members import get_first_pair
-from stiction.studies.pipeline import remove_result
 from stiction.studies.result import Result
-from stiction.studies.runner import compute_missing_blocks
-from stiction.studies.store import STUDY_FILE, StoredResult, StoreError, export, open_stored_result
+from stiction.studies.secondary_study import (
+    complete_secondary_study,
+    compute_missing_areas,
+    estimate_areas_time,
+    lacks_areas_at_nodes,
+)
+from stiction.studies.store import StoredResult, StoreError, open_stored_result
 from stiction.studies.study import Study, find_member_differences
 from stiction.surfaces.pairing import SIDES
 
@@ -209,7 +206,7 @@ def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[f
             continue
         # The stored blocks are combined with the friction parameters of the given result.
         stored_result = StoredResult(stored_result.path, expected_study, stored_result.blocks)
-        if stored_result.num_finished == expected_study.ensemble.repetitions and not _lacks_areas_at_nodes(
+        if stored_result.num_finished == expected_study.ensemble.repetitions and not lacks_areas_at_nodes(
             stored_result
         ):
             results[factor] = stored_result
@@ -232,20 +229,9 @@ def group_stored_factors(result: StoredResult) -> dict[ScaledBodies, list[float]
     return {scaled: values for scaled, values in factors.items() if len(values) > 1}
 
 
-def _lacks_areas_at_nodes(stored_result: StoredResult) -> bool:
-    """Return True if a result requires true areas at hardnesses or moduli other than its own, and none are stored."""
-    needs_areas = bool(
-        choose_hardness_and_modulus_nodes(stored_result.study)[0].size
-    ) and not has_only_negligible_loads(Result(stored_result))
-    return needs_areas and load_areas_at_nodes(stored_result) is None
-
-
 def estimate_height_factor_time(study: Study, count: int) -> float:
     """Estimate the time (s) that one core needs to compute the results for a given number of height factors."""
-    time_of_nodes = (
-        count_contact_solutions_at_nodes(study) * estimate_solution_time(study) if study.uses_half_space else 0.0
-    )
-    return count * (study.ensemble.repetitions * estimate_member_time(study) + time_of_nodes)
+    return count * (study.ensemble.repetitions * estimate_member_time(study) + estimate_areas_time(study))
 
 
 def compute_results_at_height_factors(
@@ -265,17 +251,10 @@ def compute_results_at_height_factors(
         for index, factor in enumerate(missing_factors.tolist(), 1):
             announce(f"heights times {factor:g} ({index} of {missing_factors.size})")
             study = scale_study_heights(result.study, factor, scaled)
-            folder = get_factor_folder(result.path, factor, scaled)
-            existing_result = open_stored_result(folder) if (folder / STUDY_FILE).exists() else None
-            if existing_result and find_member_differences(existing_result.study, study):
-                remove_result(existing_result)  # the stored study describes a different pair
-            compute_missing_blocks(study, folder, executor=pool, progress=progress)
-            stored_result = open_stored_result(folder)
-            if (
-                _lacks_areas_at_nodes(stored_result)
-                and (areas := compute_areas_at_nodes(stored_result.study, pool)) is not None
-            ):
-                export(areas, folder / AREAS_BY_HARDNESS_FILE, replace=True)
+            factor_result = complete_secondary_study(
+                study, get_factor_folder(result.path, factor, scaled), pool, progress=progress
+            )
+            compute_missing_areas(factor_result, pool)
 
 
 # ---- Evaluation at a load --------------------------------------------------------------------------------------------

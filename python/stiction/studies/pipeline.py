@@ -1,7 +1,7 @@
 """Complete a result folder by adding missing blocks and, for a measured pair, companion files.
 
 Companion files contain the contacts of a typical member, areas at other hardnesses, and the onset of sliding. The
-cutoff study is stored in a subfolder.
+cutoff study and the alternative preparations of the scans are secondary studies, each in a subfolder.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable
 from concurrent.futures import Executor
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,14 +19,9 @@ from stiction._text import format_duration
 from stiction.studies.alternatives import ALTERNATIVE_LABELS, build_alternative_study, get_alternative_folder
 from stiction.studies.contact_picture import CONTACT_PICTURE_FILE, contact_picture
 from stiction.studies.evaluation import has_only_negligible_loads
-from stiction.studies.hardness import (
-    AREAS_BY_HARDNESS_FILE,
-    compute_areas_at_nodes,
-    count_contact_solutions_at_nodes,
-    load_areas_at_nodes,
-)
+from stiction.studies.hardness import AREAS_BY_HARDNESS_FILE
 from stiction.studies.input_caveats import find_alternatives
-from stiction.studies.member_solution import estimate_member_time, estimate_solution_time
+from stiction.studies.member_solution import estimate_member_time
 from stiction.studies.onset import (
     ONSET_FILE,
     ONSET_TABLE_FILE,
@@ -36,17 +32,10 @@ from stiction.studies.onset import (
 )
 from stiction.studies.resolution import CUTOFF_STUDY_FOLDER, build_cutoff_study
 from stiction.studies.result import Result
-from stiction.studies.runner import complete_blocks, compute_missing_blocks, prepare_result_folder
-from stiction.studies.store import (
-    BLOCKS_FOLDER,
-    CHECKSUM_PREFIX,
-    STUDY_FILE,
-    StoredResult,
-    StoreError,
-    export,
-    open_stored_result,
-)
-from stiction.studies.study import Study, find_member_differences, find_table_differences, format_study_differences
+from stiction.studies.runner import complete_blocks, prepare_result_folder
+from stiction.studies.secondary_study import complete_secondary_study, compute_missing_areas, remove_result
+from stiction.studies.store import CHECKSUM_PREFIX, STUDY_FILE, StoredResult, StoreError, export, open_stored_result
+from stiction.studies.study import Study, find_table_differences, format_study_differences
 
 LinePrintFunction = Callable[[str], Any]  # function that prints a line
 
@@ -126,15 +115,20 @@ def complete_result(
     return result
 
 
-def _compute_missing_areas(stored_result: StoredResult, executor: Executor, print_remark: LinePrintFunction) -> None:
-    """Compute some members at other hardnesses and moduli if hardness or moduli are ranges, unless already stored."""
-    study = stored_result.study
-    if load_areas_at_nodes(stored_result) is not None:
-        return
-    seconds = count_contact_solutions_at_nodes(study) * estimate_solution_time(study) if study.uses_half_space else 0.0
+def _print_long_time(print_remark: LinePrintFunction, task: str, seconds: float) -> None:
+    """Print the estimated time of a task if it is long."""
     if seconds > MIN_ANNOUNCED_TIME:
-        print_remark(f"at other hardnesses and moduli: about {format_duration(seconds)} of one core")
-    _write_companion_file(stored_result, AREAS_BY_HARDNESS_FILE, lambda: compute_areas_at_nodes(study, executor))
+        print_remark(f"{task}: about {format_duration(seconds)} of one core")
+
+
+def _compute_missing_areas(stored_result: StoredResult, executor: Executor, print_remark: LinePrintFunction) -> None:
+    """Compute areas at other hardnesses and moduli. Do nothing if files of the bodies are missing."""
+    with contextlib.suppress(ValueError):
+        compute_missing_areas(
+            stored_result,
+            executor,
+            announce_time=partial(_print_long_time, print_remark, "at other hardnesses and moduli"),
+        )
 
 
 def _compute_alternatives(
@@ -149,20 +143,18 @@ def _compute_alternatives(
     except ValueError:  # an exception means that files of the bodies are missing
         return
     for name in names:
-        folder = get_alternative_folder(stored_result.path, name)
+        label = ALTERNATIVE_LABELS[name]
         try:
-            study = build_alternative_study(stored_result.study, name)
-            existing_result = open_stored_result(folder) if (folder / STUDY_FILE).exists() else None
-            if existing_result and find_member_differences(existing_result.study, study):
-                remove_result(existing_result)  # the stored study describes a different pair
-            num_missing = study.ensemble.repetitions - (existing_result.num_finished if existing_result else 0)
-            seconds = num_missing * estimate_member_time(study)
-            if seconds > MIN_ANNOUNCED_TIME:
-                print_remark(f"interval for {ALTERNATIVE_LABELS[name]}: about {format_duration(seconds)} of one core")
-            compute_missing_blocks(study, folder, executor=executor, progress=progress)
-            _compute_missing_areas(open_stored_result(folder), executor, print_remark)
+            alternative_result = complete_secondary_study(
+                build_alternative_study(stored_result.study, name),
+                get_alternative_folder(stored_result.path, name),
+                executor,
+                progress=progress,
+                announce_time=partial(_print_long_time, print_remark, f"interval for {label}"),
+            )
+            _compute_missing_areas(alternative_result, executor, print_remark)
         except (ValueError, ArithmeticError, OSError, MemoryError) as error:
-            print_remark(f"the interval does not include {ALTERNATIVE_LABELS[name]}: {error}")
+            print_remark(f"the interval does not include {label}: {error}")
 
 
 def _write_companion_file(stored_result: StoredResult, name: str, compute: Callable[[], Any]) -> None:
@@ -183,17 +175,15 @@ def compute_companion_files(
     try:
         cutoff_study = None if has_only_negligible_loads(result) else build_cutoff_study(stored_result.study)
         if cutoff_study is not None:
-            folder = stored_result.path / CUTOFF_STUDY_FOLDER
-            existing_result = open_stored_result(folder) if (folder / STUDY_FILE).exists() else None
-            if existing_result and find_member_differences(existing_result.study, cutoff_study):
-                remove_result(
-                    existing_result
-                )  # the stored members and the cutoff study differ, for example in their loads
-            seconds = cutoff_study.ensemble.repetitions * estimate_member_time(cutoff_study)
-            (print_remark if seconds > MIN_ANNOUNCED_TIME else announce)(
-                f"cutoff study: about {format_duration(seconds)} of one core"
+            complete_secondary_study(
+                cutoff_study,
+                stored_result.path / CUTOFF_STUDY_FOLDER,
+                executor,
+                progress=progress,
+                announce_time=lambda seconds: (print_remark if seconds > MIN_ANNOUNCED_TIME else announce)(
+                    f"cutoff study: about {format_duration(seconds)} of one core"
+                ),
             )
-            compute_missing_blocks(cutoff_study, folder, executor=executor, progress=progress)
         stored_onset = load_stored_onset(stored_result)
         if onset == 0 or (stored_onset is not None and onset in (None, int(stored_onset.attrs["members"]))):
             return
@@ -208,13 +198,3 @@ def compute_companion_files(
             stored_result.path / ONSET_TABLE_FILE, ONSET_TABLE_SIGNATURE, StoreError
         ) as partial_path:
             partial_path.write_text(format_backbone_csv(new_onset), encoding="utf-8")
-
-
-def remove_result(stored_result: StoredResult) -> None:
-    """Remove all files of a result (study, blocks, areas, onset) from a folder, but no other files."""
-    for block in stored_result.blocks:
-        (stored_result.path / BLOCKS_FOLDER / block.name).unlink(missing_ok=True)
-    area_files = (AREAS_BY_HARDNESS_FILE,) if stored_result.study.is_measured else ()
-    onset_files = (ONSET_FILE, ONSET_TABLE_FILE) if (stored_result.path / ONSET_FILE).exists() else ()
-    for name in (STUDY_FILE, *area_files, *onset_files):
-        (stored_result.path / name).unlink(missing_ok=True)

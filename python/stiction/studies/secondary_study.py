@@ -1,0 +1,87 @@
+"""A study that belongs to the result of a measured pair and is stored in a subfolder of the result.
+
+Examples are the cutoff study, alternative preparations of the scans, and other factors of the heights.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import Executor
+from pathlib import Path
+from typing import Any
+
+from stiction.studies.evaluation import has_only_negligible_loads
+from stiction.studies.hardness import (
+    AREAS_BY_HARDNESS_FILE,
+    choose_hardness_and_modulus_nodes,
+    compute_areas_at_nodes,
+    count_contact_solutions_at_nodes,
+    load_areas_at_nodes,
+)
+from stiction.studies.member_solution import estimate_member_time, estimate_solution_time
+from stiction.studies.onset import ONSET_FILE, ONSET_TABLE_FILE
+from stiction.studies.result import Result
+from stiction.studies.runner import compute_missing_blocks
+from stiction.studies.store import BLOCKS_FOLDER, STUDY_FILE, StoredResult, export, open_stored_result
+from stiction.studies.study import Study, find_member_differences
+
+TimeAnnouncer = Callable[[float], Any]  # function that receives the estimated time (s) on one core before a computation
+
+
+def complete_secondary_study(
+    study: Study, folder: Path, executor: Executor, *, progress: bool = False,
+    announce_time: TimeAnnouncer = lambda _: None,
+) -> StoredResult:  # fmt: skip
+    """Compute the members of a secondary study that its folder does not contain yet, and open the result.
+
+    A stored study with other members, for example of another pair, is removed first. Raises the errors of
+    `compute_missing_blocks`.
+    """
+    num_missing = study.ensemble.repetitions
+    if (folder / STUDY_FILE).exists():
+        stored_result = open_stored_result(folder)
+        if find_member_differences(stored_result.study, study):
+            remove_result(stored_result)
+        else:
+            num_missing -= stored_result.num_finished
+    if num_missing > 0:
+        announce_time(num_missing * estimate_member_time(study))
+    compute_missing_blocks(study, folder, executor=executor, progress=progress)
+    return open_stored_result(folder)
+
+
+def compute_missing_areas(
+    stored_result: StoredResult, executor: Executor, *, announce_time: TimeAnnouncer = lambda _: None
+) -> None:
+    """Compute the true areas at other hardnesses and moduli that a result requires, unless they are stored.
+
+    Raises a `ValueError` if files of the bodies are missing.
+    """
+    if not lacks_areas_at_nodes(stored_result):
+        return
+    announce_time(estimate_areas_time(stored_result.study))
+    if (areas := compute_areas_at_nodes(stored_result.study, executor)) is not None:
+        export(areas, stored_result.path / AREAS_BY_HARDNESS_FILE, replace=True)
+
+
+def estimate_areas_time(study: Study) -> float:
+    """Estimate the time (s) that one core needs to compute the areas at other hardnesses and moduli."""
+    return count_contact_solutions_at_nodes(study) * estimate_solution_time(study) if study.uses_half_space else 0.0
+
+
+def lacks_areas_at_nodes(stored_result: StoredResult) -> bool:
+    """Return True if a result requires true areas at hardnesses or moduli other than its own, and none are stored."""
+    needs_areas = bool(
+        choose_hardness_and_modulus_nodes(stored_result.study)[0].size
+    ) and not has_only_negligible_loads(Result(stored_result))
+    return needs_areas and load_areas_at_nodes(stored_result) is None
+
+
+def remove_result(stored_result: StoredResult) -> None:
+    """Remove all files of a result (study, blocks, areas, onset) from a folder, but no other files."""
+    for block in stored_result.blocks:
+        (stored_result.path / BLOCKS_FOLDER / block.name).unlink(missing_ok=True)
+    area_files = (AREAS_BY_HARDNESS_FILE,) if stored_result.study.is_measured else ()
+    onset_files = (ONSET_FILE, ONSET_TABLE_FILE) if (stored_result.path / ONSET_FILE).exists() else ()
+    for name in (STUDY_FILE, *area_files, *onset_files):
+        (stored_result.path / name).unlink(missing_ok=True)

@@ -1,0 +1,63 @@
+"""Test studies in subfolders of a result: missing members are announced, and members of another study are removed."""
+
+from __future__ import annotations
+
+import pytest
+from stiction import pair
+from stiction.studies.executors import executor_or_thread_pool
+from stiction.studies.height_scale import scale_study_heights
+from stiction.studies.member_solution import estimate_member_time
+from stiction.studies.runner import compute_missing_blocks
+from stiction.studies.secondary_study import complete_secondary_study, compute_missing_areas, lacks_areas_at_nodes
+from support.rough_surfaces import rough_maps
+
+pytestmark = pytest.mark.usefixtures("no_contact_pictures")
+
+PAIR_OPTIONS = {"load": "20 MPa", "mu0": 0.2, "effective_modulus": "80 GPa", "shifts": 3, "onset": 0}
+
+
+@pytest.fixture(scope="module")
+def studies():
+    """Return a study of two maps, and the same study with doubled heights."""
+    study = pair(*rough_maps(7, points=48, rms=0.02, shortest_wavelength=0.6), **PAIR_OPTIONS).study
+    return study, scale_study_heights(study, 2.0, "both")
+
+
+@pytest.fixture
+def pool():
+    with executor_or_thread_pool(None) as executor:
+        yield executor
+
+
+def test_time_is_announced_for_missing_members_only(studies, pool, tmp_path):
+    study, _ = studies
+    announced_times = []
+    compute_missing_blocks(study, tmp_path, part=(1, 3), executor=pool)
+    complete_secondary_study(study, tmp_path, pool, announce_time=announced_times.append)
+    assert announced_times == [2 * estimate_member_time(study)]
+    complete_secondary_study(study, tmp_path, pool, announce_time=announced_times.append)
+    assert len(announced_times) == 1
+
+
+def test_members_of_another_study_are_removed_and_computed_again(studies, pool, tmp_path):
+    study, study_of_doubled_heights = studies
+    announced_times = []
+    complete_secondary_study(study, tmp_path, pool)
+    stored_result = complete_secondary_study(
+        study_of_doubled_heights, tmp_path, pool, announce_time=announced_times.append
+    )
+    assert announced_times == [3 * estimate_member_time(study_of_doubled_heights)]
+    assert stored_result.num_finished == 3
+    assert stored_result.study.surfaces.upper.height_factor == 2.0
+
+
+def test_areas_at_other_hardnesses_are_computed_once(pool, tmp_path):
+    bodies = rough_maps(7, points=48, rms=0.02, shortest_wavelength=0.6)
+    study = pair(*bodies, hardness="2..3 GPa", **PAIR_OPTIONS).study
+    stored_result = complete_secondary_study(study, tmp_path, pool)
+    announced_times = []
+    assert lacks_areas_at_nodes(stored_result)
+    for _ in range(2):
+        compute_missing_areas(stored_result, pool, announce_time=announced_times.append)
+        assert not lacks_areas_at_nodes(stored_result)
+    assert len(announced_times) == 1
