@@ -16,7 +16,7 @@ from scipy.ndimage import uniform_filter
 from scipy.sparse.linalg import LinearOperator, cg
 from scipy.stats import t as student
 from stiction import Study, Surface, half_space, press, run, self_affine_surface
-from stiction._number_format import format_with_interval
+from stiction._estimate import Estimate
 
 DOCS_FOLDER = Path(__file__).parents[1]
 
@@ -288,8 +288,10 @@ def compute_onset_over_dimension() -> list[str]:
                 ("fraction_slipped", 100.0),
                 ("tangential_stiffness", 1.0),
             ):
-                estimate = [factor * float(values[name].sel(statistic=end)) for end in ("mean", "lower", "upper")]
-                cells.append(format_with_interval(*estimate))
+                estimate = Estimate(
+                    *(factor * float(values[name].sel(statistic=end)) for end in ("mean", "lower", "upper"))
+                )
+                cells.append(estimate.table_text)
         rows.append("| " + " | ".join(cells) + " |")
         print(rows[-1], flush=True)
     return rows

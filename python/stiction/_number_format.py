@@ -1,4 +1,4 @@
-"""Formatting of numbers. The interval determines the number of digits, and the magnitude determines the unit."""
+"""Formatting of numbers without an interval. The magnitude of a number determines its unit."""
 
 from __future__ import annotations
 
@@ -6,58 +6,18 @@ import json
 import math
 from typing import Any
 
-MAX_SIGNIFICANT_DIGITS = 4  # maximum number of significant digits of a value, even if its interval is very narrow
-UNBOUNDED_END_TEXT = "\N{INFINITY}"  # text for the upper end of an unbounded interval
-# the upper end of an interval is printed with one digit if it exceeds this multiple of the value
-MAX_FULL_PRECISION_END_RATIO = 100.0
-
 _PREFIXED_UNITS = {
     "mN": ((1e6, 1e6, "kN"), (1e3, 1e3, "N"), (0.01, 1.0, "mN"), (1e-5, 1e-3, "µN"), (0.0, 1e-6, "nN")),
     "GPa": ((1.0, 1.0, "GPa"), (1e-3, 1e-3, "MPa"), (1e-6, 1e-6, "kPa"), (0.0, 1e-9, "Pa")),
     "um": ((1e6, 1e6, "m"), (1e3, 1e3, "mm"), (1.0, 1.0, "µm"), (0.0, 1e-3, "nm")),
     "pJ": ((1e3, 1e3, "nJ"), (1.0, 1.0, "pJ"), (0.0, 1e-3, "fJ")),
+    "um^2": ((1e5, 1e6, "mm²"), (0.0, 1.0, "µm²")),
+    "mN/um": ((1e4, 1e3, "N/µm"), (0.0, 1.0, "mN/µm")),
+    "MPa/mm": ((1e7, 1e6, "TPa/mm"), (1e4, 1e3, "GPa/mm"), (0.0, 1.0, "MPa/mm")),
+    "GPa/mm": ((1e4, 1e3, "TPa/mm"), (0.0, 1.0, "GPa/mm")),
+    "%": ((0.0, 0.01, "%"),),
 }
 """Prefixed units of each core unit: smallest value to be printed in the unit, factor to the core unit, and name."""
-
-
-def format_with_interval(mean: float, lower: float, upper: float, *, digits: int = 2) -> str:
-    """Format a value and its interval, as in "0.157 [0.102, 0.216]". The half-width is printed to `digits` digits.
-
-    The value has two to four significant digits. The text is "none" for a missing value, and ends with "no interval"
-    for a missing interval. The interval is omitted if both ends are equal to four digits.
-    """
-    if math.isnan(mean):
-        return "none"
-    if math.isnan(lower) or math.isnan(upper):
-        return f"{format_significant(mean, 3)} no interval"
-    if math.isinf(upper):
-        decimals = _num_decimals(mean, lower, 2 * mean - lower, digits)
-        return f"{_format_decimals(mean, decimals)} [{_format_decimals(lower, decimals)}, {UNBOUNDED_END_TEXT})"
-    decimals = _num_decimals(mean, lower, upper, digits)
-    end_texts = [_format_decimals(end, decimals) for end in (lower, upper)]
-    if end_texts[0] == end_texts[1]:
-        return format_significant(mean, MAX_SIGNIFICANT_DIGITS)
-    if upper > MAX_FULL_PRECISION_END_RATIO * abs(mean) > 0:
-        end_texts[1] = format_significant(upper, 1)
-    return f"{_format_decimals(mean, decimals)} [{end_texts[0]}, {end_texts[1]}]"
-
-
-def format_estimate(mean: float, lower: float = math.nan, upper: float = math.nan) -> str:
-    """Format a number with its interval to one digit of the half-width, or without an interval to two digits."""
-    if math.isnan(mean):
-        return "none"
-    if math.isnan(lower) or math.isnan(upper):
-        return _format_decimals(mean, _num_decimals(mean, math.nan, math.nan, 2) - MAX_SIGNIFICANT_DIGITS + 2)
-    return format_with_interval(mean, lower, upper, digits=1)
-
-
-def format_limits(low: float, high: float) -> str:
-    """Format the ends of a range, rounded to one digit of the half-width. The larger end has at least two digits."""
-    if math.isinf(high):
-        return f"{format_significant(low)} to {UNBOUNDED_END_TEXT}"
-    decimals = _num_decimals(max(abs(low), abs(high)), low, high, 1)
-    end_texts = [_format_decimals(end, decimals) for end in (low, high)]
-    return end_texts[0] if end_texts[0] == end_texts[1] else " to ".join(end_texts)
 
 
 def format_significant(value: float, digits: int = 2) -> str:
@@ -71,17 +31,6 @@ def format_significant(value: float, digits: int = 2) -> str:
     return f"{rounded:.0f}" if abs(rounded) >= 1 else f"{rounded:.{digits + 5}f}".rstrip("0")
 
 
-def _num_decimals(mean: float, lower: float, upper: float, digits: int) -> int:
-    """Return how many decimals to print for `digits` digits of the half-width, and for 2 to 4 digits of the value."""
-    value_decimals = -math.floor(math.log10(abs(mean))) if mean else 0
-    if not upper > lower:
-        return value_decimals + MAX_SIGNIFICANT_DIGITS - 1
-    interval_decimals = digits - 1 - math.floor(math.log10((upper - lower) / 2))
-    if not mean:
-        return interval_decimals
-    return min(max(interval_decimals, value_decimals + 1), value_decimals + MAX_SIGNIFICANT_DIGITS - 1)
-
-
 def format_with_unit(value: float, unit: str) -> str:
     """Format a length (um), pressure (GPa), force (mN) or energy (pJ) to three digits with a suitable prefix."""
     if math.isnan(value):
@@ -92,12 +41,21 @@ def format_with_unit(value: float, unit: str) -> str:
 
 
 def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
-    """Choose the prefixed unit in which a value has the fewest zeros. Return the conversion factor and the unit."""
-    if value == 0:
-        return 1.0, unit.replace("um", "µm")
+    """Choose the prefixed unit in which a value has the fewest zeros. Return the conversion factor and the unit.
+
+    Parameters
+    ----------
+    value : float
+        Value in the core unit. For 0 and NaN, the core unit is returned.
+    unit : str
+        Core unit, or "%" for a fraction. The name of any other unit, such as "1", is empty.
+    """
+    units = _PREFIXED_UNITS.get(unit, ((0.0, 1.0, ""),))
+    if value == 0 or math.isnan(value):
+        return next(((factor, name) for _, factor, name in units if factor == 1), units[0][1:])
     # Round the value to the printed digits first, so that 0.99996 mN is printed as 1 mN.
     rounded = float(f"{abs(value):.3g}")
-    return next((factor, name) for minimum, factor, name in _PREFIXED_UNITS[unit] if rounded >= minimum)
+    return next((factor, name) for minimum, factor, name in units if rounded >= minimum)
 
 
 MIN_PRINTED_PERCENTAGE = (
@@ -122,11 +80,6 @@ def format_percent(fraction: float) -> str:
     if 0 < abs(value) < MIN_PRINTED_PERCENTAGE:
         return f"less than {MIN_PRINTED_PERCENTAGE:g} %"
     return f"{value:.2g} %" if abs(value) < 1 else f"{value:.3g} %" if abs(value) < 10 else f"{value:.0f} %"
-
-
-def _format_decimals(value: float, digits: int) -> str:
-    text = f"{round(value, digits):.{max(digits, 0)}f}"
-    return text.removeprefix("-") if float(text) == 0 else text
 
 
 def to_json(record: Any, **options: Any) -> str:

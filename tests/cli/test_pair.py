@@ -12,7 +12,7 @@ import stiction
 import typer
 from stiction import Study, effective_modulus, run, self_affine, self_affine_surface, tabor_friction, write_profile
 from stiction._errors import ArgumentError
-from stiction._number_format import format_estimate
+from stiction._estimate import Estimate
 from stiction.cli.application import app, print_output
 from stiction.cli.options import show_reader_import_status
 from stiction.cli.pair_options import read_given_options
@@ -477,7 +477,7 @@ def test_preview_is_printed_to_standard_error_on_terminals(scans_folder, monkeyp
         preview_study = parse_pair_arguments(scans_folder, *command[1:]).preview_study
         friction = at_load(run(preview_study), [float(preview_study.friction.load[0])])["friction_all_round"]
     mean = float(friction.sel(sliding="all", statistic="mean").squeeze())
-    assert f"μ_s = {format_estimate(mean)}  friction at all contacts" in completed.stderr
+    assert f"μ_s = {Estimate(mean)}  friction at all contacts" in completed.stderr
     for arguments in (
         [*PROFILE_FILES, *LOAD_OPTION],
         [*MAP_ARGUMENTS, "--load", "10 MPa", "--mechanics", "asperities"],

@@ -1,10 +1,12 @@
 """Test pairs and studies with adhesion: stored values, text, figures, caveats and rejected input."""
 
 import json
+from dataclasses import astuple
 
 import numpy as np
 import pytest
 from stiction import Study, half_space, pair, run, self_affine_surface
+from stiction._estimate import Estimate
 from stiction.mechanics.quantities import LOAD_INDEPENDENT_QUANTITIES
 from stiction.studies.assessment import (
     MAX_NEGLECTED_ADHESION_FRACTION,
@@ -132,8 +134,8 @@ def test_result_at_zero_load_states_whether_the_surfaces_stick(adhesive_result):
     assert unloaded_point.is_unloaded
     assert "at no load" in unloaded_result.sentence
     assert unloaded_point.sticking.sticking_assessment == "yes"
-    assert unloaded_point.sticking.pull_off == pytest.approx(
-        adhesive_result.summary().points[0].sticking.pull_off, rel=LOAD_PATH_TOLERANCE
+    assert astuple(unloaded_point.sticking.pull_off) == pytest.approx(
+        astuple(adhesive_result.summary().points[0].sticking.pull_off), rel=LOAD_PATH_TOLERANCE
     )
     assert unloaded_result.dataset["load"].values.max() < 0.01 * float(unloaded_result.dataset["pull_off"].mean())
     assert [point.is_unloaded for point in two_load_result.summary().points] == [True, False]
@@ -155,7 +157,7 @@ def test_result_at_zero_load_states_whether_the_surfaces_stick(adhesive_result):
         table = at_load(result.source, [0.0]).isel(cut_off=0)
         assert np.isfinite(table["contact_area"].sel(statistic="mean")).all() == has_area
         assert table["pull_off"].sel(statistic="mean").values == pytest.approx(
-            unloaded_point.sticking.pull_off[0], rel=0.01
+            unloaded_point.sticking.pull_off.value, rel=0.01
         )
         assert is_unloaded(table.isel(load=0))
     with pytest.raises(ValueError, match="loads must be above 0"):
@@ -198,7 +200,7 @@ def test_loads_between_zero_and_the_first_solved_load_have_the_status_not_reache
 )
 def test_assessment_of_sticking_agrees_with_interval_of_pull_off_pressure(pressure, is_bound, sticks):
     pull_off_values = PullOffValues(
-        pull_off=(1e-6, 1e-6, 1e-6), pressure=pressure, friction=(1e-6, 1e-6, 1e-6), is_bound=is_bound
+        pull_off=Estimate(1e-6), pressure=Estimate(*pressure), friction=Estimate(1e-6), is_bound=is_bound
     )
     assert pull_off_values.sticking_assessment == sticks
 

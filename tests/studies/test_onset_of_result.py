@@ -11,7 +11,14 @@ from stiction import Profile, Study, approach_at_load, contacts, half_space, ope
 from stiction.studies.executors import thread_pool_executor
 from stiction.studies.intervals import average_independent_values
 from stiction.studies.members import load_bodies
-from stiction.studies.onset import ONSET_FILE, TRACTION_TOLERANCE, compute_onset, format_backbone_csv, load_stored_onset
+from stiction.studies.onset import (
+    ONSET_FILE,
+    TRACTION_TOLERANCE,
+    compute_onset,
+    find_onset_values,
+    format_backbone_csv,
+    load_stored_onset,
+)
 from stiction.studies.runner import compute_missing_blocks
 from stiction.studies.store import export, open_stored_result
 from stiction.views.onset import onset_record, onset_rows, onset_text
@@ -85,7 +92,7 @@ def test_onset_displacement_is_finite_for_asperities_and_undefined_for_half_plan
             mechanics == "asperities"
         )
         assert ("iwan_chi" in result.attrs) == (mechanics == "asperities")
-        assert "slips" in onset_text(result)
+        assert "slips" in onset_text(find_onset_values(result))
 
 
 def test_onset_of_a_result_with_several_cutoffs_is_computed_at_the_reported_cutoff():
@@ -187,13 +194,14 @@ def test_csv_table_of_onset_starts_with_a_row_of_zeros(onset):
 
 
 def test_table_rows_and_json_record_of_onset_have_equal_displacements(onset):
-    record = onset_record(onset)
-    assert "Pre-sliding displacement " in onset_text(onset)
+    values = find_onset_values(onset)
+    record = onset_record(values)
+    assert "Pre-sliding displacement " in onset_text(values)
     assert record["iwan"]["chi"] == onset.attrs["iwan_chi"]
     assert len(record["curve"]) == onset.sizes["fraction"]
     for scale in (1.0, 1e3):
         larger = onset.assign({name: scale * onset[name] for name in ("displacement_at_sliding", "stiffness")})
-        rows = dict(onset_rows(larger)[1:])
+        rows = dict(onset_rows(find_onset_values(larger))[1:])
         (name,) = (name for name in rows if name.startswith("pre-sliding displacement"))
         value = float(rows[name].split()[0]) * {"nm": 1e-3, "µm": 1.0, "mm": 1e3}[name.split("(")[1][:-1]]
         assert value == pytest.approx(scale * record["displacement_at_sliding"]["mean"], rel=0.1)

@@ -3,6 +3,7 @@
 import json
 import sys
 from collections import Counter
+from dataclasses import astuple
 
 import numpy as np
 import pytest
@@ -82,7 +83,9 @@ def test_summary_for_explicitly_given_study_values_equals_the_default_summary(su
         assert default_point.verdict == explicit_point.verdict
         assert default_point.caveats == explicit_point.caveats
         np.testing.assert_allclose(
-            default_point.quantity("friction_combined"), explicit_point.quantity("friction_combined"), rtol=1e-12
+            astuple(default_point.quantity("friction_combined")),
+            astuple(explicit_point.quantity("friction_combined")),
+            rtol=1e-12,
         )
     assert (result.value, result.interval) == (
         default_summary.first.value,

@@ -6,7 +6,7 @@ import itertools
 import numpy as np
 import pytest
 from stiction import Study, friction_map, run
-from stiction._number_format import format_estimate
+from stiction._estimate import Estimate
 from stiction.studies.budget import add_uncertainty
 from stiction.studies.evaluation import at_load
 from stiction.studies.nodes import NodeAxis, compute_error_to_tolerance_ratio, interpolate_table
@@ -137,7 +137,7 @@ def test_report_script_prints_numbers_with_the_decimals_of_the_terminal(report_e
         ],
     )
     expected_texts = [
-        format_estimate(*value_and_interval).replace("-", "\u2212")
+        str(Estimate(*value_and_interval)).replace("-", "\u2212")
         for value_and_interval in zip(value.tolist(), lower.tolist(), upper.tolist(), strict=True)
     ]
     assert texts == expected_texts
@@ -310,7 +310,7 @@ def test_friction_in_reports_of_measured_surfaces_equals_library_values(dataset_
         values = np.array([point[name] for name in ("value", "lower", "upper")])
         errors.append(float(compute_error_to_tolerance_ratio(values, expected.values)))
         if (mu0, tau0) == study_setting[4:]:
-            assert point["text"] == format_estimate(*expected.values.tolist())
+            assert point["text"] == str(Estimate(*expected.values.tolist()))
             assert errors[-1] < 0.1
         if not is_whole:  # A single direction has no interval.
             point_over_directions = report_evaluator.evaluate_quantity("friction", mu0, tau0, **indices)
@@ -330,7 +330,7 @@ def test_coefficient_texts_in_a_report_equal_those_of_the_summary(dataset_and_ev
             report_point = report_evaluator.evaluate_quantity(
                 "friction", point.at["mu0"], point.at["tau0"], rule=rules.index(rule.rule), load=load_index
             )
-            assert report_point["text"] == format_estimate(rule.value, rule.lower, rule.upper)
+            assert report_point["text"] == str(rule)
 
 
 def test_contact_values_in_reports_of_measured_surfaces_equal_library_values(dataset_and_evaluator):

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from stiction._estimate import Interval
 from stiction.studies.assessment import Caveat
 from stiction.studies.summary import UncertaintyBudgetEntry, summarize
 from stiction.views.rows import SCHEMA_VERSION, summary_json, summary_table, values_frame
@@ -114,8 +115,9 @@ def test_json_record_has_the_same_keys_for_all_results(case_name):
 
 def test_json_record_has_null_for_infinite_ends_of_intervals():
     summary = summarize(measured_result(), measured_study())
-    point, unbounded_interval = summary.points[0], UncertaintyBudgetEntry("the hardness", 0.2, math.inf, math.inf)
-    rules = tuple(replace(rule, upper=math.inf, next_test=(0.1, math.inf)) for rule in point.rules)
+    point = summary.points[0]
+    unbounded_interval = UncertaintyBudgetEntry(0.25, 0.2, math.inf, words="the hardness", width=math.inf)
+    rules = tuple(replace(rule, upper=math.inf, next_test=Interval(0.1, math.inf)) for rule in point.rules)
     point = replace(
         point, rules=rules, budget=(unbounded_interval,), bracket=(0.2, math.inf), parts=(0.2, math.inf, 0.0),
         from_roughness=-math.inf,

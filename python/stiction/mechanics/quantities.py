@@ -75,6 +75,11 @@ class ResultQuantity:
         return self.brief or self.words
 
     @property
+    def table_unit(self) -> str:
+        """Unit in tables and reports, before a prefix is chosen: "%", or the core unit."""
+        return "%" if self.percent else self.unit
+
+    @property
     def is_directed(self) -> bool:
         """True if the quantity depends on the sliding rule and on the direction."""
         return "sliding" in self.along

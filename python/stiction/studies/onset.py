@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from concurrent.futures import Executor
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._checks import Floats
+from stiction._estimate import Estimate
 from stiction.mechanics.half_space import HalfSpaceCurve
 from stiction.mechanics.presliding import fit_iwan, fit_lugre
 from stiction.mechanics.quantities import QUANTITIES, quantity_attributes
@@ -20,6 +22,7 @@ from stiction.studies.evaluation import MemberDependence
 from stiction.studies.executors import wrap_to_use_idle_threads
 from stiction.studies.member_solution import PressedPair
 from stiction.studies.members import count_grid_points, load_bodies
+from stiction.studies.point import read_estimate
 from stiction.studies.store import read_companion_file
 from stiction.studies.stored_values import ANY_STORED_VALUE, AttributeSpec, VariableSpec
 from stiction.studies.study import Study
@@ -180,6 +183,67 @@ def _fit_presliding_models(onset: xarray.Dataset) -> dict[str, float]:
         for model, names in PRESLIDING_PARAMETERS.items()
         for name, value in zip(names, values[model], strict=True)
     }
+
+
+# ---- Values to report ------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class OnsetCurvePoint:
+    """Point of the mean onset curve, at a fraction of the sliding load."""
+
+    fraction: float  # ratio of the tangential load to the sliding load
+    tangential_load: Estimate  # mN
+    displacement: Estimate  # µm
+    slipped_area: Estimate  # fraction of the contact area that slips
+    slipped_load: Estimate  # fraction of the load that slipping contacts carry
+    energy_lost: Estimate  # energy that a load cycle with this amplitude dissipates (mN µm)
+
+
+@dataclass(frozen=True)
+class OnsetValues:
+    """Values of the onset of sliding at a load, mu0 and tau0: means over members with 95 % intervals."""
+
+    load: float  # normal load (mN)
+    mu0: float
+    tau0: float  # GPa
+    members: int  # number of members over which the values are averaged
+    poisson_ratio: tuple[float, ...]  # Poisson's ratios of both bodies
+    is_poisson_ratio_given: bool  # False if `poisson_ratio` is the default value
+    sliding_load: Estimate  # tangential load at which the bodies slide (mN)
+    displacement_at_sliding: Estimate  # µm
+    stiffness: Estimate  # initial tangential stiffness (mN/µm)
+    unloading_stiffness: Estimate  # normal stiffness during unloading (mN/µm)
+    curve: tuple[OnsetCurvePoint, ...]
+    models: dict[str, dict[str, float]]  # parameters of the fitted models, by model; empty if the fit failed
+
+    def at_fraction(self, fraction: float) -> OnsetCurvePoint:
+        """Return the point of the curve at one of the fractions in `ONSET_LOAD_FRACTIONS`."""
+        return next(point for point in self.curve if point.fraction == fraction)
+
+
+def find_onset_values(onset: xarray.Dataset) -> OnsetValues:
+    """Return the values of the onset of sliding in a dataset that `compute_onset` returned."""
+    attributes = onset.attrs
+    curve = []
+    for fraction in onset["fraction"].values.tolist():
+        curve_point = onset.sel(fraction=fraction)
+        curve.append(OnsetCurvePoint(fraction, **{name: read_estimate(curve_point[name]) for name in _CURVE_TITLES}))
+    models = {
+        model: {name: float(attributes[f"{model}_{name}"]) for name in names if f"{model}_{name}" in attributes}
+        for model, names in PRESLIDING_PARAMETERS.items()
+    }
+    return OnsetValues(
+        load=float(attributes["load_mN"]),
+        mu0=float(attributes["mu0"]),
+        tau0=float(attributes["tau0_GPa"]),
+        members=int(attributes["members"]),
+        poisson_ratio=tuple(np.ravel(attributes["poisson_ratio"]).astype(float).tolist()),
+        is_poisson_ratio_given=bool(attributes.get("poisson_given", 1)),
+        **{name: read_estimate(onset[name]) for name in _ONSET_SCALAR_NAMES},
+        curve=tuple(curve),
+        models=models,
+    )
 
 
 # ---- Files stored with a result -------------------------------------------------------------------------------------

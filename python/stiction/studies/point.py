@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stiction._estimate import Estimate, Interval
 from stiction.mechanics.closed_forms import hardness_under_shear
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
@@ -20,17 +21,17 @@ if TYPE_CHECKING:
     from stiction.studies.study import Study
 
 
-@dataclass(frozen=True)
-class SlidingRuleCoefficient:
-    """Coefficient of static friction at a point under one sliding rule."""
+UNKNOWN_INTERVAL = Interval(math.nan, math.nan)
 
+
+@dataclass(frozen=True)
+class SlidingRuleCoefficient(Estimate):
+    """Coefficient of static friction at a point under one sliding rule: mean over directions and combined interval."""
+
+    _: KW_ONLY
     rule: str  # "all" or "opposing"
-    value: float  # mean coefficient over the directions
-    lower: float  # lower limit of the combined 95 % interval
-    upper: float  # upper limit of the combined 95 % interval
-    # confidence interval of the mean due to sampling of relative positions
-    positions: tuple[float, float] = (math.nan, math.nan)
-    next_test: tuple[float, float] = (math.nan, math.nan)  # prediction interval for a single test in a single direction
+    positions: Interval = UNKNOWN_INTERVAL  # interval of the mean due to sampling of relative positions
+    next_test: Interval = UNKNOWN_INTERVAL  # prediction interval for a single test in a single direction
     low: float = math.nan  # 10 % quantile of the coefficients of single members
     high: float = math.nan  # 90 % quantile of the coefficients of single members
     slopes: float = math.nan  # small-slope estimate (`gentle_friction`); NaN for generated bodies
@@ -63,6 +64,13 @@ def get_roughness_exponent(study: Study, dimension: float) -> tuple[str, float]:
 def select_sliding_rule(table: Any, rule: str) -> Any:
     """Select the values for a sliding rule. An array without the dimension `sliding` is returned unchanged."""
     return table.sel(sliding=rule) if "sliding" in table.dims else table
+
+
+def read_estimate(table: xarray.DataArray) -> Estimate:
+    """Return the estimate in an array; dimensions other than `statistic` must have size 1."""
+    if "statistic" not in table.dims:
+        return Estimate(table.item())
+    return Estimate(*table.sel(statistic=list(MEAN_AND_LIMITS)).values.astype(float).ravel().tolist())
 
 
 def mean_over_directions(point: xarray.Dataset, name: str) -> float:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-import numpy as np
-
-from stiction.studies.point import MEAN_AND_LIMITS, select_sliding_rule
+from stiction._estimate import Estimate
+from stiction.studies.point import read_estimate, select_sliding_rule
 
 if TYPE_CHECKING:
     import xarray
@@ -18,16 +18,14 @@ MIN_STICKING_PRESSURE = 1e-7
 The value is 100 Pa, the weight per area of a steel plate that is 1.3 mm thick.
 """
 
-ValueWithInterval = tuple[float, float, float]
-
 
 @dataclass(frozen=True)
 class PullOffValues:
     """Pull-off force (mN), pull-off pressure (GPa) and friction force at zero load (mN), with 95 % intervals."""
 
-    pull_off: ValueWithInterval
-    pressure: ValueWithInterval
-    friction: ValueWithInterval
+    pull_off: Estimate
+    pressure: Estimate
+    friction: Estimate
     is_bound: bool  # True if only a lower bound on the pull-off force is known for some members
 
     @property
@@ -37,14 +35,11 @@ class PullOffValues:
         The value is "yes" if the interval of the pull-off pressure is above `MIN_STICKING_PRESSURE`, "no" if it is
         below, and "uncertain" if it contains this pressure.
         """
-        value, lower, upper = self.pressure
-        if (lower if np.isfinite(lower) else value) > MIN_STICKING_PRESSURE:
+        pressure = self.pressure
+        lower, upper = (limit if math.isfinite(limit) else pressure.value for limit in pressure.interval)
+        if lower > MIN_STICKING_PRESSURE:
             return "yes"
-        return (
-            "no"
-            if (upper if np.isfinite(upper) else value) < MIN_STICKING_PRESSURE and not self.is_bound
-            else "uncertain"
-        )
+        return "no" if upper < MIN_STICKING_PRESSURE and not self.is_bound else "uncertain"
 
 
 def find_pull_off_values(point: xarray.Dataset, rule: str) -> PullOffValues | None:
@@ -52,13 +47,8 @@ def find_pull_off_values(point: xarray.Dataset, rule: str) -> PullOffValues | No
     if "pull_off" not in point or "pull_off_pressure" not in point:
         return None
     force, pressure, friction = (
-        _get_value_and_interval(select_sliding_rule(point[name], rule))
+        read_estimate(select_sliding_rule(point[name], rule))
         for name in ("pull_off", "pull_off_pressure", "friction_at_no_load")
     )
     bound_fraction = float(point["share_of_pull_off_bounds"].sel(statistic="mean"))
     return PullOffValues(force, pressure, friction, bound_fraction > 0)
-
-
-def _get_value_and_interval(table: xarray.DataArray) -> ValueWithInterval:
-    value, lower, upper = (float(table.sel(statistic=statistic)) for statistic in MEAN_AND_LIMITS)
-    return value, lower, upper

@@ -484,12 +484,14 @@ class Result:
     @property
     def of_positions(self) -> tuple[float, float]:
         """Limits of the 95 % confidence interval of the mean over positions. Inputs have their central values."""
-        return self._first_reported_point.rules[0].positions
+        lower, upper = self._first_reported_point.rules[0].positions
+        return lower, upper
 
     @property
     def next_test(self) -> tuple[float, float]:
         """Limits of the 95 % prediction interval for one test at one position in one direction of motion."""
-        return self._first_reported_point.rules[0].next_test
+        lower, upper = self._first_reported_point.rules[0].next_test
+        return lower, upper
 
     @property
     def budget(self) -> pandas.DataFrame:
@@ -503,8 +505,8 @@ class Result:
         point = self._first_reported_point
         total_width = point.upper - point.lower
         rows = [
-            (interval.words, interval.lower, interval.upper, interval.width, 1 - interval.width / total_width)
-            for interval in point.budget
+            (entry.words, entry.lower, entry.upper, entry.width, 1 - entry.width / total_width)
+            for entry in point.budget
         ]
         return pandas.DataFrame(rows, columns=["input", "lower", "upper", "width", "share"])
 

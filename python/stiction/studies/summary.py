@@ -8,19 +8,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import KW_ONLY, dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stiction._number_format import format_estimate
+from stiction._estimate import Estimate, Interval
 from stiction.mechanics import friction
 from stiction.mechanics.brackets import friction_range_for_finer_scans
 from stiction.studies.assessment import MORE_CONTACTS_REMEDY, Caveat, find_point_caveats, verdict_from_caveats
 from stiction.studies.point import (
     CELL_DIMENSIONS,
-    MEAN_AND_LIMITS,
+    UNKNOWN_INTERVAL,
     SlidingRuleCoefficient,
     compute_plastic_adhesive_friction,
     effective_modulus_at,
@@ -33,6 +33,7 @@ from stiction.studies.point import (
     mean_contact_pressure,
     mean_over_directions,
     nominal_pressure_at,
+    read_estimate,
     select_sliding_rule,
 )
 from stiction.studies.pull_off import PullOffValues, find_pull_off_values
@@ -40,6 +41,7 @@ from stiction.studies.pull_off import PullOffValues, find_pull_off_values
 if TYPE_CHECKING:
     import xarray
 
+    from stiction.studies.onset import OnsetValues
     from stiction.studies.resolution import ResolutionEffect
     from stiction.studies.study import Study
 
@@ -50,23 +52,20 @@ MIN_DOMINANT_INPUT_FRACTION = 0.1
 
 
 @dataclass(frozen=True)
-class UncertaintyBudgetEntry:
-    """Entry of the uncertainty budget. It contains the interval that would remain if one input were exact."""
+class UncertaintyBudgetEntry(Estimate):
+    """Entry of the uncertainty budget: the coefficient with the interval that would remain if one input were exact."""
 
-    words: str
-    lower: float
-    upper: float
-    width: float
+    _: KW_ONLY
+    words: str  # name of the input
+    width: float  # width of the interval, averaged over the values of the input
 
 
 @dataclass(frozen=True)
-class DwellTimeCoefficient:
+class DwellTimeCoefficient(Estimate):
     """Friction coefficient after a dwell time under load, and its combined 95 % interval."""
 
+    _: KW_ONLY
     seconds: float
-    value: float
-    lower: float
-    upper: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,15 +172,14 @@ class PointSummary:
         """Range of the attraction (µm) that the solver used for adhesive bodies."""
         return get_adhesion_ranges(self.values, self.study)[1]
 
-    def quantity(self, name: str) -> tuple[float, float, float]:
+    def quantity(self, name: str) -> Estimate:
         """Return the mean of a quantity over directions with its 95 % interval, or NaN if the quantity is unknown."""
         if name not in self.values:
-            return math.nan, math.nan, math.nan
+            return Estimate(math.nan)
         table = select_sliding_rule(self.values[name], self.rules[0].rule)
         if "statistic" not in table.dims or table.ndim > 1:
-            return mean_over_directions(self.values, name), math.nan, math.nan
-        value, lower, upper = (float(table.sel(statistic=each)) for each in MEAN_AND_LIMITS)
-        return value, lower, upper
+            return Estimate(mean_over_directions(self.values, name))
+        return read_estimate(table)
 
     @property
     def value(self) -> float:
@@ -211,12 +209,10 @@ class PointSummary:
     @property
     def ageing(self) -> float:
         """Increase of the coefficient per unit increase of ln(dwell time), or NaN if there are no dwell times."""
-        longest_wait = self.waited[-1] if self.waited else DwellTimeCoefficient(1.0, self.value, self.lower, self.upper)
-        return (
-            (longest_wait.value - self.value) / math.log(longest_wait.seconds)
-            if longest_wait.seconds != 1
-            else math.nan
-        )
+        if not self.waited or self.waited[-1].seconds == 1:
+            return math.nan
+        longest_wait = self.waited[-1]
+        return (longest_wait.value - self.value) / math.log(longest_wait.seconds)
 
     @property
     def faults(self) -> tuple[Caveat, ...]:
@@ -259,6 +255,13 @@ class Summary:
 
         has_cutoffs = self.values_at_cutoffs is None and self.at.sizes.get("cut_off", 0) > 1
         return find_resolution_effect(self.at, self.study, self.at if has_cutoffs else self.values_at_cutoffs)
+
+    @cached_property
+    def onset_values(self) -> OnsetValues | None:
+        """Values of the onset of sliding, or None if the onset has not been computed."""
+        from stiction.studies.onset import find_onset_values
+
+        return None if self.onset is None else find_onset_values(self.onset)
 
     @property
     def headlines(self) -> list[PointSummary]:
@@ -318,23 +321,13 @@ def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> Poi
     other_budget = {entry.words: entry for entry in other_point.budget}
     # With one or two positions, the width of the interval is infinite or NaN.
     has_interval = math.isfinite(point.upper - point.lower)
-    budget = (
-        [
-            UncertaintyBudgetEntry(
-                UNATTRIBUTED_WAVELENGTHS_INPUT_NAME, point.lower, point.upper, point.upper - point.lower
-            )
-        ]
-        if has_interval
-        else []
-    )
+    budget = [_build_entry_of_unattributed_wavelengths(point)] if has_interval else []
     for entry in point.budget:
-        other_entry = other_budget.get(entry.words, entry)
-        low, high = min(entry.lower, other_entry.lower), max(entry.upper, other_entry.upper)
-        budget.append(UncertaintyBudgetEntry(entry.words, low, high, high - low))
+        extended_entry = entry.extended_to(other_budget.get(entry.words, entry))
+        budget.append(replace(extended_entry, width=extended_entry.upper - extended_entry.lower))
     other_coefficient = other_point.rules[0]
     is_measured = point.at["cut_off"] == 0
-    other_text = format_estimate(other_coefficient.value, other_coefficient.lower, other_coefficient.upper)
-    text = f"; {'without' if is_measured else 'with'} them μ_s is {other_text}"
+    text = f"; {'without' if is_measured else 'with'} them μ_s is {other_coefficient}"
     text = text if math.isfinite(other_coefficient.value) else ""
     own_caveats = [replace(each, text=each.text + text) if each.has_second_cutoff else each for each in point.caveats]
     caveat_texts = {each.text for each in point.caveats}
@@ -349,12 +342,17 @@ def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> Poi
     return replace(point, rules=rules, budget=sorted_budget, caveats=tuple(caveats), bracket=bracket)
 
 
+def _build_entry_of_unattributed_wavelengths(point: PointSummary) -> UncertaintyBudgetEntry:
+    """Return the budget entry with the interval at the first cutoff alone."""
+    width = point.upper - point.lower
+    return UncertaintyBudgetEntry(
+        point.value, point.lower, point.upper, words=UNATTRIBUTED_WAVELENGTHS_INPUT_NAME, width=width
+    )
+
+
 def _include_cutoff_value(value: SlidingRuleCoefficient, other_value: SlidingRuleCoefficient) -> SlidingRuleCoefficient:
     """Extend the intervals of a value to include the intervals of the same value at another cutoff."""
-    lower, upper = float(np.fmin(value.lower, other_value.lower)), float(np.fmax(value.upper, other_value.upper))
-    (low, high), (other_low, other_high) = value.next_test, other_value.next_test
-    next_test = float(np.fmin(low, other_low)), float(np.fmax(high, other_high))
-    return replace(value, lower=lower, upper=upper, next_test=next_test)
+    return replace(value.extended_to(other_value), next_test=value.next_test.extended_to(other_value.next_test))
 
 
 def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence[Caveat] = ()) -> PointSummary:
@@ -365,7 +363,7 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
     # If the coefficient is missing in one direction, the mean over all directions is NaN.
     status = failed_statuses[0] if failed_statuses and math.isnan(rules[0].value) else friction.STATUS_OK
     cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
-    rule_with_sampling_interval = replace(rules[0], lower=rules[0].positions[0], upper=rules[0].positions[1])
+    rule_with_sampling_interval = replace(rules[0], lower=rules[0].positions.lower, upper=rules[0].positions.upper)
     # A cutoff removes caveats only if the user requested this cutoff.
     kept_caveats = [each for each in input_caveats if study.surfaces.both_readings or cut_off < each.cut_off]
     caveats = [*kept_caveats, *find_point_caveats(point, study, rule_with_sampling_interval, status)]
@@ -379,7 +377,7 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
         bracket=None
         if any(_invalidates_finer_scan_bounds(caveat) for caveat in caveats)
         else _find_bounds_for_finer_scans(point, study, rule_with_sampling_interval),
-        budget=_list_remaining_intervals(point, rules[0].rule),
+        budget=_list_budget_entries(point, rules[0]),
         parts=_compute_friction_contributions(point, rules[0]),
         from_roughness=_estimate_roughness_contribution(point, study, rules[0]),
         waited=_list_dwell_time_coefficients(point, rules[0].rule),
@@ -393,30 +391,42 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
 def _build_rule_coefficient(point: xarray.Dataset, rule: str) -> SlidingRuleCoefficient:
     table = select_sliding_rule(point, rule)
     name = "friction_all_round" if "friction_all_round" in table else "friction_coefficient"
-    value, lower, upper = (table[name].sel(statistic=each).item() for each in MEAN_AND_LIMITS)
-    limits = (max(lower, 0.0) if lower < 0 <= value else lower), upper
-    lower, upper = _get_interval_limits(table, "friction_known") or limits
-    next_test = _get_interval_limits(table, "friction_next_test") or (math.nan, math.nan)
+    mean = read_estimate(table[name])
+    positions = Interval(max(mean.lower, 0.0) if mean.lower < 0 <= mean.value else mean.lower, mean.upper)
+    combined_interval = _get_interval(table, "friction_known") or positions
     low, high, slopes = (mean_over_directions(table, each) for each in ("spread_low", "spread_high", "gentle_friction"))
-    return SlidingRuleCoefficient(rule, value, lower, upper, limits, next_test, low, high, slopes)
-
-
-def _get_interval_limits(table: xarray.Dataset, name: str) -> tuple[float, float] | None:
-    lower, upper = (
-        float(table[name].sel(statistic=each)) if name in table else math.nan for each in MEAN_AND_LIMITS[1:]
+    return SlidingRuleCoefficient(
+        mean.value,
+        *combined_interval,
+        rule=rule,
+        positions=positions,
+        next_test=_get_interval(table, "friction_next_test") or UNKNOWN_INTERVAL,
+        low=low,
+        high=high,
+        slopes=slopes,
     )
-    return (lower, upper) if math.isfinite(lower) and not math.isnan(upper) else None
 
 
-def _list_remaining_intervals(point: xarray.Dataset, rule: str) -> tuple[UncertaintyBudgetEntry, ...]:
+def _get_interval(table: xarray.Dataset, name: str) -> Interval | None:
+    """Return the 95 % interval of a quantity, or None if the quantity or its interval is missing."""
+    if name not in table:
+        return None
+    estimate = read_estimate(table[name])
+    return estimate.interval if estimate.has_interval and math.isfinite(estimate.lower) else None
+
+
+def _list_budget_entries(
+    point: xarray.Dataset, coefficient: SlidingRuleCoefficient
+) -> tuple[UncertaintyBudgetEntry, ...]:
     """Return the intervals that would remain if one input at a time were exact, sorted by increasing width."""
     if "friction_if_known" not in point:
         return ()
-    budget, intervals = select_sliding_rule(point, rule), []
+    budget, entries = select_sliding_rule(point, coefficient.rule), []
     for index, label in enumerate(budget["input_words"].values.tolist()):
-        if (limits := _get_interval_limits(budget.isel(input=index), "friction_if_known")) is not None:
-            intervals.append(UncertaintyBudgetEntry(label, *limits, float(budget["width_if_known"][index])))
-    return tuple(sorted(intervals, key=lambda left: left.width))
+        if (interval := _get_interval(budget.isel(input=index), "friction_if_known")) is not None:
+            width = float(budget["width_if_known"][index])
+            entries.append(UncertaintyBudgetEntry(coefficient.value, *interval, words=label, width=width))
+    return tuple(sorted(entries, key=lambda entry: entry.width))
 
 
 def _list_dwell_time_coefficients(point: xarray.Dataset, rule: str) -> tuple[DwellTimeCoefficient, ...]:
@@ -424,7 +434,7 @@ def _list_dwell_time_coefficients(point: xarray.Dataset, rule: str) -> tuple[Dwe
         return ()
     table = select_sliding_rule(point["friction_waited"], rule).transpose("wait", "statistic")
     seconds_and_values = zip(point["wait"].values.tolist(), table.values.tolist(), strict=True)
-    return tuple(DwellTimeCoefficient(seconds, *value_and_limits) for seconds, value_and_limits in seconds_and_values)
+    return tuple(DwellTimeCoefficient(*limits, seconds=seconds) for seconds, limits in seconds_and_values)
 
 
 def _compute_friction_contributions(

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stiction._checks import check_instance
-from stiction._number_format import format_percent, format_with_interval, format_with_unit
+from stiction._estimate import Estimate
+from stiction._number_format import format_percent, format_with_unit
 from stiction._repr import render_png
 from stiction.studies.calibration_fit import MIN_AREA_VARIATION
 from stiction.studies.interfaces import ERROR_SCALING_P_VALUE_LIMIT, EXCLUSION_P_VALUE_LIMIT, Interface, StrengthFit
@@ -33,10 +34,10 @@ def calibration_text(interface: Interface) -> str:
     condition = (
         f"at the A/F of the tests, {_area_per_load_text(interface)}, {SLIDING_RULE_DESCRIPTIONS[first_fit.sliding]}"
     )
-    lines = [wrap_text(f"μ0 + τ0 A/F = {format_with_interval(*interface.identified)} {condition}", hanging_indent="  ")]
+    lines = [wrap_text(f"μ0 + τ0 A/F = {Estimate(*interface.identified).table_text} {condition}", hanging_indent="  ")]
     if interface.separated:
-        tau0 = (1e3 * item for item in interface.tau0)
-        lines += [f"μ0 = {format_with_interval(*interface.mu0)}", f"τ0 = {format_with_interval(*tau0)} MPa"]
+        mu0, tau0 = Estimate(*interface.mu0), Estimate(*(1e3 * item for item in interface.tau0))
+        lines += [f"μ0 = {mu0.table_text}", f"τ0 = {tau0.table_text} MPa"]
     else:
         lines += [wrap_text(item, hanging_indent="  ") for item in _describe_unseparated_mu0_tau0(interface)]
     if interface.junction_growth is not None:
@@ -60,7 +61,7 @@ def _area_per_load_text(interface: Interface) -> str:
     ):
         return f"{interface.area_per_load:.3g} /GPa"
     low, high = np.quantile(area_per_load, [0.025, 0.975])
-    return f"{format_with_interval(interface.area_per_load, float(low), float(high))} /GPa"
+    return f"{Estimate(interface.area_per_load, float(low), float(high)):.2u} /GPa"
 
 
 def _describe_unseparated_mu0_tau0(interface: Interface) -> Iterator[str]:
@@ -86,7 +87,7 @@ def _junction_growth_text(interface: Interface) -> str:
     if interface.junction_growth.is_exact:
         return f"{text}. A pair with this interface uses the same value."
     low, value, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.5, 0.975])
-    text += f", and are consistent with {format_with_interval(value, low, high)}"
+    text += f", and are consistent with {Estimate(value, low, high):.2u}"
     return f"{text}. A pair with this interface uses the same range."
 
 

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import xarray
 
-from stiction._number_format import format_with_interval, format_with_unit
+from stiction._estimate import Estimate
+from stiction._number_format import format_with_unit
 from stiction.mechanics.quantities import column_title_and_factor
 from stiction.studies.friction_table import MAX_LAW_DEVIATION
 from stiction.views.spreadsheet import frame_to_csv
@@ -67,10 +68,7 @@ def friction_table_text(table: xarray.Dataset) -> str:
             [
                 f"{float(roughness_table['hurst_exponent']):.3g}, "
                 f"{format_with_unit(float(roughness_table['rms']), 'um')}",
-                *(
-                    format_with_interval(*roughness_table[name].values.tolist()).replace(" no interval", "")
-                    for name in _LAW_PARAMETERS
-                ),
+                *(f"{Estimate(*roughness_table[name].values.tolist()):.2u}" for name in _LAW_PARAMETERS),
                 *(_coefficient_range_text(coefficients.sel(sliding=rule)) for rule in ("all", "opposing")),
                 ", ".join("none" if np.isnan(deviation) else f"{100 * deviation:.0f} %" for deviation in deviations),
             ]

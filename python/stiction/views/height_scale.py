@@ -6,22 +6,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stiction._number_format import (
-    choose_prefixed_unit,
-    format_estimate,
-    format_percent,
-    format_significant,
-    format_with_unit,
-)
+from stiction._number_format import choose_prefixed_unit, format_percent, format_significant, format_with_unit
 from stiction.mechanics.friction import STATUS_OK
 from stiction.studies.point import (
-    MEAN_AND_LIMITS,
     find_contact_status,
     has_nominal_area,
     is_unloaded,
     iterate_points,
     mean_over_directions,
     nominal_pressure_at,
+    read_estimate,
     select_sliding_rule,
 )
 from stiction.views import rows
@@ -86,8 +80,7 @@ def _height_factor_row(point: xarray.Dataset, rules: list[str], study: Study) ->
         cells.append(f"{', '.join(f'{height / height_unit:.3g}' for height in rms_heights)} {unit}")
     for rule in rules:
         combined_friction = select_sliding_rule(point["friction_combined"], rule)
-        values = [float(combined_friction.sel(statistic=statistic)) for statistic in MEAN_AND_LIMITS]
-        cells.append("sticks" if is_unloaded(point) else format_estimate(*values))
+        cells.append("sticks" if is_unloaded(point) else str(read_estimate(combined_friction)))
     if not has_nominal_area(point, study) or "contact_area_fraction" not in point:
         cells.append(format_significant(mean_over_directions(point, "contact_area"), 3))
     elif (status := find_contact_status(point, study)) != STATUS_OK:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from stiction._number_format import format_estimate, format_percent, format_significant
+from stiction._number_format import format_percent, format_significant
 from stiction.mechanics.quantities import column_title_and_factor
 from stiction.studies.summary import PointSummary, Summary
 
@@ -53,8 +53,8 @@ def latex_table(summary: Summary) -> str:
 
 def _point_cells(point: PointSummary, has_area: bool) -> list[str]:
     """Return the table cells of a point: coefficients of all sliding rules, area fraction and assessment."""
-    texts = [format_estimate(rule.value, rule.lower, rule.upper) for rule in point.rules]
-    texts += [format_percent(point.quantity("contact_area_fraction")[0])] if has_area else []
+    texts = [str(rule) for rule in point.rules]
+    texts += [format_percent(point.quantity("contact_area_fraction").value)] if has_area else []
     return [cell.translate(_LATEX_ESCAPES) for cell in (*texts, point.verdict)]
 
 

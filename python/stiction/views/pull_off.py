@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
-import numpy as np
-
-from stiction._number_format import choose_prefixed_unit, format_with_interval, format_with_unit
+from stiction._estimate import Estimate
+from stiction._number_format import format_with_unit
 from stiction.mechanics.quantities import QUANTITIES
-from stiction.studies.pull_off import MIN_STICKING_PRESSURE, PullOffValues, ValueWithInterval
+from stiction.studies.pull_off import MIN_STICKING_PRESSURE, PullOffValues
 
 
 def pull_off_text(estimate: PullOffValues, inputs: str = "") -> str:
@@ -25,28 +25,24 @@ def pull_off_text(estimate: PullOffValues, inputs: str = "") -> str:
     }[estimate.sticking_assessment]
     return (
         f"Sticks without a load: {estimate.sticking_assessment}. Pull-off force {bound_text}"
-        f"{_format_interval(estimate.pull_off, 'pull_off')}, "
-        f"{_format_interval(estimate.pressure, 'pull_off_pressure')} on the nominal area{threshold_text}; friction at "
-        f"no load {_format_interval(estimate.friction, 'friction_at_no_load')}{inputs and f' with {inputs}'}."
+        f"{_text_with_unit(estimate.pull_off, 'pull_off')}, "
+        f"{_text_with_unit(estimate.pressure, 'pull_off_pressure')} on the nominal area{threshold_text}; friction at "
+        f"no load {_text_with_unit(estimate.friction, 'friction_at_no_load')}{inputs and f' with {inputs}'}."
     )
 
 
 def pull_off_record(estimate: PullOffValues) -> dict[str, Any]:
     """Return the pull-off force (mN), the pull-off pressure (GPa) and the friction at zero load (mN) as JSON fields."""
-    intervals = {
-        "pull_off": estimate.pull_off,
-        "pull_off_pressure": estimate.pressure,
-        "friction_at_no_load": estimate.friction,
+    return {
+        "sticks": estimate.sticking_assessment,
+        "pull_off_is_bound": estimate.is_bound,
+        "pull_off": vars(estimate.pull_off),
+        "pull_off_pressure": vars(estimate.pressure),
+        "friction_at_no_load": vars(estimate.friction),
     }
-    names = ("value", "lower", "upper")
-    values = {key: dict(zip(names, interval, strict=True)) for key, interval in intervals.items()}
-    return {"sticks": estimate.sticking_assessment, "pull_off_is_bound": estimate.is_bound, **values}
 
 
-def _format_interval(interval: ValueWithInterval, name: str) -> str:
-    """Return a mean with its interval, in the unit with the fewest zeros."""
-    prefix_factor, unit = (
-        choose_prefixed_unit(interval[0], QUANTITIES[name].unit) if np.isfinite(interval[0]) else (1.0, "")
-    )
-    value, lower, upper = (item / prefix_factor for item in interval)
-    return f"{format_with_interval(value, lower, upper)} {unit}".replace(" no interval", "").rstrip()
+def _text_with_unit(estimate: Estimate, name: str) -> str:
+    """Return a quantity with its interval, in the unit with the fewest zeros."""
+    scaled_estimate, unit = estimate.in_prefixed_unit(QUANTITIES[name].unit)
+    return "none" if math.isnan(estimate.value) else f"{scaled_estimate:.2u} {unit}"

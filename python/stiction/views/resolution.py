@@ -6,7 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from stiction._number_format import format_estimate, format_percent, format_with_unit
+from stiction._estimate import Estimate
+from stiction._number_format import format_percent, format_with_unit
 from stiction.mechanics.friction import STATUS_OK
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ def cut_off_rows(resolution: ResolutionEffect, hardness: float | None) -> TextRo
         rows.append(
             [
                 format_with_unit(cut_off, "um") if cut_off else "none",
-                format_estimate(values["rms_gradient"]),
+                str(Estimate(values["rms_gradient"])),
                 format_percent(values["contact_area_fraction"]) if status == STATUS_OK else status,
                 format_with_unit(values["mean_pressure"], "GPa"),
                 *(_coefficient_text(values[f"friction_{rule}"]) for rule in rules),

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._core import __version__
-from stiction._number_format import format_estimate, format_time, to_json
+from stiction._number_format import format_time, to_json
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import QUANTITIES, column_title_and_factor, quantity_names_shown_in
 from stiction.studies.point import CELL_DIMENSIONS, list_sliding_rules_reported_first
@@ -287,7 +287,7 @@ def summary_json(command: str, summary: Summary, /, **fields: Any) -> str:
         if name in dataset.coords:
             fields[name] = float(dataset[name])
     fields |= {} if summary.resolution is None else {"resolution": resolution_record(summary.resolution)}
-    fields |= {} if summary.onset is None else {"onset": onset_record(summary.onset)}
+    fields |= {} if summary.onset_values is None else {"onset": onset_record(summary.onset_values)}
     fields["answers"] = [point_record(point) for point in summary.points]
     return record_json(command, value_records(values_frame(dataset)), **fields)
 
@@ -312,31 +312,27 @@ def point_record(point: PointSummary) -> dict[str, Any]:
         "rules": [
             {
                 "rule": rule.rule,
-                "text": format_estimate(rule.value, rule.lower, rule.upper),
+                "text": str(rule),
                 "value": rule.value,
                 "lower": rule.lower,
                 "upper": rule.upper,
                 "members_from": rule.low,
                 "members_to": rule.high,
                 "by_slopes_alone": rule.slopes,
-                **{
-                    name: {"lower": low, "upper": high}
-                    for name, (low, high) in (("of_positions", rule.positions), ("next_test", rule.next_test))
-                },
+                "of_positions": rule.positions._asdict(),
+                "next_test": rule.next_test._asdict(),
             }
             for rule in point.rules
         ],
         "parts": None if point.parts is None else dict(zip(("mu0", "adhesion", "slopes"), point.parts, strict=True)),
         "budget": [
-            {
-                "if_known": remaining_interval.words,
-                "lower": remaining_interval.lower,
-                "upper": remaining_interval.upper,
-                "width": remaining_interval.width,
-            }
-            for remaining_interval in point.budget
+            {"if_known": entry.words, "lower": entry.lower, "upper": entry.upper, "width": entry.width}
+            for entry in point.budget
         ],
-        "waited": [vars(aged_estimate) for aged_estimate in point.waited],
+        "waited": [
+            {"seconds": aged.seconds, "value": aged.value, "lower": aged.lower, "upper": aged.upper}
+            for aged in point.waited
+        ],
         "scans": dict(zip(("upper", "lower"), point.scans, strict=True)),
         "contact_status": point.contact_status,
         "sticking": None if point.sticking is None else pull_off_record(point.sticking),

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stiction._number_format import format_estimate, format_percent, format_significant, format_with_unit
+from stiction._estimate import Estimate
+from stiction._number_format import format_percent, format_significant, format_with_unit
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.studies.hardness import find_uncertain_inputs
 from stiction.studies.interfaces import find_interface
@@ -61,14 +62,8 @@ def quotable_sentence(point: PointSummary) -> str:
     if point.verdict == "Do not quote":
         fault_texts = "; ".join(caveat.text for caveat in point.faults)
         return f"There is no coefficient to quote at {inputs_text(point)}: {fault_texts}."
-    first_estimate, *other_estimates = point.rules
-    value = format_estimate(first_estimate.value, first_estimate.lower, first_estimate.upper)
-    text = f"μ_s = {value} with {SLIDING_RULE_DESCRIPTIONS[first_estimate.rule]}"
-    text += "".join(
-        f", {format_estimate(rule.value, rule.lower, rule.upper)} with {SLIDING_RULE_DESCRIPTIONS[rule.rule]}"
-        for rule in other_estimates
-    )
-    sentence_parts = [f"{text}, at {inputs_text(point)}", point_note_text(point)]
+    coefficients_text = ", ".join(f"{rule} with {SLIDING_RULE_DESCRIPTIONS[rule.rule]}" for rule in point.rules)
+    sentence_parts = [f"μ_s = {coefficients_text}, at {inputs_text(point)}", point_note_text(point)]
     sentence_parts += [f"assumed: {', '.join(assumptions)}"] if assumptions else []
     sentence_parts += filter(
         None,
@@ -200,7 +195,7 @@ def point_note_text(point: PointSummary) -> str:
             else [f"the mean over {_averaged_members_text(point)}"]
         )
     items += [_scan_count_text(study)] if study.is_measured else []
-    definition_effect = point.quantity("reading_difference")[0]
+    definition_effect = point.quantity("reading_difference").value
     if definition_effect > MIN_STATED_LOAD_DEFINITION_EFFECT:
         definition_text = _LOAD_DEFINITION_TEXTS.get(
             str(values.attrs.get("reading")), "the load has one of three definitions"
@@ -280,11 +275,9 @@ def small_slope_estimate_text(point: PointSummary) -> str:
     rules = [rule for rule in point.rules if math.isfinite(rule.slopes)]
     if not rules:
         return ""
-    estimates = " and ".join(
-        f"{format_estimate(rule.slopes)} with {SLIDING_RULE_DESCRIPTIONS[rule.rule]}" for rule in rules
-    )
+    estimates = " and ".join(f"{Estimate(rule.slopes)} with {SLIDING_RULE_DESCRIPTIONS[rule.rule]}" for rule in rules)
     hardness_note = " (the hardness is not considered)" if has_limited_pressure(study) else ""
-    kappa = point.quantity("rms_gradient")[0] * point.effective_modulus / point.mean_pressure
+    kappa = point.quantity("rms_gradient").value * point.effective_modulus / point.mean_pressure
     if point.at["tau0"] > 0 and abs(kappa / DEFAULT_KAPPA - 1) > MIN_STATED_KAPPA_DEVIATION:
         return (
             f"The small-slope estimate does not apply: it assumes A E* h'/F = {DEFAULT_KAPPA:g}, and this pair "

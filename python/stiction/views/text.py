@@ -12,15 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stiction._number_format import (
-    choose_prefixed_unit,
-    format_estimate,
-    format_limits,
-    format_significant,
-    format_time,
-    format_with_interval,
-    format_with_unit,
-)
+from stiction._estimate import Estimate
+from stiction._number_format import choose_prefixed_unit, format_significant, format_time, format_with_unit
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import (
     LOAD_INDEPENDENT_QUANTITIES,
@@ -42,7 +35,13 @@ from stiction.studies.budget import (
     UNRESOLVED_ROUGHNESS_INPUT_NAME,
     UPPER_SCANS_INPUT_NAME,
 )
-from stiction.studies.point import CELL_DIMENSIONS, MEAN_AND_LIMITS, mean_over_directions, select_sliding_rule
+from stiction.studies.point import (
+    CELL_DIMENSIONS,
+    MEAN_AND_LIMITS,
+    mean_over_directions,
+    read_estimate,
+    select_sliding_rule,
+)
 from stiction.studies.summary import UNATTRIBUTED_WAVELENGTHS_INPUT_NAME, PointSummary, Summary
 from stiction.views.onset import onset_paragraph, quantity_label
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS, motion_direction_text, point_load_text
@@ -202,7 +201,7 @@ def main_values_text(
     )
     lines = (
         [wrap_text(pull_off_text(first_point.sticking, inputs))]
-        if first_point.sticking is not None and first_point.sticking.pull_off[0] > 0
+        if first_point.sticking is not None and first_point.sticking.pull_off.value > 0
         else []
     )
     if not all(point.is_unloaded for point in quoted_points):
@@ -265,8 +264,8 @@ def resolution_and_onset_text(summary: Summary, *, verbose: bool = False) -> str
     paragraphs: list[Paragraph] = []
     if verbose and summary.resolution is not None:
         paragraphs += resolution_paragraphs(summary.resolution, summary.points[0].hardness)
-    if summary.onset is not None:
-        paragraphs.append(onset_paragraph(summary.onset, verbose=verbose))
+    if summary.onset_values is not None:
+        paragraphs.append(onset_paragraph(summary.onset_values, verbose=verbose))
     return "".join(f"\n{text}\n" if verbose else f"{text}\n" for text in map(format_paragraph, paragraphs))
 
 
@@ -335,7 +334,7 @@ MAX_PRINTED_POINTS = 15  # maximum number of rows in the first table if a result
 def _coefficient_text(point: PointSummary, index: int) -> str:
     rule = point.rules[index]
     if math.isfinite(rule.value):
-        return format_estimate(rule.value, rule.lower, rule.upper)
+        return str(rule)
     return "none" if point.status == friction.STATUS_OK else point.status
 
 
@@ -394,10 +393,7 @@ def uncertainty_budget_text(point: PointSummary) -> str:
     dominant_input = point.dominant_input
     if dominant_input is None or any(fault.text != WIDE_INTERVAL_TEXT for fault in point.faults):
         return ""
-    current_limits, reduced_limits = (
-        format_limits(low, high)
-        for low, high in ((point.lower, point.upper), (dominant_input.lower, dominant_input.upper))
-    )
+    current_limits, reduced_limits = str(point.rules[0].interval), str(dominant_input.interval)
     if current_limits == reduced_limits:
         return ""
     action_text = _REMEDY_TEXTS.get(dominant_input.words, f"Measuring {dominant_input.words}")
@@ -419,22 +415,17 @@ _REMEDY_TEXTS = {
 def single_test_text(point: PointSummary) -> str:
     """Return text with the prediction interval of a single test and the confidence interval of the mean."""
     estimate = point.rules[0]
-    if not math.isfinite(estimate.next_test[0]) or estimate.next_test == (estimate.lower, estimate.upper):
+    if not math.isfinite(estimate.next_test.lower) or estimate.next_test == estimate.interval:
         return ""
     sampled_items = "positions" if point.scans == (1, 1) else "scans and positions"
-    has_sampling_interval = math.isfinite(estimate.positions[0]) and estimate.positions != (
-        estimate.lower,
-        estimate.upper,
-    )
-    sampling_text = f"; {sampled_items} alone: {format_limits(*estimate.positions)}" if has_sampling_interval else ""
-    return f"Single test in one direction: {format_limits(*estimate.next_test)}{sampling_text}."
+    has_sampling_interval = math.isfinite(estimate.positions.lower) and estimate.positions != estimate.interval
+    sampling_text = f"; {sampled_items} alone: {estimate.positions}" if has_sampling_interval else ""
+    return f"Single test in one direction: {estimate.next_test}{sampling_text}."
 
 
 def dwell_time_text(point: PointSummary) -> str:
     """Return text with the coefficients after the dwell times of the study, or an empty string without dwell times."""
-    estimate_texts = [
-        f"{format_time(aged.seconds)} {format_estimate(aged.value, aged.lower, aged.upper)}" for aged in point.waited
-    ]
+    estimate_texts = [f"{format_time(aged.seconds)} {aged}" for aged in point.waited]
     ageing_reason = (
         "; none if the hardness falls below the pressure"
         if any(math.isnan(aged_estimate.value) for aged_estimate in point.waited)
@@ -516,13 +507,6 @@ def _caveat_line(caveat: Caveat, suffix: str = "") -> str:
 # ---- Quantities ------------------------------------------------------------------------------------------------------
 
 _VERBOSE_QUANTILES = (("patch_area", 0.5), ("patch_area", 0.9), ("pressure", 0.5), ("pressure", 0.9))
-_UNIT_SCALES: dict[str, tuple[tuple[float, float, str], ...]] = {
-    "um^2": ((1e5, 1e-6, "mm²"), (0.0, 1.0, "µm²")),
-    "mN/um": ((1e4, 1e-3, "N/µm"), (0.0, 1.0, "mN/µm")),
-    "MPa/mm": ((1e7, 1e-6, "TPa/mm"), (1e4, 1e-3, "GPa/mm"), (0.0, 1.0, "MPa/mm")),
-    "GPa/mm": ((1e4, 1e-3, "TPa/mm"), (0.0, 1.0, "GPa/mm")),
-}
-"""Units in which values without SI prefixes are printed: minimum value, factor and unit name."""
 
 
 def _first_cell_coordinates_text(headlines: Sequence[PointSummary]) -> str:
@@ -609,19 +593,8 @@ def is_pull_off_lower_bound(name: str, dataset: xarray.Dataset) -> bool:
 
 def _quantity_row(name: str, label: str, estimates: Sequence[xarray.DataArray]) -> list[list[str]]:
     """Return the table row of a quantity in a list, or an empty list if the quantity has no value at any load."""
-    unit = QUANTITIES[name].unit
-    if unit in ("um", "GPa", "mN"):
-        values = [value for value in map(_largest_absolute_mean, estimates) if math.isfinite(value)]
-        unit_factor, unit_label = choose_prefixed_unit(max(values, default=1.0), unit)
-        factor = 1 / unit_factor
-    else:
-        largest_value = max(
-            (value for value in map(_largest_absolute_mean, estimates) if math.isfinite(value)), default=0.0
-        )
-        unit_scales = ((0.0, 100.0, "%"),) if QUANTITIES[name].percent else _UNIT_SCALES.get(unit, ((0.0, 1.0, ""),))
-        factor, unit_label = next(
-            (factor, name) for min_value, factor, name in unit_scales if largest_value >= min_value
-        )
+    values = [value for value in map(_largest_absolute_mean, estimates) if math.isfinite(value)]
+    factor, unit_label = choose_prefixed_unit(max(values, default=0.0), QUANTITIES[name].table_unit)
     cells = [_estimate_cell(estimate, factor) for estimate in estimates]
     return [] if set(cells) == {"none"} else [[label, unit_label, *cells]]
 
@@ -640,12 +613,12 @@ def _largest_absolute_mean(estimate: xarray.DataArray) -> float:
 
 def _estimate_cell(estimate: xarray.DataArray, factor: float) -> str:
     if "statistic" not in estimate.dims:
-        value = factor * estimate.item()
+        value = estimate.item() / factor
         return "none" if math.isnan(value) else format_significant(value)
     if estimate.name == "error":
         largest_error = estimate.sel(statistic="mean").item()
         return "none" if math.isnan(largest_error) else format_significant(largest_error, 1)
-    return format_with_interval(*(factor * estimate.sel(statistic=statistic).item() for statistic in MEAN_AND_LIMITS))
+    return (read_estimate(estimate) / factor).table_text
 
 
 def friction_by_axis_text(values: xarray.Dataset, *, verbose: bool = False) -> str:
@@ -726,7 +699,7 @@ def preview_text(summary: Summary) -> str:
     """Return a preview line with the friction coefficient computed from the first members of a study."""
     point = summary.points[0]
     rule = SLIDING_RULE_DESCRIPTIONS[point.rules[0].rule]
-    return f"preliminary, with asperities: μ_s = {format_estimate(point.value)}  {rule}"
+    return f"preliminary, with asperities: μ_s = {Estimate(point.value)}  {rule}"
 
 
 # ---- Overview --------------------------------------------------------------------------------------------------------
@@ -829,5 +802,4 @@ def _overview_cell(point: PointSummary, rule: str) -> str:
         name: mean_over_directions(values, name) for name in ("share_beyond_hertz", "share_below_grid")
     }
     estimate = next(estimate for estimate in point.rules if estimate.rule == rule)
-    estimate_text = format_estimate(estimate.value, estimate.lower, estimate.upper)
-    return estimate_text + "*" * any(find_caveats_of_failed_checks(ASPERITY_CHECKS, checked_fractions))
+    return str(estimate) + "*" * any(find_caveats_of_failed_checks(ASPERITY_CHECKS, checked_fractions))

@@ -6,7 +6,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from stiction._number_format import format_estimate, format_time
+from stiction._number_format import format_time
 from stiction.studies.summary import PointSummary
 from stiction.views.style import (
     AREA_COLOUR,
@@ -49,7 +49,7 @@ def uncertainty_budget_figure(point: PointSummary, *, title: str = "") -> Figure
         axes.plot([low, high], [row, row], color="black", linewidth=3 if row == 1 else 1.5, solid_capstyle="butt")
     axes.set_yticks(range(len(rows) + 1), ["contributions", *(name for name, _, _ in rows)])
     axes.invert_yaxis()
-    title = f"{title}\n{format_estimate(point.value, point.lower, point.upper)}".strip()
+    title = f"{title}\n{point.rules[0]}".strip()
     axes.set(xlim=(0, None), xlabel=axis_label("friction_coefficient"), title=title)
     figure.legend(loc="outside lower center", ncols=2)
     return figure

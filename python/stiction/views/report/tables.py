@@ -12,12 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
-from stiction._number_format import (
-    MAX_FULL_PRECISION_END_RATIO,
-    MAX_SIGNIFICANT_DIGITS,
-    choose_prefixed_unit,
-    format_estimate,
-)
+from stiction._estimate import MAX_FULL_PRECISION_END_RATIO, MAX_SIGNIFICANT_DIGITS, Estimate
+from stiction._number_format import choose_prefixed_unit
 
 # number of leading bytes of a double that are stored in a page; four bytes give a relative precision of 5e-7
 STORED_FLOAT_BYTES = 4
@@ -83,10 +79,10 @@ class PackedArrays:
 
 
 def count_estimate_decimals(mean: Floats, lower: Floats, upper: Floats) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
-    """Return how many decimals `format_estimate` prints: one number for mean and lower end, and one for the upper end.
+    """Return how many decimals an `Estimate` prints: one number for mean and lower end, and one for the upper end.
 
     Decimals are negative for numbers that are rounded to tens or more. The decimals of the upper end are
-    `NO_INTERVAL_CODE` if `format_estimate` prints no interval.
+    `NO_INTERVAL_CODE` if the text contains no interval.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         value_decimals = np.where(mean != 0, -np.floor(np.log10(np.abs(mean))), 0.0)
@@ -112,7 +108,7 @@ def count_estimate_decimals(mean: Floats, lower: Floats, upper: Floats) -> tuple
     upper_decimals = np.where(has_no_interval, NO_INTERVAL_CODE, upper_decimals)
     # If both ends have the same printed digits, only the value is printed, without trailing zeros.
     for index in zip(*np.nonzero(is_upper_equal), strict=True):
-        text = format_estimate(float(mean[index]), float(lower[index]), float(upper[index]))
+        text = str(Estimate(float(mean[index]), float(lower[index]), float(upper[index])))
         if "[" not in text:
             decimals[index], upper_decimals[index] = len(text.partition(".")[2]), NO_INTERVAL_CODE
     return decimals.astype(np.int8), upper_decimals.astype(np.int8)
@@ -136,4 +132,4 @@ def estimate_with_unit_text(point: Sequence[float], unit: str) -> str:
     )
     if value == 0 and not upper > 0:
         return f"0 {name}".strip()
-    return f"{format_estimate(value / factor, lower / factor, upper / factor)}\u00a0{name}".strip()
+    return f"{Estimate(value, lower, upper) / factor}\u00a0{name}".strip()

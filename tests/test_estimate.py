@@ -1,0 +1,78 @@
+"""Tests of estimates: the interval determines the printed digits, and the magnitude determines the unit."""
+
+import math
+from dataclasses import FrozenInstanceError
+
+import pytest
+from stiction._estimate import Estimate, Interval
+
+
+@pytest.mark.parametrize(
+    ("value", "lower", "upper", "text"),
+    [
+        (0.2093, 0.1911, 0.2302, "0.21 [0.19, 0.23]"),
+        (0.1147, 0.1136, 0.1158, "0.115 [0.114, 0.116]"),
+        (0.1147, 0.1141, 0.1149, "0.1147 [0.1141, 0.1149]"),
+        (0.304, 0.302, 0.306, "0.304 [0.302, 0.306]"),
+        (0.2, 0.2 - 1e-6, 0.2 + 1e-6, "0.2"),
+        (0.0, 0.0, 0.0, "0"),
+        (0.2, 0.15, math.inf, "0.20 [0.15, ∞)"),
+        (0.2093, math.nan, math.nan, "0.21"),
+        (math.nan, 0.1, 0.2, "none"),
+    ],
+)
+def test_estimate_is_printed_to_one_digit_of_its_half_width(value, lower, upper, text):
+    estimate = Estimate(value, lower, upper)
+    assert str(estimate) == f"{estimate}" == text
+
+
+@pytest.mark.parametrize(
+    ("value", "lower", "upper", "text"),
+    [
+        (0.1552, 0.07024, 0.3431, "0.16 [0.07, 0.34]"),
+        (2.188, 1.192, 4.013, "2.2 [1.2, 4.0]"),
+        (0.123456, 0.1234, 0.1235, "0.1235 [0.1234, 0.1235]"),
+        (1170.0, 970.0, 1380.0, "1170 [970, 1380]"),
+        (1.0, 1.0, 1.0, "1"),
+        (math.nan, math.nan, math.nan, "none"),
+    ],
+)
+def test_format_with_two_digits_of_the_half_width_is_the_text_of_tables(value, lower, upper, text):
+    estimate = Estimate(value, lower, upper)
+    assert f"{estimate:.2u}" == estimate.table_text == text
+
+
+def test_missing_interval_is_stated_only_in_tables():
+    estimate = Estimate(0.5)
+    assert (f"{estimate:.2u}", estimate.table_text) == ("0.5", "0.5 no interval")
+
+
+def test_unknown_format_of_an_estimate_raises_error():
+    with pytest.raises(ValueError, match="format of an estimate"):
+        format(Estimate(0.5), ".2f")
+
+
+def test_interval_is_printed_as_range():
+    assert str(Interval(0.0413, 0.188)) == "0.04 to 0.19"
+    assert str(Interval(0.2192, 0.2213)) == "0.219 to 0.221"
+    assert str(Interval(0.2, math.inf)) == "0.2 to ∞"
+    assert str(Interval(0.2, 0.2)) == "0.2000"
+
+
+def test_estimate_in_prefixed_unit_has_the_unit_of_its_value():
+    assert Estimate(0.25, 0.125, 0.5).in_prefixed_unit("um") == (Estimate(250.0, 125.0, 500.0), "nm")
+    assert Estimate(0.25, 0.125, 0.5).in_prefixed_unit("%") == (Estimate(25.0, 12.5, 50.0), "%")
+    assert Estimate(3.0, 2.0, 4.0).in_prefixed_unit("1") == (Estimate(3.0, 2.0, 4.0), "")
+    assert [Estimate(value).in_prefixed_unit("mN")[1] for value in (math.nan, 0.0, 2e-6)] == ["mN", "mN", "nN"]
+
+
+def test_extended_interval_includes_both_intervals_and_ignores_missing_limits():
+    estimate = Estimate(0.2, 0.1, 0.3)
+    assert estimate.extended_to(Estimate(0.25, 0.15, 0.4)) == Estimate(0.2, 0.1, 0.4)
+    assert estimate.extended_to(Estimate(0.25)) == estimate
+    assert Estimate(0.2).extended_to(estimate) == estimate
+
+
+def test_estimate_is_immutable():
+    with pytest.raises(FrozenInstanceError):
+        Estimate(0.2).value = 0.3
