@@ -61,8 +61,8 @@ def test_layers_import_only_from_lower_layers(layer):
 
 
 MODULES_RESTRICTED_FOR_VIEWS = {
-    "budget", "contact_picture", "evaluation", "height_scale", "intervals", "maps", "member_solution", "members",
-    "nodes", "onset", "pipeline", "runner", "store",
+    "budget", "contact_forces", "contact_picture", "evaluation", "height_scale", "intervals", "maps", "member_solution",
+    "members", "nodes", "onset", "pipeline", "runner", "store",
 }  # fmt: skip
 """Modules of studies that read stored results and files, evaluate results, compute statistics or solve contacts.
 
@@ -71,7 +71,7 @@ Views use `Result` and `Summary` instead, and import only constants from these m
 
 ALLOWED_IMPORTS_OF_VIEWS = {
     "height_scale.ScaledBodies", "nodes.NodeAxis", "nodes.InterpolationNodes", "onset.OnsetValues",
-    "members.generate_profile_pairs", "members.generate_phases", "members.pair_of", "members.generate_unscaled_profile",
+    "members.generate_phases", "members.pair_of", "members.generate_unscaled_profile",
 }  # fmt: skip
 """Other names that views may import: types, and functions that generate the surfaces of a study for its figures."""
 

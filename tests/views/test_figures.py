@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 from stiction import Profile, Result
+from stiction.studies.contact_forces import build_contact_forces
 from stiction.studies.contact_picture import contact_picture
 from stiction.studies.evaluation import at_load, choose_loads_in_range
+from stiction.studies.figure_values import evaluate_area_over_load, evaluate_friction_over_dimension
 from stiction.studies.maps import friction_map
 from stiction.studies.study import parse_study_of_dataset
 from stiction.views import style
@@ -149,7 +151,7 @@ def axes_without_colorbars(figure):
 
 def test_friction_figure_has_labelled_maps_and_curves(generated_dataset):
     for dataset, num_rows in ((generated_dataset, 2), (generated_dataset.isel(amplitude=[1]), 1)):
-        figure = friction_figure(dataset, 0.4)
+        figure = friction_figure(evaluate_friction_over_dimension(Result.of(dataset), 0.4))
         axes = axes_without_colorbars(figure)
         assert len(axes) == 3 * num_rows
         assert [ax.get_title() for ax in axes[:2]] == [rf"$\tau_0$ = {megapascals} MPa" for megapascals in (0, 200)]
@@ -159,13 +161,14 @@ def test_friction_figure_has_labelled_maps_and_curves(generated_dataset):
         assert axes[0].get_ylabel() == style.axis_label("load")
         assert axes[3 * (num_rows // 2) + 2].get_ylabel() == style.axis_label("friction_coefficient")
     assert not figure.get_suptitle()
-    figure_of_part = friction_figure(generated_dataset.isel(repetition=[0, 1, 4]), 0.1)
+    partial_result = Result.of(generated_dataset.isel(repetition=[0, 1, 4]))
+    figure_of_part = friction_figure(evaluate_friction_over_dimension(partial_result, 0.1))
     assert figure_of_part.get_suptitle() == "unfinished: 3 of 12 repetitions"
 
 
 def test_friction_curves_equal_the_friction_map_at_their_load(generated_dataset):
     dataset = generated_dataset.isel(amplitude=[1])
-    curves = axes_without_colorbars(friction_figure(dataset, 0.4))[2]
+    curves = axes_without_colorbars(friction_figure(evaluate_friction_over_dimension(Result.of(dataset), 0.4)))[2]
     number, unit = curves.get_title().removeprefix("at $F_N$ = ").split()
     load = float(number) * {"mN": 1, "µN": 1e-3, "nN": 1e-6}[unit]
     friction = friction_map(dataset, [load], mu0=[0.4]).isel(amplitude=0, mu0=0, load=0)
@@ -179,9 +182,9 @@ def test_friction_curves_equal_the_friction_map_at_their_load(generated_dataset)
     "selection", [{"fractal_dimension": [2]}, {"repetition": [3]}, {"approach": [7, 8, 9]}], ids=str
 )
 def test_figures_of_friction_and_area_for_small_results_cause_no_warning(generated_dataset, selection, tmp_path):
-    dataset = generated_dataset.isel(amplitude=[0], **selection)
-    save_figure(friction_figure(dataset, 0.0), tmp_path / "friction.png")
-    save_figure(area_figure(dataset), tmp_path / "area.png")
+    result = Result.of(generated_dataset.isel(amplitude=[0], **selection))
+    save_figure(friction_figure(evaluate_friction_over_dimension(result, 0.0)), tmp_path / "friction.png")
+    save_figure(area_figure(evaluate_area_over_load(result), result.study), tmp_path / "area.png")
 
 
 def test_cells_with_wide_intervals_fade_to_grey_of_equal_luminance():
@@ -198,12 +201,13 @@ def test_cells_with_wide_intervals_fade_to_grey_of_equal_luminance():
 
 
 def test_area_figure_has_a_labelled_curve_for_each_fractal_dimension(generated_dataset):
-    figure = area_figure(generated_dataset)
+    figure = area_figure(evaluate_area_over_load(Result.of(generated_dataset)), SMALL_STUDY)
     area_axes = figure.axes[0]
     assert len(area_axes.lines) == 2 * 4  # Each curve has a line within the range of the model and a line beyond it.
     assert any(text.get_text() == "$D$ = 1.00" for text in area_axes.texts)
     assert area_axes.get_ylabel() == style.axis_label("contact_area")
-    for ax in area_figure(generated_dataset.isel(repetition=slice(2))).axes:
+    points = evaluate_area_over_load(Result.of(generated_dataset.isel(repetition=slice(2))))
+    for ax in area_figure(points, SMALL_STUDY).axes:
         values = np.concatenate([line.get_ydata() for line in ax.lines])
         assert ax.get_ylim()[1] <= 2.01 * np.nanmax(values)
 
@@ -306,7 +310,8 @@ def test_contact_map_draws_every_contact(maps_at_two_cutoffs, profiles_dataset):
 
 def test_force_arrows_stay_inside_their_frame(create_circular_arc, tmp_path):
     upper, lower = (create_circular_arc(2.0, 5.0, 0.01, 401, side) for side in ("upper", "lower"))
-    figure = contact_forces_figure(upper, lower, 0.02, mu0=0.3, load=0.1)
+    figure = contact_forces_figure(build_contact_forces(upper, lower, 0.02, mu0=0.3).assign_attrs(load_mN=0.1))
+    assert figure.axes[0].get_title(loc="left").endswith("at an approach of 20 nm\n$F_N$ = 0.1 mN")
     zoomed_axes = figure.axes[1]
     figure.draw_without_rendering()
     frame = zoomed_axes.get_window_extent()
@@ -317,7 +322,8 @@ def test_force_arrows_stay_inside_their_frame(create_circular_arc, tmp_path):
     assert "heights magnified" in zoomed_axes.get_title(loc="left")
     # Two flat profiles without contact are drawn, too.
     flat_profile = Profile(np.zeros(200), spacing=0.01)
-    save_figure(contact_forces_figure(flat_profile, flat_profile, 0.0, mu0=0.3), tmp_path / "contact.png")
+    forces = build_contact_forces(flat_profile, flat_profile, 0.0, mu0=0.3)
+    save_figure(contact_forces_figure(forces), tmp_path / "contact.png")
 
 
 # ---- Style -----------------------------------------------------------------------------------------------------------

@@ -173,22 +173,6 @@ _CONTACT_PICTURE_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
 }
 
 
-def find_touching_profiles(result: Result, load: float) -> tuple[Profile, Profile, float, float] | None:
-    """Find the first profiles that touch at a load (mN). Return both profiles, their approach and offset (µm).
-
-    Returns None if no pair touches.
-    """
-    members = result.dataset.isel(cut_off=0).sel(load=load, method="nearest")
-    touching_indices = np.flatnonzero(np.isfinite(members["approach"].values) & (members["contact_count"].values > 0))
-    if not touching_indices.size:
-        return None
-    first_member = members.isel(repetition=touching_indices[0])
-    member = load_bodies(result.study).member(int(first_member["repetition"]), float(first_member["cut_off"]))
-    upper, lower = member.pair
-    assert isinstance(upper, Profile) and isinstance(lower, Profile)  # noqa: PT018
-    return upper, lower, float(first_member["approach"]), member.x
-
-
 def find_index_nearest_to_mean(area: Floats) -> int:
     """Return the index of the area that is nearest to the mean of the areas, ignoring NaN."""
     return int(np.nanargmin(np.abs(area - np.nanmean(area))))

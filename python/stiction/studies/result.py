@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from stiction.studies.height_scale import ScaledBodies
     from stiction.studies.nodes import InterpolationNodes
     from stiction.studies.summary import PointSummary, Summary
-    from stiction.surfaces.profile import Profile
 
 # number of fractal dimensions that represent a range in an overview
 NUM_OVERVIEW_FRACTAL_DIMENSIONS = 4
@@ -217,14 +216,15 @@ class Result:
 
         return compute_loading_cycle(self)
 
-    def find_touching_profiles(self, load: float) -> tuple[Profile, Profile, float, float] | None:
-        """Find the first profiles that touch at a load (mN). Return both profiles, their approach and offset (µm).
+    @cached_property
+    def contact_forces(self) -> xarray.Dataset | None:
+        """Two profiles in contact, and the forces on the upper profile at each contact of the asperity model.
 
-        Returns None if no pair touches.
+        None for maps, for the half-space model, and if no pair has contacts. The forces are computed on first use.
         """
-        from stiction.studies.contact_picture import find_touching_profiles
+        from stiction.studies.contact_forces import compute_contact_forces
 
-        return find_touching_profiles(self, load)
+        return compute_contact_forces(self)
 
     @property
     def height_factors(self) -> dict[ScaledBodies, list[float]]:

@@ -16,8 +16,6 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction._drawing import HEIGHT_COLOUR_MAP, PRESSURE_COLOUR_MAP, add_scale_bar
 from stiction._number_format import format_with_unit
-from stiction.mechanics.contact import Contacts, contacts
-from stiction.surfaces.profile import Profile
 from stiction.views.style import (
     FORCE_COLOUR,
     FRICTION_COLOUR,
@@ -39,58 +37,32 @@ NUM_NEIGHBOURING_CONTACTS = 5
 MIN_ZOOM_POINTS = 60  # minimum number of points that are shown on each side of the strongest contact
 
 
-def contact_forces_figure(
-    upper: Profile,
-    lower: Profile,
-    approach: float,
-    *,
-    mu0: float,
-    tau0: float = 0.0,
-    load: float | None = None,
-    offset: float | None = None,
-    title: str = "",
-    **contact: Any,
-) -> Figure:
+def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
     """Draw two profiles in contact, and the forces on the upper body at the contact with the largest load.
 
-    Both profiles share a grid and are pressed to an approach (µm) that corresponds to the load (mN) in the title.
-    `offset` (µm) is the position of the upper profile on a longer lower profile. Contacts are computed by `contacts`;
-    tau0 is in GPa.
+    `forces` is a result of `build_contact_forces`. The load and the shift of the upper profile are in the heading if
+    the dataset contains them.
     """
-    contact_points = contacts(upper, lower, approach, **contact)
-    x = lower.x
-    height_shift = float((upper.heights - lower.heights).min()) + approach
-    in_nanometres = max(float(np.ptp(upper.heights)), float(np.ptp(lower.heights))) < _MAX_NANOMETRE_RANGE
+    x, contact_force = forces["height_x"].values, forces["contact_force"].values
+    centre_x, centre_z = forces["contact_centre"].values.T
+    profiles = [forces[f"{side}_height"].values for side in ("upper", "lower")]
+    in_nanometres = max(float(np.ptp(heights)) for heights in profiles) < _MAX_NANOMETRE_RANGE
     unit_factor = 1000.0 if in_nanometres else 1.0
-    bodies = unit_factor * (upper.heights - height_shift), unit_factor * lower.heights
+    bodies = [unit_factor * heights for heights in profiles]
     figure = new_figure(90)
     overview_axes, zoomed_axes = figure.subplots(2, 1, height_ratios=[1, 1.5])
     draw_bodies(overview_axes, x, *bodies)
-    overview_axes.plot(
-        contact_points.centre[:, 0],
-        unit_factor * contact_points.centre[:, 2],
-        "o",
-        color=FORCE_COLOUR,
-        markersize=2,
-        mew=0,
-    )
+    overview_axes.plot(centre_x, unit_factor * centre_z, "o", color=FORCE_COLOUR, markersize=2, mew=0)
     overview_axes.set_xlim(x[0], x[-1])
-    contact_count = f"{len(contact_points)} {'contact' if len(contact_points) == 1 else 'contacts'}"
-    load_captions = [] if load is None else [f"$F_N$ = {format_with_unit(load, 'mN')}"]
-    load_captions += [] if offset is None else [f"upper profile moved by {offset:.4g} µm"]
-    title_lines = (title, f"{contact_count} at an approach of {1000 * approach:.4g} nm", ", ".join(load_captions))
-    overview_axes.set_title("\n".join(filter(None, title_lines)), loc="left", fontsize=6, pad=3)
-    is_in_zoom: NDArray[np.bool_] = np.zeros(len(contact_points), np.bool_)
-    if len(contact_points):
-        largest_contact_index = int(contact_points.force.argmax())
+    overview_axes.set_title(_contact_forces_heading(forces, title), loc="left", fontsize=6, pad=3)
+    is_in_zoom: NDArray[np.bool_] = np.zeros(contact_force.size, np.bool_)
+    if contact_force.size:
+        largest_contact_index = int(contact_force.argmax())
         half_width = max(
-            _MIN_ZOOM_SPACINGS * lower.spacing,
-            6
-            * float(
-                np.sqrt(contact_points.radius[largest_contact_index] * contact_points.overlap[largest_contact_index])
-            ),
+            _MIN_ZOOM_SPACINGS * float(forces.attrs["spacing_um"]),
+            6 * float(forces["contact_radius"].values[largest_contact_index]),
         )
-        zoom_centre = float(contact_points.centre[largest_contact_index, 0])
+        zoom_centre = float(centre_x[largest_contact_index])
         in_window = np.abs(x - zoom_centre) <= half_width
         zoomed_axes.set_title(
             "contact with the largest load", loc="left", fontsize=6, pad=3
@@ -98,17 +70,16 @@ def contact_forces_figure(
         draw_bodies(zoomed_axes, x[in_window], *(body[in_window] for body in bodies))
         zoomed_axes.set_xlim(x[in_window][0], x[in_window][-1])
         overview_axes.axvspan(zoom_centre - half_width, zoom_centre + half_width, color="0.5", alpha=0.25, linewidth=0)
-        is_in_zoom = np.abs(contact_points.centre[:, 0] - zoom_centre) <= half_width
+        is_in_zoom = np.abs(centre_x - zoom_centre) <= half_width
     for ax in (overview_axes, zoomed_axes):
         ax.set(ylabel=axis_label("height_nm" if in_nanometres else "height"), xlabel=axis_label("x"))
-    friction_forces = np.where(contact_points.opposing, mu0 * contact_points.force + tau0 * contact_points.area, 0.0)
     marker_style: dict[str, Any] = {"linestyle": "none", "markersize": 5}
     handles = [
         Line2D(
             [], [], color=FORCE_COLOUR, marker=r"$\uparrow$", label="elastic force on the upper body", **marker_style
         )
     ]
-    if (friction_forces[is_in_zoom] > 0).any():
+    if (forces["contact_friction"].values[is_in_zoom] > 0).any():
         handles.append(Line2D([], [], color=FRICTION_COLOUR, marker=r"$\leftarrow$", label="friction", **marker_style))
     figure.legend(
         handles=handles,
@@ -118,20 +89,29 @@ def contact_forces_figure(
     )
     figure.draw_without_rendering()  # the arrow lengths depend on the final position of the axes
     figure.set_layout_engine("none")
-    if len(contact_points):
-        max_arrow_length = _make_room_for_arrows(
-            zoomed_axes, unit_factor * float(contact_points.centre[is_in_zoom, 2].max())
-        )
+    if contact_force.size:
+        max_arrow_length = _make_room_for_arrows(zoomed_axes, unit_factor * float(centre_z[is_in_zoom].max()))
         (unit_x, _), (_, unit_y), (origin_x, origin_y) = zoomed_axes.transData.transform(
             [(1.0, 0.0), (0.0, unit_factor), (0.0, 0.0)]
         )
         magnification = float((unit_y - origin_y) / (unit_x - origin_x))
         text = f"contact with the largest load; heights magnified {magnification:.2g} times"
         zoomed_axes.set_title(text, loc="left", fontsize=6, pad=3)
-        _draw_forces(
-            zoomed_axes, contact_points, is_in_zoom, unit_factor, magnification, friction_forces, max_arrow_length
-        )
+        _draw_forces(zoomed_axes, forces, is_in_zoom, unit_factor, magnification, max_arrow_length)
     return figure
+
+
+def _contact_forces_heading(forces: xarray.Dataset, title: str) -> str:
+    """Return the title, the number of contacts with the approach, and the load and shift if they are known."""
+    attributes, num_contacts = forces.attrs, forces.sizes["contact"]
+    contact_count = f"{num_contacts} {'contact' if num_contacts == 1 else 'contacts'}"
+    load_captions = []
+    if "load_mN" in attributes:
+        load_captions.append(f"$F_N$ = {format_with_unit(float(attributes['load_mN']), 'mN')}")
+    if "x" in attributes:
+        load_captions.append(f"upper profile moved by {float(attributes['x']):.4g} µm")
+    approach_caption = f"{contact_count} at an approach of {1000 * float(attributes['approach_um']):.4g} nm"
+    return "\n".join(filter(None, (title, approach_caption, ", ".join(load_captions))))
 
 
 def draw_bodies(axes: Axes, x: Floats, upper: Floats, lower: Floats) -> None:
@@ -163,28 +143,31 @@ def _make_room_for_arrows(axes: Axes, highest: float) -> float:
 
 def _draw_forces(
     axes: Axes,
-    contact_points: Contacts,
-    is_drawn: Any,
+    forces: xarray.Dataset,
+    is_drawn: NDArray[np.bool_],
     scale: float,
     magnification: float,
-    friction_forces: Floats,
     max_arrow_length: float,
 ) -> None:
     """Draw elastic forces on the upper body, and friction at opposing contacts, to the same scale.
 
     Slopes are magnified by the same factor as heights.
     """
-    positions, normals, tangents = (
-        item[:, ::2] for item in (contact_points.centre, contact_points.normal, contact_points.tangent)
-    )  # components x and z
+    # The components are x and z.
+    positions, normals, tangents = (forces[f"contact_{name}"].values for name in ("centre", "normal", "tangent"))
     positions = positions * (1.0, scale)
 
     def scale_to_unit_vectors(vectors: Floats, factors: tuple[float, float]) -> Floats:
         scaled_vectors = vectors * factors
         return np.asarray(scaled_vectors / np.hypot(*scaled_vectors.T)[:, np.newaxis])
 
-    elastic = contact_points.force[:, np.newaxis] * scale_to_unit_vectors(normals, (magnification, 1.0))
-    friction = friction_forces[:, np.newaxis] * scale_to_unit_vectors(tangents, (1.0, magnification))
+    elastic, friction = (
+        forces[name].values[:, np.newaxis] * scale_to_unit_vectors(directions, factors)
+        for name, directions, factors in (
+            ("contact_force", normals, (magnification, 1.0)),
+            ("contact_friction", tangents, (1.0, magnification)),
+        )
+    )
     largest_force = max(float(np.hypot(*force[is_drawn].T).max(initial=0.0)) for force in (elastic, friction))
     for force, colour in ((elastic, FORCE_COLOUR), (friction, FRICTION_COLOUR)):
         is_nonzero = is_drawn & (np.hypot(*force.T) > 0)

@@ -114,13 +114,13 @@ def _draw_polar_circles(axes: Any, highest: float) -> None:
         text.set(fontsize=6, bbox={"facecolor": "white", "linewidth": 0, "pad": 0.4, "alpha": 0.9})
 
 
-def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title: str = "") -> Figure:
+def positions_figure(point: xarray.Dataset, *, title: str = "") -> Figure:
     """Draw a figure, 80 mm wide, of the friction coefficient of each member in each direction.
 
-    `values` has the dimensions repetition, direction and sliding. `points` contains the means of `values`, as for
-    `friction_by_direction_figure`. Members of a single traverse are drawn against the offset, other members in
-    ascending order. Directions are not averaged, because a test slides in one direction.
+    `point` is a result of `evaluate_positions`. Members of a single traverse are drawn against the offset, other
+    members in ascending order. Directions are not averaged, because a test slides in one direction.
     """
+    values = point["member_friction"]
     figure = new_figure(62)
     axes = figure.subplots()
     by_offset = _has_single_profile_pair(values)
@@ -142,14 +142,14 @@ def positions_figure(values: xarray.DataArray, points: xarray.Dataset, *, title:
             alpha=0.8,
             label=SLIDING_RULE_LABELS[rule],
         )
-        mean = select_sliding_rule(points["friction_all_round"], rule)
+        mean = select_sliding_rule(point["friction_all_round"], rule)
         mean_value, low, high = (float(mean.sel(statistic=name)) for name in MEAN_AND_LIMITS)
         axes.axhspan(low, high, color=SLIDING_RULE_COLOURS[rule], alpha=0.15, linewidth=0)
         axes.axhline(mean_value, color=SLIDING_RULE_COLOURS[rule], linewidth=0.6)
     axes.set(ylim=(0, 1.05 * max(highest, 1e-3)), ylabel=axis_label("friction_coefficient"))
     axes.set_xlabel("offset of the upper body (µm)" if by_offset else "members and directions, in order")
-    parameters = friction_parameters_text(float(points["mu0"]), float(points["tau0"]))
-    caption = f"at {format_with_unit(float(points['load']), 'mN')}, {parameters}, single directions"
+    parameters = friction_parameters_text(float(point["mu0"]), float(point["tau0"]))
+    caption = f"at {format_with_unit(float(point['load']), 'mN')}, {parameters}, single directions"
     figure.suptitle(f"{title}\n{caption}".strip(), fontsize=6)
     num_missing = int(np.isnan(values.values).reshape(values.shape[0], -1).any(axis=-1).sum())
     note = f"; {num_missing} members have no result" if num_missing else ""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -24,9 +24,9 @@ from stiction._number_format import format_with_unit
 from stiction._units import exact_quantity
 from stiction.mechanics.friction import STATUS_OK, STATUS_SELF_LOCKED
 from stiction.studies.assessment import MAX_AFFECTED_FRACTION
+from stiction.studies.figure_values import FrictionOverDimension
 from stiction.studies.members import generate_phases, generate_unscaled_profile, pair_of
 from stiction.studies.point import MEAN_AND_LIMITS
-from stiction.studies.result import Result
 from stiction.studies.study import Study
 from stiction.surfaces.fractal import weierstrass_mandelbrot_surface
 from stiction.views.style import (
@@ -51,8 +51,6 @@ MAX_DRAWN_CURVES = 8
 
 COLOUR_RANGE_QUANTILES = (0.01, 0.95)
 """Quantiles of the friction coefficients at the ends of the colour scale, which excludes a few very high values."""
-
-MAX_DRAWN_STRENGTHS = 2  # maximum number of adhesive shear strengths in a figure: the lowest and the highest are drawn
 
 FADING_PARAMETERS = (0.3, 1.2, 0.85)
 """Relative interval widths at which the fading of a cell starts and reaches its maximum, and this maximum."""
@@ -94,25 +92,16 @@ COLOUR_BAR_TICKS = (
 _LUMINANCE_WEIGHTS = np.array([0.2126, 0.7152, 0.0722])  # weights of red, green and blue in the luminance
 
 
-def iterate_motion_datasets(dataset: xarray.Dataset) -> Iterator[tuple[str, xarray.Dataset]]:
-    """Yield a file name suffix and the values for each combination of sliding rule and direction."""
-    dims = [dim for dim in ("sliding", "direction") if dim in dataset.dims]
-    for index in np.ndindex(*(dataset.sizes[dim] for dim in dims)):
-        selection = dataset.isel(dict(zip(dims, index, strict=True)))
-        names = [f"{selection[dim].item():g}" if dim == "direction" else str(selection[dim].item()) for dim in dims]
-        yield "".join(f"_{name}" for name in names), selection
-
-
-def heading_lines(dataset: xarray.Dataset, study: Study) -> list[str]:
+def heading_lines(points: xarray.Dataset, study: Study) -> list[str]:
     """Return heading lines for the model and motion, if they differ from the paper, and for an unfinished ensemble."""
     contact = study.contact
-    rule = dataset["sliding"].item() if "sliding" in dataset.coords else contact.sliding_rules()[0]
-    angle = dataset["direction"].item() if "direction" in dataset.coords else float(contact.direction_angles()[0])
+    rule = points["sliding"].item() if "sliding" in points.coords else contact.sliding_rules()[0]
+    angle = points["direction"].item() if "direction" in points.coords else float(contact.direction_angles()[0])
     lines = []
     if study.is_areal or study.uses_half_space or rule != "opposing":
         mechanics_text = "half-space, " if study.uses_half_space else ""
         lines.append(f"{mechanics_text}sliding: {rule}, along {direction_text(angle)}")
-    num_finished, num_repetitions = dataset.sizes["repetition"], study.ensemble.repetitions
+    num_finished, num_repetitions = int(points["members"]), study.ensemble.repetitions
     if num_finished < num_repetitions:
         lines.append(f"unfinished: {num_finished} of {num_repetitions} repetitions")
     return lines
@@ -146,24 +135,15 @@ def create_figure_with_axes_rows(
 # ---- Friction coefficient against fractal dimension and load --------------------------------------------------------
 
 
-def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
+def friction_figure(values: FrictionOverDimension) -> Figure:
     """Draw friction as maps against fractal dimension and load, and as curves against fractal dimension.
 
-    There is one map for the lowest and one for the highest tau0, and a row for each amplitude. Cells are hatched if the
-    model is not valid, and grey if the 95 % interval is wide. The load of the curves is the highest power of ten that
-    is reached at nine of ten fractal dimensions.
+    There is one map for each tau0, and a row for each amplitude. Cells are hatched if the model is not valid, and grey
+    if the 95 % interval is wide.
     """
-    result = Result.of(dataset)
-    study = result.study
-    strengths = list(study.friction.tau0)
-    strengths = strengths if len(strengths) <= MAX_DRAWN_STRENGTHS else [strengths[0], strengths[-1]]
-    loads = result.reached_loads()
-    load = _commonly_reached_load(result, float(loads[0]))
-    values = result.at([*loads, load], mu0=mu0, tau0=[float(strength) for strength in strengths], quantities=())
-    values = values.isel(mu0=0)
-    maps, curves = values.sel(load=loads), values.sel(load=load)
-    amplitudes = dataset["amplitude"].values
-    lines = heading_lines(dataset, study)
+    study, maps, curves, strengths = values.study, values.maps, values.curves, values.strengths
+    mu0, load, amplitudes = float(maps["mu0"]), float(curves["load"]), maps["amplitude"].values
+    lines = heading_lines(maps, study)
     handles = _legend_handles(maps, has_asperities=not study.uses_half_space)
     margin_above, margin_below = (
         15.0 + HEADING_HEIGHT * len(lines),
@@ -185,22 +165,22 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
             else:
                 ax.yaxis.set_visible(False)
             if row == 0:
-                ax.set_title(rf"$\tau_0$ = {strength.text}", pad=2)
+                ax.set_title(rf"$\tau_0$ = {strength}", pad=2)
                 draw_panel_letter(ax, column)
-            format_fractal_dimension_axis(ax, dataset, last=is_last_row)
+            format_fractal_dimension_axis(ax, maps, last=is_last_row)
             if amplitudes.size > 1:
                 ax.text(
                     0.96, 0.96, f"$a$ = {1000 * amplitude:g} nm", transform=ax.transAxes, fontsize=6, ha="right",
                     va="top", bbox={"facecolor": "white", "linewidth": 0, "pad": 0.8},
                 )  # fmt: skip
         ax = add_axes_at(127, row, 40)
-        _draw_friction_curves(ax, curves.isel(amplitude=row), [strength.text for strength in strengths], mu0)
+        _draw_friction_curves(ax, curves.isel(amplitude=row), strengths, mu0)
         if row == amplitudes.size // 2:
             ax.set_ylabel(axis_label("friction_coefficient"))
         if row == 0:
             ax.set_title(f"at $F_N$ = {format_with_unit(load, 'mN')}", pad=2)
             draw_panel_letter(ax, len(strengths))
-        format_fractal_dimension_axis(ax, dataset, last=is_last_row)
+        format_fractal_dimension_axis(ax, maps, last=is_last_row)
     _draw_colour_bar(
         figure, (13 / 170, 1 - (margin_above - 5.5) / total_height, 99 / 170, 2.2 / total_height), norm, mu0
     )
@@ -212,19 +192,11 @@ def friction_figure(dataset: xarray.Dataset, mu0: float) -> Figure:
     return figure
 
 
-def _commonly_reached_load(result: Result, lowest: float) -> float:
-    """Return a load (mN) that nine of ten ensembles reach. Powers of ten from `lowest` upwards are preferred."""
-    elastic_loads = result.means(["normal_elastic"])["normal_elastic"].max(result.study.step_quantity).values
-    common_load = float(np.quantile(elastic_loads[elastic_loads > 0], 0.1))
-    power_of_ten = 10.0 ** np.floor(np.log10(0.9 * common_load))
-    return float(power_of_ten if power_of_ten >= lowest else max(common_load, lowest))
-
-
-def format_fractal_dimension_axis(axes: Axes, dataset: xarray.Dataset, *, last: bool) -> None:
+def format_fractal_dimension_axis(axes: Axes, points: xarray.Dataset, *, last: bool) -> None:
     """Format the axis of the fractal dimension, with a label below the last row of panels."""
     axes.locator_params("x", nbins=4, steps=[1, 2, 5, 10])
     if last:
-        is_classical = dataset["fractal_dimension"].attrs.get("convention") == "classical"
+        is_classical = points["fractal_dimension"].attrs.get("convention") == "classical"
         axes.set_xlabel(axis_label("fractal_dimension") + (" (classical)" if is_classical else ""))
     else:
         axes.tick_params(labelbottom=False)
@@ -411,16 +383,13 @@ def _cell_edges(centres: Floats) -> Floats:
 # ---- Area against load ----------------------------------------------------------------------------------------------
 
 
-def area_figure(dataset: xarray.Dataset) -> Figure:
-    """Draw true contact area and area/load against load, with 95 % intervals and a row of panels per amplitude."""
-    result = Result.of(dataset)
-    study, loads = result.study, result.reached_loads()
-    mu0, tau0 = study.friction.mu0[0], float(study.friction.tau0[0])
-    indices = evenly_spaced_indices(dataset.sizes["fractal_dimension"], MAX_DRAWN_CURVES)
-    drawn_result = Result(dataset.isel(fractal_dimension=indices))
-    areas = drawn_result.at(loads, mu0=mu0, tau0=tau0, quantities=["contact_area"]).isel(mu0=0, tau0=0)
-    amplitudes = areas["amplitude"].values
-    lines = heading_lines(dataset, study)
+def area_figure(points: xarray.Dataset, study: Study) -> Figure:
+    """Draw true contact area and area/load against load, with 95 % intervals and a row of panels per amplitude.
+
+    `points` is a result of `evaluate_area_over_load`. At most `MAX_DRAWN_CURVES` fractal dimensions are drawn.
+    """
+    areas = points.isel(fractal_dimension=evenly_spaced_indices(points.sizes["fractal_dimension"], MAX_DRAWN_CURVES))
+    amplitudes, lines = areas["amplitude"].values, heading_lines(areas, study)
     height = 50.0 if amplitudes.size == 1 else 38.0
     has_no_validity_limit = study.uses_half_space
     figure, figure_height, add_axes_at = create_figure_with_axes_rows(
@@ -450,7 +419,7 @@ def area_figure(dataset: xarray.Dataset) -> Figure:
     figure.text(
         0.5,
         1.5 / figure_height,
-        f"at {friction_parameters_text(mu0, tau0)}; bands: 95 %{validity_note}",
+        f"at {friction_parameters_text(float(areas['mu0']), float(areas['tau0']))}; bands: 95 %{validity_note}",
         ha="center",
         va="bottom",
         fontsize=6,

@@ -17,9 +17,8 @@ from stiction._drawing import add_scale_bar
 from stiction._number_format import format_with_unit
 from stiction.studies.assessment import MAX_AFFECTED_FRACTION
 from stiction.studies.contact_picture import MIN_ZOOM_SIDE_POINTS, ZOOM_FACTOR
-from stiction.studies.contact_tables import AsperityModelSettings
 from stiction.studies.point import MEAN_AND_LIMITS
-from stiction.studies.result import Result
+from stiction.studies.study import Study
 from stiction.views.figures.contact import draw_frame, draw_height_map, map_extent
 from stiction.views.figures.ensemble import (
     HEADING_HEIGHT,
@@ -208,40 +207,24 @@ _ONSET_PANELS = {
 }
 """Factor, axis label, and True for a logarithmic axis, for each panel."""
 
-LOAD_FRACTIONS = (0.25, 0.5, 0.75)
-"""Loads of the curves, as fractions of the range of the logarithm of the load."""
-
 LOAD_COLOURS = ("#56b4e9", "#0072b2", "#003a5d")  # colours of the curves, from low to high loads
 
 
-def onset_by_dimension_figure(dataset: xarray.Dataset) -> Figure:
+def onset_by_dimension_figure(points: xarray.Dataset, study: Study) -> Figure:
     """Draw pre-sliding displacement, slip and stiffness against fractal dimension, with a row of panels per amplitude.
 
-    Bands are 95 % intervals. Curves are dotted where the model is not valid.
+    `points` is a result of `evaluate_onset_over_dimension`. Bands are 95 % intervals. Curves are dotted where the model
+    is not valid.
     """
-    result = Result.of(dataset)
-    study = result.study
-    assert isinstance(study.contact, AsperityModelSettings)
-    settings = study.contact.onset
-    assert settings is not None
-    log_load_range = np.log(result.reached_loads(2))
-    loads = np.unique(
-        [
-            float(f"{np.exp(log_load_range[0] + fraction * (log_load_range[1] - log_load_range[0])):.0e}")
-            for fraction in LOAD_FRACTIONS
-        ]
-    )
-    dataset_at_loads = result.at(loads, mu0=settings.mu0, tau0=float(settings.tau0)).isel(mu0=0, tau0=0)
-    amplitudes = dataset["amplitude"].values
-    lines = heading_lines(dataset, study)
+    amplitudes, lines = points["amplitude"].values, heading_lines(points, study)
     figure, height, add_axes_at = create_figure_with_axes_rows(
         amplitudes.size, 42.0, 6.0 + HEADING_HEIGHT * len(lines), 15.0, between=5.0
     )
     for row, amplitude in enumerate(amplitudes):
         for number, name in enumerate(_ONSET_PANELS):
             axes = add_axes_at(13 + 57 * number, row, 40)
-            _draw_onset_curves(axes, dataset_at_loads.isel(amplitude=row), name)
-            format_fractal_dimension_axis(axes, dataset, last=row == amplitudes.size - 1)
+            _draw_onset_curves(axes, points.isel(amplitude=row), name)
+            format_fractal_dimension_axis(axes, points, last=row == amplitudes.size - 1)
             if row == 0:
                 draw_panel_letter(axes, number)
             if amplitudes.size > 1 and number == 0:
@@ -252,7 +235,8 @@ def onset_by_dimension_figure(dataset: xarray.Dataset) -> Figure:
     figure.text(
         0.99,
         1.5 / height,
-        f"at {friction_parameters_text(settings.mu0, float(settings.tau0))}; bands: 95 %; dotted: model not valid",
+        f"at {friction_parameters_text(float(points['mu0']), float(points['tau0']))}; bands: 95 %; "
+        "dotted: model not valid",
         ha="right",
         va="bottom",
         fontsize=6,

@@ -13,6 +13,14 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
+from stiction.studies.figure_values import (
+    evaluate_area_over_load,
+    evaluate_friction_over_dimension,
+    evaluate_height_factors,
+    evaluate_onset_over_dimension,
+    evaluate_positions,
+    iterate_motions,
+)
 from stiction.studies.resolution import build_resolution_limits
 from stiction.studies.result import Result
 from stiction.studies.study import Study
@@ -24,13 +32,7 @@ from stiction.views.figures.distributions import (
     friction_by_direction_figure,
     positions_figure,
 )
-from stiction.views.figures.ensemble import (
-    area_figure,
-    friction_figure,
-    iterate_motion_datasets,
-    length_scales_figure,
-    profiles_figure,
-)
+from stiction.views.figures.ensemble import area_figure, friction_figure, length_scales_figure, profiles_figure
 from stiction.views.figures.height_scale import height_scale_figure
 from stiction.views.figures.loads import adhesion_figure, closure_figure, cut_off_figure, friction_by_load_figure
 from stiction.views.figures.onset import contains_slip_map, onset_by_dimension_figure, onset_figure, slip_figure
@@ -92,7 +94,7 @@ def select_figures(
     """Yield the name and the drawing function of each figure of a result. The names have no file extension."""
     result = Result.of(result)
     if not result.study.is_measured:
-        yield from _generated_surface_figures(result.dataset, result.study)
+        yield from _generated_surface_figures(result, result.study)
         return
     yield from _measured_surface_figures(result, result.study, result.contact_picture if picture is None else picture)
 
@@ -111,22 +113,36 @@ def format_print_title(study: Study) -> str:
 # ---- Figures of generated surfaces -----------------------------------------------------------------------------------
 
 
-def _generated_surface_figures(dataset: xarray.Dataset, study: Study) -> Iterator[tuple[str, Callable[[], Figure]]]:
+def _generated_surface_figures(result: Result, study: Study) -> Iterator[tuple[str, Callable[[], Figure]]]:
     for name in study.figures.draw:
         match name:
             case "profiles":
-                yield "profiles", lambda: profiles_figure(study)
+                yield "profiles", partial(profiles_figure, study)
             case "length-scales":
-                yield "length_scales", lambda: length_scales_figure(study)
+                yield "length_scales", partial(length_scales_figure, study)
             case "friction":
-                for suffix, motion_dataset in iterate_motion_datasets(dataset):
+                for suffix, motion_result in iterate_motions(result):
                     for mu0 in study.friction.mu0:
-                        yield f"friction_mu0_{mu0:.12g}{suffix}", partial(friction_figure, motion_dataset, mu0)
+                        yield f"friction_mu0_{mu0:.12g}{suffix}", partial(_friction_figure, motion_result, mu0)
             case "area":
-                for suffix, motion_dataset in iterate_motion_datasets(dataset):
-                    yield f"area{suffix}", partial(area_figure, motion_dataset)
+                for suffix, motion_result in iterate_motions(result):
+                    yield f"area{suffix}", partial(_area_figure, motion_result)
             case "onset":  # the onset is stored only for a study with a single direction and friction at all contacts
-                yield "onset", partial(onset_by_dimension_figure, next(iterate_motion_datasets(dataset))[1])
+                yield "onset", partial(_onset_figure, next(iterate_motions(result))[1])
+
+
+def _friction_figure(result: Result, mu0: float) -> Figure:
+    return friction_figure(evaluate_friction_over_dimension(result, mu0))
+
+
+def _area_figure(result: Result) -> Figure:
+    return area_figure(evaluate_area_over_load(result), result.study)
+
+
+def _onset_figure(result: Result) -> Figure:
+    points = evaluate_onset_over_dimension(result)
+    assert points is not None, "the figure is drawn only if the study contains the onset"
+    return onset_by_dimension_figure(points, result.study)
 
 
 # ---- Figures of measured surfaces ------------------------------------------------------------------------------------
@@ -148,18 +164,15 @@ def _measured_surface_figures(
         yield f"friction{suffix}", partial(friction_by_load_figure, selection, study_loads, title=title)
         if points.sizes.get("direction", 1) >= MIN_COMPASS_DIRECTIONS:
             yield f"compass{suffix}", partial(friction_by_direction_figure, dataset, title=title)
-        yield f"positions{suffix}", partial(draw_positions_figure, result, dataset, title=title)
+        yield f"positions{suffix}", partial(_positions_figure, result, dataset, title=title)
         if cutoff_dataset is not None:
             dataset = cutoff_dataset.isel(mu0=mu0_index, tau0=tau0_index).sel(load=first_load, method="nearest")
             yield f"cut_off{suffix}", partial(_cut_off_figure, dataset, study, title=title)
-    for scaled_bodies, height_factors in result.height_factors.items():
+    for scaled_bodies in result.height_factors:
         name = "height_scale" if scaled_bodies == "both" else f"height_scale_{scaled_bodies}"
         for number, indices in enumerate(np.ndindex(points.sizes["mu0"], points.sizes["tau0"]), 1):
             suffix = "" if number == 1 else f"-{number}"
-            yield (
-                name + suffix,
-                partial(draw_height_factor_figure, result, scaled_bodies, height_factors, indices, title=title),
-            )
+            yield name + suffix, partial(_height_factor_figure, result, scaled_bodies, indices, title=title)
     if study.is_areal:
         yield "closure", partial(closure_figure, unfiltered_points.sel(load=slice(max(study_loads))), title=title)
     yield "budget", lambda: uncertainty_budget_figure(result.summary().first, title=title)
@@ -180,52 +193,23 @@ def _measured_surface_figures(
             "contacts",
             partial(contacts_and_pressure_figure, picture, direction=direction, hardness=hardness, title=title),
         )
-    elif not (study.is_areal or study.uses_half_space):
-        yield from _profile_contact_figures(
-            result, study, unfiltered_points.isel(mu0=0, tau0=0).sel(load=first_load, method="nearest"), first_load
-        )
+    elif (contact_forces := result.contact_forces) is not None:
+        yield "contact", partial(contact_forces_figure, contact_forces, title=title)
 
 
 def _cut_off_figure(dataset: xarray.Dataset, study: Study, *, title: str) -> Figure:
     return cut_off_figure(dataset, title=title, limits=build_resolution_limits(dataset, study))
 
 
-def draw_height_factor_figure(
-    result: Result,
-    scaled_bodies: ScaledBodies,
-    height_factors: list[float],
-    indices: tuple[int, ...] = (0, 0),
-    *,
-    title: str,
+def _positions_figure(result: Result, point: xarray.Dataset, *, title: str) -> Figure:
+    return positions_figure(evaluate_positions(result, point), title=title)
+
+
+def _height_factor_figure(
+    result: Result, scaled_bodies: ScaledBodies, indices: tuple[int, ...], *, title: str
 ) -> Figure:
-    """Draw friction against the height factors stored in a result, for the first load and one pair of mu0 and tau0."""
-    friction = result.study.friction
-    mu0, tau0 = friction.mu0[indices[0]], float(friction.tau0[indices[1]])
-    dataset = result.at(float(friction.load[0]), mu0=mu0, tau0=tau0, height_scale=height_factors, scaled=scaled_bodies)
-    return height_scale_figure(dataset.isel(load=0, mu0=0, tau0=0), title=title)
-
-
-def draw_positions_figure(result: Result, dataset: xarray.Dataset, *, title: str) -> Figure:
-    """Draw the friction coefficient of each member at one point, given the dataset of this point from `at_load`."""
-    load, mu0, tau0 = (float(dataset[name]) for name in ("load", "mu0", "tau0"))
-    members = result.at(load, mu0=mu0, tau0=tau0, per_member=True)
-    values = members["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0)
-    return positions_figure(values.transpose("repetition", "direction", ...), dataset, title=title)
+    return height_scale_figure(evaluate_height_factors(result, scaled_bodies, *indices), title=title)
 
 
 def _contact_sizes_figure(result: Result, dataset: xarray.Dataset, **options: Any) -> Figure:
     return contact_sizes_figure(result.dataset[["patch_area", "pressure"]].isel(cut_off=0), dataset, **options)
-
-
-def _profile_contact_figures(
-    result: Result, study: Study, point: xarray.Dataset, load: float
-) -> Iterator[tuple[str, Callable[[], Figure]]]:
-    """Yield the figure of the first pair of profiles that supports a load."""
-    contact: Any = study.contact
-    if (touching_profiles := result.find_touching_profiles(load)) is None:
-        return
-    upper, lower, approach, offset = touching_profiles
-    mu0, tau0 = float(point["mu0"]), float(point["tau0"])
-    options: dict[str, Any] = {"mu0": mu0, "tau0": tau0, "load": load, "offset": offset}
-    options |= {"title": format_print_title(study), "model": contact.contact_model(contact.sliding_rules()[0])}
-    yield "contact", partial(contact_forces_figure, upper, lower, approach, **options)

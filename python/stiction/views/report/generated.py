@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction._number_format import choose_prefixed_unit, format_with_unit
 from stiction.mechanics import friction
-from stiction.mechanics.quantities import ONSET_QUANTITIES, QUANTITIES
+from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.assessment import Caveat, LimitCheck
+from stiction.studies.figure_values import evaluate_onset_over_dimension
 from stiction.studies.nodes import InterpolationNodes, NodeAxis
 from stiction.studies.point import list_sliding_rules_reported_first
 from stiction.studies.result import Result
@@ -35,7 +36,7 @@ from stiction.views.report.page import (
     list_rules_and_directions,
     slider_settings,
 )
-from stiction.views.report.pictures import onset_by_dimension_panel, profiles_panel
+from stiction.views.report.pictures import contact_forces_panel, onset_by_dimension_panel
 from stiction.views.report.tables import PackedArrays
 
 # Maximum number of friction coefficients on a page.
@@ -230,16 +231,11 @@ def _number_format_of_check(check: LimitCheck) -> dict[str, Any]:
 
 def _render_picture_panels(result: Result) -> str:
     """Draw two of the profiles in contact and, if the study includes it, the onset of sliding."""
-    study = result.study
-    counts = result.means(["contact_count"])["contact_count"].transpose(*SURFACE_PARAMETER_DIMENSIONS, ...).values
-    if not (has_contact := (counts > 0).any(axis=(0, 1))).any():
-        return ""
     panels = []
-    if not (study.is_areal or study.uses_half_space):
-        approaches = result.head["approach"].values[has_contact]
-        panels.append(profiles_panel(study, float(approaches[approaches.size // 2])))
-    if set(ONSET_QUANTITIES) & set(study.contact_sum_names()):
-        panels.append(onset_by_dimension_panel(result.dataset))
+    if result.contact_forces is not None:
+        panels.append(contact_forces_panel(result.contact_forces))
+    if result.nodes.loads.size and (onset := evaluate_onset_over_dimension(result)) is not None:
+        panels.append(onset_by_dimension_panel(onset, result.study))
     return "".join(panels)
 
 

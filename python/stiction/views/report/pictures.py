@@ -14,37 +14,29 @@ import xarray
 from matplotlib.figure import Figure
 
 from stiction._number_format import format_percent, format_with_unit
-from stiction.studies.contact_tables import AsperityModelSettings
-from stiction.studies.members import generate_profile_pairs
+from stiction.studies.figure_values import evaluate_height_factors, evaluate_positions
 from stiction.studies.result import Result
 from stiction.studies.study import Study
 from stiction.views.figures.contact import contact_forces_figure, contact_map_figure, opposing_contact_mask
+from stiction.views.figures.distributions import positions_figure
+from stiction.views.figures.height_scale import height_scale_figure
 from stiction.views.figures.loads import adhesion_figure
 from stiction.views.figures.onset import contains_slip_map, onset_by_dimension_figure, onset_figure, slip_figure
-from stiction.views.figures.standard import draw_height_factor_figure, draw_positions_figure
 from stiction.views.height_scale import HEIGHT_SCALE_NOTE, SCALED_SURFACE_TEXTS
 from stiction.views.point import motion_direction_text
 from stiction.views.report.page import format_count
 from stiction.views.style import MATPLOTLIB_STYLE
 
 
-def profiles_panel(study: Study, approach: float) -> str:
-    """Return the panel (markup) that shows two generated profiles at an approach (µm)."""
-    cells, contact = study.surfaces.cell_coordinates(), study.contact
-    dimensions, amplitude = cells["fractal_dimension"], float(cells["amplitude"][0])
-    middle_dimension = dimensions[dimensions.size // 2 :][:1]
-    upper, lower = next(iter(generate_profile_pairs(study, 0, middle_dimension, amplitude)))
-    assert isinstance(contact, AsperityModelSettings)
-    options: dict[str, Any] = {"mu0": study.friction.mu0[0], "tau0": float(study.friction.tau0[0])}
-    options |= {
-        "title": f"$D$ = {middle_dimension[0]:.3g}, amplitude {format_with_unit(amplitude, 'um')}",
-        "model": contact.contact_model(),
-    }
+def contact_forces_panel(forces: xarray.Dataset) -> str:
+    """Return the panel (markup) that shows two generated profiles in contact."""
+    dimension, amplitude = (float(forces[name]) for name in ("fractal_dimension", "amplitude"))
+    title = f"$D$ = {dimension:.3g}, amplitude {format_with_unit(amplitude, 'um')}"
     return _panel_markup(
         "Two of the profiles in contact",
         "Two profiles, and the contact with the largest load with the forces on the upper body.",
         "The first pair of profiles, at the middle fractal dimension and approach of the study.",
-        lambda: contact_forces_figure(upper, lower, approach, **options),
+        lambda: contact_forces_figure(forces, title=title),
     )
 
 
@@ -75,7 +67,7 @@ def height_factor_panels(result: Result, title: str) -> str:
             "sliders do not change this figure."
         )
         description = "Friction coefficient and true contact area over the rms gradient of the gap."
-        draw_figure = partial(draw_height_factor_figure, result, scaled_bodies, height_factors, title=title)
+        draw_figure = partial(height_scale_figure, evaluate_height_factors(result, scaled_bodies), title=title)
         panels.append(
             _panel_markup(f"Another finish of {SCALED_SURFACE_TEXTS[scaled_bodies]}", description, caption, draw_figure)
         )
@@ -106,7 +98,7 @@ def positions_panel(result: Result, load: float, title: str) -> str:
         "Single positions",
         "Friction coefficient of each pair in each direction.",
         "At the first load, μ0 and τ0 of the study; the sliders do not change this figure.",
-        lambda: draw_positions_figure(result, values, title=title),
+        lambda: positions_figure(evaluate_positions(result, values), title=title),
     )
 
 
@@ -134,7 +126,7 @@ def onset_panels(onset: xarray.Dataset, title: str) -> str:
     )
 
 
-def onset_by_dimension_panel(dataset: xarray.Dataset) -> str:
+def onset_by_dimension_panel(points: xarray.Dataset, study: Study) -> str:
     """Return the panel (markup) that shows the onset of sliding of generated pairs."""
     return _panel_markup(
         "How the pairs begin to slide",
@@ -143,7 +135,7 @@ def onset_by_dimension_panel(dataset: xarray.Dataset) -> str:
         "At three loads and the strengths of the study; the sliders do not change this figure. Means with 95 % "
         "intervals; except for the stiffness, pairs are weighted by their loads. Dotted: more than half of the load "
         "is beyond Hertz.",
-        lambda: onset_by_dimension_figure(dataset),
+        lambda: onset_by_dimension_figure(points, study),
         is_wide=True,
     )
 

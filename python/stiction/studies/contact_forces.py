@@ -1,0 +1,130 @@
+"""Forces on two profiles in contact, at each contact of the asperity model. A figure shows them as arrows."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stiction._checks import Floats
+from stiction.mechanics.contact import contacts
+from stiction.studies.contact_tables import AsperityModelSettings
+from stiction.studies.members import generate_profile_pairs, load_bodies
+from stiction.surfaces.profile import Profile
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stiction.studies.result import Result
+
+
+def compute_contact_forces(result: Result) -> xarray.Dataset | None:
+    """Compute the forces on the upper profile of one pair.
+
+    For measured profiles, the pair is the first member with contacts at the first load of the study. For generated
+    profiles, it is the first pair at the middle fractal dimension and the first amplitude, at the middle of the
+    approaches with contacts. mu0 and tau0 are the first values in the study.
+
+    Returns
+    -------
+    xarray.Dataset or None
+        As for `build_contact_forces`, with the coordinates of the cell. For measured profiles, the attributes also
+        contain load_mN and x (µm, shift of the upper profile). Returns None for maps, for the half-space model, and if
+        no pair has contacts.
+
+    Raises
+    ------
+    ValueError
+        If files of the study are missing.
+    """
+    study = result.study
+    if study.is_areal or not isinstance(study.contact, AsperityModelSettings):
+        return None
+    pair = _find_first_touching_pair(result) if study.is_measured else _generate_middle_pair(result)
+    if pair is None:
+        return None
+    upper, lower, approach, coordinates, attributes = pair
+    forces = build_contact_forces(
+        upper, lower, approach, mu0=float(study.friction.mu0[0]), tau0=float(study.friction.tau0[0]),
+        model=study.contact.contact_model(),
+    )  # fmt: skip
+    return forces.assign_coords(coordinates).assign_attrs(attributes)
+
+
+def build_contact_forces(
+    upper: Profile, lower: Profile, approach: float, *, mu0: float, tau0: float = 0.0, **contact: Any
+) -> xarray.Dataset:
+    """Return two profiles at an approach (µm), and the forces on the upper profile at each contact.
+
+    Parameters
+    ----------
+    upper, lower : Profile
+        Profiles on the same grid.
+    approach : float, µm
+    mu0 : float
+    tau0 : float, GPa
+    **contact
+        As for `contacts`.
+
+    Returns
+    -------
+    xarray.Dataset
+        upper_height and lower_height (µm, at the approach) with dimension height_x. With dimension contact:
+        contact_radius (µm) of the contact patch, contact_force (mN) along the normal, and contact_friction (mN) along
+        the tangent, which is 0 at contacts that do not oppose the motion; also with dimension axis ("x", "z"):
+        contact_centre (µm), contact_normal and contact_tangent (unit vectors). Attributes: approach_um, spacing_um.
+    """
+    import xarray
+
+    found = contacts(upper, lower, approach, **contact)
+    upper_heights = upper.heights - (float((upper.heights - lower.heights).min()) + approach)
+    variables: dict[str, Any] = {
+        "upper_height": ("height_x", upper_heights, {"units": "um"}),
+        "lower_height": ("height_x", lower.heights, {"units": "um"}),
+        "contact_radius": ("contact", np.sqrt(found.radius * found.overlap), {"units": "um"}),
+        "contact_force": ("contact", found.force, {"units": "mN"}),
+        "contact_friction": (
+            "contact", np.where(found.opposing, mu0 * found.force + tau0 * found.area, 0.0), {"units": "mN"}
+        ),
+    }  # fmt: skip
+    for name, vectors, unit in (
+        ("centre", found.centre, "um"), ("normal", found.normal, "1"), ("tangent", found.tangent, "1")
+    ):  # fmt: skip
+        variables[f"contact_{name}"] = (("contact", "axis"), vectors[:, ::2], {"units": unit})
+    coordinates = {"height_x": ("height_x", lower.x, {"units": "um"}), "axis": ["x", "z"]}
+    return xarray.Dataset(variables, coordinates, {"approach_um": approach, "spacing_um": lower.spacing})
+
+
+_PairAtApproach = tuple[Profile, Profile, float, dict[str, float], dict[str, float]]
+"""Upper and lower profile, approach (µm), coordinates of the cell, and attributes."""
+
+
+def _find_first_touching_pair(result: Result) -> _PairAtApproach | None:
+    """Return the first measured profiles that touch at the first load of the study, or None if no pair touches."""
+    load = float(result.study.friction.load[0])
+    for piece in result.pieces(["approach", "contact_count"]):
+        members = piece.isel(cut_off=0).sel(load=load, method="nearest")
+        is_touching = np.isfinite(members["approach"].values) & (members["contact_count"].values > 0)
+        if is_touching.any():
+            first_member = members.isel(repetition=int(is_touching.argmax()))
+            cut_off = float(first_member["cut_off"])
+            member = load_bodies(result.study).member(int(first_member["repetition"]), cut_off)
+            upper, lower = member.pair
+            assert isinstance(upper, Profile) and isinstance(lower, Profile)  # noqa: PT018
+            approach, attributes = float(first_member["approach"]), {"load_mN": load, "x": member.x}
+            return upper, lower, approach, {"cut_off": cut_off}, attributes
+    return None
+
+
+def _generate_middle_pair(result: Result) -> _PairAtApproach | None:
+    """Generate the first pair at the middle fractal dimension, or return None if no pair has contacts."""
+    study, cells = result.study, result.study.surfaces.cell_coordinates()
+    counts = result.means(["contact_count"])["contact_count"].transpose("approach", ...).values
+    approaches: Floats = result.head["approach"].values[(counts > 0).any(axis=tuple(range(1, counts.ndim)))]
+    if not approaches.size:
+        return None
+    dimensions, amplitude = cells["fractal_dimension"], float(cells["amplitude"][0])
+    middle_dimension = dimensions[dimensions.size // 2 :][:1]
+    upper, lower = next(generate_profile_pairs(study, 0, middle_dimension, amplitude))
+    coordinates = {"fractal_dimension": float(middle_dimension[0]), "amplitude": amplitude}
+    return upper, lower, float(approaches[approaches.size // 2]), coordinates, {}

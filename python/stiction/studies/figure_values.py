@@ -1,0 +1,122 @@
+"""Datasets that figures draw. They are evaluated here, so that the functions that draw figures need no result."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stiction.studies.result import Result
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stiction.studies.height_scale import ScaledBodies
+    from stiction.studies.study import Study
+
+MAX_DRAWN_STRENGTHS = 2  # maximum number of adhesive shear strengths in a figure: the lowest and the highest are drawn
+CURVE_LOAD_FRACTIONS = (0.25, 0.5, 0.75)
+"""Loads at which the onset of sliding is drawn, as fractions of the range of the logarithm of the load."""
+
+
+# ---- Measured surfaces -----------------------------------------------------------------------------------------------
+
+
+def evaluate_positions(result: Result, point: xarray.Dataset) -> xarray.Dataset:
+    """Add the friction coefficients of single members to a point of `Result.at`.
+
+    The added variable `member_friction` has the dimensions repetition, direction and sliding.
+    """
+    load, mu0, tau0 = (float(point[name]) for name in ("load", "mu0", "tau0"))
+    members = result.at(load, mu0=mu0, tau0=tau0, per_member=True)
+    values = members["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0)
+    return point.assign(member_friction=values.transpose("repetition", "direction", ...))
+
+
+def evaluate_height_factors(
+    result: Result, scaled_bodies: ScaledBodies, mu0_index: int = 0, tau0_index: int = 0
+) -> xarray.Dataset:
+    """Evaluate a result at its stored height factors, for the first load and one pair of mu0 and tau0 in the study."""
+    settings, factors = result.study.friction, result.height_factors[scaled_bodies]
+    mu0, tau0 = settings.mu0[mu0_index], float(settings.tau0[tau0_index])
+    points = result.at(float(settings.load[0]), mu0=mu0, tau0=tau0, height_scale=factors, scaled=scaled_bodies)
+    return points.isel(load=0, mu0=0, tau0=0)
+
+
+# ---- Generated surfaces ----------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionOverDimension:
+    """Friction of generated surfaces over the fractal dimension, for one mu0 and at most two values of tau0.
+
+    Attributes
+    ----------
+    study : Study
+    maps : xarray.Dataset
+        Result of `Result.at` at loads that cover the range of the result.
+    curves : xarray.Dataset
+        Result of `Result.at` at a load that nine of ten ensembles reach.
+    strengths : list of str
+        Values of tau0 with units.
+    """
+
+    study: Study
+    maps: xarray.Dataset
+    curves: xarray.Dataset
+    strengths: list[str]
+
+
+def iterate_motions(result: Result) -> Iterator[tuple[str, Result]]:
+    """Yield a file name suffix and a result for each combination of sliding rule and direction."""
+    dims = [dim for dim in ("sliding", "direction") if dim in result.head.dims]
+    if not dims:
+        yield "", result
+        return
+    for index in np.ndindex(*(result.head.sizes[dim] for dim in dims)):
+        selection = result.dataset.isel(dict(zip(dims, index, strict=True)))
+        names = [f"{selection[dim].item():g}" if dim == "direction" else str(selection[dim].item()) for dim in dims]
+        yield "".join(f"_{name}" for name in names), Result(selection)
+
+
+def evaluate_friction_over_dimension(result: Result, mu0: float) -> FrictionOverDimension:
+    """Evaluate friction of generated surfaces for the lowest and the highest tau0 in the study."""
+    strengths = list(result.study.friction.tau0)
+    strengths = strengths if len(strengths) <= MAX_DRAWN_STRENGTHS else [strengths[0], strengths[-1]]
+    loads = result.reached_loads()
+    curve_load = _find_commonly_reached_load(result, float(loads[0]))
+    tau0 = [float(strength) for strength in strengths]
+    points = result.at([*loads, curve_load], mu0=mu0, tau0=tau0, quantities=()).isel(mu0=0)
+    texts = [strength.text for strength in strengths]
+    return FrictionOverDimension(result.study, points.sel(load=loads), points.sel(load=curve_load), texts)
+
+
+def _find_commonly_reached_load(result: Result, lowest: float) -> float:
+    """Return a load (mN) that nine of ten ensembles reach. Powers of ten from `lowest` upwards are preferred."""
+    elastic_loads = result.means(["normal_elastic"])["normal_elastic"].max(result.study.step_quantity).values
+    common_load = float(np.quantile(elastic_loads[elastic_loads > 0], 0.1))
+    power_of_ten = 10.0 ** np.floor(np.log10(0.9 * common_load))
+    return float(power_of_ten if power_of_ten >= lowest else max(common_load, lowest))
+
+
+def evaluate_area_over_load(result: Result) -> xarray.Dataset:
+    """Evaluate the true area of generated surfaces at loads that cover their range, for the first mu0 and tau0."""
+    settings = result.study.friction
+    mu0, tau0 = settings.mu0[0], float(settings.tau0[0])
+    return result.at(result.reached_loads(), mu0=mu0, tau0=tau0, quantities=["contact_area"]).isel(mu0=0, tau0=0)
+
+
+def evaluate_onset_over_dimension(result: Result) -> xarray.Dataset | None:
+    """Evaluate the onset of sliding of generated surfaces at a few loads, or return None if it is not computed.
+
+    mu0 and tau0 are those of the onset in the study. Raises a `ValueError` if no pair is in contact.
+    """
+    study = result.study
+    if study.uses_half_space or study.contact.onset is None:
+        return None
+    settings = study.contact.onset
+    low, high = np.log(result.reached_loads(2))
+    loads = np.unique([float(f"{np.exp(low + fraction * (high - low)):.0e}") for fraction in CURVE_LOAD_FRACTIONS])
+    return result.at(loads, mu0=settings.mu0, tau0=float(settings.tau0)).isel(mu0=0, tau0=0)

@@ -1,0 +1,75 @@
+"""Tests of the datasets that figures draw."""
+
+import numpy as np
+import pytest
+import xarray
+from stiction import Profile, Result, contacts
+from stiction.studies.contact_forces import build_contact_forces
+from stiction.studies.figure_values import evaluate_positions, iterate_motions
+from stiction.studies.members import load_bodies, pair_of
+from support.studies_of_files import run_pair_of_maps, run_pair_of_profiles
+
+
+@pytest.fixture(scope="module")
+def result_of_profiles(tmp_path_factory):
+    return Result.of(run_pair_of_profiles(tmp_path_factory.mktemp("lines")))
+
+
+def test_contact_forces_are_those_of_the_contacts_at_the_approach(create_circular_arc):
+    upper, lower = (create_circular_arc(2.0, 5.0, 0.01, 401, side) for side in ("upper", "lower"))
+    upper = Profile(upper.heights + 0.005 * np.sin(8 * upper.x), spacing=upper.spacing)
+    forces = build_contact_forces(upper, lower, 0.02, mu0=0.3, tau0=0.05)
+    found = contacts(upper, lower, 0.02)
+    assert forces.sizes["contact"] == len(found) > 0
+    np.testing.assert_array_equal(forces["contact_force"], found.force)
+    np.testing.assert_array_equal(forces["contact_centre"].sel(axis="z"), found.centre[:, 2])
+    friction = np.where(found.opposing, 0.3 * found.force + 0.05 * found.area, 0)
+    np.testing.assert_array_equal(forces["contact_friction"], friction)
+    # The bodies overlap by the approach.
+    assert float((forces["upper_height"] - forces["lower_height"]).min()) == pytest.approx(-0.02)
+
+
+def test_contact_forces_of_measured_profiles_show_the_first_touching_member_at_the_first_load(result_of_profiles):
+    result, forces = result_of_profiles, result_of_profiles.contact_forces
+    load = float(result.study.friction.load[0])
+    members = result.dataset.isel(cut_off=0).sel(load=load, method="nearest")
+    first_index = int(np.flatnonzero(members["contact_count"].values > 0)[0])
+    assert forces.attrs["load_mN"] == load
+    assert forces.attrs["approach_um"] == float(members["approach"][first_index])
+    member = load_bodies(result.study).member(int(members["repetition"][first_index]), 0.0)
+    assert forces.attrs["x"] == member.x
+    np.testing.assert_array_equal(forces["lower_height"], member.pair[1].heights)
+    assert float(forces["contact_force"].sum()) == pytest.approx(load, rel=0.02)
+
+
+def test_contact_forces_of_generated_profiles_show_the_first_pair_at_the_middle_approach_with_contacts(small_result):
+    forces, study = Result.of(small_result).contact_forces, Result.of(small_result).study
+    has_contact = (small_result["contact_count"] > 0).any(["repetition", "fractal_dimension", "amplitude"])
+    approaches = small_result["approach"].values[has_contact.values]
+    assert forces.attrs["approach_um"] == approaches[approaches.size // 2]
+    cell = {name: float(forces[name]) for name in ("fractal_dimension", "amplitude")}
+    _, lower = pair_of(study, 0, **cell)
+    np.testing.assert_array_equal(forces["lower_height"], lower.heights)
+
+
+def test_contact_forces_are_none_for_maps(tmp_path):
+    assert Result.of(run_pair_of_maps(tmp_path)).contact_forces is None
+
+
+def test_friction_of_single_members_has_the_reported_mean(result_of_profiles):
+    point = result_of_profiles.at().isel(cut_off=0, load=0, mu0=0, tau0=0)
+    positions = evaluate_positions(result_of_profiles, point)
+    mean = positions["member_friction"].mean("repetition").transpose("direction", "sliding")
+    expected = point["friction_coefficient"].sel(statistic="mean").transpose("direction", "sliding")
+    np.testing.assert_allclose(mean, expected, rtol=1e-12)
+    assert set(positions.data_vars) == {*point.data_vars, "member_friction"}
+
+
+def test_motions_are_iterated_with_suffixes_only_if_there_are_several(small_result):
+    result = Result.of(small_result)
+    assert list(iterate_motions(result)) == [("", result)]
+    directions = xarray.DataArray([0.0, 90.0], dims="direction", name="direction")
+    both_directions = small_result.expand_dims(direction=directions)
+    results = dict(iterate_motions(Result.of(both_directions)))
+    assert list(results) == ["_0", "_90"]
+    assert [float(each.dataset["direction"]) for each in results.values()] == [0.0, 90.0]
