@@ -70,7 +70,7 @@ Views use `Result` and `Summary` instead, and import only constants from these m
 """
 
 ALLOWED_IMPORTS_OF_VIEWS = {
-    "height_scale.ScaledBodies", "nodes.NodeAxis", "nodes.InterpolationNodes", "onset.OnsetValues",
+    "height_scale.ScaledBodies", "nodes.NodeAxis", "onset.OnsetValues",
     "members.generate_phases", "members.pair_of", "members.generate_unscaled_profile",
 }  # fmt: skip
 """Other names that views may import: types, and functions that generate the surfaces of a study for its figures."""

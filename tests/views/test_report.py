@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from stiction import Profile, Result, Study, levelled, pair, run, self_affine
 from stiction.studies.nodes import MAX_NODES, NUM_REPORT_LOADS
+from stiction.studies.report_data import collect_report_data
 from stiction.studies.study import parse_study_of_dataset
 from stiction.views.report import ReportError, report_page, save_report
-from stiction.views.report.generated import generated_report_content
 from stiction.views.report.page import REPORT_FILE_SIGNATURE
 from stiction.views.report.surface import surface_page
 from support.generated_studies import SMALL_STUDY, empty_dataset
@@ -40,11 +40,10 @@ def test_report_is_limited_in_size_and_contains_its_licence(generated_dataset):
 
 
 def test_report_rejects_a_result_that_is_too_large(monkeypatch, generated_dataset, maps_dataset):
-    monkeypatch.setattr("stiction.views.report.generated.MAX_GENERATED_REPORT_VALUES", 79)
-    with pytest.raises(ReportError, match="at most 79"):
+    monkeypatch.setattr("stiction.views.report.result.MAX_REPORT_VALUES", {True: 100, False: 79})
+    with pytest.raises(ReportError, match=r"at most 79 .* choose fewer fractal dimensions, amplitudes or directions"):
         report_page(generated_dataset)
-    monkeypatch.setattr("stiction.views.report.measured.MAX_MEASURED_REPORT_VALUES", 100)
-    with pytest.raises(ReportError, match="at most 100"):
+    with pytest.raises(ReportError, match=r"at most 100 .* choose fewer loads, cutoffs or directions"):
         report_page(maps_dataset)
 
 
@@ -69,9 +68,9 @@ def test_report_rejects_a_dataset_without_study(generated_dataset):
 
 
 def test_saving_a_report_overwrites_reports_but_no_other_files(generated_dataset, tmp_path, monkeypatch):
-    # The content is computed only once, because this test checks which files are written.
-    content = generated_report_content(Result.of(generated_dataset), "")
-    monkeypatch.setattr("stiction.views.report.result.generated_report_content", lambda *_: content)
+    # The data are evaluated only once, because this test checks which files are written.
+    data = collect_report_data(Result.of(generated_dataset))
+    monkeypatch.setattr("stiction.views.report.result.collect_report_data", lambda *_: data)
     path = tmp_path / "report.html"
     path.write_text(f"{REPORT_FILE_SIGNATURE}old")
     save_report(generated_dataset, path)

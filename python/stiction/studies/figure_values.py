@@ -35,6 +35,13 @@ def evaluate_positions(result: Result, point: xarray.Dataset) -> xarray.Dataset:
     return point.assign(member_friction=values.transpose("repetition", "direction", ...))
 
 
+def evaluate_first_positions(result: Result) -> xarray.Dataset:
+    """Evaluate the friction coefficients of single members at the first load, mu0 and tau0 in the study."""
+    first_load = float(result.study.friction.load[0])
+    points = result.at_study_loads.isel(cut_off=0, mu0=0, tau0=0)
+    return evaluate_positions(result, points.sel(load=first_load, method="nearest"))
+
+
 def evaluate_height_factors(
     result: Result, scaled_bodies: ScaledBodies, mu0_index: int = 0, tau0_index: int = 0
 ) -> xarray.Dataset:

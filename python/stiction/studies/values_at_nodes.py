@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +28,7 @@ from stiction.studies.assessment import (
     compute_checked_quantities,
     verdict_from_caveats,
 )
-from stiction.studies.nodes import InterpolationNodes
+from stiction.studies.nodes import InterpolationNodes, NodeAxis
 from stiction.studies.point import list_sliding_rules_reported_first
 
 if TYPE_CHECKING:
@@ -53,6 +54,15 @@ class MeasuredValuesAtNodes:
 
     Attributes
     ----------
+    axes : pair of NodeAxis
+        Nodes of mu0 and tau0.
+    interpolation_errors : (float, float)
+        As for `InterpolationNodes`.
+    loads : ndarray of float, mN
+    motions : list of list of int
+        Indices of the directions over which each motion averages.
+    member_kinds : list of str or None
+        Kinds of members; None stands for all members.
     friction : ndarray of float
         Estimates with combined intervals. The limits are NaN where `has_combined` is false.
     sampling : ndarray of float
@@ -73,6 +83,11 @@ class MeasuredValuesAtNodes:
         Estimates (kind, cutoff, load) of each quantity that depends only on the load, by name.
     """
 
+    axes: tuple[NodeAxis, NodeAxis]
+    interpolation_errors: tuple[float, float]
+    loads: Floats
+    motions: list[list[int]]
+    member_kinds: Sequence[str | None]
     friction: Floats
     sampling: Floats
     status_codes: NDArray[np.intp]
@@ -98,6 +113,11 @@ def evaluate_measured_nodes(nodes: InterpolationNodes) -> MeasuredValuesAtNodes:
         np.broadcast_to(~has_combined[:, np.newaxis, np.newaxis, :, None, None, None], estimates.shape[:-1]), 1:
     ] = np.nan
     return MeasuredValuesAtNodes(
+        axes=nodes.axes,
+        interpolation_errors=nodes.interpolation_errors,
+        loads=nodes.loads,
+        motions=nodes.motions,
+        member_kinds=nodes.member_kinds,
         friction=estimates,
         sampling=sampling,
         status_codes=status_codes,
@@ -178,6 +198,10 @@ class GeneratedValuesAtNodes:
 
     Attributes
     ----------
+    axes : pair of NodeAxis
+        Nodes of mu0 and tau0.
+    interpolation_errors : (float, float)
+        As for `InterpolationNodes`.
     estimates : dict
         Estimates of ``friction``, ``area`` and, if it was computed, ``stiffness``.
     validity : dict
@@ -196,6 +220,8 @@ class GeneratedValuesAtNodes:
         Index of the assessment of each point, for the quoted sliding rule.
     """
 
+    axes: tuple[NodeAxis, NodeAxis]
+    interpolation_errors: tuple[float, float]
     estimates: dict[str, Floats]
     validity: dict[str, Floats]
     status_codes: NDArray[np.intp]
@@ -243,6 +269,8 @@ def evaluate_generated_nodes(nodes: InterpolationNodes, num_members: int) -> Gen
         if name != friction.STATUS_OK:
             status_codes[statuses == name] = code
     return GeneratedValuesAtNodes(
+        nodes.axes,
+        nodes.interpolation_errors,
         estimates,
         validity,
         status_codes,

@@ -24,6 +24,7 @@ from stiction.studies.figure_values import (
 from stiction.studies.resolution import build_resolution_limits
 from stiction.studies.result import Result
 from stiction.studies.study import Study
+from stiction.studies.study_description import get_pair_name
 from stiction.views.figures.budget import dwell_time_figure, uncertainty_budget_figure
 from stiction.views.figures.contact import contact_forces_figure, contacts_and_pressure_figure
 from stiction.views.figures.distributions import (
@@ -99,15 +100,9 @@ def select_figures(
     yield from _measured_surface_figures(result, result.study, result.contact_picture if picture is None else picture)
 
 
-def pair_title(study: Study) -> str:
-    """Return the title for figures of a pair: the names of both files."""
-    upper, lower = (getattr(study.surfaces, side).name for side in ("upper", "lower"))
-    return f"gap {upper}" if study.is_gap else f"{upper} on {lower}"
-
-
-def format_print_title(study: Study) -> str:
+def format_print_title(pair_name: str) -> str:
     """Return the title of a pair for print: file names without extensions, with spaces instead of underscores."""
-    return re.sub(r"\.\w+(?= on |$)", "", pair_title(study)).replace("_", " ")
+    return re.sub(r"\.\w+(?= on |$)", "", pair_name).replace("_", " ")
 
 
 # ---- Figures of generated surfaces -----------------------------------------------------------------------------------
@@ -154,7 +149,11 @@ def _measured_surface_figures(
     study_loads = [float(load) for load in study.friction.load]
     loads = np.unique([*study.contact.loading_steps(), *study_loads])
     points = result.at(loads)
-    unfiltered_points, title, hardness = points.isel(cut_off=0), format_print_title(study), study.contact.hardness
+    unfiltered_points, title, hardness = (
+        points.isel(cut_off=0),
+        format_print_title(get_pair_name(study)),
+        study.contact.hardness,
+    )
     first_load = study_loads[0]
     cutoff_dataset, onset = points if points.sizes["cut_off"] > 1 else result.values_at_cutoffs, result.onset
     for number, (mu0_index, tau0_index) in enumerate(np.ndindex(points.sizes["mu0"], points.sizes["tau0"]), 1):

@@ -17,15 +17,10 @@ from pathlib import Path
 from string import Template
 from typing import Any
 
-import numpy as np
-
 from stiction._core import __version__
 from stiction._files import replace_file_atomically
 from stiction._number_format import to_json
 from stiction._text import printable_text
-from stiction.studies.nodes import NodeAxis
-from stiction.studies.study import Study, find_table_differences
-from stiction.views.report.tables import PackedArrays
 
 REPORT_FILE_SIGNATURE = "<!doctype html>\n<!-- A report of stiction -->\n"
 """Start of every report, by which the program recognises reports that it may replace."""
@@ -105,88 +100,3 @@ def plot_panel_markup(name: str, title: str, description: str, *, more: str, kin
         f'<div id="{name}" class="{kind}" role="application" tabindex="0" aria-label="{description}; {more}"></div>'
         f'<p class="caption" id="{name}-caption"></p></section>'
     )
-
-
-# ---- Content of a page ----------------------------------------------------------------------------------------------
-
-
-CELL_AXIS_LABELS = {
-    "fractal_dimension": {"title": "fractal dimension _D_", "name": "D"},
-    "cut_off": {"title": "cutoff wavelength (µm)", "name": "cutoff"},
-}
-"""Axis title and short name of the first dimension of the cells."""
-
-
-@dataclass(frozen=True, eq=False)
-class ReportContent:
-    """Content of a page. The markup describes the study or shows figures."""
-
-    study: Study
-    name: str
-    head: list[str]
-    pairs_text: str
-    facts: dict[str, Any]
-    packed_arrays: PackedArrays
-    num_members: int
-    details_markup: str = ""
-    contact_markup: str = ""
-    pictures_markup: str = ""
-
-    def incompleteness_notices(self) -> str:
-        """Return markup with notices about missing and unsolved members, or an empty string for a complete result."""
-        num_repetitions, notices = self.study.ensemble.repetitions, []
-        if self.num_members < num_repetitions:
-            notices.append(f"{self.name} is unfinished: {self.num_members} of {num_repetitions} repetitions.")
-        if (num_unsolved := self.num_members - self.facts["repetitions"]) > 0:
-            notices.append(
-                f"{self.name}: {format_count(num_unsolved, 'repetition')} without a solution at every load left out."
-            )
-        return "".join(f'<p class="notice">{escape_html(line)}</p>' for line in notices)
-
-    def study_description(self) -> str:
-        """Return markup that describes the study: its differences from the defaults, and all its keys."""
-        study_file = (
-            "<details><summary>The whole study file (TOML)</summary>"
-            f'<pre tabindex="0">{html.escape(_strip_folders(self.study).to_toml())}</pre></details>'
-        )
-        if self.study.is_measured:
-            return f"<h2>The study</h2>{self.details_markup}{study_file}"
-        changed_settings = [f"{key} = {value}" for key, _, value in find_table_differences(Study(), self.study)]
-        lines = "".join(f"<li><code>{escape_html(line)}</code></li>" for line in changed_settings)
-        summary_markup = (
-            f"<p>The defaults, but</p><ul>{lines}</ul>" if changed_settings else "<p>All values are the defaults.</p>"
-        )
-        return f"<h2>The study</h2>{summary_markup}{study_file}"
-
-
-def _strip_folders(study: Study) -> Study:
-    """Remove folders from the file names of a study, because the folders do not exist on other computers."""
-    if not study.is_measured:
-        return study
-    surfaces: Any = study.surfaces
-    files = {side: getattr(surfaces, side) for side in ("upper", "lower")}
-    renamed_files = {side: file.model_copy(update={"file": Path(file.file).name}) for side, file in files.items()}
-    return study.model_copy(update={"surfaces": surfaces.model_copy(update=renamed_files)})
-
-
-def list_rules_and_directions(study: Study) -> tuple[list[str], list[float]]:
-    """Return the sliding rules and the directions (degrees) of a study, in the order in which the sums are stored."""
-    return list(study.contact.sliding_rules()), [float(angle) for angle in study.contact.direction_angles()]
-
-
-def slider_settings(axes: tuple[NodeAxis, NodeAxis], study: Study) -> dict[str, Any]:
-    """Return the nodes of mu0 and tau0 (MPa) for a page, with the step and the initial value of each slider."""
-    initial_values = (
-        study.friction.mu0[0 if study.is_measured else len(study.friction.mu0) // 2],
-        float(study.friction.tau0[0]),
-    )
-    facts = {}
-    for name, axis, initial_value, unit in zip(("mu0", "tau0"), axes, initial_values, (1.0, 1e3), strict=True):
-        max_value = unit * float(axis.rising[-1])
-        facts[name] = {
-            "rising": (unit * axis.rising).tolist(),
-            "bounds": (unit * np.array(axis.ranged_node_intervals)).reshape(-1, 2).tolist(),
-            "most": max_value, "step": 0.01 if name == "mu0" else float(f"{max_value / 200:.0e}"),
-            "start": float(f"{unit * float(initial_value):.12g}"),
-        }  # fmt: skip
-    return facts

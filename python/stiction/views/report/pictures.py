@@ -1,4 +1,4 @@
-"""Static figures of a page: profiles in contact, contacts between maps, and the onset of sliding."""
+"""Panels of a page that contain static figures, and figures as inline SVG."""
 
 from __future__ import annotations
 
@@ -6,76 +6,117 @@ import html
 import io
 import re
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import xarray
 from matplotlib.figure import Figure
 
 from stiction._number_format import format_percent, format_with_unit
-from stiction.studies.figure_values import evaluate_height_factors, evaluate_positions
-from stiction.studies.result import Result
+from stiction.studies.report_data import GeneratedReportData, MeasuredReportData
 from stiction.studies.study import Study
 from stiction.views.figures.contact import contact_forces_figure, contact_map_figure, opposing_contact_mask
 from stiction.views.figures.distributions import positions_figure
 from stiction.views.figures.height_scale import height_scale_figure
 from stiction.views.figures.loads import adhesion_figure
 from stiction.views.figures.onset import contains_slip_map, onset_by_dimension_figure, onset_figure, slip_figure
+from stiction.views.figures.standard import format_print_title
 from stiction.views.height_scale import HEIGHT_SCALE_NOTE, SCALED_SURFACE_TEXTS
 from stiction.views.point import motion_direction_text
 from stiction.views.report.page import format_count
 from stiction.views.style import MATPLOTLIB_STYLE
 
+if TYPE_CHECKING:
+    from stiction.studies.height_scale import ScaledBodies
 
-def contact_forces_panel(forces: xarray.Dataset) -> str:
-    """Return the panel (markup) that shows two generated profiles in contact."""
+
+@dataclass(frozen=True, eq=False)
+class FigurePanel:
+    """Panel of a page that contains a figure. The figure is drawn when the page is rendered.
+
+    `description` is for screen readers, and `caption` is markup. A main panel is shown next to the answer, and other
+    panels among the details.
+    """
+
+    title: str
+    description: str
+    caption: str
+    draw_figure: Callable[[], Figure]
+    is_wide: bool = False
+    is_main: bool = False
+
+    def markup(self) -> str:
+        """Draw the figure, and return the panel as markup."""
+        with mpl.rc_context(MATPLOTLIB_STYLE):
+            svg = inline_svg(self.draw_figure(), self.description)
+        css_class = "panel wide" if self.is_wide else "panel"
+        caption_html = f'<p class="caption">{self.caption}</p>'
+        return (
+            f'<section class="{css_class}" aria-label="{self.title}"><h2>{self.title}</h2>{svg}{caption_html}</section>'
+        )
+
+
+# ---- Generated surfaces ----------------------------------------------------------------------------------------------
+
+
+def list_generated_panels(data: GeneratedReportData) -> list[FigurePanel]:
+    """Return the panels of a report on generated surfaces for which there are data."""
+    panels = []
+    if data.contact_forces is not None:
+        panels.append(_contact_forces_panel(data.contact_forces))
+    if data.onset is not None:
+        panels.append(_onset_by_dimension_panel(data.onset, data.study))
+    return panels
+
+
+def _contact_forces_panel(forces: xarray.Dataset) -> FigurePanel:
+    """Return the panel that shows two generated profiles in contact."""
     dimension, amplitude = (float(forces[name]) for name in ("fractal_dimension", "amplitude"))
     title = f"$D$ = {dimension:.3g}, amplitude {format_with_unit(amplitude, 'um')}"
-    return _panel_markup(
+    return FigurePanel(
         "Two of the profiles in contact",
         "Two profiles, and the contact with the largest load with the forces on the upper body.",
         "The first pair of profiles, at the middle fractal dimension and approach of the study.",
-        lambda: contact_forces_figure(forces, title=title),
+        partial(contact_forces_figure, forces, title=title),
     )
 
 
-def adhesion_panel(loading_cycle: xarray.Dataset | None, title: str) -> str:
-    """Return the panel (markup) that shows loading and unloading, or an empty string if the bodies do not adhere."""
-    if loading_cycle is None:
-        return ""
-    return _panel_markup(
-        "Loading and unloading",
-        "Load against approach and true area of a typical pair, pressed together and pulled apart.",
-        "Bodies that adhere are in contact without a load, have a contact load above the applied load, and separate "
-        "at the pull-off force.",
-        lambda: adhesion_figure(loading_cycle, title=title),
+def _onset_by_dimension_panel(points: xarray.Dataset, study: Study) -> FigurePanel:
+    """Return the panel that shows the onset of sliding of generated pairs."""
+    return FigurePanel(
+        "How the pairs begin to slide",
+        "Pre-sliding displacement, fraction slipped at half of the sliding load, and tangential stiffness over fractal "
+        "dimension.",
+        "At three loads and the strengths of the study; the sliders do not change this figure. Means with 95 % "
+        "intervals; except for the stiffness, pairs are weighted by their loads. Dotted: more than half of the load "
+        "is beyond Hertz.",
+        partial(onset_by_dimension_figure, points, study),
+        is_wide=True,
     )
 
 
-def height_factor_panels(result: Result, title: str) -> str:
-    """Return panels (markup) that show the results for all stored height factors, or "" if there are none.
-
-    The panels show the first load, mu0 and tau0.
-    """
-    panels = []
-    for scaled_bodies, height_factors in result.height_factors.items():
-        caption = (
-            f"Heights of {SCALED_SURFACE_TEXTS[scaled_bodies]} times {height_factors[0]:g} to {height_factors[-1]:g}, "
-            f"each solved again; dashed: as measured. {HEIGHT_SCALE_NOTE} "
-            "The load, μ0 and τ0 are the first values of the study; the "
-            "sliders do not change this figure."
-        )
-        description = "Friction coefficient and true contact area over the rms gradient of the gap."
-        draw_figure = partial(height_scale_figure, evaluate_height_factors(result, scaled_bodies), title=title)
-        panels.append(
-            _panel_markup(f"Another finish of {SCALED_SURFACE_TEXTS[scaled_bodies]}", description, caption, draw_figure)
-        )
-    return "".join(panels)
+# ---- Measured surfaces -----------------------------------------------------------------------------------------------
 
 
-def contact_panel(picture: xarray.Dataset, direction: float) -> str:
-    """Return the panel (markup) that shows the contacts for a direction of motion (degrees)."""
+def list_measured_panels(data: MeasuredReportData) -> list[FigurePanel]:
+    """Return the panels of a report on measured surfaces for which there are data."""
+    title, panels = format_print_title(data.description.name), []
+    if data.contact_picture is not None:
+        panels.append(_contact_panel(data.contact_picture, data.directions[0]))
+    if data.positions is not None:
+        panels.append(_positions_panel(data.positions, title))
+    if data.summary.onset is not None:
+        panels += _onset_panels(data.summary.onset, title)
+    panels += [_height_factors_panel(points, scaled, title) for scaled, points in data.height_factors.items()]
+    if data.loading_cycle is not None:
+        panels.append(_adhesion_panel(data.loading_cycle, title))
+    return panels
+
+
+def _contact_panel(picture: xarray.Dataset, direction: float) -> FigurePanel:
+    """Return the panel that shows the contacts for a direction of motion (degrees)."""
     force, is_cut = picture["contact_force"].values, picture["contact_at_edge"].values > 0
     num_opposing = int(opposing_contact_mask(picture, direction).sum())
     text = (
@@ -88,66 +129,71 @@ def contact_panel(picture: xarray.Dataset, direction: float) -> str:
     offset = " and ".join(f"{float(picture.attrs[axis]):.3g}" for axis in "xy").replace("-", "\N{MINUS SIGN}")
     position_text = "profile is shown in the pressed position" if "gap" in picture else f"map is moved by {offset} µm"
     description, caption = "The two bodies with their true contacts.", f"{text} The upper {position_text}."
-    return _panel_markup("Contacts", description, caption, lambda: contact_map_figure(picture, direction=direction))
-
-
-def positions_panel(result: Result, load: float, title: str) -> str:
-    """Return the panel (markup) that shows the friction at single positions under a load (mN)."""
-    values = result.at_study_loads.isel(cut_off=0, mu0=0, tau0=0).sel(load=load, method="nearest")
-    return _panel_markup(
-        "Single positions",
-        "Friction coefficient of each pair in each direction.",
-        "At the first load, μ0 and τ0 of the study; the sliders do not change this figure.",
-        lambda: positions_figure(evaluate_positions(result, values), title=title),
+    return FigurePanel(
+        "Contacts", description, caption, partial(contact_map_figure, picture, direction=direction), is_main=True
     )
 
 
-def onset_panels(onset: xarray.Dataset, title: str) -> str:
-    """Return the panel (markup) with the onset curve. For maps, add the panel with the map of slip."""
-    curve_panel = _panel_markup(
+def _positions_panel(point: xarray.Dataset, title: str) -> FigurePanel:
+    """Return the panel that shows the friction at single positions."""
+    return FigurePanel(
+        "Single positions",
+        "Friction coefficient of each pair in each direction.",
+        "At the first load, μ0 and τ0 of the study; the sliders do not change this figure.",
+        partial(positions_figure, point, title=title),
+    )
+
+
+def _onset_panels(onset: xarray.Dataset, title: str) -> list[FigurePanel]:
+    """Return the panel with the onset curve and, for maps, the panel with the map of slip."""
+    curve_panel = FigurePanel(
         "Onset of sliding",
         "Tangential load against displacement of the upper body, with load cycles, and the slipping fraction.",
         "Weak contacts slip below the sliding load, so that the upper body moves before it slides, and each load "
         "cycle dissipates energy. The load, μ0 and τ0 are given above the figure; the sliders do not change this "
         "figure.",
-        lambda: onset_figure(onset, title=title),
+        partial(onset_figure, onset, title=title),
     )
     if not contains_slip_map(onset):
-        return curve_panel
+        return [curve_panel]
     points_text = "light points slip first and dark points last. Contacts slip from their edges inwards."
     contacts_text = (
         "light contacts slide first and dark contacts last. Each contact slips at its edge before it slides."
     )
-    return curve_panel + _panel_markup(
+    slip_panel = FigurePanel(
         "Order of slip",
         "Contacts on a map of the lower body, coloured by the tangential load at which they slip.",
         f"For one of the pairs: {points_text if 'slip' in onset else contacts_text}",
-        lambda: slip_figure(onset, title=title),
+        partial(slip_figure, onset, title=title),
+    )
+    return [curve_panel, slip_panel]
+
+
+def _height_factors_panel(points: xarray.Dataset, scaled_bodies: ScaledBodies, title: str) -> FigurePanel:
+    """Return the panel that shows the results for the stored height factors, at the first load, mu0 and tau0."""
+    surfaces_text, factors = SCALED_SURFACE_TEXTS[scaled_bodies], points["height_scale"].values
+    return FigurePanel(
+        f"Another finish of {surfaces_text}",
+        "Friction coefficient and true contact area over the rms gradient of the gap.",
+        f"Heights of {surfaces_text} times {factors[0]:g} to {factors[-1]:g}, each solved again; dashed: as measured. "
+        f"{HEIGHT_SCALE_NOTE} The load, μ0 and τ0 are the first values of the study; the sliders do not change this "
+        "figure.",
+        partial(height_scale_figure, points, title=title),
     )
 
 
-def onset_by_dimension_panel(points: xarray.Dataset, study: Study) -> str:
-    """Return the panel (markup) that shows the onset of sliding of generated pairs."""
-    return _panel_markup(
-        "How the pairs begin to slide",
-        "Pre-sliding displacement, fraction slipped at half of the sliding load, and tangential stiffness over fractal "
-        "dimension.",
-        "At three loads and the strengths of the study; the sliders do not change this figure. Means with 95 % "
-        "intervals; except for the stiffness, pairs are weighted by their loads. Dotted: more than half of the load "
-        "is beyond Hertz.",
-        lambda: onset_by_dimension_figure(points, study),
-        is_wide=True,
+def _adhesion_panel(loading_cycle: xarray.Dataset, title: str) -> FigurePanel:
+    """Return the panel that shows loading and unloading of bodies that adhere."""
+    return FigurePanel(
+        "Loading and unloading",
+        "Load against approach and true area of a typical pair, pressed together and pulled apart.",
+        "Bodies that adhere are in contact without a load, have a contact load above the applied load, and separate "
+        "at the pull-off force.",
+        partial(adhesion_figure, loading_cycle, title=title),
     )
 
 
-def _panel_markup(
-    name: str, description: str, caption: str, draw_figure: Callable[[], Figure], *, is_wide: bool = False
-) -> str:
-    with mpl.rc_context(MATPLOTLIB_STYLE):
-        svg = inline_svg(draw_figure(), description)
-    css_class = "panel wide" if is_wide else "panel"
-    caption_html = f'<p class="caption">{caption}</p>'
-    return f'<section class="{css_class}" aria-label="{name}"><h2>{name}</h2>{svg}{caption_html}</section>'
+# ---- Inline SVG ------------------------------------------------------------------------------------------------------
 
 
 # maximum number of vertices of an artist in vector graphics; artists with more vertices are rasterized

@@ -6,46 +6,28 @@ scripts decode the numbers, interpolate between nodes and draw.
 
 from __future__ import annotations
 
+import html
 from pathlib import Path
 from string import Template
 
 import xarray
 
-from stiction._number_format import format_percent, format_with_unit
-from stiction.mechanics import friction
-from stiction.studies.assessment import STATUS_EXPLANATIONS
 from stiction.studies.intervals import CONFIDENCE_LEVEL
+from stiction.studies.report_data import GeneratedReportData, MeasuredReportData, ReportData, collect_report_data
 from stiction.studies.result import Result
-from stiction.views.figures.ensemble import COLOUR_BAR_TICKS
-from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
+from stiction.views.report.content import ReportContent, common_facts
 from stiction.views.report.generated import generated_report_content
 from stiction.views.report.measured import measured_report_content
 from stiction.views.report.page import (
     HtmlPage,
     ReportError,
     escape_html,
+    format_count,
     plot_panel_markup,
     read_package_file,
     script_markup,
 )
-from stiction.views.report.tables import STORED_FLOAT_BYTES
-from stiction.views.style import SLIDING_RULE_LABELS
-
-BETWEEN_NODES_STATUS = "between-nodes"
-"""Status of a coefficient that is not interpolated between nodes."""
-
-STATUS_LABELS = {
-    friction.STATUS_OK: "", friction.STATUS_NOT_REACHED: "load not reached",
-    friction.STATUS_BELOW_RANGE: "below the loads computed", friction.STATUS_NO_CONTACT: "no contact",
-    friction.STATUS_NOT_SOLVED: "not solved", friction.STATUS_SELF_LOCKED: "self-locked: no load is supported",
-    friction.STATUS_SEIZURE: "seizure: junctions grow without limit",
-    BETWEEN_NODES_STATUS: "not resolved between nodes",
-}  # fmt: skip
-"""Texts for the statuses in the legend of the map; `STATUS_EXPLANATIONS` contains the reasons."""
-
-NOT_INTERPOLATED_REASON = (
-    "the coefficient or its interval changes too much between the values of μ0 and τ0 at which the library evaluated it"
-)
+from stiction.views.report.tables import STORED_FLOAT_BYTES, pack_arrays
 
 _ARROW_KEYS_HELP = "arrow keys move {}, plus and minus zoom"
 PLOT_PANELS: dict[str, tuple[str, str, dict[str, str]]] = {
@@ -68,6 +50,13 @@ MAIN_PLOTS = {True: ("friction", "compass"), False: ("over", "friction", "area",
 """Plots that are shown before "More" is opened, for measured bodies (True) and for generated bodies (False)."""
 
 
+MAX_REPORT_VALUES = {True: 400_000, False: 1_000_000}
+"""Maximum numbers of friction coefficients on a page, for measured surfaces (True) and for generated surfaces (False).
+
+The number of coefficients is the product of the numbers of nodes, loads, cells, sliding rules and directions.
+"""
+
+
 def save_report(
     result: Result | xarray.Dataset, path: str | Path, *, name: str = "", picture: xarray.Dataset | None = None
 ) -> None:
@@ -85,7 +74,7 @@ def save_report(
     ReportError
         As for `report_page`; also if the path is a file that is not a report, or cannot be written.
     """
-    _report_page_of_result(Result.of(result), name, picture).save(Path(path))
+    _build_page(Result.of(result), name, picture).save(Path(path))
 
 
 def report_page(result: Result | xarray.Dataset, *, name: str = "", picture: xarray.Dataset | None = None) -> str:
@@ -95,62 +84,83 @@ def report_page(result: Result | xarray.Dataset, *, name: str = "", picture: xar
     of `contact_picture`; by default the picture stored with the result. Raises a `ReportError` if the dataset is not a
     result, is too large for a page, or has no members.
     """
-    return _report_page_of_result(Result.of(result), name, picture).html()
+    return _build_page(Result.of(result), name, picture).html()
 
 
-def _report_page_of_result(result: Result, name: str, picture: xarray.Dataset | None) -> HtmlPage:
+def _build_page(result: Result, name: str, picture: xarray.Dataset | None) -> HtmlPage:
+    """Evaluate the data of the page, compose its content, and render it."""
+    _check_size(result)
+    data = collect_report_data(result, picture)
+    content = (
+        measured_report_content(data, name)
+        if isinstance(data, MeasuredReportData) else generated_report_content(data, name)
+    )  # fmt: skip
+    return _render_page(data, content)
+
+
+def _check_size(result: Result) -> None:
+    """Raise a `ReportError` if there is no result, or if it is too large for a page."""
     try:
         study = result.study
     except ValueError as error:
         raise ReportError(str(error)) from None
-    content = (
-        measured_report_content(result, name, picture)
-        if study.is_measured else generated_report_content(result, name)
-    )  # fmt: skip
-    facts = {
-        "percent": f"{100 * CONFIDENCE_LEVEL:g} %", "ticks": COLOUR_BAR_TICKS,
-        "ruleDescriptions": SLIDING_RULE_DESCRIPTIONS, "ruleNames": SLIDING_RULE_LABELS,
-        "why": {
-            name: {"short": short_label, "why": _status_reason(name)} for name, short_label in STATUS_LABELS.items()
-        },
-        "tau0Sane": 1000 * friction.MAX_SHEAR_STRENGTH_RATIO * float(study.contact.effective_modulus),
-        "saneText": format_with_unit(friction.MAX_SHEAR_STRENGTH_RATIO * float(study.contact.effective_modulus), "GPa"),
-        "tables": content.packed_arrays.offsets, "leading": STORED_FLOAT_BYTES,
-        "errorText": _interpolation_error_text(content.facts.get("error")),
-    }  # fmt: skip
-    main_plots = MAIN_PLOTS[study.is_measured]
+    if not study.is_measured and not (result.members.size and result.num_solved):
+        raise ReportError("the result must have a member with a solution at every load, got none")
+    max_count = MAX_REPORT_VALUES[study.is_measured]
+    if result.nodes.loads.size and (count := result.nodes.num_coefficients) > max_count:
+        cells = "loads, cutoffs" if study.is_measured else "fractal dimensions, amplitudes"
+        raise ReportError(
+            f"the result must have at most {max_count} coefficients at nodes for a report, got {count}; choose fewer "
+            f"{cells} or directions"
+        )
+
+
+def _render_page(data: MeasuredReportData | GeneratedReportData, content: ReportContent) -> HtmlPage:
+    """Draw the figures of the page, encode its numbers, and insert them into the template."""
+    packed_arrays = pack_arrays(content.arrays)
+    facts = common_facts(data) | content.facts
+    facts |= {"quantities": [table.record() for table in content.quantities]}
+    facts |= {"tables": packed_arrays.offsets, "leading": STORED_FLOAT_BYTES}
+    panels = {
+        is_main: "".join(panel.markup() for panel in content.panels if panel.is_main == is_main)
+        for is_main in (True, False)
+    }
+    main_plots = MAIN_PLOTS[data.study.is_measured]
     plot_panels = {
         name: plot_panel_markup(name, title, description, **options)
         for name, (title, description, options) in PLOT_PANELS.items()
     }
+    body = Template(read_package_file("result.html")).substitute(
+        percent=f"{100 * CONFIDENCE_LEVEL:g} %",
+        pairs=escape_html(content.pairs_text),
+        unfinished=_incompleteness_notices(data, content.name),
+        touching=panels[True],
+        pictures=panels[False],
+        study=f"<h2>The study</h2>{content.description_markup}{_study_file_markup(data.description.file_text)}",
+        panels="".join(plot_panels[name] for name in main_plots),
+        others="".join(text for name, text in plot_panels.items() if name not in main_plots),
+    )
     return HtmlPage(
         name=content.name,
         head=content.head,
-        body=Template(read_package_file("result.html")).substitute(
-            percent=f"{100 * CONFIDENCE_LEVEL:g} %",
-            pairs=escape_html(content.pairs_text),
-            unfinished=content.incompleteness_notices(),
-            touching=content.contact_markup,
-            pictures=content.pictures_markup,
-            study=content.study_description(),
-            panels="".join(plot_panels[name] for name in main_plots),
-            others="".join(text for name, text in plot_panels.items() if name not in main_plots),
-        ),
-        versions=f"Computed by stiction {result.version}",
-        scripts=script_markup(facts | content.facts, content.packed_arrays.encoded_texts()),
+        body=body,
+        versions=f"Computed by stiction {data.version}",
+        scripts=script_markup(facts, packed_arrays.texts),
     )
 
 
-def _status_reason(status: str) -> str:
-    return NOT_INTERPOLATED_REASON if status == BETWEEN_NODES_STATUS else STATUS_EXPLANATIONS.get(status, ("",))[0]
+def _incompleteness_notices(data: ReportData, name: str) -> str:
+    """Return markup with notices about missing and unsolved members, or an empty string for a complete result."""
+    num_repetitions, notices = data.study.ensemble.repetitions, []
+    if data.num_members < num_repetitions:
+        notices.append(f"{name} is unfinished: {data.num_members} of {num_repetitions} repetitions.")
+    if (num_unsolved := data.num_members - data.num_solved) > 0:
+        notices.append(f"{name}: {format_count(num_unsolved, 'repetition')} without a solution at every load left out.")
+    return "".join(f'<p class="notice">{escape_html(line)}</p>' for line in notices)
 
 
-def _interpolation_error_text(error: tuple[float, float] | None) -> str:
-    """Return a clause that states the measured interpolation error, or an empty string if there is none."""
-    if error is None:
-        return ""
-    value_error, end_error = (format_percent(item) for item in error)
+def _study_file_markup(file_text: str) -> str:
     return (
-        f"at other values that were evaluated, coefficients differ by up to {value_error}, and ends of intervals by "
-        f"up to {end_error} of the interval."
+        "<details><summary>The whole study file (TOML)</summary>"
+        f'<pre tabindex="0">{html.escape(file_text)}</pre></details>'
     )

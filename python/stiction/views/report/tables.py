@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import base64
 import zlib
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -43,39 +43,59 @@ def encode_small_integers(values: NDArray[np.int8]) -> str:
     return base64.b64encode(zlib.compress(values.tobytes(), _COMPRESSION_LEVEL)).decode("ascii")
 
 
-@dataclass
+@dataclass(frozen=True, eq=False)
+class EstimateArray:
+    """Array of values, lower ends and upper ends (last axis).
+
+    A page also stores the numbers of decimals to print. Values without an interval have the decimals of the estimates
+    in `reference`, if it is given; the shapes must be compatible.
+    """
+
+    points: Floats
+    reference: Floats | None = None
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Return the values, interval ends and numbers of decimals, by the endings of their names."""
+        value_decimals, upper_decimals = count_estimate_decimals(*np.moveaxis(self.points, -1, 0))
+        if self.reference is not None:
+            reference_decimals, _ = count_estimate_decimals(*np.moveaxis(self.reference, -1, 0))
+            value_decimals = np.where(np.isnan(self.points[..., 1]), reference_decimals, value_decimals)
+        columns = {end: self.points[..., index] for index, end in enumerate(("value", "lower", "upper"))}
+        return columns | {"decimals": value_decimals, "upper_decimals": upper_decimals}
+
+
+ReportArray = NDArray[Any] | EstimateArray
+"""Array of a page: floating-point numbers, whole numbers from -128 to 127, or estimates."""
+
+
+@dataclass(frozen=True)
 class PackedArrays:
-    """Concatenated arrays of a page. The dictionary `offsets` maps the name of each array to the start of the array."""
+    """Encoded arrays of a page. `offsets` maps the name of each array to its start in the text of its type."""
 
-    offsets: dict[str, int] = field(default_factory=dict)
-    floats: list[Floats] = field(default_factory=list)
-    small_integers: list[NDArray[np.int8]] = field(default_factory=list)
+    offsets: dict[str, int]
+    texts: dict[str, str]
 
-    def add(self, name: str, values: ArrayLike) -> None:
-        """Append floating-point numbers, or whole numbers from -128 to 127."""
-        array = np.asarray(values)
-        target: list[Any] = self.floats if array.dtype.kind == "f" else self.small_integers
-        self.offsets[name] = sum(item.size for item in target)
-        target.append(array.ravel() if array.dtype.kind == "f" else array.astype(np.int8).ravel())
 
-    def add_estimates(self, name: str, points: Floats, *, decimals: Any = None) -> None:
-        """Append values, lower ends and upper ends (last axis of `points`), and the numbers of decimals to print.
-
-        `decimals` is the number of decimals for values without an interval.
-        """
-        for index, end in enumerate(("value", "lower", "upper")):
-            self.add(f"{name}_{end}", points[..., index])
-        value_decimals, upper_decimals = count_estimate_decimals(*np.moveaxis(points, -1, 0))
-        if decimals is not None:
-            value_decimals = np.where(np.isnan(points[..., 1]), decimals, value_decimals)
-        self.add(f"{name}_decimals", value_decimals)
-        self.add(f"{name}_upper_decimals", upper_decimals)
-
-    def encoded_texts(self) -> dict[str, str]:
-        """Return all numbers, encoded as text."""
-        floats = np.concatenate(self.floats) if self.floats else np.zeros(0)
-        small_integers = np.concatenate(self.small_integers) if self.small_integers else np.zeros(0, np.int8)
-        return {"floats": encode_doubles(floats, STORED_FLOAT_BYTES), "small": encode_small_integers(small_integers)}
+def pack_arrays(arrays: Mapping[str, ReportArray]) -> PackedArrays:
+    """Encode all arrays of a page. Estimates are split into columns, whose names start with the name of the array."""
+    columns: dict[str, NDArray[Any]] = {}
+    for name, array in arrays.items():
+        if isinstance(array, EstimateArray):
+            columns |= {f"{name}_{ending}": column for ending, column in array.columns().items()}
+        else:
+            columns[name] = np.asarray(array)
+    floats: list[Floats] = [np.zeros(0)]
+    small_integers = [np.zeros(0, np.int8)]
+    offsets = {}
+    for name, column in columns.items():
+        target: list[Any] = floats if column.dtype.kind == "f" else small_integers
+        offsets[name] = sum(item.size for item in target)
+        target.append(column.astype(target[0].dtype, copy=False).ravel())
+    texts = {
+        "floats": encode_doubles(np.concatenate(floats), STORED_FLOAT_BYTES),
+        "small": encode_small_integers(np.concatenate(small_integers)),
+    }
+    return PackedArrays(offsets, texts)
 
 
 def count_estimate_decimals(mean: Floats, lower: Floats, upper: Floats) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
@@ -133,3 +153,43 @@ def estimate_with_unit_text(point: Sequence[float], unit: str) -> str:
     if value == 0 and not upper > 0:
         return f"0 {name}".strip()
     return f"{Estimate(value, lower, upper) / factor}\u00a0{name}".strip()
+
+
+@dataclass(frozen=True, eq=False)
+class QuantityTable:
+    """Estimates of a quantity that does not depend on mu0 and tau0.
+
+    Attributes
+    ----------
+    name, words : str
+        Name of the quantity, and its label on the page.
+    unit : str
+        Unit of the texts.
+    estimates : ndarray of float
+        Values, lower ends and upper ends (last axis) for each kind of member, cutoff and load.
+    factor : float
+        Conversion factor to the unit of the plot of the quantity.
+    limit : float or None
+        Value above which the quantity is marked.
+    """
+
+    name: str
+    words: str
+    unit: str
+    estimates: Floats
+    factor: float
+    limit: float | None
+
+    def record(self) -> dict[str, Any]:
+        """Return the values, interval ends, numbers of decimals and texts."""
+        points = self.factor * self.estimates
+        decimals, upper_decimals = count_estimate_decimals(*np.moveaxis(points, -1, 0))
+        texts = [
+            [[estimate_with_unit_text(point, self.unit) for point in row] for row in load_rows]
+            for load_rows in self.estimates.tolist()
+        ]
+        is_beyond = self.estimates[..., 0] > (np.inf if self.limit is None else self.limit)
+        return {
+            "name": self.name, "words": self.words, "points": points, "decimals": decimals.tolist(),
+            "upperDecimals": upper_decimals.tolist(), "texts": texts, "isBeyond": is_beyond.tolist(),
+        }  # fmt: skip

@@ -1,0 +1,58 @@
+"""Description of a study for people: its name, its file, and how it differs from the defaults."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from stiction.studies.study import Study, find_table_differences, study_names
+from stiction.surfaces.pairing import SIDES
+
+
+@dataclass(frozen=True)
+class StudyDescription:
+    """Description of a study.
+
+    Attributes
+    ----------
+    name : str
+        Names of the measured files; or the name of the built-in study that equals the study apart from the
+        repetitions, or "study".
+    file_text : str
+        Study file (TOML) without the folders of the scans, because other computers do not have these folders.
+    changed_settings : list of (str, str)
+        Keys of a study of generated surfaces whose values differ from the defaults, and the values as text.
+    """
+
+    name: str
+    file_text: str
+    changed_settings: list[tuple[str, str]]
+
+
+def describe_study(study: Study) -> StudyDescription:
+    """Return the description of a study."""
+    if study.is_measured:
+        return StudyDescription(get_pair_name(study), _strip_folders(study).to_toml(), [])
+    changed_settings = [(key, value) for key, _, value in find_table_differences(Study(), study)]
+    return StudyDescription(_find_built_in_name(study), study.to_toml(), changed_settings)
+
+
+def get_pair_name(study: Study) -> str:
+    """Return the names of both files of a measured pair."""
+    upper, lower = (getattr(study.surfaces, side).name for side in SIDES)
+    return f"gap {upper}" if study.is_gap else f"{upper} on {lower}"
+
+
+def _strip_folders(study: Study) -> Study:
+    surfaces: Any = study.surfaces
+    files = {side: getattr(surfaces, side) for side in SIDES}
+    renamed_files = {side: file.model_copy(update={"file": Path(file.file).name}) for side, file in files.items()}
+    return study.model_copy(update={"surfaces": surfaces.model_copy(update=renamed_files)})
+
+
+def _find_built_in_name(study: Study) -> str:
+    for name in study_names():
+        if {key for key, *_ in find_table_differences(Study.named(name), study)} <= {"ensemble.repetitions"}:
+            return name
+    return "study"

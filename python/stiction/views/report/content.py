@@ -1,0 +1,126 @@
+"""Content of a report on a result, before it is rendered."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stiction._number_format import format_percent, format_with_unit
+from stiction.mechanics import friction
+from stiction.studies.assessment import STATUS_EXPLANATIONS
+from stiction.studies.intervals import CONFIDENCE_LEVEL
+from stiction.studies.nodes import NodeAxis
+from stiction.studies.report_data import GeneratedReportData, MeasuredReportData
+from stiction.studies.study import Study
+from stiction.views.figures.ensemble import COLOUR_BAR_TICKS
+from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
+from stiction.views.report.pictures import FigurePanel
+from stiction.views.report.tables import QuantityTable, ReportArray
+from stiction.views.style import SLIDING_RULE_LABELS
+
+CELL_AXIS_LABELS = {
+    "fractal_dimension": {"title": "fractal dimension _D_", "name": "D"},
+    "cut_off": {"title": "cutoff wavelength (µm)", "name": "cutoff"},
+}
+"""Axis title and short name of the first dimension of the cells."""
+
+
+@dataclass(frozen=True, eq=False)
+class ReportContent:
+    """Content of a report.
+
+    Attributes
+    ----------
+    name : str
+        Title.
+    head : list of str
+        Lines below the title.
+    pairs_text : str
+        Number and kind of pairs.
+    description_markup : str
+        Markup that describes the study and its surfaces.
+    facts : dict
+        Data of the scripts: texts and numbers.
+    arrays : dict
+        Data of the scripts: arrays of numbers, by name.
+    panels : sequence of FigurePanel
+    quantities : sequence of QuantityTable
+        Quantities that do not depend on mu0 and tau0.
+    """
+
+    name: str
+    head: list[str]
+    pairs_text: str
+    description_markup: str
+    facts: dict[str, Any]
+    arrays: Mapping[str, ReportArray]
+    panels: Sequence[FigurePanel]
+    quantities: Sequence[QuantityTable] = ()
+
+
+BETWEEN_NODES_STATUS = "between-nodes"
+"""Status of a coefficient that is not interpolated between nodes."""
+
+STATUS_LABELS = {
+    friction.STATUS_OK: "", friction.STATUS_NOT_REACHED: "load not reached",
+    friction.STATUS_BELOW_RANGE: "below the loads computed", friction.STATUS_NO_CONTACT: "no contact",
+    friction.STATUS_NOT_SOLVED: "not solved", friction.STATUS_SELF_LOCKED: "self-locked: no load is supported",
+    friction.STATUS_SEIZURE: "seizure: junctions grow without limit",
+    BETWEEN_NODES_STATUS: "not resolved between nodes",
+}  # fmt: skip
+"""Texts for the statuses in the legend of the map; `STATUS_EXPLANATIONS` contains the reasons."""
+
+NOT_INTERPOLATED_REASON = (
+    "the coefficient or its interval changes too much between the values of μ0 and τ0 at which the library evaluated it"
+)
+
+
+def common_facts(data: MeasuredReportData | GeneratedReportData) -> dict[str, Any]:
+    """Return the facts that the pages of generated and measured surfaces have in common."""
+    modulus, values = float(data.study.contact.effective_modulus), data.values
+    return {
+        "axes": None if values is None else _slider_settings(values.axes, data.study),
+        "percent": f"{100 * CONFIDENCE_LEVEL:g} %", "ticks": COLOUR_BAR_TICKS,
+        "ruleDescriptions": SLIDING_RULE_DESCRIPTIONS, "ruleNames": SLIDING_RULE_LABELS,
+        "why": {
+            name: {"short": short_label, "why": _status_reason(name)} for name, short_label in STATUS_LABELS.items()
+        },
+        "tau0Sane": 1000 * friction.MAX_SHEAR_STRENGTH_RATIO * modulus,
+        "saneText": format_with_unit(friction.MAX_SHEAR_STRENGTH_RATIO * modulus, "GPa"),
+        "rules": data.rules, "directions": data.directions,
+        "error": None if values is None else values.interpolation_errors,
+        "errorText": "" if values is None else _interpolation_error_text(*values.interpolation_errors),
+    }  # fmt: skip
+
+
+def _status_reason(status: str) -> str:
+    return NOT_INTERPOLATED_REASON if status == BETWEEN_NODES_STATUS else STATUS_EXPLANATIONS.get(status, ("",))[0]
+
+
+def _interpolation_error_text(value_error: float, end_error: float) -> str:
+    """Return a clause that states the measured interpolation error."""
+    return (
+        f"at other values that were evaluated, coefficients differ by up to {format_percent(value_error)}, and ends of "
+        f"intervals by up to {format_percent(end_error)} of the interval."
+    )
+
+
+def _slider_settings(axes: tuple[NodeAxis, NodeAxis], study: Study) -> dict[str, Any]:
+    """Return the nodes of mu0 and tau0 (MPa) for a page, with the step and the initial value of each slider."""
+    initial_values = (
+        study.friction.mu0[0 if study.is_measured else len(study.friction.mu0) // 2],
+        float(study.friction.tau0[0]),
+    )
+    facts = {}
+    for name, axis, initial_value, unit in zip(("mu0", "tau0"), axes, initial_values, (1.0, 1e3), strict=True):
+        max_value = unit * float(axis.rising[-1])
+        facts[name] = {
+            "rising": (unit * axis.rising).tolist(),
+            "bounds": (unit * np.array(axis.ranged_node_intervals)).reshape(-1, 2).tolist(),
+            "most": max_value, "step": 0.01 if name == "mu0" else float(f"{max_value / 200:.0e}"),
+            "start": float(f"{unit * float(initial_value):.12g}"),
+        }  # fmt: skip
+    return facts
