@@ -158,10 +158,10 @@ def test_interval_of_the_true_area_includes_the_alternative(name, request):
     own = ResultWithoutAlternatives(result.stored).summary().first
     (alternative,) = result.alternatives.values()
     for quantity in ("contact_area", "contact_area_fraction", "mean_pressure"):
-        estimate = result.summary().first.quantity(quantity)
-        assert estimate.value == own.quantity(quantity).value
-        assert covers(estimate.interval, own.quantity(quantity).interval)
-        assert contains(estimate.interval, alternative.summary().first.quantity(quantity).value)
+        estimate = result.summary().first.quantities[quantity]
+        assert estimate.value == own.quantities[quantity].value
+        assert covers(estimate.interval, own.quantities[quantity].interval)
+        assert contains(estimate.interval, alternative.summary().first.quantities[quantity].value)
 
 
 def test_figure_states_that_the_area_band_includes_errors_of_the_scans(blunt_result):
@@ -306,4 +306,4 @@ def test_report_area_and_friction_cover_the_alternative(blunt_result):
     (quantities,) = blunt_result.nodes.load_quantities
     load = float(blunt_result.study.friction.load[0])
     area = quantities["contact_area"].sel(load=load).squeeze().values
-    assert area.tolist() == pytest.approx(astuple(blunt_result.summary().first.quantity("contact_area")))
+    assert area.tolist() == pytest.approx(astuple(blunt_result.summary().first.quantities["contact_area"]))

@@ -83,8 +83,8 @@ def test_summary_for_explicitly_given_study_values_equals_the_default_summary(su
         assert default_point.verdict == explicit_point.verdict
         assert default_point.caveats == explicit_point.caveats
         np.testing.assert_allclose(
-            astuple(default_point.quantity("friction_combined")),
-            astuple(explicit_point.quantity("friction_combined")),
+            astuple(default_point.quantities["friction_combined"]),
+            astuple(explicit_point.quantities["friction_combined"]),
             rtol=1e-12,
         )
     assert (result.value, result.interval) == (

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import KW_ONLY, dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import KW_ONLY, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,11 +30,16 @@ class SlidingRuleCoefficient(Estimate):
 
     _: KW_ONLY
     rule: str  # "all" or "opposing"
+    status: str = STATUS_OK  # "ok", or the reason why the coefficient is missing, possibly only in one direction
     positions: Interval = UNKNOWN_INTERVAL  # interval of the mean due to sampling of relative positions
     next_test: Interval = UNKNOWN_INTERVAL  # prediction interval for a single test in a single direction
     low: float = math.nan  # 10 % quantile of the coefficients of single members
     high: float = math.nan  # 90 % quantile of the coefficients of single members
     slopes: float = math.nan  # small-slope estimate (`gentle_friction`); NaN for generated bodies
+    is_outside_asperity_model: bool = False  # True if the load is on contacts for which the asperity model is invalid
+    # coefficients along the axes and in the directions (degree) of motion, with sampling intervals
+    by_axis: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
+    by_direction: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
 
 
 def iterate_points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
@@ -71,6 +76,31 @@ def read_estimate(table: xarray.DataArray) -> Estimate:
     if "statistic" not in table.dims:
         return Estimate(table.item())
     return Estimate(*table.sel(statistic=list(MEAN_AND_LIMITS)).values.astype(float).ravel().tolist())
+
+
+def read_estimates_along(table: xarray.DataArray, dimension: str) -> dict[float, Estimate]:
+    """Return the estimates in an array with the dimensions `dimension` and `statistic`, by coordinate."""
+    values = table.transpose(dimension, "statistic").sel(statistic=list(MEAN_AND_LIMITS)).values
+    return {
+        coordinate: Estimate(*value_and_limits)
+        for coordinate, value_and_limits in zip(table[dimension].values.tolist(), values.tolist(), strict=True)
+    }
+
+
+def iterate_undirected_variables(point: xarray.Dataset, rule: str) -> Iterator[tuple[str, xarray.Variable]]:
+    """Yield the name and the variable of each quantity of a point that does not depend on the direction.
+
+    Selections from an `xarray.Variable` are much faster than selections from an `xarray.DataArray`.
+    """
+    rule_index = point["sliding"].values.tolist().index(rule) if "sliding" in point.dims else 0
+    for name in map(str, point.data_vars):
+        variable = point.variables[name]
+        dims = {"sliding": rule_index} if "sliding" in variable.dims else {}
+        if variable.sizes.get("direction", 2) == 1:
+            dims["direction"] = 0
+        variable = variable.isel(dims)
+        if "direction" not in variable.dims:
+            yield name, variable
 
 
 def mean_over_directions(point: xarray.Dataset, name: str) -> float:

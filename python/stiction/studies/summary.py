@@ -7,7 +7,7 @@ these points, and compute no further values.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -17,9 +17,17 @@ import numpy as np
 from stiction._estimate import Estimate, Interval
 from stiction.mechanics import friction
 from stiction.mechanics.brackets import friction_range_for_finer_scans
-from stiction.studies.assessment import MORE_CONTACTS_REMEDY, Caveat, find_point_caveats, verdict_from_caveats
+from stiction.studies.assessment import (
+    ASPERITY_CHECKS,
+    MORE_CONTACTS_REMEDY,
+    Caveat,
+    find_caveats_of_failed_checks,
+    find_point_caveats,
+    verdict_from_caveats,
+)
 from stiction.studies.point import (
     CELL_DIMENSIONS,
+    MEAN_AND_LIMITS,
     UNKNOWN_INTERVAL,
     SlidingRuleCoefficient,
     compute_plastic_adhesive_friction,
@@ -29,11 +37,13 @@ from stiction.studies.point import (
     get_roughness_exponent,
     is_unloaded,
     iterate_points,
+    iterate_undirected_variables,
     list_sliding_rules_reported_first,
     mean_contact_pressure,
     mean_over_directions,
     nominal_pressure_at,
     read_estimate,
+    read_estimates_along,
     select_sliding_rule,
 )
 from stiction.studies.pull_off import PullOffValues, find_pull_off_values
@@ -101,6 +111,12 @@ class PointSummary:
         True if the interval of another point, at another cutoff, covers this point.
     sticking : PullOffValues, optional
         Pull-off force, and friction without a load, of adhesive bodies.
+    quantities : dict of Estimate
+        Quantities that do not depend on the direction, with 95 % intervals, for the reported sliding rule.
+    numbers : dict of float
+        Quantities that do not depend on the direction and have no interval, for the reported sliding rule.
+    distributions : dict of dict of Estimate
+        Quantiles of the quantities that have a distribution, by the fraction of the distribution below the quantile.
     """
 
     study: Study
@@ -116,6 +132,9 @@ class PointSummary:
     waited: tuple[DwellTimeCoefficient, ...] = ()
     covered: bool = False
     sticking: PullOffValues | None = None
+    quantities: Mapping[str, Estimate] = field(default_factory=dict)
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    distributions: Mapping[str, Mapping[float, Estimate]] = field(default_factory=dict)
 
     @property
     def members(self) -> float:
@@ -172,14 +191,24 @@ class PointSummary:
         """Range of the attraction (µm) that the solver used for adhesive bodies."""
         return get_adhesion_ranges(self.values, self.study)[1]
 
-    def quantity(self, name: str) -> Estimate:
-        """Return the mean of a quantity over directions with its 95 % interval, or NaN if the quantity is unknown."""
-        if name not in self.values:
-            return Estimate(math.nan)
-        table = select_sliding_rule(self.values[name], self.rules[0].rule)
-        if "statistic" not in table.dims or table.ndim > 1:
-            return Estimate(mean_over_directions(self.values, name))
-        return read_estimate(table)
+    @property
+    def directions(self) -> tuple[float, ...]:
+        """Directions of motion of the upper body (degree) over which the coefficients are averaged."""
+        if "direction" not in self.values.coords:
+            return ()
+        return tuple(np.atleast_1d(self.values["direction"].values).astype(float).tolist())
+
+    @property
+    def kappa(self) -> float:
+        """Ratio A E* h'/F of the true area to its small-slope estimate, or NaN without a root-mean-square gradient."""
+        if "rms_gradient" not in self.quantities:
+            return math.nan
+        return self.quantities["rms_gradient"].value * self.effective_modulus / self.mean_pressure
+
+    @property
+    def load_definition_effect(self) -> float:
+        """Relative difference of the coefficients for different definitions of the load, or NaN if it is unknown."""
+        return self.numbers.get("reading_difference", math.nan)
 
     @property
     def value(self) -> float:
@@ -358,10 +387,10 @@ def _include_cutoff_value(value: SlidingRuleCoefficient, other_value: SlidingRul
 def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence[Caveat] = ()) -> PointSummary:
     """Summarize one point of a dataset that `Result.at` returned, including caveats about the bodies."""
     rules = tuple(_build_rule_coefficient(point, rule) for rule in list_sliding_rules_reported_first(study))
-    rule_statuses = np.unique(select_sliding_rule(point["status"], rules[0].rule).values)
-    failed_statuses = [str(status) for status in rule_statuses if status != friction.STATUS_OK]
     # If the coefficient is missing in one direction, the mean over all directions is NaN.
-    status = failed_statuses[0] if failed_statuses and math.isnan(rules[0].value) else friction.STATUS_OK
+    status = rules[0].status if math.isnan(rules[0].value) else friction.STATUS_OK
+    variables = dict(iterate_undirected_variables(point, rules[0].rule))
+    statistics = [point["statistic"].values.tolist().index(name) for name in MEAN_AND_LIMITS]
     cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
     rule_with_sampling_interval = replace(rules[0], lower=rules[0].positions.lower, upper=rules[0].positions.upper)
     # A cutoff removes caveats only if the user requested this cutoff.
@@ -382,6 +411,21 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
         from_roughness=_estimate_roughness_contribution(point, study, rules[0]),
         waited=_list_dwell_time_coefficients(point, rules[0].rule),
         sticking=find_pull_off_values(point, rules[0].rule),
+        quantities={
+            name: Estimate(*variable.values[statistics].astype(float).tolist())
+            for name, variable in variables.items()
+            if variable.dims == ("statistic",)
+        },
+        numbers={
+            name: float(variable.values)
+            for name, variable in variables.items()
+            if not variable.dims and variable.dtype.kind in "if"
+        },
+        distributions={
+            name: read_estimates_along(select_sliding_rule(point[name], rules[0].rule), "fraction_below")
+            for name, variable in variables.items()
+            if set(variable.dims) == {"fraction_below", "statistic"}
+        },
     )
 
 
@@ -401,10 +445,30 @@ def _build_rule_coefficient(point: xarray.Dataset, rule: str) -> SlidingRuleCoef
         rule=rule,
         positions=positions,
         next_test=_get_interval(table, "friction_next_test") or UNKNOWN_INTERVAL,
+        status=_find_first_failure(table),
         low=low,
         high=high,
         slopes=slopes,
+        is_outside_asperity_model=_is_outside_asperity_model(table),
+        by_axis=_read_coefficients(table, "friction_by_axis", "axis"),
+        by_direction=_read_coefficients(table, "friction_coefficient", "direction"),
     )
+
+
+def _find_first_failure(table: xarray.Dataset) -> str:
+    """Return the first status of a direction that is not "ok", or "ok"."""
+    statuses = np.unique(table["status"].values).tolist()
+    return next((str(status) for status in statuses if status != friction.STATUS_OK), friction.STATUS_OK)
+
+
+def _is_outside_asperity_model(table: xarray.Dataset) -> bool:
+    checked_fractions = {name: mean_over_directions(table, name) for name in ("share_beyond_hertz", "share_below_grid")}
+    return any(find_caveats_of_failed_checks(ASPERITY_CHECKS, checked_fractions))
+
+
+def _read_coefficients(table: xarray.Dataset, name: str, dimension: str) -> dict[float, Estimate]:
+    """Return the coefficients along the coordinates of a dimension; empty if they do not depend on the dimension."""
+    return read_estimates_along(table[name], dimension) if name in table and dimension in table[name].dims else {}
 
 
 def _get_interval(table: xarray.Dataset, name: str) -> Interval | None:

@@ -54,7 +54,7 @@ def latex_table(summary: Summary) -> str:
 def _point_cells(point: PointSummary, has_area: bool) -> list[str]:
     """Return the table cells of a point: coefficients of all sliding rules, area fraction and assessment."""
     texts = [str(rule) for rule in point.rules]
-    texts += [format_percent(point.quantity("contact_area_fraction").value)] if has_area else []
+    texts += [format_percent(point.quantities["contact_area_fraction"].value)] if has_area else []
     return [cell.translate(_LATEX_ESCAPES) for cell in (*texts, point.verdict)]
 
 

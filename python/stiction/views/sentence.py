@@ -182,12 +182,11 @@ _LOAD_DEFINITION_TEXTS = {
 
 def point_note_text(point: PointSummary) -> str:
     """Return a note about the averaged directions and members, and the definition of the load."""
-    values, study = point.values, point.study
-    items = []
-    if study.surfaces.press == "lines" and values["direction"].size == 2:
+    study, items = point.study, []
+    if study.surfaces.press == "lines" and len(point.directions) == 2:
         items.append("the mean over both directions")
-    elif "direction" in values.coords and (study.is_measured or values["direction"].size > 1):
-        items.append(averaged_directions_text(np.atleast_1d(values["direction"].values)).removesuffix(" all round"))
+    elif point.directions and (study.is_measured or len(point.directions) > 1):
+        items.append(averaged_directions_text(point.directions).removesuffix(" all round"))
     if point.members > 1:
         items = (
             [f"{items[0]} and {_averaged_members_text(point)}"]
@@ -195,10 +194,10 @@ def point_note_text(point: PointSummary) -> str:
             else [f"the mean over {_averaged_members_text(point)}"]
         )
     items += [_scan_count_text(study)] if study.is_measured else []
-    definition_effect = point.quantity("reading_difference").value
+    definition_effect = point.load_definition_effect
     if definition_effect > MIN_STATED_LOAD_DEFINITION_EFFECT:
         definition_text = _LOAD_DEFINITION_TEXTS.get(
-            str(values.attrs.get("reading")), "the load has one of three definitions"
+            str(point.values.attrs.get("reading")), "the load has one of three definitions"
         )
         items.append(
             f"{definition_text}; with another definition of the load μ_s differs by {format_percent(definition_effect)}"
@@ -277,10 +276,9 @@ def small_slope_estimate_text(point: PointSummary) -> str:
         return ""
     estimates = " and ".join(f"{Estimate(rule.slopes)} with {SLIDING_RULE_DESCRIPTIONS[rule.rule]}" for rule in rules)
     hardness_note = " (the hardness is not considered)" if has_limited_pressure(study) else ""
-    kappa = point.quantity("rms_gradient").value * point.effective_modulus / point.mean_pressure
-    if point.at["tau0"] > 0 and abs(kappa / DEFAULT_KAPPA - 1) > MIN_STATED_KAPPA_DEVIATION:
+    if point.at["tau0"] > 0 and abs(point.kappa / DEFAULT_KAPPA - 1) > MIN_STATED_KAPPA_DEVIATION:
         return (
             f"The small-slope estimate does not apply: it assumes A E* h'/F = {DEFAULT_KAPPA:g}, and this pair "
-            f"has {format_significant(kappa)}. It would be {estimates}{hardness_note}."
+            f"has {format_significant(point.kappa)}. It would be {estimates}{hardness_note}."
         )
     return f"Small-slope estimate: {estimates}{hardness_note}."
