@@ -62,6 +62,8 @@ def test_interval_is_printed_as_range():
 def test_estimate_in_prefixed_unit_has_the_unit_of_its_value():
     assert Estimate(0.25, 0.125, 0.5).in_prefixed_unit("um") == (Estimate(250.0, 125.0, 500.0), "nm")
     assert Estimate(0.25, 0.125, 0.5).in_prefixed_unit("%") == (Estimate(25.0, 12.5, 50.0), "%")
+    # The value is rounded to the printed digits first, so it is not printed as 10000 mN/µm.
+    assert Estimate(9999.0, 9998.0, 10_000.0).in_prefixed_unit("mN/um") == (Estimate(9.999, 9.998, 10.0), "N/µm")
     assert Estimate(3.0, 2.0, 4.0).in_prefixed_unit("1") == (Estimate(3.0, 2.0, 4.0), "")
     assert [Estimate(value).in_prefixed_unit("mN")[1] for value in (math.nan, 0.0, 2e-6)] == ["mN", "mN", "nN"]
 

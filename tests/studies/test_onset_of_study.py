@@ -8,8 +8,9 @@ from stiction import Study, contacts, open_result, pair_of, press, run
 from stiction.mechanics.quantities import ONSET_QUANTITIES
 from stiction.studies.evaluation import at_load
 from stiction.studies.study import StudyError
+from stiction.views.layout import format_paragraph
+from stiction.views.quantities import quantities_paragraph
 from stiction.views.report import report_page
-from stiction.views.text import quantities_text
 from support.command import disable_drawing
 
 PROFILE_STUDY_CHANGES = {
@@ -118,7 +119,7 @@ def test_table_and_text_and_figure_and_report_show_the_onset(study, tmp_path):
     result = open_result(tmp_path / "result")
     column = "pre-sliding displacement at mu0 = 0.3, tau0 = 20 MPa (um)"
     assert {column, f"{column}: lower", "initial tangential stiffness (mN/um)"} <= set(result.to_dataframe().columns)
-    text = " ".join(quantities_text(result.summary(1e-3).points[:1]).split())
+    text = " ".join(format_paragraph(quantities_paragraph(result.summary(1e-3).points[:1])).split())
     assert "pre-sliding displacement at μ0 = 0.3, τ0 = 20 MPa" in text
     assert "load that slips at half of sliding at μ0 =" in text
     assert result.figures() == ["onset"]

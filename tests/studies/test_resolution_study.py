@@ -97,7 +97,7 @@ def test_resolved_wavelengths_of_a_study_equal_those_computed_from_the_gap(study
     roughness = scale_dependent_roughness(gap)
     assert wavelengths.shortest == pytest.approx(0.2)
     assert wavelengths.longest == pytest.approx(max(gap.extent))
-    assert wavelengths.fraction_below(0.8) == pytest.approx(float(roughness.fraction_below(0.8)))
+    assert wavelengths.shortest_octave_fraction == pytest.approx(float(roughness.fraction_below(0.4)))
     assert resolved_wavelengths_text(wavelengths).startswith(
         "Wavelengths from 200 nm to 9.6 µm; wavelengths below 400 nm contribute "
     )

@@ -7,16 +7,18 @@ import pytest
 from stiction.studies.assessment import METAL_YIELD_PRESSURE_RATIO, YIELD_PRESSURE_RATIO, Caveat
 from stiction.studies.point import iterate_points
 from stiction.studies.summary import UNATTRIBUTED_WAVELENGTHS_INPUT_NAME, summarize, summarize_point
+from stiction.views.layout import format_paragraph
 from stiction.views.point import averaged_directions_text
 from stiction.views.sentence import (
     DEFAULT_KAPPA,
     MIN_STATED_LOAD_DEFINITION_EFFECT,
     finer_scan_text,
     inputs_text,
+    point_detail_sentences,
     quotable_sentence,
     small_slope_estimate_text,
 )
-from stiction.views.text import coefficients_text
+from stiction.views.text import coefficients_paragraph
 from support.synthetic_results import generated_result, generated_study, measured_result, measured_study
 
 
@@ -206,9 +208,10 @@ def test_sentence_without_coefficient_states_the_reason():
     )
     assert (point.status, point.verdict) == ("not-reached", "Do not quote")
     assert "no computed load is as large" in quotable_sentence(point)
-    text = coefficients_text(
-        [summarize_single_point(measured_result(all_contacts=np.nan, opposing=np.nan), measured_study())]
+    point_without_status = summarize_single_point(
+        measured_result(all_contacts=np.nan, opposing=np.nan), measured_study()
     )
+    text = format_paragraph(coefficients_paragraph([point_without_status]))
     assert text.startswith("μ_s = none")
     assert "ok" not in text.splitlines()[0]
 
@@ -419,7 +422,7 @@ def test_text_of_inputs_states_no_range_for_a_given_hardness(study):
 def test_range_for_finer_scans_is_omitted_if_the_result_has_a_fault():
     point = summarize(measured_result(all_contacts=47.0, rms_gradient=300.0), measured_study(hardness=2.0)).points[0]
     assert (point.verdict, point.bracket) == ("Do not quote", None)
-    assert "finer scan" not in coefficients_text([point])
+    assert not any("finer scan" in sentence for sentence in point_detail_sentences(point))
 
 
 def test_range_for_finer_scans_starts_at_a_coefficient_below_the_plastic_limit():

@@ -1,22 +1,27 @@
 """Tests of results as text: the coefficient comes first, and no line is wider than the terminal."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray
 from stiction._estimate import Estimate
 from stiction._number_format import format_percent, format_significant, format_with_unit
+from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.assessment import VERDICTS_BY_SEVERITY, Caveat
-from stiction.studies.summary import UncertaintyBudgetEntry, summarize
+from stiction.studies.summary import Summary, UncertaintyBudgetEntry, summarize
+from stiction.views.assessment import assessment_paragraph
+from stiction.views.layout import format_paragraph
+from stiction.views.overview import overview_text
+from stiction.views.quantities import quantities_paragraph
+from stiction.views.rows import summary_json
 from stiction.views.text import (
     MAX_PRINTED_POINTS,
-    assessment_text,
-    format_table,
-    friction_by_axis_text,
-    overview_text,
-    quantities_text,
+    grooves_paragraph,
+    main_values_text,
+    resolution_and_onset_text,
     result_text,
-    wrap_text,
 )
 from support.synthetic_results import generated_result, generated_study, measured_result, measured_study, value_and_ends
 
@@ -106,37 +111,19 @@ def test_remedy_is_listed_only_if_it_changes_printed_digits():
         entry = UncertaintyBudgetEntry(point.value, *ends, words="unresolved roughness", width=0.0)
         point_with_budget = replace(point, budget=(entry,))
         assert point_with_budget.dominant_input is not None
-        assert ("would give" in assessment_text([point_with_budget])) == is_listed
-
-
-def test_table_wider_than_the_terminal_is_split_into_parts_with_fewer_columns():
-    rows = [["name", "first column", "second column"], ["a", "1", "2"]]
-    assert format_table(rows, 80).splitlines() == ["name  first column  second column", "a     1             2"]
-    assert format_table(rows, 20).splitlines() == ["name  first column", "a     1", "name  second column", "a     2"]
-
-
-def test_split_table_repeats_label_columns():
-    rows = [["load", "μ0", "first column", "second column"], ["1 mN", "0.2", "1", "2"]]
-    assert format_table(rows, 26, labels=2).splitlines() == [
-        "load  μ0   first column", "1 mN  0.2  1", "load  μ0   second column", "1 mN  0.2  2",
-    ]  # fmt: skip
-
-
-def test_wrapped_text_keeps_each_number_and_its_unit_on_one_line():
-    text = wrap_text("x" * 33 + " τ0 = 50 MPa and more words that fill the line up to its end", 40)
-    assert "τ0 = 50 MPa" in text.splitlines()[1]
+        assert ("would give" in format_paragraph(assessment_paragraph([point_with_budget]))) == is_listed
 
 
 def test_verbose_text_contains_values_of_the_dataset():
     dataset = measured_result(contact_count=123.0, share_on_largest=0.0421)
-    text = quantities_text(summarize(dataset, measured_study()).points, verbose=True)
+    text = format_paragraph(quantities_paragraph(summarize(dataset, measured_study()).points, verbose=True))
     rows = {line.split("  ")[0]: line.split("  ", 1)[1].strip() for line in text.splitlines()}
     count_text = next(value for name, value in rows.items() if "contacts" in name and "(" not in name)
     assert count_text == Estimate(*value_and_ends(123.0)).table_text
     assert rows["load on the largest contact (%)"] == Estimate(*value_and_ends(4.21)).table_text
     assert "error of the solution" in rows
     points_of_asperity_model = summarize(measured_result(error=np.nan), measured_study()).points
-    text_of_asperity_model = quantities_text(points_of_asperity_model, verbose=True)
+    text_of_asperity_model = format_paragraph(quantities_paragraph(points_of_asperity_model, verbose=True))
     assert "error of the solution" not in text_of_asperity_model
 
 
@@ -156,13 +143,43 @@ def test_verbose_text_contains_values_of_the_dataset():
     ],
 )
 def test_grooves_are_reported_if_friction_intervals_along_the_axes_are_disjoint(by_axis, expected_words):
-    dataset = measured_result(by_axis=by_axis).isel(cut_off=0, load=0, mu0=0, tau0=0)
-    text = friction_by_axis_text(dataset, verbose=True)
+    point = summarize(measured_result(by_axis=by_axis), measured_study()).first
+    text = format_paragraph(grooves_paragraph(point, verbose=True))
     assert expected_words in " ".join(text.split())
     assert [line.split()[0] for line in text.splitlines()[1:3]] == ["x", "y"]
     expected_text = text.split("\n", 3)[3] if expected_words.startswith("Grooves: friction") else ""
-    assert friction_by_axis_text(dataset) == expected_text
-    assert friction_by_axis_text(measured_result(directions=(0.0, 180.0)).isel(cut_off=0, load=0, mu0=0, tau0=0)) == ""
+    assert format_paragraph(grooves_paragraph(point)) == expected_text
+    point_with_one_axis = summarize(measured_result(directions=(0.0, 180.0)), measured_study()).first
+    assert grooves_paragraph(point_with_one_axis) == []
+
+
+def test_verbose_text_contains_directed_quantities_only_for_a_single_direction():
+    label = "load that opposes"
+    for directions, is_printed in (((0.0,), True), ((0.0, 180.0), False)):
+        dataset = measured_result(directions=directions, share_opposing=None)
+        values = np.broadcast_to(value_and_ends(0.74), (len(directions), 3))
+        dataset["share_opposing"] = ("direction", "statistic"), values
+        point = summarize(dataset, measured_study()).first
+        assert ("share_opposing" in point.quantities) == is_printed
+        assert (label in result_text(summarize(dataset, measured_study()), verbose=True)) == is_printed
+
+
+def test_text_and_json_of_a_summary_without_points_state_the_reason():
+    for study, text_function in ((measured_study(), main_values_text), (generated_study(), overview_text)):
+        summary = Summary(study, xarray.Dataset(), (), remark="the surfaces do not touch")
+        assert text_function(summary) == "μ_s  none: the surfaces do not touch"
+        assert resolution_and_onset_text(summary) == ""
+        record = json.loads(summary_json("pair", summary, dry=True))
+        assert (record["values"], record["remark"], record["dry"]) == ([], summary.remark, True)
+
+
+def test_number_without_an_interval_is_printed_with_two_digits():
+    dataset = generated_result(share_beyond_hertz=0.1234)
+    dataset["share_beyond_hertz"] = dataset["share_beyond_hertz"].sel(statistic="mean", drop=True)
+    point = summarize(dataset, generated_study()).first
+    assert point.numbers["share_beyond_hertz"] == 0.1234
+    (table,) = quantities_paragraph([point], verbose=True)
+    assert dict(table.rows)[f"{QUANTITIES['share_beyond_hertz'].table_label} (%)"] == "12"
 
 
 def test_overview_has_one_row_for_each_combination_of_parameters_and_marks_invalid_values():
@@ -249,7 +266,7 @@ def test_quantity_is_printed_in_the_unit_that_requires_the_fewest_zeros(value, u
 
 def test_large_areas_and_lengths_are_printed_in_larger_units():
     dataset = measured_result(contact_area=1.01e7, contact_area_fraction=None)
-    text = quantities_text(summarize(dataset, measured_study()).points, verbose=True)
+    text = format_paragraph(quantities_paragraph(summarize(dataset, measured_study()).points, verbose=True))
     assert "true contact area (mm²)" in text
     area_row = next(line for line in text.splitlines() if line.startswith("true contact area"))
     assert area_row.split("  ")[-1].strip().startswith("10.1")

@@ -37,55 +37,47 @@ def open_result_with_warning(directory: Path) -> Result:
 
 def print_result(result: Result, *, verbose: bool = False) -> None:
     """Print a result at the loads of its study: values, assessment, cutoff study and onset of sliding."""
-    from stiction.views import text
+    from stiction.views.overview import overview_text
+    from stiction.views.text import result_text
 
     summary = _summarize(result)
-    if isinstance(summary, str):
-        output = f"μ_s  none: {summary}"
-    elif summary.study.is_measured:
-        output = text.result_text(summary, verbose=verbose, complete_command=VERBOSE_OPTION)
+    if summary.study.is_measured:
+        text = result_text(summary, verbose=verbose, complete_command=VERBOSE_OPTION)
     else:
         max_lines = None if verbose else MAX_CAVEAT_LINES
-        output = text.overview_text(summary, max_lines, complete_command=VERBOSE_OPTION)
-    print_output(output)
+        text = overview_text(summary, max_lines, complete_command=VERBOSE_OPTION)
+    print_output(text)
 
 
 def print_pair_values(result: Result, *, verbose: bool = False) -> None:
     """Print the values of a measured pair without the cutoff study and the onset of sliding."""
     from stiction.views.text import main_values_text
 
-    summary = _summarize(result)
-    if isinstance(summary, str):
-        print_output(f"μ_s  none: {summary}")
-    else:
-        options: dict[str, Any] = {"max_lines": MAX_CAVEAT_LINES, "complete_command": VERBOSE_OPTION}
-        print_output(main_values_text(summary, verbose=verbose, **options))
+    options: dict[str, Any] = {"max_lines": MAX_CAVEAT_LINES, "complete_command": VERBOSE_OPTION}
+    print_output(main_values_text(_summarize(result), verbose=verbose, **options))
 
 
 def print_resolution_and_onset(result: Result, *, verbose: bool = False) -> None:
     """Print the cutoff study and the onset of sliding of a measured pair, if the result has values."""
     from stiction.views.text import resolution_and_onset_text
 
-    summary = _summarize(result)
-    if not isinstance(summary, str) and (text := resolution_and_onset_text(summary, verbose=verbose)):
+    if text := resolution_and_onset_text(_summarize(result), verbose=verbose):
         print_output(text)
 
 
 def print_result_json(result: Result, command: str, **fields: Any) -> None:
     """Print a result at the loads of its study as a JSON record of a command, with additional fields."""
-    from stiction.views.rows import record_json, summary_json
+    from stiction.views.rows import summary_json
 
-    summary = _summarize(result)
-    print_output(
-        record_json(command, [], **fields, remark=summary)
-        if isinstance(summary, str)
-        else summary_json(command, summary, **fields)
-    )
+    print_output(summary_json(command, _summarize(result), **fields))
 
 
-def _summarize(result: Result) -> Summary | str:
-    """Return the summary of a result, or the reason why the result has no values: the surfaces do not touch."""
+def _summarize(result: Result) -> Summary:
+    """Return the summary of a result. If the surfaces do not touch, it has no points, and its remark is the reason."""
+    import xarray
+
     from stiction.studies.store import StoreError
+    from stiction.studies.summary import Summary
 
     try:
         # The warning about tau0 was already printed when the study was created.
@@ -94,7 +86,7 @@ def _summarize(result: Result) -> Summary | str:
     except StoreError:
         raise
     except ValueError as error:
-        return str(error)
+        return Summary(result.study, xarray.Dataset(), (), remark=str(error))
 
 
 def write_pair_files(result: Result, *, print_written: Callable[[str], None]) -> None:

@@ -22,7 +22,7 @@ def info(directory: DirectoryArgument, verbose: VerboseOption = False, as_json: 
     from stiction.studies.result import Result
     from stiction.studies.store import open_stored_result
     from stiction.studies.study import Study, find_table_differences
-    from stiction.views.text import wrap_text
+    from stiction.views.layout import wrap_text
 
     stored_result = open_stored_result(directory)
     study, num_finished = stored_result.study, stored_result.num_finished

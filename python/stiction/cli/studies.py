@@ -79,7 +79,7 @@ def studies(
     if name is not None:
         print_output(Study.named(name).to_toml())
         return
-    from stiction.views.text import wrap_text
+    from stiction.views.layout import wrap_text
 
     names = study_names()
     width = max(map(len, names)) + 2

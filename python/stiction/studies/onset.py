@@ -190,9 +190,8 @@ def _fit_presliding_models(onset: xarray.Dataset) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class OnsetCurvePoint:
-    """Point of the mean onset curve, at a fraction of the sliding load."""
+    """Point of the mean onset curve."""
 
-    fraction: float  # ratio of the tangential load to the sliding load
     tangential_load: Estimate  # mN
     displacement: Estimate  # µm
     slipped_area: Estimate  # fraction of the contact area that slips
@@ -214,21 +213,17 @@ class OnsetValues:
     displacement_at_sliding: Estimate  # µm
     stiffness: Estimate  # initial tangential stiffness (mN/µm)
     unloading_stiffness: Estimate  # normal stiffness during unloading (mN/µm)
-    curve: tuple[OnsetCurvePoint, ...]
+    curve: dict[float, OnsetCurvePoint]  # by the ratio of the tangential load to the sliding load
     models: dict[str, dict[str, float]]  # parameters of the fitted models, by model; empty if the fit failed
-
-    def at_fraction(self, fraction: float) -> OnsetCurvePoint:
-        """Return the point of the curve at one of the fractions in `ONSET_LOAD_FRACTIONS`."""
-        return next(point for point in self.curve if point.fraction == fraction)
 
 
 def find_onset_values(onset: xarray.Dataset) -> OnsetValues:
     """Return the values of the onset of sliding in a dataset that `compute_onset` returned."""
     attributes = onset.attrs
-    curve = []
+    curve = {}
     for fraction in onset["fraction"].values.tolist():
         curve_point = onset.sel(fraction=fraction)
-        curve.append(OnsetCurvePoint(fraction, **{name: read_estimate(curve_point[name]) for name in _CURVE_TITLES}))
+        curve[fraction] = OnsetCurvePoint(**{name: read_estimate(curve_point[name]) for name in _CURVE_TITLES})
     models = {
         model: {name: float(attributes[f"{model}_{name}"]) for name in names if f"{model}_{name}" in attributes}
         for model, names in PRESLIDING_PARAMETERS.items()
@@ -241,7 +236,7 @@ def find_onset_values(onset: xarray.Dataset) -> OnsetValues:
         poisson_ratio=tuple(np.ravel(attributes["poisson_ratio"]).astype(float).tolist()),
         is_poisson_ratio_given=bool(attributes.get("poisson_given", 1)),
         **{name: read_estimate(onset[name]) for name in _ONSET_SCALAR_NAMES},
-        curve=tuple(curve),
+        curve=curve,
         models=models,
     )
 

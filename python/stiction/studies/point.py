@@ -71,19 +71,25 @@ def select_sliding_rule(table: Any, rule: str) -> Any:
     return table.sel(sliding=rule) if "sliding" in table.dims else table
 
 
+def find_statistic_indices(table: xarray.Dataset | xarray.DataArray) -> list[int]:
+    """Return the indices of the mean and of the limits of its interval along the dimension `statistic`."""
+    statistics = table["statistic"].values.tolist()
+    return [statistics.index(name) for name in MEAN_AND_LIMITS]
+
+
 def read_estimate(table: xarray.DataArray) -> Estimate:
     """Return the estimate in an array; dimensions other than `statistic` must have size 1."""
     if "statistic" not in table.dims:
         return Estimate(table.item())
-    return Estimate(*table.sel(statistic=list(MEAN_AND_LIMITS)).values.astype(float).ravel().tolist())
+    return Estimate(*table.values.ravel()[find_statistic_indices(table)].astype(float).tolist())
 
 
 def read_estimates_along(table: xarray.DataArray, dimension: str) -> dict[float, Estimate]:
     """Return the estimates in an array with the dimensions `dimension` and `statistic`, by coordinate."""
-    values = table.transpose(dimension, "statistic").sel(statistic=list(MEAN_AND_LIMITS)).values
+    rows = table.variable.transpose(dimension, "statistic").values[:, find_statistic_indices(table)].astype(float)
     return {
-        coordinate: Estimate(*value_and_limits)
-        for coordinate, value_and_limits in zip(table[dimension].values.tolist(), values.tolist(), strict=True)
+        coordinate: Estimate(*row)
+        for coordinate, row in zip(table[dimension].values.tolist(), rows.tolist(), strict=True)
     }
 
 

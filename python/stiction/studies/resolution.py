@@ -137,9 +137,10 @@ class ResolvedRoughness:
     roughness: ScaleDependentRoughness
     estimate: HurstEstimate | None  # Hurst exponent of the gap, or None if the gap has no self-affine band
 
-    def fraction_below(self, wavelength: float) -> float:
-        """Return the fraction of the gap's mean square gradient that comes from wavelengths below a limit (µm)."""
-        return float(self.roughness.fraction_below(wavelength))
+    @property
+    def shortest_octave_fraction(self) -> float:
+        """Fraction of the gap's mean square gradient that comes from the shortest resolved octave of wavelengths."""
+        return float(self.roughness.fraction_below(2 * self.shortest))
 
     def find_yield_wavelength(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
         """Return the cutoff (µm) at which the elastic pressure is `ratio` times the pressure at the scan resolution.

@@ -607,10 +607,11 @@ class Result:
             return f"no answer: {error}"
 
     def _render_terminal_text(self) -> str:
-        from stiction.views import text
+        from stiction.views.overview import overview_text
+        from stiction.views.text import result_text
 
         summary = self.summary()
-        return text.result_text(summary) if self.study.is_measured else text.overview_text(summary)
+        return result_text(summary) if self.study.is_measured else overview_text(summary)
 
     def _repr_html_(self) -> str:
         """Return HTML that contains a figure and the text that is shown on a terminal."""

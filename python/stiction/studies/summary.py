@@ -27,12 +27,12 @@ from stiction.studies.assessment import (
 )
 from stiction.studies.point import (
     CELL_DIMENSIONS,
-    MEAN_AND_LIMITS,
     UNKNOWN_INTERVAL,
     SlidingRuleCoefficient,
     compute_plastic_adhesive_friction,
     effective_modulus_at,
     find_contact_status,
+    find_statistic_indices,
     get_adhesion_ranges,
     get_roughness_exponent,
     is_unloaded,
@@ -199,6 +199,11 @@ class PointSummary:
         return tuple(np.atleast_1d(self.values["direction"].values).astype(float).tolist())
 
     @property
+    def spacings(self) -> tuple[float, ...]:
+        """Distances between the points of the surfaces (µm), without duplicates; empty if they are unknown."""
+        return tuple(np.unique(np.atleast_1d(self.values.attrs.get("spacing_um", ())).astype(float)).tolist())
+
+    @property
     def kappa(self) -> float:
         """Ratio A E* h'/F of the true area to its small-slope estimate, or NaN without a root-mean-square gradient."""
         if "rms_gradient" not in self.quantities:
@@ -269,6 +274,8 @@ class Summary:
         Onset of sliding at the first load, mu0 and tau0 of the study.
     values_at_cutoffs : xarray.Dataset, optional
         Values of a few members at several cutoff wavelengths.
+    remark : str
+        Reason why there are no points, as in "the surfaces do not touch"; empty if there are points.
     """
 
     study: Study
@@ -276,6 +283,7 @@ class Summary:
     points: tuple[PointSummary, ...]
     onset: xarray.Dataset | None = None
     values_at_cutoffs: xarray.Dataset | None = None
+    remark: str = ""
 
     @cached_property
     def resolution(self) -> ResolutionEffect | None:
@@ -390,7 +398,7 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
     # If the coefficient is missing in one direction, the mean over all directions is NaN.
     status = rules[0].status if math.isnan(rules[0].value) else friction.STATUS_OK
     variables = dict(iterate_undirected_variables(point, rules[0].rule))
-    statistics = [point["statistic"].values.tolist().index(name) for name in MEAN_AND_LIMITS]
+    statistics = find_statistic_indices(point)
     cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
     rule_with_sampling_interval = replace(rules[0], lower=rules[0].positions.lower, upper=rules[0].positions.upper)
     # A cutoff removes caveats only if the user requested this cutoff.

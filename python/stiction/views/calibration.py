@@ -15,10 +15,10 @@ from stiction._number_format import format_percent, format_with_unit
 from stiction._repr import render_png
 from stiction.studies.calibration_fit import MIN_AREA_VARIATION
 from stiction.studies.interfaces import ERROR_SCALING_P_VALUE_LIMIT, EXCLUSION_P_VALUE_LIMIT, Interface, StrengthFit
+from stiction.views.layout import format_table, wrap_text
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 from stiction.views.rows import json_entry, record_json
 from stiction.views.style import ALL_CONTACTS_COLOUR, FORCE_COLOUR, MATPLOTLIB_STYLE, PAGE_WIDTH, new_figure
-from stiction.views.text import format_table, wrap_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -47,9 +47,9 @@ from stiction.surfaces.spectrum import (
     surface_spectrum,
 )
 from stiction.surfaces.surface import Surface
+from stiction.views.layout import wrap_text
 from stiction.views.rows import json_entry, record_json
 from stiction.views.spreadsheet import frame_to_csv
-from stiction.views.text import wrap_text
 
 ASSUMED_MU0 = 0.4  # molecular friction coefficient mu0 that is assumed in the small-slope estimate
 RADIAL_BINS_PER_DECADE = 20  # number of bins per decade in the spectrum of a surface

@@ -11,8 +11,8 @@ from stiction._estimate import Estimate
 from stiction._number_format import format_with_unit
 from stiction.mechanics.quantities import column_title_and_factor
 from stiction.studies.friction_table import MAX_LAW_DEVIATION
+from stiction.views.layout import format_table, wrap_text
 from stiction.views.spreadsheet import frame_to_csv
-from stiction.views.text import format_table, wrap_text
 
 _COLUMN_TITLES = {
     "friction_coefficient": ("mu_s", 1.0), "contact_area_fraction": ("A/A0 (%)", 100.0),

@@ -19,8 +19,8 @@ from stiction.studies.point import (
     select_sliding_rule,
 )
 from stiction.views import rows
+from stiction.views.layout import format_table, wrap_text
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS, load_text
-from stiction.views.text import format_table, wrap_text
 
 if TYPE_CHECKING:
     import xarray

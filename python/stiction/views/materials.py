@@ -6,8 +6,8 @@ import itertools
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from stiction.views.layout import format_table, wrap_text
 from stiction.views.rows import record_json
-from stiction.views.text import format_table, wrap_text
 
 if TYPE_CHECKING:
     from stiction.mechanics.materials import Material, MaterialValue

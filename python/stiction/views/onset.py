@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from stiction._estimate import Estimate
 from stiction._number_format import format_percent, format_with_unit
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.studies.onset import OnsetValues
-
-if TYPE_CHECKING:
-    from stiction.studies.study import Study
-    from stiction.views.resolution import Paragraph
+from stiction.views.layout import Paragraph, Table
+from stiction.views.point import coordinate_text
 
 HALF_SLIDING_LOAD_FRACTION = 0.5
 CYCLE_AMPLITUDES = (0.5, 0.9)  # amplitudes of cyclic tangential loading, relative to the sliding load
@@ -24,7 +22,7 @@ def onset_text(onset: OnsetValues) -> str:
     displacement, length_unit = _in_printed_unit(onset.displacement_at_sliding, "displacement_at_sliding")
     if math.isfinite(displacement.value):
         phrases.append(f"pre-sliding displacement {displacement} {length_unit}")
-    slipped_area = onset.at_fraction(HALF_SLIDING_LOAD_FRACTION).slipped_area
+    slipped_area = onset.curve[HALF_SLIDING_LOAD_FRACTION].slipped_area
     phrases.append(f"{format_percent(slipped_area.value)} of the contact slips at half of the sliding load")
     stiffness, stiffness_unit = _in_printed_unit(onset.stiffness, "stiffness")
     if math.isfinite(stiffness.value):
@@ -42,7 +40,7 @@ def onset_rows(onset: OnsetValues) -> list[list[str]]:
     displacement, length_unit = _in_printed_unit(onset.displacement_at_sliding, "displacement_at_sliding")
     stiffness, stiffness_unit = _in_printed_unit(onset.stiffness, "stiffness")
     unloading_stiffness, unloading_unit = _in_printed_unit(onset.unloading_stiffness, "unloading_stiffness")
-    half_load_point = onset.at_fraction(HALF_SLIDING_LOAD_FRACTION)
+    half_load_point = onset.curve[HALF_SLIDING_LOAD_FRACTION]
     estimates = {
         "sliding load (mN)": onset.sliding_load,
         f"pre-sliding displacement ({length_unit})": displacement,
@@ -52,12 +50,12 @@ def onset_rows(onset: OnsetValues) -> list[list[str]]:
         "load on the slipping contact (%)": half_load_point.slipped_load / 0.01,
         **{
             f"energy dissipated in a cycle of {amplitude:g} times the sliding load (pJ)": (
-                onset.at_fraction(amplitude).energy_lost / PICOJOULE
+                onset.curve[amplitude].energy_lost / PICOJOULE
             )
             for amplitude in CYCLE_AMPLITUDES
         },
     }
-    header = f"{format_with_unit(onset.load, 'mN')}, μ0 = {onset.mu0:g}, τ0 = {_tau0_text(onset.tau0)}"
+    header = f"{format_with_unit(onset.load, 'mN')}, μ0 = {onset.mu0:g}, τ0 = {coordinate_text('tau0', onset.tau0)}"
     rows = [[label, estimate.table_text] for label, estimate in estimates.items() if not math.isnan(estimate.value)]
     return [["onset of sliding", header], *rows]
 
@@ -76,7 +74,9 @@ def onset_note(onset: OnsetValues) -> str:
 
 def onset_paragraph(onset: OnsetValues, *, verbose: bool) -> Paragraph:
     """Return a sentence about the onset of sliding and, if `verbose`, a note about the assumptions and a table."""
-    return [f"{onset_text(onset)} {onset_note(onset)}", onset_rows(onset)] if verbose else [onset_text(onset)]
+    if not verbose:
+        return [onset_text(onset)]
+    return [f"{onset_text(onset)} {onset_note(onset)}", Table(onset_rows(onset))]
 
 
 def onset_record(onset: OnsetValues) -> dict[str, Any]:
@@ -93,25 +93,11 @@ def onset_record(onset: OnsetValues) -> dict[str, Any]:
         **{name: _estimate_record(getattr(onset, name)) for name in characteristic_names},
         **{model: parameters or None for model, parameters in onset.models.items()},
         "curve": [
-            {"fraction": point.fraction, **{name: _estimate_record(getattr(point, name)) for name in curve_names}}
-            for point in onset.curve
+            {"fraction": fraction, **{name: _estimate_record(getattr(point, name)) for name in curve_names}}
+            for fraction, point in onset.curve.items()
         ],
     }
 
 
 def _estimate_record(estimate: Estimate) -> dict[str, float]:
     return {"mean": estimate.value, "lower": estimate.lower, "upper": estimate.upper}
-
-
-def quantity_label(name: str, study: Study) -> str:
-    """Return the label of a quantity; labels for the onset of sliding include mu0 and tau0."""
-    onset, text = study.contact.onset, QUANTITIES[name].table_label
-    if name == "normal_stiffness" and study.contact.hardness is not None:
-        return f"{text} while loading"
-    if onset is None or name not in ("displacement_at_sliding", "fraction_slipped"):
-        return text
-    return f"{text} at μ0 = {onset.mu0:g}, τ0 = {_tau0_text(float(onset.tau0))}"
-
-
-def _tau0_text(tau0: float) -> str:
-    return format_with_unit(tau0, "GPa") if tau0 else "0"

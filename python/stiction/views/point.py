@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._number_format import format_with_unit
+from stiction.mechanics.friction import STATUS_OK
 
 if TYPE_CHECKING:
+    from stiction.studies.point import SlidingRuleCoefficient
     from stiction.studies.study import Study
     from stiction.studies.summary import PointSummary
 
@@ -18,6 +20,21 @@ SLIDING_RULE_DESCRIPTIONS = {
     "opposing": "friction at opposing contacts only (the paper's rule)",
 }
 """Descriptions of the sliding rules, in the order in which results are reported."""
+
+SLIDING_RULE_TITLES = {"all": "all contacts", "opposing": "opposing contacts"}
+"""Shorter descriptions of the sliding rules, for column headings."""
+
+COORDINATE_LABELS = {"fractal_dimension": "D", "hurst_exponent": "H", "mu0": "μ0", "tau0": "τ0", "cut_off": "cutoff"}
+"""Labels of the coordinates of a point. The label of any other coordinate is its name."""
+
+_COORDINATE_UNITS = {"load": "mN", "tau0": "GPa", "amplitude": "um", "cut_off": "um"}
+
+
+def coordinate_text(name: str, value: float) -> str:
+    """Return a coordinate of a point with its unit, as in "50 MPa"."""
+    if name == "cut_off" and value == 0:
+        return "none"
+    return format_with_unit(value, _COORDINATE_UNITS[name]) if name in _COORDINATE_UNITS and value else f"{value:.4g}"
 
 
 def material_names_text(study: Study) -> str:
@@ -35,6 +52,13 @@ def load_text(load: float, nominal_pressure: float) -> str:
 def point_load_text(point: PointSummary) -> str:
     """Return the load of a point with its nominal pressure, or "no load" if the load is negligible."""
     return "no load" if point.is_unloaded else load_text(point.at["load"], point.nominal_pressure)
+
+
+def coefficient_text(point: PointSummary, coefficient: SlidingRuleCoefficient) -> str:
+    """Return a coefficient of a point with its interval, or the reason why it is missing."""
+    if math.isfinite(coefficient.value):
+        return str(coefficient)
+    return "none" if point.status == STATUS_OK else point.status
 
 
 def averaged_directions_text(directions: Any) -> str:

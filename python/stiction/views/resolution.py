@@ -9,15 +9,11 @@ from typing import TYPE_CHECKING, Any
 from stiction._estimate import Estimate
 from stiction._number_format import format_percent, format_with_unit
 from stiction.mechanics.friction import STATUS_OK
+from stiction.views.layout import Line, Paragraph, Table, TextRows
+from stiction.views.point import SLIDING_RULE_TITLES
 
 if TYPE_CHECKING:
     from stiction.studies.resolution import ResolutionEffect, ResolvedRoughness, YieldWavelengthEstimate
-
-TextRows = Sequence[Sequence[str]]
-Paragraph = Sequence[str | TextRows]
-"""Sentences and tables that follow one another without an empty line."""
-
-SLIDING_RULE_TITLES = {"all": "all contacts", "opposing": "opposing contacts"}
 
 
 def resolution_paragraphs(resolution: ResolutionEffect, hardness: float | None) -> list[Paragraph]:
@@ -27,9 +23,10 @@ def resolution_paragraphs(resolution: ResolutionEffect, hardness: float | None) 
     if scan is not None:
         paragraphs.append([resolved_wavelengths_text(scan)])
     if resolution.cutoffs:
-        paragraphs.append([cut_off_rows(resolution, hardness), cut_off_note(resolution)])
+        table = Table(cut_off_rows(resolution, hardness))
+        paragraphs.append([table, Line(cut_off_note(resolution), indent="  ")])
     if scan is not None and resolution.yielding and (rows := yield_wavelength_rows(resolution.yielding[0][1], scan)):
-        paragraphs.append([ELASTIC_RESULT_CAVEAT, rows])
+        paragraphs.append([ELASTIC_RESULT_CAVEAT, Table(rows)])
     return paragraphs
 
 
@@ -38,7 +35,7 @@ def resolution_paragraphs(resolution: ResolutionEffect, hardness: float | None) 
 
 def resolved_wavelengths_text(scan: ResolvedRoughness) -> str:
     """Return a sentence about the resolved wavelengths and the contribution of the shortest octave to h'²."""
-    fraction = format_percent(scan.fraction_below(2 * scan.shortest))
+    fraction = format_percent(scan.shortest_octave_fraction)
     return (
         f"Wavelengths from {format_with_unit(scan.shortest, 'um')} to {format_with_unit(scan.longest, 'um')}; "
         f"wavelengths below {format_with_unit(2 * scan.shortest, 'um')} contribute {fraction} of the gap's mean square "
@@ -133,7 +130,7 @@ def resolution_record(resolution: ResolutionEffect) -> dict[str, Any]:
             "shortest_um": scan.shortest,
             "longest_um": scan.longest,
             "rms_gradient": scan.gradient,
-            "fraction_of_mean_square_slope_in_shortest_octave": scan.fraction_below(2 * scan.shortest),
+            "fraction_of_mean_square_slope_in_shortest_octave": scan.shortest_octave_fraction,
             "hurst_exponent": None if scan.estimate is None else scan.estimate.value,
         }
     if resolution.yielding:

@@ -21,8 +21,9 @@ from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import QUANTITIES, column_title_and_factor, quantity_names_shown_in
 from stiction.studies.point import CELL_DIMENSIONS, list_sliding_rules_reported_first
 from stiction.studies.summary import PointSummary, Summary
-from stiction.views.onset import onset_record, quantity_label
+from stiction.views.onset import onset_record
 from stiction.views.pull_off import pull_off_record
+from stiction.views.quantities import quantity_label
 from stiction.views.resolution import resolution_record
 from stiction.views.sentence import covered_inputs_text, list_assumptions, quotable_sentence
 
@@ -280,6 +281,8 @@ def json_entry(
 
 def summary_json(command: str, summary: Summary, /, **fields: Any) -> str:
     """Return a JSON record of a command and its results: points, caveats, cutoff study and onset of sliding."""
+    if summary.remark:
+        return record_json(command, [], **fields, remark=summary.remark)
     dataset, study = summary.at, summary.study
     fields = {"kind": "pair" if study.is_measured else "study", **fields}
     fields |= {name: str(dataset.attrs[name]) for name in ("upper", "lower", "reading") if name in dataset.attrs}

@@ -15,6 +15,7 @@ from stiction.mechanics.resolution import KAPPA_AT_SMALL_LOADS
 from stiction.studies.input_caveats import MAX_SPECTRA_RATIO, have_different_spectra
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.repeated_scans import RepeatedScans
+from stiction.views.layout import format_table, wrap_text
 from stiction.views.spreadsheet import frame_to_csv
 from stiction.views.style import (
     ALL_CONTACTS_COLOUR,
@@ -25,7 +26,6 @@ from stiction.views.style import (
     PAGE_WIDTH,
     new_figure,
 )
-from stiction.views.text import format_table, wrap_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

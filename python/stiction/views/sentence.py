@@ -1,8 +1,9 @@
-"""Sentence to quote for a point of a summary, and parts of this sentence."""
+"""Sentences about the points of a summary: the sentence to quote, its parts, and details of a single point."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stiction._estimate import Estimate
-from stiction._number_format import format_percent, format_significant, format_with_unit
+from stiction._number_format import format_percent, format_significant, format_time, format_with_unit
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.studies.hardness import find_uncertain_inputs
 from stiction.studies.interfaces import find_interface
@@ -20,16 +21,17 @@ from stiction.surfaces.pairing import SIDES
 from stiction.views.point import (
     SLIDING_RULE_DESCRIPTIONS,
     averaged_directions_text,
+    coordinate_text,
     material_names_text,
     point_load_text,
 )
 from stiction.views.pull_off import pull_off_text
 
 if TYPE_CHECKING:
-    import xarray
-
     from stiction.studies.study import Study
 
+# roughness counts as negligible if it contributes less than this fraction of the coefficient
+NEGLIGIBLE_ROUGHNESS_FRACTION = 0.05
 # The sentence states how the load is defined if this choice changes the coefficient by more than this fraction.
 MIN_STATED_LOAD_DEFINITION_EFFECT = 0.01
 MIN_STATED_KAPPA_DEVIATION = 0.2
@@ -107,17 +109,15 @@ def roughness_contribution_text(point: PointSummary) -> str:
 
 def inputs_text(point: PointSummary) -> str:
     """Return text with the load, the materials and the resolution of a point."""
-    values, study = point.values, point.study
-    items = [point_load_text(point)]
-    if "fractal_dimension" in values.coords:
+    study, items = point.study, [point_load_text(point)]
+    if "fractal_dimension" in point.at:
         name, value = point.roughness_exponent
         items.append(f"{name} = {value:.3g}")
-    if "amplitude" in values.coords:
-        items.append(f"amplitude {format_with_unit(float(values['amplitude']), 'um')}")
-    items.append(f"μ0 = {float(values['mu0']):g}{_input_range_text(values, study, 'mu0')}")
-    tau0_text = format_with_unit(float(values["tau0"]), "GPa") if float(values["tau0"]) else "0"
-    items.append(f"τ0 = {tau0_text}{_input_range_text(values, study, 'tau0')}")
-    if study.known.interface is not None and all(_is_central_value(values, study, name) for name in ("mu0", "tau0")):
+    if "amplitude" in point.at:
+        items.append(f"amplitude {format_with_unit(point.at['amplitude'], 'um')}")
+    items.append(f"μ0 = {point.at['mu0']:g}{_input_range_text(point, 'mu0')}")
+    items.append(f"τ0 = {coordinate_text('tau0', point.at['tau0'])}{_input_range_text(point, 'tau0')}")
+    if study.known.interface is not None and all(_is_central_value(point, name) for name in ("mu0", "tau0")):
         items.append(_interface_text(study))
     if materials := material_names_text(study):
         items.append(materials)
@@ -133,22 +133,21 @@ def inputs_text(point: PointSummary) -> str:
         work_of_adhesion = 1e6 * float(study.contact.work_of_adhesion or 0.0)
         range_text = format_with_unit(point.adhesion_range, "um")
         items.append(f"adhesion {work_of_adhesion:.3g} mJ/m² over {range_text}")
-    if "spacing_um" in values.attrs:
-        spacings = np.unique(np.atleast_1d(values.attrs["spacing_um"]).astype(float)).tolist()
-        items.append(f"points {' and '.join(format_with_unit(spacing, 'um') for spacing in spacings)} apart")
-    if "cut_off" in values.coords and float(values["cut_off"]) > 0:
-        items.append(f"low-pass filtered at {format_with_unit(float(values['cut_off']), 'um')}")
+    if point.spacings:
+        items.append(f"points {' and '.join(format_with_unit(spacing, 'um') for spacing in point.spacings)} apart")
+    if (cut_off := point.at.get("cut_off", 0.0)) > 0:
+        items.append(f"low-pass filtered at {format_with_unit(cut_off, 'um')}")
     return ", ".join(items)
 
 
-def _input_range_text(values: xarray.Dataset, study: Study, name: str) -> str:
+def _input_range_text(point: PointSummary, name: str) -> str:
     """Return the range of mu0 or tau0 in brackets if a point uses the central value; otherwise an empty string."""
-    text = getattr(study.known, name)
-    return f" ({text})" if text is not None and _is_central_value(values, study, name) else ""
+    text = getattr(point.study.known, name)
+    return f" ({text})" if text is not None and _is_central_value(point, name) else ""
 
 
-def _is_central_value(values: xarray.Dataset, study: Study, name: str) -> bool:
-    return math.isclose(float(values[name]), float(getattr(study.friction, name)[0]), rel_tol=1e-3)
+def _is_central_value(point: PointSummary, name: str) -> bool:
+    return math.isclose(point.at[name], float(getattr(point.study.friction, name)[0]), rel_tol=1e-3)
 
 
 def _interface_text(study: Study) -> str:
@@ -205,6 +204,16 @@ def point_note_text(point: PointSummary) -> str:
     return "; ".join(items)
 
 
+def shared_conditions_text(points: Sequence[PointSummary]) -> str:
+    """Return text with the inputs that are common to all points, a note about the averaged members, and assumptions."""
+    inputs = [inputs_text(point).split(", ") for point in points]
+    common_inputs = [text for text in inputs[0] if all(text in other_inputs for other_inputs in inputs)]
+    common_inputs_note = f"with {', '.join(common_inputs)}; " if common_inputs else ""
+    assumptions = list_assumptions(points[0].study)
+    assumptions_note = f"; assuming {', '.join(assumptions)}" if assumptions else ""
+    return f"{common_inputs_note}{point_note_text(points[0])}{assumptions_note}"
+
+
 def _averaged_members_text(point: PointSummary) -> str:
     """Return text that counts the averaged members, as in "8 positions"."""
     study = point.study
@@ -238,7 +247,7 @@ def list_assumptions(study: Study) -> tuple[str, ...]:
 
 def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
     """Return all assumptions of a point. They are part of the sentence to quote."""
-    values, study = point.values, point.study
+    study = point.study
     if not study.is_measured:
         return ()
     assumptions = [] if study.known.interface is not None else ["μ0 and τ0 as given"]
@@ -249,7 +258,7 @@ def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
     assumptions += list_assumptions(study)
     if study.contact.work_of_adhesion is not None and not study.contact.adheres:
         assumptions.append("no adhesion")
-    cut_off = float(values["cut_off"]) if "cut_off" in values.coords else 0.0
+    cut_off = point.at.get("cut_off", 0.0)
     assumptions.append(f"scans filtered at {format_with_unit(cut_off, 'um')}" if cut_off > 0 else "scans not filtered")
     return tuple(assumptions)
 
@@ -282,3 +291,66 @@ def small_slope_estimate_text(point: PointSummary) -> str:
             f"has {format_significant(point.kappa)}. It would be {estimates}{hardness_note}."
         )
     return f"Small-slope estimate: {estimates}{hardness_note}."
+
+
+# ---- Sentences about a single point ----------------------------------------------------------------------------------
+
+
+def point_detail_sentences(point: PointSummary) -> list[str]:
+    """Return sentences about contributions, a single test, dwell times, finer scans and the inputs of a point."""
+    sentences = (
+        [] if point.is_unloaded else [contributions_text(point), single_test_text(point), dwell_time_text(point)]
+    )
+    if finer_scans := finer_scan_text(point):
+        sentences.append(f"{finer_scans[0].upper()}{finer_scans[1:]}.")
+    assumptions = list_assumptions(point.study)
+    assumptions_note = f" Assumes {', '.join(assumptions)}." if assumptions else ""
+    return [*filter(None, sentences), f"At {inputs_text(point)}; {point_note_text(point)}.{assumptions_note}"]
+
+
+def roughness_text(point: PointSummary) -> str:
+    """Return text with the roughness contribution to the coefficient, and the inputs that determine the remainder.
+
+    The text is empty if the contribution is unknown.
+    """
+    if point.from_roughness is None:
+        return ""
+    inputs = "the hardness, μ0 and τ0" if point.hardness is not None and point.at["tau0"] > 0 else "μ0"
+    is_negligible = abs(point.from_roughness) <= NEGLIGIBLE_ROUGHNESS_FRACTION * point.value
+    remainder = f"{inputs} determine{'s' * (inputs == 'μ0')} it" if is_negligible else f"the rest is from {inputs}"
+    return f"R{roughness_contribution_text(point)[1:]}; {remainder}."
+
+
+def contributions_text(point: PointSummary) -> str:
+    """Return text with the contributions of mu0, adhesion and slopes to the coefficient, or "" if they are unknown."""
+    if point.parts is None:
+        return ""
+    mu0, adhesion_part, slopes_part = (round(contribution, 3) + 0.0 for contribution in point.parts)
+    sign = "\N{MINUS SIGN}" if slopes_part < 0 else "+"
+    load_note = "" if math.isclose(mu0, point.at["mu0"], abs_tol=1e-3) else " on the load of the contacts"
+    return (
+        f"{mu0:.3f} (μ0{load_note}) + {adhesion_part:.3f} (τ0 on the true area) {sign} {abs(slopes_part):.3f} (slopes)"
+    )
+
+
+def single_test_text(point: PointSummary) -> str:
+    """Return text with the prediction interval of a single test and the confidence interval of the mean."""
+    estimate = point.rules[0]
+    if not math.isfinite(estimate.next_test.lower) or estimate.next_test == estimate.interval:
+        return ""
+    sampled_items = "positions" if point.scans == (1, 1) else "scans and positions"
+    has_sampling_interval = math.isfinite(estimate.positions.lower) and estimate.positions != estimate.interval
+    sampling_text = f"; {sampled_items} alone: {estimate.positions}" if has_sampling_interval else ""
+    return f"Single test in one direction: {estimate.next_test}{sampling_text}."
+
+
+def dwell_time_text(point: PointSummary) -> str:
+    """Return text with the coefficients after the dwell times of the study, or an empty string without dwell times."""
+    estimate_texts = [f"{format_time(aged.seconds)} {aged}" for aged in point.waited]
+    ageing_reason = (
+        "; none if the hardness falls below the pressure"
+        if any(math.isnan(aged_estimate.value) for aged_estimate in point.waited)
+        else ""
+    )
+    rate_text = f"; {format_significant(point.ageing)} for each factor e of time" if math.isfinite(point.ageing) else ""
+    return f"After a dwell time: {', '.join(estimate_texts)}{ageing_reason}{rate_text}." if estimate_texts else ""

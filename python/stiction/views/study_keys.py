@@ -26,7 +26,7 @@ from stiction.studies.study import (
     EnsembleSettings,
     FigureSettings,
 )
-from stiction.views.text import wrap_text
+from stiction.views.layout import wrap_text
 
 KeyTableRow = tuple[str, str, str, str]  # key, default, allowed values and meaning of an entry
 

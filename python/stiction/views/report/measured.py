@@ -16,6 +16,7 @@ from stiction.studies.assessment import find_smallest_check_limit
 from stiction.studies.report_data import MAX_FILE_READINGS, BodyHistory, MeasuredReportData
 from stiction.studies.summary import PointSummary, Summary
 from stiction.studies.values_at_nodes import ORDERED_STATUSES, MeasuredValuesAtNodes
+from stiction.views.assessment import uncertainty_budget_text
 from stiction.views.onset import onset_note, onset_text
 from stiction.views.point import averaged_directions_text, material_names_text, motion_direction_text
 from stiction.views.pull_off import pull_off_text
@@ -25,8 +26,7 @@ from stiction.views.report.pictures import list_measured_panels
 from stiction.views.report.reading import LISTED_READING_OPTIONS, file_reading_table
 from stiction.views.report.tables import EstimateArray, QuantityTable, ReportArray
 from stiction.views.resolution import resolved_wavelengths_text
-from stiction.views.sentence import quotable_sentence, small_slope_estimate_text
-from stiction.views.text import dwell_time_text, uncertainty_budget_text
+from stiction.views.sentence import dwell_time_text, quotable_sentence, small_slope_estimate_text
 
 _UNIT_LABELS = {"um^2": "µm²", "mN/um": "mN/µm", "1": ""}  # labels of units for which no SI prefix is chosen
 

@@ -1,0 +1,99 @@
+"""Assessment of the points of a result, their caveats with remedies, and the most useful further measurement."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from stiction.studies.alternatives import ALTERNATIVE_LABELS, SPIKES_ALTERNATIVE, TIP_ALTERNATIVE
+from stiction.studies.assessment import VERDICTS_BY_SEVERITY, WIDE_INTERVAL_TEXT, Caveat
+from stiction.studies.budget import (
+    LOWER_SCANS_INPUT_NAME,
+    POSITIONS_INPUT_NAME,
+    UNRESOLVED_ROUGHNESS_INPUT_NAME,
+    UPPER_SCANS_INPUT_NAME,
+)
+from stiction.studies.summary import UNATTRIBUTED_WAVELENGTHS_INPUT_NAME, PointSummary
+from stiction.views.layout import Line, Paragraph, ShortenedList
+
+COMPLETE_OUTPUT_METHOD = "summary()"  # method of a result that prints all points and caveats
+MAX_CAVEAT_GROUPS = 6  # maximum number of printed groups of caveats if a result has several points
+
+
+def assessment_paragraph(
+    points: Sequence[PointSummary], max_lines: int | None = None, *, max_groups: int | None = None,
+    complete_command: str = COMPLETE_OUTPUT_METHOD,
+) -> Paragraph:  # fmt: skip
+    """Return the assessment, the most useful measurement, and the caveats with their remedies.
+
+    Caveats of several points are grouped. At most `max_lines` lines of caveats are printed or, without `max_lines`, at
+    most `max_groups` groups. `complete_command` names the option that shows all others.
+    """
+    omission_text = f"more: {complete_command} shows all"
+    if len({(point.verdict, point.caveats) for point in points}) == 1:
+        caveat_lines, num_faults = [_caveat_line(caveat) for caveat in points[0].caveats], len(points[0].faults)
+        return [
+            Line(_common_assessment_text(points), hanging_indent="  "),
+            ShortenedList(caveat_lines, max(num_faults, 1), None, max_lines, omission_text),
+        ]
+    group_lines = [
+        _caveat_line(group[0], f" ({len(group)} of {len(points)})") for group in _group_similar_caveats(points)
+    ]
+    max_shown = max_groups if max_lines is None else None
+    return [_assessment_counts_text(points), ShortenedList(group_lines, 1, max_shown, max_lines, omission_text)]
+
+
+def _common_assessment_text(points: Sequence[PointSummary]) -> str:
+    """Return the assessment of points with equal caveats; for a single point, add the most useful measurement."""
+    point = points[0]
+    if point.is_unloaded:
+        return f"{point.verdict} a coefficient"
+    budget_sentence = uncertainty_budget_text(point) if len(points) == 1 else ""
+    return f"{point.verdict}. {budget_sentence}" if budget_sentence else point.verdict
+
+
+def _assessment_counts_text(points: Sequence[PointSummary]) -> str:
+    """Return each assessment with the number of its points."""
+    counts = {verdict: sum(point.verdict == verdict for point in points) for verdict in VERDICTS_BY_SEVERITY.values()}
+    return ", ".join(f"{verdict} ({count} of {len(points)})" for verdict, count in counts.items() if count) + "."
+
+
+def _group_similar_caveats(points: Sequence[PointSummary]) -> list[list[Caveat]]:
+    """Return groups of caveats that differ only in numbers, starting with faults."""
+    groups: dict[tuple[str, str], list[Caveat]] = {}
+    for caveat in (caveat for point in points for caveat in point.caveats):
+        groups.setdefault((caveat.severity, _CAVEAT_NUMBER_PATTERN.sub("", caveat.text)), []).append(caveat)
+    return sorted(groups.values(), key=lambda group: group[0].severity != "fault")
+
+
+_CAVEAT_NUMBER_PATTERN = re.compile(r"\d[\d.]* ?(?:%|(?:[kMGmµn]?(?:Pa|N|m|m²)\b))?")
+"""Pattern of a number with its unit. Caveats that differ only in numbers are grouped."""
+
+
+def _caveat_line(caveat: Caveat, suffix: str = "") -> Line:
+    marker = "!" if caveat.severity == "fault" else "-"
+    return Line(f"{marker} {caveat.text}{suffix}; {caveat.remedy}", indent="  ", hanging_indent="  ")
+
+
+def uncertainty_budget_text(point: PointSummary) -> str:
+    """Return text that names the measurement that would reduce the uncertainty most, and the resulting interval."""
+    dominant_input = point.dominant_input
+    if dominant_input is None or any(fault.text != WIDE_INTERVAL_TEXT for fault in point.faults):
+        return ""
+    reduced_limits = str(dominant_input.interval)
+    if reduced_limits == str(point.rules[0].interval):
+        return ""
+    action_text = _REMEDY_TEXTS.get(dominant_input.words, f"Measuring {dominant_input.words}")
+    return f"{action_text} would give [{reduced_limits.replace(' to ', ', ')}]."
+
+
+_REMEDY_TEXTS = {
+    UNATTRIBUTED_WAVELENGTHS_INPUT_NAME: "Scanning one place twice",
+    POSITIONS_INPUT_NAME: "Using more positions",
+    UNRESOLVED_ROUGHNESS_INPUT_NAME: "A finer scan",
+    ALTERNATIVE_LABELS[SPIKES_ALTERNATIVE]: "A scan without spikes",
+    ALTERNATIVE_LABELS[TIP_ALTERNATIVE]: "A sharper tip",
+    UPPER_SCANS_INPUT_NAME: "Scanning more places of the upper part",
+    LOWER_SCANS_INPUT_NAME: "Scanning more places of the lower part",
+}  # fmt: skip
+"""Actions that reduce the uncertainty from sources other than uncertain inputs."""

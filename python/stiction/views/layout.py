@@ -1,0 +1,152 @@
+"""Layout of texts on a terminal: paragraphs of lines and tables are wrapped to the width of the terminal."""
+
+from __future__ import annotations
+
+import itertools
+import re
+import shutil
+import textwrap
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+MIN_TERMINAL_WIDTH = 40  # minimum text width in characters, also used if the terminal is narrower
+MIN_LABEL_WIDTH = 16  # minimum width of the first column of a table, in characters
+
+TextRows = Sequence[Sequence[str]]
+
+
+@dataclass(frozen=True)
+class Line:
+    """Text that is wrapped to the width of the terminal."""
+
+    text: str
+    indent: str = ""
+    hanging_indent: str = ""  # additional indent of all lines but the first
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows with aligned columns. The first row contains the headings; rows may have different lengths.
+
+    Columns that do not fit are moved to further tables, which repeat the first `num_labels` columns.
+    """
+
+    rows: TextRows
+    num_labels: int = 1
+
+
+@dataclass(frozen=True)
+class ShortenedList:
+    """Lines of which only the first are printed, followed by a line that counts the omitted ones.
+
+    At most `max_shown` lines are printed, and not more than fit on `max_height` lines of the terminal, but at least
+    `min_shown` lines. None stands for any number.
+    """
+
+    lines: Sequence[Line]
+    min_shown: int
+    max_shown: int | None
+    max_height: int | None
+    omission_text: str  # text that follows the number of omitted lines
+
+
+Paragraph = Sequence[str | Line | Table | ShortenedList]
+"""Items that follow one another without an empty line. A `str` is a line without indents."""
+
+
+def terminal_width() -> int:
+    """Return the width of the terminal in characters."""
+    return max(MIN_TERMINAL_WIDTH, shutil.get_terminal_size().columns)
+
+
+def format_paragraphs(paragraphs: Iterable[Paragraph]) -> str:
+    """Format paragraphs, separated by empty lines, within the width of the terminal. Omit empty paragraphs."""
+    return "\n\n".join(filter(None, map(format_paragraph, paragraphs)))
+
+
+def format_paragraph(paragraph: Paragraph) -> str:
+    """Format lines and tables within the width of the terminal. Omit empty items."""
+    return "\n".join(filter(None, map(_format_item, paragraph)))
+
+
+def _format_item(item: str | Line | Table | ShortenedList) -> str:
+    match item:
+        case str():
+            return wrap_text(item)
+        case Line():
+            return wrap_text(item.text, indent=item.indent, hanging_indent=item.hanging_indent)
+        case Table():
+            return format_table(item.rows, labels=item.num_labels)
+        case ShortenedList():
+            return _format_shortened_list(item)
+
+
+def wrap_text(text: str, width: int | None = None, *, indent: str = "", hanging_indent: str = "") -> str:
+    """Wrap a paragraph to the width of the terminal."""
+    unbreakable_text = _NO_BREAK_SPACE_PATTERN.sub("\N{NO-BREAK SPACE}", text)
+    return textwrap.fill(
+        unbreakable_text, width or terminal_width(), initial_indent=indent, subsequent_indent=indent + hanging_indent,
+        break_long_words=False, break_on_hyphens=False,
+    ).replace("\N{NO-BREAK SPACE}", " ")  # fmt: skip
+
+
+_NO_BREAK_SPACE_PATTERN = re.compile(r"(?<=[^\s] =) | (?=[=<>] )|(?<=\d) (?=(?:[kmµn]?[NmgL]|[GMk]Pa|%|°)(?!\w))")
+"""Spaces at which a line must not break: around an equals sign, and between a number and its unit."""
+
+
+def _format_shortened_list(shortened_list: ShortenedList) -> str:
+    texts = [_format_item(line) for line in shortened_list.lines]
+    num_shown = len(texts) if shortened_list.max_shown is None else shortened_list.max_shown
+    if shortened_list.max_height is not None:
+        heights = itertools.accumulate(text.count("\n") + 1 for text in texts)
+        num_shown = min(num_shown, sum(height <= shortened_list.max_height for height in heights))
+    num_shown = max(num_shown, shortened_list.min_shown)
+    num_omitted = len(texts) - num_shown
+    omission_lines = [f"  {num_omitted} {shortened_list.omission_text}"] if num_omitted > 0 else []
+    return "\n".join([*texts[:num_shown], *omission_lines])
+
+
+def format_table(rows: TextRows, width: int | None = None, *, labels: int = 1) -> str:
+    """Format rows as a table with aligned columns, by default within the width of the terminal.
+
+    Rows may have different lengths. Columns that do not fit are moved to further tables, which repeat the first
+    `labels` columns. A first column that is too wide is wrapped.
+    """
+    available_width = width or terminal_width()
+    columns = max(map(len, rows), default=0)
+    other_widths = max((len(cell) for row in rows for cell in row[1:]), default=0)
+    rows = [
+        line for row in rows for line in _wrap_first_cell(row, max(available_width - other_widths - 2, MIN_LABEL_WIDTH))
+    ]
+    column_widths = [max(len(row[column]) if column < len(row) else 0 for row in rows) for column in range(columns)]
+    blocks, first_column = [], labels
+    while first_column < max(columns, labels + 1):
+        last_column = first_column + 1
+        while (
+            last_column < columns
+            and sum(
+                2 + column_width
+                for column_width in column_widths[:labels] + column_widths[first_column : last_column + 1]
+            )
+            - 2
+            <= available_width
+        ):
+            last_column += 1
+        block_widths = column_widths[:labels] + column_widths[first_column:last_column]
+        blocks.append(
+            "\n".join(_join_cells([*row[:labels], *row[first_column:last_column]], block_widths) for row in rows)
+        )
+        first_column = last_column
+    return "\n".join(blocks)
+
+
+def _wrap_first_cell(row: Sequence[str], width: int) -> list[Sequence[str]]:
+    """Wrap the first cell of a row to a width, and return the resulting rows."""
+    lines = textwrap.wrap(row[0], width, subsequent_indent="  ", drop_whitespace=False) if len(row[0]) > width else []
+    return [[lines[0].rstrip(), *row[1:]], *([line.rstrip()] for line in lines[1:])] if lines else [row]
+
+
+def _join_cells(cells: Sequence[str], column_widths: Sequence[int]) -> str:
+    return "  ".join(
+        cell.ljust(column_width) for cell, column_width in zip(cells, column_widths, strict=False)
+    ).rstrip()

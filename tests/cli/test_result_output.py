@@ -1,0 +1,35 @@
+"""Tests of the output of results that have no values."""
+
+import json
+from types import SimpleNamespace
+
+import pytest
+from stiction import Study
+from stiction.cli.result_output import print_pair_values, print_resolution_and_onset, print_result, print_result_json
+from stiction.studies.store import StoreError
+from support.synthetic_results import measured_study
+
+
+def result_whose_summary_raises(error, study):
+    def summary():
+        raise error
+
+    return SimpleNamespace(study=study, summary=summary)
+
+
+@pytest.mark.parametrize("study", [measured_study(), Study()], ids=["measured", "generated"])
+def test_output_of_a_result_without_contact_states_the_reason_once(capsys, study):
+    result = result_whose_summary_raises(ValueError("the surfaces do not touch"), study)
+    for print_values in (print_result, print_pair_values):
+        print_values(result)
+        assert capsys.readouterr().out == "μ_s  none: the surfaces do not touch\n"
+    print_resolution_and_onset(result)
+    assert capsys.readouterr().out == ""
+    print_result_json(result, "pair", dry=True)
+    record = json.loads(capsys.readouterr().out)
+    assert (record["values"], record["remark"], record["dry"]) == ([], "the surfaces do not touch", True)
+
+
+def test_damaged_result_is_not_reported_as_missing_contact():
+    with pytest.raises(StoreError, match="damaged"):
+        print_result(result_whose_summary_raises(StoreError("damaged"), measured_study()))
