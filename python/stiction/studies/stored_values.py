@@ -133,9 +133,10 @@ def check_increase(name: str, values: NDArray[Any], axis: int = 0) -> None:
 
 
 def check_missing_values(name: str, values: NDArray[Any], is_missing: NDArray[np.bool_]) -> None:
-    """Raise a `DamagedFileError` if a contact sum is not NaN at the loads at which the solver failed, and only there.
+    """Check that a contact sum is NaN at the loads at which the solver failed, and at no other loads.
 
-    `is_missing` has the shape (..., loads), and `values` may have further axes before the last.
+    `is_missing` has the shape (..., loads), and `values` may have further axes before the last. Raises a
+    `DamagedFileError`.
     """
     further_axes = tuple(range(is_missing.ndim - 1, values.ndim - 1))
     if not np.array_equal(np.isnan(values), np.broadcast_to(np.expand_dims(is_missing, further_axes), values.shape)):
