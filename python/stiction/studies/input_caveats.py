@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stiction._number_format import format_percent, format_with_unit
 from stiction.studies.alternatives import SPIKES_ALTERNATIVE, TIP_ALTERNATIVE, AlternativeName
@@ -230,10 +231,7 @@ def find_alternatives(study: Study) -> list[AlternativeName]:
         if not isinstance(body := settings.read(), JoinedSpectrum)
     ]
     names: list[AlternativeName] = []
-    if any(
-        settings.outliers == "keep" and count_spikes(body) and find_outliers(body.heights).any()
-        for settings, body in scans
-    ):
+    if any(settings.outliers == "keep" and count_spikes(body) for settings, body in scans):
         names.append(SPIKES_ALTERNATIVE)
     if not (study.is_gap or surfaces.vouched or has_limited_pressure(study)) and any(
         not body.is_flat and find_tip_limit(body, settings.tip, textured=settings.texture is not None) is not None
@@ -375,11 +373,21 @@ def _find_form_caveats(body: Profile | Surface, *, form: bool, has_masked_result
 
 
 def count_spikes(body: Profile | Surface) -> int:
-    """Count spikes, i.e. sharp points of a profile, or map points far above or below their neighbours."""
+    """Count spikes: outliers that are sharp points of a profile, or map points far above or below their neighbours.
+
+    Cusps and edges of machined surfaces are sharp too, but they are not outliers.
+    """
+    is_sharp = _find_sharp_points(body)
+    return int(np.count_nonzero(is_sharp & find_outliers(body.heights))) if is_sharp.any() else 0
+
+
+def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
+    """Find points of a profile with a large second difference, or map points far from the median of 3 x 3 points."""
     from scipy.ndimage import median_filter
 
     if isinstance(body, Profile):
-        distances = typical_distances = np.abs(np.diff(body.heights, 2))
+        typical_distances = np.abs(np.diff(body.heights, 2))
+        distances = np.pad(typical_distances, 1)
         max_ratio = MIN_SPIKE_SHARPNESS_RATIO
     else:
         heights = levelled(body, "plane").heights
@@ -389,4 +397,4 @@ def count_spikes(body: Profile | Surface) -> int:
         )
         max_ratio = MIN_SPIKE_HEIGHT_RATIO
     usual_distance = float(np.median(typical_distances)) / 0.6745
-    return int(np.count_nonzero(distances > max_ratio * usual_distance)) if usual_distance > 0 else 0
+    return np.asarray(distances > max_ratio * usual_distance) if usual_distance > 0 else np.zeros(distances.shape, bool)
