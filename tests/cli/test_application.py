@@ -19,9 +19,10 @@ SMALL_STUDY_OPTIONS = [
 
 
 def run_shell_script(script, *arguments, cwd):
-    """Run a shell script in which "$@" stands for the command with its arguments."""
+    """Run a shell script in which "$@" stands for the command with its arguments. Its output is buffered, as usual."""
     command = ["bash", "-o", "pipefail", "-c", script, "bash", sys.executable, "-m", "stiction", *arguments]
-    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False, timeout=120)
+    environment = os.environ | {"PYTHONUNBUFFERED": ""}
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False, timeout=120, env=environment)
 
 
 def test_command_run_finishes_even_if_its_output_pipe_is_closed(tmp_path):
@@ -38,8 +39,13 @@ def test_command_run_finishes_even_if_its_output_pipe_is_closed(tmp_path):
 def test_output_to_a_full_device_is_reported_and_unencodable_characters_are_replaced(tmp_path):
     completed = run_shell_script('"$@" > /dev/full', "studies", cwd=tmp_path)
     assert_rejected(completed, "stiction: ", "No space left on device")
-    assert run_shell_script('"$@" > /dev/full 2>&1', "studies", cwd=tmp_path).returncode == 2
-    assert run_shell_script('"$@" 2> /dev/full', "info", "none", cwd=tmp_path).returncode == 2
+    assert_rejected(
+        run_shell_script('"$@" > /dev/full', "--help", cwd=tmp_path), "stiction: ", "No space left on device"
+    )
+    for arguments in (["studies"], ["--help"], []):
+        assert run_shell_script('"$@" > /dev/full 2>&1', *arguments, cwd=tmp_path).returncode == 2
+    for arguments in (["info", "none"], []):
+        assert run_shell_script('"$@" 2> /dev/full', *arguments, cwd=tmp_path).returncode == 2
     completed = subprocess.run(
         [sys.executable, "-m", "stiction", "run", "quick", *SMALL_STUDY_OPTIONS, "--set", "figures.draw=[]"],
         cwd=tmp_path, capture_output=True, check=False, timeout=120, env=os.environ | {"PYTHONIOENCODING": "latin-1"},

@@ -16,7 +16,7 @@ from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, suppress
 from importlib import import_module
 from pathlib import Path
-from typing import Annotated, Any, TypeVar, cast
+from typing import Annotated, Any, TextIO, TypeVar, cast
 
 import typer
 from typer.core import TyperCommand, TyperGroup
@@ -37,9 +37,17 @@ def print_message(text: str, kind: str = "") -> None:
     if sys.stderr.isatty():
         width = shutil.get_terminal_size().columns
         lines = [textwrap.fill(line, width, subsequent_indent="  ", break_long_words=False) for line in lines]
-    with suppress(OSError):  # standard error may be closed, or redirected to a full disk
+    try:
         _clear_line()
-        print("\n".join(lines), file=sys.stderr)
+        print("\n".join(lines), file=sys.stderr, flush=True)
+    except OSError:  # standard error may be closed, or redirected to a full disk
+        _redirect_to_null_device(sys.stderr)
+
+
+def _redirect_to_null_device(stream: TextIO) -> None:
+    """Redirect a stream after a failed write. Otherwise, flushing it at exit would raise the same error again."""
+    with suppress(OSError):  # a stream that only exists in Python has no descriptor
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def report_interruption(detail: str = "") -> typer.Exit:
@@ -76,9 +84,7 @@ def print_output(text: str) -> None:
         _clear_line()
         typer.echo("\n".join(lines))
     except OSError as error:
-        # Python flushes the remaining output at exit, which would raise the same error again.
-        # To prevent this error, redirect standard output to the null device.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _redirect_to_null_device(sys.stdout)
         if not isinstance(error, BrokenPipeError):
             raise
 
@@ -269,10 +275,14 @@ def run_command_line() -> int:
     sys.unraisablehook = _handle_unraisable
     try:
         with _reraise_hidden_interrupts():
-            return int(app(standalone_mode=False, prog_name="stiction") or 0)
+            status = int(app(standalone_mode=False, prog_name="stiction") or 0)
+            with suppress(BrokenPipeError):
+                sys.stdout.flush()  # help texts are not flushed when they are printed
+            return status
     except TyperException as error:
         if type(error).__name__ == "NoArgsIsHelpError":
-            error.show()  # type: ignore[attr-defined]
+            with suppress(OSError):
+                error.show()  # type: ignore[attr-defined]
         else:
             context = getattr(error, "ctx", None)
             command = context.command_path if context else "stiction"
@@ -299,7 +309,18 @@ def run_command_line() -> int:
         return report_interruption().exit_code
     except SystemExit:  # the parser raises SystemExit if the pipe for the help text is closed
         return 0
+    finally:
+        _discard_unwritable_output()
     return EXIT_BAD_INPUT
+
+
+def _discard_unwritable_output() -> None:
+    """Discard output that cannot be written. At exit, it would lead to a traceback and to status 120."""
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except OSError:
+            _redirect_to_null_device(stream)
 
 
 def _with_command_suggestion(message: str) -> str:
