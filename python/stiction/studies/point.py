@@ -93,20 +93,38 @@ def read_estimates_along(table: xarray.DataArray, dimension: str) -> dict[float,
     }
 
 
-def iterate_undirected_variables(point: xarray.Dataset, rule: str) -> Iterator[tuple[str, xarray.Variable]]:
-    """Yield the name and the variable of each quantity of a point that does not depend on the direction.
+@dataclass(frozen=True)
+class UndirectedQuantities:
+    """Quantities of a point that do not depend on the direction, for one sliding rule, by name."""
+
+    estimates: dict[str, Estimate]
+    numbers: dict[str, float]  # quantities without an interval
+    distributions: dict[str, dict[float, Estimate]]  # quantiles by the fraction of the distribution below them
+
+
+def read_undirected_quantities(point: xarray.Dataset, rule: str) -> UndirectedQuantities:
+    """Return the quantities of a point that do not depend on the direction.
 
     Selections from an `xarray.Variable` are much faster than selections from an `xarray.DataArray`.
     """
+    statistics = find_statistic_indices(point)
     rule_index = point["sliding"].values.tolist().index(rule) if "sliding" in point.dims else 0
+    quantities = UndirectedQuantities({}, {}, {})
     for name in map(str, point.data_vars):
         variable = point.variables[name]
-        dims = {"sliding": rule_index} if "sliding" in variable.dims else {}
-        if variable.sizes.get("direction", 2) == 1:
-            dims["direction"] = 0
-        variable = variable.isel(dims)
-        if "direction" not in variable.dims:
-            yield name, variable
+        indices = {"sliding": rule_index} if "sliding" in variable.dims else {}
+        if variable.sizes.get("direction") == 1:  # the result has a single direction
+            indices["direction"] = 0
+        variable = variable.isel(indices)
+        if variable.dims == ("statistic",):
+            quantities.estimates[name] = Estimate(*variable.values[statistics].astype(float).tolist())
+        elif not variable.dims and variable.dtype.kind in "if":
+            quantities.numbers[name] = float(variable.values)
+        elif set(variable.dims) == {"fraction_below", "statistic"}:
+            quantities.distributions[name] = read_estimates_along(
+                select_sliding_rule(point[name], rule), "fraction_below"
+            )
+    return quantities
 
 
 def mean_over_directions(point: xarray.Dataset, name: str) -> float:

@@ -32,18 +32,17 @@ from stiction.studies.point import (
     compute_plastic_adhesive_friction,
     effective_modulus_at,
     find_contact_status,
-    find_statistic_indices,
     get_adhesion_ranges,
     get_roughness_exponent,
     is_unloaded,
     iterate_points,
-    iterate_undirected_variables,
     list_sliding_rules_reported_first,
     mean_contact_pressure,
     mean_over_directions,
     nominal_pressure_at,
     read_estimate,
     read_estimates_along,
+    read_undirected_quantities,
     select_sliding_rule,
 )
 from stiction.studies.pull_off import PullOffValues, find_pull_off_values
@@ -397,8 +396,7 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
     rules = tuple(_build_rule_coefficient(point, rule) for rule in list_sliding_rules_reported_first(study))
     # If the coefficient is missing in one direction, the mean over all directions is NaN.
     status = rules[0].status if math.isnan(rules[0].value) else friction.STATUS_OK
-    variables = dict(iterate_undirected_variables(point, rules[0].rule))
-    statistics = find_statistic_indices(point)
+    quantities = read_undirected_quantities(point, rules[0].rule)
     cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
     rule_with_sampling_interval = replace(rules[0], lower=rules[0].positions.lower, upper=rules[0].positions.upper)
     # A cutoff removes caveats only if the user requested this cutoff.
@@ -419,21 +417,9 @@ def summarize_point(point: xarray.Dataset, study: Study, input_caveats: Sequence
         from_roughness=_estimate_roughness_contribution(point, study, rules[0]),
         waited=_list_dwell_time_coefficients(point, rules[0].rule),
         sticking=find_pull_off_values(point, rules[0].rule),
-        quantities={
-            name: Estimate(*variable.values[statistics].astype(float).tolist())
-            for name, variable in variables.items()
-            if variable.dims == ("statistic",)
-        },
-        numbers={
-            name: float(variable.values)
-            for name, variable in variables.items()
-            if not variable.dims and variable.dtype.kind in "if"
-        },
-        distributions={
-            name: read_estimates_along(select_sliding_rule(point[name], rules[0].rule), "fraction_below")
-            for name, variable in variables.items()
-            if set(variable.dims) == {"fraction_below", "statistic"}
-        },
+        quantities=quantities.estimates,
+        numbers=quantities.numbers,
+        distributions=quantities.distributions,
     )
 
 
