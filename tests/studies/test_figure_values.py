@@ -3,10 +3,13 @@
 import numpy as np
 import pytest
 import xarray
-from stiction import Profile, Result, contacts
+from stiction import Profile, Result, contacts, open_result, run
 from stiction.studies.contact_forces import build_contact_forces
 from stiction.studies.figure_values import evaluate_positions, iterate_motions
 from stiction.studies.members import load_bodies, pair_of
+from stiction.studies.report_data import collect_report_data
+from stiction.views.figures.standard import select_figures
+from support.generated_studies import SMALL_STUDY
 from support.studies_of_files import run_pair_of_maps, run_pair_of_profiles
 
 
@@ -63,6 +66,19 @@ def test_friction_of_single_members_has_the_reported_mean(result_of_profiles):
     expected = point["friction_coefficient"].sel(statistic="mean").transpose("direction", "sliding")
     np.testing.assert_allclose(mean, expected, rtol=1e-12)
     assert set(positions.data_vars) == {*point.data_vars, "member_friction"}
+
+
+def test_figures_and_reports_of_stored_results_need_no_array_of_all_members(tmp_path, monkeypatch):
+    run(SMALL_STUDY.with_changes({"ensemble.repetitions": 3}), store=tmp_path)
+    result = open_result(tmp_path)
+
+    def fail(_):
+        raise AssertionError("the sums of all members are in memory")
+
+    monkeypatch.setattr(Result, "dataset", property(fail))
+    assert result.head.sizes["repetition"] == 1
+    assert [draw().get_figheight() > 0 for _, draw in select_figures(result)] == [True] * 4
+    assert collect_report_data(result).num_solved == 3
 
 
 def test_motions_are_iterated_with_suffixes_only_if_there_are_several(small_result):

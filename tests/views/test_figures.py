@@ -151,7 +151,7 @@ def axes_without_colorbars(figure):
 
 def test_friction_figure_has_labelled_maps_and_curves(generated_dataset):
     for dataset, num_rows in ((generated_dataset, 2), (generated_dataset.isel(amplitude=[1]), 1)):
-        figure = friction_figure(evaluate_friction_over_dimension(Result.of(dataset), 0.4))
+        figure = friction_figure(*evaluate_friction_over_dimension(Result.of(dataset), [0.4]))
         axes = axes_without_colorbars(figure)
         assert len(axes) == 3 * num_rows
         assert [ax.get_title() for ax in axes[:2]] == [rf"$\tau_0$ = {megapascals} MPa" for megapascals in (0, 200)]
@@ -162,13 +162,13 @@ def test_friction_figure_has_labelled_maps_and_curves(generated_dataset):
         assert axes[3 * (num_rows // 2) + 2].get_ylabel() == style.axis_label("friction_coefficient")
     assert not figure.get_suptitle()
     partial_result = Result.of(generated_dataset.isel(repetition=[0, 1, 4]))
-    figure_of_part = friction_figure(evaluate_friction_over_dimension(partial_result, 0.1))
+    figure_of_part = friction_figure(*evaluate_friction_over_dimension(partial_result, [0.1]))
     assert figure_of_part.get_suptitle() == "unfinished: 3 of 12 repetitions"
 
 
 def test_friction_curves_equal_the_friction_map_at_their_load(generated_dataset):
     dataset = generated_dataset.isel(amplitude=[1])
-    curves = axes_without_colorbars(friction_figure(evaluate_friction_over_dimension(Result.of(dataset), 0.4)))[2]
+    curves = axes_without_colorbars(friction_figure(*evaluate_friction_over_dimension(Result.of(dataset), [0.4])))[2]
     number, unit = curves.get_title().removeprefix("at $F_N$ = ").split()
     load = float(number) * {"mN": 1, "µN": 1e-3, "nN": 1e-6}[unit]
     friction = friction_map(dataset, [load], mu0=[0.4]).isel(amplitude=0, mu0=0, load=0)
@@ -183,7 +183,7 @@ def test_friction_curves_equal_the_friction_map_at_their_load(generated_dataset)
 )
 def test_figures_of_friction_and_area_for_small_results_cause_no_warning(generated_dataset, selection, tmp_path):
     result = Result.of(generated_dataset.isel(amplitude=[0], **selection))
-    save_figure(friction_figure(evaluate_friction_over_dimension(result, 0.0)), tmp_path / "friction.png")
+    save_figure(friction_figure(*evaluate_friction_over_dimension(result, [0.0])), tmp_path / "friction.png")
     save_figure(area_figure(evaluate_area_over_load(result), result.study), tmp_path / "area.png")
 
 

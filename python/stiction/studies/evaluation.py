@@ -289,7 +289,7 @@ def _add_statistic_dimension(table: xarray.Dataset, name: str) -> xarray.Variabl
 
 def choose_loads_in_range(result: Result | xarray.Dataset, steps: int = 80) -> Floats:
     """Return loads (mN) in a geometric series that covers the load range of a result."""
-    elastic_loads = Result.of(result).means(["normal_elastic"])["normal_elastic"]
+    elastic_loads = Result.of(result).mean_elastic_loads
     highest_load = float(elastic_loads.max())
     if not highest_load > 0:
         raise ValueError("no pair of this result is in contact at any step, so there is nothing to draw")

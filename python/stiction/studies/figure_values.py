@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -88,22 +88,25 @@ def iterate_motions(result: Result) -> Iterator[tuple[str, Result]]:
         yield "".join(f"_{name}" for name in names), Result(selection)
 
 
-def evaluate_friction_over_dimension(result: Result, mu0: float) -> FrictionOverDimension:
-    """Evaluate friction of generated surfaces for the lowest and the highest tau0 in the study."""
+def evaluate_friction_over_dimension(result: Result, mu0: Sequence[float]) -> list[FrictionOverDimension]:
+    """Evaluate friction of generated surfaces for each mu0, and for the lowest and the highest tau0 in the study."""
     strengths = list(result.study.friction.tau0)
     strengths = strengths if len(strengths) <= MAX_DRAWN_STRENGTHS else [strengths[0], strengths[-1]]
     loads = result.reached_loads()
     curve_load = _find_commonly_reached_load(result, float(loads[0]))
     tau0 = [float(strength) for strength in strengths]
-    points = result.at([*loads, curve_load], mu0=mu0, tau0=tau0, quantities=()).isel(mu0=0)
-    texts = [strength.text for strength in strengths]
-    return FrictionOverDimension(result.study, points.sel(load=loads), points.sel(load=curve_load), texts)
+    points = result.at([*loads, curve_load], mu0=mu0, tau0=tau0, quantities=())
+    maps, curves, texts = points.sel(load=loads), points.sel(load=curve_load), [each.text for each in strengths]
+    return [
+        FrictionOverDimension(result.study, maps.isel(mu0=index), curves.isel(mu0=index), texts)
+        for index in range(len(mu0))
+    ]
 
 
 def _find_commonly_reached_load(result: Result, lowest: float) -> float:
     """Return a load (mN) that nine of ten ensembles reach. Powers of ten from `lowest` upwards are preferred."""
-    elastic_loads = result.means(["normal_elastic"])["normal_elastic"].max(result.study.step_quantity).values
-    common_load = float(np.quantile(elastic_loads[elastic_loads > 0], 0.1))
+    highest_loads = result.mean_elastic_loads.max(result.study.step_quantity).values
+    common_load = float(np.quantile(highest_loads[highest_loads > 0], 0.1))
     power_of_ten = 10.0 ** np.floor(np.log10(0.9 * common_load))
     return float(power_of_ten if power_of_ten >= lowest else max(common_load, lowest))
 

@@ -95,14 +95,14 @@ class Result:
 
     @cached_property
     def head(self) -> xarray.Dataset:
-        """Dataset with the coordinates and attributes of the result. It contains values of the first members only.
+        """Dataset with the coordinates and attributes of the result. A stored result has values of one member only.
 
         Raises a `StoreError` if no member is finished.
         """
         if not isinstance(self.source, StoredResult):
             return self.source
         # If the result has no members, `StoredResult.dataset` raises an error.
-        return next(self.source.pieces()) if self.source.num_finished else self.source.dataset()
+        return self.source.first_member() if self.source.num_finished else self.source.dataset()
 
     @cached_property
     def members(self) -> NDArray[np.intp]:
@@ -151,6 +151,11 @@ class Result:
         coordinates = {name: variable for name, variable in head.coords.items() if "repetition" not in variable.dims}
         variables = {name: (value.dims, value.values / count, head[name].attrs) for name, value in sums.items()}
         return xarray.Dataset(variables, coordinates, head.attrs)
+
+    @cached_property
+    def mean_elastic_loads(self) -> xarray.DataArray:
+        """Elastic load (mN) of each cell at each loading step, averaged over all members."""
+        return self.means(["normal_elastic"])["normal_elastic"]
 
     @cached_property
     def num_solved(self) -> int:

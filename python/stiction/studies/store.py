@@ -196,6 +196,10 @@ class StoredResult:
             else self._read_member_range(0, self.num_finished)
         )
 
+    def first_member(self) -> xarray.Dataset:
+        """Return a dataset that contains only the first finished member. The result must have a finished member."""
+        return self._read_member_range(0, 1)
+
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
         """Yield the result in consecutive pieces, with only one piece in memory at a time (see `Result.pieces`)."""
         selected, count = None if names is None else list(names), self.num_finished

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Sequence
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +14,7 @@ import xarray
 from matplotlib.figure import Figure
 
 from stiction.studies.figure_values import (
+    FrictionOverDimension,
     evaluate_area_over_load,
     evaluate_friction_over_dimension,
     evaluate_height_factors,
@@ -117,8 +118,9 @@ def _generated_surface_figures(result: Result, study: Study) -> Iterator[tuple[s
                 yield "length_scales", partial(length_scales_figure, study)
             case "friction":
                 for suffix, motion_result in iterate_motions(result):
-                    for mu0 in study.friction.mu0:
-                        yield f"friction_mu0_{mu0:.12g}{suffix}", partial(_friction_figure, motion_result, mu0)
+                    evaluate_once = cache(partial(evaluate_friction_over_dimension, motion_result, study.friction.mu0))
+                    for index, mu0 in enumerate(study.friction.mu0):
+                        yield f"friction_mu0_{mu0:.12g}{suffix}", partial(_friction_figure, evaluate_once, index)
             case "area":
                 for suffix, motion_result in iterate_motions(result):
                     yield f"area{suffix}", partial(_area_figure, motion_result)
@@ -126,8 +128,8 @@ def _generated_surface_figures(result: Result, study: Study) -> Iterator[tuple[s
                 yield "onset", partial(_onset_figure, next(iterate_motions(result))[1])
 
 
-def _friction_figure(result: Result, mu0: float) -> Figure:
-    return friction_figure(evaluate_friction_over_dimension(result, mu0))
+def _friction_figure(evaluate: Callable[[], list[FrictionOverDimension]], index: int) -> Figure:
+    return friction_figure(evaluate()[index])
 
 
 def _area_figure(result: Result) -> Figure:
