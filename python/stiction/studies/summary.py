@@ -131,9 +131,9 @@ class PointSummary:
     waited: tuple[DwellTimeCoefficient, ...] = ()
     covered: bool = False
     sticking: PullOffValues | None = None
-    quantities: Mapping[str, Estimate] = field(default_factory=dict)
-    numbers: Mapping[str, float] = field(default_factory=dict)
-    distributions: Mapping[str, Mapping[float, Estimate]] = field(default_factory=dict)
+    quantities: Mapping[str, Estimate] = field(default_factory=dict, repr=False)
+    numbers: Mapping[str, float] = field(default_factory=dict, repr=False)
+    distributions: Mapping[str, Mapping[float, Estimate]] = field(default_factory=dict, repr=False)
 
     @property
     def members(self) -> float:
