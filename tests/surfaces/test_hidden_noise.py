@@ -41,6 +41,11 @@ class TestNoiseFloorFit:
         assert fit.ratios == pytest.approx((level / end_density[0], 0.5 * level / end_density[1]), rel=0.02)
         assert fit.is_significant
 
+    def test_fit_of_noise_floor_converges_to_the_parameters_of_an_exact_spectrum(self):
+        fit = fit_noise_floor([self.create_spectrum(2.2, 1.0)], exponents=(1.0, 5.0))
+        assert fit.level == pytest.approx(1.0, rel=1e-5)
+        assert fit.exponents == pytest.approx((2.2,), rel=1e-5)
+
     def test_fit_of_a_pure_power_law_has_no_significant_noise_floor(self):
         fit = fit_noise_floor([self.create_spectrum(2.2, 0.0)], exponents=(1.0, 5.0))
         assert not fit.is_significant

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from stiction._checks import Floats
 
+if TYPE_CHECKING:
+    from scipy.optimize import OptimizeResult
+
 # a noise floor is significant if adding it to the power laws increases the log-likelihood by at least this amount
 MIN_FLOOR_LIKELIHOOD_GAIN = 2.0
 # initial level of the fitted floor, as a fraction of the maximum level; the lowest density sets this maximum
 _INITIAL_FLOOR_FRACTION = 0.3
+_FIT_TOLERANCE = 1e-12  # tolerance of the minimisation; it leaves relative errors of up to 3e-6 in the floor level
 
 
 class BinnedSpectrum(NamedTuple):
@@ -69,11 +73,14 @@ def fit_noise_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float
         exponent = float(np.clip(-np.polyfit(log_q, np.log(density), 1, w=np.sqrt(fraction))[0], *exponents))
         initial_parameters += [float(fraction @ (np.log(density) + exponent * log_q)), exponent]
         bounds += [(None, None), exponents]
-    fit_without_floor = minimize(
-        loss, [*initial_parameters, 0.0], jac=True, bounds=[*bounds, (0.0, 0.0)], method="L-BFGS-B"
-    )
-    initial_with_floor = [*fit_without_floor.x[:-1], _INITIAL_FLOOR_FRACTION]
-    fit_with_floor = minimize(loss, initial_with_floor, jac=True, bounds=[*bounds, (0.0, None)], method="L-BFGS-B")
+
+    def minimize_loss(parameters: Sequence[float], level_bounds: tuple[float, float | None]) -> OptimizeResult:
+        # The method L-BFGS-B of SciPy 1.17 solves its small systems of equations on several threads, which wait
+        # actively for a tenth of a second afterwards.
+        return minimize(loss, parameters, jac=True, bounds=[*bounds, level_bounds], method="TNC", tol=_FIT_TOLERANCE)
+
+    fit_without_floor = minimize_loss([*initial_parameters, 0.0], (0.0, 0.0))
+    fit_with_floor = minimize_loss([*fit_without_floor.x[:-1], _INITIAL_FLOOR_FRACTION], (0.0, None))
     best_fit = fit_with_floor if fit_with_floor.fun < fit_without_floor.fun else fit_without_floor
     *law_parameters, level = best_fit.x.tolist()
     ratios = tuple(level * math.exp(-value) for value in law_parameters[::2])
