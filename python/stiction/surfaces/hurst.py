@@ -54,7 +54,7 @@ class PowerLawFit:
     def __init__(self, log_q: Floats, power: Floats, weight: Floats) -> None:
         self._total_weight = float(weight.sum())
         fraction = weight / self._total_weight
-        self._mean_log_q = float(fraction @ log_q)
+        self._mean_log_q = float((fraction * log_q).sum())
         self._log_q = log_q - self._mean_log_q
         self._max_power = float(power.max())
         self._power = fraction * power / self._max_power
@@ -62,8 +62,9 @@ class PowerLawFit:
         for _ in range(_NUM_NEWTON_STEPS):  # The loss is a convex log-sum-exp function, so Newton's method converges.
             scaled_power = self._power * np.exp(self.exponent * self._log_q)
             scaled_power /= scaled_power.sum()
-            gradient = float(scaled_power @ self._log_q)
-            step = gradient / float(scaled_power @ (self._log_q - gradient) ** 2)
+            # unlike scalar products of BLAS, these sums do not depend on the number of threads
+            gradient = float((scaled_power * self._log_q).sum())
+            step = gradient / float((scaled_power * (self._log_q - gradient) ** 2).sum())
             self.exponent -= min(max(step, -2.0), 2.0)
             if abs(step) < 1e-10:
                 break
