@@ -363,6 +363,13 @@ class TestNoiseOfAnisotropicMap:
         (scale_dependent_roughness, {"body": [1.0]}, "body must be a Profile or a Surface, got list"),
         (scale_dependent_roughness, {"body": Profile(np.ones(9), spacing=1.0)}, "profile must not be flat"),
         (scale_dependent_roughness, {"body": sinusoid(16), "periodic": 1}, "periodic must be True or False"),
+        (instrument_limit, {"body": [1.0]}, "body must be a Profile or a Surface, got list"),
+        (
+            instrument_limit,
+            {"body": Surface(np.arange(9.0) + np.zeros((8, 1)), spacing=1.0)},
+            "surface must not be flat",
+        ),
+        (instrument_limit, {"body": sinusoid(16), "periodic": 1}, "periodic must be True or False"),
         (instrument_limit, {"body": sinusoid(16), "tip_radius": 0.0}, "tip_radius must be a finite number above 0 µm"),
     ],
 )

@@ -427,7 +427,9 @@ def instrument_limit(
     'noise floor'
     """
     radius = None if tip_radius is None else validate_number("tip_radius", tip_radius, unit="µm", above=0)
-    roughness = scale_dependent_roughness(body, periodic=periodic)
+    check_bool("periodic", periodic)
+    body = as_body("body", body)
+    reject_flat_body(body)
     spacing = max(body.spacings)
     spectra = line_spectra(body, periodic)
     disturbances = [_find_disturbance(*disturbance, periodic=periodic, textured=texture) for disturbance in spectra]
@@ -472,11 +474,15 @@ def instrument_limit(
         noise_kind = "quantisation"
     noise_wavelength = round_up_wavelength(noise_wavelength) if noise_wavelength > 0 else noise_wavelength
     limits = {"pixels": 2 * spacing, noise_kind: noise_wavelength, "tip": math.nan}
-    if radius is not None and (is_too_sharp := roughness.curvature > TIP_CURVATURE_FACTOR / radius).any():
-        limits["tip"] = float(roughness.wavelength[int(np.argmax(is_too_sharp))])
+    # for a limit of the pixels alone, the roughness at all scales is not needed
+    roughness = None
+    if radius is not None or noise_wavelength > 0:
+        roughness = scale_dependent_roughness(body, periodic=periodic)
+        if radius is not None and (is_too_sharp := roughness.curvature > TIP_CURVATURE_FACTOR / radius).any():
+            limits["tip"] = float(roughness.wavelength[int(np.argmax(is_too_sharp))])
     reason = max((name for name in limits if not math.isnan(limits[name])), key=lambda name: limits[name])
     limit, fractions, cut_off_wavelength = limits[reason], (0.0, 0.0), 2 * spacing
-    if reason != "pixels":
+    if roughness is not None and reason != "pixels":
         curvature_fraction = float(roughness.curvature_at(limit) / roughness.curvature[-1])
         is_noise = reason == noise_kind
         fractions = (
@@ -519,12 +525,16 @@ def cutoff_for_slope_fraction(roughness: ScaleDependentRoughness, fraction: floa
 
 
 def line_spectra(body: Profile | Surface, periodic: bool) -> list[LineSpectrum]:
-    """Return the spectrum of a profile, or the mean line spectra of a surface along x and along y."""
+    """Return the spectrum of a profile, or the mean line spectra of a surface along x and along y.
+
+    Raises a `ValueError` if a surface is a plane, or horizontal if it is periodic.
+    """
     if isinstance(body, Profile):
         line_spectrum = power_spectrum(body if periodic else levelled(body, "line"), periodic=periodic)
         return [(line_spectrum.wave_number, line_spectrum.density, line_spectrum.count, body.spacing)]
-    heights = body.heights if periodic else levelled(body, "plane").heights
-    spectra = []
+    surface = body if periodic else levelled(body, "plane")
+    reject_flat_body(surface)
+    heights, spectra = surface.heights, []
     for axis in (1, 0):
         lines = heights if axis else heights.T
         points, spacing = lines.shape[1], body.spacing[axis]
