@@ -303,12 +303,20 @@ class MeasuredBodySettings(SettingsTable):
         """Read the body without multiplying its heights by the height factor."""
         if self.body is not None:
             return _correct_for_tip(self, self.body.body)
-        if self.sha256 is not None and self.checksum() != self.sha256:
+        checksum = self.checksum()
+        if self.sha256 is not None and checksum != self.sha256:
             raise ValueError(
                 f"{printable_path(self.file)} has changed since the study was created: its SHA-256 is not "
                 f"{self.sha256[:12]}...; remove sha256 from the study to start a new study with this file"
             )
-        return _read_body(self.model_copy(update={"sha256": self.checksum(), "others": None, "height_factor": 1.0}))
+        return _read_body(self._identify_content(checksum))
+
+    def _identify_content(self, checksum: str) -> _ScanFile:
+        """Return the key under which the content of the file is cached."""
+        unrelated_keys = {"others": None, "height_factor": 1.0, "max_cut_off": None, "texture": None}
+        return _ScanFile(
+            self.model_copy(update={"file": Path(self.file).name, "sha256": checksum} | unrelated_keys), Path(self.file)
+        )
 
     def with_height_factor(self, factor: float) -> MeasuredBodySettings:
         """Return a copy of the entry in which the heights of all scans are multiplied by a factor.
@@ -366,7 +374,7 @@ class MeasuredBodySettings(SettingsTable):
         """Interpretation of the file, such as columns and units, or None for a spectrum or a body in memory."""
         if self.body is not None or is_spectrum_file(Path(self.file)):
             return None
-        return _load_reading(self.model_copy(update={"sha256": self.checksum(), "others": None}))
+        return _load_reading(self._identify_content(self.checksum()))
 
     @property
     def caveats(self) -> tuple[FileCaveat, ...]:
@@ -434,20 +442,26 @@ def _compute_checksum(body: MeasuredBody) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-@functools.lru_cache(maxsize=16)
-def _read_body(file: MeasuredBodySettings) -> MeasuredBody:
-    """Read the body from a file.
+@dataclass(frozen=True)
+class _ScanFile:
+    """Scan file, identified by its name without the folder, its checksum and the options for reading it."""
 
-    The argument includes the checksum, so that the cache holds each version of a file once.
-    """
-    if is_spectrum_file(Path(file.file)):
+    settings: MeasuredBodySettings
+    path: Path = field(compare=False)
+
+
+@functools.lru_cache(maxsize=16)
+def _read_body(file: _ScanFile) -> MeasuredBody:
+    """Read the body from a file. Because of the checksum, the cache holds each version of a file once."""
+    settings = file.settings
+    if is_spectrum_file(file.path):
         for name in ("unit", "spacing", "channel", "columns", "crop"):
-            if getattr(file, name) is not None:
+            if getattr(settings, name) is not None:
                 raise ValueError(
-                    f"{printable_path(file.file)} is a spectrum, which has no {name}; remove the key {name}"
+                    f"{printable_path(file.path)} is a spectrum, which has no {name}; remove the key {name}"
                 )
-        return read_spectrum(file.file)
-    return _correct_for_tip(file, _load_reading(file).body)
+        return read_spectrum(file.path)
+    return _correct_for_tip(settings, _load_reading(file).body)
 
 
 def _correct_for_tip(file: MeasuredBodySettings, body: MeasuredBody) -> MeasuredBody:
@@ -458,11 +472,12 @@ def _correct_for_tip(file: MeasuredBodySettings, body: MeasuredBody) -> Measured
 
 
 @functools.lru_cache(maxsize=16)
-def _load_reading(file: MeasuredBodySettings) -> FileReading[Profile | Surface]:
+def _load_reading(file: _ScanFile) -> FileReading[Profile | Surface]:
+    settings = file.settings
     return read_with_interpretation(
-        file.file, unit=file.unit, spacing=format_quantities(file.spacing), missing=file.missing, channel=file.channel,
-        columns=file.columns, outliers=file.outliers, crop=format_quantities(file.crop),
-        missing_value=file.missing_value, accept=file.accept,
+        file.path, unit=settings.unit, spacing=format_quantities(settings.spacing), missing=settings.missing,
+        channel=settings.channel, columns=settings.columns, outliers=settings.outliers,
+        crop=format_quantities(settings.crop), missing_value=settings.missing_value, accept=settings.accept,
     )  # fmt: skip
 
 
