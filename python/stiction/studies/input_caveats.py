@@ -9,20 +9,24 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stiction._number_format import format_percent, format_with_unit
 from stiction.studies.alternatives import SPIKES_ALTERNATIVE, TIP_ALTERNATIVE, AlternativeName
 from stiction.studies.assessment import Caveat, Severity
 from stiction.studies.point import has_limited_pressure
+from stiction.studies.scan_defects import (
+    MAX_NOISE_SLOPE_FRACTION,
+    MIN_SPIKE_HEIGHT_RATIO,
+    MIN_SPIKE_SHARPNESS_RATIO,
+    ScanDefects,
+    find_scan_defects,
+)
 from stiction.surfaces.cut_off import MAX_CUTOFF_FRACTION
-from stiction.surfaces.hidden_noise import find_hidden_noise
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
-from stiction.surfaces.missing_data import find_outliers
 from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.scale import CUTOFF_WAVELENGTH_RATIO, InstrumentLimit, instrument_limit
+from stiction.surfaces.scale import CUTOFF_WAVELENGTH_RATIO, InstrumentLimit
 from stiction.surfaces.spectrum import find_spectral_peak, power_spectrum
 from stiction.surfaces.surface import Surface
 
@@ -50,21 +54,6 @@ MAX_FORM_FRACTION = 0.6
 The fraction is about one half if the longest wavelengths dominate the heights of a surface without form error.
 """
 
-MIN_SPIKE_SHARPNESS_RATIO = 12.0
-"""Largest second difference at a point that is not a spike, as a multiple of the robust standard deviation.
-
-The robust standard deviation is the median of the absolute second differences, divided by 0.67.
-"""
-
-MIN_SPIKE_HEIGHT_RATIO = 6.0
-"""Largest distance between a point of a map and the median of its neighbourhood at which the point is not a spike.
-
-It is a multiple of the robust standard deviation of the heights. The distance is at most 4 for machined surfaces, and 5
-for white noise.
-"""
-
-# A caveat is issued if the instrument contributes more than this fraction of the mean square slope.
-MAX_NOISE_SLOPE_FRACTION = 0.01
 # A caveat is issued if a peak contributes at least this fraction of the fourth spectral moment.
 MAX_SPECTRAL_PEAK_FRACTION = 0.1
 REPEATED_SCANS_REMEDY = "two scans of one place show which (stiction characterise --repeated)"
@@ -193,11 +182,10 @@ def find_scan_caveats(
     filtered scan, and `elastic` is true if the study has no hardness. `alternatives` contains the names of the
     alternative preparations that the interval includes.
     """
-    instrument_caveats = _find_instrument_caveats(
-        body, tip_radius, textured, has_second_cutoff, elastic, TIP_ALTERNATIVE in alternatives
-    )
+    defects = find_scan_defects(body, tip_radius, textured=textured)
+    instrument_caveats = _find_instrument_caveats(defects, has_second_cutoff, elastic, TIP_ALTERNATIVE in alternatives)
     return [
-        *_find_form_caveats(body, form=form, has_masked_result=SPIKES_ALTERNATIVE in alternatives),
+        *_find_form_caveats(defects, form=form, has_masked_result=SPIKES_ALTERNATIVE in alternatives),
         *(instrument_caveats if instrument else ()),
     ]
 
@@ -225,17 +213,16 @@ def find_alternatives(study: Study) -> list[AlternativeName]:
     """
     surfaces: Any = study.surfaces
     scans = [
-        (settings, body)
+        (settings, find_scan_defects(body, settings.tip, textured=settings.texture is not None))
         for side in SIDES
         for settings in getattr(surfaces, side).scans
         if not isinstance(body := settings.read(), JoinedSpectrum)
     ]
     names: list[AlternativeName] = []
-    if any(settings.outliers == "keep" and count_spikes(body) for settings, body in scans):
+    if any(settings.outliers == "keep" and defects.num_spikes for settings, defects in scans):
         names.append(SPIKES_ALTERNATIVE)
     if not (study.is_gap or surfaces.vouched or has_limited_pressure(study)) and any(
-        not body.is_flat and find_tip_limit(body, settings.tip, textured=settings.texture is not None) is not None
-        for settings, body in scans
+        not defects.body.is_flat and defects.tip_limit is not None for _, defects in scans
     ):
         names.append(TIP_ALTERNATIVE)
     return names
@@ -267,13 +254,11 @@ def _find_spectrum_caveats(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
 
 
 def _find_instrument_caveats(
-    body: Profile | Surface, tip_radius: float | None, textured: bool, has_second_cutoff: bool, elastic: bool,
-    has_tip_estimate: bool,
-) -> Iterator[Caveat]:  # fmt: skip
+    defects: ScanDefects, has_second_cutoff: bool, elastic: bool, has_tip_estimate: bool
+) -> Iterator[Caveat]:
     """Yield caveats about wavelengths that come from the instrument, or that the tip does not resolve."""
     try:
-        limit = instrument_limit(body, texture=textured)
-        tip_limit = find_tip_limit(body, tip_radius, textured=textured)
+        limit, tip_limit = defects.instrument_limit, defects.tip_limit
     except ValueError:  # an exception means that the body is flat
         return
     shortest_resolved = limit.wavelength if limit.slope_fraction > MAX_NOISE_SLOPE_FRACTION else 0.0
@@ -284,12 +269,11 @@ def _find_instrument_caveats(
         remedy = f"--cutoff '{format_with_unit(limit.cut_off, 'um')}' removes this fraction"
         if limit.matters:
             remedy += ", --cutoff none keeps it" if is_known else CUTOFF_REMEDY
-            if is_known and textured:
+            if is_known and defects.textured:
                 remedy += "; --texture concerns lines and humps only"
         severity: Severity = "fault" if limit.matters and not (is_known and has_second_cutoff) else "caution"
         yield Caveat(text, remedy, severity, limit.cut_off, has_second_cutoff and limit.matters)
-    hidden_noise = None if limit.matters or textured else find_hidden_noise(body)
-    if hidden_noise is not None:
+    if (hidden_noise := defects.hidden_noise) is not None:
         text = (
             f"noise or aliasing may contribute {100 * hidden_noise.slope_fraction:.0f} % of the mean square slope: the "
             "spectrum flattens at short wavelengths"
@@ -306,6 +290,7 @@ def _find_instrument_caveats(
         peak_severity: Severity = "fault" if elastic and tip_limit.matters else "caution"
         remedy = "use a sharper tip" + (", or specify a hardness" if elastic else "")
         yield Caveat(text, remedy, peak_severity, tip_limit.cut_off)
+    body = defects.body
     if not isinstance(body, Profile):
         return
     peak = find_spectral_peak(power_spectrum(levelled(body, "line")))
@@ -320,18 +305,6 @@ def _find_instrument_caveats(
         )
 
 
-def find_tip_limit(body: Profile | Surface, tip_radius: float | None, *, textured: bool) -> InstrumentLimit | None:
-    """Return the limit of the wavelengths that the tip resolves, or None if shorter wavelengths have small slopes.
-
-    Returns None also if noise, rather than the tip, limits the resolved wavelengths. Raises a `ValueError` if the body
-    is flat.
-    """
-    if tip_radius is None:
-        return None
-    limit = instrument_limit(body, tip_radius=tip_radius, texture=textured)
-    return limit if limit.reason == "tip" and limit.slope_fraction > MAX_NOISE_SLOPE_FRACTION else None
-
-
 def _describe_slope_fraction(limit: InstrumentLimit) -> str:
     """Describe the fraction of the mean square slope that comes from unreliable wavelengths."""
     # The fraction is rounded, so that similar scans have identical caveats.
@@ -341,7 +314,8 @@ def _describe_slope_fraction(limit: InstrumentLimit) -> str:
     return f"{fraction_text} of the mean square slope comes from wavelengths below {wavelength_text}{axis_text}"
 
 
-def _find_form_caveats(body: Profile | Surface, *, form: bool, has_masked_result: bool) -> Iterator[Caveat]:
+def _find_form_caveats(defects: ScanDefects, *, form: bool, has_masked_result: bool) -> Iterator[Caveat]:
+    body = defects.body
     height, extent = float(np.ptp(body.heights)), float(np.min(body.extent))
     if height > extent / 2:
         text = f"heights span {format_with_unit(height, 'um')} on a length of {format_with_unit(extent, 'um')}"
@@ -359,7 +333,7 @@ def _find_form_caveats(body: Profile | Surface, *, form: bool, has_masked_result
             percentage = f"{100 * parabola_fraction:.0f} %"
             text = f"form (a parabola) contributes {percentage} of the mean square height, and carries the load"
             yield Caveat(text, "try --level quadratic", "caution")
-    if num_spikes := count_spikes(body):
+    if num_spikes := defects.num_spikes:
         points_text = "1 point is" if num_spikes == 1 else f"{num_spikes} points are"
         description = (
             f"more than {MIN_SPIKE_SHARPNESS_RATIO:g} times as sharp as usual"
@@ -370,31 +344,3 @@ def _find_form_caveats(body: Profile | Surface, *, form: bool, has_masked_result
         if has_masked_result:
             text += "; the interval includes the result for masked outliers"
         yield Caveat(text, "if they are instrument spikes, remove them (--outliers mask)", "caution")
-
-
-def count_spikes(body: Profile | Surface) -> int:
-    """Count spikes: outliers that are sharp points of a profile, or map points far above or below their neighbours.
-
-    Cusps and edges of machined surfaces are sharp too, but they are not outliers.
-    """
-    is_sharp = _find_sharp_points(body)
-    return int(np.count_nonzero(is_sharp & find_outliers(body.heights))) if is_sharp.any() else 0
-
-
-def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
-    """Find points of a profile with a large second difference, or map points far from the median of 3 x 3 points."""
-    from scipy.ndimage import median_filter
-
-    if isinstance(body, Profile):
-        typical_distances = np.abs(np.diff(body.heights, 2))
-        distances = np.pad(typical_distances, 1)
-        max_ratio = MIN_SPIKE_SHARPNESS_RATIO
-    else:
-        heights = levelled(body, "plane").heights
-        distances, typical_distances = (
-            np.abs(heights - median_filter(heights, size=3)),
-            np.abs(heights - np.median(heights)),
-        )
-        max_ratio = MIN_SPIKE_HEIGHT_RATIO
-    usual_distance = float(np.median(typical_distances)) / 0.6745
-    return np.asarray(distances > max_ratio * usual_distance) if usual_distance > 0 else np.zeros(distances.shape, bool)

@@ -50,13 +50,14 @@ from stiction.studies.pair_options import (
     split_option_text,
     validate_option_values,
 )
+from stiction.studies.scan_defects import find_scan_defects
 from stiction.studies.study import DEFAULT_SEED, Study
 from stiction.studies.values import StudyError, validate_table
-from stiction.surfaces.hidden_noise import HiddenNoise, find_hidden_noise
+from stiction.surfaces.hidden_noise import HiddenNoise
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.pairing import DEFAULT_NUM_LINE_PAIRS, SIDES, SurrogateBodies
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.scale import InstrumentLimit, instrument_limit
+from stiction.surfaces.scale import InstrumentLimit
 from stiction.surfaces.surface import Surface, as_body
 
 # default number of positions of a pair of profiles (a few seconds of computing time)
@@ -817,10 +818,8 @@ def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | Hid
     body = scan.read()
     if isinstance(body, JoinedSpectrum) or body.is_flat:
         return None
-    limit = instrument_limit(body, texture=scan.texture is not None)
-    if limit.matters:
-        return limit
-    return None if scan.texture is not None else find_hidden_noise(body)
+    defects = find_scan_defects(body, scan.tip, textured=scan.texture is not None)
+    return defects.instrument_limit if defects.instrument_limit.matters else defects.hidden_noise
 
 
 def _to_length_quantity(wavelength: float) -> Quantity:

@@ -1,0 +1,106 @@
+"""Defects of a scan: spikes, noise of the instrument, and wavelengths that the tip does not resolve."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction._caching import cached_property
+from stiction.surfaces.hidden_noise import HiddenNoise, find_hidden_noise
+from stiction.surfaces.missing_data import find_outliers
+from stiction.surfaces.preparation import levelled
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.scale import InstrumentLimit, instrument_limit
+from stiction.surfaces.surface import Surface
+
+MIN_SPIKE_SHARPNESS_RATIO = 12.0
+"""Largest second difference at a point that is not a spike, as a multiple of the robust standard deviation.
+
+The robust standard deviation is the median of the absolute second differences, divided by 0.67.
+"""
+
+MIN_SPIKE_HEIGHT_RATIO = 6.0
+"""Largest distance between a point of a map and the median of its neighbourhood at which the point is not a spike.
+
+It is a multiple of the robust standard deviation of the heights. The distance is at most 4 for machined surfaces, and 5
+for white noise.
+"""
+
+# A defect is reported if it contributes more than this fraction of the mean square slope.
+MAX_NOISE_SLOPE_FRACTION = 0.01
+
+
+class ScanDefects:
+    """Defects of a scan, each of which is found on first use.
+
+    Parameters
+    ----------
+    body : Profile or Surface
+    tip_radius : float, µm, or None
+    textured : bool
+        True if lines and humps in the spectrum belong to the surface.
+    """
+
+    def __init__(self, body: Profile | Surface, tip_radius: float | None, *, textured: bool) -> None:
+        self.body, self.tip_radius, self.textured = body, tip_radius, textured
+
+    @cached_property
+    def num_spikes(self) -> int:
+        """Number of spikes: outliers that are sharp points of a profile, or map points far from their neighbours.
+
+        Cusps and edges of machined surfaces are sharp too, but they are not outliers.
+        """
+        is_sharp = _find_sharp_points(self.body)
+        return int(np.count_nonzero(is_sharp & find_outliers(self.body.heights))) if is_sharp.any() else 0
+
+    @cached_property
+    def instrument_limit(self) -> InstrumentLimit:
+        """Limit of the wavelengths that the noise and the pixels of the instrument leave.
+
+        Raises a `ValueError` if the body is flat.
+        """
+        return instrument_limit(self.body, texture=self.textured)
+
+    @cached_property
+    def hidden_noise(self) -> HiddenNoise | None:
+        """Noise that the spectrum may hide, or None if noise is visible, or if the spectrum belongs to a texture."""
+        return None if self.instrument_limit.matters or self.textured else find_hidden_noise(self.body)
+
+    @cached_property
+    def tip_limit(self) -> InstrumentLimit | None:
+        """Limit of the wavelengths that the tip resolves, or None if shorter wavelengths have small slopes.
+
+        It is None also if noise, rather than the tip, limits the resolved wavelengths. Raises a `ValueError` if the
+        body is flat.
+        """
+        if self.tip_radius is None:
+            return None
+        limit = instrument_limit(self.body, tip_radius=self.tip_radius, texture=self.textured)
+        return limit if limit.reason == "tip" and limit.slope_fraction > MAX_NOISE_SLOPE_FRACTION else None
+
+
+def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
+    """Find points of a profile with a large second difference, or map points far from the median of 3 x 3 points."""
+    from scipy.ndimage import median_filter
+
+    if isinstance(body, Profile):
+        typical_distances = np.abs(np.diff(body.heights, 2))
+        distances = np.pad(typical_distances, 1)
+        max_ratio = MIN_SPIKE_SHARPNESS_RATIO
+    else:
+        heights = levelled(body, "plane").heights
+        distances, typical_distances = (
+            np.abs(heights - median_filter(heights, size=3)),
+            np.abs(heights - np.median(heights)),
+        )
+        max_ratio = MIN_SPIKE_HEIGHT_RATIO
+    usual_distance = float(np.median(typical_distances)) / 0.6745
+    return np.asarray(distances > max_ratio * usual_distance) if usual_distance > 0 else np.zeros(distances.shape, bool)
+
+
+@functools.lru_cache(maxsize=16)
+def find_scan_defects(body: Profile | Surface, tip_radius: float | None, *, textured: bool) -> ScanDefects:
+    """Return the defects of a scan. A pair, its alternative preparations and its caveats share them."""
+    return ScanDefects(body, tip_radius, textured=textured)
