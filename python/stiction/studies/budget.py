@@ -35,6 +35,7 @@ from stiction.studies.hardness import (
     find_creep_exponent,
     find_junction_growth,
     find_uncertain_inputs,
+    has_areas_at_nodes,
 )
 from stiction.studies.input_uncertainty import NUM_INPUT_SAMPLES, Z_95, UncertainInput, generate_stratified_points
 from stiction.studies.interfaces import HARDNESS_HEADER_ENTRY, find_interface
@@ -114,9 +115,8 @@ def add_uncertainty(
 def _add_own_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool, tests: bool) -> xarray.Dataset:
     """Add the variables of `add_uncertainty` without the results for alternative preparations of the scans."""
     study = result.study
-    # The loads of the study are evaluated separately, so that additional loads do not affect the results.
     is_study_load = np.isin(at["load"].values, [float(load) for load in study.friction.load])
-    if is_study_load.any() and not is_study_load.all():
+    if is_study_load.any() and not is_study_load.all() and _depends_on_other_loads(result, budget=budget):
         parts = [
             _add_own_uncertainty(at.isel(load=np.flatnonzero(mask)), result, budget=budget, tests=tests)
             for mask in (is_study_load, ~is_study_load)
@@ -227,6 +227,15 @@ def _add_own_uncertainty(at: xarray.Dataset, result: Result, *, budget: bool, te
         coordinates["wait"] = ("wait", np.array(study.friction.wait, float), {"units": "s"})  # type: ignore[assignment]
     variables = {name: (own_dims, values, quantity_attributes(name)) for name, (own_dims, values) in tables.items()}
     return at.assign(variables).assign_coords(coordinates)
+
+
+def _depends_on_other_loads(result: Result, *, budget: bool) -> bool:
+    """Return whether the intervals at the loads of the study would depend on additional loads.
+
+    All loads share the nodes of hardness, from which areas are interpolated. The number of all coefficients determines
+    whether there is a budget.
+    """
+    return budget or bool(result.study.contact.junction_growth) or has_areas_at_nodes(result)
 
 
 def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeName, xarray.Dataset]) -> xarray.Dataset:
@@ -610,12 +619,10 @@ class _CoefficientSamples:
             area = area * self._compute_area_growth_under_shear(hardness, tau0, pressure, modulus)
             hardness = pressure
         central_coefficient = self.friction.compute_coefficient(self.mu0, self.tau0, self.own_growth)
+        # If no input is uncertain, these arrays have a single number.
         with np.errstate(invalid="ignore"):
-            coefficients = np.broadcast_to(
-                self.value * self.friction.compute_coefficient(mu0, tau0, area) / central_coefficient,
-                (NUM_INPUT_SAMPLES,),
-            )
-        seizing_mask = np.broadcast_to(np.isinf(area), (NUM_INPUT_SAMPLES,))
+            coefficients = self.value * self.friction.compute_coefficient(mu0, tau0, area) / central_coefficient
+        seizing_mask = np.isinf(area)
         if is_seizing := bool(seizing_mask.any()):
             coefficients, hardness = np.where(seizing_mask, 1.0, coefficients), np.where(seizing_mask, np.inf, hardness)
         if UNRESOLVED_ROUGHNESS_INPUT_NAME in probabilities and self.finest is not None:
@@ -631,14 +638,16 @@ class _CoefficientSamples:
                 sum(error * scores[name] for name, error in self.standard_errors.items())
             )
         coefficients = np.maximum(coefficients, 0.0)
-        return np.where(seizing_mask, np.inf, coefficients) if is_seizing else coefficients
+        coefficients = np.where(seizing_mask, np.inf, coefficients) if is_seizing else coefficients
+        return np.broadcast_to(coefficients, (NUM_INPUT_SAMPLES,))
 
     def _draw_input_samples(
         self, fixed: Mapping[str, float], wait: float
     ) -> tuple[dict[str, Floats], dict[str, Floats], dict[str, Floats], Floats, Floats | float]:
         """Draw samples of the inputs. Return uniform values, normal scores, input values, hardnesses and E* ratios.
 
-        The samples are cached, because they depend neither on the load nor on exact values of mu0 and tau0.
+        An exact hardness is an array of a single number. The samples are cached, because they depend neither on the
+        load nor on exact values of mu0 and tau0.
         """
         from scipy.special import ndtri
 
@@ -649,7 +658,9 @@ class _CoefficientSamples:
                 name: np.full(NUM_INPUT_SAMPLES, quantile) for name, quantile in fixed.items() if name in probabilities
             }
             samples = {name: self.inputs[name].quantile(probabilities[name]) for name in self.inputs}
-            hardness = samples.get("hardness", np.full(NUM_INPUT_SAMPLES, self.areas.hardness or np.nan))
+            # Areas under shear are read from a table if there are many hardnesses.
+            num_exact = 1 if self.growth is None else NUM_INPUT_SAMPLES
+            hardness = samples.get("hardness", np.full(num_exact, self.areas.hardness or np.nan))
             if (creep := find_creep_exponent(self.study)) is not None:
                 hardness = hardness * wait ** -creep.quantile(unit_points[:, -1])
             scores = {name: ndtri(probabilities[name]) for name in self.standard_errors}

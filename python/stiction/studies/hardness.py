@@ -398,6 +398,11 @@ class AreasAtNodes:
         return np.asarray(self.errors[np.abs(self.loads - loads[:, np.newaxis]).argmin(axis=1)])
 
 
+def has_areas_at_nodes(result: Result) -> bool:
+    """Return whether true areas at several hardnesses or moduli are stored with a result."""
+    return result.load_companion(AreasAtNodes.from_result) is not None
+
+
 TablePositions = tuple[NDArray[np.intp], Floats]
 """Index of the table step below each given hardness, and distance of the hardness from this step as a fraction."""
 
