@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from matplotlib.image import imread
 from stiction import Profile, Result
 from stiction.studies.contact_forces import build_contact_forces
@@ -30,6 +31,7 @@ from stiction.views.figures.ensemble import (
 )
 from stiction.views.figures.standard import select_figures
 from stiction.views.report import report_page
+from stiction.views.report.pictures import inline_svg
 from stiction.views.rows import summary_json, summary_table
 from stiction.views.style import FIGURE_FORMATS, save_figure, spread_label_positions
 from support.generated_studies import SMALL_STUDY, empty_dataset
@@ -324,6 +326,21 @@ def test_force_arrows_stay_inside_their_frame(create_circular_arc, tmp_path):
     flat_profile = Profile(np.zeros(200), spacing=0.01)
     forces = build_contact_forces(flat_profile, flat_profile, 0.0, mu0=0.3)
     save_figure(contact_forces_figure(forces), tmp_path / "contact.png")
+
+
+def test_figure_with_automatic_layout_is_drawn_once_as_inline_svg(monkeypatch):
+    draw, num_draws = Figure.draw, 0
+
+    def count_draws(figure, renderer):
+        nonlocal num_draws
+        num_draws += 1
+        draw(figure, renderer)
+
+    figure = Figure(layout="constrained")
+    figure.add_subplot(xlabel="x", ylabel="y")
+    monkeypatch.setattr(Figure, "draw", count_draws)
+    assert "<svg" in inline_svg(figure, "Plot")
+    assert num_draws == 1
 
 
 # ---- Style -----------------------------------------------------------------------------------------------------------

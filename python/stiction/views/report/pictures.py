@@ -220,9 +220,10 @@ def inline_svg(figure: Figure, description: str) -> str:
         for artist in artists:
             paths = artist.get_paths() if hasattr(artist, "get_paths") else [artist.get_path()]
             artist.set_rasterized(sum(len(path.vertices) for path in paths) > MAX_SVG_VERTICES)
-    if (layout_engine := figure.get_layout_engine()) is not None:  # with a layout engine, `savefig` would draw twice
+    if (layout_engine := figure.get_layout_engine()) is not None:
         layout_engine.execute(figure)
-        figure.set_layout_engine("none")
+        # With a layout engine, `savefig` would draw twice. The engine "none" is a placeholder that counts as one.
+        figure.set_layout_engine(None)
     text = io.StringIO()
     figure.savefig(text, format="svg", dpi=RASTER_DPI, transparent=True, metadata={"Date": None, "Creator": None})
     svg_text = text.getvalue()
