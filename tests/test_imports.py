@@ -118,6 +118,10 @@ def test_studies_command_loads_no_modules_for_tables_or_figures_or_readers():
     assert loaded_dependencies(code) <= ALLOWED_DEPENDENCIES | DEPENDENCIES_OF_HELP
 
 
+def test_module_for_exported_files_loads_no_matplotlib():
+    assert "matplotlib" not in loaded_dependencies("import stiction.views.files")
+
+
 def test_stub_of_the_package_lists_public_names_with_their_modules():
     tree = ast.parse((PACKAGE_FOLDER / "__init__.pyi").read_text("utf-8"))
     assert {name.name: node.module for node in tree.body for name in node.names} == stiction._MODULES_BY_PUBLIC_NAME

@@ -9,8 +9,7 @@ from types import SimpleNamespace
 from unittest import mock
 
 from stiction import cli
-from stiction.views.files import replace_text_file
-from stiction.views.report.page import REPORT_FILE_SIGNATURE
+from stiction.views.files import REPORT_FILE_SIGNATURE, replace_text_file
 
 
 @contextlib.contextmanager

@@ -10,8 +10,8 @@ from stiction import Profile, Result, Study, levelled, pair, run, self_affine
 from stiction.studies.nodes import MAX_NODES, NUM_REPORT_LOADS
 from stiction.studies.report_data import collect_report_data
 from stiction.studies.study import parse_study_of_dataset
+from stiction.views.files import REPORT_FILE_SIGNATURE
 from stiction.views.report import ReportError, report_page, save_report
-from stiction.views.report.page import REPORT_FILE_SIGNATURE
 from stiction.views.report.surface import surface_page
 from support.generated_studies import SMALL_STUDY, empty_dataset
 from support.studies_of_files import create_study_from_files as create_study_from_files

@@ -261,7 +261,7 @@ def _print_scan_comparison(
 
 def _choose_output_paths(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
     """Return the paths of the files to write. Existing files other than figures and reports are never replaced."""
-    from stiction.views.report.page import REPORT_FILE_SIGNATURE
+    from stiction.views.files import REPORT_FILE_SIGNATURE
     from stiction.views.style import FIGURE_FILE_SIGNATURES
 
     paths = _list_output_paths(files, output, together=together, repeated=repeated)

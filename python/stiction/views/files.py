@@ -9,11 +9,13 @@ from stiction._files import check_replaceable, create_file_atomically, replace_f
 from stiction._text import printable_path
 from stiction.studies.result import Result
 from stiction.views.latex import latex_table
-from stiction.views.report.page import REPORT_FILE_SIGNATURE
 from stiction.views.spreadsheet import frame_to_csv
 from stiction.views.style import FIGURE_FILE_SIGNATURES
 
 RESULT_TABLE_NAME = "result.csv"
+REPORT_FILE_SIGNATURE = "<!doctype html>\n<!-- A report of stiction -->\n"
+"""Start of every report, by which the program recognises reports that it may replace."""
+
 OUTPUT_FILE_SIGNATURES = {
     RESULT_TABLE_NAME: b"coefficient of static friction: lower",
     "report.html": REPORT_FILE_SIGNATURE.encode(),

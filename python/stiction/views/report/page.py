@@ -21,9 +21,7 @@ from stiction._core import __version__
 from stiction._files import replace_file_atomically
 from stiction._number_format import to_json
 from stiction._text import printable_text
-
-REPORT_FILE_SIGNATURE = "<!doctype html>\n<!-- A report of stiction -->\n"
-"""Start of every report, by which the program recognises reports that it may replace."""
+from stiction.views.files import REPORT_FILE_SIGNATURE
 
 _LICENCE_URL = "https://www.gnu.org/licenses/gpl-3.0.txt"
 SCRIPT_FILES = ("nodes.js", "plots.js", "common.js", "result.js")
