@@ -326,13 +326,11 @@ def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Datase
     The means have the dimensions (*dims, statistic). Without strength, the contributions of opposite directions cancel
     except for round-off, which would have a random sign.
     """
-    import xarray
-
-    table = xarray.DataArray(means, dims=[*dims, "statistic"])
+    mu0, tau0 = (members[name].values.reshape([-1 if dim == name else 1 for dim in dims]) for name in ("mu0", "tau0"))
     # The limits of the interval are NaN if there are few members.
-    exceeds_round_off = (abs(table) >= NEGLIGIBLE_COEFFICIENT).any("statistic")
-    is_zero = ~exceeds_round_off & (members["mu0"] == 0) & (members["tau0"] == 0)
-    return np.asarray(table.where(~is_zero | table.isnull(), 0.0).transpose(*table.dims).values)
+    exceeds_round_off = (np.abs(means) >= NEGLIGIBLE_COEFFICIENT).any(axis=-1)
+    is_zero = ~exceeds_round_off & (mu0 == 0) & (tau0 == 0)
+    return np.where(is_zero[..., np.newaxis] & ~np.isnan(means), 0.0, means)
 
 
 def _average_members(study: Study, members: xarray.Dataset, names: Collection[str] | None) -> xarray.Dataset:
