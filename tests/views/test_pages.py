@@ -577,3 +577,12 @@ def test_tab_key_reaches_every_control(generated_report):
         "return [...document.querySelectorAll('input, select')].filter((e) => !e.labels.length && !e.ariaLabel).length"
     )
     assert num_unlabelled_controls == 0
+
+
+def test_figure_of_a_wide_panel_fills_the_panel(generated_report):
+    browser.open_more_section(generated_report)
+    figure_width, svg_width = generated_report.execute_script(
+        "const figure = document.querySelector('.more .panel > .figure'); figure.parentElement.classList.add('wide');"
+        "return [figure, figure.firstElementChild].map((element) => element.getBoundingClientRect().width)"
+    )
+    assert svg_width == figure_width > 1000
