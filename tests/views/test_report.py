@@ -12,6 +12,7 @@ from stiction.studies.report_data import collect_report_data
 from stiction.studies.study import parse_study_of_dataset
 from stiction.views.files import REPORT_FILE_SIGNATURE
 from stiction.views.report import ReportError, report_page, save_report
+from stiction.views.report.content import _interpolation_error_text
 from stiction.views.report.surface import surface_page
 from support.generated_studies import SMALL_STUDY, empty_dataset
 from support.studies_of_files import create_study_from_files as create_study_from_files
@@ -60,6 +61,11 @@ def test_report_title_contains_the_study_or_the_scan_files(generated_dataset, ma
     assert "<title>quick – " in report_page(quick_dataset)
     assert "<title>upper-maps.npy on lower-maps.npy – " in report_page(maps_dataset)
     assert "<title>upper-maps.npy on lower-maps.npy (mine) – " in report_page(maps_dataset, name="mine")
+
+
+def test_report_states_interpolation_errors_that_are_too_small_to_print():
+    text = _interpolation_error_text(1e-8, 0.0121)
+    assert "coefficients differ by less than 0.001 %, and ends of intervals by up to 1.21 % of the interval." in text
 
 
 def test_report_rejects_a_dataset_without_study(generated_dataset):

@@ -102,9 +102,13 @@ def _status_reason(status: str) -> str:
 
 def _interpolation_error_text(value_error: float, end_error: float) -> str:
     """Return a clause that states the measured interpolation error."""
+    value_text, end_text = (
+        text if text.startswith("less than") else f"up to {text}"
+        for text in map(format_percent, (value_error, end_error))
+    )
     return (
-        f"at other values that were evaluated, coefficients differ by up to {format_percent(value_error)}, and ends of "
-        f"intervals by up to {format_percent(end_error)} of the interval."
+        f"at other values that were evaluated, coefficients differ by {value_text}, and ends of intervals by "
+        f"{end_text} of the interval."
     )
 
 
