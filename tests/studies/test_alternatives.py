@@ -21,6 +21,7 @@ from stiction.studies.alternatives import (
 from stiction.studies.budget import add_uncertainty
 from stiction.studies.evaluation import at_load
 from stiction.studies.result import Result
+from stiction.studies.values_at_nodes import evaluate_measured_nodes
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.tip import sharpened
 from stiction.views.rows import summary_json
@@ -307,3 +308,5 @@ def test_report_area_and_friction_cover_the_alternative(blunt_result):
     load = float(blunt_result.study.friction.load[0])
     area = quantities["contact_area"].sel(load=load).squeeze().values
     assert area.tolist() == pytest.approx(astuple(blunt_result.summary().first.quantities["contact_area"]))
+    assert evaluate_measured_nodes(blunt_result.nodes).has_alternatives
+    assert not evaluate_measured_nodes(ResultWithoutAlternatives(blunt_result.stored).nodes).has_alternatives

@@ -81,6 +81,8 @@ class MeasuredValuesAtNodes:
         Number of members of each kind.
     load_quantities : dict
         Estimates (kind, cutoff, load) of each quantity that depends only on the load, by name.
+    has_alternatives : bool
+        True if intervals of the true area cover results for alternative preparations of the scans.
     """
 
     axes: tuple[NodeAxis, NodeAxis]
@@ -97,6 +99,7 @@ class MeasuredValuesAtNodes:
     has_combined: NDArray[np.bool_]
     member_counts: list[int]
     load_quantities: dict[str, Floats]
+    has_alternatives: bool
 
 
 def evaluate_measured_nodes(nodes: InterpolationNodes) -> MeasuredValuesAtNodes:
@@ -133,6 +136,7 @@ def evaluate_measured_nodes(nodes: InterpolationNodes) -> MeasuredValuesAtNodes:
             for name in quantity_names_shown_in("report")
             if name in nodes.load_quantities[0]
         },
+        has_alternatives=bool(nodes.load_quantities[0].attrs.get("alternatives")),
     )
 
 

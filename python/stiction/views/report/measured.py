@@ -94,6 +94,7 @@ def _page_facts(data: MeasuredReportData) -> dict[str, Any]:
         ],
         "combined": [kind != "surrogates" for kind in values.member_kinds],
         "memberCounts": values.member_counts,
+        "hasAlternatives": values.has_alternatives,
         "ranged": any(axis.ranged.size for axis in values.axes),
         "answers": [_assessment_record(point) for point in summary.points], "validity": [], "curves": _CURVE_PANELS,
         "modulus": data.effective_modulus, "area": area,
