@@ -12,7 +12,6 @@ from stiction.studies.figure_values import (
     evaluate_height_factors,
     evaluate_onset_over_dimension,
 )
-from stiction.studies.point import list_sliding_rules_reported_first
 from stiction.studies.result import Result
 from stiction.studies.study_description import StudyDescription, describe_study
 from stiction.studies.values_at_nodes import (
@@ -121,8 +120,6 @@ class GeneratedReportData(ReportData):
 
     Attributes
     ----------
-    quoted_rule : str
-        Sliding rule whose coefficient is reported.
     dimensions, amplitudes : ndarray of float
         Fractal dimensions, and amplitudes (µm).
     loads : ndarray of float, mN
@@ -137,7 +134,6 @@ class GeneratedReportData(ReportData):
         Result of `evaluate_onset_over_dimension`.
     """
 
-    quoted_rule: str
     dimensions: Floats
     amplitudes: Floats
     loads: Floats
@@ -205,7 +201,6 @@ def _collect_generated_data(result: Result) -> GeneratedReportData:
     return GeneratedReportData(
         **_collect_common_data(result),
         num_solved=num_solved,
-        quoted_rule=list_sliding_rules_reported_first(study)[0],
         dimensions=head["fractal_dimension"].values,
         amplitudes=head["amplitude"].values,
         loads=nodes.loads,

@@ -34,8 +34,10 @@ def describe_study(study: Study) -> StudyDescription:
     """Return the description of a study."""
     if study.is_measured:
         return StudyDescription(get_pair_name(study), _strip_folders(study).to_toml(), [])
-    changed_settings = [(key, value) for key, _, value in find_table_differences(Study(), study)]
-    return StudyDescription(_find_built_in_name(study), study.to_toml(), changed_settings)
+    differences = find_table_differences(Study(), study)
+    return StudyDescription(
+        _find_built_in_name(study), study.to_toml(), [(key, value) for key, _, value in differences]
+    )
 
 
 def get_pair_name(study: Study) -> str:
@@ -53,6 +55,8 @@ def _strip_folders(study: Study) -> Study:
 
 def _find_built_in_name(study: Study) -> str:
     for name in study_names():
-        if {key for key, *_ in find_table_differences(Study.named(name), study)} <= {"ensemble.repetitions"}:
+        built_in_study = Study.named(name)
+        ensemble = built_in_study.ensemble.model_copy(update={"repetitions": study.ensemble.repetitions})
+        if built_in_study.model_copy(update={"ensemble": ensemble}) == study:
             return name
     return "study"

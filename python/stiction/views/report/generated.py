@@ -67,7 +67,6 @@ def _page_facts(data: GeneratedReportData) -> dict[str, Any]:
             {"words": motion_direction_text(angle), "directions": [direction_index], "isWhole": True, "angle": angle}
             for direction_index, angle in enumerate(data.directions)
         ],
-        "quotedRule": data.quoted_rule,
         "start": {"cell": data.dimensions.size // 2, "load": loads.size // 2},
         "validity": [],
         "statuses": [],

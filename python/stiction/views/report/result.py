@@ -131,9 +131,9 @@ def _render_page(data: MeasuredReportData | GeneratedReportData, content: Report
         for name, (title, description, options) in PLOT_PANELS.items()
     }
     body = Template(read_package_file("result.html")).substitute(
+        unfinished=_incompleteness_notices(data, content.name),
         percent=f"{100 * CONFIDENCE_LEVEL:g} %",
         pairs=escape_html(content.pairs_text),
-        unfinished=_incompleteness_notices(data, content.name),
         touching=panels[True],
         pictures=panels[False],
         study=f"<h2>The study</h2>{content.description_markup}{_study_file_markup(data.description.file_text)}",
