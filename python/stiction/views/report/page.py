@@ -1,4 +1,4 @@
-"""Template of a self-contained HTML page, and the encoding of the numbers on the page.
+"""Template of a self-contained HTML page, and functions that return markup.
 
 `result.py` and `surface.py` define the content of a page. Markup, style sheet and scripts are in this directory:
 `nodes.js` decodes and interpolates numbers, `plots.js` draws, `common.js` contains controls and file output, and
