@@ -71,9 +71,8 @@ Views use `Result` and `Summary` instead, and import only constants from these m
 
 ALLOWED_IMPORTS_OF_VIEWS = {
     "height_scale.ScaledBodies", "nodes.NodeAxis", "onset.OnsetValues",
-    "members.generate_phases", "members.pair_of", "members.generate_unscaled_profile",
 }  # fmt: skip
-"""Other names that views may import: types, and functions that generate the surfaces of a study for its figures."""
+"""Other names that views may import: types."""
 
 
 def test_views_import_neither_stores_nor_readers_nor_statistics():

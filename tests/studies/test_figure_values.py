@@ -5,7 +5,12 @@ import pytest
 import xarray
 from stiction import Profile, Result, contacts, open_result, run
 from stiction.studies.contact_forces import build_contact_forces
-from stiction.studies.figure_values import evaluate_positions, iterate_motions
+from stiction.studies.figure_values import (
+    evaluate_positions,
+    generate_bodies_by_length_scale,
+    generate_profiles,
+    iterate_motions,
+)
 from stiction.studies.members import load_bodies, pair_of
 from stiction.studies.report_data import collect_report_data
 from stiction.views.figures.standard import select_figures
@@ -89,3 +94,18 @@ def test_motions_are_iterated_with_suffixes_only_if_there_are_several(small_resu
     results = dict(iterate_motions(Result.of(both_directions)))
     assert list(results) == ["_0", "_90"]
     assert [float(each.dataset["direction"]) for each in results.values()] == [0.0, 90.0]
+
+
+def test_profiles_for_a_figure_have_evenly_spaced_dimensions_of_the_study():
+    assert list(generate_profiles(SMALL_STUDY)) == SMALL_STUDY.surfaces.fractal_dimensions().tolist()
+    study = SMALL_STUDY.with_changes({"surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 20}})
+    dimensions = study.surfaces.fractal_dimensions()
+    assert list(generate_profiles(study)) == dimensions[[0, 5, 10, 14, 19]].tolist()
+
+
+def test_bodies_by_length_scale_have_equal_phases_and_the_extent_of_the_study():
+    bodies = generate_bodies_by_length_scale(SMALL_STUDY)
+    assert list(bodies) == [factor * float(SMALL_STUDY.surfaces.length_scale) for factor in (0.5, 1.0, 2.0)]
+    for profile, surface in bodies.values():
+        assert profile.extent == pytest.approx(float(SMALL_STUDY.surfaces.extent))
+        assert surface.heights.shape[0] == min(400, SMALL_STUDY.surfaces.points)

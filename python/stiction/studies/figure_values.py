@@ -1,21 +1,31 @@
-"""Datasets that figures draw. They are evaluated here, so that the functions that draw figures need no result."""
+"""Datasets and surfaces that figures draw. They are evaluated here, so that the views need no result for a figure."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from stiction._units import exact_quantity
+from stiction.studies.members import generate_phases, generate_unscaled_profile, pair_of
 from stiction.studies.result import Result
+from stiction.surfaces.fractal import weierstrass_mandelbrot_surface
+from stiction.surfaces.profile import Profile
 
 if TYPE_CHECKING:
     import xarray
 
     from stiction.studies.height_scale import ScaledBodies
     from stiction.studies.study import Study
+    from stiction.surfaces.surface import Surface
 
+MAX_DRAWN_PROFILES = 5  # maximum number of fractal dimensions for which profiles are drawn
+MAX_DRAWN_CURVES = 8  # maximum number of fractal dimensions for which the area is drawn
+LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)  # multiples of the length scale for which surfaces are compared in a figure
+SURFACE_PICTURE_SIDE_POINTS = 400  # number of rows, and number of columns, of a surface in a figure
 MAX_DRAWN_STRENGTHS = 2  # maximum number of adhesive shear strengths in a figure: the lowest and the highest are drawn
 CURVE_LOAD_FRACTIONS = (0.25, 0.5, 0.75)
 """Loads at which the onset of sliding is drawn, as fractions of the range of the logarithm of the load."""
@@ -112,10 +122,14 @@ def _find_commonly_reached_load(result: Result, lowest: float) -> float:
 
 
 def evaluate_area_over_load(result: Result) -> xarray.Dataset:
-    """Evaluate the true area of generated surfaces at loads that cover their range, for the first mu0 and tau0."""
+    """Evaluate the true area of generated surfaces at loads that cover their range, for the first mu0 and tau0.
+
+    The dataset contains at most `MAX_DRAWN_CURVES` fractal dimensions.
+    """
     settings = result.study.friction
     mu0, tau0 = settings.mu0[0], float(settings.tau0[0])
-    return result.at(result.reached_loads(), mu0=mu0, tau0=tau0, quantities=["contact_area"]).isel(mu0=0, tau0=0)
+    points = result.at(result.reached_loads(), mu0=mu0, tau0=tau0, quantities=["contact_area"]).isel(mu0=0, tau0=0)
+    return points.isel(fractal_dimension=_evenly_spaced_indices(points.sizes["fractal_dimension"], MAX_DRAWN_CURVES))
 
 
 def evaluate_onset_over_dimension(result: Result) -> xarray.Dataset | None:
@@ -130,3 +144,47 @@ def evaluate_onset_over_dimension(result: Result) -> xarray.Dataset | None:
     low, high = np.log(result.reached_loads(2))
     loads = np.unique([float(f"{np.exp(low + fraction * (high - low)):.0e}") for fraction in CURVE_LOAD_FRACTIONS])
     return result.at(loads, mu0=settings.mu0, tau0=float(settings.tau0)).isel(mu0=0, tau0=0)
+
+
+# ---- Surfaces of a study ---------------------------------------------------------------------------------------------
+
+
+def generate_profiles(study: Study) -> dict[float, Profile]:
+    """Generate profiles with equal phases by fractal dimension, for at most `MAX_DRAWN_PROFILES` dimensions."""
+    surfaces: Any = study.surfaces
+    dimensions, amplitude = surfaces.fractal_dimensions(), float(surfaces.amplitudes()[0])
+    drawn_dimensions = dimensions[_evenly_spaced_indices(dimensions.size, MAX_DRAWN_PROFILES)]
+    profiles = {}
+    for dimension in drawn_dimensions.tolist():
+        _, profile = pair_of(study, 0, fractal_dimension=dimension, amplitude=amplitude)
+        assert isinstance(profile, Profile), "only studies of profiles have this figure"
+        profiles[dimension] = profile
+    return profiles
+
+
+def generate_bodies_by_length_scale(study: Study) -> dict[float, tuple[Profile, Surface]]:
+    """Generate unscaled profiles and surfaces (Eq. 1) with equal phases by length scale (µm)."""
+    surfaces: Any = study.surfaces
+    dimension = surfaces.fractal_dimensions()[0]
+    num_points = int(min(SURFACE_PICTURE_SIDE_POINTS, surfaces.points))
+    bodies = {}
+    for length_scale in (factor * float(surfaces.length_scale) for factor in LENGTH_SCALE_FACTORS):
+        scaled_study = study.with_changes({"surfaces.length_scale": exact_quantity(length_scale, "um")})
+        profile = generate_unscaled_profile(scaled_study, 0, "lower", dimension)
+        surface = weierstrass_mandelbrot_surface(
+            generate_phases(study, 0, "lower"),
+            dimension,
+            shape=(num_points, num_points),
+            extent=float(surfaces.extent),
+            length_scale=length_scale,
+            gamma=surfaces.gamma,
+            convention=surfaces.convention,
+            band_limit="nyquist",
+        )
+        bodies[length_scale] = profile, surface
+    return bodies
+
+
+def _evenly_spaced_indices(count: int, max_count: int) -> NDArray[np.intp]:
+    """Return at most `max_count` evenly spaced indices out of `count`, including both ends."""
+    return np.unique(np.linspace(0, count - 1, min(max_count, count)).round().astype(np.intp))

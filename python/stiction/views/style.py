@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from stiction._checks import Floats
 from stiction._core import __version__
@@ -130,11 +130,6 @@ def spread_label_positions(label_positions: ArrayLike, min_distance: float) -> F
     result = np.empty_like(spread_positions)
     result[ascending_order] = spread_positions
     return result
-
-
-def evenly_spaced_indices(count: int, max_count: int) -> NDArray[np.intp]:
-    """Return at most `max_count` evenly spaced indices out of `count`, including both ends."""
-    return np.unique(np.linspace(0, count - 1, min(max_count, count)).round().astype(np.intp))
 
 
 # ---- Figure files ----------------------------------------------------------------------------------------------------

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -21,14 +21,13 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 from stiction._drawing import HEIGHT_COLOUR_MAP, set_log_tick_labels
 from stiction._number_format import format_with_unit
-from stiction._units import exact_quantity
 from stiction.mechanics.friction import STATUS_OK, STATUS_SELF_LOCKED
 from stiction.studies.assessment import MAX_AFFECTED_FRACTION
 from stiction.studies.figure_values import FrictionOverDimension
-from stiction.studies.members import generate_phases, generate_unscaled_profile, pair_of
 from stiction.studies.point import MEAN_AND_LIMITS
 from stiction.studies.study import Study
-from stiction.surfaces.fractal import weierstrass_mandelbrot_surface
+from stiction.surfaces.profile import Profile
+from stiction.surfaces.surface import Surface
 from stiction.views.style import (
     FRICTION_COLOUR_MAP,
     INCHES_PER_MILLIMETRE,
@@ -37,17 +36,11 @@ from stiction.views.style import (
     SHEAR_STRENGTH_COLOURS,
     axis_label,
     direction_text,
-    evenly_spaced_indices,
     fractal_dimension_colours,
     friction_parameters_text,
     new_figure,
     spread_label_positions,
 )
-
-LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)  # multiples of the length scale for which surfaces are compared in a figure
-SURFACE_PICTURE_SIDE_POINTS = 400  # number of rows, and number of columns, of a surface in a figure
-MAX_DRAWN_PROFILES = 5
-MAX_DRAWN_CURVES = 8
 
 COLOUR_RANGE_QUANTILES = (0.01, 0.95)
 """Quantiles of the friction coefficients at the ends of the colour scale, which excludes a few very high values."""
@@ -386,10 +379,9 @@ def _cell_edges(centres: Floats) -> Floats:
 def area_figure(points: xarray.Dataset, study: Study) -> Figure:
     """Draw true contact area and area/load against load, with 95 % intervals and a row of panels per amplitude.
 
-    `points` is a result of `evaluate_area_over_load`. At most `MAX_DRAWN_CURVES` fractal dimensions are drawn.
+    `points` is a result of `evaluate_area_over_load`.
     """
-    areas = points.isel(fractal_dimension=evenly_spaced_indices(points.sizes["fractal_dimension"], MAX_DRAWN_CURVES))
-    amplitudes, lines = areas["amplitude"].values, heading_lines(areas, study)
+    amplitudes, lines = points["amplitude"].values, heading_lines(points, study)
     height = 50.0 if amplitudes.size == 1 else 38.0
     has_no_validity_limit = study.uses_half_space
     figure, figure_height, add_axes_at = create_figure_with_axes_rows(
@@ -399,7 +391,7 @@ def area_figure(points: xarray.Dataset, study: Study) -> Figure:
         row_axes = [add_axes_at(left, row, 70) for left in (13, 98)]
         _draw_area_curves(
             row_axes,
-            areas.isel(amplitude=row),
+            points.isel(amplitude=row),
             has_no_validity_limit=has_no_validity_limit,
             label_distance=CURVE_LABEL_SPACING / height,
         )
@@ -419,7 +411,7 @@ def area_figure(points: xarray.Dataset, study: Study) -> Figure:
     figure.text(
         0.5,
         1.5 / figure_height,
-        f"at {friction_parameters_text(float(areas['mu0']), float(areas['tau0']))}; bands: 95 %{validity_note}",
+        f"at {friction_parameters_text(float(points['mu0']), float(points['tau0']))}; bands: 95 %{validity_note}",
         ha="center",
         va="bottom",
         fontsize=6,
@@ -478,17 +470,16 @@ def _draw_area_curves(
 # ---- Surfaces -------------------------------------------------------------------------------------------------------
 
 
-def profiles_figure(study: Study) -> Figure:
-    """Draw profiles with equal phases for several fractal dimensions: the full length, and one length scale."""
+def profiles_figure(profiles: Mapping[float, Profile], study: Study) -> Figure:
+    """Draw profiles for several fractal dimensions: the full length, and one length scale.
+
+    `profiles` is a result of `generate_profiles`.
+    """
     surfaces: Any = study.surfaces
-    dimensions = surfaces.fractal_dimensions()
-    dimensions = dimensions[evenly_spaced_indices(dimensions.size, MAX_DRAWN_PROFILES)]
-    amplitude = float(surfaces.amplitudes()[0])
     shown_length = min(float(surfaces.length_scale), float(surfaces.extent))
-    figure = new_figure(12 + 13 * dimensions.size)
-    axes = figure.subplots(dimensions.size, 2, squeeze=False, sharex="col", sharey=True)
-    for row, dimension in enumerate(dimensions):
-        _, profile = pair_of(study, 0, fractal_dimension=dimension, amplitude=amplitude)
+    figure = new_figure(12 + 13 * len(profiles))
+    axes = figure.subplots(len(profiles), 2, squeeze=False, sharex="col", sharey=True)
+    for row, (dimension, profile) in enumerate(profiles.items()):
         for ax, x_limit in zip(axes[row], (profile.extent, shown_length), strict=True):
             is_shown = profile.x <= x_limit
             ax.fill_between(
@@ -499,32 +490,20 @@ def profiles_figure(study: Study) -> Figure:
         axes[row, 0].set_title(f"$D$ = {dimension:.3g}", loc="left", pad=2)
     for ax in axes[-1]:
         ax.set_xlabel(axis_label("x"))
-    axes[dimensions.size // 2, 0].set_ylabel(axis_label("height"))
+    axes[len(profiles) // 2, 0].set_ylabel(axis_label("height"))
     return figure
 
 
-def length_scales_figure(study: Study) -> Figure:
-    """Draw unscaled profiles and surfaces (Eq. 1) with equal phases for three length scales."""
+def length_scales_figure(bodies: Mapping[float, tuple[Profile, Surface]], study: Study) -> Figure:
+    """Draw unscaled profiles and surfaces for several length scales.
+
+    `bodies` is a result of `generate_bodies_by_length_scale`.
+    """
     surfaces: Any = study.surfaces
-    dimension = surfaces.fractal_dimensions()[0]
     extent = float(surfaces.extent)
-    num_points = int(min(SURFACE_PICTURE_SIDE_POINTS, surfaces.points))
-    length_scales = [factor * float(surfaces.length_scale) for factor in LENGTH_SCALE_FACTORS]
     figure = new_figure(66)
-    axes = figure.subplots(2, len(length_scales), height_ratios=[1, 1.2], sharex=True)
-    for column, length_scale in enumerate(length_scales):
-        scaled_study = study.with_changes({"surfaces.length_scale": exact_quantity(length_scale, "um")})
-        profile = generate_unscaled_profile(scaled_study, 0, "lower", dimension)
-        surface = weierstrass_mandelbrot_surface(
-            generate_phases(study, 0, "lower"),
-            dimension,
-            shape=(num_points, num_points),
-            extent=extent,
-            length_scale=length_scale,
-            gamma=surfaces.gamma,
-            convention=surfaces.convention,
-            band_limit="nyquist",
-        )
+    axes = figure.subplots(2, len(bodies), height_ratios=[1, 1.2], sharex=True)
+    for column, (length_scale, (profile, surface)) in enumerate(bodies.items()):
         profile_axes, surface_axes = axes[:, column]
         profile_axes.plot(profile.x, profile.heights - profile.heights.mean(), color="0.2", linewidth=0.4)
         profile_axes.set(title=f"$L$ = {length_scale:.3g} µm", xlim=(0, extent))

@@ -20,6 +20,8 @@ from stiction.studies.figure_values import (
     evaluate_height_factors,
     evaluate_onset_over_dimension,
     evaluate_positions,
+    generate_bodies_by_length_scale,
+    generate_profiles,
     iterate_motions,
 )
 from stiction.studies.resolution import build_resolution_limits
@@ -113,9 +115,9 @@ def _generated_surface_figures(result: Result, study: Study) -> Iterator[tuple[s
     for name in study.figures.draw:
         match name:
             case "profiles":
-                yield "profiles", partial(profiles_figure, study)
+                yield "profiles", lambda: profiles_figure(generate_profiles(study), study)
             case "length-scales":
-                yield "length_scales", partial(length_scales_figure, study)
+                yield "length_scales", lambda: length_scales_figure(generate_bodies_by_length_scale(study), study)
             case "friction":
                 for suffix, motion_result in iterate_motions(result):
                     evaluate_once = cache(partial(evaluate_friction_over_dimension, motion_result, study.friction.mu0))
