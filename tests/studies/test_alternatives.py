@@ -202,10 +202,21 @@ def test_pair_without_spikes_and_tip_has_no_alternatives(true_surfaces, tmp_path
     assert not (result.path / ALTERNATIVES_FOLDER).exists()
 
 
-def test_blunt_tip_on_pair_with_hardness_needs_no_alternative(blunt_scans):
-    result = pair(*blunt_scans, tip=TIP_RADIUS, hardness="2 GPa", **PAIR_OPTIONS)
-    assert result.alternatives == {}
-    assert any("tip does not resolve" in caveat.text for caveat in result.caveats)
+def test_area_interval_of_pair_with_hardness_includes_result_without_blunt_tip(true_surfaces, tmp_path):
+    options, tip_radius = PAIR_OPTIONS | {"hardness": "2 GPa"}, 4 * TIP_RADIUS
+    scans = [scan_with_tip(surface, tip_radius) for surface in true_surfaces]
+    result = pair(*scans, tip=tip_radius, directory=tmp_path / "result", **options)
+    true_result = pair(*true_surfaces, cutoff="none", **options)
+    estimate, own_estimate, true_estimate = (
+        each.summary().first.quantities["contact_area"]
+        for each in (result, ResultWithoutAlternatives(result.stored), true_result)
+    )
+    assert estimate.value == own_estimate.value
+    assert contains(estimate.interval, true_estimate.value)
+    assert not contains(own_estimate.interval, true_estimate.value)
+    (tip_caveat,) = (each for each in result.caveats if "tip does not resolve" in each.text)
+    assert "the interval includes an estimate of this" in tip_caveat.text
+    assert tip_caveat.severity == "caution"
 
 
 def test_result_without_stored_alternative_has_own_interval_until_pair_runs_again(blunt_result, blunt_scans, tmp_path):

@@ -208,8 +208,9 @@ def find_study_caveats(study: Study, alternatives: Collection[str] = ()) -> tupl
 def find_alternatives(study: Study) -> list[AlternativeName]:
     """Return the alternative preparations that the interval of a study of measured surfaces has to include.
 
-    Spikes require one if they are outliers that can be masked. A blunt tip requires one for elastic bodies, because the
-    interval of bodies with a hardness includes all finer roughness. Raises a `ValueError` if a file cannot be read.
+    Spikes require one, and a blunt tip requires another one, also for bodies with a hardness: the interval of their
+    coefficient includes all finer roughness, but the interval of their true area does not. Raises a `ValueError` if a
+    file cannot be read.
     """
     surfaces: Any = study.surfaces
     scans = [
@@ -221,7 +222,7 @@ def find_alternatives(study: Study) -> list[AlternativeName]:
     names: list[AlternativeName] = []
     if any(settings.outliers == "keep" and defects.num_spikes for settings, defects in scans):
         names.append(SPIKES_ALTERNATIVE)
-    if not (study.is_gap or surfaces.vouched or has_limited_pressure(study)) and any(
+    if not (study.is_gap or surfaces.vouched) and any(
         not defects.body.is_flat and defects.tip_limit is not None for _, defects in scans
     ):
         names.append(TIP_ALTERNATIVE)
@@ -284,7 +285,7 @@ def _find_instrument_caveats(
         yield Caveat(text, f"{remedy}; {REPEATED_SCANS_REMEDY}", "caution", hidden_noise.cut_off, has_second_cutoff)
     if tip_limit is not None:
         text = f"{_describe_slope_fraction(tip_limit)}, which the tip does not resolve: the surface is steeper"
-        if elastic:
+        if elastic or has_tip_estimate:
             text += f", and the interval {'includes an estimate of' if has_tip_estimate else 'does not include'} this"
         # If no hardness is given, the true area decreases indefinitely with increasing slope.
         peak_severity: Severity = "fault" if elastic and tip_limit.matters else "caution"
