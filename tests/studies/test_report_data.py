@@ -38,6 +38,19 @@ def test_description_of_a_measured_study_contains_file_names_without_folders(map
     assert description.name == "upper-maps.npy on lower-maps.npy"
 
 
+def test_description_contains_no_folders_of_further_scans_and_of_an_interface(maps_dataset):
+    study = parse_study_of_dataset(maps_dataset)
+    surfaces = study.surfaces
+    folder = str(Path(surfaces.upper.file).parent)
+    upper = surfaces.upper.model_copy(update={"others": (surfaces.lower,)})
+    known = study.known.model_copy(update={"interface": f"{folder}/steel.toml"})
+    study = study.model_copy(update={"surfaces": surfaces.model_copy(update={"upper": upper}), "known": known})
+    description = describe_study(study)
+    assert study.to_toml().count(folder) == 4
+    assert folder not in description.file_text
+    assert 'interface = "steel.toml"' in description.file_text
+
+
 def test_report_data_of_measured_surfaces_contain_what_the_result_contains(maps_dataset):
     result = Result.of(maps_dataset)
     data = collect_report_data(result)

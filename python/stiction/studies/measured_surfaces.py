@@ -330,6 +330,10 @@ class MeasuredBodySettings(SettingsTable):
                 raise ValueError(f"height_factor must be {allowed_range}, got {total_factor:g} for {scan.name}")
         return self._apply_to_scans(lambda scan: scan.model_copy(update={"height_factor": factor * scan.height_factor}))
 
+    def without_folders(self) -> MeasuredBodySettings:
+        """Return a copy of the entry in which all scans have only the names of their files."""
+        return self._apply_to_scans(lambda scan: scan.model_copy(update={"file": Path(scan.file).name}))
+
     def with_masked_outliers(self, *, interpolate: bool) -> MeasuredBodySettings:
         """Return a copy of the entry in which the outliers of all scans become missing points.
 

@@ -20,7 +20,7 @@ class StudyDescription:
         Names of the measured files; or the name of the built-in study that equals the study apart from the
         repetitions, or "study".
     file_text : str
-        Study file (TOML) without the folders of the scans, because other computers do not have these folders.
+        Study file (TOML) with names of files but without their folders, which other computers do not have.
     changed_settings : list of (str, str)
         Keys of a study of generated surfaces whose values differ from the defaults, and the values as text.
     """
@@ -48,9 +48,10 @@ def get_pair_name(study: Study) -> str:
 
 def _strip_folders(study: Study) -> Study:
     surfaces: Any = study.surfaces
-    files = {side: getattr(surfaces, side) for side in SIDES}
-    renamed_files = {side: file.model_copy(update={"file": Path(file.file).name}) for side, file in files.items()}
-    return study.model_copy(update={"surfaces": surfaces.model_copy(update=renamed_files)})
+    changes: dict[str, Any] = {"surfaces": surfaces.with_changed_files(lambda file, _: file.without_folders())}
+    if study.known.interface is not None:
+        changes["known"] = study.known.model_copy(update={"interface": Path(study.known.interface).name})
+    return study.model_copy(update=changes)
 
 
 def _find_built_in_name(study: Study) -> str:
