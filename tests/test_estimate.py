@@ -37,7 +37,7 @@ def test_estimate_is_printed_to_one_digit_of_its_half_width(value, lower, upper,
         (math.nan, math.nan, math.nan, "none"),
     ],
 )
-def test_format_with_two_digits_of_the_half_width_is_the_text_of_tables(value, lower, upper, text):
+def test_table_text_equals_format_2u(value, lower, upper, text):
     estimate = Estimate(value, lower, upper)
     assert f"{estimate:.2u}" == estimate.table_text == text
 
@@ -59,7 +59,7 @@ def test_interval_is_printed_as_range():
     assert str(Interval(0.2, 0.2)) == "0.2000"
 
 
-def test_estimate_in_prefixed_unit_has_the_unit_of_its_value():
+def test_value_determines_the_prefixed_unit():
     assert Estimate(0.25, 0.125, 0.5).in_prefixed_unit("um") == (Estimate(250.0, 125.0, 500.0), "nm")
     assert Estimate(0.25, 0.125, 0.5).in_prefixed_unit("%") == (Estimate(25.0, 12.5, 50.0), "%")
     # The value is rounded to the printed digits first, so it is not printed as 10000 mN/µm.

@@ -72,7 +72,7 @@ Views use `Result` and `Summary` instead, and import only constants from these m
 ALLOWED_IMPORTS_OF_VIEWS = {
     "height_scale.ScaledBodies", "nodes.NodeAxis", "onset.OnsetValues",
 }  # fmt: skip
-"""Other names that views may import: types."""
+"""Types that views may import from these modules."""
 
 
 def test_views_import_neither_stores_nor_readers_nor_statistics():

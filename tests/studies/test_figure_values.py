@@ -23,7 +23,7 @@ def result_of_profiles(tmp_path_factory):
     return Result.of(run_pair_of_profiles(tmp_path_factory.mktemp("lines")))
 
 
-def test_contact_forces_are_those_of_the_contacts_at_the_approach(create_circular_arc):
+def test_contact_forces_equal_the_forces_from_contacts(create_circular_arc):
     upper, lower = (create_circular_arc(2.0, 5.0, 0.01, 401, side) for side in ("upper", "lower"))
     upper = Profile(upper.heights + 0.005 * np.sin(8 * upper.x), spacing=upper.spacing)
     forces = build_contact_forces(upper, lower, 0.02, mu0=0.3, tau0=0.05)
@@ -37,7 +37,7 @@ def test_contact_forces_are_those_of_the_contacts_at_the_approach(create_circula
     assert float((forces["upper_height"] - forces["lower_height"]).min()) == pytest.approx(-0.02)
 
 
-def test_contact_forces_of_measured_profiles_show_the_first_touching_member_at_the_first_load(result_of_profiles):
+def test_contact_forces_of_measured_profiles_come_from_the_first_member_in_contact(result_of_profiles):
     result, forces = result_of_profiles, result_of_profiles.contact_forces
     load = float(result.study.friction.load[0])
     members = result.dataset.isel(cut_off=0).sel(load=load, method="nearest")
@@ -50,7 +50,7 @@ def test_contact_forces_of_measured_profiles_show_the_first_touching_member_at_t
     assert float(forces["contact_force"].sum()) == pytest.approx(load, rel=0.02)
 
 
-def test_contact_forces_of_generated_profiles_show_the_first_pair_at_the_middle_approach_with_contacts(small_result):
+def test_contact_forces_of_generated_profiles_come_from_the_first_pair_at_the_median_approach(small_result):
     forces, study = Result.of(small_result).contact_forces, Result.of(small_result).study
     has_contact = (small_result["contact_count"] > 0).any(["repetition", "fractal_dimension", "amplitude"])
     approaches = small_result["approach"].values[has_contact.values]
@@ -73,7 +73,7 @@ def test_friction_of_single_members_has_the_reported_mean(result_of_profiles):
     assert set(positions.data_vars) == {*point.data_vars, "member_friction"}
 
 
-def test_figures_and_reports_of_stored_results_need_no_array_of_all_members(tmp_path, monkeypatch):
+def test_figures_and_reports_of_stored_results_do_not_load_all_members(tmp_path, monkeypatch):
     run(SMALL_STUDY.with_changes({"ensemble.repetitions": 3}), store=tmp_path)
     result = open_result(tmp_path)
 
@@ -86,7 +86,7 @@ def test_figures_and_reports_of_stored_results_need_no_array_of_all_members(tmp_
     assert collect_report_data(result).num_solved == 3
 
 
-def test_motions_are_iterated_with_suffixes_only_if_there_are_several(small_result):
+def test_iterate_motions_adds_suffixes_for_several_motions(small_result):
     result = Result.of(small_result)
     assert list(iterate_motions(result)) == [("", result)]
     directions = xarray.DataArray([0.0, 90.0], dims="direction", name="direction")
@@ -103,7 +103,7 @@ def test_profiles_for_a_figure_have_evenly_spaced_dimensions_of_the_study():
     assert list(generate_profiles(study)) == dimensions[[0, 5, 10, 14, 19]].tolist()
 
 
-def test_bodies_by_length_scale_have_equal_phases_and_the_extent_of_the_study():
+def test_bodies_by_length_scale_have_the_extent_of_the_study():
     bodies = generate_bodies_by_length_scale(SMALL_STUDY)
     assert list(bodies) == [factor * float(SMALL_STUDY.surfaces.length_scale) for factor in (0.5, 1.0, 2.0)]
     for profile, surface in bodies.values():

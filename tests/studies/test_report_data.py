@@ -51,7 +51,7 @@ def test_description_contains_no_folders_of_further_scans_and_of_an_interface(ma
     assert 'interface = "steel.toml"' in description.file_text
 
 
-def test_report_data_of_measured_surfaces_contain_what_the_result_contains(maps_dataset):
+def test_measured_report_data_equal_the_result(maps_dataset):
     result = Result.of(maps_dataset)
     data = collect_report_data(result)
     assert data.num_members == data.num_solved == 4
@@ -72,7 +72,7 @@ def test_report_data_of_generated_surfaces_without_contact_have_no_values_at_nod
     assert data.dimensions.tolist() == SMALL_STUDY.surfaces.fractal_dimensions().tolist()
 
 
-def test_report_data_of_generated_surfaces_contain_the_onset_if_the_study_does():
+def test_report_data_of_generated_surfaces_contain_the_onset_of_the_study():
     changes = {"ensemble.repetitions": 2, "surfaces.points": 2000, "surfaces.fractal_dimension": [1.3, 1.4]}
     data = collect_report_data(run(Study.named("presliding").with_changes(changes)))
     assert data.onset.sizes["fractal_dimension"] == 2

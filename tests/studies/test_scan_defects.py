@@ -1,4 +1,4 @@
-"""Tests of the defects of scans, which a pair, its alternative preparations and its caveats share."""
+"""Defects are found once per scan and shared by a pair, its alternative preparations and its caveats."""
 
 from collections import Counter
 
@@ -22,7 +22,7 @@ def scan_folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_pair_alternatives_and_caveats_find_the_defects_of_each_scan_once(scan_folder, monkeypatch):
+def test_defects_of_each_scan_are_found_once(scan_folder, monkeypatch):
     num_calls = Counter()
 
     def count_calls(name):

@@ -1,4 +1,7 @@
-"""Test studies in subfolders of a result: missing members are announced, and members of another study are removed."""
+"""Test studies in subfolders of a result.
+
+The time for missing members is announced, and members of another study are removed.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +42,7 @@ def test_time_is_announced_for_missing_members_only(studies, pool, tmp_path):
     assert len(announced_times) == 1
 
 
-def test_members_of_another_study_are_removed_and_computed_again(studies, pool, tmp_path):
+def test_changed_study_replaces_the_stored_members(studies, pool, tmp_path):
     study, study_of_doubled_heights = studies
     announced_times = []
     complete_secondary_study(study, tmp_path, pool)
